@@ -1,0 +1,47 @@
+# cosiva_module(NAME [PUBLIC target…] [PRIVATE target…])
+#
+# A folder becomes the library cosiva_<name> ('/' becomes '_'), alias cosiva::<name>, from the sources beside its
+# CMakeLists.txt; *_test.cpp beside them become one test program. NAME's own link list is what its files may include:
+# the test `arrows` (scripts/check_arrows.py) reads these calls and every #include, and fails on one not declared.
+function(cosiva_module name)
+  cmake_parse_arguments(ARG "" "" "PUBLIC;PRIVATE;TEST" ${ARGN})
+  string(REPLACE "/" "_" flat ${name})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  set(tests ${sources})
+  list(FILTER sources EXCLUDE REGEX "_test\\.cpp$")
+  list(FILTER tests INCLUDE REGEX "_test\\.cpp$")
+
+  if(NOT sources)
+    file(TOUCH ${CMAKE_CURRENT_BINARY_DIR}/empty.cpp)
+    set(sources ${CMAKE_CURRENT_BINARY_DIR}/empty.cpp)
+  endif()
+  add_library(cosiva_${flat} STATIC ${sources})
+  add_library(cosiva::${flat} ALIAS cosiva_${flat})
+  cosiva_resolve(public_targets ${ARG_PUBLIC})
+  cosiva_resolve(private_targets ${ARG_PRIVATE})
+  target_link_libraries(cosiva_${flat} PUBLIC cosiva_flags ${public_targets} PRIVATE ${private_targets})
+  set_target_properties(cosiva_${flat} PROPERTIES LINKER_LANGUAGE CXX)
+
+  if(COSIVA_TESTS AND tests)
+    cosiva_resolve(test_targets ${ARG_TEST})
+    add_executable(${flat}_test ${tests})
+    target_link_libraries(${flat}_test PRIVATE cosiva_${flat} ${private_targets} ${test_targets} GTest::gmock_main rapidcheck)
+    target_precompile_headers(${flat}_test PRIVATE <gmock/gmock.h> <gtest/gtest.h>)
+    target_compile_definitions(${flat}_test PRIVATE COSIVA_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
+    gtest_discover_tests(${flat}_test TEST_PREFIX "${name}: " DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600)
+  endif()
+endfunction()
+
+# Module names (zone, wire/vda5050) become targets; anything with '::' or not ours passes through.
+function(cosiva_resolve out)
+  set(result "")
+  foreach(item ${ARGN})
+    string(REPLACE "/" "_" flat ${item})
+    if(item MATCHES "::" OR NOT EXISTS ${CMAKE_SOURCE_DIR}/src/${item})
+      list(APPEND result ${item})
+    else()
+      list(APPEND result cosiva_${flat})
+    endif()
+  endforeach()
+  set(${out} ${result} PARENT_SCOPE)
+endfunction()

@@ -1,0 +1,22 @@
+# How everything is compiled. The warnings and the flags that keep runs bit-identical travel as one target.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+
+find_program(CCACHE ccache)
+if(CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+endif()
+
+add_library(cosiva_flags INTERFACE)
+target_compile_options(cosiva_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wold-style-cast -Wnon-virtual-dtor
+  -Woverloaded-virtual -Werror
+  # Same inputs, same bits on every machine and optimisation level: a fused multiply-add rounds once, not twice.
+  -ffp-contract=off -fno-fast-math)
+if(COSIVA_SANITIZE)
+  add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=address,undefined)
+endif()
+target_include_directories(cosiva_flags INTERFACE ${CMAKE_SOURCE_DIR}/src)

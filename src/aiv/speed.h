@@ -1,0 +1,48 @@
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "zone/traffic_zone.h"
+
+namespace cosiva::aiv {
+
+enum class Profile { stop, slow, medium, fast };
+[[nodiscard]] std::string_view to_string(Profile profile);
+[[nodiscard]] std::optional<Profile> parse_profile(std::string_view word);
+/// Speed, acceleration and braking of a profile; stop has speed 0 and the medium profile's braking.
+[[nodiscard]] zone::SpeedProfile kinematics(const zone::SpeedProfiles& profiles, Profile profile);
+
+/// The five states an operator sees (A7).
+enum class Status { normal, stopped, slow_speed, medium_speed, fast_speed };
+[[nodiscard]] std::string_view to_string(Status status);  ///< "Normal", "stopped", "slow speed", …
+/// Stopped when standing (|v| < 1 cm/s); the imposed profile's when one is imposed; else Normal.
+[[nodiscard]] Status status_of(double speed_mps, std::optional<Profile> imposed);
+
+/// What the agent perceives when it chooses a speed; distances along its path [m], infinite when there is nothing.
+struct Situation {
+  double speed_mps;
+  double obstacle_ahead_m;         ///< from the vehicle's front to what its sensors see in its corridor
+  double end_of_base_m;            ///< to where its right to drive ends
+  double crossing_ahead_m;         ///< to the next crossing it may not yet enter
+  double charge;                   ///< state of charge, 0…1
+  std::optional<Profile> imposed;  ///< an instruction from the operator
+};
+
+/// Chooses among the profiles; crisp here, fuzzy later, behind one interface (A10). What it chooses is a wish: the
+/// envelope below may only lower it.
+class SpeedChooser {
+ public:
+  virtual ~SpeedChooser() = default;
+  [[nodiscard]] virtual Profile choose(const Situation& situation) const = 0;
+};
+class CrispSpeedChooser final : public SpeedChooser {
+ public:
+  [[nodiscard]] Profile choose(const Situation& situation) const override;
+};
+
+/// The highest speed from which `braking_mps2` stops within `distance_m`, when braking starts `reaction_s` late.
+/// v·t + v²/(2b) = d. Zero for d ≤ 0.
+[[nodiscard]] double stoppable_speed(double distance_m, double braking_mps2, double reaction_s);
+
+}  // namespace cosiva::aiv

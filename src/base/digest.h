@@ -1,0 +1,33 @@
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "base/time.h"
+
+namespace cosiva {
+
+/// A 64-bit fold of everything a run did: equal runs give equal digests. It proves sameness, not truth.
+class Digest {
+ public:
+  void add(std::uint64_t value) noexcept {
+    // One round of a multiply-rotate mix per word; order matters, which is what a run's history needs.
+    state_ = std::rotl(state_ ^ (value * 0x9E3779B97F4A7C15ULL), 29) * 0xBF58476D1CE4E5B9ULL;
+  }
+  void add(std::int64_t value) noexcept { add(static_cast<std::uint64_t>(value)); }
+  void add(double value) noexcept { add(std::bit_cast<std::uint64_t>(value)); }
+  void add(SimTime time) noexcept { add(static_cast<std::uint64_t>(time.time_since_epoch().count())); }
+  void add(std::string_view bytes) noexcept;
+
+  [[nodiscard]] std::uint64_t value() const noexcept { return state_; }
+  [[nodiscard]] std::string hex() const;  ///< 16 lower-case digits
+  friend bool operator==(const Digest&, const Digest&) = default;
+
+ private:
+  std::uint64_t state_{0x6A09E667F3BCC908ULL};
+};
+
+}  // namespace cosiva

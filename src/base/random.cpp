@@ -1,0 +1,74 @@
+#include "base/random.h"
+
+#include <bit>
+#include <cmath>
+
+#include "base/digest.h"
+#include "base/expect.h"
+#include "base/math.h"
+
+namespace cosiva {
+
+Random::Random(std::uint64_t seed, std::string_view stream) noexcept {
+  Digest name;
+  name.add(seed);
+  name.add(stream);
+  // SplitMix64 spreads one word over the four of the state, as the generator's authors advise.
+  std::uint64_t x = name.value();
+  for (auto& word : state_) {
+    x += 0x9E3779B97F4A7C15ULL;
+    std::uint64_t z = x;
+    z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9ULL;
+    z = (z ^ (z >> 27U)) * 0x94D049BB133111EBULL;
+    word = z ^ (z >> 31U);
+  }
+}
+
+std::uint64_t Random::next() noexcept {
+  auto& s = state_;
+  const std::uint64_t result = std::rotl(s[1] * 5, 7) * 9;
+  const std::uint64_t t = s[1] << 17U;
+  s[2] ^= s[0];
+  s[3] ^= s[1];
+  s[1] ^= s[2];
+  s[0] ^= s[3];
+  s[2] ^= t;
+  s[3] = std::rotl(s[3], 45);
+  return result;
+}
+
+double Random::uniform() noexcept { return static_cast<double>(next() >> 11U) * 0x1.0p-53; }
+
+double Random::uniform(double low, double high) noexcept { return low + (high - low) * uniform(); }
+
+std::uint64_t Random::below(std::uint64_t bound) noexcept {
+  COSIVA_EXPECT(bound >= 1);
+  // Reject the uneven tail so that every value is equally likely.
+  const std::uint64_t tail = (~bound + 1) % bound;
+  for (;;) {
+    const std::uint64_t draw = next();
+    if (draw >= tail) return draw % bound;
+  }
+}
+
+bool Random::chance(double probability) noexcept { return uniform() < probability; }
+
+double Random::gaussian() noexcept {
+  if (has_spare_) {
+    has_spare_ = false;
+    return spare_;
+  }
+  // Marsaglia's polar method: only a logarithm and a square root, both ours or IEEE-exact.
+  for (;;) {
+    const double u = 2.0 * uniform() - 1.0;
+    const double v = 2.0 * uniform() - 1.0;
+    const double q = u * u + v * v;
+    if (q >= 1.0 || q == 0.0) continue;
+    const double scale = std::sqrt(-2.0 * det_log(q) / q);
+    spare_ = v * scale;
+    has_spare_ = true;
+    return u * scale;
+  }
+}
+
+}  // namespace cosiva

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <tl/expected.hpp>
+#include <utility>
+
+namespace cosiva {
+
+/// What the world did wrong: a bad file, a stale order, a lost link. It is a value, never thrown.
+/// `place` says where (file:line, topic, field), `message` what was found and what was expected.
+struct Error {
+  std::string code;     ///< short and stable, for programs: "zone.gap", "order.outdated"
+  std::string message;  ///< for people, one sentence
+  std::string place;    ///< where it was found; may be empty
+
+  friend bool operator==(const Error&, const Error&) = default;
+};
+
+/// "place: message", as commands print it.
+[[nodiscard]] inline std::string to_string(const Error& error) {
+  return error.place.empty() ? error.message : error.place + ": " + error.message;
+}
+
+template <typename T>
+using Result = tl::expected<T, Error>;
+
+[[nodiscard]] inline tl::unexpected<Error> fail(std::string code, std::string message, std::string place = {}) {
+  return tl::unexpected<Error>(Error{std::move(code), std::move(message), std::move(place)});
+}
+
+}  // namespace cosiva

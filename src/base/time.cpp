@@ -1,0 +1,63 @@
+#include "base/time.h"
+
+#include <cstdio>
+
+namespace cosiva {
+namespace {
+
+/// Reads exactly `digits` decimal digits at `at`; −1 where there are none.
+int number_at(std::string_view text, std::size_t at, std::size_t digits) {
+  if (at + digits > text.size()) return -1;
+  int value = 0;
+  for (std::size_t i = at; i < at + digits; ++i) {
+    if (text[i] < '0' || text[i] > '9') return -1;
+    value = value * 10 + (text[i] - '0');
+  }
+  return value;
+}
+
+}  // namespace
+
+std::string to_iso8601(SimTime time) {
+  using namespace std::chrono;
+  const sys_time<milliseconds> utc{floor<milliseconds>(time.time_since_epoch())};
+  const auto day = floor<days>(utc);
+  const year_month_day date{day};
+  const hh_mm_ss clock{utc - day};
+  char text[40];
+  const int length =
+      std::snprintf(text, sizeof text, "%04d-%02u-%02uT%02d:%02d:%02d.%03dZ", static_cast<int>(date.year()),
+                    static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
+                    static_cast<int>(clock.hours().count()), static_cast<int>(clock.minutes().count()),
+                    static_cast<int>(clock.seconds().count()), static_cast<int>(clock.subseconds().count()));
+  return {text, static_cast<std::size_t>(length)};
+}
+
+Result<SimTime> parse_iso8601(std::string_view text) {
+  using namespace std::chrono;
+  const auto bad = [&] {
+    return fail("time.format",
+                "'" + std::string(text.substr(0, 40)) + "' is not a UTC time such as 2023-07-11T00:00:00.000Z");
+  };
+  const int y = number_at(text, 0, 4), mo = number_at(text, 5, 2), d = number_at(text, 8, 2);
+  const int h = number_at(text, 11, 2), mi = number_at(text, 14, 2), s = number_at(text, 17, 2);
+  if (text.size() < 20 || text[4] != '-' || text[7] != '-' || text[10] != 'T' || text[13] != ':' || text[16] != ':')
+    return bad();
+  if (y < 1970 || y > 2200 || mo < 1 || d < 1 || h < 0 || h > 23 || mi < 0 || mi > 59 || s < 0 || s > 60) return bad();
+  const year_month_day date{year{y}, month{static_cast<unsigned>(mo)}, day{static_cast<unsigned>(d)}};
+  if (!date.ok()) return bad();
+
+  std::size_t at = 19;
+  std::int64_t fraction_ns = 0;
+  if (text[at] == '.') {
+    std::int64_t unit_ns = 100'000'000;
+    for (++at; at < text.size() && text[at] >= '0' && text[at] <= '9'; ++at, unit_ns /= 10)
+      fraction_ns += (text[at] - '0') * unit_ns;
+  }
+  const std::string_view zone = text.substr(at);
+  if (zone != "Z" && zone != "+00:00") return bad();
+  const auto since = sys_days{date}.time_since_epoch() + hours{h} + minutes{mi} + seconds{s};
+  return SimTime{duration_cast<nanoseconds>(since) + nanoseconds{fraction_ns}};
+}
+
+}  // namespace cosiva

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "aiv/onboard/onboard_core.h"
+#include "base/digest.h"
+#include "base/result.h"
+#include "physical/plant/plant_core.h"
+#include "virtual/server/server_core.h"
+#include "wire/network.h"
+
+namespace cosiva::experiments {
+
+struct WorldOptions {
+  zone::ZoneConfiguration zone;
+  std::uint32_t aivs{4};
+  std::uint64_t seed{1};
+  wire::NetworkFaults network;
+  physical::PlantNoise noise;
+  virtual_side::ServerOptions server;
+};
+
+class World {
+ public:
+  [[nodiscard]] static Result<std::unique_ptr<World>> make(WorldOptions options);
+  ~World();
+
+  /// Runs every event due in the next `duration`.
+  void run_for(SimDuration duration);
+  [[nodiscard]] SimTime now() const;
+
+  /// A person's command to the server or the plant, as Input::command.
+  void command_server(std::string json);
+  void command_plant(std::string json);
+  /// Processes that die and come back: kill breaks its connections at once, nothing is said goodbye.
+  void kill_aiv(std::uint32_t number);
+  void start_aiv(std::uint32_t number);
+  void kill_server();
+  void start_server();
+  /// Sees every message as it is published (time, from, message).
+  using Tap = std::function<void(SimTime, const std::string& from, const wire::Publish&)>;
+  void tap(Tap tap);
+
+  [[nodiscard]] const physical::PlantCore& plant() const;
+  [[nodiscard]] const virtual_side::ServerCore& server() const;
+  [[nodiscard]] const aiv::OnboardCore& aiv(std::uint32_t number) const;
+  [[nodiscard]] const wire::Network& network() const;
+  /// Folds every core's digest.
+  [[nodiscard]] Digest digest() const;
+
+ private:
+  World();
+  struct Inside;
+  std::unique_ptr<Inside> inside_;
+};
+
+}  // namespace cosiva::experiments

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/pose.h"
+#include "base/result.h"
+#include "wire/core.h"
+#include "zone/rtm.h"
+
+namespace cosiva::physical {
+
+/// Imperfections of the emulated world; each can be set to zero.
+struct PlantNoise {
+  double odometry_scale_sd{0.005};  ///< per vehicle, drawn once: wheel wear
+  double odometry_noise_m_per_sqrt_m{0.003};
+  double slip_per_mps2{0.002};  ///< share of the distance lost per m/s² of acceleration
+  double line_offset_sd_m{0.0005};
+  double tag_range_m{0.02};  ///< radius of the antenna's field
+  double tag_miss{0.01};     ///< probability per passage
+  SimDuration tag_latency_min{std::chrono::milliseconds{8}};
+  SimDuration tag_latency_max{std::chrono::milliseconds{20}};
+  double range_sd_m{0.005};
+  double range_dropout{0.01};  ///< per beam and cycle
+};
+
+struct PlantOptions {
+  zone::ZoneConfiguration zone;
+  std::uint32_t vehicles{4};
+  std::uint64_t seed{1};
+  PlantNoise noise;
+  bool publish_zone{true};   ///< hand the configuration to the server, retained
+  bool publish_truth{true};  ///< for instruments, on plant_truth_topic
+};
+[[nodiscard]] std::string to_json(const PlantOptions& options);
+[[nodiscard]] Result<PlantOptions> plant_options_from_json(std::string_view json);
+
+/// One vehicle as it truly is.
+struct TrueVehicle {
+  std::uint32_t number;
+  Pose2 X_MB;
+  double speed_mps;
+  double distance_m;    ///< driven since the start
+  std::uint32_t laps;   ///< distance_m over the ring's length, on circuits that are one ring
+  double charge;        ///< state of charge, 0…1
+  bool powered;         ///< its PILS gets valid drive commands
+  std::string display;  ///< what AFFI shows
+};
+
+/// Two bodies that touch: said once per contact.
+struct Collision {
+  SimTime at;
+  std::string a;  ///< "AIV1", or an obstacle's id
+  std::string b;
+};
+
+/// Ticks every 10 ms. Ports: wire::port_name(number, board) for every vehicle, spoken from the board's side.
+class PlantCore final : public wire::Core {
+ public:
+  /// Fails when the zone's configuration is bad or cannot hold so many vehicles.
+  [[nodiscard]] static Result<std::unique_ptr<PlantCore>> make(PlantOptions options);
+  ~PlantCore() override;
+
+  void handle(const wire::Input& input, wire::Effects& effects) override;
+  [[nodiscard]] SimDuration tick_period() const override { return std::chrono::milliseconds{10}; }
+  [[nodiscard]] std::vector<std::string> subscriptions() const override;
+  void farewell(SimTime now, wire::Effects& effects) override;
+  void fold(Digest& digest) const override;
+
+  [[nodiscard]] const PlantOptions& options() const;
+  [[nodiscard]] std::vector<std::string> ports() const;
+  [[nodiscard]] std::vector<TrueVehicle> vehicles() const;
+  [[nodiscard]] const std::vector<Collision>& collisions() const;
+  /// {"vehicles":[{"number","x","y","heading","speed","distance","laps","charge"}…],"collisions":[…],"laps":total,"longest_wait_s":…}
+  [[nodiscard]] std::string summary_json() const;
+
+ private:
+  PlantCore();
+  struct Inside;
+  std::unique_ptr<Inside> inside_;
+};
+
+}  // namespace cosiva::physical

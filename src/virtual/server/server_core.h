@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/json_writer.h"
+#include "base/result.h"
+#include "wire/core.h"
+#include "zone/rtm.h"
+
+namespace cosiva::virtual_side {
+
+/// The bijection's contract (DESIGN §5); a vehicle that breaks one shows red.
+struct BijectionContract {
+  double divergence_p99_m{0.03};
+  double age_p99_ms{150.0};
+  double command_p99_ms{2000.0};
+  double event_p99_ms{500.0};
+};
+
+struct ServerOptions {
+  std::string interface_name;  ///< empty: wire::default_interface
+  /// The zone, when no physical side serves it; published retained so that vehicles get it too.
+  std::optional<zone::ZoneConfiguration> zone;
+  bool drive{true};  ///< give circulating orders to idle vehicles; false: watch only (a foreign master drives)
+  SimDuration report_period{std::chrono::milliseconds{100}};
+  SimDuration lost_after{std::chrono::seconds{1}};  ///< no report for so long: the vehicle's link is lost
+  BijectionContract contract;
+  std::size_t traces_max{20'000};  ///< of the communications kept for the page
+};
+[[nodiscard]] std::string to_json(const ServerOptions& options);
+[[nodiscard]] Result<ServerOptions> server_options_from_json(std::string_view json);
+
+/// AIV_Server and Simulator as one core (they talk through recorded messages, seen in the traces). Ticks every 20 ms.
+///
+/// Commands (Input::command, JSON): {"id":"c1","command":"stop"|"slow"|"medium"|"fast"|"restart"|"cancel",
+/// "vehicle":"CoSiVA/AIV1" or "*"}; id optional. Refused ones are logged and listed as failed with the reason.
+class ServerCore final : public wire::Core {
+ public:
+  explicit ServerCore(ServerOptions options);
+  ~ServerCore() override;
+
+  void handle(const wire::Input& input, wire::Effects& effects) override;
+  [[nodiscard]] SimDuration tick_period() const override { return std::chrono::milliseconds{20}; }
+  [[nodiscard]] std::vector<std::string> subscriptions() const override;
+  [[nodiscard]] std::optional<wire::Will> will() const override;
+  void farewell(SimTime now, wire::Effects& effects) override;
+  void fold(Digest& digest) const override;
+
+  /// Checks a command without running it, for an immediate answer to whoever sends it.
+  [[nodiscard]] Result<void> check_command(std::string_view json) const;
+
+  /// Grows when the zone is (re)instantiated; zone_json() is what the page draws, "null" before there is a zone.
+  [[nodiscard]] std::uint64_t zone_revision() const;
+  [[nodiscard]] std::string zone_json() const;
+  /// The moving picture: {"time","zoneRevision","aivs":[…],"crossings":[…],"bijection":{…},"commands":[…]}.
+  [[nodiscard]] std::string snapshot_json() const;
+  /// The run's bijection figures (DESIGN §5): physical, virtual, matched, matched_share, orphans, divergence_m, age_ms,
+  /// commands, events, held_share.
+  void write_bijection(JsonWriter& json) const;
+  /// {"bijection":{…},"aivs":[…]…} at the end of a run.
+  [[nodiscard]] std::string summary_json() const;
+  /// The last traces from `after` (a running number) on:
+  /// {"next":N,"traces":[{"n","time","from","to","kind","content"}…]}.
+  [[nodiscard]] std::string traces_json(std::uint64_t after, std::size_t limit) const;
+
+ private:
+  struct Inside;
+  std::unique_ptr<Inside> inside_;
+};
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+/// What passes between the on-board program (TSVA) and its boards, as plain values (A14 to A17). Frames are below, in
+/// module_link/; the agent above never sees one.
+namespace cosiva::wire {
+
+enum class Board : std::uint8_t { PILS = 1, PRAV = 2, DOBS = 3, RALI = 4 };
+inline constexpr std::array all_boards{Board::PILS, Board::PRAV, Board::DOBS, Board::RALI};
+[[nodiscard]] std::string_view to_string(Board board);
+
+/// First frame of a board after power-up or on request: who it is (A18).
+struct Hello {
+  Board board;
+  std::uint8_t protocol_version{1};
+  std::uint32_t firmware_hash{};
+  std::uint32_t session{};  ///< random per power-up: odometers count from zero again when it changes
+  friend bool operator==(const Hello&, const Hello&) = default;
+};
+
+/// 10 Hz both ways; a side that misses it for 500 ms takes the other as lost.
+struct Heartbeat {
+  std::uint32_t uptime_ms{};
+  std::uint16_t frames_bad{};     ///< received with a wrong CRC, length or type since power-up
+  std::uint16_t frames_missed{};  ///< gaps in the sequence numbers received
+  std::uint8_t self_test{};       ///< 0: passed; else the board's own code
+  friend bool operator==(const Heartbeat&, const Heartbeat&) = default;
+};
+
+/// PILS → TSVA, 50 Hz. Distance counts along the line since power-up, forwards positive.
+struct Odometry {
+  std::uint32_t board_ms{};
+  std::int64_t distance_um{};
+  std::int16_t speed_mmps{};
+  std::int16_t line_offset_01mm{};  ///< of the line from the sensor's middle, left positive, in 0.1 mm
+  bool line_lost{};
+  friend bool operator==(const Odometry&, const Odometry&) = default;
+};
+/// TSVA → PILS: follow the line at this speed. The board stops by itself 300 ms after the last valid one.
+struct Drive {
+  std::int16_t speed_mmps{};  ///< negative drives backwards
+  std::uint16_t acceleration_mmps2{};
+  std::uint16_t braking_mmps2{};
+  std::uint8_t branch{};  ///< at the next fork take the n-th way, 0 = default
+  friend bool operator==(const Drive&, const Drive&) = default;
+};
+
+/// PRAV → TSVA, each time a tag enters the antenna's field.
+struct TagRead {
+  std::uint32_t board_ms{};
+  std::uint32_t number{};
+  std::uint16_t age_ms{};  ///< how long ago the tag was read when the frame was sent
+  friend bool operator==(const TagRead&, const TagRead&) = default;
+};
+/// TSVA → PRAV: text for AFFI, at most 32 bytes.
+struct Display {
+  std::string text;
+  friend bool operator==(const Display&, const Display&) = default;
+};
+
+/// DOBS → TSVA, every 60 ms. Beam i looks at first_bearing + i·beam_width; each sees its own width only.
+struct Ranges {
+  std::uint32_t board_ms{};
+  std::int16_t first_bearing_crad{};  ///< of the first beam's middle, hundredths of a radian, left positive
+  std::uint16_t beam_width_crad{};
+  std::vector<std::uint16_t> range_mm;  ///< from the sensor; 0xFFFF: nothing within reach. At most 32 beams
+  friend bool operator==(const Ranges&, const Ranges&) = default;
+};
+inline constexpr std::uint16_t no_echo = 0xFFFF;
+
+/// RALI → TSVA, 2 Hz.
+struct Power {
+  std::uint16_t voltage_mv{};
+  std::int16_t current_ma{};  ///< positive discharges
+  std::int16_t temperature_01C{};
+  std::uint16_t charge_permille{};
+  friend bool operator==(const Power&, const Power&) = default;
+};
+
+using BoardMessage = std::variant<Hello, Heartbeat, Odometry, Drive, TagRead, Display, Ranges, Power>;
+
+/// Port names of one vehicle's boards: "1/PILS".
+[[nodiscard]] std::string port_name(std::uint32_t vehicle_number, Board board);
+
+}  // namespace cosiva::wire

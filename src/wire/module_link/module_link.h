@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "wire/board.h"
+
+/// The module link: COBS frames with CRC-16 between the on-board program and a board, over any byte stream.
+/// Specified with golden byte vectors in docs/protocols/module-link.md.
+namespace cosiva::wire::module_link {
+
+inline constexpr std::uint8_t version = 1;
+inline constexpr std::size_t frame_bytes_max = 128;  ///< encoded, with its delimiter
+
+/// CRC-16/MCRF4XX: reflected 0x1021, start 0xFFFF; "123456789" gives 0x6F91.
+[[nodiscard]] std::uint16_t crc16(std::string_view bytes);
+
+/// One frame ready for the stream, delimiter included.
+[[nodiscard]] std::string encode(const BoardMessage& message, std::uint8_t sequence);
+
+/// Numbers the frames it sends.
+class Encoder {
+ public:
+  [[nodiscard]] std::string encode(const BoardMessage& message) { return module_link::encode(message, sequence_++); }
+
+ private:
+  std::uint8_t sequence_{0};
+};
+
+/// Takes bytes in any pieces, gives the messages in them; resynchronises at the next delimiter after damage.
+class Decoder {
+ public:
+  struct Counters {
+    std::uint16_t frames_good{};
+    std::uint16_t frames_bad{};
+    std::uint16_t frames_missed{};
+  };
+  /// Appends what was complete. Never fails: damage is counted.
+  void feed(std::string_view bytes, std::vector<BoardMessage>& messages);
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+  [[nodiscard]] const std::optional<Error>& last_error() const { return last_error_; }
+
+ private:
+  void finish_frame(std::vector<BoardMessage>& messages);
+  std::string frame_;
+  bool overlong_{false};
+  std::optional<std::uint8_t> last_sequence_;
+  Counters counters_;
+  std::optional<Error> last_error_;
+};
+
+/// What one frame without its delimiter holds. Errors: link.cobs, link.crc, link.version, link.type, link.length.
+struct Frame {
+  std::uint8_t sequence;
+  BoardMessage message;
+};
+[[nodiscard]] Result<Frame> decode(std::string_view frame);
+
+}  // namespace cosiva::wire::module_link

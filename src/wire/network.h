@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <queue>
+#include <string>
+#include <vector>
+
+#include "base/random.h"
+#include "base/time.h"
+#include "wire/core.h"
+
+namespace cosiva::wire {
+
+/// What the in-memory network does to messages, drawn from the run's seed. QoS 0 suffers all of it; QoS 1 is delivered
+/// at least once and in order (a loss costs a retry of `retry`), as MQTT promises.
+struct NetworkFaults {
+  double loss{0.0};         ///< probability per delivery
+  double duplication{0.0};  ///< probability per delivery
+  double reordering{0.0};   ///< probability that a delivery is held back by up to `reorder_window`
+  SimDuration delay_min{std::chrono::milliseconds{1}};
+  SimDuration delay_max{std::chrono::milliseconds{3}};
+  SimDuration reorder_window{std::chrono::milliseconds{50}};
+  SimDuration retry{std::chrono::milliseconds{200}};
+};
+
+/// A broker in memory, for virtual time: retained messages, last will, QoS 0 and 1, and seeded faults. Sans-IO like
+/// everything else: `publish` queues, `next_due` tells when, `deliver_due` hands out.
+class Network {
+ public:
+  using ClientId = std::uint32_t;
+  struct Delivery {
+    ClientId to;
+    SimTime at;
+    std::string topic;
+    std::string payload;
+    bool retained{false};  ///< sent from the broker's memory on subscribing, not live
+  };
+
+  Network(std::uint64_t seed, NetworkFaults faults);
+
+  /// Subscribes at once; retained messages follow as deliveries.
+  ClientId connect(SimTime now, std::vector<std::string> filters, std::optional<Will> will);
+  void disconnect(SimTime now, ClientId client);        ///< cleanly: no will
+  void break_connection(SimTime now, ClientId client);  ///< the process died or the radio went: the will is published
+  void publish(SimTime now, ClientId from, const Publish& message);
+
+  [[nodiscard]] std::optional<SimTime> next_due() const;
+  /// Moves out, in order, everything due at or before `now`.
+  void take_due(SimTime now, std::vector<Delivery>& out);
+
+  struct Counters {
+    std::uint64_t published{};
+    std::uint64_t delivered{};
+    std::uint64_t lost{};
+    std::uint64_t duplicated{};
+    std::uint64_t reordered{};
+  };
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+
+ private:
+  struct Client {
+    bool connected{false};
+    std::vector<std::string> filters;
+    std::optional<Will> will;
+    SimTime last_due{};  ///< keeps one client's ordinary deliveries in order, as TCP does
+  };
+  struct Queued {
+    Delivery delivery;
+    std::uint64_t sequence;
+  };
+  struct Later {
+    bool operator()(const Queued& a, const Queued& b) const {
+      return a.delivery.at != b.delivery.at ? a.delivery.at > b.delivery.at : a.sequence > b.sequence;
+    }
+  };
+  void route(SimTime now, const Publish& message);
+  void schedule(SimTime now, ClientId to, const Publish& message, bool from_retained);
+  void enqueue(SimTime at, ClientId to, const Publish& message, bool from_retained);
+
+  Random random_;
+  NetworkFaults faults_;
+  std::vector<Client> clients_;
+  std::map<std::string, Publish> retained_;
+  std::priority_queue<Queued, std::vector<Queued>, Later> queue_;
+  std::uint64_t sequence_{0};
+  Counters counters_;
+};
+
+}  // namespace cosiva::wire

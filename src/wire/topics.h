@@ -1,0 +1,47 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+/// Where messages travel. VDA 5050's own layout (§6.3): interface/majorVersion/manufacturer/serialNumber/topic.
+/// CoSiVA's own messages, which the standard has no word for, stand under cosiva/v1 and never carry a vehicle's order.
+namespace cosiva::wire {
+
+inline constexpr std::string_view default_interface = "uagv";
+inline constexpr std::string_view our_manufacturer = "CoSiVA";
+
+/// Retained: the zone's configuration file, from the physical side; the last level is its format.
+inline constexpr std::string_view zone_topic_prefix = "cosiva/v1/zone/";
+/// Retained with a last will: {"connectionState":"ONLINE"|"OFFLINE"|"CONNECTIONBROKEN","timestamp":…} of our server.
+inline constexpr std::string_view server_connection_topic = "cosiva/v1/server/connection";
+/// Every 100 ms, QoS 0: {"headerId":…,"timestamp":…}. A vehicle that has heard it once stops 500 ms after the last.
+inline constexpr std::string_view server_heartbeat_topic = "cosiva/v1/server/heartbeat";
+/// The plant's truth, 10 Hz, for instruments and tests only; nothing on board and no twin subscribes to it.
+inline constexpr std::string_view plant_truth_topic = "cosiva/v1/plant/truth";
+/// Commands to the emulated world: {"addObstacle":{"id","x","y","radius"}} or {"removeObstacle":"id"}.
+inline constexpr std::string_view plant_command_topic = "cosiva/v1/plant/command";
+
+/// A vehicle's identity on the wire. Both are case-sensitive; serial numbers use A-Z a-z 0-9 _ . : - only.
+struct VehicleId {
+  std::string manufacturer;
+  std::string serial_number;
+  friend auto operator<=>(const VehicleId&, const VehicleId&) = default;
+};
+/// "manufacturer/serial", as people read it.
+[[nodiscard]] std::string to_string(const VehicleId& id);
+
+struct VdaTopic {
+  std::string interface_name;
+  std::string major_version;  ///< "v2"
+  VehicleId vehicle;
+  std::string name;  ///< order, instantActions, state, visualization, connection, factsheet
+};
+[[nodiscard]] std::string to_string(const VdaTopic& topic);
+/// Nothing where the text has not exactly five non-empty levels.
+[[nodiscard]] std::optional<VdaTopic> parse_vda_topic(std::string_view topic);
+[[nodiscard]] std::string vda_topic(const VehicleId& vehicle, std::string_view name,
+                                    std::string_view interface_name = default_interface);
+[[nodiscard]] bool valid_serial_number(std::string_view serial);
+
+}  // namespace cosiva::wire

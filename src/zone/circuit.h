@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/pose.h"
+#include "base/result.h"
+#include "zone/section.h"
+
+namespace cosiva::zone {
+
+using SectionId = std::uint32_t;  ///< index into the circuit's sections
+inline constexpr SectionId no_section = ~SectionId{0};
+
+/// A place on a circuit: arc length s along a section.
+struct Place {
+  SectionId section{no_section};
+  double s_m{};
+  friend bool operator==(const Place&, const Place&) = default;
+};
+
+/// A directed graph of sections (DESIGN §4.3). The article's closed circuit is a ring.
+class Circuit {
+ public:
+  struct Part {
+    std::string name;
+    Section section;
+    std::optional<double> speed_mps_max;  ///< limit on this section, if any
+    std::vector<SectionId> next;          ///< what may follow; the first is the default
+  };
+
+  /// Joins the parts. Fails ("circuit.gap", "circuit.kink") where a next section does not start where this one ends:
+  /// position within `gap_m`, heading within `kink_rad`; ("circuit.duplicate") on equal names; ("circuit.empty").
+  [[nodiscard]] static Result<Circuit> make(std::string name, std::vector<Part> parts, double gap_m = 1e-3,
+                                            double kink_rad = 1e-3);
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] std::size_t size() const { return parts_.size(); }
+  [[nodiscard]] const Section& section(SectionId id) const { return parts_[id].section; }
+  [[nodiscard]] const Part& part(SectionId id) const { return parts_[id]; }
+  [[nodiscard]] std::optional<SectionId> find(std::string_view section_name) const;
+
+  [[nodiscard]] std::span<const SectionId> next(SectionId id) const { return parts_[id].next; }
+  [[nodiscard]] std::span<const SectionId> previous(SectionId id) const { return previous_[id]; }
+  [[nodiscard]] double total_length_m() const;
+
+  [[nodiscard]] Pose2 pose_at(Place place) const { return section(place.section).pose_at(place.s_m); }
+
+  /// The place nearest to p over all sections; `heading_rad` (if given) breaks ties where sections cross: only those
+  /// within π/3 of it count, unless none is.
+  struct Located {
+    Place place;
+    double left_m;
+    double distance_m;
+  };
+  [[nodiscard]] Located locate(Point2 p, std::optional<double> heading_rad = std::nullopt) const;
+
+  /// The place `distance_m` ahead, following default successors; stops at a dead end. Negative goes back.
+  [[nodiscard]] Place advance(Place from, double distance_m) const;
+
+  /// Distance to travel forward along default successors from `from` to `to`; nothing beyond `limit_m`.
+  [[nodiscard]] std::optional<double> distance_ahead(Place from, Place to, double limit_m) const;
+
+ private:
+  std::string name_;
+  std::vector<Part> parts_;
+  std::vector<std::vector<SectionId>> previous_;
+};
+
+}  // namespace cosiva::zone

@@ -1,0 +1,119 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/pose.h"
+#include "base/result.h"
+#include "zone/circuit.h"
+
+namespace cosiva::zone {
+
+using TagNumber = std::uint32_t;
+
+/// An RFID tag under a section (A11, A15).
+struct Tag {
+  TagNumber number;
+  Place place;
+};
+
+/// Beacons in a matrix over the zone, whatever the circuit (A21). Beacon (i, j) stands at origin + (i·pitch, j·pitch),
+/// and reads as tag number first_number + j·columns + i.
+struct BeaconGrid {
+  double pitch_m;
+  Point2 origin;
+  std::uint32_t columns;
+  std::uint32_t rows;
+  TagNumber first_number{1'000'000};
+
+  [[nodiscard]] Point2 at(std::uint32_t column, std::uint32_t row) const;
+  [[nodiscard]] std::optional<Point2> find(TagNumber number) const;
+  /// The beacon nearest to p and its number; nothing further than half a pitch beyond the edge.
+  struct Near {
+    TagNumber number;
+    Point2 position;
+  };
+  [[nodiscard]] std::optional<Near> nearest(Point2 p) const;
+};
+
+struct Station {
+  std::string name;
+  Place place;
+};
+
+/// The body that crossings and gaps are computed for. The body frame's origin is its middle.
+struct VehicleShape {
+  double length_m{0.20};
+  double width_m{0.12};
+};
+
+/// One of the three profiles that fix the kinematics (A12).
+struct SpeedProfile {
+  double speed_mps;
+  double acceleration_mps2;
+  double braking_mps2;
+};
+struct SpeedProfiles {
+  SpeedProfile slow;
+  SpeedProfile medium;
+  SpeedProfile fast;
+};
+
+/// Where two ways meet: while a vehicle's middle is in one span, a vehicle in another span may touch it.
+struct CrossingSpan {
+  SectionId section;
+  double from_m;
+  double to_m;
+};
+struct Crossing {
+  std::string name;
+  Point2 centre;
+  std::vector<CrossingSpan> spans;
+};
+
+/// A node of the VDA 5050 graph: a place where an order may start, turn, or end. None lies inside a crossing.
+struct Waypoint {
+  std::string id;
+  Place place;
+};
+
+/// Everything the traffic zone is. A value: built once, then only read.
+struct TrafficZone {
+  std::string name;
+  Circuit circuit;
+  VehicleShape vehicle;
+  SpeedProfiles profiles;
+  std::vector<Tag> tags;
+  std::optional<BeaconGrid> beacons;
+  std::vector<Station> stations;
+  std::vector<Crossing> crossings;  ///< found by find_crossings
+  std::vector<Waypoint> waypoints;  ///< laid by lay_waypoints; sorted by (section, s)
+  std::vector<Place> starts;  ///< where vehicle 1, 2, … of an emulated fleet begin; may be shorter than the fleet
+
+  [[nodiscard]] const Tag* find_tag(TagNumber number) const;
+  [[nodiscard]] const Waypoint* find_waypoint(std::string_view id) const;
+  /// Index of the first waypoint at or after `place`, following default successors from its section.
+  [[nodiscard]] std::size_t waypoint_ahead(Place place) const;
+  /// Index of the last waypoint at or before `place` (following `previous` backwards).
+  [[nodiscard]] std::size_t waypoint_behind(Place place) const;
+  /// The waypoint that follows waypoints[index] along default successors.
+  [[nodiscard]] std::size_t next_waypoint(std::size_t index) const;
+  /// Places for `count` vehicles: `starts` first, then spread evenly; none inside a crossing.
+  [[nodiscard]] std::vector<Place> start_places(std::size_t count) const;
+};
+
+/// Pairs of sections whose vehicles could touch, from the geometry and the vehicle's shape plus `clearance_m` on each
+/// side; touching pairs at one place are one crossing. Consecutive sections do not cross each other at their joint.
+[[nodiscard]] std::vector<Crossing> find_crossings(const Circuit& circuit, const VehicleShape& shape,
+                                                   double clearance_m = 0.04);
+
+/// Waypoints at joints, at each crossing's stop line and exit, and between them no further apart than `spacing_m`, none
+/// inside a crossing's span. Ids are "<section>@<millimetres>", stable as long as the geometry is.
+[[nodiscard]] std::vector<Waypoint> lay_waypoints(const Circuit& circuit, const std::vector<Crossing>& crossings,
+                                                  double spacing_m = 0.30);
+
+}  // namespace cosiva::zone
