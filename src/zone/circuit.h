@@ -33,8 +33,10 @@ class Circuit {
     std::vector<SectionId> next;          ///< what may follow; the first is the default
   };
 
-  /// Joins the parts. Fails ("circuit.gap", "circuit.kink") where a next section does not start where this one ends:
-  /// position within `gap_m`, heading within `kink_rad`; ("circuit.duplicate") on equal names; ("circuit.empty").
+  /// Joins the parts. An error's place is the name of the section at fault. Fails ("circuit.gap", "circuit.kink") where
+  /// a next section does not start where this one ends: position within `gap_m`, heading within `kink_rad`;
+  /// ("circuit.duplicate") on equal names; ("circuit.next") on a successor that is none of the parts;
+  /// ("circuit.empty").
   [[nodiscard]] static Result<Circuit> make(std::string name, std::vector<Part> parts, double gap_m = 1e-3,
                                             double kink_rad = 1e-3);
 
@@ -69,6 +71,7 @@ class Circuit {
   std::string name_;
   std::vector<Part> parts_;
   std::vector<std::vector<SectionId>> previous_;
+  std::vector<SectionId> by_name_;  ///< sorted by name, for find
 };
 
 }  // namespace cosiva::zone

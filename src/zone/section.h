@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <string_view>
 #include <vector>
 
@@ -8,6 +10,15 @@
 #include "base/result.h"
 
 namespace cosiva::zone {
+
+/// An upright rectangle of the map.
+struct Box {
+  Point2 low;
+  Point2 high;
+  friend bool operator==(const Box&, const Box&) = default;
+};
+/// How far p is outside the box; 0 inside.
+[[nodiscard]] double distance(const Box& box, Point2 p) noexcept;
 
 enum class SectionKind { straight, arc, clothoid };
 [[nodiscard]] std::string_view to_string(SectionKind kind);
@@ -21,7 +32,7 @@ class Section {
   /// @param length_m         L > 0, finite
   /// @param curvature_per_m  κ₀; positive bends left
   /// @param curvature_rate_per_m2  κ₁
-  /// Fails with code "section.invalid" on non-finite numbers, L ≤ 0, L > 1e5 m or more than 1e4 rad turned in all.
+  /// Fails with code "section.invalid" on non-finite numbers, L < 1e-6 m, L > 1e5 m or more than 1e4 rad turned in all.
   [[nodiscard]] static Result<Section> make(const Pose2& start, double length_m, double curvature_per_m = 0.0,
                                             double curvature_rate_per_m2 = 0.0);
 
@@ -52,22 +63,70 @@ class Section {
   };
   [[nodiscard]] Nearest nearest(Point2 p) const;
 
+  /// A box that holds the whole section, at most a few percent too large.
+  [[nodiscard]] const Box& box() const { return box_; }
+  /// The greatest |curvature|, at one of the ends.
+  [[nodiscard]] double curvature_max_per_m() const;
+
  private:
-  /// Position over [from, to] as two polynomials of u = s − (from + to)/2.
+  static constexpr std::size_t coefficient_count = 12;
+
+  /// Position over one piece as two polynomials of u = s − middle.
   struct Piece {
-    double from_m;
-    double to_m;
-    std::array<double, 12> x;
-    std::array<double, 12> y;
+    double middle_m;
+    std::array<double, coefficient_count> x;
+    std::array<double, coefficient_count> y;
+
+    [[nodiscard]] Point2 at(double u_m) const noexcept;
   };
+
   Section() = default;
+  void lay_pieces();
+  void find_box();
+  [[nodiscard]] Point2 position_at(double s_m) const noexcept;  ///< s in [0, L]
+  [[nodiscard]] Nearest at_arc_length(Point2 p, double s_m) const;
+  [[nodiscard]] Nearest nearest_on_straight(Point2 p) const;
+  [[nodiscard]] Nearest nearest_on_arc(Point2 p) const;
+  [[nodiscard]] Nearest nearest_by_search(Point2 p) const;
+  [[nodiscard]] double polish(Point2 p, double s_m, double low_m, double high_m) const;
+
   Pose2 start_;
   Pose2 end_;
+  SinCos direction_{};  ///< of the heading at the start
   double length_m_{};
   double curvature_per_m_{};
   double curvature_rate_per_m2_{};
   double pieces_per_m_{};
-  std::vector<Piece> pieces_;
+  std::vector<Piece> pieces_;  ///< none on a straight section
+  Box box_;
 };
+
+// The hot path of everything that moves, so it stands here for the compiler to see through.
+
+inline Point2 Section::Piece::at(double u_m) const noexcept {
+  // Even and odd powers apart: two short chains of multiplications instead of one long one.
+  const double w = u_m * u_m;
+  const double x_even = x[0] + w * (x[2] + w * (x[4] + w * (x[6] + w * (x[8] + w * x[10]))));
+  const double x_odd = x[1] + w * (x[3] + w * (x[5] + w * (x[7] + w * (x[9] + w * x[11]))));
+  const double y_even = y[0] + w * (y[2] + w * (y[4] + w * (y[6] + w * (y[8] + w * y[10]))));
+  const double y_odd = y[1] + w * (y[3] + w * (y[5] + w * (y[7] + w * (y[9] + w * y[11]))));
+  return {x_even + u_m * x_odd, y_even + u_m * y_odd};
+}
+
+inline Point2 Section::position_at(double s_m) const noexcept {
+  if (pieces_.empty()) return {start_.x_m + direction_.cos * s_m, start_.y_m + direction_.sin * s_m};
+  const std::size_t index = std::min(static_cast<std::size_t>(s_m * pieces_per_m_), pieces_.size() - 1);
+  const Piece& piece = pieces_[index];
+  return piece.at(s_m - piece.middle_m);
+}
+
+inline Pose2 Section::pose_at(double s_m) const {
+  // Written so that a NaN, which no caller should send, becomes 0 rather than an index.
+  const double s = s_m > 0.0 ? std::min(s_m, length_m_) : 0.0;
+  const Point2 p = position_at(s);
+  if (pieces_.empty()) return {p.x_m, p.y_m, start_.heading_rad};
+  const double heading_rad = start_.heading_rad + s * (curvature_per_m_ + 0.5 * curvature_rate_per_m2_ * s);
+  return {p.x_m, p.y_m, wrap_angle(heading_rad)};
+}
 
 }  // namespace cosiva::zone

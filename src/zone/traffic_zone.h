@@ -96,24 +96,40 @@ struct TrafficZone {
 
   [[nodiscard]] const Tag* find_tag(TagNumber number) const;
   [[nodiscard]] const Waypoint* find_waypoint(std::string_view id) const;
-  /// Index of the first waypoint at or after `place`, following default successors from its section.
+  /// The crossing that has a span over this place, if any.
+  [[nodiscard]] const Crossing* crossing_at(Place place) const;
+
+  /// Index of the first waypoint at or after `place`, following default successors from its section; waypoints.size()
+  /// where the way ends first. So for the next two, too.
   [[nodiscard]] std::size_t waypoint_ahead(Place place) const;
   /// Index of the last waypoint at or before `place` (following `previous` backwards).
   [[nodiscard]] std::size_t waypoint_behind(Place place) const;
   /// The waypoint that follows waypoints[index] along default successors.
   [[nodiscard]] std::size_t next_waypoint(std::size_t index) const;
-  /// Places for `count` vehicles: `starts` first, then spread evenly; none inside a crossing.
+  /// Whether a vehicle may stand here: outside every crossing, and not between two too close together to stand between.
+  [[nodiscard]] bool may_stand(Place place) const;
+  /// Places for `count` vehicles: `starts` first, then spread evenly; all where a vehicle may stand, and with room
+  /// between them. Fewer than `count` when the zone cannot hold them.
   [[nodiscard]] std::vector<Place> start_places(std::size_t count) const;
 };
 
 /// Pairs of sections whose vehicles could touch, from the geometry and the vehicle's shape plus `clearance_m` on each
 /// side; touching pairs at one place are one crossing. Consecutive sections do not cross each other at their joint.
+/// Names are "X1", "X2", … in the order in which the sections come to them. Not for a circuit that is too_crowded.
 [[nodiscard]] std::vector<Crossing> find_crossings(const Circuit& circuit, const VehicleShape& shape,
                                                    double clearance_m = 0.04);
 
+/// Whether the ways lie so densely on one another that find_crossings would take minutes; it must not be asked then. No
+/// zone that anybody could drive in comes near this; a hostile file may.
+[[nodiscard]] bool too_crowded(const Circuit& circuit, const VehicleShape& shape, double clearance_m = 0.04);
+
 /// Waypoints at joints, at each crossing's stop line and exit, and between them no further apart than `spacing_m`, none
 /// inside a crossing's span. Ids are "<section>@<millimetres>", stable as long as the geometry is.
+/// @param room_m  where the free way between two spans is shorter than this a vehicle cannot stand, so no waypoint lies
 [[nodiscard]] std::vector<Waypoint> lay_waypoints(const Circuit& circuit, const std::vector<Crossing>& crossings,
-                                                  double spacing_m = 0.30);
+                                                  double spacing_m = 0.30, double room_m = 0.30);
+
+/// Way that a standing vehicle takes: its length and 0.1 m.
+[[nodiscard]] constexpr double standing_room_m(const VehicleShape& shape) { return shape.length_m + 0.1; }
 
 }  // namespace cosiva::zone

@@ -1,0 +1,138 @@
+#include "zone/draw.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "base/json_value.h"
+#include "zone/test_zones.h"
+
+namespace cosiva::zone {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+/// Distance from p to the chain of chords through `points`.
+double distance_to_chords(const std::vector<Point2>& points, Point2 p) {
+  double least_m = 1e9;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const Point2 a = points[i - 1];
+    const Point2 ab{points[i].x_m - a.x_m, points[i].y_m - a.y_m};
+    const double square = ab.x_m * ab.x_m + ab.y_m * ab.y_m;
+    const double t = std::clamp(((p.x_m - a.x_m) * ab.x_m + (p.y_m - a.y_m) * ab.y_m) / square, 0.0, 1.0);
+    least_m = std::min(least_m, distance(p, Point2{a.x_m + t * ab.x_m, a.y_m + t * ab.y_m}));
+  }
+  return least_m;
+}
+
+TEST(Draw, shows_everything_that_the_zone_has) {
+  const TrafficZone zone = testing::lacet4();
+  std::map<std::string, std::size_t> count;
+  for (const Primitive& primitive : draw(zone)) ++count[primitive.layer];
+  EXPECT_EQ(count["road"], 8U);
+  EXPECT_EQ(count["line"], 8U);
+  EXPECT_EQ(count["crossing"], 4U);
+  EXPECT_EQ(count["tag"], 12U);
+  EXPECT_EQ(count["beacon"], std::size_t{zone.beacons->columns} * zone.beacons->rows);
+  EXPECT_EQ(count["station"], 2U);
+  EXPECT_GT(count["label"], 0U);
+  EXPECT_EQ(count.size(), 7U);
+}
+
+TEST(Draw, strays_at_most_half_a_millimetre_from_the_curves) {
+  auto clothoid = Section::make({}, 3.0, -2.0, 2.0);
+  ASSERT_TRUE(clothoid);
+  const TrafficZone curly{"curly", testing::circuit({testing::part("c", *clothoid)}), {}, {}, {}, {}, {}, {}, {}, {}};
+  for (const TrafficZone& zone : {testing::lacet4(), curly}) {
+    const auto primitives = draw(zone);
+    SectionId id = 0;
+    for (const Primitive& primitive : primitives) {
+      if (primitive.layer != "line") continue;
+      const Section& section = zone.circuit.section(id++);
+      for (double s = 0.0; s <= section.length_m(); s += 0.003)
+        ASSERT_LE(distance_to_chords(primitive.points, position(section.pose_at(s))), 0.0005);
+    }
+    EXPECT_EQ(id, zone.circuit.size());
+  }
+}
+
+TEST(Draw, bounds_hold_the_width_of_roads) {
+  const TrafficZone zone{
+      "line", testing::circuit({testing::part("a", testing::section({}, 2.0))}), {}, {}, {}, {}, {}, {}, {}, {}};
+  const Bounds box = bounds(draw(zone));
+  EXPECT_LE(box.low.y_m, -0.5 * zone.vehicle.width_m);
+  EXPECT_GE(box.high.y_m, 0.5 * zone.vehicle.width_m);
+  EXPECT_LE(box.low.x_m, 0.0);
+  EXPECT_GE(box.high.x_m, 2.0);
+  const Bounds nothing = bounds({});
+  EXPECT_EQ(nothing.low, nothing.high);
+}
+
+TEST(Draw, leaves_out_a_haze_of_beacons) {
+  TrafficZone zone{
+      "line", testing::circuit({testing::part("a", testing::section({}, 2.0))}), {}, {}, {}, {}, {}, {}, {}, {}};
+  zone.beacons = BeaconGrid{0.001, {}, 1000, 1000};
+  for (const Primitive& primitive : draw(zone)) EXPECT_NE(primitive.layer, "beacon");
+}
+
+TEST(Draw, writes_the_json_that_the_page_reads) {
+  const TrafficZone zone = testing::lacet4();
+  const auto primitives = draw(zone);
+  JsonWriter json;
+  write_json(json, zone, primitives);
+  ASSERT_TRUE(json.complete());
+  const auto document = JsonValue::parse(json.text());
+  ASSERT_TRUE(document) << to_string(document.error());
+  EXPECT_EQ(document->text("name"), "lacet4");
+  EXPECT_EQ(document->find("bounds")->array()->size(), 4U);
+  EXPECT_EQ(document->find("vehicle")->number("length_m"), 0.20);
+  const auto& written = *document->find("primitives")->array();
+  ASSERT_EQ(written.size(), primitives.size());
+  EXPECT_EQ(written[0].text("shape"), "polyline");
+  EXPECT_EQ(written[0].text("layer"), "road");
+  EXPECT_EQ(written[0].text("label"), "east");
+  EXPECT_EQ(written[0].find("points")->array()->size(), 2U);
+}
+
+TEST(Svg, is_a_picture_with_every_layer_a_legend_and_a_scale) {
+  const TrafficZone zone = testing::lacet4();
+  const std::string svg = to_svg(zone, draw(zone));
+  EXPECT_THAT(svg, StartsWith("<svg xmlns=\"http://www.w3.org/2000/svg\""));
+  for (const char* layer : {"road", "line", "crossing", "tag", "beacon", "station", "label"})
+    EXPECT_THAT(svg, HasSubstr("<g id=\"" + std::string(layer) + "\""));
+  EXPECT_THAT(svg, HasSubstr("0.5 m</text>"));
+  EXPECT_THAT(svg, HasSubstr("17.31 m"));
+  EXPECT_EQ(svg.find("=\"nan"), std::string::npos);
+  EXPECT_EQ(svg.find(",nan"), std::string::npos);
+  EXPECT_THAT(svg, Not(HasSubstr("http://www.w3.org/1999/xlink")));  // nothing to fetch: it stands alone
+}
+
+TEST(Svg, has_y_pointing_up) {
+  const std::vector<Primitive> two{{Primitive::Shape::disc, "tag", {{0.0, 0.0}}, 0.1, "low", 0.0},
+                                   {Primitive::Shape::disc, "tag", {{0.0, 1.0}}, 0.1, "high", 0.0}};
+  const TrafficZone zone{
+      "z", testing::circuit({testing::part("a", testing::section({}, 1.0))}), {}, {}, {}, {}, {}, {}, {}, {}};
+  const std::string svg = to_svg(zone, two);
+  const auto y_of = [&](std::string_view label) {
+    const auto at = svg.rfind("cy=\"", svg.find("<title>" + std::string(label)));
+    return std::stod(svg.substr(at + 4));
+  };
+  EXPECT_LT(y_of("high"), y_of("low"));
+}
+
+TEST(Svg, escapes_what_names_may_hold) {
+  const TrafficZone zone{
+      "<&\">", testing::circuit({testing::part("a<b", testing::section({}, 1.0))}), {}, {}, {}, {}, {}, {}, {}, {}};
+  const std::string svg = to_svg(zone, draw(zone));
+  EXPECT_THAT(svg, HasSubstr("&lt;&amp;&quot;&gt;"));
+  EXPECT_THAT(svg, HasSubstr("a&lt;b"));
+  EXPECT_THAT(svg, Not(HasSubstr("a<b")));
+}
+
+}  // namespace
+}  // namespace cosiva::zone

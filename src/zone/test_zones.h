@@ -1,0 +1,59 @@
+#pragma once
+
+// Zones for this folder's tests, and short ways to make them.
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "zone/rtm.h"
+
+namespace cosiva::zone::testing {
+
+inline Section section(const Pose2& start, double length_m, double curvature_per_m = 0.0) {
+  auto made = Section::make(start, length_m, curvature_per_m);
+  EXPECT_TRUE(made) << to_string(made.error());
+  return std::move(*made);
+}
+
+inline Circuit::Part part(std::string name, Section section, std::vector<SectionId> next = {}) {
+  return {std::move(name), std::move(section), std::nullopt, std::move(next)};
+}
+
+inline Circuit circuit(std::vector<Circuit::Part> parts) {
+  auto made = Circuit::make("test", std::move(parts));
+  EXPECT_TRUE(made) << to_string(made.error());
+  return std::move(*made);
+}
+
+/// Two straights and two half circles: a running track, once round anticlockwise.
+inline Circuit track(double straight_m = 2.0, double radius_m = 0.5) {
+  const Section south = section({0.0, 0.0, 0.0}, straight_m);
+  const Section east = section(south.end(), pi * radius_m, 1.0 / radius_m);
+  const Section north = section(east.end(), straight_m);
+  const Section west = section(north.end(), pi * radius_m, 1.0 / radius_m);
+  return circuit(
+      {part("south", south, {1}), part("east", east, {2}), part("north", north, {3}), part("west", west, {0})});
+}
+
+inline Result<TrafficZone> read_zone(const std::string& text) {
+  auto rtm = Rtm::initialise({"toml", "test.toml", text});
+  if (!rtm) return tl::unexpected(rtm.error());
+  return rtm->zone();
+}
+
+/// The zone as the whole program would read it, from zones/.
+inline TrafficZone lacet4() {
+  std::ifstream file(COSIVA_SOURCE_DIR "/zones/lacet4.toml");
+  std::stringstream text;
+  text << file.rdbuf();
+  auto rtm = Rtm::initialise({"toml", "zones/lacet4.toml", text.str()});
+  EXPECT_TRUE(rtm) << to_string(rtm.error());
+  return rtm->zone();
+}
+
+}  // namespace cosiva::zone::testing

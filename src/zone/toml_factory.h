@@ -1,0 +1,17 @@
+#pragma once
+
+#include "zone/rtm.h"
+
+namespace cosiva::zone {
+
+inline constexpr std::size_t toml_bytes_max = 16U << 20U;
+inline constexpr std::size_t toml_sections_max = 100'000;
+
+/// CoSiVA's own format, described in docs/guide/zones.md.
+class TomlCircuitFactory final : public CircuitFactory {
+ public:
+  [[nodiscard]] std::string_view format() const override { return "toml"; }
+  [[nodiscard]] Result<TrafficZone> make_zone(const ZoneConfiguration& configuration) const override;
+};
+
+}  // namespace cosiva::zone

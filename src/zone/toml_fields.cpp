@@ -1,0 +1,237 @@
+#define TOML_IMPLEMENTATION
+#include "zone/toml_fields.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numeric>
+
+namespace cosiva::zone {
+namespace {
+
+/// Edits that turn `a` into `b`.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0U : 1U);
+      diagonal = row[j];
+      row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+std::string quoted(std::string_view text) {
+  // Long enough to recognise, short enough for one line of terminal; control characters would garble it.
+  std::string out = "\"";
+  for (const char c : text.substr(0, 40)) out += static_cast<unsigned char>(c) < 0x20 || c == 0x7F ? '?' : c;
+  return out + (text.size() > 40 ? "…\"" : "\"");
+}
+
+std::string shortest(double value) {
+  char buffer[32];
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
+}
+
+std::string describe(const toml::node& node) {
+  if (const auto* text = node.as_string()) return quoted(text->get());
+  if (const auto* whole = node.as_integer()) return std::to_string(whole->get());
+  if (const auto* number = node.as_floating_point()) return shortest(number->get());
+  if (const auto* flag = node.as_boolean()) return flag->get() ? "true" : "false";
+  if (node.is_table()) return "a table";
+  if (node.is_array()) return "an array";
+  return "a date or time";
+}
+
+/// A number, whether written 1 or 1.0.
+std::optional<double> number_of(const toml::node& node) {
+  if (const auto* number = node.as_floating_point()) return number->get();
+  if (const auto* whole = node.as_integer()) return static_cast<double>(whole->get());
+  return std::nullopt;
+}
+
+bool is_name(std::string_view text) {
+  return !text.empty() && text.size() <= 64 && std::none_of(text.begin(), text.end(), [](char c) {
+    return static_cast<unsigned char>(c) < 0x20 || c == 0x7F;
+  });
+}
+
+constexpr std::string_view name_text = "a name of 1 to 64 bytes without control characters";
+
+}  // namespace
+
+void TomlFaults::add(std::string code, std::uint32_t line, std::string_view path, std::string message) {
+  if (!first_) first_ = Error{std::move(code), std::move(message), place(line, path)};
+}
+
+std::string TomlFaults::place(std::uint32_t line, std::string_view path) const {
+  std::string text = origin_ + ":" + std::to_string(line);
+  if (!path.empty()) text.append(": ").append(path);
+  return text;
+}
+
+std::uint32_t TomlFields::line(std::string_view key) const {
+  const toml::node* node = key.empty() ? nullptr : table_->get(key);
+  const auto line = (node == nullptr ? table_->source() : node->source()).begin.line;
+  return std::max<std::uint32_t>(static_cast<std::uint32_t>(line), 1U);
+}
+
+std::string TomlFields::path(std::string_view key) const {
+  if (key.empty()) return path_;
+  return path_.empty() ? std::string(key) : path_ + "." + std::string(key);
+}
+
+void TomlFields::fault(std::string_view key, std::string code, std::string message) const {
+  faults_->add(std::move(code), line(key), path(key), std::move(message));
+}
+
+void TomlFields::expected(std::string_view key, std::string_view what, const toml::node& found) const {
+  fault(key, "zone.field", "expected " + std::string(what) + ", found " + describe(found));
+}
+
+const toml::node* TomlFields::find(std::string_view key, std::string_view what, bool optional) const {
+  const toml::node* node = table_->get(key);
+  if (node == nullptr && !optional) fault(key, "zone.missing", "expected " + std::string(what) + ", found nothing");
+  return node;
+}
+
+void TomlFields::expect_only(std::initializer_list<std::string_view> keys) const {
+  for (const auto& [key, node] : *table_) {
+    const std::string_view name = key.str();
+    if (std::find(keys.begin(), keys.end(), name) != keys.end()) continue;
+    const auto nearest = *std::min_element(keys.begin(), keys.end(), [&](std::string_view a, std::string_view b) {
+      return edit_distance(a, name.substr(0, 64)) < edit_distance(b, name.substr(0, 64));
+    });
+    std::string known;
+    for (const std::string_view k : keys) known.append(known.empty() ? "" : ", ").append(k);
+    const auto at = static_cast<std::uint32_t>(key.source().begin.line);
+    faults_->add("zone.unknown_key", at == 0 ? line() : at, path(name.substr(0, 64)),
+                 "unknown key; did you mean " + quoted(nearest) + "? Known here: " + known);
+  }
+}
+
+double TomlFields::number(std::string_view key, const NumberRange& range, std::optional<double> fallback) const {
+  const toml::node* node = find(key, range.what, fallback.has_value());
+  if (node == nullptr) return fallback.value_or(range.high);
+  const auto value = number_of(*node);
+  const bool good = value && std::isfinite(*value) && *value <= range.high &&
+                    (range.low_allowed ? *value >= range.low : *value > range.low);
+  if (good) return *value;
+  expected(key, range.what, *node);
+  return range.high;
+}
+
+std::uint32_t TomlFields::whole(std::string_view key, std::uint32_t low, std::uint32_t high,
+                                std::optional<std::uint32_t> fallback) const {
+  const std::string what = "a whole number from " + std::to_string(low) + " to " + std::to_string(high);
+  const toml::node* node = find(key, what, fallback.has_value());
+  if (node == nullptr) return fallback.value_or(low);
+  const auto* value = node->as_integer();
+  if (value != nullptr && value->get() >= std::int64_t{low} && value->get() <= std::int64_t{high})
+    return static_cast<std::uint32_t>(value->get());
+  expected(key, what, *node);
+  return low;
+}
+
+bool TomlFields::flag(std::string_view key, bool fallback) const {
+  const toml::node* node = find(key, "true or false", true);
+  if (node == nullptr) return fallback;
+  if (const auto* value = node->as_boolean()) return value->get();
+  expected(key, "true or false", *node);
+  return fallback;
+}
+
+std::string TomlFields::name(std::string_view key) const {
+  const toml::node* node = find(key, name_text, false);
+  if (node == nullptr) return {};
+  const auto* value = node->as_string();
+  if (value != nullptr && is_name(value->get())) return value->get();
+  expected(key, name_text, *node);
+  return {};
+}
+
+std::string TomlFields::one_of(std::string_view key, std::initializer_list<std::string_view> words) const {
+  std::string what;
+  for (const std::string_view word : words) what.append(what.empty() ? "" : " or ").append(quoted(word));
+  const toml::node* node = find(key, what, false);
+  if (node == nullptr) return {};
+  const auto* value = node->as_string();
+  if (value != nullptr && std::find(words.begin(), words.end(), value->get()) != words.end()) return value->get();
+  expected(key, what, *node);
+  return {};
+}
+
+std::optional<TomlFields> TomlFields::table(std::string_view key) const {
+  const toml::node* node = find(key, "a table", true);
+  if (node == nullptr) return std::nullopt;
+  if (const auto* value = node->as_table()) return TomlFields{*faults_, *value, path(key)};
+  expected(key, "a table", *node);
+  return std::nullopt;
+}
+
+std::vector<TomlFields> TomlFields::tables(std::string_view key) const {
+  const std::string what = "tables, each under [[" + path(key) + "]]";
+  const toml::node* node = find(key, what, true);
+  if (node == nullptr) return {};
+  const auto* array = node->as_array();
+  if (array == nullptr) {
+    expected(key, what, *node);
+    return {};
+  }
+  std::vector<TomlFields> entries;
+  entries.reserve(array->size());
+  for (const toml::node& entry : *array) {
+    if (const auto* value = entry.as_table()) {
+      entries.emplace_back(*faults_, *value, path(key) + "[" + std::to_string(entries.size() + 1) + "]");
+    } else {
+      expected(key, what, entry);
+      return {};
+    }
+  }
+  return entries;
+}
+
+std::optional<std::vector<std::string>> TomlFields::names(std::string_view key) const {
+  constexpr std::string_view what = "an array of names, such as [\"east\"]";
+  const toml::node* node = find(key, what, true);
+  if (node == nullptr) return std::nullopt;
+  std::vector<std::string> names;
+  const auto* array = node->as_array();
+  if (array == nullptr) {
+    expected(key, what, *node);
+    return names;
+  }
+  for (const toml::node& entry : *array) {
+    if (const auto* value = entry.as_string())
+      names.push_back(value->get());
+    else
+      expected(key, what, entry);
+  }
+  return names;
+}
+
+std::optional<Point2> TomlFields::point(std::string_view key) const {
+  constexpr std::string_view what = "two numbers of metres [x, y] within ±1000000";
+  const toml::node* node = find(key, what, true);
+  if (node == nullptr) return std::nullopt;
+  const auto* array = node->as_array();
+  if (array == nullptr || array->size() != 2) {
+    expected(key, what, *node);
+    return Point2{};
+  }
+  double xy[2] = {0.0, 0.0};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto value = number_of(*array->get(i));
+    if (value && std::fabs(*value) <= coordinate_max_m)
+      xy[i] = *value;
+    else
+      expected(key, what, *array->get(i));
+  }
+  return Point2{xy[0], xy[1]};
+}
+
+}  // namespace cosiva::zone

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <initializer_list>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/pose.h"
+#include "base/result.h"
+#include "zone/toml_library.h"
+
+namespace cosiva::zone {
+
+/// The first thing wrong with a file. Reading goes on with stand-in values, so that the reader stays straight-line
+/// code; whoever reads asks `first()` before trusting what was read.
+class TomlFaults {
+ public:
+  explicit TomlFaults(std::string origin) : origin_{std::move(origin)} {}
+
+  void add(std::string code, std::uint32_t line, std::string_view path, std::string message);
+  [[nodiscard]] bool any() const { return first_.has_value(); }
+  [[nodiscard]] const std::optional<Error>& first() const { return first_; }
+  /// "origin:line: path"; the path may be empty.
+  [[nodiscard]] std::string place(std::uint32_t line, std::string_view path) const;
+
+ private:
+  std::string origin_;
+  std::optional<Error> first_;
+};
+
+/// What a number must be, and how to say so.
+struct NumberRange {
+  std::string_view what;  ///< "a positive number of metres"
+  double low;
+  double high;
+  bool low_allowed{true};
+};
+
+/// One table of a file, read field by field. Each read reports what it expected and what it found, with file, line and
+/// field path. Entries of an array of tables are counted from 1, as people count them: section[3].radius_m.
+class TomlFields {
+ public:
+  TomlFields(TomlFaults& faults, const toml::table& table, std::string path)
+      : faults_{&faults}, table_{&table}, path_{std::move(path)} {}
+
+  [[nodiscard]] bool has(std::string_view key) const { return table_->contains(key); }
+  /// Faults any other key, naming the nearest of these.
+  void expect_only(std::initializer_list<std::string_view> keys) const;
+
+  /// Without a fallback the field must be there.
+  [[nodiscard]] double number(std::string_view key, const NumberRange& range,
+                              std::optional<double> fallback = std::nullopt) const;
+  [[nodiscard]] std::uint32_t whole(std::string_view key, std::uint32_t low, std::uint32_t high,
+                                    std::optional<std::uint32_t> fallback = std::nullopt) const;
+  [[nodiscard]] bool flag(std::string_view key, bool fallback) const;
+  /// 1 to 64 bytes, without control characters.
+  [[nodiscard]] std::string name(std::string_view key) const;
+  [[nodiscard]] std::string one_of(std::string_view key, std::initializer_list<std::string_view> words) const;
+
+  [[nodiscard]] std::optional<TomlFields> table(std::string_view key) const;
+  [[nodiscard]] std::vector<TomlFields> tables(std::string_view key) const;
+  [[nodiscard]] std::optional<std::vector<std::string>> names(std::string_view key) const;
+  [[nodiscard]] std::optional<Point2> point(std::string_view key) const;  ///< [x, y] in metres
+
+  /// A fault of this field (or of the whole table with an empty key).
+  void fault(std::string_view key, std::string code, std::string message) const;
+  [[nodiscard]] std::uint32_t line(std::string_view key = {}) const;
+  [[nodiscard]] std::string path(std::string_view key = {}) const;
+
+ private:
+  /// Gives the field's node, or nothing after faulting a missing one (unless `optional`).
+  [[nodiscard]] const toml::node* find(std::string_view key, std::string_view expected, bool optional) const;
+  void expected(std::string_view key, std::string_view what, const toml::node& found) const;
+
+  TomlFaults* faults_;
+  const toml::table* table_;
+  std::string path_;
+};
+
+inline constexpr double coordinate_max_m = 1e6;
+inline constexpr NumberRange coordinate_m{"a number of metres within ±1000000", -coordinate_max_m, coordinate_max_m};
+
+}  // namespace cosiva::zone

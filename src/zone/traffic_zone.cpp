@@ -1,0 +1,220 @@
+#include "zone/traffic_zone.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/expect.h"
+
+namespace cosiva::zone {
+namespace {
+
+bool before(const Waypoint& waypoint, const Place& place) {
+  return waypoint.place.section != place.section ? waypoint.place.section < place.section
+                                                 : waypoint.place.s_m < place.s_m;
+}
+
+// Two places this near on one section are the same place: what adding and taking away a few lengths may cost.
+constexpr double same_place_m = 1e-9;
+
+/// The first waypoint of the default way after section `id`, none of whose own is left.
+std::size_t first_after(const TrafficZone& zone, SectionId id) {
+  for (std::size_t steps = 0; steps < zone.circuit.size(); ++steps) {
+    if (zone.circuit.next(id).empty()) break;
+    id = zone.circuit.next(id).front();
+    const auto at = std::lower_bound(zone.waypoints.begin(), zone.waypoints.end(), Place{id, 0.0}, before);
+    if (at != zone.waypoints.end() && at->place.section == id)
+      return static_cast<std::size_t>(at - zone.waypoints.begin());
+  }
+  return zone.waypoints.size();
+}
+
+}  // namespace
+
+Point2 BeaconGrid::at(std::uint32_t column, std::uint32_t row) const {
+  return {origin.x_m + column * pitch_m, origin.y_m + row * pitch_m};
+}
+
+std::optional<Point2> BeaconGrid::find(TagNumber number) const {
+  if (number < first_number || columns == 0) return std::nullopt;
+  const TagNumber index = number - first_number;
+  if (index / columns >= rows) return std::nullopt;
+  return at(index % columns, index / columns);
+}
+
+std::optional<BeaconGrid::Near> BeaconGrid::nearest(Point2 p) const {
+  if (columns == 0 || rows == 0) return std::nullopt;
+  const double i = (p.x_m - origin.x_m) / pitch_m;
+  const double j = (p.y_m - origin.y_m) / pitch_m;
+  // Half a pitch beyond the edge is still the edge beacon's cell. Written so that a NaN is outside.
+  if (!(i >= -0.5 && i <= columns - 0.5 && j >= -0.5 && j <= rows - 0.5)) return std::nullopt;
+  const auto column = std::min(static_cast<std::uint32_t>(std::floor(i + 0.5)), columns - 1);
+  const auto row = std::min(static_cast<std::uint32_t>(std::floor(j + 0.5)), rows - 1);
+  return Near{first_number + row * columns + column, at(column, row)};
+}
+
+const Tag* TrafficZone::find_tag(TagNumber number) const {
+  const auto at = std::find_if(tags.begin(), tags.end(), [&](const Tag& tag) { return tag.number == number; });
+  return at == tags.end() ? nullptr : &*at;
+}
+
+const Waypoint* TrafficZone::find_waypoint(std::string_view id) const {
+  // The section's name in the id leads to its few waypoints; the ids themselves stand in the order of the places.
+  const auto mark = id.rfind('@');
+  if (mark == std::string_view::npos) return nullptr;
+  const auto section = circuit.find(id.substr(0, mark));
+  if (!section) return nullptr;
+  for (auto at = std::lower_bound(waypoints.begin(), waypoints.end(), Place{*section, 0.0}, before);
+       at != waypoints.end() && at->place.section == *section; ++at) {
+    if (at->id == id) return &*at;
+  }
+  return nullptr;
+}
+
+const Crossing* TrafficZone::crossing_at(Place place) const {
+  for (const Crossing& crossing : crossings) {
+    for (const CrossingSpan& span : crossing.spans) {
+      if (span.section == place.section && span.from_m <= place.s_m && place.s_m <= span.to_m) return &crossing;
+    }
+  }
+  return nullptr;
+}
+
+std::size_t TrafficZone::waypoint_ahead(Place place) const {
+  COSIVA_EXPECT(place.section < circuit.size());
+  const Place from{place.section, place.s_m - same_place_m};
+  const auto at = std::lower_bound(waypoints.begin(), waypoints.end(), from, before);
+  if (at != waypoints.end() && at->place.section == place.section)
+    return static_cast<std::size_t>(at - waypoints.begin());
+  return first_after(*this, place.section);
+}
+
+std::size_t TrafficZone::waypoint_behind(Place place) const {
+  COSIVA_EXPECT(place.section < circuit.size());
+  SectionId id = place.section;
+  double s = place.s_m + same_place_m;
+  for (std::size_t steps = 0; steps <= circuit.size(); ++steps) {
+    // One past the last waypoint of `id` at or before s.
+    const auto at = std::partition_point(waypoints.begin(), waypoints.end(), [&](const Waypoint& waypoint) {
+      return waypoint.place.section != id ? waypoint.place.section < id : waypoint.place.s_m <= s;
+    });
+    if (at != waypoints.begin() && (at - 1)->place.section == id)
+      return static_cast<std::size_t>(at - waypoints.begin()) - 1;
+    if (circuit.previous(id).empty()) break;
+    id = circuit.previous(id).front();
+    s = circuit.section(id).length_m();
+  }
+  return waypoints.size();
+}
+
+std::size_t TrafficZone::next_waypoint(std::size_t index) const {
+  COSIVA_EXPECT(index < waypoints.size());
+  const SectionId section = waypoints[index].place.section;
+  if (index + 1 < waypoints.size() && waypoints[index + 1].place.section == section) return index + 1;
+  return first_after(*this, section);
+}
+
+bool TrafficZone::may_stand(Place place) const {
+  COSIVA_EXPECT(place.section < circuit.size());
+  // A vehicle stands between a waypoint behind it and no crossing since.
+  SectionId id = place.section;
+  double s = place.s_m;
+  for (std::size_t steps = 0; steps <= circuit.size(); ++steps) {
+    double span_m = -1.0;
+    for (const Crossing& crossing : crossings) {
+      for (const CrossingSpan& span : crossing.spans) {
+        if (span.section == id && span.from_m <= s) span_m = std::max(span_m, std::min(span.to_m, s));
+      }
+    }
+    double waypoint_m = -1.0;
+    for (auto at = std::lower_bound(waypoints.begin(), waypoints.end(), Place{id, 0.0}, before);
+         at != waypoints.end() && at->place.section == id && at->place.s_m <= s + same_place_m; ++at)
+      waypoint_m = at->place.s_m;
+    if (span_m >= 0.0 || waypoint_m >= 0.0) return waypoint_m > span_m;
+    if (circuit.previous(id).empty()) return true;
+    id = circuit.previous(id).front();
+    s = circuit.section(id).length_m();
+  }
+  return true;
+}
+
+namespace {
+
+struct Spot {
+  Place place;
+  Point2 p;
+};
+
+/// Whether two vehicles have room: apart by the crow's fly, or side by side on ways that do not follow each other.
+bool apart(const TrafficZone& zone, const Spot& a, const Spot& b) {
+  const double room_m = standing_room_m(zone.vehicle);
+  const double apart_m = distance(a.p, b.p);
+  if (apart_m >= room_m) return true;
+  return apart_m > norm(zone.vehicle.length_m, zone.vehicle.width_m) &&
+         !zone.circuit.distance_ahead(a.place, b.place, room_m) &&
+         !zone.circuit.distance_ahead(b.place, a.place, room_m);
+}
+
+bool fits(const TrafficZone& zone, const Spot& spot, const std::vector<Spot>& taken) {
+  return std::all_of(taken.begin(), taken.end(), [&](const Spot& other) { return apart(zone, spot, other); });
+}
+
+/// Everywhere a vehicle may stand, every 5 cm (coarser on large zones).
+std::vector<Spot> spots(const TrafficZone& zone) {
+  const double step_m = std::max(0.05, zone.circuit.total_length_m() / 20'000.0);
+  std::vector<Spot> found;
+  for (SectionId id = 0; id < zone.circuit.size(); ++id) {
+    for (double i = 0.0; i * step_m < zone.circuit.section(id).length_m(); i += 1.0) {
+      const Place place{id, i * step_m};
+      if (zone.may_stand(place)) found.push_back({place, position(zone.circuit.pose_at(place))});
+    }
+  }
+  return found;
+}
+
+/// Takes the spot farthest from all taken so far, again and again.
+void spread(const TrafficZone& zone, const std::vector<Spot>& free, std::size_t count, std::vector<Spot>& taken) {
+  std::vector<double> nearest_m(free.size(), std::numeric_limits<double>::infinity());
+  const auto note = [&](const Spot& spot) {
+    for (std::size_t i = 0; i < free.size(); ++i) nearest_m[i] = std::min(nearest_m[i], distance(free[i].p, spot.p));
+  };
+  for (const Spot& spot : taken) note(spot);
+  while (taken.size() < count) {
+    std::size_t best = free.size();
+    for (std::size_t i = 0; i < free.size(); ++i) {
+      if (nearest_m[i] > 0.0 && (best == free.size() || nearest_m[i] > nearest_m[best]) && fits(zone, free[i], taken))
+        best = i;
+    }
+    if (best == free.size()) return;
+    taken.push_back(free[best]);
+    note(free[best]);
+  }
+}
+
+}  // namespace
+
+std::vector<Place> TrafficZone::start_places(std::size_t count) const {
+  std::vector<Spot> fixed;
+  for (const Place& place : starts) {
+    const Spot spot{place, position(circuit.pose_at(place))};
+    if (fixed.size() < count && may_stand(place) && fits(*this, spot, fixed)) fixed.push_back(spot);
+  }
+  std::vector<Spot> taken = fixed;
+  if (taken.size() < count) {
+    const auto free = spots(*this);
+    spread(*this, free, count, taken);
+    if (taken.size() < count) {
+      // Spreading wastes room when there is little: then one behind the other, as close as may be.
+      std::vector<Spot> packed = fixed;
+      for (const Spot& spot : free) {
+        if (packed.size() < count && fits(*this, spot, packed)) packed.push_back(spot);
+      }
+      if (packed.size() > taken.size()) taken = std::move(packed);
+    }
+  }
+  std::vector<Place> places;
+  for (const Spot& spot : taken) places.push_back(spot.place);
+  return places;
+}
+
+}  // namespace cosiva::zone
