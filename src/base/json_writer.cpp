@@ -143,7 +143,10 @@ JsonWriter& JsonWriter::value(double number) {
   if (!std::isfinite(number)) return null();
   before_value();
   char buffer[32];
-  const auto end = std::to_chars(buffer, buffer + sizeof buffer, number).ptr;
+  // Shortest alone would write 1e21 as a row of digits, which readers take for a whole number too large for 64 bits.
+  const auto end = std::fabs(number) < 1e18
+                       ? std::to_chars(buffer, buffer + sizeof buffer, number).ptr
+                       : std::to_chars(buffer, buffer + sizeof buffer, number, std::chars_format::scientific).ptr;
   text_.append(buffer, end);
   return *this;
 }

@@ -51,6 +51,7 @@ Result<SimTime> parse_iso8601(std::string_view text) {
   std::int64_t fraction_ns = 0;
   if (text[at] == '.') {
     std::int64_t unit_ns = 100'000'000;
+    if (number_at(text, at + 1, 1) < 0) return bad();
     for (++at; at < text.size() && text[at] >= '0' && text[at] <= '9'; ++at, unit_ns /= 10)
       fraction_ns += (text[at] - '0') * unit_ns;
   }
