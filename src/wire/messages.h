@@ -20,6 +20,7 @@ struct Header {
   std::string version;  ///< as the peer wrote it: "2.1.0", "2.0.0"
   std::string manufacturer;
   std::string serial_number;
+  friend bool operator==(const Header&, const Header&) = default;
 };
 
 /// A parameter's value; anything else than a number, flag or text stays as its JSON.
@@ -91,12 +92,14 @@ struct Order {
   std::string zone_set_id;
   std::vector<OrderNode> nodes;
   std::vector<OrderEdge> edges;
+  friend bool operator==(const Order&, const Order&) = default;
 };
 
 /// Master control to vehicle (§6.9).
 struct InstantActions {
   Header header;
   std::vector<Action> actions;
+  friend bool operator==(const InstantActions&, const InstantActions&) = default;
 };
 
 enum class ActionStatus { waiting, initializing, running, paused, finished, failed };
@@ -113,11 +116,13 @@ struct NodeState {
   std::uint32_t sequence_id{};
   bool released{};
   std::optional<NodePosition> position;
+  friend bool operator==(const NodeState&, const NodeState&) = default;
 };
 struct EdgeState {
   std::string edge_id;
   std::uint32_t sequence_id{};
   bool released{};
+  friend bool operator==(const EdgeState&, const EdgeState&) = default;
 };
 
 struct AgvPosition {
@@ -126,17 +131,20 @@ struct AgvPosition {
   bool position_initialized{};
   std::optional<double> localization_score;  ///< 0…1
   std::optional<double> deviation_range_m;
+  friend bool operator==(const AgvPosition&, const AgvPosition&) = default;
 };
 struct Velocity {
   double vx_mps{};
   double vy_mps{};
   double omega_radps{};
+  friend bool operator==(const Velocity&, const Velocity&) = default;
 };
 struct BatteryState {
   double charge_percent{};
   std::optional<double> voltage_v;
   std::optional<double> reach_m;
   bool charging{};
+  friend bool operator==(const BatteryState&, const BatteryState&) = default;
 };
 
 enum class ErrorLevel { warning, fatal };
@@ -158,6 +166,7 @@ struct Information {
   std::string type;
   std::string description;
   std::vector<Reference> references;
+  friend bool operator==(const Information&, const Information&) = default;
 };
 
 enum class OperatingMode { automatic, semiautomatic, manual, service, teachin };
@@ -186,6 +195,7 @@ struct State {
   std::vector<Information> information;
   EStop e_stop{EStop::none};
   bool field_violation{};  ///< protective field: something stands in the way
+  friend bool operator==(const State&, const State&) = default;
 };
 
 /// Vehicle to anyone who draws (§6.13).
@@ -193,12 +203,14 @@ struct Visualization {
   Header header;
   std::optional<AgvPosition> position;
   std::optional<Velocity> velocity;
+  friend bool operator==(const Visualization&, const Visualization&) = default;
 };
 
 enum class ConnectionState { online, offline, connection_broken };
 struct Connection {
   Header header;
   ConnectionState state{ConnectionState::offline};
+  friend bool operator==(const Connection&, const Connection&) = default;
 };
 
 /// What the vehicle is (§6.15). Only what CoSiVA uses; the codec fills in the rest of the required fields.
@@ -226,8 +238,10 @@ struct Factsheet {
     bool node{};
     bool edge{};
     std::vector<Parameter> parameters;  ///< key, and its value's type as a text: "NUMBER", "STRING"
+    friend bool operator==(const SupportedAction&, const SupportedAction&) = default;
   };
   std::vector<SupportedAction> actions;
+  friend bool operator==(const Factsheet&, const Factsheet&) = default;
 };
 
 }  // namespace cosiva::wire

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <map>
 #include <optional>
-#include <queue>
 #include <string>
 #include <vector>
 
@@ -64,7 +63,8 @@ class Network {
     bool connected{false};
     std::vector<std::string> filters;
     std::optional<Will> will;
-    SimTime last_due{};  ///< keeps one client's ordinary deliveries in order, as TCP does
+    SimTime last_due{};        ///< keeps one client's ordinary deliveries in order, as TCP does
+    SimTime last_acked_due{};  ///< no QoS 1 delivery overtakes one that had to be tried again
   };
   struct Queued {
     Delivery delivery;
@@ -76,14 +76,19 @@ class Network {
     }
   };
   void route(SimTime now, const Publish& message);
+  [[nodiscard]] const std::vector<ClientId>& subscribers(const std::string& topic);
   void schedule(SimTime now, ClientId to, const Publish& message, bool from_retained);
   void enqueue(SimTime at, ClientId to, const Publish& message, bool from_retained);
+  [[nodiscard]] SimDuration draw_delay();
+  [[nodiscard]] SimDuration draw_up_to(SimDuration longest);
 
   Random random_;
   NetworkFaults faults_;
   std::vector<Client> clients_;
   std::map<std::string, Publish> retained_;
-  std::priority_queue<Queued, std::vector<Queued>, Later> queue_;
+  /// Who hears a topic, found once per topic until somebody comes or goes.
+  std::map<std::string, std::vector<ClientId>> subscribers_;
+  std::vector<Queued> queue_;  ///< a heap, earliest first: std::priority_queue would only let copies out
   std::uint64_t sequence_{0};
   Counters counters_;
 };

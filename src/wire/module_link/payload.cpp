@@ -1,0 +1,190 @@
+#include "wire/module_link/payload.h"
+
+#include <string>
+
+#include "wire/module_link/module_link.h"
+
+namespace cosiva::wire::module_link {
+namespace {
+
+/// Length of the longest beginning of `text` within 32 bytes that cuts no UTF-8 character in two.
+std::size_t display_bytes(const std::string& text) {
+  if (text.size() <= text_bytes_max) return text.size();
+  std::size_t end = text_bytes_max;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
+  return end;
+}
+
+struct Write {
+  PayloadWriter& out;
+  void operator()(const Hello& m) const {
+    out.put(static_cast<std::uint8_t>(m.board));
+    out.put(m.protocol_version);
+    out.put(m.firmware_hash);
+    out.put(m.session);
+  }
+  void operator()(const Heartbeat& m) const {
+    out.put(m.uptime_ms);
+    out.put(m.frames_bad);
+    out.put(m.frames_missed);
+    out.put(m.self_test);
+  }
+  void operator()(const Odometry& m) const {
+    out.put(m.board_ms);
+    out.put(m.distance_um);
+    out.put(m.speed_mmps);
+    out.put(m.line_offset_01mm);
+    out.put(static_cast<std::uint8_t>(m.line_lost ? 1 : 0));
+  }
+  void operator()(const Drive& m) const {
+    out.put(m.speed_mmps);
+    out.put(m.acceleration_mmps2);
+    out.put(m.braking_mmps2);
+    out.put(m.branch);
+  }
+  void operator()(const TagRead& m) const {
+    out.put(m.board_ms);
+    out.put(m.number);
+    out.put(m.age_ms);
+  }
+  void operator()(const Display& m) const {
+    const std::size_t bytes = display_bytes(m.text);
+    for (std::size_t i = 0; i < bytes; ++i) out.put(static_cast<std::uint8_t>(m.text[i]));
+  }
+  void operator()(const Ranges& m) const {
+    COSIVA_EXPECT(m.range_mm.size() <= beams_max);
+    out.put(m.board_ms);
+    out.put(m.first_bearing_crad);
+    out.put(m.beam_width_crad);
+    for (const std::uint16_t range : m.range_mm) out.put(range);
+  }
+  void operator()(const Power& m) const {
+    out.put(m.voltage_mv);
+    out.put(m.current_ma);
+    out.put(m.temperature_01C);
+    out.put(m.charge_permille);
+  }
+};
+
+enum Type : std::uint8_t { hello = 1, heartbeat, odometry, drive, tag_read, display, ranges, power };
+
+/// The one right length; nothing where it varies.
+std::optional<std::size_t> fixed_length(std::uint8_t type) {
+  switch (type) {
+    case hello:
+    case tag_read: return 10;
+    case heartbeat: return 9;
+    case odometry: return 17;
+    case drive: return 7;
+    case power: return 8;
+    default: return std::nullopt;
+  }
+}
+
+tl::unexpected<Error> wrong_length(std::size_t bytes, const std::string& expected) {
+  return fail("link.length", "the payload has " + std::to_string(bytes) + " bytes, expected " + expected);
+}
+tl::unexpected<Error> wrong_value(const char* field, unsigned value, const char* expected) {
+  return fail("link.value", std::string(field) + " is " + std::to_string(value) + ", expected " + expected);
+}
+
+Result<BoardMessage> read_hello(PayloadReader in) {
+  const auto board = in.take<std::uint8_t>();
+  if (board < 1 || board > all_boards.size()) return wrong_value("the board", board, "1 to 4");
+  Hello m{};
+  m.board = static_cast<Board>(board);
+  m.protocol_version = in.take<std::uint8_t>();
+  m.firmware_hash = in.take<std::uint32_t>();
+  m.session = in.take<std::uint32_t>();
+  return m;
+}
+
+Result<BoardMessage> read_heartbeat(PayloadReader in) {
+  Heartbeat m;
+  m.uptime_ms = in.take<std::uint32_t>();
+  m.frames_bad = in.take<std::uint16_t>();
+  m.frames_missed = in.take<std::uint16_t>();
+  m.self_test = in.take<std::uint8_t>();
+  return m;
+}
+
+Result<BoardMessage> read_odometry(PayloadReader in) {
+  Odometry m;
+  m.board_ms = in.take<std::uint32_t>();
+  m.distance_um = in.take<std::int64_t>();
+  m.speed_mmps = in.take<std::int16_t>();
+  m.line_offset_01mm = in.take<std::int16_t>();
+  const auto lost = in.take<std::uint8_t>();
+  if (lost > 1) return wrong_value("line lost", lost, "0 or 1");
+  m.line_lost = lost == 1;
+  return m;
+}
+
+Result<BoardMessage> read_drive(PayloadReader in) {
+  Drive m;
+  m.speed_mmps = in.take<std::int16_t>();
+  m.acceleration_mmps2 = in.take<std::uint16_t>();
+  m.braking_mmps2 = in.take<std::uint16_t>();
+  m.branch = in.take<std::uint8_t>();
+  return m;
+}
+
+Result<BoardMessage> read_tag(PayloadReader in) {
+  TagRead m;
+  m.board_ms = in.take<std::uint32_t>();
+  m.number = in.take<std::uint32_t>();
+  m.age_ms = in.take<std::uint16_t>();
+  return m;
+}
+
+Result<BoardMessage> read_display(std::span<const std::uint8_t> payload) {
+  if (payload.size() > text_bytes_max) return wrong_length(payload.size(), "at most 32");
+  return Display{std::string(payload.begin(), payload.end())};
+}
+
+Result<BoardMessage> read_ranges(std::span<const std::uint8_t> payload) {
+  constexpr std::size_t head = 8;
+  if (payload.size() < head || payload.size() > head + 2 * beams_max || payload.size() % 2 != 0)
+    return wrong_length(payload.size(), "8 and 2 for each of at most 32 beams");
+  PayloadReader in{payload};
+  Ranges m;
+  m.board_ms = in.take<std::uint32_t>();
+  m.first_bearing_crad = in.take<std::int16_t>();
+  m.beam_width_crad = in.take<std::uint16_t>();
+  m.range_mm.resize((payload.size() - head) / 2);
+  for (auto& range : m.range_mm) range = in.take<std::uint16_t>();
+  return m;
+}
+
+Result<BoardMessage> read_power(PayloadReader in) {
+  Power m;
+  m.voltage_mv = in.take<std::uint16_t>();
+  m.current_ma = in.take<std::int16_t>();
+  m.temperature_01C = in.take<std::int16_t>();
+  m.charge_permille = in.take<std::uint16_t>();
+  if (m.charge_permille > 1000) return wrong_value("the charge", m.charge_permille, "0 to 1000");
+  return m;
+}
+
+}  // namespace
+
+void write_payload(PayloadWriter& out, const BoardMessage& message) { std::visit(Write{out}, message); }
+
+Result<BoardMessage> read_payload(std::uint8_t type, std::span<const std::uint8_t> payload) {
+  const auto length = fixed_length(type);
+  if (length && payload.size() != *length) return wrong_length(payload.size(), std::to_string(*length));
+  const PayloadReader in{payload};
+  switch (type) {
+    case hello: return read_hello(in);
+    case heartbeat: return read_heartbeat(in);
+    case odometry: return read_odometry(in);
+    case drive: return read_drive(in);
+    case tag_read: return read_tag(in);
+    case display: return read_display(payload);
+    case ranges: return read_ranges(payload);
+    case power: return read_power(in);
+    default: return fail("link.type", "message type " + std::to_string(type) + " is not known, expected 1 to 8");
+  }
+}
+
+}  // namespace cosiva::wire::module_link
