@@ -1,0 +1,292 @@
+#include "journal/journal.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <sstream>
+
+#include "base/random.h"
+#include "journal/crc32c.h"
+
+namespace cosiva::journal {
+namespace {
+
+using namespace std::chrono_literals;
+using wire::Input;
+using wire::InputKind;
+
+TEST(Crc32c, gives_the_published_check_values) {
+  EXPECT_EQ(crc32c("123456789"), 0xE3069283U);
+  EXPECT_EQ(crc32c(""), 0U);
+  // RFC 3720 B.4: 32 bytes of zeros, of ones, and counting up.
+  EXPECT_EQ(crc32c(std::string(32, '\0')), 0x8A9136AAU);
+  EXPECT_EQ(crc32c(std::string(32, '\xFF')), 0x62A8AB43U);
+  std::string counting;
+  for (char c = 0; c < 32; ++c) counting += c;
+  EXPECT_EQ(crc32c(counting), 0x46DD794EU);
+}
+
+TEST(Crc32c, can_be_taken_piece_by_piece) {
+  const std::string text = "a journal is read from front to back";
+  for (std::size_t cut = 0; cut <= text.size(); ++cut)
+    EXPECT_EQ(crc32c(text.substr(cut), crc32c(text.substr(0, cut))), crc32c(text));
+}
+
+std::string written(const std::vector<Input>& inputs, const std::optional<std::string>& digest = std::nullopt) {
+  std::string bytes;
+  Writer writer{[&](std::string_view piece) { bytes += piece; }};
+  for (const Input& input : inputs) writer.append(input);
+  if (digest) writer.end(SimTime{9s}, *digest);
+  return bytes;
+}
+
+struct ReadBack {
+  std::vector<Input> inputs;
+  std::optional<std::string> digest;
+  bool truncated{};
+  std::optional<Error> error;
+};
+ReadBack read_all(std::string_view bytes) {
+  ReadBack back;
+  auto reader = Reader::open(bytes);
+  if (!reader) return {{}, {}, false, reader.error()};
+  for (;;) {
+    auto next = reader->next();
+    if (!next) back.error = next.error();
+    if (!next || !*next) break;
+    back.inputs.push_back(std::move(**next));
+  }
+  back.digest = reader->recorded_digest();
+  back.truncated = reader->truncated();
+  return back;
+}
+
+const std::vector<Input> three{{SimTime{0s}, InputKind::configure, "server", R"({"zone":"lacet4"})", false},
+                               {SimTime{1ns}, InputKind::message, "uagv/v2/m/1/state", std::string("\0\xFF", 2), true},
+                               {SimTime{-1ns}, InputKind::tick, "", "", false}};
+
+TEST(Journal, reads_back_what_it_wrote) {
+  const ReadBack back = read_all(written(three, "0123456789abcdef"));
+  EXPECT_FALSE(back.error);
+  EXPECT_EQ(back.inputs, three);
+  EXPECT_EQ(back.digest, "0123456789abcdef");
+  EXPECT_FALSE(back.truncated);
+}
+
+Input any_input(Random& random) {
+  const auto text = [&](std::uint64_t most) {
+    std::string bytes(random.below(most + 1), '\0');
+    for (char& byte : bytes) byte = static_cast<char>(random.below(256));
+    return bytes;
+  };
+  return {SimTime{SimDuration{static_cast<std::int64_t>(random.next())}}, static_cast<InputKind>(1 + random.below(8)),
+          text(100), text(1000), random.chance(0.5)};
+}
+
+TEST(Journal, reads_back_any_input) {
+  EXPECT_TRUE(rc::check([](std::uint64_t seed) {
+    Random random{seed, "inputs"};
+    std::vector<Input> inputs;
+    for (auto left = random.below(20); left > 0; --left) inputs.push_back(any_input(random));
+    const ReadBack back = read_all(written(inputs));
+    RC_ASSERT(!back.error);
+    RC_ASSERT(!back.truncated);
+    RC_ASSERT(back.inputs == inputs);
+    RC_ASSERT(!back.digest);
+  }));
+}
+
+/// The bytes of the first block marked `hex` in a document; '#' starts a comment.
+std::string hex_block(const std::string& file) {
+  std::ifstream document{file};
+  std::string bytes;
+  std::string line;
+  bool inside = false;
+  while (std::getline(document, line)) {
+    if (line.starts_with("```")) {
+      if (inside) break;
+      inside = line == "```hex";
+      continue;
+    }
+    if (!inside) continue;
+    std::istringstream pairs{line.substr(0, line.find('#'))};
+    for (std::string pair; pairs >> pair;) bytes += static_cast<char>(std::stoi(pair, nullptr, 16));
+  }
+  return bytes;
+}
+
+TEST(Journal, is_written_as_its_document_shows_byte_by_byte) {
+  const std::vector<Input> run{
+      {virtual_epoch, InputKind::configure, "server", R"({"zone":"lacet4"})", false},
+      {virtual_epoch + 50ms, InputKind::message, "a/b", "hi", true},
+      {virtual_epoch + 100ms, InputKind::tick, "", "", false},
+  };
+  std::string bytes;
+  Writer writer{[&](std::string_view piece) { bytes += piece; }};
+  for (const Input& input : run) writer.append(input);
+  writer.end(virtual_epoch + 100ms, "0123456789abcdef");
+  const std::string documented = hex_block(COSIVA_SOURCE_DIR "/docs/protocols/journal.md");
+  EXPECT_EQ(bytes, documented);
+  EXPECT_EQ(read_all(documented).inputs, run);
+}
+
+TEST(Journal, cut_anywhere_gives_the_whole_records_before_the_cut) {
+  const std::string whole = written(three, "0123456789abcdef");
+  std::vector<std::size_t> ends;
+  for (std::size_t n = 0; n <= three.size(); ++n)
+    ends.push_back(written({three.begin(), three.begin() + static_cast<std::ptrdiff_t>(n)}).size());
+  for (std::size_t cut = ends[0]; cut < whole.size(); ++cut) {
+    const ReadBack back = read_all(std::string_view{whole}.substr(0, cut));
+    EXPECT_FALSE(back.error) << cut;
+    EXPECT_FALSE(back.digest) << cut;
+    const auto complete = static_cast<std::size_t>(std::ranges::upper_bound(ends, cut) - ends.begin()) - 1;
+    EXPECT_EQ(back.inputs.size(), complete) << cut;
+    EXPECT_EQ(back.truncated, std::ranges::find(ends, cut) == ends.end()) << cut;
+  }
+}
+
+TEST(Journal, notices_any_single_bit_that_flipped) {
+  const std::string whole = written(three, "0123456789abcdef");
+  for (std::size_t bit = 0; bit < whole.size() * 8; ++bit) {
+    std::string damaged = whole;
+    damaged[bit / 8] = static_cast<char>(static_cast<unsigned char>(damaged[bit / 8]) ^ (1U << (bit % 8)));
+    const ReadBack back = read_all(damaged);
+    // A longer length may point past the end, which looks like a cut; everything else is an error.
+    EXPECT_TRUE(back.error || back.truncated) << bit;
+    EXPECT_LE(back.inputs.size(), three.size());
+  }
+}
+
+TEST(Journal, names_the_offset_of_a_damaged_record_again_and_again) {
+  std::string bytes = written(three);
+  const std::size_t second = written({three[0]}).size();
+  bytes[second + 20] = static_cast<char>(bytes[second + 20] + 1);
+  auto reader = Reader::open(bytes);
+  ASSERT_TRUE(reader);
+  ASSERT_TRUE(reader->next());
+  for (int i = 0; i < 3; ++i) {
+    const auto next = reader->next();
+    ASSERT_FALSE(next);
+    EXPECT_EQ(next.error().code, "journal.crc");
+    EXPECT_EQ(next.error().place, "offset " + std::to_string(second));
+  }
+}
+
+/// One record with a right checksum around any body.
+std::string sealed(const std::string& body) {
+  std::string record;
+  for (unsigned i = 0; i < 4; ++i) record += static_cast<char>((body.size() >> (8U * i)) & 0xFFU);
+  record += body;
+  const std::uint32_t crc = crc32c(record);
+  for (unsigned i = 0; i < 4; ++i) record += static_cast<char>((crc >> (8U * i)) & 0xFFU);
+  return "COSIVAJ1" + record;
+}
+std::string body(char kind, char flag, char source_low, const std::string& rest) {
+  return std::string{kind, flag} + std::string(8, '\0') + std::string{source_low, '\0'} + rest;
+}
+
+TEST(Journal, refuses_records_that_a_right_checksum_makes_no_better) {
+  EXPECT_FALSE(read_all(sealed(body(7, 0, 0, ""))).error);
+  EXPECT_EQ(read_all(sealed(body(0, 0, 0, ""))).error->code, "journal.kind");
+  EXPECT_EQ(read_all(sealed(body(9, 0, 0, ""))).error->code, "journal.kind");
+  EXPECT_EQ(read_all(sealed(body(7, 2, 0, ""))).error->code, "journal.flag");
+  EXPECT_EQ(read_all(sealed(body(7, 0, 5, "abcd"))).error->code, "journal.length");
+  EXPECT_EQ(read_all(sealed("short")).error->code, "journal.length");
+  EXPECT_EQ(read_all("COSIVAJ1\xFF\xFF\xFF\xFF").error->code, "journal.length");
+}
+
+TEST(Journal, is_nothing_but_a_journal) {
+  for (const char* bytes : {"", "COSIVA", "COSIVAJ2", "cosivaj1"})
+    EXPECT_EQ(read_all(bytes).error->code, "journal.magic") << bytes;
+}
+
+TEST(Journal, ends_at_its_end_record) {
+  const std::string bytes = written(three, "x") + "more";
+  EXPECT_EQ(read_all(bytes).error->code, "journal.after_end");
+}
+
+/// Sums up what it is told; publishes the sum on every tick.
+class SumCore final : public wire::Core {
+ public:
+  void handle(const Input& input, wire::Effects& effects) override {
+    for (const char c : input.payload) sum += static_cast<unsigned char>(c);
+    if (input.kind == InputKind::tick) effects.push_back(wire::Publish{"sum", std::to_string(sum), 0, false});
+  }
+  [[nodiscard]] SimDuration tick_period() const override { return 100ms; }
+  [[nodiscard]] std::vector<std::string> subscriptions() const override { return {}; }
+  void fold(Digest& digest) const override { digest.add(sum); }
+  std::uint64_t sum{0};
+};
+
+Result<std::unique_ptr<wire::Core>> make_sum(const Input&) { return std::make_unique<SumCore>(); }
+
+std::string recorded_run(const std::vector<Input>& inputs) {
+  std::string bytes;
+  Writer writer{[&](std::string_view piece) { bytes += piece; }};
+  SumCore core;
+  wire::CoreRunner runner{core, [&](const Input& input) { writer.append(input); }};
+  for (const Input& input : inputs) runner.feed(input);
+  writer.end(inputs.back().at, runner.digest().hex());
+  return bytes;
+}
+
+TEST(Replay, gives_the_digest_that_the_live_run_recorded) {
+  std::uint64_t sum_at_end = 0;
+  const auto replayed =
+      replay(recorded_run(three), make_sum, [&](wire::Core& core) { sum_at_end = dynamic_cast<SumCore&>(core).sum; });
+  ASSERT_TRUE(replayed) << to_string(replayed.error());
+  EXPECT_EQ(replayed->recorded_digest, replayed->digest);
+  EXPECT_EQ(replayed->inputs, 3U);
+  EXPECT_FALSE(replayed->truncated);
+  EXPECT_GT(sum_at_end, 0U);
+}
+
+TEST(Replay, of_a_core_that_acts_otherwise_gives_another_digest) {
+  class Other final : public wire::Core {
+   public:
+    void handle(const Input&, wire::Effects&) override {}
+    [[nodiscard]] SimDuration tick_period() const override { return 1s; }
+    [[nodiscard]] std::vector<std::string> subscriptions() const override { return {}; }
+    void fold(Digest&) const override {}
+  };
+  const auto replayed = replay(recorded_run(three), [](const Input&) -> Result<std::unique_ptr<wire::Core>> {
+    return std::make_unique<Other>();
+  });
+  ASSERT_TRUE(replayed);
+  EXPECT_NE(replayed->recorded_digest, replayed->digest);
+}
+
+TEST(Replay, of_a_run_that_was_killed_goes_as_far_as_the_record) {
+  const std::string bytes = recorded_run(three);
+  const auto replayed = replay(std::string_view{bytes}.substr(0, bytes.size() - 1), make_sum);
+  ASSERT_TRUE(replayed);
+  EXPECT_TRUE(replayed->truncated);
+  EXPECT_FALSE(replayed->recorded_digest);
+  EXPECT_EQ(replayed->inputs, 3U);
+}
+
+TEST(Replay, starts_with_the_configuration_and_with_nothing_else) {
+  EXPECT_EQ(replay(written({three[1]}), make_sum).error().code, "journal.configure");
+  EXPECT_EQ(replay(written({}), make_sum).error().code, "journal.configure");
+  EXPECT_EQ(replay("rubbish", make_sum).error().code, "journal.magic");
+}
+
+TEST(Replay, passes_on_why_no_core_could_be_made) {
+  const auto replayed =
+      replay(written(three), [](const Input&) -> Result<std::unique_ptr<wire::Core>> { return fail("x.y", "no"); });
+  ASSERT_FALSE(replayed);
+  EXPECT_EQ(replayed.error().code, "x.y");
+}
+
+TEST(Replay, tells_of_damage_instead_of_a_digest) {
+  std::string bytes = recorded_run(three);
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] + 1);
+  EXPECT_FALSE(replay(bytes, make_sum));
+}
+
+}  // namespace
+}  // namespace cosiva::journal
