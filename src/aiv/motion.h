@@ -3,6 +3,7 @@
 #include <span>
 #include <string_view>
 
+#include "base/expect.h"
 #include "base/pose.h"
 #include "zone/circuit.h"
 
@@ -57,7 +58,8 @@ class AivMotion {
   [[nodiscard]] Pose2 pose(const zone::Circuit& circuit) const;
 
   /// A30: travels DTT ≥ 0 over as many sections as it takes. Gives the distance really travelled: less than asked only
-  /// at a dead end. At a fork the `branch`-th successor is taken (0: the default; too large: the last).
+  /// at a dead end. DTT is at most 1e9 m: the loop walks every section it passes. At a fork the `branch`-th successor
+  /// is taken (0: the default; too large: the last).
   double move(const zone::Circuit& circuit, double DTT_m, std::size_t branch = 0);
 
   /// A32: on a change mDTCS is mirrored first (L − mDTCS), then the state; the position stays. True when it changed.
@@ -65,11 +67,17 @@ class AivMotion {
   bool on_indirect_move_req(const zone::Circuit& circuit);
 
   /// Signed move along the circuit: negative distances travel against the current direction. For corrections.
+  /// Gives the distance really travelled, with its sign.
   double shift(const zone::Circuit& circuit, double distance_m);
 
   friend bool operator==(const AivMotion&, const AivMotion&) = default;
 
  private:
+  /// Phase b of figure 14, as often as sections are too short: called when the section conservation condition fails.
+  double move_across(const zone::Circuit& circuit, double DTT_m, std::size_t branch);
+  /// Mirrors mDTCS, then lets the direction change its state (figure 13).
+  bool turn(const zone::Circuit& circuit, TravelDir::Event event);
+
   zone::SectionId section_{zone::no_section};
   double mDTCS_m_{0.0};
   TravelDir direction_;
@@ -78,5 +86,21 @@ class AivMotion {
 /// One pass over many AIVs: each travels its own distance; `poses` (same length, may be empty) receives where they are.
 void move_all(const zone::Circuit& circuit, std::span<AivMotion> aivs, std::span<const double> DTT_m,
               std::span<Pose2> poses);
+
+// The usual move stays on its section (phases a and c only); it is inlined, because a fleet makes millions of them.
+inline double AivMotion::move(const zone::Circuit& circuit, double DTT_m, std::size_t branch) {
+  COSIVA_EXPECT(DTT_m >= 0.0);
+  const double length_m = circuit.section(section_).length_m();
+  const double reached_m = mDTCS_m_ + DTT_m;
+  if (reached_m > length_m) return move_across(circuit, DTT_m, branch);
+  mDTCS_m_ = reached_m;
+  return DTT_m;
+}
+
+inline zone::Place AivMotion::place(const zone::Circuit& circuit) const {
+  return {section_, direction_.arc_length(circuit.section(section_), mDTCS_m_)};
+}
+
+inline Pose2 AivMotion::pose(const zone::Circuit& circuit) const { return circuit.pose_at(place(circuit)); }
 
 }  // namespace cosiva::aiv

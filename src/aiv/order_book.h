@@ -26,14 +26,23 @@ class OrderBook {
     ignored_same,  ///< same orderId and orderUpdateId again: the legal repair of a lost message, silence (trap 7)
   };
 
-  explicit OrderBook(const zone::TrafficZone& zone);
+  /// @param supported_actions  types of node and edge actions that this vehicle performs; an order with another one is
+  ///                           refused whole
+  explicit OrderBook(const zone::TrafficZone& zone, std::vector<std::string> supported_actions = {});
 
   /// Accepts, or refuses with one of the standard's error types as code: validationError, orderError, orderUpdateError,
   /// noRouteError. A refusal changes nothing.
   [[nodiscard]] Result<Verdict> offer(const wire::Order& order, const Standing& standing);
 
-  /// Forgets what is left, as cancelOrder wants; ids stay (trap 6).
+  /// Forgets what is left, as cancelOrder wants; ids stay (trap 6). A late update of the cancelled order is refused: it
+  /// would drive the vehicle on after somebody stopped it.
   void cancel();
+
+  /// The vehicle finds itself elsewhere than it thought (`initPosition`, or a tag that contradicts the belief). True
+  /// when the place lies on what is left of the order, which then goes on from there; false changes nothing.
+  [[nodiscard]] bool relocate(zone::Place place);
+  /// As initPosition tells: the node the vehicle stands on or passed last.
+  void set_last_node(std::string node_id);
 
   /// A node of the order, found on the circuit.
   struct Target {
@@ -43,12 +52,15 @@ class OrderBook {
     std::optional<double> max_speed_mps;  ///< of the edge that leads here
   };
 
-  /// Tells how far the vehicle has come; returns the nodes it traversed just now, in order.
+  /// Tells how far the vehicle has come since the last call (negative: a correction backwards); returns the nodes it
+  /// traversed just now, in order. A node is traversed when the vehicle's middle passes it; where the base ends already
+  /// 15 mm before, because a vehicle that aims to stand on a node stands as often just before it as just behind.
   std::vector<wire::OrderNode> travelled(double distance_m);
 
   [[nodiscard]] bool active() const;  ///< nodes are left, released or not
   [[nodiscard]] bool base_left() const;
-  /// Path distance to the last released node that is left; 0 when none is. What the vehicle may drive without asking.
+  /// Path distance to the last released node: what the vehicle may drive without asking. 0 without a base; after the
+  /// end of the base counts as traversed, still the last millimetres to it.
   [[nodiscard]] double distance_to_base_end_m() const;
   [[nodiscard]] bool horizon_left() const;
   [[nodiscard]] std::optional<double> speed_limit_mps() const;  ///< of the edge it is on
@@ -61,11 +73,31 @@ class OrderBook {
   [[nodiscard]] double since_last_node_m() const;
   [[nodiscard]] std::vector<wire::NodeState> node_states() const;
   [[nodiscard]] std::vector<wire::EdgeState> edge_states() const;
-  /// All actions of nodes and edges that are left, in order, with the node or edge they belong to.
+  /// The nodes that are left, in order.
   [[nodiscard]] const std::vector<Target>& targets() const { return targets_; }
+  /// Along the order from its first node, as Target::path_m counts.
+  [[nodiscard]] double travelled_m() const { return travelled_m_; }
 
  private:
+  /// What an order means on this circuit: its nodes after the first.
+  struct Route {
+    std::vector<Target> targets;
+    std::vector<wire::OrderEdge> edges;
+  };
+  [[nodiscard]] Result<Verdict> offer_new(const wire::Order& order, const Standing& standing);
+  [[nodiscard]] Result<Verdict> offer_update(const wire::Order& order, const Standing& standing);
+  [[nodiscard]] Result<Route> route(const wire::Order& order, zone::Place first, double first_path_m) const;
+  [[nodiscard]] Result<zone::Place> find(const wire::OrderNode& node, zone::Place from, bool is_first) const;
+  /// How far the vehicle is beyond the first node; negative: before it. noRouteError where that is too far.
+  [[nodiscard]] Result<double> way_from_first_node(const wire::OrderNode& node, zone::Place first, double first_edge_m,
+                                                   zone::Place now) const;
+  [[nodiscard]] std::size_t released_count() const;
+  void take_over(const wire::Order& order);
+
   const zone::TrafficZone& zone_;
+  std::vector<std::string> supported_actions_;
+  double ring_m_;          ///< no edge is longer than the whole circuit
+  bool cancelled_{false};  ///< the order of these ids was cancelled
   std::string order_id_;
   std::uint32_t order_update_id_{0};
   std::string zone_set_id_;
@@ -75,6 +107,8 @@ class OrderBook {
   std::vector<wire::OrderEdge> edges_;  ///< edges not yet left
   double travelled_m_{0.0};             ///< along the order, from its first node
   double last_node_path_m_{0.0};
+  double base_end_path_m_{0.0};
+  zone::Place last_node_place_;
 };
 
 }  // namespace cosiva::aiv

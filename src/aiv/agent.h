@@ -1,0 +1,114 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "aiv/corridor.h"
+#include "aiv/envelope.h"
+#include "aiv/estimator.h"
+#include "aiv/order_book.h"
+#include "aiv/speed.h"
+#include "wire/board.h"
+#include "zone/traffic_zone.h"
+
+namespace cosiva::aiv {
+
+/// Why a vehicle stands although its order would let it go. Several may hold at once.
+enum class Hold : std::uint8_t {
+  paused = 1U << 0U,        ///< startPause
+  broker_lost = 1U << 1U,   ///< nothing can be heard from outside
+  server_lost = 1U << 2U,   ///< a server it has heard beats no more
+  board_lost = 1U << 3U,    ///< it cannot sense or act
+  board_faulty = 1U << 4U,  ///< a board that it drives by says that it is broken
+  line_lost = 1U << 5U,     ///< nothing to follow under the sensors
+};
+[[nodiscard]] std::string_view to_string(Hold hold);
+
+/// The vehicle's mind (A9, A10), free of wires: readings and instructions in, a drive command out. It follows its
+/// order, keeps its distance, waits at crossings, and stops when told or when it hears nothing any more. The physical
+/// vehicle's on-board program and a virtual AIV run this same object.
+class Agent {
+ public:
+  /// @param zone     must outlive the agent
+  /// @param chooser  the decision that may be fuzzy; the envelope above it is not. Nothing: the crisp rules
+  explicit Agent(const zone::TrafficZone& zone, std::unique_ptr<SpeedChooser> chooser = nullptr);
+
+  // What it perceives.
+  void on_odometry(const wire::Odometry& odometry);
+  void on_odometry_lost();   ///< nothing more is known of the speed: its motors stop by themselves
+  void on_odometer_reset();  ///< the board powered up anew
+  PositionEstimator::Fix on_tag(const wire::TagRead& tag);
+  void on_ranges(const wire::Ranges& ranges);
+  void on_charge(double charge) { charge_ = charge; }
+
+  // What it is told.
+  /// Somebody who knows: configuration or memory.
+  void stand_at(zone::Place place);
+  /// initPosition: fails ("position.off_circuit") further than 0.25 m from the circuit or looking another way, and
+  /// ("position.busy") while an order is active or the vehicle moves.
+  [[nodiscard]] Result<void> initialise_position(const Pose2& X_MB, std::string last_node_id);
+  [[nodiscard]] Result<OrderBook::Verdict> take_order(const wire::Order& order);
+  void hold(Hold reason, bool on);
+  void impose(std::optional<Profile> profile) { imposed_ = profile; }
+  void limit_speed(std::optional<double> speed_mps) { speed_mps_max_ = speed_mps; }
+  /// Brakes; once it stands the order is dropped and cancelling() ends. False: there is no order to cancel.
+  [[nodiscard]] bool begin_cancel();
+
+  /// What the motors have to do now. At least every 100 ms: the board's watchdog waits 300 ms.
+  [[nodiscard]] wire::Drive decide();
+
+  // What it knows.
+  [[nodiscard]] const PositionEstimator& position() const { return estimator_; }
+  [[nodiscard]] const OrderBook& order() const { return order_; }
+  [[nodiscard]] double speed_mps() const { return speed_mps_; }
+  [[nodiscard]] double turn_rate_radps() const;
+  [[nodiscard]] bool standing() const { return standing_; }
+  [[nodiscard]] bool cancelling() const { return cancelling_; }
+  [[nodiscard]] bool holds(Hold reason) const { return (holds_ & static_cast<std::uint8_t>(reason)) != 0; }
+  [[nodiscard]] std::uint8_t holds() const { return holds_; }
+  /// The protective field is violated: an obstacle keeps the vehicle from going.
+  [[nodiscard]] bool blocked() const { return blocked_; }
+  /// The base ends soon and more is announced (§6.10.3).
+  [[nodiscard]] bool wants_base() const { return wants_base_; }
+  [[nodiscard]] std::optional<Profile> imposed() const { return imposed_; }
+  [[nodiscard]] std::optional<double> speed_mps_max() const { return speed_mps_max_; }
+  [[nodiscard]] Status status() const { return status_of(speed_mps_, imposed_); }
+  [[nodiscard]] double charge() const { return charge_; }
+  /// Nodes traversed since the last call, in order.
+  [[nodiscard]] std::vector<wire::OrderNode> take_traversed();
+  /// True once after the belief jumped off the order, which was dropped then.
+  [[nodiscard]] bool take_lost_order();
+
+ private:
+  void advance_order(double distance_m);
+  [[nodiscard]] double obstacle_ahead_m() const;
+  [[nodiscard]] wire::Drive drive(double speed_mps, const zone::SpeedProfile& kinematics) const;
+
+  const zone::TrafficZone& zone_;
+  std::unique_ptr<SpeedChooser> chooser_;
+  PositionEstimator estimator_;
+  OrderBook order_;
+  Corridor corridor_;
+  ObstacleFilter obstacle_;
+  Envelope envelope_;
+
+  double speed_mps_{0.0};
+  int slow_readings_{2};  ///< in a row under a centimetre per second; it starts standing
+  bool standing_{true};
+  double charge_{1.0};
+  std::uint8_t holds_{0};
+  std::optional<Profile> imposed_;
+  std::optional<double> speed_mps_max_;
+  bool cancelling_{false};
+  bool blocked_{false};
+  bool wants_base_{false};
+  bool lost_order_{false};
+  double crossing_ahead_m_{std::numeric_limits<double>::infinity()};
+  std::vector<wire::OrderNode> traversed_;
+};
+
+}  // namespace cosiva::aiv

@@ -1,0 +1,150 @@
+#include "aiv/envelope.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "aiv/speed.h"
+
+namespace cosiva::aiv {
+namespace {
+
+/// From a command's tick to wheels that obey it: our tick, the board's cycle, and the age of the odometry.
+constexpr double reaction_s = 0.08;
+/// An obstacle is believed at its second frame out of three, 60 ms apart.
+constexpr double obstacle_reaction_s = 0.15;
+/// Before the stop line: standing accuracy, so that not even an overshoot enters the crossing.
+constexpr double stop_line_m = 0.01;
+/// Rounding between the order's way and the crossing's.
+constexpr double rounding_m = 0.005;
+/// How far past its stopping distance the vehicle looks.
+constexpr double look_ahead_m = 0.5;
+
+/// Highest speed now that reaches a place `ahead_m` away at no more than `limit_mps`.
+double speed_before(double limit_mps, double ahead_m, double braking_mps2) {
+  const double d_m = std::max(0.0, ahead_m - limit_mps * reaction_s);
+  return std::sqrt(limit_mps * limit_mps + 2.0 * braking_mps2 * d_m);
+}
+
+}  // namespace
+
+CrossingsAhead::CrossingsAhead(const zone::TrafficZone& zone)
+    : circuit_{zone.circuit}, gap_m_{zone::standing_room_m(zone.vehicle)}, spans_(zone.circuit.size()) {
+  for (const zone::Crossing& crossing : zone.crossings) {
+    for (const zone::CrossingSpan& span : crossing.spans) spans_[span.section].push_back({span.from_m, span.to_m});
+  }
+  for (auto& spans : spans_) {
+    std::ranges::sort(spans, {}, &Span::from_m);
+    std::size_t last = 0;
+    for (std::size_t i = 1; i < spans.size(); ++i) {
+      if (spans[i].from_m <= spans[last].to_m) {
+        spans[last].to_m = std::max(spans[last].to_m, spans[i].to_m);
+      } else {
+        spans[++last] = spans[i];
+      }
+    }
+    if (!spans.empty()) spans.resize(last + 1);
+  }
+}
+
+CrossingsAhead::Chain CrossingsAhead::first(zone::Place here, double reach_m) const {
+  Chain chain;
+  bool found = false;
+  double start_m = -here.s_m;  // of section `id`, seen from here
+  double busy_until_m = 0.0;   // the end of the span that the vehicle stands in
+  zone::SectionId id = here.section;
+  // Twice round is more than any chain needs; it ends the search on a ring that is one chain.
+  for (std::size_t steps = 0; steps < 2 * circuit_.size(); ++steps) {
+    for (const Span& span : spans_[id]) {
+      const double from_m = start_m + span.from_m;
+      const double to_m = start_m + span.to_m;
+      if (found) {
+        if (from_m - chain.exit_m >= gap_m_) return chain;
+        chain.exit_m = std::max(chain.exit_m, to_m);
+      } else if (from_m <= busy_until_m) {
+        // Entered already, or the same crossing goes on over the joint of two sections.
+        if (to_m > 0.0) busy_until_m = std::max(busy_until_m, to_m);
+      } else {
+        if (from_m > reach_m) return chain;
+        chain = {from_m, to_m};
+        found = true;
+      }
+    }
+    start_m += circuit_.section(id).length_m();
+    if (start_m > (found ? chain.exit_m + gap_m_ : reach_m)) return chain;
+    if (circuit_.next(id).empty()) return chain;
+    id = circuit_.next(id).front();
+  }
+  return chain;
+}
+
+Envelope::Envelope(const zone::TrafficZone& zone)
+    : zone_{zone},
+      crossings_{zone},
+      braking_mps2_max_{std::max(
+          {zone.profiles.slow.braking_mps2, zone.profiles.medium.braking_mps2, zone.profiles.fast.braking_mps2})},
+      sections_have_limits_{false} {
+  for (zone::SectionId id = 0; id < zone.circuit.size(); ++id)
+    sections_have_limits_ |= zone.circuit.part(id).speed_mps_max.has_value();
+}
+
+Limit Envelope::limit(const View& view, const zone::SpeedProfile& wish) const {
+  const double braking = wish.braking_mps2;
+  const double speed = std::fabs(view.speed_mps);
+  const double reach_m = speed * speed / (2.0 * braking) + speed * reaction_s + look_ahead_m;
+
+  double end_m = view.order.distance_to_base_end_m();
+  Limit limit{wish.speed_mps, braking, false, std::numeric_limits<double>::infinity()};
+  const auto chain = crossings_.first(view.here, reach_m);
+  if (chain.entry_m < end_m) {
+    const bool leads_through = end_m >= chain.exit_m - rounding_m;
+    const bool ends_there_on_purpose = !view.order.horizon_left();
+    if (!leads_through && !ends_there_on_purpose) {
+      limit.crossing_ahead_m = chain.entry_m;
+      end_m = std::max(0.0, chain.entry_m - stop_line_m);
+    }
+  }
+  const double obstacle_m = view.obstacle_ahead_m - stand_off_m;
+
+  limit.speed_mps = std::min(limit.speed_mps, stoppable_speed(end_m, braking, reaction_s));
+  if (sections_have_limits_) limit.speed_mps = std::min(limit.speed_mps, section_limit_mps(view, wish, reach_m));
+  limit.speed_mps = std::min(limit.speed_mps, edge_limit_mps(view, wish));
+  const double obstacle_speed = stoppable_speed(obstacle_m, braking, obstacle_reaction_s);
+  if (obstacle_speed < limit.speed_mps) {
+    limit.speed_mps = obstacle_speed;
+    limit.by_obstacle = true;
+  }
+  // A base, a crossing or an obstacle that came nearer than the profile can brake for (a slower profile has weaker
+  // brakes): then all the brakes there are.
+  const double hard_m = std::min(end_m, obstacle_m);
+  if (speed > 0.0 && speed * speed > 2.0 * braking * std::max(0.0, hard_m)) limit.braking_mps2 = braking_mps2_max_;
+  return limit;
+}
+
+double Envelope::section_limit_mps(const View& view, const zone::SpeedProfile& wish, double reach_m) const {
+  const zone::Circuit& circuit = zone_.circuit;
+  double limit_mps = std::numeric_limits<double>::infinity();
+  double start_m = -view.here.s_m;
+  zone::SectionId id = view.here.section;
+  while (start_m <= reach_m) {
+    if (const auto& section_mps = circuit.part(id).speed_mps_max)
+      limit_mps = std::min(limit_mps, speed_before(*section_mps, std::max(0.0, start_m), wish.braking_mps2));
+    if (circuit.next(id).empty()) break;
+    start_m += circuit.section(id).length_m();
+    id = circuit.next(id).front();
+  }
+  return limit_mps;
+}
+
+double Envelope::edge_limit_mps(const View& view, const zone::SpeedProfile& wish) const {
+  double limit_mps = std::numeric_limits<double>::infinity();
+  double starts_m = 0.0;  // of the edge, seen from here
+  for (const OrderBook::Target& target : view.order.targets()) {
+    if (target.max_speed_mps)
+      limit_mps = std::min(limit_mps, speed_before(*target.max_speed_mps, starts_m, wish.braking_mps2));
+    if (!target.node.released) break;
+    starts_m = std::max(0.0, target.path_m - view.order.travelled_m());
+  }
+  return limit_mps;
+}
+
+}  // namespace cosiva::aiv

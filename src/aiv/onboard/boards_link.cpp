@@ -1,0 +1,56 @@
+#include "aiv/onboard/boards_link.h"
+
+namespace cosiva::aiv {
+
+BoardsLink::BoardsLink(std::uint32_t vehicle_number) {
+  for (const wire::Board board : wire::all_boards) link(board).port = wire::port_name(vehicle_number, board);
+}
+
+std::optional<wire::Board> BoardsLink::board_of(std::string_view port) const {
+  for (const wire::Board board : wire::all_boards) {
+    if (link(board).port == port) return board;
+  }
+  return std::nullopt;
+}
+
+std::vector<std::string> BoardsLink::ports() const {
+  std::vector<std::string> names;
+  for (const Link& link : links_) names.push_back(link.port);
+  return names;
+}
+
+void BoardsLink::on_port(wire::Board board, bool up) {
+  Link& of = link(board);
+  of.health = {};
+  of.health.connected = up;
+  of.decoder.restart();
+}
+
+const std::vector<wire::BoardMessage>& BoardsLink::on_bytes(wire::Board board, std::string_view bytes) {
+  Link& of = link(board);
+  of.health.connected = true;  // who speaks is there, whatever the shell said
+  received_.clear();
+  of.decoder.feed(bytes, received_);
+  for (const wire::BoardMessage& message : received_) {
+    if (const auto* hello = std::get_if<wire::Hello>(&message)) of.health.hello = *hello;
+    if (const auto* heartbeat = std::get_if<wire::Heartbeat>(&message)) of.health.self_test = heartbeat->self_test;
+  }
+  return received_;
+}
+
+void BoardsLink::send(wire::Board board, const wire::BoardMessage& message, wire::Effects& effects) {
+  Link& to = link(board);
+  if (to.health.connected) effects.emplace_back(wire::SendBytes{to.port, to.encoder.encode(message)});
+}
+
+void BoardsLink::beat(std::uint32_t uptime_ms, wire::Effects& effects) {
+  for (const wire::Board board : wire::all_boards) {
+    Link& to = link(board);
+    if (!to.health.connected) continue;
+    const auto& counters = to.decoder.counters();
+    send(board, wire::Heartbeat{uptime_ms, counters.frames_bad, counters.frames_missed, 0}, effects);
+    if (!to.health.hello) send(board, wire::Hello{board, wire::module_link::version, 0, 0}, effects);
+  }
+}
+
+}  // namespace cosiva::aiv

@@ -1,0 +1,149 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "aiv/agent.h"
+#include "aiv/onboard/boards_link.h"
+#include "aiv/onboard/instant_actions.h"
+#include "aiv/onboard/memory.h"
+#include "aiv/onboard/onboard_core.h"
+#include "aiv/onboard/report.h"
+#include "aiv/onboard/session.h"
+#include "aiv/onboard/supervision.h"
+#include "aiv/onboard/warnings.h"
+
+namespace cosiva::aiv {
+
+inline constexpr SimDuration beat_period = std::chrono::milliseconds{100};
+inline constexpr SimDuration remember_period = std::chrono::milliseconds{100};
+inline constexpr SimDuration display_period = std::chrono::milliseconds{500};
+/// Events that come together travel in one state (§6.10: not faster than the factsheet's minStateInterval).
+inline constexpr SimDuration state_interval_min = std::chrono::milliseconds{50};
+
+/// Says when something periodic is due; a clock that jumped does not bring a burst.
+class Periodic {
+ public:
+  explicit Periodic(SimDuration period) : period_{period} {}
+  [[nodiscard]] bool take(SimTime now) {
+    if (next_ && now < *next_ && *next_ - now <= period_) return false;
+    next_ = next_ && now - *next_ < period_ ? *next_ + period_ : now + period_;
+    return true;
+  }
+
+ private:
+  SimDuration period_;
+  std::optional<SimTime> next_;
+};
+
+/// Everything behind OnboardCore: what it is told goes to agent and books, and what they decide goes out. Its functions
+/// stand in onboard_core.cpp (inputs and own pace), broker_side.cpp (messages) and place.cpp (where it stands).
+struct OnboardCore::Inside {
+  explicit Inside(OnboardOptions o)
+      : options{std::move(o)},
+        boards{options.number},
+        supervision{options.link_timeout},
+        session{options.id, options.interface_name},
+        beat{beat_period},
+        visualize{options.visualization_period},
+        remember{remember_period},
+        display{display_period} {}
+
+  // what it is told
+  void on_configure(wire::Effects& effects);
+  void on_recall(const wire::Input& input, wire::Effects& effects);
+  void on_link(const wire::Input& input, wire::Effects& effects);
+  void on_port(const wire::Input& input);
+  void on_bytes(const wire::Input& input);
+  void on_message(const wire::Input& input, wire::Effects& effects);
+
+  // from the boards
+  void on_board(const wire::Hello& hello);
+  void on_board(const wire::Odometry& odometry);
+  void on_board(const wire::TagRead& tag);
+  void on_board(const wire::Ranges& ranges) {
+    if (agent) agent->on_ranges(ranges);
+  }
+  void on_board(const wire::Power& reading);
+  void on_board(const wire::Heartbeat&) {}
+  // A board does not speak these; whoever sends them is no danger.
+  void on_board(const wire::Drive&) {}
+  void on_board(const wire::Display&) {}
+
+  // from the broker
+  void on_zone(const wire::Input& input, wire::Effects& effects);
+  void use_zone(const zone::ZoneConfiguration& configuration, wire::Effects& effects);
+  void on_server_connection(const wire::Input& input, wire::Effects& effects);
+  void on_order(const wire::Input& input, wire::Effects& effects);
+  void refuse(std::string type, std::string_view topic, std::string why, std::vector<wire::Reference> references,
+              wire::Effects& effects);
+  void on_instant_actions(const wire::Input& input, wire::Effects& effects);
+
+  // instant actions
+  void finish(const wire::Action& action, std::string result = {}) {
+    actions.set(action.action_id, wire::ActionStatus::finished, std::move(result));
+  }
+  void give_up(const wire::Action& action, std::string type, std::string why, wire::Effects& effects);
+  void perform(const wire::Action& action, wire::Effects& effects);
+  void start_pause(const wire::Action& action);
+  void stop_pause(const wire::Action& action);
+  void cancel_order(const wire::Action& action, wire::Effects& effects);
+  void init_position(const wire::Action& action, wire::Effects& effects);
+  void set_speed_limit(const wire::Action& action, wire::Effects& effects);
+  /// Actions that wait until the vehicle stands.
+  void end_waits();
+
+  // place
+  /// Memory first, because a vehicle that ran is no longer where it was started; then the start it was told.
+  void find_place();
+  [[nodiscard]] std::optional<zone::Place> remembered_place() const;
+  void remember_place(bool due, wire::Effects& effects);
+
+  // its own pace
+  void on_tick(wire::Effects& effects);
+  void supervise();
+  void show(wire::Effects& effects);
+  void publish_state_if_due(wire::Effects& effects);
+  void publish_factsheet(SimTime at, wire::Effects& effects);
+  [[nodiscard]] ReportSources sources() const;
+  [[nodiscard]] std::uint32_t uptime_ms() const {
+    return static_cast<std::uint32_t>((now - started) / std::chrono::milliseconds{1});
+  }
+  static void log(wire::Effects& effects, char level, std::string text) {
+    effects.emplace_back(wire::Log{level, std::move(text)});
+  }
+
+  OnboardOptions options;
+  BoardsLink boards;
+  Supervision supervision;
+  Session session;
+  InstantActionBook actions;
+  Warnings warnings;
+  std::shared_ptr<const zone::TrafficZone> zone;
+  std::string zone_text;
+  std::optional<Agent> agent;  ///< as soon as there is a zone
+  std::optional<wire::Power> power;
+  std::optional<std::uint32_t> pils_session;
+  std::optional<Memory> memory;  ///< recalled and not used yet
+
+  SimTime now{};
+  SimTime started{};
+  Periodic beat;
+  Periodic visualize;
+  Periodic remember;
+  Periodic display;
+  std::optional<SimTime> state_sent;
+  bool state_due{false};
+  ReportFlags flags;
+  std::optional<std::int64_t> remembered_um;
+  bool must_remember{false};
+  bool was_standing{true};
+  std::string shown;
+};
+
+}  // namespace cosiva::aiv

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "wire/messages.h"
+
+namespace cosiva::aiv {
+
+/// The instant actions heard of and how they went (VDA 5050 2.1 §6.8, §6.11). The list is bounded, and a repeated
+/// actionId is the repair of a lost message: it is known, and not done again.
+class InstantActionBook {
+ public:
+  static constexpr std::size_t shown_max = 32;        ///< states in actionStates
+  static constexpr std::size_t remembered_max = 128;  ///< ids that are not done twice
+
+  /// False when this actionId was seen before.
+  [[nodiscard]] bool begin(const wire::Action& action);
+  void set(std::string_view action_id, wire::ActionStatus status, std::string result_description = {});
+  /// Ends all running actions of a type.
+  void end_running(std::string_view action_type, wire::ActionStatus status, std::string_view result_description = {});
+  [[nodiscard]] bool running(std::string_view action_type) const;
+
+  /// 2.1 keeps the states until the next order. What still runs stays, and the last setSpeedLimit, because it is in
+  /// force beyond the order.
+  void on_new_order();
+
+  [[nodiscard]] const std::vector<wire::ActionState>& states() const { return states_; }
+
+ private:
+  std::vector<wire::ActionState> states_;
+  std::deque<std::string> seen_;
+};
+
+/// The types that this vehicle knows.
+namespace action {
+inline constexpr std::string_view start_pause = "startPause";
+inline constexpr std::string_view stop_pause = "stopPause";
+inline constexpr std::string_view cancel_order = "cancelOrder";
+inline constexpr std::string_view init_position = "initPosition";
+inline constexpr std::string_view state_request = "stateRequest";
+inline constexpr std::string_view factsheet_request = "factsheetRequest";
+inline constexpr std::string_view set_speed_limit = "setSpeedLimit";
+}  // namespace action
+
+}  // namespace cosiva::aiv

@@ -1,0 +1,250 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "aiv/motion.h"
+#include "aiv/onboard/onboard_core.h"
+#include "aiv/test_orders.h"
+#include "aiv/test_zone.h"
+#include "wire/module_link/module_link.h"
+#include "wire/vda5050/codec.h"
+
+namespace cosiva::aiv::test {
+
+/// A vehicle's program between four boards and a broker, all of them played here: exact wheels, eyes for point
+/// obstacles, tags on demand. Everything that the program publishes is decoded; a message that does not decode fails.
+class OnboardBench {
+ public:
+  struct Setup {
+    bool zone_told{true};
+    std::optional<OnboardOptions::Start> start{OnboardOptions::Start{"loop_se", 0.0}};
+    std::string memory{};
+    std::uint32_t session{77};
+    zone::Place truth{at(lacet4(), "loop_se", 0.0)};
+    double odometer_m{0.0};
+    bool boards_up{true};
+    bool broker_up{true};
+  };
+
+  OnboardBench() : OnboardBench(Setup{}) {}
+  explicit OnboardBench(Setup setup)
+      : session_{setup.session}, truth{lacet4().circuit, setup.truth}, odometer_m_{setup.odometer_m} {
+    OnboardOptions options;
+    if (setup.zone_told) options.zone = lacet4_configuration();
+    options.start = setup.start;
+    core = std::make_unique<OnboardCore>(options);
+    feed(wire::InputKind::configure, "aiv", to_json(options));
+    if (!setup.memory.empty()) feed(wire::InputKind::recall, "memory", setup.memory);
+    if (setup.broker_up) feed(wire::InputKind::link, "broker", "up");
+    if (setup.boards_up) {
+      for (const wire::Board board : wire::all_boards) plug(board);
+    }
+  }
+
+  // --- the world ----------------------------------------------------------------------------------------------------
+
+  void plug(wire::Board board) {
+    alive.insert(board);
+    feed(wire::InputKind::port, wire::port_name(1, board), "up");
+    say(board, wire::Hello{board, 1, 0xF00D, session_});
+  }
+  /// The board stops answering; its cable stays.
+  void silence(wire::Board board) { alive.erase(board); }
+  void say(wire::Board board, const wire::BoardMessage& message) {
+    feed(wire::InputKind::bytes, wire::port_name(1, board), encoders_[board].encode(message));
+  }
+  void hear(std::string_view topic, std::string payload, bool retained = false) {
+    feed(wire::InputKind::message, std::string(topic), std::move(payload), retained);
+  }
+  void order(const wire::Order& text) {
+    hear(wire::vda_topic({"CoSiVA", "AIV1"}, "order"), wire::vda5050::encode(text));
+  }
+  void act(std::string type, std::string id, std::vector<wire::Parameter> parameters = {}) {
+    wire::InstantActions message;
+    message.header = header();
+    message.actions.push_back({std::move(type), std::move(id), "", wire::BlockingType::none, std::move(parameters)});
+    hear(wire::vda_topic({"CoSiVA", "AIV1"}, "instantActions"), wire::vda5050::encode(message));
+  }
+  [[nodiscard]] wire::Header header() const { return {1, now, "2.1.0", "CoSiVA", "AIV1"}; }
+  void link(bool up) { feed(wire::InputKind::link, "broker", up ? "up" : "down"); }
+
+  void run(double seconds) {
+    for (int i = 0; i < static_cast<int>(std::lround(seconds * 100.0)); ++i) step();
+  }
+  bool run_until(const std::function<bool()>& done, double seconds) {
+    for (int i = 0; i < static_cast<int>(std::lround(seconds * 100.0)) && !done(); ++i) step();
+    return done();
+  }
+
+  void step() {
+    now += std::chrono::milliseconds{10};
+    ++steps_;
+    roll(0.01);
+    const auto every = [&](int count) { return steps_ % count == 0; };
+    if (server_beats && every(10)) hear(wire::server_heartbeat_topic, R"({"headerId":1})");
+    if (every(10)) {
+      for (const wire::Board board : alive) say(board, wire::Heartbeat{0, 0, 0, self_test[board]});
+    }
+    if (alive.contains(wire::Board::PILS) && every(2)) {
+      wire::Odometry odometry;
+      odometry.distance_um = std::llround(odometer_m_ * 1e6);
+      odometry.speed_mmps = static_cast<std::int16_t>(std::lround(speed_mps * 1e3));
+      say(wire::Board::PILS, odometry);
+    }
+    if (alive.contains(wire::Board::DOBS) && every(6)) say(wire::Board::DOBS, look());
+    if (alive.contains(wire::Board::RALI) && every(50)) say(wire::Board::RALI, wire::Power{7400, 300, 250, charge});
+    if (every(2)) feed(wire::InputKind::tick, "", "");
+  }
+
+  // --- what it did --------------------------------------------------------------------------------------------------
+
+  void feed(wire::InputKind kind, std::string source, std::string payload, bool flag = false) {
+    effects_.clear();
+    core->handle({now, kind, std::move(source), std::move(payload), flag}, effects_);
+    take(effects_);
+  }
+  void farewell() {
+    effects_.clear();
+    core->farewell(now, effects_);
+    take(effects_);
+  }
+
+  [[nodiscard]] const wire::State& state() const { return states.back(); }
+  /// A new process of the same vehicle, with what the old one remembered.
+  [[nodiscard]] Setup reborn() const {
+    Setup setup;
+    setup.memory = memory;
+    setup.truth = truth.place(lacet4().circuit);
+    setup.odometer_m = odometer_m_;
+    return setup;
+  }
+  [[nodiscard]] std::vector<std::string> error_types() const {
+    std::vector<std::string> types;
+    for (const auto& error : state().errors) types.push_back(error.type);
+    return types;
+  }
+  [[nodiscard]] std::optional<wire::ActionState> action(std::string_view id) const {
+    const auto& all = state().action_states;
+    const auto it = std::ranges::find(all, id, &wire::ActionState::action_id);
+    return it == all.end() ? std::nullopt : std::optional(*it);
+  }
+
+ private:
+  std::uint32_t session_;
+
+ public:
+  SimTime now{virtual_epoch};
+  std::unique_ptr<OnboardCore> core;
+  AivMotion truth;
+  double speed_mps{0.0};
+  bool server_beats{false};
+  std::uint16_t charge{900};
+  std::set<wire::Board> alive;
+  std::map<wire::Board, std::uint8_t> self_test;
+  std::vector<Point2> obstacles;
+
+  std::vector<wire::Publish> published;
+  std::vector<wire::State> states;
+  std::vector<wire::Visualization> visualizations;
+  std::vector<wire::Connection> connections;
+  std::vector<wire::Factsheet> factsheets;
+  std::vector<SimTime> state_times;
+  std::vector<std::string> displayed;
+  std::string memory;
+  std::vector<wire::Log> logs;
+  std::vector<std::string> undecodable;
+  int drives{0};
+  int requests{0};  ///< Hello asked for
+
+ private:
+  void roll(double dt) {
+    constexpr auto watchdog = std::chrono::milliseconds{300};
+    const bool driven = drive_ && now - driven_at_ <= watchdog;
+    const double wanted = driven ? 1e-3 * drive_->speed_mmps : 0.0;
+    const double braking = driven ? 1e-3 * drive_->braking_mmps2 : 2.0;
+    const double before = speed_mps;
+    speed_mps = wanted > speed_mps ? std::min(wanted, speed_mps + 1e-3 * drive_->acceleration_mmps2 * dt)
+                                   : std::max(wanted, speed_mps - braking * dt);
+    odometer_m_ += truth.move(lacet4().circuit, 0.5 * (before + speed_mps) * dt);
+  }
+
+  [[nodiscard]] wire::Ranges look() const {
+    wire::Ranges ranges{0, -84, 14, std::vector<std::uint16_t>(13, wire::no_echo)};
+    const Pose2 X_BM = inverse(truth.pose(lacet4().circuit));
+    for (const Point2& p_M : obstacles) {
+      const Point2 p_B = X_BM * p_M;
+      const double range_m = std::hypot(p_B.x_m - 0.1, p_B.y_m);
+      const long beam = std::lround((std::atan2(p_B.y_m, p_B.x_m - 0.1) + 0.84) / 0.14);
+      if (beam < 0 || beam > 12 || range_m > 2.0) continue;
+      auto& seen = ranges.range_mm[static_cast<std::size_t>(beam)];
+      seen = std::min(seen, static_cast<std::uint16_t>(std::lround(range_m * 1e3)));
+    }
+    return ranges;
+  }
+
+  void take(const wire::Effects& effects) {
+    for (const wire::Effect& effect : effects) {
+      if (const auto* publish = std::get_if<wire::Publish>(&effect)) take(*publish);
+      if (const auto* send = std::get_if<wire::SendBytes>(&effect)) take(*send);
+      if (const auto* remember = std::get_if<wire::Remember>(&effect)) memory = remember->bytes;
+      if (const auto* line = std::get_if<wire::Log>(&effect)) logs.push_back(*line);
+    }
+  }
+
+  template <typename Message>
+  void keep(Result<Message> decoded, std::vector<Message>& all, const wire::Publish& publish) {
+    if (decoded)
+      all.push_back(std::move(*decoded));
+    else
+      undecodable.push_back(publish.topic + ": " + to_string(decoded.error()));
+  }
+
+  void take(const wire::Publish& publish) {
+    published.push_back(publish);
+    const auto topic = wire::parse_vda_topic(publish.topic);
+    const std::string name = topic ? topic->name : "";
+    if (name == "state") {
+      keep(wire::vda5050::decode_state(publish.payload), states, publish);
+      state_times.push_back(now);
+    } else if (name == "visualization") {
+      keep(wire::vda5050::decode_visualization(publish.payload), visualizations, publish);
+    } else if (name == "connection") {
+      keep(wire::vda5050::decode_connection(publish.payload), connections, publish);
+    } else if (name == "factsheet") {
+      keep(wire::vda5050::decode_factsheet(publish.payload), factsheets, publish);
+    } else {
+      undecodable.push_back("unexpected topic " + publish.topic);
+    }
+  }
+
+  void take(const wire::SendBytes& send) {
+    std::vector<wire::BoardMessage> messages;
+    decoders_[send.port].feed(send.bytes, messages);
+    for (const auto& message : messages) {
+      if (const auto* drive = std::get_if<wire::Drive>(&message)) {
+        drive_ = *drive;
+        driven_at_ = now;
+        ++drives;
+      }
+      if (const auto* display = std::get_if<wire::Display>(&message)) displayed.push_back(display->text);
+      if (std::holds_alternative<wire::Hello>(message)) ++requests;
+    }
+  }
+
+  double odometer_m_;
+  int steps_{0};
+  std::map<wire::Board, wire::module_link::Encoder> encoders_;
+  std::map<std::string, wire::module_link::Decoder> decoders_;
+  std::optional<wire::Drive> drive_;
+  SimTime driven_at_{};
+  wire::Effects effects_;
+};
+
+}  // namespace cosiva::aiv::test

@@ -1,0 +1,333 @@
+// What makes a vehicle stop, and go on: instant actions, obstacles, and silence of those it depends on.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "aiv/onboard/instant_actions.h"
+#include "aiv/onboard/onboard_bench.h"
+#include "aiv/onboard/supervision.h"
+#include "aiv/onboard/warnings.h"
+
+namespace cosiva::aiv {
+namespace {
+
+using std::chrono::milliseconds;
+using test::at;
+using test::lacet4;
+using test::OnboardBench;
+using test::order;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::SizeIs;
+using wire::ActionStatus;
+
+/// On its way along the loop in the south-east, at 0.3 m/s.
+struct Driving : OnboardBench {
+  Driving() {
+    run(0.5);
+    order(test::order("O-1").through({"loop_se@0", "loop_se@283", "loop_se@2545"}));
+    run(1.0);
+    EXPECT_NEAR(speed_mps, 0.3, 0.01);
+  }
+};
+
+// --- instant actions ----------------------------------------------------------------------------------------------
+
+TEST(InstantActions, pause_and_resume) {
+  Driving bench;
+  bench.act("startPause", "p1");
+  EXPECT_EQ(bench.action("p1")->status, ActionStatus::running);
+  EXPECT_TRUE(bench.state().paused);
+  bench.run(1.0);
+  EXPECT_EQ(bench.speed_mps, 0.0);
+  EXPECT_EQ(bench.action("p1")->status, ActionStatus::finished);
+  EXPECT_FALSE(bench.state().driving);
+  bench.act("startPause", "p2");
+  bench.run(0.1);
+  EXPECT_EQ(bench.action("p2")->status, ActionStatus::finished) << "pausing twice is no fault";
+  bench.act("stopPause", "r1");
+  bench.run(1.0);
+  EXPECT_EQ(bench.action("r1")->status, ActionStatus::finished);
+  EXPECT_FALSE(bench.state().paused);
+  EXPECT_NEAR(bench.speed_mps, 0.3, 0.01);
+}
+
+TEST(InstantActions, a_resume_overtakes_a_pause_that_did_not_stand_yet) {
+  Driving bench;
+  bench.act("startPause", "p");
+  bench.act("stopPause", "r");
+  bench.run(0.1);
+  EXPECT_EQ(bench.action("p")->status, ActionStatus::failed);
+  EXPECT_EQ(bench.action("r")->status, ActionStatus::finished);
+}
+
+TEST(InstantActions, cancelOrder_finishes_when_the_vehicle_stands) {
+  Driving bench;
+  bench.act("cancelOrder", "c");
+  bench.run(0.1);
+  EXPECT_EQ(bench.action("c")->status, ActionStatus::running);
+  EXPECT_THAT(bench.state().node_states, Not(IsEmpty()));
+  bench.run(1.0);
+  EXPECT_EQ(bench.speed_mps, 0.0);
+  EXPECT_EQ(bench.action("c")->status, ActionStatus::finished);
+  EXPECT_THAT(bench.state().node_states, IsEmpty());
+  EXPECT_THAT(bench.state().edge_states, IsEmpty());
+  EXPECT_EQ(bench.state().order_id, "O-1") << "ids stay";
+  bench.order(test::order("O-2").through({"loop_se@283", "loop_se@565"}));
+  bench.run(0.1);
+  EXPECT_EQ(bench.state().order_id, "O-2");
+}
+
+TEST(InstantActions, cancelOrder_without_an_order_fails) {
+  OnboardBench bench;
+  bench.run(0.5);
+  bench.act("cancelOrder", "c");
+  bench.run(0.1);
+  EXPECT_EQ(bench.action("c")->status, ActionStatus::failed);
+  EXPECT_THAT(bench.error_types(), ElementsAre("noOrderToCancel"));
+}
+
+TEST(InstantActions, set_a_speed_limit_and_lift_it) {
+  Driving bench;
+  bench.act("setSpeedLimit", "s1", {{"profile", std::string("slow")}});
+  bench.run(1.0);
+  EXPECT_NEAR(bench.speed_mps, 0.15, 1e-6);
+  EXPECT_EQ(bench.action("s1")->status, ActionStatus::finished);
+  EXPECT_EQ(bench.action("s1")->result_description, "slow");
+  bench.act("setSpeedLimit", "s2", {{"maxSpeed", 0.1}});
+  bench.run(1.0);
+  EXPECT_NEAR(bench.speed_mps, 0.1, 1e-6);
+  bench.act("setSpeedLimit", "s3", {{"profile", std::string("normal")}});
+  bench.run(1.5);
+  EXPECT_NEAR(bench.speed_mps, 0.3, 1e-6);
+  EXPECT_EQ(bench.action("s3")->result_description, "normal");
+}
+
+TEST(InstantActions, that_make_no_sense_fail_with_a_reason) {
+  OnboardBench bench;
+  bench.run(0.5);
+  bench.act("setSpeedLimit", "a", {{"profile", std::string("warp")}});
+  bench.act("setSpeedLimit", "b", {{"profile", std::string("stop")}});
+  bench.act("setSpeedLimit", "c", {{"maxSpeed", -1.0}});
+  bench.act("setSpeedLimit", "d");
+  bench.act("pick", "e");
+  bench.run(0.1);
+  for (const char* id : {"a", "b", "c", "d", "e"}) {
+    ASSERT_TRUE(bench.action(id)) << id;
+    EXPECT_EQ(bench.action(id)->status, ActionStatus::failed) << id;
+    EXPECT_FALSE(bench.action(id)->result_description.empty()) << id;
+  }
+  EXPECT_THAT(bench.error_types(), Contains("instantActionError"));
+}
+
+TEST(InstantActions, that_come_again_are_not_done_again) {
+  Driving bench;
+  bench.act("startPause", "p");
+  bench.run(0.5);
+  bench.act("stopPause", "r");
+  bench.run(0.1);
+  bench.act("startPause", "p");
+  bench.run(1.0);
+  EXPECT_FALSE(bench.state().paused);
+  EXPECT_NEAR(bench.speed_mps, 0.3, 0.01);
+}
+
+TEST(InstantActions, are_forgotten_at_a_new_order_but_for_the_speed_limit_in_force) {
+  OnboardBench bench;
+  bench.run(0.5);
+  bench.act("setSpeedLimit", "s1", {{"profile", std::string("fast")}});
+  bench.act("setSpeedLimit", "s2", {{"profile", std::string("slow")}});
+  bench.act("stateRequest", "q");
+  bench.run(0.1);
+  EXPECT_THAT(bench.state().action_states, SizeIs(3));
+  bench.order(test::order("O-1").through({"loop_se@0", "loop_se@283"}));
+  bench.run(0.1);
+  ASSERT_THAT(bench.state().action_states, SizeIs(1));
+  EXPECT_EQ(bench.state().action_states[0].action_id, "s2");
+}
+
+TEST(InstantActions, states_are_bounded_and_what_runs_is_kept) {
+  InstantActionBook book;
+  ASSERT_TRUE(book.begin({"cancelOrder", "running", "", wire::BlockingType::none, {}}));
+  book.set("running", ActionStatus::running);
+  for (int i = 0; i < 500; ++i) {
+    const std::string id = "a" + std::to_string(i);
+    ASSERT_TRUE(book.begin({"stateRequest", id, "", wire::BlockingType::none, {}}));
+    book.set(id, ActionStatus::finished);
+  }
+  EXPECT_EQ(book.states().size(), InstantActionBook::shown_max);
+  EXPECT_TRUE(book.running("cancelOrder"));
+  EXPECT_FALSE(book.begin({"stateRequest", "a499", "", wire::BlockingType::none, {}}));
+  book.set("never heard of", ActionStatus::failed);
+}
+
+TEST(Warnings, do_not_pile_up) {
+  Warnings warnings;
+  for (int i = 0; i < 100; ++i) warnings.add("orderError", "the same");
+  EXPECT_THAT(warnings.all(), SizeIs(1));
+  for (int i = 0; i < 100; ++i) warnings.add("orderError", std::to_string(i));
+  EXPECT_THAT(warnings.all(), SizeIs(Warnings::count_max));
+  EXPECT_EQ(warnings.all().back().description, "99");
+}
+
+// --- obstacles ----------------------------------------------------------------------------------------------------
+
+TEST(Obstacle, in_the_way_stops_the_vehicle_and_shows_in_its_state_until_it_is_gone) {
+  Driving bench;
+  bench.obstacles = {position(lacet4().circuit.pose_at(at(lacet4(), "loop_se", 1.0)))};
+  bench.run(5.0);
+  EXPECT_EQ(bench.speed_mps, 0.0);
+  EXPECT_LT(bench.truth.place(lacet4().circuit).s_m, 0.8);
+  EXPECT_TRUE(bench.state().field_violation);
+  bench.obstacles.clear();
+  bench.run(1.5);
+  EXPECT_FALSE(bench.state().field_violation);
+  EXPECT_GT(bench.speed_mps, 0.25);
+}
+
+// --- silence ------------------------------------------------------------------------------------------------------
+
+TEST(Silence, of_the_broker_stops_the_vehicle_after_half_a_second) {
+  Driving bench;
+  bench.link(false);
+  bench.run(0.45);
+  EXPECT_GT(bench.speed_mps, 0.25);
+  bench.run(0.6);
+  EXPECT_EQ(bench.speed_mps, 0.0);
+  bench.link(true);
+  bench.run(1.0);
+  EXPECT_GT(bench.speed_mps, 0.25) << "it goes on by itself";
+}
+
+TEST(Silence, of_a_server_once_heard_stops_the_vehicle_until_it_is_back) {
+  Driving bench;
+  bench.server_beats = true;
+  bench.run(0.5);
+  bench.server_beats = false;
+  bench.run(0.4);
+  EXPECT_GT(bench.speed_mps, 0.25);
+  bench.run(0.8);
+  EXPECT_EQ(bench.speed_mps, 0.0);
+  EXPECT_THAT(bench.error_types(), Contains("serverLost"));
+  bench.server_beats = true;
+  bench.run(1.0);
+  EXPECT_GT(bench.speed_mps, 0.25);
+  EXPECT_THAT(bench.error_types(), IsEmpty());
+}
+
+TEST(Silence, of_a_server_that_said_goodbye_or_never_spoke_is_nothing) {
+  Driving bench;
+  bench.hear(wire::server_heartbeat_topic, "{}", true);  // a retained one is not a beat
+  bench.run(0.7);
+  EXPECT_GT(bench.speed_mps, 0.25);
+  bench.server_beats = true;
+  bench.run(0.5);
+  bench.server_beats = false;
+  bench.hear(wire::server_connection_topic, R"({"connectionState":"OFFLINE"})", true);
+  bench.run(1.0);
+  EXPECT_GT(bench.speed_mps, 0.25);
+}
+
+TEST(Silence, of_a_server_whose_connection_broke_still_counts) {
+  Driving bench;
+  bench.server_beats = true;
+  bench.run(0.5);
+  bench.server_beats = false;
+  bench.hear(wire::server_connection_topic, R"({"connectionState":"CONNECTIONBROKEN"})", true);
+  bench.run(1.2);
+  EXPECT_EQ(bench.speed_mps, 0.0);
+}
+
+TEST(Silence, of_any_board_stops_the_vehicle_until_it_is_back) {
+  for (const wire::Board board : wire::all_boards) {
+    Driving bench;
+    bench.silence(board);
+    bench.run(1.5);
+    EXPECT_EQ(bench.speed_mps, 0.0) << to_string(board);
+    EXPECT_FALSE(bench.state().driving) << to_string(board);
+    EXPECT_THAT(bench.error_types(), ElementsAre("boardLost")) << to_string(board);
+    EXPECT_THAT(bench.state().information.back().references,
+                Contains(wire::Reference{std::string(to_string(board)), "lost"}));
+    bench.plug(board);
+    bench.run(1.5);
+    EXPECT_GT(bench.speed_mps, 0.25) << to_string(board);
+    EXPECT_THAT(bench.error_types(), IsEmpty()) << to_string(board);
+  }
+}
+
+TEST(Silence, of_a_cable_pulled_out_counts_at_once) {
+  Driving bench;
+  bench.silence(wire::Board::DOBS);
+  bench.feed(wire::InputKind::port, "1/DOBS", "down");
+  bench.run(0.05);
+  EXPECT_THAT(bench.error_types(), ElementsAre("boardLost"));
+}
+
+TEST(Fault, of_wheels_or_eyes_stops_the_vehicle_but_not_of_the_power_gauge) {
+  Driving bench;
+  bench.self_test[wire::Board::RALI] = 3;
+  bench.run(0.5);
+  EXPECT_GT(bench.speed_mps, 0.25);
+  EXPECT_THAT(bench.error_types(), ElementsAre("boardFaulty"));
+  bench.self_test[wire::Board::DOBS] = 1;
+  bench.run(1.0);
+  EXPECT_EQ(bench.speed_mps, 0.0);
+  EXPECT_THAT(bench.state().information.back().references, Contains(wire::Reference{"DOBS", "faulty"}));
+}
+
+TEST(Boards, that_did_not_say_who_they_are_are_asked) {
+  OnboardBench bench{{.boards_up = false}};
+  bench.feed(wire::InputKind::port, "1/PILS", "up");
+  bench.run(0.25);
+  EXPECT_GE(bench.requests, 2);
+  bench.plug(wire::Board::PILS);
+  const int requests = bench.requests;
+  bench.run(0.5);
+  EXPECT_EQ(bench.requests, requests);
+}
+
+TEST(Boards, are_driven_at_least_every_100_ms) {
+  OnboardBench bench;
+  const int before = bench.drives;
+  bench.run(1.0);
+  EXPECT_GE(bench.drives - before, 49);
+}
+
+TEST(Boards, that_restart_let_the_vehicle_keep_its_place) {
+  Driving bench;
+  bench.act("startPause", "p");
+  bench.run(1.0);
+  const auto before = *bench.core->believed_pose();
+  bench.say(wire::Board::PILS, wire::Hello{wire::Board::PILS, 1, 0, 1234});
+  bench.say(wire::Board::PILS, wire::Odometry{});
+  EXPECT_EQ(*bench.core->believed_pose(), before);
+}
+
+// --- supervision alone --------------------------------------------------------------------------------------------
+
+TEST(Supervision, misses_everybody_at_first_but_a_server) {
+  const Supervision supervision{milliseconds{500}};
+  const SimTime now = virtual_epoch;
+  EXPECT_TRUE(supervision.broker_lost(now));
+  EXPECT_TRUE(supervision.any_board_lost(now));
+  EXPECT_FALSE(supervision.server_lost(now));
+}
+
+TEST(Supervision, counts_from_when_it_last_heard) {
+  Supervision supervision{milliseconds{500}};
+  const SimTime now = virtual_epoch;
+  supervision.broker(now, true);
+  EXPECT_FALSE(supervision.broker_lost(now + std::chrono::hours{1})) << "an open connection needs no words";
+  supervision.broker(now + milliseconds{100}, false);
+  EXPECT_FALSE(supervision.broker_lost(now + milliseconds{600}));
+  EXPECT_TRUE(supervision.broker_lost(now + milliseconds{601}));
+  supervision.broker(now + milliseconds{700}, false);
+  EXPECT_TRUE(supervision.broker_lost(now + milliseconds{701})) << "a second 'down' is no sign of life";
+  supervision.board_heard(now, wire::Board::RALI);
+  EXPECT_FALSE(supervision.board_lost(now + milliseconds{500}, wire::Board::RALI));
+  EXPECT_TRUE(supervision.board_lost(now + milliseconds{501}, wire::Board::RALI));
+}
+
+}  // namespace
+}  // namespace cosiva::aiv

@@ -1,0 +1,132 @@
+#include "aiv/onboard/report.h"
+
+#include <cmath>
+#include <cstdio>
+
+namespace cosiva::aiv {
+namespace {
+
+constexpr double battery_low = 0.10;
+
+std::string metres(double value_m) {
+  char text[32];
+  const int length = std::snprintf(text, sizeof text, "%.3f", value_m);
+  return {text, static_cast<std::size_t>(length)};
+}
+
+wire::AgvPosition position_of(const Agent& agent, const std::string& map_id) {
+  const PositionEstimator& estimator = agent.position();
+  return {estimator.pose(), map_id, true, std::nullopt, 2.0 * estimator.sigma_m()};
+}
+
+wire::Velocity velocity_of(const Agent& agent) { return {agent.speed_mps(), 0.0, agent.turn_rate_radps()}; }
+
+wire::VehicleError condition(std::string type, std::string description, std::vector<wire::Reference> references = {}) {
+  return {std::move(type), wire::ErrorLevel::warning, std::move(description), std::move(references)};
+}
+
+/// What is wrong now, and goes by itself when it is mended.
+void add_conditions(const ReportSources& from, std::vector<wire::VehicleError>& errors) {
+  for (const wire::Board board : wire::all_boards) {
+    const std::string name{to_string(board)};
+    if (from.supervision.board_lost(from.now, board)) {
+      errors.push_back(condition("boardLost", name + " does not answer", {{"board", name}}));
+    } else if (const auto code = from.boards.health(board).self_test; code != 0) {
+      errors.push_back(condition("boardFaulty", name + " reports fault " + std::to_string(code), {{"board", name}}));
+    }
+  }
+  if (from.agent == nullptr) {
+    errors.push_back(condition("zoneUnknown", "no zone configuration has come yet"));
+    return;
+  }
+  if (from.agent->holds(Hold::server_lost)) errors.push_back(condition("serverLost", "the server's heartbeat stopped"));
+  if (from.agent->holds(Hold::line_lost)) errors.push_back(condition("lineLost", "no line under the sensors"));
+  if (!from.agent->position().known()) errors.push_back(condition("positionUnknown", "nobody told where it stands"));
+  if (from.agent->charge() < battery_low) errors.push_back(condition("batteryLowError", "less than 10 % charge"));
+}
+
+wire::Information boards_information(const ReportSources& from) {
+  wire::Information information{"boards", {}, {}};
+  for (const wire::Board board : wire::all_boards) {
+    const bool lost = from.supervision.board_lost(from.now, board);
+    const char* word = lost ? "lost" : from.boards.health(board).self_test != 0 ? "faulty" : "ok";
+    information.references.push_back({std::string(to_string(board)), word});
+  }
+  return information;
+}
+
+void add_agent(const Agent& agent, const ReportSources& from, wire::State& state) {
+  const OrderBook& order = agent.order();
+  state.order_id = order.order_id();
+  state.order_update_id = order.order_update_id();
+  state.zone_set_id = order.zone_set_id();
+  state.last_node_id = order.last_node_id();
+  state.last_node_sequence_id = order.last_node_sequence_id();
+  state.node_states = order.node_states();
+  state.edge_states = order.edge_states();
+  if (!order.last_node_id().empty()) state.distance_since_last_node_m = order.since_last_node_m();
+  state.driving = !agent.standing();
+  state.paused = agent.holds(Hold::paused);
+  state.new_base_request = agent.wants_base();
+  state.field_violation = agent.blocked();
+  state.velocity = velocity_of(agent);
+  const PositionEstimator& estimator = agent.position();
+  if (estimator.known()) state.position = position_of(agent, from.map_id);
+  if (const auto tag = estimator.last_tag()) {
+    state.information.push_back(
+        {"lastTag", {}, {{"tag", std::to_string(*tag)}, {"distance_m", metres(estimator.since_last_tag_m())}}});
+  }
+}
+
+}  // namespace
+
+wire::State compose_state(const ReportSources& from) {
+  wire::State state;
+  if (from.agent != nullptr) add_agent(*from.agent, from, state);
+  state.action_states = from.actions.states();
+  if (from.power) {
+    state.battery.charge_percent = 0.1 * from.power->charge_permille;
+    state.battery.voltage_v = 0.001 * from.power->voltage_mv;
+  }
+  state.errors = from.warnings.all();
+  add_conditions(from, state.errors);
+  state.information.push_back(boards_information(from));
+  return state;
+}
+
+wire::Visualization compose_visualization(const Agent& agent, const std::string& map_id) {
+  wire::Visualization visualization;
+  if (agent.position().known()) visualization.position = position_of(agent, map_id);
+  visualization.velocity = velocity_of(agent);
+  return visualization;
+}
+
+std::string display_text(const std::string& serial_number, const Agent& agent) {
+  constexpr std::size_t serial_bytes_max = 12;
+  char text[40];
+  const int length =
+      std::snprintf(text, sizeof text, "%.*s %s %.1f", static_cast<int>(serial_bytes_max), serial_number.c_str(),
+                    std::string(to_string(agent.status())).c_str(), std::fabs(agent.speed_mps()));
+  return {text, static_cast<std::size_t>(length)};
+}
+
+ReportFlags flags_of(const ReportSources& from) {
+  ReportFlags flags;
+  unsigned bit = 1;
+  for (const wire::Board board : wire::all_boards) {
+    if (from.supervision.board_lost(from.now, board)) flags.boards_lost |= bit;
+    bit <<= 1U;
+    if (from.boards.health(board).self_test != 0) flags.boards_lost |= bit;
+    bit <<= 1U;
+  }
+  if (from.power) flags.charge_percent = from.power->charge_permille / 10;
+  if (from.agent == nullptr) return flags;
+  flags.holds = from.agent->holds();
+  flags.driving = !from.agent->standing();
+  flags.blocked = from.agent->blocked();
+  flags.wants_base = from.agent->wants_base();
+  flags.position_known = from.agent->position().known();
+  return flags;
+}
+
+}  // namespace cosiva::aiv

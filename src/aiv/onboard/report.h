@@ -1,0 +1,47 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "aiv/agent.h"
+#include "aiv/onboard/boards_link.h"
+#include "aiv/onboard/instant_actions.h"
+#include "aiv/onboard/supervision.h"
+#include "aiv/onboard/warnings.h"
+#include "wire/messages.h"
+
+namespace cosiva::aiv {
+
+/// What a state is told from; all of it belongs to the on-board core.
+struct ReportSources {
+  SimTime now;
+  const Agent* agent;  ///< null while there is no zone
+  const std::string& map_id;
+  const BoardsLink& boards;
+  const Supervision& supervision;
+  const InstantActionBook& actions;
+  const Warnings& warnings;
+  const std::optional<wire::Power>& power;
+};
+
+[[nodiscard]] wire::State compose_state(const ReportSources& sources);
+[[nodiscard]] wire::Visualization compose_visualization(const Agent& agent, const std::string& map_id);
+
+/// What AFFI shows: who it is and how it fares, in 32 bytes.
+[[nodiscard]] std::string display_text(const std::string& serial_number, const Agent& agent);
+
+/// The flags whose change is worth a state of its own (VDA 5050 2.1 §6.10); compared from tick to tick.
+struct ReportFlags {
+  std::uint8_t holds{};
+  bool driving{};
+  bool blocked{};
+  bool wants_base{};
+  bool position_known{};
+  int charge_percent{};
+  unsigned boards_lost{};
+  friend bool operator==(const ReportFlags&, const ReportFlags&) = default;
+};
+[[nodiscard]] ReportFlags flags_of(const ReportSources& sources);
+
+}  // namespace cosiva::aiv

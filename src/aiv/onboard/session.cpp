@@ -1,0 +1,105 @@
+#include "aiv/onboard/session.h"
+
+#include <algorithm>
+
+#include "aiv/onboard/instant_actions.h"
+#include "wire/vda5050/codec.h"
+
+namespace cosiva::aiv {
+
+namespace vda = wire::vda5050;
+
+Session::Session(wire::VehicleId id, std::string_view interface_name)
+    : id_{std::move(id)},
+      order_topic_{wire::vda_topic(id_, "order", interface_name)},
+      instant_actions_topic_{wire::vda_topic(id_, "instantActions", interface_name)},
+      connection_topic_{wire::vda_topic(id_, "connection", interface_name)},
+      state_topic_{wire::vda_topic(id_, "state", interface_name)},
+      visualization_topic_{wire::vda_topic(id_, "visualization", interface_name)},
+      factsheet_topic_{wire::vda_topic(id_, "factsheet", interface_name)} {}
+
+wire::Header Session::header(SimTime now, std::uint32_t header_id) const {
+  return {header_id, now, std::string(vda::version), id_.manufacturer, id_.serial_number};
+}
+
+wire::Will Session::will(SimTime now) const {
+  const wire::Connection last_words{header(now, connections_), wire::ConnectionState::connection_broken};
+  return {wire::Publish{connection_topic_, vda::encode(last_words), 1, true}};
+}
+
+void Session::publish(SimTime now, wire::ConnectionState state, wire::Effects& effects) {
+  if (!online_) return;
+  const wire::Connection connection{header(now, connections_++), state};
+  effects.emplace_back(wire::Publish{connection_topic_, vda::encode(connection), 1, true});
+}
+
+void Session::publish(SimTime now, wire::State&& state, wire::Effects& effects) {
+  if (!online_) return;
+  state.header = header(now, states_++);
+  effects.emplace_back(wire::Publish{state_topic_, vda::encode(state), 0, false});
+}
+
+void Session::publish(SimTime now, wire::Visualization&& visualization, wire::Effects& effects) {
+  if (!online_) return;
+  visualization.header = header(now, visualizations_++);
+  effects.emplace_back(wire::Publish{visualization_topic_, vda::encode(visualization), 0, false});
+}
+
+void Session::publish(SimTime now, wire::Factsheet&& factsheet, wire::Effects& effects) {
+  if (!online_) return;
+  factsheet.header = header(now, factsheets_++);
+  effects.emplace_back(wire::Publish{factsheet_topic_, vda::encode(factsheet), 0, true});
+}
+
+Result<void> Session::accepts(const wire::Header& header) const {
+  const wire::VehicleId named{header.manufacturer, header.serial_number};
+  if (named != id_) {
+    return fail("validationError", "the header names '" + to_string(named) + "', the topic '" + to_string(id_) + "'",
+                "serialNumber");
+  }
+  // Peers write "2.1.0", "2.0.0", and even "v2".
+  std::string_view version = header.version;
+  if (version.starts_with('v') || version.starts_with('V')) version.remove_prefix(1);
+  if (version.substr(0, version.find('.')) != "2")
+    return fail("validationError", "version '" + header.version + "', expected 2.x", "version");
+  return {};
+}
+
+wire::Factsheet make_factsheet(const zone::TrafficZone& zone, const SessionTiming& timing) {
+  const auto& [slow, medium, fast] = zone.profiles;
+  wire::Factsheet sheet;
+  sheet.series_name = "CoSiVA AIV";
+  sheet.series_description = "Autonomous industrial vehicle, line following, " + zone.name;
+  sheet.speed_max_mps = std::max({slow.speed_mps, medium.speed_mps, fast.speed_mps});
+  sheet.acceleration_max_mps2 = std::max({slow.acceleration_mps2, medium.acceleration_mps2, fast.acceleration_mps2});
+  sheet.deceleration_max_mps2 = std::max({slow.braking_mps2, medium.braking_mps2, fast.braking_mps2});
+  sheet.height_m = 0.10;
+  sheet.width_m = zone.vehicle.width_m;
+  sheet.length_m = zone.vehicle.length_m;
+  sheet.min_order_interval_s = 0.1;
+  sheet.min_state_interval_s = to_seconds(timing.state_interval_min);
+  sheet.default_state_interval_s = to_seconds(timing.state_period);
+  sheet.visualization_interval_s = to_seconds(timing.visualization_period);
+  const auto instant = [](std::string_view type, std::string description,
+                          std::vector<wire::Parameter> parameters = {}) {
+    return wire::Factsheet::SupportedAction{std::string(type),    std::move(description), true, false, false,
+                                            std::move(parameters)};
+  };
+  const auto number = [](std::string key) { return wire::Parameter{std::move(key), std::string("NUMBER")}; };
+  const auto text = [](std::string key) { return wire::Parameter{std::move(key), std::string("STRING")}; };
+  sheet.actions = {
+      instant(action::start_pause, "stops and stays until stopPause"),
+      instant(action::stop_pause, "goes on"),
+      instant(action::cancel_order, "stops and forgets the order"),
+      instant(action::init_position, "tells the vehicle where it stands",
+              {number("x"), number("y"), number("theta"), text("mapId"), text("lastNodeId")}),
+      instant(action::state_request, "sends a state at once"),
+      instant(action::factsheet_request, "sends the factsheet"),
+      instant(action::set_speed_limit,
+              "imposes a speed: profile slow, medium, fast or normal (none); or maxSpeed in m/s",
+              {text("profile"), number("maxSpeed")}),
+  };
+  return sheet;
+}
+
+}  // namespace cosiva::aiv

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "base/result.h"
+#include "wire/core.h"
+#include "wire/messages.h"
+#include "wire/topics.h"
+#include "zone/traffic_zone.h"
+
+namespace cosiva::aiv {
+
+/// The vehicle's end of VDA 5050: topics, headers counted per topic, retained flags and quality of service (§6.2, §6.4,
+/// §6.14, §6.15). While the broker is away nothing is published: a state that waits is an old state.
+class Session {
+ public:
+  Session(wire::VehicleId id, std::string_view interface_name);
+
+  [[nodiscard]] const std::string& order_topic() const { return order_topic_; }
+  [[nodiscard]] const std::string& instant_actions_topic() const { return instant_actions_topic_; }
+
+  /// @param now  of the connect that will carry it; its header is not for ordering (trap 18)
+  [[nodiscard]] wire::Will will(SimTime now) const;
+
+  void set_online(bool online) { online_ = online; }
+  [[nodiscard]] bool online() const { return online_; }
+  void publish(SimTime now, wire::ConnectionState state, wire::Effects& effects);
+  void publish(SimTime now, wire::State&& state, wire::Effects& effects);
+  void publish(SimTime now, wire::Visualization&& visualization, wire::Effects& effects);
+  void publish(SimTime now, wire::Factsheet&& factsheet, wire::Effects& effects);
+
+  /// A message meant for this vehicle, in a version it speaks (2.x)? Error code: validationError.
+  [[nodiscard]] Result<void> accepts(const wire::Header& header) const;
+
+ private:
+  [[nodiscard]] wire::Header header(SimTime now, std::uint32_t header_id) const;
+
+  wire::VehicleId id_;
+  std::string order_topic_;
+  std::string instant_actions_topic_;
+  std::string connection_topic_;
+  std::string state_topic_;
+  std::string visualization_topic_;
+  std::string factsheet_topic_;
+  bool online_{false};
+  std::uint32_t connections_{0};
+  std::uint32_t states_{0};
+  std::uint32_t visualizations_{0};
+  std::uint32_t factsheets_{0};
+};
+
+/// What this vehicle is and can do, from the zone it drives in.
+struct SessionTiming {
+  SimDuration state_period;
+  SimDuration state_interval_min;
+  SimDuration visualization_period;
+};
+[[nodiscard]] wire::Factsheet make_factsheet(const zone::TrafficZone& zone, const SessionTiming& timing);
+
+}  // namespace cosiva::aiv

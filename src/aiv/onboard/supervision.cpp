@@ -1,0 +1,25 @@
+#include "aiv/onboard/supervision.h"
+
+#include <algorithm>
+
+namespace cosiva::aiv {
+
+void Supervision::broker(SimTime now, bool up) {
+  if (broker_up_ || up) broker_heard_ = now;
+  broker_up_ = up;
+}
+
+bool Supervision::broker_lost(SimTime now) const {
+  return !broker_up_ && (!broker_heard_ || now - *broker_heard_ > timeout_);
+}
+
+bool Supervision::board_lost(SimTime now, wire::Board board) const {
+  const auto& heard = boards_heard_[index(board)];
+  return !heard || now - *heard > timeout_;
+}
+
+bool Supervision::any_board_lost(SimTime now) const {
+  return std::ranges::any_of(wire::all_boards, [&](wire::Board board) { return board_lost(now, board); });
+}
+
+}  // namespace cosiva::aiv

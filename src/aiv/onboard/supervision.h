@@ -1,0 +1,40 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+
+#include "base/time.h"
+#include "wire/board.h"
+
+namespace cosiva::aiv {
+
+/// Who must be heard for the vehicle to drive (the vehicle's promise 3): its broker, its four boards, and a server it
+/// has once heard a heartbeat of.
+class Supervision {
+ public:
+  explicit Supervision(SimDuration timeout) : timeout_{timeout} {}
+
+  void broker(SimTime now, bool up);
+  void server_heard(SimTime now) { server_heard_ = now; }
+  /// It said goodbye: another master may drive, or nobody.
+  void server_left() { server_heard_.reset(); }
+  void board_heard(SimTime now, wire::Board board) { boards_heard_[index(board)] = now; }
+  void board_gone(wire::Board board) { boards_heard_[index(board)].reset(); }
+
+  [[nodiscard]] bool broker_lost(SimTime now) const;
+  [[nodiscard]] bool server_lost(SimTime now) const { return server_heard_ && now - *server_heard_ > timeout_; }
+  [[nodiscard]] bool board_lost(SimTime now, wire::Board board) const;
+  [[nodiscard]] bool any_board_lost(SimTime now) const;
+
+ private:
+  [[nodiscard]] static std::size_t index(wire::Board board) { return static_cast<std::size_t>(board) - 1; }
+
+  SimDuration timeout_;
+  bool broker_up_{false};
+  std::optional<SimTime> broker_heard_;  ///< when it was last up; nothing: never
+  std::optional<SimTime> server_heard_;
+  std::array<std::optional<SimTime>, wire::all_boards.size()> boards_heard_{};
+};
+
+}  // namespace cosiva::aiv
