@@ -1,0 +1,70 @@
+#include "physical/boards/board_link.h"
+
+#include "base/digest.h"
+
+namespace cosiva::physical {
+namespace {
+
+/// Stands for the hash of the image that a real board would carry: this build's name of it.
+std::uint32_t firmware_hash(wire::Board board) {
+  Digest digest;
+  digest.add(std::string_view{"emulated board 1"});
+  digest.add(to_string(board));
+  return static_cast<std::uint32_t>(digest.value() >> 32U);
+}
+
+}  // namespace
+
+bool Every::take(SimTime now) {
+  if (!due(now)) return false;
+  next_ += period_;
+  if (next_ <= now) next_ = now + period_;
+  return true;
+}
+
+BoardLink::BoardLink(wire::Board board) : board_{board} {}
+
+void BoardLink::power_up(SimTime now, std::uint32_t session) {
+  powered_at_ = now;
+  session_ = session;
+  hello_due_ = true;
+  heartbeat_.start(now);
+}
+
+void BoardLink::connect(bool up) {
+  connected_ = up;
+  fresh_ = up;
+  hello_due_ = up;
+  decoder_.restart();
+}
+
+const std::vector<wire::BoardMessage>& BoardLink::receive(std::string_view bytes) {
+  received_.clear();
+  decoder_.feed(bytes, received_);
+  for (const auto& message : received_) hello_due_ = hello_due_ || std::holds_alternative<wire::Hello>(message);
+  return received_;
+}
+
+void BoardLink::tick(SimTime now, std::string& out) {
+  const bool beat = heartbeat_.take(now);
+  if (!connected_) return;
+  // What the line carried before we were heard must not run into our first frame.
+  if (fresh_) out.push_back('\0');
+  fresh_ = false;
+  if (hello_due_) send(wire::Hello{board_, wire::module_link::version, firmware_hash(board_), session_}, out);
+  hello_due_ = false;
+  if (beat) {
+    const auto& counters = decoder_.counters();
+    send(wire::Heartbeat{board_ms(now), counters.frames_bad, counters.frames_missed, 0}, out);
+  }
+}
+
+void BoardLink::send(const wire::BoardMessage& message, std::string& out) {
+  if (connected_) encoder_.append(out, message);
+}
+
+std::uint32_t BoardLink::board_ms(SimTime now) const {
+  return static_cast<std::uint32_t>((now - powered_at_) / std::chrono::milliseconds{1});
+}
+
+}  // namespace cosiva::physical

@@ -1,0 +1,113 @@
+#include "physical/boards/boards.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace cosiva::physical {
+namespace {
+
+/// The nearest value that the frame's field can hold.
+template <typename T>
+T quantise(double value, double unit) {
+  const double counts = std::nearbyint(value / unit);
+  const double low = static_cast<double>(std::numeric_limits<T>::min());
+  const double high = static_cast<double>(std::numeric_limits<T>::max());
+  return static_cast<T>(std::clamp(counts, low, high));
+}
+
+}  // namespace
+
+void PilsBoard::power_up(SimTime now, std::uint32_t session, SimDuration phase) {
+  link_.power_up(now, session);
+  odometry_.start(now + phase);
+  drive_.reset();
+}
+
+void PilsBoard::on_bytes(SimTime now, std::string_view bytes) {
+  for (const auto& message : link_.receive(bytes)) {
+    if (const auto* drive = std::get_if<wire::Drive>(&message)) {
+      drive_ = *drive;
+      driven_at_ = now;
+    }
+  }
+}
+
+void PilsBoard::tick(SimTime now, const WheelReadings& readings, std::string& out) {
+  link_.tick(now, out);
+  if (!odometry_.take(now)) return;
+  wire::Odometry odometry;
+  odometry.board_ms = link_.board_ms(now);
+  odometry.distance_um = static_cast<std::int64_t>(std::nearbyint(readings.distance_m * 1e6));
+  odometry.speed_mmps = quantise<std::int16_t>(readings.speed_mps, 1e-3);
+  odometry.line_offset_01mm = quantise<std::int16_t>(readings.line_offset_m, 1e-4);
+  odometry.line_lost = readings.line_lost;
+  link_.send(odometry, out);
+}
+
+const wire::Drive* PilsBoard::drive(SimTime now) const {
+  return drive_ && now - driven_at_ <= drive_timeout ? &*drive_ : nullptr;
+}
+
+void PravBoard::power_up(SimTime now, std::uint32_t session) {
+  link_.power_up(now, session);
+  readings_.clear();
+}
+
+void PravBoard::on_bytes(SimTime /*now*/, std::string_view bytes) {
+  for (const auto& message : link_.receive(bytes)) {
+    if (const auto* display = std::get_if<wire::Display>(&message)) display_ = display->text;
+  }
+}
+
+void PravBoard::on_tag(SimTime read_at, std::uint32_t number) { readings_.push_back({read_at, number}); }
+
+void PravBoard::tick(SimTime now, std::string& out) {
+  link_.tick(now, out);
+  std::erase_if(readings_, [&](const Reading& reading) {
+    if (reading.read_at > now) return false;
+    const double age_ms = 1e3 * to_seconds(now - reading.read_at);
+    link_.send(wire::TagRead{link_.board_ms(now), reading.number, quantise<std::uint16_t>(age_ms, 1.0)}, out);
+    return true;
+  });
+}
+
+void DobsBoard::power_up(SimTime now, std::uint32_t session, SimDuration phase) {
+  link_.power_up(now, session);
+  scan_.start(now + phase);
+  auto& ranges = std::get<wire::Ranges>(ranges_);
+  ranges.first_bearing_crad = first_bearing_crad;
+  ranges.beam_width_crad = beam_width_crad;
+  ranges.range_mm.assign(beams, wire::no_echo);
+}
+
+void DobsBoard::on_bytes(SimTime /*now*/, std::string_view bytes) { static_cast<void>(link_.receive(bytes)); }
+
+void DobsBoard::tick(SimTime now, std::span<const double, beams> range_m, std::string& out) {
+  link_.tick(now, out);
+  if (!scan_.take(now)) return;
+  auto& ranges = std::get<wire::Ranges>(ranges_);
+  ranges.board_ms = link_.board_ms(now);
+  for (std::size_t i = 0; i < beams; ++i)
+    ranges.range_mm[i] = range_m[i] < 0.0 ? wire::no_echo : quantise<std::uint16_t>(range_m[i], 1e-3);
+  link_.send(ranges_, out);
+}
+
+void RaliBoard::power_up(SimTime now, std::uint32_t session, SimDuration phase) {
+  link_.power_up(now, session);
+  report_.start(now + phase);
+}
+
+void RaliBoard::on_bytes(SimTime /*now*/, std::string_view bytes) { static_cast<void>(link_.receive(bytes)); }
+
+void RaliBoard::tick(SimTime now, const PowerReadings& readings, std::string& out) {
+  link_.tick(now, out);
+  if (!report_.take(now)) return;
+  const double charge = std::clamp(readings.charge, 0.0, 1.0);
+  link_.send(
+      wire::Power{quantise<std::uint16_t>(readings.voltage_V, 1e-3), quantise<std::int16_t>(readings.current_A, 1e-3),
+                  quantise<std::int16_t>(readings.temperature_C, 0.1), quantise<std::uint16_t>(charge, 1e-3)},
+      out);
+}
+
+}  // namespace cosiva::physical

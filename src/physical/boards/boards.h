@@ -1,0 +1,115 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/time.h"
+#include "physical/boards/board_link.h"
+#include "wire/board.h"
+
+/// The four boards of one vehicle (A14 to A17), between the world's values and the module link's frames. Each is told
+/// bytes and time and appends bytes to `out`; what it senses is handed in as plain SI values.
+namespace cosiva::physical {
+
+/// What PILS has from its line sensors and wheel encoders.
+struct WheelReadings {
+  double distance_m;     ///< counted by the encoders since power-up, forwards positive
+  double speed_mps;      ///< negative backwards
+  double line_offset_m;  ///< of the line from the sensor's middle, left positive
+  bool line_lost;
+};
+
+/// Line tracking (A16): odometry out at 50 Hz, Drive in; the motors stop by themselves 300 ms after the last valid one.
+class PilsBoard {
+ public:
+  static constexpr SimDuration drive_timeout = std::chrono::milliseconds{300};
+
+  [[nodiscard]] BoardLink& link() { return link_; }
+  [[nodiscard]] const BoardLink& link() const { return link_; }
+  void power_up(SimTime now, std::uint32_t session, SimDuration phase);
+  void on_bytes(SimTime now, std::string_view bytes);
+  void tick(SimTime now, const WheelReadings& readings, std::string& out);
+  /// What the motors have to do; nothing: stop.
+  [[nodiscard]] const wire::Drive* drive(SimTime now) const;
+
+ private:
+  BoardLink link_{wire::Board::PILS};
+  Every odometry_{std::chrono::milliseconds{20}};
+  std::optional<wire::Drive> drive_;
+  SimTime driven_at_{};
+};
+
+/// Tag reading and display control (A15): a frame per tag read, texts for AFFI in.
+class PravBoard {
+ public:
+  [[nodiscard]] BoardLink& link() { return link_; }
+  [[nodiscard]] const BoardLink& link() const { return link_; }
+  void power_up(SimTime now, std::uint32_t session);
+  void on_bytes(SimTime now, std::string_view bytes);
+  /// The reader has a tag's number since `read_at`, which may lie ahead: it is sent at the first tick from then on.
+  void on_tag(SimTime read_at, std::uint32_t number);
+  void tick(SimTime now, std::string& out);
+  [[nodiscard]] const std::string& display() const { return display_; }
+
+ private:
+  struct Reading {
+    SimTime read_at;
+    std::uint32_t number;
+  };
+  BoardLink link_{wire::Board::PRAV};
+  std::vector<Reading> readings_;
+  std::string display_;
+};
+
+/// Obstacle ranging (A17): a fan of sectors ahead of the body's front, 60 ms apart, as echoes need it.
+class DobsBoard {
+ public:
+  static constexpr std::size_t beams = 13;
+  static constexpr std::uint16_t beam_width_crad = 14;
+  static constexpr std::int16_t first_bearing_crad = -84;  ///< thirteen beams centred on straight ahead
+  static constexpr double reach_m = 2.0;                   ///< from the sensor
+
+  [[nodiscard]] BoardLink& link() { return link_; }
+  [[nodiscard]] const BoardLink& link() const { return link_; }
+  void power_up(SimTime now, std::uint32_t session, SimDuration phase);
+  void on_bytes(SimTime now, std::string_view bytes);
+  /// True when the next tick sends ranges, and hence wants them.
+  [[nodiscard]] bool wants_scan(SimTime now) const { return scan_.due(now); }
+  /// @param range_m  one per beam [m], negative: no echo; looked at only when wants_scan(now)
+  void tick(SimTime now, std::span<const double, beams> range_m, std::string& out);
+
+ private:
+  BoardLink link_{wire::Board::DOBS};
+  Every scan_{std::chrono::milliseconds{60}};
+  wire::BoardMessage ranges_{wire::Ranges{}};  ///< kept, so that a scan allocates nothing
+};
+
+/// What RALI measures and counts.
+struct PowerReadings {
+  double voltage_V;
+  double current_A;  ///< positive discharges
+  double temperature_C;
+  double charge;  ///< 0…1, as the gauge believes
+};
+
+/// Regulated supply (A17), 2 Hz.
+class RaliBoard {
+ public:
+  [[nodiscard]] BoardLink& link() { return link_; }
+  [[nodiscard]] const BoardLink& link() const { return link_; }
+  void power_up(SimTime now, std::uint32_t session, SimDuration phase);
+  void on_bytes(SimTime now, std::string_view bytes);
+  [[nodiscard]] bool wants_readings(SimTime now) const { return report_.due(now); }
+  /// @param readings  looked at only when wants_readings(now)
+  void tick(SimTime now, const PowerReadings& readings, std::string& out);
+
+ private:
+  BoardLink link_{wire::Board::RALI};
+  Every report_{std::chrono::milliseconds{500}};
+};
+
+}  // namespace cosiva::physical

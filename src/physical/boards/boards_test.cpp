@@ -1,0 +1,250 @@
+#include "physical/boards/boards.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "wire/module_link/module_link.h"
+
+namespace cosiva::physical {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+using wire::module_link::Decoder;
+using wire::module_link::encode;
+
+constexpr SimTime start = virtual_epoch;
+
+/// The other end of a board's link.
+struct Listener {
+  Decoder decoder;
+  std::vector<wire::BoardMessage> heard;
+
+  void hear(const std::string& bytes) { decoder.feed(bytes, heard); }
+  template <typename T>
+  [[nodiscard]] std::vector<T> all() const {
+    std::vector<T> found;
+    for (const auto& message : heard) {
+      if (const T* one = std::get_if<T>(&message)) found.push_back(*one);
+    }
+    return found;
+  }
+};
+
+/// Runs a PRAV, the board that has the least to say, over [from, to) in ticks of 10 ms.
+void run(PravBoard& board, Listener& listener, SimTime from, SimTime to) {
+  for (SimTime now = from; now < to; now += 10ms) {
+    std::string out;
+    board.tick(now, out);
+    listener.hear(out);
+  }
+}
+
+TEST(Board, says_hello_first_when_the_other_side_connects) {
+  PravBoard board;
+  board.power_up(start, 77);
+  board.link().connect(true);
+  Listener listener;
+  listener.hear("half a frame of the past");
+  run(board, listener, start, start + 50ms);
+  ASSERT_THAT(listener.heard, SizeIs(2));
+  const auto& hello = std::get<wire::Hello>(listener.heard[0]);
+  EXPECT_EQ(hello.board, wire::Board::PRAV);
+  EXPECT_EQ(hello.protocol_version, wire::module_link::version);
+  EXPECT_EQ(hello.session, 77U);
+  EXPECT_EQ(std::get<wire::Heartbeat>(listener.heard[1]).uptime_ms, 0U);
+}
+
+TEST(Board, says_nothing_while_its_cable_is_out) {
+  PravBoard board;
+  board.power_up(start, 77);
+  Listener listener;
+  run(board, listener, start, start + 1s);
+  EXPECT_THAT(listener.heard, IsEmpty());
+}
+
+TEST(Board, keeps_its_session_and_clock_over_a_reconnection) {
+  PravBoard board;
+  board.power_up(start, 77);
+  board.link().connect(true);
+  Listener first;
+  run(board, first, start, start + 1s);
+  board.link().connect(false);
+  Listener second;
+  run(board, second, start + 1s, start + 2s);
+  EXPECT_THAT(second.heard, IsEmpty());
+  board.link().connect(true);
+  run(board, second, start + 2s, start + 3s);
+  EXPECT_THAT(second.all<wire::Hello>(), ElementsAre(first.all<wire::Hello>().front()));
+  EXPECT_EQ(second.all<wire::Heartbeat>().front().uptime_ms, 2000U);
+}
+
+TEST(Board, takes_another_session_when_powered_again) {
+  PravBoard board;
+  board.power_up(start, 77);
+  board.power_up(start + 1s, 78);
+  board.link().connect(true);
+  Listener listener;
+  run(board, listener, start + 1s, start + 1s + 10ms);
+  EXPECT_EQ(listener.all<wire::Hello>().front().session, 78U);
+}
+
+TEST(Board, answers_a_hello_with_its_own) {
+  PravBoard board;
+  board.power_up(start, 77);
+  board.link().connect(true);
+  Listener listener;
+  run(board, listener, start, start + 10ms);
+  listener.heard.clear();
+  board.on_bytes(start + 10ms, encode(wire::Hello{wire::Board::PRAV, 1, 0, 0}, 0));
+  run(board, listener, start + 10ms, start + 30ms);
+  EXPECT_THAT(listener.all<wire::Hello>(), SizeIs(1));
+}
+
+TEST(Board, beats_ten_times_a_second_and_reports_what_it_received_damaged) {
+  PravBoard board;
+  board.power_up(start, 77);
+  board.link().connect(true);
+  Listener listener;
+  run(board, listener, start, start + 500ms);
+  std::string damaged = encode(wire::Heartbeat{}, 0);
+  damaged[3] = static_cast<char>(damaged[3] ^ 0x40);
+  board.on_bytes(start + 500ms, damaged + encode(wire::Heartbeat{}, 1) + encode(wire::Heartbeat{}, 4));
+  run(board, listener, start + 500ms, start + 1s);
+  const auto beats = listener.all<wire::Heartbeat>();
+  ASSERT_THAT(beats, SizeIs(10));
+  EXPECT_EQ(beats[4].frames_bad, 0);
+  EXPECT_EQ(beats[5].frames_bad, 1);
+  EXPECT_EQ(beats[5].frames_missed, 2);
+  EXPECT_EQ(beats[9].uptime_ms, 900U);
+}
+
+TEST(Every, does_not_catch_up_in_a_burst) {
+  Every every{100ms};
+  every.start(start);
+  EXPECT_TRUE(every.take(start + 950ms));
+  EXPECT_FALSE(every.take(start + 960ms));
+  EXPECT_FALSE(every.take(start + 1040ms));
+  EXPECT_TRUE(every.take(start + 1050ms));
+}
+
+TEST(Pils, reports_its_wheels_fifty_times_a_second) {
+  PilsBoard board;
+  board.power_up(start, 1, 0ms);
+  board.link().connect(true);
+  Listener listener;
+  for (SimTime now = start; now < start + 1s; now += 10ms) {
+    std::string out;
+    board.tick(now, {1.2345678, -0.25, 0.0013, false}, out);
+    listener.hear(out);
+  }
+  const auto odometry = listener.all<wire::Odometry>();
+  ASSERT_THAT(odometry, SizeIs(50));
+  EXPECT_EQ(odometry[3], (wire::Odometry{60, 1'234'568, -250, 13, false}));
+}
+
+TEST(Pils, reports_the_end_of_its_scale_for_what_is_beyond) {
+  PilsBoard board;
+  board.power_up(start, 1, 0ms);
+  board.link().connect(true);
+  Listener listener;
+  std::string out;
+  board.tick(start, {0.0, -40.0, 5.0, true}, out);
+  listener.hear(out);
+  const auto odometry = listener.all<wire::Odometry>().front();
+  EXPECT_EQ(odometry.speed_mmps, -32768);
+  EXPECT_EQ(odometry.line_offset_01mm, 32767);
+  EXPECT_TRUE(odometry.line_lost);
+}
+
+TEST(Pils, drives_for_300_ms_after_the_last_valid_command_and_no_longer) {
+  PilsBoard board;
+  board.power_up(start, 1, 0ms);
+  EXPECT_EQ(board.drive(start), nullptr);
+  const wire::Drive drive{500, 800, 1000, 0};
+  board.on_bytes(start, encode(drive, 0));
+  ASSERT_NE(board.drive(start), nullptr);
+  EXPECT_EQ(*board.drive(start), drive);
+  std::string damaged = encode(drive, 1);
+  damaged[4] = static_cast<char>(damaged[4] ^ 1);
+  board.on_bytes(start + 200ms, damaged);                       // not valid
+  board.on_bytes(start + 200ms, encode(wire::Heartbeat{}, 2));  // alive, but no command
+  EXPECT_NE(board.drive(start + 300ms), nullptr);
+  EXPECT_EQ(board.drive(start + 301ms), nullptr);
+}
+
+TEST(Prav, sends_a_tag_once_its_reader_has_it_with_its_age) {
+  PravBoard board;
+  board.power_up(start, 1);
+  board.link().connect(true);
+  Listener listener;
+  board.on_tag(start + 13ms, 42);
+  run(board, listener, start, start + 100ms);
+  EXPECT_THAT(listener.all<wire::TagRead>(), ElementsAre(wire::TagRead{20, 42, 7}));
+}
+
+TEST(Prav, forgets_a_tag_that_it_could_not_send) {
+  PravBoard board;
+  board.power_up(start, 1);
+  Listener listener;
+  board.on_tag(start, 42);
+  run(board, listener, start, start + 100ms);
+  board.link().connect(true);
+  run(board, listener, start + 100ms, start + 200ms);
+  EXPECT_THAT(listener.all<wire::TagRead>(), IsEmpty());
+}
+
+TEST(Prav, shows_the_last_text) {
+  PravBoard board;
+  board.power_up(start, 1);
+  board.on_bytes(start, encode(wire::Display{"AIV 1"}, 0) + encode(wire::Display{"0.5 m/s"}, 1));
+  EXPECT_EQ(board.display(), "0.5 m/s");
+}
+
+TEST(Dobs, sends_its_fan_every_60_ms) {
+  DobsBoard board;
+  board.power_up(start, 1, 20ms);
+  board.link().connect(true);
+  Listener listener;
+  std::array<double, DobsBoard::beams> ranges;
+  ranges.fill(-1.0);
+  ranges[6] = 0.3504;
+  int scans = 0;
+  for (SimTime now = start; now < start + 620ms; now += 10ms) {
+    std::string out;
+    scans += board.wants_scan(now) ? 1 : 0;
+    board.tick(now, ranges, out);
+    listener.hear(out);
+  }
+  const auto sent = listener.all<wire::Ranges>();
+  EXPECT_EQ(scans, 10);
+  ASSERT_THAT(sent, SizeIs(10));
+  EXPECT_EQ(sent[1].board_ms, 80U);
+  EXPECT_EQ(sent[1].first_bearing_crad, -84);
+  EXPECT_EQ(sent[1].beam_width_crad, 14);
+  ASSERT_THAT(sent[1].range_mm, SizeIs(13));
+  EXPECT_EQ(sent[1].range_mm[6], 350);
+  EXPECT_EQ(sent[1].range_mm[5], wire::no_echo);
+}
+
+TEST(Rali, reports_twice_a_second_and_never_a_charge_beyond_full) {
+  RaliBoard board;
+  board.power_up(start, 1, 0ms);
+  board.link().connect(true);
+  Listener listener;
+  for (SimTime now = start; now < start + 2s; now += 10ms) {
+    std::string out;
+    board.tick(now, {7.4124, 0.4305, 22.54, 1.2}, out);
+    listener.hear(out);
+  }
+  const auto power = listener.all<wire::Power>();
+  ASSERT_THAT(power, SizeIs(4));
+  EXPECT_EQ(power[0], (wire::Power{7412, 430, 225, 1000}));
+}
+
+}  // namespace
+}  // namespace cosiva::physical

@@ -1,0 +1,153 @@
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+
+#include "base/json_value.h"
+#include "base/json_writer.h"
+#include "physical/plant/plant_core.h"
+
+namespace cosiva::physical {
+namespace {
+
+constexpr std::uint32_t vehicles_max = 1000;
+
+double to_ms(SimDuration duration) { return static_cast<double>(duration.count()) / 1e6; }
+
+tl::unexpected<Error> bad(const std::string& field, const std::string& expected) {
+  return fail("plant.options", field + " must be " + expected, "plant options");
+}
+
+/// Reads members into place, keeps the default where there is none, and remembers the first that was wrong.
+class Reader {
+ public:
+  explicit Reader(const JsonValue& object) : object_{object} {}
+
+  void number(const char* name, double& value, double max) {
+    const JsonValue* member = object_.find(name);
+    if (member == nullptr) return;
+    const double* given = member->number();
+    if (given == nullptr || !std::isfinite(*given) || *given < 0.0 || *given > max)
+      note(name, "a number from 0 to " + std::to_string(max));
+    else
+      value = *given;
+  }
+  void milliseconds(const char* name, SimDuration& value) {
+    double ms = to_ms(value);
+    number(name, ms, 10'000.0);
+    value = SimDuration{static_cast<std::int64_t>(std::nearbyint(ms * 1e6))};
+  }
+  void flag(const char* name, bool& value) {
+    const JsonValue* member = object_.find(name);
+    if (member == nullptr) return;
+    if (member->flag() == nullptr)
+      note(name, "true or false");
+    else
+      value = *member->flag();
+  }
+  void count(const char* name, std::uint32_t& value, std::uint32_t max) {
+    double number_given = value;
+    number(name, number_given, max);
+    if (number_given < 1.0 || number_given != std::floor(number_given))
+      note(name, "a whole number from 1 to " + std::to_string(max));
+    else
+      value = static_cast<std::uint32_t>(number_given);
+  }
+  /// 64 bits do not fit a JSON number, so they travel as text; a small plain number is taken too.
+  void seed(const char* name, std::uint64_t& value) {
+    const JsonValue* member = object_.find(name);
+    if (member == nullptr) return;
+    constexpr double exact_max = 9007199254740992.0;
+    if (const double* plain = member->number(); plain != nullptr && *plain >= 0.0 && *plain <= exact_max) {
+      value = static_cast<std::uint64_t>(*plain);
+      return;
+    }
+    const std::string* text = member->text();
+    if (text == nullptr || text->empty() || text->size() > 20 ||
+        text->find_first_not_of("0123456789") != std::string::npos)
+      return note(name, "a whole number, as text when above 2^53");
+    std::uint64_t sum = 0;
+    for (const char digit : *text) {
+      const auto d = static_cast<std::uint64_t>(digit - '0');
+      if (sum > (std::numeric_limits<std::uint64_t>::max() - d) / 10) return note(name, "below 2^64");
+      sum = 10 * sum + d;
+    }
+    value = sum;
+  }
+  void note(const std::string& name, const std::string& expected) {
+    if (!error_) error_ = bad("'" + name + "'", expected).value();
+  }
+  [[nodiscard]] const std::optional<Error>& error() const { return error_; }
+
+ private:
+  const JsonValue& object_;
+  std::optional<Error> error_;
+};
+
+std::optional<Error> read_noise(const JsonValue& json, PlantNoise& noise) {
+  Reader reader{json};
+  reader.number("odometry_scale_sd", noise.odometry_scale_sd, 0.2);
+  reader.number("odometry_noise_m_per_sqrt_m", noise.odometry_noise_m_per_sqrt_m, 1.0);
+  reader.number("slip_per_mps2", noise.slip_per_mps2, 0.3);
+  reader.number("line_offset_sd_m", noise.line_offset_sd_m, 0.05);
+  reader.number("tag_range_m", noise.tag_range_m, 1.0);
+  reader.number("tag_miss", noise.tag_miss, 1.0);
+  reader.milliseconds("tag_latency_min_ms", noise.tag_latency_min);
+  reader.milliseconds("tag_latency_max_ms", noise.tag_latency_max);
+  reader.number("range_sd_m", noise.range_sd_m, 1.0);
+  reader.number("range_dropout", noise.range_dropout, 1.0);
+  if (noise.tag_latency_min > noise.tag_latency_max) reader.note("tag_latency_min_ms", "at most tag_latency_max_ms");
+  return reader.error();
+}
+
+void write_noise(JsonWriter& json, const PlantNoise& noise) {
+  json.begin_object()
+      .field("odometry_scale_sd", noise.odometry_scale_sd)
+      .field("odometry_noise_m_per_sqrt_m", noise.odometry_noise_m_per_sqrt_m)
+      .field("slip_per_mps2", noise.slip_per_mps2)
+      .field("line_offset_sd_m", noise.line_offset_sd_m)
+      .field("tag_range_m", noise.tag_range_m)
+      .field("tag_miss", noise.tag_miss)
+      .field("tag_latency_min_ms", to_ms(noise.tag_latency_min))
+      .field("tag_latency_max_ms", to_ms(noise.tag_latency_max))
+      .field("range_sd_m", noise.range_sd_m)
+      .field("range_dropout", noise.range_dropout)
+      .end_object();
+}
+
+}  // namespace
+
+std::string to_json(const PlantOptions& options) {
+  JsonWriter json;
+  json.begin_object().key("zone").begin_object();
+  json.field("format", options.zone.format).field("origin", options.zone.origin).field("text", options.zone.text);
+  json.end_object();
+  json.field("vehicles", options.vehicles).field("seed", std::to_string(options.seed)).key("noise");
+  write_noise(json, options.noise);
+  json.field("publish_zone", options.publish_zone).field("publish_truth", options.publish_truth).end_object();
+  return json.take();
+}
+
+Result<PlantOptions> plant_options_from_json(std::string_view text) {
+  const auto json = JsonValue::parse(text);
+  if (!json) return tl::unexpected(json.error());
+  if (json->object() == nullptr) return bad("the document", "an object");
+  PlantOptions options;
+  const JsonValue* zone = json->find("zone");
+  if (zone == nullptr || !zone->text("format") || !zone->text("text"))
+    return bad("'zone'", "an object with the texts 'format', 'origin' and 'text'");
+  options.zone = {*zone->text("format"), zone->text("origin").value_or(""), *zone->text("text")};
+  Reader reader{*json};
+  reader.count("vehicles", options.vehicles, vehicles_max);
+  reader.seed("seed", options.seed);
+  reader.flag("publish_zone", options.publish_zone);
+  reader.flag("publish_truth", options.publish_truth);
+  if (reader.error()) return tl::unexpected(*reader.error());
+  if (const JsonValue* noise = json->find("noise")) {
+    if (noise->object() == nullptr) return bad("'noise'", "an object");
+    if (const auto error = read_noise(*noise, options.noise)) return tl::unexpected(*error);
+  }
+  return options;
+}
+
+}  // namespace cosiva::physical

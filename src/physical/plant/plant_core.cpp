@@ -1,0 +1,362 @@
+#include "physical/plant/plant_core.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "base/json_value.h"
+#include "base/json_writer.h"
+#include "physical/plant/collisions.h"
+#include "physical/plant/vehicle.h"
+#include "wire/topics.h"
+
+namespace cosiva::physical {
+namespace {
+
+/// Longer than this a tick was not late but the machine asleep; the vehicles stood still meanwhile.
+constexpr SimDuration tick_gap_max = std::chrono::seconds{1};
+constexpr std::size_t obstacles_max = 1000;
+
+struct Obstacle {
+  std::string id;
+  Disc disc;
+  CollisionWatch::BodyKey key;
+};
+
+/// To the micrometre or microradian: what more digits would say is below the emulation's own truth.
+double rounded(double value) { return std::nearbyint(value * 1e6) * 1e-6; }
+
+/// Length of the one ring that all sections form, or 0 where they do not.
+double ring_length_m(const zone::Circuit& circuit) {
+  zone::SectionId at = 0;
+  for (std::size_t i = 0; i < circuit.size(); ++i) {
+    if (circuit.next(at).size() != 1 || circuit.previous(at).size() != 1) return 0.0;
+    at = circuit.next(at).front();
+    if (at == 0 && i + 1 < circuit.size()) return 0.0;
+  }
+  return at == 0 ? circuit.total_length_m() : 0.0;
+}
+
+struct PortAddress {
+  std::uint32_t vehicle;
+  wire::Board board;
+};
+std::optional<PortAddress> parse_port(std::string_view name) {
+  std::uint32_t number = 0;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
+  if (error != std::errc{} || end == name.data() + name.size() || *end != '/') return std::nullopt;
+  const std::string_view rest = name.substr(static_cast<std::size_t>(end - name.data()) + 1);
+  for (const wire::Board board : wire::all_boards) {
+    if (rest == to_string(board)) return PortAddress{number, board};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+struct PlantCore::Inside {
+  Inside(PlantOptions given, zone::Rtm read, std::vector<zone::Place> places)
+      : options{std::move(given)},
+        rtm{std::move(read)},
+        tags{rtm.zone(), options.noise.tag_range_m},
+        fan{rtm.zone().vehicle},
+        watch{rtm.zone().vehicle},
+        ring_m{ring_length_m(rtm.zone().circuit)} {
+    vehicles.reserve(places.size());
+    for (std::uint32_t i = 0; i < places.size(); ++i)
+      vehicles.emplace_back(i + 1, rtm.zone(), tags, places[i], options.noise, options.seed);
+    bodies.resize(vehicles.size());
+    note_bodies();
+  }
+
+  PlantOptions options;
+  zone::Rtm rtm;
+  TagMap tags;
+  RangeFan fan;
+  CollisionWatch watch;
+  double ring_m;
+  std::vector<Vehicle> vehicles;
+  std::vector<BodyPose> bodies;  ///< as of now, one per vehicle
+  std::vector<Obstacle> obstacles;
+  std::vector<CollisionWatch::Obstacle> discs;  ///< the same, as the watch wants them
+  CollisionWatch::BodyKey next_obstacle_key{CollisionWatch::obstacle_bit};
+  std::vector<CollisionWatch::Pair> contacts;
+  std::vector<Collision> collisions;
+  std::optional<SimTime> powered_at;
+  SimTime now{};
+  bool broker_up{false};
+  Every truth{std::chrono::milliseconds{100}};
+
+  void power_up(SimTime at);
+  void note_bodies();
+  void tick(SimTime at, wire::Effects& effects);
+  void watch_contacts();
+  void scan(std::size_t index);
+  [[nodiscard]] std::string name_of(CollisionWatch::BodyKey key) const;
+  [[nodiscard]] std::uint32_t laps(const Vehicle& vehicle) const;
+  [[nodiscard]] std::string truth_json() const;
+
+  void on_link(std::string_view state, wire::Effects& effects);
+  void on_port(const wire::Input& input, wire::Effects& effects);
+  void on_bytes(const wire::Input& input, wire::Effects& effects);
+  void on_command(std::string_view json, wire::Effects& effects);
+  [[nodiscard]] std::optional<Error> obey(const JsonValue& command);
+  [[nodiscard]] std::optional<Error> add_obstacle(const JsonValue& given);
+  [[nodiscard]] std::optional<Error> remove_obstacle(std::string_view id);
+  void note_discs();
+};
+
+PlantCore::PlantCore() = default;
+PlantCore::~PlantCore() = default;
+
+Result<std::unique_ptr<PlantCore>> PlantCore::make(PlantOptions options) {
+  auto rtm = zone::Rtm::initialise(options.zone);
+  if (!rtm) return tl::unexpected(rtm.error());
+  if (options.vehicles == 0) return fail("plant.vehicles", "a plant needs at least one vehicle");
+  auto places = rtm->zone().start_places(options.vehicles);
+  if (places.size() != options.vehicles) {
+    return fail("plant.vehicles", "zone '" + rtm->zone().name + "' has room for " + std::to_string(places.size()) +
+                                      " vehicles, asked for " + std::to_string(options.vehicles));
+  }
+  std::unique_ptr<PlantCore> core{new PlantCore};
+  core->inside_ = std::make_unique<Inside>(std::move(options), std::move(*rtm), std::move(places));
+  return core;
+}
+
+void PlantCore::handle(const wire::Input& input, wire::Effects& effects) {
+  Inside& in = *inside_;
+  if (!in.powered_at) in.power_up(input.at);
+  switch (input.kind) {
+    case wire::InputKind::tick: return in.tick(input.at, effects);
+    case wire::InputKind::bytes: return in.on_bytes(input, effects);
+    case wire::InputKind::port: return in.on_port(input, effects);
+    case wire::InputKind::link: return in.on_link(input.payload, effects);
+    case wire::InputKind::message:
+      if (input.source == wire::plant_command_topic) in.on_command(input.payload, effects);
+      return;
+    case wire::InputKind::command: return in.on_command(input.payload, effects);
+    case wire::InputKind::configure:  // its options came through make()
+    case wire::InputKind::recall: return;
+  }
+}
+
+std::vector<std::string> PlantCore::subscriptions() const { return {std::string(wire::plant_command_topic)}; }
+
+void PlantCore::farewell(SimTime /*now*/, wire::Effects& /*effects*/) {
+  // The zone stays retained on purpose: a server that comes later still learns it.
+}
+
+void PlantCore::fold(Digest& digest) const {
+  for (const Vehicle& vehicle : inside_->vehicles) {
+    const Pose2& pose = vehicle.motion().body().X_MB;
+    digest.add(pose.x_m);
+    digest.add(pose.y_m);
+    digest.add(pose.heading_rad);
+    digest.add(vehicle.motion().speed_mps());
+    digest.add(vehicle.distance_m());
+    digest.add(vehicle.charge());
+    digest.add(std::string_view{vehicle.display()});
+  }
+  for (const Collision& collision : inside_->collisions) {
+    digest.add(collision.at);
+    digest.add(std::string_view{collision.a});
+    digest.add(std::string_view{collision.b});
+  }
+}
+
+const PlantOptions& PlantCore::options() const { return inside_->options; }
+
+std::vector<std::string> PlantCore::ports() const {
+  std::vector<std::string> names;
+  for (const Vehicle& vehicle : inside_->vehicles) {
+    for (const wire::Board board : wire::all_boards) names.push_back(vehicle.port(board));
+  }
+  return names;
+}
+
+std::vector<TrueVehicle> PlantCore::vehicles() const {
+  std::vector<TrueVehicle> truth;
+  truth.reserve(inside_->vehicles.size());
+  for (const Vehicle& vehicle : inside_->vehicles) {
+    truth.push_back({vehicle.number(), vehicle.motion().body().X_MB, vehicle.motion().speed_mps(), vehicle.distance_m(),
+                     inside_->laps(vehicle), vehicle.charge(), vehicle.powered(inside_->now), vehicle.display()});
+  }
+  return truth;
+}
+
+const std::vector<Collision>& PlantCore::collisions() const { return inside_->collisions; }
+
+std::string PlantCore::summary_json() const {
+  std::uint64_t laps = 0;
+  double longest_wait_s = 0.0;
+  JsonWriter json;
+  json.begin_object().key("vehicles").begin_array();
+  for (const Vehicle& vehicle : inside_->vehicles) {
+    const Pose2& pose = vehicle.motion().body().X_MB;
+    laps += inside_->laps(vehicle);
+    longest_wait_s = std::max(longest_wait_s, vehicle.longest_wait_s());
+    json.begin_object().field("number", vehicle.number()).field("x", pose.x_m).field("y", pose.y_m);
+    json.field("heading", pose.heading_rad).field("speed", vehicle.motion().speed_mps());
+    json.field("distance", vehicle.distance_m()).field("laps", inside_->laps(vehicle));
+    json.field("charge", vehicle.charge()).field("longest_wait_s", vehicle.longest_wait_s()).end_object();
+  }
+  json.end_array().key("collisions").begin_array();
+  for (const Collision& collision : inside_->collisions) {
+    json.begin_object().field("at", to_iso8601(collision.at)).field("a", collision.a).field("b", collision.b);
+    json.end_object();
+  }
+  json.end_array().field("laps", laps).field("longest_wait_s", longest_wait_s).end_object();
+  return json.take();
+}
+
+void PlantCore::Inside::power_up(SimTime at) {
+  powered_at = at;
+  now = at;
+  truth.start(at);
+  for (Vehicle& vehicle : vehicles) vehicle.power_up(at, options.seed);
+}
+
+void PlantCore::Inside::note_bodies() {
+  for (std::size_t i = 0; i < vehicles.size(); ++i) bodies[i] = vehicles[i].motion().body();
+}
+
+void PlantCore::Inside::tick(SimTime at, wire::Effects& effects) {
+  SimDuration dt = at - now;
+  if (dt > tick_gap_max || dt < SimDuration::zero()) {
+    effects.emplace_back(wire::Log{'w', "the plant's clock jumped by " + std::to_string(to_seconds(dt)) +
+                                            " s; the vehicles stood still meanwhile"});
+    dt = SimDuration::zero();
+  }
+  now = at;
+  for (Vehicle& vehicle : vehicles) vehicle.move(at, dt);
+  note_bodies();
+  watch_contacts();
+  for (std::size_t i = 0; i < vehicles.size(); ++i) {
+    if (vehicles[i].wants_scan(at)) scan(i);
+    vehicles[i].speak(at, fan.ranges(), effects);
+  }
+  if (truth.take(at) && broker_up && options.publish_truth)
+    effects.emplace_back(wire::Publish{std::string(wire::plant_truth_topic), truth_json(), 0, false});
+}
+
+void PlantCore::Inside::watch_contacts() {
+  contacts.clear();
+  watch.look(bodies, discs, contacts);
+  for (const auto& pair : contacts) collisions.push_back({now, name_of(pair.a), name_of(pair.b)});
+}
+
+void PlantCore::Inside::scan(std::size_t index) {
+  fan.aim(bodies[index]);
+  for (std::size_t other = 0; other < bodies.size(); ++other) {
+    if (other != index) fan.see(bodies[other]);
+  }
+  for (const Obstacle& obstacle : obstacles) fan.see(obstacle.disc);
+}
+
+std::string PlantCore::Inside::name_of(CollisionWatch::BodyKey key) const {
+  if ((key & CollisionWatch::obstacle_bit) == 0) return "AIV" + std::to_string(key + 1);
+  const auto found = std::find_if(obstacles.begin(), obstacles.end(), [&](const Obstacle& o) { return o.key == key; });
+  return found == obstacles.end() ? "obstacle" : found->id;
+}
+
+std::uint32_t PlantCore::Inside::laps(const Vehicle& vehicle) const {
+  return ring_m > 0.0 ? static_cast<std::uint32_t>(vehicle.distance_m() / ring_m) : 0;
+}
+
+std::string PlantCore::Inside::truth_json() const {
+  JsonWriter json;
+  json.begin_object().field("timestamp", to_iso8601(now)).key("vehicles").begin_array();
+  for (const Vehicle& vehicle : vehicles) {
+    const Pose2& pose = vehicle.motion().body().X_MB;
+    json.begin_object().field("number", vehicle.number()).field("x", rounded(pose.x_m)).field("y", rounded(pose.y_m));
+    json.field("heading", rounded(pose.heading_rad)).field("speed", rounded(vehicle.motion().speed_mps()));
+    json.field("charge", rounded(vehicle.charge())).end_object();
+  }
+  json.end_array().key("obstacles").begin_array();
+  for (const Obstacle& obstacle : obstacles) {
+    json.begin_object().field("id", obstacle.id).field("x", obstacle.disc.centre.x_m);
+    json.field("y", obstacle.disc.centre.y_m).field("radius", obstacle.disc.radius_m).end_object();
+  }
+  json.end_array().field("collisions", collisions.size()).end_object();
+  return json.take();
+}
+
+void PlantCore::Inside::on_link(std::string_view state, wire::Effects& effects) {
+  broker_up = state == "up";
+  if (!broker_up || !options.publish_zone) return;
+  effects.emplace_back(
+      wire::Publish{std::string(wire::zone_topic_prefix) + options.zone.format, options.zone.text, 1, true});
+}
+
+void PlantCore::Inside::on_port(const wire::Input& input, wire::Effects& effects) {
+  const auto address = parse_port(input.source);
+  if (!address || address->vehicle < 1 || address->vehicle > vehicles.size()) {
+    effects.emplace_back(wire::Log{'w', "no vehicle has a port '" + input.source + "'"});
+    return;
+  }
+  vehicles[address->vehicle - 1].connect(address->board, input.payload == "up");
+}
+
+void PlantCore::Inside::on_bytes(const wire::Input& input, wire::Effects& effects) {
+  const auto address = parse_port(input.source);
+  if (!address || address->vehicle < 1 || address->vehicle > vehicles.size()) {
+    effects.emplace_back(wire::Log{'w', "bytes for '" + input.source + "', which no vehicle has"});
+    return;
+  }
+  vehicles[address->vehicle - 1].on_bytes(input.at, address->board, input.payload);
+}
+
+void PlantCore::Inside::on_command(std::string_view json, wire::Effects& effects) {
+  const auto command = JsonValue::parse(json, std::size_t{4096});
+  const auto error = command ? obey(*command) : std::optional(command.error());
+  if (error) effects.emplace_back(wire::Log{'w', "plant command refused: " + to_string(*error)});
+}
+
+std::optional<Error> PlantCore::Inside::obey(const JsonValue& command) {
+  if (const JsonValue* given = command.find("addObstacle")) return add_obstacle(*given);
+  if (const auto id = command.text("removeObstacle")) return remove_obstacle(*id);
+  return Error{"plant.command", R"(expected {"addObstacle":{"id","x","y","radius"}} or {"removeObstacle":"id"})", {}};
+}
+
+std::optional<Error> PlantCore::Inside::add_obstacle(const JsonValue& given) {
+  const auto id = given.text("id");
+  const auto x = given.number("x");
+  const auto y = given.number("y");
+  const auto radius = given.number("radius");
+  constexpr double far_m = 1e5;
+  constexpr double radius_max_m = 10.0;
+  if (!id || id->empty() || id->size() > 64)
+    return Error{"plant.command", "an obstacle needs an 'id' of 1 to 64 bytes", {}};
+  if (!x || !y || !(std::fabs(*x) <= far_m) || !(std::fabs(*y) <= far_m))
+    return Error{"plant.command", "an obstacle needs 'x' and 'y' in metres", *id};
+  if (!radius || !(*radius > 0.0) || !(*radius <= radius_max_m))
+    return Error{"plant.command", "an obstacle's 'radius' must be over 0 m and at most 10 m", *id};
+
+  const Disc disc{{*x, *y}, *radius};
+  const auto at = std::lower_bound(obstacles.begin(), obstacles.end(), *id,
+                                   [](const Obstacle& o, const std::string& name) { return o.id < name; });
+  if (at != obstacles.end() && at->id == *id) {
+    at->disc = disc;  // moved
+  } else {
+    if (obstacles.size() >= obstacles_max) return Error{"plant.command", "1000 obstacles are enough", *id};
+    obstacles.insert(at, Obstacle{*id, disc, next_obstacle_key++});
+  }
+  note_discs();
+  return std::nullopt;
+}
+
+std::optional<Error> PlantCore::Inside::remove_obstacle(std::string_view id) {
+  if (std::erase_if(obstacles, [&](const Obstacle& o) { return o.id == id; }) == 0)
+    return Error{"plant.command", "there is no obstacle of this name", std::string(id)};
+  note_discs();
+  return std::nullopt;
+}
+
+void PlantCore::Inside::note_discs() {
+  discs.clear();
+  for (const Obstacle& obstacle : obstacles) discs.push_back({obstacle.key, obstacle.disc});
+}
+
+}  // namespace cosiva::physical

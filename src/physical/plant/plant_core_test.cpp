@@ -1,0 +1,482 @@
+#include "physical/plant/plant_core.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "base/json_value.h"
+#include "physical/plant/test_zones.h"
+#include "wire/module_link/module_link.h"
+#include "wire/topics.h"
+
+namespace cosiva::physical {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::Ge;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Le;
+using ::testing::SizeIs;
+using wire::Board;
+
+PlantNoise silent() {
+  PlantNoise noise;
+  noise.odometry_scale_sd = noise.odometry_noise_m_per_sqrt_m = noise.slip_per_mps2 = noise.line_offset_sd_m = 0.0;
+  noise.tag_miss = noise.range_sd_m = noise.range_dropout = 0.0;
+  return noise;
+}
+
+/// A plant with all cables in, and the other ends of its links: it hears every board and sends Drives.
+class PlantBench {
+ public:
+  explicit PlantBench(zone::ZoneConfiguration zone, std::uint32_t vehicles = 1, PlantNoise noise = silent(),
+                      std::uint64_t seed = 1) {
+    auto made = PlantCore::make({std::move(zone), vehicles, seed, noise, true, true});
+    EXPECT_TRUE(made) << to_string(made.error());
+    core_ = std::move(*made);
+    runner_.emplace(*core_);
+    for (const auto& port : core_->ports()) feed(wire::InputKind::port, port, "up");
+  }
+
+  void feed(wire::InputKind kind, std::string source, std::string payload) {
+    take(runner_->feed({now_, kind, std::move(source), std::move(payload)}));
+  }
+  void drive(std::uint32_t vehicle, wire::Drive drive) { drives_[vehicle] = drive; }
+  void fall_silent(std::uint32_t vehicle) { drives_.erase(vehicle); }
+  /// Ticks, and repeats each vehicle's Drive every 50 ms, as the on-board program does.
+  void run_for(SimDuration duration) {
+    for (const SimTime end = now_ + duration; now_ < end;) {
+      if ((now_ - virtual_epoch) % 50ms == 0ms) {
+        for (const auto& [vehicle, drive] : drives_)
+          feed(wire::InputKind::bytes, wire::port_name(vehicle, Board::PILS), encoders_[vehicle].encode(drive));
+      }
+      now_ += 10ms;
+      feed(wire::InputKind::tick, "", "");
+    }
+  }
+
+  template <typename T>
+  [[nodiscard]] std::vector<T> heard(std::uint32_t vehicle) const {
+    std::vector<T> found;
+    const auto at = heard_.find(vehicle);
+    if (at == heard_.end()) return found;
+    for (const auto& message : at->second) {
+      if (const T* one = std::get_if<T>(&message)) found.push_back(*one);
+    }
+    return found;
+  }
+  void forget() { heard_.clear(); }
+  [[nodiscard]] TrueVehicle truth(std::uint32_t vehicle) const { return core_->vehicles()[vehicle - 1]; }
+  [[nodiscard]] PlantCore& core() { return *core_; }
+  [[nodiscard]] SimTime now() const { return now_; }
+  [[nodiscard]] std::string digest() const { return runner_->digest().hex(); }
+
+  std::vector<wire::Publish> published;
+  std::vector<std::string> logged;
+
+ private:
+  void take(const wire::Effects& effects) {
+    for (const auto& effect : effects) {
+      if (const auto* bytes = std::get_if<wire::SendBytes>(&effect)) {
+        const auto vehicle = static_cast<std::uint32_t>(std::stoul(bytes->port));
+        decoders_[bytes->port].feed(bytes->bytes, heard_[vehicle]);
+      } else if (const auto* message = std::get_if<wire::Publish>(&effect)) {
+        published.push_back(*message);
+      } else if (const auto* line = std::get_if<wire::Log>(&effect)) {
+        logged.push_back(line->text);
+      }
+    }
+  }
+
+  std::unique_ptr<PlantCore> core_;
+  std::optional<wire::CoreRunner> runner_;
+  SimTime now_{virtual_epoch};
+  std::map<std::uint32_t, wire::Drive> drives_;
+  std::map<std::uint32_t, wire::module_link::Encoder> encoders_;
+  std::map<std::string, wire::module_link::Decoder> decoders_;
+  std::map<std::uint32_t, std::vector<wire::BoardMessage>> heard_;
+};
+
+constexpr wire::Drive fast{500, 800, 1000, 0};
+
+TEST(Plant, moves_a_vehicle_by_the_drive_frames_it_hears) {
+  PlantBench bench{straight(20.0)};
+  bench.drive(1, fast);
+  bench.run_for(10s);
+  // v·t less half the ramp (v²/2a) and the motor's lag (v·τ).
+  const double expected_m = 0.5 * 10.0 - 0.5 * 0.5 / (2.0 * 0.8) - 0.5 * 0.05;
+  EXPECT_NEAR(bench.truth(1).distance_m, expected_m, 0.01);
+  EXPECT_NEAR(bench.truth(1).X_MB.x_m, 0.5 + expected_m, 0.01);
+  EXPECT_TRUE(bench.truth(1).powered);
+  // Without noise the odometer tells it, as of its last report.
+  const auto odometry = bench.heard<wire::Odometry>(1);
+  EXPECT_THAT(odometry, SizeIs(AllOf(Ge(499U), Le(501U))));
+  EXPECT_NEAR(static_cast<double>(odometry.back().distance_um) * 1e-6, bench.truth(1).distance_m, 0.5 * 0.021);
+  EXPECT_EQ(odometry.back().speed_mmps, 500);
+}
+
+TEST(Plant, stays_where_it_is_without_a_command) {
+  PlantBench bench{straight(20.0)};
+  bench.run_for(5s);
+  EXPECT_EQ(bench.truth(1).distance_m, 0.0);
+  EXPECT_FALSE(bench.truth(1).powered);
+}
+
+TEST(Plant, stops_by_itself_300_ms_after_the_last_command) {
+  PlantBench bench{straight(20.0)};
+  bench.drive(1, fast);
+  bench.run_for(3s);
+  bench.fall_silent(1);
+  const double before_m = bench.truth(1).distance_m;
+  bench.run_for(200ms);
+  EXPECT_NEAR(bench.truth(1).speed_mps, 0.5, 1e-3);  // not yet: the last command is 250 ms old
+  bench.run_for(3s);
+  EXPECT_EQ(bench.truth(1).speed_mps, 0.0);
+  EXPECT_FALSE(bench.truth(1).powered);
+  // The last command is 40 ms old at first; then braking at 1 m/s², behind the motor's lag.
+  const double way_m = bench.truth(1).distance_m - before_m;
+  EXPECT_NEAR(way_m, 0.5 * 0.26 + 0.5 * 0.5 / 2.0 + 0.5 * 0.05, 0.5 * 0.021);
+}
+
+TEST(Plant, takes_no_command_from_damaged_frames) {
+  PlantBench bench{straight(20.0)};
+  for (int i = 0; i < 200; ++i) {
+    std::string bytes = wire::module_link::encode(fast, static_cast<std::uint8_t>(i));
+    bytes[5] = static_cast<char>(bytes[5] ^ 0x10);
+    bench.feed(wire::InputKind::bytes, "1/PILS", bytes);
+    bench.run_for(10ms);
+  }
+  EXPECT_EQ(bench.truth(1).distance_m, 0.0);
+  EXPECT_EQ(bench.heard<wire::Heartbeat>(1).back().frames_bad, 0);  // RALI's own heartbeat: it heard nothing bad
+  EXPECT_THAT(bench.heard<wire::Heartbeat>(1), Contains(testing::Field(&wire::Heartbeat::frames_bad, Ge(150))));
+}
+
+TEST(Plant, keeps_every_vehicle_on_its_line_over_a_lap) {
+  PlantBench bench{lacet4(), 4, PlantNoise{}};
+  const auto rtm = zone::Rtm::initialise(lacet4());
+  ASSERT_TRUE(rtm);
+  for (std::uint32_t i = 1; i <= 4; ++i) bench.drive(i, fast);
+  for (int i = 0; i < 370; ++i) {
+    bench.run_for(100ms);
+    for (std::uint32_t v = 1; v <= 4; ++v) {
+      const Pose2 pose = bench.truth(v).X_MB;
+      ASSERT_LT(rtm->zone().circuit.locate(position(pose), pose.heading_rad).distance_m, 0.003);
+    }
+  }
+  for (const auto& odometry : bench.heard<wire::Odometry>(1)) ASSERT_FALSE(odometry.line_lost);
+  EXPECT_EQ(bench.truth(1).laps, 1U);
+  const auto odometry = bench.heard<wire::Odometry>(2).back();
+  const double off = static_cast<double>(odometry.distance_um) * 1e-6 / bench.truth(2).distance_m - 1.0;
+  EXPECT_NE(off, 0.0);
+  EXPECT_LT(std::fabs(off), 4.0 * (0.005 + 0.003 / std::sqrt(18.0)) + 0.01);
+}
+
+TEST(Plant, reads_the_twelve_tags_of_the_clover_and_the_beacons_it_passes) {
+  PlantBench bench{lacet4_with_beacons_every(0.07)};
+  bench.drive(1, fast);
+  bench.run_for(36s);  // one lap and a bit
+  std::map<std::uint32_t, int> read;
+  for (const auto& tag : bench.heard<wire::TagRead>(1)) {
+    ++read[tag.number];
+    EXPECT_LE(tag.age_ms, 10);
+  }
+  for (std::uint32_t number = 1; number <= 12; ++number) EXPECT_GE(read[number], 1) << number;
+  EXPECT_GT(read.size(), 12U);
+}
+
+TEST(Plant, reads_a_tag_where_its_field_begins_and_as_late_as_its_reader_is) {
+  PlantBench bench{straight(8.0, "0.5", "[[tag]]\nnumber = 7\nsection = \"line\"\ns_m = 4.0\n")};
+  bench.drive(1, fast);
+  for (int i = 0; i < 2000 && bench.heard<wire::TagRead>(1).empty(); ++i) bench.run_for(10ms);
+  ASSERT_THAT(bench.heard<wire::TagRead>(1), SizeIs(1));
+  const double sent_at_m = bench.truth(1).X_MB.x_m;
+  const double read_at_m = sent_at_m - 0.5 * 1e-3 * bench.heard<wire::TagRead>(1)[0].age_ms;
+  EXPECT_GE(read_at_m, 4.0 - 0.02 + 0.5 * 0.008 - 0.001);
+  EXPECT_LE(read_at_m, 4.0 - 0.02 + 0.5 * 0.030 + 0.001);  // latency, and up to one tick before the field is noticed
+}
+
+TEST(Plant, ranges_the_vehicle_ahead_and_not_the_one_behind) {
+  PlantNoise noise = silent();
+  noise.range_sd_m = 0.005;
+  PlantBench bench{straight(8.0, "2.0 3.0"), 2, noise};
+  bench.run_for(6s);
+  const auto behind = bench.heard<wire::Ranges>(1);
+  ASSERT_THAT(behind, SizeIs(AllOf(Ge(99U), Le(101U))));
+  double sum = 0.0;
+  for (const auto& ranges : behind) {
+    EXPECT_NEAR(ranges.range_mm[6], 800.0, 5.0 * 5.0 + 1.0);
+    sum += ranges.range_mm[6];
+  }
+  EXPECT_NEAR(sum / static_cast<double>(behind.size()), 800.0, 3.0 * 5.0 / 10.0);
+  for (const auto& ranges : bench.heard<wire::Ranges>(2)) EXPECT_THAT(ranges.range_mm, testing::Each(wire::no_echo));
+}
+
+TEST(Plant, puts_obstacles_where_it_is_told_and_takes_them_away) {
+  PlantBench bench{straight(8.0)};
+  bench.feed(wire::InputKind::message, std::string(wire::plant_command_topic),
+             R"({"addObstacle":{"id":"box","x":1.6,"y":0.0,"radius":0.1}})");
+  bench.run_for(200ms);
+  EXPECT_EQ(bench.heard<wire::Ranges>(1).back().range_mm[6], 900);
+  bench.feed(wire::InputKind::command, "test", R"({"addObstacle":{"id":"box","x":1.4,"y":0.0,"radius":0.1}})");
+  bench.run_for(200ms);
+  EXPECT_EQ(bench.heard<wire::Ranges>(1).back().range_mm[6], 700);  // the same box, moved
+  bench.feed(wire::InputKind::command, "test", R"({"removeObstacle":"box"})");
+  bench.run_for(200ms);
+  EXPECT_EQ(bench.heard<wire::Ranges>(1).back().range_mm[6], wire::no_echo);
+  EXPECT_THAT(bench.logged, IsEmpty());
+}
+
+TEST(Plant, refuses_bad_commands_with_a_reason) {
+  PlantBench bench{straight(8.0)};
+  for (const char* bad :
+       {"", "{", "[]", "{}", R"({"addObstacle":{}})", R"({"addObstacle":{"id":"","x":0,"y":0,"radius":1}})",
+        R"({"addObstacle":{"id":"a","x":0,"y":0,"radius":0}})", R"({"addObstacle":{"id":"a","x":0,"y":0,"radius":-1}})",
+        R"({"addObstacle":{"id":"a","x":"0","y":0,"radius":1}})",
+        R"({"addObstacle":{"id":"a","x":1e300,"y":0,"radius":1}})", R"({"removeObstacle":"nobody"})",
+        R"({"removeObstacle":7})"}) {
+    bench.logged.clear();
+    bench.feed(wire::InputKind::command, "test", bad);
+    EXPECT_THAT(bench.logged, ElementsAre(HasSubstr("refused"))) << bad;
+  }
+}
+
+TEST(Plant, books_a_collision_once_per_contact) {
+  PlantBench bench{straight(8.0, "0.5 2.0"), 2};
+  bench.drive(1, fast);
+  bench.run_for(4s);
+  ASSERT_THAT(bench.core().collisions(), SizeIs(1));
+  const Collision& hit = bench.core().collisions().front();
+  EXPECT_EQ(hit.a, "AIV1");
+  EXPECT_EQ(hit.b, "AIV2");
+  // Bumper to bumper after 1.3 m.
+  EXPECT_NEAR(to_seconds(hit.at - virtual_epoch), (1.3 + 0.5 * 0.5 / 1.6 + 0.025) / 0.5, 0.03);
+}
+
+TEST(Plant, books_a_collision_with_an_obstacle_by_its_name) {
+  PlantBench bench{straight(8.0)};
+  bench.feed(wire::InputKind::command, "test", R"({"addObstacle":{"id":"box","x":1.5,"y":0.1,"radius":0.1}})");
+  bench.drive(1, fast);
+  bench.run_for(4s);
+  ASSERT_THAT(bench.core().collisions(), SizeIs(1));
+  EXPECT_EQ(bench.core().collisions().front().a, "AIV1");
+  EXPECT_EQ(bench.core().collisions().front().b, "box");
+}
+
+TEST(Plant, gives_each_vehicle_what_its_own_ports_say) {
+  PlantBench bench{straight(20.0, "0.5 5.0"), 2};
+  bench.drive(2, fast);
+  bench.run_for(2s);
+  EXPECT_EQ(bench.truth(1).distance_m, 0.0);
+  EXPECT_GT(bench.truth(2).distance_m, 0.5);
+  bench.feed(wire::InputKind::bytes, "2/PRAV", wire::module_link::encode(wire::Display{"hello"}, 0));
+  EXPECT_EQ(bench.truth(1).display, "");
+  EXPECT_EQ(bench.truth(2).display, "hello");
+}
+
+TEST(Plant, warns_of_ports_that_no_vehicle_has) {
+  PlantBench bench{straight(20.0)};
+  for (const char* port : {"0/PILS", "2/PILS", "1/PULS", "PILS", "1", "1/", "-1/PILS", "99999999999/PILS", ""}) {
+    bench.logged.clear();
+    bench.feed(wire::InputKind::port, port, "up");
+    bench.feed(wire::InputKind::bytes, port, "x");
+    EXPECT_THAT(bench.logged, SizeIs(2)) << port;
+  }
+}
+
+TEST(Plant, says_hello_on_every_port_and_keeps_odometer_and_session_over_a_crash_on_board) {
+  PlantBench bench{straight(20.0)};
+  bench.drive(1, fast);
+  bench.run_for(2s);
+  const auto first = bench.heard<wire::Hello>(1);
+  ASSERT_THAT(first, SizeIs(4));
+  const auto before_um = bench.heard<wire::Odometry>(1).back().distance_um;
+  bench.forget();
+  for (const auto& port : bench.core().ports()) bench.feed(wire::InputKind::port, port, "down");
+  bench.run_for(1s);
+  EXPECT_THAT(bench.heard<wire::Odometry>(1), IsEmpty());
+  for (const auto& port : bench.core().ports()) bench.feed(wire::InputKind::port, port, "up");
+  bench.run_for(1s);
+  EXPECT_EQ(bench.heard<wire::Hello>(1), first);
+  EXPECT_GT(bench.heard<wire::Odometry>(1).front().distance_um, before_um);
+}
+
+TEST(Plant, that_starts_later_has_other_sessions) {
+  PlantBench bench{straight(20.0)};
+  bench.run_for(20ms);
+  auto later = PlantCore::make({straight(20.0), 1, 1, silent(), true, true});
+  ASSERT_TRUE(later);
+  wire::Effects effects;
+  (*later)->handle({virtual_epoch + 1h, wire::InputKind::port, "1/PILS", "up"}, effects);
+  (*later)->handle({virtual_epoch + 1h, wire::InputKind::tick, "", ""}, effects);
+  std::vector<wire::BoardMessage> heard;
+  for (const auto& effect : effects) wire::module_link::Decoder{}.feed(std::get<wire::SendBytes>(effect).bytes, heard);
+  ASSERT_FALSE(heard.empty());
+  EXPECT_NE(std::get<wire::Hello>(heard.front()).session, bench.heard<wire::Hello>(1).front().session);
+}
+
+TEST(Plant, drains_its_battery_by_its_work) {
+  PlantBench bench{lacet4(), 2};
+  bench.drive(1, fast);
+  bench.run_for(60s);
+  const double idle = 1.0 - bench.truth(2).charge;
+  const double driving = 1.0 - bench.truth(1).charge;
+  // 2.2 Ah at about 8.2 V hold 65 kJ at the top of the charge: 3 W for 60 s take 0.277 % of it.
+  EXPECT_NEAR(idle, 180.0 / (2.2 * 3600.0 * 8.15), 2e-4);
+  const double work_J = (0.6 * bench.truth(1).distance_m + 0.5 * 1.2 * 0.25) / 0.6;
+  EXPECT_NEAR((driving - idle) / idle, work_J / 180.0, 0.02);
+  EXPECT_NEAR(bench.heard<wire::Power>(1).back().charge_permille, 1000.0 * bench.truth(1).charge, 2.0);
+  EXPECT_NEAR(bench.heard<wire::Power>(1).back().voltage_mv, 8150.0, 100.0);
+}
+
+TEST(Plant, hands_over_its_zone_retained_when_the_broker_is_there) {
+  PlantBench bench{lacet4()};
+  bench.run_for(1s);
+  EXPECT_THAT(bench.published, IsEmpty());
+  bench.feed(wire::InputKind::link, "", "up");
+  EXPECT_THAT(bench.published, ElementsAre(wire::Publish{"cosiva/v1/zone/toml", lacet4().text, 1, true}));
+}
+
+TEST(Plant, publishes_the_truth_ten_times_a_second) {
+  PlantBench bench{straight(8.0, "0.5 5.0"), 2};
+  bench.feed(wire::InputKind::link, "", "up");
+  bench.feed(wire::InputKind::command, "test", R"({"addObstacle":{"id":"box","x":7.5,"y":0.25,"radius":0.1}})");
+  bench.published.clear();
+  bench.drive(1, fast);
+  bench.run_for(2s);
+  ASSERT_THAT(bench.published, SizeIs(AllOf(Ge(19U), Le(21U))));
+  EXPECT_EQ(bench.published.back().topic, "cosiva/v1/plant/truth");
+  EXPECT_FALSE(bench.published.back().retained);
+  const auto json = JsonValue::parse(bench.published.back().payload);
+  ASSERT_TRUE(json);
+  EXPECT_TRUE(json->text("timestamp"));
+  ASSERT_THAT(*json->find("vehicles")->array(), SizeIs(2));
+  const auto& first = (*json->find("vehicles")->array())[0];
+  EXPECT_EQ(first.number("number"), 1.0);
+  EXPECT_NEAR(first.number("x").value(), bench.truth(1).X_MB.x_m, 0.05);
+  EXPECT_NEAR(first.number("speed").value(), 0.5, 1e-3);
+  EXPECT_EQ((*json->find("obstacles")->array())[0].text("id"), "box");
+  EXPECT_EQ(json->number("collisions"), 0.0);
+  bench.feed(wire::InputKind::link, "", "down");
+  bench.published.clear();
+  bench.run_for(1s);
+  EXPECT_THAT(bench.published, IsEmpty());
+}
+
+TEST(Plant, sums_up_what_happened) {
+  PlantBench bench{straight(8.0, "0.5 2.0"), 2};
+  bench.drive(1, fast);
+  bench.run_for(4s);
+  bench.fall_silent(1);
+  bench.run_for(10s);
+  const auto json = JsonValue::parse(bench.core().summary_json());
+  ASSERT_TRUE(json);
+  ASSERT_THAT(*json->find("vehicles")->array(), SizeIs(2));
+  EXPECT_NEAR((*json->find("vehicles")->array())[0].number("distance").value(), bench.truth(1).distance_m, 1e-12);
+  ASSERT_THAT(*json->find("collisions")->array(), SizeIs(1));
+  EXPECT_EQ((*json->find("collisions")->array())[0].text("b"), "AIV2");
+  EXPECT_EQ(json->number("laps"), 0.0);  // no ring
+  // Standing since 0.25 s + 0.5 s of braking + the lag; the second vehicle never moved, so it does not wait.
+  EXPECT_NEAR(json->number("longest_wait_s").value(), 10.0 - 0.25 - 0.7, 0.2);
+  EXPECT_EQ((*json->find("vehicles")->array())[1].number("longest_wait_s"), 0.0);
+}
+
+TEST(Plant, stands_still_over_a_gap_in_its_ticks) {
+  PlantBench bench{straight(20.0)};
+  bench.drive(1, fast);
+  bench.run_for(2s);
+  const double before_m = bench.truth(1).distance_m;
+  wire::Effects effects;
+  bench.core().handle({bench.now() + 1h, wire::InputKind::tick, "", ""}, effects);
+  EXPECT_EQ(bench.truth(1).distance_m, before_m);
+  ASSERT_FALSE(effects.empty());
+  EXPECT_TRUE(std::holds_alternative<wire::Log>(effects.front()));
+}
+
+TEST(Plant, gives_equal_runs_equal_digests_and_other_seeds_others) {
+  const auto run = [](std::uint64_t seed) {
+    PlantBench bench{lacet4(), 4, PlantNoise{}, seed};
+    bench.feed(wire::InputKind::link, "", "up");
+    for (std::uint32_t i = 1; i <= 4; ++i) bench.drive(i, fast);
+    bench.run_for(20s);
+    return bench.digest();
+  };
+  EXPECT_EQ(run(1), run(1));
+  EXPECT_NE(run(1), run(2));
+}
+
+TEST(Plant, moves_no_other_vehicle_s_noise_by_a_change_in_one) {
+  PlantBench two{straight(20.0, "0.5 8.0"), 2, PlantNoise{}};
+  PlantBench one{straight(20.0, "0.5 8.0"), 2, PlantNoise{}};
+  two.drive(1, fast);
+  two.drive(2, fast);
+  one.drive(2, fast);
+  two.run_for(5s);
+  one.run_for(5s);
+  EXPECT_EQ(one.heard<wire::Odometry>(2), two.heard<wire::Odometry>(2));
+}
+
+TEST(Plant, refuses_more_vehicles_than_its_zone_holds) {
+  const auto made = PlantCore::make({straight(1.0, "0.5"), 50, 1, {}, true, true});
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().code, "plant.vehicles");
+  EXPECT_FALSE(PlantCore::make({straight(1.0, "0.5"), 0, 1, {}, true, true}));
+}
+
+TEST(Plant, refuses_a_bad_zone_with_the_factory_s_own_words) {
+  const auto made = PlantCore::make({{"toml", "bad.toml", "name = 7"}, 1, 1, {}, true, true});
+  ASSERT_FALSE(made);
+  EXPECT_THAT(to_string(made.error()), HasSubstr("bad.toml"));
+  EXPECT_FALSE(PlantCore::make({{"cad", "x", ""}, 1, 1, {}, true, true}));
+}
+
+TEST(PlantOptions, travel_as_json) {
+  PlantOptions options;
+  options.zone = lacet4();
+  options.vehicles = 12;
+  options.seed = 0xFEDCBA9876543210ULL;
+  options.noise.tag_miss = 0.125;
+  options.noise.tag_latency_max = 21ms + 500us;
+  options.publish_truth = false;
+  const auto read = plant_options_from_json(to_json(options));
+  ASSERT_TRUE(read) << to_string(read.error());
+  EXPECT_EQ(to_json(*read), to_json(options));
+  EXPECT_EQ(read->seed, options.seed);
+  EXPECT_EQ(read->noise.tag_latency_max, options.noise.tag_latency_max);
+  EXPECT_EQ(read->zone, options.zone);
+}
+
+TEST(PlantOptions, that_are_missing_have_their_defaults) {
+  const auto read = plant_options_from_json(R"({"zone":{"format":"toml","text":""},"seed":7})");
+  ASSERT_TRUE(read) << to_string(read.error());
+  EXPECT_EQ(read->vehicles, 4U);
+  EXPECT_EQ(read->seed, 7U);
+  EXPECT_EQ(read->noise.tag_miss, PlantNoise{}.tag_miss);
+}
+
+TEST(PlantOptions, that_are_wrong_are_named) {
+  const auto with = [](const std::string& member) {
+    const auto read = plant_options_from_json(R"({"zone":{"format":"toml","text":""},)" + member + "}");
+    return read ? std::string("accepted") : read.error().message;
+  };
+  EXPECT_THAT(with(R"("vehicles":0)"), HasSubstr("'vehicles'"));
+  EXPECT_THAT(with(R"("vehicles":2.5)"), HasSubstr("'vehicles'"));
+  EXPECT_THAT(with(R"("vehicles":1001)"), HasSubstr("'vehicles'"));
+  EXPECT_THAT(with(R"("seed":-1)"), HasSubstr("'seed'"));
+  EXPECT_THAT(with(R"("seed":"18446744073709551616")"), HasSubstr("'seed'"));
+  EXPECT_THAT(with(R"("publish_zone":1)"), HasSubstr("'publish_zone'"));
+  EXPECT_THAT(with(R"("noise":7)"), HasSubstr("'noise'"));
+  EXPECT_THAT(with(R"("noise":{"tag_miss":1.5})"), HasSubstr("'tag_miss'"));
+  EXPECT_THAT(with(R"("noise":{"tag_latency_min_ms":30})"), HasSubstr("'tag_latency_min_ms'"));
+  EXPECT_FALSE(plant_options_from_json("{}"));
+  EXPECT_FALSE(plant_options_from_json("[]"));
+  EXPECT_FALSE(plant_options_from_json("nonsense"));
+}
+
+}  // namespace
+}  // namespace cosiva::physical

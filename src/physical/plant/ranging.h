@@ -1,0 +1,46 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "base/pose.h"
+#include "base/random.h"
+#include "physical/boards/boards.h"
+#include "physical/plant/body.h"
+#include "zone/traffic_zone.h"
+
+namespace cosiva::physical {
+
+/// One scan: per beam the range [m] from the sensor, negative where nothing answers.
+using Scan = std::array<double, DobsBoard::beams>;
+
+/// What DOBS hears, before noise: per beam the nearest point of any body inside the beam's sector, within reach. The
+/// sensor sits in the middle of the body's front.
+class RangeFan {
+ public:
+  explicit RangeFan(const zone::VehicleShape& shape);
+
+  /// Starts a scan from this body.
+  void aim(const BodyPose& body);
+  void see(const BodyPose& other);  ///< another vehicle
+  void see(const Disc& disc);
+  [[nodiscard]] const Scan& ranges() const { return scan_; }
+
+  /// Adds what ultrasound does to the scan: noise on each echo, and some that do not come back.
+  [[nodiscard]] static Scan heard(const Scan& exact, double sd_m, double dropout, Random& random);
+
+ private:
+  void see_edge(Point2 from, Point2 to);
+  void take(std::size_t beam, double range_m);
+  [[nodiscard]] Point2 to_sensor(Point2 p_M) const;
+
+  double half_length_m_;
+  double half_width_m_;
+  double half_diagonal_m_;
+  /// Unit vectors along the beams' borders, from the rightmost to the leftmost: beam i lies between i and i + 1.
+  std::array<Point2, DobsBoard::beams + 1> border_;
+  BodyPose body_;
+  Scan scan_{};
+};
+
+}  // namespace cosiva::physical

@@ -1,0 +1,90 @@
+#include "physical/plant/tag_reader.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cosiva::physical {
+namespace {
+
+/// How far off the line the antenna may be and still be thought of: twice what line following leaves.
+constexpr double off_line_m = 0.005;
+
+double distance_to_way(Point2 p, Point2 from, Point2 to) {
+  const double way_x = to.x_m - from.x_m;
+  const double way_y = to.y_m - from.y_m;
+  const double length_sq = way_x * way_x + way_y * way_y;
+  const double along = (p.x_m - from.x_m) * way_x + (p.y_m - from.y_m) * way_y;
+  const double share = length_sq > 0.0 ? std::clamp(along / length_sq, 0.0, 1.0) : 0.0;
+  return distance(p, {from.x_m + share * way_x, from.y_m + share * way_y});
+}
+
+}  // namespace
+
+TagMap::TagMap(const zone::TrafficZone& zone, double reach_m) : reach_m_{reach_m}, by_section_(zone.circuit.size()) {
+  if (reach_m <= 0.0) return;
+  add_tags(zone, reach_m + off_line_m);
+  if (zone.beacons) add_beacons(zone, reach_m + off_line_m);
+  for (auto& entries : by_section_) {
+    std::sort(entries.begin(), entries.end(),
+              [](const Entry& a, const Entry& b) { return a.s_m != b.s_m ? a.s_m < b.s_m : a.number < b.number; });
+  }
+}
+
+void TagMap::add_tags(const zone::TrafficZone& zone, double near_m) {
+  for (const zone::Tag& tag : zone.tags) {
+    const Point2 position = cosiva::position(zone.circuit.pose_at(tag.place));
+    for (zone::SectionId id = 0; id < zone.circuit.size(); ++id) {
+      const auto nearest = zone.circuit.section(id).nearest(position);
+      if (nearest.distance_m <= near_m) by_section_[id].push_back({nearest.s_m, position, tag.number});
+    }
+  }
+}
+
+void TagMap::add_beacons(const zone::TrafficZone& zone, double near_m) {
+  // Asking the grid along the line costs its length, not its number of beacons times sections.
+  const double step_m = std::max(near_m / 4.0, 1e-3);
+  for (zone::SectionId id = 0; id < zone.circuit.size(); ++id) {
+    const zone::Section& section = zone.circuit.section(id);
+    auto& entries = by_section_[id];
+    const auto known = [&](zone::TagNumber number) {
+      return std::any_of(entries.begin(), entries.end(), [&](const Entry& entry) { return entry.number == number; });
+    };
+    const auto steps = static_cast<std::size_t>(std::ceil(section.length_m() / step_m));
+    for (std::size_t i = 0; i <= steps; ++i) {
+      const Point2 on_line = position(section.pose_at(std::min(static_cast<double>(i) * step_m, section.length_m())));
+      const auto beacon = zone.beacons->nearest(on_line);
+      if (!beacon || distance(on_line, beacon->position) > near_m + step_m || known(beacon->number)) continue;
+      const auto nearest = section.nearest(beacon->position);
+      if (nearest.distance_m <= near_m) entries.push_back({nearest.s_m, beacon->position, beacon->number});
+    }
+  }
+}
+
+std::span<const TagMap::Entry> TagMap::between(zone::SectionId section, double from_m, double to_m) const {
+  const auto& entries = by_section_[section];
+  const auto first =
+      std::partition_point(entries.begin(), entries.end(), [&](const Entry& entry) { return entry.s_m < from_m; });
+  const auto last = std::partition_point(first, entries.end(), [&](const Entry& entry) { return entry.s_m <= to_m; });
+  return {first, last};
+}
+
+void TagReader::move(SimTime now, zone::Place place, Point2 from, Point2 to, std::vector<Reading>& readings) {
+  const double reach_m = map_->reach_m();
+  const double window_m = reach_m + off_line_m + distance(from, to);
+  for (const TagMap::Entry& entry : map_->between(place.section, place.s_m - window_m, place.s_m + window_m)) {
+    if (distance_to_way(entry.position, from, to) > reach_m) continue;
+    const bool known =
+        std::any_of(in_field_.begin(), in_field_.end(), [&](const InField& tag) { return tag.number == entry.number; });
+    if (known) continue;
+    enter(now, entry.number, readings);
+    in_field_.push_back({entry.number, entry.position});
+  }
+  std::erase_if(in_field_, [&](const InField& tag) { return distance(tag.position, to) > reach_m; });
+}
+
+void TagReader::enter(SimTime now, zone::TagNumber number, std::vector<Reading>& readings) {
+  const double latency_s = random_.uniform(to_seconds(noise_.latency_min), to_seconds(noise_.latency_max));
+  if (!random_.chance(noise_.miss)) readings.push_back({now + from_seconds(latency_s), number});
+}
+
+}  // namespace cosiva::physical

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "base/pose.h"
+#include "base/random.h"
+#include "base/time.h"
+#include "zone/traffic_zone.h"
+
+namespace cosiva::physical {
+
+/// All tags and beacons that an antenna following the line can reach, by section and arc length: found once, so that
+/// a tick looks only at those it passes. A tag near two lines belongs to both, as a reader at a crossing finds.
+class TagMap {
+ public:
+  struct Entry {
+    double s_m;  ///< the nearest place on the section
+    Point2 position;
+    zone::TagNumber number;
+  };
+  /// @param reach_m  radius of the antenna's field
+  TagMap(const zone::TrafficZone& zone, double reach_m);
+
+  /// Those of a section whose nearest places lie in [from, to].
+  [[nodiscard]] std::span<const Entry> between(zone::SectionId section, double from_m, double to_m) const;
+  [[nodiscard]] double reach_m() const { return reach_m_; }
+
+ private:
+  void add_tags(const zone::TrafficZone& zone, double near_m);
+  void add_beacons(const zone::TrafficZone& zone, double near_m);
+
+  double reach_m_;
+  std::vector<std::vector<Entry>> by_section_;  ///< each sorted by s
+};
+
+/// How a reader differs from a perfect one.
+struct TagReaderNoise {
+  double miss;  ///< probability per passage
+  SimDuration latency_min;
+  SimDuration latency_max;
+};
+
+/// PRAV's RFID module: reads each tag once per passage, when it enters the field of the antenna under the body's
+/// middle; it is ready for the same tag again when that has left the field.
+class TagReader {
+ public:
+  struct Reading {
+    SimTime read_at;  ///< when the reader has the number: entry and latency
+    zone::TagNumber number;
+  };
+
+  /// @param map  must outlive this
+  TagReader(const TagMap& map, TagReaderNoise noise, Random random)
+      : map_{&map}, noise_{noise}, random_{std::move(random)} {}
+
+  /// The antenna moved from `from` to `to`, which lies beside `place`. Appends what is read.
+  void move(SimTime now, zone::Place place, Point2 from, Point2 to, std::vector<Reading>& readings);
+
+ private:
+  struct InField {
+    zone::TagNumber number;
+    Point2 position;
+  };
+  void enter(SimTime now, zone::TagNumber number, std::vector<Reading>& readings);
+
+  const TagMap* map_;
+  TagReaderNoise noise_;
+  Random random_;
+  std::vector<InField> in_field_;
+};
+
+}  // namespace cosiva::physical

@@ -1,0 +1,140 @@
+#include "physical/plant/vehicle.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cosiva::physical {
+namespace {
+
+constexpr SimDuration step_max = std::chrono::milliseconds{10};
+
+Random stream(std::uint64_t seed, std::uint32_t number, std::string_view purpose) {
+  return {seed, "aiv" + std::to_string(number) + "/" + std::string(purpose)};
+}
+
+DriveCommand to_command(const wire::Drive& drive) {
+  return {drive.speed_mmps * 1e-3, drive.acceleration_mmps2 * 1e-3, drive.braking_mmps2 * 1e-3, drive.branch};
+}
+
+/// Boards of a fleet are not switched on in step: each vehicle reports in its own 10 ms of a cycle, which also spreads
+/// the work over the ticks.
+SimDuration phase(std::uint32_t number, std::uint32_t ticks) { return step_max * (number % ticks); }
+
+}  // namespace
+
+Vehicle::Vehicle(std::uint32_t number, const zone::TrafficZone& zone, const TagMap& tags, zone::Place start,
+                 const PlantNoise& noise, std::uint64_t seed)
+    : number_{number},
+      noise_{noise},
+      motion_{zone.circuit, start, noise.line_offset_sd_m, stream(seed, number, "line")},
+      odometer_{noise.odometry_scale_sd, noise.odometry_noise_m_per_sqrt_m, noise.slip_per_mps2,
+                stream(seed, number, "odometry")},
+      tag_reader_{tags, {noise.tag_miss, noise.tag_latency_min, noise.tag_latency_max}, stream(seed, number, "tags")},
+      range_random_{stream(seed, number, "ranges")},
+      gauge_{stream(seed, number, "gauge")} {
+  for (const wire::Board board : wire::all_boards)
+    ports_[static_cast<std::size_t>(board) - 1] = wire::port_name(number, board);
+}
+
+void Vehicle::power_up(SimTime now, std::uint64_t seed) {
+  Random sessions = stream(seed ^ static_cast<std::uint64_t>(now.time_since_epoch().count()), number_, "session");
+  const auto session = [&] { return static_cast<std::uint32_t>(sessions.next() >> 32U); };
+  pils_.power_up(now, session(), phase(number_, 2));
+  prav_.power_up(now, session());
+  dobs_.power_up(now, session(), phase(number_, 6));
+  rali_.power_up(now, session(), phase(number_, 50));
+}
+
+BoardLink& Vehicle::link(wire::Board board) {
+  switch (board) {
+    case wire::Board::PILS: return pils_.link();
+    case wire::Board::PRAV: return prav_.link();
+    case wire::Board::DOBS: return dobs_.link();
+    case wire::Board::RALI: break;
+  }
+  return rali_.link();
+}
+
+const std::string& Vehicle::port(wire::Board board) const { return ports_[static_cast<std::size_t>(board) - 1]; }
+
+void Vehicle::connect(wire::Board board, bool up) { link(board).connect(up); }
+
+void Vehicle::on_bytes(SimTime now, wire::Board board, std::string_view bytes) {
+  switch (board) {
+    case wire::Board::PILS: return pils_.on_bytes(now, bytes);
+    case wire::Board::PRAV: return prav_.on_bytes(now, bytes);
+    case wire::Board::DOBS: return dobs_.on_bytes(now, bytes);
+    case wire::Board::RALI: return rali_.on_bytes(now, bytes);
+  }
+}
+
+void Vehicle::move(SimTime now, SimDuration dt) {
+  for (SimDuration left = dt; left > SimDuration::zero();) {
+    const SimDuration part = std::min(left, step_max);
+    left -= part;
+    step(now - left, to_seconds(part));
+    book_waiting(part);
+  }
+}
+
+void Vehicle::step(SimTime now, double dt_s) {
+  const wire::Drive* drive = battery_.empty() ? nullptr : pils_.drive(now);
+  const DriveCommand command = drive == nullptr ? DriveCommand{} : to_command(*drive);
+  const Point2 before = position(motion_.body().X_MB);
+  motion_.step(drive == nullptr ? nullptr : &command, dt_s);
+
+  const double moved_m = motion_.step_distance_m();
+  distance_m_ += std::fabs(moved_m);
+  odometer_.add(moved_m, motion_.step_acceleration_mps2());
+  readings_.clear();
+  tag_reader_.move(now, motion_.place(), before, position(motion_.body().X_MB), readings_);
+  for (const auto& reading : readings_) prav_.on_tag(reading.read_at, reading.number);
+
+  drive_energy_J_ += battery_.drive_energy_J(moved_m, motion_.speed_mps(), motion_.step_acceleration_mps2(), dt_s);
+  book_energy(dt_s);
+}
+
+void Vehicle::book_energy(double dt_s) {
+  // The cells' exponentials ten times a second are as good as a hundred: the charge moves by a millionth.
+  constexpr double period_s = 0.0999;
+  drive_time_s_ += dt_s;
+  if (drive_time_s_ < period_s) return;
+  battery_.draw(drive_energy_J_, drive_time_s_);
+  gauge_.count(battery_, drive_time_s_);
+  drive_energy_J_ = 0.0;
+  drive_time_s_ = 0.0;
+}
+
+void Vehicle::book_waiting(SimDuration dt) {
+  constexpr double moving_mps = 0.01;
+  if (std::fabs(motion_.speed_mps()) >= moving_mps) {
+    has_moved_ = true;
+    wait_ = {};
+    return;
+  }
+  if (!has_moved_) return;
+  wait_ += dt;
+  longest_wait_ = std::max(longest_wait_, wait_);
+}
+
+void Vehicle::speak(SimTime now, const Scan& scan, wire::Effects& effects) {
+  pils_.tick(now, {odometer_.distance_m(), motion_.speed_mps(), motion_.line_offset_m(), motion_.line_lost()}, out_);
+  send(wire::Board::PILS, effects);
+  prav_.tick(now, out_);
+  send(wire::Board::PRAV, effects);
+  if (wants_scan(now))
+    dobs_.tick(now, RangeFan::heard(scan, noise_.range_sd_m, noise_.range_dropout, range_random_), out_);
+  else
+    dobs_.tick(now, scan, out_);
+  send(wire::Board::DOBS, effects);
+  rali_.tick(now, rali_.wants_readings(now) ? gauge_.read(battery_) : PowerReadings{}, out_);
+  send(wire::Board::RALI, effects);
+}
+
+void Vehicle::send(wire::Board board, wire::Effects& effects) {
+  if (out_.empty()) return;
+  effects.emplace_back(wire::SendBytes{port(board), out_});
+  out_.clear();  // keeps its room
+}
+
+}  // namespace cosiva::physical

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "physical/boards/boards.h"
+#include "physical/plant/battery.h"
+#include "physical/plant/odometer.h"
+#include "physical/plant/plant_core.h"
+#include "physical/plant/ranging.h"
+#include "physical/plant/tag_reader.h"
+#include "physical/plant/vehicle_dynamics.h"
+
+namespace cosiva::physical {
+
+/// One emulated AIV: its body on the line, its sensors and battery, and the four boards through which alone the
+/// on-board program knows of them.
+class Vehicle {
+ public:
+  /// @param zone, tags  must outlive this
+  Vehicle(std::uint32_t number, const zone::TrafficZone& zone, const TagMap& tags, zone::Place start,
+          const PlantNoise& noise, std::uint64_t seed);
+
+  /// Switches the boards on. Their session numbers come from the seed and the moment, so that the same plant started
+  /// later has others, as after a real power cut.
+  void power_up(SimTime now, std::uint64_t seed);
+  void connect(wire::Board board, bool up);
+  void on_bytes(SimTime now, wire::Board board, std::string_view bytes);
+
+  /// Moves the body over `dt`, in steps of at most 10 ms.
+  void move(SimTime now, SimDuration dt);
+  [[nodiscard]] bool wants_scan(SimTime now) const { return dobs_.wants_scan(now) && dobs_.link().connected(); }
+  /// Lets the boards speak. @param scan  exact ranges, looked at only when wants_scan(now)
+  void speak(SimTime now, const Scan& scan, wire::Effects& effects);
+
+  [[nodiscard]] std::uint32_t number() const { return number_; }
+  [[nodiscard]] const LineVehicle& motion() const { return motion_; }
+  [[nodiscard]] const Battery& battery() const { return battery_; }
+  [[nodiscard]] double distance_m() const { return distance_m_; }
+  [[nodiscard]] double longest_wait_s() const { return to_seconds(longest_wait_); }
+  [[nodiscard]] bool powered(SimTime now) const { return pils_.drive(now) != nullptr && !battery_.empty(); }
+  [[nodiscard]] const std::string& display() const { return prav_.display(); }
+  [[nodiscard]] double charge() const { return battery_.charge(); }
+  [[nodiscard]] const std::string& port(wire::Board board) const;
+
+ private:
+  [[nodiscard]] BoardLink& link(wire::Board board);
+  void step(SimTime now, double dt_s);
+  void book_energy(double dt_s);
+  void book_waiting(SimDuration dt);
+  void send(wire::Board board, wire::Effects& effects);
+
+  std::uint32_t number_;
+  PlantNoise noise_;
+  LineVehicle motion_;
+  Odometer odometer_;
+  TagReader tag_reader_;
+  Random range_random_;
+  Battery battery_;
+  BatteryGauge gauge_;
+  PilsBoard pils_;
+  PravBoard prav_;
+  DobsBoard dobs_;
+  RaliBoard rali_;
+  std::array<std::string, wire::all_boards.size()> ports_;
+
+  double distance_m_{0.0};
+  double drive_energy_J_{0.0};  ///< since the battery was last worked out
+  double drive_time_s_{0.0};
+  bool has_moved_{false};
+  SimDuration wait_{};
+  SimDuration longest_wait_{};
+  std::vector<TagReader::Reading> readings_;
+  std::string out_;
+};
+
+}  // namespace cosiva::physical

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstddef>
+
+#include "base/pose.h"
+#include "base/random.h"
+#include "physical/plant/body.h"
+#include "zone/circuit.h"
+
+namespace cosiva::physical {
+
+/// What the emulated drive train can do; the values of a small differential-drive cart.
+struct DriveTrain {
+  double speed_mps_max{1.5};
+  double acceleration_mps2_max{3.0};
+  double braking_mps2_max{4.0};
+  double own_braking_mps2{1.0};  ///< when nobody commands, or the command leaves it open
+  double motor_lag_s{0.05};      ///< first order, from wheel command to wheel speed
+  double turn_lag_s{0.02};       ///< first order, from steering command to turn rate
+  double turn_rate_radps_max{8.0};
+  double line_lost_m{0.015};  ///< half the width that the line sensors see
+};
+
+/// What the motors are asked for. All non-negative but the speed, which backs up when negative.
+struct DriveCommand {
+  double speed_mps{};
+  double acceleration_mps2{};  ///< 0: the drive train's own braking, for both
+  double braking_mps2{};
+  std::size_t branch{};  ///< at a fork take the n-th way; beyond the last: the last
+};
+
+/// A differential-drive body that PILS steers along the line. Its true state in path coordinates: the place of its
+/// middle's projection on the line, the lateral error e (left of the line) and the heading error ψ:
+///     ṡ = v cos ψ / (1 − κ e),   ė = v sin ψ,   ψ̇ = ω − κ ṡ,
+/// with ω from a proportional-derivative steering on what the line sensors see, plus the known curvature.
+class LineVehicle {
+ public:
+  /// @param circuit  must outlive this
+  /// @param line_offset_sd_m  how unevenly the line is painted and seen, correlated over 5 cm
+  LineVehicle(const zone::Circuit& circuit, zone::Place start, double line_offset_sd_m, Random line_noise);
+
+  /// One step of at most 20 ms. No command: the motors stop by themselves.
+  void step(const DriveCommand* command, double dt_s);
+
+  [[nodiscard]] const BodyPose& body() const { return body_; }
+  [[nodiscard]] zone::Place place() const { return place_; }
+  [[nodiscard]] double speed_mps() const { return speed_mps_; }
+  [[nodiscard]] double lateral_error_m() const { return lateral_m_; }
+  [[nodiscard]] double heading_error_rad() const { return heading_rad_; }
+  /// What the line sensors read: the line's offset from the body's middle, left positive, with their noise.
+  [[nodiscard]] double line_offset_m() const { return line_noise_m_ - lateral_m_; }
+  [[nodiscard]] bool line_lost() const;
+  /// What the wheels rolled in the last step, forwards positive, and the speed-up |v| along the way (braking < 0).
+  [[nodiscard]] double step_distance_m() const { return step_distance_m_; }
+  [[nodiscard]] double step_acceleration_mps2() const { return step_acceleration_mps2_; }
+
+ private:
+  void change_speed(const DriveCommand* command, double dt_s);
+  void steer(double dt_s);
+  void move_along(double distance_m, std::size_t branch);
+  void to_next(std::size_t branch);
+  void to_previous();
+  void stop_at_end(double s_m);
+  void place_body(double sin_error, double cos_error);
+
+  const zone::Circuit* circuit_;
+  DriveTrain train_;
+  double line_offset_sd_m_;
+  Random line_random_;
+
+  zone::Place place_;
+  zone::SectionId came_from_{zone::no_section};  ///< backing up returns there
+  double speed_mps_{0.0};
+  double speed_reference_mps_{0.0};  ///< the ramp that the motors follow with their lag
+  double lateral_m_{0.0};
+  double heading_rad_{0.0};
+  double turn_rate_radps_{0.0};
+  double line_noise_m_{0.0};
+  double step_distance_m_{0.0};
+  double step_acceleration_mps2_{0.0};
+  double lag_dt_s_{0.0};  ///< the step that the two blends below are for
+  double motor_blend_{1.0};
+  double turn_blend_{1.0};
+  BodyPose body_;
+};
+
+}  // namespace cosiva::physical
