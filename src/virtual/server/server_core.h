@@ -8,18 +8,11 @@
 
 #include "base/json_writer.h"
 #include "base/result.h"
+#include "virtual/simulator/bijection.h"
 #include "wire/core.h"
 #include "zone/rtm.h"
 
 namespace cosiva::virtual_side {
-
-/// The bijection's contract (DESIGN §5); a vehicle that breaks one shows red.
-struct BijectionContract {
-  double divergence_p99_m{0.03};
-  double age_p99_ms{150.0};
-  double command_p99_ms{2000.0};
-  double event_p99_ms{500.0};
-};
 
 struct ServerOptions {
   std::string interface_name;  ///< empty: wire::default_interface

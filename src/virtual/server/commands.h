@@ -1,0 +1,85 @@
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/digest.h"
+#include "virtual/server/order_roller.h"
+#include "virtual/server/outbox.h"
+#include "virtual/server/proxy.h"
+#include "virtual/simulator/simulator.h"
+
+namespace cosiva::virtual_side {
+
+/// What an operator can ask of a vehicle (A6).
+enum class Verb : std::uint8_t { stop, slow, medium, fast, restart, cancel };
+[[nodiscard]] std::string_view to_string(Verb verb);
+
+enum class CommandState : std::uint8_t { issued, accepted, materialised, failed };
+[[nodiscard]] std::string_view to_string(CommandState state);
+
+struct Command {
+  std::string id;
+  VehicleIndex vehicle{no_vehicle};
+  std::string vehicle_name;
+  std::string verb_text;  ///< as asked, even when nobody knows such a verb
+  std::optional<Verb> verb;
+  CommandState state{CommandState::issued};
+  SimTime at{};
+  std::optional<SimTime> accepted_at;
+  std::optional<SimTime> materialised_at;
+  std::string reason;
+  ActionDesk::Ticket ticket{0};
+  [[nodiscard]] bool open() const { return state == CommandState::issued || state == CommandState::accepted; }
+};
+
+/// Follows each command until its effect is seen on the vehicle: issued → accepted (its actions stand in the state) →
+/// materialised (the vehicle does it), or failed with the reason.
+class Commands {
+ public:
+  static constexpr SimDuration patience{std::chrono::seconds{5}};
+  static constexpr std::size_t kept_max = 200;
+
+  Commands(Registry& registry, Outbox& outbox, ActionDesk& desk, OrderRoller& roller, Simulator& simulator)
+      : registry_{registry}, outbox_{outbox}, desk_{desk}, roller_{roller}, simulator_{simulator} {}
+
+  [[nodiscard]] Result<void> check(std::string_view json) const;
+  void issue(std::string_view json);
+  void on_state(VehicleIndex vehicle);
+  void tick();
+
+  [[nodiscard]] const std::deque<Command>& list() const { return list_; }  ///< oldest first
+  void fold(Digest& digest) const;
+
+ private:
+  struct Asked {
+    std::string id;
+    std::string verb_text;
+    std::string vehicle_name;
+    std::optional<Verb> verb;
+  };
+  [[nodiscard]] Result<Asked> read(std::string_view json) const;
+  [[nodiscard]] std::string next_id(const std::string& wanted);
+  void begin(Command command);
+  void supersede(const Command& by);
+  [[nodiscard]] std::optional<std::string> impossible(VehicleIndex vehicle, Verb verb) const;
+  [[nodiscard]] bool effect_seen(const Command& command) const;
+  void judge(Command& command);
+  void accept(Command& command);
+  void materialise(Command& command);
+  void fail_command(Command& command, std::string reason);
+  void keep(Command command);
+
+  Registry& registry_;
+  Outbox& outbox_;
+  ActionDesk& desk_;
+  OrderRoller& roller_;
+  Simulator& simulator_;
+  std::deque<Command> list_;
+  std::uint64_t running_{0};
+};
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,389 @@
+#include "virtual/server/order_roller.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "base/math.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+constexpr double base_m_max = 8.0;
+/// Beyond a third of a half turn it does not stand along its section, and cannot follow it.
+constexpr double heading_off_rad_max = pi / 3.0;
+
+constexpr std::array<std::string_view, 4> refusals{"orderError", "orderUpdateError", "noRouteError", "validationError"};
+
+std::optional<std::string_view> reference(const wire::VehicleError& error, std::string_view key) {
+  const auto it = std::ranges::find(error.references, key, &wire::Reference::key);
+  if (it == error.references.end()) return std::nullopt;
+  return it->value;
+}
+
+/// Where the vehicle says its base ends: the last released node that is left, else the last it passed.
+std::pair<std::string_view, std::uint32_t> base_end_of(const wire::State& state) {
+  for (auto node = state.node_states.rbegin(); node != state.node_states.rend(); ++node)
+    if (node->released) return {node->node_id, node->sequence_id};
+  return {state.last_node_id, state.last_node_sequence_id};
+}
+
+}  // namespace
+
+void OrderRoller::set_map(const WayMap* map) {
+  map_ = map;
+  for (VehicleIndex v = 0; v < plans_.size(); ++v) {
+    plans_[v].standing = {};
+    plans_[v].base_end = no_waypoint;
+    // What was ordered on the old zone leads nowhere on the new one.
+    if (plans_[v].stage == Plan::Stage::running) cancel(v);
+  }
+}
+
+void OrderRoller::set_standing(VehicleIndex vehicle, const Standing& standing) {
+  plans_[vehicle].standing = standing;
+  const bool in_the_way = standing.place && standing.off_m <= rules_.on_way_m;
+  traffic_.set_place(vehicle, in_the_way ? standing.place : std::nullopt);
+}
+
+void OrderRoller::on_state(VehicleIndex vehicle, const wire::State* before) {
+  if (map_ == nullptr) return;
+  Plan& plan = plans_[vehicle];
+  const wire::State& state = *registry_[vehicle].state;
+  std::string why;
+  if (plan.stage == Plan::Stage::running && !plan.acknowledged && refused(plan, state, before, why)) {
+    give_up(vehicle, state, why);
+    return;
+  }
+  switch (plan.stage) {
+    case Plan::Stage::cancelling:
+      if (state.node_states.empty()) drop(plan, vehicle);
+      break;
+    case Plan::Stage::running: follow(vehicle, state); break;
+    case Plan::Stage::none:
+      if (!state.node_states.empty()) adopt(vehicle, state);
+      break;
+  }
+}
+
+void OrderRoller::follow(VehicleIndex vehicle, const wire::State& state) {
+  Plan& plan = plans_[vehicle];
+  if (state.order_id != plan.order_id) {
+    // It has not received ours yet; but once it had, or while it follows another, ours is void.
+    if (!plan.ever_acknowledged && state.node_states.empty()) return;
+    drop(plan, vehicle);
+    if (!state.node_states.empty()) adopt(vehicle, state);
+    return;
+  }
+  plan.ever_acknowledged = true;
+  if (state.order_update_id < plan.update_id) {
+    plan.acknowledged = false;
+    return;
+  }
+  const auto [end_id, end_sequence] = base_end_of(state);
+  const bool same_end = state.order_update_id == plan.update_id && end_sequence == plan.base_end_sequence;
+  if (state.node_states.empty()) {
+    // Cancelled by somebody, forgotten in a restart, or driven to a dead end.
+    const bool way_goes_on = map_->stretch(plan.base_end).to != no_waypoint;
+    if (way_goes_on || same_end) drop(plan, vehicle);
+    return;
+  }
+  if (same_end) {
+    plan.acknowledged = true;
+    return;
+  }
+  outbox_.log('w', registry_[vehicle].name + ": follows update " + std::to_string(state.order_update_id) + " up to " +
+                       std::string(end_id) + ", which we did not send; taking it over");
+  adopt(vehicle, state);
+}
+
+void OrderRoller::adopt(VehicleIndex vehicle, const wire::State& state) {
+  Plan& plan = plans_[vehicle];
+  const auto [end_id, end_sequence] = base_end_of(state);
+  const auto end = map_->find(end_id);
+  const bool ours = end && std::ranges::all_of(state.node_states, [&](const wire::NodeState& node) {
+                      return map_->find(node.node_id).has_value();
+                    });
+  if (!ours || state.order_id.empty()) {
+    if (plan.strange_order != state.order_id) {
+      plan.strange_order = state.order_id;
+      outbox_.log('i', registry_[vehicle].name + ": follows order '" + state.order_id +
+                           "' over nodes that are not this zone's; left alone until it is done");
+    }
+    drop(plan, vehicle);
+    return;
+  }
+  plan.stage = Plan::Stage::running;
+  plan.order_id = state.order_id;
+  plan.update_id = state.order_update_id;
+  plan.acknowledged = true;
+  plan.ever_acknowledged = true;
+  plan.base_end = *end;
+  plan.base_end_sequence = end_sequence;
+  plan.payload.clear();
+  traffic_.set_base_end(vehicle, *end);
+  outbox_.log('i', registry_[vehicle].name + ": took over order '" + plan.order_id + "', update " +
+                       std::to_string(plan.update_id) + ", base up to " + std::string(end_id));
+}
+
+bool OrderRoller::refused(const Plan& plan, const wire::State& state, const wire::State* before,
+                          std::string& why) const {
+  for (const wire::VehicleError& error : state.errors) {
+    if (std::ranges::find(refusals, error.type) == refusals.end()) continue;
+    const auto order = reference(error, "orderId");
+    const auto update = reference(error, "orderUpdateId");
+    if (order) {
+      if (*order != plan.order_id || (update && *update != std::to_string(plan.update_id))) continue;
+    } else if (before != nullptr && std::ranges::find(before->errors, error) != before->errors.end()) {
+      continue;  // an old warning is no news (it stays until a new order is accepted)
+    } else if (state.order_id == plan.order_id && state.order_update_id >= plan.update_id) {
+      continue;
+    }
+    why = error.type + ": " + error.description;
+    return true;
+  }
+  return false;
+}
+
+void OrderRoller::give_up(VehicleIndex vehicle, const wire::State& state, const std::string& why) {
+  Plan& plan = plans_[vehicle];
+  outbox_.log('w', registry_[vehicle].name + ": refused order '" + plan.order_id + "' update " +
+                       std::to_string(plan.update_id) + " (" + why + "); a new one follows");
+  if (state.node_states.empty())
+    drop(plan, vehicle);
+  else
+    cancel(vehicle);
+  plan.wait_until = outbox_.now() + rules_.after_refusal;
+}
+
+void OrderRoller::drop(Plan& plan, VehicleIndex vehicle) {
+  plan.stage = Plan::Stage::none;
+  plan.order_id.clear();
+  plan.payload.clear();
+  plan.acknowledged = false;
+  plan.ever_acknowledged = false;
+  plan.base_end = no_waypoint;
+  traffic_.set_base_end(vehicle, no_waypoint);
+}
+
+void OrderRoller::cancel(VehicleIndex vehicle) {
+  Plan& plan = plans_[vehicle];
+  plan.stage = Plan::Stage::cancelling;
+  plan.cancelled_at = outbox_.now();
+  desk_.send(registry_[vehicle], vehicle, {{"cancelOrder", {}, {}, wire::BlockingType::hard, {}}},
+             std::chrono::seconds{3}, false);
+}
+
+void OrderRoller::stop_rolling(VehicleIndex vehicle) {
+  Plan& plan = plans_[vehicle];
+  if (plan.stage != Plan::Stage::running) return;
+  plan.stage = Plan::Stage::cancelling;
+  plan.cancelled_at = outbox_.now();
+}
+
+void OrderRoller::tick(bool drive, SimDuration lost_after) {
+  if (map_ == nullptr) return;
+  for (VehicleIndex v = 0; v < plans_.size(); ++v) {
+    traffic_.update();
+    step(v, drive, lost_after);
+  }
+}
+
+bool OrderRoller::may_roll(VehicleIndex vehicle, SimDuration lost_after) const {
+  const AivProxy& proxy = registry_[vehicle];
+  const Standing& standing = plans_[vehicle].standing;
+  if (!proxy.state || !proxy.online() || proxy.no_orders || proxy.lost(outbox_.now(), lost_after)) return false;
+  const wire::State& state = *proxy.state;
+  return proxy.position_known && standing.place && standing.off_m <= rules_.on_circuit_m &&
+         std::fabs(standing.heading_off_rad) <= heading_off_rad_max &&
+         state.operating_mode == wire::OperatingMode::automatic && !state.paused && state.e_stop == wire::EStop::none;
+}
+
+void OrderRoller::step(VehicleIndex vehicle, bool drive, SimDuration lost_after) {
+  Plan& plan = plans_[vehicle];
+  AivProxy& proxy = registry_[vehicle];
+  const SimTime now = outbox_.now();
+  if (plan.stage == Plan::Stage::running && !plan.acknowledged) {
+    if (now - plan.sent_at >= rules_.resend_after && proxy.online() && !plan.payload.empty()) {
+      plan.sent_at = now;
+      ++resent_;
+      outbox_.resend_order(proxy, plan.payload);
+    }
+    return;
+  }
+  if (plan.stage == Plan::Stage::cancelling && now - plan.cancelled_at >= rules_.cancel_again && proxy.online())
+    cancel(vehicle);
+
+  plan.waits_for_crossing.reset();
+  plan.waits_for_vehicle = no_vehicle;
+  const bool busy_elsewhere = plan.stage == Plan::Stage::none && proxy.state && !proxy.state->node_states.empty();
+  if (!drive || plan.stage == Plan::Stage::cancelling || busy_elsewhere || !may_roll(vehicle, lost_after) ||
+      now < plan.wait_until) {
+    traffic_.withdraw(vehicle);  // who cannot use its turn must not block the others
+    plan.waits_since.reset();
+    return;
+  }
+  if (plan.stage == Plan::Stage::running && now - plan.sent_at < rules_.update_period) return;
+
+  const auto from = start_of_extension(vehicle);
+  if (!from) return;
+  extend(vehicle, *from);
+  if (!extension_.empty()) send(vehicle, from->from);
+  note_waiting(plan, now);
+}
+
+std::optional<OrderRoller::Extension> OrderRoller::start_of_extension(VehicleIndex vehicle) {
+  Plan& plan = plans_[vehicle];
+  const zone::Place place = *plan.standing.place;
+  if (plan.stage == Plan::Stage::running) {
+    if (const auto left_m = map_->base_left(place, plan.base_end, base_m_max)) return Extension{plan.base_end, *left_m};
+    outbox_.log('w', registry_[vehicle].name + ": is not where its order leads; cancelled, a new one follows");
+    cancel(vehicle);
+    plan.wait_until = outbox_.now() + rules_.after_refusal;
+    return std::nullopt;
+  }
+  const WaypointIndex behind = map_->behind(place);
+  if (behind == no_waypoint) return std::nullopt;
+  const auto since_m = map_->ahead(map_->waypoint(behind).place, place, base_m_max);
+  return Extension{behind, -since_m.value_or(0.0)};
+}
+
+void OrderRoller::extend(VehicleIndex vehicle, const Extension& from) {
+  Plan& plan = plans_[vehicle];
+  extension_.clear();
+  WaypointIndex at = from.from;
+  double reach_m = from.reach_m;
+  double must_reach_m = 0.0;  // a granted chain is released whole: nobody stands in a crossing for lack of base
+  while (extension_.size() < rules_.base_nodes_max && (reach_m < rules_.base_ahead_m || reach_m < must_reach_m)) {
+    const WayMap::Stretch& stretch = map_->stretch(at);
+    if (stretch.to == no_waypoint) break;
+    const double next_m = reach_m + stretch.length_m;
+    if (next_m > traffic_.reach_m(vehicle)) {
+      plan.waits_for_vehicle = traffic_.ahead(vehicle).vehicle;
+      break;
+    }
+    if (stretch.crosses && !traffic_.holds_all(vehicle, next_m)) {
+      if (!enter(vehicle, at, reach_m)) break;
+      must_reach_m = reach_m + stretch.chain_m - 1e-6;
+    }
+    extension_.push_back(stretch.to);
+    at = stretch.to;
+    reach_m = next_m;
+  }
+}
+
+bool OrderRoller::enter(VehicleIndex vehicle, WaypointIndex stop, double reach_m) {
+  Plan& plan = plans_[vehicle];
+  const TrafficRules rules;
+  if (reach_m > rules.request_within_m) return false;
+  const auto answer = traffic_.request(vehicle, stop, reach_m);
+  if (answer.granted) return true;
+  plan.waits_for_crossing = answer.waits_for;
+  plan.waits_for_vehicle = answer.blocked_by;
+  return false;
+}
+
+void OrderRoller::send(VehicleIndex vehicle, WaypointIndex first) {
+  Plan& plan = plans_[vehicle];
+  AivProxy& proxy = registry_[vehicle];
+  const bool is_new = plan.stage == Plan::Stage::none;
+  if (is_new) {
+    plan.order_id = unique_id(proxy.id.serial_number, outbox_.now());
+    plan.update_id = 0;
+    plan.base_end_sequence = 0;
+    plan.ever_acknowledged = false;
+  } else {
+    ++plan.update_id;
+  }
+
+  wire::Order order;
+  order.order_id = plan.order_id;
+  order.order_update_id = plan.update_id;
+  order.nodes.reserve(1 + extension_.size() + rules_.horizon);
+  order.edges.reserve(extension_.size() + rules_.horizon);
+  std::uint32_t sequence = plan.base_end_sequence;
+  const auto add_node = [&](WaypointIndex index, bool released, double deviation_m) {
+    const Point2 point = map_->point(index);
+    order.nodes.push_back({map_->waypoint(index).id,
+                           sequence,
+                           released,
+                           wire::NodePosition{point.x_m, point.y_m, {}, deviation_m, {}, map_->zone().name},
+                           {}});
+  };
+  double first_deviation_m = rules_.deviation_m;
+  if (is_new) {
+    const auto since_m = map_->ahead(map_->waypoint(first).place, *plan.standing.place, base_m_max);
+    first_deviation_m += since_m.value_or(0.0) + plan.standing.off_m;
+  }
+  add_node(first, true, first_deviation_m);
+
+  WaypointIndex at = first;
+  const auto add_stretch = [&](bool released) {
+    const WayMap::Stretch& stretch = map_->stretch(at);
+    order.edges.push_back({stretch.edge_id,
+                           sequence + 1,
+                           released,
+                           map_->waypoint(at).id,
+                           map_->waypoint(stretch.to).id,
+                           stretch.speed_mps_max,
+                           stretch.length_m,
+                           {},
+                           {}});
+    sequence += 2;
+    add_node(stretch.to, released, rules_.deviation_m);
+    at = stretch.to;
+  };
+  for (std::size_t i = 0; i < extension_.size(); ++i) add_stretch(true);
+  plan.base_end = at;
+  plan.base_end_sequence = sequence;
+  for (std::size_t i = 0; i < rules_.horizon && map_->stretch(at).to != no_waypoint; ++i) add_stretch(false);
+
+  const std::string summary = plan.order_id + " update " + std::to_string(plan.update_id) + ": base " +
+                              map_->waypoint(first).id + " to " + map_->waypoint(plan.base_end).id + ", horizon to " +
+                              map_->waypoint(at).id;
+  plan.payload = outbox_.send(proxy, order, summary);
+  plan.stage = Plan::Stage::running;
+  plan.acknowledged = false;
+  plan.sent_at = outbox_.now();
+  traffic_.set_base_end(vehicle, plan.base_end);
+  ++(is_new ? orders_sent_ : updates_sent_);
+}
+
+void OrderRoller::note_waiting(Plan& plan, SimTime now) {
+  // Standing before something, not merely being told early that it will have to.
+  const bool waits = (plan.waits_for_crossing || plan.waits_for_vehicle != no_vehicle) && extension_.empty();
+  if (!waits) {
+    plan.waits_since.reset();
+    return;
+  }
+  if (!plan.waits_since) plan.waits_since = now;
+  longest_wait_ = std::max(longest_wait_, now - *plan.waits_since);
+}
+
+std::string OrderRoller::waits_for(VehicleIndex vehicle) const {
+  if (vehicle >= plans_.size() || map_ == nullptr) return {};
+  const Plan& plan = plans_[vehicle];
+  std::string text;
+  if (plan.waits_for_crossing && *plan.waits_for_crossing < map_->crossing_count())
+    text = map_->zone().crossings[*plan.waits_for_crossing].name;
+  if (plan.waits_for_vehicle != no_vehicle) {
+    if (!text.empty()) text += ", ";
+    text += registry_[plan.waits_for_vehicle].name;
+  }
+  return text;
+}
+
+void OrderRoller::fold(Digest& digest) const {
+  for (const Plan& plan : plans_) {
+    digest.add(static_cast<std::uint64_t>(plan.stage));
+    digest.add(std::string_view{plan.order_id});
+    digest.add(std::uint64_t{plan.update_id});
+    digest.add(std::uint64_t{plan.base_end});
+  }
+  digest.add(orders_sent_);
+  digest.add(updates_sent_);
+  digest.add(resent_);
+}
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,246 @@
+#include "virtual/server/server_bench.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace cosiva::virtual_side {
+namespace {
+
+using namespace bench;
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+/// What VDA 5050 2.1 §6.6 asks of a sequence of orders, checked on the wire, message by message.
+void expect_stitched(const std::vector<wire::Order>& orders) {
+  std::string order_id;
+  std::uint32_t update_id = 0;
+  const wire::OrderNode* base_end = nullptr;
+  const wire::Order* before = nullptr;
+  for (const wire::Order& order : orders) {
+    ASSERT_EQ(order.edges.size() + 1, order.nodes.size());
+    for (std::size_t i = 0; i < order.nodes.size(); ++i) {
+      EXPECT_EQ(order.nodes[i].sequence_id, order.nodes[0].sequence_id + 2 * i) << "gapless";
+      EXPECT_EQ(order.nodes[i].sequence_id % 2, 0U);
+      ASSERT_TRUE(order.nodes[i].position.has_value());
+      EXPECT_TRUE(order.nodes[i].position->allowed_deviation_xy_m.has_value());
+      EXPECT_FALSE(order.nodes[i].position->theta_rad.has_value());
+      if (i == 0) continue;
+      const wire::OrderEdge& edge = order.edges[i - 1];
+      EXPECT_EQ(edge.sequence_id, order.nodes[i].sequence_id - 1);
+      EXPECT_EQ(edge.start_node_id, order.nodes[i - 1].node_id);
+      EXPECT_EQ(edge.end_node_id, order.nodes[i].node_id);
+      EXPECT_EQ(edge.edge_id, edge.start_node_id + "-" + edge.end_node_id);
+      EXPECT_TRUE(order.nodes[i - 1].released || !order.nodes[i].released) << "nothing released behind the horizon";
+      EXPECT_EQ(edge.released, order.nodes[i].released);
+    }
+    if (before != nullptr && order.order_id == before->order_id && order.order_update_id == before->order_update_id) {
+      EXPECT_EQ(order.header.header_id, before->header.header_id) << "sent again unchanged";
+      continue;
+    }
+    if (order.order_id != order_id) {
+      EXPECT_EQ(order.order_update_id, 0U);
+    } else {
+      EXPECT_EQ(order.order_update_id, update_id + 1);
+      ASSERT_NE(base_end, nullptr);
+      EXPECT_EQ(order.nodes[0].node_id, base_end->node_id);
+      EXPECT_EQ(order.nodes[0].sequence_id, base_end->sequence_id);
+      EXPECT_TRUE(order.nodes.size() > 1 && order.nodes[1].released) << "an update makes the base longer";
+    }
+    order_id = order.order_id;
+    update_id = order.order_update_id;
+    before = &order;
+    for (const wire::OrderNode& node : order.nodes)
+      if (node.released) base_end = &node;
+  }
+}
+
+TEST(OrderRoller, sends_an_idle_vehicle_round_for_ever) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  bench.run_for(120s);
+  EXPECT_THAT(aiv.refusals, IsEmpty());
+  // 0.3 m/s for 120 s, less the first second of settling: five laps of 7.14 m and no stop on the way.
+  EXPECT_GT(aiv.driven_m, 34.5);
+  expect_stitched(aiv.orders);
+  EXPECT_EQ(aiv.orders.front().order_update_id, 0U);
+  EXPECT_EQ(aiv.orders.front().nodes.front().position->map_id, "oval");
+  for (const wire::Order& order : aiv.orders) EXPECT_EQ(order.order_id, aiv.orders.front().order_id);
+}
+
+TEST(OrderRoller, keeps_the_base_short_and_shows_a_horizon_of_four) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  double longest_m = 0.0;
+  bench.each_step = [&] { longest_m = std::max(longest_m, aiv.book->distance_to_base_end_m()); };
+  bench.run_for(30s);
+  // 1.2 m ahead, and at most one stretch (0.3 m) over it.
+  EXPECT_GT(longest_m, 1.0);
+  EXPECT_LE(longest_m, 1.5 + 0.02);
+  for (const wire::Order& order : aiv.orders)
+    EXPECT_EQ(std::ranges::count_if(order.nodes, [](const auto& n) { return !n.released; }), 4);
+}
+
+TEST(OrderRoller, starts_an_order_at_the_waypoint_behind_the_vehicle_with_a_deviation_that_covers_the_way) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.55});
+  bench.run_for(2s);
+  ASSERT_FALSE(aiv.orders.empty());
+  const wire::OrderNode& first = aiv.orders.front().nodes.front();
+  const zone::Waypoint* waypoint = bench.zone->find_waypoint(first.node_id);
+  ASSERT_NE(waypoint, nullptr);
+  EXPECT_LE(waypoint->place.s_m, 0.55);
+  EXPECT_GE(*first.position->allowed_deviation_xy_m, 0.55 - waypoint->place.s_m);
+}
+
+TEST(OrderRoller, repeats_an_order_unchanged_until_it_is_acknowledged) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  bench.loss = 1.0;
+  bench.run_for(100ms);
+  bench.tell(aiv, "state", vda::encode(aiv.state(bench.now)));
+  bench.run_for(1500ms);
+  const auto sent = bench.published_on(aiv.topic("order"));
+  ASSERT_GE(sent.size(), 3U);
+  for (const wire::Publish& message : sent) EXPECT_EQ(message.payload, sent.front().payload);
+}
+
+TEST(OrderRoller, survives_a_link_that_loses_every_tenth_message) {
+  ServerBench bench;
+  bench.loss = 0.1;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  bench.run_for(120s);
+  EXPECT_THAT(aiv.refusals, IsEmpty());
+  EXPECT_GT(aiv.driven_m, 30.0);
+  // What was lost stays lost on the vehicle's side, so only what the server published is a complete sequence.
+  std::vector<wire::Order> sent;
+  for (const wire::Publish& message : bench.published_on(aiv.topic("order")))
+    sent.push_back(*vda::decode_order(message.payload));
+  expect_stitched(sent);
+}
+
+TEST(OrderRoller, writes_a_vehicle_s_own_version_back_to_it) {
+  ServerBench bench;
+  BenchVehicle& stranger = bench.add("agv-7", {0, 0.5}, "Acme");
+  stranger.version = "2.0.0";
+  bench.run_for(2s);
+  ASSERT_FALSE(stranger.orders.empty());
+  EXPECT_EQ(stranger.orders.front().header.version, "2.0.0");
+  EXPECT_EQ(stranger.orders.front().header.manufacturer, "Acme");
+  EXPECT_GT(stranger.driven_m, 0.1);
+}
+
+TEST(OrderRoller, leaves_who_is_told_to_watch_alone) {
+  ServerOptions watching;
+  watching.drive = false;
+  ServerBench bench{oval(), watching};
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  bench.run_for(5s);
+  EXPECT_THAT(aiv.orders, IsEmpty());
+  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("status"), "stopped");
+}
+
+TEST(OrderRoller, takes_an_order_over_after_a_restart_and_goes_on_with_it) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  bench.run_for(20s);
+  const std::string order_id = aiv.book->order_id();
+  const double driven_m = aiv.driven_m;
+  bench.restart_server();
+  bench.run_for(20s);
+  EXPECT_THAT(aiv.refusals, IsEmpty());
+  EXPECT_EQ(aiv.book->order_id(), order_id);
+  EXPECT_GT(aiv.driven_m, driven_m + 5.0);
+  EXPECT_TRUE(bench.logged("took over order"));
+  expect_stitched(aiv.orders);
+}
+
+TEST(OrderRoller, gives_nobody_an_order_after_a_restart_before_all_who_are_online_were_heard) {
+  ServerBench bench;
+  BenchVehicle& first = bench.add("AIV1", {0, 0.5});
+  BenchVehicle& silent = bench.add("AIV2", {2, 0.5});
+  silent.alive = false;
+  bench.run_for(1500ms);
+  EXPECT_THAT(first.orders, IsEmpty());
+  bench.run_for(1s);
+  EXPECT_FALSE(first.orders.empty()) << "but not for ever: 2 s at most";
+}
+
+TEST(OrderRoller, waits_two_seconds_after_a_refusal_and_then_makes_a_new_order) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  aiv.refuse_next_order = true;
+  bench.run_for(2s);
+  ASSERT_THAT(aiv.orders, SizeIs(1));
+  EXPECT_TRUE(bench.logged("refused order"));
+  bench.run_for(3s);
+  ASSERT_GE(aiv.orders.size(), 2U);
+  EXPECT_NE(aiv.orders[1].order_id, aiv.orders[0].order_id);
+  EXPECT_GT(aiv.driven_m, 0.1);
+}
+
+TEST(OrderRoller, cancels_an_active_order_whose_update_was_refused_before_it_makes_a_new_one) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  bench.run_for(5s);
+  const std::string first = aiv.book->order_id();
+  aiv.refuse_next_order = true;
+  bench.run_for(10s);
+  EXPECT_NE(aiv.book->order_id(), first);
+  EXPECT_THAT(aiv.refusals, IsEmpty());
+  const bool cancelled =
+      std::ranges::any_of(aiv.actions, [](const auto& m) { return m.actions[0].action_type == "cancelOrder"; });
+  EXPECT_TRUE(cancelled);
+  EXPECT_GT(aiv.speed_mps, 0.0);
+}
+
+TEST(OrderRoller, gives_a_vehicle_that_restarted_without_its_order_a_new_one) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  bench.run_for(5s);
+  bench.kill(aiv);
+  bench.run_for(5s);
+  aiv.alive = true;
+  aiv.book.emplace(*bench.zone);
+  bench.connection(aiv, wire::ConnectionState::online);
+  const double driven_m = aiv.driven_m;
+  bench.run_for(10s);
+  EXPECT_THAT(aiv.refusals, IsEmpty());
+  EXPECT_GT(aiv.driven_m, driven_m + 2.0);
+}
+
+TEST(OrderRoller, does_not_touch_an_order_over_nodes_it_does_not_know) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  wire::State state = aiv.state(bench.now);
+  state.order_id = "theirs";
+  state.node_states = {{"somewhere", 2, true, std::nullopt}};
+  aiv.alive = false;
+  for (int i = 0; i < 30; ++i) {
+    state.header.header_id++;
+    state.header.timestamp = bench.now;
+    bench.tell(aiv, "state", vda::encode(state));
+    bench.run_for(100ms);
+  }
+  EXPECT_THAT(bench.published_on(aiv.topic("order")), IsEmpty());
+  EXPECT_TRUE(bench.logged("left alone"));
+}
+
+TEST(OrderRoller, tells_a_vehicle_that_lost_its_place_where_it_was_last) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  bench.run_for(3s);
+  aiv.position_known = false;
+  const Pose2 last = aiv.pose();
+  aiv.blocked = true;
+  bench.run_for(3s);
+  const auto init =
+      std::ranges::find_if(aiv.actions, [](const auto& m) { return m.actions[0].action_type == "initPosition"; });
+  ASSERT_NE(init, aiv.actions.end());
+  EXPECT_NEAR(*init->actions[0].number("x"), last.x_m, 0.05);
+  EXPECT_EQ(init->actions[0].text("mapId"), "oval");
+  EXPECT_TRUE(aiv.position_known);
+}
+
+}  // namespace
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/time.h"
+#include "virtual/server/proxy.h"
+#include "virtual/server/traces.h"
+#include "wire/core.h"
+
+namespace cosiva::virtual_side {
+
+/// What the server says, in one place: fills in headers, encodes, publishes and traces.
+class Outbox {
+ public:
+  explicit Outbox(Traces& traces) : traces_{traces} {}
+
+  /// Where everything goes until the next call.
+  void open(SimTime now, wire::Effects& effects) {
+    now_ = now;
+    effects_ = &effects;
+  }
+
+  /// Give the payload, for sending the very same again.
+  std::string send(AivProxy& proxy, wire::Order& order, std::string_view summary);
+  std::string send(AivProxy& proxy, wire::InstantActions& actions);
+  void resend_order(const AivProxy& proxy, const std::string& payload);
+  void resend_actions(const AivProxy& proxy, const std::string& payload);
+  void publish(std::string topic, std::string payload, int qos, bool retained);
+  void log(char level, std::string text);
+
+  [[nodiscard]] SimTime now() const { return now_; }
+
+ private:
+  [[nodiscard]] wire::Header header(const AivProxy& proxy, std::uint32_t id) const;
+
+  Traces& traces_;
+  wire::Effects* effects_{};
+  SimTime now_{};
+};
+
+/// Instant actions on their way: each is sent again, unchanged, every 300 ms until the vehicle's state lists it.
+class ActionDesk {
+ public:
+  using Ticket = std::uint64_t;
+  static constexpr SimDuration resend_after{std::chrono::milliseconds{300}};
+
+  explicit ActionDesk(Outbox& outbox) : outbox_{outbox} {}
+
+  struct Progress {
+    std::string action_id;
+    bool seen{false};
+    wire::ActionStatus status{wire::ActionStatus::waiting};
+    std::string result;
+  };
+  struct Letter {
+    Ticket ticket{};
+    VehicleIndex vehicle{};
+    std::string payload;
+    std::vector<Progress> actions;
+    SimTime sent_at{};
+    SimTime until{};
+    bool kept{false};  ///< somebody follows it and will drop it
+    [[nodiscard]] bool acknowledged() const;
+  };
+
+  /// Gives every action its id and sends them in one message.
+  /// @param patience  how long it is sent again; zero: once only
+  /// @param keep      the caller follows the letter and drops it
+  Ticket send(AivProxy& proxy, VehicleIndex vehicle, std::vector<wire::Action> actions, SimDuration patience,
+              bool keep);
+  [[nodiscard]] const Letter* find(Ticket ticket) const;
+  void drop(Ticket ticket);
+  void on_state(VehicleIndex vehicle, const wire::State& state);
+  void tick(Registry& registry, bool link_up);
+
+ private:
+  Outbox& outbox_;
+  std::vector<Letter> letters_;
+  Ticket last_ticket_{0};
+};
+
+/// "<prefix>-<time in ms, base 36>-<n>": unique over restarts of the server.
+[[nodiscard]] std::string unique_id(std::string_view prefix, SimTime now);
+
+}  // namespace cosiva::virtual_side

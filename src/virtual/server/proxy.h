@@ -1,0 +1,114 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "aiv/speed.h"
+#include "base/pose.h"
+#include "base/time.h"
+#include "virtual/server/traffic.h"
+#include "wire/messages.h"
+#include "wire/topics.h"
+
+namespace cosiva::virtual_side {
+
+/// Topics on which a vehicle speaks.
+enum class VehicleTopic : std::uint8_t { connection, state, visualization, factsheet };
+inline constexpr std::size_t vehicle_topics = 4;
+[[nodiscard]] std::optional<VehicleTopic> parse_vehicle_topic(std::string_view name);
+[[nodiscard]] std::string_view to_string(VehicleTopic topic);
+
+/// The remote agent's place in the server (A26): what it said last, and what its next messages must carry. Every
+/// vehicle is treated alike, whoever made it.
+struct AivProxy {
+  wire::VehicleId id;
+  std::string name;        ///< "manufacturer/serial"
+  std::uint32_t number{};  ///< its mark
+  std::string order_topic;
+  std::string actions_topic;
+  std::string version;  ///< exactly as it writes it; empty until heard
+
+  std::optional<wire::ConnectionState> connection;  ///< nothing: it never said
+  SimTime connection_at{};
+  std::optional<wire::Factsheet> factsheet;
+  bool factsheet_asked{false};
+  SimTime first_heard{};
+
+  std::optional<wire::State> state;
+  bool state_since_link{false};  ///< heard since our own link came up
+  SimTime heard_at{};            ///< arrival of its last report
+  SimTime reported_at{};         ///< what age counts from: the last report's time stamp, or arrival if its clock is off
+  std::optional<SimTime> state_stamp;     ///< time stamp of the last state, on its own clock
+  std::optional<SimTime> position_stamp;  ///< time stamp of the last position, on its own clock
+  std::optional<Pose2> reported;
+  bool position_known{false};
+  std::optional<SimTime> position_lost_since;
+  std::optional<SimTime> init_sent_at;
+  double clock_off_s{0.0};  ///< 0: its clock is right within 2 s
+
+  std::optional<std::size_t> twin;
+  std::size_t entity{};  ///< in the monitor
+  bool present{false};   ///< physically: it was online and reported
+
+  std::optional<aiv::Profile> imposed;
+  std::optional<std::uint32_t> last_tag;
+  double since_tag_m{};
+  std::optional<std::uint32_t> tag_shown;
+  bool no_orders{false};  ///< an operator cancelled; until restart
+
+  std::array<std::optional<std::uint32_t>, vehicle_topics> last_header_id;
+  std::uint64_t messages{0};
+  std::uint64_t headers_missed{0};  ///< gaps in its header ids: messages lost on the way
+  std::uint64_t refused{0};         ///< messages that could not be understood or were not its own
+  std::uint64_t outdated{0};
+  std::uint32_t order_header_id{0};
+  std::uint32_t actions_header_id{0};
+  std::uint32_t notes{0};  ///< bits of what was already logged once
+
+  [[nodiscard]] bool online() const { return !connection || *connection == wire::ConnectionState::online; }
+  [[nodiscard]] bool lost(SimTime now, SimDuration after) const { return present && now - heard_at > after; }
+  /// Nothing when its factsheet is not known.
+  [[nodiscard]] std::optional<bool> supports(std::string_view instant_action) const;
+};
+
+/// All proxies, by number of arrival; none is ever taken out.
+class Registry {
+ public:
+  static constexpr std::size_t vehicles_max = 256;  ///< a flood of made-up names must not take the memory
+
+  explicit Registry(std::string interface_name) : interface_name_{std::move(interface_name)} {}
+
+  struct Address {
+    VehicleIndex vehicle;
+    VehicleTopic topic;
+  };
+  /// The vehicle and kind of a topic heard before.
+  [[nodiscard]] std::optional<Address> find_topic(std::string_view topic) const;
+  [[nodiscard]] std::optional<VehicleIndex> find(std::string_view name) const;
+  /// Gives a vehicle its proxy and mark; nothing when there are too many.
+  std::optional<VehicleIndex> add(const wire::VehicleId& id, SimTime now);
+
+  [[nodiscard]] std::size_t size() const { return proxies_.size(); }
+  [[nodiscard]] AivProxy& operator[](VehicleIndex index) { return proxies_[index]; }
+  [[nodiscard]] const AivProxy& operator[](VehicleIndex index) const { return proxies_[index]; }
+  [[nodiscard]] auto begin() { return proxies_.begin(); }
+  [[nodiscard]] auto end() { return proxies_.end(); }
+  [[nodiscard]] auto begin() const { return proxies_.begin(); }
+  [[nodiscard]] auto end() const { return proxies_.end(); }
+  [[nodiscard]] const std::string& interface_name() const { return interface_name_; }
+
+ private:
+  [[nodiscard]] std::uint32_t mark_for(std::string_view serial) const;
+
+  std::string interface_name_;
+  std::deque<AivProxy> proxies_;
+  std::map<std::string, Address, std::less<>> topics_;
+  std::map<std::string, VehicleIndex, std::less<>> names_;
+};
+
+}  // namespace cosiva::virtual_side

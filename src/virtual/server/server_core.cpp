@@ -1,0 +1,240 @@
+#include "virtual/server/server_core.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/json_writer.h"
+#include "virtual/server/inside.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+constexpr SimDuration heartbeat_period{std::chrono::milliseconds{100}};
+constexpr SimDuration settle_min{std::chrono::milliseconds{300}};
+constexpr SimDuration settle_max{std::chrono::seconds{2}};
+constexpr std::uint64_t strangers_logged_max = 20;
+
+std::string connection_json(std::string_view state, SimTime now) {
+  JsonWriter json;
+  json.begin_object().field("connectionState", state).field("timestamp", to_iso8601(now)).end_object();
+  return json.take();
+}
+
+}  // namespace
+
+ServerCore::Inside::Inside(ServerOptions given)
+    : options{std::move(given)},
+      topic_prefix{(options.interface_name.empty() ? std::string(wire::default_interface) : options.interface_name) +
+                   "/"},
+      traces{options.traces_max},
+      outbox{traces},
+      registry{topic_prefix.substr(0, topic_prefix.size() - 1)},
+      desk{outbox},
+      simulator{options.contract},
+      roller{registry, traffic, outbox, desk},
+      commands{registry, outbox, desk, roller, simulator} {}
+
+void ServerCore::Inside::begin(SimTime) {
+  begun = true;
+  if (options.zone) on_zone(options.zone->format, options.zone->origin, options.zone->text, false);
+}
+
+Simulator::Step ServerCore::Inside::step_recorder() {
+  return [this](std::string_view from, std::string_view to, std::string_view kind, std::string_view content) {
+    traces.add(now, from, to, kind, content);
+  };
+}
+
+void ServerCore::Inside::on_zone(std::string_view format, std::string_view origin, std::string_view text, bool) {
+  const zone::ZoneConfiguration configuration{std::string(format), std::string(origin), std::string(text)};
+  const auto received = simulator.receive(now, configuration, step_recorder());
+  if (!received) {
+    ++messages_refused;
+    outbox.log('e', "zone configuration refused: " + to_string(received.error()) +
+                        (simulator.zone() ? "; the zone that was there stays" : ""));
+    return;
+  }
+  if (!*received) return;
+  const auto& zone = simulator.zone();
+  outbox.log('i', "zone '" + zone->name + "': " + std::to_string(zone->waypoints.size()) + " waypoints, " +
+                      std::to_string(zone->crossings.size()) + " crossings");
+  // Everything that points into the old map forgets it before it goes.
+  traffic.set_map(nullptr);
+  roller.set_map(nullptr);
+  map.emplace(zone);
+  traffic.set_map(&*map);
+  roller.set_map(&*map);
+  for (VehicleIndex v = 0; v < registry.size(); ++v) {
+    AivProxy& proxy = registry[v];
+    if (!proxy.twin || !proxy.reported || !proxy.position_known) continue;
+    // Seen again on the new zone from where it last was, standing until it reports.
+    place_twin(v, now, *proxy.reported, wire::Velocity{});
+  }
+}
+
+std::optional<Registry::Address> ServerCore::Inside::address_of(const std::string& topic) {
+  if (const auto known = registry.find_topic(topic)) return known;
+  if (!topic.starts_with(topic_prefix)) return std::nullopt;
+  const auto parsed = wire::parse_vda_topic(topic);
+  if (!parsed) return std::nullopt;
+  const auto kind = parse_vehicle_topic(parsed->name);
+  if (!kind) return std::nullopt;
+  std::string fault;
+  if (parsed->major_version != "v2")
+    fault = "speaks '" + parsed->major_version + "'; this server speaks v2";
+  else if (!wire::valid_serial_number(parsed->vehicle.serial_number) ||
+           !wire::valid_serial_number(parsed->vehicle.manufacturer))
+    fault = "has a name with characters that VDA 5050 does not allow";
+  if (fault.empty()) {
+    if (const auto index = registry.add(parsed->vehicle, now)) {
+      traffic.resize(registry.size());
+      roller.resize(registry.size());
+      registry[*index].entity = simulator.monitor().entity(registry[*index].name);
+      outbox.log('i', registry[*index].name + ": registered with mark " + std::to_string(registry[*index].number));
+      return Registry::Address{*index, *kind};
+    }
+    fault = "is one more than the " + std::to_string(Registry::vehicles_max) + " vehicles a server takes";
+  }
+  ++messages_refused;
+  if (strangers_logged++ < strangers_logged_max) outbox.log('w', "ignored '" + topic.substr(0, 120) + "': it " + fault);
+  return std::nullopt;
+}
+
+void ServerCore::Inside::on_message(const wire::Input& input) {
+  if (const auto address = address_of(input.source)) {
+    on_vehicle_message(*address, input);
+    return;
+  }
+  const std::string_view topic{input.source};
+  if (topic.starts_with(wire::zone_topic_prefix)) {
+    const std::string_view format = topic.substr(wire::zone_topic_prefix.size());
+    traces.add(now, "physical side", "AIV_Server", "zone",
+               std::string(format) + ", " + std::to_string(input.payload.size()) + " bytes");
+    // An empty retained message takes a zone off the broker; the one that runs stays.
+    if (!input.payload.empty()) on_zone(format, topic, input.payload, input.flag);
+  }
+}
+
+void ServerCore::Inside::on_link(bool up) {
+  if (up == link_up) return;
+  link_up = up;
+  if (!up) {
+    outbox.log('w', "lost the broker; vehicles stop by themselves until it is back");
+    return;
+  }
+  link_up_at = now;
+  is_settled = false;
+  for (AivProxy& proxy : registry) proxy.state_since_link = false;
+  outbox.publish(std::string(wire::server_connection_topic), connection_json("ONLINE", now), 1, true);
+  traces.add(now, "AIV_Server", "*", "connection", "ONLINE");
+  if (options.zone) {
+    outbox.publish(std::string(wire::zone_topic_prefix) + options.zone->format, options.zone->text, 1, true);
+    traces.add(now, "AIV_Server", "*", "zone",
+               options.zone->format + ", " + std::to_string(options.zone->text.size()) + " bytes");
+  }
+  next_heartbeat = now;
+}
+
+bool ServerCore::Inside::settled() const {
+  const SimDuration since = now - link_up_at;
+  if (since >= settle_max) return true;
+  if (since < settle_min) return false;
+  // A vehicle that drives on an order of our last life must be heard before anyone is sent into its way.
+  return std::ranges::all_of(registry, [](const AivProxy& proxy) {
+    return proxy.connection != wire::ConnectionState::online || proxy.state_since_link;
+  });
+}
+
+void ServerCore::Inside::on_tick() {
+  if (link_up && now >= next_heartbeat) {
+    std::string heartbeat =
+        "{\"headerId\":" + std::to_string(heartbeat_id) + ",\"timestamp\":\"" + to_iso8601(now) + "\"}";
+    traces.add(now, "AIV_Server", "*", "heartbeat", heartbeat);
+    outbox.publish(std::string(wire::server_heartbeat_topic), std::move(heartbeat), 0, false);
+    ++heartbeat_id;
+    next_heartbeat = std::max(next_heartbeat + heartbeat_period, now);
+  }
+  if (link_up && !is_settled) is_settled = settled();
+  if (link_up && is_settled) {
+    for (VehicleIndex v = 0; v < registry.size(); ++v) {
+      help_lost_position(v);
+      ask_factsheet(v);
+    }
+    roller.tick(options.drive, options.lost_after);
+  }
+  desk.tick(registry, link_up);
+  commands.tick();
+
+  BijectionMonitor& monitor = simulator.monitor();
+  for (const AivProxy& proxy : registry) {
+    // One that said goodbye owes no reports.
+    if (proxy.present && proxy.connection != wire::ConnectionState::offline)
+      monitor.age(proxy.entity, to_seconds(now - proxy.reported_at) * 1e3);
+  }
+  monitor.elapse(now);
+}
+
+ServerCore::ServerCore(ServerOptions options) : inside_{std::make_unique<Inside>(std::move(options))} {}
+ServerCore::~ServerCore() = default;
+
+void ServerCore::handle(const wire::Input& input, wire::Effects& effects) {
+  Inside& in = *inside_;
+  in.now = input.at;
+  in.outbox.open(input.at, effects);
+  if (!in.begun) in.begin(input.at);
+  switch (input.kind) {
+    case wire::InputKind::message: in.on_message(input); break;
+    case wire::InputKind::tick: in.on_tick(); break;
+    case wire::InputKind::link: in.on_link(input.payload == "up"); break;
+    case wire::InputKind::command:
+      in.traces.add(input.at, input.source.empty() ? "operator" : input.source, "AIV_Server", "command", input.payload);
+      in.commands.issue(input.payload);
+      break;
+    case wire::InputKind::configure:
+    case wire::InputKind::recall:
+    case wire::InputKind::bytes:
+    case wire::InputKind::port: break;  // its options came with its construction; it has no streams and no memory
+  }
+}
+
+std::vector<std::string> ServerCore::subscriptions() const {
+  const std::string& prefix = inside_->topic_prefix;
+  return {prefix + "+/+/+/state", prefix + "+/+/+/visualization", prefix + "+/+/+/connection",
+          prefix + "+/+/+/factsheet", std::string(wire::zone_topic_prefix) + "+"};
+}
+
+std::optional<wire::Will> ServerCore::will() const {
+  return wire::Will{
+      {std::string(wire::server_connection_topic), connection_json("CONNECTIONBROKEN", inside_->now), 1, true}};
+}
+
+void ServerCore::farewell(SimTime now, wire::Effects& effects) {
+  effects.emplace_back(
+      wire::Publish{std::string(wire::server_connection_topic), connection_json("OFFLINE", now), 1, true});
+  inside_->traces.add(now, "AIV_Server", "*", "connection", "OFFLINE");
+}
+
+void ServerCore::fold(Digest& digest) const {
+  const Inside& in = *inside_;
+  in.simulator.fold(digest);
+  in.traffic.fold(digest);
+  in.roller.fold(digest);
+  in.commands.fold(digest);
+  for (const AivProxy& proxy : in.registry) {
+    digest.add(std::string_view{proxy.name});
+    digest.add(std::uint64_t{proxy.number});
+    digest.add(proxy.messages);
+    digest.add(proxy.headers_missed);
+    digest.add(proxy.refused);
+    digest.add(proxy.outdated);
+  }
+  digest.add(in.messages_refused);
+  digest.add(in.traces.next());
+}
+
+Result<void> ServerCore::check_command(std::string_view json) const { return inside_->commands.check(json); }
+
+std::uint64_t ServerCore::zone_revision() const { return inside_->simulator.zone_revision(); }
+std::string ServerCore::zone_json() const { return inside_->simulator.zone_json(); }
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,272 @@
+#include "virtual/server/traffic.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "virtual/server/server_bench.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+using namespace bench;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+/// The clover has four straights of 1.5 m that cross pairwise 0.6 m and 0.9 m from their starts; sections 0, 2, 4, 6.
+class CloverTraffic : public testing::Test {
+ protected:
+  CloverTraffic() {
+    traffic.set_map(&map);
+    traffic.resize(3);
+  }
+  /// The last waypoint before the crossings of a straight.
+  [[nodiscard]] WaypointIndex stop_on(zone::SectionId section) const {
+    for (WaypointIndex i = 0; i < map.size(); ++i)
+      if (map.waypoint(i).place.section == section && map.stretch(i).crosses) return i;
+    return no_waypoint;
+  }
+  [[nodiscard]] double stop_s(zone::SectionId section) const { return map.waypoint(stop_on(section)).place.s_m; }
+  void stand_before(VehicleIndex vehicle, zone::SectionId section, double before_m = 0.0) {
+    traffic.set_place(vehicle, zone::Place{section, stop_s(section) - before_m});
+    traffic.update();
+  }
+  Traffic::Answer ask(VehicleIndex vehicle, zone::SectionId section, double before_m = 0.0) {
+    return traffic.request(vehicle, stop_on(section), before_m);
+  }
+  void drive_to_exit(VehicleIndex vehicle, zone::SectionId section) {
+    traffic.set_base_end(vehicle, map.stretch(stop_on(section)).chain_exit);
+    traffic.update();
+  }
+  [[nodiscard]] std::size_t held_by(VehicleIndex vehicle) const {
+    std::size_t count = 0;
+    for (CrossingIndex x = 0; x < map.crossing_count(); ++x) count += traffic.holder(x) == vehicle ? 1U : 0U;
+    return count;
+  }
+
+  WayMap map{zone::Rtm::initialise(zone_file("lacet4.toml"))->share_zone()};
+  Traffic traffic;
+};
+
+TEST_F(CloverTraffic, finds_two_crossings_behind_each_stop_line_and_takes_them_as_one) {
+  ASSERT_EQ(map.crossing_count(), 4U);
+  for (const zone::SectionId straight : {0U, 2U, 4U, 6U}) {
+    const WaypointIndex stop = stop_on(straight);
+    ASSERT_NE(stop, no_waypoint);
+    std::vector<CrossingIndex> met;
+    map.crossings_on(map.waypoint(stop).place, map.stretch(stop).chain_m, met);
+    EXPECT_EQ(met.size(), 2U);
+    // Bodies 0.20 m × 0.12 m touch within 0.16 m of the middle of a crossing, plus clearance: 0.6 − 0.20 > s > 0.9 +
+    // 0.20.
+    EXPECT_LT(map.waypoint(stop).place.s_m, 0.44);
+    EXPECT_GT(map.waypoint(map.stretch(stop).chain_exit).place.s_m, 1.06);
+  }
+}
+
+TEST_F(CloverTraffic, grants_a_free_chain_whole) {
+  stand_before(0, 0);
+  EXPECT_TRUE(ask(0, 0).granted);
+  drive_to_exit(0, 0);
+  EXPECT_EQ(held_by(0), 2U);
+}
+
+TEST_F(CloverTraffic, gives_nothing_when_one_crossing_of_the_chain_is_taken) {
+  stand_before(0, 0);
+  ASSERT_TRUE(ask(0, 0).granted);
+  drive_to_exit(0, 0);
+  stand_before(1, 2);  // crosses the first straight and the third
+  const auto answer = ask(1, 2);
+  EXPECT_FALSE(answer.granted);
+  EXPECT_EQ(answer.blocked_by, 0U);
+  EXPECT_EQ(held_by(1), 0U) << "all or nothing";
+}
+
+TEST_F(CloverTraffic, lets_opposite_straights_go_together) {
+  stand_before(0, 0);
+  stand_before(1, 4);
+  EXPECT_TRUE(ask(0, 0).granted);
+  drive_to_exit(0, 0);
+  EXPECT_TRUE(ask(1, 4).granted);
+}
+
+TEST_F(CloverTraffic, takes_back_a_grant_that_no_base_followed) {
+  stand_before(0, 0);
+  ASSERT_TRUE(ask(0, 0).granted);
+  traffic.update();
+  EXPECT_EQ(held_by(0), 0U);
+}
+
+TEST_F(CloverTraffic, gives_a_crossing_back_as_soon_as_the_vehicle_reports_to_be_beyond_it) {
+  stand_before(0, 0);
+  ASSERT_TRUE(ask(0, 0).granted);
+  drive_to_exit(0, 0);
+  double first_span_end_m = 10.0;
+  for (const zone::Crossing& crossing : map.zone().crossings)
+    for (const zone::CrossingSpan& span : crossing.spans)
+      if (span.section == 0) first_span_end_m = std::min(first_span_end_m, span.to_m);
+  traffic.set_place(0, zone::Place{0, first_span_end_m});
+  traffic.update();
+  EXPECT_EQ(held_by(0), 2U) << "not at its very end: 2 cm more";
+  traffic.set_place(0, zone::Place{0, first_span_end_m + 0.03});
+  traffic.update();
+  EXPECT_EQ(held_by(0), 1U);
+  traffic.set_place(0, zone::Place{0, 1.3});
+  traffic.update();
+  EXPECT_EQ(held_by(0), 0U);
+}
+
+TEST_F(CloverTraffic, keeps_the_crossing_of_a_vehicle_that_stands_in_it_whatever_happened) {
+  traffic.set_place(0, zone::Place{0, 0.6});
+  traffic.update();
+  EXPECT_GE(held_by(0), 1U);
+  stand_before(1, 2);
+  stand_before(2, 6);
+  EXPECT_FALSE(ask(1, 2).granted && ask(2, 6).granted);
+}
+
+TEST_F(CloverTraffic, does_not_count_a_vehicle_that_stopped_a_centimetre_late_as_standing_in_the_crossing) {
+  traffic.set_place(0, zone::Place{0, stop_s(0) + 0.03});
+  traffic.update();
+  EXPECT_EQ(held_by(0), 0U);
+}
+
+TEST_F(CloverTraffic, serves_first_who_asked_first) {
+  stand_before(0, 0);
+  stand_before(1, 2);
+  stand_before(2, 4);
+  ASSERT_TRUE(ask(0, 0).granted);
+  drive_to_exit(0, 0);
+  EXPECT_FALSE(ask(1, 2).granted) << "1 asked before 2 and shares a crossing with it";
+  EXPECT_FALSE(ask(2, 4).granted);
+  EXPECT_EQ(ask(2, 4).blocked_by, 1U);
+  traffic.set_place(0, zone::Place{0, 1.3});
+  traffic.set_base_end(0, no_waypoint);
+  traffic.update();
+  EXPECT_FALSE(ask(2, 4).granted) << "still after 1";
+  EXPECT_TRUE(ask(1, 2).granted);
+}
+
+TEST_F(CloverTraffic, lets_others_by_while_there_is_no_room_beyond_and_keeps_the_turn) {
+  // A vehicle stands just beyond the exit of the north-bound straight.
+  traffic.set_place(2, zone::Place{2, 1.25});
+  stand_before(0, 2);
+  stand_before(1, 0);
+  const auto no_room = ask(0, 2);
+  EXPECT_FALSE(no_room.granted);
+  EXPECT_EQ(no_room.blocked_by, 2U);
+  EXPECT_TRUE(ask(1, 0).granted);
+}
+
+TEST_F(CloverTraffic, forgets_a_request_that_is_withdrawn) {
+  stand_before(0, 0);
+  stand_before(1, 2);
+  stand_before(2, 4);
+  ASSERT_TRUE(ask(0, 0).granted);
+  drive_to_exit(0, 0);
+  EXPECT_FALSE(ask(1, 2).granted);
+  traffic.withdraw(1);
+  EXPECT_TRUE(ask(2, 4).granted);
+}
+
+TEST_F(CloverTraffic, names_those_who_wait_in_order) {
+  stand_before(0, 0);
+  stand_before(1, 2);
+  stand_before(2, 6);
+  ASSERT_TRUE(ask(0, 0).granted);
+  drive_to_exit(0, 0);
+  (void)ask(2, 6);
+  (void)ask(1, 2);
+  std::vector<VehicleIndex> all;
+  for (CrossingIndex x = 0; x < map.crossing_count(); ++x)
+    for (const VehicleIndex v : traffic.waiting(x)) all.push_back(v);
+  EXPECT_THAT(all, testing::UnorderedElementsAre(1, 1, 2, 2));
+}
+
+TEST_F(CloverTraffic, reaches_no_nearer_than_a_gap_behind_the_vehicle_ahead) {
+  traffic.set_place(0, zone::Place{1, 0.5});
+  traffic.set_place(1, zone::Place{1, 1.5});
+  traffic.update();
+  EXPECT_EQ(traffic.ahead(0).vehicle, 1U);
+  EXPECT_NEAR(traffic.ahead(0).distance_m, 1.0, 1e-12);
+  EXPECT_NEAR(traffic.reach_m(0), 1.0 - 0.20 - 0.10, 1e-12);
+}
+
+// ---- whole fleets ----
+
+/// Bodies that touch, found from the poses themselves and not from crossings: two rectangles by their separating axes.
+bool touch(const Pose2& a, const Pose2& b, const zone::VehicleShape& shape) {
+  const auto apart_along = [&](const Pose2& axis, const Pose2& other, bool across) {
+    const SinCos turn = sincos(axis.heading_rad);
+    const double dx = other.x_m - axis.x_m;
+    const double dy = other.y_m - axis.y_m;
+    const double d = across ? -turn.sin * dx + turn.cos * dy : turn.cos * dx + turn.sin * dy;
+    const SinCos rel = sincos(other.heading_rad - axis.heading_rad);
+    const double own = 0.5 * (across ? shape.width_m : shape.length_m);
+    const double reach = across ? 0.5 * (shape.length_m * std::fabs(rel.sin) + shape.width_m * std::fabs(rel.cos))
+                                : 0.5 * (shape.length_m * std::fabs(rel.cos) + shape.width_m * std::fabs(rel.sin));
+    return std::fabs(d) > own + reach;
+  };
+  return !(apart_along(a, b, false) || apart_along(a, b, true) || apart_along(b, a, false) || apart_along(b, a, true));
+}
+
+struct Fleet {
+  explicit Fleet(std::size_t count, double loss = 0.0) {
+    bench.loss = loss;
+    std::size_t number = 0;
+    for (const zone::Place place : bench.zone->start_places(count)) bench.add("AIV" + std::to_string(++number), place);
+    bench.each_step = [this] {
+      for (std::size_t i = 0; i < bench.vehicles.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j)
+          if (touch(bench.vehicles[i]->pose(), bench.vehicles[j]->pose(), bench.zone->vehicle)) ++touches;
+    };
+  }
+  ServerBench bench{zone_file("lacet4.toml")};
+  int touches{0};
+};
+
+TEST(Fleet, of_twelve_circulates_without_touching_on_a_lossy_link) {
+  Fleet fleet{12, 0.02};
+  ASSERT_EQ(fleet.bench.vehicles.size(), 12U);
+  fleet.bench.run_for(120s);
+  EXPECT_EQ(fleet.touches, 0);
+  for (const auto& aiv : fleet.bench.vehicles) {
+    EXPECT_THAT(aiv->refusals, IsEmpty()) << aiv->id.serial_number;
+    EXPECT_GT(aiv->driven_m, 5.0) << aiv->id.serial_number;
+  }
+}
+
+TEST(Fleet, goes_round_a_vehicle_that_died_on_a_loop_by_waiting_behind_it_and_goes_on_when_it_is_back) {
+  Fleet fleet{4};
+  fleet.bench.run_for(10s);
+  BenchVehicle& dead = *fleet.bench.vehicles[0];
+  while (dead.place().section % 2 == 0) fleet.bench.run_for(100ms);
+  fleet.bench.kill(dead);
+  fleet.bench.run_for(60s);
+  EXPECT_EQ(fleet.touches, 0);
+  dead.alive = true;
+  dead.book.emplace(*fleet.bench.zone);
+  fleet.bench.connection(dead, wire::ConnectionState::online);
+  std::vector<double> driven;
+  for (const auto& aiv : fleet.bench.vehicles) driven.push_back(aiv->driven_m);
+  fleet.bench.run_for(40s);
+  EXPECT_EQ(fleet.touches, 0);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_GT(fleet.bench.vehicles[i]->driven_m, driven[i] + 3.0);
+}
+
+TEST(Fleet, goes_on_after_the_server_restarts_with_vehicles_in_the_crossings) {
+  Fleet fleet{8, 0.02};
+  for (int i = 0; i < 5; ++i) {
+    fleet.bench.run_for(8s);
+    fleet.bench.restart_server();
+  }
+  std::vector<double> driven;
+  for (const auto& aiv : fleet.bench.vehicles) driven.push_back(aiv->driven_m);
+  fleet.bench.run_for(60s);
+  EXPECT_EQ(fleet.touches, 0);
+  for (std::size_t i = 0; i < 8; ++i) {
+    EXPECT_GT(fleet.bench.vehicles[i]->driven_m, driven[i] + 3.0);
+    EXPECT_THAT(fleet.bench.vehicles[i]->refusals, IsEmpty());
+  }
+}
+
+}  // namespace
+}  // namespace cosiva::virtual_side

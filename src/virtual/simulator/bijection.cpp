@@ -1,0 +1,150 @@
+#include "virtual/simulator/bijection.h"
+
+#include <algorithm>
+
+namespace cosiva::virtual_side {
+namespace {
+
+// Some 10 s of reports at 10 Hz, and of ages at 50 Hz.
+constexpr std::size_t divergence_window = 200;
+constexpr std::size_t age_window = 500;
+constexpr std::size_t few_window = 100;
+
+double share_of(SimDuration part, SimDuration whole) {
+  return whole <= SimDuration::zero() ? 1.0 : to_seconds(part) / to_seconds(whole);
+}
+
+}  // namespace
+
+std::string_view to_string(PhysicalEvent event) {
+  switch (event) {
+    case PhysicalEvent::arrival: return "arrival";
+    case PhysicalEvent::tag: return "tag";
+    case PhysicalEvent::obstacle: return "obstacle";
+    case PhysicalEvent::stop: return "stop";
+    case PhysicalEvent::battery: return "battery";
+  }
+  return "?";
+}
+
+BijectionMonitor::BijectionMonitor(BijectionContract contract)
+    : contract_{contract},
+      command_recent_{contract.command_p99_ms, few_window},
+      event_recent_{contract.event_p99_ms, few_window} {}
+
+BijectionMonitor::Entity BijectionMonitor::entity(std::string_view id) {
+  const auto it = std::ranges::find(pairs_, id, &Pair::id);
+  if (it != pairs_.end()) return static_cast<Entity>(it - pairs_.begin());
+  pairs_.push_back({std::string(id), false, false, RecentP99{contract_.divergence_p99_m, divergence_window},
+                    RecentP99{contract_.age_p99_ms, age_window}});
+  return pairs_.size() - 1;
+}
+
+void BijectionMonitor::set_physical(Entity entity, bool present) { pairs_[entity].physical = present; }
+void BijectionMonitor::set_virtual(Entity entity, bool present) { pairs_[entity].image = present; }
+
+void BijectionMonitor::divergence(Entity entity, double m, double rad) {
+  divergence_m_.add(m);
+  divergence_rad_.add(rad);
+  pairs_[entity].divergence.add(m);
+}
+
+void BijectionMonitor::age(Entity entity, double ms) {
+  age_ms_.add(ms);
+  pairs_[entity].age.add(ms);
+}
+
+void BijectionMonitor::elapse(SimTime now) {
+  const bool arrived = std::ranges::any_of(pairs_, [](const Pair& p) { return p.physical || p.image; });
+  if (!arrived && !elapsed_until_) return;
+  if (elapsed_until_ && now > *elapsed_until_) {
+    const SimDuration step = now - *elapsed_until_;
+    const bool matched = std::ranges::none_of(pairs_, &Pair::orphan);
+    const bool contracts =
+        command_recent_.held() && event_recent_.held() &&
+        std::ranges::all_of(pairs_, [](const Pair& p) { return p.divergence.held() && p.age.held(); });
+    watched_ += step;
+    if (matched) matched_ += step;
+    if (matched && contracts) held_ += step;
+  }
+  elapsed_until_ = now;
+}
+
+void BijectionMonitor::command_materialised(double latency_ms) {
+  ++commands_materialised_;
+  command_latency_ms_.add(latency_ms);
+  command_recent_.add(latency_ms);
+}
+
+void BijectionMonitor::event(PhysicalEvent kind, double latency_ms) {
+  ++events_[static_cast<std::size_t>(kind)];
+  event_latency_ms_.add(latency_ms);
+  event_recent_.add(latency_ms);
+}
+
+BijectionMonitor::Held BijectionMonitor::held(Entity entity) const {
+  const Pair& pair = pairs_[entity];
+  return {!pair.orphan(), pair.divergence.held(), pair.age.held()};
+}
+
+std::size_t BijectionMonitor::physical_count() const {
+  return static_cast<std::size_t>(std::ranges::count_if(pairs_, &Pair::physical));
+}
+std::size_t BijectionMonitor::virtual_count() const {
+  return static_cast<std::size_t>(std::ranges::count_if(pairs_, &Pair::image));
+}
+std::size_t BijectionMonitor::matched_count() const {
+  return static_cast<std::size_t>(std::ranges::count_if(pairs_, [](const Pair& p) { return p.physical && p.image; }));
+}
+double BijectionMonitor::matched_share() const { return share_of(matched_, watched_); }
+double BijectionMonitor::held_share() const { return share_of(held_, watched_); }
+
+void BijectionMonitor::write(JsonWriter& json) const {
+  json.begin_object()
+      .field("physical", physical_count())
+      .field("virtual", virtual_count())
+      .field("matched", matched_count())
+      .field("matched_share", matched_share());
+  json.key("orphans").begin_array();
+  for (const Pair& pair : pairs_) {
+    if (!pair.orphan()) continue;
+    json.begin_object().field("side", pair.physical ? "physical" : "virtual").field("id", pair.id).end_object();
+  }
+  json.end_array();
+  write_json(json.key("divergence_m"), divergence_m_);
+  write_json(json.key("divergence_rad"), divergence_rad_);
+  write_json(json.key("age_ms"), age_ms_);
+  json.key("commands")
+      .begin_object()
+      .field("issued", commands_issued_)
+      .field("accepted", commands_accepted_)
+      .field("materialised", commands_materialised_)
+      .field("failed", commands_failed_);
+  write_json(json.key("latency_ms"), command_latency_ms_);
+  json.end_object();
+
+  std::uint64_t count = 0;
+  for (const std::uint64_t n : events_) count += n;
+  json.key("events").begin_object().field("count", count);
+  write_json(json.key("latency_ms"), event_latency_ms_);
+  json.key("by_kind").begin_object();
+  for (std::size_t i = 0; i < events_.size(); ++i) json.field(to_string(static_cast<PhysicalEvent>(i)), events_[i]);
+  json.end_object().end_object();
+  json.field("held_share", held_share()).end_object();
+}
+
+void BijectionMonitor::fold(Digest& digest) const {
+  divergence_m_.fold(digest);
+  divergence_rad_.fold(digest);
+  age_ms_.fold(digest);
+  command_latency_ms_.fold(digest);
+  event_latency_ms_.fold(digest);
+  digest.add(commands_issued_);
+  digest.add(commands_accepted_);
+  digest.add(commands_failed_);
+  digest.add(static_cast<std::uint64_t>(matched_count()));
+  digest.add(std::int64_t{matched_.count()});
+  digest.add(std::int64_t{held_.count()});
+}
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/digest.h"
+#include "base/json_writer.h"
+#include "base/time.h"
+#include "virtual/simulator/statistics.h"
+
+namespace cosiva::virtual_side {
+
+/// The bijection's contract (DESIGN §5); a vehicle that breaks one shows red.
+struct BijectionContract {
+  double divergence_p99_m{0.03};
+  double age_p99_ms{150.0};
+  double command_p99_ms{2000.0};
+  double event_p99_ms{500.0};
+};
+
+/// What happens on the physical side and must show on the virtual one (DESIGN §5).
+enum class PhysicalEvent : std::uint8_t { arrival, tag, obstacle, stop, battery };
+inline constexpr std::size_t physical_event_kinds = 5;
+[[nodiscard]] std::string_view to_string(PhysicalEvent event);
+
+/// Measures how true the bijection is: matching, divergence, age, commands and events (DESIGN §5). It is told facts and
+/// times; it looks at nothing by itself.
+class BijectionMonitor {
+ public:
+  using Entity = std::size_t;
+
+  explicit BijectionMonitor(BijectionContract contract);
+
+  /// One name on either side. Asking for the same name again gives the same entity.
+  Entity entity(std::string_view id);
+  void set_physical(Entity entity, bool present);
+  void set_virtual(Entity entity, bool present);
+
+  void divergence(Entity entity, double m, double rad);
+  void age(Entity entity, double ms);
+  /// Closes the time since the last call as matched and held or not; call once per tick, after the ages.
+  void elapse(SimTime now);
+
+  void command_issued() { ++commands_issued_; }
+  void command_accepted() { ++commands_accepted_; }
+  void command_materialised(double latency_ms);
+  void command_failed() { ++commands_failed_; }
+  void event(PhysicalEvent kind, double latency_ms);
+
+  struct Held {
+    bool matched;
+    bool divergence;
+    bool age;
+  };
+  /// Over the last 10 s or so: a badge that never turns green again would tell nothing.
+  [[nodiscard]] Held held(Entity entity) const;
+
+  [[nodiscard]] std::size_t physical_count() const;
+  [[nodiscard]] std::size_t virtual_count() const;
+  [[nodiscard]] std::size_t matched_count() const;
+  /// Share of the time since the first arrival in which physical and virtual sides were the same set; 1 before.
+  [[nodiscard]] double matched_share() const;
+  /// Share of that time in which every contract held as well.
+  [[nodiscard]] double held_share() const;
+  [[nodiscard]] const Statistics& divergence_m() const { return divergence_m_; }
+  [[nodiscard]] const Statistics& divergence_rad() const { return divergence_rad_; }
+  [[nodiscard]] const Statistics& age_ms() const { return age_ms_; }
+  [[nodiscard]] std::uint64_t event_count(PhysicalEvent kind) const { return events_[static_cast<std::size_t>(kind)]; }
+
+  /// docs/protocols/hmi-api.md, "Bijection".
+  void write(JsonWriter& json) const;
+  void fold(Digest& digest) const;
+
+ private:
+  struct Pair {
+    std::string id;
+    bool physical{false};
+    bool image{false};
+    RecentP99 divergence;
+    RecentP99 age;
+    [[nodiscard]] bool orphan() const { return physical != image; }
+  };
+
+  BijectionContract contract_;
+  std::vector<Pair> pairs_;
+  Statistics divergence_m_;
+  Statistics divergence_rad_;
+  Statistics age_ms_;
+
+  std::uint64_t commands_issued_{0};
+  std::uint64_t commands_accepted_{0};
+  std::uint64_t commands_materialised_{0};
+  std::uint64_t commands_failed_{0};
+  Statistics command_latency_ms_;
+  RecentP99 command_recent_;
+  std::array<std::uint64_t, physical_event_kinds> events_{};
+  Statistics event_latency_ms_;
+  RecentP99 event_recent_;
+
+  std::optional<SimTime> elapsed_until_;
+  SimDuration watched_{};
+  SimDuration matched_{};
+  SimDuration held_{};
+};
+
+}  // namespace cosiva::virtual_side

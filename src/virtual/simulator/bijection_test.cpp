@@ -1,0 +1,123 @@
+#include "virtual/simulator/bijection.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/json_value.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::SizeIs;
+
+class Bijection : public testing::Test {
+ protected:
+  void wait(SimDuration duration) {
+    now += duration;
+    monitor.elapse(now);
+  }
+  [[nodiscard]] JsonValue written() const {
+    JsonWriter json;
+    monitor.write(json);
+    return *JsonValue::parse(json.text());
+  }
+  SimTime now{virtual_epoch};
+  BijectionMonitor monitor{BijectionContract{}};
+};
+
+TEST_F(Bijection, of_nothing_holds) {
+  wait(10s);
+  EXPECT_EQ(monitor.matched_share(), 1.0);
+  EXPECT_EQ(monitor.held_share(), 1.0);
+}
+
+TEST_F(Bijection, is_counted_from_the_first_arrival_on) {
+  wait(100s);
+  const auto a = monitor.entity("make/a");
+  monitor.set_physical(a, true);
+  wait(0s);
+  wait(1s);  // without a twin
+  monitor.set_virtual(a, true);
+  wait(3s);  // with one
+  EXPECT_DOUBLE_EQ(monitor.matched_share(), 0.75);
+}
+
+TEST_F(Bijection, names_orphans_on_both_sides) {
+  monitor.set_physical(monitor.entity("make/real"), true);
+  monitor.set_virtual(monitor.entity("make/ghost"), true);
+  const auto both = monitor.entity("make/both");
+  monitor.set_physical(both, true);
+  monitor.set_virtual(both, true);
+  const JsonValue json = written();
+  EXPECT_EQ(*json.number("physical"), 2.0);
+  EXPECT_EQ(*json.number("virtual"), 2.0);
+  EXPECT_EQ(*json.number("matched"), 1.0);
+  const auto& orphans = *json.find("orphans")->array();
+  ASSERT_THAT(orphans, SizeIs(2));
+  EXPECT_EQ(orphans[0].text("side"), "physical");
+  EXPECT_EQ(orphans[0].text("id"), "make/real");
+  EXPECT_EQ(orphans[1].text("side"), "virtual");
+  EXPECT_FALSE(monitor.held(monitor.entity("make/real")).matched);
+  EXPECT_TRUE(monitor.held(both).matched);
+}
+
+TEST_F(Bijection, measures_divergence_age_commands_and_events) {
+  const auto a = monitor.entity("make/a");
+  for (int i = 1; i <= 4; ++i) {
+    monitor.divergence(a, 0.001 * i, 0.01 * i);
+    monitor.age(a, 10.0 * i);
+  }
+  monitor.command_issued();
+  monitor.command_issued();
+  monitor.command_accepted();
+  monitor.command_materialised(250.0);
+  monitor.command_failed();
+  monitor.event(PhysicalEvent::tag, 4.0);
+  monitor.event(PhysicalEvent::tag, 8.0);
+  monitor.event(PhysicalEvent::battery, 6.0);
+  const JsonValue json = written();
+  EXPECT_DOUBLE_EQ(*json.find("divergence_m")->number("mean"), 0.0025);
+  EXPECT_DOUBLE_EQ(*json.find("divergence_m")->number("max"), 0.004);
+  EXPECT_DOUBLE_EQ(*json.find("divergence_rad")->number("p50"), 0.02);
+  EXPECT_DOUBLE_EQ(*json.find("age_ms")->number("p99"), 40.0);
+  EXPECT_EQ(*json.find("commands")->number("issued"), 2.0);
+  EXPECT_EQ(*json.find("commands")->number("failed"), 1.0);
+  EXPECT_EQ(*json.find("commands")->find("latency_ms")->number("max"), 250.0);
+  EXPECT_EQ(*json.find("events")->number("count"), 3.0);
+  EXPECT_EQ(*json.find("events")->find("latency_ms")->number("mean"), 6.0);
+  EXPECT_EQ(*json.find("events")->find("by_kind")->number("tag"), 2.0);
+  EXPECT_EQ(*json.find("events")->find("by_kind")->number("stop"), 0.0);
+}
+
+TEST_F(Bijection, counts_the_time_in_which_a_contract_was_broken_as_not_held) {
+  const auto a = monitor.entity("make/a");
+  monitor.set_physical(a, true);
+  monitor.set_virtual(a, true);
+  wait(0s);
+  wait(6s);
+  monitor.age(a, 151.0);  // the only sample is above 150 ms, so its p99 is
+  EXPECT_FALSE(monitor.held(a).age);
+  wait(2s);
+  EXPECT_DOUBLE_EQ(monitor.held_share(), 0.75);
+  EXPECT_DOUBLE_EQ(monitor.matched_share(), 1.0);
+}
+
+TEST_F(Bijection, is_not_held_when_commands_or_events_take_too_long) {
+  const auto a = monitor.entity("make/a");
+  monitor.set_physical(a, true);
+  monitor.set_virtual(a, true);
+  wait(0s);
+  monitor.command_materialised(2001.0);
+  wait(1s);
+  EXPECT_EQ(monitor.held_share(), 0.0);
+  EXPECT_TRUE(monitor.held(a).divergence);
+}
+
+TEST_F(Bijection, gives_one_entity_per_name) {
+  EXPECT_EQ(monitor.entity("make/a"), monitor.entity("make/a"));
+  EXPECT_NE(monitor.entity("make/a"), monitor.entity("make/A"));
+}
+
+}  // namespace
+}  // namespace cosiva::virtual_side

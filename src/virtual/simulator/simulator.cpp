@@ -1,0 +1,67 @@
+#include "virtual/simulator/simulator.h"
+
+#include <utility>
+
+#include "base/json_writer.h"
+#include "zone/draw.h"
+
+namespace cosiva::virtual_side {
+
+Result<bool> Simulator::receive(SimTime now, const zone::ZoneConfiguration& configuration, const Step& step) {
+  // A retained configuration comes again after each reconnection.
+  if (rtm_ && rtm_->configuration().format == configuration.format && rtm_->configuration().text == configuration.text)
+    return false;
+
+  step(
+      "AIV_Server", "Simulator", "zoneConfiguration",
+      configuration.format + ", " + std::to_string(configuration.text.size()) + " bytes, from " + configuration.origin);
+  step("Simulator", "RTM", "initialise", configuration.origin);
+  auto rtm = zone::Rtm::initialise(configuration);
+  if (!rtm) {
+    step("RTM", "Simulator", "refused", to_string(rtm.error()));
+    return tl::unexpected<Error>(std::move(rtm.error()));
+  }
+  const zone::TrafficZone& made = rtm->zone();
+  step("Simulator", "RTM", "circuitFactory", "asks for the circuit factory");
+  step("RTM", "Simulator", "circuitFactory", rtm->circuit_factory().format());
+  step("Simulator", "CircuitFactory", "circuit", "asks for the circuit");
+  step("CircuitFactory", "Simulator", "circuit",
+       made.name + ": " + std::to_string(made.circuit.size()) + " sections, " + std::to_string(made.crossings.size()) +
+           " crossings, " + std::to_string(made.tags.size()) + " tags");
+  step("Simulator", "Circuit", "draw", "asks it to draw itself");
+  const std::vector<zone::Primitive> primitives = zone::draw(made);
+  JsonWriter json;
+  zone::write_json(json, made, primitives);
+  step("Circuit", "Simulator", "draw", std::to_string(primitives.size()) + " primitives");
+
+  for (Twin& twin : twins_) twin.leave_circuit(circuit(), now);
+  zone_json_ = json.take();
+  zone_ = rtm->share_zone();
+  rtm_ = std::move(*rtm);
+  ++zone_revision_;
+  return true;
+}
+
+Simulator::TwinId Simulator::appear(std::string id, std::uint32_t number, SimDuration extrapolate_max,
+                                    const Step& step) {
+  step("AIV_Server", "Simulator", "appear", id + " gets mark " + std::to_string(number));
+  entities_.push_back(monitor_.entity(id));
+  monitor_.set_virtual(entities_.back(), true);
+  twins_.emplace_back(std::move(id), number, extrapolate_max);
+  return twins_.size() - 1;
+}
+
+void Simulator::report(TwinId twin, SimTime now, const MotionReport& report) {
+  const auto divergence = twins_[twin].report(circuit(), now, report);
+  if (divergence) monitor_.divergence(entities_[twin], divergence->m, divergence->rad);
+}
+
+void Simulator::set_base_end(TwinId twin, std::optional<zone::Place> end) { twins_[twin].set_base_end(circuit(), end); }
+
+void Simulator::fold(Digest& digest) const {
+  digest.add(zone_revision_);
+  for (const Twin& twin : twins_) twin.fold(digest);
+  monitor_.fold(digest);
+}
+
+}  // namespace cosiva::virtual_side

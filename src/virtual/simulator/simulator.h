@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/digest.h"
+#include "base/result.h"
+#include "virtual/simulator/bijection.h"
+#include "virtual/simulator/twin.h"
+#include "zone/rtm.h"
+#include "zone/traffic_zone.h"
+
+namespace cosiva::virtual_side {
+
+/// The virtual environment. It receives a zone's configuration, instantiates the RTM, asks it for the circuit factory,
+/// the factory for the circuit, and has the circuit draw itself (A23); it holds the twins and the bijection monitor. It
+/// handles any circuit without knowing which one it is (A19).
+class Simulator {
+ public:
+  /// Told each step of A23 and each appearance (A25) as a message between two parts: from, to, kind, content.
+  using Step = std::function<void(std::string_view, std::string_view, std::string_view, std::string_view)>;
+  using TwinId = std::size_t;
+
+  explicit Simulator(BijectionContract contract) : monitor_{contract} {}
+
+  /// Builds the zone, or fails with the factory's reason and keeps the one there is.
+  /// @return  true when a zone was (re)instantiated, false when it is the one already there
+  [[nodiscard]] Result<bool> receive(SimTime now, const zone::ZoneConfiguration& configuration, const Step& step);
+
+  /// First appearance of an AIV: gives it its mark (A25). Its twin shows from its first report on.
+  TwinId appear(std::string id, std::uint32_t number, SimDuration extrapolate_max, const Step& step);
+  /// Its position, said by the vehicle itself. Feeds the monitor.
+  void report(TwinId twin, SimTime now, const MotionReport& report);
+  void set_base_end(TwinId twin, std::optional<zone::Place> end);
+
+  [[nodiscard]] const Twin& twin(TwinId id) const { return twins_[id]; }
+  [[nodiscard]] std::size_t twin_count() const { return twins_.size(); }
+  [[nodiscard]] Twin::Image image(TwinId id, SimTime now) const { return twins_[id].image_at(circuit(), now); }
+
+  [[nodiscard]] const std::shared_ptr<const zone::TrafficZone>& zone() const { return zone_; }  ///< may be null
+  [[nodiscard]] const zone::Circuit* circuit() const { return zone_ ? &zone_->circuit : nullptr; }
+  [[nodiscard]] std::uint64_t zone_revision() const { return zone_revision_; }
+  [[nodiscard]] const std::string& zone_json() const { return zone_json_; }  ///< "null" before there is a zone
+
+  [[nodiscard]] BijectionMonitor& monitor() { return monitor_; }
+  [[nodiscard]] const BijectionMonitor& monitor() const { return monitor_; }
+
+  void fold(Digest& digest) const;
+
+ private:
+  std::optional<zone::Rtm> rtm_;
+  std::shared_ptr<const zone::TrafficZone> zone_;
+  std::uint64_t zone_revision_{0};
+  std::string zone_json_{"null"};
+  std::vector<Twin> twins_;
+  std::vector<BijectionMonitor::Entity> entities_;  ///< of each twin
+  BijectionMonitor monitor_;
+};
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,92 @@
+#include "virtual/simulator/statistics.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace cosiva::virtual_side {
+namespace {
+
+// A double's exponent and upper six mantissa bits are a logarithmic bucket number, without a logarithm.
+constexpr int mantissa_bits = 6;
+constexpr std::uint64_t lowest = std::bit_cast<std::uint64_t>(0x1p-24) >> (52 - mantissa_bits);
+constexpr std::uint64_t highest = std::bit_cast<std::uint64_t>(0x1p24) >> (52 - mantissa_bits);
+constexpr std::size_t bucket_count = static_cast<std::size_t>(highest - lowest) + 1;
+
+std::size_t bucket_of(double value) {
+  if (!(value > 0x1p-24)) return 0;
+  const std::uint64_t key = std::bit_cast<std::uint64_t>(value) >> (52 - mantissa_bits);
+  return static_cast<std::size_t>(std::min(key, highest) - lowest);
+}
+
+double middle_of(std::size_t bucket) {
+  const auto edge = [](std::uint64_t key) { return std::bit_cast<double>(key << (52 - mantissa_bits)); };
+  return 0.5 * (edge(lowest + bucket) + edge(lowest + bucket + 1));
+}
+
+}  // namespace
+
+void Statistics::add(double value) {
+  if (!std::isfinite(value)) return;
+  value = std::max(value, 0.0);
+  ++count_;
+  sum_ += value;
+  max_ = std::max(max_, value);
+  if (buckets_.empty()) {
+    if (exact_.size() < exact_max) {
+      exact_.push_back(value);
+      return;
+    }
+    buckets_.assign(bucket_count, 0);
+    for (const double old : exact_) ++buckets_[bucket_of(old)];
+    exact_ = {};
+  }
+  ++buckets_[bucket_of(value)];
+}
+
+double Statistics::percentile(double share) const {
+  if (count_ == 0) return 0.0;
+  const double rank_real = std::ceil(share * static_cast<double>(count_) - 1e-9);
+  const auto rank = static_cast<std::uint64_t>(std::clamp(rank_real, 1.0, static_cast<double>(count_)));
+  if (buckets_.empty()) {
+    std::vector<double> sorted = exact_;
+    const auto nth = sorted.begin() + static_cast<std::ptrdiff_t>(rank - 1);
+    std::ranges::nth_element(sorted, nth);
+    return *nth;
+  }
+  std::uint64_t seen = 0;
+  for (std::size_t i = 0; i < buckets_.size(); ++i) {
+    seen += buckets_[i];
+    if (seen >= rank) return std::min(i == 0 ? 0.0 : middle_of(i), max_);
+  }
+  return max_;
+}
+
+void Statistics::fold(Digest& digest) const {
+  digest.add(count_);
+  digest.add(sum_);
+  digest.add(max_);
+}
+
+void write_json(JsonWriter& json, const Statistics& statistics) {
+  json.begin_object()
+      .field("count", statistics.count())
+      .field("mean", statistics.mean())
+      .field("p50", statistics.percentile(0.50))
+      .field("p99", statistics.percentile(0.99))
+      .field("max", statistics.max())
+      .end_object();
+}
+
+void RecentP99::add(double value) {
+  if (filled_ == over_.size()) {
+    if (over_[next_]) --over_count_;
+  } else {
+    ++filled_;
+  }
+  over_[next_] = value > limit_;
+  if (over_[next_]) ++over_count_;
+  next_ = next_ + 1 == over_.size() ? 0 : next_ + 1;
+}
+
+}  // namespace cosiva::virtual_side

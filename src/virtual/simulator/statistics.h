@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "base/digest.h"
+#include "base/json_writer.h"
+
+namespace cosiva::virtual_side {
+
+/// Count, mean, maximum and percentiles of a stream of numbers ≥ 0, in bounded memory and without chance.
+/// Percentiles are exact for the first `exact_max` samples; after that a histogram of fixed buckets (64 per octave,
+/// from 2⁻²⁴ to 2²⁴) gives them within 0.8 %. Count, mean and maximum are exact always.
+class Statistics {
+ public:
+  static constexpr std::size_t exact_max = 2048;
+
+  void add(double value);
+  [[nodiscard]] std::uint64_t count() const { return count_; }
+  [[nodiscard]] double mean() const { return count_ == 0 ? 0.0 : sum_ / static_cast<double>(count_); }
+  [[nodiscard]] double max() const { return max_; }
+  /// By nearest rank: the smallest sample such that at least `share` ∈ (0, 1] of all samples are not above it. 0 if
+  /// none.
+  [[nodiscard]] double percentile(double share) const;
+
+  void fold(Digest& digest) const;
+
+ private:
+  std::uint64_t count_{0};
+  double sum_{0.0};
+  double max_{0.0};
+  std::vector<double> exact_;
+  std::vector<std::uint32_t> buckets_;  ///< empty while `exact_` holds everything
+};
+
+/// {"count","mean","p50","p99","max"}.
+void write_json(JsonWriter& json, const Statistics& statistics);
+
+/// Says whether the p99 of the last `window` samples is above a limit, in constant time: it is exactly when more than
+/// 1 % of them are.
+class RecentP99 {
+ public:
+  RecentP99(double limit, std::size_t window) : limit_{limit}, over_(window, false) {}
+
+  void add(double value);
+  [[nodiscard]] bool held() const { return over_count_ * 100 <= filled_; }
+
+ private:
+  double limit_;
+  std::vector<bool> over_;
+  std::size_t next_{0};
+  std::size_t filled_{0};
+  std::size_t over_count_{0};
+};
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,87 @@
+#include "virtual/simulator/statistics.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/random.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+TEST(Statistics, of_nothing_are_zero) {
+  const Statistics none;
+  EXPECT_EQ(none.count(), 0U);
+  EXPECT_EQ(none.mean(), 0.0);
+  EXPECT_EQ(none.percentile(0.99), 0.0);
+  EXPECT_EQ(none.max(), 0.0);
+}
+
+TEST(Statistics, of_one_to_a_hundred_are_known) {
+  Statistics hundred;
+  for (int i = 100; i >= 1; --i) hundred.add(i);
+  EXPECT_EQ(hundred.count(), 100U);
+  EXPECT_DOUBLE_EQ(hundred.mean(), 50.5);
+  EXPECT_EQ(hundred.percentile(0.50), 50.0);
+  EXPECT_EQ(hundred.percentile(0.99), 99.0);
+  EXPECT_EQ(hundred.percentile(1.0), 100.0);
+  EXPECT_EQ(hundred.max(), 100.0);
+}
+
+TEST(Statistics, pass_over_what_is_no_number) {
+  Statistics s;
+  s.add(std::numeric_limits<double>::quiet_NaN());
+  s.add(std::numeric_limits<double>::infinity());
+  s.add(-1e-9);
+  EXPECT_EQ(s.count(), 1U);
+  EXPECT_EQ(s.max(), 0.0);
+}
+
+TEST(Statistics, stay_within_a_hundredth_of_the_truth_when_there_are_too_many_to_keep) {
+  rc::check("percentiles of many samples", [] {
+    Random random{*rc::gen::arbitrary<std::uint64_t>(), "samples"};
+    Statistics s;
+    std::vector<double> all;
+    for (int i = 0; i < 6000; ++i) {
+      const double value = random.uniform() * random.uniform() * (random.chance(0.01) ? 1e4 : 1.0);
+      all.push_back(value);
+      s.add(value);
+    }
+    std::ranges::sort(all);
+    for (const double share : {0.5, 0.9, 0.99}) {
+      const double truth = all[static_cast<std::size_t>(std::ceil(share * 6000.0)) - 1];
+      RC_ASSERT(std::fabs(s.percentile(share) - truth) <= 0.01 * truth);
+    }
+    RC_ASSERT(s.max() == all.back());
+    RC_ASSERT(s.count() == 6000U);
+  });
+}
+
+TEST(Statistics, keep_huge_and_tiny_samples_in_their_outer_buckets) {
+  Statistics s;
+  for (int i = 0; i < 3000; ++i) s.add(0.0);
+  EXPECT_EQ(s.percentile(0.99), 0.0);
+  for (int i = 0; i < 3000; ++i) s.add(1e30);
+  EXPECT_GT(s.percentile(0.99), 1e7);
+  EXPECT_EQ(s.max(), 1e30);
+}
+
+TEST(RecentP99, is_broken_when_more_than_one_in_a_hundred_is_above) {
+  RecentP99 recent{10.0, 200};
+  EXPECT_TRUE(recent.held());
+  for (int i = 0; i < 200; ++i) recent.add(5.0);
+  recent.add(11.0);
+  recent.add(11.0);
+  EXPECT_TRUE(recent.held()) << "2 of 200 are one in a hundred";
+  recent.add(11.0);
+  EXPECT_FALSE(recent.held());
+  for (int i = 0; i < 200; ++i) recent.add(10.0);
+  EXPECT_TRUE(recent.held()) << "what is long past no longer counts";
+}
+
+}  // namespace
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,212 @@
+#include "virtual/simulator/twin.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/math.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+/// How far `to` lies along the way from `from`, negative behind it; nothing further than `limit_m` either way.
+std::optional<double> signed_distance(const zone::Circuit& circuit, zone::Place from, zone::Place to, double limit_m) {
+  if (from.section == to.section && std::fabs(to.s_m - from.s_m) <= limit_m) return to.s_m - from.s_m;
+  if (const auto forward = circuit.distance_ahead(from, to, limit_m)) return *forward;
+  if (const auto backward = circuit.distance_ahead(to, from, limit_m)) return -*backward;
+  return std::nullopt;
+}
+
+}  // namespace
+
+Twin::Twin(std::string id, std::uint32_t number, SimDuration extrapolate_max)
+    : id_{std::move(id)}, number_{number}, extrapolate_max_{extrapolate_max} {}
+
+double Twin::extrapolated_s(SimTime time) const {
+  const SimDuration since = std::clamp(time - report_.at, SimDuration::zero(), extrapolate_max_);
+  return to_seconds(since);
+}
+
+double Twin::correction_share(SimTime time) const {
+  const SimDuration since = time - corrected_at_;
+  if (since >= correction_time) return 0.0;
+  if (since <= SimDuration::zero()) return 1.0;
+  const double rest = 1.0 - to_seconds(since) / to_seconds(correction_time);
+  return rest * rest;
+}
+
+Twin::Image Twin::image_at(const zone::Circuit* circuit, SimTime time) const {
+  const double travel_s = extrapolated_s(time);
+  const double share = correction_share(time);
+  const bool lost = time - report_.at > extrapolate_max_;
+  const double shown_speed = lost ? 0.0 : speed_mps_;
+
+  if (circuit != nullptr && on_circuit_) {
+    const double correction = correction_.a * share;
+    double along = along_mps_ * travel_s + correction;
+    // Correcting may show it beyond the end of its base for a moment; anticipating never does.
+    if (along > ahead_m_max_) along = std::max(correction, ahead_m_max_);
+    aiv::AivMotion motion = motion_;
+    motion.shift(*circuit, along);
+    const zone::Place place = motion.place(*circuit);
+    const Pose2 on_line = circuit->pose_at(place);
+    const double left = left_m_ + correction_.b * share;
+    const SinCos turn = sincos(on_line.heading_rad);
+    const Pose2 shown{on_line.x_m - left * turn.sin, on_line.y_m + left * turn.cos,
+                      wrap_angle(on_line.heading_rad + heading_off_rad_ + correction_.heading_rad * share)};
+    return {shown, place, shown_speed};
+  }
+
+  // In the open: a constant twist; its chord turns half as much as its heading.
+  double forward = report_.vx_mps.value_or(0.0) * travel_s;
+  double sideways = report_.vy_mps * travel_s;
+  const double length = norm(forward, sideways);
+  if (length > ahead_m_max_) {
+    const double shrink = ahead_m_max_ / length;
+    forward *= shrink;
+    sideways *= shrink;
+  }
+  const double turned = report_.omega_radps * travel_s;
+  const SinCos turn = sincos(report_.X_MB.heading_rad + 0.5 * turned);
+  const Pose2 shown{report_.X_MB.x_m + forward * turn.cos - sideways * turn.sin + correction_.a * share,
+                    report_.X_MB.y_m + forward * turn.sin + sideways * turn.cos + correction_.b * share,
+                    wrap_angle(report_.X_MB.heading_rad + turned + correction_.heading_rad * share)};
+  return {shown, std::nullopt, shown_speed};
+}
+
+zone::Circuit::Located Twin::locate(const zone::Circuit& circuit, const Pose2& X_MB) const {
+  // Nearly always it is still on its section or on the next one; the whole circuit is searched only otherwise.
+  if (on_circuit_) {
+    zone::SectionId candidate = place_.section;
+    for (int tries = 0; tries < 2; ++tries) {
+      const zone::Section& section = circuit.section(candidate);
+      const auto near = section.nearest(position(X_MB));
+      const bool inside = near.s_m > 0.0 && near.s_m < section.length_m();
+      // The nearest point of a section that bends back may be another pass of it, far along: that is for the search.
+      const bool continues = tries == 0 ? std::fabs(near.s_m - place_.s_m) < relocate_beyond_m
+                                        : section.length_m() < relocate_beyond_m || near.s_m < relocate_beyond_m;
+      if (inside && continues && near.distance_m < 0.1) return {{candidate, near.s_m}, near.left_m, near.distance_m};
+      const auto next = circuit.next(candidate);
+      if (next.empty()) break;
+      candidate = next.front();
+    }
+  }
+  return circuit.locate(position(X_MB), X_MB.heading_rad);
+}
+
+void Twin::take_speed(const MotionReport& report) {
+  MotionReport taken = report;
+  if (!taken.vx_mps) {
+    // A vehicle that tells no velocity: the way from its last place, if that is recent.
+    const double since_s = reported_ ? to_seconds(report.at - report_.at) : 0.0;
+    double speed = 0.0;
+    if (since_s > 1e-3 && since_s < 2.0) speed = distance(report_.X_MB, report.X_MB) / since_s;
+    taken.vx_mps = speed;
+  }
+  taken.vx_mps = std::clamp(*taken.vx_mps, -speed_mps_max, speed_mps_max);
+  taken.vy_mps = std::clamp(taken.vy_mps, -speed_mps_max, speed_mps_max);
+  taken.omega_radps = std::clamp(taken.omega_radps, -2.0 * pi, 2.0 * pi);
+  report_ = taken;
+  speed_mps_ = taken.vy_mps == 0.0 ? std::fabs(*taken.vx_mps) : norm(*taken.vx_mps, taken.vy_mps);
+}
+
+std::optional<Twin::Divergence> Twin::report(const zone::Circuit* circuit, SimTime now, const MotionReport& report) {
+  std::optional<Divergence> divergence;
+  Image shown{};
+  if (reported_) {
+    const Image predicted = image_at(circuit, report.at);
+    divergence = Divergence{distance(predicted.X_MB, report.X_MB),
+                            std::fabs(wrap_angle(predicted.X_MB.heading_rad - report.X_MB.heading_rad))};
+    shown = image_at(circuit, now);
+  }
+
+  take_speed(report);
+  const bool was_reported = std::exchange(reported_, true);
+  ahead_m_max_ = std::numeric_limits<double>::infinity();
+  correction_ = {};
+  corrected_at_ = now;
+
+  bool on = false;
+  if (circuit != nullptr) {
+    const auto located = locate(*circuit, report.X_MB);
+    const double heading_off = wrap_angle(report.X_MB.heading_rad - circuit->pose_at(located.place).heading_rad);
+    const SinCos off = sincos(heading_off);
+    // Across a section nothing can be anticipated along it; backwards along it, yes.
+    on = located.distance_m <= circuit_within_m && (std::fabs(off.cos) >= 0.5 || speed_mps_ < 0.01);
+    place_ = located.place;
+    off_m_ = located.distance_m;
+    left_m_ = located.left_m;
+    heading_off_rad_ = heading_off;
+    along_mps_ = *report_.vx_mps * off.cos - report_.vy_mps * off.sin;
+    if (on) motion_ = aiv::AivMotion(*circuit, located.place);
+  }
+  on_circuit_ = on;
+  if (on) measure_base(*circuit);
+  if (was_reported) correct_from(circuit, shown);
+  return divergence;
+}
+
+void Twin::set_base_end(const zone::Circuit* circuit, std::optional<zone::Place> end) {
+  if (base_end_ == end) return;
+  base_end_ = end;
+  if (circuit != nullptr && on_circuit_) measure_base(*circuit);
+}
+
+void Twin::measure_base(const zone::Circuit& circuit) {
+  // It may have rolled a little past the end; without this, the way to it would lead all round the ring.
+  constexpr double overshoot_m = 0.25;
+  constexpr double far_m = 10.0;
+  ahead_m_max_ = std::numeric_limits<double>::infinity();
+  if (!base_end_) return;
+  if (circuit.distance_ahead(*base_end_, place_, overshoot_m))
+    ahead_m_max_ = 0.0;
+  else if (const auto left = circuit.distance_ahead(place_, *base_end_, far_m))
+    ahead_m_max_ = *left;
+}
+
+void Twin::correct_from(const zone::Circuit* circuit, const Image& shown) {
+  const Image now = image_at(circuit, corrected_at_);
+  if (distance(shown.X_MB, now.X_MB) > relocate_beyond_m) return;
+  Offset offset{shown.X_MB.x_m - now.X_MB.x_m, shown.X_MB.y_m - now.X_MB.y_m,
+                wrap_angle(shown.X_MB.heading_rad - now.X_MB.heading_rad)};
+  if (on_circuit_) {
+    const zone::Place was =
+        shown.place ? *shown.place : circuit->locate(position(shown.X_MB), shown.X_MB.heading_rad).place;
+    const auto along = signed_distance(*circuit, *now.place, was, 2.0 * relocate_beyond_m);
+    if (!along) return;  // another branch of the circuit: it was shown on the wrong one
+    const Pose2 on_line = circuit->pose_at(was);
+    const SinCos turn = sincos(on_line.heading_rad);
+    const double left = -turn.sin * (shown.X_MB.x_m - on_line.x_m) + turn.cos * (shown.X_MB.y_m - on_line.y_m);
+    offset = {*along, left - left_m_, wrap_angle(shown.X_MB.heading_rad - on_line.heading_rad - heading_off_rad_)};
+  }
+  correction_ = offset;
+}
+
+void Twin::leave_circuit(const zone::Circuit* circuit, SimTime now) {
+  if (!reported_) return;
+  const Image shown = image_at(circuit, now);
+  report_.X_MB = shown.X_MB;
+  report_.vx_mps = 0.0;
+  report_.vy_mps = 0.0;
+  report_.omega_radps = 0.0;
+  speed_mps_ = 0.0;
+  along_mps_ = 0.0;
+  on_circuit_ = false;
+  base_end_.reset();
+  ahead_m_max_ = std::numeric_limits<double>::infinity();
+  correction_ = {};
+}
+
+void Twin::fold(Digest& digest) const {
+  digest.add(std::string_view{id_});
+  digest.add(report_.at);
+  digest.add(report_.X_MB.x_m);
+  digest.add(report_.X_MB.y_m);
+  digest.add(report_.X_MB.heading_rad);
+  digest.add(speed_mps_);
+  digest.add(place_.s_m);
+  digest.add(correction_.a);
+  digest.add(correction_.b);
+}
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,189 @@
+#include "virtual/simulator/twin.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <cmath>
+
+#include "base/random.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+using namespace std::chrono_literals;
+using zone::Circuit;
+using zone::Section;
+
+/// Two straights of 2 m joined by half circles of 0.5 m.
+Circuit oval() {
+  std::vector<Circuit::Part> parts;
+  Pose2 start{};
+  const std::vector<std::pair<double, double>> shape{{2.0, 0.0}, {pi * 0.5, 2.0}, {2.0, 0.0}, {pi * 0.5, 2.0}};
+  for (std::uint32_t i = 0; i < shape.size(); ++i) {
+    Section section = *Section::make(start, shape[i].first, shape[i].second);
+    start = section.end();
+    parts.push_back({"s" + std::to_string(i), section, std::nullopt, {(i + 1) % 4}});
+  }
+  return *Circuit::make("oval", std::move(parts), 1e-6, 1e-6);
+}
+
+class TwinOnOval : public testing::Test {
+ protected:
+  Circuit circuit{oval()};
+  Twin twin{"make/a", 1, 1s};
+  SimTime t0{virtual_epoch};
+
+  std::optional<Twin::Divergence> report(SimTime now, SimTime at, zone::Place place, double speed_mps,
+                                         double left_m = 0.0) {
+    Pose2 pose = circuit.pose_at(place);
+    pose = pose * Pose2{0.0, left_m, 0.0};
+    return twin.report(&circuit, now, {at, pose, speed_mps, 0.0, 0.0});
+  }
+  [[nodiscard]] Pose2 shown(SimTime time) const { return twin.image_at(&circuit, time).X_MB; }
+};
+
+TEST_F(TwinOnOval, anticipates_along_the_arc_and_not_along_its_tangent) {
+  report(t0, t0, {1, 0.2}, 0.3);
+  const Pose2 after = shown(t0 + 500ms);
+  EXPECT_LT(distance(after, circuit.pose_at({1, 0.35})), 1e-12);
+  // The tangent would have led 2 cm off the line.
+  EXPECT_NEAR(distance(Point2{2.0, 0.5}, position(after)), 0.5, 1e-9);
+  EXPECT_EQ(twin.image_at(&circuit, t0 + 500ms).place->section, 1U);
+}
+
+TEST_F(TwinOnOval, never_leaves_the_circuit_whatever_time_it_is_asked_for) {
+  rc::check("on the line", [&] {
+    Random random{*rc::gen::arbitrary<std::uint64_t>(), "twin"};
+    Twin own{"make/b", 1, 1s};
+    const auto section = static_cast<zone::SectionId>(random.below(4));
+    const zone::Place place{section, random.uniform(0.0, circuit.section(section).length_m())};
+    own.report(&circuit, t0, {t0, circuit.pose_at(place), random.uniform(0.0, 1.0), 0.0, 0.0});
+    const Pose2 pose = own.image_at(&circuit, t0 + std::chrono::milliseconds{random.below(3000)}).X_MB;
+    RC_ASSERT(circuit.locate(position(pose), pose.heading_rad).distance_m < 1e-6);
+  });
+}
+
+TEST_F(TwinOnOval, predicts_a_vehicle_at_constant_speed_exactly) {
+  report(t0, t0, {0, 1.9}, 0.4);
+  const auto divergence = report(t0 + 510ms, t0 + 500ms, {1, 0.1}, 0.4);
+  ASSERT_TRUE(divergence.has_value());
+  EXPECT_LT(divergence->m, 1e-9);
+  EXPECT_LT(divergence->rad, 1e-9);
+}
+
+TEST_F(TwinOnOval, measures_divergence_at_the_time_stamp_of_the_report_and_not_at_its_arrival) {
+  report(t0, t0, {0, 0.0}, 0.3);
+  // 0.2 s later it had stopped after 0.05 m; predicted were 0.06 m. The message took 100 ms.
+  const auto divergence = report(t0 + 300ms, t0 + 200ms, {0, 0.05}, 0.0);
+  ASSERT_TRUE(divergence.has_value());
+  EXPECT_NEAR(divergence->m, 0.01, 1e-9);
+}
+
+TEST_F(TwinOnOval, has_no_divergence_at_its_first_report) { EXPECT_FALSE(report(t0, t0, {0, 0.0}, 0.3).has_value()); }
+
+TEST_F(TwinOnOval, corrects_without_a_jump_and_is_done_within_300_ms) {
+  report(t0, t0, {0, 0.5}, 0.3);
+  const SimTime t1 = t0 + 100ms;
+  const Pose2 before = shown(t1);
+  report(t1, t1, {0, 0.63}, 0.3, 0.02);  // 10 cm further and 2 cm to the left
+  EXPECT_LT(distance(before, shown(t1)), 1e-9);
+  Pose2 last = shown(t1);
+  for (SimTime t = t1; t <= t1 + 400ms; t += 10ms) {
+    EXPECT_LT(distance(last, shown(t)), 0.02) << "10 ms";
+    last = shown(t);
+  }
+  const Pose2 done = shown(t1 + 300ms);
+  EXPECT_NEAR(done.x_m, 0.63 + 0.09, 1e-9);
+  EXPECT_NEAR(done.y_m, 0.02, 1e-9);
+}
+
+TEST_F(TwinOnOval, corrects_round_a_joint_along_the_way) {
+  report(t0, t0, {0, 1.95}, 0.0);
+  report(t0 + 100ms, t0 + 100ms, {1, 0.05}, 0.0);
+  for (SimTime t = t0 + 100ms; t < t0 + 400ms; t += 20ms)
+    EXPECT_LT(circuit.locate(position(shown(t)), shown(t).heading_rad).distance_m, 1e-6);
+}
+
+TEST_F(TwinOnOval, moves_at_once_to_a_place_more_than_half_a_metre_away) {
+  report(t0, t0, {0, 0.5}, 0.3);
+  report(t0 + 100ms, t0 + 100ms, {2, 0.5}, 0.3);
+  EXPECT_LT(distance(shown(t0 + 100ms), circuit.pose_at({2, 0.5})), 1e-9);
+}
+
+TEST_F(TwinOnOval, stands_still_when_nothing_was_heard_for_too_long) {
+  report(t0, t0, {0, 0.5}, 0.3);
+  EXPECT_NEAR(shown(t0 + 1s).x_m, 0.8, 1e-9);
+  EXPECT_NEAR(shown(t0 + 10s).x_m, 0.8, 1e-9);
+  EXPECT_EQ(twin.image_at(&circuit, t0 + 10s).speed_mps, 0.0);
+}
+
+TEST_F(TwinOnOval, is_not_anticipated_beyond_the_end_of_its_base) {
+  report(t0, t0, {0, 0.5}, 0.3);
+  twin.set_base_end(&circuit, zone::Place{0, 0.6});
+  EXPECT_NEAR(shown(t0 + 900ms).x_m, 0.6, 1e-9);
+  report(t0 + 400ms, t0 + 400ms, {0, 0.605}, 0.1);
+  EXPECT_NEAR(shown(t0 + 1300ms).x_m, 0.605, 1e-9) << "rolled a little over it: it stays there";
+  twin.set_base_end(&circuit, zone::Place{1, 0.5});
+  EXPECT_NEAR(shown(t0 + 1300ms).x_m, 0.605 + 0.09, 1e-9);
+}
+
+TEST_F(TwinOnOval, keeps_a_vehicle_that_drives_beside_the_line_beside_it) {
+  report(t0, t0, {1, 0.2}, 0.3, 0.02);
+  const auto located = circuit.locate(position(shown(t0 + 500ms)));
+  EXPECT_NEAR(located.left_m, 0.02, 1e-9);
+}
+
+TEST_F(TwinOnOval, follows_a_vehicle_that_drives_backwards) {
+  report(t0, t0, {1, 0.2}, -0.2);
+  EXPECT_LT(distance(shown(t0 + 500ms), circuit.pose_at({1, 0.1})), 1e-9);
+}
+
+TEST_F(TwinOnOval, tells_the_speed_of_a_vehicle_that_says_none_from_its_places) {
+  twin.report(&circuit, t0, {t0, circuit.pose_at({0, 0.5}), {}, 0.0, 0.0});
+  twin.report(&circuit, t0 + 100ms, {t0 + 100ms, circuit.pose_at({0, 0.53}), {}, 0.0, 0.0});
+  EXPECT_NEAR(twin.speed_mps(), 0.3, 1e-9);
+}
+
+TEST_F(TwinOnOval, reckons_freely_far_from_any_section) {
+  const Pose2 far{10.0, 10.0, pi / 2.0};
+  twin.report(&circuit, t0, {t0, far, 0.5, 0.0, 0.0});
+  EXPECT_FALSE(twin.on_circuit());
+  const Twin::Image image = twin.image_at(&circuit, t0 + 400ms);
+  EXPECT_FALSE(image.place.has_value());
+  EXPECT_NEAR(image.X_MB.x_m, 10.0, 1e-9);
+  EXPECT_NEAR(image.X_MB.y_m, 10.2, 1e-9);
+}
+
+TEST_F(TwinOnOval, reckons_freely_while_there_is_no_zone_and_takes_to_the_circuit_when_there_is) {
+  twin.report(nullptr, t0, {t0, {0.5, 0.01, 0.0}, 0.3, 0.0, 0.0});
+  EXPECT_NEAR(twin.image_at(nullptr, t0 + 100ms).X_MB.x_m, 0.53, 1e-9);
+  twin.report(&circuit, t0 + 100ms, {t0 + 100ms, {0.53, 0.01, 0.0}, 0.3, 0.0, 0.0});
+  EXPECT_TRUE(twin.on_circuit());
+}
+
+TEST_F(TwinOnOval, does_not_anticipate_along_a_section_that_it_crosses) {
+  twin.report(&circuit, t0, {t0, {1.0, 0.05, pi / 2.0}, 0.5, 0.0, 0.0});
+  const Pose2 after = shown(t0 + 200ms);
+  EXPECT_NEAR(after.x_m, 1.0, 1e-9);
+  EXPECT_NEAR(after.y_m, 0.15, 1e-9);
+}
+
+TEST_F(TwinOnOval, believes_no_speed_that_no_vehicle_has) {
+  report(t0, t0, {0, 0.0}, 1e12);
+  EXPECT_LE(twin.speed_mps(), Twin::speed_mps_max);
+  const Pose2 pose = shown(t0 + 10s);
+  EXPECT_LT(circuit.locate(position(pose), pose.heading_rad).distance_m, 1e-6);
+}
+
+TEST_F(TwinOnOval, of_one_speed_never_moves_faster_than_that_between_reports) {
+  report(t0, t0, {0, 0.5}, 0.3);
+  Pose2 last = shown(t0);
+  for (SimTime t = t0; t < t0 + 2s; t += 10ms) {
+    EXPECT_LE(distance(last, shown(t)), 0.3 * 0.01 + 1e-9);
+    last = shown(t);
+  }
+}
+
+}  // namespace
+}  // namespace cosiva::virtual_side
