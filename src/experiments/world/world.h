@@ -49,6 +49,8 @@ class World {
   [[nodiscard]] const virtual_side::ServerCore& server() const;
   [[nodiscard]] const aiv::OnboardCore& aiv(std::uint32_t number) const;
   [[nodiscard]] const wire::Network& network() const;
+  /// Warnings and errors that the cores logged, with time and name; at most 10 000.
+  [[nodiscard]] const std::vector<std::string>& log() const;
   /// Folds every core's digest.
   [[nodiscard]] Digest digest() const;
 

@@ -1,0 +1,279 @@
+#include "experiments/world/world.h"
+
+#include <charconv>
+#include <deque>
+#include <queue>
+#include <utility>
+#include <variant>
+
+#include "base/expect.h"
+#include "wire/board.h"
+
+namespace cosiva::experiments {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+
+/// How long bytes take between the on-board program and a board: a frame of 20 bytes at 115 200 Bd and its handling.
+constexpr SimDuration stream_delay = milliseconds{2};
+
+/// Which vehicle a port belongs to: "12/PILS" is 12's.
+std::uint32_t vehicle_of(std::string_view port) {
+  std::uint32_t number = 0;
+  std::from_chars(port.data(), port.data() + port.size(), number);
+  return number;
+}
+
+}  // namespace
+
+/// One core, its place on the network and its timer.
+struct Actor {
+  std::string name;
+  std::unique_ptr<wire::Core> core;
+  std::unique_ptr<wire::CoreRunner> runner;
+  wire::Network::ClientId client{};
+  std::uint32_t generation{0};  ///< grows with each start, so that a dead one's timers are not the next one's
+  SimDuration tick_offset{};
+  std::string memory;
+  bool alive{false};
+};
+
+struct World::Inside {
+  using ActorId = std::size_t;
+  static constexpr ActorId plant_id = 0;
+  static constexpr ActorId server_id = 1;
+  static constexpr ActorId first_aiv_id = 2;
+
+  struct Tick {
+    SimTime at;
+    std::uint64_t sequence;
+    ActorId actor;
+    std::uint32_t generation;
+    bool operator>(const Tick& other) const { return at != other.at ? at > other.at : sequence > other.sequence; }
+  };
+  struct Bytes {
+    SimTime at;
+    ActorId to;
+    std::uint32_t generation;
+    std::string port;
+    std::string bytes;
+  };
+
+  WorldOptions options;
+  SimTime now{virtual_epoch};
+  wire::Network network;
+  std::vector<Actor> actors;
+  std::vector<zone::Place> start_places;
+  std::vector<std::string> section_names;
+  std::priority_queue<Tick, std::vector<Tick>, std::greater<>> ticks;
+  std::deque<Bytes> streams;  ///< one delay for all, so first in is first out
+  std::vector<wire::Network::Delivery> due;
+  std::uint64_t sequence{0};
+  Digest finished;  ///< what cores did that were killed since
+  World::Tap tap;
+  std::vector<std::string> log;
+
+  explicit Inside(WorldOptions o) : options{std::move(o)}, network{options.seed, options.network} {}
+
+  void feed(ActorId id, wire::InputKind kind, std::string source, std::string payload, bool flag = false) {
+    Actor& actor = actors[id];
+    if (!actor.alive) return;
+    const wire::Input input{now, kind, std::move(source), std::move(payload), flag};
+    act(id, actor.runner->feed(input));
+  }
+
+  void act(ActorId id, const wire::Effects& effects) {
+    for (const wire::Effect& effect : effects) {
+      if (const auto* publish = std::get_if<wire::Publish>(&effect)) {
+        if (tap) tap(now, actors[id].name, *publish);
+        network.publish(now, actors[id].client, *publish);
+      } else if (const auto* send = std::get_if<wire::SendBytes>(&effect)) {
+        send_bytes(id, *send);
+      } else if (const auto* remember = std::get_if<wire::Remember>(&effect)) {
+        actors[id].memory = remember->bytes;
+      } else if (const auto* line = std::get_if<wire::Log>(&effect); line != nullptr && line->level != 'i') {
+        if (log.size() < 10'000) log.push_back(to_iso8601(now) + " " + actors[id].name + " " + line->text);
+      }
+    }
+  }
+
+  void send_bytes(ActorId from, const wire::SendBytes& send) {
+    const ActorId to = from == plant_id ? first_aiv_id + vehicle_of(send.port) - 1 : plant_id;
+    if (to >= actors.size() || !actors[to].alive) return;
+    streams.push_back({now + stream_delay, to, actors[to].generation, send.port, send.bytes});
+  }
+
+  void start(ActorId id, std::unique_ptr<wire::Core> core, std::string what, std::string configuration) {
+    Actor& actor = actors[id];
+    actor.core = std::move(core);
+    actor.runner = std::make_unique<wire::CoreRunner>(*actor.core);
+    actor.alive = true;
+    ++actor.generation;
+    feed(id, wire::InputKind::configure, std::move(what), std::move(configuration));
+    if (!actor.memory.empty()) feed(id, wire::InputKind::recall, "memory", actor.memory);
+    ticks.push({now + actor.core->tick_period() + actor.tick_offset, sequence++, id, actor.generation});
+    actor.client = network.connect(now, actor.core->subscriptions(), actor.core->will());
+    feed(id, wire::InputKind::link, "broker", "up");
+  }
+
+  void kill(ActorId id) {
+    Actor& actor = actors[id];
+    if (!actor.alive) return;
+    actor.alive = false;
+    finished.add(actor.runner->digest().value());
+    network.break_connection(now, actor.client);
+    if (id >= first_aiv_id) tell_ports(id, plant_id, "down");
+  }
+
+  /// Tells `to` that the byte streams of an AIV's boards came or went.
+  void tell_ports(ActorId aiv, ActorId to, const char* what) {
+    const auto number = static_cast<std::uint32_t>(aiv - first_aiv_id + 1);
+    for (const wire::Board board : wire::all_boards) {
+      feed(to, wire::InputKind::port, wire::port_name(number, board), what);
+    }
+  }
+
+  void start_aiv(std::uint32_t number, bool first_time) {
+    const ActorId id = first_aiv_id + number - 1;
+    aiv::OnboardOptions onboard;
+    onboard.number = number;
+    onboard.id.serial_number = "AIV" + std::to_string(number);
+    onboard.zone = options.zone;
+    if (first_time) {
+      const zone::Place place = start_places[number - 1];
+      onboard.start = {section_names[place.section], place.s_m};
+    }
+    std::string configuration = aiv::to_json(onboard);
+    start(id, std::make_unique<aiv::OnboardCore>(std::move(onboard)), "aiv", std::move(configuration));
+    tell_ports(id, plant_id, "up");
+    tell_ports(id, id, "up");
+  }
+
+  void start_server() {
+    std::string configuration = virtual_side::to_json(options.server);
+    start(server_id, std::make_unique<virtual_side::ServerCore>(options.server), "server", std::move(configuration));
+  }
+
+  [[nodiscard]] SimTime next_event() const {
+    SimTime next = ticks.empty() ? SimTime::max() : ticks.top().at;
+    if (!streams.empty()) next = std::min(next, streams.front().at);
+    if (const auto due_at = network.next_due()) next = std::min(next, *due_at);
+    return next;
+  }
+
+  void step() {
+    // One instant at a time, in a fixed order: bytes, messages, ticks.
+    while (!streams.empty() && streams.front().at <= now) {
+      Bytes bytes = std::move(streams.front());
+      streams.pop_front();
+      if (actors[bytes.to].generation == bytes.generation) {
+        feed(bytes.to, wire::InputKind::bytes, std::move(bytes.port), std::move(bytes.bytes));
+      }
+    }
+    due.clear();
+    network.take_due(now, due);
+    for (auto& delivery : due) deliver(std::move(delivery));
+    while (!ticks.empty() && ticks.top().at <= now) {
+      const Tick tick = ticks.top();
+      ticks.pop();
+      const Actor& actor = actors[tick.actor];
+      if (!actor.alive || actor.generation != tick.generation) continue;
+      feed(tick.actor, wire::InputKind::tick, {}, {});
+      ticks.push({tick.at + actor.core->tick_period(), sequence++, tick.actor, tick.generation});
+    }
+  }
+
+  void deliver(wire::Network::Delivery delivery) {
+    for (ActorId id = 0; id < actors.size(); ++id) {
+      if (actors[id].alive && actors[id].client == delivery.to) {
+        feed(id, wire::InputKind::message, std::move(delivery.topic), std::move(delivery.payload), delivery.retained);
+        return;
+      }
+    }
+  }
+};
+
+World::World() = default;
+World::~World() = default;
+
+Result<std::unique_ptr<World>> World::make(WorldOptions options) {
+  auto rtm = zone::Rtm::initialise(options.zone);
+  if (!rtm) return tl::unexpected(rtm.error());
+  auto plant = physical::PlantCore::make(
+      {.zone = options.zone, .vehicles = options.aivs, .seed = options.seed, .noise = options.noise});
+  if (!plant) return tl::unexpected(plant.error());
+
+  std::unique_ptr<World> world{new World};
+  world->inside_ = std::make_unique<Inside>(std::move(options));
+  Inside& inside = *world->inside_;
+  inside.start_places = rtm->zone().start_places(inside.options.aivs);
+  for (zone::SectionId id = 0; id < rtm->zone().circuit.size(); ++id) {
+    inside.section_names.push_back(rtm->zone().circuit.part(id).name);
+  }
+
+  inside.actors.resize(Inside::first_aiv_id + inside.options.aivs);
+  inside.actors[Inside::plant_id].name = "plant";
+  inside.actors[Inside::server_id].name = "server";
+  inside.actors[Inside::server_id].tick_offset = microseconds{500};
+  for (std::uint32_t number = 1; number <= inside.options.aivs; ++number) {
+    Actor& actor = inside.actors[Inside::first_aiv_id + number - 1];
+    actor.name = "AIV" + std::to_string(number);
+    // Vehicles power up one after another; their timers never beat in step.
+    actor.tick_offset = microseconds{1300} * number % milliseconds{20};
+  }
+
+  const std::string plant_configuration = physical::to_json((*plant)->options());
+  inside.start(Inside::plant_id, std::move(*plant), "plant", plant_configuration);
+  inside.start_server();
+  for (std::uint32_t number = 1; number <= inside.options.aivs; ++number) inside.start_aiv(number, true);
+  return world;
+}
+
+void World::run_for(SimDuration duration) {
+  const SimTime end = inside_->now + duration;
+  for (SimTime next = inside_->next_event(); next <= end; next = inside_->next_event()) {
+    COSIVA_EXPECT(next >= inside_->now);
+    inside_->now = next;
+    inside_->step();
+  }
+  inside_->now = end;
+}
+
+SimTime World::now() const { return inside_->now; }
+
+void World::command_server(std::string json) {
+  inside_->feed(Inside::server_id, wire::InputKind::command, "world", std::move(json));
+}
+
+void World::command_plant(std::string json) {
+  inside_->feed(Inside::plant_id, wire::InputKind::command, "world", std::move(json));
+}
+
+void World::kill_aiv(std::uint32_t number) { inside_->kill(Inside::first_aiv_id + number - 1); }
+void World::start_aiv(std::uint32_t number) { inside_->start_aiv(number, false); }
+void World::kill_server() { inside_->kill(Inside::server_id); }
+void World::start_server() { inside_->start_server(); }
+void World::tap(Tap tap) { inside_->tap = std::move(tap); }
+
+const physical::PlantCore& World::plant() const {
+  return static_cast<const physical::PlantCore&>(*inside_->actors[Inside::plant_id].core);
+}
+const virtual_side::ServerCore& World::server() const {
+  return static_cast<const virtual_side::ServerCore&>(*inside_->actors[Inside::server_id].core);
+}
+const aiv::OnboardCore& World::aiv(std::uint32_t number) const {
+  return static_cast<const aiv::OnboardCore&>(*inside_->actors[Inside::first_aiv_id + number - 1].core);
+}
+const wire::Network& World::network() const { return inside_->network; }
+const std::vector<std::string>& World::log() const { return inside_->log; }
+
+Digest World::digest() const {
+  Digest digest = inside_->finished;
+  for (const Actor& actor : inside_->actors) {
+    if (actor.alive) digest.add(actor.runner->digest().value());
+  }
+  return digest;
+}
+
+}  // namespace cosiva::experiments
