@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "adapters/child_process.h"
+#include "adapters/event_loop.h"
+#include "base/result.h"
+
+namespace cosiva::adapters {
+
+struct BrokerOptions {
+  std::string run_directory;  ///< its configuration goes here, readable by us alone
+  std::string log_file;       ///< empty: its words go to our stderr
+  std::string program;        ///< empty: looked for in PATH and /usr/sbin
+};
+
+/// A mosquitto of our own on 127.0.0.1: nobody outside this machine reaches it, nothing it holds outlives it. Queues
+/// are unlimited, because a stalled reader must not lose messages silently, and Nagle is off at both ends.
+class PrivateBroker {
+ public:
+  /// Starts it on a free port and waits until it accepts. Fails ("broker.missing", "broker.start").
+  [[nodiscard]] static Result<std::unique_ptr<PrivateBroker>> start(EventLoop& loop, BrokerOptions options);
+  ~PrivateBroker();
+
+  [[nodiscard]] std::uint16_t port() const { return port_; }
+  [[nodiscard]] Child* child() { return child_.get(); }
+  /// Called when it ends without having been asked to.
+  void on_exit(std::function<void(const ChildExit&)> action) { on_exit_ = std::move(action); }
+  /// Starts it again on the same port: that is where everyone looks for it. Does not wait until it accepts.
+  [[nodiscard]] Result<void> restart();
+
+ private:
+  PrivateBroker(EventLoop& loop, BrokerOptions options) : loop_{loop}, options_{std::move(options)} {}
+  [[nodiscard]] Result<void> launch();
+  [[nodiscard]] std::string configuration_path() const { return options_.run_directory + "/mosquitto.conf"; }
+
+  EventLoop& loop_;
+  BrokerOptions options_;
+  std::uint16_t port_{0};
+  std::function<void(const ChildExit&)> on_exit_;
+  std::unique_ptr<Child> child_;
+};
+
+/// A TCP port of 127.0.0.1 that was free a moment ago.
+[[nodiscard]] Result<std::uint16_t> find_free_port();
+
+}  // namespace cosiva::adapters

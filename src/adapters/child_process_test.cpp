@@ -1,0 +1,161 @@
+#include "adapters/child_process.h"
+
+#include <gmock/gmock.h>
+#include <signal.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "adapters/files.h"
+#include "adapters/test_bench.h"
+
+namespace cosiva::adapters {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::patience;
+using testing::Scratch;
+
+struct Bench {
+  EventLoop loop;
+  std::optional<ChildExit> exit;
+  std::vector<std::string> lines;
+
+  std::unique_ptr<Child> shell(const std::string& script, const std::string& log_file = {}) {
+    ChildOptions options;
+    options.argv = {"sh", "-c", script};
+    options.log_file = log_file;
+    options.on_exit = [this](const ChildExit& e) { exit = e; };
+    options.on_line = [this](const std::string& line) { lines.push_back(line); };
+    return Child::start(loop, std::move(options)).value();
+  }
+  bool until(const std::function<bool()>& done) { return loop.run_until(done, patience); }
+};
+
+TEST(Child, tells_how_it_ended) {
+  Bench bench;
+  const auto child = bench.shell("exit 7");
+  ASSERT_TRUE(bench.until([&] { return bench.exit.has_value(); }));
+  EXPECT_EQ(bench.exit->status, 7);
+  EXPECT_FALSE(child->running());
+  EXPECT_EQ(to_string(*bench.exit), "exit 7");
+}
+
+TEST(Child, killed_from_outside_names_the_signal) {
+  Bench bench;
+  const auto child = bench.shell("exec sleep 600");
+  child->signal(SIGKILL);
+  ASSERT_TRUE(bench.until([&] { return bench.exit.has_value(); }));
+  EXPECT_EQ(bench.exit->signal, SIGKILL);
+  EXPECT_EQ(to_string(*bench.exit), "killed (signal 9)");
+}
+
+TEST(Child, gives_its_lines_and_logs_its_errors) {
+  Scratch scratch;
+  Bench bench;
+  const auto child = bench.shell("echo one; echo trouble >&2; echo two", scratch / "child.log");
+  ASSERT_TRUE(bench.until([&] { return bench.exit.has_value() && bench.lines.size() == 2; }));
+  EXPECT_THAT(bench.lines, ElementsAre("one", "two"));
+  EXPECT_EQ(read_file(scratch / "child.log").value(), "trouble\n");
+}
+
+TEST(Child, ends_politely_when_it_can) {
+  Bench bench;
+  const auto child = bench.shell("trap 'echo bye; exit 0' TERM; echo up; while :; do sleep 0.05; done");
+  ASSERT_TRUE(bench.until([&] { return bench.lines.size() == 1; }));
+  child->end(patience);
+  ASSERT_TRUE(bench.until([&] { return bench.exit.has_value() && bench.lines.size() == 2; }));
+  EXPECT_TRUE(bench.exit->clean());
+  EXPECT_EQ(bench.lines.back(), "bye");
+}
+
+TEST(Child, that_will_not_listen_is_killed_after_its_grace) {
+  Bench bench;
+  const auto child = bench.shell("trap '' TERM; echo up; while :; do sleep 0.05; done");
+  ASSERT_TRUE(bench.until([&] { return bench.lines.size() == 1; }));
+  child->end(100ms);
+  ASSERT_TRUE(bench.until([&] { return bench.exit.has_value(); }));
+  EXPECT_EQ(bench.exit->signal, SIGKILL);
+}
+
+TEST(Child, goes_with_its_owner) {
+  Bench bench;
+  auto child = bench.shell("echo up; exec sleep 600");
+  ASSERT_TRUE(bench.until([&] { return bench.lines.size() == 1; }));
+  const pid_t pid = child->pid();
+  child.reset();
+  EXPECT_EQ(::kill(pid, 0), -1);
+}
+
+TEST(Child, takes_with_it_what_it_started_itself) {
+  Bench bench;
+  auto child = bench.shell("sleep 600 & echo $!; wait");
+  ASSERT_TRUE(bench.until([&] { return bench.lines.size() == 1; }));
+  const std::string status = "/proc/" + bench.lines.front() + "/stat";
+  child.reset();
+  // Nobody here reaps it: a zombie counts as gone.
+  const auto gone = [&] {
+    const auto text = read_file(status);
+    return !text || text->find(") Z") != std::string::npos;
+  };
+  EXPECT_TRUE(bench.until(gone));
+}
+
+TEST(Child, that_cannot_be_run_is_an_error_naming_it) {
+  EventLoop loop;
+  ChildOptions options;
+  options.argv = {"/nonexistent/program"};
+  const auto started = Child::start(loop, std::move(options));
+  ASSERT_FALSE(started);
+  EXPECT_EQ(started.error().code, "child.start");
+  EXPECT_EQ(started.error().place, "/nonexistent/program");
+  EXPECT_THAT(started.error().message, HasSubstr("No such file"));
+}
+
+TEST(Child, inherits_none_of_our_descriptors) {
+  Bench bench;
+  const int ours = ::socket(AF_INET, SOCK_STREAM, 0);  // without close-on-exec, as Asio opens them
+  ASSERT_GE(ours, 3);
+  const auto child = bench.shell("ls /proc/self/fd | wc -l");
+  ASSERT_TRUE(bench.until([&] { return bench.lines.size() == 1; }));
+  ::close(ours);
+  EXPECT_LE(std::stoi(bench.lines.front()), 4);  // 0, 1, 2 and the directory ls reads
+}
+
+TEST(Child, hears_no_ctrl_c_meant_for_us) {
+  Bench bench;
+  const auto child = bench.shell("echo up; exec sleep 600");
+  ASSERT_TRUE(bench.until([&] { return bench.lines.size() == 1; }));
+  EXPECT_NE(::getpgid(child->pid()), ::getpgrp());
+}
+
+TEST(Child, dies_with_a_parent_that_was_killed) {
+  Scratch scratch;
+  // The middle process starts a child and is then killed without a chance to tidy up.
+  const std::string note = scratch / "pid";
+  const pid_t middle = ::fork();
+  if (middle == 0) {
+    Bench bench;
+    const auto child = bench.shell("echo up; exec sleep 600");
+    bench.until([&] { return bench.lines.size() == 1; });
+    static_cast<void>(write_file(note, std::to_string(child->pid())));
+    ::raise(SIGKILL);
+  }
+  ASSERT_GT(middle, 0);
+  ::waitpid(middle, nullptr, 0);
+  const auto written = read_file(note);
+  ASSERT_TRUE(written);
+  const pid_t orphan = std::stoi(*written);
+  EventLoop loop;
+  // Nobody here reaps it: a zombie counts as dead.
+  const auto dead = [&] {
+    const auto status = read_file("/proc/" + std::to_string(orphan) + "/stat");
+    return !status || status->find(") Z") != std::string::npos;
+  };
+  EXPECT_TRUE(loop.run_until(dead, patience));
+}
+
+}  // namespace
+}  // namespace cosiva::adapters

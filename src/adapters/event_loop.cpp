@@ -1,0 +1,146 @@
+#include "adapters/event_loop.h"
+
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <csignal>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace cosiva::adapters {
+
+namespace asio = boost::asio;
+using Steady = std::chrono::steady_clock;
+
+struct EventLoop::Inside {
+  asio::io_context context{1};
+  asio::executor_work_guard<asio::io_context::executor_type> work{context.get_executor()};
+  std::vector<std::unique_ptr<asio::signal_set>> signals;
+};
+
+namespace {
+
+void wait_for_signal(asio::signal_set& set, std::function<void(int)> action) {
+  set.async_wait([&set, action = std::move(action)](const boost::system::error_code& error, int signal) mutable {
+    if (error) return;
+    action(signal);
+    wait_for_signal(set, std::move(action));
+  });
+}
+
+}  // namespace
+
+EventLoop::EventLoop() : inside_{std::make_unique<Inside>()} { std::signal(SIGPIPE, SIG_IGN); }
+
+EventLoop::~EventLoop() = default;
+
+void EventLoop::run() {
+  inside_->context.restart();
+  inside_->context.run();
+}
+
+void EventLoop::stop() { inside_->context.stop(); }
+
+bool EventLoop::run_until(const std::function<bool()>& done, std::chrono::milliseconds limit) {
+  inside_->context.restart();
+  const auto deadline = Steady::now() + limit;
+  while (!done()) {
+    if (Steady::now() >= deadline) return false;
+    inside_->context.run_one_for(std::chrono::milliseconds{20});
+  }
+  return true;
+}
+
+void EventLoop::run_for(std::chrono::milliseconds duration) {
+  inside_->context.restart();
+  inside_->context.run_for(duration);
+}
+
+void EventLoop::post(std::function<void()> action) { asio::post(inside_->context, std::move(action)); }
+
+void EventLoop::on_signals(std::initializer_list<int> signals, std::function<void(int)> action) {
+  auto set = std::make_unique<asio::signal_set>(inside_->context);
+  for (const int signal : signals) set->add(signal);
+  wait_for_signal(*set, std::move(action));
+  inside_->signals.push_back(std::move(set));
+}
+
+asio::io_context& EventLoop::context() { return inside_->context; }
+
+struct Timer::Inside : std::enable_shared_from_this<Timer::Inside> {
+  explicit Inside(asio::io_context& context) : timer{context} {}
+
+  void arm() {
+    // The set number tells a wait that was replaced after its handler had been queued from the one that counts.
+    timer.async_wait([self = shared_from_this(), mine = set](const boost::system::error_code& error) {
+      if (!error && mine == self->set) self->fire();
+    });
+  }
+
+  void fire() {
+    if (period == std::chrono::nanoseconds::zero()) {
+      const auto once = std::exchange(action, {});
+      if (once) once();
+      return;
+    }
+    const auto mine = set;
+    const auto again = action;  // the action may set this timer anew
+    again();
+    if (mine != set) return;
+    const auto now = Steady::now();
+    due += period;
+    if (due <= now) due += ((now - due) / period + 1) * period;
+    timer.expires_at(due);
+    arm();
+  }
+
+  asio::steady_timer timer;
+  std::function<void()> action;
+  std::chrono::nanoseconds period{};
+  Steady::time_point due;
+  std::uint64_t set{0};
+};
+
+Timer::Timer(EventLoop& loop) : inside_{std::make_shared<Inside>(loop.context())} {}
+
+Timer::~Timer() {
+  if (inside_) cancel();
+}
+
+Timer::Timer(Timer&&) noexcept = default;
+
+Timer& Timer::operator=(Timer&& other) noexcept {
+  if (this != &other) {
+    if (inside_) cancel();
+    inside_ = std::move(other.inside_);
+  }
+  return *this;
+}
+
+void Timer::after(std::chrono::nanoseconds delay, std::function<void()> action) {
+  ++inside_->set;
+  inside_->action = std::move(action);
+  inside_->period = {};
+  inside_->timer.expires_after(delay);
+  inside_->arm();
+}
+
+void Timer::every(std::chrono::nanoseconds period, std::function<void()> action) {
+  ++inside_->set;
+  inside_->action = std::move(action);
+  inside_->period = period;
+  inside_->due = Steady::now() + period;
+  inside_->timer.expires_at(inside_->due);
+  inside_->arm();
+}
+
+void Timer::cancel() {
+  ++inside_->set;
+  inside_->action = {};
+  inside_->timer.cancel();
+}
+
+}  // namespace cosiva::adapters

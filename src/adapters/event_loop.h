@@ -1,0 +1,61 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <initializer_list>
+#include <memory>
+
+namespace boost::asio {
+class io_context;
+}  // namespace boost::asio
+
+namespace cosiva::adapters {
+
+/// The one Boost.Asio loop of a process: MQTT, sockets, HTTP, timers, signals and children all run on it, in one
+/// thread, so nothing here needs a lock. Asio's headers stay in the .cpp files.
+class EventLoop {
+ public:
+  EventLoop();  ///< Also ignores SIGPIPE: a peer that left is seen by the failed write.
+  ~EventLoop();
+  EventLoop(const EventLoop&) = delete;
+  EventLoop& operator=(const EventLoop&) = delete;
+
+  /// Handles events until stop().
+  void run();
+  void stop();
+  /// Handles events until `done()` says so; false when it did not within `limit`.
+  bool run_until(const std::function<bool()>& done, std::chrono::milliseconds limit);
+  /// Handles events for this long.
+  void run_for(std::chrono::milliseconds duration);
+  /// Runs `action` from the loop, after what is due now.
+  void post(std::function<void()> action);
+  /// Calls `action` with the signal's number each time one of these arrives, from the loop.
+  void on_signals(std::initializer_list<int> signals, std::function<void(int)> action);
+
+  [[nodiscard]] boost::asio::io_context& context();
+
+ private:
+  struct Inside;
+  std::unique_ptr<Inside> inside_;
+};
+
+/// A timer of the loop. Setting it again replaces what it was set to; destroying it cancels it.
+class Timer {
+ public:
+  explicit Timer(EventLoop& loop);
+  ~Timer();
+  Timer(Timer&&) noexcept;
+  Timer& operator=(Timer&&) noexcept;
+
+  void after(std::chrono::nanoseconds delay, std::function<void()> action);
+  /// Calls `action` every `period`, the first time one period from now. Beats missed on a stalled machine are skipped,
+  /// never made up for in a burst.
+  void every(std::chrono::nanoseconds period, std::function<void()> action);
+  void cancel();
+
+ private:
+  struct Inside;
+  std::shared_ptr<Inside> inside_;
+};
+
+}  // namespace cosiva::adapters

@@ -1,0 +1,89 @@
+#include "adapters/event_loop.h"
+
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <thread>
+
+#include "adapters/clock.h"
+#include "adapters/test_bench.h"
+
+namespace cosiva::adapters {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::patience;
+
+TEST(Timer, set_again_forgets_what_it_was_set_to) {
+  EventLoop loop;
+  Timer timer{loop};
+  int first = 0;
+  int second = 0;
+  timer.after(1ms, [&] { ++first; });
+  timer.after(1ms, [&] { ++second; });
+  EXPECT_TRUE(loop.run_until([&] { return second == 1; }, patience));
+  loop.run_for(20ms);
+  EXPECT_EQ(first, 0);
+  EXPECT_EQ(second, 1);
+}
+
+TEST(Timer, destroyed_never_fires) {
+  EventLoop loop;
+  int fired = 0;
+  {
+    Timer{loop}.after(1ms, [&] { ++fired; });
+  }
+  loop.run_for(20ms);
+  EXPECT_EQ(fired, 0);
+}
+
+TEST(Timer, beats_until_it_is_cancelled_from_its_own_beat) {
+  EventLoop loop;
+  Timer timer{loop};
+  int beats = 0;
+  timer.every(1ms, [&] {
+    if (++beats == 5) timer.cancel();
+  });
+  EXPECT_TRUE(loop.run_until([&] { return beats == 5; }, patience));
+  loop.run_for(20ms);
+  EXPECT_EQ(beats, 5);
+}
+
+TEST(Timer, skips_the_beats_a_stalled_loop_missed) {
+  EventLoop loop;
+  Timer timer{loop};
+  int beats = 0;
+  timer.every(20ms, [&] {
+    if (++beats == 1) std::this_thread::sleep_for(210ms);  // ten beats long
+  });
+  EXPECT_TRUE(loop.run_until([&] { return beats == 1; }, patience));
+  const auto stalled = std::chrono::steady_clock::now();
+  EXPECT_TRUE(loop.run_until([&] { return beats == 3; }, patience));
+  // A burst of made-up beats would be here at once; two honest ones need at least one whole period.
+  EXPECT_GE(std::chrono::steady_clock::now() - stalled, 20ms);
+}
+
+TEST(EventLoop, hands_over_signals_one_by_one) {
+  EventLoop loop;
+  int seen = 0;
+  loop.on_signals({SIGUSR1}, [&](int signal) { seen += signal == SIGUSR1 ? 1 : 0; });
+  ::raise(SIGUSR1);
+  EXPECT_TRUE(loop.run_until([&] { return seen == 1; }, patience));
+  ::raise(SIGUSR1);
+  EXPECT_TRUE(loop.run_until([&] { return seen == 2; }, patience));
+}
+
+TEST(WallClock, tells_utc_and_never_goes_back) {
+  const WallClock clock;
+  const auto wall = std::chrono::system_clock::now().time_since_epoch();
+  SimTime last = clock.now();
+  EXPECT_LT(std::chrono::abs(last.time_since_epoch() - wall), 10s);
+  for (int i = 0; i < 10'000; ++i) {
+    const SimTime now = clock.now();
+    EXPECT_GE(now, last);
+    last = now;
+  }
+}
+
+}  // namespace
+}  // namespace cosiva::adapters

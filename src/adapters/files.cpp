@@ -1,0 +1,108 @@
+#include "adapters/files.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <utility>
+
+namespace cosiva::adapters {
+namespace {
+
+constexpr std::chrono::milliseconds flush_period{100};
+constexpr std::size_t flush_bytes = 64 * 1024;
+
+/// Writes all of it; the errno, or 0.
+int write_all(int fd, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(fd, bytes.data(), bytes.size());
+    if (written < 0) {
+      if (errno == EINTR) continue;
+      return errno;
+    }
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return 0;
+}
+
+}  // namespace
+
+Result<std::string> read_file(const std::string& path) {
+  const bool standard = path == "-";
+  const int fd = standard ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) return fail("file.read", std::string("cannot read: ") + std::strerror(errno), path);
+  std::string bytes;
+  int error = 0;
+  for (;;) {
+    char buffer[64 * 1024];
+    const ssize_t got = ::read(fd, buffer, sizeof buffer);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) error = errno;
+    if (got <= 0) break;
+    bytes.append(buffer, static_cast<std::size_t>(got));
+  }
+  if (!standard) ::close(fd);
+  if (error != 0) return fail("file.read", std::string("cannot read: ") + std::strerror(error), path);
+  return bytes;
+}
+
+Result<void> write_file(const std::string& path, std::string_view bytes) {
+  const std::string beside = path + ".new";
+  const int fd = ::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  if (fd < 0) return fail("file.write", std::string("cannot write: ") + std::strerror(errno), path);
+  int error = write_all(fd, bytes);
+  if (::close(fd) != 0 && error == 0) error = errno;
+  if (error == 0 && std::rename(beside.c_str(), path.c_str()) != 0) error = errno;
+  if (error == 0) return {};
+  ::unlink(beside.c_str());
+  return fail("file.write", std::string("cannot write: ") + std::strerror(error), path);
+}
+
+JournalFile::JournalFile(EventLoop& loop, std::string path, int fd, std::function<void(const Error&)> on_error)
+    : path_{std::move(path)}, fd_{fd}, on_error_{std::move(on_error)}, flush_timer_{loop} {
+  flush_timer_.every(flush_period, [this] { flush(); });
+}
+
+Result<std::unique_ptr<JournalFile>> JournalFile::create(EventLoop& loop, const std::string& path,
+                                                         std::function<void(const Error&)> on_error) {
+  const int fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  if (fd < 0) return fail("journal.open", std::string("cannot record here: ") + std::strerror(errno), path);
+  return std::unique_ptr<JournalFile>(new JournalFile(loop, path, fd, std::move(on_error)));
+}
+
+JournalFile::~JournalFile() {
+  flush();
+  if (fd_ >= 0) ::close(fd_);
+}
+
+void JournalFile::append(std::string_view bytes) {
+  if (fd_ < 0) return;
+  buffer_ += bytes;
+  if (buffer_.size() >= flush_bytes) flush();
+}
+
+void JournalFile::flush() {
+  if (fd_ < 0 || buffer_.empty()) return;
+  const int error = write_all(fd_, buffer_);
+  buffer_.clear();
+  if (error == 0) return;
+  ::close(std::exchange(fd_, -1));
+  flush_timer_.cancel();
+  if (on_error_) {
+    on_error_(Error{"journal.write",
+                    std::string("the journal stops here, everything else goes on: ") + std::strerror(error), path_});
+  }
+}
+
+std::optional<std::string> MemoryFile::load() const {
+  auto bytes = read_file(path_);
+  if (!bytes || bytes->empty()) return std::nullopt;
+  return std::move(*bytes);
+}
+
+Result<void> MemoryFile::store(std::string_view bytes) { return write_file(path_, bytes); }
+
+}  // namespace cosiva::adapters

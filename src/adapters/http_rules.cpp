@@ -1,0 +1,154 @@
+#include "adapters/http_rules.h"
+
+#include <sys/stat.h>
+
+#include <array>
+#include <cctype>
+#include <cstdlib>
+#include <filesystem>
+#include <utility>
+
+#include "adapters/files.h"
+
+namespace cosiva::adapters::http_rules {
+namespace {
+
+struct Authority {
+  std::string_view host;
+  std::string_view port;
+};
+
+std::optional<Authority> split(std::string_view authority) {
+  Authority result;
+  if (authority.starts_with('[')) {
+    const std::size_t close = authority.find(']');
+    if (close == std::string_view::npos) return std::nullopt;
+    result.host = authority.substr(0, close + 1);
+    authority.remove_prefix(close + 1);
+  } else {
+    const std::size_t colon = std::min(authority.find(':'), authority.size());
+    result.host = authority.substr(0, colon);
+    authority.remove_prefix(colon);
+  }
+  if (authority.empty()) return result;
+  if (authority.front() != ':') return std::nullopt;
+  result.port = authority.substr(1);
+  if (result.port.empty() || result.port.find_first_not_of("0123456789") != std::string_view::npos) return std::nullopt;
+  return result;
+}
+
+bool equal_ignoring_case(std::string_view a, std::string_view b) {
+  if (a.size() != b.size()) return false;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (std::tolower(static_cast<unsigned char>(a[i])) != std::tolower(static_cast<unsigned char>(b[i]))) return false;
+  }
+  return true;
+}
+
+int hex_digit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return -1;
+}
+
+bool has_dot_segment(std::string_view path) {
+  while (!path.empty()) {
+    const std::size_t slash = std::min(path.find('/'), path.size());
+    const std::string_view segment = path.substr(0, slash);
+    if (segment == "." || segment == "..") return true;
+    path.remove_prefix(std::min(slash + 1, path.size()));
+  }
+  return false;
+}
+
+}  // namespace
+
+bool is_loopback_authority(std::string_view authority) {
+  const auto parts = split(authority);
+  if (!parts) return false;
+  return equal_ignoring_case(parts->host, "localhost") || parts->host == "127.0.0.1" || parts->host == "[::1]";
+}
+
+bool is_own_origin(std::string_view origin, std::string_view host, std::uint16_t port) {
+  constexpr std::string_view scheme = "http://";
+  if (!origin.starts_with(scheme)) return false;
+  origin.remove_prefix(scheme.size());
+  const auto parts = split(origin);
+  if (!parts || !is_loopback_authority(origin)) return false;
+  if (equal_ignoring_case(origin, host)) return true;
+  return (parts->port.empty() ? "80" : parts->port) == std::to_string(port);
+}
+
+std::optional<std::string> clean_path(std::string_view raw) {
+  std::string path;
+  for (std::size_t i = 0; i < raw.size(); ++i) {
+    char c = raw[i];
+    if (c == '%') {
+      if (i + 2 >= raw.size()) return std::nullopt;
+      const int high = hex_digit(raw[i + 1]);
+      const int low = hex_digit(raw[i + 2]);
+      if (high < 0 || low < 0) return std::nullopt;
+      c = static_cast<char>(high * 16 + low);
+      i += 2;
+    }
+    if (c == '\0' || c == '\\') return std::nullopt;
+    path += c;
+  }
+  if (path.empty() || path.front() != '/' || has_dot_segment(path)) return std::nullopt;
+  return path;
+}
+
+std::string_view mime_type(std::string_view path) {
+  using Entry = std::pair<std::string_view, std::string_view>;
+  static constexpr std::array types{
+      Entry{".html", "text/html; charset=utf-8"},
+      Entry{".js", "text/javascript; charset=utf-8"},
+      Entry{".mjs", "text/javascript; charset=utf-8"},
+      Entry{".css", "text/css; charset=utf-8"},
+      Entry{".json", "application/json"},
+      Entry{".map", "application/json"},
+      Entry{".webmanifest", "application/manifest+json"},
+      Entry{".svg", "image/svg+xml"},
+      Entry{".png", "image/png"},
+      Entry{".jpg", "image/jpeg"},
+      Entry{".ico", "image/vnd.microsoft.icon"},
+      Entry{".webp", "image/webp"},
+      Entry{".woff2", "font/woff2"},
+      Entry{".wasm", "application/wasm"},
+      Entry{".txt", "text/plain; charset=utf-8"},
+  };
+  for (const auto& [ending, type] : types) {
+    if (path.ends_with(ending)) return type;
+  }
+  return "application/octet-stream";
+}
+
+Result<StaticFile> load_static(const std::string& root, std::string_view path) {
+  namespace fs = std::filesystem;
+  const auto not_found = [&] { return fail("http.not_found", "there is nothing at " + std::string(path)); };
+  std::string relative{path.substr(1)};
+  if (relative.empty() || relative.ends_with('/')) relative += "index.html";
+
+  std::error_code error;
+  const fs::path base = fs::canonical(root, error);
+  if (error) return not_found();
+  const fs::path file = fs::canonical(base / relative, error);
+  // A link inside the root may lead out of it: what counts is where the file truly is.
+  const std::string prefix = base.string() == "/" ? "/" : base.string() + "/";
+  if (error || !file.string().starts_with(prefix) || !fs::is_regular_file(file, error)) return not_found();
+
+  struct stat facts {};
+  if (::stat(file.c_str(), &facts) != 0) return not_found();
+  auto bytes = read_file(file.string());
+  if (!bytes) return not_found();
+  const std::string etag = "\"" + std::to_string(facts.st_size) + "-" + std::to_string(facts.st_mtim.tv_sec) + "." +
+                           std::to_string(facts.st_mtim.tv_nsec) + "\"";
+  return StaticFile{std::move(*bytes), mime_type(file.string()), etag};
+}
+
+bool etag_matches(std::string_view if_none_match, std::string_view etag) {
+  return if_none_match == "*" || (!etag.empty() && if_none_match.find(etag) != std::string_view::npos);
+}
+
+}  // namespace cosiva::adapters::http_rules

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "base/result.h"
+
+/// What the web server allows and how it maps a path to a file, free of Beast so that it can be tested line by line.
+namespace cosiva::adapters::http_rules {
+
+/// Is "localhost:8080", "127.0.0.1" or "[::1]:8080" this machine? The port may be missing or anything.
+[[nodiscard]] bool is_loopback_authority(std::string_view authority);
+/// May a page of this origin talk to us? Our own may: http, loopback, and our port or the very host it asked (`host`,
+/// which a developer's server in between passes on).
+[[nodiscard]] bool is_own_origin(std::string_view origin, std::string_view host, std::uint16_t port);
+
+/// Percent-decodes a request's path. Nothing for bad escapes, a NUL, a backslash, or a ".." or "." segment.
+[[nodiscard]] std::optional<std::string> clean_path(std::string_view raw);
+
+[[nodiscard]] std::string_view mime_type(std::string_view path);
+
+struct StaticFile {
+  std::string bytes;
+  std::string_view mime;
+  std::string etag;  ///< quoted
+};
+/// The file of a clean path under root ("/" is index.html). Fails ("http.not_found"), also where a link leads out of
+/// root.
+[[nodiscard]] Result<StaticFile> load_static(const std::string& root, std::string_view path);
+/// Does If-None-Match name this tag?
+[[nodiscard]] bool etag_matches(std::string_view if_none_match, std::string_view etag);
+
+}  // namespace cosiva::adapters::http_rules

@@ -1,0 +1,83 @@
+#include "adapters/http_rules.h"
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+#include "adapters/test_bench.h"
+
+namespace cosiva::adapters::http_rules {
+namespace {
+
+using adapters::testing::Scratch;
+
+TEST(Host, is_ours_only_by_a_loopback_name) {
+  for (const char* ours : {"localhost", "LocalHost:8080", "127.0.0.1", "127.0.0.1:9", "[::1]", "[::1]:8080"})
+    EXPECT_TRUE(is_loopback_authority(ours)) << ours;
+  for (const char* other : {"", "evil.example", "localhost.evil.example", "127.0.0.1.evil.example:8080", "localhost:",
+                            "localhost:80x", "[::1", "[::1]x", "127.0.0.2", "10.0.0.1:8080", "user@localhost"})
+    EXPECT_FALSE(is_loopback_authority(other)) << other;
+}
+
+TEST(Origin, is_ours_only_with_our_port_or_as_the_host_that_was_asked) {
+  EXPECT_TRUE(is_own_origin("http://localhost:8080", "127.0.0.1:8080", 8080));
+  EXPECT_TRUE(is_own_origin("http://127.0.0.1:8080", "localhost:8080", 8080));
+  EXPECT_TRUE(is_own_origin("http://localhost", "localhost", 80));
+  EXPECT_TRUE(is_own_origin("http://localhost:5173", "localhost:5173", 8080));  // through a developer's server
+  for (const char* other : {"null", "", "http://localhost:8081", "https://localhost:8080", "http://evil.example:8080",
+                            "http://localhost:8080.evil.example", "http://localhost"})
+    EXPECT_FALSE(is_own_origin(other, "localhost:8080", 8080)) << other;
+  EXPECT_FALSE(is_own_origin("http://evil.example", "evil.example", 8080));
+}
+
+TEST(Path, is_decoded_once) {
+  EXPECT_EQ(clean_path("/assets/a%20b.js"), "/assets/a b.js");
+  EXPECT_EQ(clean_path("/%252e%252e/x"), "/%2e%2e/x");
+  EXPECT_EQ(clean_path("/a..b/.c"), "/a..b/.c");
+}
+
+TEST(Path, that_climbs_out_or_is_malformed_is_refused) {
+  for (const char* bad : {"", "x", "/..", "/../etc/passwd", "/a/../../b", "/%2e%2e/etc/passwd", "/%2E./x", "/..%2fx",
+                          "/a/.", "/%", "/%4", "/%zz", "/a%00b", "/..\\x", "/%5c..%5cx", "http://evil/"})
+    EXPECT_FALSE(clean_path(bad)) << bad;
+}
+
+TEST(Mime, follows_the_ending) {
+  EXPECT_EQ(mime_type("/index.html"), "text/html; charset=utf-8");
+  EXPECT_EQ(mime_type("/assets/x.js"), "text/javascript; charset=utf-8");
+  EXPECT_EQ(mime_type("/style.css"), "text/css; charset=utf-8");
+  EXPECT_EQ(mime_type("/icon.svg"), "image/svg+xml");
+  EXPECT_EQ(mime_type("/noending"), "application/octet-stream");
+}
+
+TEST(StaticFile, is_found_below_the_root_and_nowhere_else) {
+  Scratch scratch;
+  const std::string root = scratch / "web";
+  scratch.write("web/index.html", "<p>hi</p>");
+  scratch.write("web/assets/a.js", "1");
+  scratch.write("secret", "no");
+  scratch.write("web-evil/x", "no");
+  std::filesystem::create_symlink("../secret", root + "/leak");
+  std::filesystem::create_symlink("../web-evil/x", root + "/leak2");
+  EXPECT_EQ(load_static(root, "/").value().bytes, "<p>hi</p>");
+  EXPECT_EQ(load_static(root, "/assets/a.js").value().bytes, "1");
+  for (const char* no : {"/none", "/assets", "/assets/", "/leak", "/leak2", "//etc/passwd", "/../secret"})
+    EXPECT_FALSE(load_static(root, no)) << no;
+  EXPECT_FALSE(load_static(scratch / "nowhere", "/"));
+}
+
+TEST(StaticFile, tag_changes_with_the_file_and_is_recognised) {
+  Scratch scratch;
+  scratch.write("index.html", "one");
+  const auto first = load_static(scratch.path(), "/").value();
+  EXPECT_TRUE(etag_matches(first.etag, first.etag));
+  EXPECT_TRUE(etag_matches("\"x\", W/" + first.etag, first.etag));
+  EXPECT_TRUE(etag_matches("*", first.etag));
+  EXPECT_FALSE(etag_matches("\"x\"", first.etag));
+  EXPECT_FALSE(etag_matches("", first.etag));
+  scratch.write("index.html", "longer");
+  EXPECT_NE(load_static(scratch.path(), "/").value().etag, first.etag);
+}
+
+}  // namespace
+}  // namespace cosiva::adapters::http_rules

@@ -1,0 +1,391 @@
+#include "adapters/http_server.h"
+
+#include <algorithm>
+#include <array>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "adapters/http_rules.h"
+#include "base/json_writer.h"
+
+namespace cosiva::adapters {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using tcp = asio::ip::tcp;
+using ErrorCode = beast::error_code;
+using Request = http::request<http::string_body>;
+using Response = http::response<http::string_body>;
+using Frame = std::shared_ptr<const std::string>;
+
+constexpr std::string_view live_path = "/api/v1/live";
+constexpr std::string_view api_prefix = "/api/";
+constexpr std::uint32_t header_bytes_max = 16 * 1024;
+/// What waits in the kernel is stale by the time it is read: keep it to a few frames.
+constexpr int send_buffer_bytes = 64 * 1024;
+constexpr std::size_t live_message_bytes_max = 4 * 1024;
+constexpr std::chrono::seconds linger_max{2};
+constexpr std::size_t drained_bytes_max = 16 * 1024 * 1024;
+
+std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
+
+}  // namespace
+
+std::string HttpRequest::parameter(std::string_view name) const {
+  for (std::string_view rest = query; !rest.empty();) {
+    const std::size_t end = std::min(rest.find('&'), rest.size());
+    const std::string_view pair = rest.substr(0, end);
+    const std::size_t equals = std::min(pair.find('='), pair.size());
+    if (pair.substr(0, equals) == name) return std::string(pair.substr(std::min(equals + 1, pair.size())));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  return {};
+}
+
+HttpResponse http_error(unsigned status, std::string_view code, std::string_view message) {
+  JsonWriter json;
+  json.begin_object().key("error").begin_object().field("code", code).field("message", message);
+  json.end_object().end_object();
+  return {status, "application/json", json.take()};
+}
+
+// --- what the sessions share
+// ------------------------------------------------------------------------------------------
+
+class HttpSession;
+class LiveSession;
+
+struct HttpServer::Inside : std::enable_shared_from_this<HttpServer::Inside> {
+  Inside(EventLoop& loop, HttpOptions options_, Handler api_)
+      : acceptor{loop.context()}, options{std::move(options_)}, api{std::move(api_)} {}
+
+  Result<void> listen();
+  void accept();
+  Response answer(const Request& request) const;
+  HttpResponse answer_api(const Request& request, std::string path, std::string query) const;
+  void close();
+
+  tcp::acceptor acceptor;
+  HttpOptions options;
+  Handler api;
+  std::uint16_t port{0};
+  bool closed{false};
+  std::set<HttpSession*> sessions;
+  std::set<LiveSession*> live;
+  std::array<Frame, live_kinds> kept;
+};
+
+using Shared = std::shared_ptr<HttpServer::Inside>;
+
+// --- one WebSocket
+// ----------------------------------------------------------------------------------------------------
+
+class LiveSession : public std::enable_shared_from_this<LiveSession> {
+ public:
+  LiveSession(Shared server, tcp::socket socket) : server_{std::move(server)}, socket_{std::move(socket)} {}
+  ~LiveSession() { server_->live.erase(this); }
+
+  void start(const Request& request) {
+    server_->live.insert(this);
+    ErrorCode ignored;
+    beast::get_lowest_layer(socket_).socket().set_option(asio::socket_base::send_buffer_size(send_buffer_bytes),
+                                                         ignored);
+    beast::get_lowest_layer(socket_).expires_never();  // the WebSocket layer has its own
+    websocket::stream_base::timeout limits{};
+    limits.handshake_timeout = server_->options.request_timeout;
+    limits.idle_timeout = server_->options.live_timeout;
+    limits.keep_alive_pings = true;
+    socket_.set_option(limits);
+    socket_.read_message_max(live_message_bytes_max);
+    socket_.text(true);
+    socket_.async_accept(request, [self = shared_from_this()](const ErrorCode& error) {
+      if (error) return;
+      self->open_ = true;
+      for (std::size_t kind = 0; kind < HttpServer::live_kinds; ++kind) {
+        if (self->server_->kept[kind] && !self->next_[kind]) self->next_[kind] = self->server_->kept[kind];
+      }
+      self->read();
+      self->write();
+    });
+  }
+
+  void offer(std::size_t kind, Frame frame) {
+    next_[kind] = std::move(frame);
+    write();
+  }
+
+  void close() {
+    ErrorCode ignored;
+    beast::get_lowest_layer(socket_).socket().close(ignored);
+  }
+
+ private:
+  void read() {
+    // The page has nothing to say here; reading is how pings, the close and the peer's end are noticed.
+    socket_.async_read(incoming_, [self = shared_from_this()](const ErrorCode& error, std::size_t) {
+      if (error) return self->close();
+      self->incoming_.clear();
+      self->read();
+    });
+  }
+
+  void write() {
+    if (!open_ || writing_) return;
+    const auto due = std::ranges::find_if(next_, [](const Frame& frame) { return frame != nullptr; });
+    if (due == next_.end()) return;
+    writing_ = std::exchange(*due, nullptr);
+    socket_.async_write(asio::buffer(*writing_), [self = shared_from_this()](const ErrorCode& error, std::size_t) {
+      self->writing_ = nullptr;
+      if (error) return self->close();
+      self->write();
+    });
+  }
+
+  Shared server_;
+  websocket::stream<beast::tcp_stream> socket_;
+  beast::flat_buffer incoming_;
+  std::array<Frame, HttpServer::live_kinds> next_;
+  Frame writing_;
+  bool open_{false};
+};
+
+// --- one HTTP connection
+// ----------------------------------------------------------------------------------------------
+
+class HttpSession : public std::enable_shared_from_this<HttpSession> {
+ public:
+  HttpSession(Shared server, tcp::socket socket) : server_{std::move(server)}, stream_{std::move(socket)} {
+    server_->sessions.insert(this);
+  }
+  ~HttpSession() { server_->sessions.erase(this); }
+
+  void start() { read(server_->options.request_timeout); }
+
+  void close() {
+    ErrorCode ignored;
+    stream_.socket().shutdown(tcp::socket::shutdown_both, ignored);
+    stream_.close();
+  }
+
+ private:
+  void read(std::chrono::milliseconds limit) {
+    parser_.emplace();
+    parser_->header_limit(header_bytes_max);
+    parser_->body_limit(server_->options.body_bytes_max);
+    stream_.expires_after(limit);
+    http::async_read(stream_, buffer_, *parser_,
+                     [self = shared_from_this()](const ErrorCode& error, std::size_t) { self->on_read(error); });
+  }
+
+  void on_read(const ErrorCode& error) {
+    if (error == http::error::end_of_stream || error == beast::error::timeout) return close();
+    if (error == http::error::body_limit)
+      return refuse(http_error(
+          413, "http.body", "a request's body may have " + std::to_string(server_->options.body_bytes_max) + " bytes"));
+    if (error == http::error::header_limit)
+      return refuse(http_error(431, "http.header", "the request's header is too long"));
+    if (error.category() == make_error_code(http::error::bad_method).category() && error)
+      return refuse(http_error(400, "http.malformed", "not an HTTP request: " + error.message()));
+    if (error) return close();
+
+    const Request& request = parser_->get();
+    if (websocket::is_upgrade(request) && view(request.target()).substr(0, live_path.size()) == live_path) {
+      if (auto refusal = refuse_upgrade(request)) return refuse(std::move(*refusal));
+      stream_.expires_never();
+      std::make_shared<LiveSession>(server_, stream_.release_socket())->start(request);
+      return;
+    }
+    write(server_->answer(request));
+  }
+
+  [[nodiscard]] std::optional<HttpResponse> refuse_upgrade(const Request& request) const {
+    if (!http_rules::is_loopback_authority(view(request[http::field::host])))
+      return http_error(403, "http.host", "this server answers to this machine's own names only");
+    const auto origin = request.find(http::field::origin);
+    if (origin != request.end() &&
+        !http_rules::is_own_origin(view(origin->value()), view(request[http::field::host]), server_->port))
+      return http_error(403, "http.origin", "a page from elsewhere may not listen here");
+    if (server_->live.size() >= server_->options.clients_max)
+      return http_error(503, "http.busy", "too many pages are open");
+    return std::nullopt;
+  }
+
+  /// Answers what could not be read properly, and closes: what follows on this stream cannot be trusted.
+  void refuse(HttpResponse refusal) {
+    Response response{static_cast<http::status>(refusal.status), 11};
+    response.set(http::field::content_type, refusal.content_type);
+    response.body() = std::move(refusal.body);
+    response.keep_alive(false);
+    response.prepare_payload();
+    write(std::move(response));
+  }
+
+  void write(Response response) {
+    response_.emplace(std::move(response));
+    stream_.expires_after(server_->options.request_timeout);
+    http::async_write(stream_, *response_, [self = shared_from_this()](const ErrorCode& error, std::size_t) {
+      if (error) return self->close();
+      if (self->response_->need_eof()) return self->linger();
+      self->read(self->server_->options.idle_timeout);
+    });
+  }
+
+  /// Closing with unread bytes would reset the connection and could take our answer with it: what still comes is read
+  /// and forgotten for a moment first.
+  void linger() {
+    ErrorCode ignored;
+    stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+    stream_.expires_after(linger_max);
+    drain();
+  }
+
+  void drain() {
+    stream_.async_read_some(asio::buffer(drained_), [self = shared_from_this()](const ErrorCode& error, std::size_t n) {
+      self->drained_bytes_ += n;
+      if (error || self->drained_bytes_ > drained_bytes_max) return self->close();
+      self->drain();
+    });
+  }
+
+  Shared server_;
+  beast::tcp_stream stream_;
+  beast::flat_buffer buffer_;
+  std::optional<http::request_parser<http::string_body>> parser_;
+  std::optional<Response> response_;
+  std::array<char, 4096> drained_;
+  std::size_t drained_bytes_{0};
+};
+
+// --- the server
+// -------------------------------------------------------------------------------------------------------
+
+Result<void> HttpServer::Inside::listen() {
+  ErrorCode error;
+  for (int i = 0; i < std::max(options.ports_tried, 1) && options.port + i <= 65535; ++i) {
+    const tcp::endpoint endpoint{asio::ip::address_v4::loopback(), static_cast<std::uint16_t>(options.port + i)};
+    error.clear();
+    acceptor.open(endpoint.protocol(), error);
+    if (!error) acceptor.set_option(asio::socket_base::reuse_address(true), error);
+    if (!error) acceptor.bind(endpoint, error);
+    if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
+    if (!error) {
+      port = acceptor.local_endpoint(error).port();
+      accept();
+      return {};
+    }
+    ErrorCode ignored;
+    acceptor.close(ignored);
+  }
+  return fail("http.port", "no port from " + std::to_string(options.port) + " on could be had: " + error.message(),
+              "127.0.0.1:" + std::to_string(options.port));
+}
+
+void HttpServer::Inside::accept() {
+  acceptor.async_accept([weak = weak_from_this()](const ErrorCode& error, tcp::socket socket) {
+    const auto self = weak.lock();
+    if (!self || self->closed) return;
+    ErrorCode ignored;
+    if (!error) socket.set_option(tcp::no_delay(true), ignored);
+    // Out of descriptors, or too many at once: the newcomer is dropped, those inside stay served.
+    if (!error && self->sessions.size() < self->options.clients_max)
+      std::make_shared<HttpSession>(self, std::move(socket))->start();
+    self->accept();
+  });
+}
+
+Response HttpServer::Inside::answer(const Request& request) const {
+  Response response{http::status::ok, request.version()};
+  const auto finish = [&](HttpResponse plain) {
+    response.result(plain.status);
+    response.set(http::field::content_type, plain.content_type);
+    response.set(http::field::cache_control, "no-cache");
+    response.set("X-Content-Type-Options", "nosniff");
+    response.set("Referrer-Policy", "no-referrer");
+    response.set("Content-Security-Policy",
+                 "default-src 'self'; connect-src 'self' ws:; style-src 'self' 'unsafe-inline'; img-src 'self' data:; "
+                 "frame-ancestors 'none'; base-uri 'none'; form-action 'none'");
+    response.keep_alive(request.keep_alive());
+    response.body() = std::move(plain.body);
+    response.prepare_payload();
+    if (request.method() == http::verb::head) response.body().clear();  // its length stays announced
+    return std::move(response);
+  };
+
+  if (!http_rules::is_loopback_authority(view(request[http::field::host])))
+    return finish(http_error(403, "http.host", "this server answers to this machine's own names only"));
+  const std::string_view target = view(request.target());
+  const std::size_t question = std::min(target.find('?'), target.size());
+  auto path = http_rules::clean_path(target.substr(0, question));
+  if (!path) return finish(http_error(400, "http.path", "this is not a path of this server"));
+  if (path->starts_with(api_prefix)) {
+    std::string query{target.substr(std::min(question + 1, target.size()))};
+    return finish(answer_api(request, std::move(*path), std::move(query)));
+  }
+
+  if (request.method() != http::verb::get && request.method() != http::verb::head) {
+    response.set(http::field::allow, "GET, HEAD");
+    return finish(http_error(405, "http.method", "pages can only be read"));
+  }
+  auto file = options.web_root.empty() ? fail("http.not_found", "no page is built")
+                                       : http_rules::load_static(options.web_root, *path);
+  if (!file) {
+    if (*path == "/" && !options.page_without_web_root.empty())
+      return finish({200, "text/html; charset=utf-8", options.page_without_web_root});
+    return finish(http_error(404, file.error().code, file.error().message));
+  }
+  response.set(http::field::etag, file->etag);
+  if (http_rules::etag_matches(view(request[http::field::if_none_match]), file->etag))
+    return finish({304, std::string(file->mime), {}});
+  return finish({200, std::string(file->mime), std::move(file->bytes)});
+}
+
+HttpResponse HttpServer::Inside::answer_api(const Request& request, std::string path, std::string query) const {
+  const auto origin = request.find(http::field::origin);
+  if (origin != request.end() &&
+      !http_rules::is_own_origin(view(origin->value()), view(request[http::field::host]), port))
+    return http_error(403, "http.origin", "a page from elsewhere may not ask here");
+  if (path == live_path) return http_error(426, "http.upgrade", "this address speaks WebSocket");
+  HttpRequest plain{std::string(view(request.method_string())), std::move(path), std::move(query), request.body()};
+  if (plain.method == "HEAD") plain.method = "GET";
+  return api(plain);
+}
+
+void HttpServer::Inside::close() {
+  closed = true;
+  ErrorCode ignored;
+  acceptor.close(ignored);
+  for (HttpSession* session : sessions) session->close();
+  for (LiveSession* session : live) session->close();
+}
+
+HttpServer::HttpServer() = default;
+HttpServer::~HttpServer() {
+  if (inside_) inside_->close();
+}
+
+Result<std::unique_ptr<HttpServer>> HttpServer::listen(EventLoop& loop, HttpOptions options, Handler api) {
+  std::unique_ptr<HttpServer> made{new HttpServer};
+  made->inside_ = std::make_shared<Inside>(loop, std::move(options), std::move(api));
+  if (auto listening = made->inside_->listen(); !listening) return tl::unexpected(listening.error());
+  return made;
+}
+
+std::uint16_t HttpServer::port() const { return inside_->port; }
+std::size_t HttpServer::live_clients() const { return inside_->live.size(); }
+
+void HttpServer::send_live(std::size_t kind, std::string frame, bool keep_for_new_clients) {
+  const auto shared = std::make_shared<const std::string>(std::move(frame));
+  if (keep_for_new_clients) inside_->kept[kind] = shared;
+  for (LiveSession* session : inside_->live) session->offer(kind, shared);
+}
+
+}  // namespace cosiva::adapters

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "adapters/event_loop.h"
+#include "base/result.h"
+
+namespace cosiva::adapters {
+
+struct HttpRequest {
+  std::string method;  ///< "GET", "POST"
+  std::string path;    ///< "/api/v1/zone": percent-decoded, without query
+  std::string query;   ///< "after=3&limit=10": as it came, without '?'
+  std::string body;
+  /// The value of a query parameter, or nothing.
+  [[nodiscard]] std::string parameter(std::string_view name) const;
+};
+
+struct HttpResponse {
+  unsigned status{200};
+  std::string content_type{"application/json"};
+  std::string body;
+};
+/// {"error":{"code","message"}} with this status.
+[[nodiscard]] HttpResponse http_error(unsigned status, std::string_view code, std::string_view message);
+
+struct HttpOptions {
+  std::uint16_t port{8080};  ///< 0: any free one
+  int ports_tried{21};       ///< a busy port's successors, so many in all
+  std::string web_root;      ///< static files; empty or missing: `/` answers `page_without_web_root`
+  std::string page_without_web_root;
+  std::size_t body_bytes_max{64 * 1024};
+  std::size_t clients_max{512};
+  std::chrono::milliseconds request_timeout{10'000};
+  std::chrono::milliseconds idle_timeout{60'000};  ///< between requests of one connection
+  std::chrono::milliseconds live_timeout{20'000};  ///< a WebSocket peer that answers no ping for so long is gone
+};
+
+/// HTTP and WebSocket on 127.0.0.1 for the page. It serves only this machine: requests whose Host or Origin is not a
+/// loopback name are refused, so a web page from elsewhere cannot reach it through the user's browser, not even by DNS
+/// rebinding. Boost.Beast stays in the .cpp.
+class HttpServer {
+ public:
+  struct Inside;  ///< shared with its sessions, in the .cpp only
+  using Handler = std::function<HttpResponse(const HttpRequest&)>;
+
+  /// Listens. `api` answers every path under /api/. Fails ("http.port") when no port could be had.
+  [[nodiscard]] static Result<std::unique_ptr<HttpServer>> listen(EventLoop& loop, HttpOptions options, Handler api);
+  ~HttpServer();
+
+  [[nodiscard]] std::uint16_t port() const;
+  [[nodiscard]] std::size_t live_clients() const;
+
+  /// Frames of /api/v1/live come in kinds. Of each kind a client that reads slowly gets the newest only, lower kinds
+  /// first; a kept frame is also what a new client gets first.
+  static constexpr std::size_t live_kinds = 2;
+  void send_live(std::size_t kind, std::string frame, bool keep_for_new_clients = false);
+
+ private:
+  HttpServer();
+  std::shared_ptr<Inside> inside_;
+};
+
+}  // namespace cosiva::adapters

@@ -1,0 +1,342 @@
+#include "adapters/http_server.h"
+
+#include <gmock/gmock.h>
+
+#include <boost/asio/connect.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/write.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <optional>
+
+#include "adapters/test_bench.h"
+
+namespace cosiva::adapters {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using namespace std::chrono_literals;
+using tcp = asio::ip::tcp;
+using ::testing::HasSubstr;
+using testing::patience;
+using testing::Scratch;
+using ::testing::StartsWith;
+
+/// A server with a page and a small API, and clients on the same loop.
+class Http : public ::testing::Test {
+ protected:
+  Http() {
+    scratch.write("web/index.html", "<title>CoSiVA</title>");
+    scratch.write("web/assets/app.js", "let x = 1;");
+    scratch.write("secret.txt", "secret");
+  }
+
+  void serve(HttpOptions options = {}) {
+    options.port = 0;
+    if (options.web_root.empty()) options.web_root = scratch / "web";
+    auto listening = HttpServer::listen(loop, options, [this](const HttpRequest& request) {
+      asked.push_back(request.method + " " + request.path + "?" + request.query + " " + request.body);
+      if (request.path == "/api/v1/echo") return HttpResponse{202, "application/json", request.body};
+      return http_error(404, "http.not_found", "no such call");
+    });
+    ASSERT_TRUE(listening) << to_string(listening.error());
+    server = std::move(*listening);
+  }
+
+  /// Sends raw bytes, gives all that comes back until the server closes (or `limit`).
+  std::string raw(const std::string& bytes, std::chrono::milliseconds limit = patience) {
+    tcp::socket socket{loop.context()};
+    socket.connect({asio::ip::address_v4::loopback(), server->port()});
+    bool closed = false;
+    std::string answer;
+    std::array<char, 4096> buffer;
+    std::function<void()> read = [&] {
+      socket.async_read_some(asio::buffer(buffer), [&](beast::error_code error, std::size_t n) {
+        answer.append(buffer.data(), n);
+        if (error)
+          closed = true;
+        else
+          read();
+      });
+    };
+    asio::async_write(socket, asio::buffer(bytes), [](beast::error_code, std::size_t) {});
+    read();
+    loop.run_until([&] { return closed; }, limit);
+    beast::error_code ignored;
+    socket.close(ignored);
+    loop.run_until([&] { return closed; }, patience);
+    return answer;
+  }
+
+  std::string get(const std::string& target, const std::string& more = {}) {
+    return raw("GET " + target + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n" + more + "\r\n");
+  }
+
+  Scratch scratch;
+  EventLoop loop;
+  std::vector<std::string> asked;
+  std::unique_ptr<HttpServer> server;
+};
+
+/// A browser's end of /api/v1/live.
+struct Live {
+  websocket::stream<beast::tcp_stream> socket;
+  beast::flat_buffer buffer;
+  std::vector<std::string> frames;
+  std::optional<beast::error_code> opened;
+  bool closed{false};
+
+  Live(EventLoop& loop, std::uint16_t port, const std::string& host, const std::string& origin)
+      : socket{loop.context()} {
+    socket.next_layer().connect({asio::ip::address_v4::loopback(), port});
+    if (!origin.empty()) {
+      socket.set_option(websocket::stream_base::decorator(
+          [origin](websocket::request_type& request) { request.set(http::field::origin, origin); }));
+    }
+    socket.async_handshake(host, "/api/v1/live", [this](beast::error_code error) { opened = error; });
+  }
+  void listen() {
+    socket.async_read(buffer, [this](beast::error_code error, std::size_t) {
+      if (error) {
+        closed = true;
+        return;
+      }
+      frames.push_back(beast::buffers_to_string(buffer.data()));
+      buffer.clear();
+      listen();
+    });
+  }
+};
+
+TEST_F(Http, serves_the_page_with_type_tag_and_guards) {
+  serve();
+  const std::string page = get("/");
+  EXPECT_THAT(page, StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(page, HasSubstr("Content-Type: text/html"));
+  EXPECT_THAT(page, HasSubstr("Cache-Control: no-cache"));
+  EXPECT_THAT(page, HasSubstr("X-Content-Type-Options: nosniff"));
+  EXPECT_THAT(page, HasSubstr("Content-Security-Policy: default-src 'self'"));
+  EXPECT_THAT(page, HasSubstr("<title>CoSiVA</title>"));
+  EXPECT_THAT(get("/assets/app.js?v=1"), HasSubstr("text/javascript"));
+
+  const std::size_t at = page.find("ETag: ") + 6;
+  const std::string tag = page.substr(at, page.find('\r', at) - at);
+  const std::string unchanged = get("/", "If-None-Match: " + tag + "\r\n");
+  EXPECT_THAT(unchanged, StartsWith("HTTP/1.1 304"));
+  EXPECT_EQ(unchanged.find("<title>"), std::string::npos);
+}
+
+TEST_F(Http, head_has_the_length_but_no_body) {
+  serve();
+  const std::string answer = raw("HEAD / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
+  EXPECT_THAT(answer, HasSubstr("Content-Length: 21"));
+  EXPECT_EQ(answer.find("<title>"), std::string::npos);
+}
+
+TEST_F(Http, keeps_a_connection_for_the_next_request) {
+  serve();
+  const std::string one = "GET /assets/app.js HTTP/1.1\r\nHost: localhost\r\n\r\n";
+  const std::string last = "GET / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
+  const std::string answers = raw(one + one + last);  // also pipelined
+  EXPECT_THAT(answers, HasSubstr("let x = 1;"));
+  EXPECT_THAT(answers, HasSubstr("<title>CoSiVA</title>"));
+}
+
+TEST_F(Http, hands_the_api_method_path_query_and_body) {
+  serve();
+  const std::string answer =
+      raw("POST /api/v1/echo?after=3&limit=10 HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nContent-Length: "
+          "2\r\n\r\n{}");
+  EXPECT_THAT(answer, StartsWith("HTTP/1.1 202"));
+  EXPECT_THAT(asked, ::testing::ElementsAre("POST /api/v1/echo?after=3&limit=10 {}"));
+  const HttpRequest request{"GET", "/", "after=3&limit=10&x", {}};
+  EXPECT_EQ(request.parameter("after"), "3");
+  EXPECT_EQ(request.parameter("limit"), "10");
+  EXPECT_EQ(request.parameter("x"), "");
+  EXPECT_EQ(request.parameter("none"), "");
+}
+
+TEST_F(Http, says_what_is_missing_as_json) {
+  serve();
+  EXPECT_THAT(get("/api/v1/nothing"), HasSubstr(R"({"error":{"code":"http.not_found","message":"no such call"}})"));
+  EXPECT_THAT(get("/nothing"), StartsWith("HTTP/1.1 404"));
+  EXPECT_THAT(get("/api/v1/live"), StartsWith("HTTP/1.1 426"));
+  EXPECT_THAT(raw("DELETE / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"), StartsWith("HTTP/1.1 405"));
+}
+
+TEST_F(Http, without_a_built_page_says_how_to_build_it) {
+  HttpOptions options;
+  options.web_root = scratch / "nowhere";
+  options.page_without_web_root = "build me";
+  serve(options);
+  EXPECT_THAT(get("/"), HasSubstr("build me"));
+  EXPECT_THAT(get("/x"), StartsWith("HTTP/1.1 404"));
+}
+
+TEST_F(Http, refuses_names_and_origins_that_are_not_this_machine) {
+  serve();
+  EXPECT_THAT(raw("GET / HTTP/1.1\r\nHost: evil.example\r\nConnection: close\r\n\r\n"), StartsWith("HTTP/1.1 403"));
+  EXPECT_THAT(raw("GET / HTTP/1.1\r\nConnection: close\r\n\r\n"), StartsWith("HTTP/1.1 403"));
+  EXPECT_THAT(get("/api/v1/echo", "Origin: http://evil.example\r\n"), StartsWith("HTTP/1.1 403"));
+  EXPECT_THAT(get("/api/v1/echo", "Origin: null\r\n"), StartsWith("HTTP/1.1 403"));
+  EXPECT_THAT(get("/api/v1/echo", "Origin: http://localhost:1\r\n"), StartsWith("HTTP/1.1 403"));
+  EXPECT_TRUE(asked.empty());
+  const std::string ours = "Origin: http://127.0.0.1:" + std::to_string(server->port()) + "\r\n";
+  EXPECT_THAT(get("/api/v1/echo", ours), StartsWith("HTTP/1.1 202"));
+}
+
+TEST_F(Http, refuses_paths_that_climb_out) {
+  serve();
+  for (const char* path : {"/../secret.txt", "/%2e%2e/secret.txt", "/assets/../../secret.txt", "/..%2fsecret.txt"}) {
+    const std::string answer = get(path);
+    EXPECT_THAT(answer, StartsWith("HTTP/1.1 400")) << path;
+    EXPECT_EQ(answer.find("secret\n"), std::string::npos);
+  }
+}
+
+TEST_F(Http, answers_oversized_and_malformed_requests_with_their_reason_and_stays_up) {
+  serve();
+  const std::string head = "POST /api/v1/echo HTTP/1.1\r\nHost: localhost\r\n";
+  EXPECT_THAT(raw(head + "Content-Length: 70000\r\n\r\n" + std::string(70'000, 'x')), StartsWith("HTTP/1.1 413"));
+  EXPECT_THAT(get("/", "X: " + std::string(20'000, 'x') + "\r\n"), StartsWith("HTTP/1.1 431"));
+  EXPECT_THAT(raw("NONSENSE\r\n\r\n"), StartsWith("HTTP/1.1 400"));
+  EXPECT_THAT(raw(head + "Content-Length: -5\r\n\r\n"), StartsWith("HTTP/1.1 400"));
+  EXPECT_THAT(raw(std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xfc", 9) + "\r\n\r\n"), StartsWith("HTTP/1.1 400"));
+  EXPECT_TRUE(asked.empty());
+  EXPECT_THAT(get("/"), StartsWith("HTTP/1.1 200"));
+}
+
+TEST_F(Http, lets_go_of_a_client_that_never_finishes_its_request) {
+  HttpOptions options;
+  options.request_timeout = 100ms;
+  serve(options);
+  EXPECT_EQ(raw("GET / HT"), "");  // comes back only because the server closed
+}
+
+TEST_F(Http, takes_the_next_port_when_one_is_busy_and_reports_it) {
+  serve();
+  HttpOptions options;
+  options.port = server->port();
+  const auto next = HttpServer::listen(loop, options, {});
+  ASSERT_TRUE(next);
+  EXPECT_GT((*next)->port(), server->port());
+  EXPECT_LE((*next)->port(), server->port() + 20);
+  options.ports_tried = 1;
+  const auto none = HttpServer::listen(loop, options, {});
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().code, "http.port");
+}
+
+TEST_F(Http, drops_newcomers_beyond_its_limit_and_serves_those_inside) {
+  HttpOptions options;
+  options.clients_max = 2;
+  serve(options);
+  std::vector<tcp::socket> idle;
+  for (int i = 0; i < 2; ++i) {
+    idle.emplace_back(loop.context());
+    idle.back().connect({asio::ip::address_v4::loopback(), server->port()});
+  }
+  loop.run_for(50ms);
+  EXPECT_EQ(get("/"), "");
+  idle.clear();
+  loop.run_for(50ms);
+  EXPECT_THAT(get("/"), StartsWith("HTTP/1.1 200"));
+}
+
+TEST_F(Http, live_client_gets_the_kept_frame_first_then_what_comes) {
+  serve();
+  server->send_live(0, "zone", true);
+  server->send_live(1, "old snapshot");
+  Live page{loop, server->port(), "localhost", {}};
+  ASSERT_TRUE(loop.run_until([&] { return page.opened.has_value(); }, patience));
+  ASSERT_FALSE(*page.opened);
+  EXPECT_EQ(server->live_clients(), 1U);
+  page.listen();
+  ASSERT_TRUE(loop.run_until([&] { return page.frames.size() == 1; }, patience));
+  server->send_live(1, "snapshot");
+  ASSERT_TRUE(loop.run_until([&] { return page.frames.size() == 2; }, patience));
+  EXPECT_THAT(page.frames, ::testing::ElementsAre("zone", "snapshot"));
+}
+
+TEST_F(Http, live_client_from_elsewhere_is_refused) {
+  serve();
+  Live wrong_host{loop, server->port(), "evil.example", {}};
+  Live wrong_origin{loop, server->port(), "localhost", "http://evil.example"};
+  ASSERT_TRUE(loop.run_until([&] { return wrong_host.opened && wrong_origin.opened; }, patience));
+  EXPECT_EQ(*wrong_host.opened, websocket::error::upgrade_declined);
+  EXPECT_EQ(*wrong_origin.opened, websocket::error::upgrade_declined);
+  EXPECT_EQ(server->live_clients(), 0U);
+}
+
+TEST_F(Http, slow_live_client_misses_frames_but_gets_the_newest) {
+  serve();
+  Live slow{loop, server->port(), "localhost", {}};
+  Live quick{loop, server->port(), "localhost", {}};
+  ASSERT_TRUE(loop.run_until([&] { return slow.opened && quick.opened; }, patience));
+  quick.listen();
+  constexpr std::size_t count = 200;
+  const std::string padding(100'000, '.');
+  for (std::size_t i = 0; i < count; ++i) {
+    server->send_live(1, std::to_string(i) + padding);
+    ASSERT_TRUE(loop.run_until([&] { return quick.frames.size() == i + 1; }, patience));
+  }
+  slow.listen();  // 20 MB were offered to it; the kernel's buffers hold a few frames, we hold one
+  const std::string newest = std::to_string(count - 1) + padding;
+  ASSERT_TRUE(loop.run_until([&] { return !slow.frames.empty() && slow.frames.back() == newest; }, patience));
+  EXPECT_LT(slow.frames.size(), count);
+}
+
+TEST_F(Http, live_client_that_stops_answering_is_forgotten) {
+  HttpOptions options;
+  options.live_timeout = 200ms;
+  serve(options);
+  Live dead{loop, server->port(), "localhost", {}};
+  ASSERT_TRUE(loop.run_until([&] { return dead.opened.has_value(); }, patience));
+  EXPECT_EQ(server->live_clients(), 1U);  // it never reads, so it answers no ping
+  EXPECT_TRUE(loop.run_until([&] { return server->live_clients() == 0; }, patience));
+}
+
+TEST_F(Http, live_client_that_talks_too_much_is_closed) {
+  serve();
+  Live chatty{loop, server->port(), "localhost", {}};
+  ASSERT_TRUE(loop.run_until([&] { return chatty.opened.has_value(); }, patience));
+  chatty.listen();
+  const std::string much(100'000, 'x');
+  chatty.socket.async_write(asio::buffer(much), [](beast::error_code, std::size_t) {});
+  EXPECT_TRUE(loop.run_until([&] { return chatty.closed && server->live_clients() == 0; }, patience));
+}
+
+TEST_F(Http, fifty_live_clients_all_hear_the_same) {
+  serve();
+  std::vector<std::unique_ptr<Live>> pages;
+  for (int i = 0; i < 50; ++i) pages.push_back(std::make_unique<Live>(loop, server->port(), "127.0.0.1:8080", ""));
+  ASSERT_TRUE(loop.run_until([&] { return server->live_clients() == 50; }, patience));
+  const auto all_open = [&] {
+    return std::ranges::all_of(pages, [](const auto& page) { return page->opened.has_value(); });
+  };
+  ASSERT_TRUE(loop.run_until(all_open, patience));
+  for (auto& page : pages) page->listen();
+  server->send_live(1, "snapshot");
+  const auto all_heard = [&] {
+    return std::ranges::all_of(pages, [](const auto& page) { return page->frames.size() == 1; });
+  };
+  EXPECT_TRUE(loop.run_until(all_heard, patience));
+}
+
+TEST_F(Http, closes_everyone_when_it_goes) {
+  serve();
+  Live page{loop, server->port(), "localhost", {}};
+  ASSERT_TRUE(loop.run_until([&] { return page.opened.has_value(); }, patience));
+  page.listen();
+  server.reset();
+  EXPECT_TRUE(loop.run_until([&] { return page.closed; }, patience));
+}
+
+}  // namespace
+}  // namespace cosiva::adapters

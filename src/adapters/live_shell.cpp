@@ -1,0 +1,173 @@
+#include "adapters/live_shell.h"
+
+#include <cstdio>
+#include <deque>
+#include <utility>
+
+#include "journal/journal.h"
+
+namespace cosiva::adapters {
+
+void log_line(SimTime at, const std::string& name, char level, const std::string& text) {
+  const char* word = level == 'e' ? "error: " : level == 'w' ? "warning: " : "";
+  std::fprintf(stderr, "%s %s %s%s\n", to_iso8601(at).c_str(), name.c_str(), word, text.c_str());
+}
+
+struct LiveShell::Inside : std::enable_shared_from_this<LiveShell::Inside> {
+  Inside(EventLoop& loop_, wire::Core& core_, LiveOptions options_, OpenPorts open_ports_)
+      : loop{loop_},
+        core{core_},
+        options{std::move(options_)},
+        open_ports{std::move(open_ports_)},
+        runner{core_, [this](const wire::Input& input) { record(input); }},
+        tick_timer{loop_} {}
+
+  void log(char level, const std::string& text) { log_line(clock.now(), options.name, level, text); }
+
+  // --- telling ------------------------------------------------------------------------------------------------------
+
+  void record(const wire::Input& input) {
+    if (writer) writer->append(input);
+  }
+
+  /// Doing an effect may bring the next input at once (a publish that finds the connection broken): it waits its turn,
+  /// because the runner's effects are valid only until the next feed.
+  void tell(wire::InputKind kind, std::string source, std::string payload, bool flag = false) {
+    if (stopped) return;
+    waiting.push_back({clock.now(), kind, std::move(source), std::move(payload), flag});
+    if (std::exchange(feeding, true)) return;
+    while (!waiting.empty()) {
+      const wire::Input input = std::move(waiting.front());
+      waiting.pop_front();
+      ++inputs;
+      for (const wire::Effect& effect : runner.feed(input)) std::visit([this](const auto& e) { act(e); }, effect);
+      if (after_input) after_input();
+    }
+    feeding = false;
+  }
+
+  // --- acting -------------------------------------------------------------------------------------------------------
+
+  void act(const wire::Publish& publish) {
+    if (mqtt) mqtt->publish(publish);
+  }
+  void act(const wire::SendBytes& send) {
+    if (ports) ports->send(send.port, send.bytes);
+  }
+  void act(const wire::Remember& remember) {
+    if (!memory) return;
+    if (auto stored = memory->store(remember.bytes); !stored) {
+      log('e', "nothing is remembered from now on: " + to_string(stored.error()));
+      memory.reset();
+    }
+  }
+  void act(const wire::Log& line) { log(line.level, line.text); }
+
+  // --- starting and ending ------------------------------------------------------------------------------------------
+
+  Result<void> open_journal() {
+    if (options.record_file.empty()) return {};
+    auto file =
+        JournalFile::create(loop, options.record_file, [this](const Error& error) { log('e', to_string(error)); });
+    if (!file) return tl::unexpected(file.error());
+    journal = std::move(*file);
+    writer.emplace([this](std::string_view bytes) { journal->append(bytes); });
+    return {};
+  }
+
+  Result<void> connect() {
+    if (!options.mqtt) return {};
+    MqttHandlers handlers;
+    handlers.on_link = [this](bool up) { tell(wire::InputKind::link, {}, up ? "up" : "down"); };
+    handlers.on_message = [this](std::string_view topic, std::string_view payload, bool retained) {
+      tell(wire::InputKind::message, std::string(topic), std::string(payload), retained);
+    };
+    handlers.on_log = [this](char level, const std::string& text) { log(level, text); };
+    auto made = MqttClient::make(loop, *options.mqtt, core.subscriptions(), core.will(), std::move(handlers));
+    if (!made) return tl::unexpected(made.error());
+    mqtt = std::move(*made);
+    return {};
+  }
+
+  Result<void> start() {
+    if (auto opened = open_journal(); !opened) return opened;
+    if (!options.memory_file.empty()) memory.emplace(options.memory_file);
+    tell(wire::InputKind::configure, options.kind, options.options);
+    if (memory) {
+      if (auto bytes = memory->load()) tell(wire::InputKind::recall, "memory", std::move(*bytes));
+    }
+    if (auto prepared = connect(); !prepared) return prepared;
+    if (open_ports) {
+      PortHandlers handlers;
+      handlers.on_port = [this](const std::string& port, bool up) {
+        tell(wire::InputKind::port, port, up ? "up" : "down");
+      };
+      handlers.on_bytes = [this](const std::string& port, std::string_view bytes) {
+        tell(wire::InputKind::bytes, port, std::string(bytes));
+      };
+      auto opened = open_ports(std::move(handlers));
+      if (!opened) return tl::unexpected(opened.error());
+      ports = std::move(*opened);
+    }
+    if (mqtt) mqtt->start();
+    tick_timer.every(core.tick_period(), [this] { tell(wire::InputKind::tick, {}, {}); });
+    return {};
+  }
+
+  void stop(std::function<void(const std::string&)> done) {
+    if (stopped) return;
+    stopped = true;
+    tick_timer.cancel();
+    // The digest covers what replay can repeat: every input and its effects. The farewell answers no input.
+    const std::string digest = runner.digest().hex();
+    const SimTime at = clock.now();
+    wire::Effects effects;
+    core.farewell(at, effects);
+    for (const wire::Effect& effect : effects) std::visit([this](const auto& e) { act(e); }, effect);
+    if (writer) {
+      writer->end(at, digest);
+      journal->flush();
+    }
+    const auto finish = [done = std::move(done), digest] { done(digest); };
+    if (mqtt) {
+      mqtt->stop(finish);
+    } else {
+      loop.post(finish);
+    }
+  }
+
+  EventLoop& loop;
+  wire::Core& core;
+  LiveOptions options;
+  OpenPorts open_ports;
+  WallClock clock;
+  wire::CoreRunner runner;
+  std::unique_ptr<JournalFile> journal;
+  std::optional<journal::Writer> writer;
+  std::optional<MemoryFile> memory;
+  Timer tick_timer;
+  std::deque<wire::Input> waiting;
+  std::function<void()> after_input;
+  std::uint64_t inputs{0};
+  bool feeding{false};
+  bool stopped{false};
+  // Last, so that they go first: their handlers speak to all of the above.
+  std::unique_ptr<Ports> ports;
+  std::unique_ptr<MqttClient> mqtt;
+};
+
+LiveShell::LiveShell(EventLoop& loop, wire::Core& core, LiveOptions options, OpenPorts open_ports)
+    : inside_{std::make_shared<Inside>(loop, core, std::move(options), std::move(open_ports))} {}
+
+LiveShell::~LiveShell() = default;
+
+Result<void> LiveShell::start() { return inside_->start(); }
+void LiveShell::command(const std::string& source, std::string json) {
+  inside_->tell(wire::InputKind::command, source, std::move(json));
+}
+void LiveShell::after_input(std::function<void()> action) { inside_->after_input = std::move(action); }
+void LiveShell::stop(std::function<void(const std::string& digest)> done) { inside_->stop(std::move(done)); }
+bool LiveShell::link_up() const { return inside_->mqtt && inside_->mqtt->connected(); }
+std::uint64_t LiveShell::inputs() const { return inside_->inputs; }
+
+}  // namespace cosiva::adapters

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "adapters/clock.h"
+#include "adapters/event_loop.h"
+#include "adapters/files.h"
+#include "adapters/mqtt_client.h"
+#include "adapters/ports.h"
+#include "base/result.h"
+#include "wire/core.h"
+
+namespace cosiva::adapters {
+
+struct LiveOptions {
+  std::string kind;     ///< "server", "plant" or "aiv": the source of the configure input, which replay looks at
+  std::string options;  ///< its payload: the core's options as JSON
+  std::string name;     ///< before each line of the log: "aiv1"
+  std::optional<MqttOptions> mqtt;
+  std::string record_file;  ///< empty: no journal
+  std::string memory_file;  ///< empty: what the core wants remembered is dropped
+};
+
+/// Runs one core live: tells it messages, bytes, ticks and commands with the wall clock's time, and does what it
+/// answers. Everything the core hears goes through one place, so the journal is whole.
+class LiveShell {
+ public:
+  using OpenPorts = std::function<Result<std::unique_ptr<Ports>>(PortHandlers)>;
+
+  LiveShell(EventLoop& loop, wire::Core& core, LiveOptions options, OpenPorts open_ports = {});
+  ~LiveShell();
+
+  /// Configures the core, recalls its memory, opens ports and connection, starts its ticks. Fails when the journal, the
+  /// ports or the connection's options cannot be used.
+  [[nodiscard]] Result<void> start();
+  void command(const std::string& source, std::string json);
+  /// Called after each input the core has handled.
+  void after_input(std::function<void()> action);
+  /// Ends: no further input, the digest of the run, the core's farewell, the journal's end. Then `done(digest)`.
+  void stop(std::function<void(const std::string& digest)> done);
+
+  [[nodiscard]] bool link_up() const;
+  [[nodiscard]] std::uint64_t inputs() const;
+
+ private:
+  struct Inside;
+  std::shared_ptr<Inside> inside_;
+};
+
+/// "2023-07-11T00:00:00.000Z aiv1 warning: text" on stderr.
+void log_line(SimTime at, const std::string& name, char level, const std::string& text);
+
+}  // namespace cosiva::adapters

@@ -1,0 +1,208 @@
+#include "adapters/live_shell.h"
+
+#include <gmock/gmock.h>
+
+#include <csignal>
+
+#include "adapters/broker.h"
+#include "adapters/test_bench.h"
+#include "base/digest.h"
+#include "journal/journal.h"
+
+namespace cosiva::adapters {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using testing::patience;
+using testing::Scratch;
+
+/// Answers what it hears: echoes messages and bytes, remembers commands, counts ticks.
+class EchoCore final : public wire::Core {
+ public:
+  void handle(const wire::Input& input, wire::Effects& effects) override {
+    heard.push_back(std::to_string(static_cast<int>(input.kind)) + ":" + input.source + ":" + input.payload);
+    if (input.kind != wire::InputKind::tick) state += heard.back();
+    last = std::max(last, input.at);
+    if (input.at < last) went_back = true;
+    switch (input.kind) {
+      case wire::InputKind::message: effects.push_back(wire::Publish{"echo", input.payload, 0, false}); break;
+      case wire::InputKind::bytes: effects.push_back(wire::SendBytes{input.source, "<" + input.payload + ">"}); break;
+      case wire::InputKind::command: effects.push_back(wire::Remember{input.payload}); break;
+      case wire::InputKind::tick: ++ticks; break;
+      case wire::InputKind::link:
+        if (input.payload == "up") effects.push_back(wire::Publish{"hello", "ONLINE", 1, true});
+        break;
+      default: break;
+    }
+  }
+  [[nodiscard]] SimDuration tick_period() const override { return 20ms; }
+  [[nodiscard]] std::vector<std::string> subscriptions() const override { return {"to_core"}; }
+  [[nodiscard]] std::optional<wire::Will> will() const override {
+    return wire::Will{{"hello", "CONNECTIONBROKEN", 1, true}};
+  }
+  void farewell(SimTime, wire::Effects& effects) override {
+    state += "farewell";  // must not show in the digest of the run
+    effects.push_back(wire::Publish{"hello", "OFFLINE", 1, true});
+  }
+  void fold(Digest& digest) const override { digest.add(std::string_view{state}); }
+
+  std::vector<std::string> heard;
+  std::string state;
+  SimTime last{};
+  bool went_back{false};
+  int ticks{0};
+};
+
+class Shell : public ::testing::Test {
+ protected:
+  LiveOptions options() {
+    LiveOptions made;
+    made.kind = "echo";
+    made.options = "{}";
+    made.name = "echo";
+    return made;
+  }
+  std::string stop(LiveShell& shell) {
+    std::string digest;
+    shell.stop([&](const std::string& d) { digest = d; });
+    EXPECT_TRUE(loop.run_until([&] { return !digest.empty(); }, patience));
+    return digest;
+  }
+
+  Scratch scratch;
+  EventLoop loop;
+};
+
+TEST_F(Shell, tells_configure_first_then_memory_then_ticks_in_order_of_time) {
+  scratch.write("memory", "remembered");
+  EchoCore core;
+  LiveOptions with_memory = options();
+  with_memory.memory_file = scratch / "memory";
+  LiveShell shell{loop, core, with_memory};
+  ASSERT_TRUE(shell.start());
+  ASSERT_TRUE(loop.run_until([&] { return core.ticks >= 3; }, patience));
+  ASSERT_GE(core.heard.size(), 3U);
+  EXPECT_EQ(core.heard[0], "1:echo:{}");
+  EXPECT_EQ(core.heard[1], "8:memory:remembered");
+  EXPECT_EQ(core.heard[2], "7::");
+  EXPECT_FALSE(core.went_back);
+}
+
+TEST_F(Shell, keeps_what_the_core_wants_remembered) {
+  EchoCore core;
+  LiveOptions with_memory = options();
+  with_memory.memory_file = scratch / "memory";
+  LiveShell shell{loop, core, with_memory};
+  ASSERT_TRUE(shell.start());
+  shell.command("test", "place=3");
+  EXPECT_EQ(read_file(scratch / "memory").value(), "place=3");
+}
+
+TEST_F(Shell, runs_a_core_over_a_real_broker_and_real_sockets_and_the_journal_replays_to_the_same_digest) {
+  const auto broker = PrivateBroker::start(loop, {scratch.path(), scratch / "broker.log", {}}).value();
+  EchoCore core;
+  LiveOptions live = options();
+  live.record_file = scratch / "run.journal";
+  live.mqtt = MqttOptions{};
+  live.mqtt->port = broker->port();
+  LiveShell shell{loop, core, live, [&](PortHandlers handlers) {
+                    return listen_unix_ports(loop, scratch.path(), {"1/PILS"}, std::move(handlers));
+                  }};
+  ASSERT_TRUE(shell.start());
+
+  std::vector<std::string> heard;
+  MqttHandlers handlers;
+  handlers.on_message = [&](std::string_view topic, std::string_view payload, bool) {
+    heard.push_back(std::string(topic) + "=" + std::string(payload));
+  };
+  MqttOptions peer_options;
+  peer_options.port = broker->port();
+  const auto peer = MqttClient::make(loop, peer_options, {"echo", "hello"}, std::nullopt, std::move(handlers)).value();
+  peer->start();
+  std::string wire_bytes;
+  const auto wire = connect_unix_ports(loop, scratch.path(), {"1/PILS"},
+                                       {{}, [&](const std::string&, std::string_view bytes) { wire_bytes += bytes; }})
+                        .value();
+
+  Timer talk{loop};
+  talk.every(20ms, [&] {
+    peer->publish({"to_core", "ping", 0, false});
+    wire->send("1/PILS", "x");
+  });
+  const auto echoed = [&] { return std::ranges::count(heard, "echo=ping") >= 3 && wire_bytes.size() >= 9; };
+  ASSERT_TRUE(loop.run_until(echoed, patience));
+  shell.command("test", "note");
+  talk.cancel();
+  const std::string digest = stop(shell);
+  EXPECT_THAT(core.state, HasSubstr("farewell"));
+  EXPECT_TRUE(loop.run_until([&] { return std::ranges::count(heard, "hello=OFFLINE") == 1; }, patience));
+  EXPECT_THAT(heard, Contains("hello=ONLINE"));
+  EXPECT_EQ(wire_bytes.substr(0, 1), "<");
+
+  const std::string journal = read_file(scratch / "run.journal").value();
+  const auto replayed = journal::replay(
+      journal, [](const wire::Input&) -> Result<std::unique_ptr<wire::Core>> { return std::make_unique<EchoCore>(); });
+  ASSERT_TRUE(replayed) << to_string(replayed.error());
+  EXPECT_EQ(replayed->digest, digest);
+  EXPECT_EQ(replayed->recorded_digest, digest);
+  EXPECT_EQ(replayed->inputs, shell.inputs());
+}
+
+TEST_F(Shell, tells_the_core_when_its_broker_dies_and_when_it_is_back) {
+  const auto broker = PrivateBroker::start(loop, {scratch.path(), scratch / "broker.log", {}}).value();
+  EchoCore core;
+  LiveOptions live = options();
+  live.mqtt = MqttOptions{};
+  live.mqtt->port = broker->port();
+  LiveShell shell{loop, core, live};
+  ASSERT_TRUE(shell.start());
+  ASSERT_TRUE(loop.run_until([&] { return shell.link_up(); }, patience));
+  broker->child()->signal(SIGKILL);
+  ASSERT_TRUE(loop.run_until([&] { return !broker->child()->running() && !shell.link_up(); }, patience));
+  ASSERT_TRUE(broker->restart());
+  ASSERT_TRUE(loop.run_until([&] { return shell.link_up(); }, patience));
+  std::vector<std::string> links;
+  std::ranges::copy_if(core.heard, std::back_inserter(links),
+                       [](const std::string& line) { return line.starts_with("3:"); });
+  EXPECT_THAT(links, ::testing::ElementsAre("3::up", "3::down", "3::up"));
+}
+
+TEST_F(Shell, goes_on_when_the_disk_of_its_journal_is_full) {
+  EchoCore core;
+  LiveOptions live = options();
+  live.record_file = "/dev/full";
+  LiveShell shell{loop, core, live};
+  ASSERT_TRUE(shell.start());
+  ::testing::internal::CaptureStderr();
+  const int before = core.ticks;
+  EXPECT_TRUE(loop.run_until([&] { return core.ticks >= before + 10; }, patience));
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("the journal stops here"));
+  EXPECT_EQ(stop(shell).size(), 16U);
+}
+
+TEST_F(Shell, does_not_start_with_a_journal_or_ports_it_cannot_have) {
+  EchoCore core;
+  LiveOptions live = options();
+  live.record_file = "/nonexistent/run.journal";
+  LiveShell without_journal{loop, core, live};
+  EXPECT_EQ(without_journal.start().error().code, "journal.open");
+  LiveShell without_ports{loop, core, options(),
+                          [](PortHandlers) -> Result<std::unique_ptr<Ports>> { return fail("port.listen", "no"); }};
+  EXPECT_EQ(without_ports.start().error().code, "port.listen");
+}
+
+TEST_F(Shell, hears_nothing_more_once_stopped) {
+  EchoCore core;
+  LiveShell shell{loop, core, options()};
+  ASSERT_TRUE(shell.start());
+  stop(shell);
+  const std::size_t heard = core.heard.size();
+  shell.command("test", "late");
+  loop.run_for(60ms);
+  EXPECT_EQ(core.heard.size(), heard);
+}
+
+}  // namespace
+}  // namespace cosiva::adapters

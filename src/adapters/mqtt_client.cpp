@@ -1,0 +1,427 @@
+#include "adapters/mqtt_client.h"
+
+#include <mosquitto.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/posix/stream_descriptor.hpp>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <fstream>
+#include <set>
+#include <utility>
+
+namespace cosiva::adapters {
+namespace {
+
+namespace asio = boost::asio;
+using std::chrono::milliseconds;
+
+constexpr milliseconds backoff_min{50};
+constexpr milliseconds backoff_max{2000};
+constexpr milliseconds misc_period{500};
+constexpr milliseconds drain_max{1000};
+/// libmosquitto reads one packet per call; so many are taken before other work of the loop gets its turn.
+constexpr int reads_per_turn = 64;
+
+void initialise_library() {
+  static const int once = mosquitto_lib_init();
+  static_cast<void>(once);
+}
+
+std::string unique_name(const std::string& name) {
+  static unsigned counter = 0;
+  return name + "-" + std::to_string(::getpid()) + "-" + std::to_string(++counter);
+}
+
+}  // namespace
+
+Result<MqttOptions> parse_broker_address(std::string_view text) {
+  const auto bad = [&] {
+    return fail("broker.address", "'" + std::string(text) + "' is not HOST:PORT, such as 127.0.0.1:1883 or [::1]:1883");
+  };
+  // Without brackets an IPv6 address could not be told from a port: it is refused rather than guessed at.
+  const bool bracketed = text.starts_with('[');
+  const std::size_t host_end = text.find(bracketed ? ']' : ':');
+  if (bracketed && host_end == std::string_view::npos) return bad();
+  const std::string_view host = bracketed ? text.substr(1, host_end - 1) : text.substr(0, host_end);
+  if (host.empty() || host.find_first_of(bracketed ? " /[" : " /:]") != std::string_view::npos) return bad();
+
+  MqttOptions options;
+  options.host = host;
+  std::string_view rest = text.substr(std::min(text.size(), host_end + (bracketed ? 1 : 0)));
+  if (rest.empty()) return options;
+  if (rest.front() != ':') return bad();
+  rest.remove_prefix(1);
+  unsigned number = 0;
+  const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), number);
+  if (error != std::errc{} || end != rest.data() + rest.size() || number == 0 || number > 65535) return bad();
+  options.port = static_cast<std::uint16_t>(number);
+  return options;
+}
+
+struct MqttClient::Inside : std::enable_shared_from_this<MqttClient::Inside> {
+  Inside(EventLoop& loop_, MqttOptions options_, std::vector<std::string> subscriptions_, MqttHandlers handlers_)
+      : loop{loop_},
+        options{std::move(options_)},
+        subscriptions{std::move(subscriptions_)},
+        handlers{std::move(handlers_)},
+        descriptor{loop_.context()},
+        misc_timer{loop_},
+        retry_timer{loop_},
+        watchdog{loop_},
+        drain_timer{loop_} {}
+
+  ~Inside() {
+    if (client != nullptr) mosquitto_destroy(client);
+  }
+
+  [[nodiscard]] std::string broker() const { return options.host + ":" + std::to_string(options.port); }
+
+  void log(char level, const std::string& text) {
+    if (text == last_logged) return;  // a broker that stays away is news once, not at each attempt
+    last_logged = text;
+    if (handlers.on_log) handlers.on_log(level, text);
+  }
+
+  Result<void> prepare(const std::optional<wire::Will>& will) {
+    initialise_library();
+    client = mosquitto_new(unique_name(options.client_name).c_str(), true, this);
+    if (client == nullptr) return fail("mqtt.setup", std::string("no MQTT client: ") + std::strerror(errno));
+    mosquitto_int_option(client, MOSQ_OPT_TCP_NODELAY, 1);
+    mosquitto_int_option(client, MOSQ_OPT_PROTOCOL_VERSION, MQTT_PROTOCOL_V311);
+    mosquitto_max_inflight_messages_set(client, 0);
+    mosquitto_connect_callback_set(client,
+                                   [](mosquitto*, void* self, int rc) { static_cast<Inside*>(self)->on_connect(rc); });
+    mosquitto_disconnect_callback_set(client,
+                                      [](mosquitto*, void* self, int) { static_cast<Inside*>(self)->lost = true; });
+    mosquitto_publish_callback_set(
+        client, [](mosquitto*, void* self, int mid) { static_cast<Inside*>(self)->unacknowledged.erase(mid); });
+    mosquitto_message_callback_set(client, [](mosquitto*, void* self, const mosquitto_message* message) {
+      static_cast<Inside*>(self)->on_message(*message);
+    });
+    if (will) {
+      const wire::Publish& last = will->message;
+      const int rc = mosquitto_will_set(client, last.topic.c_str(), static_cast<int>(last.payload.size()),
+                                        last.payload.data(), last.qos, last.retained);
+      if (rc != MOSQ_ERR_SUCCESS)
+        return fail("mqtt.setup", std::string("last will refused: ") + mosquitto_strerror(rc));
+    }
+    return secure();
+  }
+
+  Result<void> secure() {
+    if (options.tls) {
+      const auto or_null = [](const std::string& text) { return text.empty() ? nullptr : text.c_str(); };
+      const MqttTls& tls = *options.tls;
+      const int rc = mosquitto_tls_set(client, or_null(tls.ca_file), nullptr, or_null(tls.certificate_file),
+                                       or_null(tls.key_file), nullptr);
+      if (rc != MOSQ_ERR_SUCCESS) {
+        return fail("mqtt.tls", std::string("TLS files cannot be used: ") + mosquitto_strerror(rc),
+                    tls.ca_file + " " + tls.certificate_file + " " + tls.key_file);
+      }
+    }
+    if (options.user.empty()) return {};
+    std::string password;
+    if (!options.password_file.empty()) {
+      std::ifstream file{options.password_file};
+      if (!std::getline(file, password))
+        return fail("mqtt.password", "no password could be read from its first line", options.password_file);
+    }
+    const int rc = mosquitto_username_pw_set(client, options.user.c_str(),
+                                             options.password_file.empty() ? nullptr : password.c_str());
+    if (rc != MOSQ_ERR_SUCCESS) return fail("mqtt.setup", std::string("user refused: ") + mosquitto_strerror(rc));
+    return {};
+  }
+
+  void start() {
+    const auto weak = weak_from_this();
+    misc_timer.every(misc_period, [weak] {
+      const auto self = weak.lock();
+      if (!self || self->fd < 0) return;
+      mosquitto_loop_misc(self->client);
+      self->after_library();
+    });
+    attempt();
+  }
+
+  // --- connecting -------------------------------------------------------------------------------------------------
+
+  void attempt() {
+    const int rc = first ? mosquitto_connect_async(client, options.host.c_str(), options.port,
+                                                   static_cast<int>(options.keep_alive.count()))
+                         : mosquitto_reconnect_async(client);
+    first = false;
+    if (rc != MOSQ_ERR_SUCCESS || mosquitto_socket(client) < 0) {
+      log('w', "broker " + broker() + ": " + (rc == MOSQ_ERR_ERRNO ? std::strerror(errno) : mosquitto_strerror(rc)) +
+                   "; trying again");
+      retry_later();
+      return;
+    }
+    watchdog.after(options.connect_timeout, [weak = weak_from_this()] {
+      if (const auto self = weak.lock(); self && !self->up) {
+        self->log('w', "broker " + self->broker() + ": no answer in time; trying again");
+        self->drop_connection();
+        self->retry_later();
+      }
+    });
+    lost = false;
+    adopt_socket();
+  }
+
+  void adopt_socket() {
+    // Asio gets a duplicate: libmosquitto closes its own descriptor inside its calls, and Asio must never poll a number
+    // that may already belong to something else.
+    release_socket();
+    fd = ::dup(mosquitto_socket(client));
+    if (fd < 0) {
+      log('e', std::string("no descriptor for the broker: ") + std::strerror(errno));
+      retry_later();
+      return;
+    }
+    boost::system::error_code ignored;
+    descriptor.assign(fd, ignored);
+    ++session;
+    wait_read();
+    wait_write();
+  }
+
+  void release_socket() {
+    boost::system::error_code ignored;
+    if (descriptor.is_open()) descriptor.close(ignored);
+    fd = -1;
+    writing = false;
+  }
+
+  void drop_connection() {
+    if (fd >= 0) ::shutdown(fd, SHUT_RDWR);
+    release_socket();
+  }
+
+  void retry_later() {
+    watchdog.cancel();
+    if (stopping) return;
+    retry_timer.after(backoff, [weak = weak_from_this()] {
+      if (const auto self = weak.lock()) self->attempt();
+    });
+    backoff = std::min(backoff * 2, backoff_max);
+  }
+
+  void on_connect(int rc) {
+    if (rc != 0) {
+      log('e', "broker " + broker() + " refuses: " + mosquitto_connack_string(rc));
+      refused = true;
+      return;  // it closes the connection; after_library() sees that
+    }
+    became_up = true;
+  }
+
+  void come_up() {
+    watchdog.cancel();
+    backoff = backoff_min;
+    last_logged.clear();
+    up = true;
+    ++counters.connections;
+    for (const std::string& filter : subscriptions) {
+      const int rc = mosquitto_subscribe(client, nullptr, filter.c_str(), 1);
+      if (rc != MOSQ_ERR_SUCCESS) log('e', "cannot subscribe to " + filter + ": " + mosquitto_strerror(rc));
+    }
+    if (handlers.on_link) handlers.on_link(true);
+  }
+
+  void go_down() {
+    release_socket();
+    if (std::exchange(up, false)) {
+      log('w', "broker " + broker() + ": connection lost");
+      if (!stopping && handlers.on_link) handlers.on_link(false);
+    } else if (!refused && !stopping) {
+      log('w', "broker " + broker() + ": cannot connect; trying again");
+    }
+    refused = false;
+    if (stopping) {
+      finish();
+    } else {
+      retry_later();
+    }
+  }
+
+  // --- moving bytes -----------------------------------------------------------------------------------------------
+
+  void wait_read() {
+    descriptor.async_wait(asio::posix::stream_descriptor::wait_read,
+                          [weak = weak_from_this(), mine = session](const boost::system::error_code& error) {
+                            const auto self = weak.lock();
+                            if (error || !self || mine != self->session || self->fd < 0) return;
+                            self->read();
+                            if (mine == self->session && self->fd >= 0) self->wait_read();
+                          });
+  }
+
+  void read() {
+    for (int i = 0; i < reads_per_turn; ++i) {
+      errno = 0;
+      const int rc = mosquitto_loop_read(client, 1);
+      const bool drained = errno == EAGAIN || errno == EWOULDBLOCK;
+      if (rc != MOSQ_ERR_SUCCESS) lost = true;
+      if (!after_library() || drained) return;
+    }
+  }
+
+  void wait_write() {
+    if (writing || fd < 0) return;
+    writing = true;
+    descriptor.async_wait(asio::posix::stream_descriptor::wait_write,
+                          [weak = weak_from_this(), mine = session](const boost::system::error_code& error) {
+                            const auto self = weak.lock();
+                            if (error || !self || mine != self->session || self->fd < 0) return;
+                            self->writing = false;
+                            if (mosquitto_loop_write(self->client, 1) != MOSQ_ERR_SUCCESS) self->lost = true;
+                            self->after_library();
+                          });
+  }
+
+  /// What every call of the library may have caused, handled outside its callbacks. False when the connection is gone.
+  bool after_library() {
+    if (busy) return fd >= 0;
+    busy = true;
+    if (std::exchange(became_up, false) && !lost) come_up();
+    busy = false;
+    if (fd >= 0 && !lost && mosquitto_want_write(client)) {
+      if (mosquitto_loop_write(client, 1) != MOSQ_ERR_SUCCESS) lost = true;
+      if (!lost && mosquitto_want_write(client)) wait_write();
+    }
+    if (fd >= 0 && (lost || mosquitto_socket(client) < 0)) {
+      lost = false;
+      go_down();
+      return false;
+    }
+    if (stopping && unacknowledged.empty() && fd >= 0 && !mosquitto_want_write(client)) finish();
+    return fd >= 0;
+  }
+
+  void on_message(const mosquitto_message& message) {
+    const int saved = errno;  // read() looks at errno after the library's call
+    ++counters.received;
+    if (handlers.on_message && !stopping) {
+      const char* payload = static_cast<const char*>(message.payload);
+      handlers.on_message(message.topic,
+                          {payload == nullptr ? "" : payload, static_cast<std::size_t>(message.payloadlen)},
+                          message.retain);
+    }
+    errno = saved;
+  }
+
+  bool publish(const wire::Publish& message) {
+    if (!up && message.qos == 0) return false;
+    int mid = 0;
+    const int rc = mosquitto_publish(client, &mid, message.topic.c_str(), static_cast<int>(message.payload.size()),
+                                     message.payload.data(), message.qos, message.retained);
+    if (rc != MOSQ_ERR_SUCCESS && rc != MOSQ_ERR_NO_CONN) {
+      if (rc == MOSQ_ERR_CONN_LOST) {
+        lost = true;
+      } else {
+        log('e', "cannot publish to " + message.topic + ": " + mosquitto_strerror(rc));
+      }
+    }
+    if (message.qos > 0 && (rc == MOSQ_ERR_SUCCESS || rc == MOSQ_ERR_NO_CONN)) unacknowledged.insert(mid);
+    if (rc == MOSQ_ERR_SUCCESS) ++counters.published;
+    if (fd >= 0 && mosquitto_want_write(client)) wait_write();
+    if (lost) {
+      // The handlers must not hear of it from inside their own call.
+      loop.post([weak = weak_from_this(), mine = session] {
+        if (const auto self = weak.lock(); self && mine == self->session) self->after_library();
+      });
+    }
+    return rc == MOSQ_ERR_SUCCESS;
+  }
+
+  // --- ending -----------------------------------------------------------------------------------------------------
+
+  void stop(std::function<void()> done) {
+    stopping = true;
+    on_stopped = std::move(done);
+    retry_timer.cancel();
+    if (!up) {
+      finish();
+      return;
+    }
+    drain_timer.after(drain_max, [weak = weak_from_this()] {
+      if (const auto self = weak.lock()) self->finish();
+    });
+    loop.post([weak = weak_from_this()] {
+      if (const auto self = weak.lock()) self->after_library();
+    });
+  }
+
+  void finish() {
+    drain_timer.cancel();
+    watchdog.cancel();
+    misc_timer.cancel();
+    if (fd >= 0) {
+      mosquitto_disconnect(client);
+      if (mosquitto_want_write(client)) mosquitto_loop_write(client, 1);
+    }
+    release_socket();
+    up = false;
+    if (const auto done = std::exchange(on_stopped, {})) loop.post(done);
+  }
+
+  EventLoop& loop;
+  MqttOptions options;
+  std::vector<std::string> subscriptions;
+  MqttHandlers handlers;
+  mosquitto* client{nullptr};
+  asio::posix::stream_descriptor descriptor;
+  Timer misc_timer;
+  Timer retry_timer;
+  Timer watchdog;
+  Timer drain_timer;
+  int fd{-1};
+  std::uint64_t session{0};
+  milliseconds backoff{backoff_min};
+  bool first{true};
+  bool up{false};
+  bool became_up{false};
+  bool refused{false};  ///< said already, so its closing the connection is no news
+  bool lost{false};
+  bool writing{false};
+  bool busy{false};
+  bool stopping{false};
+  std::set<int> unacknowledged;
+  std::string last_logged;
+  std::function<void()> on_stopped;
+  Counters counters;
+};
+
+MqttClient::MqttClient() = default;
+
+MqttClient::~MqttClient() {
+  // Handlers belong to whoever owned us; none may run after this.
+  inside_->handlers = {};
+  inside_->stopping = true;
+  inside_->misc_timer.cancel();
+  inside_->retry_timer.cancel();
+  inside_->watchdog.cancel();
+  inside_->drain_timer.cancel();
+  inside_->drop_connection();
+}
+
+Result<std::unique_ptr<MqttClient>> MqttClient::make(EventLoop& loop, MqttOptions options,
+                                                     std::vector<std::string> subscriptions,
+                                                     std::optional<wire::Will> will, MqttHandlers handlers) {
+  std::unique_ptr<MqttClient> made{new MqttClient};
+  made->inside_ = std::make_shared<Inside>(loop, std::move(options), std::move(subscriptions), std::move(handlers));
+  if (auto prepared = made->inside_->prepare(will); !prepared) return tl::unexpected(prepared.error());
+  return made;
+}
+
+void MqttClient::start() { inside_->start(); }
+bool MqttClient::connected() const { return inside_->up; }
+bool MqttClient::publish(const wire::Publish& message) { return inside_->publish(message); }
+void MqttClient::stop(std::function<void()> done) { inside_->stop(std::move(done)); }
+const MqttClient::Counters& MqttClient::counters() const { return inside_->counters; }
+
+}  // namespace cosiva::adapters

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "adapters/event_loop.h"
+#include "base/result.h"
+#include "wire/core.h"
+
+namespace cosiva::adapters {
+
+struct MqttTls {
+  std::string ca_file;           ///< PEM; the broker's certificate must lead to it
+  std::string certificate_file;  ///< PEM of this client, with key_file; both empty: none is shown
+  std::string key_file;
+};
+
+struct MqttOptions {
+  std::string host{"127.0.0.1"};  ///< an IP address where it can be one: looking a name up blocks the loop
+  std::uint16_t port{1883};
+  std::string client_name{"cosiva"};  ///< made unique with the process and a counter: a broker drops namesakes
+  std::chrono::seconds keep_alive{5};
+  std::chrono::milliseconds connect_timeout{1000};
+  std::optional<MqttTls> tls;
+  std::string user;
+  std::string password_file;  ///< its first line; passwords never stand in arguments or the environment
+};
+
+/// "HOST:PORT", "HOST", "[::1]:1883"; fails ("broker.address").
+[[nodiscard]] Result<MqttOptions> parse_broker_address(std::string_view text);
+
+struct MqttHandlers {
+  std::function<void(bool up)> on_link;
+  std::function<void(std::string_view topic, std::string_view payload, bool retained)> on_message;
+  std::function<void(char level, const std::string& text)> on_log;  ///< may be empty
+};
+
+/// One connection to a broker, kept alive: libmosquitto inside the loop. It reconnects by itself (50 ms, doubling to
+/// 2 s), subscribes again each time, and gives an attempt up after `connect_timeout` (over TLS a broker that is down
+/// would otherwise be waited for without end).
+class MqttClient {
+ public:
+  /// Fails ("mqtt.tls", "mqtt.password", "mqtt.setup") when an option cannot be used. Nothing is sent before start().
+  [[nodiscard]] static Result<std::unique_ptr<MqttClient>> make(EventLoop& loop, MqttOptions options,
+                                                                std::vector<std::string> subscriptions,
+                                                                std::optional<wire::Will> will, MqttHandlers handlers);
+  /// Drops the connection without a word, so the broker publishes the will, as if the process had died.
+  ~MqttClient();
+
+  void start();
+  [[nodiscard]] bool connected() const;
+  /// QoS 0 is dropped while there is no connection (false); QoS 1 is kept and sent on its return.
+  bool publish(const wire::Publish& message);
+  /// Ends cleanly: waits (1 s at most) until everything published is out and acknowledged, says DISCONNECT, calls
+  /// `done`.
+  void stop(std::function<void()> done);
+
+  struct Counters {
+    std::uint64_t received{};
+    std::uint64_t published{};
+    std::uint64_t connections{};
+  };
+  [[nodiscard]] const Counters& counters() const;
+
+ private:
+  MqttClient();
+  struct Inside;
+  std::shared_ptr<Inside> inside_;
+};
+
+}  // namespace cosiva::adapters

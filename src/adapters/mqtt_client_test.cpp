@@ -1,0 +1,288 @@
+#include "adapters/mqtt_client.h"
+
+#include <gmock/gmock.h>
+#include <sys/stat.h>
+
+#include <csignal>
+#include <map>
+
+#include "adapters/broker.h"
+#include "adapters/test_bench.h"
+
+namespace cosiva::adapters {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::patience;
+using testing::Scratch;
+
+/// A client that notes down all it hears.
+struct Listener {
+  std::vector<std::string> heard;  ///< "topic=payload", retained ones with a '*' in front
+  std::vector<bool> links;
+  std::vector<std::string> log;
+  std::unique_ptr<MqttClient> client;
+
+  Listener(EventLoop& loop, std::uint16_t port, std::vector<std::string> filters,
+           std::optional<wire::Will> will = std::nullopt) {
+    MqttOptions options;
+    options.port = port;
+    options.client_name = "test";
+    MqttHandlers handlers;
+    handlers.on_link = [this](bool up) { links.push_back(up); };
+    handlers.on_message = [this](std::string_view topic, std::string_view payload, bool retained) {
+      heard.push_back((retained ? "*" : "") + std::string(topic) + "=" + std::string(payload));
+    };
+    handlers.on_log = [this](char, const std::string& text) { log.push_back(text); };
+    client = MqttClient::make(loop, options, std::move(filters), std::move(will), std::move(handlers)).value();
+    client->start();
+  }
+  [[nodiscard]] bool heard_all(std::size_t count) const { return heard.size() >= count; }
+};
+
+class Mqtt : public ::testing::Test {
+ protected:
+  Mqtt() {
+    auto started = PrivateBroker::start(loop, {scratch.path(), scratch / "broker.log", {}});
+    EXPECT_TRUE(started) << to_string(started.error());
+    broker = std::move(*started);
+  }
+  bool until(const std::function<bool()>& done) { return loop.run_until(done, patience); }
+  bool until_connected(const Listener& listener) {
+    return until([&] { return listener.client->connected(); });
+  }
+  /// Subscriptions are in force once a message of one's own comes back through one.
+  bool until_listening(Listener& listener, const std::string& topic) {
+    if (!until_connected(listener)) return false;
+    Timer again{loop};
+    again.every(50ms, [&] { listener.client->publish({topic, "probe", 0, false}); });
+    const bool back = until([&] { return !listener.heard.empty() && listener.heard.back() == topic + "=probe"; });
+    again.cancel();
+    loop.run_for(50ms);
+    listener.heard.clear();
+    return back;
+  }
+
+  Scratch scratch;
+  EventLoop loop;
+  std::unique_ptr<PrivateBroker> broker;
+};
+
+TEST_F(Mqtt, private_broker_listens_on_loopback_and_its_configuration_is_private) {
+  struct stat facts {};
+  ASSERT_EQ(::stat((scratch / "mosquitto.conf").c_str(), &facts), 0);
+  EXPECT_EQ(facts.st_mode & 0777U, 0600U);
+  EXPECT_GT(broker->port(), 0);
+  EXPECT_TRUE(broker->child()->running());
+  broker.reset();
+  EXPECT_NE(::stat((scratch / "mosquitto.conf").c_str(), &facts), 0);
+}
+
+TEST_F(Mqtt, message_arrives_as_it_was_sent) {
+  Listener listener{loop, broker->port(), {"a/+"}};
+  ASSERT_TRUE(until_listening(listener, "a/probe"));
+  Listener speaker{loop, broker->port(), {}};
+  ASSERT_TRUE(until_connected(speaker));
+  const std::string bytes("\0\x01\xFF{}", 5);
+  EXPECT_TRUE(speaker.client->publish({"a/b", bytes, 0, false}));
+  EXPECT_TRUE(speaker.client->publish({"b/b", "not subscribed", 1, false}));
+  EXPECT_TRUE(speaker.client->publish({"a/c", "", 1, false}));
+  ASSERT_TRUE(until([&] { return listener.heard_all(2); }));
+  EXPECT_THAT(listener.heard, ElementsAre("a/b=" + bytes, "a/c="));
+}
+
+TEST_F(Mqtt, retained_message_reaches_who_comes_later_and_says_so) {
+  Listener speaker{loop, broker->port(), {}};
+  ASSERT_TRUE(until_connected(speaker));
+  speaker.client->publish({"zone", "lacet4", 1, true});
+  bool stopped = false;
+  speaker.client->stop([&] { stopped = true; });
+  ASSERT_TRUE(until([&] { return stopped; }));
+  Listener late{loop, broker->port(), {"zone"}};
+  ASSERT_TRUE(until([&] { return late.heard_all(1); }));
+  EXPECT_THAT(late.heard, ElementsAre("*zone=lacet4"));
+}
+
+TEST_F(Mqtt, thousand_messages_in_one_go_arrive_in_order) {
+  Listener listener{loop, broker->port(), {"flood", "flood/probe"}};
+  ASSERT_TRUE(until_listening(listener, "flood/probe"));
+  Listener speaker{loop, broker->port(), {}};
+  ASSERT_TRUE(until_connected(speaker));
+  const std::string padding(1000, '.');
+  for (int i = 0; i < 1000; ++i)
+    EXPECT_TRUE(speaker.client->publish({"flood", std::to_string(i) + padding, i % 2, false}));
+  ASSERT_TRUE(until([&] { return listener.heard_all(1000); }));
+  for (std::size_t i = 0; i < 1000; ++i) ASSERT_EQ(listener.heard[i], "flood=" + std::to_string(i) + padding);
+}
+
+TEST_F(Mqtt, will_is_published_when_a_client_vanishes_but_not_when_it_says_goodbye) {
+  Listener listener{loop, broker->port(), {"will/#", "probe"}};
+  ASSERT_TRUE(until_listening(listener, "probe"));
+  auto killed = std::make_unique<Listener>(loop, broker->port(), std::vector<std::string>{},
+                                           wire::Will{{"will/killed", "CONNECTIONBROKEN", 1, false}});
+  Listener polite{loop, broker->port(), {}, wire::Will{{"will/polite", "CONNECTIONBROKEN", 1, false}}};
+  ASSERT_TRUE(until_connected(*killed));
+  ASSERT_TRUE(until_connected(polite));
+  bool stopped = false;
+  polite.client->publish({"will/polite", "OFFLINE", 1, false});
+  polite.client->stop([&] { stopped = true; });
+  ASSERT_TRUE(until([&] { return stopped && listener.heard_all(1); }));
+  killed.reset();
+  ASSERT_TRUE(until([&] { return listener.heard_all(2); }));
+  EXPECT_THAT(listener.heard, ElementsAre("will/polite=OFFLINE", "will/killed=CONNECTIONBROKEN"));
+}
+
+TEST_F(Mqtt, comes_back_by_itself_after_the_broker_was_killed) {
+  Listener listener{loop, broker->port(), {"a", "probe"}};
+  ASSERT_TRUE(until_listening(listener, "probe"));
+  Listener speaker{loop, broker->port(), {}};
+  ASSERT_TRUE(until_connected(speaker));
+
+  bool dead = false;
+  broker->on_exit([&](const ChildExit& exit) {
+    EXPECT_EQ(exit.signal, SIGKILL);
+    dead = true;
+  });
+  broker->child()->signal(SIGKILL);
+  ASSERT_TRUE(until([&] { return dead && !listener.client->connected() && !speaker.client->connected(); }));
+  EXPECT_FALSE(speaker.client->publish({"a", "into the void", 0, false}));
+  loop.run_for(300ms);  // some attempts against a closed port
+  ASSERT_TRUE(broker->restart());
+  ASSERT_TRUE(until([&] { return listener.client->connected() && speaker.client->connected(); }));
+  EXPECT_THAT(listener.links, ElementsAre(true, false, true));
+  ASSERT_TRUE(until_listening(listener, "probe"));
+  speaker.client->publish({"a", "again", 0, false});
+  ASSERT_TRUE(until([&] { return listener.heard_all(1); }));
+  EXPECT_THAT(listener.heard, ElementsAre("a=again"));
+}
+
+TEST_F(Mqtt, qos_1_said_without_a_connection_is_sent_on_its_return) {
+  Listener listener{loop, broker->port(), {"a", "probe"}};
+  Listener speaker{loop, broker->port(), {}};
+  ASSERT_TRUE(until_connected(speaker));
+  bool dead = false;
+  broker->on_exit([&](const ChildExit&) { dead = true; });
+  broker->child()->signal(SIGKILL);
+  ASSERT_TRUE(until([&] { return dead && !speaker.client->connected(); }));
+  speaker.client->publish({"a", "kept", 1, true});  // retained: the listener may come back after it
+  ASSERT_TRUE(broker->restart());
+  ASSERT_TRUE(until([&] { return listener.heard_all(1); }));
+  EXPECT_THAT(listener.heard.front(), HasSubstr("a=kept"));
+}
+
+TEST_F(Mqtt, publishing_from_within_a_message_is_fine) {
+  Listener echo{loop, broker->port(), {"probe"}};
+  ASSERT_TRUE(until_listening(echo, "probe"));
+  MqttOptions options;
+  options.port = broker->port();
+  std::unique_ptr<MqttClient> countdown;
+  int left = 200;
+  MqttHandlers handlers;
+  handlers.on_link = [&](bool up) {
+    if (up) countdown->publish({"count", "go", 0, false});
+  };
+  handlers.on_message = [&](std::string_view, std::string_view, bool) {
+    if (--left > 0) countdown->publish({"count", std::to_string(left), left % 2, false});
+  };
+  countdown = MqttClient::make(loop, options, {"count"}, std::nullopt, std::move(handlers)).value();
+  countdown->start();
+  EXPECT_TRUE(until([&] { return left == 0; }));
+}
+
+TEST(MqttClient, says_once_that_nobody_answers_and_stops_at_once) {
+  EventLoop loop;
+  const std::uint16_t nobody = find_free_port().value();
+  Listener listener{loop, nobody, {}};
+  loop.run_for(500ms);
+  EXPECT_EQ(listener.log.size(), 1U);
+  EXPECT_THAT(listener.log.front(), HasSubstr("127.0.0.1:" + std::to_string(nobody)));
+  EXPECT_TRUE(listener.links.empty());
+  bool stopped = false;
+  listener.client->stop([&] { stopped = true; });
+  EXPECT_TRUE(loop.run_until([&] { return stopped; }, patience));
+}
+
+TEST(MqttClient, reports_a_broker_that_refuses) {
+  Scratch scratch;
+  EventLoop loop;
+  const std::uint16_t port = find_free_port().value();
+  const std::string configuration = scratch.write(
+      "strict.conf", "listener " + std::to_string(port) + " 127.0.0.1\nallow_anonymous false\nlog_dest stderr\n");
+  ChildOptions child;
+  child.argv = {"/usr/sbin/mosquitto", "-c", configuration};
+  child.log_file = scratch / "strict.log";
+  const auto broker = Child::start(loop, std::move(child)).value();
+  Listener listener{loop, port, {}};
+  const auto refused = [&] {
+    return !listener.log.empty() && listener.log.back().find("refuses") != std::string::npos;
+  };
+  EXPECT_TRUE(loop.run_until(refused, patience));
+  EXPECT_FALSE(listener.client->connected());
+}
+
+TEST(MqttClient, names_the_options_it_cannot_use) {
+  EventLoop loop;
+  MqttOptions tls;
+  tls.tls = MqttTls{"/nonexistent/ca.pem", {}, {}};
+  const auto without_ca = MqttClient::make(loop, tls, {}, std::nullopt, {});
+  ASSERT_FALSE(without_ca);
+  EXPECT_EQ(without_ca.error().code, "mqtt.tls");
+  EXPECT_THAT(without_ca.error().place, HasSubstr("/nonexistent/ca.pem"));
+
+  MqttOptions user;
+  user.user = "cosiva";
+  user.password_file = "/nonexistent/password";
+  const auto without_password = MqttClient::make(loop, user, {}, std::nullopt, {});
+  ASSERT_FALSE(without_password);
+  EXPECT_EQ(without_password.error().code, "mqtt.password");
+}
+
+TEST(MqttClient, gives_up_on_a_peer_that_accepts_and_says_nothing) {
+  // A listening socket whose backlog takes the connection but never answers CONNECT.
+  Scratch scratch;
+  EventLoop loop;
+  const std::uint16_t port = find_free_port().value();
+  ChildOptions silent;
+  silent.argv = {"python3", "-c",
+                 "import socket,time; s=socket.create_server(('127.0.0.1'," + std::to_string(port) +
+                     ")); print('ready',flush=True); time.sleep(600)"};
+  bool ready = false;
+  silent.on_line = [&](const std::string&) { ready = true; };
+  const auto peer = Child::start(loop, std::move(silent)).value();
+  ASSERT_TRUE(loop.run_until([&] { return ready; }, patience));
+  Listener listener{loop, port, {}};
+  EXPECT_TRUE(loop.run_until([&] { return !listener.log.empty(); }, patience));
+  EXPECT_THAT(listener.log.front(), HasSubstr("no answer in time"));
+}
+
+TEST(BrokerAddress, is_read_in_its_usual_forms) {
+  EXPECT_EQ(parse_broker_address("10.0.0.7:8883").value().host, "10.0.0.7");
+  EXPECT_EQ(parse_broker_address("10.0.0.7:8883").value().port, 8883);
+  EXPECT_EQ(parse_broker_address("broker.example").value().port, 1883);
+  EXPECT_EQ(parse_broker_address("[::1]:1884").value().host, "::1");
+  EXPECT_EQ(parse_broker_address("[::1]:1884").value().port, 1884);
+}
+
+TEST(BrokerAddress, that_makes_no_sense_is_refused) {
+  for (const char* bad : {"", ":1883", "host:", "host:0", "host:65536", "host:12x", "::1", "[::1", "[::1]x", "a b:1"}) {
+    const auto parsed = parse_broker_address(bad);
+    ASSERT_FALSE(parsed) << bad;
+    EXPECT_EQ(parsed.error().code, "broker.address");
+  }
+}
+
+TEST(PrivateBroker, that_cannot_be_run_is_an_error) {
+  Scratch scratch;
+  EventLoop loop;
+  const auto missing = PrivateBroker::start(loop, {scratch.path(), {}, "/nonexistent/mosquitto"});
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().code, "child.start");
+  const auto ends_at_once = PrivateBroker::start(loop, {scratch.path(), {}, "/bin/false"});
+  ASSERT_FALSE(ends_at_once);
+  EXPECT_EQ(ends_at_once.error().code, "broker.start");
+}
+
+}  // namespace
+}  // namespace cosiva::adapters

@@ -1,0 +1,313 @@
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
+#include <filesystem>
+#include <map>
+#include <utility>
+
+#include "adapters/ports.h"
+
+namespace cosiva::adapters {
+namespace {
+
+namespace asio = boost::asio;
+using Stream = asio::local::stream_protocol;
+using ErrorCode = boost::system::error_code;
+
+constexpr std::chrono::milliseconds reconnect_period{200};
+/// A board that does not read for so long is gone: at 50 frames a second this is over ten seconds' worth.
+constexpr std::size_t unsent_max = 64 * 1024;
+
+Result<void> check_path(const std::string& path) {
+  constexpr std::size_t path_max = sizeof(sockaddr_un::sun_path) - 1;
+  if (path.size() <= path_max) return {};
+  return fail("port.path", "a socket's path may have " + std::to_string(path_max) + " bytes; use a shorter directory",
+              path);
+}
+
+/// One connected stream. Its owner hears of bytes and of its end until close().
+class Connection : public std::enable_shared_from_this<Connection> {
+ public:
+  Connection(Stream::socket socket, std::function<void(std::string_view)> on_bytes, std::function<void()> on_end)
+      : socket_{std::move(socket)}, on_bytes_{std::move(on_bytes)}, on_end_{std::move(on_end)} {
+    ErrorCode ignored;
+    socket_.non_blocking(true, ignored);
+  }
+
+  void start() { read(); }
+
+  void send(std::string_view bytes) {
+    if (!socket_.is_open()) return;
+    if (unsent_.empty()) {
+      ErrorCode error;
+      const std::size_t sent = socket_.write_some(asio::buffer(bytes.data(), bytes.size()), error);
+      if (!error) bytes.remove_prefix(sent);
+      if (error && error != asio::error::would_block && error != asio::error::try_again) return end_later();
+      if (bytes.empty()) return;
+    }
+    if (unsent_.size() + bytes.size() > unsent_max) return end_later();
+    unsent_ += bytes;
+    write();
+  }
+
+  void close() {
+    on_bytes_ = {};
+    on_end_ = {};
+    ErrorCode ignored;
+    socket_.close(ignored);
+  }
+
+ private:
+  void read() {
+    socket_.async_read_some(asio::buffer(buffer_), [self = shared_from_this()](const ErrorCode& error, std::size_t n) {
+      if (error) return self->end();
+      if (self->on_bytes_) self->on_bytes_({self->buffer_.data(), n});
+      if (self->socket_.is_open()) self->read();
+    });
+  }
+
+  void write() {
+    if (std::exchange(writing_, true)) return;
+    socket_.async_wait(Stream::socket::wait_write, [self = shared_from_this()](const ErrorCode& waited) {
+      self->writing_ = false;
+      if (waited || !self->socket_.is_open()) return;
+      ErrorCode error;
+      const std::size_t sent = self->socket_.write_some(asio::buffer(self->unsent_), error);
+      if (error && error != asio::error::would_block && error != asio::error::try_again) return self->end();
+      if (!error) self->unsent_.erase(0, sent);
+      if (!self->unsent_.empty()) self->write();
+    });
+  }
+
+  /// The read that is under way sees the shut-down stream and ends it from the loop, not from inside send().
+  void end_later() {
+    ErrorCode ignored;
+    socket_.shutdown(Stream::socket::shutdown_both, ignored);
+  }
+
+  void end() {
+    ErrorCode ignored;
+    socket_.close(ignored);
+    const auto on_end = std::exchange(on_end_, {});
+    on_bytes_ = {};
+    if (on_end) on_end();
+  }
+
+  Stream::socket socket_;
+  std::function<void(std::string_view)> on_bytes_;
+  std::function<void()> on_end_;
+  std::array<char, 4096> buffer_;
+  std::string unsent_;
+  bool writing_{false};
+};
+
+// --- the boards' side -----------------------------------------------------------------------------------------------
+
+class Listener : public std::enable_shared_from_this<Listener> {
+ public:
+  Listener(EventLoop& loop, std::string port, std::string path, const PortHandlers& handlers)
+      : acceptor_{loop.context()}, port_{std::move(port)}, path_{std::move(path)}, handlers_{handlers} {}
+
+  Result<void> open() {
+    ErrorCode error;
+    // A socket left by a process that was killed is in the way; one that answers belongs to someone.
+    {
+      Stream::socket probe{acceptor_.get_executor()};
+      probe.connect(Stream::endpoint(path_), error);
+      if (!error) return fail("port.listen", "another process serves this board already", path_);
+    }
+    struct stat found {};
+    if (::lstat(path_.c_str(), &found) == 0) {
+      if (!S_ISSOCK(found.st_mode)) return fail("port.listen", "stands in the way and is no socket", path_);
+      ::unlink(path_.c_str());
+    }
+    error.clear();
+    acceptor_.open(Stream(), error);
+    if (!error) acceptor_.bind(Stream::endpoint(path_), error);
+    if (!error) acceptor_.listen(4, error);
+    if (error) return fail("port.listen", "cannot listen: " + error.message(), path_);
+    ours_ = true;
+    accept();
+    return {};
+  }
+
+  void send(std::string_view bytes) {
+    if (connection_) connection_->send(bytes);
+  }
+
+  void close() {
+    ErrorCode ignored;
+    acceptor_.close(ignored);
+    handlers_ = {};
+    if (connection_) connection_->close();
+    connection_.reset();
+    if (std::exchange(ours_, false)) ::unlink(path_.c_str());
+  }
+
+ private:
+  void accept() {
+    acceptor_.async_accept([self = shared_from_this()](const ErrorCode& error, Stream::socket socket) {
+      if (!self->acceptor_.is_open()) return;
+      if (!error) self->take(std::move(socket));
+      self->accept();
+    });
+  }
+
+  void take(Stream::socket socket) {
+    if (connection_) {
+      connection_->close();
+      connection_.reset();
+      if (handlers_.on_port) handlers_.on_port(port_, false);
+    }
+    const std::weak_ptr<Listener> weak = weak_from_this();
+    connection_ = std::make_shared<Connection>(
+        std::move(socket),
+        [weak](std::string_view bytes) {
+          if (const auto self = weak.lock(); self && self->handlers_.on_bytes)
+            self->handlers_.on_bytes(self->port_, bytes);
+        },
+        [weak] {
+          const auto self = weak.lock();
+          if (!self) return;
+          self->connection_.reset();
+          if (self->handlers_.on_port) self->handlers_.on_port(self->port_, false);
+        });
+    if (handlers_.on_port) handlers_.on_port(port_, true);
+    if (connection_) connection_->start();
+  }
+
+  Stream::acceptor acceptor_;
+  std::string port_;
+  std::string path_;
+  PortHandlers handlers_;
+  std::shared_ptr<Connection> connection_;
+  bool ours_{false};
+};
+
+// --- the on-board side ----------------------------------------------------------------------------------------------
+
+class Connector : public std::enable_shared_from_this<Connector> {
+ public:
+  Connector(EventLoop& loop, std::string port, std::string path, const PortHandlers& handlers)
+      : loop_{loop}, retry_{loop}, port_{std::move(port)}, path_{std::move(path)}, handlers_{handlers} {}
+
+  Result<void> open() {
+    loop_.post([weak = weak_from_this()] {
+      if (const auto self = weak.lock()) self->connect();
+    });
+    return {};
+  }
+
+  void send(std::string_view bytes) {
+    if (connection_) connection_->send(bytes);
+  }
+
+  void close() {
+    closed_ = true;
+    retry_.cancel();
+    handlers_ = {};
+    if (connection_) connection_->close();
+    connection_.reset();
+  }
+
+ private:
+  void connect() {
+    if (closed_) return;
+    // A Unix socket connects at once or not at all (full backlog included), so there is nothing to wait for.
+    Stream::socket socket{loop_.context()};
+    ErrorCode error;
+    socket.open(Stream(), error);
+    if (!error) socket.non_blocking(true, error);
+    if (!error) socket.connect(Stream::endpoint(path_), error);
+    if (error) return retry();
+    const std::weak_ptr<Connector> weak = weak_from_this();
+    connection_ = std::make_shared<Connection>(
+        std::move(socket),
+        [weak](std::string_view bytes) {
+          if (const auto self = weak.lock(); self && self->handlers_.on_bytes)
+            self->handlers_.on_bytes(self->port_, bytes);
+        },
+        [weak] {
+          const auto self = weak.lock();
+          if (!self) return;
+          self->connection_.reset();
+          if (self->handlers_.on_port) self->handlers_.on_port(self->port_, false);
+          self->retry();
+        });
+    if (handlers_.on_port) handlers_.on_port(port_, true);
+    if (connection_) connection_->start();
+  }
+
+  void retry() {
+    if (closed_) return;
+    retry_.after(reconnect_period, [weak = weak_from_this()] {
+      if (const auto self = weak.lock()) self->connect();
+    });
+  }
+
+  EventLoop& loop_;
+  Timer retry_;
+  std::string port_;
+  std::string path_;
+  PortHandlers handlers_;
+  std::shared_ptr<Connection> connection_;
+  bool closed_{false};
+};
+
+template <typename End>
+class UnixPorts final : public Ports {
+ public:
+  ~UnixPorts() override {
+    for (auto& [port, end] : ends_) end->close();
+  }
+
+  static Result<std::unique_ptr<Ports>> make(EventLoop& loop, const std::string& directory,
+                                             const std::vector<std::string>& ports, const PortHandlers& handlers) {
+    auto made = std::make_unique<UnixPorts>();
+    for (const std::string& port : ports) {
+      const std::string path = socket_path(directory, port);
+      if (auto fits = check_path(path); !fits) return tl::unexpected(fits.error());
+      auto end = std::make_shared<End>(loop, port, path, handlers);
+      if (auto opened = end->open(); !opened) return tl::unexpected(opened.error());
+      made->ends_.emplace(port, std::move(end));
+    }
+    return made;
+  }
+
+  void send(const std::string& port, std::string_view bytes) override {
+    const auto found = ends_.find(port);
+    if (found != ends_.end()) found->second->send(bytes);
+  }
+
+ private:
+  std::map<std::string, std::shared_ptr<End>> ends_;
+};
+
+}  // namespace
+
+std::string socket_path(const std::string& directory, const std::string& port) {
+  std::string name = port;
+  std::ranges::replace(name, '/', '-');
+  return directory + "/" + name + ".sock";
+}
+
+Result<std::unique_ptr<Ports>> listen_unix_ports(EventLoop& loop, const std::string& directory,
+                                                 const std::vector<std::string>& ports, PortHandlers handlers) {
+  std::error_code error;
+  std::filesystem::create_directories(directory, error);
+  if (error) return fail("port.listen", "cannot make this directory: " + error.message(), directory);
+  return UnixPorts<Listener>::make(loop, directory, ports, handlers);
+}
+
+Result<std::unique_ptr<Ports>> connect_unix_ports(EventLoop& loop, const std::string& directory,
+                                                  const std::vector<std::string>& ports, PortHandlers handlers) {
+  return UnixPorts<Connector>::make(loop, directory, ports, handlers);
+}
+
+}  // namespace cosiva::adapters
