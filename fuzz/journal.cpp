@@ -1,0 +1,27 @@
+#include "journal/journal.h"
+
+#include "target.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  namespace journal = cosiva::journal;
+  const std::string_view bytes = cosiva::fuzz::as_text(data, size);
+  auto reader = journal::Reader::open(bytes);
+  if (!reader) {
+    COSIVA_EXPECT(reader.error().code == "journal.magic");
+    return 0;
+  }
+  // Whatever is read, written again, is what stood there.
+  std::string written;
+  journal::Writer writer{[&](std::string_view piece) { written += piece; }};
+  for (;;) {
+    const auto next = reader->next();
+    if (!next) {
+      COSIVA_EXPECT(next.error().code.starts_with("journal.") && next.error().place.starts_with("offset "));
+      break;
+    }
+    if (!*next) break;
+    writer.append(**next);
+  }
+  COSIVA_EXPECT(bytes.starts_with(written));
+  return 0;
+}
