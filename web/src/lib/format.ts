@@ -1,0 +1,58 @@
+// Numbers as people read them. Same width from one tick to the next, so that a table does not tremble.
+
+const thin = '\u202f';
+export const none = '–';
+
+export function speed(mps: number): string {
+  return `${mps.toFixed(2)}${thin}m/s`;
+}
+
+/** Millimetres below a metre: a divergence of 2 mm must not read as 0.00 m. */
+export function length(metres: number): string {
+  if (Math.abs(metres) >= 1) return `${metres.toFixed(2)}${thin}m`;
+  const mm = metres * 1000;
+  return `${mm >= 100 ? mm.toFixed(0) : mm.toFixed(1)}${thin}mm`;
+}
+
+export function metres(value: number | null): string {
+  return value === null ? none : `${value.toFixed(2)}${thin}m`;
+}
+
+export function percent(value: number | null): string {
+  return value === null ? none : `${Math.round(value)}${thin}%`;
+}
+
+/** A share 0…1, never rounded up to a hundred: 99.96 % of the time is not always. */
+export function share(value: number): string {
+  const tenths = Math.floor(value * 1000 + 1e-9) / 10;
+  return `${tenths === 100 ? '100' : tenths.toFixed(1)}${thin}%`;
+}
+
+/** 42 ms, 1.2 s, 3 min 05 s. */
+export function duration(ms: number): string {
+  if (ms < 1000) return `${Math.round(ms)}${thin}ms`;
+  if (ms < 60_000) return `${(Math.floor(ms / 100) / 10).toFixed(1)}${thin}s`;
+  const minutes = Math.floor(ms / 60_000);
+  const seconds = Math.floor((ms % 60_000) / 1000);
+  return `${minutes}${thin}min ${String(seconds).padStart(2, '0')}${thin}s`;
+}
+
+/** Wall clock of the server, to the second, local time. */
+export function clock(time_ms: number): string {
+  const date = new Date(time_ms);
+  return [date.getHours(), date.getMinutes(), date.getSeconds()].map((n) => String(n).padStart(2, '0')).join(':');
+}
+
+/** What stands on the vehicle's roof: its number, or the start of its serial when it has none. */
+export function mark(id: string, number: number): string {
+  return number > 0 ? String(number) : serial(id).slice(0, 3);
+}
+
+export function serial(id: string): string {
+  return id.slice(id.indexOf('/') + 1);
+}
+
+export function manufacturer(id: string): string {
+  const slash = id.indexOf('/');
+  return slash < 0 ? '' : id.slice(0, slash);
+}
