@@ -1,0 +1,71 @@
+// How many AIV moves (A30: travel, switch sections, one pose) one core makes per second, on a ring of straights, arcs
+// and clothoids. Goal: 50 million per second.
+#include <benchmark/benchmark.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "aiv/motion.h"
+#include "base/random.h"
+#include "bench/ring.h"
+
+namespace {
+
+using namespace cosiva;
+
+struct Fleet {
+  std::vector<aiv::AivMotion> aivs;
+  std::vector<double> DTT_m;
+  std::vector<Pose2> poses;
+};
+
+/// Vehicles all over the ring, each with a step of 0.5 to 4 cm: 0.1 to 0.8 m/s at 50 Hz, an end of section every 30
+/// moves or so.
+Fleet make_fleet(const zone::Circuit& circuit, std::size_t count) {
+  Random random{1, "bench/motion"};
+  Fleet fleet;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto section = static_cast<zone::SectionId>(random.below(circuit.size()));
+    const double s_m = random.uniform(0.0, circuit.section(section).length_m());
+    fleet.aivs.emplace_back(circuit, zone::Place{section, s_m});
+    fleet.DTT_m.push_back(random.uniform(0.005, 0.04));
+  }
+  fleet.poses.resize(count);
+  return fleet;
+}
+
+void BM_move_and_pose(benchmark::State& state) {
+  const zone::Circuit circuit = bench::mixed_ring();
+  Fleet fleet = make_fleet(circuit, static_cast<std::size_t>(state.range(0)));
+  for (auto _ : state) {
+    aiv::move_all(circuit, fleet.aivs, fleet.DTT_m, fleet.poses);
+    benchmark::DoNotOptimize(fleet.poses.data());
+    benchmark::ClobberMemory();
+  }
+  state.SetItemsProcessed(state.iterations() * state.range(0));
+}
+BENCHMARK(BM_move_and_pose)->Arg(12)->Arg(1'000)->Arg(100'000);
+
+void BM_move(benchmark::State& state) {
+  const zone::Circuit circuit = bench::mixed_ring();
+  Fleet fleet = make_fleet(circuit, static_cast<std::size_t>(state.range(0)));
+  for (auto _ : state) {
+    aiv::move_all(circuit, fleet.aivs, fleet.DTT_m, {});
+    benchmark::DoNotOptimize(fleet.aivs.data());
+    benchmark::ClobberMemory();
+  }
+  state.SetItemsProcessed(state.iterations() * state.range(0));
+}
+BENCHMARK(BM_move)->Arg(1'000);
+
+/// A whole lap in one request: 16 sections switched in one move.
+void BM_move_one_lap(benchmark::State& state) {
+  const zone::Circuit circuit = bench::mixed_ring();
+  aiv::AivMotion motion{circuit, {0, 0.1}};
+  const double lap_m = circuit.total_length_m();
+  for (auto _ : state) benchmark::DoNotOptimize(motion.move(circuit, lap_m));
+  state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK(BM_move_one_lap);
+
+}  // namespace

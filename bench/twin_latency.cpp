@@ -1,0 +1,386 @@
+// What the platform adds to the broker: publish → twin updated, beside the same broker's bare publish → receive.
+//
+// A private mosquitto on loopback; one publisher sends VDA 5050 states of about 1 kB by turns to a bare libmosquitto
+// subscriber and to the server in its live shell (MQTT client, decode, proxy, twin, monitor, with its ticks running).
+// Both streams have the same payloads, rate and moment, so the machine's noise falls on both. Goal: the 99th percentile
+// grows by less than 1 ms at 1 000 messages/s.
+#include <mosquitto.h>
+#include <sys/prctl.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <atomic>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <variant>
+#include <vector>
+
+#include "adapters/broker.h"
+#include "adapters/clock.h"
+#include "adapters/event_loop.h"
+#include "adapters/files.h"
+#include "adapters/live_shell.h"
+#include "adapters/mqtt_client.h"
+#include "aiv/motion.h"
+#include "base/json_value.h"
+#include "bench/sample_state.h"
+#include "virtual/server/server_core.h"
+#include "wire/vda5050/codec.h"
+
+namespace {
+
+using namespace cosiva;
+using std::chrono::milliseconds;
+
+struct Options {
+  std::string zone{COSIVA_SOURCE_DIR "/zones/lacet4.toml"};
+  double seconds{10.0};
+  std::uint32_t rate_hz{1000};
+  std::uint32_t vehicles{10};
+  bool json{false};
+};
+
+std::int64_t now_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+/// The headerId of a payload, which both receivers use as the message's number; the encoder writes it near the front.
+std::optional<std::size_t> number_in(std::string_view payload) {
+  constexpr std::string_view key = "\"headerId\":";
+  const std::size_t at = payload.find(key);
+  if (at == std::string_view::npos) return std::nullopt;
+  std::size_t number = 0;
+  const char* first = payload.data() + at + key.size();
+  const auto [end, error] = std::from_chars(first, payload.data() + payload.size(), number);
+  return error == std::errc{} && end != first ? std::optional{number} : std::nullopt;
+}
+
+/// When each message left, and how long it took; one slot per message, so no thread waits for another.
+class Latencies {
+ public:
+  explicit Latencies(std::size_t count) : sent_(count), taken_(count) {}
+  void sent(std::size_t number) { sent_[number].store(now_ns(), std::memory_order_release); }
+  void arrived(std::size_t number, std::int64_t at_ns) {
+    if (number < taken_.size()) taken_[number].store(at_ns - sent_[number].load(), std::memory_order_release);
+    count_.fetch_add(1, std::memory_order_release);
+  }
+  [[nodiscard]] std::size_t count() const { return count_.load(std::memory_order_acquire); }
+
+  /// Sorted, in microseconds, without the first tenth (connections, caches and clocks warm up).
+  [[nodiscard]] std::vector<double> sorted_us() const {
+    std::vector<double> all;
+    for (std::size_t i = taken_.size() / 10; i < taken_.size(); ++i) {
+      const std::int64_t ns = taken_[i].load();
+      if (ns > 0) all.push_back(static_cast<double>(ns) * 1e-3);
+    }
+    std::sort(all.begin(), all.end());
+    return all;
+  }
+
+ private:
+  std::vector<std::atomic<std::int64_t>> sent_;
+  std::vector<std::atomic<std::int64_t>> taken_;
+  std::atomic<std::size_t> count_{0};
+};
+
+double quantile(const std::vector<double>& sorted, double share) {
+  if (sorted.empty()) return 0.0;
+  return sorted[std::min(sorted.size() - 1, static_cast<std::size_t>(share * static_cast<double>(sorted.size())))];
+}
+
+/// A libmosquitto client with its own thread of the library's plainest loop.
+class BareClient {
+ public:
+  BareClient(std::uint16_t port, std::string filter, std::function<void(std::string_view)> on_payload)
+      : client_{mosquitto_new(nullptr, true, this)}, filter_{std::move(filter)}, on_payload_{std::move(on_payload)} {
+    mosquitto_int_option(client_, MOSQ_OPT_TCP_NODELAY, 1);
+    mosquitto_subscribe_callback_set(
+        client_, [](mosquitto*, void* self, int, int, const int*) { static_cast<BareClient*>(self)->ready_ = true; });
+    mosquitto_message_callback_set(client_, [](mosquitto*, void* self, const mosquitto_message* message) {
+      static_cast<BareClient*>(self)->on_payload_(
+          {static_cast<const char*>(message->payload), static_cast<std::size_t>(message->payloadlen)});
+    });
+    if (mosquitto_connect(client_, "127.0.0.1", port, 60) != MOSQ_ERR_SUCCESS) return;
+    if (filter_.empty()) {
+      // A publisher: let CONNACK in, then write straight from the calling thread.
+      for (int i = 0; i < 3; ++i) mosquitto_loop(client_, 20, 1);
+      ready_ = true;
+      return;
+    }
+    mosquitto_subscribe(client_, nullptr, filter_.c_str(), 0);
+    thread_ = std::thread{[this] {
+      while (!stop_) mosquitto_loop(client_, 100, 1);
+    }};
+    for (int i = 0; i < 200 && !ready_; ++i) std::this_thread::sleep_for(milliseconds{10});
+  }
+  ~BareClient() {
+    stop_ = true;
+    if (thread_.joinable()) thread_.join();
+    mosquitto_disconnect(client_);
+    mosquitto_destroy(client_);
+  }
+  BareClient(const BareClient&) = delete;
+  BareClient& operator=(const BareClient&) = delete;
+
+  [[nodiscard]] bool ready() const { return ready_; }
+  void publish(const std::string& topic, const std::string& payload, int qos = 0, bool retained = false) {
+    mosquitto_publish(client_, nullptr, topic.c_str(), static_cast<int>(payload.size()), payload.data(), qos, retained);
+  }
+
+ private:
+  mosquitto* client_;
+  std::string filter_;
+  std::function<void(std::string_view)> on_payload_;
+  std::atomic<bool> ready_{false};
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+/// The server core as it is, but somebody looks at the clock after each message it has handled.
+class WatchedServer final : public wire::Core {
+ public:
+  using Handled = std::function<void(const wire::Input&)>;
+  WatchedServer(const virtual_side::ServerOptions& options, Handled handled)
+      : server_{options}, handled_{std::move(handled)} {}
+
+  void handle(const wire::Input& input, wire::Effects& effects) override {
+    server_.handle(input, effects);
+    if (input.kind == wire::InputKind::message) handled_(input);
+  }
+  [[nodiscard]] SimDuration tick_period() const override { return server_.tick_period(); }
+  [[nodiscard]] std::vector<std::string> subscriptions() const override { return server_.subscriptions(); }
+  [[nodiscard]] std::optional<wire::Will> will() const override { return server_.will(); }
+  void farewell(SimTime now, wire::Effects& effects) override { server_.farewell(now, effects); }
+  void fold(Digest& digest) const override { server_.fold(digest); }
+
+  [[nodiscard]] const virtual_side::ServerCore& server() const { return server_; }
+
+ private:
+  virtual_side::ServerCore server_;
+  Handled handled_;
+};
+
+/// The vehicles' side: each drives round the circuit, and tells of it in turn.
+class Publisher {
+ public:
+  Publisher(const Options& options, const zone::TrafficZone& zone, std::uint16_t port)
+      : options_{options}, zone_{zone}, client_{port, "", {}} {
+    for (const zone::Place place : zone.start_places(options.vehicles)) {
+      motions_.emplace_back(zone.circuit, place);
+      ids_.push_back({std::string(wire::our_manufacturer), "AIV" + std::to_string(ids_.size() + 1)});
+    }
+  }
+
+  [[nodiscard]] bool ready() const { return client_.ready() && !ids_.empty(); }
+
+  void announce() {
+    for (const wire::VehicleId& id : ids_) {
+      wire::Connection online;
+      online.header = {1, clock_.now(), "2.1.0", id.manufacturer, id.serial_number};
+      online.state = wire::ConnectionState::online;
+      client_.publish(wire::vda_topic(id, "connection"), wire::vda5050::encode(online), 0, true);
+    }
+  }
+
+  /// Sends `count` messages to each of the two, half a period apart.
+  void run(std::size_t count, Latencies& bare, Latencies& twin) {
+    prctl(PR_SET_TIMERSLACK, 1);
+    const std::chrono::nanoseconds half_period{500'000'000 / options_.rate_hz};
+    auto due = std::chrono::steady_clock::now();
+    const double step_m = 0.3 * static_cast<double>(ids_.size()) / options_.rate_hz;
+    for (std::size_t number = 0; number < count; ++number) {
+      const std::size_t vehicle = number % ids_.size();
+      motions_[vehicle].move(zone_.circuit, step_m);
+      const std::string payload = wire::vda5050::encode(state_of(vehicle, static_cast<std::uint32_t>(number)));
+      bytes_ += payload.size();
+      for (Latencies* to : {&bare, &twin}) {
+        due += half_period;
+        std::this_thread::sleep_until(due);
+        to->sent(number);
+        client_.publish(wire::vda_topic(ids_[vehicle], "state", to == &bare ? "bare" : wire::default_interface),
+                        payload);
+      }
+    }
+  }
+
+  [[nodiscard]] std::size_t bytes() const { return bytes_; }
+
+ private:
+  /// Where the vehicle is now, on its way over the zone's own waypoints.
+  [[nodiscard]] wire::State state_of(std::size_t vehicle, std::uint32_t number) const {
+    const aiv::AivMotion& motion = motions_[vehicle];
+    wire::State state =
+        bench::sample_state(ids_[vehicle], number, clock_.now(), motion.pose(zone_.circuit), zone_.name);
+    state.order_id = "round-" + ids_[vehicle].serial_number;
+    std::size_t waypoint = zone_.waypoint_behind(motion.place(zone_.circuit));
+    state.last_node_id = zone_.waypoints[waypoint].id;
+    for (std::size_t i = 0; i < state.node_states.size(); ++i) {
+      const std::size_t next = zone_.next_waypoint(waypoint);
+      state.edge_states[i].edge_id = zone_.waypoints[waypoint].id + "-" + zone_.waypoints[next].id;
+      state.node_states[i].node_id = zone_.waypoints[next].id;
+      waypoint = next;
+    }
+    return state;
+  }
+
+  const Options& options_;
+  const zone::TrafficZone& zone_;
+  BareClient client_;
+  adapters::WallClock clock_;
+  std::vector<aiv::AivMotion> motions_;
+  std::vector<wire::VehicleId> ids_;
+  std::size_t bytes_{0};
+};
+
+/// Does the twin's own page say what the message just said? Asked of a few messages only, it costs time.
+bool twin_tells(const virtual_side::ServerCore& core, const std::string& payload) {
+  const auto state = wire::vda5050::decode_state(payload);
+  const auto snapshot = JsonValue::parse(core.snapshot_json());
+  if (!state || !state->position || !snapshot) return false;
+  const JsonValue* aivs = snapshot->find("aivs");
+  if (aivs == nullptr || aivs->array() == nullptr) return false;
+  const std::string id = wire::to_string(wire::VehicleId{state->header.manufacturer, state->header.serial_number});
+  for (const JsonValue& aiv : *aivs->array()) {
+    const JsonValue* reported = aiv.find("reported");
+    if (aiv.text("id") != id || reported == nullptr) continue;
+    const double dx_m = reported->number("x").value_or(1e9) - state->position->pose.x_m;
+    const double dy_m = reported->number("y").value_or(1e9) - state->position->pose.y_m;
+    return std::abs(dx_m) < 2e-3 && std::abs(dy_m) < 2e-3;
+  }
+  return false;
+}
+
+struct Figures {
+  std::size_t received{};
+  double p50_us{};
+  double p99_us{};
+};
+Figures figures(const Latencies& latencies) {
+  const std::vector<double> us = latencies.sorted_us();
+  return {latencies.count(), quantile(us, 0.50), quantile(us, 0.99)};
+}
+
+int report(const Options& options, std::size_t count, double bytes, const Figures& bare, const Figures& twin,
+           std::size_t checked, std::size_t wrong) {
+  const double added_p50_us = twin.p50_us - bare.p50_us;
+  const double added_p99_us = twin.p99_us - bare.p99_us;
+  if (options.json) {
+    std::printf(
+        "{\"rate_hz\":%u,\"vehicles\":%u,\"payload_bytes\":%.0f,\"sent\":%zu,"
+        "\"broker\":{\"received\":%zu,\"p50_us\":%.1f,\"p99_us\":%.1f},"
+        "\"twin\":{\"received\":%zu,\"p50_us\":%.1f,\"p99_us\":%.1f},"
+        "\"ratio\":{\"p50\":%.3f,\"p99\":%.3f},\"added_us\":{\"p50\":%.1f,\"p99\":%.1f},"
+        "\"twins_checked\":%zu,\"twins_wrong\":%zu}\n",
+        options.rate_hz, options.vehicles, bytes, count, bare.received, bare.p50_us, bare.p99_us, twin.received,
+        twin.p50_us, twin.p99_us, twin.p50_us / bare.p50_us, twin.p99_us / bare.p99_us, added_p50_us, added_p99_us,
+        checked, wrong);
+  } else {
+    std::printf("%zu states of %.0f bytes to each, %u a second, %u vehicles\n", count, bytes, options.rate_hz,
+                options.vehicles);
+    std::printf("  broker alone, publish to receive:  p50 %7.1f us  p99 %7.1f us  (%zu received)\n", bare.p50_us,
+                bare.p99_us, bare.received);
+    std::printf("  publish to twin updated:           p50 %7.1f us  p99 %7.1f us  (%zu received)\n", twin.p50_us,
+                twin.p99_us, twin.received);
+    std::printf("  ratio:                             p50 %7.2f     p99 %7.2f\n", twin.p50_us / bare.p50_us,
+                twin.p99_us / bare.p99_us);
+    std::printf("  added:                             p50 %7.1f us  p99 %7.1f us  (goal: p99 under 1000)\n",
+                added_p50_us, added_p99_us);
+    std::printf("  twins compared with what was sent: %zu, wrong: %zu\n", checked, wrong);
+  }
+  return wrong == 0 && checked > 0 && bare.received == count && twin.received == count ? 0 : 1;
+}
+
+int complain(const std::string& text) {
+  std::fprintf(stderr, "twin_latency: %s\n", text.c_str());
+  return 3;
+}
+
+int measure(const Options& options) {
+  auto text = adapters::read_file(options.zone);
+  if (!text) return complain(to_string(text.error()));
+  const zone::ZoneConfiguration configuration{"toml", options.zone, *std::move(text)};
+  const auto rtm = zone::Rtm::initialise(configuration);
+  if (!rtm) return complain(to_string(rtm.error()));
+
+  adapters::EventLoop loop;
+  const auto directory = std::filesystem::temp_directory_path() / ("cosiva-twin-latency-" + std::to_string(now_ns()));
+  std::filesystem::create_directory(directory);
+  struct Remove {
+    std::filesystem::path what;
+    ~Remove() { std::filesystem::remove_all(what); }
+  } const remove{directory};
+  auto broker = adapters::PrivateBroker::start(loop, {directory.string(), (directory / "broker.log").string(), ""});
+  if (!broker) return complain(to_string(broker.error()));
+  const std::uint16_t port = (*broker)->port();
+
+  const auto count = static_cast<std::size_t>(options.seconds * options.rate_hz);
+  Latencies bare{count};
+  Latencies twin{count};
+  const BareClient subscriber{port, "bare/#", [&bare](std::string_view payload) {
+                                const std::int64_t at_ns = now_ns();
+                                if (const auto number = number_in(payload)) bare.arrived(*number, at_ns);
+                              }};
+
+  std::size_t checked = 0;
+  std::size_t wrong = 0;
+  virtual_side::ServerOptions server;
+  server.zone = configuration;
+  server.drive = false;
+  WatchedServer core{server, [&](const wire::Input& input) {
+                       const std::int64_t at_ns = now_ns();
+                       if (!input.source.ends_with("/state")) return;
+                       const auto number = number_in(input.payload);
+                       if (!number) return;
+                       twin.arrived(*number, at_ns);
+                       // The first two rounds are the vehicles' arrival.
+                       if (*number % 199 != 198 || *number < 2 * options.vehicles) return;
+                       ++checked;
+                       if (!twin_tells(core.server(), input.payload)) ++wrong;
+                     }};
+  adapters::MqttOptions mqtt;
+  mqtt.port = port;
+  adapters::LiveShell shell{loop, core, {"server", virtual_side::to_json(server), "server", mqtt, "", ""}};
+  if (const auto started = shell.start(); !started) return complain(to_string(started.error()));
+  if (!loop.run_until([&] { return shell.link_up(); }, milliseconds{5000}))
+    return complain("the server found no broker");
+
+  Publisher publisher{options, rtm->zone(), port};
+  if (!publisher.ready() || !subscriber.ready()) return complain("a bare client found no broker");
+  publisher.announce();
+  loop.run_for(milliseconds{300});
+
+  std::thread vehicles{[&] { publisher.run(count, bare, twin); }};
+  const milliseconds limit{static_cast<int>(options.seconds * 1000.0) + 5000};
+  loop.run_until([&] { return twin.count() >= count && bare.count() >= count; }, limit);
+  vehicles.join();
+  const double bytes = static_cast<double>(publisher.bytes()) / static_cast<double>(count);
+  return report(options, count, bytes, figures(bare), figures(twin), checked, wrong);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app{"Measures publish to twin updated beside the bare broker, in one run"};
+  app.add_option("--zone", options.zone, "Zone file")->capture_default_str();
+  app.add_option("--seconds", options.seconds, "Length of the run")->capture_default_str()->check(CLI::PositiveNumber);
+  app.add_option("--rate", options.rate_hz, "Messages per second")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100'000));
+  app.add_option("--vehicles", options.vehicles, "Vehicles that report")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100));
+  app.add_flag("--json", options.json, "Print the figures as JSON");
+  CLI11_PARSE(app, argc, argv);
+  return measure(options);
+}

@@ -1,0 +1,75 @@
+// How much faster than real time the whole platform runs in one process: plant, boards, on-board programs, network,
+// server, simulator. Goal: 12 AIVs at 500 times real time on one core.
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "experiments/world/world.h"
+
+namespace {
+
+using namespace cosiva;
+
+struct Options {
+  std::string zone{COSIVA_SOURCE_DIR "/zones/lacet4.toml"};
+  std::uint32_t aivs{12};
+  double duration_s{600.0};
+  std::uint64_t seed{1};
+  bool json{false};
+};
+
+int measure(const Options& options) {
+  std::ifstream file{options.zone, std::ios::binary};
+  experiments::WorldOptions world_options;
+  world_options.zone = {"toml", options.zone, {std::istreambuf_iterator<char>{file}, {}}};
+  world_options.aivs = options.aivs;
+  world_options.seed = options.seed;
+  auto world = experiments::World::make(std::move(world_options));
+  if (!world) {
+    std::fprintf(stderr, "virtual_time: %s\n", to_string(world.error()).c_str());
+    return 2;
+  }
+  const auto start = std::chrono::steady_clock::now();
+  const std::clock_t cpu_start = std::clock();
+  (*world)->run_for(from_seconds(options.duration_s));
+  const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double cpu_s = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
+
+  // By processor time: the whole runs on one core, and what else the machine does must not count.
+  const double factor = options.duration_s / cpu_s;
+  double driven_m = 0.0;
+  for (const auto& vehicle : (*world)->plant().vehicles()) driven_m += vehicle.distance_m;
+  const std::size_t collisions = (*world)->plant().collisions().size();
+  const std::uint64_t messages = (*world)->network().counters().delivered;
+  const std::string digest = (*world)->digest().hex();
+  const char* format = options.json ? "{\"aivs\":%u,\"simulated_s\":%.3f,\"cpu_s\":%.4f,\"wall_s\":%.4f,\"real_time_"
+                                      "factor\":%.1f,\"messages\":%llu,"
+                                      "\"driven_m\":%.1f,\"collisions\":%zu,\"digest\":\"%s\"}\n"
+                                    : "%u AIVs, %.0f s simulated in %.2f s of one core (%.2f s by the wall): %.0f "
+                                      "times real time; %llu messages delivered, %.1f m driven, %zu "
+                                      "collisions, digest %s\n";
+  std::printf(format, options.aivs, options.duration_s, cpu_s, wall_s, factor,
+              static_cast<unsigned long long>(messages), driven_m, collisions, digest.c_str());
+  return collisions == 0 ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app{"Measures how much faster than real time a fleet runs in virtual time"};
+  app.add_option("--zone", options.zone, "Zone file")->capture_default_str();
+  app.add_option("--aivs", options.aivs, "Vehicles")->capture_default_str()->check(CLI::Range(1, 1000));
+  app.add_option("--duration", options.duration_s, "Simulated seconds")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  app.add_option("--seed", options.seed, "Seed of the run")->capture_default_str();
+  app.add_flag("--json", options.json, "Print the figures as JSON");
+  CLI11_PARSE(app, argc, argv);
+  return measure(options);
+}

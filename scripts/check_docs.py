@@ -1,0 +1,104 @@
+#!/usr/bin/env python3
+"""Every file, folder, test and link that the documents name exists.
+
+In README.md, CHANGELOG.md and docs/**/*.md:
+  - a path in backquotes that starts at one of our top folders (`src/zone/section.h`), * is a wildcard;
+  - the target of a relative link or picture;
+  - in docs/paper-map.md also every `Suite.test` in backquotes, which must stand as TEST(Suite, test) in src/ or e2e/.
+With --self-test it judges small good and bad documents.
+"""
+
+import argparse
+import pathlib
+import re
+import sys
+import tempfile
+
+TOPS = r"(?:src|docs|zones|scripts|bench|web|e2e|fuzz|cmake|\.ci)"
+PATH = re.compile(rf"`({TOPS}(?:/[\w.*@+-]+)+/?)(?::\d+)?`")
+LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)]*)?\)")
+TEST_NAME = re.compile(r"`([A-Z]\w*)\.([a-zA-Z]\w*)`")
+TEST_CASE = re.compile(r"\b(?:TEST|TEST_F|TEST_P|TYPED_TEST|RC_GTEST_PROP|RC_GTEST_FIXTURE_PROP)\(\s*(\w+),\s*(\w+)")
+# Made by building or testing, so not in a fresh checkout.
+MADE = ("web/dist", "e2e/artefacts")
+
+
+def check(root):
+    problems, documents = [], [root / "README.md", root / "CHANGELOG.md", *sorted((root / "docs").rglob("*.md"))]
+    tests = None
+    for document in [d for d in documents if d.exists()]:
+        name = document.relative_to(root).as_posix()
+        for number, line in enumerate(document.read_text().splitlines(), 1):
+            where = f"{name}:{number}"
+            for path in PATH.findall(line):
+                if not path.startswith(MADE) and not any(root.glob(path.rstrip("/"))):
+                    problems.append(f"{where}: there is no {path}")
+            for target in LINK.findall(line):
+                if "://" not in target and not target.startswith("mailto:") and not (document.parent / target).exists():
+                    problems.append(f"{where}: the link to {target} leads nowhere")
+            if name == "docs/paper-map.md":
+                if tests is None:
+                    files = [*(root / "src").rglob("*.cpp"), *(root / "e2e").glob("*.cpp")]
+                    tests = {case for file in files for case in TEST_CASE.findall(file.read_text())}
+                for suite, test in TEST_NAME.findall(line):
+                    if (suite, test) not in tests:
+                        problems.append(f"{where}: there is no TEST({suite}, {test})")
+    return len(documents), problems
+
+
+# ---- self-test -------------------------------------------------------------------------------------------------------
+
+GOOD = {
+    "README.md": "[a](docs/a.md#part) [b](https://example.org/) `src/zone/z.h` `src/*/z.h` `web/dist/x`",
+    "docs/a.md": "[back](../README.md) `scripts/run`",
+    "docs/paper-map.md": "| A1 | `Section.ends_where_it_should` |",
+    "src/zone/z.h": "",
+    "src/zone/z_test.cpp": "TEST(Section, ends_where_it_should) {}",
+    "scripts/run": "",
+}
+BAD = [
+    ({"README.md": "see `src/zone/gone.h`"}, "README.md:1: there is no src/zone/gone.h"),
+    ({"README.md": "\n[x](docs/gone.md)"}, "README.md:2: the link to docs/gone.md"),
+    ({"README.md": "![x](docs/images/gone.png)"}, "docs/images/gone.png leads nowhere"),
+    ({"docs/guide/g.md": "`src/nothing/*.h`"}, "there is no src/nothing/*.h"),
+    ({"docs/paper-map.md": "`Section.is_gone`"}, "no TEST(Section, is_gone)"),
+]
+
+
+def judge(tree):
+    with tempfile.TemporaryDirectory() as root:
+        for name, text in tree.items():
+            path = pathlib.Path(root) / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text + "\n")
+        return check(pathlib.Path(root))[1]
+
+
+def self_test():
+    failures = [f"good documents were refused: {problem}" for problem in judge(GOOD)]
+    for change, complaint in BAD:
+        problems = judge(GOOD | change)
+        if not any(complaint in problem for problem in problems):
+            failures.append(f"{change} should be refused with '{complaint}', got {problems}")
+    for failure in failures:
+        print(failure)
+    print(f"docs, self-test: {1 + len(BAD)} trees judged, {len(failures)} wrongly")
+    return 1 if failures else 0
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--root", type=pathlib.Path, default=pathlib.Path(__file__).resolve().parent.parent)
+    parser.add_argument("--self-test", action="store_true")
+    arguments = parser.parse_args()
+    if arguments.self_test:
+        return self_test()
+    count, problems = check(arguments.root)
+    for problem in problems:
+        print(problem)
+    print(f"docs: {count} documents, {len(problems)} problems")
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

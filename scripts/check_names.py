@@ -1,0 +1,194 @@
+#!/usr/bin/env python3
+"""What may not be named, and where.
+
+blind   src/virtual and the page's sources name no concrete circuit, zone format or vehicle make (A19): they handle what
+        they are handed. Tests may, they have to hand them something.
+pure    the cores (all of src/ but adapters and app) use no elementary function, random number or hash order that could
+        differ between machines, and no thread, clock, file or socket: same inputs, same bits (docs/architecture.md).
+        Tests may: they compare with libm and read files.
+
+With --self-test it judges small good and bad files.
+"""
+
+import argparse
+import pathlib
+import re
+import sys
+import tempfile
+
+CONCRETE = re.compile(
+    r"lacet|indus(?!tr)|clover|toml|opendrive|xodr|\blif\b"
+    r"|kuka|jungheinrich|omron|seegrid|turtlebot|raspberry|\bmir\d|vda-5050-lib",
+    re.IGNORECASE,
+)
+
+MATH = (
+    "sin|cos|tan|asin|acos|atan|atan2|sinh|cosh|tanh|asinh|acosh|atanh|exp|exp2|expm1|log|log2|log10|log1p|pow|cbrt"
+    "|hypot"
+    "|fma|erf|erfc|tgamma|lgamma|beta|legendre"
+)
+SHELL_HEADERS = (
+    "thread|mutex|shared_mutex|condition_variable|future|atomic|random|filesystem|fstream|iostream"
+    "|unistd.h|time.h|ctime|pthread.h|signal.h|csignal|poll.h|fcntl.h|sys/[a-z_]+.h|netinet/[a-z_]+.h|arpa/[a-z_]+.h"
+)
+IMPURE = [
+    (re.compile(rf"\bstd::({MATH})[fl]?\b"), "differs in its last bit between machines; base/math.h has its own"),
+    (re.compile(r"\bstd::(rand|srand|random_device|mt19937|minstd_rand|\w+_distribution|shuffle|sample)\b|\brand\(\)"),
+     "is another on every library; base/random.h has streams"),
+    (re.compile(r"\bstd::(jthread|thread|async|mutex|atomic|condition_variable|future|promise)\b"),
+     "a core runs where it is called"),
+    (re.compile(r"\b(system_clock|steady_clock|high_resolution_clock|utc_clock)\b"
+                r"|\b(clock_gettime|gettimeofday|localtime|mktime)\b|\bstd::time\("), "a core is told the time"),
+    (re.compile(r"\bstd::([io]?fstream|filesystem|cout|cin|cerr|clog)\b|\b(fopen|getenv|system|popen|fork|socket)\("),
+     "a core touches nothing of the machine"),
+    (re.compile(r"\bstd::hash\b"), "is another on every library; base/digest.h is ours"),
+    (re.compile(rf"^\s*#\s*include\s*<({SHELL_HEADERS})>", re.MULTILINE), "belongs in the outer ring"),
+]
+# A bare call of a libm name; unless the folder declares a function of its own by that name, such as `void log(…)`.
+BARE = re.compile(rf"(?:\breturn\s+|(?<![\w\s.:>&*~])\s*|\s[-+*/]\s+)(?<![\w.:>])({MATH})[fl]?\(")
+DECLARED = re.compile(rf"^[ \t]*(?:\[\[\w+\]\] |static |inline |constexpr )*(?!return\b)[\w:<>]+[&*]? ({MATH})\(", re.M)
+UNORDERED = re.compile(r"\bunordered_(?:multi)?(?:map|set)\s*<[^;{}()]*>\s+(\w+)")
+# The house's own elementary functions are written here and only here; a failed expectation speaks on stderr.
+PURE_EXCEPT = {"base/math.cpp", "base/math.h", "base/expect.cpp"}
+SHELLS = {"adapters", "app"}
+
+
+def code_only(text):
+    """The text with comments and literals blanked out, line numbers kept."""
+    token = re.compile(r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])\'', re.DOTALL)
+    return token.sub(lambda m: re.sub(r"[^\n]", " ", m.group(0)) or " ", text)
+
+
+def is_test(path):
+    """Tests, and what only tests use: thing_test.cpp, test_things.h, thing_bench.h, thing.test.ts."""
+    return bool(re.search(r"^test_|_test\.cpp$|_bench\.(h|cpp)$|\.test\.ts$", path.name))
+
+
+def sources(folder, suffixes):
+    return [p for p in sorted(folder.rglob("*")) if p.suffix in suffixes and not is_test(p)]
+
+
+def check_blind(root, problems):
+    files = sources(root / "src/virtual", {".h", ".cpp", ".txt"}) + sources(
+        root / "web/src", {".ts", ".svelte", ".css", ".html", ".js"})
+    for path in files:
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            for word in CONCRETE.findall(line):
+                problems.append(f"{path.relative_to(root)}:{number}: names '{word}', which is concrete (A19)")
+    return len(files)
+
+
+def check_pure(root, problems):
+    src = root / "src"
+    files = [p for p in sources(src, {".h", ".cpp"}) if p.relative_to(src).parts[0] not in SHELLS]
+    for path in files:
+        name = path.relative_to(src).as_posix()
+        if name in PURE_EXCEPT:
+            continue
+        text = code_only(path.read_text())
+        where = f"src/{name}"
+        for pattern, why in IMPURE:
+            for match in pattern.finditer(text):
+                line = text.count("\n", 0, match.start() + len(match.group(0)) - len(match.group(0).lstrip())) + 1
+                problems.append(f"{where}:{line}: {match.group(0).strip()}: {why}")
+        own = {n for p in path.parent.iterdir() if p.suffix in (".h", ".cpp") for n in DECLARED.findall(p.read_text())}
+        for match in [m for m in BARE.finditer(text) if m.group(1) not in own]:
+            line = text.count("\n", 0, match.start(1)) + 1
+            problems.append(f"{where}:{line}: {match.group(1)}(: looks like libm; base/math.h has its own")
+        # Looking something up in a hash map is fine, going through one is not. A header's members count in its source.
+        twin = path.with_suffix(".h")
+        header = code_only(twin.read_text()) if twin.exists() else ""
+        for member in sorted({*UNORDERED.findall(text), *UNORDERED.findall(header)}):
+            for match in re.finditer(rf"\bfor\s*\([^;)]*:\s*(?:\w+(?:\.|->))*{member}\b|\b{member}\.c?begin\(", text):
+                line = text.count("\n", 0, match.start()) + 1
+                problems.append(f"{where}:{line}: goes through '{member}' in hash order")
+    return len(files)
+
+
+def check(root):
+    problems = []
+    count = check_blind(root, problems) + check_pure(root, problems)
+    return count, problems
+
+
+# ---- self-test -------------------------------------------------------------------------------------------------------
+
+GOOD = {
+    "src/virtual/server/a.cpp": '#include "zone/rtm.h"\n// industrial vehicles of any make, any lifetime\nint life;',
+    "src/virtual/server/a_test.cpp": 'auto zone = load("lacet4.toml");',
+    "web/src/a.svelte": "<p>Circuit</p>",
+    "src/zone/toml.cpp": "// std::sin would do here\nauto s = sincos(x).sin; auto e = det_exp(y); auto p = c.pow(2);\n"
+    'auto t = "std::thread rand() sin(1)"; double v = std::sqrt(2); auto w = std::floor(v);',
+    "src/zone/toml_test.cpp": "EXPECT_NEAR(std::sin(x), y, 1e-12); std::ifstream file;",
+    "src/aiv/log.h": "void log(int x);\nstatic std::string exp(int y);\n double& beta(int z);",
+    "src/aiv/log.cpp": "{ log(3); }",
+    "src/aiv/look.cpp": "std::unordered_map<int, int> seen; auto it = seen.find(3); for (auto x : other) {}",
+    "src/adapters/clock.cpp": "auto now = std::chrono::system_clock::now(); std::thread t;",
+    "src/app/main.cpp": "std::cout << std::sin(1);",
+}
+BAD = [
+    ({"src/virtual/simulator/x.cpp": "if (name == CircuitLacet4) draw();"}, "names 'Lacet'"),
+    ({"src/virtual/simulator/x.h": "// reads TOML"}, "names 'TOML'"),
+    ({"web/src/x.ts": 'import lif from "x"'}, "names 'lif'"),
+    ({"web/src/x.ts": "const indus8 = 1"}, "names 'indus'"),
+    ({"src/base/x.cpp": "double y = std::sin(x);"}, "src/base/x.cpp:1: std::sin"),
+    ({"src/zone/x.cpp": "\n\ndouble y = hypot(a, b);"}, "src/zone/x.cpp:3: hypot("),
+    ({"src/zone/x.cpp": "double y = std::atan2f(a, b);"}, "std::atan2f"),
+    ({"src/zone/x.cpp": "double f() { return exp(1.0); }"}, "exp("),
+    ({"src/zone/x.cpp": "double y = 2.0 * tan(1.0);"}, "tan("),
+    ({"src/zone/x.cpp": "f(cos(1.0));"}, "cos("),
+    ({"src/aiv/x.cpp": "std::uniform_real_distribution<double> d;"}, "uniform_real_distribution"),
+    ({"src/physical/plant/x.cpp": "#include <random>"}, "belongs in the outer ring"),
+    ({"src/wire/x.cpp": "// fine\n#include <sys/socket.h>"}, "src/wire/x.cpp:2"),
+    ({"src/wire/x.cpp": "std::jthread t;"}, "a core runs where it is called"),
+    ({"src/journal/x.cpp": "auto t = std::chrono::steady_clock::now();"}, "a core is told the time"),
+    ({"src/journal/x.cpp": "std::ofstream out;"}, "touches nothing of the machine"),
+    ({"src/experiments/world/x.cpp": 'getenv("HOME");'}, "touches nothing of the machine"),
+    (
+        {
+            "src/virtual/server/y.h": "struct Y { std::unordered_map<std::string, int> all_; };",
+            "src/virtual/server/y.cpp": "void f() { for (const auto& [k, v] : all_) use(k); }",
+        },
+        "goes through 'all_' in hash order",
+    ),
+    ({"src/aiv/x.cpp": "std::unordered_set<int> seen; auto i = seen.begin();"}, "goes through 'seen' in hash order"),
+]
+
+
+def judge(tree):
+    with tempfile.TemporaryDirectory() as root:
+        for name, text in tree.items():
+            path = pathlib.Path(root) / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text + "\n")
+        return check(pathlib.Path(root))[1]
+
+
+def self_test():
+    failures = [f"a good tree was refused: {problem}" for problem in judge(GOOD)]
+    for change, complaint in BAD:
+        problems = judge(GOOD | change)
+        if not any(complaint in problem for problem in problems):
+            failures.append(f"{change} should be refused with '{complaint}', got {problems}")
+    for failure in failures:
+        print(failure)
+    print(f"names, self-test: {1 + len(BAD)} trees judged, {len(failures)} wrongly")
+    return 1 if failures else 0
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--root", type=pathlib.Path, default=pathlib.Path(__file__).resolve().parent.parent)
+    parser.add_argument("--self-test", action="store_true")
+    arguments = parser.parse_args()
+    if arguments.self_test:
+        return self_test()
+    count, problems = check(arguments.root)
+    for problem in problems:
+        print(problem)
+    print(f"names: {count} files, {len(problems)} problems")
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
