@@ -69,6 +69,7 @@ struct World::Inside {
   std::priority_queue<Tick, std::vector<Tick>, std::greater<>> ticks;
   std::deque<Bytes> streams;  ///< one delay for all, so first in is first out
   std::vector<wire::Network::Delivery> due;
+  wire::Network::ClientId stranger{};
   std::uint64_t sequence{0};
   Digest finished;  ///< what cores did that were killed since
   World::Tap tap;
@@ -227,6 +228,7 @@ Result<std::unique_ptr<World>> World::make(WorldOptions options) {
   inside.start(Inside::plant_id, std::move(*plant), "plant", plant_configuration);
   inside.start_server();
   for (std::uint32_t number = 1; number <= inside.options.aivs; ++number) inside.start_aiv(number, true);
+  inside.stranger = inside.network.connect(inside.now, {}, std::nullopt);
   return world;
 }
 
@@ -248,6 +250,10 @@ void World::command_server(std::string json) {
 
 void World::command_plant(std::string json) {
   inside_->feed(Inside::plant_id, wire::InputKind::command, "world", std::move(json));
+}
+
+void World::publish(const wire::Publish& message) {
+  inside_->network.publish(inside_->now, inside_->stranger, message);
 }
 
 void World::kill_aiv(std::uint32_t number) { inside_->kill(Inside::first_aiv_id + number - 1); }

@@ -36,6 +36,8 @@ class World {
   /// A person's command to the server or the plant, as Input::command.
   void command_server(std::string json);
   void command_plant(std::string json);
+  /// A message from a stranger on the same broker.
+  void publish(const wire::Publish& message);
   /// Processes that die and come back: kill breaks its connections at once, nothing is said goodbye.
   void kill_aiv(std::uint32_t number);
   void start_aiv(std::uint32_t number);

@@ -1,0 +1,64 @@
+// kill -9 of each part in turn: what is left stops safely or goes on, what died comes back, the fleet goes on without help.
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { Truth } from './lib/bus.mjs';
+import { eventually, Platform, sleep } from './lib/platform.mjs';
+
+const stop_ms_max = 1_500; // 500 ms until the loss is noticed, then braking from 0.5 m/s at 0.6 m/s² at worst
+const everyone = [1, 2, 3, 4];
+
+async function all_go_on(truth, what, within_ms = 45_000) {
+  // Distance, not speed: at any moment someone may wait before a crossing.
+  const before = new Map(truth.latest.vehicles.map((vehicle) => [vehicle.number, vehicle.distance]));
+  await eventually(`every AIV drives on after ${what}`, () => truth.latest.vehicles.every((vehicle) => vehicle.distance - before.get(vehicle.number) > 1), { within_ms });
+}
+
+test('kill -9', { timeout: 300_000 }, async (t) => {
+  // Long enough to see the loss before it is repaired.
+  const platform = await Platform.up(t, { args: ['--respawn', '4'] });
+  const truth = await Truth.follow(t, await platform.broker_port());
+  await all_go_on(truth, 'the start');
+
+  await t.test('of an AIV: its twin shows the broken connection, the others go on, it rejoins', async () => {
+    const killed_ms = Date.now();
+    await platform.kill_child(/aiv\D*2$/i);
+    await eventually('the twin is lost', async () => {
+      const aiv = await platform.aiv(2);
+      return aiv.connection === 'CONNECTIONBROKEN' || aiv.lost;
+    }, { within_ms: 2_000 });
+    assert.ok(Date.now() - killed_ms < 2_500);
+    await truth.stands(2, 2_000);
+    const driven = await truth.driven(1_500);
+    assert.ok([1, 3, 4].some((number) => driven.get(number) > 0.1), 'the others go on');
+    const matched = (await platform.get('bijection')).matched;
+    assert.equal(matched, 4, 'a twin is never lost');
+
+    await eventually('it is online again', async () => (await platform.aiv(2)).connection === 'ONLINE', { within_ms: 20_000 });
+    await all_go_on(truth, 'the AIV came back');
+    assert.equal(truth.collisions, 0);
+  });
+
+  await t.test('of the server: vehicles stop safely, then all go on', async () => {
+    await platform.kill_child(/server/i);
+    for (const number of everyone) await truth.stands(number, stop_ms_max + 500);
+    await eventually('the server answers again', async () => (await platform.snapshot()).aivs.length === 4, { within_ms: 20_000 });
+    await all_go_on(truth, 'the server came back');
+    const snapshot = await platform.snapshot();
+    assert.equal(new Set(snapshot.aivs.map((aiv) => aiv.id)).size, 4, 'none is lost or doubled');
+    assert.equal(truth.collisions, 0);
+  });
+
+  await t.test('of the broker: vehicles stop safely, then all go on', async () => {
+    const before = new Map(truth.latest.vehicles.map((vehicle) => [vehicle.number, vehicle.distance]));
+    await platform.kill_child(/broker|mosquitto/i);
+    await sleep(1_000);
+    // Without a bus the truth cannot be heard. What was driven meanwhile tells: at most half a second, then braking.
+    await eventually('the truth is heard again', () => Date.now() - truth.received_ms < 200, { within_ms: 30_000 });
+    for (const vehicle of truth.latest.vehicles) {
+      const driven = vehicle.distance - before.get(vehicle.number);
+      assert.ok(driven < 1.2, `AIV${vehicle.number} drove ${driven.toFixed(2)} m without a broker`);
+    }
+    await all_go_on(truth, 'the broker came back');
+    assert.equal(truth.collisions, 0);
+  });
+});

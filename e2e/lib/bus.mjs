@@ -1,0 +1,84 @@
+// Looks at the bus from outside: the plant's truth, and every message that passes.
+import { finally_do } from './cleanup.mjs';
+import { connect } from 'mqtt';
+import { eventually, sleep } from './platform.mjs';
+
+export class Bus {
+  /** Connects and keeps connecting; `topics` are heard from now on. */
+  static async open(t, port, topics) {
+    const bus = new Bus();
+    bus.client = connect(`mqtt://127.0.0.1:${port}`, { clientId: `e2e-${process.pid}-${Math.floor(performance.now() * 1000)}`, reconnectPeriod: 200, connectTimeout: 2_000 });
+    bus.listeners = [];
+    bus.client.on('message', (topic, payload, packet) => {
+      for (const listener of bus.listeners) listener(topic, payload, packet);
+    });
+    bus.client.on('error', () => {}); // it connects again by itself
+    finally_do(t, () => bus.client.endAsync(true));
+    await eventually('the bus answers', () => bus.client.connected, { within_ms: 5_000 });
+    if (topics.length > 0) await bus.client.subscribeAsync(topics, { qos: 0 });
+    return bus;
+  }
+
+  on_message(listener) {
+    this.listeners.push(listener);
+  }
+
+  publish(topic, value, options = {}) {
+    return this.client.publishAsync(topic, JSON.stringify(value), options);
+  }
+}
+
+/** The plant's truth, followed: where each vehicle really is, and every collision. */
+export class Truth {
+  static async follow(t, port) {
+    const truth = new Truth();
+    truth.latest = null;
+    truth.received_ms = 0;
+    truth.collisions = 0;
+    const bus = await Bus.open(t, port, ['cosiva/v1/plant/truth']);
+    bus.on_message((_topic, payload) => truth.accept(JSON.parse(payload.toString())));
+    await eventually('the plant says the truth', () => truth.latest !== null, { within_ms: 10_000 });
+    return truth;
+  }
+
+  /** Adds to each vehicle the distance it drove since this was first heard: chords of a tenth of a second. */
+  accept(news) {
+    for (const vehicle of news.vehicles) {
+      const before = this.latest?.vehicles.find(({ number }) => number === vehicle.number);
+      vehicle.distance = before ? before.distance + Math.hypot(vehicle.x - before.x, vehicle.y - before.y) : 0;
+    }
+    this.latest = news;
+    this.received_ms = Date.now();
+    this.collisions = news.collisions;
+  }
+
+  vehicle(number) {
+    return this.latest.vehicles.find((vehicle) => vehicle.number === number);
+  }
+
+  /** The first truth that arrives after now. */
+  async next() {
+    const seen = this.received_ms;
+    await eventually('a newer truth', () => this.received_ms > seen, { within_ms: 5_000, every_ms: 10 });
+    return this.latest;
+  }
+
+  /** Metres driven by each vehicle during `ms`, by number. */
+  async driven(ms) {
+    const before = new Map(this.latest.vehicles.map((vehicle) => [vehicle.number, vehicle.distance]));
+    await sleep(ms);
+    await this.next();
+    return new Map(this.latest.vehicles.map((vehicle) => [vehicle.number, vehicle.distance - before.get(vehicle.number)]));
+  }
+
+  /** Waits until `number` stands; answers how long that took [ms]. */
+  async stands(number, within_ms) {
+    const start = Date.now();
+    await eventually(`AIV${number} stands in truth`, () => Math.abs(this.vehicle(number).speed) < 0.01, { within_ms, every_ms: 20 });
+    return Date.now() - start;
+  }
+
+  async moves(number, within_ms) {
+    await eventually(`AIV${number} moves in truth`, () => Math.abs(this.vehicle(number).speed) > 0.05, { within_ms, every_ms: 20 });
+  }
+}

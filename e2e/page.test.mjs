@@ -1,0 +1,92 @@
+// The operator's page on the real platform: four AIVs move, one is stopped by a click and stands in the plant's truth too,
+// goes on when told to; the page says when its server is gone, and recovers by itself.
+import assert from 'node:assert/strict';
+import { mkdirSync } from 'node:fs';
+import path from 'node:path';
+import { test } from 'node:test';
+import { open_browser, open_page } from './lib/browser.mjs';
+import { Truth } from './lib/bus.mjs';
+import { eventually, Platform, sleep, source_dir } from './lib/platform.mjs';
+
+const row = (page, number) => page.locator(`[data-aiv="CoSiVA/AIV${number}"]`);
+const section = (page, number) => row(page, number).getByTestId('section').innerText();
+
+test('an operator watches, stops and restarts AIVs on the page', { timeout: 180_000 }, async (t) => {
+  const platform = await Platform.up(t);
+  const truth = await Truth.follow(t, await platform.broker_port());
+  const page = await open_page(t, await open_browser(t), platform.url);
+
+  await t.test('four AIVs are listed, live and matched', async () => {
+    assert.equal(await page.title(), 'CoSiVA');
+    await page.waitForSelector('[data-testid=link][data-phase=live]', { timeout: 10_000 });
+    await page.waitForFunction(() => document.querySelectorAll('[data-aiv]').length === 4, null, { timeout: 10_000 });
+    await page.waitForFunction(() => document.querySelector('[data-testid=matched]')?.textContent.includes('4 / 4'), null, { timeout: 10_000 });
+  });
+
+  await t.test('all four move, in the list and on the canvas', async () => {
+    const before = await Promise.all([1, 2, 3, 4].map((number) => section(page, number)));
+    const picture = await page.getByTestId('circuit').screenshot();
+    // A vehicle may stand for a while before a crossing that another holds.
+    for (const number of [1, 2, 3, 4]) {
+      await eventually(`AIV${number} moves in the list`, async () => (await section(page, number)) !== before[number - 1], { within_ms: 25_000 });
+    }
+    assert.notDeepEqual(await page.getByTestId('circuit').screenshot(), picture);
+  });
+
+  await t.test('the Stop button stops the vehicle on the physical side', async () => {
+    await truth.moves(2, 25_000);
+    await page.getByRole('button', { name: 'Stop AIV2', exact: true }).click();
+    await truth.stands(2, 3_000);
+    await page.waitForFunction(() => /Stopped/.test(document.querySelector('[data-aiv="CoSiVA/AIV2"] [data-testid=state]').textContent), null, { timeout: 3_000 });
+    const where = truth.vehicle(2).distance;
+    await sleep(1_500);
+    assert.ok(truth.vehicle(2).distance - where < 0.005, 'it stays where it was stopped');
+  });
+
+  await t.test('the command is followed until its effect is seen', async () => {
+    await page.waitForSelector('[data-aiv="CoSiVA/AIV2"] [data-command-state=materialised]', { timeout: 6_000 });
+  });
+
+  await t.test('the Restart button sets it in motion again', async () => {
+    await page.getByRole('button', { name: 'Restart AIV2', exact: true }).click();
+    await truth.moves(2, 25_000);
+  });
+
+  await t.test('Shift+Esc stops all, and Restart all asks once', async () => {
+    await page.keyboard.press('Shift+Escape');
+    for (const number of [1, 2, 3, 4]) await truth.stands(number, 4_000);
+    await page.getByTestId('restart-all').click();
+    await sleep(500);
+    for (const number of [1, 2, 3, 4]) assert.ok(truth.vehicle(number).speed < 0.01, 'one press alone moves nobody');
+    await page.getByTestId('restart-all').click();
+    for (const number of [1, 2, 3, 4]) await truth.moves(number, 30_000);
+  });
+
+  await t.test('a picture of it for the README', async () => {
+    mkdirSync(path.join(source_dir, 'docs/images'), { recursive: true });
+    await page.getByRole('button', { name: 'Slow AIV3', exact: true }).click();
+    await page.waitForSelector('[data-aiv="CoSiVA/AIV3"] [data-command-state=materialised]', { timeout: 30_000 });
+    await sleep(3_000);
+    await page.mouse.move(5, 5);
+    await page.screenshot({ path: path.join(source_dir, 'docs/images/page.png') });
+    await platform.command('restart', 'CoSiVA/AIV3');
+  });
+
+  await t.test('a vehicle whose process dies is shown as lost', async () => {
+    await platform.kill_child(/aiv\D*4$/i);
+    await page.waitForSelector('[data-aiv="CoSiVA/AIV4"][data-state=lost]', { timeout: 3_000 });
+    await page.waitForFunction(() => document.querySelector('[data-aiv="CoSiVA/AIV4"]').dataset.state !== 'lost', null, { timeout: 30_000 });
+  });
+
+  await t.test('when the server dies the page says so, and recovers', async () => {
+    await platform.kill_child(/server/i);
+    await page.waitForSelector('[data-testid=banner]', { timeout: 3_000 });
+    assert.match(await page.getByTestId('banner').innerText(), /No connection|silent/);
+    await page.waitForSelector('[data-testid=link][data-phase=live]', { timeout: 30_000 });
+    await page.waitForSelector('[data-testid=banner]', { state: 'detached', timeout: 5_000 });
+    for (const number of [1, 2, 3, 4]) await truth.moves(number, 40_000);
+  });
+
+  assert.deepEqual(page.script_errors, []);
+  assert.equal(truth.collisions, 0);
+});
