@@ -1,0 +1,217 @@
+#include "app/command_line.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "app/arguments.h"
+#include "app/words.h"
+
+namespace cosiva::app {
+namespace {
+
+constexpr const char* about =
+    "CoSiVA: a fleet of autonomous industrial vehicles and its virtual twin, in step.\n"
+    "\n"
+    "  cosiva up                                      four AIVs on lacet4, with their page on http://127.0.0.1:8080\n"
+    "  cosiva up --virtual-time --duration 600 --json  ten minutes in seconds, the same digest every time";
+
+constexpr const char* exit_codes = "Exit status: 0 done, 1 the run's own checks failed, 2 bad usage or bad input.";
+
+void add_broker(CLI::App& verb, BrokerArguments& broker, const std::string& without) {
+  verb.add_option("--broker", broker.address, "MQTT broker to use; without: " + without)->type_name("HOST:PORT");
+  verb.add_option("--broker-ca", broker.ca_file, "TLS: the authority that vouches for the broker (PEM)")
+      ->type_name("FILE");
+  verb.add_option("--broker-cert", broker.certificate_file, "TLS: our own certificate (PEM)")->type_name("FILE");
+  verb.add_option("--broker-key", broker.key_file, "TLS: its key (PEM)")->type_name("FILE");
+  verb.add_option("--broker-user", broker.user, "user name at the broker")->type_name("NAME");
+  verb.add_option("--broker-password-file", broker.password_file, "file whose first line is the password")
+      ->type_name("FILE");
+}
+
+CLI::Option* add_seconds(CLI::App& verb, const std::string& name, std::optional<double>& seconds,
+                         const std::string& what) {
+  return verb.add_option(name, seconds, what)->type_name("S")->check(CLI::Range(0.001, 1e9));
+}
+
+void add_part(CLI::App& verb, PartArguments& part) {
+  add_broker(verb, part.broker, "127.0.0.1:1883");
+  verb.add_option("--record", part.record_file, "write everything this part is told to a journal (see `replay`)")
+      ->type_name("FILE");
+  verb.add_option("--summary", part.summary_file, "write the figures at the end to a JSON file")->type_name("FILE");
+  verb.add_flag("--json", part.json, "print the figures at the end as JSON");
+  add_seconds(verb, "--duration", part.duration_s, "end by itself after so many seconds");
+  verb.add_flag("--announce", part.announce)->group("");
+}
+
+void describe_up(CLI::App& verb, UpArguments& up) {
+  verb.add_option("--zone", up.zone, "traffic zone: a ready one's name or a file")
+      ->type_name("NAME|FILE")
+      ->capture_default_str();
+  verb.add_option("--aivs", up.aivs, "how many vehicles")
+      ->type_name("N")
+      ->check(CLI::Range(1, 200))
+      ->capture_default_str();
+  verb.add_flag("--headless", up.headless, "no page; the figures stay on /api/v1");
+  add_seconds(verb, "--duration", up.duration_s, "end so many seconds after the fleet is up, with a summary");
+  verb.add_flag("--json", up.json, "print the summary as JSON");
+  verb.add_option("--seed", up.seed, "fixes every random draw of the emulated world")
+      ->type_name("S")
+      ->capture_default_str();
+  verb.add_option("--port", up.port, "of the page on 127.0.0.1; if busy, the next free one is taken")
+      ->type_name("PORT")
+      ->capture_default_str();
+  verb.add_option("--record", up.record_file, "write everything the server is told to a journal (see `replay`)")
+      ->type_name("FILE");
+  verb.add_option("--log-dir", up.log_directory, "where the logs go; they are kept")->type_name("DIR");
+  verb.add_option("--run-dir", up.run_directory, "where sockets and other passing things go; cleared at the end")
+      ->type_name("DIR");
+  verb.add_option("--respawn", up.respawn_s, "start an AIV that died again after so many seconds; 0: never")
+      ->type_name("S")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  verb.add_flag("--virtual-time", up.virtual_time,
+                "all in one process, as fast as the machine can, bit for bit the same each time");
+  verb.add_option("--loss", up.loss, "share of messages lost, with --virtual-time")
+      ->type_name("P")
+      ->check(CLI::Range(0.0, 0.9));
+  verb.add_option("--trace-messages", up.trace_file, "write every message as a JSON line")->type_name("FILE");
+  verb.add_option("--web", up.web_directory, "the page's built files, if not web/dist")->type_name("DIR");
+  add_broker(verb, up.broker, "a private one is started on 127.0.0.1");
+}
+
+void describe_server(CLI::App& verb, ServerArguments& server) {
+  verb.add_option("--port", server.port, "of the page on 127.0.0.1; if busy, the next free one is taken")
+      ->type_name("PORT")
+      ->capture_default_str();
+  verb.add_option("--zone", server.zone, "traffic zone, when no plant serves it")->type_name("NAME|FILE");
+  verb.add_flag("--no-drive", server.no_drive, "only watch: another master control gives the orders");
+  verb.add_flag("--headless", server.headless, "no page; the figures stay on /api/v1");
+  verb.add_option("--web", server.web_directory, "the page's built files, if not web/dist")->type_name("DIR");
+  verb.add_option("--fleet", server.fleet)->group("");
+  add_part(verb, server.part);
+}
+
+void describe_plant(CLI::App& verb, PlantArguments& plant) {
+  verb.add_option("--zone", plant.zone, "traffic zone: a ready one's name or a file")
+      ->type_name("NAME|FILE")
+      ->required();
+  verb.add_option("--vehicles", plant.vehicles, "how many vehicles to emulate")
+      ->type_name("N")
+      ->check(CLI::Range(1, 200))
+      ->capture_default_str();
+  verb.add_option("--sockets", plant.sockets_directory, "folder of the boards' sockets")->type_name("DIR")->required();
+  verb.add_option("--seed", plant.seed, "fixes every random draw")->type_name("S")->capture_default_str();
+  add_part(verb, plant.part);
+}
+
+void describe_aiv(CLI::App& verb, AivArguments& aiv) {
+  verb.add_option("--number", aiv.number, "its number, which its boards' sockets carry")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1'000'000))
+      ->required();
+  verb.add_option("--sockets", aiv.sockets_directory, "folder of the boards' sockets")->type_name("DIR")->required();
+  verb.add_option("--serial", aiv.serial, "its serial number; without: AIV<number>")->type_name("TEXT");
+  verb.add_option("--zone", aiv.zone, "traffic zone; without: from the broker")->type_name("NAME|FILE");
+  verb.add_option("--start", aiv.start, "where it stands at first, such as east:0.85; without: it waits to be told")
+      ->type_name("SECTION:S");
+  verb.add_option("--memory", aiv.memory_file, "keeps its place over a crash; wins over --start")->type_name("FILE");
+  add_part(verb, aiv.part);
+}
+
+/// All options of a verb, for the "did you mean".
+std::vector<std::string> option_names(const CLI::App& verb) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : verb.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+int refuse(const std::string& message, const CLI::App& verb) {
+  const std::string name = verb.get_parent() == nullptr ? "cosiva" : "cosiva " + verb.get_name();
+  say(name + ": " + message);
+  say("`" + name + " --help` tells what there is");
+  return exit_bad_input;
+}
+
+int refuse_unknown(const CLI::App& root) {
+  const CLI::App* verb = &root;
+  while (!verb->get_subcommands().empty()) verb = verb->get_subcommands().front();
+  const std::vector<std::string> unknown = root.remaining(true);
+  std::string message;
+  for (const std::string& word : unknown) {
+    message += (message.empty() ? "'" : "\n  '") + word + "' is unknown";
+    std::vector<std::string> candidates = option_names(*verb);
+    for (const CLI::App* sub : verb->get_subcommands([](const CLI::App*) { return true; }))
+      candidates.push_back(sub->get_name());
+    if (const std::string near = nearest_word(word, candidates); !near.empty())
+      message += "; did you mean '" + near + "'?";
+  }
+  return refuse(message, *verb);
+}
+
+}  // namespace
+
+int run_command_line(int argc, const char* const* argv) {
+  CLI::App root{about, "cosiva"};
+  root.footer(exit_codes);
+  root.set_version_flag("--version", std::string("cosiva ") + COSIVA_VERSION);
+  root.require_subcommand(0, 1);
+
+  UpArguments up;
+  ServerArguments server;
+  PlantArguments plant;
+  AivArguments aiv;
+  ReplayArguments replay;
+  ZoneArguments zone;
+  CLI::App* up_verb =
+      root.add_subcommand("up", "The whole platform on this machine: broker, emulated vehicles, server, page");
+  CLI::App* server_verb = root.add_subcommand("server", "AIV_Server, simulator and page alone");
+  CLI::App* plant_verb = root.add_subcommand("plant", "The emulated physical world alone");
+  CLI::App* aiv_verb = root.add_subcommand("aiv", "One vehicle's on-board program alone");
+  CLI::App* replay_verb = root.add_subcommand("replay", "Run a recorded journal again and compare the digests");
+  CLI::App* zone_verb = root.add_subcommand("zone", "Look at traffic zones");
+  CLI::App* check_verb =
+      zone_verb->add_subcommand("check", "Say what a zone file holds, or what is wrong with it and where");
+  CLI::App* show_verb = zone_verb->add_subcommand("show", "Draw a zone as SVG");
+  zone_verb->require_subcommand(1);
+  describe_up(*up_verb, up);
+  describe_server(*server_verb, server);
+  describe_plant(*plant_verb, plant);
+  describe_aiv(*aiv_verb, aiv);
+  replay_verb->add_option("file", replay.file, "journal made with --record; '-' reads standard input")
+      ->type_name("FILE")
+      ->required();
+  replay_verb->add_flag("--json", replay.json, "print the result as JSON");
+  for (CLI::App* verb : {check_verb, show_verb})
+    verb->add_option("zone", zone.zone, "a ready zone's name or a file")->type_name("NAME|FILE")->required();
+  check_verb->add_flag("--json", zone.json, "print the result as JSON");
+  show_verb->add_option("--svg", zone.svg_file, "where to draw; without: standard output")->type_name("OUT");
+
+  try {
+    root.parse(argc, argv);
+  } catch (const CLI::ExtrasError&) {
+    return refuse_unknown(root);
+  } catch (const CLI::Success& asked) {
+    root.exit(asked);  // --help, --version: to standard output
+    return exit_done;
+  } catch (const CLI::ParseError& error) {
+    const CLI::App* verb = &root;
+    while (!verb->get_subcommands().empty()) verb = verb->get_subcommands().front();
+    return refuse(error.what(), *verb);
+  }
+
+  if (up_verb->parsed()) return run_up(up);
+  if (server_verb->parsed()) return run_server(server);
+  if (plant_verb->parsed()) return run_plant(plant);
+  if (aiv_verb->parsed()) return run_aiv(aiv);
+  if (replay_verb->parsed()) return run_replay(replay);
+  if (check_verb->parsed()) return run_zone_check(zone);
+  if (show_verb->parsed()) return run_zone_show(zone);
+  print(root.help());
+  return exit_done;
+}
+
+}  // namespace cosiva::app

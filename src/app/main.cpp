@@ -1,0 +1,14 @@
+#include <cstdio>
+#include <exception>
+
+#include "app/command_line.h"
+
+int main(int argc, char** argv) {
+  try {
+    return cosiva::app::run_command_line(argc, argv);
+  } catch (const std::exception& error) {
+    // Only what we did not foresee gets here, such as memory running out.
+    std::fprintf(stderr, "cosiva: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,159 @@
+#include <charconv>
+#include <memory>
+
+#include "aiv/onboard/onboard_core.h"
+#include "app/arguments.h"
+#include "app/part.h"
+#include "app/places.h"
+#include "app/server_page.h"
+#include "app/words.h"
+#include "base/json_value.h"
+#include "base/json_writer.h"
+#include "physical/plant/plant_core.h"
+#include "virtual/server/server_core.h"
+
+namespace cosiva::app {
+namespace {
+
+using adapters::EventLoop;
+using adapters::LiveOptions;
+using adapters::LiveShell;
+using adapters::PortHandlers;
+using adapters::Ports;
+
+/// Reads and checks the zone, so that a bad file is said here and not by a core later.
+Result<zone::ZoneConfiguration> load_good_zone(const std::string& name_or_file) {
+  auto configuration = load_zone(name_or_file);
+  if (!configuration) return configuration;
+  if (auto rtm = zone::Rtm::initialise(*configuration); !rtm) return tl::unexpected(rtm.error());
+  return configuration;
+}
+
+Result<LiveOptions> live_options(const PartArguments& part, std::string kind, std::string name, std::string options) {
+  auto mqtt = mqtt_options(part.broker, "cosiva-" + name);
+  if (!mqtt) return tl::unexpected(mqtt.error());
+  LiveOptions live;
+  live.kind = std::move(kind);
+  live.name = std::move(name);
+  live.options = std::move(options);
+  live.mqtt = std::move(*mqtt);
+  live.record_file = part.record_file;
+  return live;
+}
+
+/// "section:s", as `--start` has it.
+Result<aiv::OnboardOptions::Start> parse_start(const std::string& text) {
+  const std::size_t colon = text.rfind(':');
+  double s_m = 0.0;
+  if (colon != std::string::npos && colon > 0) {
+    const char* end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data() + colon + 1, end, s_m);
+    if (error == std::errc{} && stop == end) return aiv::OnboardOptions::Start{text.substr(0, colon), s_m};
+  }
+  return fail("aiv.start", "'" + text + "' is not section:s, such as east:0.85 (metres along the section)", "--start");
+}
+
+bool fleet_is_matched(const virtual_side::ServerCore& core, std::uint32_t fleet) {
+  JsonWriter json;
+  core.write_bijection(json);
+  const auto figures = JsonValue::parse(json.text());
+  return figures && figures->number("matched").value_or(0) >= fleet && figures->number("physical").value_or(0) >= fleet;
+}
+
+}  // namespace
+
+int run_server(const ServerArguments& arguments) {
+  virtual_side::ServerOptions options;
+  options.drive = !arguments.no_drive;
+  if (!arguments.zone.empty()) {
+    auto zone = load_good_zone(arguments.zone);
+    if (!zone) return complain(zone.error());
+    options.zone = std::move(*zone);
+  }
+  auto live = live_options(arguments.part, "server", "server", virtual_side::to_json(options));
+  if (!live) return complain(live.error());
+
+  EventLoop loop;
+  virtual_side::ServerCore core{options};
+  LiveShell shell{loop, core, std::move(*live)};
+  auto page =
+      ServerPage::open(loop, shell, core, arguments.port, find_web_root(arguments.web_directory), arguments.headless);
+  if (!page) return complain(page.error());
+  const std::uint16_t port = (*page)->port();
+  if (arguments.port != 0 && port != arguments.port)
+    say("port " + std::to_string(arguments.port) + " is busy; taking " + std::to_string(port));
+  say((arguments.headless ? "API at http://127.0.0.1:" : "page at http://127.0.0.1:") + std::to_string(port) + "/");
+  announce(arguments.part, R"({"event":"page","port":)" + std::to_string(port) + "}");
+
+  adapters::Timer fleet{loop};
+  if (arguments.fleet > 0) {
+    fleet.every(std::chrono::milliseconds{100}, [&] {
+      if (!fleet_is_matched(core, arguments.fleet)) return;
+      fleet.cancel();
+      announce(arguments.part, R"({"event":"fleet"})");
+    });
+  }
+  return Part{loop, shell, "server", arguments.part, [&] { return core.summary_json(); }}.run();
+}
+
+int run_plant(const PlantArguments& arguments) {
+  auto zone = load_good_zone(arguments.zone);
+  if (!zone) return complain(zone.error());
+  physical::PlantOptions options;
+  options.zone = std::move(*zone);
+  options.vehicles = arguments.vehicles;
+  options.seed = arguments.seed;
+  auto live = live_options(arguments.part, "plant", "plant", physical::to_json(options));
+  if (!live) return complain(live.error());
+  auto core = physical::PlantCore::make(options);
+  if (!core) return complain(core.error());
+
+  EventLoop loop;
+  LiveShell shell{loop, **core, std::move(*live), [&](PortHandlers handlers) {
+                    return adapters::listen_unix_ports(loop, arguments.sockets_directory, (*core)->ports(),
+                                                       std::move(handlers));
+                  }};
+  return Part{loop, shell, "plant", arguments.part, [&] { return (*core)->summary_json(); }}.run();
+}
+
+int run_aiv(const AivArguments& arguments) {
+  aiv::OnboardOptions options;
+  options.number = arguments.number;
+  options.id.serial_number = arguments.serial.empty() ? "AIV" + std::to_string(arguments.number) : arguments.serial;
+  if (!wire::valid_serial_number(options.id.serial_number))
+    return complain({"aiv.serial", "a serial number has A-Z a-z 0-9 _ . : - only, 64 at most", "--serial"});
+  if (!arguments.start.empty()) {
+    auto start = parse_start(arguments.start);
+    if (!start) return complain(start.error());
+    options.start = std::move(*start);
+  }
+  if (!arguments.zone.empty()) {
+    auto zone = load_good_zone(arguments.zone);
+    if (!zone) return complain(zone.error());
+    options.zone = std::move(*zone);
+  }
+  auto live = live_options(arguments.part, "aiv", "aiv" + std::to_string(arguments.number), aiv::to_json(options));
+  if (!live) return complain(live.error());
+  live->memory_file = arguments.memory_file;
+
+  EventLoop loop;
+  aiv::OnboardCore core{options};
+  LiveShell shell{loop, core, std::move(*live), [&](PortHandlers handlers) {
+                    return adapters::connect_unix_ports(loop, arguments.sockets_directory, core.ports(),
+                                                        std::move(handlers));
+                  }};
+  const auto summary = [&] {
+    JsonWriter json;
+    json.begin_object().field("number", arguments.number).field("speed", core.believed_speed_mps()).key("believed");
+    if (const auto pose = core.believed_pose()) {
+      json.begin_object().field("x", pose->x_m).field("y", pose->y_m).field("heading", pose->heading_rad).end_object();
+    } else {
+      json.null();
+    }
+    json.end_object();
+    return json.take();
+  };
+  return Part{loop, shell, "aiv", arguments.part, summary}.run();
+}
+
+}  // namespace cosiva::app

@@ -1,0 +1,70 @@
+#include "app/run_summary.h"
+
+#include "app/words.h"
+#include "base/json_value.h"
+#include "base/json_writer.h"
+
+namespace cosiva::app {
+namespace {
+
+void write(JsonWriter& json, const JsonValue& value) {
+  if (const bool* flag = value.flag()) {
+    json.value(*flag);
+  } else if (const double* number = value.number()) {
+    json.value(*number);
+  } else if (const std::string* text = value.text()) {
+    json.value(*text);
+  } else if (const JsonValue::Array* items = value.array()) {
+    json.begin_array();
+    for (const JsonValue& item : *items) write(json, item);
+    json.end_array();
+  } else if (const JsonValue::Object* members = value.object()) {
+    json.begin_object();
+    for (const auto& [name, member] : *members) write(json.key(name), member);
+    json.end_object();
+  } else {
+    json.null();
+  }
+}
+
+std::string millis(const JsonValue& figures, std::string_view of, double scale, const char* unit) {
+  const JsonValue* spread = figures.find(of);
+  const auto p99 = spread == nullptr ? std::nullopt : spread->number("p99");
+  return p99 ? decimals(*p99 * scale, 1) + unit : std::string("unknown");
+}
+
+}  // namespace
+
+Result<RunSummary> summarise(const RunFacts& facts, std::string_view server_summary, std::string_view plant_summary) {
+  const auto server = JsonValue::parse(server_summary);
+  const auto plant = JsonValue::parse(plant_summary);
+  const JsonValue* bijection = server ? server->find("bijection") : nullptr;
+  const JsonValue* collisions = plant ? plant->find("collisions") : nullptr;
+  if (bijection == nullptr || collisions == nullptr || collisions->array() == nullptr)
+    return fail("run.summary", "a part of the platform left no summary; its log says why");
+
+  RunSummary run;
+  const std::size_t touched = collisions->array()->size();
+  const double laps = plant->number("laps").value_or(0.0);
+  const double longest_wait_s = plant->number("longest_wait_s").value_or(0.0);
+  JsonWriter json;
+  write(json.begin_object().key("bijection"), *bijection);
+  json.field("aivs", facts.aivs).field("collisions", touched).field("laps", laps);
+  json.field("longest_wait_s", longest_wait_s).field("digest", facts.digest).field("duration_s", facts.duration_s);
+  json.field("zone", facts.zone).field("seed", facts.seed).end_object();
+  run.json = json.take();
+
+  const auto counted = [&](const char* what) { return bijection->number(what).value_or(-1.0); };
+  const double wanted = facts.aivs;
+  run.collided = touched > 0;
+  run.all_matched = counted("matched") == wanted && counted("physical") == wanted && counted("virtual") == wanted;
+
+  run.text = decimals(facts.duration_s, 1) + " s on " + facts.zone + ": matched " + decimals(counted("matched"), 0) +
+             " of " + std::to_string(facts.aivs) + ", divergence p99 " +
+             millis(*bijection, "divergence_m", 1e3, " mm") + ", age p99 " + millis(*bijection, "age_ms", 1.0, " ms") +
+             "\n" + std::to_string(touched) + " collisions, " + decimals(laps, 0) + " laps, longest wait " +
+             decimals(longest_wait_s, 1) + " s, digest " + facts.digest;
+  return run;
+}
+
+}  // namespace cosiva::app

@@ -1,0 +1,320 @@
+#include <charconv>
+#include <csignal>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "adapters/broker.h"
+#include "adapters/clock.h"
+#include "adapters/event_loop.h"
+#include "adapters/files.h"
+#include "adapters/mqtt_client.h"
+#include "app/arguments.h"
+#include "app/places.h"
+#include "app/run_directory.h"
+#include "app/run_summary.h"
+#include "app/supervisor.h"
+#include "app/trace_writer.h"
+#include "app/words.h"
+#include "base/json_value.h"
+#include "zone/rtm.h"
+
+namespace cosiva::app {
+namespace {
+
+using adapters::EventLoop;
+using adapters::Timer;
+using std::chrono::milliseconds;
+
+/// The order of the end: the server first, so that its figures are of a living fleet; the broker last, so that everyone
+/// can say goodbye.
+enum Stage : int { server_stage, aiv_stage, plant_stage, broker_stage };
+
+constexpr std::chrono::seconds arrival_max{60};
+
+std::string number_text(double number) {
+  char buffer[32];
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, number).ptr};
+}
+
+/// The whole platform as children of this process.
+class Up {
+ public:
+  Up(const UpArguments& arguments, RunDirectory run, std::string log_directory, zone::Rtm rtm)
+      : arguments_{arguments},
+        run_{std::move(run)},
+        log_directory_{std::move(log_directory)},
+        rtm_{std::move(rtm)},
+        supervisor_{loop_, run_ / children_file_name,
+                    [this](const std::string& name) { give_up(name + " does not stay up; its log says why"); }},
+        duration_{loop_},
+        arrival_{loop_} {}
+
+  int run() {
+    loop_.on_signals({SIGINT, SIGTERM, SIGHUP}, [this](int) {
+      if (ending_) return loop_.stop();  // asked twice: at once, without goodbyes
+      interrupted_ = true;
+      end();
+    });
+    if (auto started = start(); !started) return complain(started.error());
+    loop_.run();
+    return finish();
+  }
+
+ private:
+  // --- starting -----------------------------------------------------------------------------------------------------
+
+  Result<void> start() {
+    if (auto started = start_broker(); !started) return started;
+    if (auto started = start_trace(); !started) return started;
+    if (auto started = add("plant", plant_stage, [this] { return plant_argv(); }); !started) return started;
+    if (auto started = add("server", server_stage, [this] { return server_argv(); }); !started) return started;
+    const auto places = rtm_.zone().start_places(arguments_.aivs);
+    for (std::uint32_t number = 1; number <= arguments_.aivs; ++number) {
+      const zone::Place place = places[number - 1];
+      const std::string start = rtm_.zone().circuit.part(place.section).name + ":" + number_text(place.s_m);
+      const auto argv = [this, number, start] { return aiv_argv(number, start); };
+      if (auto started = add("aiv" + std::to_string(number), aiv_stage, argv); !started) return started;
+    }
+    if (arguments_.duration_s)
+      arrival_.after(arrival_max, [this] { give_up("not all vehicles arrived within a minute; their logs say why"); });
+    return {};
+  }
+
+  Result<void> start_broker() {
+    if (!arguments_.broker.address.empty()) {
+      broker_arguments_ = arguments_.broker;
+      return {};
+    }
+    auto started = adapters::PrivateBroker::start(loop_, {run_.path(), log("broker"), {}});
+    if (!started) return tl::unexpected(started.error());
+    broker_ = std::move(*started);
+    broker_arguments_.address = "127.0.0.1:" + std::to_string(broker_->port());
+    Supervisor::Member member;
+    member.name = "broker";
+    member.stage = broker_stage;
+    member.launch = [this, first = true](Supervisor::OnExit on_exit) mutable -> Result<adapters::Child*> {
+      broker_->on_exit(std::move(on_exit));
+      if (!std::exchange(first, false)) {
+        if (auto again = broker_->restart(); !again) return tl::unexpected(again.error());
+      }
+      return broker_->child();
+    };
+    return supervisor_.add(std::move(member));
+  }
+
+  /// Listens to everything on the bus, as one more client that says nothing.
+  Result<void> start_trace() {
+    if (arguments_.trace_file.empty()) return {};
+    auto opened = TraceWriter::create(arguments_.trace_file);
+    if (!opened) return tl::unexpected(opened.error());
+    trace_ = std::move(*opened);
+    auto options = mqtt_options(broker_arguments_, "cosiva-trace");
+    if (!options) return tl::unexpected(options.error());
+    adapters::MqttHandlers handlers;
+    handlers.on_message = [this](std::string_view topic, std::string_view payload, bool retained) {
+      trace_->write(clock_.now(), {}, topic, payload, retained);
+    };
+    auto client = adapters::MqttClient::make(loop_, std::move(*options), {"#"}, std::nullopt, std::move(handlers));
+    if (!client) return tl::unexpected(client.error());
+    trace_client_ = std::move(*client);
+    trace_client_->start();
+    return {};
+  }
+
+  Result<void> add(const std::string& name, Stage stage, std::function<std::vector<std::string>()> argv) {
+    Supervisor::Program program;
+    program.log_file = log(name);
+    program.argv = std::move(argv);
+    if (stage == server_stage) program.on_line = [this](const std::string& line) { on_server_event(line); };
+    Supervisor::Member member;
+    member.name = name;
+    member.stage = stage;
+    member.launch = supervisor_.launcher(std::move(program));
+    if (stage == aiv_stage) {
+      member.respawns = arguments_.respawn_s > 0.0;
+      member.respawn_delay = std::chrono::duration_cast<milliseconds>(from_seconds(arguments_.respawn_s));
+    }
+    return supervisor_.add(std::move(member));
+  }
+
+  [[nodiscard]] std::string log(const std::string& name) const { return log_directory_ + "/" + name + ".log"; }
+
+  [[nodiscard]] std::vector<std::string> part_argv(const std::string& verb) const {
+    std::vector<std::string> argv{own_executable(), verb, "--broker", broker_arguments_.address};
+    const auto option = [&](const char* name, const std::string& value) {
+      if (value.empty()) return;
+      argv.emplace_back(name);
+      argv.push_back(value);
+    };
+    option("--broker-ca", broker_arguments_.ca_file);
+    option("--broker-cert", broker_arguments_.certificate_file);
+    option("--broker-key", broker_arguments_.key_file);
+    option("--broker-user", broker_arguments_.user);
+    option("--broker-password-file", broker_arguments_.password_file);
+    return argv;
+  }
+
+  static void append(std::vector<std::string>& argv, std::initializer_list<std::string> more) {
+    argv.insert(argv.end(), more);
+  }
+
+  [[nodiscard]] std::vector<std::string> plant_argv() const {
+    auto argv = part_argv("plant");
+    append(argv, {"--zone", rtm_.configuration().origin, "--vehicles", std::to_string(arguments_.aivs)});
+    append(argv, {"--seed", std::to_string(arguments_.seed), "--sockets", run_ / "boards"});
+    append(argv, {"--summary", run_ / "plant.json"});
+    return argv;
+  }
+
+  [[nodiscard]] std::vector<std::string> aiv_argv(std::uint32_t number, const std::string& start) const {
+    const std::string name = std::to_string(number);
+    auto argv = part_argv("aiv");
+    append(argv, {"--number", name, "--sockets", run_ / "boards", "--start", start});
+    append(argv, {"--memory", run_ / ("aiv" + name + ".memory")});
+    return argv;
+  }
+
+  std::vector<std::string> server_argv() {
+    auto argv = part_argv("server");
+    append(argv, {"--port", std::to_string(http_port_.value_or(arguments_.port)), "--summary", run_ / "server.json"});
+    append(argv, {"--announce", "--fleet", std::to_string(arguments_.aivs)});
+    if (arguments_.headless) append(argv, {"--headless"});
+    if (!arguments_.web_directory.empty()) append(argv, {"--web", arguments_.web_directory});
+    ++server_lives_;
+    if (!arguments_.record_file.empty()) {
+      // A server started again is another run: its journal is another file, and the first one stays as it is.
+      append(argv,
+             {"--record", arguments_.record_file + (server_lives_ > 1 ? "." + std::to_string(server_lives_) : "")});
+    }
+    return argv;
+  }
+
+  // --- running ------------------------------------------------------------------------------------------------------
+
+  void on_server_event(const std::string& line) {
+    const auto event = JsonValue::parse(line);
+    if (!event) return;
+    const std::string what = event->text("event").value_or("");
+    if (what == "page") {
+      const auto port = static_cast<std::uint16_t>(event->number("port").value_or(0.0));
+      if (!std::exchange(http_port_, port)) return banner();
+      say("the server is back at " + url());
+    } else if (what == "fleet" && !fleet_up_at_) {
+      fleet_up_at_ = clock_.now();
+      arrival_.cancel();
+      say("all " + std::to_string(arguments_.aivs) + " AIVs are up and have their twins");
+      if (arguments_.duration_s) duration_.after(from_seconds(*arguments_.duration_s), [this] { end(); });
+    }
+  }
+
+  [[nodiscard]] std::string url() const { return "http://127.0.0.1:" + std::to_string(*http_port_) + "/"; }
+
+  void banner() const {
+    if (arguments_.port != 0 && *http_port_ != arguments_.port)
+      say("port " + std::to_string(arguments_.port) + " is busy, so " + std::to_string(*http_port_) + " is taken");
+    say("CoSiVA: " + std::to_string(arguments_.aivs) + " AIVs on " + rtm_.zone().name);
+    say((arguments_.headless ? "  figures " : "  page    ") + url() + (arguments_.headless ? "api/v1/snapshot" : ""));
+    say("  broker  " + broker_arguments_.address + (broker_ ? "  (ours; VDA 5050 under uagv/v2)" : ""));
+    say("  logs    " + log_directory_);
+    say(arguments_.duration_s
+            ? "  ends by itself after " + decimals(*arguments_.duration_s, 0) + " s; Ctrl-C ends it now"
+            : std::string("  Ctrl-C ends everything"));
+  }
+
+  void give_up(const std::string& why) {
+    say("cosiva: " + why + " (" + log_directory_ + ")");
+    failed_ = true;
+    end();
+  }
+
+  // --- ending -------------------------------------------------------------------------------------------------------
+
+  void end() {
+    if (ending_) return;
+    ending_ = true;
+    ended_at_ = clock_.now();
+    duration_.cancel();
+    arrival_.cancel();
+    supervisor_.end([this] { loop_.stop(); });
+  }
+
+  int finish() {
+    const auto summary_of = [&](const std::string& file) { return adapters::read_file(run_ / file).value_or("{}"); };
+    const auto server = JsonValue::parse(summary_of("server.json"));
+    RunFacts facts{rtm_.zone().name, arguments_.aivs, arguments_.seed, 0.0, {}};
+    if (server) facts.digest = server->text("digest").value_or("");
+    if (fleet_up_at_) facts.duration_s = to_seconds(ended_at_ - *fleet_up_at_);
+    const auto run = summarise(facts, part_summary("server.json"), part_summary("plant.json"));
+    if (!run) {
+      say("cosiva: " + to_string(run.error()));
+    } else {
+      print(arguments_.json ? run->json : run->text);
+    }
+    say("the logs are in " + log_directory_);
+    if (failed_ || !run || run->collided) return interrupted_ && !run ? exit_done : exit_check_failed;
+    // A run that a person ended early promised nothing about who would be there.
+    return interrupted_ || run->all_matched ? exit_done : exit_check_failed;
+  }
+
+  /// The core's own figures from a part's summary file.
+  [[nodiscard]] std::string part_summary(const std::string& file) const {
+    const auto text = adapters::read_file(run_ / file);
+    if (!text) return "{}";
+    // {"kind":…,"summary":{…}}: the summary is the last member, and nothing of it needs to be understood here.
+    const std::size_t at = text->find("\"summary\":");
+    if (at == std::string::npos || text->empty()) return "{}";
+    return text->substr(at + 10, text->size() - at - 11);
+  }
+
+  const UpArguments& arguments_;
+  RunDirectory run_;
+  std::string log_directory_;
+  zone::Rtm rtm_;
+  EventLoop loop_;
+  adapters::WallClock clock_;
+  std::unique_ptr<adapters::PrivateBroker> broker_;
+  BrokerArguments broker_arguments_;
+  std::unique_ptr<TraceWriter> trace_;
+  std::unique_ptr<adapters::MqttClient> trace_client_;
+  Supervisor supervisor_;
+  Timer duration_;
+  Timer arrival_;
+  std::optional<std::uint16_t> http_port_;
+  std::optional<SimTime> fleet_up_at_;
+  SimTime ended_at_{};
+  int server_lives_{0};
+  bool ending_{false};
+  bool interrupted_{false};
+  bool failed_{false};
+};
+
+}  // namespace
+
+int run_up(const UpArguments& arguments) {
+  if (arguments.virtual_time) return run_virtual_time(arguments);
+  if (arguments.loss > 0.0)
+    return complain({"up.loss", "messages are lost on purpose in virtual time only (--virtual-time)", "--loss"});
+  // Everything that can be wrong with what was asked is said before anything is started.
+  auto configuration = load_zone(arguments.zone);
+  if (!configuration) return complain(configuration.error());
+  std::error_code error;
+  configuration->origin = std::filesystem::absolute(configuration->origin, error).lexically_normal().string();
+  auto rtm = zone::Rtm::initialise(std::move(*configuration));
+  if (!rtm) return complain(rtm.error());
+  if (const std::size_t room = rtm->zone().start_places(arguments.aivs).size(); room < arguments.aivs) {
+    return complain(
+        {"up.aivs",
+         "this zone has room for " + std::to_string(room) + " AIVs to start, not " + std::to_string(arguments.aivs),
+         "--aivs"});
+  }
+  if (auto broker = mqtt_options(arguments.broker, "cosiva"); !broker) return complain(broker.error());
+  const std::string logs = arguments.log_directory.empty() ? default_log_directory() : arguments.log_directory;
+  std::filesystem::create_directories(logs, error);
+  if (error) return complain({"up.logs", "cannot make this folder: " + error.message(), logs});
+  auto run = RunDirectory::create(arguments.run_directory.empty() ? default_run_directory() : arguments.run_directory);
+  if (!run) return complain(run.error());
+  return Up{arguments, std::move(*run), logs, std::move(*rtm)}.run();
+}
+
+}  // namespace cosiva::app
