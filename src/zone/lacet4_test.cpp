@@ -103,10 +103,23 @@ TEST(Lacet4, has_no_stretch_without_tag_longer_than_it_must) {
   }
 }
 
+TEST(Lacet4, has_a_beacon_under_each_straight_at_every_pitch) {
+  const TrafficZone zone = testing::lacet4();
+  for (const char* name : {"east", "north", "west", "south"}) {
+    const Section& straight = zone.circuit.section(zone.circuit.find(name).value());
+    for (int i = 0; i <= 5; ++i) {
+      const Point2 p = position(straight.pose_at(0.30 * i));
+      const auto beacon = zone.beacons->nearest(p);
+      ASSERT_TRUE(beacon) << name;
+      EXPECT_LT(distance(beacon->position, p), 1e-9) << name << " " << i;
+    }
+  }
+}
+
 TEST(Lacet4, has_beacons_over_the_whole_zone) {
   const TrafficZone zone = testing::lacet4();
   ASSERT_TRUE(zone.beacons);
-  EXPECT_EQ(zone.beacons->pitch_m, 0.25);
+  EXPECT_EQ(zone.beacons->pitch_m, 0.30);
   for (SectionId id = 0; id < 8; ++id) {
     for (double s = 0.0; s < zone.circuit.section(id).length_m(); s += 0.1)
       EXPECT_TRUE(zone.beacons->nearest(position(zone.circuit.pose_at({id, s}))));
