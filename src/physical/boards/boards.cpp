@@ -105,8 +105,8 @@ void RaliBoard::tick(SimTime now, const PowerReadings& readings, std::string& ou
   if (!report_.take(now)) return;
   const double charge = std::clamp(readings.charge, 0.0, 1.0);
   link_.send(
-      wire::Power{quantise<std::uint16_t>(readings.voltage_V, 1e-3), quantise<std::int16_t>(readings.current_A, 1e-3),
-                  quantise<std::int16_t>(readings.temperature_C, 0.1), quantise<std::uint16_t>(charge, 1e-3)},
+      wire::Power{quantise<std::uint16_t>(readings.voltage_v, 1e-3), quantise<std::int16_t>(readings.current_a, 1e-3),
+                  quantise<std::int16_t>(readings.temperature_c, 0.1), quantise<std::uint16_t>(charge, 1e-3)},
       out);
 }
 

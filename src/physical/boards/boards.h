@@ -90,9 +90,9 @@ class DobsBoard {
 
 /// What RALI measures and counts.
 struct PowerReadings {
-  double voltage_V;
-  double current_A;  ///< positive discharges
-  double temperature_C;
+  double voltage_v;
+  double current_a;  ///< positive discharges
+  double temperature_c;
   double charge;  ///< 0…1, as the gauge believes
 };
 

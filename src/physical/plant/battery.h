@@ -1,7 +1,5 @@
 #pragma once
 
-#include <utility>
-
 #include "base/random.h"
 #include "physical/boards/boards.h"
 
@@ -11,15 +9,15 @@ namespace cosiva::physical {
 /// Energy Conversion 21(2), 2006), scaled from 850 mAh to ours; its three resistances count as one, so it recovers at
 /// once where a real cell takes minutes.
 struct BatteryModel {
-  double capacity_Ah{2.2};
+  double capacity_ah{2.2};
   double cells{2.0};
-  double published_capacity_Ah{0.85};
-  double ambient_C{22.0};
-  double heat_capacity_J_per_K{80.0};
-  double heat_loss_W_per_K{0.12};
-  double idle_W{3.0};  ///< Raspberry Pi and boards
+  double published_capacity_ah{0.85};
+  double ambient_c{22.0};
+  double heat_capacity_j_per_k{80.0};
+  double heat_loss_w_per_k{0.12};
+  double idle_w{3.0};  ///< Raspberry Pi and boards
   double mass_kg{1.2};
-  double rolling_force_N{0.6};
+  double rolling_force_n{0.6};
   double drive_efficiency{0.6};  ///< battery to wheel; braking gives nothing back
 };
 
@@ -29,20 +27,20 @@ class Battery {
   explicit Battery(BatteryModel model = {}, double charge = 1.0);
 
   /// Energy that the drive takes for one step of motion, idle load excluded [J].
-  [[nodiscard]] double drive_energy_J(double distance_m, double speed_mps, double acceleration_mps2, double dt_s) const;
-  /// Draws `energy_J` evenly over `dt_s`, besides the idle load.
-  void draw(double energy_J, double dt_s);
+  [[nodiscard]] double drive_energy_j(double distance_m, double speed_mps, double acceleration_mps2, double dt_s) const;
+  /// Draws `energy_j` evenly over `dt_s`, besides the idle load.
+  void draw(double energy_j, double dt_s);
 
   [[nodiscard]] double charge() const { return charge_; }
   /// Nothing left, or asked for more than it can give (near 1 % of charge): the load is cut off.
   [[nodiscard]] bool empty() const { return empty_; }
-  [[nodiscard]] double voltage_V() const { return voltage_V_; }
-  [[nodiscard]] double current_A() const { return current_A_; }
-  [[nodiscard]] double temperature_C() const { return temperature_C_; }
-  [[nodiscard]] double delivered_J() const { return delivered_J_; }  ///< to the load, since the start
-  [[nodiscard]] double lost_J() const { return lost_J_; }            ///< as heat in the cells
+  [[nodiscard]] double voltage_v() const { return voltage_v_; }
+  [[nodiscard]] double current_a() const { return current_a_; }
+  [[nodiscard]] double temperature_c() const { return temperature_c_; }
+  [[nodiscard]] double delivered_j() const { return delivered_j_; }  ///< to the load, since the start
+  [[nodiscard]] double lost_j() const { return lost_j_; }            ///< as heat in the cells
 
-  [[nodiscard]] double open_circuit_V(double charge) const;
+  [[nodiscard]] double open_circuit_v(double charge) const;
   [[nodiscard]] double resistance_ohm(double charge) const;
   [[nodiscard]] const BatteryModel& model() const { return model_; }
 
@@ -50,17 +48,17 @@ class Battery {
   BatteryModel model_;
   double charge_;
   bool empty_{false};
-  double voltage_V_;
-  double current_A_{0.0};
-  double temperature_C_;
-  double delivered_J_{0.0};
-  double lost_J_{0.0};
+  double voltage_v_;
+  double current_a_{0.0};
+  double temperature_c_;
+  double delivered_j_{0.0};
+  double lost_j_{0.0};
 };
 
 /// RALI's gauge: a monitor with gain error and noise, and a coulomb counter that started full. It never sees the truth.
 class BatteryGauge {
  public:
-  explicit BatteryGauge(Random random) : random_{std::move(random)} { gain_ = 1.0 + random_.gaussian(0.0, 0.01); }
+  explicit BatteryGauge(Random random) : random_{random} { gain_ = 1.0 + random_.gaussian(0.0, 0.01); }
 
   void count(const Battery& battery, double dt_s);
   [[nodiscard]] PowerReadings read(const Battery& battery);
@@ -68,7 +66,7 @@ class BatteryGauge {
  private:
   Random random_;
   double gain_;
-  double used_Ah_{0.0};
+  double used_ah_{0.0};
 };
 
 }  // namespace cosiva::physical

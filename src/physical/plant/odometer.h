@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cmath>
-#include <utility>
 
 #include "base/random.h"
 
@@ -12,7 +11,7 @@ namespace cosiva::physical {
 class Odometer {
  public:
   Odometer(double scale_sd, double noise_m_per_sqrt_m, double slip_per_mps2, Random random)
-      : noise_m_per_sqrt_m_{noise_m_per_sqrt_m}, slip_per_mps2_{slip_per_mps2}, random_{std::move(random)} {
+      : noise_m_per_sqrt_m_{noise_m_per_sqrt_m}, slip_per_mps2_{slip_per_mps2}, random_{random} {
     scale_ = 1.0 + random_.gaussian(0.0, scale_sd);
   }
 

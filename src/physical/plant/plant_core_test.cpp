@@ -328,8 +328,8 @@ TEST(Plant, drains_its_battery_by_its_work) {
   const double driving = 1.0 - bench.truth(1).charge;
   // 2.2 Ah at about 8.2 V hold 65 kJ at the top of the charge: 3 W for 60 s take 0.277 % of it.
   EXPECT_NEAR(idle, 180.0 / (2.2 * 3600.0 * 8.15), 2e-4);
-  const double work_J = (0.6 * bench.truth(1).distance_m + 0.5 * 1.2 * 0.25) / 0.6;
-  EXPECT_NEAR((driving - idle) / idle, work_J / 180.0, 0.02);
+  const double work_j = (0.6 * bench.truth(1).distance_m + 0.5 * 1.2 * 0.25) / 0.6;
+  EXPECT_NEAR((driving - idle) / idle, work_j / 180.0, 0.02);
   EXPECT_NEAR(bench.heard<wire::Power>(1).back().charge_permille, 1000.0 * bench.truth(1).charge, 2.0);
   EXPECT_NEAR(bench.heard<wire::Power>(1).back().voltage_mv, 8150.0, 100.0);
 }

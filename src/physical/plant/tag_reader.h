@@ -1,7 +1,6 @@
 #pragma once
 
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "base/pose.h"
@@ -52,8 +51,7 @@ class TagReader {
   };
 
   /// @param map  must outlive this
-  TagReader(const TagMap& map, TagReaderNoise noise, Random random)
-      : map_{&map}, noise_{noise}, random_{std::move(random)} {}
+  TagReader(const TagMap& map, TagReaderNoise noise, Random random) : map_{&map}, noise_{noise}, random_{random} {}
 
   /// The antenna moved from `from` to `to`, which lies beside `place`. Appends what is read.
   void move(SimTime now, zone::Place place, Point2 from, Point2 to, std::vector<Reading>& readings);

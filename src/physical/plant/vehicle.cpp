@@ -90,7 +90,7 @@ void Vehicle::step(SimTime now, double dt_s) {
   tag_reader_.move(now, motion_.place(), before, position(motion_.body().X_MB), readings_);
   for (const auto& reading : readings_) prav_.on_tag(reading.read_at, reading.number);
 
-  drive_energy_J_ += battery_.drive_energy_J(moved_m, motion_.speed_mps(), motion_.step_acceleration_mps2(), dt_s);
+  drive_energy_j_ += battery_.drive_energy_j(moved_m, motion_.speed_mps(), motion_.step_acceleration_mps2(), dt_s);
   book_energy(dt_s);
 }
 
@@ -99,9 +99,9 @@ void Vehicle::book_energy(double dt_s) {
   constexpr double period_s = 0.0999;
   drive_time_s_ += dt_s;
   if (drive_time_s_ < period_s) return;
-  battery_.draw(drive_energy_J_, drive_time_s_);
+  battery_.draw(drive_energy_j_, drive_time_s_);
   gauge_.count(battery_, drive_time_s_);
-  drive_energy_J_ = 0.0;
+  drive_energy_j_ = 0.0;
   drive_time_s_ = 0.0;
 }
 

@@ -68,7 +68,7 @@ class Vehicle {
   std::array<std::string, wire::all_boards.size()> ports_;
 
   double distance_m_{0.0};
-  double drive_energy_J_{0.0};  ///< since the battery was last worked out
+  double drive_energy_j_{0.0};  ///< since the battery was last worked out
   double drive_time_s_{0.0};
   bool has_moved_{false};
   SimDuration wait_{};

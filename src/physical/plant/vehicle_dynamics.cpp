@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
-#include <utility>
 
 #include "base/expect.h"
 
@@ -16,7 +15,7 @@ double towards(double value, double target, double step) { return value + std::c
 }  // namespace
 
 LineVehicle::LineVehicle(const zone::Circuit& circuit, zone::Place start, double line_offset_sd_m, Random line_noise)
-    : circuit_{&circuit}, line_offset_sd_m_{line_offset_sd_m}, line_random_{std::move(line_noise)}, place_{start} {
+    : circuit_{&circuit}, line_offset_sd_m_{line_offset_sd_m}, line_random_{line_noise}, place_{start} {
   line_noise_m_ = line_random_.gaussian(0.0, line_offset_sd_m_);
   place_body(0.0, 1.0);
 }
