@@ -222,6 +222,7 @@ class Publisher {
     wire::State state =
         bench::sample_state(ids_[vehicle], number, clock_.now(), motion.pose(zone_.circuit), zone_.name);
     state.order_id = "round-" + ids_[vehicle].serial_number;
+    state.order_update_id = 1;
     std::size_t waypoint = zone_.waypoint_behind(motion.place(zone_.circuit));
     state.last_node_id = zone_.waypoints[waypoint].id;
     for (std::size_t i = 0; i < state.node_states.size(); ++i) {

@@ -30,7 +30,8 @@ function(cosiva_module name)
     target_compile_options(${flat}_test PRIVATE -Wno-array-bounds -Wno-restrict -Wno-stringop-overflow)
     target_precompile_headers(${flat}_test PRIVATE <gmock/gmock.h> <gtest/gtest.h>)
     target_compile_definitions(${flat}_test PRIVATE COSIVA_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
-    gtest_discover_tests(${flat}_test TEST_PREFIX "${name}: " DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600)
+    gtest_discover_tests(${flat}_test TEST_PREFIX "${name}: " DISCOVERY_TIMEOUT 60
+      PROPERTIES TIMEOUT 600 ENVIRONMENT "RC_PARAMS=seed=20230711")
   endif()
 endfunction()
 

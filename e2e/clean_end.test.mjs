@@ -31,12 +31,10 @@ test('its own folders are as clean when nobody names any', { timeout: 90_000 }, 
   const tmp = path.join(folder, 'tmp');
   const runtime = path.join(folder, 'runtime');
   for (const each of [home, tmp, runtime]) mkdirSync(each, { mode: 0o700 });
-  const before = { HOME: process.env.HOME, TMPDIR: process.env.TMPDIR, XDG_RUNTIME_DIR: process.env.XDG_RUNTIME_DIR, XDG_STATE_HOME: process.env.XDG_STATE_HOME };
-  Object.assign(process.env, { HOME: home, TMPDIR: tmp, XDG_RUNTIME_DIR: runtime });
-  delete process.env.XDG_STATE_HOME;
+  const env = { ...process.env, HOME: home, TMPDIR: tmp, XDG_RUNTIME_DIR: runtime };
+  delete env.XDG_STATE_HOME;
   const system_tmp = new Set(readdirSync('/tmp'));
-  const platform = await Platform.up(t, { folder, own_folders: true });
-  for (const [name, value] of Object.entries(before)) value === undefined ? delete process.env[name] : (process.env[name] = value);
+  const platform = await Platform.up(t, { folder, own_folders: true, env });
   await platform.stop();
   const left = files_below(folder).filter((name) => !name.endsWith('.log'));
   assert.deepEqual(left, []);

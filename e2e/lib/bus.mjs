@@ -59,7 +59,7 @@ export class Truth {
   /** The first truth that arrives after now. */
   async next() {
     const seen = this.received_ms;
-    await eventually('a newer truth', () => this.received_ms > seen, { within_ms: 5_000, every_ms: 10 });
+    await eventually('a newer truth', () => this.received_ms > seen, { within_ms: 15_000, every_ms: 10 });
     return this.latest;
   }
 

@@ -28,11 +28,9 @@ export class Circuit {
     return this.waypoints[(((index + steps) % n) + n) % n];
   }
 
-  /** Direction from a waypoint to the next [rad]. */
+  /** Driving direction at a waypoint [rad]. */
   heading(index) {
-    const here = this.at(index);
-    const next = this.at(index, 1);
-    return Math.atan2(next.y - here.y, next.x - here.x);
+    return this.at(index).heading;
   }
 }
 

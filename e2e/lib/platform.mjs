@@ -28,6 +28,11 @@ export function sleep(ms) {
   return new Promise((resolve) => setTimeout(resolve, ms));
 }
 
+/** An error that no waiting will cure. */
+export function hopeless(text) {
+  return Object.assign(new Error(text), { hopeless: true });
+}
+
 /** Asks until `question` answers something true, and answers that. `what` is named when it never does. */
 export async function eventually(what, question, { within_ms = 20_000, every_ms = 50 } = {}) {
   const end = Date.now() + within_ms;
@@ -38,6 +43,7 @@ export async function eventually(what, question, { within_ms = 20_000, every_ms 
       if (answer) return answer;
       last = undefined;
     } catch (error) {
+      if (error.hopeless) throw error;
       last = error;
     }
     if (Date.now() > end) throw new Error(`not within ${within_ms} ms: ${what}${last ? ` (${last.message})` : ''}`);
@@ -100,10 +106,10 @@ function kill(pid, signal) {
 
 /** A long-running `cosiva` (up, server, plant, aiv …) or any other program. */
 export class Program {
-  constructor(t, binary, args, { cwd, name = args[0] } = {}) {
+  constructor(t, binary, args, { cwd, env, name = args[0] } = {}) {
     this.name = name;
     this.words = '';
-    this.child = spawn(binary, args, { cwd, stdio: ['ignore', 'pipe', 'pipe'] });
+    this.child = spawn(binary, args, { cwd, env: env ?? process.env, stdio: ['ignore', 'pipe', 'pipe'] });
     this.pid = this.child.pid;
     this.child.stdout.on('data', (chunk) => (this.words += chunk));
     this.child.stderr.on('data', (chunk) => (this.words += chunk));
@@ -130,6 +136,7 @@ export class Program {
   async kill_all() {
     if (!this.gone) {
       this.remember_family();
+      kill(this.pid, 'SIGCONT'); // a test may have failed while it was frozen
       kill(this.pid, 'SIGTERM');
       await Promise.race([this.ended, sleep(4_000)]);
     }
@@ -139,12 +146,12 @@ export class Program {
 
 /** `cosiva up`, ready when its page answers and all vehicles have reported. */
 export class Platform extends Program {
-  static async up(t, { aivs = 4, zone = 'lacet4', args = [], folder = work_folder(t), port, binary = cosiva_binary(), ready = true, own_folders = false } = {}) {
+  static async up(t, { aivs = 4, zone = 'lacet4', args = [], folder = work_folder(t), port, binary = cosiva_binary(), ready = true, own_folders = false, env } = {}) {
     const http_port = port ?? (await free_port());
     const run_dir = path.join(folder, 'run');
     const log_dir = path.join(folder, 'log');
     const all = ['up', '--zone', zone, '--aivs', String(aivs), '--port', String(http_port), ...(own_folders ? [] : ['--run-dir', run_dir, '--log-dir', log_dir]), ...args];
-    const platform = new Platform(t, binary, all, { cwd: folder, name: 'cosiva up' });
+    const platform = new Platform(t, binary, all, { cwd: folder, env, name: 'cosiva up' });
     Object.assign(platform, { folder, run_dir, log_dir, aivs, port: http_port, url: `http://127.0.0.1:${http_port}` });
     finally_do(t, () => platform.keep_logs(t));
     if (ready) await platform.ready();
@@ -155,7 +162,7 @@ export class Platform extends Program {
     await eventually(
       `${this.aivs} AIVs online\n${this.words.slice(-1500)}`,
       async () => {
-        assert.ok(!this.gone, `cosiva up ended early:\n${this.words}`);
+        if (this.gone) throw hopeless(`cosiva up ended early:\n${this.words}`);
         const { aivs } = await this.snapshot();
         this.remember_family();
         return aivs.length === this.aivs && aivs.every((aiv) => aiv.connection === 'ONLINE' && !aiv.lost);
@@ -216,6 +223,16 @@ export class Platform extends Program {
       const broker = descendants(this.pid).find(({ argv }) => /mosquitto/.test(argv[0] ?? ''));
       return broker && listening_ports(broker.pid)[0];
     });
+  }
+
+  /** Freezes `up` itself, so that nothing is started again while `action` looks at what is left. */
+  async without_supervisor(action) {
+    process.kill(this.pid, 'SIGSTOP');
+    try {
+      return await action();
+    } finally {
+      process.kill(this.pid, 'SIGCONT');
+    }
   }
 
   keep_logs() {

@@ -411,7 +411,7 @@ MqttClient::~MqttClient() {
 
 Result<std::unique_ptr<MqttClient>> MqttClient::make(EventLoop& loop, MqttOptions options,
                                                      std::vector<std::string> subscriptions,
-                                                     std::optional<wire::Will> will, MqttHandlers handlers) {
+                                                     const std::optional<wire::Will>& will, MqttHandlers handlers) {
   std::unique_ptr<MqttClient> made{new MqttClient};
   made->inside_ = std::make_shared<Inside>(loop, std::move(options), std::move(subscriptions), std::move(handlers));
   if (auto prepared = made->inside_->prepare(will); !prepared) return tl::unexpected(prepared.error());

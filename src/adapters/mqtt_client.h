@@ -49,7 +49,8 @@ class MqttClient {
   /// Fails ("mqtt.tls", "mqtt.password", "mqtt.setup") when an option cannot be used. Nothing is sent before start().
   [[nodiscard]] static Result<std::unique_ptr<MqttClient>> make(EventLoop& loop, MqttOptions options,
                                                                 std::vector<std::string> subscriptions,
-                                                                std::optional<wire::Will> will, MqttHandlers handlers);
+                                                                const std::optional<wire::Will>& will,
+                                                                MqttHandlers handlers);
   /// Drops the connection without a word, so the broker publishes the will, as if the process had died.
   ~MqttClient();
 

@@ -31,11 +31,11 @@ class Ports {
 /// The sockets are removed at the end. Fails ("port.path", "port.listen"), also where another process listens.
 [[nodiscard]] Result<std::unique_ptr<Ports>> listen_unix_ports(EventLoop& loop, const std::string& directory,
                                                                const std::vector<std::string>& ports,
-                                                               PortHandlers handlers);
+                                                               const PortHandlers& handlers);
 
 /// The on-board side: connects to each port's socket, and again every 200 ms while there is none. Fails ("port.path").
 [[nodiscard]] Result<std::unique_ptr<Ports>> connect_unix_ports(EventLoop& loop, const std::string& directory,
                                                                 const std::vector<std::string>& ports,
-                                                                PortHandlers handlers);
+                                                                const PortHandlers& handlers);
 
 }  // namespace cosiva::adapters

@@ -298,7 +298,7 @@ std::string socket_path(const std::string& directory, const std::string& port) {
 }
 
 Result<std::unique_ptr<Ports>> listen_unix_ports(EventLoop& loop, const std::string& directory,
-                                                 const std::vector<std::string>& ports, PortHandlers handlers) {
+                                                 const std::vector<std::string>& ports, const PortHandlers& handlers) {
   std::error_code error;
   std::filesystem::create_directories(directory, error);
   if (error) return fail("port.listen", "cannot make this directory: " + error.message(), directory);
@@ -306,7 +306,7 @@ Result<std::unique_ptr<Ports>> listen_unix_ports(EventLoop& loop, const std::str
 }
 
 Result<std::unique_ptr<Ports>> connect_unix_ports(EventLoop& loop, const std::string& directory,
-                                                  const std::vector<std::string>& ports, PortHandlers handlers) {
+                                                  const std::vector<std::string>& ports, const PortHandlers& handlers) {
   return UnixPorts<Connector>::make(loop, directory, ports, handlers);
 }
 

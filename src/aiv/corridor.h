@@ -31,7 +31,16 @@ class Corridor {
 
  private:
   void sample_way(zone::Place here);
-  [[nodiscard]] double nearest_on_way_m(Point2 p_B) const;
+  struct Beside {
+    std::size_t sample;
+    double distance2_m2;
+  };
+  /// The sample of the way nearest to p.
+  [[nodiscard]] Beside beside(Point2 p_B) const;
+  /// From the vehicle's middle along the way to the place beside p, near the sample.
+  [[nodiscard]] double along_way_m(Point2 p_B, std::size_t sample) const;
+  /// From the vehicle's front along the way to one echo; infinite outside the corridor.
+  [[nodiscard]] double echo_ahead_m(double range_m, double bearing_rad, double spread_rad) const;
 
   const zone::TrafficZone& zone_;
   Model model_;

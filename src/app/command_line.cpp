@@ -139,7 +139,14 @@ int refuse(const std::string& message, const CLI::App& verb) {
 int refuse_unknown(const CLI::App& root) {
   const CLI::App* verb = &root;
   while (!verb->get_subcommands().empty()) verb = verb->get_subcommands().front();
-  const std::vector<std::string> unknown = root.remaining(true);
+  std::vector<std::string> unknown = root.remaining(true);
+  // What follows an unknown verb, and the value after an unknown option, are unknown too; that is no second news.
+  const auto is_option = [](const std::string& word) { return word.starts_with('-'); };
+  if (std::ranges::any_of(unknown, is_option)) {
+    std::erase_if(unknown, [&](const std::string& word) { return !is_option(word); });
+  } else {
+    unknown.resize(1);
+  }
   std::string message;
   for (const std::string& word : unknown) {
     message += (message.empty() ? "'" : "\n  '") + word + "' is unknown";
@@ -176,7 +183,7 @@ int run_command_line(int argc, const char* const* argv) {
   CLI::App* check_verb =
       zone_verb->add_subcommand("check", "Say what a zone file holds, or what is wrong with it and where");
   CLI::App* show_verb = zone_verb->add_subcommand("show", "Draw a zone as SVG");
-  zone_verb->require_subcommand(1);
+  zone_verb->require_subcommand(0, 1);
   describe_up(*up_verb, up);
   describe_server(*server_verb, server);
   describe_plant(*plant_verb, plant);
@@ -210,6 +217,7 @@ int run_command_line(int argc, const char* const* argv) {
   if (replay_verb->parsed()) return run_replay(replay);
   if (check_verb->parsed()) return run_zone_check(zone);
   if (show_verb->parsed()) return run_zone_show(zone);
+  if (zone_verb->parsed()) return refuse("say what to do: check or show", *zone_verb);
   print(root.help());
   return exit_done;
 }

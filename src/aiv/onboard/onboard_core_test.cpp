@@ -141,7 +141,7 @@ TEST(Onboard, drives_its_order_and_reports_each_node) {
   OnboardBench bench;
   bench.run(0.5);
   bench.order(to_1131());
-  bench.run(0.05);
+  bench.run(0.1);
   EXPECT_EQ(bench.state().order_id, "O-1");
   EXPECT_EQ(bench.state().last_node_id, "loop_se@0");
   EXPECT_THAT(bench.state().node_states, SizeIs(4));

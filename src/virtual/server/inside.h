@@ -41,7 +41,7 @@ struct ServerCore::Inside {
   void refuse(VehicleIndex vehicle, VehicleTopic topic, const Error& error);
   /// Time stamps older than this one's are out of order.
   [[nodiscard]] SimTime clock_of(AivProxy& proxy, SimTime stamp);
-  void heard(VehicleIndex vehicle, SimTime reported_at);
+  void heard(VehicleIndex vehicle, SimTime reported_at, bool has_place);
   void on_position(VehicleIndex vehicle, const wire::Header& header, const std::optional<wire::AgvPosition>& position,
                    const std::optional<wire::Velocity>& velocity);
   void place_twin(VehicleIndex vehicle, SimTime at, const Pose2& pose, const std::optional<wire::Velocity>& velocity);

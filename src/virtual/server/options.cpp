@@ -63,7 +63,6 @@ std::string to_json(const ServerOptions& options) {
         .end_object();
   }
   json.field("drive", options.drive)
-      .field("report_period_ms", ms_of(options.report_period))
       .field("lost_after_ms", ms_of(options.lost_after));
   json.key("contract")
       .begin_object()
@@ -84,7 +83,6 @@ Result<ServerOptions> server_options_from_json(std::string_view text) {
   options.interface_name = json->text("interface").value_or("");
   options.drive = json->flag("drive").value_or(true);
   if (auto r = read_zone(*json, options); !r) return tl::unexpected(r.error());
-  if (auto r = read_duration(*json, "report_period_ms", options.report_period); !r) return tl::unexpected(r.error());
   if (auto r = read_duration(*json, "lost_after_ms", options.lost_after); !r) return tl::unexpected(r.error());
   if (auto r = read_contract(*json, options.contract); !r) return tl::unexpected(r.error());
   auto traces = static_cast<double>(options.traces_max);

@@ -193,7 +193,9 @@ void OrderRoller::tick(bool drive, SimDuration lost_after) {
 bool OrderRoller::may_roll(VehicleIndex vehicle, SimDuration lost_after) const {
   const AivProxy& proxy = registry_[vehicle];
   const Standing& standing = plans_[vehicle].standing;
-  if (!proxy.state || !proxy.online() || proxy.no_orders || proxy.lost(outbox_.now(), lost_after)) return false;
+  if (!proxy.state || !proxy.state_in_session || !proxy.online() || proxy.no_orders ||
+      proxy.lost(outbox_.now(), lost_after))
+    return false;
   const wire::State& state = *proxy.state;
   return proxy.position_known && standing.place && standing.off_m <= rules_.on_circuit_m &&
          std::fabs(standing.heading_off_rad) <= heading_off_rad_max &&
@@ -326,7 +328,7 @@ void OrderRoller::send(VehicleIndex vehicle, WaypointIndex first) {
                            released,
                            map_->waypoint(at).id,
                            map_->waypoint(stretch.to).id,
-                           stretch.speed_mps_max,
+                           stretch.speed_mps_max.value_or(map_->zone().profiles.fast.speed_mps),
                            stretch.length_m,
                            {},
                            {}});

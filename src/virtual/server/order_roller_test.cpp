@@ -209,6 +209,37 @@ TEST(OrderRoller, gives_a_vehicle_that_restarted_without_its_order_a_new_one) {
   EXPECT_GT(aiv.driven_m, driven_m + 2.0);
 }
 
+TEST(OrderRoller, gives_a_vehicle_that_came_back_no_order_before_it_said_where_it_is_now) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  bench.run_for(5s);
+  bench.kill(aiv);
+  bench.run_for(5s);
+  const std::size_t orders = aiv.orders.size();
+  aiv.book.emplace(*bench.zone);
+  aiv.motion = aiv::AivMotion{bench.zone->circuit, {2, 0.5}};  // carried elsewhere
+  bench.connection(aiv, wire::ConnectionState::online);
+  wire::State blind = aiv.state(bench.now);
+  blind.position.reset();
+  bench.tell(aiv, "state", vda::encode(blind));
+  bench.run_for(500ms);
+  EXPECT_EQ(aiv.orders.size(), orders);
+  aiv.alive = true;
+  bench.run_for(2s);
+  EXPECT_THAT(aiv.refusals, IsEmpty());
+  EXPECT_GT(aiv.orders.size(), orders);
+}
+
+TEST(OrderRoller, drives_a_vehicle_that_reports_only_once_a_second) {
+  ServerBench bench;
+  BenchVehicle& slow = bench.add("agv-7", {0, 0.5}, "Acme");
+  slow.visualizes = false;  // leaves one state a second, and those at its nodes
+  bench.run_for(60s);
+  EXPECT_THAT(slow.refusals, IsEmpty());
+  EXPECT_GT(slow.driven_m, 17.0);
+  EXPECT_EQ(bench.aiv("Acme/agv-7").flag("lost"), false);
+}
+
 TEST(OrderRoller, does_not_touch_an_order_over_nodes_it_does_not_know) {
   ServerBench bench;
   BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});

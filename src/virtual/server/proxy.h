@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <deque>
@@ -41,6 +42,8 @@ struct AivProxy {
 
   std::optional<wire::State> state;
   bool state_since_link{false};  ///< heard since our own link came up
+  bool state_in_session{false};  ///< heard since it said ONLINE
+  double report_gap_s{0.0};      ///< between its reports, smoothed: vehicles choose their own rate
   SimTime heard_at{};            ///< arrival of its last report
   SimTime reported_at{};         ///< what age counts from: the last report's time stamp, or arrival if its clock is off
   std::optional<SimTime> state_stamp;     ///< time stamp of the last state, on its own clock
@@ -53,7 +56,8 @@ struct AivProxy {
 
   std::optional<std::size_t> twin;
   std::size_t entity{};  ///< in the monitor
-  bool present{false};   ///< physically: it was online and reported
+  bool present{false};   ///< physically: it was online and reported where it is, or reported for a while without
+  std::optional<SimTime> reporting_since;
 
   std::optional<aiv::Profile> imposed;
   std::optional<std::uint32_t> last_tag;
@@ -71,7 +75,10 @@ struct AivProxy {
   std::uint32_t notes{0};  ///< bits of what was already logged once
 
   [[nodiscard]] bool online() const { return !connection || *connection == wire::ConnectionState::online; }
-  [[nodiscard]] bool lost(SimTime now, SimDuration after) const { return present && now - heard_at > after; }
+  /// Silent for longer than `after`, or than three of its usual gaps where it reports more slowly than that.
+  [[nodiscard]] bool lost(SimTime now, SimDuration after) const {
+    return reporting_since && now - heard_at > std::max(after, from_seconds(3.0 * report_gap_s));
+  }
   /// Nothing when its factsheet is not known.
   [[nodiscard]] std::optional<bool> supports(std::string_view instant_action) const;
 };

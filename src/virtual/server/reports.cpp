@@ -18,6 +18,8 @@ constexpr SimDuration will_outlived{std::chrono::seconds{2}};
 constexpr SimDuration position_lost_max{std::chrono::seconds{1}};
 constexpr SimDuration init_again{std::chrono::seconds{5}};
 constexpr SimDuration factsheet_patience{std::chrono::seconds{1}};
+constexpr double gap_s_max = 5.0;  ///< longer is an absence, not a rate
+constexpr SimDuration arrival_patience{std::chrono::seconds{1}};
 constexpr double coordinate_m_max = 1e5;
 
 // Bits of AivProxy::notes.
@@ -139,16 +141,23 @@ SimTime ServerCore::Inside::clock_of(AivProxy& proxy, SimTime stamp) {
   return std::min(stamp, now);
 }
 
-void ServerCore::Inside::heard(VehicleIndex vehicle, SimTime reported_at) {
+void ServerCore::Inside::heard(VehicleIndex vehicle, SimTime reported_at, bool has_place) {
   AivProxy& proxy = registry[vehicle];
   if (!proxy.online() && now - proxy.connection_at > will_outlived) {
     outbox.log('i', proxy.name + ": goes on reporting; taken as connected");
     proxy.connection = wire::ConnectionState::online;
     proxy.connection_at = now;
   }
+  if (proxy.reporting_since) {
+    const double gap_s = to_seconds(now - proxy.heard_at);
+    if (gap_s < gap_s_max)
+      proxy.report_gap_s = proxy.report_gap_s == 0.0 ? gap_s : 0.9 * proxy.report_gap_s + 0.1 * gap_s;
+  }
   proxy.heard_at = now;
   proxy.reported_at = std::max(proxy.reported_at, reported_at);
-  if (proxy.online() && !proxy.present) {
+  if (!proxy.reporting_since) proxy.reporting_since = now;
+  // A vehicle that has just been switched on may need a moment to find its place; one that does not is an orphan.
+  if (!proxy.present && (has_place || (proxy.online() && now - *proxy.reporting_since > arrival_patience))) {
     proxy.present = true;
     simulator.monitor().set_physical(proxy.entity, true);
   }
@@ -169,6 +178,10 @@ void ServerCore::Inside::on_connection(VehicleIndex vehicle, const std::string& 
     proxy.position_stamp.reset();
     proxy.state_stamp.reset();
     proxy.imposed.reset();
+    // Whatever it said in its last life, where it is now it has yet to say.
+    proxy.state_in_session = false;
+    proxy.position_known = false;
+    proxy.position_lost_since.reset();
     proxy.factsheet_asked = false;
   }
 }
@@ -214,8 +227,9 @@ void ServerCore::Inside::on_state(VehicleIndex vehicle, const std::string& paylo
   const wire::State& state = *proxy.state;
   proxy.state_stamp = stamp;
   proxy.state_since_link = proxy.state_since_link || link_up;
+  proxy.state_in_session = true;
   const SimTime reported_at = clock_of(proxy, stamp);
-  heard(vehicle, reported_at);
+  heard(vehicle, reported_at, false);
 
   read_limits_and_tags(proxy);
   tell_base_end(vehicle);
@@ -240,7 +254,7 @@ void ServerCore::Inside::on_position(VehicleIndex vehicle, const wire::Header& h
     }
   }
   const SimTime at = clock_of(proxy, stamp);
-  heard(vehicle, at);
+  heard(vehicle, at, false);
   if (!position) return;
   proxy.position_stamp = stamp;
   if (!position->position_initialized) {
@@ -257,6 +271,7 @@ void ServerCore::Inside::on_position(VehicleIndex vehicle, const wire::Header& h
   proxy.position_known = true;
   proxy.position_lost_since.reset();
   proxy.reported = pose;
+  heard(vehicle, at, true);
   place_twin(vehicle, at, pose, velocity);
 }
 

@@ -83,6 +83,7 @@ class BenchVehicle {
   bool alive{true};
   bool paused{false};
   bool position_known{true};
+  bool visualizes{true};
   bool blocked{false};  ///< something stands in its way
   double charge{90.0};
   std::string profile{"normal"};
@@ -278,7 +279,7 @@ class ServerBench {
         vehicle->step(20ms);
         if (steps_ % 50 == 0) vehicle->state_due = true;
         const SimTime said = now - latency;
-        if (steps_ % 5 == 0 && !random.chance(loss))
+        if (vehicle->visualizes && steps_ % 5 == 0 && !random.chance(loss))
           tell(*vehicle, "visualization", vda::encode(vehicle->visualization(said)));
         if (!vehicle->state_due) continue;
         vehicle->state_due = false;

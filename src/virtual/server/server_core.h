@@ -19,7 +19,6 @@ struct ServerOptions {
   /// The zone, when no physical side serves it; published retained so that vehicles get it too.
   std::optional<zone::ZoneConfiguration> zone;
   bool drive{true};  ///< give circulating orders to idle vehicles; false: watch only (a foreign master drives)
-  SimDuration report_period{std::chrono::milliseconds{100}};
   SimDuration lost_after{std::chrono::seconds{1}};  ///< no report for so long: the vehicle's link is lost
   BijectionContract contract;
   std::size_t traces_max{20'000};  ///< of the communications kept for the page

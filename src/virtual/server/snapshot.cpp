@@ -49,7 +49,7 @@ void ServerCore::Inside::write_vehicle(JsonWriter& json, VehicleIndex vehicle) c
   write_pose(json.key("reported").begin_object(), twin.last_report().X_MB);
   json.end_object();
   json.field("age_ms", std::max(0.0, ms_of(now - proxy.reported_at)))
-      .field("divergence_m", distance(image.X_MB, twin.last_report().X_MB))
+      .field("divergence_m", simulator.last_divergence_m(*proxy.twin))
       .field("battery", proxy.state ? proxy.state->battery.charge_percent : 0.0)
       .key("lastTag");
   if (proxy.last_tag)

@@ -47,13 +47,16 @@ Simulator::TwinId Simulator::appear(std::string id, std::uint32_t number, SimDur
   step("AIV_Server", "Simulator", "appear", id + " gets mark " + std::to_string(number));
   entities_.push_back(monitor_.entity(id));
   monitor_.set_virtual(entities_.back(), true);
+  divergences_m_.push_back(0.0);
   twins_.emplace_back(std::move(id), number, extrapolate_max);
   return twins_.size() - 1;
 }
 
 void Simulator::report(TwinId twin, SimTime now, const MotionReport& report) {
   const auto divergence = twins_[twin].report(circuit(), now, report);
-  if (divergence) monitor_.divergence(entities_[twin], divergence->m, divergence->rad);
+  if (!divergence) return;
+  divergences_m_[twin] = divergence->m;
+  monitor_.divergence(entities_[twin], divergence->m, divergence->rad);
 }
 
 void Simulator::set_base_end(TwinId twin, std::optional<zone::Place> end) { twins_[twin].set_base_end(circuit(), end); }

@@ -39,6 +39,8 @@ class Simulator {
   void set_base_end(TwinId twin, std::optional<zone::Place> end);
 
   [[nodiscard]] const Twin& twin(TwinId id) const { return twins_[id]; }
+  /// Of the last report from what the twin had predicted for it; 0 before the second.
+  [[nodiscard]] double last_divergence_m(TwinId id) const { return divergences_m_[id]; }
   [[nodiscard]] std::size_t twin_count() const { return twins_.size(); }
   [[nodiscard]] Twin::Image image(TwinId id, SimTime now) const { return twins_[id].image_at(circuit(), now); }
 
@@ -58,6 +60,7 @@ class Simulator {
   std::uint64_t zone_revision_{0};
   std::string zone_json_{"null"};
   std::vector<Twin> twins_;
+  std::vector<double> divergences_m_;
   std::vector<BijectionMonitor::Entity> entities_;  ///< of each twin
   BijectionMonitor monitor_;
 };

@@ -1,0 +1,55 @@
+#include "app/run_summary.h"
+
+#include <gmock/gmock.h>
+
+#include "base/json_value.h"
+
+namespace cosiva::app {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string server(int physical, int twins, int matched) {
+  return R"({"bijection":{"physical":)" + std::to_string(physical) + R"(,"virtual":)" + std::to_string(twins) +
+         R"(,"matched":)" + std::to_string(matched) +
+         R"(,"orphans":[],"divergence_m":{"p99":0.0042},"age_ms":{"p99":101.5}},"aivs":[{"id":"CoSiVA/AIV1"}]})";
+}
+const std::string calm_plant = R"({"vehicles":[],"collisions":[],"laps":7,"longest_wait_s":3.5})";
+const RunFacts facts{"lacet4", 2, 9, 60.0, "0123456789abcdef"};
+
+TEST(RunSummary, puts_the_parts_figures_under_the_names_that_programs_read) {
+  const auto run = summarise(facts, server(2, 2, 2), calm_plant);
+  ASSERT_TRUE(run);
+  EXPECT_EQ(run->json,
+            R"({"bijection":{"physical":2,"virtual":2,"matched":2,"orphans":[],"divergence_m":{"p99":0.0042},)"
+            R"("age_ms":{"p99":101.5}},"aivs":2,"collisions":0,"laps":7,"longest_wait_s":3.5,)"
+            R"("digest":"0123456789abcdef","duration_s":60,"zone":"lacet4","seed":9})");
+  EXPECT_TRUE(run->all_matched);
+  EXPECT_FALSE(run->collided);
+  EXPECT_THAT(run->text, HasSubstr("matched 2 of 2, divergence p99 4.2 mm, age p99 101.5 ms"));
+}
+
+TEST(RunSummary, tells_a_missing_vehicle_from_one_too_many) {
+  EXPECT_FALSE(summarise(facts, server(1, 1, 1), calm_plant)->all_matched);
+  EXPECT_FALSE(summarise(facts, server(2, 3, 2), calm_plant)->all_matched);
+  EXPECT_FALSE(summarise(facts, server(3, 3, 3), calm_plant)->all_matched);
+}
+
+TEST(RunSummary, counts_collisions) {
+  const auto run = summarise(facts, server(2, 2, 2), R"({"collisions":[{"a":"AIV1","b":"AIV2"}],"laps":0})");
+  ASSERT_TRUE(run);
+  EXPECT_TRUE(run->collided);
+  EXPECT_EQ(JsonValue::parse(run->json)->number("collisions"), 1.0);
+}
+
+TEST(RunSummary, of_a_part_that_left_none_is_an_error) {
+  for (const char* bad : {"", "{}", "nonsense", R"({"collisions":3})"}) {
+    const auto run = summarise(facts, server(2, 2, 2), bad);
+    ASSERT_FALSE(run) << bad;
+    EXPECT_EQ(run.error().code, "run.summary");
+  }
+  EXPECT_FALSE(summarise(facts, "{}", calm_plant));
+}
+
+}  // namespace
+}  // namespace cosiva::app
