@@ -11,6 +11,7 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/json_value.h"
@@ -31,7 +32,7 @@ constexpr std::uint64_t burst = 200;  ///< messages between two steps of 100 ms:
 class Stranger {
  public:
   Stranger(std::uint64_t seed, std::vector<std::string> corpus)
-      : random_{seed, "stranger"}, mutator_{seed, corpus, 1U << 18U} {}
+      : random_{seed, "stranger"}, mutator_{seed, std::move(corpus), 1U << 18U} {}
 
   wire::Publish next() {
     wire::Publish message;

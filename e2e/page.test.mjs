@@ -66,7 +66,9 @@ test('an operator watches, stops and restarts AIVs on the page', { timeout: 180_
     mkdirSync(path.join(source_dir, 'docs/images'), { recursive: true });
     await page.getByRole('button', { name: 'Slow AIV3', exact: true }).click();
     await page.waitForSelector('[data-aiv="CoSiVA/AIV3"] [data-command-state=materialised]', { timeout: 30_000 });
-    await sleep(3_000);
+    // A good picture has the figures of a settled run: the start of so many processes at once is still in them for a while.
+    const settled = () => page.waitForFunction(() => !document.querySelector('[data-verdict=broken], li.alarm'), null, { timeout: 45_000 });
+    await settled().catch(() => t.diagnostic('the picture was taken of a busy machine'));
     await page.mouse.move(5, 5);
     await page.screenshot({ path: path.join(source_dir, 'docs/images/page.png') });
     await platform.command('restart', 'CoSiVA/AIV3');

@@ -109,12 +109,12 @@ export class Program {
   constructor(t, binary, args, { cwd, env, name = args[0] } = {}) {
     this.name = name;
     this.words = '';
-    this.child = spawn(binary, args, { cwd, env: env ?? process.env, stdio: ['ignore', 'pipe', 'pipe'] });
-    this.pid = this.child.pid;
-    this.child.stdout.on('data', (chunk) => (this.words += chunk));
-    this.child.stderr.on('data', (chunk) => (this.words += chunk));
-    this.ended = new Promise((resolve) => this.child.on('close', (code, signal) => resolve({ code, signal })));
-    this.child.on('exit', () => (this.gone = true));
+    this.spawned = spawn(binary, args, { cwd, env: env ?? process.env, stdio: ['ignore', 'pipe', 'pipe'] });
+    this.pid = this.spawned.pid;
+    this.spawned.stdout.on('data', (chunk) => (this.words += chunk));
+    this.spawned.stderr.on('data', (chunk) => (this.words += chunk));
+    this.ended = new Promise((resolve) => this.spawned.on('close', (code, signal) => resolve({ code, signal })));
+    this.spawned.on('exit', () => (this.gone = true));
     this.family = new Set([this.pid]);
     finally_do(t, () => this.kill_all());
   }

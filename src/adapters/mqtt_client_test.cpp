@@ -5,6 +5,7 @@
 
 #include <csignal>
 #include <map>
+#include <optional>
 
 #include "adapters/broker.h"
 #include "adapters/test_bench.h"
@@ -255,6 +256,91 @@ TEST(MqttClient, gives_up_on_a_peer_that_accepts_and_says_nothing) {
   Listener listener{loop, port, {}};
   EXPECT_TRUE(loop.run_until([&] { return !listener.log.empty(); }, patience));
   EXPECT_THAT(listener.log.front(), HasSubstr("no answer in time"));
+}
+
+/// An authority, a broker and a client with certificates from it, made by the openssl command.
+class Tls : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    openssl(
+        "req -x509 -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -days 2 -subj /CN=ca -keyout ca.key -out ca.pem");
+    openssl(
+        "req -x509 -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -days 2 -subj /CN=other -keyout o.key -out "
+        "other.pem");
+    scratch.write("san", "subjectAltName=IP:127.0.0.1\n");
+    for (const std::string name : {"broker", "client"}) {
+      openssl("req -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -subj /CN=" + name + " -keyout " + name +
+              ".key -out " + name + ".csr");
+      openssl("x509 -req -in " + name + ".csr -CA ca.pem -CAkey ca.key -CAcreateserial -days 2 -extfile san -out " +
+              name + ".pem");
+    }
+    port = find_free_port().value();
+    scratch.write("tls.conf",
+                  "listener " + std::to_string(port) +
+                      " 127.0.0.1\nallow_anonymous true\nrequire_certificate true\nlog_dest stderr\nuser root\n"
+                      "cafile " +
+                      scratch / "ca.pem" + "\ncertfile " + scratch / "broker.pem" + "\nkeyfile " +
+                      scratch / "broker.key\n");
+    start_broker();
+  }
+  void openssl(const std::string& arguments) {
+    ChildOptions options;
+    options.argv = {"sh", "-c", "cd " + scratch.path() + " && openssl " + arguments};
+    options.log_file = scratch / "openssl.log";
+    std::optional<ChildExit> exit;
+    options.on_exit = [&](const ChildExit& e) { exit = e; };
+    const auto child = Child::start(loop, std::move(options)).value();
+    ASSERT_TRUE(loop.run_until([&] { return exit.has_value(); }, patience));
+    ASSERT_EQ(exit->status, 0) << arguments;
+  }
+  void start_broker() {
+    ChildOptions options;
+    options.argv = {"/usr/sbin/mosquitto", "-c", scratch / "tls.conf"};
+    options.log_file = scratch / "tls.log";
+    broker = Child::start(loop, std::move(options)).value();
+  }
+  [[nodiscard]] MqttOptions options(const std::string& authority) const {
+    MqttOptions made;
+    made.port = port;
+    made.tls = MqttTls{scratch / authority, scratch / "client.pem", scratch / "client.key"};
+    return made;
+  }
+
+  Scratch scratch;
+  EventLoop loop;
+  std::uint16_t port{0};
+  std::unique_ptr<Child> broker;
+};
+
+TEST_F(Tls, carries_messages_and_comes_back_after_the_broker_was_killed) {
+  std::vector<std::string> heard;
+  MqttHandlers handlers;
+  handlers.on_message = [&](std::string_view, std::string_view payload, bool) { heard.emplace_back(payload); };
+  const auto client = MqttClient::make(loop, options("ca.pem"), {"a"}, std::nullopt, std::move(handlers)).value();
+  client->start();
+  const std::string big(20'000, 'x');  // more than one TLS record
+  Timer talk{loop};
+  talk.every(50ms, [&] { client->publish({"a", big, 0, false}); });
+  ASSERT_TRUE(loop.run_until([&] { return heard.size() >= 3; }, patience));
+  EXPECT_EQ(heard.front(), big);
+  broker.reset();
+  ASSERT_TRUE(loop.run_until([&] { return !client->connected(); }, patience));
+  loop.run_for(300ms);
+  heard.clear();
+  start_broker();
+  EXPECT_TRUE(loop.run_until([&] { return heard.size() >= 3; }, patience));
+}
+
+TEST_F(Tls, does_not_talk_to_a_broker_that_its_authority_does_not_know) {
+  std::vector<std::string> log;
+  MqttHandlers handlers;
+  handlers.on_log = [&](char, const std::string& text) { log.push_back(text); };
+  const auto client = MqttClient::make(loop, options("other.pem"), {}, std::nullopt, std::move(handlers)).value();
+  client->start();
+  EXPECT_TRUE(loop.run_until([&] { return !log.empty(); }, patience));
+  loop.run_for(300ms);
+  EXPECT_FALSE(client->connected());
+  EXPECT_EQ(client->counters().connections, 0U);
 }
 
 TEST(BrokerAddress, is_read_in_its_usual_forms) {

@@ -1,3 +1,5 @@
+#include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -7,8 +9,11 @@
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <map>
+#include <type_traits>
 #include <utility>
 
 #include "adapters/ports.h"
@@ -116,18 +121,12 @@ class Listener : public std::enable_shared_from_this<Listener> {
 
   Result<void> open() {
     ErrorCode error;
-    // A socket left by a process that was killed is in the way; one that answers belongs to someone.
-    {
-      Stream::socket probe{acceptor_.get_executor()};
-      probe.connect(Stream::endpoint(path_), error);
-      if (!error) return fail("port.listen", "another process serves this board already", path_);
-    }
+    // The directory is ours (see DirectoryLock), so a socket here was left by a process that was killed.
     struct stat found {};
     if (::lstat(path_.c_str(), &found) == 0) {
       if (!S_ISSOCK(found.st_mode)) return fail("port.listen", "stands in the way and is no socket", path_);
       ::unlink(path_.c_str());
     }
-    error.clear();
     acceptor_.open(Stream(), error);
     if (!error) acceptor_.bind(Stream::endpoint(path_), error);
     if (!error) acceptor_.listen(4, error);
@@ -260,6 +259,27 @@ class Connector : public std::enable_shared_from_this<Connector> {
   bool closed_{false};
 };
 
+/// One process at a time serves the boards of a directory. The kernel lets go of the lock however that process ends.
+class DirectoryLock {
+ public:
+  DirectoryLock() = default;
+  ~DirectoryLock() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  DirectoryLock(const DirectoryLock&) = delete;
+  DirectoryLock& operator=(const DirectoryLock&) = delete;
+
+  Result<void> take(const std::string& directory) {
+    fd_ = ::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (fd_ >= 0 && ::flock(fd_, LOCK_EX | LOCK_NB) == 0) return {};
+    if (errno == EWOULDBLOCK) return fail("port.listen", "another process serves the boards of this folder", directory);
+    return fail("port.listen", std::string("cannot use this folder: ") + std::strerror(errno), directory);
+  }
+
+ private:
+  int fd_{-1};
+};
+
 template <typename End>
 class UnixPorts final : public Ports {
  public:
@@ -270,6 +290,9 @@ class UnixPorts final : public Ports {
   static Result<std::unique_ptr<Ports>> make(EventLoop& loop, const std::string& directory,
                                              const std::vector<std::string>& ports, const PortHandlers& handlers) {
     auto made = std::make_unique<UnixPorts>();
+    if constexpr (std::is_same_v<End, Listener>) {
+      if (auto taken = made->lock_.take(directory); !taken) return tl::unexpected(taken.error());
+    }
     for (const std::string& port : ports) {
       const std::string path = socket_path(directory, port);
       if (auto fits = check_path(path); !fits) return tl::unexpected(fits.error());
@@ -286,6 +309,7 @@ class UnixPorts final : public Ports {
   }
 
  private:
+  DirectoryLock lock_;  // after the sockets are gone, so first here
   std::map<std::string, std::shared_ptr<End>> ends_;
 };
 

@@ -143,6 +143,8 @@ TEST_F(UnixPorts, leftover_of_a_killed_process_is_replaced_but_a_living_one_is_n
   const auto refused = listen_unix_ports(loop, scratch.path(), {"1/PILS"}, second.handlers());
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, "port.listen");
+  connect({"1/PILS"});
+  EXPECT_TRUE(until([&] { return boards.events.size() == 1; }));  // the first one was not disturbed
 }
 
 TEST_F(UnixPorts, what_cannot_be_a_socket_is_an_error_with_its_path) {

@@ -19,7 +19,6 @@ using adapters::EventLoop;
 using adapters::LiveOptions;
 using adapters::LiveShell;
 using adapters::PortHandlers;
-using adapters::Ports;
 
 /// Reads and checks the zone, so that a bad file is said here and not by a core later.
 Result<zone::ZoneConfiguration> load_good_zone(const std::string& name_or_file) {
@@ -109,9 +108,8 @@ int run_plant(const PlantArguments& arguments) {
   if (!core) return complain(core.error());
 
   EventLoop loop;
-  LiveShell shell{loop, **core, std::move(*live), [&](PortHandlers handlers) {
-                    return adapters::listen_unix_ports(loop, arguments.sockets_directory, (*core)->ports(),
-                                                       std::move(handlers));
+  LiveShell shell{loop, **core, std::move(*live), [&](const PortHandlers& handlers) {
+                    return adapters::listen_unix_ports(loop, arguments.sockets_directory, (*core)->ports(), handlers);
                   }};
   return Part{loop, shell, "plant", arguments.part, [&] { return (*core)->summary_json(); }}.run();
 }
@@ -138,9 +136,8 @@ int run_aiv(const AivArguments& arguments) {
 
   EventLoop loop;
   aiv::OnboardCore core{options};
-  LiveShell shell{loop, core, std::move(*live), [&](PortHandlers handlers) {
-                    return adapters::connect_unix_ports(loop, arguments.sockets_directory, core.ports(),
-                                                        std::move(handlers));
+  LiveShell shell{loop, core, std::move(*live), [&](const PortHandlers& handlers) {
+                    return adapters::connect_unix_ports(loop, arguments.sockets_directory, core.ports(), handlers);
                   }};
   const auto summary = [&] {
     JsonWriter json;

@@ -54,9 +54,11 @@ class Up {
     loop_.on_signals({SIGINT, SIGTERM, SIGHUP}, [this](int) {
       if (ending_) return loop_.stop();  // asked twice: at once, without goodbyes
       interrupted_ = true;
-      end();
+      if (started_) end();
     });
     if (auto started = start(); !started) return complain(started.error());
+    started_ = true;
+    if (interrupted_) end();
     loop_.run();
     return finish();
   }
@@ -284,6 +286,7 @@ class Up {
   std::optional<SimTime> fleet_up_at_;
   SimTime ended_at_{};
   int server_lives_{0};
+  bool started_{false};
   bool ending_{false};
   bool interrupted_{false};
   bool failed_{false};

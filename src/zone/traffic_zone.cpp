@@ -213,6 +213,7 @@ std::vector<Place> TrafficZone::start_places(std::size_t count) const {
     }
   }
   std::vector<Place> places;
+  places.reserve(taken.size());
   for (const Spot& spot : taken) places.push_back(spot.place);
   return places;
 }

@@ -1,8 +1,8 @@
 #include "experiments/world/world.h"
 
-#include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <fstream>
 #include <sstream>
 
 #include "base/json_value.h"

@@ -62,8 +62,7 @@ std::string to_json(const ServerOptions& options) {
         .field("text", options.zone->text)
         .end_object();
   }
-  json.field("drive", options.drive)
-      .field("lost_after_ms", ms_of(options.lost_after));
+  json.field("drive", options.drive).field("lost_after_ms", ms_of(options.lost_after));
   json.key("contract")
       .begin_object()
       .field("divergence_p99_m", options.contract.divergence_p99_m)

@@ -11,6 +11,7 @@ describe('numbers as people read them', () => {
   });
 
   it('says times in the unit that fits', () => {
+    expect(plain(duration(0.4))).toBe('< 1 ms');
     expect(plain(duration(42.4))).toBe('42 ms');
     expect(plain(duration(1290))).toBe('1.2 s');
     expect(plain(duration(185_000))).toBe('3 min 05 s');

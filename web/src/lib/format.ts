@@ -28,8 +28,9 @@ export function share(value: number): string {
   return `${tenths === 100 ? '100' : tenths.toFixed(1)}${thin}%`;
 }
 
-/** 42 ms, 1.2 s, 3 min 05 s. */
+/** < 1 ms, 42 ms, 1.2 s, 3 min 05 s. */
 export function duration(ms: number): string {
+  if (ms > 0 && ms < 1) return `<\u202f1${thin}ms`;
   if (ms < 1000) return `${Math.round(ms)}${thin}ms`;
   if (ms < 60_000) return `${(Math.floor(ms / 100) / 10).toFixed(1)}${thin}s`;
   const minutes = Math.floor(ms / 60_000);

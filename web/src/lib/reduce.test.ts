@@ -48,8 +48,8 @@ describe('states of AIVs', () => {
   });
 
   it('say why a vehicle stands', () => {
-    const [row] = rows_of(snapshot([aiv({ status: 'stopped', waitsFor: 'X2' })]));
-    expect(row?.note).toBe('waits for X2');
+    const [row] = rows_of(snapshot([aiv({ status: 'stopped', waitsFor: 'X2, CoSiVA/AIV4' })]));
+    expect(row?.note).toBe('waits: X2, AIV4');
     expect(row?.alarms).toEqual([]);
   });
 });
@@ -62,7 +62,7 @@ describe('alarms', () => {
     expect(alarms_of(broken)).toEqual(['Connection broken']);
   });
 
-  it('name a broken contract with its figure', () => {
+  it('name a broken contract', () => {
     const far = aiv({ divergence_m: 0.05, contract: { matched: true, divergence: false, age: true } });
     expect(alarms_of(far)[0]).toContain('Divergence');
   });

@@ -38,9 +38,14 @@ function note_of(aiv: Aiv): string {
   if (aiv.connection === 'OFFLINE') return 'signed off';
   if (aiv.lost) return 'no report';
   if (aiv.paused) return 'by command';
-  if (aiv.waitsFor) return `waits for ${aiv.waitsFor}`;
+  if (aiv.waitsFor && state_key(aiv.status, false, 'ONLINE') === 'stopped') return `waits: ${short(aiv.waitsFor)}`;
   if (aiv.fieldViolation) return 'obstacle ahead';
   return '';
+}
+
+/** Names without their makers: in a row there is no room for them. */
+function short(text: string): string {
+  return text.replace(/[^\s,/]+\//g, '');
 }
 
 /** What is abnormal about a vehicle, worst first; empty for one that is well. A vehicle that waits its turn is well. */
@@ -50,8 +55,9 @@ export function alarms_of(aiv: Aiv): string[] {
   else if (aiv.lost && aiv.connection === 'ONLINE') alarms.push(`No report for ${format.duration(aiv.age_ms)}`);
   if (!aiv.contract.matched) alarms.push('No twin for it');
   if (!aiv.lost && aiv.connection === 'ONLINE') {
-    if (!aiv.contract.divergence) alarms.push(`Divergence ${format.length(aiv.divergence_m)}`);
-    if (!aiv.contract.age) alarms.push(`Reports ${format.duration(aiv.age_ms)} old`);
+    // The contract is about the last seconds; the figures beside may be good again.
+    if (!aiv.contract.divergence) alarms.push('Divergence out of contract lately');
+    if (!aiv.contract.age) alarms.push('Age of reports out of contract lately');
   }
   return [...alarms, ...aiv.errors];
 }
