@@ -7,7 +7,7 @@ import vda5050 from 'vda-5050-lib';
 import { finally_do } from './lib/cleanup.mjs';
 import { Bus, Truth } from './lib/bus.mjs';
 import { Circuit } from './lib/circuit.mjs';
-import { cosiva_binary, eventually, Program, sleep, start_broker, work_folder, zone_file } from './lib/platform.mjs';
+import { cosiva_binary, cosiva_json, eventually, Program, sleep, start_broker, work_folder, zone_file } from './lib/platform.mjs';
 
 const { BlockingType, MasterController, createUuid } = vda5050;
 const aiv = { manufacturer: 'CoSiVA', serialNumber: 'AIV1' };
@@ -35,8 +35,9 @@ test('a foreign master drives our AIV', { timeout: 150_000 }, async (t) => {
   mkdirSync(sockets);
   const zone = zone_file('lacet4');
   const part = (...args) => new Program(t, cosiva_binary(), [...args, '--sockets', sockets, '--broker', broker.address], { cwd: folder });
-  part('plant', '--zone', zone, '--vehicles', '1');
-  const vehicle = part('aiv', '--number', '1', '--zone', zone, '--start', `${start.section}:${start.s}`, '--memory', path.join(folder, 'aiv1.memory'));
+  const journals = { plant: path.join(folder, 'plant.journal'), aiv: path.join(folder, 'aiv.journal') };
+  const plant = part('plant', '--zone', zone, '--vehicles', '1', '--record', journals.plant);
+  const vehicle = part('aiv', '--record', journals.aiv, '--number', '1', '--zone', zone, '--start', `${start.section}:${start.s}`, '--memory', path.join(folder, 'aiv1.memory'));
   const truth = await Truth.follow(t, broker.port);
   const bus = await Bus.open(t, broker.port, ['uagv/v2/CoSiVA/AIV1/state']);
   let state = null;
@@ -76,7 +77,8 @@ test('a foreign master drives our AIV', { timeout: 150_000 }, async (t) => {
         onActionError: (error) => reject(new Error(`${actionType}: ${error.errorType} ${error.errorDescription}`)),
       }).catch(reject);
     });
-  const within = (ms, promise, what) => Promise.race([promise, sleep(ms).then(() => assert.fail(`not within ${ms} ms: ${what}; errors ${JSON.stringify(state.errors)}`))]);
+  const within = (ms, promise, what) =>
+    Promise.race([promise, new Promise((_resolve, reject) => setTimeout(() => reject(new Error(`not within ${ms} ms: ${what}; errors ${JSON.stringify(state.errors)}`)), ms).unref())]);
 
   const first = circuit.behind(start.section, start.s);
 
@@ -134,4 +136,14 @@ test('a foreign master drives our AIV', { timeout: 150_000 }, async (t) => {
   });
 
   assert.equal(truth.collisions, 0);
+
+  await t.test('and both parts replay to the digests that they ended with', async () => {
+    await vehicle.stop();
+    await plant.stop();
+    for (const kind of ['aiv', 'plant']) {
+      const replayed = await cosiva_json(['replay', journals[kind], '--json']);
+      assert.equal(replayed.kind, kind);
+      assert.equal(replayed.equal, true, `${kind}: ${JSON.stringify(replayed)}`);
+    }
+  });
 });

@@ -69,6 +69,7 @@ test('an operator watches, stops and restarts AIVs on the page', { timeout: 180_
     // A good picture has the figures of a settled run: the start of so many processes at once is still in them for a while.
     const settled = () => page.waitForFunction(() => !document.querySelector('[data-verdict=broken], li.alarm'), null, { timeout: 45_000 });
     await settled().catch(() => t.diagnostic('the picture was taken of a busy machine'));
+    await sleep(5_000);
     await page.mouse.move(5, 5);
     await page.screenshot({ path: path.join(source_dir, 'docs/images/page.png') });
     await platform.command('restart', 'CoSiVA/AIV3');
