@@ -10,6 +10,11 @@ constexpr std::size_t divergence_window = 200;
 constexpr std::size_t age_window = 500;
 constexpr std::size_t few_window = 100;
 
+// Contracts are judged from about 2 s after a vehicle's arrival on: while its program starts, it shares the processor
+// with every other one that starts. The run's figures count those seconds all the same.
+constexpr std::uint32_t settling_divergences = 20;
+constexpr std::uint32_t settling_ages = 100;
+
 double share_of(SimDuration part, SimDuration whole) {
   return whole <= SimDuration::zero() ? 1.0 : to_seconds(part) / to_seconds(whole);
 }
@@ -36,7 +41,7 @@ BijectionMonitor::Entity BijectionMonitor::entity(std::string_view id) {
   const auto it = std::ranges::find(pairs_, id, &Pair::id);
   if (it != pairs_.end()) return static_cast<Entity>(it - pairs_.begin());
   pairs_.push_back({std::string(id), false, false, RecentP99{contract_.divergence_p99_m, divergence_window},
-                    RecentP99{contract_.age_p99_ms, age_window}});
+                    RecentP99{contract_.age_p99_ms, age_window}, 0, 0});
   return pairs_.size() - 1;
 }
 
@@ -46,12 +51,22 @@ void BijectionMonitor::set_virtual(Entity entity, bool present) { pairs_[entity]
 void BijectionMonitor::divergence(Entity entity, double m, double rad) {
   divergence_m_.add(m);
   divergence_rad_.add(rad);
-  pairs_[entity].divergence.add(m);
+  Pair& pair = pairs_[entity];
+  if (pair.divergences_seen < settling_divergences) {
+    ++pair.divergences_seen;
+  } else {
+    pair.divergence.add(m);
+  }
 }
 
 void BijectionMonitor::age(Entity entity, double ms) {
   age_ms_.add(ms);
-  pairs_[entity].age.add(ms);
+  Pair& pair = pairs_[entity];
+  if (pair.ages_seen < settling_ages) {
+    ++pair.ages_seen;
+  } else {
+    pair.age.add(ms);
+  }
 }
 
 void BijectionMonitor::elapse(SimTime now) {
@@ -130,7 +145,15 @@ void BijectionMonitor::write(JsonWriter& json) const {
   json.key("by_kind").begin_object();
   for (std::size_t i = 0; i < events_.size(); ++i) json.field(to_string(static_cast<PhysicalEvent>(i)), events_[i]);
   json.end_object().end_object();
-  json.field("held_share", held_share()).end_object();
+  json.field("held_share", held_share());
+  json.key("contract")
+      .begin_object()
+      .field("divergence_p99_m", contract_.divergence_p99_m)
+      .field("age_p99_ms", contract_.age_p99_ms)
+      .field("command_p99_ms", contract_.command_p99_ms)
+      .field("event_p99_ms", contract_.event_p99_ms)
+      .end_object()
+      .end_object();
 }
 
 void BijectionMonitor::fold(Digest& digest) const {

@@ -56,7 +56,7 @@ class BijectionMonitor {
     bool divergence;
     bool age;
   };
-  /// Over the last 10 s or so: a badge that never turns green again would tell nothing.
+  /// Over the last 10 s or so, from 2 s after the arrival on: a badge that never turns green again would tell nothing.
   [[nodiscard]] Held held(Entity entity) const;
 
   [[nodiscard]] std::size_t physical_count() const;
@@ -82,6 +82,8 @@ class BijectionMonitor {
     bool image{false};
     RecentP99 divergence;
     RecentP99 age;
+    std::uint32_t divergences_seen{0};  ///< up to the end of its settling
+    std::uint32_t ages_seen{0};
     [[nodiscard]] bool orphan() const { return physical != image; }
   };
 

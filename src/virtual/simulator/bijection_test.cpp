@@ -95,12 +95,29 @@ TEST_F(Bijection, counts_the_time_in_which_a_contract_was_broken_as_not_held) {
   monitor.set_physical(a, true);
   monitor.set_virtual(a, true);
   wait(0s);
+  for (int i = 0; i < 100; ++i) monitor.age(a, 50.0);  // settled
   wait(6s);
-  monitor.age(a, 151.0);  // the only sample is above 150 ms, so its p99 is
+  monitor.age(a, 151.0);  // the only sample judged is above 150 ms, so its p99 is
   EXPECT_FALSE(monitor.held(a).age);
   wait(2s);
   EXPECT_DOUBLE_EQ(monitor.held_share(), 0.75);
   EXPECT_DOUBLE_EQ(monitor.matched_share(), 1.0);
+}
+
+TEST_F(Bijection, counts_a_slow_start_in_its_figures_but_judges_from_two_seconds_after_the_arrival) {
+  const auto a = monitor.entity("make/a");
+  monitor.set_physical(a, true);
+  monitor.set_virtual(a, true);
+  for (int i = 0; i < 100; ++i) monitor.age(a, 400.0);           // 2 s of ticks
+  for (int i = 0; i < 20; ++i) monitor.divergence(a, 1.0, 0.0);  // 2 s of reports
+  EXPECT_TRUE(monitor.held(a).age);
+  EXPECT_TRUE(monitor.held(a).divergence);
+  EXPECT_EQ(monitor.age_ms().max(), 400.0);
+  EXPECT_EQ(monitor.divergence_m().max(), 1.0);
+  monitor.age(a, 400.0);
+  monitor.divergence(a, 1.0, 0.0);
+  EXPECT_FALSE(monitor.held(a).age);
+  EXPECT_FALSE(monitor.held(a).divergence);
 }
 
 TEST_F(Bijection, is_not_held_when_commands_or_events_take_too_long) {
