@@ -130,7 +130,7 @@ TEST(Agent, asks_for_base_only_when_more_is_announced) {
 TEST(Agent, stands_while_anything_holds_it_and_goes_on_by_itself) {
   for (const Hold reason : {Hold::paused, Hold::broker_lost, Hold::server_lost, Hold::board_lost, Hold::board_faulty}) {
     AgentBench bench{"loop_se", 0.0};
-    bench.take(to_565());
+    bench.take(order("O-1").through({"loop_se@0", "loop_se@565", "loop_se@1131", "loop_se@1696"}));
     bench.run(1.0);
     EXPECT_GT(bench.speed_mps, 0.2);
     bench.agent.hold(reason, true);
