@@ -11,12 +11,12 @@ Reads the cosiva_module(...) calls of src/**/CMakeLists.txt and every #include "
 Tests may also use what TEST names. With --self-test it judges small bad trees, each of which must fail.
 """
 
-import argparse
 import pathlib
 import re
 import sys
-import tempfile
 from dataclasses import dataclass, field
+
+import checker
 
 CALL = re.compile(r"\bcosiva_module\(([^)]*)\)", re.DOTALL)
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]+(?:"([^"]+)"|<([^>]+)>)', re.MULTILINE)
@@ -227,40 +227,5 @@ BAD = [
 ]
 
 
-def judge(tree):
-    with tempfile.TemporaryDirectory() as root:
-        for name, text in tree.items():
-            path = pathlib.Path(root) / "src" / name
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text + "\n")
-        return check(root)[1]
-
-
-def self_test():
-    failures = [f"a good tree was refused: {problem}" for problem in judge(GOOD)]
-    for change, complaint in BAD:
-        problems = judge(GOOD | change)
-        if not any(complaint in problem for problem in problems):
-            failures.append(f"{change} should be refused with '{complaint}', got {problems}")
-    for failure in failures:
-        print(failure)
-    print(f"arrows, self-test: {1 + len(BAD)} trees judged, {len(failures)} wrongly")
-    return 1 if failures else 0
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--root", default=pathlib.Path(__file__).resolve().parent.parent)
-    parser.add_argument("--self-test", action="store_true")
-    arguments = parser.parse_args()
-    if arguments.self_test:
-        return self_test()
-    modules, problems = check(arguments.root)
-    for problem in problems:
-        print(problem)
-    print(f"arrows: {len(modules)} modules, {len(problems)} problems")
-    return 1 if problems else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(checker.main("arrows", __doc__, "modules", check, GOOD, BAD, under="src"))

@@ -10,11 +10,11 @@ pure    the cores (all of src/ but adapters and app) use no elementary function,
 With --self-test it judges small good and bad files.
 """
 
-import argparse
 import pathlib
 import re
 import sys
-import tempfile
+
+import checker
 
 CONCRETE = re.compile(
     r"lacet|indus(?!tr)|clover|toml|opendrive|xodr|\blif\b"
@@ -155,40 +155,5 @@ BAD = [
 ]
 
 
-def judge(tree):
-    with tempfile.TemporaryDirectory() as root:
-        for name, text in tree.items():
-            path = pathlib.Path(root) / name
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text + "\n")
-        return check(pathlib.Path(root))[1]
-
-
-def self_test():
-    failures = [f"a good tree was refused: {problem}" for problem in judge(GOOD)]
-    for change, complaint in BAD:
-        problems = judge(GOOD | change)
-        if not any(complaint in problem for problem in problems):
-            failures.append(f"{change} should be refused with '{complaint}', got {problems}")
-    for failure in failures:
-        print(failure)
-    print(f"names, self-test: {1 + len(BAD)} trees judged, {len(failures)} wrongly")
-    return 1 if failures else 0
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--root", type=pathlib.Path, default=pathlib.Path(__file__).resolve().parent.parent)
-    parser.add_argument("--self-test", action="store_true")
-    arguments = parser.parse_args()
-    if arguments.self_test:
-        return self_test()
-    count, problems = check(arguments.root)
-    for problem in problems:
-        print(problem)
-    print(f"names: {count} files, {len(problems)} problems")
-    return 1 if problems else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(checker.main("names", __doc__, "files", check, GOOD, BAD))
