@@ -34,4 +34,21 @@ Result<Rtm> Rtm::initialise(ZoneConfiguration configuration) {
   return rtm;
 }
 
+void write_json(JsonWriter& json, const ZoneConfiguration& configuration) {
+  json.begin_object()
+      .field("format", configuration.format)
+      .field("origin", configuration.origin)
+      .field("text", configuration.text)
+      .end_object();
+}
+
+Result<ZoneConfiguration> zone_configuration_from_json(const JsonValue& json) {
+  const auto format = json.text("format");
+  const auto text = json.text("text");
+  if (!format || !text) {
+    return fail("zone.configuration", "expected an object with the texts format, origin and text", "zone");
+  }
+  return ZoneConfiguration{*format, json.text("origin").value_or(""), *text};
+}
+
 }  // namespace cosiva::zone

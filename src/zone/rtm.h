@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/json_value.h"
+#include "base/json_writer.h"
 #include "base/result.h"
 #include "zone/traffic_zone.h"
 
@@ -17,6 +19,11 @@ struct ZoneConfiguration {
   std::string text;
   friend bool operator==(const ZoneConfiguration&, const ZoneConfiguration&) = default;
 };
+
+/// {"format","origin","text"}, as options of cores and their journals carry it.
+void write_json(JsonWriter& json, const ZoneConfiguration& configuration);
+/// Fails ("zone.configuration") on anything else than such an object.
+[[nodiscard]] Result<ZoneConfiguration> zone_configuration_from_json(const JsonValue& json);
 
 /// Knows how to make concrete circuits of one format (A23). The simulator only ever sees this interface.
 class CircuitFactory {

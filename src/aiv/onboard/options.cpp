@@ -11,13 +11,6 @@ auto bad(std::string field, std::string expected) {
   return fail("options.field", "expected " + std::move(expected), std::move(field));
 }
 
-Result<zone::ZoneConfiguration> zone_from(const JsonValue& json) {
-  const auto format = json.text("format");
-  const auto text = json.text("text");
-  if (!format || !text) return bad("zone", "an object with format, origin and text");
-  return zone::ZoneConfiguration{*format, json.text("origin").value_or(""), *text};
-}
-
 Result<OnboardOptions::Start> start_from(const JsonValue& json) {
   const auto section = json.text("section");
   const auto s_m = json.number("s_m");
@@ -46,14 +39,7 @@ std::string to_json(const OnboardOptions& options) {
       .field("manufacturer", options.id.manufacturer)
       .field("serialNumber", options.id.serial_number)
       .field("interfaceName", options.interface_name);
-  if (options.zone) {
-    json.key("zone")
-        .begin_object()
-        .field("format", options.zone->format)
-        .field("origin", options.zone->origin)
-        .field("text", options.zone->text)
-        .end_object();
-  }
+  if (options.zone) zone::write_json(json.key("zone"), *options.zone);
   if (options.start) {
     json.key("start")
         .begin_object()
@@ -87,7 +73,7 @@ Result<OnboardOptions> onboard_options_from_json(std::string_view json) {
   if (options.id.manufacturer.empty() || options.interface_name.empty())
     return bad("manufacturer, interfaceName", "texts that are not empty");
   if (const JsonValue* zone = value->find("zone"); zone != nullptr && !zone->is_null()) {
-    auto read = zone_from(*zone);
+    auto read = zone::zone_configuration_from_json(*zone);
     if (!read) return tl::unexpected(read.error());
     options.zone = std::move(*read);
   }

@@ -119,9 +119,8 @@ void write_noise(JsonWriter& json, const PlantNoise& noise) {
 
 std::string to_json(const PlantOptions& options) {
   JsonWriter json;
-  json.begin_object().key("zone").begin_object();
-  json.field("format", options.zone.format).field("origin", options.zone.origin).field("text", options.zone.text);
-  json.end_object();
+  json.begin_object();
+  zone::write_json(json.key("zone"), options.zone);
   json.field("vehicles", options.vehicles).field("seed", std::to_string(options.seed)).key("noise");
   write_noise(json, options.noise);
   json.field("publish_zone", options.publish_zone).field("publish_truth", options.publish_truth).end_object();
@@ -134,9 +133,9 @@ Result<PlantOptions> plant_options_from_json(std::string_view text) {
   if (json->object() == nullptr) return bad("the document", "an object");
   PlantOptions options;
   const JsonValue* zone = json->find("zone");
-  if (zone == nullptr || !zone->text("format") || !zone->text("text"))
-    return bad("'zone'", "an object with the texts 'format', 'origin' and 'text'");
-  options.zone = {*zone->text("format"), zone->text("origin").value_or(""), *zone->text("text")};
+  auto configuration = zone::zone_configuration_from_json(zone == nullptr ? JsonValue{} : *zone);
+  if (!configuration) return tl::unexpected(configuration.error());
+  options.zone = std::move(*configuration);
   Reader reader{*json};
   reader.count("vehicles", options.vehicles, vehicles_max);
   reader.seed("seed", options.seed);

@@ -32,10 +32,9 @@ Result<void> read_duration(const JsonValue& json, std::string_view field, SimDur
 Result<void> read_zone(const JsonValue& json, ServerOptions& options) {
   const JsonValue* zone = json.find("zone");
   if (zone == nullptr || zone->is_null()) return {};
-  const auto format = zone->text("format");
-  const auto text = zone->text("text");
-  if (!format || !text) return bad("zone", "an object with format, origin and text");
-  options.zone = zone::ZoneConfiguration{*format, zone->text("origin").value_or(""), *text};
+  auto configuration = zone::zone_configuration_from_json(*zone);
+  if (!configuration) return tl::unexpected(configuration.error());
+  options.zone = std::move(*configuration);
   return {};
 }
 
@@ -54,14 +53,7 @@ Result<void> read_contract(const JsonValue& json, BijectionContract& contract) {
 std::string to_json(const ServerOptions& options) {
   JsonWriter json;
   json.begin_object().field("interface", options.interface_name);
-  if (options.zone) {
-    json.key("zone")
-        .begin_object()
-        .field("format", options.zone->format)
-        .field("origin", options.zone->origin)
-        .field("text", options.zone->text)
-        .end_object();
-  }
+  if (options.zone) zone::write_json(json.key("zone"), *options.zone);
   json.field("drive", options.drive).field("lost_after_ms", ms_of(options.lost_after));
   json.key("contract")
       .begin_object()
