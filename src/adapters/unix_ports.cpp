@@ -112,12 +112,63 @@ class Connection : public std::enable_shared_from_this<Connection> {
   bool writing_{false};
 };
 
+/// What both ends of a port do with a stream once it stands: hand on its bytes, and say when it came and went.
+class Line : public std::enable_shared_from_this<Line> {
+ public:
+  Line(std::string port, const PortHandlers& handlers) : port_{std::move(port)}, handlers_{handlers} {}
+
+  /// Takes a stream in the place of the one before it. `after_loss` is called when it ends by itself, after the
+  /// handlers.
+  void carry(Stream::socket socket, std::function<void()> after_loss = {}) {
+    const auto self = shared_from_this();  // a handler may let go of its ports
+    if (connection_) {
+      connection_->close();
+      connection_.reset();
+      tell(false);
+    }
+    connection_ = std::make_shared<Connection>(
+        std::move(socket),
+        [weak = weak_from_this()](std::string_view bytes) {
+          if (const auto line = weak.lock(); line && line->handlers_.on_bytes)
+            line->handlers_.on_bytes(line->port_, bytes);
+        },
+        [weak = weak_from_this(), after_loss = std::move(after_loss)] {
+          const auto line = weak.lock();
+          if (!line) return;
+          line->connection_.reset();
+          line->tell(false);
+          if (after_loss) after_loss();
+        });
+    tell(true);
+    if (connection_) connection_->start();
+  }
+
+  void send(std::string_view bytes) {
+    if (connection_) connection_->send(bytes);
+  }
+
+  void close() {
+    handlers_ = {};
+    if (connection_) connection_->close();
+    connection_.reset();
+  }
+
+ private:
+  void tell(bool up) {
+    if (handlers_.on_port) handlers_.on_port(port_, up);
+  }
+
+  std::string port_;
+  PortHandlers handlers_;
+  std::shared_ptr<Connection> connection_;
+};
+
 // --- the boards' side -----------------------------------------------------------------------------------------------
 
 class Listener : public std::enable_shared_from_this<Listener> {
  public:
   Listener(EventLoop& loop, std::string port, std::string path, const PortHandlers& handlers)
-      : acceptor_{loop.context()}, port_{std::move(port)}, path_{std::move(path)}, handlers_{handlers} {}
+      : acceptor_{loop.context()}, path_{std::move(path)}, line_{std::make_shared<Line>(std::move(port), handlers)} {}
 
   Result<void> open() {
     ErrorCode error;
@@ -136,16 +187,12 @@ class Listener : public std::enable_shared_from_this<Listener> {
     return {};
   }
 
-  void send(std::string_view bytes) {
-    if (connection_) connection_->send(bytes);
-  }
+  void send(std::string_view bytes) { line_->send(bytes); }
 
   void close() {
     ErrorCode ignored;
     acceptor_.close(ignored);
-    handlers_ = {};
-    if (connection_) connection_->close();
-    connection_.reset();
+    line_->close();
     if (std::exchange(ours_, false)) ::unlink(path_.c_str());
   }
 
@@ -153,39 +200,14 @@ class Listener : public std::enable_shared_from_this<Listener> {
   void accept() {
     acceptor_.async_accept([self = shared_from_this()](const ErrorCode& error, Stream::socket socket) {
       if (!self->acceptor_.is_open()) return;
-      if (!error) self->take(std::move(socket));
+      if (!error) self->line_->carry(std::move(socket));
       self->accept();
     });
   }
 
-  void take(Stream::socket socket) {
-    if (connection_) {
-      connection_->close();
-      connection_.reset();
-      if (handlers_.on_port) handlers_.on_port(port_, false);
-    }
-    const std::weak_ptr<Listener> weak = weak_from_this();
-    connection_ = std::make_shared<Connection>(
-        std::move(socket),
-        [weak](std::string_view bytes) {
-          if (const auto self = weak.lock(); self && self->handlers_.on_bytes)
-            self->handlers_.on_bytes(self->port_, bytes);
-        },
-        [weak] {
-          const auto self = weak.lock();
-          if (!self) return;
-          self->connection_.reset();
-          if (self->handlers_.on_port) self->handlers_.on_port(self->port_, false);
-        });
-    if (handlers_.on_port) handlers_.on_port(port_, true);
-    if (connection_) connection_->start();
-  }
-
   Stream::acceptor acceptor_;
-  std::string port_;
   std::string path_;
-  PortHandlers handlers_;
-  std::shared_ptr<Connection> connection_;
+  std::shared_ptr<Line> line_;
   bool ours_{false};
 };
 
@@ -194,7 +216,7 @@ class Listener : public std::enable_shared_from_this<Listener> {
 class Connector : public std::enable_shared_from_this<Connector> {
  public:
   Connector(EventLoop& loop, std::string port, std::string path, const PortHandlers& handlers)
-      : loop_{loop}, retry_{loop}, port_{std::move(port)}, path_{std::move(path)}, handlers_{handlers} {}
+      : loop_{loop}, retry_{loop}, path_{std::move(path)}, line_{std::make_shared<Line>(std::move(port), handlers)} {}
 
   Result<void> open() {
     loop_.post([weak = weak_from_this()] {
@@ -203,16 +225,12 @@ class Connector : public std::enable_shared_from_this<Connector> {
     return {};
   }
 
-  void send(std::string_view bytes) {
-    if (connection_) connection_->send(bytes);
-  }
+  void send(std::string_view bytes) { line_->send(bytes); }
 
   void close() {
     closed_ = true;
     retry_.cancel();
-    handlers_ = {};
-    if (connection_) connection_->close();
-    connection_.reset();
+    line_->close();
   }
 
  private:
@@ -225,22 +243,9 @@ class Connector : public std::enable_shared_from_this<Connector> {
     if (!error) socket.non_blocking(true, error);
     if (!error) socket.connect(Stream::endpoint(path_), error);
     if (error) return retry();
-    const std::weak_ptr<Connector> weak = weak_from_this();
-    connection_ = std::make_shared<Connection>(
-        std::move(socket),
-        [weak](std::string_view bytes) {
-          if (const auto self = weak.lock(); self && self->handlers_.on_bytes)
-            self->handlers_.on_bytes(self->port_, bytes);
-        },
-        [weak] {
-          const auto self = weak.lock();
-          if (!self) return;
-          self->connection_.reset();
-          if (self->handlers_.on_port) self->handlers_.on_port(self->port_, false);
-          self->retry();
-        });
-    if (handlers_.on_port) handlers_.on_port(port_, true);
-    if (connection_) connection_->start();
+    line_->carry(std::move(socket), [weak = weak_from_this()] {
+      if (const auto self = weak.lock()) self->retry();
+    });
   }
 
   void retry() {
@@ -252,10 +257,8 @@ class Connector : public std::enable_shared_from_this<Connector> {
 
   EventLoop& loop_;
   Timer retry_;
-  std::string port_;
   std::string path_;
-  PortHandlers handlers_;
-  std::shared_ptr<Connection> connection_;
+  std::shared_ptr<Line> line_;
   bool closed_{false};
 };
 
