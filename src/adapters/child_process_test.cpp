@@ -1,10 +1,14 @@
 #include "adapters/child_process.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <signal.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include <cerrno>
 
 #include "adapters/files.h"
 #include "adapters/test_bench.h"
@@ -32,6 +36,28 @@ struct Bench {
     return Child::start(loop, std::move(options)).value();
   }
   bool until(const std::function<bool()>& done) { return loop.run_until(done, patience); }
+};
+
+/// Tells when every process that holds it open for writing is gone, whoever reaps them and whatever /proc shows.
+class Lifeline {
+ public:
+  explicit Lifeline(std::string path) : path_{std::move(path)} {
+    if (::mkfifo(path_.c_str(), 0600) == 0) end_ = ::open(path_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  }
+  ~Lifeline() { ::close(end_); }
+  Lifeline(const Lifeline&) = delete;
+  Lifeline& operator=(const Lifeline&) = delete;
+
+  /// Shell text that takes hold of it; what the shell starts afterwards holds it too.
+  [[nodiscard]] std::string taken() const { return "exec 9>" + path_ + "; "; }
+  [[nodiscard]] bool held() const {
+    char byte = 0;
+    return ::read(end_, &byte, 1) < 0 && errno == EAGAIN;
+  }
+
+ private:
+  std::string path_;
+  int end_{-1};
 };
 
 TEST(Child, tells_how_it_ended) {
@@ -90,17 +116,14 @@ TEST(Child, goes_with_its_owner) {
 }
 
 TEST(Child, takes_with_it_what_it_started_itself) {
+  Scratch scratch;
+  const Lifeline lifeline{scratch / "lifeline"};
   Bench bench;
-  auto child = bench.shell("sleep 600 & echo $!; wait");
+  auto child = bench.shell(lifeline.taken() + "sleep 600 & echo up; exec 9>&-; wait");
   ASSERT_TRUE(bench.until([&] { return bench.lines.size() == 1; }));
-  const std::string status = "/proc/" + bench.lines.front() + "/stat";
+  ASSERT_TRUE(lifeline.held());
   child.reset();
-  // Nobody here reaps it: a zombie counts as gone.
-  const auto gone = [&] {
-    const auto text = read_file(status);
-    return !text || text->find(") Z") != std::string::npos;
-  };
-  EXPECT_TRUE(bench.until(gone));
+  EXPECT_TRUE(bench.until([&] { return !lifeline.held(); }));
 }
 
 TEST(Child, that_cannot_be_run_is_an_error_naming_it) {
@@ -133,28 +156,21 @@ TEST(Child, hears_no_ctrl_c_meant_for_us) {
 
 TEST(Child, dies_with_a_parent_that_was_killed) {
   Scratch scratch;
+  const Lifeline lifeline{scratch / "lifeline"};
   // The middle process starts a child and is then killed without a chance to tidy up.
-  const std::string note = scratch / "pid";
   const pid_t middle = ::fork();
   if (middle == 0) {
     Bench bench;
-    const auto child = bench.shell("echo up; exec sleep 600");
-    bench.until([&] { return bench.lines.size() == 1; });
-    static_cast<void>(write_file(note, std::to_string(child->pid())));
+    const auto child = bench.shell(lifeline.taken() + "echo up; exec sleep 600");
+    if (!bench.until([&] { return bench.lines.size() == 1 && lifeline.held(); })) ::_exit(1);
     ::raise(SIGKILL);
   }
   ASSERT_GT(middle, 0);
-  ::waitpid(middle, nullptr, 0);
-  const auto written = read_file(note);
-  ASSERT_TRUE(written);
-  const pid_t orphan = std::stoi(*written);
+  int status = 0;
+  ::waitpid(middle, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status)) << "its child never came up";
   EventLoop loop;
-  // Nobody here reaps it: a zombie counts as dead.
-  const auto dead = [&] {
-    const auto status = read_file("/proc/" + std::to_string(orphan) + "/stat");
-    return !status || status->find(") Z") != std::string::npos;
-  };
-  EXPECT_TRUE(loop.run_until(dead, patience));
+  EXPECT_TRUE(loop.run_until([&] { return !lifeline.held(); }, patience));
 }
 
 }  // namespace

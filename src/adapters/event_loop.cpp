@@ -7,6 +7,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <csignal>
 #include <cstdint>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -47,11 +48,17 @@ void EventLoop::stop() { inside_->context.stop(); }
 bool EventLoop::run_until(const std::function<bool()>& done, std::chrono::milliseconds limit) {
   inside_->context.restart();
   const auto deadline = Steady::now() + limit;
-  while (!done()) {
-    if (Steady::now() >= deadline) return false;
+  for (;;) {
+    // The time is read before the question: a machine that slept in between does not make us give up unasked.
+    const bool last = Steady::now() >= deadline;
+    if (done()) return true;
+    if (last) return false;
     inside_->context.run_one_for(std::chrono::milliseconds{20});
+    // With nothing to wait for the context stops at once: what is awaited then is outside of the loop.
+    if (!inside_->context.stopped()) continue;
+    inside_->context.restart();
+    std::this_thread::sleep_for(std::chrono::milliseconds{1});
   }
-  return true;
 }
 
 void EventLoop::run_for(std::chrono::milliseconds duration) {
