@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "aiv/test_orders.h"
+#include "aiv/test_senses.h"
 #include "aiv/test_zone.h"
 
 namespace cosiva::aiv {
@@ -16,6 +17,7 @@ namespace {
 using test::at;
 using test::lacet4;
 using test::order;
+using test::ranges_to;
 using ::testing::ElementsAre;
 
 /// An agent on wheels that obey its commands as the line-following board does, with exact odometry at 50 Hz.
@@ -55,22 +57,8 @@ struct AgentBench {
     odometry.distance_um = std::llround(travelled_m * 1e6);
     odometry.speed_mmps = static_cast<std::int16_t>(std::lround(speed_mps * 1e3));
     agent.on_odometry(odometry);
-    if (++tick % 3 == 0) agent.on_ranges(look());
+    if (++tick % 3 == 0) agent.on_ranges(ranges_to(obstacles, truth.pose(lacet4().circuit)));
     for (const auto& node : agent.take_traversed()) traversed.push_back(node.node_id);
-  }
-
-  wire::Ranges look() const {
-    wire::Ranges ranges{0, -84, 14, std::vector<std::uint16_t>(13, wire::no_echo)};
-    const Pose2 X_BM = inverse(truth.pose(lacet4().circuit));
-    for (const Point2& p_M : obstacles) {
-      const Point2 p_B = X_BM * p_M;
-      const double range_m = std::hypot(p_B.x_m - 0.1, p_B.y_m);
-      const long beam = std::lround((std::atan2(p_B.y_m, p_B.x_m - 0.1) + 0.84) / 0.14);
-      if (beam < 0 || beam > 12 || range_m > 2.0) continue;
-      auto& seen = ranges.range_mm[static_cast<std::size_t>(beam)];
-      seen = std::min(seen, static_cast<std::uint16_t>(std::lround(range_m * 1e3)));
-    }
-    return ranges;
   }
 
   void run(double seconds) {

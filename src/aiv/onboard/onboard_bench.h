@@ -12,6 +12,7 @@
 #include "aiv/motion.h"
 #include "aiv/onboard/onboard_core.h"
 #include "aiv/test_orders.h"
+#include "aiv/test_senses.h"
 #include "aiv/test_zone.h"
 #include "wire/module_link/module_link.h"
 #include "wire/vda5050/codec.h"
@@ -98,7 +99,9 @@ class OnboardBench {
       odometry.speed_mmps = static_cast<std::int16_t>(std::lround(speed_mps * 1e3));
       say(wire::Board::PILS, odometry);
     }
-    if (alive.contains(wire::Board::DOBS) && every(6)) say(wire::Board::DOBS, look());
+    if (alive.contains(wire::Board::DOBS) && every(6)) {
+      say(wire::Board::DOBS, ranges_to(obstacles, truth.pose(lacet4().circuit)));
+    }
     if (alive.contains(wire::Board::RALI) && every(50)) say(wire::Board::RALI, wire::Power{7400, 300, 250, charge});
     if (every(2)) feed(wire::InputKind::tick, "", "");
   }
@@ -173,20 +176,6 @@ class OnboardBench {
     speed_mps = wanted > speed_mps ? std::min(wanted, speed_mps + 1e-3 * drive_->acceleration_mmps2 * dt)
                                    : std::max(wanted, speed_mps - braking * dt);
     odometer_m_ += truth.move(lacet4().circuit, 0.5 * (before + speed_mps) * dt);
-  }
-
-  [[nodiscard]] wire::Ranges look() const {
-    wire::Ranges ranges{0, -84, 14, std::vector<std::uint16_t>(13, wire::no_echo)};
-    const Pose2 X_BM = inverse(truth.pose(lacet4().circuit));
-    for (const Point2& p_M : obstacles) {
-      const Point2 p_B = X_BM * p_M;
-      const double range_m = std::hypot(p_B.x_m - 0.1, p_B.y_m);
-      const long beam = std::lround((std::atan2(p_B.y_m, p_B.x_m - 0.1) + 0.84) / 0.14);
-      if (beam < 0 || beam > 12 || range_m > 2.0) continue;
-      auto& seen = ranges.range_mm[static_cast<std::size_t>(beam)];
-      seen = std::min(seen, static_cast<std::uint16_t>(std::lround(range_m * 1e3)));
-    }
-    return ranges;
   }
 
   void take(const wire::Effects& effects) {
