@@ -1,40 +1,56 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 
 #include "adapters/event_loop.h"
-#include "adapters/http_server.h"
-#include "adapters/live_shell.h"
 #include "base/result.h"
 #include "virtual/server/server_core.h"
 
 namespace cosiva::app {
 
-/// The page's contract (docs/protocols/hmi-api.md) over a running server: the calls, and live frames 20 times a second
-/// while somebody looks.
+/// Who the page speaks for: a live server, or a world in virtual time.
+struct PageHost {
+  const virtual_side::ServerCore* core{};
+  /// Gives the core a command as Input::command.
+  std::function<void(const std::string& source, std::string json)> command;
+  std::function<SimTime()> now;
+  std::string run_name;       ///< shown on the page
+  std::string scenario_name;  ///< empty: none
+  /// The zone's file, when edits may be saved into it; empty: they go to the user's own folder of zones.
+  std::string zone_file;
+
+  struct Clock {
+    bool is_virtual{false};
+    bool running{true};
+    double speed{1.0};  ///< virtual seconds per second
+  };
+  std::function<Clock()> clock;
+  /// Only for virtual time; empty live. Speed 0.1…100.
+  std::function<void(bool running, double speed)> set_clock;
+  std::function<void(SimDuration)> step;  ///< runs so much while the clock stands
+};
+
+/// The page's contract (docs/protocols/hmi-api.md): HTTP calls, and the live stream while somebody looks.
 class ServerPage {
  public:
   /// @param web_root  the page's built files; empty: `/` says how to build them
-  [[nodiscard]] static Result<std::unique_ptr<ServerPage>> open(adapters::EventLoop& loop, adapters::LiveShell& shell,
-                                                                const virtual_side::ServerCore& core,
+  [[nodiscard]] static Result<std::unique_ptr<ServerPage>> open(adapters::EventLoop& loop, PageHost host,
                                                                 std::uint16_t port, std::string web_root,
                                                                 bool headless);
-  [[nodiscard]] std::uint16_t port() const { return http_->port(); }
+  ~ServerPage();
+  [[nodiscard]] std::uint16_t port() const;
+  /// What the plant says is true, for the eye only: shown beside twin and belief, never used (plant_truth_topic's JSON).
+  void truth(std::string json);
+  /// An input has been handled; what an operator waits for (a command's state) is sent at once, not at the next beat.
+  void changed();
 
  private:
-  ServerPage(adapters::EventLoop& loop, adapters::LiveShell& shell, const virtual_side::ServerCore& core);
-  [[nodiscard]] adapters::HttpResponse answer(const adapters::HttpRequest& request);
-  [[nodiscard]] adapters::HttpResponse take_command(const std::string& body);
-  void send_frames();
-
-  adapters::LiveShell& shell_;
-  const virtual_side::ServerCore& core_;
-  std::unique_ptr<adapters::HttpServer> http_;
-  adapters::Timer frames_;
-  std::uint64_t zone_revision_sent_{~std::uint64_t{0}};
-  std::uint64_t commands_{0};
+  struct Inside;
+  explicit ServerPage(std::unique_ptr<Inside> inside);
+  std::unique_ptr<Inside> inside_;
 };
 
 }  // namespace cosiva::app

@@ -38,4 +38,22 @@ bool valid_serial_number(std::string_view serial) {
   });
 }
 
+std::string own_topic(std::string_view prefix, const VehicleId& vehicle) {
+  std::string topic{prefix};
+  topic += vehicle.manufacturer;
+  topic += '/';
+  topic += vehicle.serial_number;
+  return topic;
+}
+
+std::optional<VehicleId> parse_own_topic(std::string_view prefix, std::string_view topic) {
+  if (!topic.starts_with(prefix)) return std::nullopt;
+  topic.remove_prefix(prefix.size());
+  const std::size_t slash = topic.find('/');
+  if (slash == std::string_view::npos || slash == 0 || slash + 1 == topic.size()) return std::nullopt;
+  const std::string_view serial = topic.substr(slash + 1);
+  if (serial.find('/') != std::string_view::npos) return std::nullopt;
+  return VehicleId{std::string(topic.substr(0, slash)), std::string(serial)};
+}
+
 }  // namespace cosiva::wire

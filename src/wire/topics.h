@@ -21,6 +21,21 @@ inline constexpr std::string_view server_heartbeat_topic = "cosiva/v1/server/hea
 inline constexpr std::string_view plant_truth_topic = "cosiva/v1/plant/truth";
 /// Commands to the emulated world: {"addObstacle":{"id","x","y","radius"}} or {"removeObstacle":"id"}.
 inline constexpr std::string_view plant_command_topic = "cosiva/v1/plant/command";
+/// The emulated ether: {"vehicle":"CoSiVA/AIV2"|"*","loss":0.3}: an *emulated* vehicle's program then loses this share of
+/// its messages, both ways. Real vehicles do not listen.
+inline constexpr std::string_view plant_radio_topic = "cosiva/v1/plant/radio";
+
+/// Server → one vehicle: what of the virtual world stands near its way (wire::Ahead).
+inline constexpr std::string_view ahead_topic_prefix = "cosiva/v1/ahead/";
+/// Vehicle → server: it has taken an Ahead into account (wire::Felt).
+inline constexpr std::string_view felt_topic_prefix = "cosiva/v1/felt/";
+/// Vehicle → server: the obstacle its DOBS sees in its way, or none any more (wire::Seen).
+inline constexpr std::string_view seen_topic_prefix = "cosiva/v1/seen/";
+/// Vehicle → server, twice a second: how its boards fare (wire::BoardsReport, A18).
+inline constexpr std::string_view boards_topic_prefix = "cosiva/v1/boards/";
+
+/// The manufacturer of vehicles that are added only virtually (A3): "CoSiVA.virtual/V1".
+inline constexpr std::string_view virtual_manufacturer = "CoSiVA.virtual";
 
 /// A vehicle's identity on the wire. Both are case-sensitive; serial numbers use A-Z a-z 0-9 _ . : - only.
 struct VehicleId {
@@ -42,6 +57,9 @@ struct VdaTopic {
 [[nodiscard]] std::optional<VdaTopic> parse_vda_topic(std::string_view topic);
 [[nodiscard]] std::string vda_topic(const VehicleId& vehicle, std::string_view name,
                                     std::string_view interface_name = default_interface);
+/// "<prefix><manufacturer>/<serial>", and back; nothing where the rest is not two non-empty levels.
+[[nodiscard]] std::string own_topic(std::string_view prefix, const VehicleId& vehicle);
+[[nodiscard]] std::optional<VehicleId> parse_own_topic(std::string_view prefix, std::string_view topic);
 [[nodiscard]] bool valid_serial_number(std::string_view serial);
 
 }  // namespace cosiva::wire

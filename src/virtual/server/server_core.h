@@ -8,6 +8,7 @@
 
 #include "base/json_writer.h"
 #include "base/result.h"
+#include "virtual/server/frames.h"
 #include "virtual/simulator/bijection.h"
 #include "wire/core.h"
 #include "zone/rtm.h"
@@ -28,8 +29,16 @@ struct ServerOptions {
 
 /// AIV_Server and Simulator as one core (they talk through recorded messages, seen in the traces). Ticks every 20 ms.
 ///
-/// Commands (Input::command, JSON): {"id":"c1","command":"stop"|"slow"|"medium"|"fast"|"restart"|"cancel",
-/// "vehicle":"CoSiVA/AIV1" or "*"}; id optional. Refused ones are logged and listed as failed with the reason.
+/// Commands (Input::command, JSON; id optional). Refused ones are logged; those to vehicles are listed as failed with the
+/// reason.
+/// - to vehicles (A6): {"id":"c1","command":"stop"|"slow"|"medium"|"fast"|"restart"|"cancel","vehicle":"CoSiVA/AIV1"|"*"}
+/// - only virtual things (A3): {"command":"add","thing":{"id":"V1","kind":"aiv","section","s"|"x","y"}},
+///   {"command":"add","thing":{"id":"P1","kind":"person"|"obstacle","x","y","radius"?,
+///   "path":[[x,y]…]?,"speed"?,"repeat":"once"|"back and forth"|"loop"?}}, {"command":"move","thing":{"id","x","y"|"path"…}},
+///   {"command":"remove","id":"P1"|"*"}. Without an id in `add` the server takes next_thing_id(kind).
+/// - {"command":"edit","edit":{…}} (zone::ZoneEdit), {"command":"undo"}, {"command":"redo"}: of the zone (A5)
+/// - to the emulated world: {"command":"plant","plant":{"addObstacle":{…}}|{"removeObstacle":"id"}},
+///   {"command":"radio","vehicle":"CoSiVA/AIV2"|"*","loss":0.3}
 class ServerCore final : public wire::Core {
  public:
   explicit ServerCore(ServerOptions options);
@@ -48,7 +57,7 @@ class ServerCore final : public wire::Core {
   /// Grows when the zone is (re)instantiated; zone_json() is what the page draws, "null" before there is a zone.
   [[nodiscard]] std::uint64_t zone_revision() const;
   [[nodiscard]] std::string zone_json() const;
-  /// The moving picture: {"time","zoneRevision","aivs":[…],"crossings":[…],"bijection":{…},"commands":[…]}.
+  /// The moving picture's table, docs/protocols/hmi-api.md.
   [[nodiscard]] std::string snapshot_json() const;
   /// The run's bijection figures (DESIGN §5): physical, virtual, matched, matched_share, orphans, divergence_m, age_ms,
   /// commands, events, held_share.
@@ -58,6 +67,15 @@ class ServerCore final : public wire::Core {
   /// The last traces from `after` (a running number) on:
   /// {"next":N,"traces":[{"n","time","from","to","kind","content"}…]}.
   [[nodiscard]] std::string traces_json(std::uint64_t after, std::size_t limit) const;
+  /// One trace with all of its raw content: {"n","time","from","to","kind","topic","raw"}; raw is null when it is no longer
+  /// kept. Nothing where there is no such number (any more).
+  [[nodiscard]] std::optional<std::string> trace_json(std::uint64_t n) const;
+  /// Everything that moves or may, sorted by handle, at the time of the last input carried on to `now`.
+  void positions(SimTime now, std::vector<PositionRecord>& out) const;
+  /// "V1", "P2", "O1": the next free one of "aiv", "person", "obstacle".
+  [[nodiscard]] std::string next_thing_id(std::string_view kind) const;
+  /// The zone's configuration with all edits, as it would be saved; nothing while there is no zone.
+  [[nodiscard]] std::optional<zone::ZoneConfiguration> zone_configuration() const;
 
  private:
   struct Inside;

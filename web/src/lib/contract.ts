@@ -17,6 +17,9 @@ export interface Zone {
   bounds: readonly [x0: number, y0: number, x1: number, y1: number];
   vehicle: { length_m: number; width_m: number };
   primitives: readonly Primitive[];
+  sections: readonly { name: string; length_m: number }[];
+  tags: readonly { number: number; section: string; s: number; x: number; y: number }[];
+  beacons: { pitch_m: number; origin: Point; columns: number; rows: number } | null;
 }
 
 export interface Pose {
@@ -27,7 +30,11 @@ export interface Pose {
 
 export interface Aiv extends Pose {
   id: string;
+  /** of the binary frames' records */
+  handle: number;
   number: number;
+  /** added only virtually */
+  augmented: boolean;
   connection: 'ONLINE' | 'OFFLINE' | 'CONNECTIONBROKEN';
   /** no report came for a second */
   lost: boolean;
@@ -37,6 +44,8 @@ export interface Aiv extends Pose {
   /** null where the twin is on no section: a foreign vehicle beside the circuit, or no zone yet */
   section: string | null;
   s: number | null;
+  /** 0…999, higher goes first at a crossing */
+  priority: number;
   reported: Pose | null;
   age_ms: number;
   divergence_m: number;
@@ -50,8 +59,58 @@ export interface Aiv extends Pose {
   paused: boolean;
   fieldViolation: boolean;
   waitsFor: string | null;
+  /** the virtual thing it brakes for */
+  feels: string | null;
   errors: readonly string[];
+  /** the way that its base lets it drive, and nobody else */
+  reserved: readonly Point[];
+  /** left out where the vehicle does not tell */
+  boards?: readonly BoardHealth[];
+  power?: { voltage_v: number; current_a: number; temperature_c: number };
+  /** what its obstacle detection saw last: beam i looks at first + i·width [rad]; null: nothing within reach */
+  ranges?: { first: number; width: number; m: readonly (number | null)[] };
   contract: { matched: boolean; divergence: boolean; age: boolean };
+}
+
+export interface BoardHealth {
+  board: string;
+  health: 'ok' | 'lost' | 'faulty';
+  firmware: string;
+  uptime_ms: number;
+  frames: number;
+  framesBad: number;
+  framesMissed: number;
+  selfTest: number;
+}
+
+export type Repeat = 'once' | 'back and forth' | 'loop';
+
+/** What was added only virtually, save AIVs. */
+export interface Thing {
+  id: string;
+  handle: number;
+  kind: 'person' | 'obstacle';
+  x: number;
+  y: number;
+  heading: number;
+  radius: number;
+  speed: number;
+  path?: readonly Point[];
+  repeat?: Repeat;
+  feltBy: readonly string[];
+  since_ms: number;
+}
+
+/** The twin of a physical obstacle that vehicles saw. */
+export interface SeenObstacle {
+  id: string;
+  handle: number;
+  x: number;
+  y: number;
+  radius: number;
+  seenBy: readonly string[];
+  first_ms: number;
+  last_ms: number;
 }
 
 export interface Crossing {
@@ -78,6 +137,8 @@ export interface Bijection {
   divergence_rad: Statistics;
   age_ms: Statistics;
   commands: { issued: number; accepted: number; materialised: number; failed: number; latency_ms: Statistics };
+  augmented: number;
+  effects: { felt_ms: Statistics; brakes_ms: Statistics; shown_ms: Statistics };
   events: { count: number; latency_ms: Statistics; by_kind: Readonly<Record<string, number>> };
   /** for what share of the time the whole contract held, 0…1 */
   held_share: number;
@@ -90,6 +151,7 @@ export interface ContractLimits {
   age_p99_ms: number;
   command_p99_ms: number;
   event_p99_ms: number;
+  effect_p99_ms: number;
 }
 
 export const default_limits: ContractLimits = {
@@ -97,6 +159,7 @@ export const default_limits: ContractLimits = {
   age_p99_ms: 150,
   command_p99_ms: 2000,
   event_p99_ms: 500,
+  effect_p99_ms: 200,
 };
 
 export type CommandVerb = 'stop' | 'slow' | 'medium' | 'fast' | 'restart' | 'cancel';
@@ -118,13 +181,60 @@ export interface Snapshot {
   /** of the server's clock, Unix milliseconds */
   time_ms: number;
   zoneRevision: number;
+  zoneEdits: { undo: number; redo: number; unsaved: boolean };
   aivs: readonly Aiv[];
+  things: readonly Thing[];
+  obstacles: readonly SeenObstacle[];
   crossings: readonly Crossing[];
   bijection: Bijection;
   commands: readonly Command[];
 }
 
-export type LiveMessage = { type: 'zone'; zone: Zone | null } | { type: 'snapshot'; snapshot: Snapshot };
+export interface Run {
+  name: string;
+  scenario: string | null;
+  version: string;
+  clock: { kind: 'wall' | 'virtual'; running: boolean; speed: number; time_ms: number };
+}
+
+/** What the emulated world says is so; to look at beside the twins, and used for nothing. */
+export interface Truth {
+  vehicles: readonly ({ number: number } & Pose)[];
+  obstacles: readonly { id: string; x: number; y: number; radius: number }[];
+}
+
+export interface Trace {
+  n: number;
+  time_ms: number;
+  from: string;
+  to: string;
+  kind: string;
+  content: string;
+}
+export interface Traces {
+  next: number;
+  oldest: number;
+  traces: readonly Trace[];
+}
+export interface WholeTrace extends Trace {
+  topic: string;
+  raw: string | null;
+}
+
+export interface ZoneEdit {
+  addTags?: readonly TagPlace[];
+  moveTags?: readonly TagPlace[];
+  removeTags?: readonly number[];
+  beaconPitch?: number;
+  priorities?: Readonly<Record<string, number>>;
+}
+export type TagPlace = { number: number; x: number; y: number } | { number: number; section: string; s: number };
+
+export type LiveMessage =
+  | { type: 'zone'; zone: Zone | null }
+  | { type: 'run'; run: Run }
+  | { type: 'snapshot'; snapshot: Snapshot }
+  | { type: 'truth'; vehicles: Truth['vehicles']; obstacles: Truth['obstacles'] };
 
 /** Reads one frame of the live stream; nothing where it is not one we know (a newer server may say more). */
 export function parse_live(text: string): LiveMessage | null {
@@ -135,7 +245,6 @@ export function parse_live(text: string): LiveMessage | null {
     return null;
   }
   if (typeof value !== 'object' || value === null || !('type' in value)) return null;
-  if (value.type === 'zone' && 'zone' in value) return value as LiveMessage;
-  if (value.type === 'snapshot' && 'snapshot' in value) return value as LiveMessage;
-  return null;
+  const known = value.type === 'zone' || value.type === 'run' || value.type === 'snapshot' || value.type === 'truth';
+  return known ? (value as LiveMessage) : null;
 }

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "base/time.h"
+#include "zone/traffic_zone.h"
+
+namespace cosiva::experiments {
+
+/// What happens when: the same file for live and for virtual time (docs/guide/scenarios.md). Every step is a command to
+/// the server (ServerCore's Input::command), so it stands in the journal and a replay has it too.
+struct Scenario {
+  std::string name;
+  std::string description;
+  std::string zone{"lacet4"};
+  std::uint32_t aivs{4};
+  std::uint64_t seed{1};
+  std::optional<double> duration_s;
+  struct Step {
+    SimDuration at;         ///< since the fleet was complete
+    std::string command;    ///< JSON for the server
+    std::string what;       ///< as people read it: "person P1 walks 1.2 m"
+    std::uint32_t line;     ///< in the file
+  };
+  std::vector<Step> steps;  ///< in time order; equal times in the file's order
+};
+
+/// Reads a scenario; errors name origin, line and field, and what was expected, with the nearest word for a misspelt one.
+[[nodiscard]] Result<Scenario> scenario_from_toml(std::string_view text, const std::string& origin);
+/// Checks what only the zone can tell: places on it, sections that exist, vehicles 1…aivs or named virtual ones that are
+/// there at that time, ids used twice or removed before they came.
+[[nodiscard]] Result<void> check(const Scenario& scenario, const zone::TrafficZone& zone, const std::string& origin);
+
+/// Hands out the steps that are due.
+class ScenarioPlayer {
+ public:
+  explicit ScenarioPlayer(const Scenario& scenario) : steps_{scenario.steps} {}
+  void begin(SimTime now) { begun_ = now; }
+  [[nodiscard]] bool begun() const { return begun_.has_value(); }
+  /// Those due up to `now`, each once; none before begin().
+  [[nodiscard]] std::vector<Scenario::Step> due(SimTime now);
+  [[nodiscard]] std::optional<SimTime> next_due() const;
+  [[nodiscard]] bool done() const { return next_ == steps_.size(); }
+
+ private:
+  std::vector<Scenario::Step> steps_;
+  std::size_t next_{0};
+  std::optional<SimTime> begun_;
+};
+
+}  // namespace cosiva::experiments

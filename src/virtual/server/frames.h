@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace cosiva::virtual_side {
+
+/// One moving thing as the page draws it; 20 bytes on the wire (docs/protocols/hmi-api.md, "Binary frames").
+struct PositionRecord {
+  enum class Kind : std::uint8_t { aiv = 0, person = 1, obstacle = 2 };
+  std::uint16_t handle{};  ///< of the snapshot's "handle"
+  Kind kind{Kind::aiv};
+  std::uint8_t status{};  ///< 0 Normal, 1 stopped, 2 slow, 3 medium, 4 fast, 5 lost
+  bool augmented{};
+  bool blocked{};  ///< protective field violated, or braking for a virtual body
+  float x_m{};
+  float y_m{};
+  float heading_rad{};
+  float speed_mps{};
+  float reported_dx_m{};  ///< from the twin to the last report
+  float reported_dy_m{};
+};
+
+/// Makes binary frames of position records. A key frame holds all of them; a delta holds those that differ from the last
+/// key frame, so any one delta may be lost. Encoded once for all clients.
+class PositionFrames {
+ public:
+  /// A key frame at least this often (in frames), and whenever a handle came or went.
+  explicit PositionFrames(std::uint32_t key_every = 30);
+
+  struct Frame {
+    std::string bytes;
+    bool key;
+  };
+  /// @param time_ms   of the server's clock, Unix milliseconds
+  /// @param records   sorted by handle
+  [[nodiscard]] Frame encode(double time_ms, std::span<const PositionRecord> records);
+  /// The next frame is a key frame.
+  void ask_key() { ask_key_ = true; }
+
+ private:
+  std::uint32_t key_every_;
+  std::uint32_t sequence_{0};
+  std::uint32_t key_sequence_{0};
+  bool ask_key_{true};
+  std::vector<PositionRecord> key_;
+};
+
+}  // namespace cosiva::virtual_side

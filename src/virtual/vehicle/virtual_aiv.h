@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "base/digest.h"
+#include "base/pose.h"
+#include "wire/core.h"
+#include "wire/topics.h"
+#include "zone/rtm.h"
+
+namespace cosiva::virtual_side {
+
+/// An AIV that exists on the virtual side only (A3): the agent of the physical ones, unchanged, behind simulated boards.
+/// It drives exactly what it is told along the circuit, reads tags and beacons as PRAV would, and feels everything else
+/// through Ahead, as physical AIVs feel it. Deterministic; it has no chance of its own.
+class VirtualAiv {
+ public:
+  /// @param number  of its boards' ports; any, unique in the server
+  /// @param start   where it stands at first; on this zone's circuit
+  VirtualAiv(std::string serial, std::uint32_t number, zone::ZoneConfiguration zone, zone::Place start);
+  ~VirtualAiv();
+  VirtualAiv(VirtualAiv&&) noexcept;
+  VirtualAiv& operator=(VirtualAiv&&) noexcept;
+
+  [[nodiscard]] const wire::VehicleId& id() const;
+
+  /// The server's link: ONLINE and its factsheet follow, or silence.
+  void link(SimTime now, bool up, wire::Effects& effects);
+  /// A message on a topic that the on-board program subscribes to.
+  void message(SimTime now, const std::string& topic, const std::string& payload, wire::Effects& effects);
+  /// Another configuration of the same ways (zone::same_ways) goes on driving; on other ways it stands still.
+  void zone(SimTime now, const zone::ZoneConfiguration& zone, wire::Effects& effects);
+  /// Every 20 ms: body, boards, on-board program. Only Publish and Log come out.
+  void tick(SimTime now, wire::Effects& effects);
+  /// It is taken away: OFFLINE.
+  void farewell(SimTime now, wire::Effects& effects);
+
+  [[nodiscard]] Pose2 X_MB() const;
+  [[nodiscard]] double speed_mps() const;
+  [[nodiscard]] zone::Place place() const;
+  void fold(Digest& digest) const;
+
+ private:
+  struct Inside;
+  std::unique_ptr<Inside> inside_;
+};
+
+}  // namespace cosiva::virtual_side

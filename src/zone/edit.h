@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "base/json_value.h"
+#include "base/json_writer.h"
+#include "base/result.h"
+#include "zone/rtm.h"
+
+namespace cosiva::zone {
+
+/// What an operator may change of a zone while it runs (A5): its tags, the beacons' pitch (A21), the priorities between
+/// AIVs. Never the ways themselves.
+struct ZoneEdit {
+  struct TagPlace {
+    TagNumber number;
+    Place place;
+  };
+  std::vector<TagPlace> set_tags;        ///< puts a new tag, or moves the one with this number
+  std::vector<TagNumber> remove_tags;
+  std::optional<double> beacon_pitch_m;
+  std::vector<std::pair<std::string, std::int32_t>> set_priorities;  ///< "CoSiVA/AIV1" → 0…999; 0 takes it out
+};
+
+/// {"addTags":[{"number","x","y"}|{"number","section","s"}…],"moveTags":[…],"removeTags":[n…],
+/// "beaconPitch":0.2,"priorities":{"CoSiVA/AIV1":3}}. A place given as x, y is the nearest one on the circuit.
+/// Fails ("edit.…") with a sentence that says what to do: a tag further than 0.30 m from every way, an added number that
+/// is there already, a moved or removed one that is not, a number among the beacons', a pitch outside 0.05…10 m or that
+/// makes more than 20 000 beacons, a zone without beacons.
+[[nodiscard]] Result<ZoneEdit> zone_edit_from_json(const JsonValue& json, const TrafficZone& zone);
+
+/// The configuration's text with the edit in it; the rest of the file, comments too, stays as it is. Fails where the
+/// format has no such thing.
+[[nodiscard]] Result<ZoneConfiguration> edited(const ZoneConfiguration& configuration, const ZoneEdit& edit);
+
+/// Whether the ways, the vehicle's shape and the profiles are the same, so that running vehicles may take `b` for `a`
+/// without stopping: only tags, beacons, stations and priorities differ.
+[[nodiscard]] bool same_ways(const TrafficZone& a, const TrafficZone& b);
+
+}  // namespace cosiva::zone
