@@ -350,7 +350,11 @@ int measure(const Options& options) {
                      }};
   adapters::MqttOptions mqtt;
   mqtt.port = port;
-  adapters::LiveShell shell{loop, core, {"server", virtual_side::to_json(server), "server", mqtt, "", ""}};
+  adapters::LiveOptions live;
+  live.kind = live.name = "server";
+  live.options = virtual_side::to_json(server);
+  live.mqtt = mqtt;
+  adapters::LiveShell shell{loop, core, std::move(live)};
   if (const auto started = shell.start(); !started) return complain(to_string(started.error()));
   if (!loop.run_until([&] { return shell.link_up(); }, milliseconds{5000}))
     return complain("the server found no broker");

@@ -2,6 +2,7 @@
 
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cstdlib>
@@ -52,6 +53,25 @@ int hex_digit(char c) {
   return -1;
 }
 
+/// Percent-decoded; nothing for bad escapes, a NUL or a backslash.
+std::optional<std::string> decoded(std::string_view raw) {
+  std::string text;
+  for (std::size_t i = 0; i < raw.size(); ++i) {
+    char c = raw[i];
+    if (c == '%') {
+      if (i + 2 >= raw.size()) return std::nullopt;
+      const int high = hex_digit(raw[i + 1]);
+      const int low = hex_digit(raw[i + 2]);
+      if (high < 0 || low < 0) return std::nullopt;
+      c = static_cast<char>(high * 16 + low);
+      i += 2;
+    }
+    if (c == '\0' || c == '\\') return std::nullopt;
+    text += c;
+  }
+  return text;
+}
+
 bool has_dot_segment(std::string_view path) {
   while (!path.empty()) {
     const std::size_t slash = std::min(path.find('/'), path.size());
@@ -81,22 +101,38 @@ bool is_own_origin(std::string_view origin, std::string_view host, std::uint16_t
 }
 
 std::optional<std::string> clean_path(std::string_view raw) {
-  std::string path;
-  for (std::size_t i = 0; i < raw.size(); ++i) {
-    char c = raw[i];
-    if (c == '%') {
-      if (i + 2 >= raw.size()) return std::nullopt;
-      const int high = hex_digit(raw[i + 1]);
-      const int low = hex_digit(raw[i + 2]);
-      if (high < 0 || low < 0) return std::nullopt;
-      c = static_cast<char>(high * 16 + low);
-      i += 2;
-    }
-    if (c == '\0' || c == '\\') return std::nullopt;
-    path += c;
-  }
-  if (path.empty() || path.front() != '/' || has_dot_segment(path)) return std::nullopt;
+  auto path = decoded(raw);
+  if (!path || !path->starts_with('/') || has_dot_segment(*path)) return std::nullopt;
   return path;
+}
+
+std::optional<std::vector<std::string>> path_segments(std::string_view raw) {
+  if (!clean_path(raw) || !raw.starts_with('/')) return std::nullopt;
+  std::vector<std::string> segments;
+  // Cut first, decoded then: a decoded slash is part of a name.
+  for (raw.remove_prefix(1); !raw.empty();) {
+    const std::size_t slash = std::min(raw.find('/'), raw.size());
+    segments.push_back(*decoded(raw.substr(0, slash)));
+    raw.remove_prefix(std::min(slash + 1, raw.size()));
+  }
+  return segments;
+}
+
+bool changes_state(std::string_view method) { return method != "GET" && method != "HEAD"; }
+
+bool is_json(std::string_view content_type) {
+  std::string_view type = content_type.substr(0, content_type.find(';'));
+  while (type.ends_with(' ')) type.remove_suffix(1);
+  return equal_ignoring_case(type, "application/json");
+}
+
+bool RateLimit::take(Time now) {
+  const double rested_s = std::chrono::duration<double>(now - at_).count();
+  left_ = std::min(burst_, left_ + std::max(rested_s, 0.0) * per_second_);
+  at_ = now;
+  if (left_ < 1.0) return false;
+  left_ -= 1.0;
+  return true;
 }
 
 std::string_view mime_type(std::string_view path) {

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/result.h"
 
@@ -18,6 +20,32 @@ namespace cosiva::adapters::http_rules {
 
 /// Percent-decodes a request's path. Nothing for bad escapes, a NUL, a backslash, or a ".." or "." segment.
 [[nodiscard]] std::optional<std::string> clean_path(std::string_view raw);
+/// The parts between the slashes of a path as it came, each percent-decoded once: a name may hold a slash when it is
+/// written as %2F. "/a/b%2Fc" gives {"a", "b/c"}; one slash at the end counts for nothing. Nothing where clean_path()
+/// gives nothing.
+[[nodiscard]] std::optional<std::vector<std::string>> path_segments(std::string_view raw);
+
+/// Does a method change something? Those that only read (GET, HEAD) do not.
+[[nodiscard]] bool changes_state(std::string_view method);
+/// "application/json", with or without parameters.
+[[nodiscard]] bool is_json(std::string_view content_type);
+
+/// Lets so many requests a second through, and a burst after a rest. Told the time, so that it can be tested.
+class RateLimit {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+  /// @param per_second, burst  both at least 1
+  RateLimit(double per_second, double burst, Time now)
+      : per_second_{per_second}, burst_{burst}, left_{burst}, at_{now} {}
+  /// Counts one request; false: it is one too many.
+  [[nodiscard]] bool take(Time now);
+
+ private:
+  double per_second_;
+  double burst_;
+  double left_;
+  Time at_;
+};
 
 [[nodiscard]] std::string_view mime_type(std::string_view path);
 

@@ -42,6 +42,49 @@ TEST(Path, that_climbs_out_or_is_malformed_is_refused) {
     EXPECT_FALSE(clean_path(bad)) << bad;
 }
 
+TEST(Segments, are_cut_before_they_are_decoded) {
+  using ::testing::ElementsAre;
+  EXPECT_THAT(*path_segments("/api/v1/things/P1"), ElementsAre("api", "v1", "things", "P1"));
+  EXPECT_THAT(*path_segments("/api/v1/things/CoSiVA.virtual%2FV1"),
+              ElementsAre("api", "v1", "things", "CoSiVA.virtual/V1"));
+  EXPECT_THAT(*path_segments("/a%252Fb/c%20d/"), ElementsAre("a%2Fb", "c d"));
+  EXPECT_THAT(*path_segments("/api%2Fv1/zone"), ElementsAre("api/v1", "zone"));
+  EXPECT_THAT(*path_segments("/a//b"), ElementsAre("a", "", "b"));
+  EXPECT_TRUE(path_segments("/")->empty());
+}
+
+TEST(Segments, that_climb_out_or_are_malformed_are_refused) {
+  for (const char* bad :
+       {"", "x", "%2Fx", "/..", "/a/%2e%2e/b", "/a/..%2Fb", "/a/x%2F..%2Fb", "/a/%2", "/a/%00", "/a\\b"})
+    EXPECT_FALSE(path_segments(bad)) << bad;
+}
+
+TEST(Json, is_told_by_its_media_type) {
+  for (const char* good :
+       {"application/json", "Application/JSON", "application/json; charset=utf-8", "application/json ;x"})
+    EXPECT_TRUE(is_json(good)) << good;
+  for (const char* bad : {"", "text/plain", "application/x-www-form-urlencoded", "application/json5", "json"})
+    EXPECT_FALSE(is_json(bad)) << bad;
+}
+
+TEST(RateLimit, lets_a_burst_through_and_then_so_many_a_second) {
+  using namespace std::chrono_literals;
+  RateLimit::Time now{};
+  RateLimit limit{200.0, 400.0, now};
+  const auto passed = [&](int asked) {
+    int count = 0;
+    for (int i = 0; i < asked; ++i) count += limit.take(now) ? 1 : 0;
+    return count;
+  };
+  EXPECT_EQ(passed(1000), 400);
+  now += 500ms;
+  EXPECT_EQ(passed(1000), 100);
+  now += 1h;  // a long rest saves up no more than a burst
+  EXPECT_EQ(passed(1000), 400);
+  now -= 1s;  // a clock that went back costs nothing and gives nothing
+  EXPECT_EQ(passed(10), 0);
+}
+
 TEST(Mime, follows_the_ending) {
   EXPECT_EQ(mime_type("/index.html"), "text/html; charset=utf-8");
   EXPECT_EQ(mime_type("/assets/x.js"), "text/javascript; charset=utf-8");

@@ -7,6 +7,7 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
+#include <cmath>
 #include <optional>
 #include <set>
 #include <utility>
@@ -25,7 +26,12 @@ using tcp = asio::ip::tcp;
 using ErrorCode = beast::error_code;
 using Request = http::request<http::string_body>;
 using Response = http::response<http::string_body>;
-using Frame = std::shared_ptr<const std::string>;
+
+/// What one client of the live stream gets, and how it is marked.
+struct Frame {
+  HttpServer::LiveFrame bytes;
+  bool binary{false};
+};
 
 constexpr std::string_view live_path = "/api/v1/live";
 constexpr std::string_view api_prefix = "/api/";
@@ -55,7 +61,7 @@ HttpResponse http_error(unsigned status, std::string_view code, std::string_view
   JsonWriter json;
   json.begin_object().key("error").begin_object().field("code", code).field("message", message);
   json.end_object().end_object();
-  return {status, "application/json", json.take()};
+  return {status, "application/json", json.take(), {}};
 }
 
 // --- what the sessions share
@@ -71,7 +77,8 @@ struct HttpServer::Inside : std::enable_shared_from_this<HttpServer::Inside> {
   Result<void> listen();
   void accept();
   Response answer(const Request& request) const;
-  HttpResponse answer_api(const Request& request, std::string path, std::string query) const;
+  Response too_many(const Request& request) const;
+  HttpResponse answer_api(const Request& request, std::string_view target) const;
   void close();
 
   tcp::acceptor acceptor;
@@ -82,6 +89,7 @@ struct HttpServer::Inside : std::enable_shared_from_this<HttpServer::Inside> {
   std::set<HttpSession*> sessions;
   std::set<LiveSession*> live;
   std::array<Frame, live_kinds> kept;
+  std::function<void()> on_join;
 };
 
 using Shared = std::shared_ptr<HttpServer::Inside>;
@@ -106,12 +114,13 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
     limits.keep_alive_pings = true;
     socket_.set_option(limits);
     socket_.read_message_max(live_message_bytes_max);
-    socket_.text(true);
+    socket_.auto_fragment(false);  // a frame goes out in one write, however big
     socket_.async_accept(request, [self = shared_from_this()](const ErrorCode& error) {
       if (error) return;
+      if (self->server_->on_join) self->server_->on_join();
       self->open_ = true;
       for (std::size_t kind = 0; kind < HttpServer::live_kinds; ++kind) {
-        if (self->server_->kept[kind] && !self->next_[kind]) self->next_[kind] = self->server_->kept[kind];
+        if (self->server_->kept[kind].bytes && !self->next_[kind].bytes) self->next_[kind] = self->server_->kept[kind];
       }
       self->read();
       self->write();
@@ -140,9 +149,10 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
 
   void write() {
     if (!open_ || writing_) return;
-    const auto due = std::ranges::find_if(next_, [](const Frame& frame) { return frame != nullptr; });
+    const auto due = std::ranges::find_if(next_, [](const Frame& frame) { return frame.bytes != nullptr; });
     if (due == next_.end()) return;
-    writing_ = std::exchange(*due, nullptr);
+    socket_.binary(due->binary);
+    writing_ = std::exchange(due->bytes, nullptr);
     socket_.async_write(asio::buffer(*writing_), [self = shared_from_this()](const ErrorCode& error, std::size_t) {
       self->writing_ = nullptr;
       if (error) return self->close();
@@ -154,7 +164,7 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
   websocket::stream<beast::tcp_stream> socket_;
   beast::flat_buffer incoming_;
   std::array<Frame, HttpServer::live_kinds> next_;
-  Frame writing_;
+  HttpServer::LiveFrame writing_;
   bool open_{false};
 };
 
@@ -163,7 +173,10 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
 
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
  public:
-  HttpSession(Shared server, tcp::socket socket) : server_{std::move(server)}, stream_{std::move(socket)} {
+  HttpSession(Shared server, tcp::socket socket)
+      : server_{std::move(server)},
+        stream_{std::move(socket)},
+        rate_{server_->options.requests_per_second, server_->options.requests_burst, std::chrono::steady_clock::now()} {
     server_->sessions.insert(this);
   }
   ~HttpSession() { server_->sessions.erase(this); }
@@ -204,7 +217,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
       std::make_shared<LiveSession>(server_, stream_.release_socket())->start(request);
       return;
     }
-    write(server_->answer(request));
+    write(rate_.take(std::chrono::steady_clock::now()) ? server_->answer(request) : server_->too_many(request));
   }
 
   [[nodiscard]] std::optional<HttpResponse> refuse_upgrade(const Request& request) const {
@@ -258,6 +271,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 
   Shared server_;
   beast::tcp_stream stream_;
+  http_rules::RateLimit rate_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::string_body>> parser_;
   std::optional<Response> response_;
@@ -302,59 +316,82 @@ void HttpServer::Inside::accept() {
   });
 }
 
-Response HttpServer::Inside::answer(const Request& request) const {
-  Response response{http::status::ok, request.version()};
-  const auto finish = [&](HttpResponse plain) {
-    response.result(plain.status);
-    response.set(http::field::content_type, plain.content_type);
-    response.set(http::field::cache_control, "no-cache");
-    response.set("X-Content-Type-Options", "nosniff");
-    response.set("Referrer-Policy", "no-referrer");
-    response.set("Content-Security-Policy",
-                 "default-src 'self'; connect-src 'self' ws:; style-src 'self' 'unsafe-inline'; img-src 'self' data:; "
-                 "frame-ancestors 'none'; base-uri 'none'; form-action 'none'");
-    response.keep_alive(request.keep_alive());
-    response.body() = std::move(plain.body);
-    response.prepare_payload();
-    if (request.method() == http::verb::head) response.body().clear();  // its length stays announced
-    return std::move(response);
-  };
+namespace {
 
+/// What every answer carries.
+Response finish(const Request& request, HttpResponse plain) {
+  Response response{static_cast<http::status>(plain.status), request.version()};
+  response.set(http::field::content_type, plain.content_type);
+  response.set(http::field::cache_control, "no-cache");
+  response.set("X-Content-Type-Options", "nosniff");
+  response.set("Referrer-Policy", "no-referrer");
+  response.set("Content-Security-Policy",
+               "default-src 'self'; connect-src 'self' ws:; style-src 'self' 'unsafe-inline'; img-src 'self' data:; "
+               "frame-ancestors 'none'; base-uri 'none'; form-action 'none'");
+  for (const auto& [name, value] : plain.headers) response.set(name, value);
+  response.keep_alive(request.keep_alive());
+  response.body() = std::move(plain.body);
+  response.prepare_payload();
+  if (request.method() == http::verb::head) response.body().clear();  // its length stays announced
+  return response;
+}
+
+}  // namespace
+
+Response HttpServer::Inside::answer(const Request& request) const {
   if (!http_rules::is_loopback_authority(view(request[http::field::host])))
-    return finish(http_error(403, "http.host", "this server answers to this machine's own names only"));
+    return finish(request, http_error(403, "http.host", "this server answers to this machine's own names only"));
   const std::string_view target = view(request.target());
-  const std::size_t question = std::min(target.find('?'), target.size());
-  auto path = http_rules::clean_path(target.substr(0, question));
-  if (!path) return finish(http_error(400, "http.path", "this is not a path of this server"));
-  if (path->starts_with(api_prefix)) {
-    std::string query{target.substr(std::min(question + 1, target.size()))};
-    return finish(answer_api(request, std::move(*path), std::move(query)));
-  }
+  const auto path = http_rules::clean_path(target.substr(0, target.find('?')));
+  if (!path) return finish(request, http_error(400, "http.path", "this is not a path of this server"));
+  if (*path == "/api" || path->starts_with(api_prefix)) return finish(request, answer_api(request, target));
 
   if (request.method() != http::verb::get && request.method() != http::verb::head) {
-    response.set(http::field::allow, "GET, HEAD");
-    return finish(http_error(405, "http.method", "pages can only be read"));
+    HttpResponse refusal = http_error(405, "http.method", "pages can only be read");
+    refusal.headers.emplace_back("Allow", "GET, HEAD");
+    return finish(request, std::move(refusal));
   }
   auto file = options.web_root.empty() ? fail("http.not_found", "no page is built")
                                        : http_rules::load_static(options.web_root, *path);
   if (!file) {
     if (*path == "/" && !options.page_without_web_root.empty())
-      return finish({200, "text/html; charset=utf-8", options.page_without_web_root});
-    return finish(http_error(404, file.error().code, file.error().message));
+      return finish(request, {200, "text/html; charset=utf-8", options.page_without_web_root, {}});
+    return finish(request, http_error(404, file.error().code, file.error().message));
   }
-  response.set(http::field::etag, file->etag);
-  if (http_rules::etag_matches(view(request[http::field::if_none_match]), file->etag))
-    return finish({304, std::string(file->mime), {}});
-  return finish({200, std::string(file->mime), std::move(file->bytes)});
+  HttpResponse found{200, std::string(file->mime), std::move(file->bytes), {{"ETag", file->etag}}};
+  if (http_rules::etag_matches(view(request[http::field::if_none_match]), file->etag)) {
+    found.status = 304;
+    found.body.clear();
+  }
+  return finish(request, std::move(found));
 }
 
-HttpResponse HttpServer::Inside::answer_api(const Request& request, std::string path, std::string query) const {
+Response HttpServer::Inside::too_many(const Request& request) const {
+  HttpResponse refusal = http_error(429, "http.rate",
+                                    "more than " + std::to_string(std::lround(options.requests_per_second)) +
+                                        " requests a second came over this connection; ask less often, or listen to " +
+                                        std::string(live_path));
+  refusal.headers.emplace_back("Retry-After", "1");
+  return finish(request, std::move(refusal));
+}
+
+HttpResponse HttpServer::Inside::answer_api(const Request& request, std::string_view target) const {
   const auto origin = request.find(http::field::origin);
   if (origin != request.end() &&
       !http_rules::is_own_origin(view(origin->value()), view(request[http::field::host]), port))
     return http_error(403, "http.origin", "a page from elsewhere may not ask here");
-  if (path == live_path) return http_error(426, "http.upgrade", "this address speaks WebSocket");
-  HttpRequest plain{std::string(view(request.method_string())), std::move(path), std::move(query), request.body()};
+
+  const std::size_t question = std::min(target.find('?'), target.size());
+  const std::string_view path = target.substr(0, question);
+  HttpRequest plain{std::string(view(request.method_string())), *http_rules::clean_path(path),
+                    std::string(target.substr(std::min(question + 1, target.size()))), request.body(),
+                    *http_rules::path_segments(path)};
+  if (plain.path == live_path) return http_error(426, "http.upgrade", "this address speaks WebSocket");
+  // A form of a page from elsewhere can post anything but JSON without asking its browser first.
+  if (http_rules::changes_state(plain.method) && !plain.body.empty() &&
+      !http_rules::is_json(view(request[http::field::content_type])))
+    return http_error(415, "http.content_type",
+                      "send the body as JSON, with the header 'content-type: application/json'");
   if (plain.method == "HEAD") plain.method = "GET";
   return api(plain);
 }
@@ -382,10 +419,12 @@ Result<std::unique_ptr<HttpServer>> HttpServer::listen(EventLoop& loop, HttpOpti
 std::uint16_t HttpServer::port() const { return inside_->port; }
 std::size_t HttpServer::live_clients() const { return inside_->live.size(); }
 
-void HttpServer::send_live(std::size_t kind, std::string frame, bool keep_for_new_clients) {
-  const auto shared = std::make_shared<const std::string>(std::move(frame));
-  if (keep_for_new_clients) inside_->kept[kind] = shared;
-  for (LiveSession* session : inside_->live) session->offer(kind, shared);
+void HttpServer::send_live(std::size_t kind, LiveFrame bytes, bool binary, bool keep_for_new_clients) {
+  const Frame frame{std::move(bytes), binary};
+  if (keep_for_new_clients) inside_->kept[kind] = frame;
+  for (LiveSession* session : inside_->live) session->offer(kind, frame);
 }
+
+void HttpServer::on_join(std::function<void()> action) { inside_->on_join = std::move(action); }
 
 }  // namespace cosiva::adapters

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "adapters/event_loop.h"
@@ -14,10 +15,12 @@
 namespace cosiva::adapters {
 
 struct HttpRequest {
-  std::string method;  ///< "GET", "POST"
+  std::string method;  ///< "GET", "POST", "PUT", "PATCH", "DELETE"
   std::string path;    ///< "/api/v1/zone": percent-decoded, without query
   std::string query;   ///< "after=3&limit=10": as it came, without '?'
   std::string body;
+  /// The path's parts, each decoded by itself: "things/a%2Fb" is {"things", "a/b"}.
+  std::vector<std::string> segments;
   /// The value of a query parameter, or nothing.
   [[nodiscard]] std::string parameter(std::string_view name) const;
 };
@@ -26,6 +29,7 @@ struct HttpResponse {
   unsigned status{200};
   std::string content_type{"application/json"};
   std::string body;
+  std::vector<std::pair<std::string, std::string>> headers;  ///< more of them, such as Allow
 };
 /// {"error":{"code","message"}} with this status.
 [[nodiscard]] HttpResponse http_error(unsigned status, std::string_view code, std::string_view message);
@@ -37,6 +41,8 @@ struct HttpOptions {
   std::string page_without_web_root;
   std::size_t body_bytes_max{64 * 1024};
   std::size_t clients_max{512};
+  double requests_per_second{200.0};  ///< of one connection, for longer than its burst; more are answered 429
+  double requests_burst{400.0};
   std::chrono::milliseconds request_timeout{10'000};
   std::chrono::milliseconds idle_timeout{60'000};  ///< between requests of one connection
   std::chrono::milliseconds live_timeout{20'000};  ///< a WebSocket peer that answers no ping for so long is gone
@@ -57,10 +63,15 @@ class HttpServer {
   [[nodiscard]] std::uint16_t port() const;
   [[nodiscard]] std::size_t live_clients() const;
 
-  /// Frames of /api/v1/live come in kinds. Of each kind a client that reads slowly gets the newest only, lower kinds
-  /// first; a kept frame is also what a new client gets first.
-  static constexpr std::size_t live_kinds = 2;
-  void send_live(std::size_t kind, std::string frame, bool keep_for_new_clients = false);
+  /// One frame of /api/v1/live, shared by all who get it.
+  using LiveFrame = std::shared_ptr<const std::string>;
+  /// Frames come in kinds. Of each kind a client that reads slowly gets the newest only, lower kinds first: it holds
+  /// one frame on its way and one waiting of each kind, however long it does not read. A kept frame is also what a new
+  /// client gets first.
+  static constexpr std::size_t live_kinds = 6;
+  void send_live(std::size_t kind, LiveFrame frame, bool binary = false, bool keep_for_new_clients = false);
+  /// Calls `action` when a client has joined, before it gets the kept frames: the moment to renew them.
+  void on_join(std::function<void()> action);
 
  private:
   HttpServer();

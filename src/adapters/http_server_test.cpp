@@ -42,7 +42,8 @@ class Http : public ::testing::Test {
     if (options.web_root.empty()) options.web_root = scratch / "web";
     auto listening = HttpServer::listen(loop, options, [this](const HttpRequest& request) {
       asked.push_back(request.method + " " + request.path + "?" + request.query + " " + request.body);
-      if (request.path == "/api/v1/echo") return HttpResponse{202, "application/json", request.body};
+      segments = request.segments;
+      if (request.path == "/api/v1/echo") return HttpResponse{202, "application/json", request.body, {{"X-Echo", "1"}}};
       return http_error(404, "http.not_found", "no such call");
     });
     ASSERT_TRUE(listening) << to_string(listening.error());
@@ -81,8 +82,11 @@ class Http : public ::testing::Test {
   Scratch scratch;
   EventLoop loop;
   std::vector<std::string> asked;
+  std::vector<std::string> segments;  ///< of the last call
   std::unique_ptr<HttpServer> server;
 };
+
+HttpServer::LiveFrame frame(std::string bytes) { return std::make_shared<const std::string>(std::move(bytes)); }
 
 /// A browser's end of /api/v1/live.
 struct Live {
@@ -107,7 +111,7 @@ struct Live {
         closed = true;
         return;
       }
-      frames.push_back(beast::buffers_to_string(buffer.data()));
+      frames.push_back((socket.got_binary() ? "binary:" : "") + beast::buffers_to_string(buffer.data()));
       buffer.clear();
       listen();
     });
@@ -151,15 +155,69 @@ TEST_F(Http, keeps_a_connection_for_the_next_request) {
 TEST_F(Http, hands_the_api_method_path_query_and_body) {
   serve();
   const std::string answer =
-      raw("POST /api/v1/echo?after=3&limit=10 HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nContent-Length: "
-          "2\r\n\r\n{}");
+      raw("POST /api/v1/echo?after=3&limit=10 HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n"
+          "Content-Type: application/json\r\nContent-Length: 2\r\n\r\n{}");
   EXPECT_THAT(answer, StartsWith("HTTP/1.1 202"));
+  EXPECT_THAT(answer, HasSubstr("X-Echo: 1"));
   EXPECT_THAT(asked, ::testing::ElementsAre("POST /api/v1/echo?after=3&limit=10 {}"));
-  const HttpRequest request{"GET", "/", "after=3&limit=10&x", {}};
+  const HttpRequest request{"GET", "/", "after=3&limit=10&x", {}, {}};
   EXPECT_EQ(request.parameter("after"), "3");
   EXPECT_EQ(request.parameter("limit"), "10");
   EXPECT_EQ(request.parameter("x"), "");
   EXPECT_EQ(request.parameter("none"), "");
+}
+
+TEST_F(Http, hands_the_api_every_method_and_names_with_slashes) {
+  serve();
+  for (const std::string method : {"GET", "POST", "PUT", "PATCH", "DELETE"}) {
+    asked.clear();
+    raw(method + " /api/v1/things/CoSiVA.virtual%2FV1 HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
+    EXPECT_THAT(asked, ::testing::ElementsAre(method + " /api/v1/things/CoSiVA.virtual/V1? "));
+    EXPECT_THAT(segments, ::testing::ElementsAre("api", "v1", "things", "CoSiVA.virtual/V1"));
+  }
+  EXPECT_THAT(get("/api/v1/things/..%2Fx"), StartsWith("HTTP/1.1 400"));
+  asked.clear();
+  get("/api");
+  EXPECT_THAT(asked, ::testing::ElementsAre("GET /api? "));
+}
+
+TEST_F(Http, takes_bodies_as_json_only) {
+  serve();
+  const std::string head = " /api/v1/echo HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n";
+  const std::string body = "Content-Length: 2\r\n\r\n{}";
+  for (const std::string method : {"POST", "PUT", "PATCH", "DELETE"}) {
+    EXPECT_THAT(raw(method + head + "Content-Type: text/plain\r\n" + body), StartsWith("HTTP/1.1 415"));
+    EXPECT_THAT(raw(method + head + body), StartsWith("HTTP/1.1 415"));
+  }
+  EXPECT_TRUE(asked.empty());
+  EXPECT_THAT(raw("PUT" + head + "Content-Type: application/json; charset=utf-8\r\n" + body),
+              StartsWith("HTTP/1.1 202"));
+}
+
+TEST_F(Http, changes_nothing_for_a_page_from_elsewhere) {
+  serve();
+  for (const std::string method : {"POST", "PUT", "PATCH", "DELETE"}) {
+    const std::string answer = raw(method +
+                                   " /api/v1/echo HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n"
+                                   "Origin: http://evil.example\r\nContent-Length: 0\r\n\r\n");
+    EXPECT_THAT(answer, StartsWith("HTTP/1.1 403")) << method;
+  }
+  EXPECT_TRUE(asked.empty());
+}
+
+TEST_F(Http, slows_a_connection_that_asks_too_often_and_no_other) {
+  HttpOptions options;
+  options.requests_per_second = 1.0;
+  options.requests_burst = 3.0;
+  serve(options);
+  const std::string one = "GET /api/v1/echo HTTP/1.1\r\nHost: localhost\r\n\r\n";
+  const std::string last = "GET /api/v1/echo HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
+  const std::string answers = raw(one + one + one + last);
+  EXPECT_EQ(asked.size(), 3U);
+  EXPECT_THAT(answers, HasSubstr("HTTP/1.1 429"));
+  EXPECT_THAT(answers, HasSubstr("Retry-After: 1"));
+  EXPECT_THAT(answers, HasSubstr("ask less often"));
+  EXPECT_THAT(get("/api/v1/echo"), StartsWith("HTTP/1.1 202"));
 }
 
 TEST_F(Http, says_what_is_missing_as_json) {
@@ -251,17 +309,52 @@ TEST_F(Http, drops_newcomers_beyond_its_limit_and_serves_those_inside) {
 
 TEST_F(Http, live_client_gets_the_kept_frame_first_then_what_comes) {
   serve();
-  server->send_live(0, "zone", true);
-  server->send_live(1, "old snapshot");
+  server->send_live(0, frame("zone"), false, true);
+  server->send_live(1, frame("old snapshot"));
   Live page{loop, server->port(), "localhost", {}};
   ASSERT_TRUE(loop.run_until([&] { return page.opened.has_value(); }, patience));
   ASSERT_FALSE(*page.opened);
   EXPECT_EQ(server->live_clients(), 1U);
   page.listen();
   ASSERT_TRUE(loop.run_until([&] { return page.frames.size() == 1; }, patience));
-  server->send_live(1, "snapshot");
+  server->send_live(1, frame("snapshot"));
   ASSERT_TRUE(loop.run_until([&] { return page.frames.size() == 2; }, patience));
   EXPECT_THAT(page.frames, ::testing::ElementsAre("zone", "snapshot"));
+}
+
+TEST_F(Http, live_client_gets_kept_frames_in_the_order_of_their_kinds_renewed_as_it_joins) {
+  serve();
+  server->send_live(4, frame("old key"), true, true);
+  server->send_live(0, frame("zone"), false, true);
+  server->on_join([&] { server->send_live(4, frame("key"), true, true); });
+  Live page{loop, server->port(), "localhost", {}};
+  ASSERT_TRUE(loop.run_until([&] { return page.opened.has_value(); }, patience));
+  page.listen();
+  ASSERT_TRUE(loop.run_until([&] { return page.frames.size() == 2; }, patience));
+  server->send_live(5, frame("delta"), true);
+  server->send_live(3, frame("truth"));
+  ASSERT_TRUE(loop.run_until([&] { return page.frames.size() == 4; }, patience));
+  EXPECT_THAT(page.frames, ::testing::ElementsAre("zone", "binary:key", "binary:delta", "truth"));
+}
+
+TEST_F(Http, live_client_that_never_reads_holds_one_frame_on_its_way_and_one_of_each_kind) {
+  serve();
+  Live stuck{loop, server->port(), "localhost", {}};
+  ASSERT_TRUE(loop.run_until([&] { return stuck.opened.has_value(); }, patience));
+  std::vector<std::weak_ptr<const std::string>> sent;
+  const std::string padding(100'000, '.');
+  for (std::size_t i = 0; i < 600; ++i) {
+    auto one = frame(std::to_string(i) + padding);
+    sent.push_back(one);
+    server->send_live(i % HttpServer::live_kinds, std::move(one), i % 2 == 0);
+    if (i % 50 == 0) loop.run_for(std::chrono::milliseconds{1});
+  }
+  const auto held = std::ranges::count_if(sent, [](const auto& weak) { return !weak.expired(); });
+  EXPECT_LE(held, static_cast<std::ptrdiff_t>(HttpServer::live_kinds) + 1);
+  EXPECT_GE(held, 2);  // it does not read, so something waits
+  stuck.listen();      // once it reads, it has the newest of each kind
+  const std::string newest = "599" + padding;
+  EXPECT_TRUE(loop.run_until([&] { return !stuck.frames.empty() && stuck.frames.back() == newest; }, patience));
 }
 
 TEST_F(Http, live_client_from_elsewhere_is_refused) {
@@ -283,7 +376,7 @@ TEST_F(Http, slow_live_client_misses_frames_but_gets_the_newest) {
   constexpr std::size_t count = 200;
   const std::string padding(100'000, '.');
   for (std::size_t i = 0; i < count; ++i) {
-    server->send_live(1, std::to_string(i) + padding);
+    server->send_live(1, frame(std::to_string(i) + padding));
     ASSERT_TRUE(loop.run_until([&] { return quick.frames.size() == i + 1; }, patience));
   }
   slow.listen();  // 20 MB were offered to it; the kernel's buffers hold a few frames, we hold one
@@ -322,7 +415,7 @@ TEST_F(Http, fifty_live_clients_all_hear_the_same) {
   };
   ASSERT_TRUE(loop.run_until(all_open, patience));
   for (auto& page : pages) page->listen();
-  server->send_live(1, "snapshot");
+  server->send_live(1, frame("snapshot"));
   const auto all_heard = [&] {
     return std::ranges::all_of(pages, [](const auto& page) { return page->frames.size() == 1; });
   };

@@ -4,7 +4,9 @@
 #include <deque>
 #include <utility>
 
+#include "adapters/lossy_radio.h"
 #include "journal/journal.h"
+#include "wire/topics.h"
 
 namespace cosiva::adapters {
 
@@ -46,10 +48,24 @@ struct LiveShell::Inside : std::enable_shared_from_this<LiveShell::Inside> {
     feeding = false;
   }
 
+  void hear(std::string topic, std::string payload, bool retained) {
+    if (!radio) return tell(wire::InputKind::message, std::move(topic), std::move(payload), retained);
+    if (radio->take(topic, payload)) return;
+    const int qos = qos_of_heard(topic);
+    radio->receive(qos, [this, topic = std::move(topic), payload = std::move(payload), retained] {
+      tell(wire::InputKind::message, topic, payload, retained);
+    });
+  }
+
   // --- acting -------------------------------------------------------------------------------------------------------
 
   void act(const wire::Publish& publish) {
-    if (mqtt) mqtt->publish(publish);
+    if (!mqtt) return;
+    if (!radio) {
+      mqtt->publish(publish);
+    } else {
+      radio->send(publish.qos, [this, publish] { mqtt->publish(publish); });
+    }
   }
   void act(const wire::SendBytes& send) {
     if (ports) ports->send(send.port, send.bytes);
@@ -80,10 +96,15 @@ struct LiveShell::Inside : std::enable_shared_from_this<LiveShell::Inside> {
     MqttHandlers handlers;
     handlers.on_link = [this](bool up) { tell(wire::InputKind::link, {}, up ? "up" : "down"); };
     handlers.on_message = [this](std::string_view topic, std::string_view payload, bool retained) {
-      tell(wire::InputKind::message, std::string(topic), std::string(payload), retained);
+      hear(std::string(topic), std::string(payload), retained);
     };
     handlers.on_log = [this](char level, const std::string& text) { log(level, text); };
-    auto made = MqttClient::make(loop, *options.mqtt, core.subscriptions(), core.will(), std::move(handlers));
+    auto filters = core.subscriptions();
+    if (!options.obeys_radio.empty()) {
+      radio.emplace(loop, options.obeys_radio);
+      filters.emplace_back(wire::plant_radio_topic);
+    }
+    auto made = MqttClient::make(loop, *options.mqtt, std::move(filters), core.will(), std::move(handlers));
     if (!made) return tl::unexpected(made.error());
     mqtt = std::move(*made);
     return {};
@@ -121,6 +142,7 @@ struct LiveShell::Inside : std::enable_shared_from_this<LiveShell::Inside> {
     // The digest covers what replay can repeat: every input and its effects. The farewell answers no input.
     const std::string digest = runner.digest().hex();
     const SimTime at = clock.now();
+    if (radio) radio->end();
     wire::Effects effects;
     core.farewell(at, effects);
     for (const wire::Effect& effect : effects) std::visit([this](const auto& e) { act(e); }, effect);
@@ -145,6 +167,7 @@ struct LiveShell::Inside : std::enable_shared_from_this<LiveShell::Inside> {
   std::unique_ptr<JournalFile> journal;
   std::optional<journal::Writer> writer;
   std::optional<MemoryFile> memory;
+  std::optional<LossyRadio> radio;
   Timer tick_timer;
   std::deque<wire::Input> waiting;
   std::function<void()> after_input;

@@ -169,6 +169,42 @@ TEST_F(Shell, tells_the_core_when_its_broker_dies_and_when_it_is_back) {
   EXPECT_THAT(links, ::testing::ElementsAre("3::up", "3::down", "3::up"));
 }
 
+TEST_F(Shell, of_an_emulated_vehicle_loses_what_the_ether_loses_and_its_core_and_journal_never_hear_why) {
+  const auto broker = PrivateBroker::start(loop, {scratch.path(), scratch / "broker.log", {}}).value();
+  EchoCore core;
+  LiveOptions live = options();
+  live.mqtt = MqttOptions{};
+  live.mqtt->port = broker->port();
+  live.obeys_radio = "CoSiVA/AIV1";
+  LiveShell shell{loop, core, live};
+  ASSERT_TRUE(shell.start());
+  int echoes = 0;
+  MqttHandlers handlers;
+  handlers.on_message = [&](std::string_view, std::string_view, bool) { ++echoes; };
+  MqttOptions peer_options;
+  peer_options.port = broker->port();
+  const auto peer = MqttClient::make(loop, peer_options, {"echo"}, std::nullopt, std::move(handlers)).value();
+  peer->start();
+  Timer talk{loop};
+  talk.every(5ms, [&] { peer->publish({"to_core", "ping", 0, false}); });
+  const auto heard = [&] { return std::ranges::count(core.heard, "2:to_core:ping"); };
+  ASSERT_TRUE(loop.run_until([&] { return echoes >= 3; }, patience));
+
+  // Everything is lost: nothing comes in however long one waits, and what the core says goes nowhere.
+  peer->publish({"cosiva/v1/plant/radio", R"({"vehicle":"CoSiVA/AIV1","loss":1})", 1, false});
+  loop.run_for(100ms);
+  const auto before = heard();
+  const int echoes_before = echoes;
+  loop.run_for(100ms);
+  EXPECT_EQ(heard(), before);
+  EXPECT_EQ(echoes, echoes_before);
+
+  peer->publish({"cosiva/v1/plant/radio", R"({"vehicle":"*","loss":0})", 1, false});
+  EXPECT_TRUE(loop.run_until([&] { return echoes > echoes_before; }, patience));
+  EXPECT_THAT(core.heard, ::testing::Not(Contains(HasSubstr("plant/radio"))));
+  stop(shell);
+}
+
 TEST_F(Shell, goes_on_when_the_disk_of_its_journal_is_full) {
   EchoCore core;
   LiveOptions live = options();

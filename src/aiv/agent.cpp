@@ -14,6 +14,9 @@ constexpr double off_circuit_m_max = 0.25;
 /// Having stopped before an obstacle it goes on only when this much more room is there: echoes are noisy.
 constexpr double resume_room_m = 0.05;
 constexpr double base_warning_m = 0.30;
+/// It says that it brakes for what it feels from this much on, and until it is less than that.
+constexpr double felt_begins_mps = 0.01;
+constexpr double felt_ends_mps = 0.002;
 
 }  // namespace
 
@@ -76,7 +79,8 @@ PositionEstimator::Fix Agent::on_tag(const wire::TagRead& tag) {
 
 void Agent::on_ranges(const wire::Ranges& ranges) {
   if (!estimator_.known()) return;
-  obstacle_.add(corridor_.obstacle_ahead_m(estimator_.place(), ranges), estimator_.travelled_m());
+  look_ = corridor_.look(estimator_.place(), ranges);
+  obstacle_.add(look_.ahead_m, estimator_.travelled_m());
 }
 
 void Agent::stand_at(zone::Place place) { estimator_.place_at(place); }
@@ -115,19 +119,10 @@ bool Agent::begin_cancel() {
   return true;
 }
 
-double Agent::obstacle_ahead_m() const {
-  const double ahead_m = obstacle_.obstacle_ahead_m(estimator_.travelled_m());
-  return blocked_ && ahead_m < stand_off_m + resume_room_m ? 0.0 : ahead_m;
-}
-
-wire::Drive Agent::decide() {
-  if (cancelling_ && standing_) {
-    order_.cancel();
-    cancelling_ = false;
-  }
+Agent::Plan Agent::plan(double room_m, double base_end_m) const {
+  // Once it stands for something it goes on only when there is clearly more room.
+  const double obstacle_m = blocked_ && room_m < stand_off_m + resume_room_m ? 0.0 : room_m;
   const bool may_drive = holds_ == 0 && !cancelling_ && estimator_.known();
-  const double obstacle_m = obstacle_ahead_m();
-  const double base_end_m = order_.distance_to_base_end_m();
   const Situation situation{.speed_mps = speed_mps_,
                             .obstacle_ahead_m = obstacle_m,
                             .end_of_base_m = base_end_m,
@@ -137,13 +132,31 @@ wire::Drive Agent::decide() {
   const Profile profile = may_drive ? chooser_->choose(situation) : Profile::stop;
   zone::SpeedProfile wish = kinematics(zone_.profiles, profile);
   if (speed_mps_max_) wish.speed_mps = std::min(wish.speed_mps, *speed_mps_max_);
+  if (!estimator_.known()) return {wish, {0.0, wish.braking_mps2}};
+  return {wish, envelope_.limit({estimator_.place(), speed_mps_, obstacle_m, order_}, wish)};
+}
 
+bool Agent::limited_by_felt(const Plan& plan, double sensed_m, double base_end_m) const {
+  if (!(felt_m_ < sensed_m)) return false;
+  const double free_mps = this->plan(sensed_m, base_end_m).limit.speed_mps;
+  return plan.limit.speed_mps < free_mps - (braking_for_felt_ ? felt_ends_mps : felt_begins_mps);
+}
+
+wire::Drive Agent::decide() {
+  if (cancelling_ && standing_) {
+    order_.cancel();
+    cancelling_ = false;
+  }
+  const double sensed_m = obstacle_.obstacle_ahead_m(estimator_.travelled_m());
+  const double base_end_m = order_.distance_to_base_end_m();
+  auto [wish, limit] = plan(std::min(sensed_m, felt_m_), base_end_m);
   if (!estimator_.known()) {
     blocked_ = false;
+    braking_for_felt_ = false;
     wants_base_ = false;
     return drive(0.0, wish);
   }
-  const Limit limit = envelope_.limit({estimator_.place(), speed_mps_, obstacle_m, order_}, wish);
+  braking_for_felt_ = limited_by_felt({wish, limit}, sensed_m, base_end_m);
   crossing_ahead_m_ = limit.crossing_ahead_m;
   blocked_ = limit.by_obstacle && limit.speed_mps < standing_mps;
   const double braking_m = speed_mps_ * speed_mps_ / (2.0 * wish.braking_mps2);

@@ -44,6 +44,11 @@ class Agent {
   PositionEstimator::Fix on_tag(const wire::TagRead& tag);
   void on_ranges(const wire::Ranges& ranges);
   void on_charge(double charge) { charge_ = charge; }
+  /// From its front along its way to the first body that is only virtual (FeltWorld); infinite: none. It decides like
+  /// an echo of the same distance, until the next call.
+  void feel(double gap_m) { felt_m_ = gap_m; }
+  /// The zone's tags or beacons stand elsewhere from now on (the zone is the same object).
+  void on_marks_moved() { estimator_.forget_doubt(); }
 
   // What it is told.
   /// Somebody who knows: configuration or memory.
@@ -72,6 +77,11 @@ class Agent {
   [[nodiscard]] std::uint8_t holds() const { return holds_; }
   /// The protective field is violated: an obstacle keeps the vehicle from going.
   [[nodiscard]] bool blocked() const { return blocked_; }
+  /// What it feels keeps it slower than it would drive without.
+  [[nodiscard]] bool braking_for_felt() const { return braking_for_felt_; }
+  /// What DOBS saw last: the nearest echo in the corridor and which beam brought it, unfiltered.
+  [[nodiscard]] const Corridor::Look& look() const { return look_; }
+  [[nodiscard]] double look_reach_m() const { return corridor_.reach_m(); }
   /// The base ends soon and more is announced (§6.10.3).
   [[nodiscard]] bool wants_base() const { return wants_base_; }
   [[nodiscard]] std::optional<Profile> imposed() const { return imposed_; }
@@ -85,7 +95,13 @@ class Agent {
 
  private:
   void advance_order(double distance_m);
-  [[nodiscard]] double obstacle_ahead_m() const;
+  /// What it would do with so much room before it.
+  struct Plan {
+    zone::SpeedProfile wish;
+    Limit limit;
+  };
+  [[nodiscard]] Plan plan(double room_m, double base_end_m) const;
+  [[nodiscard]] bool limited_by_felt(const Plan& plan, double sensed_m, double base_end_m) const;
   [[nodiscard]] wire::Drive drive(double speed_mps, const zone::SpeedProfile& kinematics) const;
 
   const zone::TrafficZone& zone_;
@@ -94,6 +110,8 @@ class Agent {
   OrderBook order_;
   Corridor corridor_;
   ObstacleFilter obstacle_;
+  Corridor::Look look_;
+  double felt_m_{std::numeric_limits<double>::infinity()};
   Envelope envelope_;
 
   double speed_mps_{0.0};
@@ -105,6 +123,7 @@ class Agent {
   std::optional<double> speed_mps_max_;
   bool cancelling_{false};
   bool blocked_{false};
+  bool braking_for_felt_{false};
   bool wants_base_{false};
   bool lost_order_{false};
   double crossing_ahead_m_{std::numeric_limits<double>::infinity()};

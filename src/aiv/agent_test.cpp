@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 
 #include "aiv/test_orders.h"
 #include "aiv/test_senses.h"
@@ -173,6 +174,87 @@ TEST(Agent, does_not_touch_an_obstacle_that_appears_half_a_metre_ahead_at_full_s
   bench.run(4.0);
   EXPECT_EQ(bench.speed_mps, 0.0);
   EXPECT_GT(obstacle_s_m - bench.s_m() - 0.1, 0.08);
+}
+
+// --- what is only virtual -----------------------------------------------------------------------------------------
+
+TEST(Agent, stops_before_what_it_feels_as_before_an_obstacle_and_goes_on_when_it_is_gone) {
+  AgentBench bench{"loop_se", 0.0};
+  bench.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
+  bench.run(1.0);
+  const auto feel = [&] { bench.agent.feel(0.9 - bench.s_m() - 0.1); };
+  for (int i = 0; i < 200; ++i) {
+    feel();
+    bench.step();
+  }
+  EXPECT_EQ(bench.speed_mps, 0.0);
+  EXPECT_TRUE(bench.agent.blocked());
+  EXPECT_TRUE(bench.agent.braking_for_felt());
+  EXPECT_NEAR(0.9 - bench.s_m() - 0.1, stand_off_m, 0.02);
+  EXPECT_LE(bench.hardest_braking_mps2, lacet4().profiles.medium.braking_mps2 + 0.03) << "it was told in time";
+  bench.agent.feel(std::numeric_limits<double>::infinity());
+  bench.run(4.0);
+  EXPECT_FALSE(bench.agent.blocked());
+  EXPECT_FALSE(bench.agent.braking_for_felt());
+  EXPECT_NEAR(bench.s_m(), 4.0 * edge_m, 0.01);
+}
+
+TEST(Agent, brakes_for_the_nearer_of_what_it_sees_and_feels) {
+  AgentBench bench{"loop_se", 0.0};
+  bench.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
+  bench.obstacles = {position(lacet4().circuit.pose_at(at(lacet4(), "loop_se", 0.6)))};
+  for (int i = 0; i < 250; ++i) {
+    bench.agent.feel(0.9 - bench.s_m() - 0.1);
+    bench.step();
+    EXPECT_FALSE(bench.agent.braking_for_felt() && bench.tick > 10) << bench.tick;
+  }
+  EXPECT_NEAR(0.6 - bench.s_m() - 0.1, stand_off_m, 0.03) << "the obstacle";
+  bench.obstacles.clear();
+  for (int i = 0; i < 250; ++i) {
+    bench.agent.feel(0.9 - bench.s_m() - 0.1);
+    bench.step();
+  }
+  EXPECT_NEAR(0.9 - bench.s_m() - 0.1, stand_off_m, 0.02) << "the virtual one";
+  EXPECT_TRUE(bench.agent.braking_for_felt());
+}
+
+TEST(Agent, does_not_brake_for_what_it_feels_beyond_its_base_or_while_something_else_holds_it) {
+  AgentBench bench{"loop_se", 0.0};
+  bench.take(to_565());
+  for (int i = 0; i < 400; ++i) {
+    bench.agent.feel(1.1 - bench.s_m() - 0.1);
+    bench.step();
+    EXPECT_FALSE(bench.agent.braking_for_felt()) << bench.s_m();
+  }
+  EXPECT_NEAR(bench.s_m(), 2.0 * edge_m, 0.01);
+  EXPECT_FALSE(bench.agent.blocked());
+
+  AgentBench paused{"loop_se", 0.0};
+  paused.take(to_565());
+  paused.agent.hold(Hold::paused, true);
+  paused.agent.feel(0.0);
+  paused.run(0.2);
+  EXPECT_FALSE(paused.agent.braking_for_felt());
+  paused.agent.hold(Hold::paused, false);
+  paused.run(0.2);
+  EXPECT_TRUE(paused.agent.braking_for_felt());
+  EXPECT_EQ(paused.travelled_m, 0.0);
+}
+
+TEST(Agent, does_not_stutter_behind_what_moves_back_and_forth_by_a_few_centimetres) {
+  AgentBench bench{"loop_se", 0.0};
+  bench.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
+  int starts = 0;
+  bool stood = true;
+  for (int i = 0; i < 1000; ++i) {
+    const double sway_m = (i / 10) % 2 == 0 ? 0.015 : -0.015;
+    bench.agent.feel(0.9 - bench.s_m() - 0.1 + sway_m);
+    bench.step();
+    starts += stood && bench.speed_mps > 0.0 ? 1 : 0;
+    stood = bench.speed_mps == 0.0;
+  }
+  EXPECT_EQ(bench.speed_mps, 0.0);
+  EXPECT_LE(starts, 2);
 }
 
 TEST(Agent, drives_at_the_imposed_profile_and_no_faster_than_the_limit) {

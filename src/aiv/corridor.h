@@ -3,8 +3,9 @@
 #include <array>
 #include <cstddef>
 #include <limits>
-#include <vector>
+#include <optional>
 
+#include "aiv/way_ahead.h"
 #include "wire/board.h"
 #include "zone/traffic_zone.h"
 
@@ -27,24 +28,26 @@ class Corridor {
 
   /// Distance along the way from the vehicle's front to the nearest echo in its corridor; infinite when none is.
   /// @param here  where the vehicle's middle is
-  [[nodiscard]] double obstacle_ahead_m(zone::Place here, const wire::Ranges& ranges);
+  [[nodiscard]] double obstacle_ahead_m(zone::Place here, const wire::Ranges& ranges) {
+    return look(here, ranges).ahead_m;
+  }
+
+  /// The nearest echo in the corridor, and which beam brought it.
+  struct Look {
+    double ahead_m{std::numeric_limits<double>::infinity()};
+    std::size_t beam{};
+  };
+  [[nodiscard]] Look look(zone::Place here, const wire::Ranges& ranges);
+  /// So far from its front the vehicle can tell whether its way is free.
+  [[nodiscard]] double reach_m() const { return model_.reach_m - 0.5 * zone_.vehicle.length_m; }
 
  private:
-  void sample_way(zone::Place here);
-  struct Beside {
-    std::size_t sample;
-    double distance2_m2;
-  };
-  /// The sample of the way nearest to p.
-  [[nodiscard]] Beside beside(Point2 p_B) const;
-  /// From the vehicle's middle along the way to the place beside p, near the sample.
-  [[nodiscard]] double along_way_m(Point2 p_B, std::size_t sample) const;
   /// From the vehicle's front along the way to one echo; infinite outside the corridor.
   [[nodiscard]] double echo_ahead_m(double range_m, double bearing_rad, double spread_rad) const;
 
   const zone::TrafficZone& zone_;
   Model model_;
-  std::vector<Point2> way_B_;  ///< points ahead, in the body frame; kept to spare allocations
+  WayAhead way_;
 };
 
 /// The median of the last three frames: neither one echo missed nor one echo too many changes what the agent does.

@@ -61,6 +61,8 @@ class PositionEstimator {
   /// @param age_s      how long ago it was read when its frame was sent
   /// @param speed_mps  of the vehicle since
   Fix on_tag(std::uint32_t number, double age_s, double speed_mps);
+  /// Beacons stand elsewhere now: the last strange one tells nothing any more.
+  void forget_doubt() { doubt_.reset(); }
 
   [[nodiscard]] std::optional<zone::TagNumber> last_tag() const { return last_tag_; }
   [[nodiscard]] double since_last_tag_m() const { return travelled_m_ - last_tag_travelled_m_; }

@@ -18,6 +18,16 @@ struct BrokerArguments {
 };
 
 struct UpArguments {
+  std::string scenario;  ///< a ready one's name or a file; empty: none
+  std::string name;      ///< of the run; empty: default_run_name
+  /// What the command line said itself: it wins over the scenario.
+  struct Given {
+    bool zone{false};
+    bool aivs{false};
+    bool seed{false};
+    bool duration{false};
+  };
+  Given given;
   std::string zone{"lacet4"};
   std::uint32_t aivs{4};
   bool headless{false};
@@ -31,6 +41,8 @@ struct UpArguments {
   double respawn_s{5.0};
   std::string run_directory;
   bool virtual_time{false};
+  bool page{false};             ///< with virtual time: at the page's own speed, with the page
+  std::optional<double> speed;  ///< virtual seconds per second, with `page`
   double loss{0.0};
   std::string trace_file;
   std::string web_directory;
@@ -53,7 +65,15 @@ struct ServerArguments {
   bool no_drive{false};
   bool headless{false};
   std::string web_directory;
-  std::uint32_t fleet{0};  ///< for `up`: announce when so many vehicles are matched
+  std::string memory_file;
+  std::string scenario;  ///< a ready one's name or a file
+  std::string name;      ///< of the run, for the page
+  // For `up`:
+  std::uint32_t fleet{0};       ///< announce when so many vehicles are matched
+  std::string zone_file;        ///< where edits of the zone may be saved
+  bool emulated{false};         ///< there is a plant, whose truth the page may show
+  std::int64_t began_ms{0};     ///< when an earlier life of this server began the scenario, Unix time; 0: none did
+  std::uint64_t steps_done{0};  ///< how many of its steps it had played
 };
 
 struct PlantArguments {
@@ -72,6 +92,7 @@ struct AivArguments {
   std::string zone;   ///< empty: from the broker
   std::string start;  ///< "section:s"; empty: not known until a tag or an initPosition tells
   std::string memory_file;
+  bool emulated{false};  ///< its radio is the emulated world's
 };
 
 struct ReplayArguments {
@@ -85,6 +106,11 @@ struct ZoneArguments {
   bool json{false};
 };
 
+struct ScenarioArguments {
+  std::string scenario;
+  bool json{false};
+};
+
 /// Each runs one verb and gives the exit status: 0 done, 1 the run's own checks failed, 2 bad usage or bad input.
 int run_up(const UpArguments& arguments);
 int run_virtual_time(const UpArguments& arguments);
@@ -94,5 +120,7 @@ int run_aiv(const AivArguments& arguments);
 int run_replay(const ReplayArguments& arguments);
 int run_zone_check(const ZoneArguments& arguments);
 int run_zone_show(const ZoneArguments& arguments);
+int run_scenario_check(const ScenarioArguments& arguments);
+int run_scenario_list(const ScenarioArguments& arguments);
 
 }  // namespace cosiva::app

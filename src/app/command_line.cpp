@@ -15,6 +15,7 @@ constexpr const char* about =
     "CoSiVA: a fleet of autonomous industrial vehicles and its virtual twin, in step.\n"
     "\n"
     "  cosiva up                                      four AIVs on lacet4, with their page on http://127.0.0.1:8080\n"
+    "  cosiva up --scenario showroom                   the same, and something to look at\n"
     "  cosiva up --virtual-time --duration 600 --json  ten minutes in seconds, the same digest every time";
 
 constexpr const char* exit_codes = "Exit status: 0 done, 1 the run's own checks failed, 2 bad usage or bad input.";
@@ -45,7 +46,21 @@ void add_part(CLI::App& verb, PartArguments& part) {
   verb.add_flag("--announce", part.announce)->group("");
 }
 
+constexpr const char* up_examples =
+    "Examples:\n"
+    "  cosiva up --aivs 8                                   eight AIVs, until Ctrl-C\n"
+    "  cosiva up --scenario laboratory                      what happens when stands in a file (cosiva scenario list)\n"
+    "  cosiva up --scenario my.toml --aivs 2 --duration 60  the command line wins over the file\n"
+    "  cosiva up --virtual-time --scenario rush_hour --json the same in seconds, the same digest every time\n"
+    "  cosiva up --virtual-time --page --speed 10           the page at ten times real time; stop and step it there";
+
 void describe_up(CLI::App& verb, UpArguments& up) {
+  verb.footer(up_examples);
+  verb.add_option("--scenario", up.scenario,
+                  "what happens when: a ready one's name or a file (docs/guide/scenarios.md)")
+      ->type_name("NAME|FILE");
+  verb.add_option("--name", up.name, "of the run, shown on the page; without: scenario or zone, date and time")
+      ->type_name("TEXT");
   verb.add_option("--zone", up.zone, "traffic zone: a ready one's name or a file")
       ->type_name("NAME|FILE")
       ->capture_default_str();
@@ -73,6 +88,10 @@ void describe_up(CLI::App& verb, UpArguments& up) {
       ->capture_default_str();
   verb.add_flag("--virtual-time", up.virtual_time,
                 "all in one process, as fast as the machine can, bit for bit the same each time");
+  verb.add_flag("--page", up.page, "with --virtual-time: at a speed that a person can follow, with the page");
+  verb.add_option("--speed", up.speed, "with --page: virtual seconds per second to begin with; without: 1")
+      ->type_name("X")
+      ->check(CLI::Range(0.1, 100.0));
   verb.add_option("--loss", up.loss, "share of messages lost, with --virtual-time")
       ->type_name("P")
       ->check(CLI::Range(0.0, 0.9));
@@ -89,7 +108,18 @@ void describe_server(CLI::App& verb, ServerArguments& server) {
   verb.add_flag("--no-drive", server.no_drive, "only watch: another master control gives the orders");
   verb.add_flag("--headless", server.headless, "no page; the figures stay on /api/v1");
   verb.add_option("--web", server.web_directory, "the page's built files, if not web/dist")->type_name("DIR");
+  verb.add_option("--memory", server.memory_file, "keeps what was added, priorities and edits over a crash")
+      ->type_name("FILE");
+  verb.add_option("--scenario", server.scenario, "what happens when, once its AIVs are there")->type_name("NAME|FILE");
+  verb.add_option("--name", server.name, "of the run, shown on the page")->type_name("TEXT");
+  verb.add_flag("--emulated", server.emulated, "there is a plant: the page may show what is true there");
   verb.add_option("--fleet", server.fleet)->group("");
+  verb.add_option("--zone-file", server.zone_file)->group("");
+  verb.add_option("--scenario-began", server.began_ms)->group("");
+  verb.add_option("--scenario-steps-done", server.steps_done)->group("");
+  verb.footer(
+      "Example, a server for vehicles of your own on your own broker:\n"
+      "  cosiva server --zone my.toml --broker 10.0.0.5:1883 --memory server.memory");
   add_part(verb, server.part);
 }
 
@@ -103,6 +133,9 @@ void describe_plant(CLI::App& verb, PlantArguments& plant) {
       ->capture_default_str();
   verb.add_option("--sockets", plant.sockets_directory, "folder of the boards' sockets")->type_name("DIR")->required();
   verb.add_option("--seed", plant.seed, "fixes every random draw")->type_name("S")->capture_default_str();
+  verb.footer(
+      "Example, two vehicles' worlds for two on-board programs:\n"
+      "  cosiva plant --zone lacet4 --vehicles 2 --sockets /tmp/boards");
   add_part(verb, plant.part);
 }
 
@@ -117,6 +150,10 @@ void describe_aiv(CLI::App& verb, AivArguments& aiv) {
   verb.add_option("--start", aiv.start, "where it stands at first, such as east:0.85; without: it waits to be told")
       ->type_name("SECTION:S");
   verb.add_option("--memory", aiv.memory_file, "keeps its place over a crash; wins over --start")->type_name("FILE");
+  verb.add_flag("--emulated", aiv.emulated, "its radio is the emulated world's, which scenarios can let lose messages");
+  verb.footer(
+      "Example, a program for the first of a plant's vehicles:\n"
+      "  cosiva aiv --number 1 --sockets /tmp/boards --start east:0.85");
   add_part(verb, aiv.part);
 }
 
@@ -173,6 +210,7 @@ int run_command_line(int argc, const char* const* argv) {
   AivArguments aiv;
   ReplayArguments replay;
   ZoneArguments zone;
+  ScenarioArguments scenario;
   CLI::App* up_verb =
       root.add_subcommand("up", "The whole platform on this machine: broker, emulated vehicles, server, page");
   CLI::App* server_verb = root.add_subcommand("server", "AIV_Server, simulator and page alone");
@@ -184,6 +222,12 @@ int run_command_line(int argc, const char* const* argv) {
       zone_verb->add_subcommand("check", "Say what a zone file holds, or what is wrong with it and where");
   CLI::App* show_verb = zone_verb->add_subcommand("show", "Draw a zone as SVG");
   zone_verb->require_subcommand(0, 1);
+  CLI::App* scenario_verb = root.add_subcommand("scenario", "Look at scenarios: what happens when");
+  CLI::App* scenario_check_verb = scenario_verb->add_subcommand(
+      "check", "Say what a scenario holds, step by step, or what is wrong with it and where");
+  CLI::App* scenario_list_verb = scenario_verb->add_subcommand("list", "Say which scenarios are ready");
+  scenario_verb->require_subcommand(0, 1);
+  scenario_verb->footer("Example:\n  cosiva scenario check showroom");
   describe_up(*up_verb, up);
   describe_server(*server_verb, server);
   describe_plant(*plant_verb, plant);
@@ -195,6 +239,11 @@ int run_command_line(int argc, const char* const* argv) {
   for (CLI::App* verb : {check_verb, show_verb})
     verb->add_option("zone", zone.zone, "a ready zone's name or a file")->type_name("NAME|FILE")->required();
   check_verb->add_flag("--json", zone.json, "print the result as JSON");
+  scenario_check_verb->add_option("scenario", scenario.scenario, "a ready scenario's name or a file")
+      ->type_name("NAME|FILE")
+      ->required();
+  for (CLI::App* verb : {scenario_check_verb, scenario_list_verb})
+    verb->add_flag("--json", scenario.json, "print the result as JSON");
   show_verb->add_option("--svg", zone.svg_file, "where to draw; without: standard output")->type_name("OUT");
 
   try {
@@ -210,6 +259,8 @@ int run_command_line(int argc, const char* const* argv) {
     return refuse(error.what(), *verb);
   }
 
+  up.given = {up_verb->count("--zone") > 0, up_verb->count("--aivs") > 0, up_verb->count("--seed") > 0,
+              up_verb->count("--duration") > 0};
   if (up_verb->parsed()) return run_up(up);
   if (server_verb->parsed()) return run_server(server);
   if (plant_verb->parsed()) return run_plant(plant);
@@ -217,6 +268,9 @@ int run_command_line(int argc, const char* const* argv) {
   if (replay_verb->parsed()) return run_replay(replay);
   if (check_verb->parsed()) return run_zone_check(zone);
   if (show_verb->parsed()) return run_zone_show(zone);
+  if (scenario_check_verb->parsed()) return run_scenario_check(scenario);
+  if (scenario_list_verb->parsed()) return run_scenario_list(scenario);
+  if (scenario_verb->parsed()) return refuse("say what to do: check or list", *scenario_verb);
   if (zone_verb->parsed()) return refuse("say what to do: check or show", *zone_verb);
   print(root.help());
   return exit_done;

@@ -34,6 +34,7 @@ Said cosiva(const std::vector<std::string>& arguments) {
 }
 
 const std::string zones = std::string(COSIVA_SOURCE_DIR) + "/zones/";
+const std::string scenarios = std::string(COSIVA_SOURCE_DIR) + "/scenarios/";
 
 TEST(CommandLine, bare_shows_what_there_is_with_two_examples) {
   const Said said = cosiva({});
@@ -44,12 +45,14 @@ TEST(CommandLine, bare_shows_what_there_is_with_two_examples) {
 }
 
 TEST(CommandLine, help_of_each_verb_goes_to_standard_output) {
-  for (const char* verb : {"up", "server", "plant", "aiv", "replay", "zone"}) {
+  for (const char* verb : {"up", "server", "plant", "aiv", "replay", "zone", "scenario"}) {
     const Said said = cosiva({verb, "--help"});
     EXPECT_EQ(said.status, 0) << verb;
     EXPECT_THAT(said.data, HasSubstr("--help")) << verb;
     EXPECT_EQ(said.words, "") << verb;
   }
+  for (const char* verb : {"up", "server", "plant", "aiv", "scenario"})
+    EXPECT_THAT(cosiva({verb, "--help"}).data, HasSubstr(std::string("cosiva ") + verb + " ")) << "an example";
   EXPECT_THAT(cosiva({"--version"}).data, HasSubstr("cosiva 0."));
 }
 
@@ -79,6 +82,14 @@ TEST(CommandLine, values_out_of_range_or_missing_end_with_2) {
                                                   {"aiv", "--number", "1"},
                                                   {"aiv", "--number", "1", "--sockets", "x", "--start", "east"},
                                                   {"aiv", "--number", "1", "--sockets", "x", "--serial", "a/b"},
+                                                  {"up", "--page"},
+                                                  {"up", "--speed", "2"},
+                                                  {"up", "--virtual-time", "--page", "--speed", "0"},
+                                                  {"up", "--virtual-time", "--speed", "2"},
+                                                  {"up", "--scenario", "/nonexistent.toml"},
+                                                  {"scenario"},
+                                                  {"scenario", "check"},
+                                                  {"scenario", "check", "/nonexistent.toml"},
                                                   {"zone"},
                                                   {"replay"}};
   for (const auto& arguments : all) {
@@ -120,6 +131,55 @@ TEST(ZoneShow, draws_into_a_file_or_to_standard_output) {
   EXPECT_EQ(cosiva({"zone", "show", zones + "lacet4.toml", "--svg", "/nonexistent/z.svg"}).status, 2);
 }
 
+TEST(ScenarioCheck, shows_what_happens_when_as_a_timeline_and_as_json) {
+  const Said people = cosiva({"scenario", "check", scenarios + "laboratory.toml"});
+  ASSERT_EQ(people.status, 0) << people.words;
+  EXPECT_THAT(people.data, HasSubstr("laboratory: good\n"));
+  EXPECT_THAT(people.data, HasSubstr("4 AIVs on lacet4, seed 3, 120 s"));
+  EXPECT_THAT(people.data, HasSubstr("\n    50.0 s  AIV2 loses 30 % of its messages for 20 s\n"));
+  const Said program = cosiva({"scenario", "check", scenarios + "laboratory.toml", "--json"});
+  const auto json = JsonValue::parse(program.data);
+  ASSERT_TRUE(json) << program.data;
+  EXPECT_EQ(json->text("scenario"), "laboratory");
+  EXPECT_EQ(json->number("duration_s"), 120.0);
+  const auto& steps = *json->find("steps")->array();
+  EXPECT_EQ(steps.size(), 10U) << "nine, and the end of the radio's loss";
+  EXPECT_EQ(steps[0].number("t_s"), 10.0);
+  EXPECT_EQ(steps[0].find("command")->text("command"), "add");
+}
+
+TEST(ScenarioCheck, of_a_bad_file_names_file_line_and_field) {
+  Scratch scratch;
+  const std::string file =
+      scratch.write("bad.toml", "name = \"x\"\n[[at]]\nt_s = 1\ncommand = \"stpo\"\nvehicle = \"*\"\n");
+  const Said said = cosiva({"scenario", "check", file});
+  EXPECT_EQ(said.status, 2);
+  EXPECT_THAT(said.words, HasSubstr(file + ":4: at[1].command: "));
+  EXPECT_THAT(said.words, HasSubstr("did you mean \"stop\"?"));
+  EXPECT_EQ(said.data, "");
+}
+
+TEST(ScenarioCheck, of_one_that_does_not_fit_its_zone_says_so_too) {
+  Scratch scratch;
+  const std::string file =
+      scratch.write("off.toml", "name = \"x\"\nzone = \"" + zones +
+                                    "lacet4.toml\"\n[[at]]\nt_s = 1\ncommand = \"stop\"\nvehicle = \"AIV9\"\n");
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"scenario", "check", file}, {"up", "--virtual-time", "--scenario", file}}) {
+    const Said said = cosiva(arguments);
+    EXPECT_EQ(said.status, 2) << arguments[0];
+    EXPECT_THAT(said.words, HasSubstr("off.toml:3: vehicle: there is no vehicle \"AIV9\"")) << arguments[0];
+  }
+}
+
+TEST(ScenarioList, names_those_that_are_ready_here) {
+  const Said said = cosiva({"scenario", "list", "--json"});
+  EXPECT_EQ(said.status, 0);
+  const auto json = JsonValue::parse(said.data);
+  ASSERT_TRUE(json) << said.data;
+  EXPECT_NE(json->find("scenarios")->array(), nullptr);
+}
+
 TEST(Replay, of_what_is_no_journal_ends_with_2_and_the_file_s_name) {
   Scratch scratch;
   const std::string file = scratch.write("not.journal", "hello");
@@ -151,6 +211,40 @@ TEST(VirtualTime, writes_every_message_where_asked) {
   const auto line = JsonValue::parse(trace.substr(0, trace.find('\n')));
   ASSERT_TRUE(line);
   for (const char* member : {"time", "from", "topic", "payload"}) EXPECT_NE(line->find(member), nullptr) << member;
+}
+
+/// Two AIVs for six seconds, in which one is stopped.
+std::string short_scenario(const Scratch& scratch) {
+  return scratch.write("short.toml",
+                       "name = \"short\"\nzone = \"" + zones +
+                           "lacet4.toml\"\naivs = 2\nseed = 5\nduration_s = 6\n[[at]]\nt_s = 2\ncommand = "
+                           "\"stop\"\nvehicle = \"AIV1\"\n");
+}
+
+TEST(VirtualTime, plays_a_scenario_and_says_each_step) {
+  Scratch scratch;
+  const Said said = cosiva({"up", "--virtual-time", "--scenario", short_scenario(scratch), "--json"});
+  EXPECT_EQ(said.status, 0) << said.words;
+  EXPECT_THAT(said.words, HasSubstr("     2.0 s  AIV1: stop\n"));
+  const auto run = JsonValue::parse(said.data);
+  ASSERT_TRUE(run) << said.data;
+  EXPECT_EQ(run->text("scenario"), "short");
+  EXPECT_EQ(run->number("aivs"), 2.0);
+  EXPECT_EQ(run->number("seed"), 5.0);
+  EXPECT_GE(run->number("duration_s").value_or(0.0), 6.0) << "from the moment the fleet was complete";
+  EXPECT_EQ(run->find("bijection")->find("commands")->number("issued"), 1.0);
+}
+
+TEST(VirtualTime, lets_the_command_line_win_over_the_scenario_and_says_so) {
+  Scratch scratch;
+  const Said said = cosiva({"up", "--virtual-time", "--scenario", short_scenario(scratch), "--aivs", "1", "--seed", "5",
+                            "--duration", "1.5", "--json"});
+  EXPECT_EQ(said.status, 0) << said.words;
+  EXPECT_THAT(said.words, HasSubstr("--aivs 1 wins over the scenario's 2"));
+  EXPECT_THAT(said.words, HasSubstr("--duration 1.5 s wins over the scenario's 6.0 s"));
+  EXPECT_THAT(said.words, ::testing::Not(HasSubstr("--seed"))) << "they agree";
+  EXPECT_THAT(said.words, ::testing::Not(HasSubstr("AIV1: stop"))) << "it was cut short before";
+  EXPECT_EQ(JsonValue::parse(said.data)->number("aivs"), 1.0);
 }
 
 }  // namespace

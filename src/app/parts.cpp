@@ -3,14 +3,16 @@
 
 #include "aiv/onboard/onboard_core.h"
 #include "app/arguments.h"
+#include "app/live_scenario.h"
 #include "app/part.h"
 #include "app/places.h"
 #include "app/server_page.h"
 #include "app/words.h"
-#include "base/json_value.h"
 #include "base/json_writer.h"
+#include "experiments/world/fleet.h"
 #include "physical/plant/plant_core.h"
 #include "virtual/server/server_core.h"
+#include "wire/topics.h"
 
 namespace cosiva::app {
 namespace {
@@ -52,12 +54,79 @@ Result<aiv::OnboardOptions::Start> parse_start(const std::string& text) {
   return fail("aiv.start", "'" + text + "' is not section:s, such as east:0.85 (metres along the section)", "--start");
 }
 
-bool fleet_is_matched(const virtual_side::ServerCore& core, std::uint32_t fleet) {
-  JsonWriter json;
-  core.write_bijection(json);
-  const auto figures = JsonValue::parse(json.text());
-  return figures && figures->number("matched").value_or(0) >= fleet && figures->number("physical").value_or(0) >= fleet;
+PageHost page_host(const ServerArguments& arguments, const virtual_side::ServerCore& core, LiveShell& shell,
+                   const std::string& scenario_name) {
+  PageHost host;
+  host.core = &core;
+  host.command = [&shell](const std::string& source, std::string json) { shell.command(source, std::move(json)); };
+  host.now = [] { return adapters::WallClock{}.now(); };
+  host.run_name = arguments.name.empty() ? default_run_name("live") : arguments.name;
+  host.scenario_name = scenario_name;
+  // A zone given by its file is edited in place; a ready one, given by its name, never.
+  host.zone_file = arguments.zone_file;
+  if (host.zone_file.empty() && looks_like_a_file(arguments.zone)) host.zone_file = arguments.zone;
+  return host;
 }
+
+/// Listens to what an emulated world says is true, for the eye only: a connection of its own, so that nothing of it can
+/// reach the core.
+Result<std::unique_ptr<adapters::MqttClient>> truth_for(EventLoop& loop, const PartArguments& part, ServerPage& page) {
+  auto mqtt = mqtt_options(part.broker, "cosiva-instrument");
+  if (!mqtt) return tl::unexpected(mqtt.error());
+  adapters::MqttHandlers handlers;
+  handlers.on_link = [](bool) {};
+  handlers.on_message = [&page](std::string_view, std::string_view payload, bool) { page.truth(std::string(payload)); };
+  return adapters::MqttClient::make(loop, std::move(*mqtt), {std::string(wire::plant_truth_topic)}, std::nullopt,
+                                    std::move(handlers));
+}
+
+/// Waits until the fleet is complete: says so to `up`, and begins the scenario.
+class FleetWatch {
+ public:
+  FleetWatch(EventLoop& loop, const virtual_side::ServerCore& core, LiveShell& shell, const ServerArguments& arguments,
+             experiments::Scenario scenario)
+      : core_{core},
+        arguments_{arguments},
+        fleet_{arguments.fleet > 0 || arguments.scenario.empty() ? arguments.fleet : scenario.aivs},
+        scenario_{loop,
+                  std::move(scenario),
+                  arguments.steps_done,
+                  {[&shell](std::string command) { shell.command("scenario", std::move(command)); },
+                   [this](std::uint64_t number, SimDuration at, const experiments::Scenario::Step& step) {
+                     tell_step(number, at, step);
+                   }}},
+        timer_{loop} {
+    if (fleet_ > 0) timer_.every(std::chrono::milliseconds{100}, [this] { look(); });
+  }
+
+ private:
+  void look() {
+    if (!experiments::fleet_is_complete(core_, fleet_)) return;
+    timer_.cancel();
+    announce(arguments_.part, R"({"event":"fleet"})");
+    if (arguments_.scenario.empty()) return;
+    using Milliseconds = std::chrono::milliseconds;
+    const SimTime began = arguments_.began_ms > 0 ? SimTime{Milliseconds{arguments_.began_ms}} : clock_.now();
+    const auto began_ms = std::chrono::duration_cast<Milliseconds>(began.time_since_epoch()).count();
+    announce(arguments_.part, R"({"event":"scenario","began_ms":)" + std::to_string(began_ms) + "}");
+    scenario_.begin(began);
+  }
+
+  void tell_step(std::uint64_t number, SimDuration at, const experiments::Scenario::Step& step) {
+    JsonWriter json;
+    json.begin_object().field("event", "step").field("number", number).field("t_s", to_seconds(at));
+    json.field("what", step.what).end_object();
+    announce(arguments_.part, json.text());
+    if (!arguments_.part.announce) say(step_line(to_seconds(at), step.what));
+  }
+
+  const virtual_side::ServerCore& core_;
+  const ServerArguments& arguments_;
+  std::uint32_t fleet_;
+  adapters::WallClock clock_;
+  LiveScenario scenario_;
+  adapters::Timer timer_;
+};
 
 }  // namespace
 
@@ -69,29 +138,37 @@ int run_server(const ServerArguments& arguments) {
     if (!zone) return complain(zone.error());
     options.zone = std::move(*zone);
   }
+  experiments::Scenario scenario;
+  if (!arguments.scenario.empty()) {
+    auto loaded = load_scenario(arguments.scenario);
+    if (!loaded) return complain(loaded.error());
+    scenario = std::move(loaded->scenario);
+  }
   auto live = live_options(arguments.part, "server", "server", virtual_side::to_json(options));
   if (!live) return complain(live.error());
+  live->memory_file = arguments.memory_file;
 
   EventLoop loop;
   virtual_side::ServerCore core{options};
   LiveShell shell{loop, core, std::move(*live)};
-  auto page =
-      ServerPage::open(loop, shell, core, arguments.port, find_web_root(arguments.web_directory), arguments.headless);
+  auto page = ServerPage::open(loop, page_host(arguments, core, shell, scenario.name), arguments.port,
+                               find_web_root(arguments.web_directory), arguments.headless);
   if (!page) return complain(page.error());
+  shell.after_input([&] { (*page)->changed(); });
+  std::unique_ptr<adapters::MqttClient> instrument;
+  if (arguments.emulated) {
+    auto made = truth_for(loop, arguments.part, **page);
+    if (!made) return complain(made.error());
+    instrument = std::move(*made);
+    instrument->start();
+  }
   const std::uint16_t port = (*page)->port();
   if (arguments.port != 0 && port != arguments.port)
     say("port " + std::to_string(arguments.port) + " is busy; taking " + std::to_string(port));
   say((arguments.headless ? "API at http://127.0.0.1:" : "page at http://127.0.0.1:") + std::to_string(port) + "/");
   announce(arguments.part, R"({"event":"page","port":)" + std::to_string(port) + "}");
 
-  adapters::Timer fleet{loop};
-  if (arguments.fleet > 0) {
-    fleet.every(std::chrono::milliseconds{100}, [&] {
-      if (!fleet_is_matched(core, arguments.fleet)) return;
-      fleet.cancel();
-      announce(arguments.part, R"({"event":"fleet"})");
-    });
-  }
+  FleetWatch watch{loop, core, shell, arguments, std::move(scenario)};
   return Part{loop, shell, "server", arguments.part, [&] { return core.summary_json(); }}.run();
 }
 
@@ -133,6 +210,7 @@ int run_aiv(const AivArguments& arguments) {
   auto live = live_options(arguments.part, "aiv", "aiv" + std::to_string(arguments.number), aiv::to_json(options));
   if (!live) return complain(live.error());
   live->memory_file = arguments.memory_file;
+  if (arguments.emulated) live->obeys_radio = to_string(options.id);
 
   EventLoop loop;
   aiv::OnboardCore core{options};

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <ctime>
 #include <filesystem>
 #include <vector>
 
@@ -22,14 +23,21 @@ std::string environment(const char* name) {
   return value == nullptr ? std::string{} : std::string(value);
 }
 
-std::vector<fs::path> zone_folders() {
+/// Where ready files lie: "zones", "scenarios". The user's own come first: the page saves there what was changed of a
+/// ready zone, and who changed it wants to have it again.
+std::vector<fs::path> ready_folders(const std::string& kind) {
+  std::vector<fs::path> folders;
+  if (const std::string own = own_folder(kind); !own.empty()) folders.emplace_back(own);
   const fs::path beside = fs::path(own_executable()).parent_path();
-  return {beside / "../../zones", beside / "../share/cosiva/zones", fs::path("zones"), fs::path(".")};
+  for (const fs::path& folder : {beside / "../.." / kind, beside / "../share/cosiva" / kind, fs::path(kind)})
+    folders.push_back(folder);
+  folders.emplace_back(".");
+  return folders;
 }
 
-std::vector<std::string> ready_zones() {
+std::vector<std::string> ready_names(const std::string& kind) {
   std::vector<std::string> names;
-  for (const fs::path& folder : zone_folders()) {
+  for (const fs::path& folder : ready_folders(kind)) {
     std::error_code error;
     if (folder == ".") continue;  // what lies about in the current folder is not offered
     for (const auto& entry : fs::directory_iterator(folder, error)) {
@@ -41,11 +49,40 @@ std::vector<std::string> ready_zones() {
   return names;
 }
 
-bool looks_like_a_file(const std::string& name) {
-  return name.find('/') != std::string::npos || fs::path(name).has_extension();
+/// @param one  "zone": what is looked for; its folder is that with an s
+Result<std::string> find_file(const std::string& one, const std::string& name_or_file) {
+  std::error_code error;
+  if (looks_like_a_file(name_or_file)) {
+    if (fs::is_regular_file(name_or_file, error)) return name_or_file;
+    return fail(one + ".missing", "there is no such " + one + " file", name_or_file);
+  }
+  std::string looked;
+  for (const fs::path& folder : ready_folders(one + "s")) {
+    const fs::path file = folder / (name_or_file + ".toml");
+    if (fs::is_regular_file(file, error)) return file.lexically_normal().string();
+    looked += "\n  " + fs::absolute(folder, error).lexically_normal().string();
+  }
+  std::string message = "there is no " + one + " of this name; looked in" + looked;
+  const std::vector<std::string> ready = ready_names(one + "s");
+  if (!ready.empty()) message += "\nready " + one + "s:";
+  for (const std::string& name : ready) message += " " + name;
+  if (const std::string near = nearest_word(name_or_file, ready); !near.empty())
+    message += "\ndid you mean '" + near + "'?";
+  return fail(one + ".missing", message, name_or_file);
 }
 
 }  // namespace
+
+std::string own_folder(const std::string& kind) {
+  const std::string data = environment("XDG_DATA_HOME");
+  if (!data.empty()) return data + "/cosiva/" + kind;
+  const std::string home = environment("HOME");
+  return home.empty() ? std::string{} : home + "/.local/share/cosiva/" + kind;
+}
+
+bool looks_like_a_file(const std::string& name_or_file) {
+  return name_or_file.find('/') != std::string::npos || fs::path(name_or_file).has_extension();
+}
 
 std::string own_executable() {
   std::error_code error;
@@ -53,25 +90,27 @@ std::string own_executable() {
   return error ? std::string("cosiva") : path.string();
 }
 
-Result<std::string> find_zone_file(const std::string& name_or_file) {
+Result<std::string> find_zone_file(const std::string& name_or_file) { return find_file("zone", name_or_file); }
+
+Result<std::string> find_scenario_file(const std::string& name_or_file) { return find_file("scenario", name_or_file); }
+
+std::vector<std::string> ready_scenarios() { return ready_names("scenarios"); }
+
+Result<LoadedScenario> load_scenario(const std::string& name_or_file) {
+  auto file = find_scenario_file(name_or_file);
+  if (!file) return tl::unexpected(file.error());
+  const auto text = adapters::read_file(*file);
+  if (!text) return tl::unexpected(text.error());
+  auto scenario = experiments::scenario_from_toml(*text, *file);
+  if (!scenario) return tl::unexpected(scenario.error());
+  // A file of its own stands beside the scenario; a name nobody knows may stand in the zones that came with it.
   std::error_code error;
-  if (looks_like_a_file(name_or_file)) {
-    if (fs::is_regular_file(name_or_file, error)) return name_or_file;
-    return fail("zone.missing", "there is no such zone file", name_or_file);
-  }
-  std::string looked;
-  for (const fs::path& folder : zone_folders()) {
-    const fs::path file = folder / (name_or_file + ".toml");
-    if (fs::is_regular_file(file, error)) return file.lexically_normal().string();
-    looked += "\n  " + fs::absolute(folder, error).lexically_normal().string();
-  }
-  std::string message = "there is no zone of this name; looked in" + looked;
-  const std::vector<std::string> ready = ready_zones();
-  if (!ready.empty()) message += "\nready zones:";
-  for (const std::string& name : ready) message += " " + name;
-  if (const std::string near = nearest_word(name_or_file, ready); !near.empty())
-    message += "\ndid you mean '" + near + "'?";
-  return fail("zone.missing", message, name_or_file);
+  const fs::path folder = fs::path(*file).parent_path();
+  const bool is_file = looks_like_a_file(scenario->zone);
+  const fs::path beside = is_file ? folder / scenario->zone : folder / "../zones" / (scenario->zone + ".toml");
+  if ((is_file || !find_zone_file(scenario->zone)) && fs::is_regular_file(beside, error))
+    scenario->zone = beside.lexically_normal().string();
+  return LoadedScenario{std::move(*file), std::move(*scenario)};
 }
 
 Result<zone::ZoneConfiguration> load_zone(const std::string& name_or_file) {
@@ -113,6 +152,15 @@ Result<adapters::MqttOptions> mqtt_options(const BrokerArguments& arguments, con
   options.password_file = arguments.password_file;
   options.client_name = client_name;
   return options;
+}
+
+std::string default_run_name(const std::string& what) {
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  char text[32];
+  if (::localtime_r(&now, &local) == nullptr || std::strftime(text, sizeof text, ", %Y-%m-%d %H:%M", &local) == 0)
+    return what;
+  return what + text;
 }
 
 std::string default_log_directory() {

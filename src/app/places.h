@@ -1,10 +1,12 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "adapters/mqtt_client.h"
 #include "app/arguments.h"
 #include "base/result.h"
+#include "experiments/scenario/scenario.h"
 #include "zone/rtm.h"
 
 /// Where things are on this machine.
@@ -12,11 +14,29 @@ namespace cosiva::app {
 
 [[nodiscard]] std::string own_executable();
 
-/// A zone by file name, or by the name of a ready one ("lacet4"): looked for beside the source tree of this build, in
-/// the installed share folder, and in ./zones. Fails ("zone.missing") with where it looked and what there is.
+/// Where this user's own files of a kind are kept ("zones", "scenarios"): $XDG_DATA_HOME/cosiva/<kind>, else under
+/// ~/.local/share; empty where there is no home.
+[[nodiscard]] std::string own_folder(const std::string& kind);
+
+/// A zone by file name, or by the name of a ready one ("lacet4"): looked for in the user's own folder, beside the
+/// source tree of this build, in the installed share folder, and in ./zones. Fails ("zone.missing") with where it
+/// looked and what there is.
 [[nodiscard]] Result<std::string> find_zone_file(const std::string& name_or_file);
 /// The file's bytes with their format and origin.
 [[nodiscard]] Result<zone::ZoneConfiguration> load_zone(const std::string& name_or_file);
+/// Whether this is meant as a file's name ("my.toml", "zones/my") rather than a ready one's ("lacet4").
+[[nodiscard]] bool looks_like_a_file(const std::string& name_or_file);
+
+/// As find_zone_file, for scenarios ("showroom"). Fails ("scenario.missing").
+[[nodiscard]] Result<std::string> find_scenario_file(const std::string& name_or_file);
+/// The ready ones' names, sorted.
+[[nodiscard]] std::vector<std::string> ready_scenarios();
+
+struct LoadedScenario {
+  std::string file;
+  experiments::Scenario scenario;  ///< a zone given as a file is found beside the scenario's own, or as it stands
+};
+[[nodiscard]] Result<LoadedScenario> load_scenario(const std::string& name_or_file);
 
 /// The page's built files: `given` if not empty, else beside the source tree or installed; empty when not built.
 [[nodiscard]] std::string find_web_root(const std::string& given);
@@ -24,6 +44,9 @@ namespace cosiva::app {
 /// The connection's options; fails on a bad address or half a certificate.
 [[nodiscard]] Result<adapters::MqttOptions> mqtt_options(const BrokerArguments& arguments,
                                                          const std::string& client_name);
+
+/// "showroom, 2026-11-21 14:05": what of, and when by this machine's clock and time zone.
+[[nodiscard]] std::string default_run_name(const std::string& what);
 
 /// $XDG_STATE_HOME/cosiva/logs/<time>-<process>, where nobody names a folder.
 [[nodiscard]] std::string default_log_directory();

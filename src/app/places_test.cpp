@@ -35,6 +35,38 @@ TEST(Zone, keeps_its_file_s_name_for_errors) {
   EXPECT_EQ(zone->text, "name = 'mine'\n");
 }
 
+TEST(Zone, of_the_user_s_own_comes_before_the_ready_one) {
+  Scratch scratch;
+  const std::string own = scratch.write("cosiva/zones/lacet4.toml", "name = 'mine'\n");
+  ::setenv("XDG_DATA_HOME", scratch.path().c_str(), 1);
+  EXPECT_EQ(find_zone_file("lacet4").value(), own);
+  EXPECT_EQ(own_folder("zones"), scratch / "cosiva/zones");
+  ::unsetenv("XDG_DATA_HOME");
+}
+
+TEST(Scenario, that_is_missing_says_where_it_was_looked_for) {
+  const auto none = find_scenario_file("shwroom");
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().code, "scenario.missing");
+  EXPECT_THAT(none.error().message, HasSubstr("share/cosiva/scenarios"));
+  EXPECT_EQ(load_scenario("/nonexistent/day.toml").error().place, "/nonexistent/day.toml");
+}
+
+TEST(Scenario, finds_a_zone_that_lies_beside_it) {
+  Scratch scratch;
+  const std::string zone = scratch.write("mine.toml", "name = 'mine'\n");
+  const auto beside = load_scenario(scratch.write("day.toml", "name = 'day'\nzone = 'mine.toml'\n"));
+  ASSERT_TRUE(beside) << to_string(beside.error());
+  EXPECT_EQ(beside->scenario.zone, zone);
+  const auto ready = load_scenario(scratch.write("other.toml", "name = 'other'\nzone = 'lacet4'\n"));
+  ASSERT_TRUE(ready);
+  EXPECT_EQ(ready->scenario.zone, "lacet4");
+}
+
+TEST(RunName, says_what_and_when) {
+  EXPECT_THAT(default_run_name("showroom"), ::testing::MatchesRegex("showroom, [0-9]+-[0-9]+-[0-9]+ [0-9]+:[0-9]+"));
+}
+
 TEST(BrokerArguments, that_do_not_go_together_are_refused) {
   EXPECT_EQ(mqtt_options({"nonsense:", {}, {}, {}, {}, {}}, "x").error().code, "broker.address");
   EXPECT_EQ(mqtt_options({{}, "ca", "cert", {}, {}, {}}, "x").error().code, "broker.tls");

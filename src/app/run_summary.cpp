@@ -33,6 +33,25 @@ std::string millis(const JsonValue& figures, std::string_view of, double scale, 
   return p99 ? decimals(*p99 * scale, 1) + unit : std::string("unknown");
 }
 
+/// What was only virtual, in a line of its own; empty where nothing was.
+std::string augmented(const JsonValue& bijection) {
+  const double aivs = bijection.number("augmented").value_or(0.0);
+  const JsonValue* effects = bijection.find("effects");
+  const auto count = [&](std::string_view of) {
+    const JsonValue* spread = effects == nullptr ? nullptr : effects->find(of);
+    return spread == nullptr ? 0.0 : spread->number("count").value_or(0.0);
+  };
+  if (aivs == 0.0 && count("felt_ms") == 0.0 && count("shown_ms") == 0.0) return {};
+  std::string text = "\n" + decimals(aivs, 0) + " virtual AIVs";
+  const auto figure = [&](std::string_view of, const char* words) {
+    if (count(of) > 0.0) text += ", " + decimals(count(of), 0) + " times " + words + millis(*effects, of, 1.0, " ms");
+  };
+  figure("felt_ms", "felt in p99 ");
+  figure("brakes_ms", "braked for in p99 ");
+  figure("shown_ms", "an obstacle shown in p99 ");
+  return text;
+}
+
 }  // namespace
 
 Result<RunSummary> summarise(const RunFacts& facts, std::string_view server_summary, std::string_view plant_summary) {
@@ -51,7 +70,9 @@ Result<RunSummary> summarise(const RunFacts& facts, std::string_view server_summ
   write(json.begin_object().key("bijection"), *bijection);
   json.field("aivs", facts.aivs).field("collisions", touched).field("laps", laps);
   json.field("longest_wait_s", longest_wait_s).field("digest", facts.digest).field("duration_s", facts.duration_s);
-  json.field("zone", facts.zone).field("seed", facts.seed).end_object();
+  json.field("zone", facts.zone).field("seed", facts.seed);
+  if (!facts.scenario.empty()) json.field("scenario", facts.scenario);
+  json.end_object();
   run.json = json.take();
 
   const auto counted = [&](const char* what) { return bijection->number(what).value_or(-1.0); };
@@ -63,7 +84,7 @@ Result<RunSummary> summarise(const RunFacts& facts, std::string_view server_summ
              " of " + std::to_string(facts.aivs) + ", divergence p99 " +
              millis(*bijection, "divergence_m", 1e3, " mm") + ", age p99 " + millis(*bijection, "age_ms", 1.0, " ms") +
              "\n" + std::to_string(touched) + " collisions, " + decimals(laps, 0) + " laps, longest wait " +
-             decimals(longest_wait_s, 1) + " s, digest " + facts.digest;
+             decimals(longest_wait_s, 1) + " s, digest " + facts.digest + augmented(*bijection);
   return run;
 }
 

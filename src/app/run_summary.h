@@ -10,9 +10,10 @@ namespace cosiva::app {
 
 /// What a run of the whole platform gave, from the summaries of its parts.
 struct RunSummary {
-  std::string json;  ///< {"bijection","aivs","collisions","laps","longest_wait_s","digest","duration_s","zone","seed"}
-  std::string text;  ///< the same for people, two lines
-  bool collided{};   ///< some vehicle touched something
+  std::string
+      json;  ///< {"bijection","aivs","collisions","laps","longest_wait_s","digest","duration_s","zone","seed","scenario"?}
+  std::string text;    ///< the same for people: two lines, and a third where something was only virtual
+  bool collided{};     ///< some vehicle touched something
   bool all_matched{};  ///< every vehicle asked for had exactly one twin at the end, and nothing else was there
 };
 
@@ -22,6 +23,7 @@ struct RunFacts {
   std::uint64_t seed{};
   double duration_s{};
   std::string digest;
+  std::string scenario;  ///< empty: none
 };
 
 /// Fails ("run.summary") when a summary is not what its core writes.

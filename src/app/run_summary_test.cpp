@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "base/json_value.h"
 
 namespace cosiva::app {
@@ -15,7 +17,7 @@ std::string server(int physical, int twins, int matched) {
          R"(,"orphans":[],"divergence_m":{"p99":0.0042},"age_ms":{"p99":101.5}},"aivs":[{"id":"CoSiVA/AIV1"}]})";
 }
 const std::string calm_plant = R"({"vehicles":[],"collisions":[],"laps":7,"longest_wait_s":3.5})";
-const RunFacts facts{"lacet4", 2, 9, 60.0, "0123456789abcdef"};
+const RunFacts facts{"lacet4", 2, 9, 60.0, "0123456789abcdef", ""};
 
 TEST(RunSummary, puts_the_parts_figures_under_the_names_that_programs_read) {
   const auto run = summarise(facts, server(2, 2, 2), calm_plant);
@@ -49,6 +51,24 @@ TEST(RunSummary, of_a_part_that_left_none_is_an_error) {
     EXPECT_EQ(run.error().code, "run.summary");
   }
   EXPECT_FALSE(summarise(facts, "{}", calm_plant));
+}
+
+TEST(RunSummary, tells_what_was_only_virtual_in_a_line_of_its_own) {
+  EXPECT_EQ(std::ranges::count(summarise(facts, server(2, 2, 2), calm_plant)->text, '\n'), 1);
+  const auto run = summarise(facts,
+                             R"({"bijection":{"physical":2,"virtual":2,"matched":2,"augmented":3,"effects":{)"
+                             R"("felt_ms":{"count":7,"p99":12.5},"brakes_ms":{"count":2,"p99":20.0},)"
+                             R"("shown_ms":{"count":0}}}})",
+                             calm_plant);
+  ASSERT_TRUE(run);
+  EXPECT_THAT(run->text, HasSubstr("\n3 virtual AIVs, 7 times felt in p99 12.5 ms, 2 times braked for in p99 20.0 ms"));
+  EXPECT_THAT(run->text, ::testing::Not(HasSubstr("shown")));
+}
+
+TEST(RunSummary, names_the_scenario_where_there_was_one) {
+  RunFacts with = facts;
+  with.scenario = "showroom";
+  EXPECT_EQ(JsonValue::parse(summarise(with, server(2, 2, 2), calm_plant)->json)->text("scenario"), "showroom");
 }
 
 }  // namespace

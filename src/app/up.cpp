@@ -12,6 +12,7 @@
 #include "app/arguments.h"
 #include "app/places.h"
 #include "app/run_directory.h"
+#include "app/run_plan.h"
 #include "app/run_summary.h"
 #include "app/supervisor.h"
 #include "app/trace_writer.h"
@@ -40,11 +41,10 @@ std::string number_text(double number) {
 /// The whole platform as children of this process.
 class Up {
  public:
-  Up(const UpArguments& arguments, RunDirectory run, std::string log_directory, zone::Rtm rtm)
-      : arguments_{arguments},
+  Up(RunPlan plan, RunDirectory run, std::string log_directory)
+      : plan_{std::move(plan)},
         run_{std::move(run)},
         log_directory_{std::move(log_directory)},
-        rtm_{std::move(rtm)},
         supervisor_{loop_, run_ / children_file_name,
                     [this](const std::string& name) { give_up(name + " does not stay up; its log says why"); }},
         duration_{loop_},
@@ -71,10 +71,10 @@ class Up {
     if (auto started = start_trace(); !started) return started;
     if (auto started = add("plant", plant_stage, [this] { return plant_argv(); }); !started) return started;
     if (auto started = add("server", server_stage, [this] { return server_argv(); }); !started) return started;
-    const auto places = rtm_.zone().start_places(arguments_.aivs);
+    const auto places = plan_.rtm.zone().start_places(arguments_.aivs);
     for (std::uint32_t number = 1; number <= arguments_.aivs; ++number) {
       const zone::Place place = places[number - 1];
-      const std::string start = rtm_.zone().circuit.part(place.section).name + ":" + number_text(place.s_m);
+      const std::string start = plan_.rtm.zone().circuit.part(place.section).name + ":" + number_text(place.s_m);
       const auto argv = [this, number, start] { return aiv_argv(number, start); };
       if (auto started = add("aiv" + std::to_string(number), aiv_stage, argv); !started) return started;
     }
@@ -163,7 +163,7 @@ class Up {
 
   [[nodiscard]] std::vector<std::string> plant_argv() const {
     auto argv = part_argv("plant");
-    append(argv, {"--zone", rtm_.configuration().origin, "--vehicles", std::to_string(arguments_.aivs)});
+    append(argv, {"--zone", plan_.rtm.configuration().origin, "--vehicles", std::to_string(arguments_.aivs)});
     append(argv, {"--seed", std::to_string(arguments_.seed), "--sockets", run_ / "boards"});
     append(argv, {"--summary", run_ / "plant.json"});
     return argv;
@@ -173,14 +173,22 @@ class Up {
     const std::string name = std::to_string(number);
     auto argv = part_argv("aiv");
     append(argv, {"--number", name, "--sockets", run_ / "boards", "--start", start});
-    append(argv, {"--memory", run_ / ("aiv" + name + ".memory")});
+    append(argv, {"--memory", run_ / ("aiv" + name + ".memory"), "--emulated"});
     return argv;
   }
 
   std::vector<std::string> server_argv() {
     auto argv = part_argv("server");
     append(argv, {"--port", std::to_string(http_port_.value_or(arguments_.port)), "--summary", run_ / "server.json"});
-    append(argv, {"--announce", "--fleet", std::to_string(arguments_.aivs)});
+    append(argv, {"--announce", "--fleet", std::to_string(arguments_.aivs), "--emulated"});
+    append(argv, {"--memory", run_ / "server.memory", "--name", plan_.name});
+    if (!plan_.zone_file.empty()) append(argv, {"--zone-file", plan_.zone_file});
+    if (plan_.scenario) append(argv, {"--scenario", plan_.scenario_file});
+    if (scenario_began_ms_ > 0) {
+      // A server started again goes on with the scenario where the last one stopped.
+      append(argv, {"--scenario-began", std::to_string(scenario_began_ms_)});
+      append(argv, {"--scenario-steps-done", std::to_string(steps_done_)});
+    }
     if (arguments_.headless) append(argv, {"--headless"});
     if (!arguments_.web_directory.empty()) append(argv, {"--web", arguments_.web_directory});
     ++server_lives_;
@@ -207,6 +215,11 @@ class Up {
       arrival_.cancel();
       say("all " + std::to_string(arguments_.aivs) + " AIVs are up and have their twins");
       if (arguments_.duration_s) duration_.after(from_seconds(*arguments_.duration_s), [this] { end(); });
+    } else if (what == "scenario") {
+      scenario_began_ms_ = static_cast<std::int64_t>(event->number("began_ms").value_or(0.0));
+    } else if (what == "step") {
+      steps_done_ = static_cast<std::uint64_t>(event->number("number").value_or(0.0));
+      say(step_line(event->number("t_s").value_or(0.0), event->text("what").value_or("")));
     }
   }
 
@@ -215,7 +228,8 @@ class Up {
   void banner() const {
     if (arguments_.port != 0 && *http_port_ != arguments_.port)
       say("port " + std::to_string(arguments_.port) + " is busy, so " + std::to_string(*http_port_) + " is taken");
-    say("CoSiVA: " + std::to_string(arguments_.aivs) + " AIVs on " + rtm_.zone().name);
+    say("CoSiVA: " + std::to_string(arguments_.aivs) + " AIVs on " + plan_.rtm.zone().name +
+        (plan_.scenario ? ", scenario " + plan_.scenario->name : std::string{}));
     say((arguments_.headless ? "  figures " : "  page    ") + url() + (arguments_.headless ? "api/v1/snapshot" : ""));
     say("  broker  " + broker_arguments_.address + (broker_ ? "  (ours; VDA 5050 under uagv/v2)" : ""));
     say("  logs    " + log_directory_);
@@ -244,7 +258,8 @@ class Up {
   int finish() {
     const auto summary_of = [&](const std::string& file) { return adapters::read_file(run_ / file).value_or("{}"); };
     const auto server = JsonValue::parse(summary_of("server.json"));
-    RunFacts facts{rtm_.zone().name, arguments_.aivs, arguments_.seed, 0.0, {}};
+    RunFacts facts{plan_.rtm.zone().name, arguments_.aivs, arguments_.seed, 0.0, {}, {}};
+    if (plan_.scenario) facts.scenario = plan_.scenario->name;
     if (server) facts.digest = server->text("digest").value_or("");
     if (fleet_up_at_) facts.duration_s = to_seconds(ended_at_ - *fleet_up_at_);
     const auto run = summarise(facts, part_summary("server.json"), part_summary("plant.json"));
@@ -269,10 +284,10 @@ class Up {
     return text->substr(at + 10, text->size() - at - 11);
   }
 
-  const UpArguments& arguments_;
+  const RunPlan plan_;
+  const UpArguments& arguments_{plan_.arguments};
   RunDirectory run_;
   std::string log_directory_;
-  zone::Rtm rtm_;
   EventLoop loop_;
   adapters::WallClock clock_;
   std::unique_ptr<adapters::PrivateBroker> broker_;
@@ -286,6 +301,8 @@ class Up {
   std::optional<SimTime> fleet_up_at_;
   SimTime ended_at_{};
   int server_lives_{0};
+  std::int64_t scenario_began_ms_{0};
+  std::uint64_t steps_done_{0};
   bool started_{false};
   bool ending_{false};
   bool interrupted_{false};
@@ -295,29 +312,29 @@ class Up {
 }  // namespace
 
 int run_up(const UpArguments& arguments) {
-  if (arguments.virtual_time) return run_virtual_time(arguments);
-  if (arguments.loss > 0.0)
-    return complain({"up.loss", "messages are lost on purpose in virtual time only (--virtual-time)", "--loss"});
-  // Everything that can be wrong with what was asked is said before anything is started.
-  auto configuration = load_zone(arguments.zone);
-  if (!configuration) return complain(configuration.error());
-  std::error_code error;
-  configuration->origin = std::filesystem::absolute(configuration->origin, error).lexically_normal().string();
-  auto rtm = zone::Rtm::initialise(std::move(*configuration));
-  if (!rtm) return complain(rtm.error());
-  if (const std::size_t room = rtm->zone().start_places(arguments.aivs).size(); room < arguments.aivs) {
+  if (arguments.page && !arguments.virtual_time)
+    return complain({"up.page", "a live run has its page anyway; --page goes with --virtual-time", "--page"});
+  if (arguments.speed && !arguments.page)
     return complain(
-        {"up.aivs",
-         "this zone has room for " + std::to_string(room) + " AIVs to start, not " + std::to_string(arguments.aivs),
-         "--aivs"});
+        {"up.speed", "only a page in virtual time has a speed: --virtual-time --page --speed X", "--speed"});
+  if (arguments.virtual_time) return run_virtual_time(arguments);
+  if (arguments.loss > 0.0) {
+    return complain({"up.loss",
+                     "messages of all are lost on purpose in virtual time only (--virtual-time); live, a scenario can "
+                     "let a vehicle's radio lose them",
+                     "--loss"});
   }
+  // Everything that can be wrong with what was asked is said before anything is started.
+  auto plan = plan_run(arguments);
+  if (!plan) return complain(plan.error());
   if (auto broker = mqtt_options(arguments.broker, "cosiva"); !broker) return complain(broker.error());
   const std::string logs = arguments.log_directory.empty() ? default_log_directory() : arguments.log_directory;
+  std::error_code error;
   std::filesystem::create_directories(logs, error);
   if (error) return complain({"up.logs", "cannot make this folder: " + error.message(), logs});
   auto run = RunDirectory::create(arguments.run_directory.empty() ? default_run_directory() : arguments.run_directory);
   if (!run) return complain(run.error());
-  return Up{arguments, std::move(*run), logs, std::move(*rtm)}.run();
+  return Up{std::move(*plan), std::move(*run), logs}.run();
 }
 
 }  // namespace cosiva::app

@@ -127,6 +127,51 @@ TEST_F(UpTest, starts_again_whoever_is_killed_and_the_fleet_is_whole_at_the_end)
   EXPECT_EQ(run.exit->status, 0) << run.words() << run.data;
 }
 
+TEST_F(UpTest, plays_a_scenario_and_a_server_killed_meanwhile_goes_on_with_it) {
+  const std::string file = scratch.write("day.toml",
+                                         "name = \"day\"\naivs = 1\nduration_s = 12\n"
+                                         "[[at]]\nt_s = 0.5\nperson = { id = \"P1\", at = [0, 1.2] }\n"
+                                         "[[at]]\nt_s = 1\nvirtual_aiv = { id = \"V1\" }\n"
+                                         "[[at]]\nt_s = 4\ncommand = \"fast\"\nvehicle = \"V1\"\n");
+  Command run{loop, scratch, up({"--scenario", file, "--json"})};
+  ASSERT_TRUE(run.says(" s  virtual AIV V1 joins")) << run.words();
+  EXPECT_THAT(run.words(), HasSubstr("--aivs 2 wins over the scenario's 1"));
+  // Time for the new AIV to be remembered, and less than there is before the next step.
+  loop.run_for(500ms);
+  ::kill(children().at("server"), SIGKILL);
+  ASSERT_TRUE(run.says("  V1: fast")) << run.words();
+  EXPECT_THAT(run.words(), HasSubstr("the server is back"));
+  ASSERT_TRUE(run.ends());
+  EXPECT_EQ(run.exit->status, 0) << run.words() << run.data;
+  const std::string words = run.words();
+  for (const char* step : {"P1 stands", "V1 joins", "V1: fast"})
+    EXPECT_EQ(words.find(step), words.rfind(step)) << step << " is played once";
+  const auto summary = JsonValue::parse(run.data);
+  ASSERT_TRUE(summary) << run.data;
+  EXPECT_EQ(summary->text("scenario"), "day");
+  EXPECT_EQ(summary->find("bijection")->number("augmented"), 1.0) << "it was remembered over the crash";
+}
+
+TEST_F(UpTest, in_virtual_time_with_its_page_runs_until_somebody_ends_it_and_sums_up) {
+  Command run{loop, scratch, up({"--virtual-time", "--page", "--speed", "5", "--json"})};
+  ASSERT_TRUE(run.says("Ctrl-C ends it")) << run.words();
+  loop.run_for(300ms);
+  run.child->signal(SIGINT);
+  ASSERT_TRUE(run.ends());
+  EXPECT_EQ(run.exit->status, 0) << run.words();
+  const auto summary = JsonValue::parse(run.data);
+  ASSERT_TRUE(summary) << run.data;
+  EXPECT_GT(summary->number("duration_s").value_or(0.0), 0.0);
+}
+
+TEST_F(UpTest, refuses_a_bad_scenario_before_anything_is_started) {
+  Command run{loop, scratch, up({"--scenario", scratch.write("bad.toml", "name = 1\n")})};
+  ASSERT_TRUE(run.ends());
+  EXPECT_EQ(run.exit->status, 2);
+  EXPECT_THAT(run.words(), HasSubstr("bad.toml:1: name: expected a text"));
+  EXPECT_FALSE(std::filesystem::exists(scratch / "run"));
+}
+
 TEST_F(UpTest, takes_another_port_when_the_wanted_one_is_busy_and_says_so) {
   Command first{loop, scratch, up({})};
   ASSERT_TRUE(first.says("figures http://127.0.0.1:")) << first.words();

@@ -1,19 +1,15 @@
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <memory>
 
 #include "app/arguments.h"
-#include "app/places.h"
-#include "app/run_summary.h"
-#include "app/trace_writer.h"
+#include "app/virtual_page.h"
+#include "app/virtual_run.h"
 #include "app/words.h"
-#include "experiments/world/world.h"
 
 namespace cosiva::app {
 namespace {
 
-constexpr double duration_s_default = 60.0;
 constexpr SimDuration step = std::chrono::milliseconds{500};
 
 /// One line a second of real time for runs that take longer.
@@ -26,7 +22,7 @@ class Progress {
     const double real_s = std::chrono::duration<double>(now - start_).count();
     const double rate = done_s / real_s;
     say("virtual time " + decimals(done_s, 0) + " s of " + decimals(all_s, 0) + " s, " + decimals(rate, 0) +
-        " times real time, " + decimals((all_s - done_s) / rate, 0) + " s left");
+        " times real time, " + decimals(std::max(all_s - done_s, 0.0) / rate, 0) + " s left");
   }
 
  private:
@@ -34,45 +30,27 @@ class Progress {
   std::chrono::steady_clock::time_point last_{start_};
 };
 
+/// As fast as the machine can.
+int run_to_the_end(VirtualRun& run) {
+  if (!run.plan().arguments.duration_s) run.set_duration(run.duration_s_default());
+  Progress progress;
+  while (run.world().now() < *run.end()) {
+    run.world().run_for(std::min(step, *run.end() - run.world().now()));
+    progress.at(to_seconds(run.elapsed()), *run.plan().arguments.duration_s);
+  }
+  return run.finish(false);
+}
+
 }  // namespace
 
 int run_virtual_time(const UpArguments& arguments) {
   if (!arguments.record_file.empty())
     return complain({"up.record", "a run in virtual time is repeated by its seed; --record goes with a live one", {}});
-  auto zone = load_zone(arguments.zone);
-  if (!zone) return complain(zone.error());
-  experiments::WorldOptions options;
-  options.zone = std::move(*zone);
-  options.aivs = arguments.aivs;
-  options.seed = arguments.seed;
-  options.network.loss = arguments.loss;
-  auto world = experiments::World::make(std::move(options));
-  if (!world) return complain(world.error());
-
-  std::unique_ptr<TraceWriter> trace;
-  if (!arguments.trace_file.empty()) {
-    auto opened = TraceWriter::create(arguments.trace_file);
-    if (!opened) return complain(opened.error());
-    trace = std::move(*opened);
-    (*world)->tap([&](SimTime at, const std::string& from, const wire::Publish& message) {
-      trace->write(at, from, message.topic, message.payload, message.retained);
-    });
-  }
-
-  const double all_s = arguments.duration_s.value_or(duration_s_default);
-  const SimTime start = (*world)->now();
-  const SimTime end = start + from_seconds(all_s);
-  Progress progress;
-  while ((*world)->now() < end) {
-    (*world)->run_for(std::min(step, end - (*world)->now()));
-    progress.at(to_seconds((*world)->now() - start), all_s);
-  }
-
-  const RunFacts facts{arguments.zone, arguments.aivs, arguments.seed, all_s, (*world)->digest().hex()};
-  const auto run = summarise(facts, (*world)->server().summary_json(), (*world)->plant().summary_json());
+  auto plan = plan_run(arguments);
+  if (!plan) return complain(plan.error());
+  auto run = VirtualRun::make(std::move(*plan));
   if (!run) return complain(run.error());
-  print(arguments.json ? run->json : run->text);
-  return run->collided || !run->all_matched ? exit_check_failed : exit_done;
+  return arguments.page ? run_virtual_page(**run) : run_to_the_end(**run);
 }
 
 }  // namespace cosiva::app

@@ -33,6 +33,11 @@ void print(std::string_view data) {
   std::fflush(stdout);
 }
 
+std::string step_line(double t_s, std::string_view what) {
+  const std::string at = decimals(t_s, 1);
+  return std::string(at.size() < 8 ? 8 - at.size() : 0, ' ').append(at).append(" s  ").append(what);
+}
+
 int complain(const Error& error) {
   say("cosiva: " + to_string(error));
   return exit_bad_input;

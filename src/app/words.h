@@ -15,6 +15,8 @@ inline constexpr int exit_bad_input = 2;
 /// Words go to stderr, data to stdout.
 void say(std::string_view text);
 void print(std::string_view data);
+/// "    12.0 s  person P1 walks …": a step of a scenario.
+[[nodiscard]] std::string step_line(double t_s, std::string_view what);
 /// Says "cosiva: place: message"; gives exit_bad_input.
 int complain(const Error& error);
 

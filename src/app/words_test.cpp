@@ -24,5 +24,10 @@ TEST(Decimals, round_as_people_expect) {
   EXPECT_EQ(decimals(12.0, 0), "12");
 }
 
+TEST(StepLine, puts_the_times_under_each_other) {
+  EXPECT_EQ(step_line(1.25, "x"), "     1.2 s  x");
+  EXPECT_EQ(step_line(12345.0, "y"), " 12345.0 s  y");
+}
+
 }  // namespace
 }  // namespace cosiva::app

@@ -18,14 +18,15 @@ bool matches_any(const std::vector<std::string>& filters, std::string_view topic
 
 }  // namespace
 
-Network::Network(std::uint64_t seed, NetworkFaults faults) : random_{seed, "network"}, faults_{faults} {
+Network::Network(std::uint64_t seed, NetworkFaults faults)
+    : random_{seed, "network"}, radio_random_{seed, "network/radio"}, faults_{faults} {
   COSIVA_EXPECT(faults.delay_min >= SimDuration::zero() && faults.delay_max >= faults.delay_min);
   COSIVA_EXPECT(faults.reorder_window >= SimDuration::zero() && faults.retry >= SimDuration::zero());
 }
 
 Network::ClientId Network::connect(SimTime now, std::vector<std::string> filters, std::optional<Will> will) {
   const auto id = static_cast<ClientId>(clients_.size());
-  clients_.push_back({true, std::move(filters), std::move(will), now, now});
+  clients_.push_back({true, std::move(filters), std::move(will), now, now, 0.0, now});
   subscribers_.clear();
   for (const auto& [topic, message] : retained_) {
     if (matches_any(clients_[id].filters, topic)) schedule(now, id, message, true);
@@ -37,6 +38,7 @@ void Network::disconnect(SimTime /*now*/, ClientId client) {
   COSIVA_EXPECT(client < clients_.size());
   clients_[client].connected = false;
   clients_[client].will.reset();
+  std::erase_if(sending_, [&](const Sending& sending) { return sending.from == client; });
   subscribers_.clear();
 }
 
@@ -50,8 +52,47 @@ void Network::break_connection(SimTime now, ClientId client) {
 
 void Network::publish(SimTime now, ClientId from, const Publish& message) {
   COSIVA_EXPECT(from < clients_.size());
-  if (!clients_[from].connected) return;
-  route(now, message);
+  Client& client = clients_[from];
+  if (!client.connected) return;
+  if (message.qos == 0) {
+    if (client.loss > 0.0 && radio_random_.chance(client.loss)) {
+      ++counters_.lost;
+      return;
+    }
+    return route(now, message);
+  }
+  route_due(now);  // what it said before and has arrived by now comes first
+  const SimTime at = std::max(now + draw_radio_retries(client.loss), client.last_sent_due);
+  if (at <= now) return route(now, message);
+  client.last_sent_due = at;
+  send_later(at, from, message);
+}
+
+void Network::set_loss(ClientId client, double share) {
+  COSIVA_EXPECT(client < clients_.size() && share >= 0.0 && share <= 1.0);
+  clients_[client].loss = share;
+}
+
+SimDuration Network::draw_radio_retries(double loss) {
+  SimDuration later{};
+  for (int tries = 0; loss > 0.0 && tries < tries_max && radio_random_.chance(loss); ++tries) {
+    ++counters_.lost;
+    later += faults_.retry;
+  }
+  return later;
+}
+
+void Network::send_later(SimTime at, ClientId from, const Publish& message) {
+  const auto after = std::ranges::upper_bound(sending_, at, {}, &Sending::at);
+  sending_.insert(after, Sending{at, from, message});
+}
+
+void Network::route_due(SimTime now) {
+  while (!sending_.empty() && sending_.front().at <= now) {
+    const Sending sending = std::move(sending_.front());
+    sending_.erase(sending_.begin());
+    route(sending.at, sending.message);
+  }
 }
 
 void Network::route(SimTime now, const Publish& message) {
@@ -81,16 +122,19 @@ void Network::schedule(SimTime now, ClientId to, const Publish& message, bool fr
   SimTime at = std::max(now + draw_delay(), client.last_due);
   bool ordinary = true;
   if (message.qos > 0) {
+    // The common fault draws even where it is 0: runs of the same seed have always done so.
+    SimDuration later{};
     for (int tries = 0; tries < tries_max && random_.chance(faults_.loss); ++tries) {
       ++counters_.lost;
-      at += faults_.retry;
-      ordinary = false;
+      later += faults_.retry;
     }
-    ordinary = ordinary && at >= client.last_acked_due;
+    later += draw_radio_retries(client.loss);
+    at += later;
+    ordinary = later == SimDuration::zero() && at >= client.last_acked_due;
     at = std::max(at, client.last_acked_due);
     client.last_acked_due = at;
   } else {
-    if (random_.chance(faults_.loss)) {
+    if (random_.chance(faults_.loss) || (client.loss > 0.0 && radio_random_.chance(client.loss))) {
       ++counters_.lost;
       return;
     }
@@ -116,10 +160,14 @@ void Network::enqueue(SimTime at, ClientId to, const Publish& message, bool from
 }
 
 std::optional<SimTime> Network::next_due() const {
-  return queue_.empty() ? std::nullopt : std::optional(queue_.front().delivery.at);
+  std::optional<SimTime> next;
+  if (!queue_.empty()) next = queue_.front().delivery.at;
+  if (!sending_.empty() && (!next || sending_.front().at < *next)) next = sending_.front().at;
+  return next;
 }
 
 void Network::take_due(SimTime now, std::vector<Delivery>& out) {
+  route_due(now);
   while (!queue_.empty() && queue_.front().delivery.at <= now) {
     std::pop_heap(queue_.begin(), queue_.end(), Later{});
     Delivery delivery = std::move(queue_.back().delivery);

@@ -44,6 +44,10 @@ class Network {
   void disconnect(SimTime now, ClientId client);        ///< cleanly: no will
   void break_connection(SimTime now, ClientId client);  ///< the process died or the radio went: the will is published
   void publish(SimTime now, ClientId from, const Publish& message);
+  /// The radio between this client and the broker loses that share of its messages (0…1), both ways: QoS 0 is gone,
+  /// QoS 1 comes later by a retry each time, still in order. Drawn from a stream of its own, so that a run without such
+  /// a loss is the same run as before.
+  void set_loss(ClientId client, double share);
 
   [[nodiscard]] std::optional<SimTime> next_due() const;
   /// Moves out, in order, everything due at or before `now`.
@@ -65,6 +69,8 @@ class Network {
     std::optional<Will> will;
     SimTime last_due{};        ///< keeps one client's ordinary deliveries in order, as TCP does
     SimTime last_acked_due{};  ///< no QoS 1 delivery overtakes one that had to be tried again
+    double loss{0.0};          ///< of its radio alone
+    SimTime last_sent_due{};   ///< no QoS 1 message of its overtakes one still on its way to the broker
   };
   struct Queued {
     Delivery delivery;
@@ -75,7 +81,16 @@ class Network {
       return a.delivery.at != b.delivery.at ? a.delivery.at > b.delivery.at : a.sequence > b.sequence;
     }
   };
+  /// A message that its sender has to try again and again before the broker has it.
+  struct Sending {
+    SimTime at;
+    ClientId from;
+    Publish message;
+  };
   void route(SimTime now, const Publish& message);
+  [[nodiscard]] SimDuration draw_radio_retries(double loss);
+  void send_later(SimTime at, ClientId from, const Publish& message);
+  void route_due(SimTime now);
   [[nodiscard]] const std::vector<ClientId>& subscribers(const std::string& topic);
   void schedule(SimTime now, ClientId to, const Publish& message, bool from_retained);
   void enqueue(SimTime at, ClientId to, const Publish& message, bool from_retained);
@@ -83,12 +98,14 @@ class Network {
   [[nodiscard]] SimDuration draw_up_to(SimDuration longest);
 
   Random random_;
+  Random radio_random_;
   NetworkFaults faults_;
   std::vector<Client> clients_;
   std::map<std::string, Publish> retained_;
   /// Who hears a topic, found once per topic until somebody comes or goes.
   std::map<std::string, std::vector<ClientId>> subscribers_;
-  std::vector<Queued> queue_;  ///< a heap, earliest first: std::priority_queue would only let copies out
+  std::vector<Queued> queue_;     ///< a heap, earliest first: std::priority_queue would only let copies out
+  std::vector<Sending> sending_;  ///< by time, equal ones in the order they were said
   std::uint64_t sequence_{0};
   Counters counters_;
 };

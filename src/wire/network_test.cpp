@@ -251,5 +251,85 @@ TEST(Network, is_the_same_for_the_same_seed_and_another_for_another) {
   EXPECT_NE(history(7), history(8));
 }
 
+// --- one client's radio ---------------------------------------------------------------------------------------------
+
+TEST(NetworkRadio, loses_its_share_of_one_client_s_messages_both_ways_and_nobody_else_s) {
+  Bench bench;
+  const auto near = bench.join({"to/near"});
+  const auto far = bench.join({"to/far"});
+  const auto other = bench.join({"from/#"});
+  bench.network.set_loss(far, 0.5);
+  for (int i = 0; i < 1000; ++i) {
+    bench.say(other, "to/near", "x");
+    bench.say(other, "to/far", "x");
+    bench.say(near, "from/near", "near");
+    bench.say(far, "from/far", "far");
+    bench.pass(10ms);
+  }
+  EXPECT_THAT(bench.heard_by(near), SizeIs(1000));
+  // 1000 tosses of a coin: 500 ± 16; five of those are beyond any seed.
+  EXPECT_NEAR(static_cast<double>(bench.heard_by(far).size()), 500.0, 80.0);
+  const auto heard = bench.heard_by(other);
+  EXPECT_EQ(std::ranges::count(heard, "near"), 1000);
+  EXPECT_NEAR(static_cast<double>(std::ranges::count(heard, "far")), 500.0, 80.0);
+}
+
+TEST(NetworkRadio, brings_QoS_1_late_but_whole_and_in_order) {
+  Bench bench;
+  const auto far = bench.join({"to/far"});
+  const auto other = bench.join({"from/far"});
+  bench.network.set_loss(far, 0.5);
+  for (int i = 0; i < 200; ++i) {
+    bench.say(other, "to/far", std::to_string(i), 1);
+    bench.say(far, "from/far", std::to_string(i), 1);
+    bench.pass(1ms);
+  }
+  EXPECT_LT(bench.heard_by(other).size(), 200U);
+  for (int i = 0; i < 1000; ++i) bench.pass(200ms);
+  EXPECT_EQ(bench.heard_by(far), numbers(200));
+  EXPECT_EQ(bench.heard_by(other), numbers(200));
+  EXPECT_FALSE(bench.network.next_due());
+}
+
+TEST(NetworkRadio, holds_up_only_its_own_client_s_QoS_1) {
+  Bench bench;
+  const auto far = bench.join({});
+  const auto near = bench.join({});
+  const auto server = bench.join({"#"});
+  bench.network.set_loss(far, 1.0);
+  bench.say(far, "t", "far", 1);
+  bench.pass(10ms);
+  bench.say(near, "t", "near", 1);
+  bench.pass(3ms);
+  EXPECT_THAT(bench.heard_by(server), ElementsAre("near"));
+}
+
+TEST(NetworkRadio, what_was_still_on_its_way_to_the_broker_dies_with_its_client) {
+  Bench bench;
+  const auto far = bench.join({}, Will{{"t", "will", 1, false}});
+  const auto server = bench.join({"#"});
+  bench.network.set_loss(far, 1.0);
+  bench.say(far, "t", "late", 1);
+  bench.network.break_connection(bench.now, far);
+  bench.pass(100s);
+  EXPECT_THAT(bench.heard_by(server), ElementsAre("will"));
+}
+
+TEST(NetworkRadio, that_is_good_again_delivers_everything_and_draws_nothing_from_the_common_chance) {
+  const auto run = [](bool lossy) {
+    Bench bench{{.loss = 0.3}, 5};
+    const auto client = bench.join({"t"});
+    bench.network.set_loss(client, lossy ? 0.5 : 0.0);
+    bench.say(client, "other", "nobody listens");
+    bench.network.set_loss(client, 0.0);
+    for (const auto& n : numbers(50)) {
+      bench.say(client, "t", n);
+      bench.pass(5ms);
+    }
+    return bench.heard_by(client);
+  };
+  EXPECT_EQ(run(true), run(false));
+}
+
 }  // namespace
 }  // namespace cosiva::wire

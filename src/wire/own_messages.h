@@ -10,9 +10,9 @@
 #include "base/time.h"
 #include "wire/board.h"
 
-/// CoSiVA's own messages between server and vehicles, for what VDA 5050 has no word for (topics.h). JSON, metres, radians,
-/// m/s, ISO 8601 times. Readers take unknown fields, refuse wrong types, numbers that are not finite and lists that are
-/// too long ("own.field", naming the field); nothing that runs stops.
+/// CoSiVA's own messages between server and vehicles, for what VDA 5050 has no word for (topics.h). JSON, metres,
+/// radians, m/s, ISO 8601 times. Readers take unknown fields, refuse wrong types, numbers that are not finite and lists
+/// that are too long ("own.field", naming the field); nothing that runs stops.
 namespace cosiva::wire {
 
 /// A body in the plane: all points within `radius_m` of a segment of `length_m` through its middle, along its heading.
@@ -30,10 +30,10 @@ struct Body {
   friend bool operator==(const Body&, const Body&) = default;
 };
 
-/// Server → vehicle: everything only virtual that is near its way now; replaces the one before. Sent at once when a body
-/// comes, goes or leaps, every 100 ms while there is any, and five times empty after the last one went. The vehicle
-/// treats the bodies as its own obstacle detection's readings (DOBS), carries moving ones on, and forgets all of it after
-/// a second without news while its server beats.
+/// Server → vehicle: everything only virtual that is near its way now; replaces the one before. Sent at once when a
+/// body comes, goes or leaps, every 100 ms while there is any, and five times empty after the last one went. The
+/// vehicle treats the bodies as its own obstacle detection's readings (DOBS), carries moving ones on, and forgets all
+/// of it after a second without news while its server beats.
 struct Ahead {
   std::uint32_t header_id{};
   SimTime timestamp{};
@@ -43,14 +43,16 @@ struct Ahead {
   friend bool operator==(const Ahead&, const Ahead&) = default;
 };
 
-/// Vehicle → server: the first Ahead it heard, and then every one after which its decision changed, has been taken into
-/// account; `decided` is the time at which its motors were told.
+/// Vehicle → server: the first Ahead it heard, and then every one with which somebody came or went or after which its
+/// decision changed, has been taken into account; `decided` is the time at which its motors were told. One a second is
+/// answered anyway, because answers may be lost. Where it begins or ends to brake between two of them, the last is
+/// named.
 struct Felt {
   std::uint32_t ahead_header_id{};
   SimTime decided{};
-  bool braking{};                     ///< its speed is limited by a virtual body
-  std::string body;                   ///< by which; empty: none
-  std::optional<double> distance_m;   ///< along its way, from its front
+  bool braking{};                    ///< its speed is limited by a virtual body
+  std::string body;                  ///< by which; empty: none
+  std::optional<double> distance_m;  ///< along its way, from its front
   friend bool operator==(const Felt&, const Felt&) = default;
 };
 

@@ -55,7 +55,8 @@ class Painter {
     beacons();
     tags();
     stations();
-    labels();
+    section_names();
+    crossing_names();
     return std::move(out_);
   }
 
@@ -119,7 +120,7 @@ class Painter {
     }
   }
 
-  void labels() {
+  void section_names() {
     for (SectionId id = 0; id < zone_.circuit.size(); ++id) {
       const Section& section = zone_.circuit.section(id);
       // An arrow needs room; short pieces are followed by others that have it.
@@ -127,7 +128,7 @@ class Painter {
       if (section.length_m() < 6.0 * arrow_m) continue;
       // A quarter of the way: the middle of a way is where crossings and tags like to be.
       const Pose2 X_MP = section.pose_at(0.25 * section.length_m());
-      add(Shape::polygon, "label",
+      add(Shape::polygon, "section",
           placed(X_MP, {{arrow_m, 0.0},
                         {-0.6 * arrow_m, 0.6 * arrow_m},
                         {-0.2 * arrow_m, 0.0},
@@ -137,8 +138,11 @@ class Painter {
       const double side = section.curvature_at(0.0) > 0.0 ? 1.0 : -1.0;
       const double beside_m = 0.5 * sizes_.road_m + 1.6 * sizes_.text_m;
       const Pose2 X_MT = section.pose_at(0.125 * section.length_m());
-      add(Shape::text, "label", {X_MT * Point2{0.0, side * beside_m}}, sizes_.text_m, zone_.circuit.part(id).name);
+      add(Shape::text, "section", {X_MT * Point2{0.0, side * beside_m}}, sizes_.text_m, zone_.circuit.part(id).name);
     }
+  }
+
+  void crossing_names() {
     for (const Crossing& crossing : zone_.crossings) {
       // In a corner of the box, clear of the lines.
       const double corner_m = 0.28 * sizes_.road_m;
@@ -160,6 +164,30 @@ std::string_view shape_name(Primitive::Shape shape) {
     case Primitive::Shape::text: return "text";
   }
   return "unknown";
+}
+
+/// What the page edits and names, beside the drawing it need not understand.
+void write_facts(JsonWriter& json, const TrafficZone& zone) {
+  json.key("sections").begin_array();
+  for (SectionId id = 0; id < zone.circuit.size(); ++id) {
+    const Circuit::Part& part = zone.circuit.part(id);
+    json.begin_object().field("name", part.name).field("length_m", part.section.length_m()).end_object();
+  }
+  json.end_array().key("tags").begin_array();
+  for (const Tag& tag : zone.tags) {
+    const Pose2 pose = zone.circuit.pose_at(tag.place);
+    json.begin_object().field("number", tag.number).field("section", zone.circuit.part(tag.place.section).name);
+    json.field("s", tag.place.s_m).field("x", pose.x_m).field("y", pose.y_m).end_object();
+  }
+  json.end_array().key("beacons");
+  if (!zone.beacons) {
+    json.null();
+    return;
+  }
+  const BeaconGrid& grid = *zone.beacons;
+  json.begin_object().field("pitch_m", grid.pitch_m).key("origin").begin_array();
+  json.value(grid.origin.x_m).value(grid.origin.y_m).end_array();
+  json.field("columns", grid.columns).field("rows", grid.rows).end_object();
 }
 
 }  // namespace
@@ -201,7 +229,9 @@ void write_json(JsonWriter& json, const TrafficZone& zone, const std::vector<Pri
     json.field("size_m", primitive.size_m).field("label", primitive.label);
     json.field("heading", primitive.heading_rad).end_object();
   }
-  json.end_array().end_object();
+  json.end_array();
+  write_facts(json, zone);
+  json.end_object();
 }
 
 }  // namespace cosiva::zone

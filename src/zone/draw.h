@@ -13,7 +13,7 @@ namespace cosiva::zone {
 struct Primitive {
   enum class Shape { polyline, polygon, disc, text };
   Shape shape;
-  std::string layer;  ///< "road", "line", "crossing", "tag", "beacon", "station", "label"
+  std::string layer;  ///< "road", "line", "crossing", "tag", "beacon", "station", "section" (names and arrows), "label"
   std::vector<Point2> points;
   double size_m{};    ///< stroke width, disc radius or text height
   std::string label;  ///< text to write or to show on hover; may be empty
@@ -30,7 +30,8 @@ struct Bounds {
 [[nodiscard]] Bounds bounds(const std::vector<Primitive>& primitives);
 
 /// {"name":…, "bounds":[x0,y0,x1,y1], "vehicle":{"length_m","width_m"},
-/// "primitives":[{"shape","layer","points":[[x,y]…],"size_m","label"}…]}
+/// "primitives":[{"shape","layer","points":[[x,y]…],"size_m","label","heading"}…],"sections":[{"name","length_m"}…],
+/// "tags":[{"number","section","s","x","y"}…],"beacons":{"pitch_m","origin":[x,y],"columns","rows"} or null}
 void write_json(JsonWriter& json, const TrafficZone& zone, const std::vector<Primitive>& primitives);
 
 /// A self-contained SVG picture, y up, with a scale bar.

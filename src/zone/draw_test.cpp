@@ -40,8 +40,9 @@ TEST(Draw, shows_everything_that_the_zone_has) {
   EXPECT_EQ(count["tag"], 12U);
   EXPECT_EQ(count["beacon"], std::size_t{zone.beacons->columns} * zone.beacons->rows);
   EXPECT_EQ(count["station"], 2U);
-  EXPECT_GT(count["label"], 0U);
-  EXPECT_EQ(count.size(), 7U);
+  EXPECT_EQ(count["section"], 16U);  // a name and an arrow each
+  EXPECT_EQ(count["label"], 6U);     // four crossings and two stations
+  EXPECT_EQ(count.size(), 8U);
 }
 
 TEST(Draw, strays_at_most_half_a_millimetre_from_the_curves) {
@@ -99,11 +100,63 @@ TEST(Draw, writes_the_json_that_the_page_reads) {
   EXPECT_EQ(written[0].find("points")->array()->size(), 2U);
 }
 
+TEST(Draw, points_one_arrow_along_each_section) {
+  const TrafficZone zone = testing::lacet4();
+  std::vector<std::string> names;
+  std::size_t arrows = 0;
+  for (const Primitive& primitive : draw(zone)) {
+    if (primitive.layer != "section") continue;
+    if (primitive.shape == Primitive::Shape::text) {
+      names.push_back(primitive.label);
+      continue;
+    }
+    ++arrows;
+    const Circuit::Located tip = zone.circuit.locate(primitive.points[0], primitive.heading_rad);
+    const Circuit::Located notch = zone.circuit.locate(primitive.points[2], primitive.heading_rad);
+    EXPECT_EQ(tip.place.section, notch.place.section);
+    EXPECT_GT(tip.place.s_m, notch.place.s_m);
+  }
+  EXPECT_EQ(arrows, 8U);
+  EXPECT_THAT(names,
+              ::testing::ElementsAre("east", "loop_se", "north", "loop_ne", "west", "loop_nw", "south", "loop_sw"));
+}
+
+TEST(Draw, writes_the_facts_that_the_page_edits) {
+  TrafficZone zone = testing::lacet4();
+  JsonWriter json;
+  write_json(json, zone, {});
+  const auto document = JsonValue::parse(json.text());
+  ASSERT_TRUE(document) << to_string(document.error());
+  const auto& sections = *document->find("sections")->array();
+  ASSERT_EQ(sections.size(), 8U);
+  EXPECT_EQ(sections[0].text("name"), "east");
+  EXPECT_EQ(sections[0].number("length_m"), 1.5);
+  const auto& tags = *document->find("tags")->array();
+  ASSERT_EQ(tags.size(), 12U);
+  EXPECT_EQ(tags[0].number("number"), 1.0);
+  EXPECT_EQ(tags[0].text("section"), "east");
+  EXPECT_EQ(tags[0].number("s"), 1.471);
+  EXPECT_NEAR(tags[0].number("x").value(), -0.75 + 1.471, 1e-12);
+  EXPECT_NEAR(tags[0].number("y").value(), -0.15, 1e-12);
+  const JsonValue& beacons = *document->find("beacons");
+  EXPECT_EQ(beacons.number("pitch_m"), 0.3);
+  EXPECT_EQ(beacons.number("columns"), static_cast<double>(zone.beacons->columns));
+  EXPECT_EQ(beacons.number("rows"), static_cast<double>(zone.beacons->rows));
+  ASSERT_EQ(beacons.find("origin")->array()->size(), 2U);
+  EXPECT_EQ(*(*beacons.find("origin")->array())[0].number(), zone.beacons->origin.x_m);
+  EXPECT_EQ(*(*beacons.find("origin")->array())[1].number(), zone.beacons->origin.y_m);
+
+  zone.beacons.reset();
+  JsonWriter without;
+  write_json(without, zone, {});
+  EXPECT_TRUE(JsonValue::parse(without.text())->find("beacons")->is_null());
+}
+
 TEST(Svg, is_a_picture_with_every_layer_a_legend_and_a_scale) {
   const TrafficZone zone = testing::lacet4();
   const std::string svg = to_svg(zone, draw(zone));
   EXPECT_THAT(svg, StartsWith("<svg xmlns=\"http://www.w3.org/2000/svg\""));
-  for (const char* layer : {"road", "line", "crossing", "tag", "beacon", "station", "label"})
+  for (const char* layer : {"road", "line", "crossing", "tag", "beacon", "station", "section", "label"})
     EXPECT_THAT(svg, HasSubstr("<g id=\"" + std::string(layer) + "\""));
   EXPECT_THAT(svg, HasSubstr("0.5 m</text>"));
   EXPECT_THAT(svg, HasSubstr("17.31 m"));

@@ -21,7 +21,7 @@ struct ZoneEdit {
     TagNumber number;
     Place place;
   };
-  std::vector<TagPlace> set_tags;        ///< puts a new tag, or moves the one with this number
+  std::vector<TagPlace> set_tags;  ///< puts a new tag, or moves the one with this number
   std::vector<TagNumber> remove_tags;
   std::optional<double> beacon_pitch_m;
   std::vector<std::pair<std::string, std::int32_t>> set_priorities;  ///< "CoSiVA/AIV1" → 0…999; 0 takes it out
@@ -29,10 +29,14 @@ struct ZoneEdit {
 
 /// {"addTags":[{"number","x","y"}|{"number","section","s"}…],"moveTags":[…],"removeTags":[n…],
 /// "beaconPitch":0.2,"priorities":{"CoSiVA/AIV1":3}}. A place given as x, y is the nearest one on the circuit.
-/// Fails ("edit.…") with a sentence that says what to do: a tag further than 0.30 m from every way, an added number that
-/// is there already, a moved or removed one that is not, a number among the beacons', a pitch outside 0.05…10 m or that
-/// makes more than 20 000 beacons, a zone without beacons.
+/// Fails ("edit.…") with a sentence that says what to do: a tag further than 0.30 m from every way, an added number
+/// that is there already, a moved or removed one that is not, a number among the beacons', a pitch outside 0.05…10 m or
+/// that makes more than 20 000 beacons, a zone without beacons.
 [[nodiscard]] Result<ZoneEdit> zone_edit_from_json(const JsonValue& json, const TrafficZone& zone);
+
+/// The zone as it is after the edit: new tags stand last, places and pitch are rounded to 0.1 mm, as they are written.
+/// Fails as zone_edit_from_json does.
+[[nodiscard]] Result<TrafficZone> with_edit(TrafficZone zone, const ZoneEdit& edit);
 
 /// The configuration's text with the edit in it; the rest of the file, comments too, stays as it is. Fails where the
 /// format has no such thing.

@@ -25,6 +25,8 @@ void write_json(JsonWriter& json, const ZoneConfiguration& configuration);
 /// Fails ("zone.configuration") on anything else than such an object.
 [[nodiscard]] Result<ZoneConfiguration> zone_configuration_from_json(const JsonValue& json);
 
+struct ZoneEdit;
+
 /// Knows how to make concrete circuits of one format (A23). The simulator only ever sees this interface.
 class CircuitFactory {
  public:
@@ -32,6 +34,10 @@ class CircuitFactory {
   [[nodiscard]] virtual std::string_view format() const = 0;
   /// Errors name origin, line and field, and what was expected.
   [[nodiscard]] virtual Result<TrafficZone> make_zone(const ZoneConfiguration& configuration) const = 0;
+  /// The configuration with the edit in it (zone/edit.h); all else in it, comments too, stays as it is. A format that
+  /// cannot be edited says so ("edit.format").
+  [[nodiscard]] virtual Result<ZoneConfiguration> edited(const ZoneConfiguration& configuration,
+                                                         const ZoneEdit& edit) const;
 };
 
 /// The factory of a format; fails ("zone.format") naming the known ones.

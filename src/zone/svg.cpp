@@ -21,13 +21,14 @@ struct LayerStyle {
 };
 
 // Bottom to top. Colours keep a contrast of at least 3:1 with the road they lie on.
-constexpr std::array<LayerStyle, 7> styles{{
+constexpr std::array<LayerStyle, 8> styles{{
     {"beacon", "#9aa7b4", "none"},
     {"road", "none", "#dfe5ec"},
     {"crossing", "#ffd9a0", "#e08a1e"},
     {"line", "none", "#8797a8"},
     {"tag", "#2563c9", "#ffffff"},
     {"station", "#2f8f5b", "#ffffff"},
+    {"section", "#44525f", "none"},
     {"label", "#44525f", "none"},
 }};
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "zone/edit_rules.h"
 #include "zone/toml_fields.h"
 
 namespace cosiva::zone {
@@ -16,7 +17,6 @@ constexpr double rad_per_deg = pi / 180.0;
 constexpr double turned_max_rad = 1e5;
 constexpr double length_max_m = 1e5;
 constexpr std::uint32_t beacons_max = 1'000'000;
-constexpr TagNumber number_max = 4'000'000'000;
 
 constexpr NumberRange positive_m{"a positive number of metres, at most 100000", 0.0, 1e5, false};
 constexpr NumberRange positive_size_m{"a positive number of metres, at most 100", 0.0, 100.0, false};
@@ -54,6 +54,7 @@ class Reader {
   void read_beacons();
   void read_tags();
   void read_stations();
+  void read_priorities();
   void derive();
   void read_starts();
 
@@ -68,9 +69,10 @@ class Reader {
 
 Result<TrafficZone> Reader::read() {
   // In this order, because each reads what those before it made.
-  constexpr void (Reader::*steps[])() = {&Reader::read_head,     &Reader::read_vehicle, &Reader::read_profiles,
-                                         &Reader::read_circuit,  &Reader::read_beacons, &Reader::read_tags,
-                                         &Reader::read_stations, &Reader::derive,       &Reader::read_starts};
+  constexpr void (Reader::*steps[])() = {&Reader::read_head,     &Reader::read_vehicle,    &Reader::read_profiles,
+                                         &Reader::read_circuit,  &Reader::read_beacons,    &Reader::read_tags,
+                                         &Reader::read_stations, &Reader::read_priorities, &Reader::derive,
+                                         &Reader::read_starts};
   for (const auto step : steps) {
     (this->*step)();
     if (faults_.any()) return tl::unexpected(*faults_.first());
@@ -80,8 +82,8 @@ Result<TrafficZone> Reader::read() {
 
 void Reader::read_head() {
   root_.expect_only({"name", "format_version", "vehicle", "profiles", "circuit", "section", "tag", "beacons", "station",
-                     "start", "crossings", "waypoints"});
-  if (root_.whole("format_version", 1, number_max) != 1 && !faults_.any())
+                     "start", "crossings", "waypoints", "priorities"});
+  if (root_.whole("format_version", 1, tag_number_max) != 1 && !faults_.any())
     root_.fault("format_version", "zone.version", "this program reads version 1 of the format");
   name_ = root_.name("name");
 }
@@ -278,27 +280,11 @@ void Reader::read_beacons() {
     fields->expect_only({"pitch_m", "cover", "origin", "first_number"});
     (void)fields->one_of("cover", {"zone"});
     if (faults_.any()) return;
-    // The corners of the centre lines and half a vehicle around them; the grid passes through `origin`.
-    const Point2 through = origin.value_or(Point2{});
-    Box box = zone_->circuit.section(0).box();
-    for (SectionId id = 1; id < zone_->circuit.size(); ++id) {
-      const Box& other = zone_->circuit.section(id).box();
-      box.low = {std::min(box.low.x_m, other.low.x_m), std::min(box.low.y_m, other.low.y_m)};
-      box.high = {std::max(box.high.x_m, other.high.x_m), std::max(box.high.y_m, other.high.y_m)};
-    }
-    const double margin_m = 0.5 * vehicle_.width_m;
-    const auto below = [&](double low, double at) { return std::floor((low - margin_m - at) / grid.pitch_m); };
-    const auto above = [&](double high, double at) { return std::ceil((high + margin_m - at) / grid.pitch_m); };
-    const double i0 = below(box.low.x_m, through.x_m);
-    const double j0 = below(box.low.y_m, through.y_m);
-    const double columns = above(box.high.x_m, through.x_m) - i0 + 1.0;
-    const double rows = above(box.high.y_m, through.y_m) - j0 + 1.0;
-    if (!(columns * rows <= beacons_max))
+    const auto covering = covering_grid(zone_->circuit, vehicle_, grid.pitch_m, origin.value_or(Point2{}), beacons_max);
+    if (!covering)
       return fields->fault("pitch_m", "zone.size",
                            "covering the zone takes more than 1000000 beacons; widen the pitch");
-    grid.origin = {through.x_m + i0 * grid.pitch_m, through.y_m + j0 * grid.pitch_m};
-    grid.columns = static_cast<std::uint32_t>(columns);
-    grid.rows = static_cast<std::uint32_t>(rows);
+    grid = *covering;
   } else {
     fields->expect_only({"pitch_m", "cover", "origin", "columns", "rows", "first_number"});
     grid.origin = origin.value_or(Point2{});
@@ -307,7 +293,7 @@ void Reader::read_beacons() {
     if (!faults_.any() && std::uint64_t{grid.columns} * grid.rows > beacons_max)
       return fields->fault("rows", "zone.size", "expected at most 1000000 beacons in all");
   }
-  grid.first_number = fields->whole("first_number", 1, number_max, BeaconGrid{}.first_number);
+  grid.first_number = fields->whole("first_number", 1, tag_number_max, BeaconGrid{}.first_number);
   zone_->beacons = grid;
 }
 
@@ -315,7 +301,7 @@ void Reader::read_tags() {
   std::set<TagNumber> numbers;
   for (const TomlFields& fields : root_.tables("tag")) {
     fields.expect_only({"number", "section", "s_m"});
-    const TagNumber number = fields.whole("number", 1, number_max);
+    const TagNumber number = fields.whole("number", 1, tag_number_max);
     const auto place = read_place(fields);
     if (faults_.any() || !place) return;
     if (!numbers.insert(number).second)
@@ -337,6 +323,17 @@ void Reader::read_stations() {
       return fields.fault("name", "zone.duplicate", "two stations have the name '" + name + "'");
     zone_->stations.push_back({name, *place});
   }
+}
+
+void Reader::read_priorities() {
+  const auto fields = root_.table("priorities");
+  if (!fields) return;
+  for (const std::string& vehicle : fields->keys()) {
+    if (const auto wrong = wrong_vehicle_name(vehicle)) return fields->fault(vehicle, "zone.field", *wrong);
+    const std::uint32_t priority = fields->whole(vehicle, 0, priority_max);
+    if (priority > 0) zone_->priorities.emplace_back(vehicle, static_cast<std::int32_t>(priority));
+  }
+  std::sort(zone_->priorities.begin(), zone_->priorities.end());
 }
 
 void Reader::derive() {

@@ -12,6 +12,8 @@ class TomlCircuitFactory final : public CircuitFactory {
  public:
   [[nodiscard]] std::string_view format() const override { return "toml"; }
   [[nodiscard]] Result<TrafficZone> make_zone(const ZoneConfiguration& configuration) const override;
+  [[nodiscard]] Result<ZoneConfiguration> edited(const ZoneConfiguration& configuration,
+                                                 const ZoneEdit& edit) const override;
 };
 
 }  // namespace cosiva::zone

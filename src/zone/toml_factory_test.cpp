@@ -187,6 +187,7 @@ TEST(TomlZone, in_the_guide_is_a_zone_with_everything_in_it) {
   EXPECT_THAT(zone->stations, SizeIs(1));
   EXPECT_THAT(zone->starts, SizeIs(1));
   EXPECT_TRUE(zone->beacons);
+  EXPECT_EQ(zone->priority_of("CoSiVA/AIV1"), 3);
   // The bend and its two clothoids make half a turn, so that north runs west.
   EXPECT_NEAR(std::fabs(zone->circuit.section(4).start().heading_rad), pi, 1e-6);
 }

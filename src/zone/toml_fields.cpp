@@ -99,6 +99,12 @@ const toml::node* TomlFields::find(std::string_view key, std::string_view what, 
   return node;
 }
 
+std::vector<std::string> TomlFields::keys() const {
+  std::vector<std::string> keys;
+  for (const auto& [key, node] : *table_) keys.emplace_back(key.str());
+  return keys;
+}
+
 void TomlFields::expect_only(std::initializer_list<std::string_view> keys) const {
   for (const auto& [key, node] : *table_) {
     const std::string_view name = key.str();

@@ -47,6 +47,8 @@ class TomlFields {
       : faults_{&faults}, table_{&table}, path_{std::move(path)} {}
 
   [[nodiscard]] bool has(std::string_view key) const { return table_->contains(key); }
+  /// All keys there are, sorted.
+  [[nodiscard]] std::vector<std::string> keys() const;
   /// Faults any other key, naming the nearest of these.
   void expect_only(std::initializer_list<std::string_view> keys) const;
 

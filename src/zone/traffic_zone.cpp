@@ -53,6 +53,37 @@ std::optional<BeaconGrid::Near> BeaconGrid::nearest(Point2 p) const {
   return Near{first_number + row * columns + column, at(column, row)};
 }
 
+std::optional<BeaconGrid> covering_grid(const Circuit& circuit, const VehicleShape& shape, double pitch_m,
+                                        Point2 through, std::uint32_t beacons_max) {
+  Box box = circuit.section(0).box();
+  for (SectionId id = 1; id < circuit.size(); ++id) {
+    const Box& other = circuit.section(id).box();
+    box.low = {std::min(box.low.x_m, other.low.x_m), std::min(box.low.y_m, other.low.y_m)};
+    box.high = {std::max(box.high.x_m, other.high.x_m), std::max(box.high.y_m, other.high.y_m)};
+  }
+  const double margin_m = 0.5 * shape.width_m;
+  const auto below = [&](double low, double at) { return std::floor((low - margin_m - at) / pitch_m); };
+  const auto above = [&](double high, double at) { return std::ceil((high + margin_m - at) / pitch_m); };
+  const double i0 = below(box.low.x_m, through.x_m);
+  const double j0 = below(box.low.y_m, through.y_m);
+  const double columns = above(box.high.x_m, through.x_m) - i0 + 1.0;
+  const double rows = above(box.high.y_m, through.y_m) - j0 + 1.0;
+  if (!(columns * rows <= beacons_max)) return std::nullopt;
+  BeaconGrid grid{};
+  grid.pitch_m = pitch_m;
+  grid.origin = {through.x_m + i0 * pitch_m, through.y_m + j0 * pitch_m};
+  grid.columns = static_cast<std::uint32_t>(columns);
+  grid.rows = static_cast<std::uint32_t>(rows);
+  grid.covers_through = through;
+  return grid;
+}
+
+std::int32_t TrafficZone::priority_of(std::string_view who) const {
+  const auto at = std::lower_bound(priorities.begin(), priorities.end(), who,
+                                   [](const auto& entry, std::string_view key) { return entry.first < key; });
+  return at == priorities.end() || at->first != who ? 0 : at->second;
+}
+
 const Tag* TrafficZone::find_tag(TagNumber number) const {
   const auto at = std::find_if(tags.begin(), tags.end(), [&](const Tag& tag) { return tag.number == number; });
   return at == tags.end() ? nullptr : &*at;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/pose.h"
@@ -29,6 +30,9 @@ struct BeaconGrid {
   std::uint32_t columns;
   std::uint32_t rows;
   TagNumber first_number{1'000'000};
+  /// Given: the grid passes through this point and has as many beacons as it takes to cover every way, so that another
+  /// pitch makes another number of them.
+  std::optional<Point2> covers_through{};
 
   [[nodiscard]] Point2 at(std::uint32_t column, std::uint32_t row) const;
   [[nodiscard]] std::optional<Point2> find(TagNumber number) const;
@@ -81,6 +85,9 @@ struct Waypoint {
   Place place;
 };
 
+/// What an AIV is worth to others at a crossing: 0…999, higher goes first.
+inline constexpr std::int32_t priority_max = 999;
+
 /// Everything the traffic zone is. A value: built once, then only read.
 struct TrafficZone {
   std::string name;
@@ -93,7 +100,11 @@ struct TrafficZone {
   std::vector<Crossing> crossings;  ///< found by find_crossings
   std::vector<Waypoint> waypoints;  ///< laid by lay_waypoints; sorted by (section, s)
   std::vector<Place> starts;  ///< where vehicle 1, 2, … of an emulated fleet begin; may be shorter than the fleet
+  /// "CoSiVA/AIV1" → 1…999, sorted by name; who is not here has 0.
+  std::vector<std::pair<std::string, std::int32_t>> priorities{};
 
+  /// Of "manufacturer/serial"; 0 where none is given.
+  [[nodiscard]] std::int32_t priority_of(std::string_view who) const;
   [[nodiscard]] const Tag* find_tag(TagNumber number) const;
   [[nodiscard]] const Waypoint* find_waypoint(std::string_view id) const;
   /// The crossing that has a span over this place, if any.
@@ -128,6 +139,11 @@ struct TrafficZone {
 /// @param room_m  where the free way between two spans is shorter than this a vehicle cannot stand, so no waypoint lies
 [[nodiscard]] std::vector<Waypoint> lay_waypoints(const Circuit& circuit, const std::vector<Crossing>& crossings,
                                                   double spacing_m = 0.30, double room_m = 0.30);
+
+/// A grid that passes through `through` and covers every way and half a vehicle beside it. Nothing when that takes more
+/// than `beacons_max` beacons.
+[[nodiscard]] std::optional<BeaconGrid> covering_grid(const Circuit& circuit, const VehicleShape& shape, double pitch_m,
+                                                      Point2 through, std::uint32_t beacons_max);
 
 /// Way that a standing vehicle takes: its length and 0.1 m.
 [[nodiscard]] constexpr double standing_room_m(const VehicleShape& shape) { return shape.length_m + 0.1; }

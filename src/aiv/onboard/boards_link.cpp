@@ -31,11 +31,24 @@ const std::vector<wire::BoardMessage>& BoardsLink::on_bytes(wire::Board board, s
   of.health.connected = true;  // who speaks is there, whatever the shell said
   received_.clear();
   of.decoder.feed(bytes, received_);
+  of.frames_good += received_.size();
   for (const wire::BoardMessage& message : received_) {
     if (const auto* hello = std::get_if<wire::Hello>(&message)) of.health.hello = *hello;
-    if (const auto* heartbeat = std::get_if<wire::Heartbeat>(&message)) of.health.self_test = heartbeat->self_test;
+    if (const auto* heartbeat = std::get_if<wire::Heartbeat>(&message)) {
+      of.health.self_test = heartbeat->self_test;
+      of.health.uptime_ms = heartbeat->uptime_ms;
+      of.health.frames_bad = heartbeat->frames_bad;
+      of.health.frames_missed = heartbeat->frames_missed;
+    }
   }
   return received_;
+}
+
+BoardsLink::Frames BoardsLink::frames(wire::Board board) const {
+  const Link& of = link(board);
+  const auto& counters = of.decoder.counters();
+  return {of.frames_good, std::uint32_t{counters.frames_bad} + of.health.frames_bad,
+          std::uint32_t{counters.frames_missed} + of.health.frames_missed};
 }
 
 void BoardsLink::send(wire::Board board, const wire::BoardMessage& message, wire::Effects& effects) {

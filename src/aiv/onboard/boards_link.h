@@ -35,8 +35,17 @@ class BoardsLink {
     bool connected{false};
     std::optional<wire::Hello> hello;  ///< since the port came
     std::uint8_t self_test{0};
+    std::uint32_t uptime_ms{0};
+    std::uint16_t frames_bad{0};     ///< that the board received
+    std::uint16_t frames_missed{0};  ///< likewise
   };
   [[nodiscard]] const Health& health(wire::Board board) const { return link(board).health; }
+  struct Frames {
+    std::uint64_t good;    ///< received from the board
+    std::uint32_t bad;     ///< by either side
+    std::uint32_t missed;  ///< by either side
+  };
+  [[nodiscard]] Frames frames(wire::Board board) const;
 
  private:
   struct Link {
@@ -44,6 +53,7 @@ class BoardsLink {
     wire::module_link::Encoder encoder;
     wire::module_link::Decoder decoder;
     Health health;
+    std::uint64_t frames_good{0};  ///< the decoder's own count goes round
   };
   [[nodiscard]] Link& link(wire::Board board) { return links_[index(board)]; }
   [[nodiscard]] const Link& link(wire::Board board) const { return links_[index(board)]; }

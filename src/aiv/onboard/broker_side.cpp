@@ -5,16 +5,31 @@
 #include "aiv/onboard/inside.h"
 #include "base/json_value.h"
 #include "wire/vda5050/codec.h"
+#include "zone/edit.h"
 
 namespace cosiva::aiv {
 
 void OnboardCore::Inside::on_zone(const wire::Input& input, wire::Effects& effects) {
   const std::string format = input.source.substr(wire::zone_topic_prefix.size());
-  if (!agent) {
-    use_zone({format, input.source, input.payload}, effects);
-  } else if (input.payload != zone_text) {
-    log(effects, 'w', "another zone was announced; this vehicle stays in '" + zone->name + "' until it is restarted");
-  }
+  if (!agent) return use_zone({format, input.source, input.payload}, effects);
+  if (input.payload == zone_text) return;
+  const auto rtm = zone::Rtm::initialise({format, input.source, input.payload});
+  if (!rtm) return log(effects, 'w', "another zone was announced and is not used: " + to_string(rtm.error()));
+  if (zone::same_ways(*zone, rtm->zone())) return take_over_marks(rtm->zone(), input.payload, effects);
+  log(effects, 'w', "another zone was announced; this vehicle stays in '" + zone->name + "' until it is restarted");
+}
+
+void OnboardCore::Inside::take_over_marks(const zone::TrafficZone& edited, std::string text, wire::Effects& effects) {
+  // Field by field into the same object: whoever refers to the zone looks tags and beacons up when one is read.
+  zone->tags = edited.tags;
+  zone->beacons = edited.beacons;
+  zone->stations = edited.stations;
+  zone->starts = edited.starts;
+  zone->priorities = edited.priorities;
+  zone_text = std::move(text);
+  agent->on_marks_moved();
+  log(effects, 'i',
+      "tags and beacons of '" + zone->name + "' as announced: " + std::to_string(zone->tags.size()) + " tags");
 }
 
 void OnboardCore::Inside::use_zone(const zone::ZoneConfiguration& configuration, wire::Effects& effects) {
@@ -23,9 +38,10 @@ void OnboardCore::Inside::use_zone(const zone::ZoneConfiguration& configuration,
     log(effects, 'e', "zone not used: " + to_string(rtm.error()));
     return;
   }
-  zone = rtm->share_zone();
+  zone = std::make_shared<zone::TrafficZone>(rtm->zone());
   zone_text = configuration.text;
   agent.emplace(*zone);
+  felt.emplace(*zone);
   if (power) agent->on_charge(0.001 * power->charge_permille);
   if (memory) {
     agent->hold(Hold::paused, memory->paused);
@@ -45,7 +61,10 @@ void OnboardCore::Inside::on_server_connection(const wire::Input& input, wire::E
     log(effects, 'w', "the server's connection message says nothing");
     return;
   }
-  if (*word == wire::vda5050::to_string(wire::ConnectionState::offline)) supervision.server_left();
+  if (*word == wire::vda5050::to_string(wire::ConnectionState::offline)) {
+    supervision.server_left();
+    if (felt) felt->forget();
+  }
 }
 
 void OnboardCore::Inside::on_order(const wire::Input& input, wire::Effects& effects) {

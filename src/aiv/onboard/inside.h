@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "aiv/agent.h"
+#include "aiv/felt_world.h"
 #include "aiv/onboard/boards_link.h"
 #include "aiv/onboard/instant_actions.h"
 #include "aiv/onboard/memory.h"
@@ -17,12 +18,15 @@
 #include "aiv/onboard/session.h"
 #include "aiv/onboard/supervision.h"
 #include "aiv/onboard/warnings.h"
+#include "aiv/sighting.h"
+#include "wire/own_messages.h"
 
 namespace cosiva::aiv {
 
 inline constexpr SimDuration beat_period = std::chrono::milliseconds{100};
 inline constexpr SimDuration remember_period = std::chrono::milliseconds{100};
 inline constexpr SimDuration display_period = std::chrono::milliseconds{500};
+inline constexpr SimDuration boards_report_period = std::chrono::milliseconds{500};
 /// Events that come together travel in one state (§6.10: not faster than the factsheet's minStateInterval).
 inline constexpr SimDuration state_interval_min = std::chrono::milliseconds{50};
 
@@ -42,7 +46,8 @@ class Periodic {
 };
 
 /// Everything behind OnboardCore: what it is told goes to agent and books, and what they decide goes out. Its functions
-/// stand in onboard_core.cpp (inputs and own pace), broker_side.cpp (messages) and place.cpp (where it stands).
+/// stand in onboard_core.cpp (inputs and own pace), broker_side.cpp (messages), feeling.cpp (what is only virtual, and
+/// what it sees) and place.cpp (where it stands).
 struct OnboardCore::Inside {
   explicit Inside(OnboardOptions o)
       : options{std::move(o)},
@@ -52,23 +57,22 @@ struct OnboardCore::Inside {
         beat{beat_period},
         visualize{options.visualization_period},
         remember{remember_period},
-        display{display_period} {}
+        display{display_period},
+        report_boards{boards_report_period} {}
 
   // what it is told
   void on_configure(wire::Effects& effects);
   void on_recall(const wire::Input& input, wire::Effects& effects);
   void on_link(const wire::Input& input, wire::Effects& effects);
   void on_port(const wire::Input& input);
-  void on_bytes(const wire::Input& input);
+  void on_bytes(const wire::Input& input, wire::Effects& effects);
   void on_message(const wire::Input& input, wire::Effects& effects);
 
   // from the boards
   void on_board(const wire::Hello& hello);
   void on_board(const wire::Odometry& odometry);
   void on_board(const wire::TagRead& tag);
-  void on_board(const wire::Ranges& ranges) {
-    if (agent) agent->on_ranges(ranges);
-  }
+  void on_board(const wire::Ranges& reading);
   void on_board(const wire::Power& reading);
   void on_board(const wire::Heartbeat&) {}
   // A board does not speak these; whoever sends them is no danger.
@@ -78,11 +82,23 @@ struct OnboardCore::Inside {
   // from the broker
   void on_zone(const wire::Input& input, wire::Effects& effects);
   void use_zone(const zone::ZoneConfiguration& configuration, wire::Effects& effects);
+  /// The same ways with other tags or beacons: in force at once, whatever it is doing.
+  void take_over_marks(const zone::TrafficZone& edited, std::string text, wire::Effects& effects);
   void on_server_connection(const wire::Input& input, wire::Effects& effects);
   void on_order(const wire::Input& input, wire::Effects& effects);
   void refuse(std::string type, std::string_view topic, std::string why, std::vector<wire::Reference> references,
               wire::Effects& effects);
   void on_instant_actions(const wire::Input& input, wire::Effects& effects);
+
+  // what it feels and sees
+  void on_ahead(const wire::Input& input, wire::Effects& effects);
+  /// One line in the log per kind of fault: a server that errs does so ten times a second.
+  void complain_of_ahead(std::string kind, std::string_view why, wire::Effects& effects);
+  /// Decides on everything it knows now, and tells the motors.
+  void drive(wire::Effects& effects);
+  /// Says what the last Ahead did.
+  void tell_felt(wire::Effects& effects);
+  void tell_seen(wire::Effects& effects);
 
   // instant actions
   void finish(const wire::Action& action, std::string result = {}) {
@@ -124,10 +140,19 @@ struct OnboardCore::Inside {
   Session session;
   InstantActionBook actions;
   Warnings warnings;
-  std::shared_ptr<const zone::TrafficZone> zone;
+  /// Its own, because its tags and beacons may be edited while agent and feeling refer to it; the ways never are.
+  std::shared_ptr<zone::TrafficZone> zone;
   std::string zone_text;
-  std::optional<Agent> agent;  ///< as soon as there is a zone
+  std::optional<Agent> agent;     ///< as soon as there is a zone
+  std::optional<FeltWorld> felt;  ///< likewise
+  FeltWorld::Contact contact;     ///< at the last decision
+  wire::Felt told;                ///< the last answer
+  bool owes_answer{true};         ///< to whoever speaks next: it does not know yet that this vehicle feels
+  std::vector<std::string> ahead_complaints;
+  Sighting sighting;
   std::optional<wire::Power> power;
+  std::optional<wire::Ranges> ranges;  ///< the last
+  bool looked{false};                  ///< ranges came in these bytes
   std::optional<std::uint32_t> pils_session;
   std::optional<Memory> memory;  ///< recalled and not used yet
 
@@ -137,6 +162,7 @@ struct OnboardCore::Inside {
   Periodic visualize;
   Periodic remember;
   Periodic display;
+  Periodic report_boards;
   std::optional<SimTime> state_sent;
   bool state_due{false};
   ReportFlags flags;

@@ -15,6 +15,7 @@
 #include "aiv/test_senses.h"
 #include "aiv/test_zone.h"
 #include "wire/module_link/module_link.h"
+#include "wire/own_messages.h"
 #include "wire/vda5050/codec.h"
 
 namespace cosiva::aiv::test {
@@ -35,7 +36,7 @@ class OnboardBench {
   };
 
   OnboardBench() : OnboardBench(Setup{}) {}
-  explicit OnboardBench(Setup setup)
+  explicit OnboardBench(const Setup& setup)
       : session_{setup.session}, truth{lacet4().circuit, setup.truth}, odometer_m_{setup.odometer_m} {
     OnboardOptions options;
     if (setup.zone_told) options.zone = lacet4_configuration();
@@ -158,6 +159,9 @@ class OnboardBench {
   std::vector<wire::Visualization> visualizations;
   std::vector<wire::Connection> connections;
   std::vector<wire::Factsheet> factsheets;
+  std::vector<wire::Felt> felts;
+  std::vector<wire::Seen> sightings;
+  std::vector<wire::BoardsReport> boards_reports;
   std::vector<SimTime> state_times;
   std::vector<std::string> displayed;
   std::string memory;
@@ -197,6 +201,7 @@ class OnboardBench {
 
   void take(const wire::Publish& publish) {
     published.push_back(publish);
+    static const wire::VehicleId id{"CoSiVA", "AIV1"};
     const auto topic = wire::parse_vda_topic(publish.topic);
     const std::string name = topic ? topic->name : "";
     if (name == "state") {
@@ -208,6 +213,12 @@ class OnboardBench {
       keep(wire::vda5050::decode_connection(publish.payload), connections, publish);
     } else if (name == "factsheet") {
       keep(wire::vda5050::decode_factsheet(publish.payload), factsheets, publish);
+    } else if (publish.topic == wire::own_topic(wire::felt_topic_prefix, id)) {
+      keep(wire::felt_from_json(publish.payload), felts, publish);
+    } else if (publish.topic == wire::own_topic(wire::seen_topic_prefix, id)) {
+      keep(wire::seen_from_json(publish.payload), sightings, publish);
+    } else if (publish.topic == wire::own_topic(wire::boards_topic_prefix, id)) {
+      keep(wire::boards_report_from_json(publish.payload), boards_reports, publish);
     } else {
       undecodable.push_back("unexpected topic " + publish.topic);
     }

@@ -32,6 +32,7 @@ void OnboardCore::Inside::on_link(const wire::Input& input, wire::Effects& effec
   session.publish(input.at, wire::ConnectionState::online, effects);
   publish_factsheet(input.at, effects);
   state_due = true;
+  owes_answer = true;
 }
 
 void OnboardCore::Inside::on_port(const wire::Input& input) {
@@ -42,18 +43,21 @@ void OnboardCore::Inside::on_port(const wire::Input& input) {
   if (!up) supervision.board_gone(*board);
 }
 
-void OnboardCore::Inside::on_bytes(const wire::Input& input) {
+void OnboardCore::Inside::on_bytes(const wire::Input& input, wire::Effects& effects) {
   const auto board = boards.board_of(input.source);
   if (!board) return;
   for (const wire::BoardMessage& message : boards.on_bytes(*board, input.payload)) {
     supervision.board_heard(input.at, *board);
     std::visit([this](const auto& m) { on_board(m); }, message);
   }
+  if (std::exchange(looked, false)) tell_seen(effects);
 }
 
 void OnboardCore::Inside::on_message(const wire::Input& input, wire::Effects& effects) {
   if (input.source == wire::server_heartbeat_topic) {
     if (!input.flag) supervision.server_heard(input.at);
+  } else if (input.source == session.ahead_topic()) {
+    on_ahead(input, effects);
   } else if (input.source == session.order_topic()) {
     on_order(input, effects);
   } else if (input.source == session.instant_actions_topic()) {
@@ -86,6 +90,12 @@ void OnboardCore::Inside::on_board(const wire::TagRead& tag) {
   if (agent->position().last_tag() != last || fix.kind == PositionEstimator::FixKind::relocated) state_due = true;
 }
 
+void OnboardCore::Inside::on_board(const wire::Ranges& reading) {
+  ranges = reading;
+  looked = true;
+  if (agent) agent->on_ranges(reading);
+}
+
 void OnboardCore::Inside::on_board(const wire::Power& reading) {
   power = reading;
   if (agent) agent->on_charge(0.001 * reading.charge_permille);
@@ -94,8 +104,7 @@ void OnboardCore::Inside::on_board(const wire::Power& reading) {
 void OnboardCore::Inside::on_tick(wire::Effects& effects) {
   if (beat.take(now)) boards.beat(uptime_ms(), effects);
   if (agent) {
-    supervise();
-    boards.send(wire::Board::PILS, agent->decide(), effects);
+    drive(effects);
     end_waits();
     if (!agent->take_traversed().empty()) state_due = true;
     if (agent->take_lost_order()) {
@@ -109,6 +118,7 @@ void OnboardCore::Inside::on_tick(wire::Effects& effects) {
     if (visualize.take(now) && agent->position().known())
       session.publish(now, compose_visualization(*agent, zone->name), effects);
   }
+  if (report_boards.take(now)) session.publish(now, compose_boards_report(sources(), ranges), effects);
   const ReportFlags flags_now = flags_of(sources());
   if (flags_now != flags) state_due = true;
   flags = flags_now;
@@ -167,7 +177,7 @@ void OnboardCore::handle(const wire::Input& input, wire::Effects& effects) {
     case wire::InputKind::recall: in.on_recall(input, effects); break;
     case wire::InputKind::link: in.on_link(input, effects); break;
     case wire::InputKind::port: in.on_port(input); break;
-    case wire::InputKind::bytes: in.on_bytes(input); break;
+    case wire::InputKind::bytes: in.on_bytes(input, effects); break;
     case wire::InputKind::message: in.on_message(input, effects); break;
     case wire::InputKind::tick: in.on_tick(effects); break;
     case wire::InputKind::command: break;  // nobody commands a vehicle from its own machine
@@ -176,8 +186,11 @@ void OnboardCore::handle(const wire::Input& input, wire::Effects& effects) {
 }
 
 std::vector<std::string> OnboardCore::subscriptions() const {
-  return {inside_->session.order_topic(), inside_->session.instant_actions_topic(),
-          std::string(wire::server_heartbeat_topic), std::string(wire::server_connection_topic),
+  return {inside_->session.order_topic(),
+          inside_->session.instant_actions_topic(),
+          inside_->session.ahead_topic(),
+          std::string(wire::server_heartbeat_topic),
+          std::string(wire::server_connection_topic),
           std::string(wire::zone_topic_prefix) + "#"};
 }
 
@@ -212,6 +225,9 @@ void OnboardCore::fold(Digest& digest) const {
   digest.add(std::string_view{agent.order().order_id()});
   digest.add(std::uint64_t{agent.order().order_update_id()});
   digest.add(std::uint64_t{agent.order().last_node_sequence_id()});
+  digest.add(std::uint64_t{agent.braking_for_felt()});
+  in.felt->fold(digest);
+  in.sighting.fold(digest);
 }
 
 const OnboardOptions& OnboardCore::options() const { return inside_->options; }

@@ -45,13 +45,16 @@ void add_conditions(const ReportSources& from, std::vector<wire::VehicleError>& 
   if (from.agent->charge() < battery_low) errors.push_back(condition("batteryLowError", "less than 10 % charge"));
 }
 
+/// "ok", "lost" or "faulty".
+const char* health_of(const ReportSources& from, wire::Board board) {
+  if (from.supervision.board_lost(from.now, board)) return "lost";
+  return from.boards.health(board).self_test != 0 ? "faulty" : "ok";
+}
+
 wire::Information boards_information(const ReportSources& from) {
   wire::Information information{"boards", {}, {}};
-  for (const wire::Board board : wire::all_boards) {
-    const bool lost = from.supervision.board_lost(from.now, board);
-    const char* word = lost ? "lost" : from.boards.health(board).self_test != 0 ? "faulty" : "ok";
-    information.references.push_back({std::string(to_string(board)), word});
-  }
+  for (const wire::Board board : wire::all_boards)
+    information.references.push_back({std::string(to_string(board)), health_of(from, board)});
   return information;
 }
 
@@ -92,6 +95,19 @@ wire::State compose_state(const ReportSources& from) {
   add_conditions(from, state.errors);
   state.information.push_back(boards_information(from));
   return state;
+}
+
+wire::BoardsReport compose_boards_report(const ReportSources& from, const std::optional<wire::Ranges>& ranges) {
+  wire::BoardsReport report;
+  for (const wire::Board board : wire::all_boards) {
+    const BoardsLink::Health& health = from.boards.health(board);
+    const BoardsLink::Frames frames = from.boards.frames(board);
+    report.boards.push_back({board, health_of(from, board), health.hello ? health.hello->firmware_hash : 0,
+                             health.uptime_ms, frames.good, frames.bad, frames.missed, health.self_test});
+  }
+  report.power = from.power;
+  report.ranges = ranges;
+  return report;
 }
 
 wire::Visualization compose_visualization(const Agent& agent, const std::string& map_id) {

@@ -10,6 +10,7 @@
 #include "aiv/onboard/supervision.h"
 #include "aiv/onboard/warnings.h"
 #include "wire/messages.h"
+#include "wire/own_messages.h"
 
 namespace cosiva::aiv {
 
@@ -26,6 +27,10 @@ struct ReportSources {
 };
 
 [[nodiscard]] wire::State compose_state(const ReportSources& sources);
+/// How its boards fare, for the page's eyes (A18); without header.
+/// @param ranges  the last that DOBS sent
+[[nodiscard]] wire::BoardsReport compose_boards_report(const ReportSources& sources,
+                                                       const std::optional<wire::Ranges>& ranges);
 [[nodiscard]] wire::Visualization compose_visualization(const Agent& agent, const std::string& map_id);
 
 /// What AFFI shows: who it is and how it fares, in 32 bytes.

@@ -16,7 +16,11 @@ Session::Session(wire::VehicleId id, std::string_view interface_name)
       connection_topic_{wire::vda_topic(id_, "connection", interface_name)},
       state_topic_{wire::vda_topic(id_, "state", interface_name)},
       visualization_topic_{wire::vda_topic(id_, "visualization", interface_name)},
-      factsheet_topic_{wire::vda_topic(id_, "factsheet", interface_name)} {}
+      factsheet_topic_{wire::vda_topic(id_, "factsheet", interface_name)},
+      ahead_topic_{wire::own_topic(wire::ahead_topic_prefix, id_)},
+      felt_topic_{wire::own_topic(wire::felt_topic_prefix, id_)},
+      seen_topic_{wire::own_topic(wire::seen_topic_prefix, id_)},
+      boards_topic_{wire::own_topic(wire::boards_topic_prefix, id_)} {}
 
 wire::Header Session::header(SimTime now, std::uint32_t header_id) const {
   return {header_id, now, std::string(vda::version), id_.manufacturer, id_.serial_number};
@@ -49,6 +53,24 @@ void Session::publish(SimTime now, wire::Factsheet&& factsheet, wire::Effects& e
   if (!online_) return;
   factsheet.header = header(now, factsheets_++);
   effects.emplace_back(wire::Publish{factsheet_topic_, vda::encode(factsheet), 0, true});
+}
+
+void Session::publish(const wire::Felt& felt, wire::Effects& effects) {
+  if (online_) effects.emplace_back(wire::Publish{felt_topic_, to_json(felt), 0, false});
+}
+
+void Session::publish(SimTime now, wire::Seen&& seen, wire::Effects& effects) {
+  if (!online_) return;
+  seen.header_id = sightings_++;
+  seen.timestamp = now;
+  effects.emplace_back(wire::Publish{seen_topic_, to_json(seen), 0, false});
+}
+
+void Session::publish(SimTime now, wire::BoardsReport&& report, wire::Effects& effects) {
+  if (!online_) return;
+  report.header_id = boards_reports_++;
+  report.timestamp = now;
+  effects.emplace_back(wire::Publish{boards_topic_, to_json(report), 0, false});
 }
 
 Result<void> Session::accepts(const wire::Header& header) const {

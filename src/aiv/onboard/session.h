@@ -8,6 +8,7 @@
 #include "base/result.h"
 #include "wire/core.h"
 #include "wire/messages.h"
+#include "wire/own_messages.h"
 #include "wire/topics.h"
 #include "zone/traffic_zone.h"
 
@@ -22,6 +23,8 @@ class Session {
   [[nodiscard]] const std::string& order_topic() const { return order_topic_; }
   [[nodiscard]] const std::string& instant_actions_topic() const { return instant_actions_topic_; }
 
+  [[nodiscard]] const std::string& ahead_topic() const { return ahead_topic_; }
+
   /// @param now  of the connect that will carry it; its header is not for ordering (trap 18)
   [[nodiscard]] wire::Will will(SimTime now) const;
 
@@ -31,6 +34,11 @@ class Session {
   void publish(SimTime now, wire::State&& state, wire::Effects& effects);
   void publish(SimTime now, wire::Visualization&& visualization, wire::Effects& effects);
   void publish(SimTime now, wire::Factsheet&& factsheet, wire::Effects& effects);
+
+  // Our own (wire/own_messages.h), QoS 0 all of them; headers are counted here, too.
+  void publish(const wire::Felt& felt, wire::Effects& effects);
+  void publish(SimTime now, wire::Seen&& seen, wire::Effects& effects);
+  void publish(SimTime now, wire::BoardsReport&& report, wire::Effects& effects);
 
   /// A message meant for this vehicle, in a version it speaks (2.x)? Error code: validationError.
   [[nodiscard]] Result<void> accepts(const wire::Header& header) const;
@@ -45,11 +53,17 @@ class Session {
   std::string state_topic_;
   std::string visualization_topic_;
   std::string factsheet_topic_;
+  std::string ahead_topic_;
+  std::string felt_topic_;
+  std::string seen_topic_;
+  std::string boards_topic_;
   bool online_{false};
   std::uint32_t connections_{0};
   std::uint32_t states_{0};
   std::uint32_t visualizations_{0};
   std::uint32_t factsheets_{0};
+  std::uint32_t sightings_{0};
+  std::uint32_t boards_reports_{0};
 };
 
 /// What this vehicle is and can do, from the zone it drives in.

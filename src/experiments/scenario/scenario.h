@@ -22,18 +22,19 @@ struct Scenario {
   std::uint64_t seed{1};
   std::optional<double> duration_s;
   struct Step {
-    SimDuration at;         ///< since the fleet was complete
-    std::string command;    ///< JSON for the server
-    std::string what;       ///< as people read it: "person P1 walks 1.2 m"
-    std::uint32_t line;     ///< in the file
+    SimDuration at;       ///< since the fleet was complete
+    std::string command;  ///< JSON for the server
+    std::string what;     ///< as people read it: "person P1 walks 1.2 m"
+    std::uint32_t line;   ///< in the file
   };
   std::vector<Step> steps;  ///< in time order; equal times in the file's order
 };
 
-/// Reads a scenario; errors name origin, line and field, and what was expected, with the nearest word for a misspelt one.
+/// Reads a scenario; errors name origin, line and field, and what was expected, with the nearest word for a misspelt
+/// one.
 [[nodiscard]] Result<Scenario> scenario_from_toml(std::string_view text, const std::string& origin);
-/// Checks what only the zone can tell: places on it, sections that exist, vehicles 1…aivs or named virtual ones that are
-/// there at that time, ids used twice or removed before they came.
+/// Checks what only the zone can tell: places on it, sections that exist, vehicles 1…aivs or named virtual ones that
+/// are there at that time, ids used twice or removed before they came.
 [[nodiscard]] Result<void> check(const Scenario& scenario, const zone::TrafficZone& zone, const std::string& origin);
 
 /// Hands out the steps that are due.

@@ -7,7 +7,10 @@
 #include <variant>
 
 #include "base/expect.h"
+#include "experiments/world/fleet.h"
 #include "wire/board.h"
+#include "wire/own_messages.h"
+#include "wire/topics.h"
 
 namespace cosiva::experiments {
 namespace {
@@ -17,6 +20,9 @@ using std::chrono::milliseconds;
 
 /// How long bytes take between the on-board program and a board: a frame of 20 bytes at 115 200 Bd and its handling.
 constexpr SimDuration stream_delay = milliseconds{2};
+
+/// How often it is asked whether the fleet is complete, for a scenario to begin.
+constexpr SimDuration look_period = milliseconds{100};
 
 /// Which vehicle a port belongs to: "12/PILS" is 12's.
 std::uint32_t vehicle_of(std::string_view port) {
@@ -36,6 +42,7 @@ struct Actor {
   std::uint32_t generation{0};  ///< grows with each start, so that a dead one's timers are not the next one's
   SimDuration tick_offset{};
   std::string memory;
+  double radio_loss{0.0};  ///< of the ether around it, whichever process is on
   bool alive{false};
 };
 
@@ -74,6 +81,11 @@ struct World::Inside {
   Digest finished;  ///< what cores did that were killed since
   World::Tap tap;
   std::vector<std::string> log;
+  std::optional<ScenarioPlayer> player;
+  std::optional<SimTime> scenario_began;
+  bool fleet_whole{false};  ///< since the server came up
+  SimTime next_look{};      ///< at the fleet, or for the next step
+  World::OnStep on_step;
 
   explicit Inside(WorldOptions o) : options{std::move(o)}, network{options.seed, options.network} {}
 
@@ -88,6 +100,7 @@ struct World::Inside {
     for (const wire::Effect& effect : effects) {
       if (const auto* publish = std::get_if<wire::Publish>(&effect)) {
         if (tap) tap(now, actors[id].name, *publish);
+        if (publish->topic == wire::plant_radio_topic) change_ether(publish->payload);
         network.publish(now, actors[id].client, *publish);
       } else if (const auto* send = std::get_if<wire::SendBytes>(&effect)) {
         send_bytes(id, *send);
@@ -96,6 +109,17 @@ struct World::Inside {
       } else if (const auto* line = std::get_if<wire::Log>(&effect); line != nullptr && line->level != 'i') {
         if (log.size() < 10'000) log.push_back(to_iso8601(now) + " " + actors[id].name + " " + line->text);
       }
+    }
+  }
+
+  void change_ether(const std::string& json) {
+    const auto radio = wire::radio_from_json(json);
+    if (!radio) return;
+    for (ActorId id = first_aiv_id; id < actors.size(); ++id) {
+      Actor& actor = actors[id];
+      if (radio->vehicle != "*" && radio->vehicle != std::string(wire::our_manufacturer) + "/" + actor.name) continue;
+      actor.radio_loss = radio->loss;
+      if (actor.alive) network.set_loss(actor.client, radio->loss);
     }
   }
 
@@ -115,6 +139,7 @@ struct World::Inside {
     if (!actor.memory.empty()) feed(id, wire::InputKind::recall, "memory", actor.memory);
     ticks.push({now + actor.core->tick_period() + actor.tick_offset, sequence++, id, actor.generation});
     actor.client = network.connect(now, actor.core->subscriptions(), actor.core->will());
+    network.set_loss(actor.client, actor.radio_loss);
     feed(id, wire::InputKind::link, "broker", "up");
   }
 
@@ -154,17 +179,39 @@ struct World::Inside {
   void start_server() {
     std::string configuration = virtual_side::to_json(options.server);
     start(server_id, std::make_unique<virtual_side::ServerCore>(options.server), "server", std::move(configuration));
+    fleet_whole = false;
+    next_look = now + look_period;
   }
 
   [[nodiscard]] SimTime next_event() const {
     SimTime next = ticks.empty() ? SimTime::max() : ticks.top().at;
     if (!streams.empty()) next = std::min(next, streams.front().at);
     if (const auto due_at = network.next_due()) next = std::min(next, *due_at);
+    if (player && !player->done() && actors[server_id].alive) next = std::min(next, next_look);
     return next;
   }
 
+  void play() {
+    if (!player || player->done() || !actors[server_id].alive || now < next_look) return;
+    fleet_whole = fleet_whole || fleet_is_complete(server(), options.aivs);
+    if (!fleet_whole) {
+      next_look = now + look_period;
+      return;
+    }
+    if (!scenario_began) player->begin(*(scenario_began = now));
+    for (const Scenario::Step& due_step : player->due(now)) {
+      if (on_step) on_step(now, due_step);
+      feed(server_id, wire::InputKind::command, "scenario", due_step.command);
+    }
+    next_look = player->next_due().value_or(SimTime::max());
+  }
+
+  [[nodiscard]] const virtual_side::ServerCore& server() const {
+    return static_cast<const virtual_side::ServerCore&>(*actors[server_id].core);
+  }
+
   void step() {
-    // One instant at a time, in a fixed order: bytes, messages, ticks.
+    // One instant at a time, in a fixed order: bytes, messages, the scenario, ticks.
     while (!streams.empty() && streams.front().at <= now) {
       Bytes bytes = std::move(streams.front());
       streams.pop_front();
@@ -175,6 +222,7 @@ struct World::Inside {
     due.clear();
     network.take_due(now, due);
     for (auto& delivery : due) deliver(std::move(delivery));
+    play();
     while (!ticks.empty() && ticks.top().at <= now) {
       const Tick tick = ticks.top();
       ticks.pop();
@@ -252,7 +300,17 @@ void World::command_plant(std::string json) {
   inside_->feed(Inside::plant_id, wire::InputKind::command, "world", std::move(json));
 }
 
+void World::play(const Scenario& scenario) {
+  inside_->player.emplace(scenario);
+  inside_->scenario_began.reset();
+  inside_->next_look = inside_->now;
+}
+std::optional<SimTime> World::scenario_began() const { return inside_->scenario_began; }
+bool World::scenario_done() const { return !inside_->player || inside_->player->done(); }
+void World::on_step(OnStep action) { inside_->on_step = std::move(action); }
+
 void World::publish(const wire::Publish& message) {
+  if (message.topic == wire::plant_radio_topic) inside_->change_ether(message.payload);
   inside_->network.publish(inside_->now, inside_->stranger, message);
 }
 
@@ -265,9 +323,7 @@ void World::tap(Tap tap) { inside_->tap = std::move(tap); }
 const physical::PlantCore& World::plant() const {
   return static_cast<const physical::PlantCore&>(*inside_->actors[Inside::plant_id].core);
 }
-const virtual_side::ServerCore& World::server() const {
-  return static_cast<const virtual_side::ServerCore&>(*inside_->actors[Inside::server_id].core);
-}
+const virtual_side::ServerCore& World::server() const { return inside_->server(); }
 const aiv::OnboardCore& World::aiv(std::uint32_t number) const {
   return static_cast<const aiv::OnboardCore&>(*inside_->actors[Inside::first_aiv_id + number - 1].core);
 }

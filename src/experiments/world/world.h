@@ -3,12 +3,14 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "aiv/onboard/onboard_core.h"
 #include "base/digest.h"
 #include "base/result.h"
+#include "experiments/scenario/scenario.h"
 #include "physical/plant/plant_core.h"
 #include "virtual/server/server_core.h"
 #include "wire/network.h"
@@ -36,6 +38,16 @@ class World {
   /// A person's command to the server or the plant, as Input::command.
   void command_server(std::string json);
   void command_plant(std::string json);
+  /// Plays a scenario from the moment the fleet is complete (each AIV with its one twin), step by step at their times,
+  /// whatever pieces the run is cut into; one played before is forgotten. Steps due while the server is down are played
+  /// once it is up and the fleet is complete again.
+  void play(const Scenario& scenario);
+  /// When the fleet was complete and the scenario began.
+  [[nodiscard]] std::optional<SimTime> scenario_began() const;
+  [[nodiscard]] bool scenario_done() const;  ///< true as well when there is none
+  /// Told of each step when it is played.
+  using OnStep = std::function<void(SimTime, const Scenario::Step&)>;
+  void on_step(OnStep action);
   /// A message from a stranger on the same broker.
   void publish(const wire::Publish& message);
   /// Processes that die and come back: kill breaks its connections at once, nothing is said goodbye.

@@ -9,7 +9,9 @@
 #include "base/json_value.h"
 #include "base/json_writer.h"
 #include "physical/plant/collisions.h"
+#include "physical/plant/obstacles.h"
 #include "physical/plant/vehicle.h"
+#include "physical/plant/zone_exchange.h"
 #include "wire/topics.h"
 
 namespace cosiva::physical {
@@ -17,13 +19,6 @@ namespace {
 
 /// Longer than this a tick was not late but the machine asleep; the vehicles stood still meanwhile.
 constexpr SimDuration tick_gap_max = std::chrono::seconds{1};
-constexpr std::size_t obstacles_max = 1000;
-
-struct Obstacle {
-  std::string id;
-  Disc disc;
-  CollisionWatch::BodyKey key;
-};
 
 /// To the micrometre or microradian: what more digits would say is below the emulation's own truth.
 double rounded(double value) { return std::nearbyint(value * 1e6) * 1e-6; }
@@ -63,7 +58,9 @@ struct PlantCore::Inside {
         tags{rtm.zone(), options.noise.tag_range_m},
         fan{rtm.zone().vehicle},
         watch{rtm.zone().vehicle},
-        ring_m{ring_length_m(rtm.zone().circuit)} {
+        ring_m{ring_length_m(rtm.zone().circuit)},
+        obstacles{rtm.zone()},
+        exchange{options.zone, rtm.zone(), options.publish_zone} {
     vehicles.reserve(places.size());
     for (std::uint32_t i = 0; i < places.size(); ++i)
       vehicles.emplace_back(i + 1, rtm.zone(), tags, places[i], options.noise, options.seed);
@@ -72,16 +69,15 @@ struct PlantCore::Inside {
   }
 
   PlantOptions options;
-  zone::Rtm rtm;
+  zone::Rtm rtm;  ///< as at the start: its ways hold for the whole run, its tags may be edited
   TagMap tags;
   RangeFan fan;
   CollisionWatch watch;
   double ring_m;
   std::vector<Vehicle> vehicles;
   std::vector<BodyPose> bodies;  ///< as of now, one per vehicle
-  std::vector<Obstacle> obstacles;
-  std::vector<CollisionWatch::Obstacle> discs;  ///< the same, as the watch wants them
-  CollisionWatch::BodyKey next_obstacle_key{CollisionWatch::obstacle_bit};
+  Obstacles obstacles;
+  ZoneExchange exchange;
   std::vector<CollisionWatch::Pair> contacts;
   std::vector<Collision> collisions;
   std::optional<SimTime> powered_at;
@@ -98,14 +94,12 @@ struct PlantCore::Inside {
   [[nodiscard]] std::uint32_t laps(const Vehicle& vehicle) const;
   [[nodiscard]] std::string truth_json() const;
 
-  void on_link(std::string_view state, wire::Effects& effects);
+  void on_link(const wire::Input& input);
+  void on_message(const wire::Input& input, wire::Effects& effects);
   void on_port(const wire::Input& input, wire::Effects& effects);
   void on_bytes(const wire::Input& input, wire::Effects& effects);
   void on_command(std::string_view json, wire::Effects& effects);
   [[nodiscard]] std::optional<Error> obey(const JsonValue& command);
-  [[nodiscard]] std::optional<Error> add_obstacle(const JsonValue& given);
-  [[nodiscard]] std::optional<Error> remove_obstacle(std::string_view id);
-  void note_discs();
 };
 
 PlantCore::PlantCore() = default;
@@ -132,17 +126,17 @@ void PlantCore::handle(const wire::Input& input, wire::Effects& effects) {
     case wire::InputKind::tick: return in.tick(input.at, effects);
     case wire::InputKind::bytes: return in.on_bytes(input, effects);
     case wire::InputKind::port: return in.on_port(input, effects);
-    case wire::InputKind::link: return in.on_link(input.payload, effects);
-    case wire::InputKind::message:
-      if (input.source == wire::plant_command_topic) in.on_command(input.payload, effects);
-      return;
+    case wire::InputKind::link: return in.on_link(input);
+    case wire::InputKind::message: return in.on_message(input, effects);
     case wire::InputKind::command: return in.on_command(input.payload, effects);
     case wire::InputKind::configure:  // its options came through make()
     case wire::InputKind::recall: return;
   }
 }
 
-std::vector<std::string> PlantCore::subscriptions() const { return {std::string(wire::plant_command_topic)}; }
+std::vector<std::string> PlantCore::subscriptions() const {
+  return {std::string(wire::plant_command_topic), std::string(wire::zone_topic_prefix) + "+"};
+}
 
 void PlantCore::farewell(SimTime /*now*/, wire::Effects& /*effects*/) {
   // The zone stays retained on purpose: a server that comes later still learns it.
@@ -237,13 +231,14 @@ void PlantCore::Inside::tick(SimTime at, wire::Effects& effects) {
     if (vehicles[i].wants_scan(at)) scan(i);
     vehicles[i].speak(at, fan.ranges(), effects);
   }
+  exchange.tick(at, effects);
   if (truth.take(at) && broker_up && options.publish_truth)
     effects.emplace_back(wire::Publish{std::string(wire::plant_truth_topic), truth_json(), 0, false});
 }
 
 void PlantCore::Inside::watch_contacts() {
   contacts.clear();
-  watch.look(bodies, discs, contacts);
+  watch.look(bodies, obstacles.discs(), contacts);
   for (const auto& pair : contacts) collisions.push_back({now, name_of(pair.a), name_of(pair.b)});
 }
 
@@ -252,13 +247,12 @@ void PlantCore::Inside::scan(std::size_t index) {
   for (std::size_t other = 0; other < bodies.size(); ++other) {
     if (other != index) fan.see(bodies[other]);
   }
-  for (const Obstacle& obstacle : obstacles) fan.see(obstacle.disc);
+  for (const auto& obstacle : obstacles.all()) fan.see(obstacle.disc);
 }
 
 std::string PlantCore::Inside::name_of(CollisionWatch::BodyKey key) const {
   if ((key & CollisionWatch::obstacle_bit) == 0) return "AIV" + std::to_string(key + 1);
-  const auto found = std::find_if(obstacles.begin(), obstacles.end(), [&](const Obstacle& o) { return o.key == key; });
-  return found == obstacles.end() ? "obstacle" : found->id;
+  return obstacles.name_of(key);
 }
 
 std::uint32_t PlantCore::Inside::laps(const Vehicle& vehicle) const {
@@ -275,7 +269,7 @@ std::string PlantCore::Inside::truth_json() const {
     json.field("charge", rounded(vehicle.charge())).end_object();
   }
   json.end_array().key("obstacles").begin_array();
-  for (const Obstacle& obstacle : obstacles) {
+  for (const auto& obstacle : obstacles.all()) {
     json.begin_object().field("id", obstacle.id).field("x", obstacle.disc.centre.x_m);
     json.field("y", obstacle.disc.centre.y_m).field("radius", obstacle.disc.radius_m).end_object();
   }
@@ -283,11 +277,19 @@ std::string PlantCore::Inside::truth_json() const {
   return json.take();
 }
 
-void PlantCore::Inside::on_link(std::string_view state, wire::Effects& effects) {
-  broker_up = state == "up";
-  if (!broker_up || !options.publish_zone) return;
-  effects.emplace_back(
-      wire::Publish{std::string(wire::zone_topic_prefix) + options.zone.format, options.zone.text, 1, true});
+void PlantCore::Inside::on_link(const wire::Input& input) {
+  broker_up = input.payload == "up";
+  exchange.on_link(broker_up, input.at);
+}
+
+void PlantCore::Inside::on_message(const wire::Input& input, wire::Effects& effects) {
+  if (input.source == wire::plant_command_topic) return on_command(input.payload, effects);
+  if (!input.source.starts_with(wire::zone_topic_prefix)) return;
+  const zone::TrafficZone* edited = exchange.on_message(input.source, input.payload, effects);
+  if (edited == nullptr) return;
+  // The vehicles' readers look at this very object; from the next tick on they find the new tags.
+  tags = TagMap{*edited, options.noise.tag_range_m};
+  options.zone = exchange.configuration();
 }
 
 void PlantCore::Inside::on_port(const wire::Input& input, wire::Effects& effects) {
@@ -315,48 +317,9 @@ void PlantCore::Inside::on_command(std::string_view json, wire::Effects& effects
 }
 
 std::optional<Error> PlantCore::Inside::obey(const JsonValue& command) {
-  if (const JsonValue* given = command.find("addObstacle")) return add_obstacle(*given);
-  if (const auto id = command.text("removeObstacle")) return remove_obstacle(*id);
+  if (const JsonValue* given = command.find("addObstacle")) return obstacles.add(*given, bodies);
+  if (const auto id = command.text("removeObstacle")) return obstacles.remove(*id);
   return Error{"plant.command", R"(expected {"addObstacle":{"id","x","y","radius"}} or {"removeObstacle":"id"})", {}};
-}
-
-std::optional<Error> PlantCore::Inside::add_obstacle(const JsonValue& given) {
-  const auto id = given.text("id");
-  const auto x = given.number("x");
-  const auto y = given.number("y");
-  const auto radius = given.number("radius");
-  constexpr double far_m = 1e5;
-  constexpr double radius_max_m = 10.0;
-  if (!id || id->empty() || id->size() > 64)
-    return Error{"plant.command", "an obstacle needs an 'id' of 1 to 64 bytes", {}};
-  if (!x || !y || !(std::fabs(*x) <= far_m) || !(std::fabs(*y) <= far_m))
-    return Error{"plant.command", "an obstacle needs 'x' and 'y' in metres", *id};
-  if (!radius || !(*radius > 0.0) || !(*radius <= radius_max_m))
-    return Error{"plant.command", "an obstacle's 'radius' must be over 0 m and at most 10 m", *id};
-
-  const Disc disc{{*x, *y}, *radius};
-  const auto at = std::lower_bound(obstacles.begin(), obstacles.end(), *id,
-                                   [](const Obstacle& o, const std::string& name) { return o.id < name; });
-  if (at != obstacles.end() && at->id == *id) {
-    at->disc = disc;  // moved
-  } else {
-    if (obstacles.size() >= obstacles_max) return Error{"plant.command", "1000 obstacles are enough", *id};
-    obstacles.insert(at, Obstacle{*id, disc, next_obstacle_key++});
-  }
-  note_discs();
-  return std::nullopt;
-}
-
-std::optional<Error> PlantCore::Inside::remove_obstacle(std::string_view id) {
-  if (std::erase_if(obstacles, [&](const Obstacle& o) { return o.id == id; }) == 0)
-    return Error{"plant.command", "there is no obstacle of this name", std::string(id)};
-  note_discs();
-  return std::nullopt;
-}
-
-void PlantCore::Inside::note_discs() {
-  discs.clear();
-  for (const Obstacle& obstacle : obstacles) discs.push_back({obstacle.key, obstacle.disc});
 }
 
 }  // namespace cosiva::physical

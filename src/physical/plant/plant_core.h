@@ -56,7 +56,12 @@ struct Collision {
   std::string b;
 };
 
-/// Ticks every 10 ms. Ports: wire::port_name(number, board) for every vehicle, spoken from the board's side.
+/// The emulated world. Hands its zone over 300 ms after its link came up, unless the broker has one of the same ways:
+/// that one's tags, beacons and priorities are then its own (an operator's edit outlives the plant), as are later
+/// edits. Commands (plant_command_topic or Input::command): {"addObstacle":{"id","x","y","radius"}}, which also moves
+/// the one of this id,
+/// {"removeObstacle":"id"}; what makes no sense is logged. Ticks every 10 ms. Ports: wire::port_name(number, board) for
+/// every vehicle, spoken from the board's side.
 class PlantCore final : public wire::Core {
  public:
   /// Fails when the zone's configuration is bad or cannot hold so many vehicles.
@@ -69,6 +74,7 @@ class PlantCore final : public wire::Core {
   void farewell(SimTime now, wire::Effects& effects) override;
   void fold(Digest& digest) const override;
 
+  /// With the zone as it is now: an edit of tags or beacons that the broker told is in it.
   [[nodiscard]] const PlantOptions& options() const;
   [[nodiscard]] std::vector<std::string> ports() const;
   [[nodiscard]] std::vector<TrueVehicle> vehicles() const;

@@ -12,7 +12,8 @@ namespace {
 constexpr std::array verbs{Verb::stop, Verb::slow, Verb::medium, Verb::fast, Verb::restart, Verb::cancel};
 constexpr double standing_mps = 0.01;
 constexpr double speed_slack_mps = 0.02;
-constexpr std::size_t json_bytes_max = 4096;
+constexpr std::size_t json_bytes_max = 64U << 10U;
+constexpr std::size_t vehicles_named_max = Registry::vehicles_max;
 
 std::optional<aiv::Profile> profile_of(Verb verb) {
   switch (verb) {
@@ -69,10 +70,19 @@ Result<Commands::Asked> Commands::read(std::string_view json) const {
   if (!verb)
     return fail("command.missing", "say which command: stop, slow, medium, fast, restart or cancel", "command");
   asked.verb_text = cut(*verb);
-  const auto vehicle = value->text("vehicle");
-  if (!vehicle)
-    return fail("command.vehicle", "say which vehicle, as manufacturer/serial number, or * for all", "vehicle");
-  asked.vehicle_name = cut(*vehicle);
+  if (const JsonValue* list = value->find("vehicles"); list != nullptr && !list->is_null()) {
+    if (list->array() == nullptr || list->array()->empty() || list->array()->size() > vehicles_named_max)
+      return fail("command.vehicle", "give at least one and at most 256 vehicles, as [\"CoSiVA/AIV1\",…]", "vehicles");
+    for (const JsonValue& name : *list->array())
+      asked.vehicle_names.push_back(name.text() == nullptr ? std::string{} : cut(*name.text()));
+    asked.several = true;
+  } else {
+    const auto vehicle = value->text("vehicle");
+    if (!vehicle)
+      return fail("command.vehicle", "say which vehicle, as manufacturer/serial number, or * for all", "vehicle");
+    asked.vehicle_names.push_back(cut(*vehicle));
+    asked.several = *vehicle == "*";
+  }
   const auto known = std::ranges::find(verbs, *verb, [](Verb v) { return to_string(v); });
   if (known != verbs.end()) asked.verb = *known;
   return asked;
@@ -91,24 +101,45 @@ std::optional<std::string> Commands::impossible(VehicleIndex vehicle, Verb verb)
 Result<void> Commands::check(std::string_view json) const {
   const auto asked = read(json);
   if (!asked) return tl::unexpected(asked.error());
-  if (!asked->verb) {
+  return judge_asked(*asked);
+}
+
+Result<void> Commands::judge_asked(const Asked& asked) const {
+  if (!asked.verb) {
     return fail("command.unknown",
-                "there is no command '" + asked->verb_text + "'; use stop, slow, medium, fast, restart or cancel",
+                "there is no command '" + asked.verb_text + "'; use stop, slow, medium, fast, restart or cancel",
                 "command");
   }
-  if (asked->vehicle_name == "*") {
-    if (registry_.size() == 0) return fail("command.vehicle", "no vehicle has been heard of yet", "vehicle");
+  if (asked.all()) {
+    if (addressed(asked).empty()) return fail("command.vehicle", "no vehicle has been heard of yet", "vehicle");
     return {};
   }
-  const auto vehicle = registry_.find(asked->vehicle_name);
-  if (!vehicle) {
-    return fail("command.vehicle",
-                "no vehicle '" + asked->vehicle_name + "' has been heard of; name it as manufacturer/serial number",
-                "vehicle");
+  for (const std::string& name : asked.vehicle_names) {
+    const auto vehicle = registry_.find(name);
+    if (!vehicle || registry_[*vehicle].retired) {
+      return fail("command.vehicle",
+                  "no vehicle '" + name + "' has been heard of; name it as manufacturer/serial number", "vehicle");
+    }
   }
-  if (auto reason = impossible(*vehicle, *asked->verb))
+  // Of several, those that can follow do; the others' entries say why they cannot.
+  if (asked.several) return {};
+  if (auto reason = impossible(*registry_.find(asked.vehicle_names.front()), *asked.verb))
     return fail("command.impossible", std::move(*reason), "vehicle");
   return {};
+}
+
+std::vector<VehicleIndex> Commands::addressed(const Asked& asked) const {
+  std::vector<VehicleIndex> vehicles;
+  const auto add_once = [&vehicles](VehicleIndex v) {
+    if (std::ranges::find(vehicles, v) == vehicles.end()) vehicles.push_back(v);
+  };
+  if (!asked.all()) {
+    for (const std::string& name : asked.vehicle_names) add_once(*registry_.find(name));
+    return vehicles;
+  }
+  for (VehicleIndex v = 0; v < registry_.size(); ++v)
+    if (!registry_[v].retired) add_once(v);
+  return vehicles;
 }
 
 std::string Commands::next_id(const std::string& wanted) {
@@ -124,31 +155,32 @@ void Commands::issue(std::string_view json) {
   if (asked) {
     command.verb = asked->verb;
     command.verb_text = asked->verb_text;
-    command.vehicle_name = asked->vehicle_name;
+    for (const std::string& name : asked->vehicle_names)
+      command.vehicle_name += (command.vehicle_name.empty() ? "" : ", ") + name;
   }
-  const bool for_all = asked && asked->vehicle_name == "*";
-  if (const auto checked = check(json); !checked && !(for_all && asked->verb && registry_.size() > 0)) {
+  const Result<void> judged = asked ? judge_asked(*asked) : tl::unexpected(asked.error());
+  if (!judged) {
     simulator_.monitor().command_issued();
-    fail_command(command, to_string(checked.error()));
+    fail_command(command, to_string(judged.error()));
     keep(std::move(command));
     return;
   }
-  if (!for_all) {
-    command.vehicle = *registry_.find(command.vehicle_name);
-    begin(std::move(command));
-    return;
-  }
-  for (VehicleIndex v = 0; v < registry_.size(); ++v) {
+  for (const VehicleIndex v : addressed(*asked)) {
     Command one = command;
-    one.id += "." + registry_[v].id.serial_number;
+    if (asked->several) one.id += "." + registry_[v].id.serial_number;
     one.vehicle = v;
     one.vehicle_name = registry_[v].name;
     begin(std::move(one));
   }
 }
 
+BijectionMonitor* Commands::monitor_of(const Command& command) {
+  const bool augmented = command.vehicle != no_vehicle && registry_[command.vehicle].augmented;
+  return augmented ? nullptr : &simulator_.monitor();
+}
+
 void Commands::begin(Command command) {
-  simulator_.monitor().command_issued();
+  if (BijectionMonitor* monitor = monitor_of(command)) monitor->command_issued();
   const Verb verb = *command.verb;
   AivProxy& proxy = registry_[command.vehicle];
   if (auto reason = impossible(command.vehicle, verb)) {
@@ -159,8 +191,12 @@ void Commands::begin(Command command) {
   supersede(command);
   std::vector<wire::Action> actions;
   switch (verb) {
-    case Verb::stop: actions.push_back(action("startPause")); break;
+    case Verb::stop:
+      proxy.paused_for_body = false;  // from now on it stands because somebody wants it to
+      actions.push_back(action("startPause"));
+      break;
     case Verb::restart:
+      proxy.paused_for_body = false;
       proxy.no_orders = false;
       actions.push_back(action("stopPause"));
       if (proxy.imposed) actions.push_back(speed_limit("normal"));
@@ -252,24 +288,30 @@ void Commands::tick() {
   }
 }
 
+void Commands::forget(VehicleIndex vehicle, const std::string& reason) {
+  for (Command& command : list_)
+    if (command.vehicle == vehicle && command.open()) fail_command(command, reason);
+}
+
 void Commands::accept(Command& command) {
   command.state = CommandState::accepted;
   command.accepted_at = outbox_.now();
-  simulator_.monitor().command_accepted();
+  if (BijectionMonitor* monitor = monitor_of(command)) monitor->command_accepted();
 }
 
 void Commands::materialise(Command& command) {
   command.state = CommandState::materialised;
   command.materialised_at = outbox_.now();
   desk_.drop(command.ticket);
-  simulator_.monitor().command_materialised(to_seconds(outbox_.now() - command.at) * 1e3);
+  if (BijectionMonitor* monitor = monitor_of(command))
+    monitor->command_materialised(to_seconds(outbox_.now() - command.at) * 1e3);
 }
 
 void Commands::fail_command(Command& command, std::string reason) {
   command.state = CommandState::failed;
   command.reason = std::move(reason);
   desk_.drop(command.ticket);
-  simulator_.monitor().command_failed();
+  if (BijectionMonitor* monitor = monitor_of(command)) monitor->command_failed();
   outbox_.log('w', "command " + command.id + " '" + command.verb_text + "' for '" + command.vehicle_name +
                        "' failed: " + command.reason);
 }

@@ -50,7 +50,11 @@ class Commands {
   void issue(std::string_view json);
   void on_state(VehicleIndex vehicle);
   void tick();
+  /// It has been taken away: what is open for it fails.
+  void forget(VehicleIndex vehicle, const std::string& reason);
 
+  /// The id that the next command gets that brings none.
+  [[nodiscard]] std::string next_free_id() const { return "c" + std::to_string(running_ + 1); }
   [[nodiscard]] const std::deque<Command>& list() const { return list_; }  ///< oldest first
   void fold(Digest& digest) const;
 
@@ -58,10 +62,16 @@ class Commands {
   struct Asked {
     std::string id;
     std::string verb_text;
-    std::string vehicle_name;
+    std::vector<std::string> vehicle_names;  ///< or "*" alone
     std::optional<Verb> verb;
+    bool several{false};  ///< given as a list, or all: an entry each
+    [[nodiscard]] bool all() const { return several && vehicle_names.front() == "*"; }
   };
   [[nodiscard]] Result<Asked> read(std::string_view json) const;
+  [[nodiscard]] Result<void> judge_asked(const Asked& asked) const;
+  [[nodiscard]] std::vector<VehicleIndex> addressed(const Asked& asked) const;
+  /// The monitor, where the command is for a vehicle that it counts.
+  [[nodiscard]] BijectionMonitor* monitor_of(const Command& command);
   [[nodiscard]] std::string next_id(const std::string& wanted);
   void begin(Command command);
   void supersede(const Command& by);

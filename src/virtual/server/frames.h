@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -23,10 +24,13 @@ struct PositionRecord {
   float reported_dy_m{};
 };
 
-/// Makes binary frames of position records. A key frame holds all of them; a delta holds those that differ from the last
-/// key frame, so any one delta may be lost. Encoded once for all clients.
+/// Makes binary frames of position records. A key frame holds all of them; a delta holds those that differ from the
+/// last key frame, so any one delta may be lost. Encoded once for all clients.
 class PositionFrames {
  public:
+  static constexpr std::size_t header_bytes = 24;
+  static constexpr std::size_t record_bytes = 20;
+
   /// A key frame at least this often (in frames), and whenever a handle came or went.
   explicit PositionFrames(std::uint32_t key_every = 30);
 
@@ -34,18 +38,25 @@ class PositionFrames {
     std::string bytes;
     bool key;
   };
+  /// Headings are wrapped into (−π, π]; what does not fit its field stands at the field's end, and what is no number is
+  /// 0.
   /// @param time_ms   of the server's clock, Unix milliseconds
-  /// @param records   sorted by handle
+  /// @param records   sorted by handle, each once (checked)
   [[nodiscard]] Frame encode(double time_ms, std::span<const PositionRecord> records);
   /// The next frame is a key frame.
   void ask_key() { ask_key_ = true; }
 
  private:
+  using Record = std::array<char, record_bytes>;
+  [[nodiscard]] bool same_handles_as_key() const;
+
   std::uint32_t key_every_;
   std::uint32_t sequence_{0};
   std::uint32_t key_sequence_{0};
   bool ask_key_{true};
-  std::vector<PositionRecord> key_;
+  // As they go over the wire: what differs is judged by what a reader would see.
+  std::vector<Record> key_;
+  std::vector<Record> now_;
 };
 
 }  // namespace cosiva::virtual_side

@@ -1,42 +1,91 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "virtual/server/ahead.h"
 #include "virtual/server/commands.h"
 #include "virtual/server/order_roller.h"
 #include "virtual/server/outbox.h"
+#include "virtual/server/pause_desk.h"
 #include "virtual/server/proxy.h"
 #include "virtual/server/server_core.h"
+#include "virtual/server/things_desk.h"
 #include "virtual/server/traces.h"
 #include "virtual/server/traffic.h"
+#include "virtual/server/virtual_fleet.h"
 #include "virtual/server/way_map.h"
+#include "virtual/server/zone_edits.h"
 #include "virtual/simulator/simulator.h"
 
 namespace cosiva::virtual_side {
 
-/// The server's parts and how news travels between them. server_core.cpp: life and links; reports.cpp: what vehicles
-/// say; snapshot.cpp: what the page reads.
+/// The server's parts and how news travels between them. server_core.cpp: life and links; zone.cpp: zones and their
+/// edits; operator.cpp: what is asked of it; virtual_world.cpp: what is added only virtually; memory.cpp: what is kept
+/// over a crash; reports.cpp and own_reports.cpp: what vehicles say; snapshot.cpp and vehicle_json.cpp: what the page
+/// reads.
 struct ServerCore::Inside {
   explicit Inside(ServerOptions given);
 
   // server_core.cpp
   void begin(SimTime now);
   void on_message(const wire::Input& input);
-  void on_zone(std::string_view format, std::string_view topic, std::string_view text, bool retained);
   void on_link(bool up);
   void on_tick();
+  void settle();
   [[nodiscard]] bool settled() const;
   [[nodiscard]] Simulator::Step step_recorder();
   std::optional<Registry::Address> address_of(const std::string& topic);
+  std::optional<VehicleIndex> register_vehicle(const wire::VehicleId& id);
+
+  // zone.cpp
+  void on_zone(const zone::ZoneConfiguration& configuration, bool from_broker);
+  bool take_zone(const zone::ZoneConfiguration& configuration);
+  void drive_on(const std::shared_ptr<const zone::TrafficZone>& zone);
+  void start_over(const std::shared_ptr<const zone::TrafficZone>& zone);
+  void publish_zone();
+  void take_priority(VehicleIndex vehicle);
+  void edit_zone(const JsonValue& command);
+
+  // operator.cpp
+  [[nodiscard]] Result<void> check_command(std::string_view json) const;
+  void on_command(std::string_view json);
+  [[nodiscard]] Result<wire::Publish> world_command(const JsonValue& command) const;
+
+  // virtual_world.cpp
+  void follow(const ThingCommand& asked);
+  bool add_aiv(const std::string& serial, zone::Place place);
+  void remove_aiv(VehicleIndex vehicle);
+  void place_recalled_aivs();
+  void resettle_aivs();
+  void silence_orphans();
+  void update_virtual_world();
+  void look_for_passed_obstacles();
+
+  // memory.cpp
+  void recall(std::string_view bytes);
+  void recall_things(const JsonValue& memory);
+  void recall_zone();
+  [[nodiscard]] std::string memory() const;
+  void remember();
 
   // reports.cpp
   void on_vehicle_message(Registry::Address address, const wire::Input& input);
-  void on_connection(VehicleIndex vehicle, const std::string& payload);
-  void on_factsheet(VehicleIndex vehicle, const std::string& payload);
-  void on_state(VehicleIndex vehicle, const std::string& payload);
-  void on_visualization(VehicleIndex vehicle, const std::string& payload);
+  void on_connection(VehicleIndex vehicle, const wire::Input& input);
+  void on_factsheet(VehicleIndex vehicle, const wire::Input& input);
+  void on_state(VehicleIndex vehicle, const wire::Input& input);
+  void on_visualization(VehicleIndex vehicle, const wire::Input& input);
+  // own_reports.cpp
+  void on_felt(VehicleIndex vehicle, const wire::Input& input);
+  void on_seen(VehicleIndex vehicle, const wire::Input& input);
+  void on_boards(VehicleIndex vehicle, const wire::Input& input);
+  [[nodiscard]] bool take_own_stamp(AivProxy& proxy, std::optional<SimTime>& last, SimTime stamp);
+  [[nodiscard]] bool is_vehicle(VehicleIndex seer, Point2 p) const;
+  void forget_where_clear(VehicleIndex vehicle, double clear_m);
+  void on_ghost(AivProxy& proxy, VehicleTopic topic, const wire::Input& input);
   [[nodiscard]] bool take_header(VehicleIndex vehicle, VehicleTopic topic, const wire::Header& header);
   void refuse(VehicleIndex vehicle, VehicleTopic topic, const Error& error);
   /// Time stamps older than this one's are out of order.
@@ -46,15 +95,22 @@ struct ServerCore::Inside {
                    const std::optional<wire::Velocity>& velocity);
   void place_twin(VehicleIndex vehicle, SimTime at, const Pose2& pose, const std::optional<wire::Velocity>& velocity);
   void show_events(VehicleIndex vehicle, const wire::State* before, SimTime reported_at);
-  void show_event(PhysicalEvent kind, SimTime reported_at);
+  void show_event(const AivProxy& proxy, PhysicalEvent kind, SimTime reported_at);
   void read_limits_and_tags(AivProxy& proxy);
   void tell_base_end(VehicleIndex vehicle);
   void help_lost_position(VehicleIndex vehicle);
   void ask_factsheet(VehicleIndex vehicle);
   void log_once(AivProxy& proxy, std::uint32_t note, char level, std::string text);
 
-  // snapshot.cpp
+  // vehicle_json.cpp
   void write_vehicle(JsonWriter& json, VehicleIndex vehicle) const;
+  void write_agent(JsonWriter& json, VehicleIndex vehicle, bool lost) const;
+  void write_reserved(JsonWriter& json, VehicleIndex vehicle) const;
+  void write_boards(JsonWriter& json, const wire::BoardsReport& report) const;
+
+  // snapshot.cpp
+  void write_things(JsonWriter& json) const;
+  void write_obstacles(JsonWriter& json) const;
   void write_crossings(JsonWriter& json) const;
   void write_commands(JsonWriter& json) const;
 
@@ -68,7 +124,25 @@ struct ServerCore::Inside {
   Simulator simulator;
   OrderRoller roller;
   Commands commands;
+  VirtualFleet fleet;
+  PauseDesk pauses;
+  AheadDesk ahead;
+  ThingsDesk things;
+  ZoneEdits edits;
   std::optional<WayMap> map;
+
+  /// What was remembered and waits: the zone's edits for the zone, the virtual AIVs for the vehicles to be known.
+  struct RecalledAiv {
+    std::string serial;
+    std::string section;
+    double s_m;
+  };
+  std::optional<JsonValue> recalled_zone;
+  std::vector<RecalledAiv> recalled_aivs;
+  std::vector<std::string> recalled_pauses;
+  std::string remembered;
+  SimTime remember_at{};
+  bool memory_stale{false};
 
   SimTime now{};
   bool begun{false};

@@ -40,6 +40,8 @@ class OrderRoller {
   void on_state(VehicleIndex vehicle, const wire::State* before);
   /// An operator cancelled: no more updates of the order at hand.
   void stop_rolling(VehicleIndex vehicle);
+  /// It has been taken away.
+  void forget(VehicleIndex vehicle) { plans_[vehicle] = {}; }
   /// @param drive  give orders at all; otherwise only what is on its way is followed
   void tick(bool drive, SimDuration lost_after);
 

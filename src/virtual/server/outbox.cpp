@@ -15,7 +15,7 @@ wire::Header Outbox::header(const AivProxy& proxy, std::uint32_t id) const {
 std::string Outbox::send(AivProxy& proxy, wire::Order& order, std::string_view summary) {
   order.header = header(proxy, proxy.order_header_id++);
   std::string payload = wire::vda5050::encode(order);
-  traces_.add(now_, "AIV_Server", proxy.name, "order", summary);
+  traces_.add(now_, "AIV_Server", proxy.name, "order", summary, proxy.order_topic, payload);
   effects_->emplace_back(wire::Publish{proxy.order_topic, payload, 0, false});
   return payload;
 }
@@ -30,18 +30,20 @@ std::string Outbox::send(AivProxy& proxy, wire::InstantActions& actions) {
     if (const auto profile = action.text("profile")) summary += " " + *profile;
     summary += " (" + action.action_id + ")";
   }
-  traces_.add(now_, "AIV_Server", proxy.name, "instantActions", summary);
+  traces_.add(now_, "AIV_Server", proxy.name, "instantActions", summary, proxy.actions_topic, payload);
   effects_->emplace_back(wire::Publish{proxy.actions_topic, payload, 0, false});
   return payload;
 }
 
 void Outbox::resend_order(const AivProxy& proxy, const std::string& payload) {
-  traces_.add(now_, "AIV_Server", proxy.name, "order", "the same again: not acknowledged within 300 ms");
+  traces_.add(now_, "AIV_Server", proxy.name, "order", "the same again: not acknowledged within 300 ms",
+              proxy.order_topic, payload);
   effects_->emplace_back(wire::Publish{proxy.order_topic, payload, 0, false});
 }
 
 void Outbox::resend_actions(const AivProxy& proxy, const std::string& payload) {
-  traces_.add(now_, "AIV_Server", proxy.name, "instantActions", "the same again: not acknowledged within 300 ms");
+  traces_.add(now_, "AIV_Server", proxy.name, "instantActions", "the same again: not acknowledged within 300 ms",
+              proxy.actions_topic, payload);
   effects_->emplace_back(wire::Publish{proxy.actions_topic, payload, 0, false});
 }
 
@@ -86,6 +88,10 @@ const ActionDesk::Letter* ActionDesk::find(Ticket ticket) const {
 
 void ActionDesk::drop(Ticket ticket) {
   std::erase_if(letters_, [ticket](const Letter& letter) { return letter.ticket == ticket; });
+}
+
+void ActionDesk::forget(VehicleIndex vehicle) {
+  std::erase_if(letters_, [vehicle](const Letter& letter) { return letter.vehicle == vehicle; });
 }
 
 void ActionDesk::on_state(VehicleIndex vehicle, const wire::State& state) {

@@ -2,6 +2,7 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/time.h"
@@ -29,6 +30,7 @@ class Outbox {
   void resend_actions(const AivProxy& proxy, const std::string& payload);
   void publish(std::string topic, std::string payload, int qos, bool retained);
   void log(char level, std::string text);
+  void remember(std::string bytes) { effects_->emplace_back(wire::Remember{std::move(bytes)}); }
 
   [[nodiscard]] SimTime now() const { return now_; }
 
@@ -73,6 +75,8 @@ class ActionDesk {
   [[nodiscard]] const Letter* find(Ticket ticket) const;
   void drop(Ticket ticket);
   void on_state(VehicleIndex vehicle, const wire::State& state);
+  /// It has been taken away: nothing is sent to it any more.
+  void forget(VehicleIndex vehicle);
   void tick(Registry& registry, bool link_up);
 
  private:

@@ -1,6 +1,7 @@
 #include "virtual/server/proxy.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "wire/vda5050/codec.h"
 
@@ -20,6 +21,9 @@ std::string_view to_string(VehicleTopic topic) {
     case VehicleTopic::state: return "state";
     case VehicleTopic::visualization: return "visualization";
     case VehicleTopic::factsheet: return "factsheet";
+    case VehicleTopic::felt: return "felt";
+    case VehicleTopic::seen: return "seen";
+    case VehicleTopic::boards: return "boards";
   }
   return "?";
 }
@@ -72,9 +76,35 @@ std::optional<VehicleIndex> Registry::add(const wire::VehicleId& id, SimTime now
   for (const auto topic :
        {VehicleTopic::connection, VehicleTopic::state, VehicleTopic::visualization, VehicleTopic::factsheet})
     topics_.emplace(wire::vda_topic(id, to_string(topic), interface_name_), Address{index, topic});
+  topics_.emplace(wire::own_topic(wire::felt_topic_prefix, id), Address{index, VehicleTopic::felt});
+  topics_.emplace(wire::own_topic(wire::seen_topic_prefix, id), Address{index, VehicleTopic::seen});
+  topics_.emplace(wire::own_topic(wire::boards_topic_prefix, id), Address{index, VehicleTopic::boards});
+  proxy.augmented = id.manufacturer == wire::virtual_manufacturer;
   names_.emplace(proxy.name, index);
   proxies_.push_back(std::move(proxy));
   return index;
+}
+
+void Registry::renew(VehicleIndex index, SimTime now) {
+  AivProxy& old = proxies_[index];
+  AivProxy next;
+  next.id = old.id;
+  next.name = old.name;
+  next.number = old.number;
+  next.order_topic = old.order_topic;
+  next.actions_topic = old.actions_topic;
+  next.augmented = old.augmented;
+  next.priority = old.priority;
+  next.first_heard = now;
+  next.twin = old.twin;
+  next.entity = old.entity;
+  next.messages = old.messages;
+  next.headers_missed = old.headers_missed;
+  next.refused = old.refused;
+  next.outdated = old.outdated;
+  next.order_header_id = old.order_header_id;
+  next.actions_header_id = old.actions_header_id;
+  old = std::move(next);
 }
 
 }  // namespace cosiva::virtual_side

@@ -14,13 +14,15 @@
 #include "base/time.h"
 #include "virtual/server/traffic.h"
 #include "wire/messages.h"
+#include "wire/own_messages.h"
 #include "wire/topics.h"
 
 namespace cosiva::virtual_side {
 
 /// Topics on which a vehicle speaks.
-enum class VehicleTopic : std::uint8_t { connection, state, visualization, factsheet };
-inline constexpr std::size_t vehicle_topics = 4;
+enum class VehicleTopic : std::uint8_t { connection, state, visualization, factsheet, felt, seen, boards };
+inline constexpr std::size_t vehicle_topics = 7;
+/// Of the standard's topics; our own have no place under the interface.
 [[nodiscard]] std::optional<VehicleTopic> parse_vehicle_topic(std::string_view name);
 [[nodiscard]] std::string_view to_string(VehicleTopic topic);
 
@@ -32,7 +34,10 @@ struct AivProxy {
   std::uint32_t number{};  ///< its mark
   std::string order_topic;
   std::string actions_topic;
-  std::string version;  ///< exactly as it writes it; empty until heard
+  std::string version;       ///< exactly as it writes it; empty until heard
+  bool augmented{false};     ///< added only virtually (A3): the bijection leaves it out
+  bool retired{false};       ///< taken away: in no table and no traffic; its name may come back
+  std::int32_t priority{0};  ///< 0…999, higher goes first at a crossing
 
   std::optional<wire::ConnectionState> connection;  ///< nothing: it never said
   SimTime connection_at{};
@@ -54,9 +59,15 @@ struct AivProxy {
   std::optional<SimTime> init_sent_at;
   double clock_off_s{0.0};  ///< 0: its clock is right within 2 s
 
+  std::optional<wire::BoardsReport> boards;
+  std::optional<SimTime> boards_stamp;  ///< on its own clock
+  std::optional<SimTime> seen_stamp;
+  bool paused_for_body{false};  ///< by the server, since it cannot feel what stands before it
+
   std::optional<std::size_t> twin;
-  std::size_t entity{};  ///< in the monitor
-  bool present{false};   ///< physically: it was online and reported where it is, or reported for a while without
+  std::optional<zone::Place> base_end;  ///< as it said last
+  std::size_t entity{};                 ///< in the monitor
+  bool present{false};  ///< physically: it was online and reported where it is, or reported for a while without
   std::optional<SimTime> reporting_since;
 
   std::optional<aiv::Profile> imposed;
@@ -74,6 +85,8 @@ struct AivProxy {
   std::uint32_t actions_header_id{0};
   std::uint32_t notes{0};  ///< bits of what was already logged once
 
+  /// Has a twin that is shown and stands in the way of others.
+  [[nodiscard]] bool here() const { return twin.has_value() && !retired; }
   [[nodiscard]] bool online() const { return !connection || *connection == wire::ConnectionState::online; }
   /// Silent for longer than `after`, or than three of its usual gaps where it reports more slowly than that.
   [[nodiscard]] bool lost(SimTime now, SimDuration after) const {
@@ -99,6 +112,8 @@ class Registry {
   [[nodiscard]] std::optional<VehicleIndex> find(std::string_view name) const;
   /// Gives a vehicle its proxy and mark; nothing when there are too many.
   std::optional<VehicleIndex> add(const wire::VehicleId& id, SimTime now);
+  /// Its next life begins: only its name, mark, twin and counters stay.
+  void renew(VehicleIndex index, SimTime now);
 
   [[nodiscard]] std::size_t size() const { return proxies_.size(); }
   [[nodiscard]] AivProxy& operator[](VehicleIndex index) { return proxies_[index]; }

@@ -81,7 +81,8 @@ void ServerCore::Inside::refuse(VehicleIndex vehicle, VehicleTopic topic, const 
 void ServerCore::Inside::on_vehicle_message(Registry::Address address, const wire::Input& input) {
   AivProxy& proxy = registry[address.vehicle];
   ++proxy.messages;
-  const bool moving = address.topic == VehicleTopic::state || address.topic == VehicleTopic::visualization;
+  if (proxy.retired) return on_ghost(proxy, address.topic, input);
+  const bool moving = address.topic != VehicleTopic::connection && address.topic != VehicleTopic::factsheet;
   if (input.flag && moving) {
     // §6.2: only connection and factsheet are retained. An old state would put the twin where the vehicle once was.
     ++proxy.refused;
@@ -91,11 +92,20 @@ void ServerCore::Inside::on_vehicle_message(Registry::Address address, const wir
   }
   if (input.payload.empty()) return;  // somebody cleared a retained message
   switch (address.topic) {
-    case VehicleTopic::connection: on_connection(address.vehicle, input.payload); break;
-    case VehicleTopic::factsheet: on_factsheet(address.vehicle, input.payload); break;
-    case VehicleTopic::state: on_state(address.vehicle, input.payload); break;
-    case VehicleTopic::visualization: on_visualization(address.vehicle, input.payload); break;
+    case VehicleTopic::connection: on_connection(address.vehicle, input); break;
+    case VehicleTopic::factsheet: on_factsheet(address.vehicle, input); break;
+    case VehicleTopic::state: on_state(address.vehicle, input); break;
+    case VehicleTopic::visualization: on_visualization(address.vehicle, input); break;
+    case VehicleTopic::felt: on_felt(address.vehicle, input); break;
+    case VehicleTopic::seen: on_seen(address.vehicle, input); break;
+    case VehicleTopic::boards: on_boards(address.vehicle, input); break;
   }
+}
+
+void ServerCore::Inside::on_ghost(AivProxy& proxy, VehicleTopic topic, const wire::Input& input) {
+  // What was still on its way when it was taken away. Only whether it says to be there counts.
+  if (topic != VehicleTopic::connection) return;
+  if (const auto message = wire::vda5050::decode_connection(input.payload)) proxy.connection = message->state;
 }
 
 bool ServerCore::Inside::take_header(VehicleIndex vehicle, VehicleTopic topic, const wire::Header& header) {
@@ -159,16 +169,17 @@ void ServerCore::Inside::heard(VehicleIndex vehicle, SimTime reported_at, bool h
   // A vehicle that has just been switched on may need a moment to find its place; one that does not is an orphan.
   if (!proxy.present && (has_place || (proxy.online() && now - *proxy.reporting_since > arrival_patience))) {
     proxy.present = true;
-    simulator.monitor().set_physical(proxy.entity, true);
+    if (!proxy.augmented) simulator.monitor().set_physical(proxy.entity, true);
   }
 }
 
-void ServerCore::Inside::on_connection(VehicleIndex vehicle, const std::string& payload) {
-  const auto message = wire::vda5050::decode_connection(payload);
+void ServerCore::Inside::on_connection(VehicleIndex vehicle, const wire::Input& input) {
+  const auto message = wire::vda5050::decode_connection(input.payload);
   if (!message) return refuse(vehicle, VehicleTopic::connection, message.error());
   if (!take_header(vehicle, VehicleTopic::connection, message->header)) return;
   AivProxy& proxy = registry[vehicle];
-  traces.add(now, proxy.name, "AIV_Server", "connection", wire::vda5050::to_string(message->state));
+  traces.add(now, proxy.name, "AIV_Server", "connection", wire::vda5050::to_string(message->state), input.source,
+             input.payload);
   const bool was_online = proxy.connection == wire::ConnectionState::online;
   proxy.connection = message->state;
   proxy.connection_at = now;
@@ -183,33 +194,38 @@ void ServerCore::Inside::on_connection(VehicleIndex vehicle, const std::string& 
     proxy.position_known = false;
     proxy.position_lost_since.reset();
     proxy.factsheet_asked = false;
+    proxy.boards.reset();
+    proxy.boards_stamp.reset();
+    proxy.seen_stamp.reset();
+    ahead.new_session(vehicle);
   }
 }
 
-void ServerCore::Inside::on_factsheet(VehicleIndex vehicle, const std::string& payload) {
-  auto message = wire::vda5050::decode_factsheet(payload);
+void ServerCore::Inside::on_factsheet(VehicleIndex vehicle, const wire::Input& input) {
+  auto message = wire::vda5050::decode_factsheet(input.payload);
   if (!message) return refuse(vehicle, VehicleTopic::factsheet, message.error());
   if (!take_header(vehicle, VehicleTopic::factsheet, message->header)) return;
   AivProxy& proxy = registry[vehicle];
   traces.add(now, proxy.name, "AIV_Server", "factsheet",
-             message->series_name + ", " + std::to_string(message->actions.size()) + " actions");
+             message->series_name + ", " + std::to_string(message->actions.size()) + " actions", input.source,
+             input.payload);
   proxy.factsheet = std::move(*message);
 }
 
-void ServerCore::Inside::on_visualization(VehicleIndex vehicle, const std::string& payload) {
-  const auto message = wire::vda5050::decode_visualization(payload);
+void ServerCore::Inside::on_visualization(VehicleIndex vehicle, const wire::Input& input) {
+  const auto message = wire::vda5050::decode_visualization(input.payload);
   if (!message) return refuse(vehicle, VehicleTopic::visualization, message.error());
   if (!take_header(vehicle, VehicleTopic::visualization, message->header)) return;
   AivProxy& proxy = registry[vehicle];
   if (message->position)
     traces.add_position(now, proxy.name, "AIV_Server", "visualization", message->position->pose,
-                        message->velocity ? message->velocity->vx_mps : 0.0);
+                        message->velocity ? message->velocity->vx_mps : 0.0, input.source, input.payload);
   on_position(vehicle, message->header, message->position, message->velocity);
   commands.on_state(vehicle);
 }
 
-void ServerCore::Inside::on_state(VehicleIndex vehicle, const std::string& payload) {
-  auto message = wire::vda5050::decode_state(payload);
+void ServerCore::Inside::on_state(VehicleIndex vehicle, const wire::Input& input) {
+  auto message = wire::vda5050::decode_state(input.payload);
   if (!message) return refuse(vehicle, VehicleTopic::state, message.error());
   if (!take_header(vehicle, VehicleTopic::state, message->header)) return;
   AivProxy& proxy = registry[vehicle];
@@ -222,7 +238,7 @@ void ServerCore::Inside::on_state(VehicleIndex vehicle, const std::string& paylo
       return;
     }
   }
-  traces.add(now, proxy.name, "AIV_Server", "state", summary_of(*message));
+  traces.add(now, proxy.name, "AIV_Server", "state", summary_of(*message), input.source, input.payload);
   const std::optional<wire::State> before = std::exchange(proxy.state, std::move(*message));
   const wire::State& state = *proxy.state;
   proxy.state_stamp = stamp;
@@ -279,8 +295,8 @@ void ServerCore::Inside::place_twin(VehicleIndex vehicle, SimTime at, const Pose
                                     const std::optional<wire::Velocity>& velocity) {
   AivProxy& proxy = registry[vehicle];
   if (!proxy.twin) {
-    proxy.twin = simulator.appear(proxy.name, proxy.number, options.lost_after, step_recorder());
-    show_event(PhysicalEvent::arrival, at);
+    proxy.twin = simulator.appear(proxy.name, proxy.number, proxy.augmented, options.lost_after, step_recorder());
+    show_event(proxy, PhysicalEvent::arrival, at);
     tell_base_end(vehicle);
   }
   MotionReport report{at, {pose.x_m, pose.y_m, wrap_angle(pose.heading_rad)}, {}, 0.0, 0.0};
@@ -295,7 +311,7 @@ void ServerCore::Inside::place_twin(VehicleIndex vehicle, SimTime at, const Pose
 }
 
 void ServerCore::Inside::tell_base_end(VehicleIndex vehicle) {
-  const AivProxy& proxy = registry[vehicle];
+  AivProxy& proxy = registry[vehicle];
   if (!proxy.twin || !proxy.state || !map) return;
   const wire::State& state = *proxy.state;
   std::optional<zone::Place> end;
@@ -305,6 +321,7 @@ void ServerCore::Inside::tell_base_end(VehicleIndex vehicle) {
     const std::string& id = released == state.node_states.rend() ? state.last_node_id : released->node_id;
     if (const auto waypoint = map->find(id)) end = map->waypoint(*waypoint).place;
   }
+  proxy.base_end = end;
   simulator.set_base_end(*proxy.twin, end);
 }
 
@@ -324,22 +341,22 @@ void ServerCore::Inside::read_limits_and_tags(AivProxy& proxy) {
   }
 }
 
-void ServerCore::Inside::show_event(PhysicalEvent kind, SimTime reported_at) {
-  simulator.monitor().event(kind, to_seconds(now - reported_at) * 1e3);
+void ServerCore::Inside::show_event(const AivProxy& proxy, PhysicalEvent kind, SimTime reported_at) {
+  if (!proxy.augmented) simulator.monitor().event(kind, to_seconds(now - reported_at) * 1e3);
 }
 
 void ServerCore::Inside::show_events(VehicleIndex vehicle, const wire::State* before, SimTime reported_at) {
   AivProxy& proxy = registry[vehicle];
   const wire::State& state = *proxy.state;
   if (proxy.last_tag != proxy.tag_shown) {
-    if (before != nullptr) show_event(PhysicalEvent::tag, reported_at);
+    if (before != nullptr) show_event(proxy, PhysicalEvent::tag, reported_at);
     proxy.tag_shown = proxy.last_tag;
   }
   if (before == nullptr) return;
-  if (state.field_violation && !before->field_violation) show_event(PhysicalEvent::obstacle, reported_at);
-  if (!state.driving && before->driving) show_event(PhysicalEvent::stop, reported_at);
+  if (state.field_violation && !before->field_violation) show_event(proxy, PhysicalEvent::obstacle, reported_at);
+  if (!state.driving && before->driving) show_event(proxy, PhysicalEvent::stop, reported_at);
   if (std::floor(state.battery.charge_percent) != std::floor(before->battery.charge_percent))
-    show_event(PhysicalEvent::battery, reported_at);
+    show_event(proxy, PhysicalEvent::battery, reported_at);
 }
 
 void ServerCore::Inside::help_lost_position(VehicleIndex vehicle) {

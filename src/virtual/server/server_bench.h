@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <deque>
 #include <fstream>
 #include <functional>
 #include <memory>
@@ -14,6 +15,7 @@
 #include "base/json_value.h"
 #include "base/random.h"
 #include "virtual/server/server_core.h"
+#include "wire/own_messages.h"
 #include "wire/topics.h"
 #include "wire/vda5050/codec.h"
 
@@ -227,8 +229,11 @@ class ServerBench {
   std::function<void()> each_step;
   SimDuration latency{4ms};
 
-  void restart_server() {
+  /// Killed and started anew, with what it remembered where that is asked for.
+  void restart_server(bool recall = false) {
     server = std::make_unique<ServerCore>(options_);
+    echoes_.clear();
+    if (recall && !memory.empty()) feed(wire::InputKind::recall, "", memory);
     feed(wire::InputKind::link, "", "up");
     for (const auto& vehicle : vehicles)
       tell(*vehicle, "connection", vda::encode(vehicle->connection(now, wire::ConnectionState::online)), true);
@@ -256,19 +261,25 @@ class ServerBench {
     connection(vehicle, wire::ConnectionState::connection_broken);
   }
 
+  /// A command of any kind, as JSON.
+  void ask(std::string json) { feed(wire::InputKind::command, "test", std::move(json)); }
+  /// Why the server would refuse it; empty: it would not.
+  [[nodiscard]] std::string refusal(const std::string& json) const {
+    const auto checked = server->check_command(json);
+    return checked ? "" : to_string(checked.error());
+  }
+
   void feed(wire::InputKind kind, std::string source, std::string payload, bool flag = false) {
-    effects_.clear();
-    server->handle({now, kind, std::move(source), std::move(payload), flag}, effects_);
-    const wire::Effects effects = std::move(effects_);
-    for (const wire::Effect& effect : effects) {
-      if (const auto* log = std::get_if<wire::Log>(&effect)) logs.push_back(log->text);
-      const auto* message = std::get_if<wire::Publish>(&effect);
-      if (message == nullptr) continue;
-      published.push_back(*message);
-      if (random.chance(loss)) continue;
-      for (const auto& vehicle : vehicles) vehicle->receive(*message);
+    act({now, kind, std::move(source), std::move(payload), flag});
+    // What the server subscribes to comes back to it, as from a broker.
+    while (!echoes_.empty()) {
+      const wire::Publish echo = std::move(echoes_.front());
+      echoes_.pop_front();
+      act({now, wire::InputKind::message, echo.topic, echo.payload, false});
     }
   }
+  /// What it would remember if it were killed now.
+  std::string memory;
 
   void run_for(SimDuration duration) {
     for (const SimTime end = now + duration; now < end;) {
@@ -319,8 +330,26 @@ class ServerBench {
   }
 
  private:
+  void act(const wire::Input& input) {
+    effects_.clear();
+    server->handle(input, effects_);
+    const wire::Effects effects = std::move(effects_);
+    for (const wire::Effect& effect : effects) {
+      if (const auto* log = std::get_if<wire::Log>(&effect)) logs.push_back(log->text);
+      if (const auto* kept = std::get_if<wire::Remember>(&effect)) memory = kept->bytes;
+      const auto* message = std::get_if<wire::Publish>(&effect);
+      if (message == nullptr) continue;
+      published.push_back(*message);
+      for (const std::string& filter : server->subscriptions())
+        if (wire::topic_matches(filter, message->topic)) echoes_.push_back(*message);
+      if (random.chance(loss)) continue;
+      for (const auto& vehicle : vehicles) vehicle->receive(*message);
+    }
+  }
+
   ServerOptions options_;
   wire::Effects effects_;
+  std::deque<wire::Publish> echoes_;
   std::uint64_t steps_{0};
 };
 

@@ -32,11 +32,15 @@ ServerCore::Inside::Inside(ServerOptions given)
       desk{outbox},
       simulator{options.contract},
       roller{registry, traffic, outbox, desk},
-      commands{registry, outbox, desk, roller, simulator} {}
+      commands{registry, outbox, desk, roller, simulator},
+      fleet{registry, outbox},
+      pauses{registry, traffic, outbox, desk, simulator},
+      ahead{registry, outbox, traces, simulator, fleet, pauses},
+      things{registry, simulator, fleet, outbox} {}
 
 void ServerCore::Inside::begin(SimTime) {
   begun = true;
-  if (options.zone) on_zone(options.zone->format, options.zone->origin, options.zone->text, false);
+  if (options.zone) on_zone(*options.zone, false);
 }
 
 Simulator::Step ServerCore::Inside::step_recorder() {
@@ -45,31 +49,26 @@ Simulator::Step ServerCore::Inside::step_recorder() {
   };
 }
 
-void ServerCore::Inside::on_zone(std::string_view format, std::string_view origin, std::string_view text, bool) {
-  const zone::ZoneConfiguration configuration{std::string(format), std::string(origin), std::string(text)};
-  const auto received = simulator.receive(now, configuration, step_recorder());
-  if (!received) {
-    ++messages_refused;
-    outbox.log('e', "zone configuration refused: " + to_string(received.error()) +
-                        (simulator.zone() ? "; the zone that was there stays" : ""));
-    return;
+std::optional<VehicleIndex> ServerCore::Inside::register_vehicle(const wire::VehicleId& id) {
+  const auto index = registry.add(id, now);
+  if (!index) return std::nullopt;
+  traffic.resize(registry.size());
+  roller.resize(registry.size());
+  ahead.resize(registry.size());
+  pauses.resize(registry.size());
+  AivProxy& proxy = registry[*index];
+  take_priority(*index);
+  // One of the virtual AIVs' name that does not live here is a ghost of an earlier life; the others are counted.
+  if (proxy.augmented)
+    proxy.retired = true;
+  else
+    proxy.entity = simulator.monitor().entity(proxy.name);
+  if (std::erase(recalled_pauses, proxy.name) > 0) {
+    proxy.paused_for_body = true;
+    ahead.wake();
   }
-  if (!*received) return;
-  const auto& zone = simulator.zone();
-  outbox.log('i', "zone '" + zone->name + "': " + std::to_string(zone->waypoints.size()) + " waypoints, " +
-                      std::to_string(zone->crossings.size()) + " crossings");
-  // Everything that points into the old map forgets it before it goes.
-  traffic.set_map(nullptr);
-  roller.set_map(nullptr);
-  map.emplace(zone);
-  traffic.set_map(&*map);
-  roller.set_map(&*map);
-  for (VehicleIndex v = 0; v < registry.size(); ++v) {
-    AivProxy& proxy = registry[v];
-    if (!proxy.twin || !proxy.reported || !proxy.position_known) continue;
-    // Seen again on the new zone from where it last was, standing until it reports.
-    place_twin(v, now, *proxy.reported, wire::Velocity{});
-  }
+  outbox.log('i', proxy.name + ": registered with mark " + std::to_string(proxy.number));
+  return index;
 }
 
 std::optional<Registry::Address> ServerCore::Inside::address_of(const std::string& topic) {
@@ -86,13 +85,7 @@ std::optional<Registry::Address> ServerCore::Inside::address_of(const std::strin
            !wire::valid_serial_number(parsed->vehicle.manufacturer))
     fault = "has a name with characters that VDA 5050 does not allow";
   if (fault.empty()) {
-    if (const auto index = registry.add(parsed->vehicle, now)) {
-      traffic.resize(registry.size());
-      roller.resize(registry.size());
-      registry[*index].entity = simulator.monitor().entity(registry[*index].name);
-      outbox.log('i', registry[*index].name + ": registered with mark " + std::to_string(registry[*index].number));
-      return Registry::Address{*index, *kind};
-    }
+    if (const auto index = register_vehicle(parsed->vehicle)) return Registry::Address{*index, *kind};
     fault = "is one more than the " + std::to_string(Registry::vehicles_max) + " vehicles a server takes";
   }
   ++messages_refused;
@@ -101,6 +94,7 @@ std::optional<Registry::Address> ServerCore::Inside::address_of(const std::strin
 }
 
 void ServerCore::Inside::on_message(const wire::Input& input) {
+  if (!fleet.empty() && fleet.from_broker(now, input.source, input.payload)) return;
   if (const auto address = address_of(input.source)) {
     on_vehicle_message(*address, input);
     return;
@@ -108,30 +102,28 @@ void ServerCore::Inside::on_message(const wire::Input& input) {
   const std::string_view topic{input.source};
   if (topic.starts_with(wire::zone_topic_prefix)) {
     const std::string_view format = topic.substr(wire::zone_topic_prefix.size());
-    traces.add(now, "physical side", "AIV_Server", "zone",
-               std::string(format) + ", " + std::to_string(input.payload.size()) + " bytes");
     // An empty retained message takes a zone off the broker; the one that runs stays.
-    if (!input.payload.empty()) on_zone(format, topic, input.payload, input.flag);
+    if (!input.payload.empty()) on_zone({std::string(format), std::string(topic), input.payload}, true);
   }
 }
 
 void ServerCore::Inside::on_link(bool up) {
   if (up == link_up) return;
   link_up = up;
+  fleet.link(now, up);
   if (!up) {
+    edits.link_lost();
     outbox.log('w', "lost the broker; vehicles stop by themselves until it is back");
     return;
   }
   link_up_at = now;
   is_settled = false;
   for (AivProxy& proxy : registry) proxy.state_since_link = false;
-  outbox.publish(std::string(wire::server_connection_topic), connection_json("ONLINE", now), 1, true);
-  traces.add(now, "AIV_Server", "*", "connection", "ONLINE");
-  if (options.zone) {
-    outbox.publish(std::string(wire::zone_topic_prefix) + options.zone->format, options.zone->text, 1, true);
-    traces.add(now, "AIV_Server", "*", "zone",
-               options.zone->format + ", " + std::to_string(options.zone->text.size()) + " bytes");
-  }
+  std::string online = connection_json("ONLINE", now);
+  traces.add(now, "AIV_Server", "*", "connection", "ONLINE", wire::server_connection_topic, online);
+  fleet.message(now, std::string(wire::server_connection_topic), online);
+  outbox.publish(std::string(wire::server_connection_topic), std::move(online), 1, true);
+  if (options.zone || edits.edited(simulator)) publish_zone();
   next_heartbeat = now;
 }
 
@@ -141,34 +133,45 @@ bool ServerCore::Inside::settled() const {
   if (since < settle_min) return false;
   // A vehicle that drives on an order of our last life must be heard before anyone is sent into its way.
   return std::ranges::all_of(registry, [](const AivProxy& proxy) {
-    return proxy.connection != wire::ConnectionState::online || proxy.state_since_link;
+    return proxy.retired || proxy.connection != wire::ConnectionState::online || proxy.state_since_link;
   });
+}
+
+void ServerCore::Inside::settle() {
+  is_settled = true;
+  if (!recalled_aivs.empty()) place_recalled_aivs();
+  silence_orphans();
 }
 
 void ServerCore::Inside::on_tick() {
   if (link_up && now >= next_heartbeat) {
     std::string heartbeat =
         "{\"headerId\":" + std::to_string(heartbeat_id) + ",\"timestamp\":\"" + to_iso8601(now) + "\"}";
-    traces.add(now, "AIV_Server", "*", "heartbeat", heartbeat);
+    traces.add(now, "AIV_Server", "*", "heartbeat", heartbeat, wire::server_heartbeat_topic, heartbeat);
+    fleet.message(now, std::string(wire::server_heartbeat_topic), heartbeat);
     outbox.publish(std::string(wire::server_heartbeat_topic), std::move(heartbeat), 0, false);
     ++heartbeat_id;
     next_heartbeat = std::max(next_heartbeat + heartbeat_period, now);
   }
-  if (link_up && !is_settled) is_settled = settled();
+  fleet.tick(now);
+  if (link_up && !is_settled && settled()) settle();
   if (link_up && is_settled) {
     for (VehicleIndex v = 0; v < registry.size(); ++v) {
       help_lost_position(v);
       ask_factsheet(v);
     }
+    traffic.set_time(now);
     roller.tick(options.drive, options.lost_after);
   }
+  update_virtual_world();
+  look_for_passed_obstacles();
   desk.tick(registry, link_up);
   commands.tick();
 
   BijectionMonitor& monitor = simulator.monitor();
   for (const AivProxy& proxy : registry) {
     // One that said goodbye owes no reports.
-    if (proxy.present && proxy.connection != wire::ConnectionState::offline)
+    if (proxy.present && !proxy.augmented && proxy.connection != wire::ConnectionState::offline)
       monitor.age(proxy.entity, to_seconds(now - proxy.reported_at) * 1e3);
   }
   monitor.elapse(now);
@@ -187,20 +190,31 @@ void ServerCore::handle(const wire::Input& input, wire::Effects& effects) {
     case wire::InputKind::tick: in.on_tick(); break;
     case wire::InputKind::link: in.on_link(input.payload == "up"); break;
     case wire::InputKind::command:
-      in.traces.add(input.at, input.source.empty() ? "operator" : input.source, "AIV_Server", "command", input.payload);
-      in.commands.issue(input.payload);
+      in.traces.add(input.at, input.source.empty() ? "operator" : input.source, "AIV_Server", "command", input.payload,
+                    {}, input.payload);
+      in.on_command(input.payload);
       break;
+    case wire::InputKind::recall: in.recall(input.payload); break;
     case wire::InputKind::configure:
-    case wire::InputKind::recall:
     case wire::InputKind::bytes:
-    case wire::InputKind::port: break;  // its options came with its construction; it has no streams and no memory
+    case wire::InputKind::port: break;  // its options came with its construction; it has no streams
   }
+  in.remember();
 }
 
 std::vector<std::string> ServerCore::subscriptions() const {
   const std::string& prefix = inside_->topic_prefix;
-  return {prefix + "+/+/+/state", prefix + "+/+/+/visualization", prefix + "+/+/+/connection",
-          prefix + "+/+/+/factsheet", std::string(wire::zone_topic_prefix) + "+"};
+  const std::string hosted = prefix + "v2/" + std::string(wire::virtual_manufacturer) + "/+/";
+  return {prefix + "+/+/+/state",
+          prefix + "+/+/+/visualization",
+          prefix + "+/+/+/connection",
+          prefix + "+/+/+/factsheet",
+          std::string(wire::zone_topic_prefix) + "+",
+          std::string(wire::felt_topic_prefix) + "+/+",
+          std::string(wire::seen_topic_prefix) + "+/+",
+          std::string(wire::boards_topic_prefix) + "+/+",
+          hosted + "order",
+          hosted + "instantActions"};
 }
 
 std::optional<wire::Will> ServerCore::will() const {
@@ -209,6 +223,8 @@ std::optional<wire::Will> ServerCore::will() const {
 }
 
 void ServerCore::farewell(SimTime now, wire::Effects& effects) {
+  inside_->outbox.open(now, effects);
+  inside_->fleet.farewell(now);
   effects.emplace_back(
       wire::Publish{std::string(wire::server_connection_topic), connection_json("OFFLINE", now), 1, true});
   inside_->traces.add(now, "AIV_Server", "*", "connection", "OFFLINE");
@@ -227,14 +243,24 @@ void ServerCore::fold(Digest& digest) const {
     digest.add(proxy.headers_missed);
     digest.add(proxy.refused);
     digest.add(proxy.outdated);
+    digest.add(static_cast<std::int64_t>(proxy.priority));
+    digest.add(static_cast<std::uint64_t>(proxy.retired) * 2 + static_cast<std::uint64_t>(proxy.paused_for_body));
   }
+  in.fleet.fold(digest);
+  in.ahead.fold(digest);
+  in.edits.fold(digest);
   digest.add(in.messages_refused);
   digest.add(in.traces.next());
 }
 
-Result<void> ServerCore::check_command(std::string_view json) const { return inside_->commands.check(json); }
+Result<void> ServerCore::check_command(std::string_view json) const { return inside_->check_command(json); }
 
 std::uint64_t ServerCore::zone_revision() const { return inside_->simulator.zone_revision(); }
 std::string ServerCore::zone_json() const { return inside_->simulator.zone_json(); }
+std::string ServerCore::next_thing_id(std::string_view kind) const { return inside_->things.next_id(kind); }
+std::optional<zone::ZoneConfiguration> ServerCore::zone_configuration() const {
+  const zone::ZoneConfiguration* configuration = inside_->simulator.configuration();
+  return configuration == nullptr ? std::nullopt : std::optional{*configuration};
+}
 
 }  // namespace cosiva::virtual_side

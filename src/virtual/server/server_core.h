@@ -29,14 +29,18 @@ struct ServerOptions {
 
 /// AIV_Server and Simulator as one core (they talk through recorded messages, seen in the traces). Ticks every 20 ms.
 ///
-/// Commands (Input::command, JSON; id optional). Refused ones are logged; those to vehicles are listed as failed with the
-/// reason.
-/// - to vehicles (A6): {"id":"c1","command":"stop"|"slow"|"medium"|"fast"|"restart"|"cancel","vehicle":"CoSiVA/AIV1"|"*"}
+/// Commands (Input::command, JSON; id optional). Refused ones are logged; those to vehicles are listed as failed with
+/// the reason.
+/// - to vehicles (A6):
+/// {"id":"c1","command":"stop"|"slow"|"medium"|"fast"|"restart"|"cancel","vehicle":"CoSiVA/AIV1"|"*"}, or
+///   "vehicles":[…] for several: an entry "c1.AIV1" each
 /// - only virtual things (A3): {"command":"add","thing":{"id":"V1","kind":"aiv","section","s"|"x","y"}},
 ///   {"command":"add","thing":{"id":"P1","kind":"person"|"obstacle","x","y","radius"?,
-///   "path":[[x,y]…]?,"speed"?,"repeat":"once"|"back and forth"|"loop"?}}, {"command":"move","thing":{"id","x","y"|"path"…}},
+///   "path":[[x,y]…]?,"speed"?,"repeat":"once"|"back and forth"|"loop"?}},
+///   {"command":"move","thing":{"id","x","y"|"path"…}},
 ///   {"command":"remove","id":"P1"|"*"}. Without an id in `add` the server takes next_thing_id(kind).
-/// - {"command":"edit","edit":{…}} (zone::ZoneEdit), {"command":"undo"}, {"command":"redo"}: of the zone (A5)
+/// - {"command":"edit","edit":{…}} (zone::ZoneEdit), {"command":"undo"}, {"command":"redo"}: of the zone (A5);
+///   {"command":"saved"}: zone_configuration() has been written to its file
 /// - to the emulated world: {"command":"plant","plant":{"addObstacle":{…}}|{"removeObstacle":"id"}},
 ///   {"command":"radio","vehicle":"CoSiVA/AIV2"|"*","loss":0.3}
 class ServerCore final : public wire::Core {
@@ -67,13 +71,23 @@ class ServerCore final : public wire::Core {
   /// The last traces from `after` (a running number) on:
   /// {"next":N,"traces":[{"n","time","from","to","kind","content"}…]}.
   [[nodiscard]] std::string traces_json(std::uint64_t after, std::size_t limit) const;
-  /// One trace with all of its raw content: {"n","time","from","to","kind","topic","raw"}; raw is null when it is no longer
-  /// kept. Nothing where there is no such number (any more).
+  /// One trace with all of its raw content: {"n","time","from","to","kind","topic","raw"}; raw is null when it is no
+  /// longer kept. Nothing where there is no such number (any more).
   [[nodiscard]] std::optional<std::string> trace_json(std::uint64_t n) const;
+  /// What the page should show soon. Cheap enough to be asked after every input; numbers that differ from before mean
+  /// that something changed.
+  struct PageRevision {
+    std::uint64_t waited_for;  ///< by an operator: a command's state, what was added or went, an alarm
+    std::uint64_t events;      ///< of the vehicles: a tag or node passed, started, stopped
+    friend bool operator==(const PageRevision&, const PageRevision&) = default;
+  };
+  [[nodiscard]] PageRevision page_revision() const;
   /// Everything that moves or may, sorted by handle, at the time of the last input carried on to `now`.
   void positions(SimTime now, std::vector<PositionRecord>& out) const;
   /// "V1", "P2", "O1": the next free one of "aiv", "person", "obstacle".
   [[nodiscard]] std::string next_thing_id(std::string_view kind) const;
+  /// "c12": the id that the next command to vehicles gets that brings none; whoever asks may give it that one.
+  [[nodiscard]] std::string next_command_id() const;
   /// The zone's configuration with all edits, as it would be saved; nothing while there is no zone.
   [[nodiscard]] std::optional<zone::ZoneConfiguration> zone_configuration() const;
 

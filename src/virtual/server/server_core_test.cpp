@@ -55,7 +55,9 @@ TEST(ServerCore, subscribes_to_what_vehicles_say_under_its_interface_and_to_zone
   options.interface_name = "plant7";
   EXPECT_THAT(ServerCore{options}.subscriptions(),
               ElementsAre("plant7/+/+/+/state", "plant7/+/+/+/visualization", "plant7/+/+/+/connection",
-                          "plant7/+/+/+/factsheet", "cosiva/v1/zone/+"));
+                          "plant7/+/+/+/factsheet", "cosiva/v1/zone/+", "cosiva/v1/felt/+/+", "cosiva/v1/seen/+/+",
+                          "cosiva/v1/boards/+/+", "plant7/v2/CoSiVA.virtual/+/order",
+                          "plant7/v2/CoSiVA.virtual/+/instantActions"));
 }
 
 TEST(ServerCore, builds_the_zone_in_the_article_s_order_and_shows_each_step) {

@@ -12,10 +12,6 @@ constexpr std::size_t commands_shown = 50;
 
 double ms_of(SimDuration duration) { return static_cast<double>(duration.count()) * 1e-6; }
 
-void write_pose(JsonWriter& json, const Pose2& pose) {
-  json.field("x", pose.x_m).field("y", pose.y_m).field("heading", pose.heading_rad);
-}
-
 void text_or_null(JsonWriter& json, std::string_view name, std::string_view text) {
   json.key(name);
   if (text.empty())
@@ -26,59 +22,49 @@ void text_or_null(JsonWriter& json, std::string_view name, std::string_view text
 
 }  // namespace
 
-void ServerCore::Inside::write_vehicle(JsonWriter& json, VehicleIndex vehicle) const {
-  const AivProxy& proxy = registry[vehicle];
-  const Twin& twin = simulator.twin(*proxy.twin);
-  const Twin::Image image = simulator.image(*proxy.twin, now);
-  const wire::ConnectionState connection = proxy.connection.value_or(wire::ConnectionState::online);
-  const bool lost = proxy.lost(now, options.lost_after) || connection == wire::ConnectionState::connection_broken;
-  const double speed_mps = lost ? 0.0 : image.speed_mps;
-
-  json.begin_object()
-      .field("id", proxy.name)
-      .field("number", proxy.number)
-      .field("connection", wire::vda5050::to_string(connection))
-      .field("lost", lost)
-      .field("status", aiv::to_string(aiv::status_of(speed_mps, proxy.imposed)));
-  write_pose(json, image.X_MB);
-  json.field("speed", speed_mps).key("section");
-  if (image.place && simulator.circuit() != nullptr)
-    json.value(simulator.circuit()->part(image.place->section).name).key("s").value(image.place->s_m);
-  else
-    json.null().key("s").null();
-  write_pose(json.key("reported").begin_object(), twin.last_report().X_MB);
-  json.end_object();
-  json.field("age_ms", std::max(0.0, ms_of(now - proxy.reported_at)))
-      .field("divergence_m", simulator.last_divergence_m(*proxy.twin))
-      .field("battery", proxy.state ? proxy.state->battery.charge_percent : 0.0)
-      .key("lastTag");
-  if (proxy.last_tag)
-    json.value(*proxy.last_tag);
-  else
-    json.null();
-  const wire::State none;
-  const wire::State& state = proxy.state ? *proxy.state : none;
-  json.field("sinceTag_m", proxy.since_tag_m)
-      .field("lastNode", state.last_node_id)
-      .field("orderId", state.order_id)
-      .field("orderUpdateId", state.order_update_id)
-      .field("driving", state.driving)
-      .field("paused", state.paused)
-      .field("fieldViolation", state.field_violation);
-  text_or_null(json, "waitsFor", roller.waits_for(vehicle));
-  json.key("errors").begin_array();
-  for (const wire::VehicleError& error : state.errors)
-    json.value(error.description.empty() ? error.type : error.type + ": " + error.description);
-  if (proxy.clock_off_s != 0.0) json.value("clock: off by " + std::to_string(proxy.clock_off_s) + " s");
+void ServerCore::Inside::write_things(JsonWriter& json) const {
+  json.key("things").begin_array();
+  for (const Thing& thing : simulator.augmented().things()) {
+    const Walk::Motion at = thing.at(now);
+    json.begin_object()
+        .field("id", thing.id)
+        .field("handle", thing.handle)
+        .field("kind", to_string(thing.kind))
+        .field("x", at.at.x_m)
+        .field("y", at.at.y_m)
+        .field("heading", at.heading_rad)
+        .field("radius", thing.radius_m)
+        .field("speed", thing.walk.speed_mps());
+    if (thing.walk.path().size() > 1) {
+      json.key("path").begin_array();
+      for (const Point2 p : thing.walk.path()) json.begin_array().value(p.x_m).value(p.y_m).end_array();
+      json.end_array().field("repeat", to_string(thing.walk.repeat()));
+    }
+    json.key("feltBy").begin_array();
+    for (VehicleIndex v = 0; v < registry.size(); ++v)
+      if (registry[v].here() && ahead.feels(v) == thing.id) json.value(registry[v].name);
+    json.end_array().field("since_ms", ms_of(thing.since.time_since_epoch())).end_object();
+  }
   json.end_array();
-  const auto held = simulator.monitor().held(proxy.entity);
-  json.key("contract")
-      .begin_object()
-      .field("matched", held.matched)
-      .field("divergence", held.divergence)
-      .field("age", held.age)
-      .end_object()
-      .end_object();
+}
+
+void ServerCore::Inside::write_obstacles(JsonWriter& json) const {
+  json.key("obstacles").begin_array();
+  for (const SeenObstacle& obstacle : simulator.seen().obstacles()) {
+    json.begin_object()
+        .field("id", obstacle.id)
+        .field("handle", obstacle.handle)
+        .field("x", obstacle.at.x_m)
+        .field("y", obstacle.at.y_m)
+        .field("radius", obstacle.radius_m);
+    json.key("seenBy").begin_array();
+    for (const SeenObstacle::Witness& witness : obstacle.seen_by) json.value(witness.vehicle);
+    json.end_array()
+        .field("first_ms", ms_of(obstacle.first.time_since_epoch()))
+        .field("last_ms", ms_of(obstacle.last.time_since_epoch()))
+        .end_object();
+  }
+  json.end_array();
 }
 
 void ServerCore::Inside::write_crossings(JsonWriter& json) const {
@@ -129,10 +115,18 @@ std::string ServerCore::snapshot_json() const {
       .field("time", to_iso8601(in.now))
       .field("time_ms", ms_of(in.now.time_since_epoch()))
       .field("zoneRevision", in.simulator.zone_revision());
+  json.key("zoneEdits")
+      .begin_object()
+      .field("undo", static_cast<std::uint64_t>(in.edits.undo_count()))
+      .field("redo", static_cast<std::uint64_t>(in.edits.redo_count()))
+      .field("unsaved", in.edits.unsaved(in.simulator))
+      .end_object();
   json.key("aivs").begin_array();
   for (VehicleIndex v = 0; v < in.registry.size(); ++v)
-    if (in.registry[v].twin) in.write_vehicle(json, v);
+    if (in.registry[v].here()) in.write_vehicle(json, v);
   json.end_array();
+  in.write_things(json);
+  in.write_obstacles(json);
   in.write_crossings(json);
   in.simulator.monitor().write(json.key("bijection"));
   in.write_commands(json);
@@ -152,6 +146,7 @@ std::string ServerCore::summary_json() const {
     json.begin_object()
         .field("id", proxy.name)
         .field("number", proxy.number)
+        .field("augmented", proxy.augmented)
         .field("connection", wire::vda5050::to_string(connection))
         .field("present", proxy.present)
         .field("twin", proxy.twin.has_value())

@@ -1,6 +1,7 @@
 #include "virtual/server/traffic.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace cosiva::virtual_side {
 namespace {
@@ -18,7 +19,11 @@ void Traffic::set_map(const WayMap* map) {
   map_ = map;
   holders_.assign(map == nullptr ? 0 : map->crossing_count(), no_vehicle);
   queue_.clear();
-  for (Vehicle& vehicle : vehicles_) vehicle = {};
+  for (Vehicle& vehicle : vehicles_) {
+    Vehicle fresh;
+    fresh.priority = vehicle.priority;
+    vehicle = std::move(fresh);
+  }
   dirty_ = true;
 }
 
@@ -37,6 +42,12 @@ void Traffic::set_base_end(VehicleIndex vehicle, WaypointIndex end) {
   if (vehicles_[vehicle].base_end == end) return;
   vehicles_[vehicle].base_end = end;
   dirty_ = true;
+}
+
+void Traffic::forget(VehicleIndex vehicle) {
+  set_place(vehicle, std::nullopt);
+  set_base_end(vehicle, no_waypoint);
+  withdraw(vehicle);
 }
 
 double Traffic::standing_m() const { return map_->zone().vehicle.length_m + rules_.gap_m; }
@@ -94,12 +105,33 @@ bool Traffic::holds_all(VehicleIndex vehicle, double distance_m) {
   return std::ranges::all_of(scratch_, [&](CrossingIndex x) { return holders_[x] == vehicle; });
 }
 
+bool Traffic::goes_before(const Request& a, const Request& b) const {
+  const bool a_waited = now_ - a.since >= rules_.overtaken_at_most;
+  const bool b_waited = now_ - b.since >= rules_.overtaken_at_most;
+  if (a_waited != b_waited) return a_waited;
+  const std::int32_t a_priority = vehicles_[a.vehicle].priority;
+  const std::int32_t b_priority = vehicles_[b.vehicle].priority;
+  if (!a_waited && a_priority != b_priority) return a_priority > b_priority;
+  return &a < &b;  // the queue is in the order of asking
+}
+
+bool Traffic::only_follows(VehicleIndex other, VehicleIndex self, const std::vector<CrossingIndex>& crossings) {
+  const auto& from = vehicles_[other].place;
+  if (!from) return false;
+  const auto distance_m = map_->ahead(*from, *vehicles_[self].place, base_m_max);
+  if (!distance_m || *distance_m == 0.0) return false;
+  // On a ring everybody follows everybody; it counts only where none of the crossings comes first.
+  between_.clear();
+  map_->crossings_on(*from, *distance_m, between_);
+  return !shares(between_, crossings);
+}
+
 Traffic::Answer Traffic::request(VehicleIndex vehicle, WaypointIndex stop, double distance_m) {
   const Vehicle& self = vehicles_[vehicle];
   if (!self.place) return {};
   auto mine = std::ranges::find(queue_, vehicle, &Request::vehicle);
   if (mine == queue_.end()) {
-    queue_.push_back({vehicle, {}, false});
+    queue_.push_back({vehicle, {}, now_, false});
     mine = queue_.end() - 1;
   }
   const double exit_m = distance_m + map_->stretch(stop).chain_m;
@@ -108,15 +140,22 @@ Traffic::Answer Traffic::request(VehicleIndex vehicle, WaypointIndex stop, doubl
   mine->has_room = self.ahead.distance_m >= exit_m + map_->zone().vehicle.length_m + rules_.room_m;
 
   const CrossingIndex first = mine->crossings.empty() ? 0 : mine->crossings.front();
-  for (const CrossingIndex x : mine->crossings)
-    if (holders_[x] != no_vehicle && holders_[x] != vehicle) return {false, x, holders_[x]};
+  for (const CrossingIndex x : mine->crossings) {
+    const VehicleIndex holder = holders_[x];
+    if (holder != no_vehicle && holder != vehicle && !only_follows(holder, vehicle, mine->crossings))
+      return {false, x, holder};
+  }
   // Somebody may stand in a crossing that a third one holds; it holds nothing, but it is there.
-  for (VehicleIndex j = 0; j < vehicles_.size(); ++j)
-    if (j != vehicle && shares(vehicles_[j].needs, mine->crossings)) return {false, first, j};
+  for (VehicleIndex j = 0; j < vehicles_.size(); ++j) {
+    if (j != vehicle && shares(vehicles_[j].needs, mine->crossings) && !only_follows(j, vehicle, mine->crossings))
+      return {false, first, j};
+  }
   if (!mine->has_room) return {false, first, self.ahead.vehicle};
-  for (auto older = queue_.begin(); older != mine; ++older) {
+  for (const Request& other : queue_) {
     // Who has no room beyond could not use its turn; it keeps it, but lets others by.
-    if (older->has_room && shares(older->crossings, mine->crossings)) return {false, first, older->vehicle};
+    if (other.vehicle != vehicle && other.has_room && goes_before(other, *mine) &&
+        shares(other.crossings, mine->crossings) && !only_follows(other.vehicle, vehicle, mine->crossings))
+      return {false, first, other.vehicle};
   }
   for (const CrossingIndex x : mine->crossings) holders_[x] = vehicle;
   queue_.erase(mine);
@@ -129,15 +168,22 @@ void Traffic::withdraw(VehicleIndex vehicle) {
 }
 
 std::vector<VehicleIndex> Traffic::waiting(CrossingIndex crossing) const {
-  std::vector<VehicleIndex> names;
+  std::vector<const Request*> asking;
   for (const Request& request : queue_)
-    if (std::ranges::find(request.crossings, crossing) != request.crossings.end()) names.push_back(request.vehicle);
-  return names;
+    if (std::ranges::find(request.crossings, crossing) != request.crossings.end()) asking.push_back(&request);
+  std::ranges::sort(asking, [this](const Request* a, const Request* b) { return goes_before(*a, *b); });
+  std::vector<VehicleIndex> vehicles;
+  vehicles.reserve(asking.size());
+  for (const Request* request : asking) vehicles.push_back(request->vehicle);
+  return vehicles;
 }
 
 void Traffic::fold(Digest& digest) const {
   for (const VehicleIndex holder : holders_) digest.add(std::uint64_t{holder});
-  for (const Request& request : queue_) digest.add(std::uint64_t{request.vehicle});
+  for (const Request& request : queue_) {
+    digest.add(std::uint64_t{request.vehicle});
+    digest.add(request.since);
+  }
 }
 
 }  // namespace cosiva::virtual_side

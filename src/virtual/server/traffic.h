@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/digest.h"
+#include "base/time.h"
 #include "virtual/server/way_map.h"
 
 namespace cosiva::virtual_side {
@@ -19,14 +20,19 @@ struct TrafficRules {
   double room_m{0.15};           ///< from a crossing's exit to the vehicle ahead
   double request_within_m{0.7};  ///< of the stop line: nearer than this, a crossing is asked for
   double look_ahead_m{6.0};      ///< for the vehicle ahead
+  SimDuration overtaken_at_most{std::chrono::seconds{10}};  ///< one that has asked for so long is overtaken by nobody
 };
 
 /// Who may go where: the vehicle ahead, and the crossings (release is reservation).
 ///
 /// What a vehicle holds follows from where it last said it was and from the base it was given: every crossing on the
 /// way between. So nothing has to be given back by hand, a crossing lost in a restart is found again, and a vehicle
-/// that stands in one holds it whatever happened. New crossings are granted in whole chains or not at all, first come
-/// first served; hence nobody holds one while waiting for the next, and nobody starves.
+/// that stands in one holds it whatever happened. New crossings are granted in whole chains or not at all, so nobody
+/// holds one while waiting for the next. Of those that ask, the higher priority goes first, and among equals who asked
+/// first; but a request that has waited `overtaken_at_most` is overtaken by nobody, so nobody starves either.
+///
+/// A vehicle may be put between another and the crossing that the other holds already (virtual AIVs are). The other can
+/// only follow it, so it goes first: what somebody behind it on the same way holds or asks for keeps nobody back.
 class Traffic {
  public:
   explicit Traffic(TrafficRules rules = {}) : rules_{rules} {}
@@ -36,8 +42,14 @@ class Traffic {
 
   /// The last reported place; nothing: it is not on the way of others.
   void set_place(VehicleIndex vehicle, std::optional<zone::Place> place);
+  void set_priority(VehicleIndex vehicle, std::int32_t priority) { vehicles_[vehicle].priority = priority; }
+  void set_time(SimTime now) { now_ = now; }
+  /// It has been taken away.
+  void forget(VehicleIndex vehicle);
   /// The end of the base it was given, whether it has said so or not; no_waypoint: none.
   void set_base_end(VehicleIndex vehicle, WaypointIndex end);
+  [[nodiscard]] WaypointIndex base_end(VehicleIndex vehicle) const { return vehicles_[vehicle].base_end; }
+  [[nodiscard]] const std::optional<zone::Place>& place(VehicleIndex vehicle) const { return vehicles_[vehicle].place; }
 
   /// Works out vehicles ahead and holds from places and bases; call after changes and before asking.
   void update();
@@ -62,7 +74,7 @@ class Traffic {
   void withdraw(VehicleIndex vehicle);
 
   [[nodiscard]] VehicleIndex holder(CrossingIndex crossing) const { return holders_[crossing]; }
-  /// Who waits for a crossing, first come first.
+  /// Who waits for a crossing, in the order in which they will be served.
   [[nodiscard]] std::vector<VehicleIndex> waiting(CrossingIndex crossing) const;
   [[nodiscard]] double standing_m() const;  ///< a vehicle's length and the gap
 
@@ -74,12 +86,16 @@ class Traffic {
     WaypointIndex base_end{no_waypoint};
     Ahead ahead;
     std::vector<CrossingIndex> needs;
+    std::int32_t priority{0};
   };
   struct Request {
     VehicleIndex vehicle;
     std::vector<CrossingIndex> crossings;
+    SimTime since{};
     bool has_room{false};
   };
+  [[nodiscard]] bool goes_before(const Request& a, const Request& b) const;
+  [[nodiscard]] bool only_follows(VehicleIndex other, VehicleIndex self, const std::vector<CrossingIndex>& crossings);
   void find_ahead(VehicleIndex vehicle);
   void settle_holds();
 
@@ -89,6 +105,8 @@ class Traffic {
   std::vector<VehicleIndex> holders_;  ///< by crossing
   std::vector<Request> queue_;         ///< oldest first
   std::vector<CrossingIndex> scratch_;
+  std::vector<CrossingIndex> between_;
+  SimTime now_{};
   bool dirty_{true};
 };
 

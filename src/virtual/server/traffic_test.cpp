@@ -145,6 +145,106 @@ TEST_F(CloverTraffic, serves_first_who_asked_first) {
   EXPECT_TRUE(ask(1, 2).granted);
 }
 
+TEST_F(CloverTraffic, serves_the_higher_priority_before_one_that_asked_earlier) {
+  stand_before(0, 0);
+  stand_before(1, 2);
+  stand_before(2, 4);
+  ASSERT_TRUE(ask(0, 0).granted);
+  drive_to_exit(0, 0);
+  EXPECT_FALSE(ask(1, 2).granted);
+  EXPECT_FALSE(ask(2, 4).granted) << "it asked later";
+  traffic.set_priority(2, 5);
+  EXPECT_TRUE(ask(2, 4).granted);
+}
+
+TEST_F(CloverTraffic, lets_nobody_overtake_one_that_has_waited_ten_seconds) {
+  stand_before(0, 0);
+  stand_before(1, 2);
+  ASSERT_TRUE(ask(0, 0).granted);
+  drive_to_exit(0, 0);
+  traffic.set_time(virtual_epoch);
+  EXPECT_FALSE(ask(1, 2).granted);
+  traffic.set_time(virtual_epoch + 9s);
+  stand_before(2, 4, 0.3);
+  ask(2, 4, 0.3);
+  std::optional<CrossingIndex> both_want;
+  for (CrossingIndex x = 0; x < map.crossing_count(); ++x)
+    if (traffic.waiting(x).size() == 2) both_want = x;
+  ASSERT_TRUE(both_want.has_value());
+  EXPECT_THAT(traffic.waiting(*both_want), ElementsAre(1U, 2U));
+  traffic.set_priority(2, 999);
+  EXPECT_THAT(traffic.waiting(*both_want), ElementsAre(2U, 1U));
+  traffic.set_time(virtual_epoch + 10s);
+  EXPECT_THAT(traffic.waiting(*both_want), ElementsAre(1U, 2U));
+  const auto later = ask(2, 4, 0.3);
+  EXPECT_FALSE(later.granted);
+  EXPECT_EQ(later.blocked_by, 1U);
+}
+
+TEST_F(CloverTraffic, starves_nobody_beside_a_stream_of_higher_priority) {
+  traffic.set_priority(1, 999);
+  traffic.set_priority(2, 999);
+  stand_before(0, 2);  // of no priority; 0 and 4 cross its way
+  SimTime now = virtual_epoch;
+  SimDuration waited{};
+  bool served = false;
+  // Two others take turns: as one leaves the crossings, the next one asks.
+  for (int turn = 0; turn < 60 && !served; ++turn, now += 1s, waited += 1s) {
+    const VehicleIndex other = 1 + static_cast<VehicleIndex>(turn % 2);
+    const zone::SectionId from = turn % 2 == 0 ? 0U : 4U;
+    traffic.set_time(now);
+    stand_before(other, from);
+    const bool taken = ask(other, from).granted;
+    if (taken) drive_to_exit(other, from);
+    served = ask(0, 2).granted;
+    if (taken) {
+      traffic.set_place(other, std::nullopt);
+      traffic.set_base_end(other, no_waypoint);
+      traffic.update();
+    }
+  }
+  EXPECT_TRUE(served);
+  EXPECT_LE(waited, 12s);
+}
+
+TEST_F(CloverTraffic, lets_one_that_was_put_before_the_holder_go_first) {
+  stand_before(0, 0, 0.5);
+  ASSERT_TRUE(ask(0, 0, 0.5).granted);
+  drive_to_exit(0, 0);
+  ASSERT_EQ(held_by(0), 2U);
+  stand_before(1, 0);  // a virtual AIV, added in its way
+  EXPECT_TRUE(ask(1, 0).granted) << "the holder can only follow it";
+  drive_to_exit(1, 0);
+  EXPECT_EQ(held_by(1), 2U);
+  stand_before(2, 2);
+  EXPECT_FALSE(ask(2, 2).granted);
+  traffic.forget(1);
+  traffic.update();
+  EXPECT_EQ(held_by(0), 2U) << "its base still leads through them";
+}
+
+TEST_F(CloverTraffic, does_not_let_one_go_before_a_holder_that_comes_to_the_crossing_first) {
+  // On the ring everybody is somewhere ahead of everybody; but the way of 0 to 1 leads through what 1 asks for.
+  stand_before(0, 0);
+  ASSERT_TRUE(ask(0, 0).granted);
+  drive_to_exit(0, 0);
+  stand_before(1, 2);
+  EXPECT_FALSE(ask(1, 2).granted);
+}
+
+TEST_F(CloverTraffic, keeps_priorities_over_a_change_of_the_zone) {
+  traffic.set_priority(2, 7);
+  traffic.set_map(nullptr);
+  traffic.set_map(&map);
+  stand_before(0, 0);
+  stand_before(1, 2);
+  stand_before(2, 4);
+  ASSERT_TRUE(ask(0, 0).granted);
+  drive_to_exit(0, 0);
+  EXPECT_FALSE(ask(1, 2).granted);
+  EXPECT_TRUE(ask(2, 4).granted);
+}
+
 TEST_F(CloverTraffic, lets_others_by_while_there_is_no_room_beyond_and_keeps_the_turn) {
   // A vehicle stands just beyond the exit of the north-bound straight.
   traffic.set_place(2, zone::Place{2, 1.25});

@@ -26,6 +26,22 @@ WayMap::WayMap(std::shared_ptr<const zone::TrafficZone> zone) : zone_{std::move(
   lay_chains();
 }
 
+bool WayMap::take(std::shared_ptr<const zone::TrafficZone> zone) {
+  const auto same_waypoint = [](const zone::Waypoint& a, const zone::Waypoint& b) {
+    return a.id == b.id && a.place == b.place;
+  };
+  const auto same_crossing = [](const zone::Crossing& a, const zone::Crossing& b) {
+    return a.name == b.name && std::ranges::equal(a.spans, b.spans, [](const auto& x, const auto& y) {
+             return x.section == y.section && x.from_m == y.from_m && x.to_m == y.to_m;
+           });
+  };
+  if (zone->name != zone_->name || !std::ranges::equal(zone->waypoints, zone_->waypoints, same_waypoint) ||
+      !std::ranges::equal(zone->crossings, zone_->crossings, same_crossing))
+    return false;
+  zone_ = std::move(zone);
+  return true;
+}
+
 void WayMap::lay_stretches() {
   const zone::Circuit& circuit = zone_->circuit;
   std::vector<CrossingIndex> met;

@@ -25,6 +25,9 @@ class WayMap {
   explicit WayMap(std::shared_ptr<const zone::TrafficZone> zone);
 
   [[nodiscard]] const zone::TrafficZone& zone() const { return *zone_; }
+  /// Goes on with another zone that has the very same waypoints, crossings and ways. False: it has not, nothing is
+  /// done.
+  bool take(std::shared_ptr<const zone::TrafficZone> zone);
   [[nodiscard]] std::size_t size() const { return stretches_.size(); }
   [[nodiscard]] std::size_t crossing_count() const { return zone_->crossings.size(); }
 

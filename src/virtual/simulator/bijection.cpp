@@ -32,10 +32,20 @@ std::string_view to_string(PhysicalEvent event) {
   return "?";
 }
 
+std::string_view to_string(WorldEffect effect) {
+  switch (effect) {
+    case WorldEffect::felt: return "felt";
+    case WorldEffect::brakes: return "brakes";
+    case WorldEffect::shown: return "shown";
+  }
+  return "?";
+}
+
 BijectionMonitor::BijectionMonitor(BijectionContract contract)
     : contract_{contract},
       command_recent_{contract.command_p99_ms, few_window},
-      event_recent_{contract.event_p99_ms, few_window} {}
+      event_recent_{contract.event_p99_ms, few_window},
+      effect_recent_{contract.effect_p99_ms, few_window} {}
 
 BijectionMonitor::Entity BijectionMonitor::entity(std::string_view id) {
   const auto it = std::ranges::find(pairs_, id, &Pair::id);
@@ -76,7 +86,7 @@ void BijectionMonitor::elapse(SimTime now) {
     const SimDuration step = now - *elapsed_until_;
     const bool matched = std::ranges::none_of(pairs_, &Pair::orphan);
     const bool contracts =
-        command_recent_.held() && event_recent_.held() &&
+        command_recent_.held() && event_recent_.held() && effect_recent_.held() &&
         std::ranges::all_of(pairs_, [](const Pair& p) { return p.divergence.held() && p.age.held(); });
     watched_ += step;
     if (matched) matched_ += step;
@@ -95,6 +105,11 @@ void BijectionMonitor::event(PhysicalEvent kind, double latency_ms) {
   ++events_[static_cast<std::size_t>(kind)];
   event_latency_ms_.add(latency_ms);
   event_recent_.add(latency_ms);
+}
+
+void BijectionMonitor::effect(WorldEffect kind, double latency_ms) {
+  effects_ms_[static_cast<std::size_t>(kind)].add(latency_ms);
+  effect_recent_.add(latency_ms);
 }
 
 BijectionMonitor::Held BijectionMonitor::held(Entity entity) const {
@@ -125,7 +140,7 @@ void BijectionMonitor::write(JsonWriter& json) const {
     if (!pair.orphan()) continue;
     json.begin_object().field("side", pair.physical ? "physical" : "virtual").field("id", pair.id).end_object();
   }
-  json.end_array();
+  json.end_array().field("augmented", static_cast<std::uint64_t>(augmented_));
   write_json(json.key("divergence_m"), divergence_m_);
   write_json(json.key("divergence_rad"), divergence_rad_);
   write_json(json.key("age_ms"), age_ms_);
@@ -145,6 +160,10 @@ void BijectionMonitor::write(JsonWriter& json) const {
   json.key("by_kind").begin_object();
   for (std::size_t i = 0; i < events_.size(); ++i) json.field(to_string(static_cast<PhysicalEvent>(i)), events_[i]);
   json.end_object().end_object();
+  json.key("effects").begin_object();
+  for (std::size_t i = 0; i < effects_ms_.size(); ++i)
+    write_json(json.key(std::string(to_string(static_cast<WorldEffect>(i))) + "_ms"), effects_ms_[i]);
+  json.end_object();
   json.field("held_share", held_share());
   json.key("contract")
       .begin_object()
@@ -152,6 +171,7 @@ void BijectionMonitor::write(JsonWriter& json) const {
       .field("age_p99_ms", contract_.age_p99_ms)
       .field("command_p99_ms", contract_.command_p99_ms)
       .field("event_p99_ms", contract_.event_p99_ms)
+      .field("effect_p99_ms", contract_.effect_p99_ms)
       .end_object()
       .end_object();
 }
@@ -162,6 +182,7 @@ void BijectionMonitor::fold(Digest& digest) const {
   age_ms_.fold(digest);
   command_latency_ms_.fold(digest);
   event_latency_ms_.fold(digest);
+  for (const Statistics& effect : effects_ms_) effect.fold(digest);
   digest.add(commands_issued_);
   digest.add(commands_accepted_);
   digest.add(commands_failed_);

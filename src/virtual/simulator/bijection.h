@@ -20,12 +20,19 @@ struct BijectionContract {
   double age_p99_ms{150.0};
   double command_p99_ms{2000.0};
   double event_p99_ms{500.0};
+  double effect_p99_ms{200.0};
 };
 
 /// What happens on the physical side and must show on the virtual one (DESIGN §5).
 enum class PhysicalEvent : std::uint8_t { arrival, tag, obstacle, stop, battery };
 inline constexpr std::size_t physical_event_kinds = 5;
 [[nodiscard]] std::string_view to_string(PhysicalEvent event);
+
+/// What crosses between the worlds (A3): a virtual body changed and a vehicle near it decided anew; the same where it
+/// braked; a vehicle saw an obstacle and its twin appeared.
+enum class WorldEffect : std::uint8_t { felt, brakes, shown };
+inline constexpr std::size_t effect_kinds = 3;
+[[nodiscard]] std::string_view to_string(WorldEffect effect);
 
 /// Measures how true the bijection is: matching, divergence, age, commands and events (DESIGN §5). It is told facts and
 /// times; it looks at nothing by itself.
@@ -50,6 +57,8 @@ class BijectionMonitor {
   void command_materialised(double latency_ms);
   void command_failed() { ++commands_failed_; }
   void event(PhysicalEvent kind, double latency_ms);
+  void effect(WorldEffect kind, double latency_ms);
+  void set_augmented(std::size_t count) { augmented_ = count; }
 
   struct Held {
     bool matched;
@@ -69,6 +78,7 @@ class BijectionMonitor {
   [[nodiscard]] const Statistics& divergence_m() const { return divergence_m_; }
   [[nodiscard]] const Statistics& divergence_rad() const { return divergence_rad_; }
   [[nodiscard]] const Statistics& age_ms() const { return age_ms_; }
+  [[nodiscard]] const Statistics& effect_ms(WorldEffect kind) const { return effects_ms_[static_cast<std::size_t>(kind)]; }
   [[nodiscard]] std::uint64_t event_count(PhysicalEvent kind) const { return events_[static_cast<std::size_t>(kind)]; }
 
   /// docs/protocols/hmi-api.md, "Bijection".
@@ -102,6 +112,9 @@ class BijectionMonitor {
   std::array<std::uint64_t, physical_event_kinds> events_{};
   Statistics event_latency_ms_;
   RecentP99 event_recent_;
+  std::array<Statistics, effect_kinds> effects_ms_;
+  RecentP99 effect_recent_;
+  std::size_t augmented_{0};
 
   std::optional<SimTime> elapsed_until_;
   SimDuration watched_{};

@@ -131,6 +131,32 @@ TEST_F(Bijection, is_not_held_when_commands_or_events_take_too_long) {
   EXPECT_TRUE(monitor.held(a).divergence);
 }
 
+TEST_F(Bijection, measures_effects_between_the_worlds_and_holds_them_to_200_ms) {
+  const auto a = monitor.entity("make/a");
+  monitor.set_physical(a, true);
+  monitor.set_virtual(a, true);
+  wait(0s);
+  monitor.effect(WorldEffect::felt, 12.0);
+  monitor.effect(WorldEffect::brakes, 30.0);
+  monitor.effect(WorldEffect::shown, 60.0);
+  wait(1s);
+  EXPECT_EQ(monitor.held_share(), 1.0);
+  monitor.effect(WorldEffect::felt, 201.0);
+  wait(1s);
+  EXPECT_EQ(monitor.held_share(), 0.5);
+  const JsonValue json = written();
+  EXPECT_EQ(*json.find("effects")->find("felt_ms")->number("max"), 201.0);
+  EXPECT_EQ(*json.find("effects")->find("brakes_ms")->number("count"), 1.0);
+  EXPECT_EQ(*json.find("effects")->find("shown_ms")->number("p50"), 60.0);
+  EXPECT_EQ(*json.find("contract")->number("effect_p99_ms"), 200.0);
+}
+
+TEST_F(Bijection, counts_virtual_aivs_apart) {
+  monitor.set_augmented(3);
+  EXPECT_EQ(*written().number("augmented"), 3.0);
+  EXPECT_EQ(*written().number("physical"), 0.0);
+}
+
 TEST_F(Bijection, gives_one_entity_per_name) {
   EXPECT_EQ(monitor.entity("make/a"), monitor.entity("make/a"));
   EXPECT_NE(monitor.entity("make/a"), monitor.entity("make/A"));

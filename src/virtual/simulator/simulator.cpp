@@ -3,14 +3,15 @@
 #include <utility>
 
 #include "base/json_writer.h"
-#include "zone/draw.h"
+#include "zone/edit.h"
 
 namespace cosiva::virtual_side {
 
-Result<bool> Simulator::receive(SimTime now, const zone::ZoneConfiguration& configuration, const Step& step) {
+Result<Simulator::Reception> Simulator::receive(SimTime now, const zone::ZoneConfiguration& configuration,
+                                                const Step& step) {
   // A retained configuration comes again after each reconnection.
   if (rtm_ && rtm_->configuration().format == configuration.format && rtm_->configuration().text == configuration.text)
-    return false;
+    return Reception::same;
 
   step(
       "AIV_Server", "Simulator", "zoneConfiguration",
@@ -34,29 +35,44 @@ Result<bool> Simulator::receive(SimTime now, const zone::ZoneConfiguration& conf
   zone::write_json(json, made, primitives);
   step("Circuit", "Simulator", "draw", std::to_string(primitives.size()) + " primitives");
 
-  for (Twin& twin : twins_) twin.leave_circuit(circuit(), now);
+  const bool drive_on = zone_ != nullptr && zone::same_ways(*zone_, made);
+  if (!drive_on) {
+    for (Twin& twin : twins_) twin.leave_circuit(circuit(), now);
+    seen_.clear();  // what stood on the old zone stands on no other
+  }
   zone_json_ = json.take();
+  bounds_ = zone::bounds(primitives);
   zone_ = rtm->share_zone();
   rtm_ = std::move(*rtm);
   ++zone_revision_;
-  return true;
+  return drive_on ? Reception::same_ways : Reception::new_zone;
 }
 
-Simulator::TwinId Simulator::appear(std::string id, std::uint32_t number, SimDuration extrapolate_max,
+Simulator::TwinId Simulator::appear(std::string id, std::uint32_t number, bool augmented, SimDuration extrapolate_max,
                                     const Step& step) {
   step("AIV_Server", "Simulator", "appear", id + " gets mark " + std::to_string(number));
-  entities_.push_back(monitor_.entity(id));
-  monitor_.set_virtual(entities_.back(), true);
+  entities_.emplace_back();
+  if (!augmented) {
+    entities_.back() = monitor_.entity(id);
+    monitor_.set_virtual(*entities_.back(), true);
+  }
   divergences_m_.push_back(0.0);
   twins_.emplace_back(std::move(id), number, extrapolate_max);
   return twins_.size() - 1;
+}
+
+void Simulator::reappear(TwinId twin, SimDuration extrapolate_max, const Step& step) {
+  Twin& old = twins_[twin];
+  step("AIV_Server", "Simulator", "appear", old.id() + " is back under mark " + std::to_string(old.number()));
+  old = Twin(old.id(), old.number(), extrapolate_max);
+  divergences_m_[twin] = 0.0;
 }
 
 void Simulator::report(TwinId twin, SimTime now, const MotionReport& report) {
   const auto divergence = twins_[twin].report(circuit(), now, report);
   if (!divergence) return;
   divergences_m_[twin] = divergence->m;
-  monitor_.divergence(entities_[twin], divergence->m, divergence->rad);
+  if (entities_[twin]) monitor_.divergence(*entities_[twin], divergence->m, divergence->rad);
 }
 
 void Simulator::set_base_end(TwinId twin, std::optional<zone::Place> end) { twins_[twin].set_base_end(circuit(), end); }
@@ -64,6 +80,8 @@ void Simulator::set_base_end(TwinId twin, std::optional<zone::Place> end) { twin
 void Simulator::fold(Digest& digest) const {
   digest.add(zone_revision_);
   for (const Twin& twin : twins_) twin.fold(digest);
+  augmented_.fold(digest);
+  seen_.fold(digest);
   monitor_.fold(digest);
 }
 

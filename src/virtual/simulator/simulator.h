@@ -10,8 +10,11 @@
 
 #include "base/digest.h"
 #include "base/result.h"
+#include "virtual/simulator/augmented.h"
 #include "virtual/simulator/bijection.h"
+#include "virtual/simulator/seen_obstacles.h"
 #include "virtual/simulator/twin.h"
+#include "zone/draw.h"
 #include "zone/rtm.h"
 #include "zone/traffic_zone.h"
 
@@ -28,12 +31,19 @@ class Simulator {
 
   explicit Simulator(BijectionContract contract) : monitor_{contract} {}
 
+  enum class Reception {
+    same,       ///< it is the one already there
+    same_ways,  ///< (re)instantiated; only tags, beacons, stations or priorities differ, so the twins drive on
+    new_zone,   ///< (re)instantiated; every twin stands beside the ways until it reports again
+  };
   /// Builds the zone, or fails with the factory's reason and keeps the one there is.
-  /// @return  true when a zone was (re)instantiated, false when it is the one already there
-  [[nodiscard]] Result<bool> receive(SimTime now, const zone::ZoneConfiguration& configuration, const Step& step);
+  [[nodiscard]] Result<Reception> receive(SimTime now, const zone::ZoneConfiguration& configuration, const Step& step);
 
   /// First appearance of an AIV: gives it its mark (A25). Its twin shows from its first report on.
-  TwinId appear(std::string id, std::uint32_t number, SimDuration extrapolate_max, const Step& step);
+  /// @param augmented  it has no physical side, so the monitor does not count it
+  TwinId appear(std::string id, std::uint32_t number, bool augmented, SimDuration extrapolate_max, const Step& step);
+  /// A virtual AIV that was taken away comes back under its name, as if it never had been anywhere.
+  void reappear(TwinId twin, SimDuration extrapolate_max, const Step& step);
   /// Its position, said by the vehicle itself. Feeds the monitor.
   void report(TwinId twin, SimTime now, const MotionReport& report);
   void set_base_end(TwinId twin, std::optional<zone::Place> end);
@@ -44,8 +54,15 @@ class Simulator {
   [[nodiscard]] std::size_t twin_count() const { return twins_.size(); }
   [[nodiscard]] Twin::Image image(TwinId id, SimTime now) const { return twins_[id].image_at(circuit(), now); }
 
+  [[nodiscard]] Augmented& augmented() { return augmented_; }
+  [[nodiscard]] const Augmented& augmented() const { return augmented_; }
+  [[nodiscard]] SeenObstacles& seen() { return seen_; }
+  [[nodiscard]] const SeenObstacles& seen() const { return seen_; }
+
+  [[nodiscard]] const zone::ZoneConfiguration* configuration() const { return rtm_ ? &rtm_->configuration() : nullptr; }
   [[nodiscard]] const std::shared_ptr<const zone::TrafficZone>& zone() const { return zone_; }  ///< may be null
   [[nodiscard]] const zone::Circuit* circuit() const { return zone_ ? &zone_->circuit : nullptr; }
+  [[nodiscard]] zone::Bounds bounds() const { return bounds_; }  ///< of the drawing
   [[nodiscard]] std::uint64_t zone_revision() const { return zone_revision_; }
   [[nodiscard]] const std::string& zone_json() const { return zone_json_; }  ///< "null" before there is a zone
 
@@ -59,9 +76,12 @@ class Simulator {
   std::shared_ptr<const zone::TrafficZone> zone_;
   std::uint64_t zone_revision_{0};
   std::string zone_json_{"null"};
+  zone::Bounds bounds_{};
   std::vector<Twin> twins_;
   std::vector<double> divergences_m_;
-  std::vector<BijectionMonitor::Entity> entities_;  ///< of each twin
+  std::vector<std::optional<BijectionMonitor::Entity>> entities_;  ///< of each twin; none: it is augmented
+  Augmented augmented_;
+  SeenObstacles seen_;
   BijectionMonitor monitor_;
 };
 

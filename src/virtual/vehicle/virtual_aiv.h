@@ -12,14 +12,17 @@
 
 namespace cosiva::virtual_side {
 
-/// An AIV that exists on the virtual side only (A3): the agent of the physical ones, unchanged, behind simulated boards.
-/// It drives exactly what it is told along the circuit, reads tags and beacons as PRAV would, and feels everything else
-/// through Ahead, as physical AIVs feel it. Deterministic; it has no chance of its own.
+/// An AIV that exists on the virtual side only (A3): the agent of the physical ones, unchanged, behind simulated
+/// boards. It drives exactly what it is told along the circuit, reads tags and beacons as PRAV would, and feels
+/// everything else through Ahead, as physical AIVs feel it. Deterministic; it has no chance of its own.
 class VirtualAiv {
  public:
   /// @param number  of its boards' ports; any, unique in the server
+  /// @param zone    one that a circuit factory made a zone of already (checked)
   /// @param start   where it stands at first; on this zone's circuit
-  VirtualAiv(std::string serial, std::uint32_t number, zone::ZoneConfiguration zone, zone::Place start);
+  /// @param interface_name  of its VDA 5050 topics; empty: wire::default_interface
+  VirtualAiv(std::string serial, std::uint32_t number, zone::ZoneConfiguration zone, zone::Place start,
+             std::string interface_name = {});
   ~VirtualAiv();
   VirtualAiv(VirtualAiv&&) noexcept;
   VirtualAiv& operator=(VirtualAiv&&) noexcept;
@@ -37,7 +40,7 @@ class VirtualAiv {
   /// It is taken away: OFFLINE.
   void farewell(SimTime now, wire::Effects& effects);
 
-  [[nodiscard]] Pose2 X_MB() const;
+  [[nodiscard]] Pose2 X_MB() const;  // NOLINT(readability-identifier-naming): frames are written so everywhere
   [[nodiscard]] double speed_mps() const;
   [[nodiscard]] zone::Place place() const;
   void fold(Digest& digest) const;

@@ -44,6 +44,20 @@ export function clock(time_ms: number): string {
   return [date.getHours(), date.getMinutes(), date.getSeconds()].map((n) => String(n).padStart(2, '0')).join(':');
 }
 
+/** Virtual time, to the tenth: hours, minutes, seconds since the run's midnight, UTC. */
+export function sim_clock(time_ms: number): string {
+  return new Date(Math.floor(time_ms / 100) * 100).toISOString().slice(11, 21);
+}
+
+/** How long something has lasted, to the second: 4 s, 3 min 05 s, 2 h 10 min, 3 d 4 h. */
+export function lasting(ms: number): string {
+  const seconds = Math.max(0, Math.floor(ms / 1000));
+  if (seconds < 60) return `${seconds}${thin}s`;
+  if (seconds < 3600) return `${Math.floor(seconds / 60)}${thin}min ${String(seconds % 60).padStart(2, '0')}${thin}s`;
+  if (seconds < 86_400) return `${Math.floor(seconds / 3600)}${thin}h ${String(Math.floor((seconds % 3600) / 60)).padStart(2, '0')}${thin}min`;
+  return `${Math.floor(seconds / 86_400)}${thin}d ${Math.floor((seconds % 86_400) / 3600)}${thin}h`;
+}
+
 /** What stands on the vehicle's roof: its number, or the start of its serial when it has none. */
 export function mark(id: string, number: number): string {
   return number > 0 ? String(number) : serial(id).slice(0, 3);

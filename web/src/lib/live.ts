@@ -1,57 +1,86 @@
-// The live stream: one WebSocket that comes back by itself.
-import { parse_live, type LiveMessage } from './contract';
+// The live stream as the page sees it. It runs in a worker, or here where the browser has none.
+import type { Aiv, LiveMessage } from './contract';
+import { frame_over, type PositionFrame } from './frames';
+import { Stream, type StreamEvent, type StreamReply } from './worker_stream';
 
 export interface LiveListener {
   opened(): void;
   message(message: LiveMessage): void;
+  /** valid during the call only: its memory is used again */
+  positions(frame: PositionFrame): void;
   closed(): void;
 }
 
-const retry_ms_min = 250;
-const retry_ms_max = 2_000;
-/** A connection attempt that hangs (a host that swallows packets) is given up and tried again. */
-const open_ms_max = 4_000;
+type FromWorker = Exclude<StreamEvent, { kind: 'positions' }> | { kind: 'positions'; buffer: ArrayBuffer; count: number; sequence: number; time_ms: number };
 
 export class Live {
-  private socket: WebSocket | null = null;
-  private retry_ms = retry_ms_min;
-  private timer: ReturnType<typeof setTimeout> | undefined;
-  private ended = false;
+  private worker: Worker | null = null;
+  private stream: Stream | null = null;
+  private aivs: Aiv[] = [];
 
   constructor(
     private readonly url: string,
     private readonly listener: LiveListener,
   ) {
-    this.connect();
+    this.worker = this.start_worker();
+    if (!this.worker) this.start_here();
   }
 
   close(): void {
-    this.ended = true;
-    clearTimeout(this.timer);
-    this.socket?.close();
+    this.worker?.terminate();
+    this.stream?.close();
   }
 
-  private connect(): void {
-    const socket = new WebSocket(this.url);
-    this.socket = socket;
-    this.timer = setTimeout(() => socket.close(), open_ms_max);
-    socket.onopen = () => {
-      clearTimeout(this.timer);
-      this.listener.opened();
+  private start_worker(): Worker | null {
+    let worker: Worker;
+    try {
+      worker = new Worker(new URL('./worker.ts', import.meta.url), { type: 'module' });
+    } catch {
+      return null;
+    }
+    worker.onmessage = ({ data }: MessageEvent<FromWorker>) => {
+      if (data.kind !== 'positions') return this.hear(data, (reply) => worker.postMessage(reply));
+      const frame = frame_over(data.buffer, data.count, data.sequence, data.time_ms);
+      this.hear({ kind: 'positions', frame }, (reply) => worker.postMessage(reply, [data.buffer]));
     };
-    socket.onmessage = (event: MessageEvent<unknown>) => {
-      const message = typeof event.data === 'string' ? parse_live(event.data) : null;
-      if (!message) return;
-      this.retry_ms = retry_ms_min;
-      this.listener.message(message);
+    // A worker that cannot be loaded must not leave the page without its stream.
+    worker.onerror = () => {
+      if (this.worker !== worker) return;
+      worker.terminate();
+      this.worker = null;
+      this.start_here();
     };
-    socket.onclose = () => {
-      clearTimeout(this.timer);
-      if (this.ended) return;
-      this.listener.closed();
-      this.timer = setTimeout(() => this.connect(), this.retry_ms);
-      this.retry_ms = Math.min(2 * this.retry_ms, retry_ms_max);
-    };
+    worker.postMessage({ kind: 'open', url: this.url });
+    return worker;
+  }
+
+  private start_here(): void {
+    // The answer comes a moment later, so that the page can paint between two messages.
+    this.stream = new Stream(this.url, (event) => this.hear(event, (reply) => setTimeout(() => this.stream?.taken(reply))));
+  }
+
+  private hear(event: StreamEvent, answer: (reply: StreamReply) => void): void {
+    switch (event.kind) {
+      case 'opened':
+        this.aivs = [];
+        return this.listener.opened();
+      case 'closed':
+        return this.listener.closed();
+      case 'positions':
+        this.listener.positions(event.frame);
+        return answer({ kind: 'taken', what: 'positions', room: event.frame.buffer });
+      case 'part':
+        this.aivs.push(...event.aivs);
+        if (event.last) {
+          const { aivs } = this;
+          this.aivs = [];
+          this.listener.message({ type: 'snapshot', snapshot: { ...event.last, aivs } });
+        }
+        return answer({ kind: 'taken', what: 'text' });
+      case 'message':
+        this.listener.message(event.message);
+        return answer({ kind: 'taken', what: 'text' });
+    }
   }
 }
 

@@ -10,13 +10,14 @@ function bijection(change: Partial<Bijection> = {}): Bijection {
     physical: 4, virtual: 4, matched: 4, matched_share: 1, orphans: [],
     divergence_m: statistics(0.012), divergence_rad: statistics(0.02), age_ms: statistics(110),
     commands: { issued: 2, accepted: 2, materialised: 2, failed: 0, latency_ms: statistics(640, 2) },
-    events: { count: 10, latency_ms: statistics(90, 10), by_kind: {} }, held_share: 1, ...change,
+    events: { count: 10, latency_ms: statistics(90, 10), by_kind: {} }, held_share: 1, augmented: 0,
+    effects: { felt_ms: statistics(8, 10), brakes_ms: statistics(9, 10), shown_ms: statistics(80, 10) }, ...change,
   };
 }
 
 function aiv(change: Partial<Aiv> = {}): Aiv {
   return {
-    id: 'CoSiVA/AIV1', number: 1, connection: 'ONLINE', lost: false, status: 'Normal', x: 0, y: 0, heading: 0, speed: 0.3,
+    id: 'CoSiVA/AIV1', handle: 0, number: 1, augmented: false, priority: 0, feels: null, reserved: [], connection: 'ONLINE', lost: false, status: 'Normal', x: 0, y: 0, heading: 0, speed: 0.3,
     section: 'east', s: 0.5, reported: null, age_ms: 40, divergence_m: 0.001, battery: 90, lastTag: 1, sinceTag_m: 0.1,
     lastNode: 'east@300', orderId: 'o', orderUpdateId: 0, driving: true, paused: false, fieldViolation: false,
     waitsFor: null, errors: [], contract: { matched: true, divergence: true, age: true }, ...change,
@@ -28,7 +29,7 @@ function command(change: Partial<Command>): Command {
 }
 
 function snapshot(aivs: Aiv[], commands: Command[] = [], time_ms = 10_000): Snapshot {
-  return { time: '', time_ms, zoneRevision: 1, aivs, crossings: [], bijection: bijection(), commands };
+  return { time: '', time_ms, zoneRevision: 1, zoneEdits: { undo: 0, redo: 0, unsaved: false }, aivs, things: [], obstacles: [], crossings: [], bijection: bijection(), commands };
 }
 
 describe('states of AIVs', () => {
@@ -45,6 +46,16 @@ describe('states of AIVs', () => {
   it('are listed by number', () => {
     const rows = rows_of(snapshot([aiv({ id: 'CoSiVA/AIV10', number: 10 }), aiv({ id: 'CoSiVA/AIV2', number: 2 })]));
     expect(rows.map((row) => row.mark)).toEqual(['2', '10']);
+  });
+
+  it('list the virtual ones behind the physical ones', () => {
+    const rows = rows_of(snapshot([aiv({ id: 'CoSiVA.virtual/V1', number: 1, augmented: true }), aiv({ id: 'CoSiVA/AIV7', number: 7 })]));
+    expect(rows.map((row) => row.name)).toEqual(['AIV7', 'V1']);
+  });
+
+  it('say what virtual thing a vehicle brakes for', () => {
+    const [row] = rows_of(snapshot([aiv({ status: 'stopped', feels: 'P1', fieldViolation: true })]));
+    expect(row?.note).toBe('feels P1');
   });
 
   it('say why a vehicle stands', () => {
@@ -87,15 +98,16 @@ describe('bijection figures', () => {
   const verdicts = (b: Bijection) => Object.fromEntries(figures_of(b).map((f) => [f.key, f.verdict]));
 
   it('are kept in a good run', () => {
-    expect(verdicts(bijection())).toEqual({ matched: 'kept', divergence: 'kept', age: 'kept', commands: 'kept', events: 'kept' });
+    expect(verdicts(bijection())).toEqual({ matched: 'kept', divergence: 'kept', age: 'kept', commands: 'kept', events: 'kept', felt: 'kept', brakes: 'kept', shown: 'kept' });
   });
 
   it('break on an orphan, on drift, on age and on a failed command', () => {
     const bad = bijection({
       matched: 3, virtual: 3, orphans: [{ side: 'physical', id: 'CoSiVA/AIV4' }], divergence_m: statistics(0.031), age_ms: statistics(151),
       commands: { issued: 1, accepted: 0, materialised: 0, failed: 1, latency_ms: statistics(0, 0) },
+      effects: { felt_ms: statistics(201), brakes_ms: statistics(199), shown_ms: statistics(0, 0) },
     });
-    expect(verdicts(bad)).toEqual({ matched: 'broken', divergence: 'broken', age: 'broken', commands: 'broken', events: 'kept' });
+    expect(verdicts(bad)).toEqual({ matched: 'broken', divergence: 'broken', age: 'broken', commands: 'broken', events: 'kept', felt: 'broken', brakes: 'kept', shown: 'open' });
   });
 
   it('stay open while nothing was measured', () => {
@@ -103,8 +115,14 @@ describe('bijection figures', () => {
       physical: 0, virtual: 0, matched: 0, divergence_m: statistics(0, 0), age_ms: statistics(0, 0),
       commands: { issued: 0, accepted: 0, materialised: 0, failed: 0, latency_ms: statistics(0, 0) },
       events: { count: 0, latency_ms: statistics(0, 0), by_kind: {} },
+      effects: { felt_ms: statistics(0, 0), brakes_ms: statistics(0, 0), shown_ms: statistics(0, 0) },
     });
     expect(new Set(Object.values(verdicts(fresh)))).toEqual(new Set(['open']));
+  });
+
+  it('leave out the effects of a server that does not tell them', () => {
+    const { effects: _, ...older } = bijection();
+    expect(Object.keys(verdicts(older as Bijection))).toEqual(['matched', 'divergence', 'age', 'commands', 'events']);
   });
 
   it("use the server's limits when it says them", () => {

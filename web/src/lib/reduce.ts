@@ -1,5 +1,6 @@
 // From the contract's snapshot to what the page shows: pure functions, no clock, no framework.
 import { default_limits, type Aiv, type Bijection, type Command, type ContractLimits, type Snapshot } from './contract';
+import { causes_of } from './alarms';
 import * as format from './format';
 import { state_key, type StateKey } from './status';
 
@@ -19,6 +20,8 @@ export interface Row {
 const command_shown_ms = 8_000;
 
 export function rows_of(snapshot: Snapshot): Row[] {
+  const commands = newest_commands(snapshot);
+  const to_all = commands.get('*') ?? null;
   return snapshot.aivs
     .map((aiv) => ({
       id: aiv.id,
@@ -28,9 +31,18 @@ export function rows_of(snapshot: Snapshot): Row[] {
       note: note_of(aiv),
       alarms: alarms_of(aiv),
       aiv,
-      command: newest_command(snapshot, aiv.id),
+      command: newer(commands.get(aiv.id) ?? null, to_all),
     }))
-    .sort((a, b) => a.aiv.number - b.aiv.number || a.id.localeCompare(b.id));
+    .sort(by_number);
+}
+
+/** Ours first, the virtual ones behind the physical ones of the same number, then by name. */
+export function by_number(a: Row, b: Row): number {
+  return Number(a.aiv.augmented) - Number(b.aiv.augmented) || a.aiv.number - b.aiv.number || (a.id < b.id ? -1 : a.id > b.id ? 1 : 0);
+}
+
+function newer(a: Command | null, b: Command | null): Command | null {
+  return a && b ? (b.time_ms >= a.time_ms ? b : a) : (a ?? b);
 }
 
 function note_of(aiv: Aiv): string {
@@ -38,43 +50,36 @@ function note_of(aiv: Aiv): string {
   if (aiv.connection === 'OFFLINE') return 'signed off';
   if (aiv.lost) return 'no report';
   if (aiv.paused) return 'by command';
+  if (aiv.feels) return `feels ${aiv.feels}`;
   if (aiv.waitsFor && state_key(aiv.status, false, 'ONLINE') === 'stopped') return `waits: ${short(aiv.waitsFor)}`;
   if (aiv.fieldViolation) return 'obstacle ahead';
   return '';
 }
 
 /** Names without their makers: in a row there is no room for them. */
-function short(text: string): string {
+export function short(text: string): string {
   return text.replace(/[^\s,/]+\//g, '');
 }
 
-/** What is abnormal about a vehicle, worst first; empty for one that is well. A vehicle that waits its turn is well. */
+/** What is abnormal about a vehicle, in words, worst first. */
 export function alarms_of(aiv: Aiv): string[] {
-  const alarms: string[] = [];
-  if (aiv.connection === 'CONNECTIONBROKEN') alarms.push('Connection broken');
-  else if (aiv.lost && aiv.connection === 'ONLINE') alarms.push(`No report for ${format.duration(aiv.age_ms)}`);
-  if (!aiv.contract.matched) alarms.push('No twin for it');
-  if (!aiv.lost && aiv.connection === 'ONLINE') {
-    // The contract is about the last seconds; the figures beside may be good again.
-    if (!aiv.contract.divergence) alarms.push('Divergence out of contract lately');
-    if (!aiv.contract.age) alarms.push('Age of reports out of contract lately');
-  }
-  return [...alarms, ...aiv.errors];
+  return causes_of(aiv).map((cause) => cause.text);
 }
 
-function newest_command(snapshot: Snapshot, id: string): Command | null {
-  let newest: Command | null = null;
+/** The newest command of each vehicle that is recent or still under way; one pass, whatever the number of vehicles. */
+function newest_commands(snapshot: Snapshot): Map<string, Command> {
+  const newest = new Map<string, Command>();
   for (const command of snapshot.commands) {
-    if (command.vehicle !== id && command.vehicle !== '*') continue;
-    if (newest === null || command.time_ms >= newest.time_ms) newest = command;
+    const open = command.state === 'issued' || command.state === 'accepted';
+    if (!open && snapshot.time_ms - command.time_ms >= command_shown_ms) continue;
+    const known = newest.get(command.vehicle);
+    if (!known || command.time_ms >= known.time_ms) newest.set(command.vehicle, command);
   }
-  if (newest === null) return null;
-  const open = newest.state === 'issued' || newest.state === 'accepted';
-  return open || snapshot.time_ms - newest.time_ms < command_shown_ms ? newest : null;
+  return newest;
 }
 
 export interface Figure {
-  key: 'matched' | 'divergence' | 'age' | 'commands' | 'events';
+  key: 'matched' | 'divergence' | 'age' | 'commands' | 'events' | 'felt' | 'brakes' | 'shown';
   label: string;
   value: string;
   detail: string;
@@ -132,7 +137,24 @@ export function figures_of(bijection: Bijection): Figure[] {
       limit: `≤ ${format.duration(limits.event_p99_ms)}`,
       verdict: judge(events.latency_ms.count, events.latency_ms.p99 <= limits.event_p99_ms),
     },
+    ...effects_of(bijection, limits),
   ];
+}
+
+/** What is added virtually and felt physically, and the other way; nothing for a server that does not tell. */
+function effects_of(bijection: Bijection, limits: ContractLimits): Figure[] {
+  const effects: Partial<Bijection['effects']> = bijection.effects ?? {};
+  const words = [
+    ['felt', 'Virtual felt p99', effects.felt_ms, 'change to decision'],
+    ['brakes', 'Virtual braked for p99', effects.brakes_ms, 'change to braking'],
+    ['shown', 'Obstacle shown p99', effects.shown_ms, 'seen to shown'],
+  ] as const;
+  return words.flatMap(([key, label, figure, what]) => {
+    if (!figure || figure.count === undefined) return [];
+    const measured = figure.count > 0;
+    const verdict = !measured ? 'open' : figure.p99 <= limits.effect_p99_ms ? 'kept' : 'broken';
+    return [{ key, label, value: measured ? format.duration(figure.p99) : format.none, detail: measured ? `${figure.count} × ${what}` : what, limit: `≤ ${format.duration(limits.effect_p99_ms)}`, verdict } as const];
+  });
 }
 
 /** Is the page's picture the present? */

@@ -1,45 +1,44 @@
-// What any way of painting the circuit must do. Today Canvas2D; for fleets above some 2 000 AIVs a WebGL layer fits here.
-import type { Zone } from './contract';
+// What any way of painting what moves must do. Two do it: WebGL2 in one draw call, and Canvas2D where there is none.
+// Things are painted in the order in which they are asked for.
+import type { Positions } from './positions';
 import type { StateKey } from './status';
 import type { Size, View } from './view';
 
-export interface VehicleMark {
-  id: string;
-  x: number;
-  y: number;
-  heading: number;
-  mark: string;
-  state: StateKey;
-  alarm: boolean;
-  /** where it says it is */
-  reported: { x: number; y: number; heading: number } | null;
-  /** x, y, x, y … in map metres, oldest first */
-  trail: Float64Array | null;
-}
+/** How an outline is drawn, so that three that lie on each other can be told apart without colour. */
+export type Line = 'solid' | 'dashed' | 'dotted';
 
-export interface HeldCrossing {
-  name: string;
-  holder: string | null;
-  waiting: number;
-}
-
-export interface Frame {
-  view: View;
-  vehicles: readonly VehicleMark[];
-  crossings: readonly HeldCrossing[];
-  /** names of the layers that are switched off */
-  hidden: ReadonlySet<string>;
-  selected: string | null;
-  /** false: the picture is old */
-  live: boolean;
+/** How large a vehicle is drawn [CSS pixels]: to scale, but never too small to be seen. */
+export interface BodySize {
+  half_length: number;
+  half_width: number;
+  /** the state's shape on its roof: how far behind the middle, and its radius; 0: too small to be read */
+  shape_behind: number;
+  shape_radius: number;
 }
 
 export interface Renderer {
+  readonly kind: 'webgl2' | 'canvas2d';
   resize(size: Size, pixel_ratio: number): void;
-  set_zone(zone: Zone | null): void;
   /** Reads the page's colours again, after a change of theme. */
   set_colours(colours: Colours): void;
-  draw(frame: Frame): void;
+  /** @param dim  the picture is old */
+  begin(view: View, body: BodySize, dim: boolean): void;
+  /** A band along `count` points x, y, x, y … [m], at least `pixels_min` wide. */
+  band(points: ArrayLike<number>, count: number, width_m: number, pixels_min: number, colour: string, alpha: number): void;
+  /** What lies within `radius_m` of a point, between two directions. */
+  sector(x: number, y: number, direction: number, half_angle: number, radius_m: number, colour: string, alpha: number): void;
+  disc(x: number, y: number, radius_m: number, pixels_min: number, colour: string, alpha: number): void;
+  /** A vehicle's outline, `grow` pixels outside of its body. */
+  outline(x: number, y: number, heading: number, grow: number, width: number, line: Line, colour: string): void;
+  /** All vehicles, persons and obstacles. `radius_of` says how large the thing in a slot is [m]. */
+  bodies(positions: Positions, show: BodiesShown, radius_of: (slot: number) => number): void;
+  end(): void;
+  close(): void;
+}
+
+export interface BodiesShown {
+  persons: boolean;
+  obstacles: boolean;
 }
 
 export interface Colours {
@@ -53,25 +52,63 @@ export interface Colours {
   beacon: string;
   label: string;
   ink: string;
+  panel: string;
   on_state: string;
   select: string;
   alarm: string;
-  states: Readonly<Record<StateKey, string>>;
+  virtual: string;
+  on_virtual: string;
+  person: string;
+  obstacle: string;
+  belief: string;
+  truth: string;
+  states: readonly string[];
 }
 
 const names: Readonly<Record<keyof Omit<Colours, 'states'>, string>> = {
   ground: '--ground', road: '--road', road_edge: '--road-edge', line: '--road-line', crossing: '--crossing', held: '--held',
-  tag: '--tag', beacon: '--beacon', label: '--map-label', ink: '--ink', on_state: '--on-state', select: '--accent', alarm: '--alarm',
+  tag: '--tag', beacon: '--beacon', label: '--map-label', ink: '--ink', panel: '--panel', on_state: '--on-state', select: '--accent', alarm: '--alarm',
+  virtual: '--augmented', on_virtual: '--on-augmented', person: '--person', obstacle: '--obstacle', belief: '--belief', truth: '--truth',
 };
+
+/** The order of the binary frames' status. */
+export const state_order: readonly StateKey[] = ['normal', 'stopped', 'slow', 'medium', 'fast', 'lost'];
 
 /** The style sheet is the one source of colours, for the canvas too. */
 export function read_colours(element: Element): Colours {
   const style = getComputedStyle(element);
   const read = (name: string) => style.getPropertyValue(name).trim() || '#888';
   const plain = Object.fromEntries(Object.entries(names).map(([key, name]) => [key, read(name)]));
-  const state = (key: StateKey) => read(`--state-${key}`);
-  return {
-    ...(plain as Omit<Colours, 'states'>),
-    states: { normal: state('normal'), stopped: state('stopped'), slow: state('slow'), medium: state('medium'), fast: state('fast'), lost: state('lost') },
-  };
+  return { ...(plain as Omit<Colours, 'states'>), states: state_order.map((key) => read(`--state-${key}`)) };
 }
+
+/** A colour of the style sheet, #rgb or #rrggbb, as red | green « 8 | blue « 16. */
+export function packed(colour: string): number {
+  const digits = /^#([0-9a-f]{3}|[0-9a-f]{6})$/i.exec(colour.trim())?.[1];
+  if (!digits) return 0x888888;
+  const long = digits.length === 6 ? digits : [...digits].map((digit) => digit + digit).join('');
+  const value = parseInt(long, 16);
+  return ((value >> 16) & 0xff) | (value & 0xff00) | ((value & 0xff) << 16);
+}
+
+/**
+ * A vehicle's outline, `grow` pixels outside of its body: x ahead, y aside, x, y … [CSS px], closed. Kept for the next
+ * call, as it is the same for all vehicles of a picture.
+ */
+export function body_outline(body: BodySize, grow: number): Float32Array {
+  const key = `${body.half_length} ${body.half_width} ${grow}`;
+  const known = outlines.get(key);
+  if (known) return known;
+  const { half_width } = body;
+  const l = body.half_length + grow;
+  const w = half_width + grow;
+  // The shader's body has the same corners: cut behind, drawn in before.
+  const cut = 0.267 * half_width + 0.586 * grow;
+  const front = l - 0.45 * half_width - 0.409 * grow;
+  const tip = 0.18 * half_width + 0.257 * grow;
+  const points = new Float32Array([0, -w, front, -w, l, -tip, l, tip, front, w, cut - l, w, -l, w - cut, -l, cut - w, cut - l, -w, 0, -w]);
+  if (outlines.size > 40) outlines.clear();
+  outlines.set(key, points);
+  return points;
+}
+const outlines = new Map<string, Float32Array>();

@@ -1,4 +1,4 @@
-// Light, dark, or as the system says; remembered in the browser.
+// Light, dark, or as the system says; remembered in the browser. The style sheet hears the outcome only.
 
 export type Theme = 'system' | 'light' | 'dark';
 const key = 'cosiva.theme';
@@ -7,22 +7,31 @@ class ThemeChoice {
   chosen = $state<Theme>('system');
   /** grows whenever colours may have changed: the canvas reads them again */
   revision = $state(0);
+  private system_dark = false;
 
   choose(theme: Theme): void {
     this.chosen = theme;
-    if (theme === 'system') delete document.documentElement.dataset['theme'];
-    else document.documentElement.dataset['theme'] = theme;
     try {
       localStorage.setItem(key, theme);
     } catch {
       // Private windows may refuse to remember; the choice then lasts as long as the page.
     }
-    this.revision++;
+    this.show();
   }
 
   next(): void {
     const order: Theme[] = ['system', 'light', 'dark'];
     this.choose(order[(order.indexOf(this.chosen) + 1) % order.length]!);
+  }
+
+  system(dark: boolean): void {
+    this.system_dark = dark;
+    this.show();
+  }
+
+  private show(): void {
+    document.documentElement.dataset['theme'] = this.chosen === 'dark' || (this.chosen === 'system' && this.system_dark) ? 'dark' : 'light';
+    this.revision++;
   }
 }
 
@@ -35,6 +44,8 @@ export function restore_theme(): void {
   } catch {
     // as above
   }
+  const system = matchMedia('(prefers-color-scheme: dark)');
+  theme.system(system.matches);
   theme.choose(stored === 'light' || stored === 'dark' ? stored : 'system');
-  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => theme.revision++);
+  system.addEventListener('change', (event) => theme.system(event.matches));
 }

@@ -1,0 +1,33 @@
+#include "wire/own_messages.h"
+
+#include "target.h"
+
+namespace {
+
+/// A refusal says what and where; what is accepted is written and read back without a change.
+template <typename Message>
+void read(cosiva::Result<Message> (*reader)(std::string_view), std::string_view text) {
+  const auto message = reader(text);
+  if (!message) {
+    COSIVA_EXPECT(!message.error().code.empty() && !message.error().message.empty());
+    return;
+  }
+  const std::string json = to_json(*message);
+  // Escapes make a text longer, so what just fits may not fit again.
+  if (json.size() > 16U << 10U) return;
+  const auto again = reader(json);
+  COSIVA_EXPECT(again && to_json(*again) == json);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  namespace wire = cosiva::wire;
+  const std::string_view text = cosiva::fuzz::as_text(data, size);
+  read(wire::ahead_from_json, text);
+  read(wire::felt_from_json, text);
+  read(wire::seen_from_json, text);
+  read(wire::boards_report_from_json, text);
+  read(wire::radio_from_json, text);
+  return 0;
+}

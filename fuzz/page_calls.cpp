@@ -1,0 +1,114 @@
+// The page's HTTP calls: "METHOD /path?query", a line's end, and the body. Whatever is asked, the answer is one of
+// those that the contract knows, JSON with a sentence where it is a refusal, and the server goes on.
+#include "app/page_calls.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "adapters/http_rules.h"
+#include "target.h"
+#include "virtual/server/server_core.h"
+
+namespace {
+
+using namespace cosiva;
+
+constexpr const char* ring = R"(
+name = "ring"
+format_version = 1
+[vehicle]
+length_m = 0.20
+width_m = 0.12
+[circuit]
+start = { x = 0.0, y = 0.0, heading_deg = 0 }
+closed = true
+[[section]]
+name = "south"
+kind = "straight"
+length_m = 2.0
+[[section]]
+name = "east"
+kind = "arc"
+radius_m = 0.5
+angle_deg = 180
+[[section]]
+name = "north"
+kind = "straight"
+length_m = 2.0
+[[section]]
+name = "west"
+kind = "arc"
+radius_m = 0.5
+angle_deg = 180
+)";
+
+constexpr const char* online =
+    R"({"headerId":0,"timestamp":"2023-07-11T00:00:00.000Z","version":"2.1.0","manufacturer":"CoSiVA",)"
+    R"("serialNumber":"AIV1","connectionState":"ONLINE"})";
+
+struct Server {
+  Server() : core{options()}, calls{host()} {
+    core.handle({now, wire::InputKind::link, "", "up", false}, effects);
+    core.handle({now, wire::InputKind::message, "uagv/v2/CoSiVA/AIV1/connection", online, false}, effects);
+    calls.know_plant({"box1"});
+  }
+  static virtual_side::ServerOptions options() {
+    virtual_side::ServerOptions options;
+    options.zone = zone::ZoneConfiguration{"toml", "ring", ring};
+    return options;
+  }
+  app::PageHost host() {
+    app::PageHost host;
+    host.core = &core;
+    host.command = [this](const std::string& source, std::string json) {
+      effects.clear();
+      core.handle({now, wire::InputKind::command, source, std::move(json), false}, effects);
+    };
+    host.now = [this] { return now; };
+    host.clock = [] { return app::PageHost::Clock{true, false, 1.0}; };
+    host.set_clock = [](bool, double speed) { COSIVA_EXPECT(speed >= 0.1 && speed <= 100.0); };
+    host.step = [this](SimDuration by) {
+      COSIVA_EXPECT(by > SimDuration::zero() && by <= std::chrono::seconds{10});
+      now += by;
+    };
+    host.zone_file = "/nowhere/ring.toml";  // it cannot be saved
+    return host;
+  }
+
+  SimTime now{virtual_epoch};
+  wire::Effects effects;
+  virtual_side::ServerCore core;
+  app::PageCalls calls;
+};
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static Server server;
+  const std::string_view text = fuzz::as_text(data, size);
+  const std::string_view line = text.substr(0, text.find('\n'));
+  const std::size_t space = std::min(line.find(' '), line.size());
+  const std::string_view target = line.substr(std::min(space + 1, line.size()));
+  const std::string_view path = target.substr(0, target.find('?'));
+  const auto clean = adapters::http_rules::clean_path(path);
+  const auto segments = adapters::http_rules::path_segments(path);
+  COSIVA_EXPECT(clean.has_value() == segments.has_value());
+  if (!clean) return 0;
+
+  const std::string query{target.substr(std::min(path.size() + 1, target.size()))};
+  const std::string body{text.substr(std::min(line.size() + 1, text.size()))};
+  const auto answer = server.calls.answer({std::string(line.substr(0, space)), *clean, query, body, *segments});
+  constexpr std::array known{200U, 201U, 202U, 400U, 404U, 405U, 409U, 429U, 500U};
+  COSIVA_EXPECT(std::ranges::find(known, answer.status) != known.end());
+  if (answer.content_type == "application/json") {
+    const auto json = JsonValue::parse(answer.body);
+    COSIVA_EXPECT(json.has_value());
+    if (answer.status >= 400)
+      COSIVA_EXPECT(json->find("error") != nullptr && !json->find("error")->text("message").value_or("").empty());
+  }
+  server.now += std::chrono::milliseconds{20};
+  server.effects.clear();
+  server.core.handle({server.now, wire::InputKind::tick, "", "", false}, server.effects);
+  return 0;
+}

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string_view>
+
+#include "aiv/way_ahead.h"
+#include "base/digest.h"
+#include "base/time.h"
+#include "wire/own_messages.h"
+#include "zone/traffic_zone.h"
+
+namespace cosiva::aiv {
+
+/// What the vehicle is told of the virtual world near its way (wire::Ahead), as its skin would feel it: where the first
+/// body stands in the corridor that Corridor looks through, too.
+class FeltWorld {
+ public:
+  struct Model {
+    double margin_m{0.02};  ///< on each side of the vehicle's body, as Corridor's
+    double sample_m{0.03};
+    double reach_m{1.30};
+    SimDuration memory{std::chrono::seconds{1}};            ///< without news all of it is forgotten
+    SimDuration carry_max{std::chrono::milliseconds{500}};  ///< a moving body is carried on no longer
+  };
+  explicit FeltWorld(const zone::TrafficZone& zone) : FeltWorld{zone, Model{}} {}
+  FeltWorld(const zone::TrafficZone& zone, Model model);
+
+  /// Replaces what was heard before. True when somebody came or went since.
+  bool hear(SimTime now, wire::Ahead ahead);
+  /// Nobody could have told anything since: the memory counts from now on. What moves is not carried on any longer.
+  void excuse_silence(SimTime now) { news_at_ = news_at_ ? std::optional{now} : std::nullopt; }
+  void forget();
+  /// Forgets what is too old.
+  void age(SimTime now);
+  /// Something was heard and is not forgotten; it may have been that there is nothing.
+  [[nodiscard]] bool informed() const { return news_at_.has_value(); }
+  /// Of the last Ahead, remembered or not.
+  [[nodiscard]] std::uint32_t header_id() const { return ahead_.header_id; }
+
+  /// The first body in the corridor. No body: gap infinite, id empty.
+  struct Contact {
+    double gap_m{std::numeric_limits<double>::infinity()};  ///< along the way, from the vehicle's front; ≥ 0
+    std::string_view body;                                  ///< until the next hear() or forget()
+  };
+  /// @param here  where the vehicle's middle is
+  [[nodiscard]] Contact first(SimTime now, zone::Place here);
+
+  void fold(Digest& digest) const;
+
+ private:
+  /// From the vehicle's front to one disc; infinite where it is outside the corridor or not ahead of the middle.
+  [[nodiscard]] double disc_gap_m(Point2 p_B, double radius_m) const;
+  [[nodiscard]] double body_gap_m(const wire::Body& body, const Pose2& X_BM, double carried_s) const;
+
+  const zone::TrafficZone& zone_;
+  Model model_;
+  WayAhead way_;
+  wire::Ahead ahead_;
+  SimTime heard_at_{};
+  std::optional<SimTime> news_at_;  ///< what the memory counts from; nothing: it knows nothing
+};
+
+}  // namespace cosiva::aiv

@@ -1,0 +1,443 @@
+// What is only virtual and felt all the same, what it tells of what it sees and of its boards, and edits of the zone.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "aiv/envelope.h"
+#include "aiv/onboard/onboard_bench.h"
+
+namespace cosiva::aiv {
+namespace {
+
+using std::chrono::milliseconds;
+using test::at;
+using test::lacet4;
+using test::OnboardBench;
+using test::order;
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::Field;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+const wire::VehicleId me{"CoSiVA", "AIV1"};
+constexpr double radius_m = 0.06;
+constexpr double front_m = 0.10;
+
+/// On its way along the loop in the south-east, at medium speed, with a server that beats.
+struct Driving : OnboardBench {
+  Driving() {
+    server_beats = true;
+    run(0.5);
+    order(test::order("O-1").through({"loop_se@0", "loop_se@283", "loop_se@2545"}));
+    run(1.0);
+    EXPECT_GT(speed_mps, 0.39);
+  }
+  static Point2 on_loop(double s_m) { return position(lacet4().circuit.pose_at(at(lacet4(), "loop_se", s_m))); }
+  static wire::Body person(double s_m, std::string id = "P1") {
+    const Point2 p = on_loop(s_m);
+    return {std::move(id), "person", p.x_m, p.y_m, 0.0, 0.0, radius_m, 0.0, 0.0};
+  }
+  [[nodiscard]] double s_m() const { return truth.place(lacet4().circuit).s_m; }
+
+  void hear_ahead(std::vector<wire::Body> bodies) {
+    hear(wire::own_topic(wire::ahead_topic_prefix, me),
+         to_json(wire::Ahead{++aheads, now, "lacet4", std::move(bodies)}));
+  }
+  /// As a server does: ten times a second, for `seconds`.
+  void run_with(const std::vector<wire::Body>& bodies, double seconds) {
+    for (int i = 0; i < static_cast<int>(seconds * 10.0); ++i) {
+      hear_ahead(bodies);
+      run(0.1);
+    }
+  }
+  std::vector<std::string> warnings() const {
+    std::vector<std::string> texts;
+    for (const wire::Log& line : logs) {
+      if (line.level == 'w') texts.push_back(line.text);
+    }
+    return texts;
+  }
+  std::uint32_t aheads{0};
+};
+
+// --- Ahead and Felt -----------------------------------------------------------------------------------------------
+
+TEST(Feeling, the_first_ahead_is_answered_though_there_is_nothing) {
+  Driving bench;
+  bench.hear_ahead({});
+  ASSERT_THAT(bench.felts, SizeIs(1));
+  EXPECT_EQ(bench.felts[0], (wire::Felt{1, bench.now, false, "", std::nullopt}));
+  for (int i = 0; i < 30; ++i) {
+    bench.hear_ahead({});
+    bench.run(0.1);
+  }
+  EXPECT_THAT(bench.felts, SizeIs(3)) << "nothing changed: once a second, since one may be lost";
+}
+
+TEST(Feeling, a_body_on_the_way_is_decided_on_at_once) {
+  Driving bench;
+  bench.hear_ahead({});
+  const int drives = bench.drives;
+  bench.hear_ahead({Driving::person(bench.s_m() + 0.4)});
+  EXPECT_EQ(bench.drives, drives + 1) << "its motors were told before anything else happened";
+  ASSERT_THAT(bench.felts, SizeIs(2));
+  EXPECT_EQ(bench.felts[1].ahead_header_id, 2U);
+  EXPECT_EQ(bench.felts[1].decided, bench.now);
+  EXPECT_TRUE(bench.felts[1].braking);
+  EXPECT_EQ(bench.felts[1].body, "P1");
+  ASSERT_TRUE(bench.felts[1].distance_m);
+  EXPECT_NEAR(*bench.felts[1].distance_m, 0.4 - radius_m - front_m, 0.03);
+}
+
+TEST(Feeling, it_stops_before_a_person_and_goes_on_when_the_person_is_gone) {
+  Driving bench;
+  const double person_s_m = bench.s_m() + 0.5;
+  bench.run_with({Driving::person(person_s_m)}, 3.0);
+  EXPECT_EQ(bench.speed_mps, 0.0);
+  EXPECT_NEAR(person_s_m - bench.s_m() - radius_m - front_m, stand_off_m, 0.03);
+  EXPECT_TRUE(bench.state().field_violation);
+  EXPECT_FALSE(bench.state().driving);
+  EXPECT_THAT(bench.state().errors, IsEmpty()) << "an obstacle is no fault";
+  bench.hear_ahead({});
+  EXPECT_FALSE(bench.felts.back().braking);
+  EXPECT_EQ(bench.felts.back().body, "");
+  bench.run(1.0);
+  EXPECT_GT(bench.speed_mps, 0.39);
+  EXPECT_FALSE(bench.state().field_violation);
+}
+
+TEST(Feeling, a_body_far_ahead_is_felt_without_braking_until_it_comes_near) {
+  Driving bench;
+  const std::vector<wire::Body> bodies{Driving::person(bench.s_m() + 1.2)};
+  bench.hear_ahead(bodies);
+  ASSERT_THAT(bench.felts, SizeIs(1));
+  EXPECT_FALSE(bench.felts[0].braking);
+  bench.run_with(bodies, 4.0);
+  int changes = 0;
+  for (std::size_t i = 1; i < bench.felts.size(); ++i) changes += bench.felts[i].braking != bench.felts[i - 1].braking;
+  EXPECT_EQ(changes, 1);
+  EXPECT_TRUE(bench.felts.back().braking);
+  EXPECT_EQ(bench.felts.back().body, "P1");
+  EXPECT_EQ(bench.speed_mps, 0.0);
+}
+
+TEST(Feeling, who_comes_or_goes_is_answered_though_it_does_not_brake) {
+  Driving bench;
+  const wire::Body far = Driving::person(bench.s_m() + 1.2);
+  bench.hear_ahead({});
+  bench.hear_ahead({far});
+  bench.hear_ahead({far});
+  ASSERT_THAT(bench.felts, SizeIs(2));
+  bench.hear_ahead({Driving::person(bench.s_m() + 1.25, "P2"), far});
+  bench.hear_ahead({far, Driving::person(bench.s_m() + 1.25, "P2")});
+  ASSERT_THAT(bench.felts, SizeIs(3)) << "their order is no news";
+  bench.hear_ahead({});
+  ASSERT_THAT(bench.felts, SizeIs(4));
+  EXPECT_EQ(bench.felts.back().ahead_header_id, 6U);
+}
+
+TEST(Feeling, is_told_again_when_the_broker_is_back) {
+  Driving bench;
+  bench.hear_ahead({});
+  bench.link(false);
+  bench.link(true);
+  bench.hear_ahead({});
+  EXPECT_THAT(bench.felts, SizeIs(2));
+}
+
+TEST(Feeling, another_body_that_comes_before_the_first_is_answered) {
+  Driving bench;
+  const double there_m = bench.s_m() + 0.6;
+  bench.run_with({Driving::person(there_m)}, 3.0);
+  bench.hear_ahead({Driving::person(there_m), Driving::person(there_m - 0.1, "P2")});
+  EXPECT_EQ(bench.felts.back().body, "P2");
+  EXPECT_EQ(bench.felts.back().ahead_header_id, bench.aheads);
+}
+
+TEST(Feeling, a_person_who_walks_across_makes_it_stop_once_and_go_once) {
+  Driving bench;
+  const Pose2 X_MP = lacet4().circuit.pose_at(at(lacet4(), "loop_se", bench.s_m() + 0.8));
+  int stops = 0;
+  bool stood = false;
+  for (int i = 0; i < 500; ++i) {  // from 0.4 m right of the way to 0.8 m left of it, at 0.24 m/s
+    if (i % 10 == 0) {
+      const Point2 p = X_MP * Point2{0.0, -0.4 + 0.0024 * i};
+      const Point2 ahead = X_MP * Point2{0.0, 1.0};
+      const double vx = 0.24 * (ahead.x_m - X_MP.x_m);
+      const double vy = 0.24 * (ahead.y_m - X_MP.y_m);
+      bench.hear_ahead({{"P1", "person", p.x_m, p.y_m, 0.0, 0.0, radius_m, vx, vy}});
+    }
+    bench.step();
+    stops += !stood && bench.speed_mps == 0.0 ? 1 : 0;
+    stood = bench.speed_mps == 0.0;
+  }
+  EXPECT_EQ(stops, 1);
+  EXPECT_GT(bench.speed_mps, 0.0);
+  EXPECT_THAT(bench.felts, Contains(Field(&wire::Felt::braking, true)));
+  EXPECT_FALSE(bench.felts.back().braking);
+}
+
+TEST(Feeling, is_forgotten_after_a_second_without_news_and_that_is_told) {
+  Driving bench;
+  bench.run_with({Driving::person(bench.s_m() + 0.5)}, 3.0);
+  bench.run(0.8);
+  EXPECT_EQ(bench.speed_mps, 0.0);
+  bench.run(1.0);
+  EXPECT_GT(bench.speed_mps, 0.0);
+  EXPECT_FALSE(bench.felts.back().braking);
+  const std::size_t before = bench.felts.size();
+  bench.hear_ahead({});
+  EXPECT_THAT(bench.felts, SizeIs(before + 1)) << "the first one of a new beginning is answered";
+}
+
+TEST(Feeling, is_forgotten_when_the_server_leaves) {
+  Driving bench;
+  bench.run_with({Driving::person(bench.s_m() + 0.5)}, 3.0);
+  EXPECT_EQ(bench.speed_mps, 0.0);
+  bench.server_beats = false;
+  bench.hear(wire::server_connection_topic, R"({"connectionState":"OFFLINE","timestamp":"2026-01-01T00:00:00Z"})");
+  bench.run(0.5);
+  EXPECT_GT(bench.speed_mps, 0.0);
+}
+
+TEST(Feeling, outlasts_a_server_that_died_and_came_back) {
+  Driving bench;
+  bench.run_with({Driving::person(bench.s_m() + 0.5)}, 3.0);
+  bench.server_beats = false;
+  bench.run(5.0);
+  EXPECT_EQ(bench.speed_mps, 0.0);
+  bench.server_beats = true;
+  bench.run(0.9);
+  EXPECT_EQ(bench.speed_mps, 0.0) << "the new one had no time yet to say what stands there";
+  bench.aheads = 0;
+  bench.hear_ahead({Driving::person(bench.s_m() + 0.3)});
+  EXPECT_EQ(bench.felts.back().ahead_header_id, 1U) << "a new server hears that this vehicle feels";
+}
+
+TEST(Feeling, a_malformed_ahead_is_refused_with_one_line_per_kind_and_changes_nothing) {
+  Driving bench;
+  const std::string topic = wire::own_topic(wire::ahead_topic_prefix, me);
+  const std::vector<wire::Body> bodies{Driving::person(bench.s_m() + 0.5)};
+  bench.run_with(bodies, 3.0);
+  const std::string good = to_json(wire::Ahead{99, bench.now, "lacet4", {}});
+  for (int i = 0; i < 5; ++i) {
+    for (const std::string& text :
+         {std::string(), std::string("{"), good.substr(0, good.size() - 1), std::string(R"({"headerId":1})"),
+          std::string(40000, ' ') + good, to_json(wire::Ahead{99, bench.now, "elsewhere", {}})})
+      bench.hear(topic, text);
+    bench.hear_ahead(bodies);
+    bench.run(0.1);
+  }
+  EXPECT_EQ(bench.speed_mps, 0.0);
+  for (auto felt = bench.felts.rbegin(); felt != bench.felts.rend() && felt->ahead_header_id > 30; ++felt)
+    EXPECT_EQ(felt->body, "P1");
+  const auto warnings = bench.warnings();
+  EXPECT_THAT(warnings, SizeIs(3)) << "not JSON, a field, another map";
+  for (const std::string& text : warnings) EXPECT_THAT(text, HasSubstr("ahead not used"));
+}
+
+TEST(Feeling, complains_of_at_most_sixteen_kinds_of_fault) {
+  Driving bench;
+  for (int i = 0; i < 32; ++i) {
+    wire::Ahead ahead{1, bench.now, "lacet4", std::vector<wire::Body>(32, Driving::person(0.5))};
+    ahead.bodies[static_cast<std::size_t>(i)].radius_m = -1.0;
+    bench.hear(wire::own_topic(wire::ahead_topic_prefix, me), to_json(ahead));
+  }
+  EXPECT_THAT(bench.warnings(), SizeIs(16));
+}
+
+TEST(Feeling, hears_neither_what_is_retained_nor_what_is_for_another) {
+  Driving bench;
+  const std::string text = to_json(wire::Ahead{1, bench.now, "lacet4", {Driving::person(bench.s_m() + 0.4)}});
+  bench.hear(wire::own_topic(wire::ahead_topic_prefix, me), text, true);
+  bench.hear(wire::own_topic(wire::ahead_topic_prefix, {"CoSiVA", "AIV2"}), text);
+  bench.run(0.2);
+  EXPECT_THAT(bench.felts, IsEmpty());
+  EXPECT_GT(bench.speed_mps, 0.39);
+}
+
+TEST(Feeling, before_there_is_a_zone_or_a_place_harms_nothing) {
+  OnboardBench::Setup setup;
+  setup.zone_told = false;
+  OnboardBench no_zone{setup};
+  const std::string text = to_json(wire::Ahead{1, no_zone.now, "lacet4", {Driving::person(0.4)}});
+  no_zone.hear(wire::own_topic(wire::ahead_topic_prefix, me), text);
+  no_zone.run(0.2);
+  EXPECT_THAT(no_zone.felts, IsEmpty());
+  setup.zone_told = true;
+  setup.start.reset();
+  OnboardBench no_place{setup};
+  no_place.hear(wire::own_topic(wire::ahead_topic_prefix, me), text);
+  no_place.run(0.2);
+  ASSERT_THAT(no_place.felts, SizeIs(1));
+  EXPECT_FALSE(no_place.felts[0].braking);
+}
+
+// --- Seen -----------------------------------------------------------------------------------------------------------
+
+TEST(Seeing, tells_where_the_obstacle_in_its_way_stands) {
+  Driving bench;
+  const Point2 p = Driving::on_loop(bench.s_m() + 0.7);
+  bench.obstacles = {p};
+  bench.run(3.0);
+  EXPECT_EQ(bench.speed_mps, 0.0);
+  ASSERT_FALSE(bench.sightings.empty());
+  const wire::Seen& seen = bench.sightings.back();
+  ASSERT_TRUE(seen.thing);
+  EXPECT_EQ(seen.map_id, "lacet4");
+  EXPECT_LT(distance({seen.thing->x_m, seen.thing->y_m}, p), 0.04);
+  EXPECT_NEAR(seen.thing->distance_m, stand_off_m, 0.04);
+  EXPECT_EQ(seen.clear_m, seen.thing->distance_m);
+  const std::size_t before = bench.sightings.size();
+  bench.run(2.0);
+  EXPECT_GE(bench.sightings.size() - before, 15U) << "it stands and goes on telling";
+}
+
+TEST(Seeing, tells_three_times_that_it_went_and_nothing_while_there_is_nothing) {
+  Driving bench;
+  EXPECT_THAT(bench.sightings, IsEmpty());
+  bench.obstacles = {Driving::on_loop(bench.s_m() + 0.7)};
+  bench.run(1.0);
+  bench.obstacles.clear();
+  bench.run(2.0);
+  ASSERT_GE(bench.sightings.size(), 3U);
+  int without = 0;
+  for (const wire::Seen& seen : bench.sightings) without += seen.thing ? 0 : 1;
+  EXPECT_EQ(without, 3);
+  EXPECT_NEAR(bench.sightings.back().clear_m, 1.2, 1e-9);
+}
+
+TEST(Seeing, does_not_tell_of_the_neighbouring_lane) {
+  Driving bench;
+  const Pose2 X_MP = lacet4().circuit.pose_at(at(lacet4(), "loop_se", bench.s_m() + 0.6));
+  bench.obstacles = {X_MP * Point2{0.0, 0.3}, X_MP * Point2{0.0, -0.3}};
+  bench.run(0.5);
+  EXPECT_THAT(bench.sightings, IsEmpty());
+}
+
+// --- boards
+// -----------------------------------------------------------------------------------------------------------
+
+TEST(BoardsReport, comes_twice_a_second_with_every_board) {
+  OnboardBench bench;
+  bench.run(3.0);
+  EXPECT_GE(bench.boards_reports.size(), 6U);
+  EXPECT_LE(bench.boards_reports.size(), 7U);
+  const wire::BoardsReport& report = bench.boards_reports.back();
+  ASSERT_THAT(report.boards, SizeIs(4));
+  for (const auto& line : report.boards) {
+    EXPECT_EQ(line.health, "ok") << to_string(line.board);
+    EXPECT_EQ(line.firmware_hash, 0xF00DU);
+    EXPECT_EQ(line.frames_bad, 0U);
+  }
+  // PILS: 50 odometries and 10 beats a second, up to the last report half a second ago.
+  EXPECT_NEAR(static_cast<double>(report.boards[0].frames), 150.0, 5.0);
+  ASSERT_TRUE(report.power);
+  EXPECT_EQ(report.power->voltage_mv, 7400);
+  ASSERT_TRUE(report.ranges);
+  EXPECT_THAT(report.ranges->range_mm, SizeIs(13));
+  EXPECT_EQ(report.header_id + 1, bench.boards_reports.size());
+}
+
+TEST(BoardsReport, counts_damage_on_both_sides_and_names_who_is_lost_or_faulty) {
+  OnboardBench bench;
+  bench.run(1.0);
+  bench.feed(wire::InputKind::bytes, wire::port_name(1, wire::Board::PILS), std::string("\x01garbage\x00", 9));
+  bench.say(wire::Board::PILS, wire::Heartbeat{4711, 3, 2, 0});
+  bench.silence(wire::Board::PRAV);
+  bench.self_test[wire::Board::DOBS] = 7;
+  // Its next beat would tell of no damage: what it says last counts.
+  bench.silence(wire::Board::PILS);
+  bench.run(1.0);
+  const auto& lines = bench.boards_reports.back().boards;
+  EXPECT_EQ(lines[0].frames_bad, 4U);
+  EXPECT_GE(lines[0].frames_missed, 2U);
+  EXPECT_EQ(lines[0].uptime_ms, 4711U);
+  EXPECT_EQ(lines[0].health, "lost");
+  EXPECT_EQ(lines[1].health, "lost");
+  EXPECT_EQ(lines[2].health, "faulty");
+  EXPECT_EQ(lines[2].self_test, 7);
+  EXPECT_EQ(lines[3].health, "ok");
+}
+
+TEST(BoardsReport, goes_on_without_a_zone_and_stops_without_a_broker) {
+  OnboardBench::Setup setup;
+  setup.zone_told = false;
+  OnboardBench bench{setup};
+  bench.run(1.0);
+  EXPECT_FALSE(bench.boards_reports.empty());
+  bench.link(false);
+  const std::size_t before = bench.boards_reports.size();
+  bench.run(2.0);
+  EXPECT_EQ(bench.boards_reports.size(), before);
+}
+
+// --- edits of the zone
+// ------------------------------------------------------------------------------------------------
+
+std::string edited(std::string_view from, std::string_view to) {
+  std::string text = test::lacet4_configuration().text;
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+TEST(ZoneEdit, a_tag_that_was_moved_rectifies_at_its_new_place_while_it_drives) {
+  Driving bench;
+  // Tag 2 stands 1.4137 m along the loop; from now on it is said to stand 0.05 m earlier.
+  bench.hear("cosiva/v1/zone/toml", edited("s_m = 1.4137", "s_m = 1.3637"), true);
+  EXPECT_THAT(bench.warnings(), IsEmpty());
+  EXPECT_GT(bench.speed_mps, 0.39) << "nothing stops for that";
+  bench.run_until([&] { return bench.s_m() >= 1.3637; }, 5.0);
+  bench.say(wire::Board::PRAV, wire::TagRead{0, 2, 0});
+  const auto believed = bench.core->believed_pose();
+  ASSERT_TRUE(believed);
+  // Read at the field's rim, 20 mm before the tag, and 20 ms ago.
+  const double expected_m = 1.3637 - 0.020 + 0.4 * 0.020;
+  EXPECT_LT(distance(position(*believed), Driving::on_loop(expected_m)), 0.006);
+  bench.run(0.2);
+  EXPECT_EQ(bench.state().order_id, "O-1");
+  EXPECT_GT(bench.speed_mps, 0.39);
+}
+
+TEST(ZoneEdit, another_beacon_pitch_is_in_force_at_once) {
+  // Northwards at x = 0.15 the way meets beacons of the old grid at y = 0.15 + 0.30 n; of the new one at 0.15 + 0.25 n.
+  const auto corrected = [](bool edit) {
+    OnboardBench::Setup setup;
+    setup.start = OnboardOptions::Start{"north", 0.50};
+    setup.truth = at(lacet4(), "north", 0.50);
+    OnboardBench bench{setup};
+    bench.run(0.3);
+    if (edit) bench.hear("cosiva/v1/zone/toml", edited("pitch_m = 0.30", "pitch_m = 0.25"), true);
+    auto rtm =
+        zone::Rtm::initialise({"toml", "", edited("pitch_m = 0.30", edit ? "pitch_m = 0.25" : "pitch_m = 0.30")});
+    const Point2 here = position(lacet4().circuit.pose_at(at(lacet4(), "north", 0.55)));
+    const auto beacon = rtm->zone().beacons->nearest(here);
+    bench.say(wire::Board::PRAV, wire::TagRead{0, beacon->number, 0});
+    // The rim of the field, 20 mm before the beacon.
+    const double rim_m = rtm->zone().circuit.locate(beacon->position, pi / 2).place.s_m - 0.020;
+    return distance(position(*bench.core->believed_pose()),
+                    position(lacet4().circuit.pose_at(at(lacet4(), "north", rim_m))));
+  };
+  EXPECT_LT(corrected(false), 0.005);
+  EXPECT_LT(corrected(true), 0.005);
+}
+
+TEST(ZoneEdit, a_zone_of_other_ways_is_refused_and_so_is_one_that_is_none) {
+  Driving bench;
+  bench.hear("cosiva/v1/zone/toml", edited("lacet4", "lacet5"), true);
+  bench.hear("cosiva/v1/zone/toml", "this is no zone", true);
+  bench.hear("cosiva/v1/zone/toml", "", true);
+  const auto warnings = bench.warnings();
+  ASSERT_THAT(warnings, SizeIs(3));
+  EXPECT_THAT(warnings[0], AllOf(HasSubstr("lacet4"), HasSubstr("restarted")));
+  EXPECT_THAT(warnings[1], HasSubstr("not used"));
+  bench.run(0.3);
+  EXPECT_GT(bench.speed_mps, 0.39);
+  bench.hear("cosiva/v1/zone/toml", test::lacet4_configuration().text, true);
+  EXPECT_THAT(bench.warnings(), SizeIs(3)) << "its own zone again is no news";
+}
+
+}  // namespace
+}  // namespace cosiva::aiv

@@ -1,0 +1,57 @@
+#include "aiv/way_ahead.h"
+
+#include <algorithm>
+
+#include "base/expect.h"
+
+namespace cosiva::aiv {
+
+WayAhead::WayAhead(const zone::Circuit& circuit, double sample_m, double reach_m)
+    : circuit_{circuit}, sample_m_{sample_m}, reach_m_{reach_m} {
+  COSIVA_EXPECT(sample_m > 0.0 && reach_m > sample_m);
+  way_B_.reserve(static_cast<std::size_t>(reach_m / sample_m) + 2);
+}
+
+void WayAhead::sample(zone::Place here) {
+  const Pose2 X_MB = circuit_.pose_at(here);
+  const auto [sin, cos] = sincos(X_MB.heading_rad);
+  way_B_.clear();
+  zone::SectionId id = here.section;
+  double s_m = here.s_m;
+  for (double ahead_m = 0.0; ahead_m <= reach_m_; ahead_m += sample_m_, s_m += sample_m_) {
+    while (s_m > circuit_.section(id).length_m()) {
+      if (circuit_.next(id).empty()) return;
+      s_m -= circuit_.section(id).length_m();
+      id = circuit_.next(id).front();
+    }
+    const Point2 p_M = position(circuit_.section(id).pose_at(s_m));
+    const double x_m = p_M.x_m - X_MB.x_m;
+    const double y_m = p_M.y_m - X_MB.y_m;
+    way_B_.push_back({cos * x_m + sin * y_m, cos * y_m - sin * x_m});
+  }
+}
+
+WayAhead::Beside WayAhead::beside(Point2 p_B) const {
+  Beside nearest{0, std::numeric_limits<double>::infinity()};
+  for (std::size_t i = 0; i < way_B_.size(); ++i) {
+    const double x_m = way_B_[i].x_m - p_B.x_m;
+    const double y_m = way_B_[i].y_m - p_B.y_m;
+    const double d2_m2 = x_m * x_m + y_m * y_m;
+    if (d2_m2 < nearest.distance2_m2) nearest = {i, d2_m2};
+  }
+  return nearest;
+}
+
+double WayAhead::along_way_m(Point2 p_B, std::size_t sample) const {
+  // Between the samples: along the chord of its neighbours.
+  const Point2 before = way_B_[sample == 0 ? 0 : sample - 1];
+  const Point2 after = way_B_[std::min(sample + 1, way_B_.size() - 1)];
+  const double chord_m = distance(before, after);
+  const double along_m = static_cast<double>(sample) * sample_m_;
+  if (chord_m <= 0.0) return along_m;
+  const Point2 here = way_B_[sample];
+  return along_m +
+         ((p_B.x_m - here.x_m) * (after.x_m - before.x_m) + (p_B.y_m - here.y_m) * (after.y_m - before.y_m)) / chord_m;
+}
+
+}  // namespace cosiva::aiv

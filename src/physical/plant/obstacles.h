@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/json_value.h"
+#include "base/result.h"
+#include "physical/plant/body.h"
+#include "physical/plant/collisions.h"
+#include "zone/draw.h"
+#include "zone/traffic_zone.h"
+
+namespace cosiva::physical {
+
+/// What instruments put into the emulated world: round things with a name.
+class Obstacles {
+ public:
+  static constexpr std::size_t count_max = 1000;
+  static constexpr double radius_m_min = 0.01;
+  static constexpr double radius_m_max = 2.0;
+  static constexpr double beside_world_m = 1.0;  ///< so far off the zone's picture there is still a floor
+
+  struct Obstacle {
+    std::string id;
+    Disc disc;
+    CollisionWatch::BodyKey key;
+  };
+
+  explicit Obstacles(const zone::TrafficZone& zone);
+
+  /// Puts {"id","x","y","radius"}, or moves the one of this id. Refuses ("plant.command", a sentence) a missing or
+  /// too long id, a place off the world, a radius outside 0.01…2 m, one too many, and a place on one of the vehicles:
+  /// the contact would be booked as that vehicle's collision, which it could do nothing about.
+  /// @param bodies  the vehicles, AIV1 first
+  [[nodiscard]] std::optional<Error> add(const JsonValue& given, std::span<const BodyPose> bodies);
+  [[nodiscard]] std::optional<Error> remove(std::string_view id);
+
+  [[nodiscard]] const std::vector<Obstacle>& all() const { return all_; }  ///< sorted by id
+  /// The same as the watch wants them.
+  [[nodiscard]] std::span<const CollisionWatch::Obstacle> discs() const { return discs_; }
+  [[nodiscard]] std::string name_of(CollisionWatch::BodyKey key) const;
+
+ private:
+  [[nodiscard]] std::optional<Error> check(const std::string& id, const Disc& disc,
+                                           std::span<const BodyPose> bodies) const;
+  void note_discs();
+
+  zone::VehicleShape shape_;
+  zone::Bounds world_;
+  std::vector<Obstacle> all_;
+  std::vector<CollisionWatch::Obstacle> discs_;
+  CollisionWatch::BodyKey next_key_{CollisionWatch::obstacle_bit};
+};
+
+}  // namespace cosiva::physical

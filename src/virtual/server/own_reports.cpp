@@ -1,0 +1,134 @@
+// What our own vehicles say beyond VDA 5050: what they felt, what they see, how their boards fare.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/math.h"
+#include "virtual/server/inside.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+/// Of a known vehicle's body: what is seen nearer is that vehicle, and errors of two places.
+constexpr double vehicle_margin_m = 0.10;
+/// A time stamp that falls back further than any network delays is a clock that was set, not a late message.
+constexpr SimDuration reorder_max{std::chrono::seconds{5}};
+constexpr double way_step_m = 0.04;
+constexpr double clear_m_max = 3.0;
+
+/// How far `p` is outside of the body around X_MB.
+double outside_m(const Pose2& X_MB, const zone::VehicleShape& shape, Point2 p) {
+  const Point2 p_B = inverse(X_MB) * p;
+  return norm(std::max(0.0, std::fabs(p_B.x_m) - 0.5 * shape.length_m),
+              std::max(0.0, std::fabs(p_B.y_m) - 0.5 * shape.width_m));
+}
+
+std::string health_of(const wire::BoardsReport& report) {
+  std::string text;
+  for (const wire::BoardsReport::Line& line : report.boards)
+    text += (text.empty() ? "" : ", ") + std::string(wire::to_string(line.board)) + " " + line.health;
+  return text;
+}
+
+std::string place_text(double x_m, double y_m) {
+  const auto mm = [](double m) { return std::to_string(std::nearbyint(m * 1000.0) / 1000.0).substr(0, 6); };
+  return "(" + mm(x_m) + ", " + mm(y_m) + ")";
+}
+
+}  // namespace
+
+bool ServerCore::Inside::take_own_stamp(AivProxy& proxy, std::optional<SimTime>& last, SimTime stamp) {
+  if (last && stamp < *last && *last - stamp < reorder_max) {
+    ++proxy.outdated;
+    return false;
+  }
+  last = stamp;
+  return true;
+}
+
+void ServerCore::Inside::on_felt(VehicleIndex vehicle, const wire::Input& input) {
+  const auto felt = wire::felt_from_json(input.payload);
+  if (!felt) return refuse(vehicle, VehicleTopic::felt, felt.error());
+  AivProxy& proxy = registry[vehicle];
+  std::string summary = "ahead " + std::to_string(felt->ahead_header_id) + ": ";
+  summary += felt->braking ? "brakes for " + felt->body : std::string("nothing to brake for");
+  traces.add(now, proxy.name, "AIV_Server", "felt", summary, input.source, input.payload);
+  if (!ahead.on_felt(vehicle, *felt, clock_of(proxy, felt->decided))) ++proxy.outdated;
+}
+
+bool ServerCore::Inside::is_vehicle(VehicleIndex seer, Point2 p) const {
+  for (VehicleIndex v = 0; v < registry.size(); ++v) {
+    const AivProxy& proxy = registry[v];
+    if (v == seer || !proxy.here() || proxy.augmented) continue;
+    if (outside_m(simulator.image(*proxy.twin, now).X_MB, simulator.zone()->vehicle, p) <= vehicle_margin_m)
+      return true;
+  }
+  return false;
+}
+
+void ServerCore::Inside::on_seen(VehicleIndex vehicle, const wire::Input& input) {
+  const auto message = wire::seen_from_json(input.payload);
+  if (!message) return refuse(vehicle, VehicleTopic::seen, message.error());
+  AivProxy& proxy = registry[vehicle];
+  if (!take_own_stamp(proxy, proxy.seen_stamp, message->timestamp)) return;
+  const auto& thing = message->thing;
+  traces.add(now, proxy.name, "AIV_Server", "seen",
+             thing ? "something at " + place_text(thing->x_m, thing->y_m) : std::string("nothing in its way"),
+             input.source, input.payload);
+  if (!simulator.zone() || message->map_id != simulator.zone()->name) {
+    ++proxy.outdated;  // of a zone that is no more, or not yet
+    return;
+  }
+  if (!thing) {
+    forget_where_clear(vehicle, message->clear_m);
+    return;
+  }
+  const Point2 at{thing->x_m, thing->y_m};
+  if (is_vehicle(vehicle, at)) return;
+  if (!simulator.seen().see(proxy.name, now, at, thing->radius_m)) return;
+  const std::string& id = simulator.seen().obstacles().back().id;
+  traces.add(now, "AIV_Server", "Simulator", "appear", id + ": an obstacle at " + place_text(at.x_m, at.y_m));
+  if (proxy.augmented) return;
+  const SimTime seen_at = clock_of(proxy, message->timestamp);
+  simulator.monitor().effect(WorldEffect::shown, to_seconds(now - seen_at) * 1e3);
+}
+
+void ServerCore::Inside::forget_where_clear(VehicleIndex vehicle, double clear_m) {
+  const AivProxy& proxy = registry[vehicle];
+  if (simulator.seen().empty() || !proxy.here()) return;
+  const zone::VehicleShape& shape = simulator.zone()->vehicle;
+  const Twin::Image image = simulator.image(*proxy.twin, now);
+  const double reach_m = 0.5 * shape.length_m + std::min(clear_m, clear_m_max);
+  std::vector<Point2> way;
+  for (double d = 0.0; d <= reach_m; d += way_step_m) {
+    way.push_back(image.place ? position(simulator.circuit()->pose_at(simulator.circuit()->advance(*image.place, d)))
+                              : image.X_MB * Point2{d, 0.0});
+  }
+  std::vector<std::string> gone;
+  for (const SeenObstacle& obstacle : simulator.seen().obstacles()) {
+    if (!SeenObstacles::seen_by(obstacle, proxy.name)) continue;
+    // In its way by half of itself at least; one beside the way would not be reported.
+    const bool in_way = std::ranges::any_of(
+        way, [&](Point2 p) { return distance(p, obstacle.at) <= 0.5 * (shape.width_m + obstacle.radius_m); });
+    if (in_way) gone.push_back(obstacle.id);
+  }
+  for (const std::string& id : gone) {
+    simulator.seen().remove(id);
+    traces.add(now, "AIV_Server", "Simulator", "disappear", id + ": " + proxy.name + " sees its place free");
+  }
+}
+
+void ServerCore::Inside::on_boards(VehicleIndex vehicle, const wire::Input& input) {
+  auto report = wire::boards_report_from_json(input.payload);
+  if (!report) return refuse(vehicle, VehicleTopic::boards, report.error());
+  AivProxy& proxy = registry[vehicle];
+  if (!take_own_stamp(proxy, proxy.boards_stamp, report->timestamp)) return;
+  const std::string health = health_of(*report);
+  // Twice a second from each would drown the rest; what changes is news.
+  if (!proxy.boards || health_of(*proxy.boards) != health) {
+    traces.add(now, proxy.name, "AIV_Server", "boards", health, input.source, input.payload);
+  }
+  proxy.boards = std::move(*report);
+}
+
+}  // namespace cosiva::virtual_side

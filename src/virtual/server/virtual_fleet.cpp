@@ -1,0 +1,107 @@
+#include "virtual/server/virtual_fleet.h"
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+namespace cosiva::virtual_side {
+void VirtualFleet::send(const Host& host) {
+  for (wire::Effect& effect : effects_) {
+    if (auto* message = std::get_if<wire::Publish>(&effect)) {
+      outbox_.publish(std::move(message->topic), std::move(message->payload), message->qos, message->retained);
+    } else if (auto* log = std::get_if<wire::Log>(&effect)) {
+      outbox_.log(log->level, registry_[host.vehicle].name + ": " + log->text);
+    }
+  }
+  effects_.clear();
+}
+
+void VirtualFleet::add(VehicleIndex vehicle, SimTime now, bool link_up, const zone::ZoneConfiguration& zone,
+                       zone::Place start) {
+  const AivProxy& proxy = registry_[vehicle];
+  hosts_.push_back(
+      {vehicle, now, VirtualAiv(proxy.id.serial_number, proxy.number, zone, start, registry_.interface_name())});
+  if (!link_up) return;
+  hosts_.back().aiv.link(now, true, effects_);
+  send(hosts_.back());
+}
+
+void VirtualFleet::remove(VehicleIndex vehicle, SimTime now) {
+  Host* host = find_host(vehicle);
+  if (host == nullptr) return;
+  host->aiv.farewell(now, effects_);
+  send(*host);
+  std::erase_if(hosts_, [vehicle](const Host& h) { return h.vehicle == vehicle; });
+}
+
+VirtualFleet::Host* VirtualFleet::find_host(VehicleIndex vehicle) {
+  const auto it = std::ranges::find(hosts_, vehicle, &Host::vehicle);
+  return it == hosts_.end() ? nullptr : &*it;
+}
+
+const VirtualFleet::Host* VirtualFleet::find(VehicleIndex vehicle) const {
+  const auto it = std::ranges::find(hosts_, vehicle, &Host::vehicle);
+  return it == hosts_.end() ? nullptr : &*it;
+}
+
+void VirtualFleet::link(SimTime now, bool up) {
+  for (Host& host : hosts_) {
+    host.aiv.link(now, up, effects_);
+    send(host);
+  }
+}
+
+void VirtualFleet::zone(SimTime now, const zone::ZoneConfiguration& zone) {
+  for (Host& host : hosts_) {
+    host.aiv.zone(now, zone, effects_);
+    send(host);
+  }
+}
+
+void VirtualFleet::message(SimTime now, const std::string& topic, const std::string& payload) {
+  for (Host& host : hosts_) {
+    host.aiv.message(now, topic, payload, effects_);
+    send(host);
+  }
+}
+
+void VirtualFleet::message(SimTime now, VehicleIndex vehicle, const std::string& topic, const std::string& payload) {
+  Host* host = find_host(vehicle);
+  if (host == nullptr) return;
+  host->aiv.message(now, topic, payload, effects_);
+  send(*host);
+}
+
+bool VirtualFleet::from_broker(SimTime now, const std::string& topic, const std::string& payload) {
+  for (Host& host : hosts_) {
+    const AivProxy& proxy = registry_[host.vehicle];
+    if (topic != proxy.order_topic && topic != proxy.actions_topic) continue;
+    host.aiv.message(now, topic, payload, effects_);
+    send(host);
+    return true;
+  }
+  return false;
+}
+
+void VirtualFleet::tick(SimTime now) {
+  for (Host& host : hosts_) {
+    host.aiv.tick(now, effects_);
+    send(host);
+  }
+}
+
+void VirtualFleet::farewell(SimTime now) {
+  for (Host& host : hosts_) {
+    host.aiv.farewell(now, effects_);
+    send(host);
+  }
+}
+
+void VirtualFleet::fold(Digest& digest) const {
+  for (const Host& host : hosts_) {
+    digest.add(std::uint64_t{host.vehicle});
+    host.aiv.fold(digest);
+  }
+}
+
+}  // namespace cosiva::virtual_side

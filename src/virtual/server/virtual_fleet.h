@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <string_view>
+
+#include "base/digest.h"
+#include "virtual/server/outbox.h"
+#include "virtual/server/proxy.h"
+#include "virtual/vehicle/virtual_aiv.h"
+
+namespace cosiva::virtual_side {
+
+/// The virtual AIVs that live in this server (A3). What they say goes to the broker, and comes back from there like any
+/// vehicle's; orders reach them the same way. Zone, heartbeat, link and Ahead are handed to them directly.
+class VirtualFleet {
+ public:
+  VirtualFleet(Registry& registry, Outbox& outbox) : registry_{registry}, outbox_{outbox} {}
+
+  struct Host {
+    VehicleIndex vehicle;
+    SimTime since;
+    VirtualAiv aiv;
+  };
+
+  void add(VehicleIndex vehicle, SimTime now, bool link_up, const zone::ZoneConfiguration& zone, zone::Place start);
+  void remove(VehicleIndex vehicle, SimTime now);
+  [[nodiscard]] const Host* find(VehicleIndex vehicle) const;
+  [[nodiscard]] const std::deque<Host>& hosts() const { return hosts_; }
+  [[nodiscard]] bool empty() const { return hosts_.empty(); }
+
+  void link(SimTime now, bool up);
+  void zone(SimTime now, const zone::ZoneConfiguration& zone);
+  /// To all of them, such as a heartbeat.
+  void message(SimTime now, const std::string& topic, const std::string& payload);
+  /// To one of them.
+  void message(SimTime now, VehicleIndex vehicle, const std::string& topic, const std::string& payload);
+  /// An order or instant actions from the broker; false: it is for none of them.
+  bool from_broker(SimTime now, const std::string& topic, const std::string& payload);
+  void tick(SimTime now);
+  void farewell(SimTime now);
+  void fold(Digest& digest) const;
+
+ private:
+  Host* find_host(VehicleIndex vehicle);
+  void send(const Host& host);
+
+  Registry& registry_;
+  Outbox& outbox_;
+  std::deque<Host> hosts_;
+  wire::Effects effects_;
+};
+
+}  // namespace cosiva::virtual_side

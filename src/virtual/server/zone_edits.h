@@ -1,0 +1,64 @@
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "base/digest.h"
+#include "base/json_value.h"
+#include "base/json_writer.h"
+#include "base/result.h"
+#include "virtual/simulator/simulator.h"
+#include "zone/rtm.h"
+
+namespace cosiva::virtual_side {
+
+/// The edits of the zone that runs (A5): what is undone and done again, and which of the configurations that arrive are
+/// news. It keeps whole configurations, so that undoing needs no understanding of them.
+class ZoneEdits {
+ public:
+  static constexpr std::size_t depth = 50;
+
+  [[nodiscard]] static bool is_ours(std::string_view command);  ///< "edit", "undo", "redo" or "saved"
+
+  /// The configuration that would be in force after a command. Fails with a sentence that says what to do.
+  [[nodiscard]] Result<zone::ZoneConfiguration> after(const JsonValue& command, const Simulator& simulator) const;
+  /// The command has been followed: `before` was in force.
+  void done(std::string_view command, zone::ZoneConfiguration before);
+  void saved(const zone::ZoneConfiguration& now_in_force);
+
+  /// What a configuration from the broker is.
+  enum class Arrival {
+    news,   ///< to be taken; the edits of the one before end with it
+    echo,   ///< what we published ourselves comes back
+    stale,  ///< the one that our edits began from, from somebody who does not know of them
+  };
+  [[nodiscard]] Arrival arrives(const zone::ZoneConfiguration& configuration);
+  void published(const zone::ZoneConfiguration& configuration);
+  void link_lost() { expected_.clear(); }
+  /// A new zone: nothing to undo.
+  void begin(const zone::ZoneConfiguration& configuration);
+
+  [[nodiscard]] std::size_t undo_count() const { return undo_.size(); }
+  [[nodiscard]] std::size_t redo_count() const { return redo_.size(); }
+  [[nodiscard]] bool unsaved(const Simulator& simulator) const;
+  [[nodiscard]] bool edited(const Simulator& simulator) const;
+
+  /// {"base","format","origin","text"}: what is in force, and a digest of what it was made from. Only while edited().
+  void write_memory(JsonWriter& json, const Simulator& simulator) const;
+  /// The remembered configuration, if it was made from the one that is in force now.
+  [[nodiscard]] std::optional<zone::ZoneConfiguration> recalled(const JsonValue& memory) const;
+  void fold(Digest& digest) const;
+
+ private:
+  static void push(std::deque<zone::ZoneConfiguration>& stack, zone::ZoneConfiguration configuration);
+
+  std::optional<zone::ZoneConfiguration> base_;
+  std::optional<zone::ZoneConfiguration> saved_;
+  std::deque<zone::ZoneConfiguration> undo_;
+  std::deque<zone::ZoneConfiguration> redo_;
+  std::deque<zone::ZoneConfiguration> expected_;  ///< published, and not come back yet
+};
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/digest.h"
+#include "base/pose.h"
+#include "base/time.h"
+
+namespace cosiva::virtual_side {
+
+/// What stands or walks in the virtual world only (A3), save AIVs.
+enum class ThingKind : std::uint8_t { person, obstacle };
+[[nodiscard]] std::string_view to_string(ThingKind kind);
+[[nodiscard]] std::optional<ThingKind> parse_thing_kind(std::string_view word);
+
+/// What a walker does at the end of its path.
+enum class Repeat : std::uint8_t { once, back_and_forth, loop };
+[[nodiscard]] std::string_view to_string(Repeat repeat);  ///< "once", "back and forth", "loop"
+[[nodiscard]] std::optional<Repeat> parse_repeat(std::string_view word);
+
+/// A path of straight legs, walked at one speed: a closed form of the time since its start.
+class Walk {
+ public:
+  static constexpr std::size_t points_max = 64;
+
+  Walk() = default;
+  /// @param path   at least one point; with one, or with speed 0, it stands at the first
+  /// @param speed  ≥ 0
+  Walk(std::vector<Point2> path, double speed_mps, Repeat repeat);
+
+  struct Motion {
+    Point2 at;
+    double heading_rad{};  ///< where it goes or went last; 0 where it never went
+    double vx_mps{};
+    double vy_mps{};
+  };
+  [[nodiscard]] Motion at(SimDuration since_start) const;
+  [[nodiscard]] const std::vector<Point2>& path() const { return path_; }
+  [[nodiscard]] double speed_mps() const { return speed_mps_; }
+  [[nodiscard]] Repeat repeat() const { return repeat_; }
+  [[nodiscard]] bool walks() const { return speed_mps_ > 0.0 && length_m_ > 0.0; }
+
+ private:
+  std::vector<Point2> path_{Point2{}};
+  double speed_mps_{};
+  Repeat repeat_{Repeat::once};
+  std::vector<double> reached_m_{0.0};  ///< way from the start to each point; for a loop, back to the first, too
+  double length_m_{};
+};
+
+struct Thing {
+  std::string id;
+  ThingKind kind{ThingKind::person};
+  std::uint16_t handle{};  ///< on binary frames, from Augmented::first_handle on
+  double radius_m{};
+  Walk walk;
+  SimTime since{};    ///< when it was added
+  SimTime started{};  ///< when its walk began: added or moved last
+  [[nodiscard]] Walk::Motion at(SimTime time) const { return walk.at(time - started); }
+};
+
+/// The persons and obstacles of the virtual world, in the order in which they were added. Asking where one is changes
+/// nothing; it knows no zone and checks no places.
+class Augmented {
+ public:
+  static constexpr std::size_t things_max = 64;
+  static constexpr std::uint16_t first_handle = 0x8000;
+  static constexpr std::uint16_t handles = 0x4000;
+
+  /// Its id is free and there is room (checked by the caller). The handle is given here.
+  const Thing& add(Thing thing);
+  /// Walks from `now` on. False: there is no such thing.
+  bool move(std::string_view id, Walk walk, SimTime now);
+  bool remove(std::string_view id);
+  void clear() { things_.clear(); }
+
+  [[nodiscard]] const Thing* find(std::string_view id) const;
+  [[nodiscard]] const std::vector<Thing>& things() const { return things_; }
+  [[nodiscard]] bool empty() const { return things_.empty(); }
+  void fold(Digest& digest) const;
+
+ private:
+  std::vector<Thing> things_;
+  std::uint16_t next_{0};
+};
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,93 @@
+#include "virtual/simulator/seen_obstacles.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cosiva::virtual_side {
+namespace {
+
+/// A new sighting's weight: late ones come from nearer by, and see better than the first.
+constexpr double newest_share = 0.3;
+
+}  // namespace
+
+bool SeenObstacles::seen_by(const SeenObstacle& obstacle, std::string_view vehicle) {
+  return std::ranges::find(obstacle.seen_by, vehicle, &SeenObstacle::Witness::vehicle) != obstacle.seen_by.end();
+}
+
+bool SeenObstacles::see(std::string_view vehicle, SimTime now, Point2 at, double radius_m) {
+  SeenObstacle* nearest = nullptr;
+  for (SeenObstacle& obstacle : obstacles_) {
+    const double apart_m = distance(obstacle.at, at);
+    if (apart_m <= merge_within_m && (nearest == nullptr || apart_m < distance(nearest->at, at))) nearest = &obstacle;
+  }
+  if (nearest == nullptr) {
+    appear(vehicle, now, at, radius_m);
+    return true;
+  }
+  const double share = std::max(newest_share, 1.0 / (1.0 + nearest->sightings));
+  nearest->at.x_m += share * (at.x_m - nearest->at.x_m);
+  nearest->at.y_m += share * (at.y_m - nearest->at.y_m);
+  nearest->radius_m += share * (radius_m - nearest->radius_m);
+  nearest->last = now;
+  ++nearest->sightings;
+  const auto witness = std::ranges::find(nearest->seen_by, vehicle, &SeenObstacle::Witness::vehicle);
+  if (witness == nearest->seen_by.end())
+    nearest->seen_by.push_back({std::string(vehicle), now});
+  else
+    witness->last = now;
+  return false;
+}
+
+void SeenObstacles::appear(std::string_view vehicle, SimTime now, Point2 at, double radius_m) {
+  if (obstacles_.size() >= obstacles_max)
+    obstacles_.erase(std::ranges::min_element(obstacles_, {}, &SeenObstacle::last));
+  SeenObstacle obstacle;
+  const auto used = [&](std::uint16_t handle) {
+    return std::ranges::find(obstacles_, handle, &SeenObstacle::handle) != obstacles_.end();
+  };
+  do {
+    obstacle.handle = static_cast<std::uint16_t>(first_handle + running_ % handles);
+    ++running_;
+  } while (used(obstacle.handle));
+  obstacle.id = "S" + std::to_string(running_);
+  obstacle.at = at;
+  obstacle.radius_m = radius_m;
+  obstacle.seen_by.push_back({std::string(vehicle), now});
+  obstacle.first = now;
+  obstacle.last = now;
+  obstacle.sightings = 1;
+  obstacles_.push_back(std::move(obstacle));
+}
+
+std::size_t SeenObstacles::pass(std::string_view vehicle, SimTime now, const Pose2& X_MB, double length_m,
+                                double width_m) {
+  if (obstacles_.empty()) return 0;
+  const Pose2 X_BM = inverse(X_MB);
+  return std::erase_if(obstacles_, [&](const SeenObstacle& obstacle) {
+    const Point2 p_B = X_BM * obstacle.at;
+    // Half of it in the body is more than two errors of place explain.
+    const double slack_m = 0.5 * obstacle.radius_m;
+    if (std::fabs(p_B.x_m) > 0.5 * length_m + slack_m || std::fabs(p_B.y_m) > 0.5 * width_m + slack_m) return false;
+    const auto witness = std::ranges::find(obstacle.seen_by, vehicle, &SeenObstacle::Witness::vehicle);
+    return witness == obstacle.seen_by.end() || now - witness->last > just_seen;
+  });
+}
+
+void SeenObstacles::remove(std::string_view id) {
+  std::erase_if(obstacles_, [id](const SeenObstacle& obstacle) { return obstacle.id == id; });
+}
+
+void SeenObstacles::fold(Digest& digest) const {
+  digest.add(running_);
+  for (const SeenObstacle& obstacle : obstacles_) {
+    digest.add(std::string_view{obstacle.id});
+    digest.add(obstacle.at.x_m);
+    digest.add(obstacle.at.y_m);
+    digest.add(obstacle.radius_m);
+    digest.add(obstacle.last);
+    digest.add(static_cast<std::uint64_t>(obstacle.seen_by.size()));
+  }
+}
+
+}  // namespace cosiva::virtual_side

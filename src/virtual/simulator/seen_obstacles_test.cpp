@@ -1,0 +1,68 @@
+#include "virtual/simulator/seen_obstacles.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace cosiva::virtual_side {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+class Sightings : public testing::Test {
+ protected:
+  SimTime now{virtual_epoch};
+  SeenObstacles seen;
+};
+
+TEST_F(Sightings, of_one_thing_from_two_vehicles_are_one_twin) {
+  EXPECT_TRUE(seen.see("a", now, {1.0, 0.0}, 0.05));
+  EXPECT_FALSE(seen.see("b", now + 1s, {1.1, 0.0}, 0.07));
+  ASSERT_THAT(seen.obstacles(), SizeIs(1));
+  const SeenObstacle& one = seen.obstacles()[0];
+  EXPECT_EQ(one.id, "S1");
+  EXPECT_EQ(one.handle, 0xC000);
+  EXPECT_NEAR(one.at.x_m, 1.05, 1e-12) << "the second weighs as much as the first";
+  EXPECT_EQ(one.first, now);
+  EXPECT_EQ(one.last, now + 1s);
+  EXPECT_TRUE(SeenObstacles::seen_by(one, "a"));
+  EXPECT_TRUE(SeenObstacles::seen_by(one, "b"));
+  EXPECT_FALSE(SeenObstacles::seen_by(one, "c"));
+}
+
+TEST_F(Sightings, further_apart_than_15_cm_are_two) {
+  seen.see("a", now, {1.0, 0.0}, 0.05);
+  EXPECT_TRUE(seen.see("a", now, {1.16, 0.0}, 0.05));
+  EXPECT_THAT(seen.obstacles(), SizeIs(2));
+}
+
+TEST_F(Sightings, vanish_when_another_vehicle_s_body_is_where_they_were) {
+  seen.see("a", now, {1.0, 0.0}, 0.05);
+  EXPECT_EQ(seen.pass("b", now, {0.8, 0.0, 0.0}, 0.20, 0.12), 0U) << "its front is still before it";
+  EXPECT_EQ(seen.pass("b", now, {0.95, 0.0, 0.0}, 0.20, 0.12), 1U);
+  EXPECT_THAT(seen.obstacles(), IsEmpty());
+}
+
+TEST_F(Sightings, stay_when_it_is_passed_beside_them) {
+  seen.see("a", now, {1.0, 0.10}, 0.05);
+  EXPECT_EQ(seen.pass("b", now, {1.0, 0.0, 0.0}, 0.20, 0.12), 0U);
+}
+
+TEST_F(Sightings, of_the_vehicle_that_stands_close_before_them_stay_while_it_sees_them) {
+  seen.see("a", now, {1.0, 0.0}, 0.05);
+  EXPECT_EQ(seen.pass("a", now + 300ms, {0.9, 0.0, 0.0}, 0.20, 0.12), 0U);
+  EXPECT_EQ(seen.pass("a", now + 600ms, {0.9, 0.0, 0.0}, 0.20, 0.12), 1U);
+}
+
+TEST_F(Sightings, are_bounded_and_the_oldest_gives_way) {
+  for (std::size_t i = 0; i <= SeenObstacles::obstacles_max; ++i)
+    seen.see("a", now + i * 1s, {static_cast<double>(i), 0.0}, 0.05);
+  ASSERT_THAT(seen.obstacles(), SizeIs(SeenObstacles::obstacles_max));
+  EXPECT_EQ(seen.obstacles().front().id, "S2");
+  seen.remove("S2");
+  EXPECT_THAT(seen.obstacles(), SizeIs(SeenObstacles::obstacles_max - 1));
+}
+
+}  // namespace
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,96 @@
+#include "virtual/vehicle/simulated_boards.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cosiva::virtual_side {
+namespace {
+
+/// Stands for the hash of the image that a real board would carry.
+std::uint32_t firmware_hash(wire::Board board) {
+  Digest digest;
+  digest.add(std::string_view{"simulated board 1"});
+  digest.add(to_string(board));
+  return static_cast<std::uint32_t>(digest.value() >> 32U);
+}
+
+/// True once per period; what was late does not catch up in a burst.
+bool take(SimTime now, SimTime& next, SimDuration period) {
+  if (now < next) return false;
+  next = next + period > now ? next + period : now + period;
+  return true;
+}
+
+}  // namespace
+
+void SimulatedBoards::power_up(SimTime now) {
+  powered_at_ = now;
+  heartbeat_next_ = ranges_next_ = power_next_ = now;
+}
+
+void SimulatedBoards::on_bytes(SimTime now, wire::Board board, std::string_view bytes) {
+  Line& of = line(board);
+  received_.clear();
+  of.decoder.feed(bytes, received_);
+  for (const wire::BoardMessage& message : received_) {
+    if (std::holds_alternative<wire::Hello>(message)) of.hello_due = true;
+    const auto* drive = std::get_if<wire::Drive>(&message);
+    if (drive == nullptr || board != wire::Board::PILS) continue;
+    drive_ = *drive;
+    driven_at_ = now;
+  }
+}
+
+void SimulatedBoards::send(wire::Board board, const wire::BoardMessage& message) {
+  Line& to = line(board);
+  to.encoder.append(to.out, message);
+}
+
+void SimulatedBoards::speak(SimTime now, const Measured& measured) {
+  const bool beat = take(now, heartbeat_next_, std::chrono::milliseconds{100});
+  for (const wire::Board board : wire::all_boards) {
+    Line& of = line(board);
+    of.out.clear();
+    if (of.hello_due) send(board, wire::Hello{board, wire::module_link::version, firmware_hash(board), session_});
+    of.hello_due = false;
+    const auto& counters = of.decoder.counters();
+    if (beat) send(board, wire::Heartbeat{board_ms(now), counters.frames_bad, counters.frames_missed, 0});
+  }
+  const double speed_mmps = std::clamp(std::nearbyint(measured.speed_mps * 1e3), -32768.0, 32767.0);
+  send(wire::Board::PILS,
+       wire::Odometry{board_ms(now), static_cast<std::int64_t>(std::nearbyint(measured.odometer_m * 1e6)),
+                      static_cast<std::int16_t>(speed_mmps), 0, measured.line_lost});
+  send_readings(now);
+  if (take(now, ranges_next_, std::chrono::milliseconds{60})) {
+    std::get<wire::Ranges>(no_echoes_).board_ms = board_ms(now);
+    send(wire::Board::DOBS, no_echoes_);
+  }
+  // Two full cells at rest: what is only virtual does not tire.
+  if (take(now, power_next_, std::chrono::milliseconds{500})) send(wire::Board::RALI, wire::Power{8400, 0, 220, 1000});
+}
+
+void SimulatedBoards::send_readings(SimTime now) {
+  // The on-board program knows that a number takes its reader 20 ms, a tick; the age is what comes on top.
+  constexpr SimDuration reading = std::chrono::milliseconds{20};
+  std::erase_if(readings_, [&](const Reading& tag) {
+    const SimDuration age = now - tag.read_at - reading;
+    if (age < SimDuration::zero()) return false;
+    const double age_ms = std::min(std::nearbyint(1e3 * to_seconds(age)), 65535.0);
+    send(wire::Board::PRAV, wire::TagRead{board_ms(now), tag.number, static_cast<std::uint16_t>(age_ms)});
+    return true;
+  });
+}
+
+void SimulatedBoards::fold(Digest& digest) const {
+  digest.add(std::uint64_t{session_});
+  digest.add(std::uint64_t{drive_.has_value()});
+  if (drive_) {
+    digest.add(std::int64_t{drive_->speed_mmps});
+    digest.add(std::uint64_t{drive_->acceleration_mmps2});
+    digest.add(std::uint64_t{drive_->braking_mmps2});
+    digest.add(driven_at_);
+  }
+  for (const Reading& reading : readings_) digest.add(std::uint64_t{reading.number});
+}
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/digest.h"
+#include "base/time.h"
+#include "wire/board.h"
+#include "wire/module_link/module_link.h"
+
+namespace cosiva::virtual_side {
+
+/// The boards of one virtual AIV, as its on-board program knows them: the frames of the module link, both ways. There
+/// are no wires between them, so nothing is ever lost or damaged.
+class SimulatedBoards {
+ public:
+  /// PILS' motors stop by themselves this long after the last Drive.
+  static constexpr SimDuration drive_timeout = std::chrono::milliseconds{300};
+
+  /// @param session  of this power-up
+  explicit SimulatedBoards(std::uint32_t session) : session_{session} {}
+
+  void power_up(SimTime now);
+  void on_bytes(SimTime now, wire::Board board, std::string_view bytes);
+
+  /// What the boards measure of the body.
+  struct Measured {
+    double odometer_m;
+    double speed_mps;
+    bool line_lost;
+  };
+  /// Every tick: lets each board say what is due; the bytes are at `spoken` until the next call.
+  void speak(SimTime now, const Measured& measured);
+  [[nodiscard]] const std::string& spoken(wire::Board board) const { return line(board).out; }
+
+  /// PRAV has read a number. It tells it at the next `speak`, as a reader that takes its while does.
+  void on_tag(SimTime read_at, std::uint32_t number) { readings_.push_back({read_at, number}); }
+  /// What the motors have to do; nothing: brake.
+  [[nodiscard]] const wire::Drive* drive(SimTime now) const {
+    return drive_ && now - driven_at_ <= drive_timeout ? &*drive_ : nullptr;
+  }
+  void fold(Digest& digest) const;
+
+ private:
+  struct Line {
+    wire::module_link::Encoder encoder;
+    wire::module_link::Decoder decoder;
+    bool hello_due{true};  ///< after power-up, or asked for
+    std::string out;       ///< keeps its room
+  };
+  struct Reading {
+    SimTime read_at;
+    std::uint32_t number;
+  };
+  [[nodiscard]] Line& line(wire::Board board) { return lines_[static_cast<std::size_t>(board) - 1]; }
+  [[nodiscard]] const Line& line(wire::Board board) const { return lines_[static_cast<std::size_t>(board) - 1]; }
+  void send(wire::Board board, const wire::BoardMessage& message);
+  void send_readings(SimTime now);
+  [[nodiscard]] std::uint32_t board_ms(SimTime now) const {
+    return static_cast<std::uint32_t>((now - powered_at_) / std::chrono::milliseconds{1});
+  }
+
+  std::uint32_t session_;
+  SimTime powered_at_{};
+  std::array<Line, wire::all_boards.size()> lines_;
+  SimTime heartbeat_next_{};
+  SimTime ranges_next_{};
+  SimTime power_next_{};
+  std::optional<wire::Drive> drive_;
+  SimTime driven_at_{};
+  std::vector<Reading> readings_;
+  std::vector<wire::BoardMessage> received_;
+  /// A fan that sees nothing: what is only virtual is felt through Ahead, and a second pair of eyes would disagree.
+  wire::BoardMessage no_echoes_{wire::Ranges{0, -84, 14, std::vector<std::uint16_t>(13, wire::no_echo)}};
+};
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,132 @@
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "aiv/test_orders.h"
+#include "aiv/test_zone.h"
+#include "virtual/vehicle/virtual_aiv.h"
+#include "wire/own_messages.h"
+#include "wire/vda5050/codec.h"
+
+namespace cosiva::virtual_side::test {
+
+using aiv::test::at;
+using aiv::test::lacet4;
+using aiv::test::lacet4_configuration;
+
+/// A virtual AIV, its host's ticks, and a server that beats. Everything it publishes is decoded; what does not decode,
+/// or is meant for nobody outside, is counted.
+class VirtualBench {
+ public:
+  explicit VirtualBench(std::string_view section, double s_m)
+      : aiv{"V1", 1001, lacet4_configuration(), at(lacet4(), section, s_m)} {
+    aiv.link(now, true, effects_);
+    take();
+  }
+
+  void step() {
+    now += std::chrono::milliseconds{20};
+    if (server_beats && ++steps_ % 5 == 0) hear(std::string(wire::server_heartbeat_topic), R"({"headerId":1})");
+    aiv.tick(now, effects_);
+    take();
+  }
+  void run(double seconds) {
+    for (int i = 0; i < static_cast<int>(std::lround(seconds * 50.0)); ++i) step();
+  }
+  bool run_until(const std::function<bool()>& done, double seconds) {
+    for (int i = 0; i < static_cast<int>(std::lround(seconds * 50.0)) && !done(); ++i) step();
+    return done();
+  }
+
+  void hear(const std::string& topic, const std::string& payload) {
+    aiv.message(now, topic, payload, effects_);
+    take();
+  }
+  void order(const std::vector<std::string>& node_ids) {
+    wire::Order text = aiv::test::order("O-1").through(node_ids);
+    text.header.manufacturer = aiv.id().manufacturer;
+    text.header.serial_number = aiv.id().serial_number;
+    hear(wire::vda_topic(aiv.id(), "order"), wire::vda5050::encode(text));
+  }
+  void ahead(std::vector<wire::Body> bodies) {
+    hear(wire::own_topic(wire::ahead_topic_prefix, aiv.id()),
+         to_json(wire::Ahead{++aheads_, now, lacet4().name, std::move(bodies)}));
+  }
+  void zone(const zone::ZoneConfiguration& configuration) {
+    aiv.zone(now, configuration, effects_);
+    take();
+  }
+  void farewell() {
+    aiv.farewell(now, effects_);
+    take();
+  }
+
+  [[nodiscard]] const wire::State& state() const { return states.back(); }
+  /// From where it believes it is to where it is.
+  [[nodiscard]] double belief_error_m() const {
+    if (visualizations.empty() || !visualizations.back().position) return 1e3;
+    return distance(visualizations.back().position->pose, aiv.X_MB());
+  }
+  [[nodiscard]] std::string digest() const {
+    Digest digest;
+    aiv.fold(digest);
+    return digest.hex();
+  }
+
+  SimTime now{virtual_epoch};
+  VirtualAiv aiv;
+  bool server_beats{true};
+  std::vector<wire::State> states;
+  std::vector<wire::Visualization> visualizations;
+  std::vector<wire::Connection> connections;
+  std::vector<wire::Factsheet> factsheets;
+  std::vector<wire::Felt> felts;
+  std::vector<wire::BoardsReport> reports;
+  std::vector<wire::Log> logs;
+  std::vector<std::string> strange;  ///< effects that should not be
+
+ private:
+  template <typename Message>
+  void keep(Result<Message> read, std::vector<Message>& all, const std::string& topic) {
+    if (read)
+      all.push_back(std::move(*read));
+    else
+      strange.push_back(topic + ": " + to_string(read.error()));
+  }
+  void take() {
+    for (const wire::Effect& effect : effects_) {
+      if (const auto* publish = std::get_if<wire::Publish>(&effect))
+        take(*publish);
+      else if (const auto* line = std::get_if<wire::Log>(&effect))
+        logs.push_back(*line);
+      else
+        strange.emplace_back("an effect of kind " + std::to_string(effect.index()));
+    }
+    effects_.clear();
+  }
+  void take(const wire::Publish& publish) {
+    namespace vda = wire::vda5050;
+    const std::string& topic = publish.topic;
+    if (topic == wire::vda_topic(aiv.id(), "state")) return keep(vda::decode_state(publish.payload), states, topic);
+    if (topic == wire::vda_topic(aiv.id(), "visualization"))
+      return keep(vda::decode_visualization(publish.payload), visualizations, topic);
+    if (topic == wire::vda_topic(aiv.id(), "connection"))
+      return keep(vda::decode_connection(publish.payload), connections, topic);
+    if (topic == wire::vda_topic(aiv.id(), "factsheet"))
+      return keep(vda::decode_factsheet(publish.payload), factsheets, topic);
+    if (topic == wire::own_topic(wire::felt_topic_prefix, aiv.id()))
+      return keep(wire::felt_from_json(publish.payload), felts, topic);
+    if (topic == wire::own_topic(wire::boards_topic_prefix, aiv.id()))
+      return keep(wire::boards_report_from_json(publish.payload), reports, topic);
+    strange.push_back("unexpected topic " + topic);
+  }
+
+  wire::Effects effects_;
+  int steps_{0};
+  std::uint32_t aheads_{0};
+};
+
+}  // namespace cosiva::virtual_side::test

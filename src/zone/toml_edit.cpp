@@ -1,0 +1,267 @@
+// Edits a zone's TOML as a person would: by its text, so that comments and layout stay. toml++ tells where things
+// stand; only the bytes of what changes are touched. Each step reads the text anew, for the one before it has moved
+// things.
+#include <algorithm>
+
+#include "zone/edit.h"
+#include "zone/edit_rules.h"
+#include "zone/toml_factory.h"
+#include "zone/toml_fields.h"
+
+namespace cosiva::zone {
+namespace {
+
+struct Replacement {
+  std::size_t begin;
+  std::size_t end;
+  std::string text;
+};
+
+/// One reading of the text: where its nodes stand in bytes.
+class Reading {
+ public:
+  explicit Reading(std::string_view text) : text_{text}, root_{toml::parse(text)} {
+    line_begins_.push_back(text.starts_with("\xEF\xBB\xBF") ? 3 : 0);  // toml++ counts behind the byte order mark
+    for (std::size_t i = 0; i < text.size(); ++i)
+      if (text[i] == '\n') line_begins_.push_back(i + 1);
+  }
+
+  [[nodiscard]] const toml::table& root() const { return root_; }
+  [[nodiscard]] std::string_view newline() const {
+    return text_.find("\r\n") == std::string_view::npos ? "\n" : "\r\n";
+  }
+  [[nodiscard]] std::size_t line_begin(std::size_t line) const {
+    return line <= line_begins_.size() ? line_begins_[line - 1] : text_.size();
+  }
+  [[nodiscard]] bool blank(std::size_t line) const {
+    if (line < 1 || line > line_begins_.size()) return false;
+    const std::string_view all = text_.substr(line_begin(line), line_begin(line + 1) - line_begin(line));
+    return !all.empty() && all.find_first_not_of(" \t\r\n") == std::string_view::npos;
+  }
+
+  /// The value's own bytes.
+  [[nodiscard]] Replacement replace(const toml::node& value, std::string text) const {
+    return {offset(value.source().begin), offset(value.source().end), std::move(text)};
+  }
+  /// Whether this table stands under its own [header] or [[header]].
+  [[nodiscard]] bool has_header(const toml::node& table) const {
+    const std::size_t at = offset(table.source().begin);
+    return table.is_table() && at < text_.size() && text_[at] == '[';
+  }
+  /// Of its header and its values.
+  [[nodiscard]] std::size_t last_line(const toml::table& table) const {
+    std::size_t last = table.source().begin.line;
+    for (const auto& [key, value] : table) last = std::max<std::size_t>(last, value.source().end.line);
+    return last;
+  }
+  [[nodiscard]] Replacement lines_gone(std::size_t first, std::size_t last) const {
+    return {line_begin(first), line_begin(last + 1), {}};
+  }
+
+ private:
+  /// toml++ counts columns in characters, from 1.
+  [[nodiscard]] std::size_t offset(const toml::source_position& position) const {
+    if (position.line == 0) return text_.size();
+    std::size_t at = line_begin(position.line);
+    for (toml::source_index column = 1; column < position.column && at < text_.size(); ++column) {
+      do ++at;
+      while (at < text_.size() && (static_cast<unsigned char>(text_[at]) & 0xC0U) == 0x80U);
+    }
+    return at;
+  }
+
+  std::string_view text_;
+  toml::table root_;
+  std::vector<std::size_t> line_begins_;
+};
+
+std::string quoted(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out + "\"";
+}
+
+/// A text that lines can be added to: it ends with a newline.
+void end_last_line(std::string& text, std::string_view newline) {
+  if (!text.empty() && text.back() != '\n') text += newline;
+}
+
+class Editor {
+ public:
+  Editor(std::string text, const TrafficZone& zone, std::string origin)
+      : text_{std::move(text)}, zone_{zone}, origin_{std::move(origin)} {}
+
+  Result<std::string> run(const ZoneEdit& edit) {
+    remove_tags(edit);
+    change_values(edit);
+    add_tags(edit);
+    set_priorities(edit);
+    if (error_) return tl::unexpected(std::move(*error_));
+    return std::move(text_);
+  }
+
+ private:
+  void refuse(std::string message) {
+    if (!error_) error_ = Error{"edit.format", std::move(message), origin_};
+  }
+
+  void apply(std::vector<Replacement> replacements) {
+    std::sort(replacements.begin(), replacements.end(),
+              [](const Replacement& a, const Replacement& b) { return a.begin > b.begin; });
+    for (const auto& [begin, end, text] : replacements) text_.replace(begin, end - begin, text);
+  }
+
+  [[nodiscard]] static const toml::table* find_tag(const Reading& reading, TagNumber number) {
+    const auto* tags = reading.root().get_as<toml::array>("tag");
+    if (tags == nullptr) return nullptr;
+    for (const toml::node& node : *tags) {
+      const auto* tag = node.as_table();
+      if (tag != nullptr && (*tag)["number"].value<std::int64_t>() == std::int64_t{number}) return tag;
+    }
+    return nullptr;
+  }
+
+  void refuse_listed_tags() {
+    refuse("the tags of this file stand in a list; write each under its own [[tag]] to add or take away some");
+  }
+
+  void remove_tags(const ZoneEdit& edit) {
+    if (edit.remove_tags.empty()) return;
+    const Reading reading{text_};
+    std::vector<Replacement> gone;
+    for (const TagNumber number : edit.remove_tags) {
+      const toml::table* tag = find_tag(reading, number);
+      if (tag == nullptr) continue;
+      if (!reading.has_header(*tag)) return refuse_listed_tags();
+      // Its lines go, not those between them that hold something else: a comment is somebody's, and stays.
+      const std::size_t header = tag->source().begin.line;
+      gone.push_back(reading.lines_gone(header, header));
+      for (const auto& [key, value] : *tag)
+        gone.push_back(reading.lines_gone(key.source().begin.line, value.source().end.line));
+      // Of two blank lines around it one goes too.
+      const std::size_t after = reading.last_line(*tag) + 1;
+      if (reading.blank(after) && (header == 1 || reading.blank(header - 1)))
+        gone.push_back(reading.lines_gone(after, after));
+    }
+    apply(std::move(gone));
+  }
+
+  /// Tags that move and the beacons' pitch: numbers and names change in place.
+  void change_values(const ZoneEdit& edit) {
+    const Reading reading{text_};
+    std::vector<Replacement> changes;
+    for (const auto& [number, place] : edit.set_tags) {
+      const toml::table* tag = find_tag(reading, number);
+      if (tag == nullptr) continue;
+      const Tag& wanted = *zone_.find_tag(number);
+      if (wanted.place.section != place.section)
+        changes.push_back(reading.replace(*tag->get("section"), section_text(place)));
+      changes.push_back(reading.replace(*tag->get("s_m"), s_text(place)));
+    }
+    if (edit.beacon_pitch_m) {
+      if (const auto* pitch = reading.root()["beacons"]["pitch_m"].node())
+        changes.push_back(reading.replace(*pitch, metres_text(*edit.beacon_pitch_m)));
+    }
+    apply(std::move(changes));
+  }
+
+  void add_tags(const ZoneEdit& edit) {
+    const Reading reading{text_};
+    const std::string newline{reading.newline()};
+    std::string blocks;
+    for (const auto& [number, place] : edit.set_tags) {
+      if (zone_.find_tag(number) != nullptr) continue;
+      for (const std::string& line : {std::string(), std::string("[[tag]]"), "number = " + std::to_string(number),
+                                      "section = " + section_text(place), "s_m = " + s_text(place)})
+        blocks.append(line).append(newline);
+    }
+    if (blocks.empty()) return;
+    const auto* tags = reading.root().get_as<toml::array>("tag");
+    if (tags == nullptr) return insert_lines(text_.size(), blocks, newline);
+    const auto* last = tags->empty() ? nullptr : tags->get_as<toml::table>(tags->size() - 1);
+    if (last == nullptr || !reading.has_header(*last)) return refuse_listed_tags();
+    insert_lines(reading.line_begin(reading.last_line(*last) + 1), blocks, newline);
+  }
+
+  void set_priorities(const ZoneEdit& edit) {
+    if (edit.set_priorities.empty()) return;
+    const Reading reading{text_};
+    const std::string newline{reading.newline()};
+    const auto* table = reading.root().get_as<toml::table>("priorities");
+    const bool has_header = table != nullptr && reading.has_header(*table);
+    std::vector<Replacement> changes;
+    std::string added;
+    for (const auto& [vehicle, priority] : edit.set_priorities) {
+      const auto* value = table == nullptr ? nullptr : table->get(vehicle);
+      if (value == nullptr && priority == 0) continue;
+      if (value != nullptr && priority > 0) {
+        changes.push_back(reading.replace(*value, std::to_string(priority)));
+      } else if (table != nullptr && !has_header) {
+        return refuse(
+            "the priorities of this file stand in one line; write them under [priorities] to change them here");
+      } else if (value != nullptr) {
+        changes.push_back(
+            reading.lines_gone(table->find(vehicle)->first.source().begin.line, value->source().end.line));
+      } else {
+        added += quoted(vehicle) + " = " + std::to_string(priority) + newline;
+      }
+    }
+    // Before what stands further up in the text moves it.
+    if (!added.empty() && table != nullptr)
+      insert_lines(reading.line_begin(reading.last_line(*table) + 1), added, newline);
+    apply(std::move(changes));
+    if (!added.empty() && table == nullptr)
+      insert_lines(text_.size(), newline + "[priorities]" + newline + added, newline);
+  }
+
+  void insert_lines(std::size_t at, const std::string& lines, std::string_view newline) {
+    if (at == text_.size()) {
+      end_last_line(text_, newline);
+      text_ += lines;
+    } else {
+      text_.insert(at, lines);
+    }
+  }
+
+  [[nodiscard]] std::string section_text(const Place& place) const {
+    return quoted(zone_.circuit.part(place.section).name);
+  }
+  /// Rounded, but never beyond the section's end.
+  [[nodiscard]] std::string s_text(const Place& place) const {
+    return metres_text(place_as_written(zone_.circuit, place).s_m);
+  }
+
+  std::string text_;
+  const TrafficZone& zone_;  ///< before the edit
+  std::string origin_;
+  std::optional<Error> error_;
+};
+
+}  // namespace
+
+Result<ZoneConfiguration> TomlCircuitFactory::edited(const ZoneConfiguration& configuration,
+                                                     const ZoneEdit& edit) const {
+  const auto zone = make_zone(configuration);
+  if (!zone) return tl::unexpected(zone.error());
+  const auto wanted = with_edit(*zone, edit);
+  if (!wanted) return tl::unexpected(wanted.error());
+  ZoneConfiguration result = configuration;
+  try {
+    auto text = Editor{configuration.text, *zone, configuration.origin}.run(edit);
+    if (!text) return tl::unexpected(std::move(text.error()));
+    result.text = std::move(*text);
+  } catch (const std::exception& error) {
+    return fail("edit.result", std::string("the edit spoils the file's text: ") + error.what(), configuration.origin);
+  }
+  const auto found = make_zone(result);
+  if (!found) return fail("edit.result", "the edit spoils the file: " + found.error().message, configuration.origin);
+  if (const auto other = difference(*wanted, *found))
+    return fail("edit.result", "the edit came out wrong, so it was not made: " + *other + "; edit the file by hand",
+                configuration.origin);
+  return result;
+}
+
+}  // namespace cosiva::zone

@@ -1,0 +1,512 @@
+// Made-up vehicles, persons, obstacles and a zone that can be edited: what the mock server tells of. Nothing of it is
+// physics; it only has to look like the platform to a page.
+import { circuit_for, draw_zone, nearest_place, place_of } from './ways.mjs';
+import { action_of, order_of, state_of, topic_of, Traces, visualization_of } from './traces.mjs';
+
+const profiles = { normal: 0.35, slow: 0.12, medium: 0.25, fast: 0.45 };
+const verbs = ['stop', 'slow', 'medium', 'fast', 'restart', 'cancel'];
+const status_words = ['Normal', 'stopped', 'slow speed', 'medium speed', 'fast speed'];
+const half_length = 0.1;
+const see_m = 1.0;
+
+/** Thrown by whatever a caller asked wrongly; the server turns it into an answer. */
+export class Refusal extends Error {
+  constructor(status, code, message) {
+    super(message);
+    Object.assign(this, { status, code });
+  }
+}
+
+export class World {
+  constructor({ aivs, zone, clock, scenario }) {
+    this.traces = new Traces();
+    this.clock = { kind: clock, running: true, speed: 1, time_ms: Date.now() };
+    this.scenario = scenario;
+    this.count = aivs;
+    this.commands = [];
+    this.command_number = 0;
+    this.handles = { aiv: 0, thing: 32768, seen: 49152 };
+    this.load(zone, aivs);
+  }
+
+  load(name, aivs) {
+    this.circuit = circuit_for(name, aivs);
+    this.zone_revision = (this.zone_revision ?? 0) + 1;
+    this.pitch = this.circuit.beacons?.pitch_m ?? null;
+    const { tracks, total } = this.circuit;
+    this.tags = Array.from({ length: this.circuit.tags }, (_, i) => ({ number: i + 1, ...this.spread((i + 0.5) / this.circuit.tags, tracks, total) }));
+    this.undo_stack = [];
+    this.redo_stack = [];
+    this.saved = true;
+    this.aivs = [];
+    for (let i = 0; i < aivs; i++) this.make_aiv(i + 1, false, this.spread((i + 0.3) / aivs, tracks, total));
+    this.things = [];
+    this.boxes = [];
+    this.seen = [];
+    this.zone_cache = null;
+  }
+  spread(share, tracks, total) {
+    let distance = share * total;
+    for (const track of tracks) {
+      if (distance < track.lap) return { track, distance };
+      distance -= track.lap;
+    }
+    return { track: tracks[0], distance: 0 };
+  }
+  make_aiv(number, augmented, { track, distance }) {
+    const serial = augmented ? `V${number}` : `AIV${number}`;
+    const aiv = {
+      id: `${augmented ? 'CoSiVA.virtual' : 'CoSiVA'}/${serial}`, serial, number, augmented, track, distance, handle: this.handles.aiv++, speed: 0.3, imposed: null, paused: false,
+      lost_at: null, drift: 0.002, battery: 30 + ((61 + 53 * number) % 68), priority: 0, feels: null, felt: null, field: false, orderUpdateId: 1, orderId: `${this.circuit.name}-${number}`, waits: null,
+      trace_phase: (number * 37) % 100, last_tag: null, since_tag: 0, pose: track.pose_at(distance),
+    };
+    this.aivs.push(aiv);
+    return aiv;
+  }
+  get now() {
+    return this.clock.time_ms;
+  }
+  get zone() {
+    this.zone_cache ??= draw_zone(this.circuit, this.tags, this.pitch);
+    return this.zone_cache;
+  }
+  run() {
+    return { name: 'mock', scenario: this.scenario, version: '0.3.0', clock: { ...this.clock } };
+  }
+
+  // ── time ──
+  /** @param real_ms since the last call */
+  advance(real_ms) {
+    if (this.clock.kind === 'virtual' && !this.clock.running) return;
+    this.step_by(real_ms * (this.clock.kind === 'virtual' ? this.clock.speed : 1));
+  }
+  step_by(ms) {
+    const longest = this.aivs.length > 1000 ? 200 : 50;
+    for (let left = ms; left > 0; left -= longest) {
+      const slice = Math.min(longest, left);
+      this.clock.time_ms += slice;
+      this.step(slice / 1000);
+    }
+  }
+
+  step(dt) {
+    this.walk(dt);
+    const few = this.aivs.length <= 200;
+    const bodies = few ? [...this.things, ...this.boxes.map((box) => ({ ...box, physical: true }))] : [];
+    const by_track = new Map();
+    for (const aiv of this.aivs) {
+      const list = by_track.get(aiv.track);
+      if (list) list.push(aiv);
+      else by_track.set(aiv.track, [aiv]);
+    }
+    for (const [track, list] of by_track) {
+      list.sort((a, b) => a.distance - b.distance);
+      list.forEach((aiv, i) => {
+        const next = list[(i + 1) % list.length];
+        const gap = list.length > 1 ? (((next.distance - aiv.distance) % track.lap) + track.lap) % track.lap : track.lap;
+        this.drive(aiv, gap, bodies, dt);
+      });
+    }
+    if (few) this.see();
+    this.follow_commands();
+    this.talk(dt);
+  }
+  drive(aiv, gap, bodies, dt) {
+    let wish = aiv.paused || aiv.lost_at ? 0 : profiles[aiv.imposed ?? 'normal'] * (0.85 + 0.3 * ((aiv.number * 7) % 10) / 10);
+    aiv.waits = null;
+    if (gap < 0.34) {
+      wish = 0;
+      aiv.waits = 'the AIV ahead';
+    }
+    aiv.feels = null;
+    aiv.field = false;
+    aiv.ahead = null;
+    const { x, y, heading } = aiv.pose;
+    for (const body of bodies) {
+      const dx = body.x - x;
+      const dy = body.y - y;
+      const ahead = dx * Math.cos(heading) + dy * Math.sin(heading) - half_length - body.radius;
+      const aside = Math.abs(-dx * Math.sin(heading) + dy * Math.cos(heading)) - body.radius;
+      if (ahead < -0.1 || ahead > see_m || aside > 0.09) continue;
+      if (body.physical && (aiv.ahead === null || ahead < aiv.ahead)) aiv.ahead = Math.max(0.02, ahead);
+      if (ahead > 0.3) continue;
+      wish = 0;
+      if (body.physical) aiv.field = true;
+      else aiv.feels = body.id;
+    }
+    aiv.speed = Math.max(0, aiv.speed + Math.max(-1.2 * dt, Math.min(0.5 * dt, wish - aiv.speed)));
+    aiv.distance += aiv.speed * dt;
+    aiv.pose = aiv.track.pose_at(aiv.distance);
+    aiv.battery = Math.max(0, aiv.battery - 0.002 * dt);
+    aiv.since_tag += aiv.speed * dt;
+    if (this.aivs.length <= 200) {
+      for (const tag of this.tags) {
+        const p = tag.track === aiv.track ? (((aiv.distance - tag.distance) % aiv.track.lap) + aiv.track.lap) % aiv.track.lap : Infinity;
+        if (p < aiv.speed * dt + 1e-9) Object.assign(aiv, { last_tag: tag.number, since_tag: p });
+      }
+    }
+  }
+  walk(dt) {
+    for (const thing of this.things) {
+      if (!thing.path || thing.path.length < 2) continue;
+      const legs = thing.path.slice(1).map((p, i) => Math.hypot(p[0] - thing.path[i][0], p[1] - thing.path[i][1]));
+      if (thing.repeat === 'loop') legs.push(Math.hypot(thing.path[0][0] - thing.path.at(-1)[0], thing.path[0][1] - thing.path.at(-1)[1]));
+      const length = legs.reduce((a, b) => a + b, 0);
+      if (length <= 0) continue;
+      thing.walked += thing.speed * dt;
+      let at = thing.walked;
+      let back = false;
+      if (thing.repeat === 'loop') at %= length;
+      else if (thing.repeat === 'back and forth') {
+        at %= 2 * length;
+        back = at > length;
+        if (back) at = 2 * length - at;
+      } else at = Math.min(at, length);
+      let leg = 0;
+      while (leg < legs.length - 1 && at > legs[leg]) at -= legs[leg++];
+      const from = thing.path[leg];
+      const to = thing.path[(leg + 1) % thing.path.length];
+      const share = legs[leg] > 0 ? at / legs[leg] : 0;
+      thing.x = from[0] + (to[0] - from[0]) * share;
+      thing.y = from[1] + (to[1] - from[1]) * share;
+      thing.heading = Math.atan2(to[1] - from[1], to[0] - from[0]) + (back ? Math.PI : 0);
+      thing.moving = thing.repeat !== 'once' || thing.walked < length;
+    }
+  }
+  see() {
+    for (const box of this.boxes) {
+      for (const aiv of this.aivs) {
+        if (aiv.augmented || aiv.lost_at) continue;
+        const reach = Math.hypot(box.x - aiv.pose.x, box.y - aiv.pose.y);
+        if (reach > 0.8 || aiv.ahead === null) continue;
+        let seen = this.seen.find((one) => one.box === box.id);
+        if (!seen) {
+          seen = { id: `S${this.next_number(this.seen)}`, handle: this.handles.seen++, box: box.id, x: box.x + 0.006, y: box.y - 0.004, radius: box.radius * 0.95, seenBy: [], first_ms: this.now, last_ms: this.now };
+          this.seen.push(seen);
+          this.traces.add(this.now, aiv.serial, 'AIV_Server', 'seen', `cosiva/v1/seen/${aiv.id}`, `a thing at ${seen.x.toFixed(2)}, ${seen.y.toFixed(2)}`, { headerId: 1, timestamp: new Date(this.now).toISOString(), mapId: this.circuit.name, thing: { x: seen.x, y: seen.y, radius: seen.radius, distance: aiv.ahead }, clear: aiv.ahead });
+        }
+        seen.last_ms = this.now;
+        if (!seen.seenBy.includes(aiv.id)) seen.seenBy.push(aiv.id);
+      }
+    }
+    const gone = (one) => !this.boxes.some((box) => box.id === one.box) && this.aivs.some((aiv) => Math.hypot(aiv.pose.x - one.x, aiv.pose.y - one.y) < 0.2);
+    this.seen = this.seen.filter((one) => !gone(one));
+  }
+  next_number(list) {
+    const taken = new Set(list.map((one) => Number(/\d+$/.exec(one.id)?.[0])));
+    let n = 1;
+    while (taken.has(n)) n++;
+    return n;
+  }
+  follow_commands() {
+    for (const command of this.commands) {
+      if (command.state !== 'issued' && command.state !== 'accepted') continue;
+      const aiv = this.aivs.find((candidate) => candidate.id === command.vehicle);
+      const age = this.now - command.time_ms;
+      if (command.state === 'issued' && age > 34) Object.assign(command, { state: 'accepted', accepted_ms: age });
+      if (command.state !== 'accepted' || !aiv) continue;
+      const seen = command.command === 'stop' ? aiv.speed < 0.01 : aiv.speed > 0.05 || command.command === 'cancel';
+      if (seen) Object.assign(command, { state: 'materialised', materialised_ms: age });
+      else if (age > 5000) Object.assign(command, { state: 'failed', reason: 'not seen within 5 s' });
+    }
+    if (this.commands.length > 200) this.commands.splice(0, 100);
+  }
+  /** Messages as the real parts would send them; of large fleets only the first few vehicles' are told. */
+  talk(dt) {
+    const map = this.circuit.name;
+    for (const aiv of this.aivs.slice(0, 12)) {
+      if (aiv.lost_at) continue;
+      const before = aiv.trace_phase;
+      aiv.trace_phase += dt * 1000;
+      const crossed = (period) => Math.floor(before / period) !== Math.floor(aiv.trace_phase / period);
+      if (!crossed(100)) continue;
+      const row = this.row(aiv);
+      this.traces.add(this.now, aiv.serial, 'AIV_Server', 'visualization', topic_of(aiv.id, 'visualization'), `${row.x.toFixed(3)}, ${row.y.toFixed(3)}, ${row.heading.toFixed(3)} rad, ${row.speed.toFixed(2)} m/s`, visualization_of(row, this.now, map));
+      if (crossed(1000)) this.traces.add(this.now, aiv.serial, 'AIV_Server', 'state', topic_of(aiv.id, 'state'), `order ${row.orderId} update ${row.orderUpdateId}, last node ${row.lastNode}, ${row.driving ? 'driving' : 'standing'}`, state_of(row, this.now, map));
+      const update = Math.floor(aiv.distance / 0.6);
+      if (update !== aiv.orderUpdateId) {
+        aiv.orderUpdateId = update;
+        this.traces.add(this.now, 'AIV_Server', aiv.serial, 'order', topic_of(aiv.id, 'order'), `order ${row.orderId} update ${update}: 4 nodes, 3 released`, order_of({ ...row, orderUpdateId: update }, this.now, map));
+      }
+      if (aiv.feels !== aiv.felt) {
+        const braking = aiv.feels !== null;
+        aiv.felt = aiv.feels;
+        this.traces.add(this.now, 'AIV_Server', aiv.serial, 'ahead', `cosiva/v1/ahead/${aiv.id}`, braking ? `${aiv.feels} ahead` : 'nothing ahead', { headerId: update, timestamp: new Date(this.now).toISOString(), mapId: map, bodies: this.things.filter((thing) => thing.id === aiv.feels).map(({ id, kind, x, y, heading, radius }) => ({ id, kind, x, y, heading, length: 0, radius, vx: 0, vy: 0 })) });
+        this.traces.add(this.now + 9, aiv.serial, 'AIV_Server', 'felt', `cosiva/v1/felt/${aiv.id}`, braking ? `brakes for ${aiv.feels}` : 'goes on', { aheadHeaderId: update, decided: new Date(this.now + 4).toISOString(), braking, body: aiv.felt ?? '', distance: 0.28 });
+      }
+    }
+    const second = Math.floor(this.now / 1000);
+    if (second !== this.beat) {
+      this.beat = second;
+      this.traces.add(this.now, 'AIV_Server', '*', 'heartbeat', 'cosiva/v1/server/heartbeat', 'alive', { headerId: second % 100000, timestamp: new Date(this.now).toISOString() });
+    }
+  }
+
+  // ── what it tells ──
+  status_of(aiv) {
+    if (aiv.speed < 0.01) return 1;
+    return aiv.imposed === 'slow' ? 2 : aiv.imposed === 'medium' ? 3 : aiv.imposed === 'fast' ? 4 : 0;
+  }
+  lost(aiv) {
+    return aiv.lost_at !== null && this.now - aiv.lost_at > 1000;
+  }
+  positions() {
+    const records = this.aivs.map((aiv) => ({
+      handle: aiv.handle, kind: 0, status: this.lost(aiv) ? 5 : this.status_of(aiv), augmented: aiv.augmented, blocked: aiv.field || aiv.feels !== null,
+      x: aiv.pose.x, y: aiv.pose.y, heading: aiv.pose.heading, speed: aiv.speed, dx: -aiv.drift - aiv.speed * 0.03 * Math.cos(aiv.pose.heading), dy: aiv.drift - aiv.speed * 0.03 * Math.sin(aiv.pose.heading),
+    }));
+    for (const thing of this.things) records.push({ handle: thing.handle, kind: thing.kind === 'person' ? 1 : 2, status: 0, augmented: true, blocked: false, x: thing.x, y: thing.y, heading: thing.heading, speed: thing.moving ? thing.speed : 0, dx: 0, dy: 0 });
+    for (const one of this.seen) records.push({ handle: one.handle, kind: 2, status: 0, augmented: false, blocked: false, x: one.x, y: one.y, heading: 0, speed: 0, dx: 0, dy: 0 });
+    return records.sort((a, b) => a.handle - b.handle);
+  }
+  truth() {
+    const wobble = (n, phase) => 0.004 * Math.sin(this.now / 900 + n + phase);
+    return {
+      type: 'truth',
+      vehicles: this.aivs.filter((aiv) => !aiv.augmented).slice(0, 200).map(({ number, pose }) => ({ number, x: pose.x + wobble(number, 0), y: pose.y + wobble(number, 1.3), heading: pose.heading + wobble(number, 2) * 3 })),
+      obstacles: this.boxes,
+    };
+  }
+  row(aiv) {
+    const { pose } = aiv;
+    const lost = this.lost(aiv);
+    const age = aiv.lost_at ? this.now - aiv.lost_at : 20 + ((this.now + 31 * aiv.number) % 100);
+    const heading = Math.atan2(Math.sin(pose.heading), Math.cos(pose.heading));
+    const standing = aiv.speed < 0.01;
+    const ranges = this.aivs.length <= 200 ? { ranges: { first: -0.6, width: 0.15, m: Array.from({ length: 9 }, (_, i) => (aiv.ahead !== null && aiv.ahead !== undefined && i > 2 && i < 6 ? aiv.ahead : null)) } } : {};
+    const reserved = this.aivs.length <= 2000 ? Array.from({ length: 9 }, (_, i) => aiv.track.pose_at(aiv.distance + (i * Math.max(0.05, aiv.paused ? 0.05 : 0.9)) / 8)).map((p) => [p.x, p.y]) : [];
+    const boards = this.aivs.length <= 200 && !aiv.augmented ? { boards: ['PILS', 'PRAV', 'DOBS', 'RALI'].map((board, i) => ({ board, health: aiv.board_down === board ? 'lost' : 'ok', firmware: '1a2b3c4d', uptime_ms: (this.now % 1e8) | 0, frames: 61000 + i * 300, framesBad: i === 2 ? 3 : 0, framesMissed: i, selfTest: 0 })), power: { voltage_v: 11.4 + aiv.battery / 100, current_a: 0.3 + aiv.speed, temperature_c: 24 + (aiv.number % 5) } } : {};
+    return {
+      id: aiv.id, handle: aiv.handle, number: aiv.number, augmented: aiv.augmented, connection: aiv.lost_at && age > 1500 ? 'CONNECTIONBROKEN' : 'ONLINE', lost, status: status_words[this.status_of(aiv)],
+      x: pose.x, y: pose.y, heading, speed: aiv.speed, section: pose.section, s: pose.s, priority: aiv.priority,
+      reported: { x: pose.x - aiv.drift - aiv.speed * 0.03 * Math.cos(heading), y: pose.y + aiv.drift - aiv.speed * 0.03 * Math.sin(heading), heading }, age_ms: age, divergence_m: aiv.drift * (0.6 + 0.4 * Math.sin(this.now / 700 + aiv.number)),
+      battery: aiv.battery, lastTag: aiv.last_tag, sinceTag_m: aiv.since_tag, lastNode: `${pose.section}@${Math.floor(pose.s / 0.3) * 300}`, orderId: aiv.orderId, orderUpdateId: aiv.orderUpdateId,
+      driving: !standing, paused: aiv.paused, fieldViolation: aiv.field, waitsFor: standing && !aiv.paused ? aiv.waits : null, feels: aiv.feels, errors: aiv.field ? ['An obstacle stands in its way'] : [],
+      reserved, ...boards, ...ranges, contract: { matched: true, divergence: aiv.drift < 0.03, age: !aiv.lost_at },
+    };
+  }
+  crossings() {
+    return this.circuit.crossings.map(({ name, x, y }) => {
+      const near = this.aivs.filter((aiv) => Math.hypot(aiv.pose.x - x, aiv.pose.y - y) < 0.3);
+      return { name, heldBy: near[0]?.id ?? null, waiting: near.slice(1).map((aiv) => aiv.id) };
+    });
+  }
+  bijection() {
+    const real = this.aivs.filter((aiv) => !aiv.augmented);
+    const lost = real.filter((aiv) => aiv.lost_at).length;
+    const drift = real.reduce((most, aiv) => Math.max(most, aiv.drift), 0);
+    const done = this.commands.filter((command) => command.state === 'materialised');
+    return {
+      physical: real.length, virtual: real.length, matched: real.length, matched_share: 1, orphans: [], augmented: this.aivs.length - real.length + this.things.length,
+      divergence_m: statistics(drift * 0.7, Math.max(0.0112, drift), 48_000), divergence_rad: statistics(0.004, 0.02, 48_000), age_ms: statistics(54, lost ? 1800 : 108, 48_000),
+      commands: { issued: this.commands.length, accepted: this.commands.filter((c) => c.accepted_ms !== null).length, materialised: done.length, failed: this.commands.filter((c) => c.state === 'failed').length, latency_ms: statistics(done.length ? 480 : 0, done.length ? 910 : 0, done.length) },
+      events: { count: 412, latency_ms: statistics(48, 131, 412), by_kind: { arrival: 4, tag: 380, obstacle: 9, stop: 19, battery: 0 } },
+      effects: { felt_ms: statistics(18, 41, 37), brakes_ms: statistics(21, 44, 12), shown_ms: statistics(62, 97, 5) },
+      held_share: lost ? 0.981 : 0.9994, contract: { divergence_p99_m: 0.03, age_p99_ms: 150, command_p99_ms: 2000, event_p99_ms: 500, effect_p99_ms: 200 },
+    };
+  }
+  snapshot() {
+    const felt = (thing) => this.aivs.filter((aiv) => aiv.feels === thing.id).map((aiv) => aiv.id);
+    return {
+      time: new Date(this.now).toISOString(), time_ms: this.now, zoneRevision: this.zone_revision,
+      zoneEdits: { undo: this.undo_stack.length, redo: this.redo_stack.length, unsaved: !this.saved },
+      aivs: this.aivs.map((aiv) => this.row(aiv)),
+      things: this.things.map((thing) => ({ id: thing.id, handle: thing.handle, kind: thing.kind, x: thing.x, y: thing.y, heading: thing.heading, radius: thing.radius, speed: thing.speed, ...(thing.path ? { path: thing.path, repeat: thing.repeat } : {}), feltBy: felt(thing), since_ms: thing.since_ms })),
+      obstacles: this.seen.map(({ id, handle, x, y, radius, seenBy, first_ms, last_ms }) => ({ id, handle, x, y, radius, seenBy, first_ms, last_ms })),
+      crossings: this.aivs.length <= 200 ? this.crossings() : [], bijection: this.bijection(), commands: this.commands.slice(-50),
+    };
+  }
+
+  // ── what it is told ──
+  command(body) {
+    if (!verbs.includes(body.command)) throw new Refusal(400, 'command.unknown', `There is no command “${body.command}”. Send one of: ${verbs.join(', ')}.`);
+    const wanted = body.vehicle === '*' ? this.aivs.map((aiv) => aiv.id) : (body.vehicles ?? [body.vehicle]);
+    const chosen = wanted.map((id) => {
+      const aiv = this.aivs.find((candidate) => candidate.id === id);
+      if (!aiv) throw new Refusal(404, 'command.vehicle', `There is no AIV ${id}. Choose one of the list.`);
+      return aiv;
+    });
+    this.traces.add(this.now, 'operator', 'AIV_Server', 'command', '', JSON.stringify(body), body);
+    for (const aiv of chosen) {
+      const command = { id: `c${++this.command_number}`, vehicle: aiv.id, command: body.command, state: 'issued', time_ms: this.now, accepted_ms: null, materialised_ms: null, reason: '' };
+      this.commands.push(command);
+      if (aiv.lost_at) Object.assign(command, { state: 'failed', reason: 'offline' });
+      else if (body.command === 'stop') aiv.paused = true;
+      else if (body.command === 'restart') Object.assign(aiv, { paused: false, imposed: null });
+      else if (body.command !== 'cancel') aiv.imposed = body.command;
+      if (chosen.length <= 12) this.traces.add(this.now + 2, 'AIV_Server', aiv.serial, 'instantActions', topic_of(aiv.id, 'instantActions'), `${body.command} ${command.id}`, action_of(aiv.id, this.now, body.command, command.id));
+    }
+    return { id: `c${this.command_number}` };
+  }
+  number_field(value, name) {
+    if (typeof value !== 'number' || !Number.isFinite(value)) throw new Refusal(400, 'things.field', `“${name}” must be a number, in metres.`);
+    return value;
+  }
+  inside(x, y) {
+    const [x0, y0, x1, y1] = this.circuit.bounds;
+    if (x < x0 - 0.5 || x > x1 + 0.5 || y < y0 - 0.5 || y > y1 + 0.5) throw new Refusal(400, 'things.place', `${x.toFixed(2)}, ${y.toFixed(2)} is off the zone. Choose a place on the map.`);
+  }
+  place_from(body) {
+    if (body.path !== undefined) {
+      if (!Array.isArray(body.path) || body.path.length < 2) throw new Refusal(400, 'things.path', 'A walk needs at least two points.');
+      body.path.forEach(([x, y]) => this.inside(this.number_field(x, 'path'), this.number_field(y, 'path')));
+      return { x: body.path[0][0], y: body.path[0][1], path: body.path, speed: body.speed ?? 0.2, repeat: body.repeat ?? 'once', walked: 0, moving: true };
+    }
+    const x = this.number_field(body.x, 'x');
+    const y = this.number_field(body.y, 'y');
+    this.inside(x, y);
+    return { x, y, speed: 0, moving: false };
+  }
+  add_thing(body) {
+    this.traces.add(this.now, 'operator', 'AIV_Server', 'command', '', `add ${body.kind}`, { command: 'add', thing: body });
+    if (body.kind === 'aiv') {
+      const virtual = this.aivs.filter((aiv) => aiv.augmented);
+      const number = this.next_number(virtual);
+      const place = body.section !== undefined ? place_of(this.circuit, body.section, body.s ?? 0) : body.x !== undefined ? nearest_place(this.circuit, body.x, body.y) : this.room();
+      if (!place) throw new Refusal(400, 'things.section', `There is no section ${body.section} of that length.`);
+      const near = this.aivs.some((aiv) => aiv.track === place.track && Math.abs(aiv.track.pose_at(aiv.distance).x - place.track.pose_at(place.distance).x) < 0.15 && Math.abs(aiv.track.pose_at(aiv.distance).y - place.track.pose_at(place.distance).y) < 0.15);
+      if (near) throw new Refusal(409, 'things.place', 'An AIV stands there. Choose a free place on the circuit.');
+      const aiv = this.make_aiv(number, true, place);
+      aiv.speed = 0;
+      return { id: aiv.serial };
+    }
+    if (body.kind !== 'person' && body.kind !== 'obstacle') throw new Refusal(400, 'things.kind', 'A thing is of kind aiv, person or obstacle.');
+    const list = this.things.filter((thing) => thing.kind === body.kind);
+    const id = `${body.kind === 'person' ? 'P' : 'O'}${this.next_number(list)}`;
+    this.things.push({ id, handle: this.handles.thing++, kind: body.kind, heading: 0, radius: body.radius ?? (body.kind === 'person' ? 0.06 : 0.08), since_ms: this.now, ...this.place_from(body) });
+    return { id };
+  }
+  room() {
+    const track = this.circuit.tracks[0];
+    let best = { track, distance: 0, gap: -1 };
+    for (let distance = 0; distance < track.lap; distance += 0.1) {
+      const p = track.pose_at(distance);
+      const gap = Math.min(...this.aivs.map((aiv) => Math.hypot(aiv.pose.x - p.x, aiv.pose.y - p.y)), 9);
+      if (gap > best.gap) best = { track, distance, gap };
+    }
+    return best;
+  }
+  find_thing(id) {
+    const thing = this.things.find((candidate) => candidate.id === id);
+    if (!thing) throw new Refusal(404, 'things.none', `There is nothing called ${id} (any more).`);
+    return thing;
+  }
+  move_thing(id, body) {
+    const aiv = this.aivs.find((candidate) => candidate.augmented && (candidate.id === id || candidate.serial === id));
+    if (aiv) {
+      Object.assign(aiv, nearest_place(this.circuit, body.x, body.y));
+      aiv.pose = aiv.track.pose_at(aiv.distance);
+      return { id };
+    }
+    const thing = this.find_thing(id);
+    const place = this.place_from(body);
+    if (!place.path) {
+      delete thing.path;
+      delete thing.repeat;
+    }
+    Object.assign(thing, place);
+    return { id };
+  }
+  remove_thing(id) {
+    const aiv = this.aivs.findIndex((candidate) => candidate.augmented && (candidate.id === id || candidate.serial === id));
+    if (aiv >= 0) this.aivs.splice(aiv, 1);
+    else this.things.splice(this.things.indexOf(this.find_thing(id)), 1);
+    return { removed: 1 };
+  }
+  remove_all() {
+    const removed = this.things.length + this.aivs.filter((aiv) => aiv.augmented).length;
+    this.things = [];
+    this.aivs = this.aivs.filter((aiv) => !aiv.augmented);
+    return { removed };
+  }
+  priorities(body) {
+    for (const [id, priority] of Object.entries(body)) {
+      const aiv = this.aivs.find((candidate) => candidate.id === id);
+      if (!aiv) throw new Refusal(404, 'priorities.vehicle', `There is no AIV ${id}.`);
+      if (!Number.isInteger(priority) || priority < 0 || priority > 999) throw new Refusal(400, 'priorities.range', 'A priority is a whole number from 0 to 999; higher goes first.');
+      aiv.priority = priority;
+    }
+    return {};
+  }
+  add_box(body) {
+    const x = this.number_field(body.x, 'x');
+    const y = this.number_field(body.y, 'y');
+    this.inside(x, y);
+    const id = body.id ?? `box${this.next_number(this.boxes)}`;
+    this.boxes.push({ id, x, y, radius: body.radius ?? 0.05 });
+    return { id };
+  }
+  remove_box(id) {
+    const at = this.boxes.findIndex((box) => box.id === id);
+    if (at < 0) throw new Refusal(404, 'plant.none', `There is no physical obstacle ${id}.`);
+    this.boxes.splice(at, 1);
+    return { removed: 1 };
+  }
+
+  // ── the zone's edits ──
+  tag_place(edit) {
+    if (!Number.isInteger(edit.number) || edit.number < 1) throw new Refusal(400, 'edit.number', 'A tag has a whole number from 1 on.');
+    const place = edit.section !== undefined ? place_of(this.circuit, edit.section, edit.s) : nearest_place(this.circuit, edit.x, edit.y);
+    if (!place) throw new Refusal(400, 'edit.place', `Section ${edit.section} has no such place.`);
+    if (place.off > 0.3) throw new Refusal(400, 'edit.place', `Tag ${edit.number} would lie ${place.off.toFixed(2)} m from every way; put it within 0.30 m of one.`);
+    return { number: edit.number, track: place.track, distance: place.distance };
+  }
+  edit_zone(edit) {
+    let tags = [...this.tags];
+    for (const one of edit.addTags ?? []) {
+      if (tags.some((tag) => tag.number === one.number)) throw new Refusal(409, 'edit.taken', `There is a tag ${one.number} already. Choose another number.`);
+      tags.push(this.tag_place(one));
+    }
+    for (const one of edit.moveTags ?? []) {
+      if (!tags.some((tag) => tag.number === one.number)) throw new Refusal(404, 'edit.none', `There is no tag ${one.number} to move.`);
+      tags = tags.map((tag) => (tag.number === one.number ? this.tag_place(one) : tag));
+    }
+    for (const number of edit.removeTags ?? []) {
+      if (!tags.some((tag) => tag.number === number)) throw new Refusal(404, 'edit.none', `There is no tag ${number} to remove.`);
+      tags = tags.filter((tag) => tag.number !== number);
+    }
+    let { pitch } = this;
+    if (edit.beaconPitch !== undefined) {
+      if (pitch === null) throw new Refusal(409, 'edit.beacons', 'This zone has no beacons.');
+      if (!(edit.beaconPitch >= 0.05 && edit.beaconPitch <= 10)) throw new Refusal(400, 'edit.pitch', 'The beacons’ pitch must lie between 0.05 m and 10 m.');
+      pitch = edit.beaconPitch;
+    }
+    this.undo_stack.push({ tags: this.tags, pitch: this.pitch });
+    this.redo_stack = [];
+    return this.zone_changed(tags, pitch);
+  }
+  zone_changed(tags, pitch) {
+    Object.assign(this, { tags: tags.sort((a, b) => a.number - b.number), pitch, zone_cache: null, saved: false });
+    return { revision: ++this.zone_revision };
+  }
+  undo() {
+    const before = this.undo_stack.pop();
+    if (!before) throw new Refusal(409, 'edit.undo', 'There is nothing to undo.');
+    this.redo_stack.push({ tags: this.tags, pitch: this.pitch });
+    return this.zone_changed(before.tags, before.pitch);
+  }
+  redo() {
+    const after = this.redo_stack.pop();
+    if (!after) throw new Refusal(409, 'edit.redo', 'There is nothing to redo.');
+    this.undo_stack.push({ tags: this.tags, pitch: this.pitch });
+    return this.zone_changed(after.tags, after.pitch);
+  }
+
+  // ── the clock ──
+  set_clock(body) {
+    if (this.clock.kind === 'wall') throw new Refusal(409, 'clock.wall', 'This run is on the wall’s clock, which nobody stops. Start one with virtual time instead.');
+    if (body.speed !== undefined && !(body.speed >= 0.1 && body.speed <= 100)) throw new Refusal(400, 'clock.speed', 'The speed must lie between 0.1 and 100.');
+    if (typeof body.running === 'boolean') this.clock.running = body.running;
+    if (body.speed !== undefined) this.clock.speed = body.speed;
+    return {};
+  }
+  step_clock(body) {
+    if (this.clock.kind === 'wall') throw new Refusal(409, 'clock.wall', 'This run is on the wall’s clock, which cannot be stepped.');
+    if (this.clock.running) throw new Refusal(409, 'clock.runs', 'Stop the clock first; then it can be stepped.');
+    if (!(body.ms >= 1 && body.ms <= 10_000)) throw new Refusal(400, 'clock.step', 'A step is 1 to 10000 ms long.');
+    this.step_by(body.ms);
+    return {};
+  }
+}
+
+const statistics = (p50, p99, n) => ({ count: n, mean: p50 * 1.05, p50, p99, max: p99 * 1.2 });

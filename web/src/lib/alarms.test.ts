@@ -1,0 +1,89 @@
+import { describe, expect, it } from 'vitest';
+import { AlarmBook, causes_of } from './alarms';
+import type { Aiv, Snapshot } from './contract';
+import { rows_of } from './reduce';
+import { aiv, command, snapshot } from './table_sample';
+
+const board = (health: 'ok' | 'lost' | 'faulty', selfTest = 0) => ({ board: 'DOBS', health, firmware: '', uptime_ms: 0, frames: 0, framesBad: 0, framesMissed: 0, selfTest });
+
+function told(book: AlarmBook, aivs: Aiv[], change: Partial<Snapshot> = {}) {
+  const now = snapshot(aivs, change);
+  book.accept(rows_of(now), now);
+  return book.list();
+}
+
+describe('what is abnormal', () => {
+  it('is nothing about a vehicle that is well, or that waits its turn', () => {
+    expect(causes_of(aiv(1))).toEqual([]);
+    expect(causes_of(aiv(1, { status: 'stopped', waitsFor: 'X2' }))).toEqual([]);
+  });
+
+  it('is a board that is lost or faulty, and a battery nearly empty', () => {
+    const texts = causes_of(aiv(1, { boards: [board('faulty', 3)], battery: 12 })).map((cause) => cause.text);
+    expect(texts).toEqual(['Board DOBS faulty, self-test 3', 'Battery at 12\u202f%']);
+  });
+
+  it('is the broken link alone, not what follows from it', () => {
+    const gone = aiv(1, { connection: 'CONNECTIONBROKEN', lost: true, battery: 3, boards: [board('lost')] });
+    expect(causes_of(gone).map((cause) => cause.code)).toEqual(['broken']);
+  });
+});
+
+describe('the book of alarms', () => {
+  it('keeps one entry while a trouble lasts, whatever its figures', () => {
+    const book = new AlarmBook();
+    told(book, [aiv(1, { lost: true, age_ms: 1_000 })]);
+    const [one, ...more] = told(book, [aiv(1, { lost: true, age_ms: 2_000 })], { time_ms: 11_000 });
+    expect(more).toEqual([]);
+    expect(one).toMatchObject({ since_ms: 10_000, text: 'No report for 2.0\u202fs', ended_ms: null, acknowledged: false });
+  });
+
+  it('keeps what is over until somebody has seen it', () => {
+    const book = new AlarmBook();
+    told(book, [aiv(1, { connection: 'CONNECTIONBROKEN' })]);
+    const [over] = told(book, [aiv(1)], { time_ms: 15_000 });
+    expect(over).toMatchObject({ ended_ms: 15_000, acknowledged: false });
+    book.acknowledge(over!.key);
+    expect(book.list()).toEqual([]);
+  });
+
+  it('keeps what was seen while it lasts, below the others, and drops it when it is over', () => {
+    const book = new AlarmBook();
+    const [first] = told(book, [aiv(1, { connection: 'CONNECTIONBROKEN' })]);
+    book.acknowledge(first!.key);
+    const both = told(book, [aiv(1, { connection: 'CONNECTIONBROKEN' }), aiv(2, { battery: 5 })], { time_ms: 11_000 });
+    expect(both.map((alarm) => [alarm.name, alarm.acknowledged])).toEqual([['AIV2', false], ['AIV1', true]]);
+    expect(told(book, [aiv(1), aiv(2, { battery: 5 })], { time_ms: 12_000 }).map((alarm) => alarm.name)).toEqual(['AIV2']);
+  });
+
+  it('is new when the trouble comes again', () => {
+    const book = new AlarmBook();
+    told(book, [aiv(1, { lost: true })]);
+    book.acknowledge('*');
+    told(book, [aiv(1)], { time_ms: 11_000 });
+    expect(told(book, [aiv(1, { lost: true })], { time_ms: 12_000 })).toMatchObject([{ since_ms: 12_000, acknowledged: false }]);
+  });
+
+  it('tells a failed command once, with its reason', () => {
+    const book = new AlarmBook();
+    const commands = [command({ state: 'failed', reason: 'offline' })];
+    const [one] = told(book, [aiv(1)], { commands });
+    expect(one?.text).toBe('stop failed: offline');
+    book.acknowledge('*');
+    expect(told(book, [aiv(1)], { commands })).toEqual([]);
+  });
+
+  it('names both sides of a broken pairing', () => {
+    const now = snapshot([aiv(1)]);
+    const bijection = { ...now.bijection, orphans: [{ side: 'virtual' as const, id: 'CoSiVA/AIV9' }] };
+    expect(told(new AlarmBook(), [aiv(1)], { bijection })).toMatchObject([{ name: 'AIV9', text: 'A twin without a vehicle' }]);
+  });
+
+  it('holds no more than it can, however long the page is open', () => {
+    const book = new AlarmBook();
+    for (let n = 0; n < 1_000; n++) told(book, [aiv(1)], { commands: [command({ id: `c${n}`, state: 'failed', time_ms: n })] });
+    const kept = book.list();
+    expect(kept.length).toBeLessThanOrEqual(200);
+    expect(kept[0]?.since_ms).toBe(999);
+  });
+});

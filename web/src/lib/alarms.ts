@@ -1,0 +1,123 @@
+// What is abnormal, kept until somebody has said that he saw it. Derived from what the server tells; the page adds nothing.
+import type { Aiv, Snapshot } from './contract';
+import * as format from './format';
+
+export interface AlarmCause {
+  /** the same for as long as it is the same trouble, whatever figures its words hold */
+  code: string;
+  text: string;
+}
+
+export interface Alarm extends AlarmCause {
+  key: string;
+  /** of the vehicle; null when it is nobody's */
+  vehicle: string | null;
+  name: string;
+  /** of the server's clock */
+  since_ms: number;
+  /** null while it lasts */
+  ended_ms: number | null;
+  acknowledged: boolean;
+}
+
+/** Below this a battery is news [%]. */
+export const battery_low = 20;
+
+/** What is abnormal about a vehicle, worst first; empty for one that is well. A vehicle that waits its turn is well. */
+export function causes_of(aiv: Aiv): AlarmCause[] {
+  const causes: AlarmCause[] = [];
+  const add = (code: string, text: string) => causes.push({ code, text });
+  const here = !aiv.lost && aiv.connection === 'ONLINE';
+  if (aiv.connection === 'CONNECTIONBROKEN') add('broken', 'Connection broken');
+  else if (aiv.lost && aiv.connection === 'ONLINE') add('silent', `No report for ${format.duration(aiv.age_ms)}`);
+  if (!aiv.contract.matched) add('matched', 'No twin for it');
+  if (here) {
+    // The contract is about the last seconds; the figures beside may be good again.
+    if (!aiv.contract.divergence) add('divergence', 'Divergence out of contract lately');
+    if (!aiv.contract.age) add('age', 'Age of reports out of contract lately');
+    for (const board of aiv.boards ?? []) {
+      if (board.health === 'lost') add(`board ${board.board}`, `Board ${board.board} lost`);
+      if (board.health === 'faulty') add(`board ${board.board}`, `Board ${board.board} faulty${board.selfTest ? `, self-test ${board.selfTest}` : ''}`);
+    }
+  }
+  for (const error of aiv.errors) add(`error ${error}`, error);
+  if (here && aiv.battery !== null && aiv.battery < battery_low) add('battery', `Battery at ${format.percent(aiv.battery)}`);
+  return causes;
+}
+
+const ended_max = 200;
+
+export class AlarmBook {
+  private readonly book = new Map<string, Alarm>();
+
+  /** Takes the vehicles as they are now. True when the list changed, in words or in number. */
+  accept(rows: readonly { id: string; name: string; aiv: Aiv }[], snapshot: Snapshot): boolean {
+    const now = snapshot.time_ms;
+    const lasting = new Set<string>();
+    let changed = false;
+    const see = (vehicle: string | null, name: string, cause: AlarmCause) => {
+      const key = `${vehicle ?? ''}|${cause.code}`;
+      lasting.add(key);
+      const known = this.book.get(key);
+      if (known && known.ended_ms === null) {
+        if (known.text !== cause.text) {
+          this.book.set(key, { ...known, text: cause.text });
+          changed = true;
+        }
+        return;
+      }
+      this.book.set(key, { ...cause, key, vehicle, name, since_ms: now, ended_ms: null, acknowledged: false });
+      changed = true;
+    };
+    for (const row of rows) for (const cause of causes_of(row.aiv)) see(row.id, row.name, cause);
+    for (const orphan of snapshot.bijection.orphans) {
+      see(orphan.id, format.serial(orphan.id), { code: `orphan ${orphan.side}`, text: orphan.side === 'physical' ? 'It has no twin' : 'A twin without a vehicle' });
+    }
+    for (const command of snapshot.commands) {
+      if (command.state !== 'failed') continue;
+      // A failed command is an event, not a state: it is told once and stands until acknowledged.
+      const key = `${command.vehicle}|command ${command.id}`;
+      if (this.failed.has(key)) continue;
+      this.failed.add(key);
+      const text = `${command.command} failed${command.reason ? `: ${command.reason}` : ''}`;
+      this.book.set(key, { key, code: `command ${command.id}`, text, vehicle: command.vehicle, name: format.serial(command.vehicle), since_ms: command.time_ms, ended_ms: command.time_ms, acknowledged: false });
+      changed = true;
+    }
+    for (const alarm of this.book.values()) {
+      if (alarm.ended_ms === null && !lasting.has(alarm.key)) {
+        if (alarm.acknowledged) this.book.delete(alarm.key);
+        else this.book.set(alarm.key, { ...alarm, ended_ms: now });
+        changed = true;
+      }
+    }
+    this.prune();
+    return changed;
+  }
+
+  /** What has ended goes with it; what lasts stays, quieter. */
+  acknowledge(key: string | '*'): void {
+    for (const alarm of [...this.book.values()]) {
+      if (key !== '*' && alarm.key !== key) continue;
+      if (alarm.ended_ms !== null) this.book.delete(alarm.key);
+      else this.book.set(alarm.key, { ...alarm, acknowledged: true });
+    }
+  }
+
+  /** Unacknowledged first, of these those that last, then the newest. */
+  list(): Alarm[] {
+    return [...this.book.values()].sort(
+      (a, b) => Number(a.acknowledged) - Number(b.acknowledged) || Number(a.ended_ms !== null) - Number(b.ended_ms !== null) || b.since_ms - a.since_ms || (a.key < b.key ? -1 : 1),
+    );
+  }
+
+  private readonly failed = new Set<string>();
+
+  /** A page that stays open for days keeps the newest of what has ended. */
+  private prune(): void {
+    if (this.book.size > ended_max) {
+      const ended = [...this.book.values()].filter((alarm) => alarm.ended_ms !== null).sort((a, b) => a.since_ms - b.since_ms);
+      for (const alarm of ended.slice(0, this.book.size - ended_max)) this.book.delete(alarm.key);
+    }
+    if (this.failed.size > 4 * ended_max) for (const key of [...this.failed].slice(0, 2 * ended_max)) this.failed.delete(key);
+  }
+}

@@ -1,0 +1,69 @@
+// What the menu of the map offers: for the thing under the pointer, and at that place.
+import { api } from './api';
+import { verbs } from './command_verbs';
+import type { CommandVerb, Point } from './contract';
+import type { MapState, Menu } from './map_state.svelte';
+import { short } from './reduce';
+import { tool } from './tool.svelte';
+
+export interface MenuItem {
+  word: string;
+  act: () => void;
+  virtual?: boolean;
+  danger?: boolean;
+}
+export interface MenuGroup {
+  title: string;
+  items: MenuItem[];
+}
+
+export function groups_of(map: MapState, { hit, point }: Menu): MenuGroup[] {
+  return [...(hit ? of_thing(map, hit) : []), of_place(map, point)];
+}
+
+function of_thing(map: MapState, hit: NonNullable<Menu['hit']>): MenuGroup[] {
+  const { platform } = map;
+  const { id } = hit;
+  const items: MenuItem[] = [];
+  if (hit.kind === 'aiv') {
+    const give = (verb: CommandVerb) => () => void platform.command(verb, id);
+    const wanted: readonly CommandVerb[] = ['slow', 'medium', 'fast', 'stop', 'restart'];
+    items.push(...wanted.map((verb) => ({ word: word_of(verb), act: give(verb), danger: verb === 'stop' })));
+    const followed = platform.following && platform.selected === id;
+    items.push({
+      word: followed ? 'Stop following' : 'Follow',
+      act: () => {
+        platform.select(id);
+        platform.following = !followed;
+      },
+    });
+  }
+  if (hit.movable) {
+    items.push({ word: 'Move…', act: () => tool.move(id) });
+    items.push({ word: 'Remove', act: () => void platform.remove_thing(id) });
+  }
+  if (hit.kind === 'plant') items.push({ word: 'Remove', act: () => void platform.ask(`Remove ${id}`, api.remove_plant_obstacle(id)) });
+  if (hit.kind === 'tag') {
+    items.push({ word: `Edit tag ${id}`, act: () => map.begin('edit tags', { points: [], tag: Number(id) }) });
+    items.push({ word: `Remove tag ${id}`, act: () => void map.do({ what: 'edit zone', edit: { removeTags: [Number(id)] } }) });
+  }
+  return items.length === 0 ? [] : [{ title: hit.kind === 'tag' ? `Tag ${id}` : short(id), items }];
+}
+
+function of_place(map: MapState, at: Point): MenuGroup {
+  const place = (word: string, what: 'add aiv' | 'add person' | 'add obstacle' | 'add plant obstacle') => ({ word, act: () => void map.do({ what, at }), virtual: what !== 'add plant obstacle' });
+  const begin = (name: 'draw walk' | 'measure') => () => map.begin(name, { points: [at], tag: null });
+  return {
+    title: 'Here',
+    items: [
+      place('Add virtual AIV', 'add aiv'), place('Add person', 'add person'), { word: 'Add walking person…', act: begin('draw walk'), virtual: true }, place('Add obstacle', 'add obstacle'),
+      ...(map.platform.truth ? [place('Add physical obstacle', 'add plant obstacle')] : []),
+      { word: 'Measure from here', act: begin('measure') }, { word: 'Centre the map here', act: () => map.look({ ...map.view, x: at[0], y: at[1] }) },
+    ],
+  };
+}
+
+function word_of(verb: CommandVerb): string {
+  const known = verbs.find((one) => one.verb === verb);
+  return known?.word ?? verb;
+}

@@ -1,0 +1,215 @@
+// The zone's own picture: shapes on named layers, painted blindly, whatever they mean (A19). It is painted again only when
+// the view, the zone, the layers or the colours change; between two frames it stands.
+import type { Point, Primitive, Zone } from './contract';
+import type { Colours } from './renderer';
+import { to_screen, type Size, type View } from './view';
+
+interface LayerStyle {
+  fill: keyof Colours;
+  alpha?: number;
+  /** no thinner or smaller than this on the screen [px] */
+  pixels_min?: number;
+  text?: keyof Colours;
+}
+
+// A layer that is not named here is drawn too, in ink: a new kind of zone must not need a new page.
+const styles: Readonly<Record<string, LayerStyle>> = {
+  road: { fill: 'road', pixels_min: 2 },
+  line: { fill: 'line', pixels_min: 1 },
+  crossing: { fill: 'crossing', alpha: 0.75, text: 'label' },
+  tag: { fill: 'tag', pixels_min: 2.5 },
+  beacon: { fill: 'beacon', pixels_min: 1 },
+  station: { fill: 'held', alpha: 0.6, pixels_min: 3 },
+  section: { fill: 'label', alpha: 0.85 },
+  label: { fill: 'label' },
+};
+const other: LayerStyle = { fill: 'label', alpha: 0.6, pixels_min: 1 };
+export const map_font = 'system-ui, "Segoe UI", Roboto, "Helvetica Neue", sans-serif';
+
+interface Shape {
+  primitive: Primitive;
+  path: Path2D;
+  low: Point;
+  high: Point;
+}
+
+export class ZonePicture {
+  private readonly context: CanvasRenderingContext2D;
+  private size: Size = { width: 0, height: 0 };
+  private ratio = 1;
+  private shapes: Shape[] = [];
+  private zone: Zone | null = null;
+  private colours: Colours | null = null;
+  private hidden: ReadonlySet<string> = new Set();
+  private painted: View | null = null;
+
+  constructor(private readonly canvas: HTMLCanvasElement) {
+    const context = canvas.getContext('2d', { alpha: false });
+    if (!context) throw new Error('this browser has no Canvas2D');
+    this.context = context;
+  }
+
+  resize(size: Size, pixel_ratio: number): void {
+    this.size = size;
+    this.ratio = pixel_ratio;
+    this.canvas.width = Math.max(1, Math.round(size.width * pixel_ratio));
+    this.canvas.height = Math.max(1, Math.round(size.height * pixel_ratio));
+    this.painted = null;
+  }
+
+  set_zone(zone: Zone | null): void {
+    this.zone = zone;
+    this.painted = null;
+    const primitives = (zone?.primitives ?? []).filter((p) => p.points.length > 0);
+    // Layer by layer, in the order in which they first come: a road must not cover its neighbour's centre line.
+    const order = new Map([...new Set(primitives.map((p) => p.layer))].map((layer, i) => [layer, i]));
+    this.shapes = [...primitives].sort((a, b) => order.get(a.layer)! - order.get(b.layer)!).map(shape_of);
+  }
+
+  set_colours(colours: Colours): void {
+    this.colours = colours;
+    this.painted = null;
+  }
+
+  set_hidden(hidden: ReadonlySet<string>): void {
+    if (hidden === this.hidden) return;
+    this.hidden = hidden;
+    this.painted = null;
+  }
+
+  /** Paints, if anything has changed. */
+  paint(view: View): void {
+    const { colours, painted } = this;
+    if (!colours || this.size.width === 0) return;
+    if (painted && painted.x === view.x && painted.y === view.y && painted.scale === view.scale) return;
+    this.painted = view;
+    const { context } = this;
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    context.globalAlpha = 1;
+    context.fillStyle = colours.ground;
+    context.fillRect(0, 0, this.canvas.width, this.canvas.height);
+    const visible = this.shapes.filter((shape) => this.in_sight(shape, view));
+    this.paint_shapes(visible, view, colours);
+    this.paint_texts(visible, view, colours);
+    this.paint_tag_numbers(view, colours);
+    context.globalAlpha = 1;
+  }
+
+  private in_sight({ primitive, low, high }: Shape, view: View): boolean {
+    if (this.hidden.has(primitive.layer)) return false;
+    const half_x = this.size.width / 2 / view.scale;
+    const half_y = this.size.height / 2 / view.scale;
+    const around = primitive.size_m + 40 / view.scale;
+    return high[0] + around > view.x - half_x && low[0] - around < view.x + half_x && high[1] + around > view.y - half_y && low[1] - around < view.y + half_y;
+  }
+
+  private paint_shapes(visible: readonly Shape[], view: View, colours: Colours): void {
+    const { context } = this;
+    const scale = view.scale * this.ratio;
+    // Painting in map metres, y up; widths below are metres too.
+    context.setTransform(scale, 0, 0, -scale, (this.size.width / 2) * this.ratio - view.x * scale, (this.size.height / 2) * this.ratio + view.y * scale);
+    context.lineCap = 'round';
+    context.lineJoin = 'round';
+    // The kerb first, under all roads, so that a road never cuts through the one it crosses.
+    context.strokeStyle = colours.road_edge;
+    for (const { primitive, path } of visible) {
+      if (primitive.layer !== 'road' || primitive.shape !== 'polyline') continue;
+      context.lineWidth = Math.max(primitive.size_m, 2 / view.scale) + 3 / view.scale;
+      context.stroke(path);
+    }
+    for (const { primitive, path } of visible) {
+      if (primitive.shape === 'text') continue;
+      const style = styles[primitive.layer] ?? other;
+      context.globalAlpha = style.alpha ?? 1;
+      const least = (style.pixels_min ?? 0) / view.scale;
+      const tint = colours[style.fill] as string;
+      if (primitive.shape === 'polyline') {
+        context.strokeStyle = tint;
+        context.lineWidth = Math.max(primitive.size_m, least);
+        context.stroke(path);
+      } else {
+        context.fillStyle = tint;
+        context.fill(primitive.shape === 'disc' && primitive.size_m < least ? disc(primitive, least) : path);
+      }
+    }
+  }
+
+  private paint_texts(visible: readonly Shape[], view: View, colours: Colours): void {
+    const { context } = this;
+    context.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
+    context.globalAlpha = 1;
+    context.textAlign = 'center';
+    context.textBaseline = 'middle';
+    for (const { primitive } of visible) {
+      if (primitive.shape !== 'text' || !primitive.label) continue;
+      const pixels = Math.min(primitive.size_m * view.scale, 15);
+      if (pixels < 7) continue;
+      const [x, y] = primitive.points[0]!;
+      const at = to_screen(view, this.size, x, y);
+      const style = styles[primitive.layer] ?? other;
+      context.fillStyle = colours[style.text ?? style.fill] as string;
+      context.font = `500 ${Math.max(pixels, 10)}px ${map_font}`;
+      context.fillText(primitive.label, at.px, at.py);
+    }
+  }
+
+  /** A tag's number stands beside it once there is room for it. */
+  private paint_tag_numbers(view: View, colours: Colours): void {
+    const { context } = this;
+    if (!this.zone || this.hidden.has('tag') || view.scale < 220) return;
+    context.font = `600 10px ${map_font}`;
+    context.textAlign = 'left';
+    context.textBaseline = 'middle';
+    context.fillStyle = colours.label;
+    for (const tag of this.zone.tags ?? []) {
+      const at = to_screen(view, this.size, tag.x, tag.y);
+      if (at.px < -20 || at.py < -20 || at.px > this.size.width || at.py > this.size.height + 20) continue;
+      const reach = Math.max(0.02 * view.scale, 2.5);
+      context.fillText(String(tag.number), at.px + reach + 2, at.py + reach + 4);
+    }
+  }
+}
+
+function shape_of(primitive: Primitive): Shape {
+  const path = primitive.shape === 'disc' ? disc(primitive, primitive.size_m) : new Path2D();
+  let low_x = Infinity;
+  let low_y = Infinity;
+  let high_x = -Infinity;
+  let high_y = -Infinity;
+  primitive.points.forEach(([x, y], i) => {
+    low_x = Math.min(low_x, x);
+    low_y = Math.min(low_y, y);
+    high_x = Math.max(high_x, x);
+    high_y = Math.max(high_y, y);
+    if (primitive.shape === 'disc') return;
+    if (i === 0) path.moveTo(x, y);
+    else path.lineTo(x, y);
+  });
+  if (primitive.shape === 'polygon') path.closePath();
+  return { primitive, path, low: [low_x, low_y], high: [high_x, high_y] };
+}
+
+function disc(primitive: Primitive, radius: number): Path2D {
+  const path = new Path2D();
+  for (const [x, y] of primitive.points) {
+    path.moveTo(x + radius, y);
+    path.arc(x, y, radius, 0, 2 * Math.PI);
+  }
+  return path;
+}
+
+export function middle_of(points: readonly Point[]): { x: number; y: number } {
+  let x = 0;
+  let y = 0;
+  for (const point of points) {
+    x += point[0] / points.length;
+    y += point[1] / points.length;
+  }
+  return { x, y };
+}
+
+export function radius_of(primitive: Primitive): number {
+  if (primitive.shape === 'disc') return primitive.size_m;
+  const middle = middle_of(primitive.points);
+  return primitive.points.reduce((most, [x, y]) => Math.max(most, Math.hypot(x - middle.x, y - middle.y)), 0);
+}

@@ -1,0 +1,4 @@
+declare module '*.schema' {
+  const schema: import('./schema').JsonObject;
+  export default schema;
+}

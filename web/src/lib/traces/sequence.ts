@@ -1,0 +1,218 @@
+// Communications as a sequence diagram: agents as lifelines, messages as arrows, one row each, in the order of the traces.
+import { manufacturer, serial } from '../format';
+import { note_kind, chunk_rows, type TraceStore } from './store';
+
+export const everybody = '*';
+export const row_px = 34;
+export const gutter_px = 92;
+
+/** How an agent is called on the page. */
+export function agent_label(name: string): string {
+  if (name === everybody) return 'everybody';
+  if (manufacturer(name) === '' || !/^CoSiVA(\.virtual)?$/.test(manufacturer(name))) return name;
+  return serial(name);
+}
+
+export function is_aiv(name: string): boolean {
+  return name.includes('/');
+}
+export function is_virtual(name: string): boolean {
+  return manufacturer(name) === 'CoSiVA.virtual';
+}
+
+const inner = ['AIV_Server', 'Simulator', 'RTM', 'CircuitFactory', 'Circuit'];
+
+/** From the outside in, as the article draws them: people and vehicles left, the circuit right. */
+export function in_order(agents: Iterable<string>): string[] {
+  const rank = (name: string): number => {
+    const at = inner.indexOf(name);
+    if (at >= 0) return 10 + at;
+    if (name === everybody) return 20;
+    if (is_virtual(name)) return 4;
+    if (is_aiv(name)) return 3;
+    return name === 'physical side' || name === 'emulated world' ? 2 : 1;
+  };
+  return [...new Set(agents)].sort((a, b) => rank(a) - rank(b) || a.localeCompare(b, 'en', { numeric: true }));
+}
+
+export interface Lifeline {
+  name: string;
+  label: string;
+  x: number;
+}
+/** A lifeline for the proxy of a vehicle inside the server (A26): what a vehicle sends is delivered by it, and what is sent to it leaves through it. */
+export function proxy_of(aiv: string): string {
+  return `proxy of ${agent_label(aiv)}`;
+}
+
+export function lifelines(agents: readonly string[], width_px: number, proxies: boolean): { lines: Lifeline[]; width_px: number } {
+  const names: { name: string; label: string }[] = [];
+  const ordered = in_order(agents);
+  for (const name of ordered) names.push({ name, label: agent_label(name) });
+  if (proxies) {
+    const server = names.findIndex(({ name }) => name === 'AIV_Server');
+    const made = ordered.filter(is_aiv).map((name) => ({ name: proxy_of(name), label: proxy_of(name) }));
+    if (server >= 0) names.splice(server, 0, ...made);
+  }
+  const widest = Math.max(0, ...names.map(({ label }) => label.length)) * 7 + 26;
+  const room = names.length === 0 ? 0 : (width_px - gutter_px - 20) / names.length;
+  const step = Math.max(widest, 112, Math.min(room, 260));
+  return {
+    lines: names.map(({ name, label }, i) => ({ name, label, x: gutter_px + step * (i + 0.5) })),
+    width_px: Math.max(width_px, gutter_px + step * names.length + 20),
+  };
+}
+
+export interface Leg {
+  x0: number;
+  x1: number;
+  /** by radio, over the broker; within the server otherwise */
+  radio: boolean;
+}
+export interface Arrow {
+  seq: number;
+  n: number;
+  time_ms: number;
+  from: string;
+  to: string;
+  kind: string;
+  content: string;
+  /** empty where an end has no lifeline */
+  legs: Leg[];
+  note: boolean;
+}
+
+/** The arrow of one row. */
+export function arrow_of(store: TraceStore, seq: number, lines: readonly Lifeline[]): Arrow {
+  const trace = store.trace(seq);
+  const x_of = (name: string) => lines.find((line) => line.name === name)?.x;
+  const legs: Leg[] = [];
+  const x0 = x_of(trace.from);
+  const x1 = x_of(trace.to);
+  if (x0 !== undefined && x1 !== undefined) {
+    const remote = is_aiv(trace.from) || is_aiv(trace.to) || trace.to === everybody || trace.from === 'physical side';
+    const through = is_aiv(trace.from) ? x_of(proxy_of(trace.from)) : is_aiv(trace.to) ? x_of(proxy_of(trace.to)) : undefined;
+    if (through === undefined) legs.push({ x0, x1, radio: remote });
+    else legs.push({ x0, x1: through, radio: is_aiv(trace.from) }, { x0: through, x1, radio: is_aiv(trace.to) });
+  }
+  return { ...trace, seq, legs, note: store.is_note(seq) };
+}
+
+export type FigureName = 'figure 8' | 'figure 9' | 'figure 11';
+export interface Figure {
+  name: FigureName;
+  title: string;
+  /** what the article shows there, and what is drawn of it */
+  says: string;
+  /** what to do when there is nothing to draw */
+  missing: string;
+}
+
+export const figures: readonly Figure[] = [
+  {
+    name: 'figure 8',
+    title: 'Figure 8: the circuit is created and displayed',
+    says: 'The server hands the zone’s configuration to the simulator, which makes the RTM, asks it for the circuit factory, that for the circuit, and the circuit to draw itself.',
+    missing: 'No zone has been instantiated within the messages that are kept. It happens once at the start, and after every edit of the zone.',
+  },
+  {
+    name: 'figure 9',
+    title: 'Figure 9: an AIV starts',
+    says: 'An AIV comes on the air; its reports pass through its proxy to the server, which tells the simulator to give it a mark and a place; then it reports at regular intervals.',
+    missing: 'No AIV has appeared within the messages that are kept. Add a virtual AIV, or switch one on.',
+  },
+  {
+    name: 'figure 11',
+    title: 'Figure 11: a position is updated',
+    says: 'A report arrives, and the simulator moves the twin along the circuit’s sections. The sections’ answers are drawn where the server traces them.',
+    missing: 'No AIV has reported a position yet.',
+  },
+];
+
+export interface Exchange {
+  agents: string[];
+  seqs: number[];
+  proxies: boolean;
+}
+
+/** The latest exchange of this kind that the store holds; of one AIV only, where one is named. */
+export function find_figure(store: TraceStore, name: FigureName, aiv: string | null = null): Exchange | null {
+  if (name === 'figure 8') return zone_exchange(store);
+  return name === 'figure 9' ? start_exchange(store, aiv) : position_exchange(store, aiv);
+}
+
+/** Rows between two places that `wanted` takes, at most so many. */
+function rows(store: TraceStore, begin: number, end: number, count_max: number, wanted: (from: string, to: string, kind: string, seq: number) => boolean): number[] {
+  const found: number[] = [];
+  for (let seq = Math.max(begin, store.first); seq < Math.min(end, store.end) && found.length < count_max; seq++) {
+    const chunk = store.chunk_at(seq);
+    const i = seq % chunk_rows;
+    if (chunk.kind[i] === note_kind) continue;
+    if (wanted(store.agents.name(chunk.from[i]!), store.agents.name(chunk.to[i]!), store.kinds.name(chunk.kind[i]!), seq)) found.push(seq);
+  }
+  return found;
+}
+
+function agents_of(store: TraceStore, seqs: readonly number[]): string[] {
+  return in_order(seqs.flatMap((seq) => [store.from(seq), store.to(seq)]));
+}
+
+function zone_exchange(store: TraceStore): Exchange | null {
+  const handed = store.find_last({ kind: 'zoneConfiguration' });
+  if (handed < 0) return null;
+  const received = store.find_last({ kind: 'zone', to: 'AIV_Server' }, handed);
+  const begin = received >= 0 && handed - received < 20 ? received : handed;
+  const cast = new Set(['physical side', 'operator', ...inner]);
+  let done = false;
+  const seqs = rows(store, begin, handed + 500, 40, (from, to, kind, seq) => {
+    if (done || !cast.has(from) || !cast.has(to) || (seq > begin && kind === 'zone')) return false;
+    const inside = seq <= handed || (from !== 'AIV_Server' && to !== 'AIV_Server');
+    if (inside && ((from === 'Circuit' && kind === 'draw') || kind === 'refused')) done = true;
+    return inside && (seq >= handed || kind === 'zone');
+  });
+  return { agents: agents_of(store, seqs), seqs, proxies: false };
+}
+
+/** "CoSiVA/AIV1 gets mark 1", "CoSiVA/AIV1 is back under mark 1"; obstacles appear too, and are nobody here. */
+function who_appears(content: string): string | null {
+  return /^(\S+\/\S+) (?:gets|is back under) mark/.exec(content)?.[1] ?? null;
+}
+
+function start_exchange(store: TraceStore, aiv: string | null): Exchange | null {
+  let appears = store.find_last({ kind: 'appear' });
+  const fits = (content: string) => (aiv === null ? who_appears(content) !== null : who_appears(content) === aiv);
+  while (appears >= 0 && !fits(store.content(appears))) appears = store.find_last({ kind: 'appear' }, appears);
+  if (appears < 0) return null;
+  const who = who_appears(store.content(appears))!;
+  const online = store.find_last({ kind: 'connection', from: who }, appears + 1);
+  const begin = online >= 0 ? online : appears;
+  const before = rows(store, begin, appears, 30, (from, to) => from === who || to === who);
+  // Then a second of its life: what it is told, and its first reports.
+  const after = rows(store, appears, appears + 20_000, 12, (from, to, kind, seq) => seq === appears || from === who || to === who || (kind === 'position' && store.content(seq).startsWith(`${who} `)));
+  const seqs = [...before, ...after];
+  return { agents: agents_of(store, seqs), seqs, proxies: true };
+}
+
+const section_kinds = new Set(['move', 'nextAIVposition', 'position']);
+
+function position_exchange(store: TraceStore, aiv: string | null): Exchange | null {
+  let last = -1;
+  for (let seq = store.end - 1; seq >= store.first && last < 0; seq--) {
+    const kind = store.kind(seq);
+    const from = store.from(seq);
+    if ((kind === 'visualization' || kind === 'state') && is_aiv(from) && (aiv === null || from === aiv)) last = seq;
+  }
+  if (last < 0) return null;
+  const who = store.from(last);
+  // Three reports and what is between them: the interval of the timer shows.
+  let begin = last;
+  for (let i = 0; i < 2; i++) {
+    const before = Math.max(store.find_last({ kind: 'visualization', from: who }, begin), store.find_last({ kind: 'state', from: who }, begin));
+    if (before >= 0) begin = before;
+  }
+  const seqs = rows(store, begin, last + 12, 40, (from, to, kind, seq) => {
+    if (from === who && seq <= last) return true;
+    return section_kinds.has(kind) && (store.content(seq).startsWith(`${who} `) || from === who || to === who);
+  });
+  return { agents: agents_of(store, seqs), seqs, proxies: true };
+}
