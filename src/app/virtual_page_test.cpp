@@ -2,14 +2,10 @@
 
 #include <gmock/gmock.h>
 
-#include "adapters/test_bench.h"
-#include "base/json_value.h"
-
 namespace cosiva::app {
 namespace {
 
 using namespace std::chrono_literals;
-using adapters::testing::Scratch;
 
 constexpr std::chrono::seconds patience{60};
 

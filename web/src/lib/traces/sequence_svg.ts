@@ -16,7 +16,7 @@ export const cut = (text: string, letters: number) => (text.length <= letters ? 
 
 /** What stands above an arrow, as long as there is room for it. */
 export function words_of(arrow: Pick<Arrow, 'kind' | 'content'>, length_px: number): string {
-  return cut(`${arrow.kind}  ${summary_of(arrow.content)}`, Math.floor(Math.max(length_px, 90) / 5.9));
+  return cut(`${arrow.kind}  ${summary_of(arrow.content)}`, Math.floor((Math.max(length_px, 90) - 22) / 5.9));
 }
 
 export function svg_of(title: string, lines: readonly Lifeline[], arrows: readonly Arrow[], width: number, colours: Colours): string {
@@ -40,23 +40,23 @@ export function svg_of(title: string, lines: readonly Lifeline[], arrows: readon
     const y = top + i * row_px + row_px - 9;
     parts.push(`<text x="10" y="${y + 4}" font-size="11" fill="${colours.quiet}">${time_of_day(arrow.time_ms)}</text>`);
     if (arrow.note) parts.push(`<text x="${gutter_px + 6}" y="${y + 2}" font-style="italic" fill="${colours.quiet}">${escaped(arrow.content)}</text>`);
-    arrow.legs.forEach((leg, j) => {
+    for (const leg of arrow.legs)
       parts.push(`<path d="${path_of(leg.x0, leg.x1, y)}" fill="none" stroke="${colours.accent}" stroke-width="1.4"${leg.radio ? ' stroke-dasharray="6 3"' : ''} marker-end="url(#tip)"/>`);
-      if (j === longest(arrow)) parts.push(`<text x="${middle_of(leg.x0, leg.x1)}" y="${y - 6}" text-anchor="${anchor_of(leg.x0, leg.x1)}" font-size="11.5" fill="${colours.ink}">${escaped(words_of(arrow, Math.abs(leg.x1 - leg.x0)))}</text>`);
-    });
+    if (arrow.legs.length === 0) return;
+    const span = span_of(arrow);
+    parts.push(`<text x="${span.x}" y="${y - 6}" text-anchor="${span.anchor}" font-size="11.5" fill="${colours.ink}" stroke="${colours.ground}" stroke-width="4" paint-order="stroke">${escaped(words_of(arrow, span.length))}</text>`);
   });
   parts.push('</svg>');
   return parts.join('\n');
 }
 
-/** The leg that the words stand on. */
-export function longest(arrow: Arrow): number {
-  const length = (i: number) => Math.abs(arrow.legs[i]!.x1 - arrow.legs[i]!.x0);
-  return arrow.legs.length < 2 || length(0) >= length(1) ? 0 : 1;
-}
 /** A message to oneself is a small loop at the right of the line. */
 export function path_of(x0: number, x1: number, y: number): string {
   return x0 === x1 ? `M${x0} ${y - 10}h16q5 0 5 5t-5 5h-14` : `M${x0} ${y}L${x1 + (x1 > x0 ? -1 : 1)} ${y}`;
 }
-export const middle_of = (x0: number, x1: number) => (x0 === x1 ? x0 + 26 : (x0 + x1) / 2);
-export const anchor_of = (x0: number, x1: number) => (x0 === x1 ? 'start' : 'middle');
+/** Where the words stand: over the whole way from sender to receiver. */
+export function span_of(arrow: Arrow): { x: number; length: number; anchor: 'start' | 'middle' } {
+  const from = arrow.legs[0]!.x0;
+  const to = arrow.legs.at(-1)!.x1;
+  return from === to ? { x: from + 26, length: 200, anchor: 'start' } : { x: (from + to) / 2, length: Math.abs(to - from), anchor: 'middle' };
+}
