@@ -20,7 +20,7 @@ const leave_out: Plugin = {
 
 export default defineConfig({
   base: './',
-  plugins: [svelte(), vda_schemas()],
+  plugins: [leave_out, svelte(), vda_schemas()],
   build: {
     // Native private fields: Svelte's state lives in them, and anything older pays for each with a map.
     target: 'es2022',

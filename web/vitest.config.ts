@@ -1,3 +1,4 @@
 import { defineConfig } from 'vitest/config';
+import { vda_schemas } from './dev/vda-schemas.mjs';
 
-export default defineConfig({ test: { include: ['src/**/*.test.ts'], environment: 'node' } });
+export default defineConfig({ plugins: [vda_schemas()], test: { include: ['src/**/*.test.ts'], environment: 'node' } });

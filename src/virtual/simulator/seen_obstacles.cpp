@@ -8,6 +8,10 @@ namespace {
 
 /// A new sighting's weight: late ones come from nearer by, and see better than the first.
 constexpr double newest_share = 0.3;
+/// A vehicle stops for what reaches within this of its sides; most of the obstacle's own radius counts, since it is
+/// only an estimate.
+constexpr double swept_margin_m = 0.02;
+constexpr double swept_share = 0.8;
 
 }  // namespace
 
@@ -66,9 +70,9 @@ std::size_t SeenObstacles::pass(std::string_view vehicle, SimTime now, const Pos
   const Pose2 X_BM = inverse(X_MB);
   return std::erase_if(obstacles_, [&](const SeenObstacle& obstacle) {
     const Point2 p_B = X_BM * obstacle.at;
-    // Half of it in the body is more than two errors of place explain.
-    const double slack_m = 0.5 * obstacle.radius_m;
-    if (std::fabs(p_B.x_m) > 0.5 * length_m + slack_m || std::fabs(p_B.y_m) > 0.5 * width_m + slack_m) return false;
+    // Abreast of it, and it reached into what the vehicle sweeps: it would have held the vehicle if it were there.
+    const double beside_m = 0.5 * width_m + swept_margin_m + swept_share * obstacle.radius_m;
+    if (std::fabs(p_B.x_m) > 0.5 * (length_m + obstacle.radius_m) || std::fabs(p_B.y_m) > beside_m) return false;
     const auto witness = std::ranges::find(obstacle.seen_by, vehicle, &SeenObstacle::Witness::vehicle);
     return witness == obstacle.seen_by.end() || now - witness->last > just_seen;
   });

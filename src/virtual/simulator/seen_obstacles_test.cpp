@@ -45,8 +45,13 @@ TEST_F(Sightings, vanish_when_another_vehicle_s_body_is_where_they_were) {
 }
 
 TEST_F(Sightings, stay_when_it_is_passed_beside_them) {
-  seen.see("a", now, {1.0, 0.10}, 0.05);
-  EXPECT_EQ(seen.pass("b", now, {1.0, 0.0, 0.0}, 0.20, 0.12), 0U);
+  seen.see("a", now, {1.0, 0.13}, 0.05);
+  EXPECT_EQ(seen.pass("b", now, {1.0, 0.0, 0.0}, 0.20, 0.12), 0U) << "8 cm to its edge: nobody stops for that";
+}
+
+TEST_F(Sightings, that_reached_into_the_way_vanish_when_somebody_passes_abreast) {
+  seen.see("a", now, {1.0, 0.10}, 0.036);
+  EXPECT_EQ(seen.pass("b", now, {1.0, 0.0, 0.0}, 0.20, 0.12), 1U) << "it would have held a body of half width 6 cm";
 }
 
 TEST_F(Sightings, of_the_vehicle_that_stands_close_before_them_stay_while_it_sees_them) {

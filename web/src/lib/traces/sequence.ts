@@ -161,7 +161,8 @@ function zone_exchange(store: TraceStore): Exchange | null {
   const handed = store.find_last({ kind: 'zoneConfiguration' });
   if (handed < 0) return null;
   const received = store.find_last({ kind: 'zone', to: 'AIV_Server' }, handed);
-  const begin = received >= 0 && handed - received < 20 ? received : handed;
+  // The last one that came may belong to an exchange before this one: an edit makes a configuration here.
+  const begin = received > store.find_last({ kind: 'zoneConfiguration' }, handed) ? received : handed;
   const cast = new Set(['physical side', 'operator', ...inner]);
   let done = false;
   const seqs = rows(store, begin, handed + 500, 40, (from, to, kind, seq) => {

@@ -1,0 +1,142 @@
+import { describe, expect, it } from 'vitest';
+import { agent_label, arrow_of, find_figure, in_order, lifelines, proxy_of } from './sequence';
+import { path_of, span_of, svg_of, words_of } from './sequence_svg';
+import { TraceStore } from './store';
+import { csv_line, Export, ndjson_line, summary_of } from './text';
+import { AllRows } from './filter';
+
+type Said = [from: string, to: string, kind: string, content?: string];
+function told(...said: Said[]): TraceStore {
+  const store = new TraceStore();
+  said.forEach(([from, to, kind, content = ''], i) => store.append({ n: i + 1, time_ms: i, from, to, kind, content }));
+  return store;
+}
+const zone_exchange: Said[] = [
+  ['physical side', 'AIV_Server', 'zone', 'toml, 2777 bytes'],
+  ['AIV_Server', 'Simulator', 'zoneConfiguration'],
+  ['Simulator', 'RTM', 'initialise'],
+  ['Simulator', 'RTM', 'circuitFactory'],
+  ['RTM', 'Simulator', 'circuitFactory'],
+  ['Simulator', 'CircuitFactory', 'circuit'],
+  ['CircuitFactory', 'Simulator', 'circuit'],
+  ['Simulator', 'Circuit', 'draw'],
+  ['Circuit', 'Simulator', 'draw'],
+];
+const beat: Said = ['AIV_Server', '*', 'heartbeat'];
+const kinds_of = (store: TraceStore, seqs: readonly number[]) => seqs.map((seq) => store.kind(seq));
+
+describe('the article’s exchanges', () => {
+  it('figure 8 is the whole exchange from the configuration to the drawn circuit, and nothing else', () => {
+    const store = told(beat, ...zone_exchange, ['CoSiVA/AIV1', 'AIV_Server', 'state'], ['AIV_Server', 'Simulator', 'appear', 'CoSiVA/AIV1 gets mark 1']);
+    const found = find_figure(store, 'figure 8')!;
+    expect(found.seqs).toEqual([1, 2, 3, 4, 5, 6, 7, 8, 9]);
+    expect(found.agents).toEqual(['physical side', 'AIV_Server', 'Simulator', 'RTM', 'CircuitFactory', 'Circuit']);
+  });
+  it('figure 8 is the latest such exchange, and ends where a configuration is refused', () => {
+    const store = told(...zone_exchange, beat, ['AIV_Server', 'Simulator', 'zoneConfiguration'], ['Simulator', 'RTM', 'initialise'], ['RTM', 'Simulator', 'refused', 'no circuit'], ['Simulator', 'Circuit', 'draw']);
+    expect(kinds_of(store, find_figure(store, 'figure 8')!.seqs)).toEqual(['zone', 'zoneConfiguration', 'initialise', 'refused'].slice(1));
+  });
+  it('figure 9 goes from coming on the air over the mark to the first reports, through the proxy', () => {
+    const store = told(
+      ['CoSiVA/AIV2', 'AIV_Server', 'connection', 'ONLINE'], ['CoSiVA/AIV1', 'AIV_Server', 'state'], ['CoSiVA/AIV2', 'AIV_Server', 'state'],
+      ['AIV_Server', 'Simulator', 'appear', 'CoSiVA/AIV2 gets mark 2'], ['AIV_Server', 'CoSiVA/AIV2', 'order'], beat, ['CoSiVA/AIV2', 'AIV_Server', 'visualization'],
+    );
+    const found = find_figure(store, 'figure 9')!;
+    expect(kinds_of(store, found.seqs)).toEqual(['connection', 'state', 'appear', 'order', 'visualization']);
+    expect(found.proxies).toBe(true);
+    expect(found.agents).toEqual(['CoSiVA/AIV2', 'AIV_Server', 'Simulator']);
+  });
+  it('figure 9 is of the AIV that is asked for; an obstacle that appears is none', () => {
+    const store = told(['AIV_Server', 'Simulator', 'appear', 'CoSiVA/AIV1 gets mark 1'], ['AIV_Server', 'Simulator', 'appear', 'CoSiVA/AIV2 is back under mark 2'], ['AIV_Server', 'Simulator', 'appear', 'S1: an obstacle at 1, 2']);
+    expect(find_figure(store, 'figure 9')!.seqs[0]).toBe(1);
+    expect(find_figure(store, 'figure 9', 'CoSiVA/AIV1')!.seqs[0]).toBe(0);
+    expect(find_figure(store, 'figure 9', 'CoSiVA/AIV7')).toBeNull();
+  });
+  it('figure 11 is the last reports of one AIV and what the sections answered', () => {
+    const report = (who: string): Said => [`CoSiVA/${who}`, 'AIV_Server', 'visualization', '{"x":1}'];
+    const store = told(report('AIV1'), report('AIV2'), report('AIV1'), ['Simulator', 'Circuit', 'nextAIVposition', 'CoSiVA/AIV1 DTT 0.04'], ['Simulator', 'Circuit', 'nextAIVposition', 'CoSiVA/AIV2 DTT 0.04'], report('AIV1'), report('AIV2'));
+    expect(find_figure(store, 'figure 11', 'CoSiVA/AIV1')!.seqs).toEqual([0, 2, 3, 5]);
+    expect(find_figure(store, 'figure 11')!.agents).toContain('CoSiVA/AIV2');
+  });
+  it('nothing is found where nothing was said', () => {
+    for (const name of ['figure 8', 'figure 9', 'figure 11'] as const) expect(find_figure(told(beat), name)).toBeNull();
+  });
+});
+
+describe('the layout', () => {
+  it('puts people and vehicles left, the circuit right, numbers in their order', () => {
+    expect(in_order(['Circuit', 'CoSiVA/AIV10', 'AIV_Server', 'CoSiVA.virtual/V1', 'operator', 'CoSiVA/AIV2', '*', 'Simulator'])).toEqual(['operator', 'CoSiVA/AIV2', 'CoSiVA/AIV10', 'CoSiVA.virtual/V1', 'AIV_Server', 'Simulator', 'Circuit', '*']);
+  });
+  it('calls ours by their serial number and others by their whole name', () => {
+    expect(['CoSiVA/AIV1', 'CoSiVA.virtual/V1', 'RobotCompany/001', '*'].map(agent_label)).toEqual(['AIV1', 'V1', 'RobotCompany/001', 'everybody']);
+  });
+  it('lifelines keep their distance, and the diagram grows wider instead', () => {
+    const { lines, width_px } = lifelines(['CoSiVA/AIV1', 'AIV_Server', 'Simulator', 'RTM', 'CircuitFactory', 'Circuit'], 400, false);
+    for (let i = 1; i < lines.length; i++) expect(lines[i]!.x - lines[i - 1]!.x).toBeGreaterThanOrEqual(112);
+    expect(width_px).toBeGreaterThan(lines.at(-1)!.x + 50);
+  });
+  it('an arrow goes from sender to receiver; by way of the proxy the radio part is the outer one', () => {
+    const store = told(['CoSiVA/AIV1', 'AIV_Server', 'state'], ['AIV_Server', 'CoSiVA/AIV1', 'order'], ['AIV_Server', 'Simulator', 'appear'], ['RTM', 'Simulator', 'x']);
+    const { lines } = lifelines(['CoSiVA/AIV1', 'AIV_Server', 'Simulator'], 900, true);
+    const x = Object.fromEntries(lines.map((line) => [line.name, line.x]));
+    const proxy = x[proxy_of('CoSiVA/AIV1')]!;
+    expect(arrow_of(store, 0, lines).legs).toEqual([{ x0: x['CoSiVA/AIV1'], x1: proxy, radio: true }, { x0: proxy, x1: x['AIV_Server'], radio: false }]);
+    expect(arrow_of(store, 1, lines).legs).toEqual([{ x0: x['AIV_Server'], x1: proxy, radio: false }, { x0: proxy, x1: x['CoSiVA/AIV1'], radio: true }]);
+    expect(arrow_of(store, 2, lines).legs).toEqual([{ x0: x['AIV_Server'], x1: x['Simulator'], radio: false }]);
+    expect(arrow_of(store, 3, lines).legs).toEqual([]);
+    expect(span_of(arrow_of(store, 0, lines)).length).toBeCloseTo(x['AIV_Server']! - x['CoSiVA/AIV1']!, 9);
+  });
+  it('a message to oneself is a loop', () => {
+    expect(path_of(50, 50, 20)).toContain('q');
+    expect(path_of(50, 90, 20)).toBe('M50 20L89 20');
+  });
+  it('the words fit over their arrow', () => {
+    expect(words_of({ kind: 'order', content: 'x'.repeat(500) }, 200).length).toBeLessThanOrEqual(31);
+  });
+  it('the file is well formed whatever was said', () => {
+    const store = told(['CoSiVA/<b>&"', 'AIV_Server', 'state', '</svg><script>']);
+    const { lines, width_px } = lifelines(['CoSiVA/<b>&"', 'AIV_Server'], 600, false);
+    const svg = svg_of('A & B', lines, [arrow_of(store, 0, lines)], width_px, { ground: '#fff', ink: '#000', quiet: '#555', line: '#999', accent: '#00f' });
+    expect(svg).not.toContain('<script');
+    expect(svg).not.toContain('<b>');
+    expect(svg.match(/<svg/g)).toHaveLength(1);
+    expect(svg).toContain('A &amp; B');
+  });
+});
+
+describe('communications as text', () => {
+  it('flat JSON reads as words, the rest stands as it came', () => {
+    expect(summary_of('{"x":-0.68249,"y":1,"speed":0.3}')).toBe('x −0.682, y 1, speed 0.300');
+    expect(summary_of('{"a":{"b":1}}')).toBe('{"a":{"b":1}}');
+    expect(summary_of('{"cut off')).toBe('{"cut off');
+    expect(summary_of('plain')).toBe('plain');
+  });
+  it('CSV quotes what needs it and disarms formulas', () => {
+    const row = { n: 1, time_ms: 0, from: '=cmd()', to: 'a,b', kind: 'say "x"', content: 'two\nlines' };
+    expect(csv_line(row)).toBe('1,1970-01-01T00:00:00.000Z,\'=cmd(),"a,b","say ""x""","two\nlines"\r\n');
+  });
+  it('NDJSON is one message a line, also with a clock far off', () => {
+    const row = { n: 1, time_ms: 1e300, from: 'a', to: 'b', kind: 'c', content: 'two\nlines' };
+    expect(JSON.parse(ndjson_line(row))).toMatchObject(row);
+    expect(ndjson_line(row).trimEnd()).not.toContain('\n');
+  });
+  it('an export takes its slices, leaves notes out, and does not grow with what comes meanwhile', async () => {
+    const store = new TraceStore();
+    for (let n = 1; n <= 1000; n++) store.append({ n, time_ms: n, from: 'a', to: 'b', kind: 'c', content: '' });
+    store.note('gap', 0);
+    const file = new Export(store, new AllRows(store), 'ndjson');
+    let slices = 0;
+    while (!file.go_on(() => false)) {
+      slices++;
+      store.append({ n: 9999, time_ms: 0, from: 'a', to: 'b', kind: 'c', content: 'late' });
+    }
+    expect(slices).toBeGreaterThan(2);
+    expect([file.rows, file.notes, file.progress]).toEqual([1000, 1, 1]);
+    const lines = (await file.blob().text()).trimEnd().split('\n').map((line) => (JSON.parse(line) as { n: number }).n);
+    expect(lines).toEqual(Array.from({ length: 1000 }, (_, i) => i + 1));
+  });
+  it('an export of nothing is done at once', () => {
+    const store = new TraceStore();
+    expect(new Export(store, new AllRows(store), 'csv').go_on(() => true)).toBe(true);
+  });
+});
