@@ -33,5 +33,5 @@ export default defineConfig({
     terserOptions: { module: true, ecma: 2020, compress: { passes: 3 }, format: { comments: false } },
   },
   worker: { format: 'es' },
-  server: { host: '127.0.0.1', port: 5173, proxy: { '/api': { target: platform, ws: true } } },
+  server: { host: '127.0.0.1', port: 5173, fs: { allow: ['..'] }, proxy: { '/api': { target: platform, ws: true } } },
 });

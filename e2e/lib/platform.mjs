@@ -186,6 +186,21 @@ export class Platform extends Program {
     return aivs.find((aiv) => aiv.number === number);
   }
 
+  /** Any call of the contract: {status, body}; a body that is a string is sent as it is. */
+  async call(method, what, body, headers = { 'content-type': 'application/json' }) {
+    const init = body === undefined ? {} : { headers, body: typeof body === 'string' ? body : JSON.stringify(body) };
+    const response = await fetch(`${this.url}/api/v1/${what}`, { method, ...init, signal: AbortSignal.timeout(5_000) });
+    const text = await response.text();
+    return { status: response.status, body: text === '' ? null : JSON.parse(text) };
+  }
+
+  /** The same, which must succeed; answers the body. */
+  async ask(method, what, body) {
+    const answer = await this.call(method, what, body);
+    assert.ok(answer.status < 300, `${method} ${what}: ${answer.status} ${JSON.stringify(answer.body)}`);
+    return answer.body;
+  }
+
   /** Gives a command; answers its id, or throws with the server's reason. */
   async command(command, vehicle) {
     const response = await fetch(`${this.url}/api/v1/commands`, {

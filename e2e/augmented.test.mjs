@@ -1,0 +1,117 @@
+// What is added virtually is felt physically, and what stands physically is shown virtually (A2, A3). Judged by the plant's
+// truth, in which no virtual body exists.
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { open_browser } from './lib/browser.mjs';
+import { Bus, Truth } from './lib/bus.mjs';
+import { place } from './lib/clover.mjs';
+import { open_operator, row } from './lib/page.mjs';
+import { eventually, Platform } from './lib/platform.mjs';
+
+const front_m = 0.1; // half a vehicle's length
+
+test('the virtual and the physical world feel each other', { timeout: 240_000 }, async (t) => {
+  const platform = await Platform.up(t, { aivs: 2 });
+  const broker_port = await platform.broker_port();
+  const truth = await Truth.follow(t, broker_port);
+  const heard = { connection: [], state: [], visualization: [], order: [] };
+  const stranger = await Bus.open(t, broker_port, ['uagv/v2/CoSiVA.virtual/#']);
+  stranger.on_message((topic, payload) => heard[topic.split('/').at(-1)]?.push({ topic, message: JSON.parse(payload.toString()) }));
+  const page = await open_operator(t, await open_browser(t), platform);
+
+  /** A vehicle that drives in a loop, where no crossing and nobody else decides, with room before it. */
+  const driving_in_a_loop = () => eventually(
+    'a vehicle drives in a loop',
+    async () => {
+      const { aivs } = await platform.snapshot();
+      return aivs.find((aiv) => !aiv.augmented && aiv.section?.startsWith('loop') && aiv.s > 0.15 && aiv.s < 1.2 && aiv.speed > 0.25 && Math.abs(truth.vehicle(aiv.number).speed) > 0.25);
+    },
+    { within_ms: 40_000, every_ms: 25 },
+  );
+  const snapshot_of = async (id) => (await platform.snapshot()).aivs.find((aiv) => aiv.id === id);
+  const feels = (id, thing) => eventually(`${id} feels ${thing}`, async () => (await snapshot_of(id)).feels === thing, { within_ms: 3_000 });
+  /** Metres from the front of a vehicle to a place, as the plant has it. */
+  const gap = (number, at) => Math.hypot(truth.vehicle(number).x - at.x, truth.vehicle(number).y - at.y) - front_m;
+
+  await t.test('a person before a vehicle stops it; taken away, it goes on', async () => {
+    const aiv = await driving_in_a_loop();
+    const at = place(aiv.section, aiv.s + 0.75);
+    const { id } = await platform.ask('POST', 'things', { kind: 'person', x: at.x, y: at.y });
+    await truth.stands(aiv.number, 4_000);
+    assert.ok(gap(aiv.number, at) > 0.06 && gap(aiv.number, at) < 0.6, `it stands ${gap(aiv.number, at)} m before the person`);
+    await feels(aiv.id, id);
+    await page.waitForFunction((thing) => /felt by AIV/.test(document.querySelector(`[data-thing="${thing}"]`)?.textContent ?? ''), id, { timeout: 4_000 });
+    const { x, y } = truth.vehicle(aiv.number);
+    await truth.driven(1_200);
+    assert.ok(Math.hypot(truth.vehicle(aiv.number).x - x, truth.vehicle(aiv.number).y - y) < 0.005, 'it keeps standing');
+    await page.getByRole('button', { name: `Remove ${id}`, exact: true }).click();
+    await truth.moves(aiv.number, 4_000);
+  });
+
+  await t.test('a person who walks out of the way lets it go by itself', async () => {
+    const aiv = await driving_in_a_loop();
+    const at = place(aiv.section, aiv.s + 0.75);
+    const aside = { x: at.x + 0.5 * Math.cos(at.heading - Math.PI / 2), y: at.y + 0.5 * Math.sin(at.heading - Math.PI / 2) };
+    const { id } = await platform.ask('POST', 'things', { kind: 'person', path: [[at.x, at.y], [aside.x, aside.y]], speed: 0.1, repeat: 'once' });
+    await eventually('it brakes', () => Math.abs(truth.vehicle(aiv.number).speed) < 0.12, { within_ms: 4_000, every_ms: 20 });
+    await truth.moves(aiv.number, 6_000);
+    await platform.ask('DELETE', `things/${id}`);
+  });
+
+  await t.test('a virtual AIV before a physical one makes it brake; taken out, it goes on', async () => {
+    const aiv = await driving_in_a_loop();
+    const at = place(aiv.section, aiv.s + 0.8);
+    const { id } = await platform.ask('POST', 'things', { kind: 'aiv', section: at.section, s: at.s });
+    const virtual = `CoSiVA.virtual/${id}`;
+    await eventually('it is listed', async () => snapshot_of(virtual), { within_ms: 3_000, every_ms: 20 });
+    await platform.command('stop', virtual);
+    await truth.stands(aiv.number, 8_000);
+    const there = await snapshot_of(virtual);
+    assert.equal(there.augmented, true);
+    assert.ok(gap(aiv.number, there) - front_m > 0.02, `its front is ${gap(aiv.number, there) - front_m} m behind the virtual one`);
+    assert.equal(await row(page, virtual).getByText('virtual', { exact: true }).count(), 1);
+    assert.ok(!truth.latest.vehicles.some((vehicle) => vehicle.number === there.number), 'the plant knows nothing of it');
+    await page.getByRole('button', { name: `Remove ${id}`, exact: true }).click();
+    await truth.moves(aiv.number, 6_000);
+  });
+
+  await t.test('a stranger on the bus saw the virtual AIV as a vehicle of its own', async () => {
+    for (const kind of ['connection', 'state', 'visualization', 'order']) assert.ok(heard[kind].length > 0, `no ${kind} of it was heard`);
+    const ends = heard.connection.map(({ message }) => message.connectionState);
+    assert.equal(ends[0], 'ONLINE');
+    await eventually('it said good-bye', () => heard.connection.at(-1).message.connectionState === 'OFFLINE', { within_ms: 3_000 });
+    for (const { topic, message } of [...heard.state, ...heard.visualization]) {
+      const [, , manufacturer, serial] = topic.split('/');
+      assert.deepEqual([message.manufacturer, message.serialNumber], [manufacturer, serial]);
+    }
+    const places = heard.visualization.filter(({ message }) => message.agvPosition).map(({ message }) => message.agvPosition);
+    assert.ok(places.length > 3 && places.every(({ mapId }) => mapId === 'lacet4'));
+    assert.ok(heard.state.some(({ message }) => message.orderId !== ''), 'it drives by orders, as any vehicle');
+  });
+
+  await t.test('a physical obstacle appears where it stands, with who saw it, and vanishes after it was taken away and passed', async () => {
+    const aiv = await driving_in_a_loop();
+    const at = place(aiv.section, aiv.s + 0.9);
+    const { id } = await platform.ask('POST', 'plant/obstacles', { x: at.x, y: at.y, radius: 0.05 });
+    const seen = await eventually('its twin is there', async () => (await platform.snapshot()).obstacles.find((one) => Math.hypot(one.x - at.x, one.y - at.y) < 0.12), { within_ms: 5_000 });
+    assert.ok(seen.seenBy.includes(aiv.id), `seen by ${seen.seenBy}`);
+    await truth.stands(aiv.number, 5_000);
+    await page.waitForSelector(`[data-seen="${seen.id}"]`, { timeout: 4_000 });
+    assert.match(await page.locator(`[data-seen="${seen.id}"]`).innerText(), new RegExp(`by AIV${aiv.number}`));
+    await platform.ask('DELETE', `plant/obstacles/${id}`);
+    await truth.moves(aiv.number, 6_000);
+    await eventually('the twin is gone', async () => (await platform.snapshot()).obstacles.length === 0, { within_ms: 15_000 });
+    await page.waitForSelector(`[data-seen="${seen.id}"]`, { state: 'detached', timeout: 4_000 });
+  });
+
+  await t.test('every such effect is timed, and the virtual ones are not counted as vehicles', async () => {
+    const { effects, augmented, physical } = await platform.get('bijection');
+    assert.equal(physical, 2);
+    assert.equal(augmented, 0);
+    for (const name of ['felt_ms', 'brakes_ms', 'shown_ms']) assert.ok(effects[name].count > 0 && effects[name].p50 > 0, `${name}: ${JSON.stringify(effects[name])}`);
+    assert.ok(effects.brakes_ms.max < 1_000, `braking took up to ${effects.brakes_ms.max} ms`);
+  });
+
+  assert.deepEqual(page.script_errors, []);
+  assert.equal(truth.collisions, 0);
+});
