@@ -7,8 +7,8 @@
 namespace cosiva::aiv {
 namespace {
 
-/// Neighbouring beams hear the same thing when their ranges differ from the nearest one's by no more. Two things side by
-/// side that are taken for one would have a middle where nothing is.
+/// Neighbouring beams hear the same thing when their ranges differ from the nearest one's by no more. Two things side
+/// by side that are taken for one would have a middle where nothing is.
 constexpr int same_thing_mm = 50;
 constexpr double radius_m_min = 0.02;
 constexpr double radius_m_max = 0.15;

@@ -21,8 +21,8 @@ inline constexpr std::string_view server_heartbeat_topic = "cosiva/v1/server/hea
 inline constexpr std::string_view plant_truth_topic = "cosiva/v1/plant/truth";
 /// Commands to the emulated world: {"addObstacle":{"id","x","y","radius"}} or {"removeObstacle":"id"}.
 inline constexpr std::string_view plant_command_topic = "cosiva/v1/plant/command";
-/// The emulated ether: {"vehicle":"CoSiVA/AIV2"|"*","loss":0.3}: an *emulated* vehicle's program then loses this share of
-/// its messages, both ways. Real vehicles do not listen.
+/// The emulated ether: {"vehicle":"CoSiVA/AIV2"|"*","loss":0.3}: an *emulated* vehicle's program then loses this share
+/// of its messages, both ways. Real vehicles do not listen.
 inline constexpr std::string_view plant_radio_topic = "cosiva/v1/plant/radio";
 
 /// Server → one vehicle: what of the virtual world stands near its way (wire::Ahead).

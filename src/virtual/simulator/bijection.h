@@ -78,7 +78,9 @@ class BijectionMonitor {
   [[nodiscard]] const Statistics& divergence_m() const { return divergence_m_; }
   [[nodiscard]] const Statistics& divergence_rad() const { return divergence_rad_; }
   [[nodiscard]] const Statistics& age_ms() const { return age_ms_; }
-  [[nodiscard]] const Statistics& effect_ms(WorldEffect kind) const { return effects_ms_[static_cast<std::size_t>(kind)]; }
+  [[nodiscard]] const Statistics& effect_ms(WorldEffect kind) const {
+    return effects_ms_[static_cast<std::size_t>(kind)];
+  }
   [[nodiscard]] std::uint64_t event_count(PhysicalEvent kind) const { return events_[static_cast<std::size_t>(kind)]; }
 
   /// docs/protocols/hmi-api.md, "Bijection".
