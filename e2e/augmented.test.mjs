@@ -35,10 +35,11 @@ test('the virtual and the physical world feel each other', { timeout: 240_000 },
 
   await t.test('a person before a vehicle stops it; taken away, it goes on', async () => {
     const aiv = await driving_in_a_loop();
-    const at = place(aiv.section, aiv.s + 0.75);
+    // So near that the first thing it does is to brake.
+    const at = place(aiv.section, aiv.s + 0.5);
     const { id } = await platform.ask('POST', 'things', { kind: 'person', x: at.x, y: at.y });
     await truth.stands(aiv.number, 4_000);
-    assert.ok(gap(aiv.number, at) > 0.06 && gap(aiv.number, at) < 0.6, `it stands ${gap(aiv.number, at)} m before the person`);
+    assert.ok(gap(aiv.number, at) > 0.06 && gap(aiv.number, at) < 0.4, `it stands ${gap(aiv.number, at)} m before the person`);
     await feels(aiv.id, id);
     await page.waitForFunction((thing) => /felt by AIV/.test(document.querySelector(`[data-thing="${thing}"]`)?.textContent ?? ''), id, { timeout: 4_000 });
     const { x, y } = truth.vehicle(aiv.number);
@@ -50,11 +51,11 @@ test('the virtual and the physical world feel each other', { timeout: 240_000 },
 
   await t.test('a person who walks out of the way lets it go by itself', async () => {
     const aiv = await driving_in_a_loop();
-    const at = place(aiv.section, aiv.s + 0.75);
+    const at = place(aiv.section, aiv.s + 0.55);
     const aside = { x: at.x + 0.5 * Math.cos(at.heading - Math.PI / 2), y: at.y + 0.5 * Math.sin(at.heading - Math.PI / 2) };
-    const { id } = await platform.ask('POST', 'things', { kind: 'person', path: [[at.x, at.y], [aside.x, aside.y]], speed: 0.1, repeat: 'once' });
+    const { id } = await platform.ask('POST', 'things', { kind: 'person', path: [[at.x, at.y], [aside.x, aside.y]], speed: 0.05, repeat: 'once' });
     await eventually('it brakes', () => Math.abs(truth.vehicle(aiv.number).speed) < 0.12, { within_ms: 4_000, every_ms: 20 });
-    await truth.moves(aiv.number, 6_000);
+    await truth.moves(aiv.number, 10_000);
     await platform.ask('DELETE', `things/${id}`);
   });
 
@@ -108,7 +109,7 @@ test('the virtual and the physical world feel each other', { timeout: 240_000 },
     const { effects, augmented, physical } = await platform.get('bijection');
     assert.equal(physical, 2);
     assert.equal(augmented, 0);
-    for (const name of ['felt_ms', 'brakes_ms', 'shown_ms']) assert.ok(effects[name].count > 0 && effects[name].p50 > 0, `${name}: ${JSON.stringify(effects[name])}`);
+    for (const name of ['felt_ms', 'brakes_ms', 'shown_ms']) assert.ok(effects[name].count > 0 && effects[name].max > 0, `${name}: ${JSON.stringify(effects[name])}`);
     assert.ok(effects.brakes_ms.max < 1_000, `braking took up to ${effects.brakes_ms.max} ms`);
   });
 

@@ -66,8 +66,8 @@ test('tags and beacons are edited on the page', { timeout: 240_000 }, async (t) 
     await page.keyboard.type('9');
     await tab_to(page, /^New /);
     await page.keyboard.press('Enter');
-    // One that lies on another would tell nothing new: it is moved on before it is laid.
     await eventually('there is one more', async () => (await tags()).length === before + 1, { within_ms: 4_000 });
+    await eventually('it is the one that is chosen', async () => (await page.getByTestId('tag-choice').inputValue()) === '1', { within_ms: 4_000 });
     await tab_to(page, /^Remove #/);
     await page.keyboard.press('Enter');
     await eventually('there are as many as before', async () => (await tags()).length === before, { within_ms: 4_000 });
@@ -112,7 +112,8 @@ test('tags and beacons are edited on the page', { timeout: 240_000 }, async (t) 
     assert.match(saved, /number = 77/);
     assert.match(saved, /CircuitLacet4/, 'the words of the file stay');
     const checked = await cosiva_json(['zone', 'check', file, '--json']);
-    assert.equal(checked.name, 'lacet4');
+    assert.equal(checked.zone, 'lacet4');
+    assert.equal(checked.tags, (await tags()).length);
   });
 
   await t.test('all vehicles drove on through every edit', async () => {

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Runs clang-tidy over our sources, and only over those that changed since they last passed.
 
-What passed is remembered in build/tidy-cache by a hash of all that clang-tidy could see: the file, our headers it
-reaches, its compile command, the .clang-tidy files and clang-tidy's version. Needs a compile_commands.json (--build).
+What passed is remembered, for every checkout of this user, by a hash of all that clang-tidy could see: the file, our
+headers it reaches, its compile command, the .clang-tidy files and clang-tidy's version. It lies where ccache's memory does,
+in $XDG_CACHE_HOME (~/.cache). Needs a compile_commands.json (--build).
 Tests are left out unless asked for (--tests): they take longer than all the rest, and the compiler is strict with them.
 """
 
@@ -10,6 +11,7 @@ import argparse
 import concurrent.futures
 import hashlib
 import json
+import os
 import pathlib
 import re
 import shlex
@@ -20,6 +22,7 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 INCLUDE = re.compile(rb'^[ \t]*#[ \t]*include[ \t]+"([^"]+)"', re.MULTILINE)
 OURS = ("src", "bench", "fuzz", "e2e")
+month_s = 30 * 24 * 3600
 
 
 def reached(path, seen):
@@ -59,7 +62,8 @@ def tasks_from(build, version):
     for path, entry in sorted(found.items()):
         command = command_of(entry)
         digest = base.copy()
-        digest.update("\0".join(command).encode())
+        # The same in every checkout: what lies where is told by the names of what was reached.
+        digest.update("\0".join(command).replace(str(ROOT), "").encode())
         seen = {}
         reached(path, seen)
         for header in sorted(seen):
@@ -77,8 +81,12 @@ def main():
     arguments = parser.parse_args()
 
     version = subprocess.run(["clang-tidy", "--version"], capture_output=True, check=True).stdout
-    cache = ROOT / "build/tidy-cache"
+    home = pathlib.Path(os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache")
+    cache = home / "cosiva/tidy"
     cache.mkdir(parents=True, exist_ok=True)
+    for old in cache.iterdir():
+        if time.time() - old.stat().st_mtime > month_s:
+            old.unlink()
     tasks = list(tasks_from(arguments.build, version))
     if not arguments.tests:
         tasks = [t for t in tasks if not t[0].name.endswith("_test.cpp")]
@@ -87,8 +95,8 @@ def main():
     todo = [t for t in tasks if arguments.all or not (cache / t[2]).exists()]
 
     # clang-tidy reads the commands as we cleaned them, from a database of our own.
-    database = cache / "commands"
-    database.mkdir(exist_ok=True)
+    database = ROOT / "build/tidy-commands"
+    database.mkdir(parents=True, exist_ok=True)
     (database / "compile_commands.json").write_text(json.dumps([entry for _, entry, _ in tasks]))
 
     def tidy(task):

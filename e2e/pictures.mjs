@@ -1,0 +1,46 @@
+// Takes the pictures of README and guides again, of the real platform: `node e2e/pictures.mjs` after scripts/setup test and a
+// build. On a quiet machine: what is busy shows in the figures.
+import { mkdirSync } from 'node:fs';
+import path from 'node:path';
+import { open_browser, open_page } from './lib/browser.mjs';
+import { run_cleanups } from './lib/cleanup.mjs';
+import { Platform, sleep, source_dir } from './lib/platform.mjs';
+
+const folder = path.join(source_dir, 'docs/images');
+mkdirSync(folder, { recursive: true });
+const t = { after: (action) => endings.push(action), diagnostic: console.log, name: 'pictures' };
+const endings = [];
+
+async function take() {
+  const platform = await Platform.up(t, { args: ['--scenario', 'showroom', '--name', 'showroom'] });
+  const browser = await open_browser(t);
+  const shot = async (page, name) => {
+    await page.mouse.move(5, 5);
+    await page.screenshot({ path: path.join(folder, `${name}.png`) });
+    console.log(`docs/images/${name}.png`);
+  };
+  const page = await open_page(t, browser, platform.url);
+  // People walk, the virtual AIV drives, and the figures of the start are behind.
+  await sleep(45_000);
+  await shot(page, 'page');
+  for (const [key, name] of [['1', 'supervision'], ['2', 'states'], ['3', 'circuit'], ['4', 'traces']]) {
+    await page.keyboard.press(key);
+    await sleep(1_500);
+    await shot(page, name);
+    if (name === 'traces') {
+      await page.getByRole('button', { name: 'Sequence' }).click();
+      await sleep(2_000);
+      await shot(page, 'sequence');
+    }
+    await page.keyboard.press(key);
+  }
+  const dark = await open_page(t, browser, platform.url, { colorScheme: 'dark', viewport: { width: 1920, height: 1080 } });
+  await sleep(20_000);
+  await shot(dark, 'page-dark');
+}
+
+try {
+  await take();
+} finally {
+  await run_cleanups(endings);
+}
