@@ -87,13 +87,14 @@ struct ServerCore::Inside {
   void forget_where_clear(VehicleIndex vehicle, double clear_m);
   void on_ghost(AivProxy& proxy, VehicleTopic topic, const wire::Input& input);
   [[nodiscard]] bool take_header(VehicleIndex vehicle, VehicleTopic topic, const wire::Header& header);
-  void refuse(VehicleIndex vehicle, VehicleTopic topic, const Error& error);
+  void refuse(VehicleIndex vehicle, VehicleTopic topic, const wire::Input& input, const Error& error);
   /// Time stamps older than this one's are out of order.
   [[nodiscard]] SimTime clock_of(AivProxy& proxy, SimTime stamp);
   void heard(VehicleIndex vehicle, SimTime reported_at, bool has_place);
   void on_position(VehicleIndex vehicle, const wire::Header& header, const std::optional<wire::AgvPosition>& position,
                    const std::optional<wire::Velocity>& velocity);
   void place_twin(VehicleIndex vehicle, SimTime at, const Pose2& pose, const std::optional<wire::Velocity>& velocity);
+  void trace_section(const AivProxy& proxy, zone::Place before);
   void show_events(VehicleIndex vehicle, const wire::State* before, SimTime reported_at);
   void show_event(const AivProxy& proxy, PhysicalEvent kind, SimTime reported_at);
   void read_limits_and_tags(AivProxy& proxy);

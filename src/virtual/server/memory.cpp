@@ -156,16 +156,15 @@ void ServerCore::Inside::recall_things(const JsonValue& memory) {
 void ServerCore::Inside::recall_zone() {
   if (!recalled_zone) return;
   const JsonValue memory = std::move(*std::exchange(recalled_zone, std::nullopt));
-  const auto made = edits.recalled(memory);
-  if (!made) {
+  ZoneEdits::Recalled recalled = ZoneEdits::recalled(memory, *simulator.configuration());
+  if (recalled.fit == ZoneEdits::Recalled::Fit::another) {
     outbox.log('w', "the zone is another one than the remembered edits were made on; they are left out");
     return;
   }
-  zone::ZoneConfiguration before = *simulator.configuration();
-  if (!take_zone(*made)) return;
-  edits.done("edit", std::move(before));
-  if (memory.flag("saved") == std::optional{true}) edits.saved(*made);
-  publish_zone();
+  const bool to_be_taken = recalled.fit == ZoneEdits::Recalled::Fit::base;
+  if (to_be_taken && !take_zone(recalled.made)) return;
+  edits.restore(std::move(recalled));
+  if (to_be_taken) publish_zone();
 }
 
 }  // namespace cosiva::virtual_side

@@ -89,7 +89,7 @@ TEST(Memory, that_is_broken_is_said_and_left_out) {
         std::string(R"({"version":1,"things":[7,{"id":"P1"},{"id":"P1","kind":"person","radius":1e9,"speed":0,)"
                     R"("repeat":"once","since":"1","started":"1","path":[[0,0]]}],"aivs":[{"id":"a b","section":"x",)"
                     R"("s":0},{"id":"V1","section":"nowhere"}],"paused":[7],"zone":{"base":"0"}})"),
-        std::string(R"({"version":1,"zone":{"base":"0","format":"toml","origin":"x","text":"name = "}})")}) {
+        std::string(R"({"version":1,"zone":{"base":{"format":"toml","text":"name = "},"made":"x"}})")}) {
     ServerBench bench;
     bench.memory = broken;
     bench.restart_server(true);
@@ -115,6 +115,31 @@ TEST(Memory, of_edits_waits_for_the_zone_of_the_physical_side) {
   server.handle({bench.now, wire::InputKind::message, "cosiva/v1/zone/toml", oval().text, true}, effects);
   ASSERT_TRUE(server.zone_configuration().has_value());
   EXPECT_EQ(server.zone_configuration()->text, edited);
+}
+
+TEST(Memory, of_edits_knows_them_in_the_zone_that_the_broker_kept) {
+  ServerBench bench;
+  const std::string original = bench.server->zone_configuration()->text;
+  bench.ask(edit);
+  const zone::ZoneConfiguration edited = *bench.server->zone_configuration();
+  for (const bool saved : {false, true}) {
+    if (saved) bench.ask(R"({"command":"saved"})");
+    ServerCore server{ServerOptions{}};
+    wire::Effects effects;
+    const auto feed = [&](wire::InputKind kind, const char* source, const std::string& payload) {
+      server.handle({bench.now, kind, source, payload, kind == wire::InputKind::message}, effects);
+    };
+    feed(wire::InputKind::recall, "", bench.memory);
+    feed(wire::InputKind::link, "", "up");
+    feed(wire::InputKind::message, "cosiva/v1/zone/toml", edited.text);
+    const JsonValue snapshot = *JsonValue::parse(server.snapshot_json());
+    EXPECT_EQ(snapshot.find("zoneEdits")->flag("unsaved"), !saved);
+    EXPECT_EQ(snapshot.find("zoneEdits")->number("undo"), 1.0);
+    feed(wire::InputKind::message, "cosiva/v1/zone/toml", original);
+    EXPECT_EQ(server.zone_configuration()->text, edited.text) << "a physical side that starts again brings its file";
+    feed(wire::InputKind::command, "test", R"({"command":"undo"})");
+    EXPECT_EQ(server.zone_configuration()->text, original);
+  }
 }
 
 TEST(Memory, of_edits_is_left_out_on_another_zone) {

@@ -30,10 +30,7 @@ std::string health_of(const wire::BoardsReport& report) {
   return text;
 }
 
-std::string place_text(double x_m, double y_m) {
-  const auto mm = [](double m) { return std::to_string(std::nearbyint(m * 1000.0) / 1000.0).substr(0, 6); };
-  return "(" + mm(x_m) + ", " + mm(y_m) + ")";
-}
+std::string place_text(double x_m, double y_m) { return "(" + metres_text(x_m) + ", " + metres_text(y_m) + ")"; }
 
 }  // namespace
 
@@ -48,7 +45,7 @@ bool ServerCore::Inside::take_own_stamp(AivProxy& proxy, std::optional<SimTime>&
 
 void ServerCore::Inside::on_felt(VehicleIndex vehicle, const wire::Input& input) {
   const auto felt = wire::felt_from_json(input.payload);
-  if (!felt) return refuse(vehicle, VehicleTopic::felt, felt.error());
+  if (!felt) return refuse(vehicle, VehicleTopic::felt, input, felt.error());
   AivProxy& proxy = registry[vehicle];
   std::string summary = "ahead " + std::to_string(felt->ahead_header_id) + ": ";
   summary += felt->braking ? "brakes for " + felt->body : std::string("nothing to brake for");
@@ -68,7 +65,7 @@ bool ServerCore::Inside::is_vehicle(VehicleIndex seer, Point2 p) const {
 
 void ServerCore::Inside::on_seen(VehicleIndex vehicle, const wire::Input& input) {
   const auto message = wire::seen_from_json(input.payload);
-  if (!message) return refuse(vehicle, VehicleTopic::seen, message.error());
+  if (!message) return refuse(vehicle, VehicleTopic::seen, input, message.error());
   AivProxy& proxy = registry[vehicle];
   if (!take_own_stamp(proxy, proxy.seen_stamp, message->timestamp)) return;
   const auto& thing = message->thing;
@@ -120,7 +117,7 @@ void ServerCore::Inside::forget_where_clear(VehicleIndex vehicle, double clear_m
 
 void ServerCore::Inside::on_boards(VehicleIndex vehicle, const wire::Input& input) {
   auto report = wire::boards_report_from_json(input.payload);
-  if (!report) return refuse(vehicle, VehicleTopic::boards, report.error());
+  if (!report) return refuse(vehicle, VehicleTopic::boards, input, report.error());
   AivProxy& proxy = registry[vehicle];
   if (!take_own_stamp(proxy, proxy.boards_stamp, report->timestamp)) return;
   const std::string health = health_of(*report);

@@ -69,10 +69,14 @@ void ServerCore::Inside::log_once(AivProxy& proxy, std::uint32_t note, char leve
   outbox.log(level, proxy.name + ": " + std::move(text));
 }
 
-void ServerCore::Inside::refuse(VehicleIndex vehicle, VehicleTopic topic, const Error& error) {
+void ServerCore::Inside::refuse(VehicleIndex vehicle, VehicleTopic topic, const wire::Input& input,
+                                const Error& error) {
   AivProxy& proxy = registry[vehicle];
   ++proxy.refused;
   ++messages_refused;
+  // Where it is wrong shows beside the schema, when somebody reads the trace.
+  traces.add(now, proxy.name, "AIV_Server", to_string(topic), "refused: " + to_string(error), input.source,
+             input.payload);
   log_once(
       proxy, note_unreadable << static_cast<std::uint32_t>(topic), 'w',
       std::string(to_string(topic)) + " message refused: " + to_string(error) + " (said once; the rest is counted)");
@@ -175,7 +179,7 @@ void ServerCore::Inside::heard(VehicleIndex vehicle, SimTime reported_at, bool h
 
 void ServerCore::Inside::on_connection(VehicleIndex vehicle, const wire::Input& input) {
   const auto message = wire::vda5050::decode_connection(input.payload);
-  if (!message) return refuse(vehicle, VehicleTopic::connection, message.error());
+  if (!message) return refuse(vehicle, VehicleTopic::connection, input, message.error());
   if (!take_header(vehicle, VehicleTopic::connection, message->header)) return;
   AivProxy& proxy = registry[vehicle];
   traces.add(now, proxy.name, "AIV_Server", "connection", wire::vda5050::to_string(message->state), input.source,
@@ -203,7 +207,7 @@ void ServerCore::Inside::on_connection(VehicleIndex vehicle, const wire::Input& 
 
 void ServerCore::Inside::on_factsheet(VehicleIndex vehicle, const wire::Input& input) {
   auto message = wire::vda5050::decode_factsheet(input.payload);
-  if (!message) return refuse(vehicle, VehicleTopic::factsheet, message.error());
+  if (!message) return refuse(vehicle, VehicleTopic::factsheet, input, message.error());
   if (!take_header(vehicle, VehicleTopic::factsheet, message->header)) return;
   AivProxy& proxy = registry[vehicle];
   traces.add(now, proxy.name, "AIV_Server", "factsheet",
@@ -214,7 +218,7 @@ void ServerCore::Inside::on_factsheet(VehicleIndex vehicle, const wire::Input& i
 
 void ServerCore::Inside::on_visualization(VehicleIndex vehicle, const wire::Input& input) {
   const auto message = wire::vda5050::decode_visualization(input.payload);
-  if (!message) return refuse(vehicle, VehicleTopic::visualization, message.error());
+  if (!message) return refuse(vehicle, VehicleTopic::visualization, input, message.error());
   if (!take_header(vehicle, VehicleTopic::visualization, message->header)) return;
   AivProxy& proxy = registry[vehicle];
   if (message->position)
@@ -226,7 +230,7 @@ void ServerCore::Inside::on_visualization(VehicleIndex vehicle, const wire::Inpu
 
 void ServerCore::Inside::on_state(VehicleIndex vehicle, const wire::Input& input) {
   auto message = wire::vda5050::decode_state(input.payload);
-  if (!message) return refuse(vehicle, VehicleTopic::state, message.error());
+  if (!message) return refuse(vehicle, VehicleTopic::state, input, message.error());
   if (!take_header(vehicle, VehicleTopic::state, message->header)) return;
   AivProxy& proxy = registry[vehicle];
   const SimTime stamp = message->header.timestamp;
@@ -305,9 +309,22 @@ void ServerCore::Inside::place_twin(VehicleIndex vehicle, SimTime at, const Pose
     report.vy_mps = velocity->vy_mps;
     report.omega_radps = velocity->omega_radps;
   }
-  simulator.report(*proxy.twin, now, report);
   const Twin& twin = simulator.twin(*proxy.twin);
+  const std::optional<zone::Place> before = twin.on_circuit() ? std::optional{twin.reported_place()} : std::nullopt;
+  simulator.report(*proxy.twin, now, report);
+  if (before && twin.on_circuit() && before->section != twin.reported_place().section) trace_section(proxy, *before);
   if (map) roller.set_standing(vehicle, {twin.reported_place(), twin.reported_off_m(), twin.heading_off_rad()});
+}
+
+void ServerCore::Inside::trace_section(const AivProxy& proxy, zone::Place before) {
+  // The article's figure 11, drawn where it tells something: at each new section.
+  const zone::Circuit& circuit = *simulator.circuit();
+  const zone::Place place = simulator.twin(*proxy.twin).reported_place();
+  const auto on = [&circuit](zone::Place p) { return circuit.part(p.section).name + " " + metres_text(p.s_m) + " m"; };
+  const Pose2 line = circuit.pose_at(place);
+  traces.add(now, "Simulator", "Circuit", "nextAIVposition", proxy.name + " leaves " + on(before));
+  traces.add(now, "Circuit", "Simulator", "position",
+             proxy.name + " on " + on(place) + ": " + metres_text(line.x_m) + ", " + metres_text(line.y_m));
 }
 
 void ServerCore::Inside::tell_base_end(VehicleIndex vehicle) {

@@ -357,6 +357,42 @@ TEST(ServerCore, numbers_its_traces_for_ever_and_keeps_the_last) {
   EXPECT_THAT(*one.find("traces")->array(), SizeIs(2));
 }
 
+/// Those of this kind, and the whole of each.
+std::vector<JsonValue> traced(const ServerBench& bench, std::string_view kind, std::string_view from) {
+  std::vector<JsonValue> found;
+  const JsonValue all = *JsonValue::parse(bench.server->traces_json(0, 100'000));
+  for (const JsonValue& trace : *all.find("traces")->array()) {
+    if (trace.text("kind") != kind || trace.text("from") != from) continue;
+    const auto whole = bench.server->trace_json(static_cast<std::uint64_t>(*trace.number("n")));
+    found.push_back(*JsonValue::parse(*whole));
+  }
+  return found;
+}
+
+TEST(ServerCore, traces_a_message_that_it_refused_with_its_text_and_the_reason) {
+  ServerBench bench;
+  BenchVehicle& one = bench.add("AIV1", {0, 0.5});
+  const std::string broken = R"({"headerId":"seven"})";
+  bench.tell(one, "factsheet", broken);
+  const auto traces = traced(bench, "factsheet", "CoSiVA/AIV1");
+  ASSERT_THAT(traces, SizeIs(1));
+  EXPECT_EQ(traces[0].text("raw"), broken);
+  EXPECT_THAT(*traces[0].text("content"), testing::StartsWith("refused: "));
+  EXPECT_THAT(*traces[0].text("content"), HasSubstr("headerId"));
+}
+
+TEST(ServerCore, traces_what_the_sections_answer_where_a_twin_comes_to_a_new_one) {
+  ServerBench bench;
+  bench.add("AIV1", {0, 1.5});
+  bench.run_for(5s);  // at 0.3 m/s to beyond the end of the first, 2 m long, and on the half circle of 1.57 m
+  const auto asked = traced(bench, "nextAIVposition", "Simulator");
+  const auto answered = traced(bench, "position", "Circuit");
+  ASSERT_THAT(asked, SizeIs(1));
+  ASSERT_THAT(answered, SizeIs(1));
+  EXPECT_THAT(*asked[0].text("content"), testing::StartsWith("CoSiVA/AIV1 leaves south 1.9"));
+  EXPECT_THAT(*answered[0].text("content"), testing::StartsWith("CoSiVA/AIV1 on east 0.0"));
+}
+
 TEST(ServerCore, does_the_same_for_the_same_inputs) {
   const auto run = [] {
     ServerBench bench{zone_file("lacet4.toml")};

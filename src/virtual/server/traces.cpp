@@ -1,6 +1,8 @@
 #include "virtual/server/traces.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 
 #include "base/json_writer.h"
@@ -32,6 +34,12 @@ std::string text_of(const Pose2& pose, double speed_mps) {
 }
 
 }  // namespace
+
+std::string metres_text(double m) {
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), rounded(m), std::chars_format::fixed, 3);
+  return {text.data(), end.ptr};
+}
 
 Traces::Traces(std::size_t capacity, std::size_t raw_budget)
     : capacity_{std::max<std::size_t>(capacity, 1)}, raw_budget_{raw_budget} {}

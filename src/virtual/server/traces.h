@@ -71,4 +71,7 @@ class Traces {
   std::uint64_t raw_end_{0};  ///< bytes ever kept
 };
 
+/// To the millimetre: "1.020".
+[[nodiscard]] std::string metres_text(double m);
+
 }  // namespace cosiva::virtual_side

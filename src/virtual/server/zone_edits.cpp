@@ -13,13 +13,6 @@ bool same(const zone::ZoneConfiguration& a, const zone::ZoneConfiguration& b) {
   return a.format == b.format && a.text == b.text;
 }
 
-std::string digest_of(const zone::ZoneConfiguration& configuration) {
-  Digest digest;
-  digest.add(std::string_view{configuration.format});
-  digest.add(std::string_view{configuration.text});
-  return digest.hex();
-}
-
 }  // namespace
 
 bool ZoneEdits::is_ours(std::string_view command) {
@@ -101,21 +94,41 @@ bool ZoneEdits::edited(const Simulator& simulator) const {
 }
 
 void ZoneEdits::write_memory(JsonWriter& json, const Simulator& simulator) const {
-  const zone::ZoneConfiguration& made = *simulator.configuration();
-  json.begin_object()
-      .field("base", digest_of(*base_))
-      .field("format", made.format)
-      .field("origin", made.origin)
-      .field("text", made.text)
-      .field("saved", !unsaved(simulator))
-      .end_object();
+  const auto write = [&json](std::string_view key, const zone::ZoneConfiguration& configuration) {
+    json.key(key)
+        .begin_object()
+        .field("format", configuration.format)
+        .field("origin", configuration.origin)
+        .field("text", configuration.text)
+        .end_object();
+  };
+  json.begin_object();
+  write("base", *base_);
+  write("made", *simulator.configuration());
+  json.field("saved", !unsaved(simulator)).end_object();
 }
 
-std::optional<zone::ZoneConfiguration> ZoneEdits::recalled(const JsonValue& memory) const {
-  if (!base_ || memory.text("base") != digest_of(*base_)) return std::nullopt;
-  auto made = zone::zone_configuration_from_json(memory);
-  if (!made) return std::nullopt;
-  return std::move(*made);
+ZoneEdits::Recalled ZoneEdits::recalled(const JsonValue& memory, const zone::ZoneConfiguration& in_force) {
+  const JsonValue* base_json = memory.find("base");
+  const JsonValue* made_json = memory.find("made");
+  if (base_json == nullptr || made_json == nullptr) return {};
+  auto base = zone::zone_configuration_from_json(*base_json);
+  auto made = zone::zone_configuration_from_json(*made_json);
+  if (!base || !made) return {};
+  Recalled recalled{Recalled::Fit::another, std::move(*base), std::move(*made), memory.flag("saved").value_or(false)};
+  if (same(recalled.made, in_force))
+    recalled.fit = Recalled::Fit::made;
+  else if (same(recalled.base, in_force))
+    recalled.fit = Recalled::Fit::base;
+  return recalled;
+}
+
+void ZoneEdits::restore(Recalled recalled) {
+  saved_ = recalled.saved ? recalled.made : recalled.base;
+  undo_.clear();
+  redo_.clear();
+  push(undo_, recalled.base);
+  base_ = std::move(recalled.base);
 }
 
 void ZoneEdits::fold(Digest& digest) const {

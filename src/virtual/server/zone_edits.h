@@ -45,10 +45,23 @@ class ZoneEdits {
   [[nodiscard]] bool unsaved(const Simulator& simulator) const;
   [[nodiscard]] bool edited(const Simulator& simulator) const;
 
-  /// {"base","format","origin","text"}: what is in force, and a digest of what it was made from. Only while edited().
+  /// {"base","made","saved"}: what is in force, and the configuration it was made from. Only while edited().
   void write_memory(JsonWriter& json, const Simulator& simulator) const;
-  /// The remembered configuration, if it was made from the one that is in force now.
-  [[nodiscard]] std::optional<zone::ZoneConfiguration> recalled(const JsonValue& memory) const;
+  /// What was remembered, against the configuration that is in force now.
+  struct Recalled {
+    enum class Fit {
+      base,     ///< it is the one that the edits were made on; they are to be taken again
+      made,     ///< it holds the edits: the broker kept what we published
+      another,  ///< the edits belong to another zone
+    };
+    Fit fit{Fit::another};
+    zone::ZoneConfiguration base;
+    zone::ZoneConfiguration made;
+    bool saved{false};
+  };
+  [[nodiscard]] static Recalled recalled(const JsonValue& memory, const zone::ZoneConfiguration& in_force);
+  /// The edits are in force again: one step of undoing leads back to where they began.
+  void restore(Recalled recalled);
   void fold(Digest& digest) const;
 
  private:

@@ -52,11 +52,20 @@ describe('the article’s exchanges', () => {
     expect(find_figure(store, 'figure 9', 'CoSiVA/AIV1')!.seqs[0]).toBe(0);
     expect(find_figure(store, 'figure 9', 'CoSiVA/AIV7')).toBeNull();
   });
-  it('figure 11 is the last reports of one AIV and what the sections answered', () => {
+  it('figure 11 is the report that took a twin to a new section, what the section answered, and the reports around it', () => {
     const report = (who: string): Said => [`CoSiVA/${who}`, 'AIV_Server', 'visualization', '{"x":1}'];
-    const store = told(report('AIV1'), report('AIV2'), report('AIV1'), ['Simulator', 'Circuit', 'nextAIVposition', 'CoSiVA/AIV1 DTT 0.04'], ['Simulator', 'Circuit', 'nextAIVposition', 'CoSiVA/AIV2 DTT 0.04'], report('AIV1'), report('AIV2'));
-    expect(find_figure(store, 'figure 11', 'CoSiVA/AIV1')!.seqs).toEqual([0, 2, 3, 5]);
-    expect(find_figure(store, 'figure 11')!.agents).toContain('CoSiVA/AIV2');
+    const asks = (who: string): Said => ['Simulator', 'Circuit', 'nextAIVposition', `CoSiVA/${who} leaves south 0.994 m`];
+    const answers = (who: string): Said => ['Circuit', 'Simulator', 'position', `CoSiVA/${who} on east 0.012 m: 1.000, 0.012`];
+    const store = told(report('AIV1'), report('AIV1'), report('AIV2'), report('AIV1'), asks('AIV1'), answers('AIV1'), asks('AIV2'), answers('AIV2'), report('AIV1'), report('AIV2'), report('AIV1'));
+    expect(find_figure(store, 'figure 11', 'CoSiVA/AIV1')!.seqs).toEqual([1, 3, 4, 5, 8]);
+    const any = find_figure(store, 'figure 11')!;
+    expect(any.seqs).toEqual([2, 6, 7, 9]);
+    expect(any.agents).toEqual(['CoSiVA/AIV2', 'AIV_Server', 'Simulator', 'Circuit']);
+  });
+  it('figure 11 is the last three reports where no section has answered yet', () => {
+    const report: Said = ['CoSiVA/AIV1', 'AIV_Server', 'visualization', '{"x":1}'];
+    const store = told(report, report, ['CoSiVA/AIV1', 'AIV_Server', 'felt', 'nothing'], report, report);
+    expect(find_figure(store, 'figure 11')!.seqs).toEqual([1, 3, 4]);
   });
   it('nothing is found where nothing was said', () => {
     for (const name of ['figure 8', 'figure 9', 'figure 11'] as const) expect(find_figure(told(beat), name)).toBeNull();

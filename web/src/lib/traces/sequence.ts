@@ -124,7 +124,7 @@ export const figures: readonly Figure[] = [
   {
     name: 'figure 11',
     title: 'Figure 11: a position is updated',
-    says: 'A report arrives, and the simulator moves the twin along the circuit’s sections. The sections’ answers are drawn where the server traces them.',
+    says: 'A report arrives, and the simulator moves the twin along the circuit’s sections. What a section answers is traced where the twin comes to a new one.',
     missing: 'No AIV has reported a position yet.',
   },
 ];
@@ -196,24 +196,37 @@ function start_exchange(store: TraceStore, aiv: string | null): Exchange | null 
 
 const section_kinds = new Set(['move', 'nextAIVposition', 'position']);
 
-function position_exchange(store: TraceStore, aiv: string | null): Exchange | null {
-  let last = -1;
-  for (let seq = store.end - 1; seq >= store.first && last < 0; seq--) {
+function latest_report(store: TraceStore, aiv: string | null, before = store.end): number {
+  for (let seq = before - 1; seq >= store.first; seq--) {
     const kind = store.kind(seq);
     const from = store.from(seq);
-    if ((kind === 'visualization' || kind === 'state') && is_aiv(from) && (aiv === null || from === aiv)) last = seq;
+    if ((kind === 'visualization' || kind === 'state') && (aiv === null ? is_aiv(from) : from === aiv)) return seq;
   }
+  return -1;
+}
+
+/** Where a section last answered for this AIV, or for any. */
+function latest_answer(store: TraceStore, aiv: string | null): number {
+  let answer = store.find_last({ kind: 'position', from: 'Circuit' });
+  while (answer >= 0 && aiv !== null && !store.content(answer).startsWith(`${aiv} `)) answer = store.find_last({ kind: 'position', from: 'Circuit' }, answer);
+  return answer;
+}
+
+function position_exchange(store: TraceStore, aiv: string | null): Exchange | null {
+  const answer = latest_answer(store, aiv);
+  const last = latest_report(store, answer < 0 ? aiv : store.content(answer).split(' ', 1)[0]!);
   if (last < 0) return null;
   const who = store.from(last);
-  // Three reports and what is between them: the interval of the timer shows.
-  let begin = last;
-  for (let i = 0; i < 2; i++) {
-    const before = Math.max(store.find_last({ kind: 'visualization', from: who }, begin), store.find_last({ kind: 'state', from: who }, begin));
-    if (before >= 0) begin = before;
-  }
-  const seqs = rows(store, begin, last + 12, 40, (from, to, kind, seq) => {
-    if (from === who && seq <= last) return true;
-    return section_kinds.has(kind) && (store.content(seq).startsWith(`${who} `) || from === who || to === who);
+  // The report that took the twin to a new section, the one before it and the one after: the timer's interval shows.
+  // Where no section has answered yet, the last three.
+  const taken = answer < 0 ? latest_report(store, who, last) : latest_report(store, who, answer);
+  const before = taken < 0 ? -1 : latest_report(store, who, taken);
+  const begin = before >= 0 ? before : taken >= 0 ? taken : last;
+  let reports = 0;
+  const seqs = rows(store, begin, store.end, 40, (from, _to, kind, seq) => {
+    const after = seq > Math.max(taken, answer);
+    if (from === who && kind !== 'felt') return reports < 3 && (kind === 'visualization' || kind === 'state' ? ++reports > 0 : true);
+    return !after && section_kinds.has(kind) && store.content(seq).startsWith(`${who} `);
   });
   return { agents: agents_of(store, seqs), seqs, proxies: true };
 }
