@@ -3,9 +3,11 @@
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
+import { open_browser } from './lib/browser.mjs';
 import { Bus } from './lib/bus.mjs';
 import { bodies_touch, Circuit } from './lib/circuit.mjs';
 import { start_foreign_vehicle } from './lib/foreign_vehicle.mjs';
+import { notice, open_operator, row } from './lib/page.mjs';
 import { cosiva_binary, eventually, free_port, lacet4_length_m, Platform, Program, sleep, start_broker, work_folder, zone_file } from './lib/platform.mjs';
 
 const stranger = 'RobotCompany/001';
@@ -46,6 +48,7 @@ test('a foreign vehicle drives a lap alone', { timeout: 180_000 }, async (t) => 
 
   await start_foreign_vehicle(t, { broker_port: broker.port, circuit, waypoint: circuit.behind('east', 0.1) });
   await eventually('it is shown', async () => (await snapshot_of(url)).aivs.some((aiv) => aiv.id === stranger), { within_ms: 5_000 });
+  await operate(t, url);
   const sections = await follow(url, stranger, lacet4_length_m + 0.5, 120_000);
   assert.deepEqual([...sections].sort(), ['east', 'loop_ne', 'loop_nw', 'loop_se', 'loop_sw', 'north', 'south', 'west']);
 
@@ -73,6 +76,27 @@ test('a foreign vehicle drives a lap among our own, and nobody touches anybody',
   const after = await distances(platform);
   for (const id of before.keys()) assert.notEqual(after.get(id), before.get(id), `${id} went on, too`);
 });
+
+/** The page of a vehicle that nobody here built: shown like any other, stopped and let go; what it cannot do is said. */
+async function operate(t, url) {
+  const speed = async () => (await snapshot_of(url)).aivs.find(({ id }) => id === stranger).speed;
+  await t.test('its page shows it, and commands it', async (t) => {
+    const page = await open_operator(t, await open_browser(t), { url, aivs: 1 });
+    const it = row(page, stranger);
+    await eventually('its state is shown', async () => /normal/i.test(await it.getByTestId('state').innerText()));
+    await it.getByRole('button', { name: /^Select/ }).click();
+    await page.waitForFunction((id) => document.querySelector(`[data-aiv="${id}"]`).className.includes('selected'), stranger);
+    await it.getByRole('button', { name: /^Stop/ }).click();
+    await eventually('it stands', async () => (await speed()) === 0, { within_ms: 5_000 });
+    await eventually('the page says so', async () => /stopped/i.test(await it.getByTestId('state').innerText()), { within_ms: 5_000 });
+    await it.getByRole('button', { name: /^Slow/ }).click();
+    assert.match(await notice(page, /001/), /slow/i);
+    await it.getByRole('button', { name: /^Restart/ }).click();
+    await eventually('it drives again', async () => (await speed()) > 0, { within_ms: 5_000 });
+    assert.deepEqual(page.script_errors, []);
+    await page.close();
+  });
+}
 
 /** A waypoint on a loop, a metre from everybody. */
 async function a_place_apart(platform, circuit) {
