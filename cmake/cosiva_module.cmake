@@ -20,16 +20,15 @@ function(cosiva_module name)
   cosiva_resolve(public_targets ${ARG_PUBLIC})
   cosiva_resolve(private_targets ${ARG_PRIVATE})
   target_link_libraries(cosiva_${flat} PUBLIC cosiva_flags ${public_targets} PRIVATE ${private_targets})
+  target_precompile_headers(cosiva_${flat} REUSE_FROM cosiva_headers)
   set_target_properties(cosiva_${flat} PROPERTIES LINKER_LANGUAGE CXX)
 
   if(COSIVA_TESTS AND tests)
     cosiva_resolve(test_targets ${ARG_TEST})
     add_executable(${flat}_test ${tests})
     target_link_libraries(${flat}_test PRIVATE cosiva_${flat} ${private_targets} ${test_targets} GTest::gmock_main rapidcheck)
-    # Tests are compiled more often than they run: without optimisation a third of the time, and what they test keeps
-    # the preset's own level.
-    target_compile_options(${flat}_test PRIVATE -O0)
-    target_precompile_headers(${flat}_test PRIVATE <gmock/gmock.h> <gtest/gtest.h>)
+    target_compile_options(${flat}_test PRIVATE -O0)  # cosiva_headers.cmake
+    target_precompile_headers(${flat}_test REUSE_FROM cosiva_test_headers)
     target_compile_definitions(${flat}_test PRIVATE COSIVA_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
     gtest_discover_tests(${flat}_test TEST_PREFIX "${name}: " DISCOVERY_TIMEOUT 60
       PROPERTIES TIMEOUT 600 ENVIRONMENT "RC_PARAMS=seed=20230711")

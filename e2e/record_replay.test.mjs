@@ -1,4 +1,4 @@
-// A live run over MQTT is recorded; replayed in virtual time it gives the very same digest, at -O0 and at -O2.
+// A live run over MQTT is recorded; replayed in virtual time it gives the very same digest, at -O2 and at -O1 under sanitizers.
 import assert from 'node:assert/strict';
 import { existsSync, readFileSync, truncateSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
@@ -6,7 +6,7 @@ import { test } from 'node:test';
 import { cosiva, cosiva_binary, cosiva_json, eventually, free_port, sleep, source_dir, work_folder } from './lib/platform.mjs';
 
 // Every build that is there: their optimisation differs, their digests must not.
-const binaries = [...new Set([cosiva_binary(), ...['debug', 'release'].map((preset) => path.join(source_dir, `build/${preset}/cosiva`)).filter(existsSync)])];
+const binaries = [...new Set([cosiva_binary(), ...['asan', 'debug', 'release'].map((preset) => path.join(source_dir, `build/${preset}/cosiva`)).filter(existsSync)])];
 
 test('a recorded run replays to the same digest', { timeout: 240_000 }, async (t) => {
   const folder = work_folder(t);

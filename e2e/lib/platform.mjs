@@ -28,6 +28,19 @@ export function sleep(ms) {
   return new Promise((resolve) => setTimeout(resolve, ms));
 }
 
+/** What the promise answers, or `late` when it takes longer; no timer stays behind to hold the process. */
+export async function within(promise, ms, late) {
+  let timer;
+  const patience = new Promise((resolve) => {
+    timer = setTimeout(resolve, ms, late);
+  });
+  try {
+    return await Promise.race([promise, patience]);
+  } finally {
+    clearTimeout(timer);
+  }
+}
+
 /** An error that no waiting will cure. */
 export function hopeless(text) {
   return Object.assign(new Error(text), { hopeless: true });
@@ -124,7 +137,7 @@ export class Program {
     this.remember_family();
     kill(this.pid, signal);
     const late = Symbol('late');
-    const result = await Promise.race([this.ended, sleep(within_ms).then(() => late)]);
+    const result = await within(this.ended, within_ms, late);
     assert.notEqual(result, late, `${this.name} did not end within ${within_ms} ms of ${signal}\n${this.words.slice(-2000)}`);
     return result;
   }
@@ -138,7 +151,7 @@ export class Program {
       this.remember_family();
       kill(this.pid, 'SIGCONT'); // a test may have failed while it was frozen
       kill(this.pid, 'SIGTERM');
-      await Promise.race([this.ended, sleep(4_000)]);
+      await within(this.ended, 4_000);
     }
     for (const pid of this.family) if (alive(pid)) kill(pid, 'SIGKILL');
   }

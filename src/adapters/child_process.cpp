@@ -79,11 +79,17 @@ struct Pipe {
 }  // namespace
 
 struct Child::Inside : std::enable_shared_from_this<Child::Inside> {
+  struct Output {
+    explicit Output(asio::io_context& context) : pipe{context} {}
+    asio::posix::stream_descriptor pipe;
+    asio::streambuf buffer{64 * 1024};
+  };
+
   explicit Inside(EventLoop& loop_, ChildOptions options_)
       : loop{loop_},
         options{std::move(options_)},
         reaped{loop_.context(), SIGCHLD},
-        output{loop_.context()},
+        output{std::make_shared<Output>(loop_.context())},
         grace{loop_} {}
 
   Result<void> start() {
@@ -118,7 +124,7 @@ struct Child::Inside : std::enable_shared_from_this<Child::Inside> {
     }
     if (options.on_line) {
       ErrorCode ignored;
-      output.assign(std::exchange(lines.read_end, -1), ignored);
+      output->pipe.assign(std::exchange(lines.read_end, -1), ignored);
       read_lines();
     }
     return {};
@@ -146,15 +152,17 @@ struct Child::Inside : std::enable_shared_from_this<Child::Inside> {
   }
 
   void read_lines() {
-    asio::async_read_until(output, buffer, '\n', [weak = weak_from_this()](const ErrorCode& error, std::size_t) {
+    // A read that has begun still touches pipe and buffer when we are gone: it keeps them.
+    const auto line_read = [weak = weak_from_this(), kept = output](const ErrorCode& error, std::size_t) {
       const auto self = weak.lock();
       if (error || !self) return;
-      std::istream stream{&self->buffer};
+      std::istream stream{&kept->buffer};
       std::string line;
       std::getline(stream, line);
       if (self->options.on_line) self->options.on_line(line);
       self->read_lines();
-    });
+    };
+    asio::async_read_until(output->pipe, output->buffer, '\n', line_read);
   }
 
   void close() {
@@ -162,7 +170,7 @@ struct Child::Inside : std::enable_shared_from_this<Child::Inside> {
     options.on_line = {};
     ErrorCode ignored;
     reaped.cancel(ignored);
-    output.close(ignored);
+    output->pipe.close(ignored);
     grace.cancel();
     if (pid <= 0) return;
     kill_group();
@@ -176,8 +184,7 @@ struct Child::Inside : std::enable_shared_from_this<Child::Inside> {
   EventLoop& loop;
   ChildOptions options;
   asio::signal_set reaped;
-  asio::posix::stream_descriptor output;
-  asio::streambuf buffer{64 * 1024};
+  std::shared_ptr<Output> output;
   Timer grace;
   pid_t pid{-1};
 };

@@ -9,6 +9,8 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
+#include <thread>
 
 #include "adapters/files.h"
 #include "adapters/test_bench.h"
@@ -124,6 +126,20 @@ TEST(Child, takes_with_it_what_it_started_itself) {
   ASSERT_TRUE(lifeline.held());
   child.reset();
   EXPECT_TRUE(bench.until([&] { return !lifeline.held(); }));
+}
+
+TEST(Child, that_is_let_go_of_while_it_talks_is_heard_no_more) {
+  for (int round = 0; round < 20; ++round) {
+    Bench bench;
+    auto child = bench.shell("while :; do echo on and on; done");
+    ASSERT_TRUE(bench.until([&] { return bench.lines.size() > 10; }));
+    // What it said by now waits to be read, and a read of it has begun.
+    std::this_thread::sleep_for(std::chrono::milliseconds{2});
+    const std::size_t heard = bench.lines.size();
+    child.reset();
+    bench.loop.run_until([] { return false; }, std::chrono::milliseconds{5});
+    EXPECT_EQ(bench.lines.size(), heard);
+  }
 }
 
 TEST(Child, that_cannot_be_run_is_an_error_naming_it) {

@@ -38,6 +38,12 @@ bool valid_serial_number(std::string_view serial) {
   });
 }
 
+std::string topics_below(std::string_view prefix, int levels) {
+  std::string filter{prefix};
+  for (int i = 0; i < levels; ++i) filter.append(i == 0 ? "+" : "/+");
+  return filter;
+}
+
 std::string own_topic(std::string_view prefix, const VehicleId& vehicle) {
   std::string topic{prefix};
   topic += vehicle.manufacturer;

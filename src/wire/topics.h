@@ -46,6 +46,9 @@ struct VehicleId {
 /// "manufacturer/serial", as people read it.
 [[nodiscard]] std::string to_string(const VehicleId& id);
 
+/// The MQTT filter for all topics that many levels below a prefix: ("a/", 2) is "a/+/+".
+[[nodiscard]] std::string topics_below(std::string_view prefix, int levels);
+
 struct VdaTopic {
   std::string interface_name;
   std::string major_version;  ///< "v2"

@@ -60,5 +60,10 @@ TEST(PortName, says_vehicle_and_board) {
   EXPECT_EQ(to_string(Board::PILS), "PILS");
 }
 
+TEST(Topics, below_a_prefix_have_one_filter) {
+  EXPECT_EQ(topics_below(zone_topic_prefix, 1), "cosiva/v1/zone/+");
+  EXPECT_EQ(topics_below(felt_topic_prefix, 2), "cosiva/v1/felt/+/+");
+}
+
 }  // namespace
 }  // namespace cosiva::wire

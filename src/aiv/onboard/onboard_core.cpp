@@ -191,7 +191,7 @@ std::vector<std::string> OnboardCore::subscriptions() const {
           inside_->session.ahead_topic(),
           std::string(wire::server_heartbeat_topic),
           std::string(wire::server_connection_topic),
-          std::string(wire::zone_topic_prefix) + "#"};
+          wire::topics_below(wire::zone_topic_prefix, 1)};
 }
 
 std::optional<wire::Will> OnboardCore::will() const { return inside_->session.will(inside_->now); }

@@ -97,7 +97,7 @@ TEST(Onboard, subscribes_to_what_concerns_it) {
   EXPECT_THAT(
       OnboardBench{}.core->subscriptions(),
       ElementsAre("uagv/v2/CoSiVA/AIV1/order", "uagv/v2/CoSiVA/AIV1/instantActions", "cosiva/v1/ahead/CoSiVA/AIV1",
-                  "cosiva/v1/server/heartbeat", "cosiva/v1/server/connection", "cosiva/v1/zone/#"));
+                  "cosiva/v1/server/heartbeat", "cosiva/v1/server/connection", "cosiva/v1/zone/+"));
 }
 
 TEST(Onboard, tells_battery_boards_and_last_tag) {

@@ -135,7 +135,7 @@ void PlantCore::handle(const wire::Input& input, wire::Effects& effects) {
 }
 
 std::vector<std::string> PlantCore::subscriptions() const {
-  return {std::string(wire::plant_command_topic), std::string(wire::zone_topic_prefix) + "+"};
+  return {std::string(wire::plant_command_topic), wire::topics_below(wire::zone_topic_prefix, 1)};
 }
 
 void PlantCore::farewell(SimTime /*now*/, wire::Effects& /*effects*/) {

@@ -23,7 +23,8 @@ constexpr unsigned blocked_bit = 8;
 /// Little-endian, whatever the machine is.
 template <std::unsigned_integral T>
 char* put(char* at, T value) {
-  for (std::size_t i = 0; i < sizeof value; ++i) at[i] = static_cast<char>((value >> (8 * i)) & 0xFFU);
+  const std::uint64_t bits{value};
+  for (std::size_t i = 0; i < sizeof value; ++i) at[i] = static_cast<char>((bits >> (8 * i)) & 0xFFU);
   return at + sizeof value;
 }
 

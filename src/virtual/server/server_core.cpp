@@ -209,10 +209,10 @@ std::vector<std::string> ServerCore::subscriptions() const {
           prefix + "+/+/+/visualization",
           prefix + "+/+/+/connection",
           prefix + "+/+/+/factsheet",
-          std::string(wire::zone_topic_prefix) + "+",
-          std::string(wire::felt_topic_prefix) + "+/+",
-          std::string(wire::seen_topic_prefix) + "+/+",
-          std::string(wire::boards_topic_prefix) + "+/+",
+          wire::topics_below(wire::zone_topic_prefix, 1),
+          wire::topics_below(wire::felt_topic_prefix, 2),
+          wire::topics_below(wire::seen_topic_prefix, 2),
+          wire::topics_below(wire::boards_topic_prefix, 2),
           hosted + "order",
           hosted + "instantActions"};
 }
