@@ -6,7 +6,7 @@ import { kind_aiv, look_kind_mask, look_status_shift } from './frames';
 import { Marks, type Marked } from './map_marks';
 import { Trails, trails_max } from './map_trails';
 import { ZonePicture } from './map_zone';
-import type { BodiesShown, BodySize, Colours, Renderer } from './renderer';
+import { spot_px, type BodiesShown, type BodySize, type Colours, type Renderer } from './renderer';
 import type { Size, View } from './view';
 import { WebglRenderer } from './webgl';
 
@@ -99,7 +99,11 @@ export class MapScene {
     const selected = index.handle(picture.selected);
     this.renderer.begin(view, body, picture.dim);
     this.below(picture, this.colours, selected);
+    // Round a spot an outline of ten pieces shows no more than a halo under it, and thousands of them take all the time.
+    const spots = body.half_width < spot_px;
+    if (spots) this.halos(picture, this.colours.alarm, body.half_length + 4);
     this.renderer.bodies(positions, this.shown, (slot) => index.radius(positions.handle[slot]!));
+    if (!spots) for (const handle of picture.alarms) this.ring(positions, handle, 4, 2.5, this.colours.alarm);
     this.above(picture, this.colours, selected, index.handle(picture.hovered));
     this.renderer.end();
     this.marks.paint({ ...picture, body });
@@ -162,7 +166,6 @@ export class MapScene {
     const { positions, hidden, index, alarms, truth } = picture;
     const opinions = !hidden.has('opinions');
     const many = positions.count > details_max;
-    for (const handle of alarms) this.ring(positions, handle, 4, 2.5, colours.alarm);
     this.ring(positions, hovered, 4, 1.5, colours.ink);
     this.ring(positions, selected, alarms.has(selected) ? 8 : 4, 2.5, colours.select);
     if (!opinions) return;
@@ -175,6 +178,13 @@ export class MapScene {
     }
     if (truth && !(many && truth.vehicles.length > details_max)) {
       for (const { x, y, heading } of truth.vehicles) this.renderer.outline(x, y, heading, 2, 1.75, 'dotted', colours.truth);
+    }
+  }
+
+  private halos({ positions, alarms }: Picture, colour: string, pixels: number): void {
+    for (const handle of alarms) {
+      const slot = positions.slot(handle);
+      if (slot >= 0 && (positions.look[slot]! & look_kind_mask) === kind_aiv) this.renderer.disc(positions.x[slot]!, positions.y[slot]!, 0, pixels, colour, 0.85);
     }
   }
 

@@ -7,6 +7,9 @@ import type { Size, View } from './view';
 /** How an outline is drawn, so that three that lie on each other can be told apart without colour. */
 export type Line = 'solid' | 'dashed' | 'dotted';
 
+/** Below this half width [px] a vehicle is a spot of colour. */
+export const spot_px = 2.4;
+
 /** How large a vehicle is drawn [CSS pixels]: to scale, but never too small to be seen. */
 export interface BodySize {
   half_length: number;

@@ -2,7 +2,7 @@
 // per corner, as the shaders read them: place, local, extra (two numbers each), style and colour (four bytes each).
 import { kind_aiv, kind_person, look_augmented, look_kind_mask, look_status_shift } from './frames';
 import type { Positions } from './positions';
-import { body_outline, packed, type BodiesShown, type BodySize, type Colours, type Line } from './renderer';
+import { body_outline, packed, spot_px, type BodiesShown, type BodySize, type Colours, type Line } from './renderer';
 import type { Size, View } from './view';
 
 export const words_per_vertex = 8;
@@ -11,8 +11,6 @@ export const words_per_quad = words_per_vertex * vertices_per_quad;
 const quads_at_first = 2_048;
 /** of dashes [px]; a line without gaps has one that never comes */
 const periods: Readonly<Record<Line, number>> = { solid: 1e6, dashed: 9, dotted: 4.5 };
-/** Below this half width [px] a vehicle is a spot of colour. */
-const spot_px = 2.4;
 const status_lost = 5;
 
 export class Quads {
