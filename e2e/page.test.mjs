@@ -1,12 +1,10 @@
 // The operator's page on the real platform: four AIVs move, one is stopped by a click and stands in the plant's truth too,
 // goes on when told to; the page says when its server is gone, and recovers by itself.
 import assert from 'node:assert/strict';
-import { mkdirSync } from 'node:fs';
-import path from 'node:path';
 import { test } from 'node:test';
 import { open_browser, open_page } from './lib/browser.mjs';
 import { Truth } from './lib/bus.mjs';
-import { eventually, Platform, sleep, source_dir } from './lib/platform.mjs';
+import { eventually, Platform, sleep } from './lib/platform.mjs';
 
 const row = (page, number) => page.locator(`[data-aiv="CoSiVA/AIV${number}"]`);
 const section = (page, number) => row(page, number).getByTestId('section').innerText();
@@ -60,19 +58,6 @@ test('an operator watches, stops and restarts AIVs on the page', { timeout: 180_
     for (const number of [1, 2, 3, 4]) assert.ok(truth.vehicle(number).speed < 0.01, 'one press alone moves nobody');
     await page.getByTestId('restart-all').click();
     for (const number of [1, 2, 3, 4]) await truth.moves(number, 30_000);
-  });
-
-  await t.test('a picture of it for the README', async () => {
-    mkdirSync(path.join(source_dir, 'docs/images'), { recursive: true });
-    await page.getByRole('button', { name: 'Slow AIV3', exact: true }).click();
-    await page.waitForSelector('[data-aiv="CoSiVA/AIV3"] [data-command-state=materialised]', { timeout: 30_000 });
-    // A good picture has the figures of a settled run: the start of so many processes at once is still in them for a while.
-    const settled = () => page.waitForFunction(() => !document.querySelector('[data-verdict=broken], li.alarm'), null, { timeout: 45_000 });
-    await settled().catch(() => t.diagnostic('the picture was taken of a busy machine'));
-    await sleep(5_000);
-    await page.mouse.move(5, 5);
-    await page.screenshot({ path: path.join(source_dir, 'docs/images/page.png') });
-    await platform.command('restart', 'CoSiVA/AIV3');
   });
 
   await t.test('a vehicle whose process dies is shown as lost', async () => {

@@ -23,15 +23,19 @@ async function take() {
   // People walk, the virtual AIV drives, and the figures of the start are behind.
   await sleep(45_000);
   await shot(page, 'page');
-  for (const [key, name] of [['1', 'supervision'], ['2', 'states'], ['3', 'circuit'], ['4', 'traces']]) {
+  for (const [key, name, height] of [['1', 'supervision', 560], ['2', 'states', 420], ['3', 'circuit', 860], ['4', 'traces', 640]]) {
+    await page.setViewportSize({ width: 1440, height });
     await page.keyboard.press(key);
+    if (name === 'supervision') for (const word of ['Slow AIV1', 'Stop AIV2']) await page.getByRole('button', { name: word, exact: true }).click();
     await sleep(1_500);
     await shot(page, name);
     if (name === 'traces') {
       await page.getByRole('button', { name: 'Sequence' }).click();
+      await page.getByTestId('figure').selectOption('figure 11');
       await sleep(2_000);
       await shot(page, 'sequence');
     }
+    if (name === 'supervision') for (const word of ['Restart AIV1', 'Restart AIV2']) await page.getByRole('button', { name: word, exact: true }).click();
     await page.keyboard.press(key);
   }
   const dark = await open_page(t, browser, platform.url, { colorScheme: 'dark', viewport: { width: 1920, height: 1080 } });

@@ -172,6 +172,7 @@ void AheadDesk::note_change(Viewer& viewer) {
 void AheadDesk::tell(VehicleIndex vehicle, Viewer& viewer) {
   const SimTime now = outbox_.now();
   const AivProxy& proxy = registry_[vehicle];
+  viewer.sent[viewer.next_id % sent_kept] = now;
   wire::Ahead ahead{viewer.next_id++, now, simulator_.zone()->name, {}};
   ahead.bodies.reserve(near_.size());
   std::string summary = near_.empty() ? "nothing" : "";
@@ -197,17 +198,27 @@ bool AheadDesk::on_felt(VehicleIndex vehicle, const wire::Felt& felt, SimTime de
   const std::uint32_t behind = viewer.next_id - felt.ahead_header_id;  // counts modulo 2³²
   if (behind == 0 || behind > known_max) return false;
   viewer.answered = true;
+  const bool begins_to_brake = felt.braking && viewer.feels != felt.body;
   viewer.feels = felt.braking ? felt.body : std::string{};
   // Inside the server everything is felt at once; that would only flatter the figures.
-  if (registry_[vehicle].augmented) return true;
+  if (!registry_[vehicle].augmented) measure(viewer, felt, decided, begins_to_brake);
+  return true;
+}
+
+void AheadDesk::measure(Viewer& viewer, const wire::Felt& felt, SimTime decided, bool begins_to_brake) {
   BijectionMonitor& monitor = simulator_.monitor();
+  const auto since_ms = [decided](SimTime then) { return std::max(0.0, to_seconds(decided - then) * 1e3); };
+  bool was_change = false;
   for (Change& change : viewer.changes) {
     if (felt.ahead_header_id - change.header_id > answer_within) continue;
-    const double latency_ms = std::max(0.0, to_seconds(decided - change.since) * 1e3);
-    if (!std::exchange(change.felt, true)) monitor.effect(WorldEffect::felt, latency_ms);
-    if (felt.braking && std::erase(change.came, felt.body) > 0) monitor.effect(WorldEffect::brakes, latency_ms);
+    if (!std::exchange(change.felt, true)) monitor.effect(WorldEffect::felt, since_ms(change.since));
+    if (!felt.braking || std::erase(change.came, felt.body) == 0) continue;
+    monitor.effect(WorldEffect::brakes, since_ms(change.since));
+    was_change = true;
   }
-  return true;
+  // It had been told of the body before; now that walked, or the vehicle drove, near enough: how old was what it knew?
+  if (begins_to_brake && !was_change && viewer.next_id - felt.ahead_header_id <= sent_kept)
+    monitor.effect(WorldEffect::brakes, since_ms(viewer.sent[felt.ahead_header_id % sent_kept]));
 }
 
 void AheadDesk::fold(Digest& digest) const {

@@ -27,6 +27,7 @@ class AheadDesk {
   /// An answer to one of the next two is an answer to a change, too: the first may have been lost on the way.
   static constexpr std::uint32_t answer_within = 2;
   static constexpr std::uint32_t known_max = 256;  ///< older ones are not known any more
+  static constexpr std::size_t sent_kept = 16;     ///< of so many is known when they were sent
 
   AheadDesk(Registry& registry, Outbox& outbox, Traces& traces, Simulator& simulator, VirtualFleet& fleet,
             PauseDesk& pauses)
@@ -70,6 +71,7 @@ class AheadDesk {
   };
   struct Viewer {
     std::uint32_t next_id{0};
+    std::array<SimTime, sent_kept> sent{};  ///< by header id, modulo
     std::vector<Mark> told;  ///< sorted
     SimTime due{};
     int empties{0};
@@ -88,6 +90,7 @@ class AheadDesk {
   void pick(VehicleIndex vehicle, const Pose2& X_MB);
   void note_change(Viewer& viewer);
   void tell(VehicleIndex vehicle, Viewer& viewer);
+  void measure(Viewer& viewer, const wire::Felt& felt, SimTime decided, bool begins_to_brake);
 
   Registry& registry_;
   Outbox& outbox_;

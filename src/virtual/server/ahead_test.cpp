@@ -165,19 +165,31 @@ TEST_F(AheadBench, counts_each_change_once_and_braking_once_per_body) {
   EXPECT_TRUE(bench.aiv("CoSiVA/AIV1").find("feels")->is_null());
 }
 
-TEST_F(AheadBench, takes_the_answer_to_the_next_message_when_the_first_was_lost_but_none_much_later) {
+TEST_F(AheadBench, takes_the_answer_to_the_next_message_when_the_first_was_lost) {
   add_person(1.0, 0.0);
   const std::uint32_t id = aheads().back().header_id;
   bench.run_for(100ms);
   answer(id + 1, "P1");
   EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
   EXPECT_NEAR(*effect("brakes_ms").number("max"), 100.0, 1.0);
-  add_person(1.9, 0.0, "P2");
+}
+
+TEST_F(AheadBench, measures_how_old_the_news_was_where_a_vehicle_brakes_only_as_it_comes_nearer) {
+  add_person(1.9, 0.0);
+  answer(aheads().back().header_id);
   bench.run_for(2s);
-  // It came near later: that says nothing of how fast the news was.
-  answer(aheads().back().header_id, "P2");
+  bench.now += 30ms;
+  const wire::Ahead news = aheads().back();
+  for (int i = 0; i < 3; ++i) answer(news.header_id, "P1");  // it goes on braking
   EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("feels"), "P2");
+  EXPECT_NEAR(*effect("brakes_ms").number("max"), to_seconds(bench.now - news.timestamp) * 1e3, 1.0);
+  EXPECT_GE(*effect("brakes_ms").number("max"), 29.0);
+  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("feels"), "P1");
+  // What was sent so long ago that nobody remembers when is not judged.
+  answer(news.header_id);
+  bench.run_for(3s);
+  answer(news.header_id, "P1");
+  EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
 }
 
 TEST_F(AheadBench, ignores_answers_to_what_it_never_said) {
