@@ -29,6 +29,8 @@ inline constexpr SimDuration display_period = std::chrono::milliseconds{500};
 inline constexpr SimDuration boards_report_period = std::chrono::milliseconds{500};
 /// Events that come together travel in one state (§6.10: not faster than the factsheet's minStateInterval).
 inline constexpr SimDuration state_interval_min = std::chrono::milliseconds{50};
+/// Longer than a board takes to answer, and than RALI takes between two readings.
+inline constexpr SimDuration waking_max = std::chrono::milliseconds{700};
 
 /// Says when something periodic is due; a clock that jumped does not bring a burst.
 class Periodic {
@@ -124,6 +126,8 @@ struct OnboardCore::Inside {
   void on_tick(wire::Effects& effects);
   void supervise();
   void show(wire::Effects& effects);
+  /// Its boards answer a moment after it: told of at once, their silence would raise six false alarms.
+  [[nodiscard]] bool waking() const;
   void publish_state_if_due(wire::Effects& effects);
   void publish_factsheet(SimTime at, wire::Effects& effects);
   [[nodiscard]] ReportSources sources() const;

@@ -118,7 +118,7 @@ void OnboardCore::Inside::on_tick(wire::Effects& effects) {
     if (visualize.take(now) && agent->position().known())
       session.publish(now, compose_visualization(*agent, zone->name), effects);
   }
-  if (report_boards.take(now)) session.publish(now, compose_boards_report(sources(), ranges), effects);
+  if (!waking() && report_boards.take(now)) session.publish(now, compose_boards_report(sources(), ranges), effects);
   const ReportFlags flags_now = flags_of(sources());
   if (flags_now != flags) state_due = true;
   flags = flags_now;
@@ -143,8 +143,13 @@ void OnboardCore::Inside::show(wire::Effects& effects) {
   shown = std::move(text);
 }
 
+bool OnboardCore::Inside::waking() const {
+  return now - started < waking_max && (supervision.any_board_lost(now) || !power);
+}
+
 void OnboardCore::Inside::publish_state_if_due(wire::Effects& effects) {
   if (!session.online()) return;
+  if (!state_sent && waking()) return;
   const SimDuration since = state_sent ? now - *state_sent : SimDuration::max();
   if (since < (state_due ? state_interval_min : options.state_period) && since >= SimDuration::zero()) return;
   session.publish(now, compose_state(sources()), effects);

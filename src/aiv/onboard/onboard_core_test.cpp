@@ -42,7 +42,28 @@ TEST(Onboard, announces_itself_when_the_broker_comes) {
   EXPECT_EQ(bench.published[1].qos, 0);
   EXPECT_EQ(bench.factsheets[0].speed_max_mps, 0.5);
   EXPECT_THAT(bench.factsheets[0].actions, SizeIs(7));
-  EXPECT_THAT(bench.states, SizeIs(1));
+}
+
+TEST(Onboard, tells_its_state_first_when_its_boards_have_answered) {
+  OnboardBench bench;
+  EXPECT_THAT(bench.states, IsEmpty());
+  ASSERT_TRUE(bench.run_until([&] { return !bench.states.empty(); }, 0.65));
+  EXPECT_THAT(bench.error_types(), IsEmpty());
+  EXPECT_EQ(bench.state().battery.charge_percent, 90.0);
+}
+
+TEST(Onboard, whose_board_never_answers_says_so_after_700_ms) {
+  OnboardBench::Setup setup;
+  setup.boards_up = false;
+  OnboardBench bench{setup};
+  for (const wire::Board board : {wire::Board::PILS, wire::Board::PRAV, wire::Board::RALI}) bench.plug(board);
+  bench.run(0.69);
+  EXPECT_THAT(bench.states, IsEmpty());
+  EXPECT_THAT(bench.boards_reports, IsEmpty());
+  bench.run(0.6);
+  ASSERT_FALSE(bench.states.empty());
+  EXPECT_THAT(bench.error_types(), ElementsAre("boardLost"));
+  EXPECT_FALSE(bench.boards_reports.empty());
 }
 
 TEST(Onboard, leaves_a_will_that_says_the_connection_broke) {

@@ -72,7 +72,7 @@ class AheadDesk {
   struct Viewer {
     std::uint32_t next_id{0};
     std::array<SimTime, sent_kept> sent{};  ///< by header id, modulo
-    std::vector<Mark> told;  ///< sorted
+    std::vector<Mark> told;                 ///< sorted
     SimTime due{};
     int empties{0};
     std::vector<Change> changes;  ///< the last few

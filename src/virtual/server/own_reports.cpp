@@ -9,7 +9,8 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// Of a known vehicle's body: what is seen nearer is that vehicle, and errors of two places.
+/// Of a known vehicle's body: what is seen nearer is that vehicle, and errors of two places. Besides, what is seen may
+/// have its middle anywhere in the beams that it fills, as uncertain as its radius.
 constexpr double vehicle_margin_m = 0.10;
 /// A time stamp that falls back further than any network delays is a clock that was set, not a late message.
 constexpr SimDuration reorder_max{std::chrono::seconds{5}};
@@ -53,11 +54,11 @@ void ServerCore::Inside::on_felt(VehicleIndex vehicle, const wire::Input& input)
   if (!ahead.on_felt(vehicle, *felt, clock_of(proxy, felt->decided))) ++proxy.outdated;
 }
 
-bool ServerCore::Inside::is_vehicle(VehicleIndex seer, Point2 p) const {
+bool ServerCore::Inside::is_vehicle(VehicleIndex seer, Point2 p, double radius_m) const {
   for (VehicleIndex v = 0; v < registry.size(); ++v) {
     const AivProxy& proxy = registry[v];
     if (v == seer || !proxy.here() || proxy.augmented) continue;
-    if (outside_m(simulator.image(*proxy.twin, now).X_MB, simulator.zone()->vehicle, p) <= vehicle_margin_m)
+    if (outside_m(simulator.image(*proxy.twin, now).X_MB, simulator.zone()->vehicle, p) <= vehicle_margin_m + radius_m)
       return true;
   }
   return false;
@@ -81,7 +82,7 @@ void ServerCore::Inside::on_seen(VehicleIndex vehicle, const wire::Input& input)
     return;
   }
   const Point2 at{thing->x_m, thing->y_m};
-  if (is_vehicle(vehicle, at)) return;
+  if (is_vehicle(vehicle, at, thing->radius_m)) return;
   if (!simulator.seen().see(proxy.name, now, at, thing->radius_m)) return;
   const std::string& id = simulator.seen().obstacles().back().id;
   traces.add(now, "AIV_Server", "Simulator", "appear", id + ": an obstacle at " + place_text(at.x_m, at.y_m));
@@ -115,6 +116,15 @@ void ServerCore::Inside::forget_where_clear(VehicleIndex vehicle, double clear_m
   }
 }
 
+void ServerCore::Inside::look_through(VehicleIndex vehicle, const wire::Ranges& ranges) {
+  const AivProxy& proxy = registry[vehicle];
+  if (simulator.seen().empty() || !simulator.zone() || !proxy.here() || !proxy.position_known) return;
+  const Pose2 X_MB = simulator.image(*proxy.twin, now).X_MB;
+  const Pose2 X_MS = X_MB * Pose2{0.5 * simulator.zone()->vehicle.length_m, 0.0, 0.0};
+  for (const std::string& id : simulator.seen().look_through(X_MS, ranges))
+    traces.add(now, "AIV_Server", "Simulator", "disappear", id + ": " + proxy.name + " looks through its place");
+}
+
 void ServerCore::Inside::on_boards(VehicleIndex vehicle, const wire::Input& input) {
   auto report = wire::boards_report_from_json(input.payload);
   if (!report) return refuse(vehicle, VehicleTopic::boards, input, report.error());
@@ -126,6 +136,7 @@ void ServerCore::Inside::on_boards(VehicleIndex vehicle, const wire::Input& inpu
     traces.add(now, proxy.name, "AIV_Server", "boards", health, input.source, input.payload);
   }
   proxy.boards = std::move(*report);
+  if (proxy.boards->ranges && !proxy.augmented) look_through(vehicle, *proxy.boards->ranges);
 }
 
 }  // namespace cosiva::virtual_side

@@ -53,7 +53,9 @@ TEST_F(SeenBench, another_vehicle_is_no_obstacle) {
   bench.run_for(1s);
   see(aiv, wire::Seen::Thing{1.1, 0.02, 0.05, 0.5});  // its tail
   EXPECT_THAT(obstacles(), IsEmpty());
-  see(aiv, wire::Seen::Thing{0.95, 0.0, 0.05, 0.35});  // 0.15 m before its tail
+  see(aiv, wire::Seen::Thing{0.96, 0.0, 0.05, 0.36});  // 0.14 m before its tail: of a radius of 5 cm, known to 10 cm
+  EXPECT_THAT(obstacles(), IsEmpty());
+  see(aiv, wire::Seen::Thing{0.93, 0.0, 0.05, 0.33});  // 0.17 m before its tail
   EXPECT_THAT(obstacles(), SizeIs(1));
 }
 
@@ -159,6 +161,19 @@ TEST_F(SeenBench, boards_power_and_ranges_stand_in_the_snapshot_and_are_traced_w
   for (const JsonValue& trace : *traces.find("traces")->array())
     if (trace.text("kind") == "boards") said.push_back(*trace.text("content"));
   EXPECT_THAT(said, testing::ElementsAre("PILS ok", "PILS lost"));
+}
+
+TEST_F(SeenBench, it_vanishes_when_anybody_looks_through_its_place) {
+  see(aiv, wire::Seen::Thing{1.2, 0.0, 0.05, 0.6});
+  const auto look = [&](std::uint16_t mm) {
+    wire::BoardsReport report{1, bench.now, {}, {}, wire::Ranges{0, -84, 14, std::vector<std::uint16_t>(13, mm)}};
+    bench.feed(wire::InputKind::message, "cosiva/v1/boards/CoSiVA/AIV1", wire::to_json(report));
+    bench.now += 500ms;
+  };
+  for (int i = 0; i < 3; ++i) look(550);  // from its front, at 0.6, to the near side of the thing
+  EXPECT_THAT(obstacles(), SizeIs(1));
+  for (int i = 0; i < 3; ++i) look(wire::no_echo);
+  EXPECT_THAT(obstacles(), IsEmpty());
 }
 
 TEST_F(SeenBench, the_reserved_way_reaches_from_the_twin_to_the_end_of_the_base) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/math.h"
+
 namespace cosiva::virtual_side {
 namespace {
 
@@ -12,6 +14,36 @@ constexpr double newest_share = 0.3;
 /// only an estimate.
 constexpr double swept_margin_m = 0.02;
 constexpr double swept_share = 0.8;
+/// So much further than an obstacle's far side must a beam reach that is said to go through its place.
+constexpr double through_margin_m = 0.10;
+
+enum class Look : std::uint8_t { through, hidden, there };
+
+/// What the beams that an obstacle would fill say of it.
+Look look_at(const SeenObstacle& obstacle, const Pose2& X_SM, const wire::Ranges& ranges) {
+  const Point2 p_S = X_SM * obstacle.at;
+  const double away_m = norm(p_S.x_m, p_S.y_m);
+  if (away_m > SeenObstacles::looks_m_max || away_m <= obstacle.radius_m || ranges.beam_width_crad == 0)
+    return Look::hidden;
+  const double width_rad = 0.01 * ranges.beam_width_crad;
+  const double first_edge_rad = 0.01 * ranges.first_bearing_crad - 0.5 * width_rad;
+  const double bearing_rad = det_atan2(p_S.y_m, p_S.x_m);
+  const double half_rad = obstacle.radius_m / away_m;
+  const double from = std::floor((bearing_rad - half_rad - first_edge_rad) / width_rad);
+  const double to = std::floor((bearing_rad + half_rad - first_edge_rad) / width_rad);
+  if (from < 0.0 || to >= static_cast<double>(ranges.range_mm.size())) return Look::hidden;
+  const double far_side_m = away_m + obstacle.radius_m + through_margin_m;
+  const double near_side_m = away_m - obstacle.radius_m - through_margin_m;
+  bool hidden = false;
+  for (auto i = static_cast<std::size_t>(from); i <= static_cast<std::size_t>(to); ++i) {
+    if (ranges.range_mm[i] == wire::no_echo) continue;
+    const double range_m = 0.001 * ranges.range_mm[i];
+    if (range_m >= far_side_m) continue;
+    if (range_m >= near_side_m) return Look::there;
+    hidden = true;
+  }
+  return hidden ? Look::hidden : Look::through;
+}
 
 }  // namespace
 
@@ -34,6 +66,7 @@ bool SeenObstacles::see(std::string_view vehicle, SimTime now, Point2 at, double
   nearest->at.y_m += share * (at.y_m - nearest->at.y_m);
   nearest->radius_m += share * (radius_m - nearest->radius_m);
   nearest->last = now;
+  nearest->doubts = 0;
   ++nearest->sightings;
   const auto witness = std::ranges::find(nearest->seen_by, vehicle, &SeenObstacle::Witness::vehicle);
   if (witness == nearest->seen_by.end())
@@ -78,6 +111,18 @@ std::size_t SeenObstacles::pass(std::string_view vehicle, SimTime now, const Pos
   });
 }
 
+std::vector<std::string> SeenObstacles::look_through(const Pose2& X_MS, const wire::Ranges& ranges) {
+  std::vector<std::string> gone;
+  const Pose2 X_SM = inverse(X_MS);
+  for (SeenObstacle& obstacle : obstacles_) {
+    const Look look = look_at(obstacle, X_SM, ranges);
+    if (look == Look::there) obstacle.doubts = 0;
+    if (look == Look::through && ++obstacle.doubts >= doubts_max) gone.push_back(obstacle.id);
+  }
+  for (const std::string& id : gone) remove(id);
+  return gone;
+}
+
 void SeenObstacles::remove(std::string_view id) {
   std::erase_if(obstacles_, [id](const SeenObstacle& obstacle) { return obstacle.id == id; });
 }
@@ -91,6 +136,7 @@ void SeenObstacles::fold(Digest& digest) const {
     digest.add(obstacle.radius_m);
     digest.add(obstacle.last);
     digest.add(static_cast<std::uint64_t>(obstacle.seen_by.size()));
+    digest.add(std::int64_t{obstacle.doubts});
   }
 }
 

@@ -8,6 +8,7 @@
 #include "base/digest.h"
 #include "base/pose.h"
 #include "base/time.h"
+#include "wire/board.h"
 
 namespace cosiva::virtual_side {
 
@@ -25,6 +26,7 @@ struct SeenObstacle {
   SimTime first{};
   SimTime last{};
   std::uint32_t sightings{0};
+  int doubts{0};  ///< frames in a row whose beams went through its place
 };
 
 /// Obstacles that vehicles report become twins, and vanish when their place is found free. Sightings of one thing from
@@ -37,12 +39,19 @@ class SeenObstacles {
   static constexpr std::uint16_t handles = 0x3FFF;
   /// A vehicle that saw it so recently is before it, not in it: its twin may be shown a little too far.
   static constexpr SimDuration just_seen{std::chrono::milliseconds{500}};
+  static constexpr double looks_m_max = 1.5;  ///< further away a beam is too wide to say that nothing is there
+  static constexpr int doubts_max = 3;        ///< one echo that does not come back ends nothing
 
   /// @return  true when a twin appeared; false when one that was there was seen again
   bool see(std::string_view vehicle, SimTime now, Point2 at, double radius_m);
   /// A vehicle's body, `length_m` × `width_m` around X_MB, is where it is: what lies there and was not seen by it just
   /// now has gone. Gives the number of those.
   std::size_t pass(std::string_view vehicle, SimTime now, const Pose2& X_MB, double length_m, double width_m);
+  /// One frame of a vehicle's obstacle detection, whoever it is: what its beams go through, three times in a row, has
+  /// gone (A2: passed again and not seen). Without this a sighting that was wrong, beside the way of every physical
+  /// vehicle, would hold a virtual one for ever. Gives the ids of those.
+  /// @param X_MS  of the sensor, in the middle of the vehicle's front
+  std::vector<std::string> look_through(const Pose2& X_MS, const wire::Ranges& ranges);
   void remove(std::string_view id);
   void clear() { obstacles_.clear(); }
 

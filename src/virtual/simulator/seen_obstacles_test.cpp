@@ -60,6 +60,56 @@ TEST_F(Sightings, of_the_vehicle_that_stands_close_before_them_stay_while_it_see
   EXPECT_EQ(seen.pass("a", now + 600ms, {0.9, 0.0, 0.0}, 0.20, 0.12), 1U);
 }
 
+/// As our DOBS: thirteen beams of 0.14 rad, straight ahead in the middle; all reach as far.
+wire::Ranges beams(std::uint16_t mm) { return {0, -84, 14, std::vector<std::uint16_t>(13, mm)}; }
+
+TEST_F(Sightings, vanish_when_any_vehicle_s_beams_go_through_their_place_three_times) {
+  seen.see("a", now, {1.0, 0.0}, 0.05);
+  EXPECT_THAT(seen.look_through({0.2, 0.0, 0.0}, beams(wire::no_echo)), IsEmpty());
+  EXPECT_THAT(seen.look_through({0.2, 0.1, 0.0}, beams(1'100)), IsEmpty());
+  EXPECT_THAT(seen.look_through({0.3, 0.0, 0.0}, beams(wire::no_echo)), testing::ElementsAre("S1"));
+  EXPECT_THAT(seen.obstacles(), IsEmpty());
+}
+
+TEST_F(Sightings, that_the_beams_hear_again_stay) {
+  seen.see("a", now, {1.0, 0.0}, 0.05);
+  wire::Ranges heard = beams(wire::no_echo);
+  heard.range_mm[6] = 750;  // 0.8 m away less its radius
+  for (int i = 0; i < 10; ++i) {
+    seen.look_through({0.2, 0.0, 0.0}, beams(wire::no_echo));
+    seen.look_through({0.2, 0.0, 0.0}, beams(wire::no_echo));
+    seen.look_through({0.2, 0.0, 0.0}, heard);
+  }
+  EXPECT_THAT(seen.obstacles(), SizeIs(1)) << "one echo in three that comes back is enough";
+}
+
+TEST_F(Sightings, that_no_beam_could_hear_stay) {
+  seen.see("a", now, {1.0, 0.0}, 0.05);
+  wire::Ranges hidden = beams(wire::no_echo);
+  hidden.range_mm[6] = 400;  // somebody stands between
+  for (int i = 0; i < 10; ++i) {
+    seen.look_through({0.2, 0.0, 0.0}, hidden);
+    seen.look_through({-0.6, 0.0, 0.0}, beams(wire::no_echo));        // 1.6 m away
+    seen.look_through({0.2, 0.0, 1.2}, beams(wire::no_echo));         // beside the fan
+    seen.look_through({0.2, 0.0, 3.1}, beams(wire::no_echo));         // behind it
+    seen.look_through({1.02, 0.0, 0.0}, beams(wire::no_echo));        // on it
+    seen.look_through({0.2, 0.0, 0.0}, {0, 0, 0, {wire::no_echo}});   // beams without a width
+    seen.look_through({0.2, 0.0, 0.0}, {0, -7, 14, {}});              // no beams
+    seen.look_through({0.5, 0.0, 0.0}, {0, 0, 14, {wire::no_echo}});  // it fills more than this one
+  }
+  EXPECT_THAT(seen.obstacles(), SizeIs(1));
+}
+
+TEST_F(Sightings, that_are_seen_anew_are_doubted_anew) {
+  seen.see("a", now, {1.0, 0.0}, 0.05);
+  for (int i = 0; i < 5; ++i) {
+    seen.look_through({0.2, 0.0, 0.0}, beams(wire::no_echo));
+    seen.look_through({0.2, 0.0, 0.0}, beams(wire::no_echo));
+    seen.see("a", now + 1s, {1.0, 0.0}, 0.05);
+  }
+  EXPECT_THAT(seen.obstacles(), SizeIs(1));
+}
+
 TEST_F(Sightings, are_bounded_and_the_oldest_gives_way) {
   for (std::size_t i = 0; i <= SeenObstacles::obstacles_max; ++i)
     seen.see("a", now + i * 1s, {static_cast<double>(i), 0.0}, 0.05);

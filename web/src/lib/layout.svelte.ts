@@ -18,6 +18,11 @@ class Layout {
   panel = $state<PanelName | null>(null);
   filter = $state('');
   sort = $state(default_view.sort);
+  /** which communications are shown, and whether as a diagram */
+  agent = $state('');
+  words = $state('');
+  kinds_off = $state.raw<readonly string[]>([]);
+  diagram = $state(false);
   columns = $state.raw<Readonly<Record<string, boolean>>>({});
   /** of the circuit's layers, those that are switched off; null: as they come */
   layers_off = $state.raw<readonly string[] | null>(null);
@@ -44,6 +49,10 @@ class Layout {
     if (view.panel !== undefined) this.panel = view.panel;
     if (view.filter !== undefined) this.filter = view.filter;
     if (view.sort !== undefined) this.sort = view.sort;
+    if (view.agent !== undefined) this.agent = view.agent;
+    if (view.words !== undefined) this.words = view.words;
+    if (view.kinds_off !== undefined) this.kinds_off = view.kinds_off;
+    if (view.diagram !== undefined) this.diagram = view.diagram;
     if (view.layers_off !== undefined) this.layers_off = view.layers_off;
   }
 

@@ -12,7 +12,7 @@ describe('the address', () => {
 
   it('brings back the whole view', () => {
     const view: ViewState = {
-      frame: 'states', panel: 'alarms', select: 'MAKER & CO/Ä 7#', follow: true, filter: 'stopped east=1', sort: '-battery', theme: 'dark', layers_off: ['tag', 'beacon'],
+      frame: 'states', panel: 'alarms', select: 'MAKER & CO/Ä 7#', follow: true, filter: 'stopped east=1', sort: '-battery', agent: 'CoSiVA/AIV1', words: 'node 7', kinds_off: ['ahead', 'heartbeat'], diagram: true, theme: 'dark', layers_off: ['tag', 'beacon'],
     };
     expect(there_and_back(view)).toEqual(view);
   });
@@ -38,6 +38,10 @@ describe('the address', () => {
     expect(view).toMatchObject({ frame: null, panel: null, sort: 'number', follow: false });
     expect(view.filter).toHaveLength(200);
     expect('theme' in view).toBe(false);
+  });
+
+  it('tells which communications one looks at', () => {
+    expect(hash_of({ ...default_view, frame: 'traces', agent: 'CoSiVA/AIV1', kinds_off: ['ahead', 'felt'], diagram: true })).toBe('#frame=traces&agent=CoSiVA/AIV1&without=ahead,felt&diagram=1');
   });
 
   it('does not follow nobody', () => expect(hash_of({ ...default_view, follow: true })).toBe(''));

@@ -28,15 +28,21 @@ export interface ViewState {
   filter: string;
   /** a column of the table, with a minus before it for descending */
   sort: string;
+  /** who the communications are of, what words and kinds; an empty name is everybody */
+  agent: string;
+  words: string;
+  kinds_off: readonly string[];
+  diagram: boolean;
   theme: Theme;
   /** null: the layers as they come */
   layers_off: readonly string[] | null;
 }
 
 export const default_view: ViewState = {
-  frame: null, panel: null, select: null, follow: false, filter: '', sort: 'number', theme: 'system', layers_off: null,
+  frame: null, panel: null, select: null, follow: false, filter: '', sort: 'number', agent: '', words: '', kinds_off: [], diagram: false, theme: 'system', layers_off: null,
 };
 
+const names_in = (text: string | null): string[] => (text ?? '').split(',').filter((name) => name !== '').slice(0, 50);
 const one_of = <T extends string>(names: readonly T[], text: string | null): T | undefined => names.find((name) => name === text);
 
 /**
@@ -58,9 +64,13 @@ export function view_of(hash: string): Partial<ViewState> {
   if (filter !== null) view.filter = filter.slice(0, 200);
   const sort = said.get('sort');
   if (sort && /^-?[a-z]+$/i.test(sort)) view.sort = sort;
+  view.agent = (said.get('agent') ?? '').slice(0, 200);
+  view.words = (said.get('words') ?? '').slice(0, 200);
+  view.kinds_off = names_in(said.get('without'));
+  view.diagram = said.get('diagram') === '1';
   const theme = one_of(['system', 'light', 'dark'] as const, said.get('theme'));
   const off = said.get('off');
-  if (off !== null) view.layers_off = off.split(',').filter((name) => name !== '').slice(0, 50);
+  if (off !== null) view.layers_off = names_in(off);
   return theme ? { ...view, theme } : view;
 }
 
@@ -73,6 +83,10 @@ export function hash_of(view: ViewState): string {
   if (view.follow && view.select !== null) parts.push(['follow', '1']);
   if (view.filter !== '') parts.push(['filter', view.filter]);
   if (view.sort !== default_view.sort) parts.push(['sort', view.sort]);
+  if (view.agent !== '') parts.push(['agent', view.agent]);
+  if (view.words !== '') parts.push(['words', view.words]);
+  if (view.kinds_off.length > 0) parts.push(['without', view.kinds_off.join(',')]);
+  if (view.diagram) parts.push(['diagram', '1']);
   if (view.theme !== 'system') parts.push(['theme', view.theme]);
   if (view.layers_off !== null) parts.push(['off', view.layers_off.join(',')]);
   // Slashes and commas are allowed in a fragment, and CoSiVA/AIV2 reads better than CoSiVA%2FAIV2.
