@@ -12,8 +12,10 @@ target_precompile_headers(cosiva_headers PRIVATE ${std_headers})
 if(COSIVA_TESTS)
   add_library(cosiva_test_headers OBJECT ${CMAKE_BINARY_DIR}/headers.cpp)
   # Tests are compiled more often than they run: without optimisation a third of the time, and what they test keeps the
-  # preset's own level.
-  target_compile_options(cosiva_test_headers PRIVATE -O0)
+  # preset's own level. Under the sanitizers likewise: what is tested is watched by both, the tests' own text by
+  # AddressSanitizer only, in half the time.
+  set(cosiva_test_options -O0 $<$<BOOL:${COSIVA_SANITIZE}>:-fno-sanitize=undefined>)
+  target_compile_options(cosiva_test_headers PRIVATE ${cosiva_test_options})
   target_link_libraries(cosiva_test_headers PRIVATE cosiva_flags GTest::gmock rapidcheck)
   target_precompile_headers(cosiva_test_headers PRIVATE ${std_headers} <filesystem> <fstream> <sstream> <gmock/gmock.h>
     <gtest/gtest.h> <rapidcheck.h>)
