@@ -24,6 +24,13 @@ JsonValue one(const Traces& traces, std::uint64_t n) {
 }
 std::optional<std::string> raw(const Traces& traces, std::uint64_t n) { return one(traces, n).text("raw"); }
 
+TEST(Traces, write_lengths_to_the_millimetre) {
+  EXPECT_EQ(metres_text(1.02), "1.020");
+  EXPECT_EQ(metres_text(-0.1234567), "-0.123");
+  EXPECT_EQ(metres_text(123456.7891), "123456.789");
+  EXPECT_EQ(metres_text(1e300), "1000000000.000");
+}
+
 TEST(Traces, say_when_they_were_as_milliseconds_of_unix_time) {
   Traces traces{10};
   traces.add(virtual_epoch + 1500us, "a", "b", "c", "d");
