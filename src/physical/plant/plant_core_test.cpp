@@ -4,18 +4,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <map>
 
 #include "base/json_value.h"
+#include "physical/plant/plant_bench.h"
 #include "physical/plant/test_zones.h"
-#include "wire/module_link/module_link.h"
 #include "wire/topics.h"
 #include "zone/edit.h"
 
 namespace cosiva::physical {
 namespace {
 
-using namespace std::chrono_literals;
 using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;
@@ -24,85 +22,6 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Le;
 using ::testing::SizeIs;
-using wire::Board;
-
-PlantNoise silent() {
-  PlantNoise noise;
-  noise.odometry_scale_sd = noise.odometry_noise_m_per_sqrt_m = noise.slip_per_mps2 = noise.line_offset_sd_m = 0.0;
-  noise.tag_miss = noise.range_sd_m = noise.range_dropout = 0.0;
-  return noise;
-}
-
-/// A plant with all cables in, and the other ends of its links: it hears every board and sends Drives.
-class PlantBench {
- public:
-  explicit PlantBench(zone::ZoneConfiguration zone, std::uint32_t vehicles = 1, PlantNoise noise = silent(),
-                      std::uint64_t seed = 1) {
-    auto made = PlantCore::make({std::move(zone), vehicles, seed, noise, true, true});
-    EXPECT_TRUE(made) << to_string(made.error());
-    core_ = std::move(*made);
-    runner_.emplace(*core_);
-    for (const auto& port : core_->ports()) feed(wire::InputKind::port, port, "up");
-  }
-
-  void feed(wire::InputKind kind, std::string source, std::string payload) {
-    take(runner_->feed({now_, kind, std::move(source), std::move(payload)}));
-  }
-  void drive(std::uint32_t vehicle, wire::Drive drive) { drives_[vehicle] = drive; }
-  void fall_silent(std::uint32_t vehicle) { drives_.erase(vehicle); }
-  /// Ticks, and repeats each vehicle's Drive every 50 ms, as the on-board program does.
-  void run_for(SimDuration duration) {
-    for (const SimTime end = now_ + duration; now_ < end;) {
-      if ((now_ - virtual_epoch) % 50ms == 0ms) {
-        for (const auto& [vehicle, drive] : drives_)
-          feed(wire::InputKind::bytes, wire::port_name(vehicle, Board::PILS), encoders_[vehicle].encode(drive));
-      }
-      now_ += 10ms;
-      feed(wire::InputKind::tick, "", "");
-    }
-  }
-
-  template <typename T>
-  [[nodiscard]] std::vector<T> heard(std::uint32_t vehicle) const {
-    std::vector<T> found;
-    const auto at = heard_.find(vehicle);
-    if (at == heard_.end()) return found;
-    for (const auto& message : at->second) {
-      if (const T* one = std::get_if<T>(&message)) found.push_back(*one);
-    }
-    return found;
-  }
-  void forget() { heard_.clear(); }
-  [[nodiscard]] TrueVehicle truth(std::uint32_t vehicle) const { return core_->vehicles()[vehicle - 1]; }
-  [[nodiscard]] PlantCore& core() { return *core_; }
-  [[nodiscard]] SimTime now() const { return now_; }
-  [[nodiscard]] std::string digest() const { return runner_->digest().hex(); }
-
-  std::vector<wire::Publish> published;
-  std::vector<std::string> logged;
-
- private:
-  void take(const wire::Effects& effects) {
-    for (const auto& effect : effects) {
-      if (const auto* bytes = std::get_if<wire::SendBytes>(&effect)) {
-        const auto vehicle = static_cast<std::uint32_t>(std::stoul(bytes->port));
-        decoders_[bytes->port].feed(bytes->bytes, heard_[vehicle]);
-      } else if (const auto* message = std::get_if<wire::Publish>(&effect)) {
-        published.push_back(*message);
-      } else if (const auto* line = std::get_if<wire::Log>(&effect)) {
-        logged.push_back(line->text);
-      }
-    }
-  }
-
-  std::unique_ptr<PlantCore> core_;
-  std::optional<wire::CoreRunner> runner_;
-  SimTime now_{virtual_epoch};
-  std::map<std::uint32_t, wire::Drive> drives_;
-  std::map<std::uint32_t, wire::module_link::Encoder> encoders_;
-  std::map<std::string, wire::module_link::Decoder> decoders_;
-  std::map<std::uint32_t, std::vector<wire::BoardMessage>> heard_;
-};
 
 constexpr wire::Drive fast{500, 800, 1000, 0};
 
@@ -568,49 +487,6 @@ TEST(Plant, refuses_a_bad_zone_with_the_factory_s_own_words) {
   ASSERT_FALSE(made);
   EXPECT_THAT(to_string(made.error()), HasSubstr("bad.toml"));
   EXPECT_FALSE(PlantCore::make({{"cad", "x", ""}, 1, 1, {}, true, true}));
-}
-
-TEST(PlantOptions, travel_as_json) {
-  PlantOptions options;
-  options.zone = lacet4();
-  options.vehicles = 12;
-  options.seed = 0xFEDCBA9876543210ULL;
-  options.noise.tag_miss = 0.125;
-  options.noise.tag_latency_max = 21ms + 500us;
-  options.publish_truth = false;
-  const auto read = plant_options_from_json(to_json(options));
-  ASSERT_TRUE(read) << to_string(read.error());
-  EXPECT_EQ(to_json(*read), to_json(options));
-  EXPECT_EQ(read->seed, options.seed);
-  EXPECT_EQ(read->noise.tag_latency_max, options.noise.tag_latency_max);
-  EXPECT_EQ(read->zone, options.zone);
-}
-
-TEST(PlantOptions, that_are_missing_have_their_defaults) {
-  const auto read = plant_options_from_json(R"({"zone":{"format":"toml","text":""},"seed":7})");
-  ASSERT_TRUE(read) << to_string(read.error());
-  EXPECT_EQ(read->vehicles, 4U);
-  EXPECT_EQ(read->seed, 7U);
-  EXPECT_EQ(read->noise.tag_miss, PlantNoise{}.tag_miss);
-}
-
-TEST(PlantOptions, that_are_wrong_are_named) {
-  const auto with = [](const std::string& member) {
-    const auto read = plant_options_from_json(R"({"zone":{"format":"toml","text":""},)" + member + "}");
-    return read ? std::string("accepted") : read.error().message;
-  };
-  EXPECT_THAT(with(R"("vehicles":0)"), HasSubstr("'vehicles'"));
-  EXPECT_THAT(with(R"("vehicles":2.5)"), HasSubstr("'vehicles'"));
-  EXPECT_THAT(with(R"("vehicles":1001)"), HasSubstr("'vehicles'"));
-  EXPECT_THAT(with(R"("seed":-1)"), HasSubstr("'seed'"));
-  EXPECT_THAT(with(R"("seed":"18446744073709551616")"), HasSubstr("'seed'"));
-  EXPECT_THAT(with(R"("publish_zone":1)"), HasSubstr("'publish_zone'"));
-  EXPECT_THAT(with(R"("noise":7)"), HasSubstr("'noise'"));
-  EXPECT_THAT(with(R"("noise":{"tag_miss":1.5})"), HasSubstr("'tag_miss'"));
-  EXPECT_THAT(with(R"("noise":{"tag_latency_min_ms":30})"), HasSubstr("'tag_latency_min_ms'"));
-  EXPECT_FALSE(plant_options_from_json("{}"));
-  EXPECT_FALSE(plant_options_from_json("[]"));
-  EXPECT_FALSE(plant_options_from_json("nonsense"));
 }
 
 }  // namespace

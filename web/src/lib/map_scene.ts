@@ -183,14 +183,14 @@ export class MapScene {
 
   private halos({ positions, alarms }: Picture, colour: string, pixels: number): void {
     for (const handle of alarms) {
-      const slot = positions.slot(handle);
-      if (slot >= 0 && (positions.look[slot]! & look_kind_mask) === kind_aiv) this.renderer.disc(positions.x[slot]!, positions.y[slot]!, 0, pixels, colour, 0.85);
+      const slot = aiv_slot(positions, handle);
+      if (slot >= 0) this.renderer.disc(positions.x[slot]!, positions.y[slot]!, 0, pixels, colour, 0.85);
     }
   }
 
   private ring(positions: Picture['positions'], handle: number, grow: number, width: number, colour: string): void {
-    const slot = handle < 0 ? -1 : positions.slot(handle);
-    if (slot < 0 || (positions.look[slot]! & look_kind_mask) !== kind_aiv) return;
+    const slot = aiv_slot(positions, handle);
+    if (slot < 0) return;
     this.renderer.outline(positions.x[slot]!, positions.y[slot]!, positions.heading[slot]!, grow, width, 'solid', colour);
   }
 
@@ -214,6 +214,12 @@ export class MapScene {
     this.canvases.graphics.hidden = renderer.kind !== 'webgl2';
     this.canvases.flat.hidden = renderer.kind !== 'canvas2d';
   }
+}
+
+/** Where a vehicle stands among the positions; −1: nobody of this handle, or no vehicle. */
+function aiv_slot(positions: Picture['positions'], handle: number): number {
+  const slot = handle < 0 ? -1 : positions.slot(handle);
+  return slot >= 0 && (positions.look[slot]! & look_kind_mask) === kind_aiv ? slot : -1;
 }
 
 /** To scale, but never too small to be seen; in large fleets a little smaller, so that they do not hide each other. */

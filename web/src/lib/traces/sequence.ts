@@ -194,7 +194,7 @@ function start_exchange(store: TraceStore, aiv: string | null): Exchange | null 
   return { agents: agents_of(store, seqs), seqs, proxies: true };
 }
 
-const section_kinds = new Set(['move', 'nextAIVposition', 'position']);
+const section_kinds = new Set(['nextAIVposition', 'position']);
 
 function latest_report(store: TraceStore, aiv: string | null, before = store.end): number {
   for (let seq = before - 1; seq >= store.first; seq--) {
