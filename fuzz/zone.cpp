@@ -1,5 +1,5 @@
 #include "target.h"
-#include "zone/rtm.h"
+#include "zone/rtm/rtm.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto rtm = cosiva::zone::Rtm::initialise({"toml", "fuzz.toml", std::string(cosiva::fuzz::as_text(data, size))});

@@ -21,7 +21,7 @@
 #include "base/json_writer.h"
 #include "base/random.h"
 #include "zone/draw.h"
-#include "zone/rtm.h"
+#include "zone/rtm/rtm.h"
 
 namespace {
 

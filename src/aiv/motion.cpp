@@ -75,7 +75,18 @@ bool AivMotion::on_indirect_move_req(const zone::Circuit& circuit) {
   return turn(circuit, TravelDir::Event::Ev_OnIndirectMoveReq);
 }
 
-double AivMotion::shift(const zone::Circuit& circuit, double distance_m) {
+double AivMotion::shift(const zone::Circuit& circuit, double distance_m, std::span<const zone::SectionId> coming,
+                        std::span<const zone::SectionId> gone) {
+  if (direction_.is_direct() && !(coming.empty() && gone.empty())) {
+    const zone::Place from = place(circuit);
+    const zone::Place to = circuit.advance(from, distance_m, coming, gone);
+    const bool whole = to.s_m > 0.0 && to.s_m < circuit.section(to.section).length_m();
+    *this = AivMotion(circuit, to);
+    if (whole) return distance_m;
+    // It may have come to a dead end.
+    if (distance_m >= 0.0) return circuit.distance_ahead(from, to, distance_m, coming).value_or(distance_m);
+    return distance_m;
+  }
   if (distance_m >= 0.0) return move(circuit, distance_m);
   const auto back =
       direction_.is_direct() ? TravelDir::Event::Ev_OnIndirectMoveReq : TravelDir::Event::Ev_OnDirectMoveReq;

@@ -66,9 +66,11 @@ class AivMotion {
   bool on_direct_move_req(const zone::Circuit& circuit);
   bool on_indirect_move_req(const zone::Circuit& circuit);
 
-  /// Signed move along the circuit: negative distances travel against the current direction. For corrections.
+  /// Signed move along the circuit: negative distances travel against the current direction. For corrections. Forwards
+  /// through the sections of `coming`, then along default successors; backwards through `gone`, its last first.
   /// Gives the distance really travelled, with its sign.
-  double shift(const zone::Circuit& circuit, double distance_m);
+  double shift(const zone::Circuit& circuit, double distance_m, std::span<const zone::SectionId> coming = {},
+               std::span<const zone::SectionId> gone = {});
 
   friend bool operator==(const AivMotion&, const AivMotion&) = default;
 

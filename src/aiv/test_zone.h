@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "zone/rtm.h"
+#include "zone/rtm/rtm.h"
 
 /// Zones and circuits that the tests of aiv and aiv/onboard drive on.
 namespace cosiva::aiv::test {

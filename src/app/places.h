@@ -7,7 +7,7 @@
 #include "app/arguments.h"
 #include "base/result.h"
 #include "experiments/scenario/scenario.h"
-#include "zone/rtm.h"
+#include "zone/rtm/rtm.h"
 
 /// Where things are on this machine.
 namespace cosiva::app {

@@ -6,7 +6,7 @@
 #include "app/arguments.h"
 #include "base/result.h"
 #include "experiments/scenario/scenario.h"
-#include "zone/rtm.h"
+#include "zone/rtm/rtm.h"
 
 namespace cosiva::app {
 

@@ -4,7 +4,7 @@
 #include "app/places.h"
 #include "app/words.h"
 #include "base/json_writer.h"
-#include "zone/rtm.h"
+#include "zone/rtm/rtm.h"
 
 namespace cosiva::app {
 namespace {

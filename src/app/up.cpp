@@ -18,7 +18,7 @@
 #include "app/trace_writer.h"
 #include "app/words.h"
 #include "base/json_value.h"
-#include "zone/rtm.h"
+#include "zone/rtm/rtm.h"
 
 namespace cosiva::app {
 namespace {

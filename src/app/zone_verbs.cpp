@@ -6,7 +6,7 @@
 #include "app/words.h"
 #include "base/json_writer.h"
 #include "zone/draw.h"
-#include "zone/rtm.h"
+#include "zone/rtm/rtm.h"
 
 namespace cosiva::app {
 namespace {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -33,21 +34,35 @@ struct Heartbeat {
   friend bool operator==(const Heartbeat&, const Heartbeat&) = default;
 };
 
-/// PILS → TSVA, 50 Hz. Distance counts along the line since power-up, forwards positive.
+/// PILS leaves the line: it turns on the spot where the line bends sharply, or looks for another line (Drive::seek).
+/// Where the body is now, seen from where it stood when this began: from its wheels, x ahead, y left.
+struct Manoeuvre {
+  std::int16_t x_mm{};
+  std::int16_t y_mm{};
+  std::int16_t turned_mrad{};  ///< left positive
+  friend bool operator==(const Manoeuvre&, const Manoeuvre&) = default;
+};
+
+/// PILS → TSVA, 50 Hz. Distance counts along the line since power-up, forwards positive; not during a manoeuvre.
 struct Odometry {
   std::uint32_t board_ms{};
   std::int64_t distance_um{};
   std::int16_t speed_mmps{};
   std::int16_t line_offset_01mm{};  ///< of the line from the sensor's middle, left positive, in 0.1 mm
   bool line_lost{};
+  std::optional<Manoeuvre> manoeuvre{};
   friend bool operator==(const Odometry&, const Odometry&) = default;
 };
+/// Nobody has said which way: PILS stops where the line forks or bends sharply.
+inline constexpr std::uint8_t no_branch = 0xFF;
 /// TSVA → PILS: follow the line at this speed. The board stops by itself 300 ms after the last valid one.
 struct Drive {
   std::int16_t speed_mmps{};  ///< negative drives backwards
   std::uint16_t acceleration_mmps2{};
   std::uint16_t braking_mmps2{};
-  std::uint8_t branch{};  ///< at the next fork take the n-th way, 0 = default
+  std::uint8_t branch{};  ///< at the next fork or sharp bend take the n-th way, 0 = default; no_branch: stop there
+  /// Off the line: go to the nearest one within reach, turn into it, and follow it. At speed 0 it waits.
+  bool seek{};
   friend bool operator==(const Drive&, const Drive&) = default;
 };
 

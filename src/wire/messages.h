@@ -173,8 +173,18 @@ enum class OperatingMode { automatic, semiautomatic, manual, service, teachin };
 enum class EStop { none, autoack, manual, remote };
 
 /// Vehicle to master control (§6.10).
+/// A map that the vehicle has (2.1 §6.10.5 maps).
+struct MapInfo {
+  std::string map_id;
+  std::string map_version;
+  std::string description;
+  bool enabled{};
+  friend bool operator==(const MapInfo&, const MapInfo&) = default;
+};
+
 struct State {
   Header header;
+  std::vector<MapInfo> maps;  ///< empty: the vehicle does not say
   std::string order_id;
   std::uint32_t order_update_id{};
   std::string zone_set_id;

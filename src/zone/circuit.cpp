@@ -31,7 +31,7 @@ std::optional<Error> check_joint(const Circuit::Part& before, const Circuit::Par
                  before.name};
   }
   const double turned_rad = std::fabs(wrap_angle(start.heading_rad - end.heading_rad));
-  if (!(turned_rad <= kink_rad)) {
+  if (!before.pivots && !(turned_rad <= kink_rad)) {
     constexpr double degrees = 180.0 / pi;
     return Error{"circuit.kink",
                  "'" + before.name + "' ends with heading " + std::to_string(end.heading_rad * degrees) + "° but '" +
@@ -110,22 +110,33 @@ Circuit::Located Circuit::locate(Point2 p, std::optional<double> heading_rad) co
   return aligned.distance_m < far ? aligned : any;
 }
 
-Place Circuit::advance(Place from, double distance_m) const {
+double Circuit::turn_at(SectionId from, SectionId to) const {
+  const double turned_rad = wrap_angle(section(to).start().heading_rad - section(from).end().heading_rad);
+  return std::fabs(turned_rad) <= smooth_rad ? 0.0 : turned_rad;
+}
+
+Place Circuit::advance(Place from, double distance_m, std::span<const SectionId> coming,
+                       std::span<const SectionId> gone) const {
   COSIVA_EXPECT(from.section < parts_.size() && std::isfinite(distance_m));
   double s = std::clamp(from.s_m, 0.0, section(from.section).length_m()) + distance_m;
   SectionId id = from.section;
-  while (s > section(id).length_m() && !next(id).empty()) {
+  for (std::size_t i = 0; s > section(id).length_m(); ++i) {
+    const SectionId after = i < coming.size() ? coming[i] : next(id).empty() ? no_section : next(id).front();
+    if (after == no_section) break;
     s -= section(id).length_m();
-    id = next(id).front();
+    id = after;
   }
-  while (s < 0.0 && !previous(id).empty()) {
-    id = previous(id).front();
+  for (std::size_t i = gone.size(); s<0.0; i -= i> 0 ? 1 : 0) {
+    const SectionId before = i > 0 ? gone[i - 1] : previous(id).empty() ? no_section : previous(id).front();
+    if (before == no_section) break;
+    id = before;
     s += section(id).length_m();
   }
   return {id, std::clamp(s, 0.0, section(id).length_m())};
 }
 
-std::optional<double> Circuit::distance_ahead(Place from, Place to, double limit_m) const {
+std::optional<double> Circuit::distance_ahead(Place from, Place to, double limit_m,
+                                              std::span<const SectionId> coming) const {
   COSIVA_EXPECT(from.section < parts_.size() && to.section < parts_.size());
   const auto within = [limit_m](double d_m) { return d_m <= limit_m ? std::optional{d_m} : std::nullopt; };
   if (from.section == to.section && to.s_m >= from.s_m) return within(to.s_m - from.s_m);
@@ -133,13 +144,63 @@ std::optional<double> Circuit::distance_ahead(Place from, Place to, double limit
   double travelled_m = section(from.section).length_m() - from.s_m;  // up to the start of `id`
   SectionId id = from.section;
   // A default way that comes back to a section it has been on never gets anywhere new.
-  for (std::size_t steps = 0; steps < parts_.size() && travelled_m <= limit_m; ++steps) {
-    if (next(id).empty()) return std::nullopt;
-    id = next(id).front();
+  for (std::size_t steps = 0; steps < coming.size() + parts_.size() && travelled_m <= limit_m; ++steps) {
+    if (steps < coming.size())
+      id = coming[steps];
+    else if (next(id).empty())
+      return std::nullopt;
+    else
+      id = next(id).front();
     if (id == to.section) return within(travelled_m + to.s_m);
     travelled_m += section(id).length_m();
   }
   return std::nullopt;
+}
+
+std::optional<Circuit::Way> Circuit::shortest_way(Place from, Place to, double limit_m) const {
+  COSIVA_EXPECT(from.section < parts_.size() && to.section < parts_.size());
+  if (from.section == to.section && to.s_m >= from.s_m) {
+    if (to.s_m - from.s_m > limit_m) return std::nullopt;
+    return Way{to.s_m - from.s_m, {from.section}};
+  }
+  // Dijkstra over the few sections within the limit; an index of those seen, so that nothing of the circuit's size is
+  // made.
+  struct Reached {
+    SectionId section;
+    double start_m;  // travelled when it begins
+    std::size_t via;
+    bool done;
+  };
+  std::vector<Reached> reached;
+  const auto reach = [&](SectionId id, double start_m, std::size_t via) {
+    if (start_m > limit_m) return;
+    const auto known = std::find_if(reached.begin(), reached.end(), [id](const Reached& r) { return r.section == id; });
+    if (known == reached.end())
+      reached.push_back({id, start_m, via, false});
+    else if (!known->done && start_m < known->start_m)
+      *known = {id, start_m, via, false};
+  };
+  constexpr auto beginning = std::numeric_limits<std::size_t>::max();
+  for (const SectionId after : next(from.section)) reach(after, section(from.section).length_m() - from.s_m, beginning);
+  for (;;) {
+    std::size_t best = beginning;
+    for (std::size_t i = 0; i < reached.size(); ++i) {
+      if (!reached[i].done && (best == beginning || reached[i].start_m < reached[best].start_m)) best = i;
+    }
+    if (best == beginning) return std::nullopt;
+    reached[best].done = true;
+    const SectionId id = reached[best].section;
+    if (id == to.section) {
+      if (reached[best].start_m + to.s_m > limit_m) return std::nullopt;
+      Way way{reached[best].start_m + to.s_m, {}};
+      for (std::size_t at = best; at != beginning; at = reached[at].via) way.sections.push_back(reached[at].section);
+      way.sections.push_back(from.section);
+      std::reverse(way.sections.begin(), way.sections.end());
+      return way;
+    }
+    const double end_m = reached[best].start_m + section(id).length_m();
+    for (const SectionId after : next(id)) reach(after, end_m, best);
+  }
 }
 
 }  // namespace cosiva::zone

@@ -31,10 +31,12 @@ class Circuit {
     Section section;
     std::optional<double> speed_mps_max;  ///< limit on this section, if any
     std::vector<SectionId> next;          ///< what may follow; the first is the default
+    bool pivots{false};  ///< at its end vehicles turn on the spot where what follows leaves at an angle
   };
 
   /// Joins the parts. An error's place is the name of the section at fault. Fails ("circuit.gap", "circuit.kink") where
-  /// a next section does not start where this one ends: position within `gap_m`, heading within `kink_rad`;
+  /// a next section does not start where this one ends: position within `gap_m`, heading within `kink_rad` unless the
+  /// section pivots;
   /// ("circuit.duplicate") on equal names; ("circuit.next") on a successor that is none of the parts;
   /// ("circuit.empty").
   [[nodiscard]] static Result<Circuit> make(std::string name, std::vector<Part> parts, double gap_m = 1e-3,
@@ -49,6 +51,10 @@ class Circuit {
   [[nodiscard]] std::span<const SectionId> next(SectionId id) const { return parts_[id].next; }
   [[nodiscard]] std::span<const SectionId> previous(SectionId id) const { return previous_[id]; }
   [[nodiscard]] double total_length_m() const;
+  /// What a vehicle turns on the spot between the end of `from` and the start of `to`, (−π, π], left positive; 0 where
+  /// the way goes on within `smooth_rad`.
+  [[nodiscard]] double turn_at(SectionId from, SectionId to) const;
+  static constexpr double smooth_rad = 1e-3;
 
   [[nodiscard]] Pose2 pose_at(Place place) const { return section(place.section).pose_at(place.s_m); }
 
@@ -61,11 +67,22 @@ class Circuit {
   };
   [[nodiscard]] Located locate(Point2 p, std::optional<double> heading_rad = std::nullopt) const;
 
-  /// The place `distance_m` ahead, following default successors; stops at a dead end. Negative goes back.
-  [[nodiscard]] Place advance(Place from, double distance_m) const;
+  /// The place `distance_m` ahead: through the sections of `coming`, in order, and from its end along default
+  /// successors; stops at a dead end. Negative goes back through `gone`, its last first, then along `previous`.
+  [[nodiscard]] Place advance(Place from, double distance_m, std::span<const SectionId> coming = {},
+                              std::span<const SectionId> gone = {}) const;
 
-  /// Distance to travel forward along default successors from `from` to `to`; nothing beyond `limit_m`.
-  [[nodiscard]] std::optional<double> distance_ahead(Place from, Place to, double limit_m) const;
+  /// Distance to travel forward from `from` to `to` through the sections of `coming`, which follow from.section, and
+  /// from its end along default successors; nothing beyond `limit_m`.
+  [[nodiscard]] std::optional<double> distance_ahead(Place from, Place to, double limit_m,
+                                                     std::span<const SectionId> coming = {}) const;
+
+  /// The shortest way from one place to another over all branches; nothing beyond `limit_m`.
+  struct Way {
+    double length_m{};
+    std::vector<SectionId> sections;  ///< from.section first, to.section last
+  };
+  [[nodiscard]] std::optional<Way> shortest_way(Place from, Place to, double limit_m) const;
 
  private:
   std::string name_;

@@ -166,18 +166,6 @@ Result<TrafficZone> with_edit(TrafficZone zone, const ZoneEdit& edit) {
   return zone;
 }
 
-Result<ZoneConfiguration> CircuitFactory::edited(const ZoneConfiguration& configuration, const ZoneEdit&) const {
-  return fail("edit.format",
-              "zones in the format '" + std::string(format()) + "' cannot be edited here; edit their file instead",
-              configuration.origin);
-}
-
-Result<ZoneConfiguration> edited(const ZoneConfiguration& configuration, const ZoneEdit& edit) {
-  const auto factory = circuit_factory_for(configuration.format);
-  if (!factory) return tl::unexpected(factory.error());
-  return (*factory)->edited(configuration, edit);
-}
-
 bool same_ways(const TrafficZone& a, const TrafficZone& b) {
   if (a.name != b.name || a.circuit.size() != b.circuit.size()) return false;
   for (SectionId id = 0; id < a.circuit.size(); ++id)

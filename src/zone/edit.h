@@ -10,7 +10,7 @@
 #include "base/json_value.h"
 #include "base/json_writer.h"
 #include "base/result.h"
-#include "zone/rtm.h"
+#include "zone/traffic_zone.h"
 
 namespace cosiva::zone {
 
@@ -37,10 +37,6 @@ struct ZoneEdit {
 /// The zone as it is after the edit: new tags stand last, places and pitch are rounded to 0.1 mm, as they are written.
 /// Fails as zone_edit_from_json does.
 [[nodiscard]] Result<TrafficZone> with_edit(TrafficZone zone, const ZoneEdit& edit);
-
-/// The configuration's text with the edit in it; the rest of the file, comments too, stays as it is. Fails where the
-/// format has no such thing.
-[[nodiscard]] Result<ZoneConfiguration> edited(const ZoneConfiguration& configuration, const ZoneEdit& edit);
 
 /// Whether the ways, the vehicle's shape and the profiles are the same, so that running vehicles may take `b` for `a`
 /// without stopping: only tags, beacons, stations and priorities differ.

@@ -319,6 +319,7 @@ TEST(ZoneEdit, is_refused_by_a_format_that_has_no_such_thing) {
   class Rigid final : public CircuitFactory {
    public:
     std::string_view format() const override { return "rigid"; }
+    std::vector<std::string_view> file_endings() const override { return {".rigid"}; }
     Result<TrafficZone> make_zone(const ZoneConfiguration&) const override { return testing::lacet4(); }
   };
   const auto result = Rigid{}.edited({"rigid", "x", ""}, {});

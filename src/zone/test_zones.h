@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "zone/rtm.h"
+#include "zone/rtm/rtm.h"
 
 namespace cosiva::zone::testing {
 

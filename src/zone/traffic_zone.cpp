@@ -102,6 +102,33 @@ const Waypoint* TrafficZone::find_waypoint(std::string_view id) const {
   return nullptr;
 }
 
+std::vector<std::size_t> TrafficZone::find_waypoints(std::string_view id) const {
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < waypoints.size(); ++i)
+    if (waypoints[i].id == id) found.push_back(i);
+  return found;
+}
+
+const Station* TrafficZone::find_station(std::string_view station_name) const {
+  const auto at =
+      std::find_if(stations.begin(), stations.end(), [&](const Station& s) { return s.name == station_name; });
+  return at == stations.end() ? nullptr : &*at;
+}
+
+const Loop* TrafficZone::find_loop(std::string_view loop_name) const {
+  const auto at = std::find_if(loops.begin(), loops.end(), [&](const Loop& loop) { return loop.name == loop_name; });
+  return at == loops.end() ? nullptr : &*at;
+}
+
+std::string_view to_string(Note::Kind kind) {
+  switch (kind) {
+    case Note::Kind::mended: return "mended";
+    case Note::Kind::lost: return "lost";
+    case Note::Kind::notice: return "notice";
+  }
+  return "?";
+}
+
 const Crossing* TrafficZone::crossing_at(Place place) const {
   for (const Crossing& crossing : crossings) {
     for (const CrossingSpan& span : crossing.spans) {

@@ -33,6 +33,9 @@ struct BeaconGrid {
   /// Given: the grid passes through this point and has as many beacons as it takes to cover every way, so that another
   /// pitch makes another number of them.
   std::optional<Point2> covers_through{};
+  /// The matrix is turned by this about its origin, left positive: column i, row j stands at
+  /// origin + pitch·(i·(cos, sin) + j·(−sin, cos)).
+  double rotation_rad{0.0};
 
   [[nodiscard]] Point2 at(std::uint32_t column, std::uint32_t row) const;
   [[nodiscard]] std::optional<Point2> find(TagNumber number) const;
@@ -44,10 +47,31 @@ struct BeaconGrid {
   [[nodiscard]] std::optional<Near> nearest(Point2 p) const;
 };
 
+enum class StationKind { stop, charger };
 struct Station {
   std::string name;
   Place place;
+  StationKind kind{StationKind::stop};
 };
+
+/// A named way round: each section follows the one before it, the first the last.
+struct Loop {
+  std::string name;
+  std::vector<SectionId> sections;
+};
+
+/// What a reader has to say about its file without refusing it.
+struct Note {
+  enum class Kind {
+    mended,  ///< it broke its format's rules; what was made of it
+    lost,    ///< something that a zone cannot say, or that is not taken from this format
+    notice,  ///< worth knowing, such as the worst error of a fit
+  };
+  Kind kind;
+  std::string place;  ///< in the file: "road 12", "layouts[0].edges[3].trajectory"
+  std::string text;   ///< a sentence
+};
+[[nodiscard]] std::string_view to_string(Note::Kind kind);
 
 /// The body that crossings and gaps are computed for. The body frame's origin is its middle.
 struct VehicleShape {
@@ -79,9 +103,10 @@ struct Crossing {
   std::vector<CrossingSpan> spans;
 };
 
-/// A node of the VDA 5050 graph: a place where an order may start, turn, or end. None lies inside a crossing.
+/// A node of the VDA 5050 graph: a place where an order may start, turn, or end. None lies inside a crossing but those
+/// that the zone's format or its stations put there: a vehicle goes to such a one only because it is sent there.
 struct Waypoint {
-  std::string id;
+  std::string id;  ///< several may share one where ways part or meet: the same point, on several sections
   Place place;
 };
 
@@ -102,11 +127,21 @@ struct TrafficZone {
   std::vector<Place> starts;  ///< where vehicle 1, 2, … of an emulated fleet begin; may be shorter than the fleet
   /// "CoSiVA/AIV1" → 1…999, sorted by name; who is not here has 0.
   std::vector<std::pair<std::string, std::int32_t>> priorities{};
+  std::vector<Loop> loops{};        ///< the first is where idle vehicles circulate; none: wherever the ways lead
+  std::vector<SectionId> closed{};  ///< closed from the beginning; sorted
+  std::vector<Note> notes{};
+  /// The format names its edges: a stretch that is one whole section has that section's name as its edge's id.
+  bool edges_are_sections{false};
 
   /// Of "manufacturer/serial"; 0 where none is given.
   [[nodiscard]] std::int32_t priority_of(std::string_view who) const;
   [[nodiscard]] const Tag* find_tag(TagNumber number) const;
+  /// The first of this id.
   [[nodiscard]] const Waypoint* find_waypoint(std::string_view id) const;
+  /// Indices of all of this id, ascending.
+  [[nodiscard]] std::vector<std::size_t> find_waypoints(std::string_view id) const;
+  [[nodiscard]] const Station* find_station(std::string_view name) const;
+  [[nodiscard]] const Loop* find_loop(std::string_view name) const;
   /// The crossing that has a span over this place, if any.
   [[nodiscard]] const Crossing* crossing_at(Place place) const;
 

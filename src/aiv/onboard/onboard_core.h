@@ -9,7 +9,7 @@
 #include "base/result.h"
 #include "wire/core.h"
 #include "wire/topics.h"
-#include "zone/rtm.h"
+#include "zone/rtm/rtm.h"
 
 namespace cosiva::aiv {
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "experiments/scenario/scenario.h"
-#include "zone/rtm.h"
+#include "zone/rtm/rtm.h"
 
 namespace cosiva::experiments::testing {
 

@@ -9,7 +9,7 @@
 
 #include "base/pose.h"
 #include "base/result.h"
-#include "zone/toml_library.h"  // one configuration of toml++ for the whole program: its symbols are compiled once, in zone
+#include "zone/toml/toml_library.h"  // one configuration of toml++ for the whole program: its symbols are compiled once, in zone
 
 namespace cosiva::experiments {
 

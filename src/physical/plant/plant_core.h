@@ -8,7 +8,7 @@
 #include "base/pose.h"
 #include "base/result.h"
 #include "wire/core.h"
-#include "zone/rtm.h"
+#include "zone/rtm/rtm.h"
 
 namespace cosiva::physical {
 

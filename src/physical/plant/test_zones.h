@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "zone/rtm.h"
+#include "zone/rtm/rtm.h"
 
 /// Zones for the tests of this folder.
 namespace cosiva::physical {

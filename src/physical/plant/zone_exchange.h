@@ -6,7 +6,7 @@
 
 #include "base/time.h"
 #include "wire/core.h"
-#include "zone/rtm.h"
+#include "zone/rtm/rtm.h"
 
 namespace cosiva::physical {
 

@@ -11,7 +11,7 @@
 #include "virtual/server/frames.h"
 #include "virtual/simulator/bijection.h"
 #include "wire/core.h"
-#include "zone/rtm.h"
+#include "zone/rtm/rtm.h"
 
 namespace cosiva::virtual_side {
 

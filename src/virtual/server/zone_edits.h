@@ -10,7 +10,7 @@
 #include "base/json_writer.h"
 #include "base/result.h"
 #include "virtual/simulator/simulator.h"
-#include "zone/rtm.h"
+#include "zone/rtm/rtm.h"
 
 namespace cosiva::virtual_side {
 

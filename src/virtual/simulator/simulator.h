@@ -15,7 +15,7 @@
 #include "virtual/simulator/seen_obstacles.h"
 #include "virtual/simulator/twin.h"
 #include "zone/draw.h"
-#include "zone/rtm.h"
+#include "zone/rtm/rtm.h"
 #include "zone/traffic_zone.h"
 
 namespace cosiva::virtual_side {

@@ -8,7 +8,7 @@
 #include "base/pose.h"
 #include "wire/core.h"
 #include "wire/topics.h"
-#include "zone/rtm.h"
+#include "zone/rtm/rtm.h"
 
 namespace cosiva::virtual_side {
 

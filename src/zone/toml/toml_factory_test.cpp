@@ -1,4 +1,4 @@
-#include "zone/toml_factory.h"
+#include "zone/toml/toml_factory.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -377,7 +377,7 @@ TEST(Rtm, of_an_unknown_format_names_the_known_ones) {
   ASSERT_FALSE(rtm);
   EXPECT_EQ(rtm.error().code, "zone.format");
   EXPECT_EQ(rtm.error().place, "test.xodr");
-  EXPECT_THAT(rtm.error().message, HasSubstr("known formats: toml"));
+  EXPECT_THAT(rtm.error().message, HasSubstr("known formats: toml, lif, opendrive"));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "zone/toml_factory.h"
+#include "zone/toml/toml_factory.h"
 
 #include <algorithm>
 #include <charconv>
@@ -6,7 +6,7 @@
 #include <set>
 
 #include "zone/edit_rules.h"
-#include "zone/toml_fields.h"
+#include "zone/toml/toml_fields.h"
 
 namespace cosiva::zone {
 namespace {

@@ -1,5 +1,5 @@
 #define TOML_IMPLEMENTATION
-#include "zone/toml_fields.h"
+#include "zone/toml/toml_fields.h"
 
 #include <algorithm>
 #include <charconv>

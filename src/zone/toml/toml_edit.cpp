@@ -5,8 +5,8 @@
 
 #include "zone/edit.h"
 #include "zone/edit_rules.h"
-#include "zone/toml_factory.h"
-#include "zone/toml_fields.h"
+#include "zone/toml/toml_factory.h"
+#include "zone/toml/toml_fields.h"
 
 namespace cosiva::zone {
 namespace {

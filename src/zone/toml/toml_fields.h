@@ -10,7 +10,7 @@
 
 #include "base/pose.h"
 #include "base/result.h"
-#include "zone/toml_library.h"
+#include "zone/toml/toml_library.h"
 
 namespace cosiva::zone {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "zone/rtm.h"
+#include "zone/circuit_factory.h"
 
 namespace cosiva::zone {
 
@@ -11,6 +11,7 @@ inline constexpr std::size_t toml_sections_max = 100'000;
 class TomlCircuitFactory final : public CircuitFactory {
  public:
   [[nodiscard]] std::string_view format() const override { return "toml"; }
+  [[nodiscard]] std::vector<std::string_view> file_endings() const override { return {".toml"}; }
   [[nodiscard]] Result<TrafficZone> make_zone(const ZoneConfiguration& configuration) const override;
   [[nodiscard]] Result<ZoneConfiguration> edited(const ZoneConfiguration& configuration,
                                                  const ZoneEdit& edit) const override;

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "zone/circuit.h"
+
+namespace cosiva::zone {
+
+/// The way that somebody takes through the circuit: a row of sections, each a successor of the one before, and which of
+/// them it is on. Where the row ends, default successors go on. An empty course is: default successors, always.
+class Course {
+ public:
+  Course() = default;
+  /// Begins on sections.front().
+  explicit Course(std::vector<SectionId> sections) : sections_{std::move(sections)} {}
+
+  /// It is on `section` now: the next of that name on the course, at most `within` sections on, else the nearest back.
+  /// False, and nothing changed: that section is not on the course.
+  bool arrive(SectionId section, std::size_t within = 64);
+  /// Appends what comes after the last section.
+  void extend(std::span<const SectionId> more);
+  void clear() { *this = Course{}; }
+  /// Forgets what lies further back than `keep` sections.
+  void forget_gone(std::size_t keep);
+
+  [[nodiscard]] bool empty() const { return sections_.empty(); }
+  [[nodiscard]] SectionId here() const { return sections_.empty() ? no_section : sections_[at_]; }
+  /// After the present section, in order of driving.
+  [[nodiscard]] std::span<const SectionId> coming() const {
+    return sections_.empty() ? std::span<const SectionId>{} : std::span{sections_}.subspan(at_ + 1);
+  }
+  /// Before the present section, in order of driving: the last is where it came from.
+  [[nodiscard]] std::span<const SectionId> gone() const { return std::span{sections_}.first(at_); }
+
+ private:
+  std::vector<SectionId> sections_;
+  std::size_t at_{0};
+};
+
+}  // namespace cosiva::zone

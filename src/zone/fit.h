@@ -1,0 +1,40 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "base/pose.h"
+#include "base/result.h"
+#include "zone/section.h"
+
+namespace cosiva::zone {
+
+struct FitTolerance {
+  double position_m{1e-3};
+  double heading_rad{1e-3};
+};
+
+/// A plane curve: where it is and where it heads at parameter u. Its heading need not be wrapped.
+struct PlaneCurve {
+  std::function<Pose2(double u)> at;
+  double from{};
+  double to{};                 ///< > from
+  std::vector<double> breaks;  ///< between from and to, ascending: where its shape changes, and it may kink
+};
+
+/// Sections of linear curvature, joined end to end exactly, that follow a curve.
+struct Fit {
+  std::vector<Section> sections;
+  double length_m{};
+  double worst_position_m{};   ///< from the curve to the sections
+  double worst_heading_rad{};  ///< likewise; over the curve's own kinks too, where it cannot be within the tolerance
+};
+
+/// Each piece is the clothoid that meets the curve's pose at both of its ends (G¹ Hermite); a piece that strays further
+/// than the tolerance is cut in two. Where the curve itself kinks, by at most 0.2 rad, the kink is rounded within the
+/// position tolerance. Fails ("fit.curve") where it is no such curve: not finite, a sharp corner, a cusp, or more than
+/// 100 000 pieces.
+[[nodiscard]] Result<Fit> fit(const PlaneCurve& curve, FitTolerance tolerance = {});
+
+}  // namespace cosiva::zone

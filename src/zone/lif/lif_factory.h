@@ -1,0 +1,15 @@
+#pragma once
+
+#include "zone/circuit_factory.h"
+
+namespace cosiva::zone {
+
+/// VDMA LIF 1.0, the Layout Interchange Format: docs/guide/zones.md says what is taken of it.
+class LifCircuitFactory final : public CircuitFactory {
+ public:
+  [[nodiscard]] std::string_view format() const override { return "lif"; }
+  [[nodiscard]] std::vector<std::string_view> file_endings() const override { return {".lif.json", ".json"}; }
+  [[nodiscard]] Result<TrafficZone> make_zone(const ZoneConfiguration& configuration) const override;
+};
+
+}  // namespace cosiva::zone

@@ -1,0 +1,75 @@
+#include "zone/rtm/rtm.h"
+
+#include <array>
+
+#include "zone/lif/lif_factory.h"
+#include "zone/opendrive/opendrive_factory.h"
+#include "zone/toml/toml_factory.h"
+
+namespace cosiva::zone {
+
+namespace {
+
+const std::array<const CircuitFactory*, 3>& factories() {
+  static const TomlCircuitFactory toml;
+  static const LifCircuitFactory lif;
+  static const OpenDriveCircuitFactory open_drive;
+  static const std::array<const CircuitFactory*, 3> all{&toml, &lif, &open_drive};
+  return all;
+}
+
+std::string joined(const std::vector<std::string_view>& words) {
+  std::string text;
+  for (const std::string_view word : words) text.append(text.empty() ? "" : ", ").append(word);
+  return text;
+}
+
+}  // namespace
+
+std::vector<std::string_view> known_formats() {
+  std::vector<std::string_view> formats;
+  for (const CircuitFactory* factory : factories()) formats.push_back(factory->format());
+  return formats;
+}
+
+Result<const CircuitFactory*> circuit_factory_for(std::string_view format) {
+  for (const CircuitFactory* factory : factories())
+    if (factory->format() == format) return factory;
+  return fail("zone.format", "no circuit factory for the format '" + std::string(format.substr(0, 40)) +
+                                 "'; known formats: " + joined(known_formats()));
+}
+
+Result<std::string> format_of_file(std::string_view file_name) {
+  std::vector<std::string_view> endings;
+  for (const CircuitFactory* factory : factories()) {
+    for (const std::string_view ending : factory->file_endings()) {
+      if (file_name.ends_with(ending)) return std::string(factory->format());
+      endings.push_back(ending);
+    }
+  }
+  return fail("zone.format", "a zone's file ends with one of " + joined(endings), std::string(file_name));
+}
+
+Result<ZoneConfiguration> edited(const ZoneConfiguration& configuration, const ZoneEdit& edit) {
+  const auto factory = circuit_factory_for(configuration.format);
+  if (!factory) return tl::unexpected(factory.error());
+  return (*factory)->edited(configuration, edit);
+}
+
+Result<Rtm> Rtm::initialise(ZoneConfiguration configuration) {
+  auto factory = circuit_factory_for(configuration.format);
+  if (!factory) {
+    factory.error().place = configuration.origin;
+    return tl::unexpected(std::move(factory.error()));
+  }
+  auto zone = (*factory)->make_zone(configuration);
+  if (!zone) return tl::unexpected(std::move(zone.error()));
+
+  Rtm rtm;
+  rtm.configuration_ = std::move(configuration);
+  rtm.factory_ = *factory;
+  rtm.zone_ = std::make_shared<const TrafficZone>(std::move(*zone));
+  return rtm;
+}
+
+}  // namespace cosiva::zone

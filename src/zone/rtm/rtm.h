@@ -1,0 +1,46 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "zone/circuit_factory.h"
+#include "zone/edit.h"
+#include "zone/traffic_zone.h"
+
+namespace cosiva::zone {
+
+/// All formats that there are.
+[[nodiscard]] std::vector<std::string_view> known_formats();
+/// The factory of a format; fails ("zone.format") naming the known ones.
+[[nodiscard]] Result<const CircuitFactory*> circuit_factory_for(std::string_view format);
+
+/// The format of a file of this name by its ending ("toml", "lif.json", "xodr"): fails ("zone.format") naming the known
+/// ones.
+[[nodiscard]] Result<std::string> format_of_file(std::string_view file_name);
+
+/// The configuration's text with the edit in it; the rest of the file, comments too, stays as it is. Fails where the
+/// format has no such thing.
+[[nodiscard]] Result<ZoneConfiguration> edited(const ZoneConfiguration& configuration, const ZoneEdit& edit);
+
+/// The real-time module (A22): a file on the physical side, a queryable object on the virtual one. It initialises
+/// itself from the configuration and answers requests about zone, circuit and sections.
+class Rtm {
+ public:
+  [[nodiscard]] static Result<Rtm> initialise(ZoneConfiguration configuration);
+
+  [[nodiscard]] const CircuitFactory& circuit_factory() const { return *factory_; }
+  [[nodiscard]] const ZoneConfiguration& configuration() const { return configuration_; }
+  [[nodiscard]] const TrafficZone& zone() const { return *zone_; }
+  [[nodiscard]] std::shared_ptr<const TrafficZone> share_zone() const { return zone_; }
+
+ private:
+  Rtm() = default;
+  ZoneConfiguration configuration_;
+  const CircuitFactory* factory_{};
+  std::shared_ptr<const TrafficZone> zone_;
+};
+
+}  // namespace cosiva::zone
