@@ -15,7 +15,8 @@ std::vector<BoardMessage> messages() {
   Ranges ranges{1234, -35, 10, {}};
   for (std::uint16_t i = 0; i < 8; ++i) ranges.range_mm.push_back(static_cast<std::uint16_t>(300 + 40 * i));
   return {Odometry{1234, 987'654'321, 300, -12, false},
-          Drive{300, 500, 800, 0},
+          Odometry{1254, 987'654'321, 0, 0, false, Manoeuvre{120, -35, 1571}},
+          Drive{300, 500, 800, 0, false},
           TagRead{1234, 7, 12},
           ranges,
           Heartbeat{123'456, 0, 0, 0},
@@ -36,7 +37,7 @@ void BM_encode(benchmark::State& state) {
 BENCHMARK(BM_encode);
 
 void BM_decode(benchmark::State& state) {
-  constexpr std::size_t frames = 252;  // whole rounds of the six messages, within one count of the sequence byte
+  constexpr std::size_t frames = 252;  // whole rounds of the seven messages, within one count of the sequence byte
   const std::vector<BoardMessage> all = messages();
   module_link::Encoder encoder;
   std::string stream;

@@ -1,7 +1,6 @@
 # Others' headers, parsed once for all folders (cosiva_headers) and once for all tests (cosiva_test_headers), whose flags
 # differ. Every file still names what it uses: clang-tidy compiles each without these.
-file(WRITE ${CMAKE_BINARY_DIR}/headers.cpp.new "")
-file(COPY_FILE ${CMAKE_BINARY_DIR}/headers.cpp.new ${CMAKE_BINARY_DIR}/headers.cpp ONLY_IF_DIFFERENT)
+file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/headers.cpp CONTENT "")
 set(std_headers <algorithm> <array> <charconv> <chrono> <cmath> <cstdint> <deque> <functional> <limits> <map> <memory>
   <optional> <span> <string> <string_view> <utility> <variant> <vector> <tl/expected.hpp>)
 

@@ -2,7 +2,17 @@
 #include "zone/rtm/rtm.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const auto rtm = cosiva::zone::Rtm::initialise({"toml", "fuzz.toml", std::string(cosiva::fuzz::as_text(data, size))});
-  if (!rtm) COSIVA_EXPECT(!rtm.error().code.empty() && !rtm.error().message.empty());
+  using namespace cosiva::zone;
+  const ZoneConfiguration configuration{"toml", "fuzz.toml", std::string(cosiva::fuzz::as_text(data, size))};
+  const auto rtm = Rtm::initialise(configuration);
+  if (!rtm) {
+    COSIVA_EXPECT(!rtm.error().code.empty() && !rtm.error().message.empty());
+    COSIVA_EXPECT(faults(configuration).front() == rtm.error());
+    return 0;
+  }
+  // What was read can be written, and that reads back.
+  std::vector<Note> lost;
+  const auto written = rtm->circuit_factory().written(rtm->zone(), lost);
+  COSIVA_EXPECT(written && lost.empty());
   return 0;
 }

@@ -41,6 +41,8 @@ constexpr int send_buffer_bytes = 64 * 1024;
 constexpr std::size_t live_message_bytes_max = 4 * 1024;
 constexpr std::chrono::seconds linger_max{2};
 constexpr std::size_t drained_bytes_max = 16 * 1024 * 1024;
+/// Whole files that are taken in at the same time: each may fill the memory that one may have.
+constexpr std::size_t large_bodies_max = 2;
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
@@ -88,6 +90,7 @@ struct HttpServer::Inside : std::enable_shared_from_this<HttpServer::Inside> {
   bool closed{false};
   std::set<HttpSession*> sessions;
   std::set<LiveSession*> live;
+  std::size_t large_bodies{0};  ///< being taken in now
   std::array<Frame, live_kinds> kept;
   std::function<void()> on_join;
 };
@@ -179,7 +182,10 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
         rate_{server_->options.requests_per_second, server_->options.requests_burst, std::chrono::steady_clock::now()} {
     server_->sessions.insert(this);
   }
-  ~HttpSession() { server_->sessions.erase(this); }
+  ~HttpSession() {
+    end_large();
+    server_->sessions.erase(this);
+  }
 
   void start() { read(server_->options.request_timeout); }
 
@@ -193,17 +199,41 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   void read(std::chrono::milliseconds limit) {
     parser_.emplace();
     parser_->header_limit(header_bytes_max);
-    parser_->body_limit(server_->options.body_bytes_max);
+    // What a body may have depends on where it goes; that is in the header.
+    body_bytes_max_ = server_->options.body_bytes_max;
+    parser_->body_limit(std::max(body_bytes_max_, server_->options.large_body_bytes_max));
     stream_.expires_after(limit);
+    http::async_read_header(
+        stream_, buffer_, *parser_,
+        [self = shared_from_this()](const ErrorCode& error, std::size_t) { self->on_header(error); });
+  }
+
+  void on_header(const ErrorCode& error) {
+    if (error) return on_read(error);
+    const HttpOptions& options = server_->options;
+    const auto announced = parser_->content_length();
+    const bool large = view(parser_->get().target()) == options.large_body_path && options.large_body_bytes_max > 0;
+    // One that does not announce its length may become large too.
+    if (large && (parser_->chunked() || announced.value_or(0) > body_bytes_max_)) {
+      if (server_->large_bodies >= large_bodies_max)
+        return refuse(http_error(503, "http.busy", "others are sending whole files just now; try again in a moment"));
+      large_ = true;
+      ++server_->large_bodies;
+      body_bytes_max_ = options.large_body_bytes_max;
+    }
+    if (announced.value_or(0) > body_bytes_max_) return on_read(http::error::body_limit);
+    parser_->body_limit(body_bytes_max_);
+    stream_.expires_after(options.request_timeout);
     http::async_read(stream_, buffer_, *parser_,
-                     [self = shared_from_this()](const ErrorCode& error, std::size_t) { self->on_read(error); });
+                     [self = shared_from_this()](const ErrorCode& bad, std::size_t) { self->on_read(bad); });
   }
 
   void on_read(const ErrorCode& error) {
+    end_large();
     if (error == http::error::end_of_stream || error == beast::error::timeout) return close();
     if (error == http::error::body_limit)
-      return refuse(http_error(
-          413, "http.body", "a request's body may have " + std::to_string(server_->options.body_bytes_max) + " bytes"));
+      return refuse(
+          http_error(413, "http.body", "a request's body may have " + std::to_string(body_bytes_max_) + " bytes here"));
     if (error == http::error::header_limit)
       return refuse(http_error(431, "http.header", "the request's header is too long"));
     if (error.category() == make_error_code(http::error::bad_method).category() && error)
@@ -218,6 +248,10 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
       return;
     }
     write(rate_.take(std::chrono::steady_clock::now()) ? server_->answer(request) : server_->too_many(request));
+  }
+
+  void end_large() {
+    if (std::exchange(large_, false)) --server_->large_bodies;
   }
 
   [[nodiscard]] std::optional<HttpResponse> refuse_upgrade(const Request& request) const {
@@ -274,6 +308,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   http_rules::RateLimit rate_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::string_body>> parser_;
+  std::size_t body_bytes_max_{0};
+  bool large_{false};  ///< counted among the server's large bodies
   std::optional<Response> response_;
   std::array<char, 4096> drained_;
   std::size_t drained_bytes_{0};

@@ -40,6 +40,10 @@ struct HttpOptions {
   std::string web_root;      ///< static files; empty or missing: `/` answers `page_without_web_root`
   std::string page_without_web_root;
   std::size_t body_bytes_max{64 * 1024};
+  /// One path may be sent more, such as a whole file; of such bodies few are taken in at the same time, more are
+  /// answered 503.
+  std::string large_body_path;
+  std::size_t large_body_bytes_max{0};
   std::size_t clients_max{512};
   double requests_per_second{200.0};  ///< of one connection, for longer than its burst; more are answered 429
   double requests_burst{400.0};

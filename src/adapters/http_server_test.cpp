@@ -258,6 +258,46 @@ TEST_F(Http, refuses_paths_that_climb_out) {
   }
 }
 
+TEST_F(Http, takes_a_larger_body_on_the_one_path_that_is_for_files) {
+  HttpOptions options;
+  options.large_body_path = "/api/v1/echo";
+  options.large_body_bytes_max = 100'000;
+  serve(options);
+  const auto post = [&](const std::string& path, std::size_t bytes) {
+    return raw("POST " + path +
+               " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nContent-Type: application/json\r\n" +
+               "Content-Length: " + std::to_string(bytes) + "\r\n\r\n" + std::string(bytes, 'x'));
+  };
+  EXPECT_THAT(post("/api/v1/echo", 70'000), StartsWith("HTTP/1.1 202"));
+  EXPECT_THAT(post("/api/v1/echo", 100'001), StartsWith("HTTP/1.1 413"));
+  EXPECT_THAT(post("/api/v1/other", 70'000), StartsWith("HTTP/1.1 413"));
+  EXPECT_THAT(post("/api/v1/echo", 70'000), StartsWith("HTTP/1.1 202")) << "what was refused is forgotten";
+}
+
+TEST_F(Http, takes_in_few_large_bodies_at_the_same_time) {
+  HttpOptions options;
+  options.large_body_path = "/api/v1/echo";
+  options.large_body_bytes_max = 100'000;
+  serve(options);
+  const std::string head =
+      "POST /api/v1/echo HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: "
+      "70000\r\n\r\n";
+  std::vector<tcp::socket> slow;
+  for (int i = 0; i < 2; ++i) {
+    slow.emplace_back(loop.context()).connect({asio::ip::address_v4::loopback(), server->port()});
+    asio::write(slow.back(), asio::buffer(head));
+  }
+  loop.run_until([] { return false; }, 50ms);
+  EXPECT_THAT(raw(head), StartsWith("HTTP/1.1 503"));
+  slow.clear();
+  loop.run_until([] { return false; }, 50ms);
+  EXPECT_THAT(
+      raw("POST /api/v1/echo HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nContent-Type: application/json\r\n"
+          "Content-Length: 70000\r\n\r\n" +
+          std::string(70'000, 'x')),
+      StartsWith("HTTP/1.1 202"));
+}
+
 TEST_F(Http, answers_oversized_and_malformed_requests_with_their_reason_and_stays_up) {
   serve();
   const std::string head = "POST /api/v1/echo HTTP/1.1\r\nHost: localhost\r\n";

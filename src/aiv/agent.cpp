@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
+
+#include "zone/anchor.h"
 
 namespace cosiva::aiv {
 namespace {
@@ -17,6 +20,21 @@ constexpr double base_warning_m = 0.30;
 /// It says that it brakes for what it feels from this much on, and until it is less than that.
 constexpr double felt_begins_mps = 0.01;
 constexpr double felt_ends_mps = 0.002;
+/// Readings in a row without any progress before a manoeuvre counts as interrupted.
+constexpr int still_readings_max = 5;
+/// And before a vehicle that is told to drive counts as waiting at a joint.
+constexpr int stuck_readings_max = 25;
+constexpr double stuck_m = 0.0005;
+/// Air around a body that turns on the spot.
+constexpr double sweep_margin_m = 0.05;
+/// A bend this near ahead may begin at any moment.
+constexpr double bend_near_m = 0.03;
+/// A fork counts as the next until the vehicle is so far beyond it: its body may be behind its belief.
+constexpr double fork_passed_m = 0.10;
+/// Forks further ahead than this are not looked for.
+constexpr double fork_ahead_m = 3.0;
+/// Rounding between the order's way and the joint's.
+constexpr double rounding_m = 0.005;
 
 }  // namespace
 
@@ -28,6 +46,7 @@ std::string_view to_string(Hold hold) {
     case Hold::board_lost: return "board lost";
     case Hold::board_faulty: return "board faulty";
     case Hold::line_lost: return "line lost";
+    case Hold::zone_change: return "zone change";
   }
   return "?";
 }
@@ -38,7 +57,8 @@ Agent::Agent(const zone::TrafficZone& zone, std::unique_ptr<SpeedChooser> choose
       estimator_{zone},
       order_{zone},
       corridor_{zone},
-      envelope_{zone} {}
+      envelope_{zone},
+      one_way_{one_way_only(zone.circuit)} {}
 
 void Agent::advance_order(double distance_m) {
   auto traversed = order_.travelled(distance_m);
@@ -46,17 +66,46 @@ void Agent::advance_order(double distance_m) {
 }
 
 void Agent::on_odometry(const wire::Odometry& odometry) {
-  const double step_m = estimator_.on_odometry(odometry.distance_um);
+  const auto rolled = estimator_.on_odometry(odometry);
+  note_motion(odometry);
+  // Off the line there need not be one.
+  hold(Hold::line_lost, odometry.line_lost && !estimator_.off_line());
+  if (rolled.step_m != 0.0) advance_order(rolled.step_m);
+  if (rolled.kind == PositionEstimator::FixKind::relocated) on_relocated();
+  if (!one_way_) note_stuck();
+}
+
+void Agent::note_motion(const wire::Odometry& odometry) {
   speed_mps_ = 0.001 * odometry.speed_mmps;
   slow_readings_ = std::fabs(speed_mps_) < standing_mps ? std::min(slow_readings_ + 1, standing_readings) : 0;
-  standing_ = slow_readings_ >= standing_readings;
-  hold(Hold::line_lost, odometry.line_lost);
-  if (step_m != 0.0) advance_order(step_m);
+  turn_radps_ = 0.0;
+  if (odometry.manoeuvre) {
+    const bool still = manoeuvre_ == odometry.manoeuvre;
+    still_readings_ = still ? std::min(still_readings_ + 1, still_readings_max) : 0;
+    const std::uint32_t since_ms = odometry.board_ms - manoeuvre_ms_;
+    if (manoeuvre_ && since_ms > 0 && since_ms < 1000)
+      turn_radps_ = (odometry.manoeuvre->turned_mrad - manoeuvre_->turned_mrad) / static_cast<double>(since_ms);
+    manoeuvre_ms_ = odometry.board_ms;
+  }
+  manoeuvre_ = odometry.manoeuvre;
+  standing_ = slow_readings_ >= standing_readings && (!manoeuvre_ || still_readings_ >= still_readings_max);
+}
+
+void Agent::note_stuck() {
+  const bool waits = told_.speed_mmps > 0 && !told_.seek && !manoeuvre_ && !holds(Hold::line_lost) &&
+                     std::fabs(estimator_.travelled_m() - stuck_travelled_m_) < stuck_m;
+  if (!waits) stuck_travelled_m_ = estimator_.travelled_m();
+  stuck_readings_ = waits ? stuck_readings_ + 1 : 0;
+  if (stuck_readings_ < stuck_readings_max) return;
+  stuck_readings_ = 0;
+  if (const double correction_m = estimator_.on_stuck(); correction_m != 0.0) advance_order(correction_m);
 }
 
 void Agent::on_odometry_lost() {
   speed_mps_ = 0.0;
+  turn_radps_ = 0.0;
   slow_readings_ = standing_readings;
+  still_readings_ = still_readings_max;
   standing_ = true;
 }
 
@@ -65,25 +114,32 @@ void Agent::on_odometer_reset() { estimator_.on_odometer_reset(); }
 PositionEstimator::Fix Agent::on_tag(const wire::TagRead& tag) {
   const auto fix = estimator_.on_tag(tag.number, 0.001 * tag.age_ms, speed_mps_);
   if (fix.kind == PositionEstimator::FixKind::corrected) advance_order(fix.correction_m);
-  if (fix.kind == PositionEstimator::FixKind::relocated) {
-    obstacle_.clear();
-    if (order_.relocate(estimator_.place())) {
-      advance_order(0.0);
-    } else {
-      order_.cancel();
-      lost_order_ = true;
-    }
-  }
+  if (fix.kind == PositionEstimator::FixKind::relocated) on_relocated();
   return fix;
+}
+
+void Agent::on_relocated() {
+  obstacle_.clear();
+  if (!order_.active()) return;
+  if (estimator_.known() && order_.relocate(estimator_.place())) {
+    follow_order();
+    advance_order(0.0);
+  } else {
+    order_.cancel();
+    lost_order_ = true;
+  }
 }
 
 void Agent::on_ranges(const wire::Ranges& ranges) {
   if (!estimator_.known()) return;
-  look_ = corridor_.look(estimator_.place(), ranges);
+  look_ = corridor_.look(estimator_.outlook(), ranges);
   obstacle_.add(look_.ahead_m, estimator_.travelled_m());
+  if (!one_way_ || estimator_.off_line()) around_.add(corridor_.nearest_m(ranges), 0.0);
 }
 
 void Agent::stand_at(zone::Place place) { estimator_.place_at(place); }
+
+void Agent::stand_off(const Pose2& X_MB) { estimator_.stand_off(X_MB); }
 
 Result<void> Agent::initialise_position(const Pose2& X_MB, std::string last_node_id) {
   if (order_.active() || !standing_)
@@ -93,7 +149,11 @@ Result<void> Agent::initialise_position(const Pose2& X_MB, std::string last_node
     return fail("position.off_circuit",
                 "no way of '" + zone_.name + "' passes within 0.25 m of the position in its direction");
   }
-  estimator_.place_at(*place);
+  // Where its sensors see no line it stands beside the one that it was told.
+  if (holds(Hold::line_lost) || estimator_.off_line())
+    estimator_.stand_off(X_MB);
+  else
+    estimator_.place_at(*place);
   order_.set_last_node(std::move(last_node_id));
   obstacle_.clear();
   return {};
@@ -101,9 +161,17 @@ Result<void> Agent::initialise_position(const Pose2& X_MB, std::string last_node
 
 Result<OrderBook::Verdict> Agent::take_order(const wire::Order& order) {
   if (cancelling_) return fail("orderUpdateError", "the order before it is being cancelled");
+  if (estimator_.away()) {
+    return fail("noRouteError", "the nearest way of '" + zone_.name + "' passes " +
+                                    std::to_string(estimator_.off_by_m()) + " m from the vehicle, further than " +
+                                    std::to_string(zone::anchor_within_m) + " m");
+  }
   const OrderBook::Standing standing{estimator_.known() ? estimator_.place() : zone::Place{}, estimator_.known()};
   auto verdict = order_.offer(order, standing);
-  if (verdict && *verdict != OrderBook::Verdict::ignored_same) advance_order(0.0);
+  if (verdict && *verdict != OrderBook::Verdict::ignored_same) {
+    follow_order();
+    advance_order(0.0);
+  }
   return verdict;
 }
 
@@ -117,6 +185,23 @@ bool Agent::begin_cancel() {
   if (!order_.active()) return false;
   cancelling_ = true;
   return true;
+}
+
+void Agent::take_over(const Agent& before) {
+  estimator_.take_over(before.estimator_);
+  order_.take_over_ids(before.order_);
+  speed_mps_ = before.speed_mps_;
+  slow_readings_ = before.slow_readings_;
+  standing_ = before.standing_;
+  manoeuvre_ = before.manoeuvre_;
+  manoeuvre_ms_ = before.manoeuvre_ms_;
+  still_readings_ = before.still_readings_;
+  charge_ = before.charge_;
+  holds_ = before.holds_;
+  imposed_ = before.imposed_;
+  speed_mps_max_ = before.speed_mps_max_;
+  hold(Hold::zone_change, false);
+  if (estimator_.off_line()) hold(Hold::line_lost, false);
 }
 
 Agent::Plan Agent::plan(double room_m, double base_end_m) const {
@@ -133,7 +218,20 @@ Agent::Plan Agent::plan(double room_m, double base_end_m) const {
   zone::SpeedProfile wish = kinematics(zone_.profiles, profile);
   if (speed_mps_max_) wish.speed_mps = std::min(wish.speed_mps, *speed_mps_max_);
   if (!estimator_.known()) return {wish, {0.0, wish.braking_mps2}};
-  return {wish, envelope_.limit({estimator_.place(), speed_mps_, obstacle_m, order_}, wish)};
+  if (estimator_.beside() && wish.speed_mps > zone_.profiles.slow.speed_mps) wish = zone_.profiles.slow;
+  Limit limit = envelope_.limit({estimator_.outlook(), speed_mps_, obstacle_m, order_}, wish);
+  if (limit.speed_mps > 0.0 && !may_sweep(limit)) {
+    limit.speed_mps = 0.0;
+    limit.by_obstacle = true;
+  }
+  return {wish, limit};
+}
+
+bool Agent::may_sweep(const Limit& limit) const {
+  if (one_way_ && !estimator_.off_line()) return true;
+  if (!estimator_.off_line() && limit.bend_ahead_m > bend_near_m) return true;
+  const double corner_m = 0.5 * norm(zone_.vehicle.length_m, zone_.vehicle.width_m);
+  return around_.obstacle_ahead_m(0.0) > corner_m + sweep_margin_m;
 }
 
 bool Agent::limited_by_felt(const Plan& plan, double sensed_m, double base_end_m) const {
@@ -145,6 +243,7 @@ bool Agent::limited_by_felt(const Plan& plan, double sensed_m, double base_end_m
 wire::Drive Agent::decide() {
   if (cancelling_ && standing_) {
     order_.cancel();
+    if (!one_way_ && estimator_.known()) follow_order();
     cancelling_ = false;
   }
   const double sensed_m = obstacle_.obstacle_ahead_m(estimator_.travelled_m());
@@ -165,15 +264,55 @@ wire::Drive Agent::decide() {
   return drive(limit.speed_mps, wish);
 }
 
-wire::Drive Agent::drive(double speed_mps, const zone::SpeedProfile& kinematics) const {
+wire::Drive Agent::drive(double speed_mps, const zone::SpeedProfile& kinematics) {
   const auto milli = [](double value, double top) { return std::nearbyint(std::clamp(1000.0 * value, 0.0, top)); };
-  return {static_cast<std::int16_t>(milli(speed_mps, 32767.0)),
-          static_cast<std::uint16_t>(milli(kinematics.acceleration_mps2, 65535.0)),
-          static_cast<std::uint16_t>(milli(kinematics.braking_mps2, 65535.0)), 0};
+  told_ = {static_cast<std::int16_t>(milli(speed_mps, 32767.0)),
+           static_cast<std::uint16_t>(milli(kinematics.acceleration_mps2, 65535.0)),
+           static_cast<std::uint16_t>(milli(kinematics.braking_mps2, 65535.0)), branch(), false};
+  told_.seek = estimator_.beside() && (told_.speed_mmps > 0 || estimator_.manoeuvring());
+  return told_;
+}
+
+std::uint8_t Agent::branch() const {
+  if (one_way_) return 0;
+  if (!estimator_.known()) return wire::no_branch;
+  const zone::Circuit& circuit = zone_.circuit;
+  const auto number = [&](zone::SectionId from, zone::SectionId to) {
+    const auto ways = circuit.next(from);
+    const auto index = std::ranges::find(ways, to) - ways.begin();
+    return static_cast<std::uint8_t>(std::min<std::ptrdiff_t>(index, wire::no_branch - 1));
+  };
+
+  const Outlook outlook = estimator_.outlook();
+  const double base_m = order_.distance_to_base_end_m();
+  SectionsAhead ahead{circuit, outlook};
+  double end_m = -outlook.here.s_m;
+  std::uint8_t next = wire::no_branch;
+  for (;;) {
+    const zone::SectionId from = ahead.section();
+    end_m += circuit.section(from).length_m();
+    const bool decides = circuit.next(from).size() != 1 || bend_rad(circuit, from, ahead.next()) != 0.0;
+    if (decides && ahead.decided() && base_m > end_m + rounding_m) next = number(from, ahead.next());
+    if (decides || end_m > fork_ahead_m || !ahead.step()) break;
+  }
+
+  // The last one rolled over, as long as it is near.
+  double back_m = outlook.here.s_m;
+  zone::SectionId to = outlook.here.section;
+  const auto gone = estimator_.course().gone();
+  for (std::size_t i = gone.size(); i-- > 0 && back_m < std::min(fork_passed_m, 0.5 * (back_m + end_m));) {
+    const zone::SectionId from = gone[i];
+    if (bend_rad(circuit, from, to) != 0.0) break;  // turned: that is done
+    if (circuit.next(from).size() > 1) return number(from, to);
+    back_m += circuit.section(from).length_m();
+    to = from;
+  }
+  return next;
 }
 
 double Agent::turn_rate_radps() const {
-  if (!estimator_.known()) return 0.0;
+  if (estimator_.manoeuvring()) return turn_radps_;
+  if (!estimator_.known() || estimator_.off_line()) return 0.0;
   const zone::Place here = estimator_.place();
   return speed_mps_ * zone_.circuit.section(here.section).curvature_at(here.s_m);
 }

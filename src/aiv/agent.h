@@ -25,6 +25,7 @@ enum class Hold : std::uint8_t {
   board_lost = 1U << 3U,    ///< it cannot sense or act
   board_faulty = 1U << 4U,  ///< a board that it drives by says that it is broken
   line_lost = 1U << 5U,     ///< nothing to follow under the sensors
+  zone_change = 1U << 6U,   ///< another zone is in force as soon as it stands
 };
 [[nodiscard]] std::string_view to_string(Hold hold);
 
@@ -53,6 +54,10 @@ class Agent {
   // What it is told.
   /// Somebody who knows: configuration or memory.
   void stand_at(zone::Place place);
+  void stand_off(const Pose2& X_MB);  ///< likewise a pose, maybe beside the line
+  void resume_manoeuvre(const Pose2& X_OB, std::optional<zone::SectionId> next) {
+    estimator_.resume_manoeuvre(X_OB, next);
+  }
   /// initPosition: fails ("position.off_circuit") further than 0.25 m from the circuit or looking another way, and
   /// ("position.busy") while an order is active or the vehicle moves.
   [[nodiscard]] Result<void> initialise_position(const Pose2& X_MB, std::string last_node_id);
@@ -62,6 +67,9 @@ class Agent {
   void limit_speed(std::optional<double> speed_mps) { speed_mps_max_ = speed_mps; }
   /// Brakes; once it stands the order is dropped and cancelling() ends. False: there is no order to cancel.
   [[nodiscard]] bool begin_cancel();
+  /// In another zone from now on, as `before` left off: where the body is, what holds and limits it and which order it
+  /// had last stay; the order itself is dropped. Only for one that stands.
+  void take_over(const Agent& before);
 
   /// What the motors have to do now. At least every 100 ms: the board's watchdog waits 300 ms.
   [[nodiscard]] wire::Drive decide();
@@ -86,7 +94,9 @@ class Agent {
   [[nodiscard]] bool wants_base() const { return wants_base_; }
   [[nodiscard]] std::optional<Profile> imposed() const { return imposed_; }
   [[nodiscard]] std::optional<double> speed_mps_max() const { return speed_mps_max_; }
-  [[nodiscard]] Status status() const { return status_of(speed_mps_, imposed_); }
+  [[nodiscard]] Status status() const {
+    return status_of(estimator_.manoeuvring() && !standing_ ? bend_creep_mps : speed_mps_, imposed_);
+  }
   [[nodiscard]] double charge() const { return charge_; }
   /// Nodes traversed since the last call, in order.
   [[nodiscard]] std::vector<wire::OrderNode> take_traversed();
@@ -95,6 +105,15 @@ class Agent {
 
  private:
   void advance_order(double distance_m);
+  void follow_order() { estimator_.follow(order_.course_from(estimator_.place())); }
+  /// The belief jumped: the order goes on from there, or is dropped.
+  void on_relocated();
+  void note_motion(const wire::Odometry& odometry);
+  /// Driving is asked for and nothing moves: PILS waits at the end of the way that it was told.
+  void note_stuck();
+  /// Which way at the fork or bend that PILS comes to next.
+  [[nodiscard]] std::uint8_t branch() const;
+  [[nodiscard]] bool may_sweep(const Limit& limit) const;
   /// What it would do with so much room before it.
   struct Plan {
     zone::SpeedProfile wish;
@@ -102,7 +121,7 @@ class Agent {
   };
   [[nodiscard]] Plan plan(double room_m, double base_end_m) const;
   [[nodiscard]] bool limited_by_felt(const Plan& plan, double sensed_m, double base_end_m) const;
-  [[nodiscard]] wire::Drive drive(double speed_mps, const zone::SpeedProfile& kinematics) const;
+  [[nodiscard]] wire::Drive drive(double speed_mps, const zone::SpeedProfile& kinematics);
 
   const zone::TrafficZone& zone_;
   std::unique_ptr<SpeedChooser> chooser_;
@@ -113,10 +132,19 @@ class Agent {
   Corridor::Look look_;
   double felt_m_{std::numeric_limits<double>::infinity()};
   Envelope envelope_;
+  bool one_way_;           ///< nothing to choose and nothing to turn at in this zone
+  ObstacleFilter around_;  ///< echoes near the body, whatever its way
 
   double speed_mps_{0.0};
   int slow_readings_{2};  ///< in a row under a centimetre per second; it starts standing
   bool standing_{true};
+  std::optional<wire::Manoeuvre> manoeuvre_;  ///< as last read
+  std::uint32_t manoeuvre_ms_{};
+  int still_readings_{0};  ///< in a row in which the manoeuvre did not go on
+  double turn_radps_{0.0};
+  wire::Drive told_{};  ///< to the motors, last
+  int stuck_readings_{0};
+  double stuck_travelled_m_{0.0};
   double charge_{1.0};
   std::uint8_t holds_{0};
   std::optional<Profile> imposed_;

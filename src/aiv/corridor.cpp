@@ -28,7 +28,7 @@ double Corridor::echo_ahead_m(double range_m, double bearing_rad, double spread_
   return std::max(0.0, nearest_m);
 }
 
-Corridor::Look Corridor::look(zone::Place here, const wire::Ranges& ranges) {
+Corridor::Look Corridor::look(const Outlook& outlook, const wire::Ranges& ranges) {
   const double width_rad = 0.01 * ranges.beam_width_crad;
   Look nearest;
   bool sampled = false;
@@ -36,13 +36,27 @@ Corridor::Look Corridor::look(zone::Place here, const wire::Ranges& ranges) {
     if (ranges.range_mm[beam] == wire::no_echo) continue;
     const double range_m = 0.001 * ranges.range_mm[beam];
     if (range_m > reach_m()) continue;
-    if (!sampled) way_.sample(here);
+    if (!sampled) way_.sample(outlook);
     sampled = true;
     const double bearing_rad = 0.01 * ranges.first_bearing_crad + width_rad * static_cast<double>(beam);
     const double ahead_m = echo_ahead_m(range_m, bearing_rad, model_.beam_share * width_rad);
     if (ahead_m < nearest.ahead_m) nearest = {ahead_m, beam};
   }
   return nearest;
+}
+
+double Corridor::nearest_m(const wire::Ranges& ranges) const {
+  const double front_m = 0.5 * zone_.vehicle.length_m;
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (std::size_t beam = 0; beam < ranges.range_mm.size(); ++beam) {
+    if (ranges.range_mm[beam] == wire::no_echo) continue;
+    const double range_m = 0.001 * ranges.range_mm[beam];
+    if (range_m > nearest_m) continue;  // the middle is further away than the front's sensor, for any beam ahead
+    const auto [sin, cos] =
+        sincos(0.01 * ranges.first_bearing_crad + 0.01 * ranges.beam_width_crad * static_cast<double>(beam));
+    nearest_m = std::min(nearest_m, norm(front_m + range_m * cos, range_m * sin));
+  }
+  return nearest_m;
 }
 
 void ObstacleFilter::add(double obstacle_ahead_m, double travelled_m) {

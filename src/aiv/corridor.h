@@ -14,7 +14,8 @@ namespace cosiva::aiv {
 /// What the vehicle's body will sweep on its way ahead, and whether something stands in it.
 ///
 /// Echoes count when they can lie within the body's width plus a margin on each side of the circuit's own curve ahead
-/// of the believed place: on an arc the corridor bends, and the neighbouring lane stays outside.
+/// of the believed place, along the way it will take: on an arc the corridor bends, and the neighbouring lane stays
+/// outside.
 class Corridor {
  public:
   struct Model {
@@ -27,9 +28,8 @@ class Corridor {
   Corridor(const zone::TrafficZone& zone, Model model);
 
   /// Distance along the way from the vehicle's front to the nearest echo in its corridor; infinite when none is.
-  /// @param here  where the vehicle's middle is
-  [[nodiscard]] double obstacle_ahead_m(zone::Place here, const wire::Ranges& ranges) {
-    return look(here, ranges).ahead_m;
+  [[nodiscard]] double obstacle_ahead_m(const Outlook& outlook, const wire::Ranges& ranges) {
+    return look(outlook, ranges).ahead_m;
   }
 
   /// The nearest echo in the corridor, and which beam brought it.
@@ -37,7 +37,10 @@ class Corridor {
     double ahead_m{std::numeric_limits<double>::infinity()};
     std::size_t beam{};
   };
-  [[nodiscard]] Look look(zone::Place here, const wire::Ranges& ranges);
+  [[nodiscard]] Look look(const Outlook& outlook, const wire::Ranges& ranges);
+  /// From the vehicle's middle to the nearest echo all around, as far as the beams look; infinite when there is none.
+  /// What matters to a body that turns on the spot.
+  [[nodiscard]] double nearest_m(const wire::Ranges& ranges) const;
   /// So far from its front the vehicle can tell whether its way is free.
   [[nodiscard]] double reach_m() const { return model_.reach_m - 0.5 * zone_.vehicle.length_m; }
 

@@ -14,6 +14,8 @@ constexpr double reaction_s = 0.08;
 constexpr double obstacle_reaction_s = 0.15;
 /// Before the stop line: standing accuracy, so that not even an overshoot enters the crossing.
 constexpr double stop_line_m = 0.01;
+/// The last of the way to a bend is crept: PILS turns where it sees the joint, wherever we believe it.
+constexpr double bend_margin_m = 0.015;
 /// Rounding between the order's way and the crossing's.
 constexpr double rounding_m = 0.005;
 /// How far past its stopping distance the vehicle looks.
@@ -46,15 +48,15 @@ CrossingsAhead::CrossingsAhead(const zone::TrafficZone& zone)
   }
 }
 
-CrossingsAhead::Chain CrossingsAhead::first(zone::Place here, double reach_m) const {
+CrossingsAhead::Chain CrossingsAhead::first(const Outlook& outlook, double reach_m) const {
   Chain chain;
   bool found = false;
-  double start_m = -here.s_m;  // of section `id`, seen from here
-  double busy_until_m = 0.0;   // the end of the span that the vehicle stands in
-  zone::SectionId id = here.section;
+  double start_m = -outlook.here.s_m;  // of the present section, seen from here
+  double busy_until_m = 0.0;           // the end of the span that the vehicle stands in
+  SectionsAhead ahead{circuit_, outlook};
   // Twice round is more than any chain needs; it ends the search on a ring that is one chain.
   for (std::size_t steps = 0; steps < 2 * circuit_.size(); ++steps) {
-    for (const Span& span : spans_[id]) {
+    for (const Span& span : spans_[ahead.section()]) {
       const double from_m = start_m + span.from_m;
       const double to_m = start_m + span.to_m;
       if (found) {
@@ -69,10 +71,9 @@ CrossingsAhead::Chain CrossingsAhead::first(zone::Place here, double reach_m) co
         found = true;
       }
     }
-    start_m += circuit_.section(id).length_m();
+    start_m += circuit_.section(ahead.section()).length_m();
     if (start_m > (found ? chain.exit_m + gap_m_ : reach_m)) return chain;
-    if (circuit_.next(id).empty()) return chain;
-    id = circuit_.next(id).front();
+    if (!ahead.step()) return chain;
   }
   return chain;
 }
@@ -82,9 +83,12 @@ Envelope::Envelope(const zone::TrafficZone& zone)
       crossings_{zone},
       braking_mps2_max_{std::max(
           {zone.profiles.slow.braking_mps2, zone.profiles.medium.braking_mps2, zone.profiles.fast.braking_mps2})},
-      sections_have_limits_{false} {
-  for (zone::SectionId id = 0; id < zone.circuit.size(); ++id)
+      sections_have_limits_{false},
+      has_bends_{false} {
+  for (zone::SectionId id = 0; id < zone.circuit.size(); ++id) {
     sections_have_limits_ |= zone.circuit.part(id).speed_mps_max.has_value();
+    has_bends_ |= zone.circuit.part(id).pivots;
+  }
 }
 
 Limit Envelope::limit(const View& view, const zone::SpeedProfile& wish) const {
@@ -94,7 +98,7 @@ Limit Envelope::limit(const View& view, const zone::SpeedProfile& wish) const {
 
   double end_m = view.order.distance_to_base_end_m();
   Limit limit{wish.speed_mps, braking, false, std::numeric_limits<double>::infinity()};
-  const auto chain = crossings_.first(view.here, reach_m);
+  const auto chain = crossings_.first(view.outlook, reach_m);
   if (chain.entry_m < end_m) {
     const bool leads_through = end_m >= chain.exit_m - rounding_m;
     const bool ends_there_on_purpose = !view.order.horizon_left();
@@ -107,6 +111,11 @@ Limit Envelope::limit(const View& view, const zone::SpeedProfile& wish) const {
 
   limit.speed_mps = std::min(limit.speed_mps, stoppable_speed(end_m, braking, reaction_s));
   if (sections_have_limits_) limit.speed_mps = std::min(limit.speed_mps, section_limit_mps(view, wish, reach_m));
+  if (has_bends_) {
+    limit.bend_ahead_m = bend_ahead_m(view.outlook, reach_m);
+    limit.speed_mps =
+        std::min(limit.speed_mps, speed_before(bend_creep_mps, limit.bend_ahead_m - bend_margin_m, braking));
+  }
   limit.speed_mps = std::min(limit.speed_mps, edge_limit_mps(view, wish));
   const double obstacle_speed = stoppable_speed(obstacle_m, braking, obstacle_reaction_s);
   if (obstacle_speed < limit.speed_mps) {
@@ -123,16 +132,27 @@ Limit Envelope::limit(const View& view, const zone::SpeedProfile& wish) const {
 double Envelope::section_limit_mps(const View& view, const zone::SpeedProfile& wish, double reach_m) const {
   const zone::Circuit& circuit = zone_.circuit;
   double limit_mps = std::numeric_limits<double>::infinity();
-  double start_m = -view.here.s_m;
-  zone::SectionId id = view.here.section;
+  double start_m = -view.outlook.here.s_m;
+  SectionsAhead ahead{circuit, view.outlook};
   while (start_m <= reach_m) {
-    if (const auto& section_mps = circuit.part(id).speed_mps_max)
+    if (const auto& section_mps = circuit.part(ahead.section()).speed_mps_max)
       limit_mps = std::min(limit_mps, speed_before(*section_mps, std::max(0.0, start_m), wish.braking_mps2));
-    if (circuit.next(id).empty()) break;
-    start_m += circuit.section(id).length_m();
-    id = circuit.next(id).front();
+    start_m += circuit.section(ahead.section()).length_m();
+    if (!ahead.step()) break;
   }
   return limit_mps;
+}
+
+double Envelope::bend_ahead_m(const Outlook& outlook, double reach_m) const {
+  const zone::Circuit& circuit = zone_.circuit;
+  double end_m = -outlook.here.s_m;
+  SectionsAhead ahead{circuit, outlook};
+  for (;;) {
+    const zone::SectionId from = ahead.section();
+    end_m += circuit.section(from).length_m();
+    if (end_m > reach_m || !ahead.step()) return std::numeric_limits<double>::infinity();
+    if (bend_rad(circuit, from, ahead.section()) != 0.0) return std::max(0.0, end_m);
+  }
 }
 
 double Envelope::edge_limit_mps(const View& view, const zone::SpeedProfile& wish) const {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "aiv/order_book.h"
+#include "aiv/outlook.h"
 #include "zone/traffic_zone.h"
 
 namespace cosiva::aiv {
@@ -15,13 +16,13 @@ class CrossingsAhead {
  public:
   explicit CrossingsAhead(const zone::TrafficZone& zone);
 
-  /// The first chain that the vehicle's middle has not entered yet; distances along default successors.
+  /// The first chain that the vehicle's middle has not entered yet; distances along its way.
   struct Chain {
     double entry_m{std::numeric_limits<double>::infinity()};  ///< ≥ 0
     double exit_m{std::numeric_limits<double>::infinity()};
   };
   /// Looks `reach_m` ahead for an entry; a chain found is followed to its exit however long it is.
-  [[nodiscard]] Chain first(zone::Place here, double reach_m) const;
+  [[nodiscard]] Chain first(const Outlook& outlook, double reach_m) const;
 
  private:
   struct Span {
@@ -35,6 +36,8 @@ class CrossingsAhead {
 
 /// Left free between the front of a vehicle and what stands before it.
 inline constexpr double stand_off_m = 0.12;
+/// How fast it comes to a bend on the spot.
+inline constexpr double bend_creep_mps = 0.05;
 
 /// How fast the vehicle may go, whatever its agent wishes (DESIGN §4.5): crisp, and it can only lower.
 struct Limit {
@@ -42,6 +45,7 @@ struct Limit {
   double braking_mps2;        ///< the profile's, or the hardest where the profile's does not suffice any more
   bool by_obstacle{false};    ///< an obstacle is what limits
   double crossing_ahead_m{};  ///< to the next crossing it may not enter yet; infinite when none is near
+  double bend_ahead_m{std::numeric_limits<double>::infinity()};  ///< to the next bend on the spot, if one is near
 };
 
 class Envelope {
@@ -49,7 +53,7 @@ class Envelope {
   explicit Envelope(const zone::TrafficZone& zone);
 
   struct View {
-    zone::Place here;
+    Outlook outlook;
     double speed_mps;
     double obstacle_ahead_m;  ///< from the vehicle's front; infinite: none
     const OrderBook& order;
@@ -59,12 +63,15 @@ class Envelope {
 
  private:
   [[nodiscard]] double section_limit_mps(const View& view, const zone::SpeedProfile& wish, double reach_m) const;
+  /// To the first joint on the way where the vehicle turns on the spot; infinite beyond reach.
+  [[nodiscard]] double bend_ahead_m(const Outlook& outlook, double reach_m) const;
   [[nodiscard]] double edge_limit_mps(const View& view, const zone::SpeedProfile& wish) const;
 
   const zone::TrafficZone& zone_;
   CrossingsAhead crossings_;
   double braking_mps2_max_;
   bool sections_have_limits_;
+  bool has_bends_;
 };
 
 }  // namespace cosiva::aiv

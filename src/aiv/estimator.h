@@ -1,9 +1,15 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "aiv/motion.h"
+#include "aiv/outlook.h"
+#include "wire/board.h"
+#include "zone/course.h"
 #include "zone/traffic_zone.h"
 
 namespace cosiva::aiv {
@@ -19,18 +25,42 @@ struct EstimatorModel {
   double tag_gate_m{0.60};           ///< likewise a tag
   double sigma_reset_m{0.05};        ///< added when the odometer starts anew
   double odometry_step_m_max{0.50};  ///< more between two readings is a board that counts from zero again
+  double bend_gate_m{0.15};          ///< who turns on the spot, or stops at a fork, is at the joint this near ahead
+  double landed_m{0.06};             ///< a manoeuvre that ends this near to a line, and as good as along it,
+  double landed_rad{0.30};           ///< has brought the vehicle onto it
 };
 
 /// Where the vehicle believes it is: the article's motion on the circuit fed by odometry, rectified at tags and beacons
 /// (A21). It knows nothing until somebody tells a place or a tag is read.
+///
+/// It goes along a course, and by itself no further than that is sure: not over a fork that nobody has decided, and not
+/// over a joint where the vehicle turns on the spot, which it does first. Off the line it knows a pose: while it turns,
+/// and where it stands beside the line (`beside`: with a place where it will come onto it) or away from all lines.
 class PositionEstimator {
  public:
   explicit PositionEstimator(const zone::TrafficZone& zone, EstimatorModel model = {});
 
+  /// A place on the circuit is known: it can drive, or (beside) go there.
   [[nodiscard]] bool known() const { return known_; }
   [[nodiscard]] zone::Place place() const { return motion_.place(zone_.circuit); }
-  [[nodiscard]] Pose2 pose() const { return motion_.pose(zone_.circuit); }
+  /// pose() has a meaning.
+  [[nodiscard]] bool pose_known() const { return known_ || X_MO_.has_value(); }
+  [[nodiscard]] Pose2 pose() const;
   [[nodiscard]] const AivMotion& motion() const { return motion_; }
+  /// Off the line, and near enough to go onto it at place().
+  [[nodiscard]] bool beside() const { return known_ && beside_; }
+  /// The pose is known, and no line is near.
+  [[nodiscard]] bool away() const { return !known_ && X_MO_.has_value(); }
+  /// From the circuit to where it stands, beside it or away.
+  [[nodiscard]] double off_by_m() const { return off_by_m_; }
+  /// PILS is in a manoeuvre.
+  [[nodiscard]] bool manoeuvring() const { return X_OB_.has_value(); }
+  /// No line is under it, or need be: it turns, or stands beside or away.
+  [[nodiscard]] bool off_line() const { return X_MO_.has_value() || X_OB_.has_value(); }
+  /// Where the manoeuvre began, or where it stands off the line; and how far the manoeuvre has come.
+  [[nodiscard]] const std::optional<Pose2>& left_line_at() const { return X_MO_; }
+  [[nodiscard]] const std::optional<Pose2>& manoeuvred() const { return X_OB_; }
+  [[nodiscard]] Outlook outlook() const;
   /// Standard deviation along the circuit; grows with the distance since the last fix.
   [[nodiscard]] double sigma_m() const;
   /// Total of all odometry steps, forwards positive, whatever the corrections.
@@ -39,13 +69,19 @@ class PositionEstimator {
 
   /// Somebody tells the place: configuration, memory, initPosition.
   void place_at(zone::Place place);
+  /// Somebody tells the pose, on the line or not (zone::anchor_of).
+  void stand_off(const Pose2& X_MB);
+  /// A manoeuvre was in progress when it was remembered: how far it had come, and the section that it leads to if it
+  /// is a turn at the end of place().section.
+  void resume_manoeuvre(const Pose2& X_OB, std::optional<zone::SectionId> next);
+  /// In another zone where the body is the same: pose and odometer are kept, and it is on no line until it goes there.
+  void take_over(const PositionEstimator& before);
   /// The nearest place on the circuit to a pose, within `distance_m_max` and looking the same way; nothing otherwise.
   [[nodiscard]] std::optional<zone::Place> on_circuit(const Pose2& X_MB, double distance_m_max) const;
 
-  /// Takes the odometer's reading. Gives the step that the belief made [m].
-  double on_odometry(std::int64_t distance_um);
-  /// The board counts from zero again: the next reading is a new beginning, and what rolled meanwhile is not known.
-  void on_odometer_reset();
+  /// The way that it takes: on the present section now. Where it came from is kept if it is known.
+  void follow(const zone::Course& course);
+  [[nodiscard]] const zone::Course& course() const { return course_; }
 
   enum class FixKind {
     none,       ///< an unknown number, or a beacon that says nothing
@@ -57,6 +93,20 @@ class PositionEstimator {
     FixKind kind{FixKind::none};
     double correction_m{};  ///< for `corrected`: along the circuit, forwards positive
   };
+
+  /// Takes the odometer's reading. Gives the step that the belief made [m].
+  double on_odometry(std::int64_t distance_um);
+  /// Likewise with what PILS does off the line; the end of a manoeuvre is a fix.
+  struct Rolled {
+    double step_m{};  ///< along the circuit, corrections included
+    FixKind kind{FixKind::none};
+  };
+  Rolled on_odometry(const wire::Odometry& odometry);
+  /// The board counts from zero again: the next reading is a new beginning, and what rolled meanwhile is not known.
+  void on_odometer_reset();
+  /// Told to go on, PILS stays where it is: it has come to a joint that it does not cross. Gives the correction [m].
+  double on_stuck();
+
   /// @param number     a tag's, or a beacon's
   /// @param age_s      how long ago it was read when its frame was sent
   /// @param speed_mps  of the vehicle since
@@ -72,18 +122,61 @@ class PositionEstimator {
     Point2 beacon;
     double travelled_m;
   };
+  /// What the odometer rolled since the last reading; 0 where that cannot be.
+  double count(std::int64_t distance_um);
+  /// Along the course; less than asked where it must not go on. Gives what it moved.
+  double shift(double distance_m);
+  double shift_on(double distance_m);
+  double shift_back(double distance_m);
+  void enter(zone::SectionId next);
+  [[nodiscard]] zone::SectionId section_before() const;
+
+  // off the line
+  Rolled off_line(double step_m, const std::optional<wire::Manoeuvre>& manoeuvre);
+  void roll_off_line(double step_m, Rolled& rolled);
+  void begin_manoeuvre(Rolled& rolled);
+  void end_manoeuvre(Rolled& rolled);
+  [[nodiscard]] bool end_turn(double turned_rad, Rolled& rolled);
+  [[nodiscard]] std::optional<zone::SectionId> turned_to(double turned_rad) const;
+  void land(const Pose2& X_MB, Rolled& rolled);
+
   /// `latency_m`: driven since the reading.
   Fix on_landmark(zone::Place place, double latency_m);
   Fix on_beacon(Point2 beacon, double latency_m);
   Fix on_strange_beacon(Point2 beacon, double latency_m);
   Fix jump_to(zone::Place place);
-  /// Along the circuit from the belief to `place`, negative backwards; nothing beyond `limit_m`.
+  /// The sections of its way so near to the belief, each once and in their order. More than fit are left out.
+  class Near {
+   public:
+    bool room() const { return count_ < ids_.size(); }
+    bool add(zone::SectionId id) {
+      if (!room()) return false;
+      ids_[count_++] = id;
+      return true;
+    }
+    void sort();
+    [[nodiscard]] std::span<const zone::SectionId> ids() const { return std::span{ids_}.first(count_); }
+
+   private:
+    std::array<zone::SectionId, 64> ids_;
+    std::size_t count_{0};
+  };
+  [[nodiscard]] Near sections_near(double reach_m) const;
+  /// Along the course from the belief to `place`, negative backwards; nothing beyond `limit_m`.
   [[nodiscard]] std::optional<double> offset_to(zone::Place place, double limit_m) const;
+  [[nodiscard]] std::optional<double> way_back_m(zone::Place place, double limit_m) const;
 
   const zone::TrafficZone& zone_;
   EstimatorModel model_;
   bool known_{false};
   AivMotion motion_;
+  zone::Course course_;
+  std::optional<Pose2> X_MO_;  ///< where it left the line to turn, or stands off it; nothing: on the line
+  std::optional<Pose2> X_OB_;  ///< the manoeuvre as PILS tells it
+  bool beside_{false};
+  double off_by_m_{};
+  double strayed_m_{};              ///< rolled since it stands off the line, in no manoeuvre
+  double manoeuvre_travelled_m_{};  ///< the odometer does not count during a manoeuvre
   double variance_m2_{};
   double travelled_m_{};
   std::optional<std::int64_t> odometer_um_;

@@ -71,11 +71,11 @@ double FeltWorld::body_gap_m(const wire::Body& body, const Pose2& X_BM, double c
   return nearest_m;
 }
 
-FeltWorld::Contact FeltWorld::first(SimTime now, zone::Place here) {
+FeltWorld::Contact FeltWorld::first(SimTime now, const Outlook& outlook) {
   Contact contact;
   if (ahead_.bodies.empty()) return contact;
-  way_.sample(here);
-  const Pose2 X_BM = inverse(zone_.circuit.pose_at(here));
+  way_.sample(outlook);
+  const Pose2 X_BM = inverse(outlook.X_MB ? *outlook.X_MB : zone_.circuit.pose_at(outlook.here));
   const double carried_s = to_seconds(std::clamp(now - heard_at_, SimDuration::zero(), model_.carry_max));
   for (const wire::Body& body : ahead_.bodies) {
     const double gap_m = body_gap_m(body, X_BM, carried_s);

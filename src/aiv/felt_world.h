@@ -45,8 +45,7 @@ class FeltWorld {
     double gap_m{std::numeric_limits<double>::infinity()};  ///< along the way, from the vehicle's front; ≥ 0
     std::string_view body;                                  ///< until the next hear() or forget()
   };
-  /// @param here  where the vehicle's middle is
-  [[nodiscard]] Contact first(SimTime now, zone::Place here);
+  [[nodiscard]] Contact first(SimTime now, const Outlook& outlook);
 
   void fold(Digest& digest) const;
 

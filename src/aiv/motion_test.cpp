@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "aiv/test_graphs.h"
 #include "aiv/test_zone.h"
 #include "base/math.h"
 
@@ -318,6 +319,20 @@ TEST(Motion, of_many_vehicles_in_one_pass_is_that_of_each) {
     EXPECT_EQ(poses[i], alone[i].pose(circuit));
   }
   move_all(circuit, fleet, DTT_m, {});
+}
+
+TEST(AivMotion, shifts_through_the_sections_that_it_is_given_and_back_through_those_it_came_by) {
+  const zone::Circuit& circuit = test::diamond().circuit;
+  const std::vector<zone::SectionId> coming{4, 5};
+  AivMotion motion{circuit, {0, 1.9}};
+  EXPECT_NEAR(motion.shift(circuit, 0.3, coming), 0.3, 1e-12);
+  EXPECT_EQ(motion.current_section(), 4U);
+  EXPECT_NEAR(motion.mDTCS_m(), 0.2, 1e-12);
+  AivMotion back{circuit, {7, 0.1}};
+  EXPECT_NEAR(back.shift(circuit, -0.2, {}, std::vector<zone::SectionId>{5, 6}), -0.2, 1e-12);
+  EXPECT_EQ(back.current_section(), 6U);
+  AivMotion end{circuit, {7, 1.9}};
+  EXPECT_NEAR(end.shift(circuit, 0.5, {}, std::vector<zone::SectionId>{6}), 0.1, 1e-12) << "there the way ends";
 }
 
 }  // namespace

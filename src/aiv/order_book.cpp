@@ -9,17 +9,14 @@
 namespace cosiva::aiv {
 namespace {
 
-/// A node that we do not know by name is ours when it lies this near to the circuit.
-constexpr double node_off_circuit_m_max = 0.25;
-/// Ways that pass a node equally near (crossings, joints) are told apart by the way to go, not by their last
-/// millimetre.
-constexpr double node_tie_m = 0.05;
 /// How far from the first node a vehicle still counts as standing on it when the order states no deviation.
 constexpr double first_node_m = 0.10;
 /// Standing accuracy at the end of the base.
 constexpr double arrival_m = 0.015;
-/// Room for rounding in a lap's length.
-constexpr double lap_rounding_m = 1e-6;
+/// Places of one node lie equally far along a way.
+constexpr double same_path_m = 1e-3;
+/// The vehicle's way along the order and its place on the circuit agree this well.
+constexpr double same_place_m = 0.10;
 
 std::string named(const wire::OrderNode& node) { return "node '" + node.node_id + "'"; }
 
@@ -30,9 +27,7 @@ std::string with_sequence(std::string_view node_id, std::uint32_t sequence_id) {
 }  // namespace
 
 OrderBook::OrderBook(const zone::TrafficZone& zone, std::vector<std::string> supported_actions)
-    : zone_{zone},
-      supported_actions_{std::move(supported_actions)},
-      ring_m_{zone.circuit.total_length_m() + lap_rounding_m} {}
+    : zone_{zone}, supported_actions_{std::move(supported_actions)}, router_{zone} {}
 
 Result<OrderBook::Verdict> OrderBook::offer(const wire::Order& order, const Standing& standing) {
   // A repeated message is silence even when its base has long been driven, so it comes before everything else.
@@ -54,23 +49,20 @@ Result<OrderBook::Verdict> OrderBook::offer_new(const wire::Order& order, const 
     return fail("orderUpdateError", "order '" + order_id_ + "' is not finished: it has " +
                                         std::string(base_left() ? "base" : "horizon") + " left");
   }
-  const Result<zone::Place> first = find(order.nodes.front(), standing.place, true);
-  if (!first) return tl::unexpected(first.error());
-  Result<Route> found = route(order, *first, 0.0);
+  const auto firsts = router_.first_places(order);
+  if (!firsts) return tl::unexpected(firsts.error());
+  auto found = find(order, *firsts, standing.place);
   if (!found) return tl::unexpected(std::move(found.error()));
-  const double edge_m = found->targets.empty() ? 0.0 : found->targets.front().path_m;
-  const Result<double> way_m = way_from_first_node(order.nodes.front(), *first, edge_m, standing.place);
-  if (!way_m) return tl::unexpected(way_m.error());
 
-  targets_ = std::move(found->targets);
-  edges_ = std::move(found->edges);
-  travelled_m_ = *way_m;
-  base_end_path_m_ = *way_m;  // a first node alone is a place to be at, not to drive to
+  targets_.clear();
+  edges_.clear();
+  travelled_m_ = found->vehicle_m;
+  base_end_path_m_ = found->vehicle_m;  // a first node alone is a place to be at, not to drive to
   last_node_id_ = order.nodes.front().node_id;
   last_node_sequence_id_ = order.nodes.front().sequence_id;
   last_node_path_m_ = 0.0;
-  last_node_place_ = *first;
-  take_over(order);
+  last_node_place_ = found->route.first;
+  append(order, std::move(found->route), 0.0);
   return Verdict::accepted_new;
 }
 
@@ -87,27 +79,94 @@ Result<OrderBook::Verdict> OrderBook::offer_update(const wire::Order& order, con
     return fail("orderUpdateError", "the update starts at " + with_sequence(first.node_id, first.sequence_id) +
                                         ", the base ends at " + with_sequence(node_id, sequence_id));
   }
-  const zone::Place first_place = on_base ? targets_[kept - 1].place : last_node_place_;
-  const double first_path_m = on_base ? targets_[kept - 1].path_m : last_node_path_m_;
-  Result<Route> found = route(order, first_place, first_path_m);
-  if (!found) return tl::unexpected(std::move(found.error()));
-  if (!on_base) {
+  if (on_base) {
+    auto route = find_continuation(order, kept);
+    if (!route) return tl::unexpected(std::move(route.error()));
+    targets_.resize(kept);
+    edges_.resize(kept);
+    append(order, std::move(*route), targets_.back().path_m);
+  } else {
     // It may have been moved by hand since it arrived.
-    const double edge_m = found->targets.empty() ? 0.0 : found->targets.front().path_m - first_path_m;
-    const Result<double> way_m = way_from_first_node(first, first_place, edge_m, standing.place);
-    if (!way_m) return tl::unexpected(way_m.error());
-    travelled_m_ = first_path_m + *way_m;
+    auto found = find(order, places_like(last_node_place_, order), standing.place);
+    if (!found) return tl::unexpected(std::move(found.error()));
+    targets_.clear();
+    edges_.clear();
+    travelled_m_ = last_node_path_m_ + found->vehicle_m;
+    last_node_place_ = found->route.first;
+    append(order, std::move(found->route), last_node_path_m_);
   }
-
-  targets_.resize(kept);
-  edges_.resize(kept);
-  std::ranges::move(found->targets, std::back_inserter(targets_));
-  std::ranges::move(found->edges, std::back_inserter(edges_));
-  take_over(order);
   return Verdict::accepted_update;
 }
 
-void OrderBook::take_over(const wire::Order& order) {
+Result<OrderBook::Found> OrderBook::find(const wire::Order& order, const std::vector<zone::Place>& firsts,
+                                         zone::Place now) const {
+  std::optional<Found> best;
+  std::optional<Error> why;
+  for (const zone::Place first : firsts) {
+    auto route = router_.route(order, first);
+    const auto vehicle_m =
+        route ? way_from_first_node(order.nodes.front(), *route, now) : Result<double>{tl::unexpected(route.error())};
+    if (!vehicle_m) {
+      // A way that begins elsewhere tells more than none.
+      if (!why || route) why = vehicle_m.error();
+      continue;
+    }
+    const double nearer_m = best ? std::fabs(best->vehicle_m) - std::fabs(*vehicle_m) : 1.0;
+    const bool as_near = std::fabs(nearer_m) <= same_path_m;
+    if (as_near ? route->length_m() < best->route.length_m() - same_path_m : nearer_m > 0.0)
+      best = Found{std::move(*route), *vehicle_m};
+  }
+  if (!best) return tl::unexpected(std::move(*why));
+  return std::move(*best);
+}
+
+std::vector<zone::Place> OrderBook::places_like(zone::Place found, const wire::Order& order) const {
+  std::vector<zone::Place> places{found};
+  if (router_.one_way()) return places;
+  const auto others = router_.first_places(order);
+  if (!others) return places;
+  for (const zone::Place other : *others)
+    if (!(other == found)) places.push_back(other);
+  return places;
+}
+
+Result<OrderRoute> OrderBook::find_continuation(const wire::Order& order, std::size_t kept) {
+  Target& stitch = targets_[kept - 1];
+  const zone::Place before = kept > 1 ? targets_[kept - 2].place : last_node_place_;
+  const double way_m = stitch.path_m - (kept > 1 ? targets_[kept - 2].path_m : last_node_path_m_);
+  std::optional<OrderRoute> best;
+  std::optional<zone::Circuit::Way> best_way;
+  std::optional<Error> why;
+  for (const zone::Place place : places_like(stitch.place, order)) {
+    const bool same = place == stitch.place;
+    auto way = same ? std::nullopt : router_.way(before, place, way_m + same_path_m);
+    // Another place of the node, equally far along the base: that of another way out of it.
+    if (!same && (!way || way->length_m < way_m - same_path_m)) continue;
+    auto route = router_.route(order, place);
+    if (!route) {
+      if (!why) why = std::move(route.error());
+      continue;
+    }
+    if (best && best->length_m() <= route->length_m() + same_path_m) continue;
+    best = std::move(*route);
+    best_way = std::move(way);
+  }
+  if (!best) return tl::unexpected(std::move(*why));
+  if (best_way) {
+    stitch.place = best->first;
+    stitch.via.assign(best_way->sections.begin() + 1, best_way->sections.end());
+  }
+  return std::move(*best);
+}
+
+void OrderBook::append(const wire::Order& order, OrderRoute&& route, double first_path_m) {
+  double path_m = first_path_m;
+  for (std::size_t i = 0; i < route.legs.size(); ++i) {
+    OrderRoute::Leg& leg = route.legs[i];
+    path_m += leg.length_m;
+    targets_.push_back({order.nodes[i + 1], leg.place, path_m, order.edges[i].max_speed_mps, std::move(leg.via)});
+    edges_.push_back(order.edges[i]);
+  }
   order_id_ = order.order_id;
   order_update_id_ = order.order_update_id;
   zone_set_id_ = order.zone_set_id;
@@ -115,79 +174,17 @@ void OrderBook::take_over(const wire::Order& order) {
   if (const std::size_t released = released_count(); released > 0) base_end_path_m_ = targets_[released - 1].path_m;
 }
 
-Result<OrderBook::Route> OrderBook::route(const wire::Order& order, zone::Place first, double first_path_m) const {
-  Route route{{}, order.edges};
-  route.targets.reserve(order.edges.size());
-  zone::Place from = first;
-  double path_m = first_path_m;
-  for (std::size_t i = 1; i < order.nodes.size(); ++i) {
-    const Result<zone::Place> place = find(order.nodes[i], from, false);
-    if (!place) return tl::unexpected(place.error());
-    const std::optional<double> way_m = zone_.circuit.distance_ahead(from, *place, ring_m_);
-    if (!way_m) {
-      return fail("noRouteError",
-                  "no way along the circuit from " + named(order.nodes[i - 1]) + " to " + named(order.nodes[i]));
-    }
-    path_m += *way_m;
-    route.targets.push_back({order.nodes[i], *place, path_m, order.edges[i - 1].max_speed_mps});
-    from = *place;
-  }
-  return route;
-}
-
-Result<zone::Place> OrderBook::find(const wire::OrderNode& node, zone::Place from, bool is_first) const {
-  const auto& at = node.position;
-  if (at && !at->map_id.empty() && at->map_id != zone_.name) {
-    return fail("noRouteError", named(node) + " is on map '" + at->map_id + "', the vehicle on '" + zone_.name + "'");
-  }
-  const zone::Circuit& circuit = zone_.circuit;
-  if (const zone::Waypoint* waypoint = zone_.find_waypoint(node.node_id)) {
-    if (at && distance(position(circuit.pose_at(waypoint->place)), {at->x_m, at->y_m}) > node_off_circuit_m_max)
-      return fail("noRouteError", named(node) + " does not lie where its nodePosition says");
-    return waypoint->place;
-  }
-  if (!at) return fail("noRouteError", named(node) + " is unknown here and has no nodePosition");
-
-  struct Candidate {
-    zone::Place place;
-    double distance_m;
-  };
-  std::vector<Candidate> candidates;
-  double nearest_m = std::numeric_limits<double>::infinity();
-  for (zone::SectionId id = 0; id < circuit.size(); ++id) {
-    const auto near = circuit.section(id).nearest({at->x_m, at->y_m});
-    if (near.distance_m > node_off_circuit_m_max) continue;
-    const zone::Place place{id, near.s_m};
-    if (at->theta_rad && std::fabs(wrap_angle(circuit.pose_at(place).heading_rad - *at->theta_rad)) > pi / 2.0)
-      continue;
-    candidates.push_back({place, near.distance_m});
-    nearest_m = std::min(nearest_m, near.distance_m);
-  }
-  if (candidates.empty()) return fail("noRouteError", named(node) + " does not lie on the circuit");
-
-  double shortest_m = std::numeric_limits<double>::infinity();
-  zone::Place best = candidates.front().place;
-  for (const Candidate& candidate : candidates) {
-    if (candidate.distance_m > nearest_m + node_tie_m) continue;
-    double way_m = circuit.distance_ahead(from, candidate.place, ring_m_).value_or(2.0 * ring_m_);
-    if (is_first) way_m = std::min(way_m, circuit.distance_ahead(candidate.place, from, ring_m_).value_or(way_m));
-    if (way_m < shortest_m) {
-      shortest_m = way_m;
-      best = candidate.place;
-    }
-  }
-  return best;
-}
-
-Result<double> OrderBook::way_from_first_node(const wire::OrderNode& node, zone::Place first, double first_edge_m,
+Result<double> OrderBook::way_from_first_node(const wire::OrderNode& node, const OrderRoute& route,
                                               zone::Place now) const {
   const double deviation_m =
       std::max(first_node_m, node.position ? node.position->allowed_deviation_xy_m.value_or(0.0) : 0.0);
   // Behind the vehicle the whole first edge counts: a vehicle that stands on it has passed the node.
-  const auto beyond_m =
-      zone_.circuit.distance_ahead(first, now, std::min(ring_m_, std::max(deviation_m, first_edge_m)));
-  const auto before_m = zone_.circuit.distance_ahead(now, first, std::min(ring_m_, deviation_m));
-  if (before_m && (!beyond_m || *before_m < *beyond_m)) return -*before_m;
+  const double first_edge_m = route.legs.empty() ? 0.0 : route.legs.front().length_m;
+  const double longest_m = router_.longest_m();
+  const auto beyond_m = zone_.circuit.distance_ahead(
+      route.first, now, std::min(longest_m, std::max(deviation_m, first_edge_m)), route.sections());
+  const auto before = router_.way(now, route.first, std::min(longest_m, deviation_m));
+  if (before && (!beyond_m || before->length_m < *beyond_m)) return -before->length_m;
   if (beyond_m) return *beyond_m;
   return fail("noRouteError", named(node) + " is not where the vehicle is: neither on it within " +
                                   std::to_string(deviation_m) + " m nor on the edge behind it");
@@ -203,15 +200,45 @@ void OrderBook::cancel() {
 bool OrderBook::relocate(zone::Place place) {
   if (!active()) return true;
   const double left_m = targets_.back().path_m - last_node_path_m_;
-  if (const auto beyond_m = zone_.circuit.distance_ahead(last_node_place_, place, left_m)) {
+  std::vector<zone::SectionId> coming;
+  for (const Target& target : targets_) coming.insert(coming.end(), target.via.begin(), target.via.end());
+  if (const auto beyond_m = zone_.circuit.distance_ahead(last_node_place_, place, left_m, coming)) {
     travelled_m_ = last_node_path_m_ + *beyond_m;
     return true;
   }
-  if (const auto before_m = zone_.circuit.distance_ahead(place, last_node_place_, first_node_m)) {
-    travelled_m_ = last_node_path_m_ - *before_m;
+  if (const auto before = router_.way(place, last_node_place_, first_node_m)) {
+    travelled_m_ = last_node_path_m_ - before->length_m;
     return true;
   }
   return false;
+}
+
+zone::Course OrderBook::course_from(zone::Place here) const {
+  if (router_.one_way()) return {};
+  std::vector<zone::SectionId> sections{last_node_place_.section};
+  for (const Target& target : targets_) sections.insert(sections.end(), target.via.begin(), target.via.end());
+
+  // A way may come over a section more than once: the one that fits how far the vehicle has come.
+  const double since_m = travelled_m_ - last_node_path_m_;
+  double start_m = -last_node_place_.s_m;
+  std::size_t at = sections.size();
+  double best_m = same_place_m;
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    const double misfit_m = std::fabs(start_m + here.s_m - since_m);
+    if (sections[i] == here.section && misfit_m <= best_m) {
+      at = i;
+      best_m = misfit_m;
+    }
+    start_m += zone_.circuit.section(sections[i]).length_m();
+  }
+  if (at < sections.size()) return zone::Course{std::move(sections), at};
+
+  // Before the first node, then, or nowhere near.
+  const auto way = router_.way(here, last_node_place_, std::fabs(since_m) + same_place_m);
+  if (!way) return zone::Course{{here.section}};
+  std::vector<zone::SectionId> all = way->sections;
+  all.insert(all.end(), sections.begin() + 1, sections.end());
+  return zone::Course{std::move(all)};
 }
 
 void OrderBook::set_last_node(std::string node_id) {
@@ -219,6 +246,13 @@ void OrderBook::set_last_node(std::string node_id) {
   last_node_id_ = std::move(node_id);
   last_node_sequence_id_ = 0;
   cancelled_ = true;  // whatever it followed, it does not stand where that ended
+}
+
+void OrderBook::take_over_ids(const OrderBook& before) {
+  order_id_ = before.order_id_;
+  order_update_id_ = before.order_update_id_;
+  zone_set_id_ = before.zone_set_id_;
+  cancelled_ = true;
 }
 
 std::size_t OrderBook::released_count() const {

@@ -5,8 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "aiv/order_route.h"
 #include "base/result.h"
 #include "wire/messages.h"
+#include "zone/course.h"
 #include "zone/traffic_zone.h"
 
 namespace cosiva::aiv {
@@ -43,6 +45,9 @@ class OrderBook {
   [[nodiscard]] bool relocate(zone::Place place);
   /// As initPosition tells: the node the vehicle stands on or passed last.
   void set_last_node(std::string node_id);
+  /// On another map: the ids of the order before stay until there is a new one (2.1 §6.10, orderId); it is over, and
+  /// its last node is none of this map's.
+  void take_over_ids(const OrderBook& before);
 
   /// A node of the order, found on the circuit.
   struct Target {
@@ -50,7 +55,12 @@ class OrderBook {
     zone::Place place;
     double path_m;                        ///< along the order from its first node
     std::optional<double> max_speed_mps;  ///< of the edge that leads here
+    std::vector<zone::SectionId> via;     ///< sections entered on the way from the node before (OrderRoute::Leg)
   };
+
+  /// The way that the order takes over all nodes that are left, horizon too; on the section of `here`, where the
+  /// vehicle is. Empty where the circuit leaves nothing to choose.
+  [[nodiscard]] zone::Course course_from(zone::Place here) const;
 
   /// Tells how far the vehicle has come since the last call (negative: a correction backwards); returns the nodes it
   /// traversed just now, in order. A node is traversed when the vehicle's middle passes it; where the base ends already
@@ -79,24 +89,29 @@ class OrderBook {
   [[nodiscard]] double travelled_m() const { return travelled_m_; }
 
  private:
-  /// What an order means on this circuit: its nodes after the first.
-  struct Route {
-    std::vector<Target> targets;
-    std::vector<wire::OrderEdge> edges;
+  /// An order on this circuit, and where the vehicle is on it.
+  struct Found {
+    OrderRoute route;
+    double vehicle_m;  ///< beyond the first node; negative: before it
   };
   [[nodiscard]] Result<Verdict> offer_new(const wire::Order& order, const Standing& standing);
   [[nodiscard]] Result<Verdict> offer_update(const wire::Order& order, const Standing& standing);
-  [[nodiscard]] Result<Route> route(const wire::Order& order, zone::Place first, double first_path_m) const;
-  [[nodiscard]] Result<zone::Place> find(const wire::OrderNode& node, zone::Place from, bool is_first) const;
+  /// From whichever of these places of its first node is where the vehicle is.
+  [[nodiscard]] Result<Found> find(const wire::Order& order, const std::vector<zone::Place>& firsts,
+                                   zone::Place now) const;
+  /// From whichever place of its first node, where the base ends, continues the base.
+  [[nodiscard]] Result<OrderRoute> find_continuation(const wire::Order& order, std::size_t kept);
+  /// The place that was found for an update's first node, and the others that go by its name.
+  [[nodiscard]] std::vector<zone::Place> places_like(zone::Place found, const wire::Order& order) const;
   /// How far the vehicle is beyond the first node; negative: before it. noRouteError where that is too far.
-  [[nodiscard]] Result<double> way_from_first_node(const wire::OrderNode& node, zone::Place first, double first_edge_m,
+  [[nodiscard]] Result<double> way_from_first_node(const wire::OrderNode& node, const OrderRoute& route,
                                                    zone::Place now) const;
+  void append(const wire::Order& order, OrderRoute&& route, double first_path_m);
   [[nodiscard]] std::size_t released_count() const;
-  void take_over(const wire::Order& order);
 
   const zone::TrafficZone& zone_;
   std::vector<std::string> supported_actions_;
-  double ring_m_;          ///< no edge is longer than the whole circuit
+  OrderRouter router_;
   bool cancelled_{false};  ///< the order of these ids was cancelled
   std::string order_id_;
   std::uint32_t order_update_id_{0};

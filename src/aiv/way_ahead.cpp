@@ -12,22 +12,33 @@ WayAhead::WayAhead(const zone::Circuit& circuit, double sample_m, double reach_m
   way_B_.reserve(static_cast<std::size_t>(reach_m / sample_m) + 2);
 }
 
-void WayAhead::sample(zone::Place here) {
-  const Pose2 X_MB = circuit_.pose_at(here);
+void WayAhead::sample(const Outlook& outlook) {
+  const Pose2 X_ML = circuit_.pose_at(outlook.here);
+  const Pose2 X_MB = outlook.X_MB.value_or(X_ML);
   const auto [sin, cos] = sincos(X_MB.heading_rad);
-  way_B_.clear();
-  zone::SectionId id = here.section;
-  double s_m = here.s_m;
-  for (double ahead_m = 0.0; ahead_m <= reach_m_; ahead_m += sample_m_, s_m += sample_m_) {
-    while (s_m > circuit_.section(id).length_m()) {
-      if (circuit_.next(id).empty()) return;
-      s_m -= circuit_.section(id).length_m();
-      id = circuit_.next(id).front();
-    }
-    const Point2 p_M = position(circuit_.section(id).pose_at(s_m));
+  const auto add = [&](Point2 p_M) {
     const double x_m = p_M.x_m - X_MB.x_m;
     const double y_m = p_M.y_m - X_MB.y_m;
     way_B_.push_back({cos * x_m + sin * y_m, cos * y_m - sin * x_m});
+  };
+  way_B_.clear();
+  double ahead_m = 0.0;
+  double s_m = outlook.here.s_m;
+  if (const double to_line_m = outlook.X_MB ? distance(X_MB, X_ML) : 0.0; to_line_m > 0.0) {
+    for (; ahead_m < std::min(to_line_m, reach_m_); ahead_m += sample_m_) {
+      const double part = ahead_m / to_line_m;
+      add({X_MB.x_m + part * (X_ML.x_m - X_MB.x_m), X_MB.y_m + part * (X_ML.y_m - X_MB.y_m)});
+    }
+    s_m += ahead_m - to_line_m;
+  }
+  SectionsAhead ahead{circuit_, outlook};
+  for (; ahead_m <= reach_m_; ahead_m += sample_m_, s_m += sample_m_) {
+    while (s_m > circuit_.section(ahead.section()).length_m()) {
+      const double length_m = circuit_.section(ahead.section()).length_m();
+      if (!ahead.step()) return;
+      s_m -= length_m;
+    }
+    add(position(circuit_.section(ahead.section()).pose_at(s_m)));
   }
 }
 

@@ -4,21 +4,22 @@
 #include <limits>
 #include <vector>
 
+#include "aiv/outlook.h"
 #include "base/pose.h"
 #include "zone/circuit.h"
 
 namespace cosiva::aiv {
 
 /// The way before the vehicle as evenly spaced points in its body frame, and where other points lie beside it. What it
-/// sees (Corridor) and what it is told (FeltWorld) are judged by the same way. Default successors are followed.
+/// sees (Corridor) and what it is told (FeltWorld) are judged by the same way. A body off the line goes straight to
+/// where it comes onto it.
 class WayAhead {
  public:
   /// @param sample_m  between two points of the way
   /// @param reach_m   of the vehicle's middle, ahead
   WayAhead(const zone::Circuit& circuit, double sample_m, double reach_m);
 
-  /// @param here  where the vehicle's middle is
-  void sample(zone::Place here);
+  void sample(const Outlook& outlook);
   /// Of the way sampled last: less than the reach where the circuit ends.
   [[nodiscard]] double length_m() const {
     return way_B_.empty() ? 0.0 : static_cast<double>(way_B_.size() - 1) * sample_m_;

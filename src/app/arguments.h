@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "zone/generate.h"
+
 /// What the command line said, verb by verb, as plain values.
 namespace cosiva::app {
 
@@ -29,6 +31,7 @@ struct UpArguments {
   };
   Given given;
   std::string zone{"lacet4"};
+  bool watch{false};
   std::uint32_t aivs{4};
   bool headless{false};
   std::optional<double> duration_s;
@@ -61,7 +64,9 @@ struct PartArguments {
 struct ServerArguments {
   PartArguments part;
   std::string zone;  ///< empty: from the broker
+  bool watch{false};
   std::uint16_t port{8080};
+  std::string map_link;  ///< where vehicles of other makes download the zone's file; empty: from us, on this machine
   bool no_drive{false};
   bool headless{false};
   std::string web_directory;
@@ -71,6 +76,7 @@ struct ServerArguments {
   // For `up`:
   std::uint32_t fleet{0};       ///< announce when so many vehicles are matched
   std::string zone_file;        ///< where edits of the zone may be saved
+  std::string watch_file;       ///< the zone's file, to be watched
   bool emulated{false};         ///< there is a plant, whose truth the page may show
   std::int64_t began_ms{0};     ///< when an earlier life of this server began the scenario, Unix time; 0: none did
   std::uint64_t steps_done{0};  ///< how many of its steps it had played
@@ -100,9 +106,31 @@ struct ReplayArguments {
   bool json{false};
 };
 
+/// Of the verbs of `zone`; each uses its own.
 struct ZoneArguments {
-  std::string zone;
+  std::string zone;       ///< a ready one's name or a file
+  std::string companion;  ///< empty: the one beside the file, if any
+  bool json{false};
+
+  // show
   std::string svg_file;
+  std::string png_file;
+  std::uint32_t width_px{1600};
+
+  // convert
+  std::string out_file;
+  std::string format;  ///< empty: by the ending of out_file
+
+  // switch
+  std::string url{"http://127.0.0.1:8080"};
+  BrokerArguments broker;  ///< an address in it: published there instead
+  double wait_s{30.0};
+};
+
+struct GenerateArguments {
+  std::string out_file;
+  std::optional<std::uint64_t> sections;  ///< given: the plant's own numbers follow from it
+  zone::PlantOptions plant;
   bool json{false};
 };
 
@@ -120,6 +148,9 @@ int run_aiv(const AivArguments& arguments);
 int run_replay(const ReplayArguments& arguments);
 int run_zone_check(const ZoneArguments& arguments);
 int run_zone_show(const ZoneArguments& arguments);
+int run_zone_convert(const ZoneArguments& arguments);
+int run_zone_generate(const GenerateArguments& arguments);
+int run_zone_switch(const ZoneArguments& arguments);
 int run_scenario_check(const ScenarioArguments& arguments);
 int run_scenario_list(const ScenarioArguments& arguments);
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/arguments.h"
+#include "app/command_line_verbs.h"
 #include "app/words.h"
 
 namespace cosiva::app {
@@ -19,17 +20,6 @@ constexpr const char* about =
     "  cosiva up --virtual-time --duration 600 --json  ten minutes in seconds, the same digest every time";
 
 constexpr const char* exit_codes = "Exit status: 0 done, 1 the run's own checks failed, 2 bad usage or bad input.";
-
-void add_broker(CLI::App& verb, BrokerArguments& broker, const std::string& without) {
-  verb.add_option("--broker", broker.address, "MQTT broker to use; without: " + without)->type_name("HOST:PORT");
-  verb.add_option("--broker-ca", broker.ca_file, "TLS: the authority that vouches for the broker (PEM)")
-      ->type_name("FILE");
-  verb.add_option("--broker-cert", broker.certificate_file, "TLS: our own certificate (PEM)")->type_name("FILE");
-  verb.add_option("--broker-key", broker.key_file, "TLS: its key (PEM)")->type_name("FILE");
-  verb.add_option("--broker-user", broker.user, "user name at the broker")->type_name("NAME");
-  verb.add_option("--broker-password-file", broker.password_file, "file whose first line is the password")
-      ->type_name("FILE");
-}
 
 CLI::Option* add_seconds(CLI::App& verb, const std::string& name, std::optional<double>& seconds,
                          const std::string& what) {
@@ -64,6 +54,7 @@ void describe_up(CLI::App& verb, UpArguments& up) {
   verb.add_option("--zone", up.zone, "traffic zone: a ready one's name or a file")
       ->type_name("NAME|FILE")
       ->capture_default_str();
+  verb.add_flag("--watch", up.watch, "switch to the zone's file whenever it is saved, while everything runs");
   verb.add_option("--aivs", up.aivs, "how many vehicles")
       ->type_name("N")
       ->check(CLI::Range(1, 200))
@@ -105,6 +96,10 @@ void describe_server(CLI::App& verb, ServerArguments& server) {
       ->type_name("PORT")
       ->capture_default_str();
   verb.add_option("--zone", server.zone, "traffic zone, when no plant serves it")->type_name("NAME|FILE");
+  verb.add_flag("--watch", server.watch, "with --zone: switch to its file whenever it is saved, while everything runs");
+  verb.add_option("--map-link", server.map_link,
+                  "where vehicles of other makes download the zone's file; without: from our page's address")
+      ->type_name("URL");
   verb.add_flag("--no-drive", server.no_drive, "only watch: another master control gives the orders");
   verb.add_flag("--headless", server.headless, "no page; the figures stay on /api/v1");
   verb.add_option("--web", server.web_directory, "the page's built files, if not web/dist")->type_name("DIR");
@@ -115,6 +110,7 @@ void describe_server(CLI::App& verb, ServerArguments& server) {
   verb.add_flag("--emulated", server.emulated, "there is a plant: the page may show what is true there");
   verb.add_option("--fleet", server.fleet)->group("");
   verb.add_option("--zone-file", server.zone_file)->group("");
+  verb.add_option("--watch-file", server.watch_file)->group("");
   verb.add_option("--scenario-began", server.began_ms)->group("");
   verb.add_option("--scenario-steps-done", server.steps_done)->group("");
   verb.footer(
@@ -210,6 +206,7 @@ int run_command_line(int argc, const char* const* argv) {
   AivArguments aiv;
   ReplayArguments replay;
   ZoneArguments zone;
+  GenerateArguments generate;
   ScenarioArguments scenario;
   CLI::App* up_verb =
       root.add_subcommand("up", "The whole platform on this machine: broker, emulated vehicles, server, page");
@@ -217,11 +214,7 @@ int run_command_line(int argc, const char* const* argv) {
   CLI::App* plant_verb = root.add_subcommand("plant", "The emulated physical world alone");
   CLI::App* aiv_verb = root.add_subcommand("aiv", "One vehicle's on-board program alone");
   CLI::App* replay_verb = root.add_subcommand("replay", "Run a recorded journal again and compare the digests");
-  CLI::App* zone_verb = root.add_subcommand("zone", "Look at traffic zones");
-  CLI::App* check_verb =
-      zone_verb->add_subcommand("check", "Say what a zone file holds, or what is wrong with it and where");
-  CLI::App* show_verb = zone_verb->add_subcommand("show", "Draw a zone as SVG");
-  zone_verb->require_subcommand(0, 1);
+  const ZoneVerbs zone_verbs = describe_zone(root, zone, generate);
   CLI::App* scenario_verb = root.add_subcommand("scenario", "Look at scenarios: what happens when");
   CLI::App* scenario_check_verb = scenario_verb->add_subcommand(
       "check", "Say what a scenario holds, step by step, or what is wrong with it and where");
@@ -236,15 +229,11 @@ int run_command_line(int argc, const char* const* argv) {
       ->type_name("FILE")
       ->required();
   replay_verb->add_flag("--json", replay.json, "print the result as JSON");
-  for (CLI::App* verb : {check_verb, show_verb})
-    verb->add_option("zone", zone.zone, "a ready zone's name or a file")->type_name("NAME|FILE")->required();
-  check_verb->add_flag("--json", zone.json, "print the result as JSON");
   scenario_check_verb->add_option("scenario", scenario.scenario, "a ready scenario's name or a file")
       ->type_name("NAME|FILE")
       ->required();
   for (CLI::App* verb : {scenario_check_verb, scenario_list_verb})
     verb->add_flag("--json", scenario.json, "print the result as JSON");
-  show_verb->add_option("--svg", zone.svg_file, "where to draw; without: standard output")->type_name("OUT");
 
   try {
     root.parse(argc, argv);
@@ -266,12 +255,12 @@ int run_command_line(int argc, const char* const* argv) {
   if (plant_verb->parsed()) return run_plant(plant);
   if (aiv_verb->parsed()) return run_aiv(aiv);
   if (replay_verb->parsed()) return run_replay(replay);
-  if (check_verb->parsed()) return run_zone_check(zone);
-  if (show_verb->parsed()) return run_zone_show(zone);
+  if (const auto status = run_zone_verb(zone_verbs, zone, generate)) return *status;
   if (scenario_check_verb->parsed()) return run_scenario_check(scenario);
   if (scenario_list_verb->parsed()) return run_scenario_list(scenario);
   if (scenario_verb->parsed()) return refuse("say what to do: check or list", *scenario_verb);
-  if (zone_verb->parsed()) return refuse("say what to do: check or show", *zone_verb);
+  if (zone_verbs.zone->parsed())
+    return refuse("say what to do: check, show, convert, generate or switch", *zone_verbs.zone);
   print(root.help());
   return exit_done;
 }

@@ -1,11 +1,10 @@
-#include "app/command_line.h"
-
 #include <gmock/gmock.h>
 
 #include <filesystem>
 
 #include "adapters/files.h"
 #include "adapters/test_bench.h"
+#include "app/command_line_bench.h"
 #include "base/json_value.h"
 #include "wire/core.h"
 
@@ -13,27 +12,11 @@ namespace cosiva::app {
 namespace {
 
 using adapters::testing::Scratch;
+using bench::cosiva;
+using bench::Said;
+using bench::zones;
 using ::testing::HasSubstr;
 
-struct Said {
-  int status;
-  std::string data;
-  std::string words;
-};
-
-Said cosiva(const std::vector<std::string>& arguments) {
-  std::vector<const char*> argv{"cosiva"};
-  for (const std::string& argument : arguments) argv.push_back(argument.c_str());
-  ::testing::internal::CaptureStdout();
-  ::testing::internal::CaptureStderr();
-  Said said{run_command_line(static_cast<int>(argv.size()), argv.data()), {}, {}};
-  std::fflush(nullptr);
-  said.data = ::testing::internal::GetCapturedStdout();
-  said.words = ::testing::internal::GetCapturedStderr();
-  return said;
-}
-
-const std::string zones = std::string(COSIVA_SOURCE_DIR) + "/zones/";
 const std::string scenarios = std::string(COSIVA_SOURCE_DIR) + "/scenarios/";
 
 TEST(CommandLine, bare_shows_what_there_is_with_two_examples) {

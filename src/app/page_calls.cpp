@@ -23,6 +23,8 @@ std::span<const PageCalls::Route> PageCalls::routes() {
       {"GET", "/api/v1/run", none, &Calls::run},
       {"GET", "/api/v1/zones", none, &Calls::zones},
       {"GET", "/api/v1/zone/file", none, &Calls::zone_file},
+      {"GET", "/api/v1/zone/companion", none, &Calls::zone_companion},
+      {"GET", "/api/v1/zone/beacons/suggestion", none, &Calls::suggest_beacons},
       {"GET", "/api/v1/traces", none, &Calls::traces},
       {"GET", "/api/v1/traces/{n}", none, &Calls::trace},
       {"POST", "/api/v1/commands", object, &Calls::command},
@@ -31,6 +33,7 @@ std::span<const PageCalls::Route> PageCalls::routes() {
       {"PATCH", "/api/v1/things/{id}", object, &Calls::move_thing},
       {"DELETE", "/api/v1/things/{id}", none, &Calls::remove_thing},
       {"PUT", "/api/v1/priorities", object, &Calls::priorities},
+      {"POST", "/api/v1/zone/switch", object, &Calls::switch_zone},
       {"POST", "/api/v1/zone/edit", object, &Calls::edit_zone},
       {"POST", "/api/v1/zone/undo", none, &Calls::undo_zone},
       {"POST", "/api/v1/zone/redo", none, &Calls::redo_zone},
@@ -66,7 +69,7 @@ std::optional<std::vector<std::string>> match(std::string_view pattern, const st
 Result<JsonValue> object_of(const std::string& body) {
   if (body.empty())
     return fail("http.body", "this call needs a JSON object as its body; GET /api shows what stands in it");
-  auto value = JsonValue::parse(body);
+  auto value = JsonValue::parse(body, switch_bytes_max);
   if (!value) return fail("http.body", "the body must be a JSON object; it is " + value.error().message);
   if (value->object() == nullptr)
     return fail("http.body", "the body must be a JSON object; GET /api shows what stands in it");

@@ -14,6 +14,11 @@
 
 namespace cosiva::app {
 
+/// A whole zone may be sent to this path; nothing else is so long. 16 MiB of a file, and some more where its bytes are
+/// escaped or a companion comes along.
+inline constexpr std::string_view switch_path = "/api/v1/zone/switch";
+inline constexpr std::size_t switch_bytes_max = std::size_t{64} << 20U;
+
 /// The HTTP half of the page's contract, as a table of calls. It knows no socket: requests come in, answers go out.
 /// Every change is judged by the core first, so that the answer is immediate, and then given to it as a command.
 class PageCalls {
@@ -66,6 +71,9 @@ class PageCalls {
   // page_zones.cpp
   HttpResponse zones(const Call& call);
   HttpResponse zone_file(const Call& call);
+  HttpResponse zone_companion(const Call& call);
+  HttpResponse suggest_beacons(const Call& call);
+  HttpResponse switch_zone(const Call& call);
   HttpResponse priorities(const Call& call);
   HttpResponse edit_zone(const Call& call);
   HttpResponse undo_zone(const Call& call);
@@ -81,6 +89,8 @@ class PageCalls {
   [[nodiscard]] PageHost::Clock clock() const;
   [[nodiscard]] bool in_plant(const std::string& obstacle) const;
   HttpResponse step_zone(std::string_view way);
+  /// The file that edits of this zone may be saved into: that which the run was begun with, while it is that zone.
+  [[nodiscard]] std::string file_in_place(const zone::ZoneConfiguration& configuration) const;
   [[nodiscard]] Result<void> edit(const JsonValue& changes);
 
   PageHost host_;

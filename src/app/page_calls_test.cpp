@@ -264,6 +264,97 @@ TEST(PageCalls, change_the_clock_of_virtual_time_and_never_the_walls) {
   EXPECT_EQ(page.ask("POST", "/api/v1/clock/step", R"({"ms":100})").status, 409U);
 }
 
+TEST(PageCalls, pass_missions_and_closed_sections_on) {
+  PageBench page;
+  EXPECT_EQ(page.ask("POST", "/api/v1/commands", R"({"command":"close","section":"east"})").status, 202U);
+  EXPECT_EQ(page.ask("POST", "/api/v1/commands", R"({"command":"circulate","vehicle":"*"})").status, 202U);
+  EXPECT_THAT(page.commands, ElementsAre(R"({"id":"c1","command":"close","section":"east"})", HasSubstr("circulate")));
+  for (const char* bad : {R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"nowhere"})",
+                          R"({"command":"go","vehicle":"CoSiVA/AIV1"})", R"({"command":"open","section":"nowhere"})",
+                          R"({"command":"circulate","vehicle":"CoSiVA/AIV1","loop":"nowhere"})"}) {
+    const HttpResponse answer = page.ask("POST", "/api/v1/commands", bad);
+    EXPECT_GE(answer.status, 400U) << bad;
+    EXPECT_THAT(PageBench::sentence(answer), Not(IsEmpty())) << bad;
+  }
+}
+
+TEST(PageCalls, switch_to_a_ready_zone_by_its_name) {
+  PageBench page;
+  const HttpResponse answer = page.ask("POST", "/api/v1/zone/switch", R"({"name":"indus8"})");
+  ASSERT_EQ(answer.status, 200U) << answer.body;
+  EXPECT_EQ(PageBench::said(answer, "name"), "indus8");
+  EXPECT_EQ(page.server.server->zone()->name, "indus8");
+  const auto zones = JsonValue::parse(page.ask("GET", "/api/v1/zones").body);
+  for (const JsonValue& one : *zones->find("zones")->array())
+    EXPECT_EQ(one.flag("current"), one.text("name") == "indus8") << *one.text("name");
+}
+
+TEST(PageCalls, read_no_file_of_this_machine_for_who_asks_for_a_zone) {
+  PageBench page;
+  for (const char* name : {"zones/lacet4.toml", "/etc/passwd", "../lacet4", "lacet4.toml", ""})
+    EXPECT_EQ(page.ask("POST", "/api/v1/zone/switch", R"({"name":")" + std::string(name) + R"("})").status, 400U)
+        << name;
+  EXPECT_EQ(page.ask("POST", "/api/v1/zone/switch", R"({"name":"lacet5"})").status, 404U);
+  EXPECT_THAT(page.commands, IsEmpty());
+}
+
+std::string switch_body(const std::string& file, const std::string& text) {
+  JsonWriter json;
+  json.begin_object().field("file", file).field("text", text).end_object();
+  return json.take();
+}
+
+TEST(PageCalls, switch_to_a_zone_that_is_sent_whole) {
+  PageBench page;
+  const std::string text = adapters::read_file(std::string(COSIVA_SOURCE_DIR) + "/zones/indus8.toml").value();
+  const HttpResponse answer = page.ask("POST", "/api/v1/zone/switch", switch_body("mine.toml", text));
+  EXPECT_EQ(answer.status, 200U) << answer.body;
+  EXPECT_EQ(page.ask("GET", "/api/v1/zone/file").body, text);
+  EXPECT_EQ(page.ask("GET", "/api/v1/zone/companion").status, 404U);
+  EXPECT_EQ(page.ask("POST", "/api/v1/zone/switch", switch_body("mine.txt", text)).status, 400U);
+}
+
+TEST(PageCalls, keep_the_zone_when_another_cannot_be_used_and_say_why) {
+  PageBench page;
+  const auto revision = page.server.server->zone_revision();
+  const HttpResponse answer = page.ask("POST", "/api/v1/zone/switch", switch_body("mine.toml", "name = 3\n"));
+  EXPECT_EQ(answer.status, 422U);
+  EXPECT_THAT(PageBench::sentence(answer), HasSubstr("mine.toml:1"));
+  EXPECT_EQ(page.server.server->zone()->name, "lacet4");
+  EXPECT_EQ(page.server.server->zone_revision(), revision);
+  const auto snapshot = JsonValue::parse(page.server.server->snapshot_json());
+  const JsonValue* refused = snapshot->find("zone")->find("refused");
+  ASSERT_NE(refused, nullptr);
+  EXPECT_THAT(refused->text("why").value_or(""), HasSubstr("format_version"))
+      << "everybody who looks at the page sees it";
+}
+
+TEST(PageCalls, save_into_the_run_s_file_only_while_it_is_that_zone) {
+  Scratch scratch;
+  ::setenv("XDG_DATA_HOME", (scratch / "data").c_str(), 1);
+  PageBench page;
+  const std::string lacet4 = adapters::read_file(std::string(COSIVA_SOURCE_DIR) + "/zones/lacet4.toml").value();
+  page.zone_file = scratch.write("mine.toml", lacet4);
+  ASSERT_EQ(page.ask("POST", "/api/v1/zone/switch", R"({"name":"indus8"})").status, 200U);
+  EXPECT_EQ(PageBench::said(page.ask("POST", "/api/v1/zone/save"), "file"), scratch / "data/cosiva/zones/indus8.toml");
+  EXPECT_EQ(adapters::read_file(page.zone_file).value(), lacet4);
+  ::unsetenv("XDG_DATA_HOME");
+  ASSERT_EQ(page.ask("POST", "/api/v1/zone/switch", switch_body("mine.toml", lacet4)).status, 200U);
+  EXPECT_EQ(PageBench::said(page.ask("POST", "/api/v1/zone/save"), "file"), page.zone_file);
+}
+
+TEST(PageCalls, suggest_where_the_beacons_could_lie) {
+  PageBench page;
+  const HttpResponse answer = page.ask("GET", "/api/v1/zone/beacons/suggestion");
+  ASSERT_EQ(answer.status, 200U) << answer.body;
+  const auto suggestion = JsonValue::parse(answer.body);
+  EXPECT_EQ(suggestion->find("origin")->array()->size(), 2U);
+  const auto now = suggestion->number("now_m");
+  const auto then = suggestion->number("longest_free_m");
+  ASSERT_TRUE(then);
+  EXPECT_TRUE(!now || *then <= *now);
+}
+
 TEST(OpenApi, describes_every_call_and_no_other) {
   const auto document = JsonValue::parse(openapi_json());
   ASSERT_TRUE(document);

@@ -66,7 +66,7 @@ HttpResponse PageCalls::command(const Call& call) {
   const std::string id = host_.core->next_command_id();
   JsonWriter json;
   json.begin_object().field("id", id);
-  for (const char* key : {"command", "vehicle", "vehicles"})
+  for (const char* key : {"command", "vehicle", "vehicles", "to", "loop", "section"})
     if (const JsonValue* value = call.body.find(key)) write_json(json.key(key), *value);
   json.end_object();
   if (auto given = give(json.take()); !given) return refusal(given.error());

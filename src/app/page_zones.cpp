@@ -1,13 +1,14 @@
-// The zone's edits, its file, and the zones there are (docs/protocols/hmi-api.md).
+// The zone's edits, its file, the zones there are, and the switch from one to another (docs/protocols/hmi-api.md).
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
-#include <map>
 
-#include "adapters/files.h"
 #include "app/page_calls.h"
 #include "app/places.h"
+#include "app/zone_files.h"
 #include "base/json_writer.h"
+#include "zone/beacons.h"
 
 namespace cosiva::app {
 namespace {
@@ -28,30 +29,42 @@ std::string zone_name(const virtual_side::ServerCore& core) {
   return zone ? zone->text("name").value_or("") : std::string{};
 }
 
+/// Whether the zone in force is not the one that the run began with.
+bool switched_once(const virtual_side::ServerCore& core) {
+  const auto snapshot = JsonValue::parse(core.snapshot_json(), zone_json_bytes_max);
+  const JsonValue* zone = snapshot ? snapshot->find("zone") : nullptr;
+  const JsonValue* switched = zone == nullptr ? nullptr : zone->find("switched");
+  return switched != nullptr && !switched->is_null();
+}
+
 /// A zone's name as a file's: nothing in it leads elsewhere.
-std::string file_name(std::string name, const std::string& format) {
+std::string file_name(std::string name, const std::string& ending) {
   for (char& c : name)
     if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-' && c != '_' && c != '.') c = '_';
   if (name.empty() || name.front() == '.') name.insert(0, "zone");
-  return name + "." + (format.empty() ? "toml" : format);
+  return name + ending;
 }
 
-std::vector<fs::path> zone_folders() {
-  const fs::path beside = fs::path(own_executable()).parent_path();
-  return {fs::path(own_folder("zones")), fs::path(COSIVA_SOURCE_DIR) / "zones", beside / "../share/cosiva/zones",
-          "zones"};
+HttpResponse download(std::string text, const std::string& name) {
+  HttpResponse answer{200, "text/plain; charset=utf-8", std::move(text), {}};
+  answer.headers.emplace_back("Content-Disposition", "attachment; filename=\"" + name + "\"");
+  return answer;
 }
 
-/// A zone file's first comment says what it is: its first sentence, or what stands before a bracket or colon.
-std::string title_of(const fs::path& file) {
-  const auto text = adapters::read_file(file.string());
-  if (!text || !text->starts_with('#')) return file.stem().string();
-  std::string_view line{*text};
-  line = line.substr(0, line.find_first_of("\n(:."));
-  line.remove_prefix(1);
-  while (line.starts_with(' ')) line.remove_prefix(1);
-  while (line.ends_with(' ')) line.remove_suffix(1);
-  return line.empty() ? file.stem().string() : std::string(line);
+/// A zone that somebody sends whole: with its format, or with its file's name, which tells that.
+Result<zone::ZoneConfiguration> given_zone(const JsonValue& body) {
+  const auto file = body.text("file");
+  const auto text = body.text("text");
+  if (file && text) {
+    auto format = zone::format_of_file(*file);
+    if (!format) return tl::unexpected(format.error());
+    return zone::ZoneConfiguration{std::move(*format), *file, *text, body.text("companion").value_or("")};
+  }
+  auto configuration = zone::zone_configuration_from_json(body);
+  if (!configuration)
+    configuration.error().message =
+        R"(say which: {"name":"…"} of a ready zone, {"file","text","companion"?}, or {"format","origin","text","companion"?})";
+  return configuration;
 }
 
 std::string revision_json(std::uint64_t revision) {
@@ -63,34 +76,88 @@ std::string revision_json(std::uint64_t revision) {
 }  // namespace
 
 HttpResponse PageCalls::zones(const Call&) {
-  std::map<std::string, fs::path> found;
-  for (const fs::path& folder : zone_folders()) {
-    std::error_code error;
-    for (auto at = fs::directory_iterator(folder, error); !error && at != fs::directory_iterator(); at.increment(error))
-      if (at->path().extension() == ".toml") found.emplace(at->path().stem().string(), at->path());
-  }
+  const std::vector<ReadyZone> found = ready_zones();
   const std::string current = zone_name(*host_.core);
   JsonWriter json;
   json.begin_object().key("zones").begin_array();
-  if (!current.empty() && !found.contains(current)) {
+  if (!current.empty() && std::ranges::find(found, current, &ReadyZone::name) == found.end())
     json.begin_object().field("name", current).field("title", current).field("current", true).end_object();
-  }
-  for (const auto& [name, file] : found) {
-    json.begin_object().field("name", name).field("title", title_of(file));
-    json.field("current", name == current).end_object();
+  for (const ReadyZone& ready : found) {
+    json.begin_object().field("name", ready.name).field("title", title_of(ready));
+    json.field("current", ready.name == current).end_object();
   }
   json.end_array().end_object();
   return json_answer(json.take());
 }
 
 HttpResponse PageCalls::zone_file(const Call&) {
-  const auto configuration = host_.core->zone_configuration();
+  auto configuration = host_.core->zone_configuration();
   if (!configuration) return http_error(404, "zone.not_found", "there is no zone yet");
-  HttpResponse answer{200, "text/plain; charset=utf-8", configuration->text, {}};
-  answer.headers.emplace_back(
-      "Content-Disposition",
-      "attachment; filename=\"" + file_name(zone_name(*host_.core), configuration->format) + "\"");
-  return answer;
+  return download(std::move(configuration->text),
+                  file_name(zone_name(*host_.core), usual_ending(configuration->format)));
+}
+
+HttpResponse PageCalls::zone_companion(const Call&) {
+  auto configuration = host_.core->zone_configuration();
+  if (!configuration) return http_error(404, "zone.not_found", "there is no zone yet");
+  if (configuration->companion.empty())
+    return http_error(404, "zone.companion", "this zone has no companion: its file says everything");
+  return download(std::move(configuration->companion),
+                  file_name(zone_name(*host_.core), std::string(companion_ending)));
+}
+
+HttpResponse PageCalls::suggest_beacons(const Call&) {
+  const auto zone = host_.core->zone();
+  if (!zone) return no_zone();
+  if (!zone->beacons) return http_error(409, "zone.beacons", "this zone has no beacons, so there is no origin to move");
+  const auto suggested = zone::suggest_origin(*zone);
+  if (!suggested)
+    return http_error(409, "zone.beacons",
+                      "this zone is so large that a search would take long; try an origin by hand");
+  JsonWriter json;
+  json.begin_object().key("origin").begin_array().value(suggested->origin.x_m).value(suggested->origin.y_m).end_array();
+  for (const auto& [key, metres] : {std::pair{"now_m", suggested->before_m}, {"longest_free_m", suggested->after_m}}) {
+    json.key(key);
+    if (std::isfinite(metres))
+      json.value(metres);
+    else
+      json.null();
+  }
+  json.end_object();
+  return json_answer(json.take());
+}
+
+HttpResponse PageCalls::switch_zone(const Call& call) {
+  Result<zone::ZoneConfiguration> configuration;
+  if (const JsonValue* name = call.body.find("name")) {
+    // Only those that are ready here: whoever may talk to us must not read this machine's files with it.
+    if (name->text() == nullptr || name->text()->empty() || looks_like_a_file(*name->text()))
+      return http_error(400, "zone.name", R"("name" is a ready zone's, as GET /api/v1/zones lists them)");
+    configuration = load_zone(*name->text());
+    if (!configuration) return http_error(404, configuration.error().code, to_string(configuration.error()));
+  } else {
+    configuration = given_zone(call.body);
+    if (!configuration) return http_error(400, configuration.error().code, configuration.error().message);
+  }
+  JsonWriter json;
+  zone::write_json(json.begin_object().field("command", "switch").key("zone"), *configuration);
+  json.end_object();
+  std::string command = json.take();
+  // The core reads it once, however large it is, and says on the page too why it refuses; only then it is asked again.
+  host_.command("http", command);
+  const auto in_force = host_.core->zone_configuration();
+  if (!in_force || in_force->format != configuration->format || in_force->text != configuration->text ||
+      in_force->companion != configuration->companion) {
+    const auto judged = host_.core->check_command(command);
+    const Error why = judged ? Error{"zone.refused", "the zone that was there stays in force", {}} : judged.error();
+    return http_error(422, why.code, to_string(why));
+  }
+  JsonWriter answer;
+  answer.begin_object()
+      .field("revision", host_.core->zone_revision())
+      .field("name", zone_name(*host_.core))
+      .end_object();
+  return json_answer(answer.take());
 }
 
 Result<void> PageCalls::edit(const JsonValue& changes) {
@@ -128,15 +195,25 @@ HttpResponse PageCalls::step_zone(std::string_view way) {
 HttpResponse PageCalls::undo_zone(const Call&) { return step_zone("undo"); }
 HttpResponse PageCalls::redo_zone(const Call&) { return step_zone("redo"); }
 
+std::string PageCalls::file_in_place(const zone::ZoneConfiguration& configuration) const {
+  if (host_.zone_file.empty() || zone::format_of_file(host_.zone_file) != configuration.format) return {};
+  // After a switch to another zone the file is none of its business. One that is not there (any more) is written anew.
+  auto there = load_zone(host_.zone_file);
+  if (!there) return host_.zone_file;
+  const auto rtm = zone::Rtm::initialise(std::move(*there));
+  const bool ours = rtm ? rtm->zone().name == zone_name(*host_.core) : !switched_once(*host_.core);
+  return ours ? host_.zone_file : std::string{};
+}
+
 HttpResponse PageCalls::save_zone(const Call&) {
   const auto configuration = host_.core->zone_configuration();
   if (!configuration) return no_zone();
-  fs::path file{host_.zone_file};
+  fs::path file{file_in_place(*configuration)};
   if (file.empty()) {
     const std::string folder = own_folder("zones");
     if (folder.empty())
       return http_error(500, "zone.save", "there is no folder to save it in: neither HOME nor XDG_DATA_HOME is set");
-    file = fs::path(folder) / file_name(zone_name(*host_.core), configuration->format);
+    file = fs::path(folder) / file_name(zone_name(*host_.core), usual_ending(configuration->format));
     std::error_code error;
     fs::create_directories(file.parent_path(), error);
     if (error)
@@ -144,7 +221,7 @@ HttpResponse PageCalls::save_zone(const Call&) {
                         "the folder " + file.parent_path().string() + " could not be made (" + error.message() +
                             "); nothing is saved, the edits stay in force");
   }
-  if (auto written = adapters::write_file(file.string(), configuration->text); !written)
+  if (auto written = write_zone(file.string(), *configuration); !written)
     return http_error(500, "zone.save",
                       "the zone could not be written to " + file.string() + ": " + written.error().message +
                           "; nothing is saved, the edits stay in force");

@@ -8,6 +8,8 @@
 #include "app/places.h"
 #include "app/server_page.h"
 #include "app/words.h"
+#include "app/zone_files.h"
+#include "app/zone_watch.h"
 #include "base/json_writer.h"
 #include "experiments/world/fleet.h"
 #include "physical/plant/plant_core.h"
@@ -66,6 +68,20 @@ PageHost page_host(const ServerArguments& arguments, const virtual_side::ServerC
   host.zone_file = arguments.zone_file;
   if (host.zone_file.empty() && looks_like_a_file(arguments.zone)) host.zone_file = arguments.zone;
   return host;
+}
+
+/// The zone's file, when it is to be watched; the one that `up` names, or our own zone's.
+std::string watched_file(const ServerArguments& arguments) {
+  if (!arguments.watch_file.empty()) return arguments.watch_file;
+  return arguments.watch ? find_zone_file(arguments.zone).value_or("") : std::string{};
+}
+
+/// Says it to who started this part: to `up`, or to the person before the terminal.
+void tell(const PartArguments& part, const std::string& text) {
+  if (!part.announce) return say(text);
+  JsonWriter json;
+  json.begin_object().field("event", "say").field("text", text).end_object();
+  announce(part, json.text());
 }
 
 /// Listens to what an emulated world says is true, for the eye only: a connection of its own, so that nothing of it can
@@ -133,6 +149,13 @@ class FleetWatch {
 int run_server(const ServerArguments& arguments) {
   virtual_side::ServerOptions options;
   options.drive = !arguments.no_drive;
+  options.map_download_link = arguments.map_link;
+  // We speak to this machine only; vehicles elsewhere need the file where they can reach it.
+  if (options.map_download_link.empty() && arguments.port != 0)
+    options.map_download_link = "http://127.0.0.1:" + std::to_string(arguments.port) + "/api/v1/zone/file";
+  if (arguments.watch && arguments.zone.empty())
+    return complain(
+        {"server.watch", "without a zone of its own there is no file to watch; add --zone FILE", "--watch"});
   if (!arguments.zone.empty()) {
     auto zone = load_good_zone(arguments.zone);
     if (!zone) return complain(zone.error());
@@ -167,6 +190,15 @@ int run_server(const ServerArguments& arguments) {
     say("port " + std::to_string(arguments.port) + " is busy; taking " + std::to_string(port));
   say((arguments.headless ? "API at http://127.0.0.1:" : "page at http://127.0.0.1:") + std::to_string(port) + "/");
   announce(arguments.part, R"({"event":"page","port":)" + std::to_string(port) + "}");
+
+  std::unique_ptr<ZoneWatch> zone_watch;
+  if (const std::string file = watched_file(arguments); !file.empty()) {
+    zone_watch = std::make_unique<ZoneWatch>(
+        loop, file, std::string{},
+        ZoneWatch::Handlers{[&] { return core.zone_configuration(); },
+                            [&](std::string command) { shell.command("watch", std::move(command)); },
+                            [&](const std::string& text) { tell(arguments.part, text); }});
+  }
 
   FleetWatch watch{loop, core, shell, arguments, std::move(scenario)};
   return Part{loop, shell, "server", arguments.part, [&] { return core.summary_json(); }}.run();

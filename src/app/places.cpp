@@ -11,7 +11,9 @@
 #include "adapters/clock.h"
 #include "adapters/files.h"
 #include "app/words.h"
+#include "app/zone_files.h"
 #include "base/time.h"
+#include "zone/rtm/rtm.h"
 
 namespace cosiva::app {
 namespace {
@@ -23,52 +25,21 @@ std::string environment(const char* name) {
   return value == nullptr ? std::string{} : std::string(value);
 }
 
-/// Where ready files lie: "zones", "scenarios". The user's own come first: the page saves there what was changed of a
-/// ready zone, and who changed it wants to have it again.
-std::vector<fs::path> ready_folders(const std::string& kind) {
-  std::vector<fs::path> folders;
-  if (const std::string own = own_folder(kind); !own.empty()) folders.emplace_back(own);
-  const fs::path beside = fs::path(own_executable()).parent_path();
-  for (const fs::path& folder : {beside / "../.." / kind, beside / "../share/cosiva" / kind, fs::path(kind)})
-    folders.push_back(folder);
-  folders.emplace_back(".");
-  return folders;
-}
-
-std::vector<std::string> ready_names(const std::string& kind) {
-  std::vector<std::string> names;
-  for (const fs::path& folder : ready_folders(kind)) {
-    std::error_code error;
-    if (folder == ".") continue;  // what lies about in the current folder is not offered
-    for (const auto& entry : fs::directory_iterator(folder, error)) {
-      if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
-    }
-  }
-  std::ranges::sort(names);
-  names.erase(std::unique(names.begin(), names.end()), names.end());
-  return names;
-}
-
-/// @param one  "zone": what is looked for; its folder is that with an s
-Result<std::string> find_file(const std::string& one, const std::string& name_or_file) {
+/// A zone's name or file in a scenario, so that it is found from anywhere: a file of its own stands beside the
+/// scenario; a name nobody knows may stand in the zones that came with it.
+std::string found_from(const fs::path& scenario_file, const std::string& zone) {
   std::error_code error;
-  if (looks_like_a_file(name_or_file)) {
-    if (fs::is_regular_file(name_or_file, error)) return name_or_file;
-    return fail(one + ".missing", "there is no such " + one + " file", name_or_file);
+  const fs::path folder = scenario_file.parent_path();
+  if (looks_like_a_file(zone)) {
+    const fs::path beside = folder / zone;
+    return fs::is_regular_file(beside, error) ? beside.lexically_normal().string() : zone;
   }
-  std::string looked;
-  for (const fs::path& folder : ready_folders(one + "s")) {
-    const fs::path file = folder / (name_or_file + ".toml");
-    if (fs::is_regular_file(file, error)) return file.lexically_normal().string();
-    looked += "\n  " + fs::absolute(folder, error).lexically_normal().string();
+  if (find_zone_file(zone)) return zone;
+  for (const std::string_view format : zone::known_formats()) {
+    const fs::path beside = folder / "../zones" / (zone + usual_ending(format));
+    if (fs::is_regular_file(beside, error)) return beside.lexically_normal().string();
   }
-  std::string message = "there is no " + one + " of this name; looked in" + looked;
-  const std::vector<std::string> ready = ready_names(one + "s");
-  if (!ready.empty()) message += "\nready " + one + "s:";
-  for (const std::string& name : ready) message += " " + name;
-  if (const std::string near = nearest_word(name_or_file, ready); !near.empty())
-    message += "\ndid you mean '" + near + "'?";
-  return fail(one + ".missing", message, name_or_file);
+  return zone;
 }
 
 }  // namespace
@@ -90,11 +61,59 @@ std::string own_executable() {
   return error ? std::string("cosiva") : path.string();
 }
 
-Result<std::string> find_zone_file(const std::string& name_or_file) { return find_file("zone", name_or_file); }
+std::vector<std::string> ready_folders(const std::string& kind) {
+  std::vector<std::string> folders;
+  if (std::string own = own_folder(kind); !own.empty()) folders.push_back(std::move(own));
+  const fs::path beside = fs::path(own_executable()).parent_path();
+  for (const fs::path& folder : {beside / "../.." / kind, fs::path(COSIVA_SOURCE_DIR) / kind,
+                                 beside / "../share/cosiva" / kind, fs::path(kind)}) {
+    // A build in its source tree finds that tree twice.
+    const std::string name = folder.lexically_normal().string();
+    if (std::ranges::find(folders, name) == folders.end()) folders.push_back(name);
+  }
+  return folders;
+}
 
-Result<std::string> find_scenario_file(const std::string& name_or_file) { return find_file("scenario", name_or_file); }
+Result<std::string> find_ready_file(const std::string& one, const std::string& name_or_file,
+                                    const std::vector<std::string>& endings, const std::vector<std::string>& ready) {
+  std::error_code error;
+  if (looks_like_a_file(name_or_file)) {
+    if (fs::is_regular_file(name_or_file, error)) return name_or_file;
+    return fail(one + ".missing", "there is no such " + one + " file", name_or_file);
+  }
+  std::vector<std::string> folders = ready_folders(one + "s");
+  folders.emplace_back(".");  // what lies about in the current folder is found, but not offered
+  std::string looked;
+  for (const fs::path folder : folders) {
+    for (const std::string& ending : endings) {
+      const fs::path file = folder / (name_or_file + ending);
+      if (fs::is_regular_file(file, error)) return file.lexically_normal().string();
+    }
+    looked += "\n  " + fs::absolute(folder, error).lexically_normal().string();
+  }
+  std::string message = "there is no " + one + " of this name; looked in" + looked;
+  if (!ready.empty()) message += "\nready " + one + "s:";
+  for (const std::string& name : ready) message += " " + name;
+  if (const std::string near = nearest_word(name_or_file, ready); !near.empty())
+    message += "\ndid you mean '" + near + "'?";
+  return fail(one + ".missing", message, name_or_file);
+}
 
-std::vector<std::string> ready_scenarios() { return ready_names("scenarios"); }
+Result<std::string> find_scenario_file(const std::string& name_or_file) {
+  return find_ready_file("scenario", name_or_file, {".toml"}, ready_scenarios());
+}
+
+std::vector<std::string> ready_scenarios() {
+  std::vector<std::string> names;
+  for (const std::string& folder : ready_folders("scenarios")) {
+    std::error_code error;
+    for (auto at = fs::directory_iterator(folder, error); !error && at != fs::directory_iterator(); at.increment(error))
+      if (at->path().extension() == ".toml") names.push_back(at->path().stem().string());
+  }
+  std::ranges::sort(names);
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names;
+}
 
 Result<LoadedScenario> load_scenario(const std::string& name_or_file) {
   auto file = find_scenario_file(name_or_file);
@@ -103,23 +122,11 @@ Result<LoadedScenario> load_scenario(const std::string& name_or_file) {
   if (!text) return tl::unexpected(text.error());
   auto scenario = experiments::scenario_from_toml(*text, *file);
   if (!scenario) return tl::unexpected(scenario.error());
-  // A file of its own stands beside the scenario; a name nobody knows may stand in the zones that came with it.
-  std::error_code error;
-  const fs::path folder = fs::path(*file).parent_path();
-  const bool is_file = looks_like_a_file(scenario->zone);
-  const fs::path beside = is_file ? folder / scenario->zone : folder / "../zones" / (scenario->zone + ".toml");
-  if ((is_file || !find_zone_file(scenario->zone)) && fs::is_regular_file(beside, error))
-    scenario->zone = beside.lexically_normal().string();
+  scenario->zone = found_from(*file, scenario->zone);
+  const auto load = [&](const std::string& zone) { return load_zone(found_from(*file, zone)); };
+  if (auto resolved = experiments::resolve_zones(*scenario, load, *file); !resolved)
+    return tl::unexpected(resolved.error());
   return LoadedScenario{std::move(*file), std::move(*scenario)};
-}
-
-Result<zone::ZoneConfiguration> load_zone(const std::string& name_or_file) {
-  auto file = find_zone_file(name_or_file);
-  if (!file) return tl::unexpected(file.error());
-  auto text = adapters::read_file(*file);
-  if (!text) return tl::unexpected(text.error());
-  const std::string extension = fs::path(*file).extension().string();
-  return zone::ZoneConfiguration{extension.empty() ? "toml" : extension.substr(1), *file, std::move(*text)};
 }
 
 std::string find_web_root(const std::string& given) {

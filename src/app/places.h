@@ -7,7 +7,6 @@
 #include "app/arguments.h"
 #include "base/result.h"
 #include "experiments/scenario/scenario.h"
-#include "zone/rtm/rtm.h"
 
 /// Where things are on this machine.
 namespace cosiva::app {
@@ -18,12 +17,16 @@ namespace cosiva::app {
 /// ~/.local/share; empty where there is no home.
 [[nodiscard]] std::string own_folder(const std::string& kind);
 
-/// A zone by file name, or by the name of a ready one ("lacet4"): looked for in the user's own folder, beside the
-/// source tree of this build, in the installed share folder, and in ./zones. Fails ("zone.missing") with where it
-/// looked and what there is.
-[[nodiscard]] Result<std::string> find_zone_file(const std::string& name_or_file);
-/// The file's bytes with their format and origin.
-[[nodiscard]] Result<zone::ZoneConfiguration> load_zone(const std::string& name_or_file);
+/// Where ready files of a kind lie ("zones", "scenarios"), those to be preferred first; the user's own come before all:
+/// the page saves there what was changed of a ready zone, and who changed it wants to have it again. The current folder
+/// is not among them.
+[[nodiscard]] std::vector<std::string> ready_folders(const std::string& kind);
+/// A file by its name, or a ready one ("lacet4") under one of these endings. Fails ("<one>.missing") with where it
+/// looked, what there is (`ready`), and the nearest of it.
+/// @param one  "zone": what is looked for; its folder is that with an s
+[[nodiscard]] Result<std::string> find_ready_file(const std::string& one, const std::string& name_or_file,
+                                                  const std::vector<std::string>& endings,
+                                                  const std::vector<std::string>& ready);
 /// Whether this is meant as a file's name ("my.toml", "zones/my") rather than a ready one's ("lacet4").
 [[nodiscard]] bool looks_like_a_file(const std::string& name_or_file);
 
@@ -34,7 +37,9 @@ namespace cosiva::app {
 
 struct LoadedScenario {
   std::string file;
-  experiments::Scenario scenario;  ///< a zone given as a file is found beside the scenario's own, or as it stands
+  /// A zone given as a file is found beside the scenario's own, or as it stands; those that it switches to are in its
+  /// steps' commands.
+  experiments::Scenario scenario;
 };
 [[nodiscard]] Result<LoadedScenario> load_scenario(const std::string& name_or_file);
 

@@ -9,6 +9,7 @@
 #include "adapters/files.h"
 #include "adapters/test_bench.h"
 #include "app/run_directory.h"
+#include "app/zone_files.h"
 
 namespace cosiva::app {
 namespace {

@@ -4,6 +4,7 @@
 
 #include "app/places.h"
 #include "app/words.h"
+#include "app/zone_files.h"
 
 namespace cosiva::app {
 namespace {

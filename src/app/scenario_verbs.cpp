@@ -3,6 +3,7 @@
 #include "app/arguments.h"
 #include "app/places.h"
 #include "app/words.h"
+#include "app/zone_files.h"
 #include "base/json_writer.h"
 #include "zone/rtm/rtm.h"
 
@@ -38,7 +39,13 @@ std::string json_of(const LoadedScenario& loaded) {
   json.key("steps").begin_array();
   for (const auto& step : scenario.steps) {
     json.begin_object().field("t_s", to_seconds(step.at)).field("what", step.what).field("line", step.line);
-    json.key("command").raw(step.command).end_object();
+    json.key("command");
+    // A switch's command holds a whole file, which nobody wants to see here.
+    if (step.zone.empty())
+      json.raw(step.command);
+    else
+      json.begin_object().field("command", "switch").field("zone", step.zone).end_object();
+    json.end_object();
   }
   json.end_array().end_object();
   return json.take();

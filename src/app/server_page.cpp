@@ -47,6 +47,8 @@ Result<std::unique_ptr<ServerPage>> ServerPage::open(adapters::EventLoop& loop, 
   auto inside = std::make_unique<Inside>(std::move(host));
   adapters::HttpOptions options;
   options.port = port;
+  options.large_body_path = switch_path;
+  options.large_body_bytes_max = switch_bytes_max;
   if (!headless) {
     options.web_root = std::move(web_root);
     options.page_without_web_root = page_not_built;

@@ -183,6 +183,7 @@ class Up {
     append(argv, {"--announce", "--fleet", std::to_string(arguments_.aivs), "--emulated"});
     append(argv, {"--memory", run_ / "server.memory", "--name", plan_.name});
     if (!plan_.zone_file.empty()) append(argv, {"--zone-file", plan_.zone_file});
+    if (arguments_.watch) append(argv, {"--watch-file", plan_.rtm.configuration().origin});
     if (plan_.scenario) append(argv, {"--scenario", plan_.scenario_file});
     if (scenario_began_ms_ > 0) {
       // A server started again goes on with the scenario where the last one stopped.
@@ -220,6 +221,8 @@ class Up {
     } else if (what == "step") {
       steps_done_ = static_cast<std::uint64_t>(event->number("number").value_or(0.0));
       say(step_line(event->number("t_s").value_or(0.0), event->text("what").value_or("")));
+    } else if (what == "say") {
+      say(event->text("text").value_or(""));
     }
   }
 
@@ -317,6 +320,8 @@ int run_up(const UpArguments& arguments) {
   if (arguments.speed && !arguments.page)
     return complain(
         {"up.speed", "only a page in virtual time has a speed: --virtual-time --page --speed X", "--speed"});
+  if (arguments.watch && arguments.virtual_time && !arguments.page)
+    return complain({"up.watch", "a run as fast as the machine can has no time for edits; add --page", "--watch"});
   if (arguments.virtual_time) return run_virtual_time(arguments);
   if (arguments.loss > 0.0) {
     return complain({"up.loss",

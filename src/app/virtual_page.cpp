@@ -47,17 +47,26 @@ Result<std::unique_ptr<VirtualPage>> VirtualPage::open(adapters::EventLoop& loop
   run.also_tap([self = made.get()](SimTime, const std::string&, const wire::Publish& message) {
     if (message.topic == wire::plant_truth_topic) self->page_->truth(message.payload);
   });
+  if (arguments.watch) {
+    made->watch_ = std::make_unique<ZoneWatch>(
+        loop, run.plan().rtm.configuration().origin, std::string{},
+        ZoneWatch::Handlers{[&run] { return run.world().server().zone_configuration(); },
+                            [self = made.get()](std::string command) { self->command(std::move(command)); },
+                            [](const std::string& text) { say(text); }});
+  }
   made->timer_.every(beat_period, [self = made.get()] { self->beat(); });
   return made;
+}
+
+void VirtualPage::command(std::string json) {
+  run_.world().command_server(std::move(json));
+  if (page_) page_->changed();
 }
 
 PageHost VirtualPage::host() {
   PageHost host;
   host.core = &run_.world().server();
-  host.command = [this](const std::string&, std::string json) {
-    run_.world().command_server(std::move(json));
-    if (page_) page_->changed();
-  };
+  host.command = [this](const std::string&, std::string json) { command(std::move(json)); };
   host.now = [this] { return run_.world().now(); };
   host.run_name = run_.plan().name;
   if (run_.plan().scenario) host.scenario_name = run_.plan().scenario->name;

@@ -7,6 +7,7 @@
 #include "adapters/event_loop.h"
 #include "app/server_page.h"
 #include "app/virtual_run.h"
+#include "app/zone_watch.h"
 
 namespace cosiva::app {
 
@@ -27,6 +28,7 @@ class VirtualPage {
   using Steady = std::chrono::steady_clock;
   VirtualPage(adapters::EventLoop& loop, VirtualRun& run, std::function<void()> ended);
   [[nodiscard]] PageHost host();
+  void command(std::string json);
   void beat();
   /// Up to the run's end; false when that is reached.
   bool run_for(SimDuration duration);
@@ -35,6 +37,7 @@ class VirtualPage {
   VirtualRun& run_;
   std::function<void()> ended_;
   std::unique_ptr<ServerPage> page_;
+  std::unique_ptr<ZoneWatch> watch_;
   adapters::Timer timer_;
   bool running_{true};
   bool over_{false};

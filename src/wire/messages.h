@@ -172,8 +172,7 @@ struct Information {
 enum class OperatingMode { automatic, semiautomatic, manual, service, teachin };
 enum class EStop { none, autoack, manual, remote };
 
-/// Vehicle to master control (§6.10).
-/// A map that the vehicle has (2.1 §6.10.5 maps).
+/// A map that the vehicle has (2.1 §6.10, maps).
 struct MapInfo {
   std::string map_id;
   std::string map_version;
@@ -182,6 +181,7 @@ struct MapInfo {
   friend bool operator==(const MapInfo&, const MapInfo&) = default;
 };
 
+/// Vehicle to master control (§6.10).
 struct State {
   Header header;
   std::vector<MapInfo> maps;  ///< empty: the vehicle does not say

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <map>
+#include <queue>
+#include <utility>
 
 #include "base/expect.h"
 
@@ -76,6 +80,7 @@ Result<Circuit> Circuit::make(std::string name, std::vector<Part> parts, double 
       circuit.previous_[after].push_back(id);
     }
   }
+  circuit.tree_ = SectionTree{all.size(), [&](std::size_t id) -> const Section& { return all[id].section; }};
   return circuit;
 }
 
@@ -94,20 +99,44 @@ double Circuit::total_length_m() const {
 
 Circuit::Located Circuit::locate(Point2 p, std::optional<double> heading_rad) const {
   COSIVA_EXPECT(!parts_.empty());
-  constexpr double far = std::numeric_limits<double>::infinity();
-  Located any{{}, 0.0, far};
-  Located aligned = any;
-  for (SectionId id = 0; id < parts_.size(); ++id) {
-    const Section& section = parts_[id].section;
-    if (zone::distance(section.box(), p) >= (heading_rad ? aligned : any).distance_m) continue;
-    const Section::Nearest near = section.nearest(p);
-    const Located here{{id, near.s_m}, near.left_m, near.distance_m};
-    if (here.distance_m < any.distance_m) any = here;
-    if (!heading_rad || here.distance_m >= aligned.distance_m) continue;
-    const double turned_rad = wrap_angle(section.pose_at(near.s_m).heading_rad - *heading_rad);
-    if (std::fabs(turned_rad) <= pi / 3.0) aligned = here;
+  constexpr double aligned_rad = pi / 3.0;
+  Located best{{}, 0.0, std::numeric_limits<double>::infinity()};
+  SectionId last = no_section;  // the pieces of a section come one after the other, mostly
+  const auto look = [&](SectionId id) {
+    if (id == last) return;
+    last = id;
+    const Section::Nearest near = section(id).nearest(p);
+    if (near.distance_m > best.distance_m || (near.distance_m == best.distance_m && id >= best.place.section)) return;
+    if (heading_rad &&
+        !(std::fabs(wrap_angle(section(id).pose_at(near.s_m).heading_rad - *heading_rad)) <= aligned_rad))
+      return;
+    best = {{id, near.s_m}, near.left_m, near.distance_m};
+  };
+  if (heading_rad) {
+    tree_.visit(p, SectionTree::headings_near(*heading_rad, aligned_rad), best.distance_m, look);
+    if (best.place.section != no_section) return best;
+    heading_rad.reset();
+    last = no_section;
   }
-  return aligned.distance_m < far ? aligned : any;
+  tree_.visit(p, SectionTree::every_heading, best.distance_m, look);
+  return best;
+}
+
+void Circuit::near(Point2 p, double within_m, std::vector<Located>& out) const {
+  out.clear();
+  tree_.visit(p, SectionTree::every_heading, within_m, [&](SectionId id) { out.push_back({{id, 0.0}, 0.0, 0.0}); });
+  std::sort(out.begin(), out.end(),
+            [](const Located& a, const Located& b) { return a.place.section < b.place.section; });
+  const auto same = [](const Located& a, const Located& b) { return a.place.section == b.place.section; };
+  out.erase(std::unique(out.begin(), out.end(), same), out.end());
+  for (Located& located : out) {
+    const Section::Nearest near = section(located.place.section).nearest(p);
+    located = {{located.place.section, near.s_m}, near.left_m, near.distance_m};
+  }
+  std::erase_if(out, [&](const Located& located) { return !(located.distance_m <= within_m); });
+  std::sort(out.begin(), out.end(), [](const Located& a, const Located& b) {
+    return a.distance_m != b.distance_m ? a.distance_m < b.distance_m : a.place.section < b.place.section;
+  });
 }
 
 double Circuit::turn_at(SectionId from, SectionId to) const {
@@ -126,8 +155,8 @@ Place Circuit::advance(Place from, double distance_m, std::span<const SectionId>
     s -= section(id).length_m();
     id = after;
   }
-  for (std::size_t i = gone.size(); s<0.0; i -= i> 0 ? 1 : 0) {
-    const SectionId before = i > 0 ? gone[i - 1] : previous(id).empty() ? no_section : previous(id).front();
+  for (std::size_t left = gone.size(); s < 0.0;) {
+    const SectionId before = left > 0 ? gone[--left] : previous(id).empty() ? no_section : previous(id).front();
     if (before == no_section) break;
     id = before;
     s += section(id).length_m();
@@ -163,44 +192,43 @@ std::optional<Circuit::Way> Circuit::shortest_way(Place from, Place to, double l
     if (to.s_m - from.s_m > limit_m) return std::nullopt;
     return Way{to.s_m - from.s_m, {from.section}};
   }
-  // Dijkstra over the few sections within the limit; an index of those seen, so that nothing of the circuit's size is
-  // made.
+  // Dijkstra over the few sections within the limit, in a map: nothing of the circuit's size is made.
   struct Reached {
-    SectionId section;
     double start_m;  // travelled when it begins
-    std::size_t via;
+    SectionId via;   // from.section's own beginning is not reached, its end is left
     bool done;
   };
-  std::vector<Reached> reached;
-  const auto reach = [&](SectionId id, double start_m, std::size_t via) {
-    if (start_m > limit_m) return;
-    const auto known = std::find_if(reached.begin(), reached.end(), [id](const Reached& r) { return r.section == id; });
-    if (known == reached.end())
-      reached.push_back({id, start_m, via, false});
-    else if (!known->done && start_m < known->start_m)
-      *known = {id, start_m, via, false};
+  std::map<SectionId, Reached> reached;
+  using Entry = std::pair<double, SectionId>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  const auto leave = [&](SectionId id, double end_m, SectionId via) {
+    if (!(end_m <= limit_m)) return;
+    for (const SectionId after : next(id)) {
+      const auto [known, is_new] = reached.try_emplace(after, Reached{end_m, via, false});
+      if (!is_new && (known->second.done || end_m >= known->second.start_m)) continue;
+      known->second = {end_m, via, false};
+      queue.emplace(end_m, after);
+    }
   };
-  constexpr auto beginning = std::numeric_limits<std::size_t>::max();
-  for (const SectionId after : next(from.section)) reach(after, section(from.section).length_m() - from.s_m, beginning);
-  for (;;) {
-    std::size_t best = beginning;
-    for (std::size_t i = 0; i < reached.size(); ++i) {
-      if (!reached[i].done && (best == beginning || reached[i].start_m < reached[best].start_m)) best = i;
+  leave(from.section, section(from.section).length_m() - from.s_m, no_section);
+  while (!queue.empty()) {
+    const auto [start_m, id] = queue.top();
+    queue.pop();
+    Reached& here = reached.at(id);
+    if (here.done) continue;
+    here.done = true;
+    if (id != to.section) {
+      leave(id, start_m + section(id).length_m(), id);
+      continue;
     }
-    if (best == beginning) return std::nullopt;
-    reached[best].done = true;
-    const SectionId id = reached[best].section;
-    if (id == to.section) {
-      if (reached[best].start_m + to.s_m > limit_m) return std::nullopt;
-      Way way{reached[best].start_m + to.s_m, {}};
-      for (std::size_t at = best; at != beginning; at = reached[at].via) way.sections.push_back(reached[at].section);
-      way.sections.push_back(from.section);
-      std::reverse(way.sections.begin(), way.sections.end());
-      return way;
-    }
-    const double end_m = reached[best].start_m + section(id).length_m();
-    for (const SectionId after : next(id)) reach(after, end_m, best);
+    if (start_m + to.s_m > limit_m) return std::nullopt;
+    Way way{start_m + to.s_m, {}};
+    for (SectionId at = id; at != no_section; at = reached.at(at).via) way.sections.push_back(at);
+    way.sections.push_back(from.section);
+    std::reverse(way.sections.begin(), way.sections.end());
+    return way;
   }
+  return std::nullopt;
 }
 
 }  // namespace cosiva::zone

@@ -10,6 +10,7 @@
 #include "base/pose.h"
 #include "base/result.h"
 #include "zone/section.h"
+#include "zone/section_tree.h"
 
 namespace cosiva::zone {
 
@@ -59,13 +60,16 @@ class Circuit {
   [[nodiscard]] Pose2 pose_at(Place place) const { return section(place.section).pose_at(place.s_m); }
 
   /// The place nearest to p over all sections; `heading_rad` (if given) breaks ties where sections cross: only those
-  /// within π/3 of it count, unless none is.
+  /// within π/3 of it count, unless none is. Of several equally near the lowest id.
   struct Located {
     Place place;
     double left_m;
     double distance_m;
   };
   [[nodiscard]] Located locate(Point2 p, std::optional<double> heading_rad = std::nullopt) const;
+  /// All sections that pass within `within_m` of p, each at its place nearest to p; sorted by distance, then id. What
+  /// was in `out` goes; its memory is used again.
+  void near(Point2 p, double within_m, std::vector<Located>& out) const;
 
   /// The place `distance_m` ahead: through the sections of `coming`, in order, and from its end along default
   /// successors; stops at a dead end. Negative goes back through `gone`, its last first, then along `previous`.
@@ -89,6 +93,7 @@ class Circuit {
   std::vector<Part> parts_;
   std::vector<std::vector<SectionId>> previous_;
   std::vector<SectionId> by_name_;  ///< sorted by name, for find
+  SectionTree tree_;
 };
 
 }  // namespace cosiva::zone

@@ -14,6 +14,12 @@ Result<ZoneConfiguration> CircuitFactory::edited(const ZoneConfiguration& config
               configuration.origin);
 }
 
+std::vector<Error> CircuitFactory::faults(const ZoneConfiguration& configuration) const {
+  const auto zone = make_zone(configuration);
+  if (zone) return {};
+  return {zone.error()};
+}
+
 std::string to_payload(const ZoneConfiguration& configuration) {
   if (configuration.companion.empty()) return configuration.text;
   std::string payload = configuration.companion;

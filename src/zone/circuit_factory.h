@@ -43,6 +43,9 @@ class CircuitFactory {
   [[nodiscard]] virtual Result<ZoneConfiguration> written(const TrafficZone& zone, std::vector<Note>& lost) const;
   /// Errors name origin, line and field, and what was expected.
   [[nodiscard]] virtual Result<TrafficZone> make_zone(const ZoneConfiguration& configuration) const = 0;
+  /// Everything wrong with a configuration that make_zone refuses, its error first and at most a hundred: every gap and
+  /// kink, not only the first. Nothing where it is good.
+  [[nodiscard]] virtual std::vector<Error> faults(const ZoneConfiguration& configuration) const;
   /// The configuration with the edit in it (zone/edit.h); all else in it, comments too, stays as it is. A format that
   /// cannot be edited says so ("edit.format").
   [[nodiscard]] virtual Result<ZoneConfiguration> edited(const ZoneConfiguration& configuration,

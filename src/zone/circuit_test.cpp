@@ -157,5 +157,156 @@ TEST(Circuit, locates_every_place_where_it_is) {
   });
 }
 
+/// Sections of all kinds, here and there, some on one another.
+Circuit scattered(Random& random, std::size_t size, double extent_m) {
+  std::vector<Circuit::Part> parts;
+  for (std::size_t i = 0; i < size; ++i) {
+    const Pose2 start{random.uniform(-extent_m, extent_m), random.uniform(-extent_m, extent_m),
+                      random.uniform(-3.1, 3.1)};
+    const double length_m = random.chance(0.1) ? random.uniform(5.0, 30.0) : random.uniform(0.01, 3.0);
+    const double bend_per_m = random.chance(0.5) ? 0.0 : random.uniform(-2.0, 2.0);
+    const double rate_per_m2 = random.chance(0.7) ? 0.0 : random.uniform(-0.5, 0.5);
+    auto made = Section::make(start, length_m, bend_per_m, rate_per_m2);
+    parts.push_back(part("s" + std::to_string(2 * i), *made));
+    if (random.chance(0.2)) parts.push_back(part("s" + std::to_string(2 * i + 1), *made));  // its twin, as near as it
+  }
+  return testing::circuit(std::move(parts));
+}
+
+TEST(Circuit, locates_exactly_as_looking_at_every_section_would) {
+  rc::check([] {
+    Random random{*rc::gen::arbitrary<std::uint64_t>(), "circuit_test/locate"};
+    const double extent_m = random.chance(0.5) ? 3.0 : 100.0;
+    const Circuit circuit = scattered(random, 1 + random.below(40), extent_m);
+    std::vector<Circuit::Located> near;
+    for (int i = 0; i < 20; ++i) {
+      const Point2 p{random.uniform(-2.0, 2.0) * extent_m, random.uniform(-2.0, 2.0) * extent_m};
+      const double heading_rad = random.uniform(-10.0, 10.0);
+      const double within_m = random.uniform(0.0, 3.0);
+      Circuit::Located any{{}, 0.0, 1e9};
+      Circuit::Located aligned = any;
+      std::vector<Circuit::Located> all;
+      for (SectionId id = 0; id < circuit.size(); ++id) {
+        const auto nearest = circuit.section(id).nearest(p);
+        const Circuit::Located here{{id, nearest.s_m}, nearest.left_m, nearest.distance_m};
+        if (here.distance_m < any.distance_m) any = here;
+        const double turned_rad = wrap_angle(circuit.pose_at(here.place).heading_rad - heading_rad);
+        if (std::fabs(turned_rad) <= pi / 3.0 && here.distance_m < aligned.distance_m) aligned = here;
+        if (here.distance_m <= within_m) all.push_back(here);
+      }
+      if (aligned.place.section == no_section) aligned = any;
+      std::stable_sort(all.begin(), all.end(),
+                       [](const auto& a, const auto& b) { return a.distance_m < b.distance_m; });
+
+      RC_ASSERT(circuit.locate(p).place == any.place);
+      RC_ASSERT(circuit.locate(p).distance_m == any.distance_m);
+      RC_ASSERT(circuit.locate(p, heading_rad).place == aligned.place);
+      circuit.near(p, within_m, near);
+      RC_ASSERT(near.size() == all.size());
+      for (std::size_t k = 0; k < near.size(); ++k) {
+        RC_ASSERT(near[k].place == all[k].place);
+        RC_ASSERT(near[k].left_m == all[k].left_m);
+      }
+    }
+  });
+}
+
+TEST(Circuit, is_near_nothing_that_is_not_a_number) {
+  const Circuit circuit = track();
+  std::vector<Circuit::Located> near{{}};
+  circuit.near({std::nan(""), 0.0}, 1e6, near);
+  EXPECT_THAT(near, IsEmpty());
+  EXPECT_EQ(circuit.locate({std::nan(""), 0.0}).place.section, no_section);
+  EXPECT_EQ(circuit.locate({1.0, 0.1}, std::nan("")).place.section, 0U);
+}
+
+TEST(Circuit, locates_from_far_away_and_far_from_the_origin) {
+  const Section far = section({1e6, -1e6, 0.3}, 5.0);
+  const Circuit circuit = testing::circuit({part("near", section({}, 5.0)), part("far", far)});
+  EXPECT_EQ(circuit.locate({1e9, -1e9}).place.section, 1U);
+  const auto located = circuit.locate(position(far.pose_at(2.5)), 0.3);
+  EXPECT_EQ(located.place.section, 1U);
+  EXPECT_LT(located.distance_m, 1e-9);
+}
+
+// Ways with branches
+// ----------------------------------------------------------------------------------------------------
+
+/// stem → left → end, or stem → right, which is longer, → end.
+Circuit diamond() {
+  std::vector<Circuit::Part> parts{
+      part("stem", section({}, 1.0), {1, 2}), part("left", section({1.0, 0.0, 0.0}, 1.0), {3}),
+      part("right", section({1.0, 0.0, 0.0}, 3.0), {3}), part("end", section({2.0, 0.0, pi / 2.0}, 1.0), {0})};
+  for (auto& one : parts) one.pivots = true;
+  parts[2].section = section({1.0, 0.0, pi / 2.0}, 3.0, 2.0 * pi / 3.0);  // once round
+  auto made = Circuit::make("diamond", parts, 10.0);                      // where ends lie does not matter here
+  EXPECT_TRUE(made);
+  return std::move(*made);
+}
+
+TEST(Circuit, turns_on_the_spot_only_where_headings_differ) {
+  const Circuit circuit = diamond();
+  EXPECT_EQ(circuit.turn_at(0, 1), 0.0);
+  EXPECT_DOUBLE_EQ(circuit.turn_at(0, 2), pi / 2.0);
+  EXPECT_DOUBLE_EQ(circuit.turn_at(3, 0), -pi / 2.0);
+  const Circuit back = testing::circuit({[] {
+                                           auto there = part("there", section({}, 1.0), {1});
+                                           there.pivots = true;
+                                           return there;
+                                         }(),
+                                         part("back", section({1.0, 0.0, pi}, 1.0))});
+  EXPECT_DOUBLE_EQ(std::fabs(back.turn_at(0, 1)), pi);
+}
+
+TEST(Circuit, refuses_a_kink_where_nobody_turns_on_the_spot_and_takes_it_where_they_do) {
+  auto corner = [](bool pivots) {
+    std::vector<Circuit::Part> parts{part("a", section({}, 1.0), {1}), part("b", section({1.0, 0.0, 1.0}, 1.0))};
+    parts[0].pivots = pivots;
+    return parts;
+  };
+  EXPECT_EQ(code_of(corner(false)), "circuit.kink");
+  EXPECT_EQ(code_of(corner(true)), "made");
+  auto gap = corner(true);
+  gap[1].section = section({1.0, 0.1, 1.0}, 1.0);
+  EXPECT_EQ(code_of(gap), "circuit.gap");
+}
+
+TEST(Circuit, advances_along_a_chosen_way_and_back_along_it) {
+  const Circuit circuit = diamond();
+  const SectionId right[] = {2, 3};
+  EXPECT_EQ(circuit.advance({0, 0.5}, 1.0), (Place{1, 0.5}));
+  EXPECT_EQ(circuit.advance({0, 0.5}, 1.0, right), (Place{2, 0.5}));
+  EXPECT_EQ(circuit.advance({0, 0.5}, 5.0, right), (Place{0, 0.5}));  // and on by default
+  const SectionId gone[] = {0, 2};
+  EXPECT_EQ(circuit.advance({3, 0.5}, -1.0), (Place{1, 0.5}));
+  EXPECT_EQ(circuit.advance({3, 0.5}, -1.0, {}, gone), (Place{2, 2.5}));
+  EXPECT_EQ(circuit.advance({3, 0.5}, -4.0, {}, gone), (Place{0, 0.5}));
+  EXPECT_EQ(circuit.advance({3, 0.5}, -5.0, {}, gone), (Place{3, 0.5}));  // beyond what is known: by default
+}
+
+TEST(Circuit, measures_along_a_chosen_way) {
+  const Circuit circuit = diamond();
+  const SectionId right[] = {2, 3};
+  EXPECT_DOUBLE_EQ(circuit.distance_ahead({0, 0.5}, {3, 0.5}, 10.0).value(), 2.0);
+  EXPECT_DOUBLE_EQ(circuit.distance_ahead({0, 0.5}, {3, 0.5}, 10.0, right).value(), 4.0);
+  EXPECT_EQ(circuit.distance_ahead({0, 0.5}, {2, 0.5}, 100.0), std::nullopt);  // never there by default
+  EXPECT_DOUBLE_EQ(circuit.distance_ahead({0, 0.5}, {2, 0.5}, 10.0, right).value(), 1.0);
+}
+
+TEST(Circuit, finds_the_shortest_way_over_all_branches) {
+  const Circuit circuit = diamond();
+  const auto left = circuit.shortest_way({0, 0.5}, {3, 0.5}, 10.0);
+  ASSERT_TRUE(left);
+  EXPECT_DOUBLE_EQ(left->length_m, 2.0);
+  EXPECT_THAT(left->sections, ElementsAre(0, 1, 3));
+  const auto right = circuit.shortest_way({0, 0.5}, {2, 1.0}, 10.0);
+  ASSERT_TRUE(right);
+  EXPECT_THAT(right->sections, ElementsAre(0, 2));
+  EXPECT_DOUBLE_EQ(right->length_m, 1.5);
+  EXPECT_THAT(circuit.shortest_way({1, 0.7}, {1, 0.2}, 10.0)->sections, ElementsAre(1, 3, 0, 1));
+  EXPECT_EQ(circuit.shortest_way({0, 0.5}, {2, 1.0}, 1.4), std::nullopt);
+  EXPECT_TRUE(circuit.shortest_way({0, 0.5}, {2, 1.0}, 1.5));
+}
+
 }  // namespace
 }  // namespace cosiva::zone

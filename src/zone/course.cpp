@@ -21,6 +21,10 @@ bool Course::arrive(SectionId section, std::size_t within) {
 
 void Course::extend(std::span<const SectionId> more) { sections_.insert(sections_.end(), more.begin(), more.end()); }
 
+void Course::cut(std::size_t keep) {
+  if (keep < coming().size()) sections_.resize(at_ + 1 + keep);
+}
+
 void Course::forget_gone(std::size_t keep) {
   if (at_ <= keep) return;
   const std::size_t gone = at_ - keep;

@@ -13,14 +13,19 @@ namespace cosiva::zone {
 class Course {
  public:
   Course() = default;
-  /// Begins on sections.front().
-  explicit Course(std::vector<SectionId> sections) : sections_{std::move(sections)} {}
+  /// Is on sections[at], at first on sections.front().
+  explicit Course(std::vector<SectionId> sections, std::size_t at = 0) : sections_{std::move(sections)}, at_{at} {}
 
   /// It is on `section` now: the next of that name on the course, at most `within` sections on, else the nearest back.
   /// False, and nothing changed: that section is not on the course.
   bool arrive(SectionId section, std::size_t within = 64);
+  /// To the first of coming(), and to the last of gone(); there must be one.
+  void step() { ++at_; }
+  void step_back() { --at_; }
   /// Appends what comes after the last section.
   void extend(std::span<const SectionId> more);
+  /// Forgets what comes after the next `keep` sections.
+  void cut(std::size_t keep);
   void clear() { *this = Course{}; }
   /// Forgets what lies further back than `keep` sections.
   void forget_gone(std::size_t keep);
@@ -31,6 +36,8 @@ class Course {
   [[nodiscard]] std::span<const SectionId> coming() const {
     return sections_.empty() ? std::span<const SectionId>{} : std::span{sections_}.subspan(at_ + 1);
   }
+  /// The present section and those before it are the first `gone().size() + 1` of these.
+  [[nodiscard]] std::span<const SectionId> sections() const { return sections_; }
   /// Before the present section, in order of driving: the last is where it came from.
   [[nodiscard]] std::span<const SectionId> gone() const { return std::span{sections_}.first(at_); }
 

@@ -188,5 +188,168 @@ TEST(Crossings, beside_a_dead_end_cover_the_vehicle_that_stands_there) {
   expect_every_touch_is_in_a_crossing(longer, touching);
 }
 
+// Nets of nodes where vehicles turn on the spot
+// ----------------------------------------------------------------------------------------------------
+
+/// Every node leads on to every section that begins there, back too.
+Circuit net(const std::vector<Point2>& nodes, const std::vector<std::pair<std::size_t, std::size_t>>& edges) {
+  std::vector<Circuit::Part> parts;
+  for (const auto& [from, to] : edges) {
+    const Point2 along{nodes[to].x_m - nodes[from].x_m, nodes[to].y_m - nodes[from].y_m};
+    const Pose2 start{nodes[from].x_m, nodes[from].y_m, det_atan2(along.y_m, along.x_m)};
+    auto one = part(std::to_string(from) + "-" + std::to_string(to) + "#" + std::to_string(parts.size()),
+                    section(start, norm(along.x_m, along.y_m)));
+    one.pivots = true;
+    for (SectionId id = 0; id < edges.size(); ++id)
+      if (edges[id].first == to) one.next.push_back(id);
+    parts.push_back(std::move(one));
+  }
+  return testing::circuit(std::move(parts));
+}
+
+std::vector<std::string> crossings_over(const std::vector<Crossing>& crossings, const Place& place) {
+  std::vector<std::string> names;
+  for (const Crossing& crossing : crossings)
+    if (in_span(crossing, place)) names.push_back(crossing.name);
+  return names;
+}
+
+TEST(Crossings, of_a_two_way_chain_are_one_per_edge_and_one_per_node) {
+  const Circuit chain = net({{0.0, 0.0}, {2.0, 0.0}, {4.0, 0.0}}, {{0, 1}, {1, 0}, {1, 2}, {2, 1}});
+  const auto crossings = find_crossings(chain, vehicle, clearance_m);
+  EXPECT_THAT(crossings, SizeIs(5));
+  expect_every_touch_is_in_a_crossing(chain, crossings);
+  // Far apart means nothing in common: in the middle of one edge, and of the other.
+  EXPECT_THAT(crossings_over(crossings, {0, 1.0}), SizeIs(1));
+  EXPECT_THAT(crossings_over(crossings, {2, 1.0}), SizeIs(1));
+  EXPECT_NE(crossings_over(crossings, {0, 1.0}), crossings_over(crossings, {2, 1.0}));
+  // The way and the way back are one along their whole length.
+  for (const double s : {0.0, 0.5, 1.5, 2.0}) {
+    const auto there = crossings_over(crossings, {0, s});
+    EXPECT_THAT(there, ::testing::Contains(crossings_over(crossings, {1, 1.0}).front())) << s;
+  }
+}
+
+TEST(Crossings, of_a_two_way_grid_are_one_per_edge_and_one_per_node) {
+  std::vector<Point2> nodes;
+  std::vector<std::pair<std::size_t, std::size_t>> edges;
+  for (std::size_t y = 0; y < 3; ++y) {
+    for (std::size_t x = 0; x < 3; ++x) {
+      const std::size_t here = 3 * y + x;
+      nodes.push_back({0.9 * static_cast<double>(x), 0.9 * static_cast<double>(y)});
+      if (x > 0) edges.insert(edges.end(), {{here - 1, here}, {here, here - 1}});
+      if (y > 0) edges.insert(edges.end(), {{here - 3, here}, {here, here - 3}});
+    }
+  }
+  const Circuit grid = net(nodes, edges);
+  const auto crossings = find_crossings(grid, vehicle, clearance_m);
+  EXPECT_THAT(crossings, SizeIs(9 + 12));
+  expect_every_touch_is_in_a_crossing(grid, crossings);
+}
+
+TEST(Crossings, of_a_two_way_edge_shorter_than_a_vehicle_keep_the_next_edges_apart) {
+  const Circuit chain =
+      net({{0.0, 0.0}, {2.0, 0.0}, {2.3, 0.0}, {4.3, 0.0}}, {{0, 1}, {1, 0}, {1, 2}, {2, 1}, {2, 3}, {3, 2}});
+  const auto crossings = find_crossings(chain, vehicle, clearance_m);
+  EXPECT_THAT(crossings, SizeIs(3 + 4));
+  expect_every_touch_is_in_a_crossing(chain, crossings);
+}
+
+TEST(Crossings, of_two_edges_between_the_same_nodes_are_one_along_their_length) {
+  const Circuit twice = net({{0.0, 0.0}, {2.0, 0.0}}, {{0, 1}, {0, 1}});
+  const auto crossings = find_crossings(twice, vehicle, clearance_m);
+  ASSERT_THAT(crossings, SizeIs(1));
+  for (const CrossingSpan& span : crossings[0].spans) {
+    EXPECT_EQ(span.from_m, 0.0);
+    EXPECT_EQ(span.to_m, 2.0);
+  }
+}
+
+TEST(Crossings, of_two_edges_that_part_in_between_are_one_at_either_end) {
+  const Section direct = section({0.0, 0.0, 0.0}, 2.0);
+  const Section round = section({0.0, 0.0, pi / 2.0}, pi, -1.0);  // half a circle over it
+  const Circuit circuit = testing::circuit({part("direct", direct), part("round", round)});
+  const auto crossings = find_crossings(circuit, vehicle, clearance_m);
+  EXPECT_THAT(crossings, SizeIs(2));
+  expect_every_touch_is_in_a_crossing(circuit, crossings);
+}
+
+TEST(Crossings, where_a_vehicle_turns_on_the_spot_hold_whatever_its_disc_touches) {
+  // A corner of 90°, and a straight way that passes 0.18 m from it: a body there, 0.12 m wide, leaves 0.12 m to the
+  // corner. That is free for a vehicle at rest (half a width of 0.06 m and 0.04 m of air), but not for one that turns:
+  // half its diagonal is 0.117 m.
+  const auto circuit_with = [](bool pivots, double beside_m) {
+    auto in = part("in", section({-2.0, 0.0, 0.0}, 2.0), {1});
+    in.pivots = true;
+    std::vector<Circuit::Part> parts{in, part("out", section({0.0, 0.0, pivots ? pi / 2.0 : 0.0}, 2.0))};
+    parts.push_back(part("past", section({beside_m, 2.0, -pi / 2.0}, 1.0)));
+    parts[2].section = section({beside_m, -2.0, pi / 2.0}, 1.99);
+    return testing::circuit(std::move(parts));
+  };
+  const Circuit corner = circuit_with(true, 0.18);
+  const auto crossings = find_crossings(corner, vehicle, clearance_m);
+  const double disc_m = norm(0.10, 0.06);
+  // Wherever a body on any way comes nearer to the corner than the disc and the clearance, it shares a crossing with
+  // the vehicle that turns at the end of "in".
+  for (SectionId id = 0; id < corner.size(); ++id) {
+    for (double s = 0.0; s <= corner.section(id).length_m(); s += 0.01) {
+      const Point2 p = inverse(corner.pose_at({id, s})) * Point2{0.0, 0.0};
+      const double apart_m = norm(std::max(std::fabs(p.x_m) - 0.10, 0.0), std::max(std::fabs(p.y_m) - 0.06, 0.0));
+      const bool held = std::any_of(crossings.begin(), crossings.end(), [&](const Crossing& c) {
+        return in_span(c, {id, s}) && in_span(c, {0, 2.0});
+      });
+      if (apart_m < disc_m + clearance_m - 1e-4) {
+        EXPECT_TRUE(held) << corner.part(id).name << "@" << s;
+      }
+      if (apart_m > disc_m + clearance_m + 0.05 && norm(p.x_m, p.y_m) > 0.5) {
+        EXPECT_FALSE(held) << corner.part(id).name << "@" << s;
+      }
+    }
+  }
+}
+
+TEST(Crossings, where_a_vehicle_turns_at_the_end_of_a_one_way_street_keep_the_next_one_out) {
+  const Circuit dead_end = net({{0.0, 0.0}, {2.0, 0.0}}, {{0, 1}, {1, 0}});
+  const auto crossings = find_crossings(dead_end, vehicle, clearance_m);
+  EXPECT_THAT(crossings, SizeIs(3));  // the edge, and where vehicles turn at either end
+  const double disc_m = norm(0.10, 0.06) + clearance_m;
+  const auto at_end = crossings_over(crossings, {0, 2.0});
+  EXPECT_THAT(at_end, SizeIs(2));
+  for (const Crossing& crossing : crossings) {
+    for (const CrossingSpan& span : crossing.spans) {
+      if (span.section != 0 || span.from_m < 1.0) continue;
+      EXPECT_NEAR(span.from_m, 2.0 - 0.10 - disc_m, 1e-4);
+    }
+  }
+}
+
+TEST(Crossings, of_many_honest_ways_are_found_and_of_a_heap_are_not) {
+  std::vector<Circuit::Part> lanes;
+  for (int i = 0; i < 3000; ++i) lanes.push_back(part("l" + std::to_string(i), section({0.0, 0.3 * i, 0.0}, 5.0)));
+  const Circuit honest = testing::circuit(std::move(lanes));
+  EXPECT_FALSE(too_crowded(honest, vehicle, clearance_m));
+  EXPECT_THAT(find_crossings(honest, vehicle, clearance_m), IsEmpty());
+
+  std::vector<Circuit::Part> heap;
+  for (int i = 0; i < 3000; ++i) heap.push_back(part("h" + std::to_string(i), section({0.0, 1e-5 * i, 0.0}, 5.0)));
+  const Circuit heaped = testing::circuit(std::move(heap));
+  EXPECT_TRUE(too_crowded(heaped, vehicle, clearance_m));
+  EXPECT_EQ(find_crossings_unless_crowded(heaped, vehicle, clearance_m), std::nullopt);
+}
+
+TEST(Crossings, of_a_node_with_thousands_of_edges_are_refused_in_time) {
+  std::vector<Circuit::Part> parts;
+  std::vector<SectionId> outgoing;
+  for (SectionId id = 2000; id < 4000; ++id) outgoing.push_back(id);
+  for (int i = 0; i < 4000; ++i) {
+    const double heading_rad = 0.0015 * (i % 2000);
+    const SinCos turn = sincos(heading_rad);
+    const Pose2 start = i < 2000 ? Pose2{-turn.cos, -turn.sin, heading_rad} : Pose2{0.0, 0.0, heading_rad};
+    parts.push_back(part("e" + std::to_string(i), section(start, 1.0), i < 2000 ? outgoing : std::vector<SectionId>{}));
+    parts.back().pivots = true;
+  }
+  EXPECT_TRUE(too_crowded(testing::circuit(std::move(parts)), vehicle, clearance_m));
+}
+
 }  // namespace
 }  // namespace cosiva::zone

@@ -152,11 +152,141 @@ TEST(Draw, writes_the_facts_that_the_page_edits) {
   EXPECT_TRUE(JsonValue::parse(without.text())->find("beacons")->is_null());
 }
 
+/// Everything that a picture can show: a fork, a turn on the spot, every kind of section and station, a closed one.
+TrafficZone motley() {
+  auto read = testing::read_zone(R"(name = "motley"
+format_version = 1
+[[section]]
+name = "in"
+kind = "straight"
+length_m = 2.0
+[[section]]
+name = "ease"
+kind = "clothoid"
+length_m = 0.5
+curvature_start_per_m = 0
+curvature_end_per_m = 2
+[[section]]
+name = "bend"
+kind = "arc"
+radius_m = 0.5
+angle_deg = 120
+next = []
+[[section]]
+name = "aside"
+start = { x = 0, y = -2, heading_deg = 90 }
+kind = "straight"
+length_m = 4
+next = []
+[[section]]
+name = "branch"
+from = "in"
+kind = "straight"
+length_m = 1.5
+[[station]]
+name = "dock"
+section = "branch"
+s_m = 1.2
+[[station]]
+name = "plug"
+kind = "charger"
+section = "branch"
+s_m = 0.7
+[[tag]]
+number = 1
+section = "in"
+s_m = 1.0
+[closed]
+sections = ["branch"]
+[beacons]
+pitch_m = 0.5
+rotation_deg = 20
+cover = "zone"
+)");
+  EXPECT_TRUE(read) << to_string(read.error());
+  return std::move(*read);
+}
+
+TEST(Draw, tells_kinds_of_sections_and_stations_apart) {
+  std::map<std::string, std::size_t> kinds;
+  for (const Primitive& primitive : draw(motley()))
+    if (primitive.layer == "line" || primitive.layer == "station") ++kinds[primitive.kind];
+  EXPECT_EQ(kinds, (std::map<std::string, std::size_t>{
+                       {"straight", 3}, {"clothoid", 1}, {"arc", 1}, {"stop", 1}, {"charger", 1}}));
+}
+
+TEST(Draw, marks_each_place_to_turn_on_the_spot_once) {
+  Circuit::Part a = testing::part("a", testing::section({}, 1.0), {1, 2});
+  Circuit::Part b = testing::part("b", testing::section({1.0, 0.0, pi / 2.0}, 1.0));
+  Circuit::Part c = testing::part("c", testing::section({1.0, 0.0, pi}, 1.0));
+  Circuit::Part d = testing::part("d", testing::section({1.0, -1.0, pi / 2.0}, 1.0), {2});
+  a.pivots = d.pivots = true;
+  const TrafficZone zone{"p", testing::circuit({a, b, c, d}), {}, {}, {}, {}, {}, {}, {}, {}};
+  std::vector<Point2> places;
+  for (const Primitive& primitive : draw(zone))
+    if (primitive.layer == "pivot") places.push_back(primitive.points.front());
+  EXPECT_THAT(places, ::testing::ElementsAre(Point2{1.0, 0.0}));
+}
+
+TEST(Draw, of_a_vast_zone_stays_small) {
+  std::vector<Circuit::Part> parts;
+  for (int i = 0; i < 20'000; ++i)
+    parts.push_back(testing::part("s" + std::to_string(i), testing::section({2.0 * i, 0.0, 0.0}, 6.0, 1.0)));
+  const TrafficZone zone{"vast", testing::circuit(std::move(parts)), {}, {}, {}, {}, {}, {}, {}, {}};
+  const auto primitives = draw(zone);
+  std::size_t points = 0;
+  for (const Primitive& primitive : primitives) {
+    points += primitive.points.size();
+    EXPECT_NE(primitive.layer, "section");
+  }
+  EXPECT_LT(points, 2 * 400'000U);
+  const std::string svg = to_svg(zone, primitives);
+  EXPECT_LT(svg.size(), 12U << 20U);
+  EXPECT_EQ(svg.find("<polyline"), std::string::npos);
+}
+
+TEST(Draw, writes_stations_loops_and_notes_for_the_page) {
+  TrafficZone zone = testing::zone_file("indus8.toml");
+  zone.notes = {{Note::Kind::lost, "road 12", "its signals are not taken"}};
+  JsonWriter json;
+  write_json(json, zone, draw(zone));
+  const auto document = JsonValue::parse(json.text());
+  ASSERT_TRUE(document) << to_string(document.error());
+  const auto& stations = *document->find("stations")->array();
+  ASSERT_EQ(stations.size(), 6U);
+  EXPECT_EQ(stations[5].text("name"), "charger");
+  EXPECT_EQ(stations[5].text("kind"), "charger");
+  EXPECT_EQ(stations[5].text("section"), "return");
+  EXPECT_EQ(stations[5].number("s"), 1.3);
+  EXPECT_NEAR(stations[5].number("x").value(), 0.96 - 1.3, 1e-9);
+  EXPECT_NEAR(stations[5].number("y").value(), -1.33, 1e-9);
+  ASSERT_EQ(document->find("loops")->array()->size(), 1U);
+  EXPECT_EQ(*(*document->find("loops")->array())[0].text(), "round");
+  const auto& notes = *document->find("notes")->array();
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_EQ(notes[0].text("kind"), "lost");
+  EXPECT_EQ(notes[0].text("place"), "road 12");
+  EXPECT_EQ(document->find("beacons")->number("rotation"), 0.0);
+}
+
+TEST(Svg, shows_kinds_chargers_pivots_and_closed_sections_and_names_them) {
+  TrafficZone zone = motley();
+  const std::string svg = to_svg(zone, draw(zone));
+  for (const char* layer : {"line-straight", "line-arc", "line-clothoid", "station", "station-charger", "closed"})
+    EXPECT_THAT(svg, HasSubstr("<g id=\"" + std::string(layer) + "\""));
+  for (const char* name : {"straight", "arc", "clothoid", "station", "charger", "closed", "tag", "beacon"})
+    EXPECT_THAT(svg, HasSubstr(">" + std::string(name) + "</text>"));
+  EXPECT_THAT(svg, HasSubstr(">plug</text>"));
+  zone.closed.clear();
+  EXPECT_THAT(to_svg(zone, draw(zone)), Not(HasSubstr("closed")));
+}
+
 TEST(Svg, is_a_picture_with_every_layer_a_legend_and_a_scale) {
   const TrafficZone zone = testing::lacet4();
   const std::string svg = to_svg(zone, draw(zone));
   EXPECT_THAT(svg, StartsWith("<svg xmlns=\"http://www.w3.org/2000/svg\""));
-  for (const char* layer : {"road", "line", "crossing", "tag", "beacon", "station", "section", "label"})
+  for (const char* layer :
+       {"road", "line-straight", "line-arc", "crossing", "tag", "beacon", "station", "section", "label"})
     EXPECT_THAT(svg, HasSubstr("<g id=\"" + std::string(layer) + "\""));
   EXPECT_THAT(svg, HasSubstr("0.5 m</text>"));
   EXPECT_THAT(svg, HasSubstr("17.31 m"));

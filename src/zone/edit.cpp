@@ -12,13 +12,14 @@ namespace {
 constexpr double pitch_min_m = 0.05;
 constexpr double pitch_max_m = 10.0;
 constexpr std::uint32_t beacons_edited_max = 20'000;
+constexpr double origin_max_m = 1e6;
 
 std::string name_of(TagNumber number) { return "tag " + std::to_string(number); }
 
 bool same(const Place& a, const Place& b) { return a.section == b.section && a.s_m == b.s_m; }
 
 std::optional<Error> remove_tag(TrafficZone& zone, TagNumber number) {
-  if (std::erase_if(zone.tags, [&](const Tag& tag) { return tag.number == number; }) > 0) return std::nullopt;
+  if (zone.tags.erase_if([&](const Tag& tag) { return tag.number == number; }) > 0) return std::nullopt;
   return Error{"edit.tag", "there is no " + name_of(number) + " to take away", name_of(number)};
 }
 
@@ -34,33 +35,45 @@ std::optional<Error> set_tag(TrafficZone& zone, const ZoneEdit::TagPlace& set) {
                      metres_text(length_m),
                  name_of(set.number)};
   const Place place = place_as_written(zone.circuit, set.place);
-  const auto at =
-      std::find_if(zone.tags.begin(), zone.tags.end(), [&](const Tag& tag) { return tag.number == set.number; });
-  if (at == zone.tags.end())
-    zone.tags.push_back({set.number, place});
+  if (const Tag* tag = zone.find_tag(set.number))
+    zone.tags.replace(static_cast<std::size_t>(tag - zone.tags.data()), {set.number, place});
   else
-    at->place = place;
+    zone.tags.push_back({set.number, place});
   return std::nullopt;
 }
 
-std::optional<Error> set_pitch(TrafficZone& zone, double given_m) {
-  const double pitch_m = rounded_m(given_m);
+/// Where the edit puts the beacons; what it leaves out stays.
+std::optional<Error> set_beacons(TrafficZone& zone, const ZoneEdit& edit) {
+  if (!edit.beacon_pitch_m && !edit.beacon_origin && !edit.beacon_rotation_rad) return std::nullopt;
   if (!zone.beacons)
-    return Error{"edit.beacons", "this zone has no beacons; give its file a [beacons] table first", "beaconPitch"};
-  if (!(pitch_m >= pitch_min_m && pitch_m <= pitch_max_m))
-    return Error{"edit.pitch", "beacons may stand 0.05 m to 10 m apart; choose a pitch between", "beaconPitch"};
-  BeaconGrid& grid = *zone.beacons;
-  if (!grid.covers_through) {
-    grid.pitch_m = pitch_m;
-    return std::nullopt;
+    return Error{"edit.beacons", "this zone has no beacons; give its file a [beacons] table first", "beacons"};
+  BeaconGrid grid = *zone.beacons;
+  if (edit.beacon_pitch_m) grid.pitch_m = rounded_m(*edit.beacon_pitch_m);
+  if (edit.beacon_pitch_m && !(grid.pitch_m >= pitch_min_m && grid.pitch_m <= pitch_max_m))
+    return Error{"edit.pitch", "beacons may stand 0.05 m to 10 m apart; choose a pitch between", "beacons"};
+  if (edit.beacon_origin) {
+    const Point2 origin{rounded_m(edit.beacon_origin->x_m), rounded_m(edit.beacon_origin->y_m)};
+    if (!(std::fabs(origin.x_m) <= origin_max_m && std::fabs(origin.y_m) <= origin_max_m))
+      return Error{"edit.origin", "the beacons' origin may lie within 1000 km; choose one near the ways", "beacons"};
+    (grid.covers_through ? *grid.covers_through : grid.origin) = origin;
   }
-  auto covering = covering_grid(zone.circuit, zone.vehicle, pitch_m, *grid.covers_through, beacons_edited_max);
-  if (!covering)
-    return Error{"edit.pitch",
-                 "so near to each other it takes more than 20000 beacons to cover the zone; widen the pitch",
-                 "beaconPitch"};
-  covering->first_number = grid.first_number;
-  grid = *covering;
+  if (edit.beacon_rotation_rad) {
+    if (!(std::fabs(*edit.beacon_rotation_rad) <= 2.0 * pi))
+      return Error{"edit.rotation", "turn the beacons by at most once round, 2π either way", "beacons"};
+    grid.rotation_rad = rounded_rad(*edit.beacon_rotation_rad);
+  }
+  if (grid.covers_through) {
+    const auto covering = covering_grid(zone.circuit, zone.vehicle, grid.pitch_m, *grid.covers_through,
+                                        beacons_edited_max, grid.rotation_rad);
+    if (!covering)
+      return Error{"edit.pitch",
+                   "so near to each other it takes more than 20000 beacons to cover the zone; widen the pitch",
+                   "beacons"};
+    const TagNumber first_number = grid.first_number;
+    grid = *covering;
+    grid.first_number = first_number;
+  }
+  zone.beacons = grid;
   return std::nullopt;
 }
 
@@ -98,7 +111,8 @@ bool same_section(const Circuit::Part& a, const Circuit::Part& b) {
   return a.name == b.name && a.section.start() == b.section.start() && length_m == b.section.length_m() &&
          a.section.curvature_at(0.0) == b.section.curvature_at(0.0) &&
          a.section.curvature_at(length_m) == b.section.curvature_at(length_m) && a.speed_mps_max == b.speed_mps_max &&
-         a.next == b.next;
+         a.section.curvature_rate_per_m2() == b.section.curvature_rate_per_m2() && a.next == b.next &&
+         a.pivots == b.pivots;
 }
 
 bool same_profile(const SpeedProfile& a, const SpeedProfile& b) {
@@ -115,6 +129,9 @@ bool same_crossing(const Crossing& a, const Crossing& b) {
 }  // namespace
 
 double rounded_m(double value_m) { return std::nearbyint(value_m * 1e4) / 1e4; }
+
+double rounded_deg(double angle_rad) { return rounded_m(angle_rad / rad_per_deg); }
+double rounded_rad(double angle_rad) { return rounded_deg(angle_rad) * rad_per_deg; }
 
 Place place_as_written(const Circuit& circuit, Place place) {
   const double length_m = circuit.section(place.section).length_m();
@@ -151,7 +168,7 @@ Result<TrafficZone> with_edit(TrafficZone zone, const ZoneEdit& edit) {
     if (!error) error = remove_tag(zone, number);
   for (const auto& set : edit.set_tags)
     if (!error) error = set_tag(zone, set);
-  if (!error && edit.beacon_pitch_m) error = set_pitch(zone, *edit.beacon_pitch_m);
+  if (!error) error = set_beacons(zone, edit);
   for (const auto& [vehicle, priority] : edit.set_priorities)
     if (!error) error = set_priority(zone, vehicle, priority);
   if (error) return tl::unexpected(std::move(*error));
@@ -182,8 +199,9 @@ bool same_ways(const TrafficZone& a, const TrafficZone& b) {
 std::optional<std::string> difference(const TrafficZone& wanted, const TrafficZone& found) {
   const auto same_tag = [](const Tag& x, const Tag& y) { return x.number == y.number && same(x.place, y.place); };
   const auto same_station = [](const Station& x, const Station& y) {
-    return x.name == y.name && same(x.place, y.place);
+    return x.name == y.name && x.kind == y.kind && same(x.place, y.place);
   };
+  const auto same_loop = [](const Loop& x, const Loop& y) { return x.name == y.name && x.sections == y.sections; };
   if (!same_ways(wanted, found)) return "its ways are others";
   if (!std::equal(wanted.tags.begin(), wanted.tags.end(), found.tags.begin(), found.tags.end(), same_tag))
     return "its tags are others";
@@ -192,13 +210,17 @@ std::optional<std::string> difference(const TrafficZone& wanted, const TrafficZo
     const BeaconGrid& x = *wanted.beacons;
     const BeaconGrid& y = *found.beacons;
     if (x.pitch_m != y.pitch_m || x.origin != y.origin || x.columns != y.columns || x.rows != y.rows ||
-        x.first_number != y.first_number)
+        x.first_number != y.first_number || x.rotation_rad != y.rotation_rad || x.covers_through != y.covers_through)
       return "its beacons are others";
   }
   if (!std::equal(wanted.stations.begin(), wanted.stations.end(), found.stations.begin(), found.stations.end(),
                   same_station) ||
       wanted.starts != found.starts)
     return "its stations or starts are others";
+  if (!std::equal(wanted.loops.begin(), wanted.loops.end(), found.loops.begin(), found.loops.end(), same_loop) ||
+      wanted.closed != found.closed)
+    return "its loops or closed sections are others";
+  if (wanted.edges_are_sections != found.edges_are_sections) return "its edges' names are others";
   if (wanted.priorities != found.priorities) return "its priorities are others";
   return std::nullopt;
 }

@@ -14,8 +14,8 @@
 
 namespace cosiva::zone {
 
-/// What an operator may change of a zone while it runs (A5): its tags, the beacons' pitch (A21), the priorities between
-/// AIVs. Never the ways themselves.
+/// What an operator may change of a zone while it runs (A5): its tags, where its beacons lie (A21), the priorities
+/// between AIVs. Never the ways themselves.
 struct ZoneEdit {
   struct TagPlace {
     TagNumber number;
@@ -25,17 +25,20 @@ struct ZoneEdit {
   std::vector<TagNumber> remove_tags;
   std::optional<double> beacon_pitch_m;
   std::vector<std::pair<std::string, std::int32_t>> set_priorities;  ///< "CoSiVA/AIV1" → 0…999; 0 takes it out
+  std::optional<Point2> beacon_origin{};  ///< of a grid that covers the zone: a point that it passes through
+  std::optional<double> beacon_rotation_rad{};
 };
 
 /// {"addTags":[{"number","x","y"}|{"number","section","s"}…],"moveTags":[…],"removeTags":[n…],
-/// "beaconPitch":0.2,"priorities":{"CoSiVA/AIV1":3}}. A place given as x, y is the nearest one on the circuit.
+/// "beacons":{"pitch":0.2,"origin":[0.15,0.15],"rotation":0.26},"priorities":{"CoSiVA/AIV1":3}}. A place given as x, y
+/// is the nearest one on the circuit; of "beacons" any part may be left out; "beaconPitch":0.2 is its pitch alone.
 /// Fails ("edit.…") with a sentence that says what to do: a tag further than 0.30 m from every way, an added number
 /// that is there already, a moved or removed one that is not, a number among the beacons', a pitch outside 0.05…10 m or
-/// that makes more than 20 000 beacons, a zone without beacons.
+/// that makes more than 20 000 beacons, an origin beyond ±1000 km, a rotation beyond ±2π, a zone without beacons.
 [[nodiscard]] Result<ZoneEdit> zone_edit_from_json(const JsonValue& json, const TrafficZone& zone);
 
-/// The zone as it is after the edit: new tags stand last, places and pitch are rounded to 0.1 mm, as they are written.
-/// Fails as zone_edit_from_json does.
+/// The zone as it is after the edit: new tags stand last, places, pitch and origin are rounded to 0.1 mm, the rotation
+/// to 0.0001°, as they are written. Fails as zone_edit_from_json does.
 [[nodiscard]] Result<TrafficZone> with_edit(TrafficZone zone, const ZoneEdit& edit);
 
 /// Whether the ways, the vehicle's shape and the profiles are the same, so that running vehicles may take `b` for `a`

@@ -30,6 +30,7 @@ class Reader {
     read_tags("moveTags", true);
     read_removals();
     read_pitch();
+    read_beacons();
     read_priorities();
     if (error_) return tl::unexpected(std::move(*error_));
     if (const auto zone = with_edit(zone_, edit_); !zone) return tl::unexpected(zone.error());
@@ -37,8 +38,8 @@ class Reader {
   }
 
  private:
-  static constexpr std::array<std::string_view, 5> known{"addTags", "moveTags", "removeTags", "beaconPitch",
-                                                         "priorities"};
+  static constexpr std::array<std::string_view, 6> known{"addTags",     "moveTags", "removeTags",
+                                                         "beaconPitch", "beacons",  "priorities"};
 
   /// The first fault stays.
   void fault(std::string code, std::string message, std::string place) {
@@ -47,10 +48,11 @@ class Reader {
 
   void check_keys() {
     if (json_.object()->empty())
-      fault("edit.empty", "this edit changes nothing; name a tag, a pitch or a priority", "");
+      fault("edit.empty", "this edit changes nothing; name a tag, the beacons or a priority", "");
     for (const auto& [key, value] : *json_.object()) {
       if (std::find(known.begin(), known.end(), key) == known.end())
-        fault("edit.field", "an edit knows addTags, moveTags, removeTags, beaconPitch and priorities; this is none",
+        fault("edit.field",
+              "an edit knows addTags, moveTags, removeTags, beacons, beaconPitch and priorities; this is none",
               key.substr(0, 64));
     }
   }
@@ -116,6 +118,39 @@ class Reader {
     if (given->number() == nullptr || !std::isfinite(*given->number()))
       return fault("edit.pitch", "give the beacons' pitch as a number of metres", "beaconPitch");
     edit_.beacon_pitch_m = *given->number();
+  }
+
+  void read_beacons() {
+    const JsonValue* given = json_.find("beacons");
+    if (given == nullptr) return;
+    if (given->object() == nullptr || given->object()->empty())
+      return fault("edit.field", R"(say where the beacons lie, such as {"pitch":0.3,"origin":[0,0],"rotation":0})",
+                   "beacons");
+    for (const auto& [key, value] : *given->object()) {
+      if (key == "pitch")
+        read_number(value, edit_.beacon_pitch_m, "edit.pitch", "give the beacons' pitch as a number of metres");
+      else if (key == "rotation")
+        read_number(value, edit_.beacon_rotation_rad, "edit.rotation", "give the rotation as a number of radians");
+      else if (key == "origin")
+        read_origin(value);
+      else
+        fault("edit.field", "beacons have a pitch, an origin and a rotation; this is none", key.substr(0, 64));
+    }
+    if (json_.find("beaconPitch") != nullptr && given->find("pitch") != nullptr)
+      fault("edit.twice", "the beacons' pitch stands in this edit twice", "beacons");
+  }
+
+  void read_number(const JsonValue& value, std::optional<double>& out, std::string code, std::string message) {
+    if (value.number() == nullptr || !std::isfinite(*value.number()))
+      return fault(std::move(code), std::move(message), "beacons");
+    out = *value.number();
+  }
+
+  void read_origin(const JsonValue& value) {
+    const auto* xy = value.array();
+    const bool good = xy != nullptr && xy->size() == 2 && (*xy)[0].number() != nullptr && (*xy)[1].number() != nullptr;
+    if (!good) return fault("edit.origin", "give the beacons' origin as [x, y] in metres", "beacons");
+    edit_.beacon_origin = Point2{*(*xy)[0].number(), *(*xy)[1].number()};
   }
 
   void read_priorities() {

@@ -123,6 +123,33 @@ TEST(ZoneEditJson, refuses_what_cannot_be_with_a_code_each) {
   EXPECT_EQ(code_of(R"({"priorities":{"a/b":1,"a/b":2}})"), "edit.twice");
 }
 
+TEST(ZoneEditJson, reads_any_part_of_where_the_beacons_lie) {
+  const TrafficZone zone = testing::lacet4();
+  const auto all = from_json(R"({"beacons":{"pitch":0.3,"origin":[0.1,-0.2],"rotation":0.26}})", zone);
+  ASSERT_TRUE(all) << to_string(all.error());
+  EXPECT_EQ(all->beacon_pitch_m, 0.3);
+  EXPECT_EQ(all->beacon_origin, (Point2{0.1, -0.2}));
+  EXPECT_EQ(all->beacon_rotation_rad, 0.26);
+  const auto one = from_json(R"({"beacons":{"rotation":-1}})", zone);
+  ASSERT_TRUE(one) << to_string(one.error());
+  EXPECT_FALSE(one->beacon_pitch_m);
+  EXPECT_FALSE(one->beacon_origin);
+}
+
+TEST(ZoneEditJson, refuses_beacons_that_cannot_lie_so) {
+  EXPECT_EQ(code_of(R"({"beacons":0.3})"), "edit.field");
+  EXPECT_EQ(code_of(R"({"beacons":{}})"), "edit.field");
+  EXPECT_EQ(code_of(R"({"beacons":{"pich":0.3}})"), "edit.field");
+  EXPECT_EQ(code_of(R"({"beacons":{"pitch":11}})"), "edit.pitch");
+  EXPECT_EQ(code_of(R"({"beacons":{"pitch":"x"}})"), "edit.pitch");
+  EXPECT_EQ(code_of(R"({"beacons":{"pitch":0.3},"beaconPitch":0.2})"), "edit.twice");
+  for (const char* origin : {"3", "[1]", "[1,2,3]", R"(["a",1])", "[1e7,0]", "[0,-1e300]"})
+    EXPECT_EQ(code_of(R"({"beacons":{"origin":)" + std::string(origin) + "}}"), "edit.origin") << origin;
+  EXPECT_EQ(code_of(R"({"beacons":{"rotation":6.3}})"), "edit.rotation");
+  EXPECT_EQ(code_of(R"({"beacons":{"rotation":true}})"), "edit.rotation");
+  EXPECT_EQ(code_of(R"({"beacons":{"rotation":0.1}})", parsed(file(straight))), "edit.beacons");
+}
+
 TEST(ZoneEditJson, knows_a_tag_30_cm_off_every_way_from_one_just_near_enough) {
   const TrafficZone zone = parsed(file(straight));
   EXPECT_EQ(code_of(R"({"addTags":[{"number":1,"x":1.0,"y":0.2999}]})", zone), "none");
@@ -264,6 +291,40 @@ TEST(ZoneEdit, keeps_the_number_of_beacons_that_a_file_counts_itself) {
   EXPECT_EQ(edited_text(top, {{}, {}, 0.5, {}}),
             "beacons = { pitch_m = 0.50, columns = 3, rows = 2 } # few\n" + straight);
   EXPECT_THAT(edited_text(before, {{}, {}, 0.5, {}}), HasSubstr("refused: zone.unknown_key"));
+}
+
+ZoneEdit beacons(std::optional<double> pitch_m, std::optional<Point2> origin, std::optional<double> rotation_rad) {
+  ZoneEdit edit;
+  edit.beacon_pitch_m = pitch_m;
+  edit.beacon_origin = origin;
+  edit.beacon_rotation_rad = rotation_rad;
+  return edit;
+}
+
+TEST(ZoneEdit, writes_origin_and_rotation_where_they_stand_or_behind_the_pitch) {
+  const std::string before = straight + "[beacons]   # ours\npitch_m = 0.5 # wide\ncover = \"zone\"\n";
+  const std::string once = edited_text(before, beacons({}, Point2{0.15, -0.20004}, pi / 6.0));
+  EXPECT_EQ(once, straight +
+                      "[beacons]   # ours\npitch_m = 0.5 # wide\norigin = [0.15, -0.20]\nrotation_deg = 30.00\n"
+                      "cover = \"zone\"\n");
+  EXPECT_EQ(edited_text(once, beacons(0.25, Point2{1.0, 2.0}, -0.1)),
+            straight +
+                "[beacons]   # ours\npitch_m = 0.25 # wide\norigin = [1.00, 2.00]\nrotation_deg = -5.7296\n"
+                "cover = \"zone\"\n");
+  const TrafficZone zone = parsed(file(once));
+  EXPECT_EQ(zone.beacons->rotation_rad, 30.0 * pi / 180.0);
+  EXPECT_EQ(zone.beacons->covers_through, (Point2{0.15, -0.2}));
+}
+
+TEST(ZoneEdit, moves_beacons_that_stand_in_one_line_or_end_the_file) {
+  const std::string one_line = "beacons = { pitch_m = 1, columns = 3, rows = 2 } # few\n" + straight;
+  EXPECT_EQ(edited_text(one_line, beacons({}, Point2{0.5, 0.0}, {})),
+            "beacons = { pitch_m = 1, origin = [0.50, 0.00], columns = 3, rows = 2 } # few\n" + straight);
+  EXPECT_EQ(edited_text(straight + "[beacons]\ncover = \"zone\"\npitch_m = 0.5", beacons({}, {}, 0.5 * pi)),
+            straight + "[beacons]\ncover = \"zone\"\npitch_m = 0.5\nrotation_deg = 90.00\n");
+  EXPECT_THAT(
+      edited_text(straight + "[beacons]\ncover = \"zone\"\npitch_m = 0.5\nrotation_rad = 0.1\n", beacons({}, {}, 0.0)),
+      HasSubstr("rotation_rad = 0\n"));
 }
 
 TEST(ZoneEdit, makes_the_priorities_when_they_are_missing_and_keeps_them_in_order) {

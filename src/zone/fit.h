@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <string>
 #include <vector>
@@ -32,9 +33,10 @@ struct Fit {
 };
 
 /// Each piece is the clothoid that meets the curve's pose at both of its ends (G¹ Hermite); a piece that strays further
-/// than the tolerance is cut in two. Where the curve itself kinks, by at most 0.2 rad, the kink is rounded within the
-/// position tolerance. Fails ("fit.curve") where it is no such curve: not finite, a sharp corner, a cusp, or more than
-/// 100 000 pieces.
-[[nodiscard]] Result<Fit> fit(const PlaneCurve& curve, FitTolerance tolerance = {});
+/// than the tolerance is cut in two. What is straight, or an arc, up to a hundredth of the tolerance comes out as such.
+/// Where the curve itself kinks, by at most 0.2 rad, or jumps by no more than the position tolerance at one of its
+/// breaks, that is rounded within the position tolerance. Pieces join exactly (1e-9). Fails ("fit.curve") where it is
+/// no such curve: not finite, a sharp corner, a cusp, a jump, or more than `pieces_max` pieces.
+[[nodiscard]] Result<Fit> fit(const PlaneCurve& curve, FitTolerance tolerance = {}, std::size_t pieces_max = 100'000);
 
 }  // namespace cosiva::zone

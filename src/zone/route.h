@@ -15,6 +15,9 @@ struct Route {
   double time_s{};  ///< at each section's limit or the fast profile, turns on the spot included
 };
 
+/// How fast vehicles are taken to turn on the spot.
+inline constexpr double pivot_rate_radps = 1.0;
+
 /// Plans ways by travel time (Dijkstra). Which sections are closed is said each time: they are never entered; one that
 /// a vehicle stands on it may leave. Equal times are decided by the lower section number, so that a plan is the same
 /// everywhere.
@@ -26,7 +29,9 @@ class Router {
   /// To a place. Fails ("route.none") with a sentence: whether there is no way at all, or which closed section is in
   /// it.
   [[nodiscard]] Result<Route> plan(Place from, Place goal, std::span<const SectionId> closed = {}) const;
-  /// To the first section of a loop that is reached, and from there once round.
+  /// To the first section of a loop that is reached, and from there once round: up to the end of the section before it
+  /// in the loop. Round a closed section of the loop the quickest detour is taken. Where the way begins on the loop,
+  /// it begins there.
   [[nodiscard]] Result<Route> plan(Place from, const Loop& loop, std::span<const SectionId> closed = {}) const;
 
   /// Sections from which one can drive on for ever without entering a closed one; the others lead into dead ends only.

@@ -44,6 +44,7 @@ class Section {
   /// X_MP at arc length s ∈ [0, L] (clamped). Heading is that of increasing s, in (−π, π].
   [[nodiscard]] Pose2 pose_at(double s_m) const;
   [[nodiscard]] double curvature_at(double s_m) const;
+  [[nodiscard]] double curvature_rate_per_m2() const { return curvature_rate_per_m2_; }  ///< κ₁
 
   /// The article's request of an AIV to its current section (A30): from `mDTCS_m` travelled on this section, try to
   /// travel `DTT_m` more. Gives the pose reached and DT, the distance that this section could take: DT < DTT when it

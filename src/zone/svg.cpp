@@ -13,24 +13,48 @@ constexpr double picture_px = 960.0;  // the longer side of the map
 constexpr double margin_px = 36.0;
 constexpr double head_px = 56.0;
 constexpr double foot_px = 64.0;
+constexpr double row_px = 24.0;   // of the legend
+constexpr double bar_px = 240.0;  // the scale bar's share of the foot, with its text
 
-struct LayerStyle {
+// Longer pictures of names than this are gathered into few shapes, or a browser takes minutes.
+constexpr std::size_t titled_max = 5'000;
+
+struct Style {
   std::string_view layer;
+  std::string_view kind;  ///< of one layer's several; empty: any
   std::string_view fill;
   std::string_view stroke;
+  std::string_view name;  ///< in the legend; empty: not there
 };
 
-// Bottom to top. Colours keep a contrast of at least 3:1 with the road they lie on.
-constexpr std::array<LayerStyle, 8> styles{{
-    {"beacon", "#9aa7b4", "none"},
-    {"road", "none", "#dfe5ec"},
-    {"crossing", "#ffd9a0", "#e08a1e"},
-    {"line", "none", "#8797a8"},
-    {"tag", "#2563c9", "#ffffff"},
-    {"station", "#2f8f5b", "#ffffff"},
-    {"section", "#44525f", "none"},
-    {"label", "#44525f", "none"},
+// Bottom to top. Colours keep a contrast of at least 3:1 with the road they lie on, and differ in lightness too.
+constexpr std::array<Style, 14> styles{{
+    {"road", "", "none", "#dfe5ec", ""},
+    {"crossing", "", "#ffd9a0", "#e08a1e", "crossing"},
+    {"closed", "", "none", "#b42318", "closed"},
+    {"line", "straight", "none", "#5b6b7d", "straight"},
+    {"line", "arc", "none", "#0f7f86", "arc"},
+    {"line", "clothoid", "none", "#a02c8c", "clothoid"},
+    {"line", "", "none", "#8797a8", ""},
+    {"beacon", "", "#6d7b89", "none", "beacon"},
+    {"pivot", "", "#fbfcfd", "#1d2730", "turn on the spot"},
+    {"tag", "", "#2563c9", "#ffffff", "tag"},
+    {"station", "charger", "#b45f06", "#ffffff", "charger"},
+    {"station", "", "#2f8f5b", "#ffffff", "station"},
+    {"section", "", "#44525f", "none", ""},
+    {"label", "", "#44525f", "none", ""},
 }};
+
+constexpr std::size_t closed_style = 2;
+static_assert(styles[closed_style].layer == "closed");
+
+/// The first that fits: those of a kind stand before those of any.
+const Style* style_of(const Primitive& primitive) {
+  const auto at = std::find_if(styles.begin(), styles.end(), [&](const Style& style) {
+    return style.layer == primitive.layer && (style.kind.empty() || style.kind == primitive.kind);
+  });
+  return at == styles.end() ? nullptr : &*at;
+}
 
 std::string number(double value) {
   char buffer[48];
@@ -62,15 +86,23 @@ class Svg {
     const double width_m = box_.high.x_m - box_.low.x_m;
     const double height_m = box_.high.y_m - box_.low.y_m;
     px_per_m_ = picture_px / std::max({width_m, height_m, 1e-9});
+    by_style_.resize(styles.size());
+    for (const Primitive& primitive : primitives_) {
+      if (const Style* style = style_of(primitive); style != nullptr && !primitive.points.empty())
+        by_style_[static_cast<std::size_t>(style - styles.data())].push_back(&primitive);
+    }
+    find_closed();
     // A zone narrower than its legend still gets the legend's room.
     width_px_ = std::max(width_m * px_per_m_ + 2.0 * margin_px, 760.0);
-    height_px_ = height_m * px_per_m_ + 2.0 * margin_px + head_px + foot_px;
+    lay_legend();
+    height_px_ = height_m * px_per_m_ + 2.0 * margin_px + head_px + foot_px + (legend_rows_ - 1.0) * row_px;
     left_px_ = 0.5 * (width_px_ - width_m * px_per_m_);
   }
 
   std::string write() {
     head();
-    for (const LayerStyle& style : styles) layer(style);
+    for (std::size_t i = 0; i < styles.size(); ++i)
+      if (!by_style_[i].empty()) layer(styles[i], by_style_[i]);
     foot();
     out_ += "</svg>\n";
     return std::move(out_);
@@ -102,25 +134,58 @@ class Svg {
              count(zone_.crossings.size(), "crossing") + ", " + count(zone_.tags.size(), "tag"));
   }
 
-  void layer(const LayerStyle& style) {
-    out_ += "<g id=\"" + std::string(style.layer) + "\" fill=\"" + std::string(style.fill) + "\" stroke=\"" +
-            std::string(style.stroke) + "\" stroke-linejoin=\"round\">\n";
+  /// The roads of closed sections, by their names: hatched they are drawn once more.
+  void find_closed() {
+    std::vector<std::string_view> names;
+    for (const SectionId id : zone_.closed) names.push_back(zone_.circuit.part(id).name);
+    std::sort(names.begin(), names.end());
     for (const Primitive& primitive : primitives_) {
-      if (primitive.layer == style.layer && !primitive.points.empty()) shape(primitive);
+      if (primitive.layer == "road" && std::binary_search(names.begin(), names.end(), primitive.label))
+        by_style_[closed_style].push_back(&primitive);
+    }
+  }
+
+  void layer(const Style& style, const std::vector<const Primitive*>& shapes) {
+    out_.append("<g id=\"").append(style.layer);
+    if (!style.kind.empty()) out_.append("-").append(style.kind);
+    out_.append("\" fill=\"").append(style.fill).append("\" stroke=\"").append(style.stroke);
+    out_ += "\" stroke-linejoin=\"round\">\n";
+    if (shapes.size() > titled_max && shapes.front()->shape == Primitive::Shape::polyline) {
+      gathered(shapes);
+    } else {
+      for (const Primitive* primitive : shapes) shape(style, *primitive);
     }
     out_ += "</g>\n";
   }
 
-  void shape(const Primitive& primitive) {
+  /// Many lines as one path, without their names.
+  void gathered(const std::vector<const Primitive*>& shapes) {
+    out_ += "<path stroke-width=\"" + number(std::max(shapes.front()->size_m * px_per_m_, 0.05)) +
+            "\" stroke-linecap=\"round\" d=\"";
+    for (const Primitive* primitive : shapes) {
+      char command = 'M';
+      for (const Point2& p : primitive->points) {
+        out_ += command;
+        out_ += xy(p);
+        command = 'L';
+      }
+    }
+    out_ += "\"/>\n";
+  }
+
+  void shape(const Style& style, const Primitive& primitive) {
     const double size_px = primitive.size_m * px_per_m_;
     std::string title;
     if (!primitive.label.empty()) title = "<title>" + escaped(primitive.label) + "</title>";
     switch (primitive.shape) {
       case Primitive::Shape::polyline:
         out_ += "<polyline" + points(primitive) + " stroke-width=\"" + number(size_px) + "\"";
-        // The dash is four strokes long: a line to follow, not a wall.
-        if (primitive.layer == "line")
+        // The dash is four strokes long: a line to follow, not a wall. Closed is a fence across the road.
+        if (style.layer == "line")
           out_ += " stroke-dasharray=\"" + number(4.0 * size_px) + " " + number(3.0 * size_px) + "\"";
+        else if (style.layer == "closed")
+          out_ += " stroke-opacity=\"0.6\" stroke-dasharray=\"" + number(0.12 * size_px) + " " + number(0.3 * size_px) +
+                  "\"";
         else
           out_ += " stroke-linecap=\"round\"";
         out_ += ">" + title + "</polyline>\n";
@@ -152,34 +217,61 @@ class Svg {
     return text + "\"";
   }
 
-  void foot() {
-    const double y = height_px_ - 34.0;
-    double x = margin_px;
-    for (const std::string_view name : {"road", "crossing", "tag", "beacon", "station"}) {
-      const auto* style =
-          std::find_if(styles.begin(), styles.end(), [&](const LayerStyle& s) { return s.layer == name; });
-      const bool drawn = std::any_of(primitives_.begin(), primitives_.end(),
-                                     [&](const Primitive& primitive) { return primitive.layer == name; });
-      if (!drawn) continue;
-      const std::string colour{style->fill == "none" ? style->stroke : style->fill};
-      const bool round = name == "tag" || name == "beacon";
-      out_ +=
-          round ? "<circle cx=\"" + number(x + 8.0) + "\" cy=\"" + number(y) + "\" r=\"6\" fill=\"" + colour + "\"/>\n"
-                : "<rect x=\"" + number(x) + "\" y=\"" + number(y - 7.0) +
-                      "\" width=\"16\" height=\"14\" rx=\"2\" fill=\"" + colour + "\"/>\n";
-      text(x + 24.0, y + 5.0, 14.0, "fill=\"#44525f\"", name);
-      x += 44.0 + 8.0 * static_cast<double>(name.size()) + 8.0;
+  struct Entry {
+    const Style* style;
+    double x_px;
+    double row;
+  };
+
+  /// What is drawn, from left to right in as many rows as it takes beside the scale bar.
+  void lay_legend() {
+    double x_px = margin_px;
+    for (std::size_t i = 0; i < styles.size(); ++i) {
+      const Style& style = styles[i];
+      if (style.name.empty() || by_style_[i].empty()) continue;
+      const double wide_px = 52.0 + 7.5 * static_cast<double>(style.name.size());
+      if (x_px + wide_px > width_px_ - margin_px - bar_px) {
+        x_px = margin_px;
+        legend_rows_ += 1.0;
+      }
+      legend_.push_back({&style, x_px, legend_rows_});
+      x_px += wide_px;
     }
-    scale_bar(y);
   }
 
-  /// A round length (1, 2 or 5 times a power of ten) of at most 180 px.
+  void foot() {
+    for (const Entry& entry : legend_) {
+      const double y_px = height_px_ - 34.0 - (legend_rows_ - entry.row) * row_px;
+      swatch(*entry.style, entry.x_px, y_px);
+      text(entry.x_px + 26.0, y_px + 5.0, 14.0, "fill=\"#44525f\"", entry.style->name);
+    }
+    scale_bar(height_px_ - 34.0);
+  }
+
+  void swatch(const Style& style, double x_px, double y_px) {
+    const bool line = style.fill == "none";
+    std::string colours = " fill=\"";
+    colours.append(style.fill).append("\" stroke=\"").append(line ? "none" : style.stroke).append("\"");
+    if (line) {
+      const bool fence = style.layer == "closed";
+      out_ += "<path d=\"M" + number(x_px) + " " + number(y_px) + "h20\" stroke=\"" + std::string(style.stroke) +
+              (fence ? "\" stroke-width=\"14\" stroke-opacity=\"0.6\" stroke-dasharray=\"2 4\"/>\n"
+                     : "\" stroke-width=\"3\"/>\n");
+    } else if (style.layer == "tag" || style.layer == "beacon" || style.layer == "pivot") {
+      out_ += "<circle cx=\"" + number(x_px + 10.0) + "\" cy=\"" + number(y_px) + "\" r=\"6\"" + colours + "/>\n";
+    } else {
+      out_ += "<rect x=\"" + number(x_px + 2.0) + "\" y=\"" + number(y_px - 7.0) +
+              "\" width=\"16\" height=\"14\" rx=\"2\"" + colours + "/>\n";
+    }
+  }
+
+  /// A round length (1, 2 or 5 times a power of ten) of at most bar_px.
   void scale_bar(double y) {
     double bar_m = 1.0;
-    while (bar_m * px_per_m_ > 180.0) bar_m /= 10.0;
-    while (bar_m * px_per_m_ * 10.0 <= 180.0) bar_m *= 10.0;
+    while (bar_m * px_per_m_ > bar_px - 60.0) bar_m /= 10.0;
+    while (bar_m * px_per_m_ * 10.0 <= bar_px - 60.0) bar_m *= 10.0;
     for (const double factor : {5.0, 2.0}) {
-      if (factor * bar_m * px_per_m_ <= 180.0) {
+      if (factor * bar_m * px_per_m_ <= bar_px - 60.0) {
         bar_m *= factor;
         break;
       }
@@ -197,6 +289,9 @@ class Svg {
   const TrafficZone& zone_;
   const std::vector<Primitive>& primitives_;
   Bounds box_;
+  std::vector<std::vector<const Primitive*>> by_style_;
+  std::vector<Entry> legend_;
+  double legend_rows_{1.0};
   double px_per_m_{};
   double width_px_{};
   double height_px_{};

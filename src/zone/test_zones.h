@@ -46,14 +46,26 @@ inline Result<TrafficZone> read_zone(const std::string& text) {
   return rtm->zone();
 }
 
-/// The zone as the whole program would read it, from zones/.
-inline TrafficZone lacet4() {
-  std::ifstream file(COSIVA_SOURCE_DIR "/zones/lacet4.toml");
-  std::stringstream text;
-  text << file.rdbuf();
-  auto rtm = Rtm::initialise({"toml", "zones/lacet4.toml", text.str()});
+/// A file of zones/ with its companion, if it has one, as the whole program would read it.
+inline ZoneConfiguration configuration_file(const std::string& file_name) {
+  const auto bytes = [](const std::string& path) {
+    std::ifstream file(path);
+    std::stringstream text;
+    text << file.rdbuf();
+    return text.str();
+  };
+  const std::string folder = COSIVA_SOURCE_DIR "/zones/";
+  const auto companion = companion_of_file(file_name);
+  return {format_of_file(file_name).value_or("?"), "zones/" + file_name, bytes(folder + file_name),
+          companion ? bytes(folder + *companion) : std::string()};
+}
+
+inline TrafficZone zone_file(const std::string& file_name) {
+  auto rtm = Rtm::initialise(configuration_file(file_name));
   EXPECT_TRUE(rtm) << to_string(rtm.error());
   return rtm->zone();
 }
+
+inline TrafficZone lacet4() { return zone_file("lacet4.toml"); }
 
 }  // namespace cosiva::zone::testing

@@ -31,53 +31,6 @@ std::size_t first_after(const TrafficZone& zone, SectionId id) {
 
 }  // namespace
 
-Point2 BeaconGrid::at(std::uint32_t column, std::uint32_t row) const {
-  return {origin.x_m + column * pitch_m, origin.y_m + row * pitch_m};
-}
-
-std::optional<Point2> BeaconGrid::find(TagNumber number) const {
-  if (number < first_number || columns == 0) return std::nullopt;
-  const TagNumber index = number - first_number;
-  if (index / columns >= rows) return std::nullopt;
-  return at(index % columns, index / columns);
-}
-
-std::optional<BeaconGrid::Near> BeaconGrid::nearest(Point2 p) const {
-  if (columns == 0 || rows == 0) return std::nullopt;
-  const double i = (p.x_m - origin.x_m) / pitch_m;
-  const double j = (p.y_m - origin.y_m) / pitch_m;
-  // Half a pitch beyond the edge is still the edge beacon's cell. Written so that a NaN is outside.
-  if (!(i >= -0.5 && i <= columns - 0.5 && j >= -0.5 && j <= rows - 0.5)) return std::nullopt;
-  const auto column = std::min(static_cast<std::uint32_t>(std::floor(i + 0.5)), columns - 1);
-  const auto row = std::min(static_cast<std::uint32_t>(std::floor(j + 0.5)), rows - 1);
-  return Near{first_number + row * columns + column, at(column, row)};
-}
-
-std::optional<BeaconGrid> covering_grid(const Circuit& circuit, const VehicleShape& shape, double pitch_m,
-                                        Point2 through, std::uint32_t beacons_max) {
-  Box box = circuit.section(0).box();
-  for (SectionId id = 1; id < circuit.size(); ++id) {
-    const Box& other = circuit.section(id).box();
-    box.low = {std::min(box.low.x_m, other.low.x_m), std::min(box.low.y_m, other.low.y_m)};
-    box.high = {std::max(box.high.x_m, other.high.x_m), std::max(box.high.y_m, other.high.y_m)};
-  }
-  const double margin_m = 0.5 * shape.width_m;
-  const auto below = [&](double low, double at) { return std::floor((low - margin_m - at) / pitch_m); };
-  const auto above = [&](double high, double at) { return std::ceil((high + margin_m - at) / pitch_m); };
-  const double i0 = below(box.low.x_m, through.x_m);
-  const double j0 = below(box.low.y_m, through.y_m);
-  const double columns = above(box.high.x_m, through.x_m) - i0 + 1.0;
-  const double rows = above(box.high.y_m, through.y_m) - j0 + 1.0;
-  if (!(columns * rows <= beacons_max)) return std::nullopt;
-  BeaconGrid grid{};
-  grid.pitch_m = pitch_m;
-  grid.origin = {through.x_m + i0 * pitch_m, through.y_m + j0 * pitch_m};
-  grid.columns = static_cast<std::uint32_t>(columns);
-  grid.rows = static_cast<std::uint32_t>(rows);
-  grid.covers_through = through;
-  return grid;
-}
-
 std::int32_t TrafficZone::priority_of(std::string_view who) const {
   const auto at = std::lower_bound(priorities.begin(), priorities.end(), who,
                                    [](const auto& entry, std::string_view key) { return entry.first < key; });
@@ -85,27 +38,21 @@ std::int32_t TrafficZone::priority_of(std::string_view who) const {
 }
 
 const Tag* TrafficZone::find_tag(TagNumber number) const {
-  const auto at = std::find_if(tags.begin(), tags.end(), [&](const Tag& tag) { return tag.number == number; });
-  return at == tags.end() ? nullptr : &*at;
+  const auto found = tags.from(number);
+  return found.empty() || tags.key_of(found.front()) != number ? nullptr : &tags[found.front().position];
 }
 
 const Waypoint* TrafficZone::find_waypoint(std::string_view id) const {
-  // The section's name in the id leads to its few waypoints; the ids themselves stand in the order of the places.
-  const auto mark = id.rfind('@');
-  if (mark == std::string_view::npos) return nullptr;
-  const auto section = circuit.find(id.substr(0, mark));
-  if (!section) return nullptr;
-  for (auto at = std::lower_bound(waypoints.begin(), waypoints.end(), Place{*section, 0.0}, before);
-       at != waypoints.end() && at->place.section == *section; ++at) {
-    if (at->id == id) return &*at;
-  }
-  return nullptr;
+  const auto found = waypoints.from(id);
+  return found.empty() || waypoints.key_of(found.front()) != id ? nullptr : &waypoints[found.front().position];
 }
 
 std::vector<std::size_t> TrafficZone::find_waypoints(std::string_view id) const {
   std::vector<std::size_t> found;
-  for (std::size_t i = 0; i < waypoints.size(); ++i)
-    if (waypoints[i].id == id) found.push_back(i);
+  for (const auto& entry : waypoints.from(id)) {
+    if (waypoints.key_of(entry) != id) break;
+    found.push_back(entry.position);
+  }
   return found;
 }
 
@@ -130,12 +77,14 @@ std::string_view to_string(Note::Kind kind) {
 }
 
 const Crossing* TrafficZone::crossing_at(Place place) const {
-  for (const Crossing& crossing : crossings) {
-    for (const CrossingSpan& span : crossing.spans) {
-      if (span.section == place.section && span.from_m <= place.s_m && place.s_m <= span.to_m) return &crossing;
-    }
+  const Crossing* first = nullptr;
+  for (const auto& entry : crossings.from(std::pair{place.section, -same_place_m})) {
+    const Crossing& crossing = crossings[entry.position];
+    const CrossingSpan& span = crossing.spans[entry.part];
+    if (span.section != place.section || span.from_m > place.s_m) break;
+    if (place.s_m <= span.to_m && (first == nullptr || &crossing < first)) first = &crossing;
   }
-  return nullptr;
+  return first;
 }
 
 std::size_t TrafficZone::waypoint_ahead(Place place) const {
@@ -179,10 +128,10 @@ bool TrafficZone::may_stand(Place place) const {
   double s = place.s_m;
   for (std::size_t steps = 0; steps <= circuit.size(); ++steps) {
     double span_m = -1.0;
-    for (const Crossing& crossing : crossings) {
-      for (const CrossingSpan& span : crossing.spans) {
-        if (span.section == id && span.from_m <= s) span_m = std::max(span_m, std::min(span.to_m, s));
-      }
+    for (const auto& entry : crossings.from(std::pair{id, -same_place_m})) {
+      const CrossingSpan& span = crossings[entry.position].spans[entry.part];
+      if (span.section != id || span.from_m > s) break;
+      span_m = std::max(span_m, std::min(span.to_m, s));
     }
     double waypoint_m = -1.0;
     for (auto at = std::lower_bound(waypoints.begin(), waypoints.end(), Place{id, 0.0}, before);
@@ -249,13 +198,36 @@ void spread(const TrafficZone& zone, const std::vector<Spot>& free, std::size_t 
   }
 }
 
+/// Whether a vehicle may begin where it may not stand otherwise: on a waypoint inside a crossing that no other is in.
+bool may_begin(const TrafficZone& zone, const Spot& spot, const std::vector<Spot>& taken) {
+  constexpr double near_m = 0.02;
+  const auto at = zone.waypoint_behind({spot.place.section, spot.place.s_m + near_m});
+  if (at == zone.waypoints.size() || zone.waypoints[at].place.section != spot.place.section ||
+      spot.place.s_m - zone.waypoints[at].place.s_m > near_m)
+    return false;
+  const auto covers = [](const Crossing& crossing, const Place& place) {
+    return std::any_of(crossing.spans.begin(), crossing.spans.end(), [&](const CrossingSpan& span) {
+      return span.section == place.section && span.from_m <= place.s_m && place.s_m <= span.to_m;
+    });
+  };
+  for (const auto& entry : zone.crossings.from(std::pair{spot.place.section, -same_place_m})) {
+    const Crossing& crossing = zone.crossings[entry.position];
+    if (crossing.spans[entry.part].section != spot.place.section) break;
+    if (covers(crossing, spot.place) &&
+        std::any_of(taken.begin(), taken.end(), [&](const Spot& other) { return covers(crossing, other.place); }))
+      return false;
+  }
+  return fits(zone, spot, taken);
+}
+
 }  // namespace
 
 std::vector<Place> TrafficZone::start_places(std::size_t count) const {
   std::vector<Spot> fixed;
   for (const Place& place : starts) {
     const Spot spot{place, position(circuit.pose_at(place))};
-    if (fixed.size() < count && may_stand(place) && fits(*this, spot, fixed)) fixed.push_back(spot);
+    if (fixed.size() < count && (may_stand(place) ? fits(*this, spot, fixed) : may_begin(*this, spot, fixed)))
+      fixed.push_back(spot);
   }
   std::vector<Spot> taken = fixed;
   if (taken.size() < count) {
@@ -268,6 +240,11 @@ std::vector<Place> TrafficZone::start_places(std::size_t count) const {
         if (packed.size() < count && fits(*this, spot, packed)) packed.push_back(spot);
       }
       if (packed.size() > taken.size()) taken = std::move(packed);
+    }
+    // In a net of two-way roads every place lies in some crossing, and its nodes are where vehicles begin.
+    for (std::size_t i = 0; i < waypoints.size() && taken.size() < count; ++i) {
+      const Spot spot{waypoints[i].place, position(circuit.pose_at(waypoints[i].place))};
+      if (!may_stand(spot.place) && may_begin(*this, spot, taken)) taken.push_back(spot);
     }
   }
   std::vector<Place> places;

@@ -11,6 +11,7 @@
 #include "base/pose.h"
 #include "base/result.h"
 #include "zone/circuit.h"
+#include "zone/listed.h"
 
 namespace cosiva::zone {
 
@@ -110,6 +111,22 @@ struct Waypoint {
   Place place;
 };
 
+/// What tags, waypoints and crossings are found by: their numbers, their ids, where their spans begin.
+struct TagKeys {
+  static std::size_t count(const Tag&) { return 1; }
+  static TagNumber key(const Tag& tag, std::size_t) { return tag.number; }
+};
+struct WaypointKeys {
+  static std::size_t count(const Waypoint&) { return 1; }
+  static std::string_view key(const Waypoint& waypoint, std::size_t) { return waypoint.id; }
+};
+struct CrossingKeys {
+  static std::size_t count(const Crossing& crossing) { return crossing.spans.size(); }
+  static std::pair<SectionId, double> key(const Crossing& crossing, std::size_t i) {
+    return {crossing.spans[i].section, crossing.spans[i].from_m};
+  }
+};
+
 /// What an AIV is worth to others at a crossing: 0…999, higher goes first.
 inline constexpr std::int32_t priority_max = 999;
 
@@ -119,11 +136,11 @@ struct TrafficZone {
   Circuit circuit;
   VehicleShape vehicle;
   SpeedProfiles profiles;
-  std::vector<Tag> tags;
+  Listed<Tag, TagKeys> tags;
   std::optional<BeaconGrid> beacons;
   std::vector<Station> stations;
-  std::vector<Crossing> crossings;  ///< found by find_crossings
-  std::vector<Waypoint> waypoints;  ///< laid by lay_waypoints; sorted by (section, s)
+  Listed<Crossing, CrossingKeys> crossings;  ///< found by find_crossings
+  Listed<Waypoint, WaypointKeys> waypoints;  ///< laid by lay_waypoints; sorted by (section, s)
   std::vector<Place> starts;  ///< where vehicle 1, 2, … of an emulated fleet begin; may be shorter than the fleet
   /// "CoSiVA/AIV1" → 1…999, sorted by name; who is not here has 0.
   std::vector<std::pair<std::string, std::int32_t>> priorities{};
@@ -132,6 +149,10 @@ struct TrafficZone {
   std::vector<Note> notes{};
   /// The format names its edges: a stretch that is one whole section has that section's name as its edge's id.
   bool edges_are_sections{false};
+  /// What crossings and waypoints were found with, for whoever writes the zone down.
+  double clearance_m{0.04};
+  double spacing_m{0.30};
+  bool nodes_only{false};
 
   /// Of "manufacturer/serial"; 0 where none is given.
   [[nodiscard]] std::int32_t priority_of(std::string_view who) const;
@@ -142,7 +163,7 @@ struct TrafficZone {
   [[nodiscard]] std::vector<std::size_t> find_waypoints(std::string_view id) const;
   [[nodiscard]] const Station* find_station(std::string_view name) const;
   [[nodiscard]] const Loop* find_loop(std::string_view name) const;
-  /// The crossing that has a span over this place, if any.
+  /// The crossing that has a span over this place, if any; the first of several.
   [[nodiscard]] const Crossing* crossing_at(Place place) const;
 
   /// Index of the first waypoint at or after `place`, following default successors from its section; waypoints.size()
@@ -155,12 +176,15 @@ struct TrafficZone {
   /// Whether a vehicle may stand here: outside every crossing, and not between two too close together to stand between.
   [[nodiscard]] bool may_stand(Place place) const;
   /// Places for `count` vehicles: `starts` first, then spread evenly; all where a vehicle may stand, and with room
-  /// between them. Fewer than `count` when the zone cannot hold them.
+  /// between them. Where that does not suffice, waypoints inside crossings serve, in each crossing one vehicle. Fewer
+  /// than `count` when the zone cannot hold them.
   [[nodiscard]] std::vector<Place> start_places(std::size_t count) const;
 };
 
 /// Pairs of sections whose vehicles could touch, from the geometry and the vehicle's shape plus `clearance_m` on each
-/// side; touching pairs at one place are one crossing. Consecutive sections do not cross each other at their joint.
+/// side; touching pairs at one place are one crossing. Ways that run along one another, such as one way and the way
+/// back, are one crossing of their own, apart from those at their ends. Consecutive sections do not cross each other at
+/// their joint, but where vehicles turn sharply on the spot; whoever turns sweeps a disc of half its diagonal.
 /// Names are "X1", "X2", … in the order in which the sections come to them. Not for a circuit that is too_crowded.
 [[nodiscard]] std::vector<Crossing> find_crossings(const Circuit& circuit, const VehicleShape& shape,
                                                    double clearance_m = 0.04);
@@ -169,16 +193,39 @@ struct TrafficZone {
 /// zone that anybody could drive in comes near this; a hostile file may.
 [[nodiscard]] bool too_crowded(const Circuit& circuit, const VehicleShape& shape, double clearance_m = 0.04);
 
+/// Both in one: nothing where it is too crowded.
+[[nodiscard]] std::optional<std::vector<Crossing>> find_crossings_unless_crowded(const Circuit& circuit,
+                                                                                 const VehicleShape& shape,
+                                                                                 double clearance_m = 0.04);
+
 /// Waypoints at joints, at each crossing's stop line and exit, and between them no further apart than `spacing_m`, none
 /// inside a crossing's span. Ids are "<section>@<millimetres>", stable as long as the geometry is.
 /// @param room_m  where the free way between two spans is shorter than this a vehicle cannot stand, so no waypoint lies
 [[nodiscard]] std::vector<Waypoint> lay_waypoints(const Circuit& circuit, const std::vector<Crossing>& crossings,
                                                   double spacing_m = 0.30, double room_m = 0.30);
 
-/// A grid that passes through `through` and covers every way and half a vehicle beside it. Nothing when that takes more
-/// than `beacons_max` beacons.
+/// Where waypoints lie beyond what follows from the geometry.
+struct WaypointRules {
+  double spacing_m{0.30};
+  double room_m{0.30};
+  bool nodes_only{false};  ///< none between those of joints, dead ends, stop lines, exits and `at`
+  /// One lies at each of these in any case, inside crossings too; one laid nearer than 2 cm on the same section serves.
+  std::vector<Place> at{};
+  /// By section: the id of the waypoint at its start; it lies there in any case. Empty: none of its own. The vector may
+  /// be empty, too.
+  std::vector<std::string> start_ids{};
+  /// By section: likewise at its end, of sections that nothing follows.
+  std::vector<std::string> end_ids{};
+};
+/// Sorted by (section, s). Ids of `start_ids` and `end_ids` may be shared; all others are "<section>@<millimetres>".
+[[nodiscard]] std::vector<Waypoint> lay_waypoints(const Circuit& circuit, const std::vector<Crossing>& crossings,
+                                                  const WaypointRules& rules);
+
+/// A grid that passes through `through`, turned by `rotation_rad`, and covers every way and half a vehicle beside it.
+/// Nothing when that takes more than `beacons_max` beacons.
 [[nodiscard]] std::optional<BeaconGrid> covering_grid(const Circuit& circuit, const VehicleShape& shape, double pitch_m,
-                                                      Point2 through, std::uint32_t beacons_max);
+                                                      Point2 through, std::uint32_t beacons_max,
+                                                      double rotation_rad = 0.0);
 
 /// Way that a standing vehicle takes: its length and 0.1 m.
 [[nodiscard]] constexpr double standing_room_m(const VehicleShape& shape) { return shape.length_m + 0.1; }

@@ -165,5 +165,44 @@ TEST(TrafficZone, skips_starts_where_vehicles_would_stand_in_each_other) {
   EXPECT_THAT(places, ::testing::ElementsAre(Place{0, 0.1}, Place{2, 1.0}));
 }
 
+TEST(TrafficZone, begins_on_waypoints_inside_crossings_where_there_is_no_other_place) {
+  TrafficZone zone =
+      track_zone({{"X1", {}, {{0, 0.0, 2.0}, {1, 0.0, 1.7}}}, {"X2", {}, {{2, 0.0, 2.0}, {3, 0.0, 1.7}}}});
+  EXPECT_THAT(zone.start_places(3), SizeIs(0));
+  WaypointRules rules;
+  rules.start_ids = {"A", "B", "C", "D"};
+  zone.waypoints = lay_waypoints(zone.circuit, zone.crossings, rules);
+  // One vehicle in each crossing.
+  EXPECT_THAT(zone.start_places(3), ::testing::ElementsAre(Place{0, 0.0}, Place{2, 0.0}));
+  zone.starts = {{3, 0.0}, {1, 0.5}};
+  EXPECT_THAT(zone.start_places(3), ::testing::ElementsAre(Place{3, 0.0}, Place{0, 0.0}));
+}
+
+TEST(TrafficZone, finds_what_is_put_in_and_no_longer_what_is_taken_out) {
+  TrafficZone zone = track_zone();
+  for (const TagNumber number : {5U, 3U, 9U, 1U}) zone.tags.push_back({number, {0, 0.1 * number}});
+  for (const TagNumber number : {5U, 3U, 9U, 1U}) EXPECT_EQ(zone.find_tag(number)->number, number);
+  EXPECT_EQ(zone.tags.front().number, 5U);  // in the order in which they came
+  EXPECT_EQ(zone.tags.erase_if([](const Tag& tag) { return tag.number == 3; }), 1U);
+  EXPECT_EQ(zone.find_tag(3), nullptr);
+  zone.tags.replace(0, {7, {0, 0.7}});
+  EXPECT_EQ(zone.find_tag(5), nullptr);
+  EXPECT_EQ(zone.find_tag(7)->place.s_m, 0.7);
+  const TrafficZone copy = zone;
+  zone.tags.clear();
+  EXPECT_EQ(zone.find_tag(9), nullptr);
+  EXPECT_NE(copy.find_tag(9), nullptr);
+}
+
+TEST(TrafficZone, names_the_first_of_several_crossings_over_a_place) {
+  const TrafficZone zone = track_zone({{"X1", {}, {{0, 0.5, 1.0}, {2, 0.0, 0.1}}}, {"X2", {}, {{0, 0.2, 1.5}}}});
+  EXPECT_EQ(zone.crossing_at({0, 0.1}), nullptr);
+  EXPECT_EQ(zone.crossing_at({0, 0.3})->name, "X2");
+  EXPECT_EQ(zone.crossing_at({0, 0.7})->name, "X1");
+  EXPECT_EQ(zone.crossing_at({0, 1.2})->name, "X2");
+  EXPECT_EQ(zone.crossing_at({2, 0.0})->name, "X1");
+  EXPECT_EQ(zone.crossing_at({1, 0.3}), nullptr);
+}
+
 }  // namespace
 }  // namespace cosiva::zone

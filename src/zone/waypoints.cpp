@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <queue>
+#include <string_view>
 #include <utility>
 
 #include "base/expect.h"
@@ -156,34 +157,124 @@ void lay(std::vector<double>& places, double from_m, double to_m, double spacing
   places.push_back(to_m);
 }
 
+/// A waypoint of one section, before it has its id.
+struct Laid {
+  double s_m;
+  const std::string* id{nullptr};  ///< of its own, if any
+};
+
+const std::string* own_id(const std::vector<std::string>& ids, SectionId section) {
+  return section < ids.size() && !ids[section].empty() ? &ids[section] : nullptr;
+}
+
+class Layer {
+ public:
+  Layer(const Circuit& circuit, const std::vector<Crossing>& crossings, const WaypointRules& rules);
+  std::vector<Waypoint> lay_all();
+
+ private:
+  void lay_free(SectionId id);
+  void lay_asked(SectionId id);
+  void name(double s_m, const std::string* id);
+  [[nodiscard]] std::string id_at(SectionId id, double s_m) const;
+
+  const Circuit& circuit_;
+  const WaypointRules& rules_;
+  Blocked blocked_;
+  std::vector<Place> at_;                ///< sorted
+  std::vector<std::string_view> taken_;  ///< ids of the rules, sorted
+  std::vector<double> free_;             ///< of the present section
+  std::vector<Laid> laid_;               ///< likewise, sorted
+};
+
+Layer::Layer(const Circuit& circuit, const std::vector<Crossing>& crossings, const WaypointRules& rules)
+    : circuit_{circuit}, rules_{rules}, blocked_{circuit, crossings, rules.room_m}, at_{rules.at} {
+  std::sort(at_.begin(), at_.end(), [](const Place& a, const Place& b) {
+    return a.section != b.section ? a.section < b.section : a.s_m < b.s_m;
+  });
+  for (const auto* ids : {&rules.start_ids, &rules.end_ids}) taken_.insert(taken_.end(), ids->begin(), ids->end());
+  std::sort(taken_.begin(), taken_.end());
+}
+
+void Layer::lay_free(SectionId id) {
+  free_.clear();
+  const double length_m = circuit_.section(id).length_m();
+  const double spacing_m = rules_.nodes_only ? length_m : rules_.spacing_m;
+  double from_m = 0.0;
+  for (const Stretch& stretch : blocked_.of(id)) {
+    if (stretch.from_m > from_m) lay(free_, from_m, stretch.from_m, spacing_m);
+    from_m = stretch.to_m;
+  }
+  // The end of a section is the start of those that follow, and theirs to mark; a dead end has nobody else.
+  const bool followed = !circuit_.next(id).empty();
+  if (from_m < length_m && !(followed && from_m > 0.0 && length_m - from_m < merge_m)) {
+    lay(free_, from_m, length_m, spacing_m);
+    if (followed && free_.back() == length_m) free_.pop_back();
+  }
+  laid_.clear();
+  for (const double s : free_) laid_.push_back({s});
+}
+
+/// What lies too near to a place with an id of its own gives way to it.
+void Layer::name(double s_m, const std::string* id) {
+  if (id == nullptr) return;
+  std::erase_if(laid_, [&](const Laid& laid) { return laid.id == nullptr && std::fabs(laid.s_m - s_m) < merge_m; });
+  const auto after = std::find_if(laid_.begin(), laid_.end(), [&](const Laid& laid) { return laid.s_m > s_m; });
+  laid_.insert(after, {s_m, id});
+}
+
+/// Both lists are sorted: one pass, however many are asked for.
+void Layer::lay_asked(SectionId id) {
+  const double length_m = circuit_.section(id).length_m();
+  std::vector<Laid> all;
+  auto old = laid_.begin();
+  const auto first = std::partition_point(at_.begin(), at_.end(), [id](const Place& at) { return at.section < id; });
+  for (auto at = first; at != at_.end() && at->section == id; ++at) {
+    const double s_m = std::clamp(at->s_m, 0.0, length_m);
+    while (old != laid_.end() && old->s_m <= s_m) all.push_back(*old++);
+    const bool behind = !all.empty() && s_m - all.back().s_m < merge_m;
+    const bool ahead = old != laid_.end() && old->s_m - s_m < merge_m;
+    if (!behind && !ahead) all.push_back({s_m});
+  }
+  all.insert(all.end(), old, laid_.end());
+  laid_ = std::move(all);
+}
+
+std::string Layer::id_at(SectionId id, double s_m) const {
+  const auto millimetres = static_cast<long long>(std::floor(s_m * 1000.0 + 0.5));
+  std::string name = circuit_.part(id).name + "@" + std::to_string(millimetres);
+  // A format's own ids may look like ours, and mean another point.
+  while (std::binary_search(taken_.begin(), taken_.end(), std::string_view{name})) name += '+';
+  return name;
+}
+
+std::vector<Waypoint> Layer::lay_all() {
+  std::vector<Waypoint> waypoints;
+  for (SectionId id = 0; id < circuit_.size(); ++id) {
+    lay_free(id);
+    name(0.0, own_id(rules_.start_ids, id));
+    if (circuit_.next(id).empty()) name(circuit_.section(id).length_m(), own_id(rules_.end_ids, id));
+    lay_asked(id);
+    for (const Laid& laid : laid_)
+      waypoints.push_back({laid.id != nullptr ? *laid.id : id_at(id, laid.s_m), {id, laid.s_m}});
+  }
+  return waypoints;
+}
+
 }  // namespace
 
 std::vector<Waypoint> lay_waypoints(const Circuit& circuit, const std::vector<Crossing>& crossings, double spacing_m,
                                     double room_m) {
-  COSIVA_EXPECT(spacing_m >= merge_m && room_m >= 0.0);
-  const Blocked blocked{circuit, crossings, room_m};
-  std::vector<Waypoint> waypoints;
-  std::vector<double> places;
-  for (SectionId id = 0; id < circuit.size(); ++id) {
-    places.clear();
-    const double length_m = circuit.section(id).length_m();
-    double from_m = 0.0;
-    for (const Stretch& stretch : blocked.of(id)) {
-      if (stretch.from_m > from_m) lay(places, from_m, stretch.from_m, spacing_m);
-      from_m = stretch.to_m;
-    }
-    // The end of a section is the start of those that follow, and theirs to mark; a dead end has nobody else.
-    const bool followed = !circuit.next(id).empty();
-    if (from_m < length_m && !(followed && from_m > 0.0 && length_m - from_m < merge_m)) {
-      lay(places, from_m, length_m, spacing_m);
-      if (followed && places.back() == length_m) places.pop_back();
-    }
-    for (const double s : places) {
-      const auto millimetres = static_cast<long long>(std::floor(s * 1000.0 + 0.5));
-      waypoints.push_back({circuit.part(id).name + "@" + std::to_string(millimetres), {id, s}});
-    }
-  }
-  return waypoints;
+  WaypointRules rules;
+  rules.spacing_m = spacing_m;
+  rules.room_m = room_m;
+  return lay_waypoints(circuit, crossings, rules);
+}
+
+std::vector<Waypoint> lay_waypoints(const Circuit& circuit, const std::vector<Crossing>& crossings,
+                                    const WaypointRules& rules) {
+  COSIVA_EXPECT(rules.spacing_m >= merge_m && rules.room_m >= 0.0);
+  return Layer{circuit, crossings, rules}.lay_all();
 }
 
 }  // namespace cosiva::zone

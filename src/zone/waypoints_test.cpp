@@ -83,6 +83,76 @@ TEST(Waypoints, at_a_fork_stand_before_the_stem_ends) {
     EXPECT_TRUE(waypoint.place.section == 0 || waypoint.place.s_m > 0.3) << waypoint.id;
 }
 
+// What stations and formats ask for
+// ------------------------------------------------------------------------------------------------------
+
+TEST(Waypoints, lie_at_asked_places_too_and_inside_crossings) {
+  WaypointRules rules;
+  rules.spacing_m = 1.0;
+  rules.at = {{1, 0.25}, {0, 0.5}};
+  EXPECT_THAT(ids(lay_waypoints(line(), {crossing(0, 0.4, 0.6)}, rules)),
+              ElementsAre("a@0", "a@380", "a@500", "a@620", "b@0", "b@250", "b@1000"));
+}
+
+TEST(Waypoints, nearer_than_two_centimetres_to_an_asked_place_serve) {
+  WaypointRules rules;
+  rules.spacing_m = 0.5;
+  rules.at = {{0, 0.481}, {0, 0.519}, {0, 0.3}, {0, 0.31}, {0, 0.321}, {1, 1.0}, {1, 0.0}};
+  EXPECT_THAT(ids(lay_waypoints(line(), {}, rules)),
+              ElementsAre("a@0", "a@300", "a@321", "a@500", "b@0", "b@500", "b@1000"));
+}
+
+TEST(Waypoints, at_nodes_have_the_nodes_ids_even_inside_a_crossing) {
+  WaypointRules rules;
+  rules.spacing_m = 1.0;
+  rules.start_ids = {"N1", "N2"};
+  rules.end_ids = {"never", "N3"};
+  EXPECT_THAT(ids(lay_waypoints(line(), {}, rules)), ElementsAre("N1", "N2", "N3"));
+  EXPECT_THAT(ids(lay_waypoints(line(), {crossing(0, 0.9, 1.0), crossing(1, 0.0, 0.1)}, rules)),
+              ElementsAre("N1", "a@880", "N2", "b@120", "N3"));
+  rules.at = {{1, 0.01}};
+  EXPECT_THAT(ids(lay_waypoints(line(), {}, rules)), ElementsAre("N1", "N2", "N3"));
+}
+
+TEST(Waypoints, of_nodes_only_have_none_in_between) {
+  WaypointRules rules;
+  rules.spacing_m = 0.1;
+  rules.nodes_only = true;
+  EXPECT_THAT(ids(lay_waypoints(line(), {crossing(0, 0.4, 0.6)}, rules)),
+              ElementsAre("a@0", "a@380", "a@620", "b@0", "b@1000"));
+}
+
+TEST(Waypoints, share_a_nodes_id_on_all_sections_that_begin_there_and_are_all_found) {
+  const Section stem = section({}, 1.0);
+  TrafficZone zone{"z",
+                   testing::circuit({part("stem", stem, {1, 2}), part("left", section(stem.end(), 2.0, 1.0)),
+                                     part("right", section(stem.end(), 2.0, -1.0))}),
+                   {},
+                   {},
+                   {},
+                   {},
+                   {},
+                   {},
+                   {},
+                   {}};
+  WaypointRules rules;
+  rules.start_ids = {"A", "B", "B"};
+  zone.waypoints = lay_waypoints(zone.circuit, {}, rules);
+  const auto found = zone.find_waypoints("B");
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(zone.waypoints[found[0]].place, (Place{1, 0.0}));
+  EXPECT_EQ(zone.waypoints[found[1]].place, (Place{2, 0.0}));
+  EXPECT_EQ(zone.find_waypoint("B"), &zone.waypoints[found[0]]);
+  EXPECT_TRUE(zone.find_waypoints("C").empty());
+}
+
+TEST(Waypoints, are_not_mistaken_for_a_node_whose_id_looks_like_theirs) {
+  WaypointRules rules;
+  rules.spacing_m = 0.5;
+  rules.start_ids = {"", "a@500"};
+  EXPECT_THAT(ids(lay_waypoints(line(), {}, rules)), ElementsAre("a@0", "a@500+", "a@500", "b@500", "b@1000"));
+}
+
 TEST(Waypoints, have_ids_of_their_own_in_order_of_section_and_arc_length) {
   const TrafficZone zone = testing::lacet4();
   std::set<std::string> seen;

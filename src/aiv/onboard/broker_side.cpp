@@ -1,57 +1,12 @@
-// What the on-board program makes of the broker's messages: zone, orders, instant actions, the server's life signs.
+// What the on-board program makes of the broker's messages: orders, instant actions, the server's life signs.
 #include <cmath>
 #include <utility>
 
 #include "aiv/onboard/inside.h"
 #include "base/json_value.h"
 #include "wire/vda5050/codec.h"
-#include "zone/edit.h"
 
 namespace cosiva::aiv {
-
-void OnboardCore::Inside::on_zone(const wire::Input& input, wire::Effects& effects) {
-  const std::string format = input.source.substr(wire::zone_topic_prefix.size());
-  if (!agent) return use_zone({format, input.source, input.payload}, effects);
-  if (input.payload == zone_text) return;
-  const auto rtm = zone::Rtm::initialise({format, input.source, input.payload});
-  if (!rtm) return log(effects, 'w', "another zone was announced and is not used: " + to_string(rtm.error()));
-  if (zone::same_ways(*zone, rtm->zone())) return take_over_marks(rtm->zone(), input.payload, effects);
-  log(effects, 'w', "another zone was announced; this vehicle stays in '" + zone->name + "' until it is restarted");
-}
-
-void OnboardCore::Inside::take_over_marks(const zone::TrafficZone& edited, std::string text, wire::Effects& effects) {
-  // Field by field into the same object: whoever refers to the zone looks tags and beacons up when one is read.
-  zone->tags = edited.tags;
-  zone->beacons = edited.beacons;
-  zone->stations = edited.stations;
-  zone->starts = edited.starts;
-  zone->priorities = edited.priorities;
-  zone_text = std::move(text);
-  agent->on_marks_moved();
-  log(effects, 'i',
-      "tags and beacons of '" + zone->name + "' as announced: " + std::to_string(zone->tags.size()) + " tags");
-}
-
-void OnboardCore::Inside::use_zone(const zone::ZoneConfiguration& configuration, wire::Effects& effects) {
-  auto rtm = zone::Rtm::initialise(configuration);
-  if (!rtm) {
-    log(effects, 'e', "zone not used: " + to_string(rtm.error()));
-    return;
-  }
-  zone = std::make_shared<zone::TrafficZone>(rtm->zone());
-  zone_text = configuration.text;
-  agent.emplace(*zone);
-  felt.emplace(*zone);
-  if (power) agent->on_charge(0.001 * power->charge_permille);
-  if (memory) {
-    agent->hold(Hold::paused, memory->paused);
-    agent->impose(memory->imposed);
-  }
-  if (options.start && !zone->circuit.find(options.start->section))
-    log(effects, 'e', "start: no section '" + options.start->section + "' in zone '" + zone->name + "'");
-  publish_factsheet(now, effects);
-  state_due = true;
-}
 
 void OnboardCore::Inside::on_server_connection(const wire::Input& input, wire::Effects& effects) {
   constexpr std::size_t bytes_max = 4096;
@@ -77,6 +32,12 @@ void OnboardCore::Inside::on_order(const wire::Input& input, wire::Effects& effe
   if (auto accepted = session.accepts(order->header); !accepted)
     return refuse("validationError", "order", to_string(accepted.error()), std::move(references), effects);
   if (!agent) return refuse("noRouteError", "order", "no zone is known yet", std::move(references), effects);
+  const bool repeated =
+      order->order_id == agent->order().order_id() && order->order_update_id == agent->order().order_update_id();
+  if (coming_zone && !repeated) {
+    return refuse("noRouteError", "order", "zone '" + coming_zone->zone().name + "' follows as soon as it stands",
+                  std::move(references), effects);
+  }
 
   const auto verdict = agent->take_order(*order);
   state_due = true;  // the state's orderUpdateId is the only acknowledgement, also of a repetition
@@ -128,6 +89,7 @@ void OnboardCore::Inside::perform(const wire::Action& action, wire::Effects& eff
   if (type == action::cancel_order) return cancel_order(action, effects);
   if (type == action::init_position) return init_position(action, effects);
   if (type == action::set_speed_limit) return set_speed_limit(action, effects);
+  if (type == action::enable_map || type == action::download_map) return enable_map(action, effects);
   if (type == action::factsheet_request) {
     publish_factsheet(now, effects);
     return finish(action);

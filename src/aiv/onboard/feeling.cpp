@@ -47,7 +47,7 @@ void OnboardCore::Inside::drive(wire::Effects& effects) {
     felt->excuse_silence(now);
   else
     felt->age(now);
-  contact = agent->position().known() ? felt->first(now, agent->position().place()) : FeltWorld::Contact{};
+  contact = agent->position().known() ? felt->first(now, agent->position().outlook()) : FeltWorld::Contact{};
   agent->feel(contact.gap_m);
   boards.send(wire::Board::PILS, agent->decide(), effects);
   if (agent->braking_for_felt() != told.braking) tell_felt(effects);

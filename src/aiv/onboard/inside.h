@@ -48,8 +48,8 @@ class Periodic {
 };
 
 /// Everything behind OnboardCore: what it is told goes to agent and books, and what they decide goes out. Its functions
-/// stand in onboard_core.cpp (inputs and own pace), broker_side.cpp (messages), feeling.cpp (what is only virtual, and
-/// what it sees) and place.cpp (where it stands).
+/// stand in onboard_core.cpp (inputs and own pace), broker_side.cpp (messages), zone_switch.cpp (which zone is in
+/// force), feeling.cpp (what is only virtual, and what it sees) and place.cpp (where it stands).
 struct OnboardCore::Inside {
   explicit Inside(OnboardOptions o)
       : options{std::move(o)},
@@ -82,15 +82,24 @@ struct OnboardCore::Inside {
   void on_board(const wire::Display&) {}
 
   // from the broker
-  void on_zone(const wire::Input& input, wire::Effects& effects);
-  void use_zone(const zone::ZoneConfiguration& configuration, wire::Effects& effects);
-  /// The same ways with other tags or beacons: in force at once, whatever it is doing.
-  void take_over_marks(const zone::TrafficZone& edited, std::string text, wire::Effects& effects);
   void on_server_connection(const wire::Input& input, wire::Effects& effects);
   void on_order(const wire::Input& input, wire::Effects& effects);
   void refuse(std::string type, std::string_view topic, std::string why, std::vector<wire::Reference> references,
               wire::Effects& effects);
   void on_instant_actions(const wire::Input& input, wire::Effects& effects);
+
+  // which zone is in force
+  void on_zone(const wire::Input& input, wire::Effects& effects);
+  void use_zone(zone::ZoneConfiguration configuration, wire::Effects& effects);
+  void refuse_zone(const Error& error, char level, wire::Effects& effects);
+  /// The same ways with other tags or beacons: in force at once, whatever it is doing.
+  void take_over_marks(const zone::Rtm& edited, wire::Effects& effects);
+  /// It brakes on the zone in force, and takes the other as soon as it stands.
+  void begin_switch(zone::Rtm rtm, wire::Effects& effects);
+  void call_off_switch(wire::Effects& effects);
+  void end_switch(wire::Effects& effects);
+  void note_maps();
+  void enable_map(const wire::Action& action, wire::Effects& effects);
 
   // what it feels and sees
   void on_ahead(const wire::Input& input, wire::Effects& effects);
@@ -119,7 +128,9 @@ struct OnboardCore::Inside {
   // place
   /// Memory first, because a vehicle that ran is no longer where it was started; then the start it was told.
   void find_place();
-  [[nodiscard]] std::optional<zone::Place> remembered_place() const;
+  /// Where the memory says that it stands: false where that cannot be.
+  [[nodiscard]] bool stand_as_remembered();
+  [[nodiscard]] std::optional<zone::Place> remembered_place(double way_m) const;
   void remember_place(bool due, wire::Effects& effects);
 
   // its own pace
@@ -146,12 +157,15 @@ struct OnboardCore::Inside {
   Warnings warnings;
   /// Its own, because its tags and beacons may be edited while agent and feeling refer to it; the ways never are.
   std::shared_ptr<zone::TrafficZone> zone;
-  std::string zone_text;
-  std::optional<Agent> agent;     ///< as soon as there is a zone
-  std::optional<FeltWorld> felt;  ///< likewise
-  FeltWorld::Contact contact;     ///< at the last decision
-  wire::Felt told;                ///< the last answer
-  bool owes_answer{true};         ///< to whoever speaks next: it does not know yet that this vehicle feels
+  zone::ZoneConfiguration configuration;  ///< that `zone` was made from
+  std::optional<zone::Rtm> coming_zone;   ///< checked, and waits until the vehicle stands
+  std::string zone_refused;               ///< why the last one that came is not used
+  std::vector<wire::MapInfo> maps;        ///< in force, coming
+  std::optional<Agent> agent;             ///< as soon as there is a zone
+  std::optional<FeltWorld> felt;          ///< likewise
+  FeltWorld::Contact contact;             ///< at the last decision
+  wire::Felt told;                        ///< the last answer
+  bool owes_answer{true};                 ///< to whoever speaks next: it does not know yet that this vehicle feels
   std::vector<std::string> ahead_complaints;
   Sighting sighting;
   std::optional<wire::Power> power;
@@ -159,6 +173,7 @@ struct OnboardCore::Inside {
   bool looked{false};                  ///< ranges came in these bytes
   std::optional<std::uint32_t> pils_session;
   std::optional<Memory> memory;  ///< recalled and not used yet
+  bool start_counts{true};       ///< the start that it was told is of the zone in force
 
   SimTime now{};
   SimTime started{};
@@ -171,6 +186,7 @@ struct OnboardCore::Inside {
   bool state_due{false};
   ReportFlags flags;
   std::optional<std::int64_t> remembered_um;
+  std::optional<Pose2> remembered_manoeuvre;
   bool must_remember{false};
   bool was_standing{true};
   std::string shown;

@@ -33,7 +33,8 @@ void InstantActionBook::set(std::string_view action_id, wire::ActionStatus statu
 void InstantActionBook::end_running(std::string_view action_type, wire::ActionStatus status,
                                     std::string_view result_description) {
   for (wire::ActionState& state : states_) {
-    if (state.action_type != action_type || state.status != wire::ActionStatus::running) continue;
+    if (state.status != wire::ActionStatus::running) continue;
+    if (!action_type.empty() && state.action_type != action_type) continue;
     state.status = status;
     state.result_description = std::string(result_description);
   }

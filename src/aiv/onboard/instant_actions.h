@@ -20,7 +20,7 @@ class InstantActionBook {
   /// False when this actionId was seen before.
   [[nodiscard]] bool begin(const wire::Action& action);
   void set(std::string_view action_id, wire::ActionStatus status, std::string result_description = {});
-  /// Ends all running actions of a type.
+  /// Ends all running actions of a type; of all types where that is empty.
   void end_running(std::string_view action_type, wire::ActionStatus status, std::string_view result_description = {});
   [[nodiscard]] bool running(std::string_view action_type) const;
 
@@ -44,6 +44,8 @@ inline constexpr std::string_view init_position = "initPosition";
 inline constexpr std::string_view state_request = "stateRequest";
 inline constexpr std::string_view factsheet_request = "factsheetRequest";
 inline constexpr std::string_view set_speed_limit = "setSpeedLimit";
+inline constexpr std::string_view enable_map = "enableMap";
+inline constexpr std::string_view download_map = "downloadMap";
 }  // namespace action
 
 }  // namespace cosiva::aiv

@@ -11,6 +11,27 @@ namespace {
 /// Whole numbers of a double are exact up to here.
 constexpr double whole_max = 9007199254740992.0;
 
+void write(JsonWriter& json, std::string_view key, const std::optional<Pose2>& pose) {
+  if (!pose) return;
+  json.key(key)
+      .begin_object()
+      .field("x", pose->x_m)
+      .field("y", pose->y_m)
+      .field("theta", pose->heading_rad)
+      .end_object();
+}
+
+std::optional<Pose2> pose_from(const JsonValue* json) {
+  if (json == nullptr) return std::nullopt;
+  const auto x = json->number("x");
+  const auto y = json->number("y");
+  const auto theta = json->number("theta");
+  constexpr double m_max = 1e6;
+  if (!x || !y || !theta || !(std::fabs(*x) <= m_max && std::fabs(*y) <= m_max && std::fabs(*theta) <= m_max))
+    return std::nullopt;
+  return Pose2{*x, *y, wrap_angle(*theta)};
+}
+
 }  // namespace
 
 std::string to_json(const Memory& memory) {
@@ -22,6 +43,10 @@ std::string to_json(const Memory& memory) {
       .field("odometer_um", memory.odometer_um)
       .field("session", memory.session)
       .field("paused", memory.paused);
+  write(json, "pose", memory.pose);
+  if (memory.off_line) json.field("off_line", true);
+  write(json, "manoeuvre", memory.manoeuvre);
+  if (memory.next) json.field("next", *memory.next);
   if (memory.imposed) json.field("profile", to_string(*memory.imposed));
   return json.end_object().take();
 }
@@ -48,7 +73,15 @@ Result<Memory> memory_from_json(std::string_view json) {
                 static_cast<std::int64_t>(*odometer_um),
                 static_cast<std::uint32_t>(*session),
                 value->flag("paused").value_or(false),
+                std::nullopt,
+                std::nullopt,
+                false,
+                std::nullopt,
                 std::nullopt};
+  memory.pose = pose_from(value->find("pose"));
+  memory.off_line = value->flag("off_line").value_or(false) && memory.pose;
+  memory.manoeuvre = pose_from(value->find("manoeuvre"));
+  memory.next = value->text("next");
   if (const auto profile = value->text("profile")) memory.imposed = parse_profile(*profile);
   return memory;
 }

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "aiv/speed.h"
+#include "base/pose.h"
 #include "base/result.h"
 
 namespace cosiva::aiv {
@@ -20,6 +21,12 @@ struct Memory {
   std::uint32_t session{};
   bool paused{};                   ///< somebody stopped it: it stays stopped
   std::optional<Profile> imposed;  ///< and stays slow
+  std::optional<Pose2> pose{};     ///< X_MB when the odometer read that; memories of old have none
+  /// It stood beside the line, or away from it: the pose counts, not the place.
+  bool off_line{};
+  /// PILS was in a manoeuvre that had come this far.
+  std::optional<Pose2> manoeuvre{};
+  std::optional<std::string> next{};  ///< the section that its way led to
   friend bool operator==(const Memory&, const Memory&) = default;
 };
 [[nodiscard]] std::string to_json(const Memory& memory);

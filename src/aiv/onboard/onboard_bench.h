@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "aiv/motion.h"
 #include "aiv/onboard/onboard_core.h"
+#include "aiv/test_line_world.h"
 #include "aiv/test_orders.h"
 #include "aiv/test_senses.h"
 #include "aiv/test_zone.h"
@@ -31,15 +31,17 @@ class OnboardBench {
     std::uint32_t session{77};
     zone::Place truth{at(lacet4(), "loop_se", 0.0)};
     double odometer_m{0.0};
+    std::optional<zone::ZoneConfiguration> zone{};  ///< told at first; lacet4 without
+    const zone::Circuit* floor{&lacet4().circuit};
     bool boards_up{true};
     bool broker_up{true};
   };
 
   OnboardBench() : OnboardBench(Setup{}) {}
-  explicit OnboardBench(const Setup& setup)
-      : session_{setup.session}, truth{lacet4().circuit, setup.truth}, odometer_m_{setup.odometer_m} {
+  explicit OnboardBench(const Setup& setup) : session_{setup.session}, world{*setup.floor, setup.truth} {
+    world.odometer_m = setup.odometer_m;
     OnboardOptions options;
-    if (setup.zone_told) options.zone = lacet4_configuration();
+    if (setup.zone_told) options.zone = setup.zone ? *setup.zone : lacet4_configuration();
     options.start = setup.start;
     core = std::make_unique<OnboardCore>(options);
     feed(wire::InputKind::configure, "aiv", to_json(options));
@@ -95,13 +97,10 @@ class OnboardBench {
       for (const wire::Board board : alive) say(board, wire::Heartbeat{0, 0, 0, self_test[board]});
     }
     if (alive.contains(wire::Board::PILS) && every(2)) {
-      wire::Odometry odometry;
-      odometry.distance_um = std::llround(odometer_m_ * 1e6);
-      odometry.speed_mmps = static_cast<std::int16_t>(std::lround(speed_mps * 1e3));
-      say(wire::Board::PILS, odometry);
+      say(wire::Board::PILS, world.odometry());
     }
     if (alive.contains(wire::Board::DOBS) && every(6)) {
-      say(wire::Board::DOBS, ranges_to(obstacles, truth.pose(lacet4().circuit)));
+      say(wire::Board::DOBS, ranges_to(obstacles, world.pose()));
     }
     if (alive.contains(wire::Board::RALI) && every(50)) say(wire::Board::RALI, wire::Power{7400, 300, 250, charge});
     if (every(2)) feed(wire::InputKind::tick, "", "");
@@ -126,7 +125,7 @@ class OnboardBench {
     Setup setup;
     setup.memory = memory;
     setup.truth = truth.place(lacet4().circuit);
-    setup.odometer_m = odometer_m_;
+    setup.odometer_m = world.odometer_m;
     return setup;
   }
   [[nodiscard]] std::vector<std::string> error_types() const {
@@ -146,8 +145,9 @@ class OnboardBench {
  public:
   SimTime now{virtual_epoch};
   std::unique_ptr<OnboardCore> core;
-  AivMotion truth;
-  double speed_mps{0.0};
+  LineWorld world;
+  AivMotion& truth{world.truth};
+  double& speed_mps{world.speed_mps};
   bool server_beats{false};
   std::uint16_t charge{900};
   std::set<wire::Board> alive;
@@ -174,12 +174,7 @@ class OnboardBench {
   void roll(double dt) {
     constexpr auto watchdog = std::chrono::milliseconds{300};
     const bool driven = drive_ && now - driven_at_ <= watchdog;
-    const double wanted = driven ? 1e-3 * drive_->speed_mmps : 0.0;
-    const double braking = driven ? 1e-3 * drive_->braking_mmps2 : 2.0;
-    const double before = speed_mps;
-    speed_mps = wanted > speed_mps ? std::min(wanted, speed_mps + 1e-3 * drive_->acceleration_mmps2 * dt)
-                                   : std::max(wanted, speed_mps - braking * dt);
-    odometer_m_ += truth.move(lacet4().circuit, 0.5 * (before + speed_mps) * dt);
+    world.step(driven ? &*drive_ : nullptr, dt);
   }
 
   void take(const wire::Effects& effects) {
@@ -238,7 +233,6 @@ class OnboardBench {
     }
   }
 
-  double odometer_m_;
   int steps_{0};
   std::map<wire::Board, wire::module_link::Encoder> encoders_;
   std::map<std::string, wire::module_link::Decoder> decoders_;

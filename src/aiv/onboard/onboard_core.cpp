@@ -79,7 +79,7 @@ void OnboardCore::Inside::on_board(const wire::Hello& hello) {
 void OnboardCore::Inside::on_board(const wire::Odometry& odometry) {
   if (!agent) return;
   agent->on_odometry(odometry);
-  if (!agent->position().known()) find_place();
+  if (!agent->position().pose_known()) find_place();
 }
 
 void OnboardCore::Inside::on_board(const wire::TagRead& tag) {
@@ -106,6 +106,7 @@ void OnboardCore::Inside::on_tick(wire::Effects& effects) {
   if (agent) {
     drive(effects);
     end_waits();
+    end_switch(effects);
     if (!agent->take_traversed().empty()) state_due = true;
     if (agent->take_lost_order()) {
       refuse("orderError", "order", "the vehicle found itself off its order's way and dropped it",
@@ -115,7 +116,7 @@ void OnboardCore::Inside::on_tick(wire::Effects& effects) {
     remember_place(due, effects);
     was_standing = agent->standing();
     show(effects);
-    if (visualize.take(now) && agent->position().known())
+    if (visualize.take(now) && agent->position().pose_known())
       session.publish(now, compose_visualization(*agent, zone->name), effects);
   }
   if (!waking() && report_boards.take(now)) session.publish(now, compose_boards_report(sources(), ranges), effects);
@@ -164,8 +165,7 @@ void OnboardCore::Inside::publish_factsheet(SimTime at, wire::Effects& effects) 
 }
 
 ReportSources OnboardCore::Inside::sources() const {
-  static const std::string no_map;
-  return {now, agent ? &*agent : nullptr, zone ? zone->name : no_map, boards, supervision, actions, warnings, power};
+  return {now, agent ? &*agent : nullptr, maps, zone_refused, boards, supervision, actions, warnings, power};
 }
 
 OnboardCore::OnboardCore(OnboardOptions options) : inside_{std::make_unique<Inside>(std::move(options))} {}
@@ -224,6 +224,12 @@ void OnboardCore::fold(Digest& digest) const {
     digest.add(std::uint64_t{agent.position().place().section});
     digest.add(agent.position().place().s_m);
   }
+  if (agent.position().off_line() && agent.position().pose_known()) {
+    const Pose2 X_MB = agent.position().pose();
+    digest.add(X_MB.x_m);
+    digest.add(X_MB.y_m);
+    digest.add(X_MB.heading_rad);
+  }
   digest.add(agent.position().travelled_m());
   digest.add(agent.speed_mps());
   digest.add(std::uint64_t{agent.holds()});
@@ -241,7 +247,7 @@ std::vector<std::string> OnboardCore::ports() const { return inside_->boards.por
 
 std::optional<Pose2> OnboardCore::believed_pose() const {
   const auto& agent = inside_->agent;
-  return agent && agent->position().known() ? std::optional{agent->position().pose()} : std::nullopt;
+  return agent && agent->position().pose_known() ? std::optional{agent->position().pose()} : std::nullopt;
 }
 
 double OnboardCore::believed_speed_mps() const { return inside_->agent ? inside_->agent->speed_mps() : 0.0; }

@@ -14,6 +14,9 @@ std::string metres(double value_m) {
   return {text, static_cast<std::size_t>(length)};
 }
 
+/// "0.42 m"
+std::string in_metres(double value_m) { return metres(value_m) + " m"; }
+
 wire::AgvPosition position_of(const Agent& agent, const std::string& map_id) {
   const PositionEstimator& estimator = agent.position();
   return {estimator.pose(), map_id, true, std::nullopt, 2.0 * estimator.sigma_m()};
@@ -35,13 +38,20 @@ void add_conditions(const ReportSources& from, std::vector<wire::VehicleError>& 
       errors.push_back(condition("boardFaulty", name + " reports fault " + std::to_string(code), {{"board", name}}));
     }
   }
+  if (!from.zone_refused.empty()) errors.push_back(condition("zoneError", from.zone_refused));
   if (from.agent == nullptr) {
     errors.push_back(condition("zoneUnknown", "no zone configuration has come yet"));
     return;
   }
   if (from.agent->holds(Hold::server_lost)) errors.push_back(condition("serverLost", "the server's heartbeat stopped"));
   if (from.agent->holds(Hold::line_lost)) errors.push_back(condition("lineLost", "no line under the sensors"));
-  if (!from.agent->position().known()) errors.push_back(condition("positionUnknown", "nobody told where it stands"));
+  const PositionEstimator& estimator = from.agent->position();
+  if (!estimator.pose_known()) errors.push_back(condition("positionUnknown", "nobody told where it stands"));
+  if (estimator.away()) {
+    const std::string off = in_metres(estimator.off_by_m());
+    errors.push_back(condition("offCircuit", "the nearest way passes " + off +
+                                                 " away: it stays here until somebody moves it and tells where"));
+  }
   if (from.agent->charge() < battery_low) errors.push_back(condition("batteryLowError", "less than 10 % charge"));
 }
 
@@ -74,7 +84,7 @@ void add_agent(const Agent& agent, const ReportSources& from, wire::State& state
   state.field_violation = agent.blocked();
   state.velocity = velocity_of(agent);
   const PositionEstimator& estimator = agent.position();
-  if (estimator.known()) state.position = position_of(agent, from.map_id);
+  if (estimator.pose_known()) state.position = position_of(agent, from.maps.front().map_id);
   if (const auto tag = estimator.last_tag()) {
     state.information.push_back(
         {"lastTag", {}, {{"tag", std::to_string(*tag)}, {"distance_m", metres(estimator.since_last_tag_m())}}});
@@ -85,6 +95,7 @@ void add_agent(const Agent& agent, const ReportSources& from, wire::State& state
 
 wire::State compose_state(const ReportSources& from) {
   wire::State state;
+  state.maps = from.maps;
   if (from.agent != nullptr) add_agent(*from.agent, from, state);
   state.action_states = from.actions.states();
   if (from.power) {
@@ -112,7 +123,7 @@ wire::BoardsReport compose_boards_report(const ReportSources& from, const std::o
 
 wire::Visualization compose_visualization(const Agent& agent, const std::string& map_id) {
   wire::Visualization visualization;
-  if (agent.position().known()) visualization.position = position_of(agent, map_id);
+  if (agent.position().pose_known()) visualization.position = position_of(agent, map_id);
   visualization.velocity = velocity_of(agent);
   return visualization;
 }
@@ -141,7 +152,8 @@ ReportFlags flags_of(const ReportSources& from) {
   flags.driving = !from.agent->standing();
   flags.blocked = from.agent->blocked();
   flags.wants_base = from.agent->wants_base();
-  flags.position_known = from.agent->position().known();
+  flags.position_known = from.agent->position().pose_known();
+  flags.beside = from.agent->position().beside();
   return flags;
 }
 

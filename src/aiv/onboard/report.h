@@ -17,8 +17,9 @@ namespace cosiva::aiv {
 /// What a state is told from; all of it belongs to the on-board core.
 struct ReportSources {
   SimTime now;
-  const Agent* agent;  ///< null while there is no zone
-  const std::string& map_id;
+  const Agent* agent;                      ///< null while there is no zone
+  const std::vector<wire::MapInfo>& maps;  ///< the one in force first; none while there is no zone
+  const std::string& zone_refused;         ///< why the last zone that came is not used; empty: it is
   const BoardsLink& boards;
   const Supervision& supervision;
   const InstantActionBook& actions;
@@ -43,6 +44,7 @@ struct ReportFlags {
   bool blocked{};
   bool wants_base{};
   bool position_known{};
+  bool beside{};
   int charge_percent{};
   unsigned boards_lost{};
   friend bool operator==(const ReportFlags&, const ReportFlags&) = default;

@@ -120,6 +120,8 @@ wire::Factsheet make_factsheet(const zone::TrafficZone& zone, const SessionTimin
       instant(action::set_speed_limit,
               "imposes a speed: profile slow, medium, fast or normal (none); or maxSpeed in m/s",
               {text("profile"), number("maxSpeed")}),
+      instant(action::enable_map, "says whether this map is in force; maps come by themselves",
+              {text("mapId"), text("mapVersion")}),
   };
   return sheet;
 }

@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <charconv>
 #include <map>
+#include <memory>
+#include <set>
 
 #include "base/json_value.h"
+#include "base/json_writer.h"
 #include "experiments/scenario/scenario.h"
 #include "experiments/scenario/toml_entry.h"
 #include "wire/topics.h"
 #include "zone/draw.h"
+#include "zone/rtm/rtm.h"
 
 namespace cosiva::experiments {
 namespace {
@@ -17,6 +21,8 @@ namespace {
 constexpr double off_way_max_m = 0.30;
 /// As the server has it: so far beyond the drawing's bounds a thing may stand.
 constexpr double margin_m = 0.5;
+/// A zone's file of 16 MiB, each byte of it escaped.
+constexpr std::size_t command_bytes_max = std::size_t{128} << 20U;
 
 struct Thing {
   std::string kind;  ///< "aiv", "person", "obstacle", "physical obstacle"
@@ -28,14 +34,15 @@ std::string at_seconds(SimDuration at) { return "at " + shortest(to_seconds(at))
 class Checker {
  public:
   Checker(const Scenario& scenario, const zone::TrafficZone& zone, const std::string& origin)
-      : scenario_{scenario}, zone_{zone}, bounds_{zone::bounds(zone::draw(zone))}, faults_{origin} {
+      : scenario_{scenario}, faults_{origin} {
+    enter(zone);
     for (const Scenario::Step& step : scenario.steps) note_arrival(step);
   }
 
   Result<void> run() {
-    if (const std::size_t room = zone_.start_places(scenario_.aivs).size(); room < scenario_.aivs) {
+    if (const std::size_t room = zone_->start_places(scenario_.aivs).size(); room < scenario_.aivs) {
       faults_.add("scenario.aivs", 1, "aivs",
-                  zone_.name + " has room for " + std::to_string(room) + " AIVs to start, not " +
+                  zone_->name + " has room for " + std::to_string(room) + " AIVs to start, not " +
                       std::to_string(scenario_.aivs));
     }
     for (const Scenario::Step& step : scenario_.steps) {
@@ -46,7 +53,7 @@ class Checker {
               at_seconds(step.at) + " nothing happens any more: the scenario lasts " + shortest(*scenario_.duration_s) +
                   " s (duration_s)");
       }
-      const auto command = JsonValue::parse(step.command);
+      const auto command = JsonValue::parse(step.command, command_bytes_max);
       if (command) judge(*command);
     }
     if (faults_.first()) return tl::unexpected(*faults_.first());
@@ -66,8 +73,20 @@ class Checker {
       arrivals_.emplace(thing->text("id").value_or(""), step.at);
   }
 
+  /// This is the zone in force from here on.
+  void enter(const zone::TrafficZone& zone) {
+    zone_ = &zone;
+    bounds_ = zone::bounds(zone::draw(zone));
+    closed_.clear();
+    for (const zone::SectionId section : zone.closed) closed_.insert(zone.circuit.part(section).name);
+  }
+
   void judge(const JsonValue& command) {
     const std::string what = command.text("command").value_or("");
+    if (what == "switch") return judge_switch(command);
+    if (what == "close" || what == "open") return judge_closing(command.text("section").value_or(""), what);
+    if (what == "go") judge_goal(command.text("to").value_or(""));
+    if (what == "circulate") judge_loop(command.text("loop"));
     if (what == "add") return judge_add(*command.find("thing"));
     if (what == "move") return judge_move(*command.find("thing"));
     if (what == "remove") return judge_remove(command.text("id").value_or(""), false);
@@ -79,6 +98,57 @@ class Checker {
       return;
     }
     judge_vehicle(command.text("vehicle").value_or(""), "vehicle");
+  }
+
+  // --- the zone -----------------------------------------------------------------------------------------------------
+
+  void judge_switch(const JsonValue& command) {
+    const JsonValue* given = command.find("zone");
+    auto configuration = given == nullptr
+                             ? Result<zone::ZoneConfiguration>{fail("scenario.zone", "this zone was not looked for")}
+                             : zone::zone_configuration_from_json(*given);
+    auto rtm = configuration ? zone::Rtm::initialise(std::move(*configuration))
+                             : Result<zone::Rtm>{tl::unexpected(configuration.error())};
+    if (!rtm) return fault("switch", rtm.error().code, to_string(rtm.error()));
+    switched_to_ = rtm->share_zone();
+    enter(*switched_to_);
+  }
+
+  void fault_name(std::string_view field, std::string code, const std::string& what, const std::string& name,
+                  const std::vector<std::string_view>& known) {
+    const std::string_view near = nearest(name, known);
+    fault(field, std::move(code),
+          zone_->name + " has no " + what + " " + quoted(name) +
+              (near.empty() ? "" : "; did you mean " + quoted(near) + "?"));
+  }
+
+  [[nodiscard]] std::vector<std::string_view> section_names() const {
+    std::vector<std::string_view> names;
+    for (zone::SectionId id = 0; id < zone_->circuit.size(); ++id) names.push_back(zone_->circuit.part(id).name);
+    return names;
+  }
+
+  void judge_closing(const std::string& section, const std::string& what) {
+    if (!zone_->circuit.find(section)) return fault_name(what, "scenario.section", "section", section, section_names());
+    const bool changes = what == "close" ? closed_.insert(section).second : closed_.erase(section) > 0;
+    if (!changes)
+      fault(what, "scenario.section",
+            section + (what == "close" ? " is closed already " : " is not closed ") + at_seconds(step_->at));
+  }
+
+  void judge_goal(const std::string& to) {
+    if (zone_->find_station(to) != nullptr || zone_->find_waypoint(to) != nullptr) return;
+    std::vector<std::string_view> known;
+    for (const zone::Station& station : zone_->stations) known.push_back(station.name);
+    for (const zone::Waypoint& waypoint : zone_->waypoints) known.push_back(waypoint.id);
+    fault_name("go.to", "scenario.goal", "station or waypoint", to, known);
+  }
+
+  void judge_loop(const std::optional<std::string>& loop) {
+    if (!loop || zone_->find_loop(*loop) != nullptr) return;
+    std::vector<std::string_view> known;
+    for (const zone::Loop& one : zone_->loops) known.push_back(one.name);
+    fault_name("circulate.loop", "scenario.loop", "loop", *loop, known);
   }
 
   // --- vehicles -----------------------------------------------------------------------------------------------------
@@ -165,7 +235,7 @@ class Checker {
         y_m <= bounds_.high.y_m + margin_m)
       return;
     fault(field, "scenario.place",
-          "(" + shortest(x_m) + ", " + shortest(y_m) + ") lies off the zone " + zone_.name + ", which reaches from (" +
+          "(" + shortest(x_m) + ", " + shortest(y_m) + ") lies off the zone " + zone_->name + ", which reaches from (" +
               shortest(bounds_.low.x_m) + ", " + shortest(bounds_.low.y_m) + ") to (" + shortest(bounds_.high.x_m) +
               ", " + shortest(bounds_.high.y_m) + ") m");
   }
@@ -191,16 +261,9 @@ class Checker {
   void judge_aiv_place(const JsonValue& thing) {
     std::optional<zone::Place> place;
     if (const auto name = thing.text("section")) {
-      const auto section = zone_.circuit.find(*name);
-      if (!section) {
-        std::vector<std::string_view> known;
-        for (zone::SectionId id = 0; id < zone_.circuit.size(); ++id) known.push_back(zone_.circuit.part(id).name);
-        const std::string_view near = nearest(*name, known);
-        return fault("virtual_aiv.section", "scenario.section",
-                     zone_.name + " has no section " + quoted(*name) +
-                         (near.empty() ? "" : "; did you mean " + quoted(near) + "?"));
-      }
-      const double length_m = zone_.circuit.section(*section).length_m();
+      const auto section = zone_->circuit.find(*name);
+      if (!section) return fault_name("virtual_aiv.section", "scenario.section", "section", *name, section_names());
+      const double length_m = zone_->circuit.section(*section).length_m();
       place = zone::Place{*section, thing.number("s").value_or(0.0)};
       if (place->s_m > length_m) {
         return fault("virtual_aiv.s_m", "scenario.place",
@@ -208,16 +271,16 @@ class Checker {
       }
     } else if (thing.number("x") && thing.number("y")) {
       const Point2 at{*thing.number("x"), *thing.number("y")};
-      const auto located = zone_.circuit.locate(at);
+      const auto located = zone_->circuit.locate(at);
       if (located.distance_m > off_way_max_m) {
         return fault("virtual_aiv.at", "scenario.place",
-                     "the nearest way of " + zone_.name + " is " + shortest(located.distance_m) +
+                     "the nearest way of " + zone_->name + " is " + shortest(located.distance_m) +
                          " m off; put it within " + shortest(off_way_max_m) + " m of one");
       }
       place = located.place;
     }
-    if (!place || zone_.may_stand(*place)) return;
-    const zone::Crossing* crossing = zone_.crossing_at(*place);
+    if (!place || zone_->may_stand(*place)) return;
+    const zone::Crossing* crossing = zone_->crossing_at(*place);
     fault("virtual_aiv", "scenario.place",
           "no vehicle may stand " +
               (crossing == nullptr ? std::string("between crossings this close together")
@@ -268,8 +331,10 @@ class Checker {
   }
 
   const Scenario& scenario_;
-  const zone::TrafficZone& zone_;
-  zone::Bounds bounds_;
+  const zone::TrafficZone* zone_{};                       ///< in force at this step
+  std::shared_ptr<const zone::TrafficZone> switched_to_;  ///< keeps it, when a step has switched to it
+  zone::Bounds bounds_{};
+  std::set<std::string> closed_;
   Faults faults_;
   const Scenario::Step* step_{};
   std::map<std::string, SimDuration> arrivals_;  ///< of virtual AIVs: when each first comes
@@ -278,6 +343,23 @@ class Checker {
 };
 
 }  // namespace
+
+Result<void> resolve_zones(Scenario& scenario, const LoadZone& load, const std::string& origin) {
+  for (Scenario::Step& step : scenario.steps) {
+    if (step.zone.empty()) continue;
+    const auto configuration = load(step.zone);
+    if (!configuration) {
+      Faults faults{origin};
+      faults.add(configuration.error().code, step.line, "switch", to_string(configuration.error()));
+      return tl::unexpected(*faults.first());
+    }
+    JsonWriter json;
+    zone::write_json(json.begin_object().field("command", "switch").key("zone"), *configuration);
+    json.end_object();
+    step.command = json.take();
+  }
+  return {};
+}
 
 Result<void> check(const Scenario& scenario, const zone::TrafficZone& zone, const std::string& origin) {
   return Checker{scenario, zone, origin}.run();

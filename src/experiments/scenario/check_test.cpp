@@ -111,12 +111,18 @@ TEST(ScenarioCheck, nothing_is_planned_for_after_the_end) {
   expect_good("duration_s = 10\n" + at(10, "remove = \"*\""));
 }
 
+/// Those of the source tree, for whoever switches to one.
+Result<zone::ZoneConfiguration> ready_zone(const std::string& name) {
+  return zone::ZoneConfiguration{"toml", name, testing::file_text("zones/" + name + ".toml"), {}};
+}
+
 TEST(ScenarioCheck, the_ready_ones_are_good) {
   const zone::TrafficZone zone = testing::lacet4();
-  for (const char* name : {"showroom", "laboratory", "rush_hour"}) {
+  for (const char* name : {"showroom", "laboratory", "rush_hour", "two_zones"}) {
     const std::string file = std::string("scenarios/") + name + ".toml";
-    const auto scenario = scenario_from_toml(testing::file_text(file), file);
+    auto scenario = scenario_from_toml(testing::file_text(file), file);
     ASSERT_TRUE(scenario) << to_string(scenario.error());
+    ASSERT_TRUE(resolve_zones(*scenario, ready_zone, file));
     EXPECT_EQ(scenario->name, name);
     EXPECT_EQ(scenario->zone, "lacet4");
     EXPECT_NE(scenario->description, "");
@@ -130,18 +136,63 @@ TEST(ScenarioCheck, the_guide_s_examples_are_good) {
   const std::string begin = "```toml\n";
   std::size_t at = guide.find(begin);
   const std::string whole = guide.substr(at + begin.size(), guide.find("```", at + begin.size()) - at - begin.size());
-  const auto scenario = scenario_from_toml(whole, "scenarios.md");
+  auto scenario = scenario_from_toml(whole, "scenarios.md");
   ASSERT_TRUE(scenario) << to_string(scenario.error());
+  ASSERT_TRUE(resolve_zones(*scenario, ready_zone, "scenarios.md"));
   const auto good = check(*scenario, testing::lacet4(), "scenarios.md");
   EXPECT_TRUE(good) << to_string(good.error());
   for (const char* action : {"command", "vehicles", "person", "virtual_aiv", "virtual_obstacle", "physical_obstacle",
-                             "move", "remove", "radio", "priority"})
+                             "move", "remove", "radio", "priority", "go", "circulate", "close", "open", "switch"})
     EXPECT_THAT(whole, HasSubstr(std::string("\n") + action + " = "));
 
   at = guide.find(begin, at + 1);
   const std::string part = guide.substr(at + begin.size(), guide.find("```", at + begin.size()) - at - begin.size());
   const auto written_out = read(part);
   EXPECT_TRUE(written_out) << to_string(written_out.error());
+}
+
+Result<void> checked_with_zones(const std::string& body) {
+  static const zone::TrafficZone zone = testing::lacet4();
+  auto scenario = read(body);
+  EXPECT_TRUE(scenario) << to_string(scenario.error());
+  EXPECT_TRUE(resolve_zones(*scenario, ready_zone, "test.toml"));
+  return check(*scenario, zone, "test.toml");
+}
+
+TEST(ScenarioCheck, places_are_judged_in_the_zone_in_force_at_that_step) {
+  const std::string to_shelf = "go = { vehicle = \"AIV1\", to = \"shelf_a\" }";
+  const auto good = checked_with_zones(at(1, "close = \"east\"") + at(2, "switch = \"indus8\"") + at(3, to_shelf) +
+                                       at(4, "circulate = { loop = \"round\" }") + at(5, "close = \"aisle_2\"") +
+                                       at(6, "switch = \"lacet4\"") + at(7, "close = \"east\""));
+  EXPECT_TRUE(good) << to_string(good.error());
+  // The shelf is indus8's, the section east is lacet4's.
+  EXPECT_FALSE(checked_with_zones(at(1, to_shelf) + at(2, "switch = \"indus8\"")));
+  EXPECT_FALSE(checked_with_zones(at(1, "switch = \"indus8\"") + at(2, "close = \"east\"")));
+}
+
+TEST(ScenarioCheck, goals_loops_and_sections_that_are_not_there_are_refused_with_the_nearest) {
+  expect_bad(at(0, "close = \"eats\""), "2: close", "did you mean \"east\"?");
+  expect_bad(at(0, "open = \"east\""), "2: open", "is not closed at 0 s");
+  expect_bad(at(0, "close = \"east\"") + at(1, "close = \"east\""), "5: close", "is closed already at 1 s");
+  expect_bad(at(0, "go = { vehicle = \"AIV1\", to = \"nowhere\" }"), "2: go.to", "no station or waypoint");
+  expect_bad(at(0, "go = { vehicle = \"AIV9\", to = \"east@0\" }"), "2: ", "");
+  expect_bad(at(0, "circulate = { loop = \"inner\" }"), "2: circulate.loop", "no loop");
+}
+
+TEST(ScenarioCheck, a_zone_that_cannot_be_used_is_refused_at_the_step_that_switches_to_it) {
+  static const zone::TrafficZone zone = testing::lacet4();
+  auto scenario = read(at(3, "switch = \"bad\""));
+  ASSERT_TRUE(scenario);
+  const auto unresolved = check(*scenario, zone, "test.toml");
+  ASSERT_FALSE(unresolved) << "nobody has looked for it";
+  const auto load = [](const std::string&) -> Result<zone::ZoneConfiguration> {
+    return zone::ZoneConfiguration{"toml", "bad.toml", "name = \"bad\"\n", {}};
+  };
+  ASSERT_TRUE(resolve_zones(*scenario, load, "test.toml"));
+  const auto judged = check(*scenario, zone, "test.toml");
+  ASSERT_FALSE(judged);
+  EXPECT_THAT(judged.error().place, StartsWith("test.toml:2: switch"));
+  EXPECT_THAT(judged.error().message, HasSubstr("bad.toml"));
 }
 
 }  // namespace

@@ -27,8 +27,9 @@ constexpr Range share{"a share from 0 to 1, such as 0.3", 0.0, 1.0};
 
 constexpr double thing_radius_m = 0.05;
 
-const std::vector<std::string_view> actions{"command", "person", "virtual_aiv", "virtual_obstacle", "physical_obstacle",
-                                            "move",    "remove", "radio",       "priority"};
+const std::vector<std::string_view> actions{
+    "command", "go",    "circulate", "person", "virtual_aiv", "virtual_obstacle", "physical_obstacle", "move",
+    "remove",  "close", "open",      "switch", "radio",       "priority"};
 const std::vector<std::string_view> vehicle_commands{"stop", "slow", "medium", "fast", "restart", "cancel"};
 const std::vector<std::string_view> repeats{"once", "back and forth", "loop"};
 
@@ -124,8 +125,12 @@ class Reader {
     const std::string& action = found.front();
     if (action == "command") return read_command(entry);
     if (action == "remove") return read_remove(entry);
+    if (action == "close" || action == "open") return read_closing(entry, action);
+    if (action == "switch") return read_switch(entry);
     const auto fields = entry.table(action);
     if (!fields) return;
+    if (action == "go") return read_go(*fields);
+    if (action == "circulate") return read_circulate(*fields);
     if (action == "person") return read_person(*fields);
     if (action == "virtual_aiv") return read_virtual_aiv(*fields);
     if (action == "virtual_obstacle") return read_virtual_obstacle(*fields);
@@ -169,6 +174,29 @@ class Reader {
     }
   }
 
+  void read_go(const Entry& fields) {
+    fields.expect_only({"vehicle", "to"});
+    const std::string name = fields.text("vehicle", 130);
+    const std::string to = fields.text("to", 200);
+    if (name == "*")
+      return fields.fault("vehicle", "scenario.vehicle", "one vehicle at a time can go to a place; name it");
+    JsonWriter json;
+    json.begin_object().field("command", "go").field("vehicle", vehicle_id(fields, "vehicle", name)).field("to", to);
+    json.end_object();
+    plan(json, name + " goes to " + to);
+  }
+
+  void read_circulate(const Entry& fields) {
+    fields.expect_only({"vehicle", "loop"});
+    const std::string name = fields.text("vehicle", 130, "*");
+    const std::string loop = fields.text("loop", 200, "");
+    JsonWriter json;
+    json.begin_object().field("command", "circulate").field("vehicle", vehicle_id(fields, "vehicle", name));
+    if (!loop.empty()) json.field("loop", loop);
+    json.end_object();
+    plan(json, (name == "*" ? "all AIVs circulate" : name + " circulates") + (loop.empty() ? "" : " on " + loop));
+  }
+
   void read_priority(const Entry& fields) {
     JsonWriter json;
     json.begin_object().field("command", "edit").key("edit").begin_object().key("priorities").begin_object();
@@ -201,6 +229,23 @@ class Reader {
     what += " for " + shortest(for_s) + " s";
     plan(command(loss), std::move(what), now_);
     plan(command(0.0), who + " hears and is heard again", now_ + from_seconds(for_s), true);
+  }
+
+  // --- the zone -----------------------------------------------------------------------------------------------------
+
+  void read_closing(const Entry& entry, const std::string& action) {
+    const std::string section = entry.text(action, 200);
+    JsonWriter json;
+    json.begin_object().field("command", action).field("section", section).end_object();
+    plan(json, section + (action == "close" ? " is closed" : " is open again"));
+  }
+
+  void read_switch(const Entry& entry) {
+    std::string zone = entry.text("switch", 1000);
+    JsonWriter json;
+    json.begin_object().field("command", "switch").end_object();
+    plan(json, "the zone is switched to " + zone);
+    steps_.back().step.zone = std::move(zone);
   }
 
   // --- things -------------------------------------------------------------------------------------------------------

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -8,6 +9,7 @@
 
 #include "base/result.h"
 #include "base/time.h"
+#include "zone/circuit_factory.h"
 #include "zone/traffic_zone.h"
 
 namespace cosiva::experiments {
@@ -26,6 +28,7 @@ struct Scenario {
     std::string command;  ///< JSON for the server
     std::string what;     ///< as people read it: "person P1 walks 1.2 m"
     std::uint32_t line;   ///< in the file
+    std::string zone{};   ///< of a step that switches: the name or file of the zone that is in force from here on
   };
   std::vector<Step> steps;  ///< in time order; equal times in the file's order
 };
@@ -33,8 +36,14 @@ struct Scenario {
 /// Reads a scenario; errors name origin, line and field, and what was expected, with the nearest word for a misspelt
 /// one.
 [[nodiscard]] Result<Scenario> scenario_from_toml(std::string_view text, const std::string& origin);
-/// Checks what only the zone can tell: places on it, sections that exist, vehicles 1…aivs or named virtual ones that
-/// are there at that time, ids used twice or removed before they came.
+/// Finds the zones that the scenario switches to, and puts them into their steps' commands, whole: a server that plays
+/// it needs no files. Fails as `load` does, naming the line.
+using LoadZone = std::function<Result<zone::ZoneConfiguration>(const std::string& name_or_file)>;
+[[nodiscard]] Result<void> resolve_zones(Scenario& scenario, const LoadZone& load, const std::string& origin);
+/// Checks what only the zone in force at each step can tell: places on it, sections, stations and loops that exist,
+/// vehicles 1…aivs or named virtual ones that are there at that time, ids used twice or removed before they came. Its
+/// zones must have been resolved.
+/// @param zone  in force at the beginning
 [[nodiscard]] Result<void> check(const Scenario& scenario, const zone::TrafficZone& zone, const std::string& origin);
 
 /// Hands out the steps that are due.

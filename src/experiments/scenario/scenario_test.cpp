@@ -164,6 +164,64 @@ TEST(Scenario, one_loss_ends_before_the_next_begins_wherever_they_stand_in_the_f
                           "every vehicle loses 10 % of its messages"));
 }
 
+TEST(Scenario, missions_send_one_to_a_place_or_let_one_or_all_circulate) {
+  EXPECT_THAT(commands(at(0, "go = { vehicle = \"AIV2\", to = \"dock\" }")),
+              ElementsAre(R"({"command":"go","vehicle":"CoSiVA/AIV2","to":"dock"})"));
+  EXPECT_THAT(commands(at(0, "circulate = { vehicle = \"AIV2\", loop = \"outer\" }")),
+              ElementsAre(R"({"command":"circulate","vehicle":"CoSiVA/AIV2","loop":"outer"})"));
+  EXPECT_THAT(commands(at(0, "circulate = {}")), ElementsAre(R"({"command":"circulate","vehicle":"*"})"));
+}
+
+TEST(Scenario, sections_are_closed_and_opened_again) {
+  EXPECT_THAT(commands(at(0, "close = \"east\"") + at(1, "open = \"east\"")),
+              ElementsAre(R"({"command":"close","section":"east"})", R"({"command":"open","section":"east"})"));
+}
+
+TEST(Scenario, a_switch_names_a_zone_which_is_put_into_its_command_whole) {
+  auto scenario = read(at(2, "switch = \"other\"") + at(1, "command = \"stop\"\nvehicle = \"*\""));
+  ASSERT_TRUE(scenario) << to_string(scenario.error());
+  EXPECT_EQ(scenario->steps[0].zone, "");
+  EXPECT_EQ(scenario->steps[1].zone, "other");
+  EXPECT_EQ(scenario->steps[1].what, "the zone is switched to other");
+  std::vector<std::string> asked;
+  const auto load = [&](const std::string& name) -> Result<zone::ZoneConfiguration> {
+    asked.push_back(name);
+    return zone::ZoneConfiguration{"f", "other.f", "the \"text\"", "more"};
+  };
+  ASSERT_TRUE(resolve_zones(*scenario, load, "test.toml"));
+  EXPECT_THAT(asked, ElementsAre("other"));
+  EXPECT_EQ(
+      scenario->steps[1].command,
+      R"({"command":"switch","zone":{"format":"f","origin":"other.f","text":"the \"text\"","companion":"more"}})");
+  EXPECT_EQ(scenario->steps[0].command, R"({"command":"stop","vehicle":"*"})");
+}
+
+TEST(BadScenario, that_switches_to_a_zone_nobody_finds_names_file_and_line) {
+  auto scenario = read(at(2, "switch = \"other\""));
+  ASSERT_TRUE(scenario);
+  const auto load = [](const std::string& name) -> Result<zone::ZoneConfiguration> {
+    return fail("zone.missing", "there is no zone of this name", name);
+  };
+  const auto resolved = resolve_zones(*scenario, load, "test.toml");
+  ASSERT_FALSE(resolved);
+  EXPECT_EQ(resolved.error().code, "zone.missing");
+  EXPECT_EQ(to_string(resolved.error()), "test.toml:2: switch: other: there is no zone of this name");
+}
+
+TEST(BadScenario, whose_missions_make_no_sense_is_refused_with_file_line_and_field) {
+  const auto place_of = [](const std::string& action) {
+    const auto scenario = read(at(0, action));
+    return scenario ? std::string("good") : scenario.error().place;
+  };
+  EXPECT_THAT(place_of("go = { vehicle = \"*\", to = \"dock\" }"), HasSubstr("at[1].go.vehicle"));
+  EXPECT_THAT(place_of("go = { vehicle = \"AIV1\" }"), HasSubstr("at[1].go"));
+  EXPECT_THAT(place_of("go = { vehicle = \"AIV1\", too = \"dock\" }"), HasSubstr("at[1].go.too"));
+  EXPECT_THAT(place_of("circulate = { vehicle = \"a/b c\" }"), HasSubstr("at[1].circulate.vehicle"));
+  EXPECT_THAT(place_of("close = 3"), HasSubstr("at[1].close"));
+  EXPECT_THAT(place_of("open = \"\""), HasSubstr("at[1].open"));
+  EXPECT_THAT(place_of("switch = { zone = \"x\" }"), HasSubstr("at[1].switch"));
+}
+
 TEST(Scenario, priorities_are_an_edit_of_the_zone) {
   EXPECT_THAT(commands(at(0, "priority = { AIV1 = 3, \"CoSiVA.virtual/V1\" = 0 }")),
               ElementsAre(R"({"command":"edit","edit":{"priorities":{"CoSiVA/AIV1":3,"CoSiVA.virtual/V1":0}}})"));
@@ -218,17 +276,18 @@ TEST(BadScenario, whose_head_is_wrong_is_refused_with_file_line_and_field) {
 }
 
 TEST(BadScenario, whose_entries_are_wrong_is_refused_with_file_line_and_field) {
-  expect_refused({Bad{"[[at]]\nremove = \"*\"\n", "2: at[1].t_s", "found nothing"},
-                  Bad{at(-1, "remove = \"*\""), "3: at[1].t_s", "found -1"},
-                  Bad{"[[at]]\nt_s = nan\nremove = \"*\"\n", "3: at[1].t_s", "found nan"},
-                  Bad{"[[at]]\nt_s = \"soon\"\nremove = \"*\"\n", "3: at[1].t_s", "found \"soon\""},
-                  Bad{at(0, ""), "2: at[1]", "expected exactly one action, found none. There are: command, person"},
-                  Bad{at(0, "remove = \"a\"\nradio = { vehicle = \"*\", loss = 0 }"), "", "\"remove\" and \"radio\""},
-                  Bad{at(0, "persn = { id = \"P1\", at = [0, 0] }"), "4: at[1].persn", "did you mean \"person\"?"},
-                  Bad{at(0, "vehicle = \"AIV1\""), "4: at[1].vehicle", "unknown key"},
-                  Bad{at(0, "xyzzy_plugh = 1"), "4: at[1].xyzzy_plugh", "Known here: t_s, command"},
-                  Bad{at(0, "person = 3"), "4: at[1].person", "expected a table"},
-                  Bad{at(0, "remove = \"a\"") + at(1, "remove = 3"), "7: at[2].remove", "found 3"}});
+  expect_refused(
+      {Bad{"[[at]]\nremove = \"*\"\n", "2: at[1].t_s", "found nothing"},
+       Bad{at(-1, "remove = \"*\""), "3: at[1].t_s", "found -1"},
+       Bad{"[[at]]\nt_s = nan\nremove = \"*\"\n", "3: at[1].t_s", "found nan"},
+       Bad{"[[at]]\nt_s = \"soon\"\nremove = \"*\"\n", "3: at[1].t_s", "found \"soon\""},
+       Bad{at(0, ""), "2: at[1]", "expected exactly one action, found none. There are: command, go, circulate, person"},
+       Bad{at(0, "remove = \"a\"\nradio = { vehicle = \"*\", loss = 0 }"), "", "\"remove\" and \"radio\""},
+       Bad{at(0, "persn = { id = \"P1\", at = [0, 0] }"), "4: at[1].persn", "did you mean \"person\"?"},
+       Bad{at(0, "vehicle = \"AIV1\""), "4: at[1].vehicle", "unknown key"},
+       Bad{at(0, "xyzzy_plugh = 1"), "4: at[1].xyzzy_plugh", "Known here: t_s, command"},
+       Bad{at(0, "person = 3"), "4: at[1].person", "expected a table"},
+       Bad{at(0, "remove = \"a\"") + at(1, "remove = 3"), "7: at[2].remove", "found 3"}});
 }
 
 TEST(BadScenario, that_tells_vehicles_what_makes_no_sense_is_refused_with_file_line_and_field) {

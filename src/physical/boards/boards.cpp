@@ -42,6 +42,11 @@ void PilsBoard::tick(SimTime now, const WheelReadings& readings, std::string& ou
   odometry.speed_mmps = quantise<std::int16_t>(readings.speed_mps, 1e-3);
   odometry.line_offset_01mm = quantise<std::int16_t>(readings.line_offset_m, 1e-4);
   odometry.line_lost = readings.line_lost;
+  if (const Pose2* moved = readings.manoeuvre) {
+    odometry.speed_mmps = 0;
+    odometry.manoeuvre = {quantise<std::int16_t>(moved->x_m, 1e-3), quantise<std::int16_t>(moved->y_m, 1e-3),
+                          quantise<std::int16_t>(moved->heading_rad, 1e-3)};
+  }
   link_.send(odometry, out);
 }
 

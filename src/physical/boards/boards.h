@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/pose.h"
 #include "base/time.h"
 #include "physical/boards/board_link.h"
 #include "wire/board.h"
@@ -21,6 +22,7 @@ struct WheelReadings {
   double speed_mps;      ///< negative backwards
   double line_offset_m;  ///< of the line from the sensor's middle, left positive
   bool line_lost;
+  const Pose2* manoeuvre{nullptr};  ///< where its wheels took it since it left the line, if it did
 };
 
 /// Line tracking (A16): odometry out at 50 Hz, Drive in; the motors stop by themselves 300 ms after the last valid one.

@@ -28,6 +28,11 @@ double Battery::drive_energy_j(double distance_m, double speed_mps, double accel
   return std::max(0.0, friction_j + speeding_up_j) / model_.drive_efficiency;
 }
 
+double Battery::manoeuvre_energy_j(double turned_rad, double gone_m) const {
+  const double rolled_m = std::fabs(gone_m) + model_.half_track_m * std::fabs(turned_rad);
+  return model_.rolling_force_n * rolled_m / model_.drive_efficiency;
+}
+
 void Battery::draw(double energy_j, double dt_s) {
   // The load asks for power P: P = I (V₀ − R I), of which the smaller root is the working point.
   const double open_v = open_circuit_v(charge_);

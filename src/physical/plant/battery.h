@@ -18,6 +18,7 @@ struct BatteryModel {
   double idle_w{3.0};  ///< Raspberry Pi and boards
   double mass_kg{1.2};
   double rolling_force_n{0.6};
+  double half_track_m{0.05};
   double drive_efficiency{0.6};  ///< battery to wheel; braking gives nothing back
 };
 
@@ -28,6 +29,8 @@ class Battery {
 
   /// Energy that the drive takes for one step of motion, idle load excluded [J].
   [[nodiscard]] double drive_energy_j(double distance_m, double speed_mps, double acceleration_mps2, double dt_s) const;
+  /// For one step of a manoeuvre: on the spot the two wheels roll half the track's circle, each under half the weight.
+  [[nodiscard]] double manoeuvre_energy_j(double turned_rad, double gone_m) const;
   /// Draws `energy_j` evenly over `dt_s`, besides the idle load.
   void draw(double energy_j, double dt_s);
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "base/pose.h"
 #include "base/random.h"
 
 namespace cosiva::physical {
@@ -23,6 +24,21 @@ class Odometer {
     if (noise_m_per_sqrt_m_ > 0.0)
       count_m_ += noise_m_per_sqrt_m_ * std::sqrt(std::fabs(distance_m)) * random_.gaussian();
   }
+  /// In a manoeuvre both wheels turn as well, the same way or against each other: it reckons where that led, from
+  /// nothing, and leaves the distance as it is.
+  void begin_manoeuvre() { X_SB_ = {}; }
+  void add_manoeuvre(double turned_rad, double gone_m) {
+    if (turned_rad == 0.0 && gone_m == 0.0) return;
+    const double wheel_way_m = gone_m + half_track_m * std::fabs(turned_rad);
+    double scale = scale_;
+    if (noise_m_per_sqrt_m_ > 0.0) scale += noise_m_per_sqrt_m_ * random_.gaussian() / std::sqrt(wheel_way_m);
+    X_SB_ = X_SB_ * Pose2{scale * gone_m, 0.0, scale * turned_rad};
+  }
+  /// Seen from where the manoeuvre began; its heading wrapped.
+  // NOLINTNEXTLINE(readability-identifier-naming): frames are written so everywhere
+  [[nodiscard]] const Pose2& X_SB() const { return X_SB_; }
+  static constexpr double half_track_m = 0.05;  ///< from the body's middle to a wheel
+
   [[nodiscard]] double distance_m() const { return count_m_; }
   [[nodiscard]] double scale() const { return scale_; }
 
@@ -32,6 +48,7 @@ class Odometer {
   Random random_;
   double scale_;
   double count_m_{0.0};
+  Pose2 X_SB_;
 };
 
 }  // namespace cosiva::physical

@@ -9,6 +9,7 @@
 #include "base/json_value.h"
 #include "base/json_writer.h"
 #include "physical/plant/collisions.h"
+#include "physical/plant/floor.h"
 #include "physical/plant/obstacles.h"
 #include "physical/plant/vehicle.h"
 #include "physical/plant/zone_exchange.h"
@@ -20,19 +21,13 @@ namespace {
 /// Longer than this a tick was not late but the machine asleep; the vehicles stood still meanwhile.
 constexpr SimDuration tick_gap_max = std::chrono::seconds{1};
 
+/// Of a command by hand, which may bring a zone's file with it, and of one over the broker, which need not: a zone
+/// comes on its own topic there.
+constexpr std::size_t command_bytes_max = 32U << 20U;
+constexpr std::size_t message_bytes_max = 4096;
+
 /// To the micrometre or microradian: what more digits would say is below the emulation's own truth.
 double rounded(double value) { return std::nearbyint(value * 1e6) * 1e-6; }
-
-/// Length of the one ring that all sections form, or 0 where they do not.
-double ring_length_m(const zone::Circuit& circuit) {
-  zone::SectionId at = 0;
-  for (std::size_t i = 0; i < circuit.size(); ++i) {
-    if (circuit.next(at).size() != 1 || circuit.previous(at).size() != 1) return 0.0;
-    at = circuit.next(at).front();
-    if (at == 0 && i + 1 < circuit.size()) return 0.0;
-  }
-  return at == 0 ? circuit.total_length_m() : 0.0;
-}
 
 struct PortAddress {
   std::uint32_t vehicle;
@@ -52,28 +47,24 @@ std::optional<PortAddress> parse_port(std::string_view name) {
 }  // namespace
 
 struct PlantCore::Inside {
-  Inside(PlantOptions given, zone::Rtm read, std::vector<zone::Place> places)
+  Inside(PlantOptions given, const zone::Rtm& read, const std::vector<zone::Place>& places)
       : options{std::move(given)},
-        rtm{std::move(read)},
-        tags{rtm.zone(), options.noise.tag_range_m},
-        fan{rtm.zone().vehicle},
-        watch{rtm.zone().vehicle},
-        ring_m{ring_length_m(rtm.zone().circuit)},
-        obstacles{rtm.zone()},
-        exchange{options.zone, rtm.zone(), options.publish_zone} {
+        floor{std::make_shared<Floor>(read.share_zone(), options.noise.tag_range_m)},
+        fan{read.zone().vehicle},
+        watch{read.zone().vehicle},
+        obstacles{read.zone()},
+        exchange{options.zone, read.share_zone(), options.publish_zone} {
     vehicles.reserve(places.size());
     for (std::uint32_t i = 0; i < places.size(); ++i)
-      vehicles.emplace_back(i + 1, rtm.zone(), tags, places[i], options.noise, options.seed);
+      vehicles.emplace_back(i + 1, floor, places[i], options.noise, options.seed);
     bodies.resize(vehicles.size());
     note_bodies();
   }
 
   PlantOptions options;
-  zone::Rtm rtm;  ///< as at the start: its ways hold for the whole run, its tags may be edited
-  TagMap tags;
-  RangeFan fan;
+  std::shared_ptr<Floor> floor;  ///< the newest: vehicles that still move may be on older ones
+  RangeFan fan;                  ///< for bodies as they were at the start: no map changes a body
   CollisionWatch watch;
-  double ring_m;
   std::vector<Vehicle> vehicles;
   std::vector<BodyPose> bodies;  ///< as of now, one per vehicle
   Obstacles obstacles;
@@ -91,15 +82,16 @@ struct PlantCore::Inside {
   void watch_contacts();
   void scan(std::size_t index);
   [[nodiscard]] std::string name_of(CollisionWatch::BodyKey key) const;
-  [[nodiscard]] std::uint32_t laps(const Vehicle& vehicle) const;
   [[nodiscard]] std::string truth_json() const;
 
   void on_link(const wire::Input& input);
   void on_message(const wire::Input& input, wire::Effects& effects);
   void on_port(const wire::Input& input, wire::Effects& effects);
   void on_bytes(const wire::Input& input, wire::Effects& effects);
-  void on_command(std::string_view json, wire::Effects& effects);
-  [[nodiscard]] std::optional<Error> obey(const JsonValue& command);
+  void on_command(std::string_view json, std::size_t bytes_max, wire::Effects& effects);
+  [[nodiscard]] std::optional<Error> obey(const JsonValue& command, wire::Effects& effects);
+  void take_over(const ZoneExchange::News& news);
+  void change_floors();
 };
 
 PlantCore::PlantCore() = default;
@@ -115,7 +107,7 @@ Result<std::unique_ptr<PlantCore>> PlantCore::make(PlantOptions options) {
                                       " vehicles, asked for " + std::to_string(options.vehicles));
   }
   std::unique_ptr<PlantCore> core{new PlantCore};
-  core->inside_ = std::make_unique<Inside>(std::move(options), std::move(*rtm), std::move(places));
+  core->inside_ = std::make_unique<Inside>(std::move(options), *rtm, places);
   return core;
 }
 
@@ -128,7 +120,7 @@ void PlantCore::handle(const wire::Input& input, wire::Effects& effects) {
     case wire::InputKind::port: return in.on_port(input, effects);
     case wire::InputKind::link: return in.on_link(input);
     case wire::InputKind::message: return in.on_message(input, effects);
-    case wire::InputKind::command: return in.on_command(input.payload, effects);
+    case wire::InputKind::command: return in.on_command(input.payload, command_bytes_max, effects);
     case wire::InputKind::configure:  // its options came through make()
     case wire::InputKind::recall: return;
   }
@@ -175,7 +167,7 @@ std::vector<TrueVehicle> PlantCore::vehicles() const {
   truth.reserve(inside_->vehicles.size());
   for (const Vehicle& vehicle : inside_->vehicles) {
     truth.push_back({vehicle.number(), vehicle.motion().body().X_MB, vehicle.motion().speed_mps(), vehicle.distance_m(),
-                     inside_->laps(vehicle), vehicle.charge(), vehicle.powered(inside_->now), vehicle.display()});
+                     vehicle.laps(), vehicle.charge(), vehicle.powered(inside_->now), vehicle.display()});
   }
   return truth;
 }
@@ -189,11 +181,11 @@ std::string PlantCore::summary_json() const {
   json.begin_object().key("vehicles").begin_array();
   for (const Vehicle& vehicle : inside_->vehicles) {
     const Pose2& pose = vehicle.motion().body().X_MB;
-    laps += inside_->laps(vehicle);
+    laps += vehicle.laps();
     longest_wait_s = std::max(longest_wait_s, vehicle.longest_wait_s());
     json.begin_object().field("number", vehicle.number()).field("x", pose.x_m).field("y", pose.y_m);
     json.field("heading", pose.heading_rad).field("speed", vehicle.motion().speed_mps());
-    json.field("distance", vehicle.distance_m()).field("laps", inside_->laps(vehicle));
+    json.field("distance", vehicle.distance_m()).field("laps", vehicle.laps());
     json.field("charge", vehicle.charge()).field("longest_wait_s", vehicle.longest_wait_s()).end_object();
   }
   json.end_array().key("collisions").begin_array();
@@ -224,6 +216,7 @@ void PlantCore::Inside::tick(SimTime at, wire::Effects& effects) {
     dt = SimDuration::zero();
   }
   now = at;
+  change_floors();
   for (Vehicle& vehicle : vehicles) vehicle.move(at, dt);
   note_bodies();
   watch_contacts();
@@ -255,10 +248,6 @@ std::string PlantCore::Inside::name_of(CollisionWatch::BodyKey key) const {
   return obstacles.name_of(key);
 }
 
-std::uint32_t PlantCore::Inside::laps(const Vehicle& vehicle) const {
-  return ring_m > 0.0 ? static_cast<std::uint32_t>(vehicle.distance_m() / ring_m) : 0;
-}
-
 std::string PlantCore::Inside::truth_json() const {
   JsonWriter json;
   json.begin_object().field("timestamp", to_iso8601(now)).key("vehicles").begin_array();
@@ -277,19 +266,34 @@ std::string PlantCore::Inside::truth_json() const {
   return json.take();
 }
 
+void PlantCore::Inside::take_over(const ZoneExchange::News& news) {
+  options.zone = exchange.configuration();
+  // The vehicles' readers look at this very floor; from the next tick on they find the new tags.
+  if (news.same_ways) {
+    floor->tags = TagMap{*news.zone, options.noise.tag_range_m};
+    return;
+  }
+  floor = std::make_shared<Floor>(news.zone, options.noise.tag_range_m);
+  obstacles.stand_on(*news.zone);
+  change_floors();
+}
+
+/// Who stands is on the newest floor, before anybody can tell it to drive.
+void PlantCore::Inside::change_floors() {
+  for (Vehicle& vehicle : vehicles) {
+    if (vehicle.floor() != floor && vehicle.stands()) vehicle.stand_on(floor);
+  }
+}
+
 void PlantCore::Inside::on_link(const wire::Input& input) {
   broker_up = input.payload == "up";
   exchange.on_link(broker_up, input.at);
 }
 
 void PlantCore::Inside::on_message(const wire::Input& input, wire::Effects& effects) {
-  if (input.source == wire::plant_command_topic) return on_command(input.payload, effects);
+  if (input.source == wire::plant_command_topic) return on_command(input.payload, message_bytes_max, effects);
   if (!input.source.starts_with(wire::zone_topic_prefix)) return;
-  const zone::TrafficZone* edited = exchange.on_message(input.source, input.payload, effects);
-  if (edited == nullptr) return;
-  // The vehicles' readers look at this very object; from the next tick on they find the new tags.
-  tags = TagMap{*edited, options.noise.tag_range_m};
-  options.zone = exchange.configuration();
+  if (const auto news = exchange.on_message(input.source, input.payload, input.at, effects)) take_over(*news);
 }
 
 void PlantCore::Inside::on_port(const wire::Input& input, wire::Effects& effects) {
@@ -310,16 +314,27 @@ void PlantCore::Inside::on_bytes(const wire::Input& input, wire::Effects& effect
   vehicles[address->vehicle - 1].on_bytes(input.at, address->board, input.payload);
 }
 
-void PlantCore::Inside::on_command(std::string_view json, wire::Effects& effects) {
-  const auto command = JsonValue::parse(json, std::size_t{4096});
-  const auto error = command ? obey(*command) : std::optional(command.error());
+void PlantCore::Inside::on_command(std::string_view json, std::size_t bytes_max, wire::Effects& effects) {
+  const auto command = JsonValue::parse(json, bytes_max);
+  const auto error = command ? obey(*command, effects) : std::optional(command.error());
   if (error) effects.emplace_back(wire::Log{'w', "plant command refused: " + to_string(*error)});
 }
 
-std::optional<Error> PlantCore::Inside::obey(const JsonValue& command) {
+std::optional<Error> PlantCore::Inside::obey(const JsonValue& command, wire::Effects& effects) {
   if (const JsonValue* given = command.find("addObstacle")) return obstacles.add(*given, bodies);
   if (const auto id = command.text("removeObstacle")) return obstacles.remove(*id);
-  return Error{"plant.command", R"(expected {"addObstacle":{"id","x","y","radius"}} or {"removeObstacle":"id"})", {}};
+  if (const JsonValue* given = command.find("switch")) {
+    auto configuration = zone::zone_configuration_from_json(*given);
+    if (!configuration) return configuration.error();
+    const auto news = exchange.switch_to(std::move(*configuration), effects);
+    if (!news) return news.error();
+    take_over(*news);
+    return std::nullopt;
+  }
+  return Error{"plant.command",
+               R"(expected {"addObstacle":{"id","x","y","radius"}}, {"removeObstacle":"id"} or )"
+               R"({"switch":{"format","origin","text"}})",
+               {}};
 }
 
 }  // namespace cosiva::physical

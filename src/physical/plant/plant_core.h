@@ -42,8 +42,8 @@ struct TrueVehicle {
   std::uint32_t number;
   Pose2 X_MB;
   double speed_mps;
-  double distance_m;    ///< driven since the start
-  std::uint32_t laps;   ///< distance_m over the ring's length, on circuits that are one ring
+  double distance_m;    ///< driven along lines since the start
+  std::uint32_t laps;   ///< whole ones, on zones that are one ring; those of zones before count on
   double charge;        ///< state of charge, 0…1
   bool powered;         ///< its PILS gets valid drive commands
   std::string display;  ///< what AFFI shows
@@ -58,10 +58,15 @@ struct Collision {
 
 /// The emulated world. Hands its zone over 300 ms after its link came up, unless the broker has one of the same ways:
 /// that one's tags, beacons and priorities are then its own (an operator's edit outlives the plant), as are later
-/// edits. Commands (plant_command_topic or Input::command): {"addObstacle":{"id","x","y","radius"}}, which also moves
-/// the one of this id,
-/// {"removeObstacle":"id"}; what makes no sense is logged. Ticks every 10 ms. Ports: wire::port_name(number, board) for
-/// every vehicle, spoken from the board's side.
+/// edits. One of other ways that the broker keeps from before it overrides: what is on the floor is the plant's to say.
+/// One that is sent later is a switch: it becomes the floor under each vehicle as soon as that stands, with its body,
+/// whose shape no map changes, its odometer, its battery and all obstacles as they are. Nothing is refused for having
+/// too many vehicles. A configuration that cannot be read leaves all as it is, and the log says why.
+///
+/// Commands (plant_command_topic or Input::command): {"addObstacle":{"id","x","y","radius"}}, which also moves the one
+/// of this id; {"removeObstacle":"id"}; {"switch":{"format","origin","text","companion"}}, the physical side's new zone
+/// by hand, which it then publishes; what makes no sense is logged. Ticks every 10 ms. Ports:
+/// wire::port_name(number, board) for every vehicle, spoken from the board's side.
 class PlantCore final : public wire::Core {
  public:
   /// Fails when the zone's configuration is bad or cannot hold so many vehicles.
@@ -74,7 +79,7 @@ class PlantCore final : public wire::Core {
   void farewell(SimTime now, wire::Effects& effects) override;
   void fold(Digest& digest) const override;
 
-  /// With the zone as it is now: an edit of tags or beacons that the broker told is in it.
+  /// With the zone as it is now: edited, or switched to.
   [[nodiscard]] const PlantOptions& options() const;
   [[nodiscard]] std::vector<std::string> ports() const;
   [[nodiscard]] std::vector<TrueVehicle> vehicles() const;

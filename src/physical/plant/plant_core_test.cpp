@@ -9,7 +9,6 @@
 #include "physical/plant/plant_bench.h"
 #include "physical/plant/test_zones.h"
 #include "wire/topics.h"
-#include "zone/edit.h"
 
 namespace cosiva::physical {
 namespace {
@@ -284,114 +283,6 @@ TEST(Plant, drains_its_battery_by_its_work) {
   EXPECT_NEAR((driving - idle) / idle, work_j / 180.0, 0.02);
   EXPECT_NEAR(bench.heard<wire::Power>(1).back().charge_permille, 1000.0 * bench.truth(1).charge, 2.0);
   EXPECT_NEAR(bench.heard<wire::Power>(1).back().voltage_mv, 8150.0, 100.0);
-}
-
-std::vector<wire::Publish> zones(const PlantBench& bench) {
-  std::vector<wire::Publish> found;
-  for (const auto& message : bench.published)
-    if (message.topic.starts_with(wire::zone_topic_prefix)) found.push_back(message);
-  return found;
-}
-void send_zone(PlantBench& bench, const std::string& text, const std::string& format = "toml") {
-  bench.feed(wire::InputKind::message, std::string(wire::zone_topic_prefix) + format, text);
-}
-zone::ZoneConfiguration with(const zone::ZoneConfiguration& zone, const zone::ZoneEdit& edit) {
-  auto after = zone::edited(zone, edit);
-  EXPECT_TRUE(after) << to_string(after.error());
-  return *after;
-}
-
-TEST(Plant, hands_over_its_zone_retained_when_the_broker_is_there) {
-  PlantBench bench{lacet4()};
-  bench.run_for(1s);
-  EXPECT_THAT(bench.published, IsEmpty());
-  bench.feed(wire::InputKind::link, "", "up");
-  bench.run_for(290ms);
-  EXPECT_THAT(zones(bench), IsEmpty());  // it listens first for what the broker keeps
-  bench.run_for(10ms);
-  EXPECT_THAT(zones(bench), ElementsAre(wire::Publish{"cosiva/v1/zone/toml", lacet4().text, 1, true}));
-  bench.run_for(5s);
-  EXPECT_THAT(zones(bench), SizeIs(1));
-}
-
-TEST(Plant, listens_anew_whenever_its_link_comes_up) {
-  PlantBench bench{lacet4()};
-  bench.feed(wire::InputKind::link, "", "up");
-  bench.run_for(200ms);
-  bench.feed(wire::InputKind::link, "", "down");
-  bench.run_for(1s);
-  EXPECT_THAT(zones(bench), IsEmpty());
-  for (std::size_t times = 1; times <= 2; ++times) {
-    bench.feed(wire::InputKind::link, "", "up");
-    bench.run_for(300ms);
-    EXPECT_THAT(zones(bench), SizeIs(times));
-  }
-}
-
-TEST(Plant, does_not_hand_over_what_the_broker_has) {
-  PlantBench bench{lacet4()};
-  bench.feed(wire::InputKind::link, "", "up");
-  send_zone(bench, lacet4().text);
-  bench.run_for(1s);
-  EXPECT_THAT(zones(bench), IsEmpty());
-  EXPECT_THAT(bench.logged, IsEmpty());
-}
-
-TEST(Plant, that_starts_again_takes_the_edits_that_the_broker_kept) {
-  PlantBench bench{lacet4()};
-  const auto edited = with(lacet4(), {{{1, {0, 0.4}}}, {2}, 0.2, {{"CoSiVA/AIV1", 3}}});
-  bench.feed(wire::InputKind::link, "", "up");
-  bench.run_for(50ms);
-  send_zone(bench, edited.text);
-  bench.run_for(1s);
-  EXPECT_THAT(zones(bench), IsEmpty());
-  EXPECT_EQ(bench.core().options().zone.text, edited.text);
-  EXPECT_THAT(bench.logged, ElementsAre(HasSubstr("11 tags")));
-  // A broker that forgot everything is told the edited one.
-  bench.feed(wire::InputKind::link, "", "down");
-  bench.feed(wire::InputKind::link, "", "up");
-  bench.run_for(1s);
-  EXPECT_THAT(zones(bench), ElementsAre(wire::Publish{"cosiva/v1/zone/toml", edited.text, 1, true}));
-}
-
-TEST(Plant, lets_its_readers_find_tags_where_they_are_moved_to_while_driving) {
-  const auto zone = straight(20.0, "0.5",
-                             "[[tag]]\nnumber = 1\nsection = \"line\"\ns_m = 5.0\n"
-                             "[[tag]]\nnumber = 2\nsection = \"line\"\ns_m = 6.0\n");
-  PlantBench bench{zone};
-  bench.feed(wire::InputKind::link, "", "up");
-  bench.drive(1, fast);
-  bench.run_for(2s);
-  send_zone(bench, with(zone, {{{1, {0, 3.0}}, {3, {0, 4.0}}}, {2}, {}, {}}).text);
-  std::map<std::uint32_t, double> read_at;
-  for (int i = 0; i < 1500; ++i) {
-    bench.forget();
-    bench.run_for(10ms);
-    for (const auto& tag : bench.heard<wire::TagRead>(1))
-      read_at[tag.number] = bench.truth(1).X_MB.x_m - 0.5 * 1e-3 * tag.age_ms;
-  }
-  ASSERT_THAT(read_at, SizeIs(2));
-  // Where the antenna's field of 2 cm begins, and up to 30 ms of reader and tick later.
-  EXPECT_THAT(read_at[1], AllOf(Ge(2.98), Le(2.998)));
-  EXPECT_THAT(read_at[3], AllOf(Ge(3.98), Le(3.998)));
-  EXPECT_NEAR(bench.truth(1).speed_mps, 0.5, 1e-6);  // it never stopped for it
-}
-
-TEST(Plant, keeps_its_zone_when_another_or_none_is_sent) {
-  PlantBench bench{lacet4()};
-  bench.feed(wire::InputKind::link, "", "up");
-  send_zone(bench, straight(8.0).text);
-  EXPECT_THAT(bench.logged, ElementsAre(AllOf(HasSubstr("'test'"), HasSubstr("'lacet4'"))));
-  bench.logged.clear();
-  send_zone(bench, "name = ");
-  send_zone(bench, "<zone/>", "xml");
-  EXPECT_THAT(bench.logged, ElementsAre(HasSubstr("cannot be read"), HasSubstr("cannot be read")));
-  bench.logged.clear();
-  send_zone(bench, "");  // cleared, not sent
-  EXPECT_THAT(bench.logged, IsEmpty());
-  bench.run_for(1s);
-  EXPECT_THAT(zones(bench), ElementsAre(wire::Publish{"cosiva/v1/zone/toml", lacet4().text, 1, true}));
-  EXPECT_EQ(bench.core().options().zone.text, lacet4().text);
 }
 
 TEST(Plant, publishes_the_truth_ten_times_a_second) {

@@ -34,7 +34,9 @@ void TagMap::add_tags(const zone::TrafficZone& zone, double near_m) {
   for (const zone::Tag& tag : zone.tags) {
     const Point2 position = cosiva::position(zone.circuit.pose_at(tag.place));
     for (zone::SectionId id = 0; id < zone.circuit.size(); ++id) {
-      const auto nearest = zone.circuit.section(id).nearest(position);
+      const zone::Section& section = zone.circuit.section(id);
+      if (distance(section.box(), position) > near_m) continue;
+      const auto nearest = section.nearest(position);
       if (nearest.distance_m <= near_m) by_section_[id].push_back({nearest.s_m, position, tag.number});
     }
   }

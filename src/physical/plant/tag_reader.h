@@ -53,6 +53,12 @@ class TagReader {
   /// @param map  must outlive this
   TagReader(const TagMap& map, TagReaderNoise noise, Random random) : map_{&map}, noise_{noise}, random_{random} {}
 
+  /// The floor is another from now on, and what lay in the field is gone.
+  /// @param map  must outlive this
+  void stand_on(const TagMap& map) {
+    map_ = &map;
+    in_field_.clear();
+  }
   /// The antenna moved from `from` to `to`, which lies beside `place`. Appends what is read.
   void move(SimTime now, zone::Place place, Point2 from, Point2 to, std::vector<Reading>& readings);
 

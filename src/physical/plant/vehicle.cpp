@@ -13,7 +13,8 @@ Random stream(std::uint64_t seed, std::uint32_t number, std::string_view purpose
 }
 
 DriveCommand to_command(const wire::Drive& drive) {
-  return {drive.speed_mmps * 1e-3, drive.acceleration_mmps2 * 1e-3, drive.braking_mmps2 * 1e-3, drive.branch};
+  return {drive.speed_mmps * 1e-3, drive.acceleration_mmps2 * 1e-3, drive.braking_mmps2 * 1e-3, drive.branch,
+          drive.seek};
 }
 
 /// Boards of a fleet are not switched on in step: each vehicle reports in its own 10 ms of a cycle, which also spreads
@@ -22,14 +23,16 @@ SimDuration phase(std::uint32_t number, std::uint32_t ticks) { return step_max *
 
 }  // namespace
 
-Vehicle::Vehicle(std::uint32_t number, const zone::TrafficZone& zone, const TagMap& tags, zone::Place start,
-                 const PlantNoise& noise, std::uint64_t seed)
+Vehicle::Vehicle(std::uint32_t number, std::shared_ptr<const Floor> floor, zone::Place start, const PlantNoise& noise,
+                 std::uint64_t seed)
     : number_{number},
       noise_{noise},
-      motion_{zone.circuit, start, noise.line_offset_sd_m, stream(seed, number, "line")},
+      floor_{std::move(floor)},
+      motion_{floor_->zone->circuit, start, noise.line_offset_sd_m, stream(seed, number, "line")},
       odometer_{noise.odometry_scale_sd, noise.odometry_noise_m_per_sqrt_m, noise.slip_per_mps2,
                 stream(seed, number, "odometry")},
-      tag_reader_{tags, {noise.tag_miss, noise.tag_latency_min, noise.tag_latency_max}, stream(seed, number, "tags")},
+      tag_reader_{
+          floor_->tags, {noise.tag_miss, noise.tag_latency_min, noise.tag_latency_max}, stream(seed, number, "tags")},
       range_random_{stream(seed, number, "ranges")},
       gauge_{stream(seed, number, "gauge")} {
   for (const wire::Board board : wire::all_boards)
@@ -84,14 +87,44 @@ void Vehicle::step(SimTime now, double dt_s) {
   motion_.step(drive == nullptr ? nullptr : &command, dt_s);
 
   const double moved_m = motion_.step_distance_m();
+  if (motion_.following()) {
+    in_manoeuvre_ = false;
+  } else {
+    step_manoeuvre();
+  }
   distance_m_ += std::fabs(moved_m);
   odometer_.add(moved_m, motion_.step_acceleration_mps2());
-  readings_.clear();
-  tag_reader_.move(now, motion_.place(), before, position(motion_.body().X_MB), readings_);
-  for (const auto& reading : readings_) prav_.on_tag(reading.read_at, reading.number);
+  if (motion_.following()) read_tags(now, before);
 
   drive_energy_j_ += battery_.drive_energy_j(moved_m, motion_.speed_mps(), motion_.step_acceleration_mps2(), dt_s);
   book_energy(dt_s);
+}
+
+void Vehicle::read_tags(SimTime now, Point2 before) {
+  readings_.clear();
+  tag_reader_.move(now, motion_.place(), before, position(motion_.body().X_MB), readings_);
+  for (const auto& reading : readings_) prav_.on_tag(reading.read_at, reading.number);
+}
+
+void Vehicle::step_manoeuvre() {
+  if (!in_manoeuvre_) odometer_.begin_manoeuvre();
+  in_manoeuvre_ = motion_.manoeuvre() != nullptr;
+  const auto [turned_rad, gone_m] = motion_.step_manoeuvre();
+  odometer_.add_manoeuvre(turned_rad, gone_m);
+  drive_energy_j_ += battery_.manoeuvre_energy_j(turned_rad, gone_m);
+}
+
+void Vehicle::stand_on(std::shared_ptr<const Floor> floor) {
+  laps_before_ = laps();
+  distance_before_m_ = distance_m_;
+  floor_ = std::move(floor);
+  motion_.stand_on(floor_->zone->circuit);
+  tag_reader_.stand_on(floor_->tags);
+  in_manoeuvre_ = false;
+}
+
+std::uint32_t Vehicle::laps_here() const {
+  return floor_->ring_m > 0.0 ? static_cast<std::uint32_t>((distance_m_ - distance_before_m_) / floor_->ring_m) : 0;
 }
 
 void Vehicle::book_energy(double dt_s) {
@@ -107,7 +140,8 @@ void Vehicle::book_energy(double dt_s) {
 
 void Vehicle::book_waiting(SimDuration dt) {
   constexpr double moving_mps = 0.01;
-  if (std::fabs(motion_.speed_mps()) >= moving_mps) {
+  const auto [turned_rad, gone_m] = motion_.step_manoeuvre();
+  if (std::fabs(motion_.speed_mps()) >= moving_mps || turned_rad != 0.0 || gone_m != 0.0) {
     has_moved_ = true;
     wait_ = {};
     return;
@@ -118,7 +152,10 @@ void Vehicle::book_waiting(SimDuration dt) {
 }
 
 void Vehicle::speak(SimTime now, const Scan& scan, wire::Effects& effects) {
-  pils_.tick(now, {odometer_.distance_m(), motion_.speed_mps(), motion_.line_offset_m(), motion_.line_lost()}, out_);
+  pils_.tick(now,
+             {odometer_.distance_m(), motion_.speed_mps(), motion_.line_offset_m(), motion_.line_lost(),
+              in_manoeuvre_ ? &odometer_.X_SB() : nullptr},
+             out_);
   send(wire::Board::PILS, effects);
   prav_.tick(now, out_);
   send(wire::Board::PRAV, effects);

@@ -8,6 +8,7 @@
 
 #include "physical/boards/boards.h"
 #include "physical/plant/battery.h"
+#include "physical/plant/floor.h"
 #include "physical/plant/odometer.h"
 #include "physical/plant/plant_core.h"
 #include "physical/plant/ranging.h"
@@ -20,9 +21,8 @@ namespace cosiva::physical {
 /// on-board program knows of them.
 class Vehicle {
  public:
-  /// @param zone, tags  must outlive this
-  Vehicle(std::uint32_t number, const zone::TrafficZone& zone, const TagMap& tags, zone::Place start,
-          const PlantNoise& noise, std::uint64_t seed);
+  Vehicle(std::uint32_t number, std::shared_ptr<const Floor> floor, zone::Place start, const PlantNoise& noise,
+          std::uint64_t seed);
 
   /// Switches the boards on. Their session numbers come from the seed and the moment, so that the same plant started
   /// later has others, as after a real power cut.
@@ -32,6 +32,10 @@ class Vehicle {
 
   /// Moves the body over `dt`, in steps of at most 10 ms.
   void move(SimTime now, SimDuration dt);
+  /// Whether the floor under it may become another: it is at rest, and nobody has it in a manoeuvre.
+  [[nodiscard]] bool stands() const { return motion_.stands(); }
+  /// Puts it on another floor, the body as it is. Only while it stands.
+  void stand_on(std::shared_ptr<const Floor> floor);
   [[nodiscard]] bool wants_scan(SimTime now) const { return dobs_.wants_scan(now) && dobs_.link().connected(); }
   /// Lets the boards speak. @param scan  exact ranges, looked at only when wants_scan(now)
   void speak(SimTime now, const Scan& scan, wire::Effects& effects);
@@ -39,7 +43,11 @@ class Vehicle {
   [[nodiscard]] std::uint32_t number() const { return number_; }
   [[nodiscard]] const LineVehicle& motion() const { return motion_; }
   [[nodiscard]] const Battery& battery() const { return battery_; }
+  [[nodiscard]] const std::shared_ptr<const Floor>& floor() const { return floor_; }
+  /// Along lines: what it does in manoeuvres is not counted.
   [[nodiscard]] double distance_m() const { return distance_m_; }
+  /// Whole laps, on floors that are one ring.
+  [[nodiscard]] std::uint32_t laps() const { return laps_before_ + laps_here(); }
   [[nodiscard]] double longest_wait_s() const { return to_seconds(longest_wait_); }
   [[nodiscard]] bool powered(SimTime now) const { return pils_.drive(now) != nullptr && !battery_.empty(); }
   [[nodiscard]] const std::string& display() const { return prav_.display(); }
@@ -49,12 +57,16 @@ class Vehicle {
  private:
   [[nodiscard]] BoardLink& link(wire::Board board);
   void step(SimTime now, double dt_s);
+  void step_manoeuvre();
+  void read_tags(SimTime now, Point2 before);
   void book_energy(double dt_s);
+  [[nodiscard]] std::uint32_t laps_here() const;
   void book_waiting(SimDuration dt);
   void send(wire::Board board, wire::Effects& effects);
 
   std::uint32_t number_;
   PlantNoise noise_;
+  std::shared_ptr<const Floor> floor_;
   LineVehicle motion_;
   Odometer odometer_;
   TagReader tag_reader_;
@@ -68,6 +80,9 @@ class Vehicle {
   std::array<std::string, wire::all_boards.size()> ports_;
 
   double distance_m_{0.0};
+  double distance_before_m_{0.0};  ///< on the floors before this one
+  std::uint32_t laps_before_{0};
+  bool in_manoeuvre_{false};
   double drive_energy_j_{0.0};  ///< since the battery was last worked out
   double drive_time_s_{0.0};
   bool has_moved_{false};

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "base/expect.h"
+#include "zone/anchor.h"
 
 namespace cosiva::physical {
 namespace {
@@ -18,6 +19,7 @@ LineVehicle::LineVehicle(const zone::Circuit& circuit, zone::Place start, double
     : circuit_{&circuit}, line_offset_sd_m_{line_offset_sd_m}, line_random_{line_noise}, place_{start} {
   line_noise_m_ = line_random_.gaussian(0.0, line_offset_sd_m_);
   place_body(0.0, 1.0);
+  note_section();
 }
 
 void LineVehicle::step(const DriveCommand* command, double dt_s) {
@@ -27,22 +29,27 @@ void LineVehicle::step(const DriveCommand* command, double dt_s) {
     motor_blend_ = 1.0 - det_exp(-dt_s / train_.motor_lag_s);
     turn_blend_ = 1.0 - det_exp(-dt_s / train_.turn_lag_s);
   }
+  if (command != nullptr) branch_ = command->branch;
+  goes_on_ = command != nullptr && command->speed_mps > 0.0;
+  if (off_line_) return step_off_line(command, dt_s);
   change_speed(command, dt_s);
   if (speed_mps_ == 0.0) {
     step_distance_m_ = 0.0;
     turn_rate_radps_ = 0.0;
     return;
   }
+  if (may_end_here_) brake_for_end(dt_s);
   steer(dt_s);
   step_distance_m_ = speed_mps_ * dt_s;
   const auto [sin_error, cos_error] = sincos(heading_rad_);
   const double kappa = circuit_->section(place_.section).curvature_at(place_.s_m);
   lateral_m_ += step_distance_m_ * sin_error;
-  move_along(step_distance_m_ * cos_error / (1.0 - kappa * lateral_m_), command == nullptr ? 0 : command->branch);
+  move_along(step_distance_m_ * cos_error / (1.0 - kappa * lateral_m_));
   place_body(sin_error, cos_error);
+  if (manoeuvre_) X_MS_ = body_.X_MB;  // it came to a sharp bend
 }
 
-bool LineVehicle::line_lost() const { return std::fabs(lateral_m_) > train_.line_lost_m; }
+bool LineVehicle::line_lost() const { return off_line_ ? !lies_on_line_ : std::fabs(lateral_m_) > train_.line_lost_m; }
 
 void LineVehicle::change_speed(const DriveCommand* command, double dt_s) {
   double target_mps = 0.0;
@@ -93,18 +100,24 @@ void LineVehicle::steer(double dt_s) {
   heading_rad_ += (turn_rate_radps_ - kappa * speed_mps_) * dt_s;
 }
 
-void LineVehicle::move_along(double distance_m, std::size_t branch) {
+void LineVehicle::move_along(double distance_m) {
   place_.s_m += distance_m;
   // One step is a few millimetres, a section at least that: this goes round once or twice at most.
   for (;;) {
     const double length_m = circuit_->section(place_.section).length_m();
     if (place_.s_m > length_m) {
-      if (circuit_->next(place_.section).empty()) return stop_at_end(length_m);
+      if (may_end_here_) {
+        const aiv::Onward onward = aiv::onward(*circuit_, place_.section, branch_);
+        if (onward.section == zone::no_section) return stop_at_end(length_m);
+        if (onward.turn_rad != 0.0) {
+          stop_at_end(length_m);
+          return goes_on_ ? begin_turn(onward) : void();
+        }
+      }
       place_.s_m -= length_m;
-      to_next(branch);
+      to_next();
     } else if (place_.s_m < 0.0) {
-      if (circuit_->previous(place_.section).empty()) return stop_at_end(0.0);
-      to_previous();
+      if (!to_previous()) return stop_at_end(0.0);
       place_.s_m += circuit_->section(place_.section).length_m();
     } else {
       return;
@@ -112,23 +125,130 @@ void LineVehicle::move_along(double distance_m, std::size_t branch) {
   }
 }
 
-void LineVehicle::to_next(std::size_t branch) {
+void LineVehicle::to_next() {
   const std::span<const zone::SectionId> ways = circuit_->next(place_.section);
   came_from_ = place_.section;
-  place_.section = ways[std::min(branch, ways.size() - 1)];
+  place_.section = ways[std::min(branch_, ways.size() - 1)];
+  note_section();
 }
 
-void LineVehicle::to_previous() {
+bool LineVehicle::to_previous() {
   const std::span<const zone::SectionId> ways = circuit_->previous(place_.section);
-  const bool known = std::find(ways.begin(), ways.end(), came_from_) != ways.end();
-  place_.section = known ? came_from_ : ways.front();
+  const auto bends = [&](zone::SectionId id) { return circuit_->turn_at(id, place_.section) != 0.0; };
+  const bool known = std::find(ways.begin(), ways.end(), came_from_) != ways.end() && !bends(came_from_);
+  const auto before =
+      known ? std::find(ways.begin(), ways.end(), came_from_) : std::find_if_not(ways.begin(), ways.end(), bends);
+  if (before == ways.end()) return false;
+  place_.section = *before;
   came_from_ = zone::no_section;
+  note_section();
+  return true;
+}
+
+/// Most sections of most circuits go on in one smooth way; a step on these costs one look at this flag.
+void LineVehicle::note_section() {
+  const zone::Circuit::Part& part = circuit_->part(place_.section);
+  may_end_here_ = part.next.size() != 1 || part.pivots;
+}
+
+/// Where the line ends or bends sharply under its branch it brakes as hard as it can, down to a creep.
+void LineVehicle::brake_for_end(double dt_s) {
+  constexpr double creep_mps = 0.02;
+  const double left_m = std::max(0.0, circuit_->section(place_.section).length_m() - place_.s_m);
+  // v·dt + v²/2b = left.
+  const double b = train_.braking_mps2_max;
+  const double in_time_mps = std::max(creep_mps, b * (std::sqrt(dt_s * dt_s + 2.0 * left_m / b) - dt_s));
+  if (speed_mps_ <= in_time_mps) return;
+  const aiv::Onward onward = aiv::onward(*circuit_, place_.section, branch_);
+  if (onward.section != zone::no_section && onward.turn_rad == 0.0) return;
+  speed_mps_ = in_time_mps;
+  speed_reference_mps_ = std::min(speed_reference_mps_, in_time_mps);
 }
 
 void LineVehicle::stop_at_end(double s_m) {
   place_.s_m = s_m;
   speed_mps_ = 0.0;
   speed_reference_mps_ = 0.0;
+}
+
+void LineVehicle::begin_turn(const aiv::Onward& onward) {
+  turn_rate_radps_ = 0.0;
+  off_line_ = true;
+  lies_on_line_ = true;
+  // It turns until it sees the line ahead of it, and it sees no better than the line is painted.
+  goal_heading_rad_ = sight_error_rad();
+  manoeuvre_.emplace(Pose2{0.0, 0.0, wrap_angle(onward.turn_rad - heading_rad_ + goal_heading_rad_)});
+  // The joint stays where it was under the body: e to the left of the old line, seen along the new one.
+  const auto [sin, cos] = sincos(onward.turn_rad);
+  goal_ = {onward.section, std::max(0.0, sin * lateral_m_)};
+  goal_lateral_m_ = cos * lateral_m_;
+}
+
+bool LineVehicle::begin_seek() {
+  const auto anchor = zone::anchor_of(*circuit_, body_.X_MB, aiv::seek_within_m);
+  if (!anchor) return false;
+  goal_ = anchor->place;
+  goal_lateral_m_ = line_offset_sd_m_ > 0.0 ? line_random_.gaussian(0.0, line_offset_sd_m_) : 0.0;
+  goal_heading_rad_ = sight_error_rad();
+  const Pose2 X_MG = circuit_->pose_at(goal_) * Pose2{0.0, goal_lateral_m_, goal_heading_rad_};
+  manoeuvre_.emplace(inverse(body_.X_MB) * X_MG);
+  X_MS_ = body_.X_MB;
+  return true;
+}
+
+double LineVehicle::sight_error_rad() {
+  constexpr double sensors_ahead_m = 0.1;
+  return line_offset_sd_m_ > 0.0 ? line_random_.gaussian(0.0, line_offset_sd_m_ / sensors_ahead_m) : 0.0;
+}
+
+void LineVehicle::step_off_line(const DriveCommand* command, double dt_s) {
+  step_distance_m_ = 0.0;
+  step_acceleration_mps2_ = 0.0;
+  step_manoeuvre_ = {};
+  const double speed_mps = command == nullptr ? 0.0 : command->speed_mps;
+  if (!manoeuvre_) {  // on another floor than it came on
+    if (speed_mps > 0.0 && command->seek) {
+      if (!begin_seek()) return;
+    } else {
+      if (speed_mps != 0.0 && lies_on_line_) off_line_ = false;
+      return;
+    }
+  }
+  step_manoeuvre_ = manoeuvre_->step(speed_mps, dt_s);
+  body_ = BodyPose::at(X_MS_ * manoeuvre_->X_SB());
+  if (manoeuvre_->done()) end_manoeuvre();
+}
+
+void LineVehicle::end_manoeuvre() {
+  manoeuvre_.reset();
+  off_line_ = false;
+  came_from_ = zone::no_section;
+  place_ = goal_;
+  lateral_m_ = goal_lateral_m_;
+  heading_rad_ = goal_heading_rad_;
+  note_section();
+  const auto [sin, cos] = sincos(heading_rad_);
+  place_body(sin, cos);
+}
+
+void LineVehicle::stand_on(const zone::Circuit& circuit) {
+  COSIVA_EXPECT(stands());
+  circuit_ = &circuit;
+  manoeuvre_.reset();
+  off_line_ = true;
+  came_from_ = zone::no_section;
+  turn_rate_radps_ = 0.0;
+  step_distance_m_ = 0.0;
+  step_manoeuvre_ = {};
+  // It may lie on a line by chance, as where the old floor and the new have a way in common.
+  const auto anchor = zone::anchor_of(circuit, body_.X_MB, train_.line_lost_m);
+  place_ = anchor ? anchor->place : zone::Place{0, 0.0};
+  const Pose2 X_PB = inverse(circuit.pose_at(place_)) * body_.X_MB;
+  lateral_m_ = X_PB.y_m;
+  heading_rad_ = X_PB.heading_rad;
+  constexpr double beyond_m = 1e-3;  // beside the line, and not beyond its end
+  lies_on_line_ = anchor && std::fabs(X_PB.x_m) <= beyond_m && std::fabs(heading_rad_) <= aiv::on_line_rad;
+  note_section();
 }
 
 void LineVehicle::place_body(double sin_error, double cos_error) {

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 
+#include "aiv/manoeuvre.h"
 #include "base/pose.h"
 #include "base/random.h"
 #include "physical/plant/body.h"
@@ -26,24 +28,39 @@ struct DriveCommand {
   double speed_mps{};
   double acceleration_mps2{};  ///< 0: the drive train's own braking, for both
   double braking_mps2{};
-  std::size_t branch{};  ///< at a fork take the n-th way; beyond the last: the last
+  std::size_t branch{};  ///< at a fork take the n-th way; beyond the last: the last; wire::no_branch: stop there
+  bool seek{};           ///< off the line: go to the nearest one
 };
 
 /// A differential-drive body that PILS steers along the line. Its true state in path coordinates: the place of its
 /// middle's projection on the line, the lateral error e (left of the line) and the heading error ψ:
 ///     ṡ = v cos ψ / (1 − κ e),   ė = v sin ψ,   ψ̇ = ω − κ ṡ,
 /// with ω from a proportional-derivative steering on what the line sensors see, plus the known curvature.
+/// Where the next way leaves at an angle it stops at the joint and turns on the spot. When the floor under it becomes
+/// another it stays where it is, off the line until a seek has brought it onto one (docs/protocols/module-link.md).
 class LineVehicle {
  public:
   /// @param circuit  must outlive this
   /// @param line_offset_sd_m  how unevenly the line is painted and seen, correlated over 5 cm
   LineVehicle(const zone::Circuit& circuit, zone::Place start, double line_offset_sd_m, Random line_noise);
 
-  /// One step of at most 20 ms. No command: the motors stop by themselves.
+  /// One step of at most 20 ms. No command: the motors stop by themselves, and a fork is passed as told last.
   void step(const DriveCommand* command, double dt_s);
 
+  /// The floor is this one from now on; the body stays as it is, wherever the lines are. Only for one that stands.
+  /// @param circuit  must outlive this
+  void stand_on(const zone::Circuit& circuit);
+  /// Speed exactly 0, and no manoeuvre but an abandoned one.
+  [[nodiscard]] bool stands() const { return manoeuvre_ ? manoeuvre_->abandoned() : speed_mps_ == 0.0; }
+
   [[nodiscard]] const BodyPose& body() const { return body_; }
+  /// On the line; off it (following() is false), where it left the line, or any place of a new floor.
   [[nodiscard]] zone::Place place() const { return place_; }
+  /// Whether it follows the line: in no manoeuvre, and not waiting off the line.
+  [[nodiscard]] bool following() const { return !off_line_; }
+  /// The manoeuvre that it is in, if any.
+  [[nodiscard]] const aiv::Manoeuvre* manoeuvre() const { return manoeuvre_ ? &*manoeuvre_ : nullptr; }
+  /// Along the line; 0 in a manoeuvre.
   [[nodiscard]] double speed_mps() const { return speed_mps_; }
   [[nodiscard]] double lateral_error_m() const { return lateral_m_; }
   [[nodiscard]] double heading_error_rad() const { return heading_rad_; }
@@ -53,13 +70,22 @@ class LineVehicle {
   /// What the wheels rolled in the last step, forwards positive, and the speed-up |v| along the way (braking < 0).
   [[nodiscard]] double step_distance_m() const { return step_distance_m_; }
   [[nodiscard]] double step_acceleration_mps2() const { return step_acceleration_mps2_; }
+  /// What they did in the last step of a manoeuvre; not counted above.
+  [[nodiscard]] const aiv::Manoeuvre::Step& step_manoeuvre() const { return step_manoeuvre_; }
 
  private:
+  void step_off_line(const DriveCommand* command, double dt_s);
+  void begin_turn(const aiv::Onward& onward);
+  [[nodiscard]] bool begin_seek();
+  void end_manoeuvre();
+  [[nodiscard]] double sight_error_rad();
+  void note_section();
+  void brake_for_end(double dt_s);
   void change_speed(const DriveCommand* command, double dt_s);
   void steer(double dt_s);
-  void move_along(double distance_m, std::size_t branch);
-  void to_next(std::size_t branch);
-  void to_previous();
+  void move_along(double distance_m);
+  void to_next();
+  [[nodiscard]] bool to_previous();
   void stop_at_end(double s_m);
   void place_body(double sin_error, double cos_error);
 
@@ -82,6 +108,18 @@ class LineVehicle {
   double motor_blend_{1.0};
   double turn_blend_{1.0};
   BodyPose body_;
+
+  std::size_t branch_{0};     ///< as told last
+  bool may_end_here_{false};  ///< the section ends in a fork, a sharp bend, or nowhere
+  bool goes_on_{false};       ///< commanded forwards
+  bool off_line_{false};      ///< in a manoeuvre, or put on another floor
+  bool lies_on_line_{true};   ///< what the sensors say while off_line_
+  std::optional<aiv::Manoeuvre> manoeuvre_;
+  Pose2 X_MS_;  ///< where the body stood when the manoeuvre began
+  aiv::Manoeuvre::Step step_manoeuvre_;
+  zone::Place goal_;  ///< where it is on the line when the manoeuvre ends, and how
+  double goal_lateral_m_{0.0};
+  double goal_heading_rad_{0.0};
 };
 
 }  // namespace cosiva::physical

@@ -7,50 +7,101 @@
 #include "zone/edit.h"
 
 namespace cosiva::physical {
+namespace {
 
-ZoneExchange::ZoneExchange(zone::ZoneConfiguration own, zone::TrafficZone zone, bool publish)
+/// Where it came from is no part of what a zone is.
+bool same(const zone::ZoneConfiguration& a, const zone::ZoneConfiguration& b) {
+  return a.format == b.format && a.text == b.text && a.companion == b.companion;
+}
+
+void log(char level, std::string text, wire::Effects& effects) {
+  effects.emplace_back(wire::Log{level, std::move(text)});
+}
+
+}  // namespace
+
+ZoneExchange::ZoneExchange(zone::ZoneConfiguration own, std::shared_ptr<const zone::TrafficZone> zone, bool publish)
     : own_{std::move(own)}, zone_{std::move(zone)}, publish_{publish} {}
 
 void ZoneExchange::on_link(bool up, SimTime at) {
-  due_.reset();
-  if (up && publish_) due_ = at + listens_for;
+  listens_until_.reset();
+  others_.clear();
+  due_ = up && publish_;
+  if (up) listens_until_ = at + listens_for;
 }
 
 void ZoneExchange::tick(SimTime at, wire::Effects& effects) {
-  if (!due_ || at < *due_) return;
-  due_.reset();
-  effects.emplace_back(wire::Publish{std::string(wire::zone_topic_prefix) + own_.format, own_.text, 1, true});
+  if (!listens_until_ || at < *listens_until_) return;
+  listens_until_.reset();
+  if (due_) publish(effects);
 }
 
-const zone::TrafficZone* ZoneExchange::on_message(std::string_view topic, std::string_view text,
-                                                  wire::Effects& effects) {
-  const std::string format{topic.substr(wire::zone_topic_prefix.size())};
-  if (text.empty()) return nullptr;  // somebody cleared what the broker keeps
-  if (format == own_.format && text == own_.text) {
-    due_.reset();  // the broker has it already, or this is what we said
-    return nullptr;
+void ZoneExchange::publish(wire::Effects& effects) {
+  due_ = false;
+  const std::string prefix{wire::zone_topic_prefix};
+  effects.emplace_back(wire::Publish{prefix + own_.format, zone::to_payload(own_), 1, true});
+  for (const std::string& format : others_) {
+    if (format != own_.format) effects.emplace_back(wire::Publish{prefix + format, "", 1, true});
   }
-  zone::ZoneConfiguration heard{format, std::string(topic), std::string(text)};
+  others_.clear();
+}
+
+std::optional<ZoneExchange::News> ZoneExchange::on_message(std::string_view topic, std::string_view payload, SimTime at,
+                                                           wire::Effects& effects) {
+  if (payload.empty()) return std::nullopt;  // somebody cleared what the broker keeps
+  auto heard =
+      zone::from_payload(std::string(topic.substr(wire::zone_topic_prefix.size())), std::string(topic), payload);
+  if (same(heard, own_)) {
+    due_ = due_ && !others_.empty();  // the broker has it already, or this is what we said
+    return std::nullopt;
+  }
+  const bool listens = listens_until_ && at < *listens_until_;
   const auto rtm = zone::Rtm::initialise(heard);
   if (!rtm) {
-    effects.emplace_back(
-        wire::Log{'w', "a zone was sent that cannot be read, so the plant keeps its own: " + to_string(rtm.error())});
-    return nullptr;
+    log('w', "a zone was sent that cannot be read, so the plant keeps its own: " + to_string(rtm.error()), effects);
+    return std::nullopt;
   }
-  if (!zone::same_ways(zone_, rtm->zone())) {
-    effects.emplace_back(wire::Log{'w', "zone '" + rtm->zone().name + "' was sent, whose ways are not those of '" +
-                                            zone_.name +
-                                            "'; the plant keeps its own: start it with the other zone to drive there"});
-    return nullptr;
+  if (listens && heard.format != own_.format) others_.push_back(heard.format);
+  if (listens && !zone::same_ways(*zone_, rtm->zone())) {
+    log('w',
+        "the broker keeps zone '" + rtm->zone().name + "', whose ways are not those of '" + zone_->name +
+            "', on which this plant's vehicles stand; the plant keeps its own zone" +
+            (publish_ ? " and hands it over to everybody" : "") +
+            ": to drive in the other, start the plant with that zone's file, or switch to it now",
+        effects);
+    return std::nullopt;
   }
-  due_.reset();
-  own_ = std::move(heard);
-  zone_ = rtm->zone();
-  const std::uint64_t beacons = zone_.beacons ? std::uint64_t{zone_.beacons->columns} * zone_.beacons->rows : 0;
-  effects.emplace_back(wire::Log{'i', "took over zone '" + zone_.name +
-                                          "' as it was edited: " + std::to_string(zone_.tags.size()) + " tags, " +
-                                          std::to_string(beacons) + " beacons"});
-  return &zone_;
+  due_ = false;
+  return take(std::move(heard), *rtm, effects);
+}
+
+Result<ZoneExchange::News> ZoneExchange::switch_to(zone::ZoneConfiguration given, wire::Effects& effects) {
+  const auto rtm = zone::Rtm::initialise(given);
+  if (!rtm) return tl::unexpected(rtm.error());
+  if (given.format != own_.format) others_.push_back(own_.format);
+  News news = take(std::move(given), *rtm, effects);
+  publish(effects);
+  return news;
+}
+
+ZoneExchange::News ZoneExchange::take(zone::ZoneConfiguration given, const zone::Rtm& rtm, wire::Effects& effects) {
+  News news{rtm.share_zone(), zone::same_ways(*zone_, rtm.zone())};
+  const std::uint64_t beacons =
+      news.zone->beacons ? std::uint64_t{news.zone->beacons->columns} * news.zone->beacons->rows : 0;
+  if (news.same_ways) {
+    log('i',
+        "took over zone '" + news.zone->name + "' as it was edited: " + std::to_string(news.zone->tags.size()) +
+            " tags, " + std::to_string(beacons) + " beacons",
+        effects);
+  } else {
+    log('i',
+        "switched from zone '" + zone_->name + "' to '" + news.zone->name +
+            "': " + std::to_string(news.zone->circuit.size()) + " sections; each vehicle is on it as soon as it stands",
+        effects);
+  }
+  own_ = std::move(given);
+  zone_ = news.zone;
+  return news;
 }
 
 }  // namespace cosiva::physical

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "base/result.h"
 #include "base/time.h"
 #include "wire/core.h"
 #include "zone/rtm/rtm.h"
@@ -11,32 +14,46 @@
 namespace cosiva::physical {
 
 /// The zone's configuration between the plant and the broker. The plant hands its own over, retained, and takes back
-/// what an operator edited of it meanwhile: other tags, beacons or priorities on the same ways.
+/// what comes of it: other tags, beacons or priorities on the same ways, or, while it runs, another zone altogether.
 class ZoneExchange {
  public:
   /// So long a plant whose link came up listens before it hands over its own zone: what the broker keeps arrives in a
-  /// few milliseconds, and the operator's edits in it outlive the plant.
+  /// few milliseconds, and the operator's edits in it outlive the plant. A zone with other ways does not: what is
+  /// painted on the floor is the plant's to say.
   static constexpr SimDuration listens_for = std::chrono::milliseconds{300};
+
+  /// A zone to take over.
+  struct News {
+    std::shared_ptr<const zone::TrafficZone> zone;
+    bool same_ways;  ///< only its tags, beacons, stations or priorities differ
+  };
 
   /// @param own      the configuration to hand over
   /// @param zone     the same, read
   /// @param publish  whether to hand it over at all
-  ZoneExchange(zone::ZoneConfiguration own, zone::TrafficZone zone, bool publish);
+  ZoneExchange(zone::ZoneConfiguration own, std::shared_ptr<const zone::TrafficZone> zone, bool publish);
 
   void on_link(bool up, SimTime at);
-  /// A message of a zone topic. Gives the zone when its tags or beacons are to be taken over; what it cannot take it
-  /// logs.
-  [[nodiscard]] const zone::TrafficZone* on_message(std::string_view topic, std::string_view text,
-                                                    wire::Effects& effects);
+  /// A message of a zone topic. Gives the zone where it is to be taken over; what it cannot take it logs.
+  [[nodiscard]] std::optional<News> on_message(std::string_view topic, std::string_view payload, SimTime at,
+                                               wire::Effects& effects);
+  /// The physical side's new zone by its own hand: published retained, and what the broker kept in another format
+  /// cleared. Fails where it cannot be read; then nothing changes.
+  [[nodiscard]] Result<News> switch_to(zone::ZoneConfiguration given, wire::Effects& effects);
   void tick(SimTime at, wire::Effects& effects);
 
   [[nodiscard]] const zone::ZoneConfiguration& configuration() const { return own_; }
 
  private:
+  [[nodiscard]] News take(zone::ZoneConfiguration given, const zone::Rtm& rtm, wire::Effects& effects);
+  void publish(wire::Effects& effects);
+
   zone::ZoneConfiguration own_;
-  zone::TrafficZone zone_;
+  std::shared_ptr<const zone::TrafficZone> zone_;
   bool publish_;
-  std::optional<SimTime> due_;
+  std::optional<SimTime> listens_until_;
+  bool due_{false};                  ///< hands over when it has listened
+  std::vector<std::string> others_;  ///< formats in which the broker keeps zones that are not ours
 };
 
 }  // namespace cosiva::physical

@@ -8,6 +8,8 @@
 
 #include "virtual/server/ahead.h"
 #include "virtual/server/commands.h"
+#include "virtual/server/map_desk.h"
+#include "virtual/server/missions.h"
 #include "virtual/server/order_roller.h"
 #include "virtual/server/outbox.h"
 #include "virtual/server/pause_desk.h"
@@ -23,10 +25,10 @@
 
 namespace cosiva::virtual_side {
 
-/// The server's parts and how news travels between them. server_core.cpp: life and links; zone.cpp: zones and their
-/// edits; operator.cpp: what is asked of it; virtual_world.cpp: what is added only virtually; memory.cpp: what is kept
-/// over a crash; reports.cpp and own_reports.cpp: what vehicles say; snapshot.cpp and vehicle_json.cpp: what the page
-/// reads.
+/// The server's parts and how news travels between them. server_core.cpp: life and links; zone.cpp: zones as they come
+/// and their edits; zone_switch.cpp: from one zone to another while vehicles drive; operator.cpp: what is asked of it;
+/// virtual_world.cpp: what is added only virtually; memory.cpp: what is kept over a crash; reports.cpp and
+/// own_reports.cpp: what vehicles say; snapshot.cpp and vehicle_json.cpp: what the page reads.
 struct ServerCore::Inside {
   explicit Inside(ServerOptions given);
 
@@ -42,13 +44,29 @@ struct ServerCore::Inside {
   std::optional<VehicleIndex> register_vehicle(const wire::VehicleId& id);
 
   // zone.cpp
-  void on_zone(const zone::ZoneConfiguration& configuration, bool from_broker);
+  /// How a configuration came: it was given, somebody published it just now, or the broker had kept it.
+  enum class ZoneCame { given, published, retained };
+  void on_zone(const zone::ZoneConfiguration& configuration, ZoneCame came);
+  [[nodiscard]] bool waits_for_others(const zone::ZoneConfiguration& configuration, ZoneCame came);
+  void take_waiting_zone();
   bool take_zone(const zone::ZoneConfiguration& configuration);
   void drive_on(const std::shared_ptr<const zone::TrafficZone>& zone);
   void start_over(const std::shared_ptr<const zone::TrafficZone>& zone);
   void publish_zone();
   void take_priority(VehicleIndex vehicle);
   void edit_zone(const JsonValue& command);
+  void switch_zone(const JsonValue& command);
+
+  // zone_switch.cpp
+  [[nodiscard]] Result<zone::ZoneConfiguration> switch_wanted(const JsonValue& command) const;
+  void note_refused(const std::string& origin, const std::string& why);
+  void note_switch(std::string from);
+  void follow_switch();
+  [[nodiscard]] bool changing_map(VehicleIndex vehicle) const;
+  [[nodiscard]] bool all_stand_off_old_map() const;
+  [[nodiscard]] bool nobody_changes_map() const;
+  [[nodiscard]] std::string parked(VehicleIndex vehicle) const;
+  void write_zone(JsonWriter& json) const;
 
   // operator.cpp
   [[nodiscard]] Result<void> check_command(std::string_view json) const;
@@ -60,7 +78,6 @@ struct ServerCore::Inside {
   bool add_aiv(const std::string& serial, zone::Place place);
   void remove_aiv(VehicleIndex vehicle);
   void place_recalled_aivs();
-  void resettle_aivs();
   void silence_orphans();
   void update_virtual_world();
   void look_for_passed_obstacles();
@@ -124,7 +141,9 @@ struct ServerCore::Inside {
   Traffic traffic;
   ActionDesk desk;
   Simulator simulator;
+  Missions missions;
   OrderRoller roller;
+  MapDesk maps;
   Commands commands;
   VirtualFleet fleet;
   PauseDesk pauses;
@@ -133,6 +152,28 @@ struct ServerCore::Inside {
   ZoneEdits edits;
   std::optional<WayMap> map;
 
+  /// The last time that the zone became another one while vehicles were there.
+  struct Switched {
+    SimTime at{};
+    std::string from;
+    bool sent_off{false};  ///< nobody moves on the old map any more
+    bool counted{false};   ///< everybody is on the new one, or has been given up
+    std::optional<SimTime> first_moving;
+    std::size_t anchored{0};
+    std::vector<std::string> parked;
+  };
+  std::optional<Switched> switched;
+  struct Refused {
+    SimTime at{};
+    std::string origin;
+    std::string why;
+  };
+  std::optional<Refused> refused_zone;
+  bool zone_switched_here{false};  ///< the zone in force was asked for as a command: nobody else serves it
+  /// Retained configurations of a new connection: each waits until all are there.
+  std::optional<zone::ZoneConfiguration> waiting_zone;
+  bool zone_confirmed{false};  ///< the one in force is among them
+
   /// What was remembered and waits: the zone's edits for the zone, the virtual AIVs for the vehicles to be known.
   struct RecalledAiv {
     std::string serial;
@@ -140,6 +181,8 @@ struct ServerCore::Inside {
     double s_m;
   };
   std::optional<JsonValue> recalled_zone;
+  std::optional<zone::ZoneConfiguration>
+      recalled_given;  ///< the zone that the one in `recalled_zone` took the place of
   std::vector<RecalledAiv> recalled_aivs;
   std::vector<std::string> recalled_pauses;
   std::string remembered;

@@ -84,7 +84,7 @@ std::string ServerCore::Inside::memory() const {
     json.begin_object().field("id", serial).field("section", section).field("s", s_m).end_object();
   };
   for (const VirtualFleet::Host& host : fleet.hosts()) {
-    const zone::Place place = host.aiv.place();
+    const zone::Place place = VirtualFleet::place_of(host, *simulator.circuit());
     write_aiv(registry[host.vehicle].id.serial_number, simulator.circuit()->part(place.section).name,
               std::nearbyint(place.s_m * 1000.0) / 1000.0);
   }
@@ -93,7 +93,10 @@ std::string ServerCore::Inside::memory() const {
   for (const AivProxy& proxy : registry)
     if (proxy.paused_for_body) json.value(proxy.name);
   json.end_array();
-  if (edits.edited(simulator)) edits.write_memory(json.key("zone"), simulator);
+  if (zone_switched_here || edits.edited(simulator)) edits.write_memory(json.key("zone"), simulator);
+  // Only who switched here is asked again; its own beginning would be the zone from before.
+  if (zone_switched_here && options.zone) zone::write_json(json.key("given"), *options.zone);
+  if (missions.worth_remembering()) missions.write_memory(json.key("traffic"));
   json.end_object();
   return json.take();
 }
@@ -119,6 +122,11 @@ void ServerCore::Inside::recall(std::string_view bytes) {
     return;
   }
   recall_things(*memory);
+  if (const JsonValue* given = memory->find("given")) {
+    const auto configuration = zone::zone_configuration_from_json(*given);
+    recalled_given = configuration ? std::optional{*configuration} : std::nullopt;
+  }
+  if (const JsonValue* traffic_memory = memory->find("traffic")) missions.recall(*traffic_memory);
   if (const JsonValue* zone = memory->find("zone")) {
     recalled_zone = *zone;
     if (simulator.zone()) recall_zone();
@@ -157,13 +165,23 @@ void ServerCore::Inside::recall_zone() {
   if (!recalled_zone) return;
   const JsonValue memory = std::move(*std::exchange(recalled_zone, std::nullopt));
   ZoneEdits::Recalled recalled = ZoneEdits::recalled(memory, *simulator.configuration());
+  // It was switched from the zone that it is given at every start.
+  const auto given = std::exchange(recalled_given, std::nullopt);
+  if (recalled.fit == ZoneEdits::Recalled::Fit::another && given && options.zone &&
+      same_content(*given, *options.zone) && same_content(*given, *simulator.configuration())) {
+    if (!take_zone(recalled.base)) return;
+    switched.reset();
+    zone_switched_here = true;
+    edits.begin(recalled.base, ZoneEdits::Origin::own);
+    recalled.fit = ZoneEdits::Recalled::Fit::base;
+  }
   if (recalled.fit == ZoneEdits::Recalled::Fit::another) {
     outbox.log('w', "the zone is another one than the remembered edits were made on; they are left out");
     return;
   }
   const bool to_be_taken = recalled.fit == ZoneEdits::Recalled::Fit::base;
   if (to_be_taken && !take_zone(recalled.made)) return;
-  edits.restore(std::move(recalled));
+  if (!same_content(recalled.made, recalled.base)) edits.restore(std::move(recalled));
   if (to_be_taken) publish_zone();
 }
 

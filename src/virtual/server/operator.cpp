@@ -8,7 +8,8 @@
 namespace cosiva::virtual_side {
 namespace {
 
-constexpr std::size_t command_bytes_max = 64U << 10U;
+/// A zone's whole configuration may be in it.
+constexpr std::size_t command_bytes_max = 64U << 20U;
 constexpr std::size_t obstacle_id_bytes_max = 64;
 constexpr double obstacle_radius_m_min = 0.02;
 constexpr double obstacle_radius_m_max = 1.0;
@@ -87,6 +88,8 @@ Result<void> ServerCore::Inside::check_command(std::string_view json) const {
   if (ThingsDesk::is_ours(verb)) return verdict(things.read(*command));
   if (ZoneEdits::is_ours(verb)) return verdict(edits.after(*command, simulator));
   if (is_world_command(verb)) return verdict(world_command(*command));
+  if (Missions::is_ours(verb)) return missions.check(*command);
+  if (verb == "switch") return verdict(switch_wanted(*command));
   return commands.check(json);
 }
 
@@ -105,6 +108,13 @@ void ServerCore::Inside::on_command(std::string_view json) {
     if (!message) return refuse(message.error());
     traces.add(now, "AIV_Server", "emulated world", verb, message->payload, message->topic, message->payload);
     outbox.publish(std::move(message->topic), std::move(message->payload), message->qos, message->retained);
+  } else if (Missions::is_ours(verb)) {
+    const auto checked = missions.check(*command);
+    if (!checked) return refuse(checked.error());
+    missions.follow(*command);
+    memory_stale = true;
+  } else if (verb == "switch") {
+    switch_zone(*command);
   } else {
     commands.issue(json);
   }

@@ -64,7 +64,7 @@ std::string to_json(const ServerOptions& options) {
       .field("event_p99_ms", options.contract.event_p99_ms)
       .field("effect_p99_ms", options.contract.effect_p99_ms)
       .end_object();
-  json.field("traces_max", options.traces_max).end_object();
+  json.field("traces_max", options.traces_max).field("map_download_link", options.map_download_link).end_object();
   return json.take();
 }
 
@@ -81,6 +81,7 @@ Result<ServerOptions> server_options_from_json(std::string_view text) {
   auto traces = static_cast<double>(options.traces_max);
   if (auto r = read_positive(*json, "traces_max", 1e7, traces); !r) return tl::unexpected(r.error());
   options.traces_max = static_cast<std::size_t>(traces);
+  options.map_download_link = json->text("map_download_link").value_or("");
   return options;
 }
 

@@ -10,7 +10,6 @@
 namespace cosiva::virtual_side {
 namespace {
 
-constexpr double base_m_max = 8.0;
 /// Beyond a third of a half turn it does not stand along its section, and cannot follow it.
 constexpr double heading_off_rad_max = pi / 3.0;
 
@@ -36,6 +35,9 @@ void OrderRoller::set_map(const WayMap* map) {
   for (VehicleIndex v = 0; v < plans_.size(); ++v) {
     plans_[v].standing = {};
     plans_[v].base_end = no_waypoint;
+    plans_[v].way_of = 0;
+    plans_[v].no_way.reset();
+    plans_[v].anchor.reset();
     // What was ordered on the old zone leads nowhere on the new one.
     if (plans_[v].stage == Plan::Stage::running) cancel(v);
   }
@@ -43,8 +45,11 @@ void OrderRoller::set_map(const WayMap* map) {
 
 void OrderRoller::set_standing(VehicleIndex vehicle, const Standing& standing) {
   plans_[vehicle].standing = standing;
-  const bool in_the_way = standing.place && standing.off_m <= rules_.on_way_m;
-  traffic_.set_place(vehicle, in_the_way ? standing.place : std::nullopt);
+  follow_line(vehicle);
+  const Standing& now = plans_[vehicle].standing;
+  const bool in_the_way = now.place && (now.off_m <= rules_.on_way_m || plans_[vehicle].anchor);
+  if (now.place) traffic_.follow(vehicle, *now.place);
+  traffic_.set_place(vehicle, in_the_way ? now.place : std::nullopt);
 }
 
 void OrderRoller::on_state(VehicleIndex vehicle, const wire::State* before) {
@@ -85,7 +90,7 @@ void OrderRoller::follow(VehicleIndex vehicle, const wire::State& state) {
   const bool same_end = state.order_update_id == plan.update_id && end_sequence == plan.base_end_sequence;
   if (state.node_states.empty()) {
     // Cancelled by somebody, forgotten in a restart, or driven to a dead end.
-    const bool way_goes_on = map_->stretch(plan.base_end).to != no_waypoint;
+    const bool way_goes_on = !map_->stretches(plan.base_end).empty();
     if (way_goes_on || same_end) drop(plan, vehicle);
     return;
   }
@@ -101,10 +106,10 @@ void OrderRoller::follow(VehicleIndex vehicle, const wire::State& state) {
 void OrderRoller::adopt(VehicleIndex vehicle, const wire::State& state) {
   Plan& plan = plans_[vehicle];
   const auto [end_id, end_sequence] = base_end_of(state);
-  const auto end = map_->find(end_id);
-  const bool ours = end && std::ranges::all_of(state.node_states, [&](const wire::NodeState& node) {
-                      return map_->find(node.node_id).has_value();
-                    });
+  const auto ends = map_->find(end_id);
+  const bool ours = !ends.empty() && std::ranges::all_of(state.node_states, [&](const wire::NodeState& node) {
+    return !map_->find(node.node_id).empty();
+  });
   if (!ours || state.order_id.empty()) {
     if (plan.strange_order != state.order_id) {
       plan.strange_order = state.order_id;
@@ -119,12 +124,31 @@ void OrderRoller::adopt(VehicleIndex vehicle, const wire::State& state) {
   plan.update_id = state.order_update_id;
   plan.acknowledged = true;
   plan.ever_acknowledged = true;
-  plan.base_end = *end;
+  plan.base_end = adopt_course(vehicle, state).value_or(ends.front());
   plan.base_end_sequence = end_sequence;
   plan.payload.clear();
-  traffic_.set_base_end(vehicle, *end);
+  traffic_.set_base_end(vehicle, plan.base_end);
   outbox_.log('i', registry_[vehicle].name + ": took over order '" + plan.order_id + "', update " +
                        std::to_string(plan.update_id) + ", base up to " + std::string(end_id));
+}
+
+std::optional<WaypointIndex> OrderRoller::adopt_course(VehicleIndex vehicle, const wire::State& state) {
+  Plan& plan = plans_[vehicle];
+  plan.way_of = 0;
+  if (!plan.standing.place) return std::nullopt;
+  std::vector<std::string_view> ids;
+  std::size_t released = 0;
+  for (const wire::NodeState& node : state.node_states) {
+    ids.emplace_back(node.node_id);
+    if (node.released) released = ids.size();
+  }
+  if (released == 0) return std::nullopt;
+  auto through = map_->through(*plan.standing.place, ids, released);
+  if (!through) return std::nullopt;
+  // What lies beyond its base is for its mission to say.
+  through->sections.resize(through->to_end);
+  take_course(vehicle, zone::Course(std::move(through->sections)));
+  return through->end;
 }
 
 bool OrderRoller::refused(const Plan& plan, const wire::State& state, const wire::State* before,
@@ -164,6 +188,9 @@ void OrderRoller::drop(Plan& plan, VehicleIndex vehicle) {
   plan.acknowledged = false;
   plan.ever_acknowledged = false;
   plan.base_end = no_waypoint;
+  plan.anchor.reset();
+  // Sent again, it would take the next order.
+  if (plan.cancel_ticket != 0) desk_.drop(std::exchange(plan.cancel_ticket, 0));
   traffic_.set_base_end(vehicle, no_waypoint);
 }
 
@@ -171,8 +198,9 @@ void OrderRoller::cancel(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
   plan.stage = Plan::Stage::cancelling;
   plan.cancelled_at = outbox_.now();
-  desk_.send(registry_[vehicle], vehicle, {{"cancelOrder", {}, {}, wire::BlockingType::hard, {}}},
-             std::chrono::seconds{3}, false);
+  if (plan.cancel_ticket != 0) desk_.drop(plan.cancel_ticket);
+  plan.cancel_ticket = desk_.send(registry_[vehicle], vehicle, {{"cancelOrder", {}, {}, wire::BlockingType::hard, {}}},
+                                  std::chrono::seconds{3}, false);
 }
 
 void OrderRoller::stop_rolling(VehicleIndex vehicle) {
@@ -182,11 +210,11 @@ void OrderRoller::stop_rolling(VehicleIndex vehicle) {
   plan.cancelled_at = outbox_.now();
 }
 
-void OrderRoller::tick(bool drive, SimDuration lost_after) {
+void OrderRoller::tick(bool drive, bool send_off, SimDuration lost_after) {
   if (map_ == nullptr) return;
   for (VehicleIndex v = 0; v < plans_.size(); ++v) {
     traffic_.update();
-    step(v, drive, lost_after);
+    step(v, drive, send_off, lost_after);
   }
 }
 
@@ -197,12 +225,13 @@ bool OrderRoller::may_roll(VehicleIndex vehicle, SimDuration lost_after) const {
       proxy.lost(outbox_.now(), lost_after))
     return false;
   const wire::State& state = *proxy.state;
-  return proxy.position_known && standing.place && standing.off_m <= rules_.on_circuit_m &&
-         std::fabs(standing.heading_off_rad) <= heading_off_rad_max &&
+  const bool this_map = proxy.map_id.empty() || proxy.map_id == map_->zone().name;
+  const bool along = std::fabs(standing.heading_off_rad) <= heading_off_rad_max || goes_onto_line(vehicle);
+  return proxy.position_known && this_map && standing.place && standing.off_m <= rules_.on_circuit_m && along &&
          state.operating_mode == wire::OperatingMode::automatic && !state.paused && state.e_stop == wire::EStop::none;
 }
 
-void OrderRoller::step(VehicleIndex vehicle, bool drive, SimDuration lost_after) {
+void OrderRoller::step(VehicleIndex vehicle, bool drive, bool send_off, SimDuration lost_after) {
   Plan& plan = plans_[vehicle];
   AivProxy& proxy = registry_[vehicle];
   const SimTime now = outbox_.now();
@@ -220,7 +249,9 @@ void OrderRoller::step(VehicleIndex vehicle, bool drive, SimDuration lost_after)
   plan.waits_for_crossing.reset();
   plan.waits_for_vehicle = no_vehicle;
   const bool busy_elsewhere = plan.stage == Plan::Stage::none && proxy.state && !proxy.state->node_states.empty();
-  if (!drive || plan.stage == Plan::Stage::cancelling || busy_elsewhere || !may_roll(vehicle, lost_after) ||
+  const bool stays =
+      plan.stage == Plan::Stage::none && (!send_off || missions_.stands_at(vehicle, position(plan.standing.X_MB)));
+  if (!drive || plan.stage == Plan::Stage::cancelling || busy_elsewhere || stays || !may_roll(vehicle, lost_after) ||
       now < plan.wait_until) {
     traffic_.withdraw(vehicle);  // who cannot use its turn must not block the others
     plan.waits_since.reset();
@@ -229,64 +260,52 @@ void OrderRoller::step(VehicleIndex vehicle, bool drive, SimDuration lost_after)
   if (plan.stage == Plan::Stage::running && now - plan.sent_at < rules_.update_period) return;
 
   const auto from = start_of_extension(vehicle);
-  if (!from) return;
-  extend(vehicle, *from);
-  if (!extension_.empty()) send(vehicle, from->from);
+  extension_.clear();
+  if (from) extend(vehicle, *from);
+  if (!extension_.empty()) send(vehicle, *from);
   note_waiting(plan, now);
-}
-
-std::optional<OrderRoller::Extension> OrderRoller::start_of_extension(VehicleIndex vehicle) {
-  Plan& plan = plans_[vehicle];
-  const zone::Place place = *plan.standing.place;
-  if (plan.stage == Plan::Stage::running) {
-    if (const auto left_m = map_->base_left(place, plan.base_end, base_m_max)) return Extension{plan.base_end, *left_m};
-    outbox_.log('w', registry_[vehicle].name + ": is not where its order leads; cancelled, a new one follows");
-    cancel(vehicle);
-    plan.wait_until = outbox_.now() + rules_.after_refusal;
-    return std::nullopt;
-  }
-  const WaypointIndex behind = map_->behind(place);
-  if (behind == no_waypoint) return std::nullopt;
-  const auto since_m = map_->ahead(map_->waypoint(behind).place, place, base_m_max);
-  return Extension{behind, -since_m.value_or(0.0)};
 }
 
 void OrderRoller::extend(VehicleIndex vehicle, const Extension& from) {
   Plan& plan = plans_[vehicle];
-  extension_.clear();
   WaypointIndex at = from.from;
+  std::size_t passed = 0;
   double reach_m = from.reach_m;
   double must_reach_m = 0.0;  // a granted chain is released whole: nobody stands in a crossing for lack of base
   while (extension_.size() < rules_.base_nodes_max && (reach_m < rules_.base_ahead_m || reach_m < must_reach_m)) {
-    const WayMap::Stretch& stretch = map_->stretch(at);
-    if (stretch.to == no_waypoint) break;
-    const double next_m = reach_m + stretch.length_m;
-    if (next_m > traffic_.reach_m(vehicle)) {
-      plan.waits_for_vehicle = traffic_.ahead(vehicle).vehicle;
+    const WayMap::Stretch* stretch = next_stretch(vehicle, at, passed);
+    if (stretch == nullptr) break;
+    const double next_m = reach_m + stretch->length_m;
+    if (next_m > traffic_.reach_m(vehicle, next_m)) {
+      plan.waits_for_vehicle = traffic_.ahead_within(vehicle, next_m + traffic_.standing_m()).vehicle;
       break;
     }
-    if (stretch.crosses && !traffic_.holds_all(vehicle, next_m)) {
-      if (!enter(vehicle, at, reach_m)) break;
-      must_reach_m = reach_m + stretch.chain_m - 1e-6;
+    if (stretch->crosses && !traffic_.holds_all(vehicle, next_m)) {
+      const Sections coming = Sections{way_}.subspan(passed);
+      const WaypointIndex goal = missions_.complete(vehicle) ? missions_.goal(vehicle) : no_waypoint;
+      const double chain_m = map_->chain(at, coming, goal).length_m;
+      if (!enter(vehicle, reach_m, reach_m + chain_m)) break;
+      must_reach_m = reach_m + chain_m - 1e-6;
     }
-    extension_.push_back(stretch.to);
-    at = stretch.to;
+    extension_.push_back(stretch);
+    at = stretch->to;
+    passed += stretch->sections.size();
     reach_m = next_m;
   }
 }
 
-bool OrderRoller::enter(VehicleIndex vehicle, WaypointIndex stop, double reach_m) {
+bool OrderRoller::enter(VehicleIndex vehicle, double stop_m, double exit_m) {
   Plan& plan = plans_[vehicle];
   const TrafficRules rules;
-  if (reach_m > rules.request_within_m) return false;
-  const auto answer = traffic_.request(vehicle, stop, reach_m);
+  if (stop_m > rules.request_within_m) return false;
+  const auto answer = traffic_.request(vehicle, exit_m);
   if (answer.granted) return true;
   plan.waits_for_crossing = answer.waits_for;
   plan.waits_for_vehicle = answer.blocked_by;
   return false;
 }
 
-void OrderRoller::send(VehicleIndex vehicle, WaypointIndex first) {
+void OrderRoller::send(VehicleIndex vehicle, const Extension& from) {
   Plan& plan = plans_[vehicle];
   AivProxy& proxy = registry_[vehicle];
   const bool is_new = plan.stage == Plan::Stage::none;
@@ -313,16 +332,12 @@ void OrderRoller::send(VehicleIndex vehicle, WaypointIndex first) {
                            wire::NodePosition{point.x_m, point.y_m, {}, deviation_m, {}, map_->zone().name},
                            {}});
   };
-  double first_deviation_m = rules_.deviation_m;
-  if (is_new) {
-    const auto since_m = map_->ahead(map_->waypoint(first).place, *plan.standing.place, base_m_max);
-    first_deviation_m += since_m.value_or(0.0) + plan.standing.off_m;
-  }
-  add_node(first, true, first_deviation_m);
+  const double to_first_m = is_new ? std::fabs(from.reach_m) + plan.standing.off_m : 0.0;
+  add_node(from.from, true, rules_.deviation_m + to_first_m);
 
-  WaypointIndex at = first;
-  const auto add_stretch = [&](bool released) {
-    const WayMap::Stretch& stretch = map_->stretch(at);
+  WaypointIndex at = from.from;
+  std::size_t passed = 0;
+  const auto add_stretch = [&](const WayMap::Stretch& stretch, bool released) {
     order.edges.push_back({stretch.edge_id,
                            sequence + 1,
                            released,
@@ -335,15 +350,20 @@ void OrderRoller::send(VehicleIndex vehicle, WaypointIndex first) {
     sequence += 2;
     add_node(stretch.to, released, rules_.deviation_m);
     at = stretch.to;
+    passed += stretch.sections.size();
   };
-  for (std::size_t i = 0; i < extension_.size(); ++i) add_stretch(true);
+  for (const WayMap::Stretch* stretch : extension_) add_stretch(*stretch, true);
   plan.base_end = at;
   plan.base_end_sequence = sequence;
-  for (std::size_t i = 0; i < rules_.horizon && map_->stretch(at).to != no_waypoint; ++i) add_stretch(false);
+  for (std::size_t i = 0; i < rules_.horizon; ++i) {
+    const WayMap::Stretch* stretch = next_stretch(vehicle, at, passed);
+    if (stretch == nullptr) break;
+    add_stretch(*stretch, false);
+  }
 
   const std::string summary = plan.order_id + " update " + std::to_string(plan.update_id) + ": base " +
-                              map_->waypoint(first).id + " to " + map_->waypoint(plan.base_end).id + ", horizon to " +
-                              map_->waypoint(at).id;
+                              map_->waypoint(from.from).id + " to " + map_->waypoint(plan.base_end).id +
+                              ", horizon to " + map_->waypoint(at).id;
   plan.payload = outbox_.send(proxy, order, summary);
   plan.stage = Plan::Stage::running;
   plan.acknowledged = false;

@@ -5,10 +5,12 @@
 #include <vector>
 
 #include "base/digest.h"
+#include "virtual/server/missions.h"
 #include "virtual/server/outbox.h"
 #include "virtual/server/proxy.h"
 #include "virtual/server/traffic.h"
 #include "virtual/server/way_map.h"
+#include "virtual/simulator/simulator.h"
 
 namespace cosiva::virtual_side {
 
@@ -25,13 +27,20 @@ struct RollerRules {
   SimDuration cancel_again{std::chrono::seconds{5}};
 };
 
-/// Rolls orders round the circuit for ever: an idle vehicle gets a new order, whose base is then pushed forward by
+/// Rolls orders along each vehicle's mission: an idle vehicle gets a new order, whose base is then pushed forward by
 /// updates stitched at the last base node, as far as traffic allows. One update is on its way at a time, and is sent
-/// again unchanged until the vehicle's state acknowledges it.
+/// again unchanged until the vehicle's state acknowledges it. order_way.cpp finds the way, order_roller.cpp keeps the
+/// orders.
 class OrderRoller {
  public:
-  OrderRoller(Registry& registry, Traffic& traffic, Outbox& outbox, ActionDesk& desk)
-      : registry_{registry}, traffic_{traffic}, outbox_{outbox}, desk_{desk} {}
+  OrderRoller(Registry& registry, Traffic& traffic, Outbox& outbox, ActionDesk& desk, Missions& missions,
+              Simulator& simulator)
+      : registry_{registry},
+        traffic_{traffic},
+        outbox_{outbox},
+        desk_{desk},
+        missions_{missions},
+        simulator_{simulator} {}
 
   void set_map(const WayMap* map);  ///< takes back what was ordered on the old zone
   void resize(std::size_t vehicles) { plans_.resize(vehicles); }
@@ -42,16 +51,25 @@ class OrderRoller {
   void stop_rolling(VehicleIndex vehicle);
   /// It has been taken away.
   void forget(VehicleIndex vehicle) { plans_[vehicle] = {}; }
-  /// @param drive  give orders at all; otherwise only what is on its way is followed
-  void tick(bool drive, SimDuration lost_after);
+  /// @param drive     give orders at all; otherwise only what is on its way is followed
+  /// @param send_off  give orders to those that have none
+  void tick(bool drive, bool send_off, SimDuration lost_after);
 
   /// Is this vehicle's last reported place good enough to drive from; set by the server at each report.
   struct Standing {
     std::optional<zone::Place> place;  ///< nearest on the circuit
     double off_m{};
     double heading_off_rad{};
+    Pose2 X_MB{};
   };
   void set_standing(VehicleIndex vehicle, const Standing& standing);
+
+  /// What it was ordered to do is seen: it has an order, on the zone that is there now.
+  [[nodiscard]] bool has_order(VehicleIndex vehicle) const { return plans_[vehicle].stage == Plan::Stage::running; }
+  /// Where it stands beside the line and goes onto it; nothing: it is on the line, or has not been sent there.
+  [[nodiscard]] const std::optional<zone::Place>& anchor(VehicleIndex vehicle) const { return plans_[vehicle].anchor; }
+  /// Of those that stand off the line: the mission's goal is where somebody else stands.
+  [[nodiscard]] std::string stands_at_goal(VehicleIndex vehicle) const;
 
   /// Why it does not go on: a crossing or a vehicle; empty when nothing holds it.
   [[nodiscard]] std::string waits_for(VehicleIndex vehicle) const;
@@ -81,6 +99,10 @@ class OrderRoller {
     std::optional<CrossingIndex> waits_for_crossing;
     VehicleIndex waits_for_vehicle{no_vehicle};
     std::optional<SimTime> waits_since;
+    ActionDesk::Ticket cancel_ticket{0};    ///< of the cancelOrder on its way; 0: none
+    std::uint64_t way_of{0};                ///< the missions' revision that its course was planned for; 0: none
+    std::optional<zone::SectionId> no_way;  ///< there is none from here
+    std::optional<zone::Place> anchor;      ///< where it comes onto the line
   };
   struct Extension {
     WaypointIndex from{no_waypoint};
@@ -89,26 +111,42 @@ class OrderRoller {
 
   void follow(VehicleIndex vehicle, const wire::State& state);
   void adopt(VehicleIndex vehicle, const wire::State& state);
+  [[nodiscard]] std::optional<WaypointIndex> adopt_course(VehicleIndex vehicle, const wire::State& state);
   bool refused(const Plan& plan, const wire::State& state, const wire::State* before, std::string& why) const;
   void give_up(VehicleIndex vehicle, const wire::State& state, const std::string& why);
   void drop(Plan& plan, VehicleIndex vehicle);
   void cancel(VehicleIndex vehicle);
   [[nodiscard]] bool may_roll(VehicleIndex vehicle, SimDuration lost_after) const;
-  void step(VehicleIndex vehicle, bool drive, SimDuration lost_after);
-  [[nodiscard]] std::optional<Extension> start_of_extension(VehicleIndex vehicle);
+  void step(VehicleIndex vehicle, bool drive, bool send_off, SimDuration lost_after);
   void extend(VehicleIndex vehicle, const Extension& from);
-  bool enter(VehicleIndex vehicle, WaypointIndex stop, double reach_m);
-  void send(VehicleIndex vehicle, WaypointIndex first);
+  bool enter(VehicleIndex vehicle, double stop_m, double exit_m);
+  void send(VehicleIndex vehicle, const Extension& from);
+
+  // order_way.cpp
+  [[nodiscard]] std::optional<Extension> start_of_extension(VehicleIndex vehicle);
+  [[nodiscard]] std::optional<Extension> end_of_base(VehicleIndex vehicle);
+  [[nodiscard]] std::optional<Extension> first_node(VehicleIndex vehicle);
+  bool plan_course(VehicleIndex vehicle);
+  bool plan_course_again(VehicleIndex vehicle);
+  bool regain_course(VehicleIndex vehicle);
+  void take_course(VehicleIndex vehicle, zone::Course course);
+  [[nodiscard]] const WayMap::Stretch* next_stretch(VehicleIndex vehicle, WaypointIndex at, std::size_t passed);
+  [[nodiscard]] bool goes_onto_line(VehicleIndex vehicle) const;
+  [[nodiscard]] VehicleIndex in_way_to_line(VehicleIndex vehicle, zone::Place anchor) const;
+  void follow_line(VehicleIndex vehicle);
   void note_waiting(Plan& plan, SimTime now);
 
   Registry& registry_;
   Traffic& traffic_;
   Outbox& outbox_;
   ActionDesk& desk_;
+  Missions& missions_;
+  Simulator& simulator_;
   RollerRules rules_;
   const WayMap* map_{};
   std::vector<Plan> plans_;
-  std::vector<WaypointIndex> extension_;  ///< of the vehicle at hand
+  std::vector<zone::SectionId> way_;               ///< of the vehicle at hand, after its extension's first section
+  std::vector<const WayMap::Stretch*> extension_;  ///< of the vehicle at hand
   SimDuration longest_wait_{};
   std::uint64_t orders_sent_{0};
   std::uint64_t updates_sent_{0};

@@ -99,7 +99,7 @@ void ServerCore::Inside::forget_where_clear(VehicleIndex vehicle, double clear_m
   const double reach_m = 0.5 * shape.length_m + std::min(clear_m, clear_m_max);
   std::vector<Point2> way;
   for (double d = 0.0; d <= reach_m; d += way_step_m) {
-    way.push_back(image.place ? position(simulator.circuit()->pose_at(simulator.circuit()->advance(*image.place, d)))
+    way.push_back(image.place ? position(simulator.circuit()->pose_at(simulator.ahead_of(*proxy.twin, *image.place, d)))
                               : image.X_MB * Point2{d, 0.0});
   }
   std::vector<std::string> gone;

@@ -54,6 +54,7 @@ struct AivProxy {
   std::optional<SimTime> state_stamp;     ///< time stamp of the last state, on its own clock
   std::optional<SimTime> position_stamp;  ///< time stamp of the last position, on its own clock
   std::optional<Pose2> reported;
+  std::string map_id;  ///< that it reported its place on last; empty: it does not say
   bool position_known{false};
   std::optional<SimTime> position_lost_since;
   std::optional<SimTime> init_sent_at;
@@ -85,6 +86,8 @@ struct AivProxy {
   std::uint32_t actions_header_id{0};
   std::uint32_t notes{0};  ///< bits of what was already logged once
 
+  /// Runs our program: it takes the zone from its topic, and goes onto the line by itself.
+  [[nodiscard]] bool ours() const { return augmented || boards || id.manufacturer == wire::our_manufacturer; }
   /// Has a twin that is shown and stands in the way of others.
   [[nodiscard]] bool here() const { return twin.has_value() && !retired; }
   [[nodiscard]] bool online() const { return !connection || *connection == wire::ConnectionState::online; }

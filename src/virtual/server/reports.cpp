@@ -277,6 +277,7 @@ void ServerCore::Inside::on_position(VehicleIndex vehicle, const wire::Header& h
   heard(vehicle, at, false);
   if (!position) return;
   proxy.position_stamp = stamp;
+  proxy.map_id = position->map_id;
   if (!position->position_initialized) {
     proxy.position_known = false;
     if (!proxy.position_lost_since) proxy.position_lost_since = now;
@@ -309,11 +310,13 @@ void ServerCore::Inside::place_twin(VehicleIndex vehicle, SimTime at, const Pose
     report.vy_mps = velocity->vy_mps;
     report.omega_radps = velocity->omega_radps;
   }
+  report.on_map = !map || proxy.map_id.empty() || proxy.map_id == map->zone().name;
   const Twin& twin = simulator.twin(*proxy.twin);
   const std::optional<zone::Place> before = twin.on_circuit() ? std::optional{twin.reported_place()} : std::nullopt;
   simulator.report(*proxy.twin, now, report);
   if (before && twin.on_circuit() && before->section != twin.reported_place().section) trace_section(proxy, *before);
-  if (map) roller.set_standing(vehicle, {twin.reported_place(), twin.reported_off_m(), twin.heading_off_rad()});
+  if (map)
+    roller.set_standing(vehicle, {twin.reported_place(), twin.reported_off_m(), twin.heading_off_rad(), report.X_MB});
 }
 
 void ServerCore::Inside::trace_section(const AivProxy& proxy, zone::Place before) {
@@ -336,7 +339,13 @@ void ServerCore::Inside::tell_base_end(VehicleIndex vehicle) {
     const auto released =
         std::ranges::find_if(state.node_states.rbegin(), state.node_states.rend(), &wire::NodeState::released);
     const std::string& id = released == state.node_states.rend() ? state.last_node_id : released->node_id;
-    if (const auto waypoint = map->find(id)) end = map->waypoint(*waypoint).place;
+    // Of several places of that id the one that it was sent to is meant.
+    const WaypointIndex sent = traffic.base_end(vehicle);
+    const auto known = map->find(id);
+    if (sent != no_waypoint && map->waypoint(sent).id == id)
+      end = map->waypoint(sent).place;
+    else if (!known.empty())
+      end = map->waypoint(known.front()).place;
   }
   proxy.base_end = end;
   simulator.set_base_end(*proxy.twin, end);
@@ -382,6 +391,8 @@ void ServerCore::Inside::help_lost_position(VehicleIndex vehicle) {
   if (!proxy.reported || !map || !proxy.online() || proxy.lost(now, options.lost_after)) return;
   if (proxy.init_sent_at && now - *proxy.init_sent_at < init_again) return;
   if (proxy.supports("initPosition") == std::optional{false}) return;
+  // One that no way comes near stands where it says, and has nothing to be told.
+  if (!parked(vehicle).empty()) return;
   proxy.init_sent_at = now;
   wire::Action action{"initPosition", {}, {}, wire::BlockingType::hard, {}};
   action.parameters = {{"x", proxy.reported->x_m},
@@ -390,8 +401,8 @@ void ServerCore::Inside::help_lost_position(VehicleIndex vehicle) {
                        {"mapId", simulator.zone()->name}};
   const Twin& twin = simulator.twin(*proxy.twin);
   if (twin.on_circuit()) {
-    const WaypointIndex behind = map->behind(twin.reported_place());
-    if (behind != no_waypoint) action.parameters.push_back({"lastNodeId", map->waypoint(behind).id});
+    if (const auto behind = map->behind(twin.reported_place(), traffic.gone(vehicle)))
+      action.parameters.push_back({"lastNodeId", map->waypoint(behind->waypoint).id});
   }
   outbox.log('i', proxy.name + ": does not know where it is; told its last place");
   desk.send(proxy, vehicle, {std::move(action)}, std::chrono::seconds{2}, false);

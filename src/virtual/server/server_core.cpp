@@ -31,7 +31,9 @@ ServerCore::Inside::Inside(ServerOptions given)
       registry{topic_prefix.substr(0, topic_prefix.size() - 1)},
       desk{outbox},
       simulator{options.contract},
-      roller{registry, traffic, outbox, desk},
+      missions{registry, outbox},
+      roller{registry, traffic, outbox, desk, missions, simulator},
+      maps{registry, outbox, desk},
       commands{registry, outbox, desk, roller, simulator},
       fleet{registry, outbox},
       pauses{registry, traffic, outbox, desk, simulator},
@@ -40,7 +42,7 @@ ServerCore::Inside::Inside(ServerOptions given)
 
 void ServerCore::Inside::begin(SimTime) {
   begun = true;
-  if (options.zone) on_zone(*options.zone, false);
+  if (options.zone) on_zone(*options.zone, ZoneCame::given);
 }
 
 Simulator::Step ServerCore::Inside::step_recorder() {
@@ -54,6 +56,9 @@ std::optional<VehicleIndex> ServerCore::Inside::register_vehicle(const wire::Veh
   if (!index) return std::nullopt;
   traffic.resize(registry.size());
   roller.resize(registry.size());
+  missions.resize(registry.size());
+  maps.resize(registry.size());
+  missions.registered(*index);
   ahead.resize(registry.size());
   pauses.resize(registry.size());
   AivProxy& proxy = registry[*index];
@@ -103,7 +108,9 @@ void ServerCore::Inside::on_message(const wire::Input& input) {
   if (topic.starts_with(wire::zone_topic_prefix)) {
     const std::string_view format = topic.substr(wire::zone_topic_prefix.size());
     // An empty retained message takes a zone off the broker; the one that runs stays.
-    if (!input.payload.empty()) on_zone({std::string(format), std::string(topic), input.payload}, true);
+    if (!input.payload.empty())
+      on_zone(zone::from_payload(std::string(format), std::string(topic), input.payload),
+              input.flag ? ZoneCame::retained : ZoneCame::published);
   }
 }
 
@@ -118,12 +125,14 @@ void ServerCore::Inside::on_link(bool up) {
   }
   link_up_at = now;
   is_settled = false;
+  waiting_zone.reset();
+  zone_confirmed = false;
   for (AivProxy& proxy : registry) proxy.state_since_link = false;
   std::string online = connection_json("ONLINE", now);
   traces.add(now, "AIV_Server", "*", "connection", "ONLINE", wire::server_connection_topic, online);
   fleet.message(now, std::string(wire::server_connection_topic), online);
   outbox.publish(std::string(wire::server_connection_topic), std::move(online), 1, true);
-  if (options.zone || edits.edited(simulator)) publish_zone();
+  if (options.zone || zone_switched_here || edits.edited(simulator)) publish_zone();
   next_heartbeat = now;
 }
 
@@ -154,6 +163,7 @@ void ServerCore::Inside::on_tick() {
     next_heartbeat = std::max(next_heartbeat + heartbeat_period, now);
   }
   fleet.tick(now);
+  if (waiting_zone && now - link_up_at >= settle_min) take_waiting_zone();
   if (link_up && !is_settled && settled()) settle();
   if (link_up && is_settled) {
     for (VehicleIndex v = 0; v < registry.size(); ++v) {
@@ -161,7 +171,8 @@ void ServerCore::Inside::on_tick() {
       ask_factsheet(v);
     }
     traffic.set_time(now);
-    roller.tick(options.drive, options.lost_after);
+    follow_switch();
+    roller.tick(options.drive, !switched || switched->sent_off, options.lost_after);
   }
   update_virtual_world();
   look_for_passed_obstacles();
@@ -235,6 +246,7 @@ void ServerCore::fold(Digest& digest) const {
   in.simulator.fold(digest);
   in.traffic.fold(digest);
   in.roller.fold(digest);
+  in.missions.fold(digest);
   in.commands.fold(digest);
   for (const AivProxy& proxy : in.registry) {
     digest.add(std::string_view{proxy.name});
@@ -258,6 +270,8 @@ Result<void> ServerCore::check_command(std::string_view json) const { return ins
 std::uint64_t ServerCore::zone_revision() const { return inside_->simulator.zone_revision(); }
 std::string ServerCore::zone_json() const { return inside_->simulator.zone_json(); }
 std::string ServerCore::next_thing_id(std::string_view kind) const { return inside_->things.next_id(kind); }
+std::shared_ptr<const zone::TrafficZone> ServerCore::zone() const { return inside_->simulator.zone(); }
+
 std::optional<zone::ZoneConfiguration> ServerCore::zone_configuration() const {
   const zone::ZoneConfiguration* configuration = inside_->simulator.configuration();
   return configuration == nullptr ? std::nullopt : std::optional{*configuration};

@@ -23,6 +23,8 @@ struct ServerOptions {
   SimDuration lost_after{std::chrono::seconds{1}};  ///< no report for so long: the vehicle's link is lost
   BijectionContract contract;
   std::size_t traces_max{20'000};  ///< of the communications kept for the page
+  /// Where vehicles that download their maps find the zone's; empty: nowhere, so they are not asked to.
+  std::string map_download_link;
 };
 [[nodiscard]] std::string to_json(const ServerOptions& options);
 [[nodiscard]] Result<ServerOptions> server_options_from_json(std::string_view json);
@@ -34,6 +36,10 @@ struct ServerOptions {
 /// - to vehicles (A6):
 /// {"id":"c1","command":"stop"|"slow"|"medium"|"fast"|"restart"|"cancel","vehicle":"CoSiVA/AIV1"|"*"}, or
 ///   "vehicles":[…] for several: an entry "c1.AIV1" each
+/// - missions: {"command":"go","vehicle":"CoSiVA/AIV1","to":"dock"} (a station or waypoint),
+///   {"command":"circulate","vehicle":…|"*","loop":"outer"?}, {"command":"close","section":"east"},
+///   {"command":"open",…}
+/// - {"command":"switch","zone":{"format","origin","text","companion"?}}: another zone, while everything drives
 /// - only virtual things (A3): {"command":"add","thing":{"id":"V1","kind":"aiv","section","s"|"x","y"}},
 ///   {"command":"add","thing":{"id":"P1","kind":"person"|"obstacle","x","y","radius"?,
 ///   "path":[[x,y]…]?,"speed"?,"repeat":"once"|"back and forth"|"loop"?}},
@@ -90,6 +96,8 @@ class ServerCore final : public wire::Core {
   [[nodiscard]] std::string next_command_id() const;
   /// The zone's configuration with all edits, as it would be saved; nothing while there is no zone.
   [[nodiscard]] std::optional<zone::ZoneConfiguration> zone_configuration() const;
+  /// The zone itself; null while there is none.
+  [[nodiscard]] std::shared_ptr<const zone::TrafficZone> zone() const;
 
  private:
   struct Inside;

@@ -121,6 +121,7 @@ std::string ServerCore::snapshot_json() const {
       .field("redo", static_cast<std::uint64_t>(in.edits.redo_count()))
       .field("unsaved", in.edits.unsaved(in.simulator))
       .end_object();
+  in.write_zone(json);
   json.key("aivs").begin_array();
   for (VehicleIndex v = 0; v < in.registry.size(); ++v)
     if (in.registry[v].here()) in.write_vehicle(json, v);

@@ -292,7 +292,7 @@ std::vector<ThingsDesk::Standing> ThingsDesk::standing() const {
   for (VehicleIndex v = 0; v < registry_.size(); ++v) {
     const AivProxy& proxy = registry_[v];
     if (const VirtualFleet::Host* host = fleet_.find(v)) {
-      all.push_back({proxy.name, position(host->aiv.X_MB()), host->aiv.place()});
+      all.push_back({proxy.name, position(host->aiv.X_MB()), VirtualFleet::place_of(*host, *simulator_.circuit())});
     } else if (proxy.here()) {
       const Twin::Image image = simulator_.image(*proxy.twin, outbox_.now());
       all.push_back({proxy.name, position(image.X_MB), image.place});

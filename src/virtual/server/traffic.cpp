@@ -3,11 +3,17 @@
 #include <algorithm>
 #include <utility>
 
+#include "virtual/simulator/follow.h"
+
 namespace cosiva::virtual_side {
 namespace {
 
-/// No base is longer than this; a base that seems to be has been driven to its end.
-constexpr double base_m_max = 8.0;
+/// A base shorter than this is not measured.
+constexpr double short_base_m = 8.0;
+constexpr double base_slack_m = 0.5;
+/// So far behind somebody is looked for who only follows.
+constexpr double behind_m_max = 8.0;
+constexpr double past_m = 0.25;
 
 bool shares(const std::vector<CrossingIndex>& a, const std::vector<CrossingIndex>& b) {
   return std::ranges::any_of(a, [&](CrossingIndex x) { return std::ranges::find(b, x) != b.end(); });
@@ -24,84 +30,187 @@ void Traffic::set_map(const WayMap* map) {
     fresh.priority = vehicle.priority;
     vehicle = std::move(fresh);
   }
-  dirty_ = true;
+  places_dirty_ = true;
 }
 
 void Traffic::resize(std::size_t vehicles) {
   vehicles_.resize(vehicles);
-  dirty_ = true;
+  places_dirty_ = true;
 }
 
 void Traffic::set_place(VehicleIndex vehicle, std::optional<zone::Place> place) {
   if (vehicles_[vehicle].place == place) return;
   vehicles_[vehicle].place = place;
-  dirty_ = true;
+  if (place) follow(vehicle, *place);
+  places_dirty_ = true;
+}
+
+void Traffic::follow(VehicleIndex vehicle, zone::Place place) {
+  Vehicle& self = vehicles_[vehicle];
+  const bool was_on = std::exchange(self.on_course, virtual_side::follow(self.course, map_->circuit(), place.section));
+  if (was_on != self.on_course) look_again(vehicle);
+}
+
+void Traffic::look_again(VehicleIndex vehicle) {
+  holds_dirty_ = true;
+  if (places_dirty_ || map_ == nullptr) return;
+  vehicles_[vehicle].ahead = vehicles_[vehicle].place ? ahead_within(vehicle, -1.0) : Ahead{};
+}
+
+void Traffic::set_course(VehicleIndex vehicle, zone::Course course) {
+  Vehicle& self = vehicles_[vehicle];
+  self.course = std::move(course);
+  self.on_course = !self.course.empty();
+  if (self.place) follow(vehicle, *self.place);
+  look_again(vehicle);
+}
+
+void Traffic::extend_course(VehicleIndex vehicle, Sections more) {
+  vehicles_[vehicle].course.extend(more);
+  look_again(vehicle);
+}
+
+void Traffic::cut_course(VehicleIndex vehicle, std::size_t keep) {
+  vehicles_[vehicle].course.cut(keep);
+  look_again(vehicle);
 }
 
 void Traffic::set_base_end(VehicleIndex vehicle, WaypointIndex end) {
   if (vehicles_[vehicle].base_end == end) return;
   vehicles_[vehicle].base_end = end;
-  dirty_ = true;
+  measure_base(vehicle);
+  holds_dirty_ = true;
+}
+
+void Traffic::measure_base(VehicleIndex vehicle) {
+  Vehicle& self = vehicles_[vehicle];
+  self.base_m_max = short_base_m;
+  if (self.base_end == no_waypoint || !self.place) return;
+  const auto left_m = map_->base_left(*self.place, self.base_end, std::numeric_limits<double>::max(), coming(vehicle));
+  self.base_m_max = std::max(short_base_m, left_m.value_or(0.0) + base_slack_m);
+}
+
+std::optional<double> Traffic::base_left_m(VehicleIndex vehicle, zone::Place place) const {
+  const Vehicle& self = vehicles_[vehicle];
+  if (self.base_end == no_waypoint) return std::nullopt;
+  const Sections coming =
+      self.course.empty() || self.course.here() != place.section ? Sections{} : this->coming(vehicle);
+  return map_->base_left(place, self.base_end, self.base_m_max, coming);
+}
+
+Traffic::Beyond Traffic::beyond_base(VehicleIndex vehicle, zone::Place place) const {
+  const zone::Place end = map_->waypoint(vehicles_[vehicle].base_end).place;
+  const Sections coming = this->coming(vehicle);
+  // It may have rolled a little past the end.
+  if (const auto past = map_->circuit().shortest_way(end, place, past_m)) {
+    Beyond beyond{0, {past->sections.begin() + 1, past->sections.end()}};
+    beyond.sections.insert(beyond.sections.end(), coming.begin(), coming.end());
+    return beyond;
+  }
+  if (end.section == place.section && end.s_m >= place.s_m) return {0, {coming.begin(), coming.end()}};
+  const auto found = std::ranges::find(coming, end.section);
+  if (found == coming.end()) return {0, {}};
+  return {static_cast<std::size_t>(found - coming.begin()) + 1, {found + 1, coming.end()}};
 }
 
 void Traffic::forget(VehicleIndex vehicle) {
   set_place(vehicle, std::nullopt);
   set_base_end(vehicle, no_waypoint);
+  vehicles_[vehicle].course.clear();
+  vehicles_[vehicle].on_course = false;
   withdraw(vehicle);
 }
 
 double Traffic::standing_m() const { return map_->zone().vehicle.length_m + rules_.gap_m; }
 
 void Traffic::update() {
-  if (map_ == nullptr || !dirty_) return;
-  dirty_ = false;
-  for (VehicleIndex i = 0; i < vehicles_.size(); ++i) find_ahead(i);
+  if (map_ == nullptr || !(places_dirty_ || holds_dirty_)) return;
+  if (std::exchange(places_dirty_, false)) {
+    sort_places();
+    for (VehicleIndex i = 0; i < vehicles_.size(); ++i)
+      vehicles_[i].ahead = vehicles_[i].place ? ahead_within(i, -1.0) : Ahead{};
+  }
+  holds_dirty_ = false;
   settle_holds();
 }
 
-void Traffic::find_ahead(VehicleIndex index) {
-  Vehicle& self = vehicles_[index];
-  self.ahead = {};
-  if (!self.place) return;
-  double limit_m = rules_.look_ahead_m;
-  for (VehicleIndex j = 0; j < vehicles_.size(); ++j) {
-    if (j == index || !vehicles_[j].place) continue;
-    const auto distance_m = map_->ahead(*self.place, *vehicles_[j].place, limit_m);
+void Traffic::sort_places() {
+  by_section_.clear();
+  for (VehicleIndex i = 0; i < vehicles_.size(); ++i)
+    if (vehicles_[i].place) by_section_.emplace_back(vehicles_[i].place->section, i);
+  std::ranges::sort(by_section_);
+}
+
+void Traffic::look_on(zone::SectionId section, double start_m, double from_s_m, double to_s_m, VehicleIndex self,
+                      Ahead& nearest) const {
+  for (auto it = std::ranges::lower_bound(by_section_, std::pair{section, VehicleIndex{0}});
+       it != by_section_.end() && it->first == section; ++it) {
+    const VehicleIndex other = it->second;
+    const double s_m = vehicles_[other].place->s_m;
+    const double distance_m = start_m + (s_m - from_s_m);
+    if (other == self || s_m < from_s_m || s_m > to_s_m || distance_m > nearest.distance_m) continue;
     // Two at the very same place: the lower number is taken to be the one in front, so that one of them can leave.
-    if (!distance_m || (*distance_m == 0.0 && j > index)) continue;
-    self.ahead = {j, *distance_m};
-    limit_m = *distance_m;
+    if (distance_m == 0.0 && other > self) continue;
+    nearest = {other, distance_m};
   }
+}
+
+Traffic::Ahead Traffic::ahead_within(VehicleIndex index, double limit_m) const {
+  const Vehicle& self = vehicles_[index];
+  if (limit_m >= 0.0 && (limit_m <= rules_.look_ahead_m || self.ahead.vehicle != no_vehicle)) return self.ahead;
+  if (!self.place) return {};
+  constexpr double everywhere = std::numeric_limits<double>::infinity();
+  const zone::Circuit& circuit = map_->circuit();
+  const Sections coming = this->coming(index);
+  Ahead nearest{no_vehicle, std::max(limit_m, rules_.look_ahead_m)};
+  zone::SectionId section = self.place->section;
+  look_on(section, 0.0, self.place->s_m, everywhere, index, nearest);
+  double travelled_m = circuit.section(section).length_m() - self.place->s_m;
+  for (std::size_t steps = 0; steps < coming.size() + circuit.size() && travelled_m <= nearest.distance_m; ++steps) {
+    const auto next = circuit.next(section);
+    const zone::SectionId after = steps < coming.size() ? coming[steps]
+                                  : next.empty()        ? zone::no_section
+                                                        : next.front();
+    if (after == zone::no_section) break;
+    // Those on another branch are in the way as long as their bodies have not parted from it.
+    for (const zone::SectionId branch : next)
+      if (branch != after) look_on(branch, travelled_m, 0.0, map_->parted_m(branch), index, nearest);
+    section = after;
+    look_on(section, travelled_m, 0.0, everywhere, index, nearest);
+    travelled_m += circuit.section(section).length_m();
+  }
+  if (nearest.vehicle == no_vehicle) return {};
+  return nearest;
 }
 
 void Traffic::settle_holds() {
-  for (Vehicle& vehicle : vehicles_) {
+  for (VehicleIndex v = 0; v < vehicles_.size(); ++v) {
+    Vehicle& vehicle = vehicles_[v];
     vehicle.needs.clear();
     if (!vehicle.place) continue;
-    double base_m = 0.0;
-    if (vehicle.base_end != no_waypoint)
-      base_m = map_->base_left(*vehicle.place, vehicle.base_end, base_m_max).value_or(0.0);
-    map_->crossings_on(*vehicle.place, base_m, vehicle.needs);
+    const double base_m = base_left_m(v, *vehicle.place).value_or(0.0);
+    map_->crossings_on(*vehicle.place, base_m, vehicle.needs, coming(v));
   }
   for (CrossingIndex x = 0; x < holders_.size(); ++x) {
     VehicleIndex& holder = holders_[x];
-    const auto needs = [&](VehicleIndex v) {
-      return std::ranges::find(vehicles_[v].needs, x) != vehicles_[v].needs.end();
-    };
-    if (holder != no_vehicle && needs(holder)) continue;
-    holder = no_vehicle;
-    for (VehicleIndex v = 0; v < vehicles_.size() && holder == no_vehicle; ++v)
-      if (needs(v)) holder = v;
+    if (holder == no_vehicle) continue;
+    const auto& needs = vehicles_[holder].needs;
+    if (std::ranges::find(needs, x) == needs.end()) holder = no_vehicle;
   }
+  for (VehicleIndex v = 0; v < vehicles_.size(); ++v)
+    for (const CrossingIndex x : vehicles_[v].needs)
+      if (holders_[x] == no_vehicle) holders_[x] = v;
 }
 
-double Traffic::reach_m(VehicleIndex vehicle) const { return vehicles_[vehicle].ahead.distance_m - standing_m(); }
+double Traffic::reach_m(VehicleIndex vehicle, double wanted_m) const {
+  return ahead_within(vehicle, wanted_m + standing_m()).distance_m - standing_m();
+}
 
 bool Traffic::holds_all(VehicleIndex vehicle, double distance_m) {
   const auto& place = vehicles_[vehicle].place;
   if (!place) return false;
   scratch_.clear();
-  map_->crossings_on(*place, distance_m, scratch_);
+  map_->crossings_on(*place, distance_m, scratch_, coming(vehicle));
   return std::ranges::all_of(scratch_, [&](CrossingIndex x) { return holders_[x] == vehicle; });
 }
 
@@ -118,15 +227,15 @@ bool Traffic::goes_before(const Request& a, const Request& b) const {
 bool Traffic::only_follows(VehicleIndex other, VehicleIndex self, const std::vector<CrossingIndex>& crossings) {
   const auto& from = vehicles_[other].place;
   if (!from) return false;
-  const auto distance_m = map_->ahead(*from, *vehicles_[self].place, base_m_max);
+  const auto distance_m = map_->ahead(*from, *vehicles_[self].place, behind_m_max, coming(other));
   if (!distance_m || *distance_m == 0.0) return false;
   // On a ring everybody follows everybody; it counts only where none of the crossings comes first.
   between_.clear();
-  map_->crossings_on(*from, *distance_m, between_);
+  map_->crossings_on(*from, *distance_m, between_, coming(other));
   return !shares(between_, crossings);
 }
 
-Traffic::Answer Traffic::request(VehicleIndex vehicle, WaypointIndex stop, double distance_m) {
+Traffic::Answer Traffic::request(VehicleIndex vehicle, double exit_m) {
   const Vehicle& self = vehicles_[vehicle];
   if (!self.place) return {};
   auto mine = std::ranges::find(queue_, vehicle, &Request::vehicle);
@@ -134,10 +243,11 @@ Traffic::Answer Traffic::request(VehicleIndex vehicle, WaypointIndex stop, doubl
     queue_.push_back({vehicle, {}, now_, false});
     mine = queue_.end() - 1;
   }
-  const double exit_m = distance_m + map_->stretch(stop).chain_m;
   mine->crossings.clear();
-  map_->crossings_on(*self.place, exit_m, mine->crossings);
-  mine->has_room = self.ahead.distance_m >= exit_m + map_->zone().vehicle.length_m + rules_.room_m;
+  map_->crossings_on(*self.place, exit_m, mine->crossings, coming(vehicle));
+  const double room_m = exit_m + map_->zone().vehicle.length_m + rules_.room_m;
+  const Ahead ahead = ahead_within(vehicle, room_m);
+  mine->has_room = ahead.distance_m >= room_m;
 
   const CrossingIndex first = mine->crossings.empty() ? 0 : mine->crossings.front();
   for (const CrossingIndex x : mine->crossings) {
@@ -150,7 +260,7 @@ Traffic::Answer Traffic::request(VehicleIndex vehicle, WaypointIndex stop, doubl
     if (j != vehicle && shares(vehicles_[j].needs, mine->crossings) && !only_follows(j, vehicle, mine->crossings))
       return {false, first, j};
   }
-  if (!mine->has_room) return {false, first, self.ahead.vehicle};
+  if (!mine->has_room) return {false, first, ahead.vehicle};
   for (const Request& other : queue_) {
     // Who has no room beyond could not use its turn; it keeps it, but lets others by.
     if (other.vehicle != vehicle && other.has_room && goes_before(other, *mine) &&
@@ -159,7 +269,7 @@ Traffic::Answer Traffic::request(VehicleIndex vehicle, WaypointIndex stop, doubl
   }
   for (const CrossingIndex x : mine->crossings) holders_[x] = vehicle;
   queue_.erase(mine);
-  dirty_ = true;  // a grant that no base follows is taken back by the next update
+  holds_dirty_ = true;  // a grant that no base follows is taken back by the next update
   return {true, first, no_vehicle};
 }
 

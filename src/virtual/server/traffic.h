@@ -3,11 +3,13 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "base/digest.h"
 #include "base/time.h"
 #include "virtual/server/way_map.h"
+#include "zone/course.h"
 
 namespace cosiva::virtual_side {
 
@@ -19,7 +21,7 @@ struct TrafficRules {
   double gap_m{0.10};            ///< from the end of a base to the vehicle ahead
   double room_m{0.15};           ///< from a crossing's exit to the vehicle ahead
   double request_within_m{0.7};  ///< of the stop line: nearer than this, a crossing is asked for
-  double look_ahead_m{6.0};      ///< for the vehicle ahead
+  double look_ahead_m{6.0};      ///< for the vehicle ahead, unless a base is to reach further
   SimDuration overtaken_at_most{std::chrono::seconds{10}};  ///< one that has asked for so long is overtaken by nobody
 };
 
@@ -33,11 +35,14 @@ struct TrafficRules {
 ///
 /// A vehicle may be put between another and the crossing that the other holds already (virtual AIVs are). The other can
 /// only follow it, so it goes first: what somebody behind it on the same way holds or asks for keeps nobody back.
+///
+/// Each vehicle looks along its own course; without one, along default successors. Of two that took different branches
+/// neither is ahead of the other once their bodies have parted.
 class Traffic {
  public:
   explicit Traffic(TrafficRules rules = {}) : rules_{rules} {}
 
-  void set_map(const WayMap* map);  ///< forgets every place, hold and request
+  void set_map(const WayMap* map);  ///< forgets every place, course, hold and request
   void resize(std::size_t vehicles);
 
   /// The last reported place; nothing: it is not on the way of others.
@@ -51,7 +56,32 @@ class Traffic {
   [[nodiscard]] WaypointIndex base_end(VehicleIndex vehicle) const { return vehicles_[vehicle].base_end; }
   [[nodiscard]] const std::optional<zone::Place>& place(VehicleIndex vehicle) const { return vehicles_[vehicle].place; }
 
-  /// Works out vehicles ahead and holds from places and bases; call after changes and before asking.
+  void set_course(VehicleIndex vehicle, zone::Course course);
+  void extend_course(VehicleIndex vehicle, Sections more);
+  /// Keeps the next `keep` sections of what is to come.
+  void cut_course(VehicleIndex vehicle, std::size_t keep);
+  /// It is there, whether in the way of others or not.
+  void follow(VehicleIndex vehicle, zone::Place place);
+  [[nodiscard]] const zone::Course& course(VehicleIndex vehicle) const { return vehicles_[vehicle].course; }
+  [[nodiscard]] bool on_course(VehicleIndex vehicle) const { return vehicles_[vehicle].on_course; }
+  /// After the section it is on; empty when it is off its course, or has none.
+  [[nodiscard]] Sections coming(VehicleIndex vehicle) const {
+    return vehicles_[vehicle].on_course ? vehicles_[vehicle].course.coming() : Sections{};
+  }
+  [[nodiscard]] Sections gone(VehicleIndex vehicle) const {
+    return vehicles_[vehicle].on_course ? vehicles_[vehicle].course.gone() : Sections{};
+  }
+  /// From `place` along its course to the end of its base; nothing: it has none, or that is not where its way leads.
+  [[nodiscard]] std::optional<double> base_left_m(VehicleIndex vehicle, zone::Place place) const;
+  /// What its course holds beyond the end of its base.
+  struct Beyond {
+    std::size_t keep;                       ///< sections of coming() up to the one that the base ends on
+    std::vector<zone::SectionId> sections;  ///< after that one
+  };
+  [[nodiscard]] Beyond beyond_base(VehicleIndex vehicle, zone::Place place) const;
+  [[nodiscard]] double base_m_max(VehicleIndex vehicle) const { return vehicles_[vehicle].base_m_max; }
+
+  /// Works out vehicles ahead and holds from places, courses and bases; call after changes and before asking.
   void update();
 
   struct Ahead {
@@ -59,8 +89,10 @@ class Traffic {
     double distance_m{std::numeric_limits<double>::infinity()};
   };
   [[nodiscard]] const Ahead& ahead(VehicleIndex vehicle) const { return vehicles_[vehicle].ahead; }
-  /// How far the end of a base may reach from the vehicle's last reported place.
-  [[nodiscard]] double reach_m(VehicleIndex vehicle) const;
+  /// Looks as far as `limit_m`, be it further than usual.
+  [[nodiscard]] Ahead ahead_within(VehicleIndex vehicle, double limit_m) const;
+  /// How far the end of a base may reach from the vehicle's last reported place, where it is to reach `wanted_m`.
+  [[nodiscard]] double reach_m(VehicleIndex vehicle, double wanted_m = 0.0) const;
   [[nodiscard]] bool holds_all(VehicleIndex vehicle, double distance_m);
 
   struct Answer {
@@ -68,9 +100,9 @@ class Traffic {
     CrossingIndex waits_for{0};           ///< the first that is not free, when a crossing is what it waits for
     VehicleIndex blocked_by{no_vehicle};  ///< who holds it, stands in the way beyond, or asked earlier
   };
-  /// Asks for the chain that begins at `stop`, `distance_m` ahead of the vehicle's place. The first asking fixes its
-  /// turn.
-  Answer request(VehicleIndex vehicle, WaypointIndex stop, double distance_m);
+  /// Asks for all crossings up to the exit of a chain, `exit_m` ahead of the vehicle's place. The first asking fixes
+  /// its turn.
+  Answer request(VehicleIndex vehicle, double exit_m);
   void withdraw(VehicleIndex vehicle);
 
   [[nodiscard]] VehicleIndex holder(CrossingIndex crossing) const { return holders_[crossing]; }
@@ -83,7 +115,10 @@ class Traffic {
  private:
   struct Vehicle {
     std::optional<zone::Place> place;
+    zone::Course course;
+    bool on_course{false};
     WaypointIndex base_end{no_waypoint};
+    double base_m_max{};  ///< how long the base can be at most; one that seems longer has been driven to its end
     Ahead ahead;
     std::vector<CrossingIndex> needs;
     std::int32_t priority{0};
@@ -96,18 +131,24 @@ class Traffic {
   };
   [[nodiscard]] bool goes_before(const Request& a, const Request& b) const;
   [[nodiscard]] bool only_follows(VehicleIndex other, VehicleIndex self, const std::vector<CrossingIndex>& crossings);
-  void find_ahead(VehicleIndex vehicle);
+  void sort_places();
+  void look_on(zone::SectionId section, double start_m, double from_s_m, double to_s_m, VehicleIndex self,
+               Ahead& nearest) const;
   void settle_holds();
+  void measure_base(VehicleIndex vehicle);
+  void look_again(VehicleIndex vehicle);
 
   TrafficRules rules_;
   const WayMap* map_{};
   std::vector<Vehicle> vehicles_;
-  std::vector<VehicleIndex> holders_;  ///< by crossing
-  std::vector<Request> queue_;         ///< oldest first
+  std::vector<std::pair<zone::SectionId, VehicleIndex>> by_section_;  ///< those with a place, sorted
+  std::vector<VehicleIndex> holders_;                                 ///< by crossing
+  std::vector<Request> queue_;                                        ///< oldest first
   std::vector<CrossingIndex> scratch_;
   std::vector<CrossingIndex> between_;
   SimTime now_{};
-  bool dirty_{true};
+  bool places_dirty_{true};
+  bool holds_dirty_{true};
 };
 
 }  // namespace cosiva::virtual_side

@@ -31,10 +31,10 @@ class CloverTraffic : public testing::Test {
     traffic.update();
   }
   Traffic::Answer ask(VehicleIndex vehicle, zone::SectionId section, double before_m = 0.0) {
-    return traffic.request(vehicle, stop_on(section), before_m);
+    return traffic.request(vehicle, before_m + map.chain(stop_on(section)).length_m);
   }
   void drive_to_exit(VehicleIndex vehicle, zone::SectionId section) {
-    traffic.set_base_end(vehicle, map.stretch(stop_on(section)).chain_exit);
+    traffic.set_base_end(vehicle, map.chain(stop_on(section)).exit);
     traffic.update();
   }
   [[nodiscard]] std::size_t held_by(VehicleIndex vehicle) const {
@@ -53,12 +53,12 @@ TEST_F(CloverTraffic, finds_two_crossings_behind_each_stop_line_and_takes_them_a
     const WaypointIndex stop = stop_on(straight);
     ASSERT_NE(stop, no_waypoint);
     std::vector<CrossingIndex> met;
-    map.crossings_on(map.waypoint(stop).place, map.stretch(stop).chain_m, met);
+    map.crossings_on(map.waypoint(stop).place, map.chain(stop).length_m, met);
     EXPECT_EQ(met.size(), 2U);
     // Bodies 0.20 m × 0.12 m touch within 0.16 m of the middle of a crossing, plus clearance: 0.6 − 0.20 > s > 0.9 +
     // 0.20.
     EXPECT_LT(map.waypoint(stop).place.s_m, 0.44);
-    EXPECT_GT(map.waypoint(map.stretch(stop).chain_exit).place.s_m, 1.06);
+    EXPECT_GT(map.waypoint(map.chain(stop).exit).place.s_m, 1.06);
   }
 }
 
@@ -291,22 +291,6 @@ TEST_F(CloverTraffic, reaches_no_nearer_than_a_gap_behind_the_vehicle_ahead) {
 }
 
 // ---- whole fleets ----
-
-/// Bodies that touch, found from the poses themselves and not from crossings: two rectangles by their separating axes.
-bool touch(const Pose2& a, const Pose2& b, const zone::VehicleShape& shape) {
-  const auto apart_along = [&](const Pose2& axis, const Pose2& other, bool across) {
-    const SinCos turn = sincos(axis.heading_rad);
-    const double dx = other.x_m - axis.x_m;
-    const double dy = other.y_m - axis.y_m;
-    const double d = across ? -turn.sin * dx + turn.cos * dy : turn.cos * dx + turn.sin * dy;
-    const SinCos rel = sincos(other.heading_rad - axis.heading_rad);
-    const double own = 0.5 * (across ? shape.width_m : shape.length_m);
-    const double reach = across ? 0.5 * (shape.length_m * std::fabs(rel.sin) + shape.width_m * std::fabs(rel.cos))
-                                : 0.5 * (shape.length_m * std::fabs(rel.cos) + shape.width_m * std::fabs(rel.sin));
-    return std::fabs(d) > own + reach;
-  };
-  return !(apart_along(a, b, false) || apart_along(a, b, true) || apart_along(b, a, false) || apart_along(b, a, true));
-}
 
 struct Fleet {
   explicit Fleet(std::size_t count, double loss = 0.0) {

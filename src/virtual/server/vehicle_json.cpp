@@ -12,7 +12,8 @@ namespace cosiva::virtual_side {
 namespace {
 
 constexpr double reserved_step_m = 0.1;
-constexpr double reserved_m_max = 8.0;
+constexpr double strange_base_m_max = 8.0;        ///< of an order that is not ours
+constexpr std::size_t reserved_points_max = 400;  ///< of a base longer than 40 m fewer are drawn
 
 double ms_of(SimDuration duration) { return static_cast<double>(duration.count()) * 1e-6; }
 
@@ -67,6 +68,10 @@ void ServerCore::Inside::write_vehicle(JsonWriter& json, VehicleIndex vehicle) c
   else
     json.null().key("s").null();
   json.field("priority", proxy.priority);
+  text_or_null(json, "map", proxy.map_id);
+  const std::string why_parked = parked(vehicle);
+  text_or_null(json, "parked", why_parked);
+  missions.write(json.key("mission"), vehicle, roller.stands_at_goal(vehicle));
   write_pose(json.key("reported").begin_object(), twin.last_report().X_MB);
   json.end_object();
   json.field("age_ms", std::max(0.0, ms_of(now - proxy.reported_at)))
@@ -107,6 +112,7 @@ void ServerCore::Inside::write_agent(JsonWriter& json, VehicleIndex vehicle, boo
   for (const wire::VehicleError& error : state.errors)
     json.value(error.description.empty() ? error.type : error.type + ": " + error.description);
   if (proxy.clock_off_s != 0.0) json.value("clock: off by " + std::to_string(proxy.clock_off_s) + " s");
+  if (const std::string why = parked(vehicle); !why.empty()) json.value("parked: it " + why);
   json.end_array();
 }
 
@@ -117,13 +123,15 @@ void ServerCore::Inside::write_reserved(JsonWriter& json, VehicleIndex vehicle) 
   if (place && map) {
     const zone::Circuit& circuit = map->zone().circuit;
     std::optional<double> left_m;
+    const auto coming = simulator.twin(*proxy.twin).coming(place->section);
     if (traffic.base_end(vehicle) != no_waypoint)
-      left_m = map->base_left(*place, traffic.base_end(vehicle), reserved_m_max);
+      left_m = map->base_left(*place, traffic.base_end(vehicle), traffic.base_m_max(vehicle), coming);
     else if (proxy.base_end)
-      left_m = circuit.distance_ahead(*place, *proxy.base_end, reserved_m_max);
-    const auto at = [&](double d_m) { return position(circuit.pose_at(circuit.advance(*place, d_m))); };
+      left_m = circuit.distance_ahead(*place, *proxy.base_end, strange_base_m_max, coming);
+    const auto at = [&](double d_m) { return position(circuit.pose_at(circuit.advance(*place, d_m, coming))); };
     if (left_m && *left_m > 0.0) {
-      for (double i = 0.0; i * reserved_step_m < *left_m; i += 1.0) write_point(json, at(i * reserved_step_m));
+      const double step_m = std::max(reserved_step_m, *left_m / static_cast<double>(reserved_points_max));
+      for (double i = 0.0; i * step_m < *left_m; i += 1.0) write_point(json, at(i * step_m));
       write_point(json, at(*left_m));
     }
   }

@@ -44,6 +44,11 @@ const VirtualFleet::Host* VirtualFleet::find(VehicleIndex vehicle) const {
   return it == hosts_.end() ? nullptr : &*it;
 }
 
+zone::Place VirtualFleet::place_of(const Host& host, const zone::Circuit& circuit) {
+  const Pose2 X_MB = host.aiv.X_MB();
+  return circuit.locate(position(X_MB), X_MB.heading_rad).place;
+}
+
 void VirtualFleet::link(SimTime now, bool up) {
   for (Host& host : hosts_) {
     host.aiv.link(now, up, effects_);

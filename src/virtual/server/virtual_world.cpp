@@ -58,6 +58,8 @@ bool ServerCore::Inside::add_aiv(const std::string& serial, zone::Place place) {
   if (!vehicle) return false;
   AivProxy& proxy = registry[*vehicle];
   proxy.retired = false;
+  missions.forget(*vehicle);
+  missions.registered(*vehicle);
   if (proxy.twin) simulator.reappear(*proxy.twin, options.lost_after, step_recorder());
   ahead.new_session(*vehicle);
   fleet.add(*vehicle, now, link_up, *simulator.configuration(), place);
@@ -103,16 +105,6 @@ void ServerCore::Inside::place_recalled_aivs() {
       outbox.log('w', "virtual AIV " + aiv.serial + " is remembered, but no way has room for it; add it again");
   }
   memory_stale = true;
-}
-
-void ServerCore::Inside::resettle_aivs() {
-  // Their places lie on ways that are no more: each begins anew where there is room.
-  while (!fleet.empty()) {
-    const VehicleIndex vehicle = fleet.hosts().front().vehicle;
-    recalled_aivs.push_back({registry[vehicle].id.serial_number, {}, 0.0});
-    remove_aiv(vehicle);
-  }
-  if (is_settled) place_recalled_aivs();
 }
 
 void ServerCore::Inside::silence_orphans() {

@@ -4,13 +4,23 @@
 #include "virtual/server/inside.h"
 
 namespace cosiva::virtual_side {
-void ServerCore::Inside::on_zone(const zone::ZoneConfiguration& configuration, bool from_broker) {
+namespace {
+
+/// A broker sends what it keeps at once when somebody subscribes.
+constexpr SimDuration retained_within{std::chrono::milliseconds{300}};
+
+}  // namespace
+
+void ServerCore::Inside::on_zone(const zone::ZoneConfiguration& configuration, ZoneCame came) {
   const ZoneEdits::Arrival arrival = edits.arrives(configuration);
-  if (from_broker && arrival != ZoneEdits::Arrival::echo) {
+  if (came != ZoneCame::given && arrival != ZoneEdits::Arrival::echo) {
     traces.add(now, "physical side", "AIV_Server", "zone",
                configuration.format + ", " + std::to_string(configuration.text.size()) + " bytes", configuration.origin,
                configuration.text);
   }
+  const zone::ZoneConfiguration* had = simulator.configuration();
+  const bool in_force = had != nullptr && same_content(*had, configuration);
+  if (in_force || arrival != ZoneEdits::Arrival::news) zone_confirmed = zone_confirmed || came == ZoneCame::retained;
   switch (arrival) {
     case ZoneEdits::Arrival::echo: return;
     case ZoneEdits::Arrival::stale:
@@ -19,21 +29,37 @@ void ServerCore::Inside::on_zone(const zone::ZoneConfiguration& configuration, b
       return;
     case ZoneEdits::Arrival::news: break;
   }
-  const zone::ZoneConfiguration* had = simulator.configuration();
-  if (had != nullptr && had->format == configuration.format && had->text == configuration.text) return;
+  if (in_force || waits_for_others(configuration, came)) return;
   if (!take_zone(configuration)) return;
-  edits.begin(configuration);
+  if (std::exchange(zone_switched_here, false)) memory_stale = true;
+  edits.begin(configuration, ZoneEdits::Origin::broker);
   recall_zone();
+}
+
+bool ServerCore::Inside::waits_for_others(const zone::ZoneConfiguration& configuration, ZoneCame came) {
+  // A broker may keep one configuration for each format. They come in any order: where the one in force is among them
+  // the others are left from before, else the last one counts.
+  if (came != ZoneCame::retained || simulator.configuration() == nullptr || now - link_up_at >= retained_within)
+    return false;
+  waiting_zone = configuration;
+  return true;
+}
+
+void ServerCore::Inside::take_waiting_zone() {
+  const zone::ZoneConfiguration configuration = *std::exchange(waiting_zone, std::nullopt);
+  if (!zone_confirmed) return on_zone(configuration, ZoneCame::published);
+  outbox.log('w', "the broker keeps another zone besides the one in force, on " + configuration.origin +
+                      "; it is left alone. Clear that topic, or switch to it");
 }
 
 bool ServerCore::Inside::take_zone(const zone::ZoneConfiguration& configuration) {
   const auto received = simulator.receive(now, configuration, step_recorder());
   if (!received) {
     ++messages_refused;
-    outbox.log('e', "zone configuration refused: " + to_string(received.error()) +
-                        (simulator.zone() ? "; the zone that was there stays" : ""));
+    note_refused(configuration.origin, to_string(received.error()));
     return false;
   }
+  refused_zone.reset();
   if (*received == Simulator::Reception::same) return true;
   const auto& zone = simulator.zone();
   outbox.log('i', "zone '" + zone->name + "': " + std::to_string(zone->waypoints.size()) + " waypoints, " +
@@ -44,28 +70,30 @@ bool ServerCore::Inside::take_zone(const zone::ZoneConfiguration& configuration)
   else
     start_over(zone);
   for (VehicleIndex v = 0; v < registry.size(); ++v) take_priority(v);
-  if (same_ways)
-    fleet.zone(now, configuration);
-  else
-    resettle_aivs();
+  fleet.zone(now, configuration);
   return true;
 }
 
 void ServerCore::Inside::drive_on(const std::shared_ptr<const zone::TrafficZone>& zone) {
   // Places, holds and orders are on the ways, which are the same.
-  if (map && map->take(zone)) return;
-  start_over(zone);
+  if (!map || !map->take(zone)) return start_over(zone);
+  missions.renew();
 }
 
 void ServerCore::Inside::start_over(const std::shared_ptr<const zone::TrafficZone>& zone) {
   // Everything that points into the old map forgets it before it goes.
-  traffic.set_map(nullptr);
-  roller.set_map(nullptr);
-  pauses.set_map(nullptr);
+  const std::string from = map ? map->zone().name : std::string{};
+  const auto tell_all = [this](const WayMap* ways) {
+    traffic.set_map(ways);
+    missions.set_map(ways);
+    roller.set_map(ways);
+    pauses.set_map(ways);
+  };
+  tell_all(nullptr);
   map.emplace(zone);
-  traffic.set_map(&*map);
-  roller.set_map(&*map);
-  pauses.set_map(&*map);
+  tell_all(&*map);
+  maps.begin();
+  if (!from.empty()) note_switch(from);
   for (VehicleIndex v = 0; v < registry.size(); ++v) {
     AivProxy& proxy = registry[v];
     if (!proxy.here() || !proxy.reported || !proxy.position_known) continue;
@@ -85,10 +113,10 @@ void ServerCore::Inside::publish_zone() {
   if (!link_up || configuration == nullptr) return;
   const std::string topic = std::string(wire::zone_topic_prefix) + configuration->format;
   edits.published(*configuration);
-  traces.add(now, "AIV_Server", "*", "zone",
-             configuration->format + ", " + std::to_string(configuration->text.size()) + " bytes", topic,
-             configuration->text);
-  outbox.publish(topic, configuration->text, 1, true);
+  std::string payload = zone::to_payload(*configuration);
+  traces.add(now, "AIV_Server", "*", "zone", configuration->format + ", " + std::to_string(payload.size()) + " bytes",
+             topic, payload);
+  outbox.publish(topic, std::move(payload), 1, true);
 }
 
 void ServerCore::Inside::edit_zone(const JsonValue& command) {
@@ -107,6 +135,24 @@ void ServerCore::Inside::edit_zone(const JsonValue& command) {
   if (!take_zone(*after)) return;
   edits.done(verb, std::move(before));
   publish_zone();
+}
+
+void ServerCore::Inside::switch_zone(const JsonValue& command) {
+  const auto wanted = switch_wanted(command);
+  if (!wanted) {
+    note_refused(command.find("zone") == nullptr ? std::string{} : command.find("zone")->text("origin").value_or(""),
+                 to_string(wanted.error()));
+    return;
+  }
+  const std::string format = simulator.configuration() == nullptr ? wanted->format : simulator.configuration()->format;
+  if (!take_zone(*wanted)) return;
+  zone_switched_here = true;
+  memory_stale = true;
+  waiting_zone.reset();
+  edits.begin(*wanted, ZoneEdits::Origin::own);
+  publish_zone();
+  // Who comes later must not find two.
+  if (link_up && format != wanted->format) outbox.publish(std::string(wire::zone_topic_prefix) + format, {}, 1, true);
 }
 
 }  // namespace cosiva::virtual_side

@@ -8,10 +8,7 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// Where it came from is no part of what it says.
-bool same(const zone::ZoneConfiguration& a, const zone::ZoneConfiguration& b) {
-  return a.format == b.format && a.text == b.text;
-}
+bool same(const zone::ZoneConfiguration& a, const zone::ZoneConfiguration& b) { return same_content(a, b); }
 
 }  // namespace
 
@@ -76,13 +73,14 @@ ZoneEdits::Arrival ZoneEdits::arrives(const zone::ZoneConfiguration& configurati
 
 void ZoneEdits::published(const zone::ZoneConfiguration& configuration) { push(expected_, configuration); }
 
-void ZoneEdits::begin(const zone::ZoneConfiguration& configuration) {
+void ZoneEdits::begin(const zone::ZoneConfiguration& configuration, Origin origin) {
   base_ = configuration;
   saved_ = configuration;
   undo_.clear();
   redo_.clear();
-  // What was published before it and comes back after it is in force again: the broker's order counts for everybody.
-  expected_.clear();
+  // What was published before a zone from the broker and comes back after it is in force again: the broker's order
+  // counts for everybody. One of our own comes back after all that we published before it.
+  if (origin == Origin::broker) expected_.clear();
 }
 
 bool ZoneEdits::unsaved(const Simulator& simulator) const {
@@ -95,12 +93,7 @@ bool ZoneEdits::edited(const Simulator& simulator) const {
 
 void ZoneEdits::write_memory(JsonWriter& json, const Simulator& simulator) const {
   const auto write = [&json](std::string_view key, const zone::ZoneConfiguration& configuration) {
-    json.key(key)
-        .begin_object()
-        .field("format", configuration.format)
-        .field("origin", configuration.origin)
-        .field("text", configuration.text)
-        .end_object();
+    zone::write_json(json.key(key), configuration);
   };
   json.begin_object();
   write("base", *base_);

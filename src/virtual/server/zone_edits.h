@@ -37,15 +37,19 @@ class ZoneEdits {
   [[nodiscard]] Arrival arrives(const zone::ZoneConfiguration& configuration);
   void published(const zone::ZoneConfiguration& configuration);
   void link_lost() { expected_.clear(); }
+  enum class Origin {
+    broker,  ///< it came from there
+    own,     ///< we publish it next
+  };
   /// A new zone: nothing to undo.
-  void begin(const zone::ZoneConfiguration& configuration);
+  void begin(const zone::ZoneConfiguration& configuration, Origin origin);
 
   [[nodiscard]] std::size_t undo_count() const { return undo_.size(); }
   [[nodiscard]] std::size_t redo_count() const { return redo_.size(); }
   [[nodiscard]] bool unsaved(const Simulator& simulator) const;
   [[nodiscard]] bool edited(const Simulator& simulator) const;
 
-  /// {"base","made","saved"}: what is in force, and the configuration it was made from. Only while edited().
+  /// {"base","made","saved"}: what is in force, and the configuration it was made from.
   void write_memory(JsonWriter& json, const Simulator& simulator) const;
   /// What was remembered, against the configuration that is in force now.
   struct Recalled {

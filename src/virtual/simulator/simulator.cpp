@@ -7,11 +7,14 @@
 
 namespace cosiva::virtual_side {
 
+bool same_content(const zone::ZoneConfiguration& a, const zone::ZoneConfiguration& b) {
+  return a.format == b.format && a.text == b.text && a.companion == b.companion;
+}
+
 Result<Simulator::Reception> Simulator::receive(SimTime now, const zone::ZoneConfiguration& configuration,
                                                 const Step& step) {
   // A retained configuration comes again after each reconnection.
-  if (rtm_ && rtm_->configuration().format == configuration.format && rtm_->configuration().text == configuration.text)
-    return Reception::same;
+  if (rtm_ && same_content(rtm_->configuration(), configuration)) return Reception::same;
 
   step(
       "AIV_Server", "Simulator", "zoneConfiguration",
@@ -38,7 +41,9 @@ Result<Simulator::Reception> Simulator::receive(SimTime now, const zone::ZoneCon
   const bool drive_on = zone_ != nullptr && zone::same_ways(*zone_, made);
   if (!drive_on) {
     for (Twin& twin : twins_) twin.leave_circuit(circuit(), now);
-    seen_.clear();  // what stood on the old zone stands on no other
+    // What was seen was seen beside the old ways, and nobody looks for it there any more: it would stay for ever. Who
+    // sees it beside the new ones says so within a tenth of a second.
+    seen_.clear();
   }
   zone_json_ = json.take();
   bounds_ = zone::bounds(primitives);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/digest.h"
@@ -19,6 +20,9 @@
 #include "zone/traffic_zone.h"
 
 namespace cosiva::virtual_side {
+
+/// Whether two configurations say the same; where they came from is no part of that.
+[[nodiscard]] bool same_content(const zone::ZoneConfiguration& a, const zone::ZoneConfiguration& b);
 
 /// The virtual environment. It receives a zone's configuration, instantiates the RTM, asks it for the circuit factory,
 /// the factory for the circuit, and has the circuit draw itself (A23); it holds the twins and the bijection monitor. It
@@ -47,6 +51,12 @@ class Simulator {
   /// Its position, said by the vehicle itself. Feeds the monitor.
   void report(TwinId twin, SimTime now, const MotionReport& report);
   void set_base_end(TwinId twin, std::optional<zone::Place> end);
+  /// The way that it takes.
+  void set_course(TwinId twin, zone::Course course) { twins_[twin].set_course(circuit(), std::move(course)); }
+  /// The place so far ahead of one where the twin is shown, along its course.
+  [[nodiscard]] zone::Place ahead_of(TwinId twin, zone::Place place, double distance_m) const {
+    return circuit()->advance(place, distance_m, twins_[twin].coming(place.section));
+  }
 
   [[nodiscard]] const Twin& twin(TwinId id) const { return twins_[id]; }
   /// Of the last report from what the twin had predicted for it; 0 before the second.

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "base/math.h"
+#include "virtual/simulator/follow.h"
 
 namespace cosiva::virtual_side {
 namespace {
@@ -12,10 +14,14 @@ namespace {
 /// How far `to` lies along the way from `from`, negative behind it; nothing further than `limit_m` either way.
 std::optional<double> signed_distance(const zone::Circuit& circuit, zone::Place from, zone::Place to, double limit_m) {
   if (from.section == to.section && std::fabs(to.s_m - from.s_m) <= limit_m) return to.s_m - from.s_m;
-  if (const auto forward = circuit.distance_ahead(from, to, limit_m)) return *forward;
-  if (const auto backward = circuit.distance_ahead(to, from, limit_m)) return -*backward;
+  if (const auto forward = circuit.shortest_way(from, to, limit_m)) return forward->length_m;
+  if (const auto backward = circuit.shortest_way(to, from, limit_m)) return -backward->length_m;
   return std::nullopt;
 }
+
+/// Bodies on two ways that meet or part are nearer to each other than this for a while: which way is meant, the course
+/// tells.
+constexpr double same_place_m = 0.1;
 
 }  // namespace
 
@@ -47,7 +53,8 @@ Twin::Image Twin::image_at(const zone::Circuit* circuit, SimTime time) const {
     // Correcting may show it beyond the end of its base for a moment; anticipating never does.
     if (along > ahead_m_max_) along = std::max(correction, ahead_m_max_);
     aiv::AivMotion motion = motion_;
-    motion.shift(*circuit, along);
+    motion.shift(*circuit, along, coming(place_.section),
+                 on_course_ ? course_.gone() : std::span<const zone::SectionId>{});
     const zone::Place place = motion.place(*circuit);
     const Pose2 on_line = circuit->pose_at(place);
     const double left = left_m_ + correction_.b * share;
@@ -86,12 +93,39 @@ zone::Circuit::Located Twin::locate(const zone::Circuit& circuit, const Pose2& X
       const bool continues = tries == 0 ? std::fabs(near.s_m - place_.s_m) < relocate_beyond_m
                                         : section.length_m() < relocate_beyond_m || near.s_m < relocate_beyond_m;
       if (inside && continues && near.distance_m < 0.1) return {{candidate, near.s_m}, near.left_m, near.distance_m};
-      const auto next = circuit.next(candidate);
+      const auto coming = this->coming(candidate);
+      const auto next = coming.empty() ? circuit.next(candidate) : coming;
       if (next.empty()) break;
       candidate = next.front();
     }
   }
-  return circuit.locate(position(X_MB), X_MB.heading_rad);
+  return prefer_course(circuit, X_MB, circuit.locate(position(X_MB), X_MB.heading_rad));
+}
+
+zone::Circuit::Located Twin::prefer_course(const zone::Circuit& circuit, const Pose2& X_MB,
+                                           zone::Circuit::Located located) const {
+  constexpr std::size_t sections_ahead = 3;
+  const auto coming = course_.coming();
+  const auto gone = course_.gone();
+  std::vector<zone::SectionId> candidates;
+  if (!course_.empty()) candidates.push_back(course_.here());
+  candidates.insert(candidates.end(), coming.begin(),
+                    coming.begin() + static_cast<std::ptrdiff_t>(std::min(coming.size(), sections_ahead)));
+  if (!gone.empty()) candidates.push_back(gone.back());
+  if (candidates.empty() || std::ranges::find(candidates, located.place.section) != candidates.end()) return located;
+  std::optional<zone::Circuit::Located> best;
+  double best_rad = 0.0;
+  for (const zone::SectionId section : candidates) {
+    const auto near = circuit.section(section).nearest(position(X_MB));
+    const double off_rad =
+        std::fabs(wrap_angle(X_MB.heading_rad - circuit.section(section).pose_at(near.s_m).heading_rad));
+    const bool nearer = !best || near.distance_m < best->distance_m - 1e-3;
+    const bool as_near = best && near.distance_m < best->distance_m + 1e-3;
+    if (near.distance_m > same_place_m || !(nearer || (as_near && off_rad < best_rad))) continue;
+    best = zone::Circuit::Located{{section, near.s_m}, near.left_m, near.distance_m};
+    best_rad = off_rad;
+  }
+  return best.value_or(located);
 }
 
 void Twin::take_speed(const MotionReport& report) {
@@ -132,13 +166,14 @@ std::optional<Twin::Divergence> Twin::report(const zone::Circuit* circuit, SimTi
     const double heading_off = wrap_angle(report.X_MB.heading_rad - circuit->pose_at(located.place).heading_rad);
     const SinCos off = sincos(heading_off);
     // Across a section nothing can be anticipated along it; backwards along it, yes.
-    on = located.distance_m <= circuit_within_m && (std::fabs(off.cos) >= 0.5 || speed_mps_ < 0.01);
+    on = report.on_map && located.distance_m <= circuit_within_m && (std::fabs(off.cos) >= 0.5 || speed_mps_ < 0.01);
     place_ = located.place;
     off_m_ = located.distance_m;
     left_m_ = located.left_m;
     heading_off_rad_ = heading_off;
     along_mps_ = *report_.vx_mps * off.cos - report_.vy_mps * off.sin;
     if (on) motion_ = aiv::AivMotion(*circuit, located.place);
+    on_course_ = follow(course_, *circuit, place_.section);
   }
   on_circuit_ = on;
   if (on) measure_base(*circuit);
@@ -152,15 +187,30 @@ void Twin::set_base_end(const zone::Circuit* circuit, std::optional<zone::Place>
   if (circuit != nullptr && on_circuit_) measure_base(*circuit);
 }
 
+void Twin::set_course(const zone::Circuit* circuit, zone::Course course) {
+  course_ = std::move(course);
+  on_course_ = circuit != nullptr && reported_ && follow(course_, *circuit, place_.section);
+  if (circuit != nullptr && on_circuit_) measure_base(*circuit);
+}
+
+std::span<const zone::SectionId> Twin::coming(zone::SectionId section) const {
+  if (!on_course_) return {};
+  const auto coming = course_.coming();
+  if (course_.here() == section) return coming;
+  const auto found = std::ranges::find(coming, section);
+  return found == coming.end() ? std::span<const zone::SectionId>{}
+                               : coming.subspan(static_cast<std::size_t>(found - coming.begin()) + 1);
+}
+
 void Twin::measure_base(const zone::Circuit& circuit) {
   // It may have rolled a little past the end; without this, the way to it would lead all round the ring.
   constexpr double overshoot_m = 0.25;
-  constexpr double far_m = 10.0;
+  constexpr double far_m = 1e4;
   ahead_m_max_ = std::numeric_limits<double>::infinity();
   if (!base_end_) return;
-  if (circuit.distance_ahead(*base_end_, place_, overshoot_m))
+  if (circuit.shortest_way(*base_end_, place_, overshoot_m))
     ahead_m_max_ = 0.0;
-  else if (const auto left = circuit.distance_ahead(place_, *base_end_, far_m))
+  else if (const auto left = circuit.distance_ahead(place_, *base_end_, far_m, coming(place_.section)))
     ahead_m_max_ = *left;
 }
 
@@ -192,6 +242,8 @@ void Twin::leave_circuit(const zone::Circuit* circuit, SimTime now) {
   speed_mps_ = 0.0;
   along_mps_ = 0.0;
   on_circuit_ = false;
+  course_.clear();
+  on_course_ = false;
   base_end_.reset();
   ahead_m_max_ = std::numeric_limits<double>::infinity();
   correction_ = {};

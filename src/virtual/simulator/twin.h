@@ -3,13 +3,14 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "aiv/motion.h"
 #include "base/digest.h"
 #include "base/pose.h"
 #include "base/time.h"
-#include "zone/circuit.h"
+#include "zone/course.h"
 
 namespace cosiva::virtual_side {
 
@@ -20,6 +21,7 @@ struct MotionReport {
   std::optional<double> vx_mps;  ///< along the body's x; nothing: told from the last two places
   double vy_mps{};               ///< along the body's y
   double omega_radps{};
+  bool on_map{true};  ///< it was said of the zone that is there; else it is not anticipated along its ways
 };
 
 /// The image of one AIV on the virtual side (A27). Between reports it anticipates along the circuit; a report corrects
@@ -51,6 +53,11 @@ class Twin {
 
   /// Where its right to drive ends; nothing: not known. It is never anticipated beyond. Holds until told otherwise.
   void set_base_end(const zone::Circuit* circuit, std::optional<zone::Place> end);
+
+  /// The way that it takes; without one it is anticipated along default successors.
+  void set_course(const zone::Circuit* circuit, zone::Course course);
+  /// What its course holds after `section`, where that is its present section or one soon after it.
+  [[nodiscard]] std::span<const zone::SectionId> coming(zone::SectionId section) const;
 
   /// Stays where it is, off any circuit, until its next report: the zone has changed.
   void leave_circuit(const zone::Circuit* circuit, SimTime now);
@@ -85,6 +92,8 @@ class Twin {
   void take_speed(const MotionReport& report);
   void correct_from(const zone::Circuit* circuit, const Image& shown);
   void measure_base(const zone::Circuit& circuit);
+  [[nodiscard]] zone::Circuit::Located prefer_course(const zone::Circuit& circuit, const Pose2& X_MB,
+                                                     zone::Circuit::Located located) const;
 
   std::string id_;
   std::uint32_t number_;
@@ -99,6 +108,8 @@ class Twin {
 
   bool on_circuit_{false};
   aiv::AivMotion motion_;
+  zone::Course course_;
+  bool on_course_{false};
   zone::Place place_;
   double left_m_{};
   double off_m_{};

@@ -56,10 +56,7 @@ void SimulatedBoards::speak(SimTime now, const Measured& measured) {
     const auto& counters = of.decoder.counters();
     if (beat) send(board, wire::Heartbeat{board_ms(now), counters.frames_bad, counters.frames_missed, 0});
   }
-  const double speed_mmps = std::clamp(std::nearbyint(measured.speed_mps * 1e3), -32768.0, 32767.0);
-  send(wire::Board::PILS,
-       wire::Odometry{board_ms(now), static_cast<std::int64_t>(std::nearbyint(measured.odometer_m * 1e6)),
-                      static_cast<std::int16_t>(speed_mmps), 0, measured.line_lost});
+  send_odometry(now, measured);
   send_readings(now);
   if (take(now, ranges_next_, std::chrono::milliseconds{60})) {
     std::get<wire::Ranges>(no_echoes_).board_ms = board_ms(now);
@@ -67,6 +64,22 @@ void SimulatedBoards::speak(SimTime now, const Measured& measured) {
   }
   // Two full cells at rest: what is only virtual does not tire.
   if (take(now, power_next_, std::chrono::milliseconds{500})) send(wire::Board::RALI, wire::Power{8400, 0, 220, 1000});
+}
+
+void SimulatedBoards::send_odometry(SimTime now, const Measured& measured) {
+  const auto quantise = [](double value, double unit) {
+    return static_cast<std::int16_t>(std::clamp(std::nearbyint(value / unit), -32768.0, 32767.0));
+  };
+  wire::Odometry odometry;
+  odometry.board_ms = board_ms(now);
+  odometry.distance_um = static_cast<std::int64_t>(std::nearbyint(measured.odometer_m * 1e6));
+  odometry.speed_mmps = quantise(measured.speed_mps, 1e-3);
+  odometry.line_lost = measured.line_lost;
+  if (const Pose2* moved = measured.manoeuvre) {
+    odometry.speed_mmps = 0;
+    odometry.manoeuvre = {quantise(moved->x_m, 1e-3), quantise(moved->y_m, 1e-3), quantise(moved->heading_rad, 1e-3)};
+  }
+  send(wire::Board::PILS, odometry);
 }
 
 void SimulatedBoards::send_readings(SimTime now) {
@@ -88,6 +101,8 @@ void SimulatedBoards::fold(Digest& digest) const {
     digest.add(std::int64_t{drive_->speed_mmps});
     digest.add(std::uint64_t{drive_->acceleration_mmps2});
     digest.add(std::uint64_t{drive_->braking_mmps2});
+    digest.add(std::uint64_t{drive_->branch});
+    digest.add(std::uint64_t{drive_->seek});
     digest.add(driven_at_);
   }
   for (const Reading& reading : readings_) digest.add(std::uint64_t{reading.number});

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/digest.h"
+#include "base/pose.h"
 #include "base/time.h"
 #include "wire/board.h"
 #include "wire/module_link/module_link.h"
@@ -32,6 +33,7 @@ class SimulatedBoards {
     double odometer_m;
     double speed_mps;
     bool line_lost;
+    const Pose2* manoeuvre{nullptr};  ///< where it is in one, seen from where that began
   };
   /// Every tick: lets each board say what is due; the bytes are at `spoken` until the next call.
   void speak(SimTime now, const Measured& measured);
@@ -59,6 +61,7 @@ class SimulatedBoards {
   [[nodiscard]] Line& line(wire::Board board) { return lines_[static_cast<std::size_t>(board) - 1]; }
   [[nodiscard]] const Line& line(wire::Board board) const { return lines_[static_cast<std::size_t>(board) - 1]; }
   void send(wire::Board board, const wire::BoardMessage& message);
+  void send_odometry(SimTime now, const Measured& measured);
   void send_readings(SimTime now);
   [[nodiscard]] std::uint32_t board_ms(SimTime now) const {
     return static_cast<std::uint32_t>((now - powered_at_) / std::chrono::milliseconds{1});

@@ -33,7 +33,8 @@ class VirtualAiv {
   void link(SimTime now, bool up, wire::Effects& effects);
   /// A message on a topic that the on-board program subscribes to.
   void message(SimTime now, const std::string& topic, const std::string& payload, wire::Effects& effects);
-  /// Another configuration of the same ways (zone::same_ways) goes on driving; on other ways it stands still.
+  /// With another configuration of the same ways (zone::same_ways) it goes on driving. On other ways it comes to rest,
+  /// and is then on the new floor, its pose as it was: beside the line, until it is sent off and seeks it.
   void zone(SimTime now, const zone::ZoneConfiguration& zone, wire::Effects& effects);
   /// Every 20 ms: body, boards, on-board program. Only Publish and Log come out.
   void tick(SimTime now, wire::Effects& effects);
@@ -42,6 +43,7 @@ class VirtualAiv {
 
   [[nodiscard]] Pose2 X_MB() const;  // NOLINT(readability-identifier-naming): frames are written so everywhere
   [[nodiscard]] double speed_mps() const;
+  /// Off the line: the nearest.
   [[nodiscard]] zone::Place place() const;
   void fold(Digest& digest) const;
 

@@ -3,20 +3,25 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "aiv/test_zone.h"
 #include "virtual/vehicle/virtual_bench.h"
 
 namespace cosiva::virtual_side {
 namespace {
 
-using test::at;
-using test::lacet4;
-using test::VirtualBench;
+using aiv::test::at;
+using aiv::test::lacet4;
 using ::testing::IsEmpty;
+
+struct Lacet4Bench : test::VirtualBench {
+  Lacet4Bench(std::string_view section, double s_m)
+      : VirtualBench{aiv::test::lacet4_configuration(), lacet4(), at(lacet4(), section, s_m)} {}
+};
 
 const std::vector<std::string> to_1131{"loop_se@0", "loop_se@283", "loop_se@565", "loop_se@848", "loop_se@1131"};
 
 TEST(VirtualAiv, announces_itself_as_a_vehicle_of_its_own_manufacturer) {
-  VirtualBench bench{"loop_se", 0.0};
+  Lacet4Bench bench{"loop_se", 0.0};
   bench.run(0.2);
   EXPECT_EQ(bench.aiv.id(), (wire::VehicleId{"CoSiVA.virtual", "V1"}));
   ASSERT_EQ(bench.connections.size(), 1U);
@@ -32,14 +37,14 @@ TEST(VirtualAiv, announces_itself_as_a_vehicle_of_its_own_manufacturer) {
 }
 
 TEST(VirtualAiv, stands_while_nobody_tells_it_to_drive) {
-  VirtualBench bench{"loop_se", 0.3};
+  Lacet4Bench bench{"loop_se", 0.3};
   bench.run(3.0);
   EXPECT_EQ(bench.aiv.place().s_m, 0.3);
   EXPECT_EQ(bench.aiv.speed_mps(), 0.0);
 }
 
 TEST(VirtualAiv, drives_its_order_and_reports_the_nodes) {
-  VirtualBench bench{"loop_se", 0.0};
+  Lacet4Bench bench{"loop_se", 0.0};
   bench.run(0.2);
   bench.order(to_1131);
   double fastest_mps = 0.0;
@@ -59,7 +64,7 @@ TEST(VirtualAiv, drives_its_order_and_reports_the_nodes) {
 }
 
 TEST(VirtualAiv, reads_the_tags_it_passes_and_knows_where_it_is) {
-  VirtualBench bench{"east", 1.12};
+  Lacet4Bench bench{"east", 1.12};
   bench.run(0.2);
   bench.order({"east@1120", "east@1310", "loop_se@0", "loop_se@283", "loop_se@565"});
   ASSERT_TRUE(bench.run_until([&] { return bench.state().last_node_id == "loop_se@565"; }, 8.0));
@@ -71,7 +76,7 @@ TEST(VirtualAiv, reads_the_tags_it_passes_and_knows_where_it_is) {
 }
 
 TEST(VirtualAiv, believes_what_is_true_all_round_the_circuit) {
-  VirtualBench bench{"loop_se", 0.0};
+  Lacet4Bench bench{"loop_se", 0.0};
   bench.run(0.2);
   bench.order({"loop_se@0", "loop_se@2545"});
   double worst_m = 0.0;
@@ -84,7 +89,7 @@ TEST(VirtualAiv, believes_what_is_true_all_round_the_circuit) {
 }
 
 TEST(VirtualAiv, stops_within_half_a_second_when_its_host_beats_no_more) {
-  VirtualBench bench{"loop_se", 0.0};
+  Lacet4Bench bench{"loop_se", 0.0};
   bench.run(0.5);
   bench.order({"loop_se@0", "loop_se@2545"});
   bench.run(1.5);
@@ -98,7 +103,7 @@ TEST(VirtualAiv, stops_within_half_a_second_when_its_host_beats_no_more) {
 }
 
 TEST(VirtualAiv, does_not_leap_when_its_host_slept) {
-  VirtualBench bench{"loop_se", 0.0};
+  Lacet4Bench bench{"loop_se", 0.0};
   bench.run(0.5);
   bench.order(to_1131);
   bench.run(1.5);
@@ -109,7 +114,7 @@ TEST(VirtualAiv, does_not_leap_when_its_host_slept) {
 }
 
 TEST(VirtualAiv, obeys_pause_and_speed_like_any_vehicle) {
-  VirtualBench bench{"loop_se", 0.0};
+  Lacet4Bench bench{"loop_se", 0.0};
   bench.run(0.5);
   bench.order({"loop_se@0", "loop_se@2545"});
   bench.run(1.5);
@@ -130,7 +135,7 @@ TEST(VirtualAiv, obeys_pause_and_speed_like_any_vehicle) {
 }
 
 TEST(VirtualAiv, stops_before_what_its_server_says_stands_ahead_and_goes_on) {
-  VirtualBench bench{"loop_se", 0.0};
+  Lacet4Bench bench{"loop_se", 0.0};
   bench.run(0.2);
   bench.order({"loop_se@0", "loop_se@2545"});
   bench.run(1.0);
@@ -153,7 +158,7 @@ TEST(VirtualAiv, stops_before_what_its_server_says_stands_ahead_and_goes_on) {
 }
 
 TEST(VirtualAiv, tells_of_healthy_boards_that_see_nothing) {
-  VirtualBench bench{"loop_se", 0.0};
+  Lacet4Bench bench{"loop_se", 0.0};
   bench.run(2.0);
   ASSERT_FALSE(bench.reports.empty());
   for (const auto& line : bench.reports.back().boards) {
@@ -170,7 +175,7 @@ TEST(VirtualAiv, tells_of_healthy_boards_that_see_nothing) {
 // ------------------------------------------------------------------------------------------------
 
 zone::ZoneConfiguration edited(std::string_view from, std::string_view to) {
-  zone::ZoneConfiguration configuration = test::lacet4_configuration();
+  zone::ZoneConfiguration configuration = aiv::test::lacet4_configuration();
   const std::size_t found = configuration.text.find(from);
   EXPECT_NE(found, std::string::npos) << from;
   configuration.text.replace(found, from.size(), to);
@@ -178,7 +183,7 @@ zone::ZoneConfiguration edited(std::string_view from, std::string_view to) {
 }
 
 TEST(VirtualAiv, reads_a_tag_that_was_moved_at_its_new_place_and_drives_on) {
-  VirtualBench bench{"loop_se", 1.0};
+  Lacet4Bench bench{"loop_se", 1.0};
   bench.run(0.2);
   bench.order({"loop_se@848", "loop_se@2545"});
   bench.run(0.5);
@@ -192,27 +197,112 @@ TEST(VirtualAiv, reads_a_tag_that_was_moved_at_its_new_place_and_drives_on) {
   EXPECT_LT(bench.belief_error_m(), 0.003);
 }
 
-TEST(VirtualAiv, stands_without_a_line_when_its_ways_are_gone_and_goes_on_when_they_are_back) {
-  VirtualBench bench{"loop_se", 0.0};
+/// The same ways, `up_m` further north, under another name.
+zone::ZoneConfiguration shifted(double up_m) {
+  zone::ZoneConfiguration configuration = edited("name = \"lacet4\"", "name = \"moved\"");
+  const std::string was = "y = -0.15";
+  configuration.text.replace(configuration.text.find(was), was.size(), "y = " + std::to_string(up_m - 0.15));
+  return configuration;
+}
+
+TEST(VirtualAiv, drives_on_when_a_zone_comes_that_cannot_be_read) {
+  Lacet4Bench bench{"loop_se", 0.0};
   bench.run(0.2);
   bench.order({"loop_se@0", "loop_se@2545"});
   bench.run(1.0);
-  bench.zone(edited("radius_m = 0.6", "radius_m = 0.61"));
-  bench.run(1.5);
-  EXPECT_GT(bench.aiv.speed_mps(), 0.0) << "that text is no zone: the ways do not join, so nothing changed";
-  bench.zone(edited("length_m = 0.20", "length_m = 0.22"));
-  bench.run(1.5);
-  EXPECT_EQ(bench.aiv.speed_mps(), 0.0);
-  ASSERT_FALSE(bench.state().errors.empty());
-  EXPECT_EQ(bench.state().errors[0].type, "lineLost");
-  bench.zone(test::lacet4_configuration());
+  bench.zone(edited("radius_m = 0.6", "radius_m = 0.61"));  // the ways do not join
   bench.run(1.5);
   EXPECT_GT(bench.aiv.speed_mps(), 0.2);
 }
 
+TEST(VirtualAiv, comes_to_rest_when_its_ways_become_others_and_stands_beside_the_new_line) {
+  Lacet4Bench bench{"loop_se", 0.0};
+  bench.run(0.2);
+  bench.order({"loop_se@0", "loop_se@2545"});
+  bench.run(1.5);
+  const Pose2 before = bench.aiv.X_MB();
+  bench.zone(shifted(0.1));
+  bench.run(2.5);
+  EXPECT_EQ(bench.aiv.speed_mps(), 0.0);
+  const Pose2 stands = bench.aiv.X_MB();
+  EXPECT_LT(distance(before, stands), 0.3);
+  EXPECT_LT(lacet4().circuit.locate(position(stands)).distance_m, 1e-9) << "where it came to rest on its old line";
+  EXPECT_LT(bench.belief_error_m(), 0.005);
+  EXPECT_EQ(bench.state().position->map_id, "moved");
+  EXPECT_THAT(bench.state().node_states, IsEmpty()) << "that order was of the old map";
+  bench.run(2.0);
+  EXPECT_EQ(bench.aiv.X_MB(), stands);
+}
+
+TEST(VirtualAiv, seeks_the_new_line_and_follows_it_when_it_is_sent_off_again) {
+  Lacet4Bench bench{"loop_se", 0.0};
+  bench.run(0.2);
+  bench.order({"loop_se@0", "loop_se@2545"});
+  bench.run(1.0);
+  bench.zone(shifted(0.05));
+  bench.run(2.5);
+  bench.order({bench.waypoint_behind(), "loop_se@2545"}, "O-2");
+  ASSERT_TRUE(bench.run_until([&] { return bench.aiv.speed_mps() > 0.3; }, 15.0));
+  const Point2 p = position(bench.aiv.X_MB());
+  EXPECT_LT(lacet4().circuit.locate({p.x_m, p.y_m - 0.05}).distance_m, 1e-6);
+  bench.run(0.5);
+  EXPECT_LT(bench.belief_error_m(), 0.05) << "a position is up to a period of visualization old";
+  EXPECT_THAT(bench.strange, IsEmpty());
+}
+
+/// Nodes a (0.5, -0.2), b (1.5, -0.2) and c (1.5, 0.8), with an edge from each to the next: at b one turns on the spot.
+zone::ZoneConfiguration corner() {
+  std::string text = R"({"metaInformation":{"projectIdentification":"corner","creator":"test",)"
+                     R"("exportTimestamp":"2024-01-01T00:00:00.00Z","lifVersion":"1.0.0"},)"
+                     R"("layouts":[{"layoutId":"corner","layoutVersion":"1","nodes":[)";
+  const auto node = [&](const char* id, const char* x, const char* y) {
+    text += std::string(R"({"nodeId":")") + id + R"(","nodePosition":{"x":)" + x + R"(,"y":)" + y;
+    text += R"(},"vehicleTypeNodeProperties":[{"vehicleTypeId":"cart"}]},)";
+  };
+  const auto edge = [&](const char* from, const char* to) {
+    text += std::string(R"({"edgeId":")") + from + to + R"(","startNodeId":")" + from + R"(","endNodeId":")" + to;
+    text += R"(","vehicleTypeEdgeProperties":[{"vehicleTypeId":"cart","vehicleOrientation":0,"maxSpeed":1.0}]},)";
+  };
+  node("a", "0.5", "-0.2");
+  node("b", "1.5", "-0.2");
+  node("c", "1.5", "0.8");
+  text.back() = ']';
+  text += R"(,"edges":[)";
+  edge("a", "b");
+  edge("b", "c");
+  text.back() = ']';
+  text += R"(,"stations":[]}]})";
+  return {"lif", "corner.lif.json", text, "[vehicle]\nlength_m = 0.20\nwidth_m = 0.12\n"};
+}
+
+TEST(VirtualAiv, drives_a_layout_that_it_was_switched_to_and_turns_on_the_spot_at_its_nodes) {
+  Lacet4Bench bench{"loop_se", 0.0};
+  bench.run(0.2);
+  bench.zone(corner());
+  bench.run(1.0);
+  bench.order({"a", "b", "c"});
+  double slowest_at_b_mps = 1.0;
+  ASSERT_TRUE(bench.run_until(
+      [&] {
+        if (distance(position(bench.aiv.X_MB()), {1.5, -0.2}) < 1e-9)
+          slowest_at_b_mps = std::min(slowest_at_b_mps, bench.aiv.speed_mps());
+        return bench.state().last_node_id == "c";
+      },
+      40.0))
+      << bench.aiv.X_MB().x_m << ' ' << bench.aiv.X_MB().y_m;
+  bench.run(1.5);
+  EXPECT_EQ(slowest_at_b_mps, 0.0);
+  EXPECT_NEAR(bench.aiv.X_MB().x_m, 1.5, 1e-6);
+  EXPECT_NEAR(bench.aiv.X_MB().y_m, 0.8, 0.02);
+  EXPECT_NEAR(bench.aiv.X_MB().heading_rad, 0.5 * pi, 1e-6);
+  EXPECT_LT(bench.belief_error_m(), 0.01);
+  EXPECT_THAT(bench.state().errors, IsEmpty());
+  EXPECT_THAT(bench.strange, IsEmpty());
+}
+
 TEST(VirtualAiv, runs_the_same_way_every_time) {
   const auto run = [] {
-    VirtualBench bench{"east", 1.12};
+    Lacet4Bench bench{"east", 1.12};
     bench.run(0.2);
     bench.order({"east@1120", "east@1310", "loop_se@0", "loop_se@283"});
     bench.run(5.0);
@@ -220,13 +310,13 @@ TEST(VirtualAiv, runs_the_same_way_every_time) {
   };
   const std::string digest = run();
   EXPECT_EQ(digest, run());
-  VirtualBench other{"east", 1.12};
+  Lacet4Bench other{"east", 1.12};
   other.run(5.2);
   EXPECT_NE(digest, other.digest());
 }
 
 TEST(VirtualAiv, says_goodbye_when_it_is_taken_away) {
-  VirtualBench bench{"loop_se", 0.0};
+  Lacet4Bench bench{"loop_se", 0.0};
   bench.run(0.5);
   bench.farewell();
   EXPECT_EQ(bench.connections.back().state, wire::ConnectionState::offline);
@@ -234,7 +324,7 @@ TEST(VirtualAiv, says_goodbye_when_it_is_taken_away) {
 }
 
 TEST(VirtualAiv, publishes_nothing_while_its_host_has_no_broker) {
-  VirtualBench bench{"loop_se", 0.0};
+  Lacet4Bench bench{"loop_se", 0.0};
   bench.run(0.5);
   wire::Effects effects;
   bench.aiv.link(bench.now, false, effects);

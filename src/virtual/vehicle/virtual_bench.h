@@ -6,23 +6,19 @@
 #include <vector>
 
 #include "aiv/test_orders.h"
-#include "aiv/test_zone.h"
 #include "virtual/vehicle/virtual_aiv.h"
 #include "wire/own_messages.h"
 #include "wire/vda5050/codec.h"
 
 namespace cosiva::virtual_side::test {
 
-using aiv::test::at;
-using aiv::test::lacet4;
-using aiv::test::lacet4_configuration;
-
 /// A virtual AIV, its host's ticks, and a server that beats. Everything it publishes is decoded; what does not decode,
 /// or is meant for nobody outside, is counted.
 class VirtualBench {
  public:
-  explicit VirtualBench(std::string_view section, double s_m)
-      : aiv{"V1", 1001, lacet4_configuration(), at(lacet4(), section, s_m)} {
+  /// @param zone  made of the configuration; must outlive this
+  VirtualBench(const zone::ZoneConfiguration& configuration, const zone::TrafficZone& zone, zone::Place start)
+      : aiv{"V1", 1001, configuration, start}, first_zone_{zone} {
     aiv.link(now, true, effects_);
     take();
   }
@@ -45,15 +41,19 @@ class VirtualBench {
     aiv.message(now, topic, payload, effects_);
     take();
   }
-  void order(const std::vector<std::string>& node_ids) {
-    wire::Order text = aiv::test::order("O-1").through(node_ids);
+  void order(const std::vector<std::string>& node_ids, const std::string& id = "O-1") {
+    wire::Order text = aiv::test::order(id).through(node_ids);
     text.header.manufacturer = aiv.id().manufacturer;
     text.header.serial_number = aiv.id().serial_number;
     hear(wire::vda_topic(aiv.id(), "order"), wire::vda5050::encode(text));
   }
+  /// The last waypoint of the first zone before the place where it is; another zone may have such a place, too.
+  [[nodiscard]] std::string waypoint_behind() const {
+    return first_zone_.waypoints[first_zone_.waypoint_behind(aiv.place())].id;
+  }
   void ahead(std::vector<wire::Body> bodies) {
     hear(wire::own_topic(wire::ahead_topic_prefix, aiv.id()),
-         to_json(wire::Ahead{++aheads_, now, lacet4().name, std::move(bodies)}));
+         to_json(wire::Ahead{++aheads_, now, first_zone_.name, std::move(bodies)}));
   }
   void zone(const zone::ZoneConfiguration& configuration) {
     aiv.zone(now, configuration, effects_);
@@ -124,6 +124,7 @@ class VirtualBench {
     strange.push_back("unexpected topic " + topic);
   }
 
+  const zone::TrafficZone& first_zone_;
   wire::Effects effects_;
   int steps_{0};
   std::uint32_t aheads_{0};

@@ -15,6 +15,11 @@ std::size_t display_bytes(const std::string& text) {
   return end;
 }
 
+// Bits of an Odometry's and of a Drive's flags.
+constexpr std::uint8_t line_lost_flag = 1;
+constexpr std::uint8_t manoeuvre_flag = 2;
+constexpr std::uint8_t seek_flag = 1;
+
 struct Write {
   PayloadWriter& out;
   void operator()(const Hello& m) const {
@@ -34,13 +39,18 @@ struct Write {
     out.put(m.distance_um);
     out.put(m.speed_mmps);
     out.put(m.line_offset_01mm);
-    out.put(static_cast<std::uint8_t>(m.line_lost ? 1 : 0));
+    out.put(static_cast<std::uint8_t>((m.line_lost ? line_lost_flag : 0) | (m.manoeuvre ? manoeuvre_flag : 0)));
+    if (!m.manoeuvre) return;
+    out.put(m.manoeuvre->x_mm);
+    out.put(m.manoeuvre->y_mm);
+    out.put(m.manoeuvre->turned_mrad);
   }
   void operator()(const Drive& m) const {
     out.put(m.speed_mmps);
     out.put(m.acceleration_mmps2);
     out.put(m.braking_mmps2);
     out.put(m.branch);
+    out.put(static_cast<std::uint8_t>(m.seek ? seek_flag : 0));
   }
   void operator()(const TagRead& m) const {
     out.put(m.board_ms);
@@ -74,8 +84,7 @@ std::optional<std::size_t> fixed_length(std::uint8_t type) {
     case hello:
     case tag_read: return 10;
     case heartbeat: return 9;
-    case odometry: return 17;
-    case drive: return 7;
+    case drive:
     case power: return 8;
     default: return std::nullopt;
   }
@@ -108,15 +117,28 @@ Result<BoardMessage> read_heartbeat(PayloadReader in) {
   return m;
 }
 
-Result<BoardMessage> read_odometry(PayloadReader in) {
+Result<BoardMessage> read_odometry(std::span<const std::uint8_t> payload) {
+  constexpr std::size_t head = 17;
+  constexpr std::size_t manoeuvre = 6;
+  if (payload.size() != head && payload.size() != head + manoeuvre)
+    return wrong_length(payload.size(), "17, or 23 with a manoeuvre");
+  PayloadReader in{payload};
   Odometry m;
   m.board_ms = in.take<std::uint32_t>();
   m.distance_um = in.take<std::int64_t>();
   m.speed_mmps = in.take<std::int16_t>();
   m.line_offset_01mm = in.take<std::int16_t>();
-  const auto lost = in.take<std::uint8_t>();
-  if (lost > 1) return wrong_value("line lost", lost, "0 or 1");
-  m.line_lost = lost == 1;
+  const auto flags = in.take<std::uint8_t>();
+  if (flags > (line_lost_flag | manoeuvre_flag)) return wrong_value("the flags", flags, "0 to 3");
+  const bool has_manoeuvre = (flags & manoeuvre_flag) != 0;
+  if (has_manoeuvre != (payload.size() > head))
+    return wrong_length(payload.size(), has_manoeuvre ? "23, as its flags say" : "17, as its flags say");
+  m.line_lost = (flags & line_lost_flag) != 0;
+  if (!has_manoeuvre) return m;
+  Manoeuvre& moved = m.manoeuvre.emplace();
+  moved.x_mm = in.take<std::int16_t>();
+  moved.y_mm = in.take<std::int16_t>();
+  moved.turned_mrad = in.take<std::int16_t>();
   return m;
 }
 
@@ -126,6 +148,9 @@ Result<BoardMessage> read_drive(PayloadReader in) {
   m.acceleration_mmps2 = in.take<std::uint16_t>();
   m.braking_mmps2 = in.take<std::uint16_t>();
   m.branch = in.take<std::uint8_t>();
+  const auto flags = in.take<std::uint8_t>();
+  if (flags > seek_flag) return wrong_value("the flags", flags, "0 or 1");
+  m.seek = flags == seek_flag;
   return m;
 }
 
@@ -177,7 +202,7 @@ Result<BoardMessage> read_payload(std::uint8_t type, std::span<const std::uint8_
   switch (type) {
     case hello: return read_hello(in);
     case heartbeat: return read_heartbeat(in);
-    case odometry: return read_odometry(in);
+    case odometry: return read_odometry(payload);
     case drive: return read_drive(in);
     case tag_read: return read_tag(in);
     case display: return read_display(payload);

@@ -170,6 +170,12 @@ Result<InstantActions> decode_instant_actions(std::string_view json) {
 Result<State> decode_state(std::string_view json) {
   return decode_message<State>(json, "state", [](Fields& fields, State& state) {
     read_header(fields, state.header, Need::required);
+    fields.each("maps", Need::optional, state.maps, [](Fields& item, MapInfo& map) {
+      item.text("mapId", map.map_id, Need::required);
+      item.text("mapVersion", map.map_version, Need::required);
+      item.description("mapDescription", map.description);
+      item.word("mapStatus", map_statuses, map.enabled, Need::required);
+    });
     fields.text("orderId", state.order_id, Need::required);
     fields.count("orderUpdateId", state.order_update_id, Need::required);
     fields.text("zoneSetId", state.zone_set_id, Need::optional);

@@ -175,6 +175,13 @@ std::string encode(const State& message) {
   JsonOut out{1536 + 128 * (message.node_states.size() + message.edge_states.size())};
   out.open('{');
   write_header(out, message.header);
+  if (!message.maps.empty()) {
+    out.array(R"("maps":)", message.maps, [&](const MapInfo& map) {
+      out.open('{').field(R"("mapId":)", map.map_id).field(R"("mapVersion":)", map.map_version);
+      out.text_if_any(R"("mapDescription":)", map.description);
+      out.field(R"("mapStatus":)", text_of(map_statuses, map.enabled)).close('}');
+    });
+  }
   out.field(R"("orderId":)", message.order_id).field(R"("orderUpdateId":)", message.order_update_id);
   out.text_if_any(R"("zoneSetId":)", message.zone_set_id);
   out.field(R"("lastNodeId":)", message.last_node_id);

@@ -107,6 +107,7 @@ template <typename Draw>
 [[nodiscard]] inline State state(Random& random) {
   State s;
   s.header = header(random);
+  s.maps = several(random, 3, [](Random& r) { return MapInfo{id(r), id(r), maybe_text(r), coin(r)}; });
   s.order_id = maybe_text(random);
   s.order_update_id = count(random);
   s.zone_set_id = maybe_text(random);

@@ -34,6 +34,8 @@ inline constexpr std::array operating_modes{
     Word{OperatingMode::teachin, "TEACHIN"}};
 inline constexpr std::array e_stops{Word{EStop::none, "NONE"}, Word{EStop::autoack, "AUTOACK"},
                                     Word{EStop::manual, "MANUAL"}, Word{EStop::remote, "REMOTE"}};
+/// Of MapInfo::enabled.
+inline constexpr std::array map_statuses{Word{true, "ENABLED"}, Word{false, "DISABLED"}};
 inline constexpr std::array error_levels{Word{ErrorLevel::warning, "WARNING"}, Word{ErrorLevel::fatal, "FATAL"}};
 
 template <typename T, std::size_t N>

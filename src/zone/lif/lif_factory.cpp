@@ -1,9 +1,111 @@
 #include "zone/lif/lif_factory.h"
 
+#include <algorithm>
+#include <utility>
+
+#include "zone/lif/json_fault.h"
+#include "zone/lif/lif_circuit.h"
+#include "zone/lif/lif_document.h"
+#include "zone/lif/lif_writer.h"
+#include "zone/toml/companion.h"
+
 namespace cosiva::zone {
+namespace {
+
+/// Values in one file: it bounds the memory that a small hostile one asks for. A hundred thousand edges have four
+/// million.
+constexpr std::ptrdiff_t values_max = 12'000'000;
+
+Error at_file(const ZoneConfiguration& configuration, Error error) {
+  error.place = error.place.empty() ? configuration.origin : configuration.origin + ": " + error.place;
+  return error;
+}
+
+Result<JsonValue> parse(std::string_view text) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  if (text.size() > lif_bytes_max)
+    return fail("zone.size", "expected at most 64 MiB, found " + std::to_string(text.size()) + " bytes");
+  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
+    return fail("zone.syntax", "expected UTF-8, found UTF-16; save the file as UTF-8");
+  const auto values = std::count_if(text.begin(), text.end(), [](char c) { return c == ',' || c == '[' || c == '{'; });
+  if (values > values_max) return fail("zone.size", "expected at most 12 million values, found more");
+  auto json = JsonValue::parse(text, lif_bytes_max);
+  if (json) return json;
+  if (const auto fault = lif::find_json_fault(text)) {
+    return fail("zone.syntax", "not JSON: " + fault->what,
+                "line " + std::to_string(fault->line) + ", column " + std::to_string(fault->column));
+  }
+  return fail("zone.syntax", json.error().message);
+}
+
+std::string zone_name(const std::optional<std::string>& asked, std::string project) {
+  if (asked) return *asked;
+  constexpr std::size_t bytes_max = 64;
+  if (project.size() > bytes_max) {
+    std::size_t end = bytes_max;
+    while (end > 0 && (static_cast<unsigned char>(project[end]) & 0xC0U) == 0x80U) --end;
+    project.resize(end);
+  }
+  const bool blank = project.find_first_not_of(' ') == std::string::npos;
+  return blank ? "lif" : project;
+}
+
+}  // namespace
 
 Result<TrafficZone> LifCircuitFactory::make_zone(const ZoneConfiguration& configuration) const {
-  return fail("zone.format", "not read yet", configuration.origin);
+  const auto failed = [&](Error error) { return tl::unexpected(at_file(configuration, std::move(error))); };
+  auto companion = read_companion(configuration);
+  if (!companion) return tl::unexpected(companion.error());
+  const auto json = parse(configuration.text);
+  if (!json) return failed(json.error());
+
+  lif::LifNotes notes;
+  auto document = lif::read_document(*json, {companion->vehicle_type, companion->layout, companion->scale}, notes);
+  if (!document) return failed(document.error());
+  auto ways = lif::make_ways(*document, {companion->tolerance_m, companion->tolerance_rad}, notes);
+  if (!ways) {
+    // What was lost before says why nothing is left.
+    Error error = ways.error();
+    for (const Note& note : notes.take()) {
+      if (error.code == "circuit.empty" && note.kind == Note::Kind::lost) {
+        error.message += "; " + note.place + ": " + note.text;
+        break;
+      }
+    }
+    return failed(std::move(error));
+  }
+
+  std::string name = zone_name(companion->name, document->project);
+  auto circuit = Circuit::make(name, std::move(ways->parts));
+  if (!circuit) return failed(circuit.error());
+  TrafficZone zone{.name = std::move(name),
+                   .circuit = std::move(*circuit),
+                   .vehicle = {},
+                   .profiles = default_profiles,
+                   .tags = {},
+                   .beacons = {},
+                   .stations = std::move(ways->stations),
+                   .crossings = {},
+                   .waypoints = {},
+                   .starts = {}};
+  zone.edges_are_sections = true;
+  WaypointRules rules;
+  rules.start_ids = std::move(ways->start_ids);
+  rules.end_ids = std::move(ways->end_ids);
+  if (auto furnished = furnish(zone, configuration, *companion, std::move(rules)); !furnished)
+    return tl::unexpected(furnished.error());
+  auto said = notes.take();
+  zone.notes.insert(zone.notes.begin(), std::make_move_iterator(said.begin()), std::make_move_iterator(said.end()));
+  return zone;
+}
+
+Result<ZoneConfiguration> LifCircuitFactory::written(const TrafficZone& zone, std::vector<Note>& lost) const {
+  return lif::write_zone(zone, lost);
+}
+
+Result<ZoneConfiguration> LifCircuitFactory::edited(const ZoneConfiguration& configuration,
+                                                    const ZoneEdit& edit) const {
+  return edited_companion(*this, configuration, edit);
 }
 
 }  // namespace cosiva::zone

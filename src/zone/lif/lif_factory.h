@@ -4,12 +4,17 @@
 
 namespace cosiva::zone {
 
+inline constexpr std::size_t lif_bytes_max = 64U << 20U;
+
 /// VDMA LIF 1.0, the Layout Interchange Format: docs/guide/zones.md says what is taken of it.
 class LifCircuitFactory final : public CircuitFactory {
  public:
   [[nodiscard]] std::string_view format() const override { return "lif"; }
   [[nodiscard]] std::vector<std::string_view> file_endings() const override { return {".lif.json", ".json"}; }
   [[nodiscard]] Result<TrafficZone> make_zone(const ZoneConfiguration& configuration) const override;
+  [[nodiscard]] Result<ZoneConfiguration> written(const TrafficZone& zone, std::vector<Note>& lost) const override;
+  [[nodiscard]] Result<ZoneConfiguration> edited(const ZoneConfiguration& configuration,
+                                                 const ZoneEdit& edit) const override;
 };
 
 }  // namespace cosiva::zone

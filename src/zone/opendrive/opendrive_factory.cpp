@@ -1,9 +1,122 @@
 #include "zone/opendrive/opendrive_factory.h"
 
+#include <cmath>
+
+#include "zone/opendrive/reader.h"
+#include "zone/opendrive/sections.h"
+#include "zone/opendrive/short_sections.h"
+#include "zone/opendrive/ways.h"
+#include "zone/toml/companion.h"
+
 namespace cosiva::zone {
+namespace opendrive {
+namespace {
+
+/// Lanes for vehicles, by the words of versions 1.1 to 1.8.
+const std::vector<std::string>& driven_lane_types() {
+  static const std::vector<std::string> types{"driving",  "entry",   "exit",          "onRamp",   "offRamp",
+                                              "taxi",     "bus",     "HOV",           "slipLane", "bidirectional",
+                                              "mwyEntry", "mwyExit", "connectingRamp"};
+  return types;
+}
+
+/// Coordinates of a national grid leave a double too few digits behind the point: such a network is moved near to 0.
+void move_near(Network& network, Report& report) {
+  constexpr double far_m = 1e5;
+  const Geometry* first = nullptr;
+  for (const Road& road : network.roads) {
+    if (first == nullptr && !road.plan.empty()) first = &road.plan.front();
+  }
+  if (first == nullptr || (std::fabs(first->start.x_m) < far_m && std::fabs(first->start.y_m) < far_m)) return;
+  const Point2 by{1e3 * std::floor(1e-3 * first->start.x_m), 1e3 * std::floor(1e-3 * first->start.y_m)};
+  for (Road& road : network.roads) {
+    for (Geometry& geometry : road.plan) {
+      geometry.start.x_m -= by.x_m;
+      geometry.start.y_m -= by.y_m;
+    }
+  }
+  report.add(Note::Kind::notice, "origins", "file",
+             "lies far from its origin: everything is moved by (" + std::to_string(-by.x_m) + ", " +
+                 std::to_string(-by.y_m) + ") of its metres");
+}
+
+void note_what_is_not_taken(Report& report) {
+  const auto say = [&](Note::Kind kind, std::string_view what, std::string_view text) {
+    const std::size_t count = report.counted(what);
+    if (count == 0) return;
+    std::string sentence = std::to_string(count) + ' ';
+    sentence += text;
+    report.add(kind, what, "file", std::move(sentence));
+  };
+  say(Note::Kind::notice, "elevation", "records of elevation are not taken: the zone is flat");
+  say(Note::Kind::notice, "superelevation", "records of superelevation are not taken: the zone is flat");
+  say(Note::Kind::notice, "crossfall", "records of crossfall are not taken: the zone is flat");
+  say(Note::Kind::notice, "shape", "records of road shape are not taken: the zone is flat");
+  say(Note::Kind::lost, "signals", "signals are not taken: vehicles do not stop at lights and signs");
+  say(Note::Kind::lost, "objects", "objects are not taken");
+  say(Note::Kind::lost, "controller", "controllers of signals are not taken");
+  say(Note::Kind::lost, "junctionGroup", "groups of junctions are not taken");
+  say(Note::Kind::lost, "railroad", "railroads are not taken");
+  say(Note::Kind::lost, "station", "stations of railways and buses are not taken; the companion can name stations");
+  say(Note::Kind::lost, "direction both",
+      "lanes are driven both ways in the file; here only in their side's direction");
+  say(Note::Kind::lost, "links to lanes not driven on", "links lead to lanes that are not driven on");
+  std::string types;
+  for (const auto& [type, count] : report.counted_under("lane type ")) {
+    if (types.size() > 300) continue;
+    types += (types.empty() ? "" : ", ") + std::to_string(count) + ' ' + type;
+  }
+  if (!types.empty()) report.add(Note::Kind::notice, "lane types", "file", "lanes that are not driven on: " + types);
+}
+
+/// The header's name, or the file's.
+std::string name_of(const Network& network, std::string_view origin) {
+  std::string name;
+  for (const char c : network.name.substr(0, 64)) {
+    if (static_cast<unsigned char>(c) >= 0x20) name += c;
+  }
+  if (name.find_first_not_of(' ') != std::string::npos) return name;
+  origin = origin.substr(origin.rfind('/') + 1);
+  origin = origin.substr(0, origin.find('.'));
+  return origin.empty() ? "roads" : std::string(origin.substr(0, 64));
+}
+
+}  // namespace
+}  // namespace opendrive
 
 Result<TrafficZone> OpenDriveCircuitFactory::make_zone(const ZoneConfiguration& configuration) const {
-  return fail("zone.format", "not read yet", configuration.origin);
+  using namespace opendrive;
+  const auto companion = read_companion(configuration);
+  if (!companion) return tl::unexpected(companion.error());
+  auto file = XmlFile::parse(configuration.origin, configuration.text);
+  if (!file) return tl::unexpected(file.error());
+  Report report;
+  auto network = read_network(**file, report);
+  if (!network) return tl::unexpected(network.error());
+  file->reset();
+  move_near(*network, report);
+  drop_short_sections(*network, report);
+
+  Ways ways = find_ways(*network, companion->lane_types.value_or(driven_lane_types()), report);
+  link_ways(*network, ways, report);
+  join_ways(*network, ways, report);
+  auto parts =
+      lay_sections(*network, ways, companion->scale, {companion->tolerance_m, companion->tolerance_rad}, report);
+  if (!parts) return fail(parts.error().code, parts.error().message, configuration.origin);
+  const std::string name = companion->name.value_or(name_of(*network, configuration.origin));
+  auto circuit = Circuit::make(name, std::move(*parts));
+  if (!circuit) return fail(circuit.error().code, circuit.error().message, configuration.origin);
+
+  note_what_is_not_taken(report);
+  TrafficZone zone{name, std::move(*circuit), {}, default_profiles, {}, {}, {}, {}, {}, {}};
+  zone.notes = report.notes();
+  if (auto furnished = furnish(zone, configuration, *companion); !furnished) return tl::unexpected(furnished.error());
+  return zone;
+}
+
+Result<ZoneConfiguration> OpenDriveCircuitFactory::edited(const ZoneConfiguration& configuration,
+                                                          const ZoneEdit& edit) const {
+  return edited_companion(*this, configuration, edit);
 }
 
 }  // namespace cosiva::zone

@@ -4,6 +4,7 @@
 
 #include "zone/lif/lif_factory.h"
 #include "zone/opendrive/opendrive_factory.h"
+#include "zone/toml/companion.h"
 #include "zone/toml/toml_factory.h"
 
 namespace cosiva::zone {
@@ -48,6 +49,20 @@ Result<std::string> format_of_file(std::string_view file_name) {
     }
   }
   return fail("zone.format", "a zone's file ends with one of " + joined(endings), std::string(file_name));
+}
+
+std::optional<std::string> companion_of_file(std::string_view file_name) {
+  const auto format = format_of_file(file_name);
+  if (!format || *format == TomlCircuitFactory{}.format()) return std::nullopt;
+  return companion_file(file_name);
+}
+
+std::vector<Error> faults(const ZoneConfiguration& configuration) {
+  const auto factory = circuit_factory_for(configuration.format);
+  if (factory) return (*factory)->faults(configuration);
+  Error error = factory.error();
+  error.place = configuration.origin;
+  return {error};
 }
 
 Result<ZoneConfiguration> edited(const ZoneConfiguration& configuration, const ZoneEdit& edit) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,6 +21,13 @@ namespace cosiva::zone {
 /// The format of a file of this name by its ending ("toml", "lif.json", "xodr"): fails ("zone.format") naming the known
 /// ones.
 [[nodiscard]] Result<std::string> format_of_file(std::string_view file_name);
+
+/// "plant.zone.toml": the name of the file that says what the format of "plant.lif.json" or "plant.xodr" cannot;
+/// nothing for a file whose format needs none.
+[[nodiscard]] std::optional<std::string> companion_of_file(std::string_view file_name);
+
+/// Everything wrong with it, at most a hundred faults, each with its place; nothing where Rtm::initialise takes it.
+[[nodiscard]] std::vector<Error> faults(const ZoneConfiguration& configuration);
 
 /// The configuration's text with the edit in it; the rest of the file, comments too, stays as it is. Fails where the
 /// format has no such thing.

@@ -5,6 +5,7 @@
 
 #include "zone/edit.h"
 #include "zone/edit_rules.h"
+#include "zone/toml/companion.h"
 #include "zone/toml/toml_factory.h"
 #include "zone/toml/toml_fields.h"
 
@@ -75,15 +76,6 @@ class Reading {
   std::vector<std::size_t> line_begins_;
 };
 
-std::string quoted(std::string_view text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += c;
-  }
-  return out + "\"";
-}
-
 /// A text that lines can be added to: it ends with a newline.
 void end_last_line(std::string& text, std::string_view newline) {
   if (!text.empty() && text.back() != '\n') text += newline;
@@ -96,7 +88,8 @@ class Editor {
 
   Result<std::string> run(const ZoneEdit& edit) {
     remove_tags(edit);
-    change_values(edit);
+    move_tags(edit);
+    set_beacons(edit);
     add_tags(edit);
     set_priorities(edit);
     if (error_) return tl::unexpected(std::move(*error_));
@@ -149,8 +142,8 @@ class Editor {
     apply(std::move(gone));
   }
 
-  /// Tags that move and the beacons' pitch: numbers and names change in place.
-  void change_values(const ZoneEdit& edit) {
+  /// Numbers and names change in place.
+  void move_tags(const ZoneEdit& edit) {
     const Reading reading{text_};
     std::vector<Replacement> changes;
     for (const auto& [number, place] : edit.set_tags) {
@@ -161,9 +154,48 @@ class Editor {
         changes.push_back(reading.replace(*tag->get("section"), section_text(place)));
       changes.push_back(reading.replace(*tag->get("s_m"), s_text(place)));
     }
-    if (edit.beacon_pitch_m) {
-      if (const auto* pitch = reading.root()["beacons"]["pitch_m"].node())
-        changes.push_back(reading.replace(*pitch, metres_text(*edit.beacon_pitch_m)));
+    apply(std::move(changes));
+  }
+
+  /// What is not there yet comes behind the pitch, which is always there.
+  void set_beacons(const ZoneEdit& edit) {
+    const Reading reading{text_};
+    const auto* beacons = reading.root().get_as<toml::table>("beacons");
+    if (beacons == nullptr || !beacons->contains("pitch_m")) return;
+    const toml::node& pitch = *beacons->get("pitch_m");
+    std::vector<Replacement> changes;
+    std::string pitch_text;
+    std::string added;
+    const bool has_header = reading.has_header(*beacons);
+    const auto set = [&](std::string_view key, const std::string& value) {
+      if (const toml::node* node = beacons->get(key)) {
+        changes.push_back(reading.replace(*node, value));
+      } else if (has_header) {
+        added.append(key).append(" = ").append(value).append(reading.newline());
+      } else {
+        pitch_text.append(", ").append(key).append(" = ").append(value);
+      }
+    };
+    if (edit.beacon_origin)
+      set("origin", "[" + metres_text(edit.beacon_origin->x_m) + ", " + metres_text(edit.beacon_origin->y_m) + "]");
+    if (edit.beacon_rotation_rad) {
+      // A file may say it in radians; then it goes on to.
+      if (beacons->contains("rotation_rad"))
+        set("rotation_rad", toml_number(rounded_rad(*edit.beacon_rotation_rad)));
+      else
+        set("rotation_deg", metres_text(rounded_deg(*edit.beacon_rotation_rad)));
+    }
+    if (edit.beacon_pitch_m || !pitch_text.empty()) {
+      Replacement change = reading.replace(pitch, {});
+      const std::string now = text_.substr(change.begin, change.end - change.begin);
+      change.text = (edit.beacon_pitch_m ? metres_text(*edit.beacon_pitch_m) : now) + pitch_text;
+      changes.push_back(std::move(change));
+    }
+    const std::size_t behind = reading.line_begin(pitch.source().end.line + 1);
+    if (!added.empty()) {
+      // A last line without an end gets one.
+      const bool ends = behind > 0 && text_[behind - 1] == '\n';
+      changes.push_back({behind, behind, (ends ? "" : std::string(reading.newline())) + added});
     }
     apply(std::move(changes));
   }
@@ -206,7 +238,7 @@ class Editor {
         changes.push_back(
             reading.lines_gone(table->find(vehicle)->first.source().begin.line, value->source().end.line));
       } else {
-        added += quoted(vehicle) + " = " + std::to_string(priority) + newline;
+        added += toml_quoted(vehicle) + " = " + std::to_string(priority) + newline;
       }
     }
     // Before what stands further up in the text moves it.
@@ -217,7 +249,9 @@ class Editor {
       insert_lines(text_.size(), newline + "[priorities]" + newline + added, newline);
   }
 
-  void insert_lines(std::size_t at, const std::string& lines, std::string_view newline) {
+  void insert_lines(std::size_t at, std::string lines, std::string_view newline) {
+    // What comes after something keeps a blank line from it.
+    if (text_.empty()) lines.erase(0, newline.size());
     if (at == text_.size()) {
       end_last_line(text_, newline);
       text_ += lines;
@@ -227,7 +261,7 @@ class Editor {
   }
 
   [[nodiscard]] std::string section_text(const Place& place) const {
-    return quoted(zone_.circuit.part(place.section).name);
+    return toml_quoted(zone_.circuit.part(place.section).name);
   }
   /// Rounded, but never beyond the section's end.
   [[nodiscard]] std::string s_text(const Place& place) const {
@@ -242,26 +276,42 @@ class Editor {
 
 }  // namespace
 
-Result<ZoneConfiguration> TomlCircuitFactory::edited(const ZoneConfiguration& configuration,
-                                                     const ZoneEdit& edit) const {
-  const auto zone = make_zone(configuration);
+namespace {
+
+/// Edits that part of the configuration which is ours, and looks whether it came out as it should.
+Result<ZoneConfiguration> edited_in(std::string ZoneConfiguration::*part, const std::string& origin,
+                                    const CircuitFactory& factory, const ZoneConfiguration& configuration,
+                                    const ZoneEdit& edit) {
+  const auto zone = factory.make_zone(configuration);
   if (!zone) return tl::unexpected(zone.error());
   const auto wanted = with_edit(*zone, edit);
   if (!wanted) return tl::unexpected(wanted.error());
   ZoneConfiguration result = configuration;
   try {
-    auto text = Editor{configuration.text, *zone, configuration.origin}.run(edit);
+    auto text = Editor{configuration.*part, *zone, origin}.run(edit);
     if (!text) return tl::unexpected(std::move(text.error()));
-    result.text = std::move(*text);
+    result.*part = std::move(*text);
   } catch (const std::exception& error) {
-    return fail("edit.result", std::string("the edit spoils the file's text: ") + error.what(), configuration.origin);
+    return fail("edit.result", std::string("the edit spoils the file's text: ") + error.what(), origin);
   }
-  const auto found = make_zone(result);
-  if (!found) return fail("edit.result", "the edit spoils the file: " + found.error().message, configuration.origin);
+  const auto found = factory.make_zone(result);
+  if (!found) return fail("edit.result", "the edit spoils the file: " + found.error().message, origin);
   if (const auto other = difference(*wanted, *found))
     return fail("edit.result", "the edit came out wrong, so it was not made: " + *other + "; edit the file by hand",
-                configuration.origin);
+                origin);
   return result;
+}
+
+}  // namespace
+
+Result<ZoneConfiguration> TomlCircuitFactory::edited(const ZoneConfiguration& configuration,
+                                                     const ZoneEdit& edit) const {
+  return edited_in(&ZoneConfiguration::text, configuration.origin, *this, configuration, edit);
+}
+
+Result<ZoneConfiguration> edited_companion(const CircuitFactory& factory, const ZoneConfiguration& configuration,
+                                           const ZoneEdit& edit) {
+  return edited_in(&ZoneConfiguration::companion, companion_file(configuration.origin), factory, configuration, edit);
 }
 
 }  // namespace cosiva::zone

@@ -4,8 +4,8 @@
 
 namespace cosiva::zone {
 
-inline constexpr std::size_t toml_bytes_max = 16U << 20U;
-inline constexpr std::size_t toml_sections_max = 100'000;
+inline constexpr std::size_t toml_bytes_max = 64U << 20U;
+inline constexpr std::size_t toml_sections_max = 200'000;
 
 /// CoSiVA's own format, described in docs/guide/zones.md.
 class TomlCircuitFactory final : public CircuitFactory {
@@ -13,6 +13,9 @@ class TomlCircuitFactory final : public CircuitFactory {
   [[nodiscard]] std::string_view format() const override { return "toml"; }
   [[nodiscard]] std::vector<std::string_view> file_endings() const override { return {".toml"}; }
   [[nodiscard]] Result<TrafficZone> make_zone(const ZoneConfiguration& configuration) const override;
+  [[nodiscard]] std::vector<Error> faults(const ZoneConfiguration& configuration) const override;
+  /// Reads back as the same zone, to the last bit; only its notes are not in it.
+  [[nodiscard]] Result<ZoneConfiguration> written(const TrafficZone& zone, std::vector<Note>& lost) const override;
   [[nodiscard]] Result<ZoneConfiguration> edited(const ZoneConfiguration& configuration,
                                                  const ZoneEdit& edit) const override;
 };

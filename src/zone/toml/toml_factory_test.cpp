@@ -326,7 +326,7 @@ radius_m = 0.1
 angle_deg = 500000
 )";
   std::string text = "name = \"z\"\nformat_version = 1\n[vehicle]\nlength_m = 0.1\nwidth_m = 0.1\n";
-  for (int i = 0; i < 12; ++i) text += replaced(arc, "@", std::to_string(i));
+  for (int i = 0; i < 46; ++i) text += replaced(arc, "@", std::to_string(i));
   EXPECT_EQ(code_of(text), "zone.size");
   EXPECT_EQ(code_of(straight + "[beacons]\npitch_m = 0.0001\ncover = \"zone\"\n"), "zone.size");
   EXPECT_EQ(code_of(straight + "[beacons]\npitch_m = 1\ncolumns = 100000\nrows = 100000\n"), "zone.size");
@@ -373,7 +373,7 @@ TEST(Rtm, keeps_the_configuration_and_names_its_factory) {
 }
 
 TEST(Rtm, of_an_unknown_format_names_the_known_ones) {
-  const auto rtm = Rtm::initialise({"opendrive", "test.xodr", "<xml/>"});
+  const auto rtm = Rtm::initialise({"cad", "test.xodr", "<xml/>"});
   ASSERT_FALSE(rtm);
   EXPECT_EQ(rtm.error().code, "zone.format");
   EXPECT_EQ(rtm.error().place, "test.xodr");

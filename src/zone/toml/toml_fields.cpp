@@ -32,15 +32,10 @@ std::string quoted(std::string_view text) {
   return out + (text.size() > 40 ? "…\"" : "\"");
 }
 
-std::string shortest(double value) {
-  char buffer[32];
-  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
-}
-
 std::string describe(const toml::node& node) {
   if (const auto* text = node.as_string()) return quoted(text->get());
   if (const auto* whole = node.as_integer()) return std::to_string(whole->get());
-  if (const auto* number = node.as_floating_point()) return shortest(number->get());
+  if (const auto* number = node.as_floating_point()) return toml_number(number->get());
   if (const auto* flag = node.as_boolean()) return flag->get() ? "true" : "false";
   if (node.is_table()) return "a table";
   if (node.is_array()) return "an array";
@@ -54,18 +49,38 @@ std::optional<double> number_of(const toml::node& node) {
   return std::nullopt;
 }
 
-bool is_name(std::string_view text) {
-  return !text.empty() && text.size() <= 64 && std::none_of(text.begin(), text.end(), [](char c) {
+constexpr std::size_t name_bytes_max = 256;
+constexpr std::string_view name_text = "a name of 1 to 256 bytes without control characters";
+constexpr std::size_t faults_max = 100;
+
+}  // namespace
+
+bool is_toml_name(std::string_view text) {
+  return !text.empty() && text.size() <= name_bytes_max && std::none_of(text.begin(), text.end(), [](char c) {
     return static_cast<unsigned char>(c) < 0x20 || c == 0x7F;
   });
 }
 
-constexpr std::string_view name_text = "a name of 1 to 64 bytes without control characters";
+std::string toml_quoted(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out + "\"";
+}
 
-}  // namespace
+std::string toml_number(double value) {
+  char buffer[32];
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
+}
 
 void TomlFaults::add(std::string code, std::uint32_t line, std::string_view path, std::string message) {
-  if (!first_) first_ = Error{std::move(code), std::move(message), place(line, path)};
+  add({std::move(code), std::move(message), place(line, path)});
+}
+
+void TomlFaults::add(Error error) {
+  if (all_.size() < faults_max) all_.push_back(std::move(error));
 }
 
 std::string TomlFaults::place(std::uint32_t line, std::string_view path) const {
@@ -97,6 +112,11 @@ const toml::node* TomlFields::find(std::string_view key, std::string_view what, 
   const toml::node* node = table_->get(key);
   if (node == nullptr && !optional) fault(key, "zone.missing", "expected " + std::string(what) + ", found nothing");
   return node;
+}
+
+bool TomlFields::is_list(std::string_view key) const {
+  const toml::node* node = table_->get(key);
+  return node != nullptr && node->is_array();
 }
 
 std::vector<std::string> TomlFields::keys() const {
@@ -155,9 +175,29 @@ std::string TomlFields::name(std::string_view key) const {
   const toml::node* node = find(key, name_text, false);
   if (node == nullptr) return {};
   const auto* value = node->as_string();
-  if (value != nullptr && is_name(value->get())) return value->get();
+  if (value != nullptr && is_toml_name(value->get())) return value->get();
   expected(key, name_text, *node);
   return {};
+}
+
+std::optional<std::string> TomlFields::optional_name(std::string_view key) const {
+  return has(key) ? std::optional{name(key)} : std::nullopt;
+}
+
+double TomlFields::angle(std::string_view key, double within_deg, std::optional<double> fallback_rad) const {
+  const std::string degrees = std::string(key) + "_deg";
+  const std::string radians = std::string(key) + "_rad";
+  const std::string what = "degrees within ±" + toml_number(within_deg);
+  if (has(radians) && !has(degrees)) {
+    const double within_rad = within_deg * rad_per_deg;
+    const std::string what_rad = "radians within ±" + toml_number(within_rad);
+    return number(radians, {what_rad, -within_rad, within_rad});
+  }
+  if (has(radians)) fault(radians, "zone.field", "give this angle either in degrees or in radians, not in both");
+  std::optional<double> fallback_deg;
+  if (fallback_rad) fallback_deg = 0.0;
+  const double value_deg = number(degrees, {what, -within_deg, within_deg}, fallback_deg);
+  return has(degrees) || !fallback_rad ? value_deg * rad_per_deg : *fallback_rad;
 }
 
 std::string TomlFields::one_of(std::string_view key, std::initializer_list<std::string_view> words) const {

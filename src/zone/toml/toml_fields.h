@@ -10,26 +10,38 @@
 
 #include "base/pose.h"
 #include "base/result.h"
+#include "zone/edit_rules.h"
 #include "zone/toml/toml_library.h"
 
 namespace cosiva::zone {
 
-/// The first thing wrong with a file. Reading goes on with stand-in values, so that the reader stays straight-line
-/// code; whoever reads asks `first()` before trusting what was read.
+/// What is wrong with a file. Reading goes on with stand-in values, so that the reader stays straight-line code;
+/// whoever reads asks `any()` before trusting what was read.
 class TomlFaults {
  public:
   explicit TomlFaults(std::string origin) : origin_{std::move(origin)} {}
 
   void add(std::string code, std::uint32_t line, std::string_view path, std::string message);
-  [[nodiscard]] bool any() const { return first_.has_value(); }
-  [[nodiscard]] const std::optional<Error>& first() const { return first_; }
+  /// Of something that stands elsewhere than in this file.
+  void add(Error error);
+  [[nodiscard]] bool any() const { return !all_.empty(); }
+  [[nodiscard]] const Error& first() const { return all_.front(); }
+  /// The first hundred; those behind the first may be its consequences.
+  [[nodiscard]] const std::vector<Error>& all() const { return all_; }
   /// "origin:line: path"; the path may be empty.
   [[nodiscard]] std::string place(std::uint32_t line, std::string_view path) const;
 
  private:
   std::string origin_;
-  std::optional<Error> first_;
+  std::vector<Error> all_;
 };
+
+/// Whether this can be a name: 1 to 256 bytes without control characters.
+[[nodiscard]] bool is_toml_name(std::string_view text);
+/// In double quotes, with escapes.
+[[nodiscard]] std::string toml_quoted(std::string_view text);
+/// The shortest text that reads back to the same number, and is a TOML number.
+[[nodiscard]] std::string toml_number(double value);
 
 /// What a number must be, and how to say so.
 struct NumberRange {
@@ -47,6 +59,8 @@ class TomlFields {
       : faults_{&faults}, table_{&table}, path_{std::move(path)} {}
 
   [[nodiscard]] bool has(std::string_view key) const { return table_->contains(key); }
+  /// Whether the field is an array, such as of tables.
+  [[nodiscard]] bool is_list(std::string_view key) const;
   /// All keys there are, sorted.
   [[nodiscard]] std::vector<std::string> keys() const;
   /// Faults any other key, naming the nearest of these.
@@ -58,8 +72,12 @@ class TomlFields {
   [[nodiscard]] std::uint32_t whole(std::string_view key, std::uint32_t low, std::uint32_t high,
                                     std::optional<std::uint32_t> fallback = std::nullopt) const;
   [[nodiscard]] bool flag(std::string_view key, bool fallback) const;
-  /// 1 to 64 bytes, without control characters.
+  /// 1 to 256 bytes, without control characters.
   [[nodiscard]] std::string name(std::string_view key) const;
+  [[nodiscard]] std::optional<std::string> optional_name(std::string_view key) const;
+  /// In radians, from `key`_deg or, where the last digit counts, `key`_rad: one of both, or the fallback.
+  [[nodiscard]] double angle(std::string_view key, double within_deg,
+                             std::optional<double> fallback_rad = std::nullopt) const;
   [[nodiscard]] std::string one_of(std::string_view key, std::initializer_list<std::string_view> words) const;
 
   [[nodiscard]] std::optional<TomlFields> table(std::string_view key) const;
@@ -70,6 +88,7 @@ class TomlFields {
   /// A fault of this field (or of the whole table with an empty key).
   void fault(std::string_view key, std::string code, std::string message) const;
   [[nodiscard]] std::uint32_t line(std::string_view key = {}) const;
+  [[nodiscard]] std::string place() const { return faults_->place(line(), path_); }  ///< "origin:line: path"
   [[nodiscard]] std::string path(std::string_view key = {}) const;
 
  private:

@@ -44,6 +44,28 @@ export class World {
     this.boxes = [];
     this.seen = [];
     this.zone_cache = null;
+    this.closed = new Set();
+  }
+  /** Another zone, while they drive: each is put on a way of it, and the last one is parked, so that one can be seen. */
+  switch_zone({ name, file }) {
+    if (name === undefined) {
+      this.refused = { origin: file ?? 'a file', why: 'line 3: the mock reads no files', at: this.now };
+      throw new Refusal(422, 'zone.mock', `${file}: line 3: the mock reads no files.`);
+    }
+    if (!['lacet4', 'yard'].includes(name)) throw new Refusal(404, 'zone.missing', `There is no zone ${name}.`);
+    const from = this.circuit.name;
+    const { commands, command_number } = this;
+    this.load(name, this.count);
+    Object.assign(this, { commands, command_number });
+    const last = this.aivs.at(-1);
+    Object.assign(last, { paused: true, parked: 'it stands 0.82 m beside every way' });
+    this.switched = { at: this.now, from, first_moving_ms: 431, anchored: this.aivs.length - 1, parked: [last.id] };
+    return { revision: this.zone_revision, name };
+  }
+  suggest_beacons() {
+    const { origin } = this.zone.beacons ?? {};
+    if (!origin) throw new Refusal(409, 'zone.beacons', 'This zone has no beacons.');
+    return { origin: [origin[0] + 0.07, origin[1] + 0.03], now_m: 1.92, longest_free_m: 0.61 };
   }
   spread(share, tracks, total) {
     let distance = share * total;
@@ -310,7 +332,8 @@ export class World {
     return {
       time: new Date(this.now).toISOString(), time_ms: this.now, zoneRevision: this.zone_revision,
       zoneEdits: { undo: this.undo_stack.length, redo: this.redo_stack.length, unsaved: !this.saved },
-      aivs: this.aivs.map((aiv) => this.row(aiv)),
+      zone: { name: this.circuit.name, revision: this.zone_revision, closed: [...this.closed].sort(), refused: this.refused ?? null, switched: this.switched ?? null },
+      aivs: this.aivs.map((aiv) => ({ ...this.row(aiv), mission: aiv.mission ?? { kind: 'circulate', loop: null, state: 'driving' }, map: this.circuit.name, parked: aiv.parked ?? null })),
       things: this.things.map((thing) => ({ id: thing.id, handle: thing.handle, kind: thing.kind, x: thing.x, y: thing.y, heading: thing.heading, radius: thing.radius, speed: thing.speed, ...(thing.path ? { path: thing.path, repeat: thing.repeat } : {}), feltBy: felt(thing), since_ms: thing.since_ms })),
       obstacles: this.seen.map(({ id, handle, x, y, radius, seenBy, first_ms, last_ms }) => ({ id, handle, x, y, radius, seenBy, first_ms, last_ms })),
       crossings: this.aivs.length <= 200 ? this.crossings() : [], bijection: this.bijection(), commands: this.commands.slice(-50),
@@ -319,6 +342,17 @@ export class World {
 
   // ── what it is told ──
   command(body) {
+    if (body.command === 'close' || body.command === 'open') {
+      if (!this.zone.sections.some((one) => one.name === body.section)) throw new Refusal(400, 'command.section', `There is no section ${body.section}.`);
+      this.closed[body.command === 'close' ? 'add' : 'delete'](body.section);
+      return { id: `c${++this.command_number}` };
+    }
+    if (body.command === 'go' || body.command === 'circulate') {
+      const sent = this.aivs.filter((aiv) => body.vehicle === '*' || aiv.id === body.vehicle);
+      if (sent.length === 0) throw new Refusal(404, 'command.vehicle', `There is no AIV ${body.vehicle}.`);
+      for (const aiv of sent) aiv.mission = body.command === 'go' ? { kind: 'go', to: body.to, state: 'driving' } : { kind: 'circulate', loop: body.loop ?? null, state: 'driving' };
+      return { id: `c${++this.command_number}` };
+    }
     if (!verbs.includes(body.command)) throw new Refusal(400, 'command.unknown', `There is no command “${body.command}”. Send one of: ${verbs.join(', ')}.`);
     const wanted = body.vehicle === '*' ? this.aivs.map((aiv) => aiv.id) : (body.vehicles ?? [body.vehicle]);
     const chosen = wanted.map((id) => {
@@ -466,10 +500,11 @@ export class World {
       tags = tags.filter((tag) => tag.number !== number);
     }
     let { pitch } = this;
-    if (edit.beaconPitch !== undefined) {
+    const wanted = edit.beacons?.pitch ?? edit.beaconPitch;
+    if (wanted !== undefined) {
       if (pitch === null) throw new Refusal(409, 'edit.beacons', 'This zone has no beacons.');
-      if (!(edit.beaconPitch >= 0.05 && edit.beaconPitch <= 10)) throw new Refusal(400, 'edit.pitch', 'The beacons’ pitch must lie between 0.05 m and 10 m.');
-      pitch = edit.beaconPitch;
+      if (!(wanted >= 0.05 && wanted <= 10)) throw new Refusal(400, 'edit.pitch', 'The beacons’ pitch must lie between 0.05 m and 10 m.');
+      pitch = wanted;
     }
     this.undo_stack.push({ tags: this.tags, pitch: this.pitch });
     this.redo_stack = [];

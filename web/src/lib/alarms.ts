@@ -40,6 +40,8 @@ export function causes_of(aiv: Aiv): AlarmCause[] {
       if (board.health === 'faulty') add(`board ${board.board}`, `Board ${board.board} faulty${board.selfTest ? `, self-test ${board.selfTest}` : ''}`);
     }
   }
+  if (aiv.parked) add('parked', `Parked: ${aiv.parked}`);
+  if (aiv.mission?.state === 'no way') add('no way', aiv.mission.why ?? `No way to ${aiv.mission.to ?? 'go on'}`);
   for (const error of aiv.errors) add(`error ${error}`, error);
   if (here && aiv.battery !== null && aiv.battery < battery_low) add('battery', `Battery at ${format.percent(aiv.battery)}`);
   return causes;
@@ -72,6 +74,16 @@ export class AlarmBook {
     for (const row of rows) for (const cause of causes_of(row.aiv)) see(row.id, row.name, cause);
     for (const orphan of snapshot.bijection.orphans) {
       see(orphan.id, format.serial(orphan.id), { code: `orphan ${orphan.side}`, text: orphan.side === 'physical' ? 'It has no twin' : 'A twin without a vehicle' });
+    }
+    const refused = snapshot.zone?.refused;
+    if (refused) {
+      // An event too: the zone that was there goes on, and there is nothing that could end.
+      const key = `|zone refused ${refused.at} ${refused.origin}`;
+      if (!this.failed.has(key)) {
+        this.failed.add(key);
+        this.book.set(key, { key, code: 'zone refused', text: `${refused.origin} was refused: ${refused.why}`, vehicle: null, name: 'Zone', since_ms: now, ended_ms: now, acknowledged: false });
+        changed = true;
+      }
     }
     for (const command of snapshot.commands) {
       if (command.state !== 'failed') continue;

@@ -5,13 +5,15 @@ import type { CommandVerb, Point, Repeat, Run, Traces, WholeTrace, ZoneEdit } fr
 export type Answer<T> = { ok: true; value: T } | { ok: false; status: number; sentence: string };
 
 const patience_ms = 3_000;
+/** A large zone is read and checked before the server answers. */
+const patience_with_zones_ms = 120_000;
 
-async function call<T>(method: string, path: string, body?: unknown): Promise<Answer<T>> {
+async function call<T>(method: string, path: string, body?: unknown, wait_ms = patience_ms): Promise<Answer<T>> {
   try {
     const response = await fetch(`api/v1/${path}`, {
       method,
       ...(body === undefined ? {} : { headers: { 'content-type': 'application/json' }, body: JSON.stringify(body) }),
-      signal: AbortSignal.timeout(patience_ms),
+      signal: AbortSignal.timeout(wait_ms),
     });
     const text = await response.text();
     const value = parse(text);
@@ -36,6 +38,9 @@ const id_of = (id: string) => encodeURIComponent(id);
 export const api = {
   command: (command: CommandVerb, vehicles: '*' | readonly string[]) =>
     call<{ id: string }>('POST', 'commands', vehicles === '*' ? { command, vehicle: '*' } : vehicles.length === 1 ? { command, vehicle: vehicles[0] } : { command, vehicles }),
+  go: (vehicle: string, to: string) => call<{ id: string }>('POST', 'commands', { command: 'go', vehicle, to }),
+  circulate: (vehicle: string, loop: string | null) => call<{ id: string }>('POST', 'commands', { command: 'circulate', vehicle, ...(loop === null ? {} : { loop }) }),
+  close_section: (section: string, closed: boolean) => call<{ id: string }>('POST', 'commands', { command: closed ? 'close' : 'open', section }),
   add_aiv: (place?: { x: number; y: number }) => call<{ id: string }>('POST', 'things', { kind: 'aiv', ...place }),
   add_person: (place: { x: number; y: number; radius?: number }) => call<{ id: string }>('POST', 'things', { kind: 'person', ...place }),
   add_walk: (path: readonly Point[], speed: number, repeat: Repeat) => call<{ id: string }>('POST', 'things', { kind: 'person', path, speed, repeat }),
@@ -48,6 +53,8 @@ export const api = {
   undo_zone: () => call<{ revision: number }>('POST', 'zone/undo'),
   redo_zone: () => call<{ revision: number }>('POST', 'zone/redo'),
   save_zone: () => call<{ file: string }>('POST', 'zone/save'),
+  switch_zone: (zone: { name: string } | { file: string; text: string; companion?: string }) => call<{ revision: number; name: string }>('POST', 'zone/switch', zone, patience_with_zones_ms),
+  suggest_beacons: () => call<{ origin: Point; now_m: number | null; longest_free_m: number | null }>('GET', 'zone/beacons/suggestion', undefined, patience_with_zones_ms),
   zones: () => call<{ zones: { name: string; title: string; current: boolean }[] }>('GET', 'zones'),
   add_plant_obstacle: (place: { x: number; y: number; radius?: number }) => call<{ id: string }>('POST', 'plant/obstacles', place),
   remove_plant_obstacle: (id: string) => call<{ removed: number }>('DELETE', `plant/obstacles/${id_of(id)}`),

@@ -6,6 +6,9 @@ import type { CommandVerb } from './contract';
 export type Doing =
   | { kind: 'act'; action: Action }
   | { kind: 'command'; verb: CommandVerb; vehicles: '*' | readonly string[] }
+  | { kind: 'go'; vehicle: string; to: string }
+  | { kind: 'circulate'; vehicle: string; loop: string | null }
+  | { kind: 'close'; section: string }
   | { kind: 'select'; id: string }
   | { kind: 'follow'; id: string }
   | { kind: 'remove'; id: string }
@@ -58,7 +61,9 @@ export const page_entries: readonly [name: string, text: string][] = [
   ['add plant obstacle', 'Add a physical obstacle to the emulated world'],
   ['remove all', 'Remove everything virtual'],
   ['edit tags', 'Edit tags of the circuit'],
+  ['close sections', 'Close or open sections of the circuit'],
   ['measure', 'Measure on the circuit'],
+  ['switch zone', 'Switch to another traffic zone'],
   ['undo', 'Undo the last edit of the zone'],
   ['redo', 'Redo the edit of the zone'],
   ['save zone', 'Save the zone'],
@@ -70,7 +75,34 @@ export const page_entries: readonly [name: string, text: string][] = [
 
 const entry = (text: string, hint: string, doing: Doing): Entry => ({ key: text, text, hint, doing });
 
-export function entries_of(vehicles: readonly { id: string; name: string; augmented: boolean }[], things: readonly { id: string }[]): Entry[] {
+/** What the zone has that a command can name. */
+export interface Places {
+  stations: readonly string[];
+  loops: readonly string[];
+  sections: readonly string[];
+  closed: readonly string[];
+  /** whom the commands of large zones are listed for; nobody chosen: not at all */
+  targets: readonly string[];
+}
+const no_places: Places = { stations: [], loops: [], sections: [], closed: [], targets: [] };
+/** More entries than this of one kind make the list slow; they are kept for those that are chosen. */
+const entries_max = 2_000;
+
+function missions_of(vehicles: readonly { id: string; name: string }[], { stations, loops, sections, closed, targets }: Places): Entry[] {
+  const list: Entry[] = [{ ...entry('Let all AIVs circulate', '', { kind: 'circulate', vehicle: '*', loop: null }), key: 'circulate *' }];
+  for (const loop of loops) list.push(entry(`Let all AIVs circulate on ${loop}`, '', { kind: 'circulate', vehicle: '*', loop }));
+  const few = vehicles.length * (stations.length + loops.length) <= entries_max;
+  for (const { id, name } of few ? vehicles : vehicles.filter((one) => targets.includes(one.id))) {
+    for (const to of stations) list.push({ ...entry(`Send ${name} to ${to}`, '', { kind: 'go', vehicle: id, to }), key: `go ${id} ${to}` });
+    for (const loop of [null, ...loops]) list.push({ ...entry(`Let ${name} circulate${loop === null ? '' : ` on ${loop}`}`, '', { kind: 'circulate', vehicle: id, loop }), key: `circulate ${id} ${loop}` });
+  }
+  for (const section of sections.length <= entries_max ? sections : closed) {
+    list.push({ ...entry(`${closed.includes(section) ? 'Open' : 'Close'} section ${section}`, '', { kind: 'close', section }), key: `close ${section}` });
+  }
+  return list;
+}
+
+export function entries_of(vehicles: readonly { id: string; name: string; augmented: boolean }[], things: readonly { id: string }[], places: Places = no_places): Entry[] {
   const list: Entry[] = actions.map(([action, text]) => entry(text, key_of(action) ?? '', { kind: 'act', action }));
   for (const { verb, word } of verbs) if (verb !== 'stop') list.push(entry(`${word} all AIVs`, '', { kind: 'command', verb, vehicles: '*' }));
   for (const [name, text] of page_entries) list.push(entry(text, '', { kind: 'page', name }));
@@ -81,6 +113,7 @@ export function entries_of(vehicles: readonly { id: string; name: string; augmen
     list.push({ ...entry(`Follow ${name}`, '', { kind: 'follow', id }), key: `follow ${id}` });
     if (augmented) list.push({ ...entry(`Remove ${name}`, '', { kind: 'remove', id }), key: `remove ${id}` });
   }
+  list.push(...missions_of(vehicles, places));
   for (const { id } of things) list.push(entry(`Remove ${id}`, '', { kind: 'remove', id }));
   return list;
 }

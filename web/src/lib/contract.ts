@@ -5,6 +5,8 @@ export type Point = readonly [x: number, y: number];
 export interface Primitive {
   shape: 'polyline' | 'polygon' | 'disc' | 'text';
   layer: string;
+  /** of one layer's several: how a way bends, what a station is for */
+  kind?: string;
   points: readonly Point[];
   /** stroke width, disc radius or text height [m] */
   size_m: number;
@@ -19,7 +21,40 @@ export interface Zone {
   primitives: readonly Primitive[];
   sections: readonly { name: string; length_m: number }[];
   tags: readonly { number: number; section: string; s: number; x: number; y: number }[];
-  beacons: { pitch_m: number; origin: Point; columns: number; rows: number } | null;
+  beacons: { pitch_m: number; origin: Point; columns: number; rows: number; rotation?: number } | null;
+  /** left out by a server that knows none of them */
+  stations?: readonly Station[];
+  loops?: readonly string[];
+  /** what its file said that was mended, lost, or is worth knowing */
+  notes?: readonly { kind: 'mended' | 'lost' | 'notice'; place: string; text: string }[];
+}
+
+export interface Station {
+  name: string;
+  kind: string;
+  x: number;
+  y: number;
+  section: string;
+  s: number;
+}
+
+/** What the zone that is in force has been through. */
+export interface ZoneState {
+  name: string | null;
+  revision: number;
+  /** sections that nobody enters */
+  closed: readonly string[];
+  /** the last configuration that could not be used */
+  refused: { origin: string; why: string; at: number | string } | null;
+  switched: { at: number | string; from: string | null; first_moving_ms: number | null; anchored: number; parked: readonly string[] } | null;
+}
+
+export interface Mission {
+  kind: 'circulate' | 'go';
+  loop?: string | null;
+  to?: string;
+  state: 'driving' | 'arrived' | 'no way';
+  why?: string | null;
 }
 
 export interface Pose {
@@ -70,6 +105,11 @@ export interface Aiv extends Pose {
   /** what its obstacle detection saw last: beam i looks at first + i·width [rad]; null: nothing within reach */
   ranges?: { first: number; width: number; m: readonly (number | null)[] };
   contract: { matched: boolean; divergence: boolean; age: boolean };
+  mission?: Mission | null;
+  /** the map that it says it drives on */
+  map?: string | null;
+  /** why it cannot drive in this zone; null where it can */
+  parked?: string | null;
 }
 
 export interface BoardHealth {
@@ -168,7 +208,8 @@ export type CommandState = 'issued' | 'accepted' | 'materialised' | 'failed';
 export interface Command {
   id: string;
   vehicle: string;
-  command: CommandVerb;
+  /** one of CommandVerb, or what a newer server knows */
+  command: string;
   state: CommandState;
   time_ms: number;
   accepted_ms: number | null;
@@ -182,6 +223,7 @@ export interface Snapshot {
   time_ms: number;
   zoneRevision: number;
   zoneEdits: { undo: number; redo: number; unsaved: boolean };
+  zone?: ZoneState | null;
   aivs: readonly Aiv[];
   things: readonly Thing[];
   obstacles: readonly SeenObstacle[];
@@ -225,7 +267,8 @@ export interface ZoneEdit {
   addTags?: readonly TagPlace[];
   moveTags?: readonly TagPlace[];
   removeTags?: readonly number[];
-  beaconPitch?: number;
+  /** rotation: left positive [rad] */
+  beacons?: { pitch?: number; origin?: Point; rotation?: number };
   priorities?: Readonly<Record<string, number>>;
 }
 export type TagPlace = { number: number; x: number; y: number } | { number: number; section: string; s: number };

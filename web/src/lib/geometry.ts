@@ -46,15 +46,56 @@ export interface OnWay extends OnLine {
   section: string;
 }
 
+/** A way with the box around it, so that those far off are passed over at a glance. */
+interface Way {
+  points: readonly Point[];
+  section: string;
+  low_x: number;
+  low_y: number;
+  high_x: number;
+  high_y: number;
+}
+const ways = new WeakMap<Zone, readonly Way[]>();
+
+function ways_of(zone: Zone): readonly Way[] {
+  let known = ways.get(zone);
+  if (!known) {
+    known = zone.primitives.filter((one) => one.layer === 'road' && one.shape === 'polyline').map(({ points, label }) => ({ points, section: label ?? '', ...box_of(points) }));
+    ways.set(zone, known);
+  }
+  return known;
+}
+
+export function box_of(points: readonly Point[]): { low_x: number; low_y: number; high_x: number; high_y: number } {
+  const box = { low_x: Infinity, low_y: Infinity, high_x: -Infinity, high_y: -Infinity };
+  for (const [x, y] of points) {
+    box.low_x = Math.min(box.low_x, x);
+    box.low_y = Math.min(box.low_y, y);
+    box.high_x = Math.max(box.high_x, x);
+    box.high_y = Math.max(box.high_y, y);
+  }
+  return box;
+}
+
 /** The nearest place on any way of the zone, as far as its drawing tells: roads are drawn along their middles. */
 export function nearest_on_ways(zone: Zone, x: number, y: number): OnWay | null {
   let best: OnWay | null = null;
-  for (const primitive of zone.primitives) {
-    if (primitive.layer !== 'road' || primitive.shape !== 'polyline') continue;
-    const place = nearest_on_line(primitive.points, x, y);
-    if (place && (best === null || place.distance < best.distance)) best = { ...place, section: primitive.label ?? '' };
+  for (const way of ways_of(zone)) {
+    if (best !== null) {
+      const off_x = Math.max(way.low_x - x, x - way.high_x, 0);
+      const off_y = Math.max(way.low_y - y, y - way.high_y, 0);
+      if (off_x * off_x + off_y * off_y >= best.distance * best.distance) continue;
+    }
+    const place = nearest_on_line(way.points, x, y);
+    if (place && (best === null || place.distance < best.distance)) best = { ...place, section: way.section };
   }
   return best;
+}
+
+/** The section whose road lies under a point; null beside all roads. */
+export function section_at(zone: Zone, x: number, y: number, slack: number): string | null {
+  const way = nearest_on_ways(zone, x, y);
+  return way && way.section !== '' && way.distance <= 0.75 * zone.vehicle.width_m + slack ? way.section : null;
 }
 
 /** Whether a point lies in a closed polygon (even-odd rule). */

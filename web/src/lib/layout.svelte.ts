@@ -32,6 +32,7 @@ class Layout {
   letters = $state(true);
   help_open = $state(false);
   palette_open = $state(false);
+  zones_open = $state(false);
 
   toggle_frame(name: FrameName): void {
     this.frame = this.frame === name ? null : name;

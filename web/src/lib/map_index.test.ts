@@ -17,6 +17,7 @@ const zone = {
     { shape: 'polygon', layer: 'crossing', points: [[4, 4], [5, 4], [5, 5], [4, 5]], size_m: 0, label: 'X1' },
     { shape: 'disc', layer: 'crossing', points: [[7, 7]], size_m: 0.2, label: 'X2' },
   ],
+  stations: [{ name: 'dock', kind: 'stop', x: 9, y: 0, section: 'east', s: 3 }],
   tags: [{ number: 3, section: 'east', s: 1, x: 0.05, y: 0 }, { number: 4, section: 'east', s: 2, x: 3, y: 0 }],
 } as unknown as Zone;
 
@@ -43,6 +44,11 @@ const at = (given: Field, x: number, y: number, prefer_tags = false) => {
 };
 
 describe('what lies under a point', () => {
+  it('is a station, on the ground', () => {
+    expect(at(field(), 9.03, 0.02)).toBe('station dock');
+    expect(at({ ...field(), hidden: new Set(['station']) }, 9.03, 0.02)).toBe(null);
+  });
+
   it('is the nearest body, before what is drawn on the ground', () => {
     expect(at(field(), 0.03, 0)).toBe('aiv CoSiVA/AIV1');
     expect(at(field(), 0.19, 0)).toBe('person P1');

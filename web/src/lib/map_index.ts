@@ -89,7 +89,7 @@ function flat_into(points: readonly Point[] | undefined, room: Float32Array): Fl
   return flat;
 }
 
-export type HitKind = Entry['kind'] | 'plant' | 'tag' | 'crossing';
+export type HitKind = Entry['kind'] | 'plant' | 'tag' | 'station' | 'crossing';
 export interface Hit {
   kind: HitKind;
   id: string;
@@ -111,7 +111,7 @@ export interface Field {
 export function hit_at(field: Field, x: number, y: number, slack: number, prefer_tags = false): Hit | null {
   const tag = tag_at(field, x, y, slack);
   if (prefer_tags && tag) return tag;
-  return body_at(field, x, y, slack) ?? plant_at(field, x, y, slack) ?? tag ?? crossing_at(field, x, y);
+  return body_at(field, x, y, slack) ?? plant_at(field, x, y, slack) ?? station_at(field, x, y, slack) ?? tag ?? crossing_at(field, x, y);
 }
 
 function body_at({ positions, index, zone, hidden }: Field, x: number, y: number, slack: number): Hit | null {
@@ -146,6 +146,19 @@ function tag_at({ zone, hidden }: Field, x: number, y: number, slack: number): H
     if (away > nearest) continue;
     nearest = away;
     best = { kind: 'tag', id: String(tag.number), x: tag.x, y: tag.y, movable: false };
+  }
+  return best;
+}
+
+function station_at({ zone, hidden }: Field, x: number, y: number, slack: number): Hit | null {
+  if (hidden.has('station')) return null;
+  let best: Hit | null = null;
+  let nearest = 0.45 * (zone?.vehicle.width_m ?? 0.12) + slack / 2;
+  for (const station of zone?.stations ?? []) {
+    const away = Math.hypot(station.x - x, station.y - y);
+    if (away > nearest) continue;
+    nearest = away;
+    best = { kind: 'station', id: station.name, x: station.x, y: station.y, movable: false };
   }
   return best;
 }

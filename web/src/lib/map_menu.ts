@@ -2,6 +2,8 @@
 import { api } from './api';
 import { verbs } from './command_verbs';
 import type { CommandVerb, Point } from './contract';
+import { layout } from './layout.svelte';
+import { section_at } from './geometry';
 import type { MapState, Menu } from './map_state.svelte';
 import { short } from './reduce';
 import { tool } from './tool.svelte';
@@ -18,7 +20,43 @@ export interface MenuGroup {
 }
 
 export function groups_of(map: MapState, { hit, point }: Menu): MenuGroup[] {
-  return [...(hit ? of_thing(map, hit) : []), of_place(map, point)];
+  return [...(hit ? of_thing(map, hit) : []), ...of_section(map, point), of_place(map, point)];
+}
+
+/** More names than this are found quicker by typing them. */
+const names_max = 8;
+
+function of_section(map: MapState, [x, y]: Point): MenuGroup[] {
+  const { platform } = map;
+  const section = platform.zone && section_at(platform.zone, x, y, 0);
+  if (!section) return [];
+  return [{ title: section, items: [{ word: platform.is_closed(section) ? 'Open this section' : 'Close this section', act: () => void platform.close_section(section) }] }];
+}
+
+/** Who could be sent to a station: the chosen ones first. */
+function of_station(map: MapState, to: string): MenuItem[] {
+  const { platform } = map;
+  const { targets } = platform;
+  const first = targets.length > 0 ? targets : platform.rows.slice(0, names_max).map((row) => row.id);
+  return first.map((id) => ({ word: `Send ${short(id)} here`, act: () => void platform.go(id, to) }));
+}
+
+function missions(map: MapState, id: string): MenuItem[] {
+  const { platform } = map;
+  const stations = platform.zone?.stations ?? [];
+  const items = stations.slice(0, names_max).map(({ name }) => ({ word: `Go to ${name}`, act: () => void platform.go(id, name) }));
+  if (stations.length > names_max) {
+    items.push({
+      word: `Go to one of ${stations.length} …`,
+      act: () => {
+        platform.select(id);
+        layout.palette_open = true;
+      },
+    });
+  }
+  items.push({ word: 'Circulate', act: () => void platform.circulate(id, null) });
+  for (const loop of (platform.zone?.loops ?? []).slice(0, names_max)) items.push({ word: `Circulate on ${loop}`, act: () => void platform.circulate(id, loop) });
+  return items;
 }
 
 function of_thing(map: MapState, hit: NonNullable<Menu['hit']>): MenuGroup[] {
@@ -29,6 +67,7 @@ function of_thing(map: MapState, hit: NonNullable<Menu['hit']>): MenuGroup[] {
     const give = (verb: CommandVerb) => () => void platform.command(verb, id);
     const wanted: readonly CommandVerb[] = ['slow', 'medium', 'fast', 'stop', 'restart'];
     items.push(...wanted.map((verb) => ({ word: word_of(verb), act: give(verb), danger: verb === 'stop' })));
+    items.push(...missions(map, id));
     const followed = platform.following && platform.selected === id;
     items.push({
       word: followed ? 'Stop following' : 'Follow',
@@ -42,6 +81,7 @@ function of_thing(map: MapState, hit: NonNullable<Menu['hit']>): MenuGroup[] {
     items.push({ word: 'Move…', act: () => tool.move(id) });
     items.push({ word: 'Remove', act: () => void platform.remove_thing(id) });
   }
+  if (hit.kind === 'station') items.push(...of_station(map, id));
   if (hit.kind === 'plant') items.push({ word: 'Remove', act: () => void platform.ask(`Remove ${id}`, api.remove_plant_obstacle(id)) });
   if (hit.kind === 'tag') {
     items.push({ word: `Edit tag ${id}`, act: () => map.begin('edit tags', { points: [], tag: Number(id) }) });

@@ -13,6 +13,8 @@ import { WebglRenderer } from './webgl';
 export interface Picture extends Omit<Marked, 'body'> {
   selected: string | null;
   hovered: string | null;
+  /** sections that nobody enters */
+  closed: readonly string[];
   /** which AIVs have something wrong, by handle */
   alarms: ReadonlySet<number>;
 }
@@ -93,6 +95,7 @@ export class MapScene {
     const { view, hidden, positions, index } = picture;
     const body = body_size(this.vehicle, view, positions.count);
     this.zone_picture.set_hidden(hidden);
+    this.zone_picture.set_closed(picture.closed);
     this.zone_picture.paint(view);
     this.shown.persons = !hidden.has('persons');
     this.shown.obstacles = !hidden.has('obstacles');

@@ -9,7 +9,10 @@ import { drop_tag, empty_sketch, enter, erase, finish, press, type Doing, type S
 import type { Platform } from './platform.svelte';
 import { short } from './reduce';
 import { tool, type ToolName } from './tool.svelte';
-import { fit, pan, to_map, to_screen, zoom_at, type Pixel, type Size, type View } from './view';
+import { between, fit, pan, to_map, to_screen, zoom_at, type Pixel, type Size, type View } from './view';
+
+/** So long the map takes from one zone to the next [ms]. */
+const flight_ms = 450;
 
 /** Layers that the page adds to those of the zone. */
 export const own_layers = [
@@ -22,7 +25,7 @@ export const own_layers = [
   { name: 'ranges', word: 'Sensor range' },
 ] as const;
 export const zone_words: Readonly<Record<string, string>> = {
-  road: 'Ways', line: 'Centre lines', crossing: 'Crossings', tag: 'RFID tags', beacon: 'Beacons', station: 'Stations', section: 'Sections and directions', label: 'Names',
+  road: 'Ways', line: 'Centre lines', crossing: 'Crossings', tag: 'RFID tags', beacon: 'Beacons', station: 'Stations', pivot: 'Turning places', section: 'Sections and directions', label: 'Names',
 };
 const off_at_first: readonly string[] = ['opinions', 'ranges'];
 
@@ -50,6 +53,7 @@ export class MapState {
   cross = $state.raw<Point | null>(null);
   drag = $state.raw<Drawing['drag']>(null);
   private begun = empty_sketch;
+  private flight: { from: View; to: View; since_ms: number } | null = null;
   readonly hidden = $derived<ReadonlySet<string>>(new Set(layout.layers_off ?? off_at_first));
 
   /** whether only a part of the zone is in sight, on a map that is large enough to show where that part is */
@@ -75,6 +79,7 @@ export class MapState {
 
   // ── the view ──
   look(view: View): void {
+    this.flight = null;
     this.view = view;
     this.fitted = false;
     this.platform.following = false;
@@ -83,7 +88,24 @@ export class MapState {
     this.platform.following = false;
     this.fitted = true;
     const { zone } = this.platform;
+    this.flight = null;
     if (zone && this.size.width > 0) this.view = fit(zone.bounds, this.size, 34);
+  }
+  /** Another zone is shown whole; the eye is led there, unless it wants no motion. */
+  fly_to_all(now_ms: number, still = matchMedia('(prefers-reduced-motion: reduce)').matches): void {
+    const from = this.view;
+    this.show_all();
+    if (still || this.size.width === 0) return;
+    this.flight = { from, to: this.view, since_ms: now_ms };
+    this.view = from;
+  }
+  /** Before each painted picture. */
+  fly(now_ms: number): void {
+    if (!this.flight) return;
+    const { from, to, since_ms } = this.flight;
+    const share = (now_ms - since_ms) / flight_ms;
+    this.view = share >= 1 ? to : between(from, to, share);
+    if (share >= 1) this.flight = null;
   }
   zoom(factor: number, at: Pixel = { px: this.size.width / 2, py: this.size.height / 2 }): void {
     this.look(zoom_at(this.view, this.size, at.px, at.py, factor));
@@ -171,6 +193,8 @@ export class MapState {
         return platform.say(doing.text, 'news');
       case 'edit zone':
         return void (await platform.ask('Zone', api.edit_zone(doing.edit)));
+      case 'close or open':
+        return platform.close_section(doing.section);
       case 'add walk': {
         const added = await platform.ask('Walker', api.add_walk(doing.path, tool.walk_speed, tool.walk_repeat));
         return added ? platform.select(added.id) : undefined;

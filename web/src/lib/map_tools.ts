@@ -1,7 +1,7 @@
 // What a press, Enter or Delete does with each tool: from what is sketched so far to what is sketched next, and what is to
 // be asked of the server. No clock, no canvas, no framework.
 import type { Point, Zone, ZoneEdit } from './contract';
-import { distance, nearest_on_ways, path_length, spread_out } from './geometry';
+import { distance, nearest_on_ways, path_length, section_at, spread_out } from './geometry';
 import type { Hit } from './map_index';
 import type { ToolName } from './tool.svelte';
 
@@ -19,6 +19,7 @@ export type Doing =
   | { what: 'move thing'; at: Point }
   | { what: 'add walk'; path: readonly Point[] }
   | { what: 'edit zone'; edit: ZoneEdit }
+  | { what: 'close or open'; section: string }
   | { what: 'say'; text: string };
 
 export interface Step {
@@ -46,6 +47,10 @@ export function press(tool: ToolName, sketch: Sketch, at: Point, hit: Hit | null
       return { sketch: { ...sketch, points: spread_out([...sketch.points, at], apart_m) } };
     case 'edit tags':
       return press_tag(sketch, at, hit, zone);
+    case 'close sections': {
+      const section = zone && section_at(zone, at[0], at[1], 0.02);
+      return section ? { sketch, doing: { what: 'close or open', section } } : { sketch };
+    }
     case 'look':
       return { sketch };
   }
@@ -122,6 +127,8 @@ export function hint(tool: ToolName, sketch: Sketch, target: string | null): str
       return sketch.points.length === 0 ? 'Press where the walk begins.' : sketch.points.length === 1 ? 'Press where the person goes next.' : `${sketch.points.length} points, ${path_length(sketch.points).toFixed(2)} m. Press once more, or end with a double press or Enter.`;
     case 'edit tags':
       return sketch.tag === null ? 'Press a tag to choose it, or a way to lay a new one.' : `Tag ${sketch.tag}: drag it along the circuit, or press Delete to take it away.`;
+    case 'close sections':
+      return 'Press a way to close it: nobody enters it any more, and who was to takes another. Press it again to open it.';
     case 'measure':
       return sketch.points.length < 2 ? 'Press two points or more; the distances stand beside them.' : `${path_length(sketch.points).toFixed(3)} m in all. Enter starts anew.`;
   }

@@ -1,6 +1,7 @@
 // The zone's own picture: shapes on named layers, painted blindly, whatever they mean (A19). It is painted again only when
 // the view, the zone, the layers or the colours change; between two frames it stands.
 import type { Point, Primitive, Zone } from './contract';
+import { box_of } from './geometry';
 import type { Colours } from './renderer';
 import { to_screen, type Size, type View } from './view';
 
@@ -17,21 +18,33 @@ const styles: Readonly<Record<string, LayerStyle>> = {
   road: { fill: 'road', pixels_min: 2 },
   line: { fill: 'line', pixels_min: 1 },
   crossing: { fill: 'crossing', alpha: 0.75, text: 'label' },
+  pivot: { fill: 'line', alpha: 0.9, pixels_min: 2 },
   tag: { fill: 'tag', pixels_min: 2.5 },
   beacon: { fill: 'beacon', pixels_min: 1 },
   station: { fill: 'held', alpha: 0.6, pixels_min: 3 },
   section: { fill: 'label', alpha: 0.85 },
   label: { fill: 'label' },
 };
+// Of one layer's several kinds; one that is not named here looks as its layer does.
+const kinds: Readonly<Record<string, keyof Colours>> = { 'line arc': 'arc', 'line clothoid': 'clothoid', 'station charger': 'charger' };
 const other: LayerStyle = { fill: 'label', alpha: 0.6, pixels_min: 1 };
 export const map_font = 'system-ui, "Segoe UI", Roboto, "Helvetica Neue", sans-serif';
 
+/** Shapes of one layer and size that lie near one another, painted in one go: a zone may have ten thousands of them. */
 interface Shape {
-  primitive: Primitive;
+  layer: string;
+  kind: string;
+  shape: Primitive['shape'];
+  size_m: number;
+  primitives: readonly Primitive[];
   path: Path2D;
   low: Point;
   high: Point;
 }
+/** So many pieces a zone is cut into each way, to pass over what is out of sight. */
+const pieces = 12;
+/** Fewer shapes than this are not worth gathering. */
+const gathered_min = 400;
 
 export class ZonePicture {
   private readonly context: CanvasRenderingContext2D;
@@ -42,6 +55,8 @@ export class ZonePicture {
   private colours: Colours | null = null;
   private hidden: ReadonlySet<string> = new Set();
   private painted: View | null = null;
+  private ways = new Map<string, Primitive>();
+  private closed: readonly string[] = [];
 
   constructor(private readonly canvas: HTMLCanvasElement) {
     const context = canvas.getContext('2d', { alpha: false });
@@ -61,9 +76,18 @@ export class ZonePicture {
     this.zone = zone;
     this.painted = null;
     const primitives = (zone?.primitives ?? []).filter((p) => p.points.length > 0);
+    this.ways = new Map(primitives.filter((p) => p.layer === 'road' && p.shape === 'polyline' && p.label).map((p) => [p.label!, p]));
     // Layer by layer, in the order in which they first come: a road must not cover its neighbour's centre line.
     const order = new Map([...new Set(primitives.map((p) => p.layer))].map((layer, i) => [layer, i]));
-    this.shapes = [...primitives].sort((a, b) => order.get(a.layer)! - order.get(b.layer)!).map(shape_of);
+    const sorted = [...primitives].sort((a, b) => order.get(a.layer)! - order.get(b.layer)!);
+    this.shapes = zone ? gather(sorted, zone.bounds) : [];
+  }
+
+  /** Sections that nobody enters: dashed across their roads. */
+  set_closed(closed: readonly string[]): void {
+    if (closed === this.closed || closed.join('\n') === this.closed.join('\n')) return;
+    this.closed = closed;
+    this.painted = null;
   }
 
   set_colours(colours: Colours): void {
@@ -90,16 +114,17 @@ export class ZonePicture {
     context.fillRect(0, 0, this.canvas.width, this.canvas.height);
     const visible = this.shapes.filter((shape) => this.in_sight(shape, view));
     this.paint_shapes(visible, view, colours);
+    this.paint_closed(view, colours);
     this.paint_texts(visible, view, colours);
     this.paint_tag_numbers(view, colours);
     context.globalAlpha = 1;
   }
 
-  private in_sight({ primitive, low, high }: Shape, view: View): boolean {
-    if (this.hidden.has(primitive.layer)) return false;
+  private in_sight({ layer, size_m, low, high }: Shape, view: View): boolean {
+    if (this.hidden.has(layer)) return false;
     const half_x = this.size.width / 2 / view.scale;
     const half_y = this.size.height / 2 / view.scale;
-    const around = primitive.size_m + 40 / view.scale;
+    const around = size_m + 40 / view.scale;
     return high[0] + around > view.x - half_x && low[0] - around < view.x + half_x && high[1] + around > view.y - half_y && low[1] - around < view.y + half_y;
   }
 
@@ -112,26 +137,41 @@ export class ZonePicture {
     context.lineJoin = 'round';
     // The kerb first, under all roads, so that a road never cuts through the one it crosses.
     context.strokeStyle = colours.road_edge;
-    for (const { primitive, path } of visible) {
-      if (primitive.layer !== 'road' || primitive.shape !== 'polyline') continue;
-      context.lineWidth = Math.max(primitive.size_m, 2 / view.scale) + 3 / view.scale;
+    for (const { layer, shape, size_m, path } of visible) {
+      if (layer !== 'road' || shape !== 'polyline') continue;
+      context.lineWidth = Math.max(size_m, 2 / view.scale) + 3 / view.scale;
       context.stroke(path);
     }
-    for (const { primitive, path } of visible) {
-      if (primitive.shape === 'text') continue;
-      const style = styles[primitive.layer] ?? other;
+    for (const { layer, kind, shape, size_m, primitives, path } of visible) {
+      if (shape === 'text') continue;
+      const style = styles[layer] ?? other;
       context.globalAlpha = style.alpha ?? 1;
       const least = (style.pixels_min ?? 0) / view.scale;
-      const tint = colours[style.fill] as string;
-      if (primitive.shape === 'polyline') {
+      const tint = colours[kinds[`${layer} ${kind}`] ?? style.fill] as string;
+      if (shape === 'polyline') {
         context.strokeStyle = tint;
-        context.lineWidth = Math.max(primitive.size_m, least);
+        context.lineWidth = Math.max(size_m, least);
         context.stroke(path);
       } else {
         context.fillStyle = tint;
-        context.fill(primitive.shape === 'disc' && primitive.size_m < least ? disc(primitive, least) : path);
+        context.fill(shape === 'disc' && size_m < least ? path_of(primitives, least) : path);
       }
     }
+  }
+
+  private paint_closed(view: View, colours: Colours): void {
+    const { context } = this;
+    context.globalAlpha = 0.9;
+    context.strokeStyle = colours.alarm;
+    context.lineCap = 'butt';
+    for (const name of this.closed) {
+      const way = this.ways.get(name);
+      if (!way || this.hidden.has('road')) continue;
+      context.lineWidth = Math.max(0.5 * way.size_m, 3 / view.scale);
+      context.setLineDash([7 / view.scale, 5 / view.scale]);
+      context.stroke(path_of([way], way.size_m));
+    }
+    context.setLineDash([]);
   }
 
   private paint_texts(visible: readonly Shape[], view: View, colours: Colours): void {
@@ -140,16 +180,16 @@ export class ZonePicture {
     context.globalAlpha = 1;
     context.textAlign = 'center';
     context.textBaseline = 'middle';
-    for (const { primitive } of visible) {
-      if (primitive.shape !== 'text' || !primitive.label) continue;
-      const pixels = Math.min(primitive.size_m * view.scale, 15);
-      if (pixels < 7) continue;
-      const [x, y] = primitive.points[0]!;
-      const at = to_screen(view, this.size, x, y);
-      const style = styles[primitive.layer] ?? other;
+    for (const { layer, shape, size_m, primitives } of visible) {
+      const pixels = Math.min(size_m * view.scale, 15);
+      if (shape !== 'text' || pixels < 7) continue;
+      const style = styles[layer] ?? other;
       context.fillStyle = colours[style.text ?? style.fill] as string;
       context.font = `500 ${Math.max(pixels, 10)}px ${map_font}`;
-      context.fillText(primitive.label, at.px, at.py);
+      for (const { label, points } of primitives) {
+        const at = to_screen(view, this.size, points[0]![0], points[0]![1]);
+        if (label && at.px > -100 && at.py > -20 && at.px < this.size.width + 100 && at.py < this.size.height + 20) context.fillText(label, at.px, at.py);
+      }
     }
   }
 
@@ -170,30 +210,43 @@ export class ZonePicture {
   }
 }
 
-function shape_of(primitive: Primitive): Shape {
-  const path = primitive.shape === 'disc' ? disc(primitive, primitive.size_m) : new Path2D();
-  let low_x = Infinity;
-  let low_y = Infinity;
-  let high_x = -Infinity;
-  let high_y = -Infinity;
-  primitive.points.forEach(([x, y], i) => {
-    low_x = Math.min(low_x, x);
-    low_y = Math.min(low_y, y);
-    high_x = Math.max(high_x, x);
-    high_y = Math.max(high_y, y);
-    if (primitive.shape === 'disc') return;
-    if (i === 0) path.moveTo(x, y);
-    else path.lineTo(x, y);
-  });
-  if (primitive.shape === 'polygon') path.closePath();
-  return { primitive, path, low: [low_x, low_y], high: [high_x, high_y] };
+/** What is painted alike and lies in the same piece of the zone; few shapes are left one by one, in their order. */
+export function gathered(primitives: readonly Primitive[], [x0, y0, x1, y1]: Zone['bounds']): Primitive[][] {
+  if (primitives.length < gathered_min) return primitives.map((one) => [one]);
+  const groups = new Map<string, Primitive[]>();
+  for (const one of primitives) {
+    const { x, y } = middle_of(one.points);
+    const column = Math.floor((pieces * (x - x0)) / Math.max(x1 - x0, 1e-9));
+    const row = Math.floor((pieces * (y - y0)) / Math.max(y1 - y0, 1e-9));
+    const key = `${one.layer} ${one.kind ?? ''} ${one.shape} ${one.size_m} ${column} ${row}`;
+    const known = groups.get(key);
+    if (known) known.push(one);
+    else groups.set(key, [one]);
+  }
+  // Still layer by layer: the first of each layer comes before the first of the next.
+  return [...groups.values()];
 }
 
-function disc(primitive: Primitive, radius: number): Path2D {
+function gather(primitives: readonly Primitive[], bounds: Zone['bounds']): Shape[] {
+  return gathered(primitives, bounds).map((group) => {
+    const { layer, kind = '', shape, size_m } = group[0]!;
+    const { low_x, low_y, high_x, high_y } = box_of(group.flatMap((one) => one.points));
+    return { layer, kind, shape, size_m, primitives: group, path: shape === 'text' ? new Path2D() : path_of(group, size_m), low: [low_x, low_y], high: [high_x, high_y] };
+  });
+}
+
+/** @param radius  of discs [m] */
+function path_of(primitives: readonly Primitive[], radius: number): Path2D {
   const path = new Path2D();
-  for (const [x, y] of primitive.points) {
-    path.moveTo(x + radius, y);
-    path.arc(x, y, radius, 0, 2 * Math.PI);
+  for (const { shape, points } of primitives) {
+    points.forEach(([x, y], i) => {
+      if (shape === 'disc') {
+        path.moveTo(x + radius, y);
+        path.arc(x, y, radius, 0, 2 * Math.PI);
+      } else if (i === 0) path.moveTo(x, y);
+      else path.lineTo(x, y);
+    });
+    if (shape === 'polygon') path.closePath();
   }
   return path;
 }

@@ -160,6 +160,24 @@ export class Platform {
     await this.ask(`${title(command)} ${whom}`, api.command(command, vehicles));
   }
 
+  async go(vehicle: string, to: string): Promise<void> {
+    await this.ask(`Send ${short(vehicle)} to ${to}`, api.go(vehicle, to));
+  }
+
+  /** @param loop  null: the zone's first one, or wherever the ways lead */
+  async circulate(vehicle: string, loop: string | null): Promise<void> {
+    await this.ask(`Let ${vehicle === '*' ? 'all AIVs' : short(vehicle)} circulate`, api.circulate(vehicle, loop));
+  }
+
+  /** Closes a section, or opens it again. */
+  async close_section(section: string): Promise<void> {
+    const close = !this.is_closed(section);
+    await this.ask(`${close ? 'Close' : 'Open'} ${section}`, api.close_section(section, close));
+  }
+  is_closed(section: string): boolean {
+    return this.snapshot?.zone?.closed.includes(section) ?? false;
+  }
+
   async remove_thing(id: string): Promise<void> {
     await this.ask(`Remove ${short(id)}`, api.remove_thing(short(id)));
   }

@@ -53,7 +53,15 @@ function note_of(aiv: Aiv): string {
   if (aiv.feels) return `feels ${aiv.feels}`;
   if (aiv.waitsFor && state_key(aiv.status, false, 'ONLINE') === 'stopped') return `waits: ${short(aiv.waitsFor)}`;
   if (aiv.fieldViolation) return 'obstacle ahead';
-  return '';
+  if (aiv.parked) return 'parked';
+  return mission_note(aiv);
+}
+
+/** Where somebody sent it; who circulates, as all do, gets no word. */
+export function mission_note({ mission }: Aiv): string {
+  if (!mission || mission.kind !== 'go') return '';
+  if (mission.state === 'no way') return `no way to ${mission.to}`;
+  return mission.state === 'arrived' ? `at ${mission.to}` : `to ${mission.to}`;
 }
 
 /** Names without their makers: in a row there is no room for them. */

@@ -49,6 +49,9 @@ export interface Colours {
   road: string;
   road_edge: string;
   line: string;
+  arc: string;
+  clothoid: string;
+  charger: string;
   crossing: string;
   held: string;
   tag: string;
@@ -69,7 +72,7 @@ export interface Colours {
 }
 
 const names: Readonly<Record<keyof Omit<Colours, 'states'>, string>> = {
-  ground: '--ground', road: '--road', road_edge: '--road-edge', line: '--road-line', crossing: '--crossing', held: '--held',
+  ground: '--ground', road: '--road', road_edge: '--road-edge', line: '--road-line', arc: '--road-arc', clothoid: '--road-clothoid', charger: '--charger', crossing: '--crossing', held: '--held',
   tag: '--tag', beacon: '--beacon', label: '--map-label', ink: '--ink', panel: '--panel', on_state: '--on-state', select: '--accent', alarm: '--alarm',
   virtual: '--augmented', on_virtual: '--on-augmented', person: '--person', obstacle: '--obstacle', belief: '--belief', truth: '--truth',
 };

@@ -1,7 +1,7 @@
 // The table of the states of AIVs: its columns, and pure functions that search, sort, choose and export it.
 import { default_limits, type ContractLimits } from './contract';
 import * as format from './format';
-import type { Row } from './reduce';
+import { mission_note, type Row } from './reduce';
 import { looks } from './status';
 import type { Series } from './table_history';
 
@@ -34,6 +34,13 @@ export function holds_of(row: Row): string {
   return row.aiv.fieldViolation ? 'obstacle ahead' : '';
 }
 
+export function mission_of({ aiv }: Row): string {
+  if (aiv.parked) return 'parked';
+  const note = mission_note(aiv);
+  if (note !== '' || !aiv.mission) return note;
+  return aiv.mission.loop ? `circulates on ${aiv.mission.loop}` : 'circulates';
+}
+
 export function contract_of(row: Row): string {
   const { matched, divergence, age } = row.aiv.contract;
   if (row.aiv.augmented) return 'virtual';
@@ -63,6 +70,7 @@ export const columns: readonly Column[] = [
   { key: 'divergence', title: 'Divergence', what: 'Distance of the twin from the report, with its last minute', width_px: 116, number: true, rank: 2, series: 'divergence', text: (row) => (lost(row) ? format.none : format.length(row.aiv.divergence_m)), order: (row) => (lost(row) ? null : row.aiv.divergence_m), exact: (row) => row.aiv.divergence_m },
   { key: 'age', title: 'Age', what: 'Age of the last report, with its last minute', width_px: 104, number: true, rank: 3, series: 'age', text: (row) => (lost(row) ? format.lasting(row.aiv.age_ms) : format.duration(row.aiv.age_ms)), order: (row) => row.aiv.age_ms, exact: (row) => row.aiv.age_ms },
   { key: 'holds', title: 'Waits, feels', what: 'What holds it: a crossing, a vehicle, a virtual body', width_px: 120, rank: 4, text: holds_of, order: (row) => holds_of(row) || null },
+  { key: 'mission', title: 'Mission', what: 'Where it was sent, or that it circulates', width_px: 110, rank: 5, text: mission_of, order: (row) => mission_of(row) || null },
   { key: 'connection', title: 'Link', what: 'Connection', width_px: 64, rank: 5, text: (row) => connection_words[row.aiv.connection], order: (row) => row.aiv.connection },
   { key: 'contract', title: 'Contract', what: 'Contract of the bijection over the last ten seconds', width_px: 84, rank: 4, text: contract_of, order: contract_of },
   { key: 'order', title: 'Order', what: 'Order and update', width_px: 110, rank: 6, text: (row) => (row.aiv.orderId === '' ? 'none' : `${row.aiv.orderId} · ${row.aiv.orderUpdateId}`), order: (row) => row.aiv.orderId || null },

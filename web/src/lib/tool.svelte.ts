@@ -2,7 +2,7 @@
 // what to do, and goes back to looking when it is done or Escape is pressed.
 import type { Repeat } from './contract';
 
-export type ToolName = 'look' | 'add aiv' | 'add person' | 'draw walk' | 'add obstacle' | 'add plant obstacle' | 'edit tags' | 'measure' | 'move thing';
+export type ToolName = 'look' | 'add aiv' | 'add person' | 'draw walk' | 'add obstacle' | 'add plant obstacle' | 'edit tags' | 'close sections' | 'measure' | 'move thing';
 
 class Tool {
   name = $state<ToolName>('look');

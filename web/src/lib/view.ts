@@ -18,7 +18,7 @@ export interface Pixel {
   py: number;
 }
 
-export const scale_min = 2;
+export const scale_min = 0.2;
 export const scale_max = 20_000;
 
 export function to_screen(view: View, size: Size, x: number, y: number): Pixel {
@@ -52,6 +52,14 @@ export function zoom_at(view: View, size: Size, px: number, py: number, factor: 
 /** Moves the map with the hand: the picture follows the pointer by (dx, dy) pixels. */
 export function pan(view: View, dx: number, dy: number): View {
   return { ...view, x: view.x - dx / view.scale, y: view.y + dy / view.scale };
+}
+
+/** On the way from one view to another, at `share` 0…1 of it: slow at both ends, the scale by equal factors. */
+export function between(from: View, to: View, share: number): View {
+  const t = Math.min(1, Math.max(0, share));
+  const eased = t * t * (3 - 2 * t);
+  const mix = (a: number, b: number) => a + (b - a) * eased;
+  return { x: mix(from.x, to.x), y: mix(from.y, to.y), scale: Math.exp(mix(Math.log(from.scale), Math.log(to.scale))) };
 }
 
 function clamp_scale(scale: number): number {

@@ -1,0 +1,136 @@
+// What a large zone costs: a generated plant read and checked, then located on, cut into crossings and waypoints, and
+// routed across. Goals: 1 million locates per second and core on the 1 000-section plant; 100 000 sections in seconds.
+#include <malloc.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+#include <string>
+#include <vector>
+
+#include "base/expect.h"
+#include "base/random.h"
+#include "zone/generate.h"
+#include "zone/route.h"
+#include "zone/rtm/rtm.h"
+
+namespace {
+
+using namespace cosiva;
+/// Processor time: it does not matter who else uses the machine.
+double now_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+/// The middle of several times, in seconds.
+template <typename Work>
+double median_s(int rounds, const Work& work) {
+  std::vector<double> times;
+  for (int i = 0; i < rounds; ++i) {
+    const double begin_s = now_s();
+    work();
+    times.push_back(now_s() - begin_s);
+  }
+  std::sort(times.begin(), times.end());
+  return times[times.size() / 2];
+}
+
+double allocated_mb() {
+  const auto info = mallinfo2();
+  return static_cast<double>(info.uordblks + info.hblkhd) / 1e6;
+}
+
+void row(const char* what, double value, const char* unit) { std::printf("  %-44s %12.3f %s\n", what, value, unit); }
+
+/// Poses of vehicles: beside the line by up to 5 cm, a little turned.
+std::vector<Pose2> poses_on(const zone::Circuit& circuit, std::size_t count) {
+  Random random{1, "bench/zone"};
+  std::vector<Pose2> poses;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto id = static_cast<zone::SectionId>(random.below(circuit.size()));
+    const Pose2 X_MP = circuit.pose_at({id, random.uniform(0.0, circuit.section(id).length_m())});
+    poses.push_back(X_MP * Pose2{0.0, random.uniform(-0.05, 0.05), random.uniform(-0.1, 0.1)});
+  }
+  return poses;
+}
+
+/// Of a fleet whose vehicles come again and again, or of as many poses as there are, each from another corner of
+/// memory.
+void locating(const zone::Circuit& circuit, std::size_t count, std::size_t places) {
+  const auto poses = poses_on(circuit, std::min(count, places));
+  std::printf("  at %zu places\n", poses.size());
+  double left_m = 0.0;  // so that nothing is thought away
+  const auto per_s = [&](const auto& locate) {
+    const double s = median_s(5, [&] {
+      for (std::size_t i = 0; i < count; ++i) left_m += locate(poses[i % poses.size()]).left_m;
+    });
+    return static_cast<double>(count) / s / 1e6;
+  };
+  row("  locate, with heading",
+      per_s([&](const Pose2& X_MB) { return circuit.locate(position(X_MB), X_MB.heading_rad); }), "million/s");
+  row("  locate, without", per_s([&](const Pose2& X_MB) { return circuit.locate(position(X_MB)); }), "million/s");
+  std::vector<zone::Circuit::Located> found;
+  row("  near, within 1 m", per_s([&](const Pose2& X_MB) {
+        circuit.near(position(X_MB), 1.0, found);
+        return found.front();
+      }),
+      "million/s");
+  COSIVA_EXPECT(left_m == left_m);
+}
+
+void routing(const zone::TrafficZone& zone, int rounds) {
+  const zone::Router router{zone};
+  Random random{1, "bench/zone/routes"};
+  double length_m = 0.0;
+  const double s = median_s(rounds, [&] {
+    const auto& from = zone.stations[random.below(zone.stations.size())];
+    const auto& to = zone.stations[random.below(zone.stations.size())];
+    const auto route = router.plan(from.place, to.place);
+    COSIVA_EXPECT(route.has_value());
+    length_m += route->length_m;
+  });
+  row("route from station to station", s * 1e3, "ms");
+  row("  whose mean length is", length_m / rounds, "m");
+}
+
+bool measure(std::size_t sections, std::size_t locates) {
+  const auto text = zone::generate_plant(zone::plant_of_size(sections));
+  COSIVA_EXPECT(text.has_value());
+  const zone::ZoneConfiguration configuration{"toml", "plant.toml", *text};
+  const double before_mb = allocated_mb();
+  const double begin_s = now_s();
+  const auto rtm = zone::Rtm::initialise(configuration);
+  const double load_s = now_s() - begin_s;
+  if (!rtm) {
+    std::fprintf(stderr, "%s\n", to_string(rtm.error()).c_str());
+    return false;
+  }
+  const double after_mb = allocated_mb();
+  const zone::TrafficZone& zone = rtm->zone();
+  std::printf("%zu sections, %.1f km, %zu crossings, %zu waypoints, %zu stations; %.1f MB of text\n",
+              zone.circuit.size(), zone.circuit.total_length_m() / 1e3, zone.crossings.size(), zone.waypoints.size(),
+              zone.stations.size(), static_cast<double>(text->size()) / 1e6);
+  row("load and check", load_s, "s");
+  row("memory of the zone", after_mb - before_mb, "MB");
+  const int rounds = zone.circuit.size() > 10'000 ? 1 : 5;
+  row("  crossings alone", median_s(rounds, [&] { (void)zone::find_crossings(zone.circuit, zone.vehicle, 0.1); }), "s");
+  row("  waypoints alone", median_s(rounds, [&] { (void)zone::lay_waypoints(zone.circuit, zone.crossings, 2.4, 1.3); }),
+      "s");
+  locating(zone.circuit, locates, 1'000);
+  locating(zone.circuit, locates, 100'000);
+  routing(zone, 31);
+  return true;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"What a large zone costs"};
+  std::vector<std::size_t> sections{1'000, 100'000};
+  std::size_t locates = 1'000'000;
+  app.add_option("--sections", sections, "sizes of the plants, at most 170000 sections");
+  app.add_option("--locates", locates, "how many in each of five rounds");
+  CLI11_PARSE(app, argc, argv);
+  for (const std::size_t size : sections) {
+    if (size > 170'000 || !measure(size, locates)) return 1;
+  }
+}

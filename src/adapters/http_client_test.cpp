@@ -1,0 +1,92 @@
+#include "adapters/http_client.h"
+
+#include <gmock/gmock.h>
+
+#include <atomic>
+#include <thread>
+
+#include "adapters/http_server.h"
+#include "adapters/test_bench.h"
+
+namespace cosiva::adapters {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(HttpClient, takes_addresses_that_have_host_and_port) {
+  for (const char* good : {"http://127.0.0.1:8080", "http://localhost:8080/", "http://[::1]:8080", "http://localhost"})
+    EXPECT_TRUE(HttpClient::make(good)) << good;
+  for (const char* bad :
+       {"", "127.0.0.1:8080", "https://localhost", "http://", "http://:80", "http://h:0", "http://h:70000",
+        "http://h:8x", "http://h/path", "http://me@h", "http://[::1", "http://h\r\nX: y"}) {
+    const auto client = HttpClient::make(bad);
+    ASSERT_FALSE(client) << bad;
+    EXPECT_EQ(client.error().code, "http.url");
+  }
+}
+
+/// A server on a thread of its own, since the client waits for its answers.
+class Serving {
+ public:
+  Serving() {
+    HttpOptions options;
+    options.port = 0;
+    auto listening = HttpServer::listen(loop_, options, [](const HttpRequest& request) {
+      return HttpResponse{
+          request.body.empty() ? 200U : 202U, "application/json", request.method + " " + request.body, {}};
+    });
+    server_ = std::move(*listening);
+    port = server_->port();
+    thread_ = std::thread{[this] { loop_.run_until([this] { return over_.load(); }, testing::patience); }};
+  }
+  ~Serving() {
+    over_ = true;
+    thread_.join();
+  }
+  Serving(const Serving&) = delete;
+  Serving& operator=(const Serving&) = delete;
+  std::uint16_t port{};
+
+ private:
+  EventLoop loop_;
+  std::unique_ptr<HttpServer> server_;
+  std::atomic<bool> over_{false};
+  std::thread thread_;
+};
+
+TEST(HttpClient, asks_and_hears_the_answer) {
+  const Serving serving;
+  const auto client = HttpClient::make("http://127.0.0.1:" + std::to_string(serving.port));
+  ASSERT_TRUE(client);
+  const auto got = client->ask("GET", "/api/v1/x");
+  ASSERT_TRUE(got) << to_string(got.error());
+  EXPECT_EQ(got->status, 200U);
+  EXPECT_EQ(got->body, "GET ");
+  const auto posted = client->ask("POST", "/api/v1/x", "{}");
+  ASSERT_TRUE(posted) << to_string(posted.error());
+  EXPECT_EQ(posted->status, 202U);
+  EXPECT_EQ(posted->body, "POST {}");
+}
+
+TEST(HttpClient, hears_why_a_body_is_too_long) {
+  const Serving serving;
+  const auto client = HttpClient::make("http://127.0.0.1:" + std::to_string(serving.port));
+  const auto refused = client->ask("POST", "/api/v1/x", std::string(1U << 20U, 'x'));
+  ASSERT_TRUE(refused) << to_string(refused.error());
+  EXPECT_EQ(refused->status, 413U);
+}
+
+TEST(HttpClient, says_when_nobody_answers) {
+  std::uint16_t port = 0;
+  {
+    const Serving gone;
+    port = gone.port;
+  }
+  const auto answer = HttpClient::make("http://127.0.0.1:" + std::to_string(port))->ask("GET", "/");
+  ASSERT_FALSE(answer);
+  EXPECT_EQ(answer.error().code, "http.connect");
+  EXPECT_THAT(answer.error().message, HasSubstr("cosiva up"));
+}
+
+}  // namespace
+}  // namespace cosiva::adapters

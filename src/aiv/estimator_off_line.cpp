@@ -1,0 +1,167 @@
+// Off the line: the vehicle turns on the spot, looks for a line, or stands where there is none.
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "aiv/estimator.h"
+#include "zone/anchor.h"
+
+namespace cosiva::aiv {
+namespace {
+
+/// An odometer that has rolled further than this does not belong to the manoeuvre in which it stood still.
+constexpr double still_m = 0.002;
+/// Beside the line it has found one when its wheels roll this far in no manoeuvre.
+constexpr double follows_m = 0.010;
+
+Pose2 pose_of(const wire::Manoeuvre& manoeuvre) {
+  return {1e-3 * manoeuvre.x_mm, 1e-3 * manoeuvre.y_mm, wrap_angle(1e-3 * manoeuvre.turned_mrad)};
+}
+
+}  // namespace
+
+Pose2 PositionEstimator::pose() const {
+  if (!X_MO_) return motion_.pose(zone_.circuit);
+  return X_OB_ ? *X_MO_ * *X_OB_ : *X_MO_;
+}
+
+void PositionEstimator::stand_off(const Pose2& X_MB) {
+  X_MO_ = X_OB_ ? X_MB * inverse(*X_OB_) : X_MB;
+  strayed_m_ = 0.0;
+  course_.clear();
+  doubt_.reset();
+  const auto anchor = zone::anchor_of(zone_.circuit, X_MB);
+  known_ = anchor.has_value();
+  beside_ = known_;
+  if (anchor) motion_ = AivMotion{zone_.circuit, anchor->place};
+  off_by_m_ = anchor ? anchor->distance_m : zone_.circuit.locate(position(X_MB)).distance_m;
+  variance_m2_ = std::max(variance_m2_, model_.sigma_start_m * model_.sigma_start_m);
+}
+
+void PositionEstimator::resume_manoeuvre(const Pose2& X_OB, std::optional<zone::SectionId> next) {
+  if (!pose_known()) return;
+  if (next && known_ && !beside_) course_ = zone::Course{{motion_.current_section(), *next}};
+  if (X_OB_) return;  // PILS has told of it already
+  X_MO_ = X_MO_ ? *X_MO_ * inverse(X_OB) : motion_.pose(zone_.circuit);
+  X_OB_ = X_OB;
+  manoeuvre_travelled_m_ = travelled_m_;
+}
+
+void PositionEstimator::take_over(const PositionEstimator& before) {
+  odometer_um_ = before.odometer_um_;
+  travelled_m_ = before.travelled_m_;
+  variance_m2_ = before.variance_m2_;
+  X_OB_ = before.X_OB_;
+  manoeuvre_travelled_m_ = before.manoeuvre_travelled_m_;
+  if (before.pose_known()) stand_off(before.pose());
+}
+
+PositionEstimator::Rolled PositionEstimator::off_line(double step_m, const std::optional<wire::Manoeuvre>& manoeuvre) {
+  Rolled rolled;
+  // Frames between two manoeuvres may have been lost.
+  const bool another = std::fabs(travelled_m_ - manoeuvre_travelled_m_) > still_m;
+  if (X_OB_ && (!manoeuvre || another)) end_manoeuvre(rolled);
+  if (step_m != 0.0 && !X_OB_) roll_off_line(step_m, rolled);
+  if (manoeuvre) {
+    if (!X_OB_) begin_manoeuvre(rolled);
+    X_OB_ = pose_of(*manoeuvre);
+  }
+  return rolled;
+}
+
+void PositionEstimator::roll_off_line(double step_m, Rolled& rolled) {
+  if (!X_MO_) {
+    if (known_) rolled.step_m += shift(step_m);
+    return;
+  }
+  strayed_m_ += step_m;
+  if (!known_) {
+    X_MO_ = *X_MO_ * Pose2{step_m, 0.0, 0.0};
+  } else if (std::fabs(strayed_m_) > follows_m) {
+    X_MO_.reset();
+    beside_ = false;
+    rolled.step_m += shift(strayed_m_);
+  }
+}
+
+void PositionEstimator::begin_manoeuvre(Rolled& rolled) {
+  manoeuvre_travelled_m_ = travelled_m_;
+  if (!known_ || X_MO_) return;
+  // It turns where the line bends, so it is there.
+  const zone::Circuit& circuit = zone_.circuit;
+  double end_m = -place().s_m;
+  for (SectionsAhead ahead{circuit, outlook()};;) {
+    const zone::SectionId id = ahead.section();
+    end_m += circuit.section(id).length_m();
+    if (end_m > model_.bend_gate_m) break;
+    const auto bends = [&](zone::SectionId to) { return bend_rad(circuit, id, to) != 0.0; };
+    if (ahead.decided() ? bends(ahead.next()) : std::ranges::any_of(circuit.next(id), bends)) {
+      constexpr double hair_m = 1e-6;  // the joint itself holds it back
+      rolled.step_m += shift(end_m + hair_m);
+      break;
+    }
+    if (!ahead.decided() || !ahead.step()) break;
+  }
+  X_MO_ = motion_.pose(circuit);
+}
+
+void PositionEstimator::end_manoeuvre(Rolled& rolled) {
+  const Pose2 X_MB = pose_known() ? pose() : Pose2{};
+  const double turned_rad = X_OB_->heading_rad;
+  X_OB_.reset();
+  if (!X_MO_) return;
+  const bool turning = known_ && !beside_;
+  if (!(turning && end_turn(turned_rad, rolled))) land(X_MB, rolled);
+}
+
+bool PositionEstimator::end_turn(double turned_rad, Rolled& rolled) {
+  const zone::SectionId here = motion_.current_section();
+  const auto to = turned_to(turned_rad);
+  if (!to || place().s_m < zone_.circuit.section(here).length_m()) return false;
+  X_MO_.reset();
+  if (course_.coming().empty() || course_.coming().front() != *to) {
+    // It took another way than it was told, or nobody had told any.
+    if (!course_.coming().empty()) rolled.kind = FixKind::relocated;
+    course_.cut(0);
+    if (course_.empty()) course_ = zone::Course{{here}};
+  }
+  enter(*to);
+  variance_m2_ = model_.sigma_fix_m * model_.sigma_fix_m;
+  doubt_.reset();
+  return true;
+}
+
+std::optional<zone::SectionId> PositionEstimator::turned_to(double turned_rad) const {
+  const zone::Circuit& circuit = zone_.circuit;
+  const zone::SectionId here = motion_.current_section();
+  const auto misfit_rad = [&](zone::SectionId to) {
+    const double bend = bend_rad(circuit, here, to);
+    return bend == 0.0 ? pi : std::fabs(wrap_angle(bend - turned_rad));
+  };
+  if (!course_.coming().empty() && misfit_rad(course_.coming().front()) <= model_.landed_rad)
+    return course_.coming().front();
+  const auto ways = circuit.next(here);
+  const auto best = std::ranges::min_element(ways, {}, misfit_rad);
+  return best != ways.end() && misfit_rad(*best) <= model_.landed_rad ? std::optional{*best} : std::nullopt;
+}
+
+void PositionEstimator::land(const Pose2& X_MB, Rolled& rolled) {
+  const auto line = zone::anchor_of(zone_.circuit, X_MB, model_.landed_m);
+  const double across_rad = line ? wrap_angle(zone_.circuit.pose_at(line->place).heading_rad - X_MB.heading_rad) : pi;
+  if (std::fabs(across_rad) > model_.landed_rad) {
+    // Given up on the way: it stands where that left it.
+    stand_off(X_MB);
+    rolled.kind = FixKind::relocated;
+  } else if (known_ && line->place.section == place().section) {
+    X_MO_.reset();
+    beside_ = false;
+    rolled.step_m += shift(line->place.s_m - place().s_m);
+  } else {
+    const double variance_m2 = variance_m2_;
+    place_at(line->place);
+    variance_m2_ = std::max(variance_m2, variance_m2_);
+    rolled.kind = FixKind::relocated;
+  }
+}
+
+}  // namespace cosiva::aiv

@@ -1,0 +1,69 @@
+#include "aiv/manoeuvre.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "wire/board.h"
+
+namespace cosiva::aiv {
+
+Onward onward(const zone::Circuit& circuit, zone::SectionId from, std::size_t branch) {
+  const auto ways = circuit.next(from);
+  if (ways.empty()) return {};
+  const zone::SectionId to = ways[std::min(branch, ways.size() - 1)];
+  const double turn_rad = circuit.part(from).pivots ? circuit.turn_at(from, to) : 0.0;
+  if (branch == wire::no_branch && (ways.size() > 1 || turn_rad != 0.0)) return {};
+  return {to, turn_rad};
+}
+
+Manoeuvre::Manoeuvre(const Pose2& X_SG, const ManoeuvreRates& rates) : rates_{rates}, X_SG_{X_SG} {
+  constexpr double near_m = 5e-4;
+  const double distance_m = norm(X_SG.x_m, X_SG.y_m);
+  const bool goes = distance_m > near_m;
+  if (!goes) X_SG_ = {0.0, 0.0, X_SG.heading_rad};
+  const double towards_rad = goes ? det_atan2(X_SG.y_m, X_SG.x_m) : 0.0;
+  const double last_rad = wrap_angle(X_SG.heading_rad - towards_rad);
+  left_[0] = std::fabs(towards_rad);
+  left_[1] = goes ? distance_m : 0.0;
+  left_[2] = std::fabs(last_rad);
+  sign_[0] = towards_rad < 0.0 ? -1.0 : 1.0;
+  sign_[1] = 1.0;
+  sign_[2] = last_rad < 0.0 ? -1.0 : 1.0;
+}
+
+Manoeuvre::Step Manoeuvre::step(double speed_mps, double dt_s) {
+  const bool commanded = speed_mps > 0.0;
+  uncommanded_s_ = commanded ? 0.0 : uncommanded_s_ + dt_s;
+  if (commanded) lasted_s_ += dt_s;
+  while (leg_ < legs && left_[leg_] == 0.0) ++leg_;
+  if (leg_ == legs) return {};
+
+  const bool turns = leg_ != 1;
+  const double per_s2 = turns ? rates_.turn_radps2 : rates_.speed_mps2;
+  const double most = !commanded ? 0.0 : turns ? rates_.turn_radps : std::min(speed_mps, rates_.speed_mps);
+  double& left = left_[leg_];
+  // The rate from which it can still stop in time: rate·dt + rate²/2a = left.
+  const double in_time = per_s2 * (std::sqrt(dt_s * dt_s + 2.0 * left / per_s2) - dt_s);
+  rate_ = std::min(rate_ + std::clamp(most - rate_, -per_s2 * dt_s, per_s2 * dt_s), in_time);
+  constexpr double close = 1e-6;
+  const double moved = left - rate_ * dt_s < close ? left : rate_ * dt_s;
+  left -= moved;
+
+  Step step;
+  if (turns) {
+    step.turned_rad = sign_[leg_] * moved;
+    X_SB_.heading_rad = wrap_angle(X_SB_.heading_rad + step.turned_rad);
+  } else {
+    step.gone_m = moved;
+    const auto [sin, cos] = sincos(X_SB_.heading_rad);
+    X_SB_.x_m += cos * moved;
+    X_SB_.y_m += sin * moved;
+  }
+  if (left > 0.0) return step;
+  rate_ = 0.0;
+  while (leg_ < legs && left_[leg_] == 0.0) ++leg_;
+  if (leg_ == legs) X_SB_ = X_SG_;  // what rounding left over
+  return step;
+}
+
+}  // namespace cosiva::aiv

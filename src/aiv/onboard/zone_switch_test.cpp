@@ -1,0 +1,330 @@
+// Another zone while the vehicle runs.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "aiv/onboard/memory.h"
+#include "aiv/onboard/onboard_bench.h"
+
+namespace cosiva::aiv {
+namespace {
+
+using test::at;
+using test::lacet4;
+using test::lacet4_configuration;
+using test::OnboardBench;
+using test::order;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+constexpr double edge_m = 0.282743338823;
+
+/// A running track that begins at a pose, and goes on ahead of it for a metre and a half.
+zone::ZoneConfiguration track_at(const Pose2& start, const std::string& name) {
+  constexpr double degrees = 180.0 / pi;
+  std::ostringstream text;
+  text.precision(17);
+  text << "name = \"" << name << "\"\nformat_version = 1\n[circuit]\nclosed = true\nstart = { x = " << start.x_m
+       << ", y = " << start.y_m << ", heading_deg = " << start.heading_rad * degrees << " }\n";
+  for (const char* side : {"out", "back"}) {
+    text << "[[section]]\nname = \"" << side << "\"\nkind = \"straight\"\nlength_m = 1.5\n"
+         << "[[section]]\nname = \"" << side << "_bend\"\nkind = \"arc\"\nradius_m = 0.5\nangle_deg = 180.0\n";
+  }
+  return {"toml", "track.toml", text.str()};
+}
+
+struct SwitchBench : OnboardBench {
+  using OnboardBench::OnboardBench;
+  std::vector<std::shared_ptr<const zone::TrafficZone>> floors;
+
+  void announce(const zone::ZoneConfiguration& zone) {
+    hear(std::string(wire::zone_topic_prefix) + zone.format, zone::to_payload(zone), true);
+  }
+  /// The vehicle hears of it, and the floor changes under it as soon as it stands.
+  void switch_to(const zone::ZoneConfiguration& zone) {
+    announce(zone);
+    ASSERT_TRUE(run_until([&] { return speed_mps == 0.0 && !world.manoeuvring(); }, 3.0));
+    change_floor(zone);
+    run(0.3);
+  }
+  void change_floor(const zone::ZoneConfiguration& zone) {
+    auto rtm = zone::Rtm::initialise(zone);
+    ASSERT_TRUE(rtm) << to_string(rtm.error());
+    floors.push_back(rtm->share_zone());
+    world.stand_on(floors.back()->circuit);
+  }
+  /// Drives on lacet4.
+  void set_off() {
+    run(0.5);
+    order(test::order("O-1").through({"loop_se@0", "loop_se@283", "loop_se@565", "loop_se@848", "loop_se@1131"}));
+    run(1.5);
+    EXPECT_GT(speed_mps, 0.2);
+  }
+  const zone::TrafficZone& floor() const { return *floors.back(); }
+  double pose_error_m() const { return distance(*core->believed_pose(), world.pose()); }
+};
+
+/// 0.12 m to the left of where the vehicle will stand, and turned away from it.
+zone::ZoneConfiguration track_beside(const Pose2& X_MB, const std::string& name = "track") {
+  return track_at(X_MB * Pose2{-0.3, 0.12, 0.3}, name);
+}
+zone::ZoneConfiguration track_near_loop(const std::string& name = "track") {
+  return track_beside(lacet4().circuit.pose_at(at(lacet4(), "loop_se", 0.55)), name);
+}
+const std::string first = "out@0";
+
+TEST(ZoneSwitch, brakes_on_the_old_zone_and_stands_on_the_new_one_where_it_stood) {
+  SwitchBench bench;
+  bench.set_off();
+  bench.announce(track_near_loop());
+  bench.run(0.1);
+  EXPECT_EQ(bench.state().maps.front().map_id, "lacet4");
+  ASSERT_EQ(bench.state().maps.size(), 2U);
+  EXPECT_FALSE(bench.state().maps.back().enabled);
+  ASSERT_TRUE(bench.run_until([&] { return bench.speed_mps == 0.0; }, 2.0));
+  const Pose2 stands = bench.world.pose();
+  bench.change_floor(track_near_loop());
+  bench.run(0.3);
+  const wire::State& state = bench.state();
+  ASSERT_EQ(state.maps.size(), 1U);
+  EXPECT_EQ(state.maps.front().map_id, "track");
+  EXPECT_TRUE(state.maps.front().enabled);
+  EXPECT_EQ(state.maps.front().map_version.size(), 16U);
+  EXPECT_EQ(state.position->map_id, "track");
+  EXPECT_TRUE(state.position->position_initialized);
+  EXPECT_LT(distance(state.position->pose, stands), 0.005);
+  EXPECT_NEAR(state.position->pose.heading_rad, stands.heading_rad, 0.01);
+  EXPECT_THAT(state.node_states, IsEmpty());
+  EXPECT_EQ(state.order_id, "O-1") << "kept until there is a new one";
+  EXPECT_THAT(bench.error_types(), Not(Contains("lineLost")));
+  EXPECT_EQ(bench.visualizations.back().position->map_id, "track");
+  EXPECT_THAT(bench.undecodable, IsEmpty());
+}
+
+TEST(ZoneSwitch, is_followed_by_a_drive_to_the_new_line_and_along_it) {
+  SwitchBench bench;
+  bench.set_off();
+  bench.switch_to(track_near_loop());
+  ASSERT_FALSE(bench.world.on_line());
+  auto text = test::order("O-2").through({first, "out@300", "out@600", "out@900"});
+  text.node(0).position = wire::NodePosition{
+      bench.floor().circuit.pose_at({0, 0.0}).x_m, bench.floor().circuit.pose_at({0, 0.0}).y_m, {}, 1.0, {}, "track"};
+  bench.order(text);
+  bench.run(20.0);
+  EXPECT_TRUE(bench.world.on_line());
+  EXPECT_EQ(bench.state().last_node_id, "out@900");
+  EXPECT_NEAR(bench.world.place().s_m, 0.9, 0.015);
+  EXPECT_LT(bench.pose_error_m(), 0.01);
+}
+
+TEST(ZoneSwitch, drops_what_comes_late_for_the_old_zone) {
+  SwitchBench bench;
+  bench.set_off();
+  bench.switch_to(track_near_loop());
+  auto late = test::order("O-1", 1).from_sequence(8).through({"loop_se@1131", "loop_se@1414"});
+  bench.order(late);
+  bench.run(0.2);
+  EXPECT_THAT(bench.state().node_states, IsEmpty());
+  EXPECT_THAT(bench.error_types(), Contains("orderUpdateError"));
+}
+
+TEST(ZoneSwitch, takes_no_order_until_it_is_done) {
+  SwitchBench bench;
+  bench.set_off();
+  bench.announce(track_near_loop());
+  bench.order(test::order("O-1", 1).from_sequence(8).through({"loop_se@1131", "loop_se@1414"}));
+  bench.run(0.1);
+  EXPECT_THAT(bench.error_types(), Contains("noRouteError"));
+}
+
+TEST(ZoneSwitch, keeps_pause_and_speed_limit) {
+  SwitchBench bench;
+  bench.set_off();
+  bench.act("startPause", "p");
+  bench.act("setSpeedLimit", "s", {{"profile", std::string("slow")}});
+  bench.run(1.0);
+  bench.switch_to(track_near_loop());
+  EXPECT_TRUE(bench.state().paused);
+  EXPECT_EQ(bench.state().position->map_id, "track");
+  EXPECT_EQ(bench.action("p")->status, wire::ActionStatus::finished);
+  EXPECT_EQ(memory_from_json(bench.memory)->imposed, Profile::slow);
+  EXPECT_TRUE(memory_from_json(bench.memory)->paused);
+}
+
+TEST(ZoneSwitch, to_a_broken_configuration_is_none) {
+  SwitchBench bench;
+  bench.set_off();
+  bench.announce({"toml", "x", "name = 7"});
+  bench.run(0.5);
+  EXPECT_GT(bench.speed_mps, 0.2) << "nothing stops for that";
+  EXPECT_THAT(bench.error_types(), Contains("zoneError"));
+  bench.announce({"nonsense", "x", "name = 7"});
+  bench.run(0.5);
+  EXPECT_THAT(bench.error_types(), Contains("zoneError"));
+  EXPECT_EQ(bench.state().position->map_id, "lacet4");
+  bench.announce(lacet4_configuration());
+  bench.run(0.5);
+  EXPECT_THAT(bench.error_types(), Not(Contains("zoneError"))) << "the last one is good";
+}
+
+TEST(ZoneSwitch, ignores_a_cleared_topic) {
+  SwitchBench bench;
+  bench.set_off();
+  bench.hear(std::string(wire::zone_topic_prefix) + "other", "", true);
+  bench.run(0.3);
+  EXPECT_THAT(bench.error_types(), IsEmpty());
+  EXPECT_GT(bench.speed_mps, 0.2);
+}
+
+TEST(ZoneSwitch, back_before_it_stood_is_none_and_it_drives_on) {
+  SwitchBench bench;
+  bench.set_off();
+  bench.announce(track_near_loop());
+  bench.run(0.1);
+  bench.announce(lacet4_configuration());
+  bench.run(1.0);
+  EXPECT_GT(bench.speed_mps, 0.2);
+  EXPECT_EQ(bench.state().maps.size(), 1U);
+  EXPECT_FALSE(bench.state().node_states.empty());
+}
+
+TEST(ZoneSwitch, twice_quickly_ends_on_the_last) {
+  SwitchBench bench;
+  bench.set_off();
+  bench.announce(track_near_loop("one"));
+  bench.run(0.06);
+  bench.announce(track_near_loop("two"));
+  bench.announce({"toml", "x", "name = 7"});
+  bench.run(1.0);
+  EXPECT_EQ(bench.state().position->map_id, "two");
+}
+
+TEST(ZoneSwitch, back_and_forth_ends_where_it_began) {
+  SwitchBench bench;
+  bench.set_off();
+  bench.switch_to(track_near_loop());
+  bench.switch_to(lacet4_configuration());
+  EXPECT_EQ(bench.state().position->map_id, "lacet4");
+  EXPECT_LT(bench.pose_error_m(), 0.005);
+  auto text = test::order("O-3").through({"loop_se@565", "loop_se@848", "loop_se@1131"});
+  text.node(0).position = wire::NodePosition{0.0, 0.0, {}, 0.5, {}, "lacet4"};
+  const Pose2 node = lacet4().circuit.pose_at(at(lacet4(), "loop_se", 2.0 * edge_m));
+  text.node(0).position->x_m = node.x_m;
+  text.node(0).position->y_m = node.y_m;
+  bench.order(text);
+  bench.run(12.0);
+  EXPECT_EQ(bench.state().last_node_id, "loop_se@1131");
+  EXPECT_LT(bench.pose_error_m(), 0.01);
+}
+
+TEST(ZoneSwitch, of_the_same_name_with_other_ways_is_one) {
+  SwitchBench bench;
+  bench.set_off();
+  const std::string version = bench.state().maps.front().map_version;
+  bench.switch_to(track_near_loop("lacet4"));
+  EXPECT_EQ(bench.state().maps.front().map_id, "lacet4");
+  EXPECT_NE(bench.state().maps.front().map_version, version);
+  EXPECT_THAT(bench.state().node_states, IsEmpty());
+}
+
+TEST(ZoneSwitch, to_one_that_is_far_away_parks_it_until_another_comes) {
+  SwitchBench bench;
+  bench.set_off();
+  const Pose2 stands = lacet4().circuit.pose_at(at(lacet4(), "loop_se", 0.5));
+  bench.switch_to(track_at(stands * Pose2{0.0, 3.0, 0.0}, "far"));
+  EXPECT_EQ(bench.state().position->map_id, "far");
+  EXPECT_TRUE(bench.state().position->position_initialized);
+  EXPECT_LT(bench.pose_error_m(), 0.005);
+  EXPECT_THAT(bench.error_types(), Contains("offCircuit"));
+  bench.order(test::order("O-2").through({first, "out@300"}));
+  bench.run(0.2);
+  EXPECT_THAT(bench.error_types(), Contains("noRouteError"));
+  EXPECT_EQ(bench.speed_mps, 0.0);
+  bench.switch_to(track_near_loop());
+  EXPECT_THAT(bench.error_types(), Not(Contains("offCircuit")));
+}
+
+TEST(ZoneSwitch, is_remembered_over_a_crash_beside_the_line) {
+  SwitchBench bench;
+  bench.set_off();
+  bench.switch_to(track_near_loop());
+  auto setup = bench.reborn();
+  setup.zone = track_near_loop();
+  setup.start = std::nullopt;
+  SwitchBench after{setup};
+  after.world = bench.world;
+  after.run(0.5);
+  EXPECT_EQ(after.state().position->map_id, "track");
+  EXPECT_LT(after.pose_error_m(), 0.005);
+  EXPECT_THAT(after.error_types(), IsEmpty());
+}
+
+TEST(ZoneSwitch, is_remembered_by_a_program_that_was_started_with_the_old_zone) {
+  SwitchBench bench;
+  bench.set_off();
+  bench.switch_to(track_near_loop());
+  SwitchBench after{bench.reborn()};
+  after.world = bench.world;
+  after.run(0.1);
+  after.announce(track_near_loop());
+  after.run(0.5);
+  EXPECT_EQ(after.state().position->map_id, "track");
+  EXPECT_LT(after.pose_error_m(), 0.005);
+}
+
+TEST(ZoneSwitch, is_remembered_in_the_middle_of_the_way_to_the_line) {
+  SwitchBench bench;
+  bench.set_off();
+  bench.switch_to(track_near_loop());
+  auto text = test::order("O-2").through({first, "out@300", "out@600"});
+  text.node(0).position = wire::NodePosition{
+      bench.floor().circuit.pose_at({0, 0.0}).x_m, bench.floor().circuit.pose_at({0, 0.0}).y_m, {}, 1.0, {}, "track"};
+  bench.order(text);
+  ASSERT_TRUE(bench.run_until([&] { return bench.world.manoeuvring(); }, 3.0));
+  bench.run(0.6);
+  auto setup = bench.reborn();
+  setup.zone = track_near_loop();
+  setup.start = std::nullopt;
+  SwitchBench after{setup};
+  after.world = bench.world;
+  after.floors = bench.floors;
+  after.run(0.5);
+  EXPECT_LT(after.pose_error_m(), 0.01);
+  after.order(text);
+  after.run(15.0);
+  EXPECT_TRUE(after.world.on_line());
+  EXPECT_LT(after.pose_error_m(), 0.01);
+}
+
+TEST(ZoneSwitch, answers_enableMap_and_downloadMap) {
+  SwitchBench bench;
+  bench.run(0.5);
+  const auto ask = [&](std::string type, const std::string& id, const std::string& map) {
+    bench.act(std::move(type), id, {{"mapId", map}, {"mapVersion", std::string{}}});
+    bench.run(0.1);
+    return bench.action(id)->status;
+  };
+  EXPECT_EQ(ask("enableMap", "a", "lacet4"), wire::ActionStatus::finished);
+  EXPECT_EQ(ask("enableMap", "b", "attic"), wire::ActionStatus::failed);
+  EXPECT_EQ(ask("downloadMap", "c", "attic"), wire::ActionStatus::failed);
+  EXPECT_EQ(ask("downloadMap", "d", "lacet4"), wire::ActionStatus::finished);
+  bench.set_off();
+  bench.announce(track_near_loop());
+  EXPECT_EQ(ask("enableMap", "e", "track"), wire::ActionStatus::running);
+  bench.run(1.0);
+  EXPECT_EQ(bench.action("e")->status, wire::ActionStatus::finished);
+}
+
+TEST(Memory, keeps_a_pose_beside_the_line_and_a_manoeuvre) {
+  Memory memory{"z", "s", 1.5, 7, 9, true, Profile::slow, Pose2{1.0, 2.0, 0.5}, true, Pose2{0.1, 0.0, -0.2}, "next"};
+  EXPECT_EQ(memory_from_json(to_json(memory)).value(), memory);
+  const auto damaged = memory_from_json(R"({"zone":"z","section":"s","s":1,"odometer_um":1,"session":1,)"
+                                        R"("pose":{"x":1e300,"y":0,"theta":0},"off_line":true})");
+  ASSERT_TRUE(damaged);
+  EXPECT_FALSE(damaged->pose);
+  EXPECT_FALSE(damaged->off_line) << "without a pose the place is all there is";
+}
+
+}  // namespace
+}  // namespace cosiva::aiv

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include "base/pose.h"
+#include "zone/circuit.h"
+
+namespace cosiva::aiv {
+
+/// Where a vehicle is and which way it will take from there. Refers to the way, which must outlive it.
+struct Outlook {
+  // A place alone is an outlook, too: along default successors.
+  Outlook(zone::Place at, std::span<const zone::SectionId> way = {})  // NOLINT(google-explicit-constructor)
+      : here{at}, coming{way} {}
+  Outlook(zone::SectionId section, double s_m) : here{section, s_m} {}
+
+  zone::Place here;
+  std::span<const zone::SectionId> coming;  ///< after here.section; from their end default successors
+  /// Where the body is when that is not `here`: it turns on the spot there, or has yet to come onto the line there.
+  std::optional<Pose2> X_MB{};
+};
+
+/// Goes from section to section along an outlook's way.
+class SectionsAhead {
+ public:
+  SectionsAhead(const zone::Circuit& circuit, const Outlook& outlook)
+      : circuit_{circuit}, coming_{outlook.coming}, section_{outlook.here.section} {}
+
+  [[nodiscard]] zone::SectionId section() const { return section_; }
+  /// What follows; no_section at a dead end.
+  [[nodiscard]] zone::SectionId next() const {
+    if (step_ < coming_.size()) return coming_[step_];
+    const auto ways = circuit_.next(section_);
+    return ways.empty() ? zone::no_section : ways.front();
+  }
+  /// Whether anybody has said what follows, or there is only one way.
+  [[nodiscard]] bool decided() const { return step_ < coming_.size() || circuit_.next(section_).size() == 1; }
+  /// To the next one. False at a dead end, and nothing changed.
+  bool step() {
+    const zone::SectionId after = next();
+    if (after == zone::no_section) return false;
+    section_ = after;
+    ++step_;
+    return true;
+  }
+
+ private:
+  const zone::Circuit& circuit_;
+  std::span<const zone::SectionId> coming_;
+  zone::SectionId section_;
+  std::size_t step_{0};
+};
+
+/// What a vehicle turns on the spot from one section to the next; 0 where it rolls on.
+[[nodiscard]] inline double bend_rad(const zone::Circuit& circuit, zone::SectionId from, zone::SectionId to) {
+  return circuit.part(from).pivots ? circuit.turn_at(from, to) : 0.0;
+}
+
+/// Whether there is nothing to choose and nothing to turn at: each section has at most one before and one after it.
+[[nodiscard]] inline bool one_way_only(const zone::Circuit& circuit) {
+  for (zone::SectionId id = 0; id < circuit.size(); ++id) {
+    const auto ways = circuit.next(id);
+    if (ways.size() > 1 || circuit.previous(id).size() > 1) return false;
+    if (!ways.empty() && bend_rad(circuit, id, ways.front()) != 0.0) return false;
+  }
+  return true;
+}
+
+}  // namespace cosiva::aiv

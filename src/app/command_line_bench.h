@@ -1,0 +1,34 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "app/command_line.h"
+
+/// For tests: the command as somebody types it, and what it says.
+namespace cosiva::app::bench {
+
+struct Said {
+  int status;
+  std::string data;   ///< on standard output
+  std::string words;  ///< on standard error
+};
+
+inline Said cosiva(const std::vector<std::string>& arguments) {
+  std::vector<const char*> argv{"cosiva"};
+  for (const std::string& argument : arguments) argv.push_back(argument.c_str());
+  ::testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
+  Said said{run_command_line(static_cast<int>(argv.size()), argv.data()), {}, {}};
+  std::fflush(nullptr);
+  said.data = ::testing::internal::GetCapturedStdout();
+  said.words = ::testing::internal::GetCapturedStderr();
+  return said;
+}
+
+inline const std::string zones = std::string(COSIVA_SOURCE_DIR) + "/zones/";
+
+}  // namespace cosiva::app::bench

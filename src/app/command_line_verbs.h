@@ -1,0 +1,29 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+#include "app/arguments.h"
+
+/// The parts of the command line: who describes which verb's options. Only the command line includes this.
+namespace cosiva::app {
+
+/// @param without  what is used where no --broker is given
+void add_broker(CLI::App& verb, BrokerArguments& broker, const std::string& without);
+
+/// `cosiva zone` and its verbs.
+struct ZoneVerbs {
+  CLI::App* zone;
+  CLI::App* check;
+  CLI::App* show;
+  CLI::App* convert;
+  CLI::App* generate;
+  CLI::App* switch_to;
+};
+[[nodiscard]] ZoneVerbs describe_zone(CLI::App& root, ZoneArguments& zone, GenerateArguments& generate);
+/// The exit status of the one that was asked for, if any.
+[[nodiscard]] std::optional<int> run_zone_verb(const ZoneVerbs& verbs, const ZoneArguments& zone,
+                                               const GenerateArguments& generate);
+
+}  // namespace cosiva::app

@@ -1,0 +1,157 @@
+// `cosiva zone switch`: another zone for a platform that runs.
+#include <chrono>
+#include <thread>
+
+#include "adapters/event_loop.h"
+#include "adapters/http_client.h"
+#include "adapters/mqtt_client.h"
+#include "app/places.h"
+#include "app/words.h"
+#include "app/zone_files.h"
+#include "app/zone_switch.h"
+#include "app/zone_words.h"
+#include "base/json_value.h"
+#include "wire/topics.h"
+
+namespace cosiva::app {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr std::size_t snapshot_bytes_max = std::size_t{1} << 28U;
+constexpr milliseconds look_period{50};
+constexpr std::chrono::seconds publish_max{10};
+
+std::string serial_of(const std::string& id) { return id.substr(id.find('/') + 1); }
+
+/// Asks until the first vehicle moves, or as long as it is worth waiting.
+std::optional<SwitchedZone> watch(const adapters::HttpClient& client, double wait_s) {
+  const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(wait_s);
+  std::optional<SwitchedZone> switched;
+  for (;;) {
+    if (const auto answer = client.ask("GET", "/api/v1/snapshot"); answer && answer->status == 200)
+      switched = switched_in(answer->body);
+    // Who is parked will not move, and who is not there neither.
+    const bool nobody = switched && switched->parked.size() >= switched->vehicles;
+    if (nobody || (switched && switched->first_moving_ms) || std::chrono::steady_clock::now() >= until) return switched;
+    std::this_thread::sleep_for(look_period);
+  }
+}
+
+void tell(const ZoneArguments& arguments, const std::string& name, double revision,
+          const std::optional<SwitchedZone>& switched) {
+  if (!arguments.json) {
+    print("switched to " + name + (switched ? "\n  " + to_text(*switched) : std::string{}));
+    return;
+  }
+  JsonWriter json;
+  json.begin_object().field("zone", name).field("revision", static_cast<std::uint64_t>(revision));
+  json.field("anchored", switched ? switched->anchored : 0).key("parked").begin_array();
+  if (switched)
+    for (const std::string& who : switched->parked) json.value(who);
+  json.end_array().key("first_moving_ms");
+  if (switched && switched->first_moving_ms)
+    json.value(*switched->first_moving_ms);
+  else
+    json.null();
+  json.end_object();
+  print(json.text());
+}
+
+int switch_over_http(const ZoneArguments& arguments, const zone::ZoneConfiguration& configuration) {
+  const auto client = adapters::HttpClient::make(arguments.url);
+  if (!client) return complain(client.error());
+  JsonWriter json;
+  zone::write_json(json, configuration);
+  const auto answer = client->ask("POST", "/api/v1/zone/switch", json.take(), std::chrono::seconds{120});
+  if (!answer) return complain(answer.error());
+  if (answer->status != 200) {
+    Error refused = refusal_in(answer->body, answer->status);
+    refused.message += "\n  the zone that was there stays in force";
+    return complain(refused);
+  }
+  const auto accepted = JsonValue::parse(answer->body);
+  const std::string name = accepted ? accepted->text("name").value_or(configuration.origin) : configuration.origin;
+  tell(arguments, name, accepted ? accepted->number("revision").value_or(0.0) : 0.0, watch(*client, arguments.wait_s));
+  return exit_done;
+}
+
+/// As a physical side does it: the new configuration retained, and those of other formats taken off the broker first,
+/// so that nobody who comes later finds two.
+int switch_over_broker(const ZoneArguments& arguments, const zone::ZoneConfiguration& configuration) {
+  // Nobody answers on a bus: what is wrong with it is said here or nowhere.
+  const auto rtm = zone::Rtm::initialise(configuration);
+  if (!rtm) return complain(rtm.error());
+  auto options = mqtt_options(arguments.broker, "cosiva-switch");
+  if (!options) return complain(options.error());
+  const std::string address = options->host + ":" + std::to_string(options->port);
+  adapters::EventLoop loop;
+  adapters::MqttHandlers handlers;
+  handlers.on_link = [](bool) {};
+  handlers.on_message = [](std::string_view, std::string_view, bool) {};
+  auto client = adapters::MqttClient::make(loop, std::move(*options), {}, std::nullopt, std::move(handlers));
+  if (!client) return complain(client.error());
+  (*client)->start();
+  bool connected = false;
+  loop.run_until([&] { return connected = (*client)->connected(); },
+                 std::chrono::duration_cast<milliseconds>(publish_max));
+  if (!connected) return complain({"mqtt.connect", "no broker answers there", address});
+  const std::string prefix{wire::zone_topic_prefix};
+  for (const std::string_view format : zone::known_formats())
+    if (format != configuration.format) (*client)->publish({prefix + std::string(format), {}, 1, true});
+  (*client)->publish({prefix + configuration.format, zone::to_payload(configuration), 1, true});
+  bool out = false;
+  (*client)->stop([&] { out = true; });
+  loop.run_until([&] { return out; }, std::chrono::duration_cast<milliseconds>(publish_max));
+  if (!out) return complain({"mqtt.publish", "the broker did not acknowledge it", address});
+  print("published " + rtm->zone().name + " (" + size_of(rtm->zone()) + ") to " + prefix + configuration.format +
+        "\n  whoever listens judges it and switches by itself");
+  return exit_done;
+}
+
+}  // namespace
+
+std::optional<SwitchedZone> switched_in(std::string_view snapshot_json) {
+  const auto snapshot = JsonValue::parse(snapshot_json, snapshot_bytes_max);
+  const JsonValue* zone = snapshot ? snapshot->find("zone") : nullptr;
+  const JsonValue* last = zone == nullptr ? nullptr : zone->find("switched");
+  if (last == nullptr || last->object() == nullptr) return std::nullopt;
+  SwitchedZone switched;
+  switched.name = zone->text("name").value_or("");
+  switched.anchored = static_cast<std::uint64_t>(last->number("anchored").value_or(0.0));
+  switched.first_moving_ms = last->number("first_moving_ms");
+  if (const JsonValue* parked = last->find("parked"); parked != nullptr && parked->array() != nullptr)
+    for (const JsonValue& who : *parked->array())
+      if (who.text() != nullptr) switched.parked.push_back(*who.text());
+  if (const JsonValue* aivs = snapshot->find("aivs"); aivs != nullptr && aivs->array() != nullptr)
+    switched.vehicles = aivs->array()->size();
+  return switched;
+}
+
+std::string to_text(const SwitchedZone& switched) {
+  std::string text =
+      std::to_string(switched.anchored) + " anchored, " + std::to_string(switched.parked.size()) + " parked";
+  for (std::size_t i = 0; i < switched.parked.size(); ++i)
+    text += (i == 0 ? ": " : ", ") + serial_of(switched.parked[i]);
+  if (switched.first_moving_ms)
+    return text + "; the first moved after " + decimals(*switched.first_moving_ms, 0) + " ms";
+  if (switched.vehicles == 0) return text + "; there are no vehicles";
+  return text + (switched.parked.size() >= switched.vehicles ? "; nobody can drive on" : "; nobody has moved yet");
+}
+
+Error refusal_in(std::string_view body, unsigned status) {
+  const auto json = JsonValue::parse(body);
+  const JsonValue* error = json ? json->find("error") : nullptr;
+  const auto message = error == nullptr ? std::nullopt : error->text("message");
+  if (!message) return {"http.status", "the platform answered with status " + std::to_string(status), {}};
+  return {error->text("code").value_or(""), *message, {}};
+}
+
+int run_zone_switch(const ZoneArguments& arguments) {
+  auto configuration = load_zone(arguments.zone, arguments.companion);
+  if (!configuration) return complain(configuration.error());
+  return arguments.broker.address.empty() ? switch_over_http(arguments, *configuration)
+                                          : switch_over_broker(arguments, *configuration);
+}
+
+}  // namespace cosiva::app

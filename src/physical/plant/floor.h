@@ -1,0 +1,26 @@
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include "physical/plant/tag_reader.h"
+#include "zone/traffic_zone.h"
+
+namespace cosiva::physical {
+
+/// What is painted and laid on the floor: a zone's ways, tags and beacons. After a switch of zones each vehicle stays
+/// on the old one until it stands, so that for a moment there are two.
+struct Floor {
+  /// @param reach_m  radius of the antennas' field
+  Floor(std::shared_ptr<const zone::TrafficZone> on, double reach_m)
+      : zone{std::move(on)}, tags{*zone, reach_m}, ring_m{ring_length_m(zone->circuit)} {}
+
+  /// Length of the one ring that all sections form, or 0 where they do not.
+  [[nodiscard]] static double ring_length_m(const zone::Circuit& circuit);
+
+  std::shared_ptr<const zone::TrafficZone> zone;  ///< its ways hold; its tags may have been edited since
+  TagMap tags;                                    ///< as they are now
+  double ring_m;
+};
+
+}  // namespace cosiva::physical

@@ -1,0 +1,315 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <cmath>
+
+#include "physical/plant/odometer.h"
+#include "physical/plant/vehicle_dynamics.h"
+#include "wire/board.h"
+
+namespace cosiva::physical {
+namespace {
+
+using zone::Circuit;
+using zone::Section;
+
+constexpr double dt_s = 0.01;
+
+LineVehicle on(const Circuit& circuit, zone::Place start = {0, 0.0}, double line_sd_m = 0.0) {
+  return {circuit, start, line_sd_m, Random{1, "line"}};
+}
+void drive(LineVehicle& vehicle, const DriveCommand& command, double seconds) {
+  for (int i = 0; i < static_cast<int>(std::lround(seconds / dt_s)); ++i) vehicle.step(&command, dt_s);
+}
+
+/// A node at (1, 0): in from the west; from there on to the east (smoothly), or north, or back.
+Circuit node() {
+  return *Circuit::make("node", {{"in", *Section::make({0, 0, 0}, 1.0), {}, {1, 2, 3}, true},
+                                 {"ahead", *Section::make({1, 0, 0}, 1.0), {}, {}},
+                                 {"north", *Section::make({1, 0, 0.5 * pi}, 1.0), {}, {}},
+                                 {"back", *Section::make({1, 0, pi}, 1.0), {}, {}}});
+}
+constexpr DriveCommand creep(std::size_t branch) { return {0.05, 0.5, 0.8, branch}; }
+
+TEST(LineVehicle, stops_at_a_sharp_bend_turns_on_the_spot_and_follows_the_next_way) {
+  const Circuit circuit = node();
+  LineVehicle vehicle = on(circuit, {0, 0.95});
+  double along_m = 0.0;
+  double turned_rad = 0.0;
+  for (int i = 0; i < 1000 && circuit.part(vehicle.place().section).name == "in"; ++i) {
+    const DriveCommand command = creep(1);
+    vehicle.step(&command, dt_s);
+    along_m += vehicle.step_distance_m();
+    if (vehicle.manoeuvre() != nullptr) {
+      EXPECT_EQ(vehicle.speed_mps(), 0.0);
+      EXPECT_LT(distance(vehicle.body().X_MB, {1, 0, 0}), 1e-9) << "its middle stays on the joint";
+      EXPECT_FALSE(vehicle.line_lost());
+    }
+    turned_rad += vehicle.step_manoeuvre().turned_rad;
+  }
+  EXPECT_NEAR(along_m, 0.05, 0.001) << "what it turns counts no distance";
+  EXPECT_NEAR(turned_rad, 0.5 * pi, 1e-9);
+  EXPECT_EQ(vehicle.place(), (zone::Place{2, 0.0}));
+  EXPECT_TRUE(vehicle.following());
+  drive(vehicle, creep(0), 4.0);
+  EXPECT_NEAR(vehicle.body().X_MB.x_m, 1.0, 1e-9);
+  EXPECT_GT(vehicle.body().X_MB.y_m, 0.15);
+}
+
+TEST(LineVehicle, takes_the_smooth_way_of_a_node_without_stopping) {
+  const Circuit circuit = node();
+  LineVehicle vehicle = on(circuit, {0, 0.5});
+  const DriveCommand command{0.5, 1.0, 1.0, 0};
+  drive(vehicle, command, 1.0);
+  for (int i = 0; i < 100; ++i) {
+    vehicle.step(&command, dt_s);
+    ASSERT_GT(vehicle.speed_mps(), 0.4);
+  }
+  EXPECT_EQ(circuit.part(vehicle.place().section).name, "ahead");
+}
+
+TEST(LineVehicle, stops_where_nobody_said_which_way_and_goes_on_when_somebody_does) {
+  const Circuit circuit = node();
+  LineVehicle vehicle = on(circuit, {0, 0.5});
+  drive(vehicle, {0.5, 1.0, 1.0, wire::no_branch}, 5.0);
+  EXPECT_EQ(vehicle.speed_mps(), 0.0);
+  EXPECT_EQ(vehicle.place(), (zone::Place{0, 1.0}));
+  EXPECT_TRUE(vehicle.following());
+  drive(vehicle, creep(2), 6.0);
+  EXPECT_EQ(circuit.part(vehicle.place().section).name, "back");
+  EXPECT_LT(vehicle.body().X_MB.x_m, 1.0);
+}
+
+TEST(LineVehicle, brakes_for_a_bend_no_harder_than_its_motors_can) {
+  const Circuit circuit = node();
+  LineVehicle vehicle = on(circuit, {0, 0.1});
+  const DriveCommand command{0.8, 3.0, 1.0, 1};
+  double before_mps = 0.0;
+  for (int i = 0; i < 300 && vehicle.manoeuvre() == nullptr; ++i) {
+    vehicle.step(&command, dt_s);
+    EXPECT_GT(vehicle.speed_mps() - before_mps, -1.2 * 4.0 * dt_s) << i;
+    before_mps = vehicle.speed_mps();
+  }
+  ASSERT_NE(vehicle.manoeuvre(), nullptr);
+}
+
+TEST(LineVehicle, turns_only_while_it_is_commanded) {
+  const Circuit circuit = node();
+  LineVehicle vehicle = on(circuit, {0, 0.99});
+  for (int i = 0; i < 500 && vehicle.manoeuvre() == nullptr; ++i) drive(vehicle, creep(1), dt_s);
+  drive(vehicle, creep(1), 0.5);
+  drive(vehicle, {0.0, 0.5, 0.8, 1}, 0.4);
+  const Pose2 waits = vehicle.body().X_MB;
+  EXPECT_GT(waits.heading_rad, 0.1);
+  EXPECT_LT(waits.heading_rad, 1.5);
+  EXPECT_FALSE(vehicle.stands()) << "it was commanded less than 0.3 s ago, as far as its wheels have come to rest";
+  for (int i = 0; i < 100; ++i) vehicle.step(nullptr, dt_s);
+  EXPECT_TRUE(vehicle.stands());
+  drive(vehicle, {-0.1, 0.5, 0.8, 1}, 0.5);
+  EXPECT_LT(std::fabs(vehicle.body().X_MB.heading_rad - waits.heading_rad), 0.5);
+  EXPECT_NE(vehicle.manoeuvre(), nullptr);
+  // The way was chosen when the turn began.
+  for (int i = 0; i < 300 && vehicle.manoeuvre() != nullptr; ++i) drive(vehicle, creep(2), dt_s);
+  EXPECT_EQ(circuit.part(vehicle.place().section).name, "north");
+}
+
+TEST(LineVehicle, that_rolls_out_onto_a_bend_waits_at_it) {
+  const Circuit circuit = node();
+  LineVehicle vehicle = on(circuit, {0, 0.9});
+  drive(vehicle, {0.5, 3.0, 1.0, 1}, 0.25);
+  for (int i = 0; i < 500; ++i) vehicle.step(nullptr, dt_s);
+  EXPECT_EQ(vehicle.manoeuvre(), nullptr);
+  EXPECT_EQ(vehicle.speed_mps(), 0.0);
+  EXPECT_EQ(vehicle.place().section, 0U);
+}
+
+TEST(LineVehicle, that_rolls_out_over_a_fork_keeps_to_the_branch_it_was_told) {
+  const auto trunk = *Section::make({0, 0, 0}, 1.0);
+  const Circuit circuit = *Circuit::make("fork", {{"trunk", trunk, {}, {1, 2}},
+                                                  {"left", *Section::make({1, 0, 0}, 1.0, 1.0), {}, {}},
+                                                  {"right", *Section::make({1, 0, 0}, 1.0, -1.0), {}, {}}});
+  LineVehicle vehicle = on(circuit, {0, 0.5});
+  drive(vehicle, {0.6, 1.0, 1.0, 1}, 1.1);
+  ASSERT_EQ(vehicle.place().section, 0U);
+  for (int i = 0; i < 500; ++i) vehicle.step(nullptr, dt_s);
+  EXPECT_EQ(circuit.part(vehicle.place().section).name, "right");
+}
+
+TEST(LineVehicle, backs_up_to_a_sharp_bend_and_no_further) {
+  const Circuit circuit = node();
+  LineVehicle vehicle = on(circuit, {2, 0.3});
+  drive(vehicle, {-0.3, 1.0, 1.0, 0}, 5.0);
+  EXPECT_EQ(vehicle.place(), (zone::Place{2, 0.0}));
+  EXPECT_EQ(vehicle.speed_mps(), 0.0);
+}
+
+TEST(LineVehicle, turns_onto_the_line_as_well_as_it_is_painted) {
+  EXPECT_TRUE(rc::check("after any turn it is on the next way, with small errors", [] {
+    const double turn_rad = *rc::gen::inRange(-3100, 3101) * 1e-3;
+    RC_PRE(std::fabs(turn_rad) > 2e-3);
+    const Circuit circuit = *Circuit::make("bend", {{"in", *Section::make({0, 0, 0}, 1.0), {}, {1}, true},
+                                                    {"out", *Section::make({1, 0, turn_rad}, 2.0), {}, {}}});
+    LineVehicle vehicle{circuit, {0, 0.5}, 0.0005, Random{*rc::gen::arbitrary<std::uint32_t>(), "line"}};
+    drive(vehicle, {0.3, 0.5, 0.8, 0}, 1.0);
+    for (int i = 0; i < 3000 && vehicle.place().section == 0; ++i) drive(vehicle, creep(0), dt_s);
+    RC_ASSERT(vehicle.place().section == 1U);
+    RC_ASSERT(distance(vehicle.body().X_MB, circuit.pose_at({1, 0.0})) < 0.003);
+    RC_ASSERT(std::fabs(vehicle.heading_error_rad()) < 0.03);
+    drive(vehicle, {0.3, 0.5, 0.8, 0}, 2.0);
+    RC_ASSERT(std::fabs(vehicle.lateral_error_m()) < 0.003);
+  }));
+}
+
+// --- another floor
+
+/// One straight way along y = 0.
+Circuit line() { return *Circuit::make("line", {{"line", *Section::make({-5, 0, 0}, 10.0), {}, {}}}); }
+/// One that lies at `pose` and is 4 m long.
+Circuit other(const Pose2& pose) { return *Circuit::make("other", {{"other", *Section::make(pose, 4.0), {}, {}}}); }
+constexpr DriveCommand seek{0.3, 0.5, 0.8, 0, true};
+
+TEST(LineVehicle, put_on_another_floor_stays_as_it_is_and_waits_off_the_line) {
+  const Circuit old = line();
+  const Circuit next = other({-2, 0.2, 0.1});
+  LineVehicle vehicle = on(old, {0, 5.0});
+  const Pose2 before = vehicle.body().X_MB;
+  vehicle.stand_on(next);
+  EXPECT_TRUE(vehicle.line_lost());
+  EXPECT_FALSE(vehicle.following());
+  drive(vehicle, {0.3, 0.5, 0.8, 0}, 1.0);        // not told to seek
+  drive(vehicle, {0.0, 0.5, 0.8, 0, true}, 1.0);  // told to, at no speed
+  drive(vehicle, {-0.3, 0.5, 0.8, 0, true}, 1.0);
+  for (int i = 0; i < 100; ++i) vehicle.step(nullptr, dt_s);
+  EXPECT_EQ(vehicle.body().X_MB, before);
+  EXPECT_EQ(vehicle.manoeuvre(), nullptr);
+  EXPECT_TRUE(vehicle.stands());
+}
+
+TEST(LineVehicle, seeks_the_line_within_reach_and_follows_it) {
+  EXPECT_TRUE(rc::check("wherever the line lies it ends on it, heading along it", [] {
+    const double off_m = *rc::gen::inRange(-340, 341) * 1e-3;
+    const double turned_rad = *rc::gen::inRange(-3141, 3142) * 1e-3;
+    const Circuit old = line();
+    // A line `off_m` beside (0, 0), whose foot is 2 m from its start.
+    const Circuit next = other(Pose2{0, 0, turned_rad} * Pose2{-2.0, off_m, 0});
+    LineVehicle vehicle = on(old, {0, 5.0}, 0.0005);
+    const Pose2 began = vehicle.body().X_MB;
+    vehicle.stand_on(next);
+    Pose2 told;
+    Pose2 summed;
+    bool manoeuvred = false;
+    for (int i = 0; i < 1500 && !vehicle.following(); ++i) {
+      vehicle.step(&seek, dt_s);
+      RC_ASSERT(vehicle.speed_mps() == 0.0);
+      RC_ASSERT(vehicle.step_distance_m() == 0.0);
+      const auto [turned, gone] = vehicle.step_manoeuvre();
+      summed = summed * Pose2{gone, 0.0, turned};
+      manoeuvred = manoeuvred || vehicle.manoeuvre() != nullptr;
+    }
+    RC_ASSERT(manoeuvred);
+    RC_ASSERT(vehicle.following());
+    RC_ASSERT(distance(began * summed, vehicle.body().X_MB) < 1e-3);
+    RC_ASSERT(std::fabs(vehicle.place().s_m - 2.0) < 1e-6);
+    RC_ASSERT(std::fabs(vehicle.lateral_error_m()) < 0.003);
+    RC_ASSERT(!vehicle.line_lost());
+    drive(vehicle, {0.3, 0.5, 0.8, 0}, 2.0);
+    RC_ASSERT(vehicle.place().s_m > 2.3);
+    RC_ASSERT(std::fabs(vehicle.lateral_error_m()) < 0.003);
+  }));
+}
+
+TEST(LineVehicle, seeks_nothing_that_lies_beyond_its_reach) {
+  const Circuit old = line();
+  const Circuit next = other({-2, 0.36, 0});
+  LineVehicle vehicle = on(old, {0, 5.0});
+  vehicle.stand_on(next);
+  drive(vehicle, seek, 3.0);
+  EXPECT_EQ(vehicle.manoeuvre(), nullptr);
+  EXPECT_LT(distance(vehicle.body().X_MB, {0, 0, 0}), 1e-12);
+  EXPECT_TRUE(vehicle.line_lost());
+}
+
+TEST(LineVehicle, goes_on_where_the_new_floor_s_line_is_the_old_one_s) {
+  const Circuit old = line();
+  const Circuit next = other(Pose2{0, 0.003, 0.02} * Pose2{-2, 0, 0});
+  LineVehicle vehicle = on(old, {0, 5.0});
+  vehicle.stand_on(next);
+  EXPECT_FALSE(vehicle.line_lost());
+  drive(vehicle, {0.3, 0.5, 0.8, 0}, 2.0);
+  EXPECT_EQ(vehicle.manoeuvre(), nullptr);
+  EXPECT_GT(vehicle.body().X_MB.x_m, 0.4);
+  EXPECT_LT(std::fabs(vehicle.lateral_error_m()), 0.001);
+  EXPECT_NEAR(vehicle.body().X_MB.heading_rad, 0.02, 0.001);
+}
+
+TEST(LineVehicle, told_to_seek_on_the_line_makes_a_manoeuvre_that_can_be_heard_of) {
+  const Circuit old = line();
+  const Circuit next = other({-2, 0.0, 0.0});
+  LineVehicle vehicle = on(old, {0, 5.0});
+  vehicle.stand_on(next);
+  int steps = 0;
+  for (int i = 0; i < 100; ++i) {
+    vehicle.step(&seek, dt_s);
+    steps += vehicle.manoeuvre() != nullptr ? 1 : 0;
+  }
+  EXPECT_GE(steps, 9);
+  EXPECT_TRUE(vehicle.following());
+  EXPECT_GT(vehicle.speed_mps(), 0.2) << "and then it takes no more notice of the flag";
+}
+
+TEST(LineVehicle, leaves_a_manoeuvre_that_nobody_commands_when_the_floor_becomes_another) {
+  const Circuit circuit = node();
+  LineVehicle vehicle = on(circuit, {0, 0.99});
+  for (int i = 0; i < 500 && vehicle.manoeuvre() == nullptr; ++i) drive(vehicle, creep(1), dt_s);
+  drive(vehicle, creep(1), 0.4);
+  for (int i = 0; i < 100; ++i) vehicle.step(nullptr, dt_s);
+  ASSERT_TRUE(vehicle.stands());
+  const Pose2 before = vehicle.body().X_MB;
+  const Circuit next = other({-1, 0.1, 0});
+  vehicle.stand_on(next);
+  EXPECT_EQ(vehicle.manoeuvre(), nullptr);
+  drive(vehicle, {0.0, 0.5, 0.8, 0}, 0.5);
+  EXPECT_EQ(vehicle.body().X_MB, before);
+  for (int i = 0; i < 1500 && !vehicle.following(); ++i) vehicle.step(&seek, dt_s);
+  EXPECT_NEAR(vehicle.place().s_m, 2.0, 1e-9);
+}
+
+TEST(LineVehicle, put_on_another_floor_while_it_moves_is_our_own_bug) {
+  const Circuit old = line();
+  const Circuit next = other({-2, 0.2, 0});
+  LineVehicle vehicle = on(old, {0, 1.0});
+  drive(vehicle, {0.3, 0.5, 0.8, 0}, 1.0);
+  EXPECT_DEATH(vehicle.stand_on(next), "stands");
+}
+
+TEST(Odometer, reckons_a_manoeuvre_from_where_it_began_and_leaves_the_distance) {
+  Odometer exact{0.0, 0.0, 0.0, Random{1, "o"}};
+  exact.add(1.0, 0.0);
+  exact.begin_manoeuvre();
+  for (int i = 0; i < 100; ++i) exact.add_manoeuvre(0.5 * pi / 100.0, 0.0);
+  for (int i = 0; i < 100; ++i) exact.add_manoeuvre(0.0, 0.002);
+  EXPECT_NEAR(exact.X_SB().x_m, 0.0, 1e-12);
+  EXPECT_NEAR(exact.X_SB().y_m, 0.2, 1e-12);
+  EXPECT_NEAR(exact.X_SB().heading_rad, 0.5 * pi, 1e-12);
+  EXPECT_EQ(exact.distance_m(), 1.0);
+  exact.begin_manoeuvre();
+  EXPECT_EQ(exact.X_SB(), Pose2{});
+}
+
+TEST(Odometer, errs_in_a_turn_as_its_wheels_do_on_their_way_round) {
+  // A quarter turn rolls each wheel 0.05 m · π/2 = 78.5 mm: σ = 3 mm · √0.0785 = 0.84 mm, over 50 mm: 16.8 mrad.
+  // The sample deviation of 400 has a relative σ of 1/√800 = 3.5 %.
+  double sum_sq = 0.0;
+  for (std::uint64_t seed = 0; seed < 400; ++seed) {
+    Odometer odometer{0.0, 0.003, 0.0, Random{seed, "o"}};
+    odometer.begin_manoeuvre();
+    for (int i = 0; i < 100; ++i) odometer.add_manoeuvre(0.5 * pi / 100.0, 0.0);
+    const double error = odometer.X_SB().heading_rad - 0.5 * pi;
+    sum_sq += error * error;
+  }
+  EXPECT_NEAR(std::sqrt(sum_sq / 400.0), 0.0168, 4.0 * 0.035 * 0.0168);
+}
+
+}  // namespace
+}  // namespace cosiva::physical

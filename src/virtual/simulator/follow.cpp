@@ -1,0 +1,26 @@
+#include "virtual/simulator/follow.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+/// Between two reports; on a course that comes by a section again, its next visit is further away than this.
+constexpr double between_reports_m = 3.0;
+
+}  // namespace
+
+bool follow(zone::Course& course, const zone::Circuit& circuit, zone::SectionId section) {
+  if (course.empty()) return false;
+  double skipped_m = 0.0;
+  std::size_t within = 0;
+  for (const zone::SectionId next : course.coming()) {
+    if (skipped_m > between_reports_m) break;
+    ++within;
+    skipped_m += circuit.section(next).length_m();
+  }
+  constexpr std::size_t kept = 8;
+  const bool on = course.arrive(section, within) || course.arrive(section);
+  if (on) course.forget_gone(kept);
+  return on;
+}
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,161 @@
+#include "virtual/vehicle/virtual_body.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "zone/anchor.h"
+#include "zone/edit.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+/// The motors' own braking where no command comes, or one that leaves it open.
+constexpr double own_braking_mps2 = 1.0;
+
+}  // namespace
+
+VirtualBody::VirtualBody(std::shared_ptr<const zone::TrafficZone> zone, zone::Place start)
+    : zone_{std::move(zone)}, motion_{zone_->circuit, start} {
+  antenna_.place(*zone_, place(), position(X_MB()));
+}
+
+Pose2 VirtualBody::X_MB() const {
+  if (!off_line_) return motion_.pose(zone_->circuit);
+  return manoeuvre_ ? X_MS_ * manoeuvre_->X_SB() : X_MS_;
+}
+
+zone::Place VirtualBody::place() const {
+  if (!off_line_ || lies_on_line_) return motion_.place(zone_->circuit);
+  const Pose2 pose = X_MB();
+  return zone_->circuit.locate(position(pose), pose.heading_rad).place;
+}
+
+void VirtualBody::change_floor(std::shared_ptr<const zone::TrafficZone> zone) {
+  if (!zone::same_ways(*zone_, *zone)) {
+    next_ = std::move(zone);
+    return;
+  }
+  next_.reset();
+  zone_ = std::move(zone);
+  antenna_.place(*zone_, place(), position(X_MB()));
+}
+
+void VirtualBody::stand_on_next() {
+  X_MS_ = X_MB();
+  zone_ = std::exchange(next_, nullptr);
+  manoeuvre_.reset();
+  off_line_ = true;
+  // Where the old floor and the new have a way in common it lies on it by chance, and may go on as it is.
+  constexpr double on_line_m = 1e-3;
+  constexpr double on_line_rad = 1e-2;
+  const auto anchor = zone::anchor_of(zone_->circuit, X_MS_, on_line_m);
+  lies_on_line_ =
+      anchor &&
+      std::fabs(wrap_angle(zone_->circuit.pose_at(anchor->place).heading_rad - X_MS_.heading_rad)) <= on_line_rad;
+  if (lies_on_line_) motion_ = aiv::AivMotion{zone_->circuit, anchor->place};
+  antenna_.place(*zone_, place(), position(X_MS_));
+}
+
+void VirtualBody::move(const wire::Drive* drive, double dt_s, std::vector<Antenna::Reading>& readings) {
+  if (next_ && stands()) stand_on_next();
+  if (drive != nullptr) branch_ = drive->branch;
+  if (off_line_) return move_off_line(drive, dt_s);
+  const double before_mps = speed_mps_;
+  change_speed(drive, dt_s);
+  const double wanted_m = 0.5 * (before_mps + speed_mps_) * dt_s;
+  if (wanted_m == 0.0) return;
+  const zone::Place from = place();
+  const Point2 p_from = position(X_MB());
+  if (wanted_m > 0.0)
+    roll(wanted_m, drive != nullptr && drive->speed_mmps > 0);
+  else
+    roll_back(wanted_m);
+  antenna_.move(*zone_, from, motion_.place(zone_->circuit), p_from, position(motion_.pose(zone_->circuit)), readings);
+}
+
+void VirtualBody::change_speed(const wire::Drive* drive, double dt_s) {
+  const double wanted_mps = drive == nullptr ? 0.0 : 1e-3 * drive->speed_mmps;
+  const bool faster = std::fabs(wanted_mps) > std::fabs(speed_mps_) && wanted_mps * speed_mps_ >= 0.0;
+  const std::uint16_t told = drive == nullptr ? 0 : faster ? drive->acceleration_mmps2 : drive->braking_mmps2;
+  const double step_mps = (told == 0 ? own_braking_mps2 : 1e-3 * told) * dt_s;
+  speed_mps_ += std::clamp(wanted_mps - speed_mps_, -step_mps, step_mps);
+}
+
+void VirtualBody::roll(double wanted_m, bool goes_on) {
+  const zone::Circuit& circuit = zone_->circuit;
+  for (double left_m = wanted_m;;) {
+    const zone::Place here = motion_.place(circuit);
+    const double room_m = circuit.section(here.section).length_m() - here.s_m;
+    if (left_m <= room_m) {
+      distance_m_ += motion_.move(circuit, left_m);
+      return;
+    }
+    distance_m_ += room_m;
+    left_m -= room_m;
+    const aiv::Onward onward = aiv::onward(circuit, here.section, branch_);
+    if (onward.section == zone::no_section || onward.turn_rad != 0.0) {
+      stop_at({here.section, here.s_m + room_m});
+      if (onward.section == zone::no_section || !goes_on) return;
+      X_MS_ = motion_.pose(circuit);
+      goal_ = {onward.section, 0.0};
+      manoeuvre_.emplace(Pose2{0.0, 0.0, onward.turn_rad});
+      off_line_ = lies_on_line_ = true;
+      return;
+    }
+    motion_ = aiv::AivMotion{circuit, {onward.section, 0.0}};
+  }
+}
+
+void VirtualBody::roll_back(double wanted_m) {
+  const zone::Circuit& circuit = zone_->circuit;
+  const zone::Place here = motion_.place(circuit);
+  const auto ways = circuit.previous(here.section);
+  const bool ends = ways.empty() || circuit.turn_at(ways.front(), here.section) != 0.0;
+  if (-wanted_m <= here.s_m || !ends) {
+    distance_m_ += motion_.shift(circuit, wanted_m);
+    return;
+  }
+  distance_m_ -= here.s_m;
+  stop_at({here.section, 0.0});
+}
+
+void VirtualBody::stop_at(zone::Place place) {
+  motion_ = aiv::AivMotion{zone_->circuit, place};
+  speed_mps_ = 0.0;
+}
+
+bool VirtualBody::begin_seek() {
+  const auto anchor = zone::anchor_of(zone_->circuit, X_MS_, aiv::seek_within_m);
+  if (!anchor) return false;
+  goal_ = anchor->place;
+  manoeuvre_.emplace(inverse(X_MS_) * zone_->circuit.pose_at(goal_));
+  return true;
+}
+
+void VirtualBody::move_off_line(const wire::Drive* drive, double dt_s) {
+  const double speed_mps = drive == nullptr ? 0.0 : 1e-3 * drive->speed_mmps;
+  if (!manoeuvre_) {
+    const bool seeks = speed_mps > 0.0 && drive->seek;
+    if (!seeks && speed_mps != 0.0 && lies_on_line_) off_line_ = false;
+    if (!seeks || !begin_seek()) return;
+  }
+  manoeuvre_->step(speed_mps, dt_s);
+  if (!manoeuvre_->done()) return;
+  manoeuvre_.reset();
+  off_line_ = false;
+  stop_at(goal_);
+}
+
+void VirtualBody::fold(Digest& digest) const {
+  const Pose2 pose = X_MB();
+  digest.add(std::uint64_t{motion_.current_section()});
+  digest.add(pose.x_m);
+  digest.add(pose.y_m);
+  digest.add(pose.heading_rad);
+  digest.add(speed_mps());
+  digest.add(distance_m_);
+  digest.add(std::uint64_t{off_line_});
+}
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,179 @@
+#include "virtual/vehicle/virtual_body.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <cmath>
+
+namespace cosiva::virtual_side {
+namespace {
+
+using ::testing::IsEmpty;
+using zone::Circuit;
+using zone::Section;
+
+constexpr double dt_s = 0.02;
+constexpr wire::Drive creep_north{50, 500, 800, 1};
+constexpr wire::Drive seek{300, 500, 800, 0, true};
+constexpr wire::Drive still{0, 500, 800, 0};
+
+std::shared_ptr<const zone::TrafficZone> zone_of(Circuit circuit, std::vector<zone::Tag> tags = {}) {
+  zone::TrafficZone zone{"z", std::move(circuit), {}, {}, std::move(tags), {}, {}, {}, {}, {}};
+  return std::make_shared<const zone::TrafficZone>(std::move(zone));
+}
+/// A node at (1, 0): on to the east, or north on the spot.
+std::shared_ptr<const zone::TrafficZone> node() {
+  return zone_of(*Circuit::make("node", {{"in", *Section::make({0, 0, 0}, 1.0), {}, {1, 2}, true},
+                                         {"ahead", *Section::make({1, 0, 0}, 1.0), {}, {}},
+                                         {"north", *Section::make({1, 0, 0.5 * pi}, 1.0), {}, {}}}));
+}
+std::shared_ptr<const zone::TrafficZone> line(const Pose2& pose, std::vector<zone::Tag> tags = {}) {
+  return zone_of(*Circuit::make("line", {{"line", *Section::make(pose, 4.0), {}, {}}}), std::move(tags));
+}
+
+std::vector<Antenna::Reading> drive(VirtualBody& body, const wire::Drive& command, double seconds) {
+  std::vector<Antenna::Reading> readings;
+  for (int i = 0; i < static_cast<int>(std::lround(seconds / dt_s)); ++i) body.move(&command, dt_s, readings);
+  return readings;
+}
+
+TEST(VirtualBody, follows_its_branch_and_stops_where_it_was_told_none) {
+  for (const auto& [branch, section] : {std::pair{0, 1U}, {9, 2U}}) {
+    VirtualBody body{node(), {0, 0.9}};
+    drive(body, {50, 500, 800, static_cast<std::uint8_t>(branch)}, 6.0);
+    EXPECT_EQ(body.place().section, section);
+  }
+  VirtualBody body{node(), {0, 0.5}};
+  drive(body, {400, 500, 800, wire::no_branch}, 5.0);
+  EXPECT_EQ(body.place(), (zone::Place{0, 1.0}));
+  EXPECT_EQ(body.speed_mps(), 0.0);
+  EXPECT_NEAR(body.distance_m(), 0.5, 1e-12);
+  EXPECT_EQ(body.manoeuvre(), nullptr);
+}
+
+TEST(VirtualBody, turns_on_the_spot_where_the_line_bends_and_counts_no_distance) {
+  VirtualBody body{node(), {0, 0.95}};
+  std::vector<Antenna::Reading> readings;
+  double turned_rad = 0.0;
+  int moves = 0;
+  for (; moves < 1000 && body.place().section != 2; ++moves) {
+    body.move(&creep_north, dt_s, readings);
+    if (body.manoeuvre() == nullptr) continue;
+    turned_rad = body.manoeuvre()->heading_rad;
+    EXPECT_LT(distance(position(body.X_MB()), {1, 0}), 1e-12);
+    EXPECT_EQ(body.speed_mps(), 0.0);
+    EXPECT_FALSE(body.line_lost());
+  }
+  EXPECT_GT(turned_rad, 1.4);
+  EXPECT_NEAR(body.distance_m(), 0.05, 1e-12);
+  EXPECT_DOUBLE_EQ(body.X_MB().heading_rad, 0.5 * pi);
+  // 0.05 m at 0.05 m/s after a ramp of 0.1 s, and a quarter turn as PILS turns: 1.05 + 0.5 s.
+  EXPECT_NEAR(moves * dt_s, 1.05 + 1.55, 0.1);
+}
+
+TEST(VirtualBody, waits_in_its_turn_while_nobody_commands_it) {
+  VirtualBody body{node(), {0, 0.99}};
+  drive(body, creep_north, 1.0);
+  ASSERT_NE(body.manoeuvre(), nullptr);
+  drive(body, still, 1.0);
+  const Pose2 waits = body.X_MB();
+  std::vector<Antenna::Reading> readings;
+  for (int i = 0; i < 50; ++i) body.move(nullptr, dt_s, readings);
+  EXPECT_EQ(body.X_MB(), waits);
+  drive(body, creep_north, 3.0);
+  EXPECT_EQ(body.place().section, 2U);
+}
+
+TEST(VirtualBody, backs_up_to_where_its_line_begins_or_bends_and_no_further) {
+  VirtualBody body{node(), {2, 0.2}};
+  drive(body, {-200, 500, 800, 0}, 4.0);
+  EXPECT_EQ(body.place(), (zone::Place{2, 0.0}));
+  EXPECT_NEAR(body.distance_m(), -0.2, 1e-12);
+  VirtualBody smooth{node(), {1, 0.2}};
+  drive(smooth, {-200, 500, 800, 0}, 2.0);
+  EXPECT_EQ(smooth.place().section, 0U);
+}
+
+TEST(VirtualBody, is_on_another_floor_when_it_stands_with_its_pose_as_it_was) {
+  VirtualBody body{line({0, 0, 0}), {0, 0.5}};
+  drive(body, {300, 500, 800, 0}, 2.0);
+  body.change_floor(line({0, 0.1, 0}));
+  drive(body, {300, 500, 800, 0}, 1.0);
+  EXPECT_EQ(body.X_MB().y_m, 0.0);
+  EXPECT_FALSE(body.line_lost());
+  drive(body, still, 2.0);
+  const Pose2 stands = body.X_MB();
+  EXPECT_EQ(stands.y_m, 0.0);
+  EXPECT_TRUE(body.line_lost());
+  EXPECT_NEAR(body.place().s_m, stands.x_m, 1e-9) << "the nearest place";
+  drive(body, {300, 500, 800, 0}, 1.0);
+  EXPECT_EQ(body.X_MB(), stands) << "nobody told it to seek";
+}
+
+TEST(VirtualBody, seeks_its_line_and_reads_what_lies_on_the_new_floor) {
+  VirtualBody body{line({0, 0, 0}, {{1, {0, 1.0}}}), {0, 0.5}};
+  body.change_floor(line({0, 0.2, 0}, {{2, {0, 1.0}}}));
+  drive(body, seek, 0.5);
+  ASSERT_NE(body.manoeuvre(), nullptr);
+  EXPECT_TRUE(body.line_lost());
+  const auto readings = drive(body, seek, 10.0);
+  EXPECT_EQ(body.manoeuvre(), nullptr);
+  EXPECT_FALSE(body.line_lost());
+  EXPECT_EQ(body.X_MB().y_m, 0.2);
+  ASSERT_GT(body.X_MB().x_m, 1.1);
+  ASSERT_EQ(readings.size(), 1U);
+  EXPECT_EQ(readings[0].number, 2U);
+  EXPECT_NEAR(body.distance_m(), body.X_MB().x_m - 0.5, 1e-9);
+}
+
+TEST(VirtualBody, seeks_any_line_within_reach_and_ends_on_it) {
+  EXPECT_TRUE(rc::check("it ends on the line, heading along it", [] {
+    const Pose2 off{*rc::gen::inRange(-100, 101) * 1e-3, *rc::gen::inRange(-300, 301) * 1e-3,
+                    *rc::gen::inRange(-3141, 3142) * 1e-3};
+    VirtualBody body{line({0, 0, 0}), {0, 2.0}};
+    const auto next = line(Pose2{2, 0, 0} * off * Pose2{-2, 0, 0});
+    body.change_floor(next);
+    std::vector<Antenna::Reading> readings;
+    Pose2 last;
+    for (int i = 0; i < 600 && (i < 2 || body.manoeuvre() != nullptr); ++i) {
+      body.move(&seek, dt_s, readings);
+      if (body.manoeuvre() != nullptr) last = *body.manoeuvre();
+    }
+    const auto near = next->circuit.locate(position(body.X_MB()));
+    RC_ASSERT(near.distance_m < 1e-9);
+    RC_ASSERT(std::fabs(wrap_angle(body.X_MB().heading_rad - off.heading_rad)) < 1e-9);
+    RC_ASSERT(distance(Pose2{2, 0, 0} * last, body.X_MB()) < 0.01);  // one move of the straight leg at most
+  }));
+}
+
+TEST(VirtualBody, finds_no_line_out_of_reach_and_stays) {
+  VirtualBody body{line({0, 0, 0}), {0, 0.5}};
+  body.change_floor(line({0, 0.4, 0}));
+  EXPECT_THAT(drive(body, seek, 3.0), IsEmpty());
+  EXPECT_EQ(body.X_MB(), (Pose2{0.5, 0, 0}));
+  EXPECT_TRUE(body.line_lost());
+  EXPECT_EQ(body.manoeuvre(), nullptr);
+}
+
+TEST(VirtualBody, goes_on_where_the_floors_have_the_way_in_common) {
+  VirtualBody body{line({0, 0, 0}), {0, 0.5}};
+  body.change_floor(line({-1, 0, 0}));
+  drive(body, {300, 500, 800, 0}, 2.0);
+  EXPECT_FALSE(body.line_lost());
+  EXPECT_GT(body.X_MB().x_m, 0.9);
+  EXPECT_NEAR(body.place().s_m, body.X_MB().x_m + 1.0, 1e-9);
+}
+
+TEST(VirtualBody, takes_tags_that_were_edited_at_once_and_stays_on_its_line) {
+  VirtualBody body{line({0, 0, 0}, {{1, {0, 1.0}}}), {0, 0.5}};
+  drive(body, {300, 500, 800, 0}, 0.5);
+  body.change_floor(line({0, 0, 0}, {{1, {0, 1.5}}}));
+  EXPECT_FALSE(body.line_lost());
+  EXPECT_THAT(drive(body, {300, 500, 800, 0}, 2.0), IsEmpty());
+  EXPECT_GT(body.place().s_m, 1.1);
+  EXPECT_EQ(drive(body, {300, 500, 800, 0}, 2.0).size(), 1U);
+}
+
+}  // namespace
+}  // namespace cosiva::virtual_side

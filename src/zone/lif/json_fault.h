@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace cosiva::zone::lif {
+
+/// Where a text stops being JSON, for people who mend it by hand: the fast parser says only that it does.
+struct JsonFault {
+  std::size_t line;    ///< from 1
+  std::size_t column;  ///< in bytes, from 1
+  std::string what;
+};
+
+/// The first fault; nothing in a good text. Arrays and objects deeper than `depth_max` are one, too.
+[[nodiscard]] std::optional<JsonFault> find_json_fault(std::string_view text, std::size_t depth_max = 64);
+
+}  // namespace cosiva::zone::lif

@@ -1,0 +1,343 @@
+// What is wrong with files, and what is said of it.
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "zone/lif/json_fault.h"
+#include "zone/lif/lif_bench.h"
+
+namespace cosiva::zone::lif {
+namespace {
+
+using namespace testing;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+std::string error_of(const std::string& text, std::string companion = {}) {
+  const auto zone = read_text(text, std::move(companion));
+  return zone ? "no error" : to_string(zone.error());
+}
+std::string code_of(const std::string& text) {
+  const auto zone = read_text(text);
+  return zone ? "none" : zone.error().code;
+}
+TrafficZone zone_of(const std::string& text, std::string companion = {}) {
+  auto zone = read_text(text, std::move(companion));
+  EXPECT_TRUE(zone) << to_string(zone.error());
+  return std::move(*zone);
+}
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+const Plan two{{"A 0 0", "B 2 0"}, {"A B", "B A"}};
+
+// Refused ---------------------------------------------------------------------------------------------------------
+
+TEST(LifErrors, name_line_and_column_of_what_is_no_json) {
+  EXPECT_THAT(error_of("{\n \"layouts\": [\n  {\"nodes\" []}]}"),
+              StartsWith("plant.lif.json: line 3, column 12: not JSON: expected ':', found '['"));
+  EXPECT_THAT(error_of(two.text().substr(0, 200)), HasSubstr("not JSON"));
+  EXPECT_EQ(code_of(two.text().substr(0, 200)), "zone.syntax");
+  EXPECT_EQ(code_of(""), "zone.syntax");
+  EXPECT_EQ(code_of("\xFF\xFE{"), "zone.syntax");
+  EXPECT_THAT(error_of(replaced(two.text(), "\"x\":2", "\"x\":1e999")), HasSubstr("too large"));
+  EXPECT_THAT(error_of(replaced(two.text(), "\"x\":2", "\"x\":NaN")), HasSubstr("expected a value, found 'N'"));
+  EXPECT_THAT(error_of(replaced(two.text(), "plan",
+                                "Fl\xE4"
+                                "che")),
+              HasSubstr("UTF-8"));
+}
+
+TEST(LifErrors, of_what_is_nested_too_deep_come_quickly) {
+  EXPECT_THAT(error_of(std::string(100'000, '[')), HasSubstr("nested deeper than 64"));
+  std::string objects;
+  for (int i = 0; i < 100'000; ++i) objects += "{\"a\":";
+  EXPECT_EQ(code_of(objects), "zone.syntax");
+}
+
+TEST(LifErrors, of_what_is_too_large_come_before_it_is_read) {
+  EXPECT_EQ(code_of(std::string((64U << 20U) + 1, ' ')), "zone.size");
+  EXPECT_EQ(code_of("[" + std::string(13'000'000, ',') + "]"), "zone.size");
+}
+
+TEST(LifErrors, name_the_place_of_ids_that_two_have) {
+  EXPECT_EQ(error_of(Plan{{"A 0 0", "B 2 0", "A 3 0"}, {"A B"}}.text()),
+            "plant.lif.json: layouts[0].nodes[2].nodeId: two nodes have the id 'A'");
+  EXPECT_EQ(error_of(Plan{{"A 0 0", "B 2 0"}, {"A B", "A B"}}.text()),
+            "plant.lif.json: layouts[0].edges[1].edgeId: two edges have the id 'A-B'");
+}
+
+TEST(LifErrors, say_why_nothing_is_left) {
+  EXPECT_EQ(code_of("{}"), "zone.missing");
+  EXPECT_EQ(code_of("[]"), "zone.missing");
+  EXPECT_EQ(code_of(json("{'layouts':[]}")), "zone.missing");
+  EXPECT_EQ(code_of(Plan{{"A 0 0"}, {}}.text()), "circuit.empty");
+  const std::string dangling = error_of(Plan{{"A 0 0", "B 2 0"}, {"A C"}}.text());
+  EXPECT_THAT(dangling, HasSubstr("no edge is left"));
+  EXPECT_THAT(dangling, HasSubstr("layouts[0].edges[0].endNodeId: there is no node 'C'"));
+}
+
+TEST(LifErrors, come_where_a_node_joins_too_many_edges) {
+  Plan star;
+  star.nodes.push_back("M 0 0");
+  for (int i = 0; i < 1100; ++i) {
+    const std::string id = "N" + std::to_string(i);
+    star.nodes.push_back(id + " " + std::to_string(0.01 * i + 0.01) + " 1");
+    star.edges.push_back("M " + id);
+    star.edges.push_back(id + " M");
+  }
+  EXPECT_EQ(code_of(star.text()), "zone.size");
+}
+
+TEST(LifErrors, come_where_a_zone_is_too_long) {
+  EXPECT_THAT(error_of(Plan{{"A 0 0", "B 99000 0"}, {"A B", "B A"}}.text()),
+              HasSubstr("layouts[0].edges[1]: a zone may"));
+  EXPECT_NEAR(zone_of(Plan{{"A 0 0", "B 99000 0"}, {"A B", "B A"}}.text(), "[import]\nscale = 0.001\n")
+                  .circuit.total_length_m(),
+              198.0, 1e-6);
+}
+
+// Lost ------------------------------------------------------------------------------------------------------------
+
+TEST(LifLosses, edges_to_nowhere_are_lost_and_named) {
+  const TrafficZone zone = zone_of(Plan{{"A 0 0", "B 2 0"}, {"A B", "B C", "D A"}}.text());
+  EXPECT_EQ(zone.circuit.size(), 1U);
+  EXPECT_EQ(note_at(zone, "layouts[0].edges[1].endNodeId")->kind, Note::Kind::lost);
+  EXPECT_EQ(note_at(zone, "layouts[0].edges[2].startNodeId")->kind, Note::Kind::lost);
+}
+
+TEST(LifLosses, nodes_without_a_place_are_lost_with_their_edges) {
+  const std::string text =
+      replaced(Plan{{"A 0 0", "B 2 0", "C 3 0"}, {"A B", "B C"}}.text(), "\"x\":3", "\"x\":\"far\"");
+  const TrafficZone zone = zone_of(text);
+  EXPECT_EQ(zone.circuit.size(), 1U);
+  EXPECT_EQ(note_at(zone, "layouts[0].nodes[2].nodePosition.x")->kind, Note::Kind::mended);
+  EXPECT_EQ(note_at(zone, "layouts[0].nodes[2].nodePosition")->kind, Note::Kind::lost);
+}
+
+TEST(LifLosses, stations_that_no_way_leads_to_are_lost) {
+  Plan plan{{"A 0 0", "B 2 0", "C 9 9"}, {"A B"}};
+  plan.stations = "[{'stationId':'S','interactionNodeIds':['C','X']}]";
+  const TrafficZone zone = zone_of(plan.text());
+  EXPECT_TRUE(zone.stations.empty());
+  EXPECT_EQ(note_at(zone, "layouts[0].stations[0]")->kind, Note::Kind::lost);
+  EXPECT_EQ(note_at(zone, "layouts[0].stations[0].interactionNodeIds[1]")->kind, Note::Kind::lost);
+}
+
+TEST(LifLosses, fields_that_lif_does_not_know_are_named) {
+  const TrafficZone zone = zone_of(replaced(two.text(), "\"edgeId\":\"A-B\"", "\"edgeId\":\"A-B\",\"colour\":\"red\""));
+  ASSERT_NE(note_at(zone, "layouts[0].edges[0].colour"), nullptr);
+  EXPECT_EQ(note_at(zone, "layouts[0].edges[0].colour")->kind, Note::Kind::lost);
+}
+
+TEST(LifLosses, a_thousand_kinds_of_notes_are_no_more_than_two_hundred) {
+  std::string fields;
+  for (int i = 0; i < 1000; ++i) fields += "\"f" + std::to_string(i) + "\":1,";
+  const TrafficZone zone = zone_of(replaced(two.text(), "\"edgeId\":\"A-B\"", fields + "\"edgeId\":\"A-B\""));
+  EXPECT_LE(zone.notes.size(), 203U);
+  EXPECT_NE(note_with(zone, "more to say"), nullptr);
+}
+
+// Mended ----------------------------------------------------------------------------------------------------------
+
+TEST(LifMendings, numbers_as_texts_and_texts_as_numbers_are_taken) {
+  std::string text = two.text();
+  text = replaced(text, "\"x\":2", "\"x\":\"2,5\"");
+  text = replaced(text, "\"lifVersion\":\"1.0.0\"", "\"lifVersion\":1");
+  const TrafficZone zone = zone_of(text);
+  EXPECT_NEAR(zone.circuit.total_length_m(), 5.0, 1e-12);
+  EXPECT_EQ(note_at(zone, "layouts[0].nodes[1].nodePosition.x")->kind, Note::Kind::mended);
+}
+
+TEST(LifMendings, ids_may_be_numbers) {
+  std::string text = Plan{{"1 0 0", "2 2 0"}, {"1 2"}}.text();
+  for (const std::string id : {"1", "2"}) {
+    text = replaced(text, "\"nodeId\":\"" + id + "\"", "\"nodeId\":" + id);
+  }
+  text = replaced(text, "\"startNodeId\":\"1\"", "\"startNodeId\":1");
+  EXPECT_EQ(zone_of(text).find_waypoints("2").size(), 1U);
+}
+
+TEST(LifMendings, a_byte_order_mark_and_nulls_do_no_harm) {
+  std::string text = replaced(two.text(), "\"stations\":[]", "\"stations\":null,\"layoutName\":null");
+  text = replaced(text, "\"rotationAllowed\":false", "\"rotationAllowed\":null,\"trajectory\":null,\"maxSpeed\":null");
+  EXPECT_EQ(zone_of("\xEF\xBB\xBF" + text).circuit.size(), 2U);
+}
+
+TEST(LifMendings, who_names_no_vehicle_type_means_all) {
+  std::string text = two.text();
+  const std::string open = "[{\"vehicleTypeId\":\"T\"}]";
+  text = replaced(text, "\"vehicleTypeNodeProperties\":" + open, "\"vehicleTypeNodeProperties\":[]");
+  text = replaced(text, ",\"vehicleTypeNodeProperties\":" + open, "");
+  EXPECT_EQ(zone_of(text).circuit.size(), 2U);
+  text = replaced(text, "\"vehicleTypeEdgeProperties\"", "\"x\"");
+  text = replaced(text, "\"vehicleTypeEdgeProperties\"", "\"x\"");
+  EXPECT_EQ(zone_of(text).circuit.size(), 2U);
+}
+
+TEST(LifMendings, speeds_must_be_positive) {
+  for (const std::string speed : {"0", "-1.5", "1000"}) {
+    const TrafficZone zone = zone_of(Plan{{"A 0 0", "B 2 0"}, {"A B 'maxSpeed':" + speed}}.text());
+    EXPECT_FALSE(zone.circuit.part(0).speed_mps_max);
+    EXPECT_EQ(note_at(zone, "layouts[0].edges[0].vehicleTypeEdgeProperties[0].maxSpeed")->kind, Note::Kind::mended);
+  }
+  EXPECT_EQ(zone_of(Plan{{"A 0 0", "B 2 0"}, {"A B 'maxSpeed':0.4"}}.text()).circuit.part(0).speed_mps_max, 0.4);
+}
+
+TEST(LifMendings, a_far_away_origin_is_moved_by_whole_kilometres) {
+  const TrafficZone zone = zone_of(Plan{{"A 3500000.25 5400000", "B 3500002.25 5400000"}, {"A B"}}.text());
+  EXPECT_NEAR(zone.circuit.total_length_m(), 2.0, 1e-9);
+  EXPECT_NEAR(zone.circuit.section(0).start().x_m, 0.25, 1e-9);
+  EXPECT_NE(note_with(zone, "(3500000 m, 5400000 m)"), nullptr);
+  EXPECT_EQ(note_with(zone_of(Plan{{"A 3000 1000", "B 3002 1000"}, {"A B"}}.text()), "origin"), nullptr);
+}
+
+// Joints ----------------------------------------------------------------------------------------------------------
+
+std::vector<std::string> after(const TrafficZone& zone, std::string_view edge) {
+  std::vector<std::string> names;
+  for (const SectionId id : zone.circuit.next(*zone.circuit.find(edge))) names.push_back(zone.circuit.part(id).name);
+  return names;
+}
+
+TEST(LifJoints, the_straightest_way_on_is_the_default_and_turning_back_the_last) {
+  const TrafficZone zone =
+      zone_of(Plan{{"A 0 0", "B 1 0", "C 2 0.1", "D 1 1", "E 0.5 1"}, {"A B", "B A", "B D", "B E", "B C"}}.text());
+  EXPECT_THAT(after(zone, "A-B"), ::testing::ElementsAre("B-C", "B-D", "B-E", "B-A"));
+  EXPECT_TRUE(zone.circuit.part(*zone.circuit.find("A-B")).pivots);
+}
+
+TEST(LifJoints, a_node_that_forbids_turning_lets_only_go_straight_on) {
+  const Plan plan{{"A 0 0", "B 1 0", "C 2 0", "D 1 1"}, {"A B 'rotationAtEndNodeAllowed':'NONE'", "B C", "B D", "B A"}};
+  const TrafficZone zone = zone_of(plan.text());
+  EXPECT_THAT(after(zone, "A-B"), ::testing::ElementsAre("B-C"));
+  EXPECT_FALSE(zone.circuit.part(*zone.circuit.find("A-B")).pivots);
+
+  const Plan leaving{{"A 0 0", "B 1 0", "C 2 0", "D 1 1"},
+                     {"A B", "B C", "B D 'rotationAtStartNodeAllowed':'NONE'", "B A"}};
+  EXPECT_THAT(after(zone_of(leaving.text()), "A-B"), ::testing::ElementsAre("B-C", "B-A"));
+}
+
+TEST(LifJoints, a_node_that_would_be_the_end_lets_turn_all_the_same) {
+  const TrafficZone zone =
+      zone_of(Plan{{"A 0 0", "B 1 0", "D 1 1"}, {"A B 'rotationAtEndNodeAllowed':'NONE'", "B D"}}.text());
+  EXPECT_THAT(after(zone, "A-B"), ::testing::ElementsAre("B-D"));
+  EXPECT_EQ(note_at(zone, "layouts[0].edges[0]")->kind, Note::Kind::mended);
+}
+
+TEST(LifJoints, nodes_of_different_levels_are_apart_even_at_one_point) {
+  std::string text = Plan{{"A 0 0", "B 2 0"}, {"A B"}}.text();
+  text = replaced(text, "\"layoutId\":\"L\"", "\"layoutLevelId\":\"0\",\"layoutId\":\"L\"");
+  std::string upper = Plan{{"C 2 0", "D 4 0"}, {"C D"}}.text();
+  upper = replaced(upper, "\"layoutId\":\"L\"", "\"layoutLevelId\":\"1\",\"layoutId\":\"U\"");
+  const auto from = upper.find("{\"layoutLevelId\"");
+  text.insert(text.size() - 2, "," + upper.substr(from, upper.size() - 2 - from));
+  EXPECT_TRUE(after(zone_of(text), "A-B").empty());
+  EXPECT_THAT(after(zone_of(replaced(text, "\"layoutLevelId\":\"1\"", "\"layoutLevelId\":\"0\"")), "A-B"),
+              ::testing::ElementsAre("C-D"));
+}
+
+// Trajectories ----------------------------------------------------------------------------------------------------
+
+TrafficZone with_trajectory(const std::string& trajectory) {
+  return zone_of(Plan{{"A 0 0", "B 4 0"}, {"A B 'trajectory':" + trajectory}}.text());
+}
+const std::string trajectory_place = "layouts[0].edges[0].vehicleTypeEdgeProperties[0].trajectory";
+
+TEST(LifTrajectories, of_degree_one_are_straight_lines_with_corners_to_turn_at) {
+  const TrafficZone zone = with_trajectory(
+      "{'knotVector':[0,0,0.3,0.7,1,1],'controlPoints':[{'x':0,'y':0},{'x':0,'y':3},{'x':4,'y':3},{'x':4,'y':0}]}");
+  ASSERT_EQ(zone.circuit.size(), 3U);
+  EXPECT_NEAR(zone.circuit.total_length_m(), 10.0, 1e-6);
+  EXPECT_EQ(zone.circuit.part(1).name, "A-B.2");
+  EXPECT_TRUE(zone.circuit.part(0).pivots);
+  EXPECT_NEAR(zone.circuit.turn_at(0, 1), -pi / 2.0, 1e-9);
+  EXPECT_NE(note_with(zone, "corners"), nullptr);
+}
+
+TEST(LifTrajectories, that_are_straight_become_one_straight_section) {
+  const TrafficZone zone = with_trajectory(
+      "{'degree':2,'knotVector':[0,0,0,0.5,1,1,1],'controlPoints':[{'x':0,'y':0},{'x':1,'y':0},{'x':3,'y':0},{'x':4,'y'"
+      ":0}]}");
+  ASSERT_EQ(zone.circuit.size(), 1U);
+  EXPECT_EQ(zone.circuit.section(0).kind(), SectionKind::straight);
+}
+
+TEST(LifTrajectories, with_wrong_knots_get_even_ones) {
+  for (const std::string knots : {"[]", "[0,1]", "[0,0,0,1,0.5,1]", "[0.5,0.5,0.5,0.5,0.5,0.5]", "[0,0,0,0,0,1]"}) {
+    const TrafficZone zone = with_trajectory("{'degree':2,'knotVector':" + knots +
+                                             ",'controlPoints':[{'x':0,'y':0},{'x':2,'y':1},{'x':4,'y':0}]}");
+    EXPECT_EQ(note_at(zone, trajectory_place + ".knotVector")->kind, Note::Kind::mended) << knots;
+    EXPECT_LT(zone.circuit.locate({2.0, 0.5}).distance_m, 1e-3);
+  }
+  // Without the outermost ones, as some programs write them, they are plain.
+  const TrafficZone zone = with_trajectory(
+      "{'degree':2,'knotVector':[0,0,1,1],'controlPoints':[{'x':0,'y':0},{'x':2,'y':1},{'x':4,'y':0}]}");
+  EXPECT_THAT(note_at(zone, trajectory_place + ".knotVector")->text, HasSubstr("doubled"));
+}
+
+TEST(LifTrajectories, that_make_no_sense_become_straight_lines) {
+  const std::string none[] = {
+      "{'knotVector':[0,1],'controlPoints':[{'x':0,'y':0}]}",
+      "{'controlPoints':[{'x':0,'y':0},{'x':'a','y':1},{'x':4,'y':0}]}",
+      // The ends meet, but the nodes do not.
+      "{'degree':2,'knotVector':[0,0,0,1,1,1],'controlPoints':[{'x':0,'y':0},{'x':2,'y':1},{'x':0,'y':0}]}",
+      // A speck that would have to be blown up.
+      "{'degree':2,'knotVector':[0,0,0,1,1,1],'controlPoints':[{'x':0,'y':0},{'x':0.01,'y':0.01},{'x':0.02,'y':0}]}",
+  };
+  for (const std::string& trajectory : none) {
+    const TrafficZone zone = with_trajectory(trajectory);
+    ASSERT_EQ(zone.circuit.size(), 1U) << trajectory;
+    EXPECT_NEAR(zone.circuit.total_length_m(), 4.0, 1e-9);
+    EXPECT_NE(note_with(zone, "a straight line"), nullptr) << trajectory;
+  }
+}
+
+TEST(LifTrajectories, with_huge_coordinates_knots_and_weights_do_no_harm) {
+  (void)with_trajectory(
+      "{'degree':1e300,'knotVector':[-1e300,1e300],'controlPoints':[{'x':1e300,'y':-1e300,'weight':0},"
+      "{'x':-1e300,'y':1e300,'weight':-5},{'x':4,'y':0,'weight':1e300}]}");
+  std::string knots = "[0";
+  for (int i = 0; i < 50'000; ++i) knots += ",0.5";
+  (void)with_trajectory("{'degree':3,'knotVector':" + knots +
+                        "],'controlPoints':[{'x':0,'y':0},{'x':1,'y':1},{'x':2,'y':1},{'x':4,'y':0}]}");
+}
+
+TEST(LifTrajectories, that_meet_their_nodes_to_a_millimetre_are_moved_silently) {
+  const TrafficZone zone = with_trajectory(
+      "{'degree':2,'knotVector':[0,0,0,1,1,1],'controlPoints':[{'x':0.0005,'y':0},{'x':2,'y':1},{'x':4,'y':0.0005}]}");
+  EXPECT_EQ(note_at(zone, trajectory_place), nullptr);
+  EXPECT_LT(distance(zone.circuit.section(0).start(), Pose2{}), 1e-12);
+}
+
+// The scanner -----------------------------------------------------------------------------------------------------
+
+TEST(JsonFault, is_none_in_a_good_text) {
+  for (const char* text :
+       {"{}", "[]", " [1, -2.5e+3, true, null, \"a\\u00e4\\n\xC3\xA4\"] ", "\"x\"", "{\"a\":{\"b\":[{}]}}"})
+    EXPECT_FALSE(find_json_fault(text)) << text;
+}
+
+TEST(JsonFault, is_found_where_it_is) {
+  const auto at = [](std::string_view text) {
+    const auto fault = find_json_fault(text);
+    return fault ? std::to_string(fault->line) + ":" + std::to_string(fault->column) + " " + fault->what : "none";
+  };
+  EXPECT_EQ(at("[1,]"), "1:4 expected a value, found ']'");
+  EXPECT_EQ(at("{\"a\":1,}"), "1:8 expected a name in quotes, found '}'");
+  EXPECT_EQ(at("{\"a\":1\n\"b\":2}"), "2:1 expected ',' or '}', found '\"'");
+  EXPECT_EQ(at("[01]"), "1:2 no number as JSON writes one");
+  EXPECT_EQ(at("[1.]"), "1:2 no number as JSON writes one");
+  EXPECT_EQ(at("[\"a\nb\"]"), "1:4 a line break or control character within a text in quotes");
+  EXPECT_EQ(at("[\"abc"), "1:2 a text in quotes that never ends");
+  EXPECT_EQ(at("[\"\\x\"]"), "1:3 a backslash that begins no escape");
+  EXPECT_EQ(at("{} x"), "1:4 expected nothing more after the document's end");
+  EXPECT_EQ(at("[1"), "1:3 the text ends here, where ',' or ']' is missing");
+  EXPECT_EQ(at("// no\n{}"), "1:1 expected a value, found '/'");
+}
+
+}  // namespace
+}  // namespace cosiva::zone::lif

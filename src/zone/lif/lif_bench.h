@@ -1,0 +1,104 @@
+#pragma once
+
+// Files for this folder's tests, and short ways to read and make them.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "zone/lif/lif_factory.h"
+#include "zone/toml/companion.h"
+
+namespace cosiva::zone::lif::testing {
+
+inline std::string file_text(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  EXPECT_TRUE(file) << path;
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+inline std::filesystem::path testdata() { return COSIVA_SOURCE_DIR "/src/zone/lif/testdata"; }
+
+inline Result<TrafficZone> read_text(std::string text, std::string companion = {}) {
+  return LifCircuitFactory{}.make_zone({"lif", "plant.lif.json", std::move(text), std::move(companion)});
+}
+
+/// One of testdata/, which must be readable.
+inline TrafficZone read_file(const std::string& name, std::string companion = {}) {
+  auto zone = read_text(file_text(testdata() / name), std::move(companion));
+  EXPECT_TRUE(zone) << name << ": " << to_string(zone.error());
+  return std::move(*zone);
+}
+
+/// One of zones/, with what stands beside it.
+inline ZoneConfiguration ready_zone(std::string format, const std::string& name) {
+  const std::filesystem::path folder = COSIVA_SOURCE_DIR "/zones";
+  ZoneConfiguration configuration{std::move(format), name, file_text(folder / name), {}};
+  if (configuration.format != "toml") configuration.companion = file_text(folder / companion_file(name));
+  return configuration;
+}
+
+/// The first note at this place of the file; nothing where none is.
+inline const Note* note_at(const TrafficZone& zone, std::string_view place) {
+  const auto found =
+      std::find_if(zone.notes.begin(), zone.notes.end(), [place](const Note& note) { return note.place == place; });
+  return found == zone.notes.end() ? nullptr : &*found;
+}
+
+/// The first note with these words in it.
+inline const Note* note_with(const TrafficZone& zone, std::string_view words) {
+  const auto found = std::find_if(zone.notes.begin(), zone.notes.end(),
+                                  [words](const Note& note) { return note.text.find(words) != std::string::npos; });
+  return found == zone.notes.end() ? nullptr : &*found;
+}
+
+/// {"a":1} from {'a':1}: quotes that C++ need not escape.
+inline std::string json(std::string text) {
+  std::replace(text.begin(), text.end(), '\'', '"');
+  return text;
+}
+
+/// A file of one layout with these nodes and edges, each written "A 0 0" and "A B" (its id "A-B") or "A B more", where
+/// more is further members of the properties for the vehicle type "T".
+struct Plan {
+  std::vector<std::string> nodes{};
+  std::vector<std::string> edges{};
+  std::string stations{"[]"};
+
+  [[nodiscard]] std::string text() const {
+    std::string all_nodes;
+    for (const std::string& node : nodes) {
+      std::stringstream words(node);
+      std::string id, x, y;
+      words >> id >> x >> y;
+      all_nodes += all_nodes.empty() ? "" : ",";
+      all_nodes += "{'nodeId':'" + id + "','nodePosition':{'x':" + x + ",'y':" + y +
+                   "},'vehicleTypeNodeProperties':[{'vehicleTypeId':'T'}]}";
+    }
+    std::string all_edges;
+    for (const std::string& edge : edges) {
+      std::stringstream words(edge);
+      std::string from, to, more;
+      words >> from >> to;
+      std::getline(words, more);
+      all_edges += all_edges.empty() ? "" : ",";
+      all_edges += "{'edgeId':'" + from + "-" + to + "','startNodeId':'" + from + "','endNodeId':'" + to +
+                   "','vehicleTypeEdgeProperties':[{'vehicleTypeId':'T','rotationAllowed':false" +
+                   (more.empty() ? "" : ",") + more + "}]}";
+    }
+    return json(
+        "{'metaInformation':{'projectIdentification':'plan','creator':'test','exportTimestamp':'2026-01-01T00:00:00Z',"
+        "'lifVersion':'1.0.0'},'layouts':[{'layoutId':'L','layoutVersion':'1','nodes':[" +
+        all_nodes + "],'edges':[" + all_edges + "],'stations':" + stations + "}]}");
+  }
+};
+
+}  // namespace cosiva::zone::lif::testing

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "zone/circuit.h"
+#include "zone/fit.h"
+#include "zone/lif/lif_document.h"
+#include "zone/lif/lif_notes.h"
+
+namespace cosiva::zone::lif {
+
+/// The ways of a document, joined at its nodes.
+struct Ways {
+  std::vector<Circuit::Part> parts;
+  std::vector<std::string> start_ids;  ///< by section: its node's id; empty inside a trajectory
+  std::vector<std::string> end_ids;
+  std::vector<zone::Station> stations;
+};
+
+/// Fails ("circuit.empty") where no edge is left, ("zone.size") where there are too many sections or joints.
+[[nodiscard]] Result<Ways> make_ways(const Document& document, FitTolerance tolerance, LifNotes& notes);
+
+}  // namespace cosiva::zone::lif

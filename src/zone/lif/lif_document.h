@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/json_value.h"
+#include "base/pose.h"
+#include "base/result.h"
+#include "zone/lif/lif_notes.h"
+#include "zone/lif/nurbs.h"
+
+namespace cosiva::zone::lif {
+
+inline constexpr std::size_t edges_max = 100'000;
+inline constexpr std::size_t nodes_max = 1'000'000;
+
+/// How a vehicle may turn on the spot at one end of an edge.
+enum class Rotation { any, one_way, none };
+
+struct Node {
+  std::string id;
+  std::string place;   ///< in the file
+  std::size_t layout;  ///< index into Document::layouts
+  Point2 at{};
+  bool charges{false};  ///< offers startCharging
+};
+
+struct Edge {
+  std::string id;
+  std::string place;
+  std::size_t from;  ///< index into Document::nodes; so is `to`
+  std::size_t to;
+  Rotation leaving{Rotation::any};   ///< at `from`
+  Rotation arriving{Rotation::any};  ///< at `to`
+  std::string section{};  ///< the one that it is a piece of, as our writer says it: edgeName of X, X.2, X.3 …
+  std::optional<double> speed_mps_max{};
+  std::optional<Nurbs> trajectory{};
+};
+
+struct Station {
+  std::string id;
+  std::string name;
+  std::string place;
+  std::vector<std::size_t> nodes;
+  bool charges{false};  ///< it says so itself
+};
+
+struct Layout {
+  std::string id;
+  std::optional<std::string> level;
+};
+
+/// What of a LIF file vehicles of one type may use. Node and edge ids are unique, and coordinates small enough to be
+/// driven in.
+struct Document {
+  std::string project;
+  std::vector<Layout> layouts;
+  std::vector<Node> nodes;
+  std::vector<Edge> edges;
+  std::vector<Station> stations;
+};
+
+/// What to take of a file.
+struct Selection {
+  std::optional<std::string> vehicle_type;  ///< none: the one for which there are most edges
+  std::optional<std::string> layout;        ///< by id or name; none: all
+  double scale{1.0};                        ///< metres per unit of the file's coordinates
+};
+
+/// Reads leniently: what is amiss with an item is noted and mended, or the item is lost. An error's place is one in the
+/// file, without its name. Fails ("zone.missing") where there are no layouts, ("zone.duplicate") on two nodes or edges
+/// of one id, ("zone.size") on too many, ("zone.field") where the selection finds nothing.
+[[nodiscard]] Result<Document> read_document(const JsonValue& json, const Selection& selection, LifNotes& notes);
+
+}  // namespace cosiva::zone::lif

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstddef>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "base/json_value.h"
+#include "zone/lif/lif_notes.h"
+
+namespace cosiva::zone::lif {
+
+/// One object of a file, read field by field and never refused: what is written in another way than the standard wants
+/// is taken if its meaning is plain, and noted. A field that is absent or null is not there.
+class LifFields {
+ public:
+  /// @param value  of any kind; only an object has fields
+  LifFields(LifNotes& notes, const JsonValue& value, const JsonPlace& place)
+      : notes_{&notes}, value_{&value}, place_{place} {}
+
+  [[nodiscard]] bool is_object() const { return value_->object() != nullptr; }
+  [[nodiscard]] const JsonValue* value() const { return value_; }
+  /// This item itself, where it is a text (or a number, which is taken for one).
+  [[nodiscard]] std::optional<std::string> text() const;
+  /// This item itself, where it is a finite number (or a text that says one).
+  [[nodiscard]] std::optional<double> number() const;
+
+  [[nodiscard]] bool has(std::string_view key) const;
+  [[nodiscard]] std::optional<std::string> text(std::string_view key) const;
+  [[nodiscard]] std::optional<double> number(std::string_view key) const;
+  [[nodiscard]] std::optional<bool> flag(std::string_view key) const;
+  /// Of no fields where it is absent.
+  [[nodiscard]] LifFields object(std::string_view key) const;
+  /// Calls `visit(item)` for each; a single object stands for a list of one. How many there were; nothing where the
+  /// list is absent.
+  template <typename Visit>
+  std::optional<std::size_t> each(std::string_view key, const Visit& visit) const;
+
+  /// Notes all other fields as lost.
+  void known(std::initializer_list<std::string_view> keys) const;
+  void note(Note::Kind kind, std::string_view key, std::string text, std::string sort = {}) const;
+  [[nodiscard]] std::string place(std::string_view key = {}) const;
+
+ private:
+  [[nodiscard]] const JsonValue* find(std::string_view key) const;
+  [[nodiscard]] LifFields member(std::string_view key, const JsonValue& value) const {
+    return {*notes_, value, {&place_, key, 0}};
+  }
+  void mend_list(std::string_view key) const;
+
+  LifNotes* notes_;
+  const JsonValue* value_;
+  JsonPlace place_;  ///< points to that of the object around it, which must outlive this
+};
+
+template <typename Visit>
+std::optional<std::size_t> LifFields::each(std::string_view key, const Visit& visit) const {
+  const JsonValue* list = find(key);
+  if (list == nullptr) return std::nullopt;
+  const JsonPlace at{&place_, key, 0};
+  if (list->array() == nullptr) {
+    mend_list(key);
+    if (list->object() == nullptr) return std::nullopt;
+    visit(LifFields{*notes_, *list, at});
+    return 1;
+  }
+  for (std::size_t i = 0; i < list->array()->size(); ++i) visit(LifFields{*notes_, (*list->array())[i], {&at, {}, i}});
+  return list->array()->size();
+}
+
+}  // namespace cosiva::zone::lif

@@ -1,0 +1,64 @@
+#include "zone/lif/lif_notes.h"
+
+namespace cosiva::zone::lif {
+namespace {
+
+/// Kinds of notes; a file that makes up field names could have one each.
+constexpr std::size_t sorts_max = 200;
+constexpr std::size_t places_named = 3;
+
+}  // namespace
+
+std::string JsonPlace::text() const {
+  if (outer == nullptr) return std::string(key);
+  std::string text = outer->text();
+  if (key.empty()) {
+    text += '[';
+    text += std::to_string(index);
+    return text += ']';
+  }
+  if (!text.empty()) text += '.';
+  return text += key;
+}
+
+void LifNotes::add(Note::Kind kind, std::string place, std::string text, std::string sort) {
+  if (sort.empty()) sort = text;
+  const auto known = index_.find(sort);
+  if (known != index_.end()) {
+    Sorted& sorted = all_[known->second];
+    if (sorted.count < places_named && place != sorted.first.place) {
+      sorted.others += ", ";
+      sorted.others += place;
+    }
+    ++sorted.count;
+    return;
+  }
+  if (all_.size() >= sorts_max) {
+    if (all_.size() > sorts_max) {
+      ++all_.back().count;
+      return;
+    }
+    kind = Note::Kind::notice;
+    text = "there is more to say about this file than fits here";
+  }
+  index_.emplace(std::move(sort), all_.size());
+  all_.push_back({{kind, std::move(place), std::move(text)}, 1, {}});
+}
+
+std::vector<Note> LifNotes::take() const {
+  std::vector<Note> notes;
+  notes.reserve(all_.size());
+  for (const Sorted& sorted : all_) {
+    Note note = sorted.first;
+    if (sorted.count > 1) {
+      note.text += " (" + std::to_string(sorted.count) + " times";
+      if (!sorted.others.empty()) note.text += ", also at " + sorted.others.substr(2);
+      if (sorted.count > places_named) note.text += ", …";
+      note.text += ')';
+    }
+    notes.push_back(std::move(note));
+  }
+  return notes;
+}
+
+}  // namespace cosiva::zone::lif

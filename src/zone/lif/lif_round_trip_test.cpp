@@ -1,0 +1,340 @@
+// Zones written as LIF, and read again.
+#include <gmock/gmock.h>
+#include <rapidcheck.h>
+
+#include <cmath>
+
+#include "base/json_value.h"
+#include "zone/edit.h"
+#include "zone/lif/lif_bench.h"
+#include "zone/toml/toml_factory.h"
+
+namespace cosiva::zone::lif {
+namespace {
+
+using namespace testing;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::Field;
+using ::testing::HasSubstr;
+
+TrafficZone native(const std::string& text) {
+  auto zone = TomlCircuitFactory{}.make_zone({"toml", "yard.toml", text, {}});
+  EXPECT_TRUE(zone) << to_string(zone.error());
+  return std::move(*zone);
+}
+
+ZoneConfiguration written(const TrafficZone& zone, std::vector<Note>* lost = nullptr) {
+  std::vector<Note> notes;
+  auto file = LifCircuitFactory{}.written(zone, notes);
+  EXPECT_TRUE(file) << to_string(file.error());
+  if (lost != nullptr) *lost = notes;
+  return std::move(*file);
+}
+
+TrafficZone read(const ZoneConfiguration& file) {
+  auto zone = LifCircuitFactory{}.make_zone(file);
+  EXPECT_TRUE(zone) << to_string(zone.error());
+  return std::move(*zone);
+}
+
+std::vector<std::string> names(const Circuit& circuit, std::span<const SectionId> sections) {
+  std::vector<std::string> names;
+  for (const SectionId id : sections) names.push_back(circuit.part(id).name);
+  return names;
+}
+
+/// Same names, joints, limits, and nowhere more than a millimetre and a milliradian apart.
+void expect_same_ways(const Circuit& a, const Circuit& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (SectionId id = 0; id < a.size(); ++id) {
+    const Circuit::Part& part = a.part(id);
+    const auto other = b.find(part.name);
+    ASSERT_TRUE(other) << part.name;
+    EXPECT_EQ(names(a, part.next), names(b, b.next(*other))) << "after " << part.name;
+    EXPECT_EQ(part.speed_mps_max, b.part(*other).speed_mps_max) << part.name;
+    const Section& section = b.section(*other);
+    EXPECT_NEAR(section.length_m(), part.section.length_m(), 1e-3) << part.name;
+    for (int i = 0; i <= 20; ++i) {
+      const Pose2 here = part.section.pose_at(part.section.length_m() * i / 20.0);
+      const Pose2 there = section.pose_at(section.length_m() * i / 20.0);
+      EXPECT_LT(distance(here, there), 1e-3) << part.name;
+      EXPECT_LT(std::fabs(wrap_angle(here.heading_rad - there.heading_rad)), 1e-3) << part.name;
+    }
+  }
+}
+
+/// Likewise, and with the same tags, stations, starts, loops and whatever else.
+void expect_same(const TrafficZone& a, const TrafficZone& b) {
+  EXPECT_EQ(a.name, b.name);
+  expect_same_ways(a.circuit, b.circuit);
+  const auto expect_place = [&](Place here, Place there) {
+    EXPECT_LT(distance(a.circuit.pose_at(here), b.circuit.pose_at(there)), 1e-3);
+  };
+  EXPECT_EQ(a.vehicle.length_m, b.vehicle.length_m);
+  EXPECT_EQ(a.vehicle.width_m, b.vehicle.width_m);
+  EXPECT_EQ(a.profiles.medium.speed_mps, b.profiles.medium.speed_mps);
+  ASSERT_EQ(a.tags.size(), b.tags.size());
+  for (std::size_t i = 0; i < a.tags.size(); ++i) {
+    EXPECT_EQ(a.tags[i].number, b.tags[i].number);
+    expect_place(a.tags[i].place, b.tags[i].place);
+  }
+  ASSERT_EQ(a.stations.size(), b.stations.size());
+  for (const auto& station : a.stations) {
+    ASSERT_NE(b.find_station(station.name), nullptr) << station.name;
+    EXPECT_EQ(b.find_station(station.name)->kind, station.kind) << station.name;
+    expect_place(station.place, b.find_station(station.name)->place);
+  }
+  ASSERT_EQ(a.starts.size(), b.starts.size());
+  for (std::size_t i = 0; i < a.starts.size(); ++i) expect_place(a.starts[i], b.starts[i]);
+  ASSERT_EQ(a.loops.size(), b.loops.size());
+  for (std::size_t i = 0; i < a.loops.size(); ++i) {
+    EXPECT_EQ(a.loops[i].name, b.loops[i].name);
+    EXPECT_EQ(names(a.circuit, a.loops[i].sections), names(b.circuit, b.loops[i].sections));
+  }
+  EXPECT_EQ(names(a.circuit, a.closed), names(b.circuit, b.closed));
+  EXPECT_EQ(a.priorities, b.priorities);
+  ASSERT_EQ(a.beacons.has_value(), b.beacons.has_value());
+  if (a.beacons) {
+    EXPECT_EQ(a.beacons->columns, b.beacons->columns);
+  }
+  EXPECT_EQ(a.crossings.size(), b.crossings.size());
+}
+
+// A main way with a fork, a merge and a dead end; every kind of section; what follows "in" is not in the file's order.
+const char* const yard = R"(name = "yard"
+format_version = 1
+[[section]]
+name = "in"
+kind = "straight"
+length_m = 1.0
+speed_mps_max = 0.4
+next = ["left", "ahead"]
+[[section]]
+name = "ahead"
+kind = "straight"
+length_m = 2.0
+next = ["out"]
+[[section]]
+name = "out"
+kind = "straight"
+length_m = 1.0
+next = []
+[[section]]
+name = "left"
+kind = "clothoid"
+length_m = 0.8
+curvature_start_per_m = 0.0
+curvature_end_per_m = 1.5
+start = { x = 1.0, y = 0.0, heading_deg = 0.0 }
+next = ["round"]
+[[section]]
+name = "round"
+kind = "arc"
+radius_m = 0.6666666666666666
+angle_deg = 200
+[[tag]]
+number = 7
+section = "round"
+s_m = 0.5
+[[station]]
+name = "dock"
+section = "round"
+s_m = 1.0
+[[station]]
+name = "bench"
+section = "left"
+s_m = 0.3
+[[station]]
+name = "end"
+section = "out"
+s_m = 1.0
+[priorities]
+"CoSiVA/AIV2" = 5
+)";
+
+TEST(LifRoundTrip, keeps_forks_merges_dead_ends_limits_and_which_way_is_the_default) {
+  const TrafficZone zone = native(yard);
+  std::vector<Note> lost;
+  const TrafficZone again = read(written(zone, &lost));
+  expect_same(zone, again);
+  EXPECT_EQ(again.circuit.part(again.circuit.next(*again.circuit.find("in")).front()).name, "left");
+  for (const Note& note : lost) EXPECT_FALSE(note.place.starts_with("section")) << note.text;
+}
+
+TEST(LifRoundTrip, keeps_the_ready_ring) {
+  auto zone = TomlCircuitFactory{}.make_zone(ready_zone("toml", "lacet4.toml"));
+  ASSERT_TRUE(zone) << to_string(zone.error());
+  expect_same(*zone, read(written(*zone)));
+}
+
+TEST(LifRoundTrip, keeps_the_ready_net) {
+  auto zone = TomlCircuitFactory{}.make_zone(ready_zone("toml", "indus8.toml"));
+  ASSERT_TRUE(zone) << to_string(zone.error());
+  expect_same(*zone, read(written(*zone)));
+}
+
+TEST(LifRoundTrip, keeps_a_plant_that_was_read_from_it) {
+  const TrafficZone zone = read(ready_zone("lif", "workshop.lif.json"));
+  const ZoneConfiguration once = written(zone);
+  const TrafficZone again = read(once);
+  expect_same(zone, again);
+  for (const char* node : {"S1", "P1", "EB2", "A1"})
+    EXPECT_EQ(again.find_waypoints(node).size(), zone.find_waypoints(node).size()) << node;
+  EXPECT_EQ(written(again).companion, once.companion);
+}
+
+TEST(LifWriter, cuts_a_section_at_its_stations_so_that_other_programs_see_them) {
+  const ZoneConfiguration file = written(native(yard));
+  const auto json = JsonValue::parse(file.text);
+  ASSERT_TRUE(json);
+  const JsonValue& layout = json->find("layouts")->array()->front();
+  std::vector<std::string> edges;
+  for (const JsonValue& edge : *layout.find("edges")->array()) edges.push_back(*edge.text("edgeId"));
+  EXPECT_THAT(edges, ElementsAre("in", "out", "left", "left.2", "ahead", "round", "round.2"));
+  const JsonValue& dock = layout.find("stations")->array()->front();
+  EXPECT_EQ(dock.text("stationId"), "dock");
+  const auto at = dock.find("interactionNodeIds")->array()->front().text();
+  for (const JsonValue& node : *layout.find("nodes")->array()) {
+    if (node.text("nodeId") != *at) continue;
+    const Point2 p{*node.find("nodePosition")->number("x"), *node.find("nodePosition")->number("y")};
+    const TrafficZone zone = native(yard);
+    EXPECT_LT(distance(p, position(zone.circuit.pose_at(zone.find_station("dock")->place))), 1e-9);
+  }
+}
+
+TEST(LifWriter, offers_charging_where_a_charger_is) {
+  TrafficZone zone = native(yard);
+  zone.stations[0].kind = StationKind::charger;
+  const ZoneConfiguration file = written(zone);
+  EXPECT_THAT(file.text, HasSubstr("startCharging"));
+  EXPECT_EQ(read(file).find_station("dock")->kind, StationKind::charger);
+  EXPECT_THAT(written(native(yard)).text, ::testing::Not(HasSubstr("startCharging")));
+}
+
+TEST(LifWriter, writes_what_was_approved) {
+  // Regenerate with: COSIVA_APPROVE=1 zone_lif_test. scripts/validate_lif.py holds it against the official schema.
+  const auto path = testdata() / "written" / "yard.lif.json";
+  const ZoneConfiguration file = written(native(yard));
+  if (std::getenv("COSIVA_APPROVE") != nullptr) {
+    std::filesystem::create_directories(path.parent_path());
+    std::ofstream(path, std::ios::binary) << file.text;
+  }
+  EXPECT_EQ(file.text, file_text(path));
+}
+
+TEST(LifWriter, says_what_lif_cannot_say) {
+  std::vector<Note> lost;
+  (void)written(native(yard), &lost);
+  EXPECT_THAT(lost, Contains(Field(&Note::text, HasSubstr("tags, priorities, the vehicle's measures"))));
+  // A full circle begins and ends at one node, and a curve that turns so far is read in pieces.
+  const TrafficZone circle = native(R"(name = "circle"
+format_version = 1
+[circuit]
+closed = true
+[[section]]
+name = "round"
+kind = "arc"
+radius_m = 1.0
+angle_deg = 360
+)");
+  lost.clear();
+  const TrafficZone again = read(written(circle, &lost));
+  EXPECT_NEAR(again.circuit.total_length_m(), 2.0 * pi, 1e-6);
+  EXPECT_THAT(lost, Contains(Field(&Note::text, HasSubstr("becomes several sections"))));
+}
+
+TEST(LifWriter, says_where_nodes_join_what_the_zone_keeps_apart) {
+  // Two ways meet in a point, where one may not change to the other.
+  const TrafficZone zone = native(R"(name = "apart"
+format_version = 1
+[[section]]
+name = "a"
+kind = "straight"
+length_m = 1.0
+[[section]]
+name = "b"
+kind = "straight"
+length_m = 1.0
+next = []
+[[section]]
+name = "c"
+kind = "straight"
+length_m = 1.0
+start = { x = 1.0, y = 0.0, heading_deg = 0.0 }
+next = []
+)");
+  std::vector<Note> lost;
+  (void)written(zone, &lost);
+  EXPECT_THAT(lost, Contains(Field(&Note::text, HasSubstr("is followed by b, which LIF can only say as b, c"))));
+}
+
+TEST(LifRoundTrip, keeps_any_chain_of_sections_within_a_millimetre) {
+  rc::check([] {
+    const auto shapes = *rc::gen::resize(
+        10, rc::gen::container<std::vector<std::pair<int, int>>>(rc::gen::pair(
+                rc::gen::resize(100, rc::gen::inRange(-15, 16)), rc::gen::resize(100, rc::gen::inRange(3, 30)))));
+    RC_PRE(!shapes.empty());
+    std::vector<Circuit::Part> parts;
+    Pose2 at;
+    double curvature = 0.0;
+    for (const auto& [k, length] : shapes) {
+      const double length_m = 0.1 * length;
+      const double end = 0.1 * k;
+      auto section = Section::make(at, length_m, curvature, (end - curvature) / length_m);
+      RC_PRE(section.has_value());
+      at = section->end();
+      curvature = end;
+      const auto id = static_cast<SectionId>(parts.size());
+      std::vector<SectionId> next;
+      if (parts.size() + 1 < shapes.size()) next.push_back(id + 1);
+      std::string name = "s";
+      parts.push_back({name + std::to_string(id), *section, std::nullopt, next});
+    }
+    TrafficZone zone = native(yard);
+    zone.stations.clear();
+    zone.tags.clear();
+    zone.waypoints.clear();
+    zone.circuit = *Circuit::make("chain", std::move(parts));
+    const auto again = LifCircuitFactory{}.make_zone(written(zone));
+    RC_ASSERT(again.has_value());
+    RC_ASSERT(again->circuit.size() == zone.circuit.size());
+    for (SectionId id = 0; id < zone.circuit.size(); ++id) {
+      for (int i = 0; i <= 8; ++i) {
+        const Pose2 here = zone.circuit.section(id).pose_at(zone.circuit.section(id).length_m() * i / 8.0);
+        RC_ASSERT(again->circuit.section(id).nearest(position(here)).distance_m < 1e-3);
+      }
+    }
+  });
+}
+
+TEST(LifEdit, goes_into_the_companion) {
+  const ZoneConfiguration file = ready_zone("lif", "workshop.lif.json");
+  const TrafficZone zone = read(file);
+  ZoneEdit edit;
+  edit.set_tags.push_back({99, {*zone.circuit.find("A1-A2"), 0.5}});
+  edit.set_priorities.emplace_back("CoSiVA/AIV1", 7);
+  const auto edited = LifCircuitFactory{}.edited(file, edit);
+  ASSERT_TRUE(edited) << to_string(edited.error());
+  EXPECT_EQ(edited->text, file.text);
+  const TrafficZone after = read(*edited);
+  ASSERT_NE(after.find_tag(99), nullptr);
+  EXPECT_EQ(after.priority_of("CoSiVA/AIV1"), 7);
+  EXPECT_TRUE(same_ways(zone, after));
+}
+
+TEST(LifPlant, is_complete) {
+  const TrafficZone zone = read(ready_zone("lif", "workshop.lif.json"));
+  for (const Note& note : zone.notes) EXPECT_NE(note.kind, Note::Kind::mended) << note.place << ": " << note.text;
+  EXPECT_EQ(zone.stations.size(), 7U);
+  EXPECT_GE(zone.start_places(12).size(), 12U);
+  for (SectionId id = 0; id < zone.circuit.size(); ++id) {
+    EXPECT_FALSE(zone.circuit.next(id).empty()) << zone.circuit.part(id).name;
+    // From any station to any section and back.
+    EXPECT_TRUE(zone.circuit.shortest_way({id, 0.0}, zone.find_station("charger_1")->place, 100.0));
+    EXPECT_TRUE(zone.circuit.shortest_way(zone.find_station("goods_out")->place, {id, 0.1}, 100.0));
+  }
+}
+
+}  // namespace
+}  // namespace cosiva::zone::lif

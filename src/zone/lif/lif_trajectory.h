@@ -1,0 +1,15 @@
+#pragma once
+
+#include <optional>
+
+#include "zone/lif/lif_fields.h"
+#include "zone/lif/nurbs.h"
+
+namespace cosiva::zone::lif {
+
+/// The curve of an edge's `trajectory`, mended where its parts contradict one another; nothing where it is no curve at
+/// all, which is noted.
+/// @param scale  metres per unit of the file
+[[nodiscard]] std::optional<Nurbs> read_trajectory(const LifFields& fields, double scale);
+
+}  // namespace cosiva::zone::lif

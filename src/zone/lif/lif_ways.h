@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/pose.h"
+#include "zone/fit.h"
+#include "zone/lif/lif_document.h"
+#include "zone/lif/lif_notes.h"
+#include "zone/section.h"
+
+namespace cosiva::zone::lif {
+
+/// What an edge is driven on: sections end to end, from its one node to its other.
+struct Way {
+  std::vector<Section> sections;
+  std::vector<bool> corner;  ///< by section: vehicles turn on the spot at its end, before the way's next section
+};
+
+/// Makes ways of edges, within a tolerance, and notes how.
+class WayMaker {
+ public:
+  WayMaker(FitTolerance tolerance, LifNotes& notes) : tolerance_{tolerance}, notes_{notes} {}
+
+  /// A straight line, or the trajectory: moved, turned and stretched where it does not meet the nodes, a straight line
+  /// again where that would not do. No sections where the nodes are one point and the trajectory does not lead round.
+  [[nodiscard]] Way make(const Edge& edge, Point2 from, Point2 to);
+  /// One section along sections that lie end to end, within the tolerance; nothing where there is none.
+  [[nodiscard]] std::optional<Section> as_one(const std::vector<Section>& sections) const;
+  /// Notes what the fits of all ways came to.
+  void note_worst();
+
+ private:
+  [[nodiscard]] bool meet(Nurbs& curve, const Edge& edge, Point2 from, Point2 to);
+  [[nodiscard]] bool follow(const Nurbs& curve, const Edge& edge, Way& way);
+  [[nodiscard]] bool follow_span(const Nurbs& curve, double from, double to, Way& way, std::string& why);
+
+  FitTolerance tolerance_;
+  LifNotes& notes_;
+  double work_left_{2e9};  ///< additions and multiplications that all curves of a file may take
+  std::size_t fitted_{0};
+  double worst_position_m_{0.0};
+  double worst_heading_rad_{0.0};
+};
+
+}  // namespace cosiva::zone::lif

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <vector>
+
+#include "base/result.h"
+#include "zone/circuit_factory.h"
+
+namespace cosiva::zone::lif {
+
+/// The zone as a LIF 1.0 file, valid against the official schema, and its companion. What neither says is in `lost`.
+[[nodiscard]] Result<ZoneConfiguration> write_zone(const TrafficZone& zone, std::vector<Note>& lost);
+
+}  // namespace cosiva::zone::lif

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "zone/lif/nurbs.h"
+#include "zone/section.h"
+
+namespace cosiva::zone::lif {
+
+/// The curve of a section that bends. An arc is exact: rational quadratic pieces of less than a quarter circle, their
+/// weights at least 1 as the official schema wants it. A clothoid is cubic pieces within 0.05 mm and 0.1 mrad.
+[[nodiscard]] Nurbs nurbs_of(const Section& section);
+
+}  // namespace cosiva::zone::lif

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace cosiva::zone::opendrive {
+
+/// A correction that is whole at one end of a stretch and gone `over` metres away: Hermite's quintic, so that it adds
+/// no curvature at either end. x is the distance from the end where it is whole, and slopes are by x.
+struct Easing {
+  double shift{};
+  double slope{};
+  double over{1.0};
+
+  [[nodiscard]] double at(double x) const {
+    const double t = x / over;
+    if (t >= 1.0) return 0.0;
+    const double u = 1.0 - t;
+    return u * u * u * (shift * (1.0 + t * (3.0 + 6.0 * t)) + slope * over * t * (1.0 + 3.0 * t));
+  }
+  [[nodiscard]] double slope_at(double x) const {
+    const double t = x / over;
+    if (t >= 1.0) return 0.0;
+    const double u = 1.0 - t;
+    return u * u * (-30.0 * shift / over * t * t + slope * (1.0 + t * (2.0 - 15.0 * t)));
+  }
+  [[nodiscard]] double bend_at(double x) const {
+    const double t = x / over;
+    if (t >= 1.0) return 0.0;
+    const double u = 1.0 - t;
+    return u * t * (-60.0 * shift / over * (1.0 - 2.0 * t) - slope * (36.0 - 60.0 * t)) / over;
+  }
+};
+
+/// How far a correction by `shift` metres and `slope` radians reaches, in metres of the file, if there is room: so far
+/// that a small shift turns nobody by more than a milliradian, and that a slope moves nobody by more than half a
+/// millimetre; both give way where that would be too far, or too sharp for a road.
+[[nodiscard]] inline double easing_reach(double shift, double slope) {
+  shift = std::fabs(shift);
+  slope = std::fabs(slope);
+  const double for_shift = std::min(1500.0 * shift, std::max(2.0, 30.0 * shift));
+  const double for_slope = std::max(std::min(2.5e-3 / std::max(slope, 1e-9), 5.0), 160.0 * slope);
+  return std::max(for_shift, for_slope);
+}
+
+}  // namespace cosiva::zone::opendrive

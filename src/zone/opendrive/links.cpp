@@ -1,0 +1,212 @@
+#include <algorithm>
+#include <cmath>
+
+#include "zone/opendrive/ways.h"
+
+namespace cosiva::zone::opendrive {
+namespace {
+
+// Ends that nobody linked belong together when they are this close.
+constexpr double meets_m = 0.01;
+constexpr double meets_rad = 0.01;
+// A hostile file may heap its ends on one place; real ones have a handful there.
+constexpr std::size_t pairs_max = 2'000'000;
+
+class Linker {
+ public:
+  Linker(const Network& network, Ways& ways, Report& report) : network_{network}, ways_{ways}, report_{report} {
+    for (std::uint32_t i = 0; i < network.roads.size(); ++i) roads_.emplace(network.roads[i].id, i);
+  }
+
+  void link_sections(std::uint32_t road);
+  void link_road(std::uint32_t road, bool at_start);
+  void link_connection(const Junction& junction, const Connection& connection);
+  void link_what_meets();
+  void finish();
+
+ private:
+  [[nodiscard]] std::optional<std::uint32_t> road(const std::string& id, const std::string& place);
+  [[nodiscard]] const Lane* lane(const Ways::End& end) const;
+  [[nodiscard]] bool exit_of(const Ways::End& end, WayId way) const {
+    return ways_.ways[way].curve.forward() != end.at_start;
+  }
+  [[nodiscard]] bool start_faces(std::uint32_t incoming, std::uint32_t connecting, bool at_start) const;
+  void link(const Ways::End& a, const Ways::End& b, const std::string& place);
+  void join_if_met(WayId from, WayId to);
+
+  const Network& network_;
+  Ways& ways_;
+  Report& report_;
+  std::map<std::string, std::uint32_t, std::less<>> roads_;
+};
+
+std::optional<std::uint32_t> Linker::road(const std::string& id, const std::string& place) {
+  const auto found = roads_.find(id);
+  if (found != roads_.end()) return found->second;
+  report_.add(Note::Kind::lost, "links to roads that are not there", place,
+              "leads to road '" + id + "', which is not there");
+  return std::nullopt;
+}
+
+const Lane* Linker::lane(const Ways::End& end) const {
+  const auto& section = network_.roads[end.road].sections[end.section];
+  const auto& side = end.lane > 0 ? section.left : section.right;
+  const auto at = std::find_if(side.begin(), side.end(), [&](const Lane& lane) { return lane.id == end.lane; });
+  return at == side.end() ? nullptr : &*at;
+}
+
+void Linker::link(const Ways::End& a, const Ways::End& b, const std::string& place) {
+  const WayId one = ways_.find(a);
+  const WayId two = ways_.find(b);
+  if (one == no_way || two == no_way) {
+    for (const Ways::End& end : {a, b}) {
+      if (lane(end) == nullptr && end.lane != 0)
+        return report_.add(Note::Kind::lost, "links to lanes that are not there", place,
+                           "leads to lane " + std::to_string(end.lane) + " of road '" + network_.roads[end.road].id +
+                               "', which is not there");
+    }
+    // From a lane that is not driven on to another such is nobody's loss.
+    if (one != no_way || two != no_way) report_.count("links to lanes not driven on");
+    return;
+  }
+  if (exit_of(a, one) == exit_of(b, two))
+    return report_.add(Note::Kind::lost, "links of lanes that run against each other", place,
+                       "links '" + ways_.ways[one].name(network_) + "' to '" + ways_.ways[two].name(network_) +
+                           "', which run against each other");
+  const WayId from = exit_of(a, one) ? one : two;
+  ways_.ways[from].next.push_back(from == one ? two : one);
+}
+
+/// Lanes of a road's consecutive sections.
+void Linker::link_sections(std::uint32_t road) {
+  const Road& it = network_.roads[road];
+  for (std::uint32_t i = 0; i + 1 < it.sections.size(); ++i) {
+    for (const auto* side : {&it.sections[i].left, &it.sections[i].right}) {
+      for (const Lane& lane : *side) {
+        for (const int to : lane.successors) link({road, i, lane.id, false}, {road, i + 1, to, true}, it.place);
+      }
+    }
+    for (const auto* side : {&it.sections[i + 1].left, &it.sections[i + 1].right}) {
+      for (const Lane& lane : *side) {
+        for (const int to : lane.predecessors) link({road, i + 1, lane.id, true}, {road, i, to, false}, it.place);
+      }
+    }
+  }
+}
+
+/// Lanes at one end of a road, to those of the road that follows there.
+void Linker::link_road(std::uint32_t index, bool at_start) {
+  const Road& it = network_.roads[index];
+  const auto& said = at_start ? it.predecessor : it.successor;
+  if (!said || said->junction || it.sections.empty()) return;
+  const auto other = road(said->id, it.place + (at_start ? ", link/predecessor" : ", link/successor"));
+  if (!other || network_.roads[*other].sections.empty()) return;
+  const auto last = [&](std::uint32_t of) {
+    return static_cast<std::uint32_t>(network_.roads[of].sections.size() - 1);
+  };
+  const std::uint32_t here = at_start ? 0 : last(index);
+  const std::uint32_t there = said->at_start ? 0 : last(*other);
+  for (const auto* side : {&it.sections[here].left, &it.sections[here].right}) {
+    for (const Lane& lane : *side) {
+      for (const int to : at_start ? lane.predecessors : lane.successors)
+        link({index, here, lane.id, at_start},
+             {*other, there, network_.roads[*other].lane_at(said->at_start, to), said->at_start}, it.place);
+    }
+  }
+}
+
+/// Which end of the incoming road is nearer to where the connecting road begins.
+bool Linker::start_faces(std::uint32_t incoming, std::uint32_t connecting, bool at_start) const {
+  const auto& in = ways_.lines[incoming];
+  const auto& out = ways_.lines[connecting];
+  if (!in || !out) return false;
+  const Point2 contact = out->at(at_start ? out->from() : out->length()).p;
+  return distance(in->at(in->from()).p, contact) < distance(in->at(in->length()).p, contact);
+}
+
+void Linker::link_connection(const Junction& junction, const Connection& connection) {
+  if (connection.incoming.empty() || connection.connecting.empty()) return;
+  const auto incoming = road(connection.incoming, connection.place);
+  const auto connecting = road(connection.connecting, connection.place);
+  if (!incoming || !connecting) return;
+  const Road& in = network_.roads[*incoming];
+  const Road& out = network_.roads[*connecting];
+  if (in.sections.empty() || out.sections.empty()) return;
+  const auto leads_here = [&](const std::optional<RoadLink>& link) {
+    return link && link->junction && link->id == junction.id;
+  };
+  bool in_start = leads_here(in.predecessor);
+  if (in_start == leads_here(in.successor)) in_start = start_faces(*incoming, *connecting, connection.at_start);
+  const auto section = [](const Road& of, bool start) {
+    return start ? 0 : static_cast<std::uint32_t>(of.sections.size() - 1);
+  };
+  for (const auto& [from, to] : connection.lanes) {
+    link({*incoming, section(in, in_start), in.lane_at(in_start, from), in_start},
+         {*connecting, section(out, connection.at_start), out.lane_at(connection.at_start, to), connection.at_start},
+         connection.place);
+  }
+}
+
+void Linker::join_if_met(WayId from, WayId to) {
+  // What is hardly longer than this meets everything, itself too.
+  for (const WayId way : {from, to}) {
+    if (ways_.ways[way].curve.span() < 5.0 * meets_m) return;
+  }
+  const Pose2 exit = ways_.ways[from].curve.exit();
+  const Pose2 entry = ways_.ways[to].curve.entry();
+  if (distance(exit, entry) > meets_m || std::fabs(wrap_angle(exit.heading_rad - entry.heading_rad)) > meets_rad)
+    return;
+  ways_.ways[from].next.push_back(to);
+  report_.add(Note::Kind::mended, "ends that meet without a link", "lane '" + ways_.ways[from].name(network_) + "'",
+              "ends where '" + ways_.ways[to].name(network_) + "' begins, though no link says so; joined");
+}
+
+void Linker::link_what_meets() {
+  std::vector<bool> followed(ways_.ways.size());
+  std::vector<bool> led_to(ways_.ways.size());
+  std::vector<std::pair<double, WayId>> entries;
+  for (WayId id = 0; id < ways_.ways.size(); ++id) {
+    followed[id] = !ways_.ways[id].next.empty();
+    for (const WayId to : ways_.ways[id].next) led_to[to] = true;
+    entries.emplace_back(ways_.ways[id].curve.entry().x_m, id);
+  }
+  std::sort(entries.begin(), entries.end());
+  std::size_t pairs = 0;
+  for (WayId from = 0; from < ways_.ways.size(); ++from) {
+    const double x = ways_.ways[from].curve.exit().x_m;
+    for (auto at = std::lower_bound(entries.begin(), entries.end(), std::pair{x - meets_m, WayId{0}});
+         at != entries.end() && at->first <= x + meets_m; ++at) {
+      if (followed[from] && led_to[at->second]) continue;
+      if (++pairs > pairs_max)
+        return report_.add(Note::Kind::lost, "ends heaped on one place", "file",
+                           "so many lanes end at the same places that those without a link are not all joined");
+      join_if_met(from, at->second);
+    }
+  }
+}
+
+void Linker::finish() {
+  for (Way& way : ways_.ways) {
+    std::sort(way.next.begin(), way.next.end());
+    way.next.erase(std::unique(way.next.begin(), way.next.end()), way.next.end());
+  }
+}
+
+}  // namespace
+
+void link_ways(const Network& network, Ways& ways, Report& report) {
+  Linker linker{network, ways, report};
+  for (std::uint32_t road = 0; road < network.roads.size(); ++road) {
+    linker.link_sections(road);
+    linker.link_road(road, true);
+    linker.link_road(road, false);
+  }
+  for (const Junction& junction : network.junctions) {
+    for (const Connection& connection : junction.connections) linker.link_connection(junction, connection);
+  }
+  linker.finish();
+  linker.link_what_meets();
+  linker.finish();
+}
+
+}  // namespace cosiva::zone::opendrive

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "base/result.h"
+#include "zone/opendrive/model.h"
+#include "zone/opendrive/report.h"
+#include "zone/opendrive/xml.h"
+
+namespace cosiva::zone::opendrive {
+
+/// The file's roads and junctions, each number checked. Fails with the first fault, which names line and element.
+[[nodiscard]] Result<Network> read_network(XmlFile& file, Report& report);
+
+}  // namespace cosiva::zone::opendrive

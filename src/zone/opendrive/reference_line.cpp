@@ -1,0 +1,186 @@
+#include "zone/opendrive/reference_line.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cosiva::zone::opendrive {
+namespace {
+
+// Shorter ones are an exporter's crumbs: their neighbours meet without them.
+constexpr double record_min_m = 5e-3;
+
+// What a file's own rounding leaves open at a joint stays: fit() bridges it without bending a line for it.
+constexpr double gap_free_m = 5e-6;
+constexpr double kink_free_rad = 5e-7;
+constexpr double worth_a_note = 1e-4;  // metres or radians
+
+double heading(Point2 d) { return det_atan2(d.y_m, d.x_m); }
+
+}  // namespace
+
+std::optional<ReferenceLine> ReferenceLine::make(const Road& road, Report& report) {
+  ReferenceLine line;
+  std::vector<const Geometry*> plan;
+  for (const Geometry& geometry : road.plan) {
+    if (geometry.length >= record_min_m) plan.push_back(&geometry);
+  }
+  if (plan.empty()) {
+    report.add(Note::Kind::lost, "roads without a plan view", road.place, "has no plan view of any length");
+    return std::nullopt;
+  }
+  const auto by_s = [](const Geometry* a, const Geometry* b) { return a->s < b->s; };
+  if (!std::is_sorted(plan.begin(), plan.end(), by_s)) {
+    std::stable_sort(plan.begin(), plan.end(), by_s);
+    report.add(Note::Kind::mended, "plan views out of order", road.place,
+               "its geometry records do not stand in the order of their s; they are taken in that order");
+  }
+  double s = plan.front()->s;
+  for (std::size_t i = 0; i < plan.size(); ++i) {
+    auto record = make_record(*plan[i], report);
+    if (!record) return std::nullopt;
+    const bool last = i + 1 == plan.size();
+    if (goes_on_too_long(*record, *plan[i], last ? nullptr : &plan[i + 1]->start)) {
+      report.add(Note::Kind::mended, "records that go on beyond their length", plan[i]->place,
+                 "its polynomials lead on for " + metres(record->arc) + "; they are taken as far as its length says, " +
+                     metres(plan[i]->length));
+      record->arc = plan[i]->length;
+    }
+    const double until = !last ? plan[i + 1]->s : std::max(road.length, plan[i]->s);
+    const double said = until - plan[i]->s;
+    // A hundredth is rounding, or a sloppy spline; more is a contradiction, and the shape is trusted.
+    const bool plausible =
+        std::fabs(said - record->arc) <= std::max(0.01, 0.01 * record->arc) && said > 0.5 * record_min_m;
+    if (!plausible || std::fabs(said - record->arc) > 1e-3 + 1e-4 * record->arc) {
+      report.add(Note::Kind::mended, "records whose s and shape disagree in length", plan[i]->place,
+                 "the file has " + metres(said) + " for it, but it is " + metres(record->arc) + " long; " +
+                     (plausible ? "lanes are stretched along it accordingly" : "its own length is taken"));
+    }
+    record->from = s;
+    s += plausible ? said : record->arc;
+    record->factor = record->arc / (s - record->from);
+    line.records_.push_back(std::move(*record));
+    line.ends_.push_back(s);
+  }
+  for (std::size_t i = 0; i + 1 < plan.size(); ++i) {
+    if (!line.close_joint(i, plan[i + 1]->place, report)) return std::nullopt;
+  }
+  std::sort(line.breaks_.begin(), line.breaks_.end());
+  return line;
+}
+
+/// Whether the parameter's range and the length contradict each other, and it is the length that fits what comes next.
+bool ReferenceLine::goes_on_too_long(const Record& record, const Geometry& geometry, const Pose2* next) {
+  const auto* path = std::get_if<CubicPath>(&record.path);
+  if (path == nullptr || record.arc <= geometry.length + std::max(0.01, 0.01 * geometry.length)) return false;
+  if (next == nullptr) return true;
+  return distance(path->at(geometry.length).p, position(*next)) < distance(path->at(record.arc).p, position(*next));
+}
+
+std::optional<ReferenceLine::Record> ReferenceLine::make_record(const Geometry& geometry, Report& report) {
+  const auto lost = [&](const std::string& why) {
+    report.add(Note::Kind::lost, "roads whose plan view cannot be followed", geometry.place,
+               "cannot be followed, and its road is not taken: " + why);
+    return std::nullopt;
+  };
+  if (const auto* clothoid = std::get_if<Clothoid>(&geometry.shape)) {
+    const double rate = (clothoid->curvature_end - clothoid->curvature_start) / geometry.length;
+    auto section = Section::make(geometry.start, geometry.length, clothoid->curvature_start, rate);
+    if (!section) return lost(section.error().message);
+    return Record{0.0, 1.0, geometry.length, std::move(*section)};
+  }
+  Cubics cubics = std::get<Cubics>(geometry.shape);
+  auto path = CubicPath::make(geometry.start, cubics, geometry.length);
+  const auto off = [&](const std::optional<CubicPath>& made) {
+    return made ? std::fabs(made->length() / geometry.length - 1.0) : 1e9;
+  };
+  if (cubics.range != Cubics::Range::along_u && off(path) > 0.05) {
+    const bool was_normalized = cubics.range == Cubics::Range::normalized;
+    cubics.range = was_normalized ? Cubics::Range::arc_length : Cubics::Range::normalized;
+    if (auto other = CubicPath::make(geometry.start, cubics, geometry.length); off(other) < 0.01) {
+      path = std::move(other);
+      report.add(Note::Kind::mended, "paramPoly3 with the wrong pRange", geometry.place,
+                 std::string("its length is that of the other pRange, which is taken: ") +
+                     (was_normalized ? "arcLength" : "normalized"));
+    }
+  }
+  if (!path) return lost("its polynomials stand still, or lead further than 100 km");
+  const double arc = path->length();
+  return Record{0.0, 1.0, arc, std::move(*path)};
+}
+
+Jet ReferenceLine::raw(const Record& record, double s) {
+  const double arc = (s - record.from) * record.factor;
+  Jet jet;
+  if (const auto* section = std::get_if<Section>(&record.path)) {
+    const Pose2 pose = section->pose_at(arc);
+    const SinCos direction = sincos(pose.heading_rad);
+    const double bend = section->curvature_at(arc);
+    jet = {position(pose), {direction.cos, direction.sin}, {-bend * direction.sin, bend * direction.cos}};
+  } else {
+    jet = std::get<CubicPath>(record.path).at(arc);
+  }
+  const double f = record.factor;
+  return {jet.p, {f * jet.d.x_m, f * jet.d.y_m}, {f * f * jet.dd.x_m, f * f * jet.dd.y_m}};
+}
+
+/// Both records give way by half, over some metres.
+bool ReferenceLine::close_joint(std::size_t index, const std::string& place, Report& report) {
+  Record& before = records_[index];
+  Record& after = records_[index + 1];
+  const Jet left = raw(before, ends_[index]);
+  const Jet right = raw(after, after.from);
+  breaks_.push_back(after.from);
+  const double gap_m = distance(left.p, right.p);
+  const double kink_rad = wrap_angle(heading(right.d) - heading(left.d));
+  if (gap_m <= gap_free_m && std::fabs(kink_rad) <= kink_free_rad) return true;
+
+  const double room_m = std::min(before.arc, after.arc);
+  if (gap_m > std::min(gap_max_m, 0.5 * room_m) || std::fabs(kink_rad) > kink_max_rad) {
+    report.add(Note::Kind::lost, "roads with a gap or a corner", place,
+               "begins " + metres(gap_m) + " and " + std::to_string(kink_rad) +
+                   " rad from where the record before it ends, which is too much to round: the road is not taken");
+    return false;
+  }
+  const double reach_m = easing_reach(0.5 * gap_m, 0.5 * kink_rad);
+  const SinCos mean = sincos(heading(left.d) + 0.5 * kink_rad);
+  const Point2 half{0.5 * (right.p.x_m - left.p.x_m), 0.5 * (right.p.y_m - left.p.y_m)};
+  const auto slope_of = [&](const Jet& jet, double sign) {
+    const double v = norm(jet.d.x_m, jet.d.y_m);
+    return Point2{sign * (v * mean.cos - jet.d.x_m), sign * (v * mean.sin - jet.d.y_m)};
+  };
+  const double over_before = std::min(reach_m, ends_[index] - before.from);
+  const double over_after = std::min(reach_m, ends_[index + 1] - after.from);
+  const Point2 turn_before = slope_of(left, -1.0);  // by the distance back from the joint
+  const Point2 turn_after = slope_of(right, 1.0);
+  before.at_end = {{half.x_m, turn_before.x_m, over_before}, {half.y_m, turn_before.y_m, over_before}};
+  after.at_start = {{-half.x_m, turn_after.x_m, over_after}, {-half.y_m, turn_after.y_m, over_after}};
+  breaks_.push_back(after.from - over_before);
+  breaks_.push_back(after.from + over_after);
+  if (gap_m > worth_a_note || std::fabs(kink_rad) > worth_a_note) {
+    report.add(Note::Kind::mended, "joints of records that do not meet", place,
+               "begins " + metres(gap_m) + " and " + std::to_string(kink_rad) +
+                   " rad from where the record before it ends; smoothed over " + metres(reach_m) + " to each side");
+  }
+  return true;
+}
+
+Jet ReferenceLine::at(const Record& record, double s) const {
+  Jet jet = raw(record, s);
+  const auto add = [&](const Eased& eased, double x, double sign) {
+    jet.p = {jet.p.x_m + eased.x.at(x), jet.p.y_m + eased.y.at(x)};
+    jet.d = {jet.d.x_m + sign * eased.x.slope_at(x), jet.d.y_m + sign * eased.y.slope_at(x)};
+    jet.dd = {jet.dd.x_m + eased.x.bend_at(x), jet.dd.y_m + eased.y.bend_at(x)};
+  };
+  if (record.at_start) add(*record.at_start, s - record.from, 1.0);
+  if (record.at_end) add(*record.at_end, ends_[static_cast<std::size_t>(&record - records_.data())] - s, -1.0);
+  return jet;
+}
+
+Jet ReferenceLine::at(double s) const {
+  s = std::clamp(s, records_.front().from, length());
+  const auto after = std::upper_bound(records_.begin() + 1, records_.end(), s,
+                                      [](double value, const Record& record) { return value < record.from; });
+  return at(*(after - 1), s);
+}
+
+}  // namespace cosiva::zone::opendrive

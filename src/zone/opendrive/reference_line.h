@@ -1,0 +1,81 @@
+#pragma once
+
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "base/result.h"
+#include "zone/opendrive/easing.h"
+#include "zone/opendrive/model.h"
+#include "zone/opendrive/report.h"
+#include "zone/section.h"
+
+namespace cosiva::zone::opendrive {
+
+/// A point of a curve with its first and second derivative by the road's s.
+struct Jet {
+  Point2 p;
+  Point2 d;
+  Point2 dd;
+};
+
+/// Cubics by their arc length.
+class CubicPath {
+ public:
+  /// Fails (nothing) where its derivative vanishes everywhere or is not finite.
+  [[nodiscard]] static std::optional<CubicPath> make(const Pose2& start, const Cubics& cubics, double length);
+
+  [[nodiscard]] double length() const { return arc_.back(); }
+  [[nodiscard]] Jet at(double arc) const;  ///< derivatives by arc length
+
+ private:
+  [[nodiscard]] double speed(double p) const;
+  [[nodiscard]] double arc_between(double from, double to) const;
+
+  Pose2 start_;
+  Cubics cubics_;
+  double cell_{};            ///< width of a cell of p
+  std::vector<double> arc_;  ///< at each cell's edge
+};
+
+/// A road's plan view as one curve over s: what its records leave open at their joints is closed.
+class ReferenceLine {
+ public:
+  /// Nothing, and a note why, where the road has no such line: no records, a gap or a corner too great to close.
+  [[nodiscard]] static std::optional<ReferenceLine> make(const Road& road, Report& report);
+
+  [[nodiscard]] double from() const { return records_.front().from; }  ///< s of its start
+  [[nodiscard]] double length() const { return ends_.back(); }         ///< s of its end
+  [[nodiscard]] Jet at(double s) const;
+  /// Where its shape changes, ascending, between its ends.
+  [[nodiscard]] const std::vector<double>& breaks() const { return breaks_; }
+
+ private:
+  struct Eased {
+    Easing x;
+    Easing y;
+  };
+  struct Record {
+    double from;    ///< s
+    double factor;  ///< arc length by s: how far the file's two lengths disagree
+    double arc;     ///< its length
+    std::variant<Section, CubicPath> path;
+    std::optional<Eased> at_start{};
+    std::optional<Eased> at_end{};
+  };
+  [[nodiscard]] static std::optional<Record> make_record(const Geometry& geometry, Report& report);
+  [[nodiscard]] static bool goes_on_too_long(const Record& record, const Geometry& geometry, const Pose2* next);
+  [[nodiscard]] static Jet raw(const Record& record, double s);
+  [[nodiscard]] bool close_joint(std::size_t index, const std::string& place, Report& report);
+  [[nodiscard]] Jet at(const Record& record, double s) const;
+
+  std::vector<Record> records_;
+  std::vector<double> ends_;  ///< s where each record ends
+  std::vector<double> breaks_;
+};
+
+/// A road that is not taken for a reason other than its joints has been noted; this is what joints may leave open.
+inline constexpr double gap_max_m = 2.0;
+inline constexpr double kink_max_rad = 0.2;
+
+}  // namespace cosiva::zone::opendrive

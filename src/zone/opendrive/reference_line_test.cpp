@@ -1,0 +1,221 @@
+#include "zone/opendrive/reference_line.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "zone/opendrive/easing.h"
+
+namespace cosiva::zone::opendrive {
+namespace {
+
+Road road_of(std::vector<Geometry> plan, double length) {
+  Road road;
+  road.id = "1";
+  road.place = "road 1";
+  road.length = length;
+  road.plan = std::move(plan);
+  return road;
+}
+
+ReferenceLine line_of(const Road& road, Report& report) {
+  auto line = ReferenceLine::make(road, report);
+  EXPECT_TRUE(line);
+  return *line;
+}
+
+/// Midpoint rule with a hundred thousand steps over the heading's own integral: nothing of the code under test.
+Pose2 integrated(Pose2 pose, double length, double k0, double k1) {
+  constexpr int steps = 100000;
+  const double h = length / steps;
+  const double heading = pose.heading_rad;
+  for (int i = 0; i < steps; ++i) {
+    const double s = (i + 0.5) * h;
+    const double theta = heading + s * (k0 + 0.5 * (k1 - k0) / length * s);
+    pose.x_m += h * std::cos(theta);
+    pose.y_m += h * std::sin(theta);
+  }
+  pose.heading_rad = heading + 0.5 * (k0 + k1) * length;
+  return pose;
+}
+
+double heading_of(const Jet& jet) { return std::atan2(jet.d.y_m, jet.d.x_m); }
+
+TEST(ReferenceLine, of_lines_arcs_and_spirals_ends_where_their_curvature_integrates_to) {
+  const Pose2 start{12.0, -7.0, 0.8};
+  for (const auto& [k0, k1] : {std::pair{0.0, 0.0}, {0.02, 0.02}, {-0.3, -0.3}, {0.025, 0.0125}, {-0.01, 0.04}}) {
+    Report report;
+    const Road road = road_of({{0.0, start, 60.0, Clothoid{k0, k1}, ""}}, 60.0);
+    const ReferenceLine line = line_of(road, report);
+    const Pose2 end = integrated(start, 60.0, k0, k1);
+    EXPECT_NEAR(line.at(60.0).p.x_m, end.x_m, 1e-7);
+    EXPECT_NEAR(line.at(60.0).p.y_m, end.y_m, 1e-7);
+    EXPECT_NEAR(std::remainder(heading_of(line.at(60.0)) - end.heading_rad, 2.0 * pi), 0.0, 1e-9);
+    EXPECT_TRUE(report.notes().empty());
+  }
+}
+
+/// Where a dense polygon through u(p), v(p) has the length `arc`.
+Point2 walked(const std::function<Point2(double)>& at, double p_end, double arc) {
+  constexpr int steps = 400000;
+  double walked_m = 0.0;
+  Point2 here = at(0.0);
+  for (int i = 1; i <= steps; ++i) {
+    const Point2 next = at(p_end * i / steps);
+    const double step = distance(here, next);
+    if (walked_m + step >= arc) {
+      const double share = (arc - walked_m) / step;
+      return {here.x_m + share * (next.x_m - here.x_m), here.y_m + share * (next.y_m - here.y_m)};
+    }
+    walked_m += step;
+    here = next;
+  }
+  return here;
+}
+double length_of(const std::function<Point2(double)>& at, double p_end) {
+  constexpr int steps = 400000;
+  double sum = 0.0;
+  for (int i = 1; i <= steps; ++i) sum += distance(at(p_end * (i - 1) / steps), at(p_end * i / steps));
+  return sum;
+}
+
+TEST(ReferenceLine, of_cubics_runs_by_arc_length) {
+  const Polynomial u{0.0, 0.0, 40.0, -3.2, 0.0};
+  const Polynomial v{0.0, 0.0, 2.0, 6.4, -3.2};
+  const auto at = [&](double p) { return Point2{u.at(p), v.at(p)}; };
+  const double length = length_of(at, 1.0);
+  Report report;
+  const ReferenceLine line =
+      line_of(road_of({{0.0, {}, length, Cubics{u, v, Cubics::Range::normalized}, ""}}, length), report);
+  for (const double share : {0.1, 0.35, 0.5, 0.77, 0.999})
+    EXPECT_LT(distance(line.at(share * length).p, walked(at, 1.0, share * length)), 1e-4) << share;
+  // It leaves along (bU, bV), whatever hdg says.
+  EXPECT_NEAR(heading_of(line.at(0.0)), std::atan2(2.0, 40.0), 1e-12);
+  EXPECT_TRUE(report.notes().empty());
+}
+
+TEST(ReferenceLine, of_an_arc_length_curve_is_the_same_as_of_its_normalized_twin) {
+  // p from 0 to 30: v = 0.001 p². Nearly its own arc length, as exporters write it.
+  const Polynomial u{0.0, 0.0, 1.0, 0.0, 0.0};
+  const Polynomial v{0.0, 0.0, 0.0, 0.001, 0.0};
+  const Polynomial u1{0.0, 0.0, 30.0, 0.0, 0.0};
+  const Polynomial v1{0.0, 0.0, 0.0, 0.9, 0.0};
+  Report report;
+  const Road one = road_of({{0.0, {1.0, 2.0, 0.3}, 30.0, Cubics{u, v, Cubics::Range::arc_length}, ""}}, 30.0);
+  const Road two = road_of({{0.0, {1.0, 2.0, 0.3}, 30.0, Cubics{u1, v1, Cubics::Range::normalized}, ""}}, 30.0);
+  const ReferenceLine a = line_of(one, report);
+  const ReferenceLine b = line_of(two, report);
+  for (double s = 0.0; s <= 30.0; s += 1.7) EXPECT_LT(distance(a.at(s).p, b.at(s).p), 1e-9);
+}
+
+TEST(ReferenceLine, of_a_curve_whose_range_of_p_is_wrong_takes_the_other) {
+  const Polynomial u{0.0, 0.0, 50.0, 0.0, 0.0};
+  const Polynomial v{0.0, 0.0, 0.0, 1.0, 0.0};
+  Report report;
+  const ReferenceLine line =
+      line_of(road_of({{0.0, {}, 50.01, Cubics{u, v, Cubics::Range::arc_length}, "here"}}, 50.01), report);
+  EXPECT_NEAR(line.at(line.length()).p.x_m, 50.0, 1e-6);
+  ASSERT_FALSE(report.notes().empty());
+  EXPECT_EQ(report.notes()[0].kind, Note::Kind::mended);
+  EXPECT_EQ(report.notes()[0].place, "here");
+}
+
+TEST(ReferenceLine, of_poly3_ends_where_its_length_says) {
+  const Polynomial v{0.0, 0.0, 0.1, 0.02, -3e-4};
+  const auto at = [&](double p) { return Point2{p, v.at(p)}; };
+  Report report;
+  const ReferenceLine line = line_of(
+      road_of({{0.0, {}, 35.0, Cubics{{0.0, 0.0, 1.0, 0.0, 0.0}, v, Cubics::Range::along_u}, ""}}, 35.0), report);
+  for (const double s : {5.0, 17.0, 34.99}) EXPECT_LT(distance(line.at(s).p, walked(at, 40.0, s)), 1e-4) << s;
+  EXPECT_NEAR(line.length(), 35.0, 1e-9);
+  EXPECT_TRUE(report.notes().empty());
+}
+
+TEST(ReferenceLine, has_derivatives_that_are_those_of_its_points) {
+  const Polynomial u{0.0, 0.0, 40.0, -3.0, 2.0};
+  const Polynomial v{0.0, 0.0, 2.0, 8.0, -4.0};
+  const double length = length_of([&](double p) { return Point2{u.at(p), v.at(p)}; }, 1.0);
+  Report report;
+  // With a kink of 20 mrad at the joint, so that what smooths it is differentiated, too.
+  const double bend = std::atan2(v.slope_at(1.0), u.slope_at(1.0)) + 0.02;
+  const ReferenceLine line = line_of(road_of({{0.0, {}, length, Cubics{u, v, Cubics::Range::normalized}, ""},
+                                              {length, {u.at(1.0), v.at(1.0), bend}, 30.0, Clothoid{0.0, 0.02}, ""}},
+                                             length + 30.0),
+                                     report);
+  constexpr double h = 1e-4;
+  for (double s = 0.3; s < length + 29.0; s += 0.37) {
+    const Jet before = line.at(s - h);
+    const Jet here = line.at(s);
+    const Jet after = line.at(s + h);
+    EXPECT_NEAR((after.p.x_m - before.p.x_m) / (2.0 * h), here.d.x_m, 1e-6) << s;
+    EXPECT_NEAR((after.p.y_m - before.p.y_m) / (2.0 * h), here.d.y_m, 1e-6) << s;
+    EXPECT_NEAR((after.d.x_m - before.d.x_m) / (2.0 * h), here.dd.x_m, 1e-4) << s;
+    EXPECT_NEAR((after.d.y_m - before.d.y_m) / (2.0 * h), here.dd.y_m, 1e-4) << s;
+  }
+}
+
+TEST(ReferenceLine, closes_small_gaps_and_kinks_and_says_so) {
+  Report report;
+  const ReferenceLine line = line_of(road_of({{0.0, {0.0, 0.0, 0.0}, 20.0, Clothoid{}, "first"},
+                                              {20.0, {20.01, 0.02, 0.05}, 20.0, Clothoid{}, "second"}},
+                                             40.0),
+                                     report);
+  EXPECT_LT(distance(line.at(20.0 - 1e-9).p, line.at(20.0 + 1e-9).p), 1e-7);
+  EXPECT_NEAR(heading_of(line.at(20.0 - 1e-9)), heading_of(line.at(20.0 + 1e-9)), 1e-7);
+  EXPECT_NEAR(heading_of(line.at(20.0)), 0.025, 1e-7);
+  EXPECT_NEAR(line.at(0.0).p.x_m, 0.0, 1e-12);
+  EXPECT_NEAR(heading_of(line.at(40.0)), 0.05, 1e-9);
+  ASSERT_EQ(report.notes().size(), 1U);
+  EXPECT_EQ(report.notes()[0].place, "second");
+}
+
+TEST(ReferenceLine, is_not_there_across_a_corner_or_a_gap_and_says_so) {
+  for (const Pose2& second : {Pose2{20.0, 0.0, 0.4}, Pose2{25.0, 0.0, 0.0}}) {
+    Report report;
+    const auto line = ReferenceLine::make(
+        road_of({{0.0, {}, 20.0, Clothoid{}, "first"}, {20.0, second, 20.0, Clothoid{}, "second"}}, 40.0), report);
+    EXPECT_FALSE(line);
+    ASSERT_EQ(report.notes().size(), 1U);
+    EXPECT_EQ(report.notes()[0].kind, Note::Kind::lost);
+    EXPECT_EQ(report.notes()[0].place, "second");
+  }
+}
+
+TEST(ReferenceLine, trusts_a_shape_whose_s_contradicts_it) {
+  Report report;
+  const ReferenceLine line = line_of(
+      road_of({{0.0, {}, 20.0, Clothoid{}, "first"}, {12.0, {20.0, 0.0, 0.0}, 20.0, Clothoid{}, "second"}}, 40.0),
+      report);
+  EXPECT_NEAR(line.length(), 40.0, 1e-12);
+  EXPECT_NEAR(line.at(30.0).p.x_m, 30.0, 1e-12);
+  EXPECT_FALSE(report.notes().empty());
+}
+
+TEST(ReferenceLine, takes_crumbs_out) {
+  Report report;
+  const ReferenceLine line = line_of(road_of({{0.0, {}, 20.0, Clothoid{}, ""},
+                                              {20.0, {20.0, 0.0, 0.0}, 1e-9, Clothoid{}, ""},
+                                              {20.000000001, {20.000000001, 0.0, 0.0}, 10.0, Clothoid{}, ""}},
+                                             30.000000001),
+                                     report);
+  EXPECT_NEAR(line.at(line.length()).p.x_m, 30.0, 1e-8);
+  EXPECT_TRUE(report.notes().empty());
+}
+
+TEST(Easing, is_whole_at_its_end_and_gone_with_slope_and_bend_at_the_other) {
+  const Easing easing{0.3, -0.1, 4.0};
+  EXPECT_DOUBLE_EQ(easing.at(0.0), 0.3);
+  EXPECT_DOUBLE_EQ(easing.slope_at(0.0), -0.1);
+  EXPECT_NEAR(easing.at(4.0 - 1e-6), 0.0, 1e-12);
+  EXPECT_NEAR(easing.slope_at(4.0 - 1e-6), 0.0, 1e-9);
+  EXPECT_NEAR(easing.bend_at(4.0 - 1e-6), 0.0, 1e-5);
+  EXPECT_DOUBLE_EQ(easing.at(5.0), 0.0);
+  for (double x = 0.1; x < 3.9; x += 0.3) {
+    EXPECT_NEAR((easing.at(x + 1e-5) - easing.at(x - 1e-5)) / 2e-5, easing.slope_at(x), 1e-8);
+    EXPECT_NEAR((easing.slope_at(x + 1e-5) - easing.slope_at(x - 1e-5)) / 2e-5, easing.bend_at(x), 1e-8);
+  }
+}
+
+}  // namespace
+}  // namespace cosiva::zone::opendrive

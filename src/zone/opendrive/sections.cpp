@@ -1,0 +1,138 @@
+#include "zone/opendrive/sections.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cosiva::zone::opendrive {
+namespace {
+
+constexpr std::size_t sections_max = 100'000;
+constexpr std::size_t pieces_max = 5'000;  // of one lane between two lane sections
+// Lanes that no sections follow cost the most; a file with more of them is no road network.
+constexpr std::size_t failures_max = 50;
+
+struct Run {
+  SectionId first{no_section};
+  SectionId last{no_section};
+};
+
+class Layer {
+ public:
+  Layer(const Network& network, const Ways& ways, double scale, FitTolerance tolerance, Report& report)
+      : network_{network}, ways_{ways.ways}, scale_{scale}, tolerance_{tolerance}, report_{report} {}
+
+  Result<std::vector<Circuit::Part>> lay();
+
+ private:
+  void lay_way(WayId id);
+  void add_parts(const Way& way, std::vector<Section> sections, double length_m);
+  [[nodiscard]] std::optional<double> limit_at(const Way& way, double s) const;
+  void link(WayId id);
+
+  const Network& network_;
+  const std::vector<Way>& ways_;
+  double scale_;
+  FitTolerance tolerance_;
+  Report& report_;
+  std::vector<Circuit::Part> parts_;
+  std::vector<Run> runs_;
+  std::size_t failures_{0};
+  double worst_m_{};
+  double worst_rad_{};
+};
+
+void Layer::lay_way(WayId id) {
+  const Way& way = ways_[id];
+  std::vector<double> limits;
+  for (const SpeedFrom& limit : way.speeds) limits.push_back(limit.s);
+  auto fitted = fit(way.curve.curve(scale_, limits), tolerance_, pieces_max);
+  if (!fitted) {
+    ++failures_;
+    return report_.add(Note::Kind::lost, "lanes that no sections follow", "lane '" + way.name(network_) + "'",
+                       "is not taken: " + fitted.error().message);
+  }
+  if (fitted->worst_heading_rad > tolerance_.heading_rad)
+    report_.add(Note::Kind::mended, "lanes that kink", "lane '" + way.name(network_) + "'",
+                "kinks, as where its road begins to bend while its width changes; rounded, it heads " +
+                    std::to_string(1e3 * fitted->worst_heading_rad) + " mrad off there at worst");
+  worst_m_ = std::max(worst_m_, fitted->worst_position_m);
+  if (fitted->worst_heading_rad <= tolerance_.heading_rad) worst_rad_ = std::max(worst_rad_, fitted->worst_heading_rad);
+  runs_[id] = {static_cast<SectionId>(parts_.size()),
+               static_cast<SectionId>(parts_.size() + fitted->sections.size() - 1)};
+  add_parts(way, std::move(fitted->sections), fitted->length_m);
+}
+
+void Layer::add_parts(const Way& way, std::vector<Section> sections, double length_m) {
+  const std::string name = way.name(network_);
+  double before_m = 0.0;
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    Circuit::Part part{name, std::move(sections[i]), std::nullopt, {}};
+    if (i > 0) part.name += '.' + std::to_string(i + 1);
+    if (i + 1 < sections.size()) part.next.push_back(static_cast<SectionId>(parts_.size() + 1));
+    // Limits begin where sections do, so any place well inside tells.
+    const double share = (before_m + 0.5 * part.section.length_m()) / length_m;
+    const double s = way.curve.from() + way.curve.span() * (way.curve.forward() ? share : 1.0 - share);
+    if (const auto limit = limit_at(way, s)) part.speed_mps_max = scale_ * *limit;
+    before_m += part.section.length_m();
+    parts_.push_back(std::move(part));
+  }
+}
+
+std::optional<double> Layer::limit_at(const Way& way, double s) const {
+  std::optional<double> limit;
+  for (const SpeedFrom& from : way.speeds) {
+    if (from.s <= s + 1e-3) limit = from.mps;
+  }
+  return limit;
+}
+
+void Layer::link(WayId id) {
+  if (runs_[id].last == no_section) return;
+  Circuit::Part& part = parts_[runs_[id].last];
+  // The straightest way on is the default.
+  const auto turn = [&](WayId to) {
+    const LaneCurve& curve = ways_[to].curve;
+    return std::fabs(wrap_angle(curve.exit().heading_rad - curve.entry().heading_rad));
+  };
+  std::vector<std::pair<double, WayId>> next;
+  for (const WayId to : ways_[id].next) next.emplace_back(turn(to), to);
+  std::stable_sort(next.begin(), next.end());
+  for (const auto& [turned, to] : next) {
+    if (runs_[to].first == no_section) continue;
+    const Pose2& start = parts_[runs_[to].first].section.start();
+    const Pose2& end = part.section.end();
+    if (distance(start, end) < 1e-3 && std::fabs(wrap_angle(start.heading_rad - end.heading_rad)) < 1e-3) {
+      part.next.push_back(runs_[to].first);
+      continue;
+    }
+    report_.add(Note::Kind::lost, "links whose ends drifted apart", "lane '" + ways_[id].name(network_) + "'",
+                "its successor '" + ways_[to].name(network_) + "' could not be bent to meet it: they are not joined");
+  }
+}
+
+Result<std::vector<Circuit::Part>> Layer::lay() {
+  runs_.resize(ways_.size());
+  for (WayId id = 0; id < ways_.size(); ++id) {
+    lay_way(id);
+    if (parts_.size() > sections_max)
+      return fail("zone.size", "following the lanes takes more than " + std::to_string(sections_max) + " sections");
+    if (failures_ > failures_max)
+      return fail("zone.size", "more than " + std::to_string(failures_max) +
+                                   " lanes cannot be followed; the first: " + report_.notes().back().text);
+  }
+  if (parts_.empty()) return fail("circuit.empty", "there is no lane that can be driven on");
+  for (WayId id = 0; id < ways_.size(); ++id) link(id);
+  report_.add(Note::Kind::notice, "fits", "lanes",
+              "their centre lines are followed by " + std::to_string(parts_.size()) + " sections, at worst " +
+                  metres(worst_m_) + " and " + std::to_string(1e3 * worst_rad_) + " mrad off");
+  return std::move(parts_);
+}
+
+}  // namespace
+
+Result<std::vector<Circuit::Part>> lay_sections(const Network& network, const Ways& ways, double scale,
+                                                FitTolerance tolerance, Report& report) {
+  return Layer{network, ways, scale, tolerance, report}.lay();
+}
+
+}  // namespace cosiva::zone::opendrive

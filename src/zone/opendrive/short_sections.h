@@ -1,0 +1,12 @@
+#pragma once
+
+#include "zone/opendrive/model.h"
+#include "zone/opendrive/report.h"
+
+namespace cosiva::zone::opendrive {
+
+/// Takes lane sections of less than 5 cm out: the one before, or at a road's beginning the one behind, takes their
+/// place, and links lead through them.
+void drop_short_sections(Network& network, Report& report);
+
+}  // namespace cosiva::zone::opendrive

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "zone/opendrive/lane_curve.h"
+#include "zone/opendrive/model.h"
+#include "zone/opendrive/report.h"
+
+namespace cosiva::zone::opendrive {
+
+using WayId = std::uint32_t;
+inline constexpr WayId no_way = ~WayId{0};
+
+/// One lane of one lane section that is driven on.
+struct Way {
+  std::uint32_t road;
+  std::uint32_t section;
+  int lane;
+  LaneCurve curve;
+  double width_entry;
+  double width_exit;
+  std::vector<SpeedFrom> speeds{};  ///< by the road's s, ascending
+  std::vector<WayId> next{};        ///< ascending
+
+  [[nodiscard]] std::string name(const Network& network) const;  ///< "12.0.-1"
+};
+
+/// Roads as they lie, and the ways on them, by (road, section, lane).
+struct Ways {
+  std::vector<std::shared_ptr<const ReferenceLine>> lines;  ///< by road; none where it cannot be followed
+  std::vector<Way> ways;
+
+  /// A lane's end, by the road's s.
+  struct End {
+    std::uint32_t road;
+    std::uint32_t section;
+    int lane;
+    bool at_start;
+  };
+  [[nodiscard]] WayId find(const End& end) const;
+};
+
+/// @param lane_types  which lanes are driven on
+[[nodiscard]] Ways find_ways(const Network& network, const std::vector<std::string>& lane_types, Report& report);
+
+/// Fills `next`: from the file's links, and from ends that meet though no link says so.
+void link_ways(const Network& network, Ways& ways, Report& report);
+
+/// Moves ends of linked ways to where they meet; unlinks those that are too far apart.
+void join_ways(const Network& network, Ways& ways, Report& report);
+
+}  // namespace cosiva::zone::opendrive

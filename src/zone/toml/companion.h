@@ -1,0 +1,75 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "zone/circuit_factory.h"
+#include "zone/traffic_zone.h"
+
+namespace cosiva::zone {
+
+/// Of vehicles that nobody described.
+inline constexpr SpeedProfiles default_profiles{{0.15, 0.3, 0.6}, {0.30, 0.5, 0.8}, {0.50, 0.8, 1.0}};
+
+/// What the TOML beside a file of another format says before its geometry is read. Nothing is there: the defaults.
+struct Companion {
+  std::optional<std::string> name;  ///< the zone's, instead of the one that the format gives
+  std::optional<VehicleShape> vehicle;
+  std::optional<SpeedProfiles> profiles;
+  double clearance_m{0.04};        ///< [crossings]
+  double spacing_m{0.30};          ///< [waypoints]
+  std::optional<bool> nodes_only;  ///< [waypoints]; nothing said: as the format wants
+
+  bool edges_are_sections{false};  ///< [waypoints]
+
+  // [[limit]]
+  struct Limit {
+    std::string section;
+    double speed_mps_max;
+    std::string place;  ///< in the companion, for messages
+  };
+  std::vector<Limit> limits;  ///< put on the circuit by furnish
+
+  // [import]
+  double scale{1.0};                                   ///< metres per unit of the file
+  double tolerance_m{1e-3};                            ///< of fits
+  double tolerance_rad{1e-3};                          ///< of fits
+  std::optional<std::string> layout;                   ///< which one of a file that holds several
+  std::optional<std::string> vehicle_type;             ///< which one's edges and properties are taken
+  std::optional<std::vector<std::string>> lane_types;  ///< of a road's lanes, which are driven on
+};
+
+/// Reads what the geometry needs of `configuration.companion`; an empty one is a good one. Errors are those of a native
+/// file, at the companion's name (companion_file) and line.
+[[nodiscard]] Result<Companion> read_companion(const ZoneConfiguration& configuration);
+
+/// The rest of the companion, once `zone` has its name and circuit: gives it vehicle and profiles (the defaults where
+/// `companion` has none), then [[limit]] [beacons] [[tag]] [[station]] [[loop]] [closed] [priorities], crossings,
+/// waypoints, [[start]]. Stations, loops, closed sections and notes that the format has put there itself stay, first.
+/// A bend that is too tight for the vehicle is noted, not refused: the file is somebody else's.
+/// @param companion  as it was read, with what the file itself says put in where the companion says nothing
+/// @param rules      of the waypoints that the format declares (start_ids, end_ids, at); the rest of it comes from here
+/// Fails as make_zone does: "zone.reference", "zone.duplicate", "zone.size", "zone.vehicle" …
+[[nodiscard]] Result<void> furnish(TrafficZone& zone, const ZoneConfiguration& configuration,
+                                   const Companion& companion, WaypointRules rules = {});
+
+/// For CircuitFactory::edited: writes the edit into the companion, and makes one where there is none.
+[[nodiscard]] Result<ZoneConfiguration> edited_companion(const CircuitFactory& factory,
+                                                         const ZoneConfiguration& configuration, const ZoneEdit& edit);
+
+/// For CircuitFactory::written: a companion that says of the zone what another format cannot. Limits, stations and
+/// closed sections are among it only where asked for.
+struct CompanionParts {
+  bool limits{true};
+  bool stations{true};
+  bool closed{true};
+};
+[[nodiscard]] std::string companion_text(const TrafficZone& zone, CompanionParts parts = {});
+
+/// The companion's name beside a file: "plant.lif.json" and "plant.xodr" have "plant.zone.toml".
+[[nodiscard]] std::string companion_file(std::string_view file_name);
+
+}  // namespace cosiva::zone

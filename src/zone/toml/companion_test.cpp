@@ -1,0 +1,184 @@
+#include "zone/toml/companion.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "zone/edit.h"
+#include "zone/test_zones.h"
+
+namespace cosiva::zone {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Pair;
+using ::testing::SizeIs;
+using ::testing::StartsWith;
+
+/// A format whose every file is a running track with a dock, and which leaves all else to its companion.
+class TrackFactory final : public CircuitFactory {
+ public:
+  std::string_view format() const override { return "track"; }
+  std::vector<std::string_view> file_endings() const override { return {".track"}; }
+  Result<TrafficZone> make_zone(const ZoneConfiguration& configuration) const override {
+    const auto companion = read_companion(configuration);
+    if (!companion) return tl::unexpected(companion.error());
+    TrafficZone zone{
+        companion->name.value_or("track"), testing::track(2.0 * companion->scale), {}, {}, {}, {}, {}, {}, {}, {}};
+    zone.stations = {{"dock", {0, 1.0}, StationKind::stop}};
+    zone.closed = {3};
+    WaypointRules rules;
+    rules.start_ids = {"N1", "N2", "N3", "N4"};
+    if (const auto done = furnish(zone, configuration, *companion, rules); !done) return tl::unexpected(done.error());
+    return zone;
+  }
+  Result<ZoneConfiguration> edited(const ZoneConfiguration& configuration, const ZoneEdit& edit) const override {
+    return edited_companion(*this, configuration, edit);
+  }
+};
+
+ZoneConfiguration file(const std::string& companion) { return {"track", "plants/hall.track", "?", companion}; }
+Result<TrafficZone> read(const std::string& companion) { return TrackFactory{}.make_zone(file(companion)); }
+std::string error_of(const std::string& companion) {
+  const auto zone = read(companion);
+  return zone ? "no error" : zone.error().code + " " + to_string(zone.error());
+}
+
+TEST(Companion, that_is_empty_leaves_the_defaults) {
+  const auto zone = read("");
+  ASSERT_TRUE(zone) << to_string(zone.error());
+  EXPECT_EQ(zone->name, "track");
+  EXPECT_EQ(zone->vehicle.length_m, 0.20);
+  EXPECT_EQ(zone->profiles.medium.speed_mps, 0.30);
+  EXPECT_THAT(zone->stations, SizeIs(1));
+  EXPECT_THAT(zone->closed, ElementsAre(3));
+  EXPECT_EQ(zone->waypoints.front().id, "N1");
+  EXPECT_FALSE(zone->beacons);
+}
+
+TEST(Companion, says_all_that_the_format_cannot) {
+  const auto zone = read(R"(name = "hall"
+[import]
+scale = 2.0
+[vehicle]
+length_m = 0.3
+width_m = 0.2
+[profiles.slow]
+speed_mps = 0.1
+acceleration_mps2 = 0.2
+braking_mps2 = 0.4
+[crossings]
+clearance_m = 0.1
+[waypoints]
+nodes_only = true
+[[limit]]
+section = "east"
+speed_mps_max = 0.25
+[beacons]
+pitch_m = 0.5
+cover = "zone"
+[[tag]]
+number = 5
+section = "south"
+s_m = 3.5
+[[station]]
+name = "plug"
+kind = "charger"
+section = "north"
+s_m = 1
+[[start]]
+section = "south"
+s_m = 0.5
+[[loop]]
+name = "round"
+sections = ["south", "east", "north", "west"]
+[priorities]
+"A/1" = 7
+[closed]
+sections = ["north"]
+)");
+  ASSERT_TRUE(zone) << to_string(zone.error());
+  EXPECT_EQ(zone->name, "hall");
+  EXPECT_EQ(zone->circuit.section(0).length_m(), 4.0);
+  EXPECT_EQ(zone->vehicle.width_m, 0.2);
+  EXPECT_EQ(zone->profiles.slow.speed_mps, 0.1);
+  EXPECT_EQ(zone->circuit.part(1).speed_mps_max, 0.25);
+  EXPECT_FALSE(zone->circuit.part(0).speed_mps_max);
+  EXPECT_TRUE(zone->nodes_only);
+  EXPECT_EQ(zone->find_tag(5)->place, (Place{0, 3.5}));
+  ASSERT_THAT(zone->stations, SizeIs(2));  // the format's own first
+  EXPECT_EQ(zone->stations[0].name, "dock");
+  EXPECT_EQ(zone->stations[1].kind, StationKind::charger);
+  EXPECT_THAT(zone->starts, SizeIs(1));
+  EXPECT_THAT(zone->loops, SizeIs(1));
+  EXPECT_THAT(zone->priorities, ElementsAre(Pair("A/1", 7)));
+  EXPECT_THAT(zone->closed, ElementsAre(2, 3));
+  EXPECT_TRUE(zone->beacons);
+}
+
+TEST(Companion, reads_the_import_before_the_geometry) {
+  const auto companion =
+      read_companion(file("[import]\nscale = 0.001\ntolerance_m = 0.002\ntolerance_rad = 0.01\n"
+                          "layout = \"hall 2\"\nvehicle_type = \"AMR\"\n"));
+  ASSERT_TRUE(companion) << to_string(companion.error());
+  EXPECT_EQ(companion->scale, 0.001);
+  EXPECT_EQ(companion->tolerance_m, 0.002);
+  EXPECT_EQ(companion->tolerance_rad, 0.01);
+  EXPECT_EQ(companion->layout, "hall 2");
+  EXPECT_EQ(companion->vehicle_type, "AMR");
+}
+
+TEST(Companion, that_is_wrong_is_refused_at_its_own_file_and_line) {
+  EXPECT_THAT(error_of("[vehicle\n"), StartsWith("zone.syntax plants/hall.zone.toml:1: "));
+  EXPECT_THAT(
+      error_of("[import]\nscle = 2\n"),
+      StartsWith("zone.unknown_key plants/hall.zone.toml:2: import.scle: unknown key; did you mean \"scale\"?"));
+  EXPECT_THAT(error_of("\n[import]\nscale = 0\n"), StartsWith("zone.field plants/hall.zone.toml:3: import.scale"));
+  EXPECT_THAT(error_of("[[section]]\n"), StartsWith("zone.unknown_key"));
+  EXPECT_THAT(error_of("format_version = 2\n"), StartsWith("zone.version"));
+  EXPECT_THAT(error_of("[[tag]]\nnumber = 1\nsection = \"up\"\ns_m = 0\n"),
+              StartsWith("zone.reference plants/hall.zone.toml:3: tag[1].section"));
+  EXPECT_THAT(error_of("[[limit]]\nsection = \"up\"\nspeed_mps_max = 1\n"),
+              StartsWith("zone.reference plants/hall.zone.toml:1: limit[1].section"));
+  EXPECT_THAT(error_of("[[station]]\nname = \"dock\"\nsection = \"east\"\ns_m = 0\n"),
+              HasSubstr("two stations have the name 'dock'"));
+  EXPECT_THAT(error_of("[profiles.slow]\nspeed_mps = 0.5\nacceleration_mps2 = 1\nbraking_mps2 = 1\n"),
+              StartsWith("zone.field plants/hall.zone.toml"));
+}
+
+TEST(Companion, takes_a_bend_too_tight_for_the_vehicle_with_a_note) {
+  const auto zone = read("[vehicle]\nlength_m = 0.5\nwidth_m = 1.2\n");
+  ASSERT_TRUE(zone) << to_string(zone.error());
+  ASSERT_THAT(zone->notes, SizeIs(2));
+  EXPECT_EQ(zone->notes[0].kind, Note::Kind::notice);
+  EXPECT_EQ(zone->notes[0].place, "section 'east'");
+}
+
+TEST(Companion, takes_edits_and_is_made_where_there_is_none) {
+  const TrackFactory factory;
+  ZoneEdit edit;
+  edit.set_tags = {{3, {1, 0.5}}};
+  edit.set_priorities = {{"A/1", 2}};
+  const auto made = factory.edited(file(""), edit);
+  ASSERT_TRUE(made) << to_string(made.error());
+  EXPECT_EQ(made->text, "?");
+  EXPECT_EQ(made->companion, "[[tag]]\nnumber = 3\nsection = \"east\"\ns_m = 0.50\n\n[priorities]\n\"A/1\" = 2\n");
+  ZoneEdit beacons;
+  beacons.beacon_origin = Point2{0.25, 0.0};
+  EXPECT_EQ(factory.edited(*made, beacons).error().code, "edit.beacons");
+  const auto moved = factory.edited(file("# ours\n[beacons]\npitch_m = 0.5\ncover = \"zone\"\n"), beacons);
+  ASSERT_TRUE(moved) << to_string(moved.error());
+  EXPECT_EQ(moved->companion, "# ours\n[beacons]\npitch_m = 0.5\norigin = [0.25, 0.00]\ncover = \"zone\"\n");
+}
+
+TEST(CompanionFile, stands_beside_the_file_it_speaks_of) {
+  EXPECT_EQ(companion_file("plants/hall.lif.json"), "plants/hall.zone.toml");
+  EXPECT_EQ(companion_file("plants.d/hall.xodr"), "plants.d/hall.zone.toml");
+  EXPECT_EQ(companion_file("plants.d/hall"), "plants.d/hall.zone.toml");
+  EXPECT_EQ(companion_file("hall.v2.json"), "hall.v2.zone.toml");
+  EXPECT_EQ(companion_of_file("hall.xodr"), "hall.zone.toml");
+  EXPECT_EQ(companion_of_file("hall.toml"), std::nullopt);
+}
+
+}  // namespace
+}  // namespace cosiva::zone

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <string>
+
+#include "zone/toml/companion.h"
+#include "zone/toml/toml_fields.h"
+#include "zone/traffic_zone.h"
+
+/// The tables that a native file and the companion of another format's have in common.
+namespace cosiva::zone {
+
+/// Parses and reads: whatever is wrong with the text becomes a fault, and nothing is thrown on.
+/// @param read  called with the root table, unless the text is no TOML
+void parse_toml(std::string_view text, TomlFaults& faults, const std::function<void(const TomlFields& root)>& read);
+
+/// [vehicle] [profiles] [crossings] [waypoints]
+void read_basics(const TomlFields& root, Companion& basics);
+
+/// All that stands on a circuit and follows from it. Each step may leave a fault, which ends the reading.
+class TomlTables {
+ public:
+  /// @param rules  of the format's own waypoints; spacing, room and stations come from here
+  /// @param ways   where faults of the ways themselves are, for messages
+  TomlTables(TomlFaults& faults, const TomlFields& root, TrafficZone& zone, const Companion& basics,
+             WaypointRules rules, std::string ways)
+      : faults_{faults}, root_{root}, zone_{zone}, basics_{basics}, rules_{std::move(rules)}, ways_{std::move(ways)} {}
+
+  void read();
+
+ private:
+  [[nodiscard]] std::optional<Place> read_place(const TomlFields& fields) const;
+  [[nodiscard]] std::optional<SectionId> find(const TomlFields& fields, std::string_view key,
+                                              std::string_view name) const;
+  [[nodiscard]] bool too_many(std::string_view key, std::size_t found, std::size_t most) const;
+  void read_beacons();
+  void read_tags();
+  void read_stations();
+  void read_loops();
+  void read_closed();
+  void read_priorities();
+  void derive();
+  void read_starts();
+
+  TomlFaults& faults_;
+  const TomlFields& root_;
+  TrafficZone& zone_;
+  const Companion& basics_;
+  WaypointRules rules_;
+  std::string ways_;
+};
+
+inline constexpr NumberRange positive_m{"a positive number of metres, at most 100000", 0.0, 1e5, false};
+inline constexpr NumberRange speed_range{"a positive speed in metres per second, at most 100", 0.0, 100.0, false};
+
+}  // namespace cosiva::zone
