@@ -15,11 +15,11 @@ WayAhead::WayAhead(const zone::Circuit& circuit, double sample_m, double reach_m
 void WayAhead::sample(const Outlook& outlook) {
   const Pose2 X_ML = circuit_.pose_at(outlook.here);
   const Pose2 X_MB = outlook.X_MB.value_or(X_ML);
-  const auto [sin, cos] = sincos(X_MB.heading_rad);
+  const SinCos turn = sincos(X_MB.heading_rad);
   const auto add = [&](Point2 p_M) {
     const double x_m = p_M.x_m - X_MB.x_m;
     const double y_m = p_M.y_m - X_MB.y_m;
-    way_B_.push_back({cos * x_m + sin * y_m, cos * y_m - sin * x_m});
+    way_B_.push_back({turn.cos * x_m + turn.sin * y_m, turn.cos * y_m - turn.sin * x_m});
   };
   way_B_.clear();
   double ahead_m = 0.0;

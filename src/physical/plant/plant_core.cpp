@@ -281,7 +281,9 @@ void PlantCore::Inside::take_over(const ZoneExchange::News& news) {
 /// Who stands is on the newest floor, before anybody can tell it to drive.
 void PlantCore::Inside::change_floors() {
   for (Vehicle& vehicle : vehicles) {
-    if (vehicle.floor() != floor && vehicle.stands()) vehicle.stand_on(floor);
+    if (vehicle.floor() == floor) continue;
+    vehicle.await_floor();
+    if (vehicle.stands()) vehicle.stand_on(floor);
   }
 }
 

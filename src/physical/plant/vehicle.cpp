@@ -82,7 +82,8 @@ void Vehicle::move(SimTime now, SimDuration dt) {
 
 void Vehicle::step(SimTime now, double dt_s) {
   const wire::Drive* drive = battery_.empty() ? nullptr : pils_.drive(now);
-  const DriveCommand command = drive == nullptr ? DriveCommand{} : to_command(*drive);
+  DriveCommand command = drive == nullptr ? DriveCommand{} : to_command(*drive);
+  if (awaits_floor_ && command.seek) command.speed_mps = 0.0;
   const Point2 before = position(motion_.body().X_MB);
   motion_.step(drive == nullptr ? nullptr : &command, dt_s);
 
@@ -121,6 +122,7 @@ void Vehicle::stand_on(std::shared_ptr<const Floor> floor) {
   motion_.stand_on(floor_->zone->circuit);
   tag_reader_.stand_on(floor_->tags);
   in_manoeuvre_ = false;
+  awaits_floor_ = false;
 }
 
 std::uint32_t Vehicle::laps_here() const {

@@ -34,6 +34,8 @@ class Vehicle {
   void move(SimTime now, SimDuration dt);
   /// Whether the floor under it may become another: it is at rest, and nobody has it in a manoeuvre.
   [[nodiscard]] bool stands() const { return motion_.stands(); }
+  /// Another floor is to come: told to seek a line, which can only be one of that floor, it comes to rest first.
+  void await_floor() { awaits_floor_ = true; }
   /// Puts it on another floor, the body as it is. Only while it stands.
   void stand_on(std::shared_ptr<const Floor> floor);
   [[nodiscard]] bool wants_scan(SimTime now) const { return dobs_.wants_scan(now) && dobs_.link().connected(); }
@@ -82,6 +84,7 @@ class Vehicle {
   double distance_m_{0.0};
   double distance_before_m_{0.0};  ///< on the floors before this one
   std::uint32_t laps_before_{0};
+  bool awaits_floor_{false};
   bool in_manoeuvre_{false};
   double drive_energy_j_{0.0};  ///< since the battery was last worked out
   double drive_time_s_{0.0};

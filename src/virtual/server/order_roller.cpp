@@ -96,6 +96,7 @@ void OrderRoller::follow(VehicleIndex vehicle, const wire::State& state) {
   }
   if (same_end) {
     plan.acknowledged = true;
+    traffic_.set_base_passed(vehicle, !state.node_states.front().released);
     return;
   }
   outbox_.log('w', registry_[vehicle].name + ": follows update " + std::to_string(state.order_update_id) + " up to " +
@@ -128,6 +129,7 @@ void OrderRoller::adopt(VehicleIndex vehicle, const wire::State& state) {
   plan.base_end_sequence = end_sequence;
   plan.payload.clear();
   traffic_.set_base_end(vehicle, plan.base_end);
+  traffic_.set_base_passed(vehicle, !state.node_states.front().released);
   outbox_.log('i', registry_[vehicle].name + ": took over order '" + plan.order_id + "', update " +
                        std::to_string(plan.update_id) + ", base up to " + std::string(end_id));
 }
@@ -262,8 +264,30 @@ void OrderRoller::step(VehicleIndex vehicle, bool drive, bool send_off, SimDurat
   const auto from = start_of_extension(vehicle);
   extension_.clear();
   if (from) extend(vehicle, *from);
-  if (!extension_.empty()) send(vehicle, *from);
+  if (!extension_.empty() || (from && leads_too_far(vehicle))) send(vehicle, *from);
   note_waiting(plan, now);
+}
+
+bool OrderRoller::leads_too_far(VehicleIndex vehicle) {
+  // What was announced beyond the base is no more where it goes; a vehicle that has more before it has not arrived.
+  const Plan& plan = plans_[vehicle];
+  return plan.stage == Plan::Stage::running && plan.has_horizon && next_stretch(vehicle, plan.base_end, 0) == nullptr;
+}
+
+bool OrderRoller::comes_again(VehicleIndex vehicle, const Extension& from, std::size_t passed,
+                              const WayMap::Stretch& stretch) const {
+  // A base that goes twice over one place has two ends of one name.
+  const Plan& plan = plans_[vehicle];
+  const bool running = plan.stage == Plan::Stage::running;
+  const zone::Place start = running ? *plan.standing.place : map_->waypoint(from.from).place;
+  Sections released;
+  if (running) released = traffic_.coming(vehicle).first(traffic_.beyond_base(vehicle, start).keep);
+  const Sections added = Sections{way_}.first(passed);
+  const zone::Place end = map_->waypoint(stretch.to).place;
+  return std::ranges::any_of(stretch.sections, [&](zone::SectionId section) {
+    if (section == start.section) return end.section != section || end.s_m >= start.s_m;
+    return std::ranges::find(released, section) != released.end() || std::ranges::find(added, section) != added.end();
+  });
 }
 
 void OrderRoller::extend(VehicleIndex vehicle, const Extension& from) {
@@ -275,6 +299,7 @@ void OrderRoller::extend(VehicleIndex vehicle, const Extension& from) {
   while (extension_.size() < rules_.base_nodes_max && (reach_m < rules_.base_ahead_m || reach_m < must_reach_m)) {
     const WayMap::Stretch* stretch = next_stretch(vehicle, at, passed);
     if (stretch == nullptr) break;
+    if (comes_again(vehicle, from, passed, *stretch)) break;
     const double next_m = reach_m + stretch->length_m;
     if (next_m > traffic_.reach_m(vehicle, next_m)) {
       plan.waits_for_vehicle = traffic_.ahead_within(vehicle, next_m + traffic_.standing_m()).vehicle;
@@ -360,6 +385,7 @@ void OrderRoller::send(VehicleIndex vehicle, const Extension& from) {
     if (stretch == nullptr) break;
     add_stretch(*stretch, false);
   }
+  plan.has_horizon = !order.nodes.back().released;
 
   const std::string summary = plan.order_id + " update " + std::to_string(plan.update_id) + ": base " +
                               map_->waypoint(from.from).id + " to " + map_->waypoint(plan.base_end).id +

@@ -89,6 +89,7 @@ class OrderRoller {
     bool acknowledged{false};
     bool ever_acknowledged{false};
     WaypointIndex base_end{no_waypoint};
+    bool has_horizon{false};  ///< the last order sent announces more than its base
     std::uint32_t base_end_sequence{0};
     std::string payload;
     SimTime sent_at{};
@@ -119,6 +120,9 @@ class OrderRoller {
   [[nodiscard]] bool may_roll(VehicleIndex vehicle, SimDuration lost_after) const;
   void step(VehicleIndex vehicle, bool drive, bool send_off, SimDuration lost_after);
   void extend(VehicleIndex vehicle, const Extension& from);
+  [[nodiscard]] bool leads_too_far(VehicleIndex vehicle);
+  [[nodiscard]] bool comes_again(VehicleIndex vehicle, const Extension& from, std::size_t passed,
+                                 const WayMap::Stretch& stretch) const;
   bool enter(VehicleIndex vehicle, double stop_m, double exit_m);
   void send(VehicleIndex vehicle, const Extension& from);
 

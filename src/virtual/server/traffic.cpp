@@ -75,7 +75,14 @@ void Traffic::cut_course(VehicleIndex vehicle, std::size_t keep) {
   look_again(vehicle);
 }
 
+void Traffic::set_base_passed(VehicleIndex vehicle, bool passed) {
+  if (vehicles_[vehicle].base_passed == passed) return;
+  vehicles_[vehicle].base_passed = passed;
+  holds_dirty_ = true;
+}
+
 void Traffic::set_base_end(VehicleIndex vehicle, WaypointIndex end) {
+  set_base_passed(vehicle, false);
   if (vehicles_[vehicle].base_end == end) return;
   vehicles_[vehicle].base_end = end;
   measure_base(vehicle);
@@ -86,7 +93,8 @@ void Traffic::measure_base(VehicleIndex vehicle) {
   Vehicle& self = vehicles_[vehicle];
   self.base_m_max = short_base_m;
   if (self.base_end == no_waypoint || !self.place) return;
-  const auto left_m = map_->base_left(*self.place, self.base_end, std::numeric_limits<double>::max(), coming(vehicle));
+  const auto left_m = map_->base_left(*self.place, self.base_end, std::numeric_limits<double>::max(), coming(vehicle),
+                                      self.base_passed);
   self.base_m_max = std::max(short_base_m, left_m.value_or(0.0) + base_slack_m);
 }
 
@@ -95,21 +103,26 @@ std::optional<double> Traffic::base_left_m(VehicleIndex vehicle, zone::Place pla
   if (self.base_end == no_waypoint) return std::nullopt;
   const Sections coming =
       self.course.empty() || self.course.here() != place.section ? Sections{} : this->coming(vehicle);
-  return map_->base_left(place, self.base_end, self.base_m_max, coming);
+  return map_->base_left(place, self.base_end, self.base_m_max, coming, self.base_passed);
 }
 
 Traffic::Beyond Traffic::beyond_base(VehicleIndex vehicle, zone::Place place) const {
   const zone::Place end = map_->waypoint(vehicles_[vehicle].base_end).place;
   const Sections coming = this->coming(vehicle);
-  // It may have rolled a little past the end.
-  if (const auto past = map_->circuit().shortest_way(end, place, past_m)) {
+  const auto rolled_past = [&]() -> std::optional<Beyond> {
+    const auto past = map_->circuit().shortest_way(end, place, past_m);
+    if (!past) return std::nullopt;
     Beyond beyond{0, {past->sections.begin() + 1, past->sections.end()}};
     beyond.sections.insert(beyond.sections.end(), coming.begin(), coming.end());
     return beyond;
+  };
+  if (vehicles_[vehicle].base_passed) {
+    if (auto beyond = rolled_past()) return *beyond;
   }
   if (end.section == place.section && end.s_m >= place.s_m) return {0, {coming.begin(), coming.end()}};
-  const auto found = std::ranges::find(coming, end.section);
-  if (found == coming.end()) return {0, {}};
+  const auto left_m = map_->ahead(place, end, vehicles_[vehicle].base_m_max, coming);
+  const auto found = left_m ? std::ranges::find(coming, end.section) : coming.end();
+  if (found == coming.end()) return rolled_past().value_or(Beyond{0, {}});
   return {static_cast<std::size_t>(found - coming.begin()) + 1, {found + 1, coming.end()}};
 }
 

@@ -53,6 +53,8 @@ class Traffic {
   void forget(VehicleIndex vehicle);
   /// The end of the base it was given, whether it has said so or not; no_waypoint: none.
   void set_base_end(VehicleIndex vehicle, WaypointIndex end);
+  /// It says that it has driven its base to the end; until the next base.
+  void set_base_passed(VehicleIndex vehicle, bool passed);
   [[nodiscard]] WaypointIndex base_end(VehicleIndex vehicle) const { return vehicles_[vehicle].base_end; }
   [[nodiscard]] const std::optional<zone::Place>& place(VehicleIndex vehicle) const { return vehicles_[vehicle].place; }
 
@@ -79,6 +81,7 @@ class Traffic {
     std::vector<zone::SectionId> sections;  ///< after that one
   };
   [[nodiscard]] Beyond beyond_base(VehicleIndex vehicle, zone::Place place) const;
+  [[nodiscard]] bool base_passed(VehicleIndex vehicle) const { return vehicles_[vehicle].base_passed; }
   [[nodiscard]] double base_m_max(VehicleIndex vehicle) const { return vehicles_[vehicle].base_m_max; }
 
   /// Works out vehicles ahead and holds from places, courses and bases; call after changes and before asking.
@@ -118,6 +121,7 @@ class Traffic {
     zone::Course course;
     bool on_course{false};
     WaypointIndex base_end{no_waypoint};
+    bool base_passed{false};
     double base_m_max{};  ///< how long the base can be at most; one that seems longer has been driven to its end
     Ahead ahead;
     std::vector<CrossingIndex> needs;

@@ -125,7 +125,8 @@ void ServerCore::Inside::write_reserved(JsonWriter& json, VehicleIndex vehicle) 
     std::optional<double> left_m;
     const auto coming = simulator.twin(*proxy.twin).coming(place->section);
     if (traffic.base_end(vehicle) != no_waypoint)
-      left_m = map->base_left(*place, traffic.base_end(vehicle), traffic.base_m_max(vehicle), coming);
+      left_m = map->base_left(*place, traffic.base_end(vehicle), traffic.base_m_max(vehicle), coming,
+                              traffic.base_passed(vehicle));
     else if (proxy.base_end)
       left_m = circuit.distance_ahead(*place, *proxy.base_end, strange_base_m_max, coming);
     const auto at = [&](double d_m) { return position(circuit.pose_at(circuit.advance(*place, d_m, coming))); };

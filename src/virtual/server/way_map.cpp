@@ -168,19 +168,22 @@ const WayMap::Stretch& WayMap::stretch(WaypointIndex from) const {
 
 WayMap::Chain WayMap::chain(WaypointIndex stop, Sections coming, WaypointIndex goal) const {
   Chain chain;
+  Chain first;
   WaypointIndex at = stop;
   std::size_t passed = 0;
   // Waypoints are laid only where one may stand. Stretches that follow without a free one between them are one chain.
   for (std::size_t steps = 0; steps < chain_max; ++steps) {
     const Stretch* next = along(at, coming.subspan(std::min(passed, coming.size())));
-    if (next == nullptr || !next->crosses || (steps > 0 && next->to == stop)) break;
+    if (next == nullptr || !next->crosses || (steps > 0 && next->to == stop)) return chain;
     chain.exit = next->to;
     chain.length_m += next->length_m;
+    if (steps == 0) first = chain;
     passed += next->sections.size();
     at = next->to;
-    if (at == goal && passed >= coming.size()) break;
+    if (at == goal && passed >= coming.size()) return chain;
   }
-  return chain;
+  // Where every way crosses another there is no place to stand; then one goes from node to node.
+  return first;
 }
 
 std::span<const WaypointIndex> WayMap::find(std::string_view id) const {
@@ -249,10 +252,15 @@ WaypointIndex WayMap::sibling_on(WaypointIndex of, zone::SectionId section) cons
   return no_waypoint;
 }
 
-std::optional<double> WayMap::base_left(zone::Place place, WaypointIndex end, double limit_m, Sections coming) const {
+std::optional<double> WayMap::base_left(zone::Place place, WaypointIndex end, double limit_m, Sections coming,
+                                        bool passed) const {
   const zone::Place end_place = waypoint(end).place;
+  if (!passed) {
+    // Where a way comes back soon, what lies just behind may be what lies at its end.
+    if (const auto ahead_m = ahead(place, end_place, limit_m, coming)) return ahead_m;
+  }
   if (zone_->circuit.shortest_way(end_place, place, overshoot_m)) return 0.0;
-  return ahead(place, end_place, limit_m, coming);
+  return passed ? ahead(place, end_place, limit_m, coming) : std::nullopt;
 }
 
 std::optional<WayMap::Through> WayMap::through(zone::Place place, std::span<const std::string_view> ids,

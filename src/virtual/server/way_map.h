@@ -95,8 +95,9 @@ class WayMap {
   }
   /// Way from `place` to a base that ends at `end`: 0 when it stands there or a little beyond; nothing when the end is
   /// not within `limit_m` ahead.
+  /// @param passed  it has said that it passed the end, so that what is just behind is not one lap ahead
   [[nodiscard]] std::optional<double> base_left(zone::Place place, WaypointIndex end, double limit_m,
-                                                Sections coming = {}) const;
+                                                Sections coming = {}, bool passed = true) const;
 
   /// The way over nodes that a vehicle at `place` reports as left to drive.
   struct Through {

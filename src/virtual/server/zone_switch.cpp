@@ -120,7 +120,10 @@ void ServerCore::Inside::follow_switch() {
   if (!switched->sent_off || switched->first_moving) return;
   for (VehicleIndex v = 0; v < registry.size(); ++v) {
     const AivProxy& proxy = registry[v];
-    if (!proxy.here() || !roller.has_order(v) || simulator.twin(*proxy.twin).speed_mps() <= moving_mps) continue;
+    if (!proxy.here() || !roller.has_order(v)) continue;
+    // Turning towards its new line counts: VDA 5050's driving is "driving or rotating".
+    const bool drives = proxy.state && proxy.state->driving && proxy.map_id == map->zone().name;
+    if (!drives && simulator.twin(*proxy.twin).speed_mps() <= moving_mps) continue;
     switched->first_moving = now;
     outbox.log('i', "zone '" + wanted.id + "': " + proxy.name + " moves on it, " +
                         std::to_string(static_cast<std::int64_t>(ms_of(now - switched->at))) + " ms after the switch");

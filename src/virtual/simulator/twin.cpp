@@ -99,7 +99,10 @@ zone::Circuit::Located Twin::locate(const zone::Circuit& circuit, const Pose2& X
       candidate = next.front();
     }
   }
-  return prefer_course(circuit, X_MB, circuit.locate(position(X_MB), X_MB.heading_rad));
+  zone::Circuit::Located located = circuit.locate(position(X_MB), X_MB.heading_rad);
+  // Where no way that heads its way is near, it stands beside whichever is.
+  if (located.distance_m > circuit_within_m) located = circuit.locate(position(X_MB));
+  return prefer_course(circuit, X_MB, located);
 }
 
 zone::Circuit::Located Twin::prefer_course(const zone::Circuit& circuit, const Pose2& X_MB,

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "base/digest.h"
 #include "zone/opendrive/reader.h"
 #include "zone/opendrive/sections.h"
 #include "zone/opendrive/short_sections.h"
@@ -69,16 +70,17 @@ void note_what_is_not_taken(Report& report) {
   if (!types.empty()) report.add(Note::Kind::notice, "lane types", "file", "lanes that are not driven on: " + types);
 }
 
-/// The header's name, or the file's.
-std::string name_of(const Network& network, std::string_view origin) {
+/// The header's name, or one that the text alone decides: vehicles know the map by it, and a file that has travelled is
+/// called otherwise on every machine.
+std::string name_of(const Network& network, std::string_view text) {
   std::string name;
   for (const char c : network.name.substr(0, 64)) {
     if (static_cast<unsigned char>(c) >= 0x20) name += c;
   }
   if (name.find_first_not_of(' ') != std::string::npos) return name;
-  origin = origin.substr(origin.rfind('/') + 1);
-  origin = origin.substr(0, origin.find('.'));
-  return origin.empty() ? "roads" : std::string(origin.substr(0, 64));
+  Digest digest;
+  digest.add(text);
+  return "roads-" + digest.hex().substr(0, 6);
 }
 
 }  // namespace
@@ -103,7 +105,7 @@ Result<TrafficZone> OpenDriveCircuitFactory::make_zone(const ZoneConfiguration& 
   auto parts =
       lay_sections(*network, ways, companion->scale, {companion->tolerance_m, companion->tolerance_rad}, report);
   if (!parts) return fail(parts.error().code, parts.error().message, configuration.origin);
-  const std::string name = companion->name.value_or(name_of(*network, configuration.origin));
+  const std::string name = companion->name.value_or(name_of(*network, configuration.text));
   auto circuit = Circuit::make(name, std::move(*parts));
   if (!circuit) return fail(circuit.error().code, circuit.error().message, configuration.origin);
 
