@@ -1,0 +1,72 @@
+// Twelve AIVs over MQTT, their zone switched ten times while they drive: nobody restarts, nothing is lost, nothing touches.
+// By hand: node --test e2e/zone_switch_fleet.mjs; COSIVA_LONG=1 spreads the ten switches over five minutes. The server keeps
+// its last 20 000 traces, so its memory is flat only once they are there.
+import assert from 'node:assert/strict';
+import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import path from 'node:path';
+import { test } from 'node:test';
+import { Truth } from './lib/bus.mjs';
+import { artefacts_dir, cosiva, eventually, Platform, sleep, zone_file } from './lib/platform.mjs';
+
+const aivs = 12;
+const switches = 10;
+const rest_ms = process.env.COSIVA_LONG ? 30_000 : 5_000;
+
+function resident_mb(pid) {
+  const line = readFileSync(`/proc/${pid}/status`, 'utf8').split('\n').find((one) => one.startsWith('VmRSS'));
+  return Number(line.match(/\d+/)[0]) / 1024;
+}
+
+test('twelve AIVs circulate, and their zone is switched ten times', { timeout: 540_000 }, async (t) => {
+  const platform = await Platform.up(t, { aivs, args: ['--headless'] });
+  const truth = await Truth.follow(t, await platform.broker_port());
+  const server = await platform.child(/^server$/);
+  const children = () => platform.children().map(({ name, pid }) => `${name} ${pid}`).sort();
+  const family = children();
+  await sleep(5_000);
+
+  const first_moving_ms = [];
+  const memory_mb = [];
+  const driving = [];
+  let anchored = 0;
+  let commands = 0;
+  for (let i = 0; i < switches; ++i) {
+    const to = i % 2 === 0 ? 'indus8' : 'lacet4';
+    // A command on its way while the zone is switched must still be followed.
+    const slow = platform.command('slow', `CoSiVA/AIV${1 + (i % aivs)}`);
+    const done = await cosiva(['zone', 'switch', zone_file(to), '--url', platform.url]);
+    assert.equal(done.code, 0, `${done.stdout}${done.stderr}`);
+    const id = await slow;
+    const switched = await eventually(`the first twin moves on ${to}`, async () => {
+      const { zone, aivs: shown } = await platform.snapshot();
+      assert.equal(shown.length, aivs, 'no twin vanishes');
+      return zone.name === to && zone.switched?.first_moving_ms >= 0 && zone.switched;
+    }, { within_ms: 10_000, every_ms: 50 });
+    first_moving_ms.push(switched.first_moving_ms);
+    anchored += switched.anchored;
+    const command = await eventually(`command ${id} is followed`, async () => {
+      const { commands: all } = await platform.snapshot();
+      const one = all.find((entry) => entry.id === id || entry.id.startsWith(`${id}.`));
+      assert.notEqual(one?.state, 'failed', JSON.stringify(one));
+      return one?.state === 'materialised' && one;
+    }, { within_ms: 10_000 });
+    commands += command ? 1 : 0;
+    await platform.command('restart', '*');
+    const driven = await truth.driven(rest_ms);
+    driving.push([...driven.values()].filter((metres) => metres > 0.2).length);
+    memory_mb.push(resident_mb(server.pid));
+    assert.equal(truth.collisions, 0, `after switch ${i + 1}`);
+  }
+
+  assert.deepEqual(children(), family, 'nobody was restarted');
+  const report = { first_moving_ms, anchored_mean: anchored / switches, driving, memory_mb, commands };
+  mkdirSync(artefacts_dir, { recursive: true });
+  writeFileSync(path.join(artefacts_dir, 'zone_switch_fleet.json'), JSON.stringify(report, null, 1));
+  t.diagnostic(JSON.stringify(report));
+  assert.equal(commands, switches);
+  for (const number of driving) assert.ok(number >= aivs / 2, `after a switch only ${driving} vehicles drove on`);
+  for (const ms of first_moving_ms) assert.ok(ms < 1_000, `a twin moved on the new circuit only after ${ms} ms (${first_moving_ms})`);
+  assert.ok(memory_mb.at(-1) < 64, `the server grows: ${memory_mb}`);
+  if (process.env.COSIVA_LONG) assert.ok(memory_mb.at(-1) < memory_mb[4] * 1.05 + 1, `the server grows: ${memory_mb}`);
+  assert.equal((await platform.get('bijection')).matched, aivs);
+});
