@@ -42,9 +42,7 @@ Result<zone::ZoneConfiguration> load(const std::string& file) {
   auto text = text_of(file);
   if (!text) return fail("zone.missing", "there is no such file", file);
   zone::ZoneConfiguration configuration{std::move(*format), file, std::move(*text), {}};
-  if (configuration.format == "toml") return configuration;
-  const std::string stem = file.substr(0, file.find('.', file.rfind('/') + 1));
-  configuration.companion = text_of(stem + ".zone.toml").value_or("");
+  if (const auto companion = zone::companion_of_file(file)) configuration.companion = text_of(*companion).value_or("");
   return configuration;
 }
 

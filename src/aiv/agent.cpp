@@ -285,7 +285,7 @@ std::uint8_t Agent::branch() const {
 
   const Outlook outlook = estimator_.outlook();
   const double base_m = order_.distance_to_base_end_m();
-  SectionsAhead ahead{circuit, outlook};
+  zone::SectionsAhead ahead = sections_ahead(circuit, outlook);
   double end_m = -outlook.here.s_m;
   std::uint8_t next = wire::no_branch;
   for (;;) {

@@ -53,7 +53,7 @@ CrossingsAhead::Chain CrossingsAhead::first(const Outlook& outlook, double reach
   bool found = false;
   double start_m = -outlook.here.s_m;  // of the present section, seen from here
   double busy_until_m = 0.0;           // the end of the span that the vehicle stands in
-  SectionsAhead ahead{circuit_, outlook};
+  zone::SectionsAhead ahead = sections_ahead(circuit_, outlook);
   // Twice round is more than any chain needs; it ends the search on a ring that is one chain.
   for (std::size_t steps = 0; steps < 2 * circuit_.size(); ++steps) {
     for (const Span& span : spans_[ahead.section()]) {
@@ -133,7 +133,7 @@ double Envelope::section_limit_mps(const View& view, const zone::SpeedProfile& w
   const zone::Circuit& circuit = zone_.circuit;
   double limit_mps = std::numeric_limits<double>::infinity();
   double start_m = -view.outlook.here.s_m;
-  SectionsAhead ahead{circuit, view.outlook};
+  zone::SectionsAhead ahead = sections_ahead(circuit, view.outlook);
   while (start_m <= reach_m) {
     if (const auto& section_mps = circuit.part(ahead.section()).speed_mps_max)
       limit_mps = std::min(limit_mps, speed_before(*section_mps, std::max(0.0, start_m), wish.braking_mps2));
@@ -146,7 +146,7 @@ double Envelope::section_limit_mps(const View& view, const zone::SpeedProfile& w
 double Envelope::bend_ahead_m(const Outlook& outlook, double reach_m) const {
   const zone::Circuit& circuit = zone_.circuit;
   double end_m = -outlook.here.s_m;
-  SectionsAhead ahead{circuit, outlook};
+  zone::SectionsAhead ahead = sections_ahead(circuit, outlook);
   for (;;) {
     const zone::SectionId from = ahead.section();
     end_m += circuit.section(from).length_m();

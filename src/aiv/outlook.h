@@ -1,11 +1,10 @@
 #pragma once
 
-#include <cstddef>
 #include <optional>
 #include <span>
 
 #include "base/pose.h"
-#include "zone/circuit.h"
+#include "zone/course.h"
 
 namespace cosiva::aiv {
 
@@ -22,36 +21,9 @@ struct Outlook {
   std::optional<Pose2> X_MB{};
 };
 
-/// Goes from section to section along an outlook's way.
-class SectionsAhead {
- public:
-  SectionsAhead(const zone::Circuit& circuit, const Outlook& outlook)
-      : circuit_{circuit}, coming_{outlook.coming}, section_{outlook.here.section} {}
-
-  [[nodiscard]] zone::SectionId section() const { return section_; }
-  /// What follows; no_section at a dead end.
-  [[nodiscard]] zone::SectionId next() const {
-    if (step_ < coming_.size()) return coming_[step_];
-    const auto ways = circuit_.next(section_);
-    return ways.empty() ? zone::no_section : ways.front();
-  }
-  /// Whether anybody has said what follows, or there is only one way.
-  [[nodiscard]] bool decided() const { return step_ < coming_.size() || circuit_.next(section_).size() == 1; }
-  /// To the next one. False at a dead end, and nothing changed.
-  bool step() {
-    const zone::SectionId after = next();
-    if (after == zone::no_section) return false;
-    section_ = after;
-    ++step_;
-    return true;
-  }
-
- private:
-  const zone::Circuit& circuit_;
-  std::span<const zone::SectionId> coming_;
-  zone::SectionId section_;
-  std::size_t step_{0};
-};
+[[nodiscard]] inline zone::SectionsAhead sections_ahead(const zone::Circuit& circuit, const Outlook& outlook) {
+  return {circuit, outlook.here.section, outlook.coming};
+}
 
 /// What a vehicle turns on the spot from one section to the next; 0 where it rolls on.
 [[nodiscard]] inline double bend_rad(const zone::Circuit& circuit, zone::SectionId from, zone::SectionId to) {

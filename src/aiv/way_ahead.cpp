@@ -31,7 +31,7 @@ void WayAhead::sample(const Outlook& outlook) {
     }
     s_m += ahead_m - to_line_m;
   }
-  SectionsAhead ahead{circuit_, outlook};
+  zone::SectionsAhead ahead = sections_ahead(circuit_, outlook);
   for (; ahead_m <= reach_m_; ahead_m += sample_m_, s_m += sample_m_) {
     while (s_m > circuit_.section(ahead.section()).length_m()) {
       const double length_m = circuit_.section(ahead.section()).length_m();

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/expect.h"
+#include "zone/course.h"
 
 namespace cosiva::zone {
 namespace {
@@ -148,13 +149,12 @@ Place Circuit::advance(Place from, double distance_m, std::span<const SectionId>
                        std::span<const SectionId> gone) const {
   COSIVA_EXPECT(from.section < parts_.size() && std::isfinite(distance_m));
   double s = std::clamp(from.s_m, 0.0, section(from.section).length_m()) + distance_m;
-  SectionId id = from.section;
-  for (std::size_t i = 0; s > section(id).length_m(); ++i) {
-    const SectionId after = i < coming.size() ? coming[i] : next(id).empty() ? no_section : next(id).front();
-    if (after == no_section) break;
-    s -= section(id).length_m();
-    id = after;
+  SectionsAhead ahead{*this, from.section, coming};
+  for (double length_m = section(from.section).length_m(); s > length_m && ahead.step();) {
+    s -= length_m;
+    length_m = section(ahead.section()).length_m();
   }
+  SectionId id = ahead.section();
   for (std::size_t left = gone.size(); s < 0.0;) {
     const SectionId before = left > 0 ? gone[--left] : previous(id).empty() ? no_section : previous(id).front();
     if (before == no_section) break;
@@ -170,18 +170,13 @@ std::optional<double> Circuit::distance_ahead(Place from, Place to, double limit
   const auto within = [limit_m](double d_m) { return d_m <= limit_m ? std::optional{d_m} : std::nullopt; };
   if (from.section == to.section && to.s_m >= from.s_m) return within(to.s_m - from.s_m);
 
-  double travelled_m = section(from.section).length_m() - from.s_m;  // up to the start of `id`
-  SectionId id = from.section;
+  double travelled_m = section(from.section).length_m() - from.s_m;  // up to the start of the next one
+  SectionsAhead ahead{*this, from.section, coming};
   // A default way that comes back to a section it has been on never gets anywhere new.
   for (std::size_t steps = 0; steps < coming.size() + parts_.size() && travelled_m <= limit_m; ++steps) {
-    if (steps < coming.size())
-      id = coming[steps];
-    else if (next(id).empty())
-      return std::nullopt;
-    else
-      id = next(id).front();
-    if (id == to.section) return within(travelled_m + to.s_m);
-    travelled_m += section(id).length_m();
+    if (!ahead.step()) return std::nullopt;
+    if (ahead.section() == to.section) return within(travelled_m + to.s_m);
+    travelled_m += section(ahead.section()).length_m();
   }
   return std::nullopt;
 }

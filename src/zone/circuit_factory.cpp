@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "base/digest.h"
+
 namespace cosiva::zone {
 
 Result<ZoneConfiguration> CircuitFactory::written(const TrafficZone&, std::vector<Note>&) const {
@@ -18,6 +20,18 @@ std::vector<Error> CircuitFactory::faults(const ZoneConfiguration& configuration
   const auto zone = make_zone(configuration);
   if (zone) return {};
   return {zone.error()};
+}
+
+bool same_content(const ZoneConfiguration& a, const ZoneConfiguration& b) {
+  return a.format == b.format && a.text == b.text && a.companion == b.companion;
+}
+
+std::string version_of(const ZoneConfiguration& configuration) {
+  Digest digest;
+  digest.add(std::string_view{configuration.format});
+  digest.add(std::string_view{configuration.companion});
+  digest.add(std::string_view{configuration.text});
+  return digest.hex();
 }
 
 std::string to_payload(const ZoneConfiguration& configuration) {

@@ -21,6 +21,10 @@ struct ZoneConfiguration {
   friend bool operator==(const ZoneConfiguration&, const ZoneConfiguration&) = default;
 };
 
+/// Whether two configurations say the same; where they came from is no part of that.
+[[nodiscard]] bool same_content(const ZoneConfiguration& a, const ZoneConfiguration& b);
+/// What VDA 5050 calls a map's version: 16 hexadecimal digits, equal for whoever has the same content.
+[[nodiscard]] std::string version_of(const ZoneConfiguration& configuration);
 /// As it travels on its topic: the file's bytes alone, or the companion, a zero byte, and the file's bytes.
 [[nodiscard]] std::string to_payload(const ZoneConfiguration& configuration);
 [[nodiscard]] ZoneConfiguration from_payload(std::string format, std::string origin, std::string_view payload);

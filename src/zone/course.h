@@ -8,6 +8,38 @@
 
 namespace cosiva::zone {
 
+/// Goes from section to section along a way: through `coming`, which follows `section`, and from its end along default
+/// successors. Refers to the way, which must outlive it.
+class SectionsAhead {
+ public:
+  SectionsAhead(const Circuit& circuit, SectionId section, std::span<const SectionId> coming)
+      : circuit_{circuit}, coming_{coming}, section_{section} {}
+
+  [[nodiscard]] SectionId section() const { return section_; }
+  /// What follows; no_section at a dead end.
+  [[nodiscard]] SectionId next() const {
+    if (step_ < coming_.size()) return coming_[step_];
+    const auto ways = circuit_.next(section_);
+    return ways.empty() ? no_section : ways.front();
+  }
+  /// Whether anybody has said what follows, or there is only one way.
+  [[nodiscard]] bool decided() const { return step_ < coming_.size() || circuit_.next(section_).size() == 1; }
+  /// To the next one. False at a dead end, and nothing changed.
+  bool step() {
+    const SectionId after = next();
+    if (after == no_section) return false;
+    section_ = after;
+    ++step_;
+    return true;
+  }
+
+ private:
+  const Circuit& circuit_;
+  std::span<const SectionId> coming_;
+  SectionId section_;
+  std::size_t step_{0};
+};
+
 /// The way that somebody takes through the circuit: a row of sections, each a successor of the one before, and which of
 /// them it is on. Where the row ends, default successors go on. An empty course is: default successors, always.
 class Course {

@@ -8,17 +8,8 @@
 namespace cosiva::aiv {
 namespace {
 
-/// The same words; where they came from does not matter.
-bool same_words(const zone::ZoneConfiguration& a, const zone::ZoneConfiguration& b) {
-  return a.format == b.format && a.text == b.text && a.companion == b.companion;
-}
-
 wire::MapInfo map_info(const std::string& name, const zone::ZoneConfiguration& configuration, bool enabled) {
-  Digest digest;
-  digest.add(std::string_view{configuration.format});
-  digest.add(std::string_view{configuration.companion});
-  digest.add(std::string_view{configuration.text});
-  return {name, digest.hex(), {}, enabled};
+  return {name, zone::version_of(configuration), {}, enabled};
 }
 
 }  // namespace
@@ -28,8 +19,8 @@ void OnboardCore::Inside::on_zone(const wire::Input& input, wire::Effects& effec
   if (input.payload.empty()) return;
   auto announced = zone::from_payload(input.source.substr(wire::zone_topic_prefix.size()), input.source, input.payload);
   if (!agent) return use_zone(std::move(announced), effects);
-  if (coming_zone && same_words(announced, coming_zone->configuration())) return;
-  if (same_words(announced, configuration)) {
+  if (coming_zone && same_content(announced, coming_zone->configuration())) return;
+  if (same_content(announced, configuration)) {
     zone_refused.clear();
     return call_off_switch(effects);
   }

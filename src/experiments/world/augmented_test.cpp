@@ -3,32 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <algorithm>
-#include <fstream>
-#include <sstream>
 
 #include "base/json_value.h"
 #include "base/math.h"
-#include "experiments/world/world.h"
+#include "experiments/world/test_world.h"
 
 namespace cosiva::experiments {
 namespace {
 
 using namespace std::chrono_literals;
-
-std::unique_ptr<World> world_of(std::uint32_t aivs, std::uint64_t seed = 1, double loss = 0.0) {
-  const std::string path = std::string(COSIVA_SOURCE_DIR) + "/zones/lacet4.toml";
-  std::ifstream file{path};
-  std::ostringstream text;
-  text << file.rdbuf();
-  WorldOptions options;
-  options.zone = {"toml", "zones/lacet4.toml", text.str()};
-  options.aivs = aivs;
-  options.seed = seed;
-  options.network.loss = loss;
-  auto world = World::make(std::move(options));
-  EXPECT_TRUE(world.has_value()) << (world ? "" : to_string(world.error()));
-  return std::move(*world);
-}
+using testing::world_of;
 
 physical::TrueVehicle vehicle(const World& world, std::uint32_t number) {
   return world.plant().vehicles().at(number - 1);
@@ -208,7 +192,7 @@ TEST(Augmented, virtual_and_physical_AIVs_circulate_together_and_never_touch) {
   EXPECT_GT(nearest_m, 0.12) << "bodies are 0.20 m by 0.12 m";
   for (const double furthest : furthest_m) EXPECT_GT(furthest, 1.5) << "each goes round";
   for (const auto& real : world->plant().vehicles()) EXPECT_GT(real.distance_m, 10.0);
-  EXPECT_THAT(world->plant().collisions(), testing::IsEmpty());
+  EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
   EXPECT_EQ(bijection(*world).number("augmented"), 3.0);
 }
 
@@ -229,7 +213,7 @@ TEST(Augmented, a_physical_obstacle_appears_where_it_stands_and_vanishes_when_pa
   }
   world->command_plant(R"({"removeObstacle":"box"})");
   world->run_for(15s);
-  EXPECT_THAT(*snapshot(*world).find("obstacles")->array(), testing::IsEmpty());
+  EXPECT_THAT(*snapshot(*world).find("obstacles")->array(), ::testing::IsEmpty());
   const JsonValue figures = bijection(*world);
   EXPECT_GE(figures.find("effects")->find("shown_ms")->number("count"), 1.0);
 }
@@ -238,7 +222,7 @@ TEST(Augmented, vehicles_that_see_each_other_make_no_obstacle_of_it) {
   const auto world = world_of(8);
   for (int i = 0; i < 120; ++i) {
     world->run_for(500ms);
-    EXPECT_THAT(*snapshot(*world).find("obstacles")->array(), testing::IsEmpty()) << "after " << i / 2 << " s";
+    EXPECT_THAT(*snapshot(*world).find("obstacles")->array(), ::testing::IsEmpty()) << "after " << i / 2 << " s";
   }
 }
 
@@ -256,10 +240,10 @@ TEST(Augmented, all_of_it_is_there_again_after_the_server_was_killed) {
   const JsonValue shown = snapshot(*world);
   EXPECT_EQ(shown.find("things")->array()->size(), 1U);
   EXPECT_NE(aiv_of(shown, "CoSiVA.virtual/V1"), nullptr);
-  EXPECT_THAT(world->server().zone_configuration()->text, testing::HasSubstr("s_m = 1.2"));
+  EXPECT_THAT(world->server().zone_configuration()->text, ::testing::HasSubstr("s_m = 1.2"));
   world->run_for(60s);
   for (const auto& v : world->plant().vehicles()) EXPECT_GT(v.distance_m, 5.0) << "AIV" << v.number;
-  EXPECT_THAT(world->plant().collisions(), testing::IsEmpty());
+  EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
 }
 
 TEST(Augmented, a_tag_moved_on_the_page_moves_everywhere_and_rectifies_at_its_new_place) {
@@ -274,8 +258,8 @@ TEST(Augmented, a_tag_moved_on_the_page_moves_everywhere_and_rectifies_at_its_ne
     const auto tag = aiv_of(shown, "CoSiVA/AIV1")->number("lastTag");
     if (tag && (seen.empty() || seen.back() != *tag)) seen.push_back(*tag);
   }
-  EXPECT_THAT(seen, testing::Contains(77.0));
-  EXPECT_THAT(seen, testing::Not(testing::Contains(3.0)));
+  EXPECT_THAT(seen, ::testing::Contains(77.0));
+  EXPECT_THAT(seen, ::testing::Not(::testing::Contains(3.0)));
   const auto truth = vehicle(*world, 1);
   const auto belief = world->aiv(1).believed_pose();
   ASSERT_TRUE(belief.has_value());

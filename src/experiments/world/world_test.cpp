@@ -1,9 +1,7 @@
-#include "experiments/world/world.h"
+#include "experiments/world/test_world.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <fstream>
-#include <sstream>
 
 #include "base/json_value.h"
 
@@ -11,25 +9,7 @@ namespace cosiva::experiments {
 namespace {
 
 using namespace std::chrono_literals;
-
-zone::ZoneConfiguration lacet4() {
-  const std::string path = std::string(COSIVA_SOURCE_DIR) + "/zones/lacet4.toml";
-  std::ifstream file{path};
-  std::ostringstream text;
-  text << file.rdbuf();
-  return {"toml", "zones/lacet4.toml", text.str()};
-}
-
-std::unique_ptr<World> world_of(std::uint32_t aivs, std::uint64_t seed = 1, double loss = 0.0) {
-  WorldOptions options;
-  options.zone = lacet4();
-  options.aivs = aivs;
-  options.seed = seed;
-  options.network.loss = loss;
-  auto world = World::make(std::move(options));
-  EXPECT_TRUE(world.has_value()) << (world ? "" : to_string(world.error()));
-  return std::move(*world);
-}
+using testing::world_of;
 
 JsonValue bijection(const World& world) {
   JsonWriter json;
@@ -55,7 +35,7 @@ TEST(World, four_AIVs_circulate_each_with_its_twin_and_none_collides) {
   const auto world = world_of(4);
   world->run_for(120s);
 
-  EXPECT_THAT(world->plant().collisions(), testing::IsEmpty());
+  EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
   for (const auto& v : world->plant().vehicles()) {
     EXPECT_GE(v.laps, 1U) << "AIV" << v.number << " drove " << v.distance_m << " m";
   }
@@ -98,7 +78,7 @@ TEST(World, a_stop_given_virtually_stops_the_physical_vehicle_and_restart_lets_i
   const JsonValue figures = bijection(*world);
   EXPECT_EQ(number_at(figures, "commands", "issued"), 2.0);
   EXPECT_EQ(number_at(figures, "commands", "materialised"), 2.0);
-  EXPECT_THAT(world->plant().collisions(), testing::IsEmpty());
+  EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
 }
 
 TEST(World, slow_means_slow_on_the_physical_side) {
@@ -118,7 +98,7 @@ TEST(World, an_obstacle_on_the_line_stops_a_vehicle_and_its_removal_lets_it_go) 
   // In the middle of the south-eastern loop (centre (0.75, −0.75), radius 0.60), where no crossing is.
   world->command_plant(R"({"addObstacle":{"id":"box","x":1.1742640687,"y":-1.1742640687,"radius":0.05}})");
   world->run_for(60s);
-  EXPECT_THAT(world->plant().collisions(), testing::IsEmpty());
+  EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
   EXPECT_NEAR(vehicle(*world, 1).speed_mps, 0.0, 1e-3);
   const double stood_at = vehicle(*world, 1).distance_m;
   world->command_plant(R"({"removeObstacle":"box"})");
@@ -134,13 +114,13 @@ TEST(World, a_dead_vehicle_is_shown_broken_and_hit_by_nobody_and_rejoins) {
   const JsonValue shown = *JsonValue::parse(world->server().snapshot_json());
   EXPECT_EQ(shown.find("aivs")->array()->at(0).text("connection"), "CONNECTIONBROKEN");
   world->run_for(60s);
-  EXPECT_THAT(world->plant().collisions(), testing::IsEmpty());
+  EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
 
   const double stood_at = vehicle(*world, 1).distance_m;
   world->start_aiv(1);
   world->run_for(30s);
   EXPECT_GT(vehicle(*world, 1).distance_m, stood_at + 1.0);
-  EXPECT_THAT(world->plant().collisions(), testing::IsEmpty());
+  EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
 }
 
 TEST(World, without_its_server_the_fleet_stops_and_goes_on_when_it_is_back) {
@@ -157,7 +137,7 @@ TEST(World, without_its_server_the_fleet_stops_and_goes_on_when_it_is_back) {
   world->run_for(60s);
   for (const auto& v : world->plant().vehicles()) EXPECT_GT(v.distance_m, 3.0);
   EXPECT_GT(total_distance_m(*world), before + 10.0);
-  EXPECT_THAT(world->plant().collisions(), testing::IsEmpty());
+  EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
   EXPECT_EQ(bijection(*world).number("matched"), 4.0);
 }
 
@@ -166,7 +146,7 @@ TEST(World, refuses_a_bad_zone_with_its_place) {
   options.zone = {"toml", "bad.toml", "name = \"x\"\nformat_version = 1\n"};
   const auto world = World::make(std::move(options));
   ASSERT_FALSE(world.has_value());
-  EXPECT_THAT(to_string(world.error()), testing::HasSubstr("bad.toml"));
+  EXPECT_THAT(to_string(world.error()), ::testing::HasSubstr("bad.toml"));
 }
 
 }  // namespace

@@ -2,35 +2,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <sstream>
-
 #include "base/json_value.h"
-#include "experiments/world/world.h"
+#include "experiments/world/test_world.h"
 
 namespace cosiva::experiments {
 namespace {
 
 using namespace std::chrono_literals;
-
-zone::ZoneConfiguration zone_named(const std::string& name) {
-  const std::string path = std::string(COSIVA_SOURCE_DIR) + "/zones/" + name + ".toml";
-  std::ifstream file{path};
-  std::ostringstream text;
-  text << file.rdbuf();
-  return {"toml", "zones/" + name + ".toml", text.str()};
-}
-
-std::unique_ptr<World> world_of(std::uint32_t aivs, std::uint64_t seed = 1, double loss = 0.0) {
-  WorldOptions options;
-  options.zone = zone_named("lacet4");
-  options.aivs = aivs;
-  options.seed = seed;
-  options.network.loss = loss;
-  auto world = World::make(std::move(options));
-  EXPECT_TRUE(world.has_value()) << (world ? "" : to_string(world.error()));
-  return std::move(*world);
-}
+using testing::world_of;
+using testing::zone_named;
 
 void switch_to(World& world, const zone::ZoneConfiguration& configuration) {
   JsonWriter json;
@@ -73,13 +53,13 @@ TEST(ZoneSwitch, takes_the_fleet_to_another_circuit_without_a_restart_a_jump_or_
     before = now;
     ASSERT_EQ(twins(*world), 4U);
   }
-  EXPECT_THAT(world->plant().collisions(), testing::IsEmpty());
+  EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
   EXPECT_EQ(snapshot(*world).find("zone")->text("name"), "indus8");
   world->run_for(40s);
   const auto later_m = distances_m(*world);
   for (std::size_t v = 0; v < later_m.size(); ++v)
     EXPECT_GT(later_m[v] - at_switch_m[v], 3.0) << "AIV" << v + 1 << " drives on the new circuit";
-  EXPECT_THAT(world->plant().collisions(), testing::IsEmpty());
+  EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
 }
 
 TEST(ZoneSwitch, moves_the_first_twin_within_a_second) {
@@ -94,7 +74,7 @@ TEST(ZoneSwitch, moves_the_first_twin_within_a_second) {
     EXPECT_LT(switched->number("first_moving_ms").value_or(1e9), 1000.0) << name;
     EXPECT_GT(switched->number("anchored").value_or(0.0), 0.0) << name;
   }
-  EXPECT_THAT(world->plant().collisions(), testing::IsEmpty());
+  EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
 }
 
 TEST(ZoneSwitch, ten_times_in_five_minutes_gives_the_same_digest_twice_and_no_collision) {
@@ -106,7 +86,7 @@ TEST(ZoneSwitch, ten_times_in_five_minutes_gives_the_same_digest_twice_and_no_co
       world->run_for(29s);
       EXPECT_EQ(twins(*world), 12U);
     }
-    EXPECT_THAT(world->plant().collisions(), testing::IsEmpty());
+    EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
     double driven_m = 0.0;
     for (const double d : distances_m(*world)) driven_m += d;
     EXPECT_GT(driven_m, 12.0 * 20.0);
@@ -133,7 +113,7 @@ TEST(ZoneSwitch, to_a_configuration_that_fails_its_check_leaves_the_old_zone_run
   EXPECT_EQ(shot.find("zone")->text("name"), "lacet4");
   const JsonValue* refused = shot.find("zone")->find("refused");
   ASSERT_NE(refused, nullptr);
-  EXPECT_THAT(refused->text("why").value_or(""), testing::HasSubstr("?"));
+  EXPECT_THAT(refused->text("why").value_or(""), ::testing::HasSubstr("?"));
   EXPECT_FALSE(refused->text("why").value_or("").empty());
 }
 
@@ -172,7 +152,7 @@ TEST(ZoneSwitch, survives_the_death_of_the_server_and_of_a_vehicle) {
   world->run_for(20s);
   const auto after_m = distances_m(*world);
   for (std::size_t v = 0; v < after_m.size(); ++v) EXPECT_GT(after_m[v] - before_m[v], 1.0) << "AIV" << v + 1;
-  EXPECT_THAT(world->plant().collisions(), testing::IsEmpty());
+  EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
 }
 
 }  // namespace

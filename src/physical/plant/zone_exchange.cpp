@@ -9,11 +9,6 @@
 namespace cosiva::physical {
 namespace {
 
-/// Where it came from is no part of what a zone is.
-bool same(const zone::ZoneConfiguration& a, const zone::ZoneConfiguration& b) {
-  return a.format == b.format && a.text == b.text && a.companion == b.companion;
-}
-
 void log(char level, std::string text, wire::Effects& effects) {
   effects.emplace_back(wire::Log{level, std::move(text)});
 }
@@ -51,7 +46,7 @@ std::optional<ZoneExchange::News> ZoneExchange::on_message(std::string_view topi
   if (payload.empty()) return std::nullopt;  // somebody cleared what the broker keeps
   auto heard =
       zone::from_payload(std::string(topic.substr(wire::zone_topic_prefix.size())), std::string(topic), payload);
-  if (same(heard, own_)) {
+  if (same_content(heard, own_)) {
     due_ = due_ && !others_.empty();  // the broker has it already, or this is what we said
     return std::nullopt;
   }

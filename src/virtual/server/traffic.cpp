@@ -176,21 +176,17 @@ Traffic::Ahead Traffic::ahead_within(VehicleIndex index, double limit_m) const {
   const zone::Circuit& circuit = map_->circuit();
   const Sections coming = this->coming(index);
   Ahead nearest{no_vehicle, std::max(limit_m, rules_.look_ahead_m)};
-  zone::SectionId section = self.place->section;
-  look_on(section, 0.0, self.place->s_m, everywhere, index, nearest);
-  double travelled_m = circuit.section(section).length_m() - self.place->s_m;
+  zone::SectionsAhead way{circuit, self.place->section, coming};
+  look_on(way.section(), 0.0, self.place->s_m, everywhere, index, nearest);
+  double travelled_m = circuit.section(way.section()).length_m() - self.place->s_m;
   for (std::size_t steps = 0; steps < coming.size() + circuit.size() && travelled_m <= nearest.distance_m; ++steps) {
-    const auto next = circuit.next(section);
-    const zone::SectionId after = steps < coming.size() ? coming[steps]
-                                  : next.empty()        ? zone::no_section
-                                                        : next.front();
-    if (after == zone::no_section) break;
+    const auto branches = circuit.next(way.section());
+    if (!way.step()) break;
     // Those on another branch are in the way as long as their bodies have not parted from it.
-    for (const zone::SectionId branch : next)
-      if (branch != after) look_on(branch, travelled_m, 0.0, map_->parted_m(branch), index, nearest);
-    section = after;
-    look_on(section, travelled_m, 0.0, everywhere, index, nearest);
-    travelled_m += circuit.section(section).length_m();
+    for (const zone::SectionId branch : branches)
+      if (branch != way.section()) look_on(branch, travelled_m, 0.0, map_->parted_m(branch), index, nearest);
+    look_on(way.section(), travelled_m, 0.0, everywhere, index, nearest);
+    travelled_m += circuit.section(way.section()).length_m();
   }
   if (nearest.vehicle == no_vehicle) return {};
   return nearest;

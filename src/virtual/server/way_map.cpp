@@ -17,11 +17,6 @@ void add_once(std::vector<CrossingIndex>& out, CrossingIndex crossing) {
   if (std::ranges::find(out, crossing) == out.end()) out.push_back(crossing);
 }
 
-zone::SectionId default_next(const zone::Circuit& circuit, zone::SectionId section) {
-  const auto next = circuit.next(section);
-  return next.empty() ? zone::no_section : next.front();
-}
-
 void slower(std::optional<double>& limit, const std::optional<double>& other) {
   if (other) limit = limit ? std::min(*limit, *other) : *other;
 }
@@ -145,11 +140,9 @@ void WayMap::finish(WaypointIndex from, Stretch& stretch) const {
 }
 
 bool WayMap::is_default(WaypointIndex from, const Stretch& stretch) const {
-  zone::SectionId at = waypoint(from).place.section;
-  return std::ranges::all_of(stretch.sections, [&](zone::SectionId section) {
-    at = default_next(zone_->circuit, at);
-    return at == section;
-  });
+  zone::SectionsAhead usual{zone_->circuit, waypoint(from).place.section, {}};
+  return std::ranges::all_of(stretch.sections,
+                             [&](zone::SectionId section) { return usual.step() && usual.section() == section; });
 }
 
 const WayMap::Stretch* WayMap::along(WaypointIndex from, Sections coming) const {
@@ -320,27 +313,25 @@ void WayMap::spans_on(zone::SectionId section, double from_m, double to_m, bool 
 void WayMap::crossings_on(zone::Place place, double distance_m, std::vector<CrossingIndex>& out,
                           Sections coming) const {
   const zone::Circuit& circuit = zone_->circuit;
-  zone::SectionId section = place.section;
   double from_m = place.s_m - left_m;
   double rest_m = distance_m;
   // What was left just behind the joint still counts by its 2 cm.
   if (from_m < 0.0) {
-    for (const zone::SectionId before : circuit.previous(section)) {
+    for (const zone::SectionId before : circuit.previous(place.section)) {
       const double end_m = circuit.section(before).length_m();
       spans_on(before, end_m + from_m, end_m, true, out);
     }
   }
   double at_m = place.s_m;
+  zone::SectionsAhead ahead{circuit, place.section, coming};
   for (std::size_t steps = 0; steps <= coming.size() + circuit.size(); ++steps) {
     const bool first = steps == 0;
-    const double end_m = circuit.section(section).length_m();
+    const double end_m = circuit.section(ahead.section()).length_m();
     const double reach_m = std::min(end_m, at_m + rest_m);
     // Without way to go, only what it stands in counts.
-    spans_on(section, first ? from_m : at_m, rest_m > 0.0 ? reach_m : from_m, first, out);
+    spans_on(ahead.section(), first ? from_m : at_m, rest_m > 0.0 ? reach_m : from_m, first, out);
     rest_m -= end_m - at_m;
-    if (rest_m <= 0.0) return;
-    section = steps < coming.size() ? coming[steps] : default_next(circuit, section);
-    if (section == zone::no_section) return;
+    if (rest_m <= 0.0 || !ahead.step()) return;
     at_m = 0.0;
   }
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/pose.h"
+#include "zone/course.h"
 #include "zone/traffic_zone.h"
 
 namespace cosiva::virtual_side {

@@ -6,12 +6,6 @@
 #include "zone/edit.h"
 
 namespace cosiva::virtual_side {
-namespace {
-
-bool same(const zone::ZoneConfiguration& a, const zone::ZoneConfiguration& b) { return same_content(a, b); }
-
-}  // namespace
-
 bool ZoneEdits::is_ours(std::string_view command) {
   return command == "edit" || command == "undo" || command == "redo" || command == "saved";
 }
@@ -36,7 +30,7 @@ Result<zone::ZoneConfiguration> ZoneEdits::after(const JsonValue& command, const
   if (!edit) return tl::unexpected(edit.error());
   auto made = zone::edited(*simulator.configuration(), *edit);
   if (!made) return made;
-  if (same(*made, *simulator.configuration())) return fail("edit.nothing", "this edit changes nothing", "edit");
+  if (same_content(*made, *simulator.configuration())) return fail("edit.nothing", "this edit changes nothing", "edit");
   // What we publish, everybody must be able to build.
   if (auto rtm = zone::Rtm::initialise(*made); !rtm) return tl::unexpected(rtm.error());
   return made;
@@ -63,12 +57,12 @@ void ZoneEdits::done(std::string_view command, zone::ZoneConfiguration before) {
 void ZoneEdits::saved(const zone::ZoneConfiguration& now_in_force) { saved_ = now_in_force; }
 
 ZoneEdits::Arrival ZoneEdits::arrives(const zone::ZoneConfiguration& configuration) {
-  const auto echo = std::ranges::find_if(expected_, [&](const auto& own) { return same(own, configuration); });
+  const auto echo = std::ranges::find_if(expected_, [&](const auto& own) { return same_content(own, configuration); });
   if (echo != expected_.end()) {
     expected_.erase(expected_.begin(), echo + 1);  // retained messages may be skipped, never swapped
     return Arrival::echo;
   }
-  return base_ && same(*base_, configuration) ? Arrival::stale : Arrival::news;
+  return base_ && same_content(*base_, configuration) ? Arrival::stale : Arrival::news;
 }
 
 void ZoneEdits::published(const zone::ZoneConfiguration& configuration) { push(expected_, configuration); }
@@ -84,11 +78,11 @@ void ZoneEdits::begin(const zone::ZoneConfiguration& configuration, Origin origi
 }
 
 bool ZoneEdits::unsaved(const Simulator& simulator) const {
-  return saved_ && simulator.configuration() != nullptr && !same(*saved_, *simulator.configuration());
+  return saved_ && simulator.configuration() != nullptr && !same_content(*saved_, *simulator.configuration());
 }
 
 bool ZoneEdits::edited(const Simulator& simulator) const {
-  return base_ && simulator.configuration() != nullptr && !same(*base_, *simulator.configuration());
+  return base_ && simulator.configuration() != nullptr && !same_content(*base_, *simulator.configuration());
 }
 
 void ZoneEdits::write_memory(JsonWriter& json, const Simulator& simulator) const {
@@ -109,9 +103,9 @@ ZoneEdits::Recalled ZoneEdits::recalled(const JsonValue& memory, const zone::Zon
   auto made = zone::zone_configuration_from_json(*made_json);
   if (!base || !made) return {};
   Recalled recalled{Recalled::Fit::another, std::move(*base), std::move(*made), memory.flag("saved").value_or(false)};
-  if (same(recalled.made, in_force))
+  if (same_content(recalled.made, in_force))
     recalled.fit = Recalled::Fit::made;
-  else if (same(recalled.base, in_force))
+  else if (same_content(recalled.base, in_force))
     recalled.fit = Recalled::Fit::base;
   return recalled;
 }

@@ -1,7 +1,5 @@
 // From one zone to another while vehicles drive: who is on the new one already, who stands where, when to go on.
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <utility>
 
@@ -16,16 +14,6 @@ constexpr SimDuration change_patience{std::chrono::seconds{10}};
 constexpr double moving_mps = 0.01;
 
 double ms_of(SimDuration duration) { return static_cast<double>(duration.count()) * 1e-6; }
-
-/// The same for everybody who has the same text.
-std::string version_of(const zone::ZoneConfiguration& configuration) {
-  Digest digest;
-  digest.add(std::string_view{configuration.text});
-  digest.add(std::string_view{configuration.companion});
-  std::array<char, 16> digits{};
-  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), digest.value(), 16).ptr;
-  return {digits.data(), end};
-}
 
 }  // namespace
 
@@ -94,7 +82,7 @@ std::string ServerCore::Inside::parked(VehicleIndex vehicle) const {
 
 void ServerCore::Inside::follow_switch() {
   if (!map) return;
-  const MapDesk::Map wanted{map->zone().name, version_of(*simulator.configuration()), options.map_download_link};
+  const MapDesk::Map wanted{map->zone().name, zone::version_of(*simulator.configuration()), options.map_download_link};
   for (VehicleIndex v = 0; v < registry.size(); ++v) {
     const AivProxy& proxy = registry[v];
     if (options.drive && !proxy.ours() && proxy.here() && !proxy.map_id.empty() && proxy.map_id != wanted.id)

@@ -7,10 +7,6 @@
 
 namespace cosiva::virtual_side {
 
-bool same_content(const zone::ZoneConfiguration& a, const zone::ZoneConfiguration& b) {
-  return a.format == b.format && a.text == b.text && a.companion == b.companion;
-}
-
 Result<Simulator::Reception> Simulator::receive(SimTime now, const zone::ZoneConfiguration& configuration,
                                                 const Step& step) {
   // A retained configuration comes again after each reconnection.

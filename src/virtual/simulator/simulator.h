@@ -21,9 +21,6 @@
 
 namespace cosiva::virtual_side {
 
-/// Whether two configurations say the same; where they came from is no part of that.
-[[nodiscard]] bool same_content(const zone::ZoneConfiguration& a, const zone::ZoneConfiguration& b);
-
 /// The virtual environment. It receives a zone's configuration, instantiates the RTM, asks it for the circuit factory,
 /// the factory for the circuit, and has the circuit draw itself (A23); it holds the twins and the bijection monitor. It
 /// handles any circuit without knowing which one it is (A19).
