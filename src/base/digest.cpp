@@ -1,20 +1,23 @@
 #include "base/digest.h"
 
+#include <cstring>
+
 namespace cosiva {
 
 void Digest::add(std::string_view bytes) noexcept {
   add(static_cast<std::uint64_t>(bytes.size()));
-  std::uint64_t word = 0;
-  unsigned filled = 0;
-  for (const char c : bytes) {
-    word |= static_cast<std::uint64_t>(static_cast<unsigned char>(c)) << (8U * filled);
-    if (++filled == 8) {
-      add(word);
-      word = 0;
-      filled = 0;
-    }
+  // Words of eight bytes, the first one lowest on every machine.
+  for (; bytes.size() >= 8; bytes.remove_prefix(8)) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, bytes.data(), 8);
+    if constexpr (std::endian::native == std::endian::big) word = __builtin_bswap64(word);
+    add(word);
   }
-  if (filled != 0) add(word);
+  if (bytes.empty()) return;
+  std::uint64_t word = 0;
+  for (unsigned i = 0; i < bytes.size(); ++i)
+    word |= static_cast<std::uint64_t>(static_cast<unsigned char>(bytes[i])) << (8U * i);
+  add(word);
 }
 
 std::string Digest::hex() const {

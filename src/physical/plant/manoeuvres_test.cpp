@@ -196,7 +196,6 @@ TEST(LineVehicle, seeks_the_line_within_reach_and_follows_it) {
     LineVehicle vehicle = on(old, {0, 5.0}, 0.0005);
     const Pose2 began = vehicle.body().X_MB;
     vehicle.stand_on(next);
-    Pose2 told;
     Pose2 summed;
     bool manoeuvred = false;
     for (int i = 0; i < 1500 && !vehicle.following(); ++i) {

@@ -41,7 +41,8 @@ TEST_F(Fork, has_a_stretch_for_each_branch_the_default_one_first) {
   EXPECT_EQ(stretches[1].sections.front(), id("bypass1"));
   EXPECT_TRUE(stretches[0].crosses && stretches[1].crosses) << "bodies touch where ways part";
   EXPECT_NE(stretches[0].edge_id, stretches[1].edge_id);
-  EXPECT_EQ(map.along(before_fork(), bypass() | std::views::drop(1)), &stretches[1]);
+  const auto way = bypass();
+  EXPECT_EQ(map.along(before_fork(), std::span{way}.subspan(1)), &stretches[1]);
   EXPECT_EQ(map.along(before_fork(), {}), &stretches[0]);
 }
 
