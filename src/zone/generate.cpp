@@ -10,6 +10,7 @@
 
 #include "base/expect.h"
 #include "base/random.h"
+#include "zone/check.h"
 #include "zone/section.h"
 
 namespace cosiva::zone {
@@ -21,6 +22,12 @@ constexpr double clearance_m = 0.10;
 
 /// To a micrometre: a thousandth of what a joint may gape, and short to read.
 double rounded(double value) { return std::nearbyint(value * 1e6) / 1e6; }
+
+/// At most 0.6 m/s, and slow enough for what loads bear, in whole centimetres per second.
+double bend_mps(double curvature_per_m) {
+  const double borne_mps = std::sqrt(CheckLimits{}.lateral_mps2 / std::fabs(curvature_per_m));
+  return std::min(0.6, std::floor(borne_mps * 100.0) / 100.0);
+}
 
 std::string text_of(double value) {
   char buffer[32];
@@ -112,6 +119,7 @@ class Plant {
   void lane(std::vector<Junction> junctions, const std::string& name, const Pose2& start, double length_m,
             std::vector<std::size_t>& ways);
   void row(std::size_t number);
+  void lay_tags();
 
   void write_head(std::string& out) const;
   void write_ways(std::string& out) const;
@@ -148,13 +156,13 @@ std::size_t Plant::straight(std::string name, const Pose2& start, double length_
 
 std::size_t Plant::arc(std::string name, const Pose2& start, double radius_m, double angle_rad) {
   const double bend_per_m = (angle_rad < 0.0 ? -1.0 : 1.0) / radius_m;
-  return add(std::move(name), start, radius_m * std::fabs(angle_rad), bend_per_m, bend_per_m, 0.6);
+  return add(std::move(name), start, radius_m * std::fabs(angle_rad), bend_per_m, bend_per_m, bend_mps(bend_per_m));
 }
 
 Plant::Strip Plant::quarter_right(const std::string& name, const Pose2& start) {
   const double bend_per_m = -scale_.turn_curvature_per_m;
-  const std::size_t in = add(name + "i", start, scale_.turn_half_m, 0.0, bend_per_m, 0.6);
-  const std::size_t out = add(name + "o", ways_[in].end, scale_.turn_half_m, bend_per_m, 0.0, 0.6);
+  const std::size_t in = add(name + "i", start, scale_.turn_half_m, 0.0, bend_per_m, bend_mps(bend_per_m));
+  const std::size_t out = add(name + "o", ways_[in].end, scale_.turn_half_m, bend_per_m, 0.0, bend_mps(bend_per_m));
   join(in, out);
   return {in, out};
 }
@@ -175,7 +183,6 @@ Plant::Strip Plant::bay(const std::string& name, const Pose2& start, double stra
   join(out, last);
   const double middle_m = rounded(0.5 * straight_m);
   stops_.push_back({name, {stop, middle_m}, charger});
-  tags_.push_back({stop, rounded(middle_m - 0.5 * scale_.unit_m)});
   return {first, last};
 }
 
@@ -205,7 +212,6 @@ Plant::Strip Plant::strip(const std::string& name, const Pose2& start, double le
     join(all.last, pass);
     join(all.last, aside.first);
     joining = {pass, aside.last};
-    tags_.push_back({all.last, rounded(0.5 * ways_[all.last].length_m)});
     done_m = at_m + pass_m;
   }
   lead_up(bays + 1, length_m);
@@ -267,7 +273,6 @@ void Plant::lane(std::vector<Junction> junctions, const std::string& name, const
     const std::size_t way = straight(name + std::to_string(ways.size() + 1), along(start, done_m), to_m - done_m);
     if (!ways.empty()) ways_[ways.back()].next.insert(ways_[ways.back()].next.begin(), way);
     ways.push_back(way);
-    tags_.push_back({way, rounded(0.5 * (to_m - done_m))});
     done_m = to_m;
   };
   std::optional<std::size_t> joining;
@@ -282,6 +287,19 @@ void Plant::lane(std::vector<Junction> junctions, const std::string& name, const
   }
   go_on(length_m);
   if (joining) join(*joining, ways.back());
+}
+
+/// At equal distances along every way, so that nobody drives further than `unread_max_m` without one: half of a pitch
+/// lies before a way's first tag and behind its last, and a way too short for one lies between two that are not.
+void Plant::lay_tags() {
+  const double pitch_m = std::min(0.8 * CheckLimits{}.unread_max_m, 4.0 * scale_.unit_m);
+  const double too_short_m = 0.25 * pitch_m;
+  for (std::size_t way = 0; way < ways_.size(); ++way) {
+    const double length_m = ways_[way].length_m;
+    if (length_m < too_short_m) continue;
+    const double number = std::ceil(length_m / pitch_m);
+    for (double i = 0.5; i < number; ++i) tags_.push_back({way, rounded(i * length_m / number)});
+  }
 }
 
 /// Rows are laid from south to north; each is joined to the one before it.
@@ -331,6 +349,7 @@ std::string Plant::text() {
     join(here.bottom_ways.back(), here.west_in);
     join(here.west_out, here.top_ways.front());
   }
+  lay_tags();
   std::string out;
   out.reserve(256 * ways_.size());
   write_head(out);
@@ -437,39 +456,7 @@ void Plant::write_loops(std::string& out) const {
   }
 }
 
-/// How many sections there are when no bay is left out; with fewer bays there are fewer.
-std::size_t sections_of(const PlantOptions& options) {
-  const std::size_t aisle = 4 + 7 * std::size_t{options.bays} + 1;
-  const std::size_t row = options.aisles * (aisle + 2) + 2 * (5 + 2 + 4) + 14 + 6;
-  return options.rows * row;
-}
-
 }  // namespace
-
-PlantOptions plant_of_size(std::size_t sections) {
-  COSIVA_EXPECT(sections <= 170'000);
-  // A little more than asked for, because which bays there are is drawn.
-  const std::size_t wanted = sections + sections / 50;
-  const auto held = [](const PlantOptions& options) {
-    return static_cast<std::size_t>(static_cast<double>(sections_of(options)) * options.bay_share);
-  };
-  PlantOptions options{};
-  options.rows = 1;
-  options.aisles = 2;
-  options.bays = 2;
-  while (held(options) < wanted) {
-    // As wide as high, more or less: an aisle is nine lengths from the next, a bay twelve from the next.
-    const double wide = 9.0 * options.aisles;
-    const double high = options.rows * (12.0 * options.bays + 12.0);
-    if (wide < high)
-      ++options.aisles;
-    else if (options.bays < 3 * options.rows)
-      ++options.bays;
-    else
-      ++options.rows;
-  }
-  return options;
-}
 
 Result<std::string> generate_plant(const PlantOptions& options) {
   const auto out_of_range = [](std::string_view what) { return fail("generate.options", std::string(what)); };
@@ -478,8 +465,8 @@ Result<std::string> generate_plant(const PlantOptions& options) {
   if (options.bays > 10'000) return out_of_range("expected at most 10000 bays per aisle");
   if (!(options.bay_share >= 0.0 && options.bay_share <= 1.0))
     return out_of_range("expected a share of bays from 0 to 1");
-  if (sections_of(options) > sections_max) {
-    return out_of_range("these rows, aisles and bays may make " + std::to_string(sections_of(options)) +
+  if (plant_sections_max(options) > sections_max) {
+    return out_of_range("these rows, aisles and bays may make " + std::to_string(plant_sections_max(options)) +
                         " sections; expected at most " + std::to_string(sections_max));
   }
   const auto good = [](double size_m) { return size_m >= 0.05 && size_m <= 5.0; };

@@ -23,6 +23,9 @@ struct PlantOptions {
   std::uint32_t starts{12};        ///< of an emulated fleet, in bays all over the plant; at most so many
 };
 
+/// How many sections such a plant has when no bay is left out; with fewer bays it has fewer.
+[[nodiscard]] std::size_t plant_sections_max(const PlantOptions& options);
+
 /// Options of a plant of at least `sections` sections (up to 170 000) and not many more.
 [[nodiscard]] PlantOptions plant_of_size(std::size_t sections);
 

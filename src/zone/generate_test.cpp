@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "zone/check.h"
 #include "zone/route.h"
 #include "zone/test_zones.h"
 
@@ -42,6 +43,7 @@ std::size_t reached(const Circuit& circuit, const Neighbours& neighbours) {
 }
 
 void expect_good(const TrafficZone& zone) {
+  for (const Problem& problem : problems(zone)) ADD_FAILURE() << to_string(problem, zone);
   const Circuit& circuit = zone.circuit;
   EXPECT_EQ(reached(circuit, [&](SectionId id) { return circuit.next(id); }), circuit.size());
   EXPECT_EQ(reached(circuit, [&](SectionId id) { return circuit.previous(id); }), circuit.size());
