@@ -50,7 +50,7 @@ std::string stretch_text(const zone::Circuit& circuit, const zone::Stretch& stre
 /// Worth saying only where moving the beacons gains a tenth.
 std::string origin_text(const zone::OriginSuggestion& suggestion) {
   if (!(suggestion.after_m < 0.9 * suggestion.before_m)) return {};
-  return "\n    with origin = [" + decimals(suggestion.origin.x_m, 3) + ", " + decimals(suggestion.origin.y_m, 3) +
+  return "\n    with origin = [" + decimals(suggestion.origin.x_m, 4) + ", " + decimals(suggestion.origin.y_m, 4) +
          "] it would be " + decimals(suggestion.after_m, 3) + " m";
 }
 

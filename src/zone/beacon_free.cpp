@@ -231,15 +231,19 @@ class Chords {
   std::vector<std::size_t> begin_;  ///< of each section's chords
 };
 
+/// A suggestion must hold although beacons are laid, and lines driven, a little beside where they should be: what
+/// passes by within this share of the reach counts while origins are compared.
+constexpr double surely_read = 0.9;
+
 /// Tries origins and keeps the best; of equal ones the first.
 class Search {
  public:
-  Search(const TrafficZone& zone, double reach_m) : zone_{zone}, chords_{zone, reach_m}, reach_m_{reach_m} {}
+  Search(const TrafficZone& zone, double reach_m)
+      : zone_{zone}, chords_{zone, reach_m}, sure_{zone, surely_read * reach_m}, reach_m_{reach_m} {}
 
   std::optional<OriginSuggestion> run() {
     if (chords_.size() > searched_chords_max) return std::nullopt;
-    const double before_m = longest_m({0.0, 0.0});
-    best_m_ = before_m;
+    best_m_ = longest_m(sure_, {0.0, 0.0});
     const double pitch_m = zone_.beacons->pitch_m;
     const double tries_max = work_max / static_cast<double>(std::max<std::size_t>(chords_.size(), 1));
     const double finest = std::clamp(std::ceil(pitch_m / reach_m_), 8.0, 32.0);
@@ -253,18 +257,18 @@ class Search {
       for (const double x : {-1.0, 0.0, 1.0})
         for (const double y : {-1.0, 0.0, 1.0}) consider({middle.x_m + x * step_m, middle.y_m + y * step_m});
     }
-    return suggestion(before_m);
+    return suggestion(longest_m(chords_, {0.0, 0.0}));
   }
 
  private:
-  double longest_m(Point2 offset) {
-    chords_.read(offset, reads_);
+  double longest_m(const Chords& chords, Point2 offset) {
+    chords.read(offset, reads_);
     const Stretch longest = Ways{zone_.circuit, reads_}.longest();
     return longest.endless ? infinite : longest.length_m;
   }
 
   void consider(Point2 offset) {
-    const double length_m = longest_m(offset);
+    const double length_m = longest_m(sure_, offset);
     // A micrometre less is no reason to move beacons.
     if (length_m < best_m_ - 1e-6) {
       best_m_ = length_m;
@@ -281,13 +285,14 @@ class Search {
                          rounded_m(origin.y_m + best_.x_m * turn.sin + best_.y_m * turn.cos)};
     const double x_m = rounded.x_m - origin.x_m;
     const double y_m = rounded.y_m - origin.y_m;
-    const double after_m = longest_m({x_m * turn.cos + y_m * turn.sin, y_m * turn.cos - x_m * turn.sin});
+    const double after_m = longest_m(chords_, {x_m * turn.cos + y_m * turn.sin, y_m * turn.cos - x_m * turn.sin});
     if (!(after_m < before_m)) return {origin, before_m, before_m};
     return {rounded, before_m, after_m};
   }
 
   const TrafficZone& zone_;
   Chords chords_;
+  Chords sure_;  ///< with the part of the reach that counts
   double reach_m_;
   std::vector<Reads> reads_;
   Point2 best_{};

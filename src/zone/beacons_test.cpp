@@ -199,5 +199,17 @@ TEST(SuggestedOrigin, of_a_real_zone_is_as_good_as_it_says_in_its_file_too) {
   }
 }
 
+TEST(SuggestedOrigin, holds_for_beacons_that_are_laid_a_millimetre_beside_it) {
+  TrafficZone zone = testing::lacet4();
+  zone.beacons = covering_grid(zone.circuit, zone.vehicle, 0.30, {0.02, 0.11}, 100'000, 0.0);
+  const auto better = suggest_origin(zone);
+  ASSERT_TRUE(better);
+  for (const Point2 off : {Point2{0.001, 0}, Point2{-0.001, 0}, Point2{0, 0.001}, Point2{0, -0.001}}) {
+    zone.beacons = covering_grid(zone.circuit, zone.vehicle, 0.30,
+                                 Point2{better->origin.x_m + off.x_m, better->origin.y_m + off.y_m}, 100'000, 0.0);
+    EXPECT_LT(longest_beacon_free(zone).length_m, better->after_m + 0.002);
+  }
+}
+
 }  // namespace
 }  // namespace cosiva::zone

@@ -1,0 +1,72 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "zone/check.h"
+#include "zone/rtm/rtm.h"
+
+namespace cosiva::zone {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string text_of(const fs::path& file) {
+  std::ifstream stream{file, std::ios::binary};
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+/// The zones that come with the platform, each with its companion.
+std::vector<ZoneConfiguration> ready_zones() {
+  std::vector<ZoneConfiguration> zones;
+  for (const auto& entry : fs::directory_iterator{fs::path{COSIVA_SOURCE_DIR} / "zones"}) {
+    const std::string file = entry.path().string();
+    const auto format = format_of_file(file);
+    if (!format || file.ends_with(".zone.toml")) continue;
+    zones.push_back({*format, file, text_of(file), {}});
+    if (const auto companion = companion_of_file(file)) zones.back().companion = text_of(*companion);
+  }
+  return zones;
+}
+
+TEST(ReadyZones, are_of_every_format_and_one_is_large) {
+  std::vector<std::string> formats;
+  std::size_t sections_most = 0;
+  for (const ZoneConfiguration& configuration : ready_zones()) {
+    formats.push_back(configuration.format);
+    const auto rtm = Rtm::initialise(configuration);
+    ASSERT_TRUE(rtm) << to_string(rtm.error());
+    sections_most = std::max(sections_most, rtm->zone().circuit.size());
+  }
+  for (const std::string_view format : known_formats()) EXPECT_THAT(formats, ::testing::Contains(std::string{format}));
+  EXPECT_GT(sections_most, 1000U);
+}
+
+TEST(ReadyZones, are_named_as_their_files_and_hold_twelve_vehicles) {
+  for (const ZoneConfiguration& configuration : ready_zones()) {
+    const auto rtm = Rtm::initialise(configuration);
+    ASSERT_TRUE(rtm) << to_string(rtm.error());
+    const std::string file = fs::path{configuration.origin}.filename().string();
+    EXPECT_EQ(rtm->zone().name, file.substr(0, file.find('.')));
+    EXPECT_EQ(rtm->zone().start_places(12).size(), 12U) << file;
+  }
+}
+
+// What is driven both ways, and stations where vehicles are in the way, are what a workshop is like.
+TEST(ReadyZones, have_nothing_wrong_with_them) {
+  for (const ZoneConfiguration& configuration : ready_zones()) {
+    const auto rtm = Rtm::initialise(configuration);
+    ASSERT_TRUE(rtm) << to_string(rtm.error());
+    for (const Problem& problem : problems(rtm->zone())) {
+      if (problem.code == "zone.single_track" || problem.code == "zone.station") continue;
+      ADD_FAILURE() << configuration.origin << ": " << to_string(problem, rtm->zone());
+    }
+  }
+}
+
+}  // namespace
+}  // namespace cosiva::zone
