@@ -1,8 +1,13 @@
 // vda-5050-lib's Virtual AGV: somebody else's vehicle, which speaks VDA 5050 2.0.0 and knows nothing of us.
-import { finally_do } from './cleanup.mjs';
+import assert from 'node:assert/strict';
 import vda5050 from 'vda-5050-lib';
+import { finally_do } from './cleanup.mjs';
+import { sleep } from './platform.mjs';
 
 const { AgvController, VirtualAgvAdapter } = vda5050;
+
+export const stranger = 'RobotCompany/001';
+export const snapshot_of = async (url) => (await fetch(`${url}/api/v1/snapshot`, { signal: AbortSignal.timeout(2_000) })).json();
 
 export async function start_foreign_vehicle(t, { broker_port, circuit, waypoint, serial = '001', speed_mps = 0.8 }) {
   const start = circuit.at(waypoint);
@@ -22,4 +27,25 @@ export async function start_foreign_vehicle(t, { broker_port, circuit, waypoint,
   await controller.start();
   finally_do(t, () => controller.stop());
   return controller;
+}
+
+/** Follows one twin until it has driven `distance_m`; answers the sections it was seen on. `each` sees every snapshot. */
+export async function follow(url, id, distance_m, within_ms, each = () => {}) {
+  const end = Date.now() + within_ms;
+  const sections = new Set();
+  let driven = 0;
+  let last = null;
+  while (driven < distance_m) {
+    assert.ok(Date.now() < end, `${id} drove ${driven.toFixed(1)} of ${distance_m.toFixed(1)} m within ${within_ms} ms`);
+    const snapshot = await snapshot_of(url);
+    const aiv = snapshot.aivs.find((candidate) => candidate.id === id);
+    assert.ok(aiv, `${id} is shown`);
+    assert.equal(aiv.connection, 'ONLINE');
+    each(snapshot);
+    if (aiv.section !== null) sections.add(aiv.section);
+    if (last) driven += Math.hypot(aiv.x - last.x, aiv.y - last.y);
+    last = aiv;
+    await sleep(40);
+  }
+  return sections;
 }

@@ -1,6 +1,6 @@
 // Twelve AIVs over MQTT, their zone switched ten times while they drive: nobody restarts, nothing is lost, nothing touches.
-// By hand: node --test e2e/zone_switch_fleet.mjs; COSIVA_LONG=1 spreads the ten switches over five minutes. The server keeps
-// its last 20 000 traces, so its memory is flat only once they are there.
+// COSIVA_LONG=1 spreads the ten switches over five minutes. The server keeps its last 20 000 traces, so its memory is flat only
+// once they are there, which takes half of that; the short run has a bound instead.
 import assert from 'node:assert/strict';
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
@@ -10,7 +10,7 @@ import { artefacts_dir, cosiva, eventually, Platform, sleep, zone_file } from '.
 
 const aivs = 12;
 const switches = 10;
-const rest_ms = process.env.COSIVA_LONG ? 30_000 : 5_000;
+const rest_ms = process.env.COSIVA_LONG ? 30_000 : 4_000;
 
 function resident_mb(pid) {
   const line = readFileSync(`/proc/${pid}/status`, 'utf8').split('\n').find((one) => one.startsWith('VmRSS'));
@@ -58,13 +58,21 @@ test('twelve AIVs circulate, and their zone is switched ten times', { timeout: 5
     assert.equal(truth.collisions, 0, `after switch ${i + 1}`);
   }
 
+  // Whoever stands beside the new line turns and rolls over to it first, one after the other where ways meet.
+  const still = new Set((await platform.snapshot()).aivs.map(({ id }) => id));
+  await eventually('everybody drives on', async () => {
+    for (const { id, speed } of (await platform.snapshot()).aivs) if (speed > 0.1) still.delete(id);
+    assert.deepEqual([...still], [], 'these do not');
+    return true;
+  }, { within_ms: 30_000, every_ms: 100 });
+
   assert.deepEqual(children(), family, 'nobody was restarted');
   const report = { first_moving_ms, anchored_mean: anchored / switches, driving, memory_mb, commands };
   mkdirSync(artefacts_dir, { recursive: true });
   writeFileSync(path.join(artefacts_dir, 'zone_switch_fleet.json'), JSON.stringify(report, null, 1));
   t.diagnostic(JSON.stringify(report));
   assert.equal(commands, switches);
-  for (const number of driving) assert.ok(number >= aivs / 2, `after a switch only ${driving} vehicles drove on`);
+  if (process.env.COSIVA_LONG) for (const number of driving) assert.ok(number === aivs, `of twelve ${driving} drove on`);
   for (const ms of first_moving_ms) assert.ok(ms < 1_000, `a twin moved on the new circuit only after ${ms} ms (${first_moving_ms})`);
   assert.ok(memory_mb.at(-1) < 64, `the server grows: ${memory_mb}`);
   if (process.env.COSIVA_LONG) assert.ok(memory_mb.at(-1) < memory_mb[4] * 1.05 + 1, `the server grows: ${memory_mb}`);
