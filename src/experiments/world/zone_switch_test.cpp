@@ -95,6 +95,27 @@ TEST(ZoneSwitch, ten_times_in_five_minutes_gives_the_same_digest_twice_and_no_co
   EXPECT_EQ(run(), run());
 }
 
+// Most of them are still beside the line when the next one comes.
+TEST(ZoneSwitch, every_five_seconds_leaves_nobody_touched_or_waiting_for_ever) {
+  const auto world = world_of(12, 6);
+  world->run_for(10s);
+  for (int i = 0; i < 12; ++i) {
+    switch_to(*world, zone_named(i % 2 == 0 ? "indus8" : "lacet4"));
+    world->run_for(5s);
+    ASSERT_THAT(world->plant().collisions(), ::testing::IsEmpty()) << "after switch " << i + 1;
+  }
+  const auto before_m = distances_m(*world);
+  world->run_for(60s);
+  EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
+  const auto after_m = distances_m(*world);
+  const JsonValue shot = snapshot(*world);
+  for (const JsonValue& aiv : *shot.find("aivs")->array()) {
+    const auto v = static_cast<std::size_t>(*aiv.number("number")) - 1;
+    // Whoever strayed too far on the way is parked, and named.
+    EXPECT_TRUE(after_m[v] - before_m[v] > 1.0 || aiv.text("parked")) << *aiv.text("id");
+  }
+}
+
 TEST(ZoneSwitch, to_a_configuration_that_fails_its_check_leaves_the_old_zone_running_and_says_why) {
   const auto world = world_of(4);
   world->run_for(20s);

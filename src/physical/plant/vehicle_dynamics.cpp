@@ -188,7 +188,10 @@ bool LineVehicle::begin_seek() {
   const auto anchor = zone::anchor_of(*circuit_, body_.X_MB, aiv::seek_within_m);
   if (!anchor) return false;
   goal_ = anchor->place;
-  goal_lateral_m_ = line_offset_sd_m_ > 0.0 ? line_random_.gaussian(0.0, line_offset_sd_m_) : 0.0;
+  // On the line already it only turns along it: what is left aside the steering takes away.
+  goal_lateral_m_ = lies_on_line_             ? lateral_m_
+                    : line_offset_sd_m_ > 0.0 ? line_random_.gaussian(0.0, line_offset_sd_m_)
+                                              : 0.0;
   goal_heading_rad_ = sight_error_rad();
   const Pose2 X_MG = circuit_->pose_at(goal_) * Pose2{0.0, goal_lateral_m_, goal_heading_rad_};
   manoeuvre_.emplace(inverse(body_.X_MB) * X_MG);

@@ -47,7 +47,9 @@ void OrderRoller::set_standing(VehicleIndex vehicle, const Standing& standing) {
   plans_[vehicle].standing = standing;
   follow_line(vehicle);
   const Standing& now = plans_[vehicle].standing;
-  const bool in_the_way = now.place && (now.off_m <= rules_.on_way_m || plans_[vehicle].anchor);
+  // One of ours that is to go onto the line keeps others off by its body, until it is sent.
+  const bool in_the_way =
+      now.place && (plans_[vehicle].anchor || (now.off_m <= rules_.on_way_m && !goes_onto_line(vehicle)));
   if (now.place) traffic_.follow(vehicle, *now.place);
   traffic_.set_place(vehicle, in_the_way ? now.place : std::nullopt);
 }
@@ -214,6 +216,10 @@ void OrderRoller::stop_rolling(VehicleIndex vehicle) {
 
 void OrderRoller::tick(bool drive, bool send_off, SimDuration lost_after) {
   if (map_ == nullptr) return;
+  traffic_.update();
+  beside_.clear();
+  for (VehicleIndex v = 0; v < plans_.size(); ++v)
+    if (registry_[v].here() && (off_line(v) || traffic_.stands_in_anothers(v))) beside_.push_back(v);
   for (VehicleIndex v = 0; v < plans_.size(); ++v) {
     traffic_.update();
     step(v, drive, send_off, lost_after);
@@ -265,6 +271,7 @@ void OrderRoller::step(VehicleIndex vehicle, bool drive, bool send_off, SimDurat
   extension_.clear();
   if (from) extend(vehicle, *from);
   if (!extension_.empty() || (from && leads_too_far(vehicle))) send(vehicle, *from);
+  if (plan.stage == Plan::Stage::none) stay_beside(vehicle);
   note_waiting(plan, now);
 }
 
@@ -305,10 +312,18 @@ void OrderRoller::extend(VehicleIndex vehicle, const Extension& from) {
       plan.waits_for_vehicle = traffic_.ahead_within(vehicle, next_m + traffic_.standing_m()).vehicle;
       break;
     }
-    if (stretch->crosses && !traffic_.holds_all(vehicle, next_m)) {
-      const Sections coming = Sections{way_}.subspan(passed);
+    const bool enters = stretch->crosses && !traffic_.holds_all(vehicle, next_m);
+    double chain_m = stretch->length_m;
+    if (enters) {
       const WaypointIndex goal = missions_.complete(vehicle) ? missions_.goal(vehicle) : no_waypoint;
-      const double chain_m = map_->chain(at, coming, goal).length_m;
+      chain_m = map_->chain(at, Sections{way_}.subspan(passed), goal).length_m;
+    }
+    if (const VehicleIndex other = beside_way(vehicle, reach_m, reach_m + chain_m); other != no_vehicle) {
+      plan.waits_for_vehicle = other;
+      traffic_.withdraw(vehicle);  // that one may need what this one has asked for
+      break;
+    }
+    if (enters) {
       if (!enter(vehicle, reach_m, reach_m + chain_m)) break;
       must_reach_m = reach_m + chain_m - 1e-6;
     }

@@ -135,9 +135,14 @@ class OrderRoller {
   bool regain_course(VehicleIndex vehicle);
   void take_course(VehicleIndex vehicle, zone::Course course);
   [[nodiscard]] const WayMap::Stretch* next_stretch(VehicleIndex vehicle, WaypointIndex at, std::size_t passed);
+  [[nodiscard]] bool off_line(VehicleIndex vehicle) const;
   [[nodiscard]] bool goes_onto_line(VehicleIndex vehicle) const;
   [[nodiscard]] VehicleIndex in_way_to_line(VehicleIndex vehicle, zone::Place anchor) const;
+  /// Who stands beside the line, or is on its way to it, so that this one cannot drive on from `from_m` to `to_m`
+  /// ahead.
+  [[nodiscard]] VehicleIndex beside_way(VehicleIndex vehicle, double from_m, double to_m) const;
   void follow_line(VehicleIndex vehicle);
+  void stay_beside(VehicleIndex vehicle);
   void note_waiting(Plan& plan, SimTime now);
 
   Registry& registry_;
@@ -151,6 +156,7 @@ class OrderRoller {
   std::vector<Plan> plans_;
   std::vector<zone::SectionId> way_;               ///< of the vehicle at hand, after its extension's first section
   std::vector<const WayMap::Stretch*> extension_;  ///< of the vehicle at hand
+  std::vector<VehicleIndex> beside_;               ///< whose bodies count, not their places
   SimDuration longest_wait_{};
   std::uint64_t orders_sent_{0};
   std::uint64_t updates_sent_{0};

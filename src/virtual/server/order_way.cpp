@@ -13,7 +13,7 @@ namespace cosiva::virtual_side {
 namespace {
 
 /// A vehicle is on the line when it is so near to it, and heads along it.
-constexpr double on_line_m = 0.03;
+constexpr double on_line_m = 0.005;
 constexpr double on_line_rad = 0.2;
 /// A first node so little ahead serves better than one that lies far behind.
 constexpr double node_ahead_m = 0.10;
@@ -51,7 +51,10 @@ std::optional<OrderRoller::Extension> OrderRoller::first_node(VehicleIndex vehic
     const auto anchor = zone::anchor_of(map_->circuit(), plan.standing.X_MB);
     if (!anchor) return std::nullopt;
     plan.waits_for_vehicle = in_way_to_line(vehicle, anchor->place);
-    if (plan.waits_for_vehicle != no_vehicle) return std::nullopt;
+    if (plan.waits_for_vehicle != no_vehicle) {
+      traffic_.withdraw(vehicle);  // that one may need what this one has asked for
+      return std::nullopt;
+    }
     plan.anchor = anchor->place;
     plan.standing.place = anchor->place;
     plan.standing.off_m = anchor->distance_m;
@@ -75,6 +78,13 @@ std::optional<OrderRoller::Extension> OrderRoller::first_node(VehicleIndex vehic
   way_ = std::move(behind->sections);
   way_.insert(way_.end(), coming.begin(), coming.end());
   return Extension{behind->waypoint, -behind->since_m};
+}
+
+void OrderRoller::stay_beside(VehicleIndex vehicle) {
+  // Nobody asks it to be anywhere but where its body is: beside_way() keeps the others off that.
+  if (!std::exchange(plans_[vehicle].anchor, std::nullopt)) return;
+  traffic_.set_place(vehicle, std::nullopt);
+  traffic_.update();
 }
 
 void OrderRoller::take_course(VehicleIndex vehicle, zone::Course course) {
@@ -203,11 +213,14 @@ const WayMap::Stretch* OrderRoller::next_stretch(VehicleIndex vehicle, WaypointI
   return stretch != nullptr && stretch->sections.size() <= way_.size() - passed ? stretch : nullptr;
 }
 
+bool OrderRoller::off_line(VehicleIndex vehicle) const {
+  const Plan& plan = plans_[vehicle];
+  return plan.anchor || plan.standing.off_m > on_line_m || std::fabs(plan.standing.heading_off_rad) > on_line_rad;
+}
+
 bool OrderRoller::goes_onto_line(VehicleIndex vehicle) const {
   const Plan& plan = plans_[vehicle];
-  if (plan.anchor) return true;
-  const bool off = plan.standing.off_m > on_line_m || std::fabs(plan.standing.heading_off_rad) > on_line_rad;
-  return plan.stage == Plan::Stage::none && off && registry_[vehicle].ours();
+  return plan.anchor || (plan.stage == Plan::Stage::none && off_line(vehicle) && registry_[vehicle].ours());
 }
 
 void OrderRoller::follow_line(VehicleIndex vehicle) {
@@ -235,7 +248,7 @@ void OrderRoller::follow_line(VehicleIndex vehicle) {
 
 VehicleIndex OrderRoller::in_way_to_line(VehicleIndex vehicle, zone::Place anchor) const {
   const zone::VehicleShape& shape = map_->zone().vehicle;
-  const LineEntry mine{position(plans_[vehicle].standing.X_MB), position(map_->circuit().pose_at(anchor))};
+  const LineEntry mine{plans_[vehicle].standing.X_MB, map_->circuit().pose_at(anchor)};
   for (VehicleIndex other = 0; other < registry_.size(); ++other) {
     const AivProxy& proxy = registry_[other];
     if (other == vehicle || !proxy.here()) continue;
@@ -244,13 +257,36 @@ VehicleIndex OrderRoller::in_way_to_line(VehicleIndex vehicle, zone::Place ancho
     const Plan& theirs = plans_[other];
     // One that is on its way to the line itself, or whose base leads over the place.
     if (theirs.anchor && theirs.stage == Plan::Stage::running &&
-        near_entry(mine, shape, {position(X_MB), position(map_->circuit().pose_at(*theirs.anchor))}))
+        near_entry(mine, shape, {X_MB, map_->circuit().pose_at(*theirs.anchor)}))
       return other;
     const auto& place = traffic_.place(other);
     if (!place) continue;
     const double base_m = traffic_.base_left_m(other, *place).value_or(0.0);
-    if (base_m > 0.0 && map_->ahead(*place, anchor, base_m + traffic_.standing_m(), traffic_.coming(other)))
-      return other;
+    const double clear_m = shape.length_m + entry_clear_m;
+    if (base_m > 0.0 && map_->ahead(*place, anchor, base_m + clear_m, traffic_.coming(other))) return other;
+  }
+  return no_vehicle;
+}
+
+VehicleIndex OrderRoller::beside_way(VehicleIndex vehicle, double from_m, double to_m) const {
+  constexpr double sample_m = 0.05;
+  constexpr double clear_m = 0.03;  // no less than what a vehicle's own eyes make it stop for
+  const zone::Place place = *plans_[vehicle].standing.place;
+  const zone::Circuit& circuit = map_->circuit();
+  const zone::VehicleShape& shape = map_->zone().vehicle;
+  const Sections coming = traffic_.coming(vehicle);
+  for (const VehicleIndex other : beside_) {
+    if (other == vehicle) continue;
+    const Pose2 X_MB = simulator_.image(*registry_[other].twin, outbox_.now()).X_MB;
+    const auto& anchor = plans_[other].anchor;
+    const LineEntry entry{X_MB, anchor ? circuit.pose_at(*anchor) : X_MB};
+    const auto in_way = [&](double ahead_m) {
+      return near_body(entry, shape, circuit.pose_at(circuit.advance(place, ahead_m, coming)), clear_m);
+    };
+    if (in_way(0.0)) continue;  // it cannot come nearer by driving away
+    for (double ahead_m = std::max(0.0, from_m); ahead_m < to_m; ahead_m += sample_m)
+      if (in_way(ahead_m)) return other;
+    if (in_way(to_m)) return other;
   }
   return no_vehicle;
 }

@@ -266,8 +266,12 @@ Traffic::Answer Traffic::request(VehicleIndex vehicle, double exit_m) {
   }
   // Somebody may stand in a crossing that a third one holds; it holds nothing, but it is there.
   for (VehicleIndex j = 0; j < vehicles_.size(); ++j) {
-    if (j != vehicle && shares(vehicles_[j].needs, mine->crossings) && !only_follows(j, vehicle, mine->crossings))
-      return {false, first, j};
+    if (j == vehicle || !shares(vehicles_[j].needs, mine->crossings)) continue;
+    const bool stands_by =
+        stands_in_anothers(j) && std::ranges::all_of(vehicles_[j].needs, [&](CrossingIndex x) {
+          return holders_[x] == vehicle || std::ranges::find(mine->crossings, x) == mine->crossings.end();
+        });
+    if (!stands_by && !only_follows(j, vehicle, mine->crossings)) return {false, first, j};
   }
   if (!mine->has_room) return {false, first, ahead.vehicle};
   for (const Request& other : queue_) {
@@ -280,6 +284,12 @@ Traffic::Answer Traffic::request(VehicleIndex vehicle, double exit_m) {
   queue_.erase(mine);
   holds_dirty_ = true;  // a grant that no base follows is taken back by the next update
   return {true, first, no_vehicle};
+}
+
+bool Traffic::stands_in_anothers(VehicleIndex vehicle) const {
+  const Vehicle& self = vehicles_[vehicle];
+  if (!self.place || base_left_m(vehicle, *self.place).value_or(0.0) > 0.0) return false;
+  return std::ranges::any_of(self.needs, [&](CrossingIndex x) { return holders_[x] != vehicle; });
 }
 
 void Traffic::withdraw(VehicleIndex vehicle) {

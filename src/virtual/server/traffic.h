@@ -104,9 +104,12 @@ class Traffic {
     VehicleIndex blocked_by{no_vehicle};  ///< who holds it, stands in the way beyond, or asked earlier
   };
   /// Asks for all crossings up to the exit of a chain, `exit_m` ahead of the vehicle's place. The first asking fixes
-  /// its turn.
+  /// its turn. Of those that stand in one crossing together its holder may leave it: whether body passes body is for
+  /// who asks to see.
   Answer request(VehicleIndex vehicle, double exit_m);
   void withdraw(VehicleIndex vehicle);
+  /// It stands, without a base, in a crossing that somebody else holds, as may be after a switch of zones.
+  [[nodiscard]] bool stands_in_anothers(VehicleIndex vehicle) const;
 
   [[nodiscard]] VehicleIndex holder(CrossingIndex crossing) const { return holders_[crossing]; }
   /// Who waits for a crossing, in the order in which they will be served.
