@@ -3,7 +3,7 @@
 import { mkdirSync } from 'node:fs';
 import path from 'node:path';
 import { open_browser, open_page } from './lib/browser.mjs';
-import { Platform, sleep, source_dir } from './lib/platform.mjs';
+import { cosiva, Platform, sleep, source_dir } from './lib/platform.mjs';
 
 const folder = path.join(source_dir, 'docs/images');
 mkdirSync(folder, { recursive: true });
@@ -11,9 +11,26 @@ mkdirSync(folder, { recursive: true });
 const endings = [];
 const t = { after: (action) => endings.push(action), diagnostic: console.log, name: 'pictures', passed: true };
 
+/** The ready zones as they draw themselves, side by side. */
+async function take_zones(browser) {
+  const drawn = [];
+  for (const name of ['lacet4', 'indus8', 'workshop', 'crossing8']) {
+    const { code, stdout, stderr } = await cosiva(['zone', 'show', name]);
+    if (code !== 0) throw new Error(stderr);
+    drawn.push(`<img alt="" src="data:image/svg+xml;base64,${Buffer.from(stdout).toString('base64')}">`);
+  }
+  const page = await browser.newPage({ viewport: { width: 1440, height: 1180 } });
+  await page.setContent(`<style>body { margin: 0; background: #fff; display: grid; grid-template: 590px 590px / 720px 720px }
+    img { width: 720px; height: 590px; object-fit: contain }</style>${drawn.join('')}`);
+  await page.screenshot({ path: path.join(folder, 'zones.png') });
+  await page.close();
+  console.log('docs/images/zones.png');
+}
+
 async function take() {
   const platform = await Platform.up(t, { args: ['--scenario', 'showroom', '--name', 'showroom'] });
   const browser = await open_browser(t);
+  await take_zones(browser);
   const shot = async (page, name) => {
     await page.mouse.move(5, 5);
     await page.screenshot({ path: path.join(folder, `${name}.png`) });
