@@ -93,21 +93,34 @@ Lateral::Value Lateral::at(double s) const {
           piece.slope_at(ds) + at_start_[index].slope_at(ds) - at_end_[index].slope_at(left)};
 }
 
-/// The derivative by s at s; p becomes the point.
-Point2 LaneCurve::derivative(double s, Point2& p) const {
+LaneCurve::Beside LaneCurve::beside(double s) const {
   const Jet jet = line_->at(s);
   const auto [t, slope] = lateral_.at(s);
   const double v = norm(jet.d.x_m, jet.d.y_m);
-  if (!(v > 1e-12)) {
-    p = jet.p;
-    return {1.0, 0.0};
-  }
+  if (!(v > 1e-12)) return {jet.p, {1.0, 0.0}};
   const Point2 along{jet.d.x_m / v, jet.d.y_m / v};
   const Point2 left{-along.y_m, along.x_m};
   // Beside a bend the way is longer or shorter: the normal turns with the tangent.
   const double turn = (jet.dd.x_m * left.x_m + jet.dd.y_m * left.y_m) / v;
-  p = {jet.p.x_m + t * left.x_m, jet.p.y_m + t * left.y_m};
-  Point2 d{(v - t * turn) * along.x_m + slope * left.x_m, (v - t * turn) * along.y_m + slope * left.y_m};
+  return {{jet.p.x_m + t * left.x_m, jet.p.y_m + t * left.y_m},
+          {(v - t * turn) * along.x_m + slope * left.x_m, (v - t * turn) * along.y_m + slope * left.y_m},
+          (v - t * turn) / v,
+          v - t * turn};
+}
+
+/// The derivative by s at s; p becomes the point.
+Point2 LaneCurve::derivative(double s, Point2& p) const {
+  Point2 d;
+  const auto over = std::find_if(bridges_.begin(), bridges_.end(),
+                                 [s](const Bridge& bridge) { return s >= bridge.from && s <= bridge.to; });
+  if (over != bridges_.end()) {
+    p = over->at(s);
+    d = over->slope_at(s);
+  } else {
+    const Beside here = beside(s);
+    p = here.p;
+    d = here.d;
+  }
   const auto add = [&](const Moved& moved, double x, double sign) {
     p = {p.x_m + moved.x.at(x), p.y_m + moved.y.at(x)};
     d = {d.x_m + sign * moved.x.slope_at(x), d.y_m + sign * moved.y.slope_at(x)};
@@ -142,6 +155,7 @@ PlaneCurve LaneCurve::curve(double scale, const std::vector<double>& more_breaks
   std::vector<double> breaks = line_->breaks();
   breaks.insert(breaks.end(), lateral_.breaks().begin(), lateral_.breaks().end());
   breaks.insert(breaks.end(), more_breaks.begin(), more_breaks.end());
+  for (const Bridge& bridge : bridges_) breaks.insert(breaks.end(), {bridge.from, bridge.to});
   if (at_from_) breaks.push_back(from_ + at_from_->x.over);
   if (at_to_) breaks.push_back(to_ - at_to_->x.over);
   std::erase_if(breaks, [&](double s) { return !(s > from_ + 1e-9 && s < to_ - 1e-9); });
