@@ -10,6 +10,8 @@ constexpr double near_min_m = 1e-3;
 constexpr double near_max_m = 0.05;
 constexpr double jump_free_m = 1e-6;
 constexpr double kink_free = 1e-6;
+constexpr double lengths_of_jump = 20.0;  // that a jump takes to be smoothed
+constexpr double short_max_m = 1.0;
 
 }  // namespace
 
@@ -56,8 +58,34 @@ Pieces sum(const Pieces& left, double a, const Pieces& right, double b, double n
   return total;
 }
 
+namespace {
+
+/// A piece too short for the jump at its start or end to be smoothed within it gives way to its neighbours.
+void drop_short_jumps(Pieces& pieces, double to) {
+  for (std::size_t i = 0; i + 1 < pieces.size();) {
+    const Polynomial& before = pieces[i];
+    const Polynomial& after = pieces[i + 1];
+    const double jump = std::fabs(after.a - before.at(after.s - before.s));
+    const double length_before = after.s - before.s;
+    const double length_after = (i + 2 < pieces.size() ? pieces[i + 2].s : to) - after.s;
+    const bool first_gives_way = length_before < length_after;
+    if (jump <= jump_free_m || std::min(length_before, length_after) > std::min(lengths_of_jump * jump, short_max_m)) {
+      ++i;
+    } else if (first_gives_way && i == 0) {
+      pieces[1] = moved(pieces[1], pieces[0].s);
+      pieces.erase(pieces.begin());
+    } else {
+      pieces.erase(pieces.begin() + static_cast<std::ptrdiff_t>(first_gives_way ? i : i + 1));
+      if (i > 0) --i;
+    }
+  }
+}
+
+}  // namespace
+
 std::optional<Lateral> Lateral::make(Pieces pieces, double to) {
   Lateral lateral;
+  drop_short_jumps(pieces, to);
   lateral.pieces_ = std::move(pieces);
   const std::size_t count = lateral.pieces_.size();
   lateral.at_start_.resize(count);

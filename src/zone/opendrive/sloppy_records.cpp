@@ -90,10 +90,15 @@ void ReferenceLine::redraw_sloppy(const std::vector<const Geometry*>& plan, std:
     records[i].slack += std::fabs(curve->length() - records[i].arc);
     records[i].arc = curve->length();
     records[i].path = std::move(*curve);
-    const double gap_m = std::max(i > 0 ? joints[i - 1].gap_m() : 0.0, i < joints.size() ? joints[i].gap_m() : 0.0);
+    double gap_m = 0.0;
+    double kink_rad = 0.0;
+    for (std::size_t joint = i > 0 ? i - 1 : 0; joint <= i && joint < joints.size(); ++joint) {
+      gap_m = std::max(gap_m, joints[joint].gap_m());
+      kink_rad = std::max(kink_rad, std::fabs(joints[joint].kink_rad()));
+    }
     report.add(Note::Kind::mended, "short records that do not meet", plan[i]->place,
-               "does not meet its neighbours, by up to " + metres(gap_m) +
-                   ", and is short; a curve leads through the places where they should meet");
+               "misses its neighbours by up to " + metres(gap_m) + " and " + std::to_string(kink_rad) +
+                   " rad, and is short; a curve leads through the places where they should meet");
   }
 }
 
