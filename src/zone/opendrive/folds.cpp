@@ -89,6 +89,7 @@ std::optional<LaneCurve::Bridge> LaneCurve::bridge_over(double from, double to) 
 
 /// Stretches of s in which the lane folds; those near to each other are one.
 std::vector<std::pair<double, double>> LaneCurve::folds(std::size_t& work) const {
+  if (work == 0) return {};
   const double step = std::max({step_m, span() / samples_max, 1e-6});
   std::vector<double> places;
   for (double s = from_; s < to_; s += step) places.push_back(s);
@@ -98,11 +99,10 @@ std::vector<std::pair<double, double>> LaneCurve::folds(std::size_t& work) const
       if (s > from_ && s < to_) places.insert(places.end(), {s - 1e-9, s + 1e-9});
     }
   }
+  work -= std::min(work, places.size());
   std::sort(places.begin(), places.end());
   std::vector<std::pair<double, double>> found;
   for (const double s : places) {
-    if (work == 0) return {};
-    --work;
     if (!beside(s).folds()) continue;
     if (!found.empty() && s - found.back().second < 4.0 * step)
       found.back().second = s;

@@ -62,23 +62,25 @@ namespace {
 
 /// A piece too short for the jump at its start or end to be smoothed within it gives way to its neighbours.
 void drop_short_jumps(Pieces& pieces, double to) {
-  for (std::size_t i = 0; i + 1 < pieces.size();) {
-    const Polynomial& before = pieces[i];
-    const Polynomial& after = pieces[i + 1];
-    const double jump = std::fabs(after.a - before.at(after.s - before.s));
-    const double length_before = after.s - before.s;
-    const double length_after = (i + 2 < pieces.size() ? pieces[i + 2].s : to) - after.s;
-    const bool first_gives_way = length_before < length_after;
-    if (jump <= jump_free_m || std::min(length_before, length_after) > std::min(lengths_of_jump * jump, short_max_m)) {
-      ++i;
-    } else if (first_gives_way && i == 0) {
-      pieces[1] = moved(pieces[1], pieces[0].s);
-      pieces.erase(pieces.begin());
-    } else {
-      pieces.erase(pieces.begin() + static_cast<std::ptrdiff_t>(first_gives_way ? i : i + 1));
-      if (i > 0) --i;
+  std::size_t kept = 1;  // so many of those before i stay
+  for (std::size_t i = 1; i < pieces.size(); ++i) {
+    Polynomial after = pieces[i];
+    const double length_after = (i + 1 < pieces.size() ? pieces[i + 1].s : to) - after.s;
+    bool stays = true;
+    while (stays && kept > 0) {
+      const Polynomial& before = pieces[kept - 1];
+      const double length_before = after.s - before.s;
+      const double jump = std::fabs(after.a - before.at(length_before));
+      const double room = std::min(length_before, length_after);
+      if (jump <= jump_free_m || room > std::min(lengths_of_jump * jump, short_max_m)) break;
+      stays = length_before < length_after;
+      // Where the first gives way, the next begins in its place.
+      if (stays && kept == 1) after = moved(after, before.s);
+      if (stays) --kept;
     }
+    if (stays) pieces[kept++] = after;
   }
+  pieces.resize(kept);
 }
 
 }  // namespace

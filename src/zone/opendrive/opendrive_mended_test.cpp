@@ -80,6 +80,31 @@ TEST(OpenDriveMended, a_lane_lies_on_the_side_of_its_id_wherever_it_stands) {
   EXPECT_EQ(zone.circuit.size(), 2U);
 }
 
+TEST(OpenDriveMended, a_width_that_jumps_in_a_crumb_of_a_record_is_smoothed_beside_it) {
+  const std::string widths =
+      R"(<width sOffset="0" a="3"/><width sOffset="20" a="3.1"/><width sOffset="20.08" a="3.2"/>)";
+  const std::string plan = line(0.0, 0.0, 0.0, 0.0, 40.0);
+  const TrafficZone zone = zone_of(file(road("1", 40.0, plan, section(0.0, "", lane(-1, widths)))));
+  const auto sections = sections_of(zone, "1.0.-1");
+  ASSERT_FALSE(sections.empty());
+  EXPECT_GT(tightest_m(sections), 2.0);
+  EXPECT_NEAR(sections.back()->end().y_m, -1.6, 1e-6);
+}
+
+TEST(OpenDriveMended, a_very_short_lane_stays_and_its_neighbours_come_to_it) {
+  const std::string lanes = section(0.0, "", lane(-1, R"(<link><successor id="-1"/></link><width a="3"/>)"));
+  const auto to = [](const char* road) {
+    return std::string(R"(<link><successor elementType="road" elementId=")") + road +
+           R"(" contactPoint="start"/></link>)";
+  };
+  const TrafficZone zone = zone_of(file(road("1", 20.0, line(0.0, 0.0, 0.0, 0.0, 20.0), lanes, to("2")) +
+                                        road("2", 0.4, line(0.0, 20.0, 0.08, 0.0, 0.4), lanes, to("3")) +
+                                        road("3", 20.0, line(0.0, 20.4, 0.16, 0.0, 20.0), section(0.0, "", lane(-1)))));
+  EXPECT_TRUE(leads(zone, "2.0.-1", "3.0.-1") || zone.circuit.find("2.0.-1.2"));
+  EXPECT_NEAR(section_of(zone, "2.0.-1").start().y_m, 0.08 - 1.5, 2e-3);
+  EXPECT_GT(tightest_m(sections_of(zone, "2.0.-1")), 1.0);
+}
+
 TEST(OpenDriveMended, lanes_that_meet_at_an_angle_are_bent_to_each_other) {
   const std::string lanes = section(0.0, "", lane(-1, R"(<link><successor id="-1"/></link><width a="3"/>)"));
   const std::string one = road("1", 20.0, line(0.0, 0.0, 0.0, 0.0, 20.0), lanes,

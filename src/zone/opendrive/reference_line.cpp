@@ -64,23 +64,35 @@ bool ReferenceLine::can_close(const Record& before, const Jet& left, const Jet& 
 
 /// A record of a few centimetres that does not meet its neighbours is no reason to lose the road.
 void ReferenceLine::drop_crumbs(std::vector<const Geometry*>& plan, std::vector<Record>& records, Report& report) {
-  for (std::size_t i = 0; i + 1 < records.size();) {
-    Record& before = records[i];
-    Record& after = records[i + 1];
-    const double shorter = std::min(before.arc, after.arc);
-    if (shorter > crumb_max_m || can_close(before, raw(before, before.arc), raw(after, 0.0), after)) {
-      ++i;
-      continue;
+  const auto left_out = [&](const Geometry* geometry, const Record& record) {
+    report.add(Note::Kind::mended, "crumbs of plan views", geometry->place,
+               "is " + metres(record.arc) + " long and does not meet its neighbours; it is left out");
+    return record.arc + record.slack;
+  };
+  std::size_t kept = 1;  // so many of those before i stay
+  for (std::size_t i = 1; i < records.size(); ++i) {
+    bool stays = true;
+    while (stays) {
+      const Record& before = records[kept - 1];
+      const Record& after = records[i];
+      if (std::min(before.arc, after.arc) > crumb_max_m ||
+          can_close(before, raw(before, before.arc), raw(after, 0.0), after))
+        break;
+      // The first keeps its place: it says where the road begins.
+      stays = kept > 1 && before.arc < after.arc;
+      const double gone = stays ? left_out(plan[kept - 1], before) : left_out(plan[i], after);
+      if (stays) --kept;
+      records[kept - 1].slack += gone;
     }
-    // The first keeps its place: it says where the road begins.
-    const std::size_t gone = i > 0 && before.arc < after.arc ? i : i + 1;
-    records[gone - 1].slack += records[gone].arc + records[gone].slack;
-    report.add(Note::Kind::mended, "crumbs of plan views", plan[gone]->place,
-               "is " + metres(records[gone].arc) + " long and does not meet its neighbours; it is left out");
-    records.erase(records.begin() + static_cast<std::ptrdiff_t>(gone));
-    plan.erase(plan.begin() + static_cast<std::ptrdiff_t>(gone));
-    if (i > 0) --i;
+    if (!stays) continue;
+    if (kept != i) {
+      records[kept] = std::move(records[i]);
+      plan[kept] = plan[i];
+    }
+    ++kept;
   }
+  records.erase(records.begin() + static_cast<std::ptrdiff_t>(kept), records.end());
+  plan.erase(plan.begin() + static_cast<std::ptrdiff_t>(kept), plan.end());
 }
 
 /// Says from where to where along the road's s each record runs.

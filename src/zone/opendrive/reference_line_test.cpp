@@ -201,6 +201,41 @@ TEST(ReferenceLine, rounds_a_right_angle_within_a_metre) {
   EXPECT_EQ(report.notes()[0].kind, Note::Kind::mended);
 }
 
+TEST(ReferenceLine, leads_through_short_records_that_miss_each_other) {
+  // A circle of 6 m, cut into arcs of a metre whose headings are those of their chords: each misses the next by 8 cm.
+  Report report;
+  std::vector<Geometry> plan;
+  const auto on_circle = [](int i) {
+    const double angle = i / 6.0;
+    return Point2{6.0 * det_sin(angle), 6.0 - 6.0 * det_cos(angle)};
+  };
+  for (int i = 0; i < 9; ++i) {
+    const Point2 from = on_circle(i);
+    const Point2 to = on_circle(i + 1);
+    const double chord = det_atan2(to.y_m - from.y_m, to.x_m - from.x_m);
+    plan.push_back({static_cast<double>(i), {from.x_m, from.y_m, chord}, 1.0, Clothoid{1.0 / 6.0, 1.0 / 6.0}, "arc"});
+  }
+  const ReferenceLine line = line_of(road_of(plan, 9.0), report);
+  for (double s = 1.0; s < 8.0; s += 0.1) {
+    const Jet jet = line.at(s);
+    EXPECT_NEAR(distance(jet.p, {0.0, 6.0}), 6.0, 0.06) << s;
+    const double v = norm(jet.d.x_m, jet.d.y_m);
+    // The first and the last record keep the heading of their chord.
+    const double bend = (jet.d.x_m * jet.dd.y_m - jet.d.y_m * jet.dd.x_m) / (v * v * v);
+    EXPECT_NEAR(bend, 1.0 / 6.0, s < 2.0 || s > 7.0 ? 0.1 : 0.03) << s;
+  }
+  ASSERT_FALSE(report.notes().empty());
+  EXPECT_EQ(report.notes()[0].kind, Note::Kind::mended);
+}
+
+TEST(ReferenceLine, leaves_many_crumbs_out_in_no_time) {
+  Report report;
+  std::vector<Geometry> plan{{0.0, {}, 20.0, Clothoid{}, "first"}};
+  for (int i = 0; i < 20'000; ++i) plan.push_back({20.0, {1e3, 1e3, 0.1 * i}, 0.01, Clothoid{}, "crumb"});
+  plan.push_back({20.0, {20.0, 0.0, 0.0}, 20.0, Clothoid{}, "last"});
+  EXPECT_NEAR(line_of(road_of(plan, 40.0), report).length(), 40.0, 1e-9);
+}
+
 TEST(ReferenceLine, leaves_a_crumb_out_that_meets_nobody) {
   Report report;
   const ReferenceLine line = line_of(road_of({{0.0, {}, 20.0, Clothoid{}, "first"},
