@@ -91,6 +91,10 @@ TEST(LifErrors, say_why_nothing_is_left) {
   const std::string dangling = error_of(Plan{{"A 0 0", "B 2 0"}, {"A C"}}.text());
   EXPECT_THAT(dangling, HasSubstr("no edge is left"));
   EXPECT_THAT(dangling, HasSubstr("layouts[0].edges[0].endNodeId: there is no node 'C'"));
+  // A field that is not taken is no reason; nodes that lie nowhere are.
+  const std::string flat =
+      json("{'layouts':[{'layoutId':'L','layoutName':'yard','nodes':[{'nodeId':'A','x':0,'y':0}],'edges':[]}]}");
+  EXPECT_THAT(error_of(flat), HasSubstr("layouts[0].nodes[0].nodePosition: a node without a position"));
 }
 
 TEST(LifErrors, come_where_a_node_joins_too_many_edges) {

@@ -8,11 +8,16 @@ namespace {
 
 constexpr double room_min = 0.2;       // of the bend's radius: nearer to its centre than this, a lane folds
 constexpr double aslant_min = 0.3;     // of its way must lead along the road; else its width leads it across
+constexpr double kink_min_rad = 0.1;   // more is a corner
 constexpr double step_m = 0.25;        // between two samples
 constexpr double samples_max = 4'000;  // of one lane
 constexpr double radius_good_m = 2.0;  // a bridge this gentle, or as gentle as the lane is aside, reaches far enough
 constexpr double radius_min_m = 0.15;  // none at all is better than a tighter one
 constexpr double reach_max_m = 30.0;   // to each side of a fold
+
+double corner_between(Point2 a, Point2 b) {
+  return std::fabs(wrap_angle(det_atan2(b.y_m, b.x_m) - det_atan2(a.y_m, a.x_m)));
+}
 
 }  // namespace
 
@@ -43,7 +48,7 @@ double LaneCurve::Bridge::tightest_m() const {
   for (int i = 1; i <= samples; ++i) {
     const Point2 here = slope_at(from + (to - from) * i / samples);
     const double way_m = 0.5 * (norm(before.x_m, before.y_m) + norm(here.x_m, here.y_m)) * (to - from) / samples;
-    const double turn = std::fabs(wrap_angle(det_atan2(here.y_m, here.x_m) - det_atan2(before.y_m, before.x_m)));
+    const double turn = corner_between(before, here);
     if (turn > 1e-9) tightest = std::min(tightest, way_m / turn);
     before = here;
   }
@@ -102,8 +107,15 @@ std::vector<std::pair<double, double>> LaneCurve::folds(std::size_t& work) const
   work -= std::min(work, places.size());
   std::sort(places.begin(), places.end());
   std::vector<std::pair<double, double>> found;
+  Point2 before{1.0, 0.0};
+  double before_s = from_ - 1.0;
   for (const double s : places) {
-    if (!beside(s).folds()) continue;
+    const Beside here = beside(s);
+    // Across a break: where the road begins to bend, a lane that does not run along it kinks.
+    const bool kinks = s - before_s < 1e-8 && corner_between(before, here.d) > kink_min_rad;
+    before = here.d;
+    before_s = s;
+    if (!here.folds() && !kinks) continue;
     if (!found.empty() && s - found.back().second < 4.0 * step)
       found.back().second = s;
     else

@@ -58,6 +58,18 @@ TEST(OpenDriveMended, a_lane_inside_too_tight_a_bend_is_cut_short_instead_of_fol
   EXPECT_FALSE(noted(zone, Note::Kind::mended, "lane 1", "run backwards"));
 }
 
+TEST(OpenDriveMended, a_lane_aslant_of_its_road_turns_no_corner_where_the_road_begins_to_bend) {
+  // It widens by a fifth of its way, and lies at four fifths of the bend's radius.
+  const std::string bend = line(20.0, 20.0, 0.0, 0.0, 5.0 * pi, "<arc curvature=\"0.1\"/>");
+  const std::string plan = line(0.0, 0.0, 0.0, 0.0, 20.0) + bend;
+  const std::string lanes = section(0.0, lane(1, R"(<width a="12" b="0.2"/>)"), "");
+  const TrafficZone zone = zone_of(file(road("1", 20.0 + 5.0 * pi, plan, lanes)));
+  const auto sections = sections_of(zone, "1.0.1");
+  ASSERT_FALSE(sections.empty());
+  EXPECT_GT(tightest_m(sections), 0.15);
+  EXPECT_TRUE(noted(zone, Note::Kind::mended, "lane 1", "would kink or run backwards"));
+}
+
 TEST(OpenDriveMended, a_link_to_the_wrong_end_of_a_road_is_put_right) {
   // Road 2 runs towards road 1, and its end lies there; the link says its start.
   const std::string one = road("1", 20.0, line(0.0, 0.0, 0.0, 0.0, 20.0),

@@ -118,12 +118,15 @@ std::string nothing_to_drive_on(const Report& report) {
     if (types.size() < 200) types += (types.empty() ? "" : ", ") + std::to_string(count) + ' ' + type;
   }
   if (!types.empty()) text += "; lanes of other types: " + types + " ([import] lane_types in the companion chooses)";
+  bool lost = false;
   for (const Note& note : report.notes()) {
     if (note.kind != Note::Kind::lost) continue;
+    lost = true;
     if (text.size() > 600) break;
     text += "; " + note.place;
     text += ' ' + note.text;
   }
+  if (types.empty() && !lost) text += "; its roads have none beside their middle line";
   return text;
 }
 

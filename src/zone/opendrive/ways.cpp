@@ -137,8 +137,7 @@ void RoadLanes::add(const Lane& lane, std::size_t section, const Pieces& inner, 
   LaneCurve curve{line_, std::move(*lateral), from, to, forward};
   if (const double cut_m = curve.cut_folds(work_.samples); cut_m > 0.0)
     report_.add(Note::Kind::mended, "lanes that fold in a bend", place,
-                "lies inside a bend tighter than its distance from the reference line, where it would run backwards; "
-                "cut short over " +
+                "lies so far inside a bend of its road that it would kink or run backwards there; cut short over " +
                     metres(cut_m) + " of the road");
   ways_.ways.push_back({index_, static_cast<std::uint32_t>(section), lane.id, std::move(curve),
                         forward ? at_from : at_to, forward ? at_to : at_from, speeds(lane, from)});
