@@ -281,6 +281,18 @@ TEST(Svg, shows_kinds_chargers_pivots_and_closed_sections_and_names_them) {
   EXPECT_THAT(to_svg(zone, draw(zone)), Not(HasSubstr("closed")));
 }
 
+TEST(Svg, shows_the_ways_of_a_ground_of_a_kilometre) {
+  std::vector<Circuit::Part> parts;
+  parts.push_back({"long", *Section::make({}, 1000.0), std::nullopt, {}});
+  const TrafficZone zone{
+      "far", *Circuit::make("far", std::move(parts)), {}, testing::lacet4().profiles, {}, {}, {}, {}, {}, {}};
+  const std::string svg = to_svg(zone, draw(zone));
+  EXPECT_THAT(svg, HasSubstr(" stroke-width=\"4.5\" stroke-linecap=\"round\"><title>long</title>"));
+  EXPECT_THAT(svg, HasSubstr(" stroke-width=\"1.4\""));
+  // A name of a tenth of a pixel would only hide the way.
+  EXPECT_THAT(svg, Not(HasSubstr(">long</text>")));
+}
+
 TEST(Svg, is_a_picture_with_every_layer_a_legend_and_a_scale) {
   const TrafficZone zone = testing::lacet4();
   const std::string svg = to_svg(zone, draw(zone));

@@ -16,6 +16,7 @@ constexpr double piece_turn_max_rad = 1.75 * pi;
 // Between two samples more than this is no bend that 32 samples show.
 constexpr double sample_turn_max_rad = 0.5;
 constexpr int samples = 32;
+constexpr double fillet_radius_m = 0.3;  // of a rounded kink, where the tolerance leaves room for it
 // A straight line or an arc is taken where it misses by this share of the tolerance: a file's own rounding.
 constexpr double simple_share = 0.01;
 // Joints this close need no correction: the next piece begins where the curve does, not where the last one ended.
@@ -140,11 +141,13 @@ void Fitter::stop(const Pose2& at, std::string what) {
 }
 
 /// How far to both sides of a kink its rounding reaches: a fillet with tangents this long misses the corner by
-/// tangent·tan(kink/4), and half of what there is on each side is left to the neighbours.
+/// tangent·tan(kink/4), and half of what there is on each side is left to the neighbours. No more than it takes is
+/// rounded: a tenth of what the tolerance allows, or what leaves a bend that a small vehicle can follow.
 std::optional<std::pair<double, double>> Fitter::window(double before, double at, double after, double kink_rad,
                                                         double jump_m) const {
   const double most_m = kink_rad > 0.0 ? 3.2 * tolerance_.position_m / kink_rad : 1e9;
-  const double tangent_m = std::clamp(4.0 * jump_m / tolerance_.heading_rad, 0.1 * most_m, most_m);
+  const double least_m = std::clamp(0.5 * fillet_radius_m * kink_rad, 0.1 * most_m, most_m);
+  const double tangent_m = std::clamp(4.0 * jump_m / tolerance_.heading_rad, least_m, most_m);
   const Pose2 corner = curve_.at(at);
   const auto reach = [&](double limit) {
     double u = at + 0.5 * (limit - at);

@@ -56,6 +56,17 @@ const Style* style_of(const Primitive& primitive) {
   return at == styles.end() ? nullptr : &*at;
 }
 
+constexpr double text_least_px = 4.0;
+
+/// A ground of hundreds of metres leaves a way less than a pixel: it is drawn as wide as can still be seen.
+double least_px(const Style& style) {
+  if (style.layer == "road") return 4.5;
+  if (style.layer == "closed") return 4.0;
+  if (style.layer == "line") return 1.4;
+  if (style.layer == "station" || style.layer == "tag") return 2.5;
+  return 0.0;
+}
+
 std::string number(double value) {
   char buffer[48];
   std::string text{buffer, std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed, 2).ptr};
@@ -151,7 +162,7 @@ class Svg {
     out_.append("\" fill=\"").append(style.fill).append("\" stroke=\"").append(style.stroke);
     out_ += "\" stroke-linejoin=\"round\">\n";
     if (shapes.size() > titled_max && shapes.front()->shape == Primitive::Shape::polyline) {
-      gathered(shapes);
+      gathered(style, shapes);
     } else {
       for (const Primitive* primitive : shapes) shape(style, *primitive);
     }
@@ -159,8 +170,8 @@ class Svg {
   }
 
   /// Many lines as one path, without their names.
-  void gathered(const std::vector<const Primitive*>& shapes) {
-    out_ += "<path stroke-width=\"" + number(std::max(shapes.front()->size_m * px_per_m_, 0.05)) +
+  void gathered(const Style& style, const std::vector<const Primitive*>& shapes) {
+    out_ += "<path stroke-width=\"" + number(std::max({shapes.front()->size_m * px_per_m_, least_px(style), 0.05})) +
             "\" stroke-linecap=\"round\" d=\"";
     for (const Primitive* primitive : shapes) {
       char command = 'M';
@@ -174,14 +185,15 @@ class Svg {
   }
 
   void shape(const Style& style, const Primitive& primitive) {
-    const double size_px = primitive.size_m * px_per_m_;
+    const double size_px = std::max(primitive.size_m * px_per_m_, least_px(style));
+    const bool widened = size_px > primitive.size_m * px_per_m_;
     std::string title;
     if (!primitive.label.empty()) title = "<title>" + escaped(primitive.label) + "</title>";
     switch (primitive.shape) {
       case Primitive::Shape::polyline:
         out_ += "<polyline" + points(primitive) + " stroke-width=\"" + number(size_px) + "\"";
         // The dash is four strokes long: a line to follow, not a wall. Closed is a fence across the road.
-        if (style.layer == "line")
+        if (style.layer == "line" && !widened)
           out_ += " stroke-dasharray=\"" + number(4.0 * size_px) + " " + number(3.0 * size_px) + "\"";
         else if (style.layer == "closed")
           out_ += " stroke-opacity=\"0.6\" stroke-dasharray=\"" + number(0.12 * size_px) + " " + number(0.3 * size_px) +
@@ -199,6 +211,8 @@ class Svg {
         break;
       }
       case Primitive::Shape::text: {
+        // What nobody could read would only hide the way under its halo; the name stands in the title of its line.
+        if (size_px < text_least_px) break;
         const std::string at = xy(primitive.points.front());
         const auto comma = at.find(',');
         out_ += "<text x=\"" + at.substr(0, comma) + "\" y=\"" + at.substr(comma + 1) + "\" font-size=\"" +

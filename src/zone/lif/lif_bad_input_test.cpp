@@ -70,6 +70,19 @@ TEST(LifErrors, name_the_place_of_ids_that_two_have) {
             "plant.lif.json: layouts[0].edges[1].edgeId: two edges have the id 'A-B'");
 }
 
+TEST(LifErrors, tell_a_later_version_by_its_origins) {
+  const std::string later =
+      error_of(json("{'metaInformation':{'lifVersion':'2.0.0'},'origins':[{'originId':'o','layouts':[]}]}"));
+  EXPECT_THAT(later, StartsWith("plant.lif.json: origins: "));
+  EXPECT_THAT(later, HasSubstr("version 2.0"));
+}
+
+TEST(LifErrors, of_layouts_that_share_ids_say_how_to_take_one) {
+  const std::string layout = "{'layoutId':'L1','nodes':[{'nodeId':'A','nodePosition':{'x':0,'y':0}}],'edges':[]}";
+  const std::string both = json("{'layouts':[" + layout + "," + layout + "]}");
+  EXPECT_THAT(error_of(both), HasSubstr("layouts[1].nodes[0].nodeId: two nodes have the id 'A', as layouts may not"));
+}
+
 TEST(LifErrors, say_why_nothing_is_left) {
   EXPECT_EQ(code_of("{}"), "zone.missing");
   EXPECT_EQ(code_of("[]"), "zone.missing");
@@ -78,6 +91,10 @@ TEST(LifErrors, say_why_nothing_is_left) {
   const std::string dangling = error_of(Plan{{"A 0 0", "B 2 0"}, {"A C"}}.text());
   EXPECT_THAT(dangling, HasSubstr("no edge is left"));
   EXPECT_THAT(dangling, HasSubstr("layouts[0].edges[0].endNodeId: there is no node 'C'"));
+  // A field that is not taken is no reason; nodes that lie nowhere are.
+  const std::string flat =
+      json("{'layouts':[{'layoutId':'L','layoutName':'yard','nodes':[{'nodeId':'A','x':0,'y':0}],'edges':[]}]}");
+  EXPECT_THAT(error_of(flat), HasSubstr("layouts[0].nodes[0].nodePosition: a node without a position"));
 }
 
 TEST(LifErrors, come_where_a_node_joins_too_many_edges) {

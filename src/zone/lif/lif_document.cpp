@@ -71,6 +71,10 @@ class Reader {
   void drop_closed();
   void move_origin();
   void stop(std::string code, std::string message, std::string place);
+  /// Layouts that share their ids cannot be one zone, but each alone can.
+  [[nodiscard]] const char* one_layout_hint() const {
+    return document_.layouts.size() > 1 ? ", as layouts may not; [import] layout in the companion takes one alone" : "";
+  }
 
   const Selection& selection_;
   LifNotes& notes_;
@@ -107,6 +111,10 @@ Result<Document> Reader::read(const JsonValue& json) {
   std::vector<bool> taken;
   const auto count =
       root.each("layouts", [&](const LifFields& layout) { taken.push_back(!error_ && read_layout(layout)); });
+  if ((!count || *count == 0) && root.has("origins"))
+    return fail("zone.version",
+                "expected a list of layouts, found origins, as version 2.0 of LIF has them; this program reads LIF 1.0",
+                "origins");
   if (!count || *count == 0)
     return fail("zone.missing", "expected a list of at least one layout, found none", "layouts");
   if (error_) return tl::unexpected(*error_);
@@ -212,7 +220,8 @@ void Reader::read_node(const LifFields& node) {
   if (document_.nodes.size() >= nodes_max)
     return stop("zone.size", "expected at most " + std::to_string(nodes_max) + " nodes", node.place());
   if (!node_by_id_.emplace(*id, document_.nodes.size()).second)
-    return stop("zone.duplicate", "two nodes have the id '" + printable(*id) + "'", node.place("nodeId"));
+    return stop("zone.duplicate", "two nodes have the id '" + printable(*id) + "'" + one_layout_hint(),
+                node.place("nodeId"));
 
   lose(node, "nodeName", "a node is known by its id");
   lose(node, "nodeDescription", "a node is known by its id");
@@ -254,7 +263,8 @@ void Reader::read_edge(const LifFields& edge) {
   if (document_.edges.size() >= edges_max)
     return stop("zone.size", "expected at most " + std::to_string(edges_max) + " edges", edge.place());
   if (!edge_by_id_.emplace(*id, document_.edges.size()).second)
-    return stop("zone.duplicate", "two edges have the id '" + printable(*id) + "'", edge.place("edgeId"));
+    return stop("zone.duplicate", "two edges have the id '" + printable(*id) + "'" + one_layout_hint(),
+                edge.place("edgeId"));
 
   std::string section = edge.text("edgeName").value_or("");
   if (section.empty() || (*id != section && !id->starts_with(section + "."))) {

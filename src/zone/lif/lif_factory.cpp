@@ -64,10 +64,10 @@ Result<TrafficZone> LifCircuitFactory::make_zone(const ZoneConfiguration& config
   if (!document) return failed(document.error());
   auto ways = lif::make_ways(*document, {companion->tolerance_m, companion->tolerance_rad}, notes);
   if (!ways) {
-    // What was lost before says why nothing is left.
+    // What was lost before says why nothing is left; a field that is not taken does not, and begins with its name.
     Error error = ways.error();
     for (const Note& note : notes.take()) {
-      if (error.code == "circuit.empty" && note.kind == Note::Kind::lost) {
+      if (error.code == "circuit.empty" && note.kind == Note::Kind::lost && !note.text.starts_with('\'')) {
         error.message += "; " + note.place + ": " + note.text;
         break;
       }

@@ -40,7 +40,9 @@ struct Easing {
   slope = std::fabs(slope);
   const double for_shift = std::min(1500.0 * shift, std::max(2.0, 30.0 * shift));
   const double for_slope = std::max(std::min(2.5e-3 / std::max(slope, 1e-9), 5.0), 160.0 * slope);
-  return std::max(for_shift, for_slope);
+  // A corner is cut by less than a metre, however far a gentler turn would reach.
+  const double for_corner = 4.0 / std::max(slope, 1e-9);
+  return std::max(for_shift, std::min(for_slope, for_corner));
 }
 
 }  // namespace cosiva::zone::opendrive

@@ -11,6 +11,7 @@ namespace {
 constexpr double free_m = 5e-6;
 constexpr double free_rad = 2e-5;
 constexpr double worth_a_note = 1e-3;  // metres or radians
+constexpr double short_way_m = 1.0;
 
 /// Ends of ways: 2·way is where it is entered, 2·way + 1 where it is left.
 using EndId = std::size_t;
@@ -38,6 +39,10 @@ class Joiner {
   [[nodiscard]] const Way& way_of(EndId end) const { return ways_.ways[end / 2]; }
   [[nodiscard]] double width(EndId end) const {
     return end % 2 == 0 ? way_of(end).width_entry : way_of(end).width_exit;
+  }
+  /// How much an end stays where it is: wide lanes do, and those that have no room to be bent in.
+  [[nodiscard]] double weight(EndId end) const {
+    return width(end) * width(end) * (way_of(end).curve.span() < short_way_m ? 100.0 : 1.0);
   }
 
   const Network& network_;
@@ -88,7 +93,7 @@ void Joiner::join() {
   }
 }
 
-/// All ends move to their mean, which is weighted by the square of the lanes' widths.
+/// All ends move to their mean, by their weights.
 void Joiner::join_group(const std::vector<EndId>& ends) {
   const Pose2& first = poses_[ends.front()];
   double worst_m = 0.0;
@@ -97,12 +102,12 @@ void Joiner::join_group(const std::vector<EndId>& ends) {
   for (const EndId end : ends) {
     worst_m = std::max(worst_m, distance(first, poses_[end]));
     worst_rad = std::max(worst_rad, std::fabs(wrap_angle(poses_[end].heading_rad - first.heading_rad)));
-    weights += width(end) * width(end);
+    weights += weight(end);
   }
   if (worst_m <= free_m && worst_rad <= free_rad) return;
   Pose2 mean = first;
   for (const EndId end : ends) {
-    const double share = weights > 1e-6 ? width(end) * width(end) / weights : 1.0 / static_cast<double>(ends.size());
+    const double share = weights > 1e-6 ? weight(end) / weights : 1.0 / static_cast<double>(ends.size());
     mean.x_m += share * (poses_[end].x_m - first.x_m);
     mean.y_m += share * (poses_[end].y_m - first.y_m);
     mean.heading_rad += share * wrap_angle(poses_[end].heading_rad - first.heading_rad);

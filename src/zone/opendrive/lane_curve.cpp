@@ -10,6 +10,8 @@ constexpr double near_min_m = 1e-3;
 constexpr double near_max_m = 0.05;
 constexpr double jump_free_m = 1e-6;
 constexpr double kink_free = 1e-6;
+constexpr double lengths_of_jump = 20.0;  // that a jump takes to be smoothed
+constexpr double short_max_m = 1.0;
 
 }  // namespace
 
@@ -56,8 +58,36 @@ Pieces sum(const Pieces& left, double a, const Pieces& right, double b, double n
   return total;
 }
 
+namespace {
+
+/// A piece too short for the jump at its start or end to be smoothed within it gives way to its neighbours.
+void drop_short_jumps(Pieces& pieces, double to) {
+  std::size_t kept = 1;  // so many of those before i stay
+  for (std::size_t i = 1; i < pieces.size(); ++i) {
+    Polynomial after = pieces[i];
+    const double length_after = (i + 1 < pieces.size() ? pieces[i + 1].s : to) - after.s;
+    bool stays = true;
+    while (stays && kept > 0) {
+      const Polynomial& before = pieces[kept - 1];
+      const double length_before = after.s - before.s;
+      const double jump = std::fabs(after.a - before.at(length_before));
+      const double room = std::min(length_before, length_after);
+      if (jump <= jump_free_m || room > std::min(lengths_of_jump * jump, short_max_m)) break;
+      stays = length_before < length_after;
+      // Where the first gives way, the next begins in its place.
+      if (stays && kept == 1) after = moved(after, before.s);
+      if (stays) --kept;
+    }
+    if (stays) pieces[kept++] = after;
+  }
+  pieces.resize(kept);
+}
+
+}  // namespace
+
 std::optional<Lateral> Lateral::make(Pieces pieces, double to) {
   Lateral lateral;
+  drop_short_jumps(pieces, to);
   lateral.pieces_ = std::move(pieces);
   const std::size_t count = lateral.pieces_.size();
   lateral.at_start_.resize(count);
@@ -93,21 +123,34 @@ Lateral::Value Lateral::at(double s) const {
           piece.slope_at(ds) + at_start_[index].slope_at(ds) - at_end_[index].slope_at(left)};
 }
 
-/// The derivative by s at s; p becomes the point.
-Point2 LaneCurve::derivative(double s, Point2& p) const {
+LaneCurve::Beside LaneCurve::beside(double s) const {
   const Jet jet = line_->at(s);
   const auto [t, slope] = lateral_.at(s);
   const double v = norm(jet.d.x_m, jet.d.y_m);
-  if (!(v > 1e-12)) {
-    p = jet.p;
-    return {1.0, 0.0};
-  }
+  if (!(v > 1e-12)) return {jet.p, {1.0, 0.0}};
   const Point2 along{jet.d.x_m / v, jet.d.y_m / v};
   const Point2 left{-along.y_m, along.x_m};
   // Beside a bend the way is longer or shorter: the normal turns with the tangent.
   const double turn = (jet.dd.x_m * left.x_m + jet.dd.y_m * left.y_m) / v;
-  p = {jet.p.x_m + t * left.x_m, jet.p.y_m + t * left.y_m};
-  Point2 d{(v - t * turn) * along.x_m + slope * left.x_m, (v - t * turn) * along.y_m + slope * left.y_m};
+  return {{jet.p.x_m + t * left.x_m, jet.p.y_m + t * left.y_m},
+          {(v - t * turn) * along.x_m + slope * left.x_m, (v - t * turn) * along.y_m + slope * left.y_m},
+          (v - t * turn) / v,
+          v - t * turn};
+}
+
+/// The derivative by s at s; p becomes the point.
+Point2 LaneCurve::derivative(double s, Point2& p) const {
+  Point2 d;
+  const auto over = std::find_if(bridges_.begin(), bridges_.end(),
+                                 [s](const Bridge& bridge) { return s >= bridge.from && s <= bridge.to; });
+  if (over != bridges_.end()) {
+    p = over->at(s);
+    d = over->slope_at(s);
+  } else {
+    const Beside here = beside(s);
+    p = here.p;
+    d = here.d;
+  }
   const auto add = [&](const Moved& moved, double x, double sign) {
     p = {p.x_m + moved.x.at(x), p.y_m + moved.y.at(x)};
     d = {d.x_m + sign * moved.x.slope_at(x), d.y_m + sign * moved.y.slope_at(x)};
@@ -142,6 +185,7 @@ PlaneCurve LaneCurve::curve(double scale, const std::vector<double>& more_breaks
   std::vector<double> breaks = line_->breaks();
   breaks.insert(breaks.end(), lateral_.breaks().begin(), lateral_.breaks().end());
   breaks.insert(breaks.end(), more_breaks.begin(), more_breaks.end());
+  for (const Bridge& bridge : bridges_) breaks.insert(breaks.end(), {bridge.from, bridge.to});
   if (at_from_) breaks.push_back(from_ + at_from_->x.over);
   if (at_to_) breaks.push_back(to_ - at_to_->x.over);
   std::erase_if(breaks, [&](double s) { return !(s > from_ + 1e-9 && s < to_ - 1e-9); });

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "zone/fit.h"
@@ -65,6 +66,12 @@ class LaneCurve {
   /// Moves its entry (or exit) to `target`, and eases back over at most `reach_m`.
   void move_end(bool entry, const Pose2& target, double reach_m);
 
+  /// Inside a bend that is tighter than the lane's distance from the reference line, the lane would run backwards: such
+  /// stretches are cut short by a curve between their ends.
+  /// @param work  samples that may still be taken for this; counted down
+  /// @return how much of it was replaced, in s
+  double cut_folds(std::size_t& work);
+
   /// For fit(): the parameter runs with the direction of travel, and both coordinates are `scale` times the file's.
   /// Lives no longer than this curve.
   [[nodiscard]] PlaneCurve curve(double scale, const std::vector<double>& more_breaks) const;
@@ -74,6 +81,32 @@ class LaneCurve {
     Easing x{};
     Easing y{};
   };
+  /// A cubic between two places of the lane, with its derivatives there by u = 0 … 1.
+  struct Bridge {
+    double from{};
+    double to{};
+    Point2 start{};
+    Point2 start_d{};
+    Point2 end{};
+    Point2 end_d{};
+
+    [[nodiscard]] Point2 at(double s) const;
+    [[nodiscard]] Point2 slope_at(double s) const;  ///< by s
+    [[nodiscard]] double tightest_m() const;        ///< its least radius
+  };
+  /// Beside the reference line: the point, its derivative by s, and how far the lane is from folding there: 1 on the
+  /// line, 0 at the centre of the line's bend, negative beyond.
+  struct Beside {
+    Point2 p;
+    Point2 d;
+    double room{1.0};
+    double along{1.0};  ///< share of the derivative that leads along the line
+    [[nodiscard]] bool folds() const;
+  };
+  [[nodiscard]] Beside beside(double s) const;
+  [[nodiscard]] Bridge bridge(double from, double to) const;
+  [[nodiscard]] std::optional<Bridge> bridge_over(double from, double to) const;
+  [[nodiscard]] std::vector<std::pair<double, double>> folds(std::size_t& work) const;
   [[nodiscard]] Point2 derivative(double s, Point2& p) const;
 
   std::shared_ptr<const ReferenceLine> line_;
@@ -81,6 +114,7 @@ class LaneCurve {
   double from_;
   double to_;
   bool forward_;
+  std::vector<Bridge> bridges_{};
   std::optional<Moved> at_from_{};
   std::optional<Moved> at_to_{};
 };

@@ -9,6 +9,9 @@ namespace {
 // Ends that nobody linked belong together when they are this close.
 constexpr double meets_m = 0.01;
 constexpr double meets_rad = 0.01;
+// A link to an end this far off is taken to mean the other one, if that is this close.
+constexpr double contact_far_m = 2.0;
+constexpr double contact_near_m = 0.5;
 // A hostile file may heap its ends on one place; real ones have a handful there.
 constexpr std::size_t pairs_max = 2'000'000;
 
@@ -30,6 +33,9 @@ class Linker {
   [[nodiscard]] bool exit_of(const Ways::End& end, WayId way) const {
     return ways_.ways[way].curve.forward() != end.at_start;
   }
+  [[nodiscard]] Point2 end_of(std::uint32_t road, bool at_start) const;
+  [[nodiscard]] bool contact(std::uint32_t road, bool at_start, std::uint32_t other, bool other_at_start,
+                             const std::string& place);
   [[nodiscard]] bool start_faces(std::uint32_t incoming, std::uint32_t connecting, bool at_start) const;
   void link(const Ways::End& a, const Ways::End& b, const std::string& place);
   void join_if_met(WayId from, WayId to);
@@ -77,6 +83,28 @@ void Linker::link(const Ways::End& a, const Ways::End& b, const std::string& pla
   ways_.ways[from].next.push_back(from == one ? two : one);
 }
 
+/// Of its reference line, which it must have.
+Point2 Linker::end_of(std::uint32_t road, bool at_start) const {
+  const ReferenceLine& line = *ways_.lines[road];
+  return line.at(at_start ? line.from() : line.length()).p;
+}
+
+/// The end of a road that meets an end of another: the one that the file names, unless that is metres away and the
+/// road's other end lies right there.
+bool Linker::contact(std::uint32_t road, bool at_start, std::uint32_t other, bool other_at_start,
+                     const std::string& place) {
+  if (!ways_.lines[road] || !ways_.lines[other]) return at_start;
+  const Point2 here = end_of(other, other_at_start);
+  const double named_m = distance(here, end_of(road, at_start));
+  const double opposite_m = distance(here, end_of(road, !at_start));
+  if (named_m <= contact_far_m || opposite_m >= contact_near_m) return at_start;
+  report_.add(Note::Kind::mended, "links to the wrong end of a road", place,
+              std::string("leads to the ") + (at_start ? "start" : "end") + " of road '" + network_.roads[road].id +
+                  "', which is " + metres(named_m) + " away; its other end is only " + metres(opposite_m) +
+                  " away and is taken");
+  return !at_start;
+}
+
 /// Lanes of a road's consecutive sections.
 void Linker::link_sections(std::uint32_t road) {
   const Road& it = network_.roads[road];
@@ -99,18 +127,20 @@ void Linker::link_road(std::uint32_t index, bool at_start) {
   const Road& it = network_.roads[index];
   const auto& said = at_start ? it.predecessor : it.successor;
   if (!said || said->junction || it.sections.empty()) return;
-  const auto other = road(said->id, it.place + (at_start ? ", link/predecessor" : ", link/successor"));
+  const std::string place = it.place + (at_start ? ", link/predecessor" : ", link/successor");
+  const auto other = road(said->id, place);
   if (!other || network_.roads[*other].sections.empty()) return;
+  const bool to_start = contact(*other, said->at_start, index, at_start, place);
   const auto last = [&](std::uint32_t of) {
     return static_cast<std::uint32_t>(network_.roads[of].sections.size() - 1);
   };
   const std::uint32_t here = at_start ? 0 : last(index);
-  const std::uint32_t there = said->at_start ? 0 : last(*other);
+  const std::uint32_t there = to_start ? 0 : last(*other);
   for (const auto* side : {&it.sections[here].left, &it.sections[here].right}) {
     for (const Lane& lane : *side) {
       for (const int to : at_start ? lane.predecessors : lane.successors)
-        link({index, here, lane.id, at_start},
-             {*other, there, network_.roads[*other].lane_at(said->at_start, to), said->at_start}, it.place);
+        link({index, here, lane.id, at_start}, {*other, there, network_.roads[*other].lane_at(to_start, to), to_start},
+             it.place);
     }
   }
 }
@@ -140,10 +170,10 @@ void Linker::link_connection(const Junction& junction, const Connection& connect
   const auto section = [](const Road& of, bool start) {
     return start ? 0 : static_cast<std::uint32_t>(of.sections.size() - 1);
   };
+  const bool out_start = contact(*connecting, connection.at_start, *incoming, in_start, connection.place);
   for (const auto& [from, to] : connection.lanes) {
     link({*incoming, section(in, in_start), in.lane_at(in_start, from), in_start},
-         {*connecting, section(out, connection.at_start), out.lane_at(connection.at_start, to), connection.at_start},
-         connection.place);
+         {*connecting, section(out, out_start), out.lane_at(out_start, to), out_start}, connection.place);
   }
 }
 

@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "zone/edit.h"
+#include "zone/opendrive/test_files.h"
 
 namespace cosiva::zone {
 namespace {
@@ -24,15 +25,6 @@ std::string read_file(const std::string& path) {
   std::stringstream text;
   text << file.rdbuf();
   return text.str();
-}
-
-Result<TrafficZone> read(const std::string& text, const std::string& companion = {}) {
-  return OpenDriveCircuitFactory{}.make_zone({"opendrive", "test.xodr", text, companion});
-}
-TrafficZone zone_of(const std::string& text, const std::string& companion = {}) {
-  auto zone = read(text, companion);
-  EXPECT_TRUE(zone) << to_string(zone.error());
-  return std::move(*zone);
 }
 
 const std::string samples_folder = COSIVA_SOURCE_DIR "/src/zone/opendrive/testdata/";
@@ -182,48 +174,6 @@ TEST(OpenDrive, a_three_way_junction_leads_from_each_arm_to_the_two_others) {
   SectionId id = *zone.circuit.find("0.0.-1");
   while (zone.circuit.next(id).size() == 1) id = zone.circuit.next(id).front();
   EXPECT_EQ(zone.circuit.part(zone.circuit.next(id).front()).name, "5.0.-1");
-}
-
-/// A file of one road or more, from the few things that a test is about.
-std::string lane(int id, const std::string& inside = R"(<width a="3"/>)", const std::string& type = "driving") {
-  return "<lane id=\"" + std::to_string(id) + "\" type=\"" + type + "\">" + inside + "</lane>";
-}
-std::string section(double s, const std::string& left, const std::string& right) {
-  return "<laneSection s=\"" + std::to_string(s) + "\"><left>" + left + "</left><right>" + right +
-         "</right></laneSection>";
-}
-std::string line(double s, double x, double y, double heading, double length, const std::string& shape = "<line/>") {
-  std::stringstream text;
-  text.precision(17);
-  text << "<geometry s=\"" << s << "\" x=\"" << x << "\" y=\"" << y << "\" hdg=\"" << heading << "\" length=\""
-       << length << "\">" << shape << "</geometry>";
-  return text.str();
-}
-std::string road(const std::string& id, double length, const std::string& plan, const std::string& lanes,
-                 const std::string& more = {}, const std::string& attributes = "junction=\"-1\"") {
-  return "<road id=\"" + id + "\" length=\"" + std::to_string(length) + "\" " + attributes + ">" + more + "<planView>" +
-         plan + "</planView><lanes>" + lanes + "</lanes></road>\n";
-}
-std::string file(const std::string& inside) {
-  return "<?xml version=\"1.0\"?>\n<OpenDRIVE><header revMajor=\"1\" revMinor=\"6\" name=\"made\"/>\n" + inside +
-         "</OpenDRIVE>";
-}
-const Section& section_of(const TrafficZone& zone, std::string_view name) {
-  const auto id = zone.circuit.find(name);
-  EXPECT_TRUE(id) << name;
-  return zone.circuit.section(*id);
-}
-bool leads(const TrafficZone& zone, std::string_view from, std::string_view to) {
-  const auto a = zone.circuit.find(from);
-  const auto b = zone.circuit.find(to);
-  if (!a || !b) return false;
-  const auto next = zone.circuit.next(*a);
-  return std::find(next.begin(), next.end(), *b) != next.end();
-}
-bool noted(const TrafficZone& zone, Note::Kind kind, std::string_view place, std::string_view text) {
-  return std::any_of(zone.notes.begin(), zone.notes.end(), [&](const Note& note) {
-    return note.kind == kind && note.place.find(place) != note.place.npos && note.text.find(text) != note.text.npos;
-  });
 }
 
 TEST(OpenDrive, lanes_lie_beside_the_reference_line_and_run_as_traffic_does) {
@@ -400,7 +350,9 @@ TEST(OpenDrive, bad_files_are_refused_with_their_place) {
       {"another root", "<a/>", "zone.format", "OpenDRIVE, found a"},
       {"another version", "<OpenDRIVE><header revMajor=\"2\"/></OpenDRIVE>", "zone.version", "header/@revMajor"},
       {"no roads", file(""), "circuit.empty", "at least one road"},
-      {"no lanes", file(road("1", 20.0, plan, "")), "circuit.empty", "no lane"},
+      {"no lanes", file(road("1", 20.0, plan, "")), "circuit.empty", "no lane that can be driven on; road 1 has no"},
+      {"no lanes to drive on", file(road("1", 20.0, plan, section(0.0, "", lane(-1, "<width a=\"2\"/>", "rail")))),
+       "circuit.empty", "1 rail"},
       {"negative length", with_plan(plan + line(20.0, 20.0, 0.0, 0.0, -3.0)), "zone.field",
        "test.xodr:3: road 12, planView/geometry[2]/@length: expected a length from 0"},
       {"not a number", with_plan(line(0.0, std::nan(""), 0.0, 0.0, 20.0)), "zone.field", "geometry/@x"},
@@ -415,8 +367,8 @@ TEST(OpenDrive, bad_files_are_refused_with_their_place) {
       {"two of an id", file(road("5", 20.0, plan, lanes) + road("5", 20.0, plan, lanes)), "zone.duplicate", "'5'"},
       {"two lanes of an id", file(road("5", 20.0, plan, section(0.0, "", lane(-1) + lane(-1)))), "zone.duplicate",
        "-1"},
-      {"lane on the wrong side", file(road("5", 20.0, plan, section(0.0, lane(-1), ""))), "zone.field",
-       "lanes/laneSection/left/lane[-1]/@id"},
+      {"lane without an id", file(road("5", 20.0, plan, section(0.0, "<lane type=\"driving\"/>", ""))), "zone.missing",
+       "lanes/laneSection/left/lane/@id"},
       {"comma as point", with_plan("<geometry s=\"0\" x=\"1,5\" y=\"0\" hdg=\"0\" length=\"3\"><line/></geometry>"),
        "zone.field", "\"1,5\""},
   };

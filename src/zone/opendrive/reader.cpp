@@ -1,6 +1,7 @@
 #include "zone/opendrive/reader.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <set>
 
@@ -202,31 +203,38 @@ SpeedFrom Reader::read_speed(pugi::xml_node node, double s) {
 LaneSection Reader::read_lane_section(pugi::xml_node node) {
   LaneSection section;
   section.s = file_.number(node, "s", station);
-  for (const int sign : {1, -1}) {
-    auto& side = sign > 0 ? section.left : section.right;
-    for (const auto lane : node.child(sign > 0 ? "left" : "right").children("lane")) {
-      if (side.size() == lanes_max)
+  for (const char* name : {"left", "right"}) {
+    for (const auto lane : node.child(name).children("lane")) {
+      if (section.left.size() == lanes_max || section.right.size() == lanes_max)
         file_.fault(lane, {}, "zone.size", "expected at most " + std::to_string(lanes_max) + " lanes on one side");
       if (file_.error()) return section;
-      side.push_back(read_lane(lane, sign));
+      Lane read = read_lane(lane, *name == 'l' ? 1 : -1);
+      if (read.id != 0) (read.id > 0 ? section.left : section.right).push_back(std::move(read));
     }
-    std::stable_sort(side.begin(), side.end(), [&](const Lane& a, const Lane& b) { return sign * a.id < sign * b.id; });
-    for (std::size_t i = 1; i < side.size(); ++i) {
-      if (side[i].id == side[i - 1].id)
-        file_.fault(node, {}, "zone.duplicate", "two lanes of this section have the id " + std::to_string(side[i].id));
+  }
+  for (auto* side : {&section.left, &section.right}) {
+    const auto further_in = [](const Lane& a, const Lane& b) { return std::abs(a.id) < std::abs(b.id); };
+    std::stable_sort(side->begin(), side->end(), further_in);
+    for (std::size_t i = 1; i < side->size(); ++i) {
+      if ((*side)[i].id == (*side)[i - 1].id)
+        file_.fault(node, {}, "zone.duplicate",
+                    "two lanes of this section have the id " + std::to_string((*side)[i].id));
     }
   }
   return section;
 }
 
+/// @param sign  of the ids on the side under which it stands; another is believed, and said
 Lane Reader::read_lane(pugi::xml_node node, int sign) {
   Lane lane;
   const auto id = file_.whole(node, "id");
-  if (!id || *id * sign <= 0)
-    file_.fault(node, "id", id ? "zone.field" : "zone.missing",
-                sign > 0 ? "expected a positive id, because it is on the left"
-                         : "expected a negative id, because it is on the right");
+  if (!id) file_.fault(node, "id", "zone.missing", "expected a lane's id, found nothing");
   lane.id = id.value_or(sign);
+  if (lane.id * sign <= 0)
+    note(lane.id == 0 ? Note::Kind::lost : Note::Kind::mended, "lanes on the wrong side", node,
+         lane.id == 0 ? "stands for the middle line, which has no width and belongs under center; not taken"
+                      : std::string("lies ") + (sign > 0 ? "right" : "left") +
+                            " of the reference line by its id, though it stands under the other side");
   lane.type = std::string(std::string_view(node.attribute("type").value()).substr(0, 40));
   if (lane.type.empty()) lane.type = "none";
   const std::string_view direction = node.attribute("direction").value();

@@ -13,6 +13,7 @@ constexpr double record_min_m = 5e-3;
 constexpr double gap_free_m = 5e-6;
 constexpr double kink_free_rad = 5e-7;
 constexpr double worth_a_note = 1e-4;  // metres or radians
+constexpr double crumb_max_m = 0.3;
 
 double heading(Point2 d) { return det_atan2(d.y_m, d.x_m); }
 
@@ -34,38 +35,88 @@ std::optional<ReferenceLine> ReferenceLine::make(const Road& road, Report& repor
     report.add(Note::Kind::mended, "plan views out of order", road.place,
                "its geometry records do not stand in the order of their s; they are taken in that order");
   }
-  double s = plan.front()->s;
+  std::vector<Record> records;
   for (std::size_t i = 0; i < plan.size(); ++i) {
     auto record = make_record(*plan[i], report);
     if (!record) return std::nullopt;
-    const bool last = i + 1 == plan.size();
-    if (goes_on_too_long(*record, *plan[i], last ? nullptr : &plan[i + 1]->start)) {
+    if (goes_on_too_long(*record, *plan[i], i + 1 < plan.size() ? &plan[i + 1]->start : nullptr)) {
       report.add(Note::Kind::mended, "records that go on beyond their length", plan[i]->place,
                  "its polynomials lead on for " + metres(record->arc) + "; they are taken as far as its length says, " +
                      metres(plan[i]->length));
       record->arc = plan[i]->length;
     }
-    const double until = !last ? plan[i + 1]->s : std::max(road.length, plan[i]->s);
-    const double said = until - plan[i]->s;
-    // A hundredth is rounding, or a sloppy spline; more is a contradiction, and the shape is trusted.
-    const bool plausible =
-        std::fabs(said - record->arc) <= std::max(0.01, 0.01 * record->arc) && said > 0.5 * record_min_m;
-    if (!plausible || std::fabs(said - record->arc) > 1e-3 + 1e-4 * record->arc) {
-      report.add(Note::Kind::mended, "records whose s and shape disagree in length", plan[i]->place,
-                 "the file has " + metres(said) + " for it, but it is " + metres(record->arc) + " long; " +
-                     (plausible ? "lanes are stretched along it accordingly" : "its own length is taken"));
-    }
-    record->from = s;
-    s += plausible ? said : record->arc;
-    record->factor = record->arc / (s - record->from);
-    line.records_.push_back(std::move(*record));
-    line.ends_.push_back(s);
+    records.push_back(std::move(*record));
   }
+  drop_crumbs(plan, records, report);
+  redraw_sloppy(plan, records, report);
+  line.lay(road, plan, std::move(records), report);
   for (std::size_t i = 0; i + 1 < plan.size(); ++i) {
     if (!line.close_joint(i, plan[i + 1]->place, report)) return std::nullopt;
   }
   std::sort(line.breaks_.begin(), line.breaks_.end());
   return line;
+}
+
+bool ReferenceLine::can_close(const Record& before, const Jet& left, const Jet& right, const Record& after) {
+  return distance(left.p, right.p) <= std::min(gap_max_m, 0.5 * std::min(before.arc, after.arc)) &&
+         std::fabs(wrap_angle(heading(right.d) - heading(left.d))) <= corner_max_rad;
+}
+
+/// A record of a few centimetres that does not meet its neighbours is no reason to lose the road.
+void ReferenceLine::drop_crumbs(std::vector<const Geometry*>& plan, std::vector<Record>& records, Report& report) {
+  const auto left_out = [&](const Geometry* geometry, const Record& record) {
+    report.add(Note::Kind::mended, "crumbs of plan views", geometry->place,
+               "is " + metres(record.arc) + " long and does not meet its neighbours; it is left out");
+    return record.arc + record.slack;
+  };
+  std::size_t kept = 1;  // so many of those before i stay
+  for (std::size_t i = 1; i < records.size(); ++i) {
+    bool stays = true;
+    while (stays) {
+      const Record& before = records[kept - 1];
+      const Record& after = records[i];
+      if (std::min(before.arc, after.arc) > crumb_max_m ||
+          can_close(before, raw(before, before.arc), raw(after, 0.0), after))
+        break;
+      // The first keeps its place: it says where the road begins.
+      stays = kept > 1 && before.arc < after.arc;
+      const double gone = stays ? left_out(plan[kept - 1], before) : left_out(plan[i], after);
+      if (stays) --kept;
+      records[kept - 1].slack += gone;
+    }
+    if (!stays) continue;
+    if (kept != i) {
+      records[kept] = std::move(records[i]);
+      plan[kept] = plan[i];
+    }
+    ++kept;
+  }
+  records.erase(records.begin() + static_cast<std::ptrdiff_t>(kept), records.end());
+  plan.erase(plan.begin() + static_cast<std::ptrdiff_t>(kept), plan.end());
+}
+
+/// Says from where to where along the road's s each record runs.
+void ReferenceLine::lay(const Road& road, const std::vector<const Geometry*>& plan, std::vector<Record> records,
+                        Report& report) {
+  double s = plan.front()->s;
+  for (std::size_t i = 0; i < plan.size(); ++i) {
+    Record& record = records[i];
+    const double until = i + 1 < plan.size() ? plan[i + 1]->s : std::max(road.length, plan[i]->s);
+    const double said = until - plan[i]->s;
+    // A hundredth is rounding, or a sloppy spline; more is a contradiction, and the shape is trusted.
+    const double off_m = std::fabs(said - record.arc) - 1.5 * record.slack;
+    const bool plausible = off_m <= std::max(0.01, 0.01 * record.arc) && said > 0.5 * record_min_m;
+    if (!plausible || off_m > 1e-3 + 1e-4 * record.arc) {
+      report.add(Note::Kind::mended, "records whose s and shape disagree in length", plan[i]->place,
+                 "the file has " + metres(said) + " for it, but it is " + metres(record.arc) + " long; " +
+                     (plausible ? "lanes are stretched along it accordingly" : "its own length is taken"));
+    }
+    record.from = s;
+    s += plausible ? said : record.arc;
+    record.factor = record.arc / (s - record.from);
+    records_.push_back(std::move(record));
+    ends_.push_back(s);
+  }
 }
 
 /// Whether the parameter's range and the length contradict each other, and it is the length that fits what comes next.
@@ -134,8 +185,7 @@ bool ReferenceLine::close_joint(std::size_t index, const std::string& place, Rep
   const double kink_rad = wrap_angle(heading(right.d) - heading(left.d));
   if (gap_m <= gap_free_m && std::fabs(kink_rad) <= kink_free_rad) return true;
 
-  const double room_m = std::min(before.arc, after.arc);
-  if (gap_m > std::min(gap_max_m, 0.5 * room_m) || std::fabs(kink_rad) > kink_max_rad) {
+  if (!can_close(before, left, right, after)) {
     report.add(Note::Kind::lost, "roads with a gap or a corner", place,
                "begins " + metres(gap_m) + " and " + std::to_string(kink_rad) +
                    " rad from where the record before it ends, which is too much to round: the road is not taken");

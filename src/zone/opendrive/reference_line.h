@@ -60,10 +60,16 @@ class ReferenceLine {
     double factor;  ///< arc length by s: how far the file's two lengths disagree
     double arc;     ///< its length
     std::variant<Section, CubicPath> path;
+    double slack{0.0};  ///< of its length against its s: what stood behind it is left out, or it is redrawn
     std::optional<Eased> at_start{};
     std::optional<Eased> at_end{};
   };
   [[nodiscard]] static std::optional<Record> make_record(const Geometry& geometry, Report& report);
+  /// Whether two records that follow each other can be made to meet.
+  [[nodiscard]] static bool can_close(const Record& before, const Jet& left, const Jet& right, const Record& after);
+  static void drop_crumbs(std::vector<const Geometry*>& plan, std::vector<Record>& records, Report& report);
+  static void redraw_sloppy(const std::vector<const Geometry*>& plan, std::vector<Record>& records, Report& report);
+  void lay(const Road& road, const std::vector<const Geometry*>& plan, std::vector<Record> records, Report& report);
   [[nodiscard]] static bool goes_on_too_long(const Record& record, const Geometry& geometry, const Pose2* next);
   [[nodiscard]] static Jet raw(const Record& record, double s);
   [[nodiscard]] bool close_joint(std::size_t index, const std::string& place, Report& report);
@@ -74,8 +80,10 @@ class ReferenceLine {
   std::vector<double> breaks_;
 };
 
-/// A road that is not taken for a reason other than its joints has been noted; this is what joints may leave open.
+/// What joints may leave open, of records and of lanes: more is not bent to meet. Roads drawn as polygons have corners
+/// of a right angle; lanes that are linked go on nearly straight.
 inline constexpr double gap_max_m = 2.0;
-inline constexpr double kink_max_rad = 0.2;
+inline constexpr double corner_max_rad = 1.6;
+inline constexpr double kink_max_rad = 0.8;
 
 }  // namespace cosiva::zone::opendrive

@@ -171,7 +171,7 @@ TEST(ReferenceLine, closes_small_gaps_and_kinks_and_says_so) {
 }
 
 TEST(ReferenceLine, is_not_there_across_a_corner_or_a_gap_and_says_so) {
-  for (const Pose2& second : {Pose2{20.0, 0.0, 0.4}, Pose2{25.0, 0.0, 0.0}}) {
+  for (const Pose2& second : {Pose2{20.0, 0.0, 1.7}, Pose2{25.0, 0.0, 0.0}}) {
     Report report;
     const auto line = ReferenceLine::make(
         road_of({{0.0, {}, 20.0, Clothoid{}, "first"}, {20.0, second, 20.0, Clothoid{}, "second"}}, 40.0), report);
@@ -180,6 +180,73 @@ TEST(ReferenceLine, is_not_there_across_a_corner_or_a_gap_and_says_so) {
     EXPECT_EQ(report.notes()[0].kind, Note::Kind::lost);
     EXPECT_EQ(report.notes()[0].place, "second");
   }
+}
+
+TEST(ReferenceLine, rounds_a_right_angle_within_a_metre) {
+  Report report;
+  const ReferenceLine line = line_of(
+      road_of({{0.0, {}, 20.0, Clothoid{}, "first"}, {20.0, {20.0, 0.0, 0.5 * pi}, 20.0, Clothoid{}, "second"}}, 40.0),
+      report);
+  double turned = 0.0;
+  for (double s = 0.1; s <= 40.0; s += 0.1) {
+    const Jet before = line.at(s - 0.1);
+    const Jet here = line.at(s);
+    const double turn = wrap_angle(det_atan2(here.d.y_m, here.d.x_m) - det_atan2(before.d.y_m, before.d.x_m));
+    EXPECT_LT(std::fabs(turn), 0.12) << s;
+    turned += turn;
+    EXPECT_LT(std::min(std::fabs(here.p.y_m), std::fabs(here.p.x_m - 20.0)), 1.0) << s;
+  }
+  EXPECT_NEAR(turned, 0.5 * pi, 1e-6);
+  ASSERT_FALSE(report.notes().empty());
+  EXPECT_EQ(report.notes()[0].kind, Note::Kind::mended);
+}
+
+TEST(ReferenceLine, leads_through_short_records_that_miss_each_other) {
+  // A circle of 6 m, cut into arcs of a metre whose headings are those of their chords: each misses the next by 8 cm.
+  Report report;
+  std::vector<Geometry> plan;
+  const auto on_circle = [](int i) {
+    const double angle = i / 6.0;
+    return Point2{6.0 * det_sin(angle), 6.0 - 6.0 * det_cos(angle)};
+  };
+  for (int i = 0; i < 9; ++i) {
+    const Point2 from = on_circle(i);
+    const Point2 to = on_circle(i + 1);
+    const double chord = det_atan2(to.y_m - from.y_m, to.x_m - from.x_m);
+    plan.push_back({static_cast<double>(i), {from.x_m, from.y_m, chord}, 1.0, Clothoid{1.0 / 6.0, 1.0 / 6.0}, "arc"});
+  }
+  const ReferenceLine line = line_of(road_of(plan, 9.0), report);
+  for (double s = 1.0; s < 8.0; s += 0.1) {
+    const Jet jet = line.at(s);
+    EXPECT_NEAR(distance(jet.p, {0.0, 6.0}), 6.0, 0.06) << s;
+    const double v = norm(jet.d.x_m, jet.d.y_m);
+    // The first and the last record keep the heading of their chord.
+    const double bend = (jet.d.x_m * jet.dd.y_m - jet.d.y_m * jet.dd.x_m) / (v * v * v);
+    EXPECT_NEAR(bend, 1.0 / 6.0, s < 2.0 || s > 7.0 ? 0.1 : 0.03) << s;
+  }
+  ASSERT_FALSE(report.notes().empty());
+  EXPECT_EQ(report.notes()[0].kind, Note::Kind::mended);
+}
+
+TEST(ReferenceLine, leaves_many_crumbs_out_in_no_time) {
+  Report report;
+  std::vector<Geometry> plan{{0.0, {}, 20.0, Clothoid{}, "first"}};
+  for (int i = 0; i < 20'000; ++i) plan.push_back({20.0, {1e3, 1e3, 0.1 * i}, 0.01, Clothoid{}, "crumb"});
+  plan.push_back({20.0, {20.0, 0.0, 0.0}, 20.0, Clothoid{}, "last"});
+  EXPECT_NEAR(line_of(road_of(plan, 40.0), report).length(), 40.0, 1e-9);
+}
+
+TEST(ReferenceLine, leaves_a_crumb_out_that_meets_nobody) {
+  Report report;
+  const ReferenceLine line = line_of(road_of({{0.0, {}, 20.0, Clothoid{}, "first"},
+                                              {20.0, {20.0, 0.05, 3.0}, 0.06, Clothoid{}, "crumb"},
+                                              {20.06, {20.06, 0.0, 0.0}, 20.0, Clothoid{}, "last"}},
+                                             40.06),
+                                     report);
+  EXPECT_NEAR(line.length(), 40.06, 1e-9);
+  for (double s = 0.0; s < 40.0; s += 0.5) EXPECT_LT(distance(line.at(s).p, {s, 0.0}), 0.07) << s;
+  ASSERT_FALSE(report.notes().empty());
+  EXPECT_EQ(report.notes()[0].place, "crumb");
 }
 
 TEST(ReferenceLine, trusts_a_shape_whose_s_contradicts_it) {

@@ -110,6 +110,26 @@ void Layer::link(WayId id) {
   }
 }
 
+/// Which lanes there are instead, and what was lost on the way.
+std::string nothing_to_drive_on(const Report& report) {
+  std::string text = "there is no lane that can be driven on";
+  std::string types;
+  for (const auto& [type, count] : report.counted_under("lane type ")) {
+    if (types.size() < 200) types += (types.empty() ? "" : ", ") + std::to_string(count) + ' ' + type;
+  }
+  if (!types.empty()) text += "; lanes of other types: " + types + " ([import] lane_types in the companion chooses)";
+  bool lost = false;
+  for (const Note& note : report.notes()) {
+    if (note.kind != Note::Kind::lost) continue;
+    lost = true;
+    if (text.size() > 600) break;
+    text += "; " + note.place;
+    text += ' ' + note.text;
+  }
+  if (types.empty() && !lost) text += "; its roads have none beside their middle line";
+  return text;
+}
+
 Result<std::vector<Circuit::Part>> Layer::lay() {
   runs_.resize(ways_.size());
   for (WayId id = 0; id < ways_.size(); ++id) {
@@ -120,7 +140,7 @@ Result<std::vector<Circuit::Part>> Layer::lay() {
       return fail("zone.size", "more than " + std::to_string(failures_max) +
                                    " lanes cannot be followed; the first: " + report_.notes().back().text);
   }
-  if (parts_.empty()) return fail("circuit.empty", "there is no lane that can be driven on");
+  if (parts_.empty()) return fail("circuit.empty", nothing_to_drive_on(report_));
   for (WayId id = 0; id < ways_.size(); ++id) link(id);
   report_.add(Note::Kind::notice, "fits", "lanes",
               "their centre lines are followed by " + std::to_string(parts_.size()) + " sections, at worst " +

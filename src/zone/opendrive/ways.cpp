@@ -12,6 +12,12 @@ constexpr double width_min_m = 0.01;
 // Of all lanes together: a file may pile up records, and each lane has those of all lanes further in.
 constexpr std::size_t pieces_max = 10'000'000;
 
+/// Spent so far, and left, over all roads.
+struct Work {
+  std::size_t pieces{0};
+  std::size_t samples{20'000'000};  ///< for folds; a file of 5000 km of lanes has none looked for any more
+};
+
 std::string lane_place(const Road& road, std::size_t section, int lane) {
   std::string text = road.place + ", laneSection[" + std::to_string(section + 1);
   return text + "], lane " + std::to_string(lane);
@@ -20,8 +26,8 @@ std::string lane_place(const Road& road, std::size_t section, int lane) {
 /// Reads one road's lanes.
 class RoadLanes {
  public:
-  RoadLanes(const Network& network, std::uint32_t road, const std::vector<std::string>& types, Ways& ways,
-            std::size_t& work, Report& report)
+  RoadLanes(const Network& network, std::uint32_t road, const std::vector<std::string>& types, Ways& ways, Work& work,
+            Report& report)
       : road_{network.roads[road]}, index_{road}, types_{types}, ways_{ways}, work_{work}, report_{report} {}
 
   void read(std::shared_ptr<const ReferenceLine> line);
@@ -37,7 +43,7 @@ class RoadLanes {
   std::uint32_t index_;
   const std::vector<std::string>& types_;
   Ways& ways_;
-  std::size_t& work_;
+  Work& work_;
   Report& report_;
   std::shared_ptr<const ReferenceLine> line_;
 };
@@ -67,8 +73,8 @@ void RoadLanes::read_side(std::size_t section, int sign, double from, double to)
   Pieces inner = holding(road_.offsets, from, to, false);
   for (const Lane& lane : lanes) {
     const Pieces outer = outer_border(lane, inner, sign, section, from, to);
-    work_ += outer.size();
-    if (work_ > pieces_max) {
+    work_.pieces += outer.size();
+    if (work_.pieces > pieces_max) {
       report_.add(Note::Kind::lost, "lanes of too many records", lane_place(road_, section, lane.id),
                   "is not taken: the file has more records of width than any real one");
       return;
@@ -128,13 +134,13 @@ void RoadLanes::add(const Lane& lane, std::size_t section, const Pieces& inner, 
   const bool forward = ((lane.id < 0) != road_.left_hand) != lane.reversed;
   const double at_from = width_at(from);
   const double at_to = width_at(to);
-  ways_.ways.push_back({index_,
-                        static_cast<std::uint32_t>(section),
-                        lane.id,
-                        {line_, std::move(*lateral), from, to, forward},
-                        forward ? at_from : at_to,
-                        forward ? at_to : at_from,
-                        speeds(lane, from)});
+  LaneCurve curve{line_, std::move(*lateral), from, to, forward};
+  if (const double cut_m = curve.cut_folds(work_.samples); cut_m > 0.0)
+    report_.add(Note::Kind::mended, "lanes that fold in a bend", place,
+                "lies so far inside a bend of its road that it would kink or run backwards there; cut short over " +
+                    metres(cut_m) + " of the road");
+  ways_.ways.push_back({index_, static_cast<std::uint32_t>(section), lane.id, std::move(curve),
+                        forward ? at_from : at_to, forward ? at_to : at_from, speeds(lane, from)});
 }
 
 /// The lane's own limits hold where it has any, the road's before them.
@@ -168,7 +174,7 @@ WayId Ways::find(const End& end) const {
 Ways find_ways(const Network& network, const std::vector<std::string>& lane_types, Report& report) {
   Ways found;
   found.lines.resize(network.roads.size());
-  std::size_t work = 0;
+  Work work;
   for (std::uint32_t road = 0; road < network.roads.size(); ++road) {
     if (network.roads[road].sections.empty()) {
       report.add(Note::Kind::lost, "roads without lanes", network.roads[road].place, "has no lane section");

@@ -1,0 +1,143 @@
+#include <algorithm>
+#include <cmath>
+
+#include "zone/opendrive/lane_curve.h"
+
+namespace cosiva::zone::opendrive {
+namespace {
+
+constexpr double room_min = 0.2;       // of the bend's radius: nearer to its centre than this, a lane folds
+constexpr double aslant_min = 0.3;     // of its way must lead along the road; else its width leads it across
+constexpr double kink_min_rad = 0.1;   // more is a corner
+constexpr double step_m = 0.25;        // between two samples
+constexpr double samples_max = 4'000;  // of one lane
+constexpr double radius_good_m = 2.0;  // a bridge this gentle, or as gentle as the lane is aside, reaches far enough
+constexpr double radius_min_m = 0.15;  // none at all is better than a tighter one
+constexpr double reach_max_m = 30.0;   // to each side of a fold
+
+double corner_between(Point2 a, Point2 b) {
+  return std::fabs(wrap_angle(det_atan2(b.y_m, b.x_m) - det_atan2(a.y_m, a.x_m)));
+}
+
+}  // namespace
+
+bool LaneCurve::Beside::folds() const { return room < room_min || along < aslant_min * norm(d.x_m, d.y_m); }
+
+Point2 LaneCurve::Bridge::at(double s) const {
+  const double u = (s - from) / (to - from);
+  const double w = 1.0 - u;
+  const auto of = [&](double a, double da, double b, double db) {
+    return w * w * ((1.0 + 2.0 * u) * a + u * da) + u * u * ((1.0 + 2.0 * w) * b - w * db);
+  };
+  return {of(start.x_m, start_d.x_m, end.x_m, end_d.x_m), of(start.y_m, start_d.y_m, end.y_m, end_d.y_m)};
+}
+
+Point2 LaneCurve::Bridge::slope_at(double s) const {
+  const double u = (s - from) / (to - from);
+  const double w = 1.0 - u;
+  const auto of = [&](double a, double da, double b, double db) {
+    return (6.0 * u * w * (b - a) + w * (1.0 - 3.0 * u) * da + u * (3.0 * u - 2.0) * db) / (to - from);
+  };
+  return {of(start.x_m, start_d.x_m, end.x_m, end_d.x_m), of(start.y_m, start_d.y_m, end.y_m, end_d.y_m)};
+}
+
+double LaneCurve::Bridge::tightest_m() const {
+  constexpr int samples = 32;
+  double tightest = 1e9;
+  Point2 before = slope_at(from);
+  for (int i = 1; i <= samples; ++i) {
+    const Point2 here = slope_at(from + (to - from) * i / samples);
+    const double way_m = 0.5 * (norm(before.x_m, before.y_m) + norm(here.x_m, here.y_m)) * (to - from) / samples;
+    const double turn = corner_between(before, here);
+    if (turn > 1e-9) tightest = std::min(tightest, way_m / turn);
+    before = here;
+  }
+  return tightest;
+}
+
+/// Where the lane itself has folded it is left, and met, along the reference line.
+LaneCurve::Bridge LaneCurve::bridge(double from, double to) const {
+  const auto heading = [&](double s, const Beside& beside_there) {
+    const Point2 d = beside_there.folds() ? line_->at(s).d : beside_there.d;
+    return det_atan2(d.y_m, d.x_m);
+  };
+  const Beside one = beside(from);
+  const Beside two = beside(to);
+  const double start = heading(from, one);
+  const double end = heading(to, two);
+  // The handles of a cubic that is all but an arc.
+  const double quarter = det_cos(0.25 * wrap_angle(end - start));
+  const double handle_m = distance(one.p, two.p) / std::max(quarter * quarter, 0.25);
+  const SinCos at_start = sincos(start);
+  const SinCos at_end = sincos(end);
+  return {from,  to,
+          one.p, {handle_m * at_start.cos, handle_m * at_start.sin},
+          two.p, {handle_m * at_end.cos, handle_m * at_end.sin}};
+}
+
+/// The nearest bridge that is gentle enough, else the gentlest.
+std::optional<LaneCurve::Bridge> LaneCurve::bridge_over(double from, double to) const {
+  std::optional<Bridge> best;
+  const double good_m = std::clamp(std::fabs(lateral_.at(0.5 * (from + to)).t), radius_min_m, radius_good_m);
+  double widest_m = radius_min_m;
+  for (double reach_m = step_m; reach_m < reach_max_m; reach_m *= 1.25) {
+    const Bridge tried = bridge(std::max(from - reach_m, from_), std::min(to + reach_m, to_));
+    const double tightest_m = tried.tightest_m();
+    if (tightest_m > widest_m) {
+      widest_m = tightest_m;
+      best = tried;
+    }
+    if (tightest_m >= good_m || (tried.from <= from_ && tried.to >= to_)) break;
+  }
+  return best;
+}
+
+/// Stretches of s in which the lane folds; those near to each other are one.
+std::vector<std::pair<double, double>> LaneCurve::folds(std::size_t& work) const {
+  if (work == 0) return {};
+  const double step = std::max({step_m, span() / samples_max, 1e-6});
+  std::vector<double> places;
+  for (double s = from_; s < to_; s += step) places.push_back(s);
+  places.push_back(to_);
+  for (const auto* breaks : {&line_->breaks(), &lateral_.breaks()}) {
+    for (const double s : *breaks) {
+      if (s > from_ && s < to_) places.insert(places.end(), {s - 1e-9, s + 1e-9});
+    }
+  }
+  work -= std::min(work, places.size());
+  std::sort(places.begin(), places.end());
+  std::vector<std::pair<double, double>> found;
+  Point2 before{1.0, 0.0};
+  double before_s = from_ - 1.0;
+  for (const double s : places) {
+    const Beside here = beside(s);
+    // Across a break: where the road begins to bend, a lane that does not run along it kinks.
+    const bool kinks = s - before_s < 1e-8 && corner_between(before, here.d) > kink_min_rad;
+    before = here.d;
+    before_s = s;
+    if (!here.folds() && !kinks) continue;
+    if (!found.empty() && s - found.back().second < 4.0 * step)
+      found.back().second = s;
+    else
+      found.emplace_back(s, s);
+  }
+  return found;
+}
+
+double LaneCurve::cut_folds(std::size_t& work) {
+  for (const auto& [from, to] : folds(work)) {
+    auto found = bridge_over(from, to);
+    // Bridges that would overlap are one, over both folds.
+    while (found && !bridges_.empty() && found->from < bridges_.back().to) {
+      const double start = std::min(found->from, bridges_.back().from);
+      bridges_.pop_back();
+      found = bridge_over(start, found->to);
+    }
+    if (found) bridges_.push_back(*found);
+  }
+  double cut = 0.0;
+  for (const Bridge& bridge : bridges_) cut += bridge.to - bridge.from;
+  return cut;
+}
+
+}  // namespace cosiva::zone::opendrive
