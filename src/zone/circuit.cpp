@@ -81,7 +81,9 @@ Result<Circuit> Circuit::make(std::string name, std::vector<Part> parts, double 
       circuit.previous_[after].push_back(id);
     }
   }
-  circuit.tree_ = SectionTree{all.size(), [&](std::size_t id) -> const Section& { return all[id].section; }};
+  auto pieces = pieces_of(all.size(), [&](std::size_t id) -> const Section& { return all[id].section; });
+  circuit.grid_ = SectionGrid{pieces};
+  circuit.tree_ = SectionTree{std::move(pieces)};
   return circuit;
 }
 
@@ -98,6 +100,13 @@ double Circuit::total_length_m() const {
   return total_m;
 }
 
+/// Calls look(id) for all sections that head into `headings` and may come within `limit_m`, which `look` may lower; for
+/// some several times.
+template <typename Look>
+void Circuit::look_around(Point2 p, Headings headings, const double& limit_m, const Look& look) const {
+  if (!grid_.visit(p, headings, limit_m, look)) tree_.visit(p, headings, limit_m, look);
+}
+
 Circuit::Located Circuit::locate(Point2 p, std::optional<double> heading_rad) const {
   COSIVA_EXPECT(!parts_.empty());
   constexpr double aligned_rad = pi / 3.0;
@@ -108,24 +117,22 @@ Circuit::Located Circuit::locate(Point2 p, std::optional<double> heading_rad) co
     last = id;
     const Section::Nearest near = section(id).nearest(p);
     if (near.distance_m > best.distance_m || (near.distance_m == best.distance_m && id >= best.place.section)) return;
-    if (heading_rad &&
-        !(std::fabs(wrap_angle(section(id).pose_at(near.s_m).heading_rad - *heading_rad)) <= aligned_rad))
-      return;
+    if (heading_rad && !(std::fabs(wrap_angle(section(id).heading_at(near.s_m) - *heading_rad)) <= aligned_rad)) return;
     best = {{id, near.s_m}, near.left_m, near.distance_m};
   };
   if (heading_rad) {
-    tree_.visit(p, SectionTree::headings_near(*heading_rad, aligned_rad), best.distance_m, look);
+    look_around(p, headings_near(*heading_rad, aligned_rad), best.distance_m, look);
     if (best.place.section != no_section) return best;
     heading_rad.reset();
     last = no_section;
   }
-  tree_.visit(p, SectionTree::every_heading, best.distance_m, look);
+  look_around(p, every_heading, best.distance_m, look);
   return best;
 }
 
 void Circuit::near(Point2 p, double within_m, std::vector<Located>& out) const {
   out.clear();
-  tree_.visit(p, SectionTree::every_heading, within_m, [&](SectionId id) { out.push_back({{id, 0.0}, 0.0, 0.0}); });
+  look_around(p, every_heading, within_m, [&](SectionId id) { out.push_back({{id, 0.0}, 0.0, 0.0}); });
   std::sort(out.begin(), out.end(),
             [](const Located& a, const Located& b) { return a.place.section < b.place.section; });
   const auto same = [](const Located& a, const Located& b) { return a.place.section == b.place.section; };

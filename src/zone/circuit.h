@@ -10,6 +10,7 @@
 #include "base/pose.h"
 #include "base/result.h"
 #include "zone/section.h"
+#include "zone/section_grid.h"
 #include "zone/section_tree.h"
 
 namespace cosiva::zone {
@@ -93,7 +94,11 @@ class Circuit {
   std::vector<Part> parts_;
   std::vector<std::vector<SectionId>> previous_;
   std::vector<SectionId> by_name_;  ///< sorted by name, for find
-  SectionTree tree_;
+  template <typename Look>
+  void look_around(Point2 p, Headings headings, const double& limit_m, const Look& look) const;
+
+  SectionGrid grid_;
+  SectionTree tree_;  ///< of the same pieces, for where the grid does not know
 };
 
 }  // namespace cosiva::zone

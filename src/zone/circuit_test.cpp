@@ -14,7 +14,6 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 using testing::part;
 using testing::section;
 using testing::track;
@@ -155,78 +154,6 @@ TEST(Circuit, locates_every_place_where_it_is) {
     RC_ASSERT(located.distance_m < 1e-12);
     RC_ASSERT(distance(circuit.pose_at(located.place), pose) < 1e-9);
   });
-}
-
-/// Sections of all kinds, here and there, some on one another.
-Circuit scattered(Random& random, std::size_t size, double extent_m) {
-  std::vector<Circuit::Part> parts;
-  for (std::size_t i = 0; i < size; ++i) {
-    const Pose2 start{random.uniform(-extent_m, extent_m), random.uniform(-extent_m, extent_m),
-                      random.uniform(-3.1, 3.1)};
-    const double length_m = random.chance(0.1) ? random.uniform(5.0, 30.0) : random.uniform(0.01, 3.0);
-    const double bend_per_m = random.chance(0.5) ? 0.0 : random.uniform(-2.0, 2.0);
-    const double rate_per_m2 = random.chance(0.7) ? 0.0 : random.uniform(-0.5, 0.5);
-    auto made = Section::make(start, length_m, bend_per_m, rate_per_m2);
-    parts.push_back(part("s" + std::to_string(2 * i), *made));
-    if (random.chance(0.2)) parts.push_back(part("s" + std::to_string(2 * i + 1), *made));  // its twin, as near as it
-  }
-  return testing::circuit(std::move(parts));
-}
-
-TEST(Circuit, locates_exactly_as_looking_at_every_section_would) {
-  rc::check([] {
-    Random random{*rc::gen::arbitrary<std::uint64_t>(), "circuit_test/locate"};
-    const double extent_m = random.chance(0.5) ? 3.0 : 100.0;
-    const Circuit circuit = scattered(random, 1 + random.below(40), extent_m);
-    std::vector<Circuit::Located> near;
-    for (int i = 0; i < 20; ++i) {
-      const Point2 p{random.uniform(-2.0, 2.0) * extent_m, random.uniform(-2.0, 2.0) * extent_m};
-      const double heading_rad = random.uniform(-10.0, 10.0);
-      const double within_m = random.uniform(0.0, 3.0);
-      Circuit::Located any{{}, 0.0, 1e9};
-      Circuit::Located aligned = any;
-      std::vector<Circuit::Located> all;
-      for (SectionId id = 0; id < circuit.size(); ++id) {
-        const auto nearest = circuit.section(id).nearest(p);
-        const Circuit::Located here{{id, nearest.s_m}, nearest.left_m, nearest.distance_m};
-        if (here.distance_m < any.distance_m) any = here;
-        const double turned_rad = wrap_angle(circuit.pose_at(here.place).heading_rad - heading_rad);
-        if (std::fabs(turned_rad) <= pi / 3.0 && here.distance_m < aligned.distance_m) aligned = here;
-        if (here.distance_m <= within_m) all.push_back(here);
-      }
-      if (aligned.place.section == no_section) aligned = any;
-      std::stable_sort(all.begin(), all.end(),
-                       [](const auto& a, const auto& b) { return a.distance_m < b.distance_m; });
-
-      RC_ASSERT(circuit.locate(p).place == any.place);
-      RC_ASSERT(circuit.locate(p).distance_m == any.distance_m);
-      RC_ASSERT(circuit.locate(p, heading_rad).place == aligned.place);
-      circuit.near(p, within_m, near);
-      RC_ASSERT(near.size() == all.size());
-      for (std::size_t k = 0; k < near.size(); ++k) {
-        RC_ASSERT(near[k].place == all[k].place);
-        RC_ASSERT(near[k].left_m == all[k].left_m);
-      }
-    }
-  });
-}
-
-TEST(Circuit, is_near_nothing_that_is_not_a_number) {
-  const Circuit circuit = track();
-  std::vector<Circuit::Located> near{{}};
-  circuit.near({std::nan(""), 0.0}, 1e6, near);
-  EXPECT_THAT(near, IsEmpty());
-  EXPECT_EQ(circuit.locate({std::nan(""), 0.0}).place.section, no_section);
-  EXPECT_EQ(circuit.locate({1.0, 0.1}, std::nan("")).place.section, 0U);
-}
-
-TEST(Circuit, locates_from_far_away_and_far_from_the_origin) {
-  const Section far = section({1e6, -1e6, 0.3}, 5.0);
-  const Circuit circuit = testing::circuit({part("near", section({}, 5.0)), part("far", far)});
-  EXPECT_EQ(circuit.locate({1e9, -1e9}).place.section, 1U);
-  const auto located = circuit.locate(position(far.pose_at(2.5)), 0.3);
-  EXPECT_EQ(located.place.section, 1U);
-  EXPECT_LT(located.distance_m, 1e-9);
 }
 
 // Ways with branches

@@ -43,6 +43,8 @@ class Section {
 
   /// X_MP at arc length s ∈ [0, L] (clamped). Heading is that of increasing s, in (−π, π].
   [[nodiscard]] Pose2 pose_at(double s_m) const;
+  /// That of pose_at(s), to the same bits, without the way to it.
+  [[nodiscard]] double heading_at(double s_m) const;
   [[nodiscard]] double curvature_at(double s_m) const;
   [[nodiscard]] double curvature_rate_per_m2() const { return curvature_rate_per_m2_; }  ///< κ₁
 
@@ -91,14 +93,15 @@ class Section {
   [[nodiscard]] Nearest nearest_by_search(Point2 p) const;
   [[nodiscard]] double polish(Point2 p, double s_m, double low_m, double high_m) const;
 
+  // First what says where the nearest place is, side by side: on a large circuit it comes from afar.
   Pose2 start_;
-  Pose2 end_;
   SinCos direction_{};  ///< of the heading at the start
   double length_m_{};
   double curvature_per_m_{};
   double curvature_rate_per_m2_{};
   double pieces_per_m_{};
   std::vector<Piece> pieces_;  ///< none on a straight section
+  Pose2 end_;
   Box box_;
 };
 
@@ -121,13 +124,17 @@ inline Point2 Section::position_at(double s_m) const noexcept {
   return piece.at(s_m - piece.middle_m);
 }
 
+inline double Section::heading_at(double s_m) const {
+  if (curvature_per_m_ == 0.0 && curvature_rate_per_m2_ == 0.0) return start_.heading_rad;  // even of a NaN
+  const double s = s_m > 0.0 ? std::min(s_m, length_m_) : 0.0;
+  return wrap_angle(start_.heading_rad + s * (curvature_per_m_ + 0.5 * curvature_rate_per_m2_ * s));
+}
+
 inline Pose2 Section::pose_at(double s_m) const {
   // Written so that a NaN, which no caller should send, becomes 0 rather than an index.
   const double s = s_m > 0.0 ? std::min(s_m, length_m_) : 0.0;
   const Point2 p = position_at(s);
-  if (pieces_.empty()) return {p.x_m, p.y_m, start_.heading_rad};
-  const double heading_rad = start_.heading_rad + s * (curvature_per_m_ + 0.5 * curvature_rate_per_m2_ * s);
-  return {p.x_m, p.y_m, wrap_angle(heading_rad)};
+  return {p.x_m, p.y_m, heading_at(s)};
 }
 
 }  // namespace cosiva::zone

@@ -1,17 +1,12 @@
 #include "zone/section_tree.h"
 
 #include <cmath>
-#include <numeric>
+#include <utility>
 
 #include "base/expect.h"
 
 namespace cosiva::zone {
 namespace {
-
-constexpr double piece_turn_max_rad = 0.5;
-// Far more than rounding moves anything by, and nothing beside a vehicle.
-constexpr double margin_m = 1e-7;
-constexpr double margin_rad = 1e-6;
 
 /// Where a cell of a 65536 × 65536 grid comes on the Hilbert curve.
 std::uint64_t hilbert(std::uint32_t x, std::uint32_t y) {
@@ -33,35 +28,7 @@ std::uint64_t hilbert(std::uint32_t x, std::uint32_t y) {
 
 }  // namespace
 
-SectionTree::Headings SectionTree::headings_near(double heading_rad, double half_width_rad) {
-  constexpr double sector_rad = 2.0 * pi / 32.0;
-  const double half = half_width_rad + margin_rad;
-  if (!(half < pi - sector_rad) || !std::isfinite(heading_rad)) return every_heading;
-  const double middle = wrap_angle(heading_rad) + 2.0 * pi;  // so that both ends are positive
-  Headings headings = 0;
-  const auto first = static_cast<std::uint32_t>((middle - half) / sector_rad);
-  const auto last = static_cast<std::uint32_t>((middle + half) / sector_rad);
-  for (std::uint32_t sector = first; sector <= last; ++sector) headings |= Headings{1} << (sector % 32U);
-  return headings;
-}
-
-void SectionTree::cut(std::uint32_t id, const Section& section, double piece_max_m) {
-  const double length_m = section.length_m();
-  const double bend_per_m = section.curvature_max_per_m();
-  const double count = std::ceil(std::max({1.0, bend_per_m * length_m / piece_turn_max_rad, length_m / piece_max_m}));
-  const double piece_m = length_m / count;
-  // A curve by arc length strays from its chord by at most ⅛·h²·max|κ|.
-  const double bulge_m = 0.125 * piece_m * piece_m * bend_per_m + margin_m;
-  Point2 from = position(section.start());
-  for (double i = 1.0; i <= count; i += 1.0) {
-    const Point2 to = position(section.pose_at(i == count ? length_m : i * piece_m));
-    const double heading_rad = section.pose_at((i - 0.5) * piece_m).heading_rad;
-    pieces_.push_back({from, to, bulge_m, id, headings_near(heading_rad, 0.5 * bend_per_m * piece_m)});
-    from = to;
-  }
-}
-
-void SectionTree::enclose(Node& node, std::uint32_t child, const Piece& piece) const {
+void SectionTree::enclose(Node& node, std::uint32_t child, const SectionPiece& piece) const {
   // A millionth outwards covers what single precision loses, of the box and of whoever asks.
   const auto down = [](double x) { return static_cast<float>(x - 1e-6 * (1.0 + std::fabs(x))); };
   const auto up = [](double x) { return static_cast<float>(x + 1e-6 * (1.0 + std::fabs(x))); };
@@ -82,14 +49,17 @@ void SectionTree::enclose(Node& node, std::uint32_t child, const Node& below) co
   for (const Headings headings : below.headings) node.headings[child] |= headings;
 }
 
-void SectionTree::build() {
-  const auto middle = [](const Piece& piece) {
-    return Point2{0.5 * (piece.from.x_m + piece.to.x_m), 0.5 * (piece.from.y_m + piece.to.y_m)};
-  };
-  Point2 low{middle(pieces_.front())};
+SectionTree::SectionTree(std::vector<SectionPiece> pieces) : pieces_{std::move(pieces)} {
+  sort();
+  build();
+}
+
+/// Along a Hilbert curve.
+void SectionTree::sort() {
+  Point2 low{pieces_.front().middle()};
   Point2 high{low};
-  for (const Piece& piece : pieces_) {
-    const Point2 p = middle(piece);
+  for (const SectionPiece& piece : pieces_) {
+    const Point2 p = piece.middle();
     low = {std::min(low.x_m, p.x_m), std::min(low.y_m, p.y_m)};
     high = {std::max(high.x_m, p.x_m), std::max(high.y_m, p.y_m)};
   }
@@ -99,15 +69,17 @@ void SectionTree::build() {
   };
   std::vector<std::pair<std::uint64_t, std::uint32_t>> order(pieces_.size());
   for (std::uint32_t i = 0; i < pieces_.size(); ++i) {
-    const Point2 p = middle(pieces_[i]);
+    const Point2 p = pieces_[i].middle();
     order[i] = {hilbert(cell(p.x_m, low.x_m), cell(p.y_m, low.y_m)), i};
   }
   std::sort(order.begin(), order.end());
-  std::vector<Piece> sorted;
+  std::vector<SectionPiece> sorted;
   sorted.reserve(pieces_.size());
   for (const auto& [along, i] : order) sorted.push_back(pieces_[i]);
   pieces_ = std::move(sorted);
+}
 
+void SectionTree::build() {
   static constexpr float nowhere = 1e18F;  // its square is still a number
   const auto none = [] {
     Node node{};

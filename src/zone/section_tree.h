@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/pose.h"
-#include "zone/section.h"
+#include "zone/section_pieces.h"
 
 namespace cosiva::zone {
 
@@ -17,23 +17,9 @@ namespace cosiva::zone {
 /// one direction passes by all others; that, and queries that allocate nothing, are why it is not Boost.Geometry's.
 class SectionTree {
  public:
-  /// Sixteenths of a half turn, one bit each.
-  using Headings = std::uint32_t;
-  static constexpr Headings every_heading = ~Headings{0};
-  /// All headings within `half_width_rad` of this one, and a little more.
-  [[nodiscard]] static Headings headings_near(double heading_rad, double half_width_rad);
-
   SectionTree() = default;
-  /// Of sections 0, 1, …, as `section_at(index)` gives them.
-  template <typename SectionAt>
-  SectionTree(std::size_t count, const SectionAt& section_at) {
-    // Boxes of short pieces hardly overlap; half a section's mean length keeps their number in bounds.
-    double length_m = 0.0;
-    for (std::size_t id = 0; id < count; ++id) length_m += section_at(id).length_m();
-    const double piece_max_m = 0.5 * length_m / static_cast<double>(count);
-    for (std::size_t id = 0; id < count; ++id) cut(static_cast<std::uint32_t>(id), section_at(id), piece_max_m);
-    build();
-  }
+  /// Of at least one piece.
+  explicit SectionTree(std::vector<SectionPiece> pieces);
 
   /// Calls visit(id) for the section of every piece that heads into `headings` and that may come within `limit_m` of p:
   /// nothing nearer is left out, some are further, an id may come several times, in no order that means anything.
@@ -45,16 +31,6 @@ class SectionTree {
   static constexpr std::uint32_t fan_out = 4;
   static constexpr std::size_t depth_max = 20;  // 4^19 pieces are more than a file can say
 
-  /// The stretch of a section within `bulge_m` of a chord.
-  struct Piece {
-    Point2 from;
-    Point2 to;
-    double bulge_m;
-    std::uint32_t section;
-    Headings headings;
-
-    [[nodiscard]] bool may_come_within(double limit_m, Point2 p) const;
-  };
   using Four [[gnu::vector_size(fan_out * sizeof(float))]] = float;
   /// The boxes of four children side by side, for the processor to compare at once; in single precision, rounded
   /// outwards. Children that are not there have a box that nothing is near to.
@@ -65,27 +41,14 @@ class SectionTree {
     bool lowest;
   };
 
-  void cut(std::uint32_t id, const Section& section, double piece_max_m);
+  void sort();
   void build();
-  void enclose(Node& node, std::uint32_t child, const Piece& piece) const;
+  void enclose(Node& node, std::uint32_t child, const SectionPiece& piece) const;
   void enclose(Node& node, std::uint32_t child, const Node& below) const;
 
-  std::vector<Piece> pieces_;
+  std::vector<SectionPiece> pieces_;
   std::vector<Node> nodes_;  ///< the root is the last
 };
-
-inline bool SectionTree::Piece::may_come_within(double limit_m, Point2 p) const {
-  const double along_x = to.x_m - from.x_m;
-  const double along_y = to.y_m - from.y_m;
-  const double x = p.x_m - from.x_m;
-  const double y = p.y_m - from.y_m;
-  const double square = along_x * along_x + along_y * along_y;
-  const double t = square > 0.0 ? std::clamp((x * along_x + y * along_y) / square, 0.0, 1.0) : 0.0;
-  const double out_x = x - t * along_x;
-  const double out_y = y - t * along_y;
-  const double reach_m = limit_m + bulge_m;
-  return out_x * out_x + out_y * out_y <= reach_m * reach_m;
-}
 
 template <typename Visit>
 void SectionTree::visit(Point2 p, Headings headings, const double& limit_m, Visit&& visit) const {
@@ -107,7 +70,7 @@ void SectionTree::visit(Point2 p, Headings headings, const double& limit_m, Visi
     const Entry entry = waiting[--count];
     if (!(entry.square <= limit_square())) continue;
     if (entry.is_piece) {
-      const Piece& piece = pieces_[entry.index];
+      const SectionPiece& piece = pieces_[entry.index];
       if (piece.may_come_within(limit_m, p)) visit(piece.section);
       continue;
     }

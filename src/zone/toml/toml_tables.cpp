@@ -253,7 +253,8 @@ void TomlTables::read_priorities() {
 }
 
 void TomlTables::derive() {
-  if (too_crowded(zone_.circuit, zone_.vehicle, basics_.clearance_m)) {
+  auto crossings = find_crossings_unless_crowded(zone_.circuit, zone_.vehicle, basics_.clearance_m);
+  if (!crossings) {
     return faults_.add({"zone.size", "the sections lie so densely on one another that nobody could drive here", ways_});
   }
   zone_.clearance_m = basics_.clearance_m;
@@ -263,7 +264,7 @@ void TomlTables::derive() {
   rules_.nodes_only = zone_.nodes_only;
   rules_.room_m = standing_room_m(zone_.vehicle);
   for (const Station& station : zone_.stations) rules_.at.push_back(station.place);
-  zone_.crossings = find_crossings(zone_.circuit, zone_.vehicle, zone_.clearance_m);
+  zone_.crossings = *std::move(crossings);
   zone_.waypoints = lay_waypoints(zone_.circuit, zone_.crossings, rules_);
 }
 
