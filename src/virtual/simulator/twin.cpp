@@ -82,8 +82,9 @@ Twin::Image Twin::image_at(const zone::Circuit* circuit, SimTime time) const {
 }
 
 zone::Circuit::Located Twin::locate(const zone::Circuit& circuit, const Pose2& X_MB) const {
-  // Nearly always it is still on its section or on the next one; the whole circuit is searched only otherwise.
-  if (on_circuit_) {
+  // Nearly always it is still on its section or on the next one; the whole circuit is searched only otherwise, and when
+  // its course leads elsewhere by now.
+  if (on_circuit_ && (on_course_ || course_.empty())) {
     zone::SectionId candidate = place_.section;
     for (int tries = 0; tries < 2; ++tries) {
       const zone::Section& section = circuit.section(candidate);
