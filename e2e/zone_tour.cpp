@@ -2,8 +2,9 @@
 //
 //   zone_tour [--speed M_PER_S] FILE...
 //
-// The files may be of any format; `<name>.zone.toml` beside one is its companion. Where a start does not lead
-// everywhere, the tour begins anew on a section not seen yet. Prints a line per file; exit 1 when a section was not
+// The files may be of any format; `<name>.zone.toml` beside one is its companion. Of parallel sections without a
+// waypoint of their own, the others are closed. Where a start does not lead everywhere, the tour begins anew before a
+// section not seen yet, until that brings nothing new. Prints a line per file; exit 1 when a section was not
 // driven although a way leads to it, or bodies touched; 2 on a file that cannot be read.
 
 #include <algorithm>

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/random.h"
+#include "virtual/simulator/follow.h"
 
 namespace cosiva::virtual_side {
 namespace {
@@ -191,6 +192,17 @@ TEST(TwinOnALane, is_on_that_of_two_sections_on_one_line_that_its_course_leads_a
     twin.report(&lane, t0, {t0, lane.pose_at({now, 0.4}), 0.3, 0.0, 0.0});
     EXPECT_EQ(twin.reported_place().section, now);
   }
+}
+
+TEST(TwinOnALane, that_came_by_a_section_long_ago_is_not_on_its_course_there) {
+  zone::Course course{{1, 0, 2, 0}, 3};
+  std::vector<Circuit::Part> parts;
+  for (const char* name : {"a", "b", "c"})
+    parts.push_back({name, *Section::make({}, 2.0), std::nullopt, {0, 1, 2}, true});
+  const Circuit circuit = *Circuit::make("lanes", std::move(parts), 10.0);
+  EXPECT_FALSE(follow(course, circuit, 1)) << "6 m back";
+  EXPECT_EQ(course.gone().size(), 3U);
+  EXPECT_TRUE(follow(course, circuit, 2)) << "near a joint it may fall back";
 }
 
 TEST_F(TwinOnOval, believes_no_speed_that_no_vehicle_has) {
