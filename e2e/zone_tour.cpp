@@ -2,8 +2,9 @@
 //
 //   zone_tour [--speed M_PER_S] FILE...
 //
-// The files may be of any format; `<name>.zone.toml` beside one is its companion. Where a start does not lead
-// everywhere, the tour begins anew on a section not seen yet. Prints a line per file; exit 1 when a section was not
+// The files may be of any format; `<name>.zone.toml` beside one is its companion. Of parallel sections without a
+// waypoint of their own, the others are closed. Where a start does not lead everywhere, the tour begins anew before a
+// section not seen yet, until that brings nothing new. Prints a line per file; exit 1 when a section was not
 // driven although a way leads to it, or bodies touched; 2 on a file that cannot be read.
 
 #include <algorithm>
@@ -70,7 +71,6 @@ class Tour {
   void run() {
     if (!world_) return;
     look();
-    run_for(2s);
     while (failure_.empty()) {
       const auto goal = next_goal();
       if (!goal) return;
@@ -88,96 +88,135 @@ class Tour {
     std::string waypoint;
     zone::SectionId section;
     double length_m;
+    std::vector<zone::SectionId> rivals;  ///< lead there, too, and are closed meanwhile
   };
 
   void look() {
-    const Pose2 X_MB = world_->plant().vehicles().front().X_MB;
-    const auto at = zone_.circuit.locate(position(X_MB), X_MB.heading_rad);
-    if (at.distance_m > 0.05) return;
+    const auto& place = world_->plant().vehicles().front().place;
+    if (!place) return;
     if (begun_) {
-      const auto way = zone_.circuit.shortest_way(here_, at.place, 1.0);
-      if (!way) return;
+      const auto way = zone_.circuit.shortest_way(here_, *place, 1.0);
       // Driven is what it has left at its end, or come to the last waypoint of.
-      for (const zone::SectionId id : way->sections) driven_[id] = driven_[id] || id != at.place.section;
+      if (way)
+        for (const zone::SectionId id : way->sections) driven_[id] = driven_[id] || id != place->section;
     }
     begun_ = true;
-    here_ = at.place;
+    here_ = *place;
     if (here_.s_m >= last_m_[here_.section] - 0.03) driven_[here_.section] = true;
   }
 
   void run_for(SimDuration duration) {
-    for (SimDuration done{}; done < duration; done += 50ms) {
-      world_->run_for(50ms);
-      virtual_s_ += 0.05;
+    constexpr SimDuration step = 50ms;
+    for (SimDuration done{}; done < duration; done += step) {
+      world_->run_for(std::min(step, duration));
+      virtual_s_ += to_seconds(std::min(step, duration));
       look();
     }
     if (!world_->plant().collisions().empty()) failure_ = "it collided";
   }
 
-  /// Where to be sent so as to drive the nearest section that is not driven yet: its own last waypoint, or where it has
-  /// none of its own, the one that it leads to.
+  /// Where to be sent so as to drive the nearest section that is not driven yet.
   [[nodiscard]] std::optional<Goal> next_goal() const {
     std::optional<Goal> best;
     for (zone::SectionId id = 0; id < zone_.circuit.size(); ++id) {
-      if (driven_[id] || std::find(lost_.begin(), lost_.end(), id) != lost_.end()) continue;
+      if (driven_[id] || tried(id) >= tries_max) continue;
       const auto way = router_.plan(here_, {id, zone_.circuit.section(id).length_m()});
       if (!way || (best && way->length_m >= best->length_m)) continue;
-      const auto waypoint = waypoint_for(id);
-      if (waypoint) best = Goal{*waypoint, id, way->length_m};
+      if (auto goal = goal_for(id, way->length_m)) best = std::move(goal);
     }
     return best;
   }
 
-  [[nodiscard]] std::optional<std::string> waypoint_for(zone::SectionId id) const {
-    std::optional<std::string> found;
+  /// The section's own last waypoint; where it has none, or stands there, the first one that the section leads to, and
+  /// no other way.
+  [[nodiscard]] std::optional<Goal> goal_for(zone::SectionId id, double length_m) const {
+    const zone::Waypoint* own = nullptr;
     for (const zone::Waypoint& waypoint : zone_.waypoints)
-      if (waypoint.place.section == id && waypoint.place.s_m > 0.0) found = waypoint.id;
-    for (std::size_t steps = 0; !found && !zone_.circuit.next(id).empty() && steps < zone_.circuit.size(); ++steps) {
-      id = zone_.circuit.next(id).front();
+      if (waypoint.place.section == id && waypoint.place.s_m > 0.0) own = &waypoint;
+    const bool there = own != nullptr && here_.section == id && here_.s_m > own->place.s_m - 0.1;
+    if (own != nullptr && !there) return Goal{own->id, id, length_m, {}};
+    for (const zone::SectionId after : zone_.circuit.next(id))
+      if (auto goal = goal_beyond(id, after, length_m)) return goal;
+    return std::nullopt;
+  }
+
+  [[nodiscard]] std::optional<Goal> goal_beyond(zone::SectionId id, zone::SectionId after, double length_m) const {
+    zone::SectionId to = after;
+    const zone::Waypoint* found = nullptr;
+    for (std::size_t steps = 0; found == nullptr && steps < zone_.circuit.size(); ++steps) {
       for (const zone::Waypoint& waypoint : zone_.waypoints)
-        if (!found && waypoint.place.section == id) found = waypoint.id;
+        if (found == nullptr && waypoint.place.section == to) found = &waypoint;
+      if (found == nullptr && zone_.circuit.next(to).empty()) return std::nullopt;
+      if (found == nullptr) to = zone_.circuit.next(to).front();
     }
-    return found;
+    if (found == nullptr) return std::nullopt;
+    Goal goal{found->id, id, length_m, {}};
+    if (here_.section == id) return goal;
+    for (const std::size_t index : zone_.find_waypoints(found->id))
+      add_rivals(id, to == after ? zone_.waypoints[index].place.section : after, goal.rivals);
+    return goal;
+  }
+
+  /// Whatever else leads onto a section.
+  void add_rivals(zone::SectionId id, zone::SectionId onto, std::vector<zone::SectionId>& rivals) const {
+    for (const zone::SectionId before : zone_.circuit.previous(onto))
+      if (before != id && std::find(rivals.begin(), rivals.end(), before) == rivals.end()) rivals.push_back(before);
+  }
+
+  void command(std::string_view verb, std::string_view key, std::string_view value) {
+    JsonWriter json;
+    json.begin_object().field("command", verb).field("vehicle", "CoSiVA/AIV1").field(key, value).end_object();
+    world_->command_server(json.take());
+  }
+
+  struct Mission {
+    std::string to;
+    std::string state;
+  };
+  /// Empty while the server has not heard of it.
+  [[nodiscard]] Mission mission() const {
+    const auto snapshot = JsonValue::parse(world_->server().snapshot_json(), std::size_t{1} << 26U);
+    const JsonValue* aivs = snapshot ? snapshot->find("aivs") : nullptr;
+    if (aivs == nullptr || aivs->array() == nullptr || aivs->array()->empty()) return {};
+    const JsonValue* mission = aivs->array()->front().find("mission");
+    if (mission == nullptr) return {};
+    return {mission->text("to").value_or(""), mission->text("state").value_or("")};
   }
 
   void drive_to(const Goal& goal) {
-    JsonWriter command;
-    command.begin_object()
-        .field("command", "go")
-        .field("vehicle", "CoSiVA/AIV1")
-        .field("to", goal.waypoint)
-        .end_object();
-    world_->command_server(command.take());
+    for (const zone::SectionId rival : goal.rivals) command("close", "section", zone_.circuit.part(rival).name);
+    // Sent off as soon as it is heard of: left to itself it roams, maybe into a dead end.
+    for (int tries = 0; tries < 2000 && mission().to != goal.waypoint; ++tries) {
+      command("go", "to", goal.waypoint);
+      run_for(5ms);
+    }
+    await(goal);
+    for (const zone::SectionId rival : goal.rivals) command("open", "section", zone_.circuit.part(rival).name);
+    if (!driven_[goal.section]) tried_.push_back(goal.section);
+  }
+
+  /// Arrived there, or on its way into a dead end already: then another start will lead there.
+  void await(const Goal& goal) {
     const double patience_s = 60.0 + goal.length_m / 0.1;
     for (double waited_s = 0.0; failure_.empty(); waited_s += 0.5) {
       run_for(500ms);
-      const auto snapshot = JsonValue::parse(world_->server().snapshot_json(), std::size_t{1} << 26U);
-      const JsonValue* aiv = snapshot ? &snapshot->find("aivs")->array()->front() : nullptr;
-      const JsonValue* mission = aiv == nullptr ? nullptr : aiv->find("mission");
-      const std::string state = mission == nullptr ? "" : mission->text("state").value_or("");
-      if (state == "arrived") {
-        // Another way led there too.
-        if (!driven_[goal.section]) lost_.push_back(goal.section);
-        return;
-      }
-      if (state == "no way") {
-        // It was on its way into a dead end already; another start will lead there.
-        lost_.push_back(goal.section);
-        return;
-      }
-      if (waited_s > patience_s) {
-        failure_ = "sent to " + goal.waypoint + " it is at " + zone_.circuit.part(here_.section).name + " after " +
-                   std::to_string(waited_s) + " s, mission '" + state + "'";
-        for (const std::string& line : world_->log()) std::fprintf(stderr, "  %s\n", line.c_str());
-      }
+      const std::string state = mission().state;
+      if (state == "arrived" || state == "no way") return;
+      if (waited_s <= patience_s) continue;
+      failure_ = "sent to " + goal.waypoint + " it is at " + zone_.circuit.part(here_.section).name + " after " +
+                 std::to_string(waited_s) + " s, mission '" + state + "'";
+      for (const std::string& line : world_->log()) std::fprintf(stderr, "  %s\n", line.c_str());
     }
   }
 
+  [[nodiscard]] std::ptrdiff_t tried(zone::SectionId id) const { return std::count(tried_.begin(), tried_.end(), id); }
+
+  static constexpr std::ptrdiff_t tries_max = 3;
   const zone::TrafficZone& zone_;
   zone::Router router_;
   std::vector<bool>& driven_;
-  std::vector<double> last_m_;         ///< of each section: its last waypoint's place
-  std::vector<zone::SectionId> lost_;  ///< it found itself beyond the last way to them
+  std::vector<double> last_m_;          ///< of each section: its last waypoint's place
+  std::vector<zone::SectionId> tried_;  ///< in vain, once for each time
   std::unique_ptr<experiments::World> world_;
   zone::Place here_;
   bool begun_{false};
@@ -205,16 +244,34 @@ zone::ZoneConfiguration beginning_at(zone::ZoneConfiguration configuration, cons
   return configuration;
 }
 
-/// Where to begin: a section not driven that none leads to which is not driven either; else the first.
-std::optional<zone::SectionId> beginning(const zone::Circuit& circuit, const std::vector<bool>& driven) {
+/// What to drive next: a section that none leads to which is not done either; else the first.
+std::optional<zone::SectionId> next_wanted(const zone::Circuit& circuit, const std::vector<bool>& done) {
   std::optional<zone::SectionId> first;
   for (zone::SectionId id = 0; id < circuit.size(); ++id) {
-    if (driven[id]) continue;
+    if (done[id]) continue;
     const auto before = circuit.previous(id);
-    if (std::all_of(before.begin(), before.end(), [&](zone::SectionId b) { return driven[b]; })) return id;
+    if (std::all_of(before.begin(), before.end(), [&](zone::SectionId b) { return done[b]; })) return id;
     if (!first) first = id;
   }
   return first;
+}
+
+struct Beginning {
+  zone::ZoneConfiguration configuration;
+  zone::Rtm rtm;
+};
+
+/// At the section's start, or of the nearest before it at whose start a vehicle may stand.
+std::optional<Beginning> beginning_before(const zone::Circuit& circuit, const zone::ZoneConfiguration& configuration,
+                                          zone::SectionId wanted, double speed_mps) {
+  std::vector<zone::SectionId> places{wanted};
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    auto here = beginning_at(configuration, circuit.part(places[i]).name, speed_mps);
+    if (auto rtm = zone::Rtm::initialise(here)) return Beginning{std::move(here), std::move(*rtm)};
+    for (const zone::SectionId before : circuit.previous(places[i]))
+      if (std::find(places.begin(), places.end(), before) == places.end()) places.push_back(before);
+  }
+  return std::nullopt;
 }
 
 int tour(const std::string& file, double speed_mps) {
@@ -226,26 +283,26 @@ int tour(const std::string& file, double speed_mps) {
   }
   const zone::Circuit& circuit = rtm->zone().circuit;
   std::vector<bool> driven(circuit.size(), false);
-  std::vector<bool> tried(circuit.size(), false);
+  std::vector<bool> done(circuit.size(), false);
   double virtual_s = 0.0;
   double driven_m = 0.0;
   std::size_t starts = 0;
   std::string failure;
   while (failure.empty()) {
-    std::vector<bool> done = driven;
-    for (std::size_t i = 0; i < done.size(); ++i) done[i] = done[i] || tried[i];
-    const auto from = beginning(circuit, done);
-    if (!from) break;
-    tried[*from] = true;
-    ++starts;
-    const auto here = beginning_at(*configuration, circuit.part(*from).name, speed_mps);
-    const auto again = zone::Rtm::initialise(here);
-    if (!again) {
-      // No vehicle may stand where it begins; it is driven from elsewhere or not at all.
+    for (std::size_t i = 0; i < done.size(); ++i) done[i] = done[i] || driven[i];
+    const auto wanted = next_wanted(circuit, done);
+    if (!wanted) break;
+    const auto beginning = beginning_before(circuit, *configuration, *wanted, speed_mps);
+    const auto before = std::count(driven.begin(), driven.end(), true);
+    if (!beginning) {
+      done[*wanted] = true;  // given up
       continue;
     }
-    Tour one{here, again->zone(), driven};
+    ++starts;
+    Tour one{beginning->configuration, beginning->rtm.zone(), driven};
     one.run();
+    // On the way there it may have found others, and a dead end behind them.
+    done[*wanted] = std::count(driven.begin(), driven.end(), true) == before;
     failure = one.failure();
     virtual_s += one.virtual_s();
     driven_m += one.driven_m();

@@ -72,7 +72,7 @@ void Agent::on_odometry(const wire::Odometry& odometry) {
   hold(Hold::line_lost, odometry.line_lost && !estimator_.off_line());
   if (rolled.step_m != 0.0) advance_order(rolled.step_m);
   if (rolled.kind == PositionEstimator::FixKind::relocated) on_relocated();
-  if (!one_way_) note_stuck();
+  note_stuck();
 }
 
 void Agent::note_motion(const wire::Odometry& odometry) {
@@ -166,9 +166,13 @@ Result<OrderBook::Verdict> Agent::take_order(const wire::Order& order) {
                                     std::to_string(estimator_.off_by_m()) + " m from the vehicle, further than " +
                                     std::to_string(zone::anchor_within_m) + " m");
   }
-  const OrderBook::Standing standing{estimator_.known() ? estimator_.place() : zone::Place{}, estimator_.known()};
+  OrderBook::Standing standing{estimator_.known() ? estimator_.place() : zone::Place{}, estimator_.known()};
+  // With a base before it, where it stands does not matter.
+  const bool needs_place = !one_way_ && !order_.base_left();
+  if (needs_place) standing.also = estimator_.same_places();
   auto verdict = order_.offer(order, standing);
   if (verdict && *verdict != OrderBook::Verdict::ignored_same) {
+    if (needs_place && !(order_.accepted_at() == standing.place)) estimator_.take_same_place(order_.accepted_at());
     follow_order();
     advance_order(0.0);
   }

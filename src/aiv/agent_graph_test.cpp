@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <functional>
+#include <tuple>
 
 #include "aiv/agent.h"
 #include "aiv/test_graphs.h"
@@ -119,6 +120,40 @@ TEST(AgentAtAFork, finds_that_it_is_there_when_its_wheels_stop) {
   bench.run(10.0);
   EXPECT_THAT(bench.traversed, ElementsAre("F"));
   EXPECT_LT(distance(bench.agent.position().pose(), bench.world.pose()), 0.002);
+}
+
+TEST(AgentAtAFork, believes_a_little_more_than_it_has_driven_and_still_takes_an_order_along_the_other_way) {
+  Agent agent{diamond()};
+  agent.stand_at(at(diamond(), "l_up", 0.005));
+  const auto verdict = agent.take_order(order("O-1").through({"T1", "F", "ro"}));
+  ASSERT_TRUE(verdict) << verdict.error().message;
+  EXPECT_EQ(diamond().circuit.part(agent.position().place().section).name.substr(0, 1), "t");
+  EXPECT_EQ(agent.decide().branch, 1);
+
+  Agent beyond{diamond()};
+  beyond.stand_at(at(diamond(), "l_up", 0.3));
+  EXPECT_FALSE(beyond.take_order(order("O-1").through({"T1", "F", "ro"})));
+}
+
+TEST(AgentOnTwoSections, of_the_same_line_takes_an_order_along_either) {
+  for (const auto& [believed, node, edge] : {std::tuple{"there", "tt", "there_too"}, {"there_too", "t", "there"}}) {
+    Agent agent{test::there_and_back()};
+    agent.stand_at(at(test::there_and_back(), believed, 0.2));
+    auto text = order("O-1").through({"W", node});
+    const auto verdict = agent.take_order(text);
+    ASSERT_TRUE(verdict) << verdict.error().message;
+    EXPECT_EQ(test::there_and_back().circuit.part(agent.position().place().section).name, edge);
+    EXPECT_NEAR(agent.position().place().s_m, 0.2, 1e-9);
+  }
+}
+
+TEST(AgentAtTheEnd, of_a_way_without_any_fork_finds_that_it_is_there_when_its_wheels_stop) {
+  const zone::TrafficZone zone = test::graph("line", {{"only", {}, 2.0, 0.0, {}}}, {{"O", {0, 0.0}}, {"X", {0, 2.0}}});
+  GraphBench bench{zone, "only", 1.0, -0.06};
+  bench.take(order("O-1").through({"O", "X"}));
+  bench.run(10.0);
+  EXPECT_THAT(bench.traversed, ElementsAre("X"));
+  EXPECT_NEAR(bench.agent.position().place().s_m, 2.0, 0.015);
 }
 
 TEST(AgentOnARing, says_the_first_branch_and_carries_no_course) {

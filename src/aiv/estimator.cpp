@@ -10,8 +10,13 @@ namespace {
 
 /// Over another lane's tag: the antenna reads what lies this near to the vehicle's middle, whichever way it belongs to.
 constexpr double under_vehicle_m = 0.08;
+/// A tag whose own section would have it so much further off than the way below it lies on a lane driven both ways.
+constexpr double opposite_m = 0.10;
 /// Two beacons that contradict the belief agree with each other when the way between them fits the odometer this well.
 constexpr double agreement_m = 0.10;
+/// Places so near to each other, in directions so alike, are one to a vehicle that stands there.
+constexpr double same_place_m = 0.05;
+constexpr double same_place_rad = 0.2;
 /// Of the sections that it came over so many are remembered at least.
 constexpr std::size_t gone_kept = 16;
 
@@ -46,6 +51,25 @@ std::optional<zone::Place> PositionEstimator::on_circuit(const Pose2& X_MB, doub
   const double turned_rad = wrap_angle(zone_.circuit.pose_at(located.place).heading_rad - X_MB.heading_rad);
   if (std::fabs(turned_rad) > pi / 3.0) return std::nullopt;
   return located.place;
+}
+
+std::vector<zone::Place> PositionEstimator::same_places() const {
+  std::vector<zone::Place> places;
+  if (!known_ || off_line()) return places;
+  const Pose2 X_MB = pose();
+  std::vector<zone::Circuit::Located> near;
+  zone_.circuit.near(position(X_MB), same_place_m, near);
+  for (const auto& [place, left_m, distance_m] : near) {
+    const double across_rad = wrap_angle(zone_.circuit.pose_at(place).heading_rad - X_MB.heading_rad);
+    if (place.section != motion_.current_section() && std::fabs(across_rad) <= same_place_rad) places.push_back(place);
+  }
+  return places;
+}
+
+void PositionEstimator::take_same_place(zone::Place place) {
+  const double variance_m2 = variance_m2_;
+  place_at(place);
+  variance_m2_ = variance_m2;
 }
 
 void PositionEstimator::follow(const zone::Course& course) {
@@ -84,7 +108,7 @@ double PositionEstimator::on_odometry(std::int64_t distance_um) {
 
 PositionEstimator::Rolled PositionEstimator::on_odometry(const wire::Odometry& odometry) {
   if (!odometry.manoeuvre && !off_line()) return {on_odometry(odometry.distance_um), FixKind::none};
-  return off_line(count(odometry.distance_um), odometry.manoeuvre);
+  return off_line(count(odometry.distance_um), odometry);
 }
 
 void PositionEstimator::on_odometer_reset() {
@@ -161,6 +185,8 @@ void PositionEstimator::enter(zone::SectionId next) {
   motion_ = AivMotion{zone_.circuit, {next, 0.0}};
 }
 
+double PositionEstimator::joint_gate_m() const { return std::max(model_.bend_gate_m, 3.0 * sigma_m()); }
+
 double PositionEstimator::on_stuck() {
   if (!known_ || off_line()) return 0.0;
   const zone::Circuit& circuit = zone_.circuit;
@@ -168,7 +194,7 @@ double PositionEstimator::on_stuck() {
   for (zone::SectionsAhead ahead = sections_ahead(circuit, outlook());; ahead.step()) {
     const zone::SectionId id = ahead.section();
     end_m += circuit.section(id).length_m();
-    if (end_m > model_.bend_gate_m) return 0.0;
+    if (end_m > joint_gate_m()) return 0.0;
     const bool only_way = circuit.next(id).size() == 1 && bend_rad(circuit, id, ahead.next()) == 0.0;
     if (!only_way) break;
   }
@@ -227,13 +253,17 @@ PositionEstimator::Fix PositionEstimator::on_landmark(zone::Place place, double 
   const zone::Place here = zone_.circuit.advance(place, latency_m - model_.antenna_range_m);
   if (!known_) return jump_to(here);
   const std::optional<double> offset_m = offset_to(here, model_.tag_gate_m);
+  const Point2 tag = position(zone_.circuit.pose_at(place));
   if (!offset_m) {
     // On a crossing the antenna also reads the tag of the lane it crosses: that one tells where we are, not on which
     // way.
-    const Point2 tag = position(zone_.circuit.pose_at(place));
     const bool crossed = distance(tag, position(pose())) <= under_vehicle_m;
     return crossed ? on_beacon(tag, latency_m) : jump_to(here);
   }
+  // Likewise on its way back along a lane driven both ways: the tag's own section lies behind it, the tag before it.
+  const auto foot = foot_of(tag);
+  if (foot && std::fabs(foot->offset_m + latency_m) + opposite_m < std::fabs(*offset_m))
+    return on_beacon(tag, latency_m);
   const double moved_m = shift(*offset_m);
   variance_m2_ = model_.sigma_fix_m * model_.sigma_fix_m;
   doubt_.reset();
@@ -241,27 +271,31 @@ PositionEstimator::Fix PositionEstimator::on_landmark(zone::Place place, double 
 }
 
 PositionEstimator::Fix PositionEstimator::on_beacon(Point2 beacon, double latency_m) {
-  // The foot of the beacon on the way near the belief. Sections further along than the gate cannot hold it.
-  const zone::Circuit& circuit = zone_.circuit;
-  const Near sections = sections_near(model_.beacon_gate_m);
-  std::optional<double> best_offset_m;
-  double best_distance_m = under_vehicle_m;
-  for (const zone::SectionId id : sections.ids()) {
-    const auto near = circuit.section(id).nearest(beacon);
-    if (near.distance_m >= best_distance_m) continue;
-    const auto offset_m = offset_to({id, near.s_m}, model_.beacon_gate_m);
-    if (!offset_m) continue;
-    best_distance_m = near.distance_m;
-    best_offset_m = offset_m;
-  }
-  if (!best_offset_m) return on_strange_beacon(beacon, latency_m);
+  const auto foot = foot_of(beacon);
+  if (!foot) return on_strange_beacon(beacon, latency_m);
+  const double beside2_m2 = foot->beside_m * foot->beside_m;
   const double range_m = model_.antenna_range_m;
-  const double rim_m =
-      best_distance_m < range_m ? std::sqrt(range_m * range_m - best_distance_m * best_distance_m) : 0.0;
-  const double moved_m = shift(*best_offset_m + latency_m - rim_m);
-  variance_m2_ = model_.sigma_fix_m * model_.sigma_fix_m + best_distance_m * best_distance_m * 0.05;
+  const double rim_m = foot->beside_m < range_m ? std::sqrt(range_m * range_m - beside2_m2) : 0.0;
+  const double moved_m = shift(foot->offset_m + latency_m - rim_m);
+  variance_m2_ = model_.sigma_fix_m * model_.sigma_fix_m + beside2_m2 * 0.05;
   doubt_.reset();
   return {FixKind::corrected, moved_m};
+}
+
+std::optional<PositionEstimator::Foot> PositionEstimator::foot_of(Point2 mark) const {
+  // Sections further along than the gate cannot hold it.
+  const Near sections = sections_near(model_.beacon_gate_m);
+  std::optional<Foot> best;
+  double best_m = under_vehicle_m;
+  for (const zone::SectionId id : sections.ids()) {
+    const auto near = zone_.circuit.section(id).nearest(mark);
+    if (near.distance_m >= best_m) continue;
+    const auto offset_m = offset_to({id, near.s_m}, model_.beacon_gate_m);
+    if (!offset_m) continue;
+    best_m = near.distance_m;
+    best = Foot{*offset_m, best_m};
+  }
+  return best;
 }
 
 void PositionEstimator::Near::sort() {

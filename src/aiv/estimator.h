@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "aiv/motion.h"
 #include "aiv/outlook.h"
@@ -25,7 +26,8 @@ struct EstimatorModel {
   double tag_gate_m{0.60};           ///< likewise a tag
   double sigma_reset_m{0.05};        ///< added when the odometer starts anew
   double odometry_step_m_max{0.50};  ///< more between two readings is a board that counts from zero again
-  double bend_gate_m{0.15};          ///< who turns on the spot, or stops at a fork, is at the joint this near ahead
+  double bend_gate_m{0.15};          ///< who turns on the spot, or stops at a fork, is at the joint this near ahead;
+                                     ///< after a long way without a fix it is looked for further
   double landed_m{0.06};             ///< a manoeuvre that ends this near to a line, and as good as along it,
   double landed_rad{0.30};           ///< has brought the vehicle onto it
 };
@@ -79,6 +81,11 @@ class PositionEstimator {
   /// The nearest place on the circuit to a pose, within `distance_m_max` and looking the same way; nothing otherwise.
   [[nodiscard]] std::optional<zone::Place> on_circuit(const Pose2& X_MB, double distance_m_max) const;
 
+  /// Where it stands as well, nearest first: at a joint, and where sections lie on one another. None off the line.
+  [[nodiscard]] std::vector<zone::Place> same_places() const;
+  /// One of those is meant, as somebody who knows where it goes has told; it is known no better than before.
+  void take_same_place(zone::Place place);
+
   /// The way that it takes: on the present section now. Where it came from is kept if it is known.
   void follow(const zone::Course& course);
   [[nodiscard]] const zone::Course& course() const { return course_; }
@@ -129,20 +136,28 @@ class PositionEstimator {
   double shift_on(double distance_m);
   double shift_back(double distance_m);
   void enter(zone::SectionId next);
+  /// A joint at which PILS waits or turns lies this near ahead of the belief.
+  [[nodiscard]] double joint_gate_m() const;
   [[nodiscard]] zone::SectionId section_before() const;
 
   // off the line
-  Rolled off_line(double step_m, const std::optional<wire::Manoeuvre>& manoeuvre);
+  Rolled off_line(double step_m, const wire::Odometry& odometry);
   void roll_off_line(double step_m, Rolled& rolled);
   void begin_manoeuvre(Rolled& rolled);
-  void end_manoeuvre(Rolled& rolled);
+  void end_manoeuvre(bool line_lost, Rolled& rolled);
   [[nodiscard]] bool end_turn(double turned_rad, Rolled& rolled);
   [[nodiscard]] std::optional<zone::SectionId> turned_to(double turned_rad) const;
-  void land(const Pose2& X_MB, Rolled& rolled);
+  void land(const Pose2& X_MB, bool line_lost, Rolled& rolled);
 
   /// `latency_m`: driven since the reading.
   Fix on_landmark(zone::Place place, double latency_m);
   Fix on_beacon(Point2 beacon, double latency_m);
+  /// Of a mark on the floor on the way near the belief; nothing: its way does not pass over it.
+  struct Foot {
+    double offset_m;  ///< along the course from the belief
+    double beside_m;  ///< from the mark
+  };
+  [[nodiscard]] std::optional<Foot> foot_of(Point2 mark) const;
   Fix on_strange_beacon(Point2 beacon, double latency_m);
   Fix jump_to(zone::Place place);
   /// The sections of its way so near to the belief, each once and in their order. More than fit are left out.

@@ -14,6 +14,7 @@ using FixKind = PositionEstimator::FixKind;
 using test::at;
 using test::diamond;
 using test::square;
+using test::there_and_back;
 
 constexpr EstimatorModel ideal{.antenna_range_m = 0.0, .reading_latency_s = 0.0};
 
@@ -120,6 +121,33 @@ TEST(EstimateOnAGraph, is_corrected_by_a_beacon_beside_its_own_branch) {
   EXPECT_NEAR(fix.correction_m, 0.05, 1e-6);
 }
 
+TEST(EstimateOnAGraph, on_its_way_back_along_a_lane_is_put_right_by_the_tags_of_the_way_there) {
+  zone::TrafficZone zone = there_and_back();
+  zone.tags = {{1, at(zone, "there", 0.7)}};
+  Estimator estimator{zone};
+  estimator.standing_at("there", 1.0).along({"there", "back", "there"});
+  estimator.turn(pi);
+  estimator.end();
+  estimator.drive(0.28);
+  const auto fix = estimator.on_tag(1, 0.0, 0.0);
+  EXPECT_EQ(fix.kind, FixKind::corrected);
+  EXPECT_NEAR(fix.correction_m, 0.02, 1e-5) << "not back round the bend to where it came over it before";
+  EXPECT_EQ(estimator.place().section, at(zone, "back", 0.0).section);
+}
+
+TEST(EstimateOnAGraph, after_a_long_way_without_a_mark_looks_further_for_the_joint_where_it_waits) {
+  for (const double driven_m : {0.2, 40.0}) {
+    Estimator estimator{diamond()};
+    estimator.standing_at("trunk", 1.0);
+    for (double there_m = 0.0; there_m < driven_m; there_m += 0.2) {
+      estimator.drive(0.1);
+      estimator.drive(-0.1);
+    }
+    estimator.drive(0.83);
+    EXPECT_NEAR(estimator.on_stuck(), driven_m > 1.0 ? 0.17 : 0.0, 1e-4);
+  }
+}
+
 // --- bends ----------------------------------------------------------------------------------------------------------
 
 TEST(EstimateAtABend, does_not_go_round_it_before_it_turns) {
@@ -224,6 +252,17 @@ TEST(EstimateBesideTheLine, is_on_it_where_the_manoeuvre_ended) {
   EXPECT_NEAR(estimator.pose().x_m, 0.5, 1e-3);
   estimator.drive(0.2);
   EXPECT_NEAR(estimator.pose().x_m, 0.7, 1e-3);
+}
+
+TEST(EstimateBesideTheLine, is_beside_it_still_when_a_manoeuvre_ended_near_it_and_no_line_is_seen) {
+  Estimator estimator{diamond()};
+  estimator.stand_off({0.5, 0.1, 0.0});
+  estimator.odometry.manoeuvre = wire::Manoeuvre{50, -60, 0};
+  estimator.on_odometry(estimator.odometry);
+  estimator.odometry.line_lost = true;
+  EXPECT_EQ(estimator.end().kind, FixKind::relocated);
+  EXPECT_TRUE(estimator.beside()) << "4 cm off it would wait for its line for ever";
+  EXPECT_NEAR(estimator.off_by_m(), 0.04, 1e-9);
 }
 
 TEST(EstimateBesideTheLine, ignores_tags_until_it_is_on_it) {

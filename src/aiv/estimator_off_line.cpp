@@ -56,11 +56,12 @@ void PositionEstimator::take_over(const PositionEstimator& before) {
   if (before.pose_known()) stand_off(before.pose());
 }
 
-PositionEstimator::Rolled PositionEstimator::off_line(double step_m, const std::optional<wire::Manoeuvre>& manoeuvre) {
+PositionEstimator::Rolled PositionEstimator::off_line(double step_m, const wire::Odometry& odometry) {
   Rolled rolled;
+  const auto& manoeuvre = odometry.manoeuvre;
   // Frames between two manoeuvres may have been lost.
   const bool another = std::fabs(travelled_m_ - manoeuvre_travelled_m_) > still_m;
-  if (X_OB_ && (!manoeuvre || another)) end_manoeuvre(rolled);
+  if (X_OB_ && (!manoeuvre || another)) end_manoeuvre(odometry.line_lost && !manoeuvre, rolled);
   if (step_m != 0.0 && !X_OB_) roll_off_line(step_m, rolled);
   if (manoeuvre) {
     if (!X_OB_) begin_manoeuvre(rolled);
@@ -93,7 +94,7 @@ void PositionEstimator::begin_manoeuvre(Rolled& rolled) {
   for (zone::SectionsAhead ahead = sections_ahead(circuit, outlook());;) {
     const zone::SectionId id = ahead.section();
     end_m += circuit.section(id).length_m();
-    if (end_m > model_.bend_gate_m) break;
+    if (end_m > joint_gate_m()) break;
     const auto bends = [&](zone::SectionId to) { return bend_rad(circuit, id, to) != 0.0; };
     if (ahead.decided() ? bends(ahead.next()) : std::ranges::any_of(circuit.next(id), bends)) {
       constexpr double hair_m = 1e-6;  // the joint itself holds it back
@@ -105,13 +106,13 @@ void PositionEstimator::begin_manoeuvre(Rolled& rolled) {
   X_MO_ = motion_.pose(circuit);
 }
 
-void PositionEstimator::end_manoeuvre(Rolled& rolled) {
+void PositionEstimator::end_manoeuvre(bool line_lost, Rolled& rolled) {
   const Pose2 X_MB = pose_known() ? pose() : Pose2{};
   const double turned_rad = X_OB_->heading_rad;
   X_OB_.reset();
   if (!X_MO_) return;
   const bool turning = known_ && !beside_;
-  if (!(turning && end_turn(turned_rad, rolled))) land(X_MB, rolled);
+  if (!(turning && end_turn(turned_rad, rolled))) land(X_MB, line_lost, rolled);
 }
 
 bool PositionEstimator::end_turn(double turned_rad, Rolled& rolled) {
@@ -145,11 +146,11 @@ std::optional<zone::SectionId> PositionEstimator::turned_to(double turned_rad) c
   return best != ways.end() && misfit_rad(*best) <= model_.landed_rad ? std::optional{*best} : std::nullopt;
 }
 
-void PositionEstimator::land(const Pose2& X_MB, Rolled& rolled) {
+void PositionEstimator::land(const Pose2& X_MB, bool line_lost, Rolled& rolled) {
   const auto line = zone::anchor_of(zone_.circuit, X_MB, model_.landed_m);
   const double across_rad = line ? wrap_angle(zone_.circuit.pose_at(line->place).heading_rad - X_MB.heading_rad) : pi;
-  if (std::fabs(across_rad) > model_.landed_rad) {
-    // Given up on the way: it stands where that left it.
+  if (line_lost || std::fabs(across_rad) > model_.landed_rad) {
+    // Given up on the way: it stands where that left it, be it beside a line that its sensors do not see.
     stand_off(X_MB);
     rolled.kind = FixKind::relocated;
   } else if (known_ && line->place.section == place().section) {

@@ -51,7 +51,7 @@ Result<OrderBook::Verdict> OrderBook::offer_new(const wire::Order& order, const 
   }
   const auto firsts = router_.first_places(order);
   if (!firsts) return tl::unexpected(firsts.error());
-  auto found = find(order, *firsts, standing.place);
+  auto found = find_from_any(order, *firsts, standing);
   if (!found) return tl::unexpected(std::move(found.error()));
 
   targets_.clear();
@@ -62,6 +62,7 @@ Result<OrderBook::Verdict> OrderBook::offer_new(const wire::Order& order, const 
   last_node_sequence_id_ = order.nodes.front().sequence_id;
   last_node_path_m_ = 0.0;
   last_node_place_ = found->route.first;
+  accepted_at_ = found->from;
   append(order, std::move(found->route), 0.0);
   return Verdict::accepted_new;
 }
@@ -87,12 +88,13 @@ Result<OrderBook::Verdict> OrderBook::offer_update(const wire::Order& order, con
     append(order, std::move(*route), targets_.back().path_m);
   } else {
     // It may have been moved by hand since it arrived.
-    auto found = find(order, places_like(last_node_place_, order), standing.place);
+    auto found = find_from_any(order, places_like(last_node_place_, order), standing);
     if (!found) return tl::unexpected(std::move(found.error()));
     targets_.clear();
     edges_.clear();
     travelled_m_ = last_node_path_m_ + found->vehicle_m;
     last_node_place_ = found->route.first;
+    accepted_at_ = found->from;
     append(order, std::move(found->route), last_node_path_m_);
   }
   return Verdict::accepted_update;
@@ -114,10 +116,20 @@ Result<OrderBook::Found> OrderBook::find(const wire::Order& order, const std::ve
     const double nearer_m = best ? std::fabs(best->vehicle_m) - std::fabs(*vehicle_m) : 1.0;
     const bool as_near = std::fabs(nearer_m) <= same_path_m;
     if (as_near ? route->length_m() < best->route.length_m() - same_path_m : nearer_m > 0.0)
-      best = Found{std::move(*route), *vehicle_m};
+      best = Found{std::move(*route), *vehicle_m, now};
   }
   if (!best) return tl::unexpected(std::move(*why));
   return std::move(*best);
+}
+
+Result<OrderBook::Found> OrderBook::find_from_any(const wire::Order& order, const std::vector<zone::Place>& firsts,
+                                                  const Standing& standing) const {
+  auto best = find(order, firsts, standing.place);
+  for (const zone::Place place : standing.also) {
+    auto found = find(order, firsts, place);
+    if (found && (!best || found->route.length_m() + same_place_m < best->route.length_m())) best = std::move(found);
+  }
+  return best;
 }
 
 std::vector<zone::Place> OrderBook::places_like(zone::Place found, const wire::Order& order) const {
@@ -215,6 +227,7 @@ bool OrderBook::relocate(zone::Place place) {
 
 zone::Course OrderBook::course_from(zone::Place here) const {
   if (router_.one_way()) return {};
+  if (last_node_place_.section == zone::no_section) return zone::Course{{here.section}};  // it never had an order
   std::vector<zone::SectionId> sections{last_node_place_.section};
   for (const Target& target : targets_) sections.insert(sections.end(), target.via.begin(), target.via.end());
 

@@ -21,6 +21,7 @@ class OrderBook {
   struct Standing {
     zone::Place place;
     bool position_known;
+    std::vector<zone::Place> also{};  ///< the same place on other sections, at a joint or on the very same line
   };
   enum class Verdict {
     accepted_new,
@@ -39,6 +40,9 @@ class OrderBook {
   /// Forgets what is left, as cancelOrder wants; ids stay (trap 6). A late update of the cancelled order is refused: it
   /// would drive the vehicle on after somebody stopped it.
   void cancel();
+
+  /// Of the places where the vehicle stood when its order was accepted, the one that the order leads from.
+  [[nodiscard]] zone::Place accepted_at() const { return accepted_at_; }
 
   /// The vehicle finds itself elsewhere than it thought (`initPosition`, or a tag that contradicts the belief). True
   /// when the place lies on what is left of the order, which then goes on from there; false changes nothing.
@@ -93,12 +97,16 @@ class OrderBook {
   struct Found {
     OrderRoute route;
     double vehicle_m;  ///< beyond the first node; negative: before it
+    zone::Place from;  ///< where the vehicle is
   };
   [[nodiscard]] Result<Verdict> offer_new(const wire::Order& order, const Standing& standing);
   [[nodiscard]] Result<Verdict> offer_update(const wire::Order& order, const Standing& standing);
   /// From whichever of these places of its first node is where the vehicle is.
   [[nodiscard]] Result<Found> find(const wire::Order& order, const std::vector<zone::Place>& firsts,
                                    zone::Place now) const;
+  /// Likewise, and from wherever else it stands when that is the shorter way, or the only one.
+  [[nodiscard]] Result<Found> find_from_any(const wire::Order& order, const std::vector<zone::Place>& firsts,
+                                            const Standing& standing) const;
   /// From whichever place of its first node, where the base ends, continues the base.
   [[nodiscard]] Result<OrderRoute> find_continuation(const wire::Order& order, std::size_t kept);
   /// The place that was found for an update's first node, and the others that go by its name.
@@ -124,6 +132,7 @@ class OrderBook {
   double last_node_path_m_{0.0};
   double base_end_path_m_{0.0};
   zone::Place last_node_place_;
+  zone::Place accepted_at_;
 };
 
 }  // namespace cosiva::aiv

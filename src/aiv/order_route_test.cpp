@@ -158,5 +158,12 @@ TEST(OrderOnAGraph, takes_no_course_on_a_ring_where_there_is_nothing_to_choose) 
   EXPECT_TRUE(book.course_from(at(test::lacet4(), "loop_se", 0.0)).empty());
 }
 
+TEST(CourseOfAnOrder, is_where_it_stands_when_there_never_was_one) {
+  const OrderBook book{diamond()};
+  const zone::Course course = book.course_from(at(diamond(), "r_over", 0.1));
+  EXPECT_EQ(course.here(), at(diamond(), "r_over", 0.0).section);
+  EXPECT_THAT(course.coming(), testing::IsEmpty());
+}
+
 }  // namespace
 }  // namespace cosiva::aiv

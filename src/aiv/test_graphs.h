@@ -104,4 +104,19 @@ inline const zone::TrafficZone& square() {
   return zone;
 }
 
+/// A lane of 1 m that is driven both ways, with a turn round at either end; beside it on the way there another section
+/// lies on the very same line. Nodes "W" and "E".
+inline const zone::TrafficZone& there_and_back() {
+  static const zone::TrafficZone zone = [] {
+    auto made = graph("there_and_back",
+                      {{"there", {}, 1.0, 0.0, {1}, true},
+                       {"back", {1.0, 0.0, pi}, 1.0, 0.0, {0, 2}, true},
+                       {"there_too", {}, 1.0, 0.0, {1}, true}},
+                      {{"W", {0, 0.0}}, {"t", {0, 0.5}}, {"E", {1, 0.0}}, {"W", {2, 0.0}}, {"tt", {2, 0.5}}});
+    made.edges_are_sections = true;
+    return made;
+  }();
+  return zone;
+}
+
 }  // namespace cosiva::aiv::test

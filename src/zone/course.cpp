@@ -4,14 +4,15 @@
 
 namespace cosiva::zone {
 
-bool Course::arrive(SectionId section, std::size_t within) {
+bool Course::arrive(SectionId section, std::size_t within, std::size_t back) {
   const std::size_t last = std::min(sections_.size(), at_ + within + 1);
   for (std::size_t i = at_; i < last; ++i) {
     if (sections_[i] != section) continue;
     at_ = i;
     return true;
   }
-  for (std::size_t i = std::min(at_, sections_.size()); i-- > 0;) {
+  const std::size_t first = at_ - std::min(at_, back);
+  for (std::size_t i = std::min(at_, sections_.size()); i-- > first;) {
     if (sections_[i] != section) continue;
     at_ = i;
     return true;

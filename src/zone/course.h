@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -48,9 +49,9 @@ class Course {
   /// Is on sections[at], at first on sections.front().
   explicit Course(std::vector<SectionId> sections, std::size_t at = 0) : sections_{std::move(sections)}, at_{at} {}
 
-  /// It is on `section` now: the next of that name on the course, at most `within` sections on, else the nearest back.
-  /// False, and nothing changed: that section is not on the course.
-  bool arrive(SectionId section, std::size_t within = 64);
+  /// It is on `section` now: the next of that name on the course, at most `within` sections on, else the nearest back,
+  /// at most `back` sections. False, and nothing changed: that section is not on the course, or not so near.
+  bool arrive(SectionId section, std::size_t within = 64, std::size_t back = std::numeric_limits<std::size_t>::max());
   /// To the first of coming(), and to the last of gone(); there must be one.
   void step() { ++at_; }
   void step_back() { --at_; }

@@ -81,6 +81,19 @@ TEST(LineVehicle, stops_where_nobody_said_which_way_and_goes_on_when_somebody_do
   EXPECT_LT(vehicle.body().X_MB.x_m, 1.0);
 }
 
+TEST(LineVehicle, waiting_at_a_fork_rolls_nothing_however_long_it_is_told_to_go_on) {
+  const Circuit circuit = node();
+  LineVehicle vehicle = on(circuit, {0, 0.95});
+  double rolled_m = 0.0;
+  for (int i = 0; i < 2000; ++i) {
+    const DriveCommand command = creep(wire::no_branch);
+    vehicle.step(&command, dt_s);
+    rolled_m += vehicle.step_distance_m();
+  }
+  EXPECT_EQ(vehicle.place(), (zone::Place{0, 1.0}));
+  EXPECT_NEAR(rolled_m, 0.05, 1e-6);
+}
+
 TEST(LineVehicle, brakes_for_a_bend_no_harder_than_its_motors_can) {
   const Circuit circuit = node();
   LineVehicle vehicle = on(circuit, {0, 0.1});

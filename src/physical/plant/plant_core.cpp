@@ -166,8 +166,10 @@ std::vector<TrueVehicle> PlantCore::vehicles() const {
   std::vector<TrueVehicle> truth;
   truth.reserve(inside_->vehicles.size());
   for (const Vehicle& vehicle : inside_->vehicles) {
-    truth.push_back({vehicle.number(), vehicle.motion().body().X_MB, vehicle.motion().speed_mps(), vehicle.distance_m(),
-                     vehicle.laps(), vehicle.charge(), vehicle.powered(inside_->now), vehicle.display()});
+    const LineVehicle& motion = vehicle.motion();
+    truth.push_back({vehicle.number(), motion.body().X_MB, motion.speed_mps(), vehicle.distance_m(), vehicle.laps(),
+                     vehicle.charge(), vehicle.powered(inside_->now), vehicle.display(),
+                     motion.following() ? std::optional{motion.place()} : std::nullopt});
   }
   return truth;
 }

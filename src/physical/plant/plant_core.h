@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,8 @@ struct TrueVehicle {
   double charge;        ///< state of charge, 0…1
   bool powered;         ///< its PILS gets valid drive commands
   std::string display;  ///< what AFFI shows
+  /// On the line that it follows, whatever lies beside or under that; nothing in a manoeuvre.
+  std::optional<zone::Place> place;
 };
 
 /// Two bodies that touch: said once per contact.

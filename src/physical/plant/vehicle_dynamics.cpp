@@ -166,6 +166,8 @@ void LineVehicle::brake_for_end(double dt_s) {
 }
 
 void LineVehicle::stop_at_end(double s_m) {
+  // The wheels stand as soon as the body does: told to go on at a joint that it may not cross, it rolls nothing.
+  step_distance_m_ -= place_.s_m - s_m;
   place_.s_m = s_m;
   speed_mps_ = 0.0;
   speed_reference_mps_ = 0.0;

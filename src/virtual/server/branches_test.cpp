@@ -128,6 +128,31 @@ TEST(Roaming, of_six_over_fork_and_merge_touches_nobody_and_goes_on_after_restar
   }
 }
 
+TEST(Missions, sent_back_from_where_it_arrived_it_is_where_its_order_leads_before_it_has_turned) {
+  // Two-way edges in a row, N0 to N4, 5 or 10 m each.
+  std::ifstream file{std::string(COSIVA_SOURCE_DIR) +
+                     "/src/zone/lif/testdata/10.11-multiple-edges-with-load-restrictions.lif.json"};
+  std::stringstream text;
+  text << file.rdbuf();
+  ServerBench bench{{"lif", "lanes", text.str()}};
+  BenchVehicle& aiv = bench.add("AIV1", {*bench.zone->circuit.find("N2-N1"), 8.0});
+  bench.ask(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"N1"})");
+  bench.run_for(1s);
+  bench.ask(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"N1"})");
+  bench.run_for(10s);
+  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").find("mission")->text("state"), "arrived");
+  bench.ask(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"N2"})");
+  aiv.blocked = true;
+  bench.run_for(3s);
+  aiv.blocked = false;
+  bench.run_for(45s);
+  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").find("mission")->text("state"), "arrived");
+  EXPECT_EQ(aiv.zone().circuit.part(aiv.place().section).name, "N1-N2");
+  EXPECT_THAT(aiv.refusals, IsEmpty());
+  for (const wire::InstantActions& message : aiv.actions)
+    for (const wire::Action& action : message.actions) EXPECT_NE(action.action_type, "cancelOrder");
+}
+
 TEST(Twins, follow_the_branch_that_their_vehicle_takes) {
   ServerBench bench{fork()};
   BenchVehicle& aiv = bench.add("AIV1", {0, 0.1});

@@ -290,10 +290,15 @@ bool OrderRoller::comes_again(VehicleIndex vehicle, const Extension& from, std::
   Sections released;
   if (running) released = traffic_.coming(vehicle).first(traffic_.beyond_base(vehicle, start).keep);
   const Sections added = Sections{way_}.first(passed);
-  const zone::Place end = map_->waypoint(stretch.to).place;
-  return std::ranges::any_of(stretch.sections, [&](zone::SectionId section) {
-    if (section == start.section) return end.section != section || end.s_m >= start.s_m;
+  const auto on_base = [&](zone::SectionId section) {
     return std::ranges::find(released, section) != released.end() || std::ranges::find(added, section) != added.end();
+  };
+  // Back on the section where it is, it may come up to where it is.
+  const zone::Place end = map_->waypoint(stretch.to).place;
+  const bool beyond_start = end.section != start.section || end.s_m >= start.s_m;
+  if (stretch.sections.empty()) return end.section == start.section && on_base(start.section) && beyond_start;
+  return std::ranges::any_of(stretch.sections, [&](zone::SectionId section) {
+    return section == start.section ? beyond_start : on_base(section);
   });
 }
 

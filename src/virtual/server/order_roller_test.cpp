@@ -81,6 +81,40 @@ TEST(OrderRoller, keeps_the_base_short_and_shows_a_horizon_of_four) {
     EXPECT_EQ(std::ranges::count_if(order.nodes, [](const auto& n) { return !n.released; }), 4);
 }
 
+TEST(OrderRoller, never_lays_a_base_twice_over_one_place) {
+  // A ring shorter than a base may be.
+  ServerBench bench{{"toml", "ring", R"(
+name = "ring"
+format_version = 1
+[vehicle]
+length_m = 0.10
+width_m = 0.06
+[circuit]
+start = { x = 0.0, y = 0.0, heading_deg = 0 }
+closed = true
+[[section]]
+name = "east"
+kind = "arc"
+radius_m = 0.16
+angle_deg = 180
+[[section]]
+name = "west"
+kind = "arc"
+radius_m = 0.16
+angle_deg = 180
+)"}};
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.1});
+  bench.each_step = [&] {
+    std::set<std::string> base;
+    for (const wire::NodeState& node : aiv.book->node_states()) {
+      EXPECT_TRUE(!node.released || base.insert(node.node_id).second) << node.node_id;
+    }
+  };
+  bench.run_for(20s);
+  EXPECT_GT(aiv.driven_m, 4.0);
+  EXPECT_THAT(aiv.refusals, IsEmpty());
+}
+
 TEST(OrderRoller, starts_an_order_at_the_waypoint_behind_the_vehicle_with_a_deviation_that_covers_the_way) {
   ServerBench bench;
   BenchVehicle& aiv = bench.add("AIV1", {0, 0.55});

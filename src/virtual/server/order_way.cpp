@@ -109,12 +109,12 @@ bool OrderRoller::plan_course(VehicleIndex vehicle) {
     return false;
   }
   const auto start = std::ranges::find(starts, sections->front(), &zone::Place::section);
-  // Where it came from is where its first node lies.
+  // Where it came from is where its first node lies, and where it is seen until it has turned into another way.
   std::vector<zone::SectionId> all;
-  if (start == starts.begin()) {
-    const Sections gone = traffic_.gone(vehicle);
+  const Sections gone = traffic_.gone(vehicle);
+  const auto before_start = map_->circuit().previous(start->section);
+  if (start == starts.begin() || (!gone.empty() && std::ranges::find(before_start, gone.back()) != before_start.end()))
     all.assign(gone.begin(), gone.end());
-  }
   const std::size_t before = all.size();
   all.insert(all.end(), sections->begin(), sections->end());
   take_course(vehicle, zone::Course(std::move(all), before));

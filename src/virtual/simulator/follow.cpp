@@ -3,7 +3,8 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// Between two reports; on a course that comes by a section again, its next visit is further away than this.
+/// Between two reports; on a course that comes by a section again, its next visit is further away than this, and so
+/// was its last.
 constexpr double between_reports_m = 3.0;
 
 }  // namespace
@@ -17,8 +18,15 @@ bool follow(zone::Course& course, const zone::Circuit& circuit, zone::SectionId 
     ++within;
     skipped_m += circuit.section(next).length_m();
   }
+  skipped_m = 0.0;
+  std::size_t back = 0;
+  for (auto gone = course.gone(); !gone.empty() && skipped_m <= between_reports_m; gone = gone.first(gone.size() - 1)) {
+    ++back;
+    skipped_m += circuit.section(gone.back()).length_m();
+  }
   constexpr std::size_t kept = 8;
-  const bool on = course.arrive(section, within) || course.arrive(section);
+  constexpr std::size_t far_ahead = 64;
+  const bool on = course.arrive(section, within, back) || course.arrive(section, far_ahead, back);
   if (on) course.forget_gone(kept);
   return on;
 }

@@ -82,8 +82,9 @@ Twin::Image Twin::image_at(const zone::Circuit* circuit, SimTime time) const {
 }
 
 zone::Circuit::Located Twin::locate(const zone::Circuit& circuit, const Pose2& X_MB) const {
-  // Nearly always it is still on its section or on the next one; the whole circuit is searched only otherwise.
-  if (on_circuit_) {
+  // Nearly always it is still on its section or on the next one; the whole circuit is searched only otherwise, and when
+  // its course leads elsewhere by now.
+  if (on_circuit_ && (on_course_ || course_.empty())) {
     zone::SectionId candidate = place_.section;
     for (int tries = 0; tries < 2; ++tries) {
       const zone::Section& section = circuit.section(candidate);
@@ -114,8 +115,9 @@ zone::Circuit::Located Twin::prefer_course(const zone::Circuit& circuit, const P
   if (!course_.empty()) candidates.push_back(course_.here());
   candidates.insert(candidates.end(), coming.begin(),
                     coming.begin() + static_cast<std::ptrdiff_t>(std::min(coming.size(), sections_ahead)));
+  if (std::ranges::find(candidates, located.place.section) != candidates.end()) return located;
+  // Where it came from counts last: where sections lie on one another it is on the one that it goes along.
   if (!gone.empty()) candidates.push_back(gone.back());
-  if (candidates.empty() || std::ranges::find(candidates, located.place.section) != candidates.end()) return located;
   std::optional<zone::Circuit::Located> best;
   double best_rad = 0.0;
   for (const zone::SectionId section : candidates) {
@@ -124,7 +126,7 @@ zone::Circuit::Located Twin::prefer_course(const zone::Circuit& circuit, const P
         std::fabs(wrap_angle(X_MB.heading_rad - circuit.section(section).pose_at(near.s_m).heading_rad));
     const bool nearer = !best || near.distance_m < best->distance_m - 1e-3;
     const bool as_near = best && near.distance_m < best->distance_m + 1e-3;
-    if (near.distance_m > same_place_m || !(nearer || (as_near && off_rad < best_rad))) continue;
+    if (near.distance_m > same_place_m || !(nearer || (as_near && off_rad < best_rad - 1e-3))) continue;
     best = zone::Circuit::Located{{section, near.s_m}, near.left_m, near.distance_m};
     best_rad = off_rad;
   }

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/random.h"
+#include "virtual/simulator/follow.h"
 
 namespace cosiva::virtual_side {
 namespace {
@@ -167,6 +168,41 @@ TEST_F(TwinOnOval, does_not_anticipate_along_a_section_that_it_crosses) {
   const Pose2 after = shown(t0 + 200ms);
   EXPECT_NEAR(after.x_m, 1.0, 1e-9);
   EXPECT_NEAR(after.y_m, 0.15, 1e-9);
+}
+
+TEST(TwinOnALane, is_on_that_of_two_sections_on_one_line_that_its_course_leads_along) {
+  // East over the one, back west over the other: what its vehicle came along lies where it goes on.
+  const auto part = [](const char* name, const Pose2& start, std::vector<zone::SectionId> next) {
+    return Circuit::Part{name, *Section::make(start, 2.0), std::nullopt, std::move(next), true};
+  };
+  const Pose2 east{2.0, 0.0, pi};
+  const Circuit lane =
+      *Circuit::make("lane", {part("there", {}, {1, 2}), part("back", east, {0}), part("back_too", east, {0})});
+  for (const auto& [before, now] : {std::pair<zone::SectionId, zone::SectionId>{1, 2}, {2, 1}}) {
+    Twin twin{"make/a", 1, 1s};
+    const SimTime t0{virtual_epoch};
+    twin.set_course(&lane, zone::Course{{before, 0, now}});
+    twin.report(&lane, t0, {t0, lane.pose_at({before, 2.0}), 0.0, 0.0, 0.0});
+    twin.report(&lane, t0, {t0, lane.pose_at({0, 1.0}), 0.3, 0.0, 0.0});
+    EXPECT_EQ(twin.reported_place().section, 0U);
+    for (const double turned_rad : {1.0, 2.5, pi}) {
+      const Pose2 X_MB = lane.pose_at({0, 2.0}) * Pose2{0.0, 0.0, turned_rad};
+      twin.report(&lane, t0, {t0, X_MB, 0.0, 0.0, 1.0});
+    }
+    twin.report(&lane, t0, {t0, lane.pose_at({now, 0.4}), 0.3, 0.0, 0.0});
+    EXPECT_EQ(twin.reported_place().section, now);
+  }
+}
+
+TEST(TwinOnALane, that_came_by_a_section_long_ago_is_not_on_its_course_there) {
+  zone::Course course{{1, 0, 2, 0}, 3};
+  std::vector<Circuit::Part> parts;
+  for (const char* name : {"a", "b", "c"})
+    parts.push_back({name, *Section::make({}, 2.0), std::nullopt, {0, 1, 2}, true});
+  const Circuit circuit = *Circuit::make("lanes", std::move(parts), 10.0);
+  EXPECT_FALSE(follow(course, circuit, 1)) << "6 m back";
+  EXPECT_EQ(course.gone().size(), 3U);
+  EXPECT_TRUE(follow(course, circuit, 2)) << "near a joint it may fall back";
 }
 
 TEST_F(TwinOnOval, believes_no_speed_that_no_vehicle_has) {
