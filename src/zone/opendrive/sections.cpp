@@ -7,6 +7,7 @@ namespace cosiva::zone::opendrive {
 namespace {
 
 constexpr std::size_t sections_max = 100'000;
+constexpr double length_max_m = 3e5;       // of all lanes: a city's; a polynomial that runs away asks for more
 constexpr std::size_t pieces_max = 5'000;  // of one lane between two lane sections
 // Lanes that no sections follow cost the most; a file with more of them is no road network.
 constexpr std::size_t failures_max = 50;
@@ -37,6 +38,7 @@ class Layer {
   std::vector<Circuit::Part> parts_;
   std::vector<Run> runs_;
   std::size_t failures_{0};
+  double length_m_{};
   double worst_m_{};
   double worst_rad_{};
 };
@@ -59,6 +61,7 @@ void Layer::lay_way(WayId id) {
   if (fitted->worst_heading_rad <= tolerance_.heading_rad) worst_rad_ = std::max(worst_rad_, fitted->worst_heading_rad);
   runs_[id] = {static_cast<SectionId>(parts_.size()),
                static_cast<SectionId>(parts_.size() + fitted->sections.size() - 1)};
+  length_m_ += fitted->length_m;
   add_parts(way, std::move(fitted->sections), fitted->length_m);
 }
 
@@ -136,6 +139,9 @@ Result<std::vector<Circuit::Part>> Layer::lay() {
     lay_way(id);
     if (parts_.size() > sections_max)
       return fail("zone.size", "following the lanes takes more than " + std::to_string(sections_max) + " sections");
+    if (length_m_ > length_max_m)
+      return fail("zone.size", "expected at most 300 km of lanes, found more up to lane '" + ways_[id].name(network_) +
+                                   "'; [import] scale in the companion makes a large network small");
     if (failures_ > failures_max)
       return fail("zone.size", "more than " + std::to_string(failures_max) +
                                    " lanes cannot be followed; the first: " + report_.notes().back().text);
