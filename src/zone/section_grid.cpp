@@ -5,8 +5,10 @@
 namespace cosiva::zone {
 namespace {
 
-// In a larger zone single precision would lose too much for a grid to be of use.
+// In a larger zone single precision would lose too much for a grid to be of use; further from the map's origin double
+// precision loses more than a hair.
 constexpr double extent_max_m = 1e7;
+constexpr double coordinate_max_m = 1e8;
 // Of the zone's extent: ten times what single precision loses of a place in it.
 constexpr double loss_share = 1.2e-6;
 // What rounding may lose of a distance in double precision, and more.
@@ -25,7 +27,10 @@ SectionGrid::SectionGrid(std::span<const SectionPiece> pieces) {
   }
   const double width_m = high.x_m - origin_.x_m;
   const double height_m = high.y_m - origin_.y_m;
-  if (!(width_m < extent_max_m && height_m < extent_max_m && reach_m_ < extent_max_m)) return;
+  const double furthest_m =
+      std::max({std::fabs(origin_.x_m), std::fabs(origin_.y_m), std::fabs(high.x_m), std::fabs(high.y_m)});
+  if (!(width_m < extent_max_m && height_m < extent_max_m && reach_m_ < extent_max_m && furthest_m < coordinate_max_m))
+    return;
 
   // So large that there are not many more cells than pieces, and that a piece reaches at most half a cell far.
   const auto count = static_cast<double>(pieces.size());
