@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "base/math.h"
@@ -24,7 +25,10 @@ class ContactScan {
     SectionId other;  ///< the section of `theirs`
     std::uint32_t mine;
     std::uint32_t theirs;
-    friend auto operator<=>(const Pair&, const Pair&) = default;
+    friend bool operator==(const Pair&, const Pair&) = default;
+    friend bool operator<(const Pair& a, const Pair& b) {
+      return std::tie(a.other, a.mine, a.theirs) < std::tie(b.other, b.mine, b.theirs);
+    }
   };
   /// Contacts of bodies on `on` with vehicles on `other`. The pairs are of chunks of these two, at least one, sorted.
   void along(SectionId on, SectionId other, std::span<const Pair> pairs);

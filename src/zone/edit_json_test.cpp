@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "zone/edit_test_files.h"
+#include "zone/test_edit_files.h"
 #include "zone/test_zones.h"
 
 namespace cosiva::zone {

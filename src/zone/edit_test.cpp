@@ -9,7 +9,7 @@
 #include <set>
 
 #include "zone/edit_rules.h"
-#include "zone/edit_test_files.h"
+#include "zone/test_edit_files.h"
 #include "zone/test_zones.h"
 
 namespace cosiva::zone {

@@ -215,14 +215,22 @@ class Svg {
         if (size_px < text_least_px) break;
         const std::string at = xy(primitive.points.front());
         const auto comma = at.find(',');
-        out_ += "<text x=\"" + at.substr(0, comma) + "\" y=\"" + at.substr(comma + 1) + "\" font-size=\"" +
-                number(size_px) +
+        out_ += "<text x=\"" + number(inside_px(primitive, size_px)) + "\" y=\"" + at.substr(comma + 1) +
+                "\" font-size=\"" + number(size_px) +
                 "\" text-anchor=\"middle\" dominant-baseline=\"central\" stroke=\"#fbfcfd\" stroke-width=\"3\" "
                 "paint-order=\"stroke\">" +
                 escaped(primitive.label) + "</text>\n";
         break;
       }
     }
+  }
+
+  /// The middle of a name, moved so that none of it hangs over the picture's edge.
+  [[nodiscard]] double inside_px(const Primitive& name, double size_px) const {
+    constexpr double letter = 0.56;  // of the size, on average
+    const double half_px = 0.5 * letter * size_px * static_cast<double>(name.label.size());
+    const double at_px = left_px_ + (name.points.front().x_m - box_.low.x_m) * px_per_m_;
+    return std::clamp(at_px, half_px, std::max(half_px, width_px_ - half_px));
   }
 
   [[nodiscard]] std::string points(const Primitive& primitive) const {
