@@ -92,7 +92,7 @@ class Tour {
   };
 
   void look() {
-    const auto& place = world_->plant().vehicles().front().place;
+    const auto place = world_->plant().vehicles().front().place;
     if (!place) return;
     if (begun_) {
       const auto way = zone_.circuit.shortest_way(here_, *place, 1.0);
