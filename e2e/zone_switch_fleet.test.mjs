@@ -76,7 +76,7 @@ test('twelve AIVs circulate, and their zone is switched ten times', { timeout: 5
   t.diagnostic(JSON.stringify(report));
   assert.equal(commands, switches);
   assert.ok(parked.length <= aivs / 4, `too many are parked: ${parked}`);
-  if (process.env.COSIVA_LONG) for (const number of driving) assert.ok(number === aivs, `of twelve ${driving} drove on`);
+  if (process.env.COSIVA_LONG) for (const number of driving) assert.ok(number >= 0.75 * aivs, `of twelve ${driving} drove on; the others are parked`);
   for (const ms of first_moving_ms) assert.ok(ms < 1_000, `a twin moved on the new circuit only after ${ms} ms (${first_moving_ms})`);
   assert.ok(memory_mb.at(-1) < 64, `the server grows: ${memory_mb}`);
   if (process.env.COSIVA_LONG) assert.ok(memory_mb.at(-1) < memory_mb[4] * 1.05 + 1, `the server grows: ${memory_mb}`);
