@@ -40,6 +40,15 @@ inline Circuit track(double straight_m = 2.0, double radius_m = 0.5) {
       {part("south", south, {1}), part("east", east, {2}), part("north", north, {3}), part("west", west, {0})});
 }
 
+/// Six lines, so that what a test adds begins on line 7.
+inline const std::string straight = R"(name = "z"
+format_version = 1
+[[section]]
+name = "a"
+kind = "straight"
+length_m = 2.0
+)";
+
 inline Result<TrafficZone> read_zone(const std::string& text) {
   auto rtm = Rtm::initialise({"toml", "test.toml", text});
   if (!rtm) return tl::unexpected(rtm.error());

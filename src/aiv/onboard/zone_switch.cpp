@@ -2,7 +2,6 @@
 #include <utility>
 
 #include "aiv/onboard/inside.h"
-#include "base/digest.h"
 #include "zone/edit.h"
 
 namespace cosiva::aiv {

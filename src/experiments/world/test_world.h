@@ -4,23 +4,18 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <memory>
-#include <sstream>
 #include <string>
 #include <utility>
 
 #include "experiments/world/world.h"
+#include "zone/test_zones.h"
 
 namespace cosiva::experiments::testing {
 
 /// One of the ready zones in our own format.
 inline zone::ZoneConfiguration zone_named(const std::string& name) {
-  std::ifstream file{std::string(COSIVA_SOURCE_DIR) + "/zones/" + name + ".toml"};
-  EXPECT_TRUE(file) << name;
-  std::ostringstream text;
-  text << file.rdbuf();
-  return {"toml", "zones/" + name + ".toml", text.str()};
+  return zone::testing::configuration_file(name + ".toml");
 }
 
 /// A fleet on lacet4. @param loss  share of messages lost

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "zone/course.h"
+
 namespace cosiva::virtual_side {
 namespace {
 

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "base/pose.h"
-#include "zone/course.h"
 #include "zone/traffic_zone.h"
 
 namespace cosiva::virtual_side {

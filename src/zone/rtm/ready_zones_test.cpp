@@ -2,33 +2,22 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "zone/check.h"
 #include "zone/rtm/rtm.h"
+#include "zone/test_zones.h"
 
 namespace cosiva::zone {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::string text_of(const fs::path& file) {
-  std::ifstream stream{file, std::ios::binary};
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
 /// The zones that come with the platform, each with its companion.
 std::vector<ZoneConfiguration> ready_zones() {
   std::vector<ZoneConfiguration> zones;
   for (const auto& entry : fs::directory_iterator{fs::path{COSIVA_SOURCE_DIR} / "zones"}) {
-    const std::string file = entry.path().string();
-    const auto format = format_of_file(file);
-    if (!format || file.ends_with(".zone.toml")) continue;
-    zones.push_back({*format, file, text_of(file), {}});
-    if (const auto companion = companion_of_file(file)) zones.back().companion = text_of(*companion);
+    const std::string file = entry.path().filename().string();
+    if (format_of_file(file) && !file.ends_with(".zone.toml")) zones.push_back(testing::configuration_file(file));
   }
   return zones;
 }

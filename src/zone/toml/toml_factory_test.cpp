@@ -18,15 +18,7 @@ using ::testing::HasSubstr;
 using testing::read_zone;
 using ::testing::SizeIs;
 using ::testing::StartsWith;
-
-// Six lines, so that what a test adds begins on line 7.
-const std::string straight = R"(name = "z"
-format_version = 1
-[[section]]
-name = "a"
-kind = "straight"
-length_m = 2.0
-)";
+using testing::straight;
 
 /// The error of a file that must be refused, as the command line prints it.
 std::string error_of(const std::string& text) {
