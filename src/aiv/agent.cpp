@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "aiv/manoeuvre.h"
 #include "zone/anchor.h"
 
 namespace cosiva::aiv {
@@ -27,6 +28,9 @@ constexpr int stuck_readings_max = 25;
 constexpr double stuck_m = 0.0005;
 /// Air around a body that turns on the spot.
 constexpr double sweep_margin_m = 0.05;
+/// So far it goes to join a line, and so near to the pose that it was told the line must lie.
+constexpr double join_within_m = 0.70;
+constexpr double join_off_m_max = 0.02;
 /// A bend this near ahead may begin at any moment.
 constexpr double bend_near_m = 0.03;
 /// A fork counts as the next until the vehicle is so far beyond it: its body may be behind its belief.
@@ -58,6 +62,7 @@ Agent::Agent(const zone::TrafficZone& zone, std::unique_ptr<SpeedChooser> choose
       order_{zone},
       corridor_{zone},
       envelope_{zone},
+      sweep_{zone.vehicle},
       one_way_{one_way_only(zone.circuit)} {}
 
 void Agent::advance_order(double distance_m) {
@@ -72,6 +77,7 @@ void Agent::on_odometry(const wire::Odometry& odometry) {
   hold(Hold::line_lost, odometry.line_lost && !estimator_.off_line());
   if (rolled.step_m != 0.0) advance_order(rolled.step_m);
   if (rolled.kind == PositionEstimator::FixKind::relocated) on_relocated();
+  joining_ = joining_ && estimator_.beside();
   note_stuck();
 }
 
@@ -135,6 +141,7 @@ void Agent::on_ranges(const wire::Ranges& ranges) {
   look_ = corridor_.look(estimator_.outlook(), ranges);
   obstacle_.add(look_.ahead_m, estimator_.travelled_m());
   if (!one_way_ || estimator_.off_line()) around_.add(corridor_.nearest_m(ranges), 0.0);
+  if (estimator_.beside()) entry_.add(in_entry(ranges) ? 0.0 : std::numeric_limits<double>::infinity(), 0.0);
 }
 
 void Agent::stand_at(zone::Place place) { estimator_.place_at(place); }
@@ -156,6 +163,23 @@ Result<void> Agent::initialise_position(const Pose2& X_MB, std::string last_node
     estimator_.place_at(*place);
   order_.set_last_node(std::move(last_node_id));
   obstacle_.clear();
+  return {};
+}
+
+Result<void> Agent::join_line(const Pose2& X_MG) {
+  if (!estimator_.beside()) return fail("join.on_line", "it does not stand beside a line");
+  if (estimator_.manoeuvring()) return fail("join.busy", "it is on its way to a line already");
+  const double far_m = distance(estimator_.pose(), X_MG);
+  if (!(far_m <= join_within_m)) {
+    return fail("join.too_far",
+                "that is " + std::to_string(far_m) + " m away, further than " + std::to_string(join_within_m) + " m");
+  }
+  const auto line = zone::anchor_of(zone_.circuit, X_MG, join_off_m_max);
+  if (!line || std::fabs(wrap_angle(zone_.circuit.pose_at(line->place).heading_rad - X_MG.heading_rad)) > on_line_rad)
+    return fail("join.no_line", "no way of '" + zone_.name + "' passes there in that direction");
+  estimator_.aim(line->place);
+  entry_.clear();
+  joining_ = true;
   return {};
 }
 
@@ -223,7 +247,9 @@ Agent::Plan Agent::plan(double room_m, double base_end_m) const {
   if (speed_mps_max_) wish.speed_mps = std::min(wish.speed_mps, *speed_mps_max_);
   if (!estimator_.known()) return {wish, {0.0, wish.braking_mps2}};
   if (estimator_.beside() && wish.speed_mps > zone_.profiles.slow.speed_mps) wish = zone_.profiles.slow;
-  Limit limit = envelope_.limit({estimator_.outlook(), speed_mps_, obstacle_m, order_}, wish);
+  // On its way to the line no order leads it, and its speed is the manoeuvre's.
+  Limit limit = joining_ ? Envelope::limit_off_line(obstacle_m, wish)
+                         : envelope_.limit({estimator_.outlook(), speed_mps_, obstacle_m, order_}, wish);
   if (limit.speed_mps > 0.0 && !may_sweep(limit)) {
     limit.speed_mps = 0.0;
     limit.by_obstacle = true;
@@ -231,7 +257,17 @@ Agent::Plan Agent::plan(double room_m, double base_end_m) const {
   return {wish, limit};
 }
 
+bool Agent::in_entry(const wire::Ranges& ranges) {
+  const Pose2 X_MG = zone_.circuit.pose_at(estimator_.place());
+  if (estimator_.manoeuvred() && estimator_.left_line_at())
+    sweep_.take_rest({*estimator_.left_line_at(), X_MG}, *estimator_.manoeuvred());
+  else
+    sweep_.take({estimator_.pose(), X_MG});
+  return corridor_.any_echo(ranges, [&](Point2 p_B) { return sweep_.over(estimator_.pose() * p_B); });
+}
+
 bool Agent::may_sweep(const Limit& limit) const {
+  if (estimator_.beside()) return entry_.obstacle_ahead_m(0.0) > 0.0;
   if (one_way_ && !estimator_.off_line()) return true;
   if (!estimator_.off_line() && limit.bend_ahead_m > bend_near_m) return true;
   const double corner_m = 0.5 * norm(zone_.vehicle.length_m, zone_.vehicle.width_m);
@@ -250,8 +286,10 @@ wire::Drive Agent::decide() {
     if (!one_way_ && estimator_.known()) follow_order();
     cancelling_ = false;
   }
-  const double sensed_m = obstacle_.obstacle_ahead_m(estimator_.travelled_m());
-  const double base_end_m = order_.distance_to_base_end_m();
+  constexpr double nothing = std::numeric_limits<double>::infinity();
+  // What stands on the line matters to one that is on it.
+  const double sensed_m = estimator_.beside() ? nothing : obstacle_.obstacle_ahead_m(estimator_.travelled_m());
+  const double base_end_m = joining_ ? nothing : order_.distance_to_base_end_m();
   auto [wish, limit] = plan(std::min(sensed_m, felt_m_), base_end_m);
   if (!estimator_.known()) {
     blocked_ = false;
@@ -274,6 +312,8 @@ wire::Drive Agent::drive(double speed_mps, const zone::SpeedProfile& kinematics)
            static_cast<std::uint16_t>(milli(kinematics.acceleration_mps2, 65535.0)),
            static_cast<std::uint16_t>(milli(kinematics.braking_mps2, 65535.0)), branch(), false};
   told_.seek = estimator_.beside() && (told_.speed_mmps > 0 || estimator_.manoeuvring());
+  // PILS sees the floor where the body is, not where it is believed: the nearest line need not be the one meant.
+  if (told_.seek) told_.goal = to_manoeuvre(inverse(estimator_.pose()) * zone_.circuit.pose_at(estimator_.place()));
   return told_;
 }
 

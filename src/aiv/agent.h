@@ -10,6 +10,7 @@
 #include "aiv/corridor.h"
 #include "aiv/envelope.h"
 #include "aiv/estimator.h"
+#include "aiv/line_entry.h"
 #include "aiv/order_book.h"
 #include "aiv/speed.h"
 #include "wire/board.h"
@@ -61,6 +62,10 @@ class Agent {
   /// initPosition: fails ("position.off_circuit") further than 0.25 m from the circuit or looking another way, and
   /// ("position.busy") while an order is active or the vehicle moves.
   [[nodiscard]] Result<void> initialise_position(const Pose2& X_MB, std::string last_node_id);
+  /// joinLine: goes onto the line at this pose, which lies along it, with or without an order; until it is there or
+  /// another is told. Fails ("join.on_line", "join.busy", "join.too_far", "join.no_line").
+  [[nodiscard]] Result<void> join_line(const Pose2& X_MG);
+  [[nodiscard]] bool joining() const { return joining_; }
   [[nodiscard]] Result<OrderBook::Verdict> take_order(const wire::Order& order);
   void hold(Hold reason, bool on);
   void impose(std::optional<Profile> profile) { imposed_ = profile; }
@@ -113,6 +118,8 @@ class Agent {
   void note_stuck();
   /// Which way at the fork or bend that PILS comes to next.
   [[nodiscard]] std::uint8_t branch() const;
+  /// Something stands where its body will be on its way to the line.
+  [[nodiscard]] bool in_entry(const wire::Ranges& ranges);
   [[nodiscard]] bool may_sweep(const Limit& limit) const;
   /// What it would do with so much room before it.
   struct Plan {
@@ -132,8 +139,10 @@ class Agent {
   Corridor::Look look_;
   double felt_m_{std::numeric_limits<double>::infinity()};
   Envelope envelope_;
+  EntrySweep sweep_;
   bool one_way_;           ///< nothing to choose and nothing to turn at in this zone
   ObstacleFilter around_;  ///< echoes near the body, whatever its way
+  ObstacleFilter entry_;   ///< 0: one on its way to the line
 
   double speed_mps_{0.0};
   int slow_readings_{2};  ///< in a row under a centimetre per second; it starts standing
@@ -150,6 +159,7 @@ class Agent {
   std::optional<Profile> imposed_;
   std::optional<double> speed_mps_max_;
   bool cancelling_{false};
+  bool joining_{false};  ///< told where to go onto the line, and not there yet
   bool blocked_{false};
   bool braking_for_felt_{false};
   bool wants_base_{false};

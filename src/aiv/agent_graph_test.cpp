@@ -302,7 +302,7 @@ TEST(AgentBesideTheLine, goes_to_it_when_it_has_base_and_not_before) {
 
 TEST(AgentBesideTheLine, waits_for_whatever_stands_between) {
   BesideBench bench;
-  bench.obstacles = {{0.55, 0.25}};
+  bench.obstacles = {{0.559, 0.233}};  // 0.11 m before its middle: a corner comes by as it turns
   bench.run(0.5);
   bench.take(order("O-1").through({"T", "T1"}));
   bench.run(3.0);
@@ -311,6 +311,66 @@ TEST(AgentBesideTheLine, waits_for_whatever_stands_between) {
   bench.obstacles.clear();
   bench.run(15.0);
   EXPECT_THAT(bench.traversed, ElementsAre("T1"));
+}
+
+TEST(AgentBesideTheLine, looks_only_at_what_its_body_would_touch) {
+  BesideBench bench;
+  bench.obstacles = {{0.567, 0.245}};  // 0.125 m before its middle, where no corner comes
+  bench.take(order("O-1").through({"T", "T1"}));
+  bench.run(15.0);
+  EXPECT_THAT(bench.traversed, ElementsAre("T1"));
+}
+
+TEST(AgentBesideTheLine, stops_half_way_for_what_it_sees_only_then) {
+  BesideBench bench;
+  bench.obstacles = {{0.5, -0.05}};  // across the line, which lies behind it at first
+  bench.take(order("O-1").through({"T", "T1"}));
+  bench.run(6.0);
+  EXPECT_TRUE(bench.world.manoeuvring());
+  EXPECT_TRUE(bench.agent.blocked());
+  const Pose2 stands = bench.world.pose();
+  EXPECT_GT(stands.y_m - 0.1, -0.05);
+  bench.run(2.0);
+  EXPECT_EQ(bench.world.pose(), stands);
+  bench.obstacles.clear();
+  bench.run(15.0);
+  EXPECT_THAT(bench.traversed, ElementsAre("T1"));
+}
+
+TEST(AgentBesideTheLine, joins_it_where_it_is_told_to_without_an_order) {
+  BesideBench bench;
+  bench.step();
+  ASSERT_TRUE(bench.agent.join_line({0.7, 0.0, 0.0}));
+  EXPECT_TRUE(bench.agent.joining());
+  ASSERT_TRUE(bench.run_until([&] { return bench.world.on_line(); }, 10.0));
+  bench.run(0.5);
+  EXPECT_FALSE(bench.agent.joining());
+  EXPECT_NEAR(bench.world.place().s_m, 0.7, 0.002);
+  EXPECT_LT(bench.pose_error_m, 0.01);
+  EXPECT_EQ(bench.drive.speed_mmps, 0) << "and waits there";
+  bench.take(order("O-1").through({"T", "T1"}));
+  bench.run(10.0);
+  EXPECT_THAT(bench.traversed, ElementsAre("T1"));
+}
+
+TEST(AgentBesideTheLine, joins_no_line_that_is_not_where_it_is_told) {
+  BesideBench bench;
+  const auto code = [&](const Pose2& X_MG) {
+    const auto joins = bench.agent.join_line(X_MG);
+    return joins ? std::string("none") : joins.error().code;
+  };
+  bench.step();
+  EXPECT_EQ(code({0.7, 0.05, 0.0}), "join.no_line");
+  EXPECT_EQ(code({0.7, 0.0, 2.0}), "join.no_line") << "the line leads another way there";
+  EXPECT_EQ(code({0.5, -0.6, 0.0}), "join.too_far");
+  EXPECT_EQ(code({std::nan(""), 0.0, 0.0}), "join.too_far");
+  EXPECT_FALSE(bench.agent.joining());
+  EXPECT_EQ(code({0.6, 0.0, 0.0}), "none");
+  ASSERT_TRUE(bench.run_until([&] { return bench.world.manoeuvring(); }, 2.0));
+  EXPECT_EQ(code({0.7, 0.0, 0.0}), "join.busy");
+  bench.run(10.0);
+  EXPECT_NEAR(bench.world.place().s_m, 0.6, 0.002);
+  EXPECT_EQ(code({0.7, 0.0, 0.0}), "join.on_line");
 }
 
 TEST(AgentBesideTheLine, stands_where_a_manoeuvre_left_it_that_was_given_up) {

@@ -45,16 +45,21 @@ Corridor::Look Corridor::look(const Outlook& outlook, const wire::Ranges& ranges
   return nearest;
 }
 
+Point2 Corridor::echo(const wire::Ranges& ranges, std::size_t beam) const {
+  const double range_m = 0.001 * ranges.range_mm[beam];
+  const auto [sin, cos] =
+      sincos(0.01 * ranges.first_bearing_crad + 0.01 * ranges.beam_width_crad * static_cast<double>(beam));
+  return {0.5 * zone_.vehicle.length_m + range_m * cos, range_m * sin};
+}
+
 double Corridor::nearest_m(const wire::Ranges& ranges) const {
-  const double front_m = 0.5 * zone_.vehicle.length_m;
   double nearest_m = std::numeric_limits<double>::infinity();
   for (std::size_t beam = 0; beam < ranges.range_mm.size(); ++beam) {
     if (ranges.range_mm[beam] == wire::no_echo) continue;
-    const double range_m = 0.001 * ranges.range_mm[beam];
-    if (range_m > nearest_m) continue;  // the middle is further away than the front's sensor, for any beam ahead
-    const auto [sin, cos] =
-        sincos(0.01 * ranges.first_bearing_crad + 0.01 * ranges.beam_width_crad * static_cast<double>(beam));
-    nearest_m = std::min(nearest_m, norm(front_m + range_m * cos, range_m * sin));
+    // The middle is further away than the front's sensor, for any beam ahead.
+    if (0.001 * ranges.range_mm[beam] > nearest_m) continue;
+    const Point2 echo_B = echo(ranges, beam);
+    nearest_m = std::min(nearest_m, norm(echo_B.x_m, echo_B.y_m));
   }
   return nearest_m;
 }

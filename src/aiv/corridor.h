@@ -41,10 +41,18 @@ class Corridor {
   /// From the vehicle's middle to the nearest echo all around, as far as the beams look; infinite when there is none.
   /// What matters to a body that turns on the spot.
   [[nodiscard]] double nearest_m(const wire::Ranges& ranges) const;
+  /// Whether `test` holds for an echo, in the body's frame, in the middle of its beam.
+  template <class Test>
+  [[nodiscard]] bool any_echo(const wire::Ranges& ranges, Test test) const {
+    for (std::size_t beam = 0; beam < ranges.range_mm.size(); ++beam)
+      if (ranges.range_mm[beam] != wire::no_echo && test(echo(ranges, beam))) return true;
+    return false;
+  }
   /// So far from its front the vehicle can tell whether its way is free.
   [[nodiscard]] double reach_m() const { return model_.reach_m - 0.5 * zone_.vehicle.length_m; }
 
  private:
+  [[nodiscard]] Point2 echo(const wire::Ranges& ranges, std::size_t beam) const;
   /// From the vehicle's front along the way to one echo; infinite outside the corridor.
   [[nodiscard]] double echo_ahead_m(double range_m, double bearing_rad, double spread_rad) const;
 

@@ -129,6 +129,12 @@ Limit Envelope::limit(const View& view, const zone::SpeedProfile& wish) const {
   return limit;
 }
 
+Limit Envelope::limit_off_line(double obstacle_ahead_m, const zone::SpeedProfile& wish) {
+  const double room_mps = stoppable_speed(obstacle_ahead_m - stand_off_m, wish.braking_mps2, obstacle_reaction_s);
+  return {std::min(wish.speed_mps, room_mps), wish.braking_mps2, room_mps < wish.speed_mps,
+          std::numeric_limits<double>::infinity()};
+}
+
 double Envelope::section_limit_mps(const View& view, const zone::SpeedProfile& wish, double reach_m) const {
   const zone::Circuit& circuit = zone_.circuit;
   double limit_mps = std::numeric_limits<double>::infinity();

@@ -60,6 +60,8 @@ class Envelope {
   };
   /// @param wish  the profile's kinematics; its speed may be lower than the profile's
   [[nodiscard]] Limit limit(const View& view, const zone::SpeedProfile& wish) const;
+  /// Of one that joins a line: only what it feels before it limits.
+  [[nodiscard]] static Limit limit_off_line(double obstacle_ahead_m, const zone::SpeedProfile& wish);
 
  private:
   [[nodiscard]] double section_limit_mps(const View& view, const zone::SpeedProfile& wish, double reach_m) const;

@@ -73,6 +73,8 @@ class PositionEstimator {
   void place_at(zone::Place place);
   /// Somebody tells the pose, on the line or not (zone::anchor_of).
   void stand_off(const Pose2& X_MB);
+  /// Of one that stands beside the line: it goes onto it here, not at the nearest place.
+  void aim(zone::Place place);
   /// A manoeuvre was in progress when it was remembered: how far it had come, and the section that it leads to if it
   /// is a turn at the end of place().section.
   void resume_manoeuvre(const Pose2& X_OB, std::optional<zone::SectionId> next);

@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "aiv/estimator.h"
+#include "aiv/manoeuvre.h"
+#include "base/expect.h"
 #include "zone/anchor.h"
 
 namespace cosiva::aiv {
@@ -11,12 +13,10 @@ namespace {
 
 /// An odometer that has rolled further than this does not belong to the manoeuvre in which it stood still.
 constexpr double still_m = 0.002;
+/// Who decides that it is near enough to a way has been told its pose, rounded.
+constexpr double told_off_m = 0.005;
 /// Beside the line it has found one when its wheels roll this far in no manoeuvre.
 constexpr double follows_m = 0.010;
-
-Pose2 pose_of(const wire::Manoeuvre& manoeuvre) {
-  return {1e-3 * manoeuvre.x_mm, 1e-3 * manoeuvre.y_mm, wrap_angle(1e-3 * manoeuvre.turned_mrad)};
-}
 
 }  // namespace
 
@@ -30,12 +30,18 @@ void PositionEstimator::stand_off(const Pose2& X_MB) {
   strayed_m_ = 0.0;
   course_.clear();
   doubt_.reset();
-  const auto anchor = zone::anchor_of(zone_.circuit, X_MB);
+  const auto anchor = zone::anchor_of(zone_.circuit, X_MB, zone::anchor_within_m + told_off_m);
   known_ = anchor.has_value();
   beside_ = known_;
   if (anchor) motion_ = AivMotion{zone_.circuit, anchor->place};
   off_by_m_ = anchor ? anchor->distance_m : zone_.circuit.locate(position(X_MB)).distance_m;
   variance_m2_ = std::max(variance_m2_, model_.sigma_start_m * model_.sigma_start_m);
+}
+
+void PositionEstimator::aim(zone::Place place) {
+  COSIVA_EXPECT(beside_);
+  motion_ = AivMotion{zone_.circuit, place};
+  course_.clear();
 }
 
 void PositionEstimator::resume_manoeuvre(const Pose2& X_OB, std::optional<zone::SectionId> next) {
@@ -65,7 +71,7 @@ PositionEstimator::Rolled PositionEstimator::off_line(double step_m, const wire:
   if (step_m != 0.0 && !X_OB_) roll_off_line(step_m, rolled);
   if (manoeuvre) {
     if (!X_OB_) begin_manoeuvre(rolled);
-    X_OB_ = pose_of(*manoeuvre);
+    X_OB_ = to_pose(*manoeuvre);
   }
   return rolled;
 }

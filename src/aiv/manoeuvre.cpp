@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "wire/board.h"
+#include "zone/anchor.h"
 
 namespace cosiva::aiv {
 
@@ -14,6 +14,22 @@ Onward onward(const zone::Circuit& circuit, zone::SectionId from, std::size_t br
   const double turn_rad = circuit.part(from).pivots ? circuit.turn_at(from, to) : 0.0;
   if (branch == wire::no_branch && (ways.size() > 1 || turn_rad != 0.0)) return {};
   return {to, turn_rad};
+}
+
+std::optional<zone::Place> sought(const zone::Circuit& circuit, const Pose2& X_MB,
+                                  const std::optional<wire::Manoeuvre>& goal) {
+  const auto anchor = goal ? zone::anchor_of(circuit, X_MB * to_pose(*goal), goal_within_m)
+                           : zone::anchor_of(circuit, X_MB, seek_within_m);
+  return anchor ? std::optional{anchor->place} : std::nullopt;
+}
+
+wire::Manoeuvre to_manoeuvre(const Pose2& X_AB) {
+  const auto milli = [](double value) { return static_cast<std::int16_t>(std::lround(1e3 * value)); };
+  return {milli(X_AB.x_m), milli(X_AB.y_m), milli(X_AB.heading_rad)};
+}
+
+Pose2 to_pose(const wire::Manoeuvre& manoeuvre) {
+  return {1e-3 * manoeuvre.x_mm, 1e-3 * manoeuvre.y_mm, wrap_angle(1e-3 * manoeuvre.turned_mrad)};
 }
 
 Manoeuvre::Manoeuvre(const Pose2& X_SG, const ManoeuvreRates& rates) : rates_{rates}, X_SG_{X_SG} {

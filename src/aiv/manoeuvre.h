@@ -2,7 +2,10 @@
 
 #include <cstddef>
 
+#include <optional>
+
 #include "base/pose.h"
+#include "wire/board.h"
 #include "zone/circuit.h"
 
 /// How a body leaves the line: the boards of a physical vehicle and those of a virtual one do it alike.
@@ -30,6 +33,17 @@ inline constexpr double manoeuvre_abandoned_s = 0.3;
 /// So far off a vehicle looks for a line, and so much it may be turned from one to be on it already.
 inline constexpr double seek_within_m = 0.35;
 inline constexpr double on_line_rad = 0.5;
+
+/// A line that it was told of lies this near to where it was told, or there is none.
+inline constexpr double goal_within_m = 0.10;
+
+/// Where a body at X_MB that seeks comes onto the line: the nearest place (zone::anchor_of), or the one that it was
+/// told of (wire::Drive::goal). Nothing: no line is there.
+[[nodiscard]] std::optional<zone::Place> sought(const zone::Circuit& circuit, const Pose2& X_MB,
+                                                const std::optional<wire::Manoeuvre>& goal);
+/// As boards tell it, rounded to millimetres and milliradians.
+[[nodiscard]] wire::Manoeuvre to_manoeuvre(const Pose2& X_AB);
+[[nodiscard]] Pose2 to_pose(const wire::Manoeuvre& manoeuvre);
 
 /// Turn on the spot, go straight, turn on the spot: the plainest way of a differential drive from one pose to another.
 /// Each leg speeds up and brakes at a constant rate, and ends exactly where it should.

@@ -8,7 +8,6 @@
 #include "aiv/manoeuvre.h"
 #include "aiv/motion.h"
 #include "wire/board.h"
-#include "zone/anchor.h"
 #include "zone/circuit.h"
 
 namespace cosiva::aiv::test {
@@ -49,11 +48,7 @@ class LineWorld {
     odometry.distance_um = std::llround(odometer_m * 1e6);
     odometry.speed_mmps = static_cast<std::int16_t>(std::lround(speed_mps * 1e3));
     odometry.line_lost = off_ && !off_->manoeuvre;
-    if (manoeuvring()) {
-      const auto milli = [](double value) { return static_cast<std::int16_t>(std::lround(1e3 * value)); };
-      const Pose2& X_SB = off_->manoeuvre->X_SB();
-      odometry.manoeuvre = wire::Manoeuvre{milli(X_SB.x_m), milli(X_SB.y_m), milli(X_SB.heading_rad)};
-    }
+    if (manoeuvring()) odometry.manoeuvre = to_manoeuvre(off_->manoeuvre->X_SB());
     return odometry;
   }
 
@@ -93,10 +88,10 @@ class LineWorld {
     speed_mps = 0.0;
     if (!off_->manoeuvre) {
       if (drive == nullptr || !drive->seek || wanted_mps <= 0.0) return;
-      const auto anchor = zone::anchor_of(*floor_, off_->X_MS, seek_within_m);
-      if (!anchor) return;
-      off_->goal = anchor->place;
-      off_->manoeuvre.emplace(inverse(off_->X_MS) * floor_->pose_at(anchor->place));
+      const auto place = sought(*floor_, off_->X_MS, drive->goal);
+      if (!place) return;
+      off_->goal = *place;
+      off_->manoeuvre.emplace(inverse(off_->X_MS) * floor_->pose_at(*place));
     }
     off_->manoeuvre->step(wanted_mps, dt_s);
     if (!off_->manoeuvre->done()) return;

@@ -35,7 +35,8 @@ struct Heartbeat {
 };
 
 /// PILS leaves the line: it turns on the spot where the line bends sharply, or looks for another line (Drive::seek).
-/// Where the body is now, seen from where it stood when this began: from its wheels, x ahead, y left.
+/// Where the body is now, seen from where it stood when this began: from its wheels, x ahead, y left. Where it is to go
+/// is told likewise (Drive::goal).
 struct Manoeuvre {
   std::int16_t x_mm{};
   std::int16_t y_mm{};
@@ -63,6 +64,8 @@ struct Drive {
   std::uint8_t branch{};  ///< at the next fork or sharp bend take the n-th way, 0 = default; no_branch: stop there
   /// Off the line: go to the nearest one within reach, turn into it, and follow it. At speed 0 it waits.
   bool seek{};
+  /// Not to the nearest: to the line that lies here, seen from where the body stands. Heard when a seek begins.
+  std::optional<Manoeuvre> goal{};
   friend bool operator==(const Drive&, const Drive&) = default;
 };
 

@@ -90,6 +90,7 @@ void OnboardCore::Inside::perform(const wire::Action& action, wire::Effects& eff
   if (type == action::init_position) return init_position(action, effects);
   if (type == action::set_speed_limit) return set_speed_limit(action, effects);
   if (type == action::enable_map || type == action::download_map) return enable_map(action, effects);
+  if (type == action::join_line) return join_line(action, effects);
   if (type == action::factsheet_request) {
     publish_factsheet(now, effects);
     return finish(action);
@@ -116,17 +117,33 @@ void OnboardCore::Inside::cancel_order(const wire::Action& action, wire::Effects
   actions.set(action.action_id, wire::ActionStatus::running);
 }
 
-void OnboardCore::Inside::init_position(const wire::Action& action, wire::Effects& effects) {
+std::optional<Pose2> OnboardCore::Inside::pose_told(const wire::Action& action, wire::Effects& effects) {
   const auto x = action.number("x");
   const auto y = action.number("y");
   const auto theta = action.number("theta");
+  if (x && y && theta && std::isfinite(*x) && std::isfinite(*y) && std::isfinite(*theta))
+    return Pose2{*x, *y, wrap_angle(*theta)};
+  give_up(action, "instantActionError", action.action_type + " needs the numbers x, y and theta", effects);
+  return std::nullopt;
+}
+
+void OnboardCore::Inside::join_line(const wire::Action& action, wire::Effects& effects) {
+  const auto X_MG = pose_told(action, effects);
+  if (!X_MG) return;
+  const auto joins = agent->join_line(*X_MG);
+  if (!joins) return give_up(action, "instantActionError", joins.error().message, effects);
+  actions.end_running(action::join_line, wire::ActionStatus::failed, "overtaken by another joinLine");
+  actions.set(action.action_id, wire::ActionStatus::running);
+}
+
+void OnboardCore::Inside::init_position(const wire::Action& action, wire::Effects& effects) {
   const auto map_id = action.text("mapId");
-  if (!x || !y || !theta || !std::isfinite(*x) || !std::isfinite(*y) || !std::isfinite(*theta))
-    return give_up(action, "instantActionError", "initPosition needs the numbers x, y and theta", effects);
+  const auto X_MB = pose_told(action, effects);
+  if (!X_MB) return;
   if (map_id && !map_id->empty() && *map_id != zone->name) {
     return give_up(action, "instantActionError", "map '" + *map_id + "' is not '" + zone->name + "'", effects);
   }
-  const auto done = agent->initialise_position({*x, *y, wrap_angle(*theta)}, action.text("lastNodeId").value_or(""));
+  const auto done = agent->initialise_position(*X_MB, action.text("lastNodeId").value_or(""));
   if (!done) return give_up(action, "instantActionError", done.error().message, effects);
   memory.reset();
   must_remember = true;
@@ -159,6 +176,12 @@ void OnboardCore::Inside::set_speed_limit(const wire::Action& action, wire::Effe
 void OnboardCore::Inside::end_waits() {
   if (agent->standing() && agent->holds(Hold::paused) && actions.running(action::start_pause)) {
     actions.end_running(action::start_pause, wire::ActionStatus::finished);
+    state_due = true;
+  }
+  if (!agent->joining() && actions.running(action::join_line)) {
+    const bool there = !agent->position().off_line();
+    actions.end_running(action::join_line, there ? wire::ActionStatus::finished : wire::ActionStatus::failed,
+                        there ? "" : "it was given up on the way");
     state_due = true;
   }
   if (!agent->cancelling() && actions.running(action::cancel_order)) {

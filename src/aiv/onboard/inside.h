@@ -120,6 +120,9 @@ struct OnboardCore::Inside {
   void start_pause(const wire::Action& action);
   void stop_pause(const wire::Action& action);
   void cancel_order(const wire::Action& action, wire::Effects& effects);
+  /// x, y and theta; says what is wrong where they are no numbers.
+  [[nodiscard]] std::optional<Pose2> pose_told(const wire::Action& action, wire::Effects& effects);
+  void join_line(const wire::Action& action, wire::Effects& effects);
   void init_position(const wire::Action& action, wire::Effects& effects);
   void set_speed_limit(const wire::Action& action, wire::Effects& effects);
   /// Actions that wait until the vehicle stands.

@@ -46,6 +46,7 @@ inline constexpr std::string_view factsheet_request = "factsheetRequest";
 inline constexpr std::string_view set_speed_limit = "setSpeedLimit";
 inline constexpr std::string_view enable_map = "enableMap";
 inline constexpr std::string_view download_map = "downloadMap";
+inline constexpr std::string_view join_line = "joinLine";
 }  // namespace action
 
 }  // namespace cosiva::aiv

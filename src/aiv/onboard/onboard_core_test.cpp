@@ -41,7 +41,7 @@ TEST(Onboard, announces_itself_when_the_broker_comes) {
   EXPECT_TRUE(bench.published[1].retained);
   EXPECT_EQ(bench.published[1].qos, 0);
   EXPECT_EQ(bench.factsheets[0].speed_max_mps, 0.5);
-  EXPECT_THAT(bench.factsheets[0].actions, SizeIs(8));
+  EXPECT_THAT(bench.factsheets[0].actions, SizeIs(9));
 }
 
 TEST(Onboard, tells_its_state_first_when_its_boards_have_answered) {

@@ -122,6 +122,8 @@ wire::Factsheet make_factsheet(const zone::TrafficZone& zone, const SessionTimin
               {text("profile"), number("maxSpeed")}),
       instant(action::enable_map, "says whether this map is in force; maps come by themselves",
               {text("mapId"), text("mapVersion")}),
+      instant(action::join_line, "goes onto the line at a pose that lies along it; for one that stands beside it",
+              {number("x"), number("y"), number("theta")}),
   };
   return sheet;
 }

@@ -297,6 +297,29 @@ TEST(ZoneSwitch, is_remembered_in_the_middle_of_the_way_to_the_line) {
   EXPECT_LT(after.pose_error_m(), 0.01);
 }
 
+TEST(ZoneSwitch, is_followed_by_a_joinLine_that_takes_it_onto_the_line_without_an_order) {
+  SwitchBench bench;
+  bench.set_off();
+  bench.switch_to(track_near_loop());
+  const auto join = [&](const char* id, const Pose2& X_MG) {
+    bench.act("joinLine", id, {{"x", X_MG.x_m}, {"y", X_MG.y_m}, {"theta", X_MG.heading_rad}});
+    bench.run(0.3);
+    return bench.action(id)->status;
+  };
+  EXPECT_EQ(join("far", {9.0, 9.0, 0.0}), wire::ActionStatus::failed);
+  bench.act("joinLine", "nowhere", {{"x", 1.0}, {"y", std::string("north")}});
+  bench.run(0.3);
+  EXPECT_EQ(bench.action("nowhere")->status, wire::ActionStatus::failed);
+  EXPECT_EQ(join("there", bench.floor().circuit.pose_at({0, 0.5})), wire::ActionStatus::running);
+  EXPECT_EQ(join("elsewhere", bench.floor().circuit.pose_at({0, 0.2})), wire::ActionStatus::failed)
+      << "it is on its way";
+  bench.run(8.0);
+  EXPECT_EQ(bench.action("there")->status, wire::ActionStatus::finished);
+  ASSERT_TRUE(bench.world.on_line());
+  EXPECT_NEAR(bench.world.place().s_m, 0.5, 0.01);
+  EXPECT_EQ(join("again", bench.floor().circuit.pose_at({0, 0.7})), wire::ActionStatus::failed) << "it is on the line";
+}
+
 TEST(ZoneSwitch, answers_enableMap_and_downloadMap) {
   SwitchBench bench;
   bench.run(0.5);

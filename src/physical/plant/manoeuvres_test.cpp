@@ -233,6 +233,26 @@ TEST(LineVehicle, seeks_the_line_within_reach_and_follows_it) {
   }));
 }
 
+TEST(LineVehicle, told_of_a_goal_goes_onto_the_line_that_lies_there) {
+  const Circuit old = line();
+  const Circuit next = other({-2, 0.2, 0});
+  const auto told = [&](const wire::Manoeuvre& goal) {
+    LineVehicle vehicle = on(old, {0, 5.0});
+    vehicle.stand_on(next);
+    const DriveCommand command{0.3, 0.5, 0.8, 0, true, goal};
+    for (int i = 0; i < 1500 && !vehicle.following(); ++i) vehicle.step(&command, dt_s);
+    return vehicle;
+  };
+  // Believed 3 cm off, the line is found all the same: 0.3 m ahead, 0.2 m to the left.
+  const LineVehicle vehicle = told({300, 230, 0});
+  EXPECT_TRUE(vehicle.following());
+  EXPECT_LT(distance(vehicle.body().X_MB, {0.3, 0.2, 0.0}), 1e-9);
+  EXPECT_FALSE(vehicle.line_lost());
+  EXPECT_LT(distance(told({-250, 200, 0}).body().X_MB, {-0.25, 0.2, 0.0}), 1e-9) << "or behind it";
+  EXPECT_EQ(told({300, 310, 0}).manoeuvre(), nullptr) << "0.11 m from any line";
+  EXPECT_TRUE(told({300, 310, 0}).line_lost());
+}
+
 TEST(LineVehicle, seeks_nothing_that_lies_beyond_its_reach) {
   const Circuit old = line();
   const Circuit next = other({-2, 0.36, 0});

@@ -13,8 +13,12 @@ Random stream(std::uint64_t seed, std::uint32_t number, std::string_view purpose
 }
 
 DriveCommand to_command(const wire::Drive& drive) {
-  return {drive.speed_mmps * 1e-3, drive.acceleration_mmps2 * 1e-3, drive.braking_mmps2 * 1e-3, drive.branch,
-          drive.seek};
+  return {drive.speed_mmps * 1e-3,
+          drive.acceleration_mmps2 * 1e-3,
+          drive.braking_mmps2 * 1e-3,
+          drive.branch,
+          drive.seek,
+          drive.goal};
 }
 
 /// Boards of a fleet are not switched on in step: each vehicle reports in its own 10 ms of a cycle, which also spreads

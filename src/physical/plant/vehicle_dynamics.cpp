@@ -186,14 +186,14 @@ void LineVehicle::begin_turn(const aiv::Onward& onward) {
   goal_lateral_m_ = cos * lateral_m_;
 }
 
-bool LineVehicle::begin_seek() {
-  const auto anchor = zone::anchor_of(*circuit_, body_.X_MB, aiv::seek_within_m);
-  if (!anchor) return false;
-  goal_ = anchor->place;
+bool LineVehicle::begin_seek(const DriveCommand& command) {
+  const auto place = aiv::sought(*circuit_, body_.X_MB, command.goal);
+  if (!place) return false;
+  goal_ = *place;
   // On the line already it only turns along it: what is left aside the steering takes away.
-  goal_lateral_m_ = lies_on_line_             ? lateral_m_
-                    : line_offset_sd_m_ > 0.0 ? line_random_.gaussian(0.0, line_offset_sd_m_)
-                                              : 0.0;
+  goal_lateral_m_ = lies_on_line_ && !command.goal ? lateral_m_
+                    : line_offset_sd_m_ > 0.0      ? line_random_.gaussian(0.0, line_offset_sd_m_)
+                                                   : 0.0;
   goal_heading_rad_ = sight_error_rad();
   const Pose2 X_MG = circuit_->pose_at(goal_) * Pose2{0.0, goal_lateral_m_, goal_heading_rad_};
   manoeuvre_.emplace(inverse(body_.X_MB) * X_MG);
@@ -213,7 +213,7 @@ void LineVehicle::step_off_line(const DriveCommand* command, double dt_s) {
   const double speed_mps = command == nullptr ? 0.0 : command->speed_mps;
   if (!manoeuvre_) {  // on another floor than it came on
     if (speed_mps > 0.0 && command->seek) {
-      if (!begin_seek()) return;
+      if (!begin_seek(*command)) return;
     } else {
       if (speed_mps != 0.0 && lies_on_line_) off_line_ = false;
       return;

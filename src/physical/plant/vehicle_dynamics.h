@@ -30,6 +30,7 @@ struct DriveCommand {
   double braking_mps2{};
   std::size_t branch{};  ///< at a fork take the n-th way; beyond the last: the last; wire::no_branch: stop there
   bool seek{};           ///< off the line: go to the nearest one
+  std::optional<wire::Manoeuvre> goal{};  ///< or to the one that lies here, seen from the body
 };
 
 /// A differential-drive body that PILS steers along the line. Its true state in path coordinates: the place of its
@@ -76,7 +77,7 @@ class LineVehicle {
  private:
   void step_off_line(const DriveCommand* command, double dt_s);
   void begin_turn(const aiv::Onward& onward);
-  [[nodiscard]] bool begin_seek();
+  [[nodiscard]] bool begin_seek(const DriveCommand& command);
   void end_manoeuvre();
   [[nodiscard]] double sight_error_rad();
   void note_section();

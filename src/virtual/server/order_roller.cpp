@@ -37,7 +37,7 @@ void OrderRoller::set_map(const WayMap* map) {
     plans_[v].base_end = no_waypoint;
     plans_[v].way_of = 0;
     plans_[v].no_way.reset();
-    plans_[v].anchor.reset();
+    end_join(v);
     // What was ordered on the old zone leads nowhere on the new one.
     if (plans_[v].stage == Plan::Stage::running) cancel(v);
   }
@@ -192,7 +192,7 @@ void OrderRoller::drop(Plan& plan, VehicleIndex vehicle) {
   plan.acknowledged = false;
   plan.ever_acknowledged = false;
   plan.base_end = no_waypoint;
-  plan.anchor.reset();
+  end_join(vehicle);
   // Sent again, it would take the next order.
   if (plan.cancel_ticket != 0) desk_.drop(std::exchange(plan.cancel_ticket, 0));
   traffic_.set_base_end(vehicle, no_waypoint);
@@ -219,7 +219,8 @@ void OrderRoller::tick(bool drive, bool send_off, SimDuration lost_after) {
   traffic_.update();
   beside_.clear();
   for (VehicleIndex v = 0; v < plans_.size(); ++v)
-    if (registry_[v].here() && (off_line(v) || traffic_.stands_in_anothers(v))) beside_.push_back(v);
+    if (registry_[v].here() && (!plans_[v].standing.place || off_line(v) || traffic_.stands_in_anothers(v)))
+      beside_.push_back(v);
   for (VehicleIndex v = 0; v < plans_.size(); ++v) {
     traffic_.update();
     step(v, drive, send_off, lost_after);
@@ -267,12 +268,14 @@ void OrderRoller::step(VehicleIndex vehicle, bool drive, bool send_off, SimDurat
   }
   if (plan.stage == Plan::Stage::running && now - plan.sent_at < rules_.update_period) return;
 
-  const auto from = start_of_extension(vehicle);
   extension_.clear();
+  if (joining(vehicle)) return;
+  const auto from = start_of_extension(vehicle);
   if (from) extend(vehicle, *from);
   if (!extension_.empty() || (from && leads_too_far(vehicle))) send(vehicle, *from);
   if (plan.stage == Plan::Stage::none) stay_beside(vehicle);
   note_waiting(plan, now);
+  if (plan.stage == Plan::Stage::none) try_other_places(vehicle);
 }
 
 bool OrderRoller::leads_too_far(VehicleIndex vehicle) {

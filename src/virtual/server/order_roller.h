@@ -24,6 +24,10 @@ struct RollerRules {
   SimDuration resend_after{std::chrono::milliseconds{300}};
   SimDuration update_period{std::chrono::milliseconds{200}};
   SimDuration after_refusal{std::chrono::seconds{2}};
+  SimDuration let_in_for{std::chrono::seconds{5}};  ///< one that waits beside the line
+  SimDuration other_place_after{std::chrono::seconds{1}};
+  SimDuration make_room_after{std::chrono::seconds{4}};  ///< it goes onto the line where it cannot drive on, either
+  SimDuration join_patience{std::chrono::seconds{15}};
   SimDuration cancel_again{std::chrono::seconds{5}};
 };
 
@@ -104,6 +108,8 @@ class OrderRoller {
     std::uint64_t way_of{0};                ///< the missions' revision that its course was planned for; 0: none
     std::optional<zone::SectionId> no_way;  ///< there is none from here
     std::optional<zone::Place> anchor;      ///< where it comes onto the line
+    ActionDesk::Ticket join_ticket{0};      ///< of the joinLine on its way; 0: none
+    SimTime join_sent_at{};
   };
   struct Extension {
     WaypointIndex from{no_waypoint};
@@ -141,8 +147,22 @@ class OrderRoller {
   /// Who stands beside the line, or is on its way to it, so that this one cannot drive on from `from_m` to `to_m`
   /// ahead.
   [[nodiscard]] VehicleIndex beside_way(VehicleIndex vehicle, double from_m, double to_m) const;
+  /// Of one beside it: where it is to come onto it, or would if it were let in.
+  [[nodiscard]] std::optional<zone::Place> comes_onto_line_at(VehicleIndex vehicle) const;
   void follow_line(VehicleIndex vehicle);
   void stay_beside(VehicleIndex vehicle);
+
+  // order_join.cpp
+  /// Where it is sent onto the line it goes there with a joinLine, which is not over yet.
+  [[nodiscard]] bool joining(VehicleIndex vehicle);
+  /// Where the nearest place is not free, another may be: sends it there.
+  void try_other_places(VehicleIndex vehicle);
+  [[nodiscard]] bool is_free_entry(VehicleIndex vehicle, zone::Place place, bool drives_on);
+  /// One that stood at X_MB would keep the other off the line.
+  [[nodiscard]] bool stands_in_entry(VehicleIndex other, const Pose2& X_MB) const;
+  [[nodiscard]] std::vector<zone::Place> places_near(VehicleIndex vehicle) const;
+  void end_join(VehicleIndex vehicle);
+
   void note_waiting(Plan& plan, SimTime now);
 
   Registry& registry_;

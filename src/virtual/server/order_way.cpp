@@ -4,8 +4,9 @@
 #include <cmath>
 #include <utility>
 
+#include "aiv/envelope.h"
+#include "aiv/line_entry.h"
 #include "base/math.h"
-#include "virtual/server/line_entry.h"
 #include "virtual/server/order_roller.h"
 #include "zone/anchor.h"
 
@@ -22,6 +23,8 @@ constexpr double past_base_m = 0.25;
 /// The way is planned so far beyond what is released, and for so many sections.
 constexpr double planned_m = 8.0;
 constexpr std::size_t planned_sections = 8;
+/// A way is looked at every so far for what stands beside it.
+constexpr double sample_m = 0.05;
 
 }  // namespace
 
@@ -248,47 +251,67 @@ void OrderRoller::follow_line(VehicleIndex vehicle) {
 
 VehicleIndex OrderRoller::in_way_to_line(VehicleIndex vehicle, zone::Place anchor) const {
   const zone::VehicleShape& shape = map_->zone().vehicle;
-  const LineEntry mine{plans_[vehicle].standing.X_MB, map_->circuit().pose_at(anchor)};
+  const aiv::LineEntry mine{plans_[vehicle].standing.X_MB, map_->circuit().pose_at(anchor)};
+  aiv::EntrySweep sweep{shape};
+  sweep.take(mine);
   for (VehicleIndex other = 0; other < registry_.size(); ++other) {
     const AivProxy& proxy = registry_[other];
     if (other == vehicle || !proxy.here()) continue;
     const Pose2 X_MB = simulator_.image(*proxy.twin, outbox_.now()).X_MB;
-    if (near_body(mine, shape, X_MB)) return other;
+    if (sweep.near_body(X_MB)) return other;
     const Plan& theirs = plans_[other];
     // One that is on its way to the line itself, or whose base leads over the place.
-    if (theirs.anchor && theirs.stage == Plan::Stage::running &&
-        near_entry(mine, shape, {X_MB, map_->circuit().pose_at(*theirs.anchor)}))
+    if (theirs.anchor && (theirs.stage == Plan::Stage::running || theirs.join_ticket != 0) &&
+        aiv::near_entry(mine, shape, {X_MB, map_->circuit().pose_at(*theirs.anchor)}))
       return other;
     const auto& place = traffic_.place(other);
     if (!place) continue;
     const double base_m = traffic_.base_left_m(other, *place).value_or(0.0);
-    const double clear_m = shape.length_m + entry_clear_m;
+    const Sections coming = traffic_.coming(other);
+    for (double ahead_m = sample_m; ahead_m < base_m + sample_m; ahead_m += sample_m)
+      if (sweep.near_body(map_->circuit().pose_at(map_->circuit().advance(*place, std::min(ahead_m, base_m), coming))))
+        return other;
+    const double clear_m = shape.length_m + aiv::entry_clear_m;
     if (base_m > 0.0 && map_->ahead(*place, anchor, base_m + clear_m, traffic_.coming(other))) return other;
   }
   return no_vehicle;
 }
 
 VehicleIndex OrderRoller::beside_way(VehicleIndex vehicle, double from_m, double to_m) const {
-  constexpr double sample_m = 0.05;
-  constexpr double clear_m = 0.03;  // no less than what a vehicle's own eyes make it stop for
+  constexpr double clear_m = 0.04;  // no less than what a vehicle's own eyes make it stop for
   const zone::Place place = *plans_[vehicle].standing.place;
   const zone::Circuit& circuit = map_->circuit();
   const zone::VehicleShape& shape = map_->zone().vehicle;
   const Sections coming = traffic_.coming(vehicle);
+  aiv::EntrySweep sweep{shape};
   for (const VehicleIndex other : beside_) {
     if (other == vehicle) continue;
     const Pose2 X_MB = simulator_.image(*registry_[other].twin, outbox_.now()).X_MB;
-    const auto& anchor = plans_[other].anchor;
-    const LineEntry entry{X_MB, anchor ? circuit.pose_at(*anchor) : X_MB};
-    const auto in_way = [&](double ahead_m) {
-      return near_body(entry, shape, circuit.pose_at(circuit.advance(place, ahead_m, coming)), clear_m);
+    const std::optional<zone::Place> anchor = comes_onto_line_at(other);
+    if (anchor) sweep.take({X_MB, circuit.pose_at(*anchor)});
+    const auto in_way = [&](double ahead_m, double air_m) {
+      const Pose2 X_MV = circuit.pose_at(circuit.advance(place, ahead_m, coming));
+      return anchor ? sweep.near_body(X_MV, air_m) : aiv::near_bodies(shape, X_MV, X_MB, air_m);
     };
-    if (in_way(0.0)) continue;  // it cannot come nearer by driving away
-    for (double ahead_m = std::max(0.0, from_m); ahead_m < to_m; ahead_m += sample_m)
-      if (in_way(ahead_m)) return other;
-    if (in_way(to_m)) return other;
+    // One that it has beside it already it may pass as closely.
+    const bool ahead = aiv::lies_ahead(shape, circuit.pose_at(place), X_MB);
+    const double free_m = !ahead && in_way(0.0, clear_m) ? 0.0 : clear_m;
+    // It stops short of a body by itself, and what of its base it cannot drive would keep that one from moving.
+    const double end_m = to_m + aiv::stand_off_m;
+    for (double ahead_m = std::max(0.0, from_m); ahead_m < end_m; ahead_m += sample_m)
+      if (in_way(ahead_m, free_m)) return other;
+    if (in_way(end_m, free_m)) return other;
   }
   return no_vehicle;
+}
+
+std::optional<zone::Place> OrderRoller::comes_onto_line_at(VehicleIndex vehicle) const {
+  const Plan& plan = plans_[vehicle];
+  if (plan.anchor) return plan.anchor;
+  // Who waits to come onto the line is let in, but not for ever: it may be that it cannot.
+  if (!plan.waits_since || outbox_.now() - *plan.waits_since > rules_.let_in_for || !goes_onto_line(vehicle)) return {};
+  const auto anchor = zone::anchor_of(map_->circuit(), plan.standing.X_MB);
+  return anchor ? std::optional{anchor->place} : std::nullopt;
 }
 
 std::string OrderRoller::stands_at_goal(VehicleIndex vehicle) const {

@@ -201,7 +201,7 @@ class BenchVehicle {
     const double wish_m = paused || blocked || brakes ? 0.0 : std::min(left_m, cruise_mps * to_seconds(dt));
     const double moved_m = off_line ? 0.0 : drive(wish_m);
     driven_m += moved_m;
-    const double speed = off_line && wish_m > 0.0 ? seek(dt) : moved_m / to_seconds(dt);
+    const double speed = off_line && (wish_m > 0.0 || !joins.empty()) ? seek(dt) : moved_m / to_seconds(dt);
     if ((speed > 0.0) != (speed_mps > 0.0)) state_due = true;
     speed_mps = speed;
     if (moved_m > 0.0 && !book->travelled(moved_m).empty()) state_due = true;
@@ -239,6 +239,7 @@ class BenchVehicle {
   }
   [[nodiscard]] std::string topic(std::string_view name) const { return wire::vda_topic(id, name); }
 
+  std::string joins;  ///< the joinLine that it follows
   std::uint32_t state_header_id{0};
   std::uint32_t visualization_header_id{0};
   std::uint32_t connection_header_id{0};
@@ -262,6 +263,8 @@ class BenchVehicle {
     if (left_m <= step_m) {
       off_line.reset();
       state_due = true;
+      const auto joined = std::ranges::find(action_states, std::exchange(joins, {}), &wire::ActionState::action_id);
+      if (joined != action_states.end()) joined->status = wire::ActionStatus::finished;
       return 0.0;
     }
     off_line->x_m += (there.x_m - off_line->x_m) * step_m / left_m;
@@ -318,6 +321,13 @@ class BenchVehicle {
       if (action.action_type == "stopPause") paused = false;
       if (action.action_type == "cancelOrder") book->cancel();
       on_map_action(action);
+      if (action.action_type == "joinLine" && off_line) {
+        const Point2 there{action.number("x").value_or(0.0), action.number("y").value_or(0.0)};
+        motion = {zone_->circuit, zone_->circuit.locate(there, action.number("theta")).place};
+        joins = action.action_id;
+        action_states.push_back({action.action_id, action.action_type, wire::ActionStatus::running, ""});
+        continue;
+      }
       if (action.action_type == "setSpeedLimit") {
         profile = action.text("profile").value_or("?");
         cruise_mps = profile == "slow" ? 0.15 : profile == "fast" ? 0.5 : 0.3;

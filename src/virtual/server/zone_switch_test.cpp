@@ -86,6 +86,31 @@ TEST(Switch, parks_and_names_who_stands_too_far_from_every_new_way) {
   EXPECT_GT(aiv.driven_m, 0.2) << "somebody put it near a way";
 }
 
+TEST(Switch, sends_one_onto_the_line_elsewhere_where_somebody_stands_in_the_way_of_the_nearest_place) {
+  ServerBench bench;
+  BenchVehicle& one = bench.add("AIV1", {0, 0.5});
+  BenchVehicle& two = bench.add("AIV2", {2, 0.5});
+  bench.run_for(1s);
+  two.paused = true;
+  bench.run_for(1s);
+  bench.ask(switch_to(moved_oval("yard", "0.1")));
+  // The new line is at y = 0.1; on it the one would turn into the other, which stands beside it on its other side.
+  one.put({1.0, 0.0, 0.0});
+  two.put({1.0, 0.255, 0.0});
+  int touches = 0;
+  bench.each_step = [&] { touches += bench.touches(); };
+  bench.run_for(12s);
+  EXPECT_EQ(touches, 0);
+  const auto told = std::ranges::find_if(one.actions, [](const wire::InstantActions& message) {
+    return message.actions.front().action_type == "joinLine";
+  });
+  ASSERT_NE(told, one.actions.end());
+  EXPECT_NEAR(told->actions.front().number("y").value_or(0.0), 0.1, 1e-6);
+  EXPECT_GT(std::fabs(told->actions.front().number("x").value_or(1.0) - 1.0), 0.04);
+  EXPECT_FALSE(one.off_line.has_value());
+  EXPECT_GT(one.driven_m, 0.5);
+}
+
 TEST(Switch, to_a_zone_that_cannot_be_built_leaves_the_old_one_running_and_says_why) {
   ServerBench bench;
   BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});

@@ -178,7 +178,7 @@ std::optional<Twin::Divergence> Twin::report(const zone::Circuit* circuit, SimTi
     heading_off_rad_ = heading_off;
     along_mps_ = *report_.vx_mps * off.cos - report_.vy_mps * off.sin;
     if (on) motion_ = aiv::AivMotion(*circuit, located.place);
-    on_course_ = follow(course_, *circuit, place_.section);
+    follow_course(*circuit);
   }
   on_circuit_ = on;
   if (on) measure_base(*circuit);
@@ -192,9 +192,15 @@ void Twin::set_base_end(const zone::Circuit* circuit, std::optional<zone::Place>
   if (circuit != nullptr && on_circuit_) measure_base(*circuit);
 }
 
+void Twin::follow_course(const zone::Circuit& circuit) {
+  // Beside the line, the nearest way need not be one that it takes.
+  if (off_m_ <= same_place_m) on_course_ = follow(course_, circuit, place_.section);
+}
+
 void Twin::set_course(const zone::Circuit* circuit, zone::Course course) {
   course_ = std::move(course);
-  on_course_ = circuit != nullptr && reported_ && follow(course_, *circuit, place_.section);
+  on_course_ = circuit != nullptr && reported_ && !course_.empty();
+  if (on_course_) follow_course(*circuit);
   if (circuit != nullptr && on_circuit_) measure_base(*circuit);
 }
 

@@ -91,6 +91,7 @@ class Twin {
   [[nodiscard]] zone::Circuit::Located locate(const zone::Circuit& circuit, const Pose2& X_MB) const;
   void take_speed(const MotionReport& report);
   void correct_from(const zone::Circuit* circuit, const Image& shown);
+  void follow_course(const zone::Circuit& circuit);
   void measure_base(const zone::Circuit& circuit);
   [[nodiscard]] zone::Circuit::Located prefer_course(const zone::Circuit& circuit, const Pose2& X_MB,
                                                      zone::Circuit::Located located) const;

@@ -205,6 +205,33 @@ TEST(TwinOnALane, that_came_by_a_section_long_ago_is_not_on_its_course_there) {
   EXPECT_TRUE(follow(course, circuit, 2)) << "near a joint it may fall back";
 }
 
+TEST(TwinOnALane, takes_no_step_of_its_course_while_it_stands_beside_the_line) {
+  // A ring of four: its course begins on the third, and comes by the first later on.
+  std::vector<Circuit::Part> parts;
+  for (zone::SectionId i = 0; i < 4; ++i)
+    parts.push_back({"side" + std::to_string(i),
+                     *Section::make(Pose2{0, 0, 0.5 * pi * i} * Pose2{-1.0, -1.0, 0.0}, 2.0),
+                     std::nullopt,
+                     {(i + 1) % 4},
+                     true});
+  const Circuit ring = *Circuit::make("ring", std::move(parts));
+  Twin twin{"make/a", 1, 1s};
+  SimTime now{virtual_epoch};
+  twin.report(&ring, now, {now, {0.0, -0.8, 0.0}, 0.0, 0.0, 0.0});
+  EXPECT_EQ(twin.reported_place().section, 0U) << "0.2 m beside it";
+  twin.set_course(&ring, zone::Course{{2, 3, 0, 1}});
+  for (const double y_m : {-0.8, 0.8, 1.0}) {
+    now += 100ms;
+    twin.report(&ring, now, {now, {0.0, y_m, pi}, 0.0, 0.0, 0.0});
+  }
+  EXPECT_EQ(twin.reported_place().section, 2U);
+  for (const double x_m : {-0.9, -0.99}) {
+    now += 100ms;
+    twin.report(&ring, now, {now, {x_m, 1.0, pi}, 0.3, 0.0, 0.0});
+  }
+  EXPECT_EQ(twin.reported_place().section, 2U) << "its course leads along here, and is not past it";
+}
+
 TEST_F(TwinOnOval, believes_no_speed_that_no_vehicle_has) {
   report(t0, t0, {0, 0.0}, 1e12);
   EXPECT_LE(twin.speed_mps(), Twin::speed_mps_max);

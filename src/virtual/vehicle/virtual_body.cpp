@@ -125,10 +125,10 @@ void VirtualBody::stop_at(zone::Place place) {
   speed_mps_ = 0.0;
 }
 
-bool VirtualBody::begin_seek() {
-  const auto anchor = zone::anchor_of(zone_->circuit, X_MS_, aiv::seek_within_m);
-  if (!anchor) return false;
-  goal_ = anchor->place;
+bool VirtualBody::begin_seek(const wire::Drive& drive) {
+  const auto place = aiv::sought(zone_->circuit, X_MS_, drive.goal);
+  if (!place) return false;
+  goal_ = *place;
   manoeuvre_.emplace(inverse(X_MS_) * zone_->circuit.pose_at(goal_));
   return true;
 }
@@ -138,7 +138,7 @@ void VirtualBody::move_off_line(const wire::Drive* drive, double dt_s) {
   if (!manoeuvre_) {
     const bool seeks = speed_mps > 0.0 && drive->seek;
     if (!seeks && speed_mps != 0.0 && lies_on_line_) off_line_ = false;
-    if (!seeks || !begin_seek()) return;
+    if (!seeks || !begin_seek(*drive)) return;
   }
   manoeuvre_->step(speed_mps, dt_s);
   if (!manoeuvre_->done()) return;

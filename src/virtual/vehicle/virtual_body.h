@@ -47,7 +47,7 @@ class VirtualBody {
   void roll_back(double wanted_m);
   void stop_at(zone::Place place);
   void move_off_line(const wire::Drive* drive, double dt_s);
-  [[nodiscard]] bool begin_seek();
+  [[nodiscard]] bool begin_seek(const wire::Drive& drive);
 
   std::shared_ptr<const zone::TrafficZone> zone_;  ///< with the tags and beacons in force
   std::shared_ptr<const zone::TrafficZone> next_;  ///< comes under it when it stands

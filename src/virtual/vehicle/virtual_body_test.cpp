@@ -147,6 +147,17 @@ TEST(VirtualBody, seeks_any_line_within_reach_and_ends_on_it) {
   }));
 }
 
+TEST(VirtualBody, told_of_a_goal_goes_onto_the_line_that_lies_there) {
+  VirtualBody body{line({0, 0, 0}), {0, 0.5}};
+  body.change_floor(line({0, 0.2, 0}));
+  constexpr wire::Drive to_goal{300, 500, 800, 0, true, wire::Manoeuvre{300, 200, 0}};
+  drive(body, to_goal, 0.1);
+  ASSERT_NE(body.manoeuvre(), nullptr);
+  std::vector<Antenna::Reading> readings;
+  while (body.manoeuvre() != nullptr) body.move(&to_goal, dt_s, readings);
+  EXPECT_LT(distance(body.X_MB(), {0.8, 0.2, 0}), 1e-9);
+}
+
 TEST(VirtualBody, finds_no_line_out_of_reach_and_stays) {
   VirtualBody body{line({0, 0, 0}), {0, 0.5}};
   body.change_floor(line({0, 0.4, 0}));

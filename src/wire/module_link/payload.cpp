@@ -19,6 +19,8 @@ std::size_t display_bytes(const std::string& text) {
 constexpr std::uint8_t line_lost_flag = 1;
 constexpr std::uint8_t manoeuvre_flag = 2;
 constexpr std::uint8_t seek_flag = 1;
+constexpr std::uint8_t goal_flag = 2;
+constexpr std::size_t manoeuvre_bytes = 6;
 
 struct Write {
   PayloadWriter& out;
@@ -40,17 +42,21 @@ struct Write {
     out.put(m.speed_mmps);
     out.put(m.line_offset_01mm);
     out.put(static_cast<std::uint8_t>((m.line_lost ? line_lost_flag : 0) | (m.manoeuvre ? manoeuvre_flag : 0)));
-    if (!m.manoeuvre) return;
-    out.put(m.manoeuvre->x_mm);
-    out.put(m.manoeuvre->y_mm);
-    out.put(m.manoeuvre->turned_mrad);
+    if (m.manoeuvre) put(*m.manoeuvre);
   }
   void operator()(const Drive& m) const {
     out.put(m.speed_mmps);
     out.put(m.acceleration_mmps2);
     out.put(m.braking_mmps2);
     out.put(m.branch);
-    out.put(static_cast<std::uint8_t>(m.seek ? seek_flag : 0));
+    const bool has_goal = m.seek && m.goal;
+    out.put(static_cast<std::uint8_t>((m.seek ? seek_flag : 0) | (has_goal ? goal_flag : 0)));
+    if (has_goal) put(*m.goal);
+  }
+  void put(const Manoeuvre& m) const {
+    out.put(m.x_mm);
+    out.put(m.y_mm);
+    out.put(m.turned_mrad);
   }
   void operator()(const TagRead& m) const {
     out.put(m.board_ms);
@@ -84,7 +90,6 @@ std::optional<std::size_t> fixed_length(std::uint8_t type) {
     case hello:
     case tag_read: return 10;
     case heartbeat: return 9;
-    case drive:
     case power: return 8;
     default: return std::nullopt;
   }
@@ -117,10 +122,17 @@ Result<BoardMessage> read_heartbeat(PayloadReader in) {
   return m;
 }
 
+Manoeuvre read_manoeuvre(PayloadReader& in) {
+  Manoeuvre m;
+  m.x_mm = in.take<std::int16_t>();
+  m.y_mm = in.take<std::int16_t>();
+  m.turned_mrad = in.take<std::int16_t>();
+  return m;
+}
+
 Result<BoardMessage> read_odometry(std::span<const std::uint8_t> payload) {
   constexpr std::size_t head = 17;
-  constexpr std::size_t manoeuvre = 6;
-  if (payload.size() != head && payload.size() != head + manoeuvre)
+  if (payload.size() != head && payload.size() != head + manoeuvre_bytes)
     return wrong_length(payload.size(), "17, or 23 with a manoeuvre");
   PayloadReader in{payload};
   Odometry m;
@@ -134,23 +146,27 @@ Result<BoardMessage> read_odometry(std::span<const std::uint8_t> payload) {
   if (has_manoeuvre != (payload.size() > head))
     return wrong_length(payload.size(), has_manoeuvre ? "23, as its flags say" : "17, as its flags say");
   m.line_lost = (flags & line_lost_flag) != 0;
-  if (!has_manoeuvre) return m;
-  Manoeuvre& moved = m.manoeuvre.emplace();
-  moved.x_mm = in.take<std::int16_t>();
-  moved.y_mm = in.take<std::int16_t>();
-  moved.turned_mrad = in.take<std::int16_t>();
+  if (has_manoeuvre) m.manoeuvre = read_manoeuvre(in);
   return m;
 }
 
-Result<BoardMessage> read_drive(PayloadReader in) {
+Result<BoardMessage> read_drive(std::span<const std::uint8_t> payload) {
+  constexpr std::size_t head = 8;
+  if (payload.size() != head && payload.size() != head + manoeuvre_bytes)
+    return wrong_length(payload.size(), "8, or 14 with a goal");
+  PayloadReader in{payload};
   Drive m;
   m.speed_mmps = in.take<std::int16_t>();
   m.acceleration_mmps2 = in.take<std::uint16_t>();
   m.braking_mmps2 = in.take<std::uint16_t>();
   m.branch = in.take<std::uint8_t>();
   const auto flags = in.take<std::uint8_t>();
-  if (flags > seek_flag) return wrong_value("the flags", flags, "0 or 1");
-  m.seek = flags == seek_flag;
+  if (flags > (seek_flag | goal_flag) || flags == goal_flag) return wrong_value("the flags", flags, "0, 1 or 3");
+  const bool has_goal = (flags & goal_flag) != 0;
+  if (has_goal != (payload.size() > head))
+    return wrong_length(payload.size(), has_goal ? "14, as its flags say" : "8, as its flags say");
+  m.seek = (flags & seek_flag) != 0;
+  if (has_goal) m.goal = read_manoeuvre(in);
   return m;
 }
 
@@ -203,7 +219,7 @@ Result<BoardMessage> read_payload(std::uint8_t type, std::span<const std::uint8_
     case hello: return read_hello(in);
     case heartbeat: return read_heartbeat(in);
     case odometry: return read_odometry(payload);
-    case drive: return read_drive(in);
+    case drive: return read_drive(payload);
     case tag_read: return read_tag(in);
     case display: return read_display(payload);
     case ranges: return read_ranges(payload);

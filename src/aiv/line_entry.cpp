@@ -1,4 +1,4 @@
-#include "virtual/server/line_entry.h"
+#include "aiv/line_entry.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include "aiv/manoeuvre.h"
 #include "base/math.h"
 
-namespace cosiva::virtual_side {
+namespace cosiva::aiv {
 namespace {
 
 /// Reports are as wrong as this: a foot so near may lie anywhere round the vehicle, one so far behind it on either
@@ -55,13 +55,18 @@ Box box(const Pose2& X_MB, const zone::VehicleShape& shape, double more_m) {
   return {X_MB, 0.5 * shape.length_m + more_m, 0.5 * shape.width_m + more_m};
 }
 
+/// How far a box reaches from its middle along the axes of a frame in which it is turned by `heading_rad`.
+Point2 reach(const Box& box, double heading_rad) {
+  const auto [sin, cos] = sincos(heading_rad);
+  return {std::fabs(cos) * box.half_length_m + std::fabs(sin) * box.half_width_m,
+          std::fabs(sin) * box.half_length_m + std::fabs(cos) * box.half_width_m};
+}
+
 /// Whether one of a's sides lies between the two.
 bool parted_by_sides_of(const Box& a, const Box& b) {
   const Pose2 X_AB = inverse(a.X_MB) * b.X_MB;
-  const auto [sin, cos] = sincos(X_AB.heading_rad);
-  const double reach_x = std::fabs(cos) * b.half_length_m + std::fabs(sin) * b.half_width_m;
-  const double reach_y = std::fabs(sin) * b.half_length_m + std::fabs(cos) * b.half_width_m;
-  return std::fabs(X_AB.x_m) > a.half_length_m + reach_x || std::fabs(X_AB.y_m) > a.half_width_m + reach_y;
+  const Point2 b_reach = reach(b, X_AB.heading_rad);
+  return std::fabs(X_AB.x_m) > a.half_length_m + b_reach.x_m || std::fabs(X_AB.y_m) > a.half_width_m + b_reach.y_m;
 }
 
 bool touch(const Box& a, const Box& b) { return !parted_by_sides_of(a, b) && !parted_by_sides_of(b, a); }
@@ -76,24 +81,56 @@ bool touched_turning(Point2 middle, const zone::VehicleShape& shape, const Box& 
 
 }  // namespace
 
-bool near_body(const LineEntry& entry, const zone::VehicleShape& shape, const Pose2& X_MB, double clear_m) {
-  const double far_m = 2.0 * swept_m(shape) + clear_m;
-  if (distance_between(middles(entry), {position(X_MB), position(X_MB)}) >= far_m) return false;
-  const Box other = box(X_MB, shape, 0.0);
+bool near_bodies(const zone::VehicleShape& shape, const Pose2& X_MA, const Pose2& X_MB, double clear_m) {
+  return touch(box(X_MA, shape, clear_m), box(X_MB, shape, 0.0));
+}
+
+bool lies_ahead(const zone::VehicleShape& shape, const Pose2& X_MA, const Pose2& X_MB) {
+  const Pose2 X_AB = inverse(X_MA) * X_MB;
+  return X_AB.x_m + reach(box(X_MB, shape, 0.0), X_AB.heading_rad).x_m > 0.5 * shape.length_m;
+}
+
+void EntrySweep::take(const LineEntry& entry) {
+  entry_ = entry;
   const Pose2 X_SG = inverse(entry.from) * entry.to;
   const double behind_rad = pi - std::fabs(det_atan2(X_SG.y_m, X_SG.x_m));
-  if ((norm(X_SG.x_m, X_SG.y_m) < unsure_m || behind_rad < unsure_rad) &&
-      touched_turning(position(entry.from), shape, other, clear_m))
-    return true;
-  constexpr double step_s = 0.05;  // a corner moves by less than a centimetre
+  turns_any_way_ = norm(X_SG.x_m, X_SG.y_m) < unsure_m || behind_rad < unsure_rad;
+  constexpr double step_s = 0.05;
   constexpr double speed_mps = 0.15;
-  for (aiv::Manoeuvre manoeuvre{X_SG}; !manoeuvre.done(); manoeuvre.step(speed_mps, step_s))
-    if (touch(box(entry.from * manoeuvre.X_SB(), shape, clear_m), other)) return true;
-  return touch(box(entry.to, shape, clear_m), other);
+  poses_.clear();
+  for (Manoeuvre manoeuvre{X_SG}; !manoeuvre.done(); manoeuvre.step(speed_mps, step_s))
+    poses_.push_back(entry.from * manoeuvre.X_SB());
+  poses_.push_back(entry.to);
+}
+
+void EntrySweep::take_rest(const LineEntry& entry, const Pose2& X_OB) {
+  take(entry);
+  turns_any_way_ = false;
+  const Pose2 X_MB = entry.from * X_OB;
+  constexpr double m_per_rad = 0.1;  // a corner's
+  const auto off_m = [&](const Pose2& X_MS) {
+    return distance(X_MS, X_MB) + m_per_rad * std::fabs(wrap_angle(X_MS.heading_rad - X_MB.heading_rad));
+  };
+  poses_.erase(poses_.begin(), std::ranges::min_element(poses_, {}, off_m));
+}
+
+bool EntrySweep::near_body(const Pose2& X_MB, double clear_m) const {
+  const double far_m = 2.0 * swept_m(shape_) + clear_m;
+  if (distance_between(middles(entry_), {position(X_MB), position(X_MB)}) >= far_m) return false;
+  const Box other = box(X_MB, shape_, 0.0);
+  if (turns_any_way_ && touched_turning(position(entry_.from), shape_, other, clear_m)) return true;
+  return std::ranges::any_of(poses_, [&](const Pose2& X_MS) { return touch(box(X_MS, shape_, clear_m), other); });
+}
+
+bool EntrySweep::over(Point2 p_M) const {
+  return std::ranges::any_of(poses_, [&](const Pose2& X_MS) {
+    const Point2 p_S = inverse(X_MS) * p_M;
+    return std::fabs(p_S.x_m) < 0.5 * shape_.length_m && std::fabs(p_S.y_m) < 0.5 * shape_.width_m;
+  });
 }
 
 bool near_entry(const LineEntry& a, const zone::VehicleShape& shape, const LineEntry& b) {
   return distance_between(middles(a), middles(b)) < 2.0 * swept_m(shape) + entry_clear_m;
 }
 
-}  // namespace cosiva::virtual_side
+}  // namespace cosiva::aiv
