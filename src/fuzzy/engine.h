@@ -44,6 +44,7 @@ struct Variable {
   double maximum{std::numeric_limits<double>::infinity()};
   bool lock_range{false};  ///< values beyond the range count as its ends
   std::vector<Term> terms;
+  std::size_t line{};  ///< where it begins in its file
 
   // Outputs only.
   double otherwise{std::numeric_limits<double>::quiet_NaN()};  ///< FLL's `default`: the answer where no rule fires

@@ -102,6 +102,7 @@ class Reader {
     if (engine_.inputs.size() + engine_.outputs.size() >= variables_max)
       return fail("rules.size", "a rule file has at most 64 variables", place_of(origin_, name));
     variable.name = std::string(name.text);
+    variable.line = name.line;
     return {};
   }
 
