@@ -20,10 +20,10 @@ constexpr double stays_within = 0.7;
 
 constexpr std::array<AgentInputFacts, agent_input_count> all_facts{{
     {"instruction", "", "what the operator asks for: 0 stop, 1 slow, 2 medium, 3 fast, 4 nothing", no_instruction},
-    {"gap", "braking distances", "free way to where it would stand before the next body", 20.0},
+    {"gap", "braking distances", "free way to where it would stand before the next body", 10.0},
     {"closing", "% of the medium speed", "how fast that way shrinks; below 0 it grows", 0.0},
-    {"base", "braking distances", "way to where its right to drive ends", 20.0},
-    {"crossing", "braking distances", "way to the next crossing that it may not enter yet", 20.0},
+    {"base", "braking distances", "way to where its right to drive ends", 10.0},
+    {"crossing", "braking distances", "way to the next crossing that it may not enter yet", 10.0},
     {"margin", "s", "by how much it is at that crossing before the other one", 10.0},
     {"priority", "", "its own against the other one's: -1 lower, 0 the same, 1 higher", 0.0},
     {"charge", "%", "its battery's state of charge", 100.0},

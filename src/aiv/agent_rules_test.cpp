@@ -261,7 +261,7 @@ TEST(AgentRules, that_come_with_the_platform_are_the_file_that_is_edited) {
 
 TEST(AgentRules, may_leave_out_what_they_do_not_ask_for) {
   const auto rules = AgentRules::read(
-      "InputVariable: gap\n  range: 0 20\n  term: near Ramp 2 1\n  term: far Ramp 1 2\nOutputVariable: pace\n"
+      "InputVariable: gap\n  range: 0 10\n  term: near Ramp 2 1\n  term: far Ramp 1 2\nOutputVariable: pace\n"
       "  default: 1\n  defuzzifier: WeightedAverage\n  term: slow Constant 1\n  term: fast Constant 3\nRuleBlock:\n"
       "  rule: if gap is near then pace is slow\n  rule: if gap is far then pace is fast\n",
       "my.fll");
@@ -282,7 +282,7 @@ TEST(AgentRules, with_a_variable_that_no_agent_knows_are_refused_with_its_line) 
 }
 
 TEST(AgentRules, without_a_word_on_speed_or_without_a_default_are_refused) {
-  const std::string head = "InputVariable: gap\n  range: 0 20\n  term: near Ramp 2 1\nOutputVariable: ";
+  const std::string head = "InputVariable: gap\n  range: 0 10\n  term: near Ramp 2 1\nOutputVariable: ";
   const std::string tail =
       "\n  defuzzifier: WeightedAverage\n  term: a Constant 1\nRuleBlock:\n  rule: if gap is near then ";
   EXPECT_EQ(fault(head + "go\n  default: 0" + tail + "go is a\n"),
