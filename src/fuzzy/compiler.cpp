@@ -122,7 +122,7 @@ Value hedged(Steps& steps, Hedge hedge, Value a) {
 
 class Compiler {
  public:
-  explicit Compiler(const Engine& engine) : engine_{engine}, steps_{engine.inputs.size()} {}
+  Compiler(const Engine& engine, Keep keep) : engine_{engine}, keep_{keep}, steps_{engine.inputs.size()} {}
 
   Result<Compiled> compile() {
     constexpr double finite_max = std::numeric_limits<double>::max();
@@ -153,7 +153,10 @@ class Compiler {
                                     " can be worked with; take fewer rules");
     }
     Compiled compiled;
-    const std::vector<std::uint16_t> places = schedule(compiled.program);
+    const std::vector<std::size_t> order = schedule(outputs, compiled.program);
+    const std::vector<std::uint16_t> places = place(order, outputs, compiled.program);
+    for (const Value value : outputs) compiled.program.outputs.push_back(places[value]);
+    if (keep_ == Keep::answers) return compiled;
     const auto placed = [&](const std::vector<std::vector<Value>>& all) {
       std::vector<std::vector<std::uint16_t>> to(all.size());
       for (std::size_t i = 0; i < all.size(); ++i)
@@ -163,7 +166,6 @@ class Compiler {
     compiled.memberships = placed(memberships);
     compiled.conditions = placed(conditions);
     compiled.answers = placed(answers);
-    for (const Value value : outputs) compiled.program.outputs.push_back(places[value]);
     return compiled;
   }
 
@@ -236,36 +238,81 @@ class Compiler {
     return output.lock_range ? steps_.make(Op::bound, answer, output.minimum, output.maximum) : answer;
   }
 
-  /// Puts steps of one kind together as far as what they need allows. Gives the new place of each value.
-  std::vector<std::uint16_t> schedule(Program& program) const {
+  /// Which steps count at all.
+  [[nodiscard]] std::vector<char> wanted(const std::vector<Value>& outputs) const {
+    std::vector<char> wanted(steps_.inputs() + steps_.steps().size(), keep_ == Keep::everything ? 1 : 0);
+    for (const Value value : outputs) wanted[value] = 1;
+    for (std::size_t i = steps_.steps().size(); i-- > 0;) {
+      if (wanted[steps_.inputs() + i] == 0) continue;
+      wanted[steps_.steps()[i].a] = 1;
+      wanted[steps_.steps()[i].b] = 1;
+    }
+    return wanted;
+  }
+
+  /// Puts steps of one kind together as far as what they need allows. Gives their order.
+  std::vector<std::size_t> schedule(const std::vector<Value>& outputs, Program& program) const {
     const std::size_t n = steps_.steps().size();
     const std::size_t inputs = steps_.inputs();
-    program.inputs = inputs;
-    std::vector<std::uint16_t> places(inputs + n);
+    const std::vector<char> is_wanted = wanted(outputs);
+    const auto count = static_cast<std::size_t>(
+        std::count(is_wanted.begin() + static_cast<std::ptrdiff_t>(inputs), is_wanted.end(), 1));
     std::vector<char> done(inputs + n, 0);
-    for (std::size_t i = 0; i < inputs; ++i) {
-      places[i] = static_cast<std::uint16_t>(i);
-      done[i] = 1;
-    }
+    std::fill_n(done.begin(), inputs, 1);
     const auto is_ready = [&](std::size_t i) {
-      return done[inputs + i] == 0 && done[steps_.steps()[i].a] != 0 && done[steps_.steps()[i].b] != 0;
+      return is_wanted[inputs + i] != 0 && done[inputs + i] == 0 && done[steps_.steps()[i].a] != 0 &&
+             done[steps_.steps()[i].b] != 0;
     };
-    while (program.steps.size() < n) {
+    std::vector<std::size_t> order;
+    while (order.size() < count) {
       const Op op = most_ready(is_ready);
-      Run run{op, static_cast<std::uint16_t>(program.steps.size()), 0};
+      Run run{op, static_cast<std::uint16_t>(order.size()), 0};
       for (bool more = true; more;) {
         more = false;
         for (std::size_t i = 0; i < n; ++i) {
           if (steps_.ops()[i] != op || !is_ready(i)) continue;
-          const Steps::Wide& step = steps_.steps()[i];
-          places[inputs + i] = static_cast<std::uint16_t>(inputs + program.steps.size());
-          program.steps.push_back({places[step.a], places[step.b], step.p, step.q, step.r});
+          order.push_back(i);
           done[inputs + i] = 1;
           more = true;
         }
       }
-      run.end = static_cast<std::uint16_t>(program.steps.size());
+      run.end = static_cast<std::uint16_t>(order.size());
       program.runs.push_back(run);
+    }
+    return order;
+  }
+
+  /// Writes the steps in their order, and gives each value its place: one whose last reader is behind it gives its own
+  /// to the next.
+  std::vector<std::uint16_t> place(const std::vector<std::size_t>& order, const std::vector<Value>& outputs,
+                                   Program& program) const {
+    const std::size_t inputs = steps_.inputs();
+    constexpr std::size_t for_ever = values_max + 1;
+    std::vector<std::size_t> last_read(inputs + steps_.steps().size(), keep_ == Keep::everything ? for_ever : 0);
+    if (keep_ == Keep::answers) {
+      for (std::size_t at = 0; at < order.size(); ++at) {
+        last_read[steps_.steps()[order[at]].a] = at;
+        last_read[steps_.steps()[order[at]].b] = at;
+      }
+      for (const Value value : outputs) last_read[value] = for_ever;
+    }
+    std::vector<std::uint16_t> places(last_read.size());
+    for (std::size_t i = 0; i < inputs; ++i) places[i] = static_cast<std::uint16_t>(i);
+    program.inputs = inputs;
+    program.values = inputs;
+    std::vector<std::uint16_t> free;
+    for (std::size_t at = 0; at < order.size(); ++at) {
+      const Steps::Wide& step = steps_.steps()[order[at]];
+      std::uint16_t& out = places[inputs + order[at]];
+      if (free.empty()) {
+        out = static_cast<std::uint16_t>(program.values++);
+      } else {
+        out = free.back();
+        free.pop_back();
+      }
+      program.steps.push_back({places[step.a], places[step.b], out, step.p, step.q, step.r});
+      if (last_read[step.a] == at) free.push_back(places[step.a]);
+      if (step.b != step.a && last_read[step.b] == at) free.push_back(places[step.b]);
     }
     return places;
   }
@@ -280,6 +327,7 @@ class Compiler {
   }
 
   const Engine& engine_;
+  Keep keep_;
   Steps steps_;
   std::vector<Value> inputs_;  ///< within their ranges
   std::vector<std::vector<Value>> memberships_;
@@ -287,6 +335,6 @@ class Compiler {
 
 }  // namespace
 
-Result<Compiled> compile(const Engine& engine) { return Compiler{engine}.compile(); }
+Result<Compiled> compile(const Engine& engine, Keep keep) { return Compiler{engine, keep}.compile(); }
 
 }  // namespace cosiva::fuzzy

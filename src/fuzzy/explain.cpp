@@ -5,6 +5,7 @@
 #include <charconv>
 
 #include "base/expect.h"
+#include "fuzzy/compiler.h"
 #include "fuzzy/kernel.h"
 
 namespace cosiva::fuzzy {
@@ -61,9 +62,11 @@ std::string line_of(const Explanation::Rule& rule) {
 
 Explanation RuleBase::explain(std::span<const double> inputs) const {
   COSIVA_EXPECT(inputs.size() == engine_.inputs.size());
-  std::vector<double> values(compiled_.program.values());
+  const auto looked_at = compile(engine_, Keep::everything);
+  COSIVA_EXPECT(looked_at);  // as many steps as those that decide
+  std::vector<double> values(looked_at->program.values);
   std::ranges::copy(inputs, values.begin());
-  run_one(compiled_.program, values.data());
+  run_one(looked_at->program, values.data());
 
   Explanation explanation;
   for (std::size_t i = 0; i < engine_.inputs.size(); ++i) {
@@ -72,25 +75,26 @@ Explanation RuleBase::explain(std::span<const double> inputs) const {
     const double counted = input.lock_range ? std::min(input.maximum, std::max(input.minimum, inputs[i])) : inputs[i];
     Explanation::Input shown{input.name, inputs[i], counted, {}};
     for (std::size_t t = 0; t < input.terms.size(); ++t)
-      shown.terms.push_back({input.terms[t].name, values[compiled_.memberships[i][t]]});
+      shown.terms.push_back({input.terms[t].name, values[looked_at->memberships[i][t]]});
     explanation.inputs.push_back(std::move(shown));
   }
   std::vector<double> totals(engine_.outputs.size(), 0.0);
   for (std::size_t r = 0; r < engine_.rules.size(); ++r) {
     const Rule& rule = engine_.rules[r];
-    const double degree = rule.weight * values[compiled_.conditions[r].back()];
+    const double degree = rule.weight * values[looked_at->conditions[r].back()];
     Explanation::Rule shown{rule.line, rule.text, {}, degree, degree >= fires_from, {}};
     for (std::size_t c = 0; c < rule.conditions.size(); ++c) {
       const Condition& condition = rule.conditions[c];
       if (condition.kind != Condition::Kind::is) continue;
       shown.conditions.push_back(
-          {text_of(condition, engine_.inputs[condition.input]), values[compiled_.conditions[r][c]]});
+          {text_of(condition, engine_.inputs[condition.input]), values[looked_at->conditions[r][c]]});
     }
     for (const Conclusion& conclusion : rule.conclusions) {
       const Variable& output = engine_.outputs[conclusion.output];
       const Term& term = output.terms[conclusion.term];
-      const double says = term.shape == Shape::constant ? term.parameters[0]
-                                                        : values[compiled_.answers[conclusion.output][conclusion.term]];
+      const double says = term.shape == Shape::constant
+                              ? term.parameters[0]
+                              : values[looked_at->answers[conclusion.output][conclusion.term]];
       shown.shares.push_back({output.name, term.name, says, 0.0});
       if (shown.fired) totals[conclusion.output] += degree;
     }
@@ -103,7 +107,7 @@ Explanation RuleBase::explain(std::span<const double> inputs) const {
     }
   }
   for (std::size_t o = 0; o < engine_.outputs.size(); ++o)
-    explanation.outputs.push_back({engine_.outputs[o].name, values[compiled_.program.outputs[o]], totals[o] == 0.0});
+    explanation.outputs.push_back({engine_.outputs[o].name, values[looked_at->program.outputs[o]], totals[o] == 0.0});
   return explanation;
 }
 

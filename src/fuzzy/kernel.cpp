@@ -15,7 +15,7 @@
 namespace cosiva::fuzzy {
 namespace {
 
-/// One step of each of `width` decisions; `out` stands behind a and b, and overlaps neither.
+/// One step of each of `width` decisions; `out` overlaps neither a nor b.
 template <std::size_t width, typename F>
 COSIVA_PART inline void each(double* __restrict out, const double* a, const double* b, F f) {
   for (std::size_t k = 0; k < width; ++k) out[k] = f(a[k], b[k]);
@@ -32,15 +32,15 @@ struct Numbers {
 template <std::size_t width, typename F>
 COSIVA_PART inline void all(const Program& program, Run run, double* values, F f) {
   const Step* const steps = program.steps.data();
-  double* out = values + (program.inputs + run.begin) * width;
-  for (std::size_t i = run.begin; i < run.end; ++i, out += width) {
+  for (std::size_t i = run.begin; i < run.end; ++i) {
     const Step& step = steps[i];
     const double p = step.p;
     const double q = step.q;
     const double r = step.r;
-    each<width>(out, values + step.a * width, values + step.b * width, [=](double a, double b) COSIVA_PART {
-      return f(a, b, Numbers{p, q, r});
-    });
+    each<width>(values + step.out * width, values + step.a * width, values + step.b * width,
+                [=](double a, double b) COSIVA_PART {
+                  return f(a, b, Numbers{p, q, r});
+                });
   }
 }
 

@@ -50,6 +50,7 @@ inline constexpr std::size_t values_max = 1024;
 struct Step {
   std::uint16_t a{};
   std::uint16_t b{};
+  std::uint16_t out{};  ///< where the result goes; neither a nor b
   double p{};
   double q{};
   double r{};
@@ -63,12 +64,11 @@ struct Run {
 };
 
 struct Program {
-  std::size_t inputs{};                ///< the first values
-  std::vector<Step> steps;             ///< step i makes value inputs + i, of values before it
+  std::size_t inputs{};                ///< they stand in the first values
+  std::size_t values{};                ///< that the steps work on
+  std::vector<Step> steps;             ///< in order
   std::vector<Run> runs;               ///< of steps, in order
-  std::vector<std::uint16_t> outputs;  ///< their values
-
-  [[nodiscard]] std::size_t values() const { return inputs + steps.size(); }
+  std::vector<std::uint16_t> outputs;  ///< their values, at the end
 };
 
 }  // namespace cosiva::fuzzy

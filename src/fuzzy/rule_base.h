@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "base/result.h"
-#include "fuzzy/compiler.h"
 #include "fuzzy/engine.h"
+#include "fuzzy/program.h"
 
 namespace cosiva::fuzzy {
 
@@ -41,10 +41,10 @@ class RuleBase {
   [[nodiscard]] std::optional<std::size_t> find_output(std::string_view name) const;
 
  private:
-  RuleBase(Engine engine, Compiled compiled);
+  RuleBase(Engine engine, Program program);
 
   Engine engine_;
-  Compiled compiled_;
+  Program program_;
 };
 
 }  // namespace cosiva::fuzzy
