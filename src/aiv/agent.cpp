@@ -241,11 +241,12 @@ Agent::Plan Agent::plan(double room_m, double base_end_m) const {
                             .end_of_base_m = base_end_m,
                             .crossing_ahead_m = crossing_ahead_m_,
                             .charge = charge_,
-                            .imposed = imposed_};
+                            .imposed = imposed_,
+                            .present = chosen_};
   const Profile profile = may_drive ? chooser_->choose(situation) : Profile::stop;
   zone::SpeedProfile wish = kinematics(zone_.profiles, profile);
   if (speed_mps_max_) wish.speed_mps = std::min(wish.speed_mps, *speed_mps_max_);
-  if (!estimator_.known()) return {wish, {0.0, wish.braking_mps2}};
+  if (!estimator_.known()) return {wish, {0.0, wish.braking_mps2}, std::nullopt};
   if (estimator_.beside() && wish.speed_mps > zone_.profiles.slow.speed_mps) wish = zone_.profiles.slow;
   // On its way to the line no order leads it, and its speed is the manoeuvre's.
   Limit limit = joining_ ? Envelope::limit_off_line(obstacle_m, wish)
@@ -254,7 +255,7 @@ Agent::Plan Agent::plan(double room_m, double base_end_m) const {
     limit.speed_mps = 0.0;
     limit.by_obstacle = true;
   }
-  return {wish, limit};
+  return {wish, limit, may_drive ? std::optional{profile} : std::nullopt};
 }
 
 bool Agent::in_entry(const wire::Ranges& ranges) {
@@ -290,14 +291,17 @@ wire::Drive Agent::decide() {
   // What stands on the line matters to one that is on it.
   const double sensed_m = estimator_.beside() ? nothing : obstacle_.obstacle_ahead_m(estimator_.travelled_m());
   const double base_end_m = joining_ ? nothing : order_.distance_to_base_end_m();
-  auto [wish, limit] = plan(std::min(sensed_m, felt_m_), base_end_m);
+  const Plan plan = this->plan(std::min(sensed_m, felt_m_), base_end_m);
+  auto [wish, limit, chosen] = plan;
   if (!estimator_.known()) {
+    chosen_.reset();
     blocked_ = false;
     braking_for_felt_ = false;
     wants_base_ = false;
     return drive(0.0, wish);
   }
-  braking_for_felt_ = limited_by_felt({wish, limit}, sensed_m, base_end_m);
+  braking_for_felt_ = limited_by_felt(plan, sensed_m, base_end_m);
+  chosen_ = chosen;
   crossing_ahead_m_ = limit.crossing_ahead_m;
   blocked_ = limit.by_obstacle && limit.speed_mps < standing_mps;
   const double braking_m = speed_mps_ * speed_mps_ / (2.0 * wish.braking_mps2);

@@ -125,6 +125,7 @@ class Agent {
   struct Plan {
     zone::SpeedProfile wish;
     Limit limit;
+    std::optional<Profile> chosen;  ///< nothing while it must not drive
   };
   [[nodiscard]] Plan plan(double room_m, double base_end_m) const;
   [[nodiscard]] bool limited_by_felt(const Plan& plan, double sensed_m, double base_end_m) const;
@@ -155,6 +156,7 @@ class Agent {
   int stuck_readings_{0};
   double stuck_travelled_m_{0.0};
   double charge_{1.0};
+  std::optional<Profile> chosen_;  ///< what it drives by since the last decision; nothing while it must stand
   std::uint8_t holds_{0};
   std::optional<Profile> imposed_;
   std::optional<double> speed_mps_max_;

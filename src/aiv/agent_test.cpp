@@ -75,6 +75,33 @@ struct AgentBench {
 constexpr double edge_m = 0.282743338823;
 const auto to_565 = [] { return order("O-1").through({"loop_se@0", "loop_se@283", "loop_se@565"}); };
 
+/// Wants medium, and writes down what it is told of its last choice.
+class NotingChooser final : public SpeedChooser {
+ public:
+  explicit NotingChooser(std::vector<std::optional<Profile>>& present) : present_{present} {}
+  [[nodiscard]] Profile choose(const Situation& situation) const override {
+    present_.push_back(situation.present);
+    return Profile::medium;
+  }
+
+ private:
+  std::vector<std::optional<Profile>>& present_;
+};
+
+TEST(Agent, tells_its_chooser_what_it_drives_by_and_nothing_after_it_had_to_stand) {
+  std::vector<std::optional<Profile>> present;
+  Agent agent{lacet4(), std::make_unique<NotingChooser>(present)};
+  agent.stand_at(at(lacet4(), "loop_se", 0.0));
+  ASSERT_TRUE(agent.take_order(to_565()));
+  (void)agent.decide();
+  (void)agent.decide();
+  agent.hold(Hold::paused, true);
+  (void)agent.decide();
+  agent.hold(Hold::paused, false);
+  (void)agent.decide();
+  EXPECT_THAT(present, ElementsAre(std::nullopt, Profile::medium, std::nullopt));
+}
+
 TEST(Agent, stays_without_an_order) {
   AgentBench bench{"loop_se", 0.0};
   bench.run(3.0);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string_view>
 
@@ -27,10 +28,17 @@ struct Situation {
   double crossing_ahead_m;         ///< to the next crossing it may not yet enter
   double charge;                   ///< state of charge, 0…1
   std::optional<Profile> imposed;  ///< an instruction from the operator
+  /// How fast the way to what its sensors see shrinks; nothing: not known, so it counts as standing.
+  std::optional<double> closing_mps{};
+  /// By how much it would be at that crossing before the other one who wants it [s]; below 0: after. Infinite: nobody
+  /// else is known to want it.
+  double crossing_margin_s{std::numeric_limits<double>::infinity()};
+  double crossing_priority{0.0};     ///< its own against the other one's there, −1 lower … 1 higher
+  std::optional<Profile> present{};  ///< what it has chosen last; nothing: it stood, or just began
 };
 
-/// Chooses among the profiles; crisp here, fuzzy later, behind one interface (A10). What it chooses is a wish: the
-/// envelope below may only lower it.
+/// Chooses among the profiles, crisp here or fuzzy (agent_rules.h), behind one interface (A10). What it chooses is a
+/// wish: the envelope above it may only lower it. It keeps nothing in mind: the same situation, the same choice.
 class SpeedChooser {
  public:
   virtual ~SpeedChooser() = default;

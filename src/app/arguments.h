@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "aiv/agent_rules.h"
 #include "zone/generate.h"
 
 /// What the command line said, verb by verb, as plain values.
@@ -49,6 +50,7 @@ struct UpArguments {
   double loss{0.0};
   std::string trace_file;
   std::string web_directory;
+  std::string rules;  ///< crisp, fuzzy or a file; empty: crisp for physical AIVs, fuzzy for virtual ones
 };
 
 /// What all parts that run alone have in common.
@@ -71,8 +73,9 @@ struct ServerArguments {
   bool headless{false};
   std::string web_directory;
   std::string memory_file;
-  std::string scenario;  ///< a ready one's name or a file
-  std::string name;      ///< of the run, for the page
+  std::string scenario;        ///< a ready one's name or a file
+  std::string name;            ///< of the run, for the page
+  std::string rules{"fuzzy"};  ///< of its virtual AIVs: crisp, fuzzy or a file
   // For `up`:
   std::uint32_t fleet{0};       ///< announce when so many vehicles are matched
   std::string zone_file;        ///< where edits of the zone may be saved
@@ -98,7 +101,8 @@ struct AivArguments {
   std::string zone;   ///< empty: from the broker
   std::string start;  ///< "section:s"; empty: not known until a tag or an initPosition tells
   std::string memory_file;
-  bool emulated{false};  ///< its radio is the emulated world's
+  bool emulated{false};        ///< its radio is the emulated world's
+  std::string rules{"crisp"};  ///< crisp, fuzzy or a file
 };
 
 struct ReplayArguments {
@@ -139,6 +143,25 @@ struct ScenarioArguments {
   bool json{false};
 };
 
+/// Of the verbs of `agent`.
+struct AgentArguments {
+  std::string rules{"fuzzy"};  ///< fuzzy or a file
+  bool json{false};
+  aiv::AgentInputs inputs{aiv::free_way_inputs()};
+  std::string instruction{"none"};  ///< a profile's word, or none
+
+  // explain
+  std::string present;  ///< a profile's word; empty: none
+  bool every_rule{false};
+
+  // surface
+  std::string x{"gap"};
+  std::string y{"closing"};
+  std::string of{"speed"};
+  std::string out_file;
+  std::uint32_t width_px{1200};
+};
+
 /// Each runs one verb and gives the exit status: 0 done, 1 the run's own checks failed, 2 bad usage or bad input.
 int run_up(const UpArguments& arguments);
 int run_virtual_time(const UpArguments& arguments);
@@ -153,5 +176,7 @@ int run_zone_generate(const GenerateArguments& arguments);
 int run_zone_switch(const ZoneArguments& arguments);
 int run_scenario_check(const ScenarioArguments& arguments);
 int run_scenario_list(const ScenarioArguments& arguments);
+int run_agent_explain(const AgentArguments& arguments);
+int run_agent_surface(const AgentArguments& arguments);
 
 }  // namespace cosiva::app

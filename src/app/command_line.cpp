@@ -86,6 +86,7 @@ void describe_up(CLI::App& verb, UpArguments& up) {
   verb.add_option("--loss", up.loss, "share of messages lost, with --virtual-time")
       ->type_name("P")
       ->check(CLI::Range(0.0, 0.9));
+  add_rules(verb, up.rules, "how all AIVs choose their speed; without: crisp, and fuzzy for virtual ones");
   verb.add_option("--trace-messages", up.trace_file, "write every message as a JSON line")->type_name("FILE");
   verb.add_option("--web", up.web_directory, "the page's built files, if not web/dist")->type_name("DIR");
   add_broker(verb, up.broker, "a private one is started on 127.0.0.1");
@@ -107,6 +108,7 @@ void describe_server(CLI::App& verb, ServerArguments& server) {
       ->type_name("FILE");
   verb.add_option("--scenario", server.scenario, "what happens when, once its AIVs are there")->type_name("NAME|FILE");
   verb.add_option("--name", server.name, "of the run, shown on the page")->type_name("TEXT");
+  add_rules(verb, server.rules, "how its virtual AIVs choose their speed; without: fuzzy");
   verb.add_flag("--emulated", server.emulated, "there is a plant: the page may show what is true there");
   verb.add_option("--fleet", server.fleet)->group("");
   verb.add_option("--zone-file", server.zone_file)->group("");
@@ -146,6 +148,7 @@ void describe_aiv(CLI::App& verb, AivArguments& aiv) {
   verb.add_option("--start", aiv.start, "where it stands at first, such as east:0.85; without: it waits to be told")
       ->type_name("SECTION:S");
   verb.add_option("--memory", aiv.memory_file, "keeps its place over a crash; wins over --start")->type_name("FILE");
+  add_rules(verb, aiv.rules, "how it chooses its speed (docs/guide/agents.md); without: crisp");
   verb.add_flag("--emulated", aiv.emulated, "its radio is the emulated world's, which scenarios can let lose messages");
   verb.footer(
       "Example, a program for the first of a plant's vehicles:\n"
@@ -208,6 +211,7 @@ int run_command_line(int argc, const char* const* argv) {
   ZoneArguments zone;
   GenerateArguments generate;
   ScenarioArguments scenario;
+  AgentArguments agent;
   CLI::App* up_verb =
       root.add_subcommand("up", "The whole platform on this machine: broker, emulated vehicles, server, page");
   CLI::App* server_verb = root.add_subcommand("server", "AIV_Server, simulator and page alone");
@@ -220,6 +224,7 @@ int run_command_line(int argc, const char* const* argv) {
       "check", "Say what a scenario holds, step by step, or what is wrong with it and where");
   CLI::App* scenario_list_verb = scenario_verb->add_subcommand("list", "Say which scenarios are ready");
   scenario_verb->require_subcommand(0, 1);
+  const AgentVerbs agent_verbs = describe_agent(root, agent);
   scenario_verb->footer("Example:\n  cosiva scenario check showroom");
   describe_up(*up_verb, up);
   describe_server(*server_verb, server);
@@ -256,6 +261,8 @@ int run_command_line(int argc, const char* const* argv) {
   if (aiv_verb->parsed()) return run_aiv(aiv);
   if (replay_verb->parsed()) return run_replay(replay);
   if (const auto status = run_zone_verb(zone_verbs, zone, generate)) return *status;
+  if (const auto status = run_agent_verb(agent_verbs, agent)) return *status;
+  if (agent_verbs.agent->parsed()) return refuse("say what to do: explain or surface", *agent_verbs.agent);
   if (scenario_check_verb->parsed()) return run_scenario_check(scenario);
   if (scenario_list_verb->parsed()) return run_scenario_list(scenario);
   if (scenario_verb->parsed()) return refuse("say what to do: check or list", *scenario_verb);

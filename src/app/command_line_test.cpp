@@ -28,13 +28,13 @@ TEST(CommandLine, bare_shows_what_there_is_with_two_examples) {
 }
 
 TEST(CommandLine, help_of_each_verb_goes_to_standard_output) {
-  for (const char* verb : {"up", "server", "plant", "aiv", "replay", "zone", "scenario"}) {
+  for (const char* verb : {"up", "server", "plant", "aiv", "replay", "zone", "scenario", "agent"}) {
     const Said said = cosiva({verb, "--help"});
     EXPECT_EQ(said.status, 0) << verb;
     EXPECT_THAT(said.data, HasSubstr("--help")) << verb;
     EXPECT_EQ(said.words, "") << verb;
   }
-  for (const char* verb : {"up", "server", "plant", "aiv", "scenario"})
+  for (const char* verb : {"up", "server", "plant", "aiv", "scenario", "agent"})
     EXPECT_THAT(cosiva({verb, "--help"}).data, HasSubstr(std::string("cosiva ") + verb + " ")) << "an example";
   EXPECT_THAT(cosiva({"--version"}).data, HasSubstr("cosiva 0."));
 }

@@ -26,4 +26,16 @@ struct ZoneVerbs {
 [[nodiscard]] std::optional<int> run_zone_verb(const ZoneVerbs& verbs, const ZoneArguments& zone,
                                                const GenerateArguments& generate);
 
+/// `cosiva agent` and its verbs.
+struct AgentVerbs {
+  CLI::App* agent;
+  CLI::App* explain;
+  CLI::App* surface;
+};
+[[nodiscard]] AgentVerbs describe_agent(CLI::App& root, AgentArguments& agent);
+/// The exit status of the one that was asked for, if any.
+[[nodiscard]] std::optional<int> run_agent_verb(const AgentVerbs& verbs, const AgentArguments& agent);
+/// --rules, of those who drive.
+void add_rules(CLI::App& verb, std::string& rules, const std::string& what);
+
 }  // namespace cosiva::app

@@ -6,6 +6,7 @@
 #include "app/live_scenario.h"
 #include "app/part.h"
 #include "app/places.h"
+#include "app/rule_files.h"
 #include "app/server_page.h"
 #include "app/words.h"
 #include "app/zone_files.h"
@@ -161,6 +162,9 @@ int run_server(const ServerArguments& arguments) {
     if (!zone) return complain(zone.error());
     options.zone = std::move(*zone);
   }
+  auto rules = load_speed_rules(arguments.rules);
+  if (!rules) return complain(rules.error());
+  options.virtual_rules = std::move(*rules);
   experiments::Scenario scenario;
   if (!arguments.scenario.empty()) {
     auto loaded = load_scenario(arguments.scenario);
@@ -229,6 +233,9 @@ int run_aiv(const AivArguments& arguments) {
   options.id.serial_number = arguments.serial.empty() ? "AIV" + std::to_string(arguments.number) : arguments.serial;
   if (!wire::valid_serial_number(options.id.serial_number))
     return complain({"aiv.serial", "a serial number has A-Z a-z 0-9 _ . : - only, 64 at most", "--serial"});
+  auto rules = load_speed_rules(arguments.rules);
+  if (!rules) return complain(rules.error());
+  options.rules = std::move(*rules);
   if (!arguments.start.empty()) {
     auto start = parse_start(arguments.start);
     if (!start) return complain(start.error());

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "app/places.h"
+#include "app/rule_files.h"
 #include "app/words.h"
 #include "app/zone_files.h"
 
@@ -54,6 +55,13 @@ Result<RunPlan> plan_run(const UpArguments& arguments) {
     scenario = std::move(loaded->scenario);
   }
 
+  std::optional<aiv::SpeedRules> rules;
+  if (!merged.rules.empty()) {
+    auto loaded = load_speed_rules(merged.rules);
+    if (!loaded) return tl::unexpected(loaded.error());
+    rules = std::move(*loaded);
+  }
+
   auto configuration = load_zone(merged.zone);
   if (!configuration) return tl::unexpected(configuration.error());
   configuration->origin = absolute(configuration->origin);
@@ -77,8 +85,8 @@ Result<RunPlan> plan_run(const UpArguments& arguments) {
     say("the zone " + merged.zone + " is your own, " + rtm->configuration().origin);
   std::string name = merged.name.empty() ? default_run_name(scenario ? scenario->name : rtm->zone().name) : merged.name;
   std::string zone_file = looks_like_a_file(merged.zone) ? rtm->configuration().origin : std::string{};
-  return RunPlan{std::move(merged),   std::move(name),          std::move(*rtm),
-                 std::move(scenario), std::move(scenario_file), std::move(zone_file)};
+  return RunPlan{std::move(merged),        std::move(name),      std::move(*rtm), std::move(scenario),
+                 std::move(scenario_file), std::move(zone_file), std::move(rules)};
 }
 
 }  // namespace cosiva::app

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "aiv/speed_rules.h"
 #include "app/arguments.h"
 #include "base/result.h"
 #include "experiments/scenario/scenario.h"
@@ -18,6 +19,7 @@ struct RunPlan {
   std::optional<experiments::Scenario> scenario;
   std::string scenario_file;
   std::string zone_file;  ///< where edits may be saved: the file that was named; empty where a ready zone was
+  std::optional<aiv::SpeedRules> rules;  ///< of all AIVs; nothing: each kind its own
 };
 
 /// Fails on a scenario or a zone that is missing or bad, on a scenario that does not fit, on too many vehicles. Where

@@ -174,6 +174,7 @@ class Up {
     auto argv = part_argv("aiv");
     append(argv, {"--number", name, "--sockets", run_ / "boards", "--start", start});
     append(argv, {"--memory", run_ / ("aiv" + name + ".memory"), "--emulated"});
+    if (!arguments_.rules.empty()) append(argv, {"--rules", arguments_.rules});
     return argv;
   }
 
@@ -190,6 +191,7 @@ class Up {
       append(argv, {"--scenario-began", std::to_string(scenario_began_ms_)});
       append(argv, {"--scenario-steps-done", std::to_string(steps_done_)});
     }
+    if (!arguments_.rules.empty()) append(argv, {"--rules", arguments_.rules});
     if (arguments_.headless) append(argv, {"--headless"});
     if (!arguments_.web_directory.empty()) append(argv, {"--web", arguments_.web_directory});
     ++server_lives_;

@@ -12,6 +12,7 @@ Result<std::unique_ptr<VirtualRun>> VirtualRun::make(RunPlan plan) {
   options.aivs = plan.arguments.aivs;
   options.seed = plan.arguments.seed;
   options.network.loss = plan.arguments.loss;
+  if (plan.rules) options.rules = options.server.virtual_rules = *plan.rules;
   auto world = experiments::World::make(std::move(options));
   if (!world) return tl::unexpected(world.error());
   std::unique_ptr<VirtualRun> run{new VirtualRun{std::move(plan), std::move(*world)}};

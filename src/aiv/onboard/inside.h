@@ -98,6 +98,7 @@ struct OnboardCore::Inside {
   void begin_switch(zone::Rtm rtm, wire::Effects& effects);
   void call_off_switch(wire::Effects& effects);
   void end_switch(wire::Effects& effects);
+  [[nodiscard]] std::unique_ptr<SpeedChooser> chooser_for(const zone::TrafficZone& in) const;
   void note_maps();
   void enable_map(const wire::Action& action, wire::Effects& effects);
 

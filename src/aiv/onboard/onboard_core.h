@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "aiv/speed_rules.h"
 #include "base/result.h"
 #include "wire/core.h"
 #include "wire/topics.h"
@@ -25,6 +26,7 @@ struct OnboardOptions {
     double s_m;
   };
   std::optional<Start> start;
+  SpeedRules rules;  ///< by what it chooses its speed; custom ones can be used (checked)
   SimDuration visualization_period{std::chrono::milliseconds{100}};
   SimDuration state_period{std::chrono::seconds{1}};
   SimDuration link_timeout{std::chrono::milliseconds{500}};

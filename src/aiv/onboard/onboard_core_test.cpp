@@ -411,11 +411,13 @@ TEST(Options, come_back_from_json_as_they_were) {
   options.zone = zone::ZoneConfiguration{"toml", "a.toml", "name = \"é\"\n"};
   options.start = OnboardOptions::Start{"east", 0.125};
   options.state_period = milliseconds{250};
+  options.rules = {SpeedRules::Kind::fuzzy, {}, {}};
   const auto back = onboard_options_from_json(to_json(options));
   ASSERT_TRUE(back) << to_string(back.error());
   EXPECT_EQ(to_json(*back), to_json(options));
   EXPECT_EQ(back->zone, options.zone);
   EXPECT_EQ(back->state_period, milliseconds{250});
+  EXPECT_EQ(back->rules, options.rules);
   EXPECT_FALSE(onboard_options_from_json(to_json(OnboardOptions{}))->zone);
 }
 

@@ -47,6 +47,7 @@ std::string to_json(const OnboardOptions& options) {
         .field("s_m", options.start->s_m)
         .end_object();
   }
+  write_json(json.key("rules"), options.rules);
   json.field("visualization_period_ms", ms(options.visualization_period))
       .field("state_period_ms", ms(options.state_period))
       .field("link_timeout_ms", ms(options.link_timeout))
@@ -81,6 +82,11 @@ Result<OnboardOptions> onboard_options_from_json(std::string_view json) {
     auto read = start_from(*start);
     if (!read) return tl::unexpected(read.error());
     options.start = std::move(*read);
+  }
+  if (const JsonValue* rules = value->find("rules"); rules != nullptr && !rules->is_null()) {
+    auto read = speed_rules_from_json(*rules);
+    if (!read) return tl::unexpected(read.error());
+    options.rules = std::move(*read);
   }
   for (auto read : {read_ms(*value, "visualization_period_ms", options.visualization_period),
                     read_ms(*value, "state_period_ms", options.state_period),

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "aiv/onboard/inside.h"
+#include "base/expect.h"
 #include "zone/edit.h"
 
 namespace cosiva::aiv {
@@ -62,7 +63,7 @@ void OnboardCore::Inside::use_zone(zone::ZoneConfiguration first, wire::Effects&
   zone = std::make_shared<zone::TrafficZone>(rtm->zone());
   configuration = rtm->configuration();
   note_maps();
-  agent.emplace(*zone);
+  agent.emplace(*zone, chooser_for(*zone));
   felt.emplace(*zone);
   if (power) agent->on_charge(0.001 * power->charge_permille);
   if (memory) {
@@ -90,13 +91,19 @@ void OnboardCore::Inside::call_off_switch(wire::Effects& effects) {
   note_maps();
 }
 
+std::unique_ptr<SpeedChooser> OnboardCore::Inside::chooser_for(const zone::TrafficZone& in) const {
+  auto chooser = make_chooser(options.rules, in.profiles);
+  COSIVA_EXPECT(chooser);  // whoever made the options has read the rules
+  return std::move(*chooser);
+}
+
 void OnboardCore::Inside::end_switch(wire::Effects& effects) {
   if (!coming_zone || !agent->standing()) return;
   end_waits();
   const std::string from = zone->name;
   auto next = std::make_shared<zone::TrafficZone>(coming_zone->zone());
   std::optional<Agent> before = std::move(agent);
-  agent.emplace(*next);
+  agent.emplace(*next, chooser_for(*next));
   agent->take_over(*before);
   before.reset();
   felt.emplace(*next);

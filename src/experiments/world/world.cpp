@@ -166,6 +166,7 @@ struct World::Inside {
     onboard.number = number;
     onboard.id.serial_number = "AIV" + std::to_string(number);
     onboard.zone = options.zone;
+    onboard.rules = options.rules;
     if (first_time) {
       const zone::Place place = start_places[number - 1];
       onboard.start = {section_names[place.section], place.s_m};

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "aiv/onboard/onboard_core.h"
+#include "aiv/speed_rules.h"
 #include "base/digest.h"
 #include "base/result.h"
 #include "experiments/scenario/scenario.h"
@@ -23,6 +24,7 @@ struct WorldOptions {
   std::uint64_t seed{1};
   wire::NetworkFaults network;
   physical::PlantNoise noise;
+  aiv::SpeedRules rules;  ///< of the AIVs that are not only virtual; those have the server's
   virtual_side::ServerOptions server;
 };
 

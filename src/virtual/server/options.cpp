@@ -64,7 +64,9 @@ std::string to_json(const ServerOptions& options) {
       .field("event_p99_ms", options.contract.event_p99_ms)
       .field("effect_p99_ms", options.contract.effect_p99_ms)
       .end_object();
-  json.field("traces_max", options.traces_max).field("map_download_link", options.map_download_link).end_object();
+  json.field("traces_max", options.traces_max).field("map_download_link", options.map_download_link);
+  aiv::write_json(json.key("virtual_rules"), options.virtual_rules);
+  json.end_object();
   return json.take();
 }
 
@@ -82,6 +84,13 @@ Result<ServerOptions> server_options_from_json(std::string_view text) {
   if (auto r = read_positive(*json, "traces_max", 1e7, traces); !r) return tl::unexpected(r.error());
   options.traces_max = static_cast<std::size_t>(traces);
   options.map_download_link = json->text("map_download_link").value_or("");
+  // A journal from before there were rules lives through its time again without them.
+  options.virtual_rules = {};
+  if (const JsonValue* rules = json->find("virtual_rules"); rules != nullptr && !rules->is_null()) {
+    auto read = aiv::speed_rules_from_json(*rules);
+    if (!read) return tl::unexpected(read.error());
+    options.virtual_rules = std::move(*read);
+  }
   return options;
 }
 

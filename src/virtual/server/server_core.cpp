@@ -35,7 +35,7 @@ ServerCore::Inside::Inside(ServerOptions given)
       roller{registry, traffic, outbox, desk, missions, simulator},
       maps{registry, outbox, desk},
       commands{registry, outbox, desk, roller, simulator},
-      fleet{registry, outbox},
+      fleet{registry, outbox, options.virtual_rules},
       pauses{registry, traffic, outbox, desk, simulator},
       ahead{registry, outbox, traces, simulator, fleet, pauses},
       things{registry, simulator, fleet, outbox} {}

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "aiv/speed_rules.h"
 #include "base/json_writer.h"
 #include "base/result.h"
 #include "virtual/server/frames.h"
@@ -25,6 +26,8 @@ struct ServerOptions {
   std::size_t traces_max{20'000};  ///< of the communications kept for the page
   /// Where vehicles that download their maps find the zone's; empty: nowhere, so they are not asked to.
   std::string map_download_link;
+  /// By what the virtual AIVs choose their speeds; custom ones can be used (checked).
+  aiv::SpeedRules virtual_rules{aiv::SpeedRules::Kind::fuzzy, {}, {}};
 };
 [[nodiscard]] std::string to_json(const ServerOptions& options);
 [[nodiscard]] Result<ServerOptions> server_options_from_json(std::string_view json);

@@ -418,10 +418,16 @@ TEST(ServerOptions, survive_their_json) {
   options.lost_after = 2s;
   options.contract.age_p99_ms = 99.5;
   options.traces_max = 7;
+  options.virtual_rules = {};
   const auto back = server_options_from_json(to_json(options));
   ASSERT_TRUE(back.has_value());
   EXPECT_EQ(to_json(*back), to_json(options));
   EXPECT_EQ(back->zone, options.zone);
+}
+
+TEST(ServerOptions, of_a_journal_from_before_there_were_rules_have_crisp_virtual_AIVs) {
+  EXPECT_EQ(server_options_from_json("{}")->virtual_rules, aiv::SpeedRules{});
+  EXPECT_EQ(server_options_from_json(to_json(ServerOptions{}))->virtual_rules.kind, aiv::SpeedRules::Kind::fuzzy);
 }
 
 TEST(ServerOptions, refuse_what_makes_no_sense_and_name_the_field) {

@@ -19,8 +19,8 @@ void VirtualFleet::send(const Host& host) {
 void VirtualFleet::add(VehicleIndex vehicle, SimTime now, bool link_up, const zone::ZoneConfiguration& zone,
                        zone::Place start) {
   const AivProxy& proxy = registry_[vehicle];
-  hosts_.push_back(
-      {vehicle, now, VirtualAiv(proxy.id.serial_number, proxy.number, zone, start, registry_.interface_name())});
+  hosts_.push_back({vehicle, now,
+                    VirtualAiv(proxy.id.serial_number, proxy.number, zone, start, registry_.interface_name(), rules_)});
   if (!link_up) return;
   hosts_.back().aiv.link(now, true, effects_);
   send(hosts_.back());

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "aiv/speed_rules.h"
 #include "base/digest.h"
 #include "virtual/server/outbox.h"
 #include "virtual/server/proxy.h"
@@ -16,7 +17,9 @@ namespace cosiva::virtual_side {
 /// vehicle's; orders reach them the same way. Zone, heartbeat, link and Ahead are handed to them directly.
 class VirtualFleet {
  public:
-  VirtualFleet(Registry& registry, Outbox& outbox) : registry_{registry}, outbox_{outbox} {}
+  /// @param rules  by what they choose their speeds; must outlive the fleet
+  VirtualFleet(Registry& registry, Outbox& outbox, const aiv::SpeedRules& rules)
+      : registry_{registry}, outbox_{outbox}, rules_{rules} {}
 
   struct Host {
     VehicleIndex vehicle;
@@ -50,6 +53,7 @@ class VirtualFleet {
 
   Registry& registry_;
   Outbox& outbox_;
+  const aiv::SpeedRules& rules_;
   std::deque<Host> hosts_;
   wire::Effects effects_;
 };

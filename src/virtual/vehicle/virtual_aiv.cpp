@@ -32,7 +32,8 @@ std::uint32_t session_of(const std::string& serial, std::uint32_t number) {
 }
 
 aiv::OnboardOptions options_of(std::string serial, std::uint32_t number, zone::ZoneConfiguration configuration,
-                               std::string interface_name, const zone::TrafficZone& zone, zone::Place start) {
+                               std::string interface_name, aiv::SpeedRules rules, const zone::TrafficZone& zone,
+                               zone::Place start) {
   COSIVA_EXPECT(start.section < zone.circuit.size());
   aiv::OnboardOptions options;
   options.number = number;
@@ -40,6 +41,7 @@ aiv::OnboardOptions options_of(std::string serial, std::uint32_t number, zone::Z
   if (!interface_name.empty()) options.interface_name = std::move(interface_name);
   options.zone = std::move(configuration);
   options.start = aiv::OnboardOptions::Start{zone.circuit.part(start.section).name, start.s_m};
+  options.rules = std::move(rules);
   return options;
 }
 
@@ -47,14 +49,15 @@ aiv::OnboardOptions options_of(std::string serial, std::uint32_t number, zone::Z
 
 struct VirtualAiv::Inside {
   Inside(std::string serial, std::uint32_t number, zone::ZoneConfiguration configuration, zone::Place start,
-         std::string interface_name)
-      : Inside{zone_of(configuration),   std::move(serial), number, std::move(configuration), start,
-               std::move(interface_name)} {}
+         std::string interface_name, aiv::SpeedRules rules)
+      : Inside{zone_of(configuration),    std::move(serial), number, std::move(configuration), start,
+               std::move(interface_name), std::move(rules)} {}
 
   Inside(const std::shared_ptr<const zone::TrafficZone>& zone, std::string serial, std::uint32_t number,
-         zone::ZoneConfiguration configuration, zone::Place start, std::string interface_name)
+         zone::ZoneConfiguration configuration, zone::Place start, std::string interface_name, aiv::SpeedRules rules)
       : boards{session_of(serial, number)},
-        core{options_of(std::move(serial), number, std::move(configuration), std::move(interface_name), *zone, start)},
+        core{options_of(std::move(serial), number, std::move(configuration), std::move(interface_name),
+                        std::move(rules), *zone, start)},
         body{zone, start} {
     for (const wire::Board board : wire::all_boards) {
       wire::Input& input = said[static_cast<std::size_t>(board) - 1];
@@ -131,8 +134,9 @@ struct VirtualAiv::Inside {
 };
 
 VirtualAiv::VirtualAiv(std::string serial, std::uint32_t number, zone::ZoneConfiguration zone, zone::Place start,
-                       std::string interface_name)
-    : inside_{std::make_unique<Inside>(std::move(serial), number, std::move(zone), start, std::move(interface_name))} {}
+                       std::string interface_name, aiv::SpeedRules rules)
+    : inside_{std::make_unique<Inside>(std::move(serial), number, std::move(zone), start, std::move(interface_name),
+                                       std::move(rules))} {}
 VirtualAiv::~VirtualAiv() = default;
 VirtualAiv::VirtualAiv(VirtualAiv&&) noexcept = default;
 VirtualAiv& VirtualAiv::operator=(VirtualAiv&&) noexcept = default;

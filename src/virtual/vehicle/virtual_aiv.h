@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "aiv/speed_rules.h"
 #include "base/digest.h"
 #include "base/pose.h"
 #include "wire/core.h"
@@ -21,8 +22,9 @@ class VirtualAiv {
   /// @param zone    one that a circuit factory made a zone of already (checked)
   /// @param start   where it stands at first; on this zone's circuit
   /// @param interface_name  of its VDA 5050 topics; empty: wire::default_interface
+  /// @param rules   by what it chooses its speed; custom ones can be used (checked)
   VirtualAiv(std::string serial, std::uint32_t number, zone::ZoneConfiguration zone, zone::Place start,
-             std::string interface_name = {});
+             std::string interface_name = {}, aiv::SpeedRules rules = {});
   ~VirtualAiv();
   VirtualAiv(VirtualAiv&&) noexcept;
   VirtualAiv& operator=(VirtualAiv&&) noexcept;
