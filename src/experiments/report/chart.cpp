@@ -1,0 +1,268 @@
+#include "experiments/report/chart.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+#include "base/expect.h"
+
+namespace cosiva::experiments {
+namespace {
+
+constexpr double width_px = 720.0;
+constexpr double height_px = 340.0;
+constexpr double left_px = 72.0;
+constexpr double right_px = 16.0;
+constexpr double top_px = 16.0;
+constexpr double bottom_px = 52.0;
+constexpr double legend_px = 22.0;
+constexpr std::size_t colours = 6;
+/// A line of more points than a screen has columns is thinned: of each column the lowest and the highest stay.
+constexpr std::size_t points_max = 4000;
+
+struct Range {
+  double from{std::numeric_limits<double>::infinity()};
+  double to{-std::numeric_limits<double>::infinity()};
+  void take(double value) {
+    if (!std::isfinite(value)) return;
+    from = std::min(from, value);
+    to = std::max(to, value);
+  }
+};
+
+Range settled(Range range, const Axis& axis) {
+  if (!(range.from <= range.to)) range = {0.0, 1.0};
+  if (axis.from) range.from = *axis.from;
+  if (axis.to) range.to = *axis.to;
+  if (!(range.from < range.to)) range = {range.from - 0.5, range.from + 0.5};
+  return range;
+}
+
+std::string px(double value) { return readable(value, 1); }
+
+/// Where values lie in the picture.
+class Frame {
+ public:
+  Frame(const Axis& x_axis, Range x, const Axis& y_axis, Range y)
+      : x_axis_{x_axis}, y_axis_{y_axis}, x_ticks_{ticks(x.from, x.to, 8)}, y_ticks_{ticks(y.from, y.to)} {
+    x_ = {x_axis.from ? x.from : x_ticks_.front(), x_axis.to ? x.to : x_ticks_.back()};
+    y_ = {y_axis.from ? y.from : y_ticks_.front(), y_axis.to ? y.to : y_ticks_.back()};
+  }
+  [[nodiscard]] double x(double value) const {
+    return left_px + (value - x_.from) / (x_.to - x_.from) * (width_px - left_px - right_px);
+  }
+  [[nodiscard]] double y(double value) const {
+    return height_px - bottom_px - (value - y_.from) / (y_.to - y_.from) * (height_px - top_px - bottom_px);
+  }
+  void draw(std::string& svg) const {
+    const double right = width_px - right_px;
+    const double bottom = height_px - bottom_px;
+    for (const double tick : y_ticks_) {
+      if (tick < y_.from || tick > y_.to) continue;
+      svg += "<path class=\"grid\" d=\"M" + px(left_px) + " " + px(y(tick)) + "H" + px(right) + "\"/><text x=\"" +
+             px(left_px - 8.0) + "\" y=\"" + px(y(tick) + 4.0) + "\" text-anchor=\"end\">" + readable(tick, 6) +
+             "</text>";
+    }
+    for (const double tick : x_ticks_) {
+      if (tick < x_.from || tick > x_.to) continue;
+      svg += "<path class=\"grid\" d=\"M" + px(x(tick)) + " " + px(top_px) + "V" + px(bottom) + "\"/><text x=\"" +
+             px(x(tick)) + "\" y=\"" + px(bottom + 18.0) + "\" text-anchor=\"middle\">" + readable(tick, 6) + "</text>";
+    }
+    svg += "<path class=\"axis\" d=\"M" + px(left_px) + " " + px(top_px) + "V" + px(bottom) + "H" + px(right) + "\"/>";
+    svg += "<text class=\"label\" x=\"" + px(0.5 * (left_px + right)) + "\" y=\"" + px(bottom + 42.0) +
+           "\" text-anchor=\"middle\">" + escaped(x_axis_.label) + "</text>";
+    svg += "<text class=\"label\" transform=\"translate(16 " + px(0.5 * (top_px + bottom)) +
+           ") rotate(-90)\" text-anchor=\"middle\">" + escaped(y_axis_.label) + "</text>";
+  }
+
+ private:
+  const Axis& x_axis_;
+  const Axis& y_axis_;
+  std::vector<double> x_ticks_;
+  std::vector<double> y_ticks_;
+  Range x_;
+  Range y_;
+};
+
+std::string begin(double height, std::string_view what) {
+  return "<svg class=\"chart\" xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"" + escaped(what) +
+         "\" viewBox=\"0 0 " + px(width_px) + " " + px(height) +
+         "\" font-family=\"system-ui, sans-serif\" font-size=\"12\">";
+}
+
+/// What of a long line can be seen.
+Series thinned(const Series& series) {
+  const std::size_t n = series.x.size();
+  if (n <= points_max || series.form == Series::Form::points) return series;
+  Series thin{series.name, {}, {}, series.form};
+  const std::size_t columns = points_max / 2;
+  for (std::size_t column = 0; column < columns; ++column) {
+    const auto first = series.y.begin() + static_cast<std::ptrdiff_t>(column * n / columns);
+    const auto last = series.y.begin() + static_cast<std::ptrdiff_t>((column + 1) * n / columns);
+    auto [low, high] = std::minmax_element(first, last);
+    if (high < low) std::swap(low, high);
+    for (const auto& at : {low, high}) {
+      thin.x.push_back(series.x[static_cast<std::size_t>(at - series.y.begin())]);
+      thin.y.push_back(*at);
+    }
+  }
+  return thin;
+}
+
+void draw_line(std::string& svg, const Frame& frame, const Series& series, const std::string& colour) {
+  std::string path;
+  bool on = false;
+  double last_y = 0.0;
+  for (std::size_t i = 0; i < series.x.size(); ++i) {
+    if (!std::isfinite(series.x[i]) || !std::isfinite(series.y[i])) {
+      on = false;
+      continue;
+    }
+    const std::string at = px(frame.x(series.x[i]));
+    if (on && series.form == Series::Form::steps) path += "L" + at + " " + px(last_y);
+    last_y = frame.y(series.y[i]);
+    path += (on ? "L" : "M") + at + " " + px(last_y);
+    on = true;
+  }
+  svg += "<path class=\"line " + colour + "\" d=\"" + path + "\"/>";
+}
+
+void draw_points(std::string& svg, const Frame& frame, const Series& series, const std::string& colour) {
+  for (std::size_t i = 0; i < series.x.size(); ++i) {
+    if (!std::isfinite(series.x[i]) || !std::isfinite(series.y[i])) continue;
+    svg += "<circle class=\"point " + colour + "\" cx=\"" + px(frame.x(series.x[i])) + "\" cy=\"" +
+           px(frame.y(series.y[i])) + "\" r=\"3\"/>";
+  }
+}
+
+void draw_legend(std::string& svg, const std::vector<Series>& all) {
+  double x = left_px;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].name.empty()) continue;
+    svg += "<rect class=\"bar c" + std::to_string(i) + "\" x=\"" + px(x) + "\" y=\"" + px(height_px + 4.0) +
+           "\" width=\"12\" height=\"12\"/><text x=\"" + px(x + 18.0) + "\" y=\"" + px(height_px + 14.0) + "\">" +
+           escaped(all[i].name) + "</text>";
+    x += 18.0 + 7.0 * static_cast<double>(all[i].name.size()) + 24.0;
+  }
+}
+
+}  // namespace
+
+std::vector<double> ticks(double from, double to, int wanted) {
+  COSIVA_EXPECT(from < to && wanted > 0);
+  const double raw = (to - from) / wanted;
+  const double power = std::pow(10.0, std::floor(std::log10(raw)));
+  double step = 10.0 * power;
+  for (const double round : {5.0, 2.0, 1.0})
+    if (round * power >= raw * (1.0 - 1e-9)) step = round * power;
+  std::vector<double> at;
+  const double first = std::floor(from / step + 1e-9);
+  const double last = std::ceil(to / step - 1e-9);
+  for (double i = first; i <= last; i += 1.0) at.push_back(i * step);
+  return at;
+}
+
+std::string readable(double number, int digits) {
+  if (!std::isfinite(number)) return "–";
+  char buffer[64];
+  const bool large = std::fabs(number) >= 1e15;
+  const auto form = large ? std::chars_format::scientific : std::chars_format::fixed;
+  const auto end = std::to_chars(buffer, buffer + sizeof buffer, number, form, large ? 3 : digits).ptr;
+  std::string text{buffer, end};
+  if (!large && text.find('.') != std::string::npos) {
+    text.erase(text.find_last_not_of('0') + 1);
+    if (text.back() == '.') text.pop_back();
+  }
+  return text == "-0" ? "0" : text;
+}
+
+std::string escaped(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&': out += "&amp;"; break;
+      case '<': out += "&lt;"; break;
+      case '>': out += "&gt;"; break;
+      case '"': out += "&quot;"; break;
+      default: out += c;
+    }
+  }
+  return out;
+}
+
+std::string to_svg(const Chart& chart) {
+  COSIVA_EXPECT(chart.series.size() <= colours);
+  Range x;
+  Range y;
+  for (const Series& series : chart.series) {
+    COSIVA_EXPECT(series.x.size() == series.y.size());
+    for (const double value : series.x) x.take(value);
+    for (const double value : series.y) y.take(value);
+  }
+  const Frame frame{chart.x, settled(x, chart.x), chart.y, settled(y, chart.y)};
+  std::string svg = begin(height_px + legend_px, chart.y.label + " over " + chart.x.label);
+  frame.draw(svg);
+  for (std::size_t i = 0; i < chart.series.size(); ++i) {
+    const std::string colour = "c" + std::to_string(i);
+    if (chart.series[i].form == Series::Form::points)
+      draw_points(svg, frame, chart.series[i], colour);
+    else
+      draw_line(svg, frame, thinned(chart.series[i]), colour);
+  }
+  draw_legend(svg, chart.series);
+  return svg + "</svg>";
+}
+
+std::string to_svg(const Histogram& histogram) {
+  COSIVA_EXPECT(histogram.bins > 0);
+  Range range;
+  for (const double value : histogram.values) range.take(value);
+  range = settled(range, histogram.x);
+  std::vector<double> counts(histogram.bins, 0.0);
+  const double bin = (range.to - range.from) / static_cast<double>(histogram.bins);
+  for (const double value : histogram.values) {
+    if (!(value >= range.from && value <= range.to)) continue;
+    const auto at = static_cast<std::size_t>((value - range.from) / bin);
+    counts[std::min(at, histogram.bins - 1)] += 1.0;
+  }
+  const Axis y_axis{histogram.count_label, 0.0, {}};
+  const Frame frame{histogram.x, range, y_axis, {0.0, std::max(1.0, *std::ranges::max_element(counts))}};
+  std::string svg = begin(height_px, histogram.count_label + ", " + histogram.x.label);
+  frame.draw(svg);
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    if (counts[i] == 0.0) continue;
+    const double from = range.from + bin * static_cast<double>(i);
+    svg += "<rect class=\"bar c0\" x=\"" + px(frame.x(from) + 0.5) + "\" y=\"" + px(frame.y(counts[i])) +
+           "\" width=\"" + px(std::max(1.0, frame.x(from + bin) - frame.x(from) - 1.0)) + "\" height=\"" +
+           px(frame.y(0.0) - frame.y(counts[i])) + "\"><title>" + readable(from) + " … " + readable(from + bin) + ": " +
+           readable(counts[i]) + "</title></rect>";
+  }
+  return svg + "</svg>";
+}
+
+std::string to_svg(const Bars& bars) {
+  constexpr double row_px = 22.0;
+  constexpr double name_px = 170.0;
+  constexpr double value_px = 80.0;
+  double longest = 0.0;
+  for (const Bars::Bar& bar : bars.bars)
+    if (std::isfinite(bar.value)) longest = std::max(longest, bar.value);
+  const double height = row_px * static_cast<double>(bars.bars.size()) + 30.0;
+  std::string svg = begin(height, bars.label);
+  double y = 4.0;
+  for (const Bars::Bar& bar : bars.bars) {
+    const double share = longest > 0.0 && std::isfinite(bar.value) ? std::max(0.0, bar.value) / longest : 0.0;
+    const double length = share * (width_px - name_px - value_px);
+    svg += "<text x=\"" + px(name_px - 8.0) + "\" y=\"" + px(y + 14.0) + "\" text-anchor=\"end\">" + escaped(bar.name) +
+           "</text><rect class=\"bar c0\" x=\"" + px(name_px) + "\" y=\"" + px(y + 3.0) + "\" width=\"" +
+           px(std::max(1.0, length)) + "\" height=\"" + px(row_px - 6.0) + "\"/><text x=\"" +
+           px(name_px + length + 8.0) + "\" y=\"" + px(y + 14.0) + "\">" + readable(bar.value) + "</text>";
+    y += row_px;
+  }
+  svg +=
+      "<text class=\"label\" x=\"" + px(name_px) + "\" y=\"" + px(y + 16.0) + "\">" + escaped(bars.label) + "</text>";
+  return svg + "</svg>";
+}
+
+}  // namespace cosiva::experiments

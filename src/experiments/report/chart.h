@@ -1,0 +1,63 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Charts as SVG, to be put into a Report or a file of their own. Values that are no finite number are left out.
+namespace cosiva::experiments {
+
+struct Axis {
+  std::string label;           ///< with its unit: "waiting [s]"
+  std::optional<double> from;  ///< else as the values want it
+  std::optional<double> to;
+};
+
+struct Series {
+  std::string name;  ///< in the legend; empty: not there
+  std::vector<double> x;
+  std::vector<double> y;  ///< as many as x (checked)
+  enum class Form { line, points, steps };
+  Form form{Form::line};
+};
+
+struct Chart {
+  Axis x;
+  Axis y;
+  std::vector<Series> series;  ///< at most as many as there are colours: 6 (checked)
+};
+[[nodiscard]] std::string to_svg(const Chart& chart);
+
+/// How often values fall into bins of equal width.
+struct Histogram {
+  Axis x;
+  std::string count_label{"how often"};
+  std::vector<double> values;
+  std::size_t bins{30};
+};
+[[nodiscard]] std::string to_svg(const Histogram& histogram);
+
+/// One bar each, the longest first where they are not in an order of their own.
+struct Bars {
+  std::string label;  ///< of the values, with their unit
+  struct Bar {
+    std::string name;
+    double value;
+  };
+  std::vector<Bar> bars;
+};
+[[nodiscard]] std::string to_svg(const Bars& bars);
+
+/// Round values of an axis, evenly apart by 1, 2 or 5 times a power of ten; from at or below `from` to at or above
+/// `to`.
+/// @param wanted  about so many
+[[nodiscard]] std::vector<double> ticks(double from, double to, int wanted = 6);
+
+/// A number as people read it: at most so many digits after the point, none that tell nothing.
+[[nodiscard]] std::string readable(double number, int digits = 3);
+/// For HTML and SVG.
+[[nodiscard]] std::string escaped(std::string_view text);
+
+}  // namespace cosiva::experiments

@@ -1,0 +1,97 @@
+#include "experiments/report/chart.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <cmath>
+
+namespace cosiva::experiments {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::size_t count(const std::string& text, std::string_view part) {
+  std::size_t n = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
+  return n;
+}
+
+TEST(Ticks, are_round_and_hold_the_values_between_them) {
+  EXPECT_THAT(ticks(0.0, 10.0, 5), ElementsAre(0.0, 2.0, 4.0, 6.0, 8.0, 10.0));
+  EXPECT_THAT(ticks(-0.3, 0.9, 4), ElementsAre(-0.5, 0.0, 0.5, 1.0));
+  EXPECT_TRUE(rc::check("however far apart", [] {
+    const double from = *rc::gen::inRange(-100000, 100000) * 1e-3;
+    const double to = from + *rc::gen::inRange(1, 1000000) * 1e-4;
+    const int wanted = *rc::gen::inRange(1, 12);
+    const auto at = ticks(from, to, wanted);
+    RC_ASSERT(at.front() <= from + 1e-6 && at.back() >= to - 1e-6);
+    RC_ASSERT(at.size() >= 2U && at.size() <= static_cast<std::size_t>(wanted) + 3U);
+  }));
+}
+
+TEST(Readable, tells_no_digits_that_tell_nothing) {
+  EXPECT_EQ(readable(1.5), "1.5");
+  EXPECT_EQ(readable(2.0), "2");
+  EXPECT_EQ(readable(100.0), "100");
+  EXPECT_EQ(readable(0.12345, 2), "0.12");
+  EXPECT_EQ(readable(-0.0001), "0");
+  EXPECT_EQ(readable(std::nan("")), "–");
+}
+
+TEST(Chart, draws_each_series_in_a_colour_of_its_own_and_names_it) {
+  const std::string svg =
+      to_svg(Chart{{"t [s]", {}, {}},
+                   {"speed [m/s]", 0.0, {}},
+                   {{"one", {0, 1, 2}, {0.1, 0.4, 0.2}}, {"t<wo", {0, 2}, {0.3, 0.3}, Series::Form::points}}});
+  EXPECT_EQ(count(svg, "class=\"line c0\""), 1U);
+  EXPECT_EQ(count(svg, "<circle class=\"point c1\""), 2U);
+  EXPECT_THAT(svg, HasSubstr("t&lt;wo"));
+  EXPECT_THAT(svg, HasSubstr("speed [m/s]"));
+}
+
+TEST(Chart, leaves_out_what_is_no_number_and_breaks_its_line_there) {
+  const std::string svg = to_svg(Chart{{"x", {}, {}}, {"y", {}, {}}, {{"", {0, 1, 2, 3}, {1, std::nan(""), 2, 3}}}});
+  EXPECT_THAT(svg, Not(HasSubstr("nan")));
+  const std::string path = svg.substr(svg.find("class=\"line"));
+  EXPECT_EQ(count(path.substr(0, path.find("/>")), "M"), 2U);
+}
+
+TEST(Chart, of_nothing_or_of_one_value_is_a_picture_all_the_same) {
+  for (const auto& values : {std::vector<double>{}, {5.0}, {5.0, 5.0}}) {
+    const std::string svg = to_svg(Chart{{"x", {}, {}}, {"y", {}, {}}, {{"", values, values}}});
+    EXPECT_THAT(svg, HasSubstr("</svg>"));
+    EXPECT_THAT(svg, Not(HasSubstr("inf")));
+    EXPECT_THAT(to_svg(Histogram{{"x", {}, {}}, "n", values, 10}), Not(HasSubstr("nan")));
+  }
+}
+
+TEST(Chart, of_a_million_points_keeps_their_peaks_and_little_else) {
+  Series series{"", {}, {}};
+  for (int i = 0; i < 1'000'000; ++i) {
+    series.x.push_back(i);
+    series.y.push_back(i == 654'321 ? 7.0 : 0.0);
+  }
+  const std::string svg = to_svg(Chart{{"x", {}, {}}, {"y", 0.0, 7.0}, {series}});
+  EXPECT_LT(svg.size(), 100'000U);
+  const std::string top = " 16L";  // the upper edge of the frame
+  EXPECT_THAT(svg, HasSubstr(top));
+}
+
+TEST(Histogram, counts_every_value_once_the_ends_too) {
+  const std::string svg = to_svg(Histogram{{"x", 0.0, 4.0}, "n", {0.0, 0.5, 1.0, 3.9, 4.0, 9.0}, 4});
+  EXPECT_THAT(svg, HasSubstr("0 … 1: 2"));
+  EXPECT_THAT(svg, HasSubstr("1 … 2: 1"));
+  EXPECT_THAT(svg, HasSubstr("3 … 4: 2"));
+}
+
+TEST(Bars, are_as_long_as_their_values) {
+  const std::string svg = to_svg(Bars{"wait [s]", {{"X1", 10.0}, {"X2", 5.0}}});
+  EXPECT_THAT(svg, HasSubstr("width=\"470\""));
+  EXPECT_THAT(svg, HasSubstr("width=\"235\""));
+}
+
+}  // namespace
+}  // namespace cosiva::experiments
