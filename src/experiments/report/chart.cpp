@@ -152,7 +152,10 @@ void draw_legend(std::string& svg, const std::vector<Series>& all) {
 std::vector<double> ticks(double from, double to, int wanted) {
   COSIVA_EXPECT(from < to && wanted > 0);
   const double raw = (to - from) / wanted;
-  const double power = std::pow(10.0, std::floor(std::log10(raw)));
+  COSIVA_EXPECT(raw > 1e-300 && raw < 1e300);
+  double power = 1.0;
+  while (power > raw) power /= 10.0;
+  while (power * 10.0 <= raw) power *= 10.0;
   double step = 10.0 * power;
   for (const double round : {5.0, 2.0, 1.0})
     if (round * power >= raw * (1.0 - 1e-9)) step = round * power;
