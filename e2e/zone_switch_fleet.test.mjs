@@ -65,10 +65,16 @@ test('twelve AIVs circulate, and their zone is switched ten times', { timeout: 5
 
   // Whoever stands beside the new line turns and rolls over to it first, one after the other where ways meet.
   const drove_on = new Set();
-  await eventually('half of them drive on', async () => {
-    for (const { id, speed } of (await platform.snapshot()).aivs) if (speed > 0.1) drove_on.add(id);
+  let seen = [];
+  const half = eventually('half of them drive on', async () => {
+    seen = (await platform.snapshot()).aivs;
+    for (const { id, speed } of seen) if (speed > 0.1) drove_on.add(id);
     return drove_on.size >= aivs / 2;
   }, { within_ms: 30_000, every_ms: 100 });
+  await half.catch((error) => {
+    const words = ({ id, status, section, waitsFor, waitsWhy, feels, parked }) => JSON.stringify({ id, status, section, waitsFor, waitsWhy, feels, parked });
+    throw new Error(`${error.message}; only ${[...drove_on]}; ${seen.map(words).join('\n')}`);
+  });
 
   assert.deepEqual(children(), family, 'nobody was restarted');
   const { aivs: last } = await platform.snapshot();

@@ -1,6 +1,8 @@
 #include "wire/own_messages.h"
 
 #include "target.h"
+#include "wire/halls.h"
+#include "wire/v2x.h"
 
 namespace {
 
@@ -29,5 +31,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   read(wire::seen_from_json, text);
   read(wire::boards_report_from_json, text);
   read(wire::radio_from_json, text);
+  read(wire::intent_from_json, text);
+  read(wire::owner_from_json, text);
   return 0;
 }

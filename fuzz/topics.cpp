@@ -1,6 +1,8 @@
 #include "wire/topics.h"
 #include "target.h"
 #include "wire/core.h"
+#include "wire/halls.h"
+#include "wire/v2x.h"
 
 /// A line break parts filter and topic.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -8,6 +10,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view text = cosiva::fuzz::as_text(data, size);
   if (const auto topic = wire::parse_vda_topic(text)) COSIVA_EXPECT(wire::to_string(*topic) == text);
   (void)wire::valid_serial_number(text);
+  if (const auto topic = wire::parse_hall_topic(text)) {
+    COSIVA_EXPECT(wire::valid_hall(topic->hall) && !topic->rest.empty());
+    COSIVA_EXPECT(text.ends_with(topic->rest));
+  }
+  if (const auto topic = wire::parse_v2x_topic(text)) {
+    // "+1" and "01" are numbers, too; what is written back is read as the same.
+    const auto again = wire::parse_v2x_topic(wire::v2x_topic(topic->map_level, topic->cell, topic->vehicle));
+    COSIVA_EXPECT(again && again->cell == topic->cell && again->vehicle == topic->vehicle);
+  }
 
   const std::size_t line = text.find('\n');
   const std::string_view filter = text.substr(0, line);

@@ -27,6 +27,7 @@ LIBRARIES = {
     "mosquitto": "${MOSQUITTO_LIBRARY}",
     "boost": "Boost::headers",
     "CLI": "CLI11::CLI11",
+    "Eigen": "Eigen3::Eigen",
 }
 SIDES = ("physical", "virtual")
 

@@ -14,7 +14,7 @@ import sys
 
 import checker
 
-TOPS = r"(?:src|docs|zones|scenarios|rules|scripts|bench|web|e2e|fuzz|cmake|\.ci)"
+TOPS = r"(?:src|docs|zones|batteries|scenarios|rules|scripts|bench|web|e2e|examples|fuzz|cmake|\.ci)"
 PATH = re.compile(rf"`({TOPS}(?:/[\w.*@+-]+)+/?)(?::\d+)?`")
 LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)]*)?\)")
 TEST_NAME = re.compile(r"`([A-Z]\w*)\.([a-zA-Z]\w*)`")

@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <utility>
 
 namespace cosiva::adapters {
@@ -64,6 +65,15 @@ Result<void> write_file(const std::string& path, std::string_view bytes) {
 JournalFile::JournalFile(EventLoop& loop, std::string path, int fd, std::function<void(const Error&)> on_error)
     : path_{std::move(path)}, fd_{fd}, on_error_{std::move(on_error)}, flush_timer_{loop} {
   flush_timer_.every(flush_period, [this] { flush(); });
+}
+
+Result<void> write_files(const std::string& folder, const std::vector<std::pair<std::string, std::string>>& files) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) return fail("file.write", "the folder cannot be made: " + error.message(), folder);
+  for (const auto& [name, bytes] : files)
+    if (auto written = write_file((std::filesystem::path(folder) / name).string(), bytes); !written) return written;
+  return {};
 }
 
 Result<std::unique_ptr<JournalFile>> JournalFile::create(EventLoop& loop, const std::string& path,

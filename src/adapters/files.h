@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "adapters/event_loop.h"
 #include "base/result.h"
@@ -15,6 +17,11 @@ namespace cosiva::adapters {
 [[nodiscard]] Result<std::string> read_file(const std::string& path);
 /// All of it or nothing: written beside the file, then put in its place. Fails ("file.write").
 [[nodiscard]] Result<void> write_file(const std::string& path, std::string_view bytes);
+
+/// Each file by its name in the folder, which is made where it is missing. Fails ("file.write") at the first that
+/// cannot.
+[[nodiscard]] Result<void> write_files(const std::string& folder,
+                                       const std::vector<std::pair<std::string, std::string>>& files);
 
 /// Where a journal's bytes go. They reach the file at most 100 ms after append(), and at the end. When the disk is full
 /// the journal stops with one clear error, and what it recorded goes on.

@@ -70,6 +70,9 @@ struct LiveShell::Inside : std::enable_shared_from_this<LiveShell::Inside> {
   void act(const wire::SendBytes& send) {
     if (ports) ports->send(send.port, send.bytes);
   }
+  void act(const wire::Listen& listen) {
+    if (mqtt) mqtt->listen(listen.filters);
+  }
   void act(const wire::Remember& remember) {
     if (!memory) return;
     if (auto stored = memory->store(remember.bytes); !stored) {

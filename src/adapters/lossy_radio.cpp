@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "wire/halls.h"
 #include "wire/own_messages.h"
 #include "wire/topics.h"
 
@@ -52,7 +53,9 @@ void LossyRadio::end() {
 }
 
 int qos_of_heard(std::string_view topic) {
-  return topic.starts_with(wire::zone_topic_prefix) || topic == wire::server_connection_topic ? 1 : 0;
+  const bool of_a_hall = topic.starts_with(wire::hall_topic_prefix) && !topic.ends_with("/server/heartbeat");
+  const bool kept = topic.starts_with(wire::zone_topic_prefix) || topic.starts_with(wire::owner_topic_prefix);
+  return kept || of_a_hall || topic == wire::server_connection_topic ? 1 : 0;
 }
 
 }  // namespace cosiva::adapters

@@ -225,11 +225,29 @@ struct MqttClient::Inside : std::enable_shared_from_this<MqttClient::Inside> {
     last_logged.clear();
     up = true;
     ++counters.connections;
-    for (const std::string& filter : subscriptions) {
-      const int rc = mosquitto_subscribe(client, nullptr, filter.c_str(), 1);
-      if (rc != MOSQ_ERR_SUCCESS) log('e', "cannot subscribe to " + filter + ": " + mosquitto_strerror(rc));
-    }
+    for (const std::string& filter : subscriptions) subscribe(filter, 1);
+    for (const std::string& filter : listens) subscribe(filter, 0);
     if (handlers.on_link) handlers.on_link(true);
+  }
+
+  void subscribe(const std::string& filter, int qos) {
+    const int rc = mosquitto_subscribe(client, nullptr, filter.c_str(), qos);
+    if (rc != MOSQ_ERR_SUCCESS) log('e', "cannot subscribe to " + filter + ": " + mosquitto_strerror(rc));
+  }
+
+  void listen(std::vector<std::string> filters) {
+    const std::vector<std::string> before = std::exchange(listens, std::move(filters));
+    if (!up) return;
+    const auto among = [](const std::vector<std::string>& all, const std::string& one) {
+      return std::ranges::find(all, one) != all.end();
+    };
+    for (const std::string& filter : before) {
+      if (!among(listens, filter)) mosquitto_unsubscribe(client, nullptr, filter.c_str());
+    }
+    for (const std::string& filter : listens) {
+      if (!among(before, filter)) subscribe(filter, 0);
+    }
+    if (fd >= 0 && mosquitto_want_write(client)) wait_write();
   }
 
   void go_down() {
@@ -372,6 +390,7 @@ struct MqttClient::Inside : std::enable_shared_from_this<MqttClient::Inside> {
   EventLoop& loop;
   MqttOptions options;
   std::vector<std::string> subscriptions;
+  std::vector<std::string> listens;  ///< likewise, for now
   MqttHandlers handlers;
   mosquitto* client{nullptr};
   asio::posix::stream_descriptor descriptor;
@@ -422,6 +441,7 @@ void MqttClient::start() { inside_->start(); }
 bool MqttClient::connected() const { return inside_->up; }
 bool MqttClient::publish(const wire::Publish& message) { return inside_->publish(message); }
 void MqttClient::stop(std::function<void()> done) { inside_->stop(std::move(done)); }
+void MqttClient::listen(std::vector<std::string> filters) { inside_->listen(std::move(filters)); }
 const MqttClient::Counters& MqttClient::counters() const { return inside_->counters; }
 
 }  // namespace cosiva::adapters

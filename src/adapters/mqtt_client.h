@@ -62,6 +62,10 @@ class MqttClient {
   /// `done`.
   void stop(std::function<void()> done);
 
+  /// What it hears besides its subscriptions, until the next call; holds over reconnections. Only what changes is told
+  /// to the broker.
+  void listen(std::vector<std::string> filters);
+
   struct Counters {
     std::uint64_t received{};
     std::uint64_t published{};

@@ -81,6 +81,24 @@ TEST_F(Mqtt, private_broker_listens_on_loopback_and_its_configuration_is_private
   EXPECT_NE(::stat((scratch / "mosquitto.conf").c_str(), &facts), 0);
 }
 
+TEST_F(Mqtt, listens_to_other_topics_while_connected_and_over_a_lost_connection) {
+  Listener listener{loop, broker->port(), {"own"}};
+  listener.client->listen({"talk/1/+", "talk/2/+"});  // before there is a connection
+  ASSERT_TRUE(until_listening(listener, "talk/2/x"));
+  listener.client->listen({"talk/2/+", "talk/3/+"});
+  ASSERT_TRUE(until_listening(listener, "talk/3/x"));
+  for (const char* topic : {"talk/1/x", "talk/2/x", "own"}) listener.client->publish({topic, "a", 0, false});
+  ASSERT_TRUE(until([&] { return listener.heard_all(2); }));
+  EXPECT_THAT(listener.heard, ElementsAre("talk/2/x=a", "own=a")) << "the first is listened to no more";
+
+  bool dead = false;
+  broker->on_exit([&](const ChildExit&) { dead = true; });
+  broker->child()->signal(SIGKILL);
+  ASSERT_TRUE(until([&] { return dead && !listener.client->connected(); }));
+  ASSERT_TRUE(broker->restart());
+  ASSERT_TRUE(until_listening(listener, "talk/3/x"));
+}
+
 TEST_F(Mqtt, message_arrives_as_it_was_sent) {
   Listener listener{loop, broker->port(), {"a/+"}};
   ASSERT_TRUE(until_listening(listener, "a/probe"));

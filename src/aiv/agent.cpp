@@ -11,10 +11,12 @@
 namespace cosiva::aiv {
 namespace {
 
-constexpr double standing_mps = 0.01;
 /// Readings in a row under that before the vehicle counts as standing: one alone may be a jerk's zero crossing.
 constexpr int standing_readings = 2;
 constexpr double off_circuit_m_max = 0.25;
+/// What stands before it and what says that it drives there are one body when they are no further apart: two positions'
+/// errors, and what the other drove since it spoke.
+constexpr double same_body_m = 0.10;
 /// Having stopped before an obstacle it goes on only when this much more room is there: echoes are noisy.
 constexpr double resume_room_m = 0.05;
 constexpr double base_warning_m = 0.30;
@@ -31,6 +33,10 @@ constexpr double sweep_margin_m = 0.05;
 /// So far it goes to join a line, and so near to the pose that it was told the line must lie.
 constexpr double join_within_m = 0.70;
 constexpr double join_off_m_max = 0.02;
+/// It backs up so fast, for so many readings (50 a second) at most, and stops so much before the end.
+constexpr double back_up_mps = 0.10;
+constexpr int back_readings_max = 750;
+constexpr double back_ends_m = 0.005;
 /// A bend this near ahead may begin at any moment.
 constexpr double bend_near_m = 0.03;
 /// A fork counts as the next until the vehicle is so far beyond it: its body may be behind its belief.
@@ -75,9 +81,11 @@ void Agent::on_odometry(const wire::Odometry& odometry) {
   note_motion(odometry);
   // Off the line there need not be one.
   hold(Hold::line_lost, odometry.line_lost && !estimator_.off_line());
-  if (rolled.step_m != 0.0) advance_order(rolled.step_m);
+  // Without an order what it backs up is no way that it has left to go.
+  if (rolled.step_m > 0.0 || (rolled.step_m < 0.0 && order_.active())) advance_order(rolled.step_m);
   if (rolled.kind == PositionEstimator::FixKind::relocated) on_relocated();
   joining_ = joining_ && estimator_.beside();
+  note_backing_up();
   note_stuck();
 }
 
@@ -118,6 +126,8 @@ void Agent::on_odometry_lost() {
 void Agent::on_odometer_reset() { estimator_.on_odometer_reset(); }
 
 PositionEstimator::Fix Agent::on_tag(const wire::TagRead& tag) {
+  // Driving backwards the antenna's field comes from the other side; so short a way needs no fix.
+  if (back_to_m_) return {};
   const auto fix = estimator_.on_tag(tag.number, 0.001 * tag.age_ms, speed_mps_);
   if (fix.kind == PositionEstimator::FixKind::corrected) advance_order(fix.correction_m);
   if (fix.kind == PositionEstimator::FixKind::relocated) on_relocated();
@@ -183,6 +193,44 @@ Result<void> Agent::join_line(const Pose2& X_MG) {
   return {};
 }
 
+Result<void> Agent::back_up(double distance_m) {
+  if (!(distance_m >= 0.0 && distance_m <= back_up_m_max)) {
+    return fail("back_up.distance", "it backs up at most " + std::to_string(back_up_m_max) + " m, not " +
+                                        std::to_string(distance_m) + " m");
+  }
+  if (distance_m == 0.0) {
+    back_to_m_.reset();
+    return {};
+  }
+  if (!estimator_.known() || estimator_.off_line()) return fail("back_up.off_line", "it does not stand on a line");
+  if (order_.active() || cancelling_) return fail("back_up.order", "it has an order; cancel that first");
+  back_to_m_ = estimator_.travelled_m() - distance_m;
+  back_readings_ = 0;
+  backed_up_ = false;
+  return {};
+}
+
+void Agent::note_backing_up() {
+  if (!back_to_m_) return;
+  const bool there = estimator_.travelled_m() <= *back_to_m_ + back_ends_m;
+  if (there || estimator_.off_line() || ++back_readings_ > back_readings_max) {
+    backed_up_ = there;
+    back_to_m_.reset();
+  }
+}
+
+wire::Drive Agent::decide_backwards() {
+  blocked_ = braking_for_felt_ = wants_base_ = false;
+  const zone::SpeedProfile& slow = zone_.profiles.slow;
+  // v = √(2bs) stops at the end; no faster than it may go forwards.
+  const double left_m = std::max(0.0, estimator_.travelled_m() - *back_to_m_);
+  double speed_mps = std::min({back_up_mps, slow.speed_mps, std::sqrt(2.0 * slow.braking_mps2 * left_m)});
+  if (speed_mps_max_) speed_mps = std::min(speed_mps, *speed_mps_max_);
+  told_ = drive(holds_ == 0 ? speed_mps : 0.0, slow);
+  told_.speed_mmps = static_cast<std::int16_t>(-told_.speed_mmps);
+  return told_;
+}
+
 Result<OrderBook::Verdict> Agent::take_order(const wire::Order& order) {
   if (cancelling_) return fail("orderUpdateError", "the order before it is being cancelled");
   if (estimator_.away()) {
@@ -196,6 +244,7 @@ Result<OrderBook::Verdict> Agent::take_order(const wire::Order& order) {
   if (needs_place) standing.also = estimator_.same_places();
   auto verdict = order_.offer(order, standing);
   if (verdict && *verdict != OrderBook::Verdict::ignored_same) {
+    back_to_m_.reset();
     if (needs_place && !(order_.accepted_at() == standing.place)) estimator_.take_same_place(order_.accepted_at());
     follow_order();
     advance_order(0.0);
@@ -236,12 +285,17 @@ Agent::Plan Agent::plan(double room_m, double base_end_m) const {
   // Once it stands for something it goes on only when there is clearly more room.
   const double obstacle_m = blocked_ && room_m < stand_off_m + resume_room_m ? 0.0 : room_m;
   const bool may_drive = holds_ == 0 && !cancelling_ && estimator_.known();
+  const bool leader_seen = others_.leader_mps && std::fabs(others_.leader_gap_m - room_m) <= same_body_m;
+  const auto closing_mps = leader_seen ? std::optional{speed_mps_ - *others_.leader_mps} : std::nullopt;
   const Situation situation{.speed_mps = speed_mps_,
                             .obstacle_ahead_m = obstacle_m,
                             .end_of_base_m = base_end_m,
                             .crossing_ahead_m = crossing_ahead_m_,
                             .charge = charge_,
                             .imposed = imposed_,
+                            .closing_mps = closing_mps,
+                            .crossing_margin_s = others_.crossing_margin_s,
+                            .crossing_priority = others_.crossing_priority,
                             .present = chosen_};
   const Profile profile = may_drive ? chooser_->choose(situation) : Profile::stop;
   zone::SpeedProfile wish = kinematics(zone_.profiles, profile);
@@ -287,6 +341,7 @@ wire::Drive Agent::decide() {
     if (!one_way_ && estimator_.known()) follow_order();
     cancelling_ = false;
   }
+  if (back_to_m_) return decide_backwards();
   constexpr double nothing = std::numeric_limits<double>::infinity();
   // What stands on the line matters to one that is on it.
   const double sensed_m = estimator_.beside() ? nothing : obstacle_.obstacle_ahead_m(estimator_.travelled_m());

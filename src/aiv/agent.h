@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -49,6 +50,10 @@ class Agent {
   /// From its front along its way to the first body that is only virtual (FeltWorld); infinite: none. It decides like
   /// an echo of the same distance, until the next call.
   void feel(double gap_m) { felt_m_ = gap_m; }
+  /// What those near say of themselves, until the next call. It is a matter of comfort: where the first body before it
+  /// is, its own senses say; whether it may enter a crossing, its order.
+  void heed(const Others& others) { others_ = others; }
+  [[nodiscard]] bool heeds_others() const { return chooser_->heeds_others(); }
   /// The zone's tags or beacons stand elsewhere from now on (the zone is the same object).
   void on_marks_moved() { estimator_.forget_doubt(); }
 
@@ -66,6 +71,13 @@ class Agent {
   /// another is told. Fails ("join.on_line", "join.busy", "join.too_far", "join.no_line").
   [[nodiscard]] Result<void> join_line(const Pose2& X_MG);
   [[nodiscard]] bool joining() const { return joining_; }
+  /// backUp: rolls back along the line, slowly and blindly: whoever tells it has looked behind it. 0 ends it. An order
+  /// ends it, too. Fails ("back_up.off_line", "back_up.order", "back_up.distance": not in [0, back_up_m_max]).
+  [[nodiscard]] Result<void> back_up(double distance_m);
+  static constexpr double back_up_m_max = 0.5;
+  [[nodiscard]] bool backing_up() const { return back_to_m_.has_value(); }
+  /// Of the last backUp, once it is over: it came as far as it was told.
+  [[nodiscard]] bool backed_up() const { return backed_up_; }
   [[nodiscard]] Result<OrderBook::Verdict> take_order(const wire::Order& order);
   void hold(Hold reason, bool on);
   void impose(std::optional<Profile> profile) { imposed_ = profile; }
@@ -95,6 +107,15 @@ class Agent {
   /// What DOBS saw last: the nearest echo in the corridor and which beam brought it, unfiltered.
   [[nodiscard]] const Corridor::Look& look() const { return look_; }
   [[nodiscard]] double look_reach_m() const { return corridor_.reach_m(); }
+  /// It slows down, or stands for something before it.
+  [[nodiscard]] bool braking() const { return blocked_ || 0.001 * told_.speed_mmps < speed_mps_ - braking_mps; }
+  /// Its senses find a body on its way, or it is told of one that is only virtual.
+  [[nodiscard]] bool finds_body() const {
+    return std::min(felt_m_, obstacle_.obstacle_ahead_m(estimator_.travelled_m())) <
+           std::numeric_limits<double>::infinity();
+  }
+  /// To the next crossing that it may not enter yet, at its last decision; infinite: none is near.
+  [[nodiscard]] double crossing_ahead_m() const { return crossing_ahead_m_; }
   /// The base ends soon and more is announced (§6.10.3).
   [[nodiscard]] bool wants_base() const { return wants_base_; }
   [[nodiscard]] std::optional<Profile> imposed() const { return imposed_; }
@@ -109,6 +130,8 @@ class Agent {
   [[nodiscard]] bool take_lost_order();
 
  private:
+  /// Odometry jitters by less.
+  static constexpr double braking_mps = 0.05;
   void advance_order(double distance_m);
   void follow_order() { estimator_.follow(order_.course_from(estimator_.place())); }
   /// The belief jumped: the order goes on from there, or is dropped.
@@ -130,6 +153,8 @@ class Agent {
   [[nodiscard]] Plan plan(double room_m, double base_end_m) const;
   [[nodiscard]] bool limited_by_felt(const Plan& plan, double sensed_m, double base_end_m) const;
   [[nodiscard]] wire::Drive drive(double speed_mps, const zone::SpeedProfile& kinematics);
+  void note_backing_up();
+  [[nodiscard]] wire::Drive decide_backwards();
 
   const zone::TrafficZone& zone_;
   std::unique_ptr<SpeedChooser> chooser_;
@@ -139,6 +164,7 @@ class Agent {
   ObstacleFilter obstacle_;
   Corridor::Look look_;
   double felt_m_{std::numeric_limits<double>::infinity()};
+  Others others_;
   Envelope envelope_;
   EntrySweep sweep_;
   bool one_way_;           ///< nothing to choose and nothing to turn at in this zone
@@ -161,7 +187,10 @@ class Agent {
   std::optional<Profile> imposed_;
   std::optional<double> speed_mps_max_;
   bool cancelling_{false};
-  bool joining_{false};  ///< told where to go onto the line, and not there yet
+  std::optional<double> back_to_m_;  ///< of travelled_m(), while it backs up
+  bool backed_up_{false};
+  int back_readings_{0};  ///< in which it ought to back up
+  bool joining_{false};   ///< told where to go onto the line, and not there yet
   bool blocked_{false};
   bool braking_for_felt_{false};
   bool wants_base_{false};

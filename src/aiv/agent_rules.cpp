@@ -6,17 +6,11 @@
 #include <string>
 #include <utility>
 
-#include "aiv/envelope.h"
+#include "aiv/formulas.h"
 #include "base/expect.h"
 
 namespace cosiva::aiv {
 namespace {
-
-/// As the envelope counts it for what stands ahead.
-constexpr double reaction_s = 0.15;
-constexpr double no_instruction = 4.0;
-/// How far an answer must be from the present profile before another one is taken; a half is where the next begins.
-constexpr double stays_within = 0.7;
 
 constexpr std::array<AgentInputFacts, agent_input_count> all_facts{{
     {"instruction", "", "what the operator asks for: 0 stop, 1 slow, 2 medium, 3 fast, 4 nothing", no_instruction},
@@ -67,7 +61,7 @@ AgentInputs free_way_inputs() {
 
 double braking_distance_m(const zone::SpeedProfiles& profiles) {
   const zone::SpeedProfile& medium = profiles.medium;
-  return medium.speed_mps * medium.speed_mps / (2.0 * medium.braking_mps2) + medium.speed_mps * reaction_s;
+  return medium.speed_mps * medium.speed_mps / (2.0 * medium.braking_mps2) + medium.speed_mps * obstacle_reaction_s;
 }
 
 AgentInputs inputs_of(const Situation& situation, const zone::SpeedProfiles& profiles) {
@@ -76,20 +70,18 @@ AgentInputs inputs_of(const Situation& situation, const zone::SpeedProfiles& pro
   const bool is_free = std::isinf(situation.obstacle_ahead_m);
   const double closing_mps = is_free ? 0.0 : situation.closing_mps.value_or(situation.speed_mps);
   return {situation.imposed ? static_cast<double>(*situation.imposed) : no_instruction,
-          (situation.obstacle_ahead_m - stand_off_m) / braking_m,
-          100.0 * closing_mps / profiles.medium.speed_mps,
-          situation.end_of_base_m / braking_m,
-          situation.crossing_ahead_m / braking_m,
+          plain::gap_input(situation.obstacle_ahead_m, braking_m),
+          plain::closing_input(closing_mps, profiles.medium.speed_mps),
+          plain::way_input(situation.end_of_base_m, braking_m),
+          plain::way_input(situation.crossing_ahead_m, braking_m),
           situation.crossing_margin_s,
           situation.crossing_priority,
           100.0 * situation.charge};
 }
 
 Profile nearest_profile(double speed, std::optional<Profile> present) {
-  if (present && std::fabs(speed - static_cast<double>(*present)) < stays_within) return *present;
-  if (speed < 0.5) return Profile::stop;
-  if (speed < 1.5) return Profile::slow;
-  return speed < 2.5 ? Profile::medium : Profile::fast;
+  const double chosen = plain::nearest_profile(speed, present ? static_cast<double>(*present) : -1.0);
+  return static_cast<Profile>(static_cast<int>(chosen));
 }
 
 Result<std::shared_ptr<const AgentRules>> AgentRules::read(std::string_view fll, std::string_view origin) {

@@ -42,7 +42,7 @@ struct AgentDecision {
   double speed;                           ///< 0 stop … 3 fast, before it is rounded: the lowest concern's
   std::optional<std::size_t> decided_by;  ///< that concern, an output of the rules
   double go;                              ///< what the rules say of the next crossing, 0 yield … 1 go
-  [[nodiscard]] bool goes() const { return go >= 0.5; }
+  [[nodiscard]] bool goes() const { return go > 0.5; }
 };
 
 /// Fuzzy rules that an agent can decide by (A10): each output but `go` is a concern that says how fast it may go, the
@@ -63,6 +63,8 @@ class AgentRules {
   [[nodiscard]] const fuzzy::RuleBase& base() const { return base_; }
   /// The rule base's inputs, in its order.
   [[nodiscard]] std::span<const AgentInput> inputs() const { return inputs_; }
+  /// Which of its outputs says whether to go first, and is no concern; nothing: none does.
+  [[nodiscard]] std::optional<std::size_t> go() const { return go_; }
 
  private:
   AgentRules(fuzzy::RuleBase base, std::vector<AgentInput> inputs, std::optional<std::size_t> go)

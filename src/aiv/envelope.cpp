@@ -8,12 +8,6 @@
 namespace cosiva::aiv {
 namespace {
 
-/// From a command's tick to wheels that obey it: our tick, the board's cycle, and the age of the odometry.
-constexpr double reaction_s = 0.08;
-/// An obstacle is believed at its second frame out of three, 60 ms apart.
-constexpr double obstacle_reaction_s = 0.15;
-/// Before the stop line: standing accuracy, so that not even an overshoot enters the crossing.
-constexpr double stop_line_m = 0.01;
 /// The last of the way to a bend is crept: PILS turns where it sees the joint, wherever we believe it.
 constexpr double bend_margin_m = 0.015;
 /// Rounding between the order's way and the crossing's.
@@ -21,11 +15,7 @@ constexpr double rounding_m = 0.005;
 /// How far past its stopping distance the vehicle looks.
 constexpr double look_ahead_m = 0.5;
 
-/// Highest speed now that reaches a place `ahead_m` away at no more than `limit_mps`.
-double speed_before(double limit_mps, double ahead_m, double braking_mps2) {
-  const double d_m = std::max(0.0, ahead_m - limit_mps * reaction_s);
-  return std::sqrt(limit_mps * limit_mps + 2.0 * braking_mps2 * d_m);
-}
+using plain::speed_before;
 
 }  // namespace
 
@@ -99,13 +89,11 @@ Limit Envelope::limit(const View& view, const zone::SpeedProfile& wish) const {
   double end_m = view.order.distance_to_base_end_m();
   Limit limit{wish.speed_mps, braking, false, std::numeric_limits<double>::infinity()};
   const auto chain = crossings_.first(view.outlook, reach_m);
-  if (chain.entry_m < end_m) {
-    const bool leads_through = end_m >= chain.exit_m - rounding_m;
-    const bool ends_there_on_purpose = !view.order.horizon_left();
-    if (!leads_through && !ends_there_on_purpose) {
-      limit.crossing_ahead_m = chain.entry_m;
-      end_m = std::max(0.0, chain.entry_m - stop_line_m);
-    }
+  const bool leads_through = end_m >= chain.exit_m - rounding_m;
+  const bool ends_there_on_purpose = !view.order.horizon_left();
+  if (!leads_through && !ends_there_on_purpose) {
+    limit.crossing_ahead_m = chain.entry_m;
+    if (chain.entry_m < end_m) end_m = std::max(0.0, chain.entry_m - stop_line_m);
   }
   const double obstacle_m = view.obstacle_ahead_m - stand_off_m;
 
@@ -125,7 +113,7 @@ Limit Envelope::limit(const View& view, const zone::SpeedProfile& wish) const {
   // A base, a crossing or an obstacle that came nearer than the profile can brake for (a slower profile has weaker
   // brakes): then all the brakes there are.
   const double hard_m = std::min(end_m, obstacle_m);
-  if (speed > 0.0 && speed * speed > 2.0 * braking * std::max(0.0, hard_m)) limit.braking_mps2 = braking_mps2_max_;
+  if (speed > 0.0 && plain::brakes_hard(speed, hard_m, braking)) limit.braking_mps2 = braking_mps2_max_;
   return limit;
 }
 

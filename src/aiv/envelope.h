@@ -4,6 +4,7 @@
 #include <limits>
 #include <vector>
 
+#include "aiv/formulas.h"
 #include "aiv/order_book.h"
 #include "aiv/outlook.h"
 #include "zone/traffic_zone.h"
@@ -34,8 +35,6 @@ class CrossingsAhead {
   std::vector<std::vector<Span>> spans_;  ///< by section, merged, in order of s
 };
 
-/// Left free between the front of a vehicle and what stands before it.
-inline constexpr double stand_off_m = 0.12;
 /// How fast it comes to a bend on the spot.
 inline constexpr double bend_creep_mps = 0.05;
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string_view>
 
-#include "aiv/way_ahead.h"
+#include "aiv/body_gap.h"
 #include "base/digest.h"
 #include "base/time.h"
 #include "wire/own_messages.h"
@@ -19,9 +19,7 @@ namespace cosiva::aiv {
 class FeltWorld {
  public:
   struct Model {
-    double margin_m{0.02};  ///< on each side of the vehicle's body, as Corridor's
-    double sample_m{0.03};
-    double reach_m{1.30};
+    BodyGap::Model look{};
     SimDuration memory{std::chrono::seconds{1}};            ///< without news all of it is forgotten
     SimDuration carry_max{std::chrono::milliseconds{500}};  ///< a moving body is carried on no longer
   };
@@ -50,13 +48,8 @@ class FeltWorld {
   void fold(Digest& digest) const;
 
  private:
-  /// From the vehicle's front to one disc; infinite where it is outside the corridor or not ahead of the middle.
-  [[nodiscard]] double disc_gap_m(Point2 p_B, double radius_m) const;
-  [[nodiscard]] double body_gap_m(const wire::Body& body, const Pose2& X_BM, double carried_s) const;
-
-  const zone::TrafficZone& zone_;
   Model model_;
-  WayAhead way_;
+  BodyGap gap_;
   wire::Ahead ahead_;
   SimTime heard_at_{};
   std::optional<SimTime> news_at_;  ///< what the memory counts from; nothing: it knows nothing

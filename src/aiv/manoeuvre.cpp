@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "aiv/formulas.h"
 #include "zone/anchor.h"
 
 namespace cosiva::aiv {
@@ -58,9 +59,7 @@ Manoeuvre::Step Manoeuvre::step(double speed_mps, double dt_s) {
   const double per_s2 = turns ? rates_.turn_radps2 : rates_.speed_mps2;
   const double most = !commanded ? 0.0 : turns ? rates_.turn_radps : std::min(speed_mps, rates_.speed_mps);
   double& left = left_[leg_];
-  // The rate from which it can still stop in time: rate·dt + rate²/2a = left.
-  const double in_time = per_s2 * (std::sqrt(dt_s * dt_s + 2.0 * left / per_s2) - dt_s);
-  rate_ = std::min(rate_ + std::clamp(most - rate_, -per_s2 * dt_s, per_s2 * dt_s), in_time);
+  rate_ = plain::manoeuvre_rate(rate_, most, left, per_s2, dt_s);
   constexpr double close = 1e-6;
   const double moved = left - rate_ * dt_s < close ? left : rate_ * dt_s;
   left -= moved;

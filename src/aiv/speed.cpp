@@ -5,17 +5,11 @@
 #include <cstddef>
 #include <limits>
 
+#include "aiv/formulas.h"
 #include "base/expect.h"
 
 namespace cosiva::aiv {
 namespace {
-
-constexpr double standing_mps = 0.01;
-
-// The crisp rules' thresholds. Far obstacles are followed at the profile's own speed; near ones, and a battery that
-// wants to get home, ask for calm.
-constexpr double near_m = 0.35;
-constexpr double low_charge = 0.10;
 
 constexpr std::array profile_words{std::string_view{"stop"}, std::string_view{"slow"}, std::string_view{"medium"},
                                    std::string_view{"fast"}};
@@ -67,17 +61,14 @@ Status status_of(double speed_mps, std::optional<Profile> imposed) {
 Profile CrispSpeedChooser::choose(const Situation& situation) const {
   if (situation.end_of_base_m <= 0.0) return Profile::stop;
   if (situation.imposed) return *situation.imposed;
-  if (situation.charge < low_charge) return Profile::slow;
-  if (situation.obstacle_ahead_m < near_m) return Profile::slow;
-  return Profile::medium;
+  return static_cast<Profile>(static_cast<int>(plain::crisp_profile(situation.charge, situation.obstacle_ahead_m)));
 }
 
-double stoppable_speed(double distance_m, double braking_mps2, double reaction_s) {
-  COSIVA_EXPECT(braking_mps2 > 0.0 && reaction_s >= 0.0);
+double stoppable_speed(double distance_m, double braking_mps2, double late_s) {
+  COSIVA_EXPECT(braking_mps2 > 0.0 && late_s >= 0.0);
   if (!(distance_m > 0.0)) return 0.0;
   if (std::isinf(distance_m)) return std::numeric_limits<double>::infinity();
-  // The positive root of v²/(2b) + t·v − d, written without the difference of two nearly equal numbers.
-  return 2.0 * distance_m / (reaction_s + std::sqrt(reaction_s * reaction_s + 2.0 * distance_m / braking_mps2));
+  return plain::stoppable_speed(distance_m, braking_mps2, late_s);
 }
 
 }  // namespace cosiva::aiv

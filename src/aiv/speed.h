@@ -37,20 +37,31 @@ struct Situation {
   std::optional<Profile> present{};  ///< what it has chosen last; nothing: it stood, or just began
 };
 
+/// What those near say (Neighbours), as far as it matters to the next decision.
+struct Others {
+  double leader_gap_m{std::numeric_limits<double>::infinity()};  ///< from its front to the first of them on its way
+  std::optional<double> leader_mps{};                            ///< that one's speed along this one's way
+  double crossing_margin_s{std::numeric_limits<double>::infinity()};  ///< as Situation's
+  double crossing_priority{0.0};
+};
+
 /// Chooses among the profiles, crisp here or fuzzy (agent_rules.h), behind one interface (A10). What it chooses is a
 /// wish: the envelope above it may only lower it. It keeps nothing in mind: the same situation, the same choice.
 class SpeedChooser {
  public:
   virtual ~SpeedChooser() = default;
   [[nodiscard]] virtual Profile choose(const Situation& situation) const = 0;
+  /// Whether it makes anything of what others say (closing, margin, priority): who does not is spared the work.
+  [[nodiscard]] virtual bool heeds_others() const { return true; }
 };
 class CrispSpeedChooser final : public SpeedChooser {
  public:
   [[nodiscard]] Profile choose(const Situation& situation) const override;
+  [[nodiscard]] bool heeds_others() const override { return false; }
 };
 
-/// The highest speed from which `braking_mps2` stops within `distance_m`, when braking starts `reaction_s` late.
+/// The highest speed from which `braking_mps2` stops within `distance_m`, when braking starts `late_s` late.
 /// v·t + v²/(2b) = d. Zero for d ≤ 0.
-[[nodiscard]] double stoppable_speed(double distance_m, double braking_mps2, double reaction_s);
+[[nodiscard]] double stoppable_speed(double distance_m, double braking_mps2, double late_s);
 
 }  // namespace cosiva::aiv

@@ -65,6 +65,7 @@ class LineWorld {
 
   void roll(double distance_m, std::uint8_t branch) {
     branch_ = branch;
+    if (distance_m < 0.0) odometer_m += truth.shift(*floor_, distance_m);
     for (double left_m = distance_m; left_m > 0.0;) {
       const zone::Place here = place();
       const double to_end_m = floor_->section(here.section).length_m() - here.s_m;

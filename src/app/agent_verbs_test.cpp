@@ -124,5 +124,18 @@ TEST(Rules, of_virtual_time_are_those_that_were_asked_for) {
   run("crisp");
 }
 
+TEST(Switches, are_on_or_off_and_nothing_else) {
+  const auto run = [](const char* name, const char* word) {
+    return cosiva({"up", "--virtual-time", "--duration", "5", "--aivs", "2", "--json", name, word});
+  };
+  for (const char* name : {"--v2x", "--convoys"}) {
+    EXPECT_EQ(run(name, "on").status, 0) << name;
+    EXPECT_EQ(run(name, "off").status, 0) << name;
+    const Said said = run(name, "perhaps");
+    EXPECT_EQ(said.status, 2);
+    EXPECT_THAT(said.words, HasSubstr(name));
+  }
+}
+
 }  // namespace
 }  // namespace cosiva::app

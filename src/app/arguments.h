@@ -50,6 +50,8 @@ struct UpArguments {
   double loss{0.0};
   std::string trace_file;
   std::string web_directory;
+  bool v2x{true};
+  bool convoys{false};
   std::string rules;  ///< crisp, fuzzy or a file; empty: crisp for physical AIVs, fuzzy for virtual ones
 };
 
@@ -65,11 +67,14 @@ struct PartArguments {
 
 struct ServerArguments {
   PartArguments part;
+  std::string hall;  ///< of several servers on one broker, this one's; empty: the only one
   std::string zone;  ///< empty: from the broker
   bool watch{false};
   std::uint16_t port{8080};
   std::string map_link;  ///< where vehicles of other makes download the zone's file; empty: from us, on this machine
   bool no_drive{false};
+  bool v2x{true};  ///< of its virtual AIVs
+  bool convoys{false};
   bool headless{false};
   std::string web_directory;
   std::string memory_file;
@@ -103,6 +108,7 @@ struct AivArguments {
   std::string memory_file;
   bool emulated{false};        ///< its radio is the emulated world's
   std::string rules{"crisp"};  ///< crisp, fuzzy or a file
+  bool v2x{true};
 };
 
 struct ReplayArguments {
@@ -162,6 +168,83 @@ struct AgentArguments {
   std::uint32_t width_px{1200};
 };
 
+/// Of `traffic`.
+struct FleetTrafficArguments {
+  std::string zone{"lacet4"};
+  std::string zones;  ///< several: a TOML file or a list; empty: one
+  double away_share{0.2};
+  double passage_s{10.0};
+  std::string companion;
+  std::uint64_t aivs{12};
+  double duration_s{3600.0};
+  double warm_up_s{120.0};
+  std::uint64_t seed{1};
+  std::optional<double> jobs_per_hour;
+  std::string jobs_file;
+  double handling_s{10.0};
+  std::string rules{"fuzzy"};
+  double step_s{0.1};
+  std::uint32_t threads{1};
+  std::string out_directory;
+  bool json{false};
+};
+
+/// Of `capacity`.
+struct CapacityArguments {
+  std::string zone{"lacet4"};
+  std::string rules{"fuzzy"};
+  std::uint64_t vehicles_max{1'000'000};
+  double seconds{2.0};  ///< of measuring, for each size
+  std::vector<std::uint32_t> live{4, 12};
+  std::string live_zone{"lacet4"};
+  double live_s{15.0};
+  std::string out_file;
+  bool json{false};
+};
+
+/// Of `qualify` and `compare`.
+struct QualifyArguments {
+  std::vector<std::string> algorithms;  ///< names, or "all"; empty: what suits
+  bool list{false};
+  bool json{false};
+  std::string out_folder;
+  std::string command;  ///< as it was typed, for the report
+
+  // virtual time
+  std::string zone;  ///< empty: lacet4; with recordings: none
+  double way_m{100.0};
+  std::uint32_t runs{30};
+  std::uint64_t seed{1};
+  std::string marks{"pitch"};  ///< pitch, tags or beacons
+  double pitch_m{0.5};
+  double reach_m{0.02};  ///< of the reader, for beacons
+  double speed_mps{0.5};
+  double rate_hz{20.0};
+  double odometry_m{0.01};  ///< standard deviation after one metre
+  double reading_m{0.01};   ///< of a reading
+  double missed{0.0};
+  double scale{0.0};
+  double survey_m{0.0};
+  std::uint32_t particles{500};
+  std::uint32_t horizon{4};
+
+  // judging
+  double threshold_m{0.01};
+  double tolerance_m{0.05};
+  double reliability{0.95};
+  double confidence{0.95};
+  double reference_m{0.0};
+
+  // others'
+  std::vector<std::string> recordings;
+  double gap_s{0.5};
+  std::vector<std::string> external;  ///< NAME=COMMAND
+  double patience_s{10.0};
+  std::string reference;
+  std::vector<std::string> estimates;
+  std::string associate{"interpolate"};
+};
+
 /// Each runs one verb and gives the exit status: 0 done, 1 the run's own checks failed, 2 bad usage or bad input.
 int run_up(const UpArguments& arguments);
 int run_virtual_time(const UpArguments& arguments);
@@ -176,6 +259,11 @@ int run_zone_generate(const GenerateArguments& arguments);
 int run_zone_switch(const ZoneArguments& arguments);
 int run_scenario_check(const ScenarioArguments& arguments);
 int run_scenario_list(const ScenarioArguments& arguments);
+int run_traffic(const FleetTrafficArguments& arguments);
+int run_site(const FleetTrafficArguments& arguments);
+int run_capacity(const CapacityArguments& arguments);
+int run_qualify(const QualifyArguments& arguments);
+int run_compare(const QualifyArguments& arguments);
 int run_agent_explain(const AgentArguments& arguments);
 int run_agent_surface(const AgentArguments& arguments);
 

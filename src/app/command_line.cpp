@@ -17,7 +17,8 @@ constexpr const char* about =
     "\n"
     "  cosiva up                                      four AIVs on lacet4, with their page on http://127.0.0.1:8080\n"
     "  cosiva up --scenario showroom                   the same, and something to look at\n"
-    "  cosiva up --virtual-time --duration 600 --json  ten minutes in seconds, the same digest every time";
+    "  cosiva up --virtual-time --duration 600 --json  ten minutes in seconds, the same digest every time\n"
+    "  cosiva traffic --zone indus8 --jobs-per-hour 60 an hour of transport jobs in a second, with a heat map";
 
 constexpr const char* exit_codes = "Exit status: 0 done, 1 the run's own checks failed, 2 bad usage or bad input.";
 
@@ -86,6 +87,8 @@ void describe_up(CLI::App& verb, UpArguments& up) {
   verb.add_option("--loss", up.loss, "share of messages lost, with --virtual-time")
       ->type_name("P")
       ->check(CLI::Range(0.0, 0.9));
+  add_switch(verb, "--v2x", up.v2x, "AIVs tell those near them what they are about to do");
+  add_switch(verb, "--convoys", up.convoys, "several of one way pass a crossing together, when it pays");
   add_rules(verb, up.rules, "how all AIVs choose their speed; without: crisp, and fuzzy for virtual ones");
   verb.add_option("--trace-messages", up.trace_file, "write every message as a JSON line")->type_name("FILE");
   verb.add_option("--web", up.web_directory, "the page's built files, if not web/dist")->type_name("DIR");
@@ -96,12 +99,17 @@ void describe_server(CLI::App& verb, ServerArguments& server) {
   verb.add_option("--port", server.port, "of the page on 127.0.0.1; if busy, the next free one is taken")
       ->type_name("PORT")
       ->capture_default_str();
+  verb.add_option("--hall", server.hall,
+                  "name of this server's hall, where several share a broker (docs/guide/halls.md)")
+      ->type_name("NAME");
   verb.add_option("--zone", server.zone, "traffic zone, when no plant serves it")->type_name("NAME|FILE");
   verb.add_flag("--watch", server.watch, "with --zone: switch to its file whenever it is saved, while everything runs");
   verb.add_option("--map-link", server.map_link,
                   "where vehicles of other makes download the zone's file; without: from our page's address")
       ->type_name("URL");
   verb.add_flag("--no-drive", server.no_drive, "only watch: another master control gives the orders");
+  add_switch(verb, "--v2x", server.v2x, "its virtual AIVs tell those near them what they are about to do");
+  add_switch(verb, "--convoys", server.convoys, "several of one way pass a crossing together, when it pays");
   verb.add_flag("--headless", server.headless, "no page; the figures stay on /api/v1");
   verb.add_option("--web", server.web_directory, "the page's built files, if not web/dist")->type_name("DIR");
   verb.add_option("--memory", server.memory_file, "keeps what was added, priorities and edits over a crash")
@@ -117,7 +125,10 @@ void describe_server(CLI::App& verb, ServerArguments& server) {
   verb.add_option("--scenario-steps-done", server.steps_done)->group("");
   verb.footer(
       "Example, a server for vehicles of your own on your own broker:\n"
-      "  cosiva server --zone my.toml --broker 10.0.0.5:1883 --memory server.memory");
+      "  cosiva server --zone my.toml --broker 10.0.0.5:1883 --memory server.memory\n"
+      "Two halls on one broker:\n"
+      "  cosiva server --hall north --zone north.toml --port 8080\n"
+      "  cosiva server --hall south --zone south.toml --port 8081");
   add_part(verb, server.part);
 }
 
@@ -149,6 +160,7 @@ void describe_aiv(CLI::App& verb, AivArguments& aiv) {
       ->type_name("SECTION:S");
   verb.add_option("--memory", aiv.memory_file, "keeps its place over a crash; wins over --start")->type_name("FILE");
   add_rules(verb, aiv.rules, "how it chooses its speed (docs/guide/agents.md); without: crisp");
+  add_switch(verb, "--v2x", aiv.v2x, "it tells those near it what it is about to do");
   verb.add_flag("--emulated", aiv.emulated, "its radio is the emulated world's, which scenarios can let lose messages");
   verb.footer(
       "Example, a program for the first of a plant's vehicles:\n"
@@ -212,12 +224,17 @@ int run_command_line(int argc, const char* const* argv) {
   GenerateArguments generate;
   ScenarioArguments scenario;
   AgentArguments agent;
+  FleetTrafficArguments traffic;
+  CapacityArguments capacity;
+  QualifyArguments qualify;
   CLI::App* up_verb =
       root.add_subcommand("up", "The whole platform on this machine: broker, emulated vehicles, server, page");
   CLI::App* server_verb = root.add_subcommand("server", "AIV_Server, simulator and page alone");
   CLI::App* plant_verb = root.add_subcommand("plant", "The emulated physical world alone");
   CLI::App* aiv_verb = root.add_subcommand("aiv", "One vehicle's on-board program alone");
   CLI::App* replay_verb = root.add_subcommand("replay", "Run a recorded journal again and compare the digests");
+  CLI::App* traffic_verb = describe_traffic(root, traffic);
+  CLI::App* capacity_verb = describe_capacity(root, capacity);
   const ZoneVerbs zone_verbs = describe_zone(root, zone, generate);
   CLI::App* scenario_verb = root.add_subcommand("scenario", "Look at scenarios: what happens when");
   CLI::App* scenario_check_verb = scenario_verb->add_subcommand(
@@ -225,6 +242,9 @@ int run_command_line(int argc, const char* const* argv) {
   CLI::App* scenario_list_verb = scenario_verb->add_subcommand("list", "Say which scenarios are ready");
   scenario_verb->require_subcommand(0, 1);
   const AgentVerbs agent_verbs = describe_agent(root, agent);
+  BatteryArguments battery;
+  const BatteryVerbs battery_verbs = describe_battery(root, battery);
+  const QualifyVerbs qualify_verbs = describe_qualify(root, qualify);
   scenario_verb->footer("Example:\n  cosiva scenario check showroom");
   describe_up(*up_verb, up);
   describe_server(*server_verb, server);
@@ -260,8 +280,14 @@ int run_command_line(int argc, const char* const* argv) {
   if (plant_verb->parsed()) return run_plant(plant);
   if (aiv_verb->parsed()) return run_aiv(aiv);
   if (replay_verb->parsed()) return run_replay(replay);
+  if (traffic_verb->parsed()) return run_traffic(traffic);
+  if (capacity_verb->parsed()) return run_capacity(capacity);
   if (const auto status = run_zone_verb(zone_verbs, zone, generate)) return *status;
   if (const auto status = run_agent_verb(agent_verbs, agent)) return *status;
+  if (const auto status = run_battery_verb(battery_verbs, battery)) return *status;
+  if (battery_verbs.battery->parsed())
+    return refuse("say what to do: sampled, fleet, fit, plan, compare or check", *battery_verbs.battery);
+  if (const auto status = run_qualify_verb(qualify_verbs, qualify, argc, argv)) return *status;
   if (agent_verbs.agent->parsed()) return refuse("say what to do: explain or surface", *agent_verbs.agent);
   if (scenario_check_verb->parsed()) return run_scenario_check(scenario);
   if (scenario_list_verb->parsed()) return run_scenario_list(scenario);

@@ -79,4 +79,11 @@ void add_rules(CLI::App& verb, std::string& rules, const std::string& what) {
   verb.add_option("--rules", rules, what)->type_name("crisp|fuzzy|FILE");
 }
 
+void add_switch(CLI::App& verb, const std::string& name, bool& on, const std::string& what) {
+  verb.add_option_function<std::string>(
+          name, [&on](const std::string& word) { on = word == "on"; }, what + (on ? "; without: on" : "; without: off"))
+      ->type_name("on|off")
+      ->check(CLI::IsMember({"on", "off"}));
+}
+
 }  // namespace cosiva::app

@@ -28,7 +28,8 @@ TEST(CommandLine, bare_shows_what_there_is_with_two_examples) {
 }
 
 TEST(CommandLine, help_of_each_verb_goes_to_standard_output) {
-  for (const char* verb : {"up", "server", "plant", "aiv", "replay", "zone", "scenario", "agent"}) {
+  for (const char* verb :
+       {"up", "server", "plant", "aiv", "replay", "zone", "scenario", "agent", "qualify", "compare"}) {
     const Said said = cosiva({verb, "--help"});
     EXPECT_EQ(said.status, 0) << verb;
     EXPECT_THAT(said.data, HasSubstr("--help")) << verb;
@@ -65,6 +66,8 @@ TEST(CommandLine, values_out_of_range_or_missing_end_with_2) {
                                                   {"aiv", "--number", "1"},
                                                   {"aiv", "--number", "1", "--sockets", "x", "--start", "east"},
                                                   {"aiv", "--number", "1", "--sockets", "x", "--serial", "a/b"},
+                                                  {"server", "--hall", "no rth"},
+                                                  {"server", "--hall", "a/b"},
                                                   {"up", "--page"},
                                                   {"up", "--speed", "2"},
                                                   {"up", "--virtual-time", "--page", "--speed", "0"},

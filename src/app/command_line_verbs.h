@@ -5,6 +5,7 @@
 #include <string>
 
 #include "app/arguments.h"
+#include "app/battery_arguments.h"
 
 /// The parts of the command line: who describes which verb's options. Only the command line includes this.
 namespace cosiva::app {
@@ -35,7 +36,43 @@ struct AgentVerbs {
 [[nodiscard]] AgentVerbs describe_agent(CLI::App& root, AgentArguments& agent);
 /// The exit status of the one that was asked for, if any.
 [[nodiscard]] std::optional<int> run_agent_verb(const AgentVerbs& verbs, const AgentArguments& agent);
+/// `cosiva traffic`.
+[[nodiscard]] CLI::App* describe_traffic(CLI::App& root, FleetTrafficArguments& traffic);
+/// `cosiva capacity`.
+[[nodiscard]] CLI::App* describe_capacity(CLI::App& root, CapacityArguments& capacity);
+/// `cosiva battery` and its verbs.
+struct BatteryArguments {
+  BatteryFitArguments fit;
+  BatteryTestArguments test;
+  BatteryPlanArguments plan;
+  BatteryFilesArguments compare;
+  BatteryFilesArguments check;
+};
+struct BatteryVerbs {
+  CLI::App* battery;
+  CLI::App* sampled;
+  CLI::App* fleet;
+  CLI::App* fit;
+  CLI::App* plan;
+  CLI::App* compare;
+  CLI::App* check;
+};
+[[nodiscard]] BatteryVerbs describe_battery(CLI::App& root, BatteryArguments& battery);
+/// The exit status of the one that was asked for, if any.
+[[nodiscard]] std::optional<int> run_battery_verb(const BatteryVerbs& verbs, const BatteryArguments& battery);
+/// `cosiva qualify` and `cosiva compare`.
+struct QualifyVerbs {
+  CLI::App* qualify;
+  CLI::App* compare;
+};
+[[nodiscard]] QualifyVerbs describe_qualify(CLI::App& root, QualifyArguments& qualify);
+/// The exit status of the one that was asked for, if any.
+[[nodiscard]] std::optional<int> run_qualify_verb(const QualifyVerbs& verbs, QualifyArguments& qualify, int argc,
+                                                  const char* const* argv);
+
 /// --rules, of those who drive.
 void add_rules(CLI::App& verb, std::string& rules, const std::string& what);
+/// An option that is on or off; as `on` says unless it is given.
+void add_switch(CLI::App& verb, const std::string& name, bool& on, const std::string& what);
 
 }  // namespace cosiva::app

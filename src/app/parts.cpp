@@ -15,6 +15,7 @@
 #include "experiments/world/fleet.h"
 #include "physical/plant/plant_core.h"
 #include "virtual/server/server_core.h"
+#include "wire/halls.h"
 #include "wire/topics.h"
 
 namespace cosiva::app {
@@ -87,8 +88,9 @@ void tell(const PartArguments& part, const std::string& text) {
 
 /// Listens to what an emulated world says is true, for the eye only: a connection of its own, so that nothing of it can
 /// reach the core.
-Result<std::unique_ptr<adapters::MqttClient>> truth_for(EventLoop& loop, const PartArguments& part, ServerPage& page) {
-  auto mqtt = mqtt_options(part.broker, "cosiva-instrument");
+Result<std::unique_ptr<adapters::MqttClient>> truth_for(EventLoop& loop, const PartArguments& part, ServerPage& page,
+                                                        const std::string& hall) {
+  auto mqtt = mqtt_options(part.broker, "cosiva-instrument" + (hall.empty() ? "" : "-" + hall));
   if (!mqtt) return tl::unexpected(mqtt.error());
   adapters::MqttHandlers handlers;
   handlers.on_link = [](bool) {};
@@ -149,7 +151,12 @@ class FleetWatch {
 
 int run_server(const ServerArguments& arguments) {
   virtual_side::ServerOptions options;
+  if (!arguments.hall.empty() && !wire::valid_hall(arguments.hall))
+    return complain({"server.hall", "the name of a hall has A-Z a-z 0-9 _ . : - only, 32 at most", "--hall"});
+  options.hall = arguments.hall;
   options.drive = !arguments.no_drive;
+  options.v2x = arguments.v2x;
+  options.convoys = arguments.convoys;
   options.map_download_link = arguments.map_link;
   // We speak to this machine only; vehicles elsewhere need the file where they can reach it.
   if (options.map_download_link.empty() && arguments.port != 0)
@@ -171,7 +178,9 @@ int run_server(const ServerArguments& arguments) {
     if (!loaded) return complain(loaded.error());
     scenario = std::move(loaded->scenario);
   }
-  auto live = live_options(arguments.part, "server", "server", virtual_side::to_json(options));
+  // Two clients of one name would take the broker from each other.
+  const std::string client = arguments.hall.empty() ? "server" : "server-" + arguments.hall;
+  auto live = live_options(arguments.part, "server", client, virtual_side::to_json(options));
   if (!live) return complain(live.error());
   live->memory_file = arguments.memory_file;
 
@@ -184,7 +193,7 @@ int run_server(const ServerArguments& arguments) {
   shell.after_input([&] { (*page)->changed(); });
   std::unique_ptr<adapters::MqttClient> instrument;
   if (arguments.emulated) {
-    auto made = truth_for(loop, arguments.part, **page);
+    auto made = truth_for(loop, arguments.part, **page, arguments.hall);
     if (!made) return complain(made.error());
     instrument = std::move(*made);
     instrument->start();
@@ -236,6 +245,7 @@ int run_aiv(const AivArguments& arguments) {
   auto rules = load_speed_rules(arguments.rules);
   if (!rules) return complain(rules.error());
   options.rules = std::move(*rules);
+  options.v2x = arguments.v2x;
   if (!arguments.start.empty()) {
     auto start = parse_start(arguments.start);
     if (!start) return complain(start.error());

@@ -14,6 +14,11 @@ Result<aiv::SpeedRules> load_speed_rules(const std::string& word_or_file) {
   return aiv::SpeedRules{Kind::custom, word_or_file, std::move(*text)};
 }
 
+Result<std::shared_ptr<const aiv::AgentRules>> load_fleet_rules(const std::string& word_or_file) {
+  if (word_or_file == "crisp") return nullptr;
+  return load_agent_rules(word_or_file);
+}
+
 Result<std::shared_ptr<const aiv::AgentRules>> load_agent_rules(const std::string& word_or_file) {
   const auto rules = load_speed_rules(word_or_file);
   if (!rules) return tl::unexpected(rules.error());

@@ -52,6 +52,14 @@ std::string augmented(const JsonValue& bijection) {
   return text;
 }
 
+std::string deadlocks_text(const JsonValue* deadlocks) {
+  if (deadlocks == nullptr) return {};
+  const double detected = deadlocks->number("detected").value_or(0.0);
+  const double open = deadlocks->number("open").value_or(0.0);
+  return ", " + decimals(detected, 0) + (detected == 1.0 ? " deadlock" : " deadlocks") +
+         (open > 0.0 ? " (" + decimals(open, 0) + " not resolved)" : "");
+}
+
 }  // namespace
 
 Result<RunSummary> summarise(const RunFacts& facts, std::string_view server_summary, std::string_view plant_summary) {
@@ -69,7 +77,10 @@ Result<RunSummary> summarise(const RunFacts& facts, std::string_view server_summ
   JsonWriter json;
   write(json.begin_object().key("bijection"), *bijection);
   json.field("aivs", facts.aivs).field("collisions", touched).field("laps", laps);
-  json.field("longest_wait_s", longest_wait_s).field("digest", facts.digest).field("duration_s", facts.duration_s);
+  json.field("longest_wait_s", longest_wait_s);
+  const JsonValue* deadlocks = server->find("deadlocks");
+  if (deadlocks != nullptr) write(json.key("deadlocks"), *deadlocks);
+  json.field("digest", facts.digest).field("duration_s", facts.duration_s);
   json.field("zone", facts.zone).field("seed", facts.seed);
   if (!facts.scenario.empty()) json.field("scenario", facts.scenario);
   json.end_object();
@@ -84,7 +95,8 @@ Result<RunSummary> summarise(const RunFacts& facts, std::string_view server_summ
              " of " + std::to_string(facts.aivs) + ", divergence p99 " +
              millis(*bijection, "divergence_m", 1e3, " mm") + ", age p99 " + millis(*bijection, "age_ms", 1.0, " ms") +
              "\n" + std::to_string(touched) + " collisions, " + decimals(laps, 0) + " laps, longest wait " +
-             decimals(longest_wait_s, 1) + " s, digest " + facts.digest + augmented(*bijection);
+             decimals(longest_wait_s, 1) + " s" + deadlocks_text(deadlocks) + ", digest " + facts.digest +
+             augmented(*bijection);
   return run;
 }
 

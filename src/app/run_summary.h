@@ -11,7 +11,7 @@ namespace cosiva::app {
 /// What a run of the whole platform gave, from the summaries of its parts.
 struct RunSummary {
   std::string
-      json;  ///< {"bijection","aivs","collisions","laps","longest_wait_s","digest","duration_s","zone","seed","scenario"?}
+      json;  ///< {"bijection","aivs","collisions","laps","longest_wait_s","deadlocks","digest","duration_s","zone","seed","scenario"?}
   std::string text;    ///< the same for people: two lines, and a third where something was only virtual
   bool collided{};     ///< some vehicle touched something
   bool all_matched{};  ///< every vehicle asked for had exactly one twin at the end, and nothing else was there

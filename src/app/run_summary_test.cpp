@@ -44,6 +44,18 @@ TEST(RunSummary, counts_collisions) {
   EXPECT_EQ(JsonValue::parse(run->json)->number("collisions"), 1.0);
 }
 
+TEST(RunSummary, tells_of_deadlocks_and_of_those_that_nobody_resolved) {
+  const auto with = [](const std::string& deadlocks) {
+    std::string text = server(2, 2, 2);
+    text.insert(text.size() - 1, R"(,"deadlocks":)" + deadlocks);
+    return *summarise(facts, text, calm_plant);
+  };
+  const RunSummary one = with(R"({"rings":4,"detected":1,"resolved":1,"open":0,"longest_s":4.9})");
+  EXPECT_THAT(one.text, HasSubstr("longest wait 3.5 s, 1 deadlock, digest"));
+  EXPECT_THAT(one.json, HasSubstr(R"("deadlocks":{"rings":4,"detected":1,"resolved":1,"open":0,"longest_s":4.9})"));
+  EXPECT_THAT(with(R"({"detected":3,"open":1})").text, HasSubstr("3 deadlocks (1 not resolved)"));
+}
+
 TEST(RunSummary, of_a_part_that_left_none_is_an_error) {
   for (const char* bad : {"", "{}", "nonsense", R"({"collisions":3})"}) {
     const auto run = summarise(facts, server(2, 2, 2), bad);

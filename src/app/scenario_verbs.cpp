@@ -14,9 +14,7 @@ namespace {
 Result<LoadedScenario> load_checked(const std::string& name_or_file) {
   auto loaded = load_scenario(name_or_file);
   if (!loaded) return loaded;
-  auto configuration = load_zone(loaded->scenario.zone);
-  if (!configuration) return tl::unexpected(configuration.error());
-  const auto rtm = zone::Rtm::initialise(std::move(*configuration));
+  const auto rtm = open_zone(loaded->scenario.zone);
   if (!rtm) return tl::unexpected(rtm.error());
   if (auto good = experiments::check(loaded->scenario, rtm->zone(), loaded->file); !good)
     return tl::unexpected(good.error());

@@ -175,6 +175,7 @@ class Up {
     append(argv, {"--number", name, "--sockets", run_ / "boards", "--start", start});
     append(argv, {"--memory", run_ / ("aiv" + name + ".memory"), "--emulated"});
     if (!arguments_.rules.empty()) append(argv, {"--rules", arguments_.rules});
+    if (!arguments_.v2x) append(argv, {"--v2x", "off"});
     return argv;
   }
 
@@ -192,6 +193,8 @@ class Up {
       append(argv, {"--scenario-steps-done", std::to_string(steps_done_)});
     }
     if (!arguments_.rules.empty()) append(argv, {"--rules", arguments_.rules});
+    if (!arguments_.v2x) append(argv, {"--v2x", "off"});
+    if (arguments_.convoys) append(argv, {"--convoys", "on"});
     if (arguments_.headless) append(argv, {"--headless"});
     if (!arguments_.web_directory.empty()) append(argv, {"--web", arguments_.web_directory});
     ++server_lives_;

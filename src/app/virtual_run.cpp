@@ -12,6 +12,8 @@ Result<std::unique_ptr<VirtualRun>> VirtualRun::make(RunPlan plan) {
   options.aivs = plan.arguments.aivs;
   options.seed = plan.arguments.seed;
   options.network.loss = plan.arguments.loss;
+  options.v2x = options.server.v2x = plan.arguments.v2x;
+  options.server.convoys = plan.arguments.convoys;
   if (plan.rules) options.rules = options.server.virtual_rules = *plan.rules;
   auto world = experiments::World::make(std::move(options));
   if (!world) return tl::unexpected(world.error());

@@ -1,8 +1,8 @@
 #include <algorithm>
-#include <chrono>
 #include <memory>
 
 #include "app/arguments.h"
+#include "app/progress.h"
 #include "app/virtual_page.h"
 #include "app/virtual_run.h"
 #include "app/words.h"
@@ -11,24 +11,6 @@ namespace cosiva::app {
 namespace {
 
 constexpr SimDuration step = std::chrono::milliseconds{500};
-
-/// One line a second of real time for runs that take longer.
-class Progress {
- public:
-  void at(double done_s, double all_s) {
-    const auto now = std::chrono::steady_clock::now();
-    if (now - last_ < std::chrono::seconds{1}) return;
-    last_ = now;
-    const double real_s = std::chrono::duration<double>(now - start_).count();
-    const double rate = done_s / real_s;
-    say("virtual time " + decimals(done_s, 0) + " s of " + decimals(all_s, 0) + " s, " + decimals(rate, 0) +
-        " times real time, " + decimals(std::max(all_s - done_s, 0.0) / rate, 0) + " s left");
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_{std::chrono::steady_clock::now()};
-  std::chrono::steady_clock::time_point last_{start_};
-};
 
 /// As fast as the machine can.
 int run_to_the_end(VirtualRun& run) {

@@ -117,6 +117,12 @@ Result<zone::ZoneConfiguration> load_zone(const std::string& name_or_file, const
   return configuration;
 }
 
+Result<zone::Rtm> open_zone(const std::string& name_or_file, const std::string& companion_file) {
+  auto configuration = load_zone(name_or_file, companion_file);
+  if (!configuration) return tl::unexpected(configuration.error());
+  return zone::Rtm::initialise(std::move(*configuration));
+}
+
 Result<void> write_zone(const std::string& file, const zone::ZoneConfiguration& configuration) {
   // The companion first: an old file with a new companion is what an edit makes anyway.
   if (const auto companion = zone::companion_of_file(file); companion && !configuration.companion.empty())

@@ -6,6 +6,7 @@
 
 #include "base/result.h"
 #include "zone/circuit_factory.h"
+#include "zone/rtm/rtm.h"
 
 /// Zones as files on this machine, of every format that there is: which format a file is in is told by its ending, and
 /// what a format cannot say stands in its companion beside it ("plant.lif.json" and "plant.zone.toml").
@@ -22,6 +23,9 @@ inline constexpr std::string_view companion_ending = ".zone.toml";
 /// Fails ("zone.format") on a file whose ending no format has.
 [[nodiscard]] Result<zone::ZoneConfiguration> load_zone(const std::string& name_or_file,
                                                         const std::string& companion_file = {});
+
+/// Loads it and makes it ready. Fails as load_zone and Rtm::initialise do.
+[[nodiscard]] Result<zone::Rtm> open_zone(const std::string& name_or_file, const std::string& companion_file = {});
 
 /// Writes the file, and its companion beside it where there is one. Fails ("file.write"); then the file itself is as it
 /// was.

@@ -10,6 +10,7 @@
 #include "app/zone_words.h"
 #include "zone/beacons.h"
 #include "zone/check.h"
+#include "zone/deadlock.h"
 #include "zone/draw.h"
 
 namespace cosiva::app {
@@ -56,7 +57,7 @@ std::string origin_text(const zone::OriginSuggestion& suggestion) {
 
 void write_problem(JsonWriter& json, const zone::TrafficZone& zone, const zone::Problem& problem) {
   json.begin_object();
-  json.field("severity", problem.severity == zone::Problem::Severity::error ? "error" : "warning");
+  json.field("severity", to_string(problem.severity));
   json.field("code", problem.code).field("section", section_name(zone.circuit, problem.place.section));
   json.field("s", problem.place.s_m).field("x", problem.at.x_m).field("y", problem.at.y_m).field("text", problem.text);
   json.end_object();
@@ -74,7 +75,21 @@ void write_waypoints(JsonWriter& json, const zone::TrafficZone& zone) {
   json.end_array();
 }
 
-std::string json_of(const zone::Rtm& rtm, const Stretches& stretches, const std::vector<zone::Problem>& problems) {
+/// What there is to say of a zone: what is wrong or odd, and where deadlocks can occur.
+struct Findings {
+  explicit Findings(const zone::TrafficZone& zone)
+      : problems{zone::problems(zone)}, deadlocks{zone::deadlock_spots(zone)} {}
+  std::vector<zone::Problem> problems;
+  std::vector<zone::Problem> deadlocks;
+};
+
+void write_problems(JsonWriter& json, const zone::TrafficZone& zone, const std::vector<zone::Problem>& problems) {
+  json.begin_array();
+  for (const zone::Problem& problem : problems) write_problem(json, zone, problem);
+  json.end_array();
+}
+
+std::string json_of(const zone::Rtm& rtm, const Stretches& stretches, const Findings& findings) {
   const zone::TrafficZone& zone = rtm.zone();
   JsonWriter json;
   json.begin_object().field("zone", zone.name).field("good", true).field("file", rtm.configuration().origin);
@@ -91,9 +106,8 @@ std::string json_of(const zone::Rtm& rtm, const Stretches& stretches, const std:
     json.begin_array().value(stretches.origin->origin.x_m).value(stretches.origin->origin.y_m).end_array();
   else
     json.null();
-  json.key("problems").begin_array();
-  for (const zone::Problem& problem : problems) write_problem(json, zone, problem);
-  json.end_array();
+  write_problems(json.key("problems"), zone, findings.problems);
+  write_problems(json.key("deadlocks"), zone, findings.deadlocks);
   write_notes(json.key("notes"), zone.notes);
   write_waypoints(json.key("waypoints"), zone);
   json.end_object();
@@ -108,8 +122,8 @@ std::string verdict(std::size_t errors, std::size_t warnings) {
   return text;
 }
 
-std::string text_of(const zone::TrafficZone& zone, const Stretches& stretches,
-                    const std::vector<zone::Problem>& problems) {
+std::string text_of(const zone::TrafficZone& zone, const Stretches& stretches, const Findings& findings) {
+  const std::vector<zone::Problem>& problems = findings.problems;
   const auto errors =
       static_cast<std::size_t>(std::ranges::count(problems, zone::Problem::Severity::error, &zone::Problem::severity));
   std::string text = zone.name + ": " + verdict(errors, problems.size() - errors);
@@ -126,6 +140,8 @@ std::string text_of(const zone::TrafficZone& zone, const Stretches& stretches,
   }
   if (!problems.empty()) text += "\n  where it is weak:";
   for (const zone::Problem& problem : problems) text += "\n    " + to_string(problem, zone);
+  if (!findings.deadlocks.empty()) text += "\n  where vehicles may come to wait for each other:";
+  for (const zone::Problem& spot : findings.deadlocks) text += "\n    " + to_string(spot, zone);
   return text + report_of(zone.notes, "reading it");
 }
 
@@ -158,16 +174,16 @@ int write_picture(const std::string& file, const std::string& bytes) {
 }  // namespace
 
 int run_zone_check(const ZoneArguments& arguments) {
-  const auto rtm = open_zone(arguments);
+  const auto rtm = open_zone(arguments.zone, arguments.companion);
   if (!rtm) return refuse_zone(arguments, rtm.error());
   const Stretches stretches = stretches_of(rtm->zone());
-  const std::vector<zone::Problem> problems = zone::problems(rtm->zone());
-  print(arguments.json ? json_of(*rtm, stretches, problems) : text_of(rtm->zone(), stretches, problems));
+  const Findings findings{rtm->zone()};
+  print(arguments.json ? json_of(*rtm, stretches, findings) : text_of(rtm->zone(), stretches, findings));
   return exit_done;
 }
 
 int run_zone_show(const ZoneArguments& arguments) {
-  const auto rtm = open_zone(arguments);
+  const auto rtm = open_zone(arguments.zone, arguments.companion);
   if (!rtm) return complain(rtm.error());
   const std::string svg = zone::to_svg(rtm->zone(), zone::draw(rtm->zone()));
   const bool to_output = (arguments.svg_file.empty() && arguments.png_file.empty()) || arguments.svg_file == "-";

@@ -72,7 +72,7 @@ std::string text_of(const zone::TrafficZone& zone, const Made& made) {
 int run_zone_convert(const ZoneArguments& arguments) {
   const auto format = format_to(arguments);
   if (!format) return complain(format.error());
-  const auto rtm = open_zone(arguments);
+  const auto rtm = open_zone(arguments.zone, arguments.companion);
   if (!rtm) return complain(rtm.error());
   std::error_code error;
   if (fs::equivalent(rtm->configuration().origin, arguments.out_file, error))

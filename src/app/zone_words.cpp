@@ -5,12 +5,6 @@
 
 namespace cosiva::app {
 
-Result<zone::Rtm> open_zone(const ZoneArguments& arguments) {
-  auto configuration = load_zone(arguments.zone, arguments.companion);
-  if (!configuration) return tl::unexpected(configuration.error());
-  return zone::Rtm::initialise(std::move(*configuration));
-}
-
 std::string counted(std::size_t n, const std::string& one) {
   return std::to_string(n) + " " + one + (n == 1 ? "" : "s");
 }

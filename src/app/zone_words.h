@@ -11,9 +11,6 @@
 /// What the verbs of `zone` have in common.
 namespace cosiva::app {
 
-/// Loads and reads the zone that the arguments name.
-[[nodiscard]] Result<zone::Rtm> open_zone(const ZoneArguments& arguments);
-
 /// "3 sections", "1 section".
 [[nodiscard]] std::string counted(std::size_t n, const std::string& one);
 /// The loss report, a line for each note under a heading; empty where there is nothing to say.

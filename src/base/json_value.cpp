@@ -2,20 +2,26 @@
 
 #include <simdjson.h>
 
+#include <algorithm>
+
 namespace cosiva {
 namespace {
 
 constexpr std::size_t depth_max = 64;
+/// A parser takes some ten times its text.
+constexpr std::size_t kept_bytes_max = 16U << 10U;
 
 JsonValue convert(simdjson::dom::element element) {
   switch (element.type()) {
     case simdjson::dom::element_type::ARRAY: {
       JsonValue::Array items;
+      items.reserve(simdjson::dom::array(element).size());
       for (const auto item : simdjson::dom::array(element)) items.push_back(convert(item));
       return JsonValue{std::move(items)};
     }
     case simdjson::dom::element_type::OBJECT: {
       JsonValue::Object members;
+      members.reserve(simdjson::dom::object(element).size());
       for (const auto member : simdjson::dom::object(element))
         members.emplace_back(std::string(member.key), convert(member.value));
       return JsonValue{std::move(members)};
@@ -38,9 +44,14 @@ Result<JsonValue> JsonValue::parse(std::string_view text, std::size_t bytes_max)
                 std::to_string(text.size()) + " bytes of JSON, at most " + std::to_string(bytes_max) + " are taken");
   }
   try {
-    simdjson::dom::parser parser;
-    if (const auto error = parser.allocate(text.size() + 1, depth_max))
-      return fail("json.syntax", simdjson::error_message(error));
+    // Kept between messages: its memory taken and given back anew would cost more than the reading of a short one.
+    static thread_local simdjson::dom::parser kept;
+    simdjson::dom::parser large;
+    simdjson::dom::parser& parser = text.size() < kept_bytes_max ? kept : large;
+    if (const std::size_t wanted = std::max(text.size() + 1, kept_bytes_max); parser.capacity() < wanted) {
+      if (const auto error = parser.allocate(wanted, depth_max))
+        return fail("json.syntax", simdjson::error_message(error));
+    }
     simdjson::dom::element element;
     if (const auto error = parser.parse(simdjson::padded_string(text)).get(element)) {
       return fail("json.syntax", std::string("not JSON: ") + simdjson::error_message(error));

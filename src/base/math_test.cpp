@@ -41,6 +41,17 @@ TEST(Math, sine_and_cosine_agree_with_the_library_near_zero_and_far_away) {
   }
 }
 
+TEST(Math, error_function_agrees_with_the_library_also_far_out) {
+  for (double x = -6.0; x <= 6.0; x += 0.0037) {
+    ASSERT_NEAR(det_erf(x), std::erf(x), 2e-15) << x;
+    ASSERT_NEAR(det_erfc(x) / std::erfc(x), 1.0, x < 2.0 ? 1e-12 : 1e-13) << x;
+  }
+  EXPECT_EQ(det_erf(0.0), 0.0);
+  EXPECT_NEAR(det_erfc(20.0) / std::erfc(20.0), 1.0, 1e-13);
+  EXPECT_EQ(det_erfc(30.0), 0.0);
+  EXPECT_EQ(det_erf(-1.3), -det_erf(1.3));
+}
+
 TEST(Math, sincos_is_both_at_once) {
   for (const double x : {-3.0, -0.1, 0.0, 2.0, 1e5}) {
     EXPECT_EQ(sincos(x).sin, det_sin(x));

@@ -12,6 +12,7 @@
 
 #include "base/expect.h"
 #include "base/math.h"
+#include "fuzzy/kernel.h"
 
 namespace cosiva::fuzzy {
 namespace {
@@ -25,24 +26,40 @@ constexpr std::array<Op, 6> norm_ops{Op::least,    Op::product,       Op::bounde
                                      Op::greatest, Op::algebraic_sum, Op::bounded_sum};
 bool is_norm(Op op) { return std::find(norm_ops.begin(), norm_ops.end(), op) != norm_ops.end(); }
 
-/// Collects steps, each only once.
+/// What one step makes of known numbers, by the kernel itself.
+double worked_out(Op op, double a, double b, double p, double q, double r) {
+  Program program;
+  program.steps.push_back({0, 1, 2, p, q, r});
+  program.runs.push_back({op, 0, 1});
+  double values[3] = {a, b, 0.0};
+  run_one(program, values);
+  return values[2];
+}
+
+/// Collects steps, each only once, and works out at once what follows from what is known.
 class Steps {
  public:
-  explicit Steps(std::size_t inputs) : inputs_{inputs} {}
+  /// @param known  by input
+  explicit Steps(const std::vector<std::optional<double>>& known) : inputs_{known.size()}, numbers_{known} {}
 
   Value make(Op op, Value a, Value b, double p = 0.0, double q = 0.0, double r = 0.0) {
     if (is_norm(op) && b < a) std::swap(a, b);
+    if (op != Op::value) {
+      if (const auto shorter = shortened(op, a, b, p, q, r)) return *shorter;
+    }
     const auto bits = [](double v) { return std::bit_cast<std::uint64_t>(v); };
     const Key key{static_cast<std::uint64_t>(op), a, b, bits(p), bits(q), bits(r)};
     const auto [entry, is_new] = known_.try_emplace(key, inputs_ + steps_.size());
     if (is_new) {
       ops_.push_back(op);
       steps_.push_back({a, b, p, q, r});
+      numbers_.push_back(op == Op::value ? std::optional{p} : std::nullopt);
     }
     return entry->second;
   }
   Value make(Op op, Value a, double p = 0.0, double q = 0.0) { return make(op, a, a, p, q); }
   [[nodiscard]] Value value(double p) { return make(Op::value, 0, p); }
+  [[nodiscard]] const std::optional<double>& number(Value value) const { return numbers_[value]; }
 
   struct Wide {
     Value a;
@@ -56,8 +73,29 @@ class Steps {
   [[nodiscard]] std::size_t inputs() const { return inputs_; }
 
  private:
+  /// A value that is the same number. Degrees are at least 0 and finite, so what is multiplied by a known 0 is 0.
+  std::optional<Value> shortened(Op op, Value a, Value b, double p, double q, double r) {
+    const std::optional<double> x = numbers_[a];
+    const std::optional<double> y = numbers_[b];
+    if (x && y) return value(worked_out(op, *x, *y, p, q, r));
+    if (op == Op::product && (x || y)) {
+      const double factor = x ? *x : *y;
+      if (factor == 0.0) return value(0.0);
+      if (factor == 1.0) return x ? b : a;
+    }
+    if (op == Op::add && (x || y)) return plus(x ? b : a, x ? *x : *y);
+    if (op == Op::add_fire && y) return plus(a, worked_out(Op::fire, *y, 0.0, p, q, r));
+    if (op == Op::add_scaled && y) return plus(a, *y * p);
+    if (op == Op::add_scaled && x == 0.0) return make(Op::scale, b, p);
+    if (op == Op::scale && p == 1.0) return a;
+    if (op == Op::quotient && y == 1.0) return a;
+    return std::nullopt;
+  }
+  Value plus(Value a, double number) { return number == 0.0 ? a : make(Op::add_value, a, number); }
+
   using Key = std::array<std::uint64_t, 6>;
   std::size_t inputs_;
+  std::vector<std::optional<double>> numbers_;  ///< by value, of those that are known
   std::map<Key, Value> known_;
   std::vector<Op> ops_;
   std::vector<Wide> steps_;
@@ -122,22 +160,36 @@ Value hedged(Steps& steps, Hedge hedge, Value a) {
 
 class Compiler {
  public:
-  Compiler(const Engine& engine, Keep keep) : engine_{engine}, keep_{keep}, steps_{engine.inputs.size()} {}
+  Compiler(const Engine& engine, Keep keep, const std::vector<std::optional<double>>& known)
+      : engine_{engine}, keep_{keep}, steps_{known} {}
+
+  Result<Narrowed> narrowed(const std::vector<std::size_t>& asked) {
+    std::vector<std::vector<Value>> conditions;
+    lay_inputs();
+    for (const Rule& rule : engine_.rules) conditions.push_back(conditions_of(rule));
+    std::vector<Value> outputs;
+    for (const std::size_t o : asked) {
+      std::vector<Value> answers;
+      for (const Term& term : engine_.outputs[o].terms) answers.push_back(answer(term));
+      outputs.push_back(output(o, answers, conditions));
+    }
+    if (auto fits = fit(); !fits) return tl::unexpected(fits.error());
+    Narrowed narrowed;
+    // What is known needs no step.
+    std::vector<Value> open;
+    for (const Value value : outputs) {
+      narrowed.known.push_back(steps_.number(value));
+      if (!narrowed.known.back()) open.push_back(value);
+    }
+    const std::vector<std::size_t> order = schedule(open, narrowed.program);
+    const std::vector<std::uint16_t> places = place(order, open, narrowed.program);
+    for (const Value value : outputs) narrowed.program.outputs.push_back(places[value]);
+    return narrowed;
+  }
 
   Result<Compiled> compile() {
-    constexpr double finite_max = std::numeric_limits<double>::max();
-    for (std::size_t i = 0; i < engine_.inputs.size(); ++i) {
-      const Variable& input = engine_.inputs[i];
-      const double low = input.lock_range ? std::max(input.minimum, -finite_max) : -finite_max;
-      const double high = input.lock_range ? std::min(input.maximum, finite_max) : finite_max;
-      inputs_.push_back(steps_.make(Op::clamp, i, low, high));
-    }
-    std::vector<std::vector<Value>> memberships;
-    for (std::size_t i = 0; i < engine_.inputs.size(); ++i) {
-      memberships.emplace_back();
-      for (const Term& term : engine_.inputs[i].terms) memberships.back().push_back(membership(i, term));
-    }
-    memberships_ = memberships;
+    lay_inputs();
+    const std::vector<std::vector<Value>>& memberships = memberships_;
     std::vector<std::vector<Value>> conditions;
     for (const Rule& rule : engine_.rules) conditions.push_back(conditions_of(rule));
     std::vector<std::vector<Value>> answers;
@@ -147,11 +199,7 @@ class Compiler {
       for (const Term& term : engine_.outputs[o].terms) answers.back().push_back(answer(term));
       outputs.push_back(output(o, answers.back(), conditions));
     }
-    if (steps_.inputs() + steps_.steps().size() > values_max) {
-      return fail("rules.size", "the rules make " + std::to_string(steps_.inputs() + steps_.steps().size()) +
-                                    " values, and at most " + std::to_string(values_max) +
-                                    " can be worked with; take fewer rules");
-    }
+    if (auto fits = fit(); !fits) return tl::unexpected(fits.error());
     Compiled compiled;
     const std::vector<std::size_t> order = schedule(outputs, compiled.program);
     const std::vector<std::uint16_t> places = place(order, outputs, compiled.program);
@@ -170,6 +218,27 @@ class Compiler {
   }
 
  private:
+  void lay_inputs() {
+    constexpr double finite_max = std::numeric_limits<double>::max();
+    for (std::size_t i = 0; i < engine_.inputs.size(); ++i) {
+      const Variable& input = engine_.inputs[i];
+      const double low = input.lock_range ? std::max(input.minimum, -finite_max) : -finite_max;
+      const double high = input.lock_range ? std::min(input.maximum, finite_max) : finite_max;
+      inputs_.push_back(steps_.make(Op::clamp, i, low, high));
+    }
+    for (std::size_t i = 0; i < engine_.inputs.size(); ++i) {
+      memberships_.emplace_back();
+      for (const Term& term : engine_.inputs[i].terms) memberships_.back().push_back(membership(i, term));
+    }
+  }
+
+  [[nodiscard]] Result<void> fit() const {
+    const std::size_t values = steps_.inputs() + steps_.steps().size();
+    if (values <= values_max) return {};
+    return fail("rules.size", "the rules make " + std::to_string(values) + " values, and at most " +
+                                  std::to_string(values_max) + " can be worked with; take fewer rules");
+  }
+
   Value membership(std::size_t input, const Term& term) {
     if (!engine_.inputs[input].enabled) return steps_.value(0.0);
     const Value degree = shape(steps_, inputs_[input], term);
@@ -335,6 +404,12 @@ class Compiler {
 
 }  // namespace
 
-Result<Compiled> compile(const Engine& engine, Keep keep) { return Compiler{engine, keep}.compile(); }
+Result<Compiled> compile(const Engine& engine, Keep keep) {
+  return Compiler{engine, keep, std::vector<std::optional<double>>(engine.inputs.size())}.compile();
+}
+
+Result<Narrowed> compile_narrowed(const Engine& engine, const Narrowing& narrowing) {
+  return Compiler{engine, Keep::answers, narrowing.inputs}.narrowed(narrowing.outputs);
+}
 
 }  // namespace cosiva::fuzzy

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "base/result.h"
@@ -26,8 +28,21 @@ enum class Keep {
   everything,  ///< each value keeps its place, to be looked at afterwards
 };
 
+/// What is known before anybody asks, and what of the answers is asked for.
+struct Narrowing {
+  std::vector<std::optional<double>> inputs;  ///< by input; as it will be given, so maybe beyond its range
+  std::vector<std::size_t> outputs;           ///< of the engine's
+};
+
 /// Equal conditions and flanks that touch are worked out once. Fails ("rules.size") where that still makes more than
 /// values_max values.
 [[nodiscard]] Result<Compiled> compile(const Engine& engine, Keep keep = Keep::answers);
+/// The same numbers for the outputs that are asked for, given the inputs that are known: what follows from those alone
+/// is worked out here. Where that is all of an output, `known` has its number.
+struct Narrowed {
+  Program program;                           ///< its outputs are those asked for
+  std::vector<std::optional<double>> known;  ///< by output asked for
+};
+[[nodiscard]] Result<Narrowed> compile_narrowed(const Engine& engine, const Narrowing& narrowing);
 
 }  // namespace cosiva::fuzzy

@@ -3,15 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/vector_clones.h"
 #include "fuzzy/shapes.h"
 
-// Wider vectors where the processor has them, chosen when the program is loaded: IEEE arithmetic gives the same bits in
-// all of them, as no multiplication is fused with an addition (cmake/cosiva_options.cmake).
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
-#define COSIVA_VECTOR_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
-#else
-#define COSIVA_VECTOR_CLONES
-#endif
 namespace cosiva::fuzzy {
 namespace {
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "base/math.h"
+#include "base/math_inline.h"
 
 /// The kernel is compiled once per width of vectors; what it calls goes along only where it becomes part of it.
 #define COSIVA_PART __attribute__((always_inline))
@@ -19,11 +20,9 @@ namespace cosiva::fuzzy {
   constexpr double log2_e = 1.44269504088896340736;
   constexpr double ln2_high = 6.93147180369123816490e-01;
   constexpr double ln2_low = 1.90821492927058770002e-10;
-  // Adding 1.5·2^52 rounds to a whole number, which then stands in the lowest bits.
-  constexpr double rounder = 6755399441055744.0;
   const double bounded = std::max(-700.0, std::min(700.0, x));
-  const double shifted = bounded * log2_e + rounder;
-  const double k = shifted - rounder;
+  const double shifted = bounded * log2_e + plain::rounder;
+  const double k = shifted - plain::rounder;
   const std::uint64_t power = std::bit_cast<std::uint64_t>(shifted) << 52U;
   const double r = (bounded - k * ln2_high) - k * ln2_low;
   // Taylor to r^13: |r| ≤ ln 2 / 2 leaves 4e-18.
@@ -47,17 +46,7 @@ namespace cosiva::fuzzy {
 /// cos² of an angle; 0 beyond a quarter turn to either side.
 [[nodiscard]] COSIVA_PART inline double cosine_bump(double angle) noexcept {
   const double half = 0.5 * std::max(-0.5 * pi, std::min(0.5 * pi, angle));
-  // Taylor to x^17 of the sine: |x| ≤ π/4 leaves 1e-19.
-  const double z = half * half;
-  double p = 1.0 / 355687428096000.0;
-  p = p * z - 1.0 / 1307674368000.0;
-  p = p * z + 1.0 / 6227020800.0;
-  p = p * z - 1.0 / 39916800.0;
-  p = p * z + 1.0 / 362880.0;
-  p = p * z - 1.0 / 5040.0;
-  p = p * z + 1.0 / 120.0;
-  p = p * z - 1.0 / 6.0;
-  const double sine = half + half * (z * p);
+  const double sine = plain::sin_kernel(half);
   const double cosine = 1.0 - 2.0 * (sine * sine);
   return cosine * cosine;
 }

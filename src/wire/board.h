@@ -94,10 +94,19 @@ inline constexpr std::uint16_t no_echo = 0xFFFF;
 
 /// RALI → TSVA, 2 Hz.
 struct Power {
+  /// What a gauge says that knows how sure it is.
+  struct Gauge {
+    std::uint32_t charge_ppm{};    ///< the charge again, finer
+    std::uint16_t charge_sd_01{};  ///< one standard deviation of its error [0.01 %]
+    friend bool operator==(const Gauge&, const Gauge&) = default;
+  };
   std::uint16_t voltage_mv{};
   std::int16_t current_ma{};  ///< positive discharges
   std::int16_t temperature_01C{};
   std::uint16_t charge_permille{};
+  std::optional<Gauge> gauge{};
+  /// As finely as it was told, 0…1.
+  [[nodiscard]] double charge() const { return gauge ? 1e-6 * gauge->charge_ppm : 1e-3 * charge_permille; }
   friend bool operator==(const Power&, const Power&) = default;
 };
 

@@ -21,6 +21,11 @@ struct Fold {
     digest.add(std::string_view{r.bytes});
   }
   void operator()(const Log&) const {}
+  void operator()(const Listen& listen) const {
+    digest.add(std::uint64_t{4});
+    digest.add(std::uint64_t{listen.filters.size()});
+    for (const std::string& filter : listen.filters) digest.add(std::string_view{filter});
+  }
 };
 
 }  // namespace

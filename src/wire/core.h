@@ -59,7 +59,13 @@ struct Log {
   std::string text;
   friend bool operator==(const Log&, const Log&) = default;
 };
-using Effect = std::variant<Publish, SendBytes, Remember, Log>;
+/// Hear these topics from now on, too, besides subscriptions(); each replaces the last. None are heard before the
+/// first. Holds over a lost connection, until the next.
+struct Listen {
+  std::vector<std::string> filters;
+  friend bool operator==(const Listen&, const Listen&) = default;
+};
+using Effect = std::variant<Publish, SendBytes, Remember, Log, Listen>;
 using Effects = std::vector<Effect>;
 
 struct Will {
@@ -74,7 +80,7 @@ class Core {
   virtual ~Core() = default;
   virtual void handle(const Input& input, Effects& effects) = 0;
   [[nodiscard]] virtual SimDuration tick_period() const = 0;
-  [[nodiscard]] virtual std::vector<std::string> subscriptions() const = 0;  ///< MQTT topic filters
+  [[nodiscard]] virtual std::vector<std::string> subscriptions() const = 0;  ///< MQTT topic filters, for good
   [[nodiscard]] virtual std::optional<Will> will() const { return std::nullopt; }
   /// Last words before a clean end (VDA 5050: OFFLINE before DISCONNECT).
   virtual void farewell(SimTime /*now*/, Effects& /*effects*/) {}

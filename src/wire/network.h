@@ -22,6 +22,10 @@ struct NetworkFaults {
   SimDuration delay_max{std::chrono::milliseconds{3}};
   SimDuration reorder_window{std::chrono::milliseconds{50}};
   SimDuration retry{std::chrono::milliseconds{200}};
+  /// Whatever travels below this prefix goes aside, as by a radio of its own: with dice and an order of its own, so
+  /// that what is said there changes nothing for the rest of a run, and the two can be compared. Empty: nothing does.
+  std::string aside_prefix{};
+  double aside_loss{0.0};  ///< probability per delivery that it is lost besides
 };
 
 /// A broker in memory, for virtual time: retained messages, last will, QoS 0 and 1, and seeded faults. Sans-IO like
@@ -41,6 +45,9 @@ class Network {
 
   /// Subscribes at once; retained messages follow as deliveries.
   ClientId connect(SimTime now, std::vector<std::string> filters, std::optional<Will> will);
+  /// What it hears besides the filters that it connected with; replaces what it listened to before. Retained messages
+  /// of filters that are new follow as deliveries.
+  void listen(SimTime now, ClientId client, std::vector<std::string> filters);
   void disconnect(SimTime now, ClientId client);        ///< cleanly: no will
   void break_connection(SimTime now, ClientId client);  ///< the process died or the radio went: the will is published
   void publish(SimTime now, ClientId from, const Publish& message);
@@ -66,8 +73,10 @@ class Network {
   struct Client {
     bool connected{false};
     std::vector<std::string> filters;
+    std::vector<std::string> listens;  ///< likewise, until the next listen()
     std::optional<Will> will;
     SimTime last_due{};        ///< keeps one client's ordinary deliveries in order, as TCP does
+    SimTime last_aside_due{};  ///< likewise of those that go aside
     SimTime last_acked_due{};  ///< no QoS 1 delivery overtakes one that had to be tried again
     double loss{0.0};          ///< of its radio alone
     SimTime last_sent_due{};   ///< no QoS 1 message of its overtakes one still on its way to the broker
@@ -88,17 +97,21 @@ class Network {
     Publish message;
   };
   void route(SimTime now, const Publish& message);
-  [[nodiscard]] SimDuration draw_radio_retries(double loss);
+  [[nodiscard]] SimDuration draw_radio_retries(Random& dice, double loss);
   void send_later(SimTime at, ClientId from, const Publish& message);
   void route_due(SimTime now);
+  [[nodiscard]] bool hears(const Client& client, std::string_view topic) const;
   [[nodiscard]] const std::vector<ClientId>& subscribers(const std::string& topic);
+  void forget_subscribers(std::string_view filter);
+  [[nodiscard]] bool goes_aside(std::string_view topic) const;
   void schedule(SimTime now, ClientId to, const Publish& message, bool from_retained);
   void enqueue(SimTime at, ClientId to, const Publish& message, bool from_retained);
-  [[nodiscard]] SimDuration draw_delay();
-  [[nodiscard]] SimDuration draw_up_to(SimDuration longest);
+  [[nodiscard]] SimDuration draw_delay(Random& dice) const;
+  [[nodiscard]] static SimDuration draw_up_to(Random& dice, SimDuration longest);
 
   Random random_;
   Random radio_random_;
+  Random aside_random_;
   NetworkFaults faults_;
   std::vector<Client> clients_;
   std::map<std::string, Publish> retained_;

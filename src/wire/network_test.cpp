@@ -331,5 +331,73 @@ TEST(NetworkRadio, that_is_good_again_delivers_everything_and_draws_nothing_from
   EXPECT_EQ(run(true), run(false));
 }
 
+TEST(Network, listens_to_other_topics_while_connected_and_no_more_to_those_before) {
+  Bench bench;
+  const auto vehicle = bench.join({"own"});
+  const auto other = bench.join({});
+  const auto said_everywhere = [&](const std::string& text) {
+    for (const char* topic : {"own", "talk/1/x", "talk/2/x"}) bench.say(other, topic, std::string(topic) + " " + text);
+    bench.pass(5ms);
+  };
+  said_everywhere("a");
+  bench.network.listen(bench.now, vehicle, {"talk/1/+", "talk/2/+"});
+  said_everywhere("b");
+  bench.network.listen(bench.now, vehicle, {"talk/2/+"});
+  said_everywhere("c");
+  bench.network.listen(bench.now, vehicle, {});
+  said_everywhere("d");
+  EXPECT_THAT(bench.heard_by(vehicle), ::testing::UnorderedElementsAre("own a", "own b", "talk/1/x b", "talk/2/x b",
+                                                                       "own c", "talk/2/x c", "own d"));
+}
+
+TEST(Network, gives_what_was_retained_to_who_begins_to_listen_and_only_once) {
+  Bench bench;
+  const auto vehicle = bench.join({});
+  const auto other = bench.join({});
+  bench.say(other, "talk/1", "kept", 0, true);
+  bench.pass(5ms);
+  bench.network.listen(bench.now, vehicle, {"talk/1"});
+  bench.network.listen(bench.now, vehicle, {"talk/1", "talk/2"});
+  bench.pass(5ms);
+  EXPECT_THAT(bench.heard_by(vehicle), ElementsAre("retained kept"));
+}
+
+TEST(Network, loses_what_goes_aside_alone_where_that_is_asked_for) {
+  NetworkFaults faults;
+  faults.aside_prefix = "talk/";
+  faults.aside_loss = 1.0;
+  Bench bench{faults};
+  const auto vehicle = bench.join({"#"});
+  const auto other = bench.join({});
+  bench.say(other, "talk/1", "lost");
+  bench.say(other, "order", "kept");
+  bench.pass(5ms);
+  EXPECT_THAT(bench.heard_by(vehicle), ElementsAre("kept"));
+  EXPECT_EQ(bench.network.counters().lost, 1U);
+}
+
+TEST(Network, carries_the_rest_as_if_nothing_went_aside) {
+  const auto orders_heard = [](int talk) {
+    NetworkFaults faults{.loss = 0.2, .duplication = 0.1, .reordering = 0.1};
+    faults.aside_prefix = "talk/";
+    Bench bench{faults};
+    const auto vehicle = bench.join({"#"});
+    const auto other = bench.join({});
+    for (int i = 0; i < 200; ++i) {
+      for (int k = 0; k < talk; ++k) bench.say(other, "talk/1", "t");
+      bench.say(other, "order", std::to_string(i));
+      bench.pass(2ms);
+    }
+    bench.pass(100ms);
+    std::vector<std::pair<std::string, SimTime>> heard;
+    for (const auto& delivery : bench.deliveries) {
+      if (delivery.to == vehicle && delivery.topic == "order") heard.emplace_back(delivery.payload, delivery.at);
+    }
+    return heard;
+  };
+  EXPECT_GT(orders_heard(0).size(), 100U);
+  EXPECT_EQ(orders_heard(3), orders_heard(0));
+}
+
 }  // namespace
 }  // namespace cosiva::wire

@@ -1,144 +1,19 @@
 #include "wire/own_messages.h"
 
-#include <algorithm>
 #include <cmath>
-#include <concepts>
 #include <cstdio>
-#include <limits>
+#include <utility>
 
-#include "base/json_value.h"
 #include "base/json_writer.h"
+#include "wire/own_fields.h"
 
 namespace cosiva::wire {
 namespace {
 
-constexpr std::size_t bytes_max = 16U << 10U;
-constexpr std::size_t text_bytes_max = 128;
+using namespace own;
+
 constexpr std::size_t lines_max = 8;  ///< boards in a report
 constexpr std::size_t beams_max = 32;
-constexpr double place_m_max = 1e5;
-constexpr double size_m_max = 10.0;
-constexpr double speed_mps_max = 100.0;
-constexpr double heading_rad_max = 100.0;
-/// Whole numbers of a double are exact up to here.
-constexpr double whole_max = 9007199254740992.0;
-
-/// Reads the fields of one object. The first fault is kept and everything after it is empty, so that a message reads as
-/// a list of its fields, and `error` is asked once at the end.
-class Fields {
- public:
-  /// @param where  of this object in the message, such as "bodies.2."
-  explicit Fields(const JsonValue& json, std::string where = {}) : json_{json}, where_{std::move(where)} {
-    if (json_.object() == nullptr) complain("", "an object");
-  }
-
-  void number(std::string_view field, double low, double high, double& out) {
-    if (const JsonValue* value = required(field)) take_number(*value, field, low, high, out);
-  }
-  /// For a field that may be missing, or null.
-  void number(std::string_view field, double low, double high, std::optional<double>& out) {
-    const JsonValue* value = optional(field);
-    double read = 0.0;
-    if (value != nullptr && take_number(*value, field, low, high, read)) out = read;
-  }
-  /// A number told in `unit`s, counted in whole ones inside.
-  template <std::integral T>
-  void counted(std::string_view field, double unit, T& out) {
-    double read = 0.0;
-    constexpr auto low = static_cast<double>(std::numeric_limits<T>::min());
-    constexpr auto high = static_cast<double>(std::numeric_limits<T>::max());
-    number(field, low * unit, high * unit, read);
-    out = static_cast<T>(std::clamp(std::nearbyint(read / unit), low, high));
-  }
-  template <std::unsigned_integral T>
-  void whole(std::string_view field, T& out) {
-    double read = 0.0;
-    number(field, 0.0, std::min(whole_max, static_cast<double>(std::numeric_limits<T>::max())), read);
-    if (std::floor(read) != read) return complain(field, "a whole number");
-    out = static_cast<T>(read);
-  }
-  void text(std::string_view field, std::string& out) {
-    const JsonValue* value = required(field);
-    if (value == nullptr) return;
-    const std::string* read = value->text();
-    if (read == nullptr || read->size() > text_bytes_max)
-      return complain(field, "a text of at most " + std::to_string(text_bytes_max) + " bytes");
-    out = *read;
-  }
-  void flag(std::string_view field, bool& out) {
-    const JsonValue* value = required(field);
-    if (value == nullptr) return;
-    if (value->flag() == nullptr) return complain(field, "true or false");
-    out = *value->flag();
-  }
-  void time(std::string_view field, SimTime& out) {
-    std::string read;
-    text(field, read);
-    if (error_) return;
-    const auto parsed = parse_iso8601(read);
-    if (!parsed) return complain(field, "an ISO 8601 time");
-    out = *parsed;
-  }
-  /// Calls `take(item, name)` for each item of a list; the name is relative to this object, "bodies.2".
-  template <typename Take>
-  void list(std::string_view field, std::size_t count_max, Take take) {
-    const JsonValue* value = required(field);
-    if (value == nullptr) return;
-    const JsonValue::Array* items = value->array();
-    if (items == nullptr || items->size() > count_max)
-      return complain(field, "a list of at most " + std::to_string(count_max));
-    for (std::size_t i = 0; i < items->size() && !error_; ++i)
-      take((*items)[i], std::string(field) + "." + std::to_string(i));
-  }
-  /// Nothing where the field is missing or null, or something was wrong before.
-  [[nodiscard]] const JsonValue* optional(std::string_view field) {
-    if (error_) return nullptr;
-    const JsonValue* value = json_.find(field);
-    return value == nullptr || value->is_null() ? nullptr : value;
-  }
-  void complain(std::string_view field, std::string expected) {
-    if (!error_) error_ = Error{"own.field", "expected " + std::move(expected), where_ + std::string(field)};
-  }
-  void take_over(std::optional<Error> inner) {
-    if (!error_) error_ = std::move(inner);
-  }
-  [[nodiscard]] const std::optional<Error>& error() const { return error_; }
-
- private:
-  [[nodiscard]] const JsonValue* required(std::string_view field) {
-    if (error_) return nullptr;
-    const JsonValue* value = json_.find(field);
-    if (value == nullptr) complain(field, "this field");
-    return value;
-  }
-  bool take_number(const JsonValue& value, std::string_view field, double low, double high, double& out) {
-    const double* read = value.number();
-    if (read == nullptr || !(*read >= low && *read <= high)) {
-      char range[80];
-      const int length = std::snprintf(range, sizeof range, "a number from %.10g to %.10g", low, high);
-      complain(field, std::string(range, static_cast<std::size_t>(length)));
-      return false;
-    }
-    out = *read + 0.0;  // no minus zero: it is written as "-0", an integer, and comes back as plain zero
-    return true;
-  }
-
-  const JsonValue& json_;
-  std::string where_;
-  std::optional<Error> error_;
-};
-
-/// Parses the text, lets `read(fields, message)` take the fields, and gives the message or the first fault.
-template <typename Message, typename Read>
-Result<Message> read_message(std::string_view text, Read read) {
-  const auto json = JsonValue::parse(text, bytes_max);
-  if (!json) return tl::unexpected(json.error());
-  Message message;
-  Fields fields{*json};
-  read(fields, message);
-  if (fields.error()) return tl::unexpected(*fields.error());
-  return message;
-}
 
 void read_body(Fields& in, Body& body) {
   in.text("id", body.id);
@@ -201,6 +76,10 @@ void read_power(Fields& in, Power& power) {
   in.counted("current", 1e-3, power.current_ma);
   in.counted("temperature", 0.1, power.temperature_01C);
   in.counted("charge", 0.1, power.charge_permille);
+  if (!in.has("chargeStdDev")) return;
+  power.gauge = Power::Gauge{};
+  in.counted("chargeFine", 1e-4, power.gauge->charge_ppm);
+  in.counted("chargeStdDev", 0.01, power.gauge->charge_sd_01);
 }
 
 void read_ranges(Fields& in, Ranges& ranges) {
@@ -214,18 +93,6 @@ void read_ranges(Fields& in, Ranges& ranges) {
     ranges.range_mm.push_back(range_m == nullptr ? no_echo
                                                  : static_cast<std::uint16_t>(std::nearbyint(*range_m * 1e3)));
   });
-}
-
-/// Reads an object inside the message, if it is there.
-template <typename Part, typename Read>
-void read_part(Fields& in, std::string_view field, std::optional<Part>& out, Read read) {
-  const JsonValue* json = in.optional(field);
-  if (json == nullptr) return;
-  Fields fields{*json, std::string(field) + "."};
-  Part part{};
-  read(fields, part);
-  in.take_over(fields.error());
-  out = std::move(part);
 }
 
 }  // namespace
@@ -348,8 +215,10 @@ std::string to_json(const BoardsReport& report) {
         .field("voltage", power->voltage_mv / 1000.0)
         .field("current", power->current_ma / 1000.0)
         .field("temperature", power->temperature_01C / 10.0)
-        .field("charge", power->charge_permille / 10.0)
-        .end_object();
+        .field("charge", power->charge_permille / 10.0);
+    if (const auto& gauge = power->gauge)
+      json.field("chargeFine", gauge->charge_ppm / 10'000.0).field("chargeStdDev", gauge->charge_sd_01 / 100.0);
+    json.end_object();
   }
   if (const auto& ranges = report.ranges) {
     json.key("ranges")

@@ -65,6 +65,9 @@ BoardsReport draw_report(Random& random) {
   if (coin(random)) {
     report.power = Power{whole<std::uint16_t>(random), whole<std::int16_t>(random), whole<std::int16_t>(random),
                          whole<std::uint16_t>(random)};
+    if (coin(random))
+      report.power->gauge =
+          Power::Gauge{static_cast<std::uint32_t>(random.below(1'000'001)), whole<std::uint16_t>(random)};
   }
   if (coin(random)) {
     report.ranges = Ranges{0, whole<std::int16_t>(random), whole<std::uint16_t>(random), {}};

@@ -1,13 +1,13 @@
 #include "zone/check.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <span>
 #include <tuple>
 
 #include "zone/beacons.h"
+#include "zone/deadlock.h"
 #include "zone/edit_rules.h"
 #include "zone/route.h"
 
@@ -209,24 +209,11 @@ class Checker {
 
   /// Two sections with the same line, driven against each other.
   void single_tracks() {
-    using Key = std::array<double, 4>;
-    const auto key = [](Point2 a, Point2 b) {
-      const auto cell = [](double value_m) { return std::nearbyint(value_m * 100.0); };
-      return Key{cell(a.x_m), cell(a.y_m), cell(b.x_m), cell(b.y_m)};
-    };
-    std::map<Key, SectionId> by_ends;
+    const std::vector<SectionId> other = opposites(zone_);
     for (SectionId id = 0; id < circuit_.size(); ++id) {
-      const Section& section = circuit_.section(id);
-      const Point2 start = position(section.start());
-      const Point2 end = position(section.end());
-      const auto other = by_ends.find(key(end, start));
-      by_ends.emplace(key(start, end), id);
-      if (other == by_ends.end()) continue;
-      const Section& back = circuit_.section(other->second);
-      const double apart_m = distance(section.pose_at(0.5 * section.length_m()), back.pose_at(0.5 * back.length_m()));
-      if (apart_m >= 0.5 * zone_.vehicle.width_m) continue;
+      if (other[id] == no_section || other[id] > id) continue;
       note(Severity::warning, "zone.single_track", {id, 0.0},
-           name(id) + " and " + name(other->second) + " are one track of " + metres(section.length_m()) +
+           name(id) + " and " + name(other[id]) + " are one track of " + metres(circuit_.section(id).length_m()) +
                " driven both ways; only one vehicle at a time can use it");
     }
   }
@@ -240,8 +227,18 @@ class Checker {
 
 }  // namespace
 
+std::string_view to_string(Problem::Severity severity) {
+  switch (severity) {
+    case Problem::Severity::error: return "error";
+    case Problem::Severity::warning: return "warning";
+    case Problem::Severity::notice: return "notice";
+  }
+  return "?";
+}
+
 std::string to_string(const Problem& problem, const TrafficZone& zone) {
-  std::string text = problem.severity == Problem::Severity::error ? "error " : "warning ";
+  std::string text{to_string(problem.severity)};
+  text += " ";
   text += problem.code + " at '" + zone.circuit.part(problem.place.section).name + "' ";
   text += metres_text(problem.place.s_m) + " m (" + metres_text(problem.at.x_m) + ", " + metres_text(problem.at.y_m);
   return text + "): " + problem.text;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "zone/traffic_zone.h"
@@ -12,6 +13,7 @@ struct Problem {
   enum class Severity {
     error,    ///< vehicles cannot do what the zone asks of them
     warning,  ///< they can, but something is probably not meant so
+    notice,   ///< worth knowing of a zone that is as it was meant
   };
   Severity severity;
   std::string code;  ///< "circuit.gap", "zone.dead_end", …: docs/guide/zones.md lists them
@@ -19,6 +21,7 @@ struct Problem {
   Point2 at;         ///< the same place on the map
   std::string text;  ///< a sentence
 };
+[[nodiscard]] std::string_view to_string(Problem::Severity severity);
 /// "warning zone.dead_end at 'spur' 2.00 m (1.50, -0.20): …", as commands print it.
 [[nodiscard]] std::string to_string(const Problem& problem, const TrafficZone& zone);
 

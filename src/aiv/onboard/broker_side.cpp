@@ -91,6 +91,7 @@ void OnboardCore::Inside::perform(const wire::Action& action, wire::Effects& eff
   if (type == action::set_speed_limit) return set_speed_limit(action, effects);
   if (type == action::enable_map || type == action::download_map) return enable_map(action, effects);
   if (type == action::join_line) return join_line(action, effects);
+  if (type == action::back_up) return back_up(action, effects);
   if (type == action::factsheet_request) {
     publish_factsheet(now, effects);
     return finish(action);
@@ -133,6 +134,16 @@ void OnboardCore::Inside::join_line(const wire::Action& action, wire::Effects& e
   const auto joins = agent->join_line(*X_MG);
   if (!joins) return give_up(action, "instantActionError", joins.error().message, effects);
   actions.end_running(action::join_line, wire::ActionStatus::failed, "overtaken by another joinLine");
+  actions.set(action.action_id, wire::ActionStatus::running);
+}
+
+void OnboardCore::Inside::back_up(const wire::Action& action, wire::Effects& effects) {
+  const auto distance_m = action.number("distance");
+  if (!distance_m) return give_up(action, "instantActionError", "backUp needs the number distance", effects);
+  const auto backs = agent->back_up(*distance_m);
+  if (!backs) return give_up(action, "instantActionError", backs.error().message, effects);
+  actions.end_running(action::back_up, wire::ActionStatus::failed, "overtaken by another backUp");
+  if (!agent->backing_up()) return finish(action);
   actions.set(action.action_id, wire::ActionStatus::running);
 }
 
@@ -182,6 +193,12 @@ void OnboardCore::Inside::end_waits() {
     const bool there = !agent->position().off_line();
     actions.end_running(action::join_line, there ? wire::ActionStatus::finished : wire::ActionStatus::failed,
                         there ? "" : "it was given up on the way");
+    state_due = true;
+  }
+  if (!agent->backing_up() && actions.running(action::back_up)) {
+    const bool there = agent->backed_up();
+    actions.end_running(action::back_up, there ? wire::ActionStatus::finished : wire::ActionStatus::failed,
+                        there ? "" : "it came to an end before it was there");
     state_due = true;
   }
   if (!agent->cancelling() && actions.running(action::cancel_order)) {

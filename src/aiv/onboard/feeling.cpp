@@ -49,6 +49,7 @@ void OnboardCore::Inside::drive(wire::Effects& effects) {
     felt->age(now);
   contact = agent->position().known() ? felt->first(now, agent->position().outlook()) : FeltWorld::Contact{};
   agent->feel(contact.gap_m);
+  agent->heed(look_around());
   boards.send(wire::Board::PILS, agent->decide(), effects);
   if (agent->braking_for_felt() != told.braking) tell_felt(effects);
 }

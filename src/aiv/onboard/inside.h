@@ -10,6 +10,8 @@
 
 #include "aiv/agent.h"
 #include "aiv/felt_world.h"
+#include "aiv/intent.h"
+#include "aiv/neighbours.h"
 #include "aiv/onboard/boards_link.h"
 #include "aiv/onboard/instant_actions.h"
 #include "aiv/onboard/memory.h"
@@ -19,6 +21,7 @@
 #include "aiv/onboard/supervision.h"
 #include "aiv/onboard/warnings.h"
 #include "aiv/sighting.h"
+#include "wire/halls.h"
 #include "wire/own_messages.h"
 
 namespace cosiva::aiv {
@@ -49,7 +52,8 @@ class Periodic {
 
 /// Everything behind OnboardCore: what it is told goes to agent and books, and what they decide goes out. Its functions
 /// stand in onboard_core.cpp (inputs and own pace), broker_side.cpp (messages), zone_switch.cpp (which zone is in
-/// force), feeling.cpp (what is only virtual, and what it sees) and place.cpp (where it stands).
+/// force), feeling.cpp (what is only virtual, and what it sees), v2x.cpp (what it says to others, and hears of them),
+/// hall.cpp (whose it is) and place.cpp (where it stands).
 struct OnboardCore::Inside {
   explicit Inside(OnboardOptions o)
       : options{std::move(o)},
@@ -88,6 +92,11 @@ struct OnboardCore::Inside {
               wire::Effects& effects);
   void on_instant_actions(const wire::Input& input, wire::Effects& effects);
 
+  // whose it is
+  void on_owner(const wire::Input& input, wire::Effects& effects);
+  /// To all that it hears besides its subscriptions.
+  void listen(wire::Effects& effects) const;
+
   // which zone is in force
   void on_zone(const wire::Input& input, wire::Effects& effects);
   void use_zone(zone::ZoneConfiguration configuration, wire::Effects& effects);
@@ -112,6 +121,14 @@ struct OnboardCore::Inside {
   void tell_felt(wire::Effects& effects);
   void tell_seen(wire::Effects& effects);
 
+  // talk with those near
+  void on_intent(const wire::Input& input, wire::Effects& effects);
+  /// One line in the log per kind of fault.
+  void complain_of_v2x(std::string kind, std::string_view topic, std::string_view why, wire::Effects& effects);
+  void listen_around(wire::Effects& effects);
+  [[nodiscard]] Others look_around();
+  void tell_intent(wire::Effects& effects);
+
   // instant actions
   void finish(const wire::Action& action, std::string result = {}) {
     actions.set(action.action_id, wire::ActionStatus::finished, std::move(result));
@@ -124,6 +141,7 @@ struct OnboardCore::Inside {
   /// x, y and theta; says what is wrong where they are no numbers.
   [[nodiscard]] std::optional<Pose2> pose_told(const wire::Action& action, wire::Effects& effects);
   void join_line(const wire::Action& action, wire::Effects& effects);
+  void back_up(const wire::Action& action, wire::Effects& effects);
   void init_position(const wire::Action& action, wire::Effects& effects);
   void set_speed_limit(const wire::Action& action, wire::Effects& effects);
   /// Actions that wait until the vehicle stands.
@@ -157,6 +175,8 @@ struct OnboardCore::Inside {
   BoardsLink boards;
   Supervision supervision;
   Session session;
+  std::string hall;                                    ///< whose it is; empty: nobody's, or there is one server only
+  wire::ServerTopics topics{wire::server_topics({})};  ///< of the server that it obeys
   InstantActionBook actions;
   Warnings warnings;
   /// Its own, because its tags and beacons may be edited while agent and feeling refer to it; the ways never are.
@@ -171,6 +191,15 @@ struct OnboardCore::Inside {
   wire::Felt told;                        ///< the last answer
   bool owes_answer{true};                 ///< to whoever speaks next: it does not know yet that this vehicle feels
   std::vector<std::string> ahead_complaints;
+  std::optional<Neighbours> neighbours;  ///< likewise
+  std::optional<Passages> passages;      ///< likewise
+  std::optional<wire::Cell> cell;        ///< where it speaks and which it listens around
+  std::string cell_map;
+  wire::Intent said_intent;
+  std::optional<SimTime> intent_sent;
+  bool intent_due{false};
+  std::uint64_t intents_refused{0};
+  std::vector<std::string> v2x_complaints;
   Sighting sighting;
   std::optional<wire::Power> power;
   std::optional<wire::Ranges> ranges;  ///< the last

@@ -47,6 +47,7 @@ inline constexpr std::string_view set_speed_limit = "setSpeedLimit";
 inline constexpr std::string_view enable_map = "enableMap";
 inline constexpr std::string_view download_map = "downloadMap";
 inline constexpr std::string_view join_line = "joinLine";
+inline constexpr std::string_view back_up = "backUp";
 }  // namespace action
 
 }  // namespace cosiva::aiv

@@ -16,6 +16,7 @@
 #include "aiv/test_zone.h"
 #include "wire/module_link/module_link.h"
 #include "wire/own_messages.h"
+#include "wire/v2x.h"
 #include "wire/vda5050/codec.h"
 
 namespace cosiva::aiv::test {
@@ -35,6 +36,7 @@ class OnboardBench {
     const zone::Circuit* floor{&lacet4().circuit};
     bool boards_up{true};
     bool broker_up{true};
+    bool v2x{true};
   };
 
   OnboardBench() : OnboardBench(Setup{}) {}
@@ -43,6 +45,7 @@ class OnboardBench {
     OnboardOptions options;
     if (setup.zone_told) options.zone = setup.zone ? *setup.zone : lacet4_configuration();
     options.start = setup.start;
+    options.v2x = setup.v2x;
     core = std::make_unique<OnboardCore>(options);
     feed(wire::InputKind::configure, "aiv", to_json(options));
     if (!setup.memory.empty()) feed(wire::InputKind::recall, "memory", setup.memory);
@@ -162,6 +165,8 @@ class OnboardBench {
   std::vector<wire::Felt> felts;
   std::vector<wire::Seen> sightings;
   std::vector<wire::BoardsReport> boards_reports;
+  std::vector<wire::Intent> intents;
+  std::vector<std::string> listens;  ///< to what it listens besides its subscriptions
   std::vector<SimTime> state_times;
   std::vector<std::string> displayed;
   std::string memory;
@@ -183,6 +188,7 @@ class OnboardBench {
       if (const auto* send = std::get_if<wire::SendBytes>(&effect)) take(*send);
       if (const auto* remember = std::get_if<wire::Remember>(&effect)) memory = remember->bytes;
       if (const auto* line = std::get_if<wire::Log>(&effect)) logs.push_back(*line);
+      if (const auto* listen = std::get_if<wire::Listen>(&effect)) listens = listen->filters;
     }
   }
 
@@ -214,6 +220,8 @@ class OnboardBench {
       keep(wire::seen_from_json(publish.payload), sightings, publish);
     } else if (publish.topic == wire::own_topic(wire::boards_topic_prefix, id)) {
       keep(wire::boards_report_from_json(publish.payload), boards_reports, publish);
+    } else if (wire::parse_v2x_topic(publish.topic)) {
+      keep(wire::intent_from_json(publish.payload), intents, publish);
     } else {
       undecodable.push_back("unexpected topic " + publish.topic);
     }

@@ -54,7 +54,7 @@ void OnboardCore::Inside::on_bytes(const wire::Input& input, wire::Effects& effe
 }
 
 void OnboardCore::Inside::on_message(const wire::Input& input, wire::Effects& effects) {
-  if (input.source == wire::server_heartbeat_topic) {
+  if (input.source == topics.heartbeat) {
     if (!input.flag) supervision.server_heard(input.at);
   } else if (input.source == session.ahead_topic()) {
     on_ahead(input, effects);
@@ -62,9 +62,11 @@ void OnboardCore::Inside::on_message(const wire::Input& input, wire::Effects& ef
     on_order(input, effects);
   } else if (input.source == session.instant_actions_topic()) {
     on_instant_actions(input, effects);
-  } else if (input.source == wire::server_connection_topic) {
+  } else if (input.source == topics.connection) {
     on_server_connection(input, effects);
-  } else if (input.source.starts_with(wire::zone_topic_prefix)) {
+  } else if (input.source == session.owner_topic()) {
+    on_owner(input, effects);
+  } else if (input.source.starts_with(topics.zone_prefix)) {
     on_zone(input, effects);
   }
 }
@@ -98,7 +100,7 @@ void OnboardCore::Inside::on_board(const wire::Ranges& reading) {
 
 void OnboardCore::Inside::on_board(const wire::Power& reading) {
   power = reading;
-  if (agent) agent->on_charge(0.001 * reading.charge_permille);
+  if (agent) agent->on_charge(reading.charge());
 }
 
 void OnboardCore::Inside::on_tick(wire::Effects& effects) {
@@ -118,6 +120,10 @@ void OnboardCore::Inside::on_tick(wire::Effects& effects) {
     show(effects);
     if (visualize.take(now) && agent->position().pose_known())
       session.publish(now, compose_visualization(*agent, zone->name), effects);
+    if (options.v2x) {
+      listen_around(effects);
+      tell_intent(effects);
+    }
   }
   if (!waking() && report_boards.take(now)) session.publish(now, compose_boards_report(sources(), ranges), effects);
   const ReportFlags flags_now = flags_of(sources());
@@ -183,7 +189,11 @@ void OnboardCore::handle(const wire::Input& input, wire::Effects& effects) {
     case wire::InputKind::link: in.on_link(input, effects); break;
     case wire::InputKind::port: in.on_port(input); break;
     case wire::InputKind::bytes: in.on_bytes(input, effects); break;
-    case wire::InputKind::message: in.on_message(input, effects); break;
+    case wire::InputKind::message:
+      // What others say is no reason to report: it comes often, and changes nothing that a state says.
+      if (input.source.starts_with(wire::v2x_topic_prefix)) return in.on_intent(input, effects);
+      in.on_message(input, effects);
+      break;
     case wire::InputKind::tick: in.on_tick(effects); break;
     case wire::InputKind::command: break;  // nobody commands a vehicle from its own machine
   }
@@ -191,7 +201,9 @@ void OnboardCore::handle(const wire::Input& input, wire::Effects& effects) {
 }
 
 std::vector<std::string> OnboardCore::subscriptions() const {
-  return {inside_->session.order_topic(),
+  // Whose it is comes first: of the zones that a broker keeps, the one of its hall is the one that its memory is of.
+  return {inside_->session.owner_topic(),
+          inside_->session.order_topic(),
           inside_->session.instant_actions_topic(),
           inside_->session.ahead_topic(),
           std::string(wire::server_heartbeat_topic),
@@ -239,6 +251,7 @@ void OnboardCore::fold(Digest& digest) const {
   digest.add(std::uint64_t{agent.braking_for_felt()});
   in.felt->fold(digest);
   in.sighting.fold(digest);
+  in.neighbours->fold(digest);
 }
 
 const OnboardOptions& OnboardCore::options() const { return inside_->options; }

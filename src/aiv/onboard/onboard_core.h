@@ -27,6 +27,7 @@ struct OnboardOptions {
   };
   std::optional<Start> start;
   SpeedRules rules;  ///< by what it chooses its speed; custom ones can be used (checked)
+  bool v2x{true};    ///< it says to those near it what it is about to do, and heeds what they say
   SimDuration visualization_period{std::chrono::milliseconds{100}};
   SimDuration state_period{std::chrono::seconds{1}};
   SimDuration link_timeout{std::chrono::milliseconds{500}};

@@ -41,7 +41,7 @@ TEST(Onboard, announces_itself_when_the_broker_comes) {
   EXPECT_TRUE(bench.published[1].retained);
   EXPECT_EQ(bench.published[1].qos, 0);
   EXPECT_EQ(bench.factsheets[0].speed_max_mps, 0.5);
-  EXPECT_THAT(bench.factsheets[0].actions, SizeIs(9));
+  EXPECT_THAT(bench.factsheets[0].actions, SizeIs(10));
 }
 
 TEST(Onboard, tells_its_state_first_when_its_boards_have_answered) {
@@ -115,10 +115,10 @@ TEST(Onboard, publishes_nothing_while_the_broker_is_away_and_starts_anew_when_it
 }
 
 TEST(Onboard, subscribes_to_what_concerns_it) {
-  EXPECT_THAT(
-      OnboardBench{}.core->subscriptions(),
-      ElementsAre("uagv/v2/CoSiVA/AIV1/order", "uagv/v2/CoSiVA/AIV1/instantActions", "cosiva/v1/ahead/CoSiVA/AIV1",
-                  "cosiva/v1/server/heartbeat", "cosiva/v1/server/connection", "cosiva/v1/zone/+"));
+  EXPECT_THAT(OnboardBench{}.core->subscriptions(),
+              ElementsAre("cosiva/v1/owner/CoSiVA/AIV1", "uagv/v2/CoSiVA/AIV1/order",
+                          "uagv/v2/CoSiVA/AIV1/instantActions", "cosiva/v1/ahead/CoSiVA/AIV1",
+                          "cosiva/v1/server/heartbeat", "cosiva/v1/server/connection", "cosiva/v1/zone/+"));
 }
 
 TEST(Onboard, tells_battery_boards_and_last_tag) {
@@ -134,6 +134,24 @@ TEST(Onboard, tells_battery_boards_and_last_tag) {
   EXPECT_EQ(bench.state().information[0].references[1].key, "distance_m");
   EXPECT_EQ(bench.state().information[1].type, "boards");
   EXPECT_THAT(bench.state().information[1].references, Contains(wire::Reference{"DOBS", "ok"}));
+}
+
+TEST(Onboard, tells_how_sure_a_gauge_is_that_knows_it) {
+  OnboardBench bench;
+  bench.run(1.55);
+  const auto told = [&](std::uint32_t charge_ppm, std::uint16_t sd) {
+    const auto permille = static_cast<std::uint16_t>(charge_ppm / 1000);
+    bench.say(wire::Board::RALI, wire::Power{7400, 300, 250, permille, wire::Power::Gauge{charge_ppm, sd}});
+    bench.run(0.15);  // another whole percent is worth a state
+    return bench.state();
+  };
+  const wire::State sure = told(871'234, 135);
+  EXPECT_NEAR(sure.battery.charge_percent, 87.1234, 1e-9);
+  ASSERT_FALSE(sure.information.empty());
+  EXPECT_EQ(sure.information.back().type, "battery");
+  EXPECT_EQ(sure.information.back().references[0], (wire::Reference{"chargeStdDev_percent", "1.350"}));
+  EXPECT_EQ(sure.information.back().references[1], (wire::Reference{"needsFullCharge", "false"}));
+  EXPECT_EQ(told(771'234, 600).information.back().references[1], (wire::Reference{"needsFullCharge", "true"}));
 }
 
 TEST(Onboard, sends_a_state_on_each_whole_percent_of_charge) {
@@ -412,6 +430,7 @@ TEST(Options, come_back_from_json_as_they_were) {
   options.start = OnboardOptions::Start{"east", 0.125};
   options.state_period = milliseconds{250};
   options.rules = {SpeedRules::Kind::fuzzy, {}, {}};
+  options.v2x = false;
   const auto back = onboard_options_from_json(to_json(options));
   ASSERT_TRUE(back) << to_string(back.error());
   EXPECT_EQ(to_json(*back), to_json(options));
@@ -419,6 +438,8 @@ TEST(Options, come_back_from_json_as_they_were) {
   EXPECT_EQ(back->state_period, milliseconds{250});
   EXPECT_EQ(back->rules, options.rules);
   EXPECT_FALSE(onboard_options_from_json(to_json(OnboardOptions{}))->zone);
+  EXPECT_TRUE(onboard_options_from_json(to_json(OnboardOptions{}))->v2x);
+  EXPECT_FALSE(onboard_options_from_json("{}")->v2x) << "a journal from before there was any";
 }
 
 TEST(Options, that_make_no_sense_are_refused_by_field) {

@@ -48,7 +48,8 @@ std::string to_json(const OnboardOptions& options) {
         .end_object();
   }
   write_json(json.key("rules"), options.rules);
-  json.field("visualization_period_ms", ms(options.visualization_period))
+  json.field("v2x", options.v2x)
+      .field("visualization_period_ms", ms(options.visualization_period))
       .field("state_period_ms", ms(options.state_period))
       .field("link_timeout_ms", ms(options.link_timeout))
       .end_object();
@@ -88,6 +89,8 @@ Result<OnboardOptions> onboard_options_from_json(std::string_view json) {
     if (!read) return tl::unexpected(read.error());
     options.rules = std::move(*read);
   }
+  // Without the field: from before vehicles talked.
+  options.v2x = value->flag("v2x").value_or(false);
   for (auto read : {read_ms(*value, "visualization_period_ms", options.visualization_period),
                     read_ms(*value, "state_period_ms", options.state_period),
                     read_ms(*value, "link_timeout_ms", options.link_timeout)}) {

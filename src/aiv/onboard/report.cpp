@@ -8,14 +8,14 @@ namespace {
 
 constexpr double battery_low = 0.10;
 
-std::string metres(double value_m) {
+std::string three_decimals(double value_m) {
   char text[32];
   const int length = std::snprintf(text, sizeof text, "%.3f", value_m);
   return {text, static_cast<std::size_t>(length)};
 }
 
 /// "0.42 m"
-std::string in_metres(double value_m) { return metres(value_m) + " m"; }
+std::string in_three_decimals(double value_m) { return three_decimals(value_m) + " m"; }
 
 wire::AgvPosition position_of(const Agent& agent, const std::string& map_id) {
   const PositionEstimator& estimator = agent.position();
@@ -48,7 +48,7 @@ void add_conditions(const ReportSources& from, std::vector<wire::VehicleError>& 
   const PositionEstimator& estimator = from.agent->position();
   if (!estimator.pose_known()) errors.push_back(condition("positionUnknown", "nobody told where it stands"));
   if (estimator.away()) {
-    const std::string off = in_metres(estimator.off_by_m());
+    const std::string off = in_three_decimals(estimator.off_by_m());
     errors.push_back(condition("offCircuit", "the nearest way passes " + off +
                                                  " away: it stays here until somebody moves it and tells where"));
   }
@@ -66,6 +66,20 @@ wire::Information boards_information(const ReportSources& from) {
   for (const wire::Board board : wire::all_boards)
     information.references.push_back({std::string(to_string(board)), health_of(from, board)});
   return information;
+}
+
+double percent_of(const wire::Power& power) {
+  // In the units in which it was told: 0.1 · 789 would be 78.9000…01.
+  return power.gauge ? power.gauge->charge_ppm / 10'000.0 : 0.1 * power.charge_permille;
+}
+
+/// How sure the gauge is of the charge, which the standard has no field for.
+wire::Information gauge_information(const wire::Power::Gauge& gauge) {
+  constexpr std::uint16_t needs_full_charge = 500;  // 5 %: it has drifted so far that only a full charge helps
+  return {"battery",
+          {},
+          {{"chargeStdDev_percent", three_decimals(gauge.charge_sd_01 / 100.0)},
+           {"needsFullCharge", gauge.charge_sd_01 > needs_full_charge ? "true" : "false"}}};
 }
 
 void add_agent(const Agent& agent, const ReportSources& from, wire::State& state) {
@@ -87,7 +101,7 @@ void add_agent(const Agent& agent, const ReportSources& from, wire::State& state
   if (estimator.pose_known()) state.position = position_of(agent, from.maps.front().map_id);
   if (const auto tag = estimator.last_tag()) {
     state.information.push_back(
-        {"lastTag", {}, {{"tag", std::to_string(*tag)}, {"distance_m", metres(estimator.since_last_tag_m())}}});
+        {"lastTag", {}, {{"tag", std::to_string(*tag)}, {"distance_m", three_decimals(estimator.since_last_tag_m())}}});
   }
 }
 
@@ -99,12 +113,13 @@ wire::State compose_state(const ReportSources& from) {
   if (from.agent != nullptr) add_agent(*from.agent, from, state);
   state.action_states = from.actions.states();
   if (from.power) {
-    state.battery.charge_percent = 0.1 * from.power->charge_permille;
+    state.battery.charge_percent = percent_of(*from.power);
     state.battery.voltage_v = 0.001 * from.power->voltage_mv;
   }
   state.errors = from.warnings.all();
   add_conditions(from, state.errors);
   state.information.push_back(boards_information(from));
+  if (from.power && from.power->gauge) state.information.push_back(gauge_information(*from.power->gauge));
   return state;
 }
 

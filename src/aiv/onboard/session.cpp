@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "aiv/onboard/instant_actions.h"
+#include "wire/halls.h"
 #include "wire/vda5050/codec.h"
 
 namespace cosiva::aiv {
@@ -18,6 +19,7 @@ Session::Session(wire::VehicleId id, std::string_view interface_name)
       visualization_topic_{wire::vda_topic(id_, "visualization", interface_name)},
       factsheet_topic_{wire::vda_topic(id_, "factsheet", interface_name)},
       ahead_topic_{wire::own_topic(wire::ahead_topic_prefix, id_)},
+      owner_topic_{wire::own_topic(wire::owner_topic_prefix, id_)},
       felt_topic_{wire::own_topic(wire::felt_topic_prefix, id_)},
       seen_topic_{wire::own_topic(wire::seen_topic_prefix, id_)},
       boards_topic_{wire::own_topic(wire::boards_topic_prefix, id_)} {}
@@ -73,6 +75,13 @@ void Session::publish(SimTime now, wire::BoardsReport&& report, wire::Effects& e
   effects.emplace_back(wire::Publish{boards_topic_, to_json(report), 0, false});
 }
 
+void Session::publish(SimTime now, wire::Cell cell, wire::Intent&& intent, wire::Effects& effects) {
+  if (!online_) return;
+  intent.header_id = intents_++;
+  intent.timestamp = now;
+  effects.emplace_back(wire::Publish{wire::v2x_topic(intent.map_id, cell, id_), to_json(intent), 0, false});
+}
+
 Result<void> Session::accepts(const wire::Header& header) const {
   const wire::VehicleId named{header.manufacturer, header.serial_number};
   if (named != id_) {
@@ -124,6 +133,8 @@ wire::Factsheet make_factsheet(const zone::TrafficZone& zone, const SessionTimin
               {text("mapId"), text("mapVersion")}),
       instant(action::join_line, "goes onto the line at a pose that lies along it; for one that stands beside it",
               {number("x"), number("y"), number("theta")}),
+      instant(action::back_up, "rolls back along the line, by at most 0.5 m, without looking; 0 stops it",
+              {number("distance")}),
   };
   return sheet;
 }

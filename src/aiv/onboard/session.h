@@ -10,6 +10,7 @@
 #include "wire/messages.h"
 #include "wire/own_messages.h"
 #include "wire/topics.h"
+#include "wire/v2x.h"
 #include "zone/traffic_zone.h"
 
 namespace cosiva::aiv {
@@ -24,6 +25,7 @@ class Session {
   [[nodiscard]] const std::string& instant_actions_topic() const { return instant_actions_topic_; }
 
   [[nodiscard]] const std::string& ahead_topic() const { return ahead_topic_; }
+  [[nodiscard]] const std::string& owner_topic() const { return owner_topic_; }
 
   /// @param now  of the connect that will carry it; its header is not for ordering (trap 18)
   [[nodiscard]] wire::Will will(SimTime now) const;
@@ -39,6 +41,8 @@ class Session {
   void publish(const wire::Felt& felt, wire::Effects& effects);
   void publish(SimTime now, wire::Seen&& seen, wire::Effects& effects);
   void publish(SimTime now, wire::BoardsReport&& report, wire::Effects& effects);
+  /// To those near this cell of the intent's map.
+  void publish(SimTime now, wire::Cell cell, wire::Intent&& intent, wire::Effects& effects);
 
   /// A message meant for this vehicle, in a version it speaks (2.x)? Error code: validationError.
   [[nodiscard]] Result<void> accepts(const wire::Header& header) const;
@@ -54,6 +58,7 @@ class Session {
   std::string visualization_topic_;
   std::string factsheet_topic_;
   std::string ahead_topic_;
+  std::string owner_topic_;
   std::string felt_topic_;
   std::string seen_topic_;
   std::string boards_topic_;
@@ -64,6 +69,7 @@ class Session {
   std::uint32_t factsheets_{0};
   std::uint32_t sightings_{0};
   std::uint32_t boards_reports_{0};
+  std::uint32_t intents_{0};
 };
 
 /// What this vehicle is and can do, from the zone it drives in.

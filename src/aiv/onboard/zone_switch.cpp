@@ -17,7 +17,7 @@ wire::MapInfo map_info(const std::string& name, const zone::ZoneConfiguration& c
 void OnboardCore::Inside::on_zone(const wire::Input& input, wire::Effects& effects) {
   // The topic of another format than the zone's is cleared by whoever changes formats.
   if (input.payload.empty()) return;
-  auto announced = zone::from_payload(input.source.substr(wire::zone_topic_prefix.size()), input.source, input.payload);
+  auto announced = zone::from_payload(input.source.substr(topics.zone_prefix.size()), input.source, input.payload);
   if (!agent) return use_zone(std::move(announced), effects);
   if (coming_zone && same_content(announced, coming_zone->configuration())) return;
   if (same_content(announced, configuration)) {
@@ -65,7 +65,9 @@ void OnboardCore::Inside::use_zone(zone::ZoneConfiguration first, wire::Effects&
   note_maps();
   agent.emplace(*zone, chooser_for(*zone));
   felt.emplace(*zone);
-  if (power) agent->on_charge(0.001 * power->charge_permille);
+  neighbours.emplace(*zone, options.id);
+  passages.emplace(*zone);
+  if (power) agent->on_charge(power->charge());
   if (memory) {
     agent->hold(Hold::paused, memory->paused);
     agent->impose(memory->imposed);
@@ -107,6 +109,8 @@ void OnboardCore::Inside::end_switch(wire::Effects& effects) {
   agent->take_over(*before);
   before.reset();
   felt.emplace(*next);
+  neighbours.emplace(*next, options.id);
+  passages.emplace(*next);
   zone = std::move(next);
   configuration = coming_zone->configuration();
   coming_zone.reset();
@@ -120,6 +124,7 @@ void OnboardCore::Inside::end_switch(wire::Effects& effects) {
   contact = {};
   owes_answer = true;
   ahead_complaints.clear();
+  v2x_complaints.clear();
   if (memory && memory->zone == zone->name) find_place();
   must_remember = true;
   state_due = true;
@@ -150,8 +155,7 @@ void OnboardCore::Inside::enable_map(const wire::Action& action, wire::Effects& 
     return actions.set(action.action_id, wire::ActionStatus::running);  // ends with the switch
   }
   give_up(action, "instantActionError",
-          "map '" + *map_id + "' is not here; it comes with a message on " + std::string(wire::zone_topic_prefix),
-          effects);
+          "map '" + *map_id + "' is not here; it comes with a message on " + topics.zone_prefix, effects);
 }
 
 }  // namespace cosiva::aiv

@@ -11,6 +11,7 @@
 #include "wire/board.h"
 #include "wire/own_messages.h"
 #include "wire/topics.h"
+#include "wire/v2x.h"
 
 namespace cosiva::experiments {
 namespace {
@@ -104,6 +105,8 @@ struct World::Inside {
         network.publish(now, actors[id].client, *publish);
       } else if (const auto* send = std::get_if<wire::SendBytes>(&effect)) {
         send_bytes(id, *send);
+      } else if (const auto* listen = std::get_if<wire::Listen>(&effect)) {
+        network.listen(now, actors[id].client, listen->filters);
       } else if (const auto* remember = std::get_if<wire::Remember>(&effect)) {
         actors[id].memory = remember->bytes;
       } else if (const auto* line = std::get_if<wire::Log>(&effect); line != nullptr && line->level != 'i') {
@@ -167,6 +170,7 @@ struct World::Inside {
     onboard.id.serial_number = "AIV" + std::to_string(number);
     onboard.zone = options.zone;
     onboard.rules = options.rules;
+    onboard.v2x = options.v2x;
     if (first_time) {
       const zone::Place place = start_places[number - 1];
       onboard.start = {section_names[place.section], place.s_m};
@@ -254,6 +258,7 @@ Result<std::unique_ptr<World>> World::make(WorldOptions options) {
       {.zone = options.zone, .vehicles = options.aivs, .seed = options.seed, .noise = options.noise});
   if (!plant) return tl::unexpected(plant.error());
 
+  if (options.network.aside_prefix.empty()) options.network.aside_prefix = wire::v2x_topic_prefix;
   std::unique_ptr<World> world{new World};
   world->inside_ = std::make_unique<Inside>(std::move(options));
   Inside& inside = *world->inside_;

@@ -22,9 +22,10 @@ struct WorldOptions {
   zone::ZoneConfiguration zone;
   std::uint32_t aivs{4};
   std::uint64_t seed{1};
-  wire::NetworkFaults network;
+  wire::NetworkFaults network;  ///< what vehicles say to each other goes aside, unless another prefix is given
   physical::PlantNoise noise;
   aiv::SpeedRules rules;  ///< of the AIVs that are not only virtual; those have the server's
+  bool v2x{true};         ///< likewise
   virtual_side::ServerOptions server;
 };
 

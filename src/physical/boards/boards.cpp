@@ -109,10 +109,11 @@ void RaliBoard::tick(SimTime now, const PowerReadings& readings, std::string& ou
   link_.tick(now, out);
   if (!report_.take(now)) return;
   const double charge = std::clamp(readings.charge, 0.0, 1.0);
-  link_.send(
-      wire::Power{quantise<std::uint16_t>(readings.voltage_v, 1e-3), quantise<std::int16_t>(readings.current_a, 1e-3),
-                  quantise<std::int16_t>(readings.temperature_c, 0.1), quantise<std::uint16_t>(charge, 1e-3)},
-      out);
+  wire::Power power{quantise<std::uint16_t>(readings.voltage_v, 1e-3), quantise<std::int16_t>(readings.current_a, 1e-3),
+                    quantise<std::int16_t>(readings.temperature_c, 0.1), quantise<std::uint16_t>(charge, 1e-3)};
+  if (readings.charge_sd > 0.0)
+    power.gauge = {quantise<std::uint32_t>(charge, 1e-6), quantise<std::uint16_t>(readings.charge_sd, 1e-4)};
+  link_.send(power, out);
 }
 
 }  // namespace cosiva::physical

@@ -95,7 +95,8 @@ struct PowerReadings {
   double voltage_v;
   double current_a;  ///< positive discharges
   double temperature_c;
-  double charge;  ///< 0…1, as the gauge believes
+  double charge;          ///< 0…1, as the gauge believes
+  double charge_sd{0.0};  ///< of its error; 0: a gauge that does not know
 };
 
 /// Regulated supply (A17), 2 Hz.

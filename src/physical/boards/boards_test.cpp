@@ -246,5 +246,17 @@ TEST(Rali, reports_twice_a_second_and_never_a_charge_beyond_full) {
   EXPECT_EQ(power[0], (wire::Power{7412, 430, 225, 1000}));
 }
 
+TEST(Rali, tells_finer_what_a_gauge_knows_that_says_how_sure_it_is) {
+  RaliBoard board;
+  board.power_up(start, 1, 0ms);
+  board.link().connect(true);
+  Listener listener;
+  std::string out;
+  for (SimTime now = start; now < start + 600ms; now += 10ms) board.tick(now, {7.4, 0.4, 22.5, 0.871234, 0.0135}, out);
+  listener.hear(out);
+  ASSERT_THAT(listener.all<wire::Power>(), Not(IsEmpty()));
+  EXPECT_EQ(listener.all<wire::Power>()[0], (wire::Power{7400, 400, 225, 871, wire::Power::Gauge{871'234, 135}}));
+}
+
 }  // namespace
 }  // namespace cosiva::physical

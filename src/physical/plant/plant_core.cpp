@@ -55,8 +55,9 @@ struct PlantCore::Inside {
         obstacles{read.zone()},
         exchange{options.zone, read.share_zone(), options.publish_zone} {
     vehicles.reserve(places.size());
+    const auto cells = PowerTrain::usual_table();
     for (std::uint32_t i = 0; i < places.size(); ++i)
-      vehicles.emplace_back(i + 1, floor, places[i], options.noise, options.seed);
+      vehicles.emplace_back(i + 1, floor, places[i], options.noise, options.seed, cells);
     bodies.resize(vehicles.size());
     note_bodies();
   }
@@ -90,6 +91,9 @@ struct PlantCore::Inside {
   void on_bytes(const wire::Input& input, wire::Effects& effects);
   void on_command(std::string_view json, std::size_t bytes_max, wire::Effects& effects);
   [[nodiscard]] std::optional<Error> obey(const JsonValue& command, wire::Effects& effects);
+  [[nodiscard]] Result<Vehicle*> vehicle_of(const JsonValue& command);
+  [[nodiscard]] std::optional<Error> change_battery(const JsonValue& given);
+  [[nodiscard]] std::optional<Error> set_load(const JsonValue& given);
   void take_over(const ZoneExchange::News& news);
   void change_floors();
 };
@@ -167,9 +171,18 @@ std::vector<TrueVehicle> PlantCore::vehicles() const {
   truth.reserve(inside_->vehicles.size());
   for (const Vehicle& vehicle : inside_->vehicles) {
     const LineVehicle& motion = vehicle.motion();
-    truth.push_back({vehicle.number(), motion.body().X_MB, motion.speed_mps(), vehicle.distance_m(), vehicle.laps(),
-                     vehicle.charge(), vehicle.powered(inside_->now), vehicle.display(),
-                     motion.following() ? std::optional{motion.place()} : std::nullopt});
+    const PowerTrain& power = vehicle.power();
+    truth.push_back({vehicle.number(),
+                     motion.body().X_MB,
+                     motion.speed_mps(),
+                     vehicle.distance_m(),
+                     vehicle.laps(),
+                     vehicle.charge(),
+                     vehicle.powered(inside_->now),
+                     vehicle.display(),
+                     motion.following() ? std::optional{motion.place()} : std::nullopt,
+                     {power.pack().voltage_v(), power.pack().current_a(), power.pack().temperature_c(), power.load_w(),
+                      power.cut_off()}});
   }
   return truth;
 }
@@ -335,10 +348,38 @@ std::optional<Error> PlantCore::Inside::obey(const JsonValue& command, wire::Eff
     take_over(*news);
     return std::nullopt;
   }
+  if (const JsonValue* given = command.find("changeBattery")) return change_battery(*given);
+  if (const JsonValue* given = command.find("setLoad")) return set_load(*given);
   return Error{"plant.command",
-               R"(expected {"addObstacle":{"id","x","y","radius"}}, {"removeObstacle":"id"} or )"
-               R"({"switch":{"format","origin","text"}})",
+               R"(expected {"addObstacle":{"id","x","y","radius"}}, {"removeObstacle":"id"}, {"changeBattery":{…}}, )"
+               R"({"setLoad":{…}} or {"switch":{"format","origin","text"}})",
                {}};
+}
+
+Result<Vehicle*> PlantCore::Inside::vehicle_of(const JsonValue& command) {
+  const auto number = command.number("vehicle");
+  if (!number || !(*number >= 1.0 && *number <= static_cast<double>(vehicles.size())))
+    return fail("plant.vehicle", "give a vehicle's number, from 1 to " + std::to_string(vehicles.size()), "vehicle");
+  return &vehicles[static_cast<std::size_t>(*number) - 1];
+}
+
+std::optional<Error> PlantCore::Inside::change_battery(const JsonValue& given) {
+  const auto vehicle = vehicle_of(given);
+  if (!vehicle) return vehicle.error();
+  const auto change = battery_change_from_json(given);
+  if (!change) return change.error();
+  (*vehicle)->power().change(*change);
+  return std::nullopt;
+}
+
+std::optional<Error> PlantCore::Inside::set_load(const JsonValue& given) {
+  const auto vehicle = vehicle_of(given);
+  if (!vehicle) return vehicle.error();
+  const auto factor = given.number("factor");
+  if (!factor || !(*factor >= 0.1 && *factor <= 10.0))
+    return Error{"plant.load", "give a factor from 0.1 to 10", "factor"};
+  (*vehicle)->power().set_load_factor(*factor);
+  return std::nullopt;
 }
 
 }  // namespace cosiva::physical

@@ -50,6 +50,15 @@ struct TrueVehicle {
   std::string display;  ///< what AFFI shows
   /// On the line that it follows, whatever lies beside or under that; nothing in a manoeuvre.
   std::optional<zone::Place> place;
+  /// Its battery, as it truly is, and what it takes of it.
+  struct Power {
+    double voltage_v;
+    double current_a;  ///< positive discharges
+    double temperature_c;
+    double load_w;
+    bool cut_off;
+  };
+  Power power;
 };
 
 /// Two bodies that touch: said once per contact.
@@ -68,8 +77,9 @@ struct Collision {
 ///
 /// Commands (plant_command_topic or Input::command): {"addObstacle":{"id","x","y","radius"}}, which also moves the one
 /// of this id; {"removeObstacle":"id"}; {"switch":{"format","origin","text","companion"}}, the physical side's new zone
-/// by hand, which it then publishes; what makes no sense is logged. Ticks every 10 ms. Ports:
-/// wire::port_name(number, board) for every vehicle, spoken from the board's side.
+/// by hand, which it then publishes; {"changeBattery":{"vehicle":1,"id":"B7",…}} (power_train.h), another battery in a
+/// cart; {"setLoad":{"vehicle":1,"factor":1.02}}, how much more than others it takes; what makes no sense is logged.
+/// Ticks every 10 ms. Ports: wire::port_name(number, board) for every vehicle, spoken from the board's side.
 class PlantCore final : public wire::Core {
  public:
   /// Fails when the zone's configuration is bad or cannot hold so many vehicles.

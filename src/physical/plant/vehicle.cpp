@@ -28,7 +28,7 @@ SimDuration phase(std::uint32_t number, std::uint32_t ticks) { return step_max *
 }  // namespace
 
 Vehicle::Vehicle(std::uint32_t number, std::shared_ptr<const Floor> floor, zone::Place start, const PlantNoise& noise,
-                 std::uint64_t seed)
+                 std::uint64_t seed, const std::shared_ptr<const battery::CellTable>& cells)
     : number_{number},
       noise_{noise},
       floor_{std::move(floor)},
@@ -38,7 +38,7 @@ Vehicle::Vehicle(std::uint32_t number, std::shared_ptr<const Floor> floor, zone:
       tag_reader_{
           floor_->tags, {noise.tag_miss, noise.tag_latency_min, noise.tag_latency_max}, stream(seed, number, "tags")},
       range_random_{stream(seed, number, "ranges")},
-      gauge_{stream(seed, number, "gauge")} {
+      power_{cells, stream(seed, number, "gauge")} {
   for (const wire::Board board : wire::all_boards)
     ports_[static_cast<std::size_t>(board) - 1] = wire::port_name(number, board);
 }
@@ -85,7 +85,7 @@ void Vehicle::move(SimTime now, SimDuration dt) {
 }
 
 void Vehicle::step(SimTime now, double dt_s) {
-  const wire::Drive* drive = battery_.empty() ? nullptr : pils_.drive(now);
+  const wire::Drive* drive = power_.cut_off() ? nullptr : pils_.drive(now);
   DriveCommand command = drive == nullptr ? DriveCommand{} : to_command(*drive);
   if (awaits_floor_ && command.seek) command.speed_mps = 0.0;
   const Point2 before = position(motion_.body().X_MB);
@@ -101,7 +101,7 @@ void Vehicle::step(SimTime now, double dt_s) {
   odometer_.add(moved_m, motion_.step_acceleration_mps2());
   if (motion_.following()) read_tags(now, before);
 
-  drive_energy_j_ += battery_.drive_energy_j(moved_m, motion_.speed_mps(), motion_.step_acceleration_mps2(), dt_s);
+  drive_energy_j_ += power_.cart().drive_energy_j(moved_m, motion_.speed_mps(), motion_.step_acceleration_mps2(), dt_s);
   book_energy(dt_s);
 }
 
@@ -116,7 +116,7 @@ void Vehicle::step_manoeuvre() {
   in_manoeuvre_ = motion_.manoeuvre() != nullptr;
   const auto [turned_rad, gone_m] = motion_.step_manoeuvre();
   odometer_.add_manoeuvre(turned_rad, gone_m);
-  drive_energy_j_ += battery_.manoeuvre_energy_j(turned_rad, gone_m);
+  drive_energy_j_ += power_.cart().manoeuvre_energy_j(turned_rad, gone_m);
 }
 
 void Vehicle::stand_on(std::shared_ptr<const Floor> floor) {
@@ -134,12 +134,12 @@ std::uint32_t Vehicle::laps_here() const {
 }
 
 void Vehicle::book_energy(double dt_s) {
-  // The cells' exponentials ten times a second are as good as a hundred: the charge moves by a millionth.
+  // The cells' exponentials ten times a second are as good as a hundred: the charge moves by a millionth. RALI's
+  // monitor looks as often.
   constexpr double period_s = 0.0999;
   drive_time_s_ += dt_s;
   if (drive_time_s_ < period_s) return;
-  battery_.draw(drive_energy_j_, drive_time_s_);
-  gauge_.count(battery_, drive_time_s_);
+  power_.draw(drive_energy_j_, drive_time_s_);
   drive_energy_j_ = 0.0;
   drive_time_s_ = 0.0;
 }
@@ -170,7 +170,7 @@ void Vehicle::speak(SimTime now, const Scan& scan, wire::Effects& effects) {
   else
     dobs_.tick(now, scan, out_);
   send(wire::Board::DOBS, effects);
-  rali_.tick(now, rali_.wants_readings(now) ? gauge_.read(battery_) : PowerReadings{}, out_);
+  rali_.tick(now, power_.readings(), out_);
   send(wire::Board::RALI, effects);
 }
 

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "physical/boards/boards.h"
-#include "physical/plant/battery.h"
 #include "physical/plant/floor.h"
 #include "physical/plant/odometer.h"
 #include "physical/plant/plant_core.h"
+#include "physical/plant/power_train.h"
 #include "physical/plant/ranging.h"
 #include "physical/plant/tag_reader.h"
 #include "physical/plant/vehicle_dynamics.h"
@@ -22,7 +22,7 @@ namespace cosiva::physical {
 class Vehicle {
  public:
   Vehicle(std::uint32_t number, std::shared_ptr<const Floor> floor, zone::Place start, const PlantNoise& noise,
-          std::uint64_t seed);
+          std::uint64_t seed, const std::shared_ptr<const battery::CellTable>& cells);
 
   /// Switches the boards on. Their session numbers come from the seed and the moment, so that the same plant started
   /// later has others, as after a real power cut.
@@ -44,16 +44,17 @@ class Vehicle {
 
   [[nodiscard]] std::uint32_t number() const { return number_; }
   [[nodiscard]] const LineVehicle& motion() const { return motion_; }
-  [[nodiscard]] const Battery& battery() const { return battery_; }
+  [[nodiscard]] PowerTrain& power() { return power_; }
+  [[nodiscard]] const PowerTrain& power() const { return power_; }
   [[nodiscard]] const std::shared_ptr<const Floor>& floor() const { return floor_; }
   /// Along lines: what it does in manoeuvres is not counted.
   [[nodiscard]] double distance_m() const { return distance_m_; }
   /// Whole laps, on floors that are one ring.
   [[nodiscard]] std::uint32_t laps() const { return laps_before_ + laps_here(); }
   [[nodiscard]] double longest_wait_s() const { return to_seconds(longest_wait_); }
-  [[nodiscard]] bool powered(SimTime now) const { return pils_.drive(now) != nullptr && !battery_.empty(); }
+  [[nodiscard]] bool powered(SimTime now) const { return pils_.drive(now) != nullptr && !power_.cut_off(); }
   [[nodiscard]] const std::string& display() const { return prav_.display(); }
-  [[nodiscard]] double charge() const { return battery_.charge(); }
+  [[nodiscard]] double charge() const { return power_.pack().charge(); }
   [[nodiscard]] const std::string& port(wire::Board board) const;
 
  private:
@@ -73,8 +74,7 @@ class Vehicle {
   Odometer odometer_;
   TagReader tag_reader_;
   Random range_random_;
-  Battery battery_;
-  BatteryGauge gauge_;
+  PowerTrain power_;
   PilsBoard pils_;
   PravBoard prav_;
   DobsBoard dobs_;

@@ -9,7 +9,8 @@
 namespace cosiva::virtual_side {
 namespace {
 
-constexpr std::array verbs{Verb::stop, Verb::slow, Verb::medium, Verb::fast, Verb::restart, Verb::cancel};
+constexpr std::array verbs{Verb::stop, Verb::slow, Verb::medium, Verb::fast, Verb::limit, Verb::restart, Verb::cancel};
+constexpr double limit_mps_max = 5.0;
 constexpr double standing_mps = 0.01;
 constexpr double speed_slack_mps = 0.02;
 constexpr std::size_t json_bytes_max = 64U << 10U;
@@ -32,6 +33,8 @@ wire::Action speed_limit(std::string_view profile) {
   return limit;
 }
 
+bool sets_speed(Verb verb) { return profile_of(verb) || verb == Verb::limit; }
+
 std::string cut(std::string_view text) { return std::string(text.substr(0, 80)); }
 
 }  // namespace
@@ -42,6 +45,7 @@ std::string_view to_string(Verb verb) {
     case Verb::slow: return "slow";
     case Verb::medium: return "medium";
     case Verb::fast: return "fast";
+    case Verb::limit: return "limit";
     case Verb::restart: return "restart";
     case Verb::cancel: return "cancel";
   }
@@ -68,7 +72,7 @@ Result<Commands::Asked> Commands::read(std::string_view json) const {
   asked.id = cut(value->text("id").value_or(""));
   const auto verb = value->text("command");
   if (!verb)
-    return fail("command.missing", "say which command: stop, slow, medium, fast, restart or cancel", "command");
+    return fail("command.missing", "say which command: stop, slow, medium, fast, limit, restart or cancel", "command");
   asked.verb_text = cut(*verb);
   if (const JsonValue* list = value->find("vehicles"); list != nullptr && !list->is_null()) {
     if (list->array() == nullptr || list->array()->empty() || list->array()->size() > vehicles_named_max)
@@ -85,6 +89,12 @@ Result<Commands::Asked> Commands::read(std::string_view json) const {
   }
   const auto known = std::ranges::find(verbs, *verb, [](Verb v) { return to_string(v); });
   if (known != verbs.end()) asked.verb = *known;
+  if (asked.verb == Verb::limit) {
+    asked.speed_mps = value->number("speed").value_or(0.0);
+    if (!(asked.speed_mps > 0.0 && asked.speed_mps <= limit_mps_max))
+      return fail("command.speed", "say how fast it may drive at most, above 0 and up to 5 m/s, as \"speed\":0.25",
+                  "speed");
+  }
   return asked;
 }
 
@@ -92,8 +102,7 @@ std::optional<std::string> Commands::impossible(VehicleIndex vehicle, Verb verb)
   const AivProxy& proxy = registry_[vehicle];
   if (!proxy.online())
     return proxy.name + " is not connected; switch it on or bring it back into radio range, then try again";
-  const bool limits = profile_of(verb).has_value();
-  if (limits && proxy.supports("setSpeedLimit") == std::optional{false})
+  if (sets_speed(verb) && proxy.supports("setSpeedLimit") == std::optional{false})
     return proxy.name + " does not support setSpeedLimit (its factsheet does not list it); it can only be stopped";
   return std::nullopt;
 }
@@ -107,7 +116,7 @@ Result<void> Commands::check(std::string_view json) const {
 Result<void> Commands::judge_asked(const Asked& asked) const {
   if (!asked.verb) {
     return fail("command.unknown",
-                "there is no command '" + asked.verb_text + "'; use stop, slow, medium, fast, restart or cancel",
+                "there is no command '" + asked.verb_text + "'; use stop, slow, medium, fast, limit, restart or cancel",
                 "command");
   }
   if (asked.all()) {
@@ -155,6 +164,7 @@ void Commands::issue(std::string_view json) {
   if (asked) {
     command.verb = asked->verb;
     command.verb_text = asked->verb_text;
+    command.speed_mps = asked->speed_mps;
     for (const std::string& name : asked->vehicle_names)
       command.vehicle_name += (command.vehicle_name.empty() ? "" : ", ") + name;
   }
@@ -199,7 +209,8 @@ void Commands::begin(Command command) {
       proxy.paused_for_body = false;
       proxy.no_orders = false;
       actions.push_back(action("stopPause"));
-      if (proxy.imposed) actions.push_back(speed_limit("normal"));
+      if (proxy.imposed || proxy.speed_mps_max) actions.push_back(speed_limit("normal"));
+      proxy.speed_mps_max.reset();
       break;
     case Verb::cancel:
       proxy.no_orders = true;
@@ -208,7 +219,14 @@ void Commands::begin(Command command) {
       break;
     case Verb::slow:
     case Verb::medium:
-    case Verb::fast: actions.push_back(speed_limit(to_string(*profile_of(verb)))); break;
+    case Verb::fast:
+      actions.push_back(speed_limit(to_string(*profile_of(verb))));
+      proxy.speed_mps_max.reset();
+      break;
+    case Verb::limit:
+      actions.push_back(action("setSpeedLimit"));
+      actions.back().parameters.push_back({"maxSpeed", command.speed_mps});
+      break;
   }
   command.ticket = desk_.send(proxy, command.vehicle, std::move(actions), patience, true);
   keep(std::move(command));
@@ -218,7 +236,7 @@ void Commands::supersede(const Command& by) {
   // Otherwise the older one, sent again because its answer was lost, would undo the newer.
   const auto overtakes = [&](Verb older) {
     if (older == *by.verb || *by.verb == Verb::restart) return true;
-    return (profile_of(older) && profile_of(*by.verb)) || (older == Verb::restart && *by.verb == Verb::stop);
+    return (sets_speed(older) && sets_speed(*by.verb)) || (older == Verb::restart && *by.verb == Verb::stop);
   };
   for (Command& older : list_) {
     if (older.vehicle == by.vehicle && older.open() && overtakes(*older.verb))
@@ -241,6 +259,11 @@ bool Commands::effect_seen(const Command& command) const {
       return !state.paused && (!proxy.imposed || limited_since);
     }
     case Verb::cancel: return state.node_states.empty() && !state.driving;
+    case Verb::limit: {
+      const ActionDesk::Letter* letter = desk_.find(command.ticket);
+      return letter != nullptr && letter->actions.front().status == wire::ActionStatus::finished &&
+             speed_mps <= command.speed_mps + speed_slack_mps;
+    }
     case Verb::slow:
     case Verb::medium:
     case Verb::fast: break;
@@ -302,6 +325,7 @@ void Commands::accept(Command& command) {
 void Commands::materialise(Command& command) {
   command.state = CommandState::materialised;
   command.materialised_at = outbox_.now();
+  if (command.verb == Verb::limit) registry_[command.vehicle].speed_mps_max = command.speed_mps;
   desk_.drop(command.ticket);
   if (BijectionMonitor* monitor = monitor_of(command))
     monitor->command_materialised(to_seconds(outbox_.now() - command.at) * 1e3);

@@ -15,7 +15,7 @@
 namespace cosiva::virtual_side {
 
 /// What an operator can ask of a vehicle (A6).
-enum class Verb : std::uint8_t { stop, slow, medium, fast, restart, cancel };
+enum class Verb : std::uint8_t { stop, slow, medium, fast, limit, restart, cancel };
 [[nodiscard]] std::string_view to_string(Verb verb);
 
 enum class CommandState : std::uint8_t { issued, accepted, materialised, failed };
@@ -27,6 +27,7 @@ struct Command {
   std::string vehicle_name;
   std::string verb_text;  ///< as asked, even when nobody knows such a verb
   std::optional<Verb> verb;
+  double speed_mps{};  ///< of `limit`
   CommandState state{CommandState::issued};
   SimTime at{};
   std::optional<SimTime> accepted_at;
@@ -64,6 +65,7 @@ class Commands {
     std::string verb_text;
     std::vector<std::string> vehicle_names;  ///< or "*" alone
     std::optional<Verb> verb;
+    double speed_mps{};   ///< of `limit`
     bool several{false};  ///< given as a list, or all: an entry each
     [[nodiscard]] bool all() const { return several && vehicle_names.front() == "*"; }
   };

@@ -63,6 +63,31 @@ TEST_F(CommandBench, restart_lets_it_go_on_and_lifts_a_limit) {
   EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("status"), "Normal");
 }
 
+TEST_F(CommandBench, limit_holds_one_vehicle_under_a_speed_of_its_own_until_restart_lifts_it) {
+  bench.run_for(2s);
+  bench.ask(R"({"command":"limit","speed":0.12,"vehicle":"CoSiVA/AIV1","id":"c1"})");
+  EXPECT_TRUE(bench.aiv("CoSiVA/AIV1").find("speedLimit")->is_null()) << "asked for is not done";
+  bench.run_for(2s);
+  EXPECT_EQ(state_of("c1"), "materialised");
+  EXPECT_NEAR(aiv.speed_mps, 0.12, 1e-9);
+  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").number("speedLimit"), 0.12);
+  const wire::Action& told = aiv.actions.back().actions.front();
+  EXPECT_EQ(told.action_type, "setSpeedLimit");
+  EXPECT_EQ(told.number("maxSpeed"), 0.12);
+  bench.command("restart", "CoSiVA/AIV1", "c2");
+  bench.run_for(2s);
+  EXPECT_EQ(state_of("c2"), "materialised");
+  EXPECT_GT(aiv.speed_mps, 0.25);
+  EXPECT_TRUE(bench.aiv("CoSiVA/AIV1").find("speedLimit")->is_null());
+}
+
+TEST_F(CommandBench, limit_needs_a_speed_that_makes_sense) {
+  for (const char* speed : {"", R"("speed":0,)", R"("speed":-0.1,)", R"("speed":5.1,)", R"("speed":"fast",)"})
+    EXPECT_THAT(bench.refusal(R"({"command":"limit",)" + std::string(speed) + R"("vehicle":"CoSiVA/AIV1"})"),
+                HasSubstr("say how fast"))
+        << speed;
+}
+
 TEST_F(CommandBench, the_imposed_speed_is_known_again_after_a_restart_of_the_server) {
   bench.command("fast", "CoSiVA/AIV1");
   bench.run_for(2s);

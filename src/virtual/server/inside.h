@@ -8,6 +8,8 @@
 
 #include "virtual/server/ahead.h"
 #include "virtual/server/commands.h"
+#include "virtual/server/deadlocks.h"
+#include "virtual/server/halls.h"
 #include "virtual/server/map_desk.h"
 #include "virtual/server/missions.h"
 #include "virtual/server/order_roller.h"
@@ -27,8 +29,9 @@ namespace cosiva::virtual_side {
 
 /// The server's parts and how news travels between them. server_core.cpp: life and links; zone.cpp: zones as they come
 /// and their edits; zone_switch.cpp: from one zone to another while vehicles drive; operator.cpp: what is asked of it;
-/// virtual_world.cpp: what is added only virtually; memory.cpp: what is kept over a crash; reports.cpp and
-/// own_reports.cpp: what vehicles say; snapshot.cpp and vehicle_json.cpp: what the page reads.
+/// virtual_world.cpp: what is added only virtually; hand_over.cpp: from hall to hall; memory.cpp: what is kept over a
+/// crash; reports.cpp and own_reports.cpp: what vehicles say; talk.cpp: what they say to each other; snapshot.cpp and
+/// vehicle_json.cpp: what the page reads.
 struct ServerCore::Inside {
   explicit Inside(ServerOptions given);
 
@@ -72,6 +75,19 @@ struct ServerCore::Inside {
   [[nodiscard]] Result<void> check_command(std::string_view json) const;
   void on_command(std::string_view json);
   [[nodiscard]] Result<wire::Publish> world_command(const JsonValue& command) const;
+
+  // hand_over.cpp
+  /// Takes what is of other halls, and of vehicles that are not ours. False: it is for us.
+  [[nodiscard]] bool is_for_halls(const wire::Input& input);
+  void on_owner(const wire::VehicleId& id, const wire::Input& input);
+  /// @param kept  the broker had kept the message
+  void take_over(Halls::Vehicle& vehicle, bool kept);
+  void let_go(VehicleIndex vehicle, const std::string& hall);
+  /// Its sequence follows from the last that was heard.
+  void say_owner(const Halls::Vehicle& vehicle, wire::Owner owner);
+  void say_lost_owners();
+  void claim_vehicles();
+  void hand_over_arrived();
 
   // virtual_world.cpp
   void follow(const ThingCommand& asked);
@@ -121,6 +137,11 @@ struct ServerCore::Inside {
   void ask_factsheet(VehicleIndex vehicle);
   void log_once(AivProxy& proxy, std::uint32_t note, char level, std::string text);
 
+  // talk.cpp
+  /// Talk between vehicles: told to the virtual ones that listen, and shown, once a second from each.
+  void on_intent(const wire::Input& input);
+  void trace_intent(AivProxy& proxy, const wire::Input& input);
+
   // vehicle_json.cpp
   void write_vehicle(JsonWriter& json, VehicleIndex vehicle) const;
   void write_agent(JsonWriter& json, VehicleIndex vehicle, bool lost) const;
@@ -135,6 +156,8 @@ struct ServerCore::Inside {
 
   ServerOptions options;
   std::string topic_prefix;  ///< "<interface>/"
+  wire::ServerTopics topics;
+  Halls halls;
   Traces traces;
   Outbox outbox;
   Registry registry;
@@ -143,6 +166,7 @@ struct ServerCore::Inside {
   Simulator simulator;
   Missions missions;
   OrderRoller roller;
+  Deadlocks deadlocks;
   MapDesk maps;
   Commands commands;
   VirtualFleet fleet;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -96,6 +97,31 @@ void Missions::no_way(Entry& entry, const Error& error) {
   entry.complete = true;
 }
 
+std::vector<zone::SectionId> Missions::shut(Sections avoided) const {
+  std::vector<zone::SectionId> all;
+  all.reserve(closed_.size() + avoided.size());
+  std::ranges::set_union(closed_, avoided, std::back_inserter(all));
+  return all;
+}
+
+bool Missions::has_way_round(VehicleIndex vehicle, zone::Place from, Sections around) const {
+  const Entry& entry = entries_[vehicle];
+  const auto closed = shut(around);
+  if (entry.mission.kind == Mission::Kind::go)
+    return std::ranges::any_of(goals(entry.mission.name), [&](WaypointIndex goal) {
+      return router_->plan(from, map_->waypoint(goal).place, closed).has_value();
+    });
+  if (const zone::Loop* loop = loop_of(entry)) return router_->plan(from, *loop, closed).has_value();
+  return router_->goes_on_for_ever(closed)[from.section];
+}
+
+void Missions::avoid(VehicleIndex vehicle, std::vector<zone::SectionId> sections) {
+  Entry& entry = entries_[vehicle];
+  if (entry.avoided == sections) return;
+  entry.avoided = std::move(sections);
+  ++entry.revision;
+}
+
 std::optional<std::vector<zone::SectionId>> Missions::plan(VehicleIndex vehicle, std::span<const zone::Place> starts) {
   Entry& entry = entries_[vehicle];
   entry.goal = no_waypoint;
@@ -122,11 +148,11 @@ std::optional<std::vector<zone::SectionId>> Missions::plan(VehicleIndex vehicle,
   };
   for (const zone::Place& start : starts) {
     if (loop != nullptr) {
-      consider(router_->plan(start, *loop, closed_), no_waypoint);
+      consider(router_->plan(start, *loop, shut(entry.avoided)), no_waypoint);
       continue;
     }
     for (const WaypointIndex goal : goals(entry.mission.name))
-      consider(router_->plan(start, map_->waypoint(goal).place, closed_), goal);
+      consider(router_->plan(start, map_->waypoint(goal).place, shut(entry.avoided)), goal);
   }
   if (!best) {
     no_way(entry, error.value_or(Error{"route.none", "the zone has no '" + entry.mission.name + "' any more", ""}));
@@ -142,7 +168,7 @@ std::vector<zone::SectionId> Missions::more(VehicleIndex vehicle, zone::SectionI
   if (entry.complete) return {};
   const zone::Loop* loop = loop_of(entry);
   if (loop == nullptr) return branch(entry, last);
-  auto lap = router_->plan({last, map_->circuit().section(last).length_m()}, *loop, closed_);
+  auto lap = router_->plan({last, map_->circuit().section(last).length_m()}, *loop, shut(entry.avoided));
   const auto next = map_->circuit().next(last);
   const bool alone = lap && lap->sections.size() < 2 && std::ranges::find(next, last) != next.end() && !is_closed(last);
   if (alone) return {last};
@@ -162,7 +188,9 @@ zone::SectionId Missions::least_recent(const Entry& entry, Sections choice) cons
   };
   zone::SectionId best = zone::no_section;
   for (const zone::SectionId section : choice)
-    if (!is_closed(section) && (best == zone::no_section || worth(section) < worth(best))) best = section;
+    if (!is_closed(section) && !std::ranges::binary_search(entry.avoided, section) &&
+        (best == zone::no_section || worth(section) < worth(best)))
+      best = section;
   return best;
 }
 
@@ -191,7 +219,8 @@ bool Missions::stands_at(VehicleIndex vehicle, Point2 p) {
   entry.state = State::arrived;
   entry.why.clear();
   entry.complete = true;
-  outbox_.log('i', registry_[vehicle].name + ": arrived at " + entry.mission.name);
+  outbox_.log('i', registry_[vehicle].name + ": arrived at " + entry.mission.name +
+                       (entry.mission.beyond.empty() ? "" : ", on its way to " + entry.mission.beyond));
   return true;
 }
 
@@ -200,6 +229,7 @@ void Missions::give(VehicleIndex vehicle, Mission mission) {
   entry.mission = std::move(mission);
   entry.state = State::driving;
   entry.why.clear();
+  entry.avoided.clear();
   ++entry.revision;
   registry_[vehicle].no_orders = false;
 }
@@ -210,7 +240,13 @@ void Missions::follow(const JsonValue& command) {
     const bool go = verb == "go";
     const std::string name = command.text(go ? "to" : "loop").value_or("");
     const auto vehicles = addressed(command);
-    for (const VehicleIndex v : *vehicles) give(v, {go ? Mission::Kind::go : Mission::Kind::circulate, name});
+    Mission mission{go ? Mission::Kind::go : Mission::Kind::circulate, name};
+    if (go && goals(name).empty() && abroad_) {
+      auto leads = abroad_(name);
+      if (!leads) return outbox_.log('w', "command refused: " + to_string(leads.error()));
+      mission = std::move(*leads);
+    }
+    for (const VehicleIndex v : *vehicles) give(v, mission);
     return;
   }
   const zone::SectionId section = *map_->circuit().find(command.text("section").value_or(""));
@@ -228,15 +264,19 @@ void Missions::write(JsonWriter& json, VehicleIndex vehicle, std::string_view wa
   const zone::Loop* loop = go || map_ == nullptr ? nullptr : loop_of(entry);
   json.key(go ? "to" : "loop");
   if (go)
-    json.value(entry.mission.name);
+    json.value(entry.mission.beyond.empty() ? entry.mission.name : entry.mission.beyond);
   else if (loop != nullptr)
     json.value(loop->name);
   else
     json.null();
   constexpr std::array<std::string_view, 3> words{"driving", "arrived", "no way"};
-  json.field("state", words[static_cast<std::size_t>(entry.state)]).key("why");
+  // Where two halls meet it has not arrived yet.
+  const bool waits = entry.state == State::arrived && !entry.mission.beyond.empty();
+  json.field("state", waits ? words[0] : words[static_cast<std::size_t>(entry.state)]).key("why");
   if (!entry.why.empty())
     json.value(entry.why);
+  else if (waits)
+    json.value("waits at " + entry.mission.name + " for the server of the other hall");
   else if (go && !waits_for.empty())
     json.value(std::string(waits_for) + " stands at " + entry.mission.name);
   else

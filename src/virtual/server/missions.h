@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <span>
@@ -28,6 +29,8 @@ struct Mission {
   Kind kind{Kind::circulate};
   std::string
       name;  ///< of the loop, the station or the waypoint; circulate without one: the zone's first loop, or roam
+  /// Where it goes on to in another hall, "hall/name"; `name` is the station where the two meet. Empty: nowhere.
+  std::string beyond{};
   friend bool operator==(const Mission&, const Mission&) = default;
 };
 
@@ -40,6 +43,10 @@ class Missions {
 
   Missions(Registry& registry, Outbox& outbox) : registry_{registry}, outbox_{outbox} {}
 
+  /// Gives the mission to a place of another hall, "hall/name", or fails with a sentence.
+  using Abroad = std::function<Result<Mission>(std::string_view to)>;
+  void set_abroad(Abroad abroad) { abroad_ = std::move(abroad); }
+
   /// Another zone; null: none for the moment. Its own closed sections are closed; whoever was to go where the zone has
   /// no such place, or round a loop it does not have, does as one that was told nothing.
   void set_map(const WayMap* map);
@@ -47,6 +54,10 @@ class Missions {
   void renew();
   void resize(std::size_t vehicles) { entries_.resize(vehicles); }
   void forget(VehicleIndex vehicle) { entries_[vehicle] = {}; }
+  void give(VehicleIndex vehicle, Mission mission);
+  /// The zone has a way or place of its name.
+  [[nodiscard]] bool known(const Mission& mission) const;
+  [[nodiscard]] bool has_place(std::string_view name) const { return !goals(name).empty(); }
 
   [[nodiscard]] static bool is_ours(std::string_view command);  ///< "go", "circulate", "close" or "open"
   /// Fails with a sentence that says what to do, and names what is like what was asked for.
@@ -66,6 +77,12 @@ class Missions {
   [[nodiscard]] bool complete(VehicleIndex vehicle) const { return entries_[vehicle].complete; }
   /// Of the way that was planned last; no_waypoint while it has none.
   [[nodiscard]] WaypointIndex goal(VehicleIndex vehicle) const { return entries_[vehicle].goal; }
+  /// Whether it could get on from `from` without entering any of these, which are ascending.
+  [[nodiscard]] bool has_way_round(VehicleIndex vehicle, zone::Place from, Sections around) const;
+  /// Plans its way anew, for this vehicle alone as if these were closed; they are ascending. Until it need no longer,
+  /// or another zone or mission.
+  void avoid(VehicleIndex vehicle, std::vector<zone::SectionId> sections);
+  void need_not_avoid(VehicleIndex vehicle) { entries_[vehicle].avoided.clear(); }
   /// It stands here, without an order. True: this is where it was to go, and it stays.
   bool stands_at(VehicleIndex vehicle, Point2 p);
   [[nodiscard]] bool is_closed(zone::SectionId section) const;
@@ -95,6 +112,7 @@ class Missions {
     WaypointIndex goal{no_waypoint};
     std::map<zone::SectionId, std::uint64_t> taken;  ///< when it took a branch last, counted in forks
     std::uint64_t forks{0};
+    std::vector<zone::SectionId> avoided;  ///< sorted
   };
   struct Remembered {
     std::string vehicle;
@@ -105,9 +123,9 @@ class Missions {
   [[nodiscard]] Result<void> check_mission(const JsonValue& command, std::string_view verb) const;
   [[nodiscard]] Result<void> check_section(const JsonValue& command, std::string_view verb) const;
   [[nodiscard]] Result<std::vector<VehicleIndex>> addressed(const JsonValue& command) const;
-  [[nodiscard]] bool known(const Mission& mission) const;
-  void give(VehicleIndex vehicle, Mission mission);
   void closed_changed();
+  /// Closed, or avoided by this one; sorted.
+  [[nodiscard]] std::vector<zone::SectionId> shut(Sections avoided) const;
   void recall_for_zone();
   /// Of those that are open; no_section: none is.
   [[nodiscard]] zone::SectionId least_recent(const Entry& entry, Sections choice) const;
@@ -116,6 +134,7 @@ class Missions {
 
   Registry& registry_;
   Outbox& outbox_;
+  Abroad abroad_;
   const WayMap* map_{};
   std::optional<zone::Router> router_;
   std::vector<Entry> entries_;

@@ -103,6 +103,10 @@ Result<void> Missions::check_mission(const JsonValue& command, std::string_view 
   if (to.empty() || to.size() > name_bytes_max)
     return fail("mission.to", "say where to, as the name of a station or waypoint", "to");
   if (!goals(to).empty()) return {};
+  if (abroad_ && to.find('/') != std::string::npos) {
+    const auto leads = abroad_(to);
+    return leads ? Result<void>{} : tl::unexpected(leads.error());
+  }
   if (zone.find_station(to) != nullptr)
     return fail("mission.to", "no way of this zone comes to a stop at '" + cut(to) + "'; lay it on one", "to");
   for (const zone::Station& station : zone.stations) names.push_back(station.name);
@@ -145,8 +149,9 @@ void Missions::write_memory(JsonWriter& json) const {
     json.begin_object()
         .field("vehicle", vehicle)
         .field("kind", mission.kind == Mission::Kind::go ? "go" : "circulate")
-        .field("name", mission.name)
-        .end_object();
+        .field("name", mission.name);
+    if (!mission.beyond.empty()) json.field("beyond", mission.beyond);
+    json.end_object();
   };
   for (VehicleIndex v = 0; v < entries_.size(); ++v)
     if (!(entries_[v].mission == Mission{})) write(registry_[v].name, entries_[v].mission);
@@ -168,8 +173,9 @@ void Missions::recall(const JsonValue& memory) {
     const auto vehicle = one.text("vehicle");
     if (!vehicle || vehicle->size() > name_bytes_max || remembered_.size() >= Registry::vehicles_max) return;
     const bool go = one.text("kind").value_or("") == "go";
-    remembered_.push_back(
-        {*vehicle, {go ? Mission::Kind::go : Mission::Kind::circulate, one.text("name").value_or("")}});
+    remembered_.push_back({*vehicle,
+                           {go ? Mission::Kind::go : Mission::Kind::circulate, one.text("name").value_or(""),
+                            one.text("beyond").value_or("")}});
   });
   for (VehicleIndex v = 0; v < entries_.size(); ++v) registered(v);
   if (map_ == nullptr) return;

@@ -14,7 +14,17 @@ constexpr std::size_t obstacle_id_bytes_max = 64;
 constexpr double obstacle_radius_m_min = 0.02;
 constexpr double obstacle_radius_m_max = 1.0;
 
+bool adds_virtual_aiv(const JsonValue& command) {
+  const JsonValue* thing = command.find("thing");
+  return thing != nullptr && thing->text("kind") == "aiv";
+}
+
 bool is_world_command(std::string_view command) { return command == "plant" || command == "radio"; }
+
+Result<void> no_virtual_aivs() {
+  return fail("thing.hall",
+              "a virtual AIV cannot be added where several halls share a broker; persons and obstacles can", "kind");
+}
 
 Result<std::string> obstacle_id(const std::optional<std::string>& id) {
   if (!id || id->empty() || id->size() > obstacle_id_bytes_max)
@@ -85,6 +95,7 @@ Result<void> ServerCore::Inside::check_command(std::string_view json) const {
     if (!result) return tl::unexpected(result.error());
     return {};
   };
+  if (halls.several() && verb == "add" && adds_virtual_aiv(*command)) return no_virtual_aivs();
   if (ThingsDesk::is_ours(verb)) return verdict(things.read(*command));
   if (ZoneEdits::is_ours(verb)) return verdict(edits.after(*command, simulator));
   if (is_world_command(verb)) return verdict(world_command(*command));
@@ -97,7 +108,9 @@ void ServerCore::Inside::on_command(std::string_view json) {
   const auto command = JsonValue::parse(json, command_bytes_max);
   const std::string verb = command ? command->text("command").value_or("") : std::string{};
   const auto refuse = [&](const Error& error) { outbox.log('w', "command refused: " + to_string(error)); };
-  if (ThingsDesk::is_ours(verb)) {
+  if (halls.several() && verb == "add" && adds_virtual_aiv(*command)) {
+    refuse(no_virtual_aivs().error());
+  } else if (ThingsDesk::is_ours(verb)) {
     const auto asked = things.read(*command);
     if (!asked) return refuse(asked.error());
     follow(*asked);

@@ -1,6 +1,7 @@
 // ServerOptions as JSON: the payload of the server's configure input.
 #include "base/json_value.h"
 #include "virtual/server/server_core.h"
+#include "wire/halls.h"
 
 namespace cosiva::virtual_side {
 namespace {
@@ -54,6 +55,7 @@ Result<void> read_contract(const JsonValue& json, BijectionContract& contract) {
 std::string to_json(const ServerOptions& options) {
   JsonWriter json;
   json.begin_object().field("interface", options.interface_name);
+  if (!options.hall.empty()) json.field("hall", options.hall);
   if (options.zone) zone::write_json(json.key("zone"), *options.zone);
   json.field("drive", options.drive).field("lost_after_ms", ms_of(options.lost_after));
   json.key("contract")
@@ -65,6 +67,7 @@ std::string to_json(const ServerOptions& options) {
       .field("effect_p99_ms", options.contract.effect_p99_ms)
       .end_object();
   json.field("traces_max", options.traces_max).field("map_download_link", options.map_download_link);
+  json.field("v2x", options.v2x).field("convoys", options.convoys);
   aiv::write_json(json.key("virtual_rules"), options.virtual_rules);
   json.end_object();
   return json.take();
@@ -76,6 +79,9 @@ Result<ServerOptions> server_options_from_json(std::string_view text) {
   if (json->object() == nullptr) return bad("", "a JSON object with the server's options");
   ServerOptions options;
   options.interface_name = json->text("interface").value_or("");
+  options.hall = json->text("hall").value_or("");
+  if (!options.hall.empty() && !wire::valid_hall(options.hall))
+    return bad("hall", "a name of A-Z a-z 0-9 _ . : - only, 32 at most");
   options.drive = json->flag("drive").value_or(true);
   if (auto r = read_zone(*json, options); !r) return tl::unexpected(r.error());
   if (auto r = read_duration(*json, "lost_after_ms", options.lost_after); !r) return tl::unexpected(r.error());
@@ -84,7 +90,9 @@ Result<ServerOptions> server_options_from_json(std::string_view text) {
   if (auto r = read_positive(*json, "traces_max", 1e7, traces); !r) return tl::unexpected(r.error());
   options.traces_max = static_cast<std::size_t>(traces);
   options.map_download_link = json->text("map_download_link").value_or("");
-  // A journal from before there were rules lives through its time again without them.
+  // A journal from before there were V2X, convoys or rules lives through its time again without them.
+  options.v2x = json->flag("v2x").value_or(false);
+  options.convoys = json->flag("convoys").value_or(false);
   options.virtual_rules = {};
   if (const JsonValue* rules = json->find("virtual_rules"); rules != nullptr && !rules->is_null()) {
     auto read = aiv::speed_rules_from_json(*rules);

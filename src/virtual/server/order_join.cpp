@@ -38,15 +38,19 @@ void OrderRoller::end_join(VehicleIndex vehicle) {
 }
 
 void OrderRoller::try_other_places(VehicleIndex vehicle) {
-  Plan& plan = plans_[vehicle];
-  if (!plan.waits_since || !goes_onto_line(vehicle)) return;
+  const Plan& plan = plans_[vehicle];
+  if (!plan.waits_since) return;
   const SimDuration waited = outbox_.now() - *plan.waits_since;
-  if (waited < rules_.other_place_after) return;
-  const bool makes_room = waited >= rules_.make_room_after;
-  for (const zone::Place place : places_near(vehicle)) {
+  if (waited >= rules_.other_place_after) join_elsewhere(vehicle, waited < rules_.make_room_after, place_within_m);
+}
+
+bool OrderRoller::join_elsewhere(VehicleIndex vehicle, bool drives_on, double within_m) {
+  Plan& plan = plans_[vehicle];
+  if (!goes_onto_line(vehicle)) return false;
+  for (const zone::Place place : places_near(vehicle, within_m)) {
     const Pose2 X_MG = map_->circuit().pose_at(place);
-    if (makes_room && stands_in_entry(plan.waits_for_vehicle, X_MG)) continue;
-    if (!is_free_entry(vehicle, place, !makes_room)) continue;
+    if (!drives_on && stands_in_entry(plan.waits_for_vehicle, X_MG)) continue;
+    if (!is_free_entry(vehicle, place, drives_on)) continue;
     plan.anchor = place;
     plan.standing.place = place;
     plan.join_sent_at = outbox_.now();
@@ -57,16 +61,17 @@ void OrderRoller::try_other_places(VehicleIndex vehicle) {
                                     wire::BlockingType::hard,
                                     {{"x", X_MG.x_m}, {"y", X_MG.y_m}, {"theta", X_MG.heading_rad}}}},
                                   std::chrono::seconds{3}, true);
-    return;
+    return true;
   }
+  return false;
 }
 
-std::vector<zone::Place> OrderRoller::places_near(VehicleIndex vehicle) const {
+std::vector<zone::Place> OrderRoller::places_near(VehicleIndex vehicle, double within_m) const {
   const zone::Circuit& circuit = map_->circuit();
   const auto anchor = zone::anchor_of(circuit, plans_[vehicle].standing.X_MB);
   if (!anchor) return {};
   std::vector<zone::Place> places{anchor->place};
-  for (int i = 1; i * place_every_m <= place_within_m; ++i) {
+  for (int i = 1; i * place_every_m <= within_m; ++i) {
     const double off_m = i * place_every_m;
     places.push_back(circuit.advance(anchor->place, off_m));
     places.push_back(circuit.advance(anchor->place, -off_m));

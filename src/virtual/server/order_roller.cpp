@@ -38,6 +38,7 @@ void OrderRoller::set_map(const WayMap* map) {
     plans_[v].way_of = 0;
     plans_[v].no_way.reset();
     end_join(v);
+    end_giving_way(v);
     // What was ordered on the old zone leads nowhere on the new one.
     if (plans_[v].stage == Plan::Stage::running) cancel(v);
   }
@@ -216,6 +217,7 @@ void OrderRoller::stop_rolling(VehicleIndex vehicle) {
 
 void OrderRoller::tick(bool drive, bool send_off, SimDuration lost_after) {
   if (map_ == nullptr) return;
+  lost_after_ = lost_after;
   traffic_.update();
   beside_.clear();
   for (VehicleIndex v = 0; v < plans_.size(); ++v)
@@ -223,15 +225,15 @@ void OrderRoller::tick(bool drive, bool send_off, SimDuration lost_after) {
       beside_.push_back(v);
   for (VehicleIndex v = 0; v < plans_.size(); ++v) {
     traffic_.update();
-    step(v, drive, send_off, lost_after);
+    step(v, drive, send_off);
   }
 }
 
-bool OrderRoller::may_roll(VehicleIndex vehicle, SimDuration lost_after) const {
+bool OrderRoller::may_roll(VehicleIndex vehicle) const {
   const AivProxy& proxy = registry_[vehicle];
   const Standing& standing = plans_[vehicle].standing;
   if (!proxy.state || !proxy.state_in_session || !proxy.online() || proxy.no_orders ||
-      proxy.lost(outbox_.now(), lost_after))
+      proxy.lost(outbox_.now(), lost_after_))
     return false;
   const wire::State& state = *proxy.state;
   const bool this_map = proxy.map_id.empty() || proxy.map_id == map_->zone().name;
@@ -240,7 +242,7 @@ bool OrderRoller::may_roll(VehicleIndex vehicle, SimDuration lost_after) const {
          state.operating_mode == wire::OperatingMode::automatic && !state.paused && state.e_stop == wire::EStop::none;
 }
 
-void OrderRoller::step(VehicleIndex vehicle, bool drive, bool send_off, SimDuration lost_after) {
+void OrderRoller::step(VehicleIndex vehicle, bool drive, bool send_off) {
   Plan& plan = plans_[vehicle];
   AivProxy& proxy = registry_[vehicle];
   const SimTime now = outbox_.now();
@@ -255,12 +257,18 @@ void OrderRoller::step(VehicleIndex vehicle, bool drive, bool send_off, SimDurat
   if (plan.stage == Plan::Stage::cancelling && now - plan.cancelled_at >= rules_.cancel_again && proxy.online())
     cancel(vehicle);
 
+  if (plan.stage == Plan::Stage::running && stands_silently(vehicle)) {
+    outbox_.log('w', proxy.name + ": stands with way before it and says no reason; cancelled, a new order follows");
+    cancel(vehicle);
+  }
+
   plan.waits_for_crossing.reset();
   plan.waits_for_vehicle = no_vehicle;
   const bool busy_elsewhere = plan.stage == Plan::Stage::none && proxy.state && !proxy.state->node_states.empty();
   const bool stays =
       plan.stage == Plan::Stage::none && (!send_off || missions_.stands_at(vehicle, position(plan.standing.X_MB)));
-  if (!drive || plan.stage == Plan::Stage::cancelling || busy_elsewhere || stays || !may_roll(vehicle, lost_after) ||
+  const bool keeps_still = go_on_giving_way(vehicle);
+  if (!drive || plan.stage == Plan::Stage::cancelling || busy_elsewhere || stays || keeps_still || !may_roll(vehicle) ||
       now < plan.wait_until) {
     traffic_.withdraw(vehicle);  // who cannot use its turn must not block the others
     plan.waits_since.reset();
@@ -310,30 +318,35 @@ void OrderRoller::extend(VehicleIndex vehicle, const Extension& from) {
   WaypointIndex at = from.from;
   std::size_t passed = 0;
   double reach_m = from.reach_m;
+  double in_convoy_m = 0.0;   // so far the one ahead has the same crossings, and leave to be gone
   double must_reach_m = 0.0;  // a granted chain is released whole: nobody stands in a crossing for lack of base
   while (extension_.size() < rules_.base_nodes_max && (reach_m < rules_.base_ahead_m || reach_m < must_reach_m)) {
     const WayMap::Stretch* stretch = next_stretch(vehicle, at, passed);
     if (stretch == nullptr) break;
     if (comes_again(vehicle, from, passed, *stretch)) break;
     const double next_m = reach_m + stretch->length_m;
-    if (next_m > traffic_.reach_m(vehicle, next_m)) {
-      plan.waits_for_vehicle = traffic_.ahead_within(vehicle, next_m + traffic_.standing_m()).vehicle;
-      break;
-    }
     const bool enters = stretch->crosses && !traffic_.holds_all(vehicle, next_m);
-    double chain_m = stretch->length_m;
+    WayMap::Chain chain{no_waypoint, stretch->length_m};
     if (enters) {
       const WaypointIndex goal = missions_.complete(vehicle) ? missions_.goal(vehicle) : no_waypoint;
-      chain_m = map_->chain(at, Sections{way_}.subspan(passed), goal).length_m;
+      chain = map_->chain(at, Sections{way_}.subspan(passed), goal);
     }
-    if (const VehicleIndex other = beside_way(vehicle, reach_m, reach_m + chain_m); other != no_vehicle) {
-      plan.waits_for_vehicle = other;
+    const double chain_m = reach_m + chain.length_m;
+    const bool joins = enters && joins_convoy(vehicle, {reach_m, next_m, chain_m, chain.exit});
+    if (joins) in_convoy_m = chain_m;
+    if (next_m > std::max(in_convoy_m, traffic_.reach_m(vehicle, next_m))) {
+      wait_for(plan, traffic_.ahead_within(vehicle, next_m + traffic_.standing_m()).vehicle, WaitReason::ahead);
+      break;
+    }
+    if (const VehicleIndex other = beside_way(vehicle, reach_m, chain_m); other != no_vehicle) {
+      wait_for(plan, other, WaitReason::beside);
       traffic_.withdraw(vehicle);  // that one may need what this one has asked for
       break;
     }
     if (enters) {
-      if (!enter(vehicle, reach_m, reach_m + chain_m)) break;
-      must_reach_m = reach_m + chain_m - 1e-6;
+      if (!joins && !enter(vehicle, reach_m, chain_m)) break;
+      if (joins) join_convoy(vehicle);
+      must_reach_m = chain_m - 1e-6;
     }
     extension_.push_back(stretch);
     at = stretch->to;
@@ -344,13 +357,33 @@ void OrderRoller::extend(VehicleIndex vehicle, const Extension& from) {
 
 bool OrderRoller::enter(VehicleIndex vehicle, double stop_m, double exit_m) {
   Plan& plan = plans_[vehicle];
-  const TrafficRules rules;
-  if (stop_m > rules.request_within_m) return false;
-  const auto answer = traffic_.request(vehicle, exit_m);
+  if (stop_m > traffic_.rules().request_within_m) return false;
+  const auto answer = traffic_.request(vehicle, exit_m, stop_m);
   if (answer.granted) return true;
   plan.waits_for_crossing = answer.waits_for;
-  plan.waits_for_vehicle = answer.blocked_by;
+  wait_for(plan, answer.blocked_by, answer.why);
   return false;
+}
+
+bool OrderRoller::joins_convoy(VehicleIndex vehicle, const ChainAhead& chain) {
+  // Its base will not keep it off the one ahead: its eyes must. A physical vehicle has none for a virtual one but the
+  // server's word, and what others' vehicles have is not known.
+  if (chain.next_m <= traffic_.reach_m(vehicle, chain.next_m)) return false;
+  const VehicleIndex ahead = traffic_.ahead(vehicle).vehicle;
+  if (ahead == no_vehicle || !registry_[vehicle].ours() || !registry_[ahead].ours()) return false;
+  if (registry_[ahead].augmented && !registry_[vehicle].augmented) return false;
+  // Whoever stands there by order will not make room soon.
+  if (!may_roll(ahead) || gives_way(ahead)) return false;
+  return traffic_.may_join(vehicle, chain.exit_m, chain.stop_m, chain.exit);
+}
+
+void OrderRoller::join_convoy(VehicleIndex vehicle) {
+  const VehicleIndex ahead = traffic_.ahead(vehicle).vehicle;
+  const auto [size, crossings] = traffic_.join(vehicle);
+  std::string through;
+  for (const CrossingIndex x : crossings) through += (through.empty() ? "" : " and ") + map_->zone().crossings[x].name;
+  outbox_.explain(registry_[vehicle], "convoy",
+                  "convoy of " + std::to_string(size) + " through " + through + ", behind " + registry_[ahead].name);
 }
 
 void OrderRoller::send(VehicleIndex vehicle, const Extension& from) {
@@ -421,36 +454,13 @@ void OrderRoller::send(VehicleIndex vehicle, const Extension& from) {
   ++(is_new ? orders_sent_ : updates_sent_);
 }
 
-void OrderRoller::note_waiting(Plan& plan, SimTime now) {
-  // Standing before something, not merely being told early that it will have to.
-  const bool waits = (plan.waits_for_crossing || plan.waits_for_vehicle != no_vehicle) && extension_.empty();
-  if (!waits) {
-    plan.waits_since.reset();
-    return;
-  }
-  if (!plan.waits_since) plan.waits_since = now;
-  longest_wait_ = std::max(longest_wait_, now - *plan.waits_since);
-}
-
-std::string OrderRoller::waits_for(VehicleIndex vehicle) const {
-  if (vehicle >= plans_.size() || map_ == nullptr) return {};
-  const Plan& plan = plans_[vehicle];
-  std::string text;
-  if (plan.waits_for_crossing && *plan.waits_for_crossing < map_->crossing_count())
-    text = map_->zone().crossings[*plan.waits_for_crossing].name;
-  if (plan.waits_for_vehicle != no_vehicle) {
-    if (!text.empty()) text += ", ";
-    text += registry_[plan.waits_for_vehicle].name;
-  }
-  return text;
-}
-
 void OrderRoller::fold(Digest& digest) const {
   for (const Plan& plan : plans_) {
     digest.add(static_cast<std::uint64_t>(plan.stage));
     digest.add(std::string_view{plan.order_id});
     digest.add(std::uint64_t{plan.update_id});
     digest.add(std::uint64_t{plan.base_end});
+    digest.add(static_cast<std::uint64_t>(plan.giving_way.has_value()));
   }
   digest.add(orders_sent_);
   digest.add(updates_sent_);

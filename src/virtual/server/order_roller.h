@@ -1,7 +1,9 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/digest.h"
@@ -9,6 +11,7 @@
 #include "virtual/server/outbox.h"
 #include "virtual/server/proxy.h"
 #include "virtual/server/traffic.h"
+#include "virtual/server/wait_graph.h"
 #include "virtual/server/way_map.h"
 #include "virtual/simulator/simulator.h"
 
@@ -29,12 +32,25 @@ struct RollerRules {
   SimDuration make_room_after{std::chrono::seconds{4}};  ///< it goes onto the line where it cannot drive on, either
   SimDuration join_patience{std::chrono::seconds{15}};
   SimDuration cancel_again{std::chrono::seconds{5}};
+  SimDuration silent_for{std::chrono::seconds{12}};     ///< one of ours with way before it and no reason to stand
+  SimDuration gives_way_for{std::chrono::seconds{12}};  ///< at most
+  double others_gone_m{0.5};                            ///< it goes on when those it gave way to have come so far
+  double back_up_m_max{0.5};
+};
+
+/// How a vehicle lets others out of a deadlock, the cheapest first.
+enum class Means : std::uint8_t {
+  wait,         ///< gives back what it asked for and holds ahead, and lets the others go first
+  detour,       ///< goes another way
+  other_place,  ///< comes onto the line elsewhere
+  back_up,      ///< drives backwards along the line, and lets the others go first
 };
 
 /// Rolls orders along each vehicle's mission: an idle vehicle gets a new order, whose base is then pushed forward by
 /// updates stitched at the last base node, as far as traffic allows. One update is on its way at a time, and is sent
 /// again unchanged until the vehicle's state acknowledges it. order_way.cpp finds the way, order_roller.cpp keeps the
-/// orders.
+/// orders, order_join.cpp brings onto the line who stands beside it, order_waits.cpp says who waits for whom,
+/// order_give_way.cpp lets others out of a deadlock.
 class OrderRoller {
  public:
   OrderRoller(Registry& registry, Traffic& traffic, Outbox& outbox, ActionDesk& desk, Missions& missions,
@@ -79,6 +95,22 @@ class OrderRoller {
   [[nodiscard]] std::string waits_for(VehicleIndex vehicle) const;
   /// How long it has waited for that, and the longest so far.
   [[nodiscard]] SimDuration longest_wait() const { return longest_wait_; }
+  /// Who cannot go on before whom, as of this tick; only of those that stand.
+  void add_waits(WaitGraph& graph) const;
+  [[nodiscard]] bool is_beside(VehicleIndex vehicle) const { return goes_onto_line(vehicle); }
+  /// "CoSiVA/AIV1 waits for X3, where CoSiVA/AIV2 is".
+  [[nodiscard]] std::string sentence(const Wait& wait) const;
+
+  /// What it costs to give way so that `waits`, which are all for this vehicle, come to an end: metres that it backs
+  /// up, 0 for all other means. Nothing: it cannot.
+  [[nodiscard]] std::optional<double> can_give_way(VehicleIndex vehicle, Means means, std::span<const Wait> waits);
+  /// False: it came to nothing after all.
+  bool give_way(VehicleIndex vehicle, Means means, std::span<const Wait> waits);
+  /// The deadlock is over: what it was to keep out of it may take again.
+  void need_not_avoid(VehicleIndex vehicle) { missions_.need_not_avoid(vehicle); }
+  /// It stands still for others, or is on its way back for them.
+  [[nodiscard]] bool gives_way(VehicleIndex vehicle) const { return plans_[vehicle].giving_way.has_value(); }
+
   [[nodiscard]] std::uint64_t orders_sent() const { return orders_sent_; }
   [[nodiscard]] std::uint64_t updates_sent() const { return updates_sent_; }
   [[nodiscard]] std::uint64_t resent() const { return resent_; }
@@ -103,13 +135,24 @@ class OrderRoller {
     std::string strange_order;  ///< an order of somebody else's, noted once
     std::optional<CrossingIndex> waits_for_crossing;
     VehicleIndex waits_for_vehicle{no_vehicle};
+    WaitReason waits_why{WaitReason::ahead};
     std::optional<SimTime> waits_since;
+    std::optional<SimTime> silent_since;    ///< it stands with base before it, and says no reason
     ActionDesk::Ticket cancel_ticket{0};    ///< of the cancelOrder on its way; 0: none
     std::uint64_t way_of{0};                ///< the missions' revision that its course was planned for; 0: none
     std::optional<zone::SectionId> no_way;  ///< there is none from here
     std::optional<zone::Place> anchor;      ///< where it comes onto the line
     ActionDesk::Ticket join_ticket{0};      ///< of the joinLine on its way; 0: none
     SimTime join_sent_at{};
+    struct GivingWay {
+      SimTime until{};
+      std::vector<std::pair<VehicleIndex, Point2>> others;  ///< for whom, and where they stood
+      bool drops_order{false};
+      double back_m{0.0};            ///< 0: it does not back up
+      ActionDesk::Ticket ticket{0};  ///< of its backUp; 0: not sent yet
+      bool stopped{false};           ///< on its way back, as somebody came
+    };
+    std::optional<GivingWay> giving_way;
   };
   struct Extension {
     WaypointIndex from{no_waypoint};
@@ -123,13 +166,22 @@ class OrderRoller {
   void give_up(VehicleIndex vehicle, const wire::State& state, const std::string& why);
   void drop(Plan& plan, VehicleIndex vehicle);
   void cancel(VehicleIndex vehicle);
-  [[nodiscard]] bool may_roll(VehicleIndex vehicle, SimDuration lost_after) const;
-  void step(VehicleIndex vehicle, bool drive, bool send_off, SimDuration lost_after);
+  [[nodiscard]] bool may_roll(VehicleIndex vehicle) const;
+  void step(VehicleIndex vehicle, bool drive, bool send_off);
   void extend(VehicleIndex vehicle, const Extension& from);
   [[nodiscard]] bool leads_too_far(VehicleIndex vehicle);
   [[nodiscard]] bool comes_again(VehicleIndex vehicle, const Extension& from, std::size_t passed,
                                  const WayMap::Stretch& stretch) const;
   bool enter(VehicleIndex vehicle, double stop_m, double exit_m);
+  /// Of a chain: from the end of its base on, as far as the next waypoint and the exit.
+  struct ChainAhead {
+    double stop_m;
+    double next_m;
+    double exit_m;
+    WaypointIndex exit;
+  };
+  [[nodiscard]] bool joins_convoy(VehicleIndex vehicle, const ChainAhead& chain);
+  void join_convoy(VehicleIndex vehicle);
   void send(VehicleIndex vehicle, const Extension& from);
 
   // order_way.cpp
@@ -157,13 +209,37 @@ class OrderRoller {
   [[nodiscard]] bool joining(VehicleIndex vehicle);
   /// Where the nearest place is not free, another may be: sends it there.
   void try_other_places(VehicleIndex vehicle);
+  /// @param drives_on  only places from which it can drive on; otherwise to make room
+  bool join_elsewhere(VehicleIndex vehicle, bool drives_on, double within_m);
   [[nodiscard]] bool is_free_entry(VehicleIndex vehicle, zone::Place place, bool drives_on);
   /// One that stood at X_MB would keep the other off the line.
   [[nodiscard]] bool stands_in_entry(VehicleIndex other, const Pose2& X_MB) const;
-  [[nodiscard]] std::vector<zone::Place> places_near(VehicleIndex vehicle) const;
+  [[nodiscard]] std::vector<zone::Place> places_near(VehicleIndex vehicle, double within_m) const;
   void end_join(VehicleIndex vehicle);
 
+  // order_waits.cpp
   void note_waiting(Plan& plan, SimTime now);
+  void wait_for(Plan& plan, VehicleIndex other, WaitReason why);
+  [[nodiscard]] bool stands(VehicleIndex vehicle) const;
+  /// True once when one of ours has stood for so long with base before it and no reason that it needs a new order.
+  bool stands_silently(VehicleIndex vehicle);
+  /// Before whom its own eyes make it stand; no_vehicle: before nobody known.
+  [[nodiscard]] VehicleIndex seen_in_way(VehicleIndex vehicle) const;
+  [[nodiscard]] Pose2 body(VehicleIndex vehicle) const;
+
+  // order_give_way.cpp
+  /// Whether the body of who is waited for would still be in the way if it stood at `place`.
+  [[nodiscard]] bool keeps_off(const Wait& wait, zone::Place place) const;
+  [[nodiscard]] bool has_what_to_give_back(VehicleIndex vehicle) const;
+  [[nodiscard]] std::optional<double> way_back_m(VehicleIndex vehicle, std::span<const Wait> waits) const;
+  /// Whether it may roll back so far: nobody stands there, and nobody comes there.
+  [[nodiscard]] bool is_free_behind(VehicleIndex vehicle, double back_m) const;
+  [[nodiscard]] bool near_anything(VehicleIndex vehicle, const Pose2& X_MB, double clear_m) const;
+  [[nodiscard]] std::vector<zone::SectionId> contested(VehicleIndex vehicle) const;
+  /// True while it is to keep still.
+  bool go_on_giving_way(VehicleIndex vehicle);
+  void follow_back_up(VehicleIndex vehicle, Plan::GivingWay& giving_way);
+  void end_giving_way(VehicleIndex vehicle);
 
   Registry& registry_;
   Traffic& traffic_;
@@ -178,6 +254,7 @@ class OrderRoller {
   std::vector<const WayMap::Stretch*> extension_;  ///< of the vehicle at hand
   std::vector<VehicleIndex> beside_;               ///< whose bodies count, not their places
   SimDuration longest_wait_{};
+  SimDuration lost_after_{};  ///< of this tick
   std::uint64_t orders_sent_{0};
   std::uint64_t updates_sent_{0};
   std::uint64_t resent_{0};

@@ -53,7 +53,7 @@ std::optional<OrderRoller::Extension> OrderRoller::first_node(VehicleIndex vehic
   if (goes_onto_line(vehicle)) {
     const auto anchor = zone::anchor_of(map_->circuit(), plan.standing.X_MB);
     if (!anchor) return std::nullopt;
-    plan.waits_for_vehicle = in_way_to_line(vehicle, anchor->place);
+    wait_for(plan, in_way_to_line(vehicle, anchor->place), WaitReason::beside);
     if (plan.waits_for_vehicle != no_vehicle) {
       traffic_.withdraw(vehicle);  // that one may need what this one has asked for
       return std::nullopt;

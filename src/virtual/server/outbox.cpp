@@ -16,7 +16,7 @@ std::string Outbox::send(AivProxy& proxy, wire::Order& order, std::string_view s
   order.header = header(proxy, proxy.order_header_id++);
   std::string payload = wire::vda5050::encode(order);
   traces_.add(now_, "AIV_Server", proxy.name, "order", summary, proxy.order_topic, payload);
-  effects_->emplace_back(wire::Publish{proxy.order_topic, payload, 0, false});
+  say(proxy, proxy.order_topic, payload);
   return payload;
 }
 
@@ -31,20 +31,24 @@ std::string Outbox::send(AivProxy& proxy, wire::InstantActions& actions) {
     summary += " (" + action.action_id + ")";
   }
   traces_.add(now_, "AIV_Server", proxy.name, "instantActions", summary, proxy.actions_topic, payload);
-  effects_->emplace_back(wire::Publish{proxy.actions_topic, payload, 0, false});
+  say(proxy, proxy.actions_topic, payload);
   return payload;
 }
 
 void Outbox::resend_order(const AivProxy& proxy, const std::string& payload) {
   traces_.add(now_, "AIV_Server", proxy.name, "order", "the same again: not acknowledged within 300 ms",
               proxy.order_topic, payload);
-  effects_->emplace_back(wire::Publish{proxy.order_topic, payload, 0, false});
+  say(proxy, proxy.order_topic, payload);
 }
 
 void Outbox::resend_actions(const AivProxy& proxy, const std::string& payload) {
   traces_.add(now_, "AIV_Server", proxy.name, "instantActions", "the same again: not acknowledged within 300 ms",
               proxy.actions_topic, payload);
-  effects_->emplace_back(wire::Publish{proxy.actions_topic, payload, 0, false});
+  say(proxy, proxy.actions_topic, payload);
+}
+
+void Outbox::say(const AivProxy& proxy, const std::string& topic, const std::string& payload) {
+  if (!proxy.handed_over_at) effects_->emplace_back(wire::Publish{topic, payload, 0, false});
 }
 
 void Outbox::publish(std::string topic, std::string payload, int qos, bool retained) {

@@ -30,12 +30,17 @@ class Outbox {
   void resend_actions(const AivProxy& proxy, const std::string& payload);
   void publish(std::string topic, std::string payload, int qos, bool retained);
   void log(char level, std::string text);
+  /// What the server decided about a vehicle, which is no message.
+  void explain(const AivProxy& proxy, std::string_view kind, std::string_view content) {
+    traces_.add(now_, "AIV_Server", proxy.name, kind, content);
+  }
   void remember(std::string bytes) { effects_->emplace_back(wire::Remember{std::move(bytes)}); }
 
   [[nodiscard]] SimTime now() const { return now_; }
 
  private:
   [[nodiscard]] wire::Header header(const AivProxy& proxy, std::uint32_t id) const;
+  void say(const AivProxy& proxy, const std::string& topic, const std::string& payload);
 
   Traces& traces_;
   wire::Effects* effects_{};

@@ -41,6 +41,7 @@ struct AivProxy {
 
   std::optional<wire::ConnectionState> connection;  ///< nothing: it never said
   SimTime connection_at{};
+  std::optional<SimTime> talk_traced;  ///< when what it says to other vehicles was shown last
   std::optional<wire::Factsheet> factsheet;
   bool factsheet_asked{false};
   SimTime first_heard{};
@@ -72,10 +73,13 @@ struct AivProxy {
   std::optional<SimTime> reporting_since;
 
   std::optional<aiv::Profile> imposed;
+  std::optional<double> speed_mps_max;  ///< its own limit, as an operator set it
   std::optional<std::uint32_t> last_tag;
   double since_tag_m{};
   std::optional<std::uint32_t> tag_shown;
   bool no_orders{false};  ///< an operator cancelled; until restart
+  /// We have said that it is another hall's from now on: nothing more is sent to it.
+  std::optional<SimTime> handed_over_at;
 
   std::array<std::optional<std::uint32_t>, vehicle_topics> last_header_id;
   std::uint64_t messages{0};

@@ -310,7 +310,8 @@ void ServerCore::Inside::place_twin(VehicleIndex vehicle, SimTime at, const Pose
     report.vy_mps = velocity->vy_mps;
     report.omega_radps = velocity->omega_radps;
   }
-  report.on_map = !map || proxy.map_id.empty() || proxy.map_id == map->zone().name;
+  // All halls share a frame: what was said on another's map holds on ours, too.
+  report.on_map = !map || proxy.map_id.empty() || proxy.map_id == map->zone().name || halls.has_map(proxy.map_id);
   const Twin& twin = simulator.twin(*proxy.twin);
   const std::optional<zone::Place> before = twin.on_circuit() ? std::optional{twin.reported_place()} : std::nullopt;
   simulator.report(*proxy.twin, now, report);

@@ -5,6 +5,7 @@
 
 #include "base/json_writer.h"
 #include "virtual/server/inside.h"
+#include "wire/v2x.h"
 
 namespace cosiva::virtual_side {
 namespace {
@@ -26,19 +27,26 @@ ServerCore::Inside::Inside(ServerOptions given)
     : options{std::move(given)},
       topic_prefix{(options.interface_name.empty() ? std::string(wire::default_interface) : options.interface_name) +
                    "/"},
+      topics{wire::server_topics(options.hall)},
+      halls{options.hall},
       traces{options.traces_max},
       outbox{traces},
       registry{topic_prefix.substr(0, topic_prefix.size() - 1)},
+      traffic{{.convoys = options.convoys}},
       desk{outbox},
       simulator{options.contract},
       missions{registry, outbox},
       roller{registry, traffic, outbox, desk, missions, simulator},
+      deadlocks{registry, outbox, traces, roller},
       maps{registry, outbox, desk},
       commands{registry, outbox, desk, roller, simulator},
-      fleet{registry, outbox, options.virtual_rules},
+      fleet{registry, outbox, options.virtual_rules, options.v2x},
       pauses{registry, traffic, outbox, desk, simulator},
       ahead{registry, outbox, traces, simulator, fleet, pauses},
-      things{registry, simulator, fleet, outbox} {}
+      things{registry, simulator, fleet, outbox} {
+  if (halls.several())
+    missions.set_abroad([this](std::string_view to) { return halls.way_to(to, map->zone(), missions); });
+}
 
 void ServerCore::Inside::begin(SimTime) {
   begun = true;
@@ -99,14 +107,16 @@ std::optional<Registry::Address> ServerCore::Inside::address_of(const std::strin
 }
 
 void ServerCore::Inside::on_message(const wire::Input& input) {
+  if (input.source.starts_with(wire::v2x_topic_prefix)) return on_intent(input);
+  if (is_for_halls(input)) return;
   if (!fleet.empty() && fleet.from_broker(now, input.source, input.payload)) return;
   if (const auto address = address_of(input.source)) {
     on_vehicle_message(*address, input);
     return;
   }
   const std::string_view topic{input.source};
-  if (topic.starts_with(wire::zone_topic_prefix)) {
-    const std::string_view format = topic.substr(wire::zone_topic_prefix.size());
+  if (topic.starts_with(topics.zone_prefix)) {
+    const std::string_view format = topic.substr(topics.zone_prefix.size());
     // An empty retained message takes a zone off the broker; the one that runs stays.
     if (!input.payload.empty())
       on_zone(zone::from_payload(std::string(format), std::string(topic), input.payload),
@@ -127,11 +137,12 @@ void ServerCore::Inside::on_link(bool up) {
   is_settled = false;
   waiting_zone.reset();
   zone_confirmed = false;
+  halls.link_up();
   for (AivProxy& proxy : registry) proxy.state_since_link = false;
   std::string online = connection_json("ONLINE", now);
-  traces.add(now, "AIV_Server", "*", "connection", "ONLINE", wire::server_connection_topic, online);
+  traces.add(now, "AIV_Server", "*", "connection", "ONLINE", topics.connection, online);
   fleet.message(now, std::string(wire::server_connection_topic), online);
-  outbox.publish(std::string(wire::server_connection_topic), std::move(online), 1, true);
+  outbox.publish(topics.connection, std::move(online), 1, true);
   if (options.zone || zone_switched_here || edits.edited(simulator)) publish_zone();
   next_heartbeat = now;
 }
@@ -148,6 +159,10 @@ bool ServerCore::Inside::settled() const {
 
 void ServerCore::Inside::settle() {
   is_settled = true;
+  if (halls.several()) {
+    recalled_aivs.clear();
+    say_lost_owners();
+  }
   if (!recalled_aivs.empty()) place_recalled_aivs();
   silence_orphans();
 }
@@ -156,9 +171,9 @@ void ServerCore::Inside::on_tick() {
   if (link_up && now >= next_heartbeat) {
     std::string heartbeat =
         "{\"headerId\":" + std::to_string(heartbeat_id) + ",\"timestamp\":\"" + to_iso8601(now) + "\"}";
-    traces.add(now, "AIV_Server", "*", "heartbeat", heartbeat, wire::server_heartbeat_topic, heartbeat);
+    traces.add(now, "AIV_Server", "*", "heartbeat", heartbeat, topics.heartbeat, heartbeat);
     fleet.message(now, std::string(wire::server_heartbeat_topic), heartbeat);
-    outbox.publish(std::string(wire::server_heartbeat_topic), std::move(heartbeat), 0, false);
+    outbox.publish(topics.heartbeat, std::move(heartbeat), 0, false);
     ++heartbeat_id;
     next_heartbeat = std::max(next_heartbeat + heartbeat_period, now);
   }
@@ -173,6 +188,11 @@ void ServerCore::Inside::on_tick() {
     traffic.set_time(now);
     follow_switch();
     roller.tick(options.drive, !switched || switched->sent_off, options.lost_after);
+    deadlocks.tick();
+    if (halls.several()) {
+      claim_vehicles();
+      hand_over_arrived();
+    }
   }
   update_virtual_world();
   look_for_passed_obstacles();
@@ -216,28 +236,34 @@ void ServerCore::handle(const wire::Input& input, wire::Effects& effects) {
 std::vector<std::string> ServerCore::subscriptions() const {
   const std::string& prefix = inside_->topic_prefix;
   const std::string hosted = prefix + "v2/" + std::string(wire::virtual_manufacturer) + "/+/";
-  return {prefix + "+/+/+/state",
-          prefix + "+/+/+/visualization",
-          prefix + "+/+/+/connection",
-          prefix + "+/+/+/factsheet",
-          wire::topics_below(wire::zone_topic_prefix, 1),
-          wire::topics_below(wire::felt_topic_prefix, 2),
-          wire::topics_below(wire::seen_topic_prefix, 2),
-          wire::topics_below(wire::boards_topic_prefix, 2),
-          hosted + "order",
-          hosted + "instantActions"};
+  std::vector<std::string> filters{prefix + "+/+/+/state",
+                                   prefix + "+/+/+/visualization",
+                                   prefix + "+/+/+/connection",
+                                   prefix + "+/+/+/factsheet",
+                                   wire::topics_below(wire::zone_topic_prefix, 1),
+                                   wire::topics_below(wire::felt_topic_prefix, 2),
+                                   wire::topics_below(wire::seen_topic_prefix, 2),
+                                   wire::topics_below(wire::boards_topic_prefix, 2),
+                                   wire::topics_below(wire::v2x_topic_prefix, wire::v2x_topic_levels),
+                                   hosted + "order",
+                                   hosted + "instantActions"};
+  if (!inside_->halls.several()) return filters;
+  // Its zone comes with those of the other halls.
+  std::erase(filters, wire::topics_below(wire::zone_topic_prefix, 1));
+  const std::string hall{wire::hall_topic_prefix};
+  filters.insert(filters.end(),
+                 {hall + "+/zone/+", hall + "+/server/connection", wire::topics_below(wire::owner_topic_prefix, 2)});
+  return filters;
 }
 
 std::optional<wire::Will> ServerCore::will() const {
-  return wire::Will{
-      {std::string(wire::server_connection_topic), connection_json("CONNECTIONBROKEN", inside_->now), 1, true}};
+  return wire::Will{{inside_->topics.connection, connection_json("CONNECTIONBROKEN", inside_->now), 1, true}};
 }
 
 void ServerCore::farewell(SimTime now, wire::Effects& effects) {
   inside_->outbox.open(now, effects);
   inside_->fleet.farewell(now);
-  effects.emplace_back(
-      wire::Publish{std::string(wire::server_connection_topic), connection_json("OFFLINE", now), 1, true});
+  effects.emplace_back(wire::Publish{inside_->topics.connection, connection_json("OFFLINE", now), 1, true});
   inside_->traces.add(now, "AIV_Server", "*", "connection", "OFFLINE");
 }
 
@@ -246,6 +272,7 @@ void ServerCore::fold(Digest& digest) const {
   in.simulator.fold(digest);
   in.traffic.fold(digest);
   in.roller.fold(digest);
+  in.deadlocks.fold(digest);
   in.missions.fold(digest);
   in.commands.fold(digest);
   for (const AivProxy& proxy : in.registry) {
@@ -261,6 +288,7 @@ void ServerCore::fold(Digest& digest) const {
   in.fleet.fold(digest);
   in.ahead.fold(digest);
   in.edits.fold(digest);
+  in.halls.fold(digest);
   digest.add(in.messages_refused);
   digest.add(in.traces.next());
 }

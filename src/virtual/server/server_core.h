@@ -18,6 +18,9 @@ namespace cosiva::virtual_side {
 
 struct ServerOptions {
   std::string interface_name;  ///< empty: wire::default_interface
+  /// Of several servers on one broker, the name of the hall that this one's zone is (wire/halls.h); empty: the only
+  /// one.
+  std::string hall;
   /// The zone, when no physical side serves it; published retained so that vehicles get it too.
   std::optional<zone::ZoneConfiguration> zone;
   bool drive{true};  ///< give circulating orders to idle vehicles; false: watch only (a foreign master drives)
@@ -26,6 +29,8 @@ struct ServerOptions {
   std::size_t traces_max{20'000};  ///< of the communications kept for the page
   /// Where vehicles that download their maps find the zone's; empty: nowhere, so they are not asked to.
   std::string map_download_link;
+  bool v2x{true};       ///< its virtual AIVs talk with those near them
+  bool convoys{false};  ///< vehicles of one way pass a crossing together when it pays (Traffic)
   /// By what the virtual AIVs choose their speeds; custom ones can be used (checked).
   aiv::SpeedRules virtual_rules{aiv::SpeedRules::Kind::fuzzy, {}, {}};
 };
@@ -37,7 +42,8 @@ struct ServerOptions {
 /// Commands (Input::command, JSON; id optional). Refused ones are logged; those to vehicles are listed as failed with
 /// the reason.
 /// - to vehicles (A6):
-/// {"id":"c1","command":"stop"|"slow"|"medium"|"fast"|"restart"|"cancel","vehicle":"CoSiVA/AIV1"|"*"}, or
+/// {"id":"c1","command":"stop"|"slow"|"medium"|"fast"|"restart"|"cancel","vehicle":"CoSiVA/AIV1"|"*"},
+///   {"command":"limit","speed":0.25,"vehicle":…}: its own limit in m/s, until a profile or restart lifts it, or
 ///   "vehicles":[…] for several: an entry "c1.AIV1" each
 /// - missions: {"command":"go","vehicle":"CoSiVA/AIV1","to":"dock"} (a station or waypoint),
 ///   {"command":"circulate","vehicle":…|"*","loop":"outer"?}, {"command":"close","section":"east"},

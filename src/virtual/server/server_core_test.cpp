@@ -56,7 +56,7 @@ TEST(ServerCore, subscribes_to_what_vehicles_say_under_its_interface_and_to_zone
   EXPECT_THAT(ServerCore{options}.subscriptions(),
               ElementsAre("plant7/+/+/+/state", "plant7/+/+/+/visualization", "plant7/+/+/+/connection",
                           "plant7/+/+/+/factsheet", "cosiva/v1/zone/+", "cosiva/v1/felt/+/+", "cosiva/v1/seen/+/+",
-                          "cosiva/v1/boards/+/+", "plant7/v2/CoSiVA.virtual/+/order",
+                          "cosiva/v1/boards/+/+", "cosiva/v1/v2x/+/+/+/+", "plant7/v2/CoSiVA.virtual/+/order",
                           "plant7/v2/CoSiVA.virtual/+/instantActions"));
 }
 
@@ -419,10 +419,21 @@ TEST(ServerOptions, survive_their_json) {
   options.contract.age_p99_ms = 99.5;
   options.traces_max = 7;
   options.virtual_rules = {};
+  options.v2x = false;
+  options.convoys = true;
   const auto back = server_options_from_json(to_json(options));
   ASSERT_TRUE(back.has_value());
   EXPECT_EQ(to_json(*back), to_json(options));
   EXPECT_EQ(back->zone, options.zone);
+}
+
+TEST(ServerOptions, of_a_journal_from_before_there_were_V2X_and_convoys_have_neither) {
+  EXPECT_FALSE(server_options_from_json("{}")->v2x);
+  EXPECT_FALSE(server_options_from_json("{}")->convoys);
+  EXPECT_TRUE(server_options_from_json(to_json(ServerOptions{}))->v2x);
+  ServerOptions together;
+  together.convoys = true;
+  EXPECT_TRUE(server_options_from_json(to_json(together))->convoys);
 }
 
 TEST(ServerOptions, of_a_journal_from_before_there_were_rules_have_crisp_virtual_AIVs) {

@@ -121,6 +121,7 @@ std::string ServerCore::snapshot_json() const {
       .field("redo", static_cast<std::uint64_t>(in.edits.redo_count()))
       .field("unsaved", in.edits.unsaved(in.simulator))
       .end_object();
+  if (in.halls.several()) in.halls.write(json.key("hall"));
   in.write_zone(json);
   json.key("aivs").begin_array();
   for (VehicleIndex v = 0; v < in.registry.size(); ++v)
@@ -129,6 +130,7 @@ std::string ServerCore::snapshot_json() const {
   in.write_things(json);
   in.write_obstacles(json);
   in.write_crossings(json);
+  in.deadlocks.write(json.key("deadlocks"));
   in.simulator.monitor().write(json.key("bijection"));
   in.write_commands(json);
   json.end_object();
@@ -165,6 +167,8 @@ std::string ServerCore::summary_json() const {
       .field("resent", in.roller.resent())
       .field("longest_wait_s", to_seconds(in.roller.longest_wait()))
       .end_object();
+  in.deadlocks.write_counters(json.key("deadlocks").begin_object());
+  json.end_object();
   json.field("messages_refused", in.messages_refused).field("traces", in.traces.next() - 1).end_object();
   return json.take();
 }

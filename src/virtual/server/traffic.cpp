@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "aiv/right_of_way.h"
 #include "virtual/simulator/follow.h"
 
 namespace cosiva::virtual_side {
@@ -25,6 +26,7 @@ void Traffic::set_map(const WayMap* map) {
   map_ = map;
   holders_.assign(map == nullptr ? 0 : map->crossing_count(), no_vehicle);
   queue_.clear();
+  passes_.clear();
   for (Vehicle& vehicle : vehicles_) {
     Vehicle fresh;
     fresh.priority = vehicle.priority;
@@ -224,13 +226,12 @@ bool Traffic::holds_all(VehicleIndex vehicle, double distance_m) {
 }
 
 bool Traffic::goes_before(const Request& a, const Request& b) const {
-  const bool a_waited = now_ - a.since >= rules_.overtaken_at_most;
-  const bool b_waited = now_ - b.since >= rules_.overtaken_at_most;
-  if (a_waited != b_waited) return a_waited;
-  const std::int32_t a_priority = vehicles_[a.vehicle].priority;
-  const std::int32_t b_priority = vehicles_[b.vehicle].priority;
-  if (!a_waited && a_priority != b_priority) return a_priority > b_priority;
-  return &a < &b;  // the queue is in the order of asking
+  const auto claim = [&](const Request& request) {
+    return aiv::Claim{vehicles_[request.vehicle].priority, now_ - request.since};
+  };
+  // The queue is in the order of asking.
+  if (&a < &b) return aiv::keeps_its_turn(claim(a), claim(b), rules_.overtaken_at_most);
+  return &a != &b && !aiv::keeps_its_turn(claim(b), claim(a), rules_.overtaken_at_most);
 }
 
 bool Traffic::only_follows(VehicleIndex other, VehicleIndex self, const std::vector<CrossingIndex>& crossings) {
@@ -244,7 +245,7 @@ bool Traffic::only_follows(VehicleIndex other, VehicleIndex self, const std::vec
   return !shares(between_, crossings);
 }
 
-Traffic::Answer Traffic::request(VehicleIndex vehicle, double exit_m) {
+Traffic::Answer Traffic::request(VehicleIndex vehicle, double exit_m, double stop_m) {
   const Vehicle& self = vehicles_[vehicle];
   if (!self.place) return {};
   auto mine = std::ranges::find(queue_, vehicle, &Request::vehicle);
@@ -252,6 +253,8 @@ Traffic::Answer Traffic::request(VehicleIndex vehicle, double exit_m) {
     queue_.push_back({vehicle, {}, now_, false});
     mine = queue_.end() - 1;
   }
+  mine->stop_m = stop_m;
+  mine->exit_m = exit_m;
   mine->crossings.clear();
   map_->crossings_on(*self.place, exit_m, mine->crossings, coming(vehicle));
   const double room_m = exit_m + map_->zone().vehicle.length_m + rules_.room_m;
@@ -262,7 +265,7 @@ Traffic::Answer Traffic::request(VehicleIndex vehicle, double exit_m) {
   for (const CrossingIndex x : mine->crossings) {
     const VehicleIndex holder = holders_[x];
     if (holder != no_vehicle && holder != vehicle && !only_follows(holder, vehicle, mine->crossings))
-      return {false, x, holder};
+      return {false, x, holder, WaitReason::crossing};
   }
   // Somebody may stand in a crossing that a third one holds; it holds nothing, but it is there.
   for (VehicleIndex j = 0; j < vehicles_.size(); ++j) {
@@ -271,19 +274,23 @@ Traffic::Answer Traffic::request(VehicleIndex vehicle, double exit_m) {
         stands_in_anothers(j) && std::ranges::all_of(vehicles_[j].needs, [&](CrossingIndex x) {
           return holders_[x] == vehicle || std::ranges::find(mine->crossings, x) == mine->crossings.end();
         });
-    if (!stands_by && !only_follows(j, vehicle, mine->crossings)) return {false, first, j};
+    if (!stands_by && !only_follows(j, vehicle, mine->crossings)) return {false, first, j, WaitReason::crossing};
   }
-  if (!mine->has_room) return {false, first, ahead.vehicle};
+  if (!mine->has_room) return {false, first, ahead.vehicle, WaitReason::ahead};
   for (const Request& other : queue_) {
-    // Who has no room beyond could not use its turn; it keeps it, but lets others by.
-    if (other.vehicle != vehicle && other.has_room && goes_before(other, *mine) &&
+    // Who has no room beyond could not use its turn; it keeps it, but lets others by. Who waits for a crossing that
+    // this one is in cannot have its turn before this one has gone.
+    const bool waits_for_this =
+        std::ranges::any_of(other.crossings, [&](CrossingIndex x) { return holders_[x] == vehicle; });
+    if (other.vehicle != vehicle && other.has_room && !waits_for_this && goes_before(other, *mine) &&
         shares(other.crossings, mine->crossings) && !only_follows(other.vehicle, vehicle, mine->crossings))
-      return {false, first, other.vehicle};
+      return {false, first, other.vehicle, WaitReason::turn};
   }
   for (const CrossingIndex x : mine->crossings) holders_[x] = vehicle;
+  note_pass(*mine);
   queue_.erase(mine);
   holds_dirty_ = true;  // a grant that no base follows is taken back by the next update
-  return {true, first, no_vehicle};
+  return {true, first, no_vehicle, WaitReason::crossing};
 }
 
 bool Traffic::stands_in_anothers(VehicleIndex vehicle) const {
@@ -294,6 +301,11 @@ bool Traffic::stands_in_anothers(VehicleIndex vehicle) const {
 
 void Traffic::withdraw(VehicleIndex vehicle) {
   std::erase_if(queue_, [vehicle](const Request& r) { return r.vehicle == vehicle; });
+}
+
+bool Traffic::asks_for(VehicleIndex vehicle, CrossingIndex crossing) const {
+  const auto mine = std::ranges::find(queue_, vehicle, &Request::vehicle);
+  return mine != queue_.end() && std::ranges::find(mine->crossings, crossing) != mine->crossings.end();
 }
 
 std::vector<VehicleIndex> Traffic::waiting(CrossingIndex crossing) const {
@@ -312,6 +324,10 @@ void Traffic::fold(Digest& digest) const {
   for (const Request& request : queue_) {
     digest.add(std::uint64_t{request.vehicle});
     digest.add(request.since);
+  }
+  for (const Pass& pass : passes_) {
+    digest.add(std::uint64_t{pass.last});
+    digest.add(std::uint64_t{pass.row});
   }
 }
 

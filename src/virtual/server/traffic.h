@@ -16,6 +16,15 @@ namespace cosiva::virtual_side {
 using VehicleIndex = std::uint32_t;
 inline constexpr VehicleIndex no_vehicle = std::numeric_limits<VehicleIndex>::max();
 
+/// Why one vehicle waits for another.
+enum class WaitReason : std::uint8_t {
+  ahead,     ///< that one stands before it on its way, or where it needs room beyond a crossing
+  crossing,  ///< that one holds a crossing, or stands in it
+  turn,      ///< that one asked for a crossing before it, or goes before it by its priority
+  beside,    ///< its body, or its way onto the line, would be too near
+  eyes,      ///< this one's own eyes make it stand before that one
+};
+
 /// Distances that keep vehicles apart; all between the vehicles' middles, beyond one vehicle's length.
 struct TrafficRules {
   double gap_m{0.10};            ///< from the end of a base to the vehicle ahead
@@ -23,6 +32,8 @@ struct TrafficRules {
   double request_within_m{0.7};  ///< of the stop line: nearer than this, a crossing is asked for
   double look_ahead_m{6.0};      ///< for the vehicle ahead, unless a base is to reach further
   SimDuration overtaken_at_most{std::chrono::seconds{10}};  ///< one that has asked for so long is overtaken by nobody
+  bool convoys{true};         ///< several of one way may pass a chain together, when it pays
+  std::size_t convoy_max{3};  ///< so many in a row
 };
 
 /// Who may go where: the vehicle ahead, and the crossings (release is reservation).
@@ -36,12 +47,20 @@ struct TrafficRules {
 /// A vehicle may be put between another and the crossing that the other holds already (virtual AIVs are). The other can
 /// only follow it, so it goes first: what somebody behind it on the same way holds or asks for keeps nobody back.
 ///
+/// Convoys: the one directly behind the last that was given a chain, at most `request_within_m` before its stop line,
+/// may pass it together with that one, without its being given back between them. There must be leave beyond: the base
+/// of the one ahead has to end so far behind the exit that all of the convoy find room. And it must pay: the seconds
+/// that all those together lose who ask for the chain must be fewer than the seconds that it would lose by waiting for
+/// them, times the members of the convoy still to come (it and those directly behind it). At most `convoy_max` go in a
+/// row, never before a higher priority, and never before a request that has waited `overtaken_at_most`.
+///
 /// Each vehicle looks along its own course; without one, along default successors. Of two that took different branches
 /// neither is ahead of the other once their bodies have parted.
 class Traffic {
  public:
   explicit Traffic(TrafficRules rules = {}) : rules_{rules} {}
 
+  [[nodiscard]] const TrafficRules& rules() const { return rules_; }
   void set_map(const WayMap* map);  ///< forgets every place, course, hold and request
   void resize(std::size_t vehicles);
 
@@ -102,18 +121,31 @@ class Traffic {
     bool granted{false};
     CrossingIndex waits_for{0};           ///< the first that is not free, when a crossing is what it waits for
     VehicleIndex blocked_by{no_vehicle};  ///< who holds it, stands in the way beyond, or asked earlier
+    WaitReason why{WaitReason::crossing};
   };
-  /// Asks for all crossings up to the exit of a chain, `exit_m` ahead of the vehicle's place. The first asking fixes
-  /// its turn. Of those that stand in one crossing together its holder may leave it: whether body passes body is for
-  /// who asks to see.
-  Answer request(VehicleIndex vehicle, double exit_m);
+  /// Asks for all crossings up to the exit of a chain, `exit_m` ahead of the vehicle's place; its stop line is `stop_m`
+  /// ahead. The first asking fixes its turn. Of those that stand in one crossing together its holder may leave it:
+  /// whether body passes body is for who asks to see.
+  Answer request(VehicleIndex vehicle, double exit_m, double stop_m = 0.0);
+  /// Whether it may pass that chain, which ends at `exit`, in convoy with the one ahead, whatever the turns. Its base
+  /// then reaches beyond that one's place: its own eyes keep it apart.
+  [[nodiscard]] bool may_join(VehicleIndex vehicle, double exit_m, double stop_m, WaypointIndex exit);
+  struct Convoy {
+    std::size_t size;  ///< with who joined last
+    std::vector<CrossingIndex> crossings;
+  };
+  /// It joins it (it may: checked). A base has to follow.
+  Convoy join(VehicleIndex vehicle);
   void withdraw(VehicleIndex vehicle);
+  [[nodiscard]] bool asks_for(VehicleIndex vehicle, CrossingIndex crossing) const;
   /// It stands, without a base, in a crossing that somebody else holds, as may be after a switch of zones.
   [[nodiscard]] bool stands_in_anothers(VehicleIndex vehicle) const;
 
   [[nodiscard]] VehicleIndex holder(CrossingIndex crossing) const { return holders_[crossing]; }
   /// Who waits for a crossing, in the order in which they will be served.
   [[nodiscard]] std::vector<VehicleIndex> waiting(CrossingIndex crossing) const;
+  /// How often somebody joined one.
+  [[nodiscard]] std::uint64_t convoys() const { return convoys_; }
   [[nodiscard]] double standing_m() const;  ///< a vehicle's length and the gap
 
   void fold(Digest& digest) const;
@@ -135,6 +167,22 @@ class Traffic {
     std::vector<CrossingIndex> crossings;
     SimTime since{};
     bool has_room{false};
+    double stop_m{0.0};
+    double exit_m{0.0};
+  };
+  /// The last that was given a chain.
+  struct Pass {
+    VehicleIndex last;
+    std::vector<CrossingIndex> crossings;
+    std::size_t row;  ///< so many pass it together
+  };
+  /// Somebody who would join a convoy: all distances from its own place.
+  struct Joining {
+    VehicleIndex vehicle;
+    double stop_m;
+    double exit_m;
+    double ahead_m;  ///< the one ahead
+    double step_m;   ///< from the exit to the next waypoint
   };
   [[nodiscard]] bool goes_before(const Request& a, const Request& b) const;
   [[nodiscard]] bool only_follows(VehicleIndex other, VehicleIndex self, const std::vector<CrossingIndex>& crossings);
@@ -142,6 +190,18 @@ class Traffic {
   void look_on(zone::SectionId section, double start_m, double from_s_m, double to_s_m, VehicleIndex self,
                Ahead& nearest) const;
   void settle_holds();
+  [[nodiscard]] bool has_waited(const Request& request) const {
+    return now_ - request.since >= rules_.overtaken_at_most;
+  }
+
+  // convoys.cpp
+  void note_pass(const Request& granted);
+  [[nodiscard]] std::vector<VehicleIndex> convoy_ahead(VehicleIndex vehicle, std::size_t row) const;
+  [[nodiscard]] bool is_kept_by(const std::vector<VehicleIndex>& convoy, VehicleIndex joining);
+  [[nodiscard]] bool has_leave_beyond(const Joining& joining, const std::vector<VehicleIndex>& convoy) const;
+  [[nodiscard]] bool convoy_pays(const Joining& joining, std::size_t at_most) const;
+  [[nodiscard]] std::size_t members_from(VehicleIndex vehicle, std::size_t at_most) const;
+
   void measure_base(VehicleIndex vehicle);
   void look_again(VehicleIndex vehicle);
 
@@ -151,6 +211,8 @@ class Traffic {
   std::vector<std::pair<zone::SectionId, VehicleIndex>> by_section_;  ///< those with a place, sorted
   std::vector<VehicleIndex> holders_;                                 ///< by crossing
   std::vector<Request> queue_;                                        ///< oldest first
+  std::vector<Pass> passes_;
+  std::uint64_t convoys_{0};
   std::vector<CrossingIndex> scratch_;
   std::vector<CrossingIndex> between_;
   SimTime now_{};

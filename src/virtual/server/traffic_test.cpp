@@ -114,6 +114,19 @@ TEST_F(CloverTraffic, gives_a_crossing_back_as_soon_as_the_vehicle_reports_to_be
   EXPECT_EQ(held_by(0), 0U);
 }
 
+TEST_F(CloverTraffic, lets_one_go_on_that_stands_in_a_crossing_for_which_another_asked_before_it) {
+  stand_before(0, 2);
+  traffic.set_place(1, zone::Place{4, 0.6});
+  traffic.update();
+  traffic.set_time(SimTime{1s});
+  const auto first = ask(0, 2);
+  ASSERT_FALSE(first.granted) << "it asks for the crossing that the other stands in";
+  EXPECT_EQ(first.blocked_by, 1U);
+  traffic.set_time(SimTime{20s});
+  // Far beyond any turn's patience: the one that asked first can still not go before the other has.
+  EXPECT_TRUE(traffic.request(1, 1.2 - 0.6).granted);
+}
+
 TEST_F(CloverTraffic, keeps_the_crossing_of_a_vehicle_that_stands_in_it_whatever_happened) {
   traffic.set_place(0, zone::Place{0, 0.6});
   traffic.update();

@@ -133,7 +133,8 @@ class BenchVehicle {
   bool paused{false};
   bool position_known{true};
   bool visualizes{true};
-  bool blocked{false};  ///< something stands in its way
+  bool blocked{false};           ///< something stands in its way
+  std::string hangs_on{"none"};  ///< an order that it does not drive, and says nothing
   double charge{90.0};
   std::string profile{"normal"};
   std::set<std::string> deaf_to;  ///< instant actions it never hears
@@ -198,11 +199,13 @@ class BenchVehicle {
     }
     const bool brakes = next_zone_ != nullptr && brakes_for_ <= SimDuration::zero();
     const double left_m = book->distance_to_base_end_m();
-    const double wish_m = paused || blocked || brakes ? 0.0 : std::min(left_m, cruise_mps * to_seconds(dt));
-    const double moved_m = off_line ? 0.0 : drive(wish_m);
-    driven_m += moved_m;
+    const double wish_m = paused || blocked || brakes || hangs_on == book->order_id()
+                              ? 0.0
+                              : std::min(left_m, cruise_mps * to_seconds(dt));
+    const double moved_m = backs_m > 0.0 ? -back(dt) : off_line ? 0.0 : drive(wish_m);
+    driven_m += std::max(0.0, moved_m);
     const double speed = off_line && (wish_m > 0.0 || !joins.empty()) ? seek(dt) : moved_m / to_seconds(dt);
-    if ((speed > 0.0) != (speed_mps > 0.0)) state_due = true;
+    if ((speed != 0.0) != (speed_mps != 0.0)) state_due = true;
     speed_mps = speed;
     if (moved_m > 0.0 && !book->travelled(moved_m).empty()) state_due = true;
   }
@@ -214,7 +217,7 @@ class BenchVehicle {
     s.order_update_id = book->order_update_id();
     s.last_node_id = book->last_node_id();
     s.last_node_sequence_id = book->last_node_sequence_id();
-    s.driving = speed_mps > 0.0;
+    s.driving = speed_mps != 0.0;
     s.paused = paused;
     s.node_states = book->node_states();
     s.edge_states = book->edge_states();
@@ -239,7 +242,9 @@ class BenchVehicle {
   }
   [[nodiscard]] std::string topic(std::string_view name) const { return wire::vda_topic(id, name); }
 
-  std::string joins;  ///< the joinLine that it follows
+  std::string joins;    ///< the joinLine that it follows
+  double backs_m{0.0};  ///< that it has still to back up
+  std::string backs;    ///< the backUp that it follows
   std::uint32_t state_header_id{0};
   std::uint32_t visualization_header_id{0};
   std::uint32_t connection_header_id{0};
@@ -253,6 +258,18 @@ class BenchVehicle {
     if (wish_m == 0.0) return 0.0;
     const zone::Course course = book->course_from(place());
     return motion.shift(zone_->circuit, wish_m, course.coming());
+  }
+
+  /// At 0.1 m/s; gives how far.
+  double back(SimDuration dt) {
+    const double step_m = std::min(backs_m, 0.1 * to_seconds(dt));
+    motion.shift(zone_->circuit, -step_m);
+    backs_m -= step_m;
+    if (backs_m > 0.0) return step_m;
+    state_due = true;
+    const auto backed = std::ranges::find(action_states, std::exchange(backs, {}), &wire::ActionState::action_id);
+    if (backed != action_states.end()) backed->status = wire::ActionStatus::finished;
+    return step_m;
   }
 
   /// Straight to its place on the line at 0.2 m/s; gives its speed.
@@ -328,9 +345,19 @@ class BenchVehicle {
         action_states.push_back({action.action_id, action.action_type, wire::ActionStatus::running, ""});
         continue;
       }
+      if (action.action_type == "backUp" && book->node_states().empty() &&
+          action.number("distance").value_or(0.0) > 0.0) {
+        backs_m = *action.number("distance");
+        backs = action.action_id;
+        action_states.push_back({action.action_id, action.action_type, wire::ActionStatus::running, ""});
+        continue;
+      }
       if (action.action_type == "setSpeedLimit") {
-        profile = action.text("profile").value_or("?");
-        cruise_mps = profile == "slow" ? 0.15 : profile == "fast" ? 0.5 : 0.3;
+        profile = action.text("profile").value_or("normal");
+        cruise_mps = action.number("maxSpeed") ? std::min(0.3, *action.number("maxSpeed"))
+                     : profile == "slow"       ? 0.15
+                     : profile == "fast"       ? 0.5
+                                               : 0.3;
       }
       action_states.push_back({action.action_id, action.action_type, wire::ActionStatus::finished,
                                action.action_type == "setSpeedLimit" ? profile : ""});

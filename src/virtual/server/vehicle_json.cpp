@@ -67,7 +67,11 @@ void ServerCore::Inside::write_vehicle(JsonWriter& json, VehicleIndex vehicle) c
     json.value(simulator.circuit()->part(image.place->section).name).key("s").value(image.place->s_m);
   else
     json.null().key("s").null();
-  json.field("priority", proxy.priority);
+  json.field("priority", proxy.priority).key("speedLimit");
+  if (proxy.speed_mps_max)
+    json.value(*proxy.speed_mps_max);
+  else
+    json.null();
   text_or_null(json, "map", proxy.map_id);
   const std::string why_parked = parked(vehicle);
   text_or_null(json, "parked", why_parked);

@@ -5,12 +5,14 @@
 #include <variant>
 
 namespace cosiva::virtual_side {
-void VirtualFleet::send(const Host& host) {
+void VirtualFleet::send(Host& host) {
   for (wire::Effect& effect : effects_) {
     if (auto* message = std::get_if<wire::Publish>(&effect)) {
       outbox_.publish(std::move(message->topic), std::move(message->payload), message->qos, message->retained);
     } else if (auto* log = std::get_if<wire::Log>(&effect)) {
       outbox_.log(log->level, registry_[host.vehicle].name + ": " + log->text);
+    } else if (auto* listen = std::get_if<wire::Listen>(&effect)) {
+      host.listens = std::move(listen->filters);
     }
   }
   effects_.clear();
@@ -19,8 +21,9 @@ void VirtualFleet::send(const Host& host) {
 void VirtualFleet::add(VehicleIndex vehicle, SimTime now, bool link_up, const zone::ZoneConfiguration& zone,
                        zone::Place start) {
   const AivProxy& proxy = registry_[vehicle];
-  hosts_.push_back({vehicle, now,
-                    VirtualAiv(proxy.id.serial_number, proxy.number, zone, start, registry_.interface_name(), rules_)});
+  hosts_.push_back(
+      {vehicle, now,
+       VirtualAiv(proxy.id.serial_number, proxy.number, zone, start, registry_.interface_name(), rules_, v2x_)});
   if (!link_up) return;
   hosts_.back().aiv.link(now, true, effects_);
   send(hosts_.back());
@@ -86,6 +89,16 @@ bool VirtualFleet::from_broker(SimTime now, const std::string& topic, const std:
     return true;
   }
   return false;
+}
+
+void VirtualFleet::talk(SimTime now, const std::string& topic, const std::string& payload) {
+  for (Host& host : hosts_) {
+    const bool hears = std::ranges::any_of(
+        host.listens, [&](const std::string& filter) { return wire::topic_matches(filter, topic); });
+    if (!hears) continue;
+    host.aiv.message(now, topic, payload, effects_);
+    send(host);
+  }
 }
 
 void VirtualFleet::tick(SimTime now) {

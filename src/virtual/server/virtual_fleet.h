@@ -4,6 +4,7 @@
 #include <deque>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "aiv/speed_rules.h"
 #include "base/digest.h"
@@ -18,13 +19,15 @@ namespace cosiva::virtual_side {
 class VirtualFleet {
  public:
   /// @param rules  by what they choose their speeds; must outlive the fleet
-  VirtualFleet(Registry& registry, Outbox& outbox, const aiv::SpeedRules& rules)
-      : registry_{registry}, outbox_{outbox}, rules_{rules} {}
+  /// @param v2x    they talk with those near them
+  VirtualFleet(Registry& registry, Outbox& outbox, const aiv::SpeedRules& rules, bool v2x)
+      : registry_{registry}, outbox_{outbox}, rules_{rules}, v2x_{v2x} {}
 
   struct Host {
     VehicleIndex vehicle;
     SimTime since;
     VirtualAiv aiv;
+    std::vector<std::string> listens{};  ///< topics of those near it (wire::Listen)
   };
 
   void add(VehicleIndex vehicle, SimTime now, bool link_up, const zone::ZoneConfiguration& zone, zone::Place start);
@@ -43,17 +46,20 @@ class VirtualFleet {
   void message(SimTime now, VehicleIndex vehicle, const std::string& topic, const std::string& payload);
   /// An order or instant actions from the broker; false: it is for none of them.
   bool from_broker(SimTime now, const std::string& topic, const std::string& payload);
+  /// What vehicles say to those near them, to those of ours that listen there and did not say it.
+  void talk(SimTime now, const std::string& topic, const std::string& payload);
   void tick(SimTime now);
   void farewell(SimTime now);
   void fold(Digest& digest) const;
 
  private:
   Host* find_host(VehicleIndex vehicle);
-  void send(const Host& host);
+  void send(Host& host);
 
   Registry& registry_;
   Outbox& outbox_;
   const aiv::SpeedRules& rules_;
+  bool v2x_;
   std::deque<Host> hosts_;
   wire::Effects effects_;
 };

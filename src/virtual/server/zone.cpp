@@ -89,6 +89,7 @@ void ServerCore::Inside::start_over(const std::shared_ptr<const zone::TrafficZon
     roller.set_map(ways);
     pauses.set_map(ways);
   };
+  deadlocks.forget();
   tell_all(nullptr);
   map.emplace(zone);
   tell_all(&*map);
@@ -111,7 +112,7 @@ void ServerCore::Inside::take_priority(VehicleIndex vehicle) {
 void ServerCore::Inside::publish_zone() {
   const zone::ZoneConfiguration* configuration = simulator.configuration();
   if (!link_up || configuration == nullptr) return;
-  const std::string topic = std::string(wire::zone_topic_prefix) + configuration->format;
+  const std::string topic = topics.zone_prefix + configuration->format;
   edits.published(*configuration);
   std::string payload = zone::to_payload(*configuration);
   traces.add(now, "AIV_Server", "*", "zone", configuration->format + ", " + std::to_string(payload.size()) + " bytes",
@@ -152,7 +153,7 @@ void ServerCore::Inside::switch_zone(const JsonValue& command) {
   edits.begin(*wanted, ZoneEdits::Origin::own);
   publish_zone();
   // Who comes later must not find two.
-  if (link_up && format != wanted->format) outbox.publish(std::string(wire::zone_topic_prefix) + format, {}, 1, true);
+  if (link_up && format != wanted->format) outbox.publish(topics.zone_prefix + format, {}, 1, true);
 }
 
 }  // namespace cosiva::virtual_side

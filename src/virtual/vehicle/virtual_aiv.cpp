@@ -32,8 +32,8 @@ std::uint32_t session_of(const std::string& serial, std::uint32_t number) {
 }
 
 aiv::OnboardOptions options_of(std::string serial, std::uint32_t number, zone::ZoneConfiguration configuration,
-                               std::string interface_name, aiv::SpeedRules rules, const zone::TrafficZone& zone,
-                               zone::Place start) {
+                               std::string interface_name, aiv::SpeedRules rules, bool v2x,
+                               const zone::TrafficZone& zone, zone::Place start) {
   COSIVA_EXPECT(start.section < zone.circuit.size());
   aiv::OnboardOptions options;
   options.number = number;
@@ -42,6 +42,7 @@ aiv::OnboardOptions options_of(std::string serial, std::uint32_t number, zone::Z
   options.zone = std::move(configuration);
   options.start = aiv::OnboardOptions::Start{zone.circuit.part(start.section).name, start.s_m};
   options.rules = std::move(rules);
+  options.v2x = v2x;
   return options;
 }
 
@@ -49,15 +50,16 @@ aiv::OnboardOptions options_of(std::string serial, std::uint32_t number, zone::Z
 
 struct VirtualAiv::Inside {
   Inside(std::string serial, std::uint32_t number, zone::ZoneConfiguration configuration, zone::Place start,
-         std::string interface_name, aiv::SpeedRules rules)
+         std::string interface_name, aiv::SpeedRules rules, bool v2x)
       : Inside{zone_of(configuration),    std::move(serial), number, std::move(configuration), start,
-               std::move(interface_name), std::move(rules)} {}
+               std::move(interface_name), std::move(rules),  v2x} {}
 
   Inside(const std::shared_ptr<const zone::TrafficZone>& zone, std::string serial, std::uint32_t number,
-         zone::ZoneConfiguration configuration, zone::Place start, std::string interface_name, aiv::SpeedRules rules)
+         zone::ZoneConfiguration configuration, zone::Place start, std::string interface_name, aiv::SpeedRules rules,
+         bool v2x)
       : boards{session_of(serial, number)},
         core{options_of(std::move(serial), number, std::move(configuration), std::move(interface_name),
-                        std::move(rules), *zone, start)},
+                        std::move(rules), v2x, *zone, start)},
         body{zone, start} {
     for (const wire::Board board : wire::all_boards) {
       wire::Input& input = said[static_cast<std::size_t>(board) - 1];
@@ -134,9 +136,9 @@ struct VirtualAiv::Inside {
 };
 
 VirtualAiv::VirtualAiv(std::string serial, std::uint32_t number, zone::ZoneConfiguration zone, zone::Place start,
-                       std::string interface_name, aiv::SpeedRules rules)
+                       std::string interface_name, aiv::SpeedRules rules, bool v2x)
     : inside_{std::make_unique<Inside>(std::move(serial), number, std::move(zone), start, std::move(interface_name),
-                                       std::move(rules))} {}
+                                       std::move(rules), v2x)} {}
 VirtualAiv::~VirtualAiv() = default;
 VirtualAiv::VirtualAiv(VirtualAiv&&) noexcept = default;
 VirtualAiv& VirtualAiv::operator=(VirtualAiv&&) noexcept = default;

@@ -23,8 +23,9 @@ class VirtualAiv {
   /// @param start   where it stands at first; on this zone's circuit
   /// @param interface_name  of its VDA 5050 topics; empty: wire::default_interface
   /// @param rules   by what it chooses its speed; custom ones can be used (checked)
+  /// @param v2x     it talks with those near it
   VirtualAiv(std::string serial, std::uint32_t number, zone::ZoneConfiguration zone, zone::Place start,
-             std::string interface_name = {}, aiv::SpeedRules rules = {});
+             std::string interface_name = {}, aiv::SpeedRules rules = {}, bool v2x = true);
   ~VirtualAiv();
   VirtualAiv(VirtualAiv&&) noexcept;
   VirtualAiv& operator=(VirtualAiv&&) noexcept;

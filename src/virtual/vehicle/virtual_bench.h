@@ -8,6 +8,7 @@
 #include "aiv/test_orders.h"
 #include "virtual/vehicle/virtual_aiv.h"
 #include "wire/own_messages.h"
+#include "wire/v2x.h"
 #include "wire/vda5050/codec.h"
 
 namespace cosiva::virtual_side::test {
@@ -86,6 +87,8 @@ class VirtualBench {
   std::vector<wire::Felt> felts;
   std::vector<wire::BoardsReport> reports;
   std::vector<wire::Log> logs;
+  std::vector<wire::Intent> intents;
+  std::vector<std::string> listens;  ///< to what it listens besides what its server hands it
   std::vector<std::string> strange;  ///< effects that should not be
 
  private:
@@ -102,6 +105,8 @@ class VirtualBench {
         take(*publish);
       else if (const auto* line = std::get_if<wire::Log>(&effect))
         logs.push_back(*line);
+      else if (const auto* listen = std::get_if<wire::Listen>(&effect))
+        listens = listen->filters;
       else
         strange.emplace_back("an effect of kind " + std::to_string(effect.index()));
     }
@@ -121,6 +126,7 @@ class VirtualBench {
       return keep(wire::felt_from_json(publish.payload), felts, topic);
     if (topic == wire::own_topic(wire::boards_topic_prefix, aiv.id()))
       return keep(wire::boards_report_from_json(publish.payload), reports, topic);
+    if (wire::parse_v2x_topic(topic)) return keep(wire::intent_from_json(publish.payload), intents, topic);
     strange.push_back("unexpected topic " + topic);
   }
 

@@ -79,6 +79,9 @@ struct Write {
     out.put(m.current_ma);
     out.put(m.temperature_01C);
     out.put(m.charge_permille);
+    if (!m.gauge) return;
+    out.put(m.gauge->charge_ppm);
+    out.put(m.gauge->charge_sd_01);
   }
 };
 
@@ -90,7 +93,6 @@ std::optional<std::size_t> fixed_length(std::uint8_t type) {
     case hello:
     case tag_read: return 10;
     case heartbeat: return 9;
-    case power: return 8;
     default: return std::nullopt;
   }
 }
@@ -197,13 +199,21 @@ Result<BoardMessage> read_ranges(std::span<const std::uint8_t> payload) {
   return m;
 }
 
-Result<BoardMessage> read_power(PayloadReader in) {
+Result<BoardMessage> read_power(std::span<const std::uint8_t> payload) {
+  constexpr std::size_t plain = 8;
+  constexpr std::size_t with_gauge = 14;
+  if (payload.size() != plain && payload.size() != with_gauge) return wrong_length(payload.size(), "8 or 14");
+  PayloadReader in{payload};
   Power m;
   m.voltage_mv = in.take<std::uint16_t>();
   m.current_ma = in.take<std::int16_t>();
   m.temperature_01C = in.take<std::int16_t>();
   m.charge_permille = in.take<std::uint16_t>();
   if (m.charge_permille > 1000) return wrong_value("the charge", m.charge_permille, "0 to 1000");
+  if (payload.size() == plain) return m;
+  const auto charge_ppm = in.take<std::uint32_t>();
+  m.gauge = {charge_ppm, in.take<std::uint16_t>()};
+  if (charge_ppm > 1'000'000) return wrong_value("the charge", charge_ppm, "0 to 1000000");
   return m;
 }
 
@@ -223,7 +233,7 @@ Result<BoardMessage> read_payload(std::uint8_t type, std::span<const std::uint8_
     case tag_read: return read_tag(in);
     case display: return read_display(payload);
     case ranges: return read_ranges(payload);
-    case power: return read_power(in);
+    case power: return read_power(payload);
     default: return fail("link.type", "message type " + std::to_string(type) + " is not known, expected 1 to 8");
   }
 }

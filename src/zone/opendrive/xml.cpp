@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "base/text.h"
+
 namespace cosiva::zone::opendrive {
 namespace {
 
@@ -14,16 +16,11 @@ constexpr std::size_t bytes_max = std::size_t{64} << 20U;
 constexpr std::ptrdiff_t elements_max = 2'000'000;
 constexpr std::ptrdiff_t attributes_max = 8'000'000;
 
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view spaces = " \t\r\n";
-  const auto first = text.find_first_not_of(spaces);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(spaces) - first + 1);
-}
+constexpr std::string_view blanks = " \t\r\n";
 
 /// Without strtod, which asks the locale what a decimal point is.
 std::optional<double> parsed(std::string_view text) {
-  text = trimmed(text);
+  text = trimmed(text, blanks);
   if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
   double value = 0.0;
   const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -101,7 +98,7 @@ std::optional<int> XmlFile::whole(pugi::xml_node node, const char* name) {
 }
 
 std::string XmlFile::id(pugi::xml_node node, const char* name) {
-  const std::string_view text = trimmed(node.attribute(name).value());
+  const std::string_view text = trimmed(node.attribute(name).value(), blanks);
   const bool printable =
       std::all_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) >= 0x20; });
   if (!text.empty() && text.size() <= 128 && printable) return std::string(text);

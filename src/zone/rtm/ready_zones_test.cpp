@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "zone/check.h"
+#include "zone/deadlock.h"
 #include "zone/rtm/rtm.h"
 #include "zone/test_zones.h"
 
@@ -54,6 +55,22 @@ TEST(ReadyZones, have_nothing_wrong_with_them) {
       if (problem.code == "zone.single_track" || problem.code == "zone.station") continue;
       ADD_FAILURE() << configuration.origin << ": " << to_string(problem, rtm->zone());
     }
+  }
+}
+
+TEST(ReadyZones, have_no_place_where_vehicles_come_to_wait_for_each_other_but_when_they_are_full) {
+  for (const ZoneConfiguration& configuration : ready_zones()) {
+    const auto rtm = Rtm::initialise(configuration);
+    ASSERT_TRUE(rtm) << to_string(rtm.error());
+    std::size_t loops = 0;
+    for (const Problem& spot : deadlock_spots(rtm->zone())) {
+      EXPECT_EQ(spot.severity, Problem::Severity::notice);
+      if (spot.code == "deadlock.loop") ++loops;
+      // A workshop's stations are left the way one came.
+      const bool expected = spot.code == "deadlock.loop" || spot.code == "deadlock.dead_end";
+      EXPECT_TRUE(expected) << configuration.origin << ": " << to_string(spot, rtm->zone());
+    }
+    EXPECT_GE(loops, 1U) << configuration.origin;
   }
 }
 

@@ -46,6 +46,15 @@ export function visualization_of(aiv, now, map) {
   };
 }
 
+export function intent_of(aiv, now, map) {
+  const [manufacturer, serialNumber] = aiv.id.split('/');
+  return {
+    headerId: ++header_id, timestamp: new Date(now).toISOString(), mapId: map, manufacturer, serialNumber, x: aiv.reported.x, y: aiv.reported.y, heading: aiv.reported.heading,
+    speed: aiv.speed, braking: false, priority: aiv.priority, place: { section: aiv.section, s: 0.5 },
+    crossings: [{ name: 'X1', entry: 0.31, exit: 0.71, arrival: 0.9, departure: 1.9, mayEnter: false }], way: [],
+  };
+}
+
 export function order_of(aiv, now, map) {
   const nodes = [0, 1, 2, 3].map((i) => ({
     nodeId: `${aiv.section}@${(aiv.orderUpdateId + i) * 300}`, sequenceId: 2 * (aiv.orderUpdateId + i), released: i < 3,

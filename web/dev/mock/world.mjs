@@ -1,7 +1,7 @@
 // Made-up vehicles, persons, obstacles and a zone that can be edited: what the mock server tells of. Nothing of it is
 // physics; it only has to look like the platform to a page.
 import { circuit_for, draw_zone, nearest_place, place_of } from './ways.mjs';
-import { action_of, order_of, state_of, topic_of, Traces, visualization_of } from './traces.mjs';
+import { action_of, intent_of, order_of, state_of, topic_of, Traces, visualization_of } from './traces.mjs';
 
 const profiles = { normal: 0.35, slow: 0.12, medium: 0.25, fast: 0.45 };
 const verbs = ['stop', 'slow', 'medium', 'fast', 'restart', 'cancel'];
@@ -233,6 +233,16 @@ export class World {
     }
     if (this.commands.length > 200) this.commands.splice(0, 100);
   }
+  /** What it is about to do, to one near it; now and then it follows that one through a crossing. */
+  say_to_next(aiv, row, map) {
+    const next = this.aivs[(this.aivs.indexOf(aiv) + 1) % this.aivs.length];
+    if (next === aiv) return;
+    const cell = `${Math.floor(row.x / 3)}_${Math.floor(row.y / 3)}`;
+    this.traces.add(this.now, aiv.serial, next.serial, 'V2X', `cosiva/v1/v2x/${map}/${cell}/${aiv.id}`, `${row.speed.toFixed(3)} m/s; X1 in 0.900 s, not yet its own`, intent_of(row, this.now, map));
+    if (Math.floor(aiv.distance / 6) === aiv.convoys) return;
+    aiv.convoys = Math.floor(aiv.distance / 6);
+    this.traces.add(this.now, 'AIV_Server', aiv.serial, 'convoy', '', `convoy of 2 through X1 and X4, behind ${next.id}`, null);
+  }
   /** Messages as the real parts would send them; of large fleets only the first few vehicles' are told. */
   talk(dt) {
     const map = this.circuit.name;
@@ -245,6 +255,7 @@ export class World {
       const row = this.row(aiv);
       this.traces.add(this.now, aiv.serial, 'AIV_Server', 'visualization', topic_of(aiv.id, 'visualization'), `${row.x.toFixed(3)}, ${row.y.toFixed(3)}, ${row.heading.toFixed(3)} rad, ${row.speed.toFixed(2)} m/s`, visualization_of(row, this.now, map));
       if (crossed(1000)) this.traces.add(this.now, aiv.serial, 'AIV_Server', 'state', topic_of(aiv.id, 'state'), `order ${row.orderId} update ${row.orderUpdateId}, last node ${row.lastNode}, ${row.driving ? 'driving' : 'standing'}`, state_of(row, this.now, map));
+      if (crossed(1000)) this.say_to_next(aiv, row, map);
       const update = Math.floor(aiv.distance / 0.6);
       if (update !== aiv.orderUpdateId) {
         aiv.orderUpdateId = update;

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { AlarmBook, causes_of } from './alarms';
-import type { Aiv, Snapshot } from './contract';
+import type { Aiv, Deadlock, Snapshot } from './contract';
 import { rows_of } from './reduce';
 import { aiv, command, snapshot } from './table_sample';
 
@@ -71,6 +71,31 @@ describe('the book of alarms', () => {
     expect(one?.text).toBe('stop failed: offline');
     book.acknowledge('*');
     expect(told(book, [aiv(1)], { commands })).toEqual([]);
+  });
+
+  const deadlocks = (change: Partial<Deadlock>): Partial<Snapshot> => ({
+    deadlocks: {
+      rings: 1, detected: 1, resolved: 0, open: 1, unresolved: 0, longest_s: 0, longest_wait_s: 0,
+      list: [{ number: 1, since_ms: 10_000, state: 'standing', members: ['CoSiVA/AIV1', 'CoSiVA/AIV2'], reason: 'CoSiVA/AIV1 waits for X1, which CoSiVA/AIV2 holds, CoSiVA/AIV2 sees CoSiVA/AIV1 in its way', how: '', ended_ms: null, ...change }],
+    },
+  });
+
+  it('tells a deadlock in words, from its beginning to its end', () => {
+    const book = new AlarmBook();
+    expect(told(book, [aiv(1)], deadlocks({ number: 0, state: 'forming' }))).toEqual([]);
+    const standing = told(book, [aiv(1)], deadlocks({}));
+    expect(standing).toMatchObject([{ name: 'Traffic', ended_ms: null, text: 'Deadlock: AIV1 waits for X1, which AIV2 holds, AIV2 sees AIV1 in its way' }]);
+    const how = 'CoSiVA/AIV1 backs up 10 cm';
+    expect(told(book, [aiv(1)], { ...deadlocks({ state: 'unresolved', how }), time_ms: 14_000 })[0]?.text).toMatch(/^Deadlock, unresolved: .*\. AIV1 backs up 10 cm$/);
+    const over = told(book, [aiv(1)], { ...deadlocks({ state: 'resolved', how, ended_ms: 15_000 }), time_ms: 16_000 });
+    expect(over).toMatchObject([{ since_ms: 10_000, ended_ms: 15_000, text: expect.stringContaining('Deadlock, resolved after 5.0\u202fs') }]);
+    book.acknowledge('*');
+    expect(told(book, [aiv(1)], { ...deadlocks({ state: 'resolved', how, ended_ms: 15_000 }), time_ms: 17_000 })).toEqual([]);
+  });
+
+  it('tells a deadlock that was over between two looks, and none of long ago', () => {
+    expect(told(new AlarmBook(), [aiv(1)], { ...deadlocks({ state: 'resolved', ended_ms: 12_000 }), time_ms: 13_000 })).toHaveLength(1);
+    expect(told(new AlarmBook(), [aiv(1)], { ...deadlocks({ state: 'resolved', ended_ms: 12_000 }), time_ms: 99_000 })).toEqual([]);
   });
 
   it('names both sides of a broken pairing', () => {

@@ -1,5 +1,5 @@
 // What is abnormal, kept until somebody has said that he saw it. Derived from what the server tells; the page adds nothing.
-import type { Aiv, Snapshot } from './contract';
+import type { Aiv, Deadlock, Snapshot } from './contract';
 import * as format from './format';
 
 export interface AlarmCause {
@@ -48,6 +48,16 @@ export function causes_of(aiv: Aiv): AlarmCause[] {
 }
 
 const ended_max = 200;
+/** A deadlock that was over before the page was open is no news after this. */
+const deadlock_news_ms = 60_000;
+
+/** A ring of waits that lasted, in words. */
+export function deadlock_words({ state, reason, how, since_ms, ended_ms }: Deadlock): string {
+  const after = ended_ms === null ? '' : ` after ${format.duration(ended_ms - since_ms)}`;
+  const head = state === 'unresolved' ? 'Deadlock, unresolved' : state === 'resolved' ? `Deadlock, resolved${after}` : 'Deadlock';
+  const short = (text: string) => text.replace(/[^\s,/]+\//g, '');
+  return `${head}: ${short(reason)}${how ? `. ${short(how)}` : ''}`;
+}
 
 export class AlarmBook {
   private readonly book = new Map<string, Alarm>();
@@ -74,6 +84,11 @@ export class AlarmBook {
     for (const row of rows) for (const cause of causes_of(row.aiv)) see(row.id, row.name, cause);
     for (const orphan of snapshot.bijection.orphans) {
       see(orphan.id, format.serial(orphan.id), { code: `orphan ${orphan.side}`, text: orphan.side === 'physical' ? 'It has no twin' : 'A twin without a vehicle' });
+    }
+    for (const deadlock of snapshot.deadlocks?.list ?? []) {
+      const cause = { code: `deadlock ${deadlock.number}`, text: deadlock_words(deadlock) };
+      if (deadlock.state === 'standing' || deadlock.state === 'giving way' || deadlock.state === 'unresolved') see(null, 'Traffic', cause);
+      else if (deadlock.state === 'resolved') changed = this.end_deadlock(deadlock, cause, now) || changed;
     }
     const refused = snapshot.zone?.refused;
     if (refused) {
@@ -123,6 +138,19 @@ export class AlarmBook {
   }
 
   private readonly failed = new Set<string>();
+
+  /** It stands with its end until somebody has seen it, even if it was over between two looks. */
+  private end_deadlock(deadlock: Deadlock, cause: AlarmCause, now: number): boolean {
+    const key = `|${cause.code}`;
+    const known = this.book.get(key);
+    const ended_ms = deadlock.ended_ms ?? now;
+    if (this.failed.has(key)) return false;
+    this.failed.add(key);
+    if (!known && now - ended_ms > deadlock_news_ms) return false;
+    if (known?.acknowledged) this.book.delete(key);
+    else this.book.set(key, { ...cause, key, vehicle: null, name: 'Traffic', since_ms: deadlock.since_ms, ended_ms, acknowledged: false });
+    return true;
+  }
 
   /** A page that stays open for days keeps the newest of what has ended. */
   private prune(): void {

@@ -81,6 +81,8 @@ export interface Aiv extends Pose {
   s: number | null;
   /** 0…999, higher goes first at a crossing */
   priority: number;
+  /** its own, by the command limit [m/s]; left out by a server that knows none */
+  speedLimit?: number | null;
   reported: Pose | null;
   age_ms: number;
   divergence_m: number;
@@ -159,6 +161,32 @@ export interface Crossing {
   waiting: readonly string[];
 }
 
+/** Vehicles that wait for each other in a ring, and what became of it. */
+export interface Deadlock {
+  /** from 1; 0 while it forms, which most do not survive */
+  number: number;
+  since_ms: number;
+  state: 'forming' | 'standing' | 'giving way' | 'unresolved' | 'resolved';
+  members: readonly string[];
+  /** who waits for whom, and why */
+  reason: string;
+  /** what was done; empty before that */
+  how: string;
+  ended_ms: number | null;
+}
+
+export interface Deadlocks {
+  /** rings that closed, however briefly */
+  rings: number;
+  detected: number;
+  resolved: number;
+  open: number;
+  unresolved: number;
+  longest_s: number;
+  longest_wait_s: number;
+  list: readonly Deadlock[];
+}
+
 export interface Statistics {
   count: number;
   mean: number;
@@ -228,6 +256,8 @@ export interface Snapshot {
   things: readonly Thing[];
   obstacles: readonly SeenObstacle[];
   crossings: readonly Crossing[];
+  /** left out by a server that does not look for them */
+  deadlocks?: Deadlocks;
   bijection: Bijection;
   commands: readonly Command[];
 }

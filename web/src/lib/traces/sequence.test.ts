@@ -67,6 +67,19 @@ describe('the article’s exchanges', () => {
     const store = told(report, report, ['CoSiVA/AIV1', 'AIV_Server', 'felt', 'nothing'], report, report);
     expect(find_figure(store, 'figure 11')!.seqs).toEqual([1, 3, 4]);
   });
+  it('figure 9 holds neither what vehicles say to each other nor their convoys', () => {
+    const store = told(
+      ['CoSiVA/AIV1', 'AIV_Server', 'connection', 'ONLINE'], ['CoSiVA/AIV1', 'CoSiVA/AIV2', 'V2X', '0.400 m/s'],
+      ['AIV_Server', 'Simulator', 'appear', 'CoSiVA/AIV1 gets mark 1'], ['CoSiVA/AIV2', 'CoSiVA/AIV1', 'V2X', '0.400 m/s'],
+      ['AIV_Server', 'CoSiVA/AIV1', 'convoy', 'convoy of 2 through X1 and X4, behind CoSiVA/AIV2'], ['AIV_Server', 'CoSiVA/AIV1', 'order', 'order 1'],
+    );
+    expect(find_figure(store, 'figure 9', 'CoSiVA/AIV1')!.seqs).toEqual([0, 2, 5]);
+  });
+  it('figure 11 holds nothing that vehicles say to each other', () => {
+    const report: Said = ['CoSiVA/AIV1', 'AIV_Server', 'visualization', '{"x":1}'];
+    const store = told(report, ['CoSiVA/AIV1', 'CoSiVA/AIV2', 'V2X', '0.400 m/s'], report, report);
+    expect(find_figure(store, 'figure 11')!.seqs).toEqual([0, 2, 3]);
+  });
   it('nothing is found where nothing was said', () => {
     for (const name of ['figure 8', 'figure 9', 'figure 11'] as const) expect(find_figure(told(beat), name)).toBeNull();
   });

@@ -179,6 +179,9 @@ function who_appears(content: string): string | null {
   return /^(\S+\/\S+) (?:gets|is back under) mark/.exec(content)?.[1] ?? null;
 }
 
+/** What vehicles say to each other, and how they pass crossings: in none of the figures. */
+const v2x_kinds = new Set(['V2X', 'convoy']);
+
 function start_exchange(store: TraceStore, aiv: string | null): Exchange | null {
   let appears = store.find_last({ kind: 'appear' });
   const fits = (content: string) => (aiv === null ? who_appears(content) !== null : who_appears(content) === aiv);
@@ -187,9 +190,10 @@ function start_exchange(store: TraceStore, aiv: string | null): Exchange | null 
   const who = who_appears(store.content(appears))!;
   const online = store.find_last({ kind: 'connection', from: who }, appears + 1);
   const begin = online >= 0 ? online : appears;
-  const before = rows(store, begin, appears, 30, (from, to) => from === who || to === who);
+  const of_who = (from: string, to: string, kind: string) => (from === who || to === who) && !v2x_kinds.has(kind);
+  const before = rows(store, begin, appears, 30, of_who);
   // Then a second of its life: what it is told, and its first reports.
-  const after = rows(store, appears, appears + 20_000, 12, (from, to, kind, seq) => seq === appears || from === who || to === who || (kind === 'position' && store.content(seq).startsWith(`${who} `)));
+  const after = rows(store, appears, appears + 20_000, 12, (from, to, kind, seq) => seq === appears || of_who(from, to, kind) || (kind === 'position' && store.content(seq).startsWith(`${who} `)));
   const seqs = [...before, ...after];
   return { agents: agents_of(store, seqs), seqs, proxies: true };
 }
@@ -225,7 +229,7 @@ function position_exchange(store: TraceStore, aiv: string | null): Exchange | nu
   let reports = 0;
   const seqs = rows(store, begin, store.end, 40, (from, _to, kind, seq) => {
     const after = seq > Math.max(taken, answer);
-    if (from === who && kind !== 'felt') return reports < 3 && (kind === 'visualization' || kind === 'state' ? ++reports > 0 : true);
+    if (from === who && kind !== 'felt' && !v2x_kinds.has(kind)) return reports < 3 && (kind === 'visualization' || kind === 'state' ? ++reports > 0 : true);
     return !after && section_kinds.has(kind) && store.content(seq).startsWith(`${who} `);
   });
   return { agents: agents_of(store, seqs), seqs, proxies: true };

@@ -1,0 +1,118 @@
+// How often the intervals and bounds that an autonomy test prints hold, over simulated fleets of known truth: without
+// and with vehicles that fail before their batteries do. Goal: nominal ± 1 percent.
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "base/math.h"
+#include "base/random.h"
+#include "experiments/statistics/distributions.h"
+#include "experiments/statistics/interval.h"
+#include "experiments/statistics/sample.h"
+#include "experiments/statistics/survival.h"
+#include "experiments/statistics/tolerance.h"
+
+namespace {
+
+using namespace cosiva;
+
+struct Options {
+  std::size_t fleets{2000};
+  std::size_t size{12};
+  double mean_s{3600.0};
+  double sd_s{50.0};
+  double failing{0.2};
+  std::uint64_t seed{1};
+  bool json{false};
+};
+
+struct Count {
+  const char* name;
+  std::size_t held{0};
+  std::size_t asked{0};
+  void ask(bool holds) {
+    ++asked;
+    held += holds ? 1 : 0;
+  }
+};
+
+bool holds(const statistics::Interval& interval, double truth) {
+  return interval.low <= truth && truth <= interval.high;
+}
+
+int measure(const Options& options) {
+  Random random{options.seed, "bench/autonomy"};
+  const double fifth_s = options.mean_s + options.sd_s * statistics::normal_quantile(0.05);
+  const double factor = statistics::tolerance_factor(options.size);
+  // Failures as of radioactive atoms: so many of the fleet have failed by the time that its batteries end.
+  const double hazard = -det_log(1.0 - options.failing) / options.mean_s;
+  Count counts[] = {{"mean, t"},
+                    {"mean, BCa"},
+                    {"SD, chi squared"},
+                    {"tolerance 95/95"},
+                    {"prediction of one"},
+                    {"censored: mean"},
+                    {"censored: 95/95"},
+                    {"censored: KM band at the mean"},
+                    {"censored: counted as ends (wrong)"}};
+  for (std::size_t fleet = 0; fleet < options.fleets; ++fleet) {
+    std::vector<double> ends;
+    std::vector<statistics::Duration> durations;
+    std::vector<double> naive;
+    for (std::size_t i = 0; i < options.size; ++i) {
+      const double end_s = random.gaussian(options.mean_s, options.sd_s);
+      const double failure_s = -det_log(1.0 - random.uniform()) / hazard;
+      ends.push_back(end_s);
+      durations.push_back({std::fmin(end_s, failure_s), end_s <= failure_s});
+      naive.push_back(durations.back().value);
+    }
+    counts[0].ask(holds(*statistics::mean_interval(ends), options.mean_s));
+    counts[1].ask(holds(*statistics::bca(ends, {0.95, 2000, fleet + 1}), options.mean_s));
+    counts[2].ask(holds(*statistics::deviation_interval(ends), options.sd_s));
+    const double low_s = statistics::mean(ends) - factor * std::sqrt(statistics::sample_variance(ends));
+    counts[3].ask(low_s <= fifth_s);
+    counts[4].ask(holds(*statistics::prediction_interval(ends), random.gaussian(options.mean_s, options.sd_s)));
+    if (const auto fit = statistics::censored_normal(durations)) {
+      counts[5].ask(holds(fit->mean_interval, options.mean_s));
+      counts[6].ask(fit->tolerance_low <= fifth_s);
+    }
+    const statistics::Survival curve = statistics::kaplan_meier(durations);
+    statistics::Interval band{1.0, 1.0};
+    for (const auto& step : curve.steps)
+      if (step.at <= options.mean_s) band = step.band;
+    counts[7].ask(holds(band, 0.5));
+    counts[8].ask(holds(*statistics::mean_interval(naive), options.mean_s));
+  }
+  if (options.json) std::printf("{\"fleets\":%zu,\"size\":%zu,\"coverage\":{", options.fleets, options.size);
+  for (const Count& count : counts) {
+    const double share = count.asked == 0 ? 0.0 : static_cast<double>(count.held) / static_cast<double>(count.asked);
+    const bool last = &count == counts + std::size(counts) - 1;
+    if (options.json)
+      std::printf("\"%s\":%.4f%s", count.name, share, last ? "}}\n" : ",");
+    else
+      std::printf("%-36s %6.2f %%  of %zu\n", count.name, 100.0 * share, count.asked);
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app{"Counts how often what an autonomy test prints is true"};
+  app.add_option("--fleets", options.fleets, "Simulated fleets")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1'000'000));
+  app.add_option("--size", options.size, "Batteries in each")->capture_default_str()->check(CLI::Range(3, 10'000));
+  app.add_option("--sd", options.sd_s, "Standard deviation of the batteries, of 3600 s")->capture_default_str();
+  app.add_option("--failing", options.failing, "Share of vehicles that fail first")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 0.9));
+  app.add_option("--seed", options.seed, "Seed of the run")->capture_default_str();
+  app.add_flag("--json", options.json, "Print the figures as JSON");
+  CLI11_PARSE(app, argc, argv);
+  return measure(options);
+}

@@ -1,0 +1,127 @@
+// How honest the statistics are: campaigns of simulated qualifications, where the truth is known. Counts how often a
+// run-level interval holds it, how often identical algorithms are called different, and how often a real difference is
+// found with as many runs as were announced for it.
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+#include "aiv/estimation/registry.h"
+#include "bench/zones.h"
+#include "experiments/metrology/figures.h"
+#include "experiments/metrology/simulate.h"
+#include "experiments/statistics/interval.h"
+#include "experiments/statistics/paired.h"
+#include "experiments/statistics/sample.h"
+
+namespace {
+
+using namespace cosiva;
+using experiments::RunFigures;
+
+/// Figures of one algorithm on one run; the run number is all that differs.
+class Laboratory {
+ public:
+  Laboratory() {
+    simulation_.way_m = 20.0;
+    simulation_.odometry_hz = 11.0;
+    simulation_.turns = false;
+  }
+  RunFigures run(const char* algorithm, std::uint64_t number) {
+    experiments::simulate(simulation_, number, trial_);
+    auto made = registry_.make(algorithm, trial_.setting);
+    (void)experiments::apply(**made, trial_, trace_);
+    return experiments::figures_of(trial_, trace_, 0.01);
+  }
+
+ private:
+  experiments::Simulation simulation_{bench::lacet4_track()};
+  estimation::Registry registry_;
+  experiments::Trial trial_;
+  experiments::Trace trace_;
+};
+
+struct Truth {
+  double rmse_m, mean_m, precision;
+};
+
+Truth truth_of(Laboratory& laboratory, std::size_t runs) {
+  double squares = 0.0;
+  Truth truth{};
+  for (std::size_t i = 0; i < runs; ++i) {
+    const RunFigures f = laboratory.run("arc_kalman", 1'000'000'000 + i);
+    squares += f.mse_m2;
+    truth.mean_m += f.mean_m / static_cast<double>(runs);
+    truth.precision += f.precision / static_cast<double>(runs);
+  }
+  truth.rmse_m = std::sqrt(squares / static_cast<double>(runs));
+  return truth;
+}
+
+bool holds(const std::vector<double>& runs, double truth, std::uint64_t seed) {
+  const auto interval = statistics::bca(runs, {0.95, 2000, seed});
+  return interval && interval->low <= truth && truth <= interval->high;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Counts how often intervals hold and tests cry wolf"};
+  std::size_t campaigns = 1000;
+  std::size_t runs = 20;
+  std::size_t truth_runs = 20'000;
+  app.add_option("--campaigns", campaigns);
+  app.add_option("--runs", runs, "in each");
+  app.add_option("--truth-runs", truth_runs, "that the truth is taken from");
+  CLI11_PARSE(app, argc, argv);
+
+  Laboratory laboratory;
+  const Truth truth = truth_of(laboratory, truth_runs);
+  std::size_t rmse = 0;
+  std::size_t mean = 0;
+  std::size_t precision = 0;
+  std::size_t alarms = 0;
+  std::size_t outside = 0;
+  std::size_t decided = 0;
+  // A pilot says how many runs a real difference takes.
+  std::vector<double> pilot;
+  for (std::uint64_t i = 0; i < 400; ++i)
+    pilot.push_back(std::sqrt(laboratory.run("ufir", 2'000'000'000 + i).mse_m2) -
+                    std::sqrt(laboratory.run("arc_kalman", 2'000'000'000 + i).mse_m2));
+  const std::size_t needed = statistics::runs_to_decide(pilot).value_or(6);
+  std::uint64_t number = 1;
+  std::uint64_t other = 3'000'000'000;
+  for (std::size_t campaign = 1; campaign <= campaigns; ++campaign) {
+    std::vector<double> mses;
+    std::vector<double> means;
+    std::vector<double> precisions;
+    std::vector<double> differences;
+    std::vector<double> real;
+    for (std::size_t i = 0; i < runs; ++i) {
+      const RunFigures f = laboratory.run("arc_kalman", number++);
+      mses.push_back(f.mse_m2);
+      means.push_back(f.mean_m);
+      precisions.push_back(f.precision);
+      // The same algorithm under another name, on noise of its own.
+      differences.push_back(std::sqrt(laboratory.run("arc_kalman", number++).mse_m2) - std::sqrt(f.mse_m2));
+    }
+    for (std::size_t i = 0; i < needed; ++i, ++other)
+      real.push_back(std::sqrt(laboratory.run("ufir", other).mse_m2) -
+                     std::sqrt(laboratory.run("arc_kalman", other).mse_m2));
+    rmse += holds(mses, truth.rmse_m * truth.rmse_m, campaign) ? 1U : 0U;
+    mean += holds(means, truth.mean_m, campaign) ? 1U : 0U;
+    precision += holds(precisions, truth.precision, campaign) ? 1U : 0U;
+    outside += holds(differences, 0.0, campaign) ? 0U : 1U;
+    alarms += statistics::wilcoxon(differences) < 0.05 ? 1U : 0U;
+    decided += statistics::wilcoxon(real) < 0.05 ? 1U : 0U;
+  }
+  const auto percent = [&](std::size_t n) { return 100.0 * static_cast<double>(n) / static_cast<double>(campaigns); };
+  std::printf(
+      "%zu campaigns of %zu runs; 95 %% intervals hold the truth: rmse %.1f %%, mean %.1f %%, precision %.1f %%\n",
+      campaigns, runs, percent(rmse), percent(mean), percent(precision));
+  std::printf("identical algorithms: called different %.1f %%, interval of the difference beside 0 %.1f %%\n",
+              percent(alarms), percent(outside));
+  std::printf("arc_kalman against ufir: %zu runs announced for 80 %%, shown different in %.1f %%\n", needed,
+              percent(decided));
+  return 0;
+}

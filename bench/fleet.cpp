@@ -1,0 +1,235 @@
+// How many vehicles a second one core moves on (virtual/fleet): each perceives, decides by the fuzzy rules, moves and
+// has its pose written. By default on a clover of 144 m with twelve vehicles in each copy of it, as many copies as it
+// takes; bench/vs_sumo measures SUMO on the same circuit. Prints NAME VALUE UNIT.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "adapters/thread_pool.h"
+#include "aiv/agent_rules.h"
+#include "base/digest.h"
+#include "base/json_writer.h"
+#include "base/random.h"
+#include "virtual/fleet/fleet.h"
+#include "zone/rtm/rtm.h"
+
+namespace {
+
+using namespace cosiva;
+using virtual_side::Fleet;
+
+constexpr double step_s = 0.1;
+
+struct Options {
+  std::string zone{COSIVA_SOURCE_DIR "/bench/clover.toml"};
+  std::vector<std::size_t> vehicles{100, 1'000, 10'000, 100'000, 1'000'000};
+  std::size_t per_copy{12};
+  std::string rules{"fuzzy"};
+  std::size_t threads{1};
+  std::uint32_t at_once{1};
+  std::uint64_t seed{1};
+  double duration_s{0.0};
+  double seconds{1.0};
+  double warm_up_s{60.0};
+  bool json{false};
+  std::string as{"fleet"};
+};
+
+struct Figures {
+  std::size_t vehicles;
+  double ups;
+  double ups_cpu;  ///< by processor time: what else the machine does counts less
+  double ns_per_update;
+  double bytes_per_vehicle;
+  double mean_mps;
+  double waiting_share;
+  double loop_m;  ///< all sections of the zone; round, where it is a ring
+  double smallest_gap_m;
+  std::uint64_t collisions;
+  std::size_t stuck;
+  std::string digest;
+};
+
+Result<std::shared_ptr<const zone::TrafficZone>> read_zone(const std::string& path) {
+  const auto bytes = [](const std::string& name) {
+    std::ifstream file{name, std::ios::binary};
+    return std::string{std::istreambuf_iterator<char>{file}, {}};
+  };
+  const auto companion = zone::companion_of_file(path);
+  auto rtm = zone::Rtm::initialise(
+      {zone::format_of_file(path).value_or("toml"), path, bytes(path), companion ? bytes(*companion) : std::string{}});
+  if (!rtm) return tl::unexpected(rtm.error());
+  return rtm->share_zone();
+}
+
+Result<std::shared_ptr<const aiv::AgentRules>> read_rules(const std::string& word) {
+  if (word == "crisp") return std::shared_ptr<const aiv::AgentRules>{};
+  if (word == "fuzzy") return aiv::AgentRules::built_in();
+  std::ifstream file{word, std::ios::binary};
+  return aiv::AgentRules::read(std::string{std::istreambuf_iterator<char>{file}, {}}, word);
+}
+
+Result<Fleet> make_fleet(const Options& options, const std::shared_ptr<const zone::TrafficZone>& zone,
+                         std::size_t vehicles) {
+  auto rules = read_rules(options.rules);
+  if (!rules) return tl::unexpected(rules.error());
+  const std::size_t per_copy = options.per_copy == 0 ? vehicles : options.per_copy;
+  // Half as many places again as vehicles, of which each copy takes others: copies that all do the same at the same
+  // time would be guessed rightly by the processor's every branch.
+  std::vector<virtual_side::FleetStart> places = Fleet::spread(*zone, per_copy + per_copy / 2);
+  if (places.empty()) return fail("fleet", "no vehicle can begin in this zone");
+  Random random{options.seed, "starts"};
+  std::vector<virtual_side::FleetStart> starts;
+  for (std::uint32_t copy = 0; starts.size() < vehicles; ++copy) {
+    for (std::size_t k = 0; k < std::min({places.size(), per_copy, vehicles - starts.size()}); ++k) {
+      std::swap(places[k], places[k + random.below(places.size() - k)]);
+      starts.push_back({copy, places[k].place, 0});
+    }
+  }
+  return Fleet::make(zone, {.rules = *rules}, starts);
+}
+
+Figures measure(const Options& options, Fleet& fleet, Workers& workers) {
+  const auto warm_up = static_cast<std::size_t>(options.warm_up_s / step_s);
+  for (std::size_t i = 0; i < warm_up; ++i) fleet.step(workers);
+  using Clock = std::chrono::steady_clock;
+  const auto since = [](Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+  };
+  const std::size_t count = fleet.size();
+  double driven_m = 0.0;
+  SimDuration waited{};
+  for (Fleet::Vehicle i = 0; i < count; ++i) {
+    driven_m -= fleet.distance_m(i);
+    waited -= fleet.waiting(i);
+  }
+  std::size_t steps = 0;
+  // A clock that is asked seldom, but whole strides.
+  const std::size_t often = options.duration_s > 0.0 ? 1 : 100'000 / count / options.at_once + 1;
+  const std::size_t at_a_time = often * options.at_once;
+  const auto start = Clock::now();
+  const std::clock_t cpu_start = std::clock();
+  double elapsed_s = 0.0;
+  do {
+    for (std::size_t i = 0; i < at_a_time; i += options.at_once) fleet.step(workers, options.at_once);
+    steps += at_a_time;
+    elapsed_s = since(start);
+  } while (options.duration_s > 0.0 ? static_cast<double>(steps) * step_s < options.duration_s
+                                    : elapsed_s < options.seconds || steps < 10);
+  const double cpu_s = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
+  for (Fleet::Vehicle i = 0; i < count; ++i) {
+    driven_m += fleet.distance_m(i);
+    waited += fleet.waiting(i);
+  }
+  const double updates = static_cast<double>(count) * static_cast<double>(steps);
+  const double vehicle_s = updates * step_s;
+  Digest digest;
+  digest.add(fleet.digest());
+  return {count,
+          updates / elapsed_s,
+          updates / cpu_s,
+          1e9 * cpu_s / updates,
+          static_cast<double>(fleet.bytes()) / static_cast<double>(count),
+          driven_m / vehicle_s,
+          to_seconds(waited) / vehicle_s,
+          fleet.zone().circuit.total_length_m(),
+          fleet.smallest_gap_m(),
+          fleet.collisions(),
+          fleet.stuck(),
+          digest.hex()};
+}
+
+void print(const Options& options, const Figures& figures) {
+  if (options.json) {
+    JsonWriter json;
+    json.begin_object()
+        .field("vehicles", static_cast<double>(figures.vehicles))
+        .field("ups", figures.ups)
+        .field("ups_cpu", figures.ups_cpu)
+        .field("ns_per_update", figures.ns_per_update)
+        .field("bytes_per_vehicle", figures.bytes_per_vehicle)
+        .field("mean_mps", figures.mean_mps)
+        .field("waiting_share", figures.waiting_share)
+        .field("loop_m", figures.loop_m)
+        .field("smallest_gap_m", figures.smallest_gap_m)
+        .field("collisions", static_cast<double>(figures.collisions))
+        .field("stuck", static_cast<double>(figures.stuck))
+        .field("digest", figures.digest)
+        .end_object();
+    std::printf("%s\n", json.text().c_str());
+  } else {
+    const std::string name = options.as + ".n" + std::to_string(figures.vehicles);
+    const auto line = [&](const char* what, double value, const char* unit) {
+      std::printf("%s.%s %.6g %s\n", name.c_str(), what, value, unit);
+    };
+    std::printf("%s.ups %.0f updates/s\n", name.c_str(), figures.ups);
+    std::printf("%s.ups_cpu %.0f updates/cpu-s\n", name.c_str(), figures.ups_cpu);
+    line("time", figures.ns_per_update, "cpu-ns/update");
+    line("bytes", figures.bytes_per_vehicle, "bytes/vehicle");
+    line("speed", figures.mean_mps, "m/s");
+    line("waiting", figures.waiting_share, "of_time");
+    line("gap", figures.smallest_gap_m, "m");
+    line("collisions", static_cast<double>(figures.collisions), "vehicle-steps");
+    line("stuck", static_cast<double>(figures.stuck), "vehicles");
+    std::printf("%s.digest %s of_this_run\n", name.c_str(), figures.digest.c_str());
+  }
+  std::fflush(stdout);
+}
+
+int run(const Options& options) {
+  auto zone = read_zone(options.zone);
+  if (!zone) {
+    std::fprintf(stderr, "fleet: %s\n", to_string(zone.error()).c_str());
+    return 2;
+  }
+  AloneWorker alone;
+  adapters::ThreadPool pool{options.threads};
+  Workers& workers = options.threads > 1 ? static_cast<Workers&>(pool) : alone;
+  bool safe = true;
+  for (const std::size_t vehicles : options.vehicles) {
+    auto fleet = make_fleet(options, *zone, vehicles);
+    if (!fleet) {
+      std::fprintf(stderr, "fleet: %s\n", to_string(fleet.error()).c_str());
+      return 2;
+    }
+    const Figures figures = measure(options, *fleet, workers);
+    safe = safe && figures.collisions == 0;
+    print(options, figures);
+  }
+  return safe ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app{"Measures how many vehicles of a virtual fleet move on in a second"};
+  app.add_option("--vehicles", options.vehicles, "Numbers of vehicles")
+      ->delimiter(',')
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  app.add_option("--per-copy", options.per_copy, "In each copy of the zone; 0: all in one")->capture_default_str();
+  app.add_option("--zone", options.zone, "Zone file")->capture_default_str();
+  app.add_option("--rules", options.rules, "fuzzy, crisp or a file of rules")->capture_default_str();
+  app.add_option("--threads", options.threads, "Workers")->capture_default_str()->check(CLI::Range(1, 256));
+  app.add_option("--at-once", options.at_once, "Steps that are made at once")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000));
+  app.add_option("--seconds", options.seconds, "To measure for, each")->capture_default_str();
+  app.add_option("--duration", options.duration_s, "Simulated seconds to measure, instead");
+  app.add_option("--seed", options.seed, "Of where they begin")->capture_default_str();
+  app.add_option("--warm-up", options.warm_up_s, "Simulated seconds before that")->capture_default_str();
+  app.add_option("--as", options.as, "What the figures' names begin with")->capture_default_str();
+  app.add_flag("--json", options.json, "Print one JSON object a line");
+  CLI11_PARSE(app, argc, argv);
+  return run(options);
+}

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <memory>
+#include <sstream>
+
+#include "aiv/estimation/track.h"
+#include "zone/rtm/rtm.h"
+
+namespace cosiva::bench {
+
+/// The article's circuit, once round its ring.
+inline std::shared_ptr<const estimation::Track> lacet4_track() {
+  std::stringstream text;
+  text << std::ifstream(COSIVA_SOURCE_DIR "/zones/lacet4.toml").rdbuf();
+  const auto rtm = zone::Rtm::initialise({"toml", "zones/lacet4.toml", text.str()});
+  if (!rtm) {
+    std::fprintf(stderr, "%s\n", to_string(rtm.error()).c_str());
+    std::exit(2);
+  }
+  const auto shared = rtm->share_zone();
+  const std::shared_ptr<const zone::Circuit> circuit(shared, &shared->circuit);
+  return std::make_shared<const estimation::Track>(*estimation::Track::of_ring(circuit));
+}
+
+}  // namespace cosiva::bench

@@ -1,0 +1,187 @@
+// Traffic that never deadlocks silently: fleets in a noisy hall, over many seeds.
+//
+//   deadlock_soak ZONE.toml [seeds] [aivs=12] [minutes] [loss=0.05] [first_seed=1] [workers=2]
+//
+// 100 seeds of 30 minutes with COSIVA_LONG=1, hours on a slow machine; without it 2 of 3.
+// Each seed is one run of the whole platform in virtual time: messages are lost, vehicles are stopped and let go,
+// persons step in, some of them only virtual. At the end everything that keeps anybody is taken away, and within a
+// minute everybody must have driven on. A line for each seed, with what the server said of its deadlocks, and a line
+// for all; exit 1 when there was a collision, a deadlock that nobody resolved, or a vehicle that stood, 2 on bad usage.
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <mutex>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "experiments/world/test_unrest.h"
+#include "experiments/world/world.h"
+
+namespace {
+
+using namespace cosiva;
+using experiments::testing::DeadlockFigures;
+
+struct Plan {
+  zone::ZoneConfiguration zone;
+  std::uint64_t seeds{2};
+  std::uint32_t aivs{12};
+  double minutes{3.0};
+  double loss{0.05};
+  std::uint64_t first_seed{1};
+  unsigned workers{2};
+};
+
+struct Outcome {
+  std::uint64_t seed{};
+  std::size_t collisions{};
+  double distance_m{};
+  double slowest_m{};
+  DeadlockFigures deadlocks;
+  std::string digest;
+  std::string failure;
+  std::vector<std::string> told;  ///< by the server, of deadlocks
+};
+
+void fail_with(Outcome& outcome, const std::string& why) {
+  outcome.failure += (outcome.failure.empty() ? "" : ", ") + why;
+}
+
+std::vector<double> driven_m(const experiments::World& world) {
+  std::vector<double> driven;
+  for (const auto& vehicle : world.plant().vehicles()) driven.push_back(vehicle.distance_m);
+  return driven;
+}
+
+/// What keeps anybody is gone: everybody drives on.
+void settle(experiments::World& world, Outcome& outcome) {
+  world.run_for(std::chrono::seconds{15});
+  const auto before_m = driven_m(world);
+  world.run_for(std::chrono::seconds{60});
+  const auto after_m = driven_m(world);
+  for (std::size_t v = 0; v < after_m.size(); ++v)
+    if (after_m[v] - before_m[v] < 1.0) fail_with(outcome, "AIV" + std::to_string(v + 1) + " does not drive on");
+}
+
+void judge(const experiments::World& world, Outcome& outcome) {
+  outcome.digest = world.digest().hex();
+  for (const auto& collision : world.plant().collisions())
+    outcome.told.push_back("collision of " + collision.a + " and " + collision.b + " at " + to_iso8601(collision.at));
+  outcome.collisions = world.plant().collisions().size();
+  if (outcome.collisions > 0) fail_with(outcome, std::to_string(outcome.collisions) + " collisions");
+  outcome.deadlocks = experiments::testing::deadlock_figures(world);
+  if (outcome.deadlocks.open > 0.0) fail_with(outcome, "a deadlock is not resolved");
+  const auto all_m = driven_m(world);
+  outcome.slowest_m = *std::ranges::min_element(all_m);
+  for (const double m : all_m) outcome.distance_m += m;
+  for (const std::string& line : world.log())
+    if (line.find("deadlock ") != std::string::npos) outcome.told.push_back(line);
+}
+
+Outcome run(const Plan& plan, std::uint64_t seed) {
+  Outcome outcome;
+  outcome.seed = seed;
+  experiments::WorldOptions options;
+  options.zone = plan.zone;
+  options.aivs = plan.aivs;
+  options.seed = seed;
+  options.network.loss = plan.loss;
+  auto world = experiments::World::make(std::move(options));
+  if (!world) {
+    outcome.failure = to_string(world.error());
+    return outcome;
+  }
+  experiments::testing::Unrest unrest{**world, plan.zone, seed};
+  for (double s = 0.0; s < plan.minutes * 60.0; s += 1.0) unrest.second();
+  unrest.end();
+  settle(**world, outcome);
+  judge(**world, outcome);
+  return outcome;
+}
+
+void print_line(const Outcome& o, std::size_t done, const Plan& plan) {
+  std::printf(
+      "seed %llu: %.0f m driven (slowest %.0f m), %.0f rings closed, %.0f deadlocks, %.0f resolved, longest %.1f s, "
+      "longest wait %.1f s, digest %s (%zu of %llu)%s%s\n",
+      static_cast<unsigned long long>(o.seed), o.distance_m, o.slowest_m, o.deadlocks.rings, o.deadlocks.detected,
+      o.deadlocks.resolved, o.deadlocks.longest_s, o.deadlocks.longest_wait_s, o.digest.c_str(), done,
+      static_cast<unsigned long long>(plan.seeds), o.failure.empty() ? "" : "  FAILED: ", o.failure.c_str());
+  for (const std::string& line : o.told) std::printf("  %s\n", line.c_str());
+  std::fflush(stdout);
+}
+
+std::vector<Outcome> run_all(const Plan& plan) {
+  std::vector<Outcome> outcomes(plan.seeds);
+  std::atomic<std::uint64_t> next{0};
+  std::size_t done = 0;
+  std::mutex print;
+  const auto work = [&] {
+    for (std::uint64_t i = next++; i < plan.seeds; i = next++) {
+      outcomes[i] = run(plan, plan.first_seed + i);
+      const std::scoped_lock lock{print};
+      print_line(outcomes[i], ++done, plan);
+    }
+  };
+  std::vector<std::jthread> workers;
+  for (unsigned i = 0; i < plan.workers; ++i) workers.emplace_back(work);
+  workers.clear();
+  return outcomes;
+}
+
+int summarise(const Plan& plan, const std::vector<Outcome>& outcomes, double took_s) {
+  std::size_t failed = 0;
+  std::size_t collisions = 0;
+  DeadlockFigures all;
+  for (const Outcome& outcome : outcomes) {
+    failed += outcome.failure.empty() ? 0U : 1U;
+    collisions += outcome.collisions;
+    all.rings += outcome.deadlocks.rings;
+    all.detected += outcome.deadlocks.detected;
+    all.resolved += outcome.deadlocks.resolved;
+    all.longest_s = std::max(all.longest_s, outcome.deadlocks.longest_s);
+    all.longest_wait_s = std::max(all.longest_wait_s, outcome.deadlocks.longest_wait_s);
+  }
+  const double simulated_s = (plan.minutes * 60.0 + 75.0) * static_cast<double>(plan.seeds);
+  std::printf(
+      "%s: %llu seeds x %u AIVs x %.0f min, %.0f %% loss: %zu collisions, %.0f rings closed, %.0f deadlocks, "
+      "%.0f unresolved, longest deadlock %.1f s, longest wait %.1f s, %zu seeds failed, %.0f x real time\n",
+      plan.zone.origin.c_str(), static_cast<unsigned long long>(plan.seeds), plan.aivs, plan.minutes, plan.loss * 100.0,
+      collisions, all.rings, all.detected, all.detected - all.resolved, all.longest_s, all.longest_wait_s, failed,
+      simulated_s / took_s);
+  return failed == 0 ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 2) {
+    std::fprintf(stderr, "usage: deadlock_soak ZONE.toml [seeds] [aivs] [minutes] [loss] [first_seed] [workers]\n");
+    return 2;
+  }
+  Plan plan;
+  std::ifstream file{argv[1]};
+  std::ostringstream text;
+  text << file.rdbuf();
+  plan.zone = {"toml", argv[1], text.str()};
+  if (const char* whole = std::getenv("COSIVA_LONG"); whole != nullptr && *whole != '\0') {
+    plan.seeds = 100;
+    plan.minutes = 30.0;
+  }
+  if (argc > 2) plan.seeds = std::strtoull(argv[2], nullptr, 10);
+  if (argc > 3) plan.aivs = static_cast<std::uint32_t>(std::strtoul(argv[3], nullptr, 10));
+  if (argc > 4) plan.minutes = std::strtod(argv[4], nullptr);
+  if (argc > 5) plan.loss = std::strtod(argv[5], nullptr);
+  if (argc > 6) plan.first_seed = std::strtoull(argv[6], nullptr, 10);
+  if (argc > 7) plan.workers = static_cast<unsigned>(std::strtoul(argv[7], nullptr, 10));
+
+  const auto started = std::chrono::steady_clock::now();
+  const std::vector<Outcome> outcomes = run_all(plan);
+  const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  return summarise(plan, outcomes, took_s);
+}

@@ -1,0 +1,56 @@
+#!/usr/bin/env python3
+"""A position estimator as a program of its own: one JSON line per input on standard input, one answer per estimate.
+
+    cosiva compare arc_kalman --external "mine=python3 examples/estimator.py"
+
+It rolls along with odometry, and moves a fixed share of the way to where each reading puts it: a filter with a constant
+gain, which needs no matrices and is not far from the best one when that share is chosen well.
+"""
+
+import json
+import math
+import sys
+
+GAIN = 0.6  # share of what a reading says; near 1 it is the article's reset rule
+
+
+class Estimator:
+    def __init__(self):
+        self.x = self.y = self.heading = 0.0
+        self.variance = 0.0  # of each coordinate
+        self.sensors = {}
+
+    def start(self, start):
+        self.x, self.y, self.heading = start["x_m"], start["y_m"], start["heading_rad"]
+        self.variance = start["sigma_m"] ** 2
+        self.sensors = start["sensors"]
+
+    def odometry(self, step):
+        middle = self.heading + 0.5 * step["turn_rad"]
+        self.x += step["distance_m"] * math.cos(middle)
+        self.y += step["distance_m"] * math.sin(middle)
+        self.heading += step["turn_rad"]
+        self.variance += self.sensors["distance_variance_per_m"] * abs(step["distance_m"])
+
+    def reading(self, reading):
+        # Where the mark lies for us, against where it was surveyed.
+        c, s = math.cos(self.heading), math.sin(self.heading)
+        x = self.x + c * reading["ahead_m"] - s * reading["left_m"]
+        y = self.y + s * reading["ahead_m"] + c * reading["left_m"]
+        self.x += GAIN * (reading["x_m"] - x)
+        self.y += GAIN * (reading["y_m"] - y)
+        self.variance = (1 - GAIN) ** 2 * self.variance + GAIN**2 * self.sensors["mark_along_sigma_m"] ** 2
+
+    def range(self, _):
+        pass  # it hears of stations, and makes nothing of it
+
+    def estimate(self, _):
+        v, h = self.variance, 0.01
+        answer = {"x_m": self.x, "y_m": self.y, "heading_rad": self.heading, "covariance": [v, 0, 0, 0, v, 0, 0, 0, h]}
+        print(json.dumps(answer), flush=True)
+
+
+estimator = Estimator()
+for line in sys.stdin:
+    for kind, what in json.loads(line).items():
+        getattr(estimator, kind)(what)

@@ -1,0 +1,22 @@
+#include <cmath>
+
+#include "battery/fit/log.h"
+#include "target.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace cosiva;
+  const auto logs = battery::read_logs(fuzz::as_text(data, size), "fuzz.csv");
+  if (!logs) {
+    COSIVA_EXPECT(logs.error().code.starts_with("log.") && !logs.error().message.empty());
+    COSIVA_EXPECT(logs.error().place.starts_with("fuzz.csv"));
+    return 0;
+  }
+  for (const battery::Log& log : *logs) {
+    COSIVA_EXPECT(log.time_s.size() == log.voltage_v.size() && log.time_s.size() == log.current_a.size());
+    for (std::size_t i = 1; i < log.time_s.size(); ++i) COSIVA_EXPECT(log.time_s[i] >= log.time_s[i - 1]);
+    for (const battery::Discharge& one : battery::discharges_from_full(log, 4.2))
+      COSIVA_EXPECT(one.first < one.last && one.last <= log.time_s.size() &&
+                    one.used_ah.size() == one.last - one.first);
+  }
+  return 0;
+}

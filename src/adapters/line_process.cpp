@@ -1,0 +1,127 @@
+#include "adapters/line_process.h"
+
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <thread>
+
+namespace cosiva::adapters {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// What is told is sent in pieces of this size: an estimator hears a dozen inputs between two questions.
+constexpr std::size_t send_at = 16U << 10U;
+constexpr std::size_t line_max = 1U << 20U;
+
+[[noreturn]] void become(const char* command, pid_t parent, int socket) {
+  ::setpgid(0, 0);
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (::getppid() != parent) ::_exit(127);
+  for (const int signal : {SIGPIPE, SIGINT, SIGTERM, SIGHUP, SIGCHLD}) ::signal(signal, SIG_DFL);
+  ::dup2(socket, STDIN_FILENO);
+  ::dup2(socket, STDOUT_FILENO);
+  ::execl("/bin/sh", "sh", "-c", command, static_cast<char*>(nullptr));
+  ::_exit(127);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<LineProcess>> LineProcess::start(const std::string& command) {
+  std::unique_ptr<LineProcess> process{new LineProcess};
+  process->command_ = command;
+  std::array<int, 2> ends{};
+  // One socket both ways: unlike a pipe, writing to one that nobody reads is an error and no signal.
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
+    return fail("process.start", std::string("no socket: ") + std::strerror(errno), command);
+  process->fd_ = ends[0];
+  const pid_t parent = ::getpid();
+  process->pid_ = ::fork();
+  if (process->pid_ == 0) become(command.c_str(), parent, ends[1]);
+  ::close(ends[1]);
+  if (process->pid_ < 0) return fail("process.start", std::string("cannot fork: ") + std::strerror(errno), command);
+  return process;
+}
+
+LineProcess::~LineProcess() {
+  if (fd_ >= 0) ::close(fd_);
+  if (pid_ <= 0) return;
+  // Its input is closed, which ends a program that reads to the end; who does not is killed with all it began.
+  for (int i = 0; i < 20 && ::waitpid(pid_, nullptr, WNOHANG) == 0; ++i) {
+    if (i == 10) ::kill(-pid_, SIGTERM);
+    std::this_thread::sleep_for(std::chrono::milliseconds{5});
+  }
+  ::kill(-pid_, SIGKILL);
+  ::waitpid(pid_, nullptr, 0);
+}
+
+tl::unexpected<Error> LineProcess::gone() {
+  int status = 0;
+  std::string how = "it closed its output";
+  for (int i = 0; i < 50; ++i) {
+    const pid_t reaped = ::waitpid(pid_, &status, WNOHANG);
+    if (reaped == pid_) {
+      how = WIFSIGNALED(status) ? "it was killed by signal " + std::to_string(WTERMSIG(status))
+                                : "it ended with exit status " + std::to_string(WEXITSTATUS(status));
+      ::kill(-pid_, SIGKILL);
+      pid_ = -1;
+      break;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds{2});
+  }
+  return fail("process.gone", how, command_);
+}
+
+Result<void> LineProcess::exchange(bool until_line, std::chrono::milliseconds patience) {
+  if (pid_ < 0) return fail("process.gone", "it has ended", command_);
+  const auto deadline = Clock::now() + patience;
+  std::array<char, 4096> bytes{};
+  while (!to_send_.empty() || (until_line && received_.find('\n') == std::string::npos)) {
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()).count();
+    pollfd watched{fd_, static_cast<short>(to_send_.empty() ? POLLIN : POLLIN | POLLOUT), 0};
+    const int ready = left > 0 ? ::poll(&watched, 1, static_cast<int>(left)) : 0;
+    if (ready < 0 && errno == EINTR) continue;
+    if (ready <= 0)
+      return fail("process.silent",
+                  until_line ? "it gave no answer for " + std::to_string(patience.count()) + " ms"
+                             : "it took nothing for " + std::to_string(patience.count()) + " ms",
+                  command_);
+    if ((watched.revents & POLLOUT) != 0) {
+      const ssize_t sent = ::send(fd_, to_send_.data(), to_send_.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+      if (sent > 0) to_send_.erase(0, static_cast<std::size_t>(sent));
+      if (sent < 0 && errno != EAGAIN && errno != EINTR) return gone();
+    }
+    if ((watched.revents & (POLLIN | POLLHUP | POLLERR)) == 0) continue;
+    const ssize_t got = ::recv(fd_, bytes.data(), bytes.size(), MSG_DONTWAIT);
+    if (got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR)) return gone();
+    if (got > 0) received_.append(bytes.data(), static_cast<std::size_t>(got));
+    if (received_.size() > line_max && received_.find('\n') == std::string::npos)
+      return fail("process.garbage", "it said more than a megabyte without an end of line", command_);
+  }
+  return {};
+}
+
+Result<void> LineProcess::tell(std::string_view line, std::chrono::milliseconds patience) {
+  to_send_ += line;
+  to_send_ += '\n';
+  return to_send_.size() < send_at ? Result<void>{} : exchange(false, patience);
+}
+
+Result<std::string> LineProcess::ask(std::string_view line, std::chrono::milliseconds patience) {
+  to_send_ += line;
+  to_send_ += '\n';
+  if (auto done = exchange(true, patience); !done) return tl::unexpected(done.error());
+  const std::size_t end = received_.find('\n');
+  std::string answer = received_.substr(0, end);
+  received_.erase(0, end + 1);
+  return answer;
+}
+
+}  // namespace cosiva::adapters

@@ -1,0 +1,174 @@
+#include "aiv/estimation/arc.h"
+
+#include <cmath>
+#include <utility>
+
+#include "aiv/estimation/planar.h"
+#include "base/math.h"
+
+namespace cosiva::estimation {
+namespace {
+
+/// A reading further off than this many standard deviations is strange.
+constexpr double gate_sigmas = 6.0;
+/// Two strange readings agree when they differ by less than this, beyond what odometry allows.
+constexpr double agree_m = 0.05;
+
+double mark_variance(const Setting& setting) {
+  const double sigma = setting.sensors.mark_along_sigma_m;
+  return sigma * sigma;
+}
+
+}  // namespace
+
+DeadReckoning::DeadReckoning(Setting setting)
+    : told{std::move(setting)},
+      s_m{told.start_along_m},
+      p_m2{told.start_sigma_m * told.start_sigma_m},
+      pose_{told.start},
+      covariance_{start_covariance(told)} {}
+
+void DeadReckoning::predict(const Odometry& odometry) {
+  if (!told.track) {
+    covariance_ = spread(told.sensors, pose_, odometry, covariance_);
+    pose_ = moved(pose_, odometry);
+  }
+  s_m += odometry.distance_m;
+  p_m2 += told.sensors.distance_variance_per_m * std::fabs(odometry.distance_m);
+}
+
+Estimate DeadReckoning::estimate() const {
+  if (!told.track) return {pose_, covariance_, std::nullopt};
+  return on_track(*told.track, told.sensors, s_m, p_m2);
+}
+
+std::optional<DeadReckoning::Sight> DeadReckoning::see(const Reading& reading) {
+  if (!told.track) return std::nullopt;
+  const double gate_m = gate_sigmas * std::sqrt(p_m2 + mark_variance(told));
+  // The foot of a mark on another branch of the line may lie near; the belief says which is meant.
+  const double reach_m = std::fmax(1.0, 2.0 * gate_m);
+  const auto foot_m = told.track->foot(reading.mark_M, s_m + reading.seen_B.x_m, reach_m);
+  if (!foot_m) return std::nullopt;
+  const Sight sight{*foot_m - reading.seen_B.x_m, *foot_m - reading.seen_B.x_m - s_m};
+  if (std::fabs(sight.innovation_m) <= gate_m) {
+    doubting_ = false;
+    return sight;
+  }
+  const bool agree = doubting_ && std::fabs(sight.innovation_m - doubt_m_) < agree_m;
+  doubt_m_ = sight.innovation_m;
+  doubting_ = !agree;
+  if (!agree) return std::nullopt;
+  // Twice the same news: the belief was wrong, and its variance with it.
+  p_m2 = std::fmax(p_m2, sight.innovation_m * sight.innovation_m);
+  return sight;
+}
+
+Rectified ResetRule::rectify(const Reading& reading) {
+  const auto sight = see(reading);
+  if (!sight) return {};
+  const double expected = p_m2 + mark_variance(told);
+  s_m = sight->along_m;
+  p_m2 = mark_variance(told);
+  return {true, sight->innovation_m * sight->innovation_m / expected, 1};
+}
+
+Rectified ArcKalman::rectify(const Reading& reading) {
+  const auto sight = see(reading);
+  if (!sight) return {};
+  const double expected = p_m2 + mark_variance(told);
+  const double gain = p_m2 / expected;
+  s_m += gain * sight->innovation_m;
+  p_m2 *= 1.0 - gain;
+  return {true, sight->innovation_m * sight->innovation_m / expected, 1};
+}
+
+ArcKalmanScale::ArcKalmanScale(Setting setting)
+    : DeadReckoning{std::move(setting)},
+      scale_variance_{told.sensors.distance_scale_sigma * told.sensors.distance_scale_sigma} {}
+
+void ArcKalmanScale::predict(const Odometry& odometry) {
+  // s' = s + d/(1 + e): F = [1, −d; 0, 1] in (s, e).
+  const double d = odometry.distance_m / (1.0 + scale_error_);
+  s_m += d;
+  p_m2 += -2.0 * d * cross_m_ + d * d * scale_variance_ +
+          told.sensors.distance_variance_per_m * std::fabs(odometry.distance_m);
+  cross_m_ -= d * scale_variance_;
+}
+
+Rectified ArcKalmanScale::rectify(const Reading& reading) {
+  const auto sight = see(reading);
+  if (!sight) return {};
+  const double expected = p_m2 + mark_variance(told);
+  const double gain = p_m2 / expected;
+  const double scale_gain_per_m = cross_m_ / expected;
+  s_m += gain * sight->innovation_m;
+  scale_error_ += scale_gain_per_m * sight->innovation_m;
+  scale_variance_ -= scale_gain_per_m * cross_m_;
+  cross_m_ *= 1.0 - gain;
+  p_m2 *= 1.0 - gain;
+  return {true, sight->innovation_m * sight->innovation_m / expected, 1};
+}
+
+ArcSmoother::ArcSmoother(Setting setting) : ArcKalman{std::move(setting)} {
+  moments_.push_back({s_m, p_m2, s_m, p_m2});
+}
+
+void ArcSmoother::predict(const Odometry& odometry) {
+  ArcKalman::predict(odometry);
+  moments_.push_back({s_m, p_m2, s_m, p_m2});
+}
+
+Rectified ArcSmoother::rectify(const Reading& reading) {
+  const Rectified rectified = ArcKalman::rectify(reading);
+  moments_.back().along_m = s_m;
+  moments_.back().variance_m2 = p_m2;
+  return rectified;
+}
+
+std::vector<Estimate> ArcSmoother::revised() {
+  std::vector<Estimate> all(moments_.size() - 1);
+  double along_m = moments_.back().along_m;
+  double variance_m2 = moments_.back().variance_m2;
+  for (std::size_t i = moments_.size(); i-- > 1;) {
+    all[i - 1] = on_track(*told.track, told.sensors, along_m, variance_m2);
+    const Moment& here = moments_[i - 1];
+    const Moment& next = moments_[i];
+    if (next.predicted_variance_m2 <= 0.0) continue;
+    const double gain = here.variance_m2 / next.predicted_variance_m2;
+    along_m = here.along_m + gain * (along_m - next.predicted_m);
+    variance_m2 = here.variance_m2 + gain * gain * (variance_m2 - next.predicted_variance_m2);
+  }
+  return all;
+}
+
+void UnbiasedFir::predict(const Odometry& odometry) {
+  DeadReckoning::predict(odometry);
+  for (Anchor& anchor : anchors_) {
+    anchor.along_m += odometry.distance_m;
+    anchor.rolled_m += std::fabs(odometry.distance_m);
+  }
+}
+
+Rectified UnbiasedFir::rectify(const Reading& reading) {
+  const auto sight = see(reading);
+  if (!sight) return {};
+  const double expected = p_m2 + mark_variance(told);
+  anchors_.push_back({sight->along_m});
+  while (anchors_.size() > told.horizon) anchors_.pop_front();
+  average();
+  return {true, sight->innovation_m * sight->innovation_m / expected, 1};
+}
+
+void UnbiasedFir::average() {
+  const auto n = static_cast<double>(anchors_.size());
+  s_m = 0.0;
+  p_m2 = mark_variance(told) / n;
+  for (std::size_t i = 0; i < anchors_.size(); ++i) {
+    s_m += anchors_[i].along_m / n;
+    // The way since a reading lies in all the older ones, too: what has rolled since i is shared by 0…i.
+    const double shared = 2.0 * static_cast<double>(i) + 1.0;
+    p_m2 += told.sensors.distance_variance_per_m * anchors_[i].rolled_m * shared / (n * n);
+  }
+}
+
+}  // namespace cosiva::estimation

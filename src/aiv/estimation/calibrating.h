@@ -1,0 +1,110 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <variant>
+#include <vector>
+
+#include "aiv/estimation/algorithm.h"
+
+/// Estimation on the plane that doubts its sensors: their scales and biases are states, outliers count less, and a
+/// heading that nobody told is looked for.
+namespace cosiva::estimation {
+
+/// The state: x, y, heading (unwrapped), odometry's distance scale and turn scale, the ranges' scale and common bias,
+/// and one bias for each of the first nine stations, which changes as the vehicle goes (a Gauss-Markov process).
+struct CalibratedState {
+  static constexpr int size_max = 16;
+  static constexpr int common_size = 7;
+  enum Index : int { x, y, heading, distance_scale, turn_scale, range_scale, range_common };
+  using Vector = Eigen::Matrix<double, size_max, 1>;
+  using Matrix = Eigen::Matrix<double, size_max, size_max>;
+
+  Vector mean;
+  Matrix covariance;
+
+  [[nodiscard]] Estimate estimate() const;
+};
+
+/// Which station has which bias. Stations come as they are first heard.
+class Stations {
+ public:
+  /// Its place in the state; −1 for the tenth and later, which share the common bias alone.
+  [[nodiscard]] int index(std::uint32_t station);
+  [[nodiscard]] int count() const { return count_; }
+  static constexpr int count_max = CalibratedState::size_max - CalibratedState::common_size;
+
+ private:
+  std::array<std::uint32_t, count_max> ids_{};
+  int count_{0};
+};
+
+/// One linear piece of what a reading or a range says: `expected` at the state `about`, and its slope there.
+struct Measured {
+  CalibratedState::Vector slope;
+  double residual;  ///< measured − expected at the point of linearisation
+  double variance;  ///< of the noise
+};
+
+/// The extended Kalman filter of that state. Ranges and readings are believed after Student's t with four degrees of
+/// freedom rather than Gauss: what is far off counts less, nothing is refused for ever. Where the heading is unknown at
+/// the start, several filters begin, one per direction, and what they see decides (a Gaussian sum filter).
+/// Sources: Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigation (2001),
+/// augmented states; D. L. Alspach, H. W. Sorenson, IEEE TAC 17 (1972), Gaussian sums.
+class CalibratingFilter : public Algorithm {
+ public:
+  explicit CalibratingFilter(Setting setting);
+  void predict(const Odometry& odometry) override;
+  Rectified rectify(const Reading& reading) override;
+  Rectified rectify(const Range& range) override;
+  [[nodiscard]] Estimate estimate() const override;
+  /// Of the most likely hypothesis.
+  [[nodiscard]] const CalibratedState& state() const { return hypotheses[best()].state; }
+
+ protected:
+  struct Hypothesis {
+    CalibratedState state;
+    double log_weight{};
+    double start_heading_rad{};
+  };
+  [[nodiscard]] std::size_t best() const;
+  template <typename Input>
+  Rectified rectify_all(const Input& input);
+  void prune();
+  [[nodiscard]] CalibratedState start_state(double heading_rad, double heading_sigma_rad) const;
+
+  Setting told;
+  Stations stations;
+  std::vector<Hypothesis> hypotheses;
+};
+
+/// Looks back over the whole run with the same model: forwards and backwards, linearised anew about what came out,
+/// until it settles: a Gauss-Newton solution of the run's factor graph. Sources: G. J. Bierman, Fixed Interval
+/// Smoothing with Discrete Measurements, Int. J. Control 18 (1973), the backward pass, which inverts nothing; B. M.
+/// Bell, The Iterated Kalman Smoother as a Gauss-Newton Method, SIAM J. Opt. 4 (1994).
+class CalibratingSmoother final : public CalibratingFilter {
+ public:
+  using CalibratingFilter::CalibratingFilter;
+  void predict(const Odometry& odometry) override;
+  Rectified rectify(const Reading& reading) override;
+  Rectified rectify(const Range& range) override;
+  [[nodiscard]] std::vector<Estimate> revised() override;
+
+ private:
+  using Input = std::variant<Odometry, Reading, Range>;
+  /// One event of the forward pass: the state after it, and what the backward pass needs of it.
+  struct Step {
+    CalibratedState state;
+    std::array<Measured, 2> measured;  ///< of a reading two, of a range one
+    int measured_count{0};
+    CalibratedState::Matrix before;  ///< covariance before those
+    CalibratedState::Matrix motion;  ///< of odometry: slope of the new state in the old one
+  };
+  void forwards(const CalibratedState& start, const std::vector<CalibratedState>& about, std::vector<Step>& steps);
+  static void backwards(const std::vector<Step>& steps, std::vector<CalibratedState>& smoothed,
+                        const CalibratedState& start, CalibratedState& start_smoothed);
+
+  std::vector<Input> inputs_;
+};
+
+}  // namespace cosiva::estimation

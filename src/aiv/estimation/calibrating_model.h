@@ -1,0 +1,49 @@
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "aiv/estimation/calibrating.h"
+
+/// The model behind the calibrating filter and smoother: how the state moves, and what readings and ranges say of it.
+namespace cosiva::estimation::model {
+
+[[nodiscard]] CalibratedState start_state(const Setting& setting, double heading_rad, double heading_sigma_rad);
+
+/// A step of odometry, linear about a state: new = offset + slope·(old − about), plus noise.
+struct Motion {
+  CalibratedState::Vector offset;
+  CalibratedState::Matrix slope;
+  CalibratedState::Matrix noise;
+};
+[[nodiscard]] Motion motion_of(const SensorModel& sensors, const CalibratedState::Vector& about,
+                               const Odometry& odometry);
+/// Of a state whose mean is already in motion.offset.
+void move(CalibratedState& state, const Motion& motion);
+
+struct Said {
+  std::array<Measured, 2> measured;
+  int count{0};
+};
+[[nodiscard]] Said said_by(const SensorModel& sensors, Stations& stations, const CalibratedState::Vector& about,
+                           const Reading& reading);
+[[nodiscard]] Said said_by(const SensorModel& sensors, Stations& stations, const CalibratedState::Vector& about,
+                           const Range& range);
+
+/// What a squared residual is worth by Student's t: 1.25 where it is nothing, less the further off it is.
+[[nodiscard]] double credit(double squared, double variance);
+
+struct Update {
+  double nis;
+  double log_likelihood;
+  double variance;  ///< of the noise, as it was believed
+};
+/// @param as_told  the noise is believed as it is; else it is larger for what is far off
+Update update(CalibratedState& state, const Measured& measured, bool as_told);
+
+/// The backward pass through measurements taken one after the other from a state of this covariance: λ and Λ after them
+/// become λ and Λ before. `residual` is against the state before each.
+void back_through(const CalibratedState::Matrix& before, std::span<const Measured> measured,
+                  CalibratedState::Vector& lambda, CalibratedState::Matrix& big);
+
+}  // namespace cosiva::estimation::model

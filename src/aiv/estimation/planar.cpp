@@ -1,0 +1,344 @@
+#include "aiv/estimation/planar.h"
+
+#include <cmath>
+#include <utility>
+
+#include "base/math.h"
+
+namespace cosiva::estimation {
+namespace {
+
+/// sin(x)/x and (1 − cos x)/x, without dividing by nothing.
+struct ArcShape {
+  double ahead;
+  double aside;
+};
+ArcShape arc_shape(double x) {
+  if (std::fabs(x) < 1e-4) return {1.0 - x * x / 6.0, 0.5 * x};
+  const SinCos turn = sincos(x);
+  return {turn.sin / x, (1.0 - turn.cos) / x};
+}
+
+Matrix2 rotation(double angle_rad) {
+  const SinCos r = sincos(angle_rad);
+  Matrix2 m;
+  m << r.cos, -r.sin, r.sin, r.cos;
+  return m;
+}
+
+Vector2 vector(Point2 p) { return {p.x_m, p.y_m}; }
+
+/// Where a pose would have a mark, in the body's frame.
+Vector2 seen_from(double x_m, double y_m, double heading_rad, Point2 mark_M) {
+  const SinCos h = sincos(heading_rad);
+  const double dx = mark_M.x_m - x_m;
+  const double dy = mark_M.y_m - y_m;
+  return {h.cos * dx + h.sin * dy, -h.sin * dx + h.cos * dy};
+}
+
+double squared_over(const Vector2& v, const Matrix2& s) {
+  const double det = s(0, 0) * s(1, 1) - s(0, 1) * s(1, 0);
+  return (s(1, 1) * v(0) * v(0) - (s(0, 1) + s(1, 0)) * v(0) * v(1) + s(0, 0) * v(1) * v(1)) / det;
+}
+
+Matrix2 inverse_of(const Matrix2& s) {
+  const double det = s(0, 0) * s(1, 1) - s(0, 1) * s(1, 0);
+  Matrix2 m;
+  m << s(1, 1), -s(0, 1), -s(1, 0), s(0, 0);
+  return m / det;
+}
+
+void add_to(Pose2& pose, const Vector3& d) {
+  pose = {pose.x_m + d(0), pose.y_m + d(1), wrap_angle(pose.heading_rad + d(2))};
+}
+
+}  // namespace
+
+Pose2 step_of(const Odometry& odometry) {
+  const ArcShape shape = arc_shape(odometry.turn_rad);
+  return {odometry.distance_m * shape.ahead, odometry.distance_m * shape.aside, wrap_angle(odometry.turn_rad)};
+}
+
+Pose2 moved(const Pose2& X_MB, const Odometry& odometry) { return X_MB * step_of(odometry); }
+
+Matrix3 start_covariance(const Setting& setting) {
+  const double p = setting.start_sigma_m * setting.start_sigma_m;
+  const double h = setting.start_heading_sigma_rad * setting.start_heading_sigma_rad;
+  return Vector3(p, p, h).asDiagonal();
+}
+
+Vector2 step_variances(const SensorModel& sensors, const Odometry& odometry) {
+  const double way_m = std::fabs(odometry.distance_m);
+  return {sensors.distance_variance_per_m * way_m,
+          sensors.turn_variance_per_m * way_m + sensors.turn_variance_per_rad * std::fabs(odometry.turn_rad)};
+}
+
+Matrix3 spread(const SensorModel& sensors, const Pose2& X_MB, const Odometry& odometry, const Matrix3& covariance) {
+  const SinCos middle = sincos(X_MB.heading_rad + 0.5 * odometry.turn_rad);
+  const double d = odometry.distance_m;
+  Matrix3 f = Matrix3::Identity();
+  f(0, 2) = -d * middle.sin;
+  f(1, 2) = d * middle.cos;
+  Eigen::Matrix<double, 3, 2> g;
+  g << middle.cos, -0.5 * d * middle.sin, middle.sin, 0.5 * d * middle.cos, 0.0, 1.0;
+  Matrix3 after =
+      f * covariance * f.transpose() + g * Matrix2(step_variances(sensors, odometry).asDiagonal()) * g.transpose();
+  make_symmetric(after);
+  return after;
+}
+
+double range_variance(const SensorModel& sensors, double range_m) {
+  const double scale_m = sensors.range_scale_sigma * range_m;
+  return sensors.range_sigma_m * sensors.range_sigma_m + sensors.range_common_sigma_m * sensors.range_common_sigma_m +
+         sensors.range_station_sigma_m * sensors.range_station_sigma_m + scale_m * scale_m;
+}
+
+Matrix2 mark_covariance(const SensorModel& sensors) {
+  return Vector2(sensors.mark_along_sigma_m * sensors.mark_along_sigma_m,
+                 sensors.mark_across_sigma_m * sensors.mark_across_sigma_m)
+      .asDiagonal();
+}
+
+Estimate on_track(const Track& track, const SensorModel& sensors, double along_m, double variance_m2) {
+  const zone::Place place = track.place_at(along_m);
+  const zone::Section& section = track.circuit().section(place.section);
+  Estimate estimate{section.pose_at(place.s_m), Matrix3::Zero(), along_m};
+  const SinCos h = sincos(estimate.pose.heading_rad);
+  const double across = sensors.line_sigma_m * sensors.line_sigma_m;
+  const double curvature = section.curvature_at(place.s_m);
+  Matrix3& c = estimate.covariance;
+  c(0, 0) = variance_m2 * h.cos * h.cos + across * h.sin * h.sin;
+  c(1, 1) = variance_m2 * h.sin * h.sin + across * h.cos * h.cos;
+  c(0, 1) = c(1, 0) = (variance_m2 - across) * h.sin * h.cos;
+  // In a bend whoever is wrong about the way is wrong about the heading.
+  c(0, 2) = c(2, 0) = variance_m2 * curvature * h.cos;
+  c(1, 2) = c(2, 1) = variance_m2 * curvature * h.sin;
+  c(2, 2) = variance_m2 * curvature * curvature + sensors.line_heading_sigma_rad * sensors.line_heading_sigma_rad;
+  return estimate;
+}
+
+// ---- EKF
+// -------------------------------------------------------------------------------------------------------------
+
+Ekf::Ekf(Setting setting) : told{std::move(setting)}, belief{told.start}, doubt{start_covariance(told)} {}
+
+void Ekf::predict(const Odometry& odometry) {
+  doubt = spread(told.sensors, belief, odometry, doubt);
+  belief = moved(belief, odometry);
+}
+
+Rectified Ekf::rectify(const Reading& reading) {
+  const Vector2 expected = seen_from(belief.x_m, belief.y_m, belief.heading_rad, reading.mark_M);
+  const Matrix2 r = rotation(belief.heading_rad);
+  Eigen::Matrix<double, 2, 3> h;
+  h.leftCols<2>() = -r.transpose();
+  h.col(2) = Vector2(expected(1), -expected(0));
+  const Vector2 innovation = vector(reading.seen_B) - expected;
+  const Matrix2 s = h * doubt * h.transpose() + mark_covariance(told.sensors);
+  const double nis = squared_over(innovation, s);
+  if (!(nis <= gate_2)) return {false, nis, 2};
+  const Eigen::Matrix<double, 3, 2> gain = doubt * h.transpose() * inverse_of(s);
+  add_to(belief, gain * innovation);
+  // Joseph's form: stays positive whatever rounding does.
+  const Matrix3 rest = Matrix3::Identity() - gain * h;
+  doubt = rest * doubt * rest.transpose() + gain * mark_covariance(told.sensors) * gain.transpose();
+  make_symmetric(doubt);
+  return {true, nis, 2};
+}
+
+Rectified Ekf::rectify(const Range& range) {
+  const double dx = belief.x_m - range.station_M.x_m;
+  const double dy = belief.y_m - range.station_M.y_m;
+  const double expected = norm(dx, dy);
+  if (expected < 1e-6) return {};
+  const Vector3 h(dx / expected, dy / expected, 0.0);
+  const double r = range_variance(told.sensors, expected);
+  const Vector3 ph = doubt * h;
+  const double s = h.dot(ph) + r;
+  const double innovation = range.range_m - expected;
+  const double nis = innovation * innovation / s;
+  if (!(nis <= gate_1)) return {false, nis, 1};
+  const Vector3 gain = ph / s;
+  add_to(belief, gain * innovation);
+  doubt -= gain * ph.transpose();
+  make_symmetric(doubt);
+  return {true, nis, 1};
+}
+
+// ---- UKF
+// -------------------------------------------------------------------------------------------------------------
+
+namespace {
+
+constexpr int points = 7;
+using Sigma = Eigen::Matrix<double, 3, points>;
+
+/// The mean and three pairs about it, as deviations; all but the first weigh alike.
+Sigma deviations(const Matrix3& covariance) {
+  const Eigen::LLT<Matrix3> root(covariance + 1e-18 * Matrix3::Identity());
+  const Matrix3 l = root.matrixL();
+  Sigma all;
+  all.col(0).setZero();
+  for (int i = 0; i < 3; ++i) {
+    all.col(1 + 2 * i) = std::sqrt(3.0) * l.col(i);
+    all.col(2 + 2 * i) = -std::sqrt(3.0) * l.col(i);
+  }
+  return all;
+}
+/// κ = 0, for which the middle one counts nothing: n = 3 directions of √3 standard deviations.
+double weight(int i) { return i == 0 ? 0.0 : 1.0 / 6.0; }
+
+}  // namespace
+
+void Ukf::predict(const Odometry& odometry) {
+  const Sigma about = deviations(doubt);
+  const Pose2 centre = moved(belief, odometry);
+  Sigma after;
+  Vector3 mean = Vector3::Zero();
+  for (int i = 0; i < points; ++i) {
+    const Pose2 from{belief.x_m + about(0, i), belief.y_m + about(1, i), belief.heading_rad + about(2, i)};
+    const Pose2 to = moved(from, odometry);
+    // Deviations from the middle one, so that headings need no wrapping.
+    after.col(i) = Vector3(to.x_m - centre.x_m, to.y_m - centre.y_m, about(2, i));
+    mean += weight(i) * after.col(i);
+  }
+  Matrix3 covariance = spread(told.sensors, belief, odometry, Matrix3::Zero());
+  for (int i = 0; i < points; ++i) covariance += weight(i) * (after.col(i) - mean) * (after.col(i) - mean).transpose();
+  make_symmetric(covariance);
+  doubt = covariance;
+  belief = centre;
+  add_to(belief, mean);
+}
+
+Rectified Ukf::rectify(const Reading& reading) {
+  const Sigma about = deviations(doubt);
+  Eigen::Matrix<double, 2, points> z;
+  Vector2 mean = Vector2::Zero();
+  for (int i = 0; i < points; ++i) {
+    z.col(i) =
+        seen_from(belief.x_m + about(0, i), belief.y_m + about(1, i), belief.heading_rad + about(2, i), reading.mark_M);
+    mean += weight(i) * z.col(i);
+  }
+  Matrix2 s = mark_covariance(told.sensors);
+  Eigen::Matrix<double, 3, 2> cross = Eigen::Matrix<double, 3, 2>::Zero();
+  for (int i = 0; i < points; ++i) {
+    s += weight(i) * (z.col(i) - mean) * (z.col(i) - mean).transpose();
+    cross += weight(i) * about.col(i) * (z.col(i) - mean).transpose();
+  }
+  const Vector2 innovation = vector(reading.seen_B) - mean;
+  const double nis = squared_over(innovation, s);
+  if (!(nis <= gate_2)) return {false, nis, 2};
+  const Eigen::Matrix<double, 3, 2> gain = cross * inverse_of(s);
+  add_to(belief, gain * innovation);
+  doubt -= gain * s * gain.transpose();
+  make_symmetric(doubt);
+  return {true, nis, 2};
+}
+
+Rectified Ukf::rectify(const Range& range) {
+  const Sigma about = deviations(doubt);
+  Eigen::Matrix<double, 1, points> z;
+  double mean = 0.0;
+  for (int i = 0; i < points; ++i) {
+    z(i) = norm(belief.x_m + about(0, i) - range.station_M.x_m, belief.y_m + about(1, i) - range.station_M.y_m);
+    mean += weight(i) * z(i);
+  }
+  double s = range_variance(told.sensors, mean);
+  Vector3 cross = Vector3::Zero();
+  for (int i = 0; i < points; ++i) {
+    s += weight(i) * (z(i) - mean) * (z(i) - mean);
+    cross += weight(i) * (z(i) - mean) * about.col(i);
+  }
+  const double innovation = range.range_m - mean;
+  const double nis = innovation * innovation / s;
+  if (!(nis <= gate_1)) return {false, nis, 1};
+  const Vector3 gain = cross / s;
+  add_to(belief, gain * innovation);
+  doubt -= gain * s * gain.transpose();
+  make_symmetric(doubt);
+  return {true, nis, 1};
+}
+
+// ---- invariant EKF
+// ---------------------------------------------------------------------------------------------------
+
+namespace {
+
+/// Of X = exp(ξ)·X̂ to first order: the pose moves by ξ, and with the heading the position turns about the map's origin.
+Matrix3 to_pose(const Pose2& pose) {
+  Matrix3 m = Matrix3::Identity();
+  m(0, 2) = -pose.y_m;
+  m(1, 2) = pose.x_m;
+  return m;
+}
+Matrix3 from_pose(const Pose2& pose) {
+  Matrix3 m = Matrix3::Identity();
+  m(0, 2) = pose.y_m;
+  m(1, 2) = -pose.x_m;
+  return m;
+}
+
+}  // namespace
+
+InvariantEkf::InvariantEkf(Setting setting) : setting_{std::move(setting)}, pose_{setting_.start} {
+  const Matrix3 t = from_pose(pose_);
+  covariance_ = t * start_covariance(setting_) * t.transpose();
+}
+
+Estimate InvariantEkf::estimate() const {
+  const Matrix3 t = to_pose(pose_);
+  return {pose_, t * covariance_ * t.transpose(), std::nullopt};
+}
+
+void InvariantEkf::predict(const Odometry& odometry) {
+  // The error itself does not change; what is new comes in as the step's noise, carried into the map.
+  const Matrix3 noise = spread(setting_.sensors, pose_, odometry, Matrix3::Zero());
+  pose_ = moved(pose_, odometry);
+  const Matrix3 t = from_pose(pose_);
+  covariance_ += t * noise * t.transpose();
+  make_symmetric(covariance_);
+}
+
+void InvariantEkf::correct(const Vector3& xi) {
+  const ArcShape shape = arc_shape(xi(2));
+  const Pose2 exp_xi{xi(0) * shape.ahead - xi(1) * shape.aside, xi(0) * shape.aside + xi(1) * shape.ahead, xi(2)};
+  pose_ = exp_xi * pose_;
+}
+
+Rectified InvariantEkf::rectify(const Reading& reading) {
+  const Point2 believed_M = pose_ * reading.seen_B;
+  Eigen::Matrix<double, 2, 3> h;
+  h << 1.0, 0.0, -reading.mark_M.y_m, 0.0, 1.0, reading.mark_M.x_m;
+  const Vector2 innovation = vector(reading.mark_M) - vector(believed_M);
+  const Matrix2 r = rotation(pose_.heading_rad);
+  const Matrix2 noise = r * mark_covariance(setting_.sensors) * r.transpose();
+  const Matrix2 s = h * covariance_ * h.transpose() + noise;
+  const double nis = squared_over(innovation, s);
+  if (!(nis <= gate_2)) return {false, nis, 2};
+  const Eigen::Matrix<double, 3, 2> gain = covariance_ * h.transpose() * inverse_of(s);
+  const Matrix3 rest = Matrix3::Identity() - gain * h;
+  covariance_ = rest * covariance_ * rest.transpose() + gain * noise * gain.transpose();
+  make_symmetric(covariance_);
+  correct(gain * innovation);
+  return {true, nis, 2};
+}
+
+Rectified InvariantEkf::rectify(const Range& range) {
+  const double dx = pose_.x_m - range.station_M.x_m;
+  const double dy = pose_.y_m - range.station_M.y_m;
+  const double expected = norm(dx, dy);
+  if (expected < 1e-6) return {};
+  const Vector3 h = to_pose(pose_).transpose() * Vector3(dx / expected, dy / expected, 0.0);
+  const Vector3 ph = covariance_ * h;
+  const double s = h.dot(ph) + range_variance(setting_.sensors, expected);
+  const double innovation = range.range_m - expected;
+  const double nis = innovation * innovation / s;
+  if (!(nis <= gate_1)) return {false, nis, 1};
+  const Vector3 gain = ph / s;
+  covariance_ -= gain * ph.transpose();
+  make_symmetric(covariance_);
+  correct(gain * innovation);
+  return {true, nis, 1};
+}
+
+}  // namespace cosiva::estimation

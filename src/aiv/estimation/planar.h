@@ -1,0 +1,76 @@
+#pragma once
+
+#include "aiv/estimation/algorithm.h"
+
+/// The estimators of a pose on the plane. They know no line.
+namespace cosiva::estimation {
+
+/// One step of odometry along an arc of a circle, the article's equation (1), of which (2) and (3) are the cases
+/// without a turn.
+[[nodiscard]] Pose2 moved(const Pose2& X_MB, const Odometry& odometry);
+/// That step on its own: X_BB' of equation (1).
+[[nodiscard]] Pose2 step_of(const Odometry& odometry);
+[[nodiscard]] Matrix3 start_covariance(const Setting& setting);
+/// What odometry's noise makes of a pose's covariance in one step from `X_MB`, to first order.
+[[nodiscard]] Matrix3 spread(const SensorModel& sensors, const Pose2& X_MB, const Odometry& odometry,
+                             const Matrix3& covariance);
+/// Variances of distance and turn of one step.
+[[nodiscard]] Vector2 step_variances(const SensorModel& sensors, const Odometry& odometry);
+/// The pose that an arc length means, and what its variance and the line's make of the covariance.
+[[nodiscard]] Estimate on_track(const Track& track, const SensorModel& sensors, double along_m, double variance_m2);
+/// Of a range of about so much, for who does not estimate what ranges have in common: it is noise to him, and drawn
+/// anew each time, which it is not.
+[[nodiscard]] double range_variance(const SensorModel& sensors, double range_m);
+/// Of a reading, (along, across).
+[[nodiscard]] Matrix2 mark_covariance(const SensorModel& sensors);
+
+/// Innovations beyond these are refused: chi-squared of one and two dimensions at 99.9 %.
+inline constexpr double gate_1 = 10.828;
+inline constexpr double gate_2 = 13.816;
+
+/// The extended Kalman filter of (x, y, heading) with gating, the field's default. Once its gate refuses what is right
+/// it drifts off for ever: kept as it is, to show that. Source: S. Thrun, W. Burgard, D. Fox, Probabilistic Robotics
+/// (2005), chapter 7.
+class Ekf : public Algorithm {
+ public:
+  explicit Ekf(Setting setting);
+  void predict(const Odometry& odometry) override;
+  Rectified rectify(const Reading& reading) override;
+  Rectified rectify(const Range& range) override;
+  [[nodiscard]] Estimate estimate() const override { return {belief, doubt, std::nullopt}; }
+
+ protected:
+  Setting told;
+  Pose2 belief;
+  Matrix3 doubt;
+};
+
+/// The unscented Kalman filter, same state, same noise: seven points are moved instead of a tangent.
+/// Source: S. Julier, J. Uhlmann, Unscented Filtering and Nonlinear Estimation, Proc. IEEE 92 (2004).
+class Ukf final : public Ekf {
+ public:
+  using Ekf::Ekf;
+  void predict(const Odometry& odometry) override;
+  Rectified rectify(const Reading& reading) override;
+  Rectified rectify(const Range& range) override;
+};
+
+/// The right-invariant extended Kalman filter on SE(2): its error obeys an equation that does not depend on the
+/// estimate, so it does not grow sure of headings that nobody has seen. Source: A. Barrau, S. Bonnabel, The Invariant
+/// Extended Kalman Filter as a Stable Observer, IEEE TAC 62 (2017).
+class InvariantEkf final : public Algorithm {
+ public:
+  explicit InvariantEkf(Setting setting);
+  void predict(const Odometry& odometry) override;
+  Rectified rectify(const Reading& reading) override;
+  Rectified rectify(const Range& range) override;
+  [[nodiscard]] Estimate estimate() const override;
+
+ private:
+  void correct(const Vector3& xi);
+  Setting setting_;
+  Pose2 pose_;
+  Matrix3 covariance_;  ///< of ξ = (x, y, heading) in the map: X = exp(ξ)·X̂
+};
+
+}  // namespace cosiva::estimation

@@ -1,0 +1,224 @@
+#include "aiv/estimation/planar.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+#include <string>
+
+#include "aiv/estimation/calibrating.h"
+#include "aiv/estimation/particles.h"
+#include "aiv/estimation/registry.h"
+#include "aiv/estimation/test_tracks.h"
+#include "base/random.h"
+
+namespace cosiva::estimation {
+namespace {
+
+/// A vehicle that goes round a circle of 2 m with Gaussian noise, and hears four stations in the corners.
+struct Round {
+  Setting setting;
+  double bias_m{0.0};
+  double scale{1.0};
+  Pose2 truth;
+
+  template <typename Algo>
+  double rmse(Algo& algorithm, std::uint64_t seed, int steps = 600, bool ranges = true,
+              std::vector<double>* nees = {}) {
+    Random random{seed, "round"};
+    truth = {2.0, 0.0, 0.5 * pi};
+    double squares = 0.0;
+    for (int i = 0; i < steps; ++i) {
+      const Odometry truly{0.05, 0.025, 0.1};
+      truth = moved(truth, truly);
+      const Vector2 v = step_variances(setting.sensors, truly);
+      algorithm.predict({truly.distance_m + random.gaussian(0.0, std::sqrt(v(0))),
+                         truly.turn_rad + random.gaussian(0.0, std::sqrt(v(1))), 0.1});
+      if (ranges) {
+        const auto station = static_cast<std::uint32_t>(i % 4);
+        const Point2 place{station % 2 == 0 ? -4.0 : 4.0, station < 2 ? -4.0 : 4.0};
+        algorithm.rectify(Range{
+            station, place,
+            scale * distance(position(truth), place) + bias_m + random.gaussian(0.0, setting.sensors.range_sigma_m)});
+      } else if (i % 10 == 9) {
+        const Point2 mark = truth * Point2{0.0, 0.01};
+        algorithm.rectify(Reading{1, mark, {random.gaussian(0.0, 0.01), 0.01 + random.gaussian(0.0, 0.01)}});
+      }
+      const Estimate estimate = algorithm.estimate();
+      squares += std::pow(distance(estimate.pose, truth), 2);
+      const Vector2 e(estimate.pose.x_m - truth.x_m, estimate.pose.y_m - truth.y_m);
+      const Matrix2 c = estimate.covariance.template topLeftCorner<2, 2>();
+      if (nees != nullptr) nees->push_back(e.dot(c.llt().solve(e)));
+    }
+    return std::sqrt(squares / steps);
+  }
+};
+
+Round round_at_its_start() {
+  Round round;
+  round.setting.start = {2.0, 0.0, 0.5 * pi};
+  return round;
+}
+
+/// Whose ranges have nothing in common, and it is known.
+Round round_without_biases() {
+  Round round = round_at_its_start();
+  estimation::SensorModel& sensors = round.setting.sensors;
+  sensors.range_scale_sigma = sensors.range_common_sigma_m = sensors.range_station_sigma_m = 0.0;
+  return round;
+}
+
+double mean(const std::vector<double>& v) {
+  return std::accumulate(v.begin(), v.end(), 0.0) / static_cast<double>(v.size());
+}
+
+TEST(Planar, filters_of_the_pose_are_consistent_where_the_noise_is_what_they_think) {
+  const Registry registry;
+  for (const char* name : {"ekf", "ukf", "iekf"}) {
+    for (const bool ranges : {true, false}) {
+      std::vector<double> nees;
+      double worst = 0.0;
+      for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+        Round round = round_without_biases();
+        const auto algorithm = *registry.make(name, round.setting);
+        worst = std::fmax(worst, round.rmse(*algorithm, seed, 600, ranges, &nees));
+      }
+      EXPECT_LT(worst, 0.06) << name;
+      EXPECT_NEAR(mean(nees), 2.0, 0.5) << name << (ranges ? " by ranges" : " by marks");
+    }
+  }
+}
+
+TEST(Planar, filters_agree_where_everything_is_nearly_linear) {
+  Round round = round_without_biases();
+  Ekf ekf{round.setting};
+  Ukf ukf{round.setting};
+  InvariantEkf iekf{round.setting};
+  round.rmse(ekf, 3, 200);
+  round.rmse(ukf, 3, 200);
+  round.rmse(iekf, 3, 200);
+  EXPECT_LT(distance(ekf.estimate().pose, ukf.estimate().pose), 0.01);
+  EXPECT_LT(distance(ekf.estimate().pose, iekf.estimate().pose), 0.01);
+  EXPECT_NEAR(ekf.estimate().covariance(0, 0) / iekf.estimate().covariance(0, 0), 1.0, 0.1);
+}
+
+TEST(InvariantEkf, does_not_grow_sure_of_a_heading_that_nobody_has_seen) {
+  // One mark, seen again and again without moving: it tells where the vehicle is about the mark, never the whole pose.
+  Setting setting;
+  setting.start_sigma_m = 1.0;
+  setting.start_heading_sigma_rad = 0.5;
+  InvariantEkf iekf{setting};
+  const double before = iekf.estimate().covariance(2, 2);
+  // Straight beneath it, so that no turn of the body would show.
+  for (int i = 0; i < 50; ++i) iekf.rectify(Reading{1, {0.0, 0.0}, {0.0, 0.0}});
+  EXPECT_NEAR(iekf.estimate().covariance(2, 2), before, 1e-9);
+}
+
+TEST(Ekf, refuses_what_its_gate_does_not_let_in) {
+  Ekf ekf{round_at_its_start().setting};
+  const Rectified rectified = ekf.rectify(Range{1, {-4.0, 0.0}, 9.0});
+  EXPECT_FALSE(rectified.accepted);
+  EXPECT_GT(*rectified.nis, gate_1);
+  EXPECT_EQ(ekf.estimate().pose.x_m, 2.0);
+}
+
+TEST(Calibrating, finds_what_all_ranges_have_in_common) {
+  Round round = round_at_its_start();
+  round.bias_m = 0.3;
+  round.setting.sensors.range_common_sigma_m = 0.3;
+  CalibratingFilter calibrating{round.setting};
+  EXPECT_LT(round.rmse(calibrating, 5), 0.08);
+  // Bias and scale can hardly be told apart where all stations are about 5 m away; what they make together can.
+  const auto& mean = calibrating.state().mean;
+  EXPECT_NEAR(mean(CalibratedState::range_common) + 5.0 * mean(CalibratedState::range_scale), 0.3, 0.12);
+}
+
+TEST(Calibrating, smoother_is_better_than_the_filter_and_honest) {
+  double filter = 0.0;
+  double smoothed = 0.0;
+  std::vector<double> nees;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    Round round = round_at_its_start();
+    // Biases as the model expects them: some, in the mean none; and none where it expects none.
+    Random biases{seed, "biases"};
+    round.bias_m = biases.gaussian(0.0, round.setting.sensors.range_common_sigma_m);
+    round.scale = 1.0 + biases.gaussian(0.0, round.setting.sensors.range_scale_sigma);
+    round.setting.sensors.range_station_sigma_m = 1e-3;
+    round.setting.sensors.distance_scale_sigma = round.setting.sensors.turn_scale_sigma = 1e-4;
+    CalibratingSmoother smoother{round.setting};
+    filter += round.rmse(smoother, seed, 300);
+    const auto revised = smoother.revised();
+    ASSERT_EQ(revised.size(), 300U);
+    Pose2 truth{2.0, 0.0, 0.5 * pi};
+    double squares = 0.0;
+    for (const Estimate& estimate : revised) {
+      truth = moved(truth, {0.05, 0.025, 0.1});
+      const Vector2 e(estimate.pose.x_m - truth.x_m, estimate.pose.y_m - truth.y_m);
+      squares += e.squaredNorm();
+      nees.push_back(e.dot(Matrix2(estimate.covariance.topLeftCorner<2, 2>()).llt().solve(e)));
+    }
+    smoothed += std::sqrt(squares / 300.0);
+  }
+  EXPECT_LT(smoothed, 0.9 * filter);
+  EXPECT_NEAR(mean(nees), 2.0, 0.7);
+}
+
+TEST(Calibrating, finds_a_heading_that_nobody_told) {
+  Round round = round_at_its_start();
+  round.setting.start_heading_sigma_rad = pi;
+  round.setting.start.heading_rad = 0.0;  // means nothing
+  CalibratingSmoother algorithm{round.setting};
+  EXPECT_GT(algorithm.estimate().covariance(2, 2), 1.0);
+  round.rmse(algorithm, 2, 200);
+  EXPECT_NEAR(wrap_angle(algorithm.estimate().pose.heading_rad - round.truth.heading_rad), 0.0, 0.1);
+  EXPECT_LT(distance(algorithm.estimate().pose, round.truth), 0.1);
+  // And who looks back knows it from the beginning.
+  EXPECT_NEAR(wrap_angle(algorithm.revised()[1].pose.heading_rad - 0.5 * pi - 0.05), 0.0, 0.1);
+}
+
+TEST(Calibrating, is_not_thrown_off_by_one_wild_range) {
+  Round round = round_at_its_start();
+  CalibratingFilter calm{round.setting};
+  round.rmse(calm, 4, 200);
+  const Pose2 before = calm.estimate().pose;
+  calm.rectify(Range{0, {-4.0, -4.0}, 20.0});
+  EXPECT_LT(distance(calm.estimate().pose, before), 0.02);
+}
+
+TEST(Particles, find_where_they_are_on_a_circuit_that_they_know) {
+  Setting setting;
+  setting.track = testing::oval();
+  setting.start_known = false;
+  setting.particles = 2000;
+  ParticleFilter particles{setting};
+  EXPECT_GT(particles.estimate().covariance(0, 0), 0.5);  // anywhere
+  Random random{1, "drive"};
+  double along_m = 4.3;
+  for (int i = 0; i < 300; ++i) {
+    along_m += 0.02;
+    particles.predict({0.02 + random.gaussian(0.0, std::sqrt(1e-4 * 0.02)), 0.0, 0.04});
+    if (i % 25 == 24) {
+      const Pose2 truth = setting.track->pose_at(along_m);
+      particles.rectify(Reading{1, position(truth), {random.gaussian(0.0, 0.01), 0.0}});
+    }
+  }
+  EXPECT_LT(distance(particles.estimate().pose, setting.track->pose_at(along_m)), 0.04);
+}
+
+TEST(Particles, take_both_branches_until_a_mark_tells) {
+  std::vector<zone::Circuit::Part> parts;
+  parts.push_back(testing::part("stem", {0.0, 0.0, 0.0}, 1.0, 0.0, {1, 2}));
+  parts.push_back(testing::part("on", {1.0, 0.0, 0.0}, 3.0, 0.0, {}));
+  parts.push_back(testing::part("left", {1.0, 0.0, 0.0}, 3.0, 0.5, {}));
+  Setting setting;
+  setting.track = testing::track(testing::circuit(std::move(parts)), {0, 1}, false);
+  ParticleFilter particles{setting};
+  for (int i = 0; i < 25; ++i) particles.predict({0.1, 0.0, 0.1});
+  EXPECT_GT(particles.estimate().covariance(1, 1), 0.05);
+  const Pose2 left = setting.track->circuit().pose_at({2, 1.5});
+  particles.rectify(Reading{1, position(left), {}});
+  EXPECT_LT(distance(particles.estimate().pose, left), 0.05);
+}
+
+}  // namespace
+}  // namespace cosiva::estimation

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "base/pose.h"
+#include "base/result.h"
+#include "zone/circuit.h"
+
+namespace cosiva::estimation {
+
+/// A way along a circuit, unrolled: one arc length from its beginning, over all its sections and, where it is closed,
+/// over any number of rounds.
+class Track {
+ public:
+  /// Fails ("track.empty"), ("track.gap") where a section does not follow the one before it.
+  [[nodiscard]] static Result<Track> make(std::shared_ptr<const zone::Circuit> circuit,
+                                          std::vector<zone::SectionId> sections, bool closed);
+  /// The circuit's first loop, or round from its first section by default successors as far as that leads. Fails as
+  /// make does, and ("track.loop") where `loop` is none of the zone's.
+  [[nodiscard]] static Result<Track> of_ring(std::shared_ptr<const zone::Circuit> circuit);
+
+  [[nodiscard]] const zone::Circuit& circuit() const { return *circuit_; }
+  [[nodiscard]] const std::shared_ptr<const zone::Circuit>& share_circuit() const { return circuit_; }
+  [[nodiscard]] double length_m() const { return starts_.back(); }  ///< once round
+  [[nodiscard]] bool closed() const { return closed_; }
+
+  /// On an open track clamped to its ends.
+  [[nodiscard]] zone::Place place_at(double along_m) const;
+  [[nodiscard]] Pose2 pose_at(double along_m) const;
+  /// κ there, of increasing arc length.
+  [[nodiscard]] double curvature_at(double along_m) const;
+  [[nodiscard]] zone::SectionKind kind_at(double along_m) const;
+  /// The arc length nearest to `near_m` at which the track passes over a point, or beside it within `beside_m`; within
+  /// `reach_m` of `near_m`.
+  [[nodiscard]] std::optional<double> foot(Point2 p_M, double near_m, double reach_m, double beside_m = 0.10) const;
+
+ private:
+  Track() = default;
+  [[nodiscard]] std::size_t index_at(double once_m) const;
+  [[nodiscard]] double once(double along_m) const;
+
+  std::shared_ptr<const zone::Circuit> circuit_;
+  std::vector<zone::SectionId> sections_;
+  std::vector<double> starts_;  ///< arc length at which each section begins, and the end of the last
+  bool closed_{};
+};
+
+}  // namespace cosiva::estimation

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "aiv/agent.h"
+#include "aiv/passages.h"
+#include "wire/v2x.h"
+
+namespace cosiva::aiv {
+
+/// So far ahead a vehicle says which crossings it comes to.
+inline constexpr double intent_reach_m = 3.0;
+
+/// The shortest time in which a vehicle comes so far, from its speed now and speeding up as `by` says [s].
+/// @param by  its speed is positive, as its acceleration
+[[nodiscard]] double earliest_s(double distance_m, double speed_mps, const zone::SpeedProfile& by);
+
+/// What the vehicle has to say of itself now, but for header and identity. Lengths and times are rounded to
+/// thousandths. Only for one whose pose is known. One that is held or has no order names the crossings that are its own
+/// already, and wants none.
+[[nodiscard]] wire::Intent compose_intent(const Agent& agent, const zone::TrafficZone& zone, const Passages& passages);
+
+}  // namespace cosiva::aiv

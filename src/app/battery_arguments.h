@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// What the command line said of `cosiva battery`, as plain values.
+namespace cosiva::app {
+
+struct BatteryFitArguments {
+  std::vector<std::string> files;
+  std::vector<std::string> series;   ///< only those whose name holds one of these; empty: all
+  std::vector<std::string> predict;  ///< logs, or series of the files, that are not fitted but foretold
+  std::string name{"fitted"};
+  std::string source;
+  std::string licence;
+  double capacity_ah{0.0};
+  double floor_v{0.0};
+  std::string out_file;
+  bool json{false};
+};
+
+struct BatteryTestArguments {
+  std::string zone{"lacet4"};
+  std::uint32_t aivs{4};
+  std::string type{"lipo850"};  ///< a shipped one's name or a file
+  std::uint32_t series{0};      ///< 0: as the type says; of the carts' usual type, as they have it
+  std::uint32_t parallel{0};
+  double scale{0.0};
+  std::string gauge{"kalman"};
+  double floor_percent{20.0};
+  std::size_t repeat{1};
+  bool swap{false};
+  double pause_every_s{0.0};
+  double pause_s{0.0};
+  double failures_per_hour{0.0};
+  double load_sd_percent{2.0};
+  double ambient_c{22.0};
+  double measure_s{120.0};
+  bool whole{false};
+  double half_width_percent{0.0};
+  std::string state_file;
+  std::string out_directory;
+  std::string rules;
+  std::uint64_t seed{1};
+  bool json{false};
+};
+
+struct BatteryPlanArguments {
+  double cv_percent{1.4};
+  double half_width_percent{1.0};
+  double difference_percent{0.0};  ///< between two types; 0: not asked
+  std::size_t aivs{0};             ///< the square for so many; 0: not asked
+  bool json{false};
+};
+
+struct BatteryFilesArguments {
+  std::vector<std::string> files;
+  bool json{false};
+};
+
+int run_battery_fit(const BatteryFitArguments& arguments);
+int run_battery_sampled(const BatteryTestArguments& arguments);
+int run_battery_fleet(const BatteryTestArguments& arguments);
+int run_battery_plan(const BatteryPlanArguments& arguments);
+/// Two results of battery tests, whose batteries are compared.
+int run_battery_compare(const BatteryFilesArguments& arguments);
+/// Whether files are battery types, and what is wrong with them.
+int run_battery_check(const BatteryFilesArguments& arguments);
+
+}  // namespace cosiva::app

@@ -1,0 +1,231 @@
+// `cosiva battery sampled` and `fleet`: tests of autonomy in virtual time.
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <utility>
+
+#include "adapters/files.h"
+#include "app/battery_arguments.h"
+#include "app/battery_types.h"
+#include "app/progress.h"
+#include "app/rule_files.h"
+#include "app/words.h"
+#include "app/zone_files.h"
+#include "experiments/battery/analysis.h"
+#include "experiments/battery/platform_rig.h"
+#include "experiments/battery/virtual_rig.h"
+
+namespace cosiva::app {
+namespace {
+
+using experiments::VirtualRig;
+using experiments::VirtualRigOptions;
+
+/// What the operator is told at once, and once a second by the wall how far it is and until when.
+class Teller {
+ public:
+  /// @return  whether a second has gone by
+  template <typename Rig>
+  bool look(Rig& rig) {
+    for (const std::string& words : rig.take_words()) say(words);
+    if (!ticker_.ticks()) return false;
+    const auto progress = rig.procedure().progress(rig.now());
+    std::string text = "run " + std::to_string(rig.procedure().run() + 1) + " of " +
+                       std::to_string(rig.procedure().options().runs) + ": " + decimals(100.0 * progress.share, 0) +
+                       " %";
+    if (progress.expected_end)
+      text += ", its end in " + experiments::duration_text(to_seconds(*progress.expected_end - rig.now())) +
+              " of virtual time";
+    say(text);
+    return true;
+  }
+
+ private:
+  SecondsTicker ticker_;
+};
+
+Result<VirtualRigOptions> rig_options(const BatteryTestArguments& arguments, std::size_t vehicles) {
+  VirtualRigOptions options;
+  auto type = load_battery_type(arguments.type);
+  if (!type) return tl::unexpected(type.error());
+  const auto floor = share_of_percent(arguments.floor_percent, "--floor");
+  if (!floor) return tl::unexpected(floor.error());
+  if (*floor >= 0.97) return fail("battery.floor", "leave something to discharge", "--floor");
+  const auto gauge = battery::parse_method(arguments.gauge);
+  if (!gauge) return fail("battery.gauge", "it is counter, rest or kalman", "--gauge");
+  // The carts' own battery is two of these in series, larger: what somebody gets who names nothing.
+  const bool usual =
+      arguments.type == "lipo850" && arguments.series == 0 && arguments.parallel == 0 && arguments.scale == 0.0;
+  options.battery.design =
+      usual ? battery::PackDesign{2, 1, 2.2 / 0.85}
+            : battery::PackDesign{
+                  arguments.series > 0 ? arguments.series : static_cast<std::uint32_t>(type->series_cells),
+                  arguments.parallel > 0 ? arguments.parallel : static_cast<std::uint32_t>(type->parallel_cells),
+                  arguments.scale > 0.0 ? arguments.scale : 1.0};
+  options.battery.type = std::move(*type);
+  options.battery.gauge = *gauge;
+  options.battery.ambient_c = arguments.ambient_c;
+  options.procedure.vehicles = vehicles;
+  options.procedure.runs = arguments.repeat;
+  options.procedure.swap = arguments.swap;
+  options.procedure.floor = *floor;
+  options.procedure.temperature_min_c = options.battery.type.temperature_min_c;
+  options.procedure.temperature_max_c = options.battery.type.temperature_max_c;
+  options.procedure.pause_every = from_seconds(arguments.pause_every_s);
+  options.procedure.pause_for = from_seconds(arguments.pause_s);
+  options.seed = arguments.seed;
+  options.load_sd = 0.01 * arguments.load_sd_percent;
+  options.failures_per_hour = arguments.failures_per_hour;
+  if (options.battery.ambient_c < options.procedure.temperature_min_c + 2.0 ||
+      options.battery.ambient_c > options.procedure.temperature_max_c - 2.0)
+    return fail("battery.temperature",
+                "the procedure would refuse every battery: this type may be discharged from " +
+                    decimals(options.procedure.temperature_min_c, 0) + " to " +
+                    decimals(options.procedure.temperature_max_c, 0) + " °C",
+                "--ambient");
+  return options;
+}
+
+Result<experiments::WorldOptions> world_options(const BatteryTestArguments& arguments, std::size_t vehicles) {
+  experiments::WorldOptions world;
+  auto zone = load_zone(arguments.zone);
+  if (!zone) return tl::unexpected(zone.error());
+  world.zone = std::move(*zone);
+  world.aivs = static_cast<std::uint32_t>(vehicles);
+  world.seed = arguments.seed;
+  if (!arguments.rules.empty()) {
+    auto rules = load_speed_rules(arguments.rules);
+    if (!rules) return tl::unexpected(rules.error());
+    world.rules = std::move(*rules);
+  }
+  return world;
+}
+
+/// What a finished test leaves behind, whichever way it was run.
+struct Outcome {
+  std::vector<experiments::BatteryRun> records;
+  std::vector<experiments::TrueEnd> truth;
+  std::string load;
+};
+
+std::string again(const BatteryTestArguments& arguments, const std::string& verb) {
+  std::string text = "cosiva battery " + verb + " --zone " + arguments.zone + " --type " + arguments.type +
+                     " --floor " + decimals(arguments.floor_percent, 1) + " --repeat " +
+                     std::to_string(arguments.repeat) + " --gauge " + arguments.gauge + " --ambient " +
+                     decimals(arguments.ambient_c, 1) + " --load-spread " + decimals(arguments.load_sd_percent, 2) +
+                     " --measure " + decimals(arguments.measure_s, 0) + " --seed " + std::to_string(arguments.seed);
+  if (verb == "fleet") text += " --aivs " + std::to_string(arguments.aivs) + (arguments.swap ? " --swap" : "");
+  if (arguments.series > 0) text += " --series " + std::to_string(arguments.series);
+  if (arguments.parallel > 0) text += " --parallel " + std::to_string(arguments.parallel);
+  if (arguments.scale > 0.0) text += " --scale " + decimals(arguments.scale, 6);
+  if (arguments.pause_every_s > 0.0)
+    text += " --pause-every " + decimals(arguments.pause_every_s, 1) + " --pause " + decimals(arguments.pause_s, 1);
+  if (arguments.failures_per_hour > 0.0) text += " --failures " + decimals(arguments.failures_per_hour, 3);
+  if (!arguments.rules.empty()) text += " --rules " + arguments.rules;
+  if (arguments.whole) text += " --whole";
+  return text;
+}
+
+Result<void> write_report(const BatteryTestArguments& arguments, const std::string& verb, const Outcome& outcome,
+                          const VirtualRigOptions& options, const experiments::AutonomyFigures& figures,
+                          const std::string& json) {
+  const battery::PackDesign& design = options.battery.design;
+  const experiments::ReportFacts facts{options.battery.type.name + ", " + std::to_string(design.series) + " × " +
+                                           std::to_string(design.parallel) + " cells of " +
+                                           decimals(options.battery.type.capacity_ah * design.scale, 2) + " Ah",
+                                       options.battery.type.source,
+                                       options.battery.type.licence,
+                                       again(arguments, verb),
+                                       outcome.load,
+                                       options.procedure.floor};
+  return adapters::write_files(
+      arguments.out_directory,
+      {{"result.json", json},
+       {"curves.csv", experiments::to_csv(outcome.records)},
+       {"report.html", experiments::report_html(figures, outcome.records, outcome.truth, facts)}});
+}
+
+/// The whole platform to the end.
+Result<Outcome> run_whole(const BatteryTestArguments& arguments, experiments::WorldOptions world,
+                          const VirtualRigOptions& options) {
+  if (!arguments.state_file.empty())
+    return fail("battery.state", "a whole platform's state is not saved; leave --whole or --state out", "--state");
+  if (arguments.failures_per_hour > 0.0)
+    return fail("battery.failures", "goes with measured loads only; leave --whole or --failures out", "--failures");
+  auto rig = experiments::PlatformRig::make(std::move(world), options);
+  if (!rig) return tl::unexpected(rig.error());
+  Teller teller;
+  while (!rig->done()) {
+    rig->step();
+    teller.look(*rig);
+  }
+  return Outcome{rig->procedure().records(), rig->truth(),
+                 "AIVs driving on " + arguments.zone + ", the whole platform in the loop"};
+}
+
+/// Batteries under the load that the whole platform was measured to take.
+Result<Outcome> run_measured(const BatteryTestArguments& arguments, experiments::WorldOptions world,
+                             const VirtualRigOptions& options) {
+  say("the whole platform drives for " + decimals(arguments.measure_s, 0) + " s, to measure what the vehicles take");
+  auto loads =
+      experiments::measure_loads(std::move(world), std::chrono::seconds{10}, from_seconds(arguments.measure_s));
+  if (!loads) return tl::unexpected(loads.error());
+  double mean_w = 0.0;
+  for (const auto& load : *loads) mean_w += load.mean_w() / static_cast<double>(loads->size());
+  VirtualRig rig{options, std::move(*loads)};
+  const std::string& file = arguments.state_file;
+  if (!file.empty() && std::filesystem::exists(file)) {
+    auto saved = adapters::read_file(file);
+    if (!saved) return tl::unexpected(saved.error());
+    if (auto done = rig.restore(*saved); !done) return fail(done.error().code, done.error().message, file);
+    say("goes on from " + file);
+  }
+  Teller teller;
+  while (!rig.done()) {
+    rig.step();
+    const bool second = teller.look(rig);
+    if (file.empty() || !(second || rig.done())) continue;
+    if (auto kept = adapters::write_file(file, rig.state_json()); !kept) return tl::unexpected(kept.error());
+  }
+  return Outcome{rig.procedure().records(), rig.truth(),
+                 "what AIVs on " + arguments.zone + " took in " + decimals(arguments.measure_s, 0) +
+                     " s of the whole platform, " + decimals(mean_w, 2) + " W on average, again and again"};
+}
+
+int run_test(const BatteryTestArguments& arguments, const std::string& verb, std::size_t vehicles) {
+  const auto options = rig_options(arguments, vehicles);
+  if (!options) return complain(options.error());
+  auto world = world_options(arguments, vehicles);
+  if (!world) return complain(world.error());
+  const auto outcome = arguments.whole ? run_whole(arguments, std::move(*world), *options)
+                                       : run_measured(arguments, std::move(*world), *options);
+  if (!outcome) return complain(outcome.error());
+
+  const auto figures =
+      experiments::analyse(outcome->records, vehicles, 0.01 * arguments.half_width_percent, arguments.seed);
+  const std::string json = experiments::to_json(figures, outcome->records, outcome->truth);
+  if (!arguments.out_directory.empty()) {
+    if (auto written = write_report(arguments, verb, *outcome, *options, figures, json); !written)
+      return complain(written.error());
+    say("written to " + arguments.out_directory + ": report.html, result.json, curves.csv");
+  }
+  std::string text = experiments::to_text(figures, outcome->records);
+  if (arguments.half_width_percent > 0.0)
+    text += figures.stopped_after
+                ? "\nthe mean was known to " + decimals(arguments.half_width_percent, 2) + " % after " +
+                      std::to_string(*figures.stopped_after) + " batteries"
+                : "\nthe mean is not known to " + decimals(arguments.half_width_percent, 2) + " % yet";
+  // Under a floor by count alone every battery of a type comes out alike: worth a word.
+  if (options->battery.gauge != battery::GaugeMethod::kalman && options->procedure.floor > 0.0)
+    say("note: a gauge that only counts takes every battery's capacity for the type's; --gauge kalman or --floor 0 "
+        "tells them apart");
+  print(arguments.json ? json : text);
+  return exit_done;
+}
+
+}  // namespace
+
+int run_battery_sampled(const BatteryTestArguments& arguments) { return run_test(arguments, "sampled", 1); }
+int run_battery_fleet(const BatteryTestArguments& arguments) { return run_test(arguments, "fleet", arguments.aivs); }
+
+}  // namespace cosiva::app

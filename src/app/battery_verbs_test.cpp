@@ -1,0 +1,195 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include "adapters/files.h"
+#include "adapters/test_bench.h"
+#include "app/command_line_bench.h"
+#include "base/json_value.h"
+#include "battery/type.h"
+
+namespace cosiva::app {
+namespace {
+
+using adapters::testing::Scratch;
+using bench::cosiva;
+using bench::Said;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+std::string data(const std::string& name) { return COSIVA_SOURCE_DIR "/src/battery/testdata/" + name; }
+
+TEST(BatterySampled, gives_the_autonomy_and_its_drift) {
+  const Said said = cosiva({"battery", "sampled", "--repeat", "3", "--measure", "20", "--json"});
+  EXPECT_EQ(said.status, 0) << said.words;
+  const auto json = JsonValue::parse(said.data);
+  ASSERT_TRUE(json);
+  // 80 % of 2.2 Ah at about 7.7 V are 48 kJ, and a vehicle takes 3.3 W.
+  EXPECT_NEAR(*json->find("autonomy_s")->number("mean"), 14500.0, 1000.0);
+  ASSERT_EQ(json->find("batteries")->array()->size(), 3U);
+  EXPECT_NE(json->find("slope_per_run")->number("p"), std::nullopt);
+  EXPECT_THAT(said.words, HasSubstr("run 3: put battery 1, full, into AIV1"));
+}
+
+TEST(BatteryFleet, writes_report_result_and_curves_and_gives_the_same_again) {
+  const Scratch scratch;
+  const std::string out = scratch / "report";
+  const auto run = [&](const std::string& to) {
+    return cosiva({"battery", "fleet", "--aivs", "3", "--measure", "20", "--scale", "0.5", "--series", "2", "--json",
+                   "--out", to});
+  };
+  const Said said = run(out);
+  ASSERT_EQ(said.status, 0) << said.words;
+  const auto json = JsonValue::parse(said.data);
+  ASSERT_TRUE(json);
+  const JsonValue* autonomy = json->find("autonomy_s");
+  EXPECT_GT(*autonomy->number("mean"), 1000.0);
+  EXPECT_GT(*autonomy->number("sd"), 0.0);
+  EXPECT_EQ(autonomy->find("ci95")->array()->size(), 2U);
+  EXPECT_EQ(json->find("batteries")->array()->size(), 3U);
+  const std::string html = *adapters::read_file(out + "/report.html");
+  EXPECT_THAT(html, HasSubstr("Statement"));
+  EXPECT_THAT(html, HasSubstr("Kaplan and Meier"));
+  EXPECT_THAT(html, HasSubstr("cosiva battery fleet --zone lacet4"));
+  EXPECT_EQ(*adapters::read_file(out + "/result.json"), said.data.substr(0, said.data.find('\n')));
+  EXPECT_THAT(*adapters::read_file(out + "/curves.csv"), StartsWith("battery_id,run,vehicle,test_time_second"));
+  EXPECT_EQ(run(scratch / "again").data, said.data);
+}
+
+TEST(BatteryFleet, may_have_the_whole_platform_in_the_loop) {
+  const Said said = cosiva(
+      {"battery", "fleet", "--aivs", "2", "--whole", "--scale", "0.3", "--series", "2", "--floor", "80", "--json"});
+  ASSERT_EQ(said.status, 0) << said.words;
+  EXPECT_THAT(said.data, HasSubstr("\"stop\":\"floor\""));
+  EXPECT_EQ(cosiva({"battery", "fleet", "--aivs", "2", "--whole", "--state", "x"}).status, 2);
+}
+
+TEST(BatteryFleet, goes_on_from_its_state_and_refuses_another_s) {
+  const Scratch scratch;
+  const std::string state = scratch / "state";
+  const std::vector<std::string> verb{"battery", "fleet", "--aivs", "2",       "--measure", "20",
+                                      "--scale", "0.5",   "--json", "--state", state};
+  const Said first = cosiva(verb);
+  ASSERT_EQ(first.status, 0) << first.words;
+  const Said again = cosiva(verb);  // it was done: nothing is driven anew
+  EXPECT_EQ(again.data, first.data);
+  EXPECT_THAT(again.words, HasSubstr("goes on from"));
+  std::vector<std::string> other = verb;
+  other.insert(other.end(), {"--seed", "9"});
+  EXPECT_EQ(cosiva(other).status, 2);
+  EXPECT_THAT(cosiva(other).words, HasSubstr("another test's"));
+}
+
+TEST(BatteryTest, refuses_what_makes_no_sense) {
+  EXPECT_THAT(cosiva({"battery", "fleet", "--floor", "0.2"}).words,
+              HasSubstr("looks like a fraction; give percent, such as 20.0"));
+  EXPECT_EQ(cosiva({"battery", "fleet", "--floor", "0.2"}).status, 2);
+  EXPECT_EQ(cosiva({"battery", "fleet", "--floor", "120"}).status, 2);
+  EXPECT_EQ(cosiva({"battery", "fleet", "--floor", "99"}).status, 2);
+  EXPECT_THAT(cosiva({"battery", "sampled", "--type", "leaf3"}).words, HasSubstr("did you mean 'leaf33'?"));
+  EXPECT_EQ(cosiva({"battery", "sampled", "--type", "gone.json"}).status, 2);
+  EXPECT_EQ(cosiva({"battery", "sampled", "--gauge", "magic"}).status, 2);
+  EXPECT_EQ(cosiva({"battery", "sampled", "--zone", "nowhere"}).status, 2);
+  EXPECT_THAT(cosiva({"battery", "sampled", "--ambient", "-10"}).words, HasSubstr("would refuse every battery"));
+  EXPECT_EQ(cosiva({"battery", "fleet", "--aivs", "1"}).status, 2);
+  EXPECT_EQ(cosiva({"battery"}).status, 2);
+}
+
+TEST(BatteryFit, tells_residuals_and_foretells_what_it_was_not_fitted_to) {
+  const Said said = cosiva({"battery", "fit", data("leaf_hppc_25C.csv"), "--predict", data("leaf_1C_first.csv"),
+                            "--predict", data("leaf_2C_first.csv"), "--json"});
+  ASSERT_EQ(said.status, 0) << said.words;
+  const auto json = JsonValue::parse(said.data);
+  ASSERT_TRUE(json);
+  EXPECT_LT(*json->number("rms_v"), 0.003);
+  ASSERT_EQ(json->find("predictions")->array()->size(), 2U);
+  for (const JsonValue& one : *json->find("predictions")->array())
+    EXPECT_NEAR(*one.number("predicted_s") / *one.number("measured_s"), 1.0, 0.005);
+  const Said series = cosiva({"battery", "fit", data("lipo_pouch_rates_25C.csv"), "--predict", "rate=2C"});
+  EXPECT_THAT(series.data, HasSubstr("foretold:\n"));
+  EXPECT_THAT(series.data, HasSubstr("note: assumed"));
+}
+
+TEST(BatteryFit, writes_a_type_that_can_be_used) {
+  const Scratch scratch;
+  const std::string file = scratch / "mine.json";
+  EXPECT_THAT(cosiva({"battery", "fit", data("leaf_hppc_25C.csv"), "--out", file}).words, HasSubstr("--licence"));
+  EXPECT_FALSE(std::filesystem::exists(file));
+  ASSERT_EQ(
+      cosiva({"battery", "fit", data("leaf_hppc_25C.csv"), "--out", file, "--licence", "MIT", "--name", "mine"}).status,
+      0);
+  const auto type = battery::read_type(*adapters::read_file(file), file);
+  ASSERT_TRUE(type) << to_string(type.error());
+  EXPECT_EQ(type->licence, "MIT");
+  EXPECT_THAT(type->source, HasSubstr("leaf_hppc_25C.csv"));
+  EXPECT_THAT(cosiva({"battery", "check", file, "leaf33"}).data, HasSubstr("good: mine, 30.5"));
+}
+
+TEST(BatteryFit, refuses_logs_that_would_mislead) {
+  const Scratch scratch;
+  const auto refused = [&](const std::string& text) {
+    const std::string file = scratch / "log.csv";
+    EXPECT_TRUE(adapters::write_file(file, text));
+    const Said said = cosiva({"battery", "fit", file});
+    EXPECT_EQ(said.status, 2);
+    return said.words;
+  };
+  EXPECT_THAT(refused("test_time_second,voltage,current_ampere\n"), HasSubstr("'voltage' lacks its unit"));
+  std::string turned = *adapters::read_file(data("leaf_2C_first.csv"));
+  for (std::size_t at = turned.find(",-"); at != std::string::npos; at = turned.find(",-")) turned.erase(at + 1, 1);
+  EXPECT_THAT(refused(turned), HasSubstr("the other sign"));
+  EXPECT_EQ(cosiva({"battery", "fit", data("lipo_pouch_rates_25C.csv"), "--predict", "rate=9C"}).status, 2);
+  EXPECT_EQ(cosiva({"battery", "fit", data("lipo_pouch_rates_25C.csv"), "--only", "rate=9C"}).status, 2);
+  EXPECT_EQ(cosiva({"battery", "fit", "gone.csv"}).status, 2);
+}
+
+TEST(BatteryCheck, says_what_is_wrong_and_where) {
+  const Scratch scratch;
+  std::string text = battery::to_json(*battery::shipped_type("leaf33"));
+  text.replace(text.find("capacity_ampere_hour"), 20, "capacity");
+  ASSERT_TRUE(adapters::write_file(scratch / "bad.json", text));
+  const Said said = cosiva({"battery", "check", scratch / "bad.json"});
+  EXPECT_EQ(said.status, 2);
+  EXPECT_THAT(said.data, HasSubstr("bad.json: 'capacity': lacks its unit"));
+}
+
+TEST(BatteryPlan, says_how_many_it_takes_and_who_swaps_with_whom) {
+  const Said said = cosiva({"battery", "plan", "--cv", "1.4", "--half-width", "1", "--aivs", "4", "--difference", "2"});
+  EXPECT_EQ(said.status, 0);
+  EXPECT_THAT(said.data, StartsWith("11 batteries for the mean to ± 1.00 %"));
+  EXPECT_THAT(said.data, HasSubstr("run 4:"));
+  EXPECT_THAT(said.data, HasSubstr("of each type to see a difference of 2.00 %"));
+  const auto json = JsonValue::parse(cosiva({"battery", "plan", "--cv", "0.3", "--json"}).data);
+  EXPECT_EQ(json->number("batteries"), 3.0);
+}
+
+TEST(BatteryCompare, says_which_lasts_longer_and_how_sure_that_is) {
+  const Scratch scratch;
+  const auto result = [&](const std::string& name, double mean) {
+    std::string text = R"({"batteries":[)";
+    for (int i = 0; i < 6; ++i)
+      text += std::string(i > 0 ? "," : "") + R"({"battery":)" + std::to_string(i + 1) +
+              R"(,"ended":true,"autonomy_s":)" + std::to_string(mean + 10.0 * i) + "}";
+    text += R"(,{"battery":9,"ended":false,"autonomy_s":1.0}]})";
+    EXPECT_TRUE(adapters::write_file(scratch / name, text));
+    return scratch / name;
+  };
+  const std::string a = result("a.json", 3600.0);
+  const std::string b = result("b.json", 3650.0);
+  const auto json = JsonValue::parse(cosiva({"battery", "compare", a, b, "--json"}).data);
+  ASSERT_TRUE(json);
+  EXPECT_NEAR(*json->number("difference_s"), 50.0, 1e-9);
+  EXPECT_LT(*json->number("p"), 0.01);
+  EXPECT_THAT(cosiva({"battery", "compare", a, b}).data, StartsWith("the second lasts 50.0 s longer"));
+  EXPECT_EQ(cosiva({"battery", "compare", a, a}).status, 0);
+  EXPECT_EQ(cosiva({"battery", "compare", a}).status, 2);
+  ASSERT_TRUE(adapters::write_file(scratch / "c.json", "{}"));
+  EXPECT_EQ(cosiva({"battery", "compare", a, scratch / "c.json"}).status, 2);
+}
+
+}  // namespace
+}  // namespace cosiva::app

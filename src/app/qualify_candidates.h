@@ -1,0 +1,37 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "aiv/estimation/registry.h"
+#include "app/arguments.h"
+#include "experiments/metrology/qualification.h"
+#include "experiments/metrology/result.h"
+
+namespace cosiva::app {
+
+/// Those that were asked for, by name or as programs; where nobody was, those that suit. Fails ("algorithm.unknown"),
+/// ("algorithm.external") on what is not NAME=COMMAND, ("algorithm.duplicate").
+/// @param on_track  there is a line to follow
+/// @param usual     what is taken where no names are given
+[[nodiscard]] Result<std::vector<experiments::Candidate>> candidates_of(const QualifyArguments& arguments,
+                                                                        const estimation::Registry& registry,
+                                                                        bool on_track,
+                                                                        const std::vector<std::string>& usual);
+
+/// Where runs come from: made in virtual time, or read from folders.
+struct Runs {
+  experiments::TrialSource source;
+  std::size_t count{};
+  bool on_track{};
+  experiments::Conditions conditions;
+  std::shared_ptr<void> kept;  ///< what the source refers to
+};
+[[nodiscard]] Result<Runs> virtual_runs(const QualifyArguments& arguments);
+[[nodiscard]] Result<Runs> recorded_runs(const QualifyArguments& arguments);
+
+/// Of `--reference` and `--estimate`: figures of trajectories that others have estimated.
+int run_trajectories(const QualifyArguments& arguments);
+
+}  // namespace cosiva::app

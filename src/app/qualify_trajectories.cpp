@@ -1,0 +1,161 @@
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "adapters/files.h"
+#include "app/qualify_candidates.h"
+#include "app/words.h"
+#include "base/json_writer.h"
+#include "experiments/recording/trajectory.h"
+#include "experiments/statistics/interval.h"
+#include "experiments/statistics/sample.h"
+
+namespace cosiva::app {
+namespace {
+
+using experiments::Trajectory;
+
+Result<Trajectory> load(const std::string& file) {
+  const auto bytes = adapters::read_file(file);
+  if (!bytes) return tl::unexpected(bytes.error());
+  return experiments::read_trajectory(file, *bytes);
+}
+
+/// Whether a file's name says that a truth is in it.
+bool called_truth(const std::string& file) {
+  std::string name = std::filesystem::path(file).filename().string();
+  std::ranges::transform(name, name.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  return std::ranges::any_of(std::array{"truth", "reference", "_gt", "gt_", "gt."},
+                             [&](const char* word) { return name.find(word) != std::string::npos; });
+}
+
+double root(double v) { return std::sqrt(v); }
+
+struct Judged {
+  std::string name;
+  std::optional<Error> failed;
+  experiments::ApeFigures ape;
+  double variance_m2{};
+  double precision{};
+  double p90_m{}, p95_m{}, p99_m{};
+  double offset_s{};
+  std::size_t unpaired{};
+  std::optional<statistics::BlockInterval> interval;
+};
+
+Judged judge(const Trajectory& reference, const std::string& file, const QualifyArguments& arguments) {
+  Judged judged;
+  judged.name = std::filesystem::path(file).stem().string();
+  const auto estimate = load(file);
+  if (!estimate) {
+    judged.failed = estimate.error();
+    return judged;
+  }
+  const bool nearest = arguments.associate == "nearest";
+  const auto pairs =
+      experiments::associate(reference, *estimate,
+                             {nearest ? experiments::Association::nearest : experiments::Association::interpolate,
+                              nearest ? 0.01 : arguments.gap_s});
+  if (!pairs) {
+    judged.failed = pairs.error();
+    return judged;
+  }
+  judged.ape = experiments::ape(*pairs);
+  judged.unpaired = estimate->poses.size() - std::min(estimate->poses.size(), pairs->size());
+  judged.offset_s = experiments::time_offset_s(*pairs);
+  std::vector<double> errors;
+  std::vector<double> squares;
+  for (const experiments::Pair& pair : *pairs) {
+    const double x = pair.estimate.p_m[0] - pair.reference.p_m[0];
+    const double y = pair.estimate.p_m[1] - pair.reference.p_m[1];
+    const double z = pair.estimate.p_m[2] - pair.reference.p_m[2];
+    squares.push_back(x * x + y * y + z * z);
+    errors.push_back(std::sqrt(squares.back()));
+  }
+  judged.variance_m2 = statistics::variance(errors);
+  judged.precision = statistics::share_below(errors, arguments.threshold_m);
+  judged.p90_m = statistics::percentile(errors, 0.90);
+  judged.p95_m = statistics::percentile(errors, 0.95);
+  judged.p99_m = statistics::percentile(errors, 0.99);
+  judged.interval = statistics::block_bootstrap(squares, {}, root);
+  return judged;
+}
+
+std::string to_json(const std::vector<Judged>& all, const QualifyArguments& arguments) {
+  JsonWriter json{2};
+  json.begin_object().field("what", "trajectories").field("reference", arguments.reference);
+  json.field("associate", arguments.associate).field("aligned", false).key("algorithms").begin_array();
+  for (const Judged& one : all) {
+    json.begin_object().field("name", one.name);
+    if (one.failed) {
+      json.key("failed").begin_object().field("code", one.failed->code).field("message", to_string(*one.failed));
+      json.end_object().end_object();
+      continue;
+    }
+    json.key("failed").null();
+    json.field("pairs", one.ape.pairs).field("unpaired", one.unpaired).field("rmse_m", one.ape.rmse);
+    json.key("rmse_interval_m");
+    if (one.interval)
+      json.begin_array().value(one.interval->interval.low).value(one.interval->interval.high).end_array();
+    else
+      json.null();
+    json.field("mean_m", one.ape.mean).field("variance_m2", one.variance_m2).field("precision", one.precision);
+    json.field("precision_threshold_m", arguments.threshold_m).field("median_m", one.ape.median);
+    json.field("std_m", one.ape.std).field("min_m", one.ape.min).field("max_m", one.ape.max);
+    json.field("sse_m2", one.ape.sse).field("p90_m", one.p90_m).field("p95_m", one.p95_m).field("p99_m", one.p99_m);
+    json.field("time_offset_s", one.offset_s).end_object();
+  }
+  json.end_array().end_object();
+  return json.take();
+}
+
+std::string to_text(const std::vector<Judged>& all) {
+  std::string text;
+  for (const Judged& one : all) {
+    text += text.empty() ? "" : "\n";
+    if (one.failed) {
+      text += one.name + ": failed: " + to_string(*one.failed);
+      continue;
+    }
+    text += one.name + ": rmse " + decimals(one.ape.rmse, 4) + " m";
+    if (one.interval)
+      text += " (" + decimals(one.interval->interval.low, 4) + " to " + decimals(one.interval->interval.high, 4) +
+              "; worth " + decimals(one.interval->effective_size, 0) + " independent errors)";
+    text += ", mean " + decimals(one.ape.mean, 4) + ", median " + decimals(one.ape.median, 4) + ", p95 " +
+            decimals(one.p95_m, 4) + ", max " + decimals(one.ape.max, 4) + "; " + std::to_string(one.ape.pairs) +
+            " pairs, " + std::to_string(one.unpaired) + " poses without one; it seems " +
+            decimals(1e3 * one.offset_s, 1) + " ms late (not corrected)";
+  }
+  return text;
+}
+
+}  // namespace
+
+int run_trajectories(const QualifyArguments& arguments) {
+  if (arguments.reference.empty() || arguments.estimates.empty())
+    return complain({"compare.trajectories", "it takes a --reference and an --estimate", "--reference, --estimate"});
+  if (!called_truth(arguments.reference)) {
+    for (const std::string& file : arguments.estimates) {
+      if (called_truth(file))
+        return complain(
+            {"compare.swapped",
+             "by its name this is the reference, and " + arguments.reference + " an estimate: they seem to be swapped",
+             file});
+    }
+  }
+  const auto reference = load(arguments.reference);
+  if (!reference) return complain(reference.error());
+  std::vector<Judged> all;
+  for (const std::string& file : arguments.estimates) all.push_back(judge(*reference, file, arguments));
+  print(arguments.json ? to_json(all, arguments) : to_text(all));
+  bool fine = true;
+  for (const Judged& one : all) {
+    if (one.failed) say("cosiva: " + one.name + " failed: " + to_string(*one.failed));
+    fine = fine && !one.failed;
+  }
+  if (!fine && all.size() == 1) return exit_bad_input;
+  return fine ? exit_done : exit_check_failed;
+}
+
+}  // namespace cosiva::app

@@ -1,0 +1,110 @@
+// `cosiva qualify` and `cosiva compare`: how good position estimators are, and which are better (A33, A35, A36).
+
+#include "adapters/files.h"
+#include "app/progress.h"
+#include "app/qualify_candidates.h"
+#include "app/words.h"
+#include "base/json_writer.h"
+#include "experiments/recording/trajectory.h"
+
+namespace cosiva::app {
+namespace {
+
+using experiments::Qualification;
+
+int list_algorithms(const estimation::Registry& registry, bool as_json) {
+  JsonWriter json;
+  std::string text;
+  json.begin_object().key("algorithms").begin_array();
+  for (const estimation::Registered& one : registry.all()) {
+    json.begin_object().field("name", one.name).field("what", one.what).field("needs_track", one.needs_track);
+    json.field("looks_back", one.looks_back).end_object();
+    text += (text.empty() ? "" : "\n") + one.name + std::string(18 - std::min<std::size_t>(17, one.name.size()), ' ') +
+            one.what + (one.needs_track ? "; needs a line" : "");
+  }
+  json.end_array().end_object();
+  print(as_json ? json.text() : text);
+  return exit_done;
+}
+
+/// "12 of 30 runs" once a second, for what takes longer than one.
+experiments::Progress progress_of(std::size_t runs) {
+  return [runs, ticker = SecondsTicker{}](std::size_t done) mutable {
+    if (done == runs || !ticker.ticks()) return;
+    say("cosiva: " + std::to_string(done) + " of " + std::to_string(runs) + " runs");
+  };
+}
+
+Result<void> write_all(const std::string& folder, const Qualification& all, const experiments::Conditions& conditions) {
+  const auto tum = [&](const std::string& name, const std::vector<Pose2>& path) {
+    experiments::Trajectory trajectory{name, {}};
+    for (std::size_t i = 0; i < path.size(); ++i)
+      trajectory.poses.push_back(experiments::stamped(all.times_s[i], path[i]));
+    return experiments::write_tum(trajectory);
+  };
+  std::vector<std::pair<std::string, std::string>> files{{"report.html", to_html(all, conditions)},
+                                                         {"result.json", to_json(all, conditions) + "\n"},
+                                                         {"runs.csv", to_csv(all)},
+                                                         {"truth.tum", tum("truth", all.truth)}};
+  for (const experiments::Qualified& one : all.algorithms) {
+    if (one.failed) continue;
+    std::vector<double> errors;
+    for (std::size_t i = 0; i < one.path.size(); ++i) errors.push_back(distance(one.path[i], all.truth[i]));
+    files.emplace_back(one.name + ".tum", tum(one.name, one.path));
+    files.emplace_back(one.name + ".zip", experiments::evo_zip(one.name, all.times_s, errors));
+  }
+  if (auto written = adapters::write_files(folder, files); !written) return written;
+  say("written into " + folder);
+  return {};
+}
+
+int run_either(const QualifyArguments& arguments, std::size_t at_least) {
+  const estimation::Registry registry;
+  if (arguments.list) return list_algorithms(registry, arguments.json);
+  if (!arguments.reference.empty() || !arguments.estimates.empty()) return run_trajectories(arguments);
+  auto runs = arguments.recordings.empty() ? virtual_runs(arguments) : recorded_runs(arguments);
+  if (!runs) return complain(runs.error());
+  std::vector<std::string> usual;
+  if (at_least == 1) {
+    if (arguments.external.empty()) usual = {runs->on_track ? "arc_kalman" : "calibrating"};
+  } else if (runs->on_track) {
+    usual = {"dead_reckoning", "reset_rule", "arc_kalman", "arc_kalman_scale", "ekf", "iekf", "ufir", "arc_smoother"};
+  } else {
+    usual = {"dead_reckoning", "ekf", "ukf", "iekf", "calibrating", "smoother"};
+  }
+  const auto candidates = candidates_of(arguments, registry, runs->on_track, usual);
+  if (!candidates) return complain(candidates.error());
+  if (candidates->size() < at_least)
+    return complain({"compare.few", "there are at least two to compare", "algorithms"});
+  experiments::QualificationOptions options;
+  options.threshold_m = arguments.threshold_m;
+  options.tolerance_m = arguments.tolerance_m;
+  options.reliability = arguments.reliability;
+  options.confidence = arguments.confidence;
+  options.reference_m = arguments.reference_m;
+  options.bootstrap.seed = arguments.seed;
+  const auto all = experiments::qualify(*candidates, runs->count, runs->source, options, progress_of(runs->count));
+  if (!all) return complain(all.error());
+  if (!arguments.out_folder.empty()) {
+    if (auto written = write_all(arguments.out_folder, *all, runs->conditions); !written)
+      return complain(written.error());
+  }
+  std::string text = arguments.json ? to_json(*all, runs->conditions) : to_text(*all);
+  while (text.ends_with('\n')) text.pop_back();  // print ends the line
+  print(text);
+  // Its own checks: everybody answered, and nobody is better than can be.
+  bool fine = true;
+  for (const experiments::Qualified& one : all->algorithms) {
+    if (one.failed) say("cosiva: " + one.name + " failed: " + to_string(*one.failed));
+    if (one.leak) say("cosiva: " + one.name + " is below the limit: it knows what it cannot, or the limit is wrong");
+    fine = fine && !one.failed && !one.leak;
+  }
+  return fine ? exit_done : exit_check_failed;
+}
+
+}  // namespace
+
+int run_qualify(const QualifyArguments& arguments) { return run_either(arguments, 1); }
+int run_compare(const QualifyArguments& arguments) { return run_either(arguments, 2); }
+
+}  // namespace cosiva::app

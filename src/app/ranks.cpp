@@ -1,0 +1,44 @@
+#include "app/ranks.h"
+
+#include <dlfcn.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+namespace cosiva::app {
+namespace {
+
+/// Each launcher says how many it has started in a variable of its own.
+bool has_companions() {
+  for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_SIZE", "SLURM_STEP_NUM_TASKS"}) {
+    const char* const count = std::getenv(name);
+    if (count != nullptr && std::atol(count) > 1) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Ranks>> start_ranks() {
+  if (!has_companions()) return std::make_unique<OneRank>();
+  std::error_code error;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
+  const std::string library = (self.parent_path() / "cosiva_mpi.so").string();
+  // It stays open: MPI does not bear being closed.
+  void* const opened = dlopen(library.c_str(), RTLD_NOW | RTLD_GLOBAL);
+  if (opened == nullptr) {
+    const char* const why = dlerror();
+    return fail("mpi.missing",
+                std::string("several processes were started together, but MPI cannot be used: ") +
+                    (why != nullptr ? why : "no reason given") +
+                    "; is libopenmpi-dev installed and cosiva built since?",
+                library);
+  }
+  using Start = Ranks* (*)();
+  const auto start = reinterpret_cast<Start>(dlsym(opened, "cosiva_start_ranks"));
+  if (start == nullptr) return fail("mpi.missing", "the library for MPI is of another version", library);
+  return std::unique_ptr<Ranks>{start()};
+}
+
+}  // namespace cosiva::app

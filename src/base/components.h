@@ -1,0 +1,97 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace cosiva {
+
+/// Strongly connected components of a directed graph (Tarjan 1972): vertices that can all be come to from each other.
+/// Kept and used again it allocates nothing.
+class StrongComponents {
+ public:
+  /// In time linear in vertices and edges, and never deeper in the stack for a longer way.
+  /// @param count  vertices are 0 … count − 1
+  /// @param next   next(vertex) is an indexable range of the vertices that its edges lead to, the same at every call
+  template <class Next>
+  void find(std::size_t count, const Next& next) {
+    visits_.assign(count, {});
+    component_.assign(count, 0);
+    members_.clear();
+    first_.assign(1, 0);
+    visited_ = 0;
+    for (std::uint32_t v = 0; v < count; ++v)
+      if (visits_[v].order == 0) visit_from(v, next);
+  }
+
+  /// Each vertex is in one; those that others lead to come before the others.
+  [[nodiscard]] std::size_t size() const { return first_.size() - 1; }
+  /// Ascending.
+  [[nodiscard]] std::span<const std::uint32_t> members(std::size_t component) const {
+    return std::span{members_}.subspan(first_[component], first_[component + 1] - first_[component]);
+  }
+  [[nodiscard]] std::uint32_t component_of(std::uint32_t vertex) const { return component_[vertex]; }
+
+ private:
+  struct Visit {
+    std::uint32_t order{0};  ///< in which it was come to, from 1; 0: not yet
+    std::uint32_t low{0};    ///< the earliest that it leads back to
+    bool open{false};        ///< its component is not complete yet
+  };
+
+  template <class Next>
+  void visit_from(std::uint32_t root, const Next& next) {
+    come_to(root);
+    while (!way_.empty()) {
+      const auto [v, at] = way_.back();
+      const auto& edges = next(v);
+      if (at < std::size(edges)) {
+        ++way_.back().second;
+        const std::uint32_t to = edges[at];
+        if (visits_[to].order == 0)
+          come_to(to);
+        else if (visits_[to].open)
+          visits_[v].low = std::min(visits_[v].low, visits_[to].order);
+        continue;
+      }
+      way_.pop_back();
+      if (!way_.empty()) {
+        Visit& from = visits_[way_.back().first];
+        from.low = std::min(from.low, visits_[v].low);
+      }
+      if (visits_[v].low == visits_[v].order) close(v);
+    }
+  }
+
+  void come_to(std::uint32_t v) {
+    ++visited_;
+    visits_[v] = {visited_, visited_, true};
+    open_.push_back(v);
+    way_.emplace_back(v, 0);
+  }
+
+  void close(std::uint32_t root) {
+    const auto component = static_cast<std::uint32_t>(size());
+    for (std::uint32_t member = root + 1; member != root;) {
+      member = open_.back();
+      open_.pop_back();
+      visits_[member].open = false;
+      component_[member] = component;
+      members_.push_back(member);
+    }
+    std::sort(members_.begin() + static_cast<std::ptrdiff_t>(first_.back()), members_.end());
+    first_.push_back(members_.size());
+  }
+
+  std::vector<Visit> visits_;
+  std::vector<std::uint32_t> open_;                         ///< come to, and not in a component yet
+  std::vector<std::pair<std::uint32_t, std::size_t>> way_;  ///< the search's own stack: at whom, at which edge
+  std::vector<std::uint32_t> component_;
+  std::vector<std::uint32_t> members_;  ///< of all components, one after another
+  std::vector<std::size_t> first_{0};   ///< of each component, and one behind the last
+  std::uint32_t visited_{0};
+};
+
+}  // namespace cosiva

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+/// Texts of lines and fields, as tables and trajectories are made of. Views stay valid as long as the text does.
+namespace cosiva {
+
+/// Goes through a text line by line, without the line's end and a carriage return.
+class Lines {
+ public:
+  explicit Lines(std::string_view text) : rest_{text} {}
+  [[nodiscard]] bool next(std::string_view& line);
+  [[nodiscard]] std::size_t number() const { return number_; }  ///< of the last one, from 1
+
+ private:
+  std::string_view rest_;
+  std::size_t number_{0};
+};
+
+/// Without `blanks` at both ends.
+[[nodiscard]] std::string_view trimmed(std::string_view text, std::string_view blanks = " \t");
+/// What stands between commas, trimmed; one field more than there are commas.
+[[nodiscard]] std::vector<std::string_view> cut_at_commas(std::string_view line, std::string_view blanks = " \t");
+
+/// The whole text as a number: nothing before or behind it, no NaN and no infinity.
+template <class Number>
+[[nodiscard]] std::optional<Number> number_of(std::string_view text) {
+  Number number{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  if constexpr (std::is_floating_point_v<Number>)
+    if (!std::isfinite(number)) return std::nullopt;
+  return number;
+}
+
+}  // namespace cosiva

@@ -1,0 +1,127 @@
+#include "battery/fit/fit.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "battery/fit/least_squares.h"
+#include "battery/pack.h"
+
+namespace cosiva::battery {
+namespace {
+
+std::vector<Log> logs_of(const std::string& name) {
+  std::ifstream file{COSIVA_SOURCE_DIR "/src/battery/testdata/" + name, std::ios::binary};
+  const std::string text{std::istreambuf_iterator<char>{file}, {}};
+  auto logs = read_logs(text, name);
+  EXPECT_TRUE(logs) << (logs ? "" : to_string(logs.error()));
+  return logs ? *logs : std::vector<Log>{};
+}
+
+std::vector<Log> only(const std::vector<Log>& logs, const std::vector<std::string>& endings) {
+  std::vector<Log> some;
+  for (const Log& log : logs)
+    for (const std::string& ending : endings)
+      if (log.name.ends_with(ending)) some.push_back(log);
+  return some;
+}
+
+// Pulses at 25 °C alone, then the measured times to 3.0 V at two rates that were not in them.
+TEST(Fit, of_the_leaf_s_pulses_tells_how_long_it_lasts_at_1C_and_2C) {
+  const auto fit = fit_type(logs_of("leaf_hppc_25C.csv"), {.name = "leaf"});
+  ASSERT_TRUE(fit) << to_string(fit.error());
+  EXPECT_LT(fit->rms_v, 0.003);
+  EXPECT_NEAR(fit->type.capacity_ah, 30.5, 0.1);
+  for (const char* log : {"leaf_1C_first.csv", "leaf_2C_first.csv"}) {
+    const auto found = predict(fit->type, logs_of(log));
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_NEAR(found[0].predicted_s, found[0].measured_s, 0.005 * found[0].measured_s) << log;
+  }
+}
+
+TEST(Fit, of_two_rates_tells_a_third) {
+  const std::vector<Log> logs = logs_of("lipo_pouch_rates_25C.csv");
+  ASSERT_EQ(logs.size(), 3U);
+  struct Case {
+    std::vector<std::string> fitted;
+    std::string held_out;
+  };
+  for (const Case& one :
+       {Case{{"=0.1C", "=1C"}, "=2C"}, Case{{"=0.1C", "=2C"}, "=1C"}, Case{{"=1C", "=2C"}, "=0.1C"}}) {
+    const auto fit = fit_type(only(logs, one.fitted), {.name = "pouch"});
+    ASSERT_TRUE(fit) << to_string(fit.error());
+    const auto found = predict(fit->type, only(logs, {one.held_out}));
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_NEAR(found[0].predicted_s, found[0].measured_s, 0.02 * found[0].measured_s) << one.held_out;
+  }
+}
+
+/// What a battery of this type would have written down under pulses of 20 s and rests of 60 s, from full to empty.
+Log synthetic(const BatteryType& type) {
+  Pack pack{std::make_shared<CellTable>(type), {}, {"B", 1, false, 0.0}};
+  Log log{"synthetic", {}, {}, {}, {}};
+  for (int i = 0; i < 20000; ++i) {
+    const double current_a = i < 10 ? 0.0 : i % 80 < 20 ? type.capacity_ah : i % 80 < 50 ? 0.1 * type.capacity_ah : 0.0;
+    const PackStep step = pack.draw_current(current_a, 25.0, 1.0);
+    log.time_s.push_back(i + 1.0);
+    log.voltage_v.push_back(step.voltage_v);
+    log.current_a.push_back(step.current_a);
+    if (step.voltage_v < 3.05 || step.event == PackEvent::empty) break;
+  }
+  return log;
+}
+
+TEST(Fit, finds_a_known_battery_again) {
+  BatteryType known = *shipped_type("leaf33");
+  known.fast_ohm.assign(known.charge.size(), 1.2e-3);
+  known.slow_ohm.assign(known.charge.size(), 1.5e-3);
+  known.series_ohm.assign(known.charge.size(), 1.7e-3);
+  const auto fit = fit_type({synthetic(known)}, {.capacity_ah = 30.5});
+  ASSERT_TRUE(fit) << to_string(fit.error());
+  EXPECT_LT(fit->rms_v, 2e-4);
+  for (std::size_t j = 4; j + 2 < known.charge.size(); ++j) {
+    EXPECT_NEAR(fit->type.open_circuit_v[j], known.open_circuit_v[j], 2e-3) << j;
+    EXPECT_NEAR(fit->type.series_ohm[j], 1.7e-3, 0.1e-3) << j;
+    EXPECT_NEAR(fit->type.fast_ohm[j] + fit->type.slow_ohm[j], 2.7e-3, 0.4e-3) << j;
+  }
+  // What was fitted is a type that can be written and read.
+  BatteryType type = fit->type;
+  type.source = "test";
+  type.licence = "none";
+  const auto again = read_type(to_json(type), "fit");
+  EXPECT_TRUE(again) << to_string(again.error());
+}
+
+TEST(Fit, says_what_a_log_lacks) {
+  const auto code = [](const std::vector<Log>& logs, const FitOptions& options = {}) {
+    const auto fit = fit_type(logs, options);
+    return fit ? std::string("fitted") : fit.error().code;
+  };
+  std::vector<Log> pulses = logs_of("leaf_hppc_25C.csv");
+  EXPECT_EQ(code(pulses, {.capacity_ah = 10.0}), "fit.capacity");
+  EXPECT_EQ(code(pulses, {.capacity_ah = 100.0}), "fit.range");
+  EXPECT_EQ(code({}), "fit.full");
+  EXPECT_EQ(code(pulses, {.full_v = 5.0}), "fit.full");
+}
+
+TEST(LeastSquares, keep_at_zero_what_would_be_negative) {
+  Eigen::MatrixXd normal(2, 2);
+  normal << 2.0, 1.0, 1.0, 2.0;
+  // Without the bound x = (5/3, −4/3); with it only the first is left: 2 x = 2.
+  const Eigen::VectorXd x = nonnegative_least_squares(normal, Eigen::Vector2d{2.0, -1.0});
+  EXPECT_NEAR(x(0), 1.0, 1e-12);
+  EXPECT_EQ(x(1), 0.0);
+  const Eigen::VectorXd inside = nonnegative_least_squares(normal, Eigen::Vector2d{3.0, 3.0});
+  EXPECT_NEAR(inside(0), 1.0, 1e-12);
+  EXPECT_NEAR(inside(1), 1.0, 1e-12);
+  EXPECT_EQ(nonnegative_least_squares(normal, Eigen::Vector2d{-1.0, -1.0}).norm(), 0.0);
+}
+
+}  // namespace
+}  // namespace cosiva::battery

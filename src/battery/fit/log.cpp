@@ -1,0 +1,336 @@
+#include "battery/fit/log.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "base/text.h"
+
+namespace cosiva::battery {
+namespace {
+
+constexpr std::size_t samples_min = 10;
+/// Around fields, and quotes.
+constexpr std::string_view blanks = " \t\r\"";
+
+std::string short_number(double value) {
+  std::array<char, 32> buffer{};
+  const auto [end, error] =
+      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::general, 6);
+  return {buffer.data(), error == std::errc{} ? end : buffer.data()};
+}
+
+/// A quantity, its column's machine-readable name, and what other files call it.
+struct Column {
+  std::string_view name;
+  std::string_view label;
+  std::string_view stem;  ///< what names the quantity, whatever its unit
+};
+constexpr std::array columns{Column{"test_time_second", "Test Time / s", "test_time"},
+                             Column{"voltage_volt", "Voltage / V", "voltage"},
+                             Column{"current_ampere", "Current / A", "current"}};
+constexpr Column temperature{"temperature_t1_celsius", "Temperature T1 / degC", "temperature_t1"};
+
+/// Columns that say which battery, test or rate a sample is of: where one of these changes, another series begins. All
+/// others, whatever they count, belong to the samples.
+bool names_a_series(std::string_view name) {
+  constexpr std::array words{"id", "cell", "rate", "series", "name", "number", "run", "battery", "file", "channel"};
+  while (!name.empty()) {
+    const std::size_t end = std::min(name.find_first_of("_ -"), name.size());
+    if (std::ranges::find(words, name.substr(0, end)) != words.end()) return true;
+    name.remove_prefix(std::min(end + 1, name.size()));
+  }
+  return false;
+}
+
+class Reader {
+ public:
+  Reader(std::string_view csv, const std::string& origin) : lines_{csv}, origin_{origin} {}
+
+  Result<std::vector<Log>> read() {
+    if (!lines_.next(line_)) return fail("log.column", "is empty", origin_);
+    if (auto header = read_header(); !header) return tl::unexpected(header.error());
+    while (lines_.next(line_)) {
+      if (trimmed(line_, blanks).empty()) continue;
+      if (auto row = read_row(); !row) return tl::unexpected(row.error());
+    }
+    if (auto percent = check_percent(); !percent) return tl::unexpected(percent.error());
+    for (Log& log : logs_) {
+      if (log.time_s.size() < samples_min)
+        return fail("log.short", "has " + std::to_string(log.time_s.size()) + " samples, too few to say anything",
+                    log.name);
+      if (auto good = check(log); !good) return tl::unexpected(good.error());
+      tell_when_loads_came(log);
+    }
+    if (logs_.empty()) return fail("log.short", "has no samples", origin_);
+    return std::move(logs_);
+  }
+
+ private:
+  [[nodiscard]] std::string here() const { return origin_ + ":" + std::to_string(lines_.number()); }
+
+  Result<void> read_header() {
+    if (line_.starts_with("\xEF\xBB\xBF")) line_.remove_prefix(3);  // a spreadsheet's mark
+    for (const std::string_view name : cut_at_commas(line_, blanks)) header_.emplace_back(name);
+    const auto find = [&](const Column& column) -> std::optional<std::size_t> {
+      for (std::size_t i = 0; i < header_.size(); ++i)
+        if (header_[i] == column.name || header_[i] == column.label) return i;
+      return std::nullopt;
+    };
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      const auto at = find(columns[k]);
+      if (!at) return missing(columns[k]);
+      places_[k] = *at;
+    }
+    temperature_at_ = find(temperature);
+    for (std::size_t i = 0; i < header_.size(); ++i) {
+      const bool is_quantity = std::ranges::find(places_, i) != places_.end();
+      if (!is_quantity && names_a_series(header_[i])) series_at_.push_back(i);
+    }
+    ranges_.assign(header_.size(), {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()});
+    return {};
+  }
+
+  [[nodiscard]] tl::unexpected<Error> missing(const Column& column) const {
+    for (const std::string& name : header_) {
+      if (name.starts_with(column.stem))
+        return fail("log.column",
+                    "column '" + name + "' lacks its unit or has another: expected '" + std::string(column.name) + "'",
+                    here());
+    }
+    std::string there;
+    for (const std::string& name : header_) there += (there.empty() ? "" : ", ") + name;
+    return fail("log.column", "column '" + std::string(column.name) + "' is missing; there are " + there, here());
+  }
+
+  Result<void> read_row() {
+    const std::vector<std::string_view> fields = cut_at_commas(line_, blanks);
+    if (fields.size() != header_.size())
+      return fail("log.number",
+                  "has " + std::to_string(fields.size()) + " fields, the header " + std::to_string(header_.size()),
+                  here());
+    std::array<double, columns.size()> values{};
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      const auto value = number_of<double>(fields[places_[k]]);
+      if (!value)
+        return fail("log.number",
+                    std::string(columns[k].name) + " is '" + std::string(fields[places_[k]]) + "', no number", here());
+      values[k] = *value;
+    }
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      if (const auto value = number_of<double>(fields[i])) {
+        ranges_[i].first = std::min(ranges_[i].first, *value);
+        ranges_[i].second = std::max(ranges_[i].second, *value);
+      }
+    }
+    std::string series;
+    for (const std::size_t i : series_at_) series += ", " + header_[i] + "=" + std::string(fields[i]);
+    const bool is_back = !logs_.empty() && values[0] < logs_.back().time_s.back();
+    if (logs_.empty() || series != series_) {
+      logs_.emplace_back().name = origin_ + series;
+      series_ = series;
+    } else if (is_back) {
+      return fail("log.time",
+                  "the time goes back from " + short_number(logs_.back().time_s.back()) + " s to " +
+                      short_number(values[0]) + " s",
+                  here());
+    }
+    Log& log = logs_.back();
+    // Two samples of one instant are the two sides of a step; the time between them is nothing.
+    log.time_s.push_back(values[0]);
+    log.voltage_v.push_back(values[1]);
+    log.current_a.push_back(-values[2]);
+    if (temperature_at_) {
+      const auto celsius = number_of<double>(fields[*temperature_at_]);
+      log.temperature_c.push_back(celsius.value_or(25.0));
+    }
+    return {};
+  }
+
+  /// Names promise a range: a percentage that never comes above 1 is a fraction, and the figures would be a hundredth.
+  Result<void> check_percent() const {
+    for (std::size_t i = 0; i < header_.size(); ++i) {
+      const auto [low, high] = ranges_[i];
+      if (!(high >= low)) continue;
+      const std::string range = short_number(low) + " to " + short_number(high);
+      if (header_[i].find("percent") != std::string::npos && high <= 1.0 && high > 0.0 && low >= 0.0 && low < high)
+        return fail("log.percent", "column '" + header_[i] + "' goes from " + range + ": fractions, not percent",
+                    origin_);
+      if (header_[i].find("fraction") != std::string::npos && high > 1.5)
+        return fail("log.percent", "column '" + header_[i] + "' goes from " + range + ": percent, not fractions",
+                    origin_);
+    }
+    return {};
+  }
+
+  static Result<void> check(const Log& log) {
+    if (auto gap = check_gaps(log); !gap) return gap;
+    for (std::size_t i = 0; i < log.voltage_v.size(); ++i)
+      if (!(log.voltage_v[i] > 0.05 && log.voltage_v[i] < 2000.0))
+        return fail("log.number",
+                    "voltage_volt is " + short_number(log.voltage_v[i]) + " at " + short_number(log.time_s[i]) + " s",
+                    log.name);
+    return check_sign(log);
+  }
+
+  /// A gap under load: three times longer than usual under load, and more than 2 ‰ of all that flowed.
+  static Result<void> check_gaps(const Log& log) {
+    std::vector<double> usual;
+    double flowed_as = 0.0;
+    double largest_a = 0.0;
+    for (const double current : log.current_a) largest_a = std::max(largest_a, std::fabs(current));
+    const auto is_load = [&](std::size_t i) { return std::fabs(log.current_a[i]) > 0.01 * largest_a; };
+    for (std::size_t i = 1; i < log.time_s.size(); ++i) {
+      if (!is_load(i)) continue;
+      usual.push_back(log.time_s[i] - log.time_s[i - 1]);
+      flowed_as += std::fabs(log.current_a[i]) * usual.back();
+    }
+    if (usual.empty()) return fail("log.short", "has no load anywhere", log.name);
+    // Testers write less and less often as the voltage settles: what nineteen of twenty samples keep to is usual.
+    const std::size_t most = usual.size() - 1 - usual.size() / 20;
+    std::ranges::nth_element(usual, usual.begin() + static_cast<std::ptrdiff_t>(most));
+    const double usual_s = usual[most];
+    for (std::size_t i = 1; i < log.time_s.size(); ++i) {
+      const double dt_s = log.time_s[i] - log.time_s[i - 1];
+      // Those that end a load write the rest's first sample only a rest's usual time later: no gap yet.
+      const double longest_s = std::max(3.0 * usual_s, is_load(i) ? 60.0 : 300.0);
+      if (!(is_load(i) || is_load(i - 1)) || dt_s <= longest_s) continue;
+      const double unseen_as = dt_s * std::max(std::fabs(log.current_a[i]), std::fabs(log.current_a[i - 1]));
+      if (unseen_as <= 0.002 * flowed_as || (is_load(i) && !is_load(i - 1))) continue;
+      return fail("log.gap",
+                  "nothing between " + short_number(log.time_s[i - 1]) + " s and " + short_number(log.time_s[i]) +
+                      " s, under up to " + short_number(unseen_as / dt_s) + " A",
+                  log.name);
+    }
+    return {};
+  }
+
+  /// A step of more discharge current lowers the voltage, and charge taken out lowers it for good.
+  static Result<void> check_sign(const Log& log) {
+    double steps = 0.0;
+    double largest_a = 0.0;
+    for (const double current : log.current_a) largest_a = std::max(largest_a, std::fabs(current));
+    for (std::size_t i = 1; i < log.time_s.size(); ++i) {
+      const double change_a = log.current_a[i] - log.current_a[i - 1];
+      if (std::fabs(change_a) > 0.1 * largest_a) steps += change_a * (log.voltage_v[i] - log.voltage_v[i - 1]);
+    }
+    double taken = 0.0;  // covariance of charge taken out and voltage
+    double mean_v = 0.0;
+    for (const double volt : log.voltage_v) mean_v += volt / static_cast<double>(log.voltage_v.size());
+    double used = 0.0;
+    std::vector<double> used_as{0.0};
+    for (std::size_t i = 1; i < log.time_s.size(); ++i)
+      used_as.push_back(used += log.current_a[i] * (log.time_s[i] - log.time_s[i - 1]));
+    for (std::size_t i = 0; i < used_as.size(); ++i) taken += used_as[i] * (log.voltage_v[i] - mean_v);
+    if (steps > 0.0 || (steps == 0.0 && taken > 0.0))
+      return fail("log.sign",
+                  "the voltage falls where current_ampere is positive, which is to charge: it has the other sign",
+                  log.name);
+    return {};
+  }
+
+  /// A rest is logged seldom. Where its last sample lies further back than the load's samples lie apart, it is written
+  /// once more just before the load, so that the load's first sample does not count for the rest's time as well.
+  static void tell_when_loads_came(Log& log) {
+    double largest_a = 0.0;
+    for (const double current : log.current_a) largest_a = std::max(largest_a, std::fabs(current));
+    Log whole{log.name, {}, {}, {}, {}};
+    const std::size_t size = log.time_s.size();
+    const auto copy = [&](std::size_t i, double time_s) {
+      whole.time_s.push_back(time_s);
+      whole.voltage_v.push_back(log.voltage_v[i]);
+      whole.current_a.push_back(log.current_a[i]);
+      if (!log.temperature_c.empty()) whole.temperature_c.push_back(log.temperature_c[i]);
+    };
+    for (std::size_t i = 0; i < size; ++i) {
+      const bool load_comes =
+          i > 0 && std::fabs(log.current_a[i - 1]) < 0.01 * largest_a && std::fabs(log.current_a[i]) > 0.05 * largest_a;
+      if (load_comes && i + 1 < size) {
+        const double usual_s = log.time_s[i + 1] - log.time_s[i];
+        if (log.time_s[i] - log.time_s[i - 1] > 2.0 * usual_s) copy(i - 1, log.time_s[i] - usual_s);
+      }
+      copy(i, log.time_s[i]);
+    }
+    log = std::move(whole);
+  }
+
+  Lines lines_;
+  const std::string& origin_;
+  std::string_view line_;
+  std::vector<std::string> header_;
+  std::array<std::size_t, columns.size()> places_{};
+  std::optional<std::size_t> temperature_at_;
+  std::vector<std::size_t> series_at_;
+  std::vector<std::pair<double, double>> ranges_;
+  std::string series_;
+  std::vector<Log> logs_;
+};
+
+}  // namespace
+
+Result<std::vector<Log>> read_logs(std::string_view csv, const std::string& origin) {
+  return Reader{csv, origin}.read();
+}
+
+std::vector<Discharge> discharges_from_full(const Log& log, double full_v) {
+  const std::size_t size = log.time_s.size();
+  double largest_a = 0.0;
+  for (const double current : log.current_a) largest_a = std::max(largest_a, std::fabs(current));
+  const double load_a = 0.005 * largest_a;
+  const auto is_full = [&](std::size_t i) { return log.voltage_v[i] >= 0.99 * full_v; };
+
+  std::vector<Discharge> all;
+  // At the log's begin it is full where a rest or the first sample under load says so, and it is not being charged.
+  bool full = log.current_a.front() >= -load_a && (is_full(0) || log.voltage_v.front() >= 0.96 * full_v);
+  for (std::size_t i = 0; i < size; ++i) {
+    if (log.current_a[i] < -load_a) {
+      full = is_full(i);
+      continue;
+    }
+    if (!full || log.current_a[i] <= load_a) continue;
+    Discharge one{&log, i, i, {}};
+    double used_ah = 0.0;
+    double most_ah = 0.0;
+    for (; one.last < size; ++one.last) {
+      const std::size_t k = one.last;
+      const double since_s = k == i ? load_on_s(one) : log.time_s[k - 1];
+      used_ah += log.current_a[k] * (log.time_s[k] - since_s) / 3600.0;
+      most_ah = std::max(most_ah, used_ah);
+      // A full charge of a pulse test's regeneration gives a little back; a recharge ends the discharge.
+      if (most_ah - used_ah > 0.05 * most_ah && most_ah - used_ah > 1.0 / 3600.0 * 30.0 * largest_a &&
+          log.current_a[k] < -load_a)
+        break;
+      one.used_ah.push_back(used_ah);
+    }
+    full = false;
+    i = one.last - 1;
+    all.push_back(std::move(one));
+  }
+  return all;
+}
+
+double load_on_s(const Discharge& discharge) {
+  const std::vector<double>& time_s = discharge.log->time_s;
+  const std::size_t first = discharge.first;
+  const double usual_s = first + 1 < time_s.size() ? time_s[first + 1] - time_s[first] : 0.0;
+  if (first == 0) return std::max(std::min(0.0, time_s[0]), time_s[0] - usual_s);
+  // A rest is logged more seldom than a load, and its last sample may lie far back.
+  return std::max(time_s[first - 1], time_s[first] - usual_s);
+}
+
+double seconds_to_voltage(const Discharge& discharge, double voltage_v) {
+  const Log& log = *discharge.log;
+  const double start_s = load_on_s(discharge);
+  for (std::size_t i = discharge.first; i < discharge.last; ++i) {
+    if (log.voltage_v[i] > voltage_v) continue;
+    if (i == discharge.first) return 0.0;
+    const double share = (log.voltage_v[i - 1] - voltage_v) / (log.voltage_v[i - 1] - log.voltage_v[i]);
+    return log.time_s[i - 1] + share * (log.time_s[i] - log.time_s[i - 1]) - start_s;
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace cosiva::battery

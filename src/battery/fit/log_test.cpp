@@ -1,0 +1,165 @@
+#include "battery/fit/log.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <string>
+
+namespace cosiva::battery {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+/// A discharge of 1 A every 10 s, rested before and after; `line` may change or drop one.
+std::string log_text(const std::function<std::string(int second, std::string line)>& line = {},
+                     const std::string& header = "test_time_second,voltage_volt,current_ampere") {
+  std::string text = header + "\n";
+  for (int t = 0; t <= 3000; t += 10) {
+    const bool load = t > 100 && t <= 2500;
+    const double volt = 4.2 - (load ? 0.1 : 0.0) - 0.0003 * std::max(0, std::min(t, 2500) - 100);
+    const std::string usual = std::to_string(t) + "," + std::to_string(volt) + "," + (load ? "-1.0" : "0.0");
+    const std::string said = line ? line(t, usual) : usual;
+    if (!said.empty()) text += said + "\n";
+  }
+  return text;
+}
+
+std::string code_of(const std::string& text) {
+  const auto logs = read_logs(text, "my.csv");
+  return logs ? "read" : logs.error().code;
+}
+std::string refusal(const std::string& text) {
+  const auto logs = read_logs(text, "my.csv");
+  return logs ? "read" : to_string(logs.error());
+}
+
+TEST(Log, is_read_with_discharge_positive) {
+  const auto logs = read_logs(log_text(), "my.csv");
+  ASSERT_TRUE(logs) << to_string(logs.error());
+  ASSERT_EQ(logs->size(), 1U);
+  const Log& log = logs->front();
+  EXPECT_EQ(log.name, "my.csv");
+  EXPECT_EQ(log.time_s.size(), 301U);
+  EXPECT_EQ(log.current_a[50], 1.0);
+  EXPECT_EQ(log.current_a[0], 0.0);
+}
+
+TEST(Log, may_have_the_format_s_other_names_and_a_spreadsheet_s_mark) {
+  EXPECT_EQ(code_of(log_text({}, "\xEF\xBB\xBFTest Time / s,Voltage / V,Current / A")), "read");
+}
+
+TEST(Log, of_several_series_is_several) {
+  const auto with = [](const std::string& series) {
+    return log_text([&](int, const std::string& line) { return line + "," + series; },
+                    "test_time_second,voltage_volt,current_ampere,cell_id");
+  };
+  const std::string second = with("B2");
+  const auto logs = read_logs(with("B1") + second.substr(second.find('\n') + 1), "my.csv");
+  ASSERT_TRUE(logs) << to_string(logs.error());
+  ASSERT_EQ(logs->size(), 2U);
+  EXPECT_EQ(logs->back().name, "my.csv, cell_id=B2");
+}
+
+TEST(Log, may_have_any_other_columns) {
+  const auto logs = read_logs(
+      log_text(
+          [](int t, const std::string& line) {
+            return line + "," + std::to_string(0.001 * t) + ",step " + std::to_string(t / 500) + ",2026-01-01";
+          },
+          "test_time_second,voltage_volt,current_ampere,discharging_capacity_ah,step_type,date"),
+      "my.csv");
+  ASSERT_TRUE(logs) << to_string(logs.error());
+  EXPECT_EQ(logs->size(), 1U);
+}
+
+TEST(Log, with_a_gap_under_load_is_refused_and_says_where) {
+  const auto without = [](int from, int to) {
+    return log_text([=](int t, const std::string& line) { return t > from && t < to ? std::string{} : line; });
+  };
+  EXPECT_THAT(refusal(without(1000, 1400)), HasSubstr("nothing between 1000 s and 1400 s, under up to 1 A"));
+  EXPECT_EQ(code_of(without(1000, 1400)), "log.gap");
+  EXPECT_EQ(code_of(without(2600, 2900)), "read");  // at rest nothing flows
+  EXPECT_EQ(code_of(without(2000, 3001)), "read");  // it just ends earlier
+}
+
+TEST(Log, with_the_other_sign_is_refused) {
+  const auto turned = [](int, std::string line) {
+    const std::size_t minus = line.find('-');
+    if (minus != std::string::npos) line.erase(minus, 1);
+    return line;
+  };
+  EXPECT_EQ(code_of(log_text(turned)), "log.sign");
+  EXPECT_THAT(refusal(log_text(turned)), HasSubstr("it has the other sign"));
+  // Also where there is no step: under load from the first sample to the last.
+  const auto steady = [](const char* sign) {
+    return log_text([=](int t, const std::string& line) {
+      return t <= 100 || t > 2500 ? std::string{} : line.substr(0, line.rfind(',')) + "," + sign + "1.0";
+    });
+  };
+  EXPECT_EQ(code_of(steady("")), "log.sign");
+  EXPECT_EQ(code_of(steady("-")), "read");
+}
+
+TEST(Log, with_fractions_under_a_percent_is_refused_and_the_reverse) {
+  const auto charge = [](const char* name, double scale) {
+    return log_text(
+        [=](int t, const std::string& line) { return line + "," + std::to_string(scale * (1.0 - t / 3100.0)); },
+        std::string("test_time_second,voltage_volt,current_ampere,") + name);
+  };
+  EXPECT_EQ(code_of(charge("state_of_charge_percent", 1.0)), "log.percent");
+  EXPECT_THAT(refusal(charge("state_of_charge_percent", 1.0)), HasSubstr("fractions, not percent"));
+  EXPECT_EQ(code_of(charge("state_of_charge_percent", 100.0)), "read");
+  EXPECT_EQ(code_of(charge("state_of_charge_fraction", 100.0)), "log.percent");
+  EXPECT_EQ(code_of(charge("state_of_charge_fraction", 1.0)), "read");
+}
+
+TEST(Log, without_a_column_or_its_unit_is_refused) {
+  EXPECT_EQ(refusal(log_text({}, "test_time_second,voltage_volt,current_milliampere")),
+            "my.csv:1: column 'current_milliampere' lacks its unit or has another: expected 'current_ampere'");
+  EXPECT_THAT(refusal(log_text({}, "test_time,voltage_volt,current_ampere")), HasSubstr("'test_time' lacks its unit"));
+  EXPECT_THAT(refusal(log_text({}, "test_time_second,power_watt,current_ampere")),
+              HasSubstr("'voltage_volt' is missing; there are test_time_second, power_watt"));
+}
+
+TEST(Log, with_a_line_that_is_none_is_refused_there) {
+  const auto at_1000 = [](const std::string& instead) {
+    return log_text([=](int t, const std::string& line) { return t == 1000 ? instead : line; });
+  };
+  EXPECT_THAT(refusal(at_1000("1000,abc,-1")), StartsWith("my.csv:102: voltage_volt is 'abc'"));
+  EXPECT_THAT(refusal(at_1000("1000,4.0")), StartsWith("my.csv:102: has 2 fields, the header 3"));
+  EXPECT_EQ(code_of(at_1000("1000,nan,-1")), "log.number");
+  EXPECT_EQ(code_of(at_1000("1000,-4.0,-1")), "log.number");
+  EXPECT_EQ(refusal(at_1000("900,4.0,-1")), "my.csv:102: the time goes back from 990 s to 900 s");
+  EXPECT_EQ(code_of(""), "log.column");
+  EXPECT_EQ(code_of("test_time_second,voltage_volt,current_ampere\n"), "log.short");
+  EXPECT_EQ(code_of("test_time_second,voltage_volt,current_ampere\n1,4,-1\n"), "log.short");
+}
+
+TEST(Discharge, begins_full_counts_what_it_takes_and_crosses_between_samples) {
+  const auto logs = read_logs(log_text(), "my.csv");
+  const auto all = discharges_from_full(logs->front(), 4.2);
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_EQ(load_on_s(all[0]), 100.0);
+  EXPECT_NEAR(all[0].used_ah.back(), 2400.0 / 3600.0, 1e-9);
+  // 4.1 − 0.0003 (t − 100) = 3.8005 at 1098.33 s.
+  EXPECT_NEAR(seconds_to_voltage(all[0], 3.8005), 998.33, 0.01);
+  EXPECT_TRUE(std::isnan(seconds_to_voltage(all[0], 2.0)));
+  EXPECT_TRUE(discharges_from_full(logs->front(), 5.0).empty());
+}
+
+TEST(Discharge, after_a_rest_that_is_logged_seldom_begins_when_its_load_came) {
+  // The rest's last sample lies 60 s back, the load's lie 10 s apart.
+  const auto logs = read_logs(
+      log_text([](int t, const std::string& line) { return t > 50 && t <= 100 ? std::string{} : line; }), "my.csv");
+  ASSERT_TRUE(logs);
+  const auto all = discharges_from_full(logs->front(), 4.2);
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_EQ(load_on_s(all[0]), 100.0);
+  EXPECT_NEAR(all[0].used_ah.back(), 2400.0 / 3600.0, 1e-9);
+}
+
+}  // namespace
+}  // namespace cosiva::battery

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "base/digest.h"
+#include "battery/gauge/monitor.h"
+#include "battery/pack.h"
+
+namespace cosiva::battery {
+
+/// Which layers a gauge uses; each takes those before it along.
+enum class GaugeMethod : std::uint8_t {
+  counter,  ///< counts the charge that flows
+  rest,     ///< and corrects it by the open-circuit voltage after a rest
+  kalman,   ///< and by the voltage under load, an extended Kalman filter over the type's tables
+};
+[[nodiscard]] std::optional<GaugeMethod> parse_method(std::string_view word);
+[[nodiscard]] std::string_view to_string(GaugeMethod method);
+
+/// What a gauge is told by its maker: of the type, never of the battery before it.
+struct GaugeOptions {
+  GaugeMethod method{GaugeMethod::rest};
+  PackDesign design;
+  MonitorErrors errors;      ///< what it thinks of its monitor
+  double capacity_sd{0.01};  ///< how much a battery's capacity may differ from the type's
+};
+
+/// What it believes.
+struct GaugeReading {
+  double charge;           ///< 0 empty to 1 full
+  double charge_sd;        ///< one standard deviation of its error
+  bool needs_full_charge;  ///< has drifted so far that only a full charge tells it where it is
+};
+
+/// RALI's gauge: from a monitor's voltage, current and temperature to a charge with its standard deviation. It knows
+/// the type's tables and nothing of the battery that it looks at.
+class Gauge {
+ public:
+  Gauge(std::shared_ptr<const CellTable> table, GaugeOptions options, double charge = 1.0, double charge_sd = 0.005);
+
+  /// A battery has been put in, or the charger has finished: it is full.
+  void full();
+  /// A battery of unknown charge has been put in.
+  void unknown();
+  void see(const Measured& measured, double dt_s);
+
+  [[nodiscard]] GaugeReading reading() const;
+  [[nodiscard]] double rested_s() const { return rested_s_; }
+  [[nodiscard]] std::string state_json() const;
+  [[nodiscard]] Result<void> restore(std::string_view state_json);
+  void fold(Digest& digest) const;
+
+ private:
+  void start_from(double charge, double variance);
+  double count(double current_a, double dt_s);
+  void rest(const Measured& measured, double dt_s);
+  void filter(const Measured& measured, double added_variance, double dt_s);
+  [[nodiscard]] double cell_error_v(double cell_v) const;
+
+  std::shared_ptr<const CellTable> table_;
+  GaugeOptions options_;
+  double charge_;
+  double variance_;
+  double used_{0.0};       ///< charge counted since something else than counting last told
+  double counted_s_{0.0};  ///< likewise
+  // The rest's layer: what was known when it began.
+  double rested_s_{0.0};
+  double rest_v_{0.0};  ///< its voltage, smoothed
+  double before_rest_{1.0};
+  double variance_before_rest_{0.0};
+  // The filter's layer: a cell's voltages over its pairs, and covariance with the charge: s, u1, u2.
+  std::array<double, 2> pair_v_{};
+  std::array<std::array<double, 3>, 3> covariance_{};
+};
+
+}  // namespace cosiva::battery

@@ -1,0 +1,211 @@
+#include "battery/pack.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/expect.h"
+#include "base/math.h"
+#include "base/random.h"
+
+namespace cosiva::battery {
+namespace {
+
+constexpr double seconds_per_hour = 3600.0;
+
+/// e^x for x ≥ 0 as p⁴ with p the series of e^(x/4) to its fourth power. Its inverse is always in (0, 1], so that a
+/// pair is stable at any step, and e^-x within 1e-9 for steps of a tenth of its time constant.
+double growth_of(double x) {
+  const double y = 0.25 * x;
+  const double p = 1.0 + y * (1.0 + y * (0.5 + y * (1.0 / 6.0 + y * (1.0 / 24.0))));
+  const double p2 = p * p;
+  return p2 * p2;
+}
+
+/// Mean 1 and this relative standard deviation, lognormal: never negative.
+double lognormal(Random& random, double relative_sd) {
+  const double log_variance = det_log(1.0 + relative_sd * relative_sd);
+  return det_exp(std::sqrt(log_variance) * random.gaussian() - 0.5 * log_variance);
+}
+
+}  // namespace
+
+std::string_view to_string(PackEvent event) {
+  switch (event) {
+    case PackEvent::none: return "none";
+    case PackEvent::brown_out: return "brown_out";
+    case PackEvent::floor: return "floor";
+    case PackEvent::empty: break;
+  }
+  return "empty";
+}
+
+Pack::Pack(std::shared_ptr<const CellTable> table, PackDesign design, PackHistory history, double temperature_c)
+    : table_{std::move(table)}, design_{design}, history_{std::move(history)}, voltage_v_{0.0} {
+  COSIVA_EXPECT(table_ != nullptr && design_.series > 0 && design_.parallel > 0 && design_.scale > 0.0);
+  Random random{history_.seed, "battery/cells"};
+  cells_.resize(std::size_t{design_.series} * design_.parallel);
+  for (Cell& cell : cells_) {
+    cell = {};
+    cell.charge = 1.0;
+    cell.temperature_c = temperature_c;
+    // Both are drawn whether or not they are wanted, so that one cell's numbers do not depend on the others'.
+    const double capacity_factor = lognormal(random, type().capacity_spread);
+    const double resistance_factor = lognormal(random, type().resistance_spread);
+    cell.new_capacity_ah = type().capacity_ah * design_.scale * (history_.spread ? capacity_factor : 1.0);
+    cell.resistance_factor = (history_.spread ? resistance_factor : 1.0) / design_.scale;
+  }
+  age();
+  voltage_v_ = open_circuit_v();
+}
+
+void Pack::age() {
+  // A cell that has lost nine tenths is out of any model's reach.
+  fade_ = std::max(0.1, 1.0 - type().capacity_fade_per_cycle * history_.cycles);
+  growth_ = 1.0 + type().resistance_growth_per_cycle * history_.cycles;
+  kelvin_per_j_ = 1.0 / (type().heat_capacity_j_per_k * design_.scale);
+  for (Cell& cell : cells_) cell.charge_per_as = 1.0 / (cell.new_capacity_ah * fade_ * seconds_per_hour);
+}
+
+void Pack::look() {
+  source_v_ = 0.0;
+  ohm_ = 0.0;
+  for (std::size_t first = 0; first < cells_.size(); first += design_.parallel) {
+    double conductance = 0.0;
+    double short_a = 0.0;
+    for (std::size_t i = first; i < first + design_.parallel; ++i) {
+      Cell& cell = cells_[i];
+      cell.row = table_->at(cell.charge);
+      cell.heat_factor = table_->heat_factor(cell.temperature_c) * cell.resistance_factor * growth_;
+      cell.source_v = cell.row.open_circuit_v - cell.fast_v - cell.slow_v;
+      cell.siemens = 1.0 / (cell.row.series_ohm * cell.heat_factor);
+      conductance += cell.siemens;
+      short_a += cell.source_v * cell.siemens;
+    }
+    source_v_ += short_a / conductance;
+    ohm_ += 1.0 / conductance;
+  }
+}
+
+PackStep Pack::draw_power(double power_w, double ambient_c, double dt_s) {
+  look();
+  const double root_sq = source_v_ * source_v_ - 4.0 * ohm_ * power_w;
+  if (root_sq < 0.0) return flow(0.0, ambient_c, dt_s, PackEvent::brown_out);
+  // (e − √(e² − 4 R P)) / 2R loses its digits for small P; this form of the same root does not.
+  return flow(2.0 * power_w / (source_v_ + std::sqrt(root_sq)), ambient_c, dt_s, PackEvent::none);
+}
+
+PackStep Pack::draw_current(double current_a, double ambient_c, double dt_s) {
+  look();
+  // Beyond e/R even a short circuit gives no more.
+  if (current_a * ohm_ > source_v_) return flow(0.0, ambient_c, dt_s, PackEvent::brown_out);
+  return flow(current_a, ambient_c, dt_s, PackEvent::none);
+}
+
+PackStep Pack::flow(double current_a, double ambient_c, double dt_s, PackEvent event) {
+  COSIVA_EXPECT(dt_s > 0.0);
+  const bool is_empty = std::ranges::any_of(cells_, [](const Cell& cell) { return cell.charge <= 0.0; });
+  if (is_empty && current_a > 0.0) {
+    current_a = 0.0;
+    event = PackEvent::empty;
+  }
+  current_a_ = current_a;
+  voltage_v_ = 0.0;
+  for (std::size_t first = 0; first < cells_.size(); first += design_.parallel) {
+    double conductance = 0.0;
+    double short_a = 0.0;
+    for (std::size_t i = first; i < first + design_.parallel; ++i) {
+      conductance += cells_[i].siemens;
+      short_a += cells_[i].source_v * cells_[i].siemens;
+    }
+    const double group_v = (short_a - current_a) / conductance;
+    voltage_v_ += group_v;
+    for (std::size_t i = first; i < first + design_.parallel; ++i) {
+      Cell& cell = cells_[i];
+      event = std::max(event, advance(cell, (cell.source_v - group_v) * cell.siemens, group_v, ambient_c, dt_s));
+    }
+  }
+  delivered_j_ += voltage_v_ * current_a * dt_s;
+  delivered_ah_ += current_a * dt_s / seconds_per_hour;
+  if (current_a > 0.0) discharged_since_full_ah_ += current_a * dt_s / seconds_per_hour;
+  return {voltage_v_, current_a, event};
+}
+
+PackEvent Pack::advance(Cell& cell, double current_a, double voltage_v, double ambient_c, double dt_s) {
+  const double kept = current_a < 0.0 ? type().coulombic_efficiency : 1.0;
+  cell.charge = std::min(1.0, cell.charge - kept * current_a * dt_s * cell.charge_per_as);
+  // One division for both: a division costs more than all else in a line.
+  const double fast_growth = growth_of(cell.row.fast_per_s * dt_s);
+  const double slow_growth = growth_of(cell.row.slow_per_s * dt_s);
+  const double both = 1.0 / (fast_growth * slow_growth);
+  const double fast = both * slow_growth;
+  const double slow = both * fast_growth;
+  cell.fast_v = fast * cell.fast_v + (1.0 - fast) * cell.row.fast_ohm * cell.heat_factor * current_a;
+  cell.slow_v = slow * cell.slow_v + (1.0 - slow) * cell.row.slow_ohm * cell.heat_factor * current_a;
+
+  const double heat_w = current_a * (cell.row.open_circuit_v - voltage_v);
+  const double loss_w = type().heat_loss_w_per_k * design_.scale * (cell.temperature_c - ambient_c);
+  cell.temperature_c += (heat_w - loss_w) * dt_s * kelvin_per_j_;
+  lost_j_ += heat_w * dt_s;
+
+  if (cell.charge <= 0.0) {
+    cell.charge = 0.0;
+    return PackEvent::empty;
+  }
+  return voltage_v < type().voltage_floor_v ? PackEvent::floor : PackEvent::none;
+}
+
+void Pack::renew(double temperature_c) {
+  history_.cycles += discharged_since_full_ah_ / (type().capacity_ah * design_.scale * design_.parallel);
+  age();
+  for (Cell& cell : cells_) cell.temperature_c = temperature_c;
+  set_charge(1.0);
+  discharged_since_full_ah_ = 0.0;
+}
+
+void Pack::set_charge(double charge) {
+  for (Cell& cell : cells_) {
+    cell.charge = std::clamp(charge, 0.0, 1.0);
+    cell.fast_v = 0.0;
+    cell.slow_v = 0.0;
+  }
+  current_a_ = 0.0;
+  voltage_v_ = open_circuit_v();
+}
+
+double Pack::charge() const {
+  double weakest = 1.0;
+  for (std::size_t first = 0; first < cells_.size(); first += design_.parallel) {
+    double left_ah = 0.0;
+    double whole_ah = 0.0;
+    for (std::size_t i = first; i < first + design_.parallel; ++i) {
+      left_ah += cells_[i].charge * cells_[i].new_capacity_ah;
+      whole_ah += cells_[i].new_capacity_ah;
+    }
+    weakest = std::min(weakest, left_ah / whole_ah);
+  }
+  return weakest;
+}
+
+double Pack::capacity_ah() const {
+  double weakest = 0.0;
+  for (std::size_t first = 0; first < cells_.size(); first += design_.parallel) {
+    double whole_ah = 0.0;
+    for (std::size_t i = first; i < first + design_.parallel; ++i) whole_ah += cells_[i].new_capacity_ah * fade_;
+    weakest = first == 0 ? whole_ah : std::min(weakest, whole_ah);
+  }
+  return weakest;
+}
+
+double Pack::temperature_c() const {
+  double hottest = cells_.front().temperature_c;
+  for (const Cell& cell : cells_) hottest = std::max(hottest, cell.temperature_c);
+  return hottest;
+}
+
+double Pack::open_circuit_v() const {
+  double volt = 0.0;
+  for (const Cell& cell : cells_) volt += table_->at(cell.charge).open_circuit_v;
+  return volt / design_.parallel;
+}
+
+}  // namespace cosiva::battery

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "experiments/battery/procedure.h"
+#include "experiments/battery/virtual_rig.h"
+#include "experiments/statistics/effects.h"
+#include "experiments/statistics/interval.h"
+#include "experiments/statistics/survival.h"
+#include "experiments/statistics/tolerance.h"
+
+namespace cosiva::experiments {
+
+/// One battery over all its runs.
+struct BatteryFigures {
+  std::size_t battery;
+  std::string id;
+  std::size_t runs;
+  std::size_t failed;        ///< runs that ended for another reason than the battery
+  double autonomy_s;         ///< mean of those that ended; NaN where none did
+  double lasted_at_least_s;  ///< the longest run, ended or not
+  double robust_score;
+  bool is_outlier;
+};
+
+/// What a test's records allow to say (section 5 of the notes behind the article's equation 4).
+struct AutonomyFigures {
+  std::size_t batteries{};
+  std::size_t runs{};
+  std::size_t failed{};
+  std::size_t cut_off{};
+  /// AT = (1/N) Σ Tᵢ, the article's equation (4), over the batteries that were seen to the end.
+  double at_s{};
+  double mean_s{};  ///< as equation (4); from the censored normal where a vehicle failed
+  double sd_s{};
+  std::string method;  ///< how mean_s came about
+  std::optional<statistics::Interval> mean_t;
+  std::optional<statistics::Interval> mean_bca;  ///< from ten batteries on
+  std::optional<statistics::Interval> sd_interval;
+  std::optional<double> tolerance_low_s;     ///< 95 % of all batteries last longer, with a confidence of 95 %
+  double smallest_covers{};                  ///< share above the smallest, whatever the distribution
+  std::optional<statistics::Interval> next;  ///< where the next battery falls
+  std::optional<statistics::Outlier> grubbs;
+  std::optional<double> normality_p;
+  statistics::Survival survival{};
+  std::optional<statistics::CensoredNormal> censored;
+  std::optional<statistics::Trend> trend;      ///< over runs, each battery's mean taken out
+  std::optional<statistics::Crossed> crossed;  ///< shares of variance
+  std::optional<std::size_t> stopped_after;    ///< batteries after which the wanted half width was reached
+  std::vector<BatteryFigures> each;
+};
+/// @param wanted_half_width  as a share of the mean, for the sequential stop; 0: none
+[[nodiscard]] AutonomyFigures analyse(std::span<const BatteryRun> records, std::size_t batteries,
+                                      double wanted_half_width = 0.0, std::uint64_t seed = 1);
+
+/// {"autonomy_s":{"mean","sd","ci95":[low,high],…},"batteries":[one for each record],…}
+[[nodiscard]] std::string to_json(const AutonomyFigures& figures, std::span<const BatteryRun> records,
+                                  std::span<const TrueEnd> truth);
+/// For people, in a terminal.
+[[nodiscard]] std::string to_text(const AutonomyFigures& figures, std::span<const BatteryRun> records);
+/// All records' curves with the Battery Data Format's columns, + charges.
+[[nodiscard]] std::string to_csv(std::span<const BatteryRun> records);
+
+/// What the report's reader has to know besides the figures.
+struct ReportFacts {
+  std::string type;
+  std::string source;
+  std::string licence;
+  std::string command;  ///< that gives the same again
+  std::string load;     ///< how the batteries were drained
+  double floor{};
+};
+[[nodiscard]] std::string report_html(const AutonomyFigures& figures, std::span<const BatteryRun> records,
+                                      std::span<const TrueEnd> truth, const ReportFacts& facts);
+
+/// "1 h 02 min 03 s".
+[[nodiscard]] std::string duration_text(double seconds);
+/// "0.0123", and "< 0.0001" of what is smaller: no chance is nothing.
+[[nodiscard]] std::string chance_text(double p);
+
+}  // namespace cosiva::experiments

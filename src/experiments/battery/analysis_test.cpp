@@ -1,0 +1,186 @@
+#include "experiments/battery/analysis.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "base/json_value.h"
+
+namespace cosiva::experiments {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+struct Cell {
+  int number;
+  int channel;
+  std::string series;
+  int run;
+  double seconds;
+};
+
+std::vector<Cell> hg2() {
+  std::ifstream file{COSIVA_SOURCE_DIR "/src/battery/testdata/lghg2_fleet_figures.csv"};
+  std::string line;
+  std::getline(file, line);
+  std::vector<Cell> cells;
+  while (std::getline(file, line)) {
+    std::istringstream in{line};
+    std::vector<std::string> fields;
+    for (std::string field; std::getline(in, field, ',');) fields.push_back(field);
+    cells.push_back(
+        {std::stoi(fields[0]), std::stoi(fields[1]), fields[2], std::stoi(fields[3]), std::stod(fields[5])});
+  }
+  EXPECT_EQ(cells.size(), 29U);
+  return cells;
+}
+
+BatteryRun record_of(std::size_t battery, std::size_t run, double seconds, StopCause stop = StopCause::floor) {
+  BatteryRun record;
+  record.run = run;
+  record.vehicle = battery;
+  record.battery = battery;
+  record.tag.id = "HG2-" + std::to_string(battery + 1);
+  record.started = virtual_epoch;
+  record.stop = stop;
+  record.autonomy_s = seconds;
+  return record;
+}
+
+std::vector<BatteryRun> fleet() {
+  std::vector<BatteryRun> records;
+  for (const Cell& cell : hg2())
+    if (cell.series == "fleet_first_run") records.push_back(record_of(records.size(), 0, cell.seconds));
+  return records;
+}
+
+// Nine LG HG2 cells from full to 2.5 V at 3 A (Battery Testing Consortium, 2021).
+TEST(Autonomy, of_the_nine_cells_is_what_was_published_of_them) {
+  const AutonomyFigures figures = analyse(fleet(), 9);
+  EXPECT_NEAR(figures.at_s, 3605.46, 0.01);
+  EXPECT_EQ(figures.mean_s, figures.at_s);
+  EXPECT_NEAR(figures.sd_s, 49.69, 0.01);
+  EXPECT_NEAR(figures.mean_t->low, 3567.3, 0.05);
+  EXPECT_NEAR(figures.mean_t->high, 3643.7, 0.05);
+  EXPECT_NEAR(figures.sd_interval->high, 1.92 * 49.69, 0.3);
+  EXPECT_NEAR(*figures.tolerance_low_s, 3454.8, 0.1);
+  ASSERT_TRUE(figures.grubbs->is_outlier);
+  EXPECT_NEAR(figures.grubbs->statistic, 2.309, 0.001);
+  EXPECT_TRUE(figures.each[0].is_outlier);
+  EXPECT_FALSE(figures.each[1].is_outlier);
+  EXPECT_NEAR(figures.smallest_covers, 0.72, 0.005);
+  EXPECT_EQ(figures.survival.when_ended(0.5), 3602.42);
+  EXPECT_FALSE(figures.mean_bca);  // nine are too few
+}
+
+TEST(Autonomy, goes_with_the_tester_s_channel_more_than_with_the_cell) {
+  std::map<int, std::vector<double>> by_channel;
+  for (const Cell& cell : hg2())
+    if (cell.series == "fleet_first_run" && (cell.channel == 7 || cell.channel == 8))
+      by_channel[cell.channel].push_back(cell.seconds);
+  const auto channels = statistics::one_way({by_channel[7], by_channel[8]});
+  EXPECT_NEAR(channels->f, 404.0, 2.0);
+  EXPECT_LT(channels->p, 5e-5);
+  const auto difference = statistics::compare(by_channel[7], by_channel[8]);
+  EXPECT_NEAR(difference->difference, 55.0, 0.1);
+}
+
+TEST(Autonomy, does_not_count_a_vehicle_s_failure_as_a_battery_s_end) {
+  std::vector<BatteryRun> records = fleet();
+  records[5].stop = StopCause::fault;
+  records[5].autonomy_s = 2000.0;
+  records[8].stop = StopCause::lost;
+  records[8].autonomy_s = 3000.0;
+  const AutonomyFigures figures = analyse(records, 9);
+  EXPECT_EQ(figures.failed, 2U);
+  EXPECT_THAT(figures.method, HasSubstr("censored"));
+  double counted = 0.0;
+  for (const BatteryRun& record : records) counted += record.autonomy_s / 9.0;
+  EXPECT_LT(counted, 3390.0);
+  EXPECT_NEAR(figures.mean_s, 3593.0, 2.0);
+  EXPECT_TRUE(std::isnan(figures.each[5].autonomy_s));
+  EXPECT_EQ(figures.each[5].lasted_at_least_s, 2000.0);
+}
+
+TEST(Autonomy, of_repeated_runs_says_what_they_lose_each_time) {
+  std::vector<BatteryRun> records;
+  for (const Cell& cell : hg2()) {
+    if (cell.series != "same_cell_repeat") continue;
+    records.push_back(
+        record_of(static_cast<std::size_t>(cell.number) - 1, static_cast<std::size_t>(cell.run) - 1, cell.seconds));
+  }
+  const AutonomyFigures figures = analyse(records, 5);
+  ASSERT_TRUE(figures.trend);
+  EXPECT_NEAR(figures.trend->slope, -10.2, 0.4);
+  EXPECT_LT(figures.trend->p, 1e-6);
+  ASSERT_TRUE(figures.crossed);
+  EXPECT_TRUE(figures.crossed->confounded);  // each stayed on its tester channel
+  const AutonomyFigures one = analyse(std::span{records}.first(4), 1);
+  EXPECT_NEAR(one.trend->slope, -9.84, 0.02);
+  EXPECT_NEAR(one.trend->at_first, 3602.5, 0.5);
+  EXPECT_FALSE(one.mean_t);  // one battery tells nothing of others
+}
+
+TEST(Autonomy, of_nothing_or_of_failures_alone_claims_nothing) {
+  const AutonomyFigures none = analyse({}, 3);
+  EXPECT_TRUE(std::isnan(none.mean_s));
+  EXPECT_FALSE(none.mean_t || none.tolerance_low_s || none.next || none.censored || none.crossed);
+  const std::vector<BatteryRun> failed{record_of(0, 0, 100.0, StopCause::fault),
+                                       record_of(1, 0, 50.0, StopCause::lost)};
+  const AutonomyFigures lost = analyse(failed, 2);
+  EXPECT_EQ(lost.failed, 2U);
+  EXPECT_FALSE(lost.mean_t || lost.censored);
+  EXPECT_TRUE(lost.survival.steps.empty());
+  EXPECT_THAT(to_json(lost, failed, {}), HasSubstr("\"mean\":null"));
+}
+
+TEST(Autonomy, is_written_with_the_promised_keys) {
+  const std::vector<BatteryRun> records = fleet();
+  const AutonomyFigures figures = analyse(records, 9);
+  const auto json = JsonValue::parse(to_json(figures, records, {}));
+  ASSERT_TRUE(json);
+  const JsonValue* autonomy = json->find("autonomy_s");
+  ASSERT_NE(autonomy, nullptr);
+  EXPECT_NEAR(*autonomy->number("mean"), 3605.46, 0.01);
+  EXPECT_NEAR(*autonomy->number("sd"), 49.69, 0.01);
+  EXPECT_EQ(autonomy->find("ci95")->array()->size(), 2U);
+  ASSERT_EQ(json->find("batteries")->array()->size(), 9U);
+  EXPECT_EQ(json->find("batteries")->array()->front().text("id"), "HG2-1");
+  EXPECT_EQ(json->find("batteries")->array()->front().text("stop"), "floor");
+  EXPECT_THAT(to_text(figures, records), HasSubstr("HG2-1 is an outlier (Grubbs), kept"));
+}
+
+TEST(Autonomy, s_report_is_one_page_that_needs_nothing_else_and_escapes_what_it_is_given) {
+  std::vector<BatteryRun> records = fleet();
+  records[0].tag.id = "<script>";
+  for (int i = 0; i < 10; ++i)
+    records[0].curve.push_back(
+        {virtual_epoch + from_seconds(300.0 * i), 1.0 - 0.1 * i, 0.01, 4.0, 3.0, 25.0, 10.0 * i});
+  const std::string html =
+      report_html(analyse(records, 9), records, {}, {"HG2", "facts", "cite", "cosiva battery", "3 A", 0.2});
+  EXPECT_THAT(html, HasSubstr("1 h 00 min 05 s"));
+  EXPECT_THAT(html, HasSubstr("Kaplan and Meier"));
+  EXPECT_THAT(html, Not(HasSubstr("<script>")));
+  EXPECT_THAT(html, Not(HasSubstr("src=\"http")));
+  const std::string csv = to_csv(records);
+  EXPECT_THAT(csv, StartsWith("battery_id,run,vehicle,test_time_second,voltage_volt,current_ampere"));
+  EXPECT_THAT(csv, HasSubstr("<script>,1,AIV1,300.0,4.0000,-3.0000,25.00,90.000,10.00"));
+}
+
+TEST(Duration, is_told_as_people_say_it) {
+  EXPECT_EQ(duration_text(42.4), "42 s");
+  EXPECT_EQ(duration_text(3599.6), "1 h 00 min 00 s");
+  EXPECT_EQ(duration_text(125.0), "2 min 05 s");
+  EXPECT_EQ(duration_text(std::nan("")), "unknown");
+}
+
+}  // namespace
+}  // namespace cosiva::experiments

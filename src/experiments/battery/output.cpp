@@ -1,0 +1,185 @@
+// The figures as JSON, as text, and the curves as CSV.
+#include <array>
+#include <charconv>
+#include <cmath>
+
+#include "base/json_writer.h"
+#include "experiments/battery/analysis.h"
+
+namespace cosiva::experiments {
+namespace {
+
+void write(JsonWriter& json, std::string_view name, const std::optional<statistics::Interval>& interval) {
+  json.key(name);
+  if (!interval) {
+    json.null();
+    return;
+  }
+  json.begin_array().value(interval->low).value(interval->high).end_array();
+}
+
+void write(JsonWriter& json, std::string_view name, const std::optional<double>& value) {
+  json.key(name);
+  if (value)
+    json.value(*value);
+  else
+    json.null();
+}
+
+void write_survival(JsonWriter& json, const statistics::Survival& survival) {
+  json.key("survival").begin_object().field("restricted_mean_s", survival.restricted_mean);
+  json.field("restricted_to_s", survival.restricted_to);
+  write(json, "b10_s", survival.when_ended(0.1));
+  write(json, "median_s", survival.when_ended(0.5));
+  json.key("steps").begin_array();
+  for (const statistics::SurvivalStep& step : survival.steps) {
+    json.begin_object().field("at_s", step.at).field("share", step.share);
+    write(json, "band95", step.band);
+    json.end_object();
+  }
+  json.end_array().end_object();
+}
+
+void write_factor(JsonWriter& json, std::string_view name, const statistics::Factor& factor) {
+  json.key(name).begin_object().field("share", factor.share).field("sd_s", factor.sd).field("f", factor.f);
+  json.field("p", factor.p).end_object();
+}
+
+void write_effects(JsonWriter& json, const AutonomyFigures& figures) {
+  json.key("slope_per_run");
+  if (const auto& trend = figures.trend) {
+    json.begin_object().field("slope_s", trend->slope).field("p", trend->p).field("r_squared", trend->r_squared);
+    json.field("at_run_1_s", trend->at_first);
+    write(json, "at_run_1_ci95", trend->at_first_interval);
+    json.end_object();
+  } else {
+    json.null();
+  }
+  json.key("variance");
+  if (const auto& crossed = figures.crossed) {
+    json.begin_object().field("confounded", crossed->confounded);
+    write_factor(json, "battery", crossed->unit);
+    write_factor(json, "vehicle", crossed->carrier);
+    write_factor(json, "run", crossed->run);
+    json.key("noise").begin_object().field("share", crossed->noise_share).field("sd_s", crossed->noise_sd).end_object();
+    json.end_object();
+  } else {
+    json.null();
+  }
+}
+
+void write_run(JsonWriter& json, const BatteryRun& record, std::span<const TrueEnd> truth) {
+  json.begin_object().field("battery", record.battery + 1).field("id", record.tag.id).field("type", record.tag.type);
+  json.field("vehicle", "AIV" + std::to_string(record.vehicle + 1)).field("run", record.run + 1);
+  json.field("started", to_iso8601(record.started))
+      .field("stop", to_string(record.stop))
+      .field("ended", record.ended());
+  json.field("autonomy_s", record.autonomy_s).field("paused_s", record.paused_s).field("charge_ah", record.charge_ah);
+  json.field("energy_wh", record.energy_wh).field("distance_m", record.distance_m).field("cycles", record.tag.cycles);
+  json.field("rest_s", record.tag.rest_s).field("temperature_start_c", record.tag.temperature_c);
+  json.field("temperature_end_c", record.temperature_end_c).field("charge_start", record.tag.charge);
+  json.field("charge_end", record.charge_end).field("charge_end_sd", record.charge_end_sd);
+  json.field("voltage_end_v", record.voltage_end_v);
+  for (const TrueEnd& end : truth)
+    if (end.run == record.run && end.vehicle == record.vehicle) json.field("true_charge_end", end.charge);
+  json.end_object();
+}
+
+std::string short_text(double value, int digits) {
+  std::array<char, 40> buffer{};
+  const auto [end, error] =
+      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::fixed, digits);
+  return {buffer.data(), error == std::errc{} ? end : buffer.data()};
+}
+
+std::string span_text(const statistics::Interval& interval) {
+  return short_text(interval.low, 1) + " to " + short_text(interval.high, 1) + " s";
+}
+
+}  // namespace
+
+std::string chance_text(double p) { return p < 1e-4 ? "< 0.0001" : short_text(p, 4); }
+
+std::string to_json(const AutonomyFigures& figures, std::span<const BatteryRun> records,
+                    std::span<const TrueEnd> truth) {
+  JsonWriter json;
+  json.begin_object().key("autonomy_s").begin_object();
+  json.field("mean", figures.mean_s).field("sd", figures.sd_s);
+  write(json, "ci95", figures.mean_t);
+  write(json, "ci95_bca", figures.mean_bca);
+  json.field("method", figures.method).field("at", figures.at_s);
+  write(json, "sd_ci95", figures.sd_interval);
+  write(json, "tolerance_95_95_low", figures.tolerance_low_s);
+  json.field("smallest_covers", figures.smallest_covers);
+  write(json, "next_95", figures.next);
+  write(json, "normality_p", figures.normality_p);
+  json.end_object().field("n", figures.batteries).field("runs", figures.runs).field("failed", figures.failed);
+  json.field("cut_off", figures.cut_off).key("outlier");
+  if (figures.grubbs) {
+    json.begin_object().field("g", figures.grubbs->statistic).field("critical", figures.grubbs->critical);
+    json.field("is_outlier", figures.grubbs->is_outlier).end_object();
+  } else {
+    json.null();
+  }
+  write_survival(json, figures.survival);
+  write_effects(json, figures);
+  json.key("stopped_after");
+  if (figures.stopped_after)
+    json.value(*figures.stopped_after);
+  else
+    json.null();
+  json.key("batteries").begin_array();
+  for (const BatteryRun& record : records) write_run(json, record, truth);
+  return json.end_array().end_object().take();
+}
+
+std::string to_text(const AutonomyFigures& figures, std::span<const BatteryRun> records) {
+  std::string text = std::to_string(figures.batteries) + (figures.batteries == 1 ? " battery, " : " batteries, ") +
+                     std::to_string(records.size()) + " runs, " + std::to_string(figures.failed) + " failed\n";
+  for (const BatteryRun& record : records) {
+    text += "  run " + std::to_string(record.run + 1) + ", " + record.tag.id + " on AIV" +
+            std::to_string(record.vehicle + 1) + ": " + duration_text(record.autonomy_s) + " (" +
+            std::string(to_string(record.stop)) + "), " + short_text(record.charge_ah, 3) + " Ah, " +
+            short_text(record.energy_wh, 2) + " Wh, " + short_text(record.distance_m, 0) + " m\n";
+  }
+  text += "AT " + duration_text(figures.mean_s) + " (" + short_text(figures.mean_s, 1) + " s, " + figures.method + ")";
+  if (figures.mean_t) text += ", 95 % interval " + span_text(*figures.mean_t);
+  if (figures.mean_bca) text += ", BCa " + span_text(*figures.mean_bca);
+  if (figures.sd_interval)
+    text += "\nSD " + short_text(figures.sd_s, 1) + " s, at most " + short_text(figures.sd_interval->high, 1) + " s";
+  if (figures.tolerance_low_s)
+    text +=
+        "\n95 % of such batteries last " + duration_text(*figures.tolerance_low_s) + " or longer, with 95 % confidence";
+  if (figures.next) text += "\nthe next one: " + span_text(*figures.next);
+  for (const BatteryFigures& one : figures.each)
+    if (one.is_outlier) text += "\n" + one.id + " is an outlier (Grubbs), kept";
+  if (const auto& trend = figures.trend)
+    text += "\nslope " + short_text(trend->slope, 2) + " s per run (p " + chance_text(trend->p) + "), at run 1 " +
+            short_text(trend->at_first, 1) + " s";
+  if (const auto& crossed = figures.crossed) {
+    if (crossed->confounded)
+      text += "\neach battery stayed on its vehicle: which of the two makes the difference nobody can tell (--swap)";
+    else
+      text += "\nvariance: battery " + short_text(100.0 * crossed->unit.share, 0) + " %, vehicle " +
+              short_text(100.0 * crossed->carrier.share, 0) + " %, run " + short_text(100.0 * crossed->run.share, 0) +
+              " %, rest " + short_text(100.0 * crossed->noise_share, 0) + " %";
+  }
+  return text;
+}
+
+std::string to_csv(std::span<const BatteryRun> records) {
+  std::string csv =
+      "battery_id,run,vehicle,test_time_second,voltage_volt,current_ampere,temperature_t1_celsius,state_of_charge_"
+      "percent,distance_meter\n";
+  for (const BatteryRun& record : records) {
+    for (const BatterySample& sample : record.curve) {
+      csv += record.tag.id + "," + std::to_string(record.run + 1) + ",AIV" + std::to_string(record.vehicle + 1) + "," +
+             short_text(to_seconds(sample.at - record.started), 1) + "," + short_text(sample.voltage_v, 4) + "," +
+             short_text(-sample.current_a, 4) + "," + short_text(sample.temperature_c, 2) + "," +
+             short_text(100.0 * sample.charge, 3) + "," + short_text(sample.distance_m, 2) + "\n";
+    }
+  }
+  return csv;
+}
+
+}  // namespace cosiva::experiments

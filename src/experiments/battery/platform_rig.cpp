@@ -1,0 +1,219 @@
+#include "experiments/battery/platform_rig.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/json_writer.h"
+#include "base/random.h"
+#include "experiments/world/fleet.h"
+#include "wire/own_messages.h"
+#include "wire/topics.h"
+
+namespace cosiva::experiments {
+namespace {
+
+constexpr SimDuration half_a_second = std::chrono::milliseconds{500};
+/// A report of before the battery was changed may still be under way.
+constexpr SimDuration settle = std::chrono::seconds{2};
+
+std::string name_of(std::size_t vehicle) { return "AIV" + std::to_string(vehicle + 1); }
+
+std::string server_command(const char* command, const std::string& vehicle) {
+  JsonWriter json;
+  json.begin_object().field("command", command).field("vehicle", vehicle).end_object();
+  return json.take();
+}
+
+}  // namespace
+
+struct PlatformRig::Inside {
+  struct Seat {
+    std::optional<ProcedureCommand> change;  ///< asked for, not yet reported ready
+    SimTime changed{};
+    std::optional<wire::BoardsReport> report;  ///< the last, with when it was heard
+    SimTime heard{};
+    bool fresh{false};
+    double cycles{0.0};
+    TrueEnd truth{};
+  };
+
+  VirtualRigOptions options;
+  std::unique_ptr<World> world;
+  Procedure procedure;
+  std::vector<Seat> seats;
+  std::vector<double> cycles;  ///< by battery: what it went through before its present run
+  std::vector<TrueEnd> ends;
+  std::vector<std::string> words;
+  SimTime began{};
+
+  Inside(std::unique_ptr<World> w, VirtualRigOptions o)
+      : options{std::move(o)},
+        world{std::move(w)},
+        procedure{options.procedure},
+        seats(options.procedure.vehicles),
+        cycles(options.procedure.vehicles, 0.0) {}
+
+  void listen() {
+    world->tap([this](SimTime at, const std::string& /*from*/, const wire::Publish& message) {
+      const auto vehicle = wire::parse_own_topic(wire::boards_topic_prefix, message.topic);
+      if (!vehicle) return;
+      for (std::size_t v = 0; v < seats.size(); ++v) {
+        if (vehicle->serial_number != name_of(v)) continue;
+        auto report = wire::boards_report_from_json(message.payload);
+        if (!report || !report->power) return;
+        seats[v].report = std::move(*report);
+        seats[v].heard = at;
+        seats[v].fresh = true;
+      }
+    });
+  }
+
+  void spread_loads() {
+    for (std::size_t v = 0; v < seats.size(); ++v) {
+      Random random{options.seed, "battery/cart/" + std::to_string(v)};
+      JsonWriter json;
+      json.begin_object().key("setLoad").begin_object().field("vehicle", v + 1);
+      json.field("factor", std::max(0.5, 1.0 + random.gaussian(0.0, options.load_sd))).end_object().end_object();
+      world->command_plant(json.take());
+    }
+  }
+
+  [[nodiscard]] std::string id_of(std::size_t battery) const {
+    return options.battery.type.name + "-" + std::to_string(battery + 1);
+  }
+
+  /// @param battery  none: a service battery, of the carts' own kind
+  void put_in(std::size_t v, std::optional<std::size_t> battery) {
+    JsonWriter json;
+    json.begin_object().key("changeBattery").begin_object().field("vehicle", v + 1);
+    if (battery) {
+      const BatteryUnderTest& kind = options.battery;
+      json.field("id", id_of(*battery)).field("type", battery::to_json(kind.type)).field("series", kind.design.series);
+      json.field("parallel", kind.design.parallel).field("scale", kind.design.scale).field("spread", kind.spread);
+      json.field("seed", options.seed * 1000 + *battery).field("cycles", cycles[*battery]);
+      json.field("gauge", battery::to_string(kind.gauge)).field("temperature", kind.ambient_c);
+    } else {
+      json.field("id", "service").field("scale", 1000.0);
+    }
+    json.end_object().end_object();
+    world->command_plant(json.take());
+  }
+
+  void obey(const ProcedureCommands& commands) {
+    for (const ProcedureCommand& command : commands) {
+      using Kind = ProcedureCommand::Kind;
+      const std::string vehicle = "CoSiVA/" + name_of(command.vehicle);
+      switch (command.kind) {
+        case Kind::change_battery:
+          seats[command.vehicle].change = command;
+          seats[command.vehicle].changed = {};
+          break;
+        case Kind::tell_operator: words.push_back(command.text); break;
+        case Kind::run:
+          seats[command.vehicle].truth = {
+              procedure.run(), command.vehicle, to_seconds(world->now() - began), 1.0, 0.0, {}, {}};
+          world->command_server(server_command("restart", vehicle));
+          break;
+        case Kind::pause: world->command_server(server_command("stop", vehicle)); break;
+        case Kind::resume: world->command_server(server_command("restart", vehicle)); break;
+        case Kind::stop: end(command.vehicle); break;
+      }
+    }
+  }
+
+  /// Its test is over: with a service battery it goes on as traffic.
+  void end(std::size_t v) {
+    Seat& seat = seats[v];
+    const auto vehicles = world->plant().vehicles();
+    seat.truth.charge = vehicles[v].charge;
+    ends.push_back(seat.truth);
+    // A full cycle less what is left; the plant's own battery is put away with its state.
+    cycles[procedure.battery_of(seat.truth.run, v)] += 1.0 - vehicles[v].charge;
+    put_in(v, std::nullopt);
+    world->command_server(server_command("restart", "CoSiVA/" + name_of(v)));
+  }
+
+  /// Vehicles whose battery is to be changed stop, all of them together; then the batteries go in.
+  void change_batteries() {
+    for (std::size_t v = 0; v < seats.size(); ++v) {
+      Seat& seat = seats[v];
+      if (!seat.change) continue;
+      if (seat.changed == SimTime{}) {
+        world->command_server(server_command("stop", "CoSiVA/" + name_of(v)));
+        put_in(v, seat.change->battery);
+        seat.changed = world->now();
+        continue;
+      }
+      if (!seat.fresh || seat.heard < seat.changed + settle) continue;
+      const std::size_t battery = seat.change->battery;
+      const wire::Power& power = *seat.report->power;
+      seat.change.reset();
+      obey(procedure.on_ready(world->now(), v,
+                              {id_of(battery), options.battery.type.name, cycles[battery], to_seconds(options.service),
+                               0.1 * power.temperature_01C, power.charge()}));
+    }
+  }
+
+  void step() {
+    world->run_for(half_a_second);
+    change_batteries();
+    const auto vehicles = world->plant().vehicles();
+    const SimTime now = world->now();
+    for (std::size_t v = 0; v < seats.size(); ++v) {
+      Seat& seat = seats[v];
+      if (!procedure.running(v)) continue;
+      note_truth(seat, vehicles[v].charge, to_seconds(now - began) - seat.truth.started_s);
+      if (std::exchange(seat.fresh, false)) {
+        const wire::Power& power = *seat.report->power;
+        obey(procedure.on_sample(v, {seat.heard, power.charge(), power.gauge ? 1e-4 * power.gauge->charge_sd_01 : 0.0,
+                                     0.001 * power.voltage_mv, 0.001 * power.current_ma, 0.1 * power.temperature_01C,
+                                     vehicles[v].distance_m}));
+      }
+      if (procedure.running(v) && vehicles[v].power.cut_off) obey(procedure.on_stop(now, v, StopCause::cut_off));
+    }
+    obey(procedure.tick(now));
+  }
+
+  void note_truth(Seat& seat, double charge, double at_s) const {
+    const double every_s = to_seconds(options.procedure.curve_every);
+    if (!seat.truth.curve_s.empty() && at_s - seat.truth.curve_s.back() < every_s - 1e-6) return;
+    seat.truth.curve_s.push_back(at_s);
+    seat.truth.curve_charge.push_back(charge);
+  }
+};
+
+PlatformRig::PlatformRig(std::unique_ptr<Inside> inside) : inside_{std::move(inside)} {}
+PlatformRig::~PlatformRig() = default;
+PlatformRig::PlatformRig(PlatformRig&&) noexcept = default;
+PlatformRig& PlatformRig::operator=(PlatformRig&&) noexcept = default;
+
+Result<PlatformRig> PlatformRig::make(WorldOptions world_options, VirtualRigOptions options) {
+  const std::uint32_t aivs = world_options.aivs;
+  auto world = World::make(std::move(world_options));
+  if (!world) return tl::unexpected(world.error());
+  const SimTime latest = (*world)->now() + std::chrono::minutes{2};
+  while (!fleet_is_complete((*world)->server(), aivs)) {
+    if ((*world)->now() > latest) return fail("battery.fleet", "the fleet was not complete within two minutes");
+    (*world)->run_for(half_a_second);
+  }
+  PlatformRig rig{std::make_unique<Inside>(std::move(*world), std::move(options))};
+  Inside& in = *rig.inside_;
+  in.began = in.world->now();
+  in.listen();
+  in.spread_loads();
+  in.obey(in.procedure.start(in.world->now()));
+  return rig;
+}
+
+void PlatformRig::step() {
+  if (!done()) inside_->step();
+}
+bool PlatformRig::done() const { return inside_->procedure.done(); }
+SimTime PlatformRig::now() const { return inside_->world->now(); }
+const Procedure& PlatformRig::procedure() const { return inside_->procedure; }
+const std::vector<TrueEnd>& PlatformRig::truth() const { return inside_->ends; }
+std::vector<std::string> PlatformRig::take_words() { return std::exchange(inside_->words, {}); }
+World& PlatformRig::world() { return *inside_->world; }
+
+}  // namespace cosiva::experiments

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "experiments/battery/procedure.h"
+#include "experiments/battery/virtual_rig.h"
+#include "experiments/world/world.h"
+
+namespace cosiva::experiments {
+
+/// A test with the whole platform in the loop, in virtual time: the vehicles drive on the circuit to the end, and what
+/// the procedure hears is what they publish (their boards' reports, twice a second). Who has
+/// ended gets a service battery at once and goes on as traffic: it blocks nobody, and the others' load stays what
+/// it was. Same options, same bits.
+class PlatformRig {
+ public:
+  /// Fails where the world cannot be made, or its fleet is not complete in two minutes.
+  [[nodiscard]] static Result<PlatformRig> make(WorldOptions world, VirtualRigOptions options);
+  ~PlatformRig();
+  PlatformRig(PlatformRig&&) noexcept;
+  PlatformRig& operator=(PlatformRig&&) noexcept;
+
+  void step();  ///< half a second
+  [[nodiscard]] bool done() const;
+  [[nodiscard]] SimTime now() const;
+  [[nodiscard]] const Procedure& procedure() const;
+  [[nodiscard]] const std::vector<TrueEnd>& truth() const;
+  [[nodiscard]] std::vector<std::string> take_words();
+  /// For those who do something to it: kill a vehicle, let messages be lost.
+  [[nodiscard]] World& world();
+
+ private:
+  struct Inside;
+  explicit PlatformRig(std::unique_ptr<Inside> inside);
+  std::unique_ptr<Inside> inside_;
+};
+
+}  // namespace cosiva::experiments

@@ -1,0 +1,133 @@
+#include "experiments/battery/platform_rig.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "experiments/battery/analysis.h"
+
+namespace cosiva::experiments {
+namespace {
+
+using namespace std::chrono_literals;
+
+WorldOptions lacet4(std::uint32_t aivs) {
+  std::ifstream file{COSIVA_SOURCE_DIR "/zones/lacet4.toml"};
+  WorldOptions options;
+  options.zone = {"toml", "lacet4.toml", {std::istreambuf_iterator<char>{file}, {}}};
+  options.aivs = aivs;
+  options.seed = 3;
+  return options;
+}
+
+/// Batteries that last some minutes.
+VirtualRigOptions small(std::size_t vehicles, std::size_t runs = 1) {
+  VirtualRigOptions options;
+  options.procedure.vehicles = vehicles;
+  options.procedure.runs = runs;
+  options.procedure.floor = 0.5;
+  options.procedure.temperature_max_c = 60.0;
+  options.battery.type = *battery::shipped_type("lipo850");
+  options.battery.design = {2, 1, 0.25};
+  options.battery.gauge = battery::GaugeMethod::counter;
+  options.seed = 3;
+  return options;
+}
+
+PlatformRig started(const WorldOptions& world, const VirtualRigOptions& options) {
+  auto rig = PlatformRig::make(world, options);
+  EXPECT_TRUE(rig) << (rig ? "" : to_string(rig.error()));
+  return std::move(*rig);
+}
+
+void run_to_the_end(PlatformRig& rig) {
+  for (int i = 0; i < 20'000 && !rig.done(); ++i) rig.step();
+  ASSERT_TRUE(rig.done());
+}
+
+TEST(PlatformRig, runs_a_fleet_on_the_circuit_until_each_has_reached_its_floor) {
+  PlatformRig rig = started(lacet4(4), small(4));
+  run_to_the_end(rig);
+  const auto& records = rig.procedure().records();
+  ASSERT_EQ(records.size(), 4U);
+  for (const BatteryRun& run : records) {
+    EXPECT_EQ(run.stop, StopCause::floor);
+    EXPECT_GT(run.distance_m, 20.0);
+    EXPECT_NEAR(run.charge_end, 0.5, 1e-3);
+    // What its monitor counted is half of the nominal capacity, to the report's tenth of a percent.
+    EXPECT_NEAR(run.charge_ah, 0.5 * 0.2125, 0.02 * 0.2125);
+    EXPECT_EQ(run.started, records.front().started);
+  }
+  // They drove together to the end, and nobody touched anybody.
+  EXPECT_TRUE(rig.world().plant().collisions().empty());
+  ASSERT_EQ(rig.truth().size(), 4U);
+  for (const TrueEnd& end : rig.truth()) EXPECT_NEAR(end.charge, 0.5, 0.05);
+}
+
+TEST(PlatformRig, agrees_with_the_loads_that_it_measures_itself) {
+  PlatformRig whole = started(lacet4(4), small(4));
+  run_to_the_end(whole);
+  auto loads = measure_loads(lacet4(4), 10s, 120s);
+  ASSERT_TRUE(loads);
+  VirtualRig repeated{small(4), std::move(*loads)};
+  while (!repeated.done()) repeated.step();
+  const double on_the_circuit_s = analyse(whole.procedure().records(), 4).at_s;
+  const double by_its_load_s = analyse(repeated.procedure().records(), 4).at_s;
+  EXPECT_NEAR(by_its_load_s, on_the_circuit_s, 0.02 * on_the_circuit_s);
+}
+
+TEST(PlatformRig, takes_a_vehicle_that_dies_for_lost_and_not_for_empty) {
+  PlatformRig rig = started(lacet4(3), small(3));
+  while (rig.procedure().progress(rig.now()).share < 0.3) rig.step();
+  rig.world().kill_aiv(2);
+  run_to_the_end(rig);
+  const AutonomyFigures figures = analyse(rig.procedure().records(), 3);
+  EXPECT_EQ(figures.failed, 1U);
+  EXPECT_THAT(figures.method, ::testing::HasSubstr("censored"));
+  for (const BatteryRun& run : rig.procedure().records())
+    EXPECT_EQ(run.stop, run.vehicle == 1 ? StopCause::lost : StopCause::floor);
+}
+
+TEST(PlatformRig, outlives_its_server_and_a_vehicle_that_comes_back) {
+  PlatformRig rig = started(lacet4(3), small(3));
+  while (rig.procedure().progress(rig.now()).share < 0.3) rig.step();
+  rig.world().kill_server();
+  for (int i = 0; i < 20; ++i) rig.step();
+  rig.world().start_server();
+  rig.world().kill_aiv(1);
+  for (int i = 0; i < 20; ++i) rig.step();
+  rig.world().start_aiv(1);
+  run_to_the_end(rig);
+  EXPECT_EQ(analyse(rig.procedure().records(), 3).failed, 0U);
+}
+
+TEST(PlatformRig, cut_off_by_a_cell_at_its_floor_says_so) {
+  VirtualRigOptions options = small(2);
+  options.procedure.floor = 0.0;
+  PlatformRig rig = started(lacet4(2), options);
+  run_to_the_end(rig);
+  for (const BatteryRun& run : rig.procedure().records()) {
+    EXPECT_EQ(run.stop, StopCause::cut_off);
+    EXPECT_TRUE(run.ended());
+  }
+}
+
+TEST(PlatformRig, swaps_batteries_between_runs) {
+  VirtualRigOptions options = small(2, 2);
+  options.procedure.swap = true;
+  options.procedure.floor = 0.8;
+  PlatformRig rig = started(lacet4(2), options);
+  run_to_the_end(rig);
+  ASSERT_EQ(rig.procedure().records().size(), 4U);
+  for (const BatteryRun& run : rig.procedure().records())
+    EXPECT_EQ(run.battery, rig.procedure().battery_of(run.run, run.vehicle));
+  EXPECT_GT(rig.procedure().records().back().tag.cycles, 0.1);
+}
+
+}  // namespace
+}  // namespace cosiva::experiments

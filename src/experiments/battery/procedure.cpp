@@ -1,0 +1,252 @@
+#include "experiments/battery/procedure.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "base/expect.h"
+#include "experiments/statistics/effects.h"
+
+namespace cosiva::experiments {
+namespace {
+
+using Kind = ProcedureCommand::Kind;
+
+std::string vehicle_name(std::size_t vehicle) { return "AIV" + std::to_string(vehicle + 1); }
+std::string percent(double share) { return std::to_string(static_cast<int>(std::lround(100.0 * share))) + " %"; }
+
+/// Who carries what: the square says which vehicle each battery is on, here it is asked the other way round.
+std::vector<std::vector<std::size_t>> plan(const ProcedureOptions& options) {
+  std::vector<std::vector<std::size_t>> batteries(options.runs, std::vector<std::size_t>(options.vehicles));
+  const auto square = statistics::latin_square(options.vehicles);
+  for (std::size_t run = 0; run < options.runs; ++run) {
+    for (std::size_t battery = 0; battery < options.vehicles; ++battery) {
+      const std::size_t vehicle = options.swap ? square[run % options.vehicles][battery] : battery;
+      batteries[run][vehicle] = battery;
+    }
+  }
+  return batteries;
+}
+
+/// Between two samples, by time.
+BatterySample between(const BatterySample& a, const BatterySample& b, double share) {
+  const auto mix = [share](double from, double to) { return from + share * (to - from); };
+  return {a.at + from_seconds(share * to_seconds(b.at - a.at)),
+          mix(a.charge, b.charge),
+          mix(a.charge_sd, b.charge_sd),
+          mix(a.voltage_v, b.voltage_v),
+          mix(a.current_a, b.current_a),
+          mix(a.temperature_c, b.temperature_c),
+          mix(a.distance_m, b.distance_m)};
+}
+
+}  // namespace
+
+std::string_view to_string(StopCause cause) {
+  constexpr std::array<std::string_view, 5> words{"floor", "cut-off", "fault", "operator", "lost"};
+  return words[static_cast<std::size_t>(cause)];
+}
+
+std::optional<StopCause> parse_stop(std::string_view word) {
+  for (const StopCause cause :
+       {StopCause::floor, StopCause::cut_off, StopCause::fault, StopCause::operator_stop, StopCause::lost})
+    if (to_string(cause) == word) return cause;
+  return std::nullopt;
+}
+
+Procedure::Procedure(ProcedureOptions options)
+    : options_{options}, batteries_{plan(options)}, seats_(options.vehicles) {
+  COSIVA_EXPECT(options_.vehicles > 0 && options_.runs > 0 && options_.floor >= 0.0 && options_.floor < 1.0);
+}
+
+std::size_t Procedure::battery_of(std::size_t run, std::size_t vehicle) const { return batteries_[run][vehicle]; }
+
+ProcedureCommands Procedure::start(SimTime /*now*/) { return ask_for_batteries(); }
+
+ProcedureCommands Procedure::ask_for_batteries() {
+  ProcedureCommands commands;
+  for (std::size_t v = 0; v < seats_.size(); ++v) {
+    seats_[v] = {};
+    const std::size_t battery = battery_of(run_, v);
+    commands.push_back({Kind::change_battery, v, battery, {}});
+    commands.push_back({Kind::tell_operator, v, battery,
+                        "run " + std::to_string(run_ + 1) + ": put battery " + std::to_string(battery + 1) +
+                            ", full, into " + vehicle_name(v)});
+  }
+  return commands;
+}
+
+ProcedureCommands Procedure::on_ready(SimTime now, std::size_t vehicle, const BatteryTag& tag) {
+  COSIVA_EXPECT(vehicle < seats_.size());
+  Seat& seat = seats_[vehicle];
+  if (done() || seat.phase != Phase::changing) return {};
+  const std::size_t battery = battery_of(run_, vehicle);
+  std::string why;
+  if (!(tag.charge >= options_.full_min)) why = "it is not full: " + percent(tag.charge);
+  if (!(tag.temperature_c >= options_.temperature_min_c && tag.temperature_c <= options_.temperature_max_c))
+    why = "its temperature is out of the band: " + std::to_string(std::lround(tag.temperature_c)) + " °C";
+  // A battery that was tested under another number before would count as two, and two under one number as one.
+  for (const BatteryRun& record : records_) {
+    if (record.battery == battery && record.tag.id != tag.id && why.empty())
+      why = "battery " + std::to_string(battery + 1) + " was '" + record.tag.id + "', this is '" + tag.id + "'";
+  }
+  for (const BatteryRun& record : records_) {
+    if (record.tag.id == tag.id && record.battery != battery)
+      why = "'" + tag.id + "' is battery " + std::to_string(record.battery + 1) + ", asked for was " +
+            std::to_string(battery + 1);
+  }
+  if (!why.empty()) {
+    return {{Kind::change_battery, vehicle, battery, {}},
+            {Kind::tell_operator, vehicle, battery, vehicle_name(vehicle) + " may not run: " + why}};
+  }
+  seat.phase = Phase::ready;
+  seat.record.run = run_;
+  seat.record.vehicle = vehicle;
+  seat.record.battery = battery;
+  seat.record.tag = tag;
+  if (std::ranges::any_of(seats_, [](const Seat& one) { return one.phase == Phase::changing; })) return {};
+  // The last is ready: all together.
+  ProcedureCommands commands;
+  for (std::size_t v = 0; v < seats_.size(); ++v) {
+    seats_[v].phase = Phase::running;
+    seats_[v].record.started = now;
+    seats_[v].heard = now;
+    commands.push_back({Kind::run, v});
+  }
+  return commands;
+}
+
+void Procedure::book(Seat& seat, const BatterySample& sample) const {
+  seat.heard = sample.at;
+  if (!seat.last) {
+    seat.first_distance_m = sample.distance_m;
+  } else {
+    const double hours = to_seconds(sample.at - seat.last->at) / 3600.0;
+    seat.record.charge_ah += 0.5 * (seat.last->current_a + sample.current_a) * hours;
+    seat.record.energy_wh +=
+        0.5 * (seat.last->current_a * seat.last->voltage_v + sample.current_a * sample.voltage_v) * hours;
+    if (!seat.pause_began) seat.ran_since_pause += sample.at - seat.last->at;
+  }
+  if (seat.record.curve.empty() || sample.at - seat.record.curve.back().at >= options_.curve_every)
+    seat.record.curve.push_back(sample);
+}
+
+/// What the record says when the run ended with this sample.
+void Procedure::note_end(const Seat& seat, const BatterySample& sample, BatteryRun& record) const {
+  SimDuration paused = seat.paused;
+  if (seat.pause_began) paused += sample.at - *seat.pause_began;
+  record.paused_s = to_seconds(paused);
+  record.autonomy_s = to_seconds(sample.at - record.started - paused);
+  record.distance_m = sample.distance_m - seat.first_distance_m;
+  record.charge_end = sample.charge;
+  record.charge_end_sd = sample.charge_sd;
+  record.voltage_end_v = sample.voltage_v;
+  record.temperature_end_c = sample.temperature_c;
+}
+
+ProcedureCommands Procedure::on_sample(std::size_t vehicle, const BatterySample& sample) {
+  COSIVA_EXPECT(vehicle < seats_.size());
+  Seat& seat = seats_[vehicle];
+  if (seat.phase != Phase::running || sample.at < seat.record.started) return {};
+  if (seat.last && sample.at <= seat.last->at) return {};  // late or twice
+  const double before_ah = seat.record.charge_ah;
+  const double before_wh = seat.record.energy_wh;
+  book(seat, sample);
+  if (sample.charge >= options_.floor) {
+    seat.crossing.reset();
+  } else if (!seat.crossing) {
+    // When it crossed, between two samples by their time stamps, and what had been taken by then.
+    const BatterySample last = seat.last.value_or(sample);
+    const double share = last.charge > sample.charge && last.charge >= options_.floor
+                             ? (last.charge - options_.floor) / (last.charge - sample.charge)
+                             : 1.0;
+    const BatterySample at = between(last, sample, share);
+    seat.crossing = Crossing{at.at, seat.record};
+    BatteryRun& record = seat.crossing->record;
+    record.charge_ah = before_ah + share * (record.charge_ah - before_ah);
+    record.energy_wh = before_wh + share * (record.energy_wh - before_wh);
+    note_end(seat, at, record);
+    record.curve.push_back(at);
+  }
+  seat.last = sample;
+  if (seat.crossing && sample.at - seat.crossing->at >= options_.hold) {
+    return finish(vehicle, std::move(seat.crossing->record), StopCause::floor);
+  }
+  return pauses(sample.at, vehicle);
+}
+
+ProcedureCommands Procedure::on_stop(SimTime now, std::size_t vehicle, StopCause cause) {
+  COSIVA_EXPECT(vehicle < seats_.size());
+  Seat& seat = seats_[vehicle];
+  if (seat.phase != Phase::running) return {};
+  // Below the floor already, if not for long enough yet: whatever came then, the battery was first.
+  if (seat.crossing) {
+    return finish(vehicle, std::move(seat.crossing->record), StopCause::floor);
+  }
+  BatterySample end = seat.last.value_or(BatterySample{});
+  // Who says so itself was running until now; who is lost, until it was last heard.
+  end.at = cause == StopCause::lost ? seat.heard : now;
+  BatteryRun record = seat.record;
+  note_end(seat, end, record);
+  if (seat.last) record.curve.push_back(end);
+  return finish(vehicle, std::move(record), cause);
+}
+
+ProcedureCommands Procedure::finish(std::size_t vehicle, BatteryRun record, StopCause cause) {
+  seats_[vehicle] = {};
+  seats_[vehicle].phase = Phase::ended;
+  records_.push_back(std::move(record));
+  records_.back().stop = cause;
+  ProcedureCommands commands{{Kind::stop, vehicle}};
+  if (std::ranges::any_of(seats_, [](const Seat& one) { return one.phase != Phase::ended; })) return commands;
+  ++run_;
+  if (done()) return commands;
+  for (ProcedureCommand& command : ask_for_batteries()) commands.push_back(std::move(command));
+  return commands;
+}
+
+ProcedureCommands Procedure::pauses(SimTime now, std::size_t vehicle) {
+  Seat& seat = seats_[vehicle];
+  if (options_.pause_every <= SimDuration::zero() || options_.pause_for <= SimDuration::zero()) return {};
+  if (seat.pause_began) {
+    if (now - *seat.pause_began < options_.pause_for) return {};
+    seat.paused += now - *seat.pause_began;
+    seat.pause_began.reset();
+    seat.ran_since_pause = {};
+    return {{Kind::resume, vehicle}};
+  }
+  if (seat.ran_since_pause < options_.pause_every) return {};
+  seat.pause_began = now;
+  return {{Kind::pause, vehicle}};
+}
+
+ProcedureCommands Procedure::tick(SimTime now) {
+  ProcedureCommands commands;
+  for (std::size_t v = 0; v < seats_.size() && !done(); ++v) {
+    if (seats_[v].phase != Phase::running || now - seats_[v].heard < options_.lost_after) continue;
+    for (ProcedureCommand& command : on_stop(now, v, StopCause::lost)) commands.push_back(std::move(command));
+  }
+  return commands;
+}
+
+Procedure::Progress Procedure::progress(SimTime now) const {
+  double share = 0.0;
+  SimTime last = now;
+  bool known = true;
+  for (const Seat& seat : seats_) {
+    if (seat.phase == Phase::ended) share += 1.0;
+    if (seat.phase == Phase::changing || seat.phase == Phase::ready) known = false;
+    if (seat.phase != Phase::running) continue;
+    const double from = seat.record.tag.charge;
+    const double at = seat.last ? seat.last->charge : from;
+    const double gone = std::clamp((from - at) / std::max(1e-9, from - options_.floor), 0.0, 1.0);
+    share += gone;
+    known = known && gone > 0.01;
+    if (gone > 0.01)
+      last = std::max(last, seat.record.started + from_seconds(to_seconds(now - seat.record.started) / gone));
+  }
+  return {share / static_cast<double>(seats_.size()), known ? std::optional{last} : std::nullopt};
+}
+
+}  // namespace cosiva::experiments

@@ -1,0 +1,192 @@
+// The report: a maker's one-page statement first, then what it rests on.
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "experiments/battery/analysis.h"
+#include "experiments/report/chart.h"
+#include "experiments/report/report.h"
+
+namespace cosiva::experiments {
+namespace {
+
+constexpr std::size_t curves_max = 6;
+
+std::string seconds_text(double seconds) { return duration_text(seconds) + " (" + readable(seconds, 0) + " s)"; }
+std::string range_text(const std::optional<statistics::Interval>& interval) {
+  return interval ? seconds_text(interval->low) + " to " + seconds_text(interval->high)
+                  : std::string("needs two batteries");
+}
+
+/// Curves of the first run, one line each.
+template <typename X, typename Y>
+std::string curves(std::span<const BatteryRun> records, const char* x_label, const char* y_label, const X& x,
+                   const Y& y) {
+  Chart chart{{x_label, {}, {}}, {y_label, {}, {}}, {}};
+  for (const BatteryRun& record : records) {
+    if (record.run != 0 || chart.series.size() == curves_max) continue;
+    Series series{record.tag.id, {}, {}, Series::Form::line};
+    double used_ah = 0.0;
+    for (std::size_t i = 0; i < record.curve.size(); ++i) {
+      const BatterySample& sample = record.curve[i];
+      if (i > 0)
+        used_ah += 0.5 * (record.curve[i - 1].current_a + sample.current_a) *
+                   to_seconds(sample.at - record.curve[i - 1].at) / 3600.0;
+      series.x.push_back(x(record, sample, used_ah));
+      series.y.push_back(y(sample));
+    }
+    chart.series.push_back(std::move(series));
+  }
+  return to_svg(chart);
+}
+
+double hours_of(const BatteryRun& record, const BatterySample& sample, double /*used_ah*/) {
+  return to_seconds(sample.at - record.started) / 3600.0;
+}
+
+std::string survival_svg(const statistics::Survival& survival) {
+  Chart chart{{"autonomy [h]", {}, {}}, {"still running [%]", 0.0, 100.0}, {}};
+  Series share{"share", {0.0}, {100.0}, Series::Form::steps};
+  Series low{"95 % band, low", {0.0}, {100.0}, Series::Form::steps};
+  Series high{"95 % band, high", {0.0}, {100.0}, Series::Form::steps};
+  for (const statistics::SurvivalStep& step : survival.steps) {
+    for (Series* series : {&share, &low, &high}) series->x.push_back(step.at / 3600.0);
+    share.y.push_back(100.0 * step.share);
+    low.y.push_back(100.0 * step.band.low);
+    high.y.push_back(100.0 * step.band.high);
+  }
+  chart.series = {share, low, high};
+  return to_svg(chart);
+}
+
+/// Gauge less truth, at the record's samples; the truth is interpolated to their times.
+std::string gauge_svg(std::span<const BatteryRun> records, std::span<const TrueEnd> truth) {
+  Chart chart{{"time [h]", {}, {}}, {"gauge − truth [percent]", {}, {}}, {}};
+  for (const TrueEnd& end : truth) {
+    if (end.run != 0 || chart.series.size() == curves_max) continue;
+    for (const BatteryRun& record : records) {
+      if (record.run != end.run || record.vehicle != end.vehicle) continue;
+      Series series{record.tag.id, {}, {}, Series::Form::line};
+      std::size_t k = 0;
+      for (const BatterySample& sample : record.curve) {
+        const double at_s = to_seconds(sample.at - record.started);
+        while (k + 1 < end.curve_s.size() && end.curve_s[k + 1] <= at_s) ++k;
+        if (k + 1 >= end.curve_s.size()) break;
+        const double t = (at_s - end.curve_s[k]) / (end.curve_s[k + 1] - end.curve_s[k]);
+        const double charge = end.curve_charge[k] + t * (end.curve_charge[k + 1] - end.curve_charge[k]);
+        series.x.push_back(at_s / 3600.0);
+        series.y.push_back(100.0 * (sample.charge - charge));
+      }
+      chart.series.push_back(std::move(series));
+    }
+  }
+  return to_svg(chart);
+}
+
+void add_statement(Report& report, const AutonomyFigures& figures, const ReportFacts& facts) {
+  report.heading("Statement");
+  report.facts({{duration_text(figures.mean_s), "mean autonomy, AT"},
+                {figures.tolerance_low_s ? duration_text(*figures.tolerance_low_s) : "–",
+                 "95 % last longer, with 95 % confidence"},
+                {std::to_string(figures.batteries), figures.batteries == 1 ? "battery" : "batteries"},
+                {std::to_string(figures.failed), "runs failed", figures.failed > 0}});
+  std::vector<std::vector<std::string>> rows{{"Battery type", facts.type},
+                                             {"Data of the type", facts.source},
+                                             {"Licence of the data", facts.licence},
+                                             {"Load", facts.load},
+                                             {"Floor", readable(100.0 * facts.floor, 1) + " % by the gauge, for 3 s"},
+                                             {"Mean autonomy", seconds_text(figures.mean_s) + ", " + figures.method},
+                                             {"95 % interval of the mean, Student", range_text(figures.mean_t)}};
+  if (figures.mean_bca) rows.push_back({"95 % interval of the mean, BCa bootstrap", range_text(figures.mean_bca)});
+  if (figures.sd_interval)
+    rows.push_back({"Standard deviation, and its upper bound",
+                    seconds_text(figures.sd_s) + "; " + seconds_text(figures.sd_interval->high)});
+  rows.push_back({"The next single battery, 95 %", range_text(figures.next)});
+  rows.push_back({"Above the smallest, whatever the distribution",
+                  readable(100.0 * figures.smallest_covers, 0) + " % with 95 % confidence"});
+  if (const auto b10 = figures.survival.when_ended(0.1))
+    rows.push_back({"B10: one in ten has ended", seconds_text(*b10)});
+  if (figures.trend)
+    rows.push_back({"Drift per run", readable(figures.trend->slope, 2) + " s, p " + chance_text(figures.trend->p) +
+                                         "; at run 1 " + seconds_text(figures.trend->at_first)});
+  if (figures.normality_p) rows.push_back({"Normality (Anderson–Darling), p", readable(*figures.normality_p, 3)});
+  report.table({"what", "figure"}, rows);
+}
+
+void add_records(Report& report, const AutonomyFigures& figures, std::span<const BatteryRun> records,
+                 std::span<const TrueEnd> truth) {
+  report.heading("Runs");
+  std::vector<std::vector<std::string>> rows;
+  for (const BatteryRun& record : records) {
+    const BatteryFigures& own = figures.each[record.battery];
+    std::string true_end = "–";
+    for (const TrueEnd& end : truth)
+      if (end.run == record.run && end.vehicle == record.vehicle) true_end = readable(100.0 * end.charge, 2);
+    rows.push_back({record.tag.id + (own.is_outlier ? " (outlier, kept)" : ""), std::to_string(record.run + 1),
+                    "AIV" + std::to_string(record.vehicle + 1), readable(record.autonomy_s, 1),
+                    std::string(to_string(record.stop)), readable(record.charge_ah, 3), readable(record.energy_wh, 2),
+                    readable(record.distance_m, 0), readable(record.tag.cycles, 1),
+                    readable(record.temperature_end_c, 1), readable(100.0 * record.charge_end, 2), true_end});
+  }
+  report.table({"battery", "run", "vehicle", "autonomy [s]", "stopped by", "Ah", "Wh", "m", "cycles", "°C", "gauge [%]",
+                "true [%]"},
+               rows);
+}
+
+void add_variance(Report& report, const AutonomyFigures& figures) {
+  if (!figures.crossed) return;
+  report.heading("Where the differences come from");
+  const statistics::Crossed& crossed = *figures.crossed;
+  if (crossed.confounded) {
+    report.paragraph(
+        "Each battery stayed on its vehicle: which of the two makes the difference cannot be told. Run with --swap.");
+    return;
+  }
+  report.figure(to_svg(Bars{"share of variance [%]",
+                            {{"battery", 100.0 * crossed.unit.share},
+                             {"vehicle", 100.0 * crossed.carrier.share},
+                             {"run", 100.0 * crossed.run.share},
+                             {"rest", 100.0 * crossed.noise_share}}}),
+                "Shares of variance: battery F " + readable(crossed.unit.f, 1) + " (p " + chance_text(crossed.unit.p) +
+                    "), vehicle F " + readable(crossed.carrier.f, 1) + " (p " + chance_text(crossed.carrier.p) +
+                    "), slope " + readable(crossed.slope, 2) + " s per run.");
+}
+
+}  // namespace
+
+std::string report_html(const AutonomyFigures& figures, std::span<const BatteryRun> records,
+                        std::span<const TrueEnd> truth, const ReportFacts& facts) {
+  Report report{"Autonomy of " + facts.type,
+                std::to_string(figures.batteries) + " batteries, " + std::to_string(records.size()) + " runs"};
+  add_statement(report, figures, facts);
+  report.heading("Discharge");
+  const auto ah = [](const BatteryRun&, const BatterySample&, double used_ah) { return used_ah; };
+  const auto metres = [](const BatteryRun& record, const BatterySample& sample, double) {
+    return sample.distance_m - record.curve.front().distance_m;
+  };
+  report.figure(
+      curves(records, "discharged [Ah]", "voltage [V]", ah, [](const BatterySample& s) { return s.voltage_v; }),
+      "Voltage, as measured on board, of the first run; at most six batteries are drawn.");
+  report.figure(
+      curves(records, "time [h]", "charge [%]", hours_of, [](const BatterySample& s) { return 100.0 * s.charge; }),
+      "Charge, as the gauges believed.");
+  report.figure(
+      curves(records, "driven [m]", "charge [%]", metres, [](const BatterySample& s) { return 100.0 * s.charge; }),
+      "Charge over the way driven.");
+  report.figure(
+      curves(records, "time [h]", "temperature [°C]", hours_of, [](const BatterySample& s) { return s.temperature_c; }),
+      "Temperature.");
+  if (!truth.empty())
+    report.figure(gauge_svg(records, truth),
+                  "Gauge against truth: only an emulated battery has one. The test itself never saw it.");
+  if (!figures.survival.steps.empty())
+    report.figure(survival_svg(figures.survival),
+                  "Share of batteries still running (Kaplan and Meier), with its pointwise 95 % band.");
+  add_variance(report, figures);
+  add_records(report, figures, records, truth);
+  report.heading("Again");
+  report.verbatim(facts.command);
+  return report.html();
+}
+
+}  // namespace cosiva::experiments

@@ -1,0 +1,290 @@
+#include "experiments/battery/virtual_rig.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "base/expect.h"
+#include "base/json_value.h"
+#include "base/json_writer.h"
+#include "base/math.h"
+#include "experiments/battery/record_json.h"
+
+namespace cosiva::experiments {
+namespace {
+
+constexpr int steps_a_minute = 600;
+constexpr SimDuration step_time = std::chrono::milliseconds{100};
+
+tl::unexpected<Error> bad(std::string what) { return fail("battery.state", std::move(what), "saved state"); }
+
+}  // namespace
+
+struct VirtualRig::Inside {
+  /// A place on the circuit: the vehicle, its monitor, and the gauge that believes something of whichever battery is
+  /// in.
+  struct Cart {
+    battery::Monitor monitor;
+    battery::Gauge gauge;
+    double load_factor;
+    double least_w;     ///< standing, in a pause
+    std::size_t at{0};  ///< in its profile
+    double distance_m{0.0};
+    double fails_after_s{std::numeric_limits<double>::infinity()};
+    bool paused{false};
+    TrueEnd truth{};
+  };
+
+  VirtualRigOptions options;
+  std::vector<LoadProfile> loads;
+  std::shared_ptr<const battery::CellTable> table;
+  Procedure procedure;
+  std::vector<battery::Pack> packs;  ///< by battery
+  std::vector<Cart> carts;
+  SimTime now{virtual_epoch};
+  std::uint64_t minutes{0};
+  std::vector<TrueEnd> ends;
+  std::vector<std::string> words;
+  ProcedureCommands changes;  ///< asked for, to be done before the next run
+
+  Inside(VirtualRigOptions o, std::vector<LoadProfile> l)
+      : options{std::move(o)},
+        loads{std::move(l)},
+        table{std::make_shared<battery::CellTable>(options.battery.type)},
+        procedure{options.procedure} {
+    COSIVA_EXPECT(loads.size() == options.procedure.vehicles);
+    const BatteryUnderTest& kind = options.battery;
+    for (std::size_t b = 0; b < loads.size(); ++b) {
+      const std::string id = kind.type.name + "-" + std::to_string(b + 1);
+      packs.emplace_back(table, kind.design, battery::PackHistory{id, options.seed * 1000 + b, kind.spread, 0.0},
+                         kind.ambient_c);
+    }
+    for (std::size_t v = 0; v < loads.size(); ++v) {
+      COSIVA_EXPECT(!loads[v].power_w.empty());
+      Random random = stream("cart", v);
+      const double factor = std::max(0.5, 1.0 + random.gaussian(0.0, options.load_sd));
+      carts.push_back({battery::Monitor{{}, stream("monitor", v)}, fresh_gauge(), factor,
+                       *std::ranges::min_element(loads[v].power_w)});
+    }
+    obey(procedure.start(now));
+    change_batteries(SimDuration::zero());
+  }
+
+  [[nodiscard]] Random stream(const char* purpose, std::size_t vehicle) const {
+    return {options.seed, "battery/" + std::string(purpose) + "/" + std::to_string(vehicle)};
+  }
+  [[nodiscard]] battery::Gauge fresh_gauge() const {
+    return {table, {options.battery.gauge, options.battery.design, {}, options.battery.type.capacity_spread}};
+  }
+  [[nodiscard]] battery::Pack& pack_of(std::size_t vehicle) {
+    return packs[procedure.battery_of(procedure.run(), vehicle)];
+  }
+
+  void obey(const ProcedureCommands& commands) {
+    for (const ProcedureCommand& command : commands) {
+      using Kind = ProcedureCommand::Kind;
+      switch (command.kind) {
+        case Kind::change_battery: changes.push_back(command); break;
+        case Kind::tell_operator: words.push_back(command.text); break;
+        case Kind::run: begin(command.vehicle); break;
+        case Kind::pause: carts[command.vehicle].paused = true; break;
+        case Kind::resume: carts[command.vehicle].paused = false; break;
+        case Kind::stop: break;  // it goes aside, and its battery rests
+      }
+    }
+  }
+
+  void begin(std::size_t v) {
+    Cart& cart = carts[v];
+    cart.paused = false;
+    cart.truth = {procedure.run(), v, to_seconds(now - virtual_epoch), 1.0, pack_of(v).capacity_ah(), {}, {}};
+    // Each run has its own fate, whatever the others' were.
+    Random random = stream("fate", v * 1000 + procedure.run());
+    const double hours = -det_log(1.0 - random.uniform());
+    if (options.failures_per_hour > 0.0) cart.fails_after_s = 3600.0 * hours / options.failures_per_hour;
+  }
+
+  /// The batteries that were asked for, charged and rested, go in: each vehicle says ready.
+  void change_batteries(SimDuration service) {
+    if (changes.empty()) return;
+    now += service;
+    for (const ProcedureCommand& change : std::exchange(changes, {})) {
+      battery::Pack& pack = packs[change.battery];
+      pack.renew(options.battery.ambient_c);
+      Cart& cart = carts[change.vehicle];
+      cart.gauge.full();
+      cart.monitor.renew_noise(stream("change", change.vehicle * 1000 + procedure.run()));
+      const battery::Measured seen = cart.monitor.measure(pack.voltage_v(), 0.0, pack.temperature_c());
+      obey(procedure.on_ready(now, change.vehicle,
+                              {pack.history().id, options.battery.type.name, pack.cycles(), to_seconds(service),
+                               seen.temperature_c, cart.gauge.reading().charge}));
+    }
+  }
+
+  /// One vehicle for a minute, or until it is stopped.
+  void drive(std::size_t v) {
+    Cart& cart = carts[v];
+    const LoadProfile& load = loads[v];
+    cart.monitor.renew_noise({options.seed, "battery/noise/" + std::to_string(v) + "/" + std::to_string(minutes)});
+    const std::size_t run = procedure.run();
+    for (int i = 1; i <= steps_a_minute && procedure.run() == run && procedure.running(v); ++i) {
+      battery::Pack& pack = pack_of(v);
+      const SimTime at = now + i * step_time;
+      const double power_w = cart.load_factor * (cart.paused ? cart.least_w : load.power_w[cart.at]);
+      if (!cart.paused) {
+        cart.distance_m += load.moved_m[cart.at];
+        if (++cart.at == load.power_w.size()) cart.at = 0;
+      }
+      const battery::PackStep step = pack.draw_power(power_w, options.battery.ambient_c, load_step_s);
+      const battery::Measured seen = cart.monitor.measure(step.voltage_v, step.current_a, pack.temperature_c());
+      cart.gauge.see(seen, load_step_s);
+      const battery::GaugeReading reading = cart.gauge.reading();
+      note_truth(cart, pack, to_seconds(at - virtual_epoch) - cart.truth.started_s);
+      const auto commands = procedure.on_sample(v, {at, reading.charge, reading.charge_sd, seen.voltage_v,
+                                                    seen.current_a, seen.temperature_c, cart.distance_m});
+      obey(commands);
+      if (procedure.run() != run || !procedure.running(v)) break;
+      if (step.event != battery::PackEvent::none) obey(procedure.on_stop(at, v, StopCause::cut_off));
+      cart.fails_after_s -= load_step_s;
+      if (cart.fails_after_s <= 0.0) obey(procedure.on_stop(at, v, StopCause::fault));
+    }
+    if (procedure.run() == run && procedure.running(v)) return;
+    cart.truth.charge = packs[procedure.battery_of(run, v)].charge();
+    ends.push_back(cart.truth);
+  }
+
+  void note_truth(Cart& cart, const battery::Pack& pack, double at_s) const {
+    const double every_s = to_seconds(options.procedure.curve_every);
+    if (!cart.truth.curve_s.empty() && at_s - cart.truth.curve_s.back() < every_s - 1e-6) return;
+    cart.truth.curve_s.push_back(at_s);
+    cart.truth.curve_charge.push_back(pack.charge());
+  }
+
+  void step() {
+    const std::size_t run = procedure.run();
+    for (std::size_t v = 0; v < carts.size() && procedure.run() == run; ++v)
+      if (procedure.running(v)) drive(v);
+    ++minutes;
+    now += std::chrono::minutes{1};
+    change_batteries(options.service);
+  }
+};
+
+VirtualRig::VirtualRig(VirtualRigOptions options, std::vector<LoadProfile> loads)
+    : inside_{std::make_unique<Inside>(std::move(options), std::move(loads))} {}
+VirtualRig::~VirtualRig() = default;
+VirtualRig::VirtualRig(VirtualRig&&) noexcept = default;
+VirtualRig& VirtualRig::operator=(VirtualRig&&) noexcept = default;
+
+void VirtualRig::step() {
+  if (!done()) inside_->step();
+}
+bool VirtualRig::done() const { return inside_->procedure.done(); }
+SimTime VirtualRig::now() const { return inside_->now; }
+const Procedure& VirtualRig::procedure() const { return inside_->procedure; }
+const std::vector<TrueEnd>& VirtualRig::truth() const { return inside_->ends; }
+std::vector<std::string> VirtualRig::take_words() { return std::exchange(inside_->words, {}); }
+
+namespace {
+
+void write_truth(JsonWriter& json, const TrueEnd& truth) {
+  json.begin_object().field("run", truth.run).field("vehicle", truth.vehicle).field("charge", truth.charge);
+  json.field("started_s", truth.started_s).field("capacity_ah", truth.capacity_ah).key("curve_s").begin_array();
+  for (const double value : truth.curve_s) json.value(value);
+  json.end_array().key("curve_charge").begin_array();
+  for (const double value : truth.curve_charge) json.value(value);
+  json.end_array().end_object();
+}
+
+Result<TrueEnd> read_truth(const JsonValue& json) {
+  TrueEnd truth{};
+  truth.run = static_cast<std::size_t>(std::max(0.0, json.number("run").value_or(0.0)));
+  truth.vehicle = static_cast<std::size_t>(std::max(0.0, json.number("vehicle").value_or(0.0)));
+  truth.charge = json.number("charge").value_or(0.0);
+  truth.started_s = json.number("started_s").value_or(0.0);
+  truth.capacity_ah = json.number("capacity_ah").value_or(0.0);
+  for (const auto& [key, target] :
+       {std::pair{"curve_s", &truth.curve_s}, std::pair{"curve_charge", &truth.curve_charge}}) {
+    const JsonValue* list = json.find(key);
+    if (list == nullptr || list->array() == nullptr) return bad("a true curve is missing");
+    for (const JsonValue& item : *list->array()) {
+      if (item.number() == nullptr) return bad("a true curve holds something else than numbers");
+      target->push_back(*item.number());
+    }
+  }
+  return truth;
+}
+
+}  // namespace
+
+std::string VirtualRig::state_json() const {
+  const Inside& in = *inside_;
+  JsonWriter json;
+  json.begin_object().field("format", "cosiva-battery-test/1").field("seed", std::to_string(in.options.seed));
+  json.field("type", in.options.battery.type.name).field("minutes", in.minutes);
+  json.field("now_s", to_seconds(in.now - virtual_epoch)).key("procedure").raw(in.procedure.state_json());
+  json.key("packs").begin_array();
+  for (const battery::Pack& pack : in.packs) json.raw(pack.state_json());
+  json.end_array().key("carts").begin_array();
+  for (const Inside::Cart& cart : in.carts) {
+    json.begin_object().key("gauge").raw(cart.gauge.state_json()).field("at", cart.at);
+    json.field("distance_m", cart.distance_m).field("paused", cart.paused).key("fails_after_s");
+    json.value(cart.fails_after_s).key("truth");  // infinity becomes null
+    write_truth(json, cart.truth);
+    json.end_object();
+  }
+  json.end_array().key("ends").begin_array();
+  for (const TrueEnd& end : in.ends) write_truth(json, end);
+  return json.end_array().end_object().take();
+}
+
+Result<void> VirtualRig::restore(std::string_view state_json) {
+  constexpr std::size_t bytes_max = 512U << 20U;
+  const auto json = JsonValue::parse(state_json, bytes_max);
+  if (!json) return bad(json.error().message);
+  Inside& in = *inside_;
+  if (json->text("format") != "cosiva-battery-test/1") return bad("it is no battery test's");
+  if (json->text("seed") != std::to_string(in.options.seed) || json->text("type") != in.options.battery.type.name)
+    return bad("it is another test's: its seed or type differs");
+  const JsonValue* procedure = json->find("procedure");
+  const JsonValue* packs = json->find("packs");
+  const JsonValue* carts = json->find("carts");
+  const JsonValue* ends = json->find("ends");
+  for (const JsonValue* list : {packs, carts, ends})
+    if (list == nullptr || list->array() == nullptr) return bad("it is not whole");
+  if (procedure == nullptr || packs->array()->size() != in.packs.size() || carts->array()->size() != in.carts.size())
+    return bad("it is not whole");
+  if (auto done = in.procedure.restore(to_text(*procedure)); !done) return done;
+  for (std::size_t b = 0; b < in.packs.size(); ++b)
+    if (auto done = in.packs[b].restore(to_text((*packs->array())[b])); !done) return done;
+  for (std::size_t v = 0; v < in.carts.size(); ++v) {
+    const JsonValue& saved = (*carts->array())[v];
+    Inside::Cart& cart = in.carts[v];
+    const JsonValue* gauge = saved.find("gauge");
+    const JsonValue* truth = saved.find("truth");
+    const auto at = saved.number("at");
+    if (gauge == nullptr || truth == nullptr || !at ||
+        !(*at >= 0.0 && *at < static_cast<double>(in.loads[v].power_w.size())))
+      return bad("a vehicle is not whole");
+    if (auto done = cart.gauge.restore(to_text(*gauge)); !done) return done;
+    auto read = read_truth(*truth);
+    if (!read) return tl::unexpected(read.error());
+    cart.truth = std::move(*read);
+    cart.at = static_cast<std::size_t>(*at);
+    cart.distance_m = saved.number("distance_m").value_or(0.0);
+    cart.paused = saved.flag("paused").value_or(false);
+    cart.fails_after_s = saved.number("fails_after_s").value_or(std::numeric_limits<double>::infinity());
+  }
+  in.ends.clear();
+  for (const JsonValue& item : *ends->array()) {
+    auto end = read_truth(item);
+    if (!end) return tl::unexpected(end.error());
+    in.ends.push_back(std::move(*end));
+  }
+  in.minutes = static_cast<std::uint64_t>(std::max(0.0, json->number("minutes").value_or(0.0)));
+  in.now = virtual_epoch + from_seconds(json->number("now_s").value_or(0.0));
+  return {};
+}
+
+}  // namespace cosiva::experiments

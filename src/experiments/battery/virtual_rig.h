@@ -1,0 +1,86 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "battery/gauge/gauge.h"
+#include "battery/gauge/monitor.h"
+#include "battery/pack.h"
+#include "experiments/battery/procedure.h"
+#include "experiments/world/world.h"
+
+/// A battery test in virtual time: the vehicles' own work, emulated batteries and gauges, and the very procedure that a
+/// real test would run.
+namespace cosiva::experiments {
+
+/// What one vehicle took, ten times a second, while the whole platform drove: power [W] and way [m] in each step.
+struct LoadProfile {
+  std::vector<double> power_w;
+  std::vector<double> moved_m;
+  [[nodiscard]] double mean_w() const;
+  [[nodiscard]] double mean_mps() const;
+};
+inline constexpr double load_step_s = 0.1;
+
+/// Lets a world drive and writes down what each vehicle takes, `warm_up` after its fleet is complete. Fails where the
+/// fleet is not complete in two minutes.
+[[nodiscard]] Result<std::vector<LoadProfile>> measure_loads(WorldOptions options, SimDuration warm_up,
+                                                             SimDuration length);
+
+struct BatteryUnderTest {
+  battery::BatteryType type;
+  battery::PackDesign design;
+  battery::GaugeMethod gauge{battery::GaugeMethod::rest};
+  bool spread{true};
+  double ambient_c{22.0};
+};
+
+struct VirtualRigOptions {
+  ProcedureOptions procedure;
+  BatteryUnderTest battery;
+  std::uint64_t seed{1};
+  double load_sd{0.02};                           ///< from vehicle to vehicle, of all that it takes
+  double failures_per_hour{0.0};                  ///< of each vehicle, for other reasons than its battery
+  SimDuration service{std::chrono::minutes{30}};  ///< from the last one's end until the next run's batteries are in
+};
+
+/// What was true where the gauge only believed: for the report, never for the procedure.
+struct TrueEnd {
+  std::size_t run;
+  std::size_t vehicle;
+  double started_s;             ///< since the test's begin
+  double charge;                ///< when it was stopped
+  double capacity_ah;           ///< of the whole battery
+  std::vector<double> curve_s;  ///< since it started
+  std::vector<double> curve_charge;
+};
+
+/// Runs a test on measured loads, each repeated over and over. Same options and loads, same bits.
+class VirtualRig {
+ public:
+  VirtualRig(VirtualRigOptions options, std::vector<LoadProfile> loads);
+  ~VirtualRig();
+  VirtualRig(VirtualRig&&) noexcept;
+  VirtualRig& operator=(VirtualRig&&) noexcept;
+
+  /// One simulated minute, or to the end of the present run.
+  void step();
+  [[nodiscard]] bool done() const;
+  [[nodiscard]] SimTime now() const;
+  [[nodiscard]] const Procedure& procedure() const;
+  [[nodiscard]] const std::vector<TrueEnd>& truth() const;
+  /// What the operator is told; taken away by this call.
+  [[nodiscard]] std::vector<std::string> take_words();
+
+  /// Between steps; goes on to the same bits.
+  [[nodiscard]] std::string state_json() const;
+  [[nodiscard]] Result<void> restore(std::string_view state_json);
+
+ private:
+  struct Inside;
+  std::unique_ptr<Inside> inside_;
+};
+
+}  // namespace cosiva::experiments

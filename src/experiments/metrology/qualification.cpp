@@ -1,0 +1,233 @@
+#include "experiments/metrology/qualification.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "experiments/metrology/comparing.h"
+#include "experiments/statistics/distributions.h"
+
+namespace cosiva::experiments {
+namespace {
+
+double root(double v) { return std::sqrt(std::fmax(v, 0.0)); }
+
+/// What is gathered while the runs go by.
+struct Gathered {
+  std::vector<float> errors_m;  ///< all of them; a millionth of a metre is enough for a percentile
+  std::vector<double> below_limit_m2;
+  double filter_limit_m2{};
+  double smoother_limit_m2{};
+  double worth_sum{};
+  double nees_worth_sum{};
+  std::size_t worth_runs{};
+  std::vector<double> first_squares_m2;
+};
+
+/// Runs whose effective size is looked at: it takes longer than all other figures together.
+constexpr std::size_t worth_runs_most = 10;
+
+template <typename Get>
+std::vector<double> column(const std::vector<RunFigures>& runs, const Get& get) {
+  std::vector<double> values;
+  values.reserve(runs.size());
+  for (const RunFigures& run : runs) values.push_back(get(run));
+  return values;
+}
+
+class Qualifying {
+ public:
+  Qualifying(const std::vector<Candidate>& candidates, std::size_t runs, const QualificationOptions& options)
+      : candidates_{candidates}, gathered_(candidates.size()) {
+    result_.options = options;
+    result_.runs = runs;
+    for (const Candidate& candidate : candidates) {
+      Qualified one;
+      one.name = candidate.name;
+      one.what = candidate.what;
+      one.looks_back = candidate.looks_back;
+      result_.algorithms.push_back(std::move(one));
+    }
+  }
+
+  void run(std::size_t index, const Trial& trial) {
+    const bool limited = trial.setting.track != nullptr && std::ranges::any_of(trial.events, [](const Event& event) {
+                           return std::holds_alternative<estimation::Reading>(event);
+                         });
+    const RunLimit limit = limited ? limit_of(trial) : RunLimit{};
+    if (index == 0) {
+      for (const Moment& moment : trial.moments) {
+        result_.times_s.push_back(moment.t_s);
+        result_.truth.push_back(moment.truth);
+      }
+    }
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      if (!result_.algorithms[i].failed) judge(i, index, trial, limited ? &limit : nullptr);
+    }
+  }
+
+  Qualification done() {
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      if (!result_.algorithms[i].failed) sum_up(result_.algorithms[i], gathered_[i]);
+    }
+    compare_all(result_);
+    return std::move(result_);
+  }
+
+ private:
+  void judge(std::size_t i, std::size_t index, const Trial& trial, const RunLimit* limit) {
+    Qualified& one = result_.algorithms[i];
+    auto algorithm = candidates_[i].make(trial.setting);
+    if (!algorithm) {
+      one.failed = algorithm.error();
+      return;
+    }
+    if (auto fine = apply(**algorithm, trial, trace_); !fine) {
+      one.failed = fine.error();
+      one.failed->message += " (in run " + std::to_string(index + 1) + ")";
+      return;
+    }
+    one.runs.push_back(figures_of(trial, trace_, result_.options.threshold_m));
+    Gathered& all = gathered_[i];
+    for (const double e : trace_.error_m) all.errors_m.push_back(static_cast<float>(e));
+    if (limit != nullptr) {
+      all.filter_limit_m2 += limit->filter_m2;
+      all.smoother_limit_m2 += limit->smoother_m2;
+      const double bound = one.looks_back ? limit->smoother_m2 : limit->filter_m2;
+      all.below_limit_m2.push_back(one.runs.back().mse_m2 - bound);
+    }
+    if (all.worth_runs < worth_runs_most) {
+      all.worth_sum += worth_of(trace_.error_m);
+      all.nees_worth_sum += worth_of(trace_.nees);
+      ++all.worth_runs;
+    }
+    if (index == 0) keep_first(one, all, trial);
+    result_.digest.add(one.name);
+    for (const double v : {one.runs.back().mse_m2, one.runs.back().mean_m, one.runs.back().nees}) result_.digest.add(v);
+  }
+
+  void keep_first(Qualified& one, Gathered& all, const Trial& trial) const {
+    const std::size_t stride = std::max<std::size_t>(1, trial.moments.size() / 1500);
+    for (std::size_t k = 0; k < trial.moments.size(); ++k) {
+      one.path.push_back(trace_.estimates[k].pose);
+      all.first_squares_m2.push_back(trace_.error_m[k] * trace_.error_m[k]);
+      if (k % stride == 0) one.over_way.emplace_back(trial.moments[k].travelled_m, trace_.error_m[k]);
+    }
+  }
+
+  void sum_up(Qualified& one, Gathered& all) const {
+    const auto mse = column(one.runs, [](const RunFigures& r) { return r.mse_m2; });
+    const auto means = column(one.runs, [](const RunFigures& r) { return r.mean_m; });
+    const auto precisions = column(one.runs, [](const RunFigures& r) { return r.precision; });
+    const auto& bootstrap = result_.options.bootstrap;
+    one.rmse_m = {root(statistics::mean(mse)), statistics::bca(mse, bootstrap, root)};
+    one.mean_m = {statistics::mean(means), statistics::bca(means, bootstrap)};
+    one.precision = {statistics::mean(precisions), statistics::bca(precisions, bootstrap)};
+    if (one.runs.size() == 1) {
+      if (const auto block = statistics::block_bootstrap(all.first_squares_m2, bootstrap, root))
+        one.rmse_m.interval = block->interval;
+    }
+    one.variance_m2 = std::fmax(0.0, statistics::mean(mse) - one.mean_m.value * one.mean_m.value);
+    sum_up_parts(one);
+    sum_up_errors(one, all);
+    const auto n = static_cast<double>(one.runs.size());
+    const auto looked_at = static_cast<double>(all.worth_runs);
+    one.worth = all.worth_sum / looked_at * n;
+    const double nees_worth = all.nees_worth_sum / looked_at * n;
+    one.nees_band = {statistics::chi_squared_quantile(0.025, 2.0 * nees_worth) / nees_worth,
+                     statistics::chi_squared_quantile(0.975, 2.0 * nees_worth) / nees_worth};
+    set_limit(one, all);
+    set_passes(one);
+  }
+
+  void sum_up_parts(Qualified& one) const {
+    const auto n = static_cast<double>(one.runs.size());
+    double along = 0.0;
+    double across = 0.0;
+    double heading = 0.0;
+    double nis_runs = 0.0;
+    for (const RunFigures& run : one.runs) {
+      one.iterations += run.iterations;
+      one.max_m = std::fmax(one.max_m, run.max_m);
+      along += run.along_mse_m2 / n;
+      across += run.across_mse_m2 / n;
+      heading += run.heading_mse_rad2 / n;
+      one.along_bias_m += run.along_bias_m / n;
+      one.across_bias_m += run.across_bias_m / n;
+      one.nees += run.nees / n;
+      one.refused += run.refused;
+      for (std::size_t k = 0; k < region_shares.size(); ++k) one.covered[k] += run.covered[k] / n;
+      if (std::isfinite(run.nis)) {
+        one.nis += run.nis;
+        nis_runs += 1.0;
+      }
+      for (std::size_t k = 0; k < one.by_section.size(); ++k) one.by_section[k].add(run.by_section[k]);
+      for (std::size_t k = 0; k < one.by_distance.size(); ++k) one.by_distance[k].add(run.by_distance[k]);
+    }
+    one.nis = nis_runs > 0.0 ? one.nis / nis_runs : std::numeric_limits<double>::quiet_NaN();
+    one.along_rmse_m = root(along);
+    one.across_rmse_m = root(across);
+    one.heading_rmse_rad = std::sqrt(heading);
+  }
+
+  static void sum_up_errors(Qualified& one, Gathered& all) {
+    std::vector<double> errors(all.errors_m.begin(), all.errors_m.end());
+    all.errors_m = {};
+    // For drawing some of them do, taken before they are put in another order.
+    constexpr std::size_t drawn = 50'000;
+    const std::size_t stride = errors.size() / drawn + 1;
+    std::vector<double> some;
+    for (std::size_t i = 0; i < errors.size(); i += stride) some.push_back(errors[i]);
+    one.cdf = statistics::cdf(std::move(some));
+    one.p50_m = statistics::percentile(errors, 0.50);
+    one.p90_m = statistics::percentile(errors, 0.90);
+    one.p95_m = statistics::percentile(errors, 0.95);
+    one.p99_m = statistics::percentile(errors, 0.99);
+  }
+
+  static void set_limit(Qualified& one, const Gathered& all) {
+    if (all.below_limit_m2.empty()) return;
+    const auto n = static_cast<double>(all.below_limit_m2.size());
+    one.limit_m = root((one.looks_back ? all.smoother_limit_m2 : all.filter_limit_m2) / n);
+    one.gap_percent = 100.0 * (one.rmse_m.value / *one.limit_m - 1.0);
+    if (n < 2.0) return;
+    const double error = std::sqrt(statistics::sample_variance(all.below_limit_m2) / n);
+    one.leak = statistics::mean(all.below_limit_m2) + 2.0 * error < 0.0;
+  }
+
+  void set_passes(Qualified& one) const {
+    const QualificationOptions& options = result_.options;
+    one.passes.runs = one.runs.size();
+    one.passes.needed = statistics::passes_needed(options.reliability, options.confidence);
+    std::size_t row = 0;
+    for (const RunFigures& run : one.runs) {
+      const bool passed = run.max_m <= options.tolerance_m;
+      row = passed ? row + 1 : 0;
+      one.passes.passed += passed ? 1 : 0;
+      one.passes.in_a_row = std::max(one.passes.in_a_row, row);
+    }
+    one.passes.reliability_shown = statistics::reliability_shown(one.passes.in_a_row, options.confidence);
+    one.passes.tolerance_passed_m = one.max_m;
+  }
+
+  const std::vector<Candidate>& candidates_;
+  std::vector<Gathered> gathered_;
+  Qualification result_;
+  Trace trace_;
+};
+
+}  // namespace
+
+Result<Qualification> qualify(const std::vector<Candidate>& candidates, std::size_t runs, const TrialSource& source,
+                              const QualificationOptions& options, const Progress& progress) {
+  Qualifying qualifying{candidates, runs, options};
+  for (std::size_t index = 0; index < runs; ++index) {
+    const auto trial = source(index);
+    if (!trial) return tl::unexpected(trial.error());
+    qualifying.run(index, **trial);
+    if (progress) progress(index + 1);
+  }
+  return qualifying.done();
+}
+
+}  // namespace cosiva::experiments

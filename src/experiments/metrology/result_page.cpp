@@ -1,0 +1,248 @@
+#include <algorithm>
+#include <cmath>
+
+#include "experiments/metrology/result.h"
+#include "experiments/report/chart.h"
+#include "experiments/report/report.h"
+#include "experiments/statistics/sample.h"
+
+namespace cosiva::experiments {
+namespace {
+
+constexpr std::size_t colours = 6;
+
+std::string mm(double metres, int digits = 2) { return readable(1e3 * metres, digits); }
+
+std::vector<const Qualified*> figured(const Qualification& all) {
+  std::vector<const Qualified*> ones;
+  for (const Qualified& one : all.algorithms) {
+    if (!one.failed) ones.push_back(&one);
+  }
+  return ones;
+}
+
+/// As many as a chart has colours for, the best first.
+std::vector<const Qualified*> drawn(const Qualification& all, std::size_t most = colours) {
+  auto ones = figured(all);
+  std::ranges::stable_sort(ones, {}, [](const Qualified* one) { return one->rmse_m.value; });
+  if (ones.size() > most) ones.resize(most);
+  return ones;
+}
+
+std::string chance(double p) { return p < 1e-4 ? "< 0.0001" : readable(p, 4); }
+
+std::string with_interval(const Figure& figure, double factor) {
+  std::string text = readable(factor * figure.value, 2);
+  if (figure.interval)
+    text += " (" + readable(factor * figure.interval->low, 2) + "–" + readable(factor * figure.interval->high, 2) + ")";
+  return text;
+}
+
+void add_table(Report& report, const Qualification& all) {
+  std::vector<std::vector<std::string>> rows;
+  for (const Qualified& one : all.algorithms) {
+    if (one.failed) {
+      rows.push_back({one.name, "failed: " + to_string(*one.failed), "", "", "", "", "", "", "", ""});
+      continue;
+    }
+    rows.push_back({one.name, with_interval(one.rmse_m, 1e3), one.limit_m ? mm(*one.limit_m) : "–",
+                    one.gap_percent ? readable(*one.gap_percent, 1) + (one.leak ? " leak" : "") : "–",
+                    with_interval(one.mean_m, 1e3), readable(1e6 * one.variance_m2, 2),
+                    with_interval(one.precision, 100.0),
+                    mm(one.p50_m, 1) + " / " + mm(one.p95_m, 1) + " / " + mm(one.p99_m, 1) + " / " + mm(one.max_m, 1),
+                    readable(0.5 * one.nees, 2) + " (" + readable(0.5 * one.nees_band.low, 2) + "–" +
+                        readable(0.5 * one.nees_band.high, 2) + ")",
+                    readable(100.0 * one.covered[2], 1)});
+  }
+  report.table({"algorithm", "rmse [mm]", "limit [mm]", "gap [%]", "mean [mm]", "variance [mm²]", "precision [%]",
+                "p50 / p95 / p99 / max [mm]", "NEES/2", "95 % region covers [%]"},
+               rows);
+}
+
+void add_splits(Report& report, const Qualification& all) {
+  std::vector<std::vector<std::string>> rows;
+  for (const Qualified* one : figured(all)) {
+    rows.push_back({one->name, mm(one->along_rmse_m), mm(one->along_bias_m), mm(one->across_rmse_m),
+                    mm(one->across_bias_m), mm(one->by_section[0].rmse_m()), mm(one->by_section[1].rmse_m()),
+                    mm(one->by_section[2].rmse_m())});
+  }
+  report.table({"algorithm", "along: rmse [mm]", "bias [mm]", "across: rmse [mm]", "bias [mm]", "straights [mm]",
+                "arcs [mm]", "clothoids [mm]"},
+               rows);
+}
+
+std::string trajectory(const Qualification& all) {
+  Chart chart{{"x [m]", {}, {}}, {"y [m]", {}, {}}, {}};
+  const auto line = [](const std::string& name, const std::vector<Pose2>& path) {
+    Series series{name, {}, {}, Series::Form::line};
+    const std::size_t stride = path.size() / 3000 + 1;
+    for (std::size_t i = 0; i < path.size(); i += stride) {
+      series.x.push_back(path[i].x_m);
+      series.y.push_back(path[i].y_m);
+    }
+    return series;
+  };
+  chart.series.push_back(line("truth", all.truth));
+  for (const Qualified* one : drawn(all, colours - 1)) chart.series.push_back(line(one->name, one->path));
+  return to_svg(chart);
+}
+
+std::string error_over_way(const Qualification& all) {
+  Chart chart{{"travelled [m]", {}, {}}, {"error [mm]", 0.0, {}}, {}};
+  for (const Qualified* one : drawn(all)) {
+    Series series{one->name, {}, {}, Series::Form::line};
+    for (const auto& [way_m, error_m] : one->over_way) {
+      series.x.push_back(way_m);
+      series.y.push_back(1e3 * error_m);
+    }
+    chart.series.push_back(std::move(series));
+  }
+  return to_svg(chart);
+}
+
+std::string distribution(const Qualification& all) {
+  Chart chart{{"error [mm]", 0.0, {}}, {"share of iterations", 0.0, 1.0}, {}};
+  for (const Qualified* one : drawn(all)) {
+    Series series{one->name, {}, one->cdf.share, Series::Form::steps};
+    for (const double v : one->cdf.value) series.x.push_back(1e3 * v);
+    chart.series.push_back(std::move(series));
+  }
+  return to_svg(chart);
+}
+
+std::string by_distance(const Qualification& all) {
+  Chart chart{{"since the last mark, up to [m]", 0.0, {}}, {"rmse [mm]", 0.0, {}}, {}};
+  for (const Qualified* one : drawn(all)) {
+    Series series{one->name, {}, {}, Series::Form::line};
+    for (std::size_t k = 0; k < since_mark_m.size(); ++k) {
+      if (one->by_distance[k].iterations == 0) continue;
+      series.x.push_back(since_mark_m[k]);
+      series.y.push_back(1e3 * one->by_distance[k].rmse_m());
+    }
+    chart.series.push_back(std::move(series));
+  }
+  return to_svg(chart);
+}
+
+/// A box per algorithm over its runs, and its limit as a stroke: smallest, quartiles, largest.
+std::string boxes(const Qualification& all) {
+  constexpr double row_px = 26.0;
+  constexpr double name_px = 170.0;
+  constexpr double width_px = 720.0;
+  const auto ones = figured(all);
+  double largest = 0.0;
+  for (const Qualified* one : ones) {
+    for (const RunFigures& run : one->runs) largest = std::fmax(largest, std::sqrt(run.mse_m2));
+  }
+  const std::vector<double> at = ticks(0.0, 1e3 * largest);
+  const auto x = [&](double metres) {
+    return readable(name_px + 1e3 * metres / at.back() * (width_px - name_px - 20.0), 1);
+  };
+  const double bottom = 8.0 + row_px * static_cast<double>(ones.size());
+  std::string svg =
+      "<svg class=\"chart\" xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"rmse per run\" "
+      "viewBox=\"0 0 " +
+      readable(width_px) + " " + readable(bottom + 44.0) + "\">";
+  for (const double tick : at) {
+    svg += "<path class=\"grid\" d=\"M" + x(1e-3 * tick) + " 4V" + readable(bottom, 1) + "\"/><text x=\"" +
+           x(1e-3 * tick) + "\" y=\"" + readable(bottom + 16.0, 1) + "\" text-anchor=\"middle\">" + readable(tick) +
+           "</text>";
+  }
+  double y = 8.0;
+  for (const Qualified* one : ones) {
+    std::vector<double> rmse;
+    for (const RunFigures& run : one->runs) rmse.push_back(std::sqrt(run.mse_m2));
+    const auto share = [&](double p) { return x(statistics::percentile(rmse, p)); };
+    const std::string middle = readable(y + 9.0, 1);
+    svg += "<text x=\"" + readable(name_px - 8.0) + "\" y=\"" + readable(y + 13.0, 1) + "\" text-anchor=\"end\">" +
+           escaped(one->name) + "</text><path class=\"line c0\" d=\"M" + share(1e-9) + " " + middle + "H" + share(1.0) +
+           "M" + share(0.25) + " " + readable(y + 2.0, 1) + "H" + share(0.75) + "V" + readable(y + 16.0, 1) + "H" +
+           share(0.25) + "ZM" + share(0.5) + " " + readable(y + 2.0, 1) + "v14\"/>";
+    if (one->limit_m)
+      svg += "<path class=\"line c1\" d=\"M" + x(*one->limit_m) + " " + readable(y - 2.0, 1) + "v22\"/>";
+    y += row_px;
+  }
+  return svg + "<text class=\"label\" x=\"" + readable(name_px) + "\" y=\"" + readable(bottom + 36.0, 1) +
+         "\">rmse of a run [mm]</text></svg>";
+}
+
+void add_comparisons(Report& report, const Qualification& all) {
+  if (all.comparisons.empty()) return;
+  report.heading("Against each other, run by run");
+  std::vector<std::vector<std::string>> rows;
+  for (const Comparison& comparison : all.comparisons) {
+    rows.push_back({all.algorithms[comparison.b].name + " − " + all.algorithms[comparison.a].name,
+                    with_interval(comparison.rmse_difference_m, 1e3),
+                    with_interval(comparison.precision_difference, 100.0), chance(comparison.p),
+                    chance(comparison.p_holm), std::string(to_string(comparison.verdict)),
+                    comparison.runs_to_decide ? std::to_string(*comparison.runs_to_decide) : "–"});
+  }
+  report.table(
+      {"difference", "rmse [mm]", "precision [points]", "p (Wilcoxon)", "p (Holm)", "verdict", "runs to decide"}, rows);
+  report.paragraph(
+      "A run is one vote. Different: Wilcoxon's signed-rank test, exact, with Holm's correction over all pairs, at 5 "
+      "%. "
+      "Unresolved: a difference smaller than the reference's own uncertainty. Runs to decide: as many as would show a "
+      "difference like this with a chance of 80 %.");
+  if (!all.ranks) return;
+  Bars bars{"mean rank over the runs, 1 is best (Friedman: p " + chance(all.ranks->p) + ")", {}};
+  for (std::size_t i = 0; i < all.ranked.size(); ++i)
+    bars.bars.push_back({all.algorithms[all.ranked[i]].name, all.ranks->mean_ranks[i]});
+  report.figure(to_svg(bars), "Ranks of the rmse");
+}
+
+void add_success(Report& report, const Qualification& all) {
+  report.heading("Success in a row");
+  report.paragraph("A run passes when no error in it exceeds " + mm(all.options.tolerance_m, 1) + " mm. " +
+                   std::to_string(statistics::passes_needed(all.options.reliability, all.options.confidence)) +
+                   " passes in a row show a reliability of " + readable(100.0 * all.options.reliability, 1) +
+                   " % with a confidence of " + readable(100.0 * all.options.confidence, 1) +
+                   " % (the way of ASTM F45's tests).");
+  std::vector<std::vector<std::string>> rows;
+  for (const Qualified* one : figured(all)) {
+    rows.push_back({one->name, std::to_string(one->passes.passed) + " of " + std::to_string(one->passes.runs),
+                    std::to_string(one->passes.in_a_row), readable(100.0 * one->passes.reliability_shown, 1),
+                    mm(one->passes.tolerance_passed_m, 1)});
+  }
+  report.table({"algorithm", "passed", "longest row", "reliability shown [%]", "tolerance all would pass [mm]"}, rows);
+}
+
+}  // namespace
+
+std::string to_html(const Qualification& all, const Conditions& conditions) {
+  Report report{"Position estimation, qualified", conditions.what};
+  const auto best = drawn(all, 1);
+  if (!best.empty()) {
+    std::vector<Report::Fact> facts{{mm(best[0]->rmse_m.value) + " mm", "least rmse: " + best[0]->name, false},
+                                    {std::to_string(all.runs), all.runs == 1 ? "run" : "runs", false}};
+    if (best[0]->limit_m) facts.push_back({mm(*best[0]->limit_m) + " mm", "its limit", best[0]->leak});
+    report.facts(facts);
+  }
+  add_table(report, all);
+  report.paragraph(
+      "Brackets: 95 % intervals over runs (BCa bootstrap); over one run by blocks as long as its errors are "
+      "alike. Precision: the share of iterations with an error under " +
+      mm(all.options.threshold_m, 1) +
+      " mm. NEES/2 is 1 where the stated covariance is honest; beside it the band of 95 %. The limit is the "
+      "posterior Cramér-Rao bound for the readings that the runs had.");
+  for (const std::string& note : conditions.notes) report.paragraph(note);
+  report.figure(boxes(all), "The runs: smallest, quartiles and largest; the stroke across is the limit");
+  report.figure(distribution(all), "Distribution of all errors");
+  report.figure(error_over_way(all), "Error over the way, first run");
+  report.figure(by_distance(all), "Error by the distance since the last mark");
+  report.figure(trajectory(all), "Truth and estimates, first run");
+  report.heading("Along and across, by section");
+  add_splits(report, all);
+  add_comparisons(report, all);
+  add_success(report, all);
+  report.heading("Conditions");
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& [name, value] : conditions.settings) rows.push_back({name, value});
+  rows.push_back({"uncertainty of the reference [mm]", mm(all.options.reference_m)});
+  rows.push_back({"digest", all.digest.hex()});
+  report.table({"setting", "value"}, rows);
+  report.verbatim(conditions.command);
+  return report.html();
+}
+
+}  // namespace cosiva::experiments

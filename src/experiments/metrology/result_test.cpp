@@ -1,0 +1,95 @@
+#include "experiments/metrology/result.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "aiv/estimation/registry.h"
+#include "base/json_value.h"
+#include "experiments/metrology/simulate.h"
+#include "experiments/metrology/test_tracks.h"
+
+namespace cosiva::experiments {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+Qualification small() {
+  static const estimation::Registry registry;
+  Simulation simulation{testing::oval()};
+  simulation.way_m = 20.0;
+  simulation.odometry_hz = 17.3;
+  Trial trial;
+  std::vector<Candidate> candidates;
+  for (const std::string name : {"arc_kalman", "reset_rule"}) {
+    candidates.push_back(
+        {name, "", false, [name](const estimation::Setting& setting) { return registry.make(name, setting); }});
+  }
+  candidates.push_back(
+      {"gone", "", false, [](const estimation::Setting&) -> Result<std::unique_ptr<estimation::Algorithm>> {
+         return fail("algorithm.start", "it <does> not start", "gone");
+       }});
+  const auto source = [&](std::size_t index) -> Result<const Trial*> {
+    simulate(simulation, index + 1, trial);
+    return &trial;
+  };
+  return *qualify(candidates, 8, source, {});
+}
+
+TEST(Result, as_json_has_what_programs_look_for) {
+  const auto json = JsonValue::parse(to_json(small(), {"cosiva compare", "virtual time", {{"pitch_m", "0.5"}}, {}}));
+  ASSERT_TRUE(json) << to_string(json.error());
+  const auto& algorithms = *json->find("algorithms")->array();
+  ASSERT_EQ(algorithms.size(), 3U);
+  EXPECT_EQ(algorithms[0].text("name"), "arc_kalman");
+  for (const char* key : {"rmse_m", "mean_m", "variance_m2", "precision", "p95_m", "limit_m", "gap_percent"})
+    EXPECT_TRUE(algorithms[0].number(key)) << key;
+  const auto& interval = *algorithms[0].find("rmse_interval_m")->array();
+  EXPECT_LT(*interval[0].number(), *algorithms[0].number("rmse_m"));
+  EXPECT_GT(*interval[1].number(), *algorithms[0].number("rmse_m"));
+  EXPECT_EQ(algorithms[2].find("failed")->text("code"), "algorithm.start");
+  EXPECT_FALSE(algorithms[2].find("rmse_m"));
+  EXPECT_EQ(json->find("comparisons")->array()->size(), 1U);
+  EXPECT_TRUE(json->find("comparisons")->array()->front().text("verdict"));
+  EXPECT_EQ(json->find("conditions")->text("pitch_m"), "0.5");
+}
+
+TEST(Result, as_text_names_who_failed_beside_the_others_figures) {
+  const std::string text = to_text(small());
+  EXPECT_THAT(text, HasSubstr("arc_kalman"));
+  EXPECT_THAT(text, HasSubstr("failed: gone: it <does> not start"));
+  EXPECT_THAT(text, HasSubstr("reset_rule − arc_kalman"));
+}
+
+TEST(Result, as_a_page_needs_nothing_else_and_escapes_what_it_is_given) {
+  const std::string html = to_html(small(), {"cosiva compare --runs 8", "virtual time", {}, {"a note"}});
+  EXPECT_THAT(html, HasSubstr("<svg"));
+  EXPECT_THAT(html, HasSubstr("cosiva compare --runs 8"));
+  EXPECT_THAT(html, HasSubstr("it &lt;does&gt; not start"));
+  EXPECT_THAT(html, HasSubstr("a note"));
+  EXPECT_THAT(html, Not(HasSubstr("src=\"http")));
+}
+
+TEST(Result, as_csv_has_a_line_per_vote) {
+  const std::string csv = to_csv(small());
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 2 * 8);
+}
+
+TEST(EvoZip, is_a_zip_of_what_evo_looks_for) {
+  const std::string zip = evo_zip("mine", {0.0, 0.5}, {3.0, 4.0});
+  EXPECT_EQ(zip.substr(0, 4), "PK\x03\x04");
+  for (const char* name : {"info.json", "stats.json", "error_array.npy", "timestamps.npy"})
+    EXPECT_THAT(zip, HasSubstr(name));
+  EXPECT_THAT(zip, HasSubstr("\"sse\":25"));
+  const std::size_t header = zip.find("\x93NUMPY");
+  const auto length = static_cast<std::size_t>(static_cast<unsigned char>(zip[header + 8]));
+  EXPECT_EQ((10 + length) % 64, 0U);
+  double first = 0.0;
+  std::memcpy(&first, zip.data() + header + 10 + length, 8);
+  EXPECT_EQ(first, 3.0);
+}
+
+}  // namespace
+}  // namespace cosiva::experiments

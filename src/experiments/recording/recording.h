@@ -1,0 +1,76 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "aiv/estimation/algorithm.h"
+#include "base/pose.h"
+#include "base/result.h"
+#include "experiments/metrology/trial.h"
+
+/// What was recorded of one drive: what the vehicle was told by its sensors, and where it truly was.
+namespace cosiva::experiments {
+
+struct Recording {
+  struct Step {
+    double t_s;         ///< when it was complete
+    double duration_s;  ///< since when it counts
+    double distance_m;
+    double turn_rad;
+  };
+  struct Heard {
+    double t_s;
+    std::uint32_t station;
+    double range_m;
+  };
+  struct Seen {
+    double t_s;
+    std::uint32_t mark;
+    Point2 seen_B;
+  };
+  struct True {
+    double t_s;
+    Point2 place_M;
+    double heading_rad;
+  };
+
+  std::string name;
+  std::vector<Step> odometry;  ///< stamps rise
+  std::vector<Heard> ranges;   ///< in the order of their stamps, as are readings
+  std::vector<Seen> readings;
+  std::vector<True> truth;  ///< stamps rise
+  bool truth_has_heading{false};
+  std::map<std::uint32_t, Point2> beacons;  ///< stations and marks, by number
+  std::map<std::string, double> sensors;    ///< figures of sensors that came with it, by their names in SensorModel
+  std::vector<std::string> notes{};         ///< what was made of it, in sentences
+};
+
+/// A folder's files, by name.
+using RecordingFiles = std::map<std::string, std::string>;
+
+/// Our own tables: odometry.csv (time_s, delta_distance_m, delta_heading_rad; or time_s, speed_mps, turn_radps),
+/// groundtruth.csv (time_s, x_m, y_m, and heading_rad where it is known), beacons.csv (beacon_id, x_m, y_m), ranges.csv
+/// (time_s, receiver_id or beacon_id, range_m), readings.csv (time_s, beacon_id, and ahead_m, left_m where the reader
+/// tells them), sensors.csv (name, value). Or libRSF's text: one file …Input.txt with range2 and odom2diff, one …GT.txt
+/// with point2. Fails ("recording.…") with file and line.
+[[nodiscard]] Result<Recording> read_recording(std::string_view name, const RecordingFiles& files);
+
+struct ReplayOptions {
+  /// The truth is interpolated between two of its stamps no further apart than this.
+  double gap_s{0.5};
+  double start_sigma_m{0.05};            ///< of the start, which is the truth's first place
+  double start_heading_sigma_rad{0.05};  ///< of its heading, where the truth has one
+};
+/// The recording as a trial: odometry is cut where something was read between, and every step's end is a moment. Fails
+/// ("recording.overlap") where truth and odometry share no time, ("recording.beacon") on a beacon that nobody surveyed.
+[[nodiscard]] Result<Trial> replayed(const Recording& recording, const ReplayOptions& options = {});
+
+/// σ of single ranges, told by how far each is from the line between its neighbours of the same station; needs no
+/// truth. Nothing for too few.
+[[nodiscard]] std::optional<double> range_noise_m(const Recording& recording);
+
+}  // namespace cosiva::experiments

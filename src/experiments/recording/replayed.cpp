@@ -1,0 +1,192 @@
+#include <algorithm>
+#include <cmath>
+
+#include "base/math.h"
+#include "experiments/recording/recording.h"
+#include "experiments/statistics/sample.h"
+
+namespace cosiva::experiments {
+namespace {
+
+/// The truth at a time, and the way it has gone by then.
+class Truth {
+ public:
+  Truth(const Recording& recording, double gap_s) : truth_{recording.truth}, gap_s_{gap_s} {}
+
+  [[nodiscard]] std::optional<Pose2> at(double t_s) const {
+    const auto after = std::ranges::lower_bound(truth_, t_s, {}, &Recording::True::t_s);
+    if (after != truth_.end() && after->t_s == t_s) return pose(*after);
+    if (after == truth_.begin() || after == truth_.end()) return std::nullopt;
+    const Recording::True& a = *(after - 1);
+    const Recording::True& b = *after;
+    if (b.t_s - a.t_s > gap_s_) return std::nullopt;
+    const double u = (t_s - a.t_s) / (b.t_s - a.t_s);
+    return Pose2{a.place_M.x_m + u * (b.place_M.x_m - a.place_M.x_m),
+                 a.place_M.y_m + u * (b.place_M.y_m - a.place_M.y_m),
+                 wrap_angle(a.heading_rad + u * wrap_angle(b.heading_rad - a.heading_rad))};
+  }
+
+ private:
+  static Pose2 pose(const Recording::True& t) { return {t.place_M.x_m, t.place_M.y_m, wrap_angle(t.heading_rad)}; }
+  const std::vector<Recording::True>& truth_;
+  double gap_s_;
+};
+
+/// Ranges and readings in the order of time, cut into odometry's steps.
+class Mixer {
+ public:
+  Mixer(const Recording& recording, Trial& trial) : recording_{recording}, trial_{trial} {}
+
+  /// One step of odometry and what was read during it. Fails on a beacon that nobody surveyed.
+  Result<void> step(const Recording::Step& step) {
+    double from_s = step.t_s - step.duration_s;
+    for (;;) {
+      const double range_s = heard_ < recording_.ranges.size() ? recording_.ranges[heard_].t_s : 1e300;
+      const double reading_s = seen_ < recording_.readings.size() ? recording_.readings[seen_].t_s : 1e300;
+      const double next_s = std::fmin(range_s, reading_s);
+      if (next_s > step.t_s) break;
+      roll(step, from_s, next_s);
+      from_s = std::fmax(from_s, next_s);
+      auto told = range_s <= reading_s ? tell(recording_.ranges[heard_++]) : tell(recording_.readings[seen_++]);
+      if (!told) return told;
+    }
+    roll(step, from_s, step.t_s);
+    return {};
+  }
+  [[nodiscard]] double since_m() const { return since_m_; }
+  [[nodiscard]] double travelled_m() const { return travelled_m_; }
+  /// What came before odometry began says nothing of a drive that has not begun.
+  void skip_until(double t_s) {
+    while (heard_ < recording_.ranges.size() && recording_.ranges[heard_].t_s < t_s) ++heard_;
+    while (seen_ < recording_.readings.size() && recording_.readings[seen_].t_s < t_s) ++seen_;
+  }
+
+ private:
+  void roll(const Recording::Step& step, double from_s, double to_s) {
+    if (!(to_s > from_s)) return;
+    const double share = (to_s - from_s) / step.duration_s;
+    trial_.events.emplace_back(estimation::Odometry{share * step.distance_m, share * step.turn_rad, to_s - from_s});
+    since_m_ += std::fabs(share * step.distance_m);
+    travelled_m_ += std::fabs(share * step.distance_m);
+  }
+  [[nodiscard]] Result<Point2> surveyed(std::uint32_t beacon) const {
+    const auto found = recording_.beacons.find(beacon);
+    if (found != recording_.beacons.end()) return found->second;
+    return fail("recording.beacon", "nobody has surveyed beacon " + std::to_string(beacon), recording_.name);
+  }
+  Result<void> tell(const Recording::Heard& heard) {
+    const auto place = surveyed(heard.station);
+    if (!place) return tl::unexpected(place.error());
+    trial_.events.emplace_back(estimation::Range{heard.station, *place, heard.range_m});
+    since_m_ = 0.0;
+    return {};
+  }
+  Result<void> tell(const Recording::Seen& seen) {
+    const auto place = surveyed(seen.mark);
+    if (!place) return tl::unexpected(place.error());
+    trial_.events.emplace_back(estimation::Reading{seen.mark, *place, seen.seen_B});
+    since_m_ = 0.0;
+    return {};
+  }
+
+  const Recording& recording_;
+  Trial& trial_;
+  std::size_t heard_{0};
+  std::size_t seen_{0};
+  double since_m_{0.0};
+  double travelled_m_{0.0};
+};
+
+/// Where a recording brings no figures of its own: wheels on a real floor or lawn, whose slip and unevenness are worth
+/// 4 cm after a metre, four times what the simulated ones are; single ranges as they are seen to scatter.
+Result<void> take_sensors(const Recording& recording, estimation::SensorModel& sensors) {
+  sensors.distance_variance_per_m = 0.04 * 0.04;
+  if (const auto noise = range_noise_m(recording)) {
+    // What the ranges have in common, and what changes with the place, grows with what a single one is worth.
+    sensors.range_sigma_m = *noise;
+    sensors.range_common_sigma_m = *noise;
+    sensors.range_station_sigma_m = 0.75 * *noise;
+  }
+  const std::map<std::string, double estimation::SensorModel::*> fields{
+      {"distance_variance_per_m", &estimation::SensorModel::distance_variance_per_m},
+      {"turn_variance_per_m", &estimation::SensorModel::turn_variance_per_m},
+      {"turn_variance_per_rad", &estimation::SensorModel::turn_variance_per_rad},
+      {"distance_scale_sigma", &estimation::SensorModel::distance_scale_sigma},
+      {"turn_scale_sigma", &estimation::SensorModel::turn_scale_sigma},
+      {"mark_along_sigma_m", &estimation::SensorModel::mark_along_sigma_m},
+      {"mark_across_sigma_m", &estimation::SensorModel::mark_across_sigma_m},
+      {"line_sigma_m", &estimation::SensorModel::line_sigma_m},
+      {"line_heading_sigma_rad", &estimation::SensorModel::line_heading_sigma_rad},
+      {"range_sigma_m", &estimation::SensorModel::range_sigma_m},
+      {"range_scale_sigma", &estimation::SensorModel::range_scale_sigma},
+      {"range_common_sigma_m", &estimation::SensorModel::range_common_sigma_m},
+      {"range_station_sigma_m", &estimation::SensorModel::range_station_sigma_m},
+      {"range_station_length_m", &estimation::SensorModel::range_station_length_m},
+  };
+  for (const auto& [name, value] : recording.sensors) {
+    const auto field = fields.find(name);
+    if (field == fields.end())
+      return fail("recording.sensors", "'" + name + "' is no figure of a sensor", recording.name + "/sensors.csv");
+    sensors.*field->second = value;
+  }
+  return {};
+}
+
+}  // namespace
+
+std::optional<double> range_noise_m(const Recording& recording) {
+  std::map<std::uint32_t, std::vector<const Recording::Heard*>> by_station;
+  for (const Recording::Heard& heard : recording.ranges) by_station[heard.station].push_back(&heard);
+  std::vector<double> off;
+  for (const auto& [station, heard] : by_station) {
+    for (std::size_t i = 1; i + 1 < heard.size(); ++i) {
+      const Recording::Heard& a = *heard[i - 1];
+      const Recording::Heard& b = *heard[i + 1];
+      if (!(b.t_s > a.t_s) || b.t_s - a.t_s > 5.0) continue;
+      const double u = (heard[i]->t_s - a.t_s) / (b.t_s - a.t_s);
+      const double spread = std::sqrt(1.0 + u * u + (1.0 - u) * (1.0 - u));
+      off.push_back(std::fabs(heard[i]->range_m - (1.0 - u) * a.range_m - u * b.range_m) / spread);
+    }
+  }
+  if (off.size() < 20) return std::nullopt;
+  // Half of a Gaussian lies within 0.6745 σ; outliers do not move the middle.
+  const double noise = statistics::percentile(off, 0.5) / 0.6745;
+  return noise > 0.0 ? std::optional(noise) : std::nullopt;
+}
+
+Result<Trial> replayed(const Recording& recording, const ReplayOptions& options) {
+  Trial trial;
+  trial.name = recording.name;
+  trial.heading_known = recording.truth_has_heading;
+  if (auto fine = take_sensors(recording, trial.setting.sensors); !fine) return tl::unexpected(fine.error());
+  const Truth truth{recording, options.gap_s};
+  Mixer mixer{recording, trial};
+  bool begun = false;
+  for (const Recording::Step& step : recording.odometry) {
+    const double from_s = step.t_s - step.duration_s;
+    if (!begun) {
+      // It begins where the truth does: at the step's beginning, or at its end.
+      const auto start = truth.at(from_s);
+      const auto later = start ? start : truth.at(step.t_s);
+      if (!later) continue;
+      trial.setting.start = *later;
+      begun = true;
+      mixer.skip_until(start ? from_s : step.t_s);
+      if (!start) continue;
+    }
+    if (auto told = mixer.step(step); !told) return tl::unexpected(told.error());
+    const auto here = truth.at(step.t_s);
+    if (!here) continue;
+    trial.moments.push_back({trial.events.size(), step.t_s, *here, mixer.travelled_m(), mixer.since_m(), std::nullopt});
+  }
+  if (trial.moments.empty())
+    return fail(
+        "recording.overlap",
+        "odometry and truth share no time, or the truth's gaps are longer than " + std::to_string(options.gap_s) + " s",
+        recording.name);
+  trial.setting.start_sigma_m = options.start_sigma_m;
+  trial.setting.start_heading_sigma_rad = recording.truth_has_heading ? options.start_heading_sigma_rad : pi;
+  return trial;
+}
+
+}  // namespace cosiva::experiments

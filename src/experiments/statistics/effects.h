@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "experiments/statistics/interval.h"
+
+/// Where differences come from: groups, drift, and who was tested on what.
+namespace cosiva::statistics {
+
+/// One-way analysis of variance over groups of values.
+struct OneWay {
+  double f;
+  double p;
+  double within_sd;
+  double between_sd;  ///< of the groups' true means, by the method of moments; 0 where within explains it all
+};
+/// Nothing where there are fewer than two groups, or no group with two values, or no spread within.
+[[nodiscard]] std::optional<OneWay> one_way(const std::vector<std::vector<double>>& groups);
+
+/// A straight line through values by their place in a series.
+struct Trend {
+  double slope;  ///< per step
+  double slope_sd;
+  double p;  ///< that there is none, two-sided
+  double r_squared;
+  double at_first;  ///< what the line says at x = 1
+  Interval at_first_interval;
+};
+/// Nothing for fewer than three points or equal x.
+[[nodiscard]] std::optional<Trend> trend(std::span<const double> x, std::span<const double> y, double level = 0.95);
+
+/// One measured value of a crossed design: unit (a battery) on carrier (a vehicle), and its how-manieth run.
+struct Trial {
+  std::size_t unit;
+  std::size_t carrier;
+  double run;
+  double value;
+};
+struct Factor {
+  double degrees;
+  double f;
+  double p;
+  double sd;     ///< of its true effects, by the method of moments
+  double share;  ///< of the variance that the factors and the noise make up together
+};
+/// value = mean + unit + carrier + slope · run + noise, by least squares. A factor is judged by what it explains beyond
+/// all others; where it explains nothing of its own that the others could not (each unit stayed on its carrier),
+/// `confounded` says so and its figures are those of both together.
+struct Crossed {
+  Factor unit;
+  Factor carrier;
+  Factor run;
+  double slope;  ///< per run
+  double noise_sd;
+  double noise_share;
+  double noise_degrees;
+  bool confounded;
+  std::vector<double> unit_effects;  ///< about their mean; empty where confounded
+  std::vector<double> carrier_effects;
+};
+/// Nothing where there are not more trials than the model has unknowns.
+[[nodiscard]] std::optional<Crossed> crossed(std::span<const Trial> trials);
+
+/// Who is tested on what: in run r, unit u goes on carrier square[r][u]. Every pair meets once, and in even sizes every
+/// carrier follows every other once (Williams 1949), so that no unit is always tested after the same one.
+[[nodiscard]] std::vector<std::vector<std::size_t>> latin_square(std::size_t size);
+
+/// Welch's test of two means, with the size of the difference and what the sample could have seen.
+struct Comparison {
+  double difference;  ///< second − first
+  Interval interval;
+  double t;
+  double degrees;
+  double p;
+  double effect;       ///< Hedges's g: the difference in common standard deviations, its bias for few values taken out
+  double power;        ///< the chance to have called a true difference of this size at 5 %
+  std::size_t needed;  ///< of each, to call it with a chance of 80 %
+};
+/// Nothing where either has fewer than two values or both have no spread.
+[[nodiscard]] std::optional<Comparison> compare(std::span<const double> first, std::span<const double> second,
+                                                double level = 0.95);
+/// The chance that a two-sided t test at 5 % calls a difference of so many standard deviations between n1 and n2
+/// values.
+[[nodiscard]] double power_of(double effect, std::size_t n1, std::size_t n2, double alpha = 0.05);
+
+}  // namespace cosiva::statistics

@@ -1,0 +1,102 @@
+#include "experiments/statistics/interval.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "base/random.h"
+
+namespace cosiva::statistics {
+namespace {
+
+std::vector<double> drawn(std::uint64_t seed, std::size_t n) {
+  Random random{seed, "runs"};
+  std::vector<double> runs(n);
+  for (double& v : runs) v = random.gaussian(5.0, 2.0);
+  return runs;
+}
+
+double root(double v) { return std::sqrt(v); }
+
+TEST(Bca, holds_the_truth_about_as_often_as_it_says) {
+  int held = 0;
+  for (std::uint64_t seed = 1; seed <= 400; ++seed) {
+    const auto interval = bca(drawn(seed, 20), {0.95, 1000, seed});
+    held += interval->low <= 5.0 && 5.0 <= interval->high ? 1 : 0;
+  }
+  // 95 % ± three standard errors of 400 campaigns.
+  EXPECT_GE(held, 367);
+  EXPECT_LE(held, 393);
+}
+
+TEST(Bca, holds_the_mean_of_a_skew_sample_too) {
+  int held = 0;
+  for (std::uint64_t seed = 1; seed <= 400; ++seed) {
+    Random random{seed, "skew"};
+    std::vector<double> runs(30);
+    for (double& v : runs) {
+      const double g = random.gaussian();
+      v = g * g;  // mean 1, skewness 2.8
+    }
+    const auto interval = bca(runs, {0.95, 1000, seed});
+    held += interval->low <= 1.0 && 1.0 <= interval->high ? 1 : 0;
+  }
+  EXPECT_GE(held, 360);  // skewness costs a few of a hundred, of everybody's intervals
+  EXPECT_LE(held, 395);
+}
+
+TEST(Bca, is_narrower_with_more_runs_and_wider_at_a_higher_level) {
+  const auto few = *bca(drawn(1, 10));
+  const auto many = *bca(drawn(1, 1000));
+  EXPECT_LT(many.high - many.low, 0.3 * (few.high - few.low));
+  const auto sure = *bca(drawn(1, 10), {0.99, 2000, 1});
+  EXPECT_GT(sure.high - sure.low, few.high - few.low);
+}
+
+TEST(Bca, of_a_root_is_the_root_of_its_ends) {
+  const auto runs = drawn(4, 25);
+  const auto plain = *bca(runs);
+  const auto rooted = *bca(runs, {}, root);
+  EXPECT_DOUBLE_EQ(rooted.low, std::sqrt(plain.low));
+  EXPECT_DOUBLE_EQ(rooted.high, std::sqrt(plain.high));
+}
+
+TEST(Bca, is_the_same_for_the_same_seed_and_nothing_for_one_run) {
+  EXPECT_EQ(bca(drawn(1, 12)), bca(drawn(1, 12)));
+  EXPECT_FALSE(bca(drawn(1, 1)));
+}
+
+TEST(BlockBootstrap, holds_the_mean_of_a_series_whose_neighbours_are_alike) {
+  int held = 0;
+  int naive = 0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    Random random{seed, "series"};
+    std::vector<double> series(4000);
+    double x = 0.0;
+    double sum = 0.0;
+    double squares = 0.0;
+    for (double& v : series) {
+      v = x = 0.95 * x + random.gaussian();
+      sum += v;
+      squares += v * v;
+    }
+    const auto block = block_bootstrap(series, {0.95, 1000, seed});
+    ASSERT_TRUE(block);
+    held += block->interval.low <= 0.0 && 0.0 <= block->interval.high ? 1 : 0;
+    const double mean = sum / 4000;
+    naive += std::fabs(mean) <= 1.96 * std::sqrt(squares / 4000 / 4000) ? 1 : 0;
+  }
+  EXPECT_GE(held, 180);
+  EXPECT_LE(naive, 80);  // what counting every iteration as a vote would claim
+}
+
+TEST(BlockBootstrap, says_nothing_of_a_series_worth_three_values) {
+  std::vector<double> ramp(1000);
+  for (std::size_t i = 0; i < ramp.size(); ++i) ramp[i] = static_cast<double>(i);
+  EXPECT_FALSE(block_bootstrap(ramp));
+  EXPECT_FALSE(block_bootstrap(std::vector<double>{1.0, 2.0, 3.0}));
+}
+
+}  // namespace
+}  // namespace cosiva::statistics

@@ -1,0 +1,109 @@
+#include "experiments/statistics/paired.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "base/random.h"
+
+namespace cosiva::statistics {
+namespace {
+
+TEST(Wilcoxon, is_exact_for_few_runs) {
+  EXPECT_DOUBLE_EQ(wilcoxon(std::vector{1.0, 2.0, 3.0, 4.0, 5.0, 6.0}), 2.0 / 64.0);
+  EXPECT_DOUBLE_EQ(wilcoxon(std::vector{-1.0, -2.0, -3.0, -4.0, -5.0}), 2.0 / 32.0);
+  // Ranks 3 and 5 of ten against the others: W = 8, the tables' last value at 5 %: 25 of 1024 sums on each side.
+  EXPECT_DOUBLE_EQ(wilcoxon(std::vector{1.0, 2.0, -3.0, 4.0, -5.0, 6.0, 7.0, 8.0, 9.0, 10.0}), 50.0 / 1024.0);
+  EXPECT_DOUBLE_EQ(wilcoxon(std::vector{1.0, -1.0}), 1.0);
+}
+
+TEST(Wilcoxon, shares_the_ranks_of_equal_differences_and_forgets_equal_runs) {
+  // |d| = 1, 1, 2 with ranks 1.5, 1.5, 3: all eight sums by hand, W⁻ = 1.5: {0, 1.5, 1.5} of 8.
+  EXPECT_DOUBLE_EQ(wilcoxon(std::vector{1.0, -1.0, 2.0}), 2.0 * 3.0 / 8.0);
+  EXPECT_DOUBLE_EQ(wilcoxon(std::vector{0.0, 1.0, 2.0, 0.0, 3.0, 4.0, 5.0, 6.0}), 2.0 / 64.0);
+  EXPECT_EQ(wilcoxon(std::vector{0.0, 0.0}), 1.0);
+  EXPECT_EQ(wilcoxon({}), 1.0);
+}
+
+TEST(Wilcoxon, passes_smoothly_from_exact_to_approximate) {
+  Random random{1, "wilcoxon"};
+  std::vector<double> differences;
+  for (int i = 0; i < 200; ++i) differences.push_back(random.gaussian(0.15, 1.0));
+  const double exact = wilcoxon(differences);
+  differences.push_back(1e-9);  // hardly news, but one more than are counted exactly
+  EXPECT_NEAR(wilcoxon(differences) / exact, 1.0, 0.05);
+}
+
+TEST(Wilcoxon, cries_wolf_no_more_often_than_it_says) {
+  int alarms = 0;
+  for (std::uint64_t seed = 0; seed < 2000; ++seed) {
+    Random random{seed, "null"};
+    std::vector<double> differences(12);
+    for (double& d : differences) d = random.gaussian();
+    alarms += wilcoxon(differences) < 0.05 ? 1 : 0;
+  }
+  EXPECT_LE(alarms, 2000 * 0.05 + 3 * std::sqrt(2000 * 0.05 * 0.95));
+  EXPECT_GE(alarms, 50);  // and not because it never says anything
+}
+
+TEST(Holm, raises_the_smallest_most_and_keeps_the_order) {
+  const auto raised = holm(std::vector{0.04, 0.01, 0.03});
+  EXPECT_DOUBLE_EQ(raised[1], 0.03);
+  EXPECT_DOUBLE_EQ(raised[2], 0.06);
+  EXPECT_DOUBLE_EQ(raised[0], 0.06);
+  EXPECT_EQ(holm(std::vector{0.7, 0.9}), (std::vector{1.0, 1.0}));
+  EXPECT_TRUE(holm({}).empty());
+}
+
+TEST(Friedman, of_runs_that_all_agree_is_as_large_as_can_be) {
+  const auto result = friedman({{1, 2, 3}, {10, 20, 30}, {0.1, 0.2, 0.9}, {5, 6, 7}});
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->mean_ranks, (std::vector{1.0, 2.0, 3.0}));
+  EXPECT_NEAR(result->chi_squared, 8.0, 1e-12);
+  EXPECT_NEAR(result->p, std::exp(-4.0), 1e-12);
+}
+
+TEST(Friedman, of_equal_figures_shows_nothing) {
+  const auto result = friedman({{1, 1}, {2, 2}});
+  EXPECT_EQ(result->p, 1.0);
+  EXPECT_EQ(result->mean_ranks, (std::vector{1.5, 1.5}));
+  EXPECT_FALSE(friedman({{1, 2}}));
+  EXPECT_FALSE(friedman({{1}, {2}}));
+}
+
+TEST(RunsToDecide, are_as_many_as_the_test_then_needs) {
+  Random random{1, "pilot"};
+  std::vector<double> pilot(10000);
+  for (double& d : pilot) d = random.gaussian(0.5, 1.0);
+  const auto needed = runs_to_decide(pilot);
+  ASSERT_TRUE(needed);
+  EXPECT_NEAR(static_cast<double>(*needed), 33.0, 3.0);  // (1.96 + 0.84)²·π/3 / 0.5²
+  int decided = 0;
+  for (int campaign = 0; campaign < 1000; ++campaign) {
+    std::vector<double> runs(*needed);
+    for (double& d : runs) d = random.gaussian(0.5, 1.0);
+    decided += wilcoxon(runs) < 0.05 ? 1 : 0;
+  }
+  EXPECT_NEAR(decided / 1000.0, 0.8, 0.08);  // the power that was announced
+}
+
+TEST(RunsToDecide, are_at_least_six_and_none_where_nothing_differs) {
+  EXPECT_EQ(runs_to_decide(std::vector{1.0, 1.001, 0.999}), 6U);
+  // Among 28 comparisons a p of 2/2ⁿ must come under 0.05/28.
+  EXPECT_EQ(runs_to_decide(std::vector{1.0, 1.001, 0.999}, 0.05 / 28.0), 11U);
+  EXPECT_FALSE(runs_to_decide(std::vector{1.0, -1.0}));
+  EXPECT_FALSE(runs_to_decide(std::vector{1.0}));
+}
+
+TEST(Astm, passes_in_a_row_are_those_of_the_standard) {
+  EXPECT_EQ(passes_needed(0.95, 0.95), 59U);
+  EXPECT_EQ(passes_needed(0.90, 0.95), 29U);
+  EXPECT_EQ(passes_needed(0.99, 0.95), 299U);
+  EXPECT_GE(reliability_shown(59, 0.95), 0.95);
+  EXPECT_LT(reliability_shown(58, 0.95), 0.95);
+  EXPECT_EQ(reliability_shown(0, 0.95), 0.0);
+}
+
+}  // namespace
+}  // namespace cosiva::statistics

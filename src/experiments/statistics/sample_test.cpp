@@ -1,0 +1,71 @@
+#include "experiments/statistics/sample.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "base/random.h"
+
+namespace cosiva::statistics {
+namespace {
+
+TEST(Sample, has_the_mean_variance_and_root_mean_square_that_one_counts_by_hand) {
+  const std::vector<double> values{1.0, 2.0, 3.0, 6.0};
+  EXPECT_DOUBLE_EQ(mean(values), 3.0);
+  EXPECT_DOUBLE_EQ(variance(values), 3.5);
+  EXPECT_DOUBLE_EQ(sample_variance(values), 14.0 / 3.0);
+  EXPECT_DOUBLE_EQ(root_mean_square(values), std::sqrt(12.5));
+  EXPECT_DOUBLE_EQ(share_below(values, 3.0), 0.5);  // under, not at
+}
+
+TEST(Sample, of_nothing_has_no_figures) {
+  EXPECT_TRUE(std::isnan(mean({})));
+  EXPECT_TRUE(std::isnan(variance({})));
+  EXPECT_TRUE(std::isnan(share_below({}, 1.0)));
+  EXPECT_TRUE(std::isnan(percentile({}, 0.5)));
+  EXPECT_TRUE(std::isnan(sample_variance(std::vector<double>{1.0})));
+}
+
+TEST(Percentile, is_a_value_that_was_measured) {
+  std::vector<double> values{9.0, 1.0, 7.0, 3.0, 5.0, 2.0, 8.0, 4.0, 10.0, 6.0};
+  EXPECT_EQ(percentile(values, 0.5), 5.0);
+  EXPECT_EQ(percentile(values, 0.9), 9.0);  // nine of ten, whatever 0.9 is in binary
+  EXPECT_EQ(percentile(values, 0.91), 10.0);
+  EXPECT_EQ(percentile(values, 1.0), 10.0);
+  EXPECT_EQ(percentile(values, 0.01), 1.0);
+}
+
+TEST(Percentile, of_a_heavy_tail_is_not_mean_plus_so_many_deviations) {
+  // 98 values of 0 and two of 100: p99 is 100, where mean + 2.326 deviations would say 34.6.
+  std::vector<double> values(98, 0.0);
+  values.insert(values.end(), {100.0, 100.0});
+  EXPECT_EQ(percentile(values, 0.99), 100.0);
+  EXPECT_EQ(percentile(values, 0.98), 0.0);
+}
+
+TEST(Cdf, ends_at_the_largest_value_and_one) {
+  const Cdf drawn = cdf({3.0, 1.0, 2.0}, 10);
+  EXPECT_EQ(drawn.value, (std::vector{1.0, 2.0, 3.0}));
+  EXPECT_DOUBLE_EQ(drawn.share.back(), 1.0);
+  std::vector<double> many(1000);
+  for (std::size_t i = 0; i < many.size(); ++i) many[i] = static_cast<double>(i);
+  EXPECT_EQ(cdf(many, 50).value.size(), 50U);
+  EXPECT_EQ(cdf(many, 50).value.back(), 999.0);
+}
+
+TEST(EffectiveSize, of_a_first_order_series_is_the_closed_form) {
+  Random random{3, "series"};
+  for (const double phi : {0.0, 0.5, 0.9, 0.98}) {
+    std::vector<double> series(40'000);
+    double x = 0.0;
+    for (double& v : series) v = x = phi * x + random.gaussian();
+    const double wanted = 40'000 * (1.0 - phi) / (1.0 + phi);
+    EXPECT_NEAR(effective_size(series) / wanted, 1.0, 0.25) << phi;
+  }
+}
+
+TEST(EffectiveSize, of_what_never_changes_is_one) { EXPECT_EQ(effective_size(std::vector<double>(100, 2.0)), 1.0); }
+
+}  // namespace
+}  // namespace cosiva::statistics

@@ -1,0 +1,168 @@
+#include "experiments/statistics/survival.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/expect.h"
+#include "base/math.h"
+#include "experiments/statistics/distributions.h"
+#include "experiments/statistics/special.h"
+#include "experiments/statistics/tolerance.h"
+
+namespace cosiva::statistics {
+namespace {
+
+std::vector<Duration> sorted(std::span<const Duration> durations) {
+  std::vector<Duration> all{durations.begin(), durations.end()};
+  // At one instant ends come before what was censored then: who failed at T was still there when another ended at T.
+  std::ranges::sort(all, [](const Duration& a, const Duration& b) {
+    return a.value != b.value ? a.value < b.value : a.ended && !b.ended;
+  });
+  return all;
+}
+
+/// S^exp(±z·se(ln(−ln S))): a band that stays within 0 and 1.
+Interval log_log_band(double share, double greenwood, double z) {
+  if (share <= 0.0) return {0.0, 0.0};
+  if (share >= 1.0) return {1.0, 1.0};
+  const double log_share = det_log(share);
+  const double half = z * std::sqrt(greenwood) / std::fabs(log_share);
+  const double most = det_exp(std::min(half, 600.0));
+  return {det_exp(std::max(log_share * most, -600.0)), det_exp(log_share / most)};
+}
+
+/// Standard normal density over its upper tail.
+double hazard(double z) {
+  if (z > 25.0) return z + 1.0 / z;
+  return 0.39894228040143267794 * det_exp(-0.5 * z * z) / normal_cdf(-z);
+}
+
+struct NormalFit {
+  double mean;
+  double sd;
+  double mean_variance;  ///< of the estimate, from the observed information
+};
+
+/// Newton is not needed: the EM step has a closed form and goes uphill always.
+NormalFit fit_normal(std::span<const Duration> durations, double mean, double sd) {
+  const auto n = static_cast<double>(durations.size());
+  for (int round = 0; round < 500; ++round) {
+    double sum = 0.0;
+    double squares = 0.0;
+    for (const Duration& one : durations) {
+      if (one.ended) {
+        sum += one.value;
+        squares += (one.value - mean) * (one.value - mean);
+        continue;
+      }
+      // What a censored one is expected to have come to, and its square about the present mean.
+      const double z = (one.value - mean) / sd;
+      const double h = hazard(z);
+      sum += mean + sd * h;
+      squares += sd * sd * (1.0 + z * h);
+    }
+    const double next_mean = sum / n;
+    const double next_sd = std::sqrt(std::max(squares / n - (next_mean - mean) * (next_mean - mean), 1e-300));
+    const double moved = std::fabs(next_mean - mean) + std::fabs(next_sd - sd);
+    mean = next_mean;
+    sd = next_sd;
+    if (moved < 1e-10 * sd) break;
+  }
+  // Observed information in (mean, sd), over sd².
+  double mm = 0.0;
+  double ms = 0.0;
+  double ss = 0.0;
+  for (const Duration& one : durations) {
+    const double z = (one.value - mean) / sd;
+    if (one.ended) {
+      mm += 1.0;
+      ms += 2.0 * z;
+      ss += 3.0 * z * z - 1.0;
+    } else {
+      const double h = hazard(z);
+      const double slope = h * (h - z);
+      mm += slope;
+      ms += h + z * slope;
+      ss += z * (2.0 * h + z * slope);
+    }
+  }
+  const double determinant = mm * ss - ms * ms;
+  return {mean, sd, determinant > 0.0 ? sd * sd * ss / determinant : sd * sd / n};
+}
+
+}  // namespace
+
+Survival kaplan_meier(std::span<const Duration> durations, double level) {
+  Survival survival{{}, 0.0, 0.0, 0.0};
+  const std::vector<Duration> all = sorted(durations);
+  if (all.empty()) return survival;
+  const double z = normal_quantile(0.5 + 0.5 * level);
+  double share = 1.0;
+  double greenwood = 0.0;
+  double before = 0.0;
+  struct Piece {
+    double area;
+    double term;  ///< of Greenwood's sum, of the end that closes this piece
+  };
+  std::vector<Piece> pieces;
+  for (std::size_t i = 0; i < all.size();) {
+    std::size_t ended = 0;
+    std::size_t j = i;
+    for (; j < all.size() && all[j].value == all[i].value; ++j) ended += all[j].ended ? 1U : 0U;
+    if (ended > 0) {
+      const auto at_risk = static_cast<double>(all.size() - i);
+      const auto out = static_cast<double>(ended);
+      const double term = at_risk > out ? out / (at_risk * (at_risk - out)) : 0.0;
+      pieces.push_back({share * (all[i].value - before), term});
+      before = all[i].value;
+      share *= 1.0 - out / at_risk;
+      greenwood += term;
+      survival.steps.push_back({before, share, log_log_band(share, greenwood, z), ended, all.size() - i});
+    }
+    i = j;
+  }
+  survival.restricted_to = all.back().value;
+  const double last = share * (survival.restricted_to - before);
+  for (const Piece& piece : pieces) survival.restricted_mean += piece.area;
+  survival.restricted_mean += last;
+  double variance = 0.0;
+  double after = survival.restricted_mean;
+  for (const Piece& piece : pieces) {
+    after -= piece.area;  // the area that lies after this end
+    variance += after * after * piece.term;
+  }
+  survival.restricted_mean_sd = std::sqrt(variance);
+  return survival;
+}
+
+std::optional<double> Survival::when_ended(double share) const {
+  for (const SurvivalStep& step : steps)
+    if (step.share <= 1.0 - share + 1e-12) return step.at;
+  return std::nullopt;
+}
+
+std::optional<CensoredNormal> censored_normal(std::span<const Duration> durations, double level) {
+  std::vector<double> ends;
+  for (const Duration& one : durations)
+    if (one.ended) ends.push_back(one.value);
+  if (ends.size() < 2) return std::nullopt;
+  const auto [shortest, longest] = std::ranges::minmax(ends);
+  if (!(longest > shortest)) return std::nullopt;
+  double mean = 0.0;
+  for (const double end : ends) mean += end / static_cast<double>(ends.size());
+  const NormalFit fit = fit_normal(durations, mean, 0.5 * (longest - shortest));
+
+  const auto ended = static_cast<double>(ends.size());
+  const double correction = std::sqrt(ended / (ended - 1.0));
+  CensoredNormal found{fit.mean, fit.sd * correction, {}, 0.0, fit.sd * fit.sd / fit.mean_variance, ends.size()};
+  const double degrees = std::max(1.0, ended - 1.0);
+  const double half = student_quantile(0.5 + 0.5 * level, degrees) * correction * std::sqrt(fit.mean_variance);
+  found.mean_interval = {found.mean - half, found.mean + half};
+  // As from a whole sample whose mean is as well known, with the ends' own degrees of freedom for the deviation.
+  const double root = std::sqrt(found.effective_size);
+  const double factor = shifted_student_quantile(0.95, degrees, normal_quantile(0.95) * root) / root;
+  found.tolerance_low = found.mean - factor * found.sd;
+  return found;
+}
+
+}  // namespace cosiva::statistics

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "experiments/statistics/interval.h"
+
+/// Durations some of which nobody saw the end of: a run that failed for another reason lasted at least so long.
+namespace cosiva::statistics {
+
+struct Duration {
+  double value;  ///< > 0
+  bool ended;    ///< false: censored, it would have gone on
+};
+
+/// Kaplan and Meier's curve: how many of all still last, after each end that was seen.
+struct SurvivalStep {
+  double at;
+  double share;   ///< still lasting after it
+  Interval band;  ///< pointwise, by Greenwood's variance on the log-log scale: inside [0, 1]
+  std::size_t ended;
+  std::size_t at_risk;  ///< right before
+};
+struct Survival {
+  std::vector<SurvivalStep> steps;
+  /// The area under the curve up to the longest duration: the mean where that one ended, else a lower bound of it.
+  double restricted_mean;
+  double restricted_mean_sd;
+  double restricted_to;
+  /// The time at which this share has ended; nothing where the curve does not come down so far.
+  [[nodiscard]] std::optional<double> when_ended(double share) const;
+};
+[[nodiscard]] Survival kaplan_meier(std::span<const Duration> durations, double level = 0.95);
+
+/// A normal distribution of which censored durations are known to be longer: maximum likelihood. SD is corrected for
+/// the ends seen as √(d/(d − 1)), so that without censoring it is the usual one.
+struct CensoredNormal {
+  double mean;
+  double sd;
+  Interval mean_interval;  ///< by the observed information and Student's t of the information in the sample
+  double tolerance_low;    ///< 95 % of all last longer, with a confidence of 95 %
+  double effective_size;   ///< how many uncensored durations would tell the mean as well
+  std::size_t ended;
+};
+/// Nothing for fewer than two ends, or equal ones.
+[[nodiscard]] std::optional<CensoredNormal> censored_normal(std::span<const Duration> durations, double level = 0.95);
+
+}  // namespace cosiva::statistics

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "base/json_value.h"
+#include "base/random.h"
+#include "base/result.h"
+#include "battery/gauge/gauge.h"
+#include "battery/gauge/monitor.h"
+#include "battery/pack.h"
+#include "physical/boards/boards.h"
+
+namespace cosiva::physical {
+
+/// What a cart takes to go and to think.
+struct CartModel {
+  double idle_w{3.0};  ///< Raspberry Pi and boards
+  double mass_kg{1.2};
+  double rolling_force_n{0.6};
+  double half_track_m{0.05};
+  double drive_efficiency{0.6};  ///< battery to wheel; braking gives nothing back
+  double ambient_c{22.0};
+
+  /// Energy that the drive takes for one step of motion, idle load excluded [J].
+  [[nodiscard]] double drive_energy_j(double distance_m, double speed_mps, double acceleration_mps2, double dt_s) const;
+  /// For one step of a manoeuvre: on the spot the two wheels roll half the track's circle, each under half the weight.
+  [[nodiscard]] double manoeuvre_energy_j(double turned_rad, double gone_m) const;
+};
+
+/// Which battery is in a cart, as the plant's command `changeBattery` puts it there.
+struct BatteryChange {
+  battery::BatteryType type;
+  battery::PackDesign design;
+  battery::PackHistory history;
+  double temperature_c{22.0};
+  double charge{1.0};
+  battery::GaugeMethod gauge{battery::GaugeMethod::rest};
+};
+/// {"vehicle":1,"id":"B7","seed"?,"spread"?,"cycles"?,"temperature"?,"charge"?,"scale"?,"gauge"?,"type"?: one of the
+/// shipped types' names, or a whole type as an object}. Fails ("plant.battery").
+[[nodiscard]] Result<BatteryChange> battery_change_from_json(const JsonValue& json);
+
+/// A cart's battery, RALI's monitor on it, and its gauge. The gauge is told what the monitor says and nothing else.
+class PowerTrain {
+ public:
+  /// With the usual battery: two lithium-polymer cells of 2.2 Ah in series, full.
+  /// @param random  the monitor's
+  PowerTrain(const std::shared_ptr<const battery::CellTable>& table, Random random);
+
+  /// The usual battery's table.
+  [[nodiscard]] static std::shared_ptr<const battery::CellTable> usual_table();
+
+  /// Draws `energy_j` evenly over `dt_s`, besides the idle load; then the gauge looks.
+  void draw(double energy_j, double dt_s);
+  /// Another battery, full unless it is said otherwise; the gauge knows that it was changed.
+  void change(const BatteryChange& change);
+  /// This cart takes so much more or less than others, driving and standing.
+  void set_load_factor(double factor) { load_factor_ = factor; }
+
+  /// The pack's protection has cut the load off: it browned out, or a cell was at its floor or empty. Until another
+  /// comes.
+  [[nodiscard]] bool cut_off() const { return cut_off_; }
+  [[nodiscard]] const battery::Pack& pack() const { return pack_; }
+  [[nodiscard]] const CartModel& cart() const { return cart_; }
+  [[nodiscard]] double load_w() const { return load_w_; }  ///< that it drew last
+  [[nodiscard]] battery::GaugeReading gauge() const { return gauge_.reading(); }
+  /// What RALI sends.
+  [[nodiscard]] PowerReadings readings() const;
+
+ private:
+  CartModel cart_;
+  battery::Pack pack_;
+  battery::Monitor monitor_;
+  battery::Gauge gauge_;
+  battery::Measured measured_;
+  double load_factor_{1.0};
+  double load_w_{0.0};
+  bool cut_off_{false};
+};
+
+}  // namespace cosiva::physical

@@ -1,0 +1,470 @@
+#include "virtual/fleet/fleet.h"
+
+#include <gmock/gmock.h>
+#include <rapidcheck/gtest.h>
+
+#include "aiv/manoeuvre.h"
+#include "aiv/test_graphs.h"
+#include "base/random.h"
+#include "virtual/fleet/test_fleet.h"
+#include "zone/route.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+using namespace test;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+/// Steps, and looks now and then whether all is well.
+void drive(Fleet& fleet, int steps, int look_every = 7) {
+  for (int k = 0; k < steps; ++k) {
+    fleet.step();
+    if (k % look_every == 0) {
+      ASSERT_NO_FATAL_FAILURE(expect_safe(fleet));
+    }
+  }
+  EXPECT_EQ(fleet.collisions(), 0U);
+  EXPECT_GT(fleet.smallest_gap_m(), 0.0);
+}
+
+double driven_least(const Fleet& fleet) {
+  double least = 1e9;
+  for (Fleet::Vehicle i = 0; i < fleet.size(); ++i) least = std::min(least, fleet.distance_m(i));
+  return least;
+}
+
+TEST(Fleet, goes_round_a_clover_with_crossings_without_touching) {
+  for (const bool rules : {false, true}) {
+    Fleet many = fleet(zone_file("zones/lacet4.toml"), 8, rules);
+    ASSERT_EQ(many.size(), 8U);
+    drive(many, 3000);
+    EXPECT_GT(driven_least(many), 50.0);
+    EXPECT_EQ(many.stuck(), 0U);
+  }
+}
+
+TEST(Fleet, goes_round_a_ring_with_limits_without_touching) {
+  Fleet many = fleet(zone_file("zones/indus8.toml"), 20);
+  ASSERT_EQ(many.size(), 20U);
+  drive(many, 3000);
+  EXPECT_GT(driven_least(many), 40.0);
+}
+
+TEST(Fleet, passes_crossings_of_clothoids_without_touching) {
+  Fleet many = fleet(zone_file("zones/crossing8.xodr"), 6);
+  drive(many, 3000);
+  EXPECT_GT(driven_least(many), 30.0);
+}
+
+TEST(Fleet, keeps_limits_of_sections) {
+  const Zone zone = zone_file("zones/indus8.toml");
+  Fleet many = fleet(zone, 10);
+  for (int k = 0; k < 1000; ++k) {
+    many.step();
+    for (Fleet::Vehicle i = 0; i < many.size(); ++i) {
+      const auto limit = zone->circuit.part(many.place(i).section).speed_mps_max;
+      if (limit) {
+        ASSERT_LE(many.speed_mps()[i], *limit + 1e-3) << k;
+      }
+    }
+  }
+}
+
+TEST(Fleet, that_is_as_large_as_the_circuit_holds_does_not_collide) {
+  for (const char* name : {"zones/lacet4.toml", "zones/indus8.toml", "bench/clover.toml"}) {
+    Fleet full = fleet(zone_file(name), 100'000);
+    EXPECT_LT(full.size(), 100'000U);
+    drive(full, 1500);
+  }
+}
+
+// A plant is full of forks, merges, lay-bys and crossings.
+TEST(Fleet, goes_about_a_plant_without_touching) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    Fleet many = fleet(plant({.rows = 2, .aisles = 4, .bays = 3, .seed = seed}), 25);
+    ASSERT_GT(many.size(), 10U);
+    drive(many, 1500, 11);
+  }
+}
+
+RC_GTEST_PROP(Fleet, touches_nobody_in_any_plant_however_full, ()) {
+  const zone::PlantOptions options{.rows = *rc::gen::inRange(1U, 4U),
+                                   .aisles = *rc::gen::inRange(2U, 6U),
+                                   .bays = *rc::gen::inRange(1U, 4U),
+                                   .seed = *rc::gen::inRange<std::uint64_t>(1, 1000)};
+  Fleet many = fleet(plant(options), *rc::gen::inRange<std::size_t>(1, 80), *rc::gen::arbitrary<bool>());
+  drive(many, 120, 17);
+  RC_ASSERT(!testing::Test::HasFailure());
+}
+
+TEST(Fleet, drives_in_every_ready_zone) {
+  for (const char* name : {"lacet4.toml", "indus8.toml", "crossing8.xodr", "plant1000.toml"}) {
+    Fleet some = fleet(zone_file(std::string("zones/") + name), 6);
+    drive(some, 600, 13);
+    EXPECT_GT(driven_least(some), 0.0) << name;
+  }
+}
+
+TEST(Fleet, is_not_made_where_there_is_nowhere_to_stand_between_crossings) {
+  // A net of two-way lanes: each lies all along the way back, so whatever one enters, one would have to reserve it all.
+  const auto made = Fleet::make(zone_file("zones/workshop.lif.json"), {}, {});
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().code, "fleet.zone");
+}
+
+TEST(Fleet, may_have_no_vehicles_at_all) {
+  Fleet empty = fleet(zone_file("zones/lacet4.toml"), std::vector<FleetStart>{});
+  empty.step();
+  EXPECT_EQ(empty.size(), 0U);
+  EXPECT_EQ(empty.copies(), 0U);
+  EXPECT_EQ(empty.stuck(), 0U);
+  EXPECT_EQ(empty.steps(), 1U);
+}
+
+/// Sends everybody to random places, over and over.
+class Wanderers {
+ public:
+  Wanderers(Zone zone, std::size_t count, std::uint64_t seed)
+      : fleet_{fleet(zone, count)}, zone_{std::move(zone)}, router_{*zone_}, random_{seed, "wanderers"} {
+    for (Fleet::Vehicle i = 0; i < fleet_.size(); ++i) send(i);
+  }
+
+  void step() {
+    fleet_.step();
+    for (const Fleet::Vehicle i : std::vector<Fleet::Vehicle>{fleet_.arrived().begin(), fleet_.arrived().end()}) {
+      EXPECT_TRUE(fleet_.is_at_goal(i));
+      EXPECT_EQ(fleet_.place(i), goals_[i]);
+      EXPECT_EQ(fleet_.speed_mps()[i], 0.0);
+      ++arrivals_;
+      send(i);
+    }
+  }
+  [[nodiscard]] Fleet& fleet_of() { return fleet_; }
+  [[nodiscard]] std::size_t arrivals() const { return arrivals_; }
+
+ private:
+  void send(Fleet::Vehicle i) {
+    goals_.resize(fleet_.size());
+    for (int attempt = 0; attempt < 20; ++attempt) {
+      const auto section = static_cast<zone::SectionId>(random_.below(zone_->circuit.size()));
+      const zone::Place goal{section, random_.uniform(0.0, zone_->circuit.section(section).length_m())};
+      if (!zone_->may_stand(goal)) continue;
+      const auto route = router_.plan(fleet_.place(i), goal);
+      if (!route || !fleet_.send(i, route->sections, goal.s_m)) continue;
+      goals_[i] = goal;
+      return;
+    }
+  }
+
+  Fleet fleet_;
+  Zone zone_;
+  zone::Router router_;
+  Random random_;
+  std::vector<zone::Place> goals_;
+  std::size_t arrivals_{0};
+};
+
+TEST(Fleet, sent_all_over_a_plant_arrives_exactly_and_touches_nobody) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    Wanderers wanderers{plant({.rows = 2, .aisles = 5, .bays = 3, .seed = seed}), 4 + 4 * seed, seed};
+    for (int k = 0; k < 4000; ++k) {
+      wanderers.step();
+      if (k % 13 == 0) {
+        ASSERT_NO_FATAL_FAILURE(expect_safe(wanderers.fleet_of()));
+      }
+    }
+    EXPECT_EQ(wanderers.fleet_of().collisions(), 0U);
+    EXPECT_GT(wanderers.arrivals(), 10U);
+  }
+}
+
+/// The one ahead on the default way, by walking along it and looking at everybody.
+Fleet::Ahead found_slowly(const Fleet& fleet, Fleet::Vehicle self) {
+  const zone::Circuit& circuit = fleet.zone().circuit;
+  const zone::Place place = fleet.place(self);
+  double start_m = -place.s_m;
+  zone::SectionId section = place.section;
+  for (std::size_t steps = 0; steps <= circuit.size(); ++steps) {
+    Fleet::Ahead nearest;
+    for (Fleet::Vehicle i = 0; i < fleet.size(); ++i) {
+      const zone::Place other = fleet.place(i);
+      if (i == self || fleet.copy_of(i) != fleet.copy_of(self) || other.section != section) continue;
+      const double gap_m = start_m + other.s_m - fleet.zone().vehicle.length_m;
+      if (steps == 0 && other.s_m < place.s_m) continue;
+      if (gap_m < nearest.gap_m) nearest = {i, gap_m};
+    }
+    if (nearest.vehicle != Fleet::none) return nearest;
+    start_m += circuit.section(section).length_m();
+    section = circuit.next(section).front();
+  }
+  return {};
+}
+
+TEST(Fleet, knows_who_is_ahead_as_if_it_looked_at_everybody) {
+  for (const char* name : {"zones/lacet4.toml", "zones/indus8.toml", "bench/clover.toml"}) {
+    const Zone zone = zone_file(name);
+    std::vector<FleetStart> starts = Fleet::spread(*zone, 7, 0);
+    for (const FleetStart& start : Fleet::spread(*zone, 3, 1)) starts.push_back(start);
+    Fleet many = fleet(zone, starts);
+    for (int k = 0; k < 2000; ++k) {
+      many.step();
+      if (k % 37 != 0) continue;
+      for (Fleet::Vehicle i = 0; i < many.size(); ++i) {
+        const Fleet::Ahead slow = found_slowly(many, i);
+        const Fleet::Ahead ahead = many.ahead(i);
+        if (slow.gap_m > many.look_m()) continue;  // nobody need know
+        ASSERT_EQ(ahead.vehicle, slow.vehicle) << name << " step " << k << " vehicle " << i;
+        ASSERT_NEAR(ahead.gap_m, slow.gap_m, 1e-9);
+      }
+    }
+  }
+}
+
+/// What an agent of its own would choose and how fast it would be after a step, from what the fleet shows.
+TEST(Fleet, drives_as_its_agents_decide) {
+  const Zone zone = zone_file("zones/indus8.toml");
+  Fleet many = fleet(zone, 14);
+  const aiv::FuzzySpeedChooser chooser{aiv::AgentRules::built_in(), zone->profiles};
+  std::vector<std::optional<aiv::Profile>> present(many.size());
+  for (int k = 0; k < 500; ++k) {
+    std::vector<aiv::Profile> meant;
+    for (Fleet::Vehicle i = 0; i < many.size(); ++i) {
+      constexpr double free = std::numeric_limits<double>::infinity();
+      aiv::Situation situation{many.speed_mps()[i], free, free, free, 1.0, std::nullopt};
+      situation.present = present[i];
+      if (const Fleet::Ahead ahead = many.ahead(i); ahead.gap_m <= many.look_m()) {
+        situation.obstacle_ahead_m = ahead.gap_m;
+        situation.closing_mps = many.speed_mps()[i] - many.speed_mps()[ahead.vehicle];
+      }
+      meant.push_back(chooser.choose(situation));
+    }
+    std::vector<double> before_mps(many.speed_mps().begin(), many.speed_mps().end());
+    std::vector<double> may_mps;
+    for (Fleet::Vehicle i = 0; i < many.size(); ++i) {
+      const zone::SpeedProfile wish = aiv::kinematics(zone->profiles, meant[i]);
+      may_mps.push_back(std::min(wish.speed_mps, aiv::stoppable_speed(many.ahead(i).gap_m - aiv::stand_off_m,
+                                                                      wish.braking_mps2, aiv::obstacle_reaction_s)));
+    }
+    many.step();
+    for (Fleet::Vehicle i = 0; i < many.size(); ++i) {
+      ASSERT_EQ(many.profile(i), meant[i]) << "step " << k << " vehicle " << i;
+      const zone::SpeedProfile wish = aiv::kinematics(zone->profiles, meant[i]);
+      const double most_mps = std::max(may_mps[i], before_mps[i] - 0.1 * zone->profiles.fast.braking_mps2);
+      ASSERT_LE(many.speed_mps()[i], most_mps + 1e-12);
+      ASSERT_LE(many.speed_mps()[i], before_mps[i] + 0.1 * wish.acceleration_mps2 + 1e-12);
+      present[i] = meant[i];
+    }
+  }
+}
+
+/// Parts in any order.
+class Backwards final : public Workers {
+ protected:
+  void run(std::size_t count, Call call, void* context) override {
+    for (std::size_t i = count; i-- > 0;) call(context, i);
+  }
+};
+
+TEST(Fleet, is_the_same_in_whatever_order_its_parts_are_done) {
+  const Zone zone = zone_file("bench/clover.toml");
+  const std::vector<FleetStart> one = Fleet::spread(*zone, 12);
+  std::vector<FleetStart> starts;
+  for (std::uint32_t copy = 0; copy < 300; ++copy)
+    for (std::size_t k = 0; k < one.size() - copy % 3; ++k) starts.push_back({copy, one[k].place, 0});
+  Fleet forwards = fleet(zone, starts);
+  Fleet backwards = fleet(zone, starts);
+  Backwards workers;
+  for (int k = 0; k < 300; ++k) {
+    forwards.step();
+    backwards.step(workers);
+  }
+  EXPECT_EQ(forwards.digest(), backwards.digest());
+}
+
+TEST(Fleet, of_copies_does_in_each_what_it_would_do_alone) {
+  const Zone zone = zone_file("zones/lacet4.toml");
+  const std::vector<FleetStart> one = Fleet::spread(*zone, 8);
+  std::vector<FleetStart> starts;
+  for (std::uint32_t copy = 0; copy < 5; ++copy)
+    for (const FleetStart& start : one) starts.push_back({copy, start.place, 0});
+  Fleet alone = fleet(zone, one);
+  Fleet five = fleet(zone, starts);
+  for (int k = 0; k < 1000; ++k) {
+    alone.step();
+    five.step();
+  }
+  for (Fleet::Vehicle i = 0; i < five.size(); ++i) {
+    EXPECT_EQ(five.place(i), alone.place(i % 8));
+    EXPECT_EQ(five.pose(i), alone.pose(i % 8));
+    EXPECT_EQ(five.waiting(i), alone.waiting(i % 8));
+  }
+}
+
+TEST(Fleet, stands_exactly_at_its_goal_and_says_so_once) {
+  const Zone zone = zone_file("zones/indus8.toml");
+  Fleet one = fleet(zone, 1);
+  const zone::Place start = one.place(0);
+  const zone::SectionId next = zone->circuit.next(start.section).front();
+  EXPECT_FALSE(one.has_goal(0));
+  ASSERT_TRUE(one.send(0, std::vector{start.section, next}, 0.3));
+  EXPECT_TRUE(one.has_goal(0));
+  int told = 0;
+  for (int k = 0; k < 400; ++k) {
+    one.step();
+    for (const Fleet::Vehicle who : one.arrived()) told += who == 0 ? 1 : 0;
+  }
+  EXPECT_EQ(told, 1);
+  EXPECT_TRUE(one.is_at_goal(0));
+  EXPECT_EQ(one.place(0), (zone::Place{next, 0.3}));
+  EXPECT_EQ(one.speed_mps()[0], 0.0);
+  const SimDuration waited = one.waiting(0);
+  for (int k = 0; k < 50; ++k) one.step();
+  EXPECT_EQ(one.waiting(0), waited) << "who is where it was to go waits for nothing";
+
+  one.circulate(0);
+  for (int k = 0; k < 100; ++k) one.step();
+  EXPECT_FALSE(one.has_goal(0));
+  EXPECT_GT(one.distance_m(0), 4.0);
+}
+
+TEST(Fleet, sent_to_where_it_stands_arrives_in_the_next_step) {
+  const Zone zone = zone_file("zones/indus8.toml");
+  Fleet one = fleet(zone, 1);
+  const zone::Place here = one.place(0);
+  ASSERT_TRUE(one.send(0, std::vector{here.section}, here.s_m));
+  one.step();
+  EXPECT_THAT(one.arrived(), ElementsAre(0));
+  one.step();
+  EXPECT_THAT(one.arrived(), IsEmpty());
+  EXPECT_EQ(one.place(0), here);
+}
+
+TEST(Fleet, refuses_ways_that_it_cannot_take) {
+  const Zone zone = zone_file("zones/indus8.toml");
+  Fleet one = fleet(zone, 1);
+  for (int k = 0; k < 30; ++k) one.step();
+  const zone::Place here = one.place(0);
+  const zone::SectionId next = zone->circuit.next(here.section).front();
+  EXPECT_FALSE(one.send(0, {}, 0.0));
+  EXPECT_FALSE(one.send(0, std::vector{next}, 0.1)) << "it is not there";
+  EXPECT_FALSE(one.send(0, std::vector{here.section, here.section}, 0.1)) << "no successor";
+  EXPECT_FALSE(one.send(0, std::vector<zone::SectionId>{here.section, 999}, 0.1));
+  EXPECT_FALSE(one.send(0, std::vector{here.section, next}, 1e3)) << "beyond the end";
+  EXPECT_FALSE(one.send(0, std::vector{here.section}, here.s_m - 0.1)) << "behind it";
+  EXPECT_FALSE(one.send(0, std::vector{here.section}, here.s_m + 0.01)) << "too near to stop";
+  EXPECT_FALSE(one.send(0, std::vector{here.section}, std::nan("")));
+  EXPECT_FALSE(one.has_goal(0));
+}
+
+TEST(Fleet, at_a_sharp_bend_stops_turns_on_the_spot_and_goes_on) {
+  // A square, whose corners are turned on the spot; the spur that is its default ends blind.
+  const Zone zone = std::make_shared<zone::TrafficZone>(aiv::test::square());
+  Fleet one = fleet(zone, std::vector<FleetStart>{{0, {0, 0.2}}});
+  ASSERT_TRUE(one.send(0, std::vector<zone::SectionId>{0, 1, 2}, 0.5));
+  int turning = 0;
+  double heading_rad = 0.0;
+  for (int k = 0; k < 400; ++k) {
+    one.step();
+    const double turned_rad = wrap_angle(one.heading_rad()[0] - heading_rad);
+    heading_rad = one.heading_rad()[0];
+    if (turned_rad == 0.0) continue;
+    ++turning;
+    EXPECT_EQ(one.speed_mps()[0], 0.0);
+    EXPECT_GT(turned_rad, 0.0);
+    EXPECT_LE(turned_rad, aiv::ManoeuvreRates{}.turn_radps * 0.1 + 1e-9);
+  }
+  EXPECT_EQ(one.place(0), (zone::Place{2, 0.5}));
+  // A quarter at 1.5 rad/s, speeding up and braking with 3 rad/s²: 1.55 s, twice; and a little in steps of 0.1 s.
+  EXPECT_NEAR(turning, 33, 4);
+}
+
+TEST(Fleet, stands_before_the_line_of_a_crossing_that_another_holds) {
+  const Zone zone = zone_file("bench/clover.toml");
+  Fleet many = fleet(zone, 12);
+  bool waited = false;
+  for (int k = 0; k < 2000; ++k) {
+    many.step();
+    for (Fleet::Vehicle i = 0; i < many.size(); ++i) {
+      const zone::Place place = many.place(i);
+      if (many.speed_mps()[i] > 0.0 || place.section % 2 != 0 || place.s_m < 3.5 || place.s_m > 4.5) continue;
+      EXPECT_NEAR(place.s_m, 3.951 - aiv::stop_line_m, 1e-3);
+      waited = true;
+    }
+  }
+  EXPECT_TRUE(waited);
+}
+
+TEST(Fleet, lets_the_higher_priority_go_first) {
+  const Zone zone = zone_file("bench/clover.toml");
+  SimDuration waited[2]{};
+  for (const bool first : {false, true}) {
+    Fleet many = fleet(zone, 12);
+    if (first) many.set_priority(5, 999);
+    for (int k = 0; k < 6000; ++k) many.step();
+    waited[first ? 1 : 0] = many.waiting(5);
+  }
+  EXPECT_LT(waited[1], waited[0]);
+}
+
+TEST(Fleet, counts_what_happens) {
+  const Zone zone = zone_file("zones/lacet4.toml");
+  Fleet many = fleet(zone, 6);
+  for (int k = 0; k < 3000; ++k) many.step();
+  SimDuration occupied{};
+  for (zone::SectionId id = 0; id < zone->circuit.size(); ++id) occupied += many.occupancy(id);
+  EXPECT_EQ(occupied, 6 * many.time()) << "everybody is somewhere, all the time";
+  std::uint64_t grants = 0;
+  for (std::size_t x = 0; x < zone->crossings.size(); ++x) grants += many.crossing(x).grants;
+  for (Fleet::Vehicle i = 0; i < 6; ++i) {
+    EXPECT_NEAR(many.laps(i), many.distance_m(i) / zone->circuit.total_length_m(), 1.0);
+    EXPECT_LT(many.waiting(i), many.time());
+  }
+  // Each lap goes twice through each of four crossings.
+  double laps = 0.0;
+  for (Fleet::Vehicle i = 0; i < 6; ++i) laps += many.distance_m(i) / zone->circuit.total_length_m();
+  EXPECT_NEAR(static_cast<double>(grants), 8.0 * laps, 8.0 * 6.0);
+}
+
+TEST(Fleet, obeys_an_instruction_and_a_limit_of_its_own) {
+  const Zone zone = zone_file("zones/indus8.toml");
+  Fleet two = fleet(zone, 2);
+  two.impose(0, aiv::Profile::slow);
+  two.limit_speed(1, 0.1);
+  for (int k = 0; k < 300; ++k) {
+    two.step();
+    EXPECT_LE(two.speed_mps()[0], zone->profiles.slow.speed_mps);
+    EXPECT_LE(two.speed_mps()[1], 0.1);
+  }
+  EXPECT_GT(two.distance_m(0), 2.0);
+  EXPECT_GT(two.distance_m(1), 2.0);
+  two.impose(0, aiv::Profile::stop);
+  for (int k = 0; k < 30; ++k) two.step();
+  EXPECT_EQ(two.speed_mps()[0], 0.0);
+}
+
+TEST(Fleet, refuses_starts_where_nobody_can_begin) {
+  const Zone zone = zone_file("zones/lacet4.toml");
+  const auto code = [&](std::vector<FleetStart> starts) {
+    const auto made = Fleet::make(zone, {}, starts);
+    return made ? std::string() : made.error().code;
+  };
+  EXPECT_EQ(code({{0, {1, 1.2}}}), "");
+  EXPECT_EQ(code({{0, {99, 0.0}}}), "fleet.start");
+  EXPECT_EQ(code({{0, {1, -1.0}}}), "fleet.start");
+  EXPECT_EQ(code({{0, {0, 0.6}}}), "fleet.start") << "in a crossing";
+  EXPECT_EQ(code({{0, {1, 1.2}}, {0, {1, 1.45}}}), "fleet.start") << "too close";
+  EXPECT_EQ(code({{1, {1, 1.2}}, {0, {1, 1.2}}}), "fleet.start") << "copies out of order";
+  const auto slow = Fleet::make(zone, {.step = std::chrono::seconds{1}}, {});
+  EXPECT_FALSE(slow);
+}
+
+TEST(Fleet, has_the_same_bits_with_every_compiler_and_optimisation) {
+  // The one golden number here: it proves sameness, the other tests truth.
+  Fleet many = fleet(zone_file("zones/lacet4.toml"), 8);
+  for (int k = 0; k < 2000; ++k) many.step();
+  EXPECT_EQ(many.digest(), 6142195479809546613U);
+}
+
+}  // namespace
+}  // namespace cosiva::virtual_side

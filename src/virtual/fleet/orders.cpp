@@ -1,0 +1,91 @@
+// What vehicles can be told while they drive.
+#include <algorithm>
+
+#include "virtual/fleet/inside.h"
+
+namespace cosiva::virtual_side {
+
+double Fleet::Inside::committed_m(std::uint32_t i) const {
+  const double v = state.v_mps[i];
+  double until_m = state.s_m[i];
+  // By the weakest brakes, and the reactions generously: a step is decided upon what was seen before it.
+  if (v > 0.0) until_m += v * v / (2.0 * numbers.weakest_mps2) + v * (numbers.late_s + 2.0 * numbers.dt_s);
+  if (state.own[i].held_chain != no_chain) until_m = std::max(until_m, state.own[i].clear_at);
+  return until_m;
+}
+
+std::span<const zone::SectionId> Fleet::Inside::committed(std::uint32_t i) {
+  committed_sections.clear();
+  Way way = way_of(i);
+  committed_sections.push_back(way.section);
+  const double until_m = std::min(committed_m(i), state.goal_at[i]);
+  double end_m = ground.length_m(way.section);
+  // Whoever turns on the spot does so towards the next one.
+  bool more = (state.mode[i] & Mode::turning) != 0;
+  while (more || end_m < until_m) {
+    const zone::SectionId to = next(way);
+    if (to == zone::no_section) break;
+    committed_sections.push_back(to);
+    end_m += ground.length_m(to);
+    step_to(way, to);
+    more = false;
+  }
+  return committed_sections;
+}
+
+void Fleet::Inside::take_route(std::uint32_t i, std::span<const zone::SectionId> route) {
+  if (state.own[i].route == Fleet::none) {
+    state.own[i].route = static_cast<std::uint32_t>(routes.size());
+    routes.emplace_back();
+  }
+  routes[state.own[i].route].sections.assign(route.begin(), route.end());
+  state.own[i].route_step = 0;
+}
+
+void Fleet::Inside::follow_anew(std::uint32_t i) {
+  if (front[at(state.own[i].copy, state.section[i])] == i) look_ahead(i);
+  const std::uint32_t asked_for = state.own[i].line_chain;
+  survey(i);
+  if ((state.mode[i] & Mode::asks) == 0 || state.own[i].line_chain == asked_for) return;
+  withdraw(i);
+}
+
+bool Fleet::Inside::send(std::uint32_t i, std::span<const zone::SectionId> route, double goal_s_m) {
+  if ((state.mode[i] & Mode::absent) != 0) return false;
+  if (route.empty() || !std::ranges::all_of(route, [&](zone::SectionId id) { return id < ground.size(); }))
+    return false;
+  if (!(goal_s_m >= 0.0 && goal_s_m <= ground.length_m(route.back()))) return false;
+  double goal_m = goal_s_m;
+  for (std::size_t k = 0; k + 1 < route.size(); ++k) {
+    const auto ways = ground.circuit().next(route[k]);
+    if (std::ranges::find(ways, route[k + 1]) == ways.end()) return false;
+    goal_m += ground.length_m(route[k]);
+  }
+  const auto kept = committed(i);
+  const std::size_t common = std::min(kept.size(), route.size());
+  if (!std::equal(kept.begin(), kept.begin() + static_cast<std::ptrdiff_t>(common), route.begin())) return false;
+  // Nor may it stay short of the end of crossings that it holds: nobody else could pass.
+  if (goal_m < committed_m(i) || (kept.size() > route.size() && (state.mode[i] & Mode::turning) != 0)) return false;
+
+  take_route(i, route);
+  routes[state.own[i].route].goal_s_m = goal_s_m;
+  state.goal_at[i] = goal_m;
+  if ((state.mode[i] & Mode::sent) == 0) ++told_vehicles;
+  state.mode[i] = static_cast<std::uint8_t>((state.mode[i] | Mode::sent) & ~(Mode::at_goal | Mode::told));
+  if (state.v_mps[i] == 0.0 && goal_m == state.s_m[i]) state.mode[i] |= Mode::told;
+  follow_anew(i);
+  return true;
+}
+
+void Fleet::Inside::circulate(std::uint32_t i) {
+  if ((state.mode[i] & (Mode::sent | Mode::absent)) != Mode::sent) return;
+  // What it is committed to stays its way; from there the defaults lead on.
+  committed(i);
+  state.goal_at[i] = far_m;
+  --told_vehicles;
+  state.mode[i] &= static_cast<std::uint8_t>(~(Mode::sent | Mode::at_goal | Mode::told));
+  take_route(i, committed_sections);
+  follow_anew(i);
+}
+
+}  // namespace cosiva::virtual_side
