@@ -52,6 +52,7 @@ struct Figures {
   double bytes_per_vehicle;
   double mean_mps;
   double waiting_share;
+  double gained_m2ps2;  ///< of squared speed, by all together; with a duration only
   double loop_m;  ///< all sections of the zone; round, where it is a ring
   double smallest_gap_m;
   std::uint64_t collisions;
@@ -98,6 +99,23 @@ Result<Fleet> make_fleet(const Options& options, const std::shared_ptr<const zon
   return Fleet::make(zone, {.rules = *rules}, starts);
 }
 
+/// What each has gained of squared speed since it was last looked at.
+class Gains {
+ public:
+  explicit Gains(const Fleet& fleet) : before_mps_(fleet.speed_mps().begin(), fleet.speed_mps().end()) {}
+  void look(const Fleet& fleet) {
+    const auto now_mps = fleet.speed_mps();
+    for (std::size_t v = 0; v < before_mps_.size(); ++v)
+      sum_m2ps2_ += std::max(0.0, now_mps[v] * now_mps[v] - before_mps_[v] * before_mps_[v]);
+    before_mps_.assign(now_mps.begin(), now_mps.end());
+  }
+  [[nodiscard]] double sum_m2ps2() const { return sum_m2ps2_; }
+
+ private:
+  std::vector<double> before_mps_;
+  double sum_m2ps2_{0.0};
+};
+
 Figures measure(const Options& options, Fleet& fleet, Workers& workers) {
   const auto warm_up = static_cast<std::size_t>(options.warm_up_s / step_s);
   for (std::size_t i = 0; i < warm_up; ++i) fleet.step(workers);
@@ -116,11 +134,13 @@ Figures measure(const Options& options, Fleet& fleet, Workers& workers) {
   // A clock that is asked seldom, but whole strides.
   const std::size_t often = options.duration_s > 0.0 ? 1 : 100'000 / count / options.at_once + 1;
   const std::size_t at_a_time = often * options.at_once;
+  Gains gains{fleet};
   const auto start = Clock::now();
   const std::clock_t cpu_start = std::clock();
   double elapsed_s = 0.0;
   do {
     for (std::size_t i = 0; i < at_a_time; i += options.at_once) fleet.step(workers, options.at_once);
+    if (options.duration_s > 0.0) gains.look(fleet);
     steps += at_a_time;
     elapsed_s = since(start);
   } while (options.duration_s > 0.0 ? static_cast<double>(steps) * step_s < options.duration_s
@@ -141,6 +161,7 @@ Figures measure(const Options& options, Fleet& fleet, Workers& workers) {
           static_cast<double>(fleet.bytes()) / static_cast<double>(count),
           driven_m / vehicle_s,
           to_seconds(waited) / vehicle_s,
+          gains.sum_m2ps2(),
           fleet.zone().circuit.total_length_m(),
           fleet.smallest_gap_m(),
           fleet.collisions(),
@@ -159,6 +180,7 @@ void print(const Options& options, const Figures& figures) {
         .field("bytes_per_vehicle", figures.bytes_per_vehicle)
         .field("mean_mps", figures.mean_mps)
         .field("waiting_share", figures.waiting_share)
+        .field("gained_m2ps2", figures.gained_m2ps2)
         .field("loop_m", figures.loop_m)
         .field("smallest_gap_m", figures.smallest_gap_m)
         .field("collisions", static_cast<double>(figures.collisions))

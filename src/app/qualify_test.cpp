@@ -60,7 +60,7 @@ TEST(Compare, shows_that_the_filter_is_better_than_the_article_s_rule) {
 TEST(Compare, on_a_recording_reads_it_and_writes_its_report) {
   const Scratch scratch;
   const std::string out = scratch / "out";
-  const std::string recorded = source + "/src/experiments/recording/plaza1_excerpt";
+  const std::string recorded = source + "/src/experiments/recording/plaza1";
   // A name after the folder is an algorithm's, and no second folder.
   const Said said =
       cosiva({"compare", "dead_reckoning", "--recording", recorded, "calibrating", "--out", out, "--json"});
