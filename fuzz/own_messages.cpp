@@ -1,6 +1,7 @@
 #include "wire/own_messages.h"
 
 #include "target.h"
+#include "wire/battery_exchange.h"
 #include "wire/halls.h"
 #include "wire/v2x.h"
 
@@ -33,5 +34,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   read(wire::radio_from_json, text);
   read(wire::intent_from_json, text);
   read(wire::owner_from_json, text);
+  read(wire::battery_change_from_json, text);
+  read(wire::battery_ready_from_json, text);
   return 0;
 }

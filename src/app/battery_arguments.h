@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "app/arguments.h"
+
 /// What the command line said of `cosiva battery`, as plain values.
 namespace cosiva::app {
 
@@ -45,6 +47,27 @@ struct BatteryTestArguments {
   std::string rules;
   std::uint64_t seed{1};
   bool json{false};
+  // Of tests on a platform that runs:
+  bool live{false};
+  std::string url{"http://127.0.0.1:8080"};
+  BrokerArguments broker;
+  std::vector<std::string> vehicles;   ///< MANUFACTURER/SERIAL; none: AIV1, AIV2 …
+  std::vector<std::string> batteries;  ///< what people call them; none: lipo850-1 …
+  bool by_hand{false};                 ///< people change batteries
+  std::string park;                    ///< a station
+  double lost_after_s{30.0};
+  std::string notify;  ///< a shell command
+};
+
+struct BatteryReadyArguments {
+  std::string vehicle;
+  std::string battery;
+  std::string type{"unknown"};
+  double cycles{0.0};
+  double rest_s{0.0};
+  double temperature_c{22.0};
+  double charge_percent{100.0};
+  BrokerArguments broker;
 };
 
 struct BatteryPlanArguments {
@@ -63,6 +86,8 @@ struct BatteryFilesArguments {
 int run_battery_fit(const BatteryFitArguments& arguments);
 int run_battery_sampled(const BatteryTestArguments& arguments);
 int run_battery_fleet(const BatteryTestArguments& arguments);
+/// batteryReady, said by whoever has changed it.
+int run_battery_ready(const BatteryReadyArguments& arguments);
 int run_battery_plan(const BatteryPlanArguments& arguments);
 /// Two results of battery tests, whose batteries are compared.
 int run_battery_compare(const BatteryFilesArguments& arguments);

@@ -1,4 +1,4 @@
-// `cosiva battery sampled` and `fleet`: tests of autonomy in virtual time.
+// `cosiva battery sampled` and `fleet`: tests of autonomy, in virtual time and on a platform that runs.
 #include <chrono>
 #include <filesystem>
 #include <string>
@@ -6,6 +6,7 @@
 
 #include "adapters/files.h"
 #include "app/battery_arguments.h"
+#include "app/battery_live.h"
 #include "app/battery_types.h"
 #include "app/progress.h"
 #include "app/rule_files.h"
@@ -29,14 +30,7 @@ class Teller {
   bool look(Rig& rig) {
     for (const std::string& words : rig.take_words()) say(words);
     if (!ticker_.ticks()) return false;
-    const auto progress = rig.procedure().progress(rig.now());
-    std::string text = "run " + std::to_string(rig.procedure().run() + 1) + " of " +
-                       std::to_string(rig.procedure().options().runs) + ": " + decimals(100.0 * progress.share, 0) +
-                       " %";
-    if (progress.expected_end)
-      text += ", its end in " + experiments::duration_text(to_seconds(*progress.expected_end - rig.now())) +
-              " of virtual time";
-    say(text);
+    say(progress_text(rig.procedure(), rig.now()));
     return true;
   }
 
@@ -123,6 +117,7 @@ std::string again(const BatteryTestArguments& arguments, const std::string& verb
   if (arguments.failures_per_hour > 0.0) text += " --failures " + decimals(arguments.failures_per_hour, 3);
   if (!arguments.rules.empty()) text += " --rules " + arguments.rules;
   if (arguments.whole) text += " --whole";
+  if (arguments.live) text += " --live --url " + arguments.url + (arguments.by_hand ? " --by-hand" : "");
   return text;
 }
 
@@ -192,13 +187,53 @@ Result<Outcome> run_measured(const BatteryTestArguments& arguments, experiments:
                      " s of the whole platform, " + decimals(mean_w, 2) + " W on average, again and again"};
 }
 
+/// Vehicles that drive on a platform of their own, by its wire.
+Result<Outcome> run_on_platform(const BatteryTestArguments& arguments, const VirtualRigOptions& options) {
+  if (arguments.whole || arguments.failures_per_hour > 0.0)
+    return fail("battery.live",
+                "a platform that runs has its own whole and its own failures; leave --whole and "
+                "--failures out",
+                "--live");
+  experiments::LiveRigOptions live;
+  live.procedure = options.procedure;
+  live.procedure.lost_after = from_seconds(arguments.lost_after_s);
+  live.procedure.curve_every = std::chrono::seconds{5};
+  live.seed = options.seed;
+  live.park = arguments.park;
+  if (!arguments.by_hand) live.emulated = options.battery;
+  const std::size_t vehicles = options.procedure.vehicles;
+  for (std::size_t v = 0; v < vehicles && arguments.vehicles.empty(); ++v)
+    live.vehicles.push_back({std::string(wire::our_manufacturer), "AIV" + std::to_string(v + 1)});
+  for (const std::string& name : arguments.vehicles) {
+    const std::size_t slash = name.find('/');
+    if (slash == std::string::npos || slash == 0 || !wire::valid_serial_number(name.substr(slash + 1)))
+      return fail("battery.vehicle", "'" + name + "' is not MANUFACTURER/SERIAL", "--vehicle");
+    live.vehicles.push_back({name.substr(0, slash), name.substr(slash + 1)});
+  }
+  live.batteries = arguments.batteries;
+  for (std::size_t b = 0; b < vehicles && arguments.batteries.empty(); ++b)
+    live.batteries.push_back(options.battery.type.name + "-" + std::to_string(b + 1));
+  if (live.vehicles.size() != vehicles || live.batteries.size() != vehicles)
+    return fail("battery.vehicles",
+                "as many --vehicle and --battery as vehicles are wanted: " + std::to_string(vehicles), "--aivs");
+  auto records = run_live(arguments, std::move(live));
+  if (!records) return tl::unexpected(records.error());
+  return Outcome{std::move(*records), {}, "vehicles driving on the platform at " + arguments.url};
+}
+
+Result<Outcome> run_somehow(const BatteryTestArguments& arguments, const VirtualRigOptions& options,
+                            std::size_t vehicles) {
+  if (arguments.live) return run_on_platform(arguments, options);
+  auto world = world_options(arguments, vehicles);
+  if (!world) return tl::unexpected(world.error());
+  return arguments.whole ? run_whole(arguments, std::move(*world), options)
+                         : run_measured(arguments, std::move(*world), options);
+}
+
 int run_test(const BatteryTestArguments& arguments, const std::string& verb, std::size_t vehicles) {
   const auto options = rig_options(arguments, vehicles);
   if (!options) return complain(options.error());
-  auto world = world_options(arguments, vehicles);
-  if (!world) return complain(world.error());
-  const auto outcome = arguments.whole ? run_whole(arguments, std::move(*world), *options)
-                                       : run_measured(arguments, std::move(*world), *options);
+  const auto outcome = run_somehow(arguments, *options, vehicles);
   if (!outcome) return complain(outcome.error());
 
   const auto figures =

@@ -9,10 +9,33 @@ constexpr const char* battery_examples =
     "  cosiva battery sampled --repeat 4                          one battery, four times: autonomy and its drift\n"
     "  cosiva battery fleet --aivs 12 --out report                twelve at once, with a report\n"
     "  cosiva battery fleet --aivs 4 --repeat 4 --swap            tells battery from vehicle\n"
+    "  cosiva battery fleet --live --broker 127.0.0.1:1883 --state test.json   on a platform that runs (`cosiva up`)\n"
     "  cosiva battery plan --cv 1.4 --half-width 1 --aivs 4       how many batteries it takes, who swaps with whom\n"
     "  cosiva battery fit pulses.csv --predict 2C.csv --name mine --licence CC-BY-4.0 --out mine.json\n"
     "\n"
     "docs/guide/batteries.md tells more.";
+
+/// On a platform that runs, instead of in virtual time.
+void add_live_options(CLI::App& verb, BatteryTestArguments& test) {
+  verb.add_flag("--live", test.live, "on a platform that runs, by its wire, instead of in virtual time");
+  verb.add_option("--url", test.url, "of its server, with --live")->type_name("URL")->capture_default_str();
+  add_broker(verb, test.broker, "127.0.0.1:1883; with --live");
+  verb.add_option("--vehicle", test.vehicles, "whose batteries are tested; without: AIV1, AIV2 …")
+      ->type_name("MANUFACTURER/SERIAL");
+  verb.add_option("--battery", test.batteries, "what people call each battery, in the vehicles' order")
+      ->type_name("ID");
+  verb.add_flag("--by-hand", test.by_hand,
+                "people change the batteries, and say so with `cosiva battery ready`; without, the plant is told to");
+  verb.add_option("--park", test.park, "a station where who has ended goes, with --by-hand; without, it stands")
+      ->type_name("STATION");
+  verb.add_option("--lost-after", test.lost_after_s, "without a word from it a vehicle is lost [s]")
+      ->type_name("S")
+      ->check(CLI::Range(2.0, 86400.0))
+      ->capture_default_str();
+  verb.add_option("--notify", test.notify,
+                  "told what the operator is told, as the last argument of this shell command (live tests)")
+      ->type_name("COMMAND");
+}
 
 void add_test_options(CLI::App& verb, BatteryTestArguments& test) {
   verb.add_option("--zone", test.zone, "traffic zone: a ready one's name or a file")
@@ -65,6 +88,26 @@ void add_test_options(CLI::App& verb, BatteryTestArguments& test) {
   verb.add_option("--out", test.out_directory, "report.html, result.json and curves.csv go there")->type_name("DIR");
   verb.add_option("--seed", test.seed, "fixes every random draw")->type_name("S")->capture_default_str();
   verb.add_flag("--json", test.json, "print the result as JSON");
+  add_live_options(verb, test);
+}
+
+void describe_ready(CLI::App& verb, BatteryReadyArguments& ready) {
+  verb.add_option("vehicle", ready.vehicle, "AIV3, or MANUFACTURER/SERIAL")->type_name("VEHICLE")->required();
+  verb.add_option("battery", ready.battery, "the battery's own id")->type_name("ID")->required();
+  verb.add_option("--type", ready.type, "its type")->type_name("NAME")->capture_default_str();
+  verb.add_option("--cycles", ready.cycles, "full ones that it has gone through")
+      ->type_name("N")
+      ->check(CLI::NonNegativeNumber);
+  verb.add_option("--rest", ready.rest_s, "since it was charged [s]")->type_name("S")->check(CLI::NonNegativeNumber);
+  verb.add_option("--temperature", ready.temperature_c, "of the pack [°C]")
+      ->type_name("C")
+      ->check(CLI::Range(-100.0, 200.0))
+      ->capture_default_str();
+  verb.add_option("--charge", ready.charge_percent, "as far as is known [%]")
+      ->type_name("PERCENT")
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
+  add_broker(verb, ready.broker, "127.0.0.1:1883");
 }
 
 void describe_fit(CLI::App& verb, BatteryFitArguments& fit) {
@@ -97,6 +140,7 @@ BatteryVerbs describe_battery(CLI::App& root, BatteryArguments& battery) {
       verbs.battery->add_subcommand("sampled", "One AIV, one battery, from full to the floor, as often as wanted");
   verbs.fleet = verbs.battery->add_subcommand("fleet", "N AIVs on one circuit, each with its battery, all at once");
   verbs.fit = verbs.battery->add_subcommand("fit", "Make a battery type of a tester's logs");
+  verbs.ready = verbs.battery->add_subcommand("ready", "Say that a battery has been put into a vehicle (live tests)");
   verbs.plan = verbs.battery->add_subcommand("plan", "Say how many batteries a claim takes, and who swaps with whom");
   verbs.compare = verbs.battery->add_subcommand("compare", "Compare the batteries of two results");
   verbs.check =
@@ -118,6 +162,7 @@ BatteryVerbs describe_battery(CLI::App& root, BatteryArguments& battery) {
                    "say after how many batteries the mean is known to this [%]")
       ->type_name("PERCENT");
   describe_fit(*verbs.fit, battery.fit);
+  describe_ready(*verbs.ready, battery.ready);
   verbs.plan->add_option("--cv", battery.plan.cv_percent, "standard deviation that is expected [%]")
       ->type_name("PERCENT")
       ->check(CLI::Range(0.001, 100.0))
@@ -149,6 +194,7 @@ std::optional<int> run_battery_verb(const BatteryVerbs& verbs, const BatteryArgu
   if (verbs.sampled->parsed()) return run_battery_sampled(battery.test);
   if (verbs.fleet->parsed()) return run_battery_fleet(battery.test);
   if (verbs.fit->parsed()) return run_battery_fit(battery.fit);
+  if (verbs.ready->parsed()) return run_battery_ready(battery.ready);
   if (verbs.plan->parsed()) return run_battery_plan(battery.plan);
   if (verbs.compare->parsed()) return run_battery_compare(battery.compare);
   if (verbs.check->parsed()) return run_battery_check(battery.check);

@@ -43,6 +43,7 @@ struct AgentVerbs {
 /// `cosiva battery` and its verbs.
 struct BatteryArguments {
   BatteryFitArguments fit;
+  BatteryReadyArguments ready;
   BatteryTestArguments test;
   BatteryPlanArguments plan;
   BatteryFilesArguments compare;
@@ -53,6 +54,7 @@ struct BatteryVerbs {
   CLI::App* sampled;
   CLI::App* fleet;
   CLI::App* fit;
+  CLI::App* ready;
   CLI::App* plan;
   CLI::App* compare;
   CLI::App* check;

@@ -6,6 +6,7 @@
 
 #include "base/json_writer.h"
 #include "base/random.h"
+#include "experiments/battery/live_rig.h"
 #include "experiments/world/fleet.h"
 #include "wire/own_messages.h"
 #include "wire/topics.h"
@@ -18,12 +19,6 @@ constexpr SimDuration half_a_second = std::chrono::milliseconds{500};
 constexpr SimDuration settle = std::chrono::seconds{2};
 
 std::string name_of(std::size_t vehicle) { return "AIV" + std::to_string(vehicle + 1); }
-
-std::string server_command(const char* command, const std::string& vehicle) {
-  JsonWriter json;
-  json.begin_object().field("command", command).field("vehicle", vehicle).end_object();
-  return json.take();
-}
 
 }  // namespace
 
@@ -85,19 +80,9 @@ struct PlatformRig::Inside {
 
   /// @param battery  none: a service battery, of the carts' own kind
   void put_in(std::size_t v, std::optional<std::size_t> battery) {
-    JsonWriter json;
-    json.begin_object().key("changeBattery").begin_object().field("vehicle", v + 1);
-    if (battery) {
-      const BatteryUnderTest& kind = options.battery;
-      json.field("id", id_of(*battery)).field("type", battery::to_json(kind.type)).field("series", kind.design.series);
-      json.field("parallel", kind.design.parallel).field("scale", kind.design.scale).field("spread", kind.spread);
-      json.field("seed", options.seed * 1000 + *battery).field("cycles", cycles[*battery]);
-      json.field("gauge", battery::to_string(kind.gauge)).field("temperature", kind.ambient_c);
-    } else {
-      json.field("id", "service").field("scale", 1000.0);
-    }
-    json.end_object().end_object();
-    world->command_plant(json.take());
+    world->command_plant(battery ? plant_battery_json(v + 1, id_of(*battery), &options.battery,
+                                                      options.seed * 1000 + *battery, cycles[*battery])
+                                 : plant_battery_json(v + 1, "service", nullptr, 0, 0.0));
   }
 
   void obey(const ProcedureCommands& commands) {
@@ -113,10 +98,10 @@ struct PlatformRig::Inside {
         case Kind::run:
           seats[command.vehicle].truth = {
               procedure.run(), command.vehicle, to_seconds(world->now() - began), 1.0, 0.0, {}, {}};
-          world->command_server(server_command("restart", vehicle));
+          world->command_server(server_command_json("restart", vehicle));
           break;
-        case Kind::pause: world->command_server(server_command("stop", vehicle)); break;
-        case Kind::resume: world->command_server(server_command("restart", vehicle)); break;
+        case Kind::pause: world->command_server(server_command_json("stop", vehicle)); break;
+        case Kind::resume: world->command_server(server_command_json("restart", vehicle)); break;
         case Kind::stop: end(command.vehicle); break;
       }
     }
@@ -131,7 +116,7 @@ struct PlatformRig::Inside {
     // A full cycle less what is left; the plant's own battery is put away with its state.
     cycles[procedure.battery_of(seat.truth.run, v)] += 1.0 - vehicles[v].charge;
     put_in(v, std::nullopt);
-    world->command_server(server_command("restart", "CoSiVA/" + name_of(v)));
+    world->command_server(server_command_json("restart", "CoSiVA/" + name_of(v)));
   }
 
   /// Vehicles whose battery is to be changed stop, all of them together; then the batteries go in.
@@ -140,7 +125,7 @@ struct PlatformRig::Inside {
       Seat& seat = seats[v];
       if (!seat.change) continue;
       if (seat.changed == SimTime{}) {
-        world->command_server(server_command("stop", "CoSiVA/" + name_of(v)));
+        world->command_server(server_command_json("stop", "CoSiVA/" + name_of(v)));
         put_in(v, seat.change->battery);
         seat.changed = world->now();
         continue;

@@ -230,6 +230,11 @@ ProcedureCommands Procedure::tick(SimTime now) {
   return commands;
 }
 
+void Procedure::forgive(SimTime now) {
+  for (Seat& seat : seats_)
+    if (seat.phase == Phase::running) seat.heard = now;
+}
+
 Procedure::Progress Procedure::progress(SimTime now) const {
   double share = 0.0;
   SimTime last = now;

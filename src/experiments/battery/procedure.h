@@ -120,6 +120,8 @@ class Procedure {
   [[nodiscard]] std::string state_json() const;
   /// Fails ("battery.state") where it is another test's.
   [[nodiscard]] Result<void> restore(std::string_view state_json);
+  /// We were away, not they: whoever runs was heard just now.
+  void forgive(SimTime now);
 
  private:
   enum class Phase : std::uint8_t { changing, ready, running, ended };

@@ -13,6 +13,7 @@
 #include "physical/plant/obstacles.h"
 #include "physical/plant/vehicle.h"
 #include "physical/plant/zone_exchange.h"
+#include "wire/battery_exchange.h"
 #include "wire/topics.h"
 
 namespace cosiva::physical {
@@ -92,7 +93,7 @@ struct PlantCore::Inside {
   void on_command(std::string_view json, std::size_t bytes_max, wire::Effects& effects);
   [[nodiscard]] std::optional<Error> obey(const JsonValue& command, wire::Effects& effects);
   [[nodiscard]] Result<Vehicle*> vehicle_of(const JsonValue& command);
-  [[nodiscard]] std::optional<Error> change_battery(const JsonValue& given);
+  [[nodiscard]] std::optional<Error> change_battery(const JsonValue& given, wire::Effects& effects);
   [[nodiscard]] std::optional<Error> set_load(const JsonValue& given);
   void take_over(const ZoneExchange::News& news);
   void change_floors();
@@ -348,7 +349,7 @@ std::optional<Error> PlantCore::Inside::obey(const JsonValue& command, wire::Eff
     take_over(*news);
     return std::nullopt;
   }
-  if (const JsonValue* given = command.find("changeBattery")) return change_battery(*given);
+  if (const JsonValue* given = command.find("changeBattery")) return change_battery(*given, effects);
   if (const JsonValue* given = command.find("setLoad")) return set_load(*given);
   return Error{"plant.command",
                R"(expected {"addObstacle":{"id","x","y","radius"}}, {"removeObstacle":"id"}, {"changeBattery":{…}}, )"
@@ -363,12 +364,22 @@ Result<Vehicle*> PlantCore::Inside::vehicle_of(const JsonValue& command) {
   return &vehicles[static_cast<std::size_t>(*number) - 1];
 }
 
-std::optional<Error> PlantCore::Inside::change_battery(const JsonValue& given) {
+/// Who has changed it says so: batteryReady (A37).
+std::optional<Error> PlantCore::Inside::change_battery(const JsonValue& given, wire::Effects& effects) {
   const auto vehicle = vehicle_of(given);
   if (!vehicle) return vehicle.error();
   const auto change = battery_change_from_json(given);
   if (!change) return change.error();
-  (*vehicle)->power().change(*change);
+  PowerTrain& power = (*vehicle)->power();
+  power.change(*change);
+  const wire::VehicleId id{std::string(wire::our_manufacturer), "AIV" + std::to_string((*vehicle)->number())};
+  const wire::BatteryReady ready{change->history.id,
+                                 change->type.name,
+                                 given.number("cycles").value_or(0.0),
+                                 given.number("rest_s").value_or(0.0),
+                                 change->temperature_c,
+                                 100.0 * power.gauge().charge};
+  effects.emplace_back(wire::Publish{wire::own_topic(wire::battery_ready_topic_prefix, id), to_json(ready), 1, false});
   return std::nullopt;
 }
 

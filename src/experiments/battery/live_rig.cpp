@@ -1,0 +1,234 @@
+#include "experiments/battery/live_rig.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/expect.h"
+#include "base/json_value.h"
+#include "wire/battery_exchange.h"
+
+namespace cosiva::experiments {
+namespace {
+
+/// Further between two reports of its position nobody drives: it was told another place, and has not moved.
+constexpr double hop_max_m = 1.0;
+
+}  // namespace
+
+std::string plant_battery_json(std::size_t vehicle, const std::string& id, const BatteryUnderTest* kind,
+                               std::uint64_t seed, double cycles) {
+  JsonWriter json;
+  json.begin_object().key("changeBattery").begin_object().field("vehicle", vehicle).field("id", id);
+  if (kind != nullptr) {
+    json.field("type", battery::to_json(kind->type)).field("series", kind->design.series);
+    json.field("parallel", kind->design.parallel).field("scale", kind->design.scale).field("spread", kind->spread);
+    json.field("seed", seed).field("cycles", cycles);
+    json.field("gauge", battery::to_string(kind->gauge)).field("temperature", kind->ambient_c);
+  } else {
+    json.field("scale", 1000.0);
+  }
+  return json.end_object().end_object().take();
+}
+
+std::string server_command_json(std::string_view command, const std::string& vehicle) {
+  JsonWriter json;
+  json.begin_object().field("command", command).field("vehicle", vehicle).end_object();
+  return json.take();
+}
+
+LiveRig::LiveRig(LiveRigOptions options)
+    : options_{std::move(options)}, procedure_{options_.procedure}, seats_(options_.vehicles.size()) {
+  COSIVA_EXPECT(seats_.size() == options_.procedure.vehicles && options_.batteries.size() == seats_.size());
+}
+
+std::vector<std::string> LiveRig::subscriptions() {
+  return {wire::topics_below(wire::boards_topic_prefix, 2), wire::topics_below(wire::battery_ready_topic_prefix, 2),
+          std::string(wire::default_interface) + "/+/+/+/visualization"};
+}
+
+LiveRig::Answers LiveRig::start(SimTime now) {
+  Answers answers;
+  obey(procedure_.start(now), answers);
+  return answers;
+}
+
+bool LiveRig::complete() const { return missing().empty(); }
+
+std::string LiveRig::missing() const {
+  std::string names;
+  for (std::size_t v = 0; v < seats_.size(); ++v)
+    if (!seats_[v].heard) names += (names.empty() ? "" : ", ") + to_string(options_.vehicles[v]);
+  return names;
+}
+
+std::optional<std::size_t> LiveRig::seat_of(const wire::VehicleId& id) const {
+  const auto found = std::ranges::find(options_.vehicles, id);
+  if (found == options_.vehicles.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - options_.vehicles.begin());
+}
+
+LiveRig::Answers LiveRig::on_message(SimTime now, std::string_view topic, std::string_view payload) {
+  Answers answers;
+  if (const auto id = wire::parse_own_topic(wire::boards_topic_prefix, topic)) {
+    if (const auto v = seat_of(*id)) on_report(now, *v, payload, answers);
+  } else if (const auto ready = wire::parse_own_topic(wire::battery_ready_topic_prefix, topic)) {
+    if (const auto v = seat_of(*ready)) on_ready(now, *v, payload, answers);
+  } else if (const auto vda = wire::parse_vda_topic(topic); vda && vda->name == "visualization") {
+    if (const auto v = seat_of(vda->vehicle)) on_position(*v, payload);
+  }
+  return answers;
+}
+
+void LiveRig::on_report(SimTime now, std::size_t vehicle, std::string_view payload, Answers& answers) {
+  const auto report = wire::boards_report_from_json(payload);
+  if (!report) return;
+  Seat& seat = seats_[vehicle];
+  seat.heard = true;
+  if (!report->power || !procedure_.running(vehicle)) return;
+  const wire::Power& power = *report->power;
+  obey(procedure_.on_sample(
+           vehicle, {now, power.charge(), power.gauge ? 1e-4 * power.gauge->charge_sd_01 : 0.0,
+                     0.001 * power.voltage_mv, 0.001 * power.current_ma, 0.1 * power.temperature_01C, seat.odometer_m}),
+       answers);
+}
+
+void LiveRig::on_ready(SimTime now, std::size_t vehicle, std::string_view payload, Answers& answers) {
+  const auto ready = wire::battery_ready_from_json(payload);
+  if (!ready) {
+    answers.words.push_back(to_string(options_.vehicles[vehicle]) +
+                            " said batteryReady, but: " + to_string(ready.error()));
+    return;
+  }
+  Seat& seat = seats_[vehicle];
+  if (!seat.wanted) return;  // a service battery, or one that nobody asked for
+  clear_request(vehicle, answers);
+  obey(procedure_.on_ready(now, vehicle,
+                           {ready->battery, ready->type, ready->cycles, ready->rest_s, ready->temperature_c,
+                            0.01 * ready->charge_percent}),
+       answers);
+}
+
+void LiveRig::on_position(std::size_t vehicle, std::string_view payload) {
+  const auto json = JsonValue::parse(payload);
+  const JsonValue* position = json ? json->find("agvPosition") : nullptr;
+  if (position == nullptr) return;
+  const auto x = position->number("x");
+  const auto y = position->number("y");
+  if (!x || !y) return;
+  Seat& seat = seats_[vehicle];
+  if (seat.at) {
+    const double gone_m = std::hypot(*x - seat.at->first, *y - seat.at->second);
+    if (gone_m < hop_max_m) seat.odometer_m += gone_m;
+  }
+  seat.at = {*x, *y};
+}
+
+LiveRig::Answers LiveRig::tick(SimTime now) {
+  Answers answers;
+  obey(procedure_.tick(now), answers);
+  return answers;
+}
+
+LiveRig::Answers LiveRig::give_up(SimTime now) {
+  Answers answers;
+  for (std::size_t v = 0; v < seats_.size() && !done(); ++v) {
+    if (seats_[v].wanted) clear_request(v, answers);
+    obey(procedure_.on_stop(now, v, StopCause::operator_stop), answers);
+  }
+  return answers;
+}
+
+void LiveRig::drive(std::size_t vehicle, const char* command, Answers& answers) const {
+  answers.commands.push_back(server_command_json(command, to_string(options_.vehicles[vehicle])));
+}
+
+void LiveRig::obey(const ProcedureCommands& commands, Answers& answers) {
+  for (const ProcedureCommand& command : commands) {
+    using Kind = ProcedureCommand::Kind;
+    switch (command.kind) {
+      case Kind::change_battery: ask_for(command.vehicle, command.battery, answers); break;
+      case Kind::tell_operator: answers.words.push_back(command.text); break;
+      case Kind::run:
+      case Kind::resume: drive(command.vehicle, "restart", answers); break;
+      case Kind::pause: drive(command.vehicle, "stop", answers); break;
+      case Kind::stop: end(command.vehicle, answers); break;
+    }
+  }
+}
+
+void LiveRig::ask_for(std::size_t vehicle, std::size_t battery, Answers& answers) {
+  drive(vehicle, "stop", answers);
+  seats_[vehicle].wanted = options_.batteries[battery];
+  answers.messages.push_back(
+      {wire::own_topic(wire::battery_change_topic_prefix, options_.vehicles[vehicle]),
+       to_json(wire::BatteryChange{options_.batteries[battery], static_cast<std::uint32_t>(procedure_.run() + 1), {}}),
+       1, true});
+  put_in(vehicle, battery, answers);
+}
+
+void LiveRig::clear_request(std::size_t vehicle, Answers& answers) {
+  seats_[vehicle].wanted.reset();
+  answers.messages.push_back(
+      {wire::own_topic(wire::battery_change_topic_prefix, options_.vehicles[vehicle]), {}, 1, true});
+}
+
+void LiveRig::put_in(std::size_t vehicle, std::optional<std::size_t> battery, Answers& answers) const {
+  if (!options_.emulated) return;
+  // Each full run so far was a cycle, less what was left in it.
+  double cycles = 0.0;
+  for (const BatteryRun& record : procedure_.records())
+    if (battery && record.battery == *battery) cycles += record.tag.charge - record.charge_end;
+  const std::string json = battery ? plant_battery_json(vehicle + 1, options_.batteries[*battery], &*options_.emulated,
+                                                        options_.seed * 1000 + *battery, cycles)
+                                   : plant_battery_json(vehicle + 1, "service", nullptr, 0, 0.0);
+  answers.messages.push_back({std::string(wire::plant_command_topic), json, 1, false});
+}
+
+void LiveRig::end(std::size_t vehicle, Answers& answers) {
+  const std::string name = to_string(options_.vehicles[vehicle]);
+  const BatteryRun& record = procedure_.records().back();
+  answers.words.push_back(name + " has ended: " + std::string(to_string(record.stop)) + " after " +
+                          std::to_string(std::lround(record.autonomy_s)) + " s");
+  if (options_.emulated) {
+    put_in(vehicle, std::nullopt, answers);
+    return drive(vehicle, "restart", answers);
+  }
+  if (options_.park.empty()) return drive(vehicle, "stop", answers);
+  JsonWriter json;
+  json.begin_object().field("command", "go").field("vehicle", name).field("to", options_.park).end_object();
+  answers.commands.push_back(json.take());
+}
+
+std::string LiveRig::state_json() const {
+  JsonWriter json;
+  json.begin_object().field("procedure", procedure_.state_json()).key("seats").begin_array();
+  for (const Seat& seat : seats_) {
+    json.begin_object().field("odometer_m", seat.odometer_m);
+    if (seat.wanted) json.field("wanted", *seat.wanted);
+    json.end_object();
+  }
+  return json.end_array().end_object().take();
+}
+
+Result<LiveRig::Answers> LiveRig::restore(SimTime now, std::string_view state_json) {
+  constexpr std::size_t bytes_max = 512U << 20U;
+  const auto json = JsonValue::parse(state_json, bytes_max);
+  if (!json) return fail("battery.state", json.error().message, "saved state");
+  const auto procedure = json->text("procedure");
+  const JsonValue* seats = json->find("seats");
+  if (!procedure || seats == nullptr || seats->array() == nullptr || seats->array()->size() != seats_.size())
+    return fail("battery.state", "it is not a live test's, or not of so many vehicles", "saved state");
+  if (auto restored = procedure_.restore(*procedure); !restored) return tl::unexpected(restored.error());
+  procedure_.forgive(now);
+  Answers answers;
+  for (std::size_t v = 0; v < seats_.size(); ++v) {
+    const JsonValue& saved = (*seats->array())[v];
+    seats_[v].odometer_m = saved.number("odometer_m").value_or(0.0);
+    // Asked for before we were away: the answer may have come meanwhile, so it is asked for again.
+    if (saved.text("wanted")) ask_for(v, procedure_.battery_of(procedure_.run(), v), answers);
+  }
+  return answers;
+}
+
+}  // namespace cosiva::experiments

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/json_writer.h"
+#include "experiments/battery/virtual_rig.h"
+#include "wire/core.h"
+#include "wire/own_messages.h"
+#include "wire/topics.h"
+
+namespace cosiva::experiments {
+
+struct LiveRigOptions {
+  ProcedureOptions procedure;
+  std::vector<wire::VehicleId> vehicles;  ///< as many as the procedure has
+  std::vector<std::string> batteries;     ///< what people call them, as many as vehicles
+  /// The vehicles are the plant's: it is told to put emulated batteries in, and whoever has ended gets a service
+  /// battery and drives on as traffic. Without: people change batteries, and whoever has ended stands, or goes to
+  /// `park`.
+  std::optional<BatteryUnderTest> emulated;
+  std::uint64_t seed{1};  ///< of emulated batteries
+  std::string park;       ///< a station; empty: they stand
+};
+
+/// A battery test on a platform that runs, over its bus: told what comes, it answers what is to be said. It owns no
+/// link, clock or file, and its whole state can be saved after each call.
+class LiveRig {
+ public:
+  struct Answers {
+    std::vector<wire::Publish> messages;
+    std::vector<std::string> commands;  ///< to the server, as /api/v1/commands takes them, in this order
+    std::vector<std::string> words;     ///< to the operator
+  };
+  explicit LiveRig(LiveRigOptions options);
+
+  [[nodiscard]] static std::vector<std::string> subscriptions();
+  [[nodiscard]] Answers start(SimTime now);
+  /// Messages of others, and what cannot be read, are left alone.
+  [[nodiscard]] Answers on_message(SimTime now, std::string_view topic, std::string_view payload);
+  [[nodiscard]] Answers tick(SimTime now);
+  /// Ended by its operator: who runs is stopped, and known to last longer.
+  [[nodiscard]] Answers give_up(SimTime now);
+
+  [[nodiscard]] bool done() const { return procedure_.done(); }
+  [[nodiscard]] const Procedure& procedure() const { return procedure_; }
+  /// Whether every vehicle has been heard of.
+  [[nodiscard]] bool complete() const;
+  /// Those that have not.
+  [[nodiscard]] std::string missing() const;
+
+  [[nodiscard]] std::string state_json() const;
+  /// Goes on from a saved state; nobody is lost for the time that we were away. Fails ("battery.state").
+  [[nodiscard]] Result<Answers> restore(SimTime now, std::string_view state_json);
+
+ private:
+  struct Seat {
+    std::optional<std::pair<double, double>> at;  ///< where it was last, x and y [m]
+    double odometer_m{0.0};
+    bool heard{false};
+    std::optional<std::string> wanted;  ///< battery asked for and not yet ready
+  };
+  [[nodiscard]] std::optional<std::size_t> seat_of(const wire::VehicleId& id) const;
+  void obey(const ProcedureCommands& commands, Answers& answers);
+  void ask_for(std::size_t vehicle, std::size_t battery, Answers& answers);
+  void end(std::size_t vehicle, Answers& answers);
+  void put_in(std::size_t vehicle, std::optional<std::size_t> battery, Answers& answers) const;
+  void clear_request(std::size_t vehicle, Answers& answers);
+  void drive(std::size_t vehicle, const char* command, Answers& answers) const;
+  void on_report(SimTime now, std::size_t vehicle, std::string_view payload, Answers& answers);
+  void on_ready(SimTime now, std::size_t vehicle, std::string_view payload, Answers& answers);
+  void on_position(std::size_t vehicle, std::string_view payload);
+
+  LiveRigOptions options_;
+  Procedure procedure_;
+  std::vector<Seat> seats_;
+};
+
+/// {"changeBattery":{…}} for the plant: a battery under test, or without one a service battery that does not empty.
+[[nodiscard]] std::string plant_battery_json(std::size_t vehicle, const std::string& id, const BatteryUnderTest* kind,
+                                             std::uint64_t seed, double cycles);
+/// {"command":…,"vehicle":…} for the server.
+[[nodiscard]] std::string server_command_json(std::string_view command, const std::string& vehicle);
+
+}  // namespace cosiva::experiments

@@ -1,0 +1,215 @@
+#include "experiments/battery/live_rig.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <string>
+
+#include "wire/battery_exchange.h"
+
+namespace cosiva::experiments {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+const SimTime start_of_test = virtual_epoch;
+
+wire::VehicleId aiv(int number) { return {"CoSiVA", "AIV" + std::to_string(number)}; }
+
+LiveRigOptions two_by_hand() {
+  LiveRigOptions options;
+  options.procedure.vehicles = 2;
+  options.procedure.floor = 0.5;
+  options.vehicles = {aiv(1), aiv(2)};
+  options.batteries = {"red", "blue"};
+  return options;
+}
+
+/// A vehicle's own report, twice a second, with this charge.
+std::string report(double charge) {
+  wire::BoardsReport boards;
+  boards.timestamp = start_of_test;
+  wire::Power power;
+  power.voltage_mv = 7400;
+  power.current_ma = 1000;
+  power.temperature_01C = 220;
+  power.charge_permille = static_cast<std::uint16_t>(1000.0 * charge);
+  power.gauge = wire::Power::Gauge{static_cast<std::uint32_t>(1e6 * charge), 50};
+  boards.power = power;
+  return to_json(boards);
+}
+
+LiveRig::Answers say_report(LiveRig& rig, SimTime now, int number, double charge) {
+  return rig.on_message(now, wire::own_topic(wire::boards_topic_prefix, aiv(number)), report(charge));
+}
+LiveRig::Answers say_ready(LiveRig& rig, SimTime now, int number, const std::string& battery, double percent = 100.0) {
+  return rig.on_message(now, wire::own_topic(wire::battery_ready_topic_prefix, aiv(number)),
+                        to_json(wire::BatteryReady{battery, "leaf33", 3.0, 3600.0, 22.0, percent}));
+}
+LiveRig::Answers say_place(LiveRig& rig, SimTime now, int number, double x_m) {
+  return rig.on_message(now, wire::vda_topic(aiv(number), "visualization"),
+                        R"({"agvPosition":{"x":)" + std::to_string(x_m) + R"(,"y":0,"theta":0}})");
+}
+
+/// Both are ready, and run.
+LiveRig running(LiveRigOptions options) {
+  LiveRig rig{std::move(options)};
+  for (const int number : {1, 2}) std::ignore = say_report(rig, start_of_test, number, 1.0);
+  std::ignore = rig.start(start_of_test);
+  std::ignore = say_ready(rig, start_of_test, 1, "red");
+  std::ignore = say_ready(rig, start_of_test, 2, "blue");
+  return rig;
+}
+
+TEST(LiveRig, knows_who_has_not_been_heard_of) {
+  LiveRig rig{two_by_hand()};
+  EXPECT_EQ(rig.missing(), "CoSiVA/AIV1, CoSiVA/AIV2");
+  std::ignore = say_report(rig, start_of_test, 2, 1.0);
+  EXPECT_EQ(rig.missing(), "CoSiVA/AIV1");
+  std::ignore = say_report(rig, start_of_test, 7, 1.0);  // not of this test
+  EXPECT_FALSE(rig.complete());
+}
+
+TEST(LiveRig, asks_for_batteries_over_the_wire_with_vehicles_stopped_and_runs_all_when_the_last_is_ready) {
+  LiveRig rig{two_by_hand()};
+  const auto asked = rig.start(start_of_test);
+  ASSERT_THAT(asked.messages, SizeIs(2));
+  EXPECT_EQ(asked.messages[0].topic, "cosiva/v1/battery/change/CoSiVA/AIV1");
+  EXPECT_TRUE(asked.messages[0].retained);
+  EXPECT_EQ(wire::battery_change_from_json(asked.messages[1].payload)->battery, "blue");
+  EXPECT_THAT(asked.commands, ElementsAre(HasSubstr(R"("stop","vehicle":"CoSiVA/AIV1")"),
+                                          HasSubstr(R"("stop","vehicle":"CoSiVA/AIV2")")));
+  EXPECT_THAT(asked.words, Contains(HasSubstr("put battery 1, full, into AIV1")));
+
+  const auto first = say_ready(rig, start_of_test, 1, "red");
+  EXPECT_THAT(first.commands, IsEmpty());
+  ASSERT_THAT(first.messages, SizeIs(1));
+  EXPECT_TRUE(first.messages[0].payload.empty()) << "what was retained is taken back";
+  const auto last = say_ready(rig, start_of_test + seconds{60}, 2, "blue");
+  EXPECT_THAT(last.commands, ElementsAre(HasSubstr("restart"), HasSubstr("restart")));
+  EXPECT_TRUE(rig.procedure().running(0) && rig.procedure().running(1));
+}
+
+TEST(LiveRig, refuses_a_battery_that_is_not_full_and_asks_again) {
+  LiveRig rig{two_by_hand()};
+  std::ignore = rig.start(start_of_test);
+  const auto refused = say_ready(rig, start_of_test, 1, "red", 80.0);
+  EXPECT_THAT(refused.words, Contains(HasSubstr("AIV1 may not run: it is not full")));
+  EXPECT_EQ(wire::battery_change_from_json(refused.messages.back().payload)->battery, "red");
+  EXPECT_FALSE(rig.procedure().running(0));
+}
+
+TEST(LiveRig, ends_each_at_its_floor_and_books_way_and_autonomy) {
+  LiveRig rig = running(two_by_hand());
+  // From 1 to 0.4 in 120 s: the floor of 0.5 is crossed after 100 s, and held three seconds later.
+  std::vector<std::string> stopped;
+  for (int half = 1; half <= 240; ++half) {
+    const SimTime now = start_of_test + half * milliseconds{500};
+    std::ignore = say_place(rig, now, 1, 0.25 * half);
+    const auto answers = say_report(rig, now, 1, 1.0 - 0.6 * half / 240.0);
+    for (const std::string& command : answers.commands) stopped.push_back(command);
+    std::ignore = say_report(rig, now, 2, 1.0);
+  }
+  EXPECT_THAT(stopped, ElementsAre(HasSubstr(R"("stop","vehicle":"CoSiVA/AIV1")")));
+  ASSERT_THAT(rig.procedure().records(), SizeIs(1));
+  const BatteryRun& record = rig.procedure().records().front();
+  EXPECT_EQ(record.stop, StopCause::floor);
+  EXPECT_NEAR(record.autonomy_s, 100.0, 1e-3);
+  EXPECT_NEAR(record.distance_m, 0.25 * 199, 1e-6);
+  EXPECT_EQ(record.tag.id, "red");
+  EXPECT_DOUBLE_EQ(record.tag.cycles, 3.0);
+}
+
+TEST(LiveRig, sends_who_has_ended_to_a_station_where_one_is_named) {
+  LiveRigOptions options = two_by_hand();
+  options.park = "dock";
+  options.procedure.hold = {};
+  LiveRig rig = running(options);
+  std::ignore = say_report(rig, start_of_test + seconds{1}, 1, 0.51);
+  const auto answers = say_report(rig, start_of_test + seconds{2}, 1, 0.49);
+  EXPECT_THAT(answers.commands, ElementsAre(AllOf(HasSubstr("\"go\""), HasSubstr("dock"), HasSubstr("AIV1"))));
+}
+
+TEST(LiveRig, gives_emulated_vehicles_their_batteries_and_at_the_end_one_that_lasts) {
+  LiveRigOptions options = two_by_hand();
+  options.procedure.hold = {};
+  options.emulated =
+      BatteryUnderTest{*battery::shipped_type("lipo850"), {2, 1, 0.1}, battery::GaugeMethod::rest, true, 22.0};
+  LiveRig rig{options};
+  const auto asked = rig.start(start_of_test);
+  EXPECT_THAT(asked.messages, Contains(::testing::Field(&wire::Publish::topic, "cosiva/v1/plant/command")));
+  for (const auto& [number, name] : {std::pair{1, "red"}, {2, "blue"}})
+    std::ignore = say_ready(rig, start_of_test, number, name);
+  std::ignore = say_report(rig, start_of_test + seconds{1}, 1, 0.51);
+  const auto ended = say_report(rig, start_of_test + seconds{2}, 1, 0.49);
+  EXPECT_THAT(ended.messages, Contains(::testing::Field(&wire::Publish::payload, HasSubstr("service"))));
+  EXPECT_THAT(ended.commands, ElementsAre(HasSubstr("restart")));
+  // The service battery's own batteryReady is nobody's answer.
+  EXPECT_THAT(say_ready(rig, start_of_test + seconds{3}, 1, "service").commands, IsEmpty());
+}
+
+TEST(LiveRig, goes_on_from_its_saved_state_and_nobody_is_lost_for_the_time_between) {
+  LiveRig rig = running(two_by_hand());
+  for (const int number : {1, 2}) std::ignore = say_report(rig, start_of_test + seconds{10}, number, 0.9);
+  LiveRig again{two_by_hand()};
+  const SimTime later = start_of_test + seconds{300};
+  const auto restored = again.restore(later, rig.state_json());
+  ASSERT_TRUE(restored) << to_string(restored.error());
+  EXPECT_THAT(again.tick(later + seconds{5}).commands, IsEmpty());
+  EXPECT_TRUE(again.procedure().running(0) && again.procedure().running(1));
+  // Who is silent from now on is lost, and known to have lasted until it was heard.
+  std::ignore = say_report(again, later + seconds{20}, 1, 0.8);
+  std::ignore = again.tick(later + seconds{40});
+  ASSERT_THAT(again.procedure().records(), SizeIs(1));
+  EXPECT_EQ(again.procedure().records().front().stop, StopCause::lost);
+  EXPECT_EQ(again.procedure().records().front().vehicle, 1U);
+}
+
+TEST(LiveRig, asks_again_for_a_battery_that_was_asked_for_before_it_died) {
+  LiveRig rig{two_by_hand()};
+  std::ignore = rig.start(start_of_test);
+  std::ignore = say_ready(rig, start_of_test, 1, "red");
+  LiveRig again{two_by_hand()};
+  const auto restored = again.restore(start_of_test + seconds{60}, rig.state_json());
+  ASSERT_TRUE(restored);
+  EXPECT_THAT(restored->commands, ElementsAre(HasSubstr("AIV2")));
+  EXPECT_THAT(say_ready(again, start_of_test + seconds{70}, 2, "blue").commands, SizeIs(2));
+}
+
+TEST(LiveRig, books_what_runs_as_lasting_longer_when_its_operator_gives_up) {
+  LiveRig rig = running(two_by_hand());
+  for (const int number : {1, 2}) std::ignore = say_report(rig, start_of_test + seconds{10}, number, 0.9);
+  std::ignore = rig.give_up(start_of_test + seconds{12});
+  EXPECT_TRUE(rig.done());
+  for (const BatteryRun& record : rig.procedure().records()) EXPECT_EQ(record.stop, StopCause::operator_stop);
+}
+
+TEST(LiveRig, leaves_nonsense_alone_and_says_what_a_bad_answer_lacks) {
+  LiveRig rig{two_by_hand()};
+  std::ignore = rig.start(start_of_test);
+  std::ignore = rig.on_message(start_of_test, wire::own_topic(wire::boards_topic_prefix, aiv(1)), "{");
+  std::ignore = rig.on_message(start_of_test, wire::vda_topic(aiv(1), "visualization"), "[]");
+  std::ignore = rig.on_message(start_of_test, "cosiva/v1/battery/ready/", "{}");
+  EXPECT_FALSE(rig.complete());
+  const auto bad = rig.on_message(start_of_test, wire::own_topic(wire::battery_ready_topic_prefix, aiv(1)), "{}");
+  EXPECT_THAT(bad.words, ElementsAre(AllOf(HasSubstr("AIV1"), HasSubstr("battery"))));
+}
+
+TEST(LiveRig, refuses_a_state_that_is_not_its_own) {
+  LiveRig rig{two_by_hand()};
+  for (const char* text : {"", "{}", R"({"procedure":"{}","seats":[{},{}]})", R"({"procedure":"x","seats":[{}]})"}) {
+    const auto restored = rig.restore(start_of_test, text);
+    ASSERT_FALSE(restored) << text;
+    EXPECT_EQ(restored.error().code, "battery.state");
+  }
+}
+
+}  // namespace
+}  // namespace cosiva::experiments
