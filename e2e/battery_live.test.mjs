@@ -4,9 +4,10 @@ import assert from 'node:assert/strict';
 import { readFileSync, existsSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
 import { test } from 'node:test';
-import { cosiva, cosiva_binary, eventually, Platform, Program, sleep, source_dir } from './lib/platform.mjs';
+import { finally_do } from './lib/cleanup.mjs';
+import { alive, cosiva, cosiva_binary, eventually, Platform, Program, sleep, source_dir } from './lib/platform.mjs';
 
-/** The Leaf's cell, small enough to last a minute, and with so little resistance that it can be emptied so fast. */
+/** The Leaf's cell, small enough to last a minute and a half, and with so little resistance that it can be emptied so fast. */
 function small_battery(folder) {
   const type = JSON.parse(readFileSync(path.join(source_dir, 'batteries/leaf33.json'), 'utf8'));
   type.name = 'small';
@@ -24,7 +25,7 @@ test('cosiva battery fleet --live', { timeout: 400_000 }, async (t) => {
   const out = path.join(platform.folder, 'out');
   const args = [
     'battery', 'fleet', '--live', '--url', platform.url, '--broker', broker, '--aivs', '4', '--type', small_battery(platform.folder),
-    '--series', '1', '--scale', '0.0022', '--floor', '40', '--lost-after', '8', '--state', state, '--out', out, '--json',
+    '--series', '1', '--scale', '0.0011', '--floor', '40', '--lost-after', '8', '--state', state, '--out', out, '--json',
     '--notify', `tell() { printf '%s\\n' "$1" >> ${told}; }; tell`,
   ];
   const running = (program) => eventually('all four run', () => /run 1 of 1: [1-9]/.test(program.words), { within_ms: 60_000 });
@@ -47,7 +48,7 @@ test('cosiva battery fleet --live', { timeout: 400_000 }, async (t) => {
   // Frozen, so that nobody starts it again: a vehicle that is not heard of any more.
   const lost = await platform.child(/aiv\D*3$/i);
   process.kill(lost.pid, 'SIGSTOP');
-  t.after(() => process.kill(lost.pid, 'SIGCONT'));
+  finally_do(t, () => alive(lost.pid) && process.kill(lost.pid, 'SIGCONT'));
 
   const { code } = await second.ended;
   assert.equal(code, 0, second.words.slice(-3000));

@@ -43,8 +43,10 @@ LiveRig::LiveRig(LiveRigOptions options)
 }
 
 std::vector<std::string> LiveRig::subscriptions() {
-  return {wire::topics_below(wire::boards_topic_prefix, 2), wire::topics_below(wire::battery_ready_topic_prefix, 2),
-          std::string(wire::default_interface) + "/+/+/+/visualization"};
+  std::vector<std::string> topics{wire::topics_below(wire::boards_topic_prefix, 2),
+                                  wire::topics_below(wire::battery_ready_topic_prefix, 2)};
+  topics.emplace_back(wire::default_interface).append("/+/+/+/visualization");
+  return topics;
 }
 
 LiveRig::Answers LiveRig::start(SimTime now) {
