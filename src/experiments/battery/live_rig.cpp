@@ -120,10 +120,10 @@ void LiveRig::on_position(std::size_t vehicle, std::string_view payload) {
   if (!x || !y) return;
   Seat& seat = seats_[vehicle];
   if (seat.at) {
-    const double gone_m = std::hypot(*x - seat.at->first, *y - seat.at->second);
+    const double gone_m = distance(*seat.at, {*x, *y});
     if (gone_m < hop_max_m) seat.odometer_m += gone_m;
   }
-  seat.at = {*x, *y};
+  seat.at = Point2{*x, *y};
 }
 
 LiveRig::Answers LiveRig::tick(SimTime now) {

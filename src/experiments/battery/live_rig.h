@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/json_writer.h"
+#include "base/pose.h"
 #include "experiments/battery/virtual_rig.h"
 #include "wire/core.h"
 #include "wire/own_messages.h"
@@ -57,7 +58,7 @@ class LiveRig {
 
  private:
   struct Seat {
-    std::optional<std::pair<double, double>> at;  ///< where it was last, x and y [m]
+    std::optional<Point2> at;  ///< where it was last
     double odometer_m{0.0};
     bool heard{false};
     std::optional<std::string> wanted;  ///< battery asked for and not yet ready
