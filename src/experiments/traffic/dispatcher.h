@@ -73,7 +73,6 @@ class Dispatcher {
   std::size_t own_jobs_;
   std::vector<zone::Place> exits_;
   double handling_s_;
-  double step_s_;
   double now_s_{0.0};
   std::size_t next_due_{0};
   std::vector<std::size_t> waiting_;  ///< jobs, the first to be served first
