@@ -128,7 +128,8 @@ Result<void> SiteRun::lay_ways() {
 Result<TrafficOptions> SiteRun::options_of(std::size_t zone, std::uint32_t first_aiv) const {
   const std::vector<std::size_t>& exits = exits_[zone];
   TrafficOptions traffic;
-  static_cast<TrafficTerms&>(traffic) = options_;
+  const TrafficTerms& terms = options_;
+  static_cast<TrafficTerms&>(traffic) = terms;
   traffic.zone = options_.zones[zone];
   traffic.aivs = options_.plan.zones[zone].aivs;
   traffic.first_aiv = first_aiv;
@@ -189,9 +190,9 @@ void SiteRun::drive(Hall& hall, std::uint64_t until_step) const {
   std::vector<std::size_t> blocked;  // passages whose first cannot come in now, so nobody behind it does
   while (hall.run->steps() < until_step) {
     hall.run->step(alone);
-    for (Traveller& traveller : hall.run->take_leaving()) {
+    for (const Traveller& traveller : hall.run->take_leaving()) {
       const std::size_t passage = exits_[hall.index][traveller.job.exit];
-      hall.left.emplace_back(passage, std::move(traveller));
+      hall.left.emplace_back(passage, traveller);
     }
     blocked.clear();
     for (auto next = hall.coming.begin(); next != hall.coming.end() && next->due_step <= hall.run->steps();) {

@@ -125,7 +125,7 @@ TEST(V2x, of_a_liar_endangers_nobody_and_stops_nobody_for_good) {
       lie.map_id = "lacet4";
       lie.vehicle = {"CoSiVA", serial};
       if (lie.vehicle.serial_number == "CROWD") lie.vehicle.serial_number = "C" + std::to_string(id);
-      const auto& victim = world->plant().vehicles()[static_cast<std::size_t>(i) % 8];
+      const auto victim = world->plant().vehicles()[static_cast<std::size_t>(i) % 8];
       lie.pose = victim.X_MB * Pose2{0.3, 0.0, 0.0};
       lie.speed_mps = i % 2 == 0 ? 0.5 : -0.5;
       lie.priority = 999;
