@@ -185,7 +185,8 @@ TEST(Pack, fades_and_stiffens_with_every_full_cycle) {
 }
 
 TEST(Pack, is_stiffer_in_the_cold_and_no_better_in_the_heat) {
-  const CellTable& table = *table_of("leaf33");
+  const auto kept = table_of("leaf33");
+  const CellTable& table = *kept;
   EXPECT_NEAR(table.heat_factor(0.0), std::exp(20000.0 / 8.314462618 * (1.0 / 273.15 - 1.0 / 298.15)), 1e-3);
   EXPECT_EQ(table.heat_factor(25.0), 1.0);
   EXPECT_EQ(table.heat_factor(60.0), 1.0);
@@ -243,7 +244,8 @@ TEST(Pack, refuses_a_state_that_is_not_its_own) {
 }
 
 TEST(Pack, knows_the_charge_of_a_rested_voltage) {
-  const CellTable& table = *table_of("leaf33");
+  const auto kept = table_of("leaf33");
+  const CellTable& table = *kept;
   for (const double charge : {0.0, 0.05, 0.333, 0.5, 0.98, 1.0})
     EXPECT_NEAR(table.charge_of(table.at(charge).open_circuit_v), charge, 1e-9);
   EXPECT_EQ(table.charge_of(1.0), 0.0);
