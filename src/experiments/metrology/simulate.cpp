@@ -22,7 +22,8 @@ class Beacons {
   explicit Beacons(const Simulation& simulation) : simulation_{simulation} {}
 
   [[nodiscard]] double next_m() const {
-    if (simulation_.marks.empty()) return static_cast<double>(k_ + 1) * simulation_.pitch_m;
+    if (simulation_.marks.empty())
+      return simulation_.marks_only ? 1e300 : static_cast<double>(k_ + 1) * simulation_.pitch_m;
     if (k_ >= simulation_.marks.size() && !simulation_.track->closed()) return 1e300;
     const std::size_t rounds = k_ / simulation_.marks.size();
     return static_cast<double>(rounds) * simulation_.track->length_m() +
@@ -173,6 +174,8 @@ Result<void> check(const Simulation& simulation) {
   if (!(simulation.read_share > 0.0 && simulation.read_share <= 1.0))
     return fail("simulation.reads", "the share of beacons that are read lies in (0, 1]");
   if (!(simulation.sensors.mark_along_sigma_m > 0.0)) return fail("simulation.reader", "no reader is without error");
+  if (simulation.way_m / simulation.speed_mps * simulation.odometry_hz < 1.0)
+    return fail("simulation.way", "it ends before odometry has told anything");
   if (simulation.way_m / simulation.speed_mps * simulation.odometry_hz > 2e7)
     return fail("simulation.length", "that is more than 20 million steps in one run");
   return {};
