@@ -23,7 +23,7 @@ using experiments::CampaignWork;
 using experiments::UnitRecord;
 
 /// After so long all ranks tell each other, and finished units are kept: what is lost with a killed process.
-constexpr std::chrono::milliseconds round_time{500};
+constexpr std::chrono::milliseconds round_time{1000};
 
 struct Prepared {
   std::string plan_text;
@@ -143,7 +143,7 @@ int tell_how_much(const CampaignArguments& arguments, const CampaignWork& work) 
   return exit_done;
 }
 
-int tell_result(const CampaignArguments& arguments, const Prepared& prepared, std::vector<UnitRecord> records,
+int tell_result(const CampaignArguments& arguments, const Prepared& prepared, const std::vector<UnitRecord>& records,
                 const Kept& kept, Workers& workers) {
   const auto summary = experiments::sum_up(prepared.work, records, workers);
   const CampaignResult result{prepared.work, records, summary};

@@ -51,7 +51,7 @@ std::string cells_text(const CampaignPlan& plan, const std::vector<CellFigures>&
 }  // namespace
 
 std::string to_string(const Crossing& crossing) {
-  const std::string at = readable(crossing.x, 3);
+  std::string at = readable(crossing.x, 3);
   switch (crossing.where) {
     case Crossing::Where::at: return at;
     case Crossing::Where::under: return "under " + at;
