@@ -22,7 +22,7 @@ const campaign = (...options) => run(binary, ['campaign', ...options]);
 const on_ranks = (n, ...options) => run('mpirun', ['--oversubscribe', '-n', String(n), binary, 'campaign', ...options]);
 
 /** Some seconds of one core: long enough to be killed in the middle of. */
-const plan = `runs = 80
+const plan = `runs = 300
 way_m = 100
 [vary]
 algorithm = ["arc_kalman", "reset_rule"]
@@ -72,7 +72,7 @@ test('killed and started again it goes on, to the files of one that nobody has d
 test('any number of ranks and threads gives the same files, and only one of them speaks', async (t) => {
   const folder = work_folder(t);
   const file = path.join(folder, 'plan.toml');
-  writeFileSync(file, plan.replace('runs = 80', 'runs = 6'));
+  writeFileSync(file, plan.replace('runs = 300', 'runs = 6'));
   const one = path.join(folder, 'one');
   const alone = await campaign(file, '--out', one, '--threads', '1', '--json');
   assert.equal(alone.code, 0, alone.stderr);
@@ -92,10 +92,10 @@ test('what is in the way is said with what to do, and every rank ends with statu
   const folder = work_folder(t);
   const file = path.join(folder, 'plan.toml');
   const out = path.join(folder, 'out');
-  writeFileSync(file, plan.replace('runs = 80', 'runs = 2').replace('way_m = 100', 'way_m = 10'));
+  writeFileSync(file, plan.replace('runs = 300', 'runs = 2').replace('way_m = 100', 'way_m = 10'));
   assert.equal((await campaign(file, '--out', out)).code, 0);
   // The state of another plan.
-  writeFileSync(file, plan.replace('runs = 80', 'runs = 3').replace('way_m = 100', 'way_m = 10'));
+  writeFileSync(file, plan.replace('runs = 300', 'runs = 3').replace('way_m = 100', 'way_m = 10'));
   for (const tell of [() => campaign(file, '--out', out), () => on_ranks(2, file, '--out', out)]) {
     const { code, stderr } = await tell();
     assert.equal(code, 2, stderr);

@@ -23,7 +23,7 @@ using experiments::CampaignWork;
 using experiments::UnitRecord;
 
 /// After so long all ranks tell each other, and finished units are kept: what is lost with a killed process.
-constexpr std::chrono::milliseconds round_time{1000};
+constexpr std::chrono::milliseconds round_time{500};
 
 struct Prepared {
   std::string plan_text;
