@@ -28,6 +28,7 @@ LIBRARIES = {
     "boost": "Boost::headers",
     "CLI": "CLI11::CLI11",
     "Eigen": "Eigen3::Eigen",
+    "sqlite3": "SQLite::SQLite3",
 }
 SIDES = ("physical", "virtual")
 

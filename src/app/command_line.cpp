@@ -245,6 +245,8 @@ int run_command_line(int argc, const char* const* argv) {
   BatteryArguments battery;
   const BatteryVerbs battery_verbs = describe_battery(root, battery);
   const QualifyVerbs qualify_verbs = describe_qualify(root, qualify);
+  CampaignArguments campaign;
+  CLI::App* campaign_verb = describe_campaign(root, campaign);
   scenario_verb->footer("Example:\n  cosiva scenario check showroom");
   describe_up(*up_verb, up);
   describe_server(*server_verb, server);
@@ -282,6 +284,7 @@ int run_command_line(int argc, const char* const* argv) {
   if (replay_verb->parsed()) return run_replay(replay);
   if (traffic_verb->parsed()) return run_traffic(traffic);
   if (capacity_verb->parsed()) return run_capacity(capacity);
+  if (campaign_verb->parsed()) return run_campaign(campaign);
   if (const auto status = run_zone_verb(zone_verbs, zone, generate)) return *status;
   if (const auto status = run_agent_verb(agent_verbs, agent)) return *status;
   if (const auto status = run_battery_verb(battery_verbs, battery)) return *status;

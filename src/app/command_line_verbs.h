@@ -6,6 +6,7 @@
 
 #include "app/arguments.h"
 #include "app/battery_arguments.h"
+#include "app/campaign_arguments.h"
 
 /// The parts of the command line: who describes which verb's options. Only the command line includes this.
 namespace cosiva::app {
@@ -71,6 +72,9 @@ struct QualifyVerbs {
 /// The exit status of the one that was asked for, if any.
 [[nodiscard]] std::optional<int> run_qualify_verb(const QualifyVerbs& verbs, QualifyArguments& qualify, int argc,
                                                   const char* const* argv);
+
+/// `cosiva campaign`.
+[[nodiscard]] CLI::App* describe_campaign(CLI::App& root, CampaignArguments& campaign);
 
 /// --rules, of those who drive.
 void add_rules(CLI::App& verb, std::string& rules, const std::string& what);

@@ -4,8 +4,8 @@
 
 #include "adapters/files.h"
 #include "app/qualify_candidates.h"
+#include "app/ring.h"
 #include "app/words.h"
-#include "app/zone_files.h"
 #include "experiments/metrology/simulate.h"
 #include "experiments/recording/recording.h"
 
@@ -14,24 +14,6 @@ namespace {
 
 using experiments::Simulation;
 using experiments::Trial;
-
-struct Ring {
-  std::shared_ptr<const zone::TrafficZone> zone;
-  std::shared_ptr<const estimation::Track> track;
-};
-
-/// The zone's first loop, or its ring.
-Result<Ring> ring_of(const std::string& name_or_file) {
-  auto rtm = open_zone(name_or_file);
-  if (!rtm) return tl::unexpected(rtm.error());
-  Ring ring{rtm->share_zone(), nullptr};
-  const std::shared_ptr<const zone::Circuit> circuit(ring.zone, &ring.zone->circuit);
-  auto track = ring.zone->loops.empty() ? estimation::Track::of_ring(circuit)
-                                        : estimation::Track::make(circuit, ring.zone->loops.front().sections, true);
-  if (!track) return tl::unexpected(track.error());
-  ring.track = std::make_shared<const estimation::Track>(std::move(*track));
-  return ring;
-}
 
 Result<void> lay_marks(const QualifyArguments& arguments, const Ring& ring, Simulation& simulation) {
   if (arguments.marks == "pitch") return {};

@@ -2,9 +2,11 @@
 
 #include <dlfcn.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <thread>
 
 namespace cosiva::app {
 namespace {
@@ -19,6 +21,17 @@ bool has_companions() {
 }
 
 }  // namespace
+
+std::size_t threads_for_each_rank() {
+  // Where the launcher has bound each process to cores of its own, only those are counted here.
+  const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
+  for (const char* name : {"OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS", "SLURM_NTASKS_PER_NODE"}) {
+    const char* const count = std::getenv(name);
+    if (count != nullptr && std::atol(count) > 1)
+      return std::max<std::size_t>(1, cores / static_cast<std::size_t>(std::atol(count)));
+  }
+  return cores;
+}
 
 Result<std::unique_ptr<Ranks>> start_ranks() {
   if (!has_companions()) return std::make_unique<OneRank>();

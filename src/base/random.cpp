@@ -43,11 +43,11 @@ double Random::uniform(double low, double high) noexcept { return low + (high - 
 
 std::uint64_t Random::below(std::uint64_t bound) noexcept {
   COSIVA_EXPECT(bound >= 1);
-  // Reject the uneven tail so that every value is equally likely.
-  const std::uint64_t tail = (~bound + 1) % bound;
   for (;;) {
     const std::uint64_t draw = next();
-    if (draw >= tail) return draw % bound;
+    // Reject the uneven tail so that every value is equally likely. It is shorter than the bound, so that hardly any
+    // draw needs it computed.
+    if (draw >= bound || draw >= (~bound + 1) % bound) return draw % bound;
   }
 }
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "base/math.h"
+#include "base/math_inline.h"
 
 namespace cosiva::estimation {
 namespace {
@@ -103,7 +104,7 @@ Estimate on_track(const Track& track, const SensorModel& sensors, double along_m
   const zone::Place place = track.place_at(along_m);
   const zone::Section& section = track.circuit().section(place.section);
   Estimate estimate{section.pose_at(place.s_m), Matrix3::Zero(), along_m};
-  const SinCos h = sincos(estimate.pose.heading_rad);
+  const SinCos h = plain::sincos(estimate.pose.heading_rad);
   const double across = sensors.line_sigma_m * sensors.line_sigma_m;
   const double curvature = section.curvature_at(place.s_m);
   Matrix3& c = estimate.covariance;

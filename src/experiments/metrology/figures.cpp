@@ -19,8 +19,11 @@ double mean_square(const std::vector<double>& values) {
 /// Of two dimensions: 1 − e^(−x/2) = p.
 double region_limit(double share) { return -2.0 * det_log(1.0 - share); }
 
+/// How many of the edges it is beyond: no search, whose branches nobody can foretell.
 std::size_t bin_of(double since_m) {
-  return static_cast<std::size_t>(std::ranges::lower_bound(since_mark_m, since_m) - since_mark_m.begin());
+  std::size_t bin = 0;
+  for (const double edge : since_mark_m) bin += edge < since_m ? 1 : 0;
+  return bin;
 }
 
 }  // namespace

@@ -59,6 +59,7 @@ RunLimit limit_of(const Trial& run) {
   };
   std::vector<Step> steps{{run.setting.start_sigma_m * run.setting.start_sigma_m,
                            run.setting.start_sigma_m * run.setting.start_sigma_m, 0.0}};
+  steps.reserve(run.events.size() + 1);
   std::size_t told = 0;
   for (const Moment& moment : run.moments) {
     for (; told < moment.events; ++told) {

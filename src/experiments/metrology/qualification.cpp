@@ -171,18 +171,18 @@ class Qualifying {
   }
 
   static void sum_up_errors(Qualified& one, Gathered& all) {
-    std::vector<double> errors(all.errors_m.begin(), all.errors_m.end());
-    all.errors_m = {};
     // For drawing some of them do, taken before they are put in another order.
     constexpr std::size_t drawn = 50'000;
-    const std::size_t stride = errors.size() / drawn + 1;
+    const std::size_t stride = all.errors_m.size() / drawn + 1;
     std::vector<double> some;
-    for (std::size_t i = 0; i < errors.size(); i += stride) some.push_back(errors[i]);
+    for (std::size_t i = 0; i < all.errors_m.size(); i += stride) some.push_back(double{all.errors_m[i]});
     one.cdf = statistics::cdf(std::move(some));
-    one.p50_m = statistics::percentile(errors, 0.50);
-    one.p90_m = statistics::percentile(errors, 0.90);
-    one.p95_m = statistics::percentile(errors, 0.95);
-    one.p99_m = statistics::percentile(errors, 0.99);
+    const auto high = statistics::percentiles(std::span{all.errors_m}, std::array{0.99, 0.95, 0.90, 0.50});
+    all.errors_m = {};
+    one.p99_m = high[0];
+    one.p95_m = high[1];
+    one.p90_m = high[2];
+    one.p50_m = high[3];
   }
 
   static void set_limit(Qualified& one, const Gathered& all) {

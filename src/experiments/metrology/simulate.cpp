@@ -4,7 +4,9 @@
 #include <cmath>
 #include <string>
 
+#include "base/gaussians.h"
 #include "base/math.h"
+#include "base/math_inline.h"
 #include "base/random.h"
 
 namespace cosiva::experiments {
@@ -22,7 +24,8 @@ class Beacons {
   explicit Beacons(const Simulation& simulation) : simulation_{simulation} {}
 
   [[nodiscard]] double next_m() const {
-    if (simulation_.marks.empty()) return static_cast<double>(k_ + 1) * simulation_.pitch_m;
+    if (simulation_.marks.empty())
+      return simulation_.marks_only ? 1e300 : static_cast<double>(k_ + 1) * simulation_.pitch_m;
     if (k_ >= simulation_.marks.size() && !simulation_.track->closed()) return 1e300;
     const std::size_t rounds = k_ / simulation_.marks.size();
     return static_cast<double>(rounds) * simulation_.track->length_m() +
@@ -55,7 +58,7 @@ class Drive {
         reader_{seed, "metrology/reader"},
         line_{seed, "metrology/line"},
         scale_{1.0 + Random(seed, "metrology/scale").gaussian(0.0, simulation.scale_sigma)},
-        left_m_{line_.gaussian(0.0, simulation.sensors.line_sigma_m)},
+        left_m_{line_.next(0.0, simulation.sensors.line_sigma_m)},
         truth_{pose()} {
     begin(seed);
   }
@@ -73,7 +76,7 @@ class Drive {
       }
       roll(until_m);
       run_.moments.push_back({run_.events.size(), static_cast<double>(i) / simulation_.odometry_hz, truth_, along_m_,
-                              along_m_ - mark_m_, simulation_.track->kind_at(along_m_)});
+                              along_m_ - mark_m_, kind_});
     }
   }
 
@@ -96,9 +99,16 @@ class Drive {
     setting.seed = seed;
   }
 
-  [[nodiscard]] Pose2 pose() const {
-    const Pose2 on_line = simulation_.track->pose_at(along_m_);
-    return left_m_ == 0.0 ? on_line : on_line * Pose2{0.0, left_m_, 0.0};
+  /// Where it truly is; notes on what kind of section.
+  [[nodiscard]] Pose2 pose() {
+    const zone::Place place = simulation_.track->place_at(along_m_);
+    const zone::Section& section = simulation_.track->circuit().section(place.section);
+    kind_ = section.kind();
+    const Pose2 on_line = section.pose_at(place.s_m);
+    if (left_m_ == 0.0) return on_line;
+    // on_line * Pose2{0.0, left_m_, 0.0}
+    const SinCos h = plain::sincos(on_line.heading_rad);
+    return {on_line.x_m - h.sin * left_m_, on_line.y_m + h.cos * left_m_, wrap_angle(on_line.heading_rad)};
   }
 
   /// To there along the way, told by odometry.
@@ -110,17 +120,17 @@ class Drive {
       // Whole steps are all alike but for rounding.
       const bool whole = std::fabs(d - step_m_) < 1e-9 * step_m_;
       const double keeps = whole ? step_keeps_ : det_exp(-d / line_length_m);
-      left_m_ = keeps * left_m_ + simulation_.sensors.line_sigma_m * std::sqrt(1.0 - keeps * keeps) * line_.gaussian();
+      left_m_ = keeps * left_m_ + simulation_.sensors.line_sigma_m * std::sqrt(1.0 - keeps * keeps) * line_.next();
     }
     const double heading_before = truth_.heading_rad;
     truth_ = pose();
     const double q = simulation_.sensors.distance_variance_per_m;
-    Odometry odometry{scale_ * (d + std::sqrt(q * d) * odometer_.gaussian()), 0.0, d / simulation_.speed_mps};
+    Odometry odometry{scale_ * (d + std::sqrt(q * d) * odometer_.next()), 0.0, d / simulation_.speed_mps};
     if (simulation_.turns) {
       const double turn = wrap_angle(truth_.heading_rad - heading_before);
       const double variance =
           simulation_.sensors.turn_variance_per_m * d + simulation_.sensors.turn_variance_per_rad * std::fabs(turn);
-      odometry.turn_rad = turn + std::sqrt(variance) * odometer_.gaussian();
+      odometry.turn_rad = turn + std::sqrt(variance) * odometer_.next();
     }
     run_.events.emplace_back(odometry);
   }
@@ -147,13 +157,14 @@ class Drive {
   Trial& run_;
   Beacons beacons_;
   std::uint64_t survey_seed_;
-  Random odometer_;
+  Gaussians odometer_;
   Random reader_;
-  Random line_;
+  Gaussians line_;
   double scale_;
   double along_m_{0.0};
   double mark_m_{0.0};
   double left_m_;
+  zone::SectionKind kind_{};
   double step_m_{simulation_.speed_mps / simulation_.odometry_hz};
   double step_keeps_{det_exp(-step_m_ / line_length_m)};
   Pose2 truth_;
@@ -173,6 +184,8 @@ Result<void> check(const Simulation& simulation) {
   if (!(simulation.read_share > 0.0 && simulation.read_share <= 1.0))
     return fail("simulation.reads", "the share of beacons that are read lies in (0, 1]");
   if (!(simulation.sensors.mark_along_sigma_m > 0.0)) return fail("simulation.reader", "no reader is without error");
+  if (simulation.way_m / simulation.speed_mps * simulation.odometry_hz < 1.0)
+    return fail("simulation.way", "it ends before odometry has told anything");
   if (simulation.way_m / simulation.speed_mps * simulation.odometry_hz > 2e7)
     return fail("simulation.length", "that is more than 20 million steps in one run");
   return {};

@@ -150,6 +150,7 @@ TEST(Simulation, refuses_what_cannot_be) {
   };
   EXPECT_EQ(code([](Simulation& s) { s.pitch_m = 0.0; }), "simulation.pitch");
   EXPECT_EQ(code([](Simulation& s) { s.way_m = -1.0; }), "simulation.way");
+  EXPECT_EQ(code([](Simulation& s) { s.way_m = 0.001; }), "simulation.way");
   EXPECT_EQ(code([](Simulation& s) { s.speed_mps = std::nan(""); }), "simulation.speed");
   EXPECT_EQ(code([](Simulation& s) { s.read_share = 1.5; }), "simulation.reads");
   EXPECT_EQ(code([](Simulation& s) { s.way_m = 1e8; }), "simulation.length");

@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "base/math.h"
+#include "base/math_inline.h"
+#include "base/vector_clones.h"
 
 namespace cosiva::experiments {
 namespace {
@@ -17,20 +19,46 @@ double nees_of(double x, double y, const estimation::Matrix3& c) {
   return (c(1, 1) * x * x - 2.0 * c(0, 1) * x * y + c(0, 0) * y * y) / det;
 }
 
-void judge(const Moment& moment, const Estimate& estimate, Trace& trace) {
+/// The truth's directions, many at a time.
+COSIVA_VECTOR_CLONES
+void turn(const double* __restrict heading_rad, double* __restrict sin, double* __restrict cos, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const SinCos h = plain::sincos(heading_rad[i]);
+    sin[i] = h.sin;
+    cos[i] = h.cos;
+  }
+}
+
+void judge(const Moment& moment, std::size_t i, Trace& trace) {
+  const Estimate& estimate = trace.estimates[i];
+  const SinCos h{trace.truth_sin[i], trace.truth_cos[i]};
   const double x = estimate.pose.x_m - moment.truth.x_m;
   const double y = estimate.pose.y_m - moment.truth.y_m;
-  const SinCos h = sincos(moment.truth.heading_rad);
-  trace.error_m.push_back(norm(x, y));
+  trace.error_m.push_back(std::sqrt(x * x + y * y));
   trace.along_m.push_back(h.cos * x + h.sin * y);
   trace.across_m.push_back(-h.sin * x + h.cos * y);
   trace.heading_rad.push_back(wrap_angle(estimate.pose.heading_rad - moment.truth.heading_rad));
   trace.nees.push_back(nees_of(x, y, estimate.covariance));
 }
 
-void forget(Trace& trace) {
-  for (auto* column : {&trace.error_m, &trace.along_m, &trace.across_m, &trace.heading_rad, &trace.nees, &trace.nis})
+void turn_all(const Trial& run, Trace& trace) {
+  const std::size_t n = run.moments.size();
+  std::vector<double>& headings = trace.truth_heading_rad;
+  headings.clear();
+  for (const Moment& moment : run.moments) headings.push_back(moment.truth.heading_rad);
+  trace.truth_sin.resize(n);
+  trace.truth_cos.resize(n);
+  turn(headings.data(), trace.truth_sin.data(), trace.truth_cos.data(), n);
+}
+
+void forget_judgement(Trace& trace) {
+  for (auto* column : {&trace.error_m, &trace.along_m, &trace.across_m, &trace.heading_rad, &trace.nees})
     column->clear();
+}
+
+void forget(Trace& trace) {
+  forget_judgement(trace);
+  trace.nis.clear();
   trace.refused = 0;
   trace.estimates.clear();
 }
@@ -52,22 +80,27 @@ void tell(estimation::Algorithm& algorithm, const Event& event, Trace& trace, st
 
 Result<void> apply(estimation::Algorithm& algorithm, const Trial& run, Trace& trace) {
   forget(trace);
+  turn_all(run, trace);
   std::vector<std::size_t> predictions_at;
   predictions_at.reserve(run.moments.size());
+  trace.estimates.reserve(run.moments.size());
   std::size_t told = 0;
   std::size_t predictions = 0;
   for (const Moment& moment : run.moments) {
     while (told < moment.events) tell(algorithm, run.events[told++], trace, predictions);
     trace.estimates.push_back(algorithm.estimate());
     if (const Error* fault = algorithm.fault()) return tl::unexpected(*fault);
+    judge(moment, trace.estimates.size() - 1, trace);
     predictions_at.push_back(predictions);
   }
   const std::vector<Estimate> revised = algorithm.revised();
   if (const Error* fault = algorithm.fault()) return tl::unexpected(*fault);
+  if (revised.empty()) return {};
+  forget_judgement(trace);
   for (std::size_t i = 0; i < run.moments.size(); ++i) {
     // Nothing to revise before the first step.
-    if (!revised.empty() && predictions_at[i] > 0) trace.estimates[i] = revised[predictions_at[i] - 1];
-    judge(run.moments[i], trace.estimates[i], trace);
+    if (predictions_at[i] > 0) trace.estimates[i] = revised[predictions_at[i] - 1];
+    judge(run.moments[i], i, trace);
   }
   return {};
 }

@@ -45,6 +45,7 @@ struct Trace {
   std::vector<double> nis;   ///< of each reading and range that had one, per dimension
   std::size_t refused{};     ///< readings and ranges that the algorithm did not take
   std::vector<estimation::Estimate> estimates;
+  std::vector<double> truth_heading_rad, truth_sin, truth_cos;  ///< of the truth, for along and across
 };
 
 /// Tells the algorithm all events of the run and asks it at every moment; who looks back is asked again at the end.

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/expect.h"
+#include "base/math.h"
 
 namespace cosiva::experiments {
 namespace {
@@ -32,28 +33,44 @@ struct Range {
 };
 
 Range settled(Range range, const Axis& axis) {
-  if (!(range.from <= range.to)) range = {0.0, 1.0};
+  if (!(range.from <= range.to)) range = {axis.logarithmic ? 0.1 : 0.0, 1.0};
   if (axis.from) range.from = *axis.from;
   if (axis.to) range.to = *axis.to;
+  if (axis.logarithmic && !(range.from < range.to)) range = {0.5 * range.from, 2.0 * range.from};
   if (!(range.from < range.to)) range = {range.from - 0.5, range.from + 0.5};
   return range;
 }
 
 std::string px(double value) { return readable(value, 1); }
 
+std::vector<double> ticks_of(const Axis& axis, const Range& range, int wanted) {
+  return axis.logarithmic ? log_ticks(range.from, range.to) : ticks(range.from, range.to, wanted);
+}
+
+/// Where between an axis's ends a value lies, in [0, 1].
+double place(const Axis& axis, const Range& range, double value) {
+  if (!axis.logarithmic) return (value - range.from) / (range.to - range.from);
+  return det_log(value / range.from) / det_log(range.to / range.from);
+}
+
+bool drawable(const Axis& axis, double value) { return std::isfinite(value) && (!axis.logarithmic || value > 0.0); }
+
 /// Where values lie in the picture.
 class Frame {
  public:
   Frame(const Axis& x_axis, Range x, const Axis& y_axis, Range y)
-      : x_axis_{x_axis}, y_axis_{y_axis}, x_ticks_{ticks(x.from, x.to, 8)}, y_ticks_{ticks(y.from, y.to)} {
+      : x_axis_{x_axis}, y_axis_{y_axis}, x_ticks_{ticks_of(x_axis, x, 8)}, y_ticks_{ticks_of(y_axis, y, 6)} {
     x_ = {x_axis.from ? x.from : x_ticks_.front(), x_axis.to ? x.to : x_ticks_.back()};
     y_ = {y_axis.from ? y.from : y_ticks_.front(), y_axis.to ? y.to : y_ticks_.back()};
   }
   [[nodiscard]] double x(double value) const {
-    return left_px + (value - x_.from) / (x_.to - x_.from) * (width_px - left_px - right_px);
+    return left_px + place(x_axis_, x_, value) * (width_px - left_px - right_px);
   }
   [[nodiscard]] double y(double value) const {
-    return height_px - bottom_px - (value - y_.from) / (y_.to - y_.from) * (height_px - top_px - bottom_px);
+    return height_px - bottom_px - place(y_axis_, y_, value) * (height_px - top_px - bottom_px);
+  }
+  [[nodiscard]] bool shows(double x_value, double y_value) const {
+    return drawable(x_axis_, x_value) && drawable(y_axis_, y_value);
   }
   void draw(std::string& svg) const {
     const double right = width_px - right_px;
@@ -95,7 +112,7 @@ std::string begin(double height, std::string_view what) {
 Series thinned(const Series& series) {
   const std::size_t n = series.x.size();
   if (n <= points_max || series.form == Series::Form::points) return series;
-  Series thin{series.name, {}, {}, series.form};
+  Series thin{series.name, {}, {}, series.form, {}, {}, series.dashed};
   const std::size_t columns = points_max / 2;
   for (std::size_t column = 0; column < columns; ++column) {
     const auto first = series.y.begin() + static_cast<std::ptrdiff_t>(column * n / columns);
@@ -115,7 +132,7 @@ void draw_line(std::string& svg, const Frame& frame, const Series& series, const
   bool on = false;
   double last_y = 0.0;
   for (std::size_t i = 0; i < series.x.size(); ++i) {
-    if (!std::isfinite(series.x[i]) || !std::isfinite(series.y[i])) {
+    if (!frame.shows(series.x[i], series.y[i])) {
       on = false;
       continue;
     }
@@ -125,12 +142,26 @@ void draw_line(std::string& svg, const Frame& frame, const Series& series, const
     path += (on ? "L" : "M") + at + " " + px(last_y);
     on = true;
   }
-  svg += "<path class=\"line " + colour + "\" d=\"" + path + "\"/>";
+  svg += "<path class=\"line " + colour + "\"" + (series.dashed ? " stroke-dasharray=\"6 4\"" : "") + " d=\"" + path +
+         "\"/>";
+}
+
+/// Along the upper ends and back along the lower ones.
+void draw_band(std::string& svg, const Frame& frame, const Series& series, const std::string& colour) {
+  std::string there;
+  std::string back;
+  for (std::size_t i = 0; i < series.low.size(); ++i) {
+    if (!frame.shows(series.x[i], series.low[i]) || !frame.shows(series.x[i], series.high[i])) continue;
+    const std::string at = px(frame.x(series.x[i]));
+    there += (there.empty() ? "M" : "L") + at + " " + px(frame.y(series.high[i]));
+    back.insert(0, "L" + at + " " + px(frame.y(series.low[i])));
+  }
+  if (!there.empty()) svg += "<path class=\"bar " + colour + "\" opacity=\"0.18\" d=\"" + there + back + "Z\"/>";
 }
 
 void draw_points(std::string& svg, const Frame& frame, const Series& series, const std::string& colour) {
   for (std::size_t i = 0; i < series.x.size(); ++i) {
-    if (!std::isfinite(series.x[i]) || !std::isfinite(series.y[i])) continue;
+    if (!frame.shows(series.x[i], series.y[i])) continue;
     svg += "<circle class=\"point " + colour + "\" cx=\"" + px(frame.x(series.x[i])) + "\" cy=\"" +
            px(frame.y(series.y[i])) + "\" r=\"3\"/>";
   }
@@ -163,6 +194,26 @@ std::vector<double> ticks(double from, double to, int wanted) {
   const double first = std::floor(from / step + 1e-9);
   const double last = std::ceil(to / step - 1e-9);
   for (double i = first; i <= last; i += 1.0) at.push_back(i * step);
+  return at;
+}
+
+std::vector<double> log_ticks(double from, double to) {
+  COSIVA_EXPECT(0.0 < from && from < to && from > 1e-300 && to < 1e300);
+  double power = 1.0;
+  while (power > from) power /= 10.0;
+  while (power * 10.0 <= from) power *= 10.0;
+  const bool many = to / from > 1e4;
+  std::vector<double> all;
+  for (; all.empty() || all.back() < to * (1.0 - 1e-9); power *= 10.0)
+    for (const double round : {1.0, 2.0, 5.0})
+      if (round == 1.0 || !many) all.push_back(round * power);
+  // Of those at or below `from` only the last, of those at or above `to` only the first.
+  std::vector<double> at;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const bool below = i + 1 < all.size() && all[i + 1] <= from * (1.0 + 1e-9);
+    const bool above = i > 0 && all[i - 1] >= to * (1.0 - 1e-9);
+    if (!below && !above) at.push_back(all[i]);
+  }
   return at;
 }
 
@@ -199,15 +250,20 @@ std::string to_svg(const Chart& chart) {
   Range x;
   Range y;
   for (const Series& series : chart.series) {
-    COSIVA_EXPECT(series.x.size() == series.y.size());
-    for (const double value : series.x) x.take(value);
-    for (const double value : series.y) y.take(value);
+    COSIVA_EXPECT(series.x.size() == series.y.size() && series.low.size() == series.high.size());
+    COSIVA_EXPECT(series.low.empty() || series.low.size() == series.x.size());
+    for (const double value : series.x)
+      if (drawable(chart.x, value)) x.take(value);
+    for (const auto* values : {&series.y, &series.low, &series.high})
+      for (const double value : *values)
+        if (drawable(chart.y, value)) y.take(value);
   }
   const Frame frame{chart.x, settled(x, chart.x), chart.y, settled(y, chart.y)};
   std::string svg = begin(height_px + legend_px, chart.y.label + " over " + chart.x.label);
   frame.draw(svg);
   for (std::size_t i = 0; i < chart.series.size(); ++i) {
     const std::string colour = "c" + std::to_string(i);
+    draw_band(svg, frame, chart.series[i], colour);
     if (chart.series[i].form == Series::Form::points)
       draw_points(svg, frame, chart.series[i], colour);
     else

@@ -13,6 +13,7 @@ struct Axis {
   std::string label;           ///< with its unit: "waiting [s]"
   std::optional<double> from;  ///< else as the values want it
   std::optional<double> to;
+  bool logarithmic{false};  ///< only what is over 0 is drawn
 };
 
 struct Series {
@@ -21,6 +22,9 @@ struct Series {
   std::vector<double> y;  ///< as many as x (checked)
   enum class Form { line, points, steps };
   Form form{Form::line};
+  std::vector<double> low{};   ///< with `high`: a band about the line, such as an interval; as many as x, or none
+  std::vector<double> high{};  ///< (checked)
+  bool dashed{false};
 };
 
 struct Chart {
@@ -54,6 +58,9 @@ struct Bars {
 /// `to`.
 /// @param wanted  about so many
 [[nodiscard]] std::vector<double> ticks(double from, double to, int wanted = 6);
+/// Round values of a logarithmic axis: 1, 2 and 5 times powers of ten, over many decades the powers alone; from at or
+/// below `from` to at or above `to`. 0 < from < to (checked).
+[[nodiscard]] std::vector<double> log_ticks(double from, double to);
 
 /// A number as people read it: at most so many digits after the point, none that tell nothing.
 [[nodiscard]] std::string readable(double number, int digits = 3);

@@ -9,6 +9,7 @@
 namespace cosiva::experiments {
 namespace {
 
+using ::testing::DoubleEq;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -32,6 +33,19 @@ TEST(Ticks, are_round_and_hold_the_values_between_them) {
   }));
 }
 
+TEST(LogTicks, are_round_and_hold_the_values_between_them) {
+  EXPECT_THAT(log_ticks(0.1, 4.0), ElementsAre(DoubleEq(0.1), 0.2, 0.5, 1.0, 2.0, 5.0));
+  EXPECT_THAT(log_ticks(3.0, 4.0), ElementsAre(2.0, 5.0));
+  EXPECT_THAT(log_ticks(0.02, 3000.0), ElementsAre(DoubleEq(0.01), DoubleEq(0.1), 1.0, 10.0, 100.0, 1000.0, 10000.0));
+  EXPECT_TRUE(rc::check("however far apart", [] {
+    const double from = *rc::gen::inRange(1, 100000) * 1e-4;
+    const double to = from * (1.0 + *rc::gen::inRange(1, 1000000) * 1e-3);
+    const auto at = log_ticks(from, to);
+    RC_ASSERT(at.size() >= 2U && at.size() <= 24U);
+    RC_ASSERT(at.front() <= from * (1.0 + 1e-9) && at.back() >= to * (1.0 - 1e-9));
+  }));
+}
+
 TEST(Readable, tells_no_digits_that_tell_nothing) {
   EXPECT_EQ(readable(1.5), "1.5");
   EXPECT_EQ(readable(2.0), "2");
@@ -50,6 +64,29 @@ TEST(Chart, draws_each_series_in_a_colour_of_its_own_and_names_it) {
   EXPECT_EQ(count(svg, "<circle class=\"point c1\""), 2U);
   EXPECT_THAT(svg, HasSubstr("t&lt;wo"));
   EXPECT_THAT(svg, HasSubstr("speed [m/s]"));
+}
+
+TEST(Chart, draws_a_band_about_its_line_and_dashes_where_asked) {
+  Series curve{"error", {1, 10, 100}, {2, 3, 4}};
+  curve.low = {1, 2, 3};
+  curve.high = {3, 4, 5};
+  Series limit{"limit", {1, 10, 100}, {1, 1, 1}};
+  limit.dashed = true;
+  Chart chart{{"pitch [m]", {}, {}, true}, {"error [mm]", 0.0, {}}, {curve, limit}};
+  const std::string svg = to_svg(chart);
+  EXPECT_EQ(count(svg, "opacity=\"0.18\""), 1U);
+  EXPECT_EQ(count(svg, "stroke-dasharray"), 1U);
+  // A decade is as wide as the next.
+  const std::string path = svg.substr(svg.find("class=\"line c0\" d=\"M72 "));
+  EXPECT_THAT(path, HasSubstr("L388 "));
+  EXPECT_THAT(path, HasSubstr("L704 "));
+}
+
+TEST(Chart, leaves_out_of_a_logarithmic_axis_what_is_not_over_zero) {
+  const std::string svg =
+      to_svg(Chart{{"x", {}, {}, true}, {"y", {}, {}, true}, {{"", {0, 1, 10}, {1, 2, 3}}, {"", {1, 10}, {0, -1}}}});
+  EXPECT_THAT(svg, Not(HasSubstr("nan")));
+  EXPECT_THAT(svg, Not(HasSubstr("inf")));
 }
 
 TEST(Chart, leaves_out_what_is_no_number_and_breaks_its_line_there) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "experiments/scenario/toml_node.h"
+
 namespace cosiva::experiments {
 namespace {
 
@@ -29,6 +31,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }
 
+}  // namespace
+
 std::string describe(const toml::node& node) {
   if (const auto* text = node.as_string()) return quoted(text->get());
   if (const auto* whole = node.as_integer()) return std::to_string(whole->get());
@@ -50,8 +54,6 @@ std::string listed(const std::vector<std::string_view>& words) {
   for (const std::string_view word : words) text.append(text.empty() ? "" : ", ").append(word);
   return text;
 }
-
-}  // namespace
 
 std::string quoted(std::string_view text) {
   // Long enough to recognise, short enough for one line of terminal; control characters would garble it.

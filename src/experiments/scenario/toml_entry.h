@@ -56,6 +56,7 @@ class Entry {
                               std::optional<double> fallback = std::nullopt) const;
   [[nodiscard]] std::int64_t whole(std::string_view key, std::int64_t low, std::int64_t high,
                                    std::optional<std::int64_t> fallback = std::nullopt) const;
+  [[nodiscard]] bool flag(std::string_view key, bool fallback) const;
   /// Of at most `bytes_max` bytes, not empty, without control characters but line breaks.
   [[nodiscard]] std::string text(std::string_view key, std::size_t bytes_max,
                                  const std::optional<std::string>& fallback = std::nullopt) const;
@@ -63,6 +64,13 @@ class Entry {
   [[nodiscard]] std::string one_of(std::string_view key, const std::vector<std::string_view>& words,
                                    const std::optional<std::string>& fallback = std::nullopt) const;
   [[nodiscard]] std::vector<std::string> texts(std::string_view key, std::size_t count_max) const;
+  /// One of these words or a list of them, each once; a misspelt one is answered with the nearest.
+  [[nodiscard]] std::vector<std::string> some_of(std::string_view key, const std::vector<std::string_view>& words,
+                                                 const std::vector<std::string>& fallback) const;
+  /// A number, a list of numbers, or { from, to, steps, log } with both ends: 1 to `count_max` of them, each once, in
+  /// rising order. `range.what` says what each must be.
+  [[nodiscard]] std::vector<double> sweep(std::string_view key, const Range& range, std::size_t count_max,
+                                          double fallback) const;
   [[nodiscard]] Point2 point(std::string_view key) const;  ///< [x, y] in metres
   /// 2 to `count_max` of them.
   [[nodiscard]] std::vector<Point2> points(std::string_view key, std::size_t count_max) const;
@@ -79,6 +87,7 @@ class Entry {
   [[nodiscard]] const toml::node* find(std::string_view key, std::string_view what, bool optional) const;
   void expected(std::string_view key, std::string_view what, const toml::node& found) const;
   [[nodiscard]] std::optional<Point2> point_of(const toml::node& node) const;
+  [[nodiscard]] std::vector<double> spread(const Entry& fields, const Range& range, std::size_t count_max) const;
   [[nodiscard]] std::string path(std::string_view key) const;
 
   Faults* faults_;

@@ -2,11 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <barrier>
 #include <fstream>
 #include <sstream>
 #include <thread>
 
+#include "base/test_ranks.h"
 #include "zone/rtm/rtm.h"
 
 namespace cosiva::experiments {
@@ -37,31 +37,6 @@ SiteOptions site_of(const std::string& list, std::size_t aivs) {
   return options;
 }
 
-/// Ranks that are threads of this process.
-class ThreadRanks final : public Ranks {
- public:
-  struct Room {
-    explicit Room(std::size_t count) : meeting{static_cast<std::ptrdiff_t>(count)}, boxes(count) {}
-    std::barrier<> meeting;
-    std::vector<std::vector<std::string>> boxes;
-  };
-  ThreadRanks(Room& room, std::size_t rank) : room_{room}, rank_{rank} {}
-  [[nodiscard]] std::size_t rank() const override { return rank_; }
-  [[nodiscard]] std::size_t size() const override { return room_.boxes.size(); }
-  [[nodiscard]] std::vector<std::string> exchange(std::vector<std::string> letters) override {
-    room_.boxes[rank_] = std::move(letters);
-    room_.meeting.arrive_and_wait();
-    std::vector<std::string> mine;
-    for (const auto& box : room_.boxes) mine.push_back(box[rank_]);
-    room_.meeting.arrive_and_wait();
-    return mine;
-  }
-
- private:
-  Room& room_;
-  std::size_t rank_;
-};
-
 Result<SiteFigures> run(const SiteOptions& options, Ranks& ranks) {
   auto site = SiteRun::make(options, ranks);
   if (!site) return tl::unexpected(site.error());
@@ -72,12 +47,12 @@ Result<SiteFigures> run(const SiteOptions& options, Ranks& ranks) {
 }
 
 std::vector<Result<SiteFigures>> run_on(const SiteOptions& options, std::size_t ranks) {
-  ThreadRanks::Room room{ranks};
+  cosiva::testing::ThreadRanks::Room room{ranks};
   std::vector<Result<SiteFigures>> results(ranks, SiteFigures{});
   std::vector<std::thread> threads;
   for (std::size_t r = 0; r < ranks; ++r)
     threads.emplace_back([&, r] {
-      ThreadRanks mine{room, r};
+      cosiva::testing::ThreadRanks mine{room, r};
       results[r] = run(options, mine);
     });
   for (std::thread& thread : threads) thread.join();

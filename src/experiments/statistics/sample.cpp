@@ -17,6 +17,28 @@ double squares_about(std::span<const double> values, double centre) {
   return sum;
 }
 
+template <typename Number>
+std::vector<double> order_statistics(std::span<Number> values, std::span<const double> falling) {
+  std::vector<double> found;
+  std::size_t among = values.size();
+  for (const double p : falling) {
+    COSIVA_EXPECT(p > 0.0 && p <= 1.0);
+    if (values.empty()) {
+      found.push_back(nan);
+      continue;
+    }
+    // A share such as 0.9 of 10 must be 9 values, not 10 because 0.9 is a little more in binary.
+    const double wanted = p * static_cast<double>(values.size());
+    const auto rank = std::max<std::size_t>(static_cast<std::size_t>(std::ceil(wanted - 1e-9)), 1);
+    COSIVA_EXPECT(rank <= among);
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>(rank - 1);
+    std::nth_element(values.begin(), at, values.begin() + static_cast<std::ptrdiff_t>(among));
+    found.push_back(double{*at});
+    among = rank;
+  }
+  return found;
+}
+
 }  // namespace
 
 double mean(std::span<const double> values) {
@@ -47,15 +69,14 @@ double share_below(std::span<const double> values, double threshold) {
   return static_cast<double>(below) / static_cast<double>(values.size());
 }
 
-double percentile(std::span<double> values, double p) {
-  if (values.empty()) return nan;
-  COSIVA_EXPECT(p > 0.0 && p <= 1.0);
-  // A share such as 0.9 of 10 must be 9 values, not 10 because 0.9 is a little more in binary.
-  const double wanted = p * static_cast<double>(values.size());
-  const auto rank = static_cast<std::size_t>(std::ceil(wanted - 1e-9));
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(std::max<std::size_t>(rank, 1) - 1);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
+double percentile(std::span<double> values, double p) { return percentiles(values, {&p, 1}).front(); }
+
+std::vector<double> percentiles(std::span<double> values, std::span<const double> falling) {
+  return order_statistics(values, falling);
+}
+
+std::vector<double> percentiles(std::span<float> values, std::span<const double> falling) {
+  return order_statistics(values, falling);
 }
 
 Cdf cdf(std::vector<double> values, std::size_t points) {

@@ -20,6 +20,9 @@ namespace cosiva::statistics {
 /// distribution. The values are put in another order.
 /// @param p  in (0, 1]
 [[nodiscard]] double percentile(std::span<double> values, double p);
+/// Several of them, the largest first (checked): each looks only among those that the one before it left below.
+[[nodiscard]] std::vector<double> percentiles(std::span<double> values, std::span<const double> falling);
+[[nodiscard]] std::vector<double> percentiles(std::span<float> values, std::span<const double> falling);
 
 /// Points of the empirical distribution, at most `points`, evenly spaced in share: for drawing.
 struct Cdf {

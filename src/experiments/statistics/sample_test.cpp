@@ -1,6 +1,7 @@
 #include "experiments/statistics/sample.h"
 
 #include <gtest/gtest.h>
+#include <rapidcheck.h>
 
 #include <cmath>
 #include <vector>
@@ -34,6 +35,24 @@ TEST(Percentile, is_a_value_that_was_measured) {
   EXPECT_EQ(percentile(values, 0.91), 10.0);
   EXPECT_EQ(percentile(values, 1.0), 10.0);
   EXPECT_EQ(percentile(values, 0.01), 1.0);
+}
+
+TEST(Percentile, asked_for_several_at_once_is_the_same) {
+  EXPECT_TRUE(rc::check("any values", [](std::vector<double> values) {
+    const std::vector<double> falling{1.0, 0.99, 0.9, 0.5, 0.5, 0.01};
+    std::vector<double> one_by_one;
+    for (const double p : falling) {
+      std::vector<double> copy = values;
+      one_by_one.push_back(percentile(copy, p));
+    }
+    std::vector<float> floats(values.begin(), values.end());
+    const auto together = percentiles(values, falling);
+    const auto of_floats = percentiles(std::span{floats}, falling);
+    for (std::size_t i = 0; i < falling.size(); ++i) {
+      RC_ASSERT(together[i] == one_by_one[i] || (values.empty() && std::isnan(together[i])));
+      RC_ASSERT(values.empty() || of_floats[i] == double{static_cast<float>(one_by_one[i])});
+    }
+  }));
 }
 
 TEST(Percentile, of_a_heavy_tail_is_not_mean_plus_so_many_deviations) {
