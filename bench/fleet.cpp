@@ -53,7 +53,7 @@ struct Figures {
   double mean_mps;
   double waiting_share;
   double gained_m2ps2;  ///< of squared speed, by all together; with a duration only
-  double loop_m;  ///< all sections of the zone; round, where it is a ring
+  double loop_m;        ///< all sections of the zone; round, where it is a ring
   double smallest_gap_m;
   std::uint64_t collisions;
   std::size_t stuck;
