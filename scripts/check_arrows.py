@@ -28,6 +28,7 @@ LIBRARIES = {
     "boost": "Boost::headers",
     "CLI": "CLI11::CLI11",
     "Eigen": "Eigen3::Eigen",
+    "apriltag": "${APRILTAG_LIBRARY}",
 }
 SIDES = ("physical", "virtual")
 

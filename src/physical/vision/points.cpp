@@ -1,0 +1,259 @@
+#include "physical/vision/points.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include "base/json_writer.h"
+#include "base/text.h"
+
+namespace cosiva::vision {
+namespace {
+
+std::string place_of(const std::string& file, std::size_t line) { return file + ":" + std::to_string(line); }
+
+/// Fields between separators; one separator at the line's end begins no further field.
+std::vector<std::string_view> cut(std::string_view line, char separator) {
+  std::vector<std::string_view> fields;
+  for (;;) {
+    const std::size_t end = line.find(separator);
+    const std::string_view field = trimmed(line.substr(0, end));
+    if (end == std::string_view::npos) {
+      if (!field.empty() || fields.empty()) fields.push_back(field);
+      return fields;
+    }
+    fields.push_back(field);
+    line.remove_prefix(end + 1);
+  }
+}
+
+std::string quoted(std::string_view field) {
+  constexpr std::size_t longest = 40;
+  return "'" + std::string(field.substr(0, longest)) + (field.size() > longest ? "…'" : "'");
+}
+
+/// A table of finite numbers whose header must name `columns`, in any order; each row comes in the order of `columns`.
+struct Table {
+  struct Row {
+    std::size_t line;
+    std::vector<double> numbers;
+  };
+  std::vector<Row> rows;
+};
+
+struct Header {
+  char separator;
+  std::vector<std::size_t> at;  ///< of each wanted column
+  std::size_t width;
+};
+
+std::string listed(const std::vector<std::string_view>& columns) {
+  std::string text;
+  for (const std::string_view column : columns) text += (text.empty() ? "" : "; ") + std::string(column);
+  return text;
+}
+
+Result<Header> read_header(std::string_view line, const std::vector<std::string_view>& columns, const std::string& code,
+                           const std::string& place) {
+  Header header{line.find(';') != std::string_view::npos ? ';' : ',', {}, 0};
+  const auto names = cut(line, header.separator);
+  header.width = names.size();
+  for (const std::string_view column : columns) {
+    const auto times = std::ranges::count(names, column);
+    if (times != 1) {
+      return fail(code,
+                  (times == 0 ? "lacks the column '" : "has twice the column '") + std::string(column) +
+                      "': expected the header '" + listed(columns) + "', cut at semicolons or commas, found " +
+                      quoted(line),
+                  place);
+    }
+    header.at.push_back(static_cast<std::size_t>(std::ranges::find(names, column) - names.begin()));
+  }
+  return header;
+}
+
+Result<std::vector<double>> read_row(std::string_view line, const Header& header, const std::string& code,
+                                     const std::string& place) {
+  const auto fields = cut(line, header.separator);
+  if (fields.size() != header.width) {
+    return fail(code,
+                "expected " + std::to_string(header.width) + " fields cut at '" + std::string(1, header.separator) +
+                    "' as in the header, found " + std::to_string(fields.size()) + " in " + quoted(line),
+                place);
+  }
+  std::vector<double> numbers;
+  for (const std::size_t at : header.at) {
+    const auto number = number_of<double>(fields[at]);
+    if (!number || std::fabs(*number) > 1e6) {
+      const bool comma = fields[at].find(',') != std::string_view::npos;
+      return fail(code,
+                  "expected a finite number within a million, found " + quoted(fields[at]) +
+                      (comma ? "; decimals stand behind a point" : ""),
+                  place);
+    }
+    numbers.push_back(*number);
+  }
+  return numbers;
+}
+
+Result<Table> read_table(std::string_view text, const std::vector<std::string_view>& columns, const std::string& code,
+                         const std::string& file) {
+  Lines lines{text};
+  std::string_view line;
+  std::optional<Header> header;
+  Table table;
+  while (lines.next(line)) {
+    line = trimmed(line);
+    if (line.empty() || line.starts_with('#')) continue;
+    const std::string place = place_of(file, lines.number());
+    if (!header) {
+      auto read = read_header(line, columns, code, place);
+      if (!read) return tl::unexpected(read.error());
+      header = std::move(*read);
+      continue;
+    }
+    auto numbers = read_row(line, *header, code, place);
+    if (!numbers) return tl::unexpected(numbers.error());
+    table.rows.push_back({lines.number(), std::move(*numbers)});
+  }
+  if (table.rows.empty())
+    return fail(code, "holds no rows: expected the header '" + listed(columns) + "' and rows", file);
+  return table;
+}
+
+/// The line of a point that comes a second time, by its floor or by its pixel.
+Result<void> check_distinct(const Table& table, std::size_t column, const std::string& what, const std::string& file) {
+  struct At {
+    double a, b;
+    std::size_t line;
+  };
+  std::vector<At> all;
+  for (const auto& [line, row] : table.rows) all.push_back({row[column], row[column + 1], line});
+  std::ranges::sort(all,
+                    [](const At& l, const At& r) { return std::tie(l.a, l.b, l.line) < std::tie(r.a, r.b, r.line); });
+  for (std::size_t i = 1; i < all.size(); ++i)
+    if (all[i].a == all[i - 1].a && all[i].b == all[i - 1].b)
+      return fail("gvs.points", what + " stands in line " + std::to_string(all[i - 1].line) + " already",
+                  place_of(file, all[i].line));
+  return {};
+}
+
+constexpr double degree_rad = pi / 180.0;
+
+/// Sums of one stand.
+class Stand {
+ public:
+  void add(const std::array<double, 4>& row) {
+    for (std::size_t i = 0; i < 4; ++i) sum_[i] += row[i];
+    squares_ += row[0] * row[0] + row[1] * row[1];
+    ++count_;
+  }
+  [[nodiscard]] SurveyedPose mean(const Pose2& surveyed) const {
+    const double n = static_cast<double>(count_);
+    const double x = sum_[0] / n;
+    const double y = sum_[1] / n;
+    const double spread = std::max(0.0, squares_ / n - x * x - y * y);
+    return {surveyed, {x, y, det_atan2(sum_[3], sum_[2])}, count_, std::sqrt(0.5 * spread)};
+  }
+
+ private:
+  std::array<double, 4> sum_{};
+  double squares_{0.0};
+  std::size_t count_{0};
+};
+
+std::optional<std::array<double, 4>> sample_of(std::string_view line) {
+  const auto fields = cut(line, ',');
+  if (fields.size() < 4 || fields.size() > 5) return std::nullopt;
+  std::array<double, 4> row{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto number = number_of<double>(fields[i]);
+    if (!number || std::fabs(*number) > 1e6) return std::nullopt;
+    row[i] = *number;
+  }
+  const double length = norm(row[2], row[3]);
+  if (length < 0.5 || length > 1.5) return std::nullopt;
+  return row;
+}
+
+double between(const std::array<double, 4>& a, const std::array<double, 4>& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return std::sqrt(sum);
+}
+
+}  // namespace
+
+Result<std::vector<FloorPoint>> read_points(std::string_view text, const std::string& file) {
+  const auto table = read_table(text, {"world_x", "world_y", "image_x", "image_y"}, "gvs.points", file);
+  if (!table) return tl::unexpected(table.error());
+  if (auto distinct = check_distinct(*table, 0, "this place of the floor", file); !distinct)
+    return tl::unexpected(distinct.error());
+  if (auto distinct = check_distinct(*table, 2, "this pixel", file); !distinct) return tl::unexpected(distinct.error());
+  std::vector<FloorPoint> points;
+  for (const Table::Row& row : table->rows)
+    points.push_back({{row.numbers[0], row.numbers[1]}, {row.numbers[2], row.numbers[3]}});
+  return points;
+}
+
+std::string write_points(const std::vector<FloorPoint>& points) {
+  std::string text = "world_x; world_y; image_x; image_y;\n";
+  for (const FloorPoint& point : points) {
+    for (const double number : {point.floor.x_m, point.floor.y_m, point.pixel.u, point.pixel.v}) {
+      JsonWriter json;  // its numbers read back to the same bits
+      text += json.value(number).text() + "; ";
+    }
+    text.back() = '\n';
+  }
+  return text;
+}
+
+Result<std::vector<SurveyedPose>> read_poses(std::string_view text, const std::string& file) {
+  const auto table = read_table(text, {"true_x", "true_y", "true_heading_deg", "seen_x", "seen_y", "seen_heading_deg"},
+                                "gvs.poses", file);
+  if (!table) return tl::unexpected(table.error());
+  std::vector<SurveyedPose> poses;
+  for (const auto& [line, n] : table->rows) {
+    poses.push_back({{n[0], n[1], wrap_angle(n[2] * degree_rad)}, {n[3], n[4], wrap_angle(n[5] * degree_rad)}, 1, 0.0});
+  }
+  return poses;
+}
+
+Result<std::vector<SurveyedPose>> read_pose_stands(std::string_view text, const std::string& file, const PoseGrid& grid,
+                                                   double leap) {
+  Lines lines{text};
+  std::string_view line;
+  std::vector<Stand> stands;
+  std::array<double, 4> before{};
+  while (lines.next(line)) {
+    line = trimmed(line);
+    if (line.empty() || line.starts_with('#')) continue;
+    const auto row = sample_of(line);
+    if (!row) {
+      return fail("gvs.poses", "expected 'x, y, cos, sin, weight' of finite numbers, found " + quoted(line),
+                  place_of(file, lines.number()));
+    }
+    if (stands.empty() || between(*row, before) > leap) stands.emplace_back();
+    stands.back().add(*row);
+    before = *row;
+  }
+  const std::size_t expected = grid.xs_m.size() * grid.ys_m.size() * grid.headings_rad.size();
+  if (stands.size() != expected || expected == 0) {
+    return fail("gvs.poses",
+                "shows " + std::to_string(stands.size()) + " stands, and the grid has " + std::to_string(expected) +
+                    " poses (" + std::to_string(grid.ys_m.size()) + " y, " + std::to_string(grid.xs_m.size()) + " x, " +
+                    std::to_string(grid.headings_rad.size()) + " headings)",
+                file);
+  }
+  std::vector<SurveyedPose> poses;
+  for (const double y : grid.ys_m)
+    for (const double x : grid.xs_m)
+      for (const double heading : grid.headings_rad)
+        poses.push_back(stands[poses.size()].mean({x, y, wrap_angle(heading)}));
+  return poses;
+}
+
+}  // namespace cosiva::vision
