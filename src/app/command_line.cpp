@@ -245,6 +245,8 @@ int run_command_line(int argc, const char* const* argv) {
   BatteryArguments battery;
   const BatteryVerbs battery_verbs = describe_battery(root, battery);
   const QualifyVerbs qualify_verbs = describe_qualify(root, qualify);
+  GvsArguments gvs;
+  const GvsVerbs gvs_verbs = describe_gvs(root, gvs);
   scenario_verb->footer("Example:\n  cosiva scenario check showroom");
   describe_up(*up_verb, up);
   describe_server(*server_verb, server);
@@ -288,6 +290,8 @@ int run_command_line(int argc, const char* const* argv) {
   if (battery_verbs.battery->parsed())
     return refuse("say what to do: sampled, fleet, fit, plan, compare or check", *battery_verbs.battery);
   if (const auto status = run_qualify_verb(qualify_verbs, qualify, argc, argv)) return *status;
+  if (const auto status = run_gvs_verb(gvs_verbs, gvs)) return *status;
+  if (gvs_verbs.gvs->parsed()) return refuse("say what to do: calibrate, track or render", *gvs_verbs.gvs);
   if (agent_verbs.agent->parsed()) return refuse("say what to do: explain or surface", *agent_verbs.agent);
   if (scenario_check_verb->parsed()) return run_scenario_check(scenario);
   if (scenario_list_verb->parsed()) return run_scenario_list(scenario);

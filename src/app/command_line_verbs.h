@@ -6,6 +6,7 @@
 
 #include "app/arguments.h"
 #include "app/battery_arguments.h"
+#include "app/gvs_arguments.h"
 
 /// The parts of the command line: who describes which verb's options. Only the command line includes this.
 namespace cosiva::app {
@@ -69,6 +70,17 @@ struct QualifyVerbs {
 /// The exit status of the one that was asked for, if any.
 [[nodiscard]] std::optional<int> run_qualify_verb(const QualifyVerbs& verbs, QualifyArguments& qualify, int argc,
                                                   const char* const* argv);
+
+/// `cosiva gvs` and its verbs.
+struct GvsVerbs {
+  CLI::App* gvs;
+  CLI::App* calibrate;
+  CLI::App* track;
+  CLI::App* render;
+};
+[[nodiscard]] GvsVerbs describe_gvs(CLI::App& root, GvsArguments& gvs);
+/// The exit status of the one that was asked for, if any.
+[[nodiscard]] std::optional<int> run_gvs_verb(const GvsVerbs& verbs, const GvsArguments& gvs);
 
 /// --rules, of those who drive.
 void add_rules(CLI::App& verb, std::string& rules, const std::string& what);

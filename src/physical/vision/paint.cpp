@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "base/random.h"
-#include "physical/vision/height.h"
 #include "physical/vision/scene.h"
 #include "physical/vision/tags.h"
 
@@ -58,6 +57,17 @@ double distance_to(Point2 p, Point2 a, Point2 b) {
       square > 0.0 ? std::clamp(((p.x_m - a.x_m) * dx + (p.y_m - a.y_m) * dy) / square, 0.0, 1.0) : 0.0;
   return norm(p.x_m - a.x_m - along * dx, p.y_m - a.y_m - along * dy);
 }
+
+/// A pose whose sine and cosine are known: each is used for thousands of places.
+struct Frame {
+  explicit Frame(const Pose2& pose) : at{position(pose)}, turn{sincos(pose.heading_rad)} {}
+  Frame() = default;
+  [[nodiscard]] Point2 operator*(Point2 p) const {
+    return {at.x_m + turn.cos * p.x_m - turn.sin * p.y_m, at.y_m + turn.sin * p.x_m + turn.cos * p.y_m};
+  }
+  Point2 at{};
+  SinCos turn{0.0, 1.0};
+};
 
 }  // namespace
 
@@ -139,7 +149,6 @@ void Painter::draw_body(const SceneBody& body, std::vector<float>& light) const 
   const auto [width, height] = camera_.picture;
   const auto cells = tag_cells(body.tag);
   const double cell_m = body.side_m / 8.0;
-  const CameraPlace place{camera_.foot, camera_.height_m};
   const double most_m = std::max({norm(0.5 * body.length_m, 0.5 * body.width_m),
                                   norm(5.0 * cell_m, 5.0 * cell_m) + norm(body.X_BT.x_m, body.X_BT.y_m)});
   const double latest_s = camera_.exposure_s + static_cast<double>(height) * camera_.line_s;
@@ -153,25 +162,31 @@ void Painter::draw_body(const SceneBody& body, std::vector<float>& light) const 
   // Nine looks at each pixel, each at its own ninth of the exposure: sharp edges are smooth, and what moves is blurred.
   constexpr std::size_t looks = 9;
   constexpr std::array<std::size_t, looks> moment{4, 0, 7, 2, 5, 8, 1, 6, 3};
-  std::array<Pose2, looks> X_TM{};
+  std::array<Frame, looks> X_TM{};
+  const Frame X_BT{body.X_BT};
+  // at_height, with what is the same for all of them.
+  const double share = body.height_m / camera_.height_m;
+  const Point2 nearer{share * camera_.foot.x_m, share * camera_.foot.y_m};
   for (std::size_t row = clip(middle->v - reach, height); row < clip(middle->v + reach, height); ++row) {
     for (std::size_t look = 0; look < looks; ++look) {
-      const double share = (static_cast<double>(moment[look]) + 0.5) / static_cast<double>(looks);
-      const double seconds = static_cast<double>(row) * camera_.line_s + share * camera_.exposure_s;
-      X_TM[look] = inverse(body.after(seconds) * body.X_BT);
+      const double when = (static_cast<double>(moment[look]) + 0.5) / static_cast<double>(looks);
+      const double seconds = static_cast<double>(row) * camera_.line_s + when * camera_.exposure_s;
+      X_TM[look] = Frame{inverse(body.after(seconds) * body.X_BT)};
     }
     for (std::size_t column = clip(middle->u - reach, width); column < clip(middle->u + reach, width); ++column) {
       float sum = 0.0F;
       for (std::size_t look = 0; look < looks; ++look) {
         const double u = static_cast<double>(column) + (static_cast<double>(look % 3) + 0.5) / 3.0;
         const double v = static_cast<double>(row) + (static_cast<double>(look / 3) + 0.5) / 3.0;
-        const Point2 on_tag = X_TM[look] * at_height(seen_at(u, v), body.height_m, place);
+        const Point2 seen = seen_at(u, v);
+        const Point2 there{(1.0 - share) * seen.x_m + nearer.x_m, (1.0 - share) * seen.y_m + nearer.y_m};
+        const Point2 on_tag = X_TM[look] * there;
         const double x = on_tag.x_m / cell_m + 5.0;
         const double y = 5.0 - on_tag.y_m / cell_m;
         if (x >= 0.0 && x < 10.0 && y >= 0.0 && y < 10.0) {
           sum += cells[static_cast<std::size_t>(y) * 10 + static_cast<std::size_t>(x)] ? white : black;
         } else {
-          const Point2 on_body = body.X_BT * on_tag;
+          const Point2 on_body = X_BT * on_tag;
           const bool roof = std::fabs(on_body.x_m) < 0.5 * body.length_m && std::fabs(on_body.y_m) < 0.5 * body.width_m;
           sum += roof ? roof_light : light[row * width + column];
         }

@@ -24,11 +24,11 @@ struct TimeOffset {
 };
 
 /// An offset makes an error along the way in proportion to speed; what sits elsewhere on the vehicle, one that is the
-/// same at all speeds. Hence both are told apart only where speed changes or ways bend. For showing: nothing is shifted
-/// by it.
+/// same at all speeds. Hence both are told apart only where speed changes: a bend turns both alike. For showing:
+/// nothing is shifted by it.
 /// @param limit_s  no offset is further from 0
 /// Fails ("gvs.offset") where fewer than twenty stamps lie within the reference's times (interpolated over gaps of at
-/// most half a second), and where speed never changes and the way never bends.
+/// most half a second), and where speed never changes.
 [[nodiscard]] Result<TimeOffset> time_offset(const std::vector<Timed>& seen, const std::vector<Timed>& reference,
                                              double limit_s = 0.5);
 

@@ -22,6 +22,20 @@ TagFinder::How from_afar(double decimate) {
   return how;
 }
 
+/// Tags need some 16 px in the smaller picture; the library knows these steps. Of unknown tags it is taken that they
+/// are 36 px or more.
+double decimate_for(const FloorMap& map, double side_m) {
+  const double u = 0.5 * static_cast<double>(map.picture.width);
+  const double v = 0.5 * static_cast<double>(map.picture.height);
+  const auto here = map.floor_at({u, v});
+  const auto beside = map.floor_at({u + 1.0, v});
+  if (side_m <= 0.0 || !here || !beside) return 2.0;
+  const double side_px = side_m / std::max(1e-9, distance(*here, *beside));
+  if (side_px >= 60.0) return 3.0;
+  if (side_px >= 34.0) return 2.0;
+  return side_px >= 24.0 ? 1.5 : 1.0;
+}
+
 double radius_of(const SeenTag& tag) {
   const PixelPoint centre = tag.centre();
   double radius = 0.0;
@@ -58,7 +72,8 @@ std::optional<TagOnFloor> tag_on_floor(const SeenTag& tag, const FloorMap& map) 
 
 Tracker::Tracker(const Calibration& calibration, const TrackerOptions& options)
     : calibration_{calibration}, options_{options} {
-  COSIVA_EXPECT(options.bands >= 1 && options.search_decimate >= 1.0);
+  COSIVA_EXPECT(options.bands >= 1 && options.search_decimate >= 0.0);
+  if (options_.search_decimate == 0.0) options_.search_decimate = decimate_for(calibration.map, options.side_m);
 }
 
 std::vector<int> Tracker::followed() const {

@@ -26,9 +26,10 @@ struct TrackerOptions {
   double side_m{0.0};  ///< of the tags' black square: another size is somebody else's. 0: any
   /// Tags to be expected; when all are followed nobody searches any more. Empty: any, and the search never ends.
   std::vector<int> expected;
-  double search_decimate{2.0};  ///< of the picture that unknown tags are looked for in
-  std::size_t bands{8};         ///< a search goes through the picture in so many pictures
-  double speed_mps_max{2.0};    ///< nobody is faster: further apart from one picture to the next is another tag
+  /// The picture that unknown tags are looked for in is so much smaller. 0: as much as leaves tags of side_m enough.
+  double search_decimate{0.0};
+  std::size_t bands{8};       ///< a search goes through the picture in so many pictures
+  double speed_mps_max{2.0};  ///< nobody is faster: further apart from one picture to the next is another tag
 };
 
 /// Finds the vehicles in one picture after the other. Whoever was in the last one is looked for where it should be, in
