@@ -29,6 +29,7 @@ LIBRARIES = {
     "CLI": "CLI11::CLI11",
     "Eigen": "Eigen3::Eigen",
     "sqlite3": "SQLite::SQLite3",
+    "apriltag": "${APRILTAG_LIBRARY}",
 }
 SIDES = ("physical", "virtual")
 

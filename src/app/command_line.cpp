@@ -247,6 +247,8 @@ int run_command_line(int argc, const char* const* argv) {
   const QualifyVerbs qualify_verbs = describe_qualify(root, qualify);
   CampaignArguments campaign;
   CLI::App* campaign_verb = describe_campaign(root, campaign);
+  GvsArguments gvs;
+  const GvsVerbs gvs_verbs = describe_gvs(root, gvs);
   scenario_verb->footer("Example:\n  cosiva scenario check showroom");
   describe_up(*up_verb, up);
   describe_server(*server_verb, server);
@@ -291,6 +293,8 @@ int run_command_line(int argc, const char* const* argv) {
   if (battery_verbs.battery->parsed())
     return refuse("say what to do: sampled, fleet, fit, plan, compare or check", *battery_verbs.battery);
   if (const auto status = run_qualify_verb(qualify_verbs, qualify, argc, argv)) return *status;
+  if (const auto status = run_gvs_verb(gvs_verbs, gvs)) return *status;
+  if (gvs_verbs.gvs->parsed()) return refuse("say what to do: calibrate, track or render", *gvs_verbs.gvs);
   if (agent_verbs.agent->parsed()) return refuse("say what to do: explain or surface", *agent_verbs.agent);
   if (scenario_check_verb->parsed()) return run_scenario_check(scenario);
   if (scenario_list_verb->parsed()) return run_scenario_list(scenario);

@@ -7,6 +7,7 @@
 #include "app/arguments.h"
 #include "app/battery_arguments.h"
 #include "app/campaign_arguments.h"
+#include "app/gvs_arguments.h"
 
 /// The parts of the command line: who describes which verb's options. Only the command line includes this.
 namespace cosiva::app {
@@ -75,6 +76,16 @@ struct QualifyVerbs {
 
 /// `cosiva campaign`.
 [[nodiscard]] CLI::App* describe_campaign(CLI::App& root, CampaignArguments& campaign);
+/// `cosiva gvs` and its verbs.
+struct GvsVerbs {
+  CLI::App* gvs;
+  CLI::App* calibrate;
+  CLI::App* track;
+  CLI::App* render;
+};
+[[nodiscard]] GvsVerbs describe_gvs(CLI::App& root, GvsArguments& gvs);
+/// The exit status of the one that was asked for, if any.
+[[nodiscard]] std::optional<int> run_gvs_verb(const GvsVerbs& verbs, const GvsArguments& gvs);
 
 /// --rules, of those who drive.
 void add_rules(CLI::App& verb, std::string& rules, const std::string& what);

@@ -1,0 +1,125 @@
+// What the global vision system takes of one core for a picture of 2048² with twenty vehicles on it.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <vector>
+
+#include "base/random.h"
+#include "physical/vision/scene.h"
+#include "physical/vision/tracker.h"
+
+namespace {
+
+using namespace cosiva;
+using namespace cosiva::vision;
+
+double processor_ms() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+std::vector<FloorPoint> corners_of(const SceneCamera& camera) {
+  std::vector<FloorPoint> points;
+  for (int i = -14; i <= 14; ++i) {
+    for (int j = -14; j <= 14; ++j) {
+      const Point2 floor{0.1 * i, 0.1 * j};
+      if (const auto pixel = camera.pixel_of(floor, 0.0)) points.push_back({floor, *pixel});
+    }
+  }
+  return points;
+}
+
+std::vector<SceneBody> fleet_of(int vehicles) {
+  std::vector<SceneBody> bodies;
+  Random random{1, "fleet"};
+  const int across = static_cast<int>(std::ceil(std::sqrt(vehicles)));
+  for (int i = 0; i < vehicles; ++i) {
+    SceneBody body;
+    body.tag = i;
+    body.X_MB = {-1.1 + 2.6 * (i % across) / across, -1.1 + 2.6 * (i / across) / across, wrap_angle(0.37 * i)};
+    body.speed_mps = random.uniform(0.0, 0.15);
+    body.turn_radps = random.gaussian(0.0, 0.8);
+    bodies.push_back(body);
+  }
+  return bodies;
+}
+
+double middle(std::vector<double> values) {
+  std::ranges::sort(values);
+  return values[values.size() / 2];
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Times the global vision system, by processor time of its one thread"};
+  int vehicles = 20;
+  int pictures = 40;
+  std::size_t size = 2048;
+  app.add_option("--vehicles", vehicles)->check(CLI::Range(1, 100));
+  app.add_option("--pictures", pictures)->check(CLI::Range(2, 100000));
+  app.add_option("--size", size)->check(CLI::Range(256, 8192));
+  CLI11_PARSE(app, argc, argv);
+
+  SceneCamera camera;
+  const double share = static_cast<double>(size) / 2048.0;
+  camera.picture = {size, size};
+  camera.focal_px *= share;
+  camera.principal = {camera.principal.u * share, camera.principal.v * share};
+  CalibrationOptions options;
+  options.models = {{FloorModel::lens_polynomial, 5}};
+  auto made = calibrate(corners_of(camera), camera.picture, options);
+  if (!made) return 1;
+  made->calibration.camera = {camera.foot, camera.height_m};
+  MarkerProfile marker;
+  marker.height_m = SceneBody{}.height_m;
+  made->calibration.markers = {marker};
+  const Painter painter{camera, {}, 1};
+  const auto bodies = fleet_of(vehicles);
+  TrackerOptions with_search;
+  with_search.side_m = bodies[0].side_m;
+  with_search.exposure_s = camera.exposure_s;
+  TrackerOptions known = with_search;
+  for (const SceneBody& body : bodies) known.expected.push_back(body.tag);
+  Tracker searching{made->calibration, with_search};
+  Tracker knowing{made->calibration, known};
+
+  std::vector<double> searching_ms;
+  std::vector<double> knowing_ms;
+  double first_ms = 0.0;
+  double squares = 0.0;
+  double worst_m = 0.0;
+  std::size_t fixes = 0;
+  for (int k = 0; k < pictures; ++k) {
+    const double t_s = 0.05 * k;
+    std::vector<SceneBody> now = bodies;
+    for (std::size_t i = 0; i < now.size(); ++i) now[i].X_MB = bodies[i].after(std::fmod(t_s, 1.0));
+    const Image image = painter.paint(now, static_cast<std::uint64_t>(k));
+    const double began_ms = processor_ms();
+    const auto seen = searching.see(image, t_s);
+    const double between_ms = processor_ms();
+    const auto again = knowing.see(image, t_s);
+    const double end_ms = processor_ms();
+    if (!seen || !again) return 1;
+    if (k == 0) {
+      first_ms = between_ms - began_ms;
+    } else {
+      searching_ms.push_back(between_ms - began_ms);
+      knowing_ms.push_back(end_ms - between_ms);
+    }
+    for (const Fix& fix : *seen) {
+      const Pose2 truth = bodies[static_cast<std::size_t>(fix.tag)].after(std::fmod(t_s, 1.0) + fix.t_s - t_s);
+      const double off = distance(truth, fix.X_MB);
+      squares += off * off;
+      worst_m = std::max(worst_m, off);
+      ++fixes;
+    }
+  }
+  std::printf("%zu x %zu, %d vehicles, %d pictures, one core (processor time):\n", size, size, vehicles, pictures);
+  std::printf("  all known            median %6.2f ms\n", middle(knowing_ms));
+  std::printf("  and one band sought  median %6.2f ms, worst %6.2f\n", middle(searching_ms),
+              std::ranges::max(searching_ms));
+  std::printf("  first picture, sought whole %6.2f ms\n", first_ms);
+  std::printf("  %zu of %d fixes, %.3f mm rms, %.3f at most\n", fixes, vehicles * pictures,
+              1e3 * std::sqrt(squares / static_cast<double>(std::max<std::size_t>(1, fixes))), 1e3 * worst_m);
+  return fixes == static_cast<std::size_t>(vehicles) * static_cast<std::size_t>(pictures) ? 0 : 1;
+}

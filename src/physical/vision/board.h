@@ -1,0 +1,46 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "physical/vision/points.h"
+#include "physical/vision/tags.h"
+
+namespace cosiva::vision {
+
+/// A tag that lies on the floor at a known place: printed boards are many of them.
+struct BoardTag {
+  int id{};
+  Pose2 X_MT{};     ///< of its middle; x to its printed right
+  double side_m{};  ///< of the black square
+};
+
+/// A CSV file with the columns id, x, y [m], heading_deg, side [m]. Fails ("gvs.board") as read_points does, on ids
+/// that the family has not, that come twice, and on sides that are none.
+[[nodiscard]] Result<std::vector<BoardTag>> read_board(std::string_view text, const std::string& file);
+[[nodiscard]] std::string write_board(const std::vector<BoardTag>& board);
+
+/// Reads a board's corners off pictures of a camera that does not move.
+class BoardReader {
+ public:
+  explicit BoardReader(const std::vector<BoardTag>& board);
+  /// Fails ("gvs.board") on a picture of another size than the first, and on one that shows none of the board's tags.
+  [[nodiscard]] Result<void> add(const Image& image);
+  [[nodiscard]] PictureSize picture() const { return picture_; }
+  /// Corners, each the mean over the pictures that showed its tag.
+  [[nodiscard]] std::vector<FloorPoint> points() const;
+
+ private:
+  struct Sum {
+    std::array<PixelPoint, 4> corners{};
+    double count{0.0};
+  };
+  std::vector<BoardTag> board_;
+  PictureSize picture_;
+  std::map<int, Sum> sums_;
+  TagFinder finder_;
+};
+
+}  // namespace cosiva::vision

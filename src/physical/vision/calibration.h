@@ -1,0 +1,125 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "physical/vision/height.h"
+#include "physical/vision/points.h"
+
+/// A camera's calibration: the map to the floor, how far it may be trusted and where, and how height is corrected.
+namespace cosiva::vision {
+
+enum class FloorModel {
+  homography,       ///< a pinhole camera: from 6 points
+  lens,             ///< and the lens, with a centre of its own: from 24 points
+  polynomial,       ///< a pinhole camera, and what it leaves over as a polynomial over the picture
+  lens_polynomial,  ///< and the lens, and what both leave over
+};
+inline constexpr std::array floor_models{FloorModel::homography, FloorModel::lens, FloorModel::polynomial,
+                                         FloorModel::lens_polynomial};
+[[nodiscard]] std::string_view name_of(FloorModel model);
+
+struct FitOptions {
+  FloorModel model{FloorModel::polynomial};
+  std::size_t degree{5};  ///< of the polynomial, 2 … degree_max
+};
+/// Four per term of a polynomial: fewer follow the noise.
+[[nodiscard]] std::size_t points_needed(const FitOptions& options);
+
+/// Least squares on the floor. Fails ("gvs.points") where there are too few points for the model, or all lie so near
+/// one line, on the floor or in the picture, that nothing is known across it; ("gvs.fit") where nothing fits: no
+/// picture of a floor.
+/// @param near  a fit to nearly the same points, from which it is found sooner
+[[nodiscard]] Result<FloorMap> fit_floor(const std::vector<FloorPoint>& points, PictureSize picture,
+                                         const FitOptions& options, const FloorMap* near = nullptr);
+
+/// How far off, over many points.
+struct Residuals {
+  std::size_t points{};
+  double rms_m{};
+  double max_m{};
+};
+
+/// Of points that the fit has not seen: where each was put, less where it is.
+struct LeftOut {
+  Residuals figures;
+  std::vector<Point2> residuals;  ///< of all points, in their order [m]
+};
+
+/// One way of leaving points out: in which group each is. A group is judged by the fit to all others.
+using Groups = std::vector<std::size_t>;
+/// The two colours of a checkerboard; of points that are no grid, every second one. Says how good it is *between*
+/// points.
+[[nodiscard]] Groups colours(const std::vector<FloorPoint>& points);
+/// Squares of the floor, so large: whoever judges a square has seen nothing of it. Says how good it is where points are
+/// missing. A floor smaller than four squares a side has smaller ones.
+[[nodiscard]] Groups blocks(const std::vector<FloorPoint>& points, double side_m);
+/// Fails as fit_floor does, where a fit without a group does.
+[[nodiscard]] Result<LeftOut> cross_validate(const std::vector<FloorPoint>& points, PictureSize picture,
+                                             const FitOptions& options, const Groups& groups);
+
+/// The reference's own uncertainty over the floor: for each square the rms of left-out residuals in it (the worse of
+/// both ways of leaving out), or of its nearest square that has any.
+struct ResidualMap {
+  double x0_m{};  ///< of the lower left corner
+  double y0_m{};
+  double side_m{1.0};
+  std::size_t columns{};
+  std::size_t rows{};
+  std::vector<double> rms_m;        ///< row by row, from below
+  std::vector<std::size_t> points;  ///< in each
+
+  /// Outside: of the nearest square.
+  [[nodiscard]] double at(Point2 floor) const;
+  friend bool operator==(const ResidualMap&, const ResidualMap&) = default;
+};
+[[nodiscard]] ResidualMap residual_map(const std::vector<FloorPoint>& points,
+                                       const std::vector<const LeftOut*>& left_out, double side_m);
+
+/// A camera over a floor, as a calibration file keeps it.
+struct Calibration {
+  std::string name;
+  FloorModel model{FloorModel::polynomial};
+  FloorMap map;
+  /// Of the points it was fitted to, and of those left out.
+  Residuals fitted;
+  Residuals colour;
+  Residuals block;
+  ResidualMap uncertainty;
+  CameraPlace camera;  ///< for whoever stands above the floor
+  std::vector<MarkerProfile> markers;
+};
+
+/// One model tried.
+struct Tried {
+  FitOptions options;
+  Residuals fitted;
+  LeftOut colour;
+  LeftOut block;
+};
+struct CalibrationOptions {
+  /// Nothing: of all that there are points enough for, the one whose left-out blocks fit best.
+  std::vector<FitOptions> models;
+  double block_m{0.8};
+  double cell_m{0.25};        ///< of the residual map
+  double camera_height_m{0};  ///< above the floor; 0: not known, and heights are not corrected
+};
+struct Calibrated {
+  Calibration calibration;
+  std::vector<Tried> tried;
+  std::size_t chosen{};  ///< of those
+};
+[[nodiscard]] Result<Calibrated> calibrate(const std::vector<FloorPoint>& points, PictureSize picture,
+                                           const CalibrationOptions& options);
+
+/// The file: JSON, whose form is `docs/guide/gvs.md`'s. Reading fails ("gvs.calibration") with the field.
+[[nodiscard]] std::string to_json(const Calibration& calibration);
+[[nodiscard]] Result<Calibration> read_calibration(std::string_view text, const std::string& file);
+
+/// The residual map as a picture: how large left-out residuals are over the floor, and each as an arrow, enlarged.
+[[nodiscard]] std::string residual_svg(const std::vector<FloorPoint>& points, const Calibrated& calibrated);
+
+}  // namespace cosiva::vision

@@ -1,0 +1,198 @@
+#include "physical/vision/height.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace cosiva::vision {
+namespace {
+
+/// The camera's place in the floor's frame if its focal length is f (in the map's scale), by the homography's columns.
+/// Source: Zhang, A flexible new technique for camera calibration, 2000, section 3.1.
+Eigen::Vector3d place_with(const Eigen::Matrix3d& floor_to_picture, double f) {
+  Eigen::Matrix3d m = floor_to_picture;
+  m.topRows<2>() /= f;
+  m /= std::sqrt(m.col(0).norm() * m.col(1).norm());
+  Eigen::Matrix3d rotation;
+  rotation.col(0) = m.col(0);
+  rotation.col(1) = m.col(1);
+  rotation.col(2) = m.col(0).cross(m.col(1));
+  const Eigen::JacobiSVD<Eigen::Matrix3d> nearest{rotation, Eigen::ComputeFullU | Eigen::ComputeFullV};
+  rotation = nearest.matrixU() * nearest.matrixV().transpose();
+  return -rotation.transpose() * m.col(2);
+}
+
+/// Where a direction shows after A.
+double direction(const std::array<double, 4>& linear, double heading_rad) {
+  const auto [s, c] = sincos(heading_rad);
+  return det_atan2(linear[2] * c + linear[3] * s, linear[0] * c + linear[1] * s);
+}
+
+/// The mean angle from `seen`, turned by A, to `surveyed`. Nothing where they contradict each other.
+std::optional<double> turn_of(const std::vector<SurveyedPose>& poses, const std::array<double, 4>& linear) {
+  double s = 0.0;
+  double c = 0.0;
+  for (const SurveyedPose& pose : poses) {
+    const SinCos turn = sincos(pose.surveyed.heading_rad - direction(linear, pose.seen.heading_rad));
+    s += turn.sin;
+    c += turn.cos;
+  }
+  if (norm(s, c) < 1e-6) return std::nullopt;
+  return det_atan2(s, c);
+}
+
+struct Rows {
+  Eigen::MatrixXd left;
+  Eigen::VectorXd right;
+};
+
+/// One pose makes two equations in A, b and the lever.
+Rows rows_of(const std::vector<SurveyedPose>& poses, const PoseFit& before, bool full) {
+  Rows rows{Eigen::MatrixXd::Zero(2 * static_cast<Eigen::Index>(poses.size()), full ? 8 : 5),
+            Eigen::VectorXd::Zero(2 * static_cast<Eigen::Index>(poses.size()))};
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const Pose2& seen = poses[i].seen;
+    const auto [s, c] = sincos(direction(before.linear, seen.heading_rad) + before.turn_rad);
+    const auto k = 2 * static_cast<Eigen::Index>(i);
+    if (full) {
+      rows.left.row(k) << seen.x_m, seen.y_m, 0.0, 0.0, 1.0, 0.0, c, -s;
+      rows.left.row(k + 1) << 0.0, 0.0, seen.x_m, seen.y_m, 0.0, 1.0, s, c;
+    } else {
+      rows.left.row(k) << seen.x_m, 1.0, 0.0, c, -s;
+      rows.left.row(k + 1) << seen.y_m, 0.0, 1.0, s, c;
+    }
+    rows.right[k] = poses[i].surveyed.x_m;
+    rows.right[k + 1] = poses[i].surveyed.y_m;
+  }
+  return rows;
+}
+
+bool solve(const std::vector<SurveyedPose>& poses, bool full, PoseFit& fit) {
+  const auto turn = turn_of(poses, fit.linear);
+  if (!turn) return false;
+  fit.turn_rad = *turn;
+  const Rows rows = rows_of(poses, fit, full);
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver{rows.left};
+  solver.setThreshold(1e-4);
+  if (solver.rank() < rows.left.cols()) return false;
+  const Eigen::VectorXd x = solver.solve(rows.right);
+  if (!x.allFinite()) return false;
+  const Eigen::Index rest = full ? 4 : 1;
+  fit.linear = full ? std::array{x[0], x[1], x[2], x[3]} : std::array{x[0], 0.0, 0.0, x[0]};
+  fit.shift = {x[rest], x[rest + 1]};
+  fit.lever = {x[rest + 2], x[rest + 3]};
+  return true;
+}
+
+std::optional<PoseFit> fit_once(const std::vector<SurveyedPose>& poses, bool full) {
+  // The lever's direction hangs on A, which is nearly the identity: three rounds and nothing moves any more.
+  PoseFit fit;
+  for (int round = 0; round < 3; ++round)
+    if (!solve(poses, full, fit)) return std::nullopt;
+  const auto turn = turn_of(poses, fit.linear);
+  if (!turn) return std::nullopt;
+  fit.turn_rad = *turn;
+  return fit;
+}
+
+}  // namespace
+
+Point2 at_height(Point2 seen, double height_m, const CameraPlace& camera) {
+  if (camera.height_m <= 0.0) return seen;
+  const double share = height_m / camera.height_m;
+  return {seen.x_m + share * (camera.foot.x_m - seen.x_m), seen.y_m + share * (camera.foot.y_m - seen.y_m)};
+}
+
+Point2 seen_from(Point2 there, double height_m, const CameraPlace& camera) {
+  if (camera.height_m <= 0.0) return there;
+  const double share = height_m / camera.height_m;
+  return {(there.x_m - share * camera.foot.x_m) / (1.0 - share), (there.y_m - share * camera.foot.y_m) / (1.0 - share)};
+}
+
+std::optional<CameraPlace> camera_over(const FloorMap& map, double height_m) {
+  Eigen::Matrix3d h;
+  for (int i = 0; i < 9; ++i) h(i / 3, i % 3) = map.homography[static_cast<std::size_t>(i)];
+  const double determinant = h.determinant();
+  if (!std::isfinite(determinant) || determinant == 0.0 || !(height_m > 0.0)) return std::nullopt;
+  const Eigen::Matrix3d back = h.inverse();
+  // The longer the lens, the higher the camera hangs that sees the same: the wanted height is between.
+  double short_f = 0.05;
+  double long_f = 50.0;
+  const auto height_with = [&](double f) { return std::fabs(place_with(back, f)[2]); };
+  if (height_with(short_f) > height_m || height_with(long_f) < height_m) return std::nullopt;
+  constexpr int halvings = 60;
+  for (int i = 0; i < halvings; ++i) {
+    const double f = std::sqrt(short_f * long_f);
+    (height_with(f) < height_m ? short_f : long_f) = f;
+  }
+  const Eigen::Vector3d place = place_with(back, short_f);
+  return CameraPlace{{place[0], place[1]}, height_m};
+}
+
+Pose2 PoseFit::apply(const Pose2& seen) const {
+  const double heading = wrap_angle(direction(linear, seen.heading_rad) + turn_rad);
+  const auto [s, c] = sincos(heading);
+  return {linear[0] * seen.x_m + linear[1] * seen.y_m + shift.x_m + c * lever.x_m - s * lever.y_m,
+          linear[2] * seen.x_m + linear[3] * seen.y_m + shift.y_m + s * lever.x_m + c * lever.y_m, heading};
+}
+
+const MarkerProfile& profile_of(int id, const std::vector<MarkerProfile>& profiles) {
+  static const MarkerProfile flat;
+  const MarkerProfile* everybodys = &flat;
+  for (const MarkerProfile& profile : profiles) {
+    if (profile.id == id) return profile;
+    if (profile.id < 0) everybodys = &profile;
+  }
+  return *everybodys;
+}
+
+Pose2 vehicle_at(const Pose2& seen, const MarkerProfile& profile, const CameraPlace& camera) {
+  if (profile.surveyed) return profile.surveyed->apply(seen);
+  const Point2 there = at_height(position(seen), profile.height_m, camera);
+  return Pose2{there.x_m, there.y_m, seen.heading_rad} * inverse(profile.X_BT);
+}
+
+Result<PoseResiduals> fit_poses(const std::vector<SurveyedPose>& poses, bool full) {
+  constexpr std::size_t fewest = 6;
+  const char* const few =
+      "do not tell a marker's height and place: drive to at least three places that are no line, "
+      "with at least three headings";
+  if (poses.size() < fewest)
+    return fail("gvs.poses",
+                "holds " + std::to_string(poses.size()) + " poses, and a fit needs " + std::to_string(fewest));
+  const auto all = fit_once(poses, full);
+  if (!all) return fail("gvs.poses", few);
+  PoseResiduals result;
+  result.fit = *all;
+  double spread = 0.0;
+  for (const SurveyedPose& pose : poses) {
+    const double off = wrap_angle(all->apply(pose.seen).heading_rad - pose.surveyed.heading_rad);
+    spread += off * off / static_cast<double>(poses.size());
+  }
+  result.heading_sd_rad = std::sqrt(spread);
+  double squares = 0.0;
+  double turns = 0.0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    std::vector<SurveyedPose> others = poses;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+    const auto fit = fit_once(others, full);
+    if (!fit) return fail("gvs.poses", few);
+    const Pose2 put = fit->apply(poses[i].seen);
+    const Pose2& there = poses[i].surveyed;
+    result.left_out.push_back(
+        {put.x_m - there.x_m, put.y_m - there.y_m, wrap_angle(put.heading_rad - there.heading_rad)});
+    const double off = distance(put, there);
+    const double turn = std::fabs(result.left_out.back().heading_rad);
+    squares += off * off;
+    turns += turn * turn;
+    result.max_m = std::max(result.max_m, off);
+    result.heading_max_rad = std::max(result.heading_max_rad, turn);
+    result.standing_m += poses[i].standing_m / static_cast<double>(poses.size());
+  }
+  result.rms_m = std::sqrt(squares / static_cast<double>(poses.size()));
+  result.heading_rms_rad = std::sqrt(turns / static_cast<double>(poses.size()));
+  return result;
+}
+
+}  // namespace cosiva::vision

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "physical/vision/floor_map.h"
+
+/// What a calibration is made from: places of the floor whose pixels are known, and vehicles at surveyed poses.
+namespace cosiva::vision {
+
+struct FloorPoint {
+  Point2 floor;      ///< surveyed [m]
+  PixelPoint pixel;  ///< seen
+  friend bool operator==(const FloorPoint&, const FloorPoint&) = default;
+};
+
+/// A CSV file whose first line names its columns world_x, world_y [m], image_x, image_y [px], in any order, cut at
+/// semicolons or commas (one of the two throughout; a separator may end the line). Comments begin with '#'. Fails
+/// ("gvs.points") with file and line on a column that is missing or comes twice, on a line of another width, on what is
+/// no finite number, on one pixel or one place that comes twice, and on a file without points.
+[[nodiscard]] Result<std::vector<FloorPoint>> read_points(std::string_view text, const std::string& file);
+[[nodiscard]] std::string write_points(const std::vector<FloorPoint>& points);
+
+/// What the camera said of a vehicle that stood still at a surveyed pose, averaged over its samples.
+struct SurveyedPose {
+  Pose2 surveyed;         ///< of the vehicle's reference point [m, rad]
+  Pose2 seen;             ///< of its marker, taken to lie on the floor
+  std::size_t samples{};  ///< that `seen` is the mean of
+  double standing_m{};    ///< standard deviation of one sample's place, how still the picture stands
+};
+
+/// A CSV file with the columns true_x, true_y, true_heading_deg, seen_x, seen_y, seen_heading_deg. Fails ("gvs.poses")
+/// as read_points does.
+[[nodiscard]] Result<std::vector<SurveyedPose>> read_poses(std::string_view text, const std::string& file);
+
+/// A grid of poses, as a laboratory surveys them: in each x of `xs`, nested in each y of `ys`, every heading.
+struct PoseGrid {
+  std::vector<double> xs_m;
+  std::vector<double> ys_m;
+  std::vector<double> headings_rad;
+};
+/// Lines "x, y, cos, sin, weight," of samples, one stand after the other, without a word on which is which (CPM Lab's
+/// ips_pose_calibration): two rows further apart than `leap` in (x, y, cos, sin) are of two stands, and stands are in
+/// the grid's order: y slowest, then x, heading fastest. Fails ("gvs.poses") on a bad line, and where there are not as
+/// many stands as the grid has poses.
+[[nodiscard]] Result<std::vector<SurveyedPose>> read_pose_stands(std::string_view text, const std::string& file,
+                                                                 const PoseGrid& grid, double leap = 0.4);
+
+}  // namespace cosiva::vision

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "base/pose.h"
+#include "physical/vision/image.h"
+
+/// The emulated world, as a camera under the roof sees it: pictures with everything that makes real ones bad.
+namespace cosiva::vision {
+
+/// A camera that looks down. Its lens bends as Brown's model has it *towards* the picture, which is another form than
+/// the calibration fits: who is judged by these pictures cannot have read the answer out of them.
+struct SceneCamera {
+  PictureSize picture{2048, 2048};
+  Point2 foot{};            ///< straight below it [m]
+  double height_m{3.3};     ///< above the floor
+  double yaw_rad{0.0};      ///< the picture's right shows so far left of the floor's +x
+  double tilt_x_rad{0.01};  ///< it does not hang quite plumb
+  double tilt_y_rad{-0.015};
+  double focal_px{1900.0};
+  PixelPoint principal{1030.0, 1015.0};
+  std::array<double, 5> lens{-0.18, 0.05, -0.004, 4e-4, -3e-4};  ///< k1, k2, k3, p1, p2
+  double exposure_s{0.004};
+  double line_s{0.0};       ///< rolling shutter: each row begins so much after the one above; 0: a global shutter
+  double noise_grey{2.0};   ///< standard deviation per pixel
+  double brightness{1.0};   ///< of all light; too much and white is lost
+  double vignetting{0.25};  ///< share of light that the corners lack
+
+  /// The pixel that shows a place so high above the floor. Nothing behind the camera, and where the lens folds.
+  [[nodiscard]] std::optional<PixelPoint> pixel_of(Point2 place, double height_m) const;
+  /// The place of the floor that a pixel looks at.
+  [[nodiscard]] std::optional<Point2> floor_of(PixelPoint pixel) const;
+};
+
+/// A vehicle with a tag on its roof, or a tag that lies on the floor (no body). What moves, moves evenly during a
+/// picture.
+struct SceneBody {
+  int tag{};
+  Pose2 X_MB{};        ///< at the picture's stamp
+  double speed_mps{};  ///< along its heading
+  double turn_radps{};
+  double height_m{0.10};  ///< of the tag above the floor
+  double side_m{0.08};    ///< of the tag's black square
+  Pose2 X_BT{};           ///< where the tag is on it
+  double length_m{0.20};  ///< of the roof; 0: there is none
+  double width_m{0.12};
+
+  [[nodiscard]] Pose2 after(double seconds) const;
+};
+
+/// A painted line on the floor.
+struct SceneLine {
+  std::vector<Point2> points;
+  double width_m{0.02};
+};
+
+/// Takes pictures. The same camera, lines, seed, bodies and number give the same bytes everywhere.
+class Painter {
+ public:
+  Painter(const SceneCamera& camera, const std::vector<SceneLine>& lines, std::uint64_t seed);
+  /// Row r is exposed from the stamp + r·line_s on, for exposure_s.
+  /// @param number  of the picture, for its noise
+  [[nodiscard]] Image paint(const std::vector<SceneBody>& bodies, std::uint64_t number) const;
+  [[nodiscard]] const SceneCamera& camera() const { return camera_; }
+
+ private:
+  struct Seen {
+    float x;
+    float y;
+  };
+  void look_around();
+  void draw_floor(const std::vector<SceneLine>& lines, std::uint64_t seed);
+  void draw_body(const SceneBody& body, std::vector<float>& light) const;
+  [[nodiscard]] Point2 seen_at(double u, double v) const;
+
+  SceneCamera camera_;
+  std::uint64_t seed_;
+  std::vector<Seen> corner_;  ///< where on the floor each pixel's upper left corner looks; one more than pixels
+  std::vector<float> floor_;  ///< light of the bare floor, per pixel
+  std::vector<float> noise_;  ///< drawn once, and shuffled for each picture
+};
+
+}  // namespace cosiva::vision
