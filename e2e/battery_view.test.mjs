@@ -48,7 +48,7 @@ test('an operator changes a battery, says so on the page, and watches it', { tim
     const form = panel.getByTestId('battery-change');
     await form.getByText('What is known of it').click();
     await form.getByLabel('Charge [%]').fill('80');
-    await form.getByRole('button', { name: /is in AIV1/ }).click();
+    await form.getByRole('button', { name: /battery red, AIV1/ }).click();
     await panel.getByText(/may not run: it is not full: 80/).waitFor({ timeout: 5_000 });
   });
 
@@ -57,8 +57,8 @@ test('an operator changes a battery, says so on the page, and watches it', { tim
     // The form may have been drawn anew since.
     if (!(await form.getByLabel('Charge [%]').isVisible())) await form.getByText('What is known of it').click();
     await form.getByLabel('Charge [%]').fill('100');
-    await eventually('the button is free', () => form.getByRole('button', { name: /is in AIV1/ }).isEnabled());
-    await form.getByRole('button', { name: /is in AIV1/ }).click();
+    await eventually('the button is free', () => form.getByRole('button', { name: /battery red, AIV1/ }).isEnabled());
+    await form.getByRole('button', { name: /battery red, AIV1/ }).click();
     await eventually('it runs', async () => (await seat.getAttribute('data-phase')) === 'running');
     assert.equal(await panel.getByTestId('battery-change').count(), 0, 'nothing is wanted any more');
     assert.deepEqual((await platform.snapshot()).battery.changes, []);
