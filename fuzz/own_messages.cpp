@@ -36,5 +36,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   read(wire::owner_from_json, text);
   read(wire::battery_change_from_json, text);
   read(wire::battery_ready_from_json, text);
+  read(wire::battery_test_from_json, text);
   return 0;
 }

@@ -30,6 +30,8 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr milliseconds tick_period{250};
+/// Whoever looks on is told so often, besides each change.
+constexpr seconds tell_period{1};
 /// A server that was killed is back within a few seconds; what is said to it meanwhile waits.
 constexpr milliseconds command_patience{2000};
 constexpr seconds fleet_max{60};
@@ -101,18 +103,27 @@ class LiveTest {
     }
     tell_server();
     if (!saved_) save();
+    if (clock_.now() - told_at_ >= tell_period) tell_onlookers();
     if (ticker_.ticks()) say(progress_text(rig_.procedure(), clock_.now()));
     if ((rig_.done() || failure_) && commands_.empty()) loop_.stop();
   }
 
   void answer(LiveRig::Answers answers) {
     for (const wire::Publish& message : answers.messages) bus_->publish(message);
+    const bool news = !answers.messages.empty() || !answers.commands.empty();
     for (std::string& command : answers.commands) commands_.push_back(std::move(command));
     for (const std::string& words : answers.words) {
       say(words);
       notify(words);
     }
+    if (news) tell_onlookers();
     saved_ = false;
+  }
+
+  /// The operator's page, through the server: how the test stands. Kept by the broker, also when it is over.
+  void tell_onlookers() {
+    told_at_ = clock_.now();
+    bus_->publish({std::string(wire::battery_test_topic), to_json(rig_.test(told_at_)), 1, true});
   }
 
   /// In order, and each until it has been taken: a server that is not there now will be.
@@ -155,6 +166,7 @@ class LiveTest {
   }
 
   Result<void> say_goodbye() {
+    tell_onlookers();
     ended_ = true;
     beat_.cancel();
     bool out = false;
@@ -176,6 +188,7 @@ class LiveTest {
   std::vector<std::unique_ptr<adapters::Child>> notified_;
   SecondsTicker ticker_;
   std::optional<Error> failure_;
+  SimTime told_at_{};
   bool waiting_{false};
   bool saved_{false};
   bool complained_{false};

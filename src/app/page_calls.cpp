@@ -28,6 +28,8 @@ std::span<const PageCalls::Route> PageCalls::routes() {
       {"GET", "/api/v1/traces", none, &Calls::traces},
       {"GET", "/api/v1/traces/{n}", none, &Calls::trace},
       {"POST", "/api/v1/commands", object, &Calls::command},
+      {"GET", "/api/v1/battery/curves/{id}", none, &Calls::battery_curve},
+      {"POST", "/api/v1/battery/ready", object, &Calls::battery_ready},
       {"POST", "/api/v1/things", object, &Calls::add_thing},
       {"DELETE", "/api/v1/things", none, &Calls::remove_things},
       {"PATCH", "/api/v1/things/{id}", object, &Calls::move_thing},
@@ -123,10 +125,10 @@ HttpResponse json_answer(std::string json, unsigned status) {
 
 HttpResponse refusal(const Error& error) {
   using Case = std::pair<std::string_view, unsigned>;
-  static constexpr std::array cases{
-      Case{"command.impossible", 409}, Case{"edit.undo", 409},  Case{"edit.redo", 409},
-      Case{"edit.zone", 409},          Case{"plant.zone", 409}, Case{"thing.zone", 409},
-      Case{"thing.room", 409},         Case{"thing.many", 429}, Case{"thing.unknown", 404}};
+  static constexpr std::array cases{Case{"command.impossible", 409}, Case{"edit.undo", 409},  Case{"edit.redo", 409},
+                                    Case{"edit.zone", 409},          Case{"plant.zone", 409}, Case{"thing.zone", 409},
+                                    Case{"battery.not_asked", 409},  Case{"thing.room", 409}, Case{"thing.many", 429},
+                                    Case{"thing.unknown", 404}};
   unsigned status = 400;
   for (const auto& [code, meant] : cases)
     if (error.code == code) status = meant;

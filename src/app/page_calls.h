@@ -58,9 +58,11 @@ class PageCalls {
   HttpResponse run(const Call& call);
   HttpResponse traces(const Call& call);
   HttpResponse trace(const Call& call);
+  HttpResponse battery_curve(const Call& call);
 
   // page_doing.cpp
   HttpResponse command(const Call& call);
+  HttpResponse battery_ready(const Call& call);
   HttpResponse add_thing(const Call& call);
   HttpResponse move_thing(const Call& call);
   HttpResponse remove_thing(const Call& call);

@@ -377,11 +377,40 @@ TEST(OpenApi, describes_every_call_and_no_other) {
   EXPECT_EQ(page.ask("GET", "/api/").body, openapi_json());
 }
 
+TEST(PageCalls, tell_a_battery_test_that_its_battery_is_in_when_it_asked_for_one) {
+  PageBench page;
+  const std::string in = R"({"vehicle":"CoSiVA/AIV1","battery":"red","charge":99.5})";
+  const HttpResponse unasked = page.ask("POST", "/api/v1/battery/ready", in);
+  EXPECT_EQ(unasked.status, 409U);
+  EXPECT_THAT(PageBench::sentence(unasked), HasSubstr("CoSiVA/AIV1"));
+  page.server.feed(wire::InputKind::message, "cosiva/v1/battery/change/CoSiVA/AIV1",
+                   R"({"battery":"red","run":1,"reason":""})", true);
+  const std::size_t before = page.server.published.size();
+  EXPECT_EQ(page.ask("POST", "/api/v1/battery/ready", in).status, 202U);
+  ASSERT_EQ(page.server.published.size(), before + 1);
+  EXPECT_EQ(page.server.published.back().topic, "cosiva/v1/battery/ready/CoSiVA/AIV1");
+  EXPECT_THAT(page.server.published.back().payload, HasSubstr(R"("charge":99.5)"));
+  EXPECT_EQ(page.ask("POST", "/api/v1/battery/ready", R"({"vehicle":"CoSiVA/AIV1"})").status, 400U);
+}
+
+TEST(PageCalls, draw_a_battery_s_curve_of_who_tells_of_its_battery) {
+  PageBench page;
+  EXPECT_EQ(page.ask("GET", "/api/v1/battery/curves/CoSiVA%2FAIV9").status, 404U);
+  page.server.feed(wire::InputKind::message, "cosiva/v1/boards/CoSiVA/AIV1",
+                   R"({"headerId":1,"timestamp":"2026-01-01T00:00:00.000Z","boards":[],)"
+                   R"("power":{"voltage":12.1,"current":0.4,"temperature":24.0,"charge":87.0}})");
+  const HttpResponse curve = page.ask("GET", "/api/v1/battery/curves/CoSiVA%2FAIV1");
+  EXPECT_EQ(curve.status, 200U) << curve.body;
+  EXPECT_THAT(curve.body, HasSubstr("87,12.1,24]"));
+}
+
 /// A page on which everything that an example needs is there.
 struct PreparedPage : PageBench {
   PreparedPage() {
     ask("POST", "/api/v1/things", R"({"kind":"person","x":0.4,"y":0.5})");
     calls->know_plant({});
+    server.feed(wire::InputKind::message, "cosiva/v1/battery/change/CoSiVA/AIV1",
+                R"({"battery":"red","run":1,"reason":""})", true);
     clock.running = false;
   }
 };

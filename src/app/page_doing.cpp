@@ -73,6 +73,16 @@ HttpResponse PageCalls::command(const Call& call) {
   return id_answer(id, 202);
 }
 
+HttpResponse PageCalls::battery_ready(const Call& call) {
+  JsonWriter json;
+  json.begin_object().field("command", "batteryReady");
+  for (const char* key : {"vehicle", "battery", "type", "cycles", "rest_s", "temperature", "charge"})
+    if (const JsonValue* value = call.body.find(key)) write_json(json.key(key), *value);
+  json.end_object();
+  if (auto given = give(json.take()); !given) return refusal(given.error());
+  return json_answer("{}", 202);
+}
+
 HttpResponse PageCalls::add_thing(const Call& call) {
   const std::string kind = call.body.text("kind").value_or("");
   if (kind != "aiv" && kind != "person" && kind != "obstacle")

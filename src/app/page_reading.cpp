@@ -73,4 +73,12 @@ HttpResponse PageCalls::trace(const Call& call) {
   return json_answer(std::move(*found));
 }
 
+HttpResponse PageCalls::battery_curve(const Call& call) {
+  auto found = host_.core->battery_curve_json(call.arguments[0]);
+  if (!found)
+    return http_error(404, "battery.not_found",
+                      "'" + call.arguments[0].substr(0, 80) + "' has not told how its battery fares");
+  return json_answer(std::move(*found));
+}
+
 }  // namespace cosiva::app

@@ -136,8 +136,8 @@ class Fields {
 
 /// Parses the text, lets `read(fields, message)` take the fields, and gives the message or the first fault.
 template <typename Message, typename Read>
-Result<Message> read_message(std::string_view text, Read read) {
-  const auto json = JsonValue::parse(text, bytes_max);
+Result<Message> read_message(std::string_view text, Read read, std::size_t longest = bytes_max) {
+  const auto json = JsonValue::parse(text, longest);
   if (!json) return tl::unexpected(json.error());
   Message message;
   Fields fields{*json};

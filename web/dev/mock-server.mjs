@@ -8,6 +8,7 @@ import { createServer } from 'node:http';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { WebSocketServer } from 'ws';
+import { MockBatteries } from './mock/battery.mjs';
 import { PositionFrames } from './mock/frames.mjs';
 import { Refusal, World } from './mock/world.mjs';
 
@@ -20,6 +21,7 @@ const aivs = Number(option('aivs', 4));
 const dist = path.resolve(option('dist', path.join(path.dirname(fileURLToPath(import.meta.url)), '../dist')));
 
 const world = new World({ aivs, zone: option('zone', ''), clock: option('clock', 'wall'), scenario: option('scenario', null) });
+const batteries = new MockBatteries(world);
 const frames = new PositionFrames();
 let no_zone = false;
 let frozen = false;
@@ -27,7 +29,8 @@ let refusing = false;
 
 const zone_text = () => JSON.stringify({ type: 'zone', zone: no_zone ? null : world.zone });
 const run_text = () => JSON.stringify({ type: 'run', run: world.run() });
-const snapshot_text = () => JSON.stringify({ type: 'snapshot', snapshot: world.snapshot() });
+const snapshot_now = () => ({ ...world.snapshot(), battery: batteries.snapshot() });
+const snapshot_text = () => JSON.stringify({ type: 'snapshot', snapshot: snapshot_now() });
 
 const zones = () => ['lacet4', 'yard'].map((name) => ({ name, title: name === 'lacet4' ? 'The clover with four crossings' : 'A yard of many loops', current: world.circuit.name === name }));
 const number = (url, name, fallback) => Number(url.searchParams.get(name) ?? fallback);
@@ -35,12 +38,17 @@ const number = (url, name, fallback) => Number(url.searchParams.get(name) ?? fal
 /** [method, path, status, what to do with (id, body, url)] */
 const routes = [
   ['GET', /^\/zone$/, 200, () => (no_zone ? null : world.zone)],
-  ['GET', /^\/snapshot$/, 200, () => world.snapshot()],
+  ['GET', /^\/snapshot$/, 200, () => snapshot_now()],
   ['GET', /^\/bijection$/, 200, () => world.bijection()],
   ['GET', /^\/run$/, 200, () => world.run()],
   ['GET', /^\/zones$/, 200, () => ({ zones: zones() })],
   ['GET', /^\/traces$/, 200, (_, __, url) => world.traces.list(number(url, 'after', 0), Math.min(1000, number(url, 'limit', 200)))],
   ['GET', /^\/traces\/(\d+)$/, 200, (n) => world.traces.one(Number(n)) ?? refuse(404, 'traces.none', `There is no trace ${n} (any more).`)],
+  ['GET', /^\/battery\/curves\/(.+)$/, 200, (id) => ({ vehicle: id, points: batteries.curve(id) ?? refuse(404, 'battery.not_found', `${id} has not told how its battery fares.`) })],
+  ['POST', /^\/battery\/ready$/, 202, (_, body) => {
+    const why = batteries.ready(body);
+    return why ? refuse(...why) : {};
+  }],
   ['POST', /^\/commands$/, 202, (_, body) => world.command(body)],
   ['POST', /^\/things$/, 201, (_, body) => world.add_thing(body)],
   ['PATCH', /^\/things\/(.+)$/, 200, (id, body) => world.move_thing(id, body)],

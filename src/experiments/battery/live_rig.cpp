@@ -6,13 +6,22 @@
 
 #include "base/expect.h"
 #include "base/json_value.h"
-#include "wire/battery_exchange.h"
 
 namespace cosiva::experiments {
 namespace {
 
 /// Further between two reports of its position nobody drives: it was told another place, and has not moved.
 constexpr double hop_max_m = 1.0;
+
+wire::BatteryPhase phase_of(const Procedure::SeatNow& seat) {
+  switch (seat.phase) {
+    case Procedure::Phase::changing: return wire::BatteryPhase::changing;
+    case Procedure::Phase::ready: return wire::BatteryPhase::ready;
+    case Procedure::Phase::running: return seat.paused ? wire::BatteryPhase::paused : wire::BatteryPhase::running;
+    case Procedure::Phase::ended: break;
+  }
+  return wire::BatteryPhase::ended;
+}
 
 }  // namespace
 
@@ -51,6 +60,7 @@ std::vector<std::string> LiveRig::subscriptions() {
 
 LiveRig::Answers LiveRig::start(SimTime now) {
   Answers answers;
+  began_ = now;
   obey(procedure_.start(now), answers);
   return answers;
 }
@@ -134,11 +144,36 @@ LiveRig::Answers LiveRig::tick(SimTime now) {
 
 LiveRig::Answers LiveRig::give_up(SimTime now) {
   Answers answers;
-  for (std::size_t v = 0; v < seats_.size() && !done(); ++v) {
+  given_up_ = true;
+  for (std::size_t v = 0; v < seats_.size(); ++v) {
     if (seats_[v].wanted) clear_request(v, answers);
-    obey(procedure_.on_stop(now, v, StopCause::operator_stop), answers);
+    // Of this run alone: with its last end the next would begin.
+    if (procedure_.running(v)) obey(procedure_.on_stop(now, v, StopCause::operator_stop), answers);
   }
   return answers;
+}
+
+wire::BatteryTest LiveRig::test(SimTime now) const {
+  const ProcedureOptions& asked = options_.procedure;
+  const Procedure::Progress progress = procedure_.progress(now);
+  wire::BatteryTest test;
+  test.timestamp = now;
+  test.began = began_;
+  test.run = static_cast<std::uint32_t>(std::min(procedure_.run() + 1, asked.runs));
+  test.runs = static_cast<std::uint32_t>(asked.runs);
+  test.floor_percent = 100.0 * asked.floor;
+  test.share = std::clamp(progress.share, 0.0, 1.0);
+  test.done = done();
+  if (!test.done) test.expected_end = progress.expected_end;
+  for (std::size_t v = 0; v < std::min(seats_.size(), wire::BatteryTest::vehicles_max); ++v) {
+    const Procedure::SeatNow seat = procedure_.seat(now, v);
+    std::optional<double> charge_percent;
+    if (seat.charge) charge_percent = std::clamp(100.0 * *seat.charge, 0.0, 100.0);
+    test.vehicles.push_back({to_string(options_.vehicles[v]), options_.batteries[seat.battery], phase_of(seat),
+                             seat.stop ? std::string(to_string(*seat.stop)) : std::string{}, seat.autonomy_s,
+                             charge_percent});
+  }
+  return test;
 }
 
 void LiveRig::drive(std::size_t vehicle, const char* command, Answers& answers) const {
@@ -149,8 +184,12 @@ void LiveRig::obey(const ProcedureCommands& commands, Answers& answers) {
   for (const ProcedureCommand& command : commands) {
     using Kind = ProcedureCommand::Kind;
     switch (command.kind) {
-      case Kind::change_battery: ask_for(command.vehicle, command.battery, answers); break;
-      case Kind::tell_operator: answers.words.push_back(command.text); break;
+      case Kind::change_battery:
+        if (!given_up_) ask_for(command.vehicle, command.battery, command.text, answers);
+        break;
+      case Kind::tell_operator:
+        if (!given_up_) answers.words.push_back(command.text);
+        break;
       case Kind::run:
       case Kind::resume: drive(command.vehicle, "restart", answers); break;
       case Kind::pause: drive(command.vehicle, "stop", answers); break;
@@ -159,13 +198,13 @@ void LiveRig::obey(const ProcedureCommands& commands, Answers& answers) {
   }
 }
 
-void LiveRig::ask_for(std::size_t vehicle, std::size_t battery, Answers& answers) {
+void LiveRig::ask_for(std::size_t vehicle, std::size_t battery, const std::string& reason, Answers& answers) {
   drive(vehicle, "stop", answers);
   seats_[vehicle].wanted = options_.batteries[battery];
-  answers.messages.push_back(
-      {wire::own_topic(wire::battery_change_topic_prefix, options_.vehicles[vehicle]),
-       to_json(wire::BatteryChange{options_.batteries[battery], static_cast<std::uint32_t>(procedure_.run() + 1), {}}),
-       1, true});
+  answers.messages.push_back({wire::own_topic(wire::battery_change_topic_prefix, options_.vehicles[vehicle]),
+                              to_json(wire::BatteryChange{options_.batteries[battery],
+                                                          static_cast<std::uint32_t>(procedure_.run() + 1), reason}),
+                              1, true});
   put_in(vehicle, battery, answers);
 }
 
@@ -204,7 +243,8 @@ void LiveRig::end(std::size_t vehicle, Answers& answers) {
 
 std::string LiveRig::state_json() const {
   JsonWriter json;
-  json.begin_object().field("procedure", procedure_.state_json()).key("seats").begin_array();
+  json.begin_object().field("procedure", procedure_.state_json()).field("began", to_iso8601(began_));
+  json.key("seats").begin_array();
   for (const Seat& seat : seats_) {
     json.begin_object().field("odometer_m", seat.odometer_m);
     if (seat.wanted) json.field("wanted", *seat.wanted);
@@ -223,12 +263,13 @@ Result<LiveRig::Answers> LiveRig::restore(SimTime now, std::string_view state_js
     return fail("battery.state", "it is not a live test's, or not of so many vehicles", "saved state");
   if (auto restored = procedure_.restore(*procedure); !restored) return tl::unexpected(restored.error());
   procedure_.forgive(now);
+  began_ = parse_iso8601(json->text("began").value_or("")).value_or(now);
   Answers answers;
   for (std::size_t v = 0; v < seats_.size(); ++v) {
     const JsonValue& saved = (*seats->array())[v];
     seats_[v].odometer_m = saved.number("odometer_m").value_or(0.0);
     // Asked for before we were away: the answer may have come meanwhile, so it is asked for again.
-    if (saved.text("wanted")) ask_for(v, procedure_.battery_of(procedure_.run(), v), answers);
+    if (saved.text("wanted")) ask_for(v, procedure_.battery_of(procedure_.run(), v), {}, answers);
   }
   return answers;
 }

@@ -8,6 +8,7 @@
 #include "base/json_writer.h"
 #include "base/pose.h"
 #include "experiments/battery/virtual_rig.h"
+#include "wire/battery_exchange.h"
 #include "wire/core.h"
 #include "wire/own_messages.h"
 #include "wire/topics.h"
@@ -45,7 +46,9 @@ class LiveRig {
   /// Ended by its operator: who runs is stopped, and known to last longer.
   [[nodiscard]] Answers give_up(SimTime now);
 
-  [[nodiscard]] bool done() const { return procedure_.done(); }
+  [[nodiscard]] bool done() const { return given_up_ || procedure_.done(); }
+  /// How it stands, for whoever looks on (wire::battery_test_topic).
+  [[nodiscard]] wire::BatteryTest test(SimTime now) const;
   [[nodiscard]] const Procedure& procedure() const { return procedure_; }
   /// Whether every vehicle has been heard of.
   [[nodiscard]] bool complete() const;
@@ -65,7 +68,7 @@ class LiveRig {
   };
   [[nodiscard]] std::optional<std::size_t> seat_of(const wire::VehicleId& id) const;
   void obey(const ProcedureCommands& commands, Answers& answers);
-  void ask_for(std::size_t vehicle, std::size_t battery, Answers& answers);
+  void ask_for(std::size_t vehicle, std::size_t battery, const std::string& reason, Answers& answers);
   void end(std::size_t vehicle, Answers& answers);
   void put_in(std::size_t vehicle, std::optional<std::size_t> battery, Answers& answers) const;
   void clear_request(std::size_t vehicle, Answers& answers);
@@ -77,6 +80,8 @@ class LiveRig {
   LiveRigOptions options_;
   Procedure procedure_;
   std::vector<Seat> seats_;
+  SimTime began_{};
+  bool given_up_{false};
 };
 
 /// {"changeBattery":{…}} for the plant: a battery under test, or without one a service battery that does not empty.

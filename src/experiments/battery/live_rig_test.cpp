@@ -191,6 +191,62 @@ TEST(LiveRig, books_what_runs_as_lasting_longer_when_its_operator_gives_up) {
   for (const BatteryRun& record : rig.procedure().records()) EXPECT_EQ(record.stop, StopCause::operator_stop);
 }
 
+TEST(LiveRig, asks_for_nothing_more_once_its_operator_gave_up) {
+  LiveRigOptions options = two_by_hand();
+  options.procedure.runs = 2;
+  LiveRig waiting{options};
+  std::ignore = waiting.start(start_of_test);
+  EXPECT_FALSE(waiting.done());
+  const auto taken_back = waiting.give_up(start_of_test + seconds{1});
+  EXPECT_TRUE(waiting.done()) << "nobody waits for batteries that are not wanted any more";
+  ASSERT_THAT(taken_back.messages, SizeIs(2));
+  for (const wire::Publish& message : taken_back.messages) EXPECT_TRUE(message.payload.empty());
+
+  LiveRig rig = running(options);
+  EXPECT_THAT(rig.give_up(start_of_test + seconds{1}).messages, IsEmpty()) << "the second run does not begin";
+  EXPECT_TRUE(rig.done());
+}
+
+TEST(LiveRig, says_how_it_stands) {
+  LiveRigOptions options = two_by_hand();
+  options.procedure.hold = {};
+  LiveRig rig{options};
+  for (const int number : {1, 2}) std::ignore = say_report(rig, start_of_test, number, 1.0);
+  std::ignore = rig.start(start_of_test);
+  std::ignore = say_ready(rig, start_of_test + seconds{5}, 1, "red");
+  wire::BatteryTest test = rig.test(start_of_test + seconds{6});
+  EXPECT_EQ(test.began, start_of_test);
+  EXPECT_EQ(test.timestamp, start_of_test + seconds{6});
+  EXPECT_DOUBLE_EQ(test.floor_percent, 50.0);
+  EXPECT_FALSE(test.expected_end || test.done);
+  EXPECT_EQ(test.vehicles[0], (wire::BatteryTest::Seat{"CoSiVA/AIV1", "red", wire::BatteryPhase::ready, "", 0, 100.0}));
+  EXPECT_EQ(test.vehicles[1], (wire::BatteryTest::Seat{"CoSiVA/AIV2", "blue", {}, "", 0, {}})) << "still asked for";
+
+  std::ignore = say_ready(rig, start_of_test + seconds{10}, 2, "blue");
+  for (const int number : {1, 2}) std::ignore = say_report(rig, start_of_test + seconds{60}, number, 0.75);
+  test = rig.test(start_of_test + seconds{60});
+  EXPECT_NEAR(test.share, 0.5, 1e-9);
+  EXPECT_EQ(test.expected_end, start_of_test + seconds{110}) << "as it goes";
+  EXPECT_EQ(test.vehicles[0].phase, wire::BatteryPhase::running);
+  EXPECT_DOUBLE_EQ(test.vehicles[0].autonomy_s, 50.0);
+  EXPECT_NEAR(*test.vehicles[0].charge_percent, 75.0, 1e-9);
+
+  for (const int number : {1, 2}) std::ignore = say_report(rig, start_of_test + seconds{110}, number, 0.45);
+  test = rig.test(start_of_test + seconds{200});
+  EXPECT_TRUE(test.done);
+  EXPECT_EQ(test.run, 1U);
+  EXPECT_EQ(test.vehicles[1].phase, wire::BatteryPhase::ended);
+  EXPECT_EQ(test.vehicles[1].stop, "floor");
+  EXPECT_LT(test.vehicles[1].autonomy_s, 100.0) << "it stands where it ended";
+}
+
+TEST(LiveRig, says_why_it_asks_again) {
+  LiveRig rig{two_by_hand()};
+  std::ignore = rig.start(start_of_test);
+  const auto refused = say_ready(rig, start_of_test, 1, "red", 80.0);
+  EXPECT_THAT(wire::battery_change_from_json(refused.messages.back().payload)->reason, HasSubstr("not full"));
+}
+
 TEST(LiveRig, leaves_nonsense_alone_and_says_what_a_bad_answer_lacks) {
   LiveRig rig{two_by_hand()};
   std::ignore = rig.start(start_of_test);

@@ -97,7 +97,7 @@ ProcedureCommands Procedure::on_ready(SimTime now, std::size_t vehicle, const Ba
             std::to_string(battery + 1);
   }
   if (!why.empty()) {
-    return {{Kind::change_battery, vehicle, battery, {}},
+    return {{Kind::change_battery, vehicle, battery, why},
             {Kind::tell_operator, vehicle, battery, vehicle_name(vehicle) + " may not run: " + why}};
   }
   seat.phase = Phase::ready;
@@ -233,6 +233,29 @@ ProcedureCommands Procedure::tick(SimTime now) {
 void Procedure::forgive(SimTime now) {
   for (Seat& seat : seats_)
     if (seat.phase == Phase::running) seat.heard = now;
+}
+
+Procedure::SeatNow Procedure::seat(SimTime now, std::size_t vehicle) const {
+  COSIVA_EXPECT(vehicle < seats_.size());
+  const Seat& seat = seats_[vehicle];
+  const std::size_t run = std::min(run_, options_.runs - 1);
+  SeatNow is{seat.phase, battery_of(run, vehicle), seat.pause_began.has_value(), 0.0, {}, {}};
+  if (seat.phase == Phase::ended) {
+    for (const BatteryRun& record : records_) {
+      if (record.run != run || record.vehicle != vehicle) continue;
+      is.autonomy_s = record.autonomy_s;
+      is.charge = record.charge_end;
+      is.stop = record.stop;
+    }
+  } else if (seat.phase != Phase::changing) {
+    is.charge = seat.last ? seat.last->charge : seat.record.tag.charge;
+  }
+  if (seat.phase == Phase::running) {
+    const SimDuration paused = seat.paused + (seat.pause_began ? now - *seat.pause_began : SimDuration::zero());
+    is.autonomy_s = seat.crossing ? seat.crossing->record.autonomy_s
+                                  : std::max(0.0, to_seconds(now - seat.record.started - paused));
+  }
+  return is;
 }
 
 Procedure::Progress Procedure::progress(SimTime now) const {

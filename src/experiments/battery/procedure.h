@@ -83,7 +83,7 @@ struct ProcedureCommand {
   Kind kind;
   std::size_t vehicle;
   std::size_t battery{};  ///< to be put in; of change_battery
-  std::string text{};     ///< for the operator
+  std::string text{};     ///< for the operator; of change_battery: why the one that is there may not run
 };
 using ProcedureCommands = std::vector<ProcedureCommand>;
 
@@ -108,6 +108,17 @@ class Procedure {
   [[nodiscard]] std::size_t battery_of(std::size_t run, std::size_t vehicle) const;
   [[nodiscard]] const std::vector<BatteryRun>& records() const { return records_; }
   [[nodiscard]] const ProcedureOptions& options() const { return options_; }
+  enum class Phase : std::uint8_t { changing, ready, running, ended };
+  /// A vehicle as it stands in this run, or in the last when all are over.
+  struct SeatNow {
+    Phase phase;
+    std::size_t battery;  ///< in it, or asked for
+    bool paused;
+    double autonomy_s;             ///< so far, pauses taken out
+    std::optional<double> charge;  ///< 0…1; nothing: not heard
+    std::optional<StopCause> stop;
+  };
+  [[nodiscard]] SeatNow seat(SimTime now, std::size_t vehicle) const;
   /// Mean share of the way from full to the floor, over this run's vehicles, and when the last will be there as it
   /// goes.
   struct Progress {
@@ -124,7 +135,6 @@ class Procedure {
   void forgive(SimTime now);
 
  private:
-  enum class Phase : std::uint8_t { changing, ready, running, ended };
   struct Crossing {
     SimTime at{};
     BatteryRun record;

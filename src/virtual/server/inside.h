@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "virtual/server/ahead.h"
+#include "virtual/server/battery_desk.h"
 #include "virtual/server/commands.h"
 #include "virtual/server/deadlocks.h"
 #include "virtual/server/halls.h"
@@ -44,6 +45,7 @@ struct ServerCore::Inside {
   [[nodiscard]] bool settled() const;
   [[nodiscard]] Simulator::Step step_recorder();
   std::optional<Registry::Address> address_of(const std::string& topic);
+  void on_battery(const wire::Input& input);
   std::optional<VehicleIndex> register_vehicle(const wire::VehicleId& id);
 
   // zone.cpp
@@ -75,6 +77,7 @@ struct ServerCore::Inside {
   [[nodiscard]] Result<void> check_command(std::string_view json) const;
   void on_command(std::string_view json);
   [[nodiscard]] Result<wire::Publish> world_command(const JsonValue& command) const;
+  void say_battery_ready(wire::Publish message);
 
   // hand_over.cpp
   /// Takes what is of other halls, and of vehicles that are not ours. False: it is for us.
@@ -173,6 +176,7 @@ struct ServerCore::Inside {
   PauseDesk pauses;
   AheadDesk ahead;
   ThingsDesk things;
+  BatteryDesk batteries;
   ZoneEdits edits;
   std::optional<WayMap> map;
 

@@ -21,6 +21,8 @@ bool adds_virtual_aiv(const JsonValue& command) {
 
 bool is_world_command(std::string_view command) { return command == "plant" || command == "radio"; }
 
+bool is_battery_ready(std::string_view command) { return command == "batteryReady"; }
+
 Result<void> no_virtual_aivs() {
   return fail("thing.hall",
               "a virtual AIV cannot be added where several halls share a broker; persons and obstacles can", "kind");
@@ -99,9 +101,16 @@ Result<void> ServerCore::Inside::check_command(std::string_view json) const {
   if (ThingsDesk::is_ours(verb)) return verdict(things.read(*command));
   if (ZoneEdits::is_ours(verb)) return verdict(edits.after(*command, simulator));
   if (is_world_command(verb)) return verdict(world_command(*command));
+  if (is_battery_ready(verb)) return verdict(batteries.ready(*command));
   if (Missions::is_ours(verb)) return missions.check(*command);
   if (verb == "switch") return verdict(switch_wanted(*command));
   return commands.check(json);
+}
+
+void ServerCore::Inside::say_battery_ready(wire::Publish message) {
+  traces.add(now, "AIV_Server", "battery test", "battery", "batteryReady: " + message.payload, message.topic,
+             message.payload);
+  outbox.publish(std::move(message.topic), std::move(message.payload), message.qos, message.retained);
 }
 
 void ServerCore::Inside::on_command(std::string_view json) {
@@ -121,6 +130,10 @@ void ServerCore::Inside::on_command(std::string_view json) {
     if (!message) return refuse(message.error());
     traces.add(now, "AIV_Server", "emulated world", verb, message->payload, message->topic, message->payload);
     outbox.publish(std::move(message->topic), std::move(message->payload), message->qos, message->retained);
+  } else if (is_battery_ready(verb)) {
+    auto message = batteries.ready(*command);
+    if (!message) return refuse(message.error());
+    say_battery_ready(std::move(*message));
   } else if (Missions::is_ours(verb)) {
     const auto checked = missions.check(*command);
     if (!checked) return refuse(checked.error());

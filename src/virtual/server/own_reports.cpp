@@ -136,6 +136,7 @@ void ServerCore::Inside::on_boards(VehicleIndex vehicle, const wire::Input& inpu
     traces.add(now, proxy.name, "AIV_Server", "boards", health, input.source, input.payload);
   }
   proxy.boards = std::move(*report);
+  if (proxy.boards->power && !proxy.augmented) batteries.on_power(now, proxy.name, *proxy.boards->power);
   if (proxy.boards->ranges && !proxy.augmented) look_through(vehicle, *proxy.boards->ranges);
 }
 

@@ -1,6 +1,7 @@
 #include "virtual/server/server_core.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "base/json_writer.h"
@@ -108,6 +109,7 @@ std::optional<Registry::Address> ServerCore::Inside::address_of(const std::strin
 
 void ServerCore::Inside::on_message(const wire::Input& input) {
   if (input.source.starts_with(wire::v2x_topic_prefix)) return on_intent(input);
+  if (BatteryDesk::is_ours(input.source)) return on_battery(input);
   if (is_for_halls(input)) return;
   if (!fleet.empty() && fleet.from_broker(now, input.source, input.payload)) return;
   if (const auto address = address_of(input.source)) {
@@ -124,6 +126,18 @@ void ServerCore::Inside::on_message(const wire::Input& input) {
   }
 }
 
+/// Every hall's page shows it: who changes batteries stands anywhere.
+void ServerCore::Inside::on_battery(const wire::Input& input) {
+  const auto news = batteries.on_message(input);
+  if (news) {
+    if (!news->empty()) traces.add(now, "battery test", "*", "battery", *news, input.source, input.payload);
+    return;
+  }
+  ++messages_refused;
+  if (strangers_logged++ < strangers_logged_max)
+    outbox.log('w', "ignored '" + input.source.substr(0, 120) + "': " + to_string(news.error()));
+}
+
 void ServerCore::Inside::on_link(bool up) {
   if (up == link_up) return;
   link_up = up;
@@ -138,6 +152,7 @@ void ServerCore::Inside::on_link(bool up) {
   waiting_zone.reset();
   zone_confirmed = false;
   halls.link_up();
+  batteries.link_up();
   for (AivProxy& proxy : registry) proxy.state_since_link = false;
   std::string online = connection_json("ONLINE", now);
   traces.add(now, "AIV_Server", "*", "connection", "ONLINE", topics.connection, online);
@@ -247,6 +262,7 @@ std::vector<std::string> ServerCore::subscriptions() const {
                                    wire::topics_below(wire::v2x_topic_prefix, wire::v2x_topic_levels),
                                    hosted + "order",
                                    hosted + "instantActions"};
+  std::ranges::move(BatteryDesk::subscriptions(), std::back_inserter(filters));
   if (!inside_->halls.several()) return filters;
   // Its zone comes with those of the other halls.
   std::erase(filters, wire::topics_below(wire::zone_topic_prefix, 1));
@@ -298,6 +314,9 @@ Result<void> ServerCore::check_command(std::string_view json) const { return ins
 std::uint64_t ServerCore::zone_revision() const { return inside_->simulator.zone_revision(); }
 std::string ServerCore::zone_json() const { return inside_->simulator.zone_json(); }
 std::string ServerCore::next_thing_id(std::string_view kind) const { return inside_->things.next_id(kind); }
+std::optional<std::string> ServerCore::battery_curve_json(const std::string& vehicle) const {
+  return inside_->batteries.curve_json(vehicle);
+}
 std::shared_ptr<const zone::TrafficZone> ServerCore::zone() const { return inside_->simulator.zone(); }
 
 std::optional<zone::ZoneConfiguration> ServerCore::zone_configuration() const {

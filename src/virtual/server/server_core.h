@@ -58,6 +58,7 @@ struct ServerOptions {
 ///   {"command":"saved"}: zone_configuration() has been written to its file
 /// - to the emulated world: {"command":"plant","plant":{"addObstacle":{…}}|{"removeObstacle":"id"}},
 ///   {"command":"radio","vehicle":"CoSiVA/AIV2"|"*","loss":0.3}
+/// - to a battery test: {"command":"batteryReady","vehicle","battery",…} (BatteryDesk::ready)
 class ServerCore final : public wire::Core {
  public:
   explicit ServerCore(ServerOptions options);
@@ -100,6 +101,8 @@ class ServerCore final : public wire::Core {
   /// Everything that moves or may, sorted by handle, at the time of the last input carried on to `now`.
   void positions(SimTime now, std::vector<PositionRecord>& out) const;
   /// "V1", "P2", "O1": the next free one of "aiv", "person", "obstacle".
+  /// How a vehicle's battery fared, for a picture; nothing where it never told.
+  [[nodiscard]] std::optional<std::string> battery_curve_json(const std::string& vehicle) const;
   [[nodiscard]] std::string next_thing_id(std::string_view kind) const;
   /// "c12": the id that the next command to vehicles gets that brings none; whoever asks may give it that one.
   [[nodiscard]] std::string next_command_id() const;

@@ -133,6 +133,7 @@ std::string ServerCore::snapshot_json() const {
   in.deadlocks.write(json.key("deadlocks"));
   in.simulator.monitor().write(json.key("bijection"));
   in.write_commands(json);
+  in.batteries.write(json.key("battery"));
   json.end_object();
   return json.take();
 }

@@ -38,6 +38,15 @@ describe('the book of alarms', () => {
     expect(one).toMatchObject({ since_ms: 10_000, text: 'No report for 2.0\u202fs', ended_ms: null, acknowledged: false });
   });
 
+  it('says which battery a test wants in which vehicle, until it is there', () => {
+    const book = new AlarmBook();
+    const change = { vehicle: 'CoSiVA/AIV1', battery: 'red', run: 1, reason: '', since_ms: 10_000 };
+    expect(told(book, [aiv(1)], { battery: { changes: [change], test: null } })[0]).toMatchObject({ name: 'AIV1', text: 'Battery red is wanted in it', ended_ms: null });
+    const refused = { ...change, reason: 'it is not full: 80 %' };
+    expect(told(book, [aiv(1)], { battery: { changes: [refused], test: null } })).toMatchObject([{ text: 'Battery red is wanted in it: it is not full: 80 %' }]);
+    expect(told(book, [aiv(1)], { time_ms: 15_000, battery: null })[0]).toMatchObject({ ended_ms: 15_000 });
+  });
+
   it('keeps what is over until somebody has seen it', () => {
     const book = new AlarmBook();
     told(book, [aiv(1, { connection: 'CONNECTIONBROKEN' })]);

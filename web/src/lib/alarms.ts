@@ -90,6 +90,10 @@ export class AlarmBook {
       if (deadlock.state === 'standing' || deadlock.state === 'giving way' || deadlock.state === 'unresolved') see(null, 'Traffic', cause);
       else if (deadlock.state === 'resolved') changed = this.end_deadlock(deadlock, cause, now) || changed;
     }
+    for (const change of snapshot.battery?.changes ?? []) {
+      const why = change.reason ? `: ${change.reason}` : '';
+      see(change.vehicle, format.serial(change.vehicle), { code: 'battery change', text: `Battery ${change.battery} is wanted in it${why}` });
+    }
     const refused = snapshot.zone?.refused;
     if (refused) {
       // An event too: the zone that was there goes on, and there is nothing that could end.

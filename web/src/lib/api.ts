@@ -8,7 +8,7 @@ const patience_ms = 3_000;
 /** A large zone is read and checked before the server answers. */
 const patience_with_zones_ms = 120_000;
 
-async function call<T>(method: string, path: string, body?: unknown, wait_ms = patience_ms): Promise<Answer<T>> {
+export async function call<T>(method: string, path: string, body?: unknown, wait_ms = patience_ms): Promise<Answer<T>> {
   try {
     const response = await fetch(`api/v1/${path}`, {
       method,

@@ -245,6 +245,45 @@ export interface Command {
   reason: string;
 }
 
+/** What is heard of battery tests, which run elsewhere. */
+export interface Battery {
+  changes: readonly BatteryChange[];
+  test: BatteryTest | null;
+}
+/** A battery that a test wants in a vehicle. */
+export interface BatteryChange {
+  vehicle: string;
+  battery: string;
+  run: number;
+  /** why the one that is there may not run; empty: it is time */
+  reason: string;
+  since_ms: number;
+}
+export interface BatteryTest {
+  /** by the clock of the test's own program */
+  began_ms: number;
+  told_ms: number;
+  run: number;
+  runs: number;
+  /** where a run ends [%] */
+  floor: number;
+  /** of the way from full to the floor, over this run's vehicles, 0…1 */
+  share: number;
+  expectedEnd_ms: number | null;
+  done: boolean;
+  vehicles: readonly BatterySeat[];
+}
+export interface BatterySeat {
+  id: string;
+  battery: string;
+  phase: 'changing' | 'ready' | 'running' | 'paused' | 'ended';
+  stop: 'floor' | 'cut-off' | 'fault' | 'operator' | 'lost' | null;
+  autonomy_s: number;
+  charge: number | null;
+}
+/** Time [ms], charge [%], voltage [V], temperature [°C]. */
+export type BatteryPoint = readonly [at_ms: number, charge: number, voltage_v: number, temperature_c: number];
+
 export interface Snapshot {
   time: string;
   /** of the server's clock, Unix milliseconds */
@@ -260,6 +299,8 @@ export interface Snapshot {
   deadlocks?: Deadlocks;
   bijection: Bijection;
   commands: readonly Command[];
+  /** null or left out where no battery test was heard of */
+  battery?: Battery | null;
 }
 
 export interface Run {

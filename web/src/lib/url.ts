@@ -10,13 +10,14 @@ export const frame_titles: Readonly<Record<FrameName, string>> = {
   traces: 'Traces of communications',
 };
 
-export const panel_names = ['bijection', 'alarms', 'boards', 'log'] as const;
+export const panel_names = ['bijection', 'alarms', 'boards', 'battery', 'log'] as const;
 export type PanelName = (typeof panel_names)[number];
 
 export const panel_titles: Readonly<Record<PanelName, string>> = {
   bijection: 'Bijection',
   alarms: 'Alarms',
   boards: 'Boards',
+  battery: 'Batteries',
   log: 'Log of commands',
 };
 
