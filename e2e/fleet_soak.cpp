@@ -1,6 +1,6 @@
 // The fleet under a lossy network, over many seeds: no collision, nobody starved.
 //
-//   fleet_soak ZONE.toml [seeds=50] [aivs=12] [minutes=10] [loss=0.02] [first_seed=1] [convoys=on] [workers=cores]
+//   fleet_soak ZONE.toml [seeds=50] [aivs=12] [minutes=10] [loss=0.02] [first_seed=1] [convoys=off] [workers=cores]
 //
 // Each seed is one run of the whole platform in virtual time; every second one also has three virtual AIVs among the
 // physical ones, and two people who walk across their ways. Prints a line per seed that breaks a promise and one for
@@ -34,7 +34,7 @@ struct Plan {
   double minutes{10.0};
   double loss{0.02};
   std::uint64_t first_seed{1};
-  bool convoys{true};
+  bool convoys{false};
   unsigned workers{std::max(1U, std::thread::hardware_concurrency())};
 };
 
@@ -149,7 +149,7 @@ int main(int argc, char** argv) {
   if (argc > 4) plan.minutes = std::strtod(argv[4], nullptr);
   if (argc > 5) plan.loss = std::strtod(argv[5], nullptr);
   if (argc > 6) plan.first_seed = std::strtoull(argv[6], nullptr, 10);
-  if (argc > 7) plan.convoys = std::string_view{argv[7]} != "off";
+  if (argc > 7) plan.convoys = std::string_view{argv[7]} == "on";
   if (argc > 8) plan.workers = static_cast<unsigned>(std::strtoul(argv[8], nullptr, 10));
 
   const auto started = std::chrono::steady_clock::now();

@@ -88,8 +88,7 @@ void describe_up(CLI::App& verb, UpArguments& up) {
       ->type_name("P")
       ->check(CLI::Range(0.0, 0.9));
   add_switch(verb, "--v2x", up.v2x, "AIVs tell those near them what they are about to do");
-  add_switch(verb, "--convoys", up.convoys,
-             "several of one way pass a crossing together, when it pays; on unless switched off");
+  add_switch(verb, "--convoys", up.convoys, "several of one way pass a crossing together, when it pays");
   add_rules(verb, up.rules, "how all AIVs choose their speed; without: crisp, and fuzzy for virtual ones");
   verb.add_option("--trace-messages", up.trace_file, "write every message as a JSON line")->type_name("FILE");
   verb.add_option("--web", up.web_directory, "the page's built files, if not web/dist")->type_name("DIR");
@@ -110,8 +109,7 @@ void describe_server(CLI::App& verb, ServerArguments& server) {
       ->type_name("URL");
   verb.add_flag("--no-drive", server.no_drive, "only watch: another master control gives the orders");
   add_switch(verb, "--v2x", server.v2x, "its virtual AIVs tell those near them what they are about to do");
-  add_switch(verb, "--convoys", server.convoys,
-             "several of one way pass a crossing together, when it pays; on unless switched off");
+  add_switch(verb, "--convoys", server.convoys, "several of one way pass a crossing together, when it pays");
   verb.add_flag("--headless", server.headless, "no page; the figures stay on /api/v1");
   verb.add_option("--web", server.web_directory, "the page's built files, if not web/dist")->type_name("DIR");
   verb.add_option("--memory", server.memory_file, "keeps what was added, priorities and edits over a crash")

@@ -420,7 +420,7 @@ TEST(ServerOptions, survive_their_json) {
   options.traces_max = 7;
   options.virtual_rules = {};
   options.v2x = false;
-  options.convoys = false;
+  options.convoys = true;
   const auto back = server_options_from_json(to_json(options));
   ASSERT_TRUE(back.has_value());
   EXPECT_EQ(to_json(*back), to_json(options));
@@ -431,10 +431,9 @@ TEST(ServerOptions, of_a_journal_from_before_there_were_V2X_and_convoys_have_nei
   EXPECT_FALSE(server_options_from_json("{}")->v2x);
   EXPECT_FALSE(server_options_from_json("{}")->convoys);
   EXPECT_TRUE(server_options_from_json(to_json(ServerOptions{}))->v2x);
-  EXPECT_TRUE(server_options_from_json(to_json(ServerOptions{}))->convoys);
-  ServerOptions alone;
-  alone.convoys = false;
-  EXPECT_FALSE(server_options_from_json(to_json(alone))->convoys);
+  ServerOptions together;
+  together.convoys = true;
+  EXPECT_TRUE(server_options_from_json(to_json(together))->convoys);
 }
 
 TEST(ServerOptions, of_a_journal_from_before_there_were_rules_have_crisp_virtual_AIVs) {
