@@ -1,6 +1,6 @@
 // Traffic that never deadlocks silently: fleets in a noisy hall, over many seeds.
 //
-//   deadlock_soak ZONE.toml [seeds] [aivs=12] [minutes] [loss=0.05] [first_seed=1] [workers=2]
+//   deadlock_soak ZONE.toml [seeds] [aivs=12] [minutes] [loss=0.05] [first_seed=1] [workers=2] [convoys=off]
 //
 // 100 seeds of 30 minutes with COSIVA_LONG=1, hours on a slow machine; without it 2 of 3.
 // Each seed is one run of the whole platform in virtual time: messages are lost, vehicles are stopped and let go,
@@ -17,6 +17,7 @@
 #include <mutex>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -36,6 +37,7 @@ struct Plan {
   double loss{0.05};
   std::uint64_t first_seed{1};
   unsigned workers{2};
+  bool convoys{false};
 };
 
 struct Outcome {
@@ -92,6 +94,7 @@ Outcome run(const Plan& plan, std::uint64_t seed) {
   options.aivs = plan.aivs;
   options.seed = seed;
   options.network.loss = plan.loss;
+  options.server.convoys = plan.convoys;
   auto world = experiments::World::make(std::move(options));
   if (!world) {
     outcome.failure = to_string(world.error());
@@ -149,11 +152,12 @@ int summarise(const Plan& plan, const std::vector<Outcome>& outcomes, double too
   }
   const double simulated_s = (plan.minutes * 60.0 + 75.0) * static_cast<double>(plan.seeds);
   std::printf(
-      "%s: %llu seeds x %u AIVs x %.0f min, %.0f %% loss: %zu collisions, %.0f rings closed, %.0f deadlocks, "
+      "%s: %llu seeds x %u AIVs x %.0f min, %.0f %% loss, convoys %s: %zu collisions, %.0f rings closed, %.0f "
+      "deadlocks, "
       "%.0f unresolved, longest deadlock %.1f s, longest wait %.1f s, %zu seeds failed, %.0f x real time\n",
       plan.zone.origin.c_str(), static_cast<unsigned long long>(plan.seeds), plan.aivs, plan.minutes, plan.loss * 100.0,
-      collisions, all.rings, all.detected, all.detected - all.resolved, all.longest_s, all.longest_wait_s, failed,
-      simulated_s / took_s);
+      plan.convoys ? "on" : "off", collisions, all.rings, all.detected, all.detected - all.resolved, all.longest_s,
+      all.longest_wait_s, failed, simulated_s / took_s);
   return failed == 0 ? 0 : 1;
 }
 
@@ -161,7 +165,8 @@ int summarise(const Plan& plan, const std::vector<Outcome>& outcomes, double too
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    std::fprintf(stderr, "usage: deadlock_soak ZONE.toml [seeds] [aivs] [minutes] [loss] [first_seed] [workers]\n");
+    std::fprintf(stderr,
+                 "usage: deadlock_soak ZONE.toml [seeds] [aivs] [minutes] [loss] [first_seed] [workers] [convoys]\n");
     return 2;
   }
   Plan plan;
@@ -179,6 +184,7 @@ int main(int argc, char** argv) {
   if (argc > 5) plan.loss = std::strtod(argv[5], nullptr);
   if (argc > 6) plan.first_seed = std::strtoull(argv[6], nullptr, 10);
   if (argc > 7) plan.workers = static_cast<unsigned>(std::strtoul(argv[7], nullptr, 10));
+  if (argc > 8) plan.convoys = std::string_view{argv[8]} == "on";
 
   const auto started = std::chrono::steady_clock::now();
   const std::vector<Outcome> outcomes = run_all(plan);

@@ -1,6 +1,6 @@
 // The fleet under a lossy network, over many seeds: no collision, nobody starved.
 //
-//   fleet_soak ZONE.toml [seeds=50] [aivs=12] [minutes=10] [loss=0.02] [first_seed=1]
+//   fleet_soak ZONE.toml [seeds=50] [aivs=12] [minutes=10] [loss=0.02] [first_seed=1] [convoys=off] [workers=cores]
 //
 // Each seed is one run of the whole platform in virtual time; every second one also has three virtual AIVs among the
 // physical ones, and two people who walk across their ways. Prints a line per seed that breaks a promise and one for
@@ -15,10 +15,12 @@
 #include <mutex>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
 #include "base/json_value.h"
+#include "experiments/world/test_unrest.h"
 #include "experiments/world/world.h"
 
 namespace {
@@ -32,6 +34,8 @@ struct Plan {
   double minutes{10.0};
   double loss{0.02};
   std::uint64_t first_seed{1};
+  bool convoys{false};
+  unsigned workers{std::max(1U, std::thread::hardware_concurrency())};
 };
 
 struct Outcome {
@@ -41,6 +45,7 @@ struct Outcome {
   double distance_m{};
   double slowest_m{};
   double matched_share{};
+  experiments::testing::DeadlockFigures deadlocks;
   std::string digest;
   std::string failure;
 };
@@ -69,6 +74,7 @@ Outcome run(const Plan& plan, std::uint64_t seed) {
   options.aivs = plan.aivs;
   options.seed = seed;
   options.network.loss = plan.loss;
+  options.server.convoys = plan.convoys;
   auto world = experiments::World::make(std::move(options));
   if (!world) {
     outcome.failure = to_string(world.error());
@@ -90,7 +96,9 @@ Outcome run(const Plan& plan, std::uint64_t seed) {
     outcome.distance_m += vehicle.distance_m;
     outcome.slowest_m = std::min(outcome.slowest_m, vehicle.distance_m);
   }
-  if (outcome.collisions != 0) outcome.failure = std::to_string(outcome.collisions) + " collisions";
+  outcome.deadlocks = experiments::testing::deadlock_figures(**world);
+  if (outcome.deadlocks.open > 0.0) outcome.failure = "a deadlock is not resolved; ";
+  if (outcome.collisions != 0) outcome.failure += std::to_string(outcome.collisions) + " collisions";
   if (outcome.longest_wait_s > longest_wait_allowed_s) {
     outcome.failure += (outcome.failure.empty() ? "" : ", ") + std::string("a vehicle waited ") +
                        std::to_string(outcome.longest_wait_s) + " s";
@@ -107,14 +115,18 @@ std::vector<Outcome> run_all(const Plan& plan) {
       outcomes[i] = run(plan, plan.first_seed + i);
       const std::scoped_lock lock{print};
       const Outcome& o = outcomes[i];
-      std::printf("seed %llu: %.0f m driven (slowest %.0f m), longest wait %.1f s, matched %.4f, digest %s%s%s\n",
-                  static_cast<unsigned long long>(o.seed), o.distance_m, o.slowest_m, o.longest_wait_s, o.matched_share,
-                  o.digest.c_str(), o.failure.empty() ? "" : "  FAILED: ", o.failure.c_str());
+      std::printf(
+          "seed %llu: %.0f m driven (slowest %.0f m), longest wait %.1f s, %.0f deadlocks, %.0f resolved, matched "
+          "%.4f, "
+          "digest %s%s%s\n",
+          static_cast<unsigned long long>(o.seed), o.distance_m, o.slowest_m, o.longest_wait_s, o.deadlocks.detected,
+          o.deadlocks.resolved, o.matched_share, o.digest.c_str(),
+          o.failure.empty() ? "" : "  FAILED: ", o.failure.c_str());
       std::fflush(stdout);
     }
   };
   std::vector<std::jthread> workers;
-  for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i) workers.emplace_back(work);
+  for (unsigned i = 0; i < plan.workers; ++i) workers.emplace_back(work);
   workers.clear();
   return outcomes;
 }
@@ -123,7 +135,8 @@ std::vector<Outcome> run_all(const Plan& plan) {
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    std::fprintf(stderr, "usage: fleet_soak ZONE.toml [seeds] [aivs] [minutes] [loss] [first_seed]\n");
+    std::fprintf(stderr,
+                 "usage: fleet_soak ZONE.toml [seeds] [aivs] [minutes] [loss] [first_seed] [convoys] [workers]\n");
     return 2;
   }
   Plan plan;
@@ -136,6 +149,8 @@ int main(int argc, char** argv) {
   if (argc > 4) plan.minutes = std::strtod(argv[4], nullptr);
   if (argc > 5) plan.loss = std::strtod(argv[5], nullptr);
   if (argc > 6) plan.first_seed = std::strtoull(argv[6], nullptr, 10);
+  if (argc > 7) plan.convoys = std::string_view{argv[7]} == "on";
+  if (argc > 8) plan.workers = static_cast<unsigned>(std::strtoul(argv[8], nullptr, 10));
 
   const auto started = std::chrono::steady_clock::now();
   const std::vector<Outcome> outcomes = run_all(plan);
@@ -143,14 +158,20 @@ int main(int argc, char** argv) {
   std::size_t failed = 0;
   std::size_t collisions = 0;
   double longest_wait_s = 0.0;
+  double driven_m = 0.0;
+  double unresolved = 0.0;
   for (const Outcome& outcome : outcomes) {
     failed += outcome.failure.empty() ? 0U : 1U;
     collisions += outcome.collisions;
     longest_wait_s = std::max(longest_wait_s, outcome.longest_wait_s);
+    driven_m += outcome.distance_m;
+    unresolved += outcome.deadlocks.detected - outcome.deadlocks.resolved;
   }
   const double simulated_s = plan.minutes * 60.0 * static_cast<double>(plan.seeds);
-  std::printf("%llu seeds x %u AIVs x %.0f min, %.0f %% loss: %zu collisions, longest wait %.1f s, %.0f x real time\n",
-              static_cast<unsigned long long>(plan.seeds), plan.aivs, plan.minutes, plan.loss * 100.0, collisions,
-              longest_wait_s, simulated_s / took_s);
+  std::printf(
+      "%llu seeds x %u AIVs x %.0f min, %.0f %% loss, convoys %s: %zu collisions, %.0f deadlocks unresolved, %.0f m "
+      "driven, longest wait %.1f s, %.0f x real time\n",
+      static_cast<unsigned long long>(plan.seeds), plan.aivs, plan.minutes, plan.loss * 100.0,
+      plan.convoys ? "on" : "off", collisions, unresolved, driven_m, longest_wait_s, simulated_s / took_s);
   return failed == 0 ? 0 : 1;
 }

@@ -7,10 +7,6 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// From a vehicle's report over its order to its wheels.
-constexpr double latency_s = 0.3;
-/// Nearer to its stop line than this it stands, or nearly so, and has to speed up.
-constexpr double standing_before_m = 0.10;
 /// One behind the other with less between them than this is of the same convoy.
 constexpr double convoy_gap_m = 0.70;
 /// These guesses are no finer; where it makes no difference, turns count.
@@ -31,7 +27,7 @@ void Traffic::note_pass(const Request& granted) {
   passes_.push_back({granted.vehicle, granted.crossings, 1});
 }
 
-bool Traffic::may_join(VehicleIndex vehicle, double exit_m, double stop_m, WaypointIndex exit) {
+bool Traffic::may_join(VehicleIndex vehicle, double exit_m, double stop_m) {
   const Vehicle& self = vehicles_[vehicle];
   if (!rules_.convoys || !self.place || stop_m > rules_.request_within_m) return false;
   const Ahead ahead = self.ahead;
@@ -43,8 +39,8 @@ bool Traffic::may_join(VehicleIndex vehicle, double exit_m, double stop_m, Waypo
   map_->crossings_on(*self.place, exit_m, scratch_, coming(vehicle));
   if (scratch_.empty() || scratch_ != pass->crossings) return false;
   const auto convoy = convoy_ahead(vehicle, pass->row);
-  const Joining joining{vehicle, std::max(0.0, stop_m), exit_m, ahead.distance_m, map_->stretch(exit).length_m};
-  return is_kept_by(convoy, vehicle) && has_leave_beyond(joining, convoy) &&
+  const Joining joining{vehicle, std::max(0.0, stop_m), exit_m, ahead.distance_m};
+  return is_kept_by(convoy, vehicle) && has_room_beyond(joining, convoy) &&
          convoy_pays(joining, rules_.convoy_max - pass->row);
 }
 
@@ -54,6 +50,9 @@ Traffic::Convoy Traffic::join(VehicleIndex vehicle) {
   pass->last = vehicle;
   ++pass->row;
   ++convoys_;
+  for (Request& other : queue_)
+    for (const auto& [loser, loses_s] : losing_)
+      if (other.vehicle == loser) other.lost_s += loses_s;
   withdraw(vehicle);
   return {pass->row, pass->crossings};
 }
@@ -77,37 +76,37 @@ bool Traffic::is_kept_by(const std::vector<VehicleIndex>& convoy, VehicleIndex j
   return true;
 }
 
-bool Traffic::has_leave_beyond(const Joining& joining, const std::vector<VehicleIndex>& convoy) const {
-  // One of the convoy whose own base does not lead so far yet drives on as those ahead of it do, from node to node.
-  double at_m = 0.0;
-  double needed_m = joining.exit_m + map_->zone().vehicle.length_m + rules_.room_m;
-  VehicleIndex behind = joining.vehicle;
-  for (const VehicleIndex member : convoy) {
-    at_m += vehicles_[behind].ahead.distance_m;
-    if (at_m + base_left_m(member, *vehicles_[member].place).value_or(0.0) >= needed_m) return true;
-    needed_m += standing_m() + joining.step_m;
-    behind = member;
+bool Traffic::has_room_beyond(const Joining& joining, const std::vector<VehicleIndex>& convoy) const {
+  // From the front on: for good each stands at the end of its own base, or where its eyes keep it behind the one ahead.
+  const double apart_m = map_->zone().vehicle.length_m + rules_.room_m;
+  double at_m = joining.ahead_m;
+  for (std::size_t i = 0; i + 1 < convoy.size(); ++i) at_m += vehicles_[convoy[i]].ahead.distance_m;
+  double stands_m = at_m + vehicles_[convoy.back()].ahead.distance_m;
+  for (auto member = convoy.rbegin(); member != convoy.rend(); ++member) {
+    const double base_m = base_left_m(*member, *vehicles_[*member].place).value_or(0.0);
+    stands_m = std::min(at_m + base_m, stands_m - apart_m);
+    if (member + 1 != convoy.rend()) at_m -= vehicles_[*(member + 1)].ahead.distance_m;
   }
-  return false;
+  return stands_m - apart_m >= joining.exit_m;
 }
 
-bool Traffic::convoy_pays(const Joining& joining, std::size_t at_most) const {
+bool Traffic::convoy_pays(const Joining& joining, std::size_t at_most) {
   const zone::SpeedProfile& pace = map_->zone().profiles.medium;
-  const auto run_s = [&](double stop_m, double length_m) {
-    const double speeding_up_s = stop_m < standing_before_m ? 0.5 * pace.speed_mps / pace.acceleration_mps2 : 0.0;
-    return length_m / pace.speed_mps + speeding_up_s;
-  };
   const double clear_s = latency_s + std::max(0.0, joining.exit_m - joining.ahead_m) / pace.speed_mps;
   const double chain_s = run_s(joining.stop_m, joining.exit_m - joining.stop_m);
   const double ends_s = latency_s + joining.stop_m / pace.speed_mps + chain_s;
   const double room_s = (map_->zone().vehicle.length_m + rules_.room_m) / pace.speed_mps;
   double turn_s = std::max(joining.stop_m / pace.speed_mps, clear_s + room_s);
   double lost_s = 0.0;
+  losing_.clear();
   for (const Request& other : queue_) {
     if (other.vehicle == joining.vehicle || !other.has_room || !shares(other.crossings, scratch_)) continue;
     if (has_waited(other) || vehicles_[other.vehicle].priority > vehicles_[joining.vehicle].priority) return false;
     const double begins_s = std::max(other.stop_m / pace.speed_mps, clear_s);
-    lost_s += std::max(0.0, ends_s + latency_s - begins_s);
+    const double loses_s = std::max(0.0, ends_s + latency_s - begins_s);
+    if (other.lost_s + loses_s > rules_.lost_s_max) return false;
+    losing_.emplace_back(other.vehicle, loses_s);
+    lost_s += loses_s;
     turn_s = std::max(turn_s, begins_s + run_s(other.stop_m, other.exit_m - other.stop_m) + latency_s);
   }
   const double saved_s = turn_s + chain_s - ends_s;

@@ -38,7 +38,8 @@ class ConvoyBench : public testing::Test {
   }
   [[nodiscard]] WaypointIndex exit_of(zone::SectionId section) const { return map.chain(stop_on(section)).exit; }
   void stand(VehicleIndex vehicle, zone::SectionId section, double before_m) {
-    traffic.set_place(vehicle, zone::Place{section, map.waypoint(stop_on(section)).place.s_m - before_m});
+    const zone::Place stop = map.waypoint(stop_on(section)).place;
+    traffic.set_place(vehicle, map.circuit().advance(stop, -before_m));
     traffic.update();
   }
   /// A base as far as that many waypoints beyond the exit.
@@ -52,7 +53,7 @@ class ConvoyBench : public testing::Test {
     return traffic.request(vehicle, before_m + map.chain(stop_on(section)).length_m, before_m);
   }
   bool may_join(VehicleIndex vehicle, double before_m = 0.0) {
-    return traffic.may_join(vehicle, before_m + map.chain(stop_on(east)).length_m, before_m, exit_of(east));
+    return traffic.may_join(vehicle, before_m + map.chain(stop_on(east)).length_m, before_m);
   }
   Traffic::Convoy join(VehicleIndex vehicle) {
     Traffic::Convoy convoy = traffic.join(vehicle);
@@ -68,8 +69,9 @@ class ConvoyBench : public testing::Test {
     traffic.set_time(now);
   }
 
+  static constexpr double chain_m = 0.74;
   static constexpr double half_way_m = 0.35;
-  static constexpr double at_exit_m = 0.74;
+  static constexpr double at_exit_m = 0.728;  // all but out
 
   WayMap map{zone::Rtm::initialise(zone_file("lacet4.toml"))->share_zone()};
   Traffic traffic;
@@ -77,8 +79,8 @@ class ConvoyBench : public testing::Test {
 };
 
 TEST_F(ConvoyBench, has_the_measures_that_its_figures_stand_on) {
-  EXPECT_NEAR(map.chain(stop_on(east)).length_m, at_exit_m, 5e-4);
-  EXPECT_NEAR(map.chain(stop_on(north)).length_m, at_exit_m, 5e-4);
+  EXPECT_NEAR(map.chain(stop_on(east)).length_m, chain_m, 5e-4);
+  EXPECT_NEAR(map.chain(stop_on(north)).length_m, chain_m, 5e-4);
 }
 
 TEST_F(ConvoyBench, passes_the_crossing_together_without_giving_it_back_between) {
@@ -102,14 +104,14 @@ TEST_F(ConvoyBench, passes_the_crossing_together_without_giving_it_back_between)
 TEST_F(ConvoyBench, lets_cross_traffic_go_first_where_the_other_has_left_already) {
   begin(at_exit_m);
   EXPECT_FALSE(come_up(2, north, 0.0).granted);
-  EXPECT_FALSE(may_join(1)) << "1 would save no more than 2 would lose: 2.55 s";
+  EXPECT_FALSE(may_join(1)) << "1 would save no more than 2 would lose: 2.5 s";
 }
 
 TEST_F(ConvoyBench, counts_all_that_come_behind) {
   begin(at_exit_m);
   EXPECT_FALSE(come_up(2, north, 0.0).granted);
   stand(3, east, 0.35);
-  EXPECT_TRUE(may_join(1)) << "two save 2.55 s each, 2 loses it once";
+  EXPECT_TRUE(may_join(1)) << "two save 2.5 s each, 2 loses it once";
 }
 
 TEST_F(ConvoyBench, counts_all_that_wait) {
@@ -178,18 +180,43 @@ TEST_F(ConvoyBench, follows_nobody_who_has_no_leave_to_make_room) {
   EXPECT_TRUE(may_join(1));
 }
 
-TEST_F(ConvoyBench, follows_one_that_itself_follows_one_with_leave_for_both) {
+TEST_F(ConvoyBench, counts_on_no_leave_that_one_of_the_convoy_has_not_got_yet) {
   begin(at_exit_m);
-  stand(1, east, 0.0);
   ASSERT_TRUE(may_join(1));
   join(1);
   stand(0, east, -1.0);
   stand(1, east, -0.45);
   stand(3, east, 0.0);
-  give_leave(0, 2);
-  EXPECT_FALSE(may_join(3)) << "room for 1 alone";
-  give_leave(0, 4);
+  EXPECT_FALSE(may_join(3)) << "1 may come to stand at the exit, whatever 0 does";
+  give_leave(1, 2);
   EXPECT_TRUE(may_join(3));
+  stand(0, east, -0.85);
+  give_leave(0, 1);
+  EXPECT_FALSE(may_join(3)) << "where 0 may stand for good there is no room for 1 and 3";
+}
+
+TEST_F(ConvoyBench, counts_where_its_eyes_make_the_leader_stand) {
+  begin(half_way_m);
+  give_leave(0, 2);  // 0.38 m beyond the exit
+  stand(5, east, -chain_m - 0.68);
+  EXPECT_FALSE(may_join(1)) << "the base ends behind 5, but 0 stops a little earlier";
+  stand(5, east, -chain_m - 0.75);
+  EXPECT_TRUE(may_join(1));
+}
+
+TEST_F(ConvoyBench, costs_nobody_more_than_may_be_lost_in_all) {
+  begin(half_way_m, {.lost_s_max = 1.5});
+  EXPECT_FALSE(come_up(2, north, 0.0).granted);
+  EXPECT_FALSE(may_join(1)) << "2 would lose 1.58 s";
+  begin(half_way_m, {.lost_s_max = 2.0});
+  EXPECT_FALSE(come_up(2, north, 0.0).granted);
+  ASSERT_TRUE(may_join(1));
+  join(1);
+  traffic.set_place(0, std::nullopt);
+  give_leave(1);
+  stand(1, east, -half_way_m);
+  stand(3, east, 0.0);
+  EXPECT_FALSE(may_join(3)) << "as much again";
 }
 
 TEST_F(ConvoyBench, is_broken_by_who_got_the_crossing_between) {

@@ -272,6 +272,36 @@ TEST(FullRing, opens_where_one_can_go_another_way) {
   for (const auto& vehicle : bench.vehicles) EXPECT_GT(vehicle->driven_m, 0.5) << vehicle->id.serial_number;
 }
 
+/// The north-western loop of the clover is full: each of those in it stands at a waypoint, and the next one is too near
+/// to the one ahead. Who waits at its end needs the crossing where the first of them all stands, without room to leave
+/// it: the one before it stopped short of its room.
+TEST(FullLoop, that_ends_in_a_crossing_opens_when_the_one_beyond_it_moves_up) {
+  ServerBench bench{zone_file("lacet4.toml")};
+  constexpr zone::SectionId west = 4;
+  constexpr zone::SectionId loop = 5;
+  constexpr zone::SectionId south = 6;
+  const auto at = [&](const std::string& id) { return bench.zone->find_waypoint(id)->place; };
+  BenchVehicle& in_crossing = bench.add("AIV1", {west, 0.99});
+  bench.add("AIV2", at("west@1310"));
+  int number = 3;
+  for (const char* id : {"loop_nw@283", "loop_nw@848", "loop_nw@1414", "loop_nw@1979", "loop_nw@2262"})
+    bench.add("AIV" + std::to_string(number++), at(id));
+  bench.add("AIV8", {south, 0.0});
+  BenchVehicle& at_end = bench.add("AIV9", at("south@380"));
+  ASSERT_EQ(bench.zone->circuit.next(loop).front(), south);
+  int touches = 0;
+  bench.each_step = [&] { touches += bench.touches(); };
+  bench.run_for(60s);
+  EXPECT_EQ(touches, 0);
+  ASSERT_GE(shown(bench).list.size(), 1U);
+  EXPECT_THAT(*shown(bench).list[0].text("reason"), HasSubstr("CoSiVA/AIV9 waits for X4, which CoSiVA/AIV1 holds"));
+  EXPECT_EQ(shown(bench).list[0].text("how"),
+            "CoSiVA/AIV2 moves up to the one ahead and lets the one behind it out of a crossing");
+  EXPECT_EQ(shown(bench).open, 0.0);
+  EXPECT_GT(in_crossing.driven_m, 3.0);
+  EXPECT_GT(at_end.driven_m, 3.0);
+}
+
 /// One on the line, and one beside it so near that neither lets the other go.
 class SideBySide : public testing::Test {
  protected:

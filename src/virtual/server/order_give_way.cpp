@@ -1,5 +1,5 @@
-// OrderRoller: one vehicle lets others out of a deadlock. It gives back what it holds ahead, goes another way, comes
-// onto the line elsewhere, or backs up.
+// OrderRoller: one vehicle lets others out of a deadlock. It moves up, gives back what it holds ahead, goes another
+// way, comes onto the line elsewhere, or backs up.
 #include <algorithm>
 #include <cmath>
 
@@ -27,6 +27,8 @@ constexpr double behind_clear_m = 0.03;
 constexpr double way_before_m = 0.70 + aiv::stand_off_m;
 constexpr double way_every_m = 0.03;
 constexpr double way_clear_m = 0.04;
+/// Its eyes may make it stand so much earlier than it should before the one ahead.
+constexpr double seen_too_early_m = 0.03;
 constexpr SimDuration back_patience{std::chrono::seconds{10}};
 
 /// From a point to a body's edge; 0 inside.
@@ -83,6 +85,7 @@ std::optional<double> OrderRoller::can_give_way(VehicleIndex vehicle, Means mean
   Plan& plan = plans_[vehicle];
   if (map_ == nullptr || !registry_[vehicle].here() || !plan.standing.place || plan.giving_way) return std::nullopt;
   switch (means) {
+    case Means::move_up: return makes_room_by_moving_up(vehicle, waits) ? std::optional{0.0} : std::nullopt;
     case Means::wait: {
       const bool gives_back = has_what_to_give_back(vehicle);
       const bool frees = std::ranges::all_of(waits, [&](const Wait& wait) {
@@ -107,6 +110,10 @@ std::optional<double> OrderRoller::can_give_way(VehicleIndex vehicle, Means mean
 
 bool OrderRoller::give_way(VehicleIndex vehicle, Means means, std::span<const Wait> waits) {
   Plan& plan = plans_[vehicle];
+  if (means == Means::move_up) {
+    plan.moves_up = true;
+    return true;
+  }
   if (means == Means::detour) {
     missions_.avoid(vehicle, contested(vehicle));
     return true;
@@ -125,6 +132,29 @@ bool OrderRoller::give_way(VehicleIndex vehicle, Means means, std::span<const Wa
   plan.giving_way = std::move(giving_way);
   traffic_.withdraw(vehicle);
   return true;
+}
+
+// --- nearer to the one ahead ----------------------------------------------------------------------------------------
+
+bool OrderRoller::makes_room_by_moving_up(VehicleIndex vehicle, std::span<const Wait> waits) const {
+  const Plan& plan = plans_[vehicle];
+  const Traffic::Ahead& ahead = traffic_.ahead(vehicle);
+  if (off_line(vehicle) || plan.waits_for_crossing || plan.waits_why != WaitReason::ahead ||
+      plan.waits_for_vehicle != ahead.vehicle || !has_eyes_for(vehicle, ahead.vehicle))
+    return false;
+  const double up_m = ahead.distance_m - map_->zone().vehicle.length_m - aiv::stand_off_m - seen_too_early_m;
+  return up_m > 0.0 && std::ranges::any_of(waits, [&](const Wait& wait) {
+           const auto& place = traffic_.place(wait.who);
+           const Traffic::Ahead& before = traffic_.ahead(wait.who);
+           if (wait.why != WaitReason::ahead || !place || before.vehicle != vehicle) return false;
+           const Sections coming = traffic_.coming(wait.who);
+           const auto stands_in = [&](double ahead_m) {
+             std::vector<CrossingIndex> crossings;
+             map_->crossings_on(map_->circuit().advance(*place, ahead_m, coming), 0.0, crossings, coming);
+             return !crossings.empty();
+           };
+           return stands_in(0.0) && !stands_in(std::max(0.0, before.distance_m + up_m - traffic_.standing_m()));
+         });
 }
 
 // --- another way ----------------------------------------------------------------------------------------------------

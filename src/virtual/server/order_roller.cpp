@@ -193,6 +193,7 @@ void OrderRoller::drop(Plan& plan, VehicleIndex vehicle) {
   plan.acknowledged = false;
   plan.ever_acknowledged = false;
   plan.base_end = no_waypoint;
+  plan.moves_up = false;
   end_join(vehicle);
   // Sent again, it would take the next order.
   if (plan.cancel_ticket != 0) desk_.drop(std::exchange(plan.cancel_ticket, 0));
@@ -332,9 +333,10 @@ void OrderRoller::extend(VehicleIndex vehicle, const Extension& from) {
       chain = map_->chain(at, Sections{way_}.subspan(passed), goal);
     }
     const double chain_m = reach_m + chain.length_m;
-    const bool joins = enters && joins_convoy(vehicle, {reach_m, next_m, chain_m, chain.exit});
+    const bool joins = enters && joins_convoy(vehicle, {reach_m, next_m, chain_m});
     if (joins) in_convoy_m = chain_m;
-    if (next_m > std::max(in_convoy_m, traffic_.reach_m(vehicle, next_m))) {
+    const bool moves_up = plan.moves_up && !enters && extension_.empty();
+    if (next_m > std::max(in_convoy_m, traffic_.reach_m(vehicle, next_m)) && !moves_up) {
       wait_for(plan, traffic_.ahead_within(vehicle, next_m + traffic_.standing_m()).vehicle, WaitReason::ahead);
       break;
     }
@@ -353,6 +355,7 @@ void OrderRoller::extend(VehicleIndex vehicle, const Extension& from) {
     passed += stretch->sections.size();
     reach_m = next_m;
   }
+  plan.moves_up = false;
 }
 
 bool OrderRoller::enter(VehicleIndex vehicle, double stop_m, double exit_m) {
@@ -365,16 +368,20 @@ bool OrderRoller::enter(VehicleIndex vehicle, double stop_m, double exit_m) {
   return false;
 }
 
+bool OrderRoller::has_eyes_for(VehicleIndex vehicle, VehicleIndex ahead) const {
+  // A physical vehicle has none for a virtual one but the server's word, and what others' vehicles have is not known.
+  return ahead != no_vehicle && registry_[vehicle].ours() && registry_[ahead].ours() &&
+         (registry_[vehicle].augmented || !registry_[ahead].augmented);
+}
+
 bool OrderRoller::joins_convoy(VehicleIndex vehicle, const ChainAhead& chain) {
-  // Its base will not keep it off the one ahead: its eyes must. A physical vehicle has none for a virtual one but the
-  // server's word, and what others' vehicles have is not known.
+  // Its base will not keep it off the one ahead: its eyes must.
   if (chain.next_m <= traffic_.reach_m(vehicle, chain.next_m)) return false;
   const VehicleIndex ahead = traffic_.ahead(vehicle).vehicle;
-  if (ahead == no_vehicle || !registry_[vehicle].ours() || !registry_[ahead].ours()) return false;
-  if (registry_[ahead].augmented && !registry_[vehicle].augmented) return false;
+  if (!has_eyes_for(vehicle, ahead)) return false;
   // Whoever stands there by order will not make room soon.
   if (!may_roll(ahead) || gives_way(ahead)) return false;
-  return traffic_.may_join(vehicle, chain.exit_m, chain.stop_m, chain.exit);
+  return traffic_.may_join(vehicle, chain.exit_m, chain.stop_m);
 }
 
 void OrderRoller::join_convoy(VehicleIndex vehicle) {

@@ -40,6 +40,7 @@ struct RollerRules {
 
 /// How a vehicle lets others out of a deadlock, the cheapest first.
 enum class Means : std::uint8_t {
+  move_up,      ///< comes as near to the one ahead as its eyes let it, so that the one behind it leaves a crossing
   wait,         ///< gives back what it asked for and holds ahead, and lets the others go first
   detour,       ///< goes another way
   other_place,  ///< comes onto the line elsewhere
@@ -153,6 +154,7 @@ class OrderRoller {
       bool stopped{false};           ///< on its way back, as somebody came
     };
     std::optional<GivingWay> giving_way;
+    bool moves_up{false};  ///< the next stretch may end nearer to the one ahead than the gap
   };
   struct Extension {
     WaypointIndex from{no_waypoint};
@@ -178,8 +180,9 @@ class OrderRoller {
     double stop_m;
     double next_m;
     double exit_m;
-    WaypointIndex exit;
   };
+  /// Its base may reach up to that one: its eyes will keep it off.
+  [[nodiscard]] bool has_eyes_for(VehicleIndex vehicle, VehicleIndex ahead) const;
   [[nodiscard]] bool joins_convoy(VehicleIndex vehicle, const ChainAhead& chain);
   void join_convoy(VehicleIndex vehicle);
   void send(VehicleIndex vehicle, const Extension& from);
@@ -230,6 +233,8 @@ class OrderRoller {
   // order_give_way.cpp
   /// Whether the body of who is waited for would still be in the way if it stood at `place`.
   [[nodiscard]] bool keeps_off(const Wait& wait, zone::Place place) const;
+  /// By coming up to the one ahead it lets the one behind it out of a crossing that somebody waits for.
+  [[nodiscard]] bool makes_room_by_moving_up(VehicleIndex vehicle, std::span<const Wait> waits) const;
   [[nodiscard]] bool has_what_to_give_back(VehicleIndex vehicle) const;
   [[nodiscard]] std::optional<double> way_back_m(VehicleIndex vehicle, std::span<const Wait> waits) const;
   /// Whether it may roll back so far: nobody stands there, and nobody comes there.

@@ -16,6 +16,9 @@ constexpr double base_slack_m = 0.5;
 constexpr double behind_m_max = 8.0;
 constexpr double past_m = 0.25;
 
+/// Nearer to its stop line than this it stands, or nearly so, and has to speed up.
+constexpr double standing_before_m = 0.10;
+
 bool shares(const std::vector<CrossingIndex>& a, const std::vector<CrossingIndex>& b) {
   return std::ranges::any_of(a, [&](CrossingIndex x) { return std::ranges::find(b, x) != b.end(); });
 }
@@ -234,6 +237,37 @@ bool Traffic::goes_before(const Request& a, const Request& b) const {
   return &a != &b && !aiv::keeps_its_turn(claim(b), claim(a), rules_.overtaken_at_most);
 }
 
+double Traffic::run_s(double stop_m, double length_m) const {
+  const zone::SpeedProfile& pace = map_->zone().profiles.medium;
+  const double speeding_up_s = stop_m < standing_before_m ? 0.5 * pace.speed_mps / pace.acceleration_mps2 : 0.0;
+  return length_m / pace.speed_mps + speeding_up_s;
+}
+
+std::optional<double> Traffic::loses_s(const Request& other, const Request& mine) const {
+  const double pace_mps = map_->zone().profiles.medium.speed_mps;
+  double begins_s = 0.0;
+  for (const CrossingIndex x : other.crossings) {
+    const VehicleIndex holder = holders_[x];
+    if (holder == no_vehicle || holder == other.vehicle || holder == mine.vehicle) continue;
+    const zone::Place& at = *vehicles_[holder].place;
+    const double base_m = base_left_m(holder, at).value_or(0.0);
+    begins_s = std::max(begins_s, map_->way_out_m(at, x, base_m, coming(holder)) / pace_mps);
+  }
+  if (begins_s == 0.0) return std::nullopt;
+  double out_m = 0.0;
+  for (const CrossingIndex x : mine.crossings)
+    if (std::ranges::find(other.crossings, x) != other.crossings.end())
+      out_m = std::max(out_m, map_->way_out_m(*vehicles_[mine.vehicle].place, x, mine.exit_m, coming(mine.vehicle)));
+  return std::max(0.0, latency_s + run_s(mine.stop_m, out_m) - begins_s);
+}
+
+bool Traffic::lets_by(const Request& other, const Request& mine) const {
+  if (!rules_.convoys || has_waited(other) || vehicles_[other.vehicle].priority > vehicles_[mine.vehicle].priority)
+    return false;
+  const auto loses_s = this->loses_s(other, mine);
+  return loses_s && other.lost_s + *loses_s <= rules_.lost_s_max;
+}
+
 bool Traffic::only_follows(VehicleIndex other, VehicleIndex self, const std::vector<CrossingIndex>& crossings) {
   const auto& from = vehicles_[other].place;
   if (!from) return false;
@@ -283,9 +317,13 @@ Traffic::Answer Traffic::request(VehicleIndex vehicle, double exit_m, double sto
     const bool waits_for_this =
         std::ranges::any_of(other.crossings, [&](CrossingIndex x) { return holders_[x] == vehicle; });
     if (other.vehicle != vehicle && other.has_room && !waits_for_this && goes_before(other, *mine) &&
-        shares(other.crossings, mine->crossings) && !only_follows(other.vehicle, vehicle, mine->crossings))
+        shares(other.crossings, mine->crossings) && !only_follows(other.vehicle, vehicle, mine->crossings) &&
+        !lets_by(other, *mine))
       return {false, first, other.vehicle, WaitReason::turn};
   }
+  for (Request& other : queue_)
+    if (rules_.convoys && &other != &*mine && goes_before(other, *mine) && shares(other.crossings, mine->crossings))
+      other.lost_s += loses_s(other, *mine).value_or(0.0);
   for (const CrossingIndex x : mine->crossings) holders_[x] = vehicle;
   note_pass(*mine);
   queue_.erase(mine);

@@ -32,6 +32,7 @@ struct TrafficRules {
   double request_within_m{0.7};  ///< of the stop line: nearer than this, a crossing is asked for
   double look_ahead_m{6.0};      ///< for the vehicle ahead, unless a base is to reach further
   SimDuration overtaken_at_most{std::chrono::seconds{10}};  ///< one that has asked for so long is overtaken by nobody
+  double lost_s_max{5.0};     ///< what one that asks loses at most, in all, by those who go before it out of their turn
   bool convoys{true};         ///< several of one way may pass a chain together, when it pays
   std::size_t convoy_max{3};  ///< so many in a row
 };
@@ -48,11 +49,16 @@ struct TrafficRules {
 /// only follow it, so it goes first: what somebody behind it on the same way holds or asks for keeps nobody back.
 ///
 /// Convoys: the one directly behind the last that was given a chain, at most `request_within_m` before its stop line,
-/// may pass it together with that one, without its being given back between them. There must be leave beyond: the base
-/// of the one ahead has to end so far behind the exit that all of the convoy find room. And it must pay: the seconds
-/// that all those together lose who ask for the chain must be fewer than the seconds that it would lose by waiting for
-/// them, times the members of the convoy still to come (it and those directly behind it). At most `convoy_max` go in a
-/// row, never before a higher priority, and never before a request that has waited `overtaken_at_most`.
+/// may pass it together with that one, without its being given back between them. There must be room for it beyond
+/// whatever those ahead do: each of them may come to stand for good at the end of the base that it has, or behind the
+/// one ahead. And it must pay: the seconds that all those together lose who ask for the chain must be fewer than the
+/// seconds that it would lose by waiting for them, times the members of the convoy still to come (it and those directly
+/// behind it). At most `convoy_max` go in a row, never before a higher priority, and never before a request that has
+/// waited `overtaken_at_most` or would lose more than `lost_s_max` in all.
+///
+/// With convoys, one that has to wait for a third one anyway also lets others by who will be gone by then, or cost it
+/// no more than what is left of its `lost_s_max`. Without that, opposite ways that have come out of step pass one after
+/// the other for ever, where they could pass together.
 ///
 /// Each vehicle looks along its own course; without one, along default successors. Of two that took different branches
 /// neither is ahead of the other once their bodies have parted.
@@ -127,9 +133,9 @@ class Traffic {
   /// ahead. The first asking fixes its turn. Of those that stand in one crossing together its holder may leave it:
   /// whether body passes body is for who asks to see.
   Answer request(VehicleIndex vehicle, double exit_m, double stop_m = 0.0);
-  /// Whether it may pass that chain, which ends at `exit`, in convoy with the one ahead, whatever the turns. Its base
-  /// then reaches beyond that one's place: its own eyes keep it apart.
-  [[nodiscard]] bool may_join(VehicleIndex vehicle, double exit_m, double stop_m, WaypointIndex exit);
+  /// Whether it may pass that chain in convoy with the one ahead, whatever the turns. Its base then reaches beyond that
+  /// one's place: its own eyes keep it apart.
+  [[nodiscard]] bool may_join(VehicleIndex vehicle, double exit_m, double stop_m);
   struct Convoy {
     std::size_t size;  ///< with who joined last
     std::vector<CrossingIndex> crossings;
@@ -169,6 +175,7 @@ class Traffic {
     bool has_room{false};
     double stop_m{0.0};
     double exit_m{0.0};
+    double lost_s{0.0};  ///< by those who were let by, as guessed when they were
   };
   /// The last that was given a chain.
   struct Pass {
@@ -182,9 +189,16 @@ class Traffic {
     double stop_m;
     double exit_m;
     double ahead_m;  ///< the one ahead
-    double step_m;   ///< from the exit to the next waypoint
   };
   [[nodiscard]] bool goes_before(const Request& a, const Request& b) const;
+  /// Of `other`, whose turn is before and who waits for a third one: so long it waits for `mine` beyond that. Nothing:
+  /// it waits for no third one.
+  [[nodiscard]] std::optional<double> loses_s(const Request& other, const Request& mine) const;
+  [[nodiscard]] bool lets_by(const Request& other, const Request& mine) const;
+  /// From a vehicle's report over its order to its wheels.
+  static constexpr double latency_s = 0.3;
+  /// Of one that asks: to its stop line, which is `stop_m` ahead, and so far, at the medium speed.
+  [[nodiscard]] double run_s(double stop_m, double length_m) const;
   [[nodiscard]] bool only_follows(VehicleIndex other, VehicleIndex self, const std::vector<CrossingIndex>& crossings);
   void sort_places();
   void look_on(zone::SectionId section, double start_m, double from_s_m, double to_s_m, VehicleIndex self,
@@ -198,8 +212,8 @@ class Traffic {
   void note_pass(const Request& granted);
   [[nodiscard]] std::vector<VehicleIndex> convoy_ahead(VehicleIndex vehicle, std::size_t row) const;
   [[nodiscard]] bool is_kept_by(const std::vector<VehicleIndex>& convoy, VehicleIndex joining);
-  [[nodiscard]] bool has_leave_beyond(const Joining& joining, const std::vector<VehicleIndex>& convoy) const;
-  [[nodiscard]] bool convoy_pays(const Joining& joining, std::size_t at_most) const;
+  [[nodiscard]] bool has_room_beyond(const Joining& joining, const std::vector<VehicleIndex>& convoy) const;
+  [[nodiscard]] bool convoy_pays(const Joining& joining, std::size_t at_most);
   [[nodiscard]] std::size_t members_from(VehicleIndex vehicle, std::size_t at_most) const;
 
   void measure_base(VehicleIndex vehicle);
@@ -213,6 +227,7 @@ class Traffic {
   std::vector<Request> queue_;                                        ///< oldest first
   std::vector<Pass> passes_;
   std::uint64_t convoys_{0};
+  std::vector<std::pair<VehicleIndex, double>> losing_;  ///< seconds, by the convoy that may_join() found
   std::vector<CrossingIndex> scratch_;
   std::vector<CrossingIndex> between_;
   SimTime now_{};

@@ -13,6 +13,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 
 /// The clover has four straights of 1.5 m that cross pairwise 0.6 m and 0.9 m from their starts; sections 0, 2, 4, 6.
+/// Nobody is let by, and there are no convoys.
 class CloverTraffic : public testing::Test {
  protected:
   CloverTraffic() {
@@ -44,7 +45,7 @@ class CloverTraffic : public testing::Test {
   }
 
   WayMap map{zone::Rtm::initialise(zone_file("lacet4.toml"))->share_zone()};
-  Traffic traffic;
+  Traffic traffic{{.convoys = false}};
 };
 
 TEST_F(CloverTraffic, finds_two_crossings_behind_each_stop_line_and_takes_them_as_one) {
@@ -105,13 +106,105 @@ TEST_F(CloverTraffic, gives_a_crossing_back_as_soon_as_the_vehicle_reports_to_be
       if (span.section == 0) first_span_end_m = std::min(first_span_end_m, span.to_m);
   traffic.set_place(0, zone::Place{0, first_span_end_m});
   traffic.update();
-  EXPECT_EQ(held_by(0), 2U) << "not at its very end: 2 cm more";
+  EXPECT_EQ(held_by(0), 2U) << "not at its very end: 1 cm more";
   traffic.set_place(0, zone::Place{0, first_span_end_m + 0.03});
   traffic.update();
   EXPECT_EQ(held_by(0), 1U);
   traffic.set_place(0, zone::Place{0, 1.3});
   traffic.update();
   EXPECT_EQ(held_by(0), 0U);
+}
+
+// Where it stops there is a crossing's exit; no vehicle stops to the last micrometre.
+TEST_F(CloverTraffic, counts_one_that_stopped_a_hair_before_its_exit_as_beyond_the_crossing) {
+  stand_before(0, 0);
+  ASSERT_TRUE(ask(0, 0).granted);
+  drive_to_exit(0, 0);
+  const double exit_s = map.waypoint(map.chain(stop_on(0)).exit).place.s_m;
+  traffic.set_place(0, zone::Place{0, exit_s - 0.015});
+  traffic.update();
+  EXPECT_EQ(held_by(0), 1U);
+  traffic.set_place(0, zone::Place{0, exit_s - 0.009});
+  traffic.update();
+  EXPECT_EQ(held_by(0), 0U);
+  stand_before(1, 2);
+  EXPECT_TRUE(ask(1, 2).granted);
+}
+
+/// 0 is in the eastward straight's crossings. North needs its second one, south its first; west none of them, but one
+/// of each of the other two.
+class CloverTurns : public CloverTraffic {
+ protected:
+  void begin(const TrafficRules& rules = {}) {
+    traffic = Traffic{rules};
+    traffic.set_map(&map);
+    traffic.resize(3);
+    stand_before(0, east);
+    ASSERT_TRUE(ask(0, east).granted);
+    drive_to_exit(0, east);
+  }
+  void refuse(VehicleIndex vehicle, zone::SectionId section, VehicleIndex because_of) {
+    stand_before(vehicle, section);
+    const auto answer = ask(vehicle, section);
+    EXPECT_FALSE(answer.granted);
+    EXPECT_EQ(answer.blocked_by, because_of);
+  }
+  static constexpr zone::SectionId east = 0;
+  static constexpr zone::SectionId north = 2;
+  static constexpr zone::SectionId west = 4;
+  static constexpr zone::SectionId south = 6;
+};
+
+TEST_F(CloverTurns, are_given_up_to_who_will_be_gone_before_they_can_be_taken) {
+  begin();
+  refuse(1, north, 0);
+  stand_before(2, west);
+  EXPECT_TRUE(ask(2, west).granted) << "it is out of north's way when 0 is";
+}
+
+TEST_F(CloverTurns, are_kept_where_that_would_cost_more_than_may_be_lost) {
+  begin({.lost_s_max = 1.0});
+  refuse(1, south, 0);
+  refuse(2, west, 1);  // south could begin 1.45 s before west is out of its way
+  begin({.lost_s_max = 1.5});
+  refuse(1, south, 0);
+  stand_before(2, west);
+  EXPECT_TRUE(ask(2, west).granted);
+}
+
+TEST_F(CloverTurns, are_lost_for_so_long_in_all_however_many_there_are) {
+  begin({.lost_s_max = 2.0});
+  refuse(1, south, 0);
+  stand_before(2, west);
+  ASSERT_TRUE(ask(2, west).granted);
+  traffic.update();  // no base follows: it is as if it were gone, and the next there
+  refuse(2, west, 1);
+}
+
+TEST_F(CloverTurns, are_not_given_up_to_lower_priorities_nor_after_ten_seconds) {
+  begin();
+  traffic.set_priority(1, 1);
+  refuse(1, north, 0);
+  refuse(2, west, 1);
+  begin();
+  traffic.set_priority(1, 0);
+  refuse(1, north, 0);
+  traffic.set_time(SimTime{} + traffic.rules().overtaken_at_most);
+  refuse(2, west, 1);
+}
+
+TEST_F(CloverTurns, are_kept_while_the_crossing_is_free) {
+  begin();
+  traffic.set_place(0, std::nullopt);
+  traffic.update();
+  stand_before(2, west);
+  ASSERT_TRUE(ask(2, west).granted);
+  drive_to_exit(2, west);
+  refuse(1, north, 2);
+  traffic.set_place(2, std::nullopt);
+  traffic.set_base_end(0, no_waypoint);
+  traffic.update();
+  refuse(0, east, 1);
 }
 
 TEST_F(CloverTraffic, lets_one_go_on_that_stands_in_a_crossing_for_which_another_asked_before_it) {

@@ -9,7 +9,8 @@ namespace cosiva::virtual_side {
 namespace {
 
 constexpr double entered_m = 0.04;
-constexpr double left_m = 0.02;
+constexpr double left_m = 0.01;
+constexpr double late_m = 0.02;  ///< one that stands so far into a span stopped late before it
 constexpr double overshoot_m = 0.25;
 constexpr double at_node_m = 0.05;  ///< a vehicle nearer than this to a waypoint stands on it
 /// Sections without a waypoint between two of them, as far as anybody has one; a hostile file has more.
@@ -331,11 +332,25 @@ void WayMap::crossings_on(zone::Place place, double distance_m, std::vector<Cros
     const double end_m = circuit.section(ahead.section()).length_m();
     const double reach_m = std::min(end_m, at_m + rest_m);
     // Without way to go, only what it stands in counts.
-    spans_on(ahead.section(), first ? from_m : at_m, rest_m > 0.0 ? reach_m : from_m, first, out);
+    spans_on(ahead.section(), first ? from_m : at_m, rest_m > 0.0 ? reach_m : at_m - late_m, first, out);
     rest_m -= end_m - at_m;
     if (rest_m <= 0.0 || !ahead.step()) return;
     at_m = 0.0;
   }
+}
+
+double WayMap::way_out_m(zone::Place place, CrossingIndex crossing, double distance_m, Sections coming) const {
+  double out_m = 0.0;
+  double start_m = -place.s_m;
+  zone::SectionsAhead ahead{zone_->circuit, place.section, coming};
+  for (std::size_t steps = 0; steps <= coming.size() + zone_->circuit.size() && start_m < distance_m; ++steps) {
+    for (const Span& span : spans_[ahead.section()])
+      if (span.crossing == crossing && start_m + span.from_m < distance_m)
+        out_m = std::max(out_m, start_m + span.to_m + left_m);
+    start_m += zone_->circuit.section(ahead.section()).length_m();
+    if (!ahead.step()) break;
+  }
+  return out_m;
 }
 
 double WayMap::parted_m(zone::SectionId section) const {
