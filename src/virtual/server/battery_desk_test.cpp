@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "virtual/server/battery_desk.h"
 #include "virtual/server/server_bench.h"
 #include "wire/battery_exchange.h"
 
