@@ -23,6 +23,28 @@ bool same(const SeenTag& a, const SeenTag& b) {
   return a.id == b.id && norm(p.u - q.u, p.v - q.v) < 0.5 * side;
 }
 
+/// Twice as wide and high, smoothly: a tag of 12 px has too few along an edge to fit a line to, and then has enough.
+Image doubled(const Image& image) {
+  const auto [width, height] = image.size;
+  Image twice = Image::filled({2 * width, 2 * height}, 0);
+  // Middles of the new pixels lie a quarter beside the old ones': three parts of the nearer, one of the further.
+  const auto beside = [](std::size_t at, std::size_t count) {
+    return at % 2 == 0 ? (at == 0 ? 0 : at / 2 - 1) : std::min(count - 1, at / 2 + 1);
+  };
+  for (std::size_t row = 0; row < 2 * height; ++row) {
+    const std::size_t near_row = row / 2;
+    const std::size_t far_row = beside(row, height);
+    for (std::size_t column = 0; column < 2 * width; ++column) {
+      const std::size_t near = column / 2;
+      const std::size_t far = beside(column, width);
+      const unsigned sum = 9U * image.at(near, near_row) + 3U * image.at(far, near_row) + 3U * image.at(near, far_row) +
+                           image.at(far, far_row);
+      twice.pixels[row * 2 * width + column] = static_cast<std::uint8_t>((sum + 8U) / 16U);
+    }
+  }
+  return twice;
+}
+
 void sort_from_above(std::vector<SeenTag>& tags) {
   std::ranges::sort(tags, [](const SeenTag& a, const SeenTag& b) {
     const PixelPoint p = a.centre();
@@ -105,8 +127,8 @@ std::vector<SeenTag> TagFinder::find_all(const Image& image) {
   how.corrected_max = 2;
   how.margin_min = 0.0;
   std::vector<SeenTag> tags = find(image, how);
-  how.sigma = -0.8;
-  for (const SeenTag& more : find(image, how)) {
+  for (SeenTag more : find(doubled(image), how)) {
+    for (PixelPoint& corner : more.corners) corner = {0.5 * corner.u, 0.5 * corner.v};
     const bool known = std::ranges::any_of(tags, [&](const SeenTag& tag) { return same(tag, more); });
     if (!known) tags.push_back(more);
   }

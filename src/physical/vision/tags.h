@@ -44,7 +44,7 @@ class TagFinder {
   /// Tags of a part of the picture, corners in the whole picture's pixels, from above to below.
   [[nodiscard]] std::vector<SeenTag> find(const Image& image, const Window& window, const How& how);
   [[nodiscard]] std::vector<SeenTag> find(const Image& image, const How& how);
-  /// Twice over the whole picture, as it is and sharpened, each tag once: slow, and finds the most.
+  /// Twice over the whole picture, as it is and doubled, each tag once: slow, and finds tags of 12 px, too.
   [[nodiscard]] std::vector<SeenTag> find_all(const Image& image);
 
  private:
