@@ -82,10 +82,12 @@ TEST(Convoys, bring_more_round_a_crowded_clover_and_starve_nobody) {
   EXPECT_LT(with.longest_wait_s, 10.0) << "nobody grows so old that he is overtaken by nobody";
 }
 
-TEST(Convoys, change_nothing_where_nobody_comes_close_behind) {
+/// Not the same to the last bit: with convoys whoever must wait for a third one anyway lets others by (CloverTurns).
+TEST(Convoys, cost_nothing_where_nobody_comes_close_behind) {
   const Figures with = measure(4, true);
   const Figures without = measure(4, false);
-  EXPECT_DOUBLE_EQ(with.laps_per_h, without.laps_per_h);
+  EXPECT_GE(with.laps_per_h, without.laps_per_h);
+  EXPECT_LE(with.laps_per_h, 1.02 * without.laps_per_h);
 }
 
 TEST(Convoys, are_explained_in_the_traces) {
