@@ -35,7 +35,8 @@ std::vector<SceneBody> fleet_of(int vehicles) {
   for (int i = 0; i < vehicles; ++i) {
     SceneBody body;
     body.tag = i;
-    body.X_MB = {-1.1 + 2.6 * (i % across) / across, -1.1 + 2.6 * (i / across) / across, wrap_angle(0.37 * i)};
+    const int row = i / across;
+    body.X_MB = {-1.1 + 2.6 * (i % across) / across, -1.1 + 2.6 * row / across, wrap_angle(0.37 * i)};
     body.speed_mps = random.uniform(0.0, 0.15);
     body.turn_radps = random.gaussian(0.0, 0.8);
     bodies.push_back(body);

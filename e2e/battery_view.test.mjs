@@ -31,7 +31,7 @@ test('an operator changes a battery, says so on the page, and watches it', { tim
 
   const live = new Program(
     t, cosiva_binary(),
-    ['battery', 'fleet', '--live', '--by-hand', '--url', platform.url, '--broker', `127.0.0.1:${await platform.broker_port()}`, '--aivs', '1', '--battery', 'red', '--floor', '5'],
+    ['battery', 'sampled', '--live', '--by-hand', '--url', platform.url, '--broker', `127.0.0.1:${await platform.broker_port()}`, '--battery', 'red', '--floor', '5'],
     { name: 'cosiva battery' },
   );
 
