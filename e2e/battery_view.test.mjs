@@ -76,7 +76,11 @@ test('an operator changes a battery, says so on the page, and watches it', { tim
 
   for (const theme of ['light', 'dark']) {
     await t.test(`it can be read in ${theme}`, async () => {
+      await page.emulateMedia({ colorScheme: theme, reducedMotion: 'reduce' });
       await page.evaluate((wanted) => (location.hash = `#panel=battery&theme=${wanted}`), theme);
+      // Drawn in its colours, all of it, before anybody judges them.
+      await page.waitForFunction((wanted) => document.documentElement.dataset.theme === wanted, theme);
+      await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
       await page.waitForTimeout(400);
       await assert_open_to_all(page);
       await page.screenshot({ path: path.join(artefacts_dir, `battery_view_${theme}.png`) });

@@ -188,6 +188,7 @@ class Render {
     if (auto written = adapters::write_files(a_.out_folder + "/truth", truth); !written) return written;
     const auto board = board_of(camera_, a_);
     std::vector<vision::SceneBody> lying;
+    lying.reserve(board.size());
     for (const vision::BoardTag& tag : board)
       lying.push_back({tag.id, tag.X_MT, 0.0, 0.0, 0.0, tag.side_m, {}, 0.0, 0.0});
     if (auto written = adapters::write_files(a_.out_folder + "/board",

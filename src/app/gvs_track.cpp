@@ -147,6 +147,7 @@ std::optional<std::pair<double, double>> mean_offset(const std::vector<Offset>& 
 double median_ms(const std::vector<Timing>& timing) {
   if (timing.empty()) return 0.0;
   std::vector<double> all;
+  all.reserve(timing.size());
   for (const Timing& one : timing) all.push_back(one.took_ms);
   std::ranges::nth_element(all, all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2));
   return all[all.size() / 2];

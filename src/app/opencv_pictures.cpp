@@ -32,9 +32,9 @@ bool to_grey(const cv::Mat& from, Image& image) {
   return true;
 }
 
-class Stream final : public OpencvStream {
+class FrameStream final : public OpencvStream {
  public:
-  explicit Stream(cv::VideoCapture capture) : capture_{std::move(capture)} {}
+  explicit FrameStream(const cv::VideoCapture& capture) : capture_{capture} {}
   bool next(Image& image, double& stamp_s) override {
     cv::Mat picture;
     if (!capture_.read(picture) || !to_grey(picture, image)) return false;
@@ -51,9 +51,9 @@ class Stream final : public OpencvStream {
   std::size_t number_{0};
 };
 
-std::unique_ptr<OpencvStream> stream_of(cv::VideoCapture capture) {
+std::unique_ptr<OpencvStream> stream_of(const cv::VideoCapture& capture) {
   if (!capture.isOpened()) return nullptr;
-  return std::make_unique<Stream>(std::move(capture));
+  return std::make_unique<FrameStream>(capture);
 }
 
 class Library final : public cosiva::app::Opencv {
