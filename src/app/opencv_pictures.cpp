@@ -63,7 +63,7 @@ class Library final : public cosiva::app::Opencv {
       // OpenCV reads only; its type knows no constant bytes.
       // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast)
       const cv::Mat all(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
-      return to_grey(cv::imdecode(all, cv::IMREAD_COLOR), image);
+      return to_grey(cv::imdecode(all, cv::IMREAD_GRAYSCALE), image);
     } catch (const cv::Exception&) {
       return false;
     }

@@ -115,7 +115,8 @@ void Painter::draw_floor(const std::vector<SceneLine>& lines, std::uint64_t seed
   const Patches patches{seed};
   floor_.assign(width * height, floor_light);
   for (std::size_t i = 0; i < floor_.size(); ++i) {
-    const Point2 there = seen_at(static_cast<double>(i % width) + 0.5, static_cast<double>(i / width) + 0.5);
+    const std::size_t row = i / width;
+    const Point2 there = seen_at(static_cast<double>(i % width) + 0.5, static_cast<double>(row) + 0.5);
     if (std::fabs(there.x_m) < 1e4) floor_[i] += 8.0F * patches.at(there.x_m, there.y_m);
   }
   for (const SceneLine& line : lines) {
@@ -177,7 +178,8 @@ void Painter::draw_body(const SceneBody& body, std::vector<float>& light) const 
       float sum = 0.0F;
       for (std::size_t look = 0; look < looks; ++look) {
         const double u = static_cast<double>(column) + (static_cast<double>(look % 3) + 0.5) / 3.0;
-        const double v = static_cast<double>(row) + (static_cast<double>(look / 3) + 0.5) / 3.0;
+        const std::size_t look_row = look / 3;
+        const double v = static_cast<double>(row) + (static_cast<double>(look_row) + 0.5) / 3.0;
         const Point2 seen = seen_at(u, v);
         const Point2 there{(1.0 - share) * seen.x_m + nearer.x_m, (1.0 - share) * seen.y_m + nearer.y_m};
         const Point2 on_tag = X_TM[look] * there;
