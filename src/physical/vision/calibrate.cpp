@@ -178,8 +178,10 @@ ResidualMap residual_map(const std::vector<FloorPoint>& points, const std::vecto
     double nearest = 1e300;
     for (std::size_t other = 0; other < known.size(); ++other) {
       if (map.points[other] == 0) continue;
+      const std::size_t row = at / map.columns;
+      const std::size_t other_row = other / map.columns;
       const double dx = static_cast<double>(at % map.columns) - static_cast<double>(other % map.columns);
-      const double dy = static_cast<double>(at / map.columns) - static_cast<double>(other / map.columns);
+      const double dy = static_cast<double>(row) - static_cast<double>(other_row);
       if (dx * dx + dy * dy >= nearest) continue;
       nearest = dx * dx + dy * dy;
       map.rms_m[at] = known[other];
