@@ -19,6 +19,7 @@
 #include "base/digest.h"
 #include "base/json_writer.h"
 #include "base/random.h"
+#include "base/test_places.h"
 #include "virtual/fleet/fleet.h"
 #include "zone/rtm/rtm.h"
 
@@ -30,7 +31,7 @@ using virtual_side::Fleet;
 constexpr double step_s = 0.1;
 
 struct Options {
-  std::string zone{COSIVA_SOURCE_DIR "/bench/clover.toml"};
+  std::string zone{source_dir() + "/bench/clover.toml"};
   std::vector<std::size_t> vehicles{100, 1'000, 10'000, 100'000, 1'000'000};
   std::size_t per_copy{12};
   std::string rules{"fuzzy"};

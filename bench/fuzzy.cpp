@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/random.h"
+#include "base/test_places.h"
 #include "fuzzy/oracle/test_fuzzylite.h"
 #include "fuzzy/rule_base.h"
 
@@ -98,7 +99,7 @@ struct Subject {
 
 std::string agent_rules() {
   std::ostringstream text;
-  text << std::ifstream(COSIVA_SOURCE_DIR "/rules/agent.fll").rdbuf();
+  text << std::ifstream(source_dir() + "/rules/agent.fll").rdbuf();
   return text.str();
 }
 

@@ -16,6 +16,7 @@
 
 #include "base/json_writer.h"
 #include "base/random.h"
+#include "base/test_places.h"
 #include "base/vector_clones.h"
 #include "virtual/fleet/passes.h"
 #include "virtual/fleet/state.h"
@@ -117,7 +118,7 @@ double median(std::vector<double> values) {
 }
 
 int run(const Options& options) {
-  std::ifstream file{COSIVA_SOURCE_DIR "/bench/clover.toml", std::ios::binary};
+  std::ifstream file{source_dir() + "/bench/clover.toml", std::ios::binary};
   auto rtm = zone::Rtm::initialise({"toml", "clover.toml", std::string{std::istreambuf_iterator<char>{file}, {}}});
   if (!rtm) {
     std::fprintf(stderr, "roofline: %s\n", to_string(rtm.error()).c_str());

@@ -32,6 +32,7 @@
 #include "adapters/mqtt_client.h"
 #include "aiv/motion.h"
 #include "base/json_value.h"
+#include "base/test_places.h"
 #include "bench/sample_state.h"
 #include "virtual/server/server_core.h"
 #include "wire/vda5050/codec.h"
@@ -42,7 +43,7 @@ using namespace cosiva;
 using std::chrono::milliseconds;
 
 struct Options {
-  std::string zone{COSIVA_SOURCE_DIR "/zones/lacet4.toml"};
+  std::string zone{source_dir() + "/zones/lacet4.toml"};
   double seconds{10.0};
   std::uint32_t rate_hz{1000};
   std::uint32_t vehicles{10};

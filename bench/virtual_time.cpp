@@ -9,6 +9,7 @@
 #include <iterator>
 #include <string>
 
+#include "base/test_places.h"
 #include "experiments/world/world.h"
 
 namespace {
@@ -16,7 +17,7 @@ namespace {
 using namespace cosiva;
 
 struct Options {
-  std::string zone{COSIVA_SOURCE_DIR "/zones/lacet4.toml"};
+  std::string zone{source_dir() + "/zones/lacet4.toml"};
   std::uint32_t aivs{12};
   double duration_s{600.0};
   std::uint64_t seed{1};

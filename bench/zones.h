@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "aiv/estimation/track.h"
+#include "base/test_places.h"
 #include "zone/rtm/rtm.h"
 
 namespace cosiva::bench {
@@ -14,7 +15,7 @@ namespace cosiva::bench {
 /// The article's circuit, once round its ring.
 inline std::shared_ptr<const estimation::Track> lacet4_track() {
   std::stringstream text;
-  text << std::ifstream(COSIVA_SOURCE_DIR "/zones/lacet4.toml").rdbuf();
+  text << std::ifstream(source_dir() + "/zones/lacet4.toml").rdbuf();
   const auto rtm = zone::Rtm::initialise({"toml", "zones/lacet4.toml", text.str()});
   if (!rtm) {
     std::fprintf(stderr, "%s\n", to_string(rtm.error()).c_str());

@@ -26,10 +26,10 @@ function(cosiva_module name)
   if(COSIVA_TESTS AND tests)
     cosiva_resolve(test_targets ${ARG_TEST})
     add_executable(${flat}_test ${tests})
-    target_link_libraries(${flat}_test PRIVATE cosiva_${flat} ${private_targets} ${test_targets} GTest::gmock_main rapidcheck)
+    target_link_libraries(${flat}_test PRIVATE cosiva_${flat} ${private_targets} ${test_targets} cosiva_source_dir
+                                               GTest::gmock_main rapidcheck)
     target_compile_options(${flat}_test PRIVATE ${cosiva_test_options})  # cosiva_headers.cmake
     target_precompile_headers(${flat}_test REUSE_FROM cosiva_test_headers)
-    target_compile_definitions(${flat}_test PRIVATE COSIVA_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
     gtest_discover_tests(${flat}_test TEST_PREFIX "${name}: " DISCOVERY_TIMEOUT 60
       PROPERTIES TIMEOUT 600 ENVIRONMENT "RC_PARAMS=seed=20230711")
   endif()

@@ -20,6 +20,7 @@
 #include "base/json_value.h"
 #include "base/json_writer.h"
 #include "base/random.h"
+#include "base/test_places.h"
 #include "zone/draw.h"
 #include "zone/rtm/rtm.h"
 
@@ -29,8 +30,8 @@ using namespace cosiva;
 using virtual_side::PositionRecord;
 
 struct Options {
-  std::string zone{COSIVA_SOURCE_DIR "/zones/lacet4.toml"};
-  std::string web_root{COSIVA_SOURCE_DIR "/web/dist"};
+  std::string zone{source_dir() + "/zones/lacet4.toml"};
+  std::string web_root{source_dir() + "/web/dist"};
   std::uint32_t vehicles{100};
   double scale{0.0};
   std::uint16_t port{0};

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "adapters/thread_pool.h"
+#include "base/test_places.h"
 #include "virtual/fleet/fleet.h"
 #include "zone/generate.h"
 #include "zone/rtm/rtm.h"
@@ -41,7 +42,7 @@ void expect_same(const std::shared_ptr<const zone::TrafficZone>& zone, const std
 
 TEST(FleetThreads, many_copies_of_a_zone_are_the_same_on_any_number_of_threads) {
   std::stringstream text;
-  text << std::ifstream(COSIVA_SOURCE_DIR "/zones/lacet4.toml").rdbuf();
+  text << std::ifstream(source_dir() + "/zones/lacet4.toml").rdbuf();
   const auto zone = read(text.str());
   std::vector<FleetStart> starts;
   for (std::uint32_t copy = 0; copy < 700; ++copy)

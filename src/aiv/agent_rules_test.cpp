@@ -12,6 +12,7 @@
 
 #include "aiv/envelope.h"
 #include "aiv/speed_rules.h"
+#include "base/test_places.h"
 
 namespace cosiva::aiv {
 namespace {
@@ -254,7 +255,7 @@ std::string fault(const std::string& fll) {
 
 TEST(AgentRules, that_come_with_the_platform_are_the_file_that_is_edited) {
   std::ostringstream text;
-  text << std::ifstream(COSIVA_SOURCE_DIR "/rules/agent.fll").rdbuf();
+  text << std::ifstream(source_dir() + "/rules/agent.fll").rdbuf();
   EXPECT_EQ(built_in_rules_text(), text.str());
   EXPECT_EQ(fault(text.str()), "nothing");
 }

@@ -8,13 +8,14 @@
 #include <utility>
 #include <vector>
 
+#include "base/test_places.h"
 #include "zone/rtm/rtm.h"
 
 /// Zones and circuits that the tests of aiv and aiv/onboard drive on.
 namespace cosiva::aiv::test {
 
 inline zone::ZoneConfiguration lacet4_configuration() {
-  const std::string path = std::string(COSIVA_SOURCE_DIR) + "/zones/lacet4.toml";
+  const std::string path = source_dir() + "/zones/lacet4.toml";
   std::ifstream file{path};
   std::ostringstream text;
   text << file.rdbuf();

@@ -9,6 +9,7 @@
 #include "adapters/test_bench.h"
 #include "app/command_line_bench.h"
 #include "base/json_value.h"
+#include "base/test_places.h"
 #include "battery/type.h"
 
 namespace cosiva::app {
@@ -21,7 +22,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-std::string data(const std::string& name) { return COSIVA_SOURCE_DIR "/src/battery/testdata/" + name; }
+std::string data(const std::string& name) { return source_dir() + "/src/battery/testdata/" + name; }
 
 TEST(BatterySampled, gives_the_autonomy_and_its_drift) {
   const Said said = cosiva({"battery", "sampled", "--repeat", "3", "--measure", "20", "--json"});

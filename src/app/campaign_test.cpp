@@ -8,6 +8,7 @@
 #include "adapters/test_bench.h"
 #include "app/command_line_bench.h"
 #include "base/json_value.h"
+#include "base/test_places.h"
 
 namespace cosiva::app {
 namespace {
@@ -19,7 +20,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-const std::string examples = std::string(COSIVA_SOURCE_DIR) + "/examples/";
+const std::string examples = source_dir() + "/examples/";
 const std::string small =
     "runs = 3\nway_m = 10\n[vary]\nalgorithm = [\"arc_kalman\", \"ekf\"]\npitch_m = [0.5, 1.0, 2.0]\n";
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app/command_line.h"
+#include "base/test_places.h"
 
 /// For tests: the command as somebody types it, and what it says.
 namespace cosiva::app::bench {
@@ -29,6 +30,6 @@ inline Said cosiva(const std::vector<std::string>& arguments) {
   return said;
 }
 
-inline const std::string zones = std::string(COSIVA_SOURCE_DIR) + "/zones/";
+inline const std::string zones = source_dir() + "/zones/";
 
 }  // namespace cosiva::app::bench

@@ -6,6 +6,7 @@
 #include "adapters/test_bench.h"
 #include "app/command_line_bench.h"
 #include "base/json_value.h"
+#include "base/test_places.h"
 #include "wire/core.h"
 
 namespace cosiva::app {
@@ -17,7 +18,7 @@ using bench::Said;
 using bench::zones;
 using ::testing::HasSubstr;
 
-const std::string scenarios = std::string(COSIVA_SOURCE_DIR) + "/scenarios/";
+const std::string scenarios = source_dir() + "/scenarios/";
 
 TEST(CommandLine, bare_shows_what_there_is_with_two_examples) {
   const Said said = cosiva({});

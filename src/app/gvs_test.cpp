@@ -11,6 +11,7 @@
 #include "app/command_line_bench.h"
 #include "app/pictures.h"
 #include "base/json_value.h"
+#include "base/test_places.h"
 #include "base/text.h"
 #include "physical/vision/tags.h"
 
@@ -22,7 +23,7 @@ using bench::cosiva;
 using bench::Said;
 using ::testing::HasSubstr;
 
-const std::string data = std::string(COSIVA_SOURCE_DIR) + "/src/physical/vision/testdata/";
+const std::string data = source_dir() + "/src/physical/vision/testdata/";
 
 JsonValue json_of(const Said& said) {
   auto json = JsonValue::parse(said.data);

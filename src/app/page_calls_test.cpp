@@ -11,6 +11,7 @@
 #include "adapters/test_bench.h"
 #include "app/openapi.h"
 #include "app/page_bench.h"
+#include "base/test_places.h"
 
 namespace cosiva::app {
 namespace {
@@ -306,7 +307,7 @@ std::string switch_body(const std::string& file, const std::string& text) {
 
 TEST(PageCalls, switch_to_a_zone_that_is_sent_whole) {
   PageBench page;
-  const std::string text = adapters::read_file(std::string(COSIVA_SOURCE_DIR) + "/zones/indus8.toml").value();
+  const std::string text = adapters::read_file(source_dir() + "/zones/indus8.toml").value();
   const HttpResponse answer = page.ask("POST", "/api/v1/zone/switch", switch_body("mine.toml", text));
   EXPECT_EQ(answer.status, 200U) << answer.body;
   EXPECT_EQ(page.ask("GET", "/api/v1/zone/file").body, text);
@@ -333,7 +334,7 @@ TEST(PageCalls, save_into_the_run_s_file_only_while_it_is_that_zone) {
   Scratch scratch;
   ::setenv("XDG_DATA_HOME", (scratch / "data").c_str(), 1);
   PageBench page;
-  const std::string lacet4 = adapters::read_file(std::string(COSIVA_SOURCE_DIR) + "/zones/lacet4.toml").value();
+  const std::string lacet4 = adapters::read_file(source_dir() + "/zones/lacet4.toml").value();
   page.zone_file = scratch.write("mine.toml", lacet4);
   ASSERT_EQ(page.ask("POST", "/api/v1/zone/switch", R"({"name":"indus8"})").status, 200U);
   EXPECT_EQ(PageBench::said(page.ask("POST", "/api/v1/zone/save"), "file"), scratch / "data/cosiva/zones/indus8.toml");

@@ -9,6 +9,7 @@
 #include "app/command_line_bench.h"
 #include "app/external_algorithm.h"
 #include "base/json_value.h"
+#include "base/test_places.h"
 
 namespace cosiva::app {
 namespace {
@@ -18,7 +19,7 @@ using bench::cosiva;
 using bench::Said;
 using ::testing::HasSubstr;
 
-const std::string source = COSIVA_SOURCE_DIR;
+const std::string source = source_dir();
 
 JsonValue json_of(const Said& said) {
   auto json = JsonValue::parse(said.data);

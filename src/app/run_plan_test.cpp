@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "adapters/test_bench.h"
+#include "base/test_places.h"
 
 namespace cosiva::app {
 namespace {
@@ -11,7 +12,7 @@ using adapters::testing::Scratch;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-const std::string lacet4 = std::string(COSIVA_SOURCE_DIR) + "/zones/lacet4.toml";
+const std::string lacet4 = source_dir() + "/zones/lacet4.toml";
 
 UpArguments with_scenario(const std::string& file) {
   UpArguments arguments;

@@ -10,6 +10,7 @@
 #include "adapters/files.h"
 #include "adapters/test_bench.h"
 #include "base/json_value.h"
+#include "base/test_places.h"
 
 namespace cosiva::app {
 namespace {
@@ -56,7 +57,7 @@ class UpTest : public ::testing::Test {
  protected:
   std::vector<std::string> up(std::initializer_list<std::string> more) {
     std::vector<std::string> arguments{"up",        "--headless",
-                                       "--zone",    std::string(COSIVA_SOURCE_DIR) + "/zones/lacet4.toml",
+                                       "--zone",    source_dir() + "/zones/lacet4.toml",
                                        "--aivs",    "2",
                                        "--port",    std::to_string(adapters::find_free_port().value()),
                                        "--run-dir", scratch / "run",
@@ -195,7 +196,7 @@ TEST_F(UpTest, parts_record_their_own_journals_and_both_replay) {
   const std::string address = "127.0.0.1:" + std::to_string(broker->port());
   Scratch plant_words;
   Scratch aiv_words;
-  const std::string zone = std::string(COSIVA_SOURCE_DIR) + "/zones/lacet4.toml";
+  const std::string zone = source_dir() + "/zones/lacet4.toml";
   Command plant{loop,
                 plant_words,
                 {"plant", "--zone", zone, "--vehicles", "1", "--sockets", scratch / "boards", "--broker", address,

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include "base/test_places.h"
+
 namespace cosiva::app {
 namespace {
 
@@ -13,7 +15,7 @@ class Virtual : public ::testing::Test {
  protected:
   std::unique_ptr<VirtualPage> open(std::optional<double> duration_s = std::nullopt, double speed = 1.0) {
     UpArguments arguments;
-    arguments.zone = std::string(COSIVA_SOURCE_DIR) + "/zones/lacet4.toml";
+    arguments.zone = source_dir() + "/zones/lacet4.toml";
     arguments.aivs = 1;
     arguments.given.aivs = true;
     arguments.virtual_time = arguments.page = arguments.headless = true;

@@ -8,6 +8,8 @@
 #include <string>
 #include <utility>
 
+#include "base/test_places.h"
+
 namespace cosiva::battery {
 namespace {
 
@@ -16,7 +18,7 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 std::string text_of(const std::string& name) {
-  std::ifstream file{std::string(COSIVA_SOURCE_DIR "/batteries/") + name + ".json", std::ios::binary};
+  std::ifstream file{std::string(source_dir() + "/batteries/") + name + ".json", std::ios::binary};
   return {std::istreambuf_iterator<char>{file}, {}};
 }
 

@@ -10,13 +10,14 @@
 #include <vector>
 
 #include "base/random.h"
+#include "base/test_places.h"
 
 namespace cosiva::fuzzy {
 namespace {
 
 RuleBase agent_rules() {
   std::ostringstream text;
-  text << std::ifstream(COSIVA_SOURCE_DIR "/rules/agent.fll").rdbuf();
+  text << std::ifstream(source_dir() + "/rules/agent.fll").rdbuf();
   auto rules = RuleBase::read(text.str(), "rules/agent.fll");
   EXPECT_TRUE(rules) << to_string(rules.error());
   return std::move(*rules);

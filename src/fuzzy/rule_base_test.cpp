@@ -13,6 +13,7 @@
 
 #include "base/digest.h"
 #include "base/random.h"
+#include "base/test_places.h"
 #include "fuzzy/kernel.h"
 #include "fuzzy/shapes.h"
 #include "fuzzy/test_rules.h"
@@ -184,7 +185,7 @@ TEST(RuleBase, refuses_more_rules_than_it_can_work_with) {
 
 std::string agent_rules() {
   std::ostringstream text;
-  text << std::ifstream(COSIVA_SOURCE_DIR "/rules/agent.fll").rdbuf();
+  text << std::ifstream(source_dir() + "/rules/agent.fll").rdbuf();
   return text.str();
 }
 

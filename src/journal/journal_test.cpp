@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "base/random.h"
+#include "base/test_places.h"
 #include "journal/crc32c.h"
 
 namespace cosiva::journal {
@@ -129,7 +130,7 @@ TEST(Journal, is_written_as_its_document_shows_byte_by_byte) {
   Writer writer{[&](std::string_view piece) { bytes += piece; }};
   for (const Input& input : run) writer.append(input);
   writer.end(virtual_epoch + 100ms, "0123456789abcdef");
-  const std::string documented = hex_block(COSIVA_SOURCE_DIR "/docs/protocols/journal.md");
+  const std::string documented = hex_block(source_dir() + "/docs/protocols/journal.md");
   EXPECT_EQ(bytes, documented);
   EXPECT_EQ(read_all(documented).inputs, run);
 }

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/test_places.h"
 #include "zone/rtm/rtm.h"
 
 namespace cosiva::zone::testing {
@@ -63,7 +64,7 @@ inline ZoneConfiguration configuration_file(const std::string& file_name) {
     text << file.rdbuf();
     return text.str();
   };
-  const std::string folder = COSIVA_SOURCE_DIR "/zones/";
+  const std::string folder = source_dir() + "/zones/";
   const auto companion = companion_of_file(file_name);
   return {format_of_file(file_name).value_or("?"), "zones/" + file_name, bytes(folder + file_name),
           companion ? bytes(folder + *companion) : std::string()};

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/test_places.h"
 #include "battery/fit/least_squares.h"
 #include "battery/pack.h"
 
@@ -17,7 +18,7 @@ namespace cosiva::battery {
 namespace {
 
 std::vector<Log> logs_of(const std::string& name) {
-  std::ifstream file{COSIVA_SOURCE_DIR "/src/battery/testdata/" + name, std::ios::binary};
+  std::ifstream file{source_dir() + "/src/battery/testdata/" + name, std::ios::binary};
   const std::string text{std::istreambuf_iterator<char>{file}, {}};
   auto logs = read_logs(text, name);
   EXPECT_TRUE(logs) << (logs ? "" : to_string(logs.error()));

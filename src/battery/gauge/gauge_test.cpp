@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "base/test_places.h"
+
 namespace cosiva::battery {
 namespace {
 
@@ -119,7 +121,7 @@ struct Sample {
   double t_s, volt, ampere;
 };
 std::vector<Sample> log_of(const std::string& name) {
-  std::ifstream file{COSIVA_SOURCE_DIR "/src/battery/testdata/" + name};
+  std::ifstream file{source_dir() + "/src/battery/testdata/" + name};
   std::vector<Sample> samples;
   std::string line;
   std::getline(file, line);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/json_value.h"
+#include "base/test_places.h"
 
 namespace cosiva::experiments {
 namespace {
@@ -28,7 +29,7 @@ struct Cell {
 };
 
 std::vector<Cell> hg2() {
-  std::ifstream file{COSIVA_SOURCE_DIR "/src/battery/testdata/lghg2_fleet_figures.csv"};
+  std::ifstream file{source_dir() + "/src/battery/testdata/lghg2_fleet_figures.csv"};
   std::string line;
   std::getline(file, line);
   std::vector<Cell> cells;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/test_places.h"
 #include "experiments/battery/analysis.h"
 
 namespace cosiva::experiments {
@@ -17,7 +18,7 @@ namespace {
 using namespace std::chrono_literals;
 
 WorldOptions lacet4(std::uint32_t aivs) {
-  std::ifstream file{COSIVA_SOURCE_DIR "/zones/lacet4.toml"};
+  std::ifstream file{source_dir() + "/zones/lacet4.toml"};
   WorldOptions options;
   options.zone = {"toml", "lacet4.toml", {std::istreambuf_iterator<char>{file}, {}}};
   options.aivs = aivs;

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/test_places.h"
 #include "experiments/battery/analysis.h"
 
 namespace cosiva::experiments {
@@ -158,7 +159,7 @@ TEST(VirtualRig, refuses_a_state_that_is_another_test_s) {
 }
 
 TEST(Loads, are_what_the_vehicles_of_a_whole_platform_take) {
-  std::ifstream file{COSIVA_SOURCE_DIR "/zones/lacet4.toml"};
+  std::ifstream file{source_dir() + "/zones/lacet4.toml"};
   WorldOptions options;
   options.zone = {"toml", "lacet4.toml", {std::istreambuf_iterator<char>{file}, {}}};
   options.aivs = 3;

@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "base/test_places.h"
 #include "experiments/campaign/work.h"
 #include "zone/rtm/rtm.h"
 
@@ -17,7 +18,7 @@ namespace cosiva::experiments::testing {
 
 inline CampaignGround lacet4() {
   static const auto zone = [] {
-    const std::string path = std::string(COSIVA_SOURCE_DIR) + "/zones/lacet4.toml";
+    const std::string path = source_dir() + "/zones/lacet4.toml";
     std::ifstream file(path);
     std::stringstream text;
     text << file.rdbuf();

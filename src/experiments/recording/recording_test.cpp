@@ -9,6 +9,7 @@
 #include <string>
 
 #include "aiv/estimation/registry.h"
+#include "base/test_places.h"
 #include "experiments/statistics/sample.h"
 
 namespace cosiva::experiments {
@@ -132,7 +133,7 @@ Trial trial_of(const std::string& path) {
   return *trial;
 }
 
-const std::string recorded = COSIVA_SOURCE_DIR "/src/experiments/recording/";
+const std::string recorded = source_dir() + "/src/experiments/recording/";
 
 TEST(Recorded, mower_is_placed_better_by_who_doubts_its_sensors_and_better_still_by_who_looks_back) {
   const Trial trial = trial_of(recorded + "plaza1");

@@ -5,6 +5,7 @@
 #include <sstream>
 #include <string>
 
+#include "base/test_places.h"
 #include "experiments/scenario/scenario.h"
 #include "zone/rtm/rtm.h"
 
@@ -23,7 +24,7 @@ inline std::string at(double t_s, const std::string& action) {
 }
 
 inline std::string file_text(const std::string& below_root) {
-  std::ifstream file{std::string(COSIVA_SOURCE_DIR) + "/" + below_root};
+  std::ifstream file{source_dir() + "/" + below_root};
   EXPECT_TRUE(file) << below_root;
   std::ostringstream text;
   text << file.rdbuf();

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <thread>
 
+#include "base/test_places.h"
 #include "base/test_ranks.h"
 #include "zone/rtm/rtm.h"
 
@@ -13,7 +14,7 @@ namespace cosiva::experiments {
 namespace {
 
 std::shared_ptr<const zone::TrafficZone> ready(const std::string& name) {
-  const std::string path = std::string(COSIVA_SOURCE_DIR) + "/zones/" + name + ".toml";
+  const std::string path = source_dir() + "/zones/" + name + ".toml";
   std::ifstream file(path);
   std::stringstream text;
   text << file.rdbuf();

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "base/json_value.h"
+#include "base/test_places.h"
 #include "experiments/world/world.h"
 #include "wire/own_messages.h"
 #include "wire/topics.h"
@@ -19,7 +20,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
 std::string file_text(const std::string& below_root) {
-  std::ifstream file{std::string(COSIVA_SOURCE_DIR) + "/" + below_root};
+  std::ifstream file{source_dir() + "/" + below_root};
   EXPECT_TRUE(file) << below_root;
   std::ostringstream text;
   text << file.rdbuf();

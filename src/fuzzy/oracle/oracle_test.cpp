@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/random.h"
+#include "base/test_places.h"
 #include "fuzzy/oracle/test_fuzzylite.h"
 #include "fuzzy/oracle/test_random_rules.h"
 #include "fuzzy/rule_base.h"
@@ -71,7 +72,7 @@ double worst_deviation(const RuleBase& ours, Fuzzylite& theirs, std::size_t coun
 
 TEST(Fuzzylite, answers_a_million_questions_by_the_agent_s_rules_as_we_do) {
   std::ostringstream text;
-  text << std::ifstream(COSIVA_SOURCE_DIR "/rules/agent.fll").rdbuf();
+  text << std::ifstream(source_dir() + "/rules/agent.fll").rdbuf();
   const auto ours = RuleBase::read(text.str(), "rules/agent.fll");
   ASSERT_TRUE(ours) << to_string(ours.error());
   Fuzzylite theirs{text.str()};

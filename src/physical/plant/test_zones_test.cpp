@@ -3,10 +3,12 @@
 #include <fstream>
 #include <iterator>
 
+#include "base/test_places.h"
+
 namespace cosiva::physical {
 
 zone::ZoneConfiguration lacet4() {
-  const std::string path = std::string(COSIVA_SOURCE_DIR) + "/zones/lacet4.toml";
+  const std::string path = source_dir() + "/zones/lacet4.toml";
   std::ifstream file{path};
   return {"toml", "lacet4.toml", {std::istreambuf_iterator<char>{file}, {}}};
 }

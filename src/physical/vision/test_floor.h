@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/random.h"
+#include "base/test_places.h"
 #include "physical/vision/calibration.h"
 #include "physical/vision/scene.h"
 
@@ -18,7 +19,7 @@ inline constexpr double degree_rad = pi / 180.0;
 inline constexpr PictureSize cpm_picture{2048, 2048};
 
 inline std::string test_file(const std::string& name) {
-  std::ifstream file{std::string(COSIVA_SOURCE_DIR) + "/src/physical/vision/testdata/" + name, std::ios::binary};
+  std::ifstream file{source_dir() + "/src/physical/vision/testdata/" + name, std::ios::binary};
   std::stringstream text;
   text << file.rdbuf();
   return text.str();

@@ -28,7 +28,7 @@ struct TrackerOptions {
   std::vector<int> expected;
   /// The picture that unknown tags are looked for in is so much smaller. 0: as much as leaves tags of side_m enough.
   double search_decimate{0.0};
-  std::size_t bands{16};       ///< a search goes through the picture in so many pictures
+  std::size_t bands{16};      ///< a search goes through the picture in so many pictures
   double speed_mps_max{2.0};  ///< nobody is faster: further apart from one picture to the next is another tag
 };
 

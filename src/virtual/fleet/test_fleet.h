@@ -17,6 +17,7 @@
 
 #include "aiv/formulas.h"
 #include "base/math.h"
+#include "base/test_places.h"
 #include "virtual/fleet/fleet.h"
 #include "zone/generate.h"
 #include "zone/rtm/rtm.h"
@@ -38,7 +39,7 @@ inline Zone zone_file(const std::string& name) {
     text << file.rdbuf();
     return text.str();
   };
-  const std::string path = COSIVA_SOURCE_DIR "/" + name;
+  const std::string path = source_dir() + "/" + name;
   const auto companion = zone::companion_of_file(path);
   auto rtm = zone::Rtm::initialise(
       {zone::format_of_file(path).value_or("?"), path, bytes(path), companion ? bytes(*companion) : std::string{}});

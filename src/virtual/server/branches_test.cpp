@@ -5,6 +5,7 @@
 #include <ranges>
 #include <set>
 
+#include "base/test_places.h"
 #include "virtual/server/server_bench.h"
 #include "virtual/server/traffic.h"
 
@@ -130,8 +131,7 @@ TEST(Roaming, of_six_over_fork_and_merge_touches_nobody_and_goes_on_after_restar
 
 TEST(Missions, sent_back_from_where_it_arrived_it_is_where_its_order_leads_before_it_has_turned) {
   // Two-way edges in a row, N0 to N4, 5 or 10 m each.
-  std::ifstream file{std::string(COSIVA_SOURCE_DIR) +
-                     "/src/zone/lif/testdata/10.11-multiple-edges-with-load-restrictions.lif.json"};
+  std::ifstream file{source_dir() + "/src/zone/lif/testdata/10.11-multiple-edges-with-load-restrictions.lif.json"};
   std::stringstream text;
   text << file.rdbuf();
   ServerBench bench{{"lif", "lanes", text.str()}};

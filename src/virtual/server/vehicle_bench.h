@@ -13,6 +13,7 @@
 #include "aiv/motion.h"
 #include "aiv/order_book.h"
 #include "base/math.h"
+#include "base/test_places.h"
 #include "wire/topics.h"
 #include "wire/vda5050/codec.h"
 #include "zone/anchor.h"
@@ -25,7 +26,7 @@ using namespace std::chrono_literals;
 namespace vda = wire::vda5050;
 
 inline zone::ZoneConfiguration zone_file(const std::string& name) {
-  std::ifstream file{std::string(COSIVA_SOURCE_DIR) + "/zones/" + name};
+  std::ifstream file{source_dir() + "/zones/" + name};
   std::stringstream text;
   text << file.rdbuf();
   return {name.substr(name.rfind('.') + 1), name, text.str()};

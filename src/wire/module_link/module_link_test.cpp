@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "base/random.h"
+#include "base/test_places.h"
 
 namespace cosiva::wire::module_link {
 namespace {
@@ -167,7 +168,7 @@ TEST(Frame, of_the_document_reads_as_the_message) {
 }
 
 TEST(Frame, bytes_stand_in_the_protocol_document) {
-  std::ifstream file{std::string(COSIVA_SOURCE_DIR) + "/docs/protocols/module-link.md"};
+  std::ifstream file{source_dir() + "/docs/protocols/module-link.md"};
   const std::string document{std::istreambuf_iterator<char>{file}, {}};
   EXPECT_EQ(golden().size(), std::variant_size_v<BoardMessage> + 4) << "two of them have two forms, one three";
   for (const Golden& vector : golden()) EXPECT_THAT(document, HasSubstr(vector.hex)) << vector.name;

@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "base/json_writer.h"
+#include "base/test_places.h"
 #include "wire/topics.h"
 #include "wire/vda5050/codec.h"
 #include "wire/vda5050/sample_messages.h"
@@ -48,7 +49,7 @@ TEST(Codec, reads_back_every_factsheet_it_writes) {
 int validate(const std::string& ndjson, const std::string& name) {
   const std::string file = testing::TempDir() + "cosiva_vda5050_" + name + ".ndjson";
   std::ofstream{file, std::ios::binary} << ndjson;
-  const std::string script = COSIVA_SOURCE_DIR "/scripts/validate_vda5050.py";
+  const std::string script = source_dir() + "/scripts/validate_vda5050.py";
   const int status = std::system(("/usr/bin/python3 " + script + " " + file + " >" + file + ".log 2>&1").c_str());
   if (status != 0) {
     std::ifstream log{file + ".log"};

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/test_places.h"
 #include "zone/lif/lif_factory.h"
 #include "zone/toml/companion.h"
 
@@ -25,7 +26,7 @@ inline std::string file_text(const std::filesystem::path& path) {
   return text.str();
 }
 
-inline std::filesystem::path testdata() { return COSIVA_SOURCE_DIR "/src/zone/lif/testdata"; }
+inline std::filesystem::path testdata() { return source_dir() + "/src/zone/lif/testdata"; }
 
 inline Result<TrafficZone> read_text(std::string text, std::string companion = {}) {
   return LifCircuitFactory{}.make_zone({"lif", "plant.lif.json", std::move(text), std::move(companion)});
@@ -40,7 +41,7 @@ inline TrafficZone read_file(const std::string& name, std::string companion = {}
 
 /// One of zones/, with what stands beside it.
 inline ZoneConfiguration ready_zone(std::string format, const std::string& name) {
-  const std::filesystem::path folder = COSIVA_SOURCE_DIR "/zones";
+  const std::filesystem::path folder = source_dir() + "/zones";
   ZoneConfiguration configuration{std::move(format), name, file_text(folder / name), {}};
   if (configuration.format != "toml") configuration.companion = file_text(folder / companion_file(name));
   return configuration;

@@ -11,6 +11,7 @@
 #include <set>
 #include <sstream>
 
+#include "base/test_places.h"
 #include "zone/edit.h"
 #include "zone/opendrive/test_files.h"
 
@@ -27,7 +28,7 @@ std::string read_file(const std::string& path) {
   return text.str();
 }
 
-const std::string samples_folder = COSIVA_SOURCE_DIR "/src/zone/opendrive/testdata/";
+const std::string samples_folder = source_dir() + "/src/zone/opendrive/testdata/";
 constexpr const char* samples[] = {"esmini/fabriksgatan",
                                    "esmini/velodrome",
                                    "maliput/Crossing8Course",

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "base/test_places.h"
 #include "zone/check.h"
 #include "zone/deadlock.h"
 #include "zone/rtm/rtm.h"
@@ -16,7 +17,7 @@ namespace fs = std::filesystem;
 /// The zones that come with the platform, each with its companion.
 std::vector<ZoneConfiguration> ready_zones() {
   std::vector<ZoneConfiguration> zones;
-  for (const auto& entry : fs::directory_iterator{fs::path{COSIVA_SOURCE_DIR} / "zones"}) {
+  for (const auto& entry : fs::directory_iterator{fs::path{source_dir()} / "zones"}) {
     const std::string file = entry.path().filename().string();
     if (format_of_file(file) && !file.ends_with(".zone.toml")) zones.push_back(testing::configuration_file(file));
   }

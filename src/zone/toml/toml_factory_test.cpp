@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "base/random.h"
+#include "base/test_places.h"
 #include "zone/test_zones.h"
 
 namespace cosiva::zone {
@@ -167,7 +168,7 @@ TEST(TomlZone, covers_the_zone_with_beacons_of_any_pitch) {
 }
 
 TEST(TomlZone, in_the_guide_is_a_zone_with_everything_in_it) {
-  std::ifstream file(COSIVA_SOURCE_DIR "/docs/guide/zones.md");
+  std::ifstream file(source_dir() + "/docs/guide/zones.md");
   std::stringstream guide;
   guide << file.rdbuf();
   const std::string text = guide.str();
