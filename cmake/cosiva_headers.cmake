@@ -6,7 +6,6 @@ set(std_headers <algorithm> <array> <charconv> <chrono> <cmath> <cstdint> <deque
 
 add_library(cosiva_headers OBJECT ${CMAKE_BINARY_DIR}/headers.cpp)
 target_link_libraries(cosiva_headers PRIVATE cosiva_flags)
-target_compile_options(cosiva_headers PRIVATE "SHELL:-iquote CMakeFiles/cosiva_headers.dir")  # cosiva_options.cmake
 target_precompile_headers(cosiva_headers PRIVATE ${std_headers})
 
 # Where the checkout lies, known to one object file (base/test_places.h).
@@ -21,7 +20,7 @@ if(COSIVA_TESTS)
   # preset's own level. Under the sanitizers likewise: what is tested is watched by both, the tests' own text by
   # AddressSanitizer only, in half the time.
   set(cosiva_test_options -O0 $<$<BOOL:${COSIVA_SANITIZE}>:-fno-sanitize=undefined>)
-  target_compile_options(cosiva_test_headers PRIVATE ${cosiva_test_options} "SHELL:-iquote CMakeFiles/cosiva_test_headers.dir")
+  target_compile_options(cosiva_test_headers PRIVATE ${cosiva_test_options})
   target_link_libraries(cosiva_test_headers PRIVATE cosiva_flags GTest::gmock rapidcheck)
   target_precompile_headers(cosiva_test_headers PRIVATE ${std_headers} <filesystem> <fstream> <sstream> <gmock/gmock.h>
     <gtest/gtest.h> <rapidcheck.h>)

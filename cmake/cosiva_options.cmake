@@ -6,15 +6,9 @@ set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 
 find_program(CCACHE ccache)
 if(CCACHE)
-  # Precompiled headers are told by their contents, and paths are told from the build folder: what one checkout has
-  # compiled another need not.
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros
-    CCACHE_BASEDIR=${CMAKE_SOURCE_DIR} CCACHE_NOHASHDIR=1 ${CCACHE})
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_SOURCE_DIR}/cmake/compile ${CMAKE_SOURCE_DIR})
   if(CMAKE_CXX_COMPILER_ID STREQUAL Clang)
-    # The same headers again are the same precompiled header, named so that ccache sees the path (CMake hides it behind
-    # -Xclang) and without the build folder's own name.
-    add_compile_options("SHELL:-Xclang -fno-pch-timestamp")
-    set(CMAKE_CXX_COMPILE_OPTIONS_CREATE_PCH -Xclang -emit-pch -Xclang -include -Xclang cmake_pch.hxx -x c++-header)
+    # Named so that ccache sees the path; CMake hides it behind -Xclang.
     set(CMAKE_CXX_COMPILE_OPTIONS_USE_PCH -include-pch <PCH_FILE>)
   else()
     add_compile_options(-fpch-preprocess)  # what is preprocessed names the precompiled header

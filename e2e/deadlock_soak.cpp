@@ -1,6 +1,6 @@
 // Traffic that never deadlocks silently: fleets in a noisy hall, over many seeds.
 //
-//   deadlock_soak ZONE.toml [seeds] [aivs=12] [minutes] [loss=0.05] [first_seed=1] [workers=2] [convoys=off]
+//   deadlock_soak ZONE.toml [seeds] [aivs=12] [minutes] [loss=0.05] [first_seed=1] [workers=2] [convoys=on]
 //
 // 100 seeds of 30 minutes with COSIVA_LONG=1, hours on a slow machine; without it 2 of 3.
 // Each seed is one run of the whole platform in virtual time: messages are lost, vehicles are stopped and let go,
@@ -37,7 +37,7 @@ struct Plan {
   double loss{0.05};
   std::uint64_t first_seed{1};
   unsigned workers{2};
-  bool convoys{false};
+  bool convoys{true};
 };
 
 struct Outcome {
@@ -184,7 +184,7 @@ int main(int argc, char** argv) {
   if (argc > 5) plan.loss = std::strtod(argv[5], nullptr);
   if (argc > 6) plan.first_seed = std::strtoull(argv[6], nullptr, 10);
   if (argc > 7) plan.workers = static_cast<unsigned>(std::strtoul(argv[7], nullptr, 10));
-  if (argc > 8) plan.convoys = std::string_view{argv[8]} == "on";
+  if (argc > 8) plan.convoys = std::string_view{argv[8]} != "off";
 
   const auto started = std::chrono::steady_clock::now();
   const std::vector<Outcome> outcomes = run_all(plan);

@@ -1,10 +1,10 @@
 // The fleet under a lossy network, over many seeds: no collision, nobody starved.
 //
-//   fleet_soak ZONE.toml [seeds=50] [aivs=12] [minutes=10] [loss=0.02] [first_seed=1] [convoys=off] [workers=cores]
+//   fleet_soak ZONE.toml [seeds=50] [aivs=12] [minutes=10] [loss=0.02] [first_seed=1] [convoys=on] [workers=cores]
 //
 // Each seed is one run of the whole platform in virtual time; every second one also has three virtual AIVs among the
 // physical ones, and two people who walk across their ways. Prints a line per seed that breaks a promise and one for
-// all; exit 1 when one was broken, 2 on bad usage.
+// all; exit 1 when one was broken, 2 on bad usage. 50 seeds with COSIVA_LONG=1, however many are named.
 
 #include <algorithm>
 #include <atomic>
@@ -34,7 +34,7 @@ struct Plan {
   double minutes{10.0};
   double loss{0.02};
   std::uint64_t first_seed{1};
-  bool convoys{false};
+  bool convoys{true};
   unsigned workers{std::max(1U, std::thread::hardware_concurrency())};
 };
 
@@ -145,11 +145,12 @@ int main(int argc, char** argv) {
   text << file.rdbuf();
   plan.zone = {"toml", argv[1], text.str()};
   if (argc > 2) plan.seeds = std::strtoull(argv[2], nullptr, 10);
+  if (const char* whole = std::getenv("COSIVA_LONG"); whole != nullptr && *whole != '\0') plan.seeds = 50;
   if (argc > 3) plan.aivs = static_cast<std::uint32_t>(std::strtoul(argv[3], nullptr, 10));
   if (argc > 4) plan.minutes = std::strtod(argv[4], nullptr);
   if (argc > 5) plan.loss = std::strtod(argv[5], nullptr);
   if (argc > 6) plan.first_seed = std::strtoull(argv[6], nullptr, 10);
-  if (argc > 7) plan.convoys = std::string_view{argv[7]} == "on";
+  if (argc > 7) plan.convoys = std::string_view{argv[7]} != "off";
   if (argc > 8) plan.workers = static_cast<unsigned>(std::strtoul(argv[8], nullptr, 10));
 
   const auto started = std::chrono::steady_clock::now();

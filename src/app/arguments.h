@@ -51,7 +51,7 @@ struct UpArguments {
   std::string trace_file;
   std::string web_directory;
   bool v2x{true};
-  bool convoys{false};
+  bool convoys{true};
   std::string rules;  ///< crisp, fuzzy or a file; empty: crisp for physical AIVs, fuzzy for virtual ones
 };
 
@@ -74,7 +74,7 @@ struct ServerArguments {
   std::string map_link;  ///< where vehicles of other makes download the zone's file; empty: from us, on this machine
   bool no_drive{false};
   bool v2x{true};  ///< of its virtual AIVs
-  bool convoys{false};
+  bool convoys{true};
   bool headless{false};
   std::string web_directory;
   std::string memory_file;

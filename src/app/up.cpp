@@ -194,7 +194,7 @@ class Up {
     }
     if (!arguments_.rules.empty()) append(argv, {"--rules", arguments_.rules});
     if (!arguments_.v2x) append(argv, {"--v2x", "off"});
-    if (arguments_.convoys) append(argv, {"--convoys", "on"});
+    if (!arguments_.convoys) append(argv, {"--convoys", "off"});
     if (arguments_.headless) append(argv, {"--headless"});
     if (!arguments_.web_directory.empty()) append(argv, {"--web", arguments_.web_directory});
     ++server_lives_;
