@@ -1,9 +1,11 @@
 // How often the intervals and bounds that an autonomy test prints hold, over simulated fleets of known truth: without
 // and with vehicles that fail before their batteries do. Goal: nominal ± 1 percent.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,12 +45,28 @@ bool holds(const statistics::Interval& interval, double truth) {
   return interval.low <= truth && truth <= interval.high;
 }
 
+/// Batteries one after another until the mean is known to this share of it, as `--half-width` stops.
+void stop_early(Random& random, const Options& options, double share, Count& within, Count& interval) {
+  constexpr std::size_t longest = 2000;
+  std::vector<double> ends;
+  std::optional<std::size_t> stopped;
+  while (!stopped && ends.size() < longest) {
+    ends.push_back(random.gaussian(options.mean_s, options.sd_s));
+    // Only the last look is new: the earlier ones did not stop it.
+    stopped = statistics::stops_at(ends, share, std::max<std::size_t>(5, ends.size()));
+  }
+  if (!stopped) return;
+  const double found_s = statistics::mean(ends);
+  within.ask(std::fabs(found_s - options.mean_s) <= share * found_s);
+  interval.ask(holds(*statistics::mean_interval(ends), options.mean_s));
+}
+
 int measure(const Options& options) {
   Random random{options.seed, "bench/autonomy"};
   const double fifth_s = options.mean_s + options.sd_s * statistics::normal_quantile(0.05);
   const double factor = statistics::tolerance_factor(options.size);
   // Failures as of radioactive atoms: so many of the fleet have failed by the time that its batteries end.
-  const double hazard = -det_log(1.0 - options.failing) / options.mean_s;
+  const double hazard = std::fabs(det_log(1.0 - options.failing)) / options.mean_s;
   Count counts[] = {{"mean, t"},
                     {"mean, BCa"},
                     {"SD, chi squared"},
@@ -57,7 +75,13 @@ int measure(const Options& options) {
                     {"censored: mean"},
                     {"censored: 95/95"},
                     {"censored: KM band at the mean"},
-                    {"censored: counted as ends (wrong)"}};
+                    {"censored: counted as ends (wrong)"},
+                    {"censored: KM band, 10 to 90 %"},
+                    {"censored: KM log-log band, 10 to 90 %"},
+                    {"sequential stop at 1 %: within 1 %"},
+                    {"sequential stop at 1 %: mean, t"},
+                    {"sequential stop at 0.5 %: within it"},
+                    {"sequential stop at 0.5 %: mean, t"}};
   for (std::size_t fleet = 0; fleet < options.fleets; ++fleet) {
     std::vector<double> ends;
     std::vector<statistics::Duration> durations;
@@ -80,11 +104,20 @@ int measure(const Options& options) {
       counts[6].ask(fit->tolerance_low <= fifth_s);
     }
     const statistics::Survival curve = statistics::kaplan_meier(durations);
-    statistics::Interval band{1.0, 1.0};
-    for (const auto& step : curve.steps)
-      if (step.at <= options.mean_s) band = step.band;
-    counts[7].ask(holds(band, 0.5));
+    counts[7].ask(holds(curve.band_at(options.mean_s), 0.5));
     counts[8].ask(holds(*statistics::mean_interval(naive), options.mean_s));
+    const statistics::Survival usual = statistics::kaplan_meier(durations, 0.95, statistics::SurvivalBand::log_log);
+    for (const double share : {0.9, 0.75, 0.5, 0.25, 0.1}) {
+      const double then_s = options.mean_s + options.sd_s * statistics::normal_quantile(1.0 - share);
+      counts[9].ask(holds(curve.band_at(then_s), share));
+      counts[10].ask(holds(usual.band_at(then_s), share));
+    }
+  }
+  // Another stream, so that the rows above are what they were before these came.
+  Random one_by_one{options.seed, "bench/autonomy/sequential"};
+  for (std::size_t test = 0; test < options.fleets; ++test) {
+    stop_early(one_by_one, options, 0.01, counts[11], counts[12]);
+    stop_early(one_by_one, options, 0.005, counts[13], counts[14]);
   }
   if (options.json) std::printf("{\"fleets\":%zu,\"size\":%zu,\"coverage\":{", options.fleets, options.size);
   for (const Count& count : counts) {

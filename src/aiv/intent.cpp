@@ -22,26 +22,40 @@ zone::SpeedProfile pace_of(const Agent& agent, const zone::TrafficZone& zone) {
   return pace;
 }
 
-void add_crossings(const Agent& agent, const zone::TrafficZone& zone, const Passages& passages, wire::Intent& intent) {
+/// Calls `take(passage, name, may_enter)` for each crossing that the vehicle has to speak of, in their order.
+template <typename Take>
+void each_crossing(const Agent& agent, const zone::TrafficZone& zone, const Passages& passages, Take take) {
   const OrderBook& order = agent.order();
   const bool goes_on = order.active() && agent.holds() == 0 && !agent.cancelling();
   const double base_m = order.distance_to_base_end_m();
-  const zone::SpeedProfile pace = pace_of(agent, zone);
   std::vector<Passage> ahead;
   passages.ahead(agent.position().outlook(), intent_reach_m, wire::Intent::crossings_max, ahead);
   for (const Passage& passage : ahead) {
     const bool ends_there = !order.horizon_left() && base_m > passage.entry_m;
     const bool may_enter =
         passage.entry_m <= 0.0 || (order.active() && (base_m >= passage.chain_exit_m - rounding_m || ends_there));
-    if (!may_enter && !(goes_on && order.horizon_left())) break;
+    if (!may_enter && !(goes_on && order.horizon_left())) return;
     const std::string& name = zone.crossings[passage.crossing].name;
-    if (name.size() > name_bytes_max) continue;
-    const auto after = [&](double way_m) {
-      return std::min(duration_s_max, thousandths(earliest_s(way_m, agent.speed_mps(), pace)));
-    };
+    if (name.size() <= name_bytes_max) take(passage, name, may_enter);
+  }
+}
+
+void add_crossings(const Agent& agent, const zone::TrafficZone& zone, const Passages& passages, wire::Intent& intent) {
+  const zone::SpeedProfile pace = pace_of(agent, zone);
+  const auto after = [&](double way_m) {
+    return std::min(duration_s_max, thousandths(earliest_s(way_m, agent.speed_mps(), pace)));
+  };
+  each_crossing(agent, zone, passages, [&](const Passage& passage, const std::string& name, bool may_enter) {
     intent.crossings.push_back({name, thousandths(passage.entry_m), thousandths(passage.exit_m), after(passage.entry_m),
                                 after(passage.exit_m), may_enter});
-  }
+  });
+}
+
+/// On a line whose name can be said.
+bool has_place(const Agent& agent, const zone::TrafficZone& zone) {
+  const PositionEstimator& position = agent.position();
+  return position.known() && !position.off_line() &&
+         zone.circuit.part(position.place().section).name.size() <= name_bytes_max;
 }
 
 void add_way(const Agent& agent, const zone::TrafficZone& zone, wire::Intent& intent) {
@@ -70,6 +84,20 @@ double earliest_s(double distance_m, double speed_mps, const zone::SpeedProfile&
   return (by.speed_mps - start_mps) / by.acceleration_mps2 + (distance_m - speeding_up_m) / by.speed_mps;
 }
 
+bool is_news(const wire::Intent& said, const Agent& agent, const zone::TrafficZone& zone, const Passages& passages) {
+  if (said.braking != agent.braking() || said.map_id != zone.name || said.place.has_value() != has_place(agent, zone))
+    return true;
+  if (!agent.position().known() || agent.position().off_line()) return !said.crossings.empty();
+  std::size_t same = 0;
+  bool other = false;
+  each_crossing(agent, zone, passages, [&](const Passage&, const std::string& name, bool may_enter) {
+    other = other || same == said.crossings.size() || said.crossings[same].name != name ||
+            said.crossings[same].may_enter != may_enter;
+    if (!other) ++same;
+  });
+  return other || same != said.crossings.size();
+}
+
 wire::Intent compose_intent(const Agent& agent, const zone::TrafficZone& zone, const Passages& passages) {
   const PositionEstimator& position = agent.position();
   wire::Intent intent;
@@ -80,9 +108,8 @@ wire::Intent compose_intent(const Agent& agent, const zone::TrafficZone& zone, c
   intent.braking = agent.braking();
   if (!position.known() || position.off_line()) return intent;
   const zone::Place here = position.place();
-  const std::string& section = zone.circuit.part(here.section).name;
-  if (section.size() <= name_bytes_max)
-    intent.place = wire::Intent::OnLine{section, std::max(0.0, thousandths(here.s_m))};
+  if (has_place(agent, zone))
+    intent.place = wire::Intent::OnLine{zone.circuit.part(here.section).name, std::max(0.0, thousandths(here.s_m))};
   add_crossings(agent, zone, passages, intent);
   add_way(agent, zone, intent);
   return intent;

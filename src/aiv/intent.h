@@ -18,4 +18,10 @@ inline constexpr double intent_reach_m = 3.0;
 /// already, and wants none.
 [[nodiscard]] wire::Intent compose_intent(const Agent& agent, const zone::TrafficZone& zone, const Passages& passages);
 
+/// Whether compose_intent would say something else now that others act upon at once: whether it brakes, its map,
+/// whether it is on a line, and which crossings it comes to or may enter. Asked fifty times a second, so it composes
+/// nothing.
+[[nodiscard]] bool is_news(const wire::Intent& said, const Agent& agent, const zone::TrafficZone& zone,
+                           const Passages& passages);
+
 }  // namespace cosiva::aiv

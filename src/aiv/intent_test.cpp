@@ -134,5 +134,38 @@ TEST(ComposeIntent, of_one_beside_the_line_says_only_where_it_is) {
   EXPECT_EQ(intent.pose, (Pose2{0.3, 0.0, 0.5}));
 }
 
+bool is_news(const wire::Intent& said, const Speaker& speaker) {
+  return aiv::is_news(said, speaker.agent, lacet4(), speaker.passages);
+}
+
+TEST(News, are_what_others_act_upon_and_not_where_it_drives_meanwhile) {
+  const auto up_to_crossing = order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"});
+  Speaker speaker{0.1};
+  speaker.take(up_to_crossing);
+  const wire::Intent said = speaker.says();
+  EXPECT_FALSE(is_news(said, speaker));
+  Speaker further{0.15};
+  further.take(up_to_crossing);
+  ASSERT_NE(further.says().place, said.place);
+  EXPECT_FALSE(is_news(said, further));
+
+  Speaker granted{0.1};
+  granted.take(order("O-1").through({"east@0", "east@380", "east@1120", "east@1310"}));
+  EXPECT_TRUE(is_news(said, granted)) << "it may enter";
+  EXPECT_TRUE(is_news(granted.says(), speaker)) << "it may not any more";
+  EXPECT_TRUE(is_news(said, Speaker{0.1})) << "it wants no crossing";
+  EXPECT_TRUE(is_news(Speaker{1.3}.says(), speaker)) << "it comes to crossings";
+  Speaker beside{0.1};
+  beside.agent.stand_off({0.3, 0.0, 0.5});
+  EXPECT_TRUE(is_news(said, beside));
+  EXPECT_FALSE(is_news(beside.says(), beside));
+  wire::Intent other = said;
+  other.braking = !said.braking;
+  EXPECT_TRUE(is_news(other, speaker));
+  other = said;
+  other.map_id = "indus8";
+  EXPECT_TRUE(is_news(other, speaker));
+}
+
 }  // namespace
 }  // namespace cosiva::aiv

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -49,7 +50,7 @@ class Neighbours {
   };
   /// @param topic  under which it came; who speaks under another name or cell than his own is not believed
   /// @param own    where this vehicle is
-  Verdict hear(SimTime now, const wire::V2xTopic& topic, wire::Intent intent, Point2 own);
+  Verdict hear(SimTime now, const wire::V2xTopic& topic, std::shared_ptr<const wire::Intent> intent, Point2 own);
   void age(SimTime now);
   void forget() { heard_.clear(); }
   [[nodiscard]] std::size_t size() const { return heard_.size(); }
@@ -62,7 +63,7 @@ class Neighbours {
 
  private:
   struct Heard {
-    wire::Intent intent;
+    std::shared_ptr<const wire::Intent> intent;  ///< never none; others may have heard the same
     SimTime at{};
   };
   [[nodiscard]] bool leaps(const Heard& before, SimTime now, const wire::Intent& intent) const;

@@ -62,7 +62,8 @@ struct Ear {
   }
   Verdict hear(wire::Intent intent) {
     const wire::V2xTopic topic{"lacet4", wire::cell_of(position(intent.pose)), intent.vehicle};
-    return neighbours.hear(now, topic, std::move(intent), position(agent.position().pose()));
+    return neighbours.hear(now, topic, std::make_shared<const wire::Intent>(std::move(intent)),
+                           position(agent.position().pose()));
   }
   Others around() { return neighbours.around(now, agent); }
 };
@@ -119,10 +120,10 @@ TEST(Neighbours, believe_no_absurdities) {
   EXPECT_EQ(ear.hear(far), Verdict::far);
   EXPECT_EQ(ear.hear(ear.one_at(there, 20.0)), Verdict::implausible) << "forty times the fast profile";
   EXPECT_EQ(ear.hear(ear.one_at(there, std::nan(""))), Verdict::implausible);
-  const wire::Intent elsewhere = ear.one_at(there, 0.2);
-  EXPECT_EQ(ear.neighbours.hear(ear.now, {"lacet4", {2, 2}, elsewhere.vehicle}, elsewhere, {}), Verdict::implausible)
+  const auto elsewhere = std::make_shared<const wire::Intent>(ear.one_at(there, 0.2));
+  EXPECT_EQ(ear.neighbours.hear(ear.now, {"lacet4", {2, 2}, elsewhere->vehicle}, elsewhere, {}), Verdict::implausible)
       << "it speaks in a cell where it is not";
-  EXPECT_EQ(ear.neighbours.hear(ear.now, {"lacet4", wire::cell_of(position(elsewhere.pose)), {"CoSiVA", "AIV9"}},
+  EXPECT_EQ(ear.neighbours.hear(ear.now, {"lacet4", wire::cell_of(position(elsewhere->pose)), {"CoSiVA", "AIV9"}},
                                 elsewhere, {}),
             Verdict::implausible)
       << "under another's name";

@@ -9,6 +9,7 @@
 #include "base/math.h"
 #include "base/random.h"
 #include "wire/core.h"
+#include "wire/heard_intents.h"
 
 namespace cosiva::wire {
 namespace {
@@ -63,6 +64,40 @@ Intent draw(Random& random) {
   }
   for (std::size_t i = random.next() % (Intent::way_max + 1); i > 0; --i) intent.way.push_back(word(random));
   return intent;
+}
+
+TEST(HeardIntent, is_read_once_for_all_who_hear_the_same_words) {
+  const auto first = heard_intent(shown_json);
+  ASSERT_TRUE(first);
+  EXPECT_EQ(**first, shown);
+  EXPECT_EQ(heard_intent(std::string(shown_json)).value(), *first) << "the very same";
+  // Whatever is heard meanwhile, each hears what was said to it.
+  Random random{11, "heard"};
+  std::vector<Intent> said;
+  for (int i = 0; i < 500; ++i) said.push_back(draw(random));
+  for (const Intent& intent : said) {
+    const std::string json = to_json(intent);
+    const auto heard = heard_intent(json);
+    ASSERT_TRUE(heard) << json;
+    ASSERT_EQ(**heard, intent_from_json(json).value());
+  }
+  EXPECT_EQ(*heard_intent(shown_json).value(), shown);
+}
+
+TEST(HeardIntent, is_told_apart_to_the_last_byte_and_refused_each_time) {
+  std::string other{shown_json};
+  other.replace(other.find("north"), 5, "south");
+  EXPECT_EQ(heard_intent(shown_json).value()->way.back(), "north");
+  EXPECT_EQ(heard_intent(other).value()->way.back(), "south");
+  EXPECT_EQ(heard_intent(shown_json).value()->way.back(), "north");
+  std::string bad{shown_json};
+  bad.replace(bad.find("0.4"), 3, "1e9");
+  for (int i = 0; i < 2; ++i) {
+    const auto refused = heard_intent(bad);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().place, "speed");
+  }
+  EXPECT_FALSE(heard_intent(""));
 }
 
 TEST(Intent, is_written_as_its_page_shows) {

@@ -1,5 +1,7 @@
 #include "aiv/onboard/report.h"
 
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 
@@ -9,9 +11,9 @@ namespace {
 constexpr double battery_low = 0.10;
 
 std::string three_decimals(double value_m) {
-  char text[32];
-  const int length = std::snprintf(text, sizeof text, "%.3f", value_m);
-  return {text, static_cast<std::size_t>(length)};
+  std::array<char, 336> text{};  // any double has room
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value_m, std::chars_format::fixed, 3).ptr;
+  return {text.data(), end};
 }
 
 /// "0.42 m"

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "aiv/onboard/inside.h"
+#include "wire/heard_intents.h"
 
 namespace cosiva::aiv {
 namespace {
@@ -13,15 +14,6 @@ constexpr SimDuration moving_period = std::chrono::milliseconds{200};
 constexpr SimDuration standing_period = std::chrono::milliseconds{500};
 /// What changes is told at once, but never more often than this.
 constexpr SimDuration period_min = std::chrono::milliseconds{100};
-
-/// It changes what others make of it: told at once.
-bool is_news(const wire::Intent& said, const wire::Intent& now) {
-  const auto same = [](const wire::CrossingIntent& a, const wire::CrossingIntent& b) {
-    return a.name == b.name && a.may_enter == b.may_enter;
-  };
-  return said.braking != now.braking || said.map_id != now.map_id || said.priority != now.priority ||
-         said.place.has_value() != now.place.has_value() || !std::ranges::equal(said.crossings, now.crossings, same);
-}
 
 }  // namespace
 
@@ -39,7 +31,7 @@ void OnboardCore::Inside::on_intent(const wire::Input& input, wire::Effects& eff
   if (!options.v2x || !neighbours || input.flag || !agent->position().pose_known()) return;
   const auto topic = wire::parse_v2x_topic(input.source);
   if (!topic) return;
-  auto intent = wire::intent_from_json(input.payload);
+  auto intent = wire::heard_intent(input.payload);
   if (!intent) {
     ++intents_refused;
     return complain_of_v2x(intent.error().code + " " + intent.error().place, input.source, to_string(intent.error()),
@@ -78,11 +70,12 @@ void OnboardCore::Inside::tell_intent(wire::Effects& effects) {
   const SimDuration period = alone ? alone_period : agent->standing() ? standing_period : moving_period;
   const bool due = intent_due || since >= period || since < SimDuration::zero();
   if (!due && alone) return;
+  const auto priority =
+      static_cast<std::uint32_t>(std::clamp(zone->priority_of(wire::to_string(options.id)), 0, zone::priority_max));
+  if (!due && said_intent.priority == priority && !is_news(said_intent, *agent, *zone, *passages)) return;
   wire::Intent intent = compose_intent(*agent, *zone, *passages);
   intent.vehicle = options.id;
-  const std::int32_t priority = zone->priority_of(wire::to_string(options.id));
-  intent.priority = static_cast<std::uint32_t>(std::clamp(priority, 0, zone::priority_max));
-  if (!due && !is_news(said_intent, intent)) return;
+  intent.priority = priority;
   intent_due = false;
   intent_sent = now;
   said_intent = intent;

@@ -31,6 +31,7 @@ void write_survival(JsonWriter& json, const statistics::Survival& survival) {
   json.field("restricted_to_s", survival.restricted_to);
   write(json, "b10_s", survival.when_ended(0.1));
   write(json, "median_s", survival.when_ended(0.5));
+  write(json, "band95_before", survival.band_before);
   json.key("steps").begin_array();
   for (const statistics::SurvivalStep& step : survival.steps) {
     json.begin_object().field("at_s", step.at).field("share", step.share);

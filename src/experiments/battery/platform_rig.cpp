@@ -175,6 +175,8 @@ PlatformRig& PlatformRig::operator=(PlatformRig&&) noexcept = default;
 
 Result<PlatformRig> PlatformRig::make(WorldOptions world_options, VirtualRigOptions options) {
   const std::uint32_t aivs = world_options.aivs;
+  // No page reads the traces of a test: one slot, written again and again, stays in the cache.
+  world_options.server.traces_max = 1;
   auto world = World::make(std::move(world_options));
   if (!world) return tl::unexpected(world.error());
   const SimTime latest = (*world)->now() + std::chrono::minutes{2};

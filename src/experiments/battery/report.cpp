@@ -47,8 +47,8 @@ double hours_of(const BatteryRun& record, const BatterySample& sample, double /*
 std::string survival_svg(const statistics::Survival& survival) {
   Chart chart{{"autonomy [h]", {}, {}}, {"still running [%]", 0.0, 100.0}, {}};
   Series share{"share", {0.0}, {100.0}, Series::Form::steps};
-  Series low{"95 % band, low", {0.0}, {100.0}, Series::Form::steps};
-  Series high{"95 % band, high", {0.0}, {100.0}, Series::Form::steps};
+  Series low{"95 % band, low", {0.0}, {100.0 * survival.band_before.low}, Series::Form::steps};
+  Series high{"95 % band, high", {0.0}, {100.0 * survival.band_before.high}, Series::Form::steps};
   for (const statistics::SurvivalStep& step : survival.steps) {
     for (Series* series : {&share, &low, &high}) series->x.push_back(step.at / 3600.0);
     share.y.push_back(100.0 * step.share);

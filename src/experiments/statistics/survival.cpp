@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "base/expect.h"
 #include "base/math.h"
@@ -30,6 +31,35 @@ Interval log_log_band(double share, double greenwood, double z) {
   const double most = det_exp(std::min(half, 600.0));
   return {det_exp(std::max(log_share * most, -600.0)), det_exp(log_share / most)};
 }
+
+/// Wilson's interval of a share of so many.
+Interval wilson_band(double share, double size, double z) {
+  const double all = size + z * z;
+  const double centre = (size * share + 0.5 * z * z) / all;
+  const double half = z * std::sqrt(size * share * (1.0 - share) + 0.25 * z * z) / all;
+  return {share <= 0.0 ? 0.0 : centre - half, share >= 1.0 ? 1.0 : centre + half};
+}
+
+/// A band's way along the curve.
+class Band {
+ public:
+  Band(SurvivalBand kind, double level) : kind_{kind}, z_{normal_quantile(0.5 + 0.5 * level)} {}
+  /// Nobody has ended yet.
+  [[nodiscard]] Interval before(double at_risk) const {
+    return kind_ == SurvivalBand::log_log ? Interval{1.0, 1.0} : wilson_band(1.0, at_risk, z_);
+  }
+  Interval after(double share, double greenwood) {
+    if (kind_ == SurvivalBand::log_log) return log_log_band(share, greenwood, z_);
+    // How many uncensored durations would have this variance; where nobody is left, as many as before.
+    if (share > 0.0) size_ = (1.0 - share) / (share * greenwood);
+    return wilson_band(share, size_, z_);
+  }
+
+ private:
+  SurvivalBand kind_;
+  double z_;
+  double size_{1.0};
+};
 
 /// Standard normal density over its upper tail.
 double hazard(double z) {
@@ -92,11 +122,11 @@ NormalFit fit_normal(std::span<const Duration> durations, double mean, double sd
 
 }  // namespace
 
-Survival kaplan_meier(std::span<const Duration> durations, double level) {
+Survival kaplan_meier(std::span<const Duration> durations, double level, SurvivalBand kind) {
   Survival survival{{}, 0.0, 0.0, 0.0};
   const std::vector<Duration> all = sorted(durations);
   if (all.empty()) return survival;
-  const double z = normal_quantile(0.5 + 0.5 * level);
+  Band band{kind, level};
   double share = 1.0;
   double greenwood = 0.0;
   double before = 0.0;
@@ -112,12 +142,13 @@ Survival kaplan_meier(std::span<const Duration> durations, double level) {
     if (ended > 0) {
       const auto at_risk = static_cast<double>(all.size() - i);
       const auto out = static_cast<double>(ended);
+      if (pieces.empty()) survival.band_before = band.before(at_risk);
       const double term = at_risk > out ? out / (at_risk * (at_risk - out)) : 0.0;
       pieces.push_back({share * (all[i].value - before), term});
       before = all[i].value;
       share *= 1.0 - out / at_risk;
       greenwood += term;
-      survival.steps.push_back({before, share, log_log_band(share, greenwood, z), ended, all.size() - i});
+      survival.steps.push_back({before, share, band.after(share, greenwood), ended, all.size() - i});
     }
     i = j;
   }
@@ -133,6 +164,11 @@ Survival kaplan_meier(std::span<const Duration> durations, double level) {
   }
   survival.restricted_mean_sd = std::sqrt(variance);
   return survival;
+}
+
+Interval Survival::band_at(double time) const {
+  const auto after = std::ranges::upper_bound(steps, time, {}, &SurvivalStep::at);
+  return after == steps.begin() ? band_before : std::prev(after)->band;
 }
 
 std::optional<double> Survival::when_ended(double share) const {

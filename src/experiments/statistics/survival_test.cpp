@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -20,7 +21,7 @@ const std::vector<Duration> remissions{{6, true},   {6, true},   {6, true},   {6
                                        {32, false}, {34, false}, {35, false}};
 
 TEST(KaplanMeier, gives_the_textbook_s_curve) {
-  const Survival curve = kaplan_meier(remissions);
+  const Survival curve = kaplan_meier(remissions, 0.95, SurvivalBand::log_log);
   ASSERT_EQ(curve.steps.size(), 7U);
   const std::vector<double> at{6, 7, 10, 13, 16, 22, 23};
   const std::vector<double> share{0.8571, 0.8067, 0.7529, 0.6902, 0.6275, 0.5378, 0.4482};
@@ -40,13 +41,75 @@ TEST(KaplanMeier, gives_the_textbook_s_curve) {
   EXPECT_NEAR(curve.restricted_mean_sd, 2.83, 0.01);
 }
 
+// Nobody is censored before the first three remissions end: the band is Wilson's interval of 18 of 21 there.
+TEST(KaplanMeier, has_wilson_s_interval_of_a_share_for_a_band) {
+  const Survival curve = kaplan_meier(remissions);
+  EXPECT_NEAR(curve.steps[0].band.low, 0.6536, 1e-4);
+  EXPECT_NEAR(curve.steps[0].band.high, 0.9502, 1e-4);
+  EXPECT_EQ(curve.band_at(6.0), curve.steps[0].band);
+  EXPECT_EQ(curve.band_at(6.9), curve.steps[0].band);
+  EXPECT_EQ(curve.band_at(1000.0), curve.steps.back().band);
+  // Before anybody has ended, 21 of 21 last: from 21/(21 + z²) to 1.
+  EXPECT_NEAR(curve.band_at(5.9).low, 0.8454, 1e-4);
+  EXPECT_DOUBLE_EQ(curve.band_at(5.9).high, 1.0);
+  for (const SurvivalStep& step : curve.steps) {
+    EXPECT_LT(step.band.low, step.share);
+    EXPECT_GT(step.band.high, step.share);
+  }
+  // The same share of two who are left is known worse than of all four.
+  const Interval seen = kaplan_meier(std::vector<Duration>{{1, true}, {2, true}, {3, true}, {4, true}}).steps[1].band;
+  const Interval censored =
+      kaplan_meier(std::vector<Duration>{{0.5, false}, {0.5, false}, {3, true}, {4, true}}).steps[0].band;
+  EXPECT_LT(seen.high - seen.low, censored.high - censored.low);
+}
+
+TEST(KaplanMeier, knows_little_of_a_share_that_nobody_of_a_few_reached) {
+  const Survival curve = kaplan_meier(std::vector<Duration>{{1, true}, {2, true}, {4, true}});
+  EXPECT_EQ(curve.steps[2].share, 0.0);
+  EXPECT_EQ(curve.steps[2].band.low, 0.0);
+  EXPECT_GT(curve.steps[2].band.high, 0.5);
+  EXPECT_LT(curve.steps[2].band.high, 0.7);
+  EXPECT_EQ(kaplan_meier(std::vector<Duration>{{1, true}}).steps[0].band.low, 0.0);
+  EXPECT_EQ(kaplan_meier({}).band_at(3.0), (Interval{1.0, 1.0}));
+}
+
+TEST(KaplanMeier, band_holds_all_along_the_curve_about_as_often_as_it_says) {
+  Random random{5, "bands"};
+  constexpr int fleets = 1000;
+  double wilson = 0.0;
+  double log_log = 0.0;
+  for (int fleet = 0; fleet < fleets; ++fleet) {
+    std::vector<Duration> durations;
+    for (int i = 0; i < 12; ++i) {
+      const double end = random.uniform(1.0, 2.0);
+      const double failure = random.uniform(0.0, 6.0);
+      durations.push_back({std::min(end, failure), end <= failure});
+    }
+    const Survival best = kaplan_meier(durations);
+    const Survival usual = kaplan_meier(durations, 0.95, SurvivalBand::log_log);
+    for (const double share : {0.9, 0.75, 0.5, 0.25, 0.1}) {
+      const auto holds = [&](const Survival& curve) {
+        const Interval band = curve.band_at(2.0 - share);
+        return band.low <= share && share <= band.high ? 1.0 / (5.0 * fleets) : 0.0;
+      };
+      wilson += holds(best);
+      log_log += holds(usual);
+    }
+  }
+  EXPECT_NEAR(wilson, 0.95, 0.012);
+  EXPECT_LT(log_log, 0.90) << "nothing to choose between";
+}
+
 TEST(KaplanMeier, without_censoring_is_the_plain_share_and_the_plain_mean) {
   const Survival curve = kaplan_meier(std::vector<Duration>{{1, true}, {2, true}, {4, true}, {5, true}});
   ASSERT_EQ(curve.steps.size(), 4U);
   EXPECT_DOUBLE_EQ(curve.steps[1].share, 0.5);
   EXPECT_DOUBLE_EQ(curve.steps[3].share, 0.0);
   EXPECT_DOUBLE_EQ(curve.restricted_mean, 3.0);
-  EXPECT_EQ(curve.steps[3].band, (Interval{0.0, 0.0}));
+  EXPECT_EQ(kaplan_meier(std::vector<Duration>{{1, true}, {2, true}, {4, true}, {5, true}}, 0.95, SurvivalBand::log_log)
+                .steps[3]
+                .band,
+            (Interval{0.0, 0.0}));
   EXPECT_TRUE(kaplan_meier({}).steps.empty());
 }
 

@@ -28,7 +28,8 @@ namespace cosiva::statistics {
 [[nodiscard]] std::size_t sample_size(double relative_sd, double relative_half_width, double level = 0.95);
 /// After how many of these values, in their order, the interval's half width stood at the wanted share of the mean or
 /// below; nothing while it has not. Stopping at a look makes an interval a little too short: with at least `least`
-/// values and 1/n added to the variance (Chow and Robbins 1965) the loss of coverage stays under two percent.
+/// values and 1/n added to the variance (Chow and Robbins 1965) the mean is within the wanted share in no less than 93
+/// % of all tests, and its own 95 % interval, which may be narrower, holds in 92 to 93 % (bench/autonomy).
 [[nodiscard]] std::optional<std::size_t> stops_at(std::span<const double> values, double relative_half_width,
                                                   std::size_t least = 5, double level = 0.95);
 
