@@ -148,7 +148,8 @@ TEST(Compare, refuses_an_alignment_that_means_nothing) {
     EXPECT_EQ(said.status, 2) << said.words;
     return said.words;
   };
-  EXPECT_THAT(words({"compare", "--align", "se2"}), HasSubstr("there is nothing to align: --align se2"));
+  EXPECT_THAT(words({"compare", "--align", "se2"}),
+              HasSubstr("--align se2: in virtual time all are told the truth's own frame"));
   EXPECT_THAT(words({"qualify", "--recording", source + "/src/experiments/recording/plaza1", "--align", "se3"}),
               HasSubstr("a recording lies on the floor"));
   EXPECT_THAT(words({"compare", "--align", "sim3"}), HasSubstr("sim3"));
