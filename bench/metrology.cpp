@@ -43,14 +43,14 @@ int main(int argc, char** argv) {
   const experiments::Candidate candidate{
       algorithm, "", (*registered)->looks_back,
       [&](const estimation::Setting& setting) { return registry.make(algorithm, setting); }};
-  experiments::Trial trial;
   const double start_s = processor_s();
-  const auto result = experiments::qualify({candidate}, runs,
-                                           [&](std::size_t index) -> Result<const experiments::Trial*> {
-                                             experiments::simulate(simulation, index + 1, trial);
-                                             return &trial;
-                                           },
-                                           {});
+  const auto result =
+      experiments::qualify({candidate}, runs,
+                           [&](std::size_t index, experiments::Trial& room) -> Result<const experiments::Trial*> {
+                             experiments::simulate(simulation, index + 1, room);
+                             return &room;
+                           },
+                           {});
   const double took_s = processor_s() - start_s;
   if (!result || result->algorithms[0].failed) return 1;
   const experiments::Qualified& one = result->algorithms[0];

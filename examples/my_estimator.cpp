@@ -68,10 +68,9 @@ int main() {
   experiments::Simulation simulation{circle()};
   simulation.way_m = 30.0;
   simulation.odometry_hz = 20.0;
-  experiments::Trial trial;
-  const auto source = [&](std::size_t index) -> Result<const experiments::Trial*> {
-    experiments::simulate(simulation, index + 1, trial);
-    return &trial;
+  const auto source = [&](std::size_t index, experiments::Trial& room) -> Result<const experiments::Trial*> {
+    experiments::simulate(simulation, index + 1, room);
+    return &room;
   };
   const auto result = experiments::qualify(candidates, 20, source, {});
   if (!result) return 1;

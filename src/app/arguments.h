@@ -208,7 +208,8 @@ struct QualifyArguments {
   bool list{false};
   bool json{false};
   std::string out_folder;
-  std::string command;  ///< as it was typed, for the report
+  std::string command;       ///< as it was typed, for the report
+  std::uint32_t threads{0};  ///< 0: as many as there are cores
 
   // virtual time
   std::string zone;  ///< empty: lacet4; with recordings: none
@@ -233,7 +234,8 @@ struct QualifyArguments {
   double tolerance_m{0.05};
   double reliability{0.95};
   double confidence{0.95};
-  double reference_m{0.0};
+  std::optional<double> reference_m;
+  std::string reference_budget;  ///< a file: reference_budget.json or a calibration.json
 
   // others'
   std::vector<std::string> recordings;
@@ -243,6 +245,7 @@ struct QualifyArguments {
   std::string reference;
   std::vector<std::string> estimates;
   std::string associate{"interpolate"};
+  std::string align{"none"};  ///< none, se2, se3 or origin
 };
 
 /// Each runs one verb and gives the exit status: 0 done, 1 the run's own checks failed, 2 bad usage or bad input.

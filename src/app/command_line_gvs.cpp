@@ -115,6 +115,13 @@ void describe_calibrate(CLI::App& verb, GvsCalibrateArguments& a) {
   verb.add_option("--tag-height", a.tag_height_m, "of the vehicles' tags above the floor")
       ->type_name("M")
       ->check(CLI::Range(0.0, 100.0));
+  verb.add_option("--tag-height-error", a.tag_height_error_m,
+                  "how sure that height is, as a standard deviation: it goes into reference_budget.json")
+      ->type_name("M")
+      ->check(CLI::Range(0.0, 1.0));
+  verb.add_option("--mount-error", a.mount_error_m, "likewise of where the tag sits on its vehicle")
+      ->type_name("M")
+      ->check(CLI::Range(0.0, 1.0));
   verb.add_option("--mount", a.mount, "where the tag sits on its vehicle: x forward, y left [m], heading [degrees]")
       ->type_name("X,Y,DEG")
       ->delimiter(',')

@@ -9,6 +9,7 @@ constexpr const char* qualify_examples =
     "  cosiva qualify arc_kalman --pitch 0.5 --runs 100           in virtual time, with the limit beside it\n"
     "  cosiva qualify calibrating --recording plaza1 --out DIR    on what was recorded, with a report\n"
     "  cosiva qualify mine --external \"mine=python3 mine.py\"      any program that speaks JSON lines\n"
+    "  cosiva qualify all --runs 500 --threads 4                  no more of this machine than that; same result\n"
     "  cosiva qualify --list                                      which algorithms there are\n"
     "\n"
     "docs/guide/metrology.md tells what the figures mean.";
@@ -18,7 +19,9 @@ constexpr const char* compare_examples =
     "  cosiva compare reset_rule arc_kalman --runs 30             who is better, and is that sure\n"
     "  cosiva compare --zone indus8 --marks beacons --json        the usual ones, beacons as the zone has them\n"
     "  cosiva compare ekf calibrating smoother --recording A --recording B\n"
-    "  cosiva compare --reference truth.tum --estimate a.tum --estimate b.tum";
+    "  cosiva compare --reference truth.tum --estimate a.tum --estimate b.tum\n"
+    "  cosiva compare ekf smoother --recording A --reference-budget cal/reference_budget.json\n"
+    "  cosiva compare --reference truth.tum --estimate slam.tum --align se2     in a frame of its own";
 
 void add_length(CLI::App& verb, const std::string& name, double& metres, const std::string& what) {
   verb.add_option(name, metres, what)->type_name("M")->check(CLI::Range(0.0, 1e9))->capture_default_str();
@@ -61,7 +64,14 @@ void add_judging(CLI::App& verb, QualifyArguments& q) {
   add_length(verb, "--tolerance", q.tolerance_m, "a run passes when no error exceeds it");
   verb.add_option("--reliability", q.reliability, "that passes in a row should show")->check(CLI::Range(0.01, 0.9999));
   verb.add_option("--confidence", q.confidence, "with which they should")->check(CLI::Range(0.01, 0.9999));
-  add_length(verb, "--reference-error", q.reference_m, "standard uncertainty of the truth itself");
+  verb.add_option("--reference-error", q.reference_m, "standard uncertainty of the truth itself, as one figure")
+      ->type_name("M")
+      ->check(CLI::Range(0.0, 1e3));
+  verb.add_option(
+          "--reference-budget", q.reference_budget,
+          "the same part by part with sources, all told in the result: reference_budget.json or calibration.json "
+          "of gvs calibrate; differences below it are called unresolved")
+      ->type_name("FILE");
 }
 
 void add_others(CLI::App& verb, QualifyArguments& q) {
@@ -87,6 +97,13 @@ void add_others(CLI::App& verb, QualifyArguments& q) {
   verb.add_option("--associate", q.associate, "which poses belong together; nearest is evo's rule, within 10 ms")
       ->check(CLI::IsMember({"interpolate", "nearest"}))
       ->capture_default_str();
+  verb.add_option(
+          "--align", q.align,
+          "moves estimates onto the truth before they are judged, and says so: se2 turns about the vertical and "
+          "shifts, by least squares; origin puts the first pose on the truth's; se3, of trajectories, is evo's "
+          "--align. Where the frame is surveyed that hides errors")
+      ->check(CLI::IsMember({"none", "se2", "se3", "origin"}))
+      ->capture_default_str();
 }
 
 }  // namespace
@@ -101,6 +118,9 @@ QualifyVerbs describe_qualify(CLI::App& root, QualifyArguments& q) {
     verb->add_flag("--json", q.json, "print the result as JSON");
     verb->add_option("--out", q.out_folder, "writes report.html, result.json, TUM and CSV files, and zips for evo")
         ->type_name("DIR");
+    verb->add_option("--threads", q.threads, "how many work on it, with the same result; without: one for each core")
+        ->type_name("N")
+        ->check(CLI::Range(1, 1024));
     add_virtual_time(*verb, q);
     add_judging(*verb, q);
     add_others(*verb, q);
@@ -115,6 +135,9 @@ std::optional<int> run_qualify_verb(const QualifyVerbs& verbs, QualifyArguments&
   q.command = "cosiva";
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
+    // Not how many worked on it: the result is the same, and says the same.
+    if (word == "--threads") ++i;
+    if (word.starts_with("--threads")) continue;
     q.command += word.find(' ') == std::string::npos ? " " + word : " '" + word + "'";
   }
   return verbs.qualify->parsed() ? run_qualify(q) : run_compare(q);

@@ -39,6 +39,8 @@ struct GvsCalibrateArguments {
   double camera_height_m{0.0};
   std::vector<double> camera_foot_m;
   double tag_height_m{0.0};
+  std::optional<double> tag_height_error_m;
+  std::optional<double> mount_error_m;
   std::vector<double> mount;  ///< x, y [m], heading [deg] of the tag on its vehicle
   std::string poses_file;
   std::vector<double> pose_xs_m;

@@ -7,6 +7,7 @@
 #include "adapters/files.h"
 #include "app/gvs_arguments.h"
 #include "app/pictures.h"
+#include "app/reference_budget.h"
 #include "app/words.h"
 #include "base/json_writer.h"
 #include "base/text.h"
@@ -226,8 +227,11 @@ int run_gvs_calibrate(const GvsCalibrateArguments& a) {
     return complain({"gvs.height", "needs --camera-height, and the camera above the tags", "--tag-height"});
   made->calibration.markers = {marker_of(a, poses)};
   if (!a.out_folder.empty()) {
+    const std::string budget =
+        to_json(budget_of(made->calibration, "calibration.json", {a.tag_height_error_m, a.mount_error_m, poses}));
     const std::string map = vision::residual_svg(material->points, *made);
     if (auto written = adapters::write_files(a.out_folder, {{"calibration.json", to_json(made->calibration)},
+                                                            {"reference_budget.json", budget},
                                                             {"residual_map.svg", map},
                                                             {"points.csv", vision::write_points(material->points)},
                                                             {"result.json", figures_json(*made, poses) + "\n"},

@@ -10,6 +10,7 @@
 #include "adapters/test_bench.h"
 #include "app/command_line_bench.h"
 #include "app/pictures.h"
+#include "app/reference_budget.h"
 #include "base/json_value.h"
 #include "base/test_places.h"
 #include "base/text.h"
@@ -106,6 +107,40 @@ TEST(Gvs, calibrates_a_real_camera_with_its_surveyed_poses) {
   EXPECT_LE(json.find("poses")->number("heading_sd_deg").value_or(9.0), 0.25);
   for (const char* file : {"calibration.json", "residual_map.svg", "report.html", "result.json"})
     EXPECT_TRUE(std::filesystem::exists(out.path() + "/" + file)) << file;
+  // What is known of the truth that it gives, part by part: the poses that were left out tell height and mounting.
+  const auto budget = load_reference_budget(out.path() + "/reference_budget.json");
+  ASSERT_TRUE(budget) << to_string(budget.error());
+  ASSERT_EQ(budget->parts.size(), 4U);
+  EXPECT_EQ(budget->parts[0].name, "floor fit");
+  EXPECT_NEAR(*budget->parts[0].uncertainty_m, 0.95e-3, 0.05e-3);
+  EXPECT_NEAR(*budget->parts[1].uncertainty_m, 0.04e-3, 0.02e-3);
+  EXPECT_NEAR(1e3 * *budget->parts[2].uncertainty_m, *json.find("poses")->number("rms_mm"), 1e-12);
+  EXPECT_EQ(budget->untold(), 1U);  // the clock
+}
+
+TEST(Gvs, calibration_gives_the_budget_of_its_own_error_and_says_what_nobody_has_told) {
+  const Scratch out;
+  std::vector<std::string> words = hall().calibrate(out.path() + "/cal");
+  words.insert(words.end(), {"--tag-height-error", "0.002", "--mount-error", "0.003"});
+  ASSERT_EQ(cosiva(words).status, 0);
+  const auto told = load_reference_budget(out.path() + "/cal/reference_budget.json");
+  const auto alone = load_reference_budget(out.path() + "/cal/calibration.json");
+  ASSERT_TRUE(told && alone);
+  const auto part = [](const experiments::ReferenceBudget& budget, const std::string& name) {
+    for (const experiments::ReferencePart& one : budget.parts)
+      if (one.name == name) return one;
+    ADD_FAILURE() << name;
+    return experiments::ReferencePart{};
+  };
+  EXPECT_EQ(*part(*told, "floor fit").uncertainty_m, *part(*alone, "floor fit").uncertainty_m);
+  EXPECT_EQ(*part(*told, "mounting").uncertainty_m, 0.003);
+  // 2 mm of height, 3.2 m below the camera, a metre or two out.
+  EXPECT_GT(*part(*told, "tag height").uncertainty_m, 0.002 * 0.8 / 3.2);
+  EXPECT_LT(*part(*told, "tag height").uncertainty_m, 0.002 * 2.5 / 3.2);
+  EXPECT_EQ(told->untold(), 2U);   // noise of tags, the clock
+  EXPECT_EQ(alone->untold(), 4U);  // height and mounting, too
+  EXPECT_FALSE(part(*alone, "tag height").uncertainty_m);
+  EXPECT_NE(part(*alone, "tag height").source.find("1 mm of it would be"), std::string::npos);
 }
 
 TEST(Gvs, rendering_gives_the_same_bytes_for_the_same_seed) {

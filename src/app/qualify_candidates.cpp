@@ -1,8 +1,10 @@
 #include "app/qualify_candidates.h"
 
 #include <algorithm>
+#include <thread>
 
 #include "app/external_algorithm.h"
+#include "app/reference_budget.h"
 
 namespace cosiva::app {
 namespace {
@@ -33,6 +35,29 @@ Result<Candidate> external_of(const std::string& text, std::chrono::milliseconds
 }
 
 }  // namespace
+
+std::size_t threads_for(const QualifyArguments& arguments) {
+  return arguments.threads > 0 ? arguments.threads : std::max(1U, std::thread::hardware_concurrency());
+}
+
+experiments::Alignment alignment_of(const QualifyArguments& arguments) {
+  for (const auto how : {experiments::Alignment::se2, experiments::Alignment::se3, experiments::Alignment::origin}) {
+    if (arguments.align == to_string(how)) return how;
+  }
+  return experiments::Alignment::none;
+}
+
+Result<experiments::ReferenceBudget> reference_of(const QualifyArguments& arguments) {
+  if (arguments.reference_budget.empty()) {
+    experiments::ReferenceBudget budget;
+    if (arguments.reference_m) budget.parts.push_back({"all of it", *arguments.reference_m, "--reference-error"});
+    return budget;
+  }
+  if (arguments.reference_m)
+    return fail("compare.reference", "it says part by part what the other says as one figure: give one of them",
+                "--reference-budget, --reference-error");
+  return load_reference_budget(arguments.reference_budget);
+}
 
 Result<std::vector<Candidate>> candidates_of(const QualifyArguments& arguments, const estimation::Registry& registry,
                                              bool on_track, const std::vector<std::string>& usual) {

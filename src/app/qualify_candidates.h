@@ -20,6 +20,15 @@ namespace cosiva::app {
                                                                         bool on_track,
                                                                         const std::vector<std::string>& usual);
 
+/// How many `--threads` asks for: without it as many as there are cores.
+[[nodiscard]] std::size_t threads_for(const QualifyArguments& arguments);
+/// What `--align` asks for.
+[[nodiscard]] experiments::Alignment alignment_of(const QualifyArguments& arguments);
+
+/// Of `--reference-budget` or `--reference-error`; nothing where neither is given. Fails as reading does, and
+/// ("compare.reference") where both are.
+[[nodiscard]] Result<experiments::ReferenceBudget> reference_of(const QualifyArguments& arguments);
+
 /// Where runs come from: made in virtual time, or read from folders.
 struct Runs {
   experiments::TrialSource source;

@@ -90,12 +90,8 @@ Result<Trial> trial_of(const std::string& folder, const QualifyArguments& argume
 Result<Runs> virtual_runs(const QualifyArguments& arguments) {
   auto ring = ring_of(arguments.zone.empty() ? "lacet4" : arguments.zone);
   if (!ring) return tl::unexpected(ring.error());
-  struct Kept {
-    Simulation simulation;
-    Trial trial;
-  };
-  auto kept = std::make_shared<Kept>();
-  Simulation& simulation = kept->simulation;
+  auto kept = std::make_shared<Simulation>();
+  Simulation& simulation = *kept;
   simulation.track = ring->track;
   simulation.way_m = arguments.way_m;
   simulation.speed_mps = arguments.speed_mps;
@@ -112,9 +108,9 @@ Result<Runs> virtual_runs(const QualifyArguments& arguments) {
   runs.count = arguments.runs;
   runs.on_track = true;
   runs.conditions = conditions_of(arguments, *ring, simulation);
-  runs.source = [kept = kept.get(), seed = arguments.seed](std::size_t index) -> Result<const Trial*> {
-    experiments::simulate(kept->simulation, seed + index, kept->trial);
-    return &kept->trial;
+  runs.source = [kept = kept.get(), seed = arguments.seed](std::size_t index, Trial& room) -> Result<const Trial*> {
+    experiments::simulate(*kept, seed + index, room);
+    return &room;
   };
   runs.kept = std::move(kept);
   return runs;
@@ -138,6 +134,11 @@ Result<Runs> recorded_runs(const QualifyArguments& arguments) {
                                                       decimals(std::sqrt(sensors.distance_variance_per_m), 3) +
                                                       " m after 1 m, ranges " + decimals(sensors.range_sigma_m, 3) +
                                                       " m");
+    if (trial->sensors_assumed)
+      runs.conditions.notes.push_back(folder +
+                                      " has no sensors.csv: the limit is that of the figures assumed, and who is below "
+                                      "it is no leak, but shows that "
+                                      "the sensors are better than that.");
     trials->push_back(std::move(*trial));
   }
   runs.conditions.settings.emplace_back("longest gap of the truth", decimals(arguments.gap_s, 3) + " s");
@@ -148,7 +149,9 @@ Result<Runs> recorded_runs(const QualifyArguments& arguments) {
         "shown different with fewer than six.");
   runs.count = trials->size();
   runs.on_track = ring.has_value();
-  runs.source = [trials = trials.get()](std::size_t index) -> Result<const Trial*> { return &(*trials)[index]; };
+  runs.source = [trials = trials.get()](std::size_t index, Trial&) -> Result<const Trial*> {
+    return &(*trials)[index];
+  };
   runs.kept = std::move(trials);
   return runs;
 }

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <string>
 
@@ -18,6 +19,7 @@ using adapters::testing::Scratch;
 using bench::cosiva;
 using bench::Said;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 const std::string source = source_dir();
 
@@ -40,6 +42,28 @@ TEST(Qualify, in_virtual_time_gives_the_figures_and_the_limit) {
   EXPECT_NEAR(*algorithm(json, 0).number("limit_m"), 0.0089, 3e-4);
   EXPECT_NEAR(*algorithm(json, 0).number("rmse_m"), 0.0089, 1e-3);
   EXPECT_EQ(cosiva({"qualify", "arc_kalman", "--runs", "8", "--way", "40", "--json"}).data, said.data);
+}
+
+TEST(Qualify, says_the_same_to_the_byte_on_any_number_of_threads) {
+  const std::string recorded = source + "/src/experiments/recording/labyrinth";
+  for (const std::vector<std::string>& asked :
+       {std::vector<std::string>{"compare", "reset_rule", "arc_kalman", "particles", "arc_smoother", "--runs", "20"},
+        std::vector<std::string>{"compare", "--recording", recorded}}) {
+    std::vector<std::string> said;
+    for (const char* threads : {"1", "2", "4"}) {
+      std::vector<std::string> words = asked;
+      if (words.size() > 3) words.insert(words.end(), {"--way", "10"});
+      words.insert(words.end(), {"--json", "--threads", threads});
+      const Said one = cosiva(words);
+      EXPECT_EQ(one.status, 0) << one.words;
+      said.push_back(one.data);
+    }
+    EXPECT_EQ(said[0], said[1]);
+    EXPECT_EQ(said[0], said[2]);
+    EXPECT_THAT(said[0], Not(HasSubstr("--threads")));
+    EXPECT_THAT(said[0], HasSubstr("\"digest\""));
+  }
+  EXPECT_EQ(cosiva({"qualify", "--threads", "0"}).status, 2);
 }
 
 TEST(Qualify, lists_what_there_is) {
@@ -75,6 +99,118 @@ TEST(Compare, on_a_recording_reads_it_and_writes_its_report) {
   const JsonValue again =
       json_of(cosiva({"compare", "--reference", out + "/truth.tum", "--estimate", out + "/calibrating.tum", "--json"}));
   EXPECT_NEAR(*algorithm(again, 0).number("rmse_m"), *algorithm(json, 1).number("rmse_m"), 1e-12);
+}
+
+TEST(Compare, aligns_when_it_is_asked_to_and_says_so) {
+  const Scratch scratch;
+  std::string truth;
+  std::string off;
+  for (int i = 0; i < 40; ++i) {
+    const double x = 0.1 * i;
+    const double y = 0.002 * i * i;
+    truth += std::to_string(i) + " " + std::to_string(x) + " " + std::to_string(y) + " 0 0 0 0 1\n";
+    // A quarter turn to the left, then (5, -3).
+    off += std::to_string(i) + " " + std::to_string(5.0 - y) + " " + std::to_string(x - 3.0) + " 0 0 0 0 1\n";
+  }
+  const std::string reference = scratch / "truth.tum";
+  const std::string estimate = scratch / "off.tum";
+  EXPECT_TRUE(adapters::write_file(reference, truth) && adapters::write_file(estimate, off));
+  const auto judged = [&](const std::string& how) {
+    return json_of(cosiva({"compare", "--reference", reference, "--estimate", estimate, "--align", how, "--json"}));
+  };
+  const JsonValue plain = judged("none");
+  EXPECT_EQ(plain.text("align"), "none");
+  EXPECT_GT(*algorithm(plain, 0).number("rmse_m"), 1.0);
+  EXPECT_TRUE(algorithm(plain, 0).find("alignment")->is_null());
+  const JsonValue se2 = judged("se2");
+  EXPECT_EQ(se2.text("align"), "se2");
+  EXPECT_LT(*algorithm(se2, 0).number("rmse_m"), 1e-6);
+  EXPECT_NEAR(*algorithm(se2, 0).find("alignment")->number("turn_rad"), -0.5 * pi, 1e-6);
+  EXPECT_LT(*algorithm(judged("se3"), 0).number("rmse_m"), 1e-6);
+  EXPECT_THAT(cosiva({"compare", "--reference", reference, "--estimate", estimate, "--align", "se2"}).data,
+              HasSubstr("Aligned (se2): estimates were turned about the vertical"));
+  // Of a recording, whose truth here has no heading.
+  const std::string recorded = source + "/src/experiments/recording/labyrinth";
+  const JsonValue drive =
+      json_of(cosiva({"qualify", "calibrating", "--recording", recorded, "--align", "se2", "--json"}));
+  EXPECT_EQ(drive.text("align"), "se2");
+  EXPECT_EQ(algorithm(drive, 0).find("alignment_by_run")->array()->size(), 1U);
+  EXPECT_THAT(cosiva({"qualify", "calibrating", "--recording", recorded, "--align", "origin"}).words,
+              HasSubstr("the truth has no heading"));
+}
+
+TEST(Compare, refuses_an_alignment_that_means_nothing) {
+  const Scratch scratch;
+  const std::string line = scratch / "line.tum";
+  EXPECT_TRUE(adapters::write_file(line, "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n2 2 0 0 0 0 0 1\n"));
+  const auto words = [](const std::vector<std::string>& arguments) {
+    const Said said = cosiva(arguments);
+    EXPECT_EQ(said.status, 2) << said.words;
+    return said.words;
+  };
+  EXPECT_THAT(words({"compare", "--align", "se2"}),
+              HasSubstr("--align se2: in virtual time all are told the truth's own frame"));
+  EXPECT_THAT(words({"qualify", "--recording", source + "/src/experiments/recording/plaza1", "--align", "se3"}),
+              HasSubstr("a recording lies on the floor"));
+  EXPECT_THAT(words({"compare", "--align", "sim3"}), HasSubstr("sim3"));
+  EXPECT_THAT(words({"compare", "--reference", line, "--estimate", line, "--align", "se3"}),
+              HasSubstr("too near one line"));
+}
+
+TEST(Compare, tells_the_reference_s_budget_and_calls_what_is_below_it_unresolved) {
+  const Scratch scratch;
+  const std::string budget = scratch / "reference_budget.json";
+  const auto write_budget = [&](const std::string& metres) {
+    EXPECT_TRUE(adapters::write_file(budget, R"({"format": "cosiva.reference_budget.v1", "parts": [
+      {"name": "floor fit", "uncertainty_m": )" + metres +
+                                                 R"(, "source": "left-out blocks"},
+      {"name": "time stamp", "time_s": 0.001, "speed_mps": 0.5, "source": "gvs track --against"}]})"));
+  };
+  const auto compared = [&] {
+    return json_of(cosiva({"compare", "reset_rule", "arc_kalman", "--runs", "12", "--way", "40", "--reference-budget",
+                           budget, "--json"}));
+  };
+  write_budget("0.05");
+  const JsonValue coarse = compared();
+  EXPECT_EQ(coarse.find("comparisons")->array()->front().text("verdict"), "unresolved");
+  EXPECT_NEAR(*coarse.find("reference")->number("uncertainty_m"), std::sqrt(0.05 * 0.05 + 0.0005 * 0.0005), 1e-12);
+  EXPECT_EQ(coarse.find("reference")->find("parts")->array()->back().text("source"), "gvs track --against");
+  write_budget("0.0001");
+  EXPECT_EQ(compared().find("comparisons")->array()->front().text("verdict"), "different");
+  // Of trajectories, too: two estimates a millimetre apart, judged by a truth that is good to five.
+  const auto line = [&](const std::string& name, const std::string& y) {
+    std::string text;
+    for (int i = 0; i < 20; ++i) text += std::to_string(i) + " " + std::to_string(i) + " " + y + " 0 0 0 0 1\n";
+    EXPECT_TRUE(adapters::write_file(scratch / name, text));
+    return scratch / name;
+  };
+  const std::string truth = line("truth.tum", "0");
+  const std::string a = line("a.tum", "0.013");
+  const std::string b = line("b.tum", "0.014");
+  write_budget("0.005");
+  const std::vector<std::string> words{"compare", "--reference",        truth, "--estimate", a, "--estimate", b,
+                                       "--json",  "--reference-budget", budget};
+  const JsonValue judged = json_of(cosiva(words));
+  EXPECT_EQ(judged.find("comparisons")->array()->front().text("verdict"), "unresolved");
+  EXPECT_EQ(judged.find("reference_error")->find("parts")->array()->size(), 2U);
+  EXPECT_NEAR(*algorithm(judged, 0).number("rmse_without_reference_m"), std::sqrt(0.013 * 0.013 - 25.25e-6), 1e-9);
+}
+
+TEST(Compare, on_the_plane_draws_the_limit_beside_each_bar) {
+  const Scratch scratch;
+  const std::string recorded = source + "/src/experiments/recording/labyrinth";
+  const Said said = cosiva({"compare", "dead_reckoning", "calibrating", "smoother", "--recording", recorded, "--out",
+                            scratch / "out", "--json"});
+  EXPECT_EQ(said.status, 0) << said.words;
+  const JsonValue json = json_of(said);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_GT(*algorithm(json, i).number("limit_m"), 0.005);
+    EXPECT_TRUE(algorithm(json, i).number("gap_percent"));
+    EXPECT_EQ(algorithm(json, i).flag("limit_assumed"), true);
+  }
+  // Who looks back has the lower one.
+  EXPECT_EQ(*algorithm(json, 0).number("limit_m"), *algorithm(json, 1).number("limit_m"));
+  EXPECT_LT(*algorithm(json, 2).number("limit_m"), *algorithm(json, 1).number("limit_m"));
 }
 
 TEST(Compare, takes_the_python_example_as_one_of_many) {
@@ -120,6 +256,10 @@ TEST(Compare, refuses_bad_input_with_its_place) {
   EXPECT_TRUE(adapters::write_file(bad, "0 0 0 0 0 0 0 1\nnan 0 0 0 0 0 0 1\n"));
   EXPECT_THAT(words({"compare", "--reference", bad, "--estimate", bad}), HasSubstr("bad.tum:2"));
   EXPECT_THAT(words({"compare", "--estimate", bad}), HasSubstr("--reference"));
+  EXPECT_THAT(words({"compare", "--reference-budget", scratch / "no.json"}), HasSubstr("no.json"));
+  EXPECT_THAT(words({"compare", "--reference-budget", bad}), HasSubstr("bad.tum"));
+  EXPECT_THAT(words({"compare", "--reference-budget", bad, "--reference-error", "0.01"}),
+              HasSubstr("give one of them"));
   EXPECT_THAT(words({"compare", "--reference", scratch / "mine.tum", "--estimate", scratch / "groundtruth.tum"}),
               HasSubstr("seem to be swapped"));
 }

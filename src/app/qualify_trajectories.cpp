@@ -3,9 +3,12 @@
 #include <filesystem>
 
 #include "adapters/files.h"
+#include "adapters/thread_pool.h"
 #include "app/qualify_candidates.h"
 #include "app/words.h"
 #include "base/json_writer.h"
+#include "base/math.h"
+#include "experiments/recording/alignment.h"
 #include "experiments/recording/trajectory.h"
 #include "experiments/statistics/interval.h"
 #include "experiments/statistics/sample.h"
@@ -13,6 +16,7 @@
 namespace cosiva::app {
 namespace {
 
+using experiments::ReferenceBudget;
 using experiments::Trajectory;
 
 Result<Trajectory> load(const std::string& file) {
@@ -42,6 +46,7 @@ struct Judged {
   double offset_s{};
   std::size_t unpaired{};
   std::optional<statistics::BlockInterval> interval;
+  std::optional<experiments::RigidMotion> alignment;
 };
 
 Judged judge(const Trajectory& reference, const std::string& file, const QualifyArguments& arguments) {
@@ -53,13 +58,22 @@ Judged judge(const Trajectory& reference, const std::string& file, const Qualify
     return judged;
   }
   const bool nearest = arguments.associate == "nearest";
-  const auto pairs =
+  auto pairs =
       experiments::associate(reference, *estimate,
                              {nearest ? experiments::Association::nearest : experiments::Association::interpolate,
                               nearest ? 0.01 : arguments.gap_s});
   if (!pairs) {
     judged.failed = pairs.error();
     return judged;
+  }
+  if (const auto how = alignment_of(arguments); how != experiments::Alignment::none) {
+    const auto motion = experiments::alignment_of(how, *pairs);
+    if (!motion) {
+      judged.failed = Error{motion.error().code, motion.error().message, file};
+      return judged;
+    }
+    for (experiments::Pair& pair : *pairs) pair.estimate = *motion * pair.estimate;
+    judged.alignment = *motion;
   }
   judged.ape = experiments::ape(*pairs);
   judged.unpaired = estimate->poses.size() - std::min(estimate->poses.size(), pairs->size());
@@ -82,10 +96,48 @@ Judged judge(const Trajectory& reference, const std::string& file, const Qualify
   return judged;
 }
 
-std::string to_json(const std::vector<Judged>& all, const QualifyArguments& arguments) {
+/// How estimates were moved: p becomes R(q)·p + shift.
+void write(JsonWriter& json, const experiments::RigidMotion& motion) {
+  json.begin_object().field("turn_rad", motion.turn_rad()).key("quaternion_xyzw").begin_array();
+  for (const double v : motion.q) json.value(v);
+  json.end_array().key("shift_m").begin_array();
+  for (const double v : motion.shift_m) json.value(v);
+  json.end_array().end_object();
+}
+
+/// Two on the same stamps: one run, that can show nothing different; but it can show that nothing could be seen.
+bool unresolved(const Judged& a, const Judged& b, const ReferenceBudget& reference) {
+  return std::fabs(b.ape.rmse - a.ape.rmse) < reference.total_m();
+}
+
+template <typename Take>
+void each_pair(const std::vector<Judged>& all, const Take& take) {
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    for (std::size_t k = i + 1; k < all.size(); ++k) {
+      if (!all[i].failed && !all[k].failed) take(all[i], all[k]);
+    }
+  }
+}
+
+void write_reference(JsonWriter& json, const std::vector<Judged>& all, const ReferenceBudget& reference) {
+  json.key("comparisons").begin_array();
+  each_pair(all, [&](const Judged& a, const Judged& b) {
+    json.begin_object().field("a", a.name).field("b", b.name).field("rmse_difference_m", b.ape.rmse - a.ape.rmse);
+    json.field("verdict", to_string(unresolved(a, b, reference) ? experiments::Verdict::unresolved
+                                                                : experiments::Verdict::not_shown_different));
+    json.end_object();
+  });
+  json.end_array().key("reference_error").begin_object();
+  write_fields(json, reference);
+  json.end_object();
+}
+
+std::string to_json(const std::vector<Judged>& all, const QualifyArguments& arguments,
+                    const ReferenceBudget& reference) {
   JsonWriter json{2};
   json.begin_object().field("what", "trajectories").field("reference", arguments.reference);
-  json.field("associate", arguments.associate).field("aligned", false).key("algorithms").begin_array();
+  json.field("associate", arguments.associate).field("align", arguments.align);
+  json.field("aligned", arguments.align != "none").key("algorithms").begin_array();
   for (const Judged& one : all) {
     json.begin_object().field("name", one.name);
     if (one.failed) {
@@ -95,6 +147,7 @@ std::string to_json(const std::vector<Judged>& all, const QualifyArguments& argu
     }
     json.key("failed").null();
     json.field("pairs", one.ape.pairs).field("unpaired", one.unpaired).field("rmse_m", one.ape.rmse);
+    json.field("rmse_without_reference_m", experiments::without_reference_m(one.ape.rmse, reference.total_m()));
     json.key("rmse_interval_m");
     if (one.interval)
       json.begin_array().value(one.interval->interval.low).value(one.interval->interval.high).end_array();
@@ -104,14 +157,25 @@ std::string to_json(const std::vector<Judged>& all, const QualifyArguments& argu
     json.field("precision_threshold_m", arguments.threshold_m).field("median_m", one.ape.median);
     json.field("std_m", one.ape.std).field("min_m", one.ape.min).field("max_m", one.ape.max);
     json.field("sse_m2", one.ape.sse).field("p90_m", one.p90_m).field("p95_m", one.p95_m).field("p99_m", one.p99_m);
-    json.field("time_offset_s", one.offset_s).end_object();
+    json.field("time_offset_s", one.offset_s).key("alignment");
+    if (one.alignment)
+      write(json, *one.alignment);
+    else
+      json.null();
+    json.end_object();
   }
-  json.end_array().end_object();
+  json.end_array();
+  write_reference(json, all, reference);
+  json.end_object();
   return json.take();
 }
 
-std::string to_text(const std::vector<Judged>& all) {
+std::string to_text(const std::vector<Judged>& all, experiments::Alignment alignment,
+                    const ReferenceBudget& reference) {
   std::string text;
+  if (alignment != experiments::Alignment::none)
+    text =
+        "Aligned (" + std::string(to_string(alignment)) + "): estimates were " + std::string(words_of(alignment)) + ".";
   for (const Judged& one : all) {
     text += text.empty() ? "" : "\n";
     if (one.failed) {
@@ -126,7 +190,17 @@ std::string to_text(const std::vector<Judged>& all) {
             decimals(one.p95_m, 4) + ", max " + decimals(one.ape.max, 4) + "; " + std::to_string(one.ape.pairs) +
             " pairs, " + std::to_string(one.unpaired) + " poses without one; it seems " +
             decimals(1e3 * one.offset_s, 1) + " ms late (not corrected)";
+    if (one.alignment)
+      text += "; turned by " + decimals(one.alignment->turn_rad() * 180.0 / pi, 3) + " degrees, shifted by (" +
+              decimals(one.alignment->shift_m[0], 4) + ", " + decimals(one.alignment->shift_m[1], 4) + ", " +
+              decimals(one.alignment->shift_m[2], 4) + ") m";
   }
+  if (reference.parts.empty()) return text;
+  text += "\nThe reference's own error: " + words_of(reference) + " [mm]";
+  each_pair(all, [&](const Judged& a, const Judged& b) {
+    if (unresolved(a, b, reference))
+      text += "\n" + b.name + " − " + a.name + ": " + decimals(1e3 * (b.ape.rmse - a.ape.rmse), 2) + " mm, unresolved";
+  });
   return text;
 }
 
@@ -144,11 +218,14 @@ int run_trajectories(const QualifyArguments& arguments) {
              file});
     }
   }
+  const auto budget = reference_of(arguments);
+  if (!budget) return complain(budget.error());
   const auto reference = load(arguments.reference);
   if (!reference) return complain(reference.error());
-  std::vector<Judged> all;
-  for (const std::string& file : arguments.estimates) all.push_back(judge(*reference, file, arguments));
-  print(arguments.json ? to_json(all, arguments) : to_text(all));
+  std::vector<Judged> all(arguments.estimates.size());
+  adapters::ThreadPool workers{threads_for(arguments)};
+  workers.for_each(all.size(), [&](std::size_t i) { all[i] = judge(*reference, arguments.estimates[i], arguments); });
+  print(arguments.json ? to_json(all, arguments, *budget) : to_text(all, alignment_of(arguments), *budget));
   bool fine = true;
   for (const Judged& one : all) {
     if (one.failed) say("cosiva: " + one.name + " failed: " + to_string(*one.failed));

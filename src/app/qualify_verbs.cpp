@@ -1,6 +1,9 @@
 // `cosiva qualify` and `cosiva compare`: how good position estimators are, and which are better (A33, A35, A36).
 
+#include <chrono>
+
 #include "adapters/files.h"
+#include "adapters/thread_pool.h"
 #include "app/progress.h"
 #include "app/qualify_candidates.h"
 #include "app/words.h"
@@ -28,12 +31,23 @@ int list_algorithms(const estimation::Registry& registry, bool as_json) {
 }
 
 /// "12 of 30 runs" once a second, for what takes longer than one.
-experiments::Progress progress_of(std::size_t runs) {
-  return [runs, ticker = SecondsTicker{}](std::size_t done) mutable {
-    if (done == runs || !ticker.ticks()) return;
-    say("cosiva: " + std::to_string(done) + " of " + std::to_string(runs) + " runs");
-  };
-}
+class RunsDone {
+ public:
+  explicit RunsDone(std::size_t runs) : runs_{runs} {}
+  /// Whoever works on it stops now and then to have this told.
+  [[nodiscard]] bool time_is_up() const { return std::chrono::steady_clock::now() >= until_; }
+  void at(std::size_t done) {
+    until_ = std::chrono::steady_clock::now() + round_time;
+    if (done == runs_ || !ticker_.ticks()) return;
+    say("cosiva: " + std::to_string(done) + " of " + std::to_string(runs_) + " runs");
+  }
+
+ private:
+  static constexpr std::chrono::milliseconds round_time{500};
+  std::size_t runs_;
+  std::chrono::steady_clock::time_point until_{std::chrono::steady_clock::now() + round_time};
+  SecondsTicker ticker_;
+};
 
 Result<void> write_all(const std::string& folder, const Qualification& all, const experiments::Conditions& conditions) {
   const auto tum = [&](const std::string& name, const std::vector<Pose2>& path) {
@@ -51,7 +65,7 @@ Result<void> write_all(const std::string& folder, const Qualification& all, cons
     std::vector<double> errors;
     for (std::size_t i = 0; i < one.path.size(); ++i) errors.push_back(distance(one.path[i], all.truth[i]));
     files.emplace_back(one.name + ".tum", tum(one.name, one.path));
-    files.emplace_back(one.name + ".zip", experiments::evo_zip(one.name, all.times_s, errors));
+    files.emplace_back(one.name + ".zip", experiments::evo_zip(one.name, all.times_s, errors, all.options.alignment));
   }
   if (auto written = adapters::write_files(folder, files); !written) return written;
   say("written into " + folder);
@@ -62,6 +76,14 @@ int run_either(const QualifyArguments& arguments, std::size_t at_least) {
   const estimation::Registry registry;
   if (arguments.list) return list_algorithms(registry, arguments.json);
   if (!arguments.reference.empty() || !arguments.estimates.empty()) return run_trajectories(arguments);
+  const auto alignment = alignment_of(arguments);
+  if (alignment != experiments::Alignment::none && arguments.recordings.empty())
+    return complain({"compare.align", "in virtual time all are told the truth's own frame: there is nothing to align",
+                     "--align " + arguments.align});
+  if (alignment == experiments::Alignment::se3)
+    return complain({"compare.align", "a recording lies on the floor: ask for se2 or origin", "--align se3"});
+  auto reference = reference_of(arguments);
+  if (!reference) return complain(reference.error());
   auto runs = arguments.recordings.empty() ? virtual_runs(arguments) : recorded_runs(arguments);
   if (!runs) return complain(runs.error());
   std::vector<std::string> usual;
@@ -81,9 +103,14 @@ int run_either(const QualifyArguments& arguments, std::size_t at_least) {
   options.tolerance_m = arguments.tolerance_m;
   options.reliability = arguments.reliability;
   options.confidence = arguments.confidence;
-  options.reference_m = arguments.reference_m;
+  options.alignment = alignment;
+  options.reference = std::move(*reference);
   options.bootstrap.seed = arguments.seed;
-  const auto all = experiments::qualify(*candidates, runs->count, runs->source, options, progress_of(runs->count));
+  adapters::ThreadPool workers{threads_for(arguments)};
+  RunsDone runs_done{runs->count};
+  const auto all = experiments::qualify(
+      *candidates, runs->count, runs->source, options, workers, [&] { return runs_done.time_is_up(); },
+      [&](std::size_t done) { runs_done.at(done); });
   if (!all) return complain(all.error());
   if (!arguments.out_folder.empty()) {
     if (auto written = write_all(arguments.out_folder, *all, runs->conditions); !written)

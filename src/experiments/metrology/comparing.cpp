@@ -56,7 +56,7 @@ void compare_all(Qualification& all) {
     comparison.p_holm = raised[i];
     if (raised[i] < alpha) comparison.verdict = Verdict::different;
     // What the reference itself could be wrong by decides nothing, however often it is seen.
-    if (std::fabs(comparison.rmse_difference_m.value) < all.options.reference_m)
+    if (std::fabs(comparison.rmse_difference_m.value) < all.options.reference.total_m())
       comparison.verdict = Verdict::unresolved;
   }
   std::vector<std::vector<double>> figures(all.runs);

@@ -101,7 +101,8 @@ double middle_of(std::vector<double> values) {
 
 }  // namespace
 
-std::string evo_zip(std::string_view title, const std::vector<double>& times_s, const std::vector<double>& errors_m) {
+std::string evo_zip(std::string_view title, const std::vector<double>& times_s, const std::vector<double>& errors_m,
+                    Alignment alignment) {
   double sse = 0.0;
   double largest = 0.0;
   double smallest = errors_m.empty() ? 0.0 : errors_m.front();
@@ -111,7 +112,9 @@ std::string evo_zip(std::string_view title, const std::vector<double>& times_s, 
     smallest = e < smallest ? e : smallest;
   }
   JsonWriter info;
-  info.begin_object().field("title", "APE w.r.t. translation part (m)\n(not aligned)").field("label", "APE (m)");
+  info.begin_object()
+      .field("title", "APE w.r.t. translation part (m)\n(" + std::string(words_of(alignment)) + ")")
+      .field("label", "APE (m)");
   info.field("ref_name", "truth").field("est_name", title).end_object();
   JsonWriter stats;
   stats.begin_object().field("rmse", statistics::root_mean_square(errors_m));

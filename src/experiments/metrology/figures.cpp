@@ -72,13 +72,4 @@ double worth_of(const std::vector<double>& series) {
   return statistics::effective_size(thinned);
 }
 
-double ReferenceBudget::total_m() const {
-  return std::sqrt(floor_fit_m * floor_fit_m + detection_m * detection_m + height_m * height_m + timing_m * timing_m +
-                   mounting_m * mounting_m);
-}
-
-double without_reference_m(double rmse_seen_m, double reference_m) {
-  return std::sqrt(std::fmax(0.0, rmse_seen_m * rmse_seen_m - reference_m * reference_m));
-}
-
 }  // namespace cosiva::experiments

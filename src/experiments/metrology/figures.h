@@ -51,13 +51,4 @@ struct RunFigures {
 /// How many independent values a run's errors are worth; long series are thinned for it.
 [[nodiscard]] double worth_of(const std::vector<double>& series);
 
-/// What is not known of the reference itself: standard uncertainties [m], independent of each other.
-struct ReferenceBudget {
-  double floor_fit_m{}, detection_m{}, height_m{}, timing_m{}, mounting_m{};
-  /// u: the root of the sum of squares.
-  [[nodiscard]] double total_m() const;
-};
-/// RMSE of the algorithm alone, with the reference's share taken out; 0 where that is all there was.
-[[nodiscard]] double without_reference_m(double rmse_seen_m, double reference_m);
-
 }  // namespace cosiva::experiments

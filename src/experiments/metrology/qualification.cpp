@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "experiments/metrology/comparing.h"
+#include "experiments/metrology/judging.h"
 #include "experiments/statistics/distributions.h"
 
 namespace cosiva::experiments {
@@ -14,7 +15,7 @@ double root(double v) { return std::sqrt(std::fmax(v, 0.0)); }
 
 /// What is gathered while the runs go by.
 struct Gathered {
-  std::vector<float> errors_m;  ///< all of them; a millionth of a metre is enough for a percentile
+  std::vector<float> errors_m;  ///< all of them
   std::vector<double> below_limit_m2;
   double filter_limit_m2{};
   double smoother_limit_m2{};
@@ -23,9 +24,6 @@ struct Gathered {
   std::size_t worth_runs{};
   std::vector<double> first_squares_m2;
 };
-
-/// Runs whose effective size is looked at: it takes longer than all other figures together.
-constexpr std::size_t worth_runs_most = 10;
 
 template <typename Get>
 std::vector<double> column(const std::vector<RunFigures>& runs, const Get& get) {
@@ -50,19 +48,15 @@ class Qualifying {
     }
   }
 
-  void run(std::size_t index, const Trial& trial) {
-    const bool limited = trial.setting.track != nullptr && std::ranges::any_of(trial.events, [](const Event& event) {
-                           return std::holds_alternative<estimation::Reading>(event);
-                         });
-    const RunLimit limit = limited ? limit_of(trial) : RunLimit{};
+  /// In the order of runs, and of candidates in each: so the digest tells both.
+  void take(std::size_t index, JudgedRun run) {
     if (index == 0) {
-      for (const Moment& moment : trial.moments) {
-        result_.times_s.push_back(moment.t_s);
-        result_.truth.push_back(moment.truth);
-      }
+      result_.times_s = std::move(run.times_s);
+      result_.truth = std::move(run.truth);
     }
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
-      if (!result_.algorithms[i].failed) judge(i, index, trial, limited ? &limit : nullptr);
+      result_.algorithms[i].limit_assumed = result_.algorithms[i].limit_assumed || run.sensors_assumed;
+      if (!result_.algorithms[i].failed) take(i, index, run.algorithms[i], run.limit);
     }
   }
 
@@ -75,44 +69,34 @@ class Qualifying {
   }
 
  private:
-  void judge(std::size_t i, std::size_t index, const Trial& trial, const RunLimit* limit) {
+  void take(std::size_t i, std::size_t index, Judged& judged, const std::optional<RunLimit>& limit) {
     Qualified& one = result_.algorithms[i];
-    auto algorithm = candidates_[i].make(trial.setting);
-    if (!algorithm) {
-      one.failed = algorithm.error();
+    if (judged.failed) {
+      one.failed = std::move(judged.failed);
       return;
     }
-    if (auto fine = apply(**algorithm, trial, trace_); !fine) {
-      one.failed = fine.error();
-      one.failed->message += " (in run " + std::to_string(index + 1) + ")";
-      return;
-    }
-    one.runs.push_back(figures_of(trial, trace_, result_.options.threshold_m));
+    one.runs.push_back(judged.figures);
+    if (judged.alignment) one.alignments.push_back(*judged.alignment);
     Gathered& all = gathered_[i];
-    for (const double e : trace_.error_m) all.errors_m.push_back(static_cast<float>(e));
-    if (limit != nullptr) {
+    all.errors_m.insert(all.errors_m.end(), judged.errors_m.begin(), judged.errors_m.end());
+    if (limit) {
       all.filter_limit_m2 += limit->filter_m2;
       all.smoother_limit_m2 += limit->smoother_m2;
       const double bound = one.looks_back ? limit->smoother_m2 : limit->filter_m2;
       all.below_limit_m2.push_back(one.runs.back().mse_m2 - bound);
     }
-    if (all.worth_runs < worth_runs_most) {
-      all.worth_sum += worth_of(trace_.error_m);
-      all.nees_worth_sum += worth_of(trace_.nees);
+    if (index < worth_runs_most) {
+      all.worth_sum += judged.worth;
+      all.nees_worth_sum += judged.nees_worth;
       ++all.worth_runs;
     }
-    if (index == 0) keep_first(one, all, trial);
+    if (index == 0) {
+      one.path = std::move(judged.path);
+      one.over_way = std::move(judged.over_way);
+      all.first_squares_m2 = std::move(judged.squares_m2);
+    }
     result_.digest.add(one.name);
     for (const double v : {one.runs.back().mse_m2, one.runs.back().mean_m, one.runs.back().nees}) result_.digest.add(v);
-  }
-
-  void keep_first(Qualified& one, Gathered& all, const Trial& trial) const {
-    const std::size_t stride = std::max<std::size_t>(1, trial.moments.size() / 1500);
-    for (std::size_t k = 0; k < trial.moments.size(); ++k) {
-      one.path.push_back(trace_.estimates[k].pose);
-      all.first_squares_m2.push_back(trace_.error_m[k] * trace_.error_m[k]);
-      if (k % stride == 0) one.over_way.emplace_back(trial.moments[k].travelled_m, trace_.error_m[k]);
-    }
   }
 
   void sum_up(Qualified& one, Gathered& all) const {
@@ -190,7 +174,12 @@ class Qualifying {
     const auto n = static_cast<double>(all.below_limit_m2.size());
     one.limit_m = root((one.looks_back ? all.smoother_limit_m2 : all.filter_limit_m2) / n);
     one.gap_percent = 100.0 * (one.rmse_m.value / *one.limit_m - 1.0);
-    if (n < 2.0) return;
+    if (one.limit_assumed) return;
+    if (n < 2.0) {
+      // One run tells by its own blocks.
+      one.leak = one.rmse_m.interval && one.rmse_m.interval->high < *one.limit_m;
+      return;
+    }
     const double error = std::sqrt(statistics::sample_variance(all.below_limit_m2) / n);
     one.leak = statistics::mean(all.below_limit_m2) + 2.0 * error < 0.0;
   }
@@ -213,21 +202,24 @@ class Qualifying {
   const std::vector<Candidate>& candidates_;
   std::vector<Gathered> gathered_;
   Qualification result_;
-  Trace trace_;
 };
 
 }  // namespace
 
 Result<Qualification> qualify(const std::vector<Candidate>& candidates, std::size_t runs, const TrialSource& source,
-                              const QualificationOptions& options, const Progress& progress) {
+                              const QualificationOptions& options, Workers& workers, const TimeIsUp& time_is_up,
+                              const Progress& progress) {
+  auto judged = judge_all(candidates, runs, source, options, workers, time_is_up, progress);
+  if (!judged) return tl::unexpected(judged.error());
   Qualifying qualifying{candidates, runs, options};
-  for (std::size_t index = 0; index < runs; ++index) {
-    const auto trial = source(index);
-    if (!trial) return tl::unexpected(trial.error());
-    qualifying.run(index, **trial);
-    if (progress) progress(index + 1);
-  }
+  for (std::size_t index = 0; index < runs; ++index) qualifying.take(index, std::move((*judged)[index]));
   return qualifying.done();
+}
+
+Result<Qualification> qualify(const std::vector<Candidate>& candidates, std::size_t runs, const TrialSource& source,
+                              const QualificationOptions& options) {
+  AloneWorker alone;
+  return qualify(candidates, runs, source, options, alone);
 }
 
 }  // namespace cosiva::experiments

@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "base/digest.h"
+#include "base/workers.h"
 #include "experiments/metrology/figures.h"
 #include "experiments/metrology/limit.h"
+#include "experiments/metrology/reference_budget.h"
 #include "experiments/statistics/interval.h"
 #include "experiments/statistics/paired.h"
 #include "experiments/statistics/sample.h"
@@ -29,7 +31,9 @@ struct QualificationOptions {
   double tolerance_m{0.05};  ///< a run passes when no error in it is larger (ASTM F45's way)
   double reliability{0.95};
   double confidence{0.95};
-  double reference_m{0.0};  ///< u of the reference; differences under it are called unresolved
+  /// Of estimates to the truth before they are judged; then there is no limit, which knows of none.
+  Alignment alignment{Alignment::none};
+  ReferenceBudget reference{};  ///< of the truth; differences under its total are called unresolved
   statistics::BootstrapOptions bootstrap{};
 };
 
@@ -70,7 +74,9 @@ struct Qualified {
   std::array<Part, since_mark_m.size() + 1> by_distance{};
   std::optional<double> limit_m;      ///< what nobody can beat
   std::optional<double> gap_percent;  ///< over it
+  bool limit_assumed{false};          ///< made of guesses at the sensors: then nobody below it is called a leak
   bool leak{false};                   ///< significantly below it: it knows what it cannot know, or the limit is wrong
+  std::vector<Pose2> alignments;      ///< of each run, what its estimates were moved by; empty where nobody asked
   Passes passes;
   statistics::Cdf cdf;
   std::vector<std::pair<double, double>> over_way;  ///< of the first run: (travelled, error), thinned
@@ -103,14 +109,22 @@ struct Qualification {
   std::vector<Pose2> truth;
 };
 
-/// Gives run number `index`; what it refers to lives until the next call. Fails with what is wrong with it.
-using TrialSource = std::function<Result<const Trial*>(std::size_t index)>;
-/// Told after each run: how many are done.
+/// Gives run number `index`, made in `room` (what was in it goes, its memory is used again) or kept elsewhere until all
+/// is done. Asked by several at a time, and for one run more than once. Fails with what is wrong with it.
+using TrialSource = std::function<Result<const Trial*>(std::size_t index, Trial& room)>;
+/// Whether it is time to say how far it is; asked by several at a time before each part. Nothing: it never is.
+using TimeIsUp = std::function<bool()>;
+/// Told then, and at the end, by whoever has asked for all: how many runs are done for certain.
 using Progress = std::function<void(std::size_t done)>;
 
-/// All candidates on the same runs. One that fails keeps its error, the others their results. Fails where a run does.
+/// All candidates on the same runs; workers do not change what comes out. One that fails keeps its error, the others
+/// their results. Fails where a run does.
 [[nodiscard]] Result<Qualification> qualify(const std::vector<Candidate>& candidates, std::size_t runs,
                                             const TrialSource& source, const QualificationOptions& options,
+                                            Workers& workers, const TimeIsUp& time_is_up = {},
                                             const Progress& progress = {});
+/// Alone.
+[[nodiscard]] Result<Qualification> qualify(const std::vector<Candidate>& candidates, std::size_t runs,
+                                            const TrialSource& source, const QualificationOptions& options);
 
 }  // namespace cosiva::experiments

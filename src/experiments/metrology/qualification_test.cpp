@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "aiv/estimation/arc.h"
 #include "aiv/estimation/registry.h"
+#include "experiments/metrology/result.h"
 #include "experiments/metrology/simulate.h"
 #include "experiments/metrology/test_tracks.h"
 
@@ -30,7 +33,7 @@ struct Bench {
     simulation.odometry_hz = 17.3;
   }
   Qualification of(const std::vector<Candidate>& candidates) {
-    const auto source = [this](std::size_t index) -> Result<const Trial*> {
+    const auto source = [this](std::size_t index, Trial&) -> Result<const Trial*> {
       simulate(simulation, index + 1, trial);
       return &trial;
     };
@@ -119,12 +122,13 @@ TEST(Qualification, shows_the_difference_that_there_is_and_ranks) {
 
 TEST(Qualification, calls_what_the_reference_could_be_wrong_by_unresolved) {
   Bench bench;
-  bench.options.reference_m = 0.02;
+  bench.options.reference = {{{"floor fit", 0.012, "a file"}, {"time stamp", 0.016, "a file"}}};
   const Qualification q = bench.of({candidate("reset_rule"), candidate("arc_kalman")});
   EXPECT_EQ(q.comparisons[0].verdict, Verdict::unresolved);
-  EXPECT_NEAR(without_reference_m(0.05, 0.03), 0.04, 1e-15);
-  EXPECT_EQ(without_reference_m(0.02, 0.03), 0.0);
-  EXPECT_NEAR((ReferenceBudget{3e-3, 0.0, 4e-3, 0.0, 12e-3}.total_m()), 13e-3, 1e-15);
+  EXPECT_NEAR(bench.options.reference.total_m(), 0.02, 1e-15);
+  // The same difference, and a reference that resolves it.
+  bench.options.reference = {{{"floor fit", 0.0005, "a file"}}};
+  EXPECT_EQ(bench.of({candidate("reset_rule"), candidate("arc_kalman")}).comparisons[0].verdict, Verdict::different);
 }
 
 TEST(Qualification, shows_no_difference_with_five_runs_whatever_they_say) {
@@ -176,6 +180,92 @@ TEST(Qualification, is_the_same_to_the_bit_for_the_same_seeds) {
   EXPECT_NE(bench.of({candidate("ekf"), candidate("smoother"), candidate("particles")}).digest, one);
 }
 
+/// The last part first, as a machine may that has many threads.
+class Backwards final : public Workers {
+ protected:
+  void run(std::size_t count, Call call, void* context) override {
+    while (count > 0) call(context, --count);
+  }
+};
+
+/// Dies at once, or never.
+class DyingSometimes final : public estimation::Algorithm {
+ public:
+  explicit DyingSometimes(bool dies) : dies_{dies} {}
+  void predict(const estimation::Odometry&) override {}
+  estimation::Rectified rectify(const estimation::Reading&) override { return {}; }
+  estimation::Rectified rectify(const estimation::Range&) override { return {}; }
+  estimation::Estimate estimate() const override { return {{}, estimation::Matrix3::Identity(), std::nullopt}; }
+  const Error* fault() const override { return dies_ ? &fault_ : nullptr; }
+
+ private:
+  bool dies_;
+  Error fault_{"algorithm.silent", "it says nothing any more", "dying"};
+};
+
+struct Apart {
+  Simulation simulation{testing::oval()};
+  std::size_t runs{};
+  std::vector<std::size_t> progress;
+
+  Result<Qualification> by(Workers& workers, const std::vector<Candidate>& candidates, std::size_t no_such_run = 1000) {
+    simulation.way_m = 4.0;
+    simulation.odometry_hz = 17.3;
+    progress.clear();
+    const auto source = [this, no_such_run](std::size_t index, Trial& room) -> Result<const Trial*> {
+      if (index >= no_such_run) return fail("run.missing", "there is no run " + std::to_string(index + 1));
+      simulate(simulation, index + 1, room);
+      return &room;
+    };
+    // Time is up after every third part that somebody would begin.
+    return qualify(
+        candidates, runs, source, {}, workers, [asked = std::make_shared<int>(0)] { return ++*asked % 3 == 0; },
+        [this](std::size_t done) { progress.push_back(done); });
+  }
+};
+
+TEST(Qualification, is_the_same_whoever_does_which_part_first) {
+  AloneWorker alone;
+  Backwards backwards;
+  const std::vector<Candidate> candidates{candidate("reset_rule"), candidate("arc_kalman"), candidate("arc_smoother")};
+  for (const std::size_t runs : {1U, 5U, 15U, 16U, 40U, 200U}) {
+    Apart apart;
+    apart.runs = runs;
+    const auto forwards = apart.by(alone, candidates);
+    EXPECT_EQ(apart.progress.back(), runs);
+    EXPECT_TRUE(std::ranges::is_sorted(apart.progress));
+    EXPECT_GE(apart.progress.size(), runs > 1 ? 2U : 1U);
+    const auto other = apart.by(backwards, candidates);
+    ASSERT_TRUE(forwards && other);
+    EXPECT_EQ(to_json(*forwards, {}), to_json(*other, {})) << runs;
+    EXPECT_EQ(forwards->truth, other->truth) << runs;
+    EXPECT_EQ(forwards->algorithms[2].path, other->algorithms[2].path) << runs;
+    EXPECT_EQ(forwards->algorithms[1].runs.size(), runs);
+  }
+}
+
+TEST(Qualification, names_the_first_run_in_which_one_failed_whoever_came_to_it_first) {
+  AloneWorker alone;
+  Backwards backwards;
+  for (const std::size_t runs : {12U, 40U}) {
+    Apart apart;
+    apart.runs = runs;
+    // Seeds are run numbers: it dies from the fifth on.
+    const Candidate dying{"dying", "", false,
+                          [](const estimation::Setting& setting) -> Result<std::unique_ptr<estimation::Algorithm>> {
+                            return std::make_unique<DyingSometimes>(setting.seed >= 5);
+                          }};
+    const auto forwards = apart.by(alone, {dying, candidate("arc_kalman")});
+    const auto other = apart.by(backwards, {dying, candidate("arc_kalman")});
+    ASSERT_TRUE(forwards && other);
+    EXPECT_NE(forwards->algorithms[0].failed->message.find("(in run 5)"), std::string::npos);
+    EXPECT_EQ(to_json(*forwards, {}), to_json(*other, {}));
+    EXPECT_EQ(forwards->algorithms[1].runs.size(), runs);
+    EXPECT_EQ(apart.by(alone, {dying, candidate("arc_kalman")}, 7).error().message, "there is no run 8");
+    EXPECT_EQ(apart.by(backwards, {dying, candidate("arc_kalman")}, 7).error().message, "there is no run 8");
+  }
+}
+
 TEST(Qualification, is_the_same_to_the_bit_on_every_machine_and_at_every_optimisation_level) {
   Bench bench;
   bench.runs = 2;
@@ -184,6 +274,48 @@ TEST(Qualification, is_the_same_to_the_bit_on_every_machine_and_at_every_optimis
   const estimation::Registry registry;
   for (const estimation::Registered& one : registry.all()) all.push_back(candidate(one.name));
   EXPECT_EQ(bench.of(all).digest.hex(), "a98515c403e614ca");
+}
+
+TEST(Qualification, aligned_takes_away_what_is_common_to_a_run_and_gives_no_limit) {
+  Bench bench;
+  bench.runs = 6;
+  const Qualified plain = bench.of({candidate("arc_kalman")}).algorithms[0];
+  bench.options.alignment = Alignment::se2;
+  const Qualification q = bench.of({candidate("arc_kalman"), candidate("dead_reckoning")});
+  const Qualified& aligned = q.algorithms[0];
+  EXPECT_TRUE(plain.alignments.empty());
+  ASSERT_EQ(aligned.alignments.size(), 6U);
+  EXPECT_FALSE(aligned.limit_m);
+  EXPECT_FALSE(aligned.leak);
+  // Least squares: never worse, run by run; and what is moved is judged where it then is.
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_LE(aligned.runs[i].mse_m2, plain.runs[i].mse_m2);
+  EXPECT_LT(aligned.rmse_m.value, plain.rmse_m.value);
+  double squares = 0.0;
+  for (std::size_t k = 0; k < aligned.path.size(); ++k) {
+    const double error_m = distance(aligned.path[k], q.truth[k]);
+    squares += error_m * error_m / static_cast<double>(aligned.path.size());
+    const Pose2 back = inverse(aligned.alignments[0]) * aligned.path[k];
+    EXPECT_LT(distance(back, plain.path[k]), 1e-12);
+  }
+  EXPECT_NEAR(squares, aligned.runs[0].mse_m2, 1e-15);
+  // A stated covariance is turned with its estimate: how well it fits hardly changes by millimetres.
+  EXPECT_NEAR(aligned.nees, plain.nees, 0.4);
+}
+
+TEST(Qualification, aligned_at_the_origin_begins_without_an_error_and_needs_a_heading) {
+  Bench bench;
+  bench.runs = 1;
+  bench.options.alignment = Alignment::origin;
+  const Qualification q = bench.of({candidate("dead_reckoning")});
+  EXPECT_LT(distance(q.algorithms[0].path[0], q.truth[0]), 1e-12);
+  const auto source = [&](std::size_t index, Trial& room) -> Result<const Trial*> {
+    simulate(bench.simulation, index + 1, room);
+    room.heading_known = false;
+    return &room;
+  };
+  const auto headless = qualify({candidate("dead_reckoning")}, 1, source, bench.options);
+  ASSERT_TRUE(headless);
+  EXPECT_EQ(headless->algorithms[0].failed->code, "align.heading");
 }
 
 TEST(Qualification, counts_passes_in_a_row_and_the_tolerance_that_would_have_done) {

@@ -83,18 +83,24 @@ void write_algorithm(JsonWriter& json, const Qualification& all, std::size_t ind
   json.field("precision_threshold_m", all.options.threshold_m);
   json.field("p50_m", one.p50_m).field("p90_m", one.p90_m).field("p95_m", one.p95_m).field("p99_m", one.p99_m);
   json.field("max_m", one.max_m).field("heading_rmse_rad", one.heading_rmse_rad);
-  json.field("rmse_without_reference_m", without_reference_m(one.rmse_m.value, all.options.reference_m));
+  json.field("rmse_without_reference_m", without_reference_m(one.rmse_m.value, all.options.reference.total_m()));
   write_splits(json, one);
   write_consistency(json, one);
   write_optional(json, "limit_m", one.limit_m);
   write_optional(json, "gap_percent", one.gap_percent);
-  json.field("leak", one.leak);
+  json.field("limit_assumed", one.limit_assumed).field("leak", one.leak);
   json.key("success").begin_object().field("tolerance_m", all.options.tolerance_m);
   json.field("reliability", all.options.reliability).field("confidence", all.options.confidence);
   json.field("runs", one.passes.runs).field("passed", one.passes.passed).field("in_a_row", one.passes.in_a_row);
   json.field("needed_in_a_row", one.passes.needed).field("shown", one.passes.in_a_row >= one.passes.needed);
   json.field("reliability_shown", one.passes.reliability_shown);
   json.field("tolerance_passed_m", one.passes.tolerance_passed_m).end_object();
+  if (!one.alignments.empty()) {
+    json.key("alignment_by_run").begin_array();
+    for (const Pose2& X : one.alignments)
+      json.begin_object().field("turn_rad", X.heading_rad).field("x_m", X.x_m).field("y_m", X.y_m).end_object();
+    json.end_array();
+  }
   json.key("rmse_by_run_m").begin_array();
   for (const RunFigures& run : one.runs) json.value(std::sqrt(run.mse_m2));
   json.end_array().end_object();
@@ -129,11 +135,15 @@ void write_comparisons(JsonWriter& json, const Qualification& all) {
 std::string to_json(const Qualification& all, const Conditions& conditions) {
   JsonWriter json{2};
   json.begin_object().field("what", conditions.what).field("runs", all.runs);
+  json.field("align", to_string(all.options.alignment));
+  json.field("aligned", all.options.alignment != Alignment::none);
   json.key("algorithms").begin_array();
   for (std::size_t i = 0; i < all.algorithms.size(); ++i) write_algorithm(json, all, i);
   json.end_array();
   write_comparisons(json, all);
-  json.key("reference").begin_object().field("uncertainty_m", all.options.reference_m).end_object();
+  json.key("reference").begin_object();
+  write_fields(json, all.options.reference);
+  json.end_object();
   json.key("conditions").begin_object();
   for (const auto& [name, value] : conditions.settings) json.field(name, value);
   json.end_object().key("notes").begin_array();

@@ -46,7 +46,9 @@ void add_table(Report& report, const Qualification& all) {
       continue;
     }
     rows.push_back({one.name, with_interval(one.rmse_m, 1e3), one.limit_m ? mm(*one.limit_m) : "–",
-                    one.gap_percent ? readable(*one.gap_percent, 1) + (one.leak ? " leak" : "") : "–",
+                    one.gap_percent
+                        ? readable(*one.gap_percent, 1) + (one.leak ? " leak" : (one.limit_assumed ? " (assumed)" : ""))
+                        : "–",
                     with_interval(one.mean_m, 1e3), readable(1e6 * one.variance_m2, 2),
                     with_interval(one.precision, 100.0),
                     mm(one.p50_m, 1) + " / " + mm(one.p95_m, 1) + " / " + mm(one.p99_m, 1) + " / " + mm(one.max_m, 1),
@@ -207,6 +209,24 @@ void add_success(Report& report, const Qualification& all) {
   report.table({"algorithm", "passed", "longest row", "reliability shown [%]", "tolerance all would pass [mm]"}, rows);
 }
 
+void add_reference(Report& report, const Qualification& all) {
+  const ReferenceBudget& budget = all.options.reference;
+  if (budget.parts.empty()) return;
+  report.heading("The reference's own error");
+  std::vector<std::vector<std::string>> rows;
+  for (const ReferencePart& part : budget.parts)
+    rows.push_back({part.name, part.uncertainty_m ? mm(*part.uncertainty_m) : "not told",
+                    part.uncertainty_m ? readable(budget.share_percent(part), 1) : "–", part.source});
+  rows.push_back({"u, all together", mm(budget.total_m()), "100", "root of the sum of squares"});
+  report.table({"part", "standard uncertainty [mm]", "share of u² [%]", "source"}, rows);
+  report.paragraph("A difference below u is called unresolved, however often it is seen." +
+                   std::string(budget.untold() > 0 ? " Some parts are not told: u is more than this." : ""));
+  rows.clear();
+  for (const Qualified* one : figured(all))
+    rows.push_back({one->name, mm(one->rmse_m.value), mm(without_reference_m(one->rmse_m.value, budget.total_m()))});
+  report.table({"algorithm", "rmse as seen [mm]", "without the reference's share [mm]"}, rows);
+}
+
 }  // namespace
 
 std::string to_html(const Qualification& all, const Conditions& conditions) {
@@ -225,6 +245,11 @@ std::string to_html(const Qualification& all, const Conditions& conditions) {
       mm(all.options.threshold_m, 1) +
       " mm. NEES/2 is 1 where the stated covariance is honest; beside it the band of 95 %. The limit is the "
       "posterior Cramér-Rao bound for the readings that the runs had.");
+  if (all.options.alignment != Alignment::none)
+    report.paragraph("Aligned (" + std::string(to_string(all.options.alignment)) +
+                     "), as was asked for: each run's estimates were " + std::string(words_of(all.options.alignment)) +
+                     ". The figures tell the shape of ways, not where they lie; no limit is drawn, for it knows of no "
+                     "alignment.");
   for (const std::string& note : conditions.notes) report.paragraph(note);
   report.figure(boxes(all), "The runs: smallest, quartiles and largest; the stroke across is the limit");
   report.figure(distribution(all), "Distribution of all errors");
@@ -234,11 +259,13 @@ std::string to_html(const Qualification& all, const Conditions& conditions) {
   report.heading("Along and across, by section");
   add_splits(report, all);
   add_comparisons(report, all);
+  add_reference(report, all);
   add_success(report, all);
   report.heading("Conditions");
   std::vector<std::vector<std::string>> rows;
   for (const auto& [name, value] : conditions.settings) rows.push_back({name, value});
-  rows.push_back({"uncertainty of the reference [mm]", mm(all.options.reference_m)});
+  rows.push_back({"alignment", std::string(to_string(all.options.alignment))});
+  rows.push_back({"uncertainty of the reference [mm]", mm(all.options.reference.total_m())});
   rows.push_back({"digest", all.digest.hex()});
   report.table({"setting", "value"}, rows);
   report.verbatim(conditions.command);

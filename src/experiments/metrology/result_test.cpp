@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 
 #include "aiv/estimation/registry.h"
@@ -16,12 +17,11 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-Qualification small() {
+Qualification small(Alignment alignment = Alignment::none, ReferenceBudget reference = {}) {
   static const estimation::Registry registry;
   Simulation simulation{testing::oval()};
   simulation.way_m = 20.0;
   simulation.odometry_hz = 17.3;
-  Trial trial;
   std::vector<Candidate> candidates;
   for (const std::string name : {"arc_kalman", "reset_rule"}) {
     candidates.push_back(
@@ -31,11 +31,14 @@ Qualification small() {
       {"gone", "", false, [](const estimation::Setting&) -> Result<std::unique_ptr<estimation::Algorithm>> {
          return fail("algorithm.start", "it <does> not start", "gone");
        }});
-  const auto source = [&](std::size_t index) -> Result<const Trial*> {
-    simulate(simulation, index + 1, trial);
-    return &trial;
+  const auto source = [&](std::size_t index, Trial& room) -> Result<const Trial*> {
+    simulate(simulation, index + 1, room);
+    return &room;
   };
-  return *qualify(candidates, 8, source, {});
+  QualificationOptions options;
+  options.alignment = alignment;
+  options.reference = std::move(reference);
+  return *qualify(candidates, 8, source, options);
 }
 
 TEST(Result, as_json_has_what_programs_look_for) {
@@ -70,6 +73,45 @@ TEST(Result, as_a_page_needs_nothing_else_and_escapes_what_it_is_given) {
   EXPECT_THAT(html, HasSubstr("it &lt;does&gt; not start"));
   EXPECT_THAT(html, HasSubstr("a note"));
   EXPECT_THAT(html, Not(HasSubstr("src=\"http")));
+}
+
+TEST(Result, says_of_what_is_aligned_that_it_is) {
+  const Qualification plain = small();
+  EXPECT_THAT(to_json(plain, {}), HasSubstr("\"align\": \"none\""));
+  EXPECT_THAT(to_json(plain, {}), Not(HasSubstr("alignment_by_run")));
+  EXPECT_THAT(to_text(plain), Not(HasSubstr("ligned")));
+  const Qualification aligned = small(Alignment::se2);
+  const auto json = JsonValue::parse(to_json(aligned, {}));
+  EXPECT_EQ(json->text("align"), "se2");
+  const auto& algorithm = json->find("algorithms")->array()->front();
+  EXPECT_EQ(algorithm.find("alignment_by_run")->array()->size(), 8U);
+  EXPECT_TRUE(algorithm.find("limit_m")->is_null());
+  EXPECT_THAT(to_text(aligned), HasSubstr("Aligned (se2)"));
+  EXPECT_THAT(to_html(aligned, {}), HasSubstr("Aligned (se2), as was asked for"));
+}
+
+TEST(Result, tells_the_reference_s_error_part_by_part_with_its_sources) {
+  EXPECT_THAT(to_html(small(), {}), Not(HasSubstr("The reference's own error")));
+  const ReferenceBudget budget{{{"floor fit", 0.003, "left-out blocks"},
+                                {"tag height", 0.004, "a ruler"},
+                                {"mounting", std::nullopt, "nobody has measured it"}}};
+  const Qualification all = small(Alignment::none, budget);
+  const auto json = JsonValue::parse(to_json(all, {}));
+  const JsonValue& reference = *json->find("reference");
+  EXPECT_NEAR(*reference.number("uncertainty_m"), 0.005, 1e-15);
+  const auto& parts = *reference.find("parts")->array();
+  ASSERT_EQ(parts.size(), 3U);
+  EXPECT_EQ(parts[1].text("source"), "a ruler");
+  EXPECT_NEAR(*parts[1].number("share_percent"), 64.0, 1e-9);
+  EXPECT_TRUE(parts[2].find("uncertainty_m")->is_null());
+  const auto& algorithm = json->find("algorithms")->array()->front();
+  const double seen = *algorithm.number("rmse_m");
+  EXPECT_NEAR(*algorithm.number("rmse_without_reference_m"), std::sqrt(seen * seen - 25e-6), 1e-12);
+  const std::string html = to_html(all, {});
+  for (const char* words :
+       {"The reference's own error", "left-out blocks", "a ruler", "not told", "u is more than this"})
+    EXPECT_THAT(html, HasSubstr(words)) << words;
+  EXPECT_THAT(to_text(all), HasSubstr("u 5 mm: floor fit 3, tag height 4; not told: mounting"));
 }
 
 TEST(Result, as_csv_has_a_line_per_vote) {

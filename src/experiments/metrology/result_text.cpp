@@ -40,8 +40,15 @@ std::string to_text(const Qualification& all) {
             padded(readable(100.0 * one.precision.value, 1) + " %", 11) + padded(readable(0.5 * one.nees, 2), 8);
     if (one.limit_m) text += padded(mm(*one.limit_m), 7) + padded(readable(*one.gap_percent, 1) + " %", 8);
     if (one.leak) text += "  below the limit: a leak";
+    if (one.limit_m && one.limit_assumed) text += "  (limit of assumed sensors)";
     text += "\n";
   }
+  if (all.options.alignment != Alignment::none)
+    text += "Aligned (" + std::string(to_string(all.options.alignment)) + "): each run's estimates were " +
+            std::string(words_of(all.options.alignment)) + ".\n";
+  if (!all.options.reference.parts.empty())
+    text += "The reference's own error: " + words_of(all.options.reference) +
+            " [mm]; smaller differences are called unresolved.\n";
   if (!all.comparisons.empty() && all.runs < 6) {
     return text + "With " + std::to_string(all.runs) + (all.runs == 1 ? " run" : " runs") +
            " nothing can be shown different; six are the fewest.\n";

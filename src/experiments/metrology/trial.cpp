@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "base/expect.h"
 #include "base/math.h"
 #include "base/math_inline.h"
 #include "base/vector_clones.h"
@@ -76,7 +77,43 @@ void tell(estimation::Algorithm& algorithm, const Event& event, Trace& trace, st
   if (rectified.nis && rectified.dimensions > 0) trace.nis.push_back(*rectified.nis / rectified.dimensions);
 }
 
+Result<Pose2> alignment_of(Alignment how, const Trial& run, const Trace& trace) {
+  if (how == Alignment::origin) {
+    if (!run.heading_known)
+      return fail("align.heading", "the truth has no heading to put the first pose on; se2 needs none", run.name);
+    return run.moments.front().truth * inverse(trace.estimates.front().pose);
+  }
+  std::vector<Point2> truth;
+  std::vector<Point2> estimate;
+  truth.reserve(run.moments.size());
+  estimate.reserve(run.moments.size());
+  for (std::size_t i = 0; i < run.moments.size(); ++i) {
+    truth.push_back(position(run.moments[i].truth));
+    estimate.push_back(position(trace.estimates[i].pose));
+  }
+  auto found = rigid_alignment(truth, estimate);
+  if (!found) found.error().place = run.name;
+  return found;
+}
+
 }  // namespace
+
+Result<Pose2> align(Alignment how, const Trial& run, Trace& trace) {
+  COSIVA_EXPECT(how == Alignment::se2 || how == Alignment::origin);
+  const auto X = alignment_of(how, run, trace);
+  if (!X) return X;
+  const SinCos turn = sincos(X->heading_rad);
+  estimation::Matrix3 r = estimation::Matrix3::Identity();
+  r.topLeftCorner<2, 2>() << turn.cos, -turn.sin, turn.sin, turn.cos;
+  forget_judgement(trace);
+  for (std::size_t i = 0; i < run.moments.size(); ++i) {
+    Estimate& estimate = trace.estimates[i];
+    estimate.pose = *X * estimate.pose;
+    estimate.covariance = r * estimate.covariance * r.transpose();
+    judge(run.moments[i], i, trace);
+  }
+  return X;
+}
 
 Result<void> apply(estimation::Algorithm& algorithm, const Trial& run, Trace& trace) {
   forget(trace);

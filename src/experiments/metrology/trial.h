@@ -8,6 +8,7 @@
 
 #include "aiv/estimation/algorithm.h"
 #include "base/result.h"
+#include "experiments/metrology/alignment.h"
 #include "zone/section.h"
 
 /// Metrology of position estimation (A33, A35, A36): what an algorithm is told, where the vehicle truly was, and what
@@ -33,6 +34,8 @@ struct Trial {
   std::vector<Event> events;
   std::vector<Moment> moments;
   bool heading_known{true};  ///< the truth has a heading; else only positions are judged
+  /// Nobody has said how good the sensors are, so their figures are guesses: then so is a limit made of them.
+  bool sensors_assumed{false};
 };
 
 /// What an algorithm said at each moment, beside the truth.
@@ -51,5 +54,11 @@ struct Trace {
 /// Tells the algorithm all events of the run and asks it at every moment; who looks back is asked again at the end.
 /// What was in `trace` goes, its memory is used again. Fails with the algorithm's own fault.
 Result<void> apply(estimation::Algorithm& algorithm, const Trial& run, Trace& trace);
+
+/// Moves all estimates of a run as one, covariances with them, and judges them anew: X such that X · estimate is
+/// nearest to the truth (se2), or the first on the truth's first (origin). Fails as rigid_alignment does, and
+/// ("align.heading") for origin where the truth has none.
+/// @param how  se2 or origin: a run lies on the floor
+Result<Pose2> align(Alignment how, const Trial& run, Trace& trace);
 
 }  // namespace cosiva::experiments

@@ -158,6 +158,7 @@ Result<Trial> replayed(const Recording& recording, const ReplayOptions& options)
   Trial trial;
   trial.name = recording.name;
   trial.heading_known = recording.truth_has_heading;
+  trial.sensors_assumed = recording.sensors.empty();
   if (auto fine = take_sensors(recording, trial.setting.sensors); !fine) return tl::unexpected(fine.error());
   const Truth truth{recording, options.gap_s};
   Mixer mixer{recording, trial};
