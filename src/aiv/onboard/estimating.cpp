@@ -73,9 +73,9 @@ EstimateAnswer::Rectified told_of(const estimation::Rectified& rectified) {
 
 estimation::SensorModel data_sheet() {
   estimation::SensorModel sensors;
-  sensors.distance_variance_per_m = 25e-6;
+  sensors.distance_variance_per_m = 9e-6;
   sensors.distance_scale_sigma = 0.005;
-  sensors.mark_along_sigma_m = 0.004;
+  sensors.mark_along_sigma_m = 0.0025;
   sensors.mark_across_sigma_m = 0.002;
   sensors.line_sigma_m = 0.001;
   return sensors;

@@ -102,8 +102,8 @@ class Estimating {
   bool due_{false};
 };
 
-/// What the vehicle's sensors are worth, as it tells every algorithm: wheels to 5 mm after a metre and 0.5 % in scale,
-/// a reading at the rim of the antenna's field to 4 mm along and 2 mm across, the line to 1 mm.
+/// What the vehicle's sensors are worth, as it tells every algorithm: wheels to 3 mm after a metre and 0.5 % in scale,
+/// a reading at the rim of the antenna's field to 2.5 mm along and 2 mm across, the line to 1 mm.
 [[nodiscard]] estimation::SensorModel data_sheet();
 
 }  // namespace cosiva::aiv
