@@ -2,6 +2,7 @@
 
 #include "target.h"
 #include "wire/battery_exchange.h"
+#include "wire/estimate_exchange.h"
 #include "wire/halls.h"
 #include "wire/v2x.h"
 
@@ -37,5 +38,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   read(wire::battery_change_from_json, text);
   read(wire::battery_ready_from_json, text);
   read(wire::battery_test_from_json, text);
+  read(wire::estimate_request_from_json, text);
+  read(wire::estimate_answer_from_json, text);
   return 0;
 }

@@ -1,5 +1,6 @@
 // The options of `cosiva qualify` and `cosiva compare`, and what their help says.
 #include "app/command_line_verbs.h"
+#include "app/words.h"
 
 namespace cosiva::app {
 namespace {
@@ -8,6 +9,8 @@ constexpr const char* qualify_examples =
     "Examples:\n"
     "  cosiva qualify arc_kalman --pitch 0.5 --runs 100           in virtual time, with the limit beside it\n"
     "  cosiva qualify calibrating --recording plaza1 --out DIR    on what was recorded, with a report\n"
+    "  cosiva qualify arc_kalman --live --broker 127.0.0.1:1883    on a platform that runs (`cosiva up`), by its "
+    "vehicles\n"
     "  cosiva qualify mine --external \"mine=python3 mine.py\"      any program that speaks JSON lines\n"
     "  cosiva qualify all --runs 500 --threads 4                  no more of this machine than that; same result\n"
     "  cosiva qualify --list                                      which algorithms there are\n"
@@ -18,6 +21,7 @@ constexpr const char* compare_examples =
     "Examples:\n"
     "  cosiva compare reset_rule arc_kalman --runs 30             who is better, and is that sure\n"
     "  cosiva compare --zone indus8 --marks beacons --json        the usual ones, beacons as the zone has them\n"
+    "  cosiva compare --live --vehicle AIV1 --vehicle AIV2 --way 20 --runs 8    figure 17 on two vehicles that drive\n"
     "  cosiva compare ekf calibrating smoother --recording A --recording B\n"
     "  cosiva compare --reference truth.tum --estimate a.tum --estimate b.tum\n"
     "  cosiva compare ekf smoother --recording A --reference-budget cal/reference_budget.json\n"
@@ -106,10 +110,41 @@ void add_others(CLI::App& verb, QualifyArguments& q) {
       ->capture_default_str();
 }
 
+void add_live(CLI::App& verb, LiveQualifyArguments& live) {
+  verb.add_flag(
+      "--live", live.live,
+      "on a platform that runs: its vehicles run the algorithms while they drive, and are asked --rate times a "
+      "second until they have gone --way");
+  verb.add_option("--url", live.url, "of its server, with --live")->type_name("URL")->capture_default_str();
+  add_broker(verb, live.broker, "127.0.0.1:1883; with --live");
+  verb.add_option("--vehicle", live.vehicles, "who drives the runs, with --live; may come again; without: AIV1")
+      ->type_name("AIV|MANUFACTURER/SERIAL")
+      ->allow_extra_args(false);
+  verb.add_option("--truth", live.truth_topic, "where it is said where they truly are; without: cosiva/v1/plant/truth")
+      ->type_name("TOPIC");
+}
+
+/// What is a property of a simulation or of a file is none of a platform that runs.
+std::optional<std::string> useless_live(const CLI::App& verb) {
+  for (const char* name :
+       {"--zone", "--marks", "--pitch", "--reach", "--odometry-noise", "--reading-noise", "--missed", "--scale-error",
+        "--survey-error", "--recording", "--reference", "--estimate", "--associate", "--align"}) {
+    if (verb.get_option(name)->count() > 0) return name;
+  }
+  return std::nullopt;
+}
+
+int run_live(const CLI::App& verb, const QualifyArguments& q, LiveQualifyArguments& live, std::size_t at_least) {
+  if (const auto useless = useless_live(verb))
+    return complain({"qualify.live", "it means nothing with --live: the platform is as it is", *useless});
+  live.speed_given = verb.get_option("--speed")->count() > 0;
+  return run_qualify_live(q, live, at_least);
+}
+
 }  // namespace
 
 QualifyVerbs describe_qualify(CLI::App& root, QualifyArguments& q) {
-  QualifyVerbs verbs{};
+  QualifyVerbs verbs{nullptr, nullptr, std::make_shared<LiveQualifyArguments>()};
   verbs.qualify = root.add_subcommand("qualify", "Say how good a position estimator is, with intervals and its limit");
   verbs.compare = root.add_subcommand("compare", "Say which position estimators differ, on the same runs");
   for (CLI::App* verb : {verbs.qualify, verbs.compare}) {
@@ -124,6 +159,7 @@ QualifyVerbs describe_qualify(CLI::App& root, QualifyArguments& q) {
     add_virtual_time(*verb, q);
     add_judging(*verb, q);
     add_others(*verb, q);
+    add_live(*verb, *verbs.live);
   }
   verbs.qualify->footer(qualify_examples);
   verbs.compare->footer(compare_examples);
@@ -140,6 +176,9 @@ std::optional<int> run_qualify_verb(const QualifyVerbs& verbs, QualifyArguments&
     if (word.starts_with("--threads")) continue;
     q.command += word.find(' ') == std::string::npos ? " " + word : " '" + word + "'";
   }
+  if (verbs.live->live && !q.list)
+    return verbs.qualify->parsed() ? run_live(*verbs.qualify, q, *verbs.live, 1)
+                                   : run_live(*verbs.compare, q, *verbs.live, 2);
   return verbs.qualify->parsed() ? run_qualify(q) : run_compare(q);
 }
 

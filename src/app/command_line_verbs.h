@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -8,6 +9,7 @@
 #include "app/battery_arguments.h"
 #include "app/campaign_arguments.h"
 #include "app/gvs_arguments.h"
+#include "app/qualify_live.h"
 
 /// The parts of the command line: who describes which verb's options. Only the command line includes this.
 namespace cosiva::app {
@@ -68,6 +70,7 @@ struct BatteryVerbs {
 struct QualifyVerbs {
   CLI::App* qualify;
   CLI::App* compare;
+  std::shared_ptr<LiveQualifyArguments> live;
 };
 [[nodiscard]] QualifyVerbs describe_qualify(CLI::App& root, QualifyArguments& qualify);
 /// The exit status of the one that was asked for, if any.

@@ -86,50 +86,67 @@ int run_either(const QualifyArguments& arguments, std::size_t at_least) {
   if (!reference) return complain(reference.error());
   auto runs = arguments.recordings.empty() ? virtual_runs(arguments) : recorded_runs(arguments);
   if (!runs) return complain(runs.error());
-  std::vector<std::string> usual;
-  if (at_least == 1) {
-    if (arguments.external.empty()) usual = {runs->on_track ? "arc_kalman" : "calibrating"};
-  } else if (runs->on_track) {
-    usual = {"dead_reckoning", "reset_rule", "arc_kalman", "arc_kalman_scale", "ekf", "iekf", "ufir", "arc_smoother"};
-  } else {
-    usual = {"dead_reckoning", "ekf", "ukf", "iekf", "calibrating", "smoother"};
-  }
-  const auto candidates = candidates_of(arguments, registry, runs->on_track, usual);
+  const auto candidates =
+      candidates_of(arguments, registry, runs->on_track, usual_algorithms(arguments, runs->on_track, at_least));
   if (!candidates) return complain(candidates.error());
   if (candidates->size() < at_least)
     return complain({"compare.few", "there are at least two to compare", "algorithms"});
+  return judge(arguments, *candidates, *runs, std::move(*reference));
+}
+
+/// Its own checks: everybody answered, and nobody is better than can be.
+bool check(const Qualification& all, bool modelled) {
+  bool fine = true;
+  for (const experiments::Qualified& one : all.algorithms) {
+    if (one.failed) say("cosiva: " + one.name + " failed: " + to_string(*one.failed));
+    if (one.leak && modelled)
+      say("cosiva: " + one.name + " is below the limit: it knows what it cannot, or the limit is wrong");
+    else if (one.leak)
+      say("cosiva: " + one.name + " is below the limit: the sensors are better than their data sheet says");
+    fine = fine && !one.failed && !(one.leak && modelled);
+  }
+  return fine;
+}
+
+}  // namespace
+
+std::vector<std::string> usual_algorithms(const QualifyArguments& arguments, bool on_track, std::size_t at_least) {
+  if (at_least == 1) {
+    if (!arguments.external.empty()) return {};
+    return {on_track ? "arc_kalman" : "calibrating"};
+  }
+  if (on_track)
+    return {"dead_reckoning", "reset_rule", "arc_kalman", "arc_kalman_scale", "ekf", "iekf", "ufir", "arc_smoother"};
+  return {"dead_reckoning", "ekf", "ukf", "iekf", "calibrating", "smoother"};
+}
+
+int judge(const QualifyArguments& arguments, const std::vector<experiments::Candidate>& candidates, const Runs& runs,
+          experiments::ReferenceBudget reference) {
   experiments::QualificationOptions options;
   options.threshold_m = arguments.threshold_m;
   options.tolerance_m = arguments.tolerance_m;
   options.reliability = arguments.reliability;
   options.confidence = arguments.confidence;
-  options.alignment = alignment;
-  options.reference = std::move(*reference);
+  options.alignment = alignment_of(arguments);
+  options.reference = std::move(reference);
   options.bootstrap.seed = arguments.seed;
   adapters::ThreadPool workers{threads_for(arguments)};
-  RunsDone runs_done{runs->count};
+  RunsDone runs_done{runs.count};
   const auto all = experiments::qualify(
-      *candidates, runs->count, runs->source, options, workers, [&] { return runs_done.time_is_up(); },
+      candidates, runs.count, runs.source, options, workers, [&] { return runs_done.time_is_up(); },
       [&](std::size_t done) { runs_done.at(done); });
   if (!all) return complain(all.error());
   if (!arguments.out_folder.empty()) {
-    if (auto written = write_all(arguments.out_folder, *all, runs->conditions); !written)
+    if (auto written = write_all(arguments.out_folder, *all, runs.conditions); !written)
       return complain(written.error());
   }
-  std::string text = arguments.json ? to_json(*all, runs->conditions) : to_text(*all);
+  std::string text = arguments.json ? to_json(*all, runs.conditions) : to_text(*all);
   while (text.ends_with('\n')) text.pop_back();  // print ends the line
   print(text);
-  // Its own checks: everybody answered, and nobody is better than can be.
-  bool fine = true;
-  for (const experiments::Qualified& one : all->algorithms) {
-    if (one.failed) say("cosiva: " + one.name + " failed: " + to_string(*one.failed));
-    if (one.leak) say("cosiva: " + one.name + " is below the limit: it knows what it cannot, or the limit is wrong");
-    fine = fine && !one.failed && !one.leak;
-  }
-  return fine ? exit_done : exit_check_failed;
+  for (const std::string& note : runs.complete ? std::vector<std::string>{} : runs.conditions.notes)
+    say("cosiva: " + note);
+  return check(*all, runs.modelled) && runs.complete ? exit_done : exit_check_failed;
 }
-
-}  // namespace
 
 int run_qualify(const QualifyArguments& arguments) { return run_either(arguments, 1); }
 int run_compare(const QualifyArguments& arguments) { return run_either(arguments, 2); }

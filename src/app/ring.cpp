@@ -8,9 +8,7 @@ Result<Ring> ring_of(const std::string& name_or_file) {
   auto rtm = open_zone(name_or_file);
   if (!rtm) return tl::unexpected(rtm.error());
   Ring ring{rtm->share_zone(), nullptr};
-  const std::shared_ptr<const zone::Circuit> circuit(ring.zone, &ring.zone->circuit);
-  auto track = ring.zone->loops.empty() ? estimation::Track::of_ring(circuit)
-                                        : estimation::Track::make(circuit, ring.zone->loops.front().sections, true);
+  auto track = estimation::Track::round(ring.zone);
   if (!track) return tl::unexpected(track.error());
   ring.track = std::make_shared<const estimation::Track>(std::move(*track));
   return ring;

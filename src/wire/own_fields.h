@@ -63,12 +63,12 @@ class Fields {
     if (std::floor(read) != read) return complain(field, "a whole number");
     out = static_cast<T>(read);
   }
-  void text(std::string_view field, std::string& out) {
+  void text(std::string_view field, std::string& out, std::size_t longest = text_bytes_max) {
     const JsonValue* value = required(field);
     if (value == nullptr) return;
     const std::string* read = value->text();
-    if (read == nullptr || read->size() > text_bytes_max)
-      return complain(field, "a text of at most " + std::to_string(text_bytes_max) + " bytes");
+    if (read == nullptr || read->size() > longest)
+      return complain(field, "a text of at most " + std::to_string(longest) + " bytes");
     out = *read;
   }
   void flag(std::string_view field, bool& out) {

@@ -40,6 +40,23 @@ Result<Track> Track::of_ring(std::shared_ptr<const zone::Circuit> circuit) {
   return make(std::move(circuit), std::move(sections), closed);
 }
 
+Result<Track> Track::round(const std::shared_ptr<const zone::TrafficZone>& zone,
+                           std::optional<zone::SectionId> through) {
+  const std::shared_ptr<const zone::Circuit> circuit(zone, &zone->circuit);
+  const auto leads = [&](const zone::Loop& loop) {
+    return !through || std::ranges::find(loop.sections, *through) != loop.sections.end();
+  };
+  const auto loop = std::ranges::find_if(zone->loops, leads);
+  if (loop != zone->loops.end()) return make(circuit, loop->sections, true);
+  return of_ring(circuit);
+}
+
+std::optional<double> Track::along_of(zone::Place place) const {
+  const auto found = std::ranges::find(sections_, place.section);
+  if (found == sections_.end()) return std::nullopt;
+  return starts_[static_cast<std::size_t>(found - sections_.begin())] + place.s_m;
+}
+
 double Track::once(double along_m) const {
   if (!closed_) return std::clamp(along_m, 0.0, length_m());
   if (along_m >= 0.0 && along_m < length_m()) return along_m;

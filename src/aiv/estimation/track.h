@@ -7,6 +7,7 @@
 #include "base/pose.h"
 #include "base/result.h"
 #include "zone/circuit.h"
+#include "zone/traffic_zone.h"
 
 namespace cosiva::estimation {
 
@@ -20,12 +21,18 @@ class Track {
   /// The circuit's first loop, or round from its first section by default successors as far as that leads. Fails as
   /// make does, and ("track.loop") where `loop` is none of the zone's.
   [[nodiscard]] static Result<Track> of_ring(std::shared_ptr<const zone::Circuit> circuit);
+  /// The zone's first loop, or its ring where it names none: where its vehicles go round. Of one that stands on
+  /// section `through`, the first loop that leads over it. Fails as make does.
+  [[nodiscard]] static Result<Track> round(const std::shared_ptr<const zone::TrafficZone>& zone,
+                                           std::optional<zone::SectionId> through = std::nullopt);
 
   [[nodiscard]] const zone::Circuit& circuit() const { return *circuit_; }
   [[nodiscard]] const std::shared_ptr<const zone::Circuit>& share_circuit() const { return circuit_; }
   [[nodiscard]] double length_m() const { return starts_.back(); }  ///< once round
   [[nodiscard]] bool closed() const { return closed_; }
 
+  /// Where the track first passes a place; nothing: it does not lead there.
+  [[nodiscard]] std::optional<double> along_of(zone::Place place) const;
   /// On an open track clamped to its ends.
   [[nodiscard]] zone::Place place_at(double along_m) const;
   [[nodiscard]] Pose2 pose_at(double along_m) const;

@@ -32,6 +32,24 @@ TEST(Track, finds_the_foot_of_a_point_in_the_round_that_is_meant) {
   EXPECT_FALSE(oval->foot({2.0, 0.0}, 5.0, 1.0));  // further along than one looks
 }
 
+TEST(Track, knows_how_far_along_a_place_lies_and_that_it_does_not_lead_to_another) {
+  const auto circuit = testing::oval_circuit();
+  const auto half = testing::track(circuit, {1, 2}, false);
+  EXPECT_NEAR(*half->along_of({2, 0.5}), pi * 0.8 + 0.5, 1e-12);
+  EXPECT_FALSE(half->along_of({0, 0.5}));
+}
+
+TEST(Track, goes_round_the_loop_that_the_vehicle_stands_on_and_the_first_where_nobody_says) {
+  auto zone = std::make_shared<zone::TrafficZone>(
+      zone::TrafficZone{"test", *testing::oval_circuit(), {}, {}, {}, {}, {}, {}, {}, {}});
+  EXPECT_NEAR(Track::round(zone)->length_m(), 6.0 + 1.6 * pi, 1e-12);
+  zone->loops = {{"whole", {0, 1, 2, 3}}, {"late", {2, 3, 0, 1}}};
+  EXPECT_EQ(Track::round(zone)->place_at(0.0).section, 0U);
+  zone->loops.front().sections = {0, 1};
+  EXPECT_EQ(Track::round(zone, zone::SectionId{3})->place_at(0.0).section, 2U);
+  EXPECT_FALSE(Track::round(zone, zone::SectionId{1}));  // 0 does not follow 1
+}
+
 TEST(Track, prefers_a_foot_at_right_angles_to_the_end_of_the_section_before) {
   // 5 cm beyond the joint; the belief is still before it, and so is the end that would be nearer.
   const auto oval = testing::oval();

@@ -13,6 +13,7 @@
 #include "aiv/intent.h"
 #include "aiv/neighbours.h"
 #include "aiv/onboard/boards_link.h"
+#include "aiv/onboard/estimating.h"
 #include "aiv/onboard/instant_actions.h"
 #include "aiv/onboard/memory.h"
 #include "aiv/onboard/onboard_core.h"
@@ -53,7 +54,7 @@ class Periodic {
 /// Everything behind OnboardCore: what it is told goes to agent and books, and what they decide goes out. Its functions
 /// stand in onboard_core.cpp (inputs and own pace), broker_side.cpp (messages), zone_switch.cpp (which zone is in
 /// force), feeling.cpp (what is only virtual, and what it sees), v2x.cpp (what it says to others, and hears of them),
-/// hall.cpp (whose it is) and place.cpp (where it stands).
+/// hall.cpp (whose it is), place.cpp (where it stands) and estimation_side.cpp (algorithms that are qualified).
 struct OnboardCore::Inside {
   explicit Inside(OnboardOptions o)
       : options{std::move(o)},
@@ -129,6 +130,13 @@ struct OnboardCore::Inside {
   [[nodiscard]] Others look_around();
   void tell_intent(wire::Effects& effects);
 
+  // algorithms that somebody qualifies
+  void on_estimate_request(const wire::Input& input, wire::Effects& effects);
+  [[nodiscard]] std::optional<Estimating::Belief> belief() const;
+  /// Odometry, to the agent and to them.
+  void roll(const wire::Odometry& odometry);
+  void tell_estimate(wire::Effects& effects);
+
   // instant actions
   void finish(const wire::Action& action, std::string result = {}) {
     actions.set(action.action_id, wire::ActionStatus::finished, std::move(result));
@@ -201,6 +209,9 @@ struct OnboardCore::Inside {
   std::uint64_t intents_refused{0};
   std::vector<std::string> v2x_complaints;
   Sighting sighting;
+  Estimating estimating;
+  BoardClock pils_clock;
+  bool estimate_complained{false};
   std::optional<wire::Power> power;
   std::optional<wire::Ranges> ranges;  ///< the last
   bool looked{false};                  ///< ranges came in these bytes

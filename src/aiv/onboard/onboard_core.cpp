@@ -51,6 +51,7 @@ void OnboardCore::Inside::on_bytes(const wire::Input& input, wire::Effects& effe
     std::visit([this](const auto& m) { on_board(m); }, message);
   }
   if (std::exchange(looked, false)) tell_seen(effects);
+  tell_estimate(effects);
 }
 
 void OnboardCore::Inside::on_message(const wire::Input& input, wire::Effects& effects) {
@@ -64,6 +65,8 @@ void OnboardCore::Inside::on_message(const wire::Input& input, wire::Effects& ef
     on_instant_actions(input, effects);
   } else if (input.source == topics.connection) {
     on_server_connection(input, effects);
+  } else if (input.source == session.estimate_request_topic()) {
+    on_estimate_request(input, effects);
   } else if (input.source == session.owner_topic()) {
     on_owner(input, effects);
   } else if (input.source.starts_with(topics.zone_prefix)) {
@@ -80,13 +83,15 @@ void OnboardCore::Inside::on_board(const wire::Hello& hello) {
 
 void OnboardCore::Inside::on_board(const wire::Odometry& odometry) {
   if (!agent) return;
-  agent->on_odometry(odometry);
+  roll(odometry);
   if (!agent->position().pose_known()) find_place();
 }
 
 void OnboardCore::Inside::on_board(const wire::TagRead& tag) {
   if (!agent) return;
   const auto last = agent->position().last_tag();
+  if (estimating.busy() && agent->position().pose_known())
+    estimating.on_tag(tag.number, now - std::chrono::milliseconds{tag.age_ms}, *zone, agent->position().pose());
   const auto fix = agent->on_tag(tag);
   // A beacon every few centimetres is no event; a tag is (A13), and so is a belief that was wrong.
   if (agent->position().last_tag() != last || fix.kind == PositionEstimator::FixKind::relocated) state_due = true;
@@ -206,6 +211,7 @@ std::vector<std::string> OnboardCore::subscriptions() const {
           inside_->session.order_topic(),
           inside_->session.instant_actions_topic(),
           inside_->session.ahead_topic(),
+          inside_->session.estimate_request_topic(),
           std::string(wire::server_heartbeat_topic),
           std::string(wire::server_connection_topic),
           wire::topics_below(wire::zone_topic_prefix, 1)};

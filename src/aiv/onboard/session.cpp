@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "aiv/onboard/instant_actions.h"
+#include "wire/estimate_exchange.h"
 #include "wire/halls.h"
 #include "wire/vda5050/codec.h"
 
@@ -21,6 +22,8 @@ Session::Session(wire::VehicleId id, std::string_view interface_name)
       ahead_topic_{wire::own_topic(wire::ahead_topic_prefix, id_)},
       owner_topic_{wire::own_topic(wire::owner_topic_prefix, id_)},
       felt_topic_{wire::own_topic(wire::felt_topic_prefix, id_)},
+      estimate_request_topic_{wire::own_topic(wire::estimate_request_topic_prefix, id_)},
+      estimate_answer_topic_{wire::own_topic(wire::estimate_answer_topic_prefix, id_)},
       seen_topic_{wire::own_topic(wire::seen_topic_prefix, id_)},
       boards_topic_{wire::own_topic(wire::boards_topic_prefix, id_)} {}
 
@@ -73,6 +76,10 @@ void Session::publish(SimTime now, wire::BoardsReport&& report, wire::Effects& e
   report.header_id = boards_reports_++;
   report.timestamp = now;
   effects.emplace_back(wire::Publish{boards_topic_, to_json(report), 0, false});
+}
+
+void Session::publish_estimate(std::string&& json, wire::Effects& effects) const {
+  if (online_) effects.emplace_back(wire::Publish{estimate_answer_topic_, std::move(json), 0, false});
 }
 
 void Session::publish(SimTime now, wire::Cell cell, wire::Intent&& intent, wire::Effects& effects) {

@@ -26,6 +26,7 @@ class Session {
 
   [[nodiscard]] const std::string& ahead_topic() const { return ahead_topic_; }
   [[nodiscard]] const std::string& owner_topic() const { return owner_topic_; }
+  [[nodiscard]] const std::string& estimate_request_topic() const { return estimate_request_topic_; }
 
   /// @param now  of the connect that will carry it; its header is not for ordering (trap 18)
   [[nodiscard]] wire::Will will(SimTime now) const;
@@ -41,6 +42,8 @@ class Session {
   void publish(const wire::Felt& felt, wire::Effects& effects);
   void publish(SimTime now, wire::Seen&& seen, wire::Effects& effects);
   void publish(SimTime now, wire::BoardsReport&& report, wire::Effects& effects);
+  /// wire::EstimateAnswer, written when it was due: it is said again to who did not hear it.
+  void publish_estimate(std::string&& json, wire::Effects& effects) const;
   /// To those near this cell of the intent's map.
   void publish(SimTime now, wire::Cell cell, wire::Intent&& intent, wire::Effects& effects);
 
@@ -60,6 +63,8 @@ class Session {
   std::string ahead_topic_;
   std::string owner_topic_;
   std::string felt_topic_;
+  std::string estimate_request_topic_;
+  std::string estimate_answer_topic_;
   std::string seen_topic_;
   std::string boards_topic_;
   bool online_{false};

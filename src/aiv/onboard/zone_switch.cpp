@@ -121,6 +121,7 @@ void OnboardCore::Inside::end_switch(wire::Effects& effects) {
   actions.end_running(action::cancel_order, wire::ActionStatus::finished);
   actions.end_running({}, wire::ActionStatus::failed, "the zone was switched");
   sighting = {};
+  estimating.on_zone_switched();
   contact = {};
   owes_answer = true;
   ahead_complaints.clear();

@@ -1,0 +1,272 @@
+#include "aiv/onboard/estimating.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace cosiva::aiv {
+namespace {
+
+using wire::EstimateAnswer;
+
+/// Who asks no more is gone.
+constexpr SimDuration session_max = std::chrono::minutes{1};
+/// A belief may be wrong for a moment, at a crossing; a vehicle that leaves its ring is elsewhere for good.
+constexpr double off_ring_m_max = 0.5;
+/// Quartzes differ by less than this share.
+constexpr std::int64_t drift_divisor = 10'000;
+/// A clock was set, or counts from zero again.
+constexpr SimDuration leap = std::chrono::seconds{1};
+/// The vehicle knows its heading as well as that of its line.
+constexpr double start_heading_sigma_rad = 0.02;
+/// Looking the way of a line that passes a mark.
+constexpr double along_rad_max = pi / 3.0;
+
+std::string shortened(std::string text) {
+  if (text.size() > EstimateAnswer::fault_bytes_max) text.resize(EstimateAnswer::fault_bytes_max);
+  return text;
+}
+
+wire::EstimateSensors told_of(const estimation::SensorModel& sensors) {
+  return {sensors.distance_variance_per_m, sensors.turn_variance_per_m, sensors.turn_variance_per_rad,
+          sensors.distance_scale_sigma,    sensors.turn_scale_sigma,    sensors.mark_along_sigma_m,
+          sensors.mark_across_sigma_m,     sensors.line_sigma_m,        sensors.line_heading_sigma_rad};
+}
+
+/// A mark as the antenna has it when it comes into the field: at the rim, as far aside as the line passes it.
+Point2 at_rim(const zone::Circuit& circuit, Point2 mark_M, const Pose2& X_MB, double range_m) {
+  std::vector<zone::Circuit::Located> lines;
+  circuit.near(mark_M, range_m, lines);
+  for (const auto& [place, left_m, distance_m] : lines) {
+    if (std::fabs(wrap_angle(circuit.pose_at(place).heading_rad - X_MB.heading_rad)) > along_rad_max) continue;
+    return {std::sqrt(std::fmax(range_m * range_m - left_m * left_m, 0.0)), left_m};
+  }
+  // Of no line that it may follow: what a disc says on average of what enters it anywhere.
+  return {0.25 * pi * range_m, 0.0};
+}
+
+/// Nothing where nobody could be told of it: it has left every place there is.
+std::optional<EstimateAnswer::Estimate> told_of(const estimation::Estimate& estimate) {
+  const Pose2& X_MB = estimate.pose;
+  const auto placed = [](double v) { return std::fabs(v) <= EstimateAnswer::place_m_max; };
+  if (!placed(X_MB.x_m) || !placed(X_MB.y_m) || !std::isfinite(X_MB.heading_rad)) return std::nullopt;
+  EstimateAnswer::Estimate told;
+  told.X_MB = {X_MB.x_m + 0.0, X_MB.y_m + 0.0, wrap_angle(X_MB.heading_rad) + 0.0};
+  if (estimate.along_m && std::isfinite(*estimate.along_m)) told.along_m = *estimate.along_m;
+  const auto& c = estimate.covariance;
+  if (std::isnan(c(0, 0))) return told;
+  auto& matrix = told.covariance.emplace();
+  for (std::size_t i = 0; i < matrix.size(); ++i) {
+    matrix[i] = c(static_cast<int>(i) / 3, static_cast<int>(i) % 3) + 0.0;
+    if (!(std::fabs(matrix[i]) <= EstimateAnswer::variance_max)) return std::nullopt;
+  }
+  return told;
+}
+
+EstimateAnswer::Rectified told_of(const estimation::Rectified& rectified) {
+  EstimateAnswer::Rectified told{rectified.accepted, std::nullopt, static_cast<std::uint8_t>(rectified.dimensions)};
+  if (rectified.nis && *rectified.nis >= 0.0) told.nis = std::fmin(*rectified.nis, EstimateAnswer::variance_max) + 0.0;
+  return told;
+}
+
+}  // namespace
+
+estimation::SensorModel data_sheet() {
+  estimation::SensorModel sensors;
+  sensors.distance_variance_per_m = 9e-6;
+  sensors.distance_scale_sigma = 0.005;
+  sensors.mark_along_sigma_m = 0.0025;
+  sensors.mark_across_sigma_m = 0.002;
+  sensors.line_sigma_m = 0.001;
+  return sensors;
+}
+
+SimTime BoardClock::stamp(SimTime now, std::uint32_t board_ms) {
+  const SimDuration board = std::chrono::milliseconds{board_ms};
+  const SimDuration seen = now.time_since_epoch() - board;
+  if (offset_) *offset_ += std::max(now - heard_, SimDuration::zero()) / drift_divisor;
+  if (!offset_ || seen < *offset_ || seen > *offset_ + leap) offset_ = seen;
+  heard_ = now;
+  return SimTime{board + *offset_};
+}
+
+void Estimating::ask(SimTime now, wire::EstimateRequest request) {
+  asked_at_ = now;
+  const bool of_ours = session_ && session_->id == request.session;
+  if (said_ && said_->session == request.session && said_->sequence == request.sequence) {
+    due_ = true;  // it did not come
+  } else if (of_ours) {
+    // Any other was under way for long, and means nothing any more.
+    if (request.sequence == session_->answered + 1) asked_ = std::move(request);
+  } else if (request.sequence == 1) {
+    asked_ = std::move(request);
+  } else {
+    refuse(request, now,
+           "this vehicle's program knows of no such session: it was started anew, was not asked for long, or somebody "
+           "else began another");
+  }
+}
+
+void Estimating::on_odometry(SimTime now, const Step& step) {
+  if (session_) roll(step);
+  if (session_ && (now - asked_at_ > session_max || session_->told.size() > EstimateAnswer::told_max - 2))
+    session_.reset();
+  if (!asked_) return;
+  const wire::EstimateRequest request = *std::exchange(asked_, std::nullopt);
+  if (!session_ || session_->id != request.session) {
+    if (request.sequence != 1) return refuse(request, step.at, "the session ended before it was answered");
+    if (!step.belief) return refuse(request, step.at, "it does not know where it stands");
+    begin(request, step);
+    if (!session_) return;
+  }
+  session_->answered = request.sequence;
+  answer(step.at);
+}
+
+std::optional<Estimating::Running> Estimating::start(const std::string& name, const estimation::Setting& setting) {
+  const auto known = registry_.find(name);
+  if (!known) return std::nullopt;
+  Running running{name, nullptr, {}, {}};
+  if ((*known)->looks_back) {
+    running.fault = "it looks back over a whole run: nothing for use on board";
+    return running;
+  }
+  auto made = registry_.make(name, setting);
+  if (made)
+    running.algorithm = std::move(*made);
+  else
+    running.fault = shortened(to_string(made.error()));
+  return running;
+}
+
+void Estimating::begin(const wire::EstimateRequest& request, const Step& step) {
+  const Belief& belief = *step.belief;
+  session_.reset();
+  Run run;
+  run.id = request.session;
+  run.map_id = belief.zone->name;
+  run.stepped_at = step.at;
+  estimation::Setting setting;
+  setting.sensors = data_sheet();
+  setting.start = {belief.X_MB.x_m + 0.0, belief.X_MB.y_m + 0.0, belief.X_MB.heading_rad + 0.0};
+  setting.start_sigma_m = std::fmax(belief.sigma_m, setting.sensors.mark_along_sigma_m);
+  setting.start_heading_sigma_rad = start_heading_sigma_rad;
+  setting.seed = request.seed;
+  setting.particles = request.particles;
+  setting.horizon = request.horizon;
+  if (belief.place) {
+    auto track = estimation::Track::round(belief.zone, belief.place->section);
+    if (const auto along_m = track ? track->along_of(*belief.place) : std::nullopt) {
+      run.track = std::make_shared<const estimation::Track>(std::move(*track));
+      setting.track = run.track;
+      setting.start_along_m = *along_m;
+      run.start.section = belief.zone->circuit.part(belief.place->section).name;
+      run.start.along_m = *along_m;
+    }
+  }
+  run.start.X_MB = setting.start;
+  run.start.sigma_m = setting.start_sigma_m;
+  run.start.heading_sigma_rad = setting.start_heading_sigma_rad;
+  run.start.sensors = told_of(setting.sensors);
+  for (const std::string& name : request.algorithms) {
+    auto running = start(name, setting);
+    if (!running) return refuse(request, step.at, to_string(registry_.find(name).error()));
+    run.algorithms.push_back(std::move(*running));
+  }
+  session_ = std::move(run);
+}
+
+void Estimating::roll(const Step& step) {
+  Run& run = *session_;
+  run.speed_mps = step.speed_mps;
+  const double duration_s = to_seconds(step.at - run.stepped_at);
+  run.stepped_at = step.at;
+  if (!step.belief) return;
+  const std::optional<zone::Place>& place = step.belief->place;
+  const bool on_ring = !run.track || !place || run.track->along_of(*place);
+  run.off_ring_m = on_ring ? 0.0 : run.off_ring_m + std::fabs(step.distance_m);
+  if (run.off_ring_m > off_ring_m_max && run.fault.empty()) run.fault = "it left the ring on which the session began";
+  if (step.distance_m == 0.0 && step.turn_rad == 0.0) return;
+  run.travelled_m += std::fabs(step.distance_m);
+  // The same bits as those who are told by the answer.
+  const EstimateAnswer::Odometry odometry{step.distance_m + 0.0, step.turn_rad + 0.0, std::fmax(duration_s, 0.0)};
+  run.told.emplace_back(odometry);
+  for (Running& one : run.algorithms)
+    if (one.algorithm) one.algorithm->predict({odometry.distance_m, odometry.turn_rad, odometry.duration_s});
+}
+
+void Estimating::on_tag(std::uint32_t number, SimTime read_at, const zone::TrafficZone& zone, const Pose2& X_MB) {
+  // Driving backwards the field comes from the other side; so short a way needs no reading.
+  if (!session_ || session_->speed_mps < 0.0 || session_->told.size() >= EstimateAnswer::told_max) return;
+  std::optional<Point2> mark_M;
+  if (const zone::Tag* tag = zone.find_tag(number)) mark_M = position(zone.circuit.pose_at(tag->place));
+  if (!mark_M && zone.beacons) mark_M = zone.beacons->find(number);
+  if (!mark_M) return;
+  Point2 seen_B = at_rim(zone.circuit, *mark_M, X_MB, model_.antenna_range_m);
+  // The algorithms stand where the last odometry was counted, which is not when the mark came into the field.
+  const double since_s = to_seconds(session_->stepped_at - read_at) + model_.reading_latency_s;
+  seen_B.x_m -= session_->speed_mps * since_s;
+  tell({number, {mark_M->x_m + 0.0, mark_M->y_m + 0.0}, {seen_B.x_m + 0.0, seen_B.y_m + 0.0}});
+}
+
+void Estimating::tell(const EstimateAnswer::Reading& reading) {
+  session_->told.emplace_back(reading);
+  for (Running& one : session_->algorithms) {
+    if (!one.algorithm) continue;
+    one.rectified.push_back(
+        told_of(one.algorithm->rectify(estimation::Reading{reading.mark, reading.mark_M, reading.seen_B})));
+  }
+}
+
+void Estimating::answer(SimTime at) {
+  Run& run = *session_;
+  EstimateAnswer answer;
+  answer.session = run.id;
+  answer.sequence = run.answered;
+  answer.timestamp = at;
+  answer.map_id = run.map_id;
+  answer.fault = run.fault;
+  answer.travelled_m = run.travelled_m;
+  if (run.answered == 1) answer.start = run.start;
+  answer.told = std::exchange(run.told, {});
+  for (Running& one : run.algorithms) {
+    auto told = one.algorithm ? told_of(one.algorithm->estimate()) : std::nullopt;
+    if (one.algorithm && !told) {
+      one.fault = "it has diverged: what it says is no place any more";
+      one.algorithm.reset();
+    }
+    EstimateAnswer::Estimate estimate = told ? std::move(*told) : EstimateAnswer::Estimate{};
+    estimate.algorithm = one.name;
+    estimate.fault = one.fault;
+    if (told) estimate.rectified = std::exchange(one.rectified, {});
+    answer.estimates.push_back(std::move(estimate));
+  }
+  const bool over = !run.fault.empty();
+  say(answer);
+  if (over) session_.reset();
+}
+
+void Estimating::refuse(const wire::EstimateRequest& request, SimTime at, std::string why) {
+  EstimateAnswer answer;
+  answer.session = request.session;
+  answer.sequence = request.sequence;
+  answer.timestamp = at;
+  answer.fault = shortened(std::move(why));
+  say(answer);
+}
+
+void Estimating::say(const EstimateAnswer& answer) {
+  said_ = Said{answer.session, answer.sequence, to_json(answer)};
+  due_ = true;
+}
+
+void Estimating::on_zone_switched() {
+  if (session_) session_->fault = "its zone was switched";
+}
+
+std::optional<std::string> Estimating::take_answer() {
+  if (!std::exchange(due_, false) || !said_) return std::nullopt;
+  return said_->json;
+}
+
+}  // namespace cosiva::aiv

@@ -1,0 +1,201 @@
+#include "aiv/onboard/estimating.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+
+#include "aiv/test_zone.h"
+
+namespace cosiva::aiv {
+namespace {
+
+using std::chrono::milliseconds;
+using test::lacet4;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+using wire::EstimateAnswer;
+
+/// A vehicle that drives along lacet4's first section at 0.5 m/s, and is asked.
+class Asked {
+ public:
+  Asked() : zone_{std::make_shared<zone::TrafficZone>(lacet4())} {}
+
+  void ask(std::uint32_t sequence, std::vector<std::string> algorithms = {}, const std::string& session = "q/1") {
+    estimating.ask(now, {session, sequence, std::move(algorithms), 1, 500, 4});
+  }
+  void step() {
+    now += milliseconds{20};
+    s_m += step_m;
+    estimating.on_odometry(now, {now, step_m, 0.0, 0.5, known ? std::optional{belief()} : std::nullopt});
+  }
+  void read(zone::TagNumber number) { estimating.on_tag(number, now, *zone_, belief().X_MB); }
+  /// The answer that is due now.
+  std::optional<EstimateAnswer> heard() {
+    const auto json = estimating.take_answer();
+    if (!json) return std::nullopt;
+    const auto answer = wire::estimate_answer_from_json(*json);
+    EXPECT_TRUE(answer) << *json;
+    return answer ? std::optional{*answer} : std::nullopt;
+  }
+  EstimateAnswer answer() {
+    step();
+    const auto answer = heard();
+    EXPECT_TRUE(answer);
+    return answer.value_or(EstimateAnswer{});
+  }
+  [[nodiscard]] Estimating::Belief belief() const {
+    const zone::Place place{section, s_m};
+    return {zone_, zone_->circuit.pose_at(place), place, 0.002};
+  }
+
+  Estimating estimating;
+  SimTime now{std::chrono::hours{24}};
+  zone::SectionId section{0};
+  double s_m{0.1};
+  double step_m{0.01};
+  bool known{true};
+
+ private:
+  std::shared_ptr<zone::TrafficZone> zone_;
+};
+
+TEST(Estimating, answers_with_the_next_odometry_where_it_began_and_then_what_each_algorithm_says) {
+  Asked vehicle;
+  vehicle.ask(1, {"dead_reckoning", "ekf"});
+  EXPECT_FALSE(vehicle.heard());  // it is the next position that was asked for
+  const EstimateAnswer first = vehicle.answer();
+  ASSERT_TRUE(first.start);
+  EXPECT_EQ(first.start->section, "east");
+  EXPECT_NEAR(first.start->along_m, 0.11, 1e-12);
+  EXPECT_EQ(first.map_id, "lacet4");
+  EXPECT_THAT(first.told, IsEmpty());
+  vehicle.step();
+  vehicle.step();
+  EXPECT_FALSE(vehicle.heard());  // nobody asked
+  vehicle.ask(2);
+  const EstimateAnswer second = vehicle.answer();
+  EXPECT_FALSE(second.start);
+  EXPECT_EQ(second.timestamp, vehicle.now);
+  EXPECT_NEAR(second.travelled_m, 0.03, 1e-12);
+  EXPECT_THAT(second.told, SizeIs(3));
+  ASSERT_THAT(second.estimates, SizeIs(2));
+  EXPECT_EQ(second.estimates[0].algorithm, "dead_reckoning");
+  for (const auto& estimate : second.estimates) {
+    EXPECT_LT(distance(estimate.X_MB, vehicle.belief().X_MB), 1e-9);
+    EXPECT_TRUE(estimate.covariance);
+  }
+}
+
+TEST(Estimating, says_the_same_again_to_who_did_not_hear_it_and_nothing_to_who_asks_late) {
+  Asked vehicle;
+  vehicle.ask(1, {"ekf"});
+  vehicle.answer();
+  vehicle.ask(2);
+  const EstimateAnswer said = vehicle.answer();
+  vehicle.step();
+  vehicle.ask(2);
+  EXPECT_EQ(vehicle.heard(), said);  // at once: it is known
+  vehicle.ask(1, {"ekf"});
+  vehicle.step();
+  EXPECT_FALSE(vehicle.heard());
+  vehicle.ask(3);
+  const EstimateAnswer next = vehicle.answer();
+  EXPECT_THAT(next.told, SizeIs(3)) << "nothing is told twice, and nothing is left out";
+  EXPECT_NEAR(next.travelled_m - said.travelled_m, 0.03, 1e-12);
+}
+
+TEST(Estimating, tells_readings_as_the_antenna_has_them_and_what_each_algorithm_makes_of_them) {
+  Asked vehicle;
+  const zone::Tag& tag = *lacet4().tags.begin();
+  vehicle.section = tag.place.section;
+  vehicle.s_m = tag.place.s_m - 0.05;
+  vehicle.ask(1, {"dead_reckoning", "arc_kalman"});
+  vehicle.answer();
+  vehicle.step();
+  vehicle.read(tag.number);
+  vehicle.read(999'999);  // of no tag that there is
+  vehicle.ask(2);
+  const EstimateAnswer answer = vehicle.answer();
+  ASSERT_THAT(answer.told, SizeIs(3));
+  const auto& reading = std::get<EstimateAnswer::Reading>(answer.told[1]);
+  EXPECT_EQ(reading.mark, tag.number);
+  // At the rim, 2 cm ahead, 20 ms before its number was there: 1 cm at 0.5 m/s.
+  EXPECT_NEAR(reading.seen_B.x_m, 0.01, 1e-9);
+  EXPECT_NEAR(reading.seen_B.y_m, 0.0, 1e-9);
+  EXPECT_THAT(answer.estimates[0].rectified, SizeIs(1));
+  EXPECT_FALSE(answer.estimates[0].rectified[0].accepted);
+  EXPECT_TRUE(answer.estimates[1].rectified[0].accepted);
+}
+
+TEST(Estimating, refuses_what_it_cannot_do_and_names_what_there_is) {
+  Asked vehicle;
+  vehicle.ask(1, {"ekf", "magic"});
+  EXPECT_THAT(vehicle.answer().fault, AllOf(HasSubstr("magic"), HasSubstr("arc_kalman")));
+  vehicle.ask(1, {"arc_smoother", "ekf"}, "q/2");
+  const EstimateAnswer answer = vehicle.answer();
+  EXPECT_THAT(answer.fault, IsEmpty());
+  EXPECT_THAT(answer.estimates[0].fault, HasSubstr("looks back"));
+  EXPECT_THAT(answer.estimates[1].fault, IsEmpty());
+  vehicle.known = false;
+  vehicle.ask(1, {"ekf"}, "q/3");
+  EXPECT_THAT(vehicle.answer().fault, HasSubstr("where it stands"));
+}
+
+TEST(Estimating, knows_no_session_of_before_it_was_started) {
+  Asked vehicle;
+  vehicle.ask(7);
+  const auto answer = vehicle.heard();
+  ASSERT_TRUE(answer);
+  EXPECT_THAT(answer->fault, HasSubstr("started anew"));
+  EXPECT_EQ(answer->sequence, 7U);
+}
+
+TEST(Estimating, ends_a_session_when_nobody_asks_or_the_zone_is_another) {
+  Asked forgotten;
+  forgotten.step_m = 0.0;
+  forgotten.ask(1, {"ekf"});
+  forgotten.answer();
+  for (int i = 0; i < 50 * 62; ++i) forgotten.step();
+  EXPECT_FALSE(forgotten.estimating.busy());
+
+  Asked switched;
+  switched.ask(1, {"ekf"});
+  switched.answer();
+  switched.estimating.on_zone_switched();
+  switched.ask(2);
+  EXPECT_THAT(switched.answer().fault, HasSubstr("switched"));
+  EXPECT_FALSE(switched.estimating.busy());
+}
+
+TEST(Estimating, has_a_particle_filter_that_draws_what_its_seed_says) {
+  Asked one;
+  Asked other;
+  for (Asked* vehicle : {&one, &other}) {
+    vehicle->ask(1, {"particles"});
+    vehicle->answer();
+    for (int i = 0; i < 20; ++i) vehicle->step();
+    vehicle->ask(2);
+  }
+  EXPECT_EQ(one.answer(), other.answer());
+}
+
+TEST(BoardClock, knows_when_a_reading_was_taken_however_late_its_frame_comes) {
+  BoardClock clock;
+  const SimTime power_up{std::chrono::hours{24}};
+  const auto heard_after = [&](std::uint32_t board_ms, milliseconds late) {
+    return clock.stamp(power_up + milliseconds{board_ms} + late, board_ms) - (power_up + milliseconds{board_ms});
+  };
+  EXPECT_EQ(heard_after(1000, milliseconds{5}), milliseconds{5});  // it knows no better yet
+  EXPECT_EQ(heard_after(1020, milliseconds{1}), milliseconds{1});
+  EXPECT_LT(heard_after(1040, milliseconds{30}) - milliseconds{1}, std::chrono::microseconds{10});
+  EXPECT_LT(heard_after(1060, milliseconds{300}) - milliseconds{1}, std::chrono::microseconds{50});
+  // The board counts from zero again.
+  const SimTime again = power_up + milliseconds{5000};
+  EXPECT_EQ(clock.stamp(again, 3), again);
+}
+
+}  // namespace
+}  // namespace cosiva::aiv
