@@ -10,6 +10,7 @@
 #include "virtual/server/battery_desk.h"
 #include "virtual/server/commands.h"
 #include "virtual/server/deadlocks.h"
+#include "virtual/server/gvs_desk.h"
 #include "virtual/server/halls.h"
 #include "virtual/server/map_desk.h"
 #include "virtual/server/missions.h"
@@ -46,6 +47,8 @@ struct ServerCore::Inside {
   [[nodiscard]] Simulator::Step step_recorder();
   std::optional<Registry::Address> address_of(const std::string& topic);
   void on_battery(const wire::Input& input);
+  void on_gvs(const wire::Input& input);
+  void refuse_stranger(const wire::Input& input, const Error& error);
   std::optional<VehicleIndex> register_vehicle(const wire::VehicleId& id);
 
   // zone.cpp
@@ -177,6 +180,7 @@ struct ServerCore::Inside {
   AheadDesk ahead;
   ThingsDesk things;
   BatteryDesk batteries;
+  GvsDesk gvs;
   ZoneEdits edits;
   std::optional<WayMap> map;
 

@@ -47,7 +47,8 @@ Result<void> read_contract(const JsonValue& json, BijectionContract& contract) {
   if (auto r = read_positive(*found, "age_p99_ms", 1e7, contract.age_p99_ms); !r) return r;
   if (auto r = read_positive(*found, "command_p99_ms", 1e7, contract.command_p99_ms); !r) return r;
   if (auto r = read_positive(*found, "event_p99_ms", 1e7, contract.event_p99_ms); !r) return r;
-  return read_positive(*found, "effect_p99_ms", 1e7, contract.effect_p99_ms);
+  if (auto r = read_positive(*found, "effect_p99_ms", 1e7, contract.effect_p99_ms); !r) return r;
+  return read_positive(*found, "actual_p99_m", 1e3, contract.actual_p99_m);
 }
 
 }  // namespace
@@ -65,6 +66,7 @@ std::string to_json(const ServerOptions& options) {
       .field("command_p99_ms", options.contract.command_p99_ms)
       .field("event_p99_ms", options.contract.event_p99_ms)
       .field("effect_p99_ms", options.contract.effect_p99_ms)
+      .field("actual_p99_m", options.contract.actual_p99_m)
       .end_object();
   json.field("traces_max", options.traces_max).field("map_download_link", options.map_download_link);
   json.field("v2x", options.v2x).field("convoys", options.convoys);

@@ -68,6 +68,10 @@ ServerCore::PageRevision ServerCore::page_revision() const {
   const auto add = [](Digest& digest, auto... numbers) { (digest.add(static_cast<std::uint64_t>(numbers)), ...); };
   add(waited_for, in.simulator.zone_revision(), in.edits.undo_count(), in.edits.redo_count(),
       in.edits.unsaved(in.simulator), in.deadlocks.revision());
+  for (const Finding& finding : in.simulator.monitor().findings()) {
+    add(waited_for, finding.kind, finding.since.time_since_epoch().count());
+    waited_for.add(std::string_view{finding.id});
+  }
   for (const Command& command : in.commands.list()) add(waited_for, command.state, command.ticket, command.vehicle);
   for (const Thing& thing : in.simulator.augmented().things())
     add(waited_for, thing.handle, thing.started.time_since_epoch().count());

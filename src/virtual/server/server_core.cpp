@@ -44,7 +44,8 @@ ServerCore::Inside::Inside(ServerOptions given)
       fleet{registry, outbox, options.virtual_rules, options.v2x},
       pauses{registry, traffic, outbox, desk, simulator},
       ahead{registry, outbox, traces, simulator, fleet, pauses},
-      things{registry, simulator, fleet, outbox} {
+      things{registry, simulator, fleet, outbox},
+      gvs{registry, simulator} {
   if (halls.several())
     missions.set_abroad([this](std::string_view to) { return halls.way_to(to, map->zone(), missions); });
 }
@@ -110,6 +111,7 @@ std::optional<Registry::Address> ServerCore::Inside::address_of(const std::strin
 void ServerCore::Inside::on_message(const wire::Input& input) {
   if (input.source.starts_with(wire::v2x_topic_prefix)) return on_intent(input);
   if (BatteryDesk::is_ours(input.source)) return on_battery(input);
+  if (GvsDesk::is_ours(input.source)) return on_gvs(input);
   if (is_for_halls(input)) return;
   if (!fleet.empty() && fleet.from_broker(now, input.source, input.payload)) return;
   if (const auto address = address_of(input.source)) {
@@ -133,9 +135,19 @@ void ServerCore::Inside::on_battery(const wire::Input& input) {
     if (!news->empty()) traces.add(now, "battery test", "*", "battery", *news, input.source, input.payload);
     return;
   }
+  refuse_stranger(input, news.error());
+}
+
+void ServerCore::Inside::on_gvs(const wire::Input& input) {
+  const auto news = gvs.on_message(now, input);
+  if (!news) return refuse_stranger(input, news.error());
+  if (!news->empty()) traces.add(now, "GVS", "AIV_Server", "gvs", *news, input.source, input.payload);
+}
+
+void ServerCore::Inside::refuse_stranger(const wire::Input& input, const Error& error) {
   ++messages_refused;
   if (strangers_logged++ < strangers_logged_max)
-    outbox.log('w', "ignored '" + input.source.substr(0, 120) + "': " + to_string(news.error()));
+    outbox.log('w', "ignored '" + input.source.substr(0, 120) + "': " + to_string(error));
 }
 
 void ServerCore::Inside::on_link(bool up) {
@@ -214,6 +226,7 @@ void ServerCore::Inside::on_tick() {
   desk.tick(registry, link_up);
   commands.tick();
 
+  gvs.tick(now, !halls.several());
   BijectionMonitor& monitor = simulator.monitor();
   for (const AivProxy& proxy : registry) {
     // One that said goodbye owes no reports.
@@ -263,6 +276,7 @@ std::vector<std::string> ServerCore::subscriptions() const {
                                    hosted + "order",
                                    hosted + "instantActions"};
   std::ranges::move(BatteryDesk::subscriptions(), std::back_inserter(filters));
+  std::ranges::move(GvsDesk::subscriptions(), std::back_inserter(filters));
   if (!inside_->halls.several()) return filters;
   // Its zone comes with those of the other halls.
   std::erase(filters, wire::topics_below(wire::zone_topic_prefix, 1));
@@ -305,6 +319,7 @@ void ServerCore::fold(Digest& digest) const {
   in.ahead.fold(digest);
   in.edits.fold(digest);
   in.halls.fold(digest);
+  in.gvs.fold(digest);
   digest.add(in.messages_refused);
   digest.add(in.traces.next());
 }

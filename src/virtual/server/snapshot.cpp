@@ -134,6 +134,7 @@ std::string ServerCore::snapshot_json() const {
   in.simulator.monitor().write(json.key("bijection"));
   in.write_commands(json);
   in.batteries.write(json.key("battery"));
+  in.gvs.write(json.key("gvs"));
   json.end_object();
   return json.take();
 }

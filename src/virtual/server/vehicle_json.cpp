@@ -84,12 +84,14 @@ void ServerCore::Inside::write_vehicle(JsonWriter& json, VehicleIndex vehicle) c
   write_reserved(json, vehicle);
   if (proxy.boards) write_boards(json, *proxy.boards);
   // Nobody holds a virtual AIV's twin against anything.
-  const auto held = proxy.augmented ? BijectionMonitor::Held{true, true, true} : simulator.monitor().held(proxy.entity);
+  const auto held =
+      proxy.augmented ? BijectionMonitor::Held{true, true, true, true} : simulator.monitor().held(proxy.entity);
   json.key("contract")
       .begin_object()
       .field("matched", held.matched)
       .field("divergence", held.divergence)
       .field("age", held.age)
+      .field("actual", held.actual)
       .end_object()
       .end_object();
 }

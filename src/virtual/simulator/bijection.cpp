@@ -8,12 +8,15 @@ namespace {
 // Some 10 s of reports at 10 Hz, and of ages at 50 Hz.
 constexpr std::size_t divergence_window = 200;
 constexpr std::size_t age_window = 500;
+/// Some 25 s of a camera's pictures, of which there are a few a second.
+constexpr std::size_t actual_window = 100;
 constexpr std::size_t few_window = 100;
 
 // Contracts are judged from about 2 s after a vehicle's arrival on: while its program starts, it shares the processor
 // with every other one that starts. The run's figures count those seconds all the same.
 constexpr std::uint32_t settling_divergences = 20;
 constexpr std::uint32_t settling_ages = 100;
+constexpr std::uint32_t settling_actuals = 8;
 
 double share_of(SimDuration part, SimDuration whole) {
   return whole <= SimDuration::zero() ? 1.0 : to_seconds(part) / to_seconds(whole);
@@ -41,6 +44,15 @@ std::string_view to_string(WorldEffect effect) {
   return "?";
 }
 
+std::string_view to_string(Finding::Kind kind) {
+  switch (kind) {
+    case Finding::Kind::no_twin: return "no twin";
+    case Finding::Kind::not_seen: return "not seen";
+    case Finding::Kind::no_sight: return "no sight";
+  }
+  return "?";
+}
+
 BijectionMonitor::BijectionMonitor(BijectionContract contract)
     : contract_{contract},
       command_recent_{contract.command_p99_ms, few_window},
@@ -51,7 +63,8 @@ BijectionMonitor::Entity BijectionMonitor::entity(std::string_view id) {
   const auto it = std::ranges::find(pairs_, id, &Pair::id);
   if (it != pairs_.end()) return static_cast<Entity>(it - pairs_.begin());
   pairs_.push_back({std::string(id), false, false, RecentP99{contract_.divergence_p99_m, divergence_window},
-                    RecentP99{contract_.age_p99_ms, age_window}, 0, 0});
+                    RecentP99{contract_.age_p99_ms, age_window}, RecentP99{contract_.actual_p99_m, actual_window}, 0, 0,
+                    0});
   return pairs_.size() - 1;
 }
 
@@ -66,6 +79,17 @@ void BijectionMonitor::divergence(Entity entity, double m, double rad) {
     ++pair.divergences_seen;
   } else {
     pair.divergence.add(m);
+  }
+}
+
+void BijectionMonitor::actual(Entity entity, double m, double rad) {
+  actual_m_.add(m);
+  actual_rad_.add(rad);
+  Pair& pair = pairs_[entity];
+  if (pair.actuals_seen < settling_actuals) {
+    ++pair.actuals_seen;
+  } else {
+    pair.actual.add(m);
   }
 }
 
@@ -84,10 +108,13 @@ void BijectionMonitor::elapse(SimTime now) {
   if (!arrived && !elapsed_until_) return;
   if (elapsed_until_ && now > *elapsed_until_) {
     const SimDuration step = now - *elapsed_until_;
-    const bool matched = std::ranges::none_of(pairs_, &Pair::orphan);
-    const bool contracts =
-        command_recent_.held() && event_recent_.held() && effect_recent_.held() &&
-        std::ranges::all_of(pairs_, [](const Pair& p) { return p.divergence.held() && p.age.held(); });
+    const bool matched =
+        std::ranges::none_of(pairs_, &Pair::orphan) &&
+        std::ranges::all_of(findings_, [](const Finding& f) { return f.kind == Finding::Kind::no_sight; });
+    const bool contracts = command_recent_.held() && event_recent_.held() && effect_recent_.held() &&
+                           std::ranges::all_of(pairs_, [](const Pair& p) {
+                             return p.divergence.held() && p.age.held() && p.actual.held();
+                           });
     watched_ += step;
     if (matched) matched_ += step;
     if (matched && contracts) held_ += step;
@@ -114,7 +141,7 @@ void BijectionMonitor::effect(WorldEffect kind, double latency_ms) {
 
 BijectionMonitor::Held BijectionMonitor::held(Entity entity) const {
   const Pair& pair = pairs_[entity];
-  return {!pair.orphan(), pair.divergence.held(), pair.age.held()};
+  return {!pair.orphan(), pair.divergence.held(), pair.age.held(), pair.actual.held()};
 }
 
 std::size_t BijectionMonitor::physical_count() const {
@@ -140,9 +167,20 @@ void BijectionMonitor::write(JsonWriter& json) const {
     if (!pair.orphan()) continue;
     json.begin_object().field("side", pair.physical ? "physical" : "virtual").field("id", pair.id).end_object();
   }
+  json.end_array().key("findings").begin_array();
+  for (const Finding& finding : findings_) {
+    json.begin_object()
+        .field("kind", to_string(finding.kind))
+        .field("id", finding.id)
+        .field("text", finding.text)
+        .field("since_ms", static_cast<double>(finding.since.time_since_epoch().count()) * 1e-6)
+        .end_object();
+  }
   json.end_array().field("augmented", static_cast<std::uint64_t>(augmented_));
   write_json(json.key("divergence_m"), divergence_m_);
   write_json(json.key("divergence_rad"), divergence_rad_);
+  write_json(json.key("actual_m"), actual_m_);
+  write_json(json.key("actual_rad"), actual_rad_);
   write_json(json.key("age_ms"), age_ms_);
   json.key("commands")
       .begin_object()
@@ -172,6 +210,7 @@ void BijectionMonitor::write(JsonWriter& json) const {
       .field("command_p99_ms", contract_.command_p99_ms)
       .field("event_p99_ms", contract_.event_p99_ms)
       .field("effect_p99_ms", contract_.effect_p99_ms)
+      .field("actual_p99_m", contract_.actual_p99_m)
       .end_object()
       .end_object();
 }
@@ -189,6 +228,14 @@ void BijectionMonitor::fold(Digest& digest) const {
   digest.add(static_cast<std::uint64_t>(matched_count()));
   digest.add(std::int64_t{matched_.count()});
   digest.add(std::int64_t{held_.count()});
+  // A run without a camera has the digest that it had before there were any.
+  if (actual_m_.count() == 0 && findings_.empty()) return;
+  actual_m_.fold(digest);
+  actual_rad_.fold(digest);
+  for (const Finding& finding : findings_) {
+    digest.add(std::string_view{finding.id});
+    digest.add(static_cast<std::uint64_t>(finding.kind));
+  }
 }
 
 }  // namespace cosiva::virtual_side

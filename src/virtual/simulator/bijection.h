@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/digest.h"
@@ -21,7 +22,24 @@ struct BijectionContract {
   double command_p99_ms{2000.0};
   double event_p99_ms{500.0};
   double effect_p99_ms{200.0};
+  double actual_p99_m{0.05};  ///< of a twin from where the camera sees its vehicle, where there is a camera
 };
+
+/// What somebody who looks at both sides finds wrong with their being one (DESIGN §5), by name. Only the camera over
+/// the zone (GVS) finds anything so far.
+struct Finding {
+  enum class Kind : std::uint8_t {
+    no_twin,   ///< the camera sees an AIV, and it has no twin
+    not_seen,  ///< a twin stands where the camera sees no AIV
+    no_sight,  ///< the camera itself says nothing: neither is known
+  };
+  Kind kind{};
+  std::string id;  ///< "CoSiVA/AIV1", "GVS"
+  std::string text;
+  SimTime since{};
+  friend bool operator==(const Finding&, const Finding&) = default;
+};
+[[nodiscard]] std::string_view to_string(Finding::Kind kind);
 
 /// What happens on the physical side and must show on the virtual one (DESIGN §5).
 enum class PhysicalEvent : std::uint8_t { arrival, tag, obstacle, stop, battery };
@@ -48,6 +66,8 @@ class BijectionMonitor {
   void set_virtual(Entity entity, bool present);
 
   void divergence(Entity entity, double m, double rad);
+  /// How far the twin was from where the camera saw its vehicle, at that moment.
+  void actual(Entity entity, double m, double rad);
   void age(Entity entity, double ms);
   /// Closes the time since the last call as matched and held or not; call once per tick, after the ages.
   void elapse(SimTime now);
@@ -59,11 +79,15 @@ class BijectionMonitor {
   void event(PhysicalEvent kind, double latency_ms);
   void effect(WorldEffect kind, double latency_ms);
   void set_augmented(std::size_t count) { augmented_ = count; }
+  /// All that there are now. While one of them is about a vehicle or a twin, the sides are not the same set.
+  void set_findings(std::vector<Finding> findings) { findings_ = std::move(findings); }
+  [[nodiscard]] const std::vector<Finding>& findings() const { return findings_; }
 
   struct Held {
     bool matched;
     bool divergence;
     bool age;
+    bool actual;
   };
   /// Over the last 10 s or so, from 2 s after the arrival on: a badge that never turns green again would tell nothing.
   [[nodiscard]] Held held(Entity entity) const;
@@ -77,6 +101,8 @@ class BijectionMonitor {
   [[nodiscard]] double held_share() const;
   [[nodiscard]] const Statistics& divergence_m() const { return divergence_m_; }
   [[nodiscard]] const Statistics& divergence_rad() const { return divergence_rad_; }
+  [[nodiscard]] const Statistics& actual_m() const { return actual_m_; }
+  [[nodiscard]] const Statistics& actual_rad() const { return actual_rad_; }
   [[nodiscard]] const Statistics& age_ms() const { return age_ms_; }
   [[nodiscard]] const Statistics& effect_ms(WorldEffect kind) const {
     return effects_ms_[static_cast<std::size_t>(kind)];
@@ -94,8 +120,10 @@ class BijectionMonitor {
     bool image{false};
     RecentP99 divergence;
     RecentP99 age;
+    RecentP99 actual;
     std::uint32_t divergences_seen{0};  ///< up to the end of its settling
     std::uint32_t ages_seen{0};
+    std::uint32_t actuals_seen{0};
     [[nodiscard]] bool orphan() const { return physical != image; }
   };
 
@@ -103,7 +131,10 @@ class BijectionMonitor {
   std::vector<Pair> pairs_;
   Statistics divergence_m_;
   Statistics divergence_rad_;
+  Statistics actual_m_;
+  Statistics actual_rad_;
   Statistics age_ms_;
+  std::vector<Finding> findings_;
 
   std::uint64_t commands_issued_{0};
   std::uint64_t commands_accepted_{0};

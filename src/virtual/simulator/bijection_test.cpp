@@ -162,5 +162,46 @@ TEST_F(Bijection, gives_one_entity_per_name) {
   EXPECT_NE(monitor.entity("make/a"), monitor.entity("make/A"));
 }
 
+TEST_F(Bijection, is_not_matched_while_somebody_who_looks_at_both_sides_finds_otherwise) {
+  const auto a = monitor.entity("make/a");
+  monitor.set_physical(a, true);
+  monitor.set_virtual(a, true);
+  wait(0s);
+  wait(2s);
+  EXPECT_DOUBLE_EQ(monitor.matched_share(), 1.0);
+  monitor.set_findings({{Finding::Kind::no_twin, "make/b", "the camera sees it, and it has no twin", now}});
+  wait(2s);
+  EXPECT_DOUBLE_EQ(monitor.matched_share(), 0.5);
+  const JsonValue json = written();
+  const auto& findings = *json.find("findings")->array();
+  ASSERT_THAT(findings, SizeIs(1));
+  EXPECT_EQ(findings[0].text("kind"), "no twin");
+  EXPECT_EQ(findings[0].text("id"), "make/b");
+}
+
+TEST_F(Bijection, is_not_doubted_by_a_camera_that_sees_nothing_itself) {
+  const auto a = monitor.entity("make/a");
+  monitor.set_physical(a, true);
+  monitor.set_virtual(a, true);
+  monitor.set_findings({{Finding::Kind::no_sight, "GVS", "no picture comes", now}});
+  wait(0s);
+  wait(2s);
+  EXPECT_DOUBLE_EQ(monitor.matched_share(), 1.0);
+  EXPECT_DOUBLE_EQ(monitor.held_share(), 1.0);
+}
+
+TEST_F(Bijection, does_not_hold_with_a_twin_that_the_camera_sees_elsewhere_after_its_first_pictures) {
+  const auto a = monitor.entity("make/a");
+  monitor.set_physical(a, true);
+  monitor.set_virtual(a, true);
+  for (int i = 0; i < 8; ++i) monitor.actual(a, 0.2, 0.1);  // while its program starts
+  EXPECT_TRUE(monitor.held(a).actual);
+  monitor.actual(a, 0.051, 0.1);
+  EXPECT_FALSE(monitor.held(a).actual);
+  for (int i = 0; i < 200; ++i) monitor.actual(a, 0.049, 0.1);
+  EXPECT_TRUE(monitor.held(a).actual);
+  EXPECT_EQ(monitor.actual_m().count(), 209U);
+}
+
 }  // namespace
 }  // namespace cosiva::virtual_side
