@@ -29,7 +29,7 @@ struct ServerOptions {
   std::size_t traces_max{20'000};  ///< of the communications kept for the page
   /// Where vehicles that download their maps find the zone's; empty: nowhere, so they are not asked to.
   std::string map_download_link;
-  bool v2x{true};       ///< its virtual AIVs talk with those near them
+  bool v2x{true};      ///< its virtual AIVs talk with those near them
   bool convoys{true};  ///< vehicles of one way pass a crossing together when it pays (Traffic)
   /// By what the virtual AIVs choose their speeds; custom ones can be used (checked).
   aiv::SpeedRules virtual_rules{aiv::SpeedRules::Kind::fuzzy, {}, {}};
