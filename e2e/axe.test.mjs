@@ -15,7 +15,7 @@ const views = [
   ...['Supervision of AIVs', 'States of AIVs', 'Circuit', 'Traces of communications'].map((title, i) => [
     `${title}, alone`, (page) => page.keyboard.press(String(i + 1)), (page) => page.keyboard.press(String(i + 1)),
   ]),
-  ...['Bijection', 'Alarms', 'Boards', 'Batteries', 'Log'].map((name) => [
+  ...['Bijection', 'Alarms', 'Boards', 'Batteries', 'GVS', 'Log'].map((name) => [
     `panel ${name}`, (page) => page.getByRole('button', { name: new RegExp(`^${name}`) }).first().click(), (page) => page.getByRole('button', { name: new RegExp(`^${name}`) }).first().click(),
   ]),
   ['help', (page) => page.keyboard.press('?'), (page) => page.keyboard.press('Escape')],

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "aiv/agent_rules.h"
+#include "app/gvs_source.h"
 #include "zone/generate.h"
 
 /// What the command line said, verb by verb, as plain values.
@@ -52,6 +53,8 @@ struct UpArguments {
   std::string web_directory;
   bool v2x{true};
   bool convoys{false};
+  bool gvs{false};  ///< a camera watches
+  GvsSource gvs_source;
   std::string rules;  ///< crisp, fuzzy or a file; empty: crisp for physical AIVs, fuzzy for virtual ones
 };
 

@@ -43,7 +43,8 @@ constexpr const char* up_examples =
     "  cosiva up --scenario laboratory                      what happens when stands in a file (cosiva scenario list)\n"
     "  cosiva up --scenario my.toml --aivs 2 --duration 60  the command line wins over the file\n"
     "  cosiva up --virtual-time --scenario rush_hour --json the same in seconds, the same digest every time\n"
-    "  cosiva up --virtual-time --page --speed 10           the page at ten times real time; stop and step it there";
+    "  cosiva up --virtual-time --page --speed 10           the page at ten times real time; stop and step it there\n"
+    "  cosiva up --gvs                                      a camera over the zone says where each AIV truly is";
 
 void describe_up(CLI::App& verb, UpArguments& up) {
   verb.footer(up_examples);
@@ -89,6 +90,13 @@ void describe_up(CLI::App& verb, UpArguments& up) {
       ->check(CLI::Range(0.0, 0.9));
   add_switch(verb, "--v2x", up.v2x, "AIVs tell those near them what they are about to do");
   add_switch(verb, "--convoys", up.convoys, "several of one way pass a crossing together, when it pays");
+  CLI::Option* gvs = verb.add_flag("--gvs", up.gvs,
+                                   "a camera over the zone watches, says where each AIV truly is, and is shown on the "
+                                   "page (docs/guide/gvs.md); without more: the emulated world's");
+  add_gvs_source(verb, up.gvs_source, "--gvs-");
+  for (const char* name :
+       {"calibration", "images", "video", "camera", "rate", "exposure", "line", "tag-side", "vehicle"})
+    verb.get_option(std::string("--gvs-") + name)->needs(gvs);
   add_rules(verb, up.rules, "how all AIVs choose their speed; without: crisp, and fuzzy for virtual ones");
   verb.add_option("--trace-messages", up.trace_file, "write every message as a JSON line")->type_name("FILE");
   verb.add_option("--web", up.web_directory, "the page's built files, if not web/dist")->type_name("DIR");
@@ -294,7 +302,7 @@ int run_command_line(int argc, const char* const* argv) {
     return refuse("say what to do: sampled, fleet, fit, plan, compare or check", *battery_verbs.battery);
   if (const auto status = run_qualify_verb(qualify_verbs, qualify, argc, argv)) return *status;
   if (const auto status = run_gvs_verb(gvs_verbs, gvs)) return *status;
-  if (gvs_verbs.gvs->parsed()) return refuse("say what to do: calibrate, track or render", *gvs_verbs.gvs);
+  if (gvs_verbs.gvs->parsed()) return refuse("say what to do: calibrate, track, render or watch", *gvs_verbs.gvs);
   if (agent_verbs.agent->parsed()) return refuse("say what to do: explain or surface", *agent_verbs.agent);
   if (scenario_check_verb->parsed()) return run_scenario_check(scenario);
   if (scenario_list_verb->parsed()) return run_scenario_list(scenario);

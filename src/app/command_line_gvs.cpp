@@ -14,6 +14,10 @@ constexpr const char* examples =
     "--against hall/truth --out seen\n"
     "  cosiva compare --reference seen/tag_1.tum --estimate my_estimate.tum\n"
     "\n"
+    "and on a platform that runs:\n"
+    "  cosiva up --gvs\n"
+    "  cosiva up --gvs --gvs-camera 0 --gvs-calibration cal/calibration.json --gvs-exposure 4 --gvs-tag-side 0.08\n"
+    "\n"
     "docs/guide/gvs.md tells how to do it with a real one.";
 
 void describe_render(CLI::App& verb, GvsRenderArguments& a) {
@@ -177,7 +181,56 @@ void describe_track(CLI::App& verb, GvsTrackArguments& a) {
   verb.add_flag("--json", a.json, "print the figures as JSON");
 }
 
+/// What it has in common with the platform's other parts; it keeps no journal, since it decides nothing.
+void add_watch_part(CLI::App& verb, PartArguments& part) {
+  add_broker(verb, part.broker, "127.0.0.1:1883");
+  verb.add_option("--duration", part.duration_s, "end by itself after so many seconds")
+      ->type_name("S")
+      ->check(CLI::Range(0.001, 1e9));
+  verb.add_flag("--json", part.json, "print what was seen at the end as JSON");
+  verb.add_flag("--announce", part.announce)->group("");
+}
+
+constexpr const char* watch_examples =
+    "Examples:\n"
+    "  cosiva gvs watch --broker 127.0.0.1:1883             the emulated world's camera, beside a plant that runs\n"
+    "  cosiva gvs watch --camera 0 --calibration cal/calibration.json --exposure 4 --tag-side 0.08 --vehicle "
+    "12=CoSiVA/AIV1";
+
 }  // namespace
+
+void add_gvs_source(CLI::App& verb, GvsSource& source, const std::string& prefix) {
+  verb.add_option(prefix + "calibration", source.calibration_file, "of a real camera: what `gvs calibrate` wrote")
+      ->type_name("FILE");
+  CLI::Option* images = verb.add_option(prefix + "images", source.images_folder,
+                                        "pictures by their names and stamps.csv, shown once at their own pace")
+                            ->type_name("DIR");
+  CLI::Option* video = verb.add_option(prefix + "video", source.video_file, "a video file, likewise")
+                           ->type_name("FILE")
+                           ->excludes(images);
+  verb.add_option(prefix + "camera", source.camera, "a camera: N of /dev/videoN")
+      ->type_name("N")
+      ->check(CLI::Range(0, 255))
+      ->excludes(images)
+      ->excludes(video);
+  verb.add_option(prefix + "rate", source.rate_hz, "so many pictures a second are looked at")
+      ->type_name("HZ")
+      ->check(CLI::Range(0.1, 100.0))
+      ->capture_default_str();
+  verb.add_option(prefix + "exposure", source.exposure_ms, "of a row: vehicles are stamped in its middle")
+      ->type_name("MS")
+      ->check(CLI::Range(0.0, 1000.0));
+  verb.add_option(prefix + "line", source.line_us, "rolling shutter: from a row's beginning to the next one's")
+      ->type_name("US")
+      ->check(CLI::Range(0.0, 1e5));
+  verb.add_option(prefix + "tag-side", source.tag_side_m, "of the black square; other sizes are no vehicles")
+      ->type_name("M")
+      ->check(CLI::Range(0.005, 10.0));
+  verb.add_option(prefix + "vehicle", source.vehicles,
+                  "whose tag it is, such as 7=CoSiVA/AIV1; without: tag n is CoSiVA/AIVn's. May come again")
+      ->type_name("TAG=NAME")
+      ->allow_extra_args(false);
+}
 
 GvsVerbs describe_gvs(CLI::App& root, GvsArguments& gvs) {
   GvsVerbs verbs{};
@@ -186,11 +239,16 @@ GvsVerbs describe_gvs(CLI::App& root, GvsArguments& gvs) {
       verbs.gvs->add_subcommand("calibrate", "Fit lens and floor, judged by points that the fit has not seen");
   verbs.track = verbs.gvs->add_subcommand("track", "Follow vehicles by their tags, in pictures, a video or a camera");
   verbs.render = verbs.gvs->add_subcommand("render", "Take the emulated world's pictures, with the truth beside them");
+  verbs.watch = verbs.gvs->add_subcommand(
+      "watch", "Watch a running platform, and tell it where each vehicle truly is; `cosiva up --gvs` runs it");
   verbs.gvs->require_subcommand(0, 1);
+  add_gvs_source(*verbs.watch, gvs.watch.source, "--");
+  add_watch_part(*verbs.watch, gvs.watch.part);
   describe_calibrate(*verbs.calibrate, gvs.calibrate);
   describe_track(*verbs.track, gvs.track);
   describe_render(*verbs.render, gvs.render);
   for (CLI::App* verb : {verbs.gvs, verbs.calibrate, verbs.track, verbs.render}) verb->footer(examples);
+  verbs.watch->footer(watch_examples);
   return verbs;
 }
 
@@ -198,6 +256,7 @@ std::optional<int> run_gvs_verb(const GvsVerbs& verbs, const GvsArguments& gvs) 
   if (verbs.calibrate->parsed()) return run_gvs_calibrate(gvs.calibrate);
   if (verbs.track->parsed()) return run_gvs_track(gvs.track);
   if (verbs.render->parsed()) return run_gvs_render(gvs.render);
+  if (verbs.watch->parsed()) return run_gvs_watch(gvs.watch);
   return std::nullopt;
 }
 

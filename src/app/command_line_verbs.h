@@ -79,6 +79,7 @@ struct QualifyVerbs {
 /// `cosiva gvs` and its verbs.
 struct GvsVerbs {
   CLI::App* gvs;
+  CLI::App* watch;
   CLI::App* calibrate;
   CLI::App* track;
   CLI::App* render;
@@ -86,6 +87,9 @@ struct GvsVerbs {
 [[nodiscard]] GvsVerbs describe_gvs(CLI::App& root, GvsArguments& gvs);
 /// The exit status of the one that was asked for, if any.
 [[nodiscard]] std::optional<int> run_gvs_verb(const GvsVerbs& verbs, const GvsArguments& gvs);
+
+/// Where a running platform's pictures come from: --gvs-… of `up`, the same without gvs of `gvs watch`.
+void add_gvs_source(CLI::App& verb, GvsSource& source, const std::string& prefix);
 
 /// --rules, of those who drive.
 void add_rules(CLI::App& verb, std::string& rules, const std::string& what);

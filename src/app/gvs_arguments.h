@@ -5,6 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "app/arguments.h"
+#include "app/gvs_source.h"
+#include "base/result.h"
+
 /// What the command line said of `cosiva gvs`, as plain values.
 namespace cosiva::app {
 
@@ -65,14 +69,25 @@ struct GvsTrackArguments {
   bool json{false};
 };
 
+struct GvsWatchArguments {
+  PartArguments part;
+  GvsSource source;
+};
+
 struct GvsArguments {
   GvsRenderArguments render;
   GvsCalibrateArguments calibrate;
   GvsTrackArguments track;
+  GvsWatchArguments watch;
 };
 
 int run_gvs_render(const GvsRenderArguments& arguments);
 int run_gvs_calibrate(const GvsCalibrateArguments& arguments);
 int run_gvs_track(const GvsTrackArguments& arguments);
+int run_gvs_watch(const GvsWatchArguments& arguments);
+
+/// Whether its files and its camera are there and can be read, without using any yet.
+/// @param prefix  of its options, for messages: "--", or "--gvs-" for `up`
+[[nodiscard]] Result<void> check_gvs_source(const GvsSource& source, const std::string& prefix);
 
 }  // namespace cosiva::app

@@ -4,14 +4,13 @@
 
 #include "adapters/files.h"
 #include "app/gvs_arguments.h"
+#include "app/gvs_scene.h"
 #include "app/progress.h"
 #include "app/words.h"
 #include "app/zone_files.h"
 #include "base/json_writer.h"
-#include "base/random.h"
 #include "experiments/recording/trajectory.h"
 #include "physical/vision/board.h"
-#include "physical/vision/points.h"
 #include "physical/vision/scene.h"
 #include "virtual/fleet/fleet.h"
 #include "zone/draw.h"
@@ -19,54 +18,8 @@
 namespace cosiva::app {
 namespace {
 
-/// One in the middle above the zone, whose lens is as long as it takes to see all of it.
-vision::SceneCamera camera_over(const zone::Bounds& bounds, const GvsRenderArguments& a) {
-  vision::SceneCamera camera;
-  camera.picture = {a.size_px, a.size_px};
-  camera.foot = {0.5 * (bounds.low.x_m + bounds.high.x_m), 0.5 * (bounds.low.y_m + bounds.high.y_m)};
-  camera.height_m = a.height_m;
-  constexpr double margin_m = 0.25;  // for vehicles, their heights and a camera that hangs askew
-  const double half_m = margin_m + 0.5 * std::max(bounds.high.x_m - bounds.low.x_m, bounds.high.y_m - bounds.low.y_m);
-  const double half_px = 0.5 * a.size_px;
-  camera.focal_px = half_px * (a.height_m - a.tag_height_m) / half_m;
-  camera.principal = {half_px * 1.004, half_px * 0.996};
-  camera.tilt_x_rad = 0.004;
-  camera.tilt_y_rad = -0.006;
-  // As bent at the corners whatever its angle: a long lens has as much to hide as a short one.
-  const double corner = 1.414 * half_m / a.height_m;
-  camera.lens = {-0.11 / (corner * corner), 0.03 / (corner * corner * corner * corner), 0.0, 4e-4, -3e-4};
-  camera.exposure_s = 1e-3 * a.exposure_ms;
-  camera.line_s = 1e-3 * a.rolling_ms / static_cast<double>(a.size_px);
-  camera.noise_grey = a.noise_grey;
-  camera.brightness = a.brightness;
-  return camera;
-}
-
-std::vector<vision::SceneLine> lines_of(const std::vector<zone::Primitive>& primitives) {
-  std::vector<vision::SceneLine> lines;
-  for (const zone::Primitive& one : primitives)
-    if (one.layer == "line" && one.shape == zone::Primitive::Shape::polyline) lines.push_back({one.points, 0.019});
-  return lines;
-}
-
-/// Corners that one would read off a printed grid: 0.1 m apart on floors that a room has.
-std::vector<vision::FloorPoint> corners_of(const vision::SceneCamera& camera, std::uint64_t seed) {
-  Random random{seed, "gvs/corners"};
-  constexpr double noise_px = 0.05;
-  constexpr int half = 20;
-  const double reach_m = camera.height_m * 0.5 * static_cast<double>(camera.picture.width) / camera.focal_px * 1.3;
-  const double pitch_m = std::max(0.1, std::ceil(reach_m / half * 10.0) / 10.0);
-  std::vector<vision::FloorPoint> points;
-  for (int j = -half; j <= half; ++j) {
-    for (int i = -half; i <= half; ++i) {
-      const Point2 floor{camera.foot.x_m + i * pitch_m, camera.foot.y_m + j * pitch_m};
-      const auto pixel = camera.pixel_of(floor, 0.0);
-      const double most = static_cast<double>(camera.picture.width) - 3.0;
-      if (!pixel || pixel->u < 3.0 || pixel->v < 3.0 || pixel->u > most || pixel->v > most) continue;
-      points.push_back({floor, {random.gaussian(pixel->u, noise_px), random.gaussian(pixel->v, noise_px)}});
-    }
-  }
-  return points;
+SceneChoice choice_of(const GvsRenderArguments& a) {
+  return {a.size_px, a.height_m, a.tag_height_m, a.exposure_ms, a.rolling_ms, a.noise_grey, a.brightness};
 }
 
 /// Tags spread over the floor, each 40 px wide or as large as a vehicle's.
@@ -91,7 +44,7 @@ class Render {
         fleet_{std::move(fleet)},
         primitives_{zone::draw(*zone)},
         zone_{std::move(zone)},
-        camera_{camera_over(zone::bounds(primitives_), a)},
+        camera_{camera_over(zone::bounds(primitives_), choice_of(a))},
         painter_{camera_, lines_of(primitives_), a.seed} {}
 
   Result<void> run() {

@@ -29,6 +29,7 @@ std::span<const PageCalls::Route> PageCalls::routes() {
       {"GET", "/api/v1/traces/{n}", none, &Calls::trace},
       {"POST", "/api/v1/commands", object, &Calls::command},
       {"GET", "/api/v1/battery/curves/{id}", none, &Calls::battery_curve},
+      {"GET", "/api/v1/gvs/picture", none, &Calls::gvs_picture},
       {"POST", "/api/v1/battery/ready", object, &Calls::battery_ready},
       {"POST", "/api/v1/things", object, &Calls::add_thing},
       {"DELETE", "/api/v1/things", none, &Calls::remove_things},

@@ -59,6 +59,7 @@ class PageCalls {
   HttpResponse traces(const Call& call);
   HttpResponse trace(const Call& call);
   HttpResponse battery_curve(const Call& call);
+  HttpResponse gvs_picture(const Call& call);
 
   // page_doing.cpp
   HttpResponse command(const Call& call);

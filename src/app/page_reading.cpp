@@ -73,6 +73,14 @@ HttpResponse PageCalls::trace(const Call& call) {
   return json_answer(std::move(*found));
 }
 
+HttpResponse PageCalls::gvs_picture(const Call&) {
+  const auto picture = host_.gvs_picture ? host_.gvs_picture() : nullptr;
+  if (picture) return {200, "image/x-portable-graymap", *picture, {}};
+  return http_error(404, "gvs.no_picture",
+                    "no camera has sent a picture in the last seconds; where one watches (cosiva up --gvs), it does so "
+                    "from half a second after the first question on");
+}
+
 HttpResponse PageCalls::battery_curve(const Call& call) {
   auto found = host_.core->battery_curve_json(call.arguments[0]);
   if (!found)

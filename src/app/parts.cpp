@@ -3,6 +3,7 @@
 
 #include "aiv/onboard/onboard_core.h"
 #include "app/arguments.h"
+#include "app/gvs_view.h"
 #include "app/live_scenario.h"
 #include "app/part.h"
 #include "app/places.h"
@@ -186,9 +187,14 @@ int run_server(const ServerArguments& arguments) {
 
   EventLoop loop;
   virtual_side::ServerCore core{options};
+  auto eye = mqtt_options(arguments.part.broker, "cosiva-eye" + (arguments.hall.empty() ? "" : "-" + arguments.hall));
+  if (!eye) return complain(eye.error());
   LiveShell shell{loop, core, std::move(*live)};
-  auto page = ServerPage::open(loop, page_host(arguments, core, shell, scenario.name), arguments.port,
-                               find_web_root(arguments.web_directory), arguments.headless);
+  GvsView gvs{loop, std::move(*eye)};
+  PageHost host = page_host(arguments, core, shell, scenario.name);
+  host.gvs_picture = [&gvs] { return gvs.look(); };
+  auto page = ServerPage::open(loop, std::move(host), arguments.port, find_web_root(arguments.web_directory),
+                               arguments.headless);
   if (!page) return complain(page.error());
   shell.after_input([&] { (*page)->changed(); });
   std::unique_ptr<adapters::MqttClient> instrument;

@@ -21,6 +21,9 @@ struct PageHost {
   std::string scenario_name;  ///< empty: none
   /// The zone's file, when edits may be saved into it; empty: they go to the user's own folder of zones.
   std::string zone_file;
+  /// The last picture of the camera over the zone, as Netpbm's P5, and word to it that somebody looks; null: none came
+  /// lately. Empty where there is none to ask.
+  std::function<std::shared_ptr<const std::string>()> gvs_picture;
 
   struct Clock {
     bool is_virtual{false};

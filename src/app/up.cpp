@@ -10,6 +10,7 @@
 #include "adapters/files.h"
 #include "adapters/mqtt_client.h"
 #include "app/arguments.h"
+#include "app/gvs_arguments.h"
 #include "app/places.h"
 #include "app/run_directory.h"
 #include "app/run_plan.h"
@@ -32,6 +33,7 @@ using std::chrono::milliseconds;
 enum Stage : int { server_stage, aiv_stage, plant_stage, broker_stage };
 
 constexpr std::chrono::seconds arrival_max{60};
+constexpr const char* gvs_name = "gvs";
 
 std::string number_text(double number) {
   char buffer[32];
@@ -45,8 +47,7 @@ class Up {
       : plan_{std::move(plan)},
         run_{std::move(run)},
         log_directory_{std::move(log_directory)},
-        supervisor_{loop_, run_ / children_file_name,
-                    [this](const std::string& name) { give_up(name + " does not stay up; its log says why"); }},
+        supervisor_{loop_, run_ / children_file_name, [this](const std::string& name) { on_hopeless(name); }},
         duration_{loop_},
         arrival_{loop_} {}
 
@@ -77,6 +78,9 @@ class Up {
       const std::string start = plan_.rtm.zone().circuit.part(place.section).name + ":" + number_text(place.s_m);
       const auto argv = [this, number, start] { return aiv_argv(number, start); };
       if (auto started = add("aiv" + std::to_string(number), aiv_stage, argv); !started) return started;
+    }
+    if (arguments_.gvs) {
+      if (auto started = add(gvs_name, plant_stage, [this] { return gvs_argv(); }); !started) return started;
     }
     if (arguments_.duration_s)
       arrival_.after(arrival_max, [this] { give_up("not all vehicles arrived within a minute; their logs say why"); });
@@ -179,6 +183,26 @@ class Up {
     return argv;
   }
 
+  [[nodiscard]] std::vector<std::string> gvs_argv() const {
+    auto argv = part_argv("gvs");
+    argv.insert(argv.begin() + 2, "watch");
+    const GvsSource& source = arguments_.gvs_source;
+    append(argv, {"--announce", "--rate", number_text(source.rate_hz)});
+    const auto option = [&](const char* name, const std::string& value) {
+      if (!value.empty()) append(argv, {name, value});
+    };
+    option("--calibration", source.calibration_file);
+    option("--images", source.images_folder);
+    option("--video", source.video_file);
+    if (source.camera) option("--camera", std::to_string(*source.camera));
+    if (source.emulated()) return argv;
+    option("--exposure", number_text(source.exposure_ms));
+    option("--line", number_text(source.line_us));
+    if (source.tag_side_m > 0.0) option("--tag-side", number_text(source.tag_side_m));
+    for (const std::string& vehicle : source.vehicles) option("--vehicle", vehicle);
+    return argv;
+  }
+
   std::vector<std::string> server_argv() {
     auto argv = part_argv("server");
     append(argv, {"--port", std::to_string(http_port_.value_or(arguments_.port)), "--summary", run_ / "server.json"});
@@ -239,11 +263,23 @@ class Up {
     say("CoSiVA: " + std::to_string(arguments_.aivs) + " AIVs on " + plan_.rtm.zone().name +
         (plan_.scenario ? ", scenario " + plan_.scenario->name : std::string{}));
     say((arguments_.headless ? "  figures " : "  page    ") + url() + (arguments_.headless ? "api/v1/snapshot" : ""));
+    if (arguments_.gvs)
+      say(std::string("  camera  ") +
+          (arguments_.gvs_source.emulated() ? "the emulated world's" : "a real one's pictures") +
+          ", on the page under GVS");
     say("  broker  " + broker_arguments_.address + (broker_ ? "  (ours; VDA 5050 under uagv/v2)" : ""));
     say("  logs    " + log_directory_);
     say(arguments_.duration_s
             ? "  ends by itself after " + decimals(*arguments_.duration_s, 0) + " s; Ctrl-C ends it now"
             : std::string("  Ctrl-C ends everything"));
+  }
+
+  void on_hopeless(const std::string& name) {
+    // Whoever only looks on may be missing.
+    if (name == gvs_name)
+      return say("cosiva: " + name + " does not stay up, and the platform goes on without it; its log says why (" +
+                 log(name) + ")");
+    give_up(name + " does not stay up; its log says why");
   }
 
   void give_up(const std::string& why) {
@@ -327,12 +363,18 @@ int run_up(const UpArguments& arguments) {
         {"up.speed", "only a page in virtual time has a speed: --virtual-time --page --speed X", "--speed"});
   if (arguments.watch && arguments.virtual_time && !arguments.page)
     return complain({"up.watch", "a run as fast as the machine can has no time for edits; add --page", "--watch"});
+  if (arguments.virtual_time && arguments.gvs)
+    return complain(
+        {"up.gvs", "a camera watches live runs only; for pictures without one there is `cosiva gvs render`", "--gvs"});
   if (arguments.virtual_time) return run_virtual_time(arguments);
   if (arguments.loss > 0.0) {
     return complain({"up.loss",
                      "messages of all are lost on purpose in virtual time only (--virtual-time); live, a scenario can "
                      "let a vehicle's radio lose them",
                      "--loss"});
+  }
+  if (arguments.gvs) {
+    if (auto checked = check_gvs_source(arguments.gvs_source, "--gvs-"); !checked) return complain(checked.error());
   }
   // Everything that can be wrong with what was asked is said before anything is started.
   auto plan = plan_run(arguments);

@@ -113,6 +113,15 @@ describe('the book of alarms', () => {
     expect(told(new AlarmBook(), [aiv(1)], { bijection })).toMatchObject([{ name: 'AIV9', text: 'A twin without a vehicle' }]);
   });
 
+  it('holds what the camera over the zone finds, of the AIV it is about or of the camera itself, and ends with it', () => {
+    const book = new AlarmBook();
+    const found = (kind: 'no twin' | 'no sight', id: string, text: string) => ({ bijection: { ...snapshot([]).bijection, findings: [{ kind, id, text, since_ms: 0 }] } });
+    expect(told(book, [aiv(1)], found('no twin', 'CoSiVA/AIV7', 'the camera sees it, and it has no twin'))).toMatchObject([{ vehicle: 'CoSiVA/AIV7', name: 'AIV7', text: 'the camera sees it, and it has no twin', ended_ms: null }]);
+    const blind = told(book, [aiv(1)], found('no sight', 'GVS', 'no picture comes'));
+    expect(blind).toMatchObject([{ vehicle: null, name: 'GVS', ended_ms: null }, { vehicle: 'CoSiVA/AIV7', ended_ms: 10_000 }]);
+    expect(causes_of(aiv(1, { contract: { matched: true, divergence: true, age: true, actual: false } })).map((cause) => cause.code)).toEqual(['actual']);
+  });
+
   it('holds no more than it can, however long the page is open', () => {
     const book = new AlarmBook();
     for (let n = 0; n < 1_000; n++) told(book, [aiv(1)], { commands: [command({ id: `c${n}`, state: 'failed', time_ms: n })] });

@@ -34,6 +34,7 @@ export function causes_of(aiv: Aiv): AlarmCause[] {
   if (here) {
     // The contract is about the last seconds; the figures beside may be good again.
     if (!aiv.contract.divergence) add('divergence', 'Divergence out of contract lately');
+    if (aiv.contract.actual === false) add('actual', 'Elsewhere than the camera sees it, lately');
     if (!aiv.contract.age) add('age', 'Age of reports out of contract lately');
     for (const board of aiv.boards ?? []) {
       if (board.health === 'lost') add(`board ${board.board}`, `Board ${board.board} lost`);
@@ -85,6 +86,7 @@ export class AlarmBook {
     for (const orphan of snapshot.bijection.orphans) {
       see(orphan.id, format.serial(orphan.id), { code: `orphan ${orphan.side}`, text: orphan.side === 'physical' ? 'It has no twin' : 'A twin without a vehicle' });
     }
+    for (const { kind, id, text } of snapshot.bijection.findings ?? []) see(kind === 'no sight' ? null : id, format.serial(id), { code: kind, text });
     for (const deadlock of snapshot.deadlocks?.list ?? []) {
       const cause = { code: `deadlock ${deadlock.number}`, text: deadlock_words(deadlock) };
       if (deadlock.state === 'standing' || deadlock.state === 'giving way' || deadlock.state === 'unresolved') see(null, 'Traffic', cause);

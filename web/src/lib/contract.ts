@@ -106,7 +106,7 @@ export interface Aiv extends Pose {
   power?: { voltage_v: number; current_a: number; temperature_c: number };
   /** what its obstacle detection saw last: beam i looks at first + i·width [rad]; null: nothing within reach */
   ranges?: { first: number; width: number; m: readonly (number | null)[] };
-  contract: { matched: boolean; divergence: boolean; age: boolean };
+  contract: { matched: boolean; divergence: boolean; age: boolean; actual?: boolean };
   mission?: Mission | null;
   /** the map that it says it drives on */
   map?: string | null;
@@ -201,8 +201,13 @@ export interface Bijection {
   matched: number;
   matched_share: number;
   orphans: readonly { side: 'physical' | 'virtual'; id: string }[];
+  /** what the camera over the zone finds wrong; left out by a server that knows none */
+  findings?: readonly { kind: 'no twin' | 'not seen' | 'no sight'; id: string; text: string; since_ms: number }[];
   divergence_m: Statistics;
   divergence_rad: Statistics;
+  /** of the twins from where the camera saw their vehicles */
+  actual_m?: Statistics;
+  actual_rad?: Statistics;
   age_ms: Statistics;
   commands: { issued: number; accepted: number; materialised: number; failed: number; latency_ms: Statistics };
   augmented: number;
@@ -220,6 +225,7 @@ export interface ContractLimits {
   command_p99_ms: number;
   event_p99_ms: number;
   effect_p99_ms: number;
+  actual_p99_m: number;
 }
 
 export const default_limits: ContractLimits = {
@@ -228,6 +234,7 @@ export const default_limits: ContractLimits = {
   command_p99_ms: 2000,
   event_p99_ms: 500,
   effect_p99_ms: 200,
+  actual_p99_m: 0.05,
 };
 
 export type CommandVerb = 'stop' | 'slow' | 'medium' | 'fast' | 'restart' | 'cancel';
@@ -284,6 +291,31 @@ export interface BatterySeat {
 /** Time [ms], charge [%], voltage [V], temperature [°C]. */
 export type BatteryPoint = readonly [at_ms: number, charge: number, voltage_v: number, temperature_c: number];
 
+/** What the camera over the zone says. */
+export interface Gvs {
+  state: 'watching' | 'silent' | 'broken' | 'ended';
+  /** where its pictures come from, in words */
+  source: string;
+  /** why there are none; empty: there are */
+  trouble: string;
+  /** when the last picture was heard of */
+  last_ms: number | null;
+  period_s: number | null;
+  seen: readonly GvsSeen[];
+}
+export interface GvsSeen extends Pose {
+  id: string;
+  tag: number;
+  /** whether it has one */
+  twin: boolean;
+  uncertainty_m: number;
+  /** when it was there */
+  at_ms: number;
+  /** from its twin at that moment */
+  gap_m: number | null;
+  gap_rad: number | null;
+}
+
 export interface Snapshot {
   time: string;
   /** of the server's clock, Unix milliseconds */
@@ -301,6 +333,8 @@ export interface Snapshot {
   commands: readonly Command[];
   /** null or left out where no battery test was heard of */
   battery?: Battery | null;
+  /** null or left out where no camera was heard of */
+  gvs?: Gvs | null;
 }
 
 export interface Run {

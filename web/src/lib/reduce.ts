@@ -87,7 +87,7 @@ function newest_commands(snapshot: Snapshot): Map<string, Command> {
 }
 
 export interface Figure {
-  key: 'matched' | 'divergence' | 'age' | 'commands' | 'events' | 'felt' | 'brakes' | 'shown';
+  key: 'matched' | 'divergence' | 'age' | 'commands' | 'events' | 'felt' | 'brakes' | 'shown' | 'actual';
   label: string;
   value: string;
   detail: string;
@@ -99,8 +99,17 @@ export interface Figure {
 export function figures_of(bijection: Bijection): Figure[] {
   const limits: ContractLimits = { ...default_limits, ...bijection.contract };
   const judge = (count: number, kept: boolean): Figure['verdict'] => (count === 0 ? 'open' : kept ? 'kept' : 'broken');
-  const { divergence_m, age_ms, commands, events } = bijection;
+  const { divergence_m, actual_m, age_ms, commands, events } = bijection;
   const expected = Math.max(bijection.physical, bijection.virtual);
+  // Only where a camera watches.
+  const actual: Figure[] = actual_m?.count ? [{
+    key: 'actual',
+    label: 'Twin to camera p99',
+    value: format.length(actual_m.p99),
+    detail: `mean ${format.length(actual_m.mean)}, max ${format.length(actual_m.max)}`,
+    limit: `≤ ${format.length(limits.actual_p99_m)}`,
+    verdict: judge(1, actual_m.p99 <= limits.actual_p99_m),
+  }] : [];
   return [
     {
       key: 'matched',
@@ -118,6 +127,7 @@ export function figures_of(bijection: Bijection): Figure[] {
       limit: `≤ ${format.length(limits.divergence_p99_m)}`,
       verdict: judge(divergence_m.count, divergence_m.p99 <= limits.divergence_p99_m),
     },
+    ...actual,
     {
       key: 'age',
       label: 'Age p99',

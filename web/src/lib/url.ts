@@ -10,7 +10,7 @@ export const frame_titles: Readonly<Record<FrameName, string>> = {
   traces: 'Traces of communications',
 };
 
-export const panel_names = ['bijection', 'alarms', 'boards', 'battery', 'log'] as const;
+export const panel_names = ['bijection', 'alarms', 'boards', 'battery', 'gvs', 'log'] as const;
 export type PanelName = (typeof panel_names)[number];
 
 export const panel_titles: Readonly<Record<PanelName, string>> = {
@@ -18,6 +18,7 @@ export const panel_titles: Readonly<Record<PanelName, string>> = {
   alarms: 'Alarms',
   boards: 'Boards',
   battery: 'Batteries',
+  gvs: 'GVS: what the camera sees',
   log: 'Log of commands',
 };
 

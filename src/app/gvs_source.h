@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace cosiva::app {
+
+/// Where a running platform's pictures come from, and what is known of them, as the command line said it
+/// (`cosiva gvs watch`, `cosiva up --gvs`).
+struct GvsSource {
+  std::string calibration_file;  ///< empty: the emulated world's own camera
+  std::string images_folder;
+  std::string video_file;
+  std::optional<std::uint32_t> camera;
+  double rate_hz{4.0};
+  double exposure_ms{0.0};
+  double line_us{0.0};
+  double tag_side_m{0.0};
+  std::vector<std::string> vehicles;  ///< "7=CoSiVA/AIV1"
+
+  [[nodiscard]] bool emulated() const { return images_folder.empty() && video_file.empty() && !camera; }
+};
+
+}  // namespace cosiva::app

@@ -1,0 +1,62 @@
+import { describe, expect, it } from 'vitest';
+import { degrees_of, millimetres_of, name_place, path_of, picture_of, picture_words, rgba_of, type Sight } from './gvs';
+
+const sight: Sight = { vehicle: 'CoSiVA/AIV1', tag: 1, x: 0.125, y: -0.5, heading: 0, outline: [[10, 20], [14, 20], [14, 30], [10, 30]], nose: [[12, 25], [16, 25]] };
+const comment = { timestamp: '2026-01-01T00:00:00.000Z', sights: [sight] };
+
+function file(header: string, pixels: number[]): ArrayBuffer {
+  const text = new TextEncoder().encode(header);
+  const bytes = new Uint8Array(text.length + pixels.length);
+  bytes.set(text);
+  bytes.set(pixels, text.length);
+  return bytes.buffer;
+}
+
+describe('the camera’s picture', () => {
+  it('is read with what its comment says', () => {
+    const picture = picture_of(file(`P5\n# ${JSON.stringify(comment)}\n3 2\n255\n`, [0, 1, 2, 10, 20, 255]));
+    expect(picture).toMatchObject({ width: 3, height: 2, ...comment });
+    expect([...picture!.grey]).toEqual([0, 1, 2, 10, 20, 255]);
+    expect([...rgba_of(picture!).slice(12)]).toEqual([10, 10, 10, 255, 20, 20, 20, 255, 255, 255, 255, 255]);
+  });
+
+  it('is none where its header is another’s, its comment says nothing, or it ends too early', () => {
+    const good = `P5\n# ${JSON.stringify(comment)}\n3 2\n255\n`;
+    for (const [header, pixels] of [
+      [good.replace('P5', 'P6'), 6],
+      [good.replace('255', '65535'), 6],
+      [good.replace('3 2', '3 x'), 6],
+      [good.replace('3 2', '0 2'), 6],
+      [good.replace('3 2', '99999 1'), 6],
+      ['P5\n3 2\n255\n', 6],
+      ['P5\n# {\n3 2\n255\n', 6],
+      ['P5\n# {"timestamp":1,"sights":[]}\n3 2\n255\n', 6],
+      [good, 5],
+      ['', 0],
+    ] as const) {
+      expect(picture_of(file(header, Array(pixels).fill(7))), header).toBeNull();
+    }
+  });
+
+  it('is told in words to who does not see it', () => {
+    expect(picture_words({ width: 1, height: 1, grey: new Uint8Array(1), ...comment })).toBe('The camera’s picture: AIV1 at 0.13, -0.50 m');
+    expect(picture_words({ width: 1, height: 1, grey: new Uint8Array(1), timestamp: '', sights: [] })).toBe('The camera’s picture: no AIV on it');
+    expect(picture_words(null)).toBe('No picture of the camera');
+  });
+
+  it('has its outlines as paths, and names above them or, at its upper border, below', () => {
+    expect(path_of(sight.outline, true)).toBe('M10 20L14 20L14 30L10 30Z');
+    expect(path_of([[1, 2]], false)).toBe('');
+    expect(name_place({ ...sight, outline: [[10, 40], [20, 60]] }, 100)).toEqual([15, 34]);
+    expect(name_place(sight, 100)).toEqual([12, 48]);
+    expect(name_place({ ...sight, outline: [] }, 100)).toBeNull();
+  });
+});
+
+describe('gaps', () => {
+  it('are in millimetres and degrees, or a dash', () => {
+    expect(millimetres_of(0.00123)).toBe('1.2\u202fmm');
+    expect(degrees_of(Math.PI / 180)).toBe('1.0°');
+    expect([millimetres_of(null), degrees_of(null)]).toEqual(['–', '–']);
+  });
+});
