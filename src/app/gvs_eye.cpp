@@ -93,7 +93,7 @@ vision::TrackerOptions tracker_options(const GvsSource& source) {
   return options;
 }
 
-GvsEye::GvsEye(vision::Calibration calibration, vision::TrackerOptions options, std::map<int, std::string> names)
+GvsEye::GvsEye(vision::Calibration calibration, const vision::TrackerOptions& options, std::map<int, std::string> names)
     : calibration_{std::move(calibration)},
       tracker_{calibration_, options},
       names_{std::move(names)},

@@ -21,7 +21,7 @@ class GvsEye {
   /// The page's picture is at most so wide and high: grey, 230 kB.
   static constexpr std::size_t shown_px_max = 480;
 
-  GvsEye(vision::Calibration calibration, vision::TrackerOptions options, std::map<int, std::string> names);
+  GvsEye(vision::Calibration calibration, const vision::TrackerOptions& options, std::map<int, std::string> names);
 
   /// Fails ("gvs.picture") on a picture of another size than the calibration's.
   /// @param began  when the exposure of its first row began; it rises (others are passed over: nothing is seen)
