@@ -39,7 +39,6 @@ struct Runs {
   std::size_t count{};
   bool on_track{};
   bool complete{true};  ///< as many as were asked for
-  bool modelled{true};  ///< the noise is what the algorithms are told: who is below the limit cheats
   experiments::Conditions conditions;
   std::shared_ptr<void> kept;  ///< what the source refers to
 };

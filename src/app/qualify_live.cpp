@@ -211,8 +211,7 @@ experiments::Conditions conditions_of(const QualifyArguments& arguments, const e
   auto& notes = conditions.notes;
   notes.emplace_back(
       "Odometry has no gyroscope: turns are those of the line where the vehicle's own program believes to be on it. "
-      "The "
-      "limit is that of the sensors as the vehicle's data sheet has them.");
+      "The limit is that of the sensors as the vehicle's data sheet has them: who is below it has better ones.");
   if (complete < options.runs)
     notes.push_back("Only " + std::to_string(complete) + " of " + std::to_string(options.runs) + " runs are complete.");
   for (const std::string& loss : runs.losses()) notes.push_back("Lost " + loss + ".");
@@ -250,7 +249,6 @@ Result<Runs> lived(const QualifyArguments& arguments, const LiveQualifyArguments
   runs.count = kept->size();
   runs.on_track = true;
   runs.complete = kept->size() == options->runs;
-  runs.modelled = false;
   runs.conditions = conditions_of(arguments, *options, test.runs(), kept->size());
   runs.source = [kept = kept.get()](std::size_t index, experiments::Trial&) -> Result<const experiments::Trial*> {
     return &(*kept)[index]->trial;

@@ -95,15 +95,12 @@ int run_either(const QualifyArguments& arguments, std::size_t at_least) {
 }
 
 /// Its own checks: everybody answered, and nobody is better than can be.
-bool check(const Qualification& all, bool modelled) {
+bool check(const Qualification& all) {
   bool fine = true;
   for (const experiments::Qualified& one : all.algorithms) {
     if (one.failed) say("cosiva: " + one.name + " failed: " + to_string(*one.failed));
-    if (one.leak && modelled)
-      say("cosiva: " + one.name + " is below the limit: it knows what it cannot, or the limit is wrong");
-    else if (one.leak)
-      say("cosiva: " + one.name + " is below the limit: the sensors are better than their data sheet says");
-    fine = fine && !one.failed && !(one.leak && modelled);
+    if (one.leak) say("cosiva: " + one.name + " is below the limit: it knows what it cannot, or the limit is wrong");
+    fine = fine && !one.failed && !one.leak;
   }
   return fine;
 }
@@ -145,7 +142,7 @@ int judge(const QualifyArguments& arguments, const std::vector<experiments::Cand
   print(text);
   for (const std::string& note : runs.complete ? std::vector<std::string>{} : runs.conditions.notes)
     say("cosiva: " + note);
-  return check(*all, runs.modelled) && runs.complete ? exit_done : exit_check_failed;
+  return check(*all) && runs.complete ? exit_done : exit_check_failed;
 }
 
 int run_qualify(const QualifyArguments& arguments) { return run_either(arguments, 1); }

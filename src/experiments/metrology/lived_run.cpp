@@ -96,6 +96,7 @@ RunLog::RunLog(std::string name, wire::VehicleId vehicle, std::uint64_t seed, st
                std::uint32_t horizon) {
   run_.vehicle = std::move(vehicle);
   run_.trial.name = std::move(name);
+  run_.trial.sensors_assumed = true;  // by a data sheet
   run_.trial.setting.seed = seed;
   run_.trial.setting.particles = particles;
   run_.trial.setting.horizon = horizon;

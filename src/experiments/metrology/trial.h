@@ -34,7 +34,7 @@ struct Trial {
   std::vector<Event> events;
   std::vector<Moment> moments;
   bool heading_known{true};  ///< the truth has a heading; else only positions are judged
-  /// Nobody has said how good the sensors are, so their figures are guesses: then so is a limit made of them.
+  /// Nobody has measured how good the sensors are, so their figures are guesses: then so is a limit made of them.
   bool sensors_assumed{false};
 };
 
