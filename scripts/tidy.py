@@ -44,7 +44,7 @@ def command_of(entry):
             skip = False
         elif word == "-include" and "cmake_pch" in words[index + 1]:
             skip = True
-        elif word != "-Winvalid-pch":
+        elif word not in ("-Winvalid-pch", "-fpch-preprocess"):
             out.append(word)
     return out
 
