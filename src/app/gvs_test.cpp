@@ -229,7 +229,7 @@ TEST(Gvs, refuses_what_it_cannot_use_with_status_2_and_says_what_and_where) {
     std::string says;
   };
   const std::vector<Case> cases{
-      {{"gvs"}, "say what to do: calibrate, track or render"},
+      {{"gvs"}, "say what to do: calibrate, track, render or watch"},
       {{"gvs", "calibrate"}, "--points FILE, or --board FILE"},
       {{"gvs", "calibrate", "--points", out.path() + "/none.csv"}, "none.csv"},
       {{"gvs", "calibrate", "--points", out.path() + "/three.csv"}, "three.csv: holds 3 points"},

@@ -97,8 +97,12 @@ void write_algorithm(JsonWriter& json, const Qualification& all, std::size_t ind
   json.field("tolerance_passed_m", one.passes.tolerance_passed_m).end_object();
   if (!one.alignments.empty()) {
     json.key("alignment_by_run").begin_array();
-    for (const Pose2& X : one.alignments)
-      json.begin_object().field("turn_rad", X.heading_rad).field("x_m", X.x_m).field("y_m", X.y_m).end_object();
+    for (const Pose2& move : one.alignments)
+      json.begin_object()
+          .field("turn_rad", move.heading_rad)
+          .field("x_m", move.x_m)
+          .field("y_m", move.y_m)
+          .end_object();
     json.end_array();
   }
   json.key("rmse_by_run_m").begin_array();

@@ -100,19 +100,19 @@ Result<Pose2> alignment_of(Alignment how, const Trial& run, const Trace& trace) 
 
 Result<Pose2> align(Alignment how, const Trial& run, Trace& trace) {
   COSIVA_EXPECT(how == Alignment::se2 || how == Alignment::origin);
-  const auto X = alignment_of(how, run, trace);
-  if (!X) return X;
-  const SinCos turn = sincos(X->heading_rad);
+  auto move = alignment_of(how, run, trace);
+  if (!move) return move;
+  const SinCos turn = sincos(move->heading_rad);
   estimation::Matrix3 r = estimation::Matrix3::Identity();
   r.topLeftCorner<2, 2>() << turn.cos, -turn.sin, turn.sin, turn.cos;
   forget_judgement(trace);
   for (std::size_t i = 0; i < run.moments.size(); ++i) {
     Estimate& estimate = trace.estimates[i];
-    estimate.pose = *X * estimate.pose;
+    estimate.pose = *move * estimate.pose;
     estimate.covariance = r * estimate.covariance * r.transpose();
     judge(run.moments[i], i, trace);
   }
-  return X;
+  return move;
 }
 
 Result<void> apply(estimation::Algorithm& algorithm, const Trial& run, Trace& trace) {
