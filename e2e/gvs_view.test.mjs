@@ -67,6 +67,7 @@ test('cosiva up --gvs', { timeout: 240_000 }, async (t) => {
       await page.waitForFunction((wanted) => document.documentElement.dataset.theme === wanted, theme);
       await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
       await page.waitForTimeout(400);
+      await page.getByTestId('gvs-picture').waitFor({ timeout: 15_000 });
       await assert_open_to_all(page);
       mkdirSync(artefacts_dir, { recursive: true });
       await page.screenshot({ path: path.join(artefacts_dir, `gvs_view_${theme}.png`) });

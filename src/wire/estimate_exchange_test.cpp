@@ -41,7 +41,7 @@ EstimateAnswer some_answer(Random& random) {
   if (random.chance(0.2)) answer.fault = "its zone was switched";
   answer.travelled_m = random.uniform(0, 1e5);
   if (random.chance(0.5)) {
-    auto& start = answer.start.emplace();
+    auto& start = answer.start.emplace(EstimateAnswer::Start{});
     start.X_MB = {random.gaussian(0, 10), random.gaussian(0, 10), random.uniform(-3, 3)};
     start.sigma_m = random.uniform(0, 1);
     start.heading_sigma_rad = random.uniform(0, 1);
@@ -105,7 +105,7 @@ TEST(EstimateExchange, of_a_request_that_is_bad_is_refused_with_its_field) {
 TEST(EstimateExchange, of_an_answer_that_is_bad_is_refused_with_its_field) {
   EstimateAnswer answer;
   answer.session = "q/1";
-  answer.start.emplace();
+  answer.start.emplace(EstimateAnswer::Start{});
   answer.told.emplace_back(EstimateAnswer::Odometry{0.01, 0.0, 0.02});
   answer.told.emplace_back(EstimateAnswer::Reading{7, {1.5, 0.0}, {0.02, 0.0}});
   auto& estimate = answer.estimates.emplace_back();

@@ -252,7 +252,7 @@ TEST(LivedRun, of_an_algorithm_that_diverged_says_so_and_the_others_keep_their_r
   std::vector<TrueFix> truth;
   wire::EstimateAnswer answer;
   answer.map_id = "lacet4";
-  answer.start.emplace();
+  answer.start.emplace(wire::EstimateAnswer::Start{});
   answer.start->sensors.distance_variance_per_m = 1e-4;
   for (int i = 0; i < 40; ++i) {
     answer.timestamp = SimTime{milliseconds{50 * i}};
