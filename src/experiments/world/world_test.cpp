@@ -123,6 +123,24 @@ TEST(World, a_dead_vehicle_is_shown_broken_and_hit_by_nobody_and_rejoins) {
   EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
 }
 
+// A vehicle that dies stands where it came to a stop, which is seldom where it would have waited.
+TEST(World, one_vehicle_after_the_other_dies_anywhere_and_everybody_drives_on_each_time) {
+  const auto world = world_of(4);
+  world->run_for(10s);
+  std::vector<double> before_m(4);
+  for (std::uint32_t kill = 0; kill < 24; ++kill) {
+    const std::uint32_t number = 1 + kill % 4;
+    world->kill_aiv(number);
+    world->run_for(std::chrono::milliseconds{3000 + 370 * kill});
+    world->start_aiv(number);
+    for (const auto& v : world->plant().vehicles()) before_m[v.number - 1] = v.distance_m;
+    world->run_for(45s);
+    for (const auto& v : world->plant().vehicles())
+      EXPECT_GT(v.distance_m, before_m[v.number - 1] + 1.0) << "AIV" << v.number << " after " << kill + 1 << " deaths";
+  }
+  EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
+}
+
 TEST(World, without_its_server_the_fleet_stops_and_goes_on_when_it_is_back) {
   const auto world = world_of(4);
   world->run_for(20s);

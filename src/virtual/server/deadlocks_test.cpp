@@ -161,13 +161,16 @@ TEST_F(FourWayWithForeigners, is_resolved_by_one_of_ours) {
   for (const auto& vehicle : bench.vehicles) EXPECT_GT(vehicle->driven_m, 5.0) << vehicle->id.serial_number;
 }
 
-// It may not have been in the crossing, but its nose is in the way of whoever is.
-TEST(Overshot, vehicle_goes_first_when_the_one_that_its_nose_stops_gives_the_crossing_back) {
+// It may not have been in the crossing, but its nose is in the way of whoever is: well into it, or so little beyond its
+// stop line that only beams of 8 degrees take it for a part of the way.
+class Overshot : public ::testing::TestWithParam<double> {};
+
+TEST_P(Overshot, vehicle_goes_first_when_the_one_that_its_nose_stops_gives_the_crossing_back) {
   ServerBench bench{zone_file("lacet4.toml")};
   double stop_m = 0.0;
   for (const zone::Waypoint& waypoint : bench.zone->waypoints)
     if (waypoint.place.section == 0 && waypoint.place.s_m < 0.5) stop_m = waypoint.place.s_m;
-  BenchVehicle& nose = bench.add("AIV1", {0, stop_m + 0.035});
+  BenchVehicle& nose = bench.add("AIV1", {0, stop_m + GetParam()});
   nose.paused = true;
   // Across the first crossing of the other's straight, which is the second of its own.
   BenchVehicle& other = bench.add("AIV2", {6, 0.2});
@@ -196,6 +199,8 @@ TEST(Overshot, vehicle_goes_first_when_the_one_that_its_nose_stops_gives_the_cro
   EXPECT_GT(nose.driven_m, 3.0);
   EXPECT_GT(other.driven_m, 3.0);
 }
+
+INSTANTIATE_TEST_SUITE_P(Metres, Overshot, ::testing::Values(0.035, 0.005));
 
 TEST(SilentVehicle, that_stands_with_way_before_it_is_given_a_new_order) {
   ServerBench bench;
