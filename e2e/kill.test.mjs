@@ -7,17 +7,26 @@ import { eventually, Platform, sleep } from './lib/platform.mjs';
 const stop_ms_max = 1_700; // 500 ms until the loss is noticed, 830 ms of braking from 0.5 m/s at 0.6 m/s², truth's 100 ms, slack
 const everyone = [1, 2, 3, 4];
 
-async function all_go_on(truth, what, within_ms = 45_000) {
+async function all_go_on(platform, truth, what, within_ms = 45_000) {
   // Distance, not speed: at any moment someone may wait before a crossing.
   const before = new Map(truth.latest.vehicles.map((vehicle) => [vehicle.number, vehicle.distance]));
-  await eventually(`every AIV drives on after ${what}`, () => truth.latest.vehicles.every((vehicle) => vehicle.distance - before.get(vehicle.number) > 1), { within_ms });
+  const late = () => truth.latest.vehicles.filter((vehicle) => vehicle.distance - before.get(vehicle.number) <= 1);
+  try {
+    await eventually(`every AIV drives on after ${what}`, () => late().length === 0, { within_ms });
+  } catch (error) {
+    // Whom it waits for tells more than that it waits.
+    const { aivs, crossings, deadlocks } = await platform.snapshot();
+    const known = aivs.map(({ number, connection, status, section, s, waitsFor, fieldViolation, driving, errors }) => ({ number, connection, status, section, s, waitsFor, fieldViolation, driving, errors }));
+    error.message += `\nlate: ${JSON.stringify(late())}\n${known.map((aiv) => JSON.stringify(aiv)).join('\n')}\n${JSON.stringify(crossings)}\n${JSON.stringify(deadlocks)}`;
+    throw error;
+  }
 }
 
 test('kill -9', { timeout: 300_000 }, async (t) => {
   // Long enough to see the loss before it is repaired.
   const platform = await Platform.up(t, { args: ['--respawn', '4'] });
   const truth = await Truth.follow(t, await platform.broker_port());
-  await all_go_on(truth, 'the start');
+  await all_go_on(platform, truth, 'the start');
   const lost_at = new Map();
 
   await t.test('of an AIV: its twin shows the broken connection, the others go on, it rejoins', async () => {
@@ -35,7 +44,7 @@ test('kill -9', { timeout: 300_000 }, async (t) => {
     assert.equal(matched, 4, 'a twin is never lost');
 
     await eventually('it is online again', async () => (await platform.aiv(2)).connection === 'ONLINE', { within_ms: 20_000 });
-    await all_go_on(truth, 'the AIV came back');
+    await all_go_on(platform, truth, 'the AIV came back');
     assert.equal(truth.collisions, 0);
   });
 
@@ -48,7 +57,7 @@ test('kill -9', { timeout: 300_000 }, async (t) => {
       for (const [number, metres] of driven) assert.ok(metres < 0.005, `AIV${number} drove ${metres} m without a server`);
     });
     await eventually('the server answers again', async () => (await platform.snapshot()).aivs.length === 4, { within_ms: 20_000 });
-    await all_go_on(truth, 'the server came back');
+    await all_go_on(platform, truth, 'the server came back');
     const snapshot = await platform.snapshot();
     assert.equal(new Set(snapshot.aivs.map((aiv) => aiv.id)).size, 4, 'none is lost or doubled');
     assert.equal(truth.collisions, 0);
@@ -57,7 +66,7 @@ test('kill -9', { timeout: 300_000 }, async (t) => {
   await t.test('of the server, back at once: all go on', async () => {
     await platform.kill_child(/server/i);
     await eventually('the server answers again', async () => (await platform.snapshot()).aivs.length === 4, { within_ms: 20_000 });
-    await all_go_on(truth, 'the server came back');
+    await all_go_on(platform, truth, 'the server came back');
     assert.equal(truth.collisions, 0);
   });
 
@@ -75,7 +84,7 @@ test('kill -9', { timeout: 300_000 }, async (t) => {
       const driven = vehicle.distance - lost_at.get(vehicle.number);
       assert.ok(driven < 0.8, `AIV${vehicle.number} drove ${driven.toFixed(2)} m without a broker`);
     }
-    await all_go_on(truth, 'the broker came back');
+    await all_go_on(platform, truth, 'the broker came back');
     assert.equal(truth.collisions, 0);
   });
 });
