@@ -53,6 +53,12 @@ class PlantBench {
     }
   }
 
+  /// No tick for so long, then one.
+  void hold_up_for(SimDuration duration) {
+    now_ += duration;
+    feed(wire::InputKind::tick, "", "");
+  }
+
   template <typename T>
   [[nodiscard]] std::vector<T> heard(std::uint32_t vehicle) const {
     std::vector<T> found;

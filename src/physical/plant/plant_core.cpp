@@ -21,6 +21,9 @@ namespace {
 
 /// Longer than this a tick was not late but the machine asleep; the vehicles stood still meanwhile.
 constexpr SimDuration tick_gap_max = std::chrono::seconds{1};
+/// However late a tick is, the hall goes on by no more than this: what boards were told meanwhile they have not heard,
+/// so everybody would drive blind, as no real vehicle does because the computer that emulates it is busy.
+constexpr SimDuration blind_max = std::chrono::milliseconds{50};
 
 /// Of a command by hand, which may bring a zone's file with it, and of one over the broker, which need not: a zone
 /// comes on its own topic there.
@@ -231,6 +234,7 @@ void PlantCore::Inside::tick(SimTime at, wire::Effects& effects) {
                                             " s; the vehicles stood still meanwhile"});
     dt = SimDuration::zero();
   }
+  dt = std::min(dt, blind_max);
   now = at;
   change_floors();
   for (Vehicle& vehicle : vehicles) vehicle.move(at, dt);

@@ -40,6 +40,21 @@ TEST(Plant, moves_a_vehicle_by_the_drive_frames_it_hears) {
   EXPECT_EQ(odometry.back().speed_mmps, 500);
 }
 
+TEST(Plant, lets_nobody_drive_blind_while_it_is_held_up) {
+  PlantBench bench{straight(20.0)};
+  bench.drive(1, fast);
+  bench.run_for(3s);
+  const double before_m = bench.truth(1).distance_m;
+  bench.hold_up_for(250ms);
+  EXPECT_NEAR(bench.truth(1).distance_m, before_m + 0.5 * 0.05, 1e-6);
+  EXPECT_TRUE(bench.logged.empty());
+  // What was told meanwhile is heard before it drives on.
+  bench.drive(1, wire::Drive{0, 800, 1000, 0});
+  bench.run_for(2s);
+  EXPECT_LT(bench.truth(1).distance_m, before_m + 0.5 * 0.05 + 0.5 * 0.5 / (2.0 * 0.8) + 0.5 * 0.1);
+  EXPECT_EQ(bench.truth(1).speed_mps, 0.0);
+}
+
 TEST(Plant, stays_where_it_is_without_a_command) {
   PlantBench bench{straight(20.0)};
   bench.run_for(5s);
