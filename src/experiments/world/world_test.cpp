@@ -128,10 +128,10 @@ TEST(World, one_vehicle_after_the_other_dies_anywhere_and_everybody_drives_on_ea
   const auto world = world_of(4);
   world->run_for(10s);
   std::vector<double> before_m(4);
-  for (std::uint32_t kill = 0; kill < 24; ++kill) {
+  for (std::uint32_t kill = 0; kill < 12; ++kill) {
     const std::uint32_t number = 1 + kill % 4;
     world->kill_aiv(number);
-    world->run_for(std::chrono::milliseconds{3000 + 370 * kill});
+    world->run_for(std::chrono::milliseconds{3000 + 740 * kill});
     world->start_aiv(number);
     for (const auto& v : world->plant().vehicles()) before_m[v.number - 1] = v.distance_m;
     world->run_for(45s);
