@@ -3,7 +3,8 @@
 import { mkdirSync } from 'node:fs';
 import path from 'node:path';
 import { open_browser, open_page } from './lib/browser.mjs';
-import { cosiva, Platform, sleep, source_dir } from './lib/platform.mjs';
+import { cosiva, Platform, sleep, source_dir, work_folder } from './lib/platform.mjs';
+import { pathToFileURL } from 'node:url';
 
 const folder = path.join(source_dir, 'docs/images');
 mkdirSync(folder, { recursive: true });
@@ -27,10 +28,42 @@ async function take_zones(browser) {
   console.log('docs/images/zones.png');
 }
 
+/** The first screen of the reports that the experiments write. */
+async function take_reports(browser) {
+  const out = work_folder(t);
+  const reports = {
+    metrology: ['compare', 'dead_reckoning', 'reset_rule', 'arc_kalman', 'arc_smoother', '--seed', '1'],
+    batteries: ['battery', 'fleet', '--aivs', '12', '--seed', '1'],
+  };
+  for (const [name, args] of Object.entries(reports)) {
+    const { code, stderr } = await cosiva([...args, '--out', path.join(out, name)], { timeout_ms: 120_000 });
+    if (code !== 0) throw new Error(stderr);
+    const page = await browser.newPage({ viewport: { width: 1100, height: 1300 } });
+    await page.goto(pathToFileURL(path.join(out, name, 'report.html')).href);
+    await page.screenshot({ path: path.join(folder, `${name}.png`) });
+    await page.close();
+    console.log(`docs/images/${name}.png`);
+  }
+}
+
+/** What the camera over the zone sees. */
+async function take_gvs(browser) {
+  const platform = await Platform.up(t, { args: ['--gvs', '--name', 'gvs'] });
+  const page = await open_page(t, browser, `${platform.url}/#panel=gvs`);
+  await page.getByTestId('gvs-picture').waitFor({ timeout: 15_000 });
+  await sleep(15_000);
+  await page.screenshot({ path: path.join(folder, 'gvs.png') });
+  console.log('docs/images/gvs.png');
+  await page.close();
+  await platform.stop();
+}
+
 async function take() {
-  const platform = await Platform.up(t, { args: ['--scenario', 'showroom', '--name', 'showroom'] });
   const browser = await open_browser(t);
   await take_zones(browser);
+  await take_reports(browser);
+  await take_gvs(browser);
+  const platform = await Platform.up(t, { args: ['--scenario', 'showroom', '--name', 'showroom'] });
   const shot = async (page, name) => {
     await page.mouse.move(5, 5);
     await page.screenshot({ path: path.join(folder, `${name}.png`) });
