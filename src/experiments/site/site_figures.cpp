@@ -24,7 +24,10 @@ void write_json(JsonWriter& json, const SiteFigures& figures) {
     json.field("jobs_due", zone.jobs_due).field("jobs_done", zone.jobs_done);
     json.field("came", zone.came).field("left", zone.left).field("distance_m", zone.distance_m);
     json.field("waiting_share", zone.waiting_share).field("energy_wh", zone.energy_wh);
-    json.field("collisions", zone.collisions).field("stuck", zone.stuck).end_object();
+    json.field("near_misses", zone.near_misses)
+        .field("collisions", zone.collisions)
+        .field("stuck", zone.stuck)
+        .end_object();
   }
   json.end_array().end_object();
 }
@@ -38,6 +41,7 @@ std::string to_text(const SiteFigures& figures) {
     all.came += zone.came;
     all.distance_m += zone.distance_m;
     all.energy_wh += zone.energy_wh;
+    all.near_misses += zone.near_misses;
     all.collisions += zone.collisions;
     all.stuck += zone.stuck;
     if (figures.zones.size() > listed_most) continue;
@@ -46,11 +50,12 @@ std::string to_text(const SiteFigures& figures) {
             std::to_string(zone.came) + " came, " + std::to_string(zone.left) + " left, waiting " +
             readable(100.0 * zone.waiting_share, 1) + " %\n";
   }
-  return std::to_string(figures.zones.size()) + " zones, " + std::to_string(figures.aivs) + " AIVs (" +
-         std::to_string(figures.in_passage) + " in passages now): " + std::to_string(all.jobs_done) + " of " +
-         std::to_string(all.jobs_due) + " jobs done, " + std::to_string(all.came) + " passages, " +
-         readable(all.distance_m / 1000.0, 1) + " km, " + readable(all.energy_wh, 0) + " Wh, " +
-         std::to_string(all.collisions) + " collisions, " + std::to_string(all.stuck) + " stuck\n" + text;
+  return std::to_string(figures.zones.size()) + (figures.zones.size() == 1 ? " zone, " : " zones, ") +
+         std::to_string(figures.aivs) + " AIVs (" + std::to_string(figures.in_passage) +
+         " in passages now): " + std::to_string(all.jobs_done) + " of " + std::to_string(all.jobs_due) +
+         " jobs done, " + std::to_string(all.came) + " passages, " + readable(all.distance_m / 1000.0, 1) + " km, " +
+         readable(all.energy_wh, 0) + " Wh, " + std::to_string(all.collisions) + " collisions, " +
+         std::to_string(all.near_misses) + " near misses, " + std::to_string(all.stuck) + " stuck\n" + text;
 }
 
 }  // namespace cosiva::experiments
