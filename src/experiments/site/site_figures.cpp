@@ -9,6 +9,21 @@ namespace {
 /// More zones than this are not listed for people, only counted.
 constexpr std::size_t listed_most = 24;
 
+SiteFigures::Zone total_of(const std::vector<SiteFigures::Zone>& zones) {
+  SiteFigures::Zone all;
+  for (const SiteFigures::Zone& zone : zones) {
+    all.jobs_due += zone.jobs_due;
+    all.jobs_done += zone.jobs_done;
+    all.came += zone.came;
+    all.distance_m += zone.distance_m;
+    all.energy_wh += zone.energy_wh;
+    all.near_misses += zone.near_misses;
+    all.collisions += zone.collisions;
+    all.stuck += zone.stuck;
+  }
+  return all;
+}
+
 }  // namespace
 
 bool SiteFigures::good() const {
@@ -18,6 +33,10 @@ bool SiteFigures::good() const {
 void write_json(JsonWriter& json, const SiteFigures& figures) {
   json.begin_object().field("aivs", figures.aivs).field("in_passage", figures.in_passage);
   json.field("vehicle_steps", figures.vehicle_steps).field("digest", figures.digest);
+  const SiteFigures::Zone all = total_of(figures.zones);
+  json.field("jobs_due", all.jobs_due).field("jobs_done", all.jobs_done).field("passages", all.came);
+  json.field("distance_m", all.distance_m).field("energy_wh", all.energy_wh);
+  json.field("near_misses", all.near_misses).field("collisions", all.collisions).field("stuck", all.stuck);
   json.key("zones").begin_array();
   for (const SiteFigures::Zone& zone : figures.zones) {
     json.begin_object().field("name", zone.name).field("aivs", zone.aivs);
@@ -34,17 +53,9 @@ void write_json(JsonWriter& json, const SiteFigures& figures) {
 
 std::string to_text(const SiteFigures& figures) {
   std::string text;
-  SiteFigures::Zone all;
+  const SiteFigures::Zone all = total_of(figures.zones);
   for (const SiteFigures::Zone& zone : figures.zones) {
-    all.jobs_due += zone.jobs_due;
-    all.jobs_done += zone.jobs_done;
-    all.came += zone.came;
-    all.distance_m += zone.distance_m;
-    all.energy_wh += zone.energy_wh;
-    all.near_misses += zone.near_misses;
-    all.collisions += zone.collisions;
-    all.stuck += zone.stuck;
-    if (figures.zones.size() > listed_most) continue;
+    if (figures.zones.size() > listed_most) break;
     text += "  " + zone.name + ": " + std::to_string(zone.aivs) + " AIVs at the end, " +
             std::to_string(zone.jobs_done) + " jobs done (" + std::to_string(zone.jobs_due) + " due here), " +
             std::to_string(zone.came) + " came, " + std::to_string(zone.left) + " left, waiting " +
