@@ -4,11 +4,13 @@
 #include <utility>
 
 #include "adapters/files.h"
+#include "aiv/formulas.h"
 #include "app/arguments.h"
 #include "app/picture.h"
 #include "app/rule_files.h"
 #include "app/surface.h"
 #include "app/words.h"
+#include "app/zone_files.h"
 #include "base/json_writer.h"
 
 namespace cosiva::app {
@@ -16,9 +18,17 @@ namespace {
 
 using aiv::AgentInput;
 
-/// The inputs as the command line gave them; what the operator asks for came as a word.
+/// The inputs as the command line gave them; what the operator asks for came as a word, its speed in metres per second.
 Result<aiv::AgentInputs> inputs_from(const AgentArguments& arguments) {
   aiv::AgentInputs inputs = arguments.inputs;
+  const double gap = inputs[static_cast<std::size_t>(AgentInput::gap)];
+  // Nothing is closed in on where nothing is.
+  if (arguments.speed_mps && gap < aiv::facts_of(AgentInput::gap).free) {
+    const auto rtm = open_zone(arguments.zone);
+    if (!rtm) return tl::unexpected(rtm.error());
+    inputs[static_cast<std::size_t>(AgentInput::closing)] =
+        aiv::plain::closing_input(*arguments.speed_mps, rtm->zone().profiles.medium.speed_mps);
+  }
   double& instruction = inputs[static_cast<std::size_t>(AgentInput::instruction)];
   if (arguments.instruction == "none") return inputs;
   const auto profile = aiv::parse_profile(arguments.instruction);

@@ -41,6 +41,23 @@ TEST(AgentExplain, says_the_decision_the_rules_that_fired_and_why) {
   EXPECT_THAT(cosiva({"agent", "explain", "--all"}).data, HasSubstr("charge is low then"));
 }
 
+TEST(AgentExplain, takes_its_own_speed_for_how_fast_it_comes_up_to_what_stands) {
+  // On lacet4 medium is 0.4 m/s.
+  EXPECT_EQ(cosiva({"agent", "explain", "--gap", "0.9", "--speed", "0.1"}).data,
+            cosiva({"agent", "explain", "--gap", "0.9", "--closing", "25"}).data);
+  EXPECT_EQ(cosiva({"agent", "explain", "--gap", "0.9", "--speed", "0.1", "--zone", "workshop", "--json"}).data,
+            cosiva({"agent", "explain", "--gap", "0.9", "--closing", "33.333333333333336", "--json"}).data);
+  EXPECT_EQ(cosiva({"agent", "explain", "--speed", "0.4"}).data, cosiva({"agent", "explain"}).data)
+      << "nothing is there";
+  EXPECT_EQ(cosiva({"agent", "surface", "--y", "charge", "--gap", "2", "--speed", "0.4"}).status, 0);
+  EXPECT_EQ(cosiva({"agent", "explain", "--speed", "-1"}).status, 2);
+  EXPECT_EQ(cosiva({"agent", "explain", "--gap", "1", "--speed", "1", "--zone", "nowhere"}).status, 2);
+  const Said both = cosiva({"agent", "explain", "--gap", "1", "--speed", "1", "--closing", "3"});
+  EXPECT_EQ(both.status, 2);
+  EXPECT_THAT(both.words, HasSubstr("cosiva agent explain: "));
+  EXPECT_THAT(both.words, HasSubstr("`cosiva agent explain --help`"));
+}
+
 TEST(AgentExplain, says_it_as_json_too) {
   const Said said = cosiva({"agent", "explain", "--instruction", "slow", "--json"});
   const auto json = JsonValue::parse(said.data);

@@ -158,6 +158,8 @@ struct AgentArguments {
   bool json{false};
   aiv::AgentInputs inputs{aiv::free_way_inputs()};
   std::string instruction{"none"};  ///< a profile's word, or none
+  std::optional<double> speed_mps;  ///< its own, towards what stands; nothing: `closing` says it
+  std::string zone{"lacet4"};       ///< whose medium speed that counts by
 
   // explain
   std::string present;  ///< a profile's word; empty: none

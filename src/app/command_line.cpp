@@ -185,8 +185,13 @@ std::vector<std::string> option_names(const CLI::App& verb) {
   return names;
 }
 
+/// As one types it, such as `cosiva zone check`.
+std::string typed(const CLI::App& verb) {
+  return verb.get_parent() == nullptr ? "cosiva" : typed(*verb.get_parent()) + " " + verb.get_name();
+}
+
 int refuse(const std::string& message, const CLI::App& verb) {
-  const std::string name = verb.get_parent() == nullptr ? "cosiva" : "cosiva " + verb.get_name();
+  const std::string name = typed(verb);
   say(name + ": " + message);
   say("`" + name + " --help` tells what there is");
   return exit_bad_input;

@@ -15,6 +15,7 @@ constexpr const char* agent_examples =
 constexpr const char* explain_examples =
     "Examples:\n"
     "  cosiva agent explain --gap 0.9 --closing 60\n"
+    "  cosiva agent explain --gap 0.9 --speed 0.4           towards something that stands\n"
     "  cosiva agent explain --rules my.fll --charge 9 --json";
 
 constexpr const char* surface_examples =
@@ -29,14 +30,24 @@ void add_inputs(CLI::App& verb, AgentArguments& agent) {
   verb.add_option("--instruction", agent.instruction, "what the operator asks for: stop, slow, medium, fast or none")
       ->type_name("WORD")
       ->capture_default_str();
+  CLI::Option* closing = nullptr;
   for (std::size_t i = 0; i < aiv::agent_input_count; ++i) {
     const auto input = static_cast<aiv::AgentInput>(i);
     if (input == aiv::AgentInput::instruction) continue;
     const aiv::AgentInputFacts& facts = aiv::facts_of(input);
     std::string what(facts.meaning);
     if (!facts.unit.empty()) what += " [" + std::string(facts.unit) + "]";
-    verb.add_option("--" + std::string(facts.name), agent.inputs[i], what)->type_name("N")->capture_default_str();
+    CLI::Option* option = verb.add_option("--" + std::string(facts.name), agent.inputs[i], what);
+    option->type_name("N")->capture_default_str();
+    if (input == aiv::AgentInput::closing) closing = option;
   }
+  verb.add_option("--speed", agent.speed_mps, "in place of --closing: its own speed, towards a body that stands [m/s]")
+      ->type_name("N")
+      ->check(CLI::Range(0.0, 100.0))
+      ->excludes(closing);
+  verb.add_option("--zone", agent.zone, "with --speed: where it drives, for the medium speed there")
+      ->type_name("NAME|FILE")
+      ->capture_default_str();
   verb.add_flag("--json", agent.json, "print the result as JSON");
 }
 

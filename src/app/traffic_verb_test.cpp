@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "adapters/files.h"
 #include "adapters/test_bench.h"
 #include "app/command_line_bench.h"
 #include "base/json_value.h"
@@ -33,6 +34,57 @@ TEST(TrafficVerb, gives_the_same_figures_for_the_same_seed) {
   EXPECT_NE(one, once("2"));
 }
 
+TEST(TrafficVerb, carries_jobs_in_a_layout_whose_stations_lie_in_dead_ends) {
+  const auto said = cosiva({"traffic", "--zone", "workshop", "--aivs", "6", "--jobs-per-hour", "60", "--json"});
+  EXPECT_EQ(said.status, 0) << said.words;
+  const auto json = JsonValue::parse(said.data, 1U << 20U);
+  ASSERT_TRUE(json);
+  EXPECT_GT(json->find("jobs")->number("done").value_or(0.0), 40.0);
+  EXPECT_EQ(json->number("collisions"), 0.0);
+  EXPECT_EQ(json->number("near_misses"), 0.0);
+  EXPECT_EQ(json->number("stuck"), 0.0);
+}
+
+TEST(TrafficVerb, counts_near_misses_where_a_zone_leaves_no_clearance) {
+  const adapters::testing::Scratch directory;
+  const std::string file = directory / "tight.toml";
+  ASSERT_EQ(cosiva({"zone", "convert", "workshop", file}).status, 0);
+  std::string text = *adapters::read_file(file);
+  const std::string clearance = "clearance_m = 0.04";
+  ASSERT_NE(text.find(clearance), std::string::npos);
+  text.replace(text.find(clearance), clearance.size(), "clearance_m = 0.0");
+  ASSERT_TRUE(adapters::write_file(file, text));
+  const auto said = cosiva({"traffic", "--zone", file, "--aivs", "12", "--jobs-per-hour", "120", "--json"});
+  const auto json = JsonValue::parse(said.data, 1U << 20U);
+  ASSERT_TRUE(json) << said.words;
+  EXPECT_GT(json->number("near_misses").value_or(0.0), 10.0);
+  EXPECT_LT(json->number("smallest_gap_m").value_or(1.0), 0.06);
+}
+
+TEST(TrafficVerb, names_the_section_where_no_fleet_finds_a_place_to_stand) {
+  const adapters::testing::Scratch directory;
+  const std::string lane = directory.write("lane.toml", R"(name = "lane"
+format_version = 1
+[[section]]
+name = "there"
+kind = "straight"
+pivots = true
+length_m = 2
+start = { x = 0, y = 0, heading_deg = 0 }
+next = ["back"]
+[[section]]
+name = "back"
+kind = "straight"
+pivots = true
+length_m = 2
+start = { x = 2, y = 0, heading_deg = 180 }
+next = ["there"]
+)");
+  const auto said = cosiva({"traffic", "--zone", lane, "--aivs", "1"});
+  EXPECT_EQ(said.status, 2);
+  EXPECT_THAT(said.words, HasSubstr("zone 'lane', section 'there': too many crossings upon one another"));
+}
+
 TEST(TrafficVerb, writes_a_report_that_can_be_looked_at) {
   const adapters::testing::Scratch directory;
   const std::string out = directory / "out/deeper";
@@ -48,7 +100,9 @@ TEST(TrafficVerb, says_what_is_wrong_and_where) {
   const auto bad_file = cosiva({"traffic", "--zone", "indus8", "--jobs", jobs});
   EXPECT_EQ(bad_file.status, 2);
   EXPECT_THAT(bad_file.words, HasSubstr(jobs + ":2: zone 'indus8' has no station 'moon'"));
-  EXPECT_EQ(cosiva({"traffic", "--jobs-per-hour", "-1"}).status, 2);
+  const auto no_rate = cosiva({"traffic", "--jobs-per-hour", "-1"});
+  EXPECT_EQ(no_rate.status, 2);
+  EXPECT_THAT(no_rate.words, HasSubstr("jobs per hour are more than 0"));
   EXPECT_EQ(cosiva({"traffic", "--aivs", "0"}).status, 2);
   EXPECT_EQ(cosiva({"traffic", "--aivs", "100000"}).status, 2) << "no room";
   EXPECT_EQ(cosiva({"traffic", "--rules", "/nowhere.fll"}).status, 2);

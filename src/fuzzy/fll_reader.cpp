@@ -27,6 +27,8 @@ class Reader {
 
   Result<Engine> read(std::string_view text) {
     if (text.size() > text_bytes_max) return fail("rules.size", "a rule file has at most 1 MiB", std::string(origin_));
+    constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // some editors begin a file so
+    if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
     const auto lines = split_lines(text, origin_);
     if (!lines) return tl::unexpected(lines.error());
     if (auto sorted = sort(*lines); !sorted) return tl::unexpected(sorted.error());

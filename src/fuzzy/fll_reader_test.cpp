@@ -20,6 +20,13 @@ std::string fault_of_text(const std::string& text) {
 }
 std::string fault(const RuleText& rules) { return fault_of_text(rules.text()); }
 
+TEST(Fll, may_begin_with_a_byte_order_mark_and_end_its_lines_as_windows_does) {
+  std::string text = RuleText{}.text();
+  for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += 2) text.insert(at, 1, '\r');
+  EXPECT_EQ(fault_of_text("\xEF\xBB\xBF" + text), "nothing");
+  EXPECT_THAT(fault_of_text("x\xEF\xBB\xBF" + text), testing::StartsWith("my.fll:1"));
+}
+
 TEST(Fll, is_read_with_remarks_descriptions_and_blocks_in_any_order) {
   const auto engine = read_fll(
       "# a remark\nEngine: speed\ndescription: what it is for\n\n"

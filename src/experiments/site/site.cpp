@@ -265,6 +265,7 @@ SiteFigures SiteRun::figures() const {
     for (const std::size_t count : {f.aivs, f.jobs_due, f.jobs_done, f.jobs_came, f.jobs_left, f.stuck})
       mine.put(std::uint64_t{count});
     for (const double value : {f.distance_m, f.waiting_share, f.energy_wh, f.vehicle_s}) mine.put(value);
+    mine.put(f.near_misses);
     mine.put(f.collisions);
     Digest digest;
     digest.add(std::string_view{f.digest});
@@ -293,6 +294,7 @@ SiteFigures SiteRun::figures() const {
       zone.waiting_share = reader.take<double>();
       zone.energy_wh = reader.take<double>();
       vehicle_s += reader.take<double>();
+      zone.near_misses = reader.take<std::uint64_t>();
       zone.collisions = reader.take<std::uint64_t>();
       zone.digest = reader.take<std::uint64_t>();
       present += zone.aivs;

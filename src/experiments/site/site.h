@@ -35,6 +35,7 @@ struct SiteFigures {
     double distance_m{};
     double waiting_share{};
     double energy_wh{};
+    std::uint64_t near_misses{};
     std::uint64_t collisions{};
     std::size_t stuck{};
     std::uint64_t digest{};

@@ -37,22 +37,25 @@ std::string to_html(const SiteFigures& figures, const std::string& command) {
     rows.push_back({zone.name, std::to_string(zone.aivs), std::to_string(zone.jobs_due), std::to_string(zone.jobs_done),
                     std::to_string(zone.came), std::to_string(zone.left), readable(zone.distance_m / 1000.0, 2),
                     readable(100.0 * zone.waiting_share, 1), readable(zone.energy_wh, 1),
-                    std::to_string(zone.collisions), std::to_string(zone.stuck)});
+                    std::to_string(zone.near_misses), std::to_string(zone.collisions), std::to_string(zone.stuck)});
   }
+  std::uint64_t near_misses = 0;
   std::uint64_t collisions = 0;
   std::size_t stuck = 0;
   for (const SiteFigures::Zone& zone : figures.zones) {
+    near_misses += zone.near_misses;
     collisions += zone.collisions;
     stuck += zone.stuck;
   }
   report.facts({{std::to_string(done) + " of " + std::to_string(due), "jobs done"},
                 {std::to_string(came), "passages from zone to zone"},
                 {std::to_string(collisions), "collisions", collisions > 0},
+                {std::to_string(near_misses), "near misses", near_misses > 0},
                 {std::to_string(stuck), "AIVs stuck at the end", stuck > 0}});
   add_waiting(report, figures.zones);
   report.heading("Zones");
   report.table({"zone", "AIVs at the end", "jobs due", "done", "came", "left", "driven [km]", "waiting [%]",
-                "energy [Wh]", "collisions", "stuck"},
+                "energy [Wh]", "near misses", "collisions", "stuck"},
                rows);
   report.heading("The same again");
   report.verbatim(command + "\ndigest " + figures.digest);

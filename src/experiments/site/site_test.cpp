@@ -6,6 +6,7 @@
 #include <sstream>
 #include <thread>
 
+#include "base/json_value.h"
 #include "base/test_places.h"
 #include "base/test_ranks.h"
 #include "zone/rtm/rtm.h"
@@ -74,6 +75,14 @@ TEST(Site, vehicles_carry_loads_from_zone_to_zone_and_none_is_lost_or_doubled) {
             figures->zones[0].came + figures->zones[1].came + figures->in_passage);
   EXPECT_TRUE(figures->good());
   EXPECT_GT(figures->zones[0].jobs_done, 0U);
+  // What a reader wants first is the whole.
+  JsonWriter json;
+  write_json(json, *figures);
+  const auto read = JsonValue::parse(json.take(), 1U << 20U);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->number("jobs_done"), figures->zones[0].jobs_done + figures->zones[1].jobs_done);
+  EXPECT_EQ(read->number("passages"), figures->zones[0].came + figures->zones[1].came);
+  for (const char* none : {"collisions", "near_misses", "stuck"}) EXPECT_EQ(read->number(none), 0.0) << none;
 }
 
 TEST(Site, any_number_of_ranks_gives_the_digest_of_one) {

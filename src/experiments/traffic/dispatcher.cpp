@@ -12,6 +12,8 @@ namespace {
 constexpr std::size_t asked_max = 6;
 /// A goal on its own section is driven to when it lies further ahead than it needs to stop, and this.
 constexpr double beyond_stop_m = 0.3;
+/// So long who stands at a stop waits for the crossings on its way.
+constexpr double patience_s = 20.0;
 
 }  // namespace
 
@@ -94,7 +96,7 @@ void Dispatcher::give_out() {
       continue;
     }
     waiting_.erase(waiting_.begin() + static_cast<std::ptrdiff_t>(i));
-    carriers_[*vehicle] = {Phase::fetching, job, 0.0};
+    carriers_[*vehicle] = {Phase::fetching, job};
     courses_[job].given_s = now_s_;
     courses_[job].vehicle = *vehicle;
     --idle_;
@@ -143,8 +145,19 @@ zone::Place Dispatcher::goal_of(const Carrier& carrier) const {
 
 void Dispatcher::drive_on(Fleet::Vehicle vehicle) {
   const zone::Place goal = goal_of(carriers_[vehicle]);
-  const bool sent = way_to(vehicle, goal) && fleet_.send(vehicle, route_, goal.s_m);
-  if (!sent) to_send_.push_back(vehicle);  // it is about to be committed to another section: from there
+  if (way_to(vehicle, goal) && fleet_.send(vehicle, route_, goal.s_m)) {
+    carriers_[vehicle].patient_until_s = -1.0;
+    return;
+  }
+  // It is about to be committed to another section: from there. Or it stands in crossings, and others that it needs are
+  // taken; it does not stand there for ever, but then goes round.
+  to_send_.push_back(vehicle);
+  Carrier& carrier = carriers_[vehicle];
+  if (!fleet_.is_at_goal(vehicle)) return;
+  if (carrier.patient_until_s < 0.0) carrier.patient_until_s = now_s_ + patience_s;
+  if (now_s_ < carrier.patient_until_s) return;
+  carrier.patient_until_s = -1.0;
+  fleet_.circulate(vehicle);
 }
 
 std::size_t Dispatcher::let_leave() {

@@ -55,6 +55,7 @@ class Dispatcher {
     Phase phase{Phase::idle};
     std::size_t job{};
     double until_s{};
+    double patient_until_s{-1.0};  ///< it stands where it cannot be sent on from; below 0: it does not
   };
   void note_due();
   void arrive(Fleet::Vehicle vehicle);

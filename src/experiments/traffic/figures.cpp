@@ -52,7 +52,8 @@ void write_json(JsonWriter& json, const TrafficFigures& f) {
     json.field("waiting_s", crossing.waiting_s).end_object();
   }
   json.end_array();
-  json.field("smallest_gap_m", f.smallest_gap_m).field("collisions", f.collisions).field("stuck", f.stuck);
+  json.field("smallest_gap_m", f.smallest_gap_m).field("near_misses", f.near_misses);
+  json.field("collisions", f.collisions).field("stuck", f.stuck);
   json.field("digest", f.digest).end_object();
 }
 
@@ -71,8 +72,8 @@ std::string to_text(const TrafficFigures& f) {
           " m/s on average; waiting " + readable(100.0 * f.waiting_share, 1) + " % of the time\n";
   text += "  energy  " + readable(f.energy_wh, 1) + " Wh, " +
           readable(f.distance_m > 0.0 ? f.energy_wh / f.distance_m * 1000.0 : 0.0, 2) + " Wh a km\n";
-  text += "  safety  " + std::to_string(f.collisions) + " collisions, smallest gap " + readable(f.smallest_gap_m, 3) +
-          " m; " + std::to_string(f.stuck) + " stuck\n";
+  text += "  safety  " + std::to_string(f.collisions) + " collisions, " + std::to_string(f.near_misses) +
+          " near misses, smallest gap " + readable(f.smallest_gap_m, 3) + " m; " + std::to_string(f.stuck) + " stuck\n";
   return text;
 }
 

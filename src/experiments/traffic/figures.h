@@ -20,7 +20,10 @@ struct Distribution {
 /// Percentiles are values of the set: the smallest that at least that share does not exceed.
 [[nodiscard]] Distribution distribution_of(std::vector<double> values);
 
-/// What came of a run, after its warm-up.
+/// Half of what vehicles leave free ahead of them [m].
+inline constexpr double near_miss_m = 0.06;
+
+/// What came of a run, after its warm-up; what concerns safety counts from the start.
 struct TrafficFigures {
   std::string zone;
   std::size_t aivs{};
@@ -68,6 +71,7 @@ struct TrafficFigures {
   std::vector<double> open_jobs;
 
   double smallest_gap_m{};
+  std::uint64_t near_misses{};  ///< how often somebody came nearer than near_miss_m to the one ahead
   std::uint64_t collisions{};
   std::size_t stuck{};
   std::string digest;  ///< of the fleet and of every job's course

@@ -12,6 +12,8 @@ namespace {
 constexpr double map_px = 760.0;
 constexpr double margin_px = 60.0;  // half a road's width, and air
 constexpr double legend_px = 46.0;
+/// More names than these make a map unreadable: then only those count at which most was waited.
+constexpr std::size_t names_max = 24;
 
 struct Colour {
   double red, green, blue;
@@ -45,6 +47,11 @@ class Map {
   [[nodiscard]] double width_px() const { return (high_.x_m - low_.x_m) * px_per_m_ + 2.0 * margin_px; }
   [[nodiscard]] double height_px() const { return (high_.y_m - low_.y_m) * px_per_m_ + 2.0 * margin_px; }
   [[nodiscard]] double px_per_m() const { return px_per_m_; }
+  [[nodiscard]] std::string name(zone::Place place, const std::string& text, double aside_px) const {
+    const Pose2 pose = circuit_.pose_at(place);
+    return "<text x=\"" + readable((pose.x_m - low_.x_m) * px_per_m_ + margin_px + aside_px, 1) + "\" y=\"" +
+           readable((high_.y_m - pose.y_m) * px_per_m_ + margin_px + 4.0, 1) + "\">" + escaped(text) + "</text>";
+  }
   [[nodiscard]] std::string path(zone::SectionId section, double from_m, double to_m) const {
     const double bend = circuit_.section(section).curvature_max_per_m() * (to_m - from_m);
     const int parts = std::max(1, static_cast<int>(std::ceil(bend / 0.2)));
@@ -81,6 +88,29 @@ std::string legend(double top_px, double width_px, double most, bool standing) {
   return svg;
 }
 
+/// Crossings and stations, so that the table's rows can be found on the map.
+std::string names(const Map& map, const zone::TrafficZone& zone, const TrafficFigures& figures) {
+  std::string svg =
+      "<g fill=\"#14202b\" stroke=\"#fff\" stroke-width=\"3\" paint-order=\"stroke\" font-size=\"12\" "
+      "text-anchor=\"middle\">";
+  std::vector<std::size_t> crossings;
+  for (std::size_t x = 0; x < std::min(zone.crossings.size(), figures.crossings.size()); ++x)
+    if (!zone.crossings[x].spans.empty()) crossings.push_back(x);
+  if (crossings.size() > names_max) {
+    std::ranges::stable_sort(crossings, std::ranges::greater{},
+                             [&](std::size_t x) { return figures.crossings[x].waiting_s; });
+    crossings.resize(names_max);
+  }
+  for (const std::size_t x : crossings) {
+    const zone::CrossingSpan& span = zone.crossings[x].spans.front();
+    svg += map.name({span.section, 0.5 * (span.from_m + span.to_m)}, zone.crossings[x].name, 0.0);
+  }
+  svg += "</g><g fill=\"#14202b\" stroke=\"#fff\" stroke-width=\"3\" paint-order=\"stroke\" font-size=\"12\">";
+  if (zone.stations.size() <= names_max)
+    for (const zone::Station& station : zone.stations) svg += map.name(station.place, station.name, 14.0);
+  return svg + "</g>";
+}
+
 }  // namespace
 
 std::string heat_map(const zone::TrafficZone& zone, const TrafficFigures& figures, bool standing) {
@@ -110,6 +140,7 @@ std::string heat_map(const zone::TrafficZone& zone, const TrafficFigures& figure
     svg += "<path d=\"" + cell.path + "\" stroke=\"" + colour_of(most > 0.0 ? cell.share / most : 0.0) + "\"><title>" +
            readable(100.0 * cell.share, 2) + " %</title></path>";
   }
+  svg += names(map, zone, figures);
   return svg + "<g stroke=\"none\">" + legend(map.height_px(), width, most, standing) + "</g></svg>";
 }
 

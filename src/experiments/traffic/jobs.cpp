@@ -29,6 +29,24 @@ double exponential(Random& random) {
   }
 }
 
+/// A line's values. What stands in quotation marks, as spreadsheets write names, may hold commas.
+std::vector<std::string_view> values_of(std::string_view line) {
+  constexpr std::string_view blanks = " \t\r";
+  if (line.find('"') == std::string_view::npos) return cut_at_commas(line, blanks);
+  std::vector<std::string_view> values;
+  bool is_quoted = false;
+  std::size_t begin = 0;
+  for (std::size_t at = 0; at <= line.size(); ++at) {
+    if (at < line.size() && line[at] == '"') is_quoted = !is_quoted;
+    if (at < line.size() && (is_quoted || line[at] != ',')) continue;
+    std::string_view value = trimmed(line.substr(begin, at - begin), blanks);
+    if (value.size() >= 2 && value.front() == '"' && value.back() == '"') value = value.substr(1, value.size() - 2);
+    values.push_back(value);
+    begin = at + 1;
+  }
+  return values;
+}
+
 /// One file's reading, line by line.
 class CsvReader {
  public:
@@ -36,7 +54,7 @@ class CsvReader {
 
   Result<void> read(std::string_view line, std::vector<Job>& jobs) {
     ++line_;
-    const auto cells = cut_at_commas(line, " \t\r");
+    const auto cells = values_of(line);
     if (cells.size() == 1 && cells[0].empty()) return {};
     if (!has_head_) return read_head(cells);
     if (cells.size() != columns_)
@@ -117,7 +135,7 @@ Result<std::vector<Job>> poisson_jobs(const zone::TrafficZone& zone, double per_
                                      std::to_string(stops.size()) + " where vehicles stop for loads");
   }
   if (!(per_hour > 0.0) || !(per_hour * duration_s / 3600.0 <= jobs_max))
-    return fail("jobs.rate", "a rate is positive, and makes no more than ten million jobs");
+    return fail("jobs.rate", "jobs per hour are more than 0, and make no more than ten million jobs");
   Random random{seed, "traffic/jobs"};
   std::vector<Job> jobs;
   const double mean_s = 3600.0 / per_hour;

@@ -72,6 +72,12 @@ TEST(JobsFromCsv, are_read_by_their_columns_names_in_any_order_and_come_in_time)
   EXPECT_TRUE(jobs_from_csv(*yard(), "\xEF\xBB\xBFtime_s,from,to", "jobs.csv")->empty());
 }
 
+TEST(JobsFromCsv, may_have_their_values_in_quotation_marks) {
+  const auto jobs = jobs_from_csv(*yard(), "\"time_s\",\"from\",to\r\n\"12.5\", \"rack\" ,\"ship\"\r\n", "jobs.csv");
+  ASSERT_TRUE(jobs) << to_string(jobs.error());
+  EXPECT_THAT(*jobs, ElementsAre(Job{12.5, 1, 2, 0}));
+}
+
 struct BadCsv {
   const char* text;
   const char* place;
@@ -85,19 +91,21 @@ TEST_P(OfBadCsv, says_the_line_and_what_is_wrong_in_it) {
   EXPECT_EQ(jobs.error().place, GetParam().place);
   EXPECT_THAT(jobs.error().message, HasSubstr(GetParam().says));
 }
-INSTANTIATE_TEST_SUITE_P(Jobs, OfBadCsv,
-                         ::testing::Values(BadCsv{"", "jobs.csv:0", "nothing in it"},
-                                           BadCsv{"time_s,from\n", "jobs.csv:1", "'to' is missing"},
-                                           BadCsv{"time_s,from,to,when\n", "jobs.csv:1", "'when'"},
-                                           BadCsv{"time_s,from,to,to\n", "jobs.csv:1", "twice"},
-                                           BadCsv{"time_s,from,to\n1,dock\n", "jobs.csv:2", "2 values for 3 columns"},
-                                           BadCsv{"time_s,from,to\nsoon,dock,ship\n", "jobs.csv:2", "'soon'"},
-                                           BadCsv{"time_s,from,to\n-1,dock,ship\n", "jobs.csv:2", "from 0 on"},
-                                           BadCsv{"time_s,from,to\nnan,dock,ship\n", "jobs.csv:2", "time_s"},
-                                           BadCsv{"time_s,from,to\n1,dock,moon\n", "jobs.csv:2", "no station 'moon'"},
-                                           BadCsv{"time_s,from,to\n1,dock,dock\n", "jobs.csv:2", "the same station"},
-                                           BadCsv{"time_s,from,to,priority\n\n1,dock,ship,1000\n", "jobs.csv:3",
-                                                  "0 to 999"}));
+INSTANTIATE_TEST_SUITE_P(
+    Jobs, OfBadCsv,
+    ::testing::Values(BadCsv{"", "jobs.csv:0", "nothing in it"},
+                      BadCsv{"time_s,from\n", "jobs.csv:1", "'to' is missing"},
+                      BadCsv{"time_s,from,to,when\n", "jobs.csv:1", "'when'"},
+                      BadCsv{"time_s,from,to,to\n", "jobs.csv:1", "twice"},
+                      BadCsv{"time_s,from,to\n1,dock\n", "jobs.csv:2", "2 values for 3 columns"},
+                      BadCsv{"time_s,from,to\nsoon,dock,ship\n", "jobs.csv:2", "'soon'"},
+                      BadCsv{"time_s,from,to\n-1,dock,ship\n", "jobs.csv:2", "from 0 on"},
+                      BadCsv{"time_s,from,to\nnan,dock,ship\n", "jobs.csv:2", "time_s"},
+                      BadCsv{"time_s,from,to\n1,dock,moon\n", "jobs.csv:2", "no station 'moon'"},
+                      BadCsv{"time_s,from,to\n1,\"dock, left\",ship\n", "jobs.csv:2", "'dock, left'"},
+                      BadCsv{"time_s,from,to\n1,dock,\"ship\n", "jobs.csv:2", "'\"ship'"},
+                      BadCsv{"time_s,from,to\n1,dock,dock\n", "jobs.csv:2", "the same station"},
+                      BadCsv{"time_s,from,to,priority\n\n1,dock,ship,1000\n", "jobs.csv:3", "0 to 999"}));
 
 }  // namespace
 }  // namespace cosiva::experiments

@@ -39,13 +39,16 @@ Result<TrafficRun> TrafficRun::make(TrafficOptions options) {
       !(options.warm_up_s >= 0.0 && options.warm_up_s <= 1e8))
     return fail("traffic.options", "a run and its warm-up last up to 10⁸ s, the run longer than 0 s");
   if (!(options.handling_s >= 0.0)) return fail("traffic.options", "loading takes 0 s or more");
+  const virtual_side::FleetOptions terms{options.step, options.rules, std::chrono::seconds{10}};
+  // A zone that no fleet can drive in has room for nobody, and that would be no help.
+  if (auto nobody = Fleet::make(options.zone, terms, {}); !nobody) return tl::unexpected(nobody.error());
   auto starts = Fleet::spread(*options.zone, options.aivs);
   if (starts.size() < options.aivs || starts.size() + options.spare == 0) {
     return fail("traffic.room", "zone '" + options.zone->name + "' has room for " + std::to_string(starts.size()) +
                                     " AIVs to begin, not for " + std::to_string(options.aivs));
   }
   starts.resize(starts.size() + options.spare, {0, {zone::no_section, 0.0}, 0});
-  auto fleet = Fleet::make(options.zone, {options.step, options.rules, std::chrono::seconds{10}}, starts);
+  auto fleet = Fleet::make(options.zone, terms, starts);
   if (!fleet) return tl::unexpected(fleet.error());
   return TrafficRun{std::move(options), std::make_unique<Fleet>(std::move(*fleet))};
 }
@@ -91,6 +94,8 @@ void TrafficRun::step(Workers& workers) {
     speed_mps_[v] = speeds[v];
   }
   if (!options_.jobs.empty() || !options_.exits.empty() || options_.spare > 0) dispatcher_->step();
+  // Nobody need be looked at as long as nobody has ever come so near.
+  if (fleet_->smallest_gap_m() < near_miss_m) note_near_misses();
   if (steps_ == warm_up_steps_) end_warm_up();
   if (steps_ % steps_per_sample_ == 0 && steps_ > warm_up_steps_) take_sample();
 }
@@ -120,6 +125,15 @@ bool TrafficRun::bring(const Traveller& traveller, zone::Place place) {
 void TrafficRun::end_warm_up() {
   before_ = totals();
   for (Fleet::Vehicle v = 0; v < fleet_->size(); ++v) laps_[v] = fleet_->laps(v);
+}
+
+void TrafficRun::note_near_misses() {
+  is_near_.resize(fleet_->size());
+  for (Fleet::Vehicle v = 0; v < fleet_->size(); ++v) {
+    const bool is_near = !fleet_->is_away(v) && fleet_->ahead(v).gap_m < near_miss_m;
+    if (is_near && is_near_[v] == 0) ++near_misses_;
+    is_near_[v] = is_near ? 1 : 0;
+  }
 }
 
 void TrafficRun::take_sample() {
@@ -213,6 +227,7 @@ TrafficFigures TrafficRun::figures() const {
          to_seconds(now.crossings[x].waiting) - (has_before ? to_seconds(before_.crossings[x].waiting) : 0.0)});
   }
   f.smallest_gap_m = fleet_->smallest_gap_m();
+  f.near_misses = near_misses_;
   f.collisions = fleet_->collisions();
   f.stuck = fleet_->stuck();
   Digest digest;

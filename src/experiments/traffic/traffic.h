@@ -77,6 +77,7 @@ class TrafficRun {
  private:
   TrafficRun(TrafficOptions options, std::unique_ptr<virtual_side::Fleet> fleet);
   void take_sample();
+  void note_near_misses();
   void end_warm_up();
 
   /// Totals, so that what came before the end of the warm-up can be taken away.
@@ -109,6 +110,8 @@ class TrafficRun {
   double present_s_{0.0};
   std::vector<double> speed_mps_;  ///< in the step before
   double gained_m2ps2_{0.0};       ///< of squared speed, by all together
+  std::vector<char> is_near_;      ///< by vehicle; empty until anybody ever was
+  std::uint64_t near_misses_{0};
   std::vector<std::uint32_t> laps_;
   std::vector<double> lap_began_s_;
 };

@@ -26,6 +26,7 @@ std::vector<Report::Fact> facts_of(const TrafficFigures& f) {
   facts.push_back({readable(f.mean_speed_mps, 3) + " m/s", "on average"});
   facts.push_back({readable(f.energy_wh, 1) + " Wh", "taken by all, roughly"});
   facts.push_back({std::to_string(f.collisions), "collisions", f.collisions > 0});
+  facts.push_back({std::to_string(f.near_misses), "near misses", f.near_misses > 0});
   facts.push_back({std::to_string(f.stuck), "AIVs stuck at the end", f.stuck > 0});
   return facts;
 }

@@ -143,7 +143,8 @@ TEST(TrafficReport, shows_what_there_is_and_needs_no_other_file) {
   const TrafficRun run = run_of(wanted);
   const TrafficFigures f = run.figures();
   const std::string html = to_html(*yard(), f, "cosiva traffic --zone yard");
-  for (const char* part : {"jobs an hour", "Where they wait", "heat map of yard", "cosiva traffic --zone yard"})
+  for (const char* part :
+       {"jobs an hour", "Where they wait", "heat map of yard", ">dock</text>", "cosiva traffic --zone yard"})
     EXPECT_THAT(html, HasSubstr(part));
   EXPECT_THAT(html, HasSubstr(f.digest));
   EXPECT_EQ(html.find("nan"), std::string::npos);

@@ -76,7 +76,9 @@ class Fleet {
 
   /// Goes along `route`, the section that it is on first, each a successor of the one before, to `goal_s_m` on the last
   /// of them, and stays there. It must begin as committed() does; the goal must not lie nearer than the vehicle can
-  /// stop, nor before the end of crossings that it holds. False, and nothing changed: it is no such route.
+  /// stop, nor before the end of crossings that it holds; and it must not turn back within crossings that are reserved
+  /// together. Whose goal was in crossings holds all that the default way on from there needs; for another way the rest
+  /// must be free. False, and nothing changed: it is no such route, or not now.
   [[nodiscard]] bool send(Vehicle vehicle, std::span<const zone::SectionId> route, double goal_s_m);
   /// Circulates from where it is, once it has come to the end of what it is committed to. What it was sent for is void.
   void circulate(Vehicle vehicle);

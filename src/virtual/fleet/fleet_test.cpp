@@ -5,9 +5,7 @@
 
 #include "aiv/manoeuvre.h"
 #include "aiv/test_graphs.h"
-#include "base/random.h"
 #include "virtual/fleet/test_fleet.h"
-#include "zone/route.h"
 
 namespace cosiva::virtual_side {
 namespace {
@@ -106,13 +104,6 @@ TEST(Fleet, drives_in_every_ready_zone) {
   }
 }
 
-TEST(Fleet, is_not_made_where_there_is_nowhere_to_stand_between_crossings) {
-  // A net of two-way lanes: each lies all along the way back, so whatever one enters, one would have to reserve it all.
-  const auto made = Fleet::make(zone_file("zones/workshop.lif.json"), {}, {});
-  ASSERT_FALSE(made);
-  EXPECT_EQ(made.error().code, "fleet.zone");
-}
-
 TEST(Fleet, may_have_no_vehicles_at_all) {
   Fleet empty = fleet(zone_file("zones/lacet4.toml"), std::vector<FleetStart>{});
   empty.step();
@@ -120,63 +111,6 @@ TEST(Fleet, may_have_no_vehicles_at_all) {
   EXPECT_EQ(empty.copies(), 0U);
   EXPECT_EQ(empty.stuck(), 0U);
   EXPECT_EQ(empty.steps(), 1U);
-}
-
-/// Sends everybody to random places, over and over.
-class Wanderers {
- public:
-  Wanderers(Zone zone, std::size_t count, std::uint64_t seed)
-      : fleet_{fleet(zone, count)}, zone_{std::move(zone)}, router_{*zone_}, random_{seed, "wanderers"} {
-    for (Fleet::Vehicle i = 0; i < fleet_.size(); ++i) send(i);
-  }
-
-  void step() {
-    fleet_.step();
-    for (const Fleet::Vehicle i : std::vector<Fleet::Vehicle>{fleet_.arrived().begin(), fleet_.arrived().end()}) {
-      EXPECT_TRUE(fleet_.is_at_goal(i));
-      EXPECT_EQ(fleet_.place(i), goals_[i]);
-      EXPECT_EQ(fleet_.speed_mps()[i], 0.0);
-      ++arrivals_;
-      send(i);
-    }
-  }
-  [[nodiscard]] Fleet& fleet_of() { return fleet_; }
-  [[nodiscard]] std::size_t arrivals() const { return arrivals_; }
-
- private:
-  void send(Fleet::Vehicle i) {
-    goals_.resize(fleet_.size());
-    for (int attempt = 0; attempt < 20; ++attempt) {
-      const auto section = static_cast<zone::SectionId>(random_.below(zone_->circuit.size()));
-      const zone::Place goal{section, random_.uniform(0.0, zone_->circuit.section(section).length_m())};
-      if (!zone_->may_stand(goal)) continue;
-      const auto route = router_.plan(fleet_.place(i), goal);
-      if (!route || !fleet_.send(i, route->sections, goal.s_m)) continue;
-      goals_[i] = goal;
-      return;
-    }
-  }
-
-  Fleet fleet_;
-  Zone zone_;
-  zone::Router router_;
-  Random random_;
-  std::vector<zone::Place> goals_;
-  std::size_t arrivals_{0};
-};
-
-TEST(Fleet, sent_all_over_a_plant_arrives_exactly_and_touches_nobody) {
-  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    Wanderers wanderers{plant({.rows = 2, .aisles = 5, .bays = 3, .seed = seed}), 4 + 4 * seed, seed};
-    for (int k = 0; k < 4000; ++k) {
-      wanderers.step();
-      if (k % 13 == 0) {
-        ASSERT_NO_FATAL_FAILURE(expect_safe(wanderers.fleet_of()));
-      }
-    }
-    EXPECT_EQ(wanderers.fleet_of().collisions(), 0U);
-    EXPECT_GT(wanderers.arrivals(), 10U);
-  }
 }
 
 /// The one ahead on the default way, by walking along it and looking at everybody.

@@ -150,8 +150,14 @@ void Fleet::Inside::move_across(Block& block, std::uint32_t i) {
 }
 
 std::uint32_t Fleet::Inside::match(const Ground::Line& line, const Way& way) const {
-  // A way that ends before the exit matches several, of which the shortest is enough; else it is the longest one: where
-  // another crossing follows closely on only one of two ways, that one's chain is longer.
+  const std::uint32_t chain = find_chain(line, way);
+  COSIVA_EXPECT(chain != no_chain);  // whoever has none is not sent that way
+  return chain;
+}
+
+std::uint32_t Fleet::Inside::find_chain(const Ground::Line& line, const Way& way) const {
+  // Of several the longest: where another crossing follows closely on only one of two ways, that one's chain is longer.
+  // A way that ends before the exit goes on by default, so that whoever has stayed there can always go on so.
   std::uint32_t whole = no_chain;
   std::uint32_t part = no_chain;
   for (std::uint32_t c = line.first_chain; c < line.first_chain + line.chains; ++c) {
@@ -159,17 +165,16 @@ std::uint32_t Fleet::Inside::match(const Ground::Line& line, const Way& way) con
     bool same = true;
     bool ended = false;
     for (const zone::SectionId section : ground.sections_of(ground.chain(c)).subspan(1)) {
-      const zone::SectionId to = next(on);
-      ended = to == zone::no_section;
+      zone::SectionId to = next(on);
+      ended |= to == zone::no_section;
+      if (ended) to = ground.default_next(on.section);
       same = to == section;
       if (!same) break;
       step_to(on, to);
     }
-    const double exit_m = ground.chain(c).exit_m;
-    if (same && (whole == no_chain || exit_m > ground.chain(whole).exit_m)) whole = c;
-    if (ended && (part == no_chain || exit_m < ground.chain(part).exit_m)) part = c;
+    std::uint32_t& best = ended ? part : whole;
+    if (same && (best == no_chain || ground.chain(c).exit_m > ground.chain(best).exit_m)) best = c;
   }
-  COSIVA_EXPECT(whole != no_chain || part != no_chain);  // each way on from a line has its chain
   return whole != no_chain ? whole : part;
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "aiv/outlook.h"
+#include "zone/deadlock.h"
 #include "zone/route.h"
 
 namespace cosiva::virtual_side {
@@ -14,6 +15,8 @@ namespace {
 /// everything crosses everything would have no end of them.
 constexpr std::size_t chains_max = 256;
 constexpr std::size_t chain_sections_max = 512;
+/// And so many sections are looked at for one line: in a net of lanes driven both ways there are ways without number.
+constexpr std::size_t looks_max = 1U << 14U;
 
 }  // namespace
 
@@ -55,10 +58,13 @@ void Ground::lay_sections() {
 void Ground::lay_defaults() {
   const zone::Circuit& circuit = zone_->circuit;
   const std::vector<bool> for_ever = zone::Router{*zone_}.goes_on_for_ever(zone_->closed);
+  const std::vector<zone::SectionId> back = zone::opposites(*zone_);
   default_next_.assign(size(), zone::no_section);
   for (zone::SectionId id = 0; id < size(); ++id) {
     const auto ways = circuit.next(id);
-    const auto best = std::ranges::find_if(ways, [&](zone::SectionId way) { return for_ever[way]; });
+    // Nobody turns back who can go on.
+    auto best = std::ranges::find_if(ways, [&](zone::SectionId way) { return for_ever[way] && way != back[id]; });
+    if (best == ways.end()) best = std::ranges::find_if(ways, [&](zone::SectionId way) { return for_ever[way]; });
     if (!ways.empty()) default_next_[id] = best != ways.end() ? *best : ways.front();
   }
   if (zone_->loops.empty()) return;
@@ -108,19 +114,38 @@ Result<void> Ground::lay_lines() {
       busy_m = span.to_m;
       const auto first = static_cast<std::uint32_t>(chains_.size());
       Laying laying{{id}, {}, 0.0, span.from_m};
-      if (!follow(laying, span.from_m, span.from_m) || chains_.size() - first > chains_max) {
-        return fail("fleet.zone",
-                    "too many crossings upon one another to be reserved at once: nowhere to stand between them",
-                    circuit().part(id).name);
-      }
+      Search search{first + chains_max, looks_max};
+      if (!follow(laying, span.from_m, span.from_m, search) || search.is_over(chains_.size()))
+        return nowhere_to_stand(id);
       lines_.push_back({span.from_m, first, static_cast<std::uint32_t>(chains_.size()) - first});
     }
   }
   first_line_.push_back(static_cast<std::uint32_t>(lines_.size()));
+  return defaults_have_chains();
+}
+
+Result<void> Ground::defaults_have_chains() const {
+  const auto is_default = [this](const Chain& chain) {
+    const auto sections = sections_of(chain);
+    for (std::size_t k = 1; k < sections.size(); ++k)
+      if (default_next_[sections[k - 1]] != sections[k]) return false;
+    return true;
+  };
+  for (zone::SectionId id = 0; cuts_ && id < size(); ++id)
+    for (const Line& line : lines(id))
+      if (std::ranges::none_of(std::span(chains_).subspan(line.first_chain, line.chains), is_default))
+        return nowhere_to_stand(id);
   return {};
 }
 
-bool Ground::follow(Laying& laying, double from_m, double entry_m) {
+tl::unexpected<Error> Ground::nowhere_to_stand(zone::SectionId section) const {
+  return fail("fleet.zone",
+              "too many crossings upon one another to be reserved at once: from here on vehicles find nowhere to stand "
+              "between them, as on lanes that are driven both ways; `cosiva zone check` lists them",
+              "zone '" + zone_->name + "', section '" + circuit().part(section).name + "'");
+}
+
+bool Ground::follow(Laying& laying, double from_m, double entry_m, Search& search) {
   const zone::SectionId here = laying.sections.back();
   for (const Span& span : spans_[here]) {
     if (span.from_m < from_m) continue;
@@ -143,14 +168,23 @@ bool Ground::follow(Laying& laying, double from_m, double entry_m) {
     finish(laying, entry_m);
     return true;
   }
-  if (laying.sections.size() >= chain_sections_max || chains_.size() > chains_max * size()) return false;
+  if (laying.sections.size() >= chain_sections_max || search.is_over(chains_.size())) return false;
+  bool leads_on = false;
   for (const zone::SectionId way : ways) {
-    Laying on = laying;
-    on.sections.push_back(way);
-    on.start_m = end_m;
-    if (!follow(on, 0.0, entry_m)) return false;
+    // Round within what it holds, there and back in a dead end for one, nobody need go; and such a chain had no end.
+    bool follows = std::ranges::find(laying.sections, way) == laying.sections.end();
+    if (follows) {
+      Laying on = laying;
+      on.sections.push_back(way);
+      on.start_m = end_m;
+      --search.looks_left;
+      follows = follow(on, 0.0, entry_m, search);
+    }
+    if (search.is_over(chains_.size())) return false;
+    leads_on |= follows;
+    cuts_ |= !follows;
   }
-  return true;
+  return leads_on;
 }
 
 void Ground::finish(const Laying& laying, double entry_m) {

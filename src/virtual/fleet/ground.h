@@ -35,6 +35,9 @@ class Ground {
   [[nodiscard]] double turn_rad(zone::SectionId from, zone::SectionId to) const;
   [[nodiscard]] bool has_limits() const { return has_limits_; }
   [[nodiscard]] bool has_turns() const { return has_turns_; }
+  /// Whether some way through a line has no chain: one that comes back onto a section within a chain, without a place
+  /// to stand on it. Nobody is to be sent along such a way; default_next() never leads so.
+  [[nodiscard]] bool has_cuts() const { return cuts_; }
 
   /// Crossings that one may not stand between: they are reserved all at once.
   struct Chain {
@@ -53,7 +56,7 @@ class Ground {
   /// A place before which one stops who does not hold what comes.
   struct Line {
     double at_m;
-    std::uint32_t first_chain;  ///< one for each way on from here
+    std::uint32_t first_chain;  ///< one for each way on from here, but for has_cuts()
     std::uint32_t chains;
   };
   [[nodiscard]] std::span<const Line> lines(zone::SectionId section) const {
@@ -89,8 +92,17 @@ class Ground {
   void lay_defaults();
   void lay_parted();
   [[nodiscard]] Result<void> lay_lines();
-  /// Follows a chain to its exit from `from_m` of its last section on; every way that it can go.
-  [[nodiscard]] bool follow(Laying& laying, double from_m, double entry_m);
+  [[nodiscard]] Result<void> defaults_have_chains() const;
+  [[nodiscard]] tl::unexpected<Error> nowhere_to_stand(zone::SectionId section) const;
+  /// What may still be looked for from one line.
+  struct Search {
+    std::size_t chains_most;
+    std::size_t looks_left;
+    [[nodiscard]] bool is_over(std::size_t chains) const { return chains > chains_most || looks_left == 0; }
+  };
+  /// Follows a chain to its exit from `from_m` of its last section on; every way that it can go. False: none comes to
+  /// an exit, or the search is over.
+  [[nodiscard]] bool follow(Laying& laying, double from_m, double entry_m, Search& search);
   void finish(const Laying& laying, double entry_m);
 
   std::shared_ptr<const zone::TrafficZone> zone_;
@@ -107,6 +119,7 @@ class Ground {
   double gap_m_{};  ///< spans nearer to each other than this are one chain
   bool has_limits_{false};
   bool has_turns_{false};
+  bool cuts_{false};
 };
 
 }  // namespace cosiva::virtual_side

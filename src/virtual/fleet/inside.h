@@ -53,6 +53,9 @@ struct Fleet::Inside {
   /// Finds line_at, halt_at and the limits on the way ahead.
   void survey(std::uint32_t i);
   [[nodiscard]] std::uint32_t match(const Ground::Line& line, const Way& way) const;
+  [[nodiscard]] std::uint32_t find_chain(const Ground::Line& line, const Way& way) const;  ///< no_chain: there is none
+  [[nodiscard]] bool has_chains(std::span<const zone::SectionId> route, double goal_s_m) const;
+  [[nodiscard]] bool exchange_chain(std::uint32_t i, std::span<const zone::SectionId> route);
   void set_event(std::uint32_t i);
   void begin_turn(std::uint32_t i);
   void turn_on(std::uint32_t i);

@@ -1,0 +1,134 @@
+// Fleets that are sent all over a zone, dead ends included.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/random.h"
+#include "virtual/fleet/fleet.h"
+#include "virtual/fleet/test_fleet.h"
+#include "zone/route.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+using namespace test;
+
+/// Sends everybody to random places, over and over.
+class Wanderers {
+ public:
+  /// @param to_stations  nowhere else
+  Wanderers(Zone zone, std::size_t count, std::uint64_t seed, bool to_stations = false)
+      : fleet_{fleet(zone, count)},
+        zone_{std::move(zone)},
+        router_{*zone_},
+        random_{seed, "wanderers"},
+        to_stations_{to_stations} {
+    for (Fleet::Vehicle i = 0; i < fleet_.size(); ++i) send(i);
+  }
+
+  void step() {
+    fleet_.step();
+    for (const Fleet::Vehicle i : std::vector<Fleet::Vehicle>{fleet_.arrived().begin(), fleet_.arrived().end()}) {
+      EXPECT_TRUE(fleet_.is_at_goal(i));
+      EXPECT_EQ(fleet_.place(i), goals_[i]);
+      EXPECT_EQ(fleet_.speed_mps()[i], 0.0);
+      ++arrivals_;
+      send(i);
+    }
+  }
+  [[nodiscard]] Fleet& fleet_of() { return fleet_; }
+  [[nodiscard]] std::size_t arrivals() const { return arrivals_; }
+
+ private:
+  void send(Fleet::Vehicle i) {
+    goals_.resize(fleet_.size());
+    for (int attempt = 0; attempt < 20; ++attempt) {
+      const zone::Place goal = somewhere();
+      if (!to_stations_ && !zone_->may_stand(goal)) continue;
+      const auto route = router_.plan(fleet_.place(i), goal);
+      if (!route || !fleet_.send(i, route->sections, goal.s_m)) continue;
+      goals_[i] = goal;
+      return;
+    }
+  }
+
+  [[nodiscard]] zone::Place somewhere() {
+    if (to_stations_) return zone_->stations[random_.below(zone_->stations.size())].place;
+    const auto section = static_cast<zone::SectionId>(random_.below(zone_->circuit.size()));
+    return {section, random_.uniform(0.0, zone_->circuit.section(section).length_m())};
+  }
+
+  Fleet fleet_;
+  Zone zone_;
+  zone::Router router_;
+  Random random_;
+  bool to_stations_;
+  std::vector<zone::Place> goals_;
+  std::size_t arrivals_{0};
+};
+
+TEST(Fleet, sent_all_over_a_plant_arrives_exactly_and_touches_nobody) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    Wanderers wanderers{plant({.rows = 2, .aisles = 5, .bays = 3, .seed = seed}), 4 + 4 * seed, seed};
+    for (int k = 0; k < 4000; ++k) {
+      wanderers.step();
+      if (k % 13 == 0) {
+        ASSERT_NO_FATAL_FAILURE(expect_safe(wanderers.fleet_of()));
+      }
+    }
+    EXPECT_EQ(wanderers.fleet_of().collisions(), 0U);
+    EXPECT_GT(wanderers.arrivals(), 10U);
+  }
+}
+
+TEST(Fleet, drives_in_and_out_of_dead_ends_where_lanes_are_driven_both_ways) {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    Wanderers wanderers{zone_file("zones/workshop.lif.json"), 2 + 2 * seed, seed, true};
+    for (int k = 0; k < 6000; ++k) {
+      wanderers.step();
+      if (k % 13 == 0) {
+        ASSERT_NO_FATAL_FAILURE(expect_safe(wanderers.fleet_of()));
+      }
+    }
+    EXPECT_EQ(wanderers.fleet_of().collisions(), 0U);
+    EXPECT_EQ(wanderers.fleet_of().stuck(), 0U);
+    EXPECT_GT(wanderers.arrivals(), 20U);
+  }
+}
+
+TEST(Fleet, is_not_sent_back_into_a_dead_end_that_it_comes_out_of) {
+  const Zone zone = zone_file("zones/workshop.lif.json");
+  const auto id = [&](const char* name) { return *zone->circuit.find(name); };
+  Fleet one = fleet(zone, std::vector<FleetStart>{{0, {id("SW-S1"), 0.1}, 0}});
+  const std::vector<zone::SectionId> in{id("SW-S1"), id("S1-P1")};
+  const std::vector<zone::SectionId> in_out_in{id("SW-S1"), id("S1-P1"), id("P1-S1"), id("S1-P1")};
+  EXPECT_FALSE(one.send(0, in_out_in, 0.8));
+  EXPECT_TRUE(one.send(0, in, 0.8));
+}
+
+TEST(Fleet, is_not_made_where_there_is_nowhere_to_stand_between_crossings) {
+  // One lane, there and back: whoever is on it has reserved all of it, for ever.
+  const auto made = Fleet::make(zone_text(R"(name = "lane"
+format_version = 1
+[[section]]
+name = "there"
+kind = "straight"
+pivots = true
+length_m = 2
+start = { x = 0, y = 0, heading_deg = 0 }
+next = ["back"]
+[[section]]
+name = "back"
+kind = "straight"
+pivots = true
+length_m = 2
+start = { x = 2, y = 0, heading_deg = 180 }
+next = ["there"]
+)"),
+                                {}, {});
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().code, "fleet.zone");
+  EXPECT_THAT(made.error().place, testing::HasSubstr("section 'there'"));
+}
+
+}  // namespace
+}  // namespace cosiva::virtual_side
