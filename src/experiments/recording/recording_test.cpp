@@ -252,5 +252,29 @@ TEST(Recorded, robot_among_uwb_beacons_is_placed_as_well_as_is_on_record_and_reg
   }
 }
 
+TEST(Recorded, mower_that_hears_every_tenth_range_alone_is_told_its_radios_noise_by_a_filter_s_surprise) {
+  RecordingFiles files = folder(recorded + "plaza1");
+  std::stringstream lines(files["ranges.csv"]);
+  std::string thin;
+  std::string line;
+  for (int i = 0; std::getline(lines, line); ++i) {
+    if (i % 10 == 0) thin += line + "\n";
+  }
+  files["ranges.csv"] = thin;
+  const auto recording = read_recording("thin", files);
+  ASSERT_TRUE(recording) << to_string(recording.error());
+  EXPECT_FALSE(range_noise_m(*recording));  // too far apart to be held against each other
+  const auto trial = replayed(*recording);
+  ASSERT_TRUE(trial);
+  // All of them scatter by a metre or so; what a data sheet of another radio says would be ten times too good.
+  EXPECT_NEAR(trial->setting.sensors.range_sigma_m, 1.0, 0.6);
+  const Outcome filter = outcome_of(*trial, "calibrating");
+  EXPECT_LE(filter.rmse_m, 0.6);
+  EXPECT_GE(filter.covered, 0.88);
+  // Who knows better is believed.
+  files["sensors.csv"] = "name,value\nrange_sigma_m,0.3\n";
+  EXPECT_EQ(replayed(*read_recording("thin", files))->setting.sensors.range_sigma_m, 0.3);
+}
+
 }  // namespace
 }  // namespace cosiva::experiments
