@@ -186,7 +186,10 @@ std::vector<std::string> option_names(const CLI::App& verb) {
 }
 
 int refuse(const std::string& message, const CLI::App& verb) {
-  const std::string name = verb.get_parent() == nullptr ? "cosiva" : "cosiva " + verb.get_name();
+  std::string name;
+  for (const CLI::App* part = &verb; part->get_parent() != nullptr; part = part->get_parent())
+    name = " " + part->get_name() + name;
+  name = "cosiva" + name;
   say(name + ": " + message);
   say("`" + name + " --help` tells what there is");
   return exit_bad_input;
