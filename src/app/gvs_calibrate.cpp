@@ -124,6 +124,7 @@ std::string figures_json(const vision::Calibrated& made, const std::optional<vis
     json.begin_object().field("poses", poses->left_out.size()).field("rms_mm", 1e3 * poses->rms_m);
     json.field("max_mm", 1e3 * poses->max_m).field("heading_sd_deg", poses->heading_sd_rad / degree_rad);
     json.field("heading_left_out_deg", poses->heading_rms_rad / degree_rad);
+    json.field("lean_deg_per_m", poses->fit.lean_per_m / degree_rad);
     json.field("standing_mm", 1e3 * poses->standing_m).end_object();
   } else {
     json.null();
@@ -158,6 +159,9 @@ std::string words_of(const vision::Calibrated& made, const std::optional<vision:
     text += "\nsurveyed poses: " + decimals(1e3 * poses->rms_m, 2) + " mm rms, " + decimals(1e3 * poses->max_m, 2) +
             " at most, each left out in turn; headings " + decimals(poses->heading_sd_rad / degree_rad, 3) +
             " degrees about the fit, " + decimals(poses->heading_rms_rad / degree_rad, 3) + " left out";
+    if (const vision::PoseFit& fit = poses->fit; fit.lean_per_m != 0.0)
+      text += "; the marker leans, by " + decimals(fit.lean_per_m / degree_rad, 3) + " degrees per metre from (" +
+              decimals(-fit.lean.x_m / fit.lean_per_m, 1) + ", " + decimals(-fit.lean.y_m / fit.lean_per_m, 1) + ")";
   }
   return text;
 }

@@ -105,6 +105,7 @@ TEST(Gvs, calibrates_a_real_camera_with_its_surveyed_poses) {
   const JsonValue json = json_of(said);
   EXPECT_LE(json.find("poses")->number("rms_mm").value_or(9.0), 1.0);
   EXPECT_LE(json.find("poses")->number("heading_sd_deg").value_or(9.0), 0.25);
+  EXPECT_LE(json.find("poses")->number("heading_left_out_deg").value_or(9.0), 0.25);
   for (const char* file : {"calibration.json", "residual_map.svg", "report.html", "result.json"})
     EXPECT_TRUE(std::filesystem::exists(out.path() + "/" + file)) << file;
   // What is known of the truth that it gives, part by part: the poses that were left out tell height and mounting.

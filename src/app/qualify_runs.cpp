@@ -70,7 +70,12 @@ Result<Trial> trial_of(const std::string& folder, const QualifyArguments& argume
   const auto files = files_of(folder);
   if (!files) return tl::unexpected(files.error());
   const auto recording = experiments::read_recording(folder, *files);
-  if (!recording) return tl::unexpected(recording.error());
+  if (!recording) {
+    // There may be several folders with files of the same names.
+    Error error = recording.error();
+    if (!error.place.starts_with(folder)) error.place = (std::filesystem::path(folder) / error.place).string();
+    return tl::unexpected(std::move(error));
+  }
   auto trial = experiments::replayed(*recording, {arguments.gap_s, 0.05, 0.05});
   if (!trial) return trial;
   for (const std::string& note : recording->notes)

@@ -101,6 +101,59 @@ TEST(Compare, on_a_recording_reads_it_and_writes_its_report) {
   EXPECT_NEAR(*algorithm(again, 0).number("rmse_m"), *algorithm(json, 1).number("rmse_m"), 1e-12);
 }
 
+TEST(Compare, of_trajectories_writes_a_report_and_what_evo_opens_and_keeps_one_that_is_bad_out_of_it) {
+  const Scratch scratch;
+  const auto tum = [](double off_m) {
+    std::string text;
+    for (int i = 0; i < 60; ++i) {
+      const double y = 1.0 + (i % 2 == 0 ? off_m : -off_m);
+      text += std::to_string(0.1 * i) + " " + std::to_string(0.05 * i) + " " + std::to_string(y) + " 0 0 0 0 1\n";
+    }
+    return text;
+  };
+  std::filesystem::create_directories(scratch / "a");
+  std::filesystem::create_directories(scratch / "b");
+  for (const auto& [file, text] : std::vector<std::pair<std::string, std::string>>{
+           {"truth.tum", tum(0.0)}, {"a/mine.tum", tum(0.02)}, {"b/mine.tum", tum(0.03)}, {"bad.tum", "1 2 3\n"}})
+    ASSERT_TRUE(adapters::write_file(scratch / file, text));
+  const std::string out = scratch / "out";
+  const Said said = cosiva({"compare", "--reference", scratch / "truth.tum", "--estimate", scratch / "a/mine.tum",
+                            "--estimate", scratch / "b/mine.tum", "--estimate", scratch / "bad.tum", "--out", out,
+                            "--reference-error", "0.05", "--json"});
+  EXPECT_EQ(said.status, 1) << said.words;  // one is bad, the others have their figures
+  EXPECT_THAT(said.words, HasSubstr("bad.tum:1"));
+  const auto read = [&](const std::string& file) { return adapters::read_file(out + "/" + file).value_or(""); };
+  // Two files of one name are told apart.
+  EXPECT_EQ(algorithm(json_of(said), 1).text("name"), "mine_2");
+  EXPECT_EQ(read("result.json"), said.data);
+  const std::string page = read("report.html");
+  for (const char* words : {"least rmse: mine", "mine_2 − mine", "unresolved", "bad.tum:1: here are 3 numbers",
+                            "Reference and estimates from above", "Distribution of all errors", "<svg"})
+    EXPECT_THAT(page, HasSubstr(words)) << words;
+  EXPECT_THAT(page, Not(HasSubstr("src=\"http")));
+  const std::string errors = read("errors.csv");
+  EXPECT_EQ(std::count(errors.begin(), errors.end(), '\n'), 1 + 2 * 60);
+  EXPECT_THAT(errors, HasSubstr("\nmine_2,0,0.03"));
+  for (const char* zip : {"mine.zip", "mine_2.zip"}) EXPECT_THAT(read(zip), HasSubstr("error_array.npy")) << zip;
+  EXPECT_FALSE(std::filesystem::exists(out + "/bad.zip"));
+  // What was written is judged the same.
+  const JsonValue again =
+      json_of(cosiva({"compare", "--reference", out + "/reference.tum", "--estimate", out + "/mine_2.tum", "--json"}));
+  EXPECT_NEAR(*algorithm(again, 0).number("rmse_m"), 0.03, 1e-9);
+}
+
+TEST(Compare, names_the_folder_of_a_recording_that_is_bad) {
+  const Scratch scratch;
+  std::filesystem::create_directories(scratch / "lap2");
+  ASSERT_TRUE(
+      adapters::write_file(scratch / "lap2/odometry.csv", "time_s,delta_distance_m,delta_heading_rad\nnan,1,0\n"));
+  ASSERT_TRUE(adapters::write_file(scratch / "lap2/groundtruth.csv", "time_s,x_m,y_m\n0,0,0\n"));
+  const Said said = cosiva(
+      {"compare", "--recording", source + "/src/experiments/recording/labyrinth", "--recording", scratch / "lap2"});
+  EXPECT_EQ(said.status, 2);
+  EXPECT_THAT(said.words, HasSubstr("lap2/odometry.csv:2: 'nan' under time_s is no finite number"));
+}
+
 TEST(Compare, aligns_when_it_is_asked_to_and_says_so) {
   const Scratch scratch;
   std::string truth;

@@ -5,6 +5,7 @@
 #include "adapters/files.h"
 #include "adapters/thread_pool.h"
 #include "app/qualify_candidates.h"
+#include "app/trajectory_report.h"
 #include "app/words.h"
 #include "base/json_writer.h"
 #include "base/math.h"
@@ -36,18 +37,7 @@ bool called_truth(const std::string& file) {
 
 double root(double v) { return std::sqrt(v); }
 
-struct Judged {
-  std::string name;
-  std::optional<Error> failed;
-  experiments::ApeFigures ape;
-  double variance_m2{};
-  double precision{};
-  double p90_m{}, p95_m{}, p99_m{};
-  double offset_s{};
-  std::size_t unpaired{};
-  std::optional<statistics::BlockInterval> interval;
-  std::optional<experiments::RigidMotion> alignment;
-};
+using Judged = JudgedTrajectory;
 
 Judged judge(const Trajectory& reference, const std::string& file, const QualifyArguments& arguments) {
   Judged judged;
@@ -93,6 +83,7 @@ Judged judge(const Trajectory& reference, const std::string& file, const Qualify
   judged.p95_m = statistics::percentile(errors, 0.95);
   judged.p99_m = statistics::percentile(errors, 0.99);
   judged.interval = statistics::block_bootstrap(squares, {}, root);
+  judged.pairs = std::move(*pairs);
   return judged;
 }
 
@@ -105,9 +96,14 @@ void write(JsonWriter& json, const experiments::RigidMotion& motion) {
   json.end_array().end_object();
 }
 
-/// Two on the same stamps: one run, that can show nothing different; but it can show that nothing could be seen.
-bool unresolved(const Judged& a, const Judged& b, const ReferenceBudget& reference) {
-  return std::fabs(b.ape.rmse - a.ape.rmse) < reference.total_m();
+/// Files of two programs may have the same name in different folders, and one may be called like the reference's copy.
+void name_apart(std::vector<Judged>& all) {
+  std::vector<std::string> taken{"reference"};
+  for (Judged& one : all) {
+    const std::string name = one.name;
+    for (int k = 2; std::ranges::find(taken, one.name) != taken.end(); ++k) one.name = name + "_" + std::to_string(k);
+    taken.push_back(one.name);
+  }
 }
 
 template <typename Take>
@@ -225,7 +221,13 @@ int run_trajectories(const QualifyArguments& arguments) {
   std::vector<Judged> all(arguments.estimates.size());
   adapters::ThreadPool workers{threads_for(arguments)};
   workers.for_each(all.size(), [&](std::size_t i) { all[i] = judge(*reference, arguments.estimates[i], arguments); });
-  print(arguments.json ? to_json(all, arguments, *budget) : to_text(all, alignment_of(arguments), *budget));
+  name_apart(all);
+  const std::string json = to_json(all, arguments, *budget);
+  if (!arguments.out_folder.empty()) {
+    if (auto written = write_trajectories(all, *reference, arguments, *budget, json); !written)
+      return complain(written.error());
+  }
+  print(arguments.json ? json : to_text(all, alignment_of(arguments), *budget));
   bool fine = true;
   for (const Judged& one : all) {
     if (one.failed) say("cosiva: " + one.name + " failed: " + to_string(*one.failed));

@@ -11,10 +11,14 @@
 /// Texts of lines and fields, as tables and trajectories are made of. Views stay valid as long as the text does.
 namespace cosiva {
 
-/// Goes through a text line by line, without the line's end and a carriage return.
+/// Goes through a text line by line, without the line's end and a carriage return. UTF-8's byte order mark, with which
+/// some programs begin, belongs to no line.
 class Lines {
  public:
-  explicit Lines(std::string_view text) : rest_{text} {}
+  explicit Lines(std::string_view text) : rest_{text} {
+    constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+    if (rest_.starts_with(byte_order_mark)) rest_.remove_prefix(byte_order_mark.size());
+  }
   [[nodiscard]] bool next(std::string_view& line);
   [[nodiscard]] std::size_t number() const { return number_; }  ///< of the last one, from 1
 

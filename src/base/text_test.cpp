@@ -18,6 +18,15 @@ TEST(Lines, come_without_their_ends_and_are_counted) {
   EXPECT_FALSE(lines.next(line));
 }
 
+TEST(Lines, begin_behind_a_byte_order_mark) {
+  Lines lines{"\xEF\xBB\xBFtime_s\n\xEF\xBB\xBF"};
+  std::string_view line;
+  ASSERT_TRUE(lines.next(line));
+  EXPECT_EQ(line, "time_s");
+  ASSERT_TRUE(lines.next(line));
+  EXPECT_EQ(line, "\xEF\xBB\xBF");  // in the middle of a text it is no mark
+}
+
 TEST(Fields, are_one_more_than_commas_and_trimmed_of_what_is_named) {
   EXPECT_EQ(cut_at_commas(" a\t,,b c "), (std::vector<std::string_view>{"a", "", "b c"}));
   EXPECT_EQ(cut_at_commas("\"a\",b", " \""), (std::vector<std::string_view>{"a", "b"}));

@@ -201,6 +201,9 @@ void CalibratingSmoother::backwards(const std::vector<Step>& steps, std::vector<
 std::vector<Estimate> CalibratingSmoother::revised() {
   const Hypothesis& chosen = hypotheses[best()];
   const bool knows = told.start_heading_sigma_rad <= 1.0;
+  // Where nothing has told its heading there is no drive to linearise about: what was said at the time stands.
+  constexpr double lost_rad = 1.0;
+  if (!knows && estimate().covariance(2, 2) > lost_rad * lost_rad) return {};
   const State start = start_state(chosen.start_heading_rad, knows ? told.start_heading_sigma_rad : pi);
   // The first round needs a heading to linearise about, and takes the hypothesis'; the others have one.
   const State first = start_state(chosen.start_heading_rad, knows ? told.start_heading_sigma_rad : 0.13);

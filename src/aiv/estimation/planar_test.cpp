@@ -133,6 +133,17 @@ TEST(Calibrating, finds_what_all_ranges_have_in_common) {
   EXPECT_NEAR(mean(CalibratedState::range_common) + 5.0 * mean(CalibratedState::range_scale), 0.3, 0.12);
 }
 
+TEST(Calibrating, smoother_that_nobody_has_told_its_heading_says_no_more_than_the_filter) {
+  Setting setting;
+  setting.start_heading_sigma_rad = 3.0;
+  CalibratingSmoother smoother{setting};
+  for (int i = 0; i < 100; ++i) smoother.predict({0.1, 0.01, 0.1});
+  // Ten metres into an unknown direction: anywhere on a circle, and it says so.
+  EXPECT_TRUE(smoother.revised().empty());
+  EXPECT_GT(smoother.estimate().covariance(0, 0), 10.0);
+  EXPECT_GT(smoother.estimate().covariance(1, 1), 10.0);
+}
+
 TEST(Calibrating, smoother_is_better_than_the_filter_and_honest) {
   double filter = 0.0;
   double smoothed = 0.0;

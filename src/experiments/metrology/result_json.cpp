@@ -29,6 +29,20 @@ void write_optional(JsonWriter& json, std::string_view name, const std::optional
     json.null();
 }
 
+/// Points of the distribution of all errors, fifty at most: `share[i]` of them are at most `error_m[i]`.
+void write_cdf(JsonWriter& json, const statistics::Cdf& cdf) {
+  const std::size_t points = std::min<std::size_t>(50, cdf.value.size());
+  const auto write = [&](std::string_view key, const std::vector<double>& values) {
+    json.key(key).begin_array();
+    for (std::size_t i = 1; i <= points; ++i) json.value(values[i * values.size() / points - 1]);
+    json.end_array();
+  };
+  json.key("cdf").begin_object();
+  write("error_m", cdf.value);
+  write("share", cdf.share);
+  json.end_object();
+}
+
 void write_part(JsonWriter& json, const Part& part) {
   json.field("iterations", part.iterations).field("rmse_m", part.rmse_m()).end_object();
 }
@@ -82,6 +96,7 @@ void write_algorithm(JsonWriter& json, const Qualification& all, std::size_t ind
   write_figure(json, "precision", "", one.precision);
   json.field("precision_threshold_m", all.options.threshold_m);
   json.field("p50_m", one.p50_m).field("p90_m", one.p90_m).field("p95_m", one.p95_m).field("p99_m", one.p99_m);
+  write_cdf(json, one.cdf);
   json.field("max_m", one.max_m).field("heading_rmse_rad", one.heading_rmse_rad);
   json.field("rmse_without_reference_m", without_reference_m(one.rmse_m.value, all.options.reference.total_m()));
   write_splits(json, one);

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "experiments/metrology/result.h"
+#include "experiments/metrology/result_bars.h"
 #include "experiments/report/chart.h"
 #include "experiments/report/report.h"
 #include "experiments/statistics/sample.h"
@@ -86,6 +87,7 @@ std::string trajectory(const Qualification& all) {
   };
   chart.series.push_back(line("truth", all.truth));
   for (const Qualified* one : drawn(all, colours - 1)) chart.series.push_back(line(one->name, one->path));
+  chart.equal_scale = true;
   return to_svg(chart);
 }
 
@@ -112,6 +114,14 @@ std::string distribution(const Qualification& all) {
   return to_svg(chart);
 }
 
+/// Where something is read all the time, such as ranges, nothing is ever far from the last.
+bool ever_far(const Qualification& all) {
+  return std::ranges::any_of(all.algorithms, [](const Qualified& one) {
+    return !one.failed &&
+           std::ranges::count_if(one.by_distance, [](const Part& part) { return part.iterations > 0; }) > 1;
+  });
+}
+
 std::string by_distance(const Qualification& all) {
   Chart chart{{"since the last mark, up to [m]", 0.0, {}}, {"rmse [mm]", 0.0, {}}, {}};
   for (const Qualified* one : drawn(all)) {
@@ -124,48 +134,6 @@ std::string by_distance(const Qualification& all) {
     chart.series.push_back(std::move(series));
   }
   return to_svg(chart);
-}
-
-/// A box per algorithm over its runs, and its limit as a stroke: smallest, quartiles, largest.
-std::string boxes(const Qualification& all) {
-  constexpr double row_px = 26.0;
-  constexpr double name_px = 170.0;
-  constexpr double width_px = 720.0;
-  const auto ones = figured(all);
-  double largest = 0.0;
-  for (const Qualified* one : ones) {
-    for (const RunFigures& run : one->runs) largest = std::fmax(largest, std::sqrt(run.mse_m2));
-  }
-  const std::vector<double> at = ticks(0.0, 1e3 * largest);
-  const auto x = [&](double metres) {
-    return readable(name_px + 1e3 * metres / at.back() * (width_px - name_px - 20.0), 1);
-  };
-  const double bottom = 8.0 + row_px * static_cast<double>(ones.size());
-  std::string svg =
-      "<svg class=\"chart\" xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"rmse per run\" "
-      "viewBox=\"0 0 " +
-      readable(width_px) + " " + readable(bottom + 44.0) + "\">";
-  for (const double tick : at) {
-    svg += "<path class=\"grid\" d=\"M" + x(1e-3 * tick) + " 4V" + readable(bottom, 1) + "\"/><text x=\"" +
-           x(1e-3 * tick) + "\" y=\"" + readable(bottom + 16.0, 1) + "\" text-anchor=\"middle\">" + readable(tick) +
-           "</text>";
-  }
-  double y = 8.0;
-  for (const Qualified* one : ones) {
-    std::vector<double> rmse;
-    for (const RunFigures& run : one->runs) rmse.push_back(std::sqrt(run.mse_m2));
-    const auto share = [&](double p) { return x(statistics::percentile(rmse, p)); };
-    const std::string middle = readable(y + 9.0, 1);
-    svg += "<text x=\"" + readable(name_px - 8.0) + "\" y=\"" + readable(y + 13.0, 1) + "\" text-anchor=\"end\">" +
-           escaped(one->name) + "</text><path class=\"line c0\" d=\"M" + share(1e-9) + " " + middle + "H" + share(1.0) +
-           "M" + share(0.25) + " " + readable(y + 2.0, 1) + "H" + share(0.75) + "V" + readable(y + 16.0, 1) + "H" +
-           share(0.25) + "ZM" + share(0.5) + " " + readable(y + 2.0, 1) + "v14\"/>";
-    if (one->limit_m)
-      svg += "<path class=\"line c1\" d=\"M" + x(*one->limit_m) + " " + readable(y - 2.0, 1) + "v22\"/>";
-    y += row_px;
-  }
-  return svg + "<text class=\"label\" x=\"" + readable(name_px) + "\" y=\"" + readable(bottom + 36.0, 1) +
-         "\">rmse of a run [mm]</text></svg>";
 }
 
 void add_comparisons(Report& report, const Qualification& all) {
@@ -251,10 +219,12 @@ std::string to_html(const Qualification& all, const Conditions& conditions) {
                      ". The figures tell the shape of ways, not where they lie; no limit is drawn, for it knows of no "
                      "alignment.");
   for (const std::string& note : conditions.notes) report.paragraph(note);
-  report.figure(boxes(all), "The runs: smallest, quartiles and largest; the stroke across is the limit");
+  report.figure(limits_beside_bars(all),
+                "Bar: rmse of all runs, with its interval; box: the runs' smallest, quartiles and largest; the stroke "
+                "across: the limit, and at the right how far above it");
   report.figure(distribution(all), "Distribution of all errors");
   report.figure(error_over_way(all), "Error over the way, first run");
-  report.figure(by_distance(all), "Error by the distance since the last mark");
+  if (ever_far(all)) report.figure(by_distance(all), "Error by the distance since the last mark");
   report.figure(trajectory(all), "Truth and estimates, first run");
   report.heading("Along and across, by section");
   add_splits(report, all);

@@ -8,8 +8,10 @@
 
 #include "aiv/estimation/registry.h"
 #include "base/json_value.h"
+#include "experiments/metrology/result_bars.h"
 #include "experiments/metrology/simulate.h"
 #include "experiments/metrology/test_tracks.h"
+#include "experiments/report/chart.h"
 
 namespace cosiva::experiments {
 namespace {
@@ -49,6 +51,10 @@ TEST(Result, as_json_has_what_programs_look_for) {
   EXPECT_EQ(algorithms[0].text("name"), "arc_kalman");
   for (const char* key : {"rmse_m", "mean_m", "variance_m2", "precision", "p95_m", "limit_m", "gap_percent"})
     EXPECT_TRUE(algorithms[0].number(key)) << key;
+  const auto& cdf = *algorithms[0].find("cdf");
+  ASSERT_EQ(cdf.find("share")->array()->size(), 50U);
+  EXPECT_EQ(cdf.find("share")->array()->back().number()[0], 1.0);
+  EXPECT_NEAR(cdf.find("error_m")->array()->back().number()[0], *algorithms[0].number("max_m"), 1e-7);
   const auto& interval = *algorithms[0].find("rmse_interval_m")->array();
   EXPECT_LT(*interval[0].number(), *algorithms[0].number("rmse_m"));
   EXPECT_GT(*interval[1].number(), *algorithms[0].number("rmse_m"));
@@ -73,6 +79,39 @@ TEST(Result, as_a_page_needs_nothing_else_and_escapes_what_it_is_given) {
   EXPECT_THAT(html, HasSubstr("it &lt;does&gt; not start"));
   EXPECT_THAT(html, HasSubstr("a note"));
   EXPECT_THAT(html, Not(HasSubstr("src=\"http")));
+}
+
+TEST(Result, draws_the_limit_beside_each_bar_with_the_gap_in_percent) {
+  const Qualification all = small();
+  const std::string svg = limits_beside_bars(all);
+  for (const std::size_t i : {0U, 1U}) {
+    const Qualified& one = all.algorithms[i];
+    EXPECT_THAT(svg, HasSubstr(">" + one.name + "</text>"));
+    EXPECT_THAT(svg, HasSubstr("<title>limit " + readable(1e3 * *one.limit_m, 2) + " mm</title>"));
+    EXPECT_THAT(svg, HasSubstr((*one.gap_percent > 0.0 ? ">+" : ">") + readable(*one.gap_percent, 1) + " %</text>"));
+  }
+  EXPECT_THAT(svg, HasSubstr("over the limit"));
+  EXPECT_THAT(svg, Not(HasSubstr("logarithmic")));
+  EXPECT_THAT(svg, Not(HasSubstr("gone")));  // it has no figures
+  EXPECT_THAT(to_html(all, {}), HasSubstr(svg));
+}
+
+TEST(Result, draws_bars_of_what_has_no_limit_and_of_what_is_too_far_apart) {
+  Qualification all = small(Alignment::se2);
+  EXPECT_THAT(limits_beside_bars(all), Not(HasSubstr("limit")));
+  all.algorithms[1].rmse_m.value *= 1000.0;
+  EXPECT_THAT(limits_beside_bars(all), HasSubstr("logarithmic"));
+  all.algorithms.clear();
+  EXPECT_THAT(limits_beside_bars(all), HasSubstr("</svg>"));
+}
+
+TEST(Result, leaves_out_the_distance_since_the_last_mark_where_there_is_always_one) {
+  Qualification all = small();
+  EXPECT_THAT(to_html(all, {}), HasSubstr("Error by the distance since the last mark"));
+  for (Qualified& one : all.algorithms) {
+    for (std::size_t k = 1; k < one.by_distance.size(); ++k) one.by_distance[k] = {};
+  }
+  EXPECT_THAT(to_html(all, {}), Not(HasSubstr("Error by the distance since the last mark")));
 }
 
 TEST(Result, says_of_what_is_aligned_that_it_is) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "experiments/recording/fields.h"
+#include "experiments/statistics/sample.h"
 
 namespace cosiva::experiments {
 namespace {
@@ -74,10 +75,11 @@ Result<void> read_truth(const Table& table, Recording& recording) {
   if (!columns) return tl::unexpected(columns.error());
   const auto& c = *columns;
   if (auto fine = rising(table, c[0]); !fine) return fine;
-  const auto heading = table.find("heading_rad");
-  recording.truth_has_heading = heading.has_value();
+  const auto heading = table.want("heading_rad");
+  if (!heading) return tl::unexpected(heading.error());
+  recording.truth_has_heading = heading->has_value();
   for (const Row& row : table.rows)
-    recording.truth.push_back({row[c[0]], {row[c[1]], row[c[2]]}, heading ? row[*heading] : 0.0});
+    recording.truth.push_back({row[c[0]], {row[c[1]], row[c[2]]}, *heading ? row[**heading] : 0.0});
   return {};
 }
 
@@ -111,12 +113,14 @@ Result<void> read_readings(const Table& table, Recording& recording) {
   const auto columns = columns_of(table, {"time_s", "beacon_id"});
   if (!columns) return tl::unexpected(columns.error());
   const auto& c = *columns;
-  const auto ahead = table.find("ahead_m");
-  const auto left = table.find("left_m");
+  const auto ahead = table.want("ahead_m");
+  const auto left = table.want("left_m");
+  if (!ahead) return tl::unexpected(ahead.error());
+  if (!left) return tl::unexpected(left.error());
   for (const Row& row : table.rows) {
     const auto number = beacon_number(row[c[1]], table.file);
     if (!number) return tl::unexpected(number.error());
-    recording.readings.push_back({row[c[0]], *number, {ahead ? row[*ahead] : 0.0, left ? row[*left] : 0.0}});
+    recording.readings.push_back({row[c[0]], *number, {*ahead ? row[**ahead] : 0.0, *left ? row[**left] : 0.0}});
   }
   return {};
 }
@@ -125,11 +129,14 @@ Result<void> read_readings(const Table& table, Recording& recording) {
 Result<void> read_sensors(std::string_view file, std::string_view text, Recording& recording) {
   Lines lines{text};
   std::string_view line;
-  bool header = true;
+  std::optional<char> separator;
   while (lines.next(line)) {
     if (trimmed(line).empty() || trimmed(line).starts_with('#')) continue;
-    if (std::exchange(header, false)) continue;
-    const auto fields = cut_at_commas(line);
+    if (!separator) {
+      separator = separator_of(line);
+      continue;
+    }
+    const auto fields = cut_at(*separator, line);
     const auto value = fields.size() == 2 ? finite_number(fields[1]) : std::nullopt;
     if (!value || *value < 0.0)
       return fail("recording.sensors", "a line is a sensor's figure and its value, name,value",
@@ -175,13 +182,15 @@ struct TextLine {
   std::string place;
 };
 
+/// Lines of some kinds; comments and what else libRSF knows are nothing to us.
 template <typename Take>
-Result<void> each_line(std::string_view file, std::string_view text, const Take& take) {
+Result<void> each_line(std::string_view file, std::string_view text, const std::vector<std::string_view>& kinds,
+                       const Take& take) {
   Lines lines{text};
   std::string_view line;
   while (lines.next(line)) {
     const auto fields = cut_at_spaces(line);
-    if (fields.empty()) continue;
+    if (fields.empty() || std::ranges::find(kinds, fields.front()) == kinds.end()) continue;
     TextLine one{fields.front(), {}, place_of(file, lines.number())};
     for (std::size_t i = 1; i < fields.size(); ++i) {
       const auto value = finite_number(fields[i]);
@@ -217,11 +226,10 @@ Result<void> take_input(const TextLine& line, Recording& recording) {
     // Speeds first; they become distances when it is known how long they lasted.
     recording.odometry.push_back({v[0], 0.0, 0.5 * (v[1] + v[2]), (v[2] - v[1]) / (2.0 * v[4])});
   }
-  return {};  // libRSF has many other kinds, of which nothing is needed
+  return {};
 }
 
 Result<void> take_truth(const TextLine& line, Recording& recording) {
-  if (line.kind != "point2") return {};
   const auto& v = line.values;
   if (v.size() < 3) return too_short(line, 3);
   if (!recording.truth.empty() && !(v[0] > recording.truth.back().t_s))
@@ -235,10 +243,11 @@ Result<Recording> read_librsf(std::string_view name, std::string_view input, std
   Recording recording;
   recording.name = name;
   const auto text_of = [&](std::string_view file) -> std::string_view { return files.find(std::string(file))->second; };
-  if (auto fine = each_line(input, text_of(input), [&](const TextLine& l) { return take_input(l, recording); }); !fine)
+  const auto told = [&](const TextLine& line) { return take_input(line, recording); };
+  const auto true_place = [&](const TextLine& line) { return take_truth(line, recording); };
+  if (auto fine = each_line(input, text_of(input), {"range2", "odom2diff"}, told); !fine)
     return tl::unexpected(fine.error());
-  if (auto fine = each_line(truth, text_of(truth), [&](const TextLine& l) { return take_truth(l, recording); }); !fine)
-    return tl::unexpected(fine.error());
+  if (auto fine = each_line(truth, text_of(truth), {"point2"}, true_place); !fine) return tl::unexpected(fine.error());
   if (recording.odometry.size() < 2) return fail("recording.empty", "there is no odometry in it", std::string(input));
   if (recording.truth.empty()) return fail("recording.empty", "there is no truth in it", std::string(truth));
   // A speed is measured over the time that ends with its stamp.
@@ -255,7 +264,39 @@ Result<Recording> read_librsf(std::string_view name, std::string_view input, std
 
 namespace {
 
+/// What is no text has a zero byte early: another encoding, a packed file, a table of another program.
+Result<void> check_texts(const RecordingFiles& files) {
+  for (const auto& [file, text] : files) {
+    if (text.find('\0') != std::string::npos)
+      return fail("recording.text", "it is no plain text (UTF-8 or ASCII)", file);
+  }
+  return {};
+}
+
+/// A radio that heard no answer often says 0 or -1: no distance.
+void drop_no_distances(Recording& recording) {
+  const auto dropped =
+      std::erase_if(recording.ranges, [](const Recording::Heard& heard) { return heard.range_m <= 0.0; });
+  if (dropped > 0)
+    recording.notes.push_back(std::to_string(dropped) + " ranges are no distances (0 or less); they are left out");
+}
+
+/// Longer than a second and ten times as long as usual.
+void tell_of_silence(Recording& recording) {
+  std::vector<double> durations;
+  for (const Recording::Step& step : recording.odometry) durations.push_back(step.duration_s);
+  if (durations.size() < 10) return;
+  const double usual_s = statistics::percentile(durations, 0.5);
+  const auto silent = [&](double duration_s) { return duration_s > std::fmax(1.0, 10.0 * usual_s); };
+  const auto often = std::ranges::count_if(durations, silent);
+  if (often == 0) return;
+  recording.notes.push_back("odometry is silent " + std::to_string(often) + (often == 1 ? " time" : " times") +
+                            ", for " + std::to_string(std::lround(*std::ranges::max_element(durations))) +
+                            " s at most; what it says next is taken for all of that time");
+}
+
 Result<Recording> read_either(std::string_view name, const RecordingFiles& files) {
+  if (auto fine = check_texts(files); !fine) return tl::unexpected(fine.error());
   if (files.contains("odometry.csv")) return read_tables(name, files);
   std::string input;
   std::string truth;
@@ -274,6 +315,8 @@ Result<Recording> read_either(std::string_view name, const RecordingFiles& files
 Result<Recording> read_recording(std::string_view name, const RecordingFiles& files) {
   auto recording = read_either(name, files);
   if (!recording) return recording;
+  drop_no_distances(*recording);
+  tell_of_silence(*recording);
   put_in_order(recording->ranges, "ranges", *recording);
   put_in_order(recording->readings, "readings", *recording);
   return recording;

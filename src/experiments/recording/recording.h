@@ -65,7 +65,8 @@ struct ReplayOptions {
   double start_sigma_m{0.05};            ///< of the start, which is the truth's first place
   double start_heading_sigma_rad{0.05};  ///< of its heading, where the truth has one
 };
-/// The recording as a trial: odometry is cut where something was read between, and every step's end is a moment. Fails
+/// The recording as a trial, with the sensors' figures that came with it, or else what can be told without its truth:
+/// odometry is cut where something was read between, and every step's end is a moment. Fails
 /// ("recording.overlap") where truth and odometry share no time, ("recording.beacon") on a beacon that nobody surveyed.
 [[nodiscard]] Result<Trial> replayed(const Recording& recording, const ReplayOptions& options = {});
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <sstream>
 #include <string>
 
@@ -112,6 +113,94 @@ TEST(Recording, that_is_bad_is_refused_with_its_place) {
   EXPECT_EQ(refusal(with("sensors.csv", "name,value\nrange_sigma_m,-1\n")), "recording.sensors sensors.csv:2");
 }
 
+/// small(), as another program would have written it.
+RecordingFiles rewritten(const std::function<std::string(std::string)>& rewrite) {
+  RecordingFiles files = small();
+  for (auto& [file, text] : files) text = rewrite(text);
+  return files;
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+    text.replace(at, from.size(), to);
+  return text;
+}
+
+TEST(Recording, is_the_same_however_its_tables_are_written) {
+  const auto plain = replayed(*read_recording("small", small()), {1.5, 0.05, 0.05});
+  ASSERT_TRUE(plain);
+  const std::vector<std::function<std::string(std::string)>> hands{
+      [](const std::string& text) { return replaced(text, ",", ";"); },
+      [](const std::string& text) { return replaced(text, ",", "\t"); },
+      [](const std::string& text) { return replaced(text, ",", "  "); },
+      [](const std::string& text) { return replaced(text, ",", " , "); },
+      [](const std::string& text) { return replaced(text, "\n", "\r\n"); },
+      [](const std::string& text) { return replaced(text, "\n", ",\n"); },
+      [](const std::string& text) { return "\xEF\xBB\xBF" + text; },
+      [](const std::string& text) { return "# " + text; },
+      [](const std::string& text) { return "# a mower, on a lawn\n\n" + text + "\n \n"; },
+      [](const std::string& text) {
+        const std::string lines = text.substr(0, text.size() - 1);  // without the last one's end
+        return "\"" + replaced(replaced(lines, ",", "\",\""), "\n", "\"\n\"") + "\"\n";
+      },
+  };
+  for (std::size_t hand = 0; hand < hands.size(); ++hand) {
+    const auto recording = read_recording("small", rewritten(hands[hand]));
+    ASSERT_TRUE(recording) << hand << ": " << to_string(recording.error());
+    const auto trial = replayed(*recording, {1.5, 0.05, 0.05});
+    ASSERT_TRUE(trial) << hand << ": " << to_string(trial.error());
+    ASSERT_EQ(trial->events.size(), plain->events.size()) << hand;
+    for (std::size_t i = 0; i < plain->moments.size(); ++i) {
+      EXPECT_EQ(trial->moments[i].t_s, plain->moments[i].t_s) << hand;
+      EXPECT_EQ(trial->moments[i].truth, plain->moments[i].truth) << hand;
+    }
+  }
+}
+
+TEST(Recording, may_have_columns_of_words_that_nobody_needs_but_no_words_where_numbers_are_needed) {
+  const auto words = read_recording(
+      "s", with("odometry.csv", "mode,time_s,delta_distance_m,delta_heading_rad\nauto,1,0.5,0\nby hand,2,1,0\n"));
+  ASSERT_TRUE(words) << to_string(words.error());
+  EXPECT_EQ(words->odometry[1].distance_m, 1.0);
+  EXPECT_EQ(refusal(with("odometry.csv", "time_s,delta_distance_m,delta_heading_rad\n1,0.5,0\n2,auto,0\n")),
+            "recording.number odometry.csv:3");
+  EXPECT_EQ(refusal(with("groundtruth.csv", "time_s,x_m,y_m,heading_rad\n0,0,0,nan\n1,1,0,0\n")),
+            "recording.number groundtruth.csv:2");
+  EXPECT_EQ(refusal(with("groundtruth.csv", "time_s,x_m,y_m\n0,0,\n1,1,0\n")), "recording.number groundtruth.csv:2");
+  EXPECT_EQ(refusal(with("odometry.csv", std::string("t\0i\0m\0e\0", 8))), "recording.text odometry.csv");
+}
+
+TEST(Recording, leaves_out_ranges_that_are_no_distances_and_says_so) {
+  const auto recording =
+      read_recording("s", with("ranges.csv", "time_s,beacon_id,range_m\n1.25,7,-1\n1.5,7,0\n2.5,7,2.0\n"));
+  ASSERT_TRUE(recording);
+  ASSERT_EQ(recording->ranges.size(), 1U);
+  EXPECT_EQ(recording->ranges[0].range_m, 2.0);
+  ASSERT_EQ(recording->notes.size(), 1U);
+  EXPECT_EQ(recording->notes[0], "2 ranges are no distances (0 or less); they are left out");
+}
+
+TEST(Recording, whose_odometry_is_silent_for_long_says_so) {
+  std::string odometry = "time_s,delta_distance_m,delta_heading_rad\n";
+  for (int i = 1; i < 20; ++i) odometry += std::to_string(i < 10 ? 0.1 * i : 0.1 * i + 12.0) + ",0.01,0\n";
+  const auto recording = read_recording("s", with("odometry.csv", odometry));
+  ASSERT_TRUE(recording);
+  ASSERT_EQ(recording->notes.size(), 1U);
+  EXPECT_EQ(recording->notes[0].substr(0, 45), "odometry is silent 1 time, for 12 s at most; ");
+}
+
+TEST(Recording, of_libRSF_may_have_comments_and_lines_of_other_kinds) {
+  const auto rsf =
+      read_recording("r", {{"A_Input.txt",
+                            "# Hall 3, run 7\nimu3 0.1 a b c\nodom2diff 0.1 1 1 0 0.1 1 1 1\n"
+                            "odom2diff 0.3 0.4 0.6 0 0.1 1 1 1\n"},
+                           {"A_GT.txt", "% t x y\npoint2 0.1 1.5 2.5 0 0 0 0\npoint2 0.3 1.6 2.5 0 0 0 0\n"}});
+  ASSERT_TRUE(rsf) << to_string(rsf.error());
+  EXPECT_EQ(rsf->odometry.size(), 2U);
+  EXPECT_EQ(refusal({{"A_Input.txt", "odom2diff 0.1 a 1 0 0.1 1 1 1\n"}, {"A_GT.txt", "point2 0 0 0\n"}}),
+            "recording.number A_Input.txt:1");
+}
+
 struct Outcome {
   double rmse_m;
   double covered;
@@ -161,6 +250,30 @@ TEST(Recorded, robot_among_uwb_beacons_is_placed_as_well_as_is_on_record_and_reg
     EXPECT_GE(covered, 0.90);
     EXPECT_LE(covered, 0.99);
   }
+}
+
+TEST(Recorded, mower_that_hears_every_tenth_range_alone_is_told_its_radios_noise_by_a_filter_s_surprise) {
+  RecordingFiles files = folder(recorded + "plaza1");
+  std::stringstream lines(files["ranges.csv"]);
+  std::string thin;
+  std::string line;
+  for (int i = 0; std::getline(lines, line); ++i) {
+    if (i % 10 == 0) thin += line + "\n";
+  }
+  files["ranges.csv"] = thin;
+  const auto recording = read_recording("thin", files);
+  ASSERT_TRUE(recording) << to_string(recording.error());
+  EXPECT_FALSE(range_noise_m(*recording));  // too far apart to be held against each other
+  const auto trial = replayed(*recording);
+  ASSERT_TRUE(trial);
+  // All of them scatter by a metre or so; what a data sheet of another radio says would be ten times too good.
+  EXPECT_NEAR(trial->setting.sensors.range_sigma_m, 1.0, 0.6);
+  const Outcome filter = outcome_of(*trial, "calibrating");
+  EXPECT_LE(filter.rmse_m, 0.6);
+  EXPECT_GE(filter.covered, 0.88);
+  // Who knows better is believed.
+  files["sensors.csv"] = "name,value\nrange_sigma_m,0.3\n";
+  EXPECT_EQ(replayed(*read_recording("thin", files))->setting.sensors.range_sigma_m, 0.3);
 }
 
 }  // namespace

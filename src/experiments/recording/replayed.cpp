@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "aiv/estimation/calibrating.h"
 #include "base/math.h"
 #include "experiments/recording/recording.h"
 #include "experiments/statistics/sample.h"
@@ -97,16 +98,48 @@ class Mixer {
   double travelled_m_{0.0};
 };
 
+/// What ranges have in common, and what changes with the place, grows with what a single one is worth.
+void believe_ranges(double noise_m, estimation::SensorModel& sensors) {
+  sensors.range_sigma_m = noise_m;
+  sensors.range_common_sigma_m = noise_m;
+  sensors.range_station_sigma_m = 0.75 * noise_m;
+}
+
+/// σ of single ranges that are too far apart to be held against each other: that with which a filter on the same inputs
+/// is as surprised by them as it should be. Needs no truth but for the start, which every estimator is told.
+double range_noise_by_surprise(const Trial& trial) {
+  // Half of what is chi-squared with one degree of freedom lies below this.
+  constexpr double middle = 0.4549;
+  constexpr int rounds_most = 16;
+  constexpr double settled = 1.02;
+  double noise_m = 1.0;
+  for (int round = 0; round < rounds_most; ++round) {
+    estimation::Setting setting = trial.setting;
+    believe_ranges(noise_m, setting.sensors);
+    estimation::CalibratingFilter filter{setting};
+    std::vector<double> surprise;
+    for (const Event& event : trial.events) {
+      if (const auto* odometry = std::get_if<estimation::Odometry>(&event)) {
+        filter.predict(*odometry);
+      } else if (const auto* reading = std::get_if<estimation::Reading>(&event)) {
+        filter.rectify(*reading);
+      } else if (const auto told = filter.rectify(std::get<estimation::Range>(event)); told.nis) {
+        surprise.push_back(*told.nis);
+      }
+    }
+    if (surprise.empty()) break;
+    const double factor = std::clamp(std::sqrt(statistics::percentile(surprise, 0.5) / middle), 0.25, 4.0);
+    noise_m = std::clamp(noise_m * factor, 1e-3, 1e3);
+    if (factor < settled && factor > 1.0 / settled) break;
+  }
+  return noise_m;
+}
+
 /// Where a recording brings no figures of its own: wheels on a real floor or lawn, whose slip and unevenness are worth
 /// 4 cm after a metre, four times what the simulated ones are; single ranges as they are seen to scatter.
 Result<void> take_sensors(const Recording& recording, estimation::SensorModel& sensors) {
   sensors.distance_variance_per_m = 0.04 * 0.04;
-  if (const auto noise = range_noise_m(recording)) {
-    // What the ranges have in common, and what changes with the place, grows with what a single one is worth.
-    sensors.range_sigma_m = *noise;
-    sensors.range_common_sigma_m = *noise;
-    sensors.range_station_sigma_m = 0.75 * *noise;
-  }
+  if (const auto noise = range_noise_m(recording)) believe_ranges(*noise, sensors);
   const std::map<std::string, double estimation::SensorModel::*> fields{
       {"distance_variance_per_m", &estimation::SensorModel::distance_variance_per_m},
       {"turn_variance_per_m", &estimation::SensorModel::turn_variance_per_m},
@@ -187,6 +220,10 @@ Result<Trial> replayed(const Recording& recording, const ReplayOptions& options)
         recording.name);
   trial.setting.start_sigma_m = options.start_sigma_m;
   trial.setting.start_heading_sigma_rad = recording.truth_has_heading ? options.start_heading_sigma_rad : pi;
+  const bool told =
+      std::ranges::any_of(recording.sensors, [](const auto& one) { return one.first.starts_with("range_"); });
+  if (!recording.ranges.empty() && !told && !range_noise_m(recording))
+    believe_ranges(range_noise_by_surprise(trial), trial.setting.sensors);
   return trial;
 }
 

@@ -102,6 +102,24 @@ class Frame {
   Range y_;
 };
 
+/// Widens what is too short in the picture until a unit is as long along both axes.
+void equalise(Axis& x_axis, Range& x, Axis& y_axis, Range& y) {
+  constexpr double margin = 1.05;
+  const double across_px = width_px - left_px - right_px;
+  const double up_px = height_px - top_px - bottom_px;
+  const double unit_per_px = margin * std::max((x.to - x.from) / across_px, (y.to - y.from) / up_px);
+  const auto widen = [&](Axis& axis, Range& range, double length_px) {
+    const double middle = 0.5 * (range.from + range.to);
+    const double half = 0.5 * length_px * unit_per_px;
+    range.from = middle - half;
+    range.to = middle + half;
+    axis.from = range.from;
+    axis.to = range.to;
+  };
+  widen(x_axis, x, across_px);
+  widen(y_axis, y, up_px);
+}
+
 std::string begin(double height, std::string_view what) {
   return "<svg class=\"chart\" xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"" + escaped(what) +
          "\" viewBox=\"0 0 " + px(width_px) + " " + px(height) +
@@ -258,7 +276,12 @@ std::string to_svg(const Chart& chart) {
       for (const double value : *values)
         if (drawable(chart.y, value)) y.take(value);
   }
-  const Frame frame{chart.x, settled(x, chart.x), chart.y, settled(y, chart.y)};
+  Axis x_axis = chart.x;
+  Axis y_axis = chart.y;
+  x = settled(x, x_axis);
+  y = settled(y, y_axis);
+  if (chart.equal_scale) equalise(x_axis, x, y_axis, y);
+  const Frame frame{x_axis, x, y_axis, y};
   std::string svg = begin(height_px + legend_px, chart.y.label + " over " + chart.x.label);
   frame.draw(svg);
   for (std::size_t i = 0; i < chart.series.size(); ++i) {

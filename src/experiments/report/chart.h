@@ -31,6 +31,7 @@ struct Chart {
   Axis x;
   Axis y;
   std::vector<Series> series;  ///< at most as many as there are colours: 6 (checked)
+  bool equal_scale{false};     ///< a map: a metre is as long along x as along y, whatever the axes ask for
 };
 [[nodiscard]] std::string to_svg(const Chart& chart);
 

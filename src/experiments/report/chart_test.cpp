@@ -55,6 +55,27 @@ TEST(Readable, tells_no_digits_that_tell_nothing) {
   EXPECT_EQ(readable(std::nan("")), "–");
 }
 
+TEST(Chart, that_is_a_map_has_a_unit_as_long_along_both_axes) {
+  // A square of a metre, four points: as far apart in the picture along x as along y.
+  Chart map{{"x [m]", {}, {}}, {"y [m]", {}, {}}, {{"", {0.0, 1.0}, {0.0, 1.0}, Series::Form::points}}};
+  map.equal_scale = true;
+  const auto sides = [](const std::string& svg) {
+    std::vector<double> at;
+    for (const char* key : {"cx=\"", "cy=\""}) {
+      std::vector<double> ends;
+      for (std::size_t found = svg.find(key); found != std::string::npos; found = svg.find(key, found + 1))
+        ends.push_back(std::stod(svg.substr(found + 4)));
+      at.push_back(std::fabs(ends.at(1) - ends.at(0)));
+    }
+    return at;
+  };
+  const auto equal = sides(to_svg(map));
+  EXPECT_NEAR(equal[0], equal[1], 0.11);
+  EXPECT_GT(equal[1], 200.0);  // and as large as there is room
+  map.equal_scale = false;
+  EXPECT_GT(sides(to_svg(map))[0], 2.0 * equal[0]);
+}
+
 TEST(Chart, draws_each_series_in_a_colour_of_its_own_and_names_it) {
   const std::string svg =
       to_svg(Chart{{"t [s]", {}, {}},

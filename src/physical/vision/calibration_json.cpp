@@ -32,6 +32,8 @@ void write(JsonWriter& json, const MarkerProfile& marker) {
     write_list(json, "linear", marker.surveyed->linear);
     write_list(json, "shift_m", std::array{marker.surveyed->shift.x_m, marker.surveyed->shift.y_m});
     write_list(json, "lever_m", std::array{marker.surveyed->lever.x_m, marker.surveyed->lever.y_m});
+    write_list(json, "lean",
+               std::array{marker.surveyed->lean_per_m, marker.surveyed->lean.x_m, marker.surveyed->lean.y_m});
     json.field("turn_rad", marker.surveyed->turn_rad).end_object();
   }
   json.end_object();
@@ -152,6 +154,11 @@ MarkerProfile read_marker(Reader& reader, const JsonValue& from) {
     fit.shift = {shift[0], shift[1]};
     fit.lever = {lever[0], lever[1]};
     fit.turn_rad = reader.number(surveyed, "turn_rad", -7.0, 7.0);
+    if (surveyed.find("lean") != nullptr) {  // files of before have none
+      const auto lean = reader.list(surveyed, "lean", 3);
+      fit.lean_per_m = lean[0];
+      fit.lean = {lean[1], lean[2]};
+    }
     marker.surveyed = fit;
   }
   return marker;

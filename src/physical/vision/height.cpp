@@ -42,6 +42,45 @@ std::optional<double> turn_of(const std::vector<SurveyedPose>& poses, const std:
   return det_atan2(s, c);
 }
 
+/// The vehicle's heading, were the marker level.
+double level_heading(const PoseFit& fit, double seen_rad) {
+  return wrap_angle(direction(fit.linear, seen_rad) + fit.turn_rad);
+}
+
+/// The vehicle's heading.
+double heading_of(const PoseFit& fit, const Pose2& seen) {
+  const auto [s, c] = sincos(seen.heading_rad);
+  const double lean = c * (fit.lean_per_m * seen.y_m + fit.lean.y_m) - s * (fit.lean_per_m * seen.x_m + fit.lean.x_m);
+  return wrap_angle(level_heading(fit, seen.heading_rad) + lean);
+}
+
+/// Turn and, if asked for, lean: small angles, so least squares of what the turn alone leaves over.
+bool fit_heading(const std::vector<SurveyedPose>& poses, bool leans, PoseFit& fit) {
+  const auto turn = turn_of(poses, fit.linear);
+  if (!turn) return false;
+  fit.turn_rad = *turn;
+  fit.lean_per_m = 0.0;
+  fit.lean = {};
+  if (!leans) return true;
+  const auto n = static_cast<Eigen::Index>(poses.size());
+  Eigen::MatrixXd left(n, 4);
+  Eigen::VectorXd right(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const SurveyedPose& pose = poses[static_cast<std::size_t>(i)];
+    const auto [s, c] = sincos(pose.seen.heading_rad);
+    left.row(i) << 1.0, c * pose.seen.y_m - s * pose.seen.x_m, -s, c;
+    right[i] = wrap_angle(pose.surveyed.heading_rad - heading_of(fit, pose.seen));
+  }
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver{left};
+  solver.setThreshold(1e-4);
+  if (solver.rank() < left.cols()) return false;
+  const Eigen::VectorXd x = solver.solve(right);
+  fit.turn_rad += x[0];
+  fit.lean_per_m = x[1];
+  fit.lean = {x[2], x[3]};
+  return x.allFinite();
+}
+
 struct Rows {
   Eigen::MatrixXd left;
   Eigen::VectorXd right;
@@ -53,7 +92,7 @@ Rows rows_of(const std::vector<SurveyedPose>& poses, const PoseFit& before, bool
             Eigen::VectorXd::Zero(2 * static_cast<Eigen::Index>(poses.size()))};
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const Pose2& seen = poses[i].seen;
-    const auto [s, c] = sincos(direction(before.linear, seen.heading_rad) + before.turn_rad);
+    const auto [s, c] = sincos(level_heading(before, seen.heading_rad));
     const auto k = 2 * static_cast<Eigen::Index>(i);
     if (full) {
       rows.left.row(k) << seen.x_m, seen.y_m, 0.0, 0.0, 1.0, 0.0, c, -s;
@@ -68,10 +107,8 @@ Rows rows_of(const std::vector<SurveyedPose>& poses, const PoseFit& before, bool
   return rows;
 }
 
-bool solve(const std::vector<SurveyedPose>& poses, bool full, PoseFit& fit) {
-  const auto turn = turn_of(poses, fit.linear);
-  if (!turn) return false;
-  fit.turn_rad = *turn;
+bool solve(const std::vector<SurveyedPose>& poses, bool full, bool leans, PoseFit& fit) {
+  if (!fit_heading(poses, leans, fit)) return false;
   const Rows rows = rows_of(poses, fit, full);
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver{rows.left};
   solver.setThreshold(1e-4);
@@ -85,14 +122,12 @@ bool solve(const std::vector<SurveyedPose>& poses, bool full, PoseFit& fit) {
   return true;
 }
 
-std::optional<PoseFit> fit_once(const std::vector<SurveyedPose>& poses, bool full) {
+std::optional<PoseFit> fit_once(const std::vector<SurveyedPose>& poses, bool full, bool leans) {
   // The lever's direction hangs on A, which is nearly the identity: three rounds and nothing moves any more.
   PoseFit fit;
   for (int round = 0; round < 3; ++round)
-    if (!solve(poses, full, fit)) return std::nullopt;
-  const auto turn = turn_of(poses, fit.linear);
-  if (!turn) return std::nullopt;
-  fit.turn_rad = *turn;
+    if (!solve(poses, full, leans, fit)) return std::nullopt;
+  if (!fit_heading(poses, leans, fit)) return std::nullopt;
   return fit;
 }
 
@@ -131,10 +166,10 @@ std::optional<CameraPlace> camera_over(const FloorMap& map, double height_m) {
 }
 
 Pose2 PoseFit::apply(const Pose2& seen) const {
-  const double heading = wrap_angle(direction(linear, seen.heading_rad) + turn_rad);
-  const auto [s, c] = sincos(heading);
+  // The lever is seen in the same picture as the marker's direction: it leans with it.
+  const auto [s, c] = sincos(level_heading(*this, seen.heading_rad));
   return {linear[0] * seen.x_m + linear[1] * seen.y_m + shift.x_m + c * lever.x_m - s * lever.y_m,
-          linear[2] * seen.x_m + linear[3] * seen.y_m + shift.y_m + s * lever.x_m + c * lever.y_m, heading};
+          linear[2] * seen.x_m + linear[3] * seen.y_m + shift.y_m + s * lever.x_m + c * lever.y_m, heading_of(*this, seen)};
 }
 
 const MarkerProfile& profile_of(int id, const std::vector<MarkerProfile>& profiles) {
@@ -153,16 +188,12 @@ Pose2 vehicle_at(const Pose2& seen, const MarkerProfile& profile, const CameraPl
   return Pose2{there.x_m, there.y_m, seen.heading_rad} * inverse(profile.X_BT);
 }
 
-Result<PoseResiduals> fit_poses(const std::vector<SurveyedPose>& poses, bool full) {
-  constexpr std::size_t fewest = 6;
-  const char* const few =
-      "do not tell a marker's height and place: drive to at least three places that are no line, "
-      "with at least three headings";
-  if (poses.size() < fewest)
-    return fail("gvs.poses",
-                "holds " + std::to_string(poses.size()) + " poses, and a fit needs " + std::to_string(fewest));
-  const auto all = fit_once(poses, full);
-  if (!all) return fail("gvs.poses", few);
+namespace {
+
+/// Nothing where the poses are too few or too alike to tell.
+std::optional<PoseResiduals> residuals_of(const std::vector<SurveyedPose>& poses, bool full, bool leans) {
+  const auto all = fit_once(poses, full, leans);
+  if (!all) return std::nullopt;
   PoseResiduals result;
   result.fit = *all;
   double spread = 0.0;
@@ -176,8 +207,8 @@ Result<PoseResiduals> fit_poses(const std::vector<SurveyedPose>& poses, bool ful
   for (std::size_t i = 0; i < poses.size(); ++i) {
     std::vector<SurveyedPose> others = poses;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
-    const auto fit = fit_once(others, full);
-    if (!fit) return fail("gvs.poses", few);
+    const auto fit = fit_once(others, full, leans);
+    if (!fit) return std::nullopt;
     const Pose2 put = fit->apply(poses[i].seen);
     const Pose2& there = poses[i].surveyed;
     result.left_out.push_back(
@@ -193,6 +224,22 @@ Result<PoseResiduals> fit_poses(const std::vector<SurveyedPose>& poses, bool ful
   result.rms_m = std::sqrt(squares / static_cast<double>(poses.size()));
   result.heading_rms_rad = std::sqrt(turns / static_cast<double>(poses.size()));
   return result;
+}
+
+}  // namespace
+
+Result<PoseResiduals> fit_poses(const std::vector<SurveyedPose>& poses, bool full) {
+  constexpr std::size_t fewest = 6;
+  if (poses.size() < fewest)
+    return fail("gvs.poses",
+                "holds " + std::to_string(poses.size()) + " poses, and a fit needs " + std::to_string(fewest));
+  const auto level = residuals_of(poses, full, false);
+  if (!level)
+    return fail("gvs.poses",
+                "do not tell a marker's height and place: drive to at least three places that are no line, "
+                "with at least three headings");
+  const auto leaning = residuals_of(poses, full, true);
+  return leaning && leaning->heading_rms_rad < level->heading_rms_rad ? *leaning : *level;
 }
 
 }  // namespace cosiva::vision

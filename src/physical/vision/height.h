@@ -28,15 +28,20 @@ struct CameraPlace {
 [[nodiscard]] std::optional<CameraPlace> camera_over(const FloorMap& map, double height_m);
 
 /// What makes seen poses of a marker into poses of its vehicle, fitted to surveyed ones:
-///     surveyed heading = direction of A·(cos, sin of the seen heading) + turn
-///     surveyed place = A·seen + b + R(surveyed heading)·lever
+///     surveyed heading = direction of A·(cos, sin of the seen heading) + turn + lean
+///     surveyed place = A·seen + b + R(surveyed heading − lean)·lever
 /// A and b hold all that the floor's calibration does not know, height among it: A = (1 − h/H)·I and b = h/H·foot where
 /// the calibration itself is right. A full matrix is for surveys of another frame than the floor's.
+/// A marker that leans has its front higher than its back, and what is higher is seen further out: its direction is off
+/// by the part across it of a vector that grows from the camera's foot, lean_per_m·(seen − foot), which is what lean
+/// is.
 struct PoseFit {
   std::array<double, 4> linear{1, 0, 0, 1};  ///< A, row by row
   Point2 shift;                              ///< b [m]
   Point2 lever;                              ///< of the vehicle's reference point in the marker's frame [m]
   double turn_rad{};
+  double lean_per_m{};  ///< 0: it does not lean, or nothing is gained by believing that
+  Point2 lean;          ///< −lean_per_m·foot
   [[nodiscard]] Pose2 apply(const Pose2& seen) const;
   /// h/H, as A has it, and the foot.
   [[nodiscard]] double height_share() const { return 1.0 - 0.5 * (linear[0] + linear[3]); }
@@ -67,6 +72,7 @@ struct PoseResiduals {
   double standing_m{};          ///< how still a standing marker stands, mean over the poses
 };
 /// @param full  A is any matrix; else a scale
+/// That the marker leans is believed where the poses left out are put better with it than without.
 /// Fails ("gvs.poses") on fewer than six poses, and where places or headings are too few to tell.
 [[nodiscard]] Result<PoseResiduals> fit_poses(const std::vector<SurveyedPose>& poses, bool full);
 
