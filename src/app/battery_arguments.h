@@ -78,6 +78,20 @@ struct BatteryPlanArguments {
   bool json{false};
 };
 
+struct BatteryAnalyseArguments {
+  std::vector<std::string> files;   ///< tables, or results of tests
+  std::vector<std::string> only;    ///< series of them; none: all
+  std::vector<std::string> failed;  ///< BATTERY=SECONDS: as if it had failed then
+  std::string time;                 ///< columns; empty: the usual names
+  std::string battery;
+  std::string vehicle;
+  std::string run;
+  double half_width_percent{0.0};
+  std::string out_directory;
+  std::uint64_t seed{1};
+  bool json{false};
+};
+
 struct BatteryFilesArguments {
   std::vector<std::string> files;
   bool json{false};
@@ -88,6 +102,10 @@ int run_battery_sampled(const BatteryTestArguments& arguments);
 int run_battery_fleet(const BatteryTestArguments& arguments);
 /// batteryReady, said by whoever has changed it.
 int run_battery_ready(const BatteryReadyArguments& arguments);
+/// Tests that were made before, here or by others.
+int run_battery_analyse(const BatteryAnalyseArguments& arguments);
+/// Whether the wanted half width of the mean was reached, and after how many batteries.
+[[nodiscard]] std::string stop_text(const std::optional<std::size_t>& stopped_after, double half_width_percent);
 int run_battery_plan(const BatteryPlanArguments& arguments);
 /// Two results of battery tests, whose batteries are compared.
 int run_battery_compare(const BatteryFilesArguments& arguments);

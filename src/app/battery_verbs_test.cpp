@@ -31,7 +31,8 @@ TEST(BatterySampled, gives_the_autonomy_and_its_drift) {
   ASSERT_TRUE(json);
   // 80 % of 2.2 Ah at about 7.7 V are 48 kJ, and a vehicle takes 3.3 W.
   EXPECT_NEAR(*json->find("autonomy_s")->number("mean"), 14500.0, 1000.0);
-  ASSERT_EQ(json->find("batteries")->array()->size(), 3U);
+  ASSERT_EQ(json->find("batteries")->array()->size(), 1U);
+  EXPECT_EQ(json->find("records")->array()->size(), 3U);
   EXPECT_NE(json->find("slope_per_run")->number("p"), std::nullopt);
   EXPECT_THAT(said.words, HasSubstr("run 3: put battery 1, full, into AIV1"));
 }
@@ -146,6 +147,47 @@ TEST(BatteryFit, refuses_logs_that_would_mislead) {
   EXPECT_EQ(cosiva({"battery", "fit", data("lipo_pouch_rates_25C.csv"), "--predict", "rate=9C"}).status, 2);
   EXPECT_EQ(cosiva({"battery", "fit", data("lipo_pouch_rates_25C.csv"), "--only", "rate=9C"}).status, 2);
   EXPECT_EQ(cosiva({"battery", "fit", "gone.csv"}).status, 2);
+}
+
+TEST(BatteryAnalyse, says_of_others_measurements_what_was_published_of_them) {
+  const std::string csv = data("lghg2_fleet_figures.csv");
+  const Said both = cosiva({"battery", "analyse", csv});
+  ASSERT_EQ(both.status, 0) << both.words;
+  EXPECT_THAT(both.data, HasSubstr("fleet_first_run: 9 batteries, 9 runs, 0 failed"));
+  EXPECT_THAT(both.data, HasSubstr("(3605.5 s, equation (4)), 95 % interval 3567.3 to 3643.7 s"));
+  EXPECT_THAT(both.data, HasSubstr("1 is an outlier (Grubbs), kept: 2.309 > 2.215, robust score -4.3"));
+  EXPECT_THAT(both.data, HasSubstr("same_cell_repeat: 5 batteries, 20 runs"));
+  EXPECT_THAT(both.data, HasSubstr("slope -10.2"));
+  const Said failed = cosiva(
+      {"battery", "analyse", csv, "--only", "fleet_first_run", "--failed", "6=2000", "--failed", "9=3000", "--json"});
+  const auto json = JsonValue::parse(failed.data);
+  ASSERT_TRUE(json);
+  EXPECT_NEAR(*json->find("autonomy_s")->number("mean"), 3602.0, 1.0);
+  EXPECT_EQ(json->number("failed"), 2.0);
+  EXPECT_EQ(cosiva({"battery", "analyse", csv, "--only", "gone"}).status, 2);
+  EXPECT_EQ(cosiva({"battery", "analyse", csv, "--failed", "6=2000"}).status, 2);  // of which series?
+  EXPECT_EQ(cosiva({"battery", "analyse", csv, "--only", "fleet_first_run", "--failed", "six"}).status, 2);
+  EXPECT_EQ(cosiva({"battery", "analyse", "gone.csv"}).status, 2);
+}
+
+TEST(BatteryAnalyse, takes_results_of_our_own_tests_together_and_writes_a_report) {
+  const Scratch scratch;
+  const auto fleet = [&](const char* seed) {
+    const std::string file = scratch / (std::string(seed) + ".json");
+    const Said said =
+        cosiva({"battery", "fleet", "--aivs", "3", "--measure", "20", "--scale", "0.3", "--json", "--seed", seed});
+    EXPECT_TRUE(adapters::write_file(file, said.data));
+    return file;
+  };
+  const std::string out = scratch / "both";
+  const Said said =
+      cosiva({"battery", "analyse", fleet("1"), fleet("2"), "--half-width", "20", "--json", "--out", out});
+  ASSERT_EQ(said.status, 0) << said.words;
+  const auto json = JsonValue::parse(said.data);
+  ASSERT_TRUE(json);
+  EXPECT_GE(*json->number("n"), 3.0);
+  EXPECT_EQ(json->find("records")->array()->size(), 6U);
+  EXPECT_THAT(*adapters::read_file(out + "/report.html"), HasSubstr("Statement"));
 }
 
 TEST(BatteryCheck, says_what_is_wrong_and_where) {

@@ -50,6 +50,7 @@ struct BatteryArguments {
   BatteryReadyArguments ready;
   BatteryTestArguments test;
   BatteryPlanArguments plan;
+  BatteryAnalyseArguments analyse;
   BatteryFilesArguments compare;
   BatteryFilesArguments check;
 };
@@ -60,6 +61,7 @@ struct BatteryVerbs {
   CLI::App* fit;
   CLI::App* ready;
   CLI::App* plan;
+  CLI::App* analyse;
   CLI::App* compare;
   CLI::App* check;
 };

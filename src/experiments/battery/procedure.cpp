@@ -43,6 +43,10 @@ BatterySample between(const BatterySample& a, const BatterySample& b, double sha
 
 }  // namespace
 
+std::string vehicle_name(const BatteryRun& run) {
+  return run.carrier.empty() ? "AIV" + std::to_string(run.vehicle + 1) : run.carrier;
+}
+
 std::string_view to_string(StopCause cause) {
   constexpr std::array<std::string_view, 5> words{"floor", "cut-off", "fault", "operator", "lost"};
   return words[static_cast<std::size_t>(cause)];
