@@ -121,7 +121,7 @@ std::string stop_text(const std::optional<std::size_t>& stopped_after, double ha
   const std::string width = decimals(half_width_percent, 2) + " %";
   return stopped_after ? "the mean was known to " + width + " after " + std::to_string(*stopped_after) +
                              " batteries: no more are needed"
-                       : "the mean is not known to " + width + " yet";
+                       : "the mean is not known to " + width + " yet; it takes five batteries at least";
 }
 
 }  // namespace cosiva::app

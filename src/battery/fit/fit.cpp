@@ -191,9 +191,11 @@ void note_loads(Problem& problem) {
   double load_a = 0.0;
   double load_sq = 0.0;
   const std::vector<Point>& points = problem.points;
+  double least_a = 0.0;  // what is less is a tester's zero
+  for (const Point& point : points) least_a = std::max(least_a, 0.02 * point.current_a);
   for (std::size_t k = 0; k < points.size(); ++k) {
     const Point& point = points[k];
-    if (point.current_a <= 0.0) continue;
+    if (point.current_a <= least_a) continue;
     load += point.weight;
     load_a += point.weight * point.current_a;
     load_sq += point.weight * point.current_a * point.current_a;

@@ -75,6 +75,26 @@ TEST(Fit, of_one_rate_alone_tells_others_roughly_and_says_that_it_guesses) {
   }
 }
 
+TEST(Fit, of_one_rate_is_not_misled_by_a_tester_s_zero) {
+  std::vector<Log> logs = only(logs_of("lipo_pouch_rates_25C.csv"), {"=0.1C"});
+  // A long rest before it, in which the tester writes a few milliamperes of nothing.
+  Log& log = logs.front();
+  Log rested{log.name, {}, {}, {}, {}, log.origin, {}};
+  for (int t = 0; t < 30000; t += 10) {
+    rested.time_s.push_back(t);
+    rested.voltage_v.push_back(log.voltage_v.front() + 0.01);
+    rested.current_a.push_back(t % 20 == 0 ? 0.003 : -0.002);
+  }
+  for (std::size_t i = 0; i < log.time_s.size(); ++i) {
+    rested.time_s.push_back(30000.0 + log.time_s[i]);
+    rested.voltage_v.push_back(log.voltage_v[i]);
+    rested.current_a.push_back(log.current_a[i]);
+  }
+  const auto fit = fit_type({rested}, {.name = "pouch"});
+  ASSERT_TRUE(fit) << to_string(fit.error());
+  EXPECT_THAT(fit->notes, ::testing::Contains(::testing::HasSubstr("one current only")));
+}
+
 TEST(Fit, knows_the_temperature_of_its_logs) {
   std::vector<Log> logs = logs_of("lipo_pouch_rates_25C.csv");
   for (Log& log : logs)
