@@ -149,6 +149,45 @@ TEST(BatteryFit, refuses_logs_that_would_mislead) {
   EXPECT_EQ(cosiva({"battery", "fit", "gone.csv"}).status, 2);
 }
 
+// Chen and Rincón-Mora's closed form, and the Leaf's measured times (ORNL, doi 10.5281/zenodo.2580327), to 3.0 V.
+TEST(BatteryDischarge, tells_the_published_and_the_measured_times) {
+  const auto seconds = [](const std::vector<std::string>& load) {
+    std::vector<std::string> verb{"battery", "discharge", "--floor", "3.0", "--json"};
+    verb.insert(verb.end(), load.begin(), load.end());
+    const Said said = cosiva(verb);
+    EXPECT_EQ(said.status, 0) << said.words;
+    const auto json = JsonValue::parse(said.data);
+    return json ? json->find("discharges")->array()->front().number("lasted_s").value_or(0.0) : 0.0;
+  };
+  EXPECT_NEAR(seconds({"lipo850", "--current", "0.85"}), 3498.0, 0.002 * 3498.0);
+  EXPECT_NEAR(seconds({"lipo850", "--current", "0.17"}), 17708.0, 0.002 * 17708.0);
+  EXPECT_NEAR(seconds({"lipo850", "--power", "2"}), 5564.0, 0.002 * 5564.0);
+  EXPECT_NEAR(seconds({"leaf33", "--current", "30.6"}), 3568.8, 0.005 * 3568.8);
+  EXPECT_NEAR(seconds({"leaf33", "--current", "61.2"}), 1762.3, 0.005 * 1762.3);
+  // Two of half the size side by side are one.
+  EXPECT_NEAR(seconds({"leaf33", "--current", "30.6", "--parallel", "2", "--scale", "0.5"}), 3560.0, 10.0);
+  EXPECT_THAT(cosiva({"battery", "discharge", "leaf33"}).data, HasSubstr("Peukert's exponent between them 1.0"));
+  EXPECT_THAT(cosiva({"battery", "discharge", "lipo850", "--power", "500"}).data, HasSubstr("ends by brown-out"));
+  EXPECT_EQ(cosiva({"battery", "discharge", "leaf3"}).status, 2);
+  EXPECT_EQ(cosiva({"battery", "discharge", "leaf33", "--current", "-1"}).status, 2);
+}
+
+TEST(BatteryDischarge, writes_logs_that_a_fit_finds_the_battery_in_again) {
+  const Scratch scratch;
+  for (const char* rate : {"0.2", "1", "2"})
+    ASSERT_EQ(
+        cosiva({"battery", "discharge", "leaf33", "--rate", rate, "--csv", scratch / (std::string(rate) + ".csv")})
+            .status,
+        0);
+  const Said fit =
+      cosiva({"battery", "fit", scratch / "0.2.csv", scratch / "2.csv", "--predict", scratch / "1.csv", "--json"});
+  ASSERT_EQ(fit.status, 0) << fit.words;
+  const auto json = JsonValue::parse(fit.data);
+  const JsonValue& found = json->find("predictions")->array()->front();
+  EXPECT_NEAR(*found.number("predicted_s"), *found.number("measured_s"), 0.005 * *found.number("measured_s"));
+  EXPECT_EQ(cosiva({"battery", "discharge", "leaf33", "--csv", scratch / "all.csv"}).status, 2);  // of which load?
+}
+
 TEST(BatteryAnalyse, says_of_others_measurements_what_was_published_of_them) {
   const std::string csv = data("lghg2_fleet_figures.csv");
   const Said both = cosiva({"battery", "analyse", csv});

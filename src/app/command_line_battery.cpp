@@ -12,6 +12,7 @@ constexpr const char* battery_examples =
     "  cosiva battery fleet --live --broker 127.0.0.1:1883 --state test.json   on a platform that runs (`cosiva up`)\n"
     "  cosiva battery plan --cv 1.4 --half-width 1 --aivs 4       how many batteries it takes, who swaps with whom\n"
     "  cosiva battery analyse durations.csv                       what may be claimed from tests made elsewhere\n"
+    "  cosiva battery discharge leaf33 --rate 1                   how long a type lasts under a load\n"
     "  cosiva battery fit pulses.csv --predict 2C.csv --name mine --licence CC-BY-4.0 --out mine.json\n"
     "\n"
     "docs/guide/batteries.md tells more; every verb has its own --help.";
@@ -58,6 +59,15 @@ constexpr const char* analyse_examples =
     "  cosiva battery analyse durations.csv --only first_run --failed 6=2000 --failed 9=3000   as if two had failed\n"
     "  cosiva battery analyse monday/result.json tuesday/result.json --half-width 1   enough, or test another?\n"
     "  cosiva battery analyse durations.csv --only first_run --json > a.json && cosiva battery compare a.json b.json";
+
+constexpr const char* discharge_examples =
+    "The very model that tests run on, alone: constant current or power, from full and rested to the voltage floor.\n"
+    "\n"
+    "Examples:\n"
+    "  cosiva battery discharge leaf33                            at C/5, C/2, 1C and 2C, with Peukert's exponent\n"
+    "  cosiva battery discharge leaf33 --current 30.6 --floor 3.0 measured: 3568.8 s\n"
+    "  cosiva battery discharge lipo850 --power 1 --power 2       constant power, as a vehicle asks for it\n"
+    "  cosiva battery discharge mine.json --rate 1 --csv 1C.csv   as a log in the Battery Data Format's columns";
 
 constexpr const char* plan_examples =
     "Examples:\n"
@@ -197,6 +207,40 @@ void describe_fit(CLI::App& verb, BatteryFitArguments& fit) {
   verb.add_flag("--json", fit.json, "print the result as JSON");
 }
 
+void describe_discharge(CLI::App& verb, BatteryDischargeArguments& discharge) {
+  verb.add_option("type", discharge.type, "a shipped type's name (leaf33, lipo850) or a file")
+      ->type_name("NAME|FILE")
+      ->required();
+  verb.add_option("--current", discharge.currents_a, "of the whole pack [A]")
+      ->type_name("A")
+      ->check(CLI::PositiveNumber);
+  verb.add_option("--power", discharge.powers_w, "of the whole pack [W]")->type_name("W")->check(CLI::PositiveNumber);
+  verb.add_option("--rate", discharge.rates, "current in multiples of the capacity: 0.2 is C/5")
+      ->type_name("C")
+      ->check(CLI::PositiveNumber);
+  verb.add_option("--floor", discharge.floor_v, "of a cell [V]; without: the type's")
+      ->type_name("V")
+      ->check(CLI::PositiveNumber);
+  verb.add_option("--ambient", discharge.ambient_c, "temperature around it, and its own at first [°C]")
+      ->type_name("C")
+      ->check(CLI::Range(-40.0, 85.0))
+      ->capture_default_str();
+  verb.add_option("--step", discharge.step_s, "of the simulation [s]")
+      ->type_name("S")
+      ->check(CLI::Range(0.001, 10.0))
+      ->capture_default_str();
+  verb.add_option("--series", discharge.series, "cells in series")->type_name("N")->check(CLI::Range(1, 100));
+  verb.add_option("--parallel", discharge.parallel, "cells beside each other")
+      ->type_name("N")
+      ->check(CLI::Range(1, 100));
+  verb.add_option("--scale", discharge.scale, "cells of another size: capacity times this")
+      ->type_name("X")
+      ->check(CLI::Range(1e-4, 1e4));
+  verb.add_option("--csv", discharge.csv_file, "time, voltage, current and temperature go there; of one load")
+      ->type_name("FILE");
+  verb.add_flag("--json", discharge.json, "print the result as JSON");
+}
+
 void describe_analyse(CLI::App& verb, BatteryAnalyseArguments& analyse) {
   verb.add_option("files", analyse.files, "tables of durations, or results of `--out` or `--json`")
       ->type_name("CSV|JSON")
@@ -227,6 +271,7 @@ void teach(const BatteryVerbs& verbs) {
   verbs.ready->footer(ready_examples);
   verbs.plan->footer(plan_examples);
   verbs.analyse->footer(analyse_examples);
+  verbs.discharge->footer(discharge_examples);
   verbs.compare->footer(compare_examples);
   verbs.check->footer(check_examples);
 }
@@ -246,6 +291,7 @@ BatteryVerbs describe_battery(CLI::App& root, BatteryArguments& battery) {
   verbs.plan = verbs.battery->add_subcommand("plan", "Say how many batteries a claim takes, and who swaps with whom");
   verbs.analyse = verbs.battery->add_subcommand(
       "analyse", "What may be claimed from tests that were made before, here or elsewhere");
+  verbs.discharge = verbs.battery->add_subcommand("discharge", "Say how long a type's battery lasts under a load");
   verbs.compare = verbs.battery->add_subcommand("compare", "Compare the batteries of two results");
   verbs.check =
       verbs.battery->add_subcommand("check", "Say whether files are battery types, or what is wrong with them");
@@ -268,6 +314,7 @@ BatteryVerbs describe_battery(CLI::App& root, BatteryArguments& battery) {
   describe_fit(*verbs.fit, battery.fit);
   describe_ready(*verbs.ready, battery.ready);
   describe_analyse(*verbs.analyse, battery.analyse);
+  describe_discharge(*verbs.discharge, battery.discharge);
   verbs.plan->add_option("--cv", battery.plan.cv_percent, "standard deviation that is expected [%]")
       ->type_name("PERCENT")
       ->check(CLI::Range(0.001, 100.0))
@@ -302,6 +349,7 @@ std::optional<int> run_battery_verb(const BatteryVerbs& verbs, const BatteryArgu
   if (verbs.fit->parsed()) return run_battery_fit(battery.fit);
   if (verbs.ready->parsed()) return run_battery_ready(battery.ready);
   if (verbs.plan->parsed()) return run_battery_plan(battery.plan);
+  if (verbs.discharge->parsed()) return run_battery_discharge(battery.discharge);
   if (verbs.analyse->parsed()) return run_battery_analyse(battery.analyse);
   if (verbs.compare->parsed()) return run_battery_compare(battery.compare);
   if (verbs.check->parsed()) return run_battery_check(battery.check);

@@ -51,6 +51,7 @@ struct BatteryArguments {
   BatteryTestArguments test;
   BatteryPlanArguments plan;
   BatteryAnalyseArguments analyse;
+  BatteryDischargeArguments discharge;
   BatteryFilesArguments compare;
   BatteryFilesArguments check;
 };
@@ -62,6 +63,7 @@ struct BatteryVerbs {
   CLI::App* ready;
   CLI::App* plan;
   CLI::App* analyse;
+  CLI::App* discharge;
   CLI::App* compare;
   CLI::App* check;
 };
