@@ -60,6 +60,10 @@ TEST(BatteryFleet, writes_report_result_and_curves_and_gives_the_same_again) {
   EXPECT_EQ(*adapters::read_file(out + "/result.json"), said.data.substr(0, said.data.find('\n')));
   EXPECT_THAT(*adapters::read_file(out + "/curves.csv"), StartsWith("battery_id,run,vehicle,test_time_second"));
   EXPECT_EQ(run(scratch / "again").data, said.data);
+  // The curves are logs like others: a pack's type can be fitted to them.
+  const Said fit = cosiva({"battery", "fit", out + "/curves.csv", "--json"});
+  EXPECT_EQ(fit.status, 0) << fit.words;
+  EXPECT_LT(*JsonValue::parse(fit.data)->number("rms_v"), 0.05);
 }
 
 TEST(BatteryFleet, may_have_the_whole_platform_in_the_loop) {

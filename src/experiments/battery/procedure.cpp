@@ -121,6 +121,14 @@ ProcedureCommands Procedure::on_ready(SimTime now, std::size_t vehicle, const Ba
   return commands;
 }
 
+namespace {
+/// The last sample lies between two others, one of which may be there already: a curve's time only grows.
+void end_curve(BatteryRun& record, const BatterySample& last) {
+  while (!record.curve.empty() && record.curve.back().at >= last.at) record.curve.pop_back();
+  record.curve.push_back(last);
+}
+}  // namespace
+
 void Procedure::book(Seat& seat, const BatterySample& sample) const {
   seat.heard = sample.at;
   if (!seat.last) {
@@ -171,7 +179,7 @@ ProcedureCommands Procedure::on_sample(std::size_t vehicle, const BatterySample&
     record.charge_ah = before_ah + share * (record.charge_ah - before_ah);
     record.energy_wh = before_wh + share * (record.energy_wh - before_wh);
     note_end(seat, at, record);
-    record.curve.push_back(at);
+    end_curve(record, at);
   }
   seat.last = sample;
   if (seat.crossing && sample.at - seat.crossing->at >= options_.hold) {
@@ -193,7 +201,7 @@ ProcedureCommands Procedure::on_stop(SimTime now, std::size_t vehicle, StopCause
   end.at = cause == StopCause::lost ? seat.heard : now;
   BatteryRun record = seat.record;
   note_end(seat, end, record);
-  if (seat.last) record.curve.push_back(end);
+  if (seat.last) end_curve(record, end);
   return finish(vehicle, std::move(record), cause);
 }
 
