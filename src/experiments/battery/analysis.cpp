@@ -161,6 +161,13 @@ AutonomyFigures analyse(std::span<const BatteryRun> records, std::size_t batteri
     figures.trend->slope = figures.crossed->slope;
     figures.trend->p = figures.crossed->run.p;
   }
+  if (batteries == 1 && figures.runs > 1) {
+    std::vector<double> runs;
+    for (const BatteryRun& record : records)
+      if (record.ended()) runs.push_back(record.autonomy_s);
+    figures.runs_t = statistics::mean_interval(runs);
+    figures.runs_sd_s = std::sqrt(statistics::sample_variance(runs));
+  }
   figures.vehicles = vehicle_effect(records, figures.each);
   if (wanted_half_width > 0.0) figures.stopped_after = statistics::stops_at(ended, wanted_half_width);
   return figures;

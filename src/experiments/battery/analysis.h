@@ -52,6 +52,9 @@ struct AutonomyFigures {
   double sd_s{};
   std::string method;  ///< how mean_s came about
   std::optional<statistics::Interval> mean_t;
+  /// Of one battery's repeated runs about their mean: it says how well that battery is known, and nothing of others.
+  std::optional<statistics::Interval> runs_t;
+  double runs_sd_s{};
   std::optional<statistics::Interval> mean_bca;  ///< from ten batteries on
   std::optional<statistics::Interval> sd_interval;
   std::optional<double> tolerance_low_s;     ///< 95 % of all batteries last longer, with a confidence of 95 %

@@ -148,6 +148,13 @@ TEST(Autonomy, of_repeated_runs_says_what_they_lose_each_time) {
   EXPECT_NEAR(one.trend->slope, -9.84, 0.02);
   EXPECT_NEAR(one.trend->at_first, 3602.5, 0.5);
   EXPECT_FALSE(one.mean_t);  // one battery tells nothing of others
+  EXPECT_FALSE(one.tolerance_low_s || one.next);
+  // Of itself it does: 3602.1, 3593.27, 3582.87, 3572.76 s have an SD of 12.7 s, and 3.182 · 12.7/√4 = 20.2 s.
+  EXPECT_NEAR(one.runs_sd_s, 12.7136, 0.0001);
+  EXPECT_NEAR(one.runs_t->high - one.runs_t->low, 2.0 * 3.1824 * one.runs_sd_s / 2.0, 0.01);
+  const auto alone = JsonValue::parse(to_json(one, std::span{records}.first(4), {}));
+  EXPECT_EQ(alone->find("autonomy_s")->text("of"), "runs of one battery");
+  EXPECT_EQ(alone->find("autonomy_s")->number("sd"), one.runs_sd_s);
   for (const BatteryFigures& own : figures.each) {
     EXPECT_NEAR(own.trend->slope, -10.3, 0.75);
     EXPECT_GT(own.trend->r_squared, 0.996);
@@ -158,6 +165,7 @@ TEST(Autonomy, of_repeated_runs_says_what_they_lose_each_time) {
   ASSERT_EQ(json->find("batteries")->array()->size(), 5U);
   EXPECT_EQ(json->find("records")->array()->size(), 20U);
   const JsonValue& first = json->find("batteries")->array()->front();
+  EXPECT_EQ(json->find("autonomy_s")->text("of"), "batteries");
   EXPECT_EQ(first.number("runs"), 4.0);
   EXPECT_NEAR(*first.number("autonomy_s"), 3587.75, 0.01);
   EXPECT_NEAR(*first.find("slope_per_run")->number("slope_s"), -9.84, 0.02);

@@ -174,8 +174,10 @@ std::string to_json(const AutonomyFigures& figures, std::span<const BatteryRun> 
                     std::span<const TrueEnd> truth) {
   JsonWriter json;
   json.begin_object().key("autonomy_s").begin_object();
-  json.field("mean", figures.mean_s).field("sd", figures.sd_s);
-  write(json, "ci95", figures.mean_t);
+  const bool of_runs = figures.runs_t.has_value();
+  json.field("mean", figures.mean_s).field("sd", of_runs ? figures.runs_sd_s : figures.sd_s);
+  write(json, "ci95", of_runs ? figures.runs_t : figures.mean_t);
+  json.field("of", of_runs ? "runs of one battery" : "batteries");
   write(json, "ci95_bca", figures.mean_bca);
   json.field("method", figures.method).field("at", figures.at_s);
   json.field("mean_if_failures_counted", figures.mean_if_counted_s);
@@ -208,7 +210,8 @@ std::string to_json(const AutonomyFigures& figures, std::span<const BatteryRun> 
 
 std::string to_text(const AutonomyFigures& figures, std::span<const BatteryRun> records) {
   std::string text = std::to_string(figures.batteries) + (figures.batteries == 1 ? " battery, " : " batteries, ") +
-                     std::to_string(records.size()) + " runs, " + std::to_string(figures.failed) + " failed\n";
+                     std::to_string(records.size()) + (records.size() == 1 ? " run, " : " runs, ") +
+                     std::to_string(figures.failed) + " failed\n";
   for (const BatteryRun& record : records) {
     text += "  run " + std::to_string(record.run + 1) + ", " + record.tag.id + " on " + vehicle_name(record) + ": " +
             duration_text(record.autonomy_s) + " (" + std::string(to_string(record.stop)) + ")";
@@ -220,6 +223,9 @@ std::string to_text(const AutonomyFigures& figures, std::span<const BatteryRun> 
   text += "AT " + duration_text(figures.mean_s) + " (" + short_text(figures.mean_s, 1) + " s, " + figures.method + ")";
   if (figures.mean_t) text += ", 95 % interval " + span_text(*figures.mean_t);
   if (figures.mean_bca) text += ", BCa " + span_text(*figures.mean_bca);
+  if (figures.runs_t)
+    text += "\nover this battery's runs: SD " + short_text(figures.runs_sd_s, 1) + " s, 95 % interval of their mean " +
+            span_text(*figures.runs_t) + "; of other batteries they say nothing";
   if (figures.sd_interval)
     text += "\nSD " + short_text(figures.sd_s, 1) + " s, at most " + short_text(figures.sd_interval->high, 1) + " s";
   if (figures.tolerance_low_s)

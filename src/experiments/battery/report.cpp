@@ -134,6 +134,9 @@ void add_statement(Report& report, const AutonomyFigures& figures, const ReportF
                             : std::string("as it was measured")},
       {"Mean autonomy", seconds_text(figures.mean_s) + ", " + figures.method},
       {"95 % interval of the mean, Student", range_text(figures.mean_t)}};
+  if (figures.runs_t)
+    rows.push_back({"Of this battery's runs alone: standard deviation; 95 % interval of their mean",
+                    seconds_text(figures.runs_sd_s) + "; " + range_text(figures.runs_t)});
   if (figures.mean_bca) rows.push_back({"95 % interval of the mean, BCa bootstrap", range_text(figures.mean_bca)});
   if (figures.sd_interval)
     rows.push_back({"Standard deviation, and its upper bound",
