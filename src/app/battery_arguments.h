@@ -78,6 +78,35 @@ struct BatteryPlanArguments {
   bool json{false};
 };
 
+struct BatteryDischargeArguments {
+  std::string type;                ///< a shipped one's name or a file
+  std::vector<double> currents_a;  ///< of the whole pack …
+  std::vector<double> powers_w;    ///< … as power …
+  std::vector<double> rates;       ///< … or in multiples of the capacity; none of all: 0.2, 0.5, 1 and 2
+  double floor_v{0.0};             ///< of a cell; 0: the type's
+  double ambient_c{25.0};
+  double step_s{1.0};
+  std::uint32_t series{1};
+  std::uint32_t parallel{1};
+  double scale{1.0};
+  std::string csv_file;
+  bool json{false};
+};
+
+struct BatteryAnalyseArguments {
+  std::vector<std::string> files;   ///< tables, or results of tests
+  std::vector<std::string> only;    ///< series of them; none: all
+  std::vector<std::string> failed;  ///< BATTERY=SECONDS: as if it had failed then
+  std::string time;                 ///< columns; empty: the usual names
+  std::string battery;
+  std::string vehicle;
+  std::string run;
+  double half_width_percent{0.0};
+  std::string out_directory;
+  std::uint64_t seed{1};
+  bool json{false};
+};
+
 struct BatteryFilesArguments {
   std::vector<std::string> files;
   bool json{false};
@@ -88,6 +117,12 @@ int run_battery_sampled(const BatteryTestArguments& arguments);
 int run_battery_fleet(const BatteryTestArguments& arguments);
 /// batteryReady, said by whoever has changed it.
 int run_battery_ready(const BatteryReadyArguments& arguments);
+/// What a type's battery does under one load, from full to its floor.
+int run_battery_discharge(const BatteryDischargeArguments& arguments);
+/// Tests that were made before, here or by others.
+int run_battery_analyse(const BatteryAnalyseArguments& arguments);
+/// Whether the wanted half width of the mean was reached, and after how many batteries.
+[[nodiscard]] std::string stop_text(const std::optional<std::size_t>& stopped_after, double half_width_percent);
 int run_battery_plan(const BatteryPlanArguments& arguments);
 /// Two results of battery tests, whose batteries are compared.
 int run_battery_compare(const BatteryFilesArguments& arguments);

@@ -80,8 +80,9 @@ std::string residual_text(const battery::Residual& residual) {
                      " mV RMS, at most " + decimals(1e3 * residual.worst_v, 1) + " mV at " +
                      decimals(100.0 * residual.worst_at_charge, 1) + " %";
   if (std::isfinite(residual.measured_s) && std::isfinite(residual.predicted_s))
-    text += "; to the floor " + decimals(residual.measured_s, 1) + " s measured, " + decimals(residual.predicted_s, 1) +
-            " s foretold (" + decimals(100.0 * (residual.predicted_s / residual.measured_s - 1.0), 2) + " %)";
+    text += "; to " + decimals(residual.floor_v, 3) + " V " + decimals(residual.measured_s, 1) + " s measured, " +
+            decimals(residual.predicted_s, 1) + " s foretold (" +
+            decimals(100.0 * (residual.predicted_s / residual.measured_s - 1.0), 2) + " %)";
   return text + "\n";
 }
 
@@ -90,7 +91,8 @@ void write_residuals(JsonWriter& json, std::string_view name, const std::vector<
   for (const battery::Residual& one : residuals) {
     json.begin_object().field("log", one.log).field("samples", one.samples).field("current_a", one.current_a);
     json.field("rms_v", one.rms_v).field("worst_v", one.worst_v).field("worst_at_charge", one.worst_at_charge);
-    json.field("measured_s", one.measured_s).field("predicted_s", one.predicted_s).end_object();
+    json.field("measured_s", one.measured_s).field("predicted_s", one.predicted_s).field("floor_v", one.floor_v);
+    json.field("began_s", one.began_s).end_object();
   }
   json.end_array();
 }
@@ -144,7 +146,15 @@ int run_battery_fit(const BatteryFitArguments& arguments) {
   options.floor_v = arguments.floor_v;
   const auto fit = battery::fit_type(input->fitted, options);
   if (!fit) return complain(fit.error());
-  const auto foretold = battery::predict(fit->type, input->foretold);
+  std::vector<battery::Residual> foretold;
+  for (const Log& log : input->foretold) {
+    auto own = battery::predict(fit->type, {log});
+    if (own.empty())
+      return complain({"fit.full",
+                       "no discharge begins full, at " + decimals(fit->type.voltage_full_v, 2) + " V or a little below",
+                       log.name});
+    std::ranges::move(own, std::back_inserter(foretold));
+  }
   if (!arguments.out_file.empty()) {
     // Nothing is written that could not be read again.
     const std::string file = battery::to_json(fit->type);

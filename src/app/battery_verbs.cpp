@@ -216,8 +216,14 @@ Result<Outcome> run_on_platform(const BatteryTestArguments& arguments, const Vir
   if (live.vehicles.size() != vehicles || live.batteries.size() != vehicles)
     return fail("battery.vehicles",
                 "as many --vehicle and --battery as vehicles are wanted: " + std::to_string(vehicles), "--aivs");
+  const std::vector<wire::VehicleId> called = live.vehicles;
   auto records = run_live(arguments, std::move(live));
   if (!records) return tl::unexpected(records.error());
+  for (experiments::BatteryRun& record : *records) {
+    const wire::VehicleId& vehicle = called[record.vehicle];
+    record.carrier =
+        (vehicle.manufacturer == wire::our_manufacturer ? "" : vehicle.manufacturer + "/") + vehicle.serial_number;
+  }
   return Outcome{std::move(*records), {}, "vehicles driving on the platform at " + arguments.url};
 }
 
@@ -245,11 +251,7 @@ int run_test(const BatteryTestArguments& arguments, const std::string& verb, std
     say("written to " + arguments.out_directory + ": report.html, result.json, curves.csv");
   }
   std::string text = experiments::to_text(figures, outcome->records);
-  if (arguments.half_width_percent > 0.0)
-    text += figures.stopped_after
-                ? "\nthe mean was known to " + decimals(arguments.half_width_percent, 2) + " % after " +
-                      std::to_string(*figures.stopped_after) + " batteries"
-                : "\nthe mean is not known to " + decimals(arguments.half_width_percent, 2) + " % yet";
+  if (arguments.half_width_percent > 0.0) text += "\n" + stop_text(figures.stopped_after, arguments.half_width_percent);
   // Under a floor by count alone every battery of a type comes out alike: worth a word.
   if (options->battery.gauge != battery::GaugeMethod::kalman && options->procedure.floor > 0.0)
     say("note: a gauge that only counts takes every battery's capacity for the type's; --gauge kalman or --floor 0 "

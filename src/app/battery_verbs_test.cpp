@@ -31,7 +31,8 @@ TEST(BatterySampled, gives_the_autonomy_and_its_drift) {
   ASSERT_TRUE(json);
   // 80 % of 2.2 Ah at about 7.7 V are 48 kJ, and a vehicle takes 3.3 W.
   EXPECT_NEAR(*json->find("autonomy_s")->number("mean"), 14500.0, 1000.0);
-  ASSERT_EQ(json->find("batteries")->array()->size(), 3U);
+  ASSERT_EQ(json->find("batteries")->array()->size(), 1U);
+  EXPECT_EQ(json->find("records")->array()->size(), 3U);
   EXPECT_NE(json->find("slope_per_run")->number("p"), std::nullopt);
   EXPECT_THAT(said.words, HasSubstr("run 3: put battery 1, full, into AIV1"));
 }
@@ -59,6 +60,10 @@ TEST(BatteryFleet, writes_report_result_and_curves_and_gives_the_same_again) {
   EXPECT_EQ(*adapters::read_file(out + "/result.json"), said.data.substr(0, said.data.find('\n')));
   EXPECT_THAT(*adapters::read_file(out + "/curves.csv"), StartsWith("battery_id,run,vehicle,test_time_second"));
   EXPECT_EQ(run(scratch / "again").data, said.data);
+  // The curves are logs like others: a pack's type can be fitted to them.
+  const Said fit = cosiva({"battery", "fit", out + "/curves.csv", "--json"});
+  EXPECT_EQ(fit.status, 0) << fit.words;
+  EXPECT_LT(*JsonValue::parse(fit.data)->number("rms_v"), 0.05);
 }
 
 TEST(BatteryFleet, may_have_the_whole_platform_in_the_loop) {
@@ -146,6 +151,86 @@ TEST(BatteryFit, refuses_logs_that_would_mislead) {
   EXPECT_EQ(cosiva({"battery", "fit", data("lipo_pouch_rates_25C.csv"), "--predict", "rate=9C"}).status, 2);
   EXPECT_EQ(cosiva({"battery", "fit", data("lipo_pouch_rates_25C.csv"), "--only", "rate=9C"}).status, 2);
   EXPECT_EQ(cosiva({"battery", "fit", "gone.csv"}).status, 2);
+}
+
+// Chen and Rincón-Mora's closed form, and the Leaf's measured times (ORNL, doi 10.5281/zenodo.2580327), to 3.0 V.
+TEST(BatteryDischarge, tells_the_published_and_the_measured_times) {
+  const auto seconds = [](const std::vector<std::string>& load) {
+    std::vector<std::string> verb{"battery", "discharge", "--floor", "3.0", "--json"};
+    verb.insert(verb.end(), load.begin(), load.end());
+    const Said said = cosiva(verb);
+    EXPECT_EQ(said.status, 0) << said.words;
+    const auto json = JsonValue::parse(said.data);
+    return json ? json->find("discharges")->array()->front().number("lasted_s").value_or(0.0) : 0.0;
+  };
+  EXPECT_NEAR(seconds({"lipo850", "--current", "0.85"}), 3498.0, 0.002 * 3498.0);
+  EXPECT_NEAR(seconds({"lipo850", "--current", "0.17"}), 17708.0, 0.002 * 17708.0);
+  EXPECT_NEAR(seconds({"lipo850", "--power", "2"}), 5564.0, 0.002 * 5564.0);
+  EXPECT_NEAR(seconds({"leaf33", "--current", "30.6"}), 3568.8, 0.005 * 3568.8);
+  EXPECT_NEAR(seconds({"leaf33", "--current", "61.2"}), 1762.3, 0.005 * 1762.3);
+  // Two of half the size side by side are one.
+  EXPECT_NEAR(seconds({"leaf33", "--current", "30.6", "--parallel", "2", "--scale", "0.5"}), 3560.0, 10.0);
+  EXPECT_THAT(cosiva({"battery", "discharge", "leaf33"}).data, HasSubstr("Peukert's exponent between them 1.0"));
+  EXPECT_THAT(cosiva({"battery", "discharge", "lipo850", "--power", "500"}).data, HasSubstr("ends by brown-out"));
+  EXPECT_EQ(cosiva({"battery", "discharge", "leaf3"}).status, 2);
+  EXPECT_EQ(cosiva({"battery", "discharge", "leaf33", "--current", "-1"}).status, 2);
+}
+
+TEST(BatteryDischarge, writes_logs_that_a_fit_finds_the_battery_in_again) {
+  const Scratch scratch;
+  for (const char* rate : {"0.2", "1", "2"})
+    ASSERT_EQ(
+        cosiva({"battery", "discharge", "leaf33", "--rate", rate, "--csv", scratch / (std::string(rate) + ".csv")})
+            .status,
+        0);
+  const Said fit =
+      cosiva({"battery", "fit", scratch / "0.2.csv", scratch / "2.csv", "--predict", scratch / "1.csv", "--json"});
+  ASSERT_EQ(fit.status, 0) << fit.words;
+  const auto json = JsonValue::parse(fit.data);
+  const JsonValue& found = json->find("predictions")->array()->front();
+  EXPECT_NEAR(*found.number("predicted_s"), *found.number("measured_s"), 0.005 * *found.number("measured_s"));
+  EXPECT_EQ(cosiva({"battery", "discharge", "leaf33", "--csv", scratch / "all.csv"}).status, 2);  // of which load?
+}
+
+TEST(BatteryAnalyse, says_of_others_measurements_what_was_published_of_them) {
+  const std::string csv = data("lghg2_fleet_figures.csv");
+  const Said both = cosiva({"battery", "analyse", csv});
+  ASSERT_EQ(both.status, 0) << both.words;
+  EXPECT_THAT(both.data, HasSubstr("fleet_first_run: 9 batteries, 9 runs, 0 failed"));
+  EXPECT_THAT(both.data, HasSubstr("(3605.5 s, equation (4)), 95 % interval 3567.3 to 3643.7 s"));
+  EXPECT_THAT(both.data, HasSubstr("1 is an outlier (Grubbs), kept: 2.309 > 2.215, robust score -4.3"));
+  EXPECT_THAT(both.data, HasSubstr("same_cell_repeat: 5 batteries, 20 runs"));
+  EXPECT_THAT(both.data, HasSubstr("slope -10.2"));
+  const Said failed = cosiva(
+      {"battery", "analyse", csv, "--only", "fleet_first_run", "--failed", "6=2000", "--failed", "9=3000", "--json"});
+  const auto json = JsonValue::parse(failed.data);
+  ASSERT_TRUE(json);
+  EXPECT_NEAR(*json->find("autonomy_s")->number("mean"), 3602.0, 1.0);
+  EXPECT_EQ(json->number("failed"), 2.0);
+  EXPECT_EQ(cosiva({"battery", "analyse", csv, "--only", "gone"}).status, 2);
+  EXPECT_EQ(cosiva({"battery", "analyse", csv, "--failed", "6=2000"}).status, 2);  // of which series?
+  EXPECT_EQ(cosiva({"battery", "analyse", csv, "--only", "fleet_first_run", "--failed", "six"}).status, 2);
+  EXPECT_EQ(cosiva({"battery", "analyse", "gone.csv"}).status, 2);
+}
+
+TEST(BatteryAnalyse, takes_results_of_our_own_tests_together_and_writes_a_report) {
+  const Scratch scratch;
+  const auto fleet = [&](const char* seed) {
+    const std::string file = scratch / (std::string(seed) + ".json");
+    const Said said =
+        cosiva({"battery", "fleet", "--aivs", "3", "--measure", "20", "--scale", "0.3", "--json", "--seed", seed});
+    EXPECT_TRUE(adapters::write_file(file, said.data));
+    return file;
+  };
+  const std::string out = scratch / "both";
+  const Said said =
+      cosiva({"battery", "analyse", fleet("1"), fleet("2"), "--half-width", "20", "--json", "--out", out});
+  ASSERT_EQ(said.status, 0) << said.words;
+  const auto json = JsonValue::parse(said.data);
+  ASSERT_TRUE(json);
+  EXPECT_GE(*json->number("n"), 3.0);
+  EXPECT_EQ(json->find("records")->array()->size(), 6U);
+  EXPECT_THAT(*adapters::read_file(out + "/report.html"), HasSubstr("Statement"));
 }
 
 TEST(BatteryCheck, says_what_is_wrong_and_where) {

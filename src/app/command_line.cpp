@@ -304,7 +304,8 @@ int run_command_line(int argc, const char* const* argv) {
   if (const auto status = run_agent_verb(agent_verbs, agent)) return *status;
   if (const auto status = run_battery_verb(battery_verbs, battery)) return *status;
   if (battery_verbs.battery->parsed())
-    return refuse("say what to do: sampled, fleet, fit, plan, compare or check", *battery_verbs.battery);
+    return refuse("say what to do: sampled, fleet, fit, ready, plan, discharge, analyse, compare or check",
+                  *battery_verbs.battery);
   if (const auto status = run_qualify_verb(qualify_verbs, qualify, argc, argv)) return *status;
   if (const auto status = run_gvs_verb(gvs_verbs, gvs)) return *status;
   if (gvs_verbs.gvs->parsed()) return refuse("say what to do: calibrate, track, render or watch", *gvs_verbs.gvs);

@@ -11,9 +11,88 @@ constexpr const char* battery_examples =
     "  cosiva battery fleet --aivs 4 --repeat 4 --swap            tells battery from vehicle\n"
     "  cosiva battery fleet --live --broker 127.0.0.1:1883 --state test.json   on a platform that runs (`cosiva up`)\n"
     "  cosiva battery plan --cv 1.4 --half-width 1 --aivs 4       how many batteries it takes, who swaps with whom\n"
+    "  cosiva battery analyse durations.csv                       what may be claimed from tests made elsewhere\n"
+    "  cosiva battery discharge leaf33 --rate 1                   how long a type lasts under a load\n"
     "  cosiva battery fit pulses.csv --predict 2C.csv --name mine --licence CC-BY-4.0 --out mine.json\n"
     "\n"
-    "docs/guide/batteries.md tells more.";
+    "docs/guide/batteries.md tells more; every verb has its own --help.";
+
+constexpr const char* sampled_examples =
+    "The article's exchange (A37): changeBattery, batteryReady, run, then {rc, sendMsg} until rc stays below the "
+    "floor.\n"
+    "\n"
+    "Examples:\n"
+    "  cosiva battery sampled                                     the carts' own battery, from full to 20 %\n"
+    "  cosiva battery sampled --repeat 4 --json                   four times: slope per run, and the chance of none\n"
+    "  cosiva battery sampled --type leaf33 --scale 0.05 --floor 0   until the battery's own protection cuts off\n"
+    "  cosiva battery sampled --pause-every 600 --pause 60        calibrated pauses, booked apart\n"
+    "  cosiva battery sampled --live --by-hand --vehicle ACME/A1 --battery red --state red.json   real hardware";
+
+constexpr const char* fleet_examples =
+    "All run when the last is ready; AT is the mean of equation (4), with what it is worth beside it (A38).\n"
+    "\n"
+    "Examples:\n"
+    "  cosiva battery fleet --aivs 12 --out report                report.html, result.json, curves.csv\n"
+    "  cosiva battery fleet --aivs 4 --repeat 4 --swap            shares of variance: battery, vehicle, run, rest\n"
+    "  cosiva battery fleet --aivs 12 --failures 0.05             vehicles fail: censored, never counted as ends\n"
+    "  cosiva battery fleet --aivs 12 --half-width 1              after how many batteries the mean is known to 1 %\n"
+    "  cosiva battery fleet --live --broker 127.0.0.1:1883 --state test.json   on a platform that runs (`cosiva up`)";
+
+constexpr const char* fit_examples =
+    "A pulse test from full to empty is best; constant discharges at two rates do. One rate alone does not tell\n"
+    "resistance from voltage. A discharge must begin full; + charges, as in the Battery Data Format.\n"
+    "\n"
+    "Examples:\n"
+    "  cosiva battery fit pulses.csv --predict 1C.csv --predict 2C.csv   how far off what was not fitted\n"
+    "  cosiva battery fit rates.csv --predict rate=2C             hold one series out\n"
+    "  cosiva battery fit rates.csv --only rate=0.1C --only rate=1C --floor 3.0\n"
+    "  cosiva battery fit pulses.csv --name mine --licence CC-BY-4.0 --out mine.json\n"
+    "  cosiva battery check mine.json && cosiva battery sampled --type mine.json";
+
+constexpr const char* analyse_examples =
+    "A table has a header and a row for each run: a column for how long it lasted (its name ends with its unit), and\n"
+    "where there are any: battery_id or cell, vehicle or tester_channel, run, stop, and series where tests are "
+    "several.\n"
+    "\n"
+    "Examples:\n"
+    "  cosiva battery analyse durations.csv                       every series of it\n"
+    "  cosiva battery analyse durations.csv --only first_run --failed 6=2000 --failed 9=3000   as if two had failed\n"
+    "  cosiva battery analyse monday/result.json tuesday/result.json --half-width 1   enough, or test another?\n"
+    "  cosiva battery analyse durations.csv --only first_run --json > a.json && cosiva battery compare a.json b.json";
+
+constexpr const char* discharge_examples =
+    "The very model that tests run on, alone: constant current or power, from full and rested to the voltage floor.\n"
+    "\n"
+    "Examples:\n"
+    "  cosiva battery discharge leaf33                            at C/5, C/2, 1C and 2C, with Peukert's exponent\n"
+    "  cosiva battery discharge leaf33 --current 30.6 --floor 3.0 measured: 3568.8 s\n"
+    "  cosiva battery discharge lipo850 --power 1 --power 2       constant power, as a vehicle asks for it\n"
+    "  cosiva battery discharge mine.json --rate 1 --csv 1C.csv   as a log in the Battery Data Format's columns";
+
+constexpr const char* plan_examples =
+    "Examples:\n"
+    "  cosiva battery plan --cv 1.4 --half-width 1                how many batteries for a mean known to 1 %\n"
+    "  cosiva battery plan --cv 1.4 --difference 2                how many of each type to see a difference of 2 %\n"
+    "  cosiva battery plan --aivs 4                               a Latin square: which battery on which AIV, run by "
+    "run";
+
+constexpr const char* compare_examples =
+    "Examples:\n"
+    "  cosiva battery compare old/result.json new/result.json     difference, its interval, effect size, power\n"
+    "\n"
+    "Runs that a vehicle's failure ended are left out.";
+
+constexpr const char* ready_examples =
+    "Examples:\n"
+    "  cosiva battery ready ACME/A1 red --type leaf33 --cycles 12 --rest 3600 --temperature 23.5\n"
+    "\n"
+    "A battery that is not full, not in its type's temperature band, or not the one asked for is refused by the test.";
+
+constexpr const char* check_examples =
+    "Examples:\n"
+    "  cosiva battery check mine.json leaf33                      files, or types that come with the platform\n"
+    "\n"
+    "The form is docs/protocols/battery-type.schema.json. Exit 2 where one is bad.";
 
 /// On a platform that runs, instead of in virtual time.
 void add_live_options(CLI::App& verb, BatteryTestArguments& test) {
@@ -128,6 +207,75 @@ void describe_fit(CLI::App& verb, BatteryFitArguments& fit) {
   verb.add_flag("--json", fit.json, "print the result as JSON");
 }
 
+void describe_discharge(CLI::App& verb, BatteryDischargeArguments& discharge) {
+  verb.add_option("type", discharge.type, "a shipped type's name (leaf33, lipo850) or a file")
+      ->type_name("NAME|FILE")
+      ->required();
+  verb.add_option("--current", discharge.currents_a, "of the whole pack [A]")
+      ->type_name("A")
+      ->check(CLI::PositiveNumber);
+  verb.add_option("--power", discharge.powers_w, "of the whole pack [W]")->type_name("W")->check(CLI::PositiveNumber);
+  verb.add_option("--rate", discharge.rates, "current in multiples of the capacity: 0.2 is C/5")
+      ->type_name("C")
+      ->check(CLI::PositiveNumber);
+  verb.add_option("--floor", discharge.floor_v, "of a cell [V]; without: the type's")
+      ->type_name("V")
+      ->check(CLI::PositiveNumber);
+  verb.add_option("--ambient", discharge.ambient_c, "temperature around it, and its own at first [°C]")
+      ->type_name("C")
+      ->check(CLI::Range(-40.0, 85.0))
+      ->capture_default_str();
+  verb.add_option("--step", discharge.step_s, "of the simulation [s]")
+      ->type_name("S")
+      ->check(CLI::Range(0.001, 10.0))
+      ->capture_default_str();
+  verb.add_option("--series", discharge.series, "cells in series")->type_name("N")->check(CLI::Range(1, 100));
+  verb.add_option("--parallel", discharge.parallel, "cells beside each other")
+      ->type_name("N")
+      ->check(CLI::Range(1, 100));
+  verb.add_option("--scale", discharge.scale, "cells of another size: capacity times this")
+      ->type_name("X")
+      ->check(CLI::Range(1e-4, 1e4));
+  verb.add_option("--csv", discharge.csv_file, "time, voltage, current and temperature go there; of one load")
+      ->type_name("FILE");
+  verb.add_flag("--json", discharge.json, "print the result as JSON");
+}
+
+void describe_analyse(CLI::App& verb, BatteryAnalyseArguments& analyse) {
+  verb.add_option("files", analyse.files, "tables of durations, or results of `--out` or `--json`")
+      ->type_name("CSV|JSON")
+      ->required();
+  verb.add_option("--only", analyse.only, "only this series of them")->type_name("SERIES");
+  verb.add_option("--failed", analyse.failed, "as if this battery's first run had been ended then by something else")
+      ->type_name("BATTERY=SECONDS");
+  verb.add_option("--time", analyse.time, "column: how long it lasted, such as time_to_2V5_second")
+      ->type_name("COLUMN");
+  verb.add_option("--battery", analyse.battery, "column: which battery")->type_name("COLUMN");
+  verb.add_option("--vehicle", analyse.vehicle, "column: on which vehicle, or tester channel")->type_name("COLUMN");
+  verb.add_option("--run", analyse.run, "column: which of its runs, from 1")->type_name("COLUMN");
+  verb.add_option("--half-width", analyse.half_width_percent,
+                  "say after how many batteries the mean is known to this [%]")
+      ->type_name("PERCENT")
+      ->check(CLI::Range(0.001, 100.0));
+  verb.add_option("--out", analyse.out_directory, "report.html and result.json go there")->type_name("DIR");
+  verb.add_option("--seed", analyse.seed, "of the bootstrap")->type_name("S")->capture_default_str();
+  verb.add_flag("--json", analyse.json, "print the result as JSON; of several series, a list of them");
+}
+
+/// A verb's own words after its options.
+void teach(const BatteryVerbs& verbs) {
+  verbs.battery->footer(battery_examples);
+  verbs.sampled->footer(sampled_examples);
+  verbs.fleet->footer(fleet_examples);
+  verbs.fit->footer(fit_examples);
+  verbs.ready->footer(ready_examples);
+  verbs.plan->footer(plan_examples);
+  verbs.analyse->footer(analyse_examples);
+  verbs.discharge->footer(discharge_examples);
+  verbs.compare->footer(compare_examples);
+  verbs.check->footer(check_examples);
+}
+
 }  // namespace
 
 BatteryVerbs describe_battery(CLI::App& root, BatteryArguments& battery) {
@@ -135,13 +283,15 @@ BatteryVerbs describe_battery(CLI::App& root, BatteryArguments& battery) {
   verbs.battery =
       root.add_subcommand("battery", "Autonomy of batteries: types, tests, and what may be claimed from them");
   verbs.battery->require_subcommand(0, 1);
-  verbs.battery->footer(battery_examples);
   verbs.sampled =
       verbs.battery->add_subcommand("sampled", "One AIV, one battery, from full to the floor, as often as wanted");
   verbs.fleet = verbs.battery->add_subcommand("fleet", "N AIVs on one circuit, each with its battery, all at once");
   verbs.fit = verbs.battery->add_subcommand("fit", "Make a battery type of a tester's logs");
   verbs.ready = verbs.battery->add_subcommand("ready", "Say that a battery has been put into a vehicle (live tests)");
   verbs.plan = verbs.battery->add_subcommand("plan", "Say how many batteries a claim takes, and who swaps with whom");
+  verbs.analyse = verbs.battery->add_subcommand(
+      "analyse", "What may be claimed from tests that were made before, here or elsewhere");
+  verbs.discharge = verbs.battery->add_subcommand("discharge", "Say how long a type's battery lasts under a load");
   verbs.compare = verbs.battery->add_subcommand("compare", "Compare the batteries of two results");
   verbs.check =
       verbs.battery->add_subcommand("check", "Say whether files are battery types, or what is wrong with them");
@@ -163,6 +313,8 @@ BatteryVerbs describe_battery(CLI::App& root, BatteryArguments& battery) {
       ->type_name("PERCENT");
   describe_fit(*verbs.fit, battery.fit);
   describe_ready(*verbs.ready, battery.ready);
+  describe_analyse(*verbs.analyse, battery.analyse);
+  describe_discharge(*verbs.discharge, battery.discharge);
   verbs.plan->add_option("--cv", battery.plan.cv_percent, "standard deviation that is expected [%]")
       ->type_name("PERCENT")
       ->check(CLI::Range(0.001, 100.0))
@@ -187,6 +339,7 @@ BatteryVerbs describe_battery(CLI::App& root, BatteryArguments& battery) {
   verbs.compare->add_flag("--json", battery.compare.json, "print the result as JSON");
   verbs.check->add_option("files", battery.check.files, "battery types")->type_name("FILE")->required();
   verbs.check->add_flag("--json", battery.check.json, "print the result as JSON");
+  teach(verbs);
   return verbs;
 }
 
@@ -196,6 +349,8 @@ std::optional<int> run_battery_verb(const BatteryVerbs& verbs, const BatteryArgu
   if (verbs.fit->parsed()) return run_battery_fit(battery.fit);
   if (verbs.ready->parsed()) return run_battery_ready(battery.ready);
   if (verbs.plan->parsed()) return run_battery_plan(battery.plan);
+  if (verbs.discharge->parsed()) return run_battery_discharge(battery.discharge);
+  if (verbs.analyse->parsed()) return run_battery_analyse(battery.analyse);
   if (verbs.compare->parsed()) return run_battery_compare(battery.compare);
   if (verbs.check->parsed()) return run_battery_check(battery.check);
   return std::nullopt;

@@ -50,6 +50,8 @@ struct BatteryArguments {
   BatteryReadyArguments ready;
   BatteryTestArguments test;
   BatteryPlanArguments plan;
+  BatteryAnalyseArguments analyse;
+  BatteryDischargeArguments discharge;
   BatteryFilesArguments compare;
   BatteryFilesArguments check;
 };
@@ -60,6 +62,8 @@ struct BatteryVerbs {
   CLI::App* fit;
   CLI::App* ready;
   CLI::App* plan;
+  CLI::App* analyse;
+  CLI::App* discharge;
   CLI::App* compare;
   CLI::App* check;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -14,6 +15,7 @@ namespace cosiva::battery {
 namespace {
 
 constexpr double sample_worth_s = 2.0;     // a sample counts for the time since the last one, at most so much
+constexpr double sample_least_s = 0.5;     // faster ones are thinned out where the current is steady
 constexpr double ocv_growth_min_v = 1e-4;  // from row to row
 constexpr double range_min = 0.5;
 
@@ -30,8 +32,12 @@ struct Point {
 struct Problem {
   std::vector<double> charge;  ///< knots
   std::vector<Point> points;
+  double capacity_ah{0.0};
   double weight{0.0};
-  double current_sq{0.0};  ///< mean
+  double current_sq{0.0};   ///< mean
+  bool one_current{false};  ///< under load: resistance and voltage then come apart at steps alone
+  std::size_t loads{0};     ///< times that a load came on …
+  std::size_t brief{0};     ///< … and was gone at the next sample
 };
 
 /// Where a charge lies between the knots: it is (1 − t) of knot i and t of knot i + 1.
@@ -100,6 +106,22 @@ void add_smoothness(const Problem& problem, Eigen::MatrixXd& normal) {
   for (Eigen::Index j = 0; j < n; ++j) normal(j, j) += 1e-9 * problem.weight;
 }
 
+/// Under one current a fall of the voltage might as well be a resistance: then resistances prefer to be a lithium
+/// cell's usual ones, which at 1C take 0.13 V off in all.
+void add_usual_resistances(const Problem& problem, Eigen::MatrixXd& normal, Eigen::VectorXd& right) {
+  if (!problem.one_current) return;
+  const auto n = static_cast<Eigen::Index>(problem.charge.size());
+  constexpr std::array usual_v_per_c{0.05, 0.04, 0.04};
+  const double lambda = 0.1 * problem.weight * problem.current_sq / static_cast<double>(n);
+  for (Eigen::Index kind = 0; kind < 3; ++kind) {
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const Eigen::Index a = (kind + 1) * n + j;
+      normal(a, a) += lambda;
+      right(a) += lambda * usual_v_per_c[static_cast<std::size_t>(kind)] / problem.capacity_ah;
+    }
+  }
+}
+
 struct Solution {
   double fast_s{};
   double slow_s{};
@@ -122,8 +144,9 @@ Solution solve(const Problem& problem, double fast_s, double slow_s) {
   y -= matrix * least_growth;
   const Eigen::MatrixXd weighted = w.asDiagonal() * matrix;
   Eigen::MatrixXd normal = matrix.transpose() * weighted;
-  const Eigen::VectorXd right = weighted.transpose() * y;
+  Eigen::VectorXd right = weighted.transpose() * y;
   add_smoothness(problem, normal);
+  add_usual_resistances(problem, normal, right);
   Solution solution{fast_s, slow_s, 0.0, nonnegative_least_squares(normal, right)};
   const Eigen::VectorXd off = matrix * solution.x - y;
   solution.sum_sq = off.dot(w.asDiagonal() * off);
@@ -163,13 +186,43 @@ double lowest_under_load_v(const std::vector<Discharge>& discharges) {
   return volt;
 }
 
+void note_loads(Problem& problem) {
+  double load = 0.0;
+  double load_a = 0.0;
+  double load_sq = 0.0;
+  const std::vector<Point>& points = problem.points;
+  double least_a = 0.0;  // what is less is a tester's zero
+  for (const Point& point : points) least_a = std::max(least_a, 0.02 * point.current_a);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Point& point = points[k];
+    if (point.current_a <= least_a) continue;
+    load += point.weight;
+    load_a += point.weight * point.current_a;
+    load_sq += point.weight * point.current_a * point.current_a;
+    const auto is_other = [&](std::size_t other) {
+      return std::fabs(points[other].current_a - point.current_a) > 0.05 * point.current_a;
+    };
+    if (!point.first && k > 0 && !is_other(k - 1)) continue;
+    ++problem.loads;
+    if (k + 1 < points.size() && !points[k + 1].first && is_other(k + 1)) ++problem.brief;
+  }
+  problem.one_current = load > 0.0 && load_sq * load < 1.001 * load_a * load_a;
+}
+
 Problem make_problem(const std::vector<Discharge>& discharges, const std::vector<double>& knots, double capacity_ah) {
   Problem problem;
   problem.charge = knots;
+  problem.capacity_ah = capacity_ah;
   for (const Discharge& one : discharges) {
     const Log& log = *one.log;
+    double before_s = load_on_s(one);
     for (std::size_t i = one.first; i < one.last; ++i) {
-      const double dt_s = log.time_s[i] - (i == one.first ? load_on_s(one) : log.time_s[i - 1]);
+      // A fast log's samples between two steps of the current say nothing that half a second's do not.
+      const bool is_steady = i > one.first && i + 1 < one.last && log.current_a[i] == log.current_a[i - 1] &&
+                             log.current_a[i] == log.current_a[i + 1];
+      const double dt_s = log.time_s[i] - before_s;
+      if (is_steady && log.time_s[i + 1] - before_s <= sample_least_s) continue;
+      before_s = log.time_s[i];
       const double weight = std::min(dt_s, sample_worth_s);
       problem.points.push_back({1.0 - one.used_ah[i - one.first] / capacity_ah, log.current_a[i], log.voltage_v[i],
                                 weight, dt_s, i == one.first});
@@ -178,11 +231,63 @@ Problem make_problem(const std::vector<Discharge>& discharges, const std::vector
     }
   }
   problem.current_sq /= problem.weight;
+  note_loads(problem);
   return problem;
 }
 
+/// What the logs say of temperature while they were under load.
+struct Warmth {
+  double mean_c{25.0};
+  double low_c{25.0};  ///< of the logs' own means
+  double high_c{25.0};
+  bool is_known{false};
+};
+Warmth warmth_of(const std::vector<Discharge>& discharges) {
+  Warmth warmth{0.0, 1e9, -1e9, false};
+  double weight = 0.0;
+  for (const Discharge& one : discharges) {
+    const Log& log = *one.log;
+    if (log.temperature_c.empty()) continue;
+    double own = 0.0;
+    double own_weight = 0.0;
+    for (std::size_t i = one.first + 1; i < one.last; ++i) {
+      if (log.current_a[i] <= 0.0) continue;
+      const double dt_s = log.time_s[i] - log.time_s[i - 1];
+      own += dt_s * log.temperature_c[i];
+      own_weight += dt_s;
+    }
+    if (own_weight <= 0.0) continue;
+    warmth.mean_c += own;
+    weight += own_weight;
+    warmth.low_c = std::min(warmth.low_c, own / own_weight);
+    warmth.high_c = std::max(warmth.high_c, own / own_weight);
+  }
+  if (weight <= 0.0) return {};
+  warmth.mean_c = 0.1 * std::nearbyint(10.0 * warmth.mean_c / weight);
+  warmth.is_known = true;
+  return warmth;
+}
+
+std::string few_digits(double value) {
+  std::array<char, 32> buffer{};
+  const auto [end, error] =
+      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::general, 3);
+  return {buffer.data(), error == std::errc{} ? end : buffer.data()};
+}
+
+void note_warmth(const Warmth& warmth, std::vector<std::string>& notes) {
+  if (!warmth.is_known) {
+    notes.emplace_back("the logs tell no temperature: 25 °C is assumed");
+    return;
+  }
+  notes.push_back("taken at " + few_digits(warmth.mean_c) + " °C: the type's resistances are of that temperature");
+  if (warmth.high_c - warmth.low_c > 8.0)
+    notes.push_back("the discharges' own temperatures go from " + few_digits(warmth.low_c) + " to " +
+                    few_digits(warmth.high_c) + " °C and are fitted as one: fit each temperature alone (--only)");
+}
+
 BatteryType make_type(const Solution& solution, const FitOptions& options, double capacity_ah, double floor_v,
-                      double full_v) {
+                      double full_v, double reference_c) {
   const std::size_t n = options.charge.size();
   BatteryType type;
   type.name = options.name;
@@ -196,7 +301,9 @@ BatteryType make_type(const Solution& solution, const FitOptions& options, doubl
   type.heat_capacity_j_per_k = 25.0 * capacity_ah;
   type.heat_loss_w_per_k = 0.03 * capacity_ah;
   type.activation_j_per_mol = 20000.0;
-  type.temperature_max_c = 60.0;
+  type.reference_temperature_c = std::clamp(reference_c, -40.0, 85.0);
+  type.temperature_min_c = std::min(0.0, type.reference_temperature_c - 5.0);
+  type.temperature_max_c = std::max(60.0, type.reference_temperature_c + 5.0);
   type.capacity_fade_per_cycle = 0.0004;
   type.resistance_growth_per_cycle = 0.0008;
   type.capacity_spread = 0.01;
@@ -249,95 +356,153 @@ Result<Fit> fit_type(const std::vector<Log>& logs, const FitOptions& options) {
     return fail("fit.spread", "these logs do not determine the tables; a pulse test does",
                 discharges.front().log->name);
   Fit fit;
-  fit.type = make_type(solution, options, capacity_ah, floor_v, full_v);
+  const Warmth warmth = warmth_of(discharges);
+  fit.type = make_type(solution, options, capacity_ah, floor_v, full_v, warmth.mean_c);
   fit.fast_s = solution.fast_s;
   fit.slow_s = solution.slow_s;
   fit.rms_v = std::sqrt(solution.sum_sq / problem.weight);
   fit.residuals = predict(fit.type, logs);
   double largest_a = 0.0;
-  double load = 0.0;
-  double load_a = 0.0;
-  double load_sq = 0.0;
-  for (const Point& point : problem.points) {
-    if (point.current_a <= 0.0) continue;
-    largest_a = std::max(largest_a, point.current_a);
-    load += point.weight;
-    load_a += point.weight * point.current_a;
-    load_sq += point.weight * point.current_a * point.current_a;
-  }
-  fit.notes.push_back("fitted up to " + std::to_string(static_cast<int>(std::ceil(largest_a))) +
-                      " A: at more the type is a guess");
-  if (load > 0.0 && load_sq * load < 1.001 * load_a * load_a)
-    fit.notes.emplace_back("one current only: steps at its begin and end are all that tells resistance from voltage");
+  for (const Point& point : problem.points) largest_a = std::max(largest_a, point.current_a);
+  fit.notes.push_back("fitted up to " + few_digits(largest_a) + " A: at more the type is a guess");
+  constexpr double rate_suspicious = 50.0;
+  if (largest_a > rate_suspicious * capacity_ah)
+    fit.notes.push_back("that is " + few_digits(largest_a / capacity_ah) +
+                        "C: if the battery never gave so much, the times are not in seconds");
+  if (problem.loads >= 4 && 3 * problem.brief > problem.loads)
+    fit.notes.push_back(std::to_string(problem.brief) + " of " + std::to_string(problem.loads) +
+                        " loads were seen by one sample only: what they took out, and so the capacity, is a guess");
+  if (problem.one_current)
+    fit.notes.emplace_back(
+        "one current only: steps at its begin and end are all that tells resistance from voltage; the usual is "
+        "assumed");
+  constexpr double rms_suspicious_v = 0.03;
+  if (fit.rms_v > rms_suspicious_v)
+    fit.notes.push_back("off by " + few_digits(1e3 * fit.rms_v) +
+                        " mV: no one battery does what these logs say; fit one battery's alone (--only)");
+  note_warmth(warmth, fit.notes);
   if (options.capacity_ah <= 0.0) fit.notes.emplace_back("the capacity is what the slowest discharge took out");
   fit.notes.emplace_back(
       "assumed, as no log tells it: heat capacity and loss, activation energy, fade, growth, spread");
   return fit;
 }
 
+namespace {
+
+/// One discharge, and the type's battery under the same current.
+class Foretelling {
+ public:
+  Foretelling(const std::shared_ptr<CellTable>& table, const Discharge& discharge, double floor_v, double ambient_c)
+      : discharge_{discharge},
+        log_{*discharge.log},
+        floor_v_{reached_floor(discharge, floor_v)},
+        ambient_c_{ambient_c},
+        pack_{table, {}, {"fit", 1, false, 0.0}, ambient_c},
+        start_s_{load_on_s(discharge)},
+        now_s_{start_s_},
+        before_v_{pack_.voltage_v()},
+        residual_{log_.name,
+                  0,
+                  0.0,
+                  0.0,
+                  0.0,
+                  1.0,
+                  seconds_to_voltage(discharge, floor_v_),
+                  std::numeric_limits<double>::quiet_NaN(),
+                  floor_v_,
+                  start_s_} {}
+
+  /// Under the measured current sample by sample, up to where the floor was measured, or to the log's end; past that
+  /// under the last current.
+  Residual run() {
+    std::size_t end = discharge_.last;
+    for (std::size_t i = discharge_.first; i < discharge_.last && !std::isnan(residual_.measured_s); ++i) {
+      if (log_.voltage_v[i] > floor_v_) continue;
+      end = i + 1;
+      break;
+    }
+    residual_.samples = end - discharge_.first;
+    double sum_sq = 0.0;
+    for (std::size_t i = discharge_.first; i < end; ++i) {
+      advance(log_.time_s[i], log_.current_a[i]);
+      note_load(i);
+      if (ended()) break;
+      sum_sq += note_difference(i);
+    }
+    const double last_a = log_.current_a[end - 1];
+    while (!ended() && last_a > 0.0 && now_s_ - start_s_ <= 1.5 * residual_.measured_s) advance(now_s_ + 10.0, last_a);
+    residual_.rms_v = std::sqrt(sum_sq / static_cast<double>(std::max<std::size_t>(1, residual_.samples)));
+    residual_.current_a = load_s_ > 0.0 ? load_as_ / load_s_ : 0.0;
+    return residual_;
+  }
+
+ private:
+  /// A log that ends above the floor is compared at its own lowest voltage under load.
+  static double reached_floor(const Discharge& discharge, double floor_v) {
+    return std::max(floor_v, lowest_under_load_v({discharge}));
+  }
+  [[nodiscard]] bool ended() const { return !std::isnan(residual_.predicted_s); }
+
+  void advance(double until_s, double current_a) {
+    constexpr double step_max_s = 1.0;
+    while (now_s_ < until_s - 1e-9 && !ended()) {
+      const double dt_s = std::min(step_max_s, until_s - now_s_);
+      const PackStep step = pack_.draw_current(current_a, ambient_c_, dt_s);
+      now_s_ += dt_s;
+      const bool is_out = step.event == PackEvent::empty || step.event == PackEvent::brown_out;
+      if (step.voltage_v <= floor_v_ && current_a > 0.0) {
+        const double share = before_v_ > step.voltage_v
+                                 ? std::clamp((before_v_ - floor_v_) / (before_v_ - step.voltage_v), 0.0, 1.0)
+                                 : 1.0;
+        residual_.predicted_s = now_s_ - start_s_ - (1.0 - share) * dt_s;
+      } else if (is_out && current_a > 0.0) {
+        residual_.predicted_s = now_s_ - start_s_;
+      }
+      before_v_ = step.voltage_v;
+    }
+  }
+
+  void note_load(std::size_t i) {
+    if (log_.current_a[i] <= 0.0) return;
+    const double dt_s = log_.time_s[i] - (i == discharge_.first ? start_s_ : log_.time_s[i - 1]);
+    load_s_ += dt_s;
+    load_as_ += log_.current_a[i] * dt_s;
+  }
+
+  double note_difference(std::size_t i) {
+    const double off_v = pack_.voltage_v() - log_.voltage_v[i];
+    if (std::fabs(off_v) > residual_.worst_v) {
+      residual_.worst_v = std::fabs(off_v);
+      residual_.worst_at_charge = pack_.charge();
+    }
+    return off_v * off_v;
+  }
+
+  const Discharge& discharge_;
+  const Log& log_;
+  double floor_v_;
+  double ambient_c_;
+  Pack pack_;
+  double start_s_;
+  double now_s_;
+  double before_v_;
+  double load_s_{0.0};
+  double load_as_{0.0};
+  Residual residual_;
+};
+
+}  // namespace
+
 std::vector<Residual> predict(const BatteryType& type, const std::vector<Log>& logs, double floor_v) {
-  constexpr double step_max_s = 1.0;
   const double floor = floor_v > 0.0 ? floor_v : type.voltage_floor_v;
+  const double full_v = std::max(type.voltage_full_v, highest_v(logs));
   const auto table = std::make_shared<CellTable>(type);
   std::vector<Residual> residuals;
   for (const Log& log : logs) {
-    for (const Discharge& one : discharges_from_full(log, highest_v(logs))) {
-      residuals.push_back({log.name, one.last - one.first, 0.0, 0.0, 0.0, 1.0, seconds_to_voltage(one, floor),
-                           std::numeric_limits<double>::quiet_NaN()});
-      Residual& residual = residuals.back();
-      Pack pack{table, {}, {"fit", 1, false, 0.0}, type.reference_temperature_c};
-      const double start_s = load_on_s(one);
-      double before_v = pack.voltage_v();
-      double now_s = start_s;
-      double sum_sq = 0.0;
-      double load_s = 0.0;
-      double load_as = 0.0;
-      // Under the measured current sample by sample, up to where the floor was measured, or to the log's end; past that
-      // under the last current.
-      std::size_t end = one.last;
-      for (std::size_t i = one.first; i < one.last && !std::isnan(residual.measured_s); ++i) {
-        if (log.voltage_v[i] > floor) continue;
-        end = i + 1;
-        break;
-      }
-      residual.samples = end - one.first;
-      for (std::size_t i = one.first; std::isnan(residual.predicted_s); ++i) {
-        const bool is_past = i >= end;
-        if (is_past && (std::isnan(residual.measured_s) || now_s - start_s > 1.5 * residual.measured_s)) break;
-        const double current_a = log.current_a[is_past ? end - 1 : i];
-        if (is_past && current_a <= 0.0) break;
-        const double until_s = is_past ? now_s + 10.0 : log.time_s[i];
-        while (now_s < until_s - 1e-9 && std::isnan(residual.predicted_s)) {
-          const double dt_s = std::min(step_max_s, until_s - now_s);
-          const PackStep step = pack.draw_current(current_a, type.reference_temperature_c, dt_s);
-          now_s += dt_s;
-          const bool is_out = step.event == PackEvent::empty || step.event == PackEvent::brown_out;
-          if (step.voltage_v <= floor && current_a > 0.0) {
-            const double share = before_v > step.voltage_v
-                                     ? std::clamp((before_v - floor) / (before_v - step.voltage_v), 0.0, 1.0)
-                                     : 1.0;
-            residual.predicted_s = now_s - start_s - (1.0 - share) * dt_s;
-          } else if (is_out && current_a > 0.0) {
-            residual.predicted_s = now_s - start_s;
-          }
-          before_v = step.voltage_v;
-        }
-        if (is_past) continue;
-        if (current_a > 0.0) {
-          const double dt_s = log.time_s[i] - (i == one.first ? start_s : log.time_s[i - 1]);
-          load_s += dt_s;
-          load_as += current_a * dt_s;
-        }
-        if (!std::isnan(residual.predicted_s)) break;
-        const double off_v = pack.voltage_v() - log.voltage_v[i];
-        sum_sq += off_v * off_v;
-        if (std::fabs(off_v) > residual.worst_v) {
-          residual.worst_v = std::fabs(off_v);
-          residual.worst_at_charge = pack.charge();
-        }
-      }
-      residual.rms_v = std::sqrt(sum_sq / static_cast<double>(std::max<std::size_t>(1, residual.samples)));
-      residual.current_a = load_s > 0.0 ? load_as / load_s : 0.0;
+    const auto discharges = discharges_from_full(log, full_v, type.series_ohm.back() + type.fast_ohm.back());
+    for (std::size_t k = 0; k < discharges.size(); ++k) {
+      residuals.push_back(Foretelling{table, discharges[k], floor, type.reference_temperature_c}.run());
+      if (discharges.size() > 1) residuals.back().log += ", discharge " + std::to_string(k + 1);
     }
   }
   return residuals;

@@ -28,8 +28,10 @@ struct Residual {
   double rms_v;
   double worst_v;          ///< largest absolute difference …
   double worst_at_charge;  ///< … and where
-  double measured_s;       ///< load on to the floor; NaN where the log does not go there
+  double measured_s;       ///< load on to `floor_v`; NaN where the log has no load
   double predicted_s;      ///< the type's, under the same current; NaN where it never gets there
+  double floor_v;          ///< what was asked for, or the log's lowest voltage under load where it ends above
+  double began_s;          ///< when its load came on, in the log's own time
 };
 
 struct Fit {
@@ -48,7 +50,8 @@ struct Fit {
 ///  fit.capacity  less than what was taken out; fit.spread  the voltages do not determine the tables
 [[nodiscard]] Result<Fit> fit_type(const std::vector<Log>& logs, const FitOptions& options);
 
-/// What a type says of discharges that begin full, whether it was fitted to them or not.
+/// What a type says of discharges that begin full, whether it was fitted to them or not, at the temperature it was
+/// fitted at. Logs without such a discharge have no residual.
 /// @param floor_v  of the times; 0: the type's own floor
 [[nodiscard]] std::vector<Residual> predict(const BatteryType& type, const std::vector<Log>& logs,
                                             double floor_v = 0.0);

@@ -63,6 +63,68 @@ TEST(Fit, of_two_rates_tells_a_third) {
   }
 }
 
+TEST(Fit, of_one_rate_alone_tells_others_roughly_and_says_that_it_guesses) {
+  const std::vector<Log> logs = logs_of("lipo_pouch_rates_25C.csv");
+  const auto fit = fit_type(only(logs, {"=0.1C"}), {.name = "pouch"});
+  ASSERT_TRUE(fit) << to_string(fit.error());
+  EXPECT_THAT(fit->notes, ::testing::Contains(::testing::HasSubstr("one current only")));
+  for (const char* rate : {"=1C", "=2C"}) {
+    const auto found = predict(fit->type, only(logs, {rate}));
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_NEAR(found[0].predicted_s, found[0].measured_s, 0.05 * found[0].measured_s) << rate;
+  }
+}
+
+TEST(Fit, of_one_rate_is_not_misled_by_a_tester_s_zero) {
+  std::vector<Log> logs = only(logs_of("lipo_pouch_rates_25C.csv"), {"=0.1C"});
+  // A long rest before it, in which the tester writes a few milliamperes of nothing.
+  Log& log = logs.front();
+  Log rested{log.name, {}, {}, {}, {}, log.origin, {}};
+  for (int t = 0; t < 30000; t += 10) {
+    rested.time_s.push_back(t);
+    rested.voltage_v.push_back(log.voltage_v.front() + 0.01);
+    rested.current_a.push_back(t % 20 == 0 ? 0.003 : -0.002);
+  }
+  for (std::size_t i = 0; i < log.time_s.size(); ++i) {
+    rested.time_s.push_back(30000.0 + log.time_s[i]);
+    rested.voltage_v.push_back(log.voltage_v[i]);
+    rested.current_a.push_back(log.current_a[i]);
+  }
+  const auto fit = fit_type({rested}, {.name = "pouch"});
+  ASSERT_TRUE(fit) << to_string(fit.error());
+  EXPECT_THAT(fit->notes, ::testing::Contains(::testing::HasSubstr("one current only")));
+}
+
+TEST(Fit, knows_the_temperature_of_its_logs) {
+  std::vector<Log> logs = logs_of("lipo_pouch_rates_25C.csv");
+  for (Log& log : logs)
+    for (double& celsius : log.temperature_c) celsius -= 40.0;
+  const auto fit = fit_type(logs, {.name = "cold"});
+  ASSERT_TRUE(fit) << to_string(fit.error());
+  EXPECT_NEAR(fit->type.reference_temperature_c, -12.5, 2.0);
+  EXPECT_LT(fit->type.temperature_min_c, fit->type.reference_temperature_c);
+  for (Log& log : logs) log.temperature_c.clear();
+  EXPECT_THAT(fit_type(logs, {})->notes, ::testing::Contains(::testing::HasSubstr("25 °C is assumed")));
+}
+
+TEST(Fit, compares_a_log_that_ends_above_the_floor_at_its_own_lowest_voltage) {
+  const std::vector<Log> logs = logs_of("lipo_pouch_rates_25C.csv");
+  const auto fit = fit_type(only(logs, {"=0.1C", "=2C"}), {.name = "pouch"});
+  ASSERT_TRUE(fit);
+  std::vector<Log> shorter = only(logs, {"=1C"});
+  const std::size_t most = shorter[0].time_s.size() - 15;
+  for (auto* column : {&shorter[0].time_s, &shorter[0].voltage_v, &shorter[0].current_a, &shorter[0].temperature_c})
+    column->resize(most);
+  const auto found = predict(fit->type, shorter);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_GT(found[0].floor_v, 3.1);
+  EXPECT_NEAR(found[0].predicted_s, found[0].measured_s, 0.02 * found[0].measured_s);
+  // And one that begins half empty does not begin full, whatever its own highest voltage is.
+  for (auto* column : {&shorter[0].time_s, &shorter[0].voltage_v, &shorter[0].current_a, &shorter[0].temperature_c})
+    column->erase(column->begin(), column->begin() + static_cast<std::ptrdiff_t>(most / 2));
+  EXPECT_TRUE(predict(fit->type, shorter).empty());
+}
+
 /// What a battery of this type would have written down under pulses of 20 s and rests of 60 s, from full to empty.
 Log synthetic(const BatteryType& type) {
   Pack pack{std::make_shared<CellTable>(type), {}, {"B", 1, false, 0.0}};

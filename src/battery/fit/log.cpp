@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 #include <optional>
 
 #include "base/text.h"
+#include "battery/fit/log_checks.h"
 
 namespace cosiva::battery {
 namespace {
@@ -15,13 +16,6 @@ namespace {
 constexpr std::size_t samples_min = 10;
 /// Around fields, and quotes.
 constexpr std::string_view blanks = " \t\r\"";
-
-std::string short_number(double value) {
-  std::array<char, 32> buffer{};
-  const auto [end, error] =
-      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::general, 6);
-  return {buffer.data(), error == std::errc{} ? end : buffer.data()};
-}
 
 /// A quantity, its column's machine-readable name, and what other files call it.
 struct Column {
@@ -32,18 +26,28 @@ struct Column {
 constexpr std::array columns{Column{"test_time_second", "Test Time / s", "test_time"},
                              Column{"voltage_volt", "Voltage / V", "voltage"},
                              Column{"current_ampere", "Current / A", "current"}};
-constexpr Column temperature{"temperature_t1_celsius", "Temperature T1 / degC", "temperature_t1"};
+constexpr std::array temperatures{Column{"temperature_t1_celsius", "Temperature T1 / degC", "temperature_t1"},
+                                  Column{"ambient_temperature_celsius", "Ambient Temperature / degC", "ambient"}};
 
-/// Columns that say which battery, test or rate a sample is of: where one of these changes, another series begins. All
-/// others, whatever they count, belong to the samples.
-bool names_a_series(std::string_view name) {
-  constexpr std::array words{"id", "cell", "rate", "series", "name", "number", "run", "battery", "file", "channel"};
+/// The words of a column's name: "cell_id" has "cell" and "id".
+bool has_word(std::string_view name, std::initializer_list<std::string_view> words) {
   while (!name.empty()) {
     const std::size_t end = std::min(name.find_first_of("_ -"), name.size());
     if (std::ranges::find(words, name.substr(0, end)) != words.end()) return true;
     name.remove_prefix(std::min(end + 1, name.size()));
   }
   return false;
+}
+bool belongs_to_samples(std::string_view name) {
+  return has_word(name, {"step", "record", "data", "point", "sample", "row", "cycle", "index"});
+}
+/// Columns that say which battery or test a sample is of: each of their values is a series.
+bool names_a_series(std::string_view name) {
+  return !belongs_to_samples(name) && has_word(name, {"id", "cell", "series", "battery", "file", "channel"});
+}
+/// Columns that count, or that may: where one of these has changed when the time starts anew, another series begins.
+bool may_name_a_series(std::string_view name) {
+  return has_word(name, {"rate", "number", "name", "run", "cycle", "id"});
 }
 
 class Reader {
@@ -58,15 +62,16 @@ class Reader {
       if (auto row = read_row(); !row) return tl::unexpected(row.error());
     }
     if (auto percent = check_percent(); !percent) return tl::unexpected(percent.error());
-    for (Log& log : logs_) {
+    std::vector<Log> logs = finished();
+    for (Log& log : logs) {
       if (log.time_s.size() < samples_min)
         return fail("log.short", "has " + std::to_string(log.time_s.size()) + " samples, too few to say anything",
                     log.name);
-      if (auto good = check(log); !good) return tl::unexpected(good.error());
+      if (auto good = check_log(log); !good) return tl::unexpected(good.error());
       tell_when_loads_came(log);
     }
-    if (logs_.empty()) return fail("log.short", "has no samples", origin_);
-    return std::move(logs_);
+    if (logs.empty()) return fail("log.short", "has no samples", origin_);
+    return logs;
   }
 
  private:
@@ -75,6 +80,9 @@ class Reader {
   Result<void> read_header() {
     if (line_.starts_with("\xEF\xBB\xBF")) line_.remove_prefix(3);  // a spreadsheet's mark
     for (const std::string_view name : cut_at_commas(line_, blanks)) header_.emplace_back(name);
+    for (const char c : line_)
+      if (static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\r')
+        return fail("log.column", "is no table of text", here());
     const auto find = [&](const Column& column) -> std::optional<std::size_t> {
       for (std::size_t i = 0; i < header_.size(); ++i)
         if (header_[i] == column.name || header_[i] == column.label) return i;
@@ -85,10 +93,14 @@ class Reader {
       if (!at) return missing(columns[k]);
       places_[k] = *at;
     }
-    temperature_at_ = find(temperature);
+    for (const Column& column : temperatures)
+      if (!temperature_at_) temperature_at_ = find(column);
     for (std::size_t i = 0; i < header_.size(); ++i) {
-      const bool is_quantity = std::ranges::find(places_, i) != places_.end();
-      if (!is_quantity && names_a_series(header_[i])) series_at_.push_back(i);
+      if (std::ranges::find(places_, i) != places_.end()) continue;
+      if (names_a_series(header_[i]))
+        series_at_.push_back(i);
+      else if (may_name_a_series(header_[i]))
+        counters_at_.push_back(i);
     }
     ranges_.assign(header_.size(), {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()});
     return {};
@@ -126,28 +138,73 @@ class Reader {
         ranges_[i].second = std::max(ranges_[i].second, *value);
       }
     }
-    std::string series;
-    for (const std::size_t i : series_at_) series += ", " + header_[i] + "=" + std::string(fields[i]);
-    const bool is_back = !logs_.empty() && values[0] < logs_.back().time_s.back();
-    if (logs_.empty() || series != series_) {
-      logs_.emplace_back().name = origin_ + series;
-      series_ = series;
-    } else if (is_back) {
-      return fail("log.time",
-                  "the time goes back from " + short_number(logs_.back().time_s.back()) + " s to " +
-                      short_number(values[0]) + " s",
-                  here());
+    return book(fields, values);
+  }
+
+  /// A series as it grows, and what its counting columns said first and last.
+  struct Growing {
+    Log log;
+    std::string key;
+    std::vector<std::string> first;
+    std::vector<std::string> last;
+    std::vector<bool> is_steady;
+  };
+
+  Result<void> book(const std::vector<std::string_view>& fields, const std::array<double, columns.size()>& values) {
+    std::string key;
+    for (const std::size_t i : series_at_) key += ", " + header_[i] + "=" + std::string(fields[i]);
+    std::vector<std::string> counters;
+    counters.reserve(counters_at_.size());
+    for (const std::size_t i : counters_at_) counters.emplace_back(fields[i]);
+    // The latest of this key: rows of several batteries may be mixed.
+    const auto found = std::ranges::find(growing_.rbegin(), growing_.rend(), key, &Growing::key);
+    Growing* own = found == growing_.rend() ? nullptr : &*found;
+    if (own != nullptr && values[0] < own->log.time_s.back()) {
+      const double began_s = own->log.time_s.front();
+      const bool is_anew = values[0] <= began_s + 0.05 * (own->log.time_s.back() - began_s);
+      if (!is_anew || counters == own->last)
+        return fail("log.time",
+                    "the time goes back from " + short_number(own->log.time_s.back()) + " s to " +
+                        short_number(values[0]) + " s",
+                    here());
+      own = nullptr;
     }
-    Log& log = logs_.back();
+    if (own == nullptr) {
+      growing_.push_back({{origin_ + key, {}, {}, {}, {}, origin_, {}},
+                          key,
+                          counters,
+                          counters,
+                          std::vector<bool>(counters.size(), true)});
+      own = &growing_.back();
+    }
+    for (std::size_t i = 0; i < counters.size(); ++i)
+      own->is_steady[i] = own->is_steady[i] && counters[i] == own->first[i];
+    own->last = std::move(counters);
+    Log& log = own->log;
     // Two samples of one instant are the two sides of a step; the time between them is nothing.
     log.time_s.push_back(values[0]);
     log.voltage_v.push_back(values[1]);
     log.current_a.push_back(-values[2]);
+    log.line.push_back(lines_.number());
     if (temperature_at_) {
       const auto celsius = number_of<double>(fields[*temperature_at_]);
-      log.temperature_c.push_back(celsius.value_or(25.0));
+      log.temperature_c.push_back(celsius ? *celsius : log.temperature_c.empty() ? 25.0 : log.temperature_c.back());
     }
     return {};
+  }
+
+  /// "rates.csv, cell_id=B1, rate=1C": also what its counting columns say where they never changed.
+  [[nodiscard]] std::vector<Log> finished() {
+    std::vector<Log> logs;
+    logs.reserve(growing_.size());
+    for (Growing& one : growing_) {
+      const auto logs_of_key = std::ranges::count(growing_, one.key, &Growing::key);
+      for (std::size_t i = 0; i < counters_at_.size(); ++i)
+        if (one.is_steady[i] && (!belongs_to_samples(header_[counters_at_[i]]) || logs_of_key > 1))
+          one.log.name += ", " + header_[counters_at_[i]] + "=" + one.first[i];
+      logs.push_back(std::move(one.log));
+    }
+    return logs;
   }
 
   /// Names promise a range: a percentage that never comes above 1 is a fraction, and the figures would be a hundredth.
@@ -156,79 +213,14 @@ class Reader {
       const auto [low, high] = ranges_[i];
       if (!(high >= low)) continue;
       const std::string range = short_number(low) + " to " + short_number(high);
-      if (header_[i].find("percent") != std::string::npos && high <= 1.0 && high > 0.0 && low >= 0.0 && low < high)
+      const bool is_percent = header_[i].find("percent") != std::string::npos || header_[i].ends_with('%');
+      if (is_percent && high <= 1.0 && high > 0.0 && low >= 0.0 && low < high)
         return fail("log.percent", "column '" + header_[i] + "' goes from " + range + ": fractions, not percent",
-                    origin_);
+                    origin_ + ":1");
       if (header_[i].find("fraction") != std::string::npos && high > 1.5)
         return fail("log.percent", "column '" + header_[i] + "' goes from " + range + ": percent, not fractions",
-                    origin_);
+                    origin_ + ":1");
     }
-    return {};
-  }
-
-  static Result<void> check(const Log& log) {
-    if (auto gap = check_gaps(log); !gap) return gap;
-    for (std::size_t i = 0; i < log.voltage_v.size(); ++i)
-      if (!(log.voltage_v[i] > 0.05 && log.voltage_v[i] < 2000.0))
-        return fail("log.number",
-                    "voltage_volt is " + short_number(log.voltage_v[i]) + " at " + short_number(log.time_s[i]) + " s",
-                    log.name);
-    return check_sign(log);
-  }
-
-  /// A gap under load: three times longer than usual under load, and more than 2 ‰ of all that flowed.
-  static Result<void> check_gaps(const Log& log) {
-    std::vector<double> usual;
-    double flowed_as = 0.0;
-    double largest_a = 0.0;
-    for (const double current : log.current_a) largest_a = std::max(largest_a, std::fabs(current));
-    const auto is_load = [&](std::size_t i) { return std::fabs(log.current_a[i]) > 0.01 * largest_a; };
-    for (std::size_t i = 1; i < log.time_s.size(); ++i) {
-      if (!is_load(i)) continue;
-      usual.push_back(log.time_s[i] - log.time_s[i - 1]);
-      flowed_as += std::fabs(log.current_a[i]) * usual.back();
-    }
-    if (usual.empty()) return fail("log.short", "has no load anywhere", log.name);
-    // Testers write less and less often as the voltage settles: what nineteen of twenty samples keep to is usual.
-    const std::size_t most = usual.size() - 1 - usual.size() / 20;
-    std::ranges::nth_element(usual, usual.begin() + static_cast<std::ptrdiff_t>(most));
-    const double usual_s = usual[most];
-    for (std::size_t i = 1; i < log.time_s.size(); ++i) {
-      const double dt_s = log.time_s[i] - log.time_s[i - 1];
-      // Those that end a load write the rest's first sample only a rest's usual time later: no gap yet.
-      const double longest_s = std::max(3.0 * usual_s, is_load(i) ? 60.0 : 300.0);
-      if (!(is_load(i) || is_load(i - 1)) || dt_s <= longest_s) continue;
-      const double unseen_as = dt_s * std::max(std::fabs(log.current_a[i]), std::fabs(log.current_a[i - 1]));
-      if (unseen_as <= 0.002 * flowed_as || (is_load(i) && !is_load(i - 1))) continue;
-      return fail("log.gap",
-                  "nothing between " + short_number(log.time_s[i - 1]) + " s and " + short_number(log.time_s[i]) +
-                      " s, under up to " + short_number(unseen_as / dt_s) + " A",
-                  log.name);
-    }
-    return {};
-  }
-
-  /// A step of more discharge current lowers the voltage, and charge taken out lowers it for good.
-  static Result<void> check_sign(const Log& log) {
-    double steps = 0.0;
-    double largest_a = 0.0;
-    for (const double current : log.current_a) largest_a = std::max(largest_a, std::fabs(current));
-    for (std::size_t i = 1; i < log.time_s.size(); ++i) {
-      const double change_a = log.current_a[i] - log.current_a[i - 1];
-      if (std::fabs(change_a) > 0.1 * largest_a) steps += change_a * (log.voltage_v[i] - log.voltage_v[i - 1]);
-    }
-    double taken = 0.0;  // covariance of charge taken out and voltage
-    double mean_v = 0.0;
-    for (const double volt : log.voltage_v) mean_v += volt / static_cast<double>(log.voltage_v.size());
-    double used = 0.0;
-    std::vector<double> used_as{0.0};
-    for (std::size_t i = 1; i < log.time_s.size(); ++i)
-      used_as.push_back(used += log.current_a[i] * (log.time_s[i] - log.time_s[i - 1]));
-    for (std::size_t i = 0; i < used_as.size(); ++i) taken += used_as[i] * (log.voltage_v[i] - mean_v);
-    if (steps > 0.0 || (steps == 0.0 && taken > 0.0))
-      return fail("log.sign",
-                  "the voltage falls where current_ampere is positive, which is to charge: it has the other sign",
-                  log.name);
     return {};
   }
 
@@ -237,12 +229,13 @@ class Reader {
   static void tell_when_loads_came(Log& log) {
     double largest_a = 0.0;
     for (const double current : log.current_a) largest_a = std::max(largest_a, std::fabs(current));
-    Log whole{log.name, {}, {}, {}, {}};
+    Log whole{log.name, {}, {}, {}, {}, log.origin, {}};
     const std::size_t size = log.time_s.size();
     const auto copy = [&](std::size_t i, double time_s) {
       whole.time_s.push_back(time_s);
       whole.voltage_v.push_back(log.voltage_v[i]);
       whole.current_a.push_back(log.current_a[i]);
+      whole.line.push_back(log.line[i]);
       if (!log.temperature_c.empty()) whole.temperature_c.push_back(log.temperature_c[i]);
     };
     for (std::size_t i = 0; i < size; ++i) {
@@ -265,8 +258,8 @@ class Reader {
   std::optional<std::size_t> temperature_at_;
   std::vector<std::size_t> series_at_;
   std::vector<std::pair<double, double>> ranges_;
-  std::string series_;
-  std::vector<Log> logs_;
+  std::vector<std::size_t> counters_at_;
+  std::vector<Growing> growing_;
 };
 
 }  // namespace
@@ -275,7 +268,7 @@ Result<std::vector<Log>> read_logs(std::string_view csv, const std::string& orig
   return Reader{csv, origin}.read();
 }
 
-std::vector<Discharge> discharges_from_full(const Log& log, double full_v) {
+std::vector<Discharge> discharges_from_full(const Log& log, double full_v, double full_ohm) {
   const std::size_t size = log.time_s.size();
   double largest_a = 0.0;
   for (const double current : log.current_a) largest_a = std::max(largest_a, std::fabs(current));
@@ -284,7 +277,8 @@ std::vector<Discharge> discharges_from_full(const Log& log, double full_v) {
 
   std::vector<Discharge> all;
   // At the log's begin it is full where a rest or the first sample under load says so, and it is not being charged.
-  bool full = log.current_a.front() >= -load_a && (is_full(0) || log.voltage_v.front() >= 0.96 * full_v);
+  const double rested_v = log.voltage_v.front() + std::max(0.0, log.current_a.front()) * full_ohm;
+  bool full = log.current_a.front() >= -load_a && (is_full(0) || rested_v >= 0.96 * full_v);
   for (std::size_t i = 0; i < size; ++i) {
     if (log.current_a[i] < -load_a) {
       full = is_full(i);

@@ -75,13 +75,92 @@ TEST(Log, may_have_any_other_columns) {
   EXPECT_EQ(logs->size(), 1U);
 }
 
+TEST(Log, whose_other_columns_count_its_samples_or_steps_is_one) {
+  for (const char* column : {"record_number", "data_id", "step_name", "cycle_number", "c_rate", "step_index"}) {
+    const auto logs =
+        read_logs(log_text([](int t, const std::string& line) { return line + "," + std::to_string(t / 10); },
+                           std::string("test_time_second,voltage_volt,current_ampere,") + column),
+                  "my.csv");
+    ASSERT_TRUE(logs) << column << ": " << to_string(logs.error());
+    ASSERT_EQ(logs->size(), 1U) << column;
+    EXPECT_EQ(logs->front().name, "my.csv") << column;
+  }
+}
+
+TEST(Log, begins_anew_where_the_time_does_and_a_counter_has_changed) {
+  const auto with = [](const std::string& number) {
+    return log_text([&](int, const std::string& line) { return line + "," + number; },
+                    "test_time_second,voltage_volt,current_ampere,discharge_number");
+  };
+  const std::string second = with("2");
+  const std::string rows = second.substr(second.find('\n') + 1);
+  const auto logs = read_logs(with("1") + rows, "my.csv");
+  ASSERT_TRUE(logs) << to_string(logs.error());
+  ASSERT_EQ(logs->size(), 2U);
+  EXPECT_EQ(logs->back().name, "my.csv, discharge_number=2");
+  EXPECT_EQ(code_of(second + rows), "log.time");  // nothing says that it is another
+}
+
+TEST(Log, of_batteries_whose_rows_are_mixed_is_one_of_each) {
+  const auto logs = read_logs(log_text([](int, const std::string& line) { return line + ",B1\n" + line + ",B2"; },
+                                       "test_time_second,voltage_volt,current_ampere,cell_id"),
+                              "my.csv");
+  ASSERT_TRUE(logs) << to_string(logs.error());
+  ASSERT_EQ(logs->size(), 2U);
+  EXPECT_EQ(logs->front().time_s.size(), 301U);
+  EXPECT_EQ(logs->front().line[1], 4U);
+}
+
+TEST(Log, in_hours_under_the_name_of_seconds_is_refused) {
+  const auto hours = [](int t, const std::string& line) {
+    return t <= 100
+               ? std::string{}
+               : std::to_string(t / 3600.0) + "," + std::to_string(4.2 - 0.0005 * t) + line.substr(line.rfind(','));
+  };
+  EXPECT_EQ(code_of(log_text(hours)), "log.unit");
+  EXPECT_THAT(refusal(log_text(hours)), HasSubstr("it holds hours or minutes, not seconds"));
+}
+
+TEST(Log, without_a_sign_or_with_a_spike_is_refused_at_its_line) {
+  // Charged and discharged by turns, the current's size alone.
+  const auto sizes = log_text([](int t, const std::string&) {
+    const int turn = t / 100 % 4;  // rest, discharge, rest, charge
+    const double volt = 3.8 + (turn == 1 ? -0.1 : turn == 3 ? 0.1 : 0.0);
+    return std::to_string(t) + "," + std::to_string(volt) + (turn % 2 == 0 ? ",0" : ",1");
+  });
+  EXPECT_EQ(code_of(sizes), "log.sign");
+  EXPECT_THAT(refusal(sizes), HasSubstr("it has no sign"));
+  const auto spike =
+      log_text([](int t, const std::string& line) { return t == 1000 ? std::string("1000,9.0,-1.0") : line; });
+  EXPECT_THAT(refusal(spike), StartsWith("my.csv:102: voltage_volt jumps from"));
+}
+
+TEST(Log, s_temperatures_may_be_missing_now_and_then_but_not_be_kelvin) {
+  const auto warm = [](const char* even) {
+    return log_text([=](int t, const std::string& line) { return line + "," + (t % 20 == 0 ? even : ""); },
+                    "test_time_second,voltage_volt,current_ampere,temperature_t1_celsius");
+  };
+  const auto logs = read_logs(warm("31.5"), "my.csv");
+  ASSERT_TRUE(logs) << to_string(logs.error());
+  EXPECT_EQ(logs->front().temperature_c[7], 31.5);
+  EXPECT_THAT(refusal(warm("298")), HasSubstr("my.csv:2: the temperature is 298 °C at 0 s; kelvin?"));
+}
+
 TEST(Log, with_a_gap_under_load_is_refused_and_says_where) {
   const auto without = [](int from, int to) {
     return log_text([=](int t, const std::string& line) { return t > from && t < to ? std::string{} : line; });
   };
   EXPECT_THAT(refusal(without(1000, 1400)), HasSubstr("nothing between 1000 s and 1400 s, under up to 1 A"));
+  EXPECT_THAT(refusal(without(1000, 1400)), StartsWith("my.csv:103:"));
   EXPECT_EQ(code_of(without(1000, 1400)), "log.gap");
   EXPECT_EQ(code_of(without(2600, 2900)), "read");  // at rest nothing flows
+  // From a rest into a load that may have come on long ago: these rests are logged every 10 s.
+  const auto late = log_text([](int t, const std::string& line) {
+    const bool again = t > 1000 && t <= 1500;  // a rest amid the discharge, its end and what follows unseen
+    const std::string usual = again ? line.substr(0, line.rfind(',')) + ",0.0" : line;
+    return t > 1400 && t < 2100 ? std::string{} : usual;
+  });
+  EXPECT_EQ(code_of(late), "log.gap");
   EXPECT_EQ(code_of(without(2000, 3001)), "read");  // it just ends earlier
 }
 

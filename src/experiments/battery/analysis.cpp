@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <set>
+#include <utility>
 
 #include "experiments/statistics/distributions.h"
 #include "experiments/statistics/sample.h"
@@ -13,7 +16,7 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 BatteryFigures figures_of(std::span<const BatteryRun> records, std::size_t battery) {
-  BatteryFigures figures{battery, {}, 0, 0, nan, 0.0, 0.0, false};
+  BatteryFigures figures{battery, {}, 0, 0, nan, 0.0, 0.0, false, {}};
   double sum = 0.0;
   for (const BatteryRun& record : records) {
     if (record.battery != battery) continue;
@@ -27,7 +30,43 @@ BatteryFigures figures_of(std::span<const BatteryRun> records, std::size_t batte
   }
   const auto ended = static_cast<double>(figures.runs - figures.failed);
   if (ended > 0.0) figures.autonomy_s = sum / ended;
+  std::vector<double> runs;
+  std::vector<double> values;
+  for (const BatteryRun& record : records) {
+    if (record.battery != battery || !record.ended()) continue;
+    runs.push_back(static_cast<double>(record.run) + 1.0);
+    values.push_back(record.autonomy_s);
+  }
+  figures.trend = statistics::trend(runs, values);
   return figures;
+}
+
+std::optional<VehicleEffect> vehicle_effect(std::span<const BatteryRun> records,
+                                            const std::vector<BatteryFigures>& each) {
+  // By vehicle: its name, and which batteries it carried.
+  std::map<std::size_t, std::pair<std::string, std::set<std::size_t>>> carried;
+  std::map<std::size_t, std::size_t> vehicle_of;
+  for (const BatteryRun& record : records) {
+    if (std::isnan(each[record.battery].autonomy_s)) continue;
+    if (vehicle_of.try_emplace(record.battery, record.vehicle).first->second != record.vehicle) return std::nullopt;
+    auto& [name, batteries] = carried[record.vehicle];
+    name = vehicle_name(record);
+    batteries.insert(record.battery);
+  }
+  VehicleEffect effect{};
+  std::vector<std::vector<double>> groups;
+  for (const auto& [vehicle, one] : carried) {
+    if (one.second.size() < 2) continue;
+    std::vector<double> values;
+    for (const std::size_t battery : one.second) values.push_back(each[battery].autonomy_s);
+    effect.groups.push_back(
+        {one.first, values.size(), statistics::mean(values), std::sqrt(statistics::sample_variance(values))});
+    groups.push_back(std::move(values));
+  }
+  const auto variance = statistics::one_way(groups);
+  if (!variance) return std::nullopt;
+  effect.variance = *variance;
+  return effect;
 }
 
 /// The straight line over runs, each battery's own level taken out; degrees of freedom as of the levels' fit.
@@ -77,6 +116,10 @@ AutonomyFigures analyse(std::span<const BatteryRun> records, std::size_t batteri
     figures.runs = std::max(figures.runs, record.run + 1);
     figures.cut_off += record.stop == StopCause::cut_off ? 1U : 0U;
   }
+  std::vector<double> counted;
+  counted.reserve(durations.size());
+  for (const statistics::Duration& one : durations) counted.push_back(one.value);
+  figures.mean_if_counted_s = statistics::mean(counted);
   figures.at_s = statistics::mean(ended);
   figures.mean_s = figures.at_s;
   figures.sd_s = std::sqrt(statistics::sample_variance(ended));
@@ -118,6 +161,14 @@ AutonomyFigures analyse(std::span<const BatteryRun> records, std::size_t batteri
     figures.trend->slope = figures.crossed->slope;
     figures.trend->p = figures.crossed->run.p;
   }
+  if (batteries == 1 && figures.runs > 1) {
+    std::vector<double> runs;
+    for (const BatteryRun& record : records)
+      if (record.ended()) runs.push_back(record.autonomy_s);
+    figures.runs_t = statistics::mean_interval(runs);
+    figures.runs_sd_s = std::sqrt(statistics::sample_variance(runs));
+  }
+  figures.vehicles = vehicle_effect(records, figures.each);
   if (wanted_half_width > 0.0) figures.stopped_after = statistics::stops_at(ended, wanted_half_width);
   return figures;
 }

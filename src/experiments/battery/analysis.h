@@ -24,6 +24,20 @@ struct BatteryFigures {
   double lasted_at_least_s;  ///< the longest run, ended or not
   double robust_score;
   bool is_outlier;
+  std::optional<statistics::Trend> trend{};  ///< over its own runs, from three on
+};
+
+/// What the vehicles (or a tester's channels) make of it, where each battery stayed on one: those that carried two or
+/// more. Batteries that differ for a reason of their own cannot be told from it; --swap can.
+struct VehicleEffect {
+  struct Group {
+    std::string vehicle;
+    std::size_t batteries;
+    double mean_s;
+    double sd_s;
+  };
+  std::vector<Group> groups;
+  statistics::OneWay variance;
 };
 
 /// What a test's records allow to say (section 5 of the notes behind the article's equation 4).
@@ -38,6 +52,9 @@ struct AutonomyFigures {
   double sd_s{};
   std::string method;  ///< how mean_s came about
   std::optional<statistics::Interval> mean_t;
+  /// Of one battery's repeated runs about their mean: it says how well that battery is known, and nothing of others.
+  std::optional<statistics::Interval> runs_t;
+  double runs_sd_s{};
   std::optional<statistics::Interval> mean_bca;  ///< from ten batteries on
   std::optional<statistics::Interval> sd_interval;
   std::optional<double> tolerance_low_s;     ///< 95 % of all batteries last longer, with a confidence of 95 %
@@ -49,7 +66,9 @@ struct AutonomyFigures {
   std::optional<statistics::CensoredNormal> censored;
   std::optional<statistics::Trend> trend;      ///< over runs, each battery's mean taken out
   std::optional<statistics::Crossed> crossed;  ///< shares of variance
-  std::optional<std::size_t> stopped_after;    ///< batteries after which the wanted half width was reached
+  std::optional<VehicleEffect> vehicles;
+  double mean_if_counted_s{};                ///< the wrong figure: failures taken for ends
+  std::optional<std::size_t> stopped_after;  ///< batteries after which the wanted half width was reached
   std::vector<BatteryFigures> each;
 };
 /// @param wanted_half_width  as a share of the mean, for the sequential stop; 0: none
@@ -69,9 +88,9 @@ struct ReportFacts {
   std::string type;
   std::string source;
   std::string licence;
-  std::string command;  ///< that gives the same again
-  std::string load;     ///< how the batteries were drained
-  double floor{};
+  std::string command;            ///< that gives the same again
+  std::string load;               ///< how the batteries were drained
+  std::optional<double> floor{};  ///< nothing: as the source had it
 };
 [[nodiscard]] std::string report_html(const AutonomyFigures& figures, std::span<const BatteryRun> records,
                                       std::span<const TrueEnd> truth, const ReportFacts& facts);

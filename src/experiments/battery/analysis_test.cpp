@@ -92,6 +92,24 @@ TEST(Autonomy, goes_with_the_tester_s_channel_more_than_with_the_cell) {
   EXPECT_LT(channels->p, 5e-5);
   const auto difference = statistics::compare(by_channel[7], by_channel[8]);
   EXPECT_NEAR(difference->difference, 55.0, 0.1);
+
+  // The analysis finds it by itself, among all nine: channels that carried a single cell say nothing.
+  std::vector<BatteryRun> records = fleet();
+  std::size_t i = 0;
+  for (const Cell& cell : hg2()) {
+    if (cell.series != "fleet_first_run") continue;
+    records[i].vehicle = static_cast<std::size_t>(cell.channel);
+    records[i++].carrier = "channel " + std::to_string(cell.channel);
+  }
+  const AutonomyFigures figures = analyse(records, 9);
+  ASSERT_TRUE(figures.vehicles);
+  ASSERT_EQ(figures.vehicles->groups.size(), 2U);
+  EXPECT_EQ(figures.vehicles->groups[0].vehicle, "channel 7");
+  EXPECT_NEAR(figures.vehicles->groups[0].sd_s, 3.5, 0.05);
+  EXPECT_NEAR(figures.vehicles->groups[1].sd_s, 3.2, 0.1);
+  EXPECT_NEAR(figures.vehicles->variance.f, channels->f, 1e-9);
+  EXPECT_THAT(to_text(figures, records), HasSubstr("channel 8: 3650.2 s, SD 3.2 s of 3; F 40"));
+  EXPECT_FALSE(analyse(fleet(), 9).vehicles);  // nine vehicles, one battery each
 }
 
 TEST(Autonomy, does_not_count_a_vehicle_s_failure_as_a_battery_s_end) {
@@ -106,6 +124,8 @@ TEST(Autonomy, does_not_count_a_vehicle_s_failure_as_a_battery_s_end) {
   double counted = 0.0;
   for (const BatteryRun& record : records) counted += record.autonomy_s / 9.0;
   EXPECT_NEAR(counted, 3357.0, 0.5);
+  EXPECT_NEAR(figures.mean_if_counted_s, counted, 1e-9);
+  EXPECT_THAT(to_text(figures, records), HasSubstr("failures would make the mean 3356.8 s (-6.8 %)"));
   EXPECT_NEAR(figures.mean_s, 3602.0, 1.0);
   EXPECT_TRUE(std::isnan(figures.each[5].autonomy_s));
   EXPECT_EQ(figures.each[5].lasted_at_least_s, 2000.0);
@@ -128,6 +148,27 @@ TEST(Autonomy, of_repeated_runs_says_what_they_lose_each_time) {
   EXPECT_NEAR(one.trend->slope, -9.84, 0.02);
   EXPECT_NEAR(one.trend->at_first, 3602.5, 0.5);
   EXPECT_FALSE(one.mean_t);  // one battery tells nothing of others
+  EXPECT_FALSE(one.tolerance_low_s || one.next);
+  // Of itself it does: 3602.1, 3593.27, 3582.87, 3572.76 s have an SD of 12.7 s, and 3.182 · 12.7/√4 = 20.2 s.
+  EXPECT_NEAR(one.runs_sd_s, 12.7136, 0.0001);
+  EXPECT_NEAR(one.runs_t->high - one.runs_t->low, 2.0 * 3.1824 * one.runs_sd_s / 2.0, 0.01);
+  const auto alone = JsonValue::parse(to_json(one, std::span{records}.first(4), {}));
+  EXPECT_EQ(alone->find("autonomy_s")->text("of"), "runs of one battery");
+  EXPECT_EQ(alone->find("autonomy_s")->number("sd"), one.runs_sd_s);
+  for (const BatteryFigures& own : figures.each) {
+    EXPECT_NEAR(own.trend->slope, -10.3, 0.75);
+    EXPECT_GT(own.trend->r_squared, 0.996);
+  }
+  // One record for each battery, whatever the number of its runs.
+  const auto json = JsonValue::parse(to_json(figures, records, {}));
+  ASSERT_TRUE(json);
+  ASSERT_EQ(json->find("batteries")->array()->size(), 5U);
+  EXPECT_EQ(json->find("records")->array()->size(), 20U);
+  const JsonValue& first = json->find("batteries")->array()->front();
+  EXPECT_EQ(json->find("autonomy_s")->text("of"), "batteries");
+  EXPECT_EQ(first.number("runs"), 4.0);
+  EXPECT_NEAR(*first.number("autonomy_s"), 3587.75, 0.01);
+  EXPECT_NEAR(*first.find("slope_per_run")->number("slope_s"), -9.84, 0.02);
 }
 
 TEST(Autonomy, of_nothing_or_of_failures_alone_claims_nothing) {
@@ -169,6 +210,10 @@ TEST(Autonomy, s_report_is_one_page_that_needs_nothing_else_and_escapes_what_it_
       report_html(analyse(records, 9), records, {}, {"HG2", "facts", "cite", "cosiva battery", "3 A", 0.2});
   EXPECT_THAT(html, HasSubstr("1 h 00 min 05 s"));
   EXPECT_THAT(html, HasSubstr("Kaplan and Meier"));
+  for (const char* words :
+       {"Voltage, as measured on board, over time.", "Voltage, as measured on board, over the way driven.",
+        "Charge, as the gauges believed, over the charge taken out.", "Temperature, over time."})
+    EXPECT_THAT(html, HasSubstr(words));
   EXPECT_THAT(html, Not(HasSubstr("<script>")));
   EXPECT_THAT(html, Not(HasSubstr("src=\"http")));
   const std::string csv = to_csv(records);

@@ -1,4 +1,5 @@
 // The figures as JSON, as text, and the curves as CSV.
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -46,16 +47,20 @@ void write_factor(JsonWriter& json, std::string_view name, const statistics::Fac
   json.field("p", factor.p).end_object();
 }
 
-void write_effects(JsonWriter& json, const AutonomyFigures& figures) {
-  json.key("slope_per_run");
-  if (const auto& trend = figures.trend) {
-    json.begin_object().field("slope_s", trend->slope).field("p", trend->p).field("r_squared", trend->r_squared);
-    json.field("at_run_1_s", trend->at_first);
-    write(json, "at_run_1_ci95", trend->at_first_interval);
-    json.end_object();
-  } else {
+void write(JsonWriter& json, std::string_view name, const std::optional<statistics::Trend>& trend) {
+  json.key(name);
+  if (!trend) {
     json.null();
+    return;
   }
+  json.begin_object().field("slope_s", trend->slope).field("p", trend->p).field("r_squared", trend->r_squared);
+  json.field("at_run_1_s", trend->at_first);
+  write(json, "at_run_1_ci95", trend->at_first_interval);
+  json.end_object();
+}
+
+void write_effects(JsonWriter& json, const AutonomyFigures& figures) {
+  write(json, "slope_per_run", figures.trend);
   json.key("variance");
   if (const auto& crossed = figures.crossed) {
     json.begin_object().field("confounded", crossed->confounded);
@@ -67,15 +72,24 @@ void write_effects(JsonWriter& json, const AutonomyFigures& figures) {
   } else {
     json.null();
   }
+  json.key("vehicle_effect");
+  if (const auto& effect = figures.vehicles) {
+    json.begin_object().field("f", effect->variance.f).field("p", effect->variance.p).key("vehicles").begin_array();
+    for (const VehicleEffect::Group& one : effect->groups) {
+      json.begin_object().field("vehicle", one.vehicle).field("batteries", one.batteries);
+      json.field("mean_s", one.mean_s).field("sd_s", one.sd_s).end_object();
+    }
+    json.end_array().end_object();
+  } else {
+    json.null();
+  }
 }
 
-void write_run(JsonWriter& json, const BatteryRun& record, std::span<const TrueEnd> truth) {
-  json.begin_object().field("battery", record.battery + 1).field("id", record.tag.id).field("type", record.tag.type);
-  json.field("vehicle", "AIV" + std::to_string(record.vehicle + 1)).field("run", record.run + 1);
-  json.field("started", to_iso8601(record.started))
-      .field("stop", to_string(record.stop))
-      .field("ended", record.ended());
-  json.field("autonomy_s", record.autonomy_s).field("paused_s", record.paused_s).field("charge_ah", record.charge_ah);
+/// What a run's own record and its battery's record both have.
+void write_facts(JsonWriter& json, const BatteryRun& record, std::span<const TrueEnd> truth) {
+  json.field("vehicle", vehicle_name(record));
+  json.field("started", to_iso8601(record.started)).field("stop", to_string(record.stop));
+  json.field("paused_s", record.paused_s).field("charge_ah", record.charge_ah);
   json.field("energy_wh", record.energy_wh).field("distance_m", record.distance_m).field("cycles", record.tag.cycles);
   json.field("rest_s", record.tag.rest_s).field("temperature_start_c", record.tag.temperature_c);
   json.field("temperature_end_c", record.temperature_end_c).field("charge_start", record.tag.charge);
@@ -83,6 +97,28 @@ void write_run(JsonWriter& json, const BatteryRun& record, std::span<const TrueE
   json.field("voltage_end_v", record.voltage_end_v);
   for (const TrueEnd& end : truth)
     if (end.run == record.run && end.vehicle == record.vehicle) json.field("true_charge_end", end.charge);
+}
+
+void write_run(JsonWriter& json, const BatteryRun& record, std::span<const TrueEnd> truth) {
+  json.begin_object().field("battery", record.battery + 1).field("id", record.tag.id).field("type", record.tag.type);
+  json.field("run", record.run + 1).field("ended", record.ended()).field("autonomy_s", record.autonomy_s);
+  write_facts(json, record, truth);
+  json.end_object();
+}
+
+/// One record for each battery: what all its runs say of it, and the facts of its first.
+void write_battery(JsonWriter& json, const BatteryFigures& figures, std::span<const BatteryRun> records,
+                   std::span<const TrueEnd> truth) {
+  const auto first = std::ranges::find(records, figures.battery, &BatteryRun::battery);
+  if (first == records.end()) return;  // its vehicle never came so far
+  const bool ended = figures.runs > figures.failed;
+  json.begin_object().field("battery", figures.battery + 1).field("id", figures.id).field("type", first->tag.type);
+  json.field("runs", figures.runs).field("failed", figures.failed).field("ended", ended);
+  json.field("autonomy_s", ended ? figures.autonomy_s : figures.lasted_at_least_s);
+  json.field("lasted_at_least_s", figures.lasted_at_least_s).field("is_outlier", figures.is_outlier);
+  json.field("robust_score", figures.robust_score);
+  write(json, "slope_per_run", figures.trend);
+  write_facts(json, *first, truth);
   json.end_object();
 }
 
@@ -97,6 +133,39 @@ std::string span_text(const statistics::Interval& interval) {
   return short_text(interval.low, 1) + " to " + short_text(interval.high, 1) + " s";
 }
 
+std::string survival_text(const AutonomyFigures& figures) {
+  std::string text;
+  const auto median = figures.survival.when_ended(0.5);
+  const auto b10 = figures.survival.when_ended(0.1);
+  if (median && b10 && figures.batteries > 1)
+    text += "\nhalf have ended after " + short_text(*median, 1) + " s, one in ten (B10) after " + short_text(*b10, 1) +
+            " s (Kaplan and Meier)";
+  if (figures.failed > 0 && std::isfinite(figures.mean_if_counted_s) && std::isfinite(figures.mean_s))
+    text += "\ncounted as ends, failures would make the mean " + short_text(figures.mean_if_counted_s, 1) + " s (" +
+            short_text(100.0 * (figures.mean_if_counted_s / figures.mean_s - 1.0), 1) + " %)";
+  return text;
+}
+
+std::string outlier_text(const AutonomyFigures& figures) {
+  std::string text;
+  if (figures.normality_p) text += "\nnormality (Anderson and Darling): p " + chance_text(*figures.normality_p);
+  for (const BatteryFigures& one : figures.each)
+    if (one.is_outlier && figures.grubbs)
+      text += "\n" + one.id + " is an outlier (Grubbs), kept: " + short_text(figures.grubbs->statistic, 3) + " > " +
+              short_text(figures.grubbs->critical, 3) + ", robust score " + short_text(one.robust_score, 1);
+  return text;
+}
+
+std::string vehicles_text(const AutonomyFigures& figures) {
+  const auto& effect = figures.vehicles;
+  if (!effect) return {};
+  std::string text = "\nvehicles (or channels) of two batteries or more:";
+  for (const VehicleEffect::Group& one : effect->groups)
+    text += " " + one.vehicle + ": " + short_text(one.mean_s, 1) + " s, SD " + short_text(one.sd_s, 1) + " s of " +
+            std::to_string(one.batteries) + ";";
+  return text + " F " + short_text(effect->variance.f, 1) + " (p " + chance_text(effect->variance.p) + ")";
+}
+
 }  // namespace
 
 std::string chance_text(double p) { return p < 1e-4 ? "< 0.0001" : short_text(p, 4); }
@@ -105,10 +174,13 @@ std::string to_json(const AutonomyFigures& figures, std::span<const BatteryRun> 
                     std::span<const TrueEnd> truth) {
   JsonWriter json;
   json.begin_object().key("autonomy_s").begin_object();
-  json.field("mean", figures.mean_s).field("sd", figures.sd_s);
-  write(json, "ci95", figures.mean_t);
+  const bool of_runs = figures.runs_t.has_value();
+  json.field("mean", figures.mean_s).field("sd", of_runs ? figures.runs_sd_s : figures.sd_s);
+  write(json, "ci95", of_runs ? figures.runs_t : figures.mean_t);
+  json.field("of", of_runs ? "runs of one battery" : "batteries");
   write(json, "ci95_bca", figures.mean_bca);
   json.field("method", figures.method).field("at", figures.at_s);
+  json.field("mean_if_failures_counted", figures.mean_if_counted_s);
   write(json, "sd_ci95", figures.sd_interval);
   write(json, "tolerance_95_95_low", figures.tolerance_low_s);
   json.field("smallest_covers", figures.smallest_covers);
@@ -130,33 +202,41 @@ std::string to_json(const AutonomyFigures& figures, std::span<const BatteryRun> 
   else
     json.null();
   json.key("batteries").begin_array();
+  for (const BatteryFigures& one : figures.each) write_battery(json, one, records, truth);
+  json.end_array().key("records").begin_array();
   for (const BatteryRun& record : records) write_run(json, record, truth);
   return json.end_array().end_object().take();
 }
 
 std::string to_text(const AutonomyFigures& figures, std::span<const BatteryRun> records) {
   std::string text = std::to_string(figures.batteries) + (figures.batteries == 1 ? " battery, " : " batteries, ") +
-                     std::to_string(records.size()) + " runs, " + std::to_string(figures.failed) + " failed\n";
+                     std::to_string(records.size()) + (records.size() == 1 ? " run, " : " runs, ") +
+                     std::to_string(figures.failed) + " failed\n";
   for (const BatteryRun& record : records) {
-    text += "  run " + std::to_string(record.run + 1) + ", " + record.tag.id + " on AIV" +
-            std::to_string(record.vehicle + 1) + ": " + duration_text(record.autonomy_s) + " (" +
-            std::string(to_string(record.stop)) + "), " + short_text(record.charge_ah, 3) + " Ah, " +
-            short_text(record.energy_wh, 2) + " Wh, " + short_text(record.distance_m, 0) + " m\n";
+    text += "  run " + std::to_string(record.run + 1) + ", " + record.tag.id + " on " + vehicle_name(record) + ": " +
+            duration_text(record.autonomy_s) + " (" + std::string(to_string(record.stop)) + ")";
+    if (record.charge_ah > 0.0)  // a table of durations has none
+      text += ", " + short_text(record.charge_ah, 3) + " Ah, " + short_text(record.energy_wh, 2) + " Wh, " +
+              short_text(record.distance_m, 0) + " m";
+    text += "\n";
   }
   text += "AT " + duration_text(figures.mean_s) + " (" + short_text(figures.mean_s, 1) + " s, " + figures.method + ")";
   if (figures.mean_t) text += ", 95 % interval " + span_text(*figures.mean_t);
   if (figures.mean_bca) text += ", BCa " + span_text(*figures.mean_bca);
+  if (figures.runs_t)
+    text += "\nover this battery's runs: SD " + short_text(figures.runs_sd_s, 1) + " s, 95 % interval of their mean " +
+            span_text(*figures.runs_t) + "; of other batteries they say nothing";
   if (figures.sd_interval)
     text += "\nSD " + short_text(figures.sd_s, 1) + " s, at most " + short_text(figures.sd_interval->high, 1) + " s";
   if (figures.tolerance_low_s)
     text +=
         "\n95 % of such batteries last " + duration_text(*figures.tolerance_low_s) + " or longer, with 95 % confidence";
   if (figures.next) text += "\nthe next one: " + span_text(*figures.next);
-  for (const BatteryFigures& one : figures.each)
-    if (one.is_outlier) text += "\n" + one.id + " is an outlier (Grubbs), kept";
+  text += survival_text(figures) + outlier_text(figures);
   if (const auto& trend = figures.trend)
     text += "\nslope " + short_text(trend->slope, 2) + " s per run (p " + chance_text(trend->p) + "), at run 1 " +
             short_text(trend->at_first, 1) + " s";
+  text += vehicles_text(figures);
   if (const auto& crossed = figures.crossed) {
     if (crossed->confounded)
       text += "\neach battery stayed on its vehicle: which of the two makes the difference nobody can tell (--swap)";
@@ -174,7 +254,7 @@ std::string to_csv(std::span<const BatteryRun> records) {
       "percent,distance_meter\n";
   for (const BatteryRun& record : records) {
     for (const BatterySample& sample : record.curve) {
-      csv += record.tag.id + "," + std::to_string(record.run + 1) + ",AIV" + std::to_string(record.vehicle + 1) + "," +
+      csv += record.tag.id + "," + std::to_string(record.run + 1) + "," + vehicle_name(record) + "," +
              short_text(to_seconds(sample.at - record.started), 1) + "," + short_text(sample.voltage_v, 4) + "," +
              short_text(-sample.current_a, 4) + "," + short_text(sample.temperature_c, 2) + "," +
              short_text(100.0 * sample.charge, 3) + "," + short_text(sample.distance_m, 2) + "\n";

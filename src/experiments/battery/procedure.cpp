@@ -43,6 +43,10 @@ BatterySample between(const BatterySample& a, const BatterySample& b, double sha
 
 }  // namespace
 
+std::string vehicle_name(const BatteryRun& run) {
+  return run.carrier.empty() ? "AIV" + std::to_string(run.vehicle + 1) : run.carrier;
+}
+
 std::string_view to_string(StopCause cause) {
   constexpr std::array<std::string_view, 5> words{"floor", "cut-off", "fault", "operator", "lost"};
   return words[static_cast<std::size_t>(cause)];
@@ -117,6 +121,14 @@ ProcedureCommands Procedure::on_ready(SimTime now, std::size_t vehicle, const Ba
   return commands;
 }
 
+namespace {
+/// The last sample lies between two others, one of which may be there already: a curve's time only grows.
+void end_curve(BatteryRun& record, const BatterySample& last) {
+  while (!record.curve.empty() && record.curve.back().at >= last.at) record.curve.pop_back();
+  record.curve.push_back(last);
+}
+}  // namespace
+
 void Procedure::book(Seat& seat, const BatterySample& sample) const {
   seat.heard = sample.at;
   if (!seat.last) {
@@ -167,7 +179,7 @@ ProcedureCommands Procedure::on_sample(std::size_t vehicle, const BatterySample&
     record.charge_ah = before_ah + share * (record.charge_ah - before_ah);
     record.energy_wh = before_wh + share * (record.energy_wh - before_wh);
     note_end(seat, at, record);
-    record.curve.push_back(at);
+    end_curve(record, at);
   }
   seat.last = sample;
   if (seat.crossing && sample.at - seat.crossing->at >= options_.hold) {
@@ -189,7 +201,7 @@ ProcedureCommands Procedure::on_stop(SimTime now, std::size_t vehicle, StopCause
   end.at = cause == StopCause::lost ? seat.heard : now;
   BatteryRun record = seat.record;
   note_end(seat, end, record);
-  if (seat.last) record.curve.push_back(end);
+  if (seat.last) end_curve(record, end);
   return finish(vehicle, std::move(record), cause);
 }
 

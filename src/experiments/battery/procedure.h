@@ -59,9 +59,12 @@ struct BatteryRun {
   double voltage_end_v{};
   double temperature_end_c{};
   std::vector<BatterySample> curve;  ///< one a `curve_every`, and the last
+  std::string carrier{};             ///< what people call the vehicle; empty: AIV and its number
   /// Whether the battery itself ended it: then its autonomy is known, else it is known to be longer.
   [[nodiscard]] bool ended() const { return stop == StopCause::floor || stop == StopCause::cut_off; }
 };
+
+[[nodiscard]] std::string vehicle_name(const BatteryRun& run);
 
 struct ProcedureOptions {
   std::size_t vehicles{1};

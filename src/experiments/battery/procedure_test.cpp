@@ -70,6 +70,19 @@ TEST(Sampled, is_the_article_s_exchange_from_change_to_floor) {
   EXPECT_EQ(to_seconds(run.curve.back().at - t0), run.autonomy_s);
 }
 
+TEST(Sampled, s_curve_goes_forth_in_time_up_to_the_crossing) {
+  Bench bench{{.vehicles = 1, .floor = 0.2, .curve_every = 300ms}};
+  bench.ready(0, "B7");
+  for (int i = 1; !bench.procedure.done() && i < 2000; ++i) {
+    bench.now = t0 + i * 300ms;
+    bench.sample(0, 1.0 - 0.003 * i, 0.15 * i);
+  }
+  const std::vector<BatterySample>& curve = bench.procedure.records().front().curve;
+  ASSERT_GT(curve.size(), 260U);
+  for (std::size_t i = 1; i < curve.size(); ++i) ASSERT_LT(curve[i - 1].at, curve[i].at) << i;
+  EXPECT_EQ(curve.back().at, t0 + 80s);
+}
+
 TEST(Sampled, takes_no_sag_for_the_end) {
   Bench bench{{.vehicles = 1, .floor = 0.2}};
   bench.ready(0, "B7");

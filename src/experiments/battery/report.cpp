@@ -1,4 +1,6 @@
 // The report: a maker's one-page statement first, then what it rests on.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -40,8 +42,41 @@ std::string curves(std::span<const BatteryRun> records, const char* x_label, con
   return to_svg(chart);
 }
 
-double hours_of(const BatteryRun& record, const BatterySample& sample, double /*used_ah*/) {
-  return to_seconds(sample.at - record.started) / 3600.0;
+/// Voltage, charge and temperature, each against time, way driven and charge taken out.
+void add_curves(Report& report, std::span<const BatteryRun> records) {
+  if (std::ranges::all_of(records, [](const BatteryRun& record) { return record.curve.empty(); })) return;
+  using Across = double (*)(const BatteryRun&, const BatterySample&, double used_ah);
+  using Up = double (*)(const BatterySample&);
+  struct X {
+    const char* label;
+    const char* words;
+    Across of;
+  };
+  struct Y {
+    const char* label;
+    const char* words;
+    Up of;
+  };
+  constexpr std::array<X, 3> across{
+      {{"time [h]", "time",
+        [](const BatteryRun& record, const BatterySample& sample, double) {
+          return to_seconds(sample.at - record.started) / 3600.0;
+        }},
+       {"driven [m]", "the way driven",
+        [](const BatteryRun& record, const BatterySample& sample, double) {
+          return sample.distance_m - record.curve.front().distance_m;
+        }},
+       {"discharged [Ah]", "the charge taken out",
+        [](const BatteryRun&, const BatterySample&, double used_ah) { return used_ah; }}}};
+  constexpr std::array<Y, 3> up{
+      {{"voltage [V]", "Voltage, as measured on board", [](const BatterySample& s) { return s.voltage_v; }},
+       {"charge [%]", "Charge, as the gauges believed", [](const BatterySample& s) { return 100.0 * s.charge; }},
+       {"temperature [°C]", "Temperature", [](const BatterySample& s) { return s.temperature_c; }}}};
+  report.heading("Discharge");
+  report.paragraph("The first run of each battery; at most six are drawn.");
+  for (const Y& y : up)
+    for (const X& x : across)
+      report.figure(curves(records, x.label, y.label, x.of, y.of), std::string(y.words) + ", over " + x.words + ".");
 }
 
 std::string survival_svg(const statistics::Survival& survival) {
@@ -90,13 +125,18 @@ void add_statement(Report& report, const AutonomyFigures& figures, const ReportF
                  "95 % last longer, with 95 % confidence"},
                 {std::to_string(figures.batteries), figures.batteries == 1 ? "battery" : "batteries"},
                 {std::to_string(figures.failed), "runs failed", figures.failed > 0}});
-  std::vector<std::vector<std::string>> rows{{"Battery type", facts.type},
-                                             {"Data of the type", facts.source},
-                                             {"Licence of the data", facts.licence},
-                                             {"Load", facts.load},
-                                             {"Floor", readable(100.0 * facts.floor, 1) + " % by the gauge, for 3 s"},
-                                             {"Mean autonomy", seconds_text(figures.mean_s) + ", " + figures.method},
-                                             {"95 % interval of the mean, Student", range_text(figures.mean_t)}};
+  std::vector<std::vector<std::string>> rows{
+      {"Battery type", facts.type},
+      {"Data of the type", facts.source},
+      {"Licence of the data", facts.licence},
+      {"Load", facts.load},
+      {"Floor", facts.floor ? readable(100.0 * *facts.floor, 1) + " % by the gauge, for 3 s"
+                            : std::string("as it was measured")},
+      {"Mean autonomy", seconds_text(figures.mean_s) + ", " + figures.method},
+      {"95 % interval of the mean, Student", range_text(figures.mean_t)}};
+  if (figures.runs_t)
+    rows.push_back({"Of this battery's runs alone: standard deviation; 95 % interval of their mean",
+                    seconds_text(figures.runs_sd_s) + "; " + range_text(figures.runs_t)});
   if (figures.mean_bca) rows.push_back({"95 % interval of the mean, BCa bootstrap", range_text(figures.mean_bca)});
   if (figures.sd_interval)
     rows.push_back({"Standard deviation, and its upper bound",
@@ -123,10 +163,10 @@ void add_records(Report& report, const AutonomyFigures& figures, std::span<const
     for (const TrueEnd& end : truth)
       if (end.run == record.run && end.vehicle == record.vehicle) true_end = readable(100.0 * end.charge, 2);
     rows.push_back({record.tag.id + (own.is_outlier ? " (outlier, kept)" : ""), std::to_string(record.run + 1),
-                    "AIV" + std::to_string(record.vehicle + 1), readable(record.autonomy_s, 1),
-                    std::string(to_string(record.stop)), readable(record.charge_ah, 3), readable(record.energy_wh, 2),
-                    readable(record.distance_m, 0), readable(record.tag.cycles, 1),
-                    readable(record.temperature_end_c, 1), readable(100.0 * record.charge_end, 2), true_end});
+                    vehicle_name(record), readable(record.autonomy_s, 1), std::string(to_string(record.stop)),
+                    readable(record.charge_ah, 3), readable(record.energy_wh, 2), readable(record.distance_m, 0),
+                    readable(record.tag.cycles, 1), readable(record.temperature_end_c, 1),
+                    readable(100.0 * record.charge_end, 2), true_end});
   }
   report.table({"battery", "run", "vehicle", "autonomy [s]", "stopped by", "Ah", "Wh", "m", "cycles", "°C", "gauge [%]",
                 "true [%]"},
@@ -159,23 +199,8 @@ std::string report_html(const AutonomyFigures& figures, std::span<const BatteryR
   Report report{"Autonomy of " + facts.type,
                 std::to_string(figures.batteries) + " batteries, " + std::to_string(records.size()) + " runs"};
   add_statement(report, figures, facts);
-  report.heading("Discharge");
-  const auto ah = [](const BatteryRun&, const BatterySample&, double used_ah) { return used_ah; };
-  const auto metres = [](const BatteryRun& record, const BatterySample& sample, double) {
-    return sample.distance_m - record.curve.front().distance_m;
-  };
-  report.figure(
-      curves(records, "discharged [Ah]", "voltage [V]", ah, [](const BatterySample& s) { return s.voltage_v; }),
-      "Voltage, as measured on board, of the first run; at most six batteries are drawn.");
-  report.figure(
-      curves(records, "time [h]", "charge [%]", hours_of, [](const BatterySample& s) { return 100.0 * s.charge; }),
-      "Charge, as the gauges believed.");
-  report.figure(
-      curves(records, "driven [m]", "charge [%]", metres, [](const BatterySample& s) { return 100.0 * s.charge; }),
-      "Charge over the way driven.");
-  report.figure(
-      curves(records, "time [h]", "temperature [°C]", hours_of, [](const BatterySample& s) { return s.temperature_c; }),
-      "Temperature.");
+  report.page_break();
+  add_curves(report, records);
   if (!truth.empty())
     report.figure(gauge_svg(records, truth),
                   "Gauge against truth: only an emulated battery has one. The test itself never saw it.");

@@ -22,6 +22,7 @@ h1{margin-bottom:0}h1+p{color:var(--soft);margin-top:.2rem}h2{margin-top:2.4rem}
 table{border-collapse:collapse;width:100%;font-variant-numeric:tabular-nums}th,td{padding:.3rem .6rem;text-align:right;
 border-bottom:1px solid var(--grid)}th:first-child,td:first-child{text-align:left}th{color:var(--soft);font-weight:600}
 .wide{overflow-x:auto}figure{margin:1.4rem 0}figcaption{color:var(--soft);font-size:.9rem}figure svg{width:100%;height:auto}
+.page{break-after:page}@media print{figure,tr{break-inside:avoid}}
 pre{background:var(--card);border-radius:.5rem;padding:.8rem;overflow-x:auto}
 .chart text{fill:var(--soft)}.chart .label{fill:var(--ink)}.chart .grid{stroke:var(--grid);fill:none}
 .chart .axis{stroke:var(--soft);fill:none}.chart .line{fill:none;stroke-width:1.8;stroke-linejoin:round}
@@ -84,6 +85,11 @@ Report& Report::figure(std::string_view svg, std::string_view caption) {
   body_ += "<figure>";
   body_ += svg;
   body_ += "<figcaption>" + escaped(caption) + "</figcaption></figure>\n";
+  return *this;
+}
+
+Report& Report::page_break() {
+  body_ += "<div class=\"page\"></div>\n";
   return *this;
 }
 

@@ -24,6 +24,8 @@ class Report {
   /// Rows as wide as there are columns (checked). The first column is text, the others stand right.
   Report& table(const std::vector<std::string>& columns, const std::vector<std::vector<std::string>>& rows);
   Report& figure(std::string_view svg, std::string_view caption);
+  /// On paper what follows begins a new page; on a screen nothing changes.
+  Report& page_break();
   /// As written: a command line that gives the same again, a log.
   Report& verbatim(std::string_view text);
 

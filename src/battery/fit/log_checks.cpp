@@ -1,0 +1,173 @@
+#include "battery/fit/log_checks.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace cosiva::battery {
+namespace {
+
+std::string place(const Log& log, std::size_t i) {
+  return i < log.line.size() ? log.origin + ":" + std::to_string(log.line[i]) : log.name;
+}
+
+double largest_current_a(const Log& log) {
+  double largest_a = 0.0;
+  for (const double current : log.current_a) largest_a = std::max(largest_a, std::fabs(current));
+  return largest_a;
+}
+
+/// What nineteen of twenty keep to. Testers write less and less often as the voltage settles.
+double usual_of(std::vector<double> values) {
+  const std::size_t most = values.size() - 1 - values.size() / 20;
+  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(most));
+  return values[most];
+}
+
+/// A gap under load: three times longer than usual under load, and more than 2 ‰ of all that flowed. Where a load's
+/// first sample follows on a rest, the load may have come on only then: a gap is what is far longer than that log's own
+/// rests between two samples.
+Result<void> check_gaps(const Log& log) {
+  std::vector<double> loaded;
+  std::vector<double> rested;
+  double flowed_as = 0.0;
+  const double largest_a = largest_current_a(log);
+  const auto is_load = [&](std::size_t i) { return std::fabs(log.current_a[i]) > 0.01 * largest_a; };
+  for (std::size_t i = 1; i < log.time_s.size(); ++i) {
+    const double dt_s = log.time_s[i] - log.time_s[i - 1];
+    if (!is_load(i)) {
+      rested.push_back(dt_s);
+      continue;
+    }
+    loaded.push_back(dt_s);
+    flowed_as += std::fabs(log.current_a[i]) * dt_s;
+  }
+  if (loaded.empty()) return fail("log.short", "has no load anywhere", log.name);
+  const double usual_s = usual_of(loaded);
+  constexpr std::size_t rests_min = 40;
+  const double rest_s = rested.size() < rests_min ? std::numeric_limits<double>::infinity() : usual_of(rested);
+  for (std::size_t i = 1; i < log.time_s.size(); ++i) {
+    const double dt_s = log.time_s[i] - log.time_s[i - 1];
+    const bool load_comes = is_load(i) && !is_load(i - 1);
+    // Those that end a load write the rest's first sample only a rest's usual time later: no gap yet.
+    const double longest_s =
+        load_comes ? std::max(3.0 * rest_s, 600.0) : std::max(3.0 * usual_s, is_load(i) ? 60.0 : 300.0);
+    if (!(is_load(i) || is_load(i - 1)) || dt_s <= longest_s) continue;
+    const double unseen_as = dt_s * std::max(std::fabs(log.current_a[i]), std::fabs(log.current_a[i - 1]));
+    if (unseen_as <= 0.002 * flowed_as) continue;
+    return fail("log.gap",
+                "nothing between " + short_number(log.time_s[i - 1]) + " s and " + short_number(log.time_s[i]) +
+                    " s, under up to " + short_number(unseen_as / dt_s) + " A",
+                place(log, i));
+  }
+  return {};
+}
+
+Result<void> check_voltages(const Log& log) {
+  const std::vector<double>& volt = log.voltage_v;
+  for (std::size_t i = 0; i < volt.size(); ++i)
+    if (!(volt[i] > 0.05 && volt[i] < 2000.0))
+      return fail("log.number",
+                  "voltage_volt is " + short_number(volt[i]) + " at " + short_number(log.time_s[i]) + " s",
+                  place(log, i));
+  // One sample far from both its neighbours, which are alike and carry the same current: a slip of the tester.
+  const double largest_a = largest_current_a(log);
+  for (std::size_t i = 1; i + 1 < volt.size(); ++i) {
+    const double apart_v = std::fabs(volt[i + 1] - volt[i - 1]);
+    const double off_v = std::min(std::fabs(volt[i] - volt[i - 1]), std::fabs(volt[i] - volt[i + 1]));
+    const double change_a = std::fabs(log.current_a[i] - log.current_a[i - 1]);
+    if (off_v > 0.15 * volt[i - 1] && apart_v < 0.1 * off_v && change_a < 0.05 * largest_a)
+      return fail("log.number",
+                  "voltage_volt jumps from " + short_number(volt[i - 1]) + " to " + short_number(volt[i]) + " and back",
+                  place(log, i));
+  }
+  return {};
+}
+
+Result<void> check_temperatures(const Log& log) {
+  for (std::size_t i = 0; i < log.temperature_c.size(); ++i)
+    if (!(log.temperature_c[i] > -80.0 && log.temperature_c[i] < 200.0))
+      return fail("log.number",
+                  "the temperature is " + short_number(log.temperature_c[i]) + " °C at " + short_number(log.time_s[i]) +
+                      " s; kelvin?",
+                  place(log, i));
+  return {};
+}
+
+/// A step of more discharge current lowers the voltage, and charge taken out lowers it for good.
+Result<void> check_sign(const Log& log) {
+  double right = 0.0;
+  double wrong = 0.0;
+  std::size_t wrong_at = 0;
+  double worst = 0.0;
+  const double largest_a = largest_current_a(log);
+  for (std::size_t i = 1; i < log.time_s.size(); ++i) {
+    const double change_a = log.current_a[i] - log.current_a[i - 1];
+    if (std::fabs(change_a) <= 0.1 * largest_a) continue;
+    const double product = change_a * (log.voltage_v[i] - log.voltage_v[i - 1]);
+    (product > 0.0 ? wrong : right) += std::fabs(product);
+    if (product <= worst) continue;
+    worst = product;
+    wrong_at = i;
+  }
+  double taken = 0.0;  // covariance of charge taken out and voltage
+  double mean_v = 0.0;
+  for (const double volt : log.voltage_v) mean_v += volt / static_cast<double>(log.voltage_v.size());
+  double used = 0.0;
+  std::vector<double> used_as{0.0};
+  for (std::size_t i = 1; i < log.time_s.size(); ++i)
+    used_as.push_back(used += log.current_a[i] * (log.time_s[i] - log.time_s[i - 1]));
+  for (std::size_t i = 0; i < used_as.size(); ++i) taken += used_as[i] * (log.voltage_v[i] - mean_v);
+  // Steps either way in one log: a tester that writes the current's size and leaves its direction to another column.
+  if (std::min(wrong, right) > 0.3 * std::max(wrong, right))
+    return fail("log.sign", "the voltage rises with some steps of current_ampere and falls with others: it has no sign",
+                place(log, wrong_at));
+  if (wrong > right || (wrong == right && taken > 0.0))
+    return fail("log.sign",
+                "the voltage falls where current_ampere is positive, which is to charge: it has the other sign",
+                place(log, wrong_at));
+  return {};
+}
+
+/// Hours or minutes under the name of seconds: all that the battery gave went out within a minute of load, at 60C.
+Result<void> check_time(const Log& log) {
+  double most_as = 0.0;
+  double used_as = 0.0;
+  double load_s = 0.0;
+  for (std::size_t i = 1; i < log.time_s.size(); ++i) {
+    const double dt_s = log.time_s[i] - log.time_s[i - 1];
+    used_as += log.current_a[i] * dt_s;
+    most_as = std::max(most_as, used_as);
+    if (log.current_a[i] > 0.0) load_s += dt_s;
+  }
+  const double fall_v = *std::ranges::max_element(log.voltage_v) - *std::ranges::min_element(log.voltage_v);
+  // Only where the voltage says that it went from full to empty.
+  if (load_s > 0.0 && load_s < 60.0 && most_as > 0.0 && fall_v > 0.15 * log.voltage_v.front())
+    return fail("log.unit",
+                "discharged from full to empty in " + short_number(load_s) +
+                    " s of test_time_second: it holds hours or minutes, not seconds",
+                place(log, log.time_s.size() - 1));
+  return {};
+}
+
+}  // namespace
+
+std::string short_number(double value) {
+  std::array<char, 32> buffer{};
+  const auto [end, error] =
+      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::general, 6);
+  return {buffer.data(), error == std::errc{} ? end : buffer.data()};
+}
+
+Result<void> check_log(const Log& log) {
+  if (auto time = check_time(log); !time) return time;
+  if (auto gap = check_gaps(log); !gap) return gap;
+  if (auto voltage = check_voltages(log); !voltage) return voltage;
+  if (auto temperature = check_temperatures(log); !temperature) return temperature;
+  return check_sign(log);
+}
+
+}  // namespace cosiva::battery
