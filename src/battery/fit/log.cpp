@@ -14,6 +14,7 @@ namespace cosiva::battery {
 namespace {
 
 constexpr std::size_t samples_min = 10;
+constexpr std::size_t series_max = 1000;
 /// Around fields, and quotes.
 constexpr std::string_view blanks = " \t\r\"";
 
@@ -170,6 +171,9 @@ class Reader {
       own = nullptr;
     }
     if (own == nullptr) {
+      if (growing_.size() == series_max)
+        return fail("log.column", "columns that name a battery say more than " + std::to_string(series_max) + " names",
+                    here());
       growing_.push_back({{origin_ + key, {}, {}, {}, {}, origin_, {}},
                           key,
                           counters,
@@ -304,6 +308,19 @@ std::vector<Discharge> discharges_from_full(const Log& log, double full_v, doubl
     all.push_back(std::move(one));
   }
   return all;
+}
+
+double highest_voltage_v(const std::vector<Log>& logs) {
+  double volt = 0.0;
+  for (const Log& log : logs) volt = std::max(volt, *std::ranges::max_element(log.voltage_v));
+  return volt;
+}
+
+double lowest_under_load_v(const Discharge& discharge) {
+  double volt = std::numeric_limits<double>::infinity();
+  for (std::size_t i = discharge.first; i < discharge.last; ++i)
+    if (discharge.log->current_a[i] > 0.0) volt = std::min(volt, discharge.log->voltage_v[i]);
+  return volt;
 }
 
 double load_on_s(const Discharge& discharge) {

@@ -43,6 +43,11 @@ struct Discharge {
 /// @param full_ohm  what a load at the log's begin takes off besides, where it is known
 [[nodiscard]] std::vector<Discharge> discharges_from_full(const Log& log, double full_v, double full_ohm = 0.0);
 
+/// The highest voltage of all, loaded or not; 0 of nothing.
+[[nodiscard]] double highest_voltage_v(const std::vector<Log>& logs);
+/// The lowest one under a discharging current; infinite where there is none.
+[[nodiscard]] double lowest_under_load_v(const Discharge& discharge);
+
 /// When its load came on: a usual sample's time before the first one under load.
 [[nodiscard]] double load_on_s(const Discharge& discharge);
 /// When the voltage first fell to this, from the first load on, between samples [s]; NaN where it did not.

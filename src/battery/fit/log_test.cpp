@@ -111,6 +111,12 @@ TEST(Log, of_batteries_whose_rows_are_mixed_is_one_of_each) {
   EXPECT_EQ(logs->front().line[1], 4U);
 }
 
+TEST(Log, of_more_batteries_than_anybody_has_is_refused) {
+  std::string text = "test_time_second,voltage_volt,current_ampere,cell_id\n";
+  for (int i = 0; i < 1001; ++i) text += "1,4,-1,B" + std::to_string(i) + "\n";
+  EXPECT_EQ(refusal(text), "my.csv:1002: columns that name a battery say more than 1000 names");
+}
+
 TEST(Log, in_hours_under_the_name_of_seconds_is_refused) {
   const auto hours = [](int t, const std::string& line) {
     return t <= 100

@@ -12,6 +12,7 @@ namespace cosiva::experiments {
 namespace {
 
 constexpr std::string_view blanks = " \t\r\"";
+constexpr std::size_t runs_max = 10'000;
 constexpr std::size_t result_bytes_max = 512U << 20U;
 
 struct Unit {
@@ -145,6 +146,9 @@ class TableReader {
       return at ? std::string(fields[*at]) : std::string{};
     };
     Growing& own = growing(series_at_ ? field(series_at_) : origin_);
+    if (own.series.records.size() == runs_max || growing_.size() > runs_max)
+      return fail("recorded.number", "has more than " + std::to_string(runs_max) + " runs: is it a table of them?",
+                  here());
     BatteryRun record;
     record.tag.id = battery_at_ ? field(battery_at_) : "line " + std::to_string(lines_.number());
     record.battery = own.batteries.of(record.tag.id);

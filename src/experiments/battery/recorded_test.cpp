@@ -86,6 +86,12 @@ TEST(Recorded, tables_that_would_mislead_are_refused_there) {
               HasSubstr("has no column 'pack'"));
 }
 
+TEST(Recorded, a_table_of_more_runs_than_anybody_made_is_refused) {
+  std::string text = "cell,autonomy_s\n";
+  for (int i = 0; i <= 10'000; ++i) text += std::to_string(i) + ",1\n";
+  EXPECT_THAT(refusal(text), HasSubstr("my.csv:10002: has more than 10000 runs"));
+}
+
 TEST(Recorded, results_of_two_tests_are_one_of_all_their_batteries) {
   const auto result = [](const std::string& records) { return "{\"records\":[" + records + "]}"; };
   const std::string first = R"({"id":"A","run":1,"stop":"floor","autonomy_s":100,"vehicle":"AIV1"},)"
