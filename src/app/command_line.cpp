@@ -188,8 +188,8 @@ std::vector<std::string> option_names(const CLI::App& verb) {
 int refuse(const std::string& message, const CLI::App& verb) {
   std::string name;
   for (const CLI::App* part = &verb; part->get_parent() != nullptr; part = part->get_parent())
-    name = " " + part->get_name() + name;
-  name = "cosiva" + name;
+    name.insert(0, " " + part->get_name());
+  name.insert(0, "cosiva");
   say(name + ": " + message);
   say("`" + name + " --help` tells what there is");
   return exit_bad_input;
