@@ -93,6 +93,8 @@ TEST(Compare, on_a_recording_reads_it_and_writes_its_report) {
   const JsonValue json = json_of(said);
   EXPECT_LT(*algorithm(json, 1).number("rmse_m"), 0.45);
   EXPECT_FALSE(algorithm(json, 1).find("rmse_interval_m")->is_null());
+  EXPECT_THAT(json.find("conditions")->text("seems late against the truth, first run (not corrected)").value_or(""),
+              HasSubstr("calibrating "));
   for (const char* file : {"report.html", "result.json", "runs.csv", "truth.tum", "calibrating.tum", "calibrating.zip"})
     EXPECT_TRUE(std::filesystem::exists(out + "/" + file)) << file;
   // What was written can be judged again, and comes to the same figure.
@@ -140,6 +142,23 @@ TEST(Compare, of_trajectories_writes_a_report_and_what_evo_opens_and_keeps_one_t
   const JsonValue again =
       json_of(cosiva({"compare", "--reference", out + "/reference.tum", "--estimate", out + "/mine_2.tum", "--json"}));
   EXPECT_NEAR(*algorithm(again, 0).number("rmse_m"), 0.03, 1e-9);
+}
+
+TEST(Compare, of_a_reference_and_an_estimate_whose_names_say_that_they_are_swapped_is_refused) {
+  const Scratch scratch;
+  const std::string line = "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n";
+  for (const char* file : {"est.tum", "gt.tum", "latest_test.tum", "my_estimate.tum", "a.tum"})
+    ASSERT_TRUE(adapters::write_file(scratch / file, line));
+  const auto judged = [&](const char* reference, const char* estimate) {
+    return cosiva({"compare", "--reference", scratch / reference, "--estimate", scratch / estimate}).status;
+  };
+  EXPECT_EQ(judged("a.tum", "gt.tum"), 2);
+  EXPECT_EQ(judged("est.tum", "a.tum"), 2);
+  EXPECT_EQ(judged("my_estimate.tum", "a.tum"), 2);
+  EXPECT_EQ(judged("gt.tum", "est.tum"), 0);
+  EXPECT_EQ(judged("a.tum", "est.tum"), 0);
+  EXPECT_EQ(judged("latest_test.tum", "a.tum"), 0);    // "est" is no word in it
+  EXPECT_EQ(judged("est.tum", "my_estimate.tum"), 0);  // one estimate against another
 }
 
 TEST(Compare, names_the_folder_of_a_recording_that_is_bad) {

@@ -26,13 +26,31 @@ Result<Trajectory> load(const std::string& file) {
   return experiments::read_trajectory(file, *bytes);
 }
 
+/// The words of a file's name in small letters: what stands between anything but letters.
+std::vector<std::string> words_of(const std::string& file) {
+  std::vector<std::string> words(1);
+  for (const char c : std::filesystem::path(file).filename().string()) {
+    const char small = c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
+    if (small >= 'a' && small <= 'z')
+      words.back() += small;
+    else if (!words.back().empty())
+      words.emplace_back();
+  }
+  return words;
+}
+
 /// Whether a file's name says that a truth is in it.
 bool called_truth(const std::string& file) {
-  std::string name = std::filesystem::path(file).filename().string();
-  std::ranges::transform(name, name.begin(),
-                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-  return std::ranges::any_of(std::array{"truth", "reference", "_gt", "gt_", "gt."},
-                             [&](const char* word) { return name.find(word) != std::string::npos; });
+  return std::ranges::any_of(words_of(file), [](const std::string& word) {
+    return word == "gt" || word == "ref" || word.find("truth") != std::string::npos ||
+           word.find("reference") != std::string::npos;
+  });
+}
+
+/// Whether it says that somebody has estimated what is in it.
+bool called_estimate(const std::string& file) {
+  return std::ranges::any_of(words_of(file),
+                             [](const std::string& word) { return word == "est" || word.starts_with("estimat"); });
 }
 
 double root(double v) { return std::sqrt(v); }
@@ -205,14 +223,17 @@ std::string to_text(const std::vector<Judged>& all, experiments::Alignment align
 int run_trajectories(const QualifyArguments& arguments) {
   if (arguments.reference.empty() || arguments.estimates.empty())
     return complain({"compare.trajectories", "it takes a --reference and an --estimate", "--reference, --estimate"});
-  if (!called_truth(arguments.reference)) {
-    for (const std::string& file : arguments.estimates) {
-      if (called_truth(file))
-        return complain(
-            {"compare.swapped",
-             "by its name this is the reference, and " + arguments.reference + " an estimate: they seem to be swapped",
-             file});
-    }
+  for (const std::string& file : arguments.estimates) {
+    if (called_truth(file) && !called_truth(arguments.reference))
+      return complain(
+          {"compare.swapped",
+           "by its name this is the reference, and " + arguments.reference + " an estimate: they seem to be swapped",
+           file});
+    if (called_estimate(arguments.reference) && !called_truth(arguments.reference) && !called_estimate(file))
+      return complain(
+          {"compare.swapped",
+           "by its name this is an estimate, and it is given as the reference of " + file + ": they seem to be swapped",
+           arguments.reference});
   }
   const auto budget = reference_of(arguments);
   if (!budget) return complain(budget.error());

@@ -72,6 +72,22 @@ Result<void> write_all(const std::string& folder, const Qualification& all, cons
   return {};
 }
 
+/// How late each estimate seems against the truth, over the first run: told, and nothing is shifted by it. A truth with
+/// a clock of its own is an error along the way that no algorithm can help.
+std::string lateness_of(const Qualification& all) {
+  std::string text;
+  for (const experiments::Qualified& one : all.algorithms) {
+    if (one.failed) continue;
+    std::vector<experiments::Pair> pairs;
+    pairs.reserve(one.path.size());
+    for (std::size_t i = 0; i < one.path.size(); ++i)
+      pairs.push_back(
+          {experiments::stamped(all.times_s[i], all.truth[i]), experiments::stamped(all.times_s[i], one.path[i])});
+    text += (text.empty() ? "" : ", ") + one.name + " " + decimals(1e3 * experiments::time_offset_s(pairs), 1) + " ms";
+  }
+  return text;
+}
+
 int run_either(const QualifyArguments& arguments, std::size_t at_least) {
   const estimation::Registry registry;
   if (arguments.list) return list_algorithms(registry, arguments.json);
@@ -133,11 +149,13 @@ int judge(const QualifyArguments& arguments, const std::vector<experiments::Cand
       candidates, runs.count, runs.source, options, workers, [&] { return runs_done.time_is_up(); },
       [&](std::size_t done) { runs_done.at(done); });
   if (!all) return complain(all.error());
+  experiments::Conditions conditions = runs.conditions;
+  if (!arguments.recordings.empty())
+    conditions.settings.emplace_back("seems late against the truth, first run (not corrected)", lateness_of(*all));
   if (!arguments.out_folder.empty()) {
-    if (auto written = write_all(arguments.out_folder, *all, runs.conditions); !written)
-      return complain(written.error());
+    if (auto written = write_all(arguments.out_folder, *all, conditions); !written) return complain(written.error());
   }
-  std::string text = arguments.json ? to_json(*all, runs.conditions) : to_text(*all);
+  std::string text = arguments.json ? to_json(*all, conditions) : to_text(*all);
   while (text.ends_with('\n')) text.pop_back();  // print ends the line
   print(text);
   for (const std::string& note : runs.complete ? std::vector<std::string>{} : runs.conditions.notes)

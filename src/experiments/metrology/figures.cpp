@@ -54,6 +54,7 @@ RunFigures figures_of(const Trial& trial, const Trace& trace, double threshold_m
                              ? statistics::share_below(trace.nees, region_limit(region_shares[i]))
                              : std::numeric_limits<double>::quiet_NaN();
   figures.nis = statistics::mean(trace.nis);
+  figures.nis_dimensions = trace.nis_dimensions;
   figures.refused = trace.refused;
   for (std::size_t i = 0; i < trial.moments.size(); ++i) {
     const Moment& moment = trial.moments[i];

@@ -41,7 +41,8 @@ struct RunFigures {
   double heading_mse_rad2{};
   double nees{};  ///< mean; 2 where the stated covariance is honest
   std::array<double, region_shares.size()> covered{};
-  double nis{};  ///< mean per dimension; 1 where innovations are as large as expected. NaN of none
+  double nis{};                  ///< mean per dimension; 1 where innovations are as large as expected. NaN of none
+  std::size_t nis_dimensions{};  ///< that this is the mean of
   std::size_t refused{};
   std::array<Part, 3> by_section{};  ///< straight, arc, clothoid
   std::array<Part, since_mark_m.size() + 1> by_distance{};

@@ -143,12 +143,18 @@ class Qualifying {
       for (std::size_t k = 0; k < region_shares.size(); ++k) one.covered[k] += run.covered[k] / n;
       if (std::isfinite(run.nis)) {
         one.nis += run.nis;
+        one.nis_dimensions += run.nis_dimensions;
         nis_runs += 1.0;
       }
       for (std::size_t k = 0; k < one.by_section.size(); ++k) one.by_section[k].add(run.by_section[k]);
       for (std::size_t k = 0; k < one.by_distance.size(); ++k) one.by_distance[k].add(run.by_distance[k]);
     }
     one.nis = nis_runs > 0.0 ? one.nis / nis_runs : std::numeric_limits<double>::quiet_NaN();
+    if (one.nis_dimensions > 0) {
+      const auto freedom = static_cast<double>(one.nis_dimensions);
+      one.nis_band = statistics::Interval{statistics::chi_squared_quantile(0.025, freedom) / freedom,
+                                          statistics::chi_squared_quantile(0.975, freedom) / freedom};
+    }
     one.along_rmse_m = root(along);
     one.across_rmse_m = root(across);
     one.heading_rmse_rad = std::sqrt(heading);

@@ -68,6 +68,9 @@ struct Qualified {
   statistics::Interval nees_band;  ///< in which 95 % of honest ones' means lie
   std::array<double, region_shares.size()> covered{};
   double nis{};
+  std::size_t nis_dimensions{};
+  /// In which 95 % of honest ones' means lie; their innovations are independent. None where nobody states any.
+  std::optional<statistics::Interval> nis_band;
   std::size_t refused{};
   double worth{};  ///< independent values in all runs together
   std::array<Part, 3> by_section{};

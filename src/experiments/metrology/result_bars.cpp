@@ -106,8 +106,8 @@ std::string limits_beside_bars(const Qualification& all) {
       "viewBox=\"0 0 " +
       px(width_px) + " " + px(bottom + 44.0) + "\" font-family=\"system-ui, sans-serif\" font-size=\"12\">";
   for (const double tick : scale.ticks()) {
-    const std::string x = px(scale.x(1e-3 * tick));
-    svg += "<path class=\"grid\" d=\"M" + x + " 4V" + px(bottom) + "\"/><text x=\"" + x + "\" y=\"" +
+    const double x = scale.x(1e-3 * tick);
+    svg += "<path class=\"grid\" d=\"M" + px(x) + " 4V" + px(bottom) + "\"/><text x=\"" + px(x) + "\" y=\"" +
            px(bottom + 16.0) + "\" text-anchor=\"middle\">" + readable(tick) + "</text>";
   }
   double y = top_px;

@@ -76,7 +76,12 @@ void write_consistency(JsonWriter& json, const Qualified& one) {
   json.key("coverage").begin_array();
   for (std::size_t k = 0; k < region_shares.size(); ++k)
     json.begin_object().field("stated", region_shares[k]).field("covered", one.covered[k]).end_object();
-  json.end_array().key("nis").begin_object().field("mean_per_dimension", one.nis).field("expected", 1.0).end_object();
+  json.end_array().key("nis").begin_object().field("mean_per_dimension", one.nis).field("expected", 1.0);
+  json.field("dimensions", one.nis_dimensions);
+  write_interval(json, "band_95", one.nis_band);
+  const auto inside = [&](const statistics::Interval& band) { return one.nis >= band.low && one.nis <= band.high; };
+  write_optional(json, "inside_band", one.nis_band ? std::optional{inside(*one.nis_band)} : std::nullopt);
+  json.end_object();
   json.field("refused", one.refused);
 }
 

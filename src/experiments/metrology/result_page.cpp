@@ -43,7 +43,7 @@ void add_table(Report& report, const Qualification& all) {
   std::vector<std::vector<std::string>> rows;
   for (const Qualified& one : all.algorithms) {
     if (one.failed) {
-      rows.push_back({one.name, "failed: " + to_string(*one.failed), "", "", "", "", "", "", "", ""});
+      rows.push_back({one.name, "failed: " + to_string(*one.failed), "", "", "", "", "", ""});
       continue;
     }
     rows.push_back({one.name, with_interval(one.rmse_m, 1e3), one.limit_m ? mm(*one.limit_m) : "–",
@@ -52,14 +52,28 @@ void add_table(Report& report, const Qualification& all) {
                         : "–",
                     with_interval(one.mean_m, 1e3), readable(1e6 * one.variance_m2, 2),
                     with_interval(one.precision, 100.0),
-                    mm(one.p50_m, 1) + " / " + mm(one.p95_m, 1) + " / " + mm(one.p99_m, 1) + " / " + mm(one.max_m, 1),
-                    readable(0.5 * one.nees, 2) + " (" + readable(0.5 * one.nees_band.low, 2) + "–" +
-                        readable(0.5 * one.nees_band.high, 2) + ")",
-                    readable(100.0 * one.covered[2], 1)});
+                    mm(one.p50_m, 1) + " / " + mm(one.p95_m, 1) + " / " + mm(one.p99_m, 1) + " / " + mm(one.max_m, 1)});
   }
   report.table({"algorithm", "rmse [mm]", "limit [mm]", "gap [%]", "mean [mm]", "variance [mm²]", "precision [%]",
-                "p50 / p95 / p99 / max [mm]", "NEES/2", "95 % region covers [%]"},
+                "p50 / p95 / p99 / max [mm]"},
                rows);
+}
+
+std::string in_band(double value, double low, double high) {
+  return readable(value, 2) + " (" + readable(low, 2) + "–" + readable(high, 2) + ")";
+}
+
+/// Whether what they state of themselves is so.
+void add_honesty(Report& report, const Qualification& all) {
+  std::vector<std::vector<std::string>> rows;
+  for (const Qualified* one : figured(all)) {
+    rows.push_back({one->name, in_band(0.5 * one->nees, 0.5 * one->nees_band.low, 0.5 * one->nees_band.high),
+                    one->nis_band ? in_band(one->nis, one->nis_band->low, one->nis_band->high) : "–"});
+    for (const double covered : one->covered) rows.back().push_back(readable(100.0 * covered, 1));
+  }
+  report.table(
+      {"algorithm", "NEES/2", "NIS per dimension", "50 % region covers [%]", "90 % region [%]", "95 % region [%]"},
+      rows);
 }
 
 void add_splits(Report& report, const Qualification& all) {
@@ -211,7 +225,7 @@ std::string to_html(const Qualification& all, const Conditions& conditions) {
       "Brackets: 95 % intervals over runs (BCa bootstrap); over one run by blocks as long as its errors are "
       "alike. Precision: the share of iterations with an error under " +
       mm(all.options.threshold_m, 1) +
-      " mm. NEES/2 is 1 where the stated covariance is honest; beside it the band of 95 %. The limit is the "
+      " mm. The limit is the "
       "posterior Cramér-Rao bound for the readings that the runs had.");
   if (all.options.alignment != Alignment::none)
     report.paragraph("Aligned (" + std::string(to_string(all.options.alignment)) +
@@ -219,6 +233,10 @@ std::string to_html(const Qualification& all, const Conditions& conditions) {
                      ". The figures tell the shape of ways, not where they lie; no limit is drawn, for it knows of no "
                      "alignment.");
   for (const std::string& note : conditions.notes) report.paragraph(note);
+  add_honesty(report, all);
+  report.paragraph(
+      "What they state of themselves: NEES/2 and NIS are 1 where stated covariances are honest; beside them the bands "
+      "in which 95 % of honest ones lie. A region covers as often as it says that the truth is in it.");
   report.figure(limits_beside_bars(all),
                 "Bar: rmse of all runs, with its interval; box: the runs' smallest, quartiles and largest; the stroke "
                 "across: the limit, and at the right how far above it");

@@ -51,6 +51,13 @@ TEST(Result, as_json_has_what_programs_look_for) {
   EXPECT_EQ(algorithms[0].text("name"), "arc_kalman");
   for (const char* key : {"rmse_m", "mean_m", "variance_m2", "precision", "p95_m", "limit_m", "gap_percent"})
     EXPECT_TRUE(algorithms[0].number(key)) << key;
+  const auto& nis = *algorithms[0].find("nis");
+  const double dimensions = *nis.number("dimensions");
+  EXPECT_GE(dimensions, 8 * 38);  // forty beacons in each of eight runs
+  // χ²/n of so many: 1 ± 1.96·√(2/n), to first order.
+  EXPECT_NEAR(nis.find("band_95")->array()->front().number()[0], 1.0 - 1.96 * std::sqrt(2.0 / dimensions), 0.01);
+  EXPECT_NEAR(nis.find("band_95")->array()->back().number()[0], 1.0 + 1.96 * std::sqrt(2.0 / dimensions), 0.01);
+  EXPECT_TRUE(nis.find("inside_band"));
   const auto& cdf = *algorithms[0].find("cdf");
   ASSERT_EQ(cdf.find("share")->array()->size(), 50U);
   EXPECT_EQ(cdf.find("share")->array()->back().number()[0], 1.0);

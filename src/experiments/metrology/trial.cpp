@@ -60,6 +60,7 @@ void forget_judgement(Trace& trace) {
 void forget(Trace& trace) {
   forget_judgement(trace);
   trace.nis.clear();
+  trace.nis_dimensions = 0;
   trace.refused = 0;
   trace.estimates.clear();
 }
@@ -74,7 +75,9 @@ void tell(estimation::Algorithm& algorithm, const Event& event, Trace& trace, st
   const estimation::Rectified rectified =
       reading != nullptr ? algorithm.rectify(*reading) : algorithm.rectify(std::get<estimation::Range>(event));
   if (!rectified.accepted) ++trace.refused;
-  if (rectified.nis && rectified.dimensions > 0) trace.nis.push_back(*rectified.nis / rectified.dimensions);
+  if (!rectified.nis || rectified.dimensions <= 0) return;
+  trace.nis.push_back(*rectified.nis / rectified.dimensions);
+  trace.nis_dimensions += static_cast<std::size_t>(rectified.dimensions);
 }
 
 Result<Pose2> alignment_of(Alignment how, const Trial& run, const Trace& trace) {

@@ -44,9 +44,10 @@ struct Trace {
   std::vector<double> along_m;   ///< of that, along the truth's heading; ahead is positive
   std::vector<double> across_m;  ///< and across, left is positive
   std::vector<double> heading_rad;
-  std::vector<double> nees;  ///< squared position error over its stated covariance; expected 2
-  std::vector<double> nis;   ///< of each reading and range that had one, per dimension
-  std::size_t refused{};     ///< readings and ranges that the algorithm did not take
+  std::vector<double> nees;      ///< squared position error over its stated covariance; expected 2
+  std::vector<double> nis;       ///< of each reading and range that had one, per dimension
+  std::size_t nis_dimensions{};  ///< of those together
+  std::size_t refused{};         ///< readings and ranges that the algorithm did not take
   std::vector<estimation::Estimate> estimates;
   std::vector<double> truth_heading_rad, truth_sin, truth_cos;  ///< of the truth, for along and across
 };

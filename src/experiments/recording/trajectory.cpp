@@ -83,11 +83,22 @@ Result<Stamped> read_line(TrajectoryFormat format, std::string_view line, double
   const std::vector<double>& v = *values;
   Stamped pose{v[0], {v[1], v[2], v[3]}, {v[4], v[5], v[6], v[7]}};
   if (commas) {
+    if (fields[0].find('.') != std::string_view::npos && v[0] < 1e15)
+      return fail("recording.stamp",
+                  "EuRoC's stamps are whole nanoseconds, and '" + std::string(fields[0]) +
+                      "' looks like seconds: TUM's numbers are cut at blanks",
+                  place);
     pose.t_s *= 1e-9;
     pose.q = {v[5], v[6], v[7], v[4]};
   }
   if (auto fine = normalise(pose.q, place); !fine) return tl::unexpected(fine.error());
   return pose;
+}
+
+bool begins_with_a_word(std::string_view line) {
+  const std::string_view first = trimmed(line);
+  const char c = first.empty() ? '0' : first.front();
+  return (c >= 'a' && c <= 'z' && !first.starts_with("nan") && !first.starts_with("inf")) || (c >= 'A' && c <= 'Z');
 }
 
 void append(std::string& text, double number) {
@@ -156,6 +167,10 @@ Result<Trajectory> read_trajectory(TrajectoryFormat format, std::string_view fil
   while (lines.next(line)) {
     if (trimmed(line).empty() || trimmed(line).starts_with('#')) continue;
     const std::string place = place_of(file, lines.number());
+    // Some write EuRoC's header without a #.
+    if (format == TrajectoryFormat::euroc && trajectory.poses.empty() && lines.number() == 1 &&
+        begins_with_a_word(line))
+      continue;
     auto pose = read_line(format, line, static_cast<double>(trajectory.poses.size()), place);
     if (!pose) return tl::unexpected(pose.error());
     if (!trajectory.poses.empty() && !(pose->t_s > trajectory.poses.back().t_s))

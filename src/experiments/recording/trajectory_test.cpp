@@ -94,6 +94,7 @@ TEST(Trajectory, as_euroc_and_kitti_is_the_same_place) {
   const Trajectory euroc = read("#timestamp,p_x,p_y,p_z,q_w,q_x,q_y,q_z,v\n1403636580838555648,1,2,3,1,0,0,0,9\n");
   EXPECT_DOUBLE_EQ(euroc.poses[0].t_s, 1403636580.838555648);
   EXPECT_EQ(euroc.poses[0].p_m, (std::array{1.0, 2.0, 3.0}));
+  EXPECT_EQ(read("timestamp,x,y,z,qw,qx,qy,qz\n5000000000,1,2,3,1,0,0,0\n").poses[0].t_s, 5.0);
   // A quarter turn to the left about z, 1.2.3.
   const Trajectory kitti = read("0 -1 0 1 1 0 0 2 0 0 1 3\n1 0 0 4 0 1 0 5 0 0 1 6\n");
   ASSERT_EQ(kitti.poses.size(), 2U);
@@ -119,6 +120,9 @@ TEST(Trajectory, that_is_bad_is_refused_with_its_line) {
   EXPECT_EQ(refusal("0 0 0 0 0 0 0 0\n"), "recording.rotation bad.txt:1");
   EXPECT_EQ(refusal("5 0 0 0 0 5 0 0 0 0 5 0\n"), "recording.rotation bad.txt:1");
   EXPECT_EQ(refusal("# nothing\n\n"), "recording.empty bad.txt");
+  EXPECT_EQ(refusal("1000.5,0,0,0,1,0,0,0\n"), "recording.stamp bad.txt:1");  // seconds where EuRoC has nanoseconds
+  EXPECT_EQ(refusal("timestamp,p_x\nword,0,0,0,1,0,0,0\n"), "recording.number bad.txt:2");
+  EXPECT_EQ(refusal("nan,0,0,0,1,0,0,0\n"), "recording.number bad.txt:1");
 }
 
 TEST(TimeOffset, of_an_estimate_that_comes_late_is_found) {
