@@ -7,6 +7,7 @@
 #include "adapters/test_bench.h"
 #include "app/command_line_bench.h"
 #include "base/json_value.h"
+#include "base/test_places.h"
 
 namespace cosiva::app {
 namespace {
@@ -62,24 +63,8 @@ TEST(TrafficVerb, counts_near_misses_where_a_zone_leaves_no_clearance) {
 }
 
 TEST(TrafficVerb, names_the_section_where_no_fleet_finds_a_place_to_stand) {
-  const adapters::testing::Scratch directory;
-  const std::string lane = directory.write("lane.toml", R"(name = "lane"
-format_version = 1
-[[section]]
-name = "there"
-kind = "straight"
-pivots = true
-length_m = 2
-start = { x = 0, y = 0, heading_deg = 0 }
-next = ["back"]
-[[section]]
-name = "back"
-kind = "straight"
-pivots = true
-length_m = 2
-start = { x = 2, y = 0, heading_deg = 180 }
-next = ["there"]
-)");
+  const std::string lane = source_dir() + "/src/virtual/fleet/testdata/two_way_lane.toml";
+
   const auto said = cosiva({"traffic", "--zone", lane, "--aivs", "1"});
   EXPECT_EQ(said.status, 2);
   EXPECT_THAT(said.words, HasSubstr("zone 'lane', section 'there': too many crossings upon one another"));

@@ -66,6 +66,10 @@ void Fleet::Inside::release(std::uint32_t i) {
     state.own[i].release_at = state.own[i].chain_at + leaves[state.own[i].held_next].at_m + Ground::left_m;
     return;
   }
+  hold_nothing(i);
+}
+
+void Fleet::Inside::hold_nothing(std::uint32_t i) {
   state.own[i].held_chain = no_chain;
   state.own[i].release_at = far_m;
   state.own[i].clear_at = far_m;

@@ -65,6 +65,7 @@ struct Fleet::Inside {
   void ask(const Block& block, std::uint32_t i);
   void withdraw(std::uint32_t i);
   void release(std::uint32_t i);
+  void hold_nothing(std::uint32_t i);  ///< its chain is behind it
   void serve(Block& block, std::uint32_t index);
   static void look_again(Copy& copy);
   [[nodiscard]] std::span<Waiting> waiting(std::uint32_t copy);

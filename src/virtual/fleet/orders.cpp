@@ -90,7 +90,13 @@ bool Fleet::Inside::exchange_chain(std::uint32_t i, std::span<const zone::Sectio
   for (const Ground::Leave& leave : ground.leaves_of(ground.chain(own.held_chain)).subspan(own.held_next))
     here[leave.crossing].holder = Fleet::none;
   own.held_next = 0;
-  while (own.chain_at + leaves[own.held_next].at_m + Ground::left_m < state.s_m[i]) ++own.held_next;
+  while (own.held_next < leaves.size() && own.chain_at + leaves[own.held_next].at_m + Ground::left_m < state.s_m[i])
+    ++own.held_next;
+  if (own.held_next == leaves.size()) {  // this way it is through already
+    hold_nothing(i);
+    look_again(copies[own.copy]);
+    return true;
+  }
   for (const Ground::Leave& leave : leaves.subspan(own.held_next)) here[leave.crossing].holder = i;
   own.held_chain = wanted;
   own.release_at = own.chain_at + leaves[own.held_next].at_m + Ground::left_m;

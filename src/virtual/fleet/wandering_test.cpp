@@ -107,24 +107,7 @@ TEST(Fleet, is_not_sent_back_into_a_dead_end_that_it_comes_out_of) {
 
 TEST(Fleet, is_not_made_where_there_is_nowhere_to_stand_between_crossings) {
   // One lane, there and back: whoever is on it has reserved all of it, for ever.
-  const auto made = Fleet::make(zone_text(R"(name = "lane"
-format_version = 1
-[[section]]
-name = "there"
-kind = "straight"
-pivots = true
-length_m = 2
-start = { x = 0, y = 0, heading_deg = 0 }
-next = ["back"]
-[[section]]
-name = "back"
-kind = "straight"
-pivots = true
-length_m = 2
-start = { x = 2, y = 0, heading_deg = 180 }
-next = ["there"]
-)"),
-                                {}, {});
+  const auto made = Fleet::make(zone_file("src/virtual/fleet/testdata/two_way_lane.toml"), {}, {});
   ASSERT_FALSE(made);
   EXPECT_EQ(made.error().code, "fleet.zone");
   EXPECT_THAT(made.error().place, testing::HasSubstr("section 'there'"));
