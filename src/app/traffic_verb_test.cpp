@@ -64,7 +64,6 @@ TEST(TrafficVerb, counts_near_misses_where_a_zone_leaves_no_clearance) {
 
 TEST(TrafficVerb, names_the_section_where_no_fleet_finds_a_place_to_stand) {
   const std::string lane = source_dir() + "/src/virtual/fleet/testdata/two_way_lane.toml";
-
   const auto said = cosiva({"traffic", "--zone", lane, "--aivs", "1"});
   EXPECT_EQ(said.status, 2);
   EXPECT_THAT(said.words, HasSubstr("zone 'lane', section 'there': too many crossings upon one another"));

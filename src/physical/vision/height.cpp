@@ -169,7 +169,8 @@ Pose2 PoseFit::apply(const Pose2& seen) const {
   // The lever is seen in the same picture as the marker's direction: it leans with it.
   const auto [s, c] = sincos(level_heading(*this, seen.heading_rad));
   return {linear[0] * seen.x_m + linear[1] * seen.y_m + shift.x_m + c * lever.x_m - s * lever.y_m,
-          linear[2] * seen.x_m + linear[3] * seen.y_m + shift.y_m + s * lever.x_m + c * lever.y_m, heading_of(*this, seen)};
+          linear[2] * seen.x_m + linear[3] * seen.y_m + shift.y_m + s * lever.x_m + c * lever.y_m,
+          heading_of(*this, seen)};
 }
 
 const MarkerProfile& profile_of(int id, const std::vector<MarkerProfile>& profiles) {
