@@ -34,10 +34,14 @@ const views = [
   ['columns of the table', (page) => page.getByRole('button', { name: 'Columns' }).click(), (page) => page.getByRole('button', { name: 'Columns' }).click()],
   ['a message', async (page) => {
     await page.keyboard.press('4');
-    await page.locator('[data-testid=traces-table] [data-kind=state]').last().click();
+    await page.getByLabel('Search the communications').fill('state aiv2');
+    await page.locator('[data-testid=traces-table] [data-kind=state]').last().waitFor();
+    await page.getByTestId('traces-table').focus();
+    await page.keyboard.press('End');
+    await page.keyboard.press('Enter');
     await page.getByTestId('schema-verdict').waitFor({ timeout: 5_000 });
     await page.getByRole('button', { name: 'Changes', exact: true }).click();
-  }, async () => {}],
+  }, (page) => page.getByLabel('Search the communications').fill('')],
   ['kinds of communications', (page) => page.getByRole('button', { name: /^Kinds/ }).click(), (page) => page.keyboard.press('Escape')],
   ['sequence', (page) => page.getByRole('button', { name: 'Sequence', exact: true }).click(), async () => {}],
   ['sequence, figure 8', (page) => page.getByTestId('figure').selectOption('figure 8'), async (page) => {

@@ -45,6 +45,44 @@ test('the communications are listed, found, read and drawn', { timeout: 180_000 
     await eventually('End follows', async () => (await last()) !== stands, { within_ms: 3_000 });
   });
 
+  await t.test('the row that is pressed is the one that opens, however fast others come', async () => {
+    const box = await table.boundingBox();
+    const at = [box.x + 200, box.y + box.height - 100];
+    const row_there = () => page.evaluate(([x, y]) => document.elementFromPoint(x, y).closest('[data-trace]').dataset.trace, at);
+    /** The row under the pointer as it moves, and 300 ms after. */
+    const aimed = () => page.evaluate(([x, y]) => new Promise((resolve) => {
+      const row = () => document.elementFromPoint(x, y).closest('[data-trace]').dataset.trace;
+      addEventListener('pointermove', () => {
+        const first = row();
+        setTimeout(() => resolve([first, row()]), 300);
+      }, { once: true });
+    }), at);
+    for (let i = 0; i < 8; i++) {
+      await table.focus();
+      await page.keyboard.press('End');
+      await page.mouse.move(box.x + 200, box.y - 20);
+      const was = await row_there();
+      await eventually('it follows', async () => (await row_there()) !== was, { within_ms: 3_000 });
+      const [[first, then]] = await Promise.all([aimed(), sleep(50).then(() => page.mouse.move(...at))]);
+      assert.equal(then, first, 'it holds still while somebody aims');
+      await page.mouse.down();
+      const pressed = await row_there();
+      await sleep(1_300 * (i % 2)); // some press long
+      await page.mouse.up();
+      assert.equal(await page.getByTestId('trace-detail').getAttribute('aria-label', { timeout: 2_000 }), `Message ${pressed}`);
+      await page.getByRole('button', { name: 'Close message' }).click();
+    }
+  });
+
+  await t.test('a pointer that only lies there does not stop the list', async () => {
+    await table.focus();
+    await page.keyboard.press('End');
+    await table.hover();
+    const last = async () => (await cells()).at(-1)[0];
+    const was = await last();
+    await eventually('it follows', async () => (await last()) !== was, { within_ms: 4_000 });
+  });
+
   await t.test('it shows only what one AIV says or hears, only some kinds, only some words', async () => {
     await page.getByLabel('Sent or received by').selectOption('CoSiVA/AIV2');
     await eventually('only AIV2', async () => (await cells()).length > 3 && (await cells()).every(([, from, to]) => from === 'CoSiVA/AIV2' || to === 'CoSiVA/AIV2'), { within_ms: 4_000 });
