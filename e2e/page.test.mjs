@@ -31,6 +31,26 @@ test('an operator watches, stops and restarts AIVs on the page', { timeout: 180_
     assert.notDeepEqual(await page.getByTestId('circuit').screenshot(), picture);
   });
 
+  await t.test('rows that are sorted by what changes hold still while somebody points at one', async () => {
+    await page.keyboard.press('2');
+    await page.getByRole('button', { name: /^Age/ }).click();
+    const order = () => page.locator('[data-row]').evaluateAll((rows) => rows.map((one) => one.dataset.row).join(' '));
+    const was = await order();
+    await eventually('the youngest changes', async () => (await order()) !== was, { within_ms: 15_000 });
+    const seen = page.evaluate(() => new Promise((resolve) => {
+      addEventListener('pointermove', () => {
+        const orders = new Set();
+        const look = setInterval(() => orders.add([...document.querySelectorAll('[data-row]')].map((one) => one.dataset.row).join(' ')), 25);
+        setTimeout(() => resolve([...orders], clearInterval(look)), 800);
+      }, { once: true });
+    }));
+    const [orders] = await Promise.all([seen, page.locator('[data-row]').nth(1).hover()]);
+    assert.equal(orders.length, 1, `they changed places: ${orders.join(' | ')}`);
+    await page.mouse.move(5, 5);
+    await eventually('it is sorted again', async () => (await order()) !== orders[0], { within_ms: 15_000 });
+    await page.keyboard.press('2');
+  });
+
   await t.test('the Stop button stops the vehicle on the physical side', async () => {
     await truth.moves(2, 25_000);
     await page.getByRole('button', { name: 'Stop AIV2', exact: true }).click();

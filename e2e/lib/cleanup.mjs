@@ -1,6 +1,20 @@
 // What a test opened is closed in reverse order, as a stack: node:test runs its `after` hooks first come, first served,
 // and would remove a folder before it ends the process that lives in it.
 const stacks = new WeakMap();
+const patience_ms = 60_000;
+
+/** One that never ends must not keep the others from being closed. */
+async function within_patience(action) {
+  let timer;
+  const late = new Promise((_, reject) => {
+    timer = setTimeout(() => reject(new Error(`not closed within ${patience_ms / 1000} s: ${action}`)), patience_ms);
+  });
+  try {
+    await Promise.race([action(), late]);
+  } finally {
+    clearTimeout(timer);
+  }
+}
 
 export function finally_do(t, action) {
   let stack = stacks.get(t);
@@ -11,7 +25,7 @@ export function finally_do(t, action) {
       const errors = [];
       for (const each of stack.reverse()) {
         try {
-          await each();
+          await within_patience(each);
         } catch (error) {
           errors.push(error);
         }

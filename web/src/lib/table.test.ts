@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { abnormal, columns, columns_in, contract_of, csv_of, holds_of, matches, reserved_length, sort_after, sorted } from './table';
+import { abnormal, columns, columns_in, contract_of, csv_of, holds_of, matches, reserved_length, sort_after, sorted, sorted_like } from './table';
 import { FleetHistory, History, fleet_slots, history_slots } from './table_history';
 import { aiv, rows, snapshot } from './table_sample';
 import { scroll_to_show, window_of } from './table_window';
@@ -33,6 +33,11 @@ describe('sorting', () => {
   it('keeps the order of equals, and of an unknown column', () => {
     expect(names(sorted(fleet, 'connection'))).toEqual(['AIV1', 'AIV2', 'AIV3']);
     expect(names(sorted(fleet, '-colour'))).toEqual(['AIV1', 'AIV2', 'AIV3']);
+  });
+  it('stays as it was while somebody points: new values, one gone, two that came', () => {
+    const before = sorted(fleet, 'battery'); // 3, 1, 2
+    const after = rows(aiv(5, { battery: 1 }), aiv(1, { battery: 2 }), aiv(4, { battery: 3 }), aiv(3, { battery: 60 }));
+    expect(names(sorted_like(before, after))).toEqual(['AIV3', 'AIV1', ...names(after).filter((name) => /[45]/.test(name))]);
   });
   it('is by distance within a section: 2 m before 10 m', () => {
     const list = rows(aiv(1, { s: 10 }), aiv(2, { s: 2 }), aiv(3, { section: null, s: null }));

@@ -99,6 +99,12 @@ export function sorted(rows: readonly Row[], sort: string): Row[] {
   return list.map(({ row }) => row);
 }
 
+/** In the order in which they stood before, whatever has changed in them; those that have come since at the end. */
+export function sorted_like(before: readonly Row[], rows: readonly Row[]): Row[] {
+  const place = new Map(before.map(({ id }, i) => [id, i]));
+  return [...rows].sort((a, b) => (place.get(a.id) ?? before.length) - (place.get(b.id) ?? before.length));
+}
+
 /** The heading was pressed: first one way, then the other. */
 export function sort_after(sort: string, key: string): string {
   return sort === key ? `-${key}` : key;
