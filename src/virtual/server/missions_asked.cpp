@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/likeness.h"
 #include "virtual/server/missions.h"
 
 namespace cosiva::virtual_side {
@@ -13,21 +14,6 @@ constexpr std::size_t shown_max = 3;
 
 std::string cut(std::string_view text) { return std::string(text.substr(0, 80)); }
 
-/// Letters to change, add or leave out between two names.
-std::size_t unlikeness(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i + 1);
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t changed = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({changed, row[j] + 1, row[j + 1] + 1});
-    }
-  }
-  return row[b.size()];
-}
-
 /// "; the nearest are dock, deck and duck", or what else there is to say.
 std::string nearest_names(std::string_view asked, const std::vector<std::string_view>& names,
                           std::string_view of_what) {
@@ -36,7 +22,7 @@ std::string nearest_names(std::string_view asked, const std::vector<std::string_
   std::vector<std::pair<std::size_t, std::string_view>> ranked;
   ranked.reserve(names.size());
   for (const std::string_view name : names)
-    ranked.emplace_back(unlikeness(asked.substr(0, 64), name.substr(0, 64)), name);
+    ranked.emplace_back(edit_distance(asked.substr(0, 64), name.substr(0, 64)), name);
   std::ranges::stable_sort(ranked, {}, &std::pair<std::size_t, std::string_view>::first);
   std::string text = names.size() > shown_max ? "; the nearest " : "; there ";
   if (ranked.size() > shown_max) ranked.resize(shown_max);
