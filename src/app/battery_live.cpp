@@ -14,6 +14,7 @@
 #include "adapters/files.h"
 #include "adapters/http_client.h"
 #include "adapters/mqtt_client.h"
+#include "app/broker_say.h"
 #include "app/places.h"
 #include "app/progress.h"
 #include "app/words.h"
@@ -227,26 +228,11 @@ int run_battery_ready(const BatteryReadyArguments& arguments) {
     return complain({"battery.vehicle", "say AIV3, or MANUFACTURER/SERIAL", arguments.vehicle});
   BrokerArguments broker = arguments.broker;
   if (broker.address.empty()) broker.address = "127.0.0.1:1883";
-  auto options = mqtt_options(broker, "cosiva-battery-ready");
-  if (!options) return complain(options.error());
-  const std::string address = options->host + ":" + std::to_string(options->port);
-  adapters::EventLoop loop;
-  adapters::MqttHandlers handlers;
-  handlers.on_link = [](bool) {};
-  handlers.on_message = [](std::string_view, std::string_view, bool) {};
-  auto client = adapters::MqttClient::make(loop, std::move(*options), {}, std::nullopt, std::move(handlers));
-  if (!client) return complain(client.error());
-  (*client)->start();
-  bool connected = false;
-  loop.run_until([&] { return connected = (*client)->connected(); }, goodbye_max);
-  if (!connected) return complain({"mqtt.connect", "no broker answers there", address});
   const wire::BatteryReady ready{arguments.battery, arguments.type,          arguments.cycles,
                                  arguments.rest_s,  arguments.temperature_c, arguments.charge_percent};
-  (*client)->publish({wire::own_topic(wire::battery_ready_topic_prefix, id), to_json(ready), 1, false});
-  bool out = false;
-  (*client)->stop([&] { out = true; });
-  loop.run_until([&] { return out; }, goodbye_max);
-  if (!out) return complain({"mqtt.publish", "the broker did not acknowledge it", address});
+  const wire::Publish message{wire::own_topic(wire::battery_ready_topic_prefix, id), to_json(ready), 1, false};
+  if (const auto said = say_over_broker(broker, "cosiva-battery-ready", {message}); !said)
+    return complain(said.error());
   print(to_string(id) + ": batteryReady, '" + arguments.battery + "'");
   return exit_done;
 }

@@ -2,9 +2,8 @@
 #include <chrono>
 #include <thread>
 
-#include "adapters/event_loop.h"
 #include "adapters/http_client.h"
-#include "adapters/mqtt_client.h"
+#include "app/broker_say.h"
 #include "app/places.h"
 #include "app/words.h"
 #include "app/zone_files.h"
@@ -20,7 +19,6 @@ using std::chrono::milliseconds;
 
 constexpr std::size_t snapshot_bytes_max = std::size_t{1} << 28U;
 constexpr milliseconds look_period{50};
-constexpr std::chrono::seconds publish_max{10};
 
 std::string serial_of(const std::string& id) { return id.substr(id.find('/') + 1); }
 
@@ -82,28 +80,13 @@ int switch_over_broker(const ZoneArguments& arguments, const zone::ZoneConfigura
   // Nobody answers on a bus: what is wrong with it is said here or nowhere.
   const auto rtm = zone::Rtm::initialise(configuration);
   if (!rtm) return complain(rtm.error());
-  auto options = mqtt_options(arguments.broker, "cosiva-switch");
-  if (!options) return complain(options.error());
-  const std::string address = options->host + ":" + std::to_string(options->port);
-  adapters::EventLoop loop;
-  adapters::MqttHandlers handlers;
-  handlers.on_link = [](bool) {};
-  handlers.on_message = [](std::string_view, std::string_view, bool) {};
-  auto client = adapters::MqttClient::make(loop, std::move(*options), {}, std::nullopt, std::move(handlers));
-  if (!client) return complain(client.error());
-  (*client)->start();
-  bool connected = false;
-  loop.run_until([&] { return connected = (*client)->connected(); },
-                 std::chrono::duration_cast<milliseconds>(publish_max));
-  if (!connected) return complain({"mqtt.connect", "no broker answers there", address});
   const std::string prefix{wire::zone_topic_prefix};
+  std::vector<wire::Publish> messages;
   for (const std::string_view format : zone::known_formats())
-    if (format != configuration.format) (*client)->publish({prefix + std::string(format), {}, 1, true});
-  (*client)->publish({prefix + configuration.format, zone::to_payload(configuration), 1, true});
-  bool out = false;
-  (*client)->stop([&] { out = true; });
-  loop.run_until([&] { return out; }, std::chrono::duration_cast<milliseconds>(publish_max));
-  if (!out) return complain({"mqtt.publish", "the broker did not acknowledge it", address});
+    if (format != configuration.format) messages.push_back({prefix + std::string(format), {}, 1, true});
+  messages.push_back({prefix + configuration.format, zone::to_payload(configuration), 1, true});
+  if (const auto said = say_over_broker(arguments.broker, "cosiva-switch", messages); !said)
+    return complain(said.error());
   print("published " + rtm->zone().name + " (" + size_of(rtm->zone()) + ") to " + prefix + configuration.format +
         "\n  whoever listens judges it and switches by itself");
   return exit_done;
