@@ -122,7 +122,7 @@ struct ServerCore::Inside {
   void on_seen(VehicleIndex vehicle, const wire::Input& input);
   void on_boards(VehicleIndex vehicle, const wire::Input& input);
   [[nodiscard]] bool take_own_stamp(AivProxy& proxy, std::optional<SimTime>& last, SimTime stamp);
-  [[nodiscard]] bool is_vehicle(VehicleIndex seer, Point2 p, double radius_m) const;
+  [[nodiscard]] bool is_vehicle(VehicleIndex seer, Point2 p, double radius_m, SimTime seen_at) const;
   void look_through(VehicleIndex vehicle, const wire::Ranges& ranges);
   void forget_where_clear(VehicleIndex vehicle, double clear_m);
   void on_ghost(AivProxy& proxy, VehicleTopic topic, const wire::Input& input);

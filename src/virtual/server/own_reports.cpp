@@ -54,12 +54,19 @@ void ServerCore::Inside::on_felt(VehicleIndex vehicle, const wire::Input& input)
   if (!ahead.on_felt(vehicle, *felt, clock_of(proxy, felt->decided))) ++proxy.outdated;
 }
 
-bool ServerCore::Inside::is_vehicle(VehicleIndex seer, Point2 p, double radius_m) const {
+/// A late word is of a vehicle that has driven on: its body counts where its twin is shown, where it last reported
+/// itself, and where it was when it was seen.
+bool ServerCore::Inside::is_vehicle(VehicleIndex seer, Point2 p, double radius_m, SimTime seen_at) const {
+  const zone::VehicleShape& shape = simulator.zone()->vehicle;
+  const auto touches = [&](const Pose2& X_MB) { return outside_m(X_MB, shape, p) <= vehicle_margin_m + radius_m; };
   for (VehicleIndex v = 0; v < registry.size(); ++v) {
     const AivProxy& proxy = registry[v];
     if (v == seer || !proxy.here() || proxy.augmented) continue;
-    if (outside_m(simulator.image(*proxy.twin, now).X_MB, simulator.zone()->vehicle, p) <= vehicle_margin_m + radius_m)
-      return true;
+    const Twin& twin = simulator.twin(*proxy.twin);
+    const MotionReport& report = twin.last_report();
+    const double since_m = twin.speed_mps() * std::max(0.0, to_seconds(report.at - seen_at));
+    if (touches(simulator.image(*proxy.twin, now).X_MB)) return true;
+    if (report.on_map && (touches(report.X_MB) || touches(report.X_MB * Pose2{-since_m, 0.0, 0.0}))) return true;
   }
   return false;
 }
@@ -82,12 +89,12 @@ void ServerCore::Inside::on_seen(VehicleIndex vehicle, const wire::Input& input)
     return;
   }
   const Point2 at{thing->x_m, thing->y_m};
-  if (is_vehicle(vehicle, at, thing->radius_m)) return;
+  const SimTime seen_at = clock_of(proxy, message->timestamp);
+  if (is_vehicle(vehicle, at, thing->radius_m, seen_at)) return;
   if (!simulator.seen().see(proxy.name, now, at, thing->radius_m)) return;
   const std::string& id = simulator.seen().obstacles().back().id;
   traces.add(now, "AIV_Server", "Simulator", "appear", id + ": an obstacle at " + place_text(at.x_m, at.y_m));
   if (proxy.augmented) return;
-  const SimTime seen_at = clock_of(proxy, message->timestamp);
   simulator.monitor().effect(WorldEffect::shown, to_seconds(now - seen_at) * 1e3);
 }
 

@@ -59,6 +59,22 @@ TEST_F(SeenBench, another_vehicle_is_no_obstacle) {
   EXPECT_THAT(obstacles(), SizeIs(1));
 }
 
+TEST_F(SeenBench, another_vehicle_is_no_obstacle_where_it_was_when_it_was_seen) {
+  BenchVehicle& other = bench.add("AIV2", {0, 0.9});
+  other.cruise_mps = 0.5;
+  bench.run_for(1s);
+  const auto at_then = bench.now;
+  const double tail_then_m = other.pose().x_m - 0.10;
+  // Word of it comes half a second late, over a bad radio: by then it has driven on by more than two places err.
+  bench.run_for(500ms);
+  ASSERT_GT(other.pose().x_m - 0.10 - tail_then_m, 0.22);
+  const wire::Seen::Thing thing{tail_then_m, 0.0, 0.05, 0.3};
+  say(aiv, wire::to_json(wire::Seen{0, at_then, "oval", thing, 0.3}));
+  EXPECT_THAT(obstacles(), IsEmpty());
+  say(aiv, wire::to_json(wire::Seen{1, bench.now, "oval", thing, 0.3}));
+  EXPECT_THAT(obstacles(), SizeIs(1)) << "what is seen now where it was then is something else";
+}
+
 TEST_F(SeenBench, it_vanishes_when_who_saw_it_sees_its_place_free) {
   see(aiv, wire::Seen::Thing{1.0, 0.0, 0.05, 0.4});
   see(aiv, std::nullopt, 0.2);
