@@ -8,98 +8,20 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "base/expect.h"
 #include "base/math.h"
-#include "fuzzy/kernel.h"
+#include "fuzzy/cell_maker.h"
+#include "fuzzy/steps.h"
 
 namespace cosiva::fuzzy {
 namespace {
 
-using Value = std::size_t;
-
 /// Upright flanks are edges so steep that no double lies on them.
 constexpr double upright_slope = 0x1p60;
-
-constexpr std::array<Op, 6> norm_ops{Op::least,    Op::product,       Op::bounded_difference,
-                                     Op::greatest, Op::algebraic_sum, Op::bounded_sum};
-bool is_norm(Op op) { return std::find(norm_ops.begin(), norm_ops.end(), op) != norm_ops.end(); }
-
-/// What one step makes of known numbers, by the kernel itself.
-double worked_out(Op op, double a, double b, double p, double q, double r) {
-  Program program;
-  program.steps.push_back({0, 1, 2, p, q, r});
-  program.runs.push_back({op, 0, 1});
-  double values[3] = {a, b, 0.0};
-  run_one(program, values);
-  return values[2];
-}
-
-/// Collects steps, each only once, and works out at once what follows from what is known.
-class Steps {
- public:
-  /// @param known  by input
-  explicit Steps(const std::vector<std::optional<double>>& known) : inputs_{known.size()}, numbers_{known} {}
-
-  Value make(Op op, Value a, Value b, double p = 0.0, double q = 0.0, double r = 0.0) {
-    if (is_norm(op) && b < a) std::swap(a, b);
-    if (op != Op::value) {
-      if (const auto shorter = shortened(op, a, b, p, q, r)) return *shorter;
-    }
-    const auto bits = [](double v) { return std::bit_cast<std::uint64_t>(v); };
-    const Key key{static_cast<std::uint64_t>(op), a, b, bits(p), bits(q), bits(r)};
-    const auto [entry, is_new] = known_.try_emplace(key, inputs_ + steps_.size());
-    if (is_new) {
-      ops_.push_back(op);
-      steps_.push_back({a, b, p, q, r});
-      numbers_.push_back(op == Op::value ? std::optional{p} : std::nullopt);
-    }
-    return entry->second;
-  }
-  Value make(Op op, Value a, double p = 0.0, double q = 0.0) { return make(op, a, a, p, q); }
-  [[nodiscard]] Value value(double p) { return make(Op::value, 0, p); }
-  [[nodiscard]] const std::optional<double>& number(Value value) const { return numbers_[value]; }
-
-  struct Wide {
-    Value a;
-    Value b;
-    double p;
-    double q;
-    double r;
-  };
-  [[nodiscard]] const std::vector<Wide>& steps() const { return steps_; }
-  [[nodiscard]] const std::vector<Op>& ops() const { return ops_; }
-  [[nodiscard]] std::size_t inputs() const { return inputs_; }
-
- private:
-  /// A value that is the same number. Degrees are at least 0 and finite, so what is multiplied by a known 0 is 0.
-  std::optional<Value> shortened(Op op, Value a, Value b, double p, double q, double r) {
-    const std::optional<double> x = numbers_[a];
-    const std::optional<double> y = numbers_[b];
-    if (x && y) return value(worked_out(op, *x, *y, p, q, r));
-    if (op == Op::product && (x || y)) {
-      const double factor = x ? *x : *y;
-      if (factor == 0.0) return value(0.0);
-      if (factor == 1.0) return x ? b : a;
-    }
-    if (op == Op::add && (x || y)) return plus(x ? b : a, x ? *x : *y);
-    if (op == Op::add_fire && y) return plus(a, worked_out(Op::fire, *y, 0.0, p, q, r));
-    if (op == Op::add_scaled && y) return plus(a, *y * p);
-    if (op == Op::add_scaled && x == 0.0) return make(Op::scale, b, p);
-    if (op == Op::scale && p == 1.0) return a;
-    if (op == Op::quotient && y == 1.0) return a;
-    return std::nullopt;
-  }
-  Value plus(Value a, double number) { return number == 0.0 ? a : make(Op::add_value, a, number); }
-
-  using Key = std::array<std::uint64_t, 6>;
-  std::size_t inputs_;
-  std::vector<std::optional<double>> numbers_;  ///< by value, of those that are known
-  std::map<Key, Value> known_;
-  std::vector<Op> ops_;
-  std::vector<Wide> steps_;
-};
+constexpr double infinite = std::numeric_limits<double>::infinity();
 
 /// From 0 at `from` to 1 at `to`.
 Value edge(Steps& steps, Value x, double from, double to) { return steps.make(Op::edge, x, from, 1.0 / (to - from)); }
@@ -204,7 +126,10 @@ class Compiler {
     const std::vector<std::size_t> order = schedule(outputs, compiled.program);
     const std::vector<std::uint16_t> places = place(order, outputs, compiled.program);
     for (const Value value : outputs) compiled.program.outputs.push_back(places[value]);
-    if (keep_ == Keep::answers) return compiled;
+    if (keep_ == Keep::answers) {
+      compiled.cells = make_cells(steps_, weighings_);
+      return compiled;
+    }
     const auto placed = [&](const std::vector<std::vector<Value>>& all) {
       std::vector<std::vector<std::uint16_t>> to(all.size());
       for (std::size_t i = 0; i < all.size(); ++i)
@@ -275,9 +200,32 @@ class Compiler {
     return steps_.make(Op::add_value, sum, term.parameters.back());
   }
 
+  /// What output() makes steps of.
+  [[nodiscard]] Weighing weighing(std::size_t o, const std::vector<Value>& answers,
+                                  const std::vector<std::vector<Value>>& conditions) const {
+    const Variable& output = engine_.outputs[o];
+    Weighing weighing{{}, output.is_average, output.otherwise, -infinite, infinite};
+    if (output.lock_range) std::tie(weighing.low, weighing.high) = std::tie(output.minimum, output.maximum);
+    weighing.terms.resize(output.terms.size());
+    for (std::size_t r = 0; r < engine_.rules.size(); ++r) {
+      for (const Conclusion& conclusion : engine_.rules[r].conclusions) {
+        if (conclusion.output == o)
+          weighing.terms[conclusion.term].rules.push_back({conditions[r].back(), engine_.rules[r].weight});
+      }
+    }
+    for (std::size_t t = 0; t < output.terms.size(); ++t) {
+      if (output.terms[t].shape == Shape::linear)
+        weighing.terms[t].says_value = answers[t];
+      else
+        weighing.terms[t].says = output.terms[t].parameters[0];
+    }
+    return weighing;
+  }
+
   /// Rules with the same conclusion are added up first: then each of an output's terms is multiplied once.
   Value output(std::size_t o, const std::vector<Value>& answers, const std::vector<std::vector<Value>>& conditions) {
     const Variable& output = engine_.outputs[o];
+    weighings_.push_back(weighing(o, answers, conditions));
     std::vector<std::optional<Value>> totals(output.terms.size());
     for (std::size_t r = 0; r < engine_.rules.size(); ++r) {
       for (const Conclusion& conclusion : engine_.rules[r].conclusions) {
@@ -400,6 +348,7 @@ class Compiler {
   Steps steps_;
   std::vector<Value> inputs_;  ///< within their ranges
   std::vector<std::vector<Value>> memberships_;
+  std::vector<Weighing> weighings_;  ///< by output
 };
 
 }  // namespace

@@ -6,14 +6,16 @@
 #include <vector>
 
 #include "base/result.h"
+#include "fuzzy/cells.h"
 #include "fuzzy/engine.h"
 #include "fuzzy/program.h"
 
 namespace cosiva::fuzzy {
 
-/// A program, and where in it stands what a person may want to see.
+/// A program, the same for decisions taken alone, and where in it stands what a person may want to see.
 struct Compiled {
   Program program;
+  Cells cells;  ///< with Keep::answers only
   // With Keep::everything only:
   /// Degree of each input's terms, hedges and rules' weights not counted; by input, by term.
   std::vector<std::vector<std::uint16_t>> memberships;

@@ -20,18 +20,20 @@ std::optional<std::size_t> find_variable(const std::vector<Variable>& variables,
 
 }  // namespace
 
-RuleBase::RuleBase(Engine engine, Program program) : engine_{std::move(engine)}, program_{std::move(program)} {}
+RuleBase::RuleBase(Engine engine, Program program, Cells cells)
+    : engine_{std::move(engine)}, program_{std::move(program)}, cells_{std::move(cells)} {}
 
 Result<RuleBase> RuleBase::read(std::string_view fll, std::string_view origin) {
   auto engine = read_fll(fll, origin);
   if (!engine) return tl::unexpected(engine.error());
   auto compiled = compile(*engine);
   if (!compiled) return fail(compiled.error().code, compiled.error().message, std::string(origin));
-  return RuleBase{std::move(*engine), std::move(compiled->program)};
+  return RuleBase{std::move(*engine), std::move(compiled->program), std::move(compiled->cells)};
 }
 
 void RuleBase::evaluate(std::span<const double> inputs, std::span<double> outputs) const {
   COSIVA_EXPECT(inputs.size() == engine_.inputs.size() && outputs.size() == engine_.outputs.size());
+  if (cells_.pay()) return run_cells(cells_, inputs.data(), outputs.data());
   std::array<double, values_max>
       values;  // NOLINT(cppcoreguidelines-pro-type-member-init): each is made before it is used
   std::ranges::copy(inputs, values.begin());

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "fuzzy/cells.h"
 #include "fuzzy/engine.h"
 #include "fuzzy/program.h"
 
@@ -41,10 +42,11 @@ class RuleBase {
   [[nodiscard]] std::optional<std::size_t> find_output(std::string_view name) const;
 
  private:
-  RuleBase(Engine engine, Program program);
+  RuleBase(Engine engine, Program program, Cells cells);
 
   Engine engine_;
   Program program_;
+  Cells cells_;  ///< of the program, for decisions taken alone
 };
 
 }  // namespace cosiva::fuzzy

@@ -11,7 +11,7 @@
 #include "base/random.h"
 #include "base/test_places.h"
 #include "fuzzy/oracle/test_fuzzylite.h"
-#include "fuzzy/oracle/test_random_rules.h"
+#include "fuzzy/test_random_rules.h"
 #include "fuzzy/rule_base.h"
 
 namespace cosiva::fuzzy {

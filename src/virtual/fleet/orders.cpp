@@ -85,14 +85,15 @@ bool Fleet::Inside::exchange_chain(std::uint32_t i, std::span<const zone::Sectio
 
   CrossingState* const here = crossings.data() + std::size_t{own.copy} * ground.zone().crossings.size();
   const auto leaves = ground.leaves_of(ground.chain(wanted));
-  for (const Ground::Leave& leave : leaves)
+  // What lies behind it is others' business.
+  std::uint16_t to_come = 0;
+  while (to_come < leaves.size() && own.chain_at + leaves[to_come].at_m + Ground::left_m < state.s_m[i]) ++to_come;
+  for (const Ground::Leave& leave : leaves.subspan(to_come))
     if (here[leave.crossing].holder != Fleet::none && here[leave.crossing].holder != i) return false;
   for (const Ground::Leave& leave : ground.leaves_of(ground.chain(own.held_chain)).subspan(own.held_next))
     here[leave.crossing].holder = Fleet::none;
-  own.held_next = 0;
-  while (own.held_next < leaves.size() && own.chain_at + leaves[own.held_next].at_m + Ground::left_m < state.s_m[i])
-    ++own.held_next;
-  if (own.held_next == leaves.size()) {  // this way it is through already
+  own.held_next = to_come;
+  if (to_come == leaves.size()) {  // this way it is through already
     hold_nothing(i);
     look_again(copies[own.copy]);
     return true;

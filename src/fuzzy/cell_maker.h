@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "fuzzy/cells.h"
+#include "fuzzy/steps.h"
+
+namespace cosiva::fuzzy {
+
+/// How an output comes from its rules: their degrees are values that steps make.
+struct Weighing {
+  struct Rule {
+    Value degree{};
+    double weight{};
+  };
+  struct Term {
+    std::vector<Rule> rules;
+    double says{};
+    std::optional<Value> says_value;  ///< what it says where that is no number
+  };
+  std::vector<Term> terms;
+  bool is_average{};
+  double otherwise{};
+  double low{};  ///< infinite: not locked
+  double high{};
+};
+
+/// None (see Cells::pay) where the steps by themselves are less to do.
+[[nodiscard]] Cells make_cells(const Steps& steps, const std::vector<Weighing>& outputs);
+
+}  // namespace cosiva::fuzzy
