@@ -78,8 +78,12 @@ Result<Trial> trial_of(const std::string& folder, const QualifyArguments& argume
   }
   auto trial = experiments::replayed(*recording, {arguments.gap_s, 0.05, 0.05});
   if (!trial) return trial;
-  for (const std::string& note : recording->notes)
-    conditions.notes.push_back(std::string(folder).append(": ").append(note).append("."));
+  for (const std::string& note : recording->notes) {
+    std::string told = std::string(folder).append(": ").append(note).append(".");
+    // What was made of a recording is no matter for the report alone: it may be a mistake in the files.
+    say("cosiva: " + told);
+    conditions.notes.push_back(std::move(told));
+  }
   if (ring) {
     trial->setting.track = ring->track;
     const auto along_m = ring->track->foot(position(trial->setting.start), 0.5 * ring->track->length_m(),
