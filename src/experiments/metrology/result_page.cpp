@@ -253,7 +253,7 @@ std::string to_html(const Qualification& all, const Conditions& conditions) {
   if (ever_far(all)) report.figure(by_distance(all), "Error by the distance since the last mark");
   report.figure(trajectory(all, conditions), conditions.lines.empty()
                                                  ? "Truth and estimates, first run"
-                                                 : "Truth and estimates, first run, on the zone's lines (thin)");
+                                                 : "Truth and estimates, first run, on the zone's lines (grey)");
   report.heading("Along and across, by section");
   add_splits(report, all);
   add_comparisons(report, all);

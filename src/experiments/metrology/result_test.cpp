@@ -96,7 +96,7 @@ TEST(Result, draws_ways_on_the_lines_of_the_zone_where_there_is_one) {
   const std::size_t first = html.find("class=\"line ground\"");
   ASSERT_NE(first, std::string::npos);
   EXPECT_NE(html.find("class=\"line ground\"", first + 1), std::string::npos);
-  EXPECT_THAT(html, HasSubstr("on the zone's lines (thin)"));
+  EXPECT_THAT(html, HasSubstr("on the zone's lines (grey)"));
 }
 
 TEST(Result, draws_the_limit_beside_each_bar_with_the_gap_in_percent) {
