@@ -22,6 +22,7 @@ void write_sensors(JsonWriter& json, const estimation::SensorModel& sensors) {
   json.field("distance_variance_per_m", sensors.distance_variance_per_m);
   json.field("turn_variance_per_m", sensors.turn_variance_per_m);
   json.field("turn_variance_per_rad", sensors.turn_variance_per_rad);
+  json.field("turn_drift_sigma_radps", sensors.turn_drift_sigma_radps);
   json.field("mark_along_sigma_m", sensors.mark_along_sigma_m);
   json.field("mark_across_sigma_m", sensors.mark_across_sigma_m);
   json.field("line_sigma_m", sensors.line_sigma_m).field("range_sigma_m", sensors.range_sigma_m).end_object();

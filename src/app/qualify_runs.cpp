@@ -15,6 +15,22 @@ namespace {
 using experiments::Simulation;
 using experiments::Trial;
 
+/// The middle line of each of the zone's sections: straights by their ends, others closely enough for a page.
+std::vector<std::vector<Point2>> lines_of(const zone::TrafficZone& zone) {
+  constexpr double apart_m = 0.1;
+  constexpr double most = 200.0;
+  std::vector<std::vector<Point2>> lines;
+  for (zone::SectionId id = 0; id < zone.circuit.size(); ++id) {
+    const zone::Section& section = zone.circuit.section(id);
+    const bool straight = section.kind() == zone::SectionKind::straight;
+    const double pieces = straight ? 1.0 : std::clamp(std::ceil(section.length_m() / apart_m), 1.0, most);
+    std::vector<Point2>& line = lines.emplace_back();
+    for (double i = 0.0; i <= pieces; i += 1.0)
+      line.push_back(position(section.pose_at(i / pieces * section.length_m())));
+  }
+  return lines;
+}
+
 Result<void> lay_marks(const QualifyArguments& arguments, const Ring& ring, Simulation& simulation) {
   if (arguments.marks == "pitch") return {};
   if (arguments.marks == "tags") {
@@ -47,6 +63,7 @@ experiments::Conditions conditions_of(const QualifyArguments& arguments, const R
   settings.emplace_back("survey error", mm(arguments.survey_m));
   settings.emplace_back("speed", decimals(arguments.speed_mps, 2) + " m/s");
   settings.emplace_back("seeds", "from " + std::to_string(arguments.seed));
+  conditions.lines = lines_of(*ring.zone);
   return conditions;
 }
 
@@ -78,8 +95,12 @@ Result<Trial> trial_of(const std::string& folder, const QualifyArguments& argume
   }
   auto trial = experiments::replayed(*recording, {arguments.gap_s, 0.05, 0.05});
   if (!trial) return trial;
-  for (const std::string& note : recording->notes)
-    conditions.notes.push_back(std::string(folder).append(": ").append(note).append("."));
+  for (const std::string& note : recording->notes) {
+    std::string told = std::string(folder).append(": ").append(note).append(".");
+    // What was made of a recording is no matter for the report alone: it may be a mistake in the files.
+    say("cosiva: " + told);
+    conditions.notes.push_back(std::move(told));
+  }
   if (ring) {
     trial->setting.track = ring->track;
     const auto along_m = ring->track->foot(position(trial->setting.start), 0.5 * ring->track->length_m(),
@@ -130,6 +151,7 @@ Result<Runs> recorded_runs(const QualifyArguments& arguments) {
   }
   Runs runs;
   runs.conditions = {arguments.command, arguments.recordings.size() == 1 ? "a recording" : "recordings", {}, {}};
+  if (ring) runs.conditions.lines = lines_of(*ring->zone);
   auto trials = std::make_shared<std::vector<Trial>>();
   for (const std::string& folder : arguments.recordings) {
     auto trial = trial_of(folder, arguments, ring, runs.conditions);

@@ -103,6 +103,31 @@ TEST(Compare, on_a_recording_reads_it_and_writes_its_report) {
   EXPECT_NEAR(*algorithm(again, 0).number("rmse_m"), *algorithm(json, 1).number("rmse_m"), 1e-12);
 }
 
+TEST(Qualify, says_on_the_terminal_and_in_the_report_what_it_made_of_a_recording_that_cannot_be_quite_so) {
+  const Scratch scratch;
+  // Straight on along x, and the truth's heading looks back.
+  std::string odometry = "time_s,delta_distance_m,delta_heading_rad\n";
+  std::string truth = "time_s,x_m,y_m,heading_rad\n0,0,0,3.1416\n";
+  for (int i = 1; i <= 200; ++i) {
+    odometry += std::to_string(0.1 * i) + ",0.1,0\n";
+    truth += std::to_string(0.1 * i) + "," + std::to_string(0.1 * i) + ",0,3.1416\n";
+  }
+  std::filesystem::create_directories(scratch / "drive");
+  ASSERT_TRUE(adapters::write_file(scratch / "drive/odometry.csv", odometry));
+  ASSERT_TRUE(adapters::write_file(scratch / "drive/groundtruth.csv", truth));
+  const Said said = cosiva({"qualify", "--recording", scratch / "drive", "--out", scratch / "out", "--json"});
+  EXPECT_EQ(said.status, 0) << said.words;
+  EXPECT_THAT(said.words, HasSubstr("drive: the truth's heading is 180 degrees off the way it goes"));
+  EXPECT_THAT(adapters::read_file(scratch / "out/report.html").value_or(""), HasSubstr("180 degrees off the way"));
+  EXPECT_LT(*algorithm(json_of(said), 0).number("rmse_m"), 0.01);
+}
+
+TEST(Qualify, draws_ways_on_the_zone_s_lines) {
+  const Scratch scratch;
+  EXPECT_EQ(cosiva({"qualify", "--runs", "2", "--way", "5", "--zone", "lacet4", "--out", scratch / "out"}).status, 0);
+  EXPECT_THAT(adapters::read_file(scratch / "out/report.html").value_or(""), HasSubstr("class=\"line ground\""));
+}
+
 TEST(Compare, of_trajectories_writes_a_report_and_what_evo_opens_and_keeps_one_that_is_bad_out_of_it) {
   const Scratch scratch;
   const auto tum = [](double off_m) {

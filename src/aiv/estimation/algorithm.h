@@ -19,6 +19,9 @@ struct Odometry {
   double distance_m{};  ///< travelled, forwards positive
   double turn_rad{};    ///< of the body, left positive
   double duration_s{};  ///< that it took, > 0
+  /// What it may be off by beyond the sensors' figures, as where nothing was counted for a while.
+  double distance_variance_m2{0.0};
+  double turn_variance_rad2{0.0};
 };
 
 /// A tag or a beacon under the reader (A15, A21).
@@ -59,6 +62,7 @@ struct SensorModel {
   double turn_variance_per_rad{1e-4};    ///< and of what it turns [rad²/rad]
   double distance_scale_sigma{0.02};     ///< wheel wear: what the odometer's scale may be off by
   double turn_scale_sigma{0.02};         ///< likewise of turns, for instance by the track's width
+  double turn_drift_sigma_radps{0.0};    ///< what it counts as turning that is none: a gyroscope's offset
   double mark_along_sigma_m{0.01};       ///< σ_b: of a reading, along the vehicle
   double mark_across_sigma_m{0.01};      ///< and across it
   double line_sigma_m{0.002};            ///< how far from its line a vehicle is that follows one

@@ -34,7 +34,7 @@ void DeadReckoning::predict(const Odometry& odometry) {
     pose_ = moved(pose_, odometry);
   }
   s_m += odometry.distance_m;
-  p_m2 += told.sensors.distance_variance_per_m * std::fabs(odometry.distance_m);
+  p_m2 += told.sensors.distance_variance_per_m * std::fabs(odometry.distance_m) + odometry.distance_variance_m2;
 }
 
 Estimate DeadReckoning::estimate() const {
@@ -91,7 +91,7 @@ void ArcKalmanScale::predict(const Odometry& odometry) {
   const double d = odometry.distance_m / (1.0 + scale_error_);
   s_m += d;
   p_m2 += -2.0 * d * cross_m_ + d * d * scale_variance_ +
-          told.sensors.distance_variance_per_m * std::fabs(odometry.distance_m);
+          told.sensors.distance_variance_per_m * std::fabs(odometry.distance_m) + odometry.distance_variance_m2;
   cross_m_ -= d * scale_variance_;
 }
 

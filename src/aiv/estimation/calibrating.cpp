@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 #include <utility>
 
 #include "aiv/estimation/calibrating_model.h"
@@ -17,6 +18,8 @@ using State = CalibratedState;
 constexpr int directions = 24;
 /// A hypothesis this much less likely than the best is dropped: e^-12, one in 160 000.
 constexpr double hopeless = 12.0;
+/// Who is less sure of its heading than this does not know it.
+constexpr double lost_rad = 1.0;
 
 }  // namespace
 
@@ -35,7 +38,7 @@ int Stations::index(std::uint32_t station) {
 }
 
 CalibratingFilter::CalibratingFilter(Setting setting) : told{std::move(setting)} {
-  if (told.start_heading_sigma_rad <= 1.0) {
+  if (told.start_heading_sigma_rad <= lost_rad) {
     hypotheses.push_back(
         {start_state(told.start.heading_rad, told.start_heading_sigma_rad), 0.0, told.start.heading_rad});
     return;
@@ -66,6 +69,30 @@ void CalibratingFilter::predict(const Odometry& odometry) {
     const model::Motion motion = model::motion_of(told.sensors, hypothesis.state.mean, odometry);
     model::move(hypothesis.state, motion);
   }
+  if (hypotheses[best()].state.covariance(State::heading, State::heading) > lost_rad * lost_rad) look_round();
+  ++inputs_told;
+}
+
+void CalibratingFilter::look_round() {
+  const Hypothesis lost = hypotheses[best()];
+  const Estimate all = estimate();
+  const double variance = lost.state.covariance(State::heading, State::heading);
+  constexpr double apart_rad = 2.0 * pi / directions;
+  hypotheses.clear();
+  for (int i = -directions / 2; i < directions / 2; ++i) {
+    Hypothesis one = lost;
+    const double by_rad = i * apart_rad;
+    one.state.mean(State::heading) += by_rad;
+    one.state.mean.head<2>() = Vector2(all.pose.x_m, all.pose.y_m);
+    // Where it is has not much to do any more with where it looks.
+    one.state.covariance.row(State::heading).setZero();
+    one.state.covariance.col(State::heading).setZero();
+    one.state.covariance(State::heading, State::heading) = 0.25 * apart_rad * apart_rad;
+    one.state.covariance.topLeftCorner<2, 2>() = all.covariance.topLeftCorner<2, 2>();
+    one.log_weight = -0.5 * by_rad * by_rad / variance;
+    one.turned.push_back({inputs_told, by_rad});
+    hypotheses.push_back(std::move(one));
+  }
 }
 
 template <typename Input>
@@ -84,9 +111,12 @@ Rectified CalibratingFilter::rectify_all(const Input& input) {
       hypothesis.log_weight += update.log_likelihood;
       nis += update.nis;
     }
+    // A mark under the reader tells the place itself; only ranges leave a direction untold.
+    if constexpr (std::is_same_v<Input, Range>) model::carry(hypothesis.state, before);
     if (i == leader) rectified = {said.count > 0, nis, said.count};
   }
   prune();
+  ++inputs_told;
   return rectified;
 }
 
@@ -136,8 +166,10 @@ Rectified CalibratingSmoother::rectify(const Range& range) {
   return CalibratingFilter::rectify(range);
 }
 
-void CalibratingSmoother::forwards(const State& start, const std::vector<State>& about, std::vector<Step>& steps) {
+void CalibratingSmoother::forwards(const State& start, const std::vector<State>& about,
+                                   const std::vector<Turned>& turned, std::vector<Step>& steps) {
   State now = start;
+  auto turn = turned.begin();
   for (std::size_t i = 0; i < inputs_.size(); ++i) {
     Step& step = steps[i];
     step.measured_count = 0;
@@ -148,6 +180,7 @@ void CalibratingSmoother::forwards(const State& start, const std::vector<State>&
       motion.offset += motion.slope.lazyProduct(now.mean - before);
       step.motion = motion.slope;
       model::move(now, motion);
+      for (; turn != turned.end() && turn->input <= i; ++turn) now.mean(State::heading) += turn->by_rad;
     } else {
       step.before = now.covariance;
       const auto* reading = std::get_if<Reading>(&inputs_[i]);
@@ -200,9 +233,8 @@ void CalibratingSmoother::backwards(const std::vector<Step>& steps, std::vector<
 
 std::vector<Estimate> CalibratingSmoother::revised() {
   const Hypothesis& chosen = hypotheses[best()];
-  const bool knows = told.start_heading_sigma_rad <= 1.0;
+  const bool knows = told.start_heading_sigma_rad <= lost_rad;
   // Where nothing has told its heading there is no drive to linearise about: what was said at the time stands.
-  constexpr double lost_rad = 1.0;
   if (!knows && estimate().covariance(2, 2) > lost_rad * lost_rad) return {};
   const State start = start_state(chosen.start_heading_rad, knows ? told.start_heading_sigma_rad : pi);
   // The first round needs a heading to linearise about, and takes the hypothesis'; the others have one.
@@ -216,7 +248,7 @@ std::vector<Estimate> CalibratingSmoother::revised() {
   double moved_m = 1.0;
   for (int round = 0; round < rounds_most && moved_m > settled_m; ++round) {
     const State& from = round == 0 ? first : start;
-    forwards(from, about, steps);
+    forwards(from, about, round == 0 ? chosen.turned : std::vector<Turned>{}, steps);
     backwards(steps, smoothed, from, start_smoothed);
     // Settled when nothing moved since the last round, which is what this one was linearised about.
     moved_m = about.empty() ? 1.0 : 0.0;

@@ -12,11 +12,12 @@
 namespace cosiva::estimation {
 
 /// The state: x, y, heading (unwrapped), odometry's distance scale and turn scale, the ranges' scale and common bias,
-/// and one bias for each of the first nine stations, which changes as the vehicle goes (a Gauss-Markov process).
+/// one bias for each of the first eight stations, which changes as the vehicle goes (a Gauss-Markov process), and at
+/// the end what a gyroscope counts as turning that is none [rad/s].
 struct CalibratedState {
   static constexpr int size_max = 16;
   static constexpr int common_size = 7;
-  enum Index : int { x, y, heading, distance_scale, turn_scale, range_scale, range_common };
+  enum Index : int { x, y, heading, distance_scale, turn_scale, range_scale, range_common, turn_drift = size_max - 1 };
   using Vector = Eigen::Matrix<double, size_max, 1>;
   using Matrix = Eigen::Matrix<double, size_max, size_max>;
 
@@ -29,10 +30,10 @@ struct CalibratedState {
 /// Which station has which bias. Stations come as they are first heard.
 class Stations {
  public:
-  /// Its place in the state; −1 for the tenth and later, which share the common bias alone.
+  /// Its place in the state; −1 for the ninth and later, which share the common bias alone.
   [[nodiscard]] int index(std::uint32_t station);
   [[nodiscard]] int count() const { return count_; }
-  static constexpr int count_max = CalibratedState::size_max - CalibratedState::common_size;
+  static constexpr int count_max = CalibratedState::turn_drift - CalibratedState::common_size;
 
  private:
   std::array<std::uint32_t, count_max> ids_{};
@@ -48,7 +49,8 @@ struct Measured {
 
 /// The extended Kalman filter of that state. Ranges and readings are believed after Student's t with four degrees of
 /// freedom rather than Gauss: what is far off counts less, nothing is refused for ever. Where the heading is unknown at
-/// the start, several filters begin, one per direction, and what they see decides (a Gaussian sum filter).
+/// the start, or was lost on the way, several filters begin, one per direction, and what they see decides (a Gaussian
+/// sum filter).
 /// Sources: Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigation (2001),
 /// augmented states; D. L. Alspach, H. W. Sorenson, IEEE TAC 17 (1972), Gaussian sums.
 class CalibratingFilter : public Algorithm {
@@ -62,20 +64,28 @@ class CalibratingFilter : public Algorithm {
   [[nodiscard]] const CalibratedState& state() const { return hypotheses[best()].state; }
 
  protected:
+  /// A direction that was tried when the heading was lost on the way.
+  struct Turned {
+    std::size_t input;  ///< after which, counted from 0
+    double by_rad;
+  };
   struct Hypothesis {
     CalibratedState state;
     double log_weight{};
     double start_heading_rad{};
+    std::vector<Turned> turned{};
   };
   [[nodiscard]] std::size_t best() const;
   template <typename Input>
   Rectified rectify_all(const Input& input);
   void prune();
+  void look_round();
   [[nodiscard]] CalibratedState start_state(double heading_rad, double heading_sigma_rad) const;
 
   Setting told;
   Stations stations;
   std::vector<Hypothesis> hypotheses;
+  std::size_t inputs_told{0};
 };
 
 /// Looks back over the whole run with the same model: forwards and backwards, linearised anew about what came out,
@@ -100,7 +110,9 @@ class CalibratingSmoother final : public CalibratingFilter {
     CalibratedState::Matrix before;  ///< covariance before those
     CalibratedState::Matrix motion;  ///< of odometry: slope of the new state in the old one
   };
-  void forwards(const CalibratedState& start, const std::vector<CalibratedState>& about, std::vector<Step>& steps);
+  /// @param turned  of the first round, which has nothing yet to linearise about
+  void forwards(const CalibratedState& start, const std::vector<CalibratedState>& about,
+                const std::vector<Turned>& turned, std::vector<Step>& steps);
   static void backwards(const std::vector<Step>& steps, std::vector<CalibratedState>& smoothed,
                         const CalibratedState& start, CalibratedState& start_smoothed);
 

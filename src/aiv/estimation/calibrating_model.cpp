@@ -28,15 +28,19 @@ State start_state(const Setting& setting, double heading_rad, double heading_sig
   variances(State::turn_scale) = squared(sensors.turn_scale_sigma);
   variances(State::range_scale) = squared(sensors.range_scale_sigma);
   variances(State::range_common) = squared(sensors.range_common_sigma_m);
+  variances(State::turn_drift) = squared(sensors.turn_drift_sigma_radps);
   state.covariance = variances.asDiagonal();
   return state;
 }
 
 Motion motion_of(const SensorModel& sensors, const State::Vector& about, const Odometry& odometry) {
   const Eigen::Index n = about.size();
-  // Counted = (1 + scale)·true, to first order.
+  // A gyroscope's offset drifts whether one moves or not. Wheels that stand say exactly nothing, and mean it.
+  const double drifts_s = odometry.turn_rad != 0.0 ? odometry.duration_s : 0.0;
+  // Counted = (1 + scale)·true + drift, to first order.
   const Odometry truly{odometry.distance_m * (1.0 - about(State::distance_scale)),
-                       odometry.turn_rad * (1.0 - about(State::turn_scale)), odometry.duration_s};
+                       odometry.turn_rad * (1.0 - about(State::turn_scale)) - drifts_s * about(State::turn_drift),
+                       odometry.duration_s, odometry.distance_variance_m2, odometry.turn_variance_rad2};
   const Pose2 step = step_of(truly);
   const SinCos h = sincos(about(State::heading));
   const double dx = h.cos * step.x_m - h.sin * step.y_m;
@@ -57,13 +61,16 @@ Motion motion_of(const SensorModel& sensors, const State::Vector& about, const O
   f(State::x, State::turn_scale) = 0.5 * d * middle.sin * odometry.turn_rad;
   f(State::y, State::turn_scale) = -0.5 * d * middle.cos * odometry.turn_rad;
   f(State::heading, State::turn_scale) = -odometry.turn_rad;
+  f(State::x, State::turn_drift) = 0.5 * d * middle.sin * drifts_s;
+  f(State::y, State::turn_drift) = -0.5 * d * middle.cos * drifts_s;
+  f(State::heading, State::turn_drift) = -drifts_s;
 
   const Pose2 from{about(State::x), about(State::y), about(State::heading)};
   motion.noise.topLeftCorner<3, 3>() = spread(sensors, from, truly, Matrix3::Zero());
 
   // A station's bias forgets itself with the way, towards nothing.
   const double keeps = det_exp(-std::fabs(d) / sensors.range_station_length_m);
-  for (Eigen::Index i = State::common_size; i < n; ++i) {
+  for (Eigen::Index i = State::common_size; i < State::turn_drift; ++i) {
     motion.offset(i) *= keeps;
     f(i, i) = keeps;
     motion.noise(i, i) = squared(sensors.range_station_sigma_m) * (1.0 - keeps * keeps);
@@ -77,6 +84,16 @@ void move(State& state, const Motion& motion) {
   const State::Matrix transposed = motion.slope.transpose();
   state.covariance = motion.noise + fp.lazyProduct(transposed);
   make_symmetric(state.covariance);
+}
+
+void carry(State& state, const State::Vector& before) {
+  const double dx = state.mean(State::x) - before(State::x);
+  const double dy = state.mean(State::y) - before(State::y);
+  State::Matrix& p = state.covariance;
+  p.row(State::x) -= dy * p.row(State::heading);
+  p.row(State::y) += dx * p.row(State::heading);
+  p.col(State::x) -= dy * p.col(State::heading);
+  p.col(State::y) += dx * p.col(State::heading);
 }
 
 Said said_by(const SensorModel& sensors, Stations&, const State::Vector& about, const Reading& reading) {

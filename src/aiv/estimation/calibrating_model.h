@@ -21,6 +21,12 @@ struct Motion {
 /// Of a state whose mean is already in motion.offset.
 void move(CalibratedState& state, const Motion& motion);
 
+/// What a correction has moved: the covariance keeps what it knows of the error as a motion of the plane, (x, y) and
+/// the turn about the map's origin, rather than of x and y with the heading apart. Else directions that nothing has
+/// told, such as round the only station, seem to be told by each correction along the way. Source: A. Barrau, S.
+/// Bonnabel, The Invariant Extended Kalman Filter as a Stable Observer, IEEE TAC 62 (2017).
+void carry(CalibratedState& state, const CalibratedState::Vector& before);
+
 struct Said {
   std::array<Measured, 2> measured;
   int count{0};

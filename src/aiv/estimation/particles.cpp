@@ -43,7 +43,8 @@ void ParticleFilter::spread_over_circuit() {
 }
 
 void ParticleFilter::predict(const Odometry& odometry) {
-  const double sigma_m = std::sqrt(setting_.sensors.distance_variance_per_m * std::fabs(odometry.distance_m));
+  const double sigma_m = std::sqrt(setting_.sensors.distance_variance_per_m * std::fabs(odometry.distance_m) +
+                                   odometry.distance_variance_m2);
   const zone::Circuit& circuit = setting_.track->circuit();
   for (Particle& particle : particles_) {
     const double step_m = odometry.distance_m + sigma_m * random_.gaussian();

@@ -70,8 +70,9 @@ Matrix3 start_covariance(const Setting& setting) {
 
 Vector2 step_variances(const SensorModel& sensors, const Odometry& odometry) {
   const double way_m = std::fabs(odometry.distance_m);
-  return {sensors.distance_variance_per_m * way_m,
-          sensors.turn_variance_per_m * way_m + sensors.turn_variance_per_rad * std::fabs(odometry.turn_rad)};
+  return {sensors.distance_variance_per_m * way_m + odometry.distance_variance_m2,
+          sensors.turn_variance_per_m * way_m + sensors.turn_variance_per_rad * std::fabs(odometry.turn_rad) +
+              odometry.turn_variance_rad2};
 }
 
 Matrix3 spread(const SensorModel& sensors, const Pose2& X_MB, const Odometry& odometry, const Matrix3& covariance) {

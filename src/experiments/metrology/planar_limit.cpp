@@ -16,8 +16,9 @@ using estimation::Reading;
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
-/// What is not known: pose, scales of odometry, what all ranges have in common, then a bias of each station.
-enum Part : Eigen::Index { x, y, heading, distance_scale, turn_scale, range_scale, range_common, stations };
+/// What is not known: pose, scales of odometry and a gyroscope's offset, what all ranges have in common, then a bias of
+/// each station.
+enum Part : Eigen::Index { x, y, heading, distance_scale, turn_scale, turn_drift, range_scale, range_common, stations };
 
 double squared(double v) { return v * v; }
 
@@ -53,6 +54,7 @@ struct Move {
   double x_heading, y_heading;
   double x_distance, y_distance;
   double x_turn, y_turn, heading_turn;
+  double drifts_s;  ///< for which a gyroscope counted
   double keeps;
 };
 
@@ -78,6 +80,7 @@ class PlanarInformation {
     variances(heading) = squared(std::fmin(1.0, run.setting.start_heading_sigma_rad));
     variances(distance_scale) = squared(sensors_.distance_scale_sigma);
     variances(turn_scale) = squared(sensors_.turn_scale_sigma);
+    variances(turn_drift) = squared(sensors_.turn_drift_sigma_radps);
     variances(range_scale) = squared(sensors_.range_scale_sigma);
     variances(range_common) = squared(sensors_.range_common_sigma_m);
     p_ = variances.asDiagonal();
@@ -147,11 +150,16 @@ class PlanarInformation {
                  0.5 * d * h.sin * turn,
                  -0.5 * d * h.cos * turn,
                  -turn,
+                 turn != 0.0 ? odometry.duration_s : 0.0,
                  det_exp(-std::fabs(d) / sensors_.range_station_length_m)};
     const auto go = [&](auto&& of) {
       of(x) += f.x_heading * of(heading) + f.x_distance * of(distance_scale) + f.x_turn * of(turn_scale);
       of(y) += f.y_heading * of(heading) + f.y_distance * of(distance_scale) + f.y_turn * of(turn_scale);
       of(heading) += f.heading_turn * of(turn_scale);
+      // Of the turn itself x and y know by half: what it is off by comes in along the way.
+      of(x) += -0.5 * f.x_heading * f.drifts_s * of(turn_drift);
+      of(y) += -0.5 * f.y_heading * f.drifts_s * of(turn_drift);
+      of(heading) -= f.drifts_s * of(turn_drift);
       for (Eigen::Index i = stations; i < p_.rows(); ++i) of(i) *= f.keeps;
     };
     for (Eigen::Index i = 0; i < p_.cols(); ++i) go(p_.col(i));
@@ -232,6 +240,7 @@ class PlanarInformation {
   static void back(const Move& f, Matrix& later) {
     const auto go = [&](auto&& of) {
       of(turn_scale) += f.x_turn * of(x) + f.y_turn * of(y) + f.heading_turn * of(heading);
+      of(turn_drift) -= f.drifts_s * (0.5 * f.x_heading * of(x) + 0.5 * f.y_heading * of(y) + of(heading));
       of(distance_scale) += f.x_distance * of(x) + f.y_distance * of(y);
       of(heading) += f.x_heading * of(x) + f.y_heading * of(y);
       for (Eigen::Index i = stations; i < later.rows(); ++i) of(i) *= f.keeps;

@@ -130,6 +130,23 @@ TEST(PlanarLimit, of_odometry_alone_on_a_straight_is_its_random_walk_and_what_th
   }
 }
 
+TEST(PlanarLimit, of_a_gyroscope_with_an_offset_grows_with_the_square_of_time_and_not_of_wheels_that_say_straight_on) {
+  for (const double turn_rad : {1e-12, 0.0}) {
+    Straight drive;
+    drive.run.setting.sensors = plain_sensors();
+    drive.run.setting.sensors.distance_variance_per_m = drive.run.setting.sensors.turn_variance_per_m = 0.0;
+    drive.run.setting.sensors.turn_drift_sigma_radps = 0.004;
+    drive.run.setting.start_sigma_m = drive.run.setting.start_heading_sigma_rad = 0.0;
+    drive.go(800, false);
+    for (Event& event : drive.run.events) std::get<Odometry>(event).turn_rad = turn_rad;
+    note_moment(drive.run, drive.here());
+    // 40 s at 0.4 m/s: the offset times v·t²/2.
+    const double aside_m = turn_rad != 0.0 ? 0.004 * 0.4 * 40.0 * 40.0 / 2.0 : 0.0;
+    EXPECT_NEAR(std::sqrt(planar_limit_of(drive.run).filter_m2), aside_m, 1e-6);
+    EXPECT_NEAR(std::sqrt(planar_limit_of(drive.run).smoother_m2), aside_m, 1e-6);
+  }
+}
+
 TEST(PlanarLimit, of_a_heading_nobody_knows_is_no_more_than_a_circle) {
   Straight drive;
   drive.run.setting.sensors = plain_sensors();

@@ -15,6 +15,7 @@ struct Conditions {
   std::string what;                                           ///< "virtual time on lacet4", "recordings"
   std::vector<std::pair<std::string, std::string>> settings;  ///< name and value, in words
   std::vector<std::string> notes;                             ///< what its reader should know
+  std::vector<std::vector<Point2>> lines{};  ///< of the zone, to be drawn beneath ways; none in the open
 };
 
 /// One JSON document: `algorithms[]` with name, rmse_m, mean_m, variance_m2, precision and the rest, `comparisons[]`,

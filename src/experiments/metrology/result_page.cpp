@@ -88,7 +88,7 @@ void add_splits(Report& report, const Qualification& all) {
                rows);
 }
 
-std::string trajectory(const Qualification& all) {
+std::string trajectory(const Qualification& all, const Conditions& conditions) {
   Chart chart{{"x [m]", {}, {}}, {"y [m]", {}, {}}, {}};
   const auto line = [](const std::string& name, const std::vector<Pose2>& path) {
     Series series{name, {}, {}, Series::Form::line};
@@ -101,6 +101,14 @@ std::string trajectory(const Qualification& all) {
   };
   chart.series.push_back(line("truth", all.truth));
   for (const Qualified* one : drawn(all, colours - 1)) chart.series.push_back(line(one->name, one->path));
+  for (const std::vector<Point2>& one : conditions.lines) {
+    Series ground;
+    for (const Point2 p : one) {
+      ground.x.push_back(p.x_m);
+      ground.y.push_back(p.y_m);
+    }
+    chart.ground.push_back(std::move(ground));
+  }
   chart.equal_scale = true;
   return to_svg(chart);
 }
@@ -243,7 +251,9 @@ std::string to_html(const Qualification& all, const Conditions& conditions) {
   report.figure(distribution(all), "Distribution of all errors");
   report.figure(error_over_way(all), "Error over the way, first run");
   if (ever_far(all)) report.figure(by_distance(all), "Error by the distance since the last mark");
-  report.figure(trajectory(all), "Truth and estimates, first run");
+  report.figure(trajectory(all, conditions), conditions.lines.empty()
+                                                 ? "Truth and estimates, first run"
+                                                 : "Truth and estimates, first run, on the zone's lines (grey)");
   report.heading("Along and across, by section");
   add_splits(report, all);
   add_comparisons(report, all);

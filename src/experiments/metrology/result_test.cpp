@@ -88,6 +88,17 @@ TEST(Result, as_a_page_needs_nothing_else_and_escapes_what_it_is_given) {
   EXPECT_THAT(html, Not(HasSubstr("src=\"http")));
 }
 
+TEST(Result, draws_ways_on_the_lines_of_the_zone_where_there_is_one) {
+  Conditions conditions;
+  EXPECT_THAT(to_html(small(), conditions), Not(HasSubstr("class=\"line ground\"")));
+  conditions.lines = {{{0.0, 0.0}, {3.0, 0.0}}, {{3.0, 0.0}, {3.5, 0.2}, {3.8, 0.8}}};
+  const std::string html = to_html(small(), conditions);
+  const std::size_t first = html.find("class=\"line ground\"");
+  ASSERT_NE(first, std::string::npos);
+  EXPECT_NE(html.find("class=\"line ground\"", first + 1), std::string::npos);
+  EXPECT_THAT(html, HasSubstr("on the zone's lines (grey)"));
+}
+
 TEST(Result, draws_the_limit_beside_each_bar_with_the_gap_in_percent) {
   const Qualification all = small();
   const std::string svg = limits_beside_bars(all);

@@ -4,7 +4,8 @@
 #include <cmath>
 
 #include "experiments/recording/fields.h"
-#include "experiments/statistics/sample.h"
+#include "experiments/recording/heading.h"
+#include "experiments/recording/silence.h"
 
 namespace cosiva::experiments {
 namespace {
@@ -58,6 +59,7 @@ Result<void> read_odometry(const Table& table, Recording& recording) {
   if (!columns) return tl::unexpected(columns.error());
   const auto& c = *columns;
   if (auto fine = rising(table, c[0]); !fine) return fine;
+  recording.odometry_told_speeds = speeds;
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
     const Row& row = table.rows[i];
     // What the first one counts began some time before; about as long as the second took.
@@ -250,6 +252,8 @@ Result<Recording> read_librsf(std::string_view name, std::string_view input, std
   if (auto fine = each_line(truth, text_of(truth), {"point2"}, true_place); !fine) return tl::unexpected(fine.error());
   if (recording.odometry.size() < 2) return fail("recording.empty", "there is no odometry in it", std::string(input));
   if (recording.truth.empty()) return fail("recording.empty", "there is no truth in it", std::string(truth));
+  recording.odometry_told_speeds = true;
+  recording.turns_from_wheels = true;
   // A speed is measured over the time that ends with its stamp.
   for (std::size_t i = recording.odometry.size(); i-- > 0;) {
     Recording::Step& step = recording.odometry[i];
@@ -281,20 +285,6 @@ void drop_no_distances(Recording& recording) {
     recording.notes.push_back(std::to_string(dropped) + " ranges are no distances (0 or less); they are left out");
 }
 
-/// Longer than a second and ten times as long as usual.
-void tell_of_silence(Recording& recording) {
-  std::vector<double> durations;
-  for (const Recording::Step& step : recording.odometry) durations.push_back(step.duration_s);
-  if (durations.size() < 10) return;
-  const double usual_s = statistics::percentile(durations, 0.5);
-  const auto silent = [&](double duration_s) { return duration_s > std::fmax(1.0, 10.0 * usual_s); };
-  const auto often = std::ranges::count_if(durations, silent);
-  if (often == 0) return;
-  recording.notes.push_back("odometry is silent " + std::to_string(often) + (often == 1 ? " time" : " times") +
-                            ", for " + std::to_string(std::lround(*std::ranges::max_element(durations))) +
-                            " s at most; what it says next is taken for all of that time");
-}
-
 Result<Recording> read_either(std::string_view name, const RecordingFiles& files) {
   if (auto fine = check_texts(files); !fine) return tl::unexpected(fine.error());
   if (files.contains("odometry.csv")) return read_tables(name, files);
@@ -316,7 +306,8 @@ Result<Recording> read_recording(std::string_view name, const RecordingFiles& fi
   auto recording = read_either(name, files);
   if (!recording) return recording;
   drop_no_distances(*recording);
-  tell_of_silence(*recording);
+  bridge_silences(*recording, recording->odometry_told_speeds);
+  check_heading(*recording);
   put_in_order(recording->ranges, "ranges", *recording);
   put_in_order(recording->readings, "readings", *recording);
   return recording;

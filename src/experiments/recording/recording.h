@@ -21,6 +21,8 @@ struct Recording {
     double duration_s;  ///< since when it counts
     double distance_m;
     double turn_rad;
+    double distance_variance_m2{0.0};  ///< what it may be off by beyond the odometer's own figures
+    double turn_variance_rad2{0.0};
   };
   struct Heard {
     double t_s;
@@ -39,8 +41,10 @@ struct Recording {
   };
 
   std::string name;
-  std::vector<Step> odometry;  ///< stamps rise
-  std::vector<Heard> ranges;   ///< in the order of their stamps, as are readings
+  std::vector<Step> odometry;        ///< stamps rise
+  bool odometry_told_speeds{false};  ///< which have become distances
+  bool turns_from_wheels{false};     ///< from how differently they roll; else a gyroscope may have told them
+  std::vector<Heard> ranges;         ///< in the order of their stamps, as are readings
   std::vector<Seen> readings;
   std::vector<True> truth;  ///< stamps rise
   bool truth_has_heading{false};

@@ -3,29 +3,19 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <functional>
 #include <sstream>
 #include <string>
 
 #include "aiv/estimation/registry.h"
-#include "base/test_places.h"
+#include "experiments/recording/test_folders.h"
 #include "experiments/statistics/sample.h"
 
 namespace cosiva::experiments {
 namespace {
 
-RecordingFiles folder(const std::string& path) {
-  RecordingFiles files;
-  for (const auto& entry : std::filesystem::directory_iterator(path)) {
-    std::ifstream file(entry.path());
-    std::stringstream text;
-    text << file.rdbuf();
-    files[entry.path().filename().string()] = text.str();
-  }
-  return files;
-}
+using testing::folder;
+using testing::recorded;
 
 RecordingFiles small() {
   return {{"odometry.csv", "time_s,delta_distance_m,delta_heading_rad\n1,0.5,0\n2,1.0,0\n3,1.0,0.1\n"},
@@ -222,10 +212,8 @@ Trial trial_of(const std::string& path) {
   return *trial;
 }
 
-const std::string recorded = source_dir() + "/src/experiments/recording/";
-
 TEST(Recorded, mower_is_placed_better_by_who_doubts_its_sensors_and_better_still_by_who_looks_back) {
-  const Trial trial = trial_of(recorded + "plaza1");
+  const Trial trial = trial_of(recorded() + "plaza1");
   EXPECT_GT(trial.moments.size(), 9600U);
   const Outcome filter = outcome_of(trial, "calibrating");
   const Outcome smoother = outcome_of(trial, "smoother");
@@ -241,7 +229,7 @@ TEST(Recorded, mower_is_placed_better_by_who_doubts_its_sensors_and_better_still
 }
 
 TEST(Recorded, robot_among_uwb_beacons_is_placed_as_well_as_is_on_record_and_regions_cover) {
-  const Trial trial = trial_of(recorded + "labyrinth");
+  const Trial trial = trial_of(recorded() + "labyrinth");
   const Outcome filter = outcome_of(trial, "calibrating");
   const Outcome smoother = outcome_of(trial, "smoother");
   EXPECT_LE(filter.rmse_m, 0.072);
@@ -253,7 +241,7 @@ TEST(Recorded, robot_among_uwb_beacons_is_placed_as_well_as_is_on_record_and_reg
 }
 
 TEST(Recorded, mower_that_hears_every_tenth_range_alone_is_told_its_radios_noise_by_a_filter_s_surprise) {
-  RecordingFiles files = folder(recorded + "plaza1");
+  RecordingFiles files = folder(recorded() + "plaza1");
   std::stringstream lines(files["ranges.csv"]);
   std::string thin;
   std::string line;

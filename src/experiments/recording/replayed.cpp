@@ -66,7 +66,9 @@ class Mixer {
   void roll(const Recording::Step& step, double from_s, double to_s) {
     if (!(to_s > from_s)) return;
     const double share = (to_s - from_s) / step.duration_s;
-    trial_.events.emplace_back(estimation::Odometry{share * step.distance_m, share * step.turn_rad, to_s - from_s});
+    trial_.events.emplace_back(estimation::Odometry{share * step.distance_m, share * step.turn_rad, to_s - from_s,
+                                                    share * step.distance_variance_m2,
+                                                    share * step.turn_variance_rad2});
     since_m_ += std::fabs(share * step.distance_m);
     travelled_m_ += std::fabs(share * step.distance_m);
   }
@@ -136,9 +138,11 @@ double range_noise_by_surprise(const Trial& trial) {
 }
 
 /// Where a recording brings no figures of its own: wheels on a real floor or lawn, whose slip and unevenness are worth
-/// 4 cm after a metre, four times what the simulated ones are; single ranges as they are seen to scatter.
+/// 4 cm after a metre, four times what the simulated ones are; a gyroscope that nobody has calibrated, whose offset is
+/// some tenths of a degree a second; single ranges as they are seen to scatter.
 Result<void> take_sensors(const Recording& recording, estimation::SensorModel& sensors) {
   sensors.distance_variance_per_m = 0.04 * 0.04;
+  if (!recording.turns_from_wheels) sensors.turn_drift_sigma_radps = 0.005;
   if (const auto noise = range_noise_m(recording)) believe_ranges(*noise, sensors);
   const std::map<std::string, double estimation::SensorModel::*> fields{
       {"distance_variance_per_m", &estimation::SensorModel::distance_variance_per_m},
@@ -146,6 +150,7 @@ Result<void> take_sensors(const Recording& recording, estimation::SensorModel& s
       {"turn_variance_per_rad", &estimation::SensorModel::turn_variance_per_rad},
       {"distance_scale_sigma", &estimation::SensorModel::distance_scale_sigma},
       {"turn_scale_sigma", &estimation::SensorModel::turn_scale_sigma},
+      {"turn_drift_sigma_radps", &estimation::SensorModel::turn_drift_sigma_radps},
       {"mark_along_sigma_m", &estimation::SensorModel::mark_along_sigma_m},
       {"mark_across_sigma_m", &estimation::SensorModel::mark_across_sigma_m},
       {"line_sigma_m", &estimation::SensorModel::line_sigma_m},

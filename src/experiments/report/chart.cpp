@@ -267,7 +267,7 @@ std::string to_svg(const Chart& chart) {
   COSIVA_EXPECT(chart.series.size() <= colours);
   Range x;
   Range y;
-  for (const Series& series : chart.series) {
+  const auto take = [&](const Series& series) {
     COSIVA_EXPECT(series.x.size() == series.y.size() && series.low.size() == series.high.size());
     COSIVA_EXPECT(series.low.empty() || series.low.size() == series.x.size());
     for (const double value : series.x)
@@ -275,7 +275,9 @@ std::string to_svg(const Chart& chart) {
     for (const auto* values : {&series.y, &series.low, &series.high})
       for (const double value : *values)
         if (drawable(chart.y, value)) y.take(value);
-  }
+  };
+  for (const Series& series : chart.ground) take(series);
+  for (const Series& series : chart.series) take(series);
   Axis x_axis = chart.x;
   Axis y_axis = chart.y;
   x = settled(x, x_axis);
@@ -284,6 +286,7 @@ std::string to_svg(const Chart& chart) {
   const Frame frame{x_axis, x, y_axis, y};
   std::string svg = begin(height_px + legend_px, chart.y.label + " over " + chart.x.label);
   frame.draw(svg);
+  for (const Series& series : chart.ground) draw_line(svg, frame, thinned(series), "ground");
   for (std::size_t i = 0; i < chart.series.size(); ++i) {
     const std::string colour = "c" + std::to_string(i);
     draw_band(svg, frame, chart.series[i], colour);

@@ -32,6 +32,8 @@ struct Chart {
   Axis y;
   std::vector<Series> series;  ///< at most as many as there are colours: 6 (checked)
   bool equal_scale{false};     ///< a map: a metre is as long along x as along y, whatever the axes ask for
+  /// Lines beneath all series, all of one faint colour and in no legend, such as the ground's.
+  std::vector<Series> ground{};
 };
 [[nodiscard]] std::string to_svg(const Chart& chart);
 

@@ -87,6 +87,20 @@ TEST(Chart, draws_each_series_in_a_colour_of_its_own_and_names_it) {
   EXPECT_THAT(svg, HasSubstr("speed [m/s]"));
 }
 
+TEST(Chart, draws_the_ground_beneath_all_series_without_a_name_and_shows_all_of_it) {
+  Chart map{{"x [m]", {}, {}}, {"y [m]", {}, {}}, {{"way", {0, 1}, {0, 1}}}};
+  map.equal_scale = true;
+  const std::string open = to_svg(map);
+  EXPECT_EQ(count(open, "ground"), 0U);
+  map.ground = {{"", {0, 10}, {0, 0}}, {"", {10, 10}, {0, 10}}};
+  const std::string svg = to_svg(map);
+  EXPECT_EQ(count(svg, "class=\"line ground\""), 2U);
+  EXPECT_LT(svg.find("class=\"line ground\""), svg.find("class=\"line c0\""));
+  EXPECT_EQ(count(svg, "<rect class=\"bar"), 1U);
+  EXPECT_THAT(svg, HasSubstr(">10</text>"));  // on the axes, where the way alone ends at 1
+  EXPECT_THAT(open, Not(HasSubstr(">10</text>")));
+}
+
 TEST(Chart, draws_a_band_about_its_line_and_dashes_where_asked) {
   Series curve{"error", {1, 10, 100}, {2, 3, 4}};
   curve.low = {1, 2, 3};

@@ -26,7 +26,7 @@ border-bottom:1px solid var(--grid)}th:first-child,td:first-child{text-align:lef
 pre{background:var(--card);border-radius:.5rem;padding:.8rem;overflow-x:auto}
 .chart text{fill:var(--soft)}.chart .label{fill:var(--ink)}.chart .grid{stroke:var(--grid);fill:none}
 .chart .axis{stroke:var(--soft);fill:none}.chart .line{fill:none;stroke-width:1.8;stroke-linejoin:round}
-.line.c0{stroke:var(--c0)}.line.c1{stroke:var(--c1)}.line.c2{stroke:var(--c2)}.line.c3{stroke:var(--c3)}
+.line.ground{stroke:var(--soft);stroke-width:8;opacity:.22}.line.c0{stroke:var(--c0)}.line.c1{stroke:var(--c1)}.line.c2{stroke:var(--c2)}.line.c3{stroke:var(--c3)}
 .line.c4{stroke:var(--c4)}.line.c5{stroke:var(--c5)}.bar.c0,.point.c0{fill:var(--c0)}.bar.c1,.point.c1{fill:var(--c1)}
 .bar.c2,.point.c2{fill:var(--c2)}.bar.c3,.point.c3{fill:var(--c3)}.bar.c4,.point.c4{fill:var(--c4)}
 .bar.c5,.point.c5{fill:var(--c5)}

@@ -1,0 +1,128 @@
+#include "aiv/estimation/calibrating.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "aiv/estimation/planar.h"
+#include "base/random.h"
+
+namespace cosiva::estimation {
+namespace {
+
+/// A vehicle that goes round a circle of 20 m, five rounds of it with as many stations as are asked for.
+struct Rounds {
+  Setting setting;
+  double drift_radps{0.0};
+  std::size_t stations{4};
+  Pose2 truth;
+  int count{0};
+
+  Rounds() {
+    setting.start = {20.0, 0.0, 0.5 * pi};
+    SensorModel& sensors = setting.sensors;
+    sensors.range_scale_sigma = sensors.range_common_sigma_m = sensors.range_station_sigma_m = 1e-3;
+    sensors.distance_scale_sigma = sensors.turn_scale_sigma = 1e-4;
+    truth = setting.start;
+  }
+  void step(CalibratingFilter& filter, Random& random) {
+    const Odometry truly{0.5, 0.025, 0.5};
+    truth = moved(truth, truly);
+    const Vector2 v = step_variances(setting.sensors, truly);
+    filter.predict({truly.distance_m + random.gaussian(0.0, std::sqrt(v(0))),
+                    truly.turn_rad + 0.5 * drift_radps + random.gaussian(0.0, std::sqrt(v(1))), 0.5});
+    const auto station = static_cast<std::uint32_t>(static_cast<std::size_t>(count++) % stations);
+    const Point2 place{station % 2 == 0 ? -30.0 : 30.0, station < 2 ? -30.0 : 30.0};
+    filter.rectify(
+        Range{station, place, distance(position(truth), place) + random.gaussian(0.0, setting.sensors.range_sigma_m)});
+  }
+  [[nodiscard]] double nees(const CalibratingFilter& filter) const {
+    const Estimate estimate = filter.estimate();
+    const Vector2 e(estimate.pose.x_m - truth.x_m, estimate.pose.y_m - truth.y_m);
+    return e.dot(Matrix2(estimate.covariance.topLeftCorner<2, 2>()).llt().solve(e));
+  }
+};
+
+TEST(Calibrating, finds_a_gyroscope_s_offset_and_does_not_look_for_one_where_none_is_expected) {
+  for (const double expected_radps : {0.005, 0.0}) {
+    Rounds rounds;
+    rounds.drift_radps = 0.008;
+    rounds.setting.sensors.turn_drift_sigma_radps = expected_radps;
+    CalibratingFilter filter{rounds.setting};
+    Random random{3, "drift"};
+    double nees = 0.0;
+    for (int i = 0; i < 1000; ++i) {
+      rounds.step(filter, random);
+      nees += 1e-3 * rounds.nees(filter);
+    }
+    const double found_radps = filter.state().mean(CalibratedState::turn_drift);
+    if (expected_radps > 0.0) {
+      EXPECT_NEAR(found_radps, 0.008, 0.001);
+      EXPECT_LT(nees, 3.0);
+    } else {
+      EXPECT_EQ(found_radps, 0.0);
+      EXPECT_GT(nees, 3.0);
+    }
+  }
+}
+
+TEST(Calibrating, loses_its_heading_to_a_gyroscope_while_it_stands_but_not_to_wheels_that_stand) {
+  Setting setting;
+  setting.sensors.turn_drift_sigma_radps = 0.005;
+  CalibratingFilter gyroscope{setting};
+  CalibratingFilter wheels{setting};
+  for (int i = 0; i < 600; ++i) {
+    gyroscope.predict({0.0, i % 2 == 0 ? 1e-5 : -1e-5, 0.1});
+    wheels.predict({0.0, 0.0, 0.1});
+  }
+  // A minute of 0.005 rad/s, and the start's own doubt.
+  EXPECT_NEAR(std::sqrt(gyroscope.estimate().covariance(2, 2)), 0.3, 0.01);
+  EXPECT_NEAR(std::sqrt(wheels.estimate().covariance(2, 2)), setting.start_heading_sigma_rad, 1e-9);
+}
+
+TEST(Calibrating, looks_all_round_again_when_its_heading_was_lost_on_the_way_and_who_looks_back_knows_where_it_went) {
+  Rounds rounds;
+  CalibratingSmoother smoother{rounds.setting};
+  Random random{5, "lost"};
+  for (int i = 0; i < 100; ++i) rounds.step(smoother, random);
+  // Nothing was counted while it turned about on the spot.
+  rounds.truth.heading_rad = wrap_angle(rounds.truth.heading_rad + pi);
+  smoother.predict({0.0, 0.0, 5.0, 1e-4, 4.0});
+  EXPECT_GT(smoother.estimate().covariance(2, 2), 1.0);
+  std::vector<Pose2> truths;
+  for (int i = 0; i < 100; ++i) {
+    rounds.step(smoother, random);
+    truths.push_back(rounds.truth);
+  }
+  EXPECT_NEAR(wrap_angle(smoother.estimate().pose.heading_rad - rounds.truth.heading_rad), 0.0, 0.1);
+  EXPECT_LT(distance(smoother.estimate().pose, rounds.truth), 0.5);
+  const std::vector<Estimate> revised = smoother.revised();
+  ASSERT_EQ(revised.size(), 201U);
+  for (std::size_t i = 0; i < truths.size(); i += 9)
+    EXPECT_LT(distance(revised[101 + i].pose, truths[i]), 0.3) << "after " << i;
+}
+
+TEST(Calibrating, does_not_grow_sure_of_the_way_round_the_only_station_that_it_hears) {
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Rounds rounds;
+    rounds.stations = 1;
+    rounds.setting.sensors.turn_variance_per_m = 1e-3;
+    rounds.setting.start_heading_sigma_rad = 0.1;
+    CalibratingFilter filter{rounds.setting};
+    Random random{seed, "round one"};
+    rounds.setting.start.heading_rad += random.gaussian(0.0, 0.1);
+    rounds.truth = rounds.setting.start;
+    for (int i = 0; i < 1000; ++i) {
+      rounds.step(filter, random);
+      sum += rounds.nees(filter);
+      ++count;
+    }
+  }
+  EXPECT_LT(sum / static_cast<double>(count), 3.0);
+}
+
+}  // namespace
+}  // namespace cosiva::estimation
