@@ -21,6 +21,8 @@ struct Options {
   std::uint32_t aivs{12};
   double duration_s{600.0};
   std::uint64_t seed{1};
+  bool as_values{false};
+  double hz{0.0};
   bool json{false};
 };
 
@@ -30,6 +32,9 @@ int measure(const Options& options) {
   world_options.zone = {"toml", options.zone, {std::istreambuf_iterator<char>{file}, {}}};
   world_options.aivs = options.aivs;
   world_options.seed = options.seed;
+  world_options.as_values = options.as_values;
+  world_options.truth = !options.as_values;
+  if (options.hz > 0.0) world_options.cycle = from_seconds(1.0 / options.hz);
   auto world = experiments::World::make(std::move(world_options));
   if (!world) {
     std::fprintf(stderr, "virtual_time: %s\n", to_string(world.error()).c_str());
@@ -70,6 +75,10 @@ int main(int argc, char** argv) {
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
   app.add_option("--seed", options.seed, "Seed of the run")->capture_default_str();
+  app.add_option("--hz", options.hz, "Everybody acts so often, 10 to 50; 0: each at the live platform's own pace")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 50.0));
+  app.add_flag("--as-values", options.as_values, "Messages are passed on as values, without their texts");
   app.add_flag("--json", options.json, "Print the figures as JSON");
   CLI11_PARSE(app, argc, argv);
   return measure(options);

@@ -61,13 +61,13 @@ std::string_view to_string(Hold hold) {
   return "?";
 }
 
-Agent::Agent(const zone::TrafficZone& zone, std::unique_ptr<SpeedChooser> chooser)
+Agent::Agent(const zone::TrafficZone& zone, std::unique_ptr<SpeedChooser> chooser, Lateness late)
     : zone_{zone},
       chooser_{chooser ? std::move(chooser) : std::make_unique<CrispSpeedChooser>()},
       estimator_{zone},
       order_{zone},
       corridor_{zone},
-      envelope_{zone},
+      envelope_{zone, late},
       sweep_{zone.vehicle},
       one_way_{one_way_only(zone.circuit)} {}
 
@@ -303,7 +303,7 @@ Agent::Plan Agent::plan(double room_m, double base_end_m) const {
   if (!estimator_.known()) return {wish, {0.0, wish.braking_mps2}, std::nullopt};
   if (estimator_.beside() && wish.speed_mps > zone_.profiles.slow.speed_mps) wish = zone_.profiles.slow;
   // On its way to the line no order leads it, and its speed is the manoeuvre's.
-  Limit limit = joining_ ? Envelope::limit_off_line(obstacle_m, wish)
+  Limit limit = joining_ ? envelope_.limit_off_line(obstacle_m, wish)
                          : envelope_.limit({estimator_.outlook(), speed_mps_, obstacle_m, order_}, wish);
   if (limit.speed_mps > 0.0 && !may_sweep(limit)) {
     limit.speed_mps = 0.0;

@@ -38,7 +38,7 @@ class Agent {
  public:
   /// @param zone     must outlive the agent
   /// @param chooser  the decision that may be fuzzy; the envelope above it is not. Nothing: the crisp rules
-  explicit Agent(const zone::TrafficZone& zone, std::unique_ptr<SpeedChooser> chooser = nullptr);
+  explicit Agent(const zone::TrafficZone& zone, std::unique_ptr<SpeedChooser> chooser = nullptr, Lateness late = {});
 
   // What it perceives.
   void on_odometry(const wire::Odometry& odometry);

@@ -68,8 +68,17 @@ CrossingsAhead::Chain CrossingsAhead::first(const Outlook& outlook, double reach
   return chain;
 }
 
-Envelope::Envelope(const zone::TrafficZone& zone)
+Lateness Lateness::of(SimDuration cycle) {
+  // The times that the usual ones are made of: a tick of 20 ms, and eyes that look every 60 ms.
+  constexpr SimDuration usual_tick = std::chrono::milliseconds{20};
+  constexpr SimDuration usual_look = std::chrono::milliseconds{60};
+  const double slower_s = to_seconds(std::max(cycle, usual_tick) - usual_tick);
+  return {reaction_s + slower_s, obstacle_reaction_s + slower_s + to_seconds(std::max(cycle, usual_look) - usual_look)};
+}
+
+Envelope::Envelope(const zone::TrafficZone& zone, Lateness late)
     : zone_{zone},
+      late_{late},
       crossings_{zone},
       braking_mps2_max_{std::max(
           {zone.profiles.slow.braking_mps2, zone.profiles.medium.braking_mps2, zone.profiles.fast.braking_mps2})},
@@ -84,7 +93,7 @@ Envelope::Envelope(const zone::TrafficZone& zone)
 Limit Envelope::limit(const View& view, const zone::SpeedProfile& wish) const {
   const double braking = wish.braking_mps2;
   const double speed = std::fabs(view.speed_mps);
-  const double reach_m = speed * speed / (2.0 * braking) + speed * reaction_s + look_ahead_m;
+  const double reach_m = speed * speed / (2.0 * braking) + speed * late_.command_s + look_ahead_m;
 
   double end_m = view.order.distance_to_base_end_m();
   Limit limit{wish.speed_mps, braking, false, std::numeric_limits<double>::infinity()};
@@ -97,7 +106,7 @@ Limit Envelope::limit(const View& view, const zone::SpeedProfile& wish) const {
   }
   const double obstacle_m = view.obstacle_ahead_m - stand_off_m;
 
-  limit.speed_mps = std::min(limit.speed_mps, stoppable_speed(end_m, braking, reaction_s));
+  limit.speed_mps = std::min(limit.speed_mps, stoppable_speed(end_m, braking, late_.command_s));
   if (sections_have_limits_) limit.speed_mps = std::min(limit.speed_mps, section_limit_mps(view, wish, reach_m));
   if (has_bends_) {
     limit.bend_ahead_m = bend_ahead_m(view.outlook, reach_m);
@@ -105,7 +114,7 @@ Limit Envelope::limit(const View& view, const zone::SpeedProfile& wish) const {
         std::min(limit.speed_mps, speed_before(bend_creep_mps, limit.bend_ahead_m - bend_margin_m, braking));
   }
   limit.speed_mps = std::min(limit.speed_mps, edge_limit_mps(view, wish));
-  const double obstacle_speed = stoppable_speed(obstacle_m, braking, obstacle_reaction_s);
+  const double obstacle_speed = stoppable_speed(obstacle_m, braking, late_.obstacle_s);
   if (obstacle_speed < limit.speed_mps) {
     limit.speed_mps = obstacle_speed;
     limit.by_obstacle = true;
@@ -117,8 +126,8 @@ Limit Envelope::limit(const View& view, const zone::SpeedProfile& wish) const {
   return limit;
 }
 
-Limit Envelope::limit_off_line(double obstacle_ahead_m, const zone::SpeedProfile& wish) {
-  const double room_mps = stoppable_speed(obstacle_ahead_m - stand_off_m, wish.braking_mps2, obstacle_reaction_s);
+Limit Envelope::limit_off_line(double obstacle_ahead_m, const zone::SpeedProfile& wish) const {
+  const double room_mps = stoppable_speed(obstacle_ahead_m - stand_off_m, wish.braking_mps2, late_.obstacle_s);
   return {std::min(wish.speed_mps, room_mps), wish.braking_mps2, room_mps < wish.speed_mps,
           std::numeric_limits<double>::infinity()};
 }

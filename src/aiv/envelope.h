@@ -7,6 +7,7 @@
 #include "aiv/formulas.h"
 #include "aiv/order_book.h"
 #include "aiv/outlook.h"
+#include "base/time.h"
 #include "zone/traffic_zone.h"
 
 namespace cosiva::aiv {
@@ -47,9 +48,17 @@ struct Limit {
   double bend_ahead_m{std::numeric_limits<double>::infinity()};  ///< to the next bend on the spot, if one is near
 };
 
+/// How late what it decides shows at the wheels; its envelope allows for that much.
+struct Lateness {
+  double command_s{reaction_s};
+  double obstacle_s{obstacle_reaction_s};
+  /// Of a vehicle that decides, and whose boards speak, once in `cycle`.
+  [[nodiscard]] static Lateness of(SimDuration cycle);
+};
+
 class Envelope {
  public:
-  explicit Envelope(const zone::TrafficZone& zone);
+  explicit Envelope(const zone::TrafficZone& zone, Lateness late = {});
 
   struct View {
     Outlook outlook;
@@ -60,7 +69,7 @@ class Envelope {
   /// @param wish  the profile's kinematics; its speed may be lower than the profile's
   [[nodiscard]] Limit limit(const View& view, const zone::SpeedProfile& wish) const;
   /// Of one that joins a line: only what it feels before it limits.
-  [[nodiscard]] static Limit limit_off_line(double obstacle_ahead_m, const zone::SpeedProfile& wish);
+  [[nodiscard]] Limit limit_off_line(double obstacle_ahead_m, const zone::SpeedProfile& wish) const;
 
  private:
   [[nodiscard]] double section_limit_mps(const View& view, const zone::SpeedProfile& wish, double reach_m) const;
@@ -69,6 +78,7 @@ class Envelope {
   [[nodiscard]] double edge_limit_mps(const View& view, const zone::SpeedProfile& wish) const;
 
   const zone::TrafficZone& zone_;
+  Lateness late_;
   CrossingsAhead crossings_;
   double braking_mps2_max_;
   bool sections_have_limits_;

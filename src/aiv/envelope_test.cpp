@@ -105,6 +105,23 @@ TEST(Envelope, lets_the_vehicle_stop_at_the_end_of_its_base) {
   EXPECT_NEAR(scene.limit().speed_mps, stoppable_speed(0.282743 - 0.2, 0.8, 0.08), 1e-5);
 }
 
+TEST(Envelope, allows_for_as_much_lateness_as_its_vehicle_s_cycle_brings) {
+  using namespace std::chrono_literals;
+  EXPECT_EQ(Lateness::of(20ms).command_s, 0.08);
+  EXPECT_EQ(Lateness::of(20ms).obstacle_s, 0.15);
+  // Eighty milliseconds more between two decisions, and forty between two looks.
+  const Lateness late = Lateness::of(100ms);
+  EXPECT_NEAR(late.command_s, 0.16, 1e-12);
+  EXPECT_NEAR(late.obstacle_s, 0.27, 1e-12);
+  const Scene scene{"loop_se", 0.2, order("O").through({"loop_se@0", "loop_se@283"}).then({"loop_se@565"})};
+  const Envelope slow{lacet4(), late};
+  const auto limit_mps = [&](double obstacle_m) {
+    return slow.limit({scene.here, 0.3, obstacle_m, scene.book}, wish).speed_mps;
+  };
+  EXPECT_NEAR(limit_mps(nothing), stoppable_speed(0.282743 - 0.2, 0.8, 0.16), 1e-5);
+  EXPECT_NEAR(limit_mps(0.16), stoppable_speed(0.16 - 0.12, 0.8, 0.27), 1e-9);
+}
+
 TEST(Envelope, is_zero_without_an_order) {
   OrderBook empty{lacet4()};
   EXPECT_EQ((Envelope{lacet4()}.limit({at(lacet4(), "east", 0.1), 0.0, nothing, empty}, wish).speed_mps), 0.0);

@@ -1,6 +1,7 @@
 #include "aiv/way_ahead.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/expect.h"
 
@@ -43,12 +44,23 @@ void WayAhead::sample(const Outlook& outlook) {
 }
 
 WayAhead::Beside WayAhead::beside(Point2 p_B) const {
-  Beside nearest{0, std::numeric_limits<double>::infinity()};
-  for (std::size_t i = 0; i < way_B_.size(); ++i) {
+  // Every fourth point first: neighbours are no further apart than a step (and a little, where the way begins or two
+  // sections meet), so only round those that are nearly as near can the nearest lie.
+  constexpr std::size_t stride = 4;
+  const auto distance2 = [&](std::size_t i) {
     const double x_m = way_B_[i].x_m - p_B.x_m;
     const double y_m = way_B_[i].y_m - p_B.y_m;
-    const double d2_m2 = x_m * x_m + y_m * y_m;
-    if (d2_m2 < nearest.distance2_m2) nearest = {i, d2_m2};
+    return x_m * x_m + y_m * y_m;
+  };
+  double coarse2_m2 = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < way_B_.size(); i += stride) coarse2_m2 = std::min(coarse2_m2, distance2(i));
+  const double near_m = std::sqrt(coarse2_m2) + 1.25 * static_cast<double>(stride - 1) * sample_m_;
+  Beside nearest{0, std::numeric_limits<double>::infinity()};
+  for (std::size_t first = 0; first < way_B_.size(); first += stride) {
+    if (distance2(first) > near_m * near_m) continue;
+    for (std::size_t i = first; i < std::min(first + stride, way_B_.size()); ++i) {
+      if (const double d2_m2 = distance2(i); d2_m2 < nearest.distance2_m2) nearest = {i, d2_m2};
+    }
   }
   return nearest;
 }

@@ -41,6 +41,7 @@ struct BatteryTestArguments {
   double ambient_c{22.0};
   double measure_s{120.0};
   bool whole{false};
+  std::optional<double> hz;  ///< of everybody in the loop, with `whole`
   double half_width_percent{0.0};
   std::string state_file;
   std::string out_directory;

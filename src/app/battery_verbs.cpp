@@ -22,6 +22,9 @@ namespace {
 using experiments::VirtualRig;
 using experiments::VirtualRigOptions;
 
+/// The live platform's own pace: vehicles and server act so often in a second, boards and motion at paces of their own.
+constexpr double live_hz = 50.0;
+
 /// What the operator is told at once, and once a second by the wall how far it is and until when.
 class Teller {
  public:
@@ -116,7 +119,7 @@ std::string again(const BatteryTestArguments& arguments, const std::string& verb
     text += " --pause-every " + decimals(arguments.pause_every_s, 1) + " --pause " + decimals(arguments.pause_s, 1);
   if (arguments.failures_per_hour > 0.0) text += " --failures " + decimals(arguments.failures_per_hour, 3);
   if (!arguments.rules.empty()) text += " --rules " + arguments.rules;
-  if (arguments.whole) text += " --whole";
+  if (arguments.whole) text += " --whole --hz " + decimals(arguments.hz.value_or(live_hz), 1);
   if (arguments.live) text += " --live --url " + arguments.url + (arguments.by_hand ? " --by-hand" : "");
   return text;
 }
@@ -147,6 +150,8 @@ Result<Outcome> run_whole(const BatteryTestArguments& arguments, experiments::Wo
     return fail("battery.state", "a whole platform's state is not saved; leave --whole or --state out", "--state");
   if (arguments.failures_per_hour > 0.0)
     return fail("battery.failures", "goes with measured loads only; leave --whole or --failures out", "--failures");
+  const double hz = arguments.hz.value_or(live_hz);
+  if (hz < live_hz) world.cycle = from_seconds(1.0 / hz);
   auto rig = experiments::PlatformRig::make(std::move(world), options);
   if (!rig) return tl::unexpected(rig.error());
   Teller teller;
@@ -154,8 +159,9 @@ Result<Outcome> run_whole(const BatteryTestArguments& arguments, experiments::Wo
     rig->step();
     teller.look(*rig);
   }
-  return Outcome{rig->procedure().records(), rig->truth(),
-                 "AIVs driving on " + arguments.zone + ", the whole platform in the loop"};
+  return Outcome{
+      rig->procedure().records(), rig->truth(),
+      "AIVs driving on " + arguments.zone + ", the whole platform in the loop at " + decimals(hz, 0) + " Hz"};
 }
 
 /// Batteries under the load that the whole platform was measured to take.
@@ -189,6 +195,7 @@ Result<Outcome> run_measured(const BatteryTestArguments& arguments, experiments:
 
 /// Vehicles that drive on a platform of their own, by its wire.
 Result<Outcome> run_on_platform(const BatteryTestArguments& arguments, const VirtualRigOptions& options) {
+  if (arguments.hz) return fail("battery.live", "a platform that runs has its own pace; leave --hz out", "--hz");
   if (arguments.whole || arguments.failures_per_hour > 0.0)
     return fail("battery.live",
                 "a platform that runs has its own whole and its own failures; leave --whole and "
@@ -232,6 +239,8 @@ Result<Outcome> run_somehow(const BatteryTestArguments& arguments, const Virtual
   if (arguments.live) return run_on_platform(arguments, options);
   auto world = world_options(arguments, vehicles);
   if (!world) return tl::unexpected(world.error());
+  if (arguments.hz && !arguments.whole)
+    return fail("battery.hz", "is the pace of the whole platform in the loop; add --whole or leave --hz out", "--hz");
   return arguments.whole ? run_whole(arguments, std::move(*world), options)
                          : run_measured(arguments, std::move(*world), options);
 }

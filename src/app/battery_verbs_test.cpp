@@ -74,6 +74,27 @@ TEST(BatteryFleet, may_have_the_whole_platform_in_the_loop) {
   EXPECT_EQ(cosiva({"battery", "fleet", "--aivs", "2", "--whole", "--state", "x"}).status, 2);
 }
 
+TEST(BatteryFleet, says_at_what_pace_the_whole_platform_was_in_the_loop) {
+  const std::vector<std::string> verb{"battery", "fleet",    "--aivs", "2",       "--whole", "--scale",
+                                      "0.3",     "--series", "2",      "--floor", "90",      "--json"};
+  const auto with = [&](std::vector<std::string> more) {
+    std::vector<std::string> all = verb;
+    all.insert(all.end(), more.begin(), more.end());
+    return cosiva(all);
+  };
+  const Said usual = with({});
+  EXPECT_EQ(usual.status, 0) << usual.words;
+  EXPECT_EQ(with({"--hz", "50"}).data, usual.data);
+  const Said slower = with({"--hz", "10"});
+  EXPECT_EQ(slower.status, 0) << slower.words;
+  EXPECT_NE(slower.data, usual.data);
+  EXPECT_EQ(with({"--hz", "9"}).status, 2);
+  EXPECT_EQ(with({"--hz", "51"}).status, 2);
+  const Said nothing_to_pace = cosiva({"battery", "fleet", "--aivs", "2", "--hz", "10"});
+  EXPECT_EQ(nothing_to_pace.status, 2);
+  EXPECT_THAT(nothing_to_pace.words, HasSubstr("--whole"));
+}
+
 TEST(BatteryFleet, goes_on_from_its_state_and_refuses_another_s) {
   const Scratch scratch;
   const std::string state = scratch / "state";

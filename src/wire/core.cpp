@@ -1,5 +1,8 @@
 #include "wire/core.h"
 
+#include "base/expect.h"
+#include "wire/said.h"
+
 namespace cosiva::wire {
 namespace {
 
@@ -10,6 +13,7 @@ struct Fold {
     digest.add(std::string_view{p.topic});
     digest.add(std::string_view{p.payload});
     digest.add(static_cast<std::uint64_t>(p.qos) * 2 + (p.retained ? 1 : 0));
+    if (p.said) fold(*p.said, digest);
   }
   void operator()(const SendBytes& s) const {
     digest.add(std::uint64_t{2});
@@ -31,6 +35,7 @@ struct Fold {
 }  // namespace
 
 const Effects& CoreRunner::feed(const Input& input) {
+  COSIVA_EXPECT(!recorder_ || !input.said);
   if (recorder_) recorder_(input);
   effects_.clear();
   core_.handle(input, effects_);

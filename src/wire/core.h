@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,6 +13,8 @@
 #include "base/time.h"
 
 namespace cosiva::wire {
+
+struct Said;
 
 /// Everything a core can be told. One record type for all cores: the journal stores it, the network delivers it,
 /// replay feeds it again (DESIGN §4.1, §4.9). The numbers are the journal's, never reuse one.
@@ -32,6 +35,8 @@ struct Input {
   std::string source;
   std::string payload;
   bool flag{false};
+  /// Of a message that was passed on as values (said.h): what it says; the payload is empty then.
+  std::shared_ptr<const Said> said{};
   friend bool operator==(const Input&, const Input&) = default;
 };
 
@@ -40,6 +45,8 @@ struct Publish {
   std::string payload;
   int qos{0};
   bool retained{false};
+  /// What it says, where it is passed on as values (said.h); the payload is empty then.
+  std::shared_ptr<const Said> said{};
   friend bool operator==(const Publish&, const Publish&) = default;
 };
 /// Bytes to a stream, such as a frame to a board.
@@ -94,7 +101,7 @@ class CoreRunner {
   using Recorder = std::function<void(const Input&)>;
   explicit CoreRunner(Core& core, Recorder recorder = {}) : core_{core}, recorder_{std::move(recorder)} {}
 
-  /// The effects stay valid until the next call.
+  /// The effects stay valid until the next call. A recorder needs texts: nothing may come to it as values (checked).
   const Effects& feed(const Input& input);
   /// Digest of all inputs' times and all effects so far, and the core's state now.
   [[nodiscard]] Digest digest() const;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/digest.h"
+#include "wire/said.h"
 
 namespace cosiva::wire {
 namespace {
@@ -39,6 +40,11 @@ Result<std::shared_ptr<const Intent>> heard_intent(std::string_view json) {
   slot.json.assign(json);
   slot.intent = std::make_shared<const Intent>(std::move(*intent));
   return slot.intent;
+}
+
+Result<std::shared_ptr<const Intent>> heard_intent(const Input& input) {
+  if (const auto* intent = said<Intent>(input.said)) return std::shared_ptr<const Intent>{input.said, intent};
+  return heard_intent(input.payload);
 }
 
 }  // namespace cosiva::wire

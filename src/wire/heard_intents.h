@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "base/result.h"
+#include "wire/core.h"
 #include "wire/v2x.h"
 
 namespace cosiva::wire {
@@ -12,5 +13,7 @@ namespace cosiva::wire {
 /// a dozen others within milliseconds, and reading it costs far more than hearing it. The last few dozen texts are
 /// known, byte for byte; a fault is found anew each time.
 [[nodiscard]] Result<std::shared_ptr<const Intent>> heard_intent(std::string_view json);
+/// Likewise, of a message that may have been passed on as values (said.h).
+[[nodiscard]] Result<std::shared_ptr<const Intent>> heard_intent(const Input& input);
 
 }  // namespace cosiva::wire

@@ -206,23 +206,32 @@ void Network::schedule(SimTime now, ClientId to, const Publish& message, bool fr
 }
 
 void Network::enqueue(SimTime at, ClientId to, const Publish& message, bool from_retained) {
-  queue_.push_back({{to, at, message.topic, message.payload, from_retained}, sequence_++});
+  if (free_slots_.empty()) {
+    free_slots_.push_back(slots_.size());
+    slots_.emplace_back();
+  }
+  const std::size_t slot = free_slots_.back();
+  free_slots_.pop_back();
+  slots_[slot] = {to, at, message.topic, message.payload, from_retained, message.said};
+  queue_.push_back({at, sequence_++, slot});
   std::push_heap(queue_.begin(), queue_.end(), Later{});
 }
 
 std::optional<SimTime> Network::next_due() const {
   std::optional<SimTime> next;
-  if (!queue_.empty()) next = queue_.front().delivery.at;
+  if (!queue_.empty()) next = queue_.front().at;
   if (!sending_.empty() && (!next || sending_.front().at < *next)) next = sending_.front().at;
   return next;
 }
 
 void Network::take_due(SimTime now, std::vector<Delivery>& out) {
   route_due(now);
-  while (!queue_.empty() && queue_.front().delivery.at <= now) {
+  while (!queue_.empty() && queue_.front().at <= now) {
     std::pop_heap(queue_.begin(), queue_.end(), Later{});
-    Delivery delivery = std::move(queue_.back().delivery);
+    const std::size_t slot = queue_.back().slot;
     queue_.pop_back();
+    free_slots_.push_back(slot);
+    Delivery& delivery = slots_[slot];
     if (!clients_[delivery.to].connected) continue;
     ++counters_.delivered;
     out.push_back(std::move(delivery));

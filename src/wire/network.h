@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -39,6 +40,7 @@ class Network {
     std::string topic;
     std::string payload;
     bool retained{false};  ///< sent from the broker's memory on subscribing, not live
+    std::shared_ptr<const Said> said{};
   };
 
   Network(std::uint64_t seed, NetworkFaults faults);
@@ -81,13 +83,15 @@ class Network {
     double loss{0.0};          ///< of its radio alone
     SimTime last_sent_due{};   ///< no QoS 1 message of its overtakes one still on its way to the broker
   };
+  /// A delivery lies still in its slot while the heap is put in order.
   struct Queued {
-    Delivery delivery;
+    SimTime at;
     std::uint64_t sequence;
+    std::size_t slot;
   };
   struct Later {
     bool operator()(const Queued& a, const Queued& b) const {
-      return a.delivery.at != b.delivery.at ? a.delivery.at > b.delivery.at : a.sequence > b.sequence;
+      return a.at != b.at ? a.at > b.at : a.sequence > b.sequence;
     }
   };
   /// A message that its sender has to try again and again before the broker has it.
@@ -117,7 +121,9 @@ class Network {
   std::map<std::string, Publish> retained_;
   /// Who hears a topic, found once per topic until somebody comes or goes.
   std::map<std::string, std::vector<ClientId>> subscribers_;
-  std::vector<Queued> queue_;     ///< a heap, earliest first: std::priority_queue would only let copies out
+  std::vector<Queued> queue_;  ///< a heap, earliest first
+  std::vector<Delivery> slots_;
+  std::vector<std::size_t> free_slots_;
   std::vector<Sending> sending_;  ///< by time, equal ones in the order they were said
   std::uint64_t sequence_{0};
   Counters counters_;

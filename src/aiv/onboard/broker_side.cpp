@@ -50,6 +50,8 @@ void OnboardCore::Inside::on_order(const wire::Input& input, wire::Effects& effe
   } else if (*verdict == OrderBook::Verdict::accepted_update) {
     warnings.on_update();
   }
+  // At a slow pace a tick is far away, and somebody may wait for this one to go.
+  if (options.cycle > usual_cycle && *verdict != OrderBook::Verdict::ignored_same) drive(effects);
 }
 
 void OnboardCore::Inside::refuse(std::string type, std::string_view topic, std::string why,

@@ -27,6 +27,7 @@
 
 namespace cosiva::aiv {
 
+inline constexpr SimDuration usual_cycle = std::chrono::milliseconds{20};
 inline constexpr SimDuration beat_period = std::chrono::milliseconds{100};
 inline constexpr SimDuration remember_period = std::chrono::milliseconds{100};
 inline constexpr SimDuration display_period = std::chrono::milliseconds{500};
@@ -60,7 +61,7 @@ struct OnboardCore::Inside {
       : options{std::move(o)},
         boards{options.number},
         supervision{options.link_timeout},
-        session{options.id, options.interface_name},
+        session{options.id, options.interface_name, options.as_values},
         beat{beat_period},
         visualize{options.visualization_period},
         remember{remember_period},

@@ -260,6 +260,8 @@ void OnboardCore::fold(Digest& digest) const {
   in.neighbours->fold(digest);
 }
 
+SimDuration OnboardCore::tick_period() const { return inside_->options.cycle; }
+
 const OnboardOptions& OnboardCore::options() const { return inside_->options; }
 
 std::vector<std::string> OnboardCore::ports() const { return inside_->boards.ports(); }

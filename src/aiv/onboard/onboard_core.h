@@ -28,21 +28,23 @@ struct OnboardOptions {
   std::optional<Start> start;
   SpeedRules rules;  ///< by what it chooses its speed; custom ones can be used (checked)
   bool v2x{true};    ///< it says to those near it what it is about to do, and heeds what they say
+  SimDuration cycle{std::chrono::milliseconds{20}};  ///< it decides at least so often; when slower, at a new order too
   SimDuration visualization_period{std::chrono::milliseconds{100}};
   SimDuration state_period{std::chrono::seconds{1}};
   SimDuration link_timeout{std::chrono::milliseconds{500}};
+  bool as_values{false};  ///< everybody is in this process: messages are passed on as values (wire/said.h); not in JSON
 };
 [[nodiscard]] std::string to_json(const OnboardOptions& options);
 [[nodiscard]] Result<OnboardOptions> onboard_options_from_json(std::string_view json);
 
-/// Ports: port_name(number, board) for each board. Ticks every 20 ms.
+/// Ports: port_name(number, board) for each board. Ticks once in a cycle.
 class OnboardCore final : public wire::Core {
  public:
   explicit OnboardCore(OnboardOptions options);
   ~OnboardCore() override;
 
   void handle(const wire::Input& input, wire::Effects& effects) override;
-  [[nodiscard]] SimDuration tick_period() const override { return std::chrono::milliseconds{20}; }
+  [[nodiscard]] SimDuration tick_period() const override;
   [[nodiscard]] std::vector<std::string> subscriptions() const override;
   [[nodiscard]] std::optional<wire::Will> will() const override;
   void farewell(SimTime now, wire::Effects& effects) override;

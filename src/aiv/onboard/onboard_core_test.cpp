@@ -430,6 +430,7 @@ TEST(Options, come_back_from_json_as_they_were) {
   options.zone = zone::ZoneConfiguration{"toml", "a.toml", "name = \"é\"\n"};
   options.start = OnboardOptions::Start{"east", 0.125};
   options.state_period = milliseconds{250};
+  options.cycle = milliseconds{100};
   options.rules = {SpeedRules::Kind::fuzzy, {}, {}};
   options.v2x = false;
   const auto back = onboard_options_from_json(to_json(options));
@@ -437,6 +438,7 @@ TEST(Options, come_back_from_json_as_they_were) {
   EXPECT_EQ(to_json(*back), to_json(options));
   EXPECT_EQ(back->zone, options.zone);
   EXPECT_EQ(back->state_period, milliseconds{250});
+  EXPECT_EQ(OnboardCore{*back}.tick_period(), milliseconds{100});
   EXPECT_EQ(back->rules, options.rules);
   EXPECT_FALSE(onboard_options_from_json(to_json(OnboardOptions{}))->zone);
   EXPECT_TRUE(onboard_options_from_json(to_json(OnboardOptions{}))->v2x);
@@ -454,6 +456,7 @@ TEST(Options, that_make_no_sense_are_refused_by_field) {
   EXPECT_EQ(place(R"({"zone":{"format":"toml"}})"), "zone");
   EXPECT_EQ(place(R"({"start":{"section":"east"}})"), "start");
   EXPECT_EQ(place(R"({"state_period_ms":0})"), "state_period_ms");
+  EXPECT_EQ(place(R"({"cycle_ms":0})"), "cycle_ms");
   EXPECT_FALSE(onboard_options_from_json("[]"));
   EXPECT_FALSE(onboard_options_from_json("{"));
 }

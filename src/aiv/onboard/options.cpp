@@ -49,6 +49,7 @@ std::string to_json(const OnboardOptions& options) {
   }
   write_json(json.key("rules"), options.rules);
   json.field("v2x", options.v2x)
+      .field("cycle_ms", ms(options.cycle))
       .field("visualization_period_ms", ms(options.visualization_period))
       .field("state_period_ms", ms(options.state_period))
       .field("link_timeout_ms", ms(options.link_timeout))
@@ -91,7 +92,8 @@ Result<OnboardOptions> onboard_options_from_json(std::string_view json) {
   }
   // Without the field: from before vehicles talked.
   options.v2x = value->flag("v2x").value_or(false);
-  for (auto read : {read_ms(*value, "visualization_period_ms", options.visualization_period),
+  for (auto read : {read_ms(*value, "cycle_ms", options.cycle),
+                    read_ms(*value, "visualization_period_ms", options.visualization_period),
                     read_ms(*value, "state_period_ms", options.state_period),
                     read_ms(*value, "link_timeout_ms", options.link_timeout)}) {
     if (!read) return tl::unexpected(read.error());

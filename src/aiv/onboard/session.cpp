@@ -5,14 +5,25 @@
 #include "aiv/onboard/instant_actions.h"
 #include "wire/estimate_exchange.h"
 #include "wire/halls.h"
+#include "wire/said.h"
 #include "wire/vda5050/codec.h"
 
 namespace cosiva::aiv {
 
 namespace vda = wire::vda5050;
 
-Session::Session(wire::VehicleId id, std::string_view interface_name)
+namespace {
+
+template <typename Message>
+void pass_on(std::string topic, Message&& message, wire::Effects& effects) {
+  effects.emplace_back(wire::Publish{std::move(topic), {}, 0, false, wire::say(std::forward<Message>(message))});
+}
+
+}  // namespace
+
+Session::Session(wire::VehicleId id, std::string_view interface_name, bool as_values)
     : id_{std::move(id)},
+      as_values_{as_values},
       order_topic_{wire::vda_topic(id_, "order", interface_name)},
       instant_actions_topic_{wire::vda_topic(id_, "instantActions", interface_name)},
       connection_topic_{wire::vda_topic(id_, "connection", interface_name)},
@@ -45,12 +56,14 @@ void Session::publish(SimTime now, wire::ConnectionState state, wire::Effects& e
 void Session::publish(SimTime now, wire::State&& state, wire::Effects& effects) {
   if (!online_) return;
   state.header = header(now, states_++);
+  if (as_values_) return pass_on(state_topic_, std::move(state), effects);
   effects.emplace_back(wire::Publish{state_topic_, vda::encode(state), 0, false});
 }
 
 void Session::publish(SimTime now, wire::Visualization&& visualization, wire::Effects& effects) {
   if (!online_) return;
   visualization.header = header(now, visualizations_++);
+  if (as_values_) return pass_on(visualization_topic_, std::move(visualization), effects);
   effects.emplace_back(wire::Publish{visualization_topic_, vda::encode(visualization), 0, false});
 }
 
@@ -68,6 +81,7 @@ void Session::publish(SimTime now, wire::Seen&& seen, wire::Effects& effects) {
   if (!online_) return;
   seen.header_id = sightings_++;
   seen.timestamp = now;
+  if (as_values_) return pass_on(seen_topic_, std::move(seen), effects);
   effects.emplace_back(wire::Publish{seen_topic_, to_json(seen), 0, false});
 }
 
@@ -75,6 +89,7 @@ void Session::publish(SimTime now, wire::BoardsReport&& report, wire::Effects& e
   if (!online_) return;
   report.header_id = boards_reports_++;
   report.timestamp = now;
+  if (as_values_) return pass_on(boards_topic_, std::move(report), effects);
   effects.emplace_back(wire::Publish{boards_topic_, to_json(report), 0, false});
 }
 
@@ -86,7 +101,9 @@ void Session::publish(SimTime now, wire::Cell cell, wire::Intent&& intent, wire:
   if (!online_) return;
   intent.header_id = intents_++;
   intent.timestamp = now;
-  effects.emplace_back(wire::Publish{wire::v2x_topic(intent.map_id, cell, id_), to_json(intent), 0, false});
+  std::string topic = wire::v2x_topic(intent.map_id, cell, id_);
+  if (as_values_) return pass_on(std::move(topic), std::move(intent), effects);
+  effects.emplace_back(wire::Publish{std::move(topic), to_json(intent), 0, false});
 }
 
 Result<void> Session::accepts(const wire::Header& header) const {

@@ -19,7 +19,8 @@ namespace cosiva::aiv {
 /// §6.14, §6.15). While the broker is away nothing is published: a state that waits is an old state.
 class Session {
  public:
-  Session(wire::VehicleId id, std::string_view interface_name);
+  /// @param as_values  what comes often is passed on as values (wire/said.h)
+  Session(wire::VehicleId id, std::string_view interface_name, bool as_values = false);
 
   [[nodiscard]] const std::string& order_topic() const { return order_topic_; }
   [[nodiscard]] const std::string& instant_actions_topic() const { return instant_actions_topic_; }
@@ -54,6 +55,7 @@ class Session {
   [[nodiscard]] wire::Header header(SimTime now, std::uint32_t header_id) const;
 
   wire::VehicleId id_;
+  bool as_values_;
   std::string order_topic_;
   std::string instant_actions_topic_;
   std::string connection_topic_;

@@ -31,7 +31,7 @@ void OnboardCore::Inside::on_intent(const wire::Input& input, wire::Effects& eff
   if (!options.v2x || !neighbours || input.flag || !agent->position().pose_known()) return;
   const auto topic = wire::parse_v2x_topic(input.source);
   if (!topic) return;
-  auto intent = wire::heard_intent(input.payload);
+  auto intent = wire::heard_intent(input);
   if (!intent) {
     ++intents_refused;
     return complain_of_v2x(intent.error().code + " " + intent.error().place, input.source, to_string(intent.error()),

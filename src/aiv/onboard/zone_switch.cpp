@@ -63,7 +63,7 @@ void OnboardCore::Inside::use_zone(zone::ZoneConfiguration first, wire::Effects&
   zone = std::make_shared<zone::TrafficZone>(rtm->zone());
   configuration = rtm->configuration();
   note_maps();
-  agent.emplace(*zone, chooser_for(*zone));
+  agent.emplace(*zone, chooser_for(*zone), Lateness::of(options.cycle));
   felt.emplace(*zone);
   neighbours.emplace(*zone, options.id);
   passages.emplace(*zone);
@@ -105,7 +105,7 @@ void OnboardCore::Inside::end_switch(wire::Effects& effects) {
   const std::string from = zone->name;
   auto next = std::make_shared<zone::TrafficZone>(coming_zone->zone());
   std::optional<Agent> before = std::move(agent);
-  agent.emplace(*next, chooser_for(*next));
+  agent.emplace(*next, chooser_for(*next), Lateness::of(options.cycle));
   agent->take_over(*before);
   before.reset();
   felt.emplace(*next);

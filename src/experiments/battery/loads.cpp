@@ -19,6 +19,9 @@ double LoadProfile::mean_mps() const { return mean_of(moved_m) / load_step_s; }
 
 Result<std::vector<LoadProfile>> measure_loads(WorldOptions options, SimDuration warm_up, SimDuration length) {
   const std::uint32_t aivs = options.aivs;
+  // Nobody reads what is said in it.
+  options.as_values = true;
+  options.truth = false;
   auto world = World::make(std::move(options));
   if (!world) return tl::unexpected(world.error());
   const SimTime latest = (*world)->now() + std::chrono::minutes{2};

@@ -8,7 +8,7 @@
 #include "base/random.h"
 #include "experiments/battery/live_rig.h"
 #include "experiments/world/fleet.h"
-#include "wire/own_messages.h"
+#include "wire/said.h"
 #include "wire/topics.h"
 
 namespace cosiva::experiments {
@@ -55,9 +55,9 @@ struct PlatformRig::Inside {
       if (!vehicle) return;
       for (std::size_t v = 0; v < seats.size(); ++v) {
         if (vehicle->serial_number != name_of(v)) continue;
-        auto report = wire::boards_report_from_json(message.payload);
-        if (!report || !report->power) return;
-        seats[v].report = std::move(*report);
+        const auto* report = wire::said<wire::BoardsReport>(message.said);
+        if (report == nullptr || !report->power) return;
+        seats[v].report = *report;
         seats[v].heard = at;
         seats[v].fresh = true;
       }
@@ -177,6 +177,8 @@ Result<PlatformRig> PlatformRig::make(WorldOptions world_options, VirtualRigOpti
   const std::uint32_t aivs = world_options.aivs;
   // No page reads the traces of a test: one slot, written again and again, stays in the cache.
   world_options.server.traces_max = 1;
+  world_options.as_values = true;
+  world_options.truth = false;
   auto world = World::make(std::move(world_options));
   if (!world) return tl::unexpected(world.error());
   const SimTime latest = (*world)->now() + std::chrono::minutes{2};

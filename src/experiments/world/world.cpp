@@ -25,6 +25,14 @@ constexpr SimDuration stream_delay = milliseconds{2};
 /// How often it is asked whether the fleet is complete, for a scenario to begin.
 constexpr SimDuration look_period = milliseconds{100};
 
+/// In a common cycle: when the boards have been heard, a vehicle after another decides; when they have been heard, the
+/// server does.
+constexpr SimDuration vehicles_after = milliseconds{3};
+constexpr SimDuration vehicles_within = milliseconds{2};
+constexpr SimDuration server_after = milliseconds{9};
+constexpr SimDuration cycle_min = milliseconds{20};
+constexpr SimDuration cycle_max = milliseconds{100};
+
 /// Which vehicle a port belongs to: "12/PILS" is 12's.
 std::uint32_t vehicle_of(std::string_view port) {
   std::uint32_t number = 0;
@@ -93,7 +101,7 @@ struct World::Inside {
   void feed(ActorId id, wire::InputKind kind, std::string source, std::string payload, bool flag = false) {
     Actor& actor = actors[id];
     if (!actor.alive) return;
-    const wire::Input input{now, kind, std::move(source), std::move(payload), flag};
+    const wire::Input input{now, kind, std::move(source), std::move(payload), flag, {}};
     act(id, actor.runner->feed(input));
   }
 
@@ -140,10 +148,17 @@ struct World::Inside {
     ++actor.generation;
     feed(id, wire::InputKind::configure, std::move(what), std::move(configuration));
     if (!actor.memory.empty()) feed(id, wire::InputKind::recall, "memory", actor.memory);
-    ticks.push({now + actor.core->tick_period() + actor.tick_offset, sequence++, id, actor.generation});
+    ticks.push({first_tick(actor), sequence++, id, actor.generation});
     actor.client = network.connect(now, actor.core->subscriptions(), actor.core->will());
     network.set_loss(actor.client, actor.radio_loss);
     feed(id, wire::InputKind::link, "broker", "up");
+  }
+
+  /// Whoever comes later falls in with the others' cycle.
+  [[nodiscard]] SimTime first_tick(const Actor& actor) const {
+    const SimDuration period = actor.core->tick_period();
+    const SimDuration since = options.cycle ? (now - virtual_epoch) % period : SimDuration::zero();
+    return now - since + period + actor.tick_offset;
   }
 
   void kill(ActorId id) {
@@ -171,6 +186,8 @@ struct World::Inside {
     onboard.zone = options.zone;
     onboard.rules = options.rules;
     onboard.v2x = options.v2x;
+    onboard.as_values = options.as_values;
+    onboard.cycle = options.cycle.value_or(onboard.cycle);
     if (first_time) {
       const zone::Place place = start_places[number - 1];
       onboard.start = {section_names[place.section], place.s_m};
@@ -182,6 +199,7 @@ struct World::Inside {
   }
 
   void start_server() {
+    options.server.cycle = options.cycle.value_or(options.server.cycle);
     std::string configuration = virtual_side::to_json(options.server);
     start(server_id, std::make_unique<virtual_side::ServerCore>(options.server), "server", std::move(configuration));
     fleet_whole = false;
@@ -241,7 +259,8 @@ struct World::Inside {
   void deliver(wire::Network::Delivery delivery) {
     for (ActorId id = 0; id < actors.size(); ++id) {
       if (actors[id].alive && actors[id].client == delivery.to) {
-        feed(id, wire::InputKind::message, std::move(delivery.topic), std::move(delivery.payload), delivery.retained);
+        act(id, actors[id].runner->feed({now, wire::InputKind::message, std::move(delivery.topic),
+                                         std::move(delivery.payload), delivery.retained, std::move(delivery.said)}));
         return;
       }
     }
@@ -254,8 +273,17 @@ World::~World() = default;
 Result<std::unique_ptr<World>> World::make(WorldOptions options) {
   auto rtm = zone::Rtm::initialise(options.zone);
   if (!rtm) return tl::unexpected(rtm.error());
-  auto plant = physical::PlantCore::make(
-      {.zone = options.zone, .vehicles = options.aivs, .seed = options.seed, .noise = options.noise});
+  if (options.cycle && (*options.cycle < cycle_min || *options.cycle > cycle_max))
+    return fail("world.cycle",
+                "everybody's cycle is from 20 to 100 ms, not " + std::to_string(to_seconds(*options.cycle)) + " s");
+  physical::PlantOptions plant_options;
+  plant_options.zone = options.zone;
+  plant_options.vehicles = options.aivs;
+  plant_options.seed = options.seed;
+  plant_options.noise = options.noise;
+  plant_options.publish_truth = options.truth;
+  plant_options.cycle = options.cycle.value_or(plant_options.cycle);
+  auto plant = physical::PlantCore::make(std::move(plant_options));
   if (!plant) return tl::unexpected(plant.error());
 
   if (options.network.aside_prefix.empty()) options.network.aside_prefix = wire::v2x_topic_prefix;
@@ -270,12 +298,13 @@ Result<std::unique_ptr<World>> World::make(WorldOptions options) {
   inside.actors.resize(Inside::first_aiv_id + inside.options.aivs);
   inside.actors[Inside::plant_id].name = "plant";
   inside.actors[Inside::server_id].name = "server";
-  inside.actors[Inside::server_id].tick_offset = microseconds{500};
+  inside.actors[Inside::server_id].tick_offset = inside.options.cycle ? server_after : SimDuration{microseconds{500}};
   for (std::uint32_t number = 1; number <= inside.options.aivs; ++number) {
     Actor& actor = inside.actors[Inside::first_aiv_id + number - 1];
     actor.name = "AIV" + std::to_string(number);
     // Vehicles power up one after another; their timers never beat in step.
     actor.tick_offset = microseconds{1300} * number % milliseconds{20};
+    if (inside.options.cycle) actor.tick_offset = vehicles_after + microseconds{130} * number % vehicles_within;
   }
 
   const std::string plant_configuration = physical::to_json((*plant)->options());
@@ -340,6 +369,14 @@ Digest World::digest() const {
   Digest digest = inside_->finished;
   for (const Actor& actor : inside_->actors) {
     if (actor.alive) digest.add(actor.runner->digest().value());
+  }
+  return digest;
+}
+
+Digest World::beliefs() const {
+  Digest digest;
+  for (const Actor& actor : inside_->actors) {
+    if (actor.alive) actor.core->fold(digest);
   }
   return digest;
 }

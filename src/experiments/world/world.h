@@ -27,6 +27,14 @@ struct WorldOptions {
   aiv::SpeedRules rules;  ///< of the AIVs that are not only virtual; those have the server's
   bool v2x{true};         ///< likewise
   virtual_side::ServerOptions server;
+  /// What vehicles say often is passed on as values, and nobody writes or reads its text (wire/said.h): the same run,
+  /// to the last bit of everybody's state, in two thirds of the time. A tap sees such messages without their text.
+  bool as_values{false};
+  /// Everybody acts once in so long: the plant and its boards, then the vehicles, then the server, one after another
+  /// within a hundredth of a second. Nothing: each at its own pace, as the live platform does (10 and 20 ms), and out
+  /// of step. From 20 to 100 ms (checked): boards and drives wait no longer for each other.
+  std::optional<SimDuration> cycle{};
+  bool truth{true};  ///< the plant tells instruments the true poses, ten times a second
 };
 
 class World {
@@ -70,6 +78,8 @@ class World {
   [[nodiscard]] const std::vector<std::string>& log() const;
   /// Folds every core's digest.
   [[nodiscard]] Digest digest() const;
+  /// Folds what those alive believe now, without what they said on the way there.
+  [[nodiscard]] Digest beliefs() const;
 
  private:
   World();

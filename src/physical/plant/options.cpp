@@ -121,7 +121,10 @@ std::string to_json(const PlantOptions& options) {
   JsonWriter json;
   json.begin_object();
   zone::write_json(json.key("zone"), options.zone);
-  json.field("vehicles", options.vehicles).field("seed", std::to_string(options.seed)).key("noise");
+  json.field("vehicles", options.vehicles)
+      .field("seed", std::to_string(options.seed))
+      .field("cycle_ms", to_ms(options.cycle))
+      .key("noise");
   write_noise(json, options.noise);
   json.field("publish_zone", options.publish_zone).field("publish_truth", options.publish_truth).end_object();
   return json.take();
@@ -139,6 +142,8 @@ Result<PlantOptions> plant_options_from_json(std::string_view text) {
   Reader reader{*json};
   reader.count("vehicles", options.vehicles, vehicles_max);
   reader.seed("seed", options.seed);
+  reader.milliseconds("cycle_ms", options.cycle);
+  if (options.cycle < std::chrono::milliseconds{1}) reader.note("cycle_ms", "at least 1");
   reader.flag("publish_zone", options.publish_zone);
   reader.flag("publish_truth", options.publish_truth);
   if (reader.error()) return tl::unexpected(*reader.error());

@@ -33,6 +33,12 @@ constexpr std::size_t message_bytes_max = 4096;
 /// To the micrometre or microradian: what more digits would say is below the emulation's own truth.
 double rounded(double value) { return std::nearbyint(value * 1e6) * 1e-6; }
 
+/// How long a body may go straight on: as long as the usual cycle; in a slower one twice that, for half the work.
+SimDuration step_max(const PlantOptions& options) {
+  constexpr SimDuration usual = std::chrono::milliseconds{10};
+  return options.cycle > 2 * usual ? 2 * usual : usual;
+}
+
 struct PortAddress {
   std::uint32_t vehicle;
   wire::Board board;
@@ -61,7 +67,7 @@ struct PlantCore::Inside {
     vehicles.reserve(places.size());
     const auto cells = PowerTrain::usual_table();
     for (std::uint32_t i = 0; i < places.size(); ++i)
-      vehicles.emplace_back(i + 1, floor, places[i], options.noise, options.seed, cells);
+      vehicles.emplace_back(i + 1, floor, places[i], options.noise, options.seed, cells, step_max(options));
     bodies.resize(vehicles.size());
     note_bodies();
   }
@@ -160,6 +166,8 @@ void PlantCore::fold(Digest& digest) const {
   }
 }
 
+SimDuration PlantCore::tick_period() const { return inside_->options.cycle; }
+
 const PlantOptions& PlantCore::options() const { return inside_->options; }
 
 std::vector<std::string> PlantCore::ports() const {
@@ -234,7 +242,7 @@ void PlantCore::Inside::tick(SimTime at, wire::Effects& effects) {
                                             " s; the vehicles stood still meanwhile"});
     dt = SimDuration::zero();
   }
-  dt = std::min(dt, blind_max);
+  dt = std::min(dt, std::max(blind_max, options.cycle));
   now = at;
   change_floors();
   for (Vehicle& vehicle : vehicles) vehicle.move(at, dt);

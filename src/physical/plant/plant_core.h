@@ -32,8 +32,9 @@ struct PlantOptions {
   std::uint32_t vehicles{4};
   std::uint64_t seed{1};
   PlantNoise noise;
-  bool publish_zone{true};   ///< hand the configuration to the server, retained
-  bool publish_truth{true};  ///< for instruments, on plant_truth_topic
+  bool publish_zone{true};                           ///< hand the configuration to the server, retained
+  bool publish_truth{true};                          ///< for instruments, on plant_truth_topic
+  SimDuration cycle{std::chrono::milliseconds{10}};  ///< bodies move in steps of at most 20 ms all the same
 };
 [[nodiscard]] std::string to_json(const PlantOptions& options);
 [[nodiscard]] Result<PlantOptions> plant_options_from_json(std::string_view json);
@@ -79,7 +80,8 @@ struct Collision {
 /// of this id; {"removeObstacle":"id"}; {"switch":{"format","origin","text","companion"}}, the physical side's new zone
 /// by hand, which it then publishes; {"changeBattery":{"vehicle":1,"id":"B7",…}} (power_train.h), another battery in a
 /// cart; {"setLoad":{"vehicle":1,"factor":1.02}}, how much more than others it takes; what makes no sense is logged.
-/// Ticks every 10 ms. Ports: wire::port_name(number, board) for every vehicle, spoken from the board's side.
+/// Ticks once in a cycle; no board speaks more often. Ports: wire::port_name(number, board) for every vehicle, spoken
+/// from the board's side.
 class PlantCore final : public wire::Core {
  public:
   /// Fails when the zone's configuration is bad or cannot hold so many vehicles.
@@ -87,7 +89,7 @@ class PlantCore final : public wire::Core {
   ~PlantCore() override;
 
   void handle(const wire::Input& input, wire::Effects& effects) override;
-  [[nodiscard]] SimDuration tick_period() const override { return std::chrono::milliseconds{10}; }
+  [[nodiscard]] SimDuration tick_period() const override;
   [[nodiscard]] std::vector<std::string> subscriptions() const override;
   void farewell(SimTime now, wire::Effects& effects) override;
   void fold(Digest& digest) const override;

@@ -17,12 +17,14 @@ TEST(PlantOptions, travel_as_json) {
   options.noise.tag_miss = 0.125;
   options.noise.tag_latency_max = 21ms + 500us;
   options.publish_truth = false;
+  options.cycle = 100ms;
   const auto read = plant_options_from_json(to_json(options));
   ASSERT_TRUE(read) << to_string(read.error());
   EXPECT_EQ(to_json(*read), to_json(options));
   EXPECT_EQ(read->seed, options.seed);
   EXPECT_EQ(read->noise.tag_latency_max, options.noise.tag_latency_max);
   EXPECT_EQ(read->zone, options.zone);
+  EXPECT_EQ(read->cycle, 100ms);
 }
 
 TEST(PlantOptions, that_are_missing_have_their_defaults) {
@@ -31,6 +33,7 @@ TEST(PlantOptions, that_are_missing_have_their_defaults) {
   EXPECT_EQ(read->vehicles, 4U);
   EXPECT_EQ(read->seed, 7U);
   EXPECT_EQ(read->noise.tag_miss, PlantNoise{}.tag_miss);
+  EXPECT_EQ(read->cycle, 10ms);
 }
 
 TEST(PlantOptions, that_are_wrong_are_named) {
@@ -44,6 +47,8 @@ TEST(PlantOptions, that_are_wrong_are_named) {
   EXPECT_THAT(with(R"("seed":-1)"), HasSubstr("'seed'"));
   EXPECT_THAT(with(R"("seed":"18446744073709551616")"), HasSubstr("'seed'"));
   EXPECT_THAT(with(R"("publish_zone":1)"), HasSubstr("'publish_zone'"));
+  EXPECT_THAT(with(R"("cycle_ms":0)"), HasSubstr("'cycle_ms'"));
+  EXPECT_THAT(with(R"("cycle_ms":"10")"), HasSubstr("'cycle_ms'"));
   EXPECT_THAT(with(R"("noise":7)"), HasSubstr("'noise'"));
   EXPECT_THAT(with(R"("noise":{"tag_miss":1.5})"), HasSubstr("'tag_miss'"));
   EXPECT_THAT(with(R"("noise":{"tag_latency_min_ms":30})"), HasSubstr("'tag_latency_min_ms'"));

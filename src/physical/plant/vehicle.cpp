@@ -6,7 +6,7 @@
 namespace cosiva::physical {
 namespace {
 
-constexpr SimDuration step_max = std::chrono::milliseconds{10};
+constexpr SimDuration phase_step = std::chrono::milliseconds{10};
 
 Random stream(std::uint64_t seed, std::uint32_t number, std::string_view purpose) {
   return {seed, "aiv" + std::to_string(number) + "/" + std::string(purpose)};
@@ -23,13 +23,14 @@ DriveCommand to_command(const wire::Drive& drive) {
 
 /// Boards of a fleet are not switched on in step: each vehicle reports in its own 10 ms of a cycle, which also spreads
 /// the work over the ticks.
-SimDuration phase(std::uint32_t number, std::uint32_t ticks) { return step_max * (number % ticks); }
+SimDuration phase(std::uint32_t number, std::uint32_t ticks) { return phase_step * (number % ticks); }
 
 }  // namespace
 
 Vehicle::Vehicle(std::uint32_t number, std::shared_ptr<const Floor> floor, zone::Place start, const PlantNoise& noise,
-                 std::uint64_t seed, const std::shared_ptr<const battery::CellTable>& cells)
+                 std::uint64_t seed, const std::shared_ptr<const battery::CellTable>& cells, SimDuration step_max)
     : number_{number},
+      step_max_{step_max},
       noise_{noise},
       floor_{std::move(floor)},
       motion_{floor_->zone->circuit, start, noise.line_offset_sd_m, stream(seed, number, "line")},
@@ -77,7 +78,7 @@ void Vehicle::on_bytes(SimTime now, wire::Board board, std::string_view bytes) {
 
 void Vehicle::move(SimTime now, SimDuration dt) {
   for (SimDuration left = dt; left > SimDuration::zero();) {
-    const SimDuration part = std::min(left, step_max);
+    const SimDuration part = std::min(left, step_max_);
     left -= part;
     step(now - left, to_seconds(part));
     book_waiting(part);

@@ -22,7 +22,7 @@ namespace cosiva::physical {
 class Vehicle {
  public:
   Vehicle(std::uint32_t number, std::shared_ptr<const Floor> floor, zone::Place start, const PlantNoise& noise,
-          std::uint64_t seed, const std::shared_ptr<const battery::CellTable>& cells);
+          std::uint64_t seed, const std::shared_ptr<const battery::CellTable>& cells, SimDuration step_max);
 
   /// Switches the boards on. Their session numbers come from the seed and the moment, so that the same plant started
   /// later has others, as after a real power cut.
@@ -30,7 +30,7 @@ class Vehicle {
   void connect(wire::Board board, bool up);
   void on_bytes(SimTime now, wire::Board board, std::string_view bytes);
 
-  /// Moves the body over `dt`, in steps of at most 10 ms.
+  /// Moves the body over `dt`, in steps of at most step_max.
   void move(SimTime now, SimDuration dt);
   /// Whether the floor under it may become another: it is at rest, and nobody has it in a manoeuvre.
   [[nodiscard]] bool stands() const { return motion_.stands(); }
@@ -68,6 +68,7 @@ class Vehicle {
   void send(wire::Board board, wire::Effects& effects);
 
   std::uint32_t number_;
+  SimDuration step_max_;
   PlantNoise noise_;
   std::shared_ptr<const Floor> floor_;
   LineVehicle motion_;

@@ -58,7 +58,9 @@ std::string to_json(const ServerOptions& options) {
   json.begin_object().field("interface", options.interface_name);
   if (!options.hall.empty()) json.field("hall", options.hall);
   if (options.zone) zone::write_json(json.key("zone"), *options.zone);
-  json.field("drive", options.drive).field("lost_after_ms", ms_of(options.lost_after));
+  json.field("drive", options.drive)
+      .field("lost_after_ms", ms_of(options.lost_after))
+      .field("cycle_ms", ms_of(options.cycle));
   json.key("contract")
       .begin_object()
       .field("divergence_p99_m", options.contract.divergence_p99_m)
@@ -87,6 +89,8 @@ Result<ServerOptions> server_options_from_json(std::string_view text) {
   options.drive = json->flag("drive").value_or(true);
   if (auto r = read_zone(*json, options); !r) return tl::unexpected(r.error());
   if (auto r = read_duration(*json, "lost_after_ms", options.lost_after); !r) return tl::unexpected(r.error());
+  if (auto r = read_duration(*json, "cycle_ms", options.cycle); !r) return tl::unexpected(r.error());
+  if (options.cycle < std::chrono::milliseconds{1}) return bad("cycle_ms", "at least 1");
   if (auto r = read_contract(*json, options.contract); !r) return tl::unexpected(r.error());
   auto traces = static_cast<double>(options.traces_max);
   if (auto r = read_positive(*json, "traces_max", 1e7, traces); !r) return tl::unexpected(r.error());

@@ -5,6 +5,7 @@
 
 #include "base/math.h"
 #include "virtual/server/inside.h"
+#include "wire/said.h"
 
 namespace cosiva::virtual_side {
 namespace {
@@ -72,7 +73,7 @@ bool ServerCore::Inside::is_vehicle(VehicleIndex seer, Point2 p, double radius_m
 }
 
 void ServerCore::Inside::on_seen(VehicleIndex vehicle, const wire::Input& input) {
-  const auto message = wire::seen_from_json(input.payload);
+  const auto message = wire::heard_seen(input);
   if (!message) return refuse(vehicle, VehicleTopic::seen, input, message.error());
   AivProxy& proxy = registry[vehicle];
   if (!take_own_stamp(proxy, proxy.seen_stamp, message->timestamp)) return;
@@ -133,7 +134,7 @@ void ServerCore::Inside::look_through(VehicleIndex vehicle, const wire::Ranges& 
 }
 
 void ServerCore::Inside::on_boards(VehicleIndex vehicle, const wire::Input& input) {
-  auto report = wire::boards_report_from_json(input.payload);
+  auto report = wire::heard_boards_report(input);
   if (!report) return refuse(vehicle, VehicleTopic::boards, input, report.error());
   AivProxy& proxy = registry[vehicle];
   if (!take_own_stamp(proxy, proxy.boards_stamp, report->timestamp)) return;

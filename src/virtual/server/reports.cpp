@@ -6,6 +6,7 @@
 
 #include "virtual/server/inside.h"
 #include "wire/vda5050/codec.h"
+#include "wire/vda5050/said.h"
 
 namespace cosiva::virtual_side {
 namespace {
@@ -94,7 +95,7 @@ void ServerCore::Inside::on_vehicle_message(Registry::Address address, const wir
              "a retained " + std::string(to_string(address.topic)) + " is out of date; ignored");
     return;
   }
-  if (input.payload.empty()) return;  // somebody cleared a retained message
+  if (input.payload.empty() && !input.said) return;  // somebody cleared a retained message
   switch (address.topic) {
     case VehicleTopic::connection: on_connection(address.vehicle, input); break;
     case VehicleTopic::factsheet: on_factsheet(address.vehicle, input); break;
@@ -217,7 +218,7 @@ void ServerCore::Inside::on_factsheet(VehicleIndex vehicle, const wire::Input& i
 }
 
 void ServerCore::Inside::on_visualization(VehicleIndex vehicle, const wire::Input& input) {
-  const auto message = wire::vda5050::decode_visualization(input.payload);
+  const auto message = wire::vda5050::heard_visualization(input);
   if (!message) return refuse(vehicle, VehicleTopic::visualization, input, message.error());
   if (!take_header(vehicle, VehicleTopic::visualization, message->header)) return;
   AivProxy& proxy = registry[vehicle];
@@ -229,7 +230,7 @@ void ServerCore::Inside::on_visualization(VehicleIndex vehicle, const wire::Inpu
 }
 
 void ServerCore::Inside::on_state(VehicleIndex vehicle, const wire::Input& input) {
-  auto message = wire::vda5050::decode_state(input.payload);
+  auto message = wire::vda5050::heard_state(input);
   if (!message) return refuse(vehicle, VehicleTopic::state, input, message.error());
   if (!take_header(vehicle, VehicleTopic::state, message->header)) return;
   AivProxy& proxy = registry[vehicle];

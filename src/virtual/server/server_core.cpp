@@ -324,6 +324,8 @@ void ServerCore::fold(Digest& digest) const {
   digest.add(in.traces.next());
 }
 
+SimDuration ServerCore::tick_period() const { return inside_->options.cycle; }
+
 Result<void> ServerCore::check_command(std::string_view json) const { return inside_->check_command(json); }
 
 std::uint64_t ServerCore::zone_revision() const { return inside_->simulator.zone_revision(); }

@@ -26,7 +26,8 @@ struct ServerOptions {
   bool drive{true};  ///< give circulating orders to idle vehicles; false: watch only (a foreign master drives)
   SimDuration lost_after{std::chrono::seconds{1}};  ///< no report for so long: the vehicle's link is lost
   BijectionContract contract;
-  std::size_t traces_max{20'000};  ///< of the communications kept for the page
+  SimDuration cycle{std::chrono::milliseconds{20}};  ///< how often it looks after everything
+  std::size_t traces_max{20'000};                    ///< of the communications kept for the page
   /// Where vehicles that download their maps find the zone's; empty: nowhere, so they are not asked to.
   std::string map_download_link;
   bool v2x{true};      ///< its virtual AIVs talk with those near them
@@ -37,7 +38,8 @@ struct ServerOptions {
 [[nodiscard]] std::string to_json(const ServerOptions& options);
 [[nodiscard]] Result<ServerOptions> server_options_from_json(std::string_view json);
 
-/// AIV_Server and Simulator as one core (they talk through recorded messages, seen in the traces). Ticks every 20 ms.
+/// AIV_Server and Simulator as one core (they talk through recorded messages, seen in the traces). Ticks once in a
+/// cycle.
 ///
 /// Commands (Input::command, JSON; id optional). Refused ones are logged; those to vehicles are listed as failed with
 /// the reason.
@@ -65,7 +67,7 @@ class ServerCore final : public wire::Core {
   ~ServerCore() override;
 
   void handle(const wire::Input& input, wire::Effects& effects) override;
-  [[nodiscard]] SimDuration tick_period() const override { return std::chrono::milliseconds{20}; }
+  [[nodiscard]] SimDuration tick_period() const override;
   [[nodiscard]] std::vector<std::string> subscriptions() const override;
   [[nodiscard]] std::optional<wire::Will> will() const override;
   void farewell(SimTime now, wire::Effects& effects) override;

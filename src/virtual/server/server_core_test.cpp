@@ -419,6 +419,7 @@ TEST(ServerOptions, survive_their_json) {
   options.lost_after = 2s;
   options.contract.age_p99_ms = 99.5;
   options.traces_max = 7;
+  options.cycle = 100ms;
   options.virtual_rules = {};
   options.v2x = false;
   options.convoys = true;
@@ -426,6 +427,7 @@ TEST(ServerOptions, survive_their_json) {
   ASSERT_TRUE(back.has_value());
   EXPECT_EQ(to_json(*back), to_json(options));
   EXPECT_EQ(back->zone, options.zone);
+  EXPECT_EQ(ServerCore{*back}.tick_period(), 100ms);
 }
 
 TEST(ServerOptions, of_a_journal_from_before_there_were_V2X_and_convoys_have_neither) {
@@ -444,6 +446,7 @@ TEST(ServerOptions, of_a_journal_from_before_there_were_rules_have_crisp_virtual
 
 TEST(ServerOptions, refuse_what_makes_no_sense_and_name_the_field) {
   for (const auto& [json, field] : {std::pair{R"({"lost_after_ms":-1})", "lost_after_ms"},
+                                    {R"({"cycle_ms":0.5})", "cycle_ms"},
                                     {R"({"traces_max":"many"})", "traces_max"},
                                     {R"({"zone":{"format":"x"}})", "zone"},
                                     {R"({"contract":{"age_p99_ms":0}})", "age_p99_ms"},

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "virtual/server/inside.h"
+#include "wire/heard_intents.h"
 #include "wire/v2x.h"
 
 namespace cosiva::virtual_side {
@@ -30,7 +31,7 @@ bool adjacent(wire::Cell a, wire::Cell b) { return std::abs(a.x - b.x) <= 1 && s
 
 void ServerCore::Inside::on_intent(const wire::Input& input) {
   if (input.flag) return;
-  if (!fleet.empty()) fleet.talk(now, input.source, input.payload);
+  if (!fleet.empty()) fleet.talk(now, input);
   const auto topic = wire::parse_v2x_topic(input.source);
   if (!topic) return;
   // Who is known by its talk alone is no vehicle of this server's: made-up names cost it nothing.
@@ -43,12 +44,13 @@ void ServerCore::Inside::on_intent(const wire::Input& input) {
 }
 
 void ServerCore::Inside::trace_intent(AivProxy& proxy, const wire::Input& input) {
-  const auto intent = wire::intent_from_json(input.payload);
-  if (!intent || intent->vehicle != proxy.id) {
+  const auto heard = wire::heard_intent(input);
+  if (!heard || (*heard)->vehicle != proxy.id) {
     ++proxy.refused;
     return;
   }
-  const wire::Cell cell = wire::cell_of(position(intent->pose));
+  const wire::Intent& intent = **heard;
+  const wire::Cell cell = wire::cell_of(position(intent.pose));
   const AivProxy* nearest = nullptr;
   double nearest_m = std::numeric_limits<double>::infinity();
   std::size_t listeners = 0;
@@ -56,12 +58,12 @@ void ServerCore::Inside::trace_intent(AivProxy& proxy, const wire::Input& input)
     if (&other == &proxy || !other.here() || !other.reported) continue;
     if (!adjacent(cell, wire::cell_of(position(*other.reported)))) continue;
     ++listeners;
-    const double off_m = distance(intent->pose, *other.reported);
+    const double off_m = distance(intent.pose, *other.reported);
     if (off_m >= nearest_m) continue;
     nearest_m = off_m;
     nearest = &other;
   }
-  std::string summary = summary_of(*intent);
+  std::string summary = summary_of(intent);
   if (listeners > 1) summary += "; to " + std::to_string(listeners) + " near it";
   traces.add(now, proxy.name, nearest == nullptr ? std::string_view{"*"} : std::string_view{nearest->name}, "V2X",
              summary, input.source, input.payload);

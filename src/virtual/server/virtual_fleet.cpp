@@ -4,6 +4,8 @@
 #include <utility>
 #include <variant>
 
+#include "wire/said.h"
+
 namespace cosiva::virtual_side {
 void VirtualFleet::send(Host& host) {
   for (wire::Effect& effect : effects_) {
@@ -91,12 +93,14 @@ bool VirtualFleet::from_broker(SimTime now, const std::string& topic, const std:
   return false;
 }
 
-void VirtualFleet::talk(SimTime now, const std::string& topic, const std::string& payload) {
+void VirtualFleet::talk(SimTime now, const wire::Input& input) {
+  const auto* intent = wire::said<wire::Intent>(input.said);
+  const std::string payload = intent == nullptr ? input.payload : wire::to_json(*intent);
   for (Host& host : hosts_) {
     const bool hears = std::ranges::any_of(
-        host.listens, [&](const std::string& filter) { return wire::topic_matches(filter, topic); });
+        host.listens, [&](const std::string& filter) { return wire::topic_matches(filter, input.source); });
     if (!hears) continue;
-    host.aiv.message(now, topic, payload, effects_);
+    host.aiv.message(now, input.source, payload, effects_);
     send(host);
   }
 }

@@ -47,7 +47,7 @@ class VirtualFleet {
   /// An order or instant actions from the broker; false: it is for none of them.
   bool from_broker(SimTime now, const std::string& topic, const std::string& payload);
   /// What vehicles say to those near them, to those of ours that listen there and did not say it.
-  void talk(SimTime now, const std::string& topic, const std::string& payload);
+  void talk(SimTime now, const wire::Input& input);
   void tick(SimTime now);
   void farewell(SimTime now);
   void fold(Digest& digest) const;

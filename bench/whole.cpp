@@ -1,0 +1,100 @@
+// What an autonomy test costs with the whole platform in the loop (`cosiva battery fleet --whole`): plant, boards,
+// on-board programs, network, server, simulator and procedure, in virtual time on one core. Goal: 12 AIVs for ten hours
+// at 10 Hz in 10 s.
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <utility>
+
+#include "base/test_places.h"
+#include "experiments/battery/analysis.h"
+#include "experiments/battery/platform_rig.h"
+
+namespace {
+
+using namespace cosiva;
+
+struct Options {
+  std::string zone{source_dir() + "/zones/lacet4.toml"};
+  std::uint32_t aivs{12};
+  double hz{10.0};
+  double scale{0.5};
+  std::uint64_t seed{1};
+  bool json{false};
+};
+
+constexpr double live_hz = 50.0;
+
+experiments::WorldOptions world_options(const Options& options) {
+  std::ifstream file{options.zone, std::ios::binary};
+  experiments::WorldOptions world;
+  world.zone = {"toml", options.zone, {std::istreambuf_iterator<char>{file}, {}}};
+  world.aivs = options.aivs;
+  world.seed = options.seed;
+  if (options.hz < live_hz) world.cycle = from_seconds(1.0 / options.hz);
+  return world;
+}
+
+experiments::VirtualRigOptions rig_options(const Options& options) {
+  experiments::VirtualRigOptions rig;
+  rig.procedure.vehicles = options.aivs;
+  rig.procedure.floor = 0.0;
+  rig.procedure.temperature_max_c = 60.0;
+  rig.battery.type = *battery::shipped_type("lipo850");
+  rig.battery.design = {2, 1, options.scale};
+  rig.battery.gauge = battery::GaugeMethod::counter;
+  rig.seed = options.seed;
+  return rig;
+}
+
+int measure(const Options& options) {
+  auto rig = experiments::PlatformRig::make(world_options(options), rig_options(options));
+  if (!rig) {
+    std::fprintf(stderr, "whole: %s\n", to_string(rig.error()).c_str());
+    return 2;
+  }
+  const std::clock_t cpu_start = std::clock();
+  const SimTime start = rig->now();
+  while (!rig->done()) rig->step();
+  const double cpu_s = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
+  const double simulated_s = to_seconds(rig->now() - start);
+
+  const auto figures = experiments::analyse(rig->procedure().records(), options.aivs);
+  double driven_m = 0.0;
+  for (const auto& record : rig->procedure().records()) driven_m += record.distance_m;
+  const std::size_t collisions = rig->world().plant().collisions().size();
+  const double each_us = 1e6 * cpu_s / (simulated_s * options.aivs);
+  constexpr double ten_hours_s = 36'000.0;
+  const char* format =
+      options.json
+          ? "{\"aivs\":%u,\"hz\":%g,\"simulated_s\":%.1f,\"cpu_s\":%.3f,\"vehicle_second_us\":%.2f,"
+            "\"ten_hours_s\":%.2f,\"autonomy_s\":%.2f,\"failed\":%zu,\"driven_m\":%.1f,\"collisions\":%zu}\n"
+          : "%u AIVs at %g Hz: %.0f s simulated in %.2f s of one core, %.1f us for a vehicle's second, %.1f s for ten "
+            "hours; autonomy %.2f s, %zu failed, %.1f m driven, %zu collisions\n";
+  std::printf(format, options.aivs, options.hz, simulated_s, cpu_s, each_us, cpu_s * ten_hours_s / simulated_s,
+              figures.at_s, figures.failed, driven_m, collisions);
+  return collisions == 0 && figures.failed == 0 ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app{"Measures an autonomy test with the whole platform in the loop"};
+  app.add_option("--zone", options.zone, "Zone file")->capture_default_str();
+  app.add_option("--aivs", options.aivs, "Vehicles")->capture_default_str()->check(CLI::Range(1, 1000));
+  app.add_option("--hz", options.hz, "How often everybody acts in a second; 50: the live platform's own pace")
+      ->capture_default_str()
+      ->check(CLI::Range(10.0, 50.0));
+  app.add_option("--scale", options.scale, "Battery: two LiPo cells of 0.85 Ah times this; 5.2 last ten hours")
+      ->capture_default_str()
+      ->check(CLI::Range(0.01, 100.0));
+  app.add_option("--seed", options.seed, "Seed of the run")->capture_default_str();
+  app.add_flag("--json", options.json, "Print the figures as JSON");
+  CLI11_PARSE(app, argc, argv);
+  return measure(options);
+}

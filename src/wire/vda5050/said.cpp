@@ -1,0 +1,30 @@
+#include "wire/vda5050/said.h"
+
+#include "wire/vda5050/codec.h"
+
+namespace cosiva::wire::vda5050 {
+namespace {
+
+struct Writer {
+  std::string operator()(const State& message) const { return encode(message); }
+  std::string operator()(const Visualization& message) const { return encode(message); }
+  std::string operator()(const Intent& message) const { return to_json(message); }
+  std::string operator()(const Seen& message) const { return to_json(message); }
+  std::string operator()(const BoardsReport& message) const { return to_json(message); }
+};
+
+}  // namespace
+
+Result<State> heard_state(const Input& input) {
+  if (const auto* state = said<State>(input.said)) return *state;
+  return decode_state(input.payload);
+}
+
+Result<Visualization> heard_visualization(const Input& input) {
+  if (const auto* visualization = said<Visualization>(input.said)) return *visualization;
+  return decode_visualization(input.payload);
+}
+
+std::string text_of(const Said& said) { return std::visit(Writer{}, said.message); }
+
+}  // namespace cosiva::wire::vda5050

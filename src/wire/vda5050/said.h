@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+#include "base/result.h"
+#include "wire/core.h"
+#include "wire/said.h"
+
+/// Messages either way: as values where they were passed on so (wire/said.h), else read from their text.
+namespace cosiva::wire::vda5050 {
+
+[[nodiscard]] Result<State> heard_state(const Input& input);
+[[nodiscard]] Result<Visualization> heard_visualization(const Input& input);
+
+/// The text that would have been sent, our own messages' too.
+[[nodiscard]] std::string text_of(const Said& said);
+
+}  // namespace cosiva::wire::vda5050

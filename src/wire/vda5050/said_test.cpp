@@ -1,0 +1,107 @@
+#include "wire/vda5050/said.h"
+
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include "wire/vda5050/codec.h"
+#include "wire/vda5050/sample_messages.h"
+
+namespace cosiva::wire::vda5050 {
+namespace {
+
+constexpr auto within_a_millisecond = std::chrono::nanoseconds{123'456};
+
+Input input_of(std::string payload) { return {virtual_epoch, InputKind::message, "topic", std::move(payload), false}; }
+Input input_of(std::shared_ptr<const Said> said) {
+  return {virtual_epoch, InputKind::message, "topic", {}, false, std::move(said)};
+}
+
+/// What is heard of a message passed on as values is what would be read of its text.
+template <typename Message>
+void expect_heard_as_read(const std::shared_ptr<const Said>& passed, Result<Message> (*heard)(const Input&)) {
+  const auto as_values = heard(input_of(passed));
+  const auto as_text = heard(input_of(text_of(*passed)));
+  ASSERT_TRUE(as_values && as_text) << to_string(as_text.error());
+  EXPECT_EQ(*as_values, *as_text);
+  EXPECT_EQ(text_of(*say(Message{*as_text})), text_of(*passed));
+}
+
+Seen seen() {
+  Seen message{7, virtual_epoch + within_a_millisecond, "lacet4", Seen::Thing{0.1, -2.0 / 3.0, 0.03, 0.4}, 0.37};
+  return message;
+}
+
+BoardsReport boards_report() {
+  BoardsReport report;
+  report.header_id = 3;
+  report.timestamp = virtual_epoch + within_a_millisecond;
+  report.boards = {{Board::PILS, "ok", 0xdeadbeef, 1234, 99, 1, 2, 0}, {Board::DOBS, "lost", 1, 0, 0, 0, 0, 4}};
+  report.power = Power{7412, -430, 225, 871, Power::Gauge{871'234, 135}};
+  report.ranges = Ranges{4711, -84, 14, {350, no_echo, 2000}};
+  return report;
+}
+
+Intent intent() {
+  Intent message;
+  message.header_id = 12;
+  message.timestamp = virtual_epoch + within_a_millisecond;
+  message.map_id = "lacet4";
+  message.vehicle = {"CoSiVA", "AIV1"};
+  message.pose = {1.0 / 3.0, -0.1, 2.5};
+  message.speed_mps = 0.4;
+  message.priority = 5;
+  message.place = Intent::OnLine{"S1", 0.3};
+  message.crossings = {{"X1", 0.1, 0.7, 0.25, 1.5, true}};
+  message.way = {"S2", "S3"};
+  return message;
+}
+
+TEST(Said, states_and_visualizations_are_heard_as_their_texts_would_be_read) {
+  EXPECT_TRUE(rc::check([](std::uint64_t seed) {
+    Random random{seed, "said"};
+    State state = sample::state(random);
+    state.header.timestamp += within_a_millisecond;
+    expect_heard_as_read<State>(say(std::move(state)), heard_state);
+    Visualization visualization = sample::visualization(random);
+    visualization.header.timestamp += within_a_millisecond;
+    expect_heard_as_read<Visualization>(say(std::move(visualization)), heard_visualization);
+    RC_ASSERT(!::testing::Test::HasFailure());
+  }));
+}
+
+TEST(Said, our_own_messages_are_heard_as_their_texts_would_be_read) {
+  expect_heard_as_read<Seen>(say(seen()), heard_seen);
+  expect_heard_as_read<BoardsReport>(say(boards_report()), heard_boards_report);
+  const auto passed = say(intent());
+  const auto as_text = intent_from_json(text_of(*passed));
+  ASSERT_TRUE(as_text) << to_string(as_text.error());
+  ASSERT_NE(said<Intent>(passed), nullptr);
+  EXPECT_EQ(*said<Intent>(passed), *as_text);
+}
+
+TEST(Said, no_more_is_heard_than_the_text_would_carry) {
+  const BoardsReport whole = boards_report();
+  const auto passed = say(boards_report());
+  const auto* heard = said<BoardsReport>(passed);
+  ASSERT_NE(heard, nullptr);
+  EXPECT_EQ(heard->timestamp, virtual_epoch);
+  EXPECT_EQ(heard->ranges->board_ms, 0U);
+  // Without that it would be another message than the one read from the text.
+  EXPECT_NE(*boards_report_from_json(to_json(whole)), whole);
+}
+
+TEST(Said, one_message_is_not_taken_for_another) {
+  const auto passed = say(seen());
+  EXPECT_EQ(said<Visualization>(passed), nullptr);
+  EXPECT_EQ(said<Seen>(std::shared_ptr<const Said>{}), nullptr);
+  EXPECT_FALSE(heard_state(input_of(passed)));
+}
+
+TEST(Said, a_text_that_is_none_is_refused_as_ever) {
+  const auto heard = heard_state(input_of(std::string{"{\"headerId\":"}));
+  ASSERT_FALSE(heard);
+  EXPECT_EQ(heard.error().code, "vda.json");
+}
+
+}  // namespace
+}  // namespace cosiva::wire::vda5050
