@@ -106,7 +106,12 @@ void ExternalAlgorithm::tell(const std::string& line) {
 void ExternalAlgorithm::predict(const estimation::Odometry& odometry) {
   JsonWriter json;
   json.begin_object().key("odometry").begin_object().field("distance_m", odometry.distance_m);
-  json.field("turn_rad", odometry.turn_rad).field("duration_s", odometry.duration_s).end_object().end_object();
+  json.field("turn_rad", odometry.turn_rad).field("duration_s", odometry.duration_s);
+  // What few have is told of those alone, so that all others are told what they always were.
+  if (odometry.left_m != 0.0) json.field("left_m", odometry.left_m);
+  if (odometry.distance_variance_m2 > 0.0) json.field("distance_variance_m2", odometry.distance_variance_m2);
+  if (odometry.turn_variance_rad2 > 0.0) json.field("turn_variance_rad2", odometry.turn_variance_rad2);
+  json.end_object().end_object();
   tell(json.text());
 }
 

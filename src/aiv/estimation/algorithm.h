@@ -22,6 +22,7 @@ struct Odometry {
   /// What it may be off by beyond the sensors' figures, as where nothing was counted for a while.
   double distance_variance_m2{0.0};
   double turn_variance_rad2{0.0};
+  double left_m{0.0};  ///< gone sideways meanwhile, left positive: of whose wheels roll every way
 };
 
 /// A tag or a beacon under the reader (A15, A21).

@@ -40,7 +40,10 @@ Motion motion_of(const SensorModel& sensors, const State::Vector& about, const O
   // Counted = (1 + scale)·true + drift, to first order.
   const Odometry truly{odometry.distance_m * (1.0 - about(State::distance_scale)),
                        odometry.turn_rad * (1.0 - about(State::turn_scale)) - drifts_s * about(State::turn_drift),
-                       odometry.duration_s, odometry.distance_variance_m2, odometry.turn_variance_rad2};
+                       odometry.duration_s,
+                       odometry.distance_variance_m2,
+                       odometry.turn_variance_rad2,
+                       odometry.left_m * (1.0 - about(State::distance_scale))};
   const Pose2 step = step_of(truly);
   const SinCos h = sincos(about(State::heading));
   const double dx = h.cos * step.x_m - h.sin * step.y_m;
@@ -51,13 +54,15 @@ Motion motion_of(const SensorModel& sensors, const State::Vector& about, const O
   motion.offset(State::y) += dy;
   motion.offset(State::heading) += truly.turn_rad;
 
-  const SinCos middle = sincos(about(State::heading) + 0.5 * truly.turn_rad);
-  const double d = truly.distance_m;
+  const StepCourse course = course_of(truly);
+  const SinCos middle = sincos(about(State::heading) + 0.5 * truly.turn_rad + course.aside_rad);
+  const double d = course.way_m;
+  const double counted_m = course_of(odometry).way_m;
   State::Matrix& f = motion.slope;
   f(State::x, State::heading) = -dy;
   f(State::y, State::heading) = dx;
-  f(State::x, State::distance_scale) = -odometry.distance_m * middle.cos;
-  f(State::y, State::distance_scale) = -odometry.distance_m * middle.sin;
+  f(State::x, State::distance_scale) = -counted_m * middle.cos;
+  f(State::y, State::distance_scale) = -counted_m * middle.sin;
   f(State::x, State::turn_scale) = 0.5 * d * middle.sin * odometry.turn_rad;
   f(State::y, State::turn_scale) = -0.5 * d * middle.cos * odometry.turn_rad;
   f(State::heading, State::turn_scale) = -odometry.turn_rad;

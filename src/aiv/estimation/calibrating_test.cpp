@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "aiv/estimation/planar.h"
@@ -101,6 +102,41 @@ TEST(Calibrating, looks_all_round_again_when_its_heading_was_lost_on_the_way_and
   ASSERT_EQ(revised.size(), 201U);
   for (std::size_t i = 0; i < truths.size(); i += 9)
     EXPECT_LT(distance(revised[101 + i].pose, truths[i]), 0.3) << "after " << i;
+}
+
+TEST(Planar, step_of_who_goes_sideways_is_the_arc_of_that) {
+  // A quarter of a circle of 2 m about a point behind it, its face to the outside.
+  const Pose2 end = moved({0.0, 0.0, 0.0}, {0.0, 0.5 * pi, 1.0, 0.0, 0.0, pi});
+  EXPECT_NEAR(end.x_m, -2.0, 1e-12);
+  EXPECT_NEAR(end.y_m, 2.0, 1e-12);
+  EXPECT_NEAR(end.heading_rad, 0.5 * pi, 1e-12);
+}
+
+TEST(Planar, who_goes_sideways_doubts_its_way_as_who_goes_as_far_straight_on) {
+  // Both along x: one with its face to it, one with its right side.
+  Setting setting;
+  setting.sensors.distance_variance_per_m = 1e-2;
+  Setting turned = setting;
+  turned.start.heading_rad = 0.5 * pi;
+  Ekf ahead{setting};
+  Ekf aside{turned};
+  CalibratingFilter wise_ahead{setting};
+  CalibratingFilter wise_aside{turned};
+  for (int i = 0; i < 50; ++i) {
+    for (Algorithm* one : {static_cast<Algorithm*>(&ahead), static_cast<Algorithm*>(&wise_ahead)})
+      one->predict({0.1, 0.0, 0.1});
+    for (Algorithm* one : {static_cast<Algorithm*>(&aside), static_cast<Algorithm*>(&wise_aside)})
+      one->predict({0.0, 0.0, 0.1, 0.0, 0.0, -0.1});
+  }
+  for (const auto& [one, other] :
+       {std::pair{ahead.estimate(), aside.estimate()}, std::pair{wise_ahead.estimate(), wise_aside.estimate()}}) {
+    EXPECT_NEAR(other.pose.x_m, 5.0, 1e-9);
+    EXPECT_NEAR(other.pose.y_m, 0.0, 1e-9);
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 3; ++column)
+        EXPECT_NEAR(one.covariance(row, column), other.covariance(row, column), 1e-9) << row << column;
+    }
+  }
 }
 
 TEST(Calibrating, does_not_grow_sure_of_the_way_round_the_only_station_that_it_hears) {

@@ -57,7 +57,17 @@ void add_to(Pose2& pose, const Vector3& d) {
 
 Pose2 step_of(const Odometry& odometry) {
   const ArcShape shape = arc_shape(odometry.turn_rad);
-  return {odometry.distance_m * shape.ahead, odometry.distance_m * shape.aside, wrap_angle(odometry.turn_rad)};
+  Pose2 step{odometry.distance_m * shape.ahead, odometry.distance_m * shape.aside, wrap_angle(odometry.turn_rad)};
+  if (odometry.left_m != 0.0) {
+    step.x_m -= odometry.left_m * shape.aside;
+    step.y_m += odometry.left_m * shape.ahead;
+  }
+  return step;
+}
+
+StepCourse course_of(const Odometry& odometry) {
+  if (odometry.left_m == 0.0) return {odometry.distance_m, 0.0};
+  return {norm(odometry.distance_m, odometry.left_m), det_atan2(odometry.left_m, odometry.distance_m)};
 }
 
 Pose2 moved(const Pose2& X_MB, const Odometry& odometry) { return X_MB * step_of(odometry); }
@@ -69,15 +79,16 @@ Matrix3 start_covariance(const Setting& setting) {
 }
 
 Vector2 step_variances(const SensorModel& sensors, const Odometry& odometry) {
-  const double way_m = std::fabs(odometry.distance_m);
+  const double way_m = std::fabs(course_of(odometry).way_m);
   return {sensors.distance_variance_per_m * way_m + odometry.distance_variance_m2,
           sensors.turn_variance_per_m * way_m + sensors.turn_variance_per_rad * std::fabs(odometry.turn_rad) +
               odometry.turn_variance_rad2};
 }
 
 Matrix3 spread(const SensorModel& sensors, const Pose2& X_MB, const Odometry& odometry, const Matrix3& covariance) {
-  const SinCos middle = sincos(X_MB.heading_rad + 0.5 * odometry.turn_rad);
-  const double d = odometry.distance_m;
+  const StepCourse course = course_of(odometry);
+  const SinCos middle = sincos(X_MB.heading_rad + 0.5 * odometry.turn_rad + course.aside_rad);
+  const double d = course.way_m;
   Matrix3 f = Matrix3::Identity();
   f(0, 2) = -d * middle.sin;
   f(1, 2) = d * middle.cos;

@@ -15,6 +15,13 @@ namespace cosiva::estimation {
 [[nodiscard]] Matrix3 spread(const SensorModel& sensors, const Pose2& X_MB, const Odometry& odometry,
                              const Matrix3& covariance);
 /// Variances of distance and turn of one step.
+/// How far a step goes, and in which direction from the body's: straight ahead for who cannot go sideways, whose way is
+/// negative backwards.
+struct StepCourse {
+  double way_m;
+  double aside_rad;
+};
+[[nodiscard]] StepCourse course_of(const Odometry& odometry);
 [[nodiscard]] Vector2 step_variances(const SensorModel& sensors, const Odometry& odometry);
 /// The pose that an arc length means, and what its variance and the line's make of the covariance.
 [[nodiscard]] Estimate on_track(const Track& track, const SensorModel& sensors, double along_m, double variance_m2);

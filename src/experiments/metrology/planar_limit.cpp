@@ -140,8 +140,9 @@ class PlanarInformation {
 
   void move(const Odometry& odometry, double middle_rad) {
     // A course has no backwards.
-    const double d = run_.heading_known ? odometry.distance_m : std::fabs(odometry.distance_m);
-    const SinCos h = sincos(middle_rad);
+    const estimation::StepCourse course = estimation::course_of(odometry);
+    const double d = run_.heading_known ? course.way_m : std::fabs(course.way_m);
+    const SinCos h = sincos(run_.heading_known ? middle_rad + course.aside_rad : middle_rad);
     const double turn = odometry.turn_rad;
     const Move f{-d * h.sin,
                  d * h.cos,

@@ -147,6 +147,20 @@ TEST(PlanarLimit, of_a_gyroscope_with_an_offset_grows_with_the_square_of_time_an
   }
 }
 
+TEST(PlanarLimit, of_who_goes_sideways_is_that_of_who_goes_as_far_straight_on) {
+  Straight ahead;
+  ahead.run.setting.sensors.distance_variance_per_m = 1e-2;
+  Straight aside = ahead;
+  ahead.go(100);
+  aside.go(100);
+  for (Event& event : aside.run.events) event = Odometry{0.0, 0.0, 0.05, 0.0, 0.0, -aside.step_m};
+  for (Moment& moment : aside.run.moments) moment.truth.heading_rad += 0.5 * pi;
+  const RunLimit one = planar_limit_of(ahead.run);
+  const RunLimit other = planar_limit_of(aside.run);
+  EXPECT_NEAR(one.filter_m2, other.filter_m2, 1e-9 * one.filter_m2);
+  EXPECT_NEAR(one.smoother_m2, other.smoother_m2, 1e-9 * one.smoother_m2);
+}
+
 TEST(PlanarLimit, of_a_heading_nobody_knows_is_no_more_than_a_circle) {
   Straight drive;
   drive.run.setting.sensors = plain_sensors();

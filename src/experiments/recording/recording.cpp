@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/math.h"
 #include "experiments/recording/fields.h"
 #include "experiments/recording/heading.h"
 #include "experiments/recording/silence.h"
@@ -59,6 +60,8 @@ Result<void> read_odometry(const Table& table, Recording& recording) {
   if (!columns) return tl::unexpected(columns.error());
   const auto& c = *columns;
   if (auto fine = rising(table, c[0]); !fine) return fine;
+  const auto left = table.want(speeds ? "speed_left_mps" : "delta_left_m");
+  if (!left) return tl::unexpected(left.error());
   recording.odometry_told_speeds = speeds;
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
     const Row& row = table.rows[i];
@@ -67,7 +70,8 @@ Result<void> read_odometry(const Table& table, Recording& recording) {
         i > 0 ? table.rows[i - 1][c[0]] : row[c[0]] - (table.rows.size() > 1 ? table.rows[1][c[0]] - row[c[0]] : 0.1);
     const double duration_s = row[c[0]] - before;
     const double factor = speeds ? duration_s : 1.0;
-    recording.odometry.push_back({row[c[0]], duration_s, row[c[1]] * factor, row[c[2]] * factor});
+    recording.odometry.push_back(
+        {row[c[0]], duration_s, row[c[1]] * factor, row[c[2]] * factor, 0.0, 0.0, *left ? row[**left] * factor : 0.0});
   }
   return {};
 }
@@ -169,9 +173,6 @@ Result<Recording> read_tables(std::string_view name, const RecordingFiles& files
     if (table->rows.empty()) return fail("recording.empty", "there is nothing below its header", part.file);
     if (auto fine = part.read(*table, recording); !fine) return tl::unexpected(fine.error());
   }
-  if (const auto found = files.find("sensors.csv"); found != files.end()) {
-    if (auto fine = read_sensors("sensors.csv", found->second, recording); !fine) return tl::unexpected(fine.error());
-  }
   return recording;
 }
 
@@ -211,7 +212,16 @@ Result<void> too_short(const TextLine& line, std::size_t wanted) {
               line.place);
 }
 
-/// range2 t range variance x y id snr · odom2diff t left right lateral half_track var var var.
+/// Speeds first; they become distances when it is known how long they lasted.
+Result<void> take_speeds(const Recording::Step& step, const TextLine& line, Recording& recording) {
+  if (!recording.odometry.empty() && !(step.t_s > recording.odometry.back().t_s))
+    return fail("recording.stamp", "the stamp is not later than the one before it", line.place);
+  recording.odometry.push_back(step);
+  return {};
+}
+
+/// range2 t range variance x y id snr · odom2diff t left right lateral half_track var var var · odom2 t ahead left turn
+/// var var var.
 Result<void> take_input(const TextLine& line, Recording& recording) {
   const auto& v = line.values;
   if (line.kind == "range2") {
@@ -223,16 +233,23 @@ Result<void> take_input(const TextLine& line, Recording& recording) {
   } else if (line.kind == "odom2diff") {
     if (v.size() < 5) return too_short(line, 5);
     if (!(v[4] > 0.0)) return fail("recording.number", "half the track is more than nothing", line.place);
-    if (!recording.odometry.empty() && !(v[0] > recording.odometry.back().t_s))
-      return fail("recording.stamp", "the stamp is not later than the one before it", line.place);
-    // Speeds first; they become distances when it is known how long they lasted.
-    recording.odometry.push_back({v[0], 0.0, 0.5 * (v[1] + v[2]), (v[2] - v[1]) / (2.0 * v[4])});
+    recording.turns_from_wheels = true;
+    return take_speeds({v[0], 0.0, 0.5 * (v[1] + v[2]), (v[2] - v[1]) / (2.0 * v[4])}, line, recording);
+  } else if (line.kind == "odom2") {
+    if (v.size() < 4) return too_short(line, 4);
+    return take_speeds({v[0], 0.0, v[1], v[3], 0.0, 0.0, v[2]}, line, recording);
   }
   return {};
 }
 
-Result<void> take_truth(const TextLine& line, Recording& recording) {
+/// point2 t x y … · angle t heading …
+Result<void> take_truth(const TextLine& line, Recording& recording, std::map<double, double>& headings) {
   const auto& v = line.values;
+  if (line.kind == "angle") {
+    if (v.size() < 2) return too_short(line, 2);
+    headings[v[0]] = v[1];
+    return {};
+  }
   if (v.size() < 3) return too_short(line, 3);
   if (!recording.truth.empty() && !(v[0] > recording.truth.back().t_s))
     return fail("recording.stamp", "the stamp is not later than the one before it", line.place);
@@ -240,26 +257,53 @@ Result<void> take_truth(const TextLine& line, Recording& recording) {
   return {};
 }
 
+/// libRSF's odom2 goes as it looks at the beginning of a step, and turns at its end: the arc of the same two ends.
+void bend(Recording::Step& step) {
+  // Round in one step there is none.
+  if (std::fabs(step.turn_rad) >= 6.0) return;
+  const SinCos turn = sincos(step.turn_rad);
+  const bool straight = std::fabs(step.turn_rad) < 1e-4;
+  const double ahead = straight ? 1.0 - step.turn_rad * step.turn_rad / 6.0 : turn.sin / step.turn_rad;
+  const double aside = straight ? 0.5 * step.turn_rad : (1.0 - turn.cos) / step.turn_rad;
+  const double squared = ahead * ahead + aside * aside;
+  const double x_m = step.distance_m;
+  const double y_m = step.left_m;
+  step.distance_m = (ahead * x_m + aside * y_m) / squared;
+  step.left_m = (ahead * y_m - aside * x_m) / squared;
+}
+
 Result<Recording> read_librsf(std::string_view name, std::string_view input, std::string_view truth,
                               const RecordingFiles& files) {
   Recording recording;
   recording.name = name;
   const auto text_of = [&](std::string_view file) -> std::string_view { return files.find(std::string(file))->second; };
-  const auto told = [&](const TextLine& line) { return take_input(line, recording); };
-  const auto true_place = [&](const TextLine& line) { return take_truth(line, recording); };
-  if (auto fine = each_line(input, text_of(input), {"range2", "odom2diff"}, told); !fine)
+  bool goes_then_turns = false;
+  const auto told = [&](const TextLine& line) {
+    goes_then_turns = goes_then_turns || line.kind == "odom2";
+    return take_input(line, recording);
+  };
+  std::map<double, double> headings;
+  const auto true_place = [&](const TextLine& line) { return take_truth(line, recording, headings); };
+  if (auto fine = each_line(input, text_of(input), {"range2", "odom2diff", "odom2"}, told); !fine)
     return tl::unexpected(fine.error());
-  if (auto fine = each_line(truth, text_of(truth), {"point2"}, true_place); !fine) return tl::unexpected(fine.error());
+  if (auto fine = each_line(truth, text_of(truth), {"point2", "angle"}, true_place); !fine)
+    return tl::unexpected(fine.error());
   if (recording.odometry.size() < 2) return fail("recording.empty", "there is no odometry in it", std::string(input));
   if (recording.truth.empty()) return fail("recording.empty", "there is no truth in it", std::string(truth));
+  const auto has_heading = [&](const Recording::True& one) { return headings.contains(one.t_s); };
+  recording.truth_has_heading = std::ranges::all_of(recording.truth, has_heading);
+  if (recording.truth_has_heading) {
+    for (Recording::True& one : recording.truth) one.heading_rad = headings[one.t_s];
+  }
   recording.odometry_told_speeds = true;
-  recording.turns_from_wheels = true;
   // A speed is measured over the time that ends with its stamp.
   for (std::size_t i = recording.odometry.size(); i-- > 0;) {
     Recording::Step& step = recording.odometry[i];
     step.duration_s = i > 0 ? step.t_s - recording.odometry[i - 1].t_s : recording.odometry[1].duration_s;
     step.distance_m *= step.duration_s;
+    step.left_m *= step.duration_s;
     step.turn_rad *= step.duration_s;
+    if (goes_then_turns) bend(step);
   }
   return recording;
 }
@@ -305,6 +349,9 @@ Result<Recording> read_either(std::string_view name, const RecordingFiles& files
 Result<Recording> read_recording(std::string_view name, const RecordingFiles& files) {
   auto recording = read_either(name, files);
   if (!recording) return recording;
+  if (const auto found = files.find("sensors.csv"); found != files.end()) {
+    if (auto fine = read_sensors("sensors.csv", found->second, *recording); !fine) return tl::unexpected(fine.error());
+  }
   drop_no_distances(*recording);
   bridge_silences(*recording, recording->odometry_told_speeds);
   check_heading(*recording);

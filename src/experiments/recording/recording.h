@@ -23,6 +23,7 @@ struct Recording {
     double turn_rad;
     double distance_variance_m2{0.0};  ///< what it may be off by beyond the odometer's own figures
     double turn_variance_rad2{0.0};
+    double left_m{0.0};  ///< sideways, of who can
   };
   struct Heard {
     double t_s;
@@ -56,11 +57,12 @@ struct Recording {
 /// A folder's files, by name.
 using RecordingFiles = std::map<std::string, std::string>;
 
-/// Our own tables: odometry.csv (time_s, delta_distance_m, delta_heading_rad; or time_s, speed_mps, turn_radps),
-/// groundtruth.csv (time_s, x_m, y_m, and heading_rad where it is known), beacons.csv (beacon_id, x_m, y_m), ranges.csv
-/// (time_s, receiver_id or beacon_id, range_m), readings.csv (time_s, beacon_id, and ahead_m, left_m where the reader
-/// tells them), sensors.csv (name, value). Or libRSF's text: one file …Input.txt with range2 and odom2diff, one …GT.txt
-/// with point2. Fails ("recording.…") with file and line.
+/// Our own tables: odometry.csv (time_s, delta_distance_m, delta_heading_rad; or time_s, speed_mps, turn_radps; and
+/// delta_left_m or speed_left_mps of who goes sideways, too), groundtruth.csv (time_s, x_m, y_m, and heading_rad where
+/// it is known), beacons.csv (beacon_id, x_m, y_m), ranges.csv (time_s, receiver_id or beacon_id, range_m),
+/// readings.csv (time_s, beacon_id, and ahead_m, left_m where the reader tells them), sensors.csv (name, value). Or
+/// libRSF's text: one file …Input.txt with range2 and odom2diff or odom2, one …GT.txt with point2 and perhaps angle.
+/// Fails ("recording.…") with file and line.
 [[nodiscard]] Result<Recording> read_recording(std::string_view name, const RecordingFiles& files);
 
 struct ReplayOptions {

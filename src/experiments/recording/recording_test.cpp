@@ -7,7 +7,9 @@
 #include <sstream>
 #include <string>
 
+#include "aiv/estimation/planar.h"
 #include "aiv/estimation/registry.h"
+#include "base/math.h"
 #include "experiments/recording/test_folders.h"
 #include "experiments/statistics/sample.h"
 
@@ -80,6 +82,54 @@ TEST(Recording, reads_speeds_and_libRSF_text) {
   EXPECT_EQ(rsf->beacons.at(105), (Point2{-0.02, -0.01}));
   EXPECT_FALSE(rsf->truth_has_heading);
   EXPECT_GT(replayed(*rsf)->setting.start_heading_sigma_rad, 1.0);
+}
+
+TEST(Recording, of_libRSF_that_goes_then_turns_ends_each_step_where_that_ends) {
+  const auto rsf = read_recording(
+      "r", {{"A_Input.txt",
+             "odom2 1 -1 0.1 0 1 1 1\nodom2 2 1 0.2 1.5707963267948966 1 1 1\n"
+             "odom2 4 0.5 0 -3 1 1 1\n"},
+            {"A_GT.txt", "point2 0 0 0 0 0 0 0\nangle 0 3.14 0\npoint2 1 1 0 0 0 0 0\nangle 1 3.14 0\n"}});
+  ASSERT_TRUE(rsf) << to_string(rsf.error());
+  EXPECT_TRUE(rsf->truth_has_heading);
+  EXPECT_EQ(rsf->truth[1].heading_rad, 3.14);
+  const std::vector<Pose2> ends{{-1.0, 0.1, 0.0}, {1.0, 0.2, 0.5 * pi}};
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    const Recording::Step& step = rsf->odometry[i];
+    const Pose2 way = estimation::step_of({step.distance_m, step.turn_rad, step.duration_s, 0.0, 0.0, step.left_m});
+    EXPECT_NEAR(distance(way, ends[i]), 0.0, 1e-12) << i;
+    EXPECT_NEAR(way.heading_rad, ends[i].heading_rad, 1e-12) << i;
+  }
+  EXPECT_EQ(rsf->odometry[2].distance_m, 1.0);  // nearly round in one step: as it stands
+  EXPECT_EQ(refusal({{"A_Input.txt", "odom2 1 1 0\n"}, {"A_GT.txt", "point2 0 0 0\n"}}),
+            "recording.width A_Input.txt:1");
+  EXPECT_EQ(refusal({{"A_Input.txt", "odom2 1 1 0 0\nodom2 1 1 0 0\n"}, {"A_GT.txt", "point2 0 0 0\n"}}),
+            "recording.stamp A_Input.txt:2");
+  EXPECT_EQ(refusal({{"A_Input.txt", "odom2 1 1 0 0\nodom2 2 1 0 0\n"}, {"A_GT.txt", "point2 0 0 0\nangle 0\n"}}),
+            "recording.width A_GT.txt:2");
+}
+
+TEST(Recording, of_libRSF_may_bring_its_sensors_figures_too) {
+  const auto rsf = read_recording("r", {{"A_Input.txt", "odom2 1 1 0 0\nodom2 2 1 0 0\n"},
+                                        {"A_GT.txt", "point2 0 0 0\npoint2 1 1 0\n"},
+                                        {"sensors.csv", "name,value\nturn_variance_per_m,0.0004\n"}});
+  ASSERT_TRUE(rsf) << to_string(rsf.error());
+  EXPECT_EQ(replayed(*rsf)->setting.sensors.turn_variance_per_m, 0.0004);
+}
+
+TEST(Recording, of_who_goes_sideways_too_says_how_far) {
+  const auto files = with(
+      "odometry.csv", "time_s,delta_distance_m,delta_left_m,delta_heading_rad\n1,0.5,0,0\n2,0.6,0.8,0\n3,1,0,0.1\n");
+  const auto trial = replayed(*read_recording("s", files), {1.5, 0.05, 0.05});
+  ASSERT_TRUE(trial);
+  EXPECT_DOUBLE_EQ(std::get<estimation::Odometry>(trial->events[3]).left_m, 0.6);  // three quarters of it
+  EXPECT_DOUBLE_EQ(trial->moments[1].travelled_m, 1.5);
+  const auto speeds =
+      read_recording("s", with("odometry.csv", "time_s,speed_mps,speed_left_mps,turn_radps\n1,1,0,0\n1.5,2,-1,0.4\n"));
+  ASSERT_TRUE(speeds);
+  EXPECT_DOUBLE_EQ(speeds->odometry[1].left_m, -0.5);
+  EXPECT_EQ(refusal(with("odometry.csv", "time_s,delta_distance_m,delta_left_m,delta_heading_rad\n1,0.5,x,0\n")),
+            "recording.number odometry.csv:2");
 }
 
 TEST(Recording, that_is_bad_is_refused_with_its_place) {

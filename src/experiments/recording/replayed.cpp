@@ -67,10 +67,11 @@ class Mixer {
     if (!(to_s > from_s)) return;
     const double share = (to_s - from_s) / step.duration_s;
     trial_.events.emplace_back(estimation::Odometry{share * step.distance_m, share * step.turn_rad, to_s - from_s,
-                                                    share * step.distance_variance_m2,
-                                                    share * step.turn_variance_rad2});
-    since_m_ += std::fabs(share * step.distance_m);
-    travelled_m_ += std::fabs(share * step.distance_m);
+                                                    share * step.distance_variance_m2, share * step.turn_variance_rad2,
+                                                    share * step.left_m});
+    const double way_m = step.left_m != 0.0 ? norm(step.distance_m, step.left_m) : std::fabs(step.distance_m);
+    since_m_ += share * way_m;
+    travelled_m_ += share * way_m;
   }
   [[nodiscard]] Result<Point2> surveyed(std::uint32_t beacon) const {
     const auto found = recording_.beacons.find(beacon);
