@@ -105,6 +105,21 @@ TEST(BatteryTest, refuses_what_makes_no_sense) {
   EXPECT_EQ(cosiva({"battery"}).status, 2);
 }
 
+TEST(BatteryFleet, ends_itself_after_the_run_that_made_its_mean_as_sure_as_was_wanted) {
+  const auto fleet = [](const char* half_width) {
+    return cosiva({"battery", "fleet", "--aivs", "5", "--repeat", "3", "--measure", "20", "--scale", "0.3",
+                   "--half-width", half_width});
+  };
+  const Said loose = fleet("20");
+  ASSERT_EQ(loose.status, 0) << loose.words;
+  EXPECT_THAT(loose.words, HasSubstr("the test ends after run 1 of 3: the mean is known as well as was wanted"));
+  EXPECT_THAT(loose.data, HasSubstr("after 5 batteries: no more are needed, nor more runs than the 1 of 3 that were"));
+  const Said strict = fleet("0.01");
+  ASSERT_EQ(strict.status, 0) << strict.words;
+  EXPECT_THAT(strict.data, HasSubstr("5 batteries, 15 runs"));
+  EXPECT_THAT(strict.data, HasSubstr("the mean is not known to 0.01 % yet"));
+}
+
 TEST(BatteryFit, tells_residuals_and_foretells_what_it_was_not_fitted_to) {
   const Said said = cosiva({"battery", "fit", data("leaf_hppc_25C.csv"), "--predict", data("leaf_1C_first.csv"),
                             "--predict", data("leaf_2C_first.csv"), "--json"});

@@ -36,6 +36,7 @@ constexpr const char* fleet_examples =
     "  cosiva battery fleet --aivs 4 --repeat 4 --swap            shares of variance: battery, vehicle, run, rest\n"
     "  cosiva battery fleet --aivs 12 --failures 0.05             vehicles fail: censored, never counted as ends\n"
     "  cosiva battery fleet --aivs 12 --half-width 1              after how many batteries the mean is known to 1 %\n"
+    "  cosiva battery fleet --aivs 6 --repeat 8 --half-width 1    runs are repeated until it is, eight times at most\n"
     "  cosiva battery fleet --live --broker 127.0.0.1:1883 --state test.json   on a platform that runs (`cosiva up`)";
 
 constexpr const char* fit_examples =
@@ -315,7 +316,8 @@ BatteryVerbs describe_battery(CLI::App& root, BatteryArguments& battery) {
   verbs.fleet->add_flag("--swap", battery.test.swap, "batteries change vehicles from run to run, by a Latin square");
   verbs.fleet
       ->add_option("--half-width", battery.test.half_width_percent,
-                   "say after how many batteries the mean is known to this [%]")
+                   "the mean is wanted to this [%]: says after how many batteries it was known, and makes no further "
+                   "run of --repeat then")
       ->type_name("PERCENT");
   describe_fit(*verbs.fit, battery.fit);
   describe_ready(*verbs.ready, battery.ready);

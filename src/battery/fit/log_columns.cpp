@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 
 #include "base/text.h"
 
@@ -105,9 +106,11 @@ tl::unexpected<Error> missing(const std::vector<std::string>& header, const Quan
   for (const std::string& name : header) {
     const std::string apart = taken_apart(name).quantity;
     if (name.starts_with(quantity.stem) ||
-        std::ranges::find(quantity.others, std::string_view{apart}) != quantity.others.end())
-      return fail("log.column", "column '" + name + "' lacks its unit or has another: expected '" + wanted + "'",
-                  place);
+        std::ranges::find(quantity.others, std::string_view{apart}) != quantity.others.end()) {
+      std::string text = "column '" + name;
+      text.append("' lacks its unit or has another: expected '").append(wanted).append("'");
+      return fail("log.column", std::move(text), place);
+    }
   }
   const auto is_number = [](const std::string& field) { return number_of<double>(field).has_value(); };
   if (std::ranges::count_if(header, is_number) >= 3)
