@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "battery/fit/log.h"
@@ -14,9 +15,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (const battery::Log& log : *logs) {
     COSIVA_EXPECT(log.time_s.size() == log.voltage_v.size() && log.time_s.size() == log.current_a.size());
     for (std::size_t i = 1; i < log.time_s.size(); ++i) COSIVA_EXPECT(log.time_s[i] >= log.time_s[i - 1]);
-    for (const battery::Discharge& one : battery::discharges_from_full(log, 4.2))
+    COSIVA_EXPECT(log.counted_ah.empty() || log.counted_ah.size() == log.time_s.size());
+    const auto discharges = battery::discharges_from_full(log, 4.2);
+    for (const battery::Discharge& one : discharges) {
       COSIVA_EXPECT(one.first < one.last && one.last <= log.time_s.size() &&
                     one.used_ah.size() == one.last - one.first);
+      COSIVA_EXPECT(!(one.uncertain < 0.0));
+    }
+    const auto parts = battery::split_at_charges(log, 4.2);
+    COSIVA_EXPECT(parts.size() == std::max<std::size_t>(1, discharges.size()));
+    for (const battery::Log& part : parts) COSIVA_EXPECT(part.time_s.size() == part.current_a.size());
   }
   return 0;
 }

@@ -42,36 +42,68 @@ bool holds_one(const std::string& name, const std::vector<std::string>& parts) {
 struct FitInput {
   std::vector<Log> fitted;
   std::vector<Log> foretold;
+  double full_v{0.0};  ///< of a full battery; 0: the logs tell
 };
+
+/// The logs of these files; each discharge that begins full as one of its own where a discharge is spoken of.
+Result<std::vector<Log>> load_all(const std::vector<std::string>& files, bool each_discharge, double& full_v) {
+  std::vector<Log> all;
+  for (const std::string& file : files) {
+    auto logs = load_logs(file);
+    if (!logs) return tl::unexpected(logs.error());
+    std::ranges::move(*logs, std::back_inserter(all));
+  }
+  full_v = std::max(full_v, battery::highest_voltage_v(all));
+  if (!each_discharge) return all;
+  std::vector<Log> parts;
+  for (const Log& log : all) std::ranges::move(battery::split_at_charges(log, full_v), std::back_inserter(parts));
+  return parts;
+}
 
 Result<FitInput> load_input(const BatteryFitArguments& arguments) {
   FitInput input;
   std::vector<std::string> series;
-  for (const std::string& given : arguments.predict) {
-    if (!std::filesystem::exists(given)) {
-      series.push_back(given);
-      continue;
-    }
-    auto logs = load_logs(given);
-    if (!logs) return tl::unexpected(logs.error());
-    std::ranges::move(*logs, std::back_inserter(input.foretold));
-  }
+  std::vector<std::string> files;
+  for (const std::string& given : arguments.predict) (std::filesystem::exists(given) ? files : series).push_back(given);
+  const auto speaks_of_one = [](const std::string& part) { return part.starts_with("discharge "); };
+  const bool each_discharge =
+      std::ranges::any_of(series, speaks_of_one) || std::ranges::any_of(arguments.series, speaks_of_one);
+  double full_v = 0.0;
+  auto foretold = load_all(files, false, full_v);
+  if (!foretold) return tl::unexpected(foretold.error());
+  input.foretold = std::move(*foretold);
+  full_v = 0.0;
+  auto logs = load_all(arguments.files, each_discharge, full_v);
+  if (!logs) return tl::unexpected(logs.error());
+  if (each_discharge) input.full_v = full_v;  // the charges that say so are in none of the parts
   std::vector<bool> found(series.size(), false);
-  for (const std::string& file : arguments.files) {
-    auto logs = load_logs(file);
-    if (!logs) return tl::unexpected(logs.error());
-    for (Log& log : *logs) {
-      for (std::size_t i = 0; i < series.size(); ++i) found[i] = found[i] || holds_one(log.name, {series[i]});
-      if (holds_one(log.name, series))
-        input.foretold.push_back(std::move(log));
-      else if (arguments.series.empty() || holds_one(log.name, arguments.series))
-        input.fitted.push_back(std::move(log));
-    }
+  for (Log& log : *logs) {
+    for (std::size_t i = 0; i < series.size(); ++i) found[i] = found[i] || holds_one(log.name, {series[i]});
+    if (holds_one(log.name, series))
+      input.foretold.push_back(std::move(log));
+    else if (arguments.series.empty() || holds_one(log.name, arguments.series))
+      input.fitted.push_back(std::move(log));
   }
   for (std::size_t i = 0; i < series.size(); ++i)
     if (!found[i]) return fail("fit.predict", "is neither a file nor a series of the logs", series[i]);
   if (input.fitted.empty()) return fail("fit.full", "no series is left to be fitted", arguments.files.front());
   return input;
+}
+
+/// What is worth saying of what was foretold beyond the fit's own notes.
+void note_foretold(const FitInput& input, const std::vector<battery::Residual>& foretold, battery::Fit& fit) {
+  const auto note = [&](std::string text) {
+    if (std::ranges::find(fit.notes, text) == fit.notes.end()) fit.notes.push_back(std::move(text));
+  };
+  for (const Log& log : input.foretold)
+    for (const std::string& text : log.notes) note(text);
+  constexpr double far = 1.5;
+  double most_a = 0.0;
+  for (const battery::Residual& one : foretold) most_a = std::max(most_a, one.current_a);
+  if (most_a > far * fit.largest_a)
+    note("foretold at " + decimals(most_a / fit.largest_a, 1) +
+         " times the largest current that was fitted: near empty a battery gives less than that tells; fit a faster "
+         "log");
 }
 
 std::string residual_text(const battery::Residual& residual) {
@@ -83,6 +115,9 @@ std::string residual_text(const battery::Residual& residual) {
     text += "; to " + decimals(residual.floor_v, 3) + " V " + decimals(residual.measured_s, 1) + " s measured, " +
             decimals(residual.predicted_s, 1) + " s foretold (" +
             decimals(100.0 * (residual.predicted_s / residual.measured_s - 1.0), 2) + " %)";
+  constexpr double worth_saying = 0.01;
+  if (residual.uncertain > worth_saying)
+    text += "; its samples leave " + decimals(100.0 * residual.uncertain, 1) + " % of its charge open";
   return text + "\n";
 }
 
@@ -92,7 +127,7 @@ void write_residuals(JsonWriter& json, std::string_view name, const std::vector<
     json.begin_object().field("log", one.log).field("samples", one.samples).field("current_a", one.current_a);
     json.field("rms_v", one.rms_v).field("worst_v", one.worst_v).field("worst_at_charge", one.worst_at_charge);
     json.field("measured_s", one.measured_s).field("predicted_s", one.predicted_s).field("floor_v", one.floor_v);
-    json.field("began_s", one.began_s).end_object();
+    json.field("began_s", one.began_s).field("charge_uncertain_percent", 100.0 * one.uncertain).end_object();
   }
   json.end_array();
 }
@@ -144,7 +179,8 @@ int run_battery_fit(const BatteryFitArguments& arguments) {
       options.source += (options.source.empty() ? "fit of " : ", ") + std::filesystem::path{file}.filename().string();
   options.capacity_ah = arguments.capacity_ah;
   options.floor_v = arguments.floor_v;
-  const auto fit = battery::fit_type(input->fitted, options);
+  options.full_v = input->full_v;
+  auto fit = battery::fit_type(input->fitted, options);
   if (!fit) return complain(fit.error());
   std::vector<battery::Residual> foretold;
   for (const Log& log : input->foretold) {
@@ -155,6 +191,7 @@ int run_battery_fit(const BatteryFitArguments& arguments) {
                        log.name});
     std::ranges::move(own, std::back_inserter(foretold));
   }
+  note_foretold(*input, foretold, *fit);
   if (!arguments.out_file.empty()) {
     // Nothing is written that could not be read again.
     const std::string file = battery::to_json(fit->type);
@@ -167,7 +204,8 @@ int run_battery_fit(const BatteryFitArguments& arguments) {
     json.begin_object()
         .field("name", fit->type.name)
         .field("capacity_ah", fit->type.capacity_ah)
-        .field("rms_v", fit->rms_v);
+        .field("rms_v", fit->rms_v)
+        .field("charge_uncertain_percent", 100.0 * fit->charge_uncertain);
     json.field("fast_s", fit->fast_s).field("slow_s", fit->slow_s).field("floor_v", fit->type.voltage_floor_v);
     write_residuals(json, "residuals", fit->residuals);
     write_residuals(json, "predictions", foretold);

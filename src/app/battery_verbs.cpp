@@ -112,6 +112,7 @@ std::string again(const BatteryTestArguments& arguments, const std::string& verb
                      decimals(arguments.ambient_c, 1) + " --load-spread " + decimals(arguments.load_sd_percent, 2) +
                      " --measure " + decimals(arguments.measure_s, 0) + " --seed " + std::to_string(arguments.seed);
   if (verb == "fleet") text += " --aivs " + std::to_string(arguments.aivs) + (arguments.swap ? " --swap" : "");
+  if (arguments.half_width_percent > 0.0) text += " --half-width " + decimals(arguments.half_width_percent, 3);
   if (arguments.series > 0) text += " --series " + std::to_string(arguments.series);
   if (arguments.parallel > 0) text += " --parallel " + std::to_string(arguments.parallel);
   if (arguments.scale > 0.0) text += " --scale " + decimals(arguments.scale, 6);
@@ -246,13 +247,17 @@ Result<Outcome> run_somehow(const BatteryTestArguments& arguments, const Virtual
 }
 
 int run_test(const BatteryTestArguments& arguments, const std::string& verb, std::size_t vehicles) {
-  const auto options = rig_options(arguments, vehicles);
+  auto options = rig_options(arguments, vehicles);
   if (!options) return complain(options.error());
+  const double half_width = 0.01 * arguments.half_width_percent;
+  if (half_width > 0.0)
+    options->procedure.enough = [=](const std::vector<experiments::BatteryRun>& records) {
+      return experiments::analyse(records, vehicles, half_width).stopped_after.has_value();
+    };
   const auto outcome = run_somehow(arguments, *options, vehicles);
   if (!outcome) return complain(outcome.error());
 
-  const auto figures =
-      experiments::analyse(outcome->records, vehicles, 0.01 * arguments.half_width_percent, arguments.seed);
+  const auto figures = experiments::analyse(outcome->records, vehicles, half_width, arguments.seed);
   const std::string json = experiments::to_json(figures, outcome->records, outcome->truth);
   if (!arguments.out_directory.empty()) {
     if (auto written = write_report(arguments, verb, *outcome, *options, figures, json); !written)
@@ -260,7 +265,10 @@ int run_test(const BatteryTestArguments& arguments, const std::string& verb, std
     say("written to " + arguments.out_directory + ": report.html, result.json, curves.csv");
   }
   std::string text = experiments::to_text(figures, outcome->records);
-  if (arguments.half_width_percent > 0.0) text += "\n" + stop_text(figures.stopped_after, arguments.half_width_percent);
+  if (half_width > 0.0) text += "\n" + stop_text(figures.stopped_after, arguments.half_width_percent);
+  if (half_width > 0.0 && figures.stopped_after && figures.runs < arguments.repeat)
+    text += ", nor more runs than the " + std::to_string(figures.runs) + " of " + std::to_string(arguments.repeat) +
+            " that were made";
   // Under a floor by count alone every battery of a type comes out alike: worth a word.
   if (options->battery.gauge != battery::GaugeMethod::kalman && options->procedure.floor > 0.0)
     say("note: a gauge that only counts takes every battery's capacity for the type's; --gauge kalman or --floor 0 "

@@ -126,6 +126,21 @@ TEST(BatteryTest, refuses_what_makes_no_sense) {
   EXPECT_EQ(cosiva({"battery"}).status, 2);
 }
 
+TEST(BatteryFleet, ends_itself_after_the_run_that_made_its_mean_as_sure_as_was_wanted) {
+  const auto fleet = [](const char* half_width) {
+    return cosiva({"battery", "fleet", "--aivs", "5", "--repeat", "3", "--measure", "20", "--scale", "0.3",
+                   "--half-width", half_width});
+  };
+  const Said loose = fleet("20");
+  ASSERT_EQ(loose.status, 0) << loose.words;
+  EXPECT_THAT(loose.words, HasSubstr("the test ends after run 1 of 3: the mean is known as well as was wanted"));
+  EXPECT_THAT(loose.data, HasSubstr("after 5 batteries: no more are needed, nor more runs than the 1 of 3 that were"));
+  const Said strict = fleet("0.01");
+  ASSERT_EQ(strict.status, 0) << strict.words;
+  EXPECT_THAT(strict.data, HasSubstr("5 batteries, 15 runs"));
+  EXPECT_THAT(strict.data, HasSubstr("the mean is not known to 0.01 % yet"));
+}
+
 TEST(BatteryFit, tells_residuals_and_foretells_what_it_was_not_fitted_to) {
   const Said said = cosiva({"battery", "fit", data("leaf_hppc_25C.csv"), "--predict", data("leaf_1C_first.csv"),
                             "--predict", data("leaf_2C_first.csv"), "--json"});
@@ -139,6 +154,43 @@ TEST(BatteryFit, tells_residuals_and_foretells_what_it_was_not_fitted_to) {
   const Said series = cosiva({"battery", "fit", data("lipo_pouch_rates_25C.csv"), "--predict", "rate=2C"});
   EXPECT_THAT(series.data, HasSubstr("foretold:\n"));
   EXPECT_THAT(series.data, HasSubstr("note: assumed"));
+}
+
+TEST(BatteryFit, holds_a_discharge_out_of_a_file_that_has_several) {
+  const Scratch scratch;
+  // Two rates in one file, as a tester writes them: charged in between, under its own names, in milliamperes.
+  std::string text = "Test_Time(s),Voltage(V),Current(mA)\n";
+  double at_s = 0.0;
+  double used_ah = 0.0;
+  const auto go = [&](double ampere, double until_ah) {
+    while ((until_ah - used_ah) * ampere > 0.0) {
+      at_s += 10.0;
+      used_ah += ampere * 10.0 / 3600.0;
+      text += std::to_string(at_s) + "," + std::to_string(4.2 - used_ah - 0.05 * std::max(0.0, ampere)) + "," +
+              std::to_string(-1000.0 * ampere) + "\n";
+    }
+  };
+  go(0.2, 0.95);
+  go(-0.5, 0.0);
+  go(1.0, 0.95);
+  go(-0.5, 0.0);
+  go(0.5, 0.95);
+  const std::string file = scratch / "all.csv";
+  ASSERT_TRUE(adapters::write_file(file, text));
+  const Said said = cosiva({"battery", "fit", file, "--predict", "discharge 2", "--json"});
+  ASSERT_EQ(said.status, 0) << said.words;
+  const auto json = JsonValue::parse(said.data);
+  ASSERT_TRUE(json);
+  EXPECT_EQ(json->find("residuals")->array()->size(), 2U);
+  ASSERT_EQ(json->find("predictions")->array()->size(), 1U);
+  const JsonValue& foretold = json->find("predictions")->array()->front();
+  EXPECT_THAT(*foretold.text("log"), HasSubstr("all.csv, discharge 2"));
+  EXPECT_NEAR(*foretold.number("predicted_s") / *foretold.number("measured_s"), 1.0, 0.02);
+  EXPECT_TRUE(json->number("charge_uncertain_percent"));
+  const std::string words = cosiva({"battery", "fit", file, "--predict", "discharge 2"}).data;
+  EXPECT_THAT(words, HasSubstr("'Current(mA)' as current_ampere"));
+  EXPECT_THAT(words, HasSubstr("foretold at 2.0 times the largest current"));
+  EXPECT_EQ(cosiva({"battery", "fit", file, "--predict", "discharge 4"}).status, 2);
 }
 
 TEST(BatteryFit, writes_a_type_that_can_be_used) {

@@ -36,16 +36,22 @@ constexpr const char* fleet_examples =
     "  cosiva battery fleet --aivs 4 --repeat 4 --swap            shares of variance: battery, vehicle, run, rest\n"
     "  cosiva battery fleet --aivs 12 --failures 0.05             vehicles fail: censored, never counted as ends\n"
     "  cosiva battery fleet --aivs 12 --half-width 1              after how many batteries the mean is known to 1 %\n"
+    "  cosiva battery fleet --aivs 6 --repeat 8 --half-width 1    runs are repeated until it is, eight times at most\n"
     "  cosiva battery fleet --live --broker 127.0.0.1:1883 --state test.json   on a platform that runs (`cosiva up`)";
 
 constexpr const char* fit_examples =
     "A pulse test from full to empty is best; constant discharges at two rates do. One rate alone does not tell\n"
-    "resistance from voltage. A discharge must begin full; + charges, as in the Battery Data Format.\n"
+    "resistance from voltage. A discharge must begin full; + charges, as in the Battery Data Format. Columns:\n"
+    "test_time_second, voltage_volt, current_ampere; or a tester's own, where they name their unit, as Test_Time(s),\n"
+    "Voltage(V), Current(mA). Where the tester counted charge itself (discharging_capacity_ah, charging_capacity_ah),\n"
+    "its count is used. Where samples lie too far apart to tell the charge, the words say by how much it may be off:\n"
+    "--capacity, where it is known, mends that.\n"
     "\n"
     "Examples:\n"
     "  cosiva battery fit pulses.csv --predict 1C.csv --predict 2C.csv   how far off what was not fitted\n"
     "  cosiva battery fit rates.csv --predict rate=2C             hold one series out\n"
     "  cosiva battery fit rates.csv --only rate=0.1C --only rate=1C --floor 3.0\n"
+    "  cosiva battery fit all.csv --predict 'discharge 3'         a file's discharges are numbered as they come\n"
     "  cosiva battery fit pulses.csv --name mine --licence CC-BY-4.0 --out mine.json\n"
     "  cosiva battery check mine.json && cosiva battery sampled --type mine.json";
 
@@ -197,7 +203,8 @@ void describe_ready(CLI::App& verb, BatteryReadyArguments& ready) {
 
 void describe_fit(CLI::App& verb, BatteryFitArguments& fit) {
   verb.add_option("files", fit.files, "logs with the Battery Data Format's columns")->type_name("CSV")->required();
-  verb.add_option("--only", fit.series, "only the series whose name holds this, such as rate=1C")->type_name("TEXT");
+  verb.add_option("--only", fit.series, "only the series whose name holds this: rate=1C, discharge 2")
+      ->type_name("TEXT");
   verb.add_option("--predict", fit.predict, "not fitted but foretold: another log, or series whose name holds this")
       ->type_name("CSV|TEXT");
   verb.add_option("--name", fit.name, "of the type")->type_name("TEXT")->capture_default_str();
@@ -315,7 +322,8 @@ BatteryVerbs describe_battery(CLI::App& root, BatteryArguments& battery) {
   verbs.fleet->add_flag("--swap", battery.test.swap, "batteries change vehicles from run to run, by a Latin square");
   verbs.fleet
       ->add_option("--half-width", battery.test.half_width_percent,
-                   "say after how many batteries the mean is known to this [%]")
+                   "the mean is wanted to this [%]: says after how many batteries it was known, and makes no further "
+                   "run of --repeat then")
       ->type_name("PERCENT");
   describe_fit(*verbs.fit, battery.fit);
   describe_ready(*verbs.ready, battery.ready);

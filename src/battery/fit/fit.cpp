@@ -16,6 +16,7 @@ constexpr double sample_worth_s = 2.0;     // a sample counts for the time since
 constexpr double sample_least_s = 0.5;     // faster ones are thinned out where the current is steady
 constexpr double ocv_growth_min_v = 1e-4;  // from row to row
 constexpr double range_min = 0.5;
+constexpr std::size_t cycles_few = 6;
 
 /// One sample as the least squares want it.
 struct Point {
@@ -264,6 +265,48 @@ std::string few_digits(double value) {
   return {buffer.data(), error == std::errc{} ? end : buffer.data()};
 }
 
+/// A battery gives a little less to a faster load. Much less means another thing: another battery or temperature, or a
+/// tester whose current is off at one of its ranges.
+void note_capacities(const std::vector<Discharge>& discharges, double floor_v, std::vector<std::string>& notes) {
+  double least_ah = std::numeric_limits<double>::infinity();
+  double most_ah = 0.0;
+  for (const Discharge& one : discharges) {
+    if (lowest_under_load_v(one) > floor_v + 0.05) continue;  // it did not go to the end
+    const double own_ah = *std::ranges::max_element(one.used_ah);
+    least_ah = std::min(least_ah, own_ah);
+    most_ah = std::max(most_ah, own_ah);
+  }
+  constexpr double usual_share = 0.95;
+  if (least_ah < usual_share * most_ah)
+    notes.push_back("down to the same voltage the discharges take out from " + few_digits(least_ah) + " to " +
+                    few_digits(most_ah) +
+                    " Ah: if that is not one battery at rates far apart, fit what belongs together alone (--only)");
+}
+
+/// How well the logs tell what was taken out.
+void note_charge(const std::vector<Discharge>& discharges, const Problem& problem, Fit& fit) {
+  std::size_t counted = 0;
+  for (const Discharge& one : discharges) {
+    fit.charge_uncertain = std::max(fit.charge_uncertain, one.uncertain);
+    if (one.is_counted) ++counted;
+    if (one.scale != 1.0)
+      fit.notes.push_back("the samples lie too far apart to tell what was taken out: their count was " +
+                          few_digits(100.0 * (1.0 / one.scale - 1.0)) +
+                          " % off the capacity given, and is scaled to it");
+  }
+  if (counted > 0)
+    fit.notes.push_back("in " + std::to_string(counted) + " of " + std::to_string(discharges.size()) +
+                        " discharges the charge is what the tester itself counted");
+  constexpr double worth_saying = 0.01;
+  if (fit.charge_uncertain <= worth_saying) return;
+  fit.notes.push_back(
+      "what was taken out, and so the capacity and every time foretold, may be off by " +
+      few_digits(100.0 * fit.charge_uncertain) + " %: nobody knows when the current changed between two samples (" +
+      std::to_string(problem.brief) + " of " + std::to_string(problem.loads) +
+      " loads were seen by one sample only, and shorter ones by none). Sample more often, let the tester write " +
+      "'discharging_capacity_ah' and 'charging_capacity_ah', or give the capacity where you know it (--capacity)");
+}
+
 void note_warmth(const Warmth& warmth, std::vector<std::string>& notes) {
   if (!warmth.is_known) {
     notes.emplace_back("the logs tell no temperature: 25 °C is assumed");
@@ -314,6 +357,41 @@ BatteryType make_type(const Solution& solution, const FitOptions& options, doubl
   return type;
 }
 
+double most_taken_ah(const std::vector<Discharge>& discharges) {
+  double taken_ah = 0.0;
+  for (const Discharge& one : discharges) taken_ah = std::max(taken_ah, *std::ranges::max_element(one.used_ah));
+  return taken_ah;
+}
+
+/// What whoever reads the figures should know besides.
+void note_all(const std::vector<Log>& logs, const std::vector<Discharge>& discharges, const Problem& problem,
+              const FitOptions& options, const Warmth& warmth, Fit& fit) {
+  for (const Log& log : logs)
+    for (const std::string& note : log.notes)
+      if (std::ranges::find(fit.notes, note) == fit.notes.end()) fit.notes.push_back(note);
+  double& largest_a = fit.largest_a;
+  for (const Point& point : problem.points) largest_a = std::max(largest_a, point.current_a);
+  fit.notes.push_back("fitted up to " + few_digits(largest_a) + " A: at more the type is a guess");
+  constexpr double rate_suspicious = 50.0;
+  if (largest_a > rate_suspicious * fit.type.capacity_ah)
+    fit.notes.push_back("that is " + few_digits(largest_a / fit.type.capacity_ah) +
+                        "C: if the battery never gave so much, the times are not in seconds");
+  note_charge(discharges, problem, fit);
+  if (problem.one_current)
+    fit.notes.emplace_back(
+        "one current only: steps at its begin and end are all that tells resistance from voltage; the usual is "
+        "assumed");
+  constexpr double rms_suspicious_v = 0.03;
+  if (fit.rms_v > rms_suspicious_v)
+    fit.notes.push_back("off by " + few_digits(1e3 * fit.rms_v) +
+                        " mV: no one battery does what these logs say; fit one battery's alone (--only)");
+  note_warmth(warmth, fit.notes);
+  if (options.capacity_ah <= 0.0) fit.notes.emplace_back("the capacity is what the slowest discharge took out");
+  note_capacities(discharges, fit.type.voltage_floor_v, fit.notes);
+  fit.notes.emplace_back(
+      "assumed, as no log tells it: heat capacity and loss, activation energy, fade, growth, spread");
+}
+
 }  // namespace
 
 Result<Fit> fit_type(const std::vector<Log>& logs, const FitOptions& options) {
@@ -325,8 +403,9 @@ Result<Fit> fit_type(const std::vector<Log>& logs, const FitOptions& options) {
   if (discharges.empty())
     return fail("fit.full", "no discharge begins full, at " + std::to_string(full_v) + " V or a little below",
                 logs.empty() ? std::string{} : logs.front().name);
-  double taken_ah = 0.0;
-  for (const Discharge& one : discharges) taken_ah = std::max(taken_ah, *std::ranges::max_element(one.used_ah));
+  if (options.capacity_ah > 0.0)
+    scale_to_capacity(discharges, options.capacity_ah, options.floor_v > 0.0 ? options.floor_v : lowest_of(discharges));
+  const double taken_ah = most_taken_ah(discharges);
   const double capacity_ah = options.capacity_ah > 0.0 ? options.capacity_ah : taken_ah;
   if (!(capacity_ah > 0.0) || taken_ah > 1.02 * capacity_ah)
     return fail("fit.capacity", "the logs take out " + std::to_string(taken_ah) + " Ah, more than the capacity given",
@@ -335,6 +414,14 @@ Result<Fit> fit_type(const std::vector<Log>& logs, const FitOptions& options) {
     return fail("fit.range",
                 "the logs take out " + std::to_string(taken_ah) + " Ah only, less than half of the capacity",
                 "--capacity");
+  double moved_ah = 0.0;
+  for (const Log& log : logs) moved_ah = std::max(moved_ah, charge_moved_ah(log));
+  // Over many cycles a tester's error adds up; over few it does not double what a battery holds.
+  if (options.capacity_ah <= 0.0 && discharges.size() < cycles_few && taken_ah < range_min * moved_ah)
+    return fail("fit.range",
+                "the discharges that begin full take out " + few_digits(taken_ah) + " Ah, but the log moves " +
+                    few_digits(moved_ah) + " Ah: give a discharge from full to empty, or --capacity",
+                discharges.front().log->name);
   const double floor_v = options.floor_v > 0.0 ? options.floor_v : 0.01 * std::nearbyint(100.0 * lowest_of(discharges));
   if (!(floor_v < full_v)) return fail("fit.range", "the voltage never falls under load", discharges.front().log->name);
 
@@ -349,29 +436,8 @@ Result<Fit> fit_type(const std::vector<Log>& logs, const FitOptions& options) {
   fit.fast_s = solution.fast_s;
   fit.slow_s = solution.slow_s;
   fit.rms_v = std::sqrt(solution.sum_sq / problem.weight);
-  fit.residuals = predict(fit.type, logs);
-  double largest_a = 0.0;
-  for (const Point& point : problem.points) largest_a = std::max(largest_a, point.current_a);
-  fit.notes.push_back("fitted up to " + few_digits(largest_a) + " A: at more the type is a guess");
-  constexpr double rate_suspicious = 50.0;
-  if (largest_a > rate_suspicious * capacity_ah)
-    fit.notes.push_back("that is " + few_digits(largest_a / capacity_ah) +
-                        "C: if the battery never gave so much, the times are not in seconds");
-  if (problem.loads >= 4 && 3 * problem.brief > problem.loads)
-    fit.notes.push_back(std::to_string(problem.brief) + " of " + std::to_string(problem.loads) +
-                        " loads were seen by one sample only: what they took out, and so the capacity, is a guess");
-  if (problem.one_current)
-    fit.notes.emplace_back(
-        "one current only: steps at its begin and end are all that tells resistance from voltage; the usual is "
-        "assumed");
-  constexpr double rms_suspicious_v = 0.03;
-  if (fit.rms_v > rms_suspicious_v)
-    fit.notes.push_back("off by " + few_digits(1e3 * fit.rms_v) +
-                        " mV: no one battery does what these logs say; fit one battery's alone (--only)");
-  note_warmth(warmth, fit.notes);
-  if (options.capacity_ah <= 0.0) fit.notes.emplace_back("the capacity is what the slowest discharge took out");
-  fit.notes.emplace_back(
-      "assumed, as no log tells it: heat capacity and loss, activation energy, fade, growth, spread");
+  fit.residuals = predict(fit.type, logs, 0.0, options.capacity_ah);
+  note_all(logs, discharges, problem, options, warmth, fit);
   return fit;
 }
 

@@ -32,13 +32,16 @@ struct Residual {
   double predicted_s;      ///< the type's, under the same current; NaN where it never gets there
   double floor_v;          ///< what was asked for, or the log's lowest voltage under load where it ends above
   double began_s;          ///< when its load came on, in the log's own time
+  double uncertain;        ///< how far what the log says was taken out may be off, as a share of it
 };
 
 struct Fit {
   BatteryType type;
   double fast_s;  ///< the two time constants found
   double slow_s;
-  double rms_v;  ///< over all that was fitted
+  double rms_v;                  ///< over all that was fitted
+  double largest_a{0.0};         ///< discharging current that was fitted
+  double charge_uncertain{0.0};  ///< how far what was taken out may be off, as a share of it: the worst discharge's
   std::vector<Residual> residuals;
   std::vector<std::string> notes;  ///< what was assumed
 };
@@ -53,7 +56,8 @@ struct Fit {
 /// What a type says of discharges that begin full, whether it was fitted to them or not, at the temperature it was
 /// fitted at. Logs without such a discharge have no residual.
 /// @param floor_v  of the times; 0: the type's own floor
-[[nodiscard]] std::vector<Residual> predict(const BatteryType& type, const std::vector<Log>& logs,
-                                            double floor_v = 0.0);
+/// @param known_ah  what the logs' own battery holds, for logs whose samples lie too far apart; 0: what they count
+[[nodiscard]] std::vector<Residual> predict(const BatteryType& type, const std::vector<Log>& logs, double floor_v = 0.0,
+                                            double known_ah = 0.0);
 
 }  // namespace cosiva::battery

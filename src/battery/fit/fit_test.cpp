@@ -161,6 +161,47 @@ TEST(Fit, finds_a_known_battery_again) {
   EXPECT_TRUE(again) << to_string(again.error());
 }
 
+/// The log as a recorder would have written it that looks once in so many seconds, whatever the tester does.
+Log looked_at_every(double every_s, double phase_s, const Log& log) {
+  Log seldom{log.name, {}, {}, {}, {}};
+  std::size_t i = 1;
+  for (double t = log.time_s.front() + phase_s; t <= log.time_s.back(); t += every_s) {
+    while (i + 1 < log.time_s.size() && log.time_s[i] < t) ++i;
+    seldom.time_s.push_back(t);
+    seldom.voltage_v.push_back(log.voltage_v[i]);
+    seldom.current_a.push_back(log.current_a[i]);
+  }
+  return seldom;
+}
+
+// Pulses of 30 s and 10 s, seen once in a minute: nobody knows how long they were.
+TEST(Fit, of_a_log_that_was_sampled_too_seldom_says_by_how_much_it_may_be_off_and_is_not) {
+  const std::vector<Log> pulses = logs_of("leaf_hppc_25C.csv");
+  bool is_often_wrong = false;
+  for (const double phase_s : {0.0, 13.0, 25.0, 44.0}) {
+    const Log seldom = looked_at_every(60.0, phase_s, pulses.front());
+    const auto fit = fit_type({seldom}, {.name = "leaf"});
+    ASSERT_TRUE(fit) << to_string(fit.error());
+    EXPECT_NEAR(fit->type.capacity_ah, 30.5, fit->charge_uncertain * 30.5) << phase_s;
+    EXPECT_GT(fit->charge_uncertain, 0.02) << phase_s;
+    EXPECT_LT(fit->charge_uncertain, 0.2) << phase_s;
+    EXPECT_THAT(fit->notes, ::testing::Contains(::testing::HasSubstr("may be off by"))) << phase_s;
+    EXPECT_EQ(fit->residuals.front().uncertain, fit->charge_uncertain) << phase_s;
+    is_often_wrong = is_often_wrong || std::fabs(fit->type.capacity_ah / 30.5 - 1.0) > 0.03;
+    // With the capacity, which a rated one is not but another test tells, the times are right again.
+    const auto known = fit_type({seldom}, {.name = "leaf", .capacity_ah = 30.5});
+    ASSERT_TRUE(known) << to_string(known.error());
+    const auto found = predict(known->type, logs_of("leaf_1C_first.csv"));
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_NEAR(found[0].predicted_s, found[0].measured_s, 0.02 * found[0].measured_s) << phase_s;
+  }
+  EXPECT_TRUE(is_often_wrong);  // or the words above were not needed
+  const auto often = fit_type(pulses, {.name = "leaf"});
+  ASSERT_TRUE(often);
+  EXPECT_LT(often->charge_uncertain, 0.005);
+  EXPECT_THAT(often->notes, ::testing::Not(::testing::Contains(::testing::HasSubstr("may be off by"))));
+}
+
 TEST(Fit, says_what_a_log_lacks) {
   const auto code = [](const std::vector<Log>& logs, const FitOptions& options = {}) {
     const auto fit = fit_type(logs, options);
@@ -171,6 +212,17 @@ TEST(Fit, says_what_a_log_lacks) {
   EXPECT_EQ(code(pulses, {.capacity_ah = 100.0}), "fit.range");
   EXPECT_EQ(code({}), "fit.full");
   EXPECT_EQ(code(pulses, {.full_v = 5.0}), "fit.full");
+  // A charge by pulses from empty to nearly full, of which only the last pulse's discharge begins full.
+  Log upward{"upward", {}, {}, {}, {}};
+  for (int t = 0; t <= 4000; t += 10) {
+    upward.time_s.push_back(t);
+    upward.current_a.push_back(t < 3600 ? -1.0 : t < 3700 ? 0.0 : 0.2);
+    upward.voltage_v.push_back(3.0 + 0.0003 * std::min(t, 3600) - (t < 3700 ? 0.0 : 0.0001 * (t - 3700)));
+  }
+  const auto fit = fit_type({upward}, {});
+  ASSERT_FALSE(fit);
+  EXPECT_EQ(fit.error().code, "fit.range");
+  EXPECT_THAT(fit.error().message, ::testing::HasSubstr("but the log moves 0.997 Ah"));
 }
 
 TEST(LeastSquares, keep_at_zero_what_would_be_negative) {

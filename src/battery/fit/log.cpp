@@ -9,27 +9,13 @@
 
 #include "base/text.h"
 #include "battery/fit/log_checks.h"
+#include "battery/fit/log_columns.h"
 
 namespace cosiva::battery {
 namespace {
 
 constexpr std::size_t samples_min = 10;
 constexpr std::size_t series_max = 1000;
-/// Around fields, and quotes.
-constexpr std::string_view blanks = " \t\r\"";
-
-/// A quantity, its column's machine-readable name, and what other files call it.
-struct Column {
-  std::string_view name;
-  std::string_view label;
-  std::string_view stem;  ///< what names the quantity, whatever its unit
-};
-constexpr std::array columns{Column{"test_time_second", "Test Time / s", "test_time"},
-                             Column{"voltage_volt", "Voltage / V", "voltage"},
-                             Column{"current_ampere", "Current / A", "current"}};
-constexpr std::array temperatures{Column{"temperature_t1_celsius", "Temperature T1 / degC", "temperature_t1"},
-                                  Column{"ambient_temperature_celsius", "Ambient Temperature / degC", "ambient"}};
-
 /// The words of a column's name: "cell_id" has "cell" and "id".
 bool has_word(std::string_view name, std::initializer_list<std::string_view> words) {
   while (!name.empty()) {
@@ -51,6 +37,86 @@ bool may_name_a_series(std::string_view name) {
   return has_word(name, {"rate", "number", "name", "run", "cycle", "id"});
 }
 
+std::string in_small_letters(std::string_view text) {
+  std::string small{text};
+  for (char& c : small)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return small;
+}
+
+/// A log's time where a tester begins it anew with each step of its test, or writes a step's first sample as 0.
+class StepTime {
+ public:
+  [[nodiscard]] bool goes_back(double raw_s) const { return is_begun_ && raw_s < raw_s_; }
+  [[nodiscard]] bool begins_anew(double raw_s) const { return raw_s <= began_s_ + 0.05 * (raw_s_ - began_s_); }
+  [[nodiscard]] bool is_other_step(const std::string& step) const { return step != step_; }
+  [[nodiscard]] double last_s() const { return raw_s_; }
+
+  /// The time of the next sample; `before` are those until now, the last of which may turn out to be another.
+  double next(double raw_s, const std::string& step, std::vector<double>& before) {
+    if (!is_begun_) began_s_ = raw_s;
+    const bool is_back = goes_back(raw_s);
+    if (is_doubtful_ && !is_back && raw_s >= whole_s_) {  // only that one sample's time was wrong
+      ++slips_;
+    } else if (is_doubtful_) {
+      ++resets_;
+      offset_s_ = before.back() - std::min(0.0, raw_s_);
+      before.back() = offset_s_ + raw_s_;
+    } else if (resets_ > 0 && !is_back && is_other_step(step)) {
+      offset_s_ = before.back();
+    }
+    is_begun_ = true;
+    step_ = step;
+    is_doubtful_ = is_back;
+    if (is_back) whole_s_ = raw_s_;
+    raw_s_ = raw_s;
+    return is_back ? before.back() : offset_s_ + raw_s;
+  }
+
+  [[nodiscard]] std::string note() const {
+    if (resets_ > 0) return "the time begins anew with each step: its steps are read one after the other";
+    if (slips_ > 0)
+      return std::to_string(slips_) + " steps begin with a sample whose time goes back: it is given the last one's";
+    return {};
+  }
+
+ private:
+  bool is_begun_{false};
+  bool is_doubtful_{false};  ///< the last sample's time went back
+  double began_s_{0.0};
+  double raw_s_{0.0};     ///< as it was written last …
+  double whole_s_{0.0};   ///< … and before it went back
+  double offset_s_{0.0};  ///< of a step's times
+  std::string step_;
+  std::size_t slips_{0};
+  std::size_t resets_{0};
+};
+
+/// A tester's own count of charge, which begins at zero again with each step, with each cycle or never; some take off
+/// a charge's what flows the other way.
+class TesterCount {
+ public:
+  /// What has come since the last sample; nothing where the field holds no number.
+  double next(const std::optional<double>& count_ah) {
+    if (!count_ah) return 0.0;
+    const double before_ah = last_ah_.value_or(*count_ah);
+    const bool begins_anew = *count_ah < 0.5 * before_ah;
+    last_ah_ = count_ah;
+    return *count_ah - (begins_anew ? 0.0 : before_ah);
+  }
+
+ private:
+  std::optional<double> last_ah_;
+};
+
+/// Of a number as it is written; plenty where it has an exponent.
+std::size_t digits_behind_point(std::string_view field) {
+  constexpr std::size_t plenty = 12;
+  if (field.find_first_of("eE") != std::string_view::npos) return plenty;
+  const std::size_t point = field.find_first_of(".,");
+  return point == std::string_view::npos ? 0 : std::min(plenty, field.size() - point - 1);
+}
+
 class Reader {
  public:
   Reader(std::string_view csv, const std::string& origin) : lines_{csv}, origin_{origin} {}
@@ -59,7 +125,7 @@ class Reader {
     if (!lines_.next(line_)) return fail("log.column", "is empty", origin_);
     if (auto header = read_header(); !header) return tl::unexpected(header.error());
     while (lines_.next(line_)) {
-      if (trimmed(line_, blanks).empty()) continue;
+      if (trimmed(line_, " \t\r\"").empty()) continue;
       if (auto row = read_row(); !row) return tl::unexpected(row.error());
     }
     if (auto percent = check_percent(); !percent) return tl::unexpected(percent.error());
@@ -78,59 +144,48 @@ class Reader {
  private:
   [[nodiscard]] std::string here() const { return origin_ + ":" + std::to_string(lines_.number()); }
 
+  /// The first line, or the first of forty below what some testers write before their table.
   Result<void> read_header() {
-    if (line_.starts_with("\xEF\xBB\xBF")) line_.remove_prefix(3);  // a spreadsheet's mark
-    for (const std::string_view name : cut_at_commas(line_, blanks)) header_.emplace_back(name);
-    for (const char c : line_)
-      if (static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\r')
-        return fail("log.column", "is no table of text", here());
-    const auto find = [&](const Column& column) -> std::optional<std::size_t> {
-      for (std::size_t i = 0; i < header_.size(); ++i)
-        if (header_[i] == column.name || header_[i] == column.label) return i;
-      return std::nullopt;
-    };
-    for (std::size_t k = 0; k < columns.size(); ++k) {
-      const auto at = find(columns[k]);
-      if (!at) return missing(columns[k]);
-      places_[k] = *at;
+    auto columns = read_columns(line_, here());
+    constexpr std::size_t preamble_max = 40;
+    Lines ahead = lines_;
+    for (std::size_t i = 0; !columns && i < preamble_max && ahead.next(line_); ++i) {
+      auto below = read_columns(line_, origin_ + ":" + std::to_string(ahead.number()));
+      if (!below) continue;
+      columns = std::move(below);
+      lines_ = ahead;
     }
-    for (const Column& column : temperatures)
-      if (!temperature_at_) temperature_at_ = find(column);
-    for (std::size_t i = 0; i < header_.size(); ++i) {
-      if (std::ranges::find(places_, i) != places_.end()) continue;
-      if (names_a_series(header_[i]))
+    if (!columns) return tl::unexpected(columns.error());
+    columns_ = std::move(*columns);
+    for (std::size_t i = 0; i < columns_.names.size(); ++i) {
+      if (std::ranges::find(columns_.places, i, &Place::at) != columns_.places.end()) continue;
+      const std::string name = in_small_letters(columns_.names[i]);
+      if (names_a_series(name))
         series_at_.push_back(i);
-      else if (may_name_a_series(header_[i]))
+      else if (may_name_a_series(name))
         counters_at_.push_back(i);
     }
-    ranges_.assign(header_.size(), {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()});
+    ranges_.assign(columns_.names.size(),
+                   {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()});
     return {};
   }
 
-  [[nodiscard]] tl::unexpected<Error> missing(const Column& column) const {
-    for (const std::string& name : header_) {
-      if (name.starts_with(column.stem))
-        return fail("log.column",
-                    "column '" + name + "' lacks its unit or has another: expected '" + std::string(column.name) + "'",
-                    here());
-    }
-    std::string there;
-    for (const std::string& name : header_) there += (there.empty() ? "" : ", ") + name;
-    return fail("log.column", "column '" + std::string(column.name) + "' is missing; there are " + there, here());
-  }
-
   Result<void> read_row() {
-    const std::vector<std::string_view> fields = cut_at_commas(line_, blanks);
-    if (fields.size() != header_.size())
-      return fail("log.number",
-                  "has " + std::to_string(fields.size()) + " fields, the header " + std::to_string(header_.size()),
-                  here());
-    std::array<double, columns.size()> values{};
-    for (std::size_t k = 0; k < columns.size(); ++k) {
-      const auto value = number_of<double>(fields[places_[k]]);
+    std::vector<std::string_view> fields = cut_fields(line_, columns_.separator);
+    while (fields.size() > columns_.names.size() && fields.back().empty()) fields.pop_back();
+    if (fields.size() != columns_.names.size())
+      return fail(
+          "log.number",
+          "has " + std::to_string(fields.size()) + " fields, the header " + std::to_string(columns_.names.size()),
+          here());
+    std::array<double, wanted_columns.size()> values{};
+    for (std::size_t k = 0; k < wanted_columns.size(); ++k) {
+      const std::string_view field = fields[columns_.places[k].at];
+      const auto value = value_of(fields, columns_.places[k]);
       if (!value)
         return fail("log.number",
-                    std::string(columns[k].name) + " is '" + std::string(fields[places_[k]]) + "', no number", here());
+                    std::string(wanted_columns[k]) + " is '" + std::string(field) + "', no number" + field_hint(field),
+                    here());
       values[k] = *value;
     }
     for (std::size_t i = 0; i < fields.size(); ++i) {
@@ -142,6 +197,13 @@ class Reader {
     return book(fields, values);
   }
 
+  [[nodiscard]] std::optional<double> value_of(const std::vector<std::string_view>& fields, const Place& place) const {
+    const auto value = field_number(fields[place.at], columns_.separator);
+    if (!value) return std::nullopt;
+    const double scaled = place.scale * *value + place.offset;
+    return std::isfinite(scaled) ? std::optional{scaled} : std::nullopt;
+  }
+
   /// A series as it grows, and what its counting columns said first and last.
   struct Growing {
     Log log;
@@ -149,26 +211,32 @@ class Reader {
     std::vector<std::string> first;
     std::vector<std::string> last;
     std::vector<bool> is_steady;
+    StepTime clock{};
+    TesterCount out{};
+    TesterCount in{};
+    std::size_t count_digits{0};  ///< that the tester writes of its count, behind the point
   };
 
-  Result<void> book(const std::vector<std::string_view>& fields, const std::array<double, columns.size()>& values) {
+  Result<void> book(const std::vector<std::string_view>& fields,
+                    const std::array<double, wanted_columns.size()>& values) {
     std::string key;
-    for (const std::size_t i : series_at_) key += ", " + header_[i] + "=" + std::string(fields[i]);
+    for (const std::size_t i : series_at_) key += ", " + columns_.names[i] + "=" + std::string(fields[i]);
     std::vector<std::string> counters;
     counters.reserve(counters_at_.size());
     for (const std::size_t i : counters_at_) counters.emplace_back(fields[i]);
+    const std::string step = columns_.step ? std::string(fields[*columns_.step]) : std::string{};
     // The latest of this key: rows of several batteries may be mixed.
     const auto found = std::ranges::find(growing_.rbegin(), growing_.rend(), key, &Growing::key);
     Growing* own = found == growing_.rend() ? nullptr : &*found;
-    if (own != nullptr && values[0] < own->log.time_s.back()) {
-      const double began_s = own->log.time_s.front();
-      const bool is_anew = values[0] <= began_s + 0.05 * (own->log.time_s.back() - began_s);
-      if (!is_anew || counters == own->last)
-        return fail("log.time",
-                    "the time goes back from " + short_number(own->log.time_s.back()) + " s to " +
-                        short_number(values[0]) + " s",
-                    here());
-      own = nullptr;
+    if (own != nullptr && own->clock.goes_back(values[0])) {
+      const bool is_anew = own->clock.begins_anew(values[0]);
+      if (is_anew && counters != own->last)
+        own = nullptr;
+      else if (!(is_anew && own->clock.is_other_step(step)))
+        return fail(
+            "log.time",
+            "the time goes back from " + short_number(own->clock.last_s()) + " s to " + short_number(values[0]) + " s",
+            here());
     }
     if (own == nullptr) {
       if (growing_.size() == series_max)
@@ -184,17 +252,35 @@ class Reader {
     for (std::size_t i = 0; i < counters.size(); ++i)
       own->is_steady[i] = own->is_steady[i] && counters[i] == own->first[i];
     own->last = std::move(counters);
-    Log& log = own->log;
+    write_down(*own, fields, values, step);
+    return {};
+  }
+
+  void write_down(Growing& own, const std::vector<std::string_view>& fields,
+                  const std::array<double, wanted_columns.size()>& values, const std::string& step) {
+    Log& log = own.log;
     // Two samples of one instant are the two sides of a step; the time between them is nothing.
-    log.time_s.push_back(values[0]);
+    log.time_s.push_back(own.clock.next(values[0], step, log.time_s));
     log.voltage_v.push_back(values[1]);
     log.current_a.push_back(-values[2]);
     log.line.push_back(lines_.number());
-    if (temperature_at_) {
-      const auto celsius = number_of<double>(fields[*temperature_at_]);
+    if (columns_.temperature) {
+      const auto celsius = value_of(fields, *columns_.temperature);
       log.temperature_c.push_back(celsius ? *celsius : log.temperature_c.empty() ? 25.0 : log.temperature_c.back());
     }
-    return {};
+    if (!columns_.discharged || !columns_.charged) return;
+    own.count_digits = std::max(own.count_digits, digits_behind_point(fields[columns_.discharged->at]));
+    const double out_ah =
+        own.out.next(value_of(fields, *columns_.discharged)) - own.in.next(value_of(fields, *columns_.charged));
+    log.counted_ah.push_back((log.counted_ah.empty() ? 0.0 : log.counted_ah.back()) + out_ah);
+  }
+
+  /// A count that is rounded more coarsely than one in five thousand of what it counts is no better than the samples.
+  [[nodiscard]] bool is_fine(const Growing& one) const {
+    if (one.log.counted_ah.empty()) return false;
+    double quantum_ah = columns_.discharged->scale;
+    for (std::size_t k = 0; k < one.count_digits; ++k) quantum_ah *= 0.1;
+    return quantum_ah <= 2e-4 * charge_moved_ah(one.log);
   }
 
   /// "rates.csv, cell_id=B1, rate=1C": also what its counting columns say where they never changed.
@@ -204,8 +290,13 @@ class Reader {
     for (Growing& one : growing_) {
       const auto logs_of_key = std::ranges::count(growing_, one.key, &Growing::key);
       for (std::size_t i = 0; i < counters_at_.size(); ++i)
-        if (one.is_steady[i] && (!belongs_to_samples(header_[counters_at_[i]]) || logs_of_key > 1))
-          one.log.name += ", " + header_[counters_at_[i]] + "=" + one.first[i];
+        if (one.is_steady[i] &&
+            (!belongs_to_samples(in_small_letters(columns_.names[counters_at_[i]])) || logs_of_key > 1))
+          one.log.name += ", " + columns_.names[counters_at_[i]] + "=" + one.first[i];
+      if (!is_fine(one)) one.log.counted_ah.clear();
+      if (!columns_.note.empty())
+        one.log.notes.push_back(origin_ + ": read " + columns_.note + "; its current must charge where it is positive");
+      if (const std::string note = one.clock.note(); !note.empty()) one.log.notes.push_back(one.log.name + ": " + note);
       logs.push_back(std::move(one.log));
     }
     return logs;
@@ -213,16 +304,17 @@ class Reader {
 
   /// Names promise a range: a percentage that never comes above 1 is a fraction, and the figures would be a hundredth.
   Result<void> check_percent() const {
-    for (std::size_t i = 0; i < header_.size(); ++i) {
+    for (std::size_t i = 0; i < columns_.names.size(); ++i) {
       const auto [low, high] = ranges_[i];
       if (!(high >= low)) continue;
       const std::string range = short_number(low) + " to " + short_number(high);
-      const bool is_percent = header_[i].find("percent") != std::string::npos || header_[i].ends_with('%');
+      const bool is_percent =
+          columns_.names[i].find("percent") != std::string::npos || columns_.names[i].ends_with('%');
       if (is_percent && high <= 1.0 && high > 0.0 && low >= 0.0 && low < high)
-        return fail("log.percent", "column '" + header_[i] + "' goes from " + range + ": fractions, not percent",
+        return fail("log.percent", "column '" + columns_.names[i] + "' goes from " + range + ": fractions, not percent",
                     origin_ + ":1");
-      if (header_[i].find("fraction") != std::string::npos && high > 1.5)
-        return fail("log.percent", "column '" + header_[i] + "' goes from " + range + ": percent, not fractions",
+      if (columns_.names[i].find("fraction") != std::string::npos && high > 1.5)
+        return fail("log.percent", "column '" + columns_.names[i] + "' goes from " + range + ": percent, not fractions",
                     origin_ + ":1");
     }
     return {};
@@ -233,7 +325,7 @@ class Reader {
   static void tell_when_loads_came(Log& log) {
     double largest_a = 0.0;
     for (const double current : log.current_a) largest_a = std::max(largest_a, std::fabs(current));
-    Log whole{log.name, {}, {}, {}, {}, log.origin, {}};
+    Log whole{log.name, {}, {}, {}, {}, log.origin, {}, {}, log.notes};
     const std::size_t size = log.time_s.size();
     const auto copy = [&](std::size_t i, double time_s) {
       whole.time_s.push_back(time_s);
@@ -241,6 +333,7 @@ class Reader {
       whole.current_a.push_back(log.current_a[i]);
       whole.line.push_back(log.line[i]);
       if (!log.temperature_c.empty()) whole.temperature_c.push_back(log.temperature_c[i]);
+      if (!log.counted_ah.empty()) whole.counted_ah.push_back(log.counted_ah[i]);
     };
     for (std::size_t i = 0; i < size; ++i) {
       const bool load_comes =
@@ -257,9 +350,7 @@ class Reader {
   Lines lines_;
   const std::string& origin_;
   std::string_view line_;
-  std::vector<std::string> header_;
-  std::array<std::size_t, columns.size()> places_{};
-  std::optional<std::size_t> temperature_at_;
+  LogColumns columns_;
   std::vector<std::size_t> series_at_;
   std::vector<std::pair<double, double>> ranges_;
   std::vector<std::size_t> counters_at_;
@@ -270,78 +361,6 @@ class Reader {
 
 Result<std::vector<Log>> read_logs(std::string_view csv, const std::string& origin) {
   return Reader{csv, origin}.read();
-}
-
-std::vector<Discharge> discharges_from_full(const Log& log, double full_v, double full_ohm) {
-  const std::size_t size = log.time_s.size();
-  double largest_a = 0.0;
-  for (const double current : log.current_a) largest_a = std::max(largest_a, std::fabs(current));
-  const double load_a = 0.005 * largest_a;
-  const auto is_full = [&](std::size_t i) { return log.voltage_v[i] >= 0.99 * full_v; };
-
-  std::vector<Discharge> all;
-  // At the log's begin it is full where a rest or the first sample under load says so, and it is not being charged.
-  const double rested_v = log.voltage_v.front() + std::max(0.0, log.current_a.front()) * full_ohm;
-  bool full = log.current_a.front() >= -load_a && (is_full(0) || rested_v >= 0.96 * full_v);
-  for (std::size_t i = 0; i < size; ++i) {
-    if (log.current_a[i] < -load_a) {
-      full = is_full(i);
-      continue;
-    }
-    if (!full || log.current_a[i] <= load_a) continue;
-    Discharge one{&log, i, i, {}};
-    double used_ah = 0.0;
-    double most_ah = 0.0;
-    for (; one.last < size; ++one.last) {
-      const std::size_t k = one.last;
-      const double since_s = k == i ? load_on_s(one) : log.time_s[k - 1];
-      used_ah += log.current_a[k] * (log.time_s[k] - since_s) / 3600.0;
-      most_ah = std::max(most_ah, used_ah);
-      // A full charge of a pulse test's regeneration gives a little back; a recharge ends the discharge.
-      if (most_ah - used_ah > 0.05 * most_ah && most_ah - used_ah > 1.0 / 3600.0 * 30.0 * largest_a &&
-          log.current_a[k] < -load_a)
-        break;
-      one.used_ah.push_back(used_ah);
-    }
-    full = false;
-    i = one.last - 1;
-    all.push_back(std::move(one));
-  }
-  return all;
-}
-
-double highest_voltage_v(const std::vector<Log>& logs) {
-  double volt = 0.0;
-  for (const Log& log : logs) volt = std::max(volt, *std::ranges::max_element(log.voltage_v));
-  return volt;
-}
-
-double lowest_under_load_v(const Discharge& discharge) {
-  double volt = std::numeric_limits<double>::infinity();
-  for (std::size_t i = discharge.first; i < discharge.last; ++i)
-    if (discharge.log->current_a[i] > 0.0) volt = std::min(volt, discharge.log->voltage_v[i]);
-  return volt;
-}
-
-double load_on_s(const Discharge& discharge) {
-  const std::vector<double>& time_s = discharge.log->time_s;
-  const std::size_t first = discharge.first;
-  const double usual_s = first + 1 < time_s.size() ? time_s[first + 1] - time_s[first] : 0.0;
-  if (first == 0) return std::max(std::min(0.0, time_s[0]), time_s[0] - usual_s);
-  // A rest is logged more seldom than a load, and its last sample may lie far back.
-  return std::max(time_s[first - 1], time_s[first] - usual_s);
-}
-
-double seconds_to_voltage(const Discharge& discharge, double voltage_v) {
-  const Log& log = *discharge.log;
-  const double start_s = load_on_s(discharge);
-  for (std::size_t i = discharge.first; i < discharge.last; ++i) {
-    if (log.voltage_v[i] > voltage_v) continue;
-    if (i == discharge.first) return 0.0;
-    const double share = (log.voltage_v[i - 1] - voltage_v) / (log.voltage_v[i - 1] - log.voltage_v[i]);
-    return log.time_s[i - 1] + share * (log.time_s[i] - log.time_s[i - 1]) - start_s;
-  }
-  return std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace cosiva::battery

@@ -20,16 +20,21 @@ double largest_current_a(const Log& log) {
   return largest_a;
 }
 
-/// What nineteen of twenty keep to. Testers write less and less often as the voltage settles.
+/// What nineteen of twenty keep to, or what five of them agree on: a pulse test has far more samples in its pulses than
+/// between them. Testers write less and less often as the voltage settles.
 double usual_of(std::vector<double> values) {
-  const std::size_t most = values.size() - 1 - values.size() / 20;
-  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(most));
-  return values[most];
+  std::ranges::sort(values);
+  double usual = values[values.size() - 1 - values.size() / 20];
+  constexpr std::size_t agreeing = 5;
+  for (std::size_t i = agreeing - 1; i < values.size(); ++i)
+    if (values[i] <= 1.02 * values[i + 1 - agreeing]) usual = std::max(usual, values[i]);
+  return usual;
 }
 
 /// A gap under load: three times longer than usual under load, and more than 2 ‰ of all that flowed. Where a load's
 /// first sample follows on a rest, the load may have come on only then: a gap is what is far longer than that log's own
-/// rests between two samples.
+/// rests between two samples. A charge that goes on as it was, and its voltage higher, is one charge, however seldom it
+/// was looked at.
 Result<void> check_gaps(const Log& log) {
   std::vector<double> loaded;
   std::vector<double> rested;
@@ -53,8 +58,11 @@ Result<void> check_gaps(const Log& log) {
     const double dt_s = log.time_s[i] - log.time_s[i - 1];
     const bool load_comes = is_load(i) && !is_load(i - 1);
     // Those that end a load write the rest's first sample only a rest's usual time later: no gap yet.
+    const bool still_charges = is_load(i - 1) && log.current_a[i] < 0.0 && log.current_a[i - 1] < 0.0 &&
+                               log.voltage_v[i] >= 0.998 * log.voltage_v[i - 1];
+    if (still_charges) continue;
     const double longest_s =
-        load_comes ? std::max(3.0 * rest_s, 600.0) : std::max(3.0 * usual_s, is_load(i) ? 60.0 : 300.0);
+        load_comes ? std::max(3.0 * rest_s, 610.0) : std::max(3.0 * usual_s, is_load(i) ? 61.0 : 310.0);
     if (!(is_load(i) || is_load(i - 1)) || dt_s <= longest_s) continue;
     const double unseen_as = dt_s * std::max(std::fabs(log.current_a[i]), std::fabs(log.current_a[i - 1]));
     if (unseen_as <= 0.002 * flowed_as) continue;
@@ -69,7 +77,7 @@ Result<void> check_gaps(const Log& log) {
 Result<void> check_voltages(const Log& log) {
   const std::vector<double>& volt = log.voltage_v;
   for (std::size_t i = 0; i < volt.size(); ++i)
-    if (!(volt[i] > 0.05 && volt[i] < 2000.0))
+    if (!(volt[i] > 0.0 && volt[i] < 2000.0))
       return fail("log.number",
                   "voltage_volt is " + short_number(volt[i]) + " at " + short_number(log.time_s[i]) + " s",
                   place(log, i));
@@ -97,39 +105,89 @@ Result<void> check_temperatures(const Log& log) {
   return {};
 }
 
-/// A step of more discharge current lowers the voltage, and charge taken out lowers it for good.
+/// How the voltage goes with the charge that was taken out: -1 falls steadily, 1 rises steadily.
+double fall_with_charge(const Log& log) {
+  const auto count = static_cast<double>(log.voltage_v.size());
+  std::vector<double> used_as{0.0};
+  used_as.reserve(log.time_s.size());
+  for (std::size_t i = 1; i < log.time_s.size(); ++i)
+    used_as.push_back(used_as.back() + log.current_a[i] * (log.time_s[i] - log.time_s[i - 1]));
+  const auto mean = [&](const std::vector<double>& values) {
+    double sum = 0.0;
+    for (const double value : values) sum += value / count;
+    return sum;
+  };
+  const double mean_v = mean(log.voltage_v);
+  const double mean_as = mean(used_as);
+  double both = 0.0;
+  double volt_sq = 0.0;
+  double used_sq = 0.0;
+  for (std::size_t i = 0; i < used_as.size(); ++i) {
+    both += (used_as[i] - mean_as) * (log.voltage_v[i] - mean_v);
+    volt_sq += (log.voltage_v[i] - mean_v) * (log.voltage_v[i] - mean_v);
+    used_sq += (used_as[i] - mean_as) * (used_as[i] - mean_as);
+  }
+  return volt_sq > 0.0 && used_sq > 0.0 ? both / std::sqrt(volt_sq * used_sq) : 0.0;
+}
+
+/// A step of more discharge current lowers the voltage, and charge taken out lowers it for good. Where a tester holds
+/// the voltage and the current follows, steps say nothing.
 Result<void> check_sign(const Log& log) {
   double right = 0.0;
   double wrong = 0.0;
+  std::size_t wrong_count = 0;
   std::size_t wrong_at = 0;
   double worst = 0.0;
   const double largest_a = largest_current_a(log);
+  const auto [low, high] = std::ranges::minmax_element(log.voltage_v);
   for (std::size_t i = 1; i < log.time_s.size(); ++i) {
     const double change_a = log.current_a[i] - log.current_a[i - 1];
-    if (std::fabs(change_a) <= 0.1 * largest_a) continue;
-    const double product = change_a * (log.voltage_v[i] - log.voltage_v[i - 1]);
+    const double change_v = log.voltage_v[i] - log.voltage_v[i - 1];
+    if (std::fabs(change_a) <= 0.1 * largest_a || std::fabs(change_v) < 0.001 * (*high - *low)) continue;
+    const double product = change_a * change_v;
     (product > 0.0 ? wrong : right) += std::fabs(product);
+    if (product <= 0.0) continue;
+    ++wrong_count;
     if (product <= worst) continue;
     worst = product;
     wrong_at = i;
   }
-  double taken = 0.0;  // covariance of charge taken out and voltage
-  double mean_v = 0.0;
-  for (const double volt : log.voltage_v) mean_v += volt / static_cast<double>(log.voltage_v.size());
-  double used = 0.0;
-  std::vector<double> used_as{0.0};
-  for (std::size_t i = 1; i < log.time_s.size(); ++i)
-    used_as.push_back(used += log.current_a[i] * (log.time_s[i] - log.time_s[i - 1]));
-  for (std::size_t i = 0; i < used_as.size(); ++i) taken += used_as[i] * (log.voltage_v[i] - mean_v);
+  const double fall = fall_with_charge(log);
+  constexpr double plain = 0.8;
+  constexpr std::size_t few = 3;
+  if (wrong_count < few && fall < -plain) return {};
   // Steps either way in one log: a tester that writes the current's size and leaves its direction to another column.
   if (std::min(wrong, right) > 0.3 * std::max(wrong, right))
-    return fail("log.sign", "the voltage rises with some steps of current_ampere and falls with others: it has no sign",
-                place(log, wrong_at));
-  if (wrong > right || (wrong == right && taken > 0.0))
     return fail("log.sign",
-                "the voltage falls where current_ampere is positive, which is to charge: it has the other sign",
+                "the voltage rises with some steps of current_ampere and falls with others: it has no sign. Write what "
+                "charges as positive, what discharges as negative",
+                place(log, wrong_at));
+  if (wrong > right || (wrong == right && fall > 0.0))
+    return fail("log.sign",
+                "the voltage falls where current_ampere is positive, which is to charge: it has the other sign. Turn "
+                "the column's sign round",
                 place(log, wrong_at));
   return {};
+}
+
+/// Where the tester counted charge itself, its count and current times time must be about the same.
+Result<void> check_count(const Log& log) {
+  if (log.counted_ah.size() != log.time_s.size()) return {};
+  double counted_ah = 0.0;
+  double flowed_ah = 0.0;
+  for (std::size_t i = 1; i < log.time_s.size(); ++i) {
+    if (log.current_a[i] <= 0.0) continue;
+    counted_ah += std::max(0.0, log.counted_ah[i] - log.counted_ah[i - 1]);
+    flowed_ah += log.current_a[i] * (log.time_s[i] - log.time_s[i - 1]) / 3600.0;
+  }
+  constexpr double most = 10.0;  // a log that is sampled seldom may be off by much
+  if (!(counted_ah > 0.0 && flowed_ah > 0.0) || (flowed_ah < most * counted_ah && counted_ah < most * flowed_ah))
+    return {};
+  return fail("log.unit",
+              "current times time makes " + short_number(flowed_ah) +
+                  " Ah, the tester's own column of what it took out " + short_number(counted_ah) +
+                  " Ah: test_time_second, current_ampere or that column has another unit",
+              place(log, log.time_s.size() - 1));
 }
 
 /// Hours or minutes under the name of seconds: all that the battery gave went out within a minute of load, at 60C.
@@ -150,6 +208,12 @@ Result<void> check_time(const Log& log) {
                 "discharged from full to empty in " + short_number(load_s) +
                     " s of test_time_second: it holds hours or minutes, not seconds",
                 place(log, log.time_s.size() - 1));
+  constexpr double year_s = 365.0 * 86400.0;
+  if (load_s > 3.0 * year_s)
+    return fail("log.unit",
+                "was under load for " + short_number(load_s / year_s) +
+                    " years by test_time_second: it holds milliseconds, or was multiplied once too often",
+                place(log, log.time_s.size() - 1));
   return {};
 }
 
@@ -164,6 +228,7 @@ std::string short_number(double value) {
 
 Result<void> check_log(const Log& log) {
   if (auto time = check_time(log); !time) return time;
+  if (auto count = check_count(log); !count) return count;
   if (auto gap = check_gaps(log); !gap) return gap;
   if (auto voltage = check_voltages(log); !voltage) return voltage;
   if (auto temperature = check_temperatures(log); !temperature) return temperature;

@@ -223,6 +223,100 @@ TEST(Log, with_a_line_that_is_none_is_refused_there) {
   EXPECT_EQ(code_of("test_time_second,voltage_volt,current_ampere\n1,4,-1\n"), "log.short");
 }
 
+/// Rows of steps of 500 s, the time within each step or since the test's begin as `time` says.
+std::string stepped(const std::function<std::string(int second, int step)>& time, bool with_step = true) {
+  return log_text(
+      [&](int t, const std::string& line) {
+        const int step = t / 500;
+        return time(t, step) + line.substr(line.find(',')) + (with_step ? "," + std::to_string(step) : "");
+      },
+      with_step ? "test_time_second,voltage_volt,current_ampere,step_index"
+                : "test_time_second,voltage_volt,current_ampere");
+}
+
+TEST(Log, whose_time_begins_anew_with_each_step_is_put_together) {
+  const auto within = [](int t, int step) { return std::to_string(t - 500 * step); };
+  const auto logs = read_logs(stepped(within), "my.csv");
+  ASSERT_TRUE(logs) << to_string(logs.error());
+  ASSERT_EQ(logs->size(), 1U);
+  // A step's first sample comes at its begin: the tenth of a minute before it is not in the file.
+  EXPECT_NEAR(logs->front().time_s.back(), 3000.0 - 6 * 10.0, 1e-9);
+  EXPECT_THAT(logs->front().notes, ::testing::ElementsAre(HasSubstr("begins anew with each step")));
+  EXPECT_EQ(code_of(stepped(within, false)), "log.time");  // nothing says that steps are the reason
+}
+
+TEST(Log, with_a_zero_for_the_time_at_a_step_s_first_sample_is_read) {
+  const auto zero = [](int t, int step) { return std::to_string(t == 500 * step ? 0 : t); };
+  const auto logs = read_logs(stepped(zero), "my.csv");
+  ASSERT_TRUE(logs) << to_string(logs.error());
+  ASSERT_EQ(logs->size(), 1U);
+  EXPECT_EQ(logs->front().time_s[50], 490.0);
+  EXPECT_EQ(logs->front().time_s[51], 510.0);
+  EXPECT_THAT(logs->front().notes, ::testing::ElementsAre(HasSubstr("5 steps begin with a sample whose time goes")));
+}
+
+TEST(Log, of_a_charge_that_is_looked_at_seldom_has_no_gap) {
+  const auto charge = [](bool falls) {
+    std::string text = "test_time_second,voltage_volt,current_ampere\n";
+    for (int t = 0; t <= 3000; t += t < 2000 ? 10 : 500) {
+      const double volt = 3.0 + 0.0004 * t - (falls && t > 2000 ? 0.5 : 0.0);
+      text += std::to_string(t) + "," + std::to_string(volt) + ",1\n";
+    }
+    return text;
+  };
+  EXPECT_EQ(code_of(charge(false)), "read");
+  EXPECT_EQ(code_of(charge(true)), "log.gap");  // something happened meanwhile
+}
+
+TEST(Log, of_a_pulse_test_may_be_sampled_a_hundred_times_faster_in_its_pulses) {
+  std::string text = "test_time_second,voltage_volt,current_ampere\n";
+  double t = 0.0;
+  double volt = 4.2;
+  const auto add = [&](double step_s, int count, double ampere) {
+    for (int i = 0; i < count; ++i) {
+      t += step_s;
+      volt -= 1e-4 * ampere * step_s;
+      text += std::to_string(t) + "," + std::to_string(volt - 0.05 * ampere) + "," + std::to_string(-ampere) + "\n";
+    }
+  };
+  for (int i = 0; i < 8; ++i) {
+    add(60.0, 5, 0.0);
+    add(0.1, 300, 2.0);
+    add(120.0, 5, 0.5);
+  }
+  EXPECT_EQ(code_of(text), "read");
+}
+
+TEST(Log, whose_tester_holds_the_voltage_at_the_end_has_the_right_sign) {
+  const auto held = log_text([](int t, const std::string& line) {
+    if (t <= 2400 || t > 2500) return t > 2500 ? std::string{} : line;
+    // The current falls away, and the voltage creeps the other way by what the tester's regulator leaves.
+    return std::to_string(t) + "," + std::to_string(3.41 - 0.00001 * (t - 2400)) + "," +
+           std::to_string(-1.0 + 0.009 * (t - 2400));
+  });
+  EXPECT_EQ(code_of(held), "read");
+}
+
+TEST(Log, of_many_years_is_refused) {
+  const auto text = log_text(
+      [](int t, const std::string& line) { return std::to_string(t) + "00000" + line.substr(line.find(',')); });
+  EXPECT_EQ(code_of(text), "log.unit");
+  EXPECT_THAT(refusal(text), HasSubstr("7.61035 years by test_time_second: it holds milliseconds"));
+}
+
+TEST(Log, whose_own_count_of_charge_is_a_thousand_times_another_is_refused) {
+  const auto counted = [](double factor) {
+    return log_text(
+        [=](int t, const std::string& line) {
+          return line + "," + std::to_string(factor * std::max(0, std::min(t, 2500) - 100) / 3600.0) + ",0";
+        },
+        "test_time_second,voltage_volt,current_ampere,discharging_capacity_ah,charging_capacity_ah");
+  };
+  EXPECT_EQ(code_of(counted(1.0)), "read");
+  EXPECT_EQ(code_of(counted(0.001)), "log.unit");
+  EXPECT_THAT(refusal(counted(1000.0)), HasSubstr("current times time makes 0.666667 Ah, the tester's own column"));
+}
+
 TEST(Discharge, begins_full_counts_what_it_takes_and_crosses_between_samples) {
   const auto logs = read_logs(log_text(), "my.csv");
   const auto all = discharges_from_full(logs->front(), 4.2);

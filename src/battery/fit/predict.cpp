@@ -31,7 +31,8 @@ class Foretelling {
                   seconds_to_voltage(discharge, floor_v_),
                   std::numeric_limits<double>::quiet_NaN(),
                   floor_v_,
-                  start_s_} {}
+                  start_s_,
+                  discharge.uncertain} {}
 
   /// Under the measured current sample by sample, up to where the floor was measured, or to the log's end; past that
   /// under the last current.
@@ -45,7 +46,7 @@ class Foretelling {
     residual_.samples = end - discharge_.first;
     double sum_sq = 0.0;
     for (std::size_t i = discharge_.first; i < end; ++i) {
-      advance(log_.time_s[i], log_.current_a[i]);
+      go_on(i);
       note_load(i);
       if (ended()) break;
       sum_sq += note_difference(i);
@@ -83,6 +84,19 @@ class Foretelling {
     }
   }
 
+  /// To sample i under its current; or under what went out meanwhile where that is known better, and its current at the
+  /// end.
+  void go_on(std::size_t i) {
+    const double dt_s = log_.time_s[i] - now_s_;
+    constexpr double glimpse_s = 1e-3;
+    const bool is_known = discharge_.is_counted || discharge_.scale != 1.0;
+    if (!is_known || dt_s <= 2.0 * glimpse_s) return advance(log_.time_s[i], log_.current_a[i]);
+    const double before_ah = i == discharge_.first ? 0.0 : discharge_.used_ah[i - 1 - discharge_.first];
+    const double used_ah = discharge_.used_ah[i - discharge_.first] - before_ah;
+    advance(log_.time_s[i] - glimpse_s, used_ah * 3600.0 / dt_s);
+    advance(log_.time_s[i], log_.current_a[i]);
+  }
+
   void note_load(std::size_t i) {
     if (log_.current_a[i] <= 0.0) return;
     const double dt_s = log_.time_s[i] - (i == discharge_.first ? start_s_ : log_.time_s[i - 1]);
@@ -114,13 +128,14 @@ class Foretelling {
 
 }  // namespace
 
-std::vector<Residual> predict(const BatteryType& type, const std::vector<Log>& logs, double floor_v) {
+std::vector<Residual> predict(const BatteryType& type, const std::vector<Log>& logs, double floor_v, double known_ah) {
   const double floor = floor_v > 0.0 ? floor_v : type.voltage_floor_v;
   const double full_v = std::max(type.voltage_full_v, highest_voltage_v(logs));
   const auto table = std::make_shared<CellTable>(type);
   std::vector<Residual> residuals;
   for (const Log& log : logs) {
-    const auto discharges = discharges_from_full(log, full_v, type.series_ohm.back() + type.fast_ohm.back());
+    auto discharges = discharges_from_full(log, full_v, type.series_ohm.back() + type.fast_ohm.back());
+    if (known_ah > 0.0) scale_to_capacity(discharges, known_ah, floor);
     for (std::size_t k = 0; k < discharges.size(); ++k) {
       residuals.push_back(Foretelling{table, discharges[k], floor, type.reference_temperature_c}.run());
       if (discharges.size() > 1) residuals.back().log += ", discharge " + std::to_string(k + 1);

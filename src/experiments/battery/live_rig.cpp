@@ -159,7 +159,7 @@ wire::BatteryTest LiveRig::test(SimTime now) const {
   wire::BatteryTest test;
   test.timestamp = now;
   test.began = began_;
-  test.run = static_cast<std::uint32_t>(std::min(procedure_.run() + 1, asked.runs));
+  test.run = static_cast<std::uint32_t>(std::min(procedure_.present_run() + 1, asked.runs));
   test.runs = static_cast<std::uint32_t>(asked.runs);
   test.floor_percent = 100.0 * asked.floor;
   test.share = std::clamp(progress.share, 0.0, 1.0);

@@ -213,6 +213,12 @@ ProcedureCommands Procedure::finish(std::size_t vehicle, BatteryRun record, Stop
   ProcedureCommands commands{{Kind::stop, vehicle}};
   if (std::ranges::any_of(seats_, [](const Seat& one) { return one.phase != Phase::ended; })) return commands;
   ++run_;
+  if (!done() && options_.enough && options_.enough(records_)) {
+    commands.push_back({Kind::tell_operator, vehicle, 0,
+                        "the test ends after run " + std::to_string(run_) + " of " + std::to_string(options_.runs) +
+                            ": the mean is known as well as was wanted"});
+    run_ = options_.runs;
+  }
   if (done()) return commands;
   for (ProcedureCommand& command : ask_for_batteries()) commands.push_back(std::move(command));
   return commands;
@@ -250,7 +256,7 @@ void Procedure::forgive(SimTime now) {
 Procedure::SeatNow Procedure::seat(SimTime now, std::size_t vehicle) const {
   COSIVA_EXPECT(vehicle < seats_.size());
   const Seat& seat = seats_[vehicle];
-  const std::size_t run = std::min(run_, options_.runs - 1);
+  const std::size_t run = std::min(present_run(), options_.runs - 1);
   SeatNow is{seat.phase, battery_of(run, vehicle), seat.pause_began.has_value(), 0.0, {}, {}};
   if (seat.phase == Phase::ended) {
     for (const BatteryRun& record : records_) {

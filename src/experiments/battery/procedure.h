@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -79,6 +80,9 @@ struct ProcedureOptions {
   SimDuration pause_every{};                         ///< of running time; zero: no pauses
   SimDuration pause_for{};
   SimDuration curve_every{std::chrono::seconds{30}};
+  /// Asked when a run is over and another would follow: whether its records say enough. Never amid a run, which would
+  /// leave out those that last longest.
+  std::function<bool(const std::vector<BatteryRun>&)> enough{};
 };
 
 struct ProcedureCommand {
@@ -106,6 +110,8 @@ class Procedure {
 
   [[nodiscard]] bool done() const { return run_ >= options_.runs; }
   [[nodiscard]] std::size_t run() const { return run_; }
+  /// The one that goes on, or where all is over the last that was made.
+  [[nodiscard]] std::size_t present_run() const { return done() && !records_.empty() ? records_.back().run : run_; }
   [[nodiscard]] bool running(std::size_t vehicle) const { return seats_[vehicle].phase == Phase::running; }
   /// Which battery belongs on a vehicle in a run.
   [[nodiscard]] std::size_t battery_of(std::size_t run, std::size_t vehicle) const;

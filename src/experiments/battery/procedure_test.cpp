@@ -280,5 +280,56 @@ TEST(Procedure, refuses_a_state_that_is_another_test_s_or_broken) {
   EXPECT_EQ(one.state_json(), state);
 }
 
+TEST(Fleet, makes_no_further_run_when_its_records_say_enough_but_ends_none_amid) {
+  std::size_t asked = 0;
+  ProcedureOptions options{.vehicles = 2, .runs = 5};
+  options.enough = [&](const std::vector<BatteryRun>& records) {
+    ++asked;
+    return records.size() >= 4;
+  };
+  Bench bench{options};
+  const auto run_once = [&] {
+    for (std::size_t v = 0; v < 2; ++v) bench.ready(v, "B" + std::to_string(v + 1));
+    const SimTime began = bench.now;
+    const std::size_t run = bench.procedure.run();
+    for (int i = 1; bench.procedure.run() == run && i < 2000; ++i) {
+      bench.now = began + i * 300ms;
+      for (std::size_t v = 0; v < 2; ++v)
+        if (bench.procedure.running(v)) bench.sample(v, 1.0 - (0.003 + 0.001 * static_cast<double>(v)) * i);
+    }
+  };
+  run_once();
+  EXPECT_EQ(asked, 1U);  // when both had ended, not when the first had
+  EXPECT_FALSE(bench.procedure.done());
+  run_once();
+  ASSERT_TRUE(bench.procedure.done());
+  EXPECT_EQ(bench.procedure.records().size(), 4U);
+  EXPECT_EQ(bench.last_words(), "the test ends after run 2 of 5: the mean is known as well as was wanted");
+  EXPECT_EQ(bench.procedure.present_run(), 1U);
+  EXPECT_EQ(bench.procedure.seat(bench.now, 0).stop, StopCause::floor);
+  // What was saved then is a test that is over.
+  Procedure again{options};
+  ASSERT_TRUE(again.restore(bench.procedure.state_json()));
+  EXPECT_TRUE(again.done());
+  EXPECT_EQ(again.present_run(), 1U);
+}
+
+TEST(Fleet, whose_records_never_say_enough_makes_all_its_runs) {
+  ProcedureOptions options{.vehicles = 1, .runs = 2};
+  options.enough = [](const std::vector<BatteryRun>&) { return false; };
+  Bench bench{options};
+  for (int run = 0; run < 2; ++run) {
+    ASSERT_FALSE(bench.procedure.done());
+    bench.ready(0, "B1");
+    const SimTime began = bench.now;
+    for (int i = 1; bench.procedure.running(0) && i < 2000; ++i) {
+      bench.now = began + i * 300ms;
+      bench.sample(0, 1.0 - 0.003 * i);
+    }
+  }
+  EXPECT_TRUE(bench.procedure.done());
+  EXPECT_EQ(bench.procedure.records().size(), 2U);
+}
+
 }  // namespace
 }  // namespace cosiva::experiments
