@@ -170,7 +170,7 @@ void add_test_options(CLI::App& verb, BatteryTestArguments& test) {
   verb.add_option(
           "--hz", test.hz,
           "with --whole: everybody acts so often in a second; 50 is the live platform's own pace, and what it is "
-          "without. At 10 it takes two thirds of the time, and crowded vehicles wait a little longer for each other")
+          "without. At 10 it takes three fifths of the time, and crowded vehicles wait a little longer for each other")
       ->type_name("N")
       ->check(CLI::Range(10.0, 50.0));
   add_rules(verb, test.rules, "how the AIVs choose their speed (docs/guide/agents.md); without: crisp");

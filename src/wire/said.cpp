@@ -10,6 +10,7 @@ std::uint32_t number_of(const Visualization& message) { return message.header.he
 std::uint32_t number_of(const Intent& message) { return message.header_id; }
 std::uint32_t number_of(const Seen& message) { return message.header_id; }
 std::uint32_t number_of(const BoardsReport& message) { return message.header_id; }
+std::uint32_t number_of(const Order& message) { return message.header.header_id; }
 
 template <typename Message>
 Message stamped(Message&& message) {
@@ -35,6 +36,7 @@ State as_heard(State&& message) { return stamped_in_header(std::move(message)); 
 Visualization as_heard(Visualization&& message) { return stamped_in_header(std::move(message)); }
 Intent as_heard(Intent&& message) { return stamped(std::move(message)); }
 Seen as_heard(Seen&& message) { return stamped(std::move(message)); }
+Order as_heard(Order&& message) { return stamped_in_header(std::move(message)); }
 
 BoardsReport as_heard(BoardsReport&& message) {
   if (message.ranges) message.ranges->board_ms = 0;  // a board's own clock is nobody's business outside

@@ -18,7 +18,7 @@ namespace cosiva::wire {
 /// costs. What is heard is the same to the last bit, because only what survives the wire is said (as_heard). On a real
 /// wire, and in journals, there are texts alone.
 struct Said {
-  std::variant<State, Visualization, Intent, Seen, BoardsReport> message;
+  std::variant<State, Visualization, Intent, Seen, BoardsReport, Order> message;
 };
 
 /// The message as it would come out of its text: times to the millisecond, and without what the text leaves out.
@@ -27,6 +27,8 @@ struct Said {
 [[nodiscard]] Intent as_heard(Intent&& message);
 [[nodiscard]] Seen as_heard(Seen&& message);
 [[nodiscard]] BoardsReport as_heard(BoardsReport&& message);
+/// @param message  its header says a version, and its angles and tolerances are the standard's
+[[nodiscard]] Order as_heard(Order&& message);
 
 template <typename Message>
 [[nodiscard]] std::shared_ptr<const Said> say(Message&& message) {

@@ -5,6 +5,7 @@
 #include "aiv/onboard/inside.h"
 #include "base/json_value.h"
 #include "wire/vda5050/codec.h"
+#include "wire/vda5050/said.h"
 
 namespace cosiva::aiv {
 
@@ -23,7 +24,7 @@ void OnboardCore::Inside::on_server_connection(const wire::Input& input, wire::E
 }
 
 void OnboardCore::Inside::on_order(const wire::Input& input, wire::Effects& effects) {
-  const auto order = wire::vda5050::decode_order(input.payload);
+  const auto order = wire::vda5050::heard_order(input);
   if (!order) return refuse("validationError", "order", to_string(order.error()), {}, effects);
   std::vector<wire::Reference> references{{"topic", "order"},
                                           {"headerId", std::to_string(order->header.header_id)},

@@ -217,6 +217,7 @@ struct OnboardCore::Inside {
   std::optional<wire::Ranges> ranges;  ///< the last
   bool looked{false};                  ///< ranges came in these bytes
   std::optional<std::uint32_t> pils_session;
+  std::optional<Memory> kept;    ///< for whoever asks, where nobody is told (as_values)
   std::optional<Memory> memory;  ///< recalled and not used yet
   bool start_counts{true};       ///< the start that it was told is of the zone in force
 

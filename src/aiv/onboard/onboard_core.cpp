@@ -262,6 +262,8 @@ void OnboardCore::fold(Digest& digest) const {
 
 SimDuration OnboardCore::tick_period() const { return inside_->options.cycle; }
 
+std::string OnboardCore::kept_memory() const { return inside_->kept ? to_json(*inside_->kept) : std::string{}; }
+
 const OnboardOptions& OnboardCore::options() const { return inside_->options; }
 
 std::vector<std::string> OnboardCore::ports() const { return inside_->boards.ports(); }

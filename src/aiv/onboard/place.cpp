@@ -1,6 +1,7 @@
 // Where the vehicle stands when its program starts, and what it keeps of that for the next start.
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "aiv/onboard/inside.h"
 
@@ -82,23 +83,26 @@ void OnboardCore::Inside::remember_place(bool due, wire::Effects& effects) {
   if (odometer_um == remembered_um && position.manoeuvred() == remembered_manoeuvre && !must_remember) return;
   const bool stopped = agent->standing();
   if (!due && !(stopped && !was_standing) && !must_remember) return;
-  Memory kept;
-  kept.zone = zone->name;
-  kept.odometer_um = *odometer_um;
-  kept.session = *pils_session;
-  kept.paused = agent->holds(Hold::paused);
-  kept.imposed = agent->imposed();
-  kept.off_line = position.away() || position.beside();
-  kept.manoeuvre = position.manoeuvred();
-  kept.pose = position.left_line_at() ? *position.left_line_at() : position.pose();
+  Memory now_here;
+  now_here.zone = zone->name;
+  now_here.odometer_um = *odometer_um;
+  now_here.session = *pils_session;
+  now_here.paused = agent->holds(Hold::paused);
+  now_here.imposed = agent->imposed();
+  now_here.off_line = position.away() || position.beside();
+  now_here.manoeuvre = position.manoeuvred();
+  now_here.pose = position.left_line_at() ? *position.left_line_at() : position.pose();
   if (position.known()) {
     const zone::Place place = position.place();
-    kept.section = zone->circuit.part(place.section).name;
-    kept.s_m = place.s_m;
+    now_here.section = zone->circuit.part(place.section).name;
+    now_here.s_m = place.s_m;
   }
   if (const auto coming = position.course().coming(); !coming.empty())
-    kept.next = zone->circuit.part(coming.front()).name;
-  effects.emplace_back(wire::Remember{to_json(kept)});
+    now_here.next = zone->circuit.part(coming.front()).name;
+  if (options.as_values)
+    kept = std::move(now_here);
+  else
+    effects.emplace_back(wire::Remember{to_json(now_here)});
   remembered_um = odometer_um;
   remembered_manoeuvre = position.manoeuvred();
   must_remember = false;

@@ -24,6 +24,7 @@ std::unique_ptr<World> fleet_of(std::uint32_t aivs, std::uint64_t seed, bool con
   options.network.loss = loss;
   options.rules.kind = aiv::SpeedRules::Kind::fuzzy;
   options.server.convoys = convoys;
+  options.as_values = true;  // the same run, sooner over
   auto world = World::make(std::move(options));
   EXPECT_TRUE(world.has_value());
   return std::move(*world);

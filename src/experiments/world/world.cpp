@@ -164,6 +164,11 @@ struct World::Inside {
   void kill(ActorId id) {
     Actor& actor = actors[id];
     if (!actor.alive) return;
+    if (id >= first_aiv_id && options.as_values) {
+      // Nobody wrote it down ten times a second; what it would have been is read from the dead.
+      std::string memory = static_cast<const aiv::OnboardCore&>(*actor.core).kept_memory();
+      if (!memory.empty()) actor.memory = std::move(memory);
+    }
     actor.alive = false;
     finished.add(actor.runner->digest().value());
     network.break_connection(now, actor.client);
@@ -200,6 +205,7 @@ struct World::Inside {
 
   void start_server() {
     options.server.cycle = options.cycle.value_or(options.server.cycle);
+    options.server.as_values = options.as_values;
     std::string configuration = virtual_side::to_json(options.server);
     start(server_id, std::make_unique<virtual_side::ServerCore>(options.server), "server", std::move(configuration));
     fleet_whole = false;

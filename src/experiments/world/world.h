@@ -27,8 +27,9 @@ struct WorldOptions {
   aiv::SpeedRules rules;  ///< of the AIVs that are not only virtual; those have the server's
   bool v2x{true};         ///< likewise
   virtual_side::ServerOptions server;
-  /// What vehicles say often is passed on as values, and nobody writes or reads its text (wire/said.h): the same run,
-  /// to the last bit of everybody's state, in two thirds of the time. A tap sees such messages without their text.
+  /// Orders and what vehicles say often are passed on as values, and nobody writes or reads their texts (wire/said.h):
+  /// the same run, to the last bit of everybody's state, in three fifths of the time. A tap sees such messages without
+  /// their text.
   bool as_values{false};
   /// Everybody acts once in so long: the plant and its boards, then the vehicles, then the server, one after another
   /// within a hundredth of a second. Nothing: each at its own pace, as the live platform does (10 and 20 ms), and out

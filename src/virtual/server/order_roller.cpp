@@ -130,7 +130,7 @@ void OrderRoller::adopt(VehicleIndex vehicle, const wire::State& state) {
   plan.ever_acknowledged = true;
   plan.base_end = adopt_course(vehicle, state).value_or(ends.front());
   plan.base_end_sequence = end_sequence;
-  plan.payload.clear();
+  plan.sent = {};
   traffic_.set_base_end(vehicle, plan.base_end);
   traffic_.set_base_passed(vehicle, !state.node_states.front().released);
   outbox_.log('i', registry_[vehicle].name + ": took over order '" + plan.order_id + "', update " +
@@ -189,7 +189,7 @@ void OrderRoller::give_up(VehicleIndex vehicle, const wire::State& state, const 
 void OrderRoller::drop(Plan& plan, VehicleIndex vehicle) {
   plan.stage = Plan::Stage::none;
   plan.order_id.clear();
-  plan.payload.clear();
+  plan.sent = {};
   plan.acknowledged = false;
   plan.ever_acknowledged = false;
   plan.base_end = no_waypoint;
@@ -248,10 +248,10 @@ void OrderRoller::step(VehicleIndex vehicle, bool drive, bool send_off) {
   AivProxy& proxy = registry_[vehicle];
   const SimTime now = outbox_.now();
   if (plan.stage == Plan::Stage::running && !plan.acknowledged) {
-    if (now - plan.sent_at >= rules_.resend_after && proxy.online() && !plan.payload.empty()) {
+    if (now - plan.sent_at >= rules_.resend_after && proxy.online() && !plan.sent.topic.empty()) {
       plan.sent_at = now;
       ++resent_;
-      outbox_.resend_order(proxy, plan.payload);
+      outbox_.resend_order(proxy, plan.sent);
     }
     return;
   }
@@ -453,7 +453,7 @@ void OrderRoller::send(VehicleIndex vehicle, const Extension& from) {
   const std::string summary = plan.order_id + " update " + std::to_string(plan.update_id) + ": base " +
                               map_->waypoint(from.from).id + " to " + map_->waypoint(plan.base_end).id +
                               ", horizon to " + map_->waypoint(at).id;
-  plan.payload = outbox_.send(proxy, order, summary);
+  plan.sent = outbox_.send(proxy, std::move(order), summary);
   plan.stage = Plan::Stage::running;
   plan.acknowledged = false;
   plan.sent_at = outbox_.now();

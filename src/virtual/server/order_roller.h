@@ -128,7 +128,7 @@ class OrderRoller {
     WaypointIndex base_end{no_waypoint};
     bool has_horizon{false};  ///< the last order sent announces more than its base
     std::uint32_t base_end_sequence{0};
-    std::string payload;
+    wire::Publish sent;  ///< the last order of ours; without a topic: none
     SimTime sent_at{};
     SimTime wait_until{};
     SimTime cancelled_at{};

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <utility>
 
+#include "wire/said.h"
 #include "wire/vda5050/codec.h"
 
 namespace cosiva::virtual_side {
@@ -12,12 +14,18 @@ wire::Header Outbox::header(const AivProxy& proxy, std::uint32_t id) const {
   return {id, now_, proxy.version, proxy.id.manufacturer, proxy.id.serial_number};
 }
 
-std::string Outbox::send(AivProxy& proxy, wire::Order& order, std::string_view summary) {
+wire::Publish Outbox::send(AivProxy& proxy, wire::Order&& order, std::string_view summary) {
   order.header = header(proxy, proxy.order_header_id++);
-  std::string payload = wire::vda5050::encode(order);
-  traces_.add(now_, "AIV_Server", proxy.name, "order", summary, proxy.order_topic, payload);
-  say(proxy, proxy.order_topic, payload);
-  return payload;
+  wire::Publish message{proxy.order_topic, {}, 0, false};
+  if (as_values_) {
+    if (order.header.version.empty()) order.header.version = wire::vda5050::version;
+    message.said = wire::say(std::move(order));
+  } else {
+    message.payload = wire::vda5050::encode(order);
+  }
+  traces_.add(now_, "AIV_Server", proxy.name, "order", summary, message.topic, message.payload);
+  say(proxy, message);
+  return message;
 }
 
 std::string Outbox::send(AivProxy& proxy, wire::InstantActions& actions) {
@@ -31,24 +39,24 @@ std::string Outbox::send(AivProxy& proxy, wire::InstantActions& actions) {
     summary += " (" + action.action_id + ")";
   }
   traces_.add(now_, "AIV_Server", proxy.name, "instantActions", summary, proxy.actions_topic, payload);
-  say(proxy, proxy.actions_topic, payload);
+  say(proxy, {proxy.actions_topic, payload, 0, false});
   return payload;
 }
 
-void Outbox::resend_order(const AivProxy& proxy, const std::string& payload) {
-  traces_.add(now_, "AIV_Server", proxy.name, "order", "the same again: not acknowledged within 300 ms",
-              proxy.order_topic, payload);
-  say(proxy, proxy.order_topic, payload);
+void Outbox::resend_order(const AivProxy& proxy, const wire::Publish& order) {
+  traces_.add(now_, "AIV_Server", proxy.name, "order", "the same again: not acknowledged within 300 ms", order.topic,
+              order.payload);
+  say(proxy, order);
 }
 
 void Outbox::resend_actions(const AivProxy& proxy, const std::string& payload) {
   traces_.add(now_, "AIV_Server", proxy.name, "instantActions", "the same again: not acknowledged within 300 ms",
               proxy.actions_topic, payload);
-  say(proxy, proxy.actions_topic, payload);
+  say(proxy, {proxy.actions_topic, payload, 0, false});
 }
 
-void Outbox::say(const AivProxy& proxy, const std::string& topic, const std::string& payload) {
-  if (!proxy.handed_over_at) effects_->emplace_back(wire::Publish{topic, payload, 0, false});
+void Outbox::say(const AivProxy& proxy, wire::Publish message) {
+  if (!proxy.handed_over_at) effects_->emplace_back(std::move(message));
 }
 
 void Outbox::publish(std::string topic, std::string payload, int qos, bool retained) {

@@ -15,7 +15,8 @@ namespace cosiva::virtual_side {
 /// What the server says, in one place: fills in headers, encodes, publishes and traces.
 class Outbox {
  public:
-  explicit Outbox(Traces& traces) : traces_{traces} {}
+  /// @param as_values  orders are passed on as values (wire/said.h)
+  explicit Outbox(Traces& traces, bool as_values = false) : traces_{traces}, as_values_{as_values} {}
 
   /// Where everything goes until the next call.
   void open(SimTime now, wire::Effects& effects) {
@@ -23,10 +24,10 @@ class Outbox {
     effects_ = &effects;
   }
 
-  /// Give the payload, for sending the very same again.
-  std::string send(AivProxy& proxy, wire::Order& order, std::string_view summary);
+  /// Give what was said, for sending the very same again.
+  wire::Publish send(AivProxy& proxy, wire::Order&& order, std::string_view summary);
   std::string send(AivProxy& proxy, wire::InstantActions& actions);
-  void resend_order(const AivProxy& proxy, const std::string& payload);
+  void resend_order(const AivProxy& proxy, const wire::Publish& order);
   void resend_actions(const AivProxy& proxy, const std::string& payload);
   void publish(std::string topic, std::string payload, int qos, bool retained);
   void log(char level, std::string text);
@@ -40,9 +41,10 @@ class Outbox {
 
  private:
   [[nodiscard]] wire::Header header(const AivProxy& proxy, std::uint32_t id) const;
-  void say(const AivProxy& proxy, const std::string& topic, const std::string& payload);
+  void say(const AivProxy& proxy, wire::Publish message);
 
   Traces& traces_;
+  bool as_values_;
   wire::Effects* effects_{};
   SimTime now_{};
 };

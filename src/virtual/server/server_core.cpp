@@ -31,7 +31,7 @@ ServerCore::Inside::Inside(ServerOptions given)
       topics{wire::server_topics(options.hall)},
       halls{options.hall},
       traces{options.traces_max},
-      outbox{traces},
+      outbox{traces, options.as_values},
       registry{topic_prefix.substr(0, topic_prefix.size() - 1)},
       traffic{{.convoys = options.convoys}},
       desk{outbox},
@@ -113,7 +113,7 @@ void ServerCore::Inside::on_message(const wire::Input& input) {
   if (BatteryDesk::is_ours(input.source)) return on_battery(input);
   if (GvsDesk::is_ours(input.source)) return on_gvs(input);
   if (is_for_halls(input)) return;
-  if (!fleet.empty() && fleet.from_broker(now, input.source, input.payload)) return;
+  if (!fleet.empty() && fleet.from_broker(now, input)) return;
   if (const auto address = address_of(input.source)) {
     on_vehicle_message(*address, input);
     return;

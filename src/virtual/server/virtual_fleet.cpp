@@ -4,7 +4,7 @@
 #include <utility>
 #include <variant>
 
-#include "wire/said.h"
+#include "wire/vda5050/said.h"
 
 namespace cosiva::virtual_side {
 void VirtualFleet::send(Host& host) {
@@ -82,11 +82,12 @@ void VirtualFleet::message(SimTime now, VehicleIndex vehicle, const std::string&
   send(*host);
 }
 
-bool VirtualFleet::from_broker(SimTime now, const std::string& topic, const std::string& payload) {
+bool VirtualFleet::from_broker(SimTime now, const wire::Input& input) {
   for (Host& host : hosts_) {
     const AivProxy& proxy = registry_[host.vehicle];
-    if (topic != proxy.order_topic && topic != proxy.actions_topic) continue;
-    host.aiv.message(now, topic, payload, effects_);
+    if (input.source != proxy.order_topic && input.source != proxy.actions_topic) continue;
+    const std::string payload = input.said ? wire::vda5050::text_of(*input.said) : input.payload;
+    host.aiv.message(now, input.source, payload, effects_);
     send(host);
     return true;
   }

@@ -45,7 +45,7 @@ class VirtualFleet {
   /// To one of them.
   void message(SimTime now, VehicleIndex vehicle, const std::string& topic, const std::string& payload);
   /// An order or instant actions from the broker; false: it is for none of them.
-  bool from_broker(SimTime now, const std::string& topic, const std::string& payload);
+  bool from_broker(SimTime now, const wire::Input& input);
   /// What vehicles say to those near them, to those of ours that listen there and did not say it.
   void talk(SimTime now, const wire::Input& input);
   void tick(SimTime now);

@@ -8,6 +8,7 @@ namespace {
 struct Writer {
   std::string operator()(const State& message) const { return encode(message); }
   std::string operator()(const Visualization& message) const { return encode(message); }
+  std::string operator()(const Order& message) const { return encode(message); }
   std::string operator()(const Intent& message) const { return to_json(message); }
   std::string operator()(const Seen& message) const { return to_json(message); }
   std::string operator()(const BoardsReport& message) const { return to_json(message); }
@@ -23,6 +24,11 @@ Result<State> heard_state(const Input& input) {
 Result<Visualization> heard_visualization(const Input& input) {
   if (const auto* visualization = said<Visualization>(input.said)) return *visualization;
   return decode_visualization(input.payload);
+}
+
+Result<Order> heard_order(const Input& input) {
+  if (const auto* order = said<Order>(input.said)) return *order;
+  return decode_order(input.payload);
 }
 
 std::string text_of(const Said& said) { return std::visit(Writer{}, said.message); }

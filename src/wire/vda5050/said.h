@@ -11,6 +11,7 @@ namespace cosiva::wire::vda5050 {
 
 [[nodiscard]] Result<State> heard_state(const Input& input);
 [[nodiscard]] Result<Visualization> heard_visualization(const Input& input);
+[[nodiscard]] Result<Order> heard_order(const Input& input);
 
 /// The text that would have been sent, our own messages' too.
 [[nodiscard]] std::string text_of(const Said& said);

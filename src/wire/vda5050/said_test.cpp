@@ -56,12 +56,15 @@ Intent intent() {
   return message;
 }
 
-TEST(Said, states_and_visualizations_are_heard_as_their_texts_would_be_read) {
+TEST(Said, states_orders_and_visualizations_are_heard_as_their_texts_would_be_read) {
   EXPECT_TRUE(rc::check([](std::uint64_t seed) {
     Random random{seed, "said"};
     State state = sample::state(random);
     state.header.timestamp += within_a_millisecond;
     expect_heard_as_read<State>(say(std::move(state)), heard_state);
+    Order order = sample::order(random);
+    order.header.timestamp += within_a_millisecond;
+    expect_heard_as_read<Order>(say(std::move(order)), heard_order);
     Visualization visualization = sample::visualization(random);
     visualization.header.timestamp += within_a_millisecond;
     expect_heard_as_read<Visualization>(say(std::move(visualization)), heard_visualization);
