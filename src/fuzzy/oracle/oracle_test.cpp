@@ -11,8 +11,8 @@
 #include "base/random.h"
 #include "base/test_places.h"
 #include "fuzzy/oracle/test_fuzzylite.h"
-#include "fuzzy/test_random_rules.h"
 #include "fuzzy/rule_base.h"
+#include "fuzzy/test_random_rules.h"
 
 namespace cosiva::fuzzy {
 namespace {
