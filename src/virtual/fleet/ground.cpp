@@ -1,7 +1,9 @@
 #include "virtual/fleet/ground.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <deque>
+#include <string>
 #include <utility>
 
 #include "aiv/outlook.h"
@@ -139,9 +141,20 @@ Result<void> Ground::defaults_have_chains() const {
 }
 
 tl::unexpected<Error> Ground::nowhere_to_stand(zone::SectionId section) const {
+  char room_text[32];
+  std::snprintf(room_text, sizeof room_text, "%.2f m", gap_m_);
+  const std::string room = room_text;
+  const zone::SectionId back = zone::opposites(*zone_)[section];
+  const std::string why =
+      back == zone::no_section
+          ? "from here on vehicles find nowhere to stand between them; leave " + room + " between two of them"
+          : "it and '" + circuit().part(back).name +
+                "' are one track driven both ways, and whoever is on it finds nowhere to stand aside; let the way lead "
+                "round over sections beside the track that have " +
+                room + " outside crossings, or give each direction a lane of its own";
   return fail("fleet.zone",
-              "too many crossings upon one another to be reserved at once: from here on vehicles find nowhere to stand "
-              "between them, as on lanes that are driven both ways; `cosiva zone check` lists them",
+              "too many crossings upon one another to be reserved at once: " + why +
+                  "; `cosiva zone check` lists such places (zone.single_track, deadlock.loop, deadlock.no_room)",
               "zone '" + zone_->name + "', section '" + circuit().part(section).name + "'");
 }
 

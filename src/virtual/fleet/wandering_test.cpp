@@ -111,6 +111,31 @@ TEST(Fleet, is_not_made_where_there_is_nowhere_to_stand_between_crossings) {
   ASSERT_FALSE(made);
   EXPECT_EQ(made.error().code, "fleet.zone");
   EXPECT_THAT(made.error().place, testing::HasSubstr("section 'there'"));
+  EXPECT_THAT(made.error().message, testing::AllOf(testing::HasSubstr("it and 'back' are one track driven both ways"),
+                                                   testing::HasSubstr("lead round over sections beside the track"),
+                                                   testing::HasSubstr("zone.single_track")));
+}
+
+TEST(Fleet, is_made_on_a_track_driven_both_ways_that_leads_round_beside_it_as_the_refusal_advises) {
+  const auto straight = [](const std::string& name, const std::string& start, double length_m, const char* next) {
+    return "[[section]]\nname = \"" + name +
+           "\"\nkind = \"straight\"\npivots = true\nlength_m = " + std::to_string(length_m) + "\nstart = { " + start +
+           " }\nnext = [\"" + next + "\"]\n";
+  };
+  const Zone zone = zone_text("name = \"lane\"\nformat_version = 1\n" +
+                              straight("there", "x = 0, y = 0, heading_deg = 0", 6.0, "up") +
+                              straight("up", "x = 6, y = 0, heading_deg = 90", 2.0, "over") +
+                              straight("over", "x = 6, y = 2, heading_deg = 180", 2.0, "down") +
+                              straight("down", "x = 4, y = 2, heading_deg = -90", 2.0, "back") +
+                              straight("back", "x = 4, y = 0, heading_deg = 180", 4.0, "there"));
+  Fleet two = fleet(zone, std::vector<FleetStart>{{0, {*zone->circuit.find("up"), 1.0}, 0},
+                                                  {0, {*zone->circuit.find("over"), 1.0}, 0}});
+  for (int k = 0; k < 2000; ++k) {
+    two.step();
+    ASSERT_NO_FATAL_FAILURE(expect_safe(two));
+  }
+  EXPECT_GT(two.laps(0), 0U);
+  EXPECT_GT(two.laps(1), 0U);
 }
 
 }  // namespace
