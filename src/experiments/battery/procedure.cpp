@@ -60,7 +60,7 @@ std::optional<StopCause> parse_stop(std::string_view word) {
 }
 
 Procedure::Procedure(ProcedureOptions options)
-    : options_{options}, batteries_{plan(options)}, seats_(options.vehicles) {
+    : options_{std::move(options)}, batteries_{plan(options_)}, seats_(options_.vehicles) {
   COSIVA_EXPECT(options_.vehicles > 0 && options_.runs > 0 && options_.floor >= 0.0 && options_.floor < 1.0);
 }
 
