@@ -35,7 +35,8 @@ std::string chance(double p) { return p < 1e-4 ? "< 0.0001" : readable(p, 4); }
 std::string with_interval(const Figure& figure, double factor) {
   std::string text = readable(factor * figure.value, 2);
   if (figure.interval)
-    text += " (" + readable(factor * figure.interval->low, 2) + "–" + readable(factor * figure.interval->high, 2) + ")";
+    text += " (" + readable(factor * figure.interval->low, 2) + (figure.interval->low < 0.0 ? " to " : "–") +
+            readable(factor * figure.interval->high, 2) + ")";
   return text;
 }
 
