@@ -100,7 +100,9 @@ test('every command by mouse and by keyboard', { timeout: 240_000 }, async (t) =
     await page.getByTestId('tool-add-plant-obstacle').click();
     await press_map(page, platform, 0.75, -0.75);
     await eventually('the plant has it', () => truth.latest.obstacles?.find((one) => Math.hypot(one.x - 0.75, one.y + 0.75) < 0.02), { within_ms: 4_000 });
-    for (const label of await page.locator('[data-thing] button[aria-label^=Remove]').evaluateAll((all) => all.map((one) => one.getAttribute('aria-label')))) await page.getByRole('button', { name: label, exact: true }).click();
+    const removals = page.locator('[data-thing] button[aria-label^=Remove]');
+    await eventually('all four are listed', async () => (await removals.count()) === 4, { within_ms: 4_000 });
+    for (const label of await removals.evaluateAll((all) => all.map((one) => one.getAttribute('aria-label')))) await page.getByRole('button', { name: label, exact: true }).click();
     await nothing_left();
     await eventually('the plant is empty', () => truth.latest.obstacles.length === 0, { within_ms: 4_000 });
   });
