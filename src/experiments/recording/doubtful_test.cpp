@@ -131,7 +131,8 @@ TEST(Silence, after_which_all_is_counted_that_came_by_stands_as_it_was_told) {
 TEST(Silence, of_a_drive_too_short_to_know_its_habits_leaves_the_vehicle_anywhere_within_its_reach) {
   Drive drive;
   drive.counts = [](double t_s) { return t_s < 1.95 || (t_s > 51.95 && t_s < 53.95); };
-  const Recording::Step& step = longest(drive.recording());
+  const Recording recording = drive.recording();
+  const Recording::Step& step = longest(recording);
   EXPECT_GE(std::sqrt(step.distance_variance_m2), 50.0);
   EXPECT_GE(std::sqrt(step.turn_variance_rad2), 3.0);
 }
