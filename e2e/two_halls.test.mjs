@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import path from 'node:path';
 import { test } from 'node:test';
 import { Bus, Truth } from './lib/bus.mjs';
-import { cosiva_binary, eventually, free_port, Program, sleep, source_dir, start_broker, work_folder } from './lib/platform.mjs';
+import { cosiva_binary, eventually, fetched, free_port, Program, sleep, source_dir, start_broker, work_folder } from './lib/platform.mjs';
 
 const nobodys_ms_max = 200;
 const zone = (name) => path.join(source_dir, 'e2e/halls', `${name}.toml`);
@@ -22,7 +22,7 @@ class Hall {
   }
 
   async snapshot() {
-    return (await fetch(`${this.url}/api/v1/snapshot`, { signal: AbortSignal.timeout(2_000) })).json();
+    return JSON.parse((await fetched(`${this.url}/api/v1/snapshot`, 2_000)).text);
   }
 
   async has(id) {
@@ -106,8 +106,9 @@ test('a vehicle goes from hall to hall and back, and never loses its twin', { ti
   start_aiv(2);
   const [traveller, local] = ['CoSiVA/AIV1', 'CoSiVA/AIV2'];
   const words = () => [a.program, b.program, ...ones].map(({ name, words: said }) => `--- ${name}\n${said.slice(-1500)}`).join('\n');
-  const in_time = (what, question, options) => eventually(what, question, options).catch((error) => {
-    throw new Error(`${error.message}\n${words()}`);
+  const tables = async () => JSON.stringify(await Promise.all([a, b].map(async (hall) => (await hall.snapshot().catch(() => undefined))?.aivs)));
+  const in_time = (what, question, options) => eventually(what, question, options).catch(async (error) => {
+    throw new Error(`${error.message}\n${await tables()}\n${words()}`);
   });
 
   await in_time('each vehicle is claimed by the hall it stands in', async () => (await a.has(traveller)) && (await b.has(local)), { within_ms: 15_000 });

@@ -2,12 +2,12 @@
 import assert from 'node:assert/strict';
 import vda5050 from 'vda-5050-lib';
 import { finally_do } from './cleanup.mjs';
-import { sleep } from './platform.mjs';
+import { fetched, sleep } from './platform.mjs';
 
 const { AgvController, VirtualAgvAdapter } = vda5050;
 
 export const stranger = 'RobotCompany/001';
-export const snapshot_of = async (url) => (await fetch(`${url}/api/v1/snapshot`, { signal: AbortSignal.timeout(2_000) })).json();
+export const snapshot_of = async (url) => JSON.parse((await fetched(`${url}/api/v1/snapshot`, 2_000)).text);
 
 export async function start_foreign_vehicle(t, { broker_port, circuit, waypoint, serial = '001', speed_mps = 0.8 }) {
   const start = circuit.at(waypoint);

@@ -64,6 +64,16 @@ export async function eventually(what, question, { within_ms = 20_000, every_ms 
   }
 }
 
+/** An answer whole, {status, text}. fetch's own time-out is no Error: a test's report would show nothing of it. */
+export async function fetched(url, within_ms, init = {}) {
+  try {
+    const response = await fetch(url, { ...init, signal: AbortSignal.timeout(within_ms) });
+    return { status: response.status, text: await response.text() };
+  } catch (error) {
+    throw new Error(`${init.method ?? 'GET'} ${url}: ${error.cause?.message ?? error.message}`);
+  }
+}
+
 /** A TCP port that was free a moment ago. */
 export async function free_port() {
   const server = createServer();
@@ -185,9 +195,9 @@ export class Platform extends Program {
   }
 
   async get(what) {
-    const response = await fetch(`${this.url}/api/v1/${what}`, { signal: AbortSignal.timeout(3_000) });
-    assert.equal(response.status, 200, `GET ${what}: ${response.status}`);
-    return response.json();
+    const { status, text } = await fetched(`${this.url}/api/v1/${what}`, 3_000);
+    assert.equal(status, 200, `GET ${what}: ${status}`);
+    return JSON.parse(text);
   }
 
   snapshot() {
@@ -202,9 +212,8 @@ export class Platform extends Program {
   /** Any call of the contract: {status, body}; a body that is a string is sent as it is. */
   async call(method, what, body, headers = { 'content-type': 'application/json' }) {
     const init = body === undefined ? {} : { headers, body: typeof body === 'string' ? body : JSON.stringify(body) };
-    const response = await fetch(`${this.url}/api/v1/${what}`, { method, ...init, signal: AbortSignal.timeout(5_000) });
-    const text = await response.text();
-    return { status: response.status, body: text === '' ? null : JSON.parse(text) };
+    const { status, text } = await fetched(`${this.url}/api/v1/${what}`, 5_000, { method, ...init });
+    return { status, body: text === '' ? null : JSON.parse(text) };
   }
 
   /** The same, which must succeed; answers the body. */

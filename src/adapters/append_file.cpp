@@ -8,6 +8,8 @@
 #include <cstring>
 #include <filesystem>
 
+#include "adapters/disk_writer.h"
+
 namespace cosiva::adapters {
 
 Result<std::unique_ptr<AppendFile>> AppendFile::open(const std::string& path) {
@@ -35,12 +37,7 @@ Result<void> AppendFile::cut(std::size_t bytes) {
 }
 
 Result<void> AppendFile::append(std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(fd_, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return refuse(errno);
-    bytes.remove_prefix(static_cast<std::size_t>(written));
-  }
+  if (const int error = write_all(fd_, bytes); error != 0) return refuse(error);
   return {};
 }
 

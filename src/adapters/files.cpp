@@ -16,19 +16,6 @@ namespace {
 constexpr std::chrono::milliseconds flush_period{100};
 constexpr std::size_t flush_bytes = 64 * 1024;
 
-/// Writes all of it; the errno, or 0.
-int write_all(int fd, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(fd, bytes.data(), bytes.size());
-    if (written < 0) {
-      if (errno == EINTR) continue;
-      return errno;
-    }
-    bytes.remove_prefix(static_cast<std::size_t>(written));
-  }
-  return 0;
-}
-
 }  // namespace
 
 Result<std::string> read_file(const std::string& path) {
@@ -63,8 +50,17 @@ Result<void> write_file(const std::string& path, std::string_view bytes) {
 }
 
 JournalFile::JournalFile(EventLoop& loop, std::string path, int fd, std::function<void(const Error&)> on_error)
-    : path_{std::move(path)}, fd_{fd}, on_error_{std::move(on_error)}, flush_timer_{loop} {
-  flush_timer_.every(flush_period, [this] { flush(); });
+    : path_{std::move(path)},
+      fd_{fd},
+      on_error_{std::move(on_error)},
+      timer_{loop},
+      writer_{
+          loop, writes_to(fd), [this](const Error& error) {
+            timer_.cancel();
+            if (on_error_)
+              on_error_({"journal.write", "the journal stops here, everything else goes on: " + error.message, path_});
+          }} {
+  timer_.every(flush_period, [this] { hand_on(); });
 }
 
 Result<void> write_files(const std::string& folder, const std::vector<std::pair<std::string, std::string>>& files) {
@@ -85,34 +81,22 @@ Result<std::unique_ptr<JournalFile>> JournalFile::create(EventLoop& loop, const 
 
 JournalFile::~JournalFile() {
   flush();
-  if (fd_ >= 0) ::close(fd_);
+  ::close(fd_);
 }
 
 void JournalFile::append(std::string_view bytes) {
-  if (fd_ < 0) return;
+  if (writer_.broken()) return;
   buffer_ += bytes;
-  if (buffer_.size() >= flush_bytes) flush();
+  if (buffer_.size() >= flush_bytes) hand_on();
+}
+
+void JournalFile::hand_on() {
+  if (!buffer_.empty()) writer_.append(std::exchange(buffer_, {}));
 }
 
 void JournalFile::flush() {
-  if (fd_ < 0 || buffer_.empty()) return;
-  const int error = write_all(fd_, buffer_);
-  buffer_.clear();
-  if (error == 0) return;
-  ::close(std::exchange(fd_, -1));
-  flush_timer_.cancel();
-  if (on_error_) {
-    on_error_(Error{"journal.write",
-                    std::string("the journal stops here, everything else goes on: ") + std::strerror(error), path_});
-  }
+  hand_on();
+  writer_.drain();
 }
-
-std::optional<std::string> MemoryFile::load() const {
-  auto bytes = read_file(path_);
-  if (!bytes || bytes->empty()) return std::nullopt;
-  return std::move(*bytes);
-}
-
-Result<void> MemoryFile::store(std::string_view bytes) { return write_file(path_, bytes); }
 
 }  // namespace cosiva::adapters

@@ -2,12 +2,12 @@
 
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "adapters/disk_writer.h"
 #include "adapters/event_loop.h"
 #include "base/result.h"
 
@@ -23,36 +23,30 @@ namespace cosiva::adapters {
 [[nodiscard]] Result<void> write_files(const std::string& folder,
                                        const std::vector<std::pair<std::string, std::string>>& files);
 
-/// Where a journal's bytes go. They reach the file at most 100 ms after append(), and at the end. When the disk is full
-/// the journal stops with one clear error, and what it recorded goes on.
+/// Where a journal's bytes go. They are on their way to the file at most 100 ms after append(), and in it at the end.
+/// When the disk is full, or so slow that it does not keep up, the journal stops with one clear error, and what it
+/// recorded goes on.
 class JournalFile {
  public:
-  /// Fails ("journal.open").
+  /// Fails ("journal.open"). `on_error` is called from the loop.
   [[nodiscard]] static Result<std::unique_ptr<JournalFile>> create(EventLoop& loop, const std::string& path,
                                                                    std::function<void(const Error&)> on_error);
   ~JournalFile();
   void append(std::string_view bytes);
+  /// Waits until all is in the file, or cannot be.
   void flush();
-  [[nodiscard]] bool broken() const { return fd_ < 0; }
+  [[nodiscard]] bool broken() const { return writer_.broken(); }
 
  private:
   JournalFile(EventLoop& loop, std::string path, int fd, std::function<void(const Error&)> on_error);
+  void hand_on();
+
   std::string path_;
   int fd_;
   std::function<void(const Error&)> on_error_;
   std::string buffer_;
-  Timer flush_timer_;
-};
-
-/// The few bytes a core wants kept over a crash of its process (wire::Remember).
-class MemoryFile {
- public:
-  explicit MemoryFile(std::string path) : path_{std::move(path)} {}
-  [[nodiscard]] std::optional<std::string> load() const;
-  [[nodiscard]] Result<void> store(std::string_view bytes);
-
- private:
-  std::string path_;
+  Timer timer_;
+  DiskWriter writer_;
 };
 
 }  // namespace cosiva::adapters

@@ -1,6 +1,9 @@
 #include "adapters/files.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "adapters/test_bench.h"
 
@@ -10,6 +13,28 @@ namespace {
 using namespace std::chrono_literals;
 using testing::patience;
 using testing::Scratch;
+
+/// A disk that stands still: what is written here waits until somebody reads.
+std::string pipe_in(const Scratch& scratch, std::string_view name) {
+  std::string file = scratch / name;
+  EXPECT_EQ(::mkfifo(file.c_str(), 0600), 0);
+  return file;
+}
+
+struct Descriptor {
+  explicit Descriptor(int fd_) : fd{fd_} {}
+  ~Descriptor() { ::close(fd); }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  /// What can be read now.
+  [[nodiscard]] std::string take() const {
+    std::string bytes(64 * 1024, '\0');
+    const ssize_t got = ::read(fd, bytes.data(), bytes.size());
+    bytes.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
+    return bytes;
+  }
+  int fd;
+};
 
 TEST(JournalFile, holds_what_was_appended_within_100_ms_and_at_the_end) {
   Scratch scratch;
@@ -38,25 +63,28 @@ TEST(JournalFile, on_a_full_disk_stops_with_one_clear_error) {
   journal->append("not even tried");
   journal->flush();
   EXPECT_TRUE(journal->broken());
+  loop.run_for(50ms);
   ASSERT_EQ(errors.size(), 1U);
   EXPECT_EQ(errors.front().code, "journal.write");
   EXPECT_THAT(errors.front().message, ::testing::HasSubstr("No space left"));
 }
 
-TEST(MemoryFile, gives_back_the_last_bytes_stored) {
+TEST(JournalFile, goes_to_a_disk_that_stands_still_without_keeping_anybody_waiting) {
   Scratch scratch;
-  MemoryFile memory{scratch / "memory"};
-  EXPECT_FALSE(memory.load());
-  ASSERT_TRUE(memory.store("one"));
-  ASSERT_TRUE(memory.store(std::string("t\0o", 3)));
-  EXPECT_EQ(MemoryFile{scratch / "memory"}.load(), std::string("t\0o", 3));
-}
-
-TEST(MemoryFile, that_cannot_be_written_says_so) {
-  MemoryFile memory{"/nonexistent/memory"};
-  const auto stored = memory.store("x");
-  ASSERT_FALSE(stored);
-  EXPECT_EQ(stored.error().code, "file.write");
+  const std::string file = pipe_in(scratch, "run.journal");
+  const Descriptor reader{::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)};
+  EventLoop loop;
+  auto journal = JournalFile::create(loop, file, {}).value();
+  const std::string much(1U << 20U, 'x');  // a pipe takes 64 KiB, and then nothing until somebody reads
+  journal->append(much);
+  int beats = 0;
+  Timer timer{loop};
+  timer.every(5ms, [&] { ++beats; });
+  EXPECT_TRUE(loop.run_until([&] { return beats == 20; }, patience));
+  journal->append("behind it");
+  std::string got;
+  EXPECT_TRUE(loop.run_until([&] { return (got += reader.take()).size() == much.size() + 9; }, patience));
+  EXPECT_EQ(got, much + "behind it");
 }
 
 TEST(WriteFile, leaves_the_old_file_where_the_new_one_fails) {

@@ -1,19 +1,26 @@
 #include "adapters/live_shell.h"
 
-#include <cstdio>
+#include <unistd.h>
+
 #include <deque>
 #include <utility>
 
 #include "adapters/lossy_radio.h"
+#include "adapters/memory_file.h"
 #include "journal/journal.h"
 #include "wire/topics.h"
 
 namespace cosiva::adapters {
 
-void log_line(SimTime at, const std::string& name, char level, const std::string& text) {
+namespace {
+
+/// "2023-07-11T00:00:00.000Z aiv1 warning: text".
+std::string log_line(SimTime at, const std::string& name, char level, const std::string& text) {
   const char* word = level == 'e' ? "error: " : level == 'w' ? "warning: " : "";
-  std::fprintf(stderr, "%s %s %s%s\n", to_iso8601(at).c_str(), name.c_str(), word, text.c_str());
+  return to_iso8601(at) + " " + name + " " + word + text + "\n";
 }
+
+}  // namespace
 
 struct LiveShell::Inside : std::enable_shared_from_this<LiveShell::Inside> {
   Inside(EventLoop& loop_, wire::Core& core_, LiveOptions options_, OpenPorts open_ports_)
@@ -22,9 +29,10 @@ struct LiveShell::Inside : std::enable_shared_from_this<LiveShell::Inside> {
         options{std::move(options_)},
         open_ports{std::move(open_ports_)},
         runner{core_, [this](const wire::Input& input) { record(input); }},
+        words{loop_, writes_to(STDERR_FILENO), {}},
         tick_timer{loop_} {}
 
-  void log(char level, const std::string& text) { log_line(clock.now(), options.name, level, text); }
+  void log(char level, const std::string& text) { words.append(log_line(clock.now(), options.name, level, text)); }
 
   // --- telling ------------------------------------------------------------------------------------------------------
 
@@ -153,7 +161,10 @@ struct LiveShell::Inside : std::enable_shared_from_this<LiveShell::Inside> {
       writer->end(at, digest);
       journal->flush();
     }
-    const auto finish = [done = std::move(done), digest] { done(digest); };
+    const auto finish = [this, done = std::move(done), digest] {
+      words.drain();
+      done(digest);
+    };
     if (mqtt) {
       mqtt->stop(finish);
     } else {
@@ -167,6 +178,7 @@ struct LiveShell::Inside : std::enable_shared_from_this<LiveShell::Inside> {
   OpenPorts open_ports;
   WallClock clock;
   wire::CoreRunner runner;
+  DiskWriter words;  ///< on stderr: what reads our log, or the disk it goes to, must not stop us
   std::unique_ptr<JournalFile> journal;
   std::optional<journal::Writer> writer;
   std::optional<MemoryFile> memory;

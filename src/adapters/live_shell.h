@@ -30,7 +30,8 @@ struct LiveOptions {
 };
 
 /// Runs one core live: tells it messages, bytes, ticks and commands with the wall clock's time, and does what it
-/// answers. Everything the core hears goes through one place, so the journal is whole.
+/// answers. Everything the core hears goes through one place, so the journal is whole. Its journal and its log, on
+/// stderr, never keep it waiting; what it remembers is kept before it says anything more.
 class LiveShell {
  public:
   using OpenPorts = std::function<Result<std::unique_ptr<Ports>>(PortHandlers)>;
@@ -54,8 +55,5 @@ class LiveShell {
   struct Inside;
   std::shared_ptr<Inside> inside_;
 };
-
-/// "2023-07-11T00:00:00.000Z aiv1 warning: text" on stderr.
-void log_line(SimTime at, const std::string& name, char level, const std::string& text);
 
 }  // namespace cosiva::adapters

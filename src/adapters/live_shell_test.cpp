@@ -1,10 +1,14 @@
 #include "adapters/live_shell.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
+#include <unistd.h>
 
+#include <array>
 #include <csignal>
 
 #include "adapters/broker.h"
+#include "adapters/memory_file.h"
 #include "adapters/test_bench.h"
 #include "base/digest.h"
 #include "journal/journal.h"
@@ -75,6 +79,55 @@ class Shell : public ::testing::Test {
   EventLoop loop;
 };
 
+/// A pipe that takes nothing more until somebody reads.
+struct FullPipe {
+  FullPipe() {
+    std::array<int, 2> ends{};
+    EXPECT_EQ(::pipe2(ends.data(), O_CLOEXEC | O_NONBLOCK), 0);
+    read_end = ends[0];
+    write_end = ends[1];
+    const std::string much(4096, '.');
+    while (::write(write_end, much.data(), much.size()) > 0) {
+    }
+    ::fcntl(write_end, F_SETFL, 0);
+    ::fcntl(read_end, F_SETFL, 0);
+  }
+  ~FullPipe() {
+    ::close(read_end);
+    ::close(write_end);
+  }
+  FullPipe(const FullPipe&) = delete;
+  FullPipe& operator=(const FullPipe&) = delete;
+  std::string read_until(std::string_view text) const {
+    std::string all;
+    std::array<char, 4096> some{};
+    while (all.find(text) == std::string::npos) {
+      const ssize_t got = ::read(read_end, some.data(), some.size());
+      if (got <= 0) break;
+      all.append(some.data(), static_cast<std::size_t>(got));
+    }
+    return all;
+  }
+  int read_end{-1};
+  int write_end{-1};
+};
+
+/// `fd` is `other` as long as this lives.
+class InTheirPlace {
+ public:
+  InTheirPlace(int fd, int other) : fd_{fd}, was_{::dup(fd)} { ::dup2(other, fd); }
+  ~InTheirPlace() {
+    ::dup2(was_, fd_);
+    ::close(was_);
+  }
+  InTheirPlace(const InTheirPlace&) = delete;
+  InTheirPlace& operator=(const InTheirPlace&) = delete;
+
+ private:
+  int fd_;
+  int was_;
+};
+
 TEST_F(Shell, tells_configure_first_then_memory_then_ticks_in_order_of_time) {
   scratch.write("memory", "remembered");
   EchoCore core;
@@ -97,7 +150,7 @@ TEST_F(Shell, keeps_what_the_core_wants_remembered) {
   LiveShell shell{loop, core, with_memory};
   ASSERT_TRUE(shell.start());
   shell.command("test", "place=3");
-  EXPECT_EQ(read_file(scratch / "memory").value(), "place=3");
+  EXPECT_EQ(MemoryFile{scratch / "memory"}.load(), "place=3") << "at once: a moment later it may be killed";
 }
 
 TEST_F(Shell, runs_a_core_over_a_real_broker_and_real_sockets_and_the_journal_replays_to_the_same_digest) {
@@ -214,8 +267,23 @@ TEST_F(Shell, goes_on_when_the_disk_of_its_journal_is_full) {
   ::testing::internal::CaptureStderr();
   const int before = core.ticks;
   EXPECT_TRUE(loop.run_until([&] { return core.ticks >= before + 10; }, patience));
-  EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("the journal stops here"));
   EXPECT_EQ(stop(shell).size(), 16U);
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("the journal stops here"));
+}
+
+TEST_F(Shell, goes_on_when_nobody_reads_its_log) {
+  FullPipe log;  // as behind a pager that waits for its reader
+  EchoCore core;
+  LiveOptions live = options();
+  live.record_file = "/dev/full";  // so that there is something to say
+  LiveShell shell{loop, core, live};
+  {
+    const InTheirPlace stderr_is{STDERR_FILENO, log.write_end};
+    ASSERT_TRUE(shell.start());
+    EXPECT_TRUE(loop.run_until([&] { return core.ticks >= 20; }, patience));
+    EXPECT_THAT(log.read_until("the journal stops here"), HasSubstr("the journal stops here"));
+    stop(shell);
+  }
 }
 
 TEST_F(Shell, does_not_start_with_a_journal_or_ports_it_cannot_have) {

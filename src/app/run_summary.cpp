@@ -52,6 +52,16 @@ std::string augmented(const JsonValue& bijection) {
   return text;
 }
 
+/// In a line of its own where it matters: the figures are the machine's then, too.
+std::string late(const JsonValue& bijection) {
+  constexpr double worth_saying_ms = 20.0;
+  const JsonValue* spread = bijection.find("late_ms");
+  if (spread == nullptr || spread->number("p99").value_or(0.0) < worth_saying_ms) return {};
+  return "\nthis machine was busy or stood still: the server woke up to " +
+         decimals(spread->number("max").value_or(0.0), 0) + " ms late (p99 " +
+         millis(bijection, "late_ms", 1.0, " ms") + "), which is in these figures";
+}
+
 std::string deadlocks_text(const JsonValue* deadlocks) {
   if (deadlocks == nullptr) return {};
   const double detected = deadlocks->number("detected").value_or(0.0);
@@ -96,7 +106,7 @@ Result<RunSummary> summarise(const RunFacts& facts, std::string_view server_summ
              millis(*bijection, "divergence_m", 1e3, " mm") + ", age p99 " + millis(*bijection, "age_ms", 1.0, " ms") +
              "\n" + std::to_string(touched) + " collisions, " + decimals(laps, 0) + " laps, longest wait " +
              decimals(longest_wait_s, 1) + " s" + deadlocks_text(deadlocks) + ", digest " + facts.digest +
-             augmented(*bijection);
+             augmented(*bijection) + late(*bijection);
   return run;
 }
 

@@ -77,6 +77,18 @@ TEST(RunSummary, tells_what_was_only_virtual_in_a_line_of_its_own) {
   EXPECT_THAT(run->text, ::testing::Not(HasSubstr("shown")));
 }
 
+TEST(RunSummary, says_that_the_machine_was_late_where_it_was) {
+  const auto text = [](const char* late_ms) {
+    return summarise(facts,
+                     R"({"bijection":{"physical":2,"virtual":2,"matched":2,"late_ms":)" + std::string(late_ms) + "}}",
+                     calm_plant)
+        ->text;
+  };
+  EXPECT_THAT(text(R"({"count":9,"p99":120.5,"max":585.2})"),
+              HasSubstr("\nthis machine was busy or stood still: the server woke up to 585 ms late (p99 120.5 ms)"));
+  EXPECT_THAT(text(R"({"count":9,"p99":4.0,"max":585.2})"), ::testing::Not(HasSubstr("late")));
+}
+
 TEST(RunSummary, names_the_scenario_where_there_was_one) {
   RunFacts with = facts;
   with.scenario = "showroom";

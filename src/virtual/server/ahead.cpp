@@ -48,7 +48,7 @@ std::optional<Pose2> AheadDesk::pose_of(VehicleIndex vehicle) const {
 bool AheadDesk::can_hear(VehicleIndex vehicle) const {
   const AivProxy& proxy = registry_[vehicle];
   return fleet_.find(vehicle) != nullptr ||
-         (proxy.here() && proxy.online() && proxy.position_known && !proxy.handed_over_at);
+         (proxy.here() && proxy.online() && proxy.position_known && !proxy.handed_over);
 }
 
 void AheadDesk::gather() {

@@ -121,7 +121,7 @@ void ServerCore::Inside::let_go(VehicleIndex vehicle, const std::string& hall) {
   proxy.connection = wire::ConnectionState::offline;
   proxy.position_lost_since.reset();
   proxy.paused_for_body = false;
-  proxy.handed_over_at.reset();
+  proxy.handed_over.reset();
   simulator.monitor().set_physical(proxy.entity, false);
   simulator.monitor().set_virtual(proxy.entity, false);
   traffic.forget(vehicle);
@@ -144,7 +144,7 @@ void ServerCore::Inside::say_lost_owners() {
   // A broker that was started anew may have forgotten whose they are.
   for (const auto& [name, vehicle] : halls.vehicles()) {
     const auto index = registry.find(name);
-    if (index) registry[*index].handed_over_at.reset();
+    if (index) registry[*index].handed_over.reset();
     if (halls.is_ours(vehicle.id) && !vehicle.owner_heard)
       say_owner(vehicle, {halls.own(), 0, now, index ? registry[*index].reported : std::nullopt, std::nullopt});
   }
@@ -165,7 +165,7 @@ void ServerCore::Inside::claim_vehicles() {
 void ServerCore::Inside::hand_over_arrived() {
   for (VehicleIndex v = 0; v < registry.size(); ++v) {
     AivProxy& proxy = registry[v];
-    if (!proxy.here() || (proxy.handed_over_at && now - *proxy.handed_over_at < say_again)) continue;
+    if (!proxy.here() || (proxy.handed_over && now - proxy.handed_over->last < say_again)) continue;
     const std::string& beyond = missions.mission(v).beyond;
     if (beyond.empty() || missions.state(v) != Missions::State::arrived || roller.has_order(v)) continue;
     const std::string hall = beyond.substr(0, beyond.find('/'));
@@ -173,9 +173,9 @@ void ServerCore::Inside::hand_over_arrived() {
     if (!there || !proxy.state || !stands_without_order(*proxy.state) || !halls.is_there(hall)) continue;
     Halls::Vehicle* vehicle = halls.vehicle(proxy.id);
     if (vehicle == nullptr) continue;
-    // It stays in our table until we hear this ourselves, and so does the other server: nobody's for one message at
-    // most.
-    proxy.handed_over_at = now;
+    // It stays ours until we hear this ourselves, as the other server does; which of us hears it first nobody knows, so
+    // we stop showing it now: it is in no table for one message at most, and never in two.
+    proxy.handed_over = {proxy.handed_over ? proxy.handed_over->first : now, now};
     say_owner(*vehicle, {hall, 0, now, proxy.reported, wire::Owner::Mission{"go", beyond.substr(hall.size() + 1)}});
   }
 }

@@ -222,6 +222,7 @@ struct ServerCore::Inside {
   bool memory_stale{false};
 
   SimTime now{};
+  std::optional<SimTime> ticked_at;
   bool begun{false};
   bool link_up{false};
   SimTime link_up_at{};

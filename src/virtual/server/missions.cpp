@@ -10,8 +10,6 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// A vehicle that stands nearer than this to its goal has arrived.
-constexpr double arrived_m = 0.06;
 /// A station has a waypoint; that was rounded at most by this.
 constexpr double station_m = 0.02;
 
@@ -208,14 +206,18 @@ std::vector<zone::SectionId> Missions::branch(Entry& entry, zone::SectionId last
   return {best};
 }
 
-bool Missions::stands_at(VehicleIndex vehicle, Point2 p) {
-  Entry& entry = entries_[vehicle];
+bool Missions::is_at(VehicleIndex vehicle, Point2 p, double off_m) const {
+  const Entry& entry = entries_[vehicle];
   if (entry.mission.kind != Mission::Kind::go) return false;
   if (entry.state == State::arrived) return true;
   const auto all = goals(entry.mission.name);
-  const bool there =
-      std::ranges::any_of(all, [&](WaypointIndex i) { return distance(map_->point(i), p) <= arrived_m; });
-  if (!there) return false;
+  return std::ranges::any_of(all, [&](WaypointIndex i) { return distance(map_->point(i), p) <= off_m; });
+}
+
+bool Missions::stands_at(VehicleIndex vehicle, Point2 p, double off_m) {
+  if (!is_at(vehicle, p, off_m)) return false;
+  Entry& entry = entries_[vehicle];
+  if (entry.state == State::arrived) return true;
   entry.state = State::arrived;
   entry.why.clear();
   entry.complete = true;

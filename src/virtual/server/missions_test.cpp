@@ -47,6 +47,39 @@ TEST(Missions, bring_a_vehicle_to_a_station_and_it_stands_there_until_told_other
   EXPECT_THAT(aiv.refusals, IsEmpty());
 }
 
+/// One that is to go to the dock, which is 0.5 m along bypass3.
+struct RollsPast : ::testing::Test {
+  void go_and_roll_on(double past_m) {
+    bench.run_for(300ms);
+    bench.ask(go("dock"));
+    bench.run_for(300ms);
+    aiv.rolls_on_m = past_m;
+    for (int i = 0; i < 1000 && aiv.rolls_on_m > 0.0; ++i) bench.run_for(20ms);
+    EXPECT_EQ(section_of(bench, aiv), "bypass3");
+    EXPECT_NEAR(aiv.place().s_m, 0.5 + past_m, 0.02);
+  }
+  ServerBench bench{fork()};
+  BenchVehicle& aiv{bench.add("AIV1", {0, 0.1})};
+};
+
+TEST_F(RollsPast, and_comes_to_its_goal_again) {
+  go_and_roll_on(0.15);
+  EXPECT_EQ(state_of(bench), "driving");
+  bench.run_for(60s);
+  EXPECT_GT(aiv.driven_m, 10.0) << "once round, as there is no way back";
+  EXPECT_EQ(state_of(bench), "arrived");
+  EXPECT_NEAR(aiv.place().s_m, 0.5, 0.02);
+  EXPECT_THAT(aiv.refusals, IsEmpty());
+}
+
+TEST_F(RollsPast, and_has_arrived_where_that_is_no_more_than_its_order_allows) {
+  go_and_roll_on(0.09);
+  EXPECT_EQ(state_of(bench), "driving") << "it has not come to stand yet";
+  bench.run_for(1s);
+  EXPECT_EQ(state_of(bench), "arrived");
+  EXPECT_EQ(aiv.orders.back().nodes.back().position->allowed_deviation_xy_m, 0.1);
+}
+
 TEST(Missions, take_a_waypoint_for_a_goal_too) {
   ServerBench bench{fork()};
   BenchVehicle& aiv = bench.add("AIV1", {0, 0.1});

@@ -266,8 +266,7 @@ void OrderRoller::step(VehicleIndex vehicle, bool drive, bool send_off) {
   plan.waits_for_crossing.reset();
   plan.waits_for_vehicle = no_vehicle;
   const bool busy_elsewhere = plan.stage == Plan::Stage::none && proxy.state && !proxy.state->node_states.empty();
-  const bool stays =
-      plan.stage == Plan::Stage::none && (!send_off || missions_.stands_at(vehicle, position(plan.standing.X_MB)));
+  const bool stays = plan.stage == Plan::Stage::none && (!send_off || stays_at_goal(vehicle));
   const bool keeps_still = go_on_giving_way(vehicle);
   if (!drive || plan.stage == Plan::Stage::cancelling || busy_elsewhere || stays || keeps_still || !may_roll(vehicle) ||
       now < plan.wait_until) {
@@ -297,10 +296,11 @@ bool OrderRoller::comes_again(VehicleIndex vehicle, const Extension& from, std::
                               const WayMap::Stretch& stretch) const {
   // A base that goes twice over one place has two ends of one name.
   const Plan& plan = plans_[vehicle];
-  const bool running = plan.stage == Plan::Stage::running;
-  const zone::Place start = running ? *plan.standing.place : map_->waypoint(from.from).place;
+  // One that has rolled past the end of its base, and into the next section, comes there for the first time.
+  const bool on_its_base = plan.stage == Plan::Stage::running && from.reach_m > 0.0;
+  const zone::Place start = on_its_base ? *plan.standing.place : map_->waypoint(from.from).place;
   Sections released;
-  if (running) released = traffic_.coming(vehicle).first(traffic_.beyond_base(vehicle, start).keep);
+  if (on_its_base) released = traffic_.coming(vehicle).first(traffic_.beyond_base(vehicle, start).keep);
   const Sections added = Sections{way_}.first(passed);
   const auto on_base = [&](zone::SectionId section) {
     return std::ranges::find(released, section) != released.end() || std::ranges::find(added, section) != added.end();

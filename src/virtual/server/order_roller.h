@@ -22,6 +22,7 @@ struct RollerRules {
   std::size_t horizon{4};    ///< nodes shown beyond the base
   std::size_t base_nodes_max{16};
   double deviation_m{0.10};   ///< allowedDeviationXY of every node but the first of a new order
+  double arrived_m{0.06};     ///< one that stands nearer than this to its goal has arrived; past it, `deviation_m`
   double on_circuit_m{0.30};  ///< a vehicle further off is not given orders
   double on_way_m{0.20};      ///< a vehicle nearer than this to the circuit stands in the way of others
   SimDuration resend_after{std::chrono::milliseconds{300}};
@@ -193,6 +194,10 @@ class OrderRoller {
   [[nodiscard]] std::optional<Extension> first_node(VehicleIndex vehicle);
   bool plan_course(VehicleIndex vehicle);
   bool plan_course_again(VehicleIndex vehicle);
+  /// It has come to the end of its mission's way, and rolled on.
+  [[nodiscard]] bool past_goal(VehicleIndex vehicle) const;
+  /// It has no order and needs none: it is where it was to go, or about to come to stand there.
+  [[nodiscard]] bool stays_at_goal(VehicleIndex vehicle);
   bool regain_course(VehicleIndex vehicle);
   void take_course(VehicleIndex vehicle, zone::Course course);
   [[nodiscard]] const WayMap::Stretch* next_stretch(VehicleIndex vehicle, WaypointIndex at, std::size_t passed);

@@ -264,6 +264,26 @@ TEST(OrderRoller, gives_a_vehicle_that_came_back_no_order_before_it_said_where_i
   EXPECT_GT(aiv.orders.size(), orders);
 }
 
+TEST(OrderRoller, sends_a_vehicle_on_that_rolled_past_the_end_of_its_base_into_the_next_section) {
+  ServerBench bench{zone_file("../e2e/halls/hall_b.toml")};
+  const zone::Circuit& circuit = bench.zone->circuit;
+  BenchVehicle& other = bench.add("AIV2", {*circuit.find("b_east"), 0.05});
+  other.blocked = true;  // where the way from the gate comes in
+  BenchVehicle& aiv = bench.add("AIV1", {*circuit.find("gate"), 0.3});
+  bench.run_for(4s);
+  bench.ask(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"rack_b"})");
+  bench.run_for(4s);
+  ASSERT_EQ(aiv.book->last_node_id(), "gate@580") << "20 mm before the gate's end";
+  ASSERT_EQ(aiv.book->distance_to_base_end_m(), 0.0);
+  aiv.motion.shift(circuit, 0.03, std::array{*circuit.find("b_out1")});
+  ASSERT_EQ(circuit.part(aiv.place().section).name, "b_out1");
+  bench.run_for(4s);
+  other.blocked = false;
+  bench.run_for(40s);
+  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").find("mission")->text("state"), "arrived");
+  EXPECT_THAT(aiv.refusals, IsEmpty());
+}
+
 TEST(OrderRoller, drives_a_vehicle_that_reports_only_once_a_second) {
   ServerBench bench;
   BenchVehicle& slow = bench.add("agv-7", {0, 0.5}, "Acme");

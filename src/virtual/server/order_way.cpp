@@ -100,7 +100,7 @@ bool OrderRoller::plan_course(VehicleIndex vehicle) {
   const zone::Place place = *plan.standing.place;
   const std::uint64_t revision = missions_.revision(vehicle);
   if (plan.way_of == revision && plan.no_way == place.section) return false;
-  if (plan.way_of == revision && !plan.no_way && traffic_.on_course(vehicle)) return true;
+  if (plan.way_of == revision && !plan.no_way && traffic_.on_course(vehicle) && !past_goal(vehicle)) return true;
 
   const std::vector<zone::Place> starts = map_->starts(place);
   const auto sections = missions_.plan(vehicle, starts);
@@ -127,6 +127,26 @@ bool OrderRoller::plan_course(VehicleIndex vehicle) {
     traffic_.update();
   }
   return true;
+}
+
+bool OrderRoller::past_goal(VehicleIndex vehicle) const {
+  const Plan& plan = plans_[vehicle];
+  const WaypointIndex goal = missions_.goal(vehicle);
+  if (plan.way_of != missions_.revision(vehicle) || goal == no_waypoint || !plan.standing.place) return false;
+  const zone::Place end = map_->waypoint(goal).place;
+  const Sections coming = traffic_.coming(vehicle);
+  const bool comes_to_it = std::ranges::find(coming, end.section) != coming.end();
+  return !comes_to_it && plan.standing.place->section == end.section && plan.standing.place->s_m > end.s_m;
+}
+
+bool OrderRoller::stays_at_goal(VehicleIndex vehicle) {
+  const bool past = past_goal(vehicle);
+  const Point2 here = position(plans_[vehicle].standing.X_MB);
+  // Who stops short can come nearer. Who has gone past would have to come round again, for what its order allowed.
+  const double off_m = past ? rules_.deviation_m : rules_.arrived_m;
+  const auto& state = registry_[vehicle].state;
+  if (state && state->driving) return past || missions_.is_at(vehicle, here, off_m);  // where it will stand, time tells
+  return missions_.stands_at(vehicle, here, off_m);
 }
 
 bool OrderRoller::plan_course_again(VehicleIndex vehicle) {

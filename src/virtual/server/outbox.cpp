@@ -56,7 +56,7 @@ void Outbox::resend_actions(const AivProxy& proxy, const std::string& payload) {
 }
 
 void Outbox::say(const AivProxy& proxy, wire::Publish message) {
-  if (!proxy.handed_over_at) effects_->emplace_back(std::move(message));
+  if (!proxy.handed_over) effects_->emplace_back(std::move(message));
 }
 
 void Outbox::publish(std::string topic, std::string payload, int qos, bool retained) {

@@ -40,7 +40,7 @@ void ServerCore::positions(SimTime now, std::vector<PositionRecord>& out) const 
   out.clear();
   for (VehicleIndex v = 0; v < in.registry.size(); ++v) {
     const AivProxy& proxy = in.registry[v];
-    if (!proxy.here()) continue;
+    if (!proxy.shown(in.now)) continue;
     const Twin::Image image = in.simulator.image(*proxy.twin, at);
     const Pose2& reported = in.simulator.twin(*proxy.twin).last_report().X_MB;
     const bool lost =

@@ -79,7 +79,11 @@ struct AivProxy {
   std::optional<std::uint32_t> tag_shown;
   bool no_orders{false};  ///< an operator cancelled; until restart
   /// We have said that it is another hall's from now on: nothing more is sent to it.
-  std::optional<SimTime> handed_over_at;
+  struct HandedOver {
+    SimTime first;
+    SimTime last;  ///< it is said again until we hear it come back
+  };
+  std::optional<HandedOver> handed_over;
 
   std::array<std::optional<std::uint32_t>, vehicle_topics> last_header_id;
   std::uint64_t messages{0};
@@ -94,6 +98,12 @@ struct AivProxy {
   [[nodiscard]] bool ours() const { return augmented || boards || id.manufacturer == wire::our_manufacturer; }
   /// Has a twin that is shown and stands in the way of others.
   [[nodiscard]] bool here() const { return twin.has_value() && !retired; }
+  /// Is in the table and on the map. One that we have handed over is not, so that no two halls ever show it at once; it
+  /// is again where nothing came of that.
+  [[nodiscard]] bool shown(SimTime now) const {
+    return here() && (!handed_over || now - handed_over->first >= comes_back_within);
+  }
+  static constexpr SimDuration comes_back_within{std::chrono::seconds{1}};
   [[nodiscard]] bool online() const { return !connection || *connection == wire::ConnectionState::online; }
   /// Silent for longer than `after`, or than three of its usual gaps where it reports more slowly than that.
   [[nodiscard]] bool lost(SimTime now, SimDuration after) const {

@@ -228,6 +228,8 @@ void ServerCore::Inside::on_tick() {
 
   gvs.tick(now, !halls.several());
   BijectionMonitor& monitor = simulator.monitor();
+  if (ticked_at) monitor.late(std::max(0.0, to_seconds(now - *ticked_at - options.cycle) * 1e3));
+  ticked_at = now;
   for (const AivProxy& proxy : registry) {
     // One that said goodbye owes no reports.
     if (proxy.present && !proxy.augmented && proxy.connection != wire::ConnectionState::offline)

@@ -147,6 +147,15 @@ TEST(ServerCore, names_a_vehicle_that_does_not_know_its_place_as_an_orphan) {
   EXPECT_EQ(*figures.number("matched_share"), 0.0);
 }
 
+TEST(ServerCore, tells_how_late_its_machine_woke_it) {
+  ServerBench bench;
+  bench.run_for(2s);
+  EXPECT_EQ(bench.bijection().find("late_ms")->number("max"), 0.0) << "its cycle is the bench's step";
+  bench.now += 480ms;
+  bench.run_for(2s);
+  EXPECT_NEAR(*bench.bijection().find("late_ms")->number("max"), 480.0, 1e-6);
+}
+
 TEST(ServerCore, shows_a_broken_connection_at_once_and_keeps_the_twin) {
   ServerBench bench;
   BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});

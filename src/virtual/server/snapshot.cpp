@@ -125,7 +125,7 @@ std::string ServerCore::snapshot_json() const {
   in.write_zone(json);
   json.key("aivs").begin_array();
   for (VehicleIndex v = 0; v < in.registry.size(); ++v)
-    if (in.registry[v].here()) in.write_vehicle(json, v);
+    if (in.registry[v].shown(in.now)) in.write_vehicle(json, v);
   json.end_array();
   in.write_things(json);
   in.write_obstacles(json);

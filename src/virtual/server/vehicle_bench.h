@@ -135,6 +135,7 @@ class BenchVehicle {
   bool position_known{true};
   bool visualizes{true};
   bool blocked{false};           ///< something stands in its way
+  double rolls_on_m{0.0};        ///< past the end of its base, the next time that it comes there
   std::string hangs_on{"none"};  ///< an order that it does not drive, and says nothing
   double charge{90.0};
   std::string profile{"normal"};
@@ -209,6 +210,8 @@ class BenchVehicle {
     if ((speed != 0.0) != (speed_mps != 0.0)) state_due = true;
     speed_mps = speed;
     if (moved_m > 0.0 && !book->travelled(moved_m).empty()) state_due = true;
+    if (moved_m > 0.0 && book->distance_to_base_end_m() == 0.0)
+      motion.shift(zone_->circuit, std::exchange(rolls_on_m, 0.0));
   }
 
   [[nodiscard]] wire::State state(SimTime now) {

@@ -182,6 +182,7 @@ void BijectionMonitor::write(JsonWriter& json) const {
   write_json(json.key("actual_m"), actual_m_);
   write_json(json.key("actual_rad"), actual_rad_);
   write_json(json.key("age_ms"), age_ms_);
+  write_json(json.key("late_ms"), late_ms_);
   json.key("commands")
       .begin_object()
       .field("issued", commands_issued_)

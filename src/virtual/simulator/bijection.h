@@ -69,6 +69,9 @@ class BijectionMonitor {
   /// How far the twin was from where the camera saw its vehicle, at that moment.
   void actual(Entity entity, double m, double rad);
   void age(Entity entity, double ms);
+  /// How much later than it was due whoever measures woke: on a machine that is busy or stands still, the figures tell
+  /// of the machine, too.
+  void late(double ms) { late_ms_.add(ms); }
   /// Closes the time since the last call as matched and held or not; call once per tick, after the ages.
   void elapse(SimTime now);
 
@@ -134,6 +137,7 @@ class BijectionMonitor {
   Statistics actual_m_;
   Statistics actual_rad_;
   Statistics age_ms_;
+  Statistics late_ms_;  ///< in no digest: it is not of the run, but of where it was run
   std::vector<Finding> findings_;
 
   std::uint64_t commands_issued_{0};

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "adapters/event_loop.h"
+#include "base/result.h"
+
+namespace cosiva::adapters {
+
+/// Writes all of it; the errno, or 0.
+[[nodiscard]] int write_all(int fd, std::string_view bytes);
+
+/// Writes from a thread of its own what a loop wants on a disk: one that is slow, or stands still for a second while it
+/// tidies up or another program fills it, then delays the file and nothing else.
+class DiskWriter {
+ public:
+  using Write = std::function<Result<void>(std::string_view bytes)>;
+  /// What may wait to be written; where a disk falls that far behind, it counts as one that cannot be written.
+  static constexpr std::size_t behind_max = std::size_t{64} << 20U;
+
+  /// @param write     called from that thread, one batch after the other
+  /// @param on_error  called from the loop, once; after a write that failed nothing more is written. May be empty
+  DiskWriter(EventLoop& loop, Write write, std::function<void(const Error&)> on_error);
+  /// Waits until all is written.
+  ~DiskWriter();
+  DiskWriter(const DiskWriter&) = delete;
+  DiskWriter& operator=(const DiskWriter&) = delete;
+
+  /// Behind what waits.
+  void append(std::string_view bytes);
+  /// Waits until all is written, or cannot be.
+  void drain();
+  [[nodiscard]] bool broken() const;
+
+ private:
+  struct Inside;
+  std::shared_ptr<Inside> inside_;  ///< shared with the error that is on its way to the loop
+};
+
+/// Fails ("file.write") with the reason.
+[[nodiscard]] DiskWriter::Write writes_to(int fd);
+
+}  // namespace cosiva::adapters
