@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
 #include "adapters/files.h"
 #include "app/words.h"
@@ -15,11 +16,14 @@ using adapters::ChildExit;
 using std::chrono::milliseconds;
 using Steady = std::chrono::steady_clock;
 
-/// Who dies this soon did not get to work at all.
+/// Whose last lives were no longer than this together cannot live. Not judged one by one: on a machine that stands
+/// still for a second, a death is seen so much later.
+constexpr std::size_t lives_judged = 5;
+constexpr std::chrono::seconds lives_min{10};
+/// Who dies this soon did not get to work at all, and waits longer each time.
 constexpr std::chrono::seconds early{1};
-constexpr int early_deaths_max = 5;
 constexpr milliseconds backoff_first{50};
-constexpr milliseconds backoff_max{5000};
+constexpr int backoff_doublings_max = 6;
 
 }  // namespace
 
@@ -59,6 +63,7 @@ Result<void> Supervisor::launch(Running& running) {
 }
 
 void Supervisor::died(Running& running, const ChildExit& exit) {
+  const auto life = Steady::now() - running.born;
   note_children();
   if (ending_) return end_next_stage();
   const std::string& name = running.member.name;
@@ -66,16 +71,19 @@ void Supervisor::died(Running& running, const ChildExit& exit) {
     say(name + " has ended: " + to_string(exit));
     return;
   }
-  running.early_deaths = Steady::now() - running.born < early ? running.early_deaths + 1 : 0;
-  if (running.early_deaths >= early_deaths_max) {
-    say(name + " has ended: " + to_string(exit) + ", for the " + std::to_string(running.early_deaths) +
-        "th time at once");
+  running.lives.push_back(life);
+  if (running.lives.size() > lives_judged) running.lives.pop_front();
+  if (running.lives.size() == lives_judged &&
+      std::accumulate(running.lives.begin(), running.lives.end(), Steady::duration{}) < lives_min) {
+    say(name + " has ended: " + to_string(exit) + ", for the " + std::to_string(lives_judged) + "th time within " +
+        std::to_string(lives_min.count()) + " s of running");
     if (on_hopeless_) on_hopeless_(name);
     return;
   }
+  running.early_deaths = life < early ? running.early_deaths + 1 : 0;
   milliseconds delay = running.member.respawn_delay;
   if (running.early_deaths > 0)
-    delay = std::max(delay, std::min(backoff_first * (1 << running.early_deaths), backoff_max));
+    delay = std::max(delay, backoff_first * (1 << std::min(running.early_deaths, backoff_doublings_max)));
   say(name + " has ended: " + to_string(exit) + "; starting it again" +
       (delay >= std::chrono::seconds{1} ? " in " + decimals(static_cast<double>(delay.count()) / 1e3, 0) + " s" : ""));
   running.respawn.after(delay, [this, &running] { start_again(running); });

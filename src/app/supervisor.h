@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <string>
@@ -26,7 +27,7 @@ class Supervisor {
   };
 
   /// @param children_file  kept up to date: {"children":[{"name","pid"}…]}
-  /// @param on_hopeless    told once what dies again and again right after its start
+  /// @param on_hopeless    told once whose last five lives were shorter than ten seconds together
   Supervisor(adapters::EventLoop& loop, std::string children_file, std::function<void(const std::string&)> on_hopeless);
   ~Supervisor();
 
@@ -48,6 +49,7 @@ class Supervisor {
     adapters::Child* child{nullptr};
     adapters::Timer respawn;
     std::chrono::steady_clock::time_point born;
+    std::deque<std::chrono::steady_clock::duration> lives;  ///< how long the last ones were
     int early_deaths{0};
     explicit Running(adapters::EventLoop& loop, Member m) : member{std::move(m)}, respawn{loop} {}
     [[nodiscard]] bool alive() const { return child != nullptr && child->running(); }

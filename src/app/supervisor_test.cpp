@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <signal.h>
 
+#include <thread>
+
 #include "adapters/files.h"
 #include "adapters/test_bench.h"
 #include "base/json_value.h"
@@ -25,7 +27,10 @@ class Supervised : public ::testing::Test {
       ++starts[name];
       return std::vector<std::string>{"sh", "-c", script};
     };
-    program.on_line = [this](const std::string& line) { lines.push_back(line); };
+    program.on_line = [this](const std::string& line) {
+      lines.push_back(line);
+      if (on_line) on_line();
+    };
     Supervisor::Member member{name, stage, supervisor.launcher(std::move(program)), respawns, delay};
     ASSERT_TRUE(supervisor.add(std::move(member)));
   }
@@ -47,6 +52,7 @@ class Supervised : public ::testing::Test {
   adapters::EventLoop loop;
   std::map<std::string, int> starts;
   std::vector<std::string> lines;
+  std::function<void()> on_line;
   std::vector<std::string> hopeless;
   Supervisor supervisor{loop, scratch / "children.json", [this](const std::string& name) { hopeless.push_back(name); }};
 };
@@ -87,6 +93,16 @@ TEST_F(Supervised, member_that_cannot_live_is_given_up) {
   add("plant", "exit 2");
   ASSERT_TRUE(until([&] { return !hopeless.empty(); }));
   EXPECT_THAT(hopeless, ElementsAre("plant"));
+  EXPECT_EQ(starts["plant"], 5);
+  EXPECT_TRUE(end());
+}
+
+TEST_F(Supervised, member_that_cannot_live_is_given_up_however_late_its_deaths_are_seen) {
+  on_line = [this] {
+    if (lines.size() == 2) std::this_thread::sleep_for(1200ms);
+  };
+  add("plant", "echo up; exit 2");
+  ASSERT_TRUE(until([&] { return !hopeless.empty(); }));
   EXPECT_EQ(starts["plant"], 5);
   EXPECT_TRUE(end());
 }

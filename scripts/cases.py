@@ -1,0 +1,121 @@
+#!/usr/bin/env python3
+"""Runs ctest, and judges it: what tests say of milliseconds and of patience holds on a machine that runs.
+
+    scripts/cases.py --test-dir build/release -j 2 -E '^e2e'
+
+Where a test fails, and a witness saw that the machine itself stood still meanwhile (a virtual machine whose host has no time
+for it), it is run again by itself once the machine runs. One that fails on a machine that runs has failed. Tests that are
+skipped or disabled count as failed. Closes with "N passed, N failed"; exit code 1 when anything failed."""
+
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import time
+import xml.etree.ElementTree
+
+from witness import Witness
+
+STILL_MS = 200  # in all; no test minds less
+QUIET_S = 15  # with next to no standing still, before a test is run again
+QUIET_STILL_MS = 50  # a machine is never quite still
+TRIES = 6
+PATIENCE_S = 1200  # for all that is run again; bad minutes of a host were seen four in a row
+
+START = re.compile(r"\s*Start\s+(\d+): (.*)")
+END = re.compile(r"\s*\d+/\d+ Test\s+#(\d+): (.*?) \.*")
+
+
+class Case:
+    """A test: its name, what ctest's report says of it, and for how long the machine stood still the while."""
+
+    def __init__(self, name, element, still_ms):
+        self.name = name
+        self.passed = element.get("status") == "run" and element.find("failure") is None
+        self.ran = element.get("status") in ("run", "fail")
+        self.output = element.findtext("system-out") or ""
+        self.still_ms = still_ms
+
+
+def run_ctest(arguments, witness, on_line):
+    """Its cases, by name; none where ctest could not even report."""
+    began, spans = {}, {}
+    with tempfile.TemporaryDirectory() as folder:
+        report = os.path.join(folder, "report.xml")
+        command = ["ctest", *arguments, "--output-junit", report]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace") as ctest:
+            for line in ctest.stdout:
+                if match := START.match(line):
+                    began[match[1]] = (match[2].rstrip("\n"), time.monotonic())
+                elif (match := END.match(line)) and match[1] in began:
+                    name, since = began[match[1]]
+                    spans[name] = (since, time.monotonic())
+                on_line(line)
+        try:
+            elements = xml.etree.ElementTree.parse(report).getroot().iter("testcase")
+        except (OSError, xml.etree.ElementTree.ParseError):
+            return {}
+    return {name: Case(name, element, witness.still_ms(*spans.get(name, (0, 0))))
+            for element in elements for name in [element.get("name")]}
+
+
+class Judge:
+    def __init__(self, arguments, witness, say):
+        self.arguments, self.witness, self.say = arguments, witness, say
+
+    def judge(self):
+        """How many passed and failed."""
+        cases = run_ctest(self.arguments, self.witness, self._progress)
+        if not cases:
+            self.say("ctest has run nothing\n")
+            return 0, 1
+        self._again(cases)
+        failed = [case for case in cases.values() if not case.passed]
+        for case in failed:
+            self.say(f"\n--- {case.name}; the machine stood still for {case.still_ms:.0f} ms of it\n{case.output}\n")
+        if failed:
+            self.say("The following tests FAILED:\n" + "".join(f"\t{case.name} (Failed)\n" for case in failed))
+        return len(cases) - len(failed), len(failed)
+
+    def _progress(self, line):
+        """Of ctest's lines, those that say how far it is; what failed is judged, and told in full, at the end."""
+        if match := END.match(line):
+            self.say(f"{match[0]}{match[2]}: to be judged\n" if "***" in line else line)
+
+    def _again(self, cases):
+        """Runs again, as often as it helps, what failed while the machine stood still."""
+        end = time.monotonic() + PATIENCE_S
+        for name in [name for name, case in cases.items() if not case.passed]:
+            for _ in range(1, TRIES):
+                case = cases[name]
+                if case.passed or not case.ran or case.still_ms <= STILL_MS or time.monotonic() > end:
+                    break
+                self.say(f"once more, for the machine stood still for {case.still_ms:.0f} ms of it: {name}\n")
+                self._until_the_machine_runs(end)
+                cases[name] = self._alone(name) or case
+
+    def _alone(self, name):
+        exactly = "^" + re.sub(r"([^A-Za-z0-9_ ,:/'-])", r"\\\1", name) + "$"
+        return run_ctest([*self.arguments, "-j", "1", "-R", exactly], self.witness, self._progress).get(name)
+
+    def _until_the_machine_runs(self, end):
+        while time.monotonic() < end:
+            since = time.monotonic()
+            time.sleep(QUIET_S)
+            if self.witness.still_ms(since, time.monotonic()) <= QUIET_STILL_MS:
+                return
+
+
+def main():
+    arguments = sys.argv[1:]
+    if not arguments or arguments[0] in ("-h", "--help"):
+        print(__doc__)
+        return 0 if arguments else 2
+    passed, failed = Judge(arguments, Witness(), lambda text: print(text, end="", flush=True)).judge()
+    print(f"{passed} passed, {failed} failed")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

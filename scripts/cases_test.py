@@ -1,0 +1,112 @@
+#!/usr/bin/env python3
+"""The judge of the tests (cases.py), judged: what fails is run again where the machine stood still, and nowhere else."""
+
+import os
+import pathlib
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+
+import cases
+from witness import Witness
+
+COUNTED = 'printf x >>"$0.$1"; test $(wc -c <"$0.$1") -ge "$1" || { echo "not yet, as <said>"; exit 1; }'
+
+
+class Still:
+    """A witness that saw every test stand still for so long."""
+
+    def __init__(self, ms):
+        self.ms = ms
+
+    def still_ms(self, since, until):
+        assert since <= until
+        return self.ms if until - since < cases.QUIET_S else 0
+
+
+class Judged(unittest.TestCase):
+    def setUp(self):
+        cases.QUIET_S, cases.PATIENCE_S = 1, 60
+        scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(scratch.cleanup)
+        self.folder = pathlib.Path(scratch.name)
+
+    def judge(self, goods, still_ms, *arguments, extra=""):
+        """Tests that pass at their `goods`-th run: (passed, failed), what was said, and how often each ran."""
+        tests = "".join(f'add_test("some: passes at run {good}." sh -c [==[{COUNTED}]==] "{self.folder}/ran" {good})\n' for good in goods)
+        (self.folder / "CTestTestfile.cmake").write_text(tests + extra)
+        said = []
+        counts = cases.Judge(["--test-dir", str(self.folder), "-j", "2", *arguments], Still(still_ms), said.append).judge()
+        runs = [len(file.read_text()) for good in goods if (file := self.folder / f"ran.{good}").exists()]
+        return counts, "".join(said), runs
+
+    def test_what_passes_is_run_once_wherever(self):
+        for still_ms, folder in ((0, "ran"), (1e6, "still")):
+            with self.subTest(folder):
+                (self.folder / folder).mkdir()
+                self.folder = self.folder / folder
+                counts, _, runs = self.judge([1], still_ms)
+                self.assertEqual((counts, runs), ((1, 0), [1]))
+
+    def test_what_fails_on_a_machine_that_runs_has_failed_and_says_why(self):
+        counts, said, runs = self.judge([1, 2], cases.STILL_MS)
+        self.assertEqual((counts, runs), ((1, 1), [1, 1]))
+        self.assertIn("not yet, as <said>", said)
+        self.assertIn("FAILED:\n\tsome: passes at run 2. (Failed)", said)
+
+    def test_what_fails_where_the_machine_stood_still_is_run_again_alone(self):
+        counts, said, runs = self.judge([1, 3], cases.STILL_MS + 1)
+        self.assertEqual((counts, runs), ((2, 0), [1, 3]))
+        self.assertIn("once more, for the machine stood still for 201 ms of it: some: passes at run 3.", said)
+        self.assertNotIn("Failed", said)
+        self.assertNotIn("not yet", said)
+
+    def test_it_is_run_six_times_at_most(self):
+        counts, _, runs = self.judge([99], cases.STILL_MS + 1)
+        self.assertEqual((counts, runs), ((0, 1), [6]))
+
+    def test_with_no_patience_left_nothing_is_run_again(self):
+        cases.PATIENCE_S = -1
+        counts, _, runs = self.judge([99], cases.STILL_MS + 1)
+        self.assertEqual((counts, runs), ((0, 1), [1]))
+
+    def test_who_is_skipped_or_disabled_or_cannot_run_has_failed(self):
+        skipped = 'add_test(skipped sh -c "exit 77")\nset_tests_properties(skipped PROPERTIES SKIP_RETURN_CODE 77)\n'
+        disabled = 'add_test(disabled true)\nset_tests_properties(disabled PROPERTIES DISABLED ON)\n'
+        nobody = 'add_test(nobody /nonexistent)\n'
+        counts, said, _ = self.judge([1], 1e6, extra=skipped + disabled + nobody)
+        self.assertEqual(counts, (1, 3))
+        self.assertNotIn("once more", said)
+
+    def test_of_a_run_that_found_no_tests_one_has_failed(self):
+        self.assertEqual(self.judge([1], 0, "-R", "nothing")[0], (0, 1))
+
+    def test_one_that_hangs_is_ended_and_has_failed(self):
+        hangs = 'add_test(hangs sleep 60)\nset_tests_properties(hangs PROPERTIES TIMEOUT 1)\n'
+        self.assertEqual(self.judge([1], 0, extra=hangs)[0], (1, 1))
+
+
+class Witnessed(unittest.TestCase):
+    def test_the_witness_tells_for_how_long_nobody_ran(self):
+        witness = Witness()
+        time.sleep(0.3)
+        since = time.monotonic()
+        with subprocess.Popen(["sh", "-c", f"sleep 0.5; kill -CONT {os.getpid()}"]):
+            os.kill(os.getpid(), signal.SIGSTOP)
+        time.sleep(0.1)
+        until = time.monotonic()
+        self.assertGreater(witness.still_ms(since, until), 400)
+        self.assertLess(witness.still_ms(since, until), 1e3 * (until - since))
+        self.assertEqual(witness.still_ms(since - 1000, since - 999), 0)
+
+    def test_of_several_cpus_the_one_that_stood_still_longest_counts(self):
+        witness = Witness()
+        witness.stills = [(0, 1.0, 1.5), (1, 1.2, 1.5), (0, 3.0, 4.0), (1, 3.0, 4.5)]
+        self.assertAlmostEqual(witness.still_ms(1.25, 3.5), 750)
+        self.assertAlmostEqual(witness.still_ms(1.25, 9), 1750)
+
+
+if __name__ == "__main__":
+    unittest.main()
