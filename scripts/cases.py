@@ -24,7 +24,7 @@ TRIES = 6
 PATIENCE_S = 1200  # for all that is run again; bad minutes of a host were seen four in a row
 
 START = re.compile(r"\s*Start\s+(\d+): (.*)")
-END = re.compile(r"\s*\d+/\d+ Test\s+#(\d+): (.*?) \.*")
+END = re.compile(r"\s*\d+/\d+ Test\s+#(\d+): .*? (?=\.{3})")
 
 
 class Case:
@@ -81,7 +81,7 @@ class Judge:
     def _progress(self, line):
         """Of ctest's lines, those that say how far it is; what failed is judged, and told in full, at the end."""
         if match := END.match(line):
-            self.say(f"{match[0]}{match[2]}: to be judged\n" if "***" in line else line)
+            self.say(f"{match[0]}... to be judged\n" if "***" in line else line)
 
     def _again(self, cases):
         """Runs again, as often as it helps, what failed while the machine stood still."""

@@ -59,6 +59,7 @@ class Judged(unittest.TestCase):
     def test_what_fails_where_the_machine_stood_still_is_run_again_alone(self):
         counts, said, runs = self.judge([1, 3], cases.STILL_MS + 1)
         self.assertEqual((counts, runs), ((2, 0), [1, 3]))
+        self.assertIn(": some: passes at run 3. ... to be judged\n", said)
         self.assertIn("once more, for the machine stood still for 201 ms of it: some: passes at run 3.", said)
         self.assertNotIn("Failed", said)
         self.assertNotIn("not yet", said)
