@@ -17,7 +17,8 @@ import xml.etree.ElementTree
 
 from witness import Witness
 
-STILL_MS = 200  # in all; no test minds less
+STILL_MS = 200  # in all, no long test minds less,
+STILL_SHARE = 0.05  # and no short one less than this share of it
 QUIET_S = 15  # with next to no standing still, before a test is run again
 QUIET_STILL_MS = 50  # a machine is never quite still
 TRIES = 6
@@ -30,12 +31,13 @@ END = re.compile(r"\s*\d+/\d+ Test\s+#(\d+): .*? (?=\.{3})")
 class Case:
     """A test: its name, what ctest's report says of it, and for how long the machine stood still the while."""
 
-    def __init__(self, name, element, still_ms):
+    def __init__(self, name, element, span, witness):
         self.name = name
         self.passed = element.get("status") == "run" and element.find("failure") is None
         self.ran = element.get("status") in ("run", "fail")
         self.output = element.findtext("system-out") or ""
-        self.still_ms = still_ms
+        self.still_ms = witness.still_ms(*span)
+        self.excused = self.still_ms > min(STILL_MS, 1e3 * STILL_SHARE * (span[1] - span[0]))
 
 
 def run_ctest(arguments, witness, on_line):
@@ -56,7 +58,7 @@ def run_ctest(arguments, witness, on_line):
             elements = xml.etree.ElementTree.parse(report).getroot().iter("testcase")
         except (OSError, xml.etree.ElementTree.ParseError):
             return {}
-    return {name: Case(name, element, witness.still_ms(*spans.get(name, (0, 0))))
+    return {name: Case(name, element, spans.get(name, (0, 0)), witness)
             for element in elements for name in [element.get("name")]}
 
 
@@ -89,17 +91,17 @@ class Judge:
         for name in [name for name, case in cases.items() if not case.passed]:
             for _ in range(1, TRIES):
                 case = cases[name]
-                if case.passed or not case.ran or case.still_ms <= STILL_MS or time.monotonic() > end:
+                if case.passed or not case.ran or not case.excused or time.monotonic() > end:
                     break
                 self.say(f"once more, for the machine stood still for {case.still_ms:.0f} ms of it: {name}\n")
-                self._until_the_machine_runs(end)
+                self.until_the_machine_runs(end)
                 cases[name] = self._alone(name) or case
 
     def _alone(self, name):
         exactly = "^" + re.sub(r"([^A-Za-z0-9_ ,:/'-])", r"\\\1", name) + "$"
         return run_ctest([*self.arguments, "-j", "1", "-R", exactly], self.witness, self._progress).get(name)
 
-    def _until_the_machine_runs(self, end):
+    def until_the_machine_runs(self, end):
         while time.monotonic() < end:
             since = time.monotonic()
             time.sleep(QUIET_S)

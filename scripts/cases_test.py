@@ -8,6 +8,7 @@ import subprocess
 import tempfile
 import time
 import unittest
+import unittest.mock
 
 import cases
 from witness import Witness
@@ -16,19 +17,21 @@ COUNTED = 'printf x >>"$0.$1"; test $(wc -c <"$0.$1") -ge "$1" || { echo "not ye
 
 
 class Still:
-    """A witness that saw every test stand still for so long."""
+    """A witness that saw everything stand still for so long, or one thing after the other for so long."""
 
-    def __init__(self, ms):
-        self.ms = ms
+    def __init__(self, *ms):
+        self.ms = list(ms)
 
     def still_ms(self, since, until):
         assert since <= until
-        return self.ms if until - since < cases.QUIET_S else 0
+        return self.ms.pop(0) if len(self.ms) > 1 else self.ms[0]
 
 
 class Judged(unittest.TestCase):
     def setUp(self):
-        cases.QUIET_S, cases.PATIENCE_S = 1, 60
+        patched = unittest.mock.patch.multiple(cases, QUIET_S=0.01, QUIET_STILL_MS=float("inf"), PATIENCE_S=60)
+        patched.start()
+        self.addCleanup(patched.stop)
         scratch = tempfile.TemporaryDirectory()
         self.addCleanup(scratch.cleanup)
         self.folder = pathlib.Path(scratch.name)
@@ -51,7 +54,7 @@ class Judged(unittest.TestCase):
                 self.assertEqual((counts, runs), ((1, 0), [1]))
 
     def test_what_fails_on_a_machine_that_runs_has_failed_and_says_why(self):
-        counts, said, runs = self.judge([1, 2], cases.STILL_MS)
+        counts, said, runs = self.judge([1, 2], 0)
         self.assertEqual((counts, runs), ((1, 1), [1, 1]))
         self.assertIn("not yet, as <said>", said)
         self.assertIn("FAILED:\n\tsome: passes at run 2. (Failed)", said)
@@ -64,9 +67,23 @@ class Judged(unittest.TestCase):
         self.assertNotIn("Failed", said)
         self.assertNotIn("not yet", said)
 
+    def test_a_short_one_minds_what_a_long_one_does_not(self):
+        sleeps = 'add_test(long sh -c "sleep 4.5; exit 1")\n'
+        counts, said, runs = self.judge([2], cases.STILL_MS - 1, extra=sleeps)
+        self.assertEqual((counts, runs), ((1, 1), [2]))
+        self.assertIn("199 ms of it: some: passes at run 2.", said)
+        self.assertNotIn("of it: long", said)
+
     def test_it_is_run_six_times_at_most(self):
         counts, _, runs = self.judge([99], cases.STILL_MS + 1)
         self.assertEqual((counts, runs), ((0, 1), [6]))
+
+    def test_it_is_run_again_when_the_machine_runs(self):
+        with unittest.mock.patch.multiple(cases, QUIET_STILL_MS=50, QUIET_S=0.1):
+            witness = Still(60, 51, 70, 50, 60)
+            cases.Judge([], witness, print).until_the_machine_runs(time.monotonic() + 60)
+            self.assertEqual(witness.ms, [60])
+            cases.Judge([], Still(60), print).until_the_machine_runs(time.monotonic() + 0.2)  # it does not, and patience ends
 
     def test_with_no_patience_left_nothing_is_run_again(self):
         cases.PATIENCE_S = -1
