@@ -24,6 +24,11 @@ std::optional<zone::Place> sought(const zone::Circuit& circuit, const Pose2& X_M
   return anchor ? std::optional{anchor->place} : std::nullopt;
 }
 
+bool to_stay(const wire::Manoeuvre& goal) {
+  const Pose2 X_BG = to_pose(goal);
+  return norm(X_BG.x_m, X_BG.y_m) <= stays_within_m && std::fabs(X_BG.heading_rad) <= on_line_rad;
+}
+
 wire::Manoeuvre to_manoeuvre(const Pose2& X_AB) {
   const auto milli = [](double value) { return static_cast<std::int16_t>(std::lround(1e3 * value)); };
   return {milli(X_AB.x_m), milli(X_AB.y_m), milli(X_AB.heading_rad)};

@@ -307,6 +307,24 @@ TEST(LineVehicle, told_to_seek_a_little_beside_the_line_s_middle_does_not_turn_a
   EXPECT_LT(turned_rad, 0.05);
 }
 
+// Whoever drives it always says where it believes the line to be. Asked for no room, it must not sweep about.
+TEST(LineVehicle, told_a_line_where_it_stands_on_one_does_not_turn_across_it) {
+  const Circuit old = line();
+  const Circuit next = other(Pose2{0, 0.008, 0.02} * Pose2{-2, 0, 0});
+  for (const wire::Manoeuvre goal : {wire::Manoeuvre{0, 0, 0}, {3, -4, 15}, {-4, 2, -30}}) {
+    LineVehicle vehicle = on(old, {0, 5.0}, 0.002);
+    vehicle.stand_on(next);
+    const DriveCommand told{0.3, 0.5, 0.8, 0, true, goal};
+    double turned_rad = 0.0;
+    for (int i = 0; i < 100; ++i) {
+      vehicle.step(&told, dt_s);
+      turned_rad += std::fabs(vehicle.step_manoeuvre().turned_rad);
+    }
+    EXPECT_TRUE(vehicle.following());
+    EXPECT_LT(turned_rad, 0.1);
+  }
+}
+
 TEST(LineVehicle, leaves_a_manoeuvre_that_nobody_commands_when_the_floor_becomes_another) {
   const Circuit circuit = node();
   LineVehicle vehicle = on(circuit, {0, 0.99});

@@ -129,7 +129,9 @@ bool VirtualBody::begin_seek(const wire::Drive& drive) {
   const auto place = aiv::sought(zone_->circuit, X_MS_, drive.goal);
   if (!place) return false;
   goal_ = *place;
-  manoeuvre_.emplace(inverse(X_MS_) * zone_->circuit.pose_at(goal_));
+  Pose2 X_SG = inverse(X_MS_) * zone_->circuit.pose_at(goal_);
+  if (drive.goal && aiv::to_stay(*drive.goal)) X_SG = {0.0, 0.0, X_SG.heading_rad};
+  manoeuvre_.emplace(X_SG);
   return true;
 }
 

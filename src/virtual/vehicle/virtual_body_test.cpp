@@ -147,6 +147,21 @@ TEST(VirtualBody, seeks_any_line_within_reach_and_ends_on_it) {
   }));
 }
 
+// Whoever drives it always says where it believes the line to be. Asked for no room, it must not sweep about.
+TEST(VirtualBody, told_of_a_goal_where_it_stands_does_not_turn_across_the_line) {
+  VirtualBody body{line({0, 0, 0}), {0, 0.5}};
+  body.change_floor(line({0, 0.004, 0.02}));
+  constexpr wire::Drive to_goal{300, 500, 800, 0, true, wire::Manoeuvre{0, 4, 20}};
+  std::vector<Antenna::Reading> readings;
+  double off_rad = 0.0;
+  for (int i = 0; i < 100; ++i) {
+    body.move(&to_goal, dt_s, readings);
+    off_rad = std::max(off_rad, std::fabs(body.X_MB().heading_rad));
+  }
+  EXPECT_NEAR(off_rad, 0.02, 1e-9);
+  EXPECT_GT(body.X_MB().x_m, 0.6) << "and it drives on";
+}
+
 TEST(VirtualBody, told_of_a_goal_goes_onto_the_line_that_lies_there) {
   VirtualBody body{line({0, 0, 0}), {0, 0.5}};
   body.change_floor(line({0, 0.2, 0}));

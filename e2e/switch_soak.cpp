@@ -1,0 +1,140 @@
+// The traffic zone switched again and again while a fleet drives, over many seeds: nobody ever touches anybody, no twin is
+// lost, and who is not parked drives on.
+//
+//   switch_soak FROM.toml TO.toml [seeds=12] [aivs=12] [switches=10] [loss=0] [first_seed=1] [workers=2]
+//
+// 400 seeds with COSIVA_LONG=1. Each seed is one run of the whole platform in virtual time; a vehicle is told to be slow just
+// before each switch, all are let go after it, and the next one comes 1 to 10 s later, at a moment of the seed's own. A line for
+// each seed that fails, and one for all; exit 1 when any failed, 2 on bad usage.
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <mutex>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "base/json_value.h"
+#include "base/json_writer.h"
+#include "base/random.h"
+#include "experiments/world/world.h"
+
+namespace {
+
+using namespace cosiva;
+using namespace std::chrono_literals;
+
+struct Plan {
+  std::vector<zone::ZoneConfiguration> zones;  ///< in turn
+  std::uint64_t seeds{12};
+  std::uint32_t aivs{12};
+  std::uint32_t switches{10};
+  double loss{0.0};
+  std::uint64_t first_seed{1};
+  unsigned workers{2};
+};
+
+zone::ZoneConfiguration read_zone(const char* path) {
+  std::ifstream file{path};
+  std::ostringstream text;
+  text << file.rdbuf();
+  return {"toml", path, text.str()};
+}
+
+void switch_to(experiments::World& world, const zone::ZoneConfiguration& zone) {
+  JsonWriter json;
+  json.begin_object().field("command", "switch").key("zone");
+  write_json(json, zone);
+  json.end_object();
+  world.command_server(json.take());
+}
+
+std::string collisions_of(const experiments::World& world) {
+  std::string text;
+  for (const auto& collision : world.plant().collisions())
+    text += "\n  " + to_iso8601(collision.at) + " " + collision.a + " touches " + collision.b;
+  return text;
+}
+
+/// Those that stand and are not parked.
+std::string left_standing(experiments::World& world) {
+  std::vector<double> before_m;
+  for (const auto& vehicle : world.plant().vehicles()) before_m.push_back(vehicle.distance_m);
+  world.run_for(60s);
+  std::string text;
+  const auto shot = JsonValue::parse(world.server().snapshot_json(), std::size_t{1} << 24U);
+  for (const JsonValue& aiv : *shot->find("aivs")->array()) {
+    const auto v = static_cast<std::size_t>(*aiv.number("number")) - 1;
+    if (world.plant().vehicles()[v].distance_m - before_m[v] < 1.0 && !aiv.text("parked"))
+      text += "\n  " + *aiv.text("id") + " stands: " + aiv.text("waitsWhy").value_or("");
+  }
+  return text;
+}
+
+/// What went wrong; empty when nothing did.
+std::string run(const Plan& plan, std::uint64_t seed) {
+  experiments::WorldOptions options;
+  options.zone = plan.zones[0];
+  options.aivs = plan.aivs;
+  options.seed = seed;
+  options.network.loss = plan.loss;
+  auto made = experiments::World::make(std::move(options));
+  if (!made) return to_string(made.error());
+  experiments::World& world = **made;
+  Random moments{seed, "switches"};
+  world.run_for(from_seconds(moments.uniform(5.0, 15.0)));
+  for (std::uint32_t i = 0; i < plan.switches; ++i) {
+    world.command_server(R"({"command":"slow","vehicle":"CoSiVA/AIV)" + std::to_string(1 + i % plan.aivs) + R"("})");
+    switch_to(world, plan.zones[(i + 1) % plan.zones.size()]);
+    world.run_for(500ms);
+    world.command_server(R"({"command":"restart","vehicle":"*"})");
+    world.run_for(from_seconds(moments.uniform(0.5, 9.5)));
+    if (!world.plant().collisions().empty()) return "after switch " + std::to_string(i + 1) + collisions_of(world);
+  }
+  const std::string standing = left_standing(world);
+  return collisions_of(world) + standing;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 3) {
+    std::fprintf(stderr, "usage: switch_soak FROM.toml TO.toml [seeds] [aivs] [switches] [loss] [first_seed] [workers]\n");
+    return 2;
+  }
+  Plan plan;
+  plan.zones = {read_zone(argv[1]), read_zone(argv[2])};
+  if (const char* whole = std::getenv("COSIVA_LONG"); whole != nullptr && *whole != '\0') plan.seeds = 400;
+  if (argc > 3) plan.seeds = std::strtoull(argv[3], nullptr, 10);
+  if (argc > 4) plan.aivs = static_cast<std::uint32_t>(std::strtoul(argv[4], nullptr, 10));
+  if (argc > 5) plan.switches = static_cast<std::uint32_t>(std::strtoul(argv[5], nullptr, 10));
+  if (argc > 6) plan.loss = std::strtod(argv[6], nullptr);
+  if (argc > 7) plan.first_seed = std::strtoull(argv[7], nullptr, 10);
+  if (argc > 8) plan.workers = static_cast<unsigned>(std::strtoul(argv[8], nullptr, 10));
+
+  std::atomic<std::uint64_t> next{0};
+  std::atomic<std::uint64_t> failed{0};
+  std::mutex print;
+  std::vector<std::jthread> workers;
+  for (unsigned w = 0; w < plan.workers; ++w)
+    workers.emplace_back([&] {
+      for (std::uint64_t i = next++; i < plan.seeds; i = next++) {
+        const std::string wrong = run(plan, plan.first_seed + i);
+        if (wrong.empty()) continue;
+        ++failed;
+        const std::scoped_lock lock{print};
+        std::printf("seed %llu: %s\n", static_cast<unsigned long long>(plan.first_seed + i), wrong.c_str());
+        std::fflush(stdout);
+      }
+    });
+  workers.clear();
+  std::printf("%llu seeds x %u AIVs x %u switches, %.0f %% loss: %llu failed\n",
+              static_cast<unsigned long long>(plan.seeds), plan.aivs, plan.switches, plan.loss * 100.0,
+              static_cast<unsigned long long>(failed.load()));
+  return failed == 0 ? 0 : 1;
+}
