@@ -202,7 +202,7 @@ Result<void> Agent::back_up(double distance_m) {
     back_to_m_.reset();
     return {};
   }
-  if (!estimator_.known() || estimator_.off_line()) return fail("back_up.off_line", "it does not stand on a line");
+  if (!on_line()) return fail("back_up.off_line", "it does not stand on a line");
   if (order_.active() || cancelling_) return fail("back_up.order", "it has an order; cancel that first");
   back_to_m_ = estimator_.travelled_m() - distance_m;
   back_readings_ = 0;
@@ -210,10 +210,19 @@ Result<void> Agent::back_up(double distance_m) {
   return {};
 }
 
+bool Agent::on_line() const {
+  if (!estimator_.known()) return false;
+  if (!estimator_.off_line()) return true;
+  // The zone was switched, and the line is under it by chance.
+  const Pose2 X_BP = inverse(estimator_.pose()) * zone_.circuit.pose_at(estimator_.place());
+  return estimator_.beside() && !estimator_.manoeuvring() && to_stay(to_manoeuvre(X_BP)) &&
+         std::fabs(X_BP.heading_rad) <= on_line_rad;
+}
+
 void Agent::note_backing_up() {
   if (!back_to_m_) return;
   const bool there = estimator_.travelled_m() <= *back_to_m_ + back_ends_m;
-  if (there || estimator_.off_line() || ++back_readings_ > back_readings_max) {
+  if (there || !on_line() || ++back_readings_ > back_readings_max) {
     backed_up_ = there;
     back_to_m_.reset();
   }
@@ -228,6 +237,8 @@ wire::Drive Agent::decide_backwards() {
   if (speed_mps_max_) speed_mps = std::min(speed_mps, *speed_mps_max_);
   told_ = drive(holds_ == 0 ? speed_mps : 0.0, slow);
   told_.speed_mmps = static_cast<std::int16_t>(-told_.speed_mmps);
+  told_.seek = false;
+  told_.goal.reset();
   return told_;
 }
 

@@ -153,6 +153,8 @@ class Agent {
   [[nodiscard]] Plan plan(double room_m, double base_end_m) const;
   [[nodiscard]] bool limited_by_felt(const Plan& plan, double sensed_m, double base_end_m) const;
   [[nodiscard]] wire::Drive drive(double speed_mps, const zone::SpeedProfile& kinematics);
+  /// A line is under it, followed or not.
+  [[nodiscard]] bool on_line() const;
   void note_backing_up();
   [[nodiscard]] wire::Drive decide_backwards();
 

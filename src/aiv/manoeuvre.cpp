@@ -24,10 +24,7 @@ std::optional<zone::Place> sought(const zone::Circuit& circuit, const Pose2& X_M
   return anchor ? std::optional{anchor->place} : std::nullopt;
 }
 
-bool to_stay(const wire::Manoeuvre& goal) {
-  const Pose2 X_BG = to_pose(goal);
-  return norm(X_BG.x_m, X_BG.y_m) <= stays_within_m && std::fabs(X_BG.heading_rad) <= on_line_rad;
-}
+bool to_stay(const wire::Manoeuvre& goal) { return norm(1e-3 * goal.x_mm, 1e-3 * goal.y_mm) <= stays_within_m; }
 
 wire::Manoeuvre to_manoeuvre(const Pose2& X_AB) {
   const auto milli = [](double value) { return static_cast<std::int16_t>(std::lround(1e3 * value)); };

@@ -41,9 +41,9 @@ inline constexpr double goal_within_m = 0.10;
 /// told of (wire::Drive::goal). Nothing: no line is there.
 [[nodiscard]] std::optional<zone::Place> sought(const zone::Circuit& circuit, const Pose2& X_MB,
                                                 const std::optional<wire::Manoeuvre>& goal);
-/// Told of a goal this near to where it stands, a body on the line only turns along it: what is left aside the steering
-/// takes away, and nothing sweeps about. The server, which asks for no room where somebody stands on the line
-/// (OrderRoller), counts on it.
+/// Told of a goal this near to where it stands, a body only turns to its heading: what is left aside the steering takes
+/// away. Nothing sweeps about where somebody stands along the line already, nor turns past the line and back; the
+/// server (OrderRoller::off_line, follow_line) counts on both.
 inline constexpr double stays_within_m = 0.006;
 /// Whether it was told to come onto the line just where it stands.
 [[nodiscard]] bool to_stay(const wire::Manoeuvre& goal);

@@ -8,6 +8,7 @@
 #include "aiv/manoeuvre.h"
 #include "aiv/motion.h"
 #include "wire/board.h"
+#include "zone/anchor.h"
 #include "zone/circuit.h"
 
 namespace cosiva::aiv::test {
@@ -47,7 +48,7 @@ class LineWorld {
     wire::Odometry odometry;
     odometry.distance_um = std::llround(odometer_m * 1e6);
     odometry.speed_mmps = static_cast<std::int16_t>(std::lround(speed_mps * 1e3));
-    odometry.line_lost = off_ && !off_->manoeuvre;
+    odometry.line_lost = off_ && !off_->manoeuvre && !line_under();
     if (manoeuvring()) odometry.manoeuvre = to_manoeuvre(off_->manoeuvre->X_SB());
     return odometry;
   }
@@ -85,9 +86,22 @@ class LineWorld {
     }
   }
 
+  /// By chance, where it stands on another floor.
+  [[nodiscard]] std::optional<zone::Place> line_under() const {
+    const auto anchor = zone::anchor_of(*floor_, off_->X_MS, 0.001);
+    const bool along =
+        anchor && std::fabs(wrap_angle(floor_->pose_at(anchor->place).heading_rad - off_->X_MS.heading_rad)) < 0.01;
+    return along ? std::optional{anchor->place} : std::nullopt;
+  }
+
   void step_off_line(const wire::Drive* drive, double wanted_mps, double dt_s) {
     speed_mps = 0.0;
     if (!off_->manoeuvre) {
+      const auto line = line_under();
+      if (wanted_mps != 0.0 && !drive->seek && line) {
+        truth = AivMotion{*floor_, *line};
+        off_.reset();
+      }
       if (drive == nullptr || !drive->seek || wanted_mps <= 0.0) return;
       const auto place = sought(*floor_, off_->X_MS, drive->goal);
       if (!place) return;

@@ -297,6 +297,33 @@ TEST(ZoneSwitch, is_remembered_in_the_middle_of_the_way_to_the_line) {
   EXPECT_LT(after.pose_error_m(), 0.01);
 }
 
+// Two that a switch left side by side: one of them gets out of the other's way as it would have before.
+TEST(ZoneSwitch, that_leaves_a_line_under_it_lets_it_back_up_along_it) {
+  SwitchBench bench;
+  bench.run(0.5);
+  bench.switch_to(track_at(bench.world.pose() * Pose2{-0.8, 0.0, 0.0}, "track"));
+  const Pose2 stands = bench.world.pose();
+  bench.act("backUp", "b1", {{"distance", 0.25}});
+  bench.run(6.0);
+  EXPECT_EQ(bench.action("b1")->status, wire::ActionStatus::finished);
+  EXPECT_LT(distance(bench.world.pose(), stands * Pose2{-0.25, 0.0, 0.0}), 0.01);
+  EXPECT_LT(bench.pose_error_m(), 0.01);
+}
+
+TEST(ZoneSwitch, that_leaves_no_line_under_it_lets_it_back_up_nowhere) {
+  SwitchBench bench;
+  bench.run(0.5);
+  bench.switch_to(track_at(bench.world.pose() * Pose2{-0.8, 0.01, 0.0}, "track"));
+  bench.act("backUp", "beside", {{"distance", 0.25}});
+  bench.run(0.2);
+  EXPECT_EQ(bench.action("beside")->status, wire::ActionStatus::failed);
+  bench.switch_to(track_at(bench.world.pose() * Pose2{-0.8, 0.0, 0.6}, "askew"));
+  bench.act("backUp", "askew", {{"distance", 0.25}});
+  bench.run(0.2);
+  EXPECT_EQ(bench.action("askew")->status, wire::ActionStatus::failed);
+  EXPECT_EQ(bench.speed_mps, 0.0);
+}
+
 TEST(ZoneSwitch, is_followed_by_a_joinLine_that_takes_it_onto_the_line_without_an_order) {
   SwitchBench bench;
   bench.set_off();

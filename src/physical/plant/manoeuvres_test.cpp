@@ -325,6 +325,22 @@ TEST(LineVehicle, told_a_line_where_it_stands_on_one_does_not_turn_across_it) {
   }
 }
 
+TEST(LineVehicle, told_a_line_where_it_stands_askew_turns_to_its_heading_and_not_past_it) {
+  const Circuit old = line();
+  const Circuit next = other(Pose2{0, 0.005, -1.3} * Pose2{-2, 0, 0});
+  LineVehicle vehicle = on(old, {0, 5.0});
+  vehicle.stand_on(next);
+  const DriveCommand told{0.3, 0.5, 0.8, 0, true, wire::Manoeuvre{-1, 5, -1300}};
+  double least_rad = 0.0;
+  for (int i = 0; i < 400 && !vehicle.following(); ++i) {
+    vehicle.step(&told, dt_s);
+    least_rad = std::min(least_rad, vehicle.body().X_MB.heading_rad);
+  }
+  EXPECT_TRUE(vehicle.following());
+  EXPECT_NEAR(least_rad, -1.3, 1e-9);
+  EXPECT_LT(std::fabs(vehicle.lateral_error_m()), 0.006);
+}
+
 TEST(LineVehicle, leaves_a_manoeuvre_that_nobody_commands_when_the_floor_becomes_another) {
   const Circuit circuit = node();
   LineVehicle vehicle = on(circuit, {0, 0.99});

@@ -193,7 +193,7 @@ bool LineVehicle::begin_seek(const DriveCommand& command) {
   // On the line already it only turns along it: what is left aside the steering takes away.
   const auto here = circuit_->section(goal_.section).nearest(position(body_.X_MB));
   const Pose2 X_PB = inverse(circuit_->section(goal_.section).pose_at(here.s_m)) * body_.X_MB;
-  const bool stays = lies_on_line_ && (!command.goal || aiv::to_stay(*command.goal)) && lies_on(X_PB);
+  const bool stays = (command.goal ? aiv::to_stay(*command.goal) : lies_on_line_) && lies_over(X_PB);
   if (stays) goal_.s_m = here.s_m;
   goal_lateral_m_ = stays ? X_PB.y_m : line_offset_sd_m_ > 0.0 ? line_random_.gaussian(0.0, line_offset_sd_m_) : 0.0;
   goal_heading_rad_ = sight_error_rad();
@@ -253,14 +253,13 @@ void LineVehicle::stand_on(const zone::Circuit& circuit) {
   const Pose2 X_PB = inverse(circuit.pose_at(place_)) * body_.X_MB;
   lateral_m_ = X_PB.y_m;
   heading_rad_ = X_PB.heading_rad;
-  lies_on_line_ = anchor && lies_on(X_PB);
+  lies_on_line_ = anchor && lies_over(X_PB) && std::fabs(heading_rad_) <= aiv::on_line_rad;
   note_section();
 }
 
-bool LineVehicle::lies_on(const Pose2& X_PB) const {
+bool LineVehicle::lies_over(const Pose2& X_PB) const {
   constexpr double beyond_m = 1e-3;  // beside the line, and not beyond its end
-  return std::fabs(X_PB.x_m) <= beyond_m && std::fabs(X_PB.y_m) <= train_.line_lost_m &&
-         std::fabs(X_PB.heading_rad) <= aiv::on_line_rad;
+  return std::fabs(X_PB.x_m) <= beyond_m && std::fabs(X_PB.y_m) <= train_.line_lost_m;
 }
 
 void LineVehicle::place_body(double sin_error, double cos_error) {

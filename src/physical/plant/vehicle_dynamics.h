@@ -78,8 +78,8 @@ class LineVehicle {
   void step_off_line(const DriveCommand* command, double dt_s);
   void begin_turn(const aiv::Onward& onward);
   [[nodiscard]] bool begin_seek(const DriveCommand& command);
-  /// Whether the line is under it for a body that stands so, seen from the nearest place on the line.
-  [[nodiscard]] bool lies_on(const Pose2& X_PB) const;
+  /// Whether its sensors see the line for a body that stands so, seen from the nearest place on the line.
+  [[nodiscard]] bool lies_over(const Pose2& X_PB) const;
   void end_manoeuvre();
   [[nodiscard]] double sight_error_rad();
   void note_section();
