@@ -194,6 +194,7 @@ class PositionEstimator {
   double off_by_m_{};
   double strayed_m_{};              ///< rolled since it stands off the line, in no manoeuvre
   double manoeuvre_travelled_m_{};  ///< the odometer does not count during a manoeuvre
+  bool on_old_floor_{false};        ///< the manoeuvre under way began before the zone was switched
   double variance_m2_{};
   double travelled_m_{};
   std::optional<std::int64_t> odometer_um_;

@@ -282,6 +282,39 @@ TEST(EstimateBesideTheLine, follows_a_line_when_its_wheels_roll) {
   EXPECT_NEAR(estimator.place().s_m, 0.6, 1e-6);
 }
 
+TEST(EstimateBesideTheLine, begins_another_manoeuvre_where_the_last_one_ended_though_nothing_told_of_its_end) {
+  Estimator estimator{diamond()};
+  estimator.stand_off({0.5, 0.25, -pi / 2.0});
+  const auto told = [&](wire::Manoeuvre manoeuvre) {
+    estimator.odometry.manoeuvre = manoeuvre;
+    estimator.on_odometry(estimator.odometry);
+    return estimator.pose();
+  };
+  // Straight on, and a new one from there.
+  EXPECT_LT(distance(told({100, 0, 0}), {0.5, 0.15, 0.0}), 1e-9);
+  EXPECT_LT(distance(told({0, 0, 10}), {0.5, 0.15, 0.0}), 1e-9);
+  // Round on the spot, and another round from there.
+  EXPECT_NEAR(told({0, 0, 600}).heading_rad, -pi / 2.0 + 0.6, 1e-9);
+  EXPECT_NEAR(told({0, 0, 5}).heading_rad, -pi / 2.0 + 0.605, 1e-9);
+  // What wheels shake is none.
+  EXPECT_NEAR(told({0, 0, 0}).heading_rad, -pi / 2.0 + 0.6, 1e-9);
+}
+
+TEST(EstimateBesideTheLine, is_beside_it_where_a_way_to_the_old_zone_s_line_ended) {
+  Estimator before{square()};
+  before.stand_off({0.5, 0.05, 0.2});
+  before.odometry.manoeuvre = wire::Manoeuvre{30, 0, 0};
+  before.on_odometry(before.odometry);
+  PositionEstimator after{diamond(), ideal};
+  after.take_over(before);
+  const Pose2 stands = after.pose();
+  wire::Odometry odometry = before.odometry;  // along the old line, near a new one, and none of it on the new floor
+  odometry.manoeuvre.reset();
+  after.on_odometry(odometry);
+  EXPECT_TRUE(after.beside());
+  EXPECT_EQ(after.pose(), stands);
+}
+
 TEST(EstimateBesideTheLine, keeps_pose_and_odometer_from_one_zone_to_the_next) {
   Estimator before{square()};
   before.standing_at("south", 1.0).along({"south", "east"});

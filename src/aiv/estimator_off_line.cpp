@@ -1,6 +1,7 @@
 // Off the line: the vehicle turns on the spot, looks for a line, or stands where there is none.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "aiv/estimator.h"
@@ -17,6 +18,18 @@ constexpr double still_m = 0.002;
 constexpr double told_off_m = 0.005;
 /// Beside the line it has found one when its wheels roll this far in no manoeuvre.
 constexpr double follows_m = 0.010;
+
+/// A manoeuvre only turns on from where it began, and goes on away from there: one that is less far is another.
+bool begins_again(const Pose2& X_OB, const Pose2& X_OB_next) {
+  constexpr double back_m = 0.003;
+  constexpr double back_rad = 0.02;
+  constexpr double spot_m = 0.0005;
+  const double gone_m = norm(X_OB.x_m, X_OB.y_m);
+  const double next_m = norm(X_OB_next.x_m, X_OB_next.y_m);
+  if (next_m < gone_m - back_m) return true;
+  return gone_m <= spot_m && next_m <= spot_m &&
+         std::fabs(X_OB_next.heading_rad) < std::fabs(X_OB.heading_rad) - back_rad;
+}
 
 }  // namespace
 
@@ -59,14 +72,16 @@ void PositionEstimator::take_over(const PositionEstimator& before) {
   variance_m2_ = before.variance_m2_;
   X_OB_ = before.X_OB_;
   manoeuvre_travelled_m_ = before.manoeuvre_travelled_m_;
+  on_old_floor_ = X_OB_.has_value();
   if (before.pose_known()) stand_off(before.pose());
 }
 
 PositionEstimator::Rolled PositionEstimator::off_line(double step_m, const wire::Odometry& odometry) {
   Rolled rolled;
   const auto& manoeuvre = odometry.manoeuvre;
-  // Frames between two manoeuvres may have been lost.
-  const bool another = std::fabs(travelled_m_ - manoeuvre_travelled_m_) > still_m;
+  // Between two manoeuvres there may have been no frame, or none that came.
+  const bool another = std::fabs(travelled_m_ - manoeuvre_travelled_m_) > still_m ||
+                       (X_OB_ && manoeuvre && begins_again(*X_OB_, to_pose(*manoeuvre)));
   if (X_OB_ && (!manoeuvre || another)) end_manoeuvre(odometry.line_lost && !manoeuvre, rolled);
   if (step_m != 0.0 && !X_OB_) roll_off_line(step_m, rolled);
   if (manoeuvre) {
@@ -93,6 +108,7 @@ void PositionEstimator::roll_off_line(double step_m, Rolled& rolled) {
 
 void PositionEstimator::begin_manoeuvre(Rolled& rolled) {
   manoeuvre_travelled_m_ = travelled_m_;
+  on_old_floor_ = false;
   if (!known_ || X_MO_) return;
   // It turns where the line bends, so it is there.
   const zone::Circuit& circuit = zone_.circuit;
@@ -117,6 +133,12 @@ void PositionEstimator::end_manoeuvre(bool line_lost, Rolled& rolled) {
   const double turned_rad = X_OB_->heading_rad;
   X_OB_.reset();
   if (!X_MO_) return;
+  // What ends the way to a line of the old zone is on no line of this one, be it near one.
+  if (std::exchange(on_old_floor_, false)) {
+    stand_off(X_MB);
+    rolled.kind = FixKind::relocated;
+    return;
+  }
   const bool turning = known_ && !beside_;
   if (!(turning && end_turn(turned_rad, rolled))) land(X_MB, line_lost, rolled);
 }
