@@ -1,11 +1,11 @@
-// The traffic zone switched again and again while a fleet drives, over many seeds: nobody ever touches anybody, no twin is
-// lost, and who is not parked drives on.
+// The traffic zone switched again and again while a fleet drives, over many seeds: nobody ever touches anybody, no twin
+// is lost, and who is not parked drives on.
 //
 //   switch_soak FROM.toml TO.toml [seeds=12] [aivs=12] [switches=10] [loss=0] [first_seed=1] [workers=2]
 //
-// 400 seeds with COSIVA_LONG=1. Each seed is one run of the whole platform in virtual time; a vehicle is told to be slow just
-// before each switch, all are let go after it, and the next one comes 1 to 10 s later, at a moment of the seed's own. A line for
-// each seed that fails, and one for all; exit 1 when any failed, 2 on bad usage.
+// 400 seeds with COSIVA_LONG=1. Each seed is one run of the whole platform in virtual time; a vehicle is told to be
+// slow just before each switch, all are let go after it, and the next one comes 1 to 10 s later, at a moment of the
+// seed's own. A line for each seed that fails, and one for all; exit 1 when any failed, 2 on bad usage.
 
 #include <algorithm>
 #include <atomic>
@@ -61,8 +61,9 @@ std::string collisions_of(const experiments::World& world) {
   return text;
 }
 
-/// Those that stand and are not parked.
+/// Those that stand when all has had a minute to sort itself out, and are not parked.
 std::string left_standing(experiments::World& world) {
+  world.run_for(60s);
   std::vector<double> before_m;
   for (const auto& vehicle : world.plant().vehicles()) before_m.push_back(vehicle.distance_m);
   world.run_for(60s);
@@ -71,7 +72,7 @@ std::string left_standing(experiments::World& world) {
   for (const JsonValue& aiv : *shot->find("aivs")->array()) {
     const auto v = static_cast<std::size_t>(*aiv.number("number")) - 1;
     if (world.plant().vehicles()[v].distance_m - before_m[v] < 1.0 && !aiv.text("parked"))
-      text += "\n  " + *aiv.text("id") + " stands: " + aiv.text("waitsWhy").value_or("");
+      text += "\n  " + *aiv.text("id") + " stands, waits for " + aiv.text("waitsFor").value_or("nobody");
   }
   return text;
 }
@@ -104,7 +105,8 @@ std::string run(const Plan& plan, std::uint64_t seed) {
 
 int main(int argc, char** argv) {
   if (argc < 3) {
-    std::fprintf(stderr, "usage: switch_soak FROM.toml TO.toml [seeds] [aivs] [switches] [loss] [first_seed] [workers]\n");
+    std::fprintf(stderr,
+                 "usage: switch_soak FROM.toml TO.toml [seeds] [aivs] [switches] [loss] [first_seed] [workers]\n");
     return 2;
   }
   Plan plan;

@@ -332,5 +332,14 @@ TEST_F(SideBySide, is_resolved_by_the_one_on_the_line_which_backs_up) {
   for (const auto& vehicle : bench.vehicles) EXPECT_GT(vehicle->driven_m, 3.0) << vehicle->id.serial_number;
 }
 
+TEST_F(SideBySide, a_few_millimetres_apart_is_backed_out_of_as_well) {
+  place(0.15, 0.150, 0.3);
+  bench.run_for(60s);
+  EXPECT_EQ(shown(bench).open, 0.0);
+  // One that stopped at once, having somebody so near, would be told to back up no further.
+  EXPECT_EQ(backed_up(bench, *bench.vehicles[0]), 1U);
+  for (const auto& vehicle : bench.vehicles) EXPECT_GT(vehicle->driven_m, 3.0) << vehicle->id.serial_number;
+}
+
 }  // namespace
 }  // namespace cosiva::virtual_side

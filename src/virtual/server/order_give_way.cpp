@@ -23,6 +23,10 @@ constexpr double behind_every_m = 0.02;
 constexpr double behind_beyond_m = 0.04;
 /// Air around a body that backs up blindly.
 constexpr double behind_clear_m = 0.03;
+/// It stops when anything comes nearer than this on its way, or than it stood beside it: by reports, which may be
+/// wrong.
+constexpr double back_clear_m = 0.005;
+constexpr double back_clear_m_min = -0.02;
 /// What stands in another's way is looked for so far along it: the next stretch or chain, and where that one stops.
 constexpr double way_before_m = 0.70 + aiv::stand_off_m;
 constexpr double way_every_m = 0.03;
@@ -278,13 +282,17 @@ void OrderRoller::follow_back_up(VehicleIndex vehicle, Plan::GivingWay& giving_w
   if (giving_way.ticket == 0) {
     if (!stands(vehicle)) return;
     if (!is_free_behind(vehicle, giving_way.back_m)) return;  // whoever came there may go again; it has its time
+    // Whom it has beside it already it may leave as closely.
+    giving_way.clear_m = back_clear_m;
+    while (giving_way.clear_m > back_clear_m_min && near_anything(vehicle, body(vehicle), giving_way.clear_m))
+      giving_way.clear_m -= 0.001;
     giving_way.ticket = tell(giving_way.back_m);
     return;
   }
   const ActionDesk::Letter* letter = desk_.find(giving_way.ticket);
   const wire::ActionStatus status = letter == nullptr ? wire::ActionStatus::failed : letter->actions.front().status;
   const bool over = status == wire::ActionStatus::finished || status == wire::ActionStatus::failed;
-  if (!over && !giving_way.stopped && near_anything(vehicle, body(vehicle), 0.005)) {
+  if (!over && !giving_way.stopped && near_anything(vehicle, body(vehicle), giving_way.clear_m)) {
     desk_.drop(giving_way.ticket);
     giving_way.stopped = true;
     giving_way.ticket = tell(0.0);

@@ -152,6 +152,7 @@ class OrderRoller {
       bool drops_order{false};
       double back_m{0.0};            ///< 0: it does not back up
       ActionDesk::Ticket ticket{0};  ///< of its backUp; 0: not sent yet
+      double clear_m{0.0};           ///< it stops when anything comes nearer
       bool stopped{false};           ///< on its way back, as somebody came
     };
     std::optional<GivingWay> giving_way;
