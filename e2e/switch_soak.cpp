@@ -126,11 +126,12 @@ int main(int argc, char** argv) {
   for (unsigned w = 0; w < plan.workers; ++w)
     workers.emplace_back([&] {
       for (std::uint64_t i = next++; i < plan.seeds; i = next++) {
-        const std::string wrong = run(plan, plan.first_seed + i);
+        const std::uint64_t seed = plan.first_seed + i;
+        const std::string wrong = run(plan, seed);
         if (wrong.empty()) continue;
         ++failed;
         const std::scoped_lock lock{print};
-        std::printf("seed %llu: %s\n", static_cast<unsigned long long>(plan.first_seed + i), wrong.c_str());
+        std::printf("seed %llu: %s\n", static_cast<unsigned long long>(seed), wrong.c_str());
         std::fflush(stdout);
       }
     });
