@@ -9,18 +9,15 @@
 // for all; exit 1 when there was a collision, a deadlock that nobody resolved, or a vehicle that stood, 2 on bad usage.
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <mutex>
-#include <sstream>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <vector>
 
+#include "e2e/soak.h"
 #include "experiments/world/test_unrest.h"
 #include "experiments/world/world.h"
 
@@ -121,19 +118,13 @@ void print_line(const Outcome& o, std::size_t done, const Plan& plan) {
 
 std::vector<Outcome> run_all(const Plan& plan) {
   std::vector<Outcome> outcomes(plan.seeds);
-  std::atomic<std::uint64_t> next{0};
   std::size_t done = 0;
   std::mutex print;
-  const auto work = [&] {
-    for (std::uint64_t i = next++; i < plan.seeds; i = next++) {
-      outcomes[i] = run(plan, plan.first_seed + i);
-      const std::scoped_lock lock{print};
-      print_line(outcomes[i], ++done, plan);
-    }
-  };
-  std::vector<std::jthread> workers;
-  for (unsigned i = 0; i < plan.workers; ++i) workers.emplace_back(work);
-  workers.clear();
+  soak::each(plan.seeds, plan.workers, [&](std::uint64_t i) {
+    outcomes[i] = run(plan, plan.first_seed + i);
+    const std::scoped_lock lock{print};
+    print_line(outcomes[i], ++done, plan);
+  });
   return outcomes;
 }
 
@@ -170,11 +161,8 @@ int main(int argc, char** argv) {
     return 2;
   }
   Plan plan;
-  std::ifstream file{argv[1]};
-  std::ostringstream text;
-  text << file.rdbuf();
-  plan.zone = {"toml", argv[1], text.str()};
-  if (const char* whole = std::getenv("COSIVA_LONG"); whole != nullptr && *whole != '\0') {
+  plan.zone = soak::toml_zone(argv[1]);
+  if (soak::wanted_whole()) {
     plan.seeds = 100;
     plan.minutes = 30.0;
   }

@@ -7,19 +7,17 @@
 // all; exit 1 when one was broken, 2 on bad usage. 50 seeds with COSIVA_LONG=1, however many are named.
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <mutex>
-#include <sstream>
 #include <string>
 #include <string_view>
 #include <thread>
 #include <vector>
 
 #include "base/json_value.h"
+#include "e2e/soak.h"
 #include "experiments/world/test_unrest.h"
 #include "experiments/world/world.h"
 
@@ -108,26 +106,20 @@ Outcome run(const Plan& plan, std::uint64_t seed) {
 
 std::vector<Outcome> run_all(const Plan& plan) {
   std::vector<Outcome> outcomes(plan.seeds);
-  std::atomic<std::uint64_t> next{0};
   std::mutex print;
-  const auto work = [&] {
-    for (std::uint64_t i = next++; i < plan.seeds; i = next++) {
-      outcomes[i] = run(plan, plan.first_seed + i);
-      const std::scoped_lock lock{print};
-      const Outcome& o = outcomes[i];
-      std::printf(
-          "seed %llu: %.0f m driven (slowest %.0f m), longest wait %.1f s, %.0f deadlocks, %.0f resolved, matched "
-          "%.4f, "
-          "digest %s%s%s\n",
-          static_cast<unsigned long long>(o.seed), o.distance_m, o.slowest_m, o.longest_wait_s, o.deadlocks.detected,
-          o.deadlocks.resolved, o.matched_share, o.digest.c_str(),
-          o.failure.empty() ? "" : "  FAILED: ", o.failure.c_str());
-      std::fflush(stdout);
-    }
-  };
-  std::vector<std::jthread> workers;
-  for (unsigned i = 0; i < plan.workers; ++i) workers.emplace_back(work);
-  workers.clear();
+  soak::each(plan.seeds, plan.workers, [&](std::uint64_t i) {
+    outcomes[i] = run(plan, plan.first_seed + i);
+    const std::scoped_lock lock{print};
+    const Outcome& o = outcomes[i];
+    std::printf(
+        "seed %llu: %.0f m driven (slowest %.0f m), longest wait %.1f s, %.0f deadlocks, %.0f resolved, matched "
+        "%.4f, "
+        "digest %s%s%s\n",
+        static_cast<unsigned long long>(o.seed), o.distance_m, o.slowest_m, o.longest_wait_s, o.deadlocks.detected,
+        o.deadlocks.resolved, o.matched_share, o.digest.c_str(),
+        o.failure.empty() ? "" : "  FAILED: ", o.failure.c_str());
+    std::fflush(stdout);
+  });
   return outcomes;
 }
 
@@ -140,12 +132,9 @@ int main(int argc, char** argv) {
     return 2;
   }
   Plan plan;
-  std::ifstream file{argv[1]};
-  std::ostringstream text;
-  text << file.rdbuf();
-  plan.zone = {"toml", argv[1], text.str()};
+  plan.zone = soak::toml_zone(argv[1]);
   if (argc > 2) plan.seeds = std::strtoull(argv[2], nullptr, 10);
-  if (const char* whole = std::getenv("COSIVA_LONG"); whole != nullptr && *whole != '\0') plan.seeds = 50;
+  if (soak::wanted_whole()) plan.seeds = 50;
   if (argc > 3) plan.aivs = static_cast<std::uint32_t>(std::strtoul(argv[3], nullptr, 10));
   if (argc > 4) plan.minutes = std::strtod(argv[4], nullptr);
   if (argc > 5) plan.loss = std::strtod(argv[5], nullptr);

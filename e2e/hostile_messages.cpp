@@ -8,14 +8,13 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "base/json_value.h"
 #include "base/random.h"
+#include "e2e/soak.h"
 #include "experiments/world/world.h"
 #include "fuzz/corpus.h"
 #include "fuzz/mutate.h"
@@ -62,13 +61,6 @@ class Stranger {
   fuzz::Mutator mutator_;
 };
 
-std::string text_of(const char* path) {
-  std::ifstream file{path};
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
 /// The real vehicles that are shown, online and near where the plant has them.
 std::size_t true_twins(const experiments::World& world) {
   const auto snapshot = JsonValue::parse(world.server().snapshot_json());
@@ -99,7 +91,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   experiments::WorldOptions options;
-  options.zone = {"toml", argv[1], text_of(argv[1])};
+  options.zone = soak::toml_zone(argv[1]);
   options.aivs = aivs;
   options.seed = seed;
   auto world = experiments::World::make(std::move(options));

@@ -7,21 +7,17 @@
 // slow just before each switch, all are let go after it, and the next one comes 1 to 10 s later, at a moment of the
 // seed's own. A line for each seed that fails, and one for all; exit 1 when any failed, 2 on bad usage.
 
-#include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <mutex>
-#include <sstream>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "base/json_value.h"
 #include "base/json_writer.h"
 #include "base/random.h"
+#include "e2e/soak.h"
 #include "experiments/world/world.h"
 
 namespace {
@@ -38,13 +34,6 @@ struct Plan {
   std::uint64_t first_seed{1};
   unsigned workers{2};
 };
-
-zone::ZoneConfiguration read_zone(const char* path) {
-  std::ifstream file{path};
-  std::ostringstream text;
-  text << file.rdbuf();
-  return {"toml", path, text.str()};
-}
 
 void switch_to(experiments::World& world, const zone::ZoneConfiguration& zone) {
   JsonWriter json;
@@ -110,8 +99,8 @@ int main(int argc, char** argv) {
     return 2;
   }
   Plan plan;
-  plan.zones = {read_zone(argv[1]), read_zone(argv[2])};
-  if (const char* whole = std::getenv("COSIVA_LONG"); whole != nullptr && *whole != '\0') plan.seeds = 400;
+  plan.zones = {soak::toml_zone(argv[1]), soak::toml_zone(argv[2])};
+  if (soak::wanted_whole()) plan.seeds = 400;
   if (argc > 3) plan.seeds = std::strtoull(argv[3], nullptr, 10);
   if (argc > 4) plan.aivs = static_cast<std::uint32_t>(std::strtoul(argv[4], nullptr, 10));
   if (argc > 5) plan.switches = static_cast<std::uint32_t>(std::strtoul(argv[5], nullptr, 10));
@@ -119,25 +108,19 @@ int main(int argc, char** argv) {
   if (argc > 7) plan.first_seed = std::strtoull(argv[7], nullptr, 10);
   if (argc > 8) plan.workers = static_cast<unsigned>(std::strtoul(argv[8], nullptr, 10));
 
-  std::atomic<std::uint64_t> next{0};
-  std::atomic<std::uint64_t> failed{0};
+  std::uint64_t failed = 0;
   std::mutex print;
-  std::vector<std::jthread> workers;
-  for (unsigned w = 0; w < plan.workers; ++w)
-    workers.emplace_back([&] {
-      for (std::uint64_t i = next++; i < plan.seeds; i = next++) {
-        const std::uint64_t seed = plan.first_seed + i;
-        const std::string wrong = run(plan, seed);
-        if (wrong.empty()) continue;
-        ++failed;
-        const std::scoped_lock lock{print};
-        std::printf("seed %llu: %s\n", static_cast<unsigned long long>(seed), wrong.c_str());
-        std::fflush(stdout);
-      }
-    });
-  workers.clear();
+  soak::each(plan.seeds, plan.workers, [&](std::uint64_t i) {
+    const std::uint64_t seed = plan.first_seed + i;
+    const std::string wrong = run(plan, seed);
+    if (wrong.empty()) return;
+    const std::scoped_lock lock{print};
+    ++failed;
+    std::printf("seed %llu: %s\n", static_cast<unsigned long long>(seed), wrong.c_str());
+    std::fflush(stdout);
+  });
   std::printf("%llu seeds x %u AIVs x %u switches, %.0f %% loss: %llu failed\n",
               static_cast<unsigned long long>(plan.seeds), plan.aivs, plan.switches, plan.loss * 100.0,
-              static_cast<unsigned long long>(failed.load()));
+              static_cast<unsigned long long>(failed));
   return failed == 0 ? 0 : 1;
 }

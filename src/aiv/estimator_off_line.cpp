@@ -108,7 +108,6 @@ void PositionEstimator::roll_off_line(double step_m, Rolled& rolled) {
 
 void PositionEstimator::begin_manoeuvre(Rolled& rolled) {
   manoeuvre_travelled_m_ = travelled_m_;
-  on_old_floor_ = false;
   if (!known_ || X_MO_) return;
   // It turns where the line bends, so it is there.
   const zone::Circuit& circuit = zone_.circuit;
@@ -132,9 +131,10 @@ void PositionEstimator::end_manoeuvre(bool line_lost, Rolled& rolled) {
   const Pose2 X_MB = pose_known() ? pose() : Pose2{};
   const double turned_rad = X_OB_->heading_rad;
   X_OB_.reset();
+  const bool on_old_floor = std::exchange(on_old_floor_, false);
   if (!X_MO_) return;
   // What ends the way to a line of the old zone is on no line of this one, be it near one.
-  if (std::exchange(on_old_floor_, false)) {
+  if (on_old_floor) {
     stand_off(X_MB);
     rolled.kind = FixKind::relocated;
     return;

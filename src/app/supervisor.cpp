@@ -23,7 +23,6 @@ constexpr std::chrono::seconds lives_min{10};
 /// Who dies this soon did not get to work at all, and waits longer each time.
 constexpr std::chrono::seconds early{1};
 constexpr milliseconds backoff_first{50};
-constexpr int backoff_doublings_max = 6;
 
 }  // namespace
 
@@ -80,10 +79,11 @@ void Supervisor::died(Running& running, const ChildExit& exit) {
     if (on_hopeless_) on_hopeless_(name);
     return;
   }
-  running.early_deaths = life < early ? running.early_deaths + 1 : 0;
+  const auto& lives = running.lives;
+  const auto early_deaths =
+      std::find_if(lives.rbegin(), lives.rend(), [](Steady::duration one) { return one >= early; }) - lives.rbegin();
   milliseconds delay = running.member.respawn_delay;
-  if (running.early_deaths > 0)
-    delay = std::max(delay, backoff_first * (1 << std::min(running.early_deaths, backoff_doublings_max)));
+  if (early_deaths > 0) delay = std::max(delay, backoff_first * (1 << early_deaths));
   say(name + " has ended: " + to_string(exit) + "; starting it again" +
       (delay >= std::chrono::seconds{1} ? " in " + decimals(static_cast<double>(delay.count()) / 1e3, 0) + " s" : ""));
   running.respawn.after(delay, [this, &running] { start_again(running); });

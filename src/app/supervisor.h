@@ -50,7 +50,6 @@ class Supervisor {
     adapters::Timer respawn;
     std::chrono::steady_clock::time_point born;
     std::deque<std::chrono::steady_clock::duration> lives;  ///< how long the last ones were
-    int early_deaths{0};
     explicit Running(adapters::EventLoop& loop, Member m) : member{std::move(m)}, respawn{loop} {}
     [[nodiscard]] bool alive() const { return child != nullptr && child->running(); }
   };
