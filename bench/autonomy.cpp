@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "base/math.h"
-#include "base/random.h"
-#include "experiments/statistics/distributions.h"
-#include "experiments/statistics/interval.h"
-#include "experiments/statistics/sample.h"
-#include "experiments/statistics/survival.h"
-#include "experiments/statistics/tolerance.h"
+#include "cosiva/base/math.h"
+#include "cosiva/base/random.h"
+#include "cosiva/experiments/statistics/distributions.h"
+#include "cosiva/experiments/statistics/interval.h"
+#include "cosiva/experiments/statistics/sample.h"
+#include "cosiva/experiments/statistics/survival.h"
+#include "cosiva/experiments/statistics/tolerance.h"
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "battery/pack.h"
+#include "cosiva/battery/pack.h"
 
 namespace {
 

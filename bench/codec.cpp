@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bench/sample_state.h"
-#include "wire/vda5050/codec.h"
+#include "cosiva/wire/vda5050/codec.h"
 
 namespace {
 

@@ -6,13 +6,13 @@
 #include <cstdio>
 #include <vector>
 
-#include "aiv/estimation/registry.h"
 #include "bench/zones.h"
-#include "experiments/metrology/figures.h"
-#include "experiments/metrology/simulate.h"
-#include "experiments/statistics/interval.h"
-#include "experiments/statistics/paired.h"
-#include "experiments/statistics/sample.h"
+#include "cosiva/aiv/estimation/registry.h"
+#include "cosiva/experiments/positioning/metrology/figures.h"
+#include "cosiva/experiments/positioning/metrology/simulate.h"
+#include "cosiva/experiments/statistics/interval.h"
+#include "cosiva/experiments/statistics/paired.h"
+#include "cosiva/experiments/statistics/sample.h"
 
 namespace {
 

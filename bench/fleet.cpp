@@ -14,14 +14,14 @@
 #include <utility>
 #include <vector>
 
-#include "adapters/thread_pool.h"
-#include "aiv/agent_rules.h"
-#include "base/digest.h"
-#include "base/json_writer.h"
-#include "base/random.h"
-#include "base/test_places.h"
-#include "virtual/fleet/fleet.h"
-#include "zone/rtm/rtm.h"
+#include "cosiva/adapters/thread_pool.h"
+#include "cosiva/aiv/decision/agent_rules.h"
+#include "cosiva/base/digest.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/base/random.h"
+#include "cosiva/base/test_places.h"
+#include "cosiva/virtual/fleet/fleet.h"
+#include "cosiva/zone/rtm/rtm.h"
 
 namespace {
 

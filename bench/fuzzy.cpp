@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "base/random.h"
-#include "base/test_places.h"
-#include "fuzzy/oracle/test_fuzzylite.h"
-#include "fuzzy/rule_base.h"
+#include "cosiva/base/random.h"
+#include "cosiva/base/test_places.h"
+#include "cosiva/fuzzy/oracle/test_fuzzylite.h"
+#include "cosiva/fuzzy/rule_base.h"
 
 namespace {
 

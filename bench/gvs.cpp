@@ -6,9 +6,9 @@
 #include <ctime>
 #include <vector>
 
-#include "base/random.h"
-#include "physical/vision/scene.h"
-#include "physical/vision/tracker.h"
+#include "cosiva/base/random.h"
+#include "cosiva/physical/vision/scene.h"
+#include "cosiva/physical/vision/tracker.h"
 
 namespace {
 

@@ -4,11 +4,11 @@
 #include <cstdio>
 #include <ctime>
 
-#include "aiv/estimation/registry.h"
 #include "bench/zones.h"
-#include "experiments/metrology/qualification.h"
-#include "experiments/metrology/simulate.h"
-#include "zone/rtm/rtm.h"
+#include "cosiva/aiv/estimation/registry.h"
+#include "cosiva/experiments/positioning/metrology/qualification.h"
+#include "cosiva/experiments/positioning/metrology/simulate.h"
+#include "cosiva/zone/rtm/rtm.h"
 
 namespace {
 

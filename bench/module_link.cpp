@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "wire/board.h"
-#include "wire/module_link/module_link.h"
+#include "cosiva/wire/messages/board.h"
+#include "cosiva/wire/module_link/module_link.h"
 
 namespace {
 

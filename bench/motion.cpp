@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "aiv/motion.h"
-#include "base/random.h"
 #include "bench/ring.h"
+#include "cosiva/aiv/motion/motion.h"
+#include "cosiva/base/random.h"
 
 namespace {
 

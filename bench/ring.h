@@ -4,9 +4,9 @@
 #include <utility>
 #include <vector>
 
-#include "base/expect.h"
-#include "base/math.h"
-#include "zone/circuit.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/base/math.h"
+#include "cosiva/zone/circuit/circuit.h"
 
 namespace cosiva::bench {
 

@@ -14,14 +14,14 @@
 #include <string>
 #include <vector>
 
-#include "base/json_writer.h"
-#include "base/random.h"
-#include "base/test_places.h"
-#include "base/vector_clones.h"
-#include "virtual/fleet/passes.h"
-#include "virtual/fleet/state.h"
-#include "zone/pose_table.h"
-#include "zone/rtm/rtm.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/base/random.h"
+#include "cosiva/base/test_places.h"
+#include "cosiva/base/vector_clones.h"
+#include "cosiva/virtual/fleet/passes.h"
+#include "cosiva/virtual/fleet/state.h"
+#include "cosiva/zone/circuit/pose_table.h"
+#include "cosiva/zone/rtm/rtm.h"
 
 namespace {
 

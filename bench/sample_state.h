@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <string>
 
-#include "base/time.h"
-#include "wire/messages.h"
-#include "wire/topics.h"
+#include "cosiva/base/time.h"
+#include "cosiva/wire/messages/messages.h"
+#include "cosiva/wire/messages/topics.h"
 
 namespace cosiva::bench {
 

@@ -24,18 +24,18 @@
 #include <variant>
 #include <vector>
 
-#include "adapters/broker.h"
-#include "adapters/clock.h"
-#include "adapters/event_loop.h"
-#include "adapters/files.h"
-#include "adapters/live_shell.h"
-#include "adapters/mqtt_client.h"
-#include "aiv/motion.h"
-#include "base/json_value.h"
-#include "base/test_places.h"
 #include "bench/sample_state.h"
-#include "virtual/server/server_core.h"
-#include "wire/vda5050/codec.h"
+#include "cosiva/adapters/broker.h"
+#include "cosiva/adapters/clock.h"
+#include "cosiva/adapters/event_loop.h"
+#include "cosiva/adapters/files.h"
+#include "cosiva/adapters/live_shell.h"
+#include "cosiva/adapters/mqtt_client.h"
+#include "cosiva/aiv/motion/motion.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/test_places.h"
+#include "cosiva/virtual/server/core/server_core.h"
+#include "cosiva/wire/vda5050/codec.h"
 
 namespace {
 

@@ -9,8 +9,8 @@
 #include <iterator>
 #include <string>
 
-#include "base/test_places.h"
-#include "experiments/world/world.h"
+#include "cosiva/base/test_places.h"
+#include "cosiva/experiments/runs/world/world.h"
 
 namespace {
 

@@ -10,9 +10,9 @@
 #include <string>
 #include <utility>
 
-#include "base/test_places.h"
-#include "experiments/battery/analysis.h"
-#include "experiments/battery/platform_rig.h"
+#include "cosiva/base/test_places.h"
+#include "cosiva/experiments/battery/analysis.h"
+#include "cosiva/experiments/battery/platform_rig.h"
 
 namespace {
 

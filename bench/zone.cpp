@@ -10,13 +10,13 @@
 #include <string>
 #include <vector>
 
-#include "base/expect.h"
-#include "base/math.h"
-#include "base/random.h"
-#include "zone/check.h"
-#include "zone/generate.h"
-#include "zone/route.h"
-#include "zone/rtm/rtm.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/base/math.h"
+#include "cosiva/base/random.h"
+#include "cosiva/zone/check/check.h"
+#include "cosiva/zone/generate/generate.h"
+#include "cosiva/zone/routing/route.h"
+#include "cosiva/zone/rtm/rtm.h"
 
 namespace {
 

@@ -6,9 +6,9 @@
 #include <memory>
 #include <sstream>
 
-#include "aiv/estimation/track.h"
-#include "base/test_places.h"
-#include "zone/rtm/rtm.h"
+#include "cosiva/aiv/estimation/track.h"
+#include "cosiva/base/test_places.h"
+#include "cosiva/zone/rtm/rtm.h"
 
 namespace cosiva::bench {
 

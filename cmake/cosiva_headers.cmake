@@ -10,7 +10,7 @@ target_precompile_headers(cosiva_headers PRIVATE ${std_headers})
 
 # Where the checkout lies, known to one object file (base/test_places.h).
 file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/source_dir.cpp
-     CONTENT "#include \"base/test_places.h\"\nstd::string cosiva::source_dir() { return \"${CMAKE_SOURCE_DIR}\"; }\n")
+     CONTENT "#include \"cosiva/base/test_places.h\"\nstd::string cosiva::source_dir() { return \"${CMAKE_SOURCE_DIR}\"; }\n")
 add_library(cosiva_source_dir STATIC EXCLUDE_FROM_ALL ${CMAKE_BINARY_DIR}/source_dir.cpp)
 target_link_libraries(cosiva_source_dir PRIVATE cosiva_flags)
 

@@ -1,14 +1,20 @@
-# cosiva_module(NAME [PUBLIC target…] [PRIVATE target…])
+# cosiva_module(NAME [EXCEPT source…] [HEADERS header…] [PUBLIC target…] [PRIVATE target…] [TEST target…])
 #
 # A folder becomes the library cosiva_<name> ('/' becomes '_'), alias cosiva::<name>, from the sources beside its
-# CMakeLists.txt; *_test.cpp beside them become one test program. NAME's own link list is what its files may include:
-# the test `arrows` (scripts/check_arrows.py) reads these calls and every #include, and fails on one not declared.
+# CMakeLists.txt without main.cpp and those of EXCEPT; *_test.cpp beside them become one test program.
+# HEADERS are the public ones: other modules may include these alone, as "cosiva/<module>/x.h". The link lists say which
+# modules the files of this one may include; PUBLIC: its public headers show them; TEST: only its tests use them.
+# The test `arrows` (scripts/check_arrows.py) reads these calls and every #include, and fails on one not declared.
+# Property tests draw a seed in each run and print it ("Using configuration: seed=…"); RC_PARAMS="seed=…" repeats it.
 function(cosiva_module name)
-  cmake_parse_arguments(ARG "" "" "PUBLIC;PRIVATE;TEST" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "EXCEPT;HEADERS;PUBLIC;PRIVATE;TEST" ${ARGN})
   string(REPLACE "/" "_" flat ${name})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   set(tests ${sources})
-  list(FILTER sources EXCLUDE REGEX "_test\\.cpp$")
+  list(FILTER sources EXCLUDE REGEX "(_test|/main)\\.cpp$")
+  foreach(source ${ARG_EXCEPT})
+    list(REMOVE_ITEM sources ${CMAKE_CURRENT_SOURCE_DIR}/${source})
+  endforeach()
   list(FILTER tests INCLUDE REGEX "_test\\.cpp$")
 
   if(NOT sources)
@@ -22,7 +28,9 @@ function(cosiva_module name)
   target_link_libraries(cosiva_${flat} PUBLIC cosiva_flags ${public_targets} PRIVATE ${private_targets})
   target_precompile_headers(cosiva_${flat} REUSE_FROM cosiva_headers)
   set_target_properties(cosiva_${flat} PROPERTIES LINKER_LANGUAGE CXX)
+  cosiva_unity(cosiva_${flat} ${sources})
 
+  cosiva_chosen_tests(tests has_statistics ${tests})
   if(COSIVA_TESTS AND tests)
     cosiva_resolve(test_targets ${ARG_TEST})
     add_executable(${flat}_test ${tests})
@@ -30,17 +38,19 @@ function(cosiva_module name)
                                                GTest::gmock_main rapidcheck)
     target_compile_options(${flat}_test PRIVATE ${cosiva_test_options})  # cosiva_headers.cmake
     target_precompile_headers(${flat}_test REUSE_FROM cosiva_test_headers)
-    gtest_discover_tests(${flat}_test TEST_PREFIX "${name}: " DISCOVERY_TIMEOUT 60
-      PROPERTIES TIMEOUT 600 ENVIRONMENT "RC_PARAMS=seed=20230711")
+    cosiva_unity(${flat}_test ${tests})
+    cosiva_discover_tests(${flat}_test "${has_statistics}" TEST_PREFIX "${name}: " DISCOVERY_TIMEOUT 60
+      PROPERTIES TIMEOUT 600
+        ENVIRONMENT "LSAN_OPTIONS=suppressions=${CMAKE_SOURCE_DIR}/cmake/leaks.supp:print_suppressions=0")
   endif()
 endfunction()
 
-# Module names (zone, wire/vda5050) become targets; anything with '::' or not ours passes through.
+# Module names (base, wire/vda5050) become targets; anything with '::' or not ours passes through.
 function(cosiva_resolve out)
   set(result "")
   foreach(item ${ARGN})
     string(REPLACE "/" "_" flat ${item})
-    if(item MATCHES "::" OR NOT EXISTS ${CMAKE_SOURCE_DIR}/src/${item})
+    if(item MATCHES "::" OR NOT EXISTS ${CMAKE_SOURCE_DIR}/src/${item}/CMakeLists.txt)
       list(APPEND result ${item})
     else()
       list(APPEND result cosiva_${flat})

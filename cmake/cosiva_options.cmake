@@ -15,14 +15,25 @@ if(CCACHE)
   endif()
 endif()
 
+# The programs under the sanitizers link in a fifth of the time.
+find_program(LLD ld.lld)
+if(LLD)
+  add_link_options(-fuse-ld=lld)
+endif()
+
 add_library(cosiva_flags INTERFACE)
 target_compile_options(cosiva_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wold-style-cast -Wnon-virtual-dtor
   -Woverloaded-virtual -Werror
   # Same inputs, same bits on every machine and optimisation level: a fused multiply-add rounds once, not twice.
   -ffp-contract=off -fno-fast-math)
+if(COSIVA_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+  # A class of one source alone holds that source's own types; GCC warns of it wherever the source is not the main file.
+  target_compile_options(cosiva_flags INTERFACE -Wno-subobject-linkage)
+endif()
 if(COSIVA_SANITIZE)
   add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=address,undefined)
 endif()
-target_include_directories(cosiva_flags INTERFACE ${CMAKE_SOURCE_DIR}/src)
+# include/cosiva leads to src/, so that every include names the project: "cosiva/<module>/x.h".
+target_include_directories(cosiva_flags INTERFACE ${CMAKE_SOURCE_DIR}/include)

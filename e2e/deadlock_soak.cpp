@@ -17,9 +17,9 @@
 #include <string_view>
 #include <vector>
 
+#include "cosiva/experiments/runs/world/test_unrest.h"
+#include "cosiva/experiments/runs/world/world.h"
 #include "e2e/soak.h"
-#include "experiments/world/test_unrest.h"
-#include "experiments/world/world.h"
 
 namespace {
 

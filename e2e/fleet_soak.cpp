@@ -16,10 +16,10 @@
 #include <thread>
 #include <vector>
 
-#include "base/json_value.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/experiments/runs/world/test_unrest.h"
+#include "cosiva/experiments/runs/world/world.h"
 #include "e2e/soak.h"
-#include "experiments/world/test_unrest.h"
-#include "experiments/world/world.h"
 
 namespace {
 

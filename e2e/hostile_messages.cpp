@@ -4,7 +4,8 @@
 //
 // A stranger on the broker publishes mutated VDA 5050 messages, garbage and oversized payloads on the topics of real
 // and of invented vehicles, and broken zones, while four AIVs drive in virtual time. Nothing may stop: no collision,
-// every vehicle goes on, every real twin stays matched. Prints what was sent; exit 1 when a promise was broken.
+// every vehicle goes on, every real twin stays matched. Prints what was sent and the run's digest; exit 1 when a
+// promise was broken.
 
 #include <cstdio>
 #include <cstdlib>
@@ -12,13 +13,13 @@
 #include <utility>
 #include <vector>
 
-#include "base/json_value.h"
-#include "base/random.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/random.h"
+#include "cosiva/experiments/runs/world/world.h"
+#include "cosiva/wire/messages/topics.h"
 #include "e2e/soak.h"
-#include "experiments/world/world.h"
 #include "fuzz/corpus.h"
 #include "fuzz/mutate.h"
-#include "wire/topics.h"
 
 namespace {
 
@@ -117,9 +118,9 @@ int main(int argc, char** argv) {
   const double seconds = to_seconds((*world)->now() - virtual_epoch);
   std::printf(
       "%llu hostile messages in %.0f s: %zu collisions, slowest vehicle drove %.1f m, real twins true in %zu of %zu "
-      "looks\n",
+      "looks, digest %s\n",
       static_cast<unsigned long long>(sent), seconds, (*world)->plant().collisions().size(), slowest_m, steps_matched,
-      steps);
+      steps, (*world)->digest().hex().c_str());
   // Undisturbed, a vehicle makes about 0.3 m/s here, waiting included; half of it shows that nothing stopped.
   const bool kept =
       (*world)->plant().collisions().empty() && slowest_m > 0.12 * seconds - 2.0 && steps_matched == steps;

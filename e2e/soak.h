@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "zone/circuit_factory.h"
+#include "cosiva/zone/layout/circuit_factory.h"
 
 namespace cosiva::soak {
 

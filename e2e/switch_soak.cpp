@@ -5,7 +5,8 @@
 //
 // 400 seeds with COSIVA_LONG=1. Each seed is one run of the whole platform in virtual time; a vehicle is told to be
 // slow just before each switch, all are let go after it, and the next one comes 1 to 10 s later, at a moment of the
-// seed's own. A line for each seed that fails, and one for all; exit 1 when any failed, 2 on bad usage.
+// seed's own. A line for each seed that fails, and one for all with a digest of every run; exit 1 when any failed, 2 on
+// bad usage.
 
 #include <chrono>
 #include <cstdio>
@@ -14,11 +15,12 @@
 #include <string>
 #include <vector>
 
-#include "base/json_value.h"
-#include "base/json_writer.h"
-#include "base/random.h"
+#include "cosiva/base/digest.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/base/random.h"
+#include "cosiva/experiments/runs/world/world.h"
 #include "e2e/soak.h"
-#include "experiments/world/world.h"
 
 namespace {
 
@@ -66,15 +68,19 @@ std::string left_standing(experiments::World& world) {
   return text;
 }
 
-/// What went wrong; empty when nothing did.
-std::string run(const Plan& plan, std::uint64_t seed) {
+struct Outcome {
+  std::string wrong;  ///< empty: nothing
+  std::uint64_t digest{};
+};
+
+Outcome run(const Plan& plan, std::uint64_t seed) {
   experiments::WorldOptions options;
   options.zone = plan.zones[0];
   options.aivs = plan.aivs;
   options.seed = seed;
   options.network.loss = plan.loss;
   auto made = experiments::World::make(std::move(options));
-  if (!made) return to_string(made.error());
+  if (!made) return {to_string(made.error()), 0};
   experiments::World& world = **made;
   Random moments{seed, "switches"};
   world.run_for(from_seconds(moments.uniform(5.0, 15.0)));
@@ -84,10 +90,11 @@ std::string run(const Plan& plan, std::uint64_t seed) {
     world.run_for(500ms);
     world.command_server(R"({"command":"restart","vehicle":"*"})");
     world.run_for(from_seconds(moments.uniform(0.5, 9.5)));
-    if (!world.plant().collisions().empty()) return "after switch " + std::to_string(i + 1) + collisions_of(world);
+    if (!world.plant().collisions().empty())
+      return {"after switch " + std::to_string(i + 1) + collisions_of(world), world.digest().value()};
   }
   const std::string standing = left_standing(world);
-  return collisions_of(world) + standing;
+  return {collisions_of(world) + standing, world.digest().value()};
 }
 
 }  // namespace
@@ -109,18 +116,22 @@ int main(int argc, char** argv) {
   if (argc > 8) plan.workers = static_cast<unsigned>(std::strtoul(argv[8], nullptr, 10));
 
   std::uint64_t failed = 0;
+  std::vector<std::uint64_t> digests(plan.seeds);
   std::mutex print;
   soak::each(plan.seeds, plan.workers, [&](std::uint64_t i) {
     const std::uint64_t seed = plan.first_seed + i;
-    const std::string wrong = run(plan, seed);
-    if (wrong.empty()) return;
+    const Outcome outcome = run(plan, seed);
+    digests[i] = outcome.digest;
+    if (outcome.wrong.empty()) return;
     const std::scoped_lock lock{print};
     ++failed;
-    std::printf("seed %llu: %s\n", static_cast<unsigned long long>(seed), wrong.c_str());
+    std::printf("seed %llu: %s\n", static_cast<unsigned long long>(seed), outcome.wrong.c_str());
     std::fflush(stdout);
   });
-  std::printf("%llu seeds x %u AIVs x %u switches, %.0f %% loss: %llu failed\n",
+  Digest all;
+  for (const std::uint64_t digest : digests) all.add(digest);
+  std::printf("%llu seeds x %u AIVs x %u switches, %.0f %% loss: %llu failed, digest %s\n",
               static_cast<unsigned long long>(plan.seeds), plan.aivs, plan.switches, plan.loss * 100.0,
-              static_cast<unsigned long long>(failed));
+              static_cast<unsigned long long>(failed), all.hex().c_str());
   return failed == 0 ? 0 : 1;
 }

@@ -4,8 +4,8 @@
 //
 // The files may be of any format; `<name>.zone.toml` beside one is its companion. Of parallel sections without a
 // waypoint of their own, the others are closed. Where a start does not lead everywhere, the tour begins anew before a
-// section not seen yet, until that brings nothing new. Prints a line per file; exit 1 when a section was not
-// driven although a way leads to it, or bodies touched; 2 on a file that cannot be read.
+// section not seen yet, until that brings nothing new. Prints a line per file, with a digest of its runs; exit 1 when a
+// section was not driven although a way leads to it, or bodies touched; 2 on a file that cannot be read.
 
 #include <algorithm>
 #include <cstdio>
@@ -18,11 +18,12 @@
 #include <string_view>
 #include <vector>
 
-#include "base/json_value.h"
-#include "base/json_writer.h"
-#include "experiments/world/world.h"
-#include "zone/route.h"
-#include "zone/rtm/rtm.h"
+#include "cosiva/base/digest.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/experiments/runs/world/world.h"
+#include "cosiva/zone/routing/route.h"
+#include "cosiva/zone/rtm/rtm.h"
 
 namespace {
 
@@ -80,6 +81,7 @@ class Tour {
 
   [[nodiscard]] const std::string& failure() const { return failure_; }
   [[nodiscard]] double virtual_s() const { return virtual_s_; }
+  [[nodiscard]] std::uint64_t digest() const { return world_ ? world_->digest().value() : 0; }
   [[nodiscard]] double driven_m() const { return world_ ? world_->plant().vehicles().front().distance_m : 0.0; }
   [[nodiscard]] zone::Place place() const { return here_; }
 
@@ -287,6 +289,7 @@ int tour(const std::string& file, double speed_mps) {
   double virtual_s = 0.0;
   double driven_m = 0.0;
   std::size_t starts = 0;
+  Digest digest;
   std::string failure;
   while (failure.empty()) {
     for (std::size_t i = 0; i < done.size(); ++i) done[i] = done[i] || driven[i];
@@ -305,14 +308,16 @@ int tour(const std::string& file, double speed_mps) {
     done[*wanted] = std::count(driven.begin(), driven.end(), true) == before;
     failure = one.failure();
     virtual_s += one.virtual_s();
+    digest.add(one.digest());
     driven_m += one.driven_m();
   }
   std::string missing;
   for (zone::SectionId id = 0; id < circuit.size(); ++id)
     if (!driven[id]) missing += " " + circuit.part(id).name;
   const auto count = static_cast<std::size_t>(std::count(driven.begin(), driven.end(), true));
-  std::printf("%s: %zu of %zu sections driven from %zu starts, %.0f m in %.0f virtual s%s%s%s%s\n", file.c_str(), count,
-              circuit.size(), starts, driven_m, virtual_s, missing.empty() ? "" : "; not driven:", missing.c_str(),
+  std::printf("%s: %zu of %zu sections driven from %zu starts, %.0f m in %.0f virtual s, digest %s%s%s%s%s\n",
+              file.c_str(), count, circuit.size(), starts, driven_m, virtual_s, digest.hex().c_str(),
+              missing.empty() ? "" : "; not driven:", missing.c_str(),
               failure.empty() ? "" : "; FAILED: ", failure.c_str());
   std::fflush(stdout);
   return failure.empty() && missing.empty() ? 0 : 1;

@@ -3,11 +3,11 @@
 #include <cstdio>
 #include <memory>
 
-#include "aiv/estimation/planar.h"
-#include "aiv/estimation/registry.h"
-#include "experiments/metrology/qualification.h"
-#include "experiments/metrology/result.h"
-#include "experiments/metrology/simulate.h"
+#include "cosiva/aiv/estimation/planar.h"
+#include "cosiva/aiv/estimation/registry.h"
+#include "cosiva/experiments/positioning/metrology/qualification.h"
+#include "cosiva/experiments/positioning/metrology/result.h"
+#include "cosiva/experiments/positioning/metrology/simulate.h"
 
 namespace {
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "battery/fit/log.h"
+#include "cosiva/battery/fit/log.h"
 #include "target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,7 +1,7 @@
 #include <cmath>
 #include <memory>
 
-#include "battery/pack.h"
+#include "cosiva/battery/pack.h"
 #include "target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,9 +1,9 @@
-#include "physical/vision/calibration.h"
+#include "cosiva/physical/vision/calibration.h"
 
 #include <cmath>
 
-#include "physical/vision/board.h"
-#include "physical/vision/image.h"
+#include "cosiva/physical/vision/board.h"
+#include "cosiva/physical/vision/image.h"
 #include "target.h"
 
 /// Everything that the vision system reads: points, poses, boards, calibration files, pictures.

@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
-#include "base/digest.h"
-#include "experiments/campaign/state.h"
+#include "cosiva/base/digest.h"
+#include "cosiva/experiments/positioning/campaign/state.h"
 #include "target.h"
 
 namespace {

@@ -1,7 +1,7 @@
 #include <cmath>
 #include <string>
 
-#include "app/external_algorithm.h"
+#include "cosiva/app/positioning/external_algorithm.h"
 #include "target.h"
 
 /// What an algorithm in a program of its own may answer.

@@ -1,8 +1,8 @@
 #include <cmath>
 #include <vector>
 
-#include "fuzzy/explain.h"
-#include "fuzzy/rule_base.h"
+#include "cosiva/fuzzy/explain.h"
+#include "cosiva/fuzzy/rule_base.h"
 #include "target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,4 +1,4 @@
-#include "journal/journal.h"
+#include "cosiva/journal/journal.h"
 
 #include "target.h"
 

@@ -1,4 +1,4 @@
-#include "base/json_value.h"
+#include "cosiva/base/json_value.h"
 #include "target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

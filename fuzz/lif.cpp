@@ -1,6 +1,6 @@
 // The reader of LIF files, and what our writer makes of what it reads: that must be readable again.
+#include "cosiva/zone/lif/lif_factory.h"
 #include "target.h"
-#include "zone/lif/lif_factory.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cosiva::zone;

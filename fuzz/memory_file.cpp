@@ -1,4 +1,4 @@
-#include "adapters/memory_file.h"
+#include "cosiva/adapters/memory_file.h"
 
 #include "target.h"
 

@@ -1,4 +1,4 @@
-#include "wire/module_link/module_link.h"
+#include "cosiva/wire/module_link/module_link.h"
 
 #include "target.h"
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/random.h"
+#include "cosiva/base/random.h"
 
 /// Hostile inputs made from good ones, the same for the same seed on every machine. Half of the changes know JSON and
 /// TOML (they replace whole values), half know nothing (they damage bytes), so that both the reader's grammar and what

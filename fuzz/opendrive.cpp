@@ -1,5 +1,5 @@
+#include "cosiva/zone/opendrive/opendrive_factory.h"
 #include "target.h"
-#include "zone/opendrive/opendrive_factory.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   // The companion comes first, up to a zero byte, as on its topic.

@@ -1,10 +1,10 @@
-#include "wire/own_messages.h"
+#include "cosiva/wire/own/own_messages.h"
 
+#include "cosiva/wire/own/battery_exchange.h"
+#include "cosiva/wire/own/estimate_exchange.h"
+#include "cosiva/wire/own/halls.h"
+#include "cosiva/wire/own/v2x.h"
 #include "target.h"
-#include "wire/battery_exchange.h"
-#include "wire/estimate_exchange.h"
-#include "wire/halls.h"
-#include "wire/v2x.h"
 
 namespace {
 

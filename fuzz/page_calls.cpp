@@ -1,20 +1,21 @@
 // The page's HTTP calls: "METHOD /path?query", a line's end, and the body. Whatever is asked, the answer is one of
 // those that the contract knows, JSON with a sentence where it is a refusal, and the server goes on.
-#include "app/page_calls.h"
+#include "cosiva/hmi/page_calls.h"
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <string>
 
-#include "adapters/http_rules.h"
+#include "cosiva/adapters/http_rules.h"
+#include "cosiva/virtual/server/core/server_core.h"
 #include "target.h"
-#include "virtual/server/server_core.h"
 
 namespace {
 
 using namespace cosiva;
 
-constexpr const char* ring = R"(
+constexpr const char* oval = R"(
 name = "ring"
 format_version = 1
 [vehicle]
@@ -47,6 +48,26 @@ constexpr const char* online =
     R"({"headerId":0,"timestamp":"2023-07-11T00:00:00.000Z","version":"2.1.0","manufacturer":"CoSiVA",)"
     R"("serialNumber":"AIV1","connectionState":"ONLINE"})";
 
+/// One zone by its name, and no folder for edits: the fuzzer touches no file.
+class OneZone : public app::ZoneLibrary {
+ public:
+  [[nodiscard]] std::vector<Entry> zones() const override { return {{"oval", "an oval"}}; }
+  [[nodiscard]] Result<zone::ZoneConfiguration> load(const std::string& name) const override {
+    COSIVA_EXPECT(name.find('/') == std::string::npos);
+    if (name == "oval") return zone::ZoneConfiguration{"toml", "oval", oval, {}};
+    return fail("zone.missing", "there is no zone of this name", name);
+  }
+  [[nodiscard]] Result<zone::ZoneConfiguration> read(const std::string& file) const override {
+    return fail("zone.missing", "there is no such zone file", file);
+  }
+  [[nodiscard]] Result<std::string> edits_folder() const override { return fail("zone.folder", "there is no folder"); }
+  [[nodiscard]] Result<void> write(const std::string& file, const zone::ZoneConfiguration&) const override {
+    return fail("file.write", "there is no such folder", file);
+  }
+  [[nodiscard]] std::string file_ending(std::string_view format) const override { return "." + std::string(format); }
+  [[nodiscard]] std::string_view sidecar_ending() const override { return ".zone.toml"; }
+};
+
 struct Server {
   Server() : core{options()}, calls{host()} {
     core.handle({now, wire::InputKind::link, "", "up", false}, effects);
@@ -55,7 +76,7 @@ struct Server {
   }
   static virtual_side::ServerOptions options() {
     virtual_side::ServerOptions options;
-    options.zone = zone::ZoneConfiguration{"toml", "ring", ring};
+    options.zone = zone::ZoneConfiguration{"toml", "ring", oval};
     return options;
   }
   app::PageHost host() {
@@ -66,6 +87,7 @@ struct Server {
       core.handle({now, wire::InputKind::command, source, std::move(json), false}, effects);
     };
     host.now = [this] { return now; };
+    host.zones = std::make_shared<const OneZone>();
     host.clock = [] { return app::PageHost::Clock{true, false, 1.0}; };
     host.set_clock = [](bool, double speed) { COSIVA_EXPECT(speed >= 0.1 && speed <= 100.0); };
     host.step = [this](SimDuration by) {

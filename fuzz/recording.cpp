@@ -1,4 +1,4 @@
-#include "experiments/recording/recording.h"
+#include "cosiva/experiments/positioning/recording/recording.h"
 
 #include "target.h"
 

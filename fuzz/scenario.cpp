@@ -1,5 +1,5 @@
-#include "experiments/scenario/scenario.h"
-#include "base/json_value.h"
+#include "cosiva/experiments/runs/scenario/scenario.h"
+#include "cosiva/base/json_value.h"
 #include "target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "base/expect.h"
+#include "cosiva/base/expect.h"
 
 /// One fuzz target is one function; libFuzzer or replayer.cpp calls it. What must hold is said with COSIVA_EXPECT.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);

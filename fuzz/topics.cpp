@@ -1,8 +1,8 @@
-#include "wire/topics.h"
+#include "cosiva/wire/messages/topics.h"
+#include "cosiva/wire/own/halls.h"
+#include "cosiva/wire/own/v2x.h"
+#include "cosiva/wire/runtime/core.h"
 #include "target.h"
-#include "wire/core.h"
-#include "wire/halls.h"
-#include "wire/v2x.h"
 
 /// A line break parts filter and topic.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

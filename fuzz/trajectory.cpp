@@ -1,4 +1,4 @@
-#include "experiments/recording/trajectory.h"
+#include "cosiva/experiments/positioning/recording/trajectory.h"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
+#include "cosiva/wire/vda5050/codec.h"
 #include "target.h"
-#include "wire/vda5050/codec.h"
 
 namespace {
 

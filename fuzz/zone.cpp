@@ -1,5 +1,5 @@
+#include "cosiva/zone/rtm/rtm.h"
 #include "target.h"
-#include "zone/rtm/rtm.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cosiva::zone;

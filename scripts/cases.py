@@ -22,6 +22,7 @@ STILL_SHARE = 0.05  # and no short one less than this share of it
 QUIET_S = 15  # with next to no standing still, before a test is run again
 QUIET_STILL_MS = 50  # a machine is never quite still
 TRIES = 6
+SLOWEST = 20  # cases that are named with their times
 PATIENCE_S = 1200  # for all that is run again; bad minutes of a host were seen four in a row
 
 START = re.compile(r"\s*Start\s+(\d+): (.*)")
@@ -36,8 +37,9 @@ class Case:
         self.passed = element.get("status") == "run" and element.find("failure") is None
         self.ran = element.get("status") in ("run", "fail")
         self.output = element.findtext("system-out") or ""
+        self.seconds = span[1] - span[0]
         self.still_ms = witness.still_ms(*span)
-        self.excused = self.still_ms > min(STILL_MS, 1e3 * STILL_SHARE * (span[1] - span[0]))
+        self.excused = self.still_ms > min(STILL_MS, 1e3 * STILL_SHARE * self.seconds)
 
 
 def run_ctest(arguments, witness, on_line):
@@ -72,6 +74,8 @@ class Judge:
         if not cases:
             self.say("ctest has run nothing\n")
             return 0, 1
+        slowest = sorted(cases.values(), key=lambda case: -case.seconds)[:SLOWEST]
+        self.say("The slowest:\n" + "".join(f"{case.seconds:8.1f} s  {case.name}\n" for case in slowest))
         self._again(cases)
         failed = [case for case in cases.values() if not case.passed]
         for case in failed:

@@ -1,14 +1,17 @@
 #!/usr/bin/env python3
-"""The arrows between folders: every #include in src/ must be declared in the folder's link list.
+"""The arrows between modules: every #include in src/ must be declared in the module's link list.
 
-Reads the cosiva_module(...) calls of src/**/CMakeLists.txt and every #include "..." of src/, and fails on
-  - an include of a module that the including folder's list does not name (a list of lists is not enough: what a file
-    includes, its folder declares);
-  - a header shown to others that includes what its folder declares only PRIVATE;
+Reads the cosiva_module(...) calls of src/**/CMakeLists.txt and every #include of src/, and fails on
+  - an include of a module that the including module's list does not name (a list of lists is not enough: what a file
+    includes, its module declares), and on a target that the list names although no file includes it;
+  - an include of a header that its module does not declare public (HEADERS), and on a public header that is not there;
+  - a public header that includes what its module declares only PRIVATE;
+  - an include that is not written "cosiva/<module>/x.h";
   - a library's header (simdjson, toml++, mosquitto, Boost, CLI11) where the list does not name the library;
-  - links set behind cosiva_module's back, circles, and an include of src/app;
+  - links set behind cosiva_module's back, circles, and an include of src/app from outside it;
   - a way from the physical side to the virtual one or back, however long: they only meet in zone, aiv and wire.
-Tests may also use what TEST names. With --self-test it judges small bad trees, each of which must fail.
+Tests may also use what TEST names, and include any header of another module. With --self-test the check judges small
+bad trees, each of which must fail.
 """
 
 import pathlib
@@ -19,6 +22,7 @@ from dataclasses import dataclass, field
 import checker
 
 CALL = re.compile(r"\bcosiva_module\(([^)]*)\)", re.DOTALL)
+PREFIX = "cosiva/"
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]+(?:"([^"]+)"|<([^>]+)>)', re.MULTILINE)
 # Headers of libraries that only the folders which declare them may touch.
 LIBRARIES = {
@@ -30,6 +34,8 @@ LIBRARIES = {
     "Eigen": "Eigen3::Eigen",
     "sqlite3": "SQLite::SQLite3",
     "apriltag": "${APRILTAG_LIBRARY}",
+    "pugixml.hpp": "pugixml::pugixml",
+    "librsvg": "PkgConfig::LIBRSVG",
 }
 SIDES = ("physical", "virtual")
 
@@ -37,6 +43,8 @@ SIDES = ("physical", "virtual")
 @dataclass
 class Module:
     name: str
+    headers: list = field(default_factory=list)
+    excepted: list = field(default_factory=list)  # plugins: other libraries of the same folder
     links: dict = field(default_factory=lambda: {"PUBLIC": [], "PRIVATE": [], "TEST": []})
 
     def may_include(self, is_test):
@@ -54,7 +62,8 @@ def read_modules(src, problems):
         folder = path.parent.relative_to(src).as_posix()
         text = without_comments(path.read_text())
         calls = CALL.findall(text)
-        if folder != "app" and re.search(r"\btarget_(link_libraries|include_directories)\b", text):
+        own = "cosiva_" + folder.replace("/", "_")
+        if re.search(rf"\btarget_(link_libraries|include_directories)\(\s*{own}\b", text):
             problems.append(f"{path}: links are the arrows, so they go into cosiva_module(...) and nowhere else")
         for call in calls:
             words = call.split()
@@ -63,24 +72,31 @@ def read_modules(src, problems):
                 problems.append(f"{path}: declares the module {module.name}, but stands in {folder}")
             scope = None
             for word in words[1:]:
-                if word in module.links:
+                if word in module.links or word in ("HEADERS", "EXCEPT"):
                     scope = word
                 elif scope is None:
-                    problems.append(f"{path}: '{word}' is neither PUBLIC, PRIVATE nor TEST")
+                    problems.append(f"{path}: '{word}' is neither HEADERS, EXCEPT, PUBLIC, PRIVATE nor TEST")
+                elif scope == "HEADERS":
+                    module.headers.append(word)
+                    if not (path.parent / word).exists():
+                        problems.append(f"{path}: the public header {word} is not there")
+                elif scope == "EXCEPT":
+                    module.excepted.append(word)
                 else:
                     module.links[scope].append(word)
             modules[module.name] = module
-        if not calls and folder != "app" and any(path.parent.glob("*.cpp")):
+        if not calls and any(path.parent.glob("*.cpp")):
             problems.append(f"{path}: has sources, but no cosiva_module(...)")
-    # The command is wiring: everything is open to it, and it to nobody.
-    everything = [name for name in modules if name != "app"]
-    modules["app"] = Module("app", {"PUBLIC": everything, "PRIVATE": list(LIBRARIES.values()), "TEST": []})
     return modules
 
 
 def owner(modules, file):
     """The module that a file of src/ belongs to: its folder, or the nearest one above it that is a module."""
     return next((str(folder) for folder in pathlib.PurePosixPath(file).parents if str(folder) in modules), None)
+
+
+def in_app(module):
+    return module.split("/")[0] == "app"
 
 
 def reach(modules, start, scopes=("PUBLIC", "PRIVATE")):
@@ -99,12 +115,10 @@ def reach(modules, start, scopes=("PUBLIC", "PRIVATE")):
 
 def check_graph(modules, problems):
     for name, module in modules.items():
-        if name == "app":
-            continue
         for scope, targets in module.links.items():
             for target in targets:
-                if target == "app":
-                    problems.append(f"{name}: nobody may use app")
+                if in_app(target) and not in_app(name) and scope != "TEST":
+                    problems.append(f"{name}: only app may use {target}")
                 elif "::" not in target and "$" not in target and target not in modules:
                     problems.append(f"{name}: {scope} names {target}, which is no module")
         ways = reach(modules, name)
@@ -121,8 +135,8 @@ def check_graph(modules, problems):
 
 
 def is_test(file):
-    """Tests, and what only tests use: thing_test.cpp, test_things.h, thing_bench.h."""
-    return bool(re.search(r"(^|/)test_[^/]*$|_test\.cpp$|_bench\.(h|cpp)$", file))
+    """Tests, and what only tests use: thing_test.cpp, test_things.h, thing_bench.h, testing/."""
+    return bool(re.search(r"(^|/)test_[^/]*$|_test\.cpp$|_bench\.(h|cpp)$|(^|/)testing/", file))
 
 
 def check_includes(src, modules, problems):
@@ -133,42 +147,45 @@ def check_includes(src, modules, problems):
         found = [(m.group(1), m.group(2), text.count("\n", 0, m.start()) + 1) for m in INCLUDE.finditer(text)]
         includes[path.relative_to(src).as_posix()] = found
 
-    # Headers that other folders see, directly or through another header of the same folder: their includes are public.
-    shown, todo = set(), []
-    for file, found in includes.items():
-        if not is_test(file):
-            todo += [t for t, _, _ in found if t in includes and owner(modules, t) != owner(modules, file)]
-    while todo:
-        file = todo.pop()
-        if file not in shown:
-            shown.add(file)
-            todo += [t for t, _, _ in includes[file] if t in includes and owner(modules, t) == owner(modules, file)]
-
+    public = {f"{name}/{header}" for name, module in modules.items() for header in module.headers}
+    used = {name: set() for name in modules}
     for file, found in includes.items():
         here = owner(modules, file)
         if here is None:
             problems.append(f"{file}: belongs to no module")
             continue
         module = modules[here]
-        allowed = module.may_include(is_test(file))
+        if file.rpartition("/")[2] in module.excepted:
+            continue
+        test = is_test(file) and not here.endswith("testing")
+        allowed = module.may_include(test)
         for target, library, line in found:
             where = f"{file}:{line}"
             first = (target or library).split("/")[0].removesuffix(".h")
             if first in LIBRARIES:
+                used[here].add(LIBRARIES[first])
                 if LIBRARIES[first] not in allowed:
                     problems.append(f"{where}: uses {first}, but {here} does not declare {LIBRARIES[first]}")
                 continue
             if target is None:
                 continue
+            if not target.startswith(PREFIX) or target.removeprefix(PREFIX) not in includes:
+                problems.append(f'{where}: "{target}" is no "cosiva/<module>/x.h" of src/ (libraries go in <>)')
+                continue
+            target = target.removeprefix(PREFIX)
             there = owner(modules, target)
-            if target not in includes or there is None:
-                problems.append(f'{where}: "{target}" is no file of src/ (libraries go in <>)')
-            elif there == "app" and here != "app":
-                problems.append(f"{where}: nobody includes app")
-            elif there not in allowed:
+            used[here].add(there)
+            if there not in allowed:
                 problems.append(f"{where}: {here} includes {target}, but does not declare {there}")
-            elif file in shown and there != here and here != "app" and there not in module.links["PUBLIC"]:
+            elif there != here and not test and target not in public:
+                problems.append(f"{where}: {target} is not among the public headers (HEADERS) of {there}")
+            elif there == here and not test and file in public and target not in public:
+                problems.append(f"{where}: the public header {file} includes {target}, which is not public")
+            elif not test and file in public and there != here and there not in module.links["PUBLIC"]:
                 problems.append(f"{where}: others see this header, so {here} must declare {there} PUBLIC")
+    for name, module in modules.items():
+        for target in [t for scope in module.links.values() for t in scope if t in modules and t not in used[name]]:
+            problems.append(f"{name}: declares {target}, which no file of it includes")
 
 
 def check(root):
@@ -183,29 +200,47 @@ def check(root):
 # ---- self-test -------------------------------------------------------------------------------------------------------
 
 GOOD = {
-    "base/CMakeLists.txt": "cosiva_module(base)",
+    "base/CMakeLists.txt": "cosiva_module(base HEADERS a.h)",
     "base/a.h": "",
-    "zone/CMakeLists.txt": "cosiva_module(zone PUBLIC base PRIVATE simdjson::simdjson TEST wire)",
-    "zone/z.h": '#include "base/a.h"\n#include <vector>',
-    "zone/z.cpp": '#include "zone/z.h"\n#include <simdjson.h>',
-    "zone/z_test.cpp": '#include "zone/test_zones.h"',
-    "zone/test_zones.h": '#include "wire/w.h"',
-    "wire/CMakeLists.txt": "cosiva_module(wire PUBLIC base  # what a comment says, (is not read)\n zone)",
-    "wire/w.h": '#include "zone/z.h"',
-    "physical/plant/CMakeLists.txt": "cosiva_module(physical/plant PUBLIC wire)",
-    "physical/plant/p.h": '#include "wire/w.h"',
-    "virtual/server/CMakeLists.txt": "cosiva_module(virtual/server PUBLIC wire)",
-    "virtual/server/s.h": '#include "wire/w.h"',
-    "app/CMakeLists.txt": "add_executable(cosiva main.cpp)\ntarget_link_libraries(cosiva zone)",
-    "app/main.cpp": '#include "physical/plant/p.h"\n#include "virtual/server/s.h"\n#include <CLI/CLI.hpp>',
+    "base/hidden.h": "",
+    "base/a.cpp": '#include "cosiva/base/hidden.h"',
+    "zone/circuit/CMakeLists.txt":
+        "cosiva_module(zone/circuit HEADERS z.h PUBLIC base PRIVATE simdjson::simdjson TEST zone/testing)",
+    "zone/circuit/z.h": '#include "cosiva/base/a.h"\n#include <vector>',
+    "zone/circuit/z.cpp": '#include "cosiva/zone/circuit/z.h"\n#include <simdjson.h>',
+    "zone/circuit/z_test.cpp": '#include "cosiva/zone/testing/test_zones.h"',
+    "zone/testing/CMakeLists.txt": "cosiva_module(zone/testing HEADERS test_zones.h PUBLIC wire)",
+    "zone/testing/test_zones.h": '#include "cosiva/wire/w.h"',
+    "wire/CMakeLists.txt":
+        "cosiva_module(wire HEADERS w.h PUBLIC  # what a comment says, (is not read)\n zone/circuit)",
+    "wire/w.h": '#include "cosiva/zone/circuit/z.h"',
+    "physical/plant/CMakeLists.txt": "cosiva_module(physical/plant HEADERS p.h PUBLIC wire)",
+    "physical/plant/p.h": '#include "cosiva/wire/w.h"',
+    "virtual/server/CMakeLists.txt": "cosiva_module(virtual/server HEADERS s.h PUBLIC wire)",
+    "virtual/server/s.h": '#include "cosiva/wire/w.h"',
+    "app/gvs/CMakeLists.txt": "cosiva_module(app/gvs EXCEPT plugin.cpp HEADERS g.h)\n"
+        "add_library(cosiva_plugin MODULE plugin.cpp)\ntarget_link_libraries(cosiva_plugin opencv)",
+    "app/gvs/g.h": "",
+    "app/gvs/plugin.cpp": '#include "opencv.h"',
+    "app/CMakeLists.txt": "cosiva_module(app PRIVATE app/gvs physical/plant virtual/server CLI11::CLI11)\n"
+        "add_executable(cosiva main.cpp)\ntarget_link_libraries(cosiva cosiva_app)",
+    "app/c.cpp": '#include "cosiva/physical/plant/p.h"\n#include "cosiva/virtual/server/s.h"\n#include <CLI/CLI.hpp>\n'
+        '#include "cosiva/app/gvs/g.h"',
 }
 # What is changed in the good tree, and a piece of the complaint that must follow.
 BAD = [
-    ({"zone/z.cpp": '#include "wire/w.h"'}, "does not declare wire"),
-    ({"physical/plant/p.h": '#include "zone/z.h"'}, "does not declare zone"),  # reached through wire, not declared
+    ({"zone/circuit/z.cpp": '#include "cosiva/wire/w.h"'}, "does not declare wire"),
+    # Reached through wire, not declared.
+    ({"physical/plant/p.h": '#include "cosiva/zone/circuit/z.h"'}, "does not declare zone/circuit"),
+    ({"zone/circuit/z.h": '#include "base/a.h"'}, 'is no "cosiva/<module>/x.h"'),
+    ({"zone/circuit/z.cpp": '#include "z.h"'}, 'is no "cosiva/<module>/x.h"'),
+    ({"zone/circuit/z.cpp": '#include "cosiva/base/hidden.h"'}, "is not among the public headers"),
+    ({"base/a.h": '#include "cosiva/base/hidden.h"'}, "which is not public"),
+    ({"base/CMakeLists.txt": "cosiva_module(base HEADERS a.h gone.h)"}, "the public header gone.h is not there"),
+    ({"virtual/server/s.h": ""}, "declares wire, which no file of it includes"),
     ({"base/b.cpp": "#include <simdjson.h>"}, "does not declare simdjson::simdjson"),
     ({"wire/w.h": "#include <boost/asio.hpp>"}, "does not declare Boost::headers"),
-    ({"virtual/server/s.h": '#include "physical/plant/p.h"'}, "does not declare physical/plant"),
+    ({"virtual/server/s.h": '#include "cosiva/physical/plant/p.h"'}, "does not declare physical/plant"),
     (
         {"virtual/server/CMakeLists.txt": "cosiva_module(virtual/server PUBLIC wire physical/plant)"},
         "must not reach physical",
@@ -217,16 +252,29 @@ BAD = [
         },
         "virtual/server -> between -> physical/plant",
     ),
-    ({"base/CMakeLists.txt": "cosiva_module(base PRIVATE zone)"}, "goes round in a circle"),
-    ({"zone/CMakeLists.txt": "cosiva_module(zone PRIVATE base simdjson::simdjson TEST wire)"}, "declare base PUBLIC"),
-    ({"zone/CMakeLists.txt": "cosiva_module(zone PUBLIC base nowhere TEST wire)"}, "which is no module"),
-    ({"wire/w.h": '#include "app/main.h"', "app/main.h": ""}, "nobody includes app"),
-    ({"wire/w.h": '#include "zone/gone.h"'}, "is no file of src/"),
+    ({"base/CMakeLists.txt": "cosiva_module(base PRIVATE zone/circuit)"}, "goes round in a circle"),
     (
-        {"wire/CMakeLists.txt": "cosiva_module(wire PUBLIC base zone)\ntarget_link_libraries(cosiva_wire app)"},
+        {"zone/circuit/CMakeLists.txt": "cosiva_module(zone/circuit HEADERS z.h PRIVATE base simdjson::simdjson)"},
+        "declare base PUBLIC",
+    ),
+    (
+        {"zone/circuit/CMakeLists.txt": "cosiva_module(zone/circuit PUBLIC base nowhere TEST wire)"},
+        "which is no module",
+    ),
+    (
+        {
+            "wire/CMakeLists.txt": "cosiva_module(wire HEADERS w.h PUBLIC zone/circuit PRIVATE app/gvs)",
+            "wire/w.cpp": '#include "cosiva/app/gvs/g.h"',
+        },
+        "only app may use app/gvs",
+    ),
+    ({"wire/w.h": '#include "cosiva/zone/gone.h"'}, 'is no "cosiva/<module>/x.h"'),
+    (
+        {"wire/CMakeLists.txt": "cosiva_module(wire PUBLIC zone/circuit)\ntarget_link_libraries(cosiva_wire app)"},
         "nowhere else",
     ),
     ({"lost/l.cpp": ""}, "belongs to no module"),
+    ({"app/CMakeLists.txt": "add_executable(cosiva c.cpp)"}, "has sources, but no cosiva_module"),
 ]
 
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Every file, folder, test and link that the documents name exists.
 
-In README.md, CHANGELOG.md and docs/**/*.md:
-  - a path in backquotes that starts at one of our top folders (`src/zone/section.h`), * is a wildcard;
+In *.md of the root folder and docs/**/*.md:
+  - a path in backquotes that starts at one of our top folders (`src/zone/geometry/section.h`), * is a wildcard;
   - the target of a relative link or picture;
   - in docs/paper-map.md also every `Suite.test` in backquotes, which must stand as TEST(Suite, test) in src/ or e2e/.
 With --self-test it judges small good and bad documents.
@@ -24,7 +24,7 @@ MADE = ("web/dist", "e2e/artefacts")
 
 
 def check(root):
-    problems, documents = [], [root / "README.md", root / "CHANGELOG.md", *sorted((root / "docs").rglob("*.md"))]
+    problems, documents = [], [*sorted(root.glob("*.md")), *sorted((root / "docs").rglob("*.md"))]
     tests = None
     for document in [d for d in documents if d.exists()]:
         name = document.relative_to(root).as_posix()

@@ -3,7 +3,7 @@
 
 blind   src/virtual and the page's sources name no ready zone, zone format or vehicle make (A19): they handle what they
         are handed. Tests may, they have to hand them something.
-pure    the cores (all of src/ but adapters and app) use no elementary function, random number or hash order that could
+pure    the cores (all of src/ but adapters, hmi and app) use no elementary function, random number or hash order that could
         differ between machines, and no thread, clock, file or socket: same inputs, same bits (docs/architecture.md).
         Tests may: they compare with libm and read files.
 
@@ -56,7 +56,7 @@ DECLARED = re.compile(rf"^[ \t]*(?:\[\[\w+\]\] |static |inline |constexpr )*(?!r
 UNORDERED = re.compile(r"\bunordered_(?:multi)?(?:map|set)\s*<[^;{}()]*>\s+(\w+)")
 # The house's own elementary functions are written here and only here; a failed expectation speaks on stderr.
 PURE_EXCEPT = {"base/math.cpp", "base/math.h", "base/expect.cpp"}
-SHELLS = {"adapters", "app"}
+SHELLS = {"adapters", "app", "hmi"}
 
 
 def code_only(text):
@@ -66,8 +66,8 @@ def code_only(text):
 
 
 def is_test(path):
-    """Tests, and what only tests use: thing_test.cpp, test_things.h, thing_bench.h, thing.test.ts."""
-    return bool(re.search(r"^test_|_test\.cpp$|_bench\.(h|cpp)$|\.test\.ts$", path.name))
+    """Tests, and what only tests use: thing_test.cpp, test_things.h, thing_bench.h, testing/, thing.test.ts."""
+    return path.parent.name == "testing" or bool(re.search(r"^test_|_test\.cpp$|_bench\.(h|cpp)$|\.test\.ts$", path.name))
 
 
 def sources(folder, suffixes):
@@ -152,7 +152,7 @@ BAD = [
     ({"src/wire/x.cpp": "std::jthread t;"}, "a core runs where it is called"),
     ({"src/journal/x.cpp": "auto t = std::chrono::steady_clock::now();"}, "a core is told the time"),
     ({"src/journal/x.cpp": "std::ofstream out;"}, "touches nothing of the machine"),
-    ({"src/experiments/world/x.cpp": 'getenv("HOME");'}, "touches nothing of the machine"),
+    ({"src/experiments/runs/world/x.cpp": 'getenv("HOME");'}, "touches nothing of the machine"),
     (
         {
             "src/virtual/server/y.h": "struct Y { std::unordered_map<std::string, int> all_; };",

@@ -12,17 +12,17 @@
 #include <string>
 #include <vector>
 
-#include "adapters/clock.h"
-#include "adapters/event_loop.h"
-#include "adapters/http_server.h"
-#include "app/page_calls.h"
-#include "app/page_stream.h"
-#include "base/json_value.h"
-#include "base/json_writer.h"
-#include "base/random.h"
-#include "base/test_places.h"
-#include "zone/draw.h"
-#include "zone/rtm/rtm.h"
+#include "cosiva/adapters/clock.h"
+#include "cosiva/adapters/event_loop.h"
+#include "cosiva/adapters/http_server.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/base/random.h"
+#include "cosiva/base/test_places.h"
+#include "cosiva/hmi/page_calls.h"
+#include "cosiva/hmi/page_stream.h"
+#include "cosiva/zone/drawing/draw.h"
+#include "cosiva/zone/rtm/rtm.h"
 
 namespace {
 

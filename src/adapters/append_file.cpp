@@ -1,4 +1,4 @@
-#include "adapters/append_file.h"
+#include "cosiva/adapters/append_file.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -8,7 +8,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "adapters/disk_writer.h"
+#include "cosiva/adapters/disk_writer.h"
 
 namespace cosiva::adapters {
 

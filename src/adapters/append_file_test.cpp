@@ -1,9 +1,9 @@
-#include "adapters/append_file.h"
+#include "cosiva/adapters/append_file.h"
 
 #include <gtest/gtest.h>
 
-#include "adapters/files.h"
-#include "adapters/test_bench.h"
+#include "cosiva/adapters/files.h"
+#include "cosiva/adapters/test_bench.h"
 
 namespace cosiva::adapters {
 namespace {

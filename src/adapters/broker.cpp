@@ -1,4 +1,4 @@
-#include "adapters/broker.h"
+#include "cosiva/adapters/broker.h"
 
 #include <arpa/inet.h>
 #include <fcntl.h>

@@ -5,9 +5,9 @@
 #include <memory>
 #include <string>
 
-#include "adapters/child_process.h"
-#include "adapters/event_loop.h"
-#include "base/result.h"
+#include "cosiva/adapters/child_process.h"
+#include "cosiva/adapters/event_loop.h"
+#include "cosiva/base/result.h"
 
 namespace cosiva::adapters {
 

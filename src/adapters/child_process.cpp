@@ -1,4 +1,4 @@
-#include "adapters/child_process.h"
+#include "cosiva/adapters/child_process.h"
 
 #include <fcntl.h>
 #include <linux/close_range.h>

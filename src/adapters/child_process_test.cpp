@@ -1,4 +1,4 @@
-#include "adapters/child_process.h"
+#include "cosiva/adapters/child_process.h"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -12,8 +12,8 @@
 #include <chrono>
 #include <thread>
 
-#include "adapters/files.h"
-#include "adapters/test_bench.h"
+#include "cosiva/adapters/files.h"
+#include "cosiva/adapters/test_bench.h"
 
 namespace cosiva::adapters {
 namespace {

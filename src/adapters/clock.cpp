@@ -1,4 +1,4 @@
-#include "adapters/clock.h"
+#include "cosiva/adapters/clock.h"
 
 namespace cosiva::adapters {
 

@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "base/time.h"
+#include "cosiva/base/time.h"
 
 namespace cosiva::adapters {
 

@@ -1,4 +1,4 @@
-#include "adapters/disk_writer.h"
+#include "cosiva/adapters/disk_writer.h"
 
 #include <unistd.h>
 

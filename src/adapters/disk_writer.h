@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
-#include "adapters/event_loop.h"
-#include "base/result.h"
+#include "cosiva/adapters/event_loop.h"
+#include "cosiva/base/result.h"
 
 namespace cosiva::adapters {
 

@@ -1,11 +1,11 @@
-#include "adapters/disk_writer.h"
+#include "cosiva/adapters/disk_writer.h"
 
 #include <gmock/gmock.h>
 
 #include <future>
 #include <vector>
 
-#include "adapters/test_bench.h"
+#include "cosiva/adapters/test_bench.h"
 
 namespace cosiva::adapters {
 namespace {

@@ -1,4 +1,4 @@
-#include "adapters/event_loop.h"
+#include "cosiva/adapters/event_loop.h"
 
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>

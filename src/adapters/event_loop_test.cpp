@@ -1,12 +1,12 @@
-#include "adapters/event_loop.h"
+#include "cosiva/adapters/event_loop.h"
 
 #include <gtest/gtest.h>
 
 #include <csignal>
 #include <thread>
 
-#include "adapters/clock.h"
-#include "adapters/test_bench.h"
+#include "cosiva/adapters/clock.h"
+#include "cosiva/adapters/test_bench.h"
 
 namespace cosiva::adapters {
 namespace {

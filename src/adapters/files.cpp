@@ -1,4 +1,4 @@
-#include "adapters/files.h"
+#include "cosiva/adapters/files.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "adapters/disk_writer.h"
-#include "adapters/event_loop.h"
-#include "base/result.h"
+#include "cosiva/adapters/disk_writer.h"
+#include "cosiva/adapters/event_loop.h"
+#include "cosiva/base/result.h"
 
 namespace cosiva::adapters {
 

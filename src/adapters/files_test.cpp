@@ -1,11 +1,11 @@
-#include "adapters/files.h"
+#include "cosiva/adapters/files.h"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "adapters/test_bench.h"
+#include "cosiva/adapters/test_bench.h"
 
 namespace cosiva::adapters {
 namespace {

@@ -6,11 +6,11 @@
 #include <sstream>
 #include <vector>
 
-#include "adapters/thread_pool.h"
-#include "base/test_places.h"
-#include "virtual/fleet/fleet.h"
-#include "zone/generate.h"
-#include "zone/rtm/rtm.h"
+#include "cosiva/adapters/thread_pool.h"
+#include "cosiva/base/test_places.h"
+#include "cosiva/virtual/fleet/fleet.h"
+#include "cosiva/zone/generate/generate.h"
+#include "cosiva/zone/rtm/rtm.h"
 
 namespace cosiva::adapters {
 namespace {

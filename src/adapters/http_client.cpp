@@ -1,4 +1,4 @@
-#include "adapters/http_client.h"
+#include "cosiva/adapters/http_client.h"
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>

@@ -1,12 +1,12 @@
-#include "adapters/http_client.h"
+#include "cosiva/adapters/http_client.h"
 
 #include <gmock/gmock.h>
 
 #include <atomic>
 #include <thread>
 
-#include "adapters/http_server.h"
-#include "adapters/test_bench.h"
+#include "cosiva/adapters/http_server.h"
+#include "cosiva/adapters/test_bench.h"
 
 namespace cosiva::adapters {
 namespace {

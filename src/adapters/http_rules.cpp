@@ -1,4 +1,4 @@
-#include "adapters/http_rules.h"
+#include "cosiva/adapters/http_rules.h"
 
 #include <sys/stat.h>
 
@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "adapters/files.h"
+#include "cosiva/adapters/files.h"
 
 namespace cosiva::adapters::http_rules {
 namespace {

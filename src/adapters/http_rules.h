@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/result.h"
+#include "cosiva/base/result.h"
 
 /// What the web server allows and how it maps a path to a file, free of Beast so that it can be tested line by line.
 namespace cosiva::adapters::http_rules {

@@ -1,10 +1,10 @@
-#include "adapters/http_rules.h"
+#include "cosiva/adapters/http_rules.h"
 
 #include <gmock/gmock.h>
 
 #include <filesystem>
 
-#include "adapters/test_bench.h"
+#include "cosiva/adapters/test_bench.h"
 
 namespace cosiva::adapters::http_rules {
 namespace {

@@ -1,4 +1,4 @@
-#include "adapters/http_server.h"
+#include "cosiva/adapters/http_server.h"
 
 #include <algorithm>
 #include <array>
@@ -12,8 +12,8 @@
 #include <set>
 #include <utility>
 
-#include "adapters/http_rules.h"
-#include "base/json_writer.h"
+#include "cosiva/adapters/http_rules.h"
+#include "cosiva/base/json_writer.h"
 
 namespace cosiva::adapters {
 namespace {

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "adapters/event_loop.h"
-#include "base/result.h"
+#include "cosiva/adapters/event_loop.h"
+#include "cosiva/base/result.h"
 
 namespace cosiva::adapters {
 

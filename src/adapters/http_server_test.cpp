@@ -1,4 +1,4 @@
-#include "adapters/http_server.h"
+#include "cosiva/adapters/http_server.h"
 
 #include <gmock/gmock.h>
 
@@ -12,7 +12,7 @@
 #include <boost/beast/websocket.hpp>
 #include <optional>
 
-#include "adapters/test_bench.h"
+#include "cosiva/adapters/test_bench.h"
 
 namespace cosiva::adapters {
 namespace {

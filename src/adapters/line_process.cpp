@@ -1,4 +1,4 @@
-#include "adapters/line_process.h"
+#include "cosiva/adapters/line_process.h"
 
 #include <poll.h>
 #include <sys/prctl.h>

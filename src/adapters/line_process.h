@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "base/result.h"
+#include "cosiva/base/result.h"
 
 namespace cosiva::adapters {
 

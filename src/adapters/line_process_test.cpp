@@ -1,4 +1,4 @@
-#include "adapters/line_process.h"
+#include "cosiva/adapters/line_process.h"
 
 #include <gtest/gtest.h>
 
@@ -10,10 +10,10 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-std::string refusal(const std::string& command, milliseconds patience = seconds{5}) {
+std::string refusal(const std::string& command, milliseconds timeout = seconds{5}) {
   auto process = LineProcess::start(command);
   EXPECT_TRUE(process);
-  const auto answer = (*process)->ask("hello", patience);
+  const auto answer = (*process)->ask("hello", timeout);
   return answer ? "said " + *answer : answer.error().code + ": " + answer.error().message;
 }
 

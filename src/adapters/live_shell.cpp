@@ -1,14 +1,14 @@
-#include "adapters/live_shell.h"
+#include "cosiva/adapters/live_shell.h"
 
 #include <unistd.h>
 
 #include <deque>
 #include <utility>
 
-#include "adapters/lossy_radio.h"
-#include "adapters/memory_file.h"
-#include "journal/journal.h"
-#include "wire/topics.h"
+#include "cosiva/adapters/lossy_radio.h"
+#include "cosiva/adapters/memory_file.h"
+#include "cosiva/journal/journal.h"
+#include "cosiva/wire/messages/topics.h"
 
 namespace cosiva::adapters {
 

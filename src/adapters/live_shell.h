@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "adapters/clock.h"
-#include "adapters/event_loop.h"
-#include "adapters/files.h"
-#include "adapters/mqtt_client.h"
-#include "adapters/ports.h"
-#include "base/result.h"
-#include "wire/core.h"
+#include "cosiva/adapters/clock.h"
+#include "cosiva/adapters/event_loop.h"
+#include "cosiva/adapters/files.h"
+#include "cosiva/adapters/mqtt_client.h"
+#include "cosiva/adapters/ports.h"
+#include "cosiva/base/result.h"
+#include "cosiva/wire/runtime/core.h"
 
 namespace cosiva::adapters {
 

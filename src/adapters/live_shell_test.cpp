@@ -1,4 +1,4 @@
-#include "adapters/live_shell.h"
+#include "cosiva/adapters/live_shell.h"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -7,11 +7,11 @@
 #include <array>
 #include <csignal>
 
-#include "adapters/broker.h"
-#include "adapters/memory_file.h"
-#include "adapters/test_bench.h"
-#include "base/digest.h"
-#include "journal/journal.h"
+#include "cosiva/adapters/broker.h"
+#include "cosiva/adapters/memory_file.h"
+#include "cosiva/adapters/test_bench.h"
+#include "cosiva/base/digest.h"
+#include "cosiva/journal/journal.h"
 
 namespace cosiva::adapters {
 namespace {

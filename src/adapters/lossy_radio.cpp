@@ -1,11 +1,11 @@
-#include "adapters/lossy_radio.h"
+#include "cosiva/adapters/lossy_radio.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "wire/halls.h"
-#include "wire/own_messages.h"
-#include "wire/topics.h"
+#include "cosiva/wire/messages/topics.h"
+#include "cosiva/wire/own/halls.h"
+#include "cosiva/wire/own/own_messages.h"
 
 namespace cosiva::adapters {
 

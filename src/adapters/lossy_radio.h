@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 
-#include "adapters/event_loop.h"
-#include "base/random.h"
+#include "cosiva/adapters/event_loop.h"
+#include "cosiva/base/random.h"
 
 namespace cosiva::adapters {
 

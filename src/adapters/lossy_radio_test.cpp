@@ -1,9 +1,9 @@
-#include "adapters/lossy_radio.h"
+#include "cosiva/adapters/lossy_radio.h"
 
 #include <gmock/gmock.h>
 
-#include "adapters/test_bench.h"
-#include "wire/topics.h"
+#include "cosiva/adapters/test_bench.h"
+#include "cosiva/wire/messages/topics.h"
 
 namespace cosiva::adapters {
 namespace {

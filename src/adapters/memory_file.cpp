@@ -1,4 +1,4 @@
-#include "adapters/memory_file.h"
+#include "cosiva/adapters/memory_file.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -10,9 +10,9 @@
 #include <cstring>
 #include <utility>
 
-#include "adapters/files.h"
-#include "base/digest.h"
-#include "base/text.h"
+#include "cosiva/adapters/files.h"
+#include "cosiva/base/digest.h"
+#include "cosiva/base/text.h"
 
 namespace cosiva::adapters {
 namespace {

@@ -1,12 +1,12 @@
-#include "adapters/memory_file.h"
+#include "cosiva/adapters/memory_file.h"
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
 #include <filesystem>
 
-#include "adapters/files.h"
-#include "adapters/test_bench.h"
+#include "cosiva/adapters/files.h"
+#include "cosiva/adapters/test_bench.h"
 
 namespace cosiva::adapters {
 namespace {

@@ -1,4 +1,4 @@
-#include "adapters/mqtt_client.h"
+#include "cosiva/adapters/mqtt_client.h"
 
 #include <mosquitto.h>
 #include <sys/socket.h>

@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
-#include "adapters/event_loop.h"
-#include "base/result.h"
-#include "wire/core.h"
+#include "cosiva/adapters/event_loop.h"
+#include "cosiva/base/result.h"
+#include "cosiva/wire/runtime/core.h"
 
 namespace cosiva::adapters {
 

@@ -1,4 +1,4 @@
-#include "adapters/mqtt_client.h"
+#include "cosiva/adapters/mqtt_client.h"
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>
@@ -7,8 +7,8 @@
 #include <map>
 #include <optional>
 
-#include "adapters/broker.h"
-#include "adapters/test_bench.h"
+#include "cosiva/adapters/broker.h"
+#include "cosiva/adapters/test_bench.h"
 
 namespace cosiva::adapters {
 namespace {

@@ -1,4 +1,4 @@
-#include "adapters/thread_pool.h"
+#include "cosiva/adapters/thread_pool.h"
 
 namespace cosiva::adapters {
 

@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "base/workers.h"
+#include "cosiva/base/workers.h"
 
 namespace cosiva::adapters {
 

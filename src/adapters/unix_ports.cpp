@@ -16,7 +16,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "adapters/ports.h"
+#include "cosiva/adapters/ports.h"
 
 namespace cosiva::adapters {
 namespace {

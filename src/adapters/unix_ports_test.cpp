@@ -7,8 +7,8 @@
 #include <cstring>
 #include <map>
 
-#include "adapters/ports.h"
-#include "adapters/test_bench.h"
+#include "cosiva/adapters/ports.h"
+#include "cosiva/adapters/test_bench.h"
 
 namespace cosiva::adapters {
 namespace {

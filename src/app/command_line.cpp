@@ -1,13 +1,19 @@
-#include "app/command_line.h"
+#include "cosiva/app/command_line.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <string>
 #include <vector>
 
-#include "app/arguments.h"
-#include "app/command_line_verbs.h"
-#include "app/words.h"
+#include "cosiva/app/agent/command_line_agent.h"
+#include "cosiva/app/battery/command_line_battery.h"
+#include "cosiva/app/cli/words.h"
+#include "cosiva/app/gvs/command_line_gvs.h"
+#include "cosiva/app/platform/command_line_platform.h"
+#include "cosiva/app/positioning/command_line_campaign.h"
+#include "cosiva/app/positioning/command_line_qualify.h"
+#include "cosiva/app/traffic/command_line_traffic.h"
+#include "cosiva/app/zone/command_line_zone.h"
 
 namespace cosiva::app {
 namespace {
@@ -21,160 +27,6 @@ constexpr const char* about =
     "  cosiva traffic --zone indus8 --jobs-per-hour 60 an hour of transport jobs in a second, with a heat map";
 
 constexpr const char* exit_codes = "Exit status: 0 done, 1 the run's own checks failed, 2 bad usage or bad input.";
-
-CLI::Option* add_seconds(CLI::App& verb, const std::string& name, std::optional<double>& seconds,
-                         const std::string& what) {
-  return verb.add_option(name, seconds, what)->type_name("S")->check(CLI::Range(0.001, 1e9));
-}
-
-void add_part(CLI::App& verb, PartArguments& part) {
-  add_broker(verb, part.broker, "127.0.0.1:1883");
-  verb.add_option("--record", part.record_file, "write everything this part is told to a journal (see `replay`)")
-      ->type_name("FILE");
-  verb.add_option("--summary", part.summary_file, "write the figures at the end to a JSON file")->type_name("FILE");
-  verb.add_flag("--json", part.json, "print the figures at the end as JSON");
-  add_seconds(verb, "--duration", part.duration_s, "end by itself after so many seconds");
-  verb.add_flag("--announce", part.announce)->group("");
-}
-
-constexpr const char* up_examples =
-    "Examples:\n"
-    "  cosiva up --aivs 8                                   eight AIVs, until Ctrl-C\n"
-    "  cosiva up --scenario laboratory                      what happens when stands in a file (cosiva scenario list)\n"
-    "  cosiva up --scenario my.toml --aivs 2 --duration 60  the command line wins over the file\n"
-    "  cosiva up --virtual-time --scenario rush_hour --json the same in seconds, the same digest every time\n"
-    "  cosiva up --virtual-time --page --speed 10           the page at ten times real time; stop and step it there\n"
-    "  cosiva up --gvs                                      a camera over the zone says where each AIV truly is";
-
-void describe_up(CLI::App& verb, UpArguments& up) {
-  verb.footer(up_examples);
-  verb.add_option("--scenario", up.scenario,
-                  "what happens when: a ready one's name or a file (docs/guide/scenarios.md)")
-      ->type_name("NAME|FILE");
-  verb.add_option("--name", up.name, "of the run, shown on the page; without: scenario or zone, date and time")
-      ->type_name("TEXT");
-  verb.add_option("--zone", up.zone, "traffic zone: a ready one's name or a file")
-      ->type_name("NAME|FILE")
-      ->capture_default_str();
-  verb.add_flag("--watch", up.watch, "switch to the zone's file whenever it is saved, while everything runs");
-  verb.add_option("--aivs", up.aivs, "how many vehicles")
-      ->type_name("N")
-      ->check(CLI::Range(1, 200))
-      ->capture_default_str();
-  verb.add_flag("--headless", up.headless, "no page; the figures stay on /api/v1");
-  add_seconds(verb, "--duration", up.duration_s, "end so many seconds after the fleet is up, with a summary");
-  verb.add_flag("--json", up.json, "print the summary as JSON");
-  verb.add_option("--seed", up.seed, "fixes every random draw of the emulated world")
-      ->type_name("S")
-      ->capture_default_str();
-  verb.add_option("--port", up.port, "of the page on 127.0.0.1; if busy, the next free one is taken")
-      ->type_name("PORT")
-      ->capture_default_str();
-  verb.add_option("--record", up.record_file, "write everything the server is told to a journal (see `replay`)")
-      ->type_name("FILE");
-  verb.add_option("--log-dir", up.log_directory, "where the logs go; they are kept")->type_name("DIR");
-  verb.add_option("--run-dir", up.run_directory, "where sockets and other passing things go; cleared at the end")
-      ->type_name("DIR");
-  verb.add_option("--respawn", up.respawn_s, "start an AIV that died again after so many seconds; 0: never")
-      ->type_name("S")
-      ->check(CLI::Range(0.0, 1e6))
-      ->capture_default_str();
-  verb.add_flag("--virtual-time", up.virtual_time,
-                "all in one process, as fast as the machine can, bit for bit the same each time");
-  verb.add_flag("--page", up.page, "with --virtual-time: at a speed that a person can follow, with the page");
-  verb.add_option("--speed", up.speed, "with --page: virtual seconds per second to begin with; without: 1")
-      ->type_name("X")
-      ->check(CLI::Range(0.1, 100.0));
-  verb.add_option("--loss", up.loss, "share of messages lost, with --virtual-time")
-      ->type_name("P")
-      ->check(CLI::Range(0.0, 0.9));
-  add_switch(verb, "--v2x", up.v2x, "AIVs tell those near them what they are about to do");
-  add_switch(verb, "--convoys", up.convoys, "several of one way pass a crossing together, when it pays");
-  CLI::Option* gvs = verb.add_flag("--gvs", up.gvs,
-                                   "a camera over the zone watches, says where each AIV truly is, and is shown on the "
-                                   "page (docs/guide/gvs.md); without more: the emulated world's");
-  add_gvs_source(verb, up.gvs_source, "--gvs-");
-  for (const char* name :
-       {"calibration", "images", "video", "camera", "rate", "exposure", "line", "tag-side", "vehicle"})
-    verb.get_option(std::string("--gvs-") + name)->needs(gvs);
-  add_rules(verb, up.rules, "how all AIVs choose their speed; without: crisp, and fuzzy for virtual ones");
-  verb.add_option("--trace-messages", up.trace_file, "write every message as a JSON line")->type_name("FILE");
-  verb.add_option("--web", up.web_directory, "the page's built files, if not web/dist")->type_name("DIR");
-  add_broker(verb, up.broker, "a private one is started on 127.0.0.1");
-}
-
-void describe_server(CLI::App& verb, ServerArguments& server) {
-  verb.add_option("--port", server.port, "of the page on 127.0.0.1; if busy, the next free one is taken")
-      ->type_name("PORT")
-      ->capture_default_str();
-  verb.add_option("--hall", server.hall,
-                  "name of this server's hall, where several share a broker (docs/guide/halls.md)")
-      ->type_name("NAME");
-  verb.add_option("--zone", server.zone, "traffic zone, when no plant serves it")->type_name("NAME|FILE");
-  verb.add_flag("--watch", server.watch, "with --zone: switch to its file whenever it is saved, while everything runs");
-  verb.add_option("--map-link", server.map_link,
-                  "where vehicles of other makes download the zone's file; without: from our page's address")
-      ->type_name("URL");
-  verb.add_flag("--no-drive", server.no_drive, "only watch: another master control gives the orders");
-  add_switch(verb, "--v2x", server.v2x, "its virtual AIVs tell those near them what they are about to do");
-  add_switch(verb, "--convoys", server.convoys, "several of one way pass a crossing together, when it pays");
-  verb.add_flag("--headless", server.headless, "no page; the figures stay on /api/v1");
-  verb.add_option("--web", server.web_directory, "the page's built files, if not web/dist")->type_name("DIR");
-  verb.add_option("--memory", server.memory_file, "keeps what was added, priorities and edits over a crash")
-      ->type_name("FILE");
-  verb.add_option("--scenario", server.scenario, "what happens when, once its AIVs are there")->type_name("NAME|FILE");
-  verb.add_option("--name", server.name, "of the run, shown on the page")->type_name("TEXT");
-  add_rules(verb, server.rules, "how its virtual AIVs choose their speed; without: fuzzy");
-  verb.add_flag("--emulated", server.emulated, "there is a plant: the page may show what is true there");
-  verb.add_option("--fleet", server.fleet)->group("");
-  verb.add_option("--zone-file", server.zone_file)->group("");
-  verb.add_option("--watch-file", server.watch_file)->group("");
-  verb.add_option("--scenario-began", server.began_ms)->group("");
-  verb.add_option("--scenario-steps-done", server.steps_done)->group("");
-  verb.footer(
-      "Example, a server for vehicles of your own on your own broker:\n"
-      "  cosiva server --zone my.toml --broker 10.0.0.5:1883 --memory server.memory\n"
-      "Two halls on one broker:\n"
-      "  cosiva server --hall north --zone north.toml --port 8080\n"
-      "  cosiva server --hall south --zone south.toml --port 8081");
-  add_part(verb, server.part);
-}
-
-void describe_plant(CLI::App& verb, PlantArguments& plant) {
-  verb.add_option("--zone", plant.zone, "traffic zone: a ready one's name or a file")
-      ->type_name("NAME|FILE")
-      ->required();
-  verb.add_option("--vehicles", plant.vehicles, "how many vehicles to emulate")
-      ->type_name("N")
-      ->check(CLI::Range(1, 200))
-      ->capture_default_str();
-  verb.add_option("--sockets", plant.sockets_directory, "folder of the boards' sockets")->type_name("DIR")->required();
-  verb.add_option("--seed", plant.seed, "fixes every random draw")->type_name("S")->capture_default_str();
-  verb.footer(
-      "Example, two vehicles' worlds for two on-board programs:\n"
-      "  cosiva plant --zone lacet4 --vehicles 2 --sockets /tmp/boards");
-  add_part(verb, plant.part);
-}
-
-void describe_aiv(CLI::App& verb, AivArguments& aiv) {
-  verb.add_option("--number", aiv.number, "its number, which its boards' sockets carry")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1'000'000))
-      ->required();
-  verb.add_option("--sockets", aiv.sockets_directory, "folder of the boards' sockets")->type_name("DIR")->required();
-  verb.add_option("--serial", aiv.serial, "its serial number; without: AIV<number>")->type_name("TEXT");
-  verb.add_option("--zone", aiv.zone, "traffic zone; without: from the broker")->type_name("NAME|FILE");
-  verb.add_option("--start", aiv.start, "where it stands at first, such as east:0.85; without: it waits to be told")
-      ->type_name("SECTION:S");
-  verb.add_option("--memory", aiv.memory_file, "keeps its place over a crash; wins over --start")->type_name("FILE");
-  add_rules(verb, aiv.rules, "how it chooses its speed (docs/guide/agents.md); without: crisp");
-  add_switch(verb, "--v2x", aiv.v2x, "it tells those near it what it is about to do");
-  verb.add_flag("--emulated", aiv.emulated, "its radio is the emulated world's, which scenarios can let lose messages");
-  verb.footer(
-      "Example, a program for the first of a plant's vehicles:\n"
-      "  cosiva aiv --number 1 --sockets /tmp/boards --start east:0.85");
-  add_part(verb, aiv.part);
-}
 
 /// All options of a verb, for the "did you mean".
 std::vector<std::string> option_names(const CLI::App& verb) {
@@ -228,11 +80,7 @@ int run_command_line(int argc, const char* const* argv) {
   root.set_version_flag("--version", std::string("cosiva ") + COSIVA_VERSION);
   root.require_subcommand(0, 1);
 
-  UpArguments up;
-  ServerArguments server;
-  PlantArguments plant;
-  AivArguments aiv;
-  ReplayArguments replay;
+  PlatformArguments platform;
   ZoneArguments zone;
   GenerateArguments generate;
   ScenarioArguments scenario;
@@ -240,20 +88,11 @@ int run_command_line(int argc, const char* const* argv) {
   FleetTrafficArguments traffic;
   CapacityArguments capacity;
   QualifyArguments qualify;
-  CLI::App* up_verb =
-      root.add_subcommand("up", "The whole platform on this machine: broker, emulated vehicles, server, page");
-  CLI::App* server_verb = root.add_subcommand("server", "AIV_Server, simulator and page alone");
-  CLI::App* plant_verb = root.add_subcommand("plant", "The emulated physical world alone");
-  CLI::App* aiv_verb = root.add_subcommand("aiv", "One vehicle's on-board program alone");
-  CLI::App* replay_verb = root.add_subcommand("replay", "Run a recorded journal again and compare the digests");
+  const PlatformVerbs platform_verbs = describe_platform(root, platform);
   CLI::App* traffic_verb = describe_traffic(root, traffic);
   CLI::App* capacity_verb = describe_capacity(root, capacity);
   const ZoneVerbs zone_verbs = describe_zone(root, zone, generate);
-  CLI::App* scenario_verb = root.add_subcommand("scenario", "Look at scenarios: what happens when");
-  CLI::App* scenario_check_verb = scenario_verb->add_subcommand(
-      "check", "Say what a scenario holds, step by step, or what is wrong with it and where");
-  CLI::App* scenario_list_verb = scenario_verb->add_subcommand("list", "Say which scenarios are ready");
-  scenario_verb->require_subcommand(0, 1);
+  const ScenarioVerbs scenario_verbs = describe_scenario(root, scenario);
   const AgentVerbs agent_verbs = describe_agent(root, agent);
   BatteryArguments battery;
   const BatteryVerbs battery_verbs = describe_battery(root, battery);
@@ -262,20 +101,6 @@ int run_command_line(int argc, const char* const* argv) {
   CLI::App* campaign_verb = describe_campaign(root, campaign);
   GvsArguments gvs;
   const GvsVerbs gvs_verbs = describe_gvs(root, gvs);
-  scenario_verb->footer("Example:\n  cosiva scenario check showroom");
-  describe_up(*up_verb, up);
-  describe_server(*server_verb, server);
-  describe_plant(*plant_verb, plant);
-  describe_aiv(*aiv_verb, aiv);
-  replay_verb->add_option("file", replay.file, "journal made with --record; '-' reads standard input")
-      ->type_name("FILE")
-      ->required();
-  replay_verb->add_flag("--json", replay.json, "print the result as JSON");
-  scenario_check_verb->add_option("scenario", scenario.scenario, "a ready scenario's name or a file")
-      ->type_name("NAME|FILE")
-      ->required();
-  for (CLI::App* verb : {scenario_check_verb, scenario_list_verb})
-    verb->add_flag("--json", scenario.json, "print the result as JSON");
 
   try {
     root.parse(argc, argv);
@@ -290,13 +115,7 @@ int run_command_line(int argc, const char* const* argv) {
     return refuse(error.what(), *verb);
   }
 
-  up.given = {up_verb->count("--zone") > 0, up_verb->count("--aivs") > 0, up_verb->count("--seed") > 0,
-              up_verb->count("--duration") > 0};
-  if (up_verb->parsed()) return run_up(up);
-  if (server_verb->parsed()) return run_server(server);
-  if (plant_verb->parsed()) return run_plant(plant);
-  if (aiv_verb->parsed()) return run_aiv(aiv);
-  if (replay_verb->parsed()) return run_replay(replay);
+  if (const auto status = run_platform_verb(platform_verbs, platform)) return *status;
   if (traffic_verb->parsed()) return run_traffic(traffic);
   if (capacity_verb->parsed()) return run_capacity(capacity);
   if (campaign_verb->parsed()) return run_campaign(campaign);
@@ -310,9 +129,8 @@ int run_command_line(int argc, const char* const* argv) {
   if (const auto status = run_gvs_verb(gvs_verbs, gvs)) return *status;
   if (gvs_verbs.gvs->parsed()) return refuse("say what to do: calibrate, track, render or watch", *gvs_verbs.gvs);
   if (agent_verbs.agent->parsed()) return refuse("say what to do: explain or surface", *agent_verbs.agent);
-  if (scenario_check_verb->parsed()) return run_scenario_check(scenario);
-  if (scenario_list_verb->parsed()) return run_scenario_list(scenario);
-  if (scenario_verb->parsed()) return refuse("say what to do: check or list", *scenario_verb);
+  if (const auto status = run_scenario_verb(scenario_verbs, scenario)) return *status;
+  if (scenario_verbs.scenario->parsed()) return refuse("say what to do: check or list", *scenario_verbs.scenario);
   if (zone_verbs.zone->parsed())
     return refuse("say what to do: check, show, convert, generate or switch", *zone_verbs.zone);
   print(root.help());

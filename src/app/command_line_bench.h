@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "app/command_line.h"
-#include "base/test_places.h"
+#include "cosiva/app/command_line.h"
+#include "cosiva/base/test_places.h"
 
 /// For tests: the command as somebody types it, and what it says.
 namespace cosiva::app::bench {

@@ -2,12 +2,12 @@
 
 #include <filesystem>
 
-#include "adapters/files.h"
-#include "adapters/test_bench.h"
-#include "app/command_line_bench.h"
-#include "base/json_value.h"
-#include "base/test_places.h"
-#include "wire/core.h"
+#include "cosiva/adapters/files.h"
+#include "cosiva/adapters/test_bench.h"
+#include "cosiva/app/command_line_bench.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/test_places.h"
+#include "cosiva/wire/runtime/core.h"
 
 namespace cosiva::app {
 namespace {

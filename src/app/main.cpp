@@ -1,7 +1,7 @@
 #include <cstdio>
 #include <exception>
 
-#include "app/command_line.h"
+#include "cosiva/app/command_line.h"
 
 int main(int argc, char** argv) {
   try {

@@ -1,4 +1,4 @@
-#include "base/components.h"
+#include "cosiva/base/components.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "base/digest.h"
+#include "cosiva/base/digest.h"
 
 #include <cstring>
 

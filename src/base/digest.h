@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "base/time.h"
+#include "cosiva/base/time.h"
 
 namespace cosiva {
 

@@ -1,4 +1,4 @@
-#include "base/expect.h"
+#include "cosiva/base/expect.h"
 
 #include <cstdio>
 #include <cstdlib>

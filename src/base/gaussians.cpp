@@ -1,9 +1,9 @@
-#include "base/gaussians.h"
+#include "cosiva/base/gaussians.h"
 
 #include <bit>
 #include <cmath>
 
-#include "base/vector_clones.h"
+#include "cosiva/base/vector_clones.h"
 
 namespace cosiva {
 namespace {

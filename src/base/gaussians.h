@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "base/random.h"
+#include "cosiva/base/random.h"
 
 namespace cosiva {
 

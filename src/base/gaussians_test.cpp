@@ -1,4 +1,4 @@
-#include "base/gaussians.h"
+#include "cosiva/base/gaussians.h"
 
 #include <gtest/gtest.h>
 

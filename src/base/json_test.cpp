@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include "base/json_value.h"
-#include "base/json_writer.h"
-#include "base/random.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/base/random.h"
 
 namespace cosiva {
 namespace {

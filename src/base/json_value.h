@@ -9,7 +9,7 @@
 #include <variant>
 #include <vector>
 
-#include "base/result.h"
+#include "cosiva/base/result.h"
 
 namespace cosiva {
 

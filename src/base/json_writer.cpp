@@ -1,9 +1,9 @@
-#include "base/json_writer.h"
+#include "cosiva/base/json_writer.h"
 
 #include <charconv>
 #include <cmath>
 
-#include "base/expect.h"
+#include "cosiva/base/expect.h"
 
 namespace cosiva {
 namespace {

@@ -1,4 +1,4 @@
-#include "base/likeness.h"
+#include "cosiva/base/likeness.h"
 
 #include <algorithm>
 #include <numeric>

@@ -1,8 +1,8 @@
-#include "base/math.h"
+#include "cosiva/base/math.h"
 
 #include <cmath>
 
-#include "base/math_inline.h"
+#include "cosiva/base/math_inline.h"
 
 namespace cosiva {
 namespace {

@@ -3,7 +3,7 @@
 #include <bit>
 #include <cstdint>
 
-#include "base/math.h"
+#include "cosiva/base/math.h"
 
 /// The elementary functions of base/math.h for passes over arrays: without branches or calls, so that a loop over them
 /// becomes vector instructions. They give the very bits of those there, which are made of these.

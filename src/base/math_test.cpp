@@ -1,4 +1,4 @@
-#include "base/math.h"
+#include "cosiva/base/math.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/random.h"
+#include "cosiva/base/random.h"
 
 namespace cosiva {
 namespace {

@@ -1,4 +1,4 @@
-#include "base/pose.h"
+#include "cosiva/base/pose.h"
 
 namespace cosiva {
 

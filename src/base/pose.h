@@ -1,6 +1,6 @@
 #pragma once
 
-#include "base/math.h"
+#include "cosiva/base/math.h"
 
 namespace cosiva {
 

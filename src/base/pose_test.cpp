@@ -1,11 +1,11 @@
-#include "base/pose.h"
+#include "cosiva/base/pose.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
 #include <cmath>
 
-#include "base/random.h"
+#include "cosiva/base/random.h"
 
 namespace cosiva {
 namespace {

@@ -1,11 +1,11 @@
-#include "base/random.h"
+#include "cosiva/base/random.h"
 
 #include <bit>
 #include <cmath>
 
-#include "base/digest.h"
-#include "base/expect.h"
-#include "base/math.h"
+#include "cosiva/base/digest.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/base/math.h"
 
 namespace cosiva {
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/ranks.h"
+#include "cosiva/base/ranks.h"
 
 namespace cosiva::testing {
 

@@ -1,4 +1,4 @@
-#include "base/text.h"
+#include "cosiva/base/text.h"
 
 #include <gtest/gtest.h>
 

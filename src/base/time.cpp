@@ -1,4 +1,4 @@
-#include "base/time.h"
+#include "cosiva/base/time.h"
 
 #include <concepts>
 

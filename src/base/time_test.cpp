@@ -1,10 +1,10 @@
-#include "base/time.h"
+#include "cosiva/base/time.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
-#include "base/random.h"
+#include "cosiva/base/random.h"
 
 namespace cosiva {
 namespace {

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/expect.h"
-#include "base/math.h"
-#include "battery/pack.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/base/math.h"
+#include "cosiva/battery/pack.h"
 
 namespace cosiva::battery {
 namespace {

@@ -1,11 +1,11 @@
-#include "battery/pack.h"
+#include "cosiva/battery/pack.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "base/expect.h"
-#include "base/math.h"
-#include "base/random.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/base/math.h"
+#include "cosiva/base/random.h"
 
 namespace cosiva::battery {
 namespace {

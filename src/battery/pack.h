@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "base/digest.h"
-#include "base/result.h"
-#include "battery/type.h"
+#include "cosiva/base/digest.h"
+#include "cosiva/base/result.h"
+#include "cosiva/battery/type.h"
 
 namespace cosiva::battery {
 

@@ -1,6 +1,6 @@
-#include "base/json_value.h"
-#include "base/json_writer.h"
-#include "battery/pack.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/battery/pack.h"
 
 namespace cosiva::battery {
 

@@ -1,4 +1,4 @@
-#include "battery/pack.h"
+#include "cosiva/battery/pack.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

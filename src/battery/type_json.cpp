@@ -4,9 +4,9 @@
 #include <optional>
 #include <span>
 
-#include "base/json_value.h"
-#include "base/json_writer.h"
-#include "battery/type.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/battery/type.h"
 
 namespace cosiva::battery {
 namespace {

@@ -1,4 +1,4 @@
-#include "battery/type.h"
+#include "cosiva/battery/type.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "base/test_places.h"
+#include "cosiva/base/test_places.h"
 
 namespace cosiva::battery {
 namespace {

@@ -1,12 +1,12 @@
-#include "fuzzy/cell_maker.h"
+#include "cosiva/fuzzy/cell_maker.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include "base/expect.h"
-#include "fuzzy/formulas.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/fuzzy/formulas.h"
 
 namespace cosiva::fuzzy {
 namespace {

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "fuzzy/cells.h"
-#include "fuzzy/steps.h"
+#include "cosiva/fuzzy/cells.h"
+#include "cosiva/fuzzy/steps.h"
 
 namespace cosiva::fuzzy {
 

@@ -1,10 +1,10 @@
-#include "fuzzy/cells.h"
+#include "cosiva/fuzzy/cells.h"
 
 #include <array>
 
-#include "base/vector_clones.h"
-#include "fuzzy/fll_parts.h"
-#include "fuzzy/formulas.h"
+#include "cosiva/base/vector_clones.h"
+#include "cosiva/fuzzy/fll_parts.h"
+#include "cosiva/fuzzy/formulas.h"
 
 namespace cosiva::fuzzy {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "fuzzy/program.h"
+#include "cosiva/fuzzy/program.h"
 
 /// Rules cut up for decisions that are taken alone. The ends of the memberships' flanks divide each input's range into
 /// stretches, and with them the room of all questions into cells. All over a cell most flanks are 0 or 1, so that few

@@ -1,4 +1,4 @@
-#include "fuzzy/cells.h"
+#include "cosiva/fuzzy/cells.h"
 
 #include <gtest/gtest.h>
 
@@ -11,13 +11,13 @@
 #include <string>
 #include <vector>
 
-#include "base/random.h"
-#include "base/test_places.h"
-#include "fuzzy/compiler.h"
-#include "fuzzy/fll_reader.h"
-#include "fuzzy/kernel.h"
-#include "fuzzy/test_random_rules.h"
-#include "fuzzy/test_rules.h"
+#include "cosiva/base/random.h"
+#include "cosiva/base/test_places.h"
+#include "cosiva/fuzzy/compiler.h"
+#include "cosiva/fuzzy/fll_reader.h"
+#include "cosiva/fuzzy/kernel.h"
+#include "cosiva/fuzzy/test_random_rules.h"
+#include "cosiva/fuzzy/test_rules.h"
 
 namespace cosiva::fuzzy {
 namespace {

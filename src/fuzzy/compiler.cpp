@@ -1,4 +1,4 @@
-#include "fuzzy/compiler.h"
+#include "cosiva/fuzzy/compiler.h"
 
 #include <algorithm>
 #include <array>
@@ -11,10 +11,10 @@
 #include <tuple>
 #include <utility>
 
-#include "base/expect.h"
-#include "base/math.h"
-#include "fuzzy/cell_maker.h"
-#include "fuzzy/steps.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/base/math.h"
+#include "cosiva/fuzzy/cell_maker.h"
+#include "cosiva/fuzzy/steps.h"
 
 namespace cosiva::fuzzy {
 namespace {

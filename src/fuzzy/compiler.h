@@ -5,10 +5,10 @@
 #include <optional>
 #include <vector>
 
-#include "base/result.h"
-#include "fuzzy/cells.h"
-#include "fuzzy/engine.h"
-#include "fuzzy/program.h"
+#include "cosiva/base/result.h"
+#include "cosiva/fuzzy/cells.h"
+#include "cosiva/fuzzy/engine.h"
+#include "cosiva/fuzzy/program.h"
 
 namespace cosiva::fuzzy {
 

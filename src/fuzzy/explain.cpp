@@ -1,12 +1,12 @@
-#include "fuzzy/explain.h"
+#include "cosiva/fuzzy/explain.h"
 
 #include <algorithm>
 #include <array>
 #include <charconv>
 
-#include "base/expect.h"
-#include "fuzzy/compiler.h"
-#include "fuzzy/kernel.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/fuzzy/compiler.h"
+#include "cosiva/fuzzy/kernel.h"
 
 namespace cosiva::fuzzy {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "base/json_writer.h"
-#include "fuzzy/rule_base.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/fuzzy/rule_base.h"
 
 namespace cosiva::fuzzy {
 

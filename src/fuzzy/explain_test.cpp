@@ -1,4 +1,4 @@
-#include "fuzzy/explain.h"
+#include "cosiva/fuzzy/explain.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,8 +6,8 @@
 #include <array>
 #include <string>
 
-#include "base/json_value.h"
-#include "fuzzy/test_rules.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/fuzzy/test_rules.h"
 
 namespace cosiva::fuzzy {
 namespace {

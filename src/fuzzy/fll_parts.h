@@ -4,8 +4,8 @@
 #include <string_view>
 #include <vector>
 
-#include "fuzzy/engine.h"
-#include "fuzzy/fll_words.h"
+#include "cosiva/fuzzy/engine.h"
+#include "cosiva/fuzzy/fll_words.h"
 
 /// What the reader is made of; only its own files include this.
 namespace cosiva::fuzzy {

@@ -1,11 +1,11 @@
-#include "fuzzy/fll_reader.h"
+#include "cosiva/fuzzy/fll_reader.h"
 
 #include <array>
 #include <cmath>
 #include <string>
 #include <utility>
 
-#include "fuzzy/fll_parts.h"
+#include "cosiva/fuzzy/fll_parts.h"
 
 namespace cosiva::fuzzy {
 namespace {

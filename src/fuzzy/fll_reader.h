@@ -2,8 +2,8 @@
 
 #include <string_view>
 
-#include "base/result.h"
-#include "fuzzy/engine.h"
+#include "cosiva/base/result.h"
+#include "cosiva/fuzzy/engine.h"
 
 namespace cosiva::fuzzy {
 

@@ -1,4 +1,4 @@
-#include "fuzzy/fll_reader.h"
+#include "cosiva/fuzzy/fll_reader.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "fuzzy/test_rules.h"
+#include "cosiva/fuzzy/test_rules.h"
 
 namespace cosiva::fuzzy {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "fuzzy/fll_parts.h"
+#include "cosiva/fuzzy/fll_parts.h"
 
 namespace cosiva::fuzzy {
 namespace {

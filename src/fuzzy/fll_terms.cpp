@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "fuzzy/fll_parts.h"
+#include "cosiva/fuzzy/fll_parts.h"
 
 namespace cosiva::fuzzy {
 namespace {

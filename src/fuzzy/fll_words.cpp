@@ -1,4 +1,4 @@
-#include "fuzzy/fll_words.h"
+#include "cosiva/fuzzy/fll_words.h"
 
 #include <charconv>
 #include <limits>

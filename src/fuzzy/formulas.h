@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "fuzzy/program.h"
-#include "fuzzy/shapes.h"
+#include "cosiva/fuzzy/program.h"
+#include "cosiva/fuzzy/shapes.h"
 
 /// What each kind of step works out, written once for all who run steps: hence the same bits in all ways of running
 /// them.

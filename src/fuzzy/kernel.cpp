@@ -1,7 +1,7 @@
-#include "fuzzy/kernel.h"
+#include "cosiva/fuzzy/kernel.h"
 
-#include "base/vector_clones.h"
-#include "fuzzy/formulas.h"
+#include "cosiva/base/vector_clones.h"
+#include "cosiva/fuzzy/formulas.h"
 
 namespace cosiva::fuzzy {
 namespace {

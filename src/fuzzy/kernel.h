@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "fuzzy/program.h"
+#include "cosiva/fuzzy/program.h"
 
 namespace cosiva::fuzzy {
 

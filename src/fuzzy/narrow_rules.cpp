@@ -1,8 +1,8 @@
-#include "fuzzy/narrow_rules.h"
+#include "cosiva/fuzzy/narrow_rules.h"
 
 #include <utility>
 
-#include "base/expect.h"
+#include "cosiva/base/expect.h"
 
 namespace cosiva::fuzzy {
 

@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "base/result.h"
-#include "fuzzy/compiler.h"
-#include "fuzzy/kernel.h"
-#include "fuzzy/rule_base.h"
+#include "cosiva/base/result.h"
+#include "cosiva/fuzzy/compiler.h"
+#include "cosiva/fuzzy/kernel.h"
+#include "cosiva/fuzzy/rule_base.h"
 
 namespace cosiva::fuzzy {
 

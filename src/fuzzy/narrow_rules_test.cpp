@@ -1,4 +1,4 @@
-#include "fuzzy/narrow_rules.h"
+#include "cosiva/fuzzy/narrow_rules.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "base/random.h"
-#include "base/test_places.h"
+#include "cosiva/base/random.h"
+#include "cosiva/base/test_places.h"
 
 namespace cosiva::fuzzy {
 namespace {

@@ -1,13 +1,13 @@
-#include "fuzzy/rule_base.h"
+#include "cosiva/fuzzy/rule_base.h"
 
 #include <algorithm>
 #include <array>
 #include <utility>
 
-#include "base/expect.h"
-#include "fuzzy/compiler.h"
-#include "fuzzy/fll_reader.h"
-#include "fuzzy/kernel.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/fuzzy/compiler.h"
+#include "cosiva/fuzzy/fll_reader.h"
+#include "cosiva/fuzzy/kernel.h"
 
 namespace cosiva::fuzzy {
 namespace {

@@ -1,4 +1,4 @@
-#include "fuzzy/rule_base.h"
+#include "cosiva/fuzzy/rule_base.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,12 +11,12 @@
 #include <sstream>
 #include <string>
 
-#include "base/digest.h"
-#include "base/random.h"
-#include "base/test_places.h"
-#include "fuzzy/kernel.h"
-#include "fuzzy/shapes.h"
-#include "fuzzy/test_rules.h"
+#include "cosiva/base/digest.h"
+#include "cosiva/base/random.h"
+#include "cosiva/base/test_places.h"
+#include "cosiva/fuzzy/kernel.h"
+#include "cosiva/fuzzy/shapes.h"
+#include "cosiva/fuzzy/test_rules.h"
 
 namespace cosiva::fuzzy {
 namespace {

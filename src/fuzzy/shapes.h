@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdint>
 
-#include "base/math.h"
-#include "base/math_inline.h"
+#include "cosiva/base/math.h"
+#include "cosiva/base/math_inline.h"
 
 /// The kernel is compiled once per width of vectors; what it calls goes along only where it becomes part of it.
 #define COSIVA_PART __attribute__((always_inline))

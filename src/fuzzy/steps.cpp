@@ -1,11 +1,11 @@
-#include "fuzzy/steps.h"
+#include "cosiva/fuzzy/steps.h"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <utility>
 
-#include "fuzzy/kernel.h"
+#include "cosiva/fuzzy/kernel.h"
 
 namespace cosiva::fuzzy {
 namespace {

@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "fuzzy/program.h"
+#include "cosiva/fuzzy/program.h"
 
 namespace cosiva::fuzzy {
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <string>
 
-#include "base/random.h"
+#include "cosiva/base/random.h"
 
 namespace cosiva::fuzzy {
 

@@ -1,4 +1,4 @@
-#include "journal/crc32c.h"
+#include "cosiva/journal/crc32c.h"
 
 #include <array>
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 
-#include "base/result.h"
-#include "wire/core.h"
+#include "cosiva/base/result.h"
+#include "cosiva/wire/runtime/core.h"
 
 namespace cosiva::journal {
 

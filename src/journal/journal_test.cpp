@@ -1,4 +1,4 @@
-#include "journal/journal.h"
+#include "cosiva/journal/journal.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,9 +9,9 @@
 #include <fstream>
 #include <sstream>
 
-#include "base/random.h"
-#include "base/test_places.h"
-#include "journal/crc32c.h"
+#include "cosiva/base/random.h"
+#include "cosiva/base/test_places.h"
+#include "cosiva/journal/crc32c.h"
 
 namespace cosiva::journal {
 namespace {

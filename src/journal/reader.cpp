@@ -1,6 +1,6 @@
-#include "journal/crc32c.h"
-#include "journal/format.h"
-#include "journal/journal.h"
+#include "cosiva/journal/crc32c.h"
+#include "cosiva/journal/format.h"
+#include "cosiva/journal/journal.h"
 
 namespace cosiva::journal {
 namespace {

@@ -1,6 +1,6 @@
 #include <utility>
 
-#include "journal/journal.h"
+#include "cosiva/journal/journal.h"
 
 namespace cosiva::journal {
 

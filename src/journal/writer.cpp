@@ -1,9 +1,9 @@
 #include <utility>
 
-#include "base/expect.h"
-#include "journal/crc32c.h"
-#include "journal/format.h"
-#include "journal/journal.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/journal/crc32c.h"
+#include "cosiva/journal/format.h"
+#include "cosiva/journal/journal.h"
 
 namespace cosiva::journal {
 namespace {

@@ -1,7 +1,7 @@
 import { mount } from 'svelte';
 import App from './App.svelte';
 import './app.css';
-import { restore_theme } from './lib/theme.svelte';
+import { restore_theme } from './shell/theme.svelte';
 
 restore_theme();
 const target = document.getElementById('app');

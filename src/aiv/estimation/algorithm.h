@@ -5,10 +5,10 @@
 #include <optional>
 #include <vector>
 
-#include "aiv/estimation/linear.h"
-#include "aiv/estimation/track.h"
-#include "base/pose.h"
-#include "base/result.h"
+#include "cosiva/aiv/estimation/linear.h"
+#include "cosiva/aiv/estimation/track.h"
+#include "cosiva/base/pose.h"
+#include "cosiva/base/result.h"
 
 /// Position estimation (A33): what the article calls an Algorithm, and those that come with the platform. Sans-IO and
 /// deterministic: the same object runs on board and in experiments.

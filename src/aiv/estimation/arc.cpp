@@ -1,10 +1,10 @@
-#include "aiv/estimation/arc.h"
+#include "cosiva/aiv/estimation/arc.h"
 
 #include <cmath>
 #include <utility>
 
-#include "aiv/estimation/planar.h"
-#include "base/math.h"
+#include "cosiva/aiv/estimation/planar.h"
+#include "cosiva/base/math.h"
 
 namespace cosiva::estimation {
 namespace {

@@ -3,7 +3,7 @@
 #include <deque>
 #include <vector>
 
-#include "aiv/estimation/algorithm.h"
+#include "cosiva/aiv/estimation/algorithm.h"
 
 /// The estimators that go along a track: their state is an arc length.
 namespace cosiva::estimation {

@@ -1,11 +1,11 @@
-#include "aiv/estimation/arc.h"
+#include "cosiva/aiv/estimation/arc.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "aiv/estimation/registry.h"
-#include "aiv/estimation/test_tracks.h"
+#include "cosiva/aiv/estimation/registry.h"
+#include "cosiva/aiv/estimation/test_tracks.h"
 
 namespace cosiva::estimation {
 namespace {

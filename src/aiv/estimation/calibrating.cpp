@@ -1,13 +1,13 @@
-#include "aiv/estimation/calibrating.h"
+#include "cosiva/aiv/estimation/calibrating.h"
 
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
 #include <utility>
 
-#include "aiv/estimation/calibrating_model.h"
-#include "aiv/estimation/planar.h"
-#include "base/math.h"
+#include "cosiva/aiv/estimation/calibrating_model.h"
+#include "cosiva/aiv/estimation/planar.h"
+#include "cosiva/base/math.h"
 
 namespace cosiva::estimation {
 namespace {

@@ -5,7 +5,7 @@
 #include <variant>
 #include <vector>
 
-#include "aiv/estimation/algorithm.h"
+#include "cosiva/aiv/estimation/algorithm.h"
 
 /// Estimation on the plane that doubts its sensors: their scales and biases are states, outliers count less, and a
 /// heading that nobody told is looked for.

@@ -1,9 +1,9 @@
-#include "aiv/estimation/calibrating_model.h"
+#include "cosiva/aiv/estimation/calibrating_model.h"
 
 #include <cmath>
 
-#include "aiv/estimation/planar.h"
-#include "base/math.h"
+#include "cosiva/aiv/estimation/planar.h"
+#include "cosiva/base/math.h"
 
 namespace cosiva::estimation::model {
 namespace {

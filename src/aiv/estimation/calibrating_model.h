@@ -3,7 +3,7 @@
 #include <array>
 #include <span>
 
-#include "aiv/estimation/calibrating.h"
+#include "cosiva/aiv/estimation/calibrating.h"
 
 /// The model behind the calibrating filter and smoother: how the state moves, and what readings and ranges say of it.
 namespace cosiva::estimation::model {

@@ -1,4 +1,4 @@
-#include "aiv/estimation/calibrating.h"
+#include "cosiva/aiv/estimation/calibrating.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "aiv/estimation/planar.h"
-#include "base/random.h"
+#include "cosiva/aiv/estimation/planar.h"
+#include "cosiva/base/random.h"
 
 namespace cosiva::estimation {
 namespace {

@@ -1,10 +1,10 @@
-#include "aiv/estimation/particles.h"
+#include "cosiva/aiv/estimation/particles.h"
 
 #include <cmath>
 #include <utility>
 
-#include "aiv/estimation/planar.h"
-#include "base/math.h"
+#include "cosiva/aiv/estimation/planar.h"
+#include "cosiva/base/math.h"
 
 namespace cosiva::estimation {
 namespace {

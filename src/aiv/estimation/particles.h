@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "aiv/estimation/algorithm.h"
-#include "base/random.h"
+#include "cosiva/aiv/estimation/algorithm.h"
+#include "cosiva/base/random.h"
 
 namespace cosiva::estimation {
 

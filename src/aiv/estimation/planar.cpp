@@ -1,10 +1,10 @@
-#include "aiv/estimation/planar.h"
+#include "cosiva/aiv/estimation/planar.h"
 
 #include <cmath>
 #include <utility>
 
-#include "base/math.h"
-#include "base/math_inline.h"
+#include "cosiva/base/math.h"
+#include "cosiva/base/math_inline.h"
 
 namespace cosiva::estimation {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "aiv/estimation/algorithm.h"
+#include "cosiva/aiv/estimation/algorithm.h"
 
 /// The estimators of a pose on the plane. They know no line.
 namespace cosiva::estimation {

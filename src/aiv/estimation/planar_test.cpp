@@ -1,4 +1,4 @@
-#include "aiv/estimation/planar.h"
+#include "cosiva/aiv/estimation/planar.h"
 
 #include <gtest/gtest.h>
 
@@ -6,11 +6,11 @@
 #include <numeric>
 #include <string>
 
-#include "aiv/estimation/calibrating.h"
-#include "aiv/estimation/particles.h"
-#include "aiv/estimation/registry.h"
-#include "aiv/estimation/test_tracks.h"
-#include "base/random.h"
+#include "cosiva/aiv/estimation/calibrating.h"
+#include "cosiva/aiv/estimation/particles.h"
+#include "cosiva/aiv/estimation/registry.h"
+#include "cosiva/aiv/estimation/test_tracks.h"
+#include "cosiva/base/random.h"
 
 namespace cosiva::estimation {
 namespace {

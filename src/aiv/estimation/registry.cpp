@@ -1,12 +1,12 @@
-#include "aiv/estimation/registry.h"
+#include "cosiva/aiv/estimation/registry.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "aiv/estimation/arc.h"
-#include "aiv/estimation/calibrating.h"
-#include "aiv/estimation/particles.h"
-#include "aiv/estimation/planar.h"
+#include "cosiva/aiv/estimation/arc.h"
+#include "cosiva/aiv/estimation/calibrating.h"
+#include "cosiva/aiv/estimation/particles.h"
+#include "cosiva/aiv/estimation/planar.h"
 
 namespace cosiva::estimation {
 namespace {

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "aiv/estimation/algorithm.h"
-#include "base/result.h"
+#include "cosiva/aiv/estimation/algorithm.h"
+#include "cosiva/base/result.h"
 
 namespace cosiva::estimation {
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "aiv/estimation/track.h"
+#include "cosiva/aiv/estimation/track.h"
 
 namespace cosiva::estimation::testing {
 

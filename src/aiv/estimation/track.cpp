@@ -1,4 +1,4 @@
-#include "aiv/estimation/track.h"
+#include "cosiva/aiv/estimation/track.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,10 +4,10 @@
 #include <optional>
 #include <vector>
 
-#include "base/pose.h"
-#include "base/result.h"
-#include "zone/circuit.h"
-#include "zone/traffic_zone.h"
+#include "cosiva/base/pose.h"
+#include "cosiva/base/result.h"
+#include "cosiva/zone/circuit/circuit.h"
+#include "cosiva/zone/layout/traffic_zone.h"
 
 namespace cosiva::estimation {
 

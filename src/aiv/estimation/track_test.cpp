@@ -1,8 +1,8 @@
-#include "aiv/estimation/track.h"
+#include "cosiva/aiv/estimation/track.h"
 
 #include <gtest/gtest.h>
 
-#include "aiv/estimation/test_tracks.h"
+#include "cosiva/aiv/estimation/test_tracks.h"
 
 namespace cosiva::estimation {
 namespace {

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "aiv/onboard/onboard_bench.h"
+#include "cosiva/aiv/onboard/onboard_bench.h"
 
 namespace cosiva::aiv {
 namespace {

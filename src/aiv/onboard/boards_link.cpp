@@ -1,8 +1,17 @@
-#include "aiv/onboard/boards_link.h"
+#include "cosiva/aiv/onboard/boards_link.h"
+
+#include <utility>
+
+#include "cosiva/base/expect.h"
 
 namespace cosiva::aiv {
+namespace {
 
-BoardsLink::BoardsLink(std::uint32_t vehicle_number) {
+constexpr SimDuration heartbeat_period = std::chrono::milliseconds{100};
+
+}  // namespace
+
+BoardsLink::BoardsLink(std::uint32_t vehicle_number) : heartbeat_timer_{heartbeat_period} {
   for (const wire::Board board : wire::all_boards) link(board).port = wire::port_name(vehicle_number, board);
 }
 
@@ -34,6 +43,11 @@ const std::vector<wire::BoardMessage>& BoardsLink::on_bytes(wire::Board board, s
   of.frames_good += received_.size();
   for (const wire::BoardMessage& message : received_) {
     if (const auto* hello = std::get_if<wire::Hello>(&message)) of.health.hello = *hello;
+    if (const auto* power = std::get_if<wire::Power>(&message)) power_ = *power;
+    if (const auto* ranges = std::get_if<wire::Ranges>(&message)) {
+      ranges_ = *ranges;
+      new_ranges_ = true;
+    }
     if (const auto* heartbeat = std::get_if<wire::Heartbeat>(&message)) {
       of.health.self_test = heartbeat->self_test;
       of.health.uptime_ms = heartbeat->uptime_ms;
@@ -56,7 +70,14 @@ void BoardsLink::send(wire::Board board, const wire::BoardMessage& message, wire
   if (to.health.connected) effects.emplace_back(wire::SendBytes{to.port, to.encoder.encode(message)});
 }
 
-void BoardsLink::beat(std::uint32_t uptime_ms, wire::Effects& effects) {
+bool BoardsLink::take_new_ranges() {
+  COSIVA_EXPECT(ranges_ || !new_ranges_);
+  return std::exchange(new_ranges_, false);
+}
+
+void BoardsLink::on_tick(SimTime now, wire::Effects& effects) {
+  if (!heartbeat_timer_.take(now)) return;
+  const auto uptime_ms = static_cast<std::uint32_t>(uptime(now) / std::chrono::milliseconds{1});
   for (const wire::Board board : wire::all_boards) {
     Link& to = link(board);
     if (!to.health.connected) continue;

@@ -7,14 +7,18 @@
 #include <string_view>
 #include <vector>
 
-#include "base/time.h"
-#include "wire/board.h"
-#include "wire/core.h"
-#include "wire/module_link/module_link.h"
+#include "cosiva/aiv/onboard/periodic.h"
+#include "cosiva/base/time.h"
+#include "cosiva/wire/messages/board.h"
+#include "cosiva/wire/module_link/module_link.h"
+#include "cosiva/wire/runtime/core.h"
 
 namespace cosiva::aiv {
 
-/// One module link per board: frames here, values above. It knows who answered and in what health (A18).
+/// One module link per board: frames here, values above. Knows which boards have answered, in what health (A18), and
+/// their last readings that are reported as they are.
+///
+/// Invariant: there is a new obstacle reading only where there is one at all.
 class BoardsLink {
  public:
   explicit BoardsLink(std::uint32_t vehicle_number);
@@ -27,9 +31,17 @@ class BoardsLink {
   /// The messages in these bytes; the reference stays good until the next call.
   [[nodiscard]] const std::vector<wire::BoardMessage>& on_bytes(wire::Board board, std::string_view bytes);
 
+  /// The program starts: its uptime counts from now.
+  void start(SimTime now) { started_ = now; }
+  [[nodiscard]] SimDuration uptime(SimTime now) const { return now - started_; }
+  [[nodiscard]] const std::optional<wire::Power>& power() const { return power_; }
+  [[nodiscard]] const std::optional<wire::Ranges>& ranges() const { return ranges_; }
+  /// True once after new ranges have come.
+  [[nodiscard]] bool take_new_ranges();
+
   void send(wire::Board board, const wire::BoardMessage& message, wire::Effects& effects);
-  /// Beats to every board, 10 Hz is due; asks boards that did not say yet who they are.
-  void beat(std::uint32_t uptime_ms, wire::Effects& effects);
+  /// Sends heartbeats to every board at 10 Hz, and requests to boards that have not identified themselves yet.
+  void on_tick(SimTime now, wire::Effects& effects);
 
   struct Health {
     bool connected{false};
@@ -61,6 +73,11 @@ class BoardsLink {
 
   std::array<Link, wire::all_boards.size()> links_;
   std::vector<wire::BoardMessage> received_;
+  SimTime started_{};
+  Periodic heartbeat_timer_;
+  std::optional<wire::Power> power_;
+  std::optional<wire::Ranges> ranges_;
+  bool new_ranges_{false};
 };
 
 }  // namespace cosiva::aiv

@@ -1,4 +1,4 @@
-#include "aiv/onboard/estimating.h"
+#include "cosiva/aiv/onboard/estimating.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "aiv/estimation/algorithm.h"
-#include "aiv/estimation/registry.h"
-#include "aiv/estimator.h"
-#include "base/time.h"
-#include "wire/board.h"
-#include "wire/estimate_exchange.h"
-#include "zone/traffic_zone.h"
+#include "cosiva/aiv/estimation/algorithm.h"
+#include "cosiva/aiv/estimation/registry.h"
+#include "cosiva/aiv/localisation/estimator.h"
+#include "cosiva/base/time.h"
+#include "cosiva/wire/messages/board.h"
+#include "cosiva/wire/own/estimate_exchange.h"
+#include "cosiva/zone/layout/traffic_zone.h"
 
 namespace cosiva::aiv {
 

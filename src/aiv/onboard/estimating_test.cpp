@@ -1,4 +1,4 @@
-#include "aiv/onboard/estimating.h"
+#include "cosiva/aiv/onboard/estimating.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "aiv/test_zone.h"
+#include "cosiva/aiv/testing/test_zone.h"
 
 namespace cosiva::aiv {
 namespace {

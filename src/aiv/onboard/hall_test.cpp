@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "aiv/onboard/onboard_bench.h"
-#include "wire/halls.h"
+#include "cosiva/aiv/onboard/onboard_bench.h"
+#include "cosiva/wire/own/halls.h"
 
 namespace cosiva::aiv {
 namespace {

@@ -1,4 +1,4 @@
-#include "aiv/onboard/instant_actions.h"
+#include "cosiva/aiv/onboard/instant_actions.h"
 
 #include <algorithm>
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "wire/messages.h"
+#include "cosiva/wire/messages/messages.h"
 
 namespace cosiva::aiv {
 

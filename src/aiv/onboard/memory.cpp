@@ -1,9 +1,9 @@
-#include "aiv/onboard/memory.h"
+#include "cosiva/aiv/onboard/memory.h"
 
 #include <cmath>
 
-#include "base/json_value.h"
-#include "base/json_writer.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/json_writer.h"
 
 namespace cosiva::aiv {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 #include <string_view>
 
-#include "aiv/speed.h"
-#include "base/pose.h"
-#include "base/result.h"
+#include "cosiva/aiv/motion/speed.h"
+#include "cosiva/base/pose.h"
+#include "cosiva/base/result.h"
 
 namespace cosiva::aiv {
 

@@ -9,15 +9,15 @@
 #include <string>
 #include <vector>
 
-#include "aiv/onboard/onboard_core.h"
-#include "aiv/test_line_world.h"
-#include "aiv/test_orders.h"
-#include "aiv/test_senses.h"
-#include "aiv/test_zone.h"
-#include "wire/module_link/module_link.h"
-#include "wire/own_messages.h"
-#include "wire/v2x.h"
-#include "wire/vda5050/codec.h"
+#include "cosiva/aiv/onboard/onboard_core.h"
+#include "cosiva/aiv/testing/test_line_world.h"
+#include "cosiva/aiv/testing/test_orders.h"
+#include "cosiva/aiv/testing/test_senses.h"
+#include "cosiva/aiv/testing/test_zone.h"
+#include "cosiva/wire/module_link/module_link.h"
+#include "cosiva/wire/own/own_messages.h"
+#include "cosiva/wire/own/v2x.h"
+#include "cosiva/wire/vda5050/codec.h"
 
 namespace cosiva::aiv::test {
 
@@ -131,6 +131,8 @@ class OnboardBench {
     setup.odometer_m = world.odometer_m;
     return setup;
   }
+  /// The last that its motors were told.
+  [[nodiscard]] const wire::Drive& last_drive() const { return *drive_; }
   [[nodiscard]] std::vector<std::string> error_types() const {
     std::vector<std::string> types;
     for (const auto& error : state().errors) types.push_back(error.type);

@@ -1,41 +1,113 @@
-#include "aiv/onboard/onboard_core.h"
+#include "cosiva/aiv/onboard/onboard_core.h"
 
 #include <utility>
 
-#include "aiv/onboard/inside.h"
+#include "cosiva/aiv/onboard/action_executor.h"
+#include "cosiva/aiv/onboard/boards_link.h"
+#include "cosiva/aiv/onboard/drive_cycle.h"
+#include "cosiva/aiv/onboard/driving_context.h"
+#include "cosiva/aiv/onboard/estimation_service.h"
+#include "cosiva/aiv/onboard/order_receiver.h"
+#include "cosiva/aiv/onboard/position_store.h"
+#include "cosiva/aiv/onboard/server_selection.h"
+#include "cosiva/aiv/onboard/session.h"
+#include "cosiva/aiv/onboard/state_reporter.h"
+#include "cosiva/aiv/onboard/supervision.h"
+#include "cosiva/aiv/onboard/v2x_participant.h"
+#include "cosiva/aiv/onboard/virtual_perception.h"
+#include "cosiva/aiv/onboard/zone_selection.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/wire/vda5050/codec.h"
 
 namespace cosiva::aiv {
+namespace {
 
-void OnboardCore::Inside::on_configure(wire::Effects& effects) {
-  if (options.zone) use_zone(*options.zone, effects);
+/// Longer than a board takes to answer, and than RALI takes between two readings.
+constexpr SimDuration starting_up_max = std::chrono::milliseconds{700};
+
+void log(wire::Effects& effects, char level, std::string text) {
+  effects.emplace_back(wire::Log{level, std::move(text)});
 }
 
-void OnboardCore::Inside::on_recall(const wire::Input& input, wire::Effects& effects) {
-  auto recalled = memory_from_json(input.payload);
-  if (!recalled) {
-    log(effects, 'w', "memory not used: " + to_string(recalled.error()));
-    return;
-  }
-  memory = std::move(*recalled);
-  if (agent) {
-    agent->hold(Hold::paused, memory->paused);
-    agent->impose(memory->imposed);
-  }
-  find_place();
+}  // namespace
+
+/// The parts of the program, and which input goes to which of them.
+struct OnboardCore::Parts {
+  explicit Parts(OnboardOptions o)
+      : options{std::move(o)},
+        boards{options.number},
+        supervision{options.link_timeout},
+        session{options.id, options.interface_name, options.as_values},
+        reporter{options},
+        positions{options},
+        v2x{options.id, options.v2x},
+        drive_cycle{supervision, perception, v2x, boards, session},
+        actions{{session, reporter, positions, drive_cycle, zones, server}},
+        orders{{session, reporter, actions, drive_cycle, zones}, options.cycle} {}
+
+  void on_restore(const wire::Input& input, wire::Effects& effects);
+  void on_link(const wire::Input& input, wire::Effects& effects);
+  void on_port(const wire::Input& input);
+  void on_bytes(const wire::Input& input, wire::Effects& effects);
+  void on_message(const wire::Input& input, wire::Effects& effects);
+  void on_tick(SimTime now, wire::Effects& effects);
+
+  void on_board(SimTime now, const wire::Hello& hello);
+  void on_board(SimTime now, const wire::Odometry& odometry);
+  void on_board(SimTime now, const wire::TagRead& tag);
+  void on_board(SimTime now, const wire::Ranges& ranges);
+  void on_board(SimTime now, const wire::Power& power);
+
+  void on_virtual_bodies(const wire::Input& input, wire::Effects& effects);
+  void on_owner(const wire::Input& input, wire::Effects& effects);
+  void on_server_connection(const wire::Input& input, wire::Effects& effects);
+  void on_zone(SimTime now, zone::ZoneConfiguration announced, wire::Effects& effects);
+  void enter_first_zone(SimTime now, const zone::Rtm& rtm, wire::Effects& effects);
+  void end_zone_switch(SimTime now, wire::Effects& effects);
+
+  /// Subscribes to all topics besides subscriptions().
+  void subscribe(wire::Effects& effects) const;
+  void publish_detection(SimTime now, wire::Effects& effects);
+  /// The boards answer a moment after the program: reported at once, their silence would raise six false alarms.
+  [[nodiscard]] bool starting_up(SimTime now) const;
+  [[nodiscard]] ReportSources sources(SimTime now) const;
+
+  OnboardOptions options;
+  BoardsLink boards;
+  Supervision supervision;
+  Session session;
+  ServerSelection server;
+  ZoneSelection zones;
+  std::unique_ptr<DrivingContext> context;  ///< none before a zone is known
+  StateReporter reporter;
+  PositionStore positions;
+  EstimationService estimation;
+  V2xParticipant v2x;
+  VirtualPerception perception;
+  DriveCycle drive_cycle;
+  ActionExecutor actions;
+  OrderReceiver orders;
+};
+
+void OnboardCore::Parts::on_restore(const wire::Input& input, wire::Effects& effects) {
+  auto restored = memory_from_json(input.payload);
+  if (!restored) return log(effects, 'w', "memory not used: " + to_string(restored.error()));
+  positions.restore(std::move(*restored), context.get());
 }
 
-void OnboardCore::Inside::on_link(const wire::Input& input, wire::Effects& effects) {
+void OnboardCore::Parts::on_link(const wire::Input& input, wire::Effects& effects) {
   const bool up = input.payload == "up";
   supervision.broker(input.at, up);
   session.set_online(up);
   if (!up) return;
   session.publish(input.at, wire::ConnectionState::online, effects);
-  publish_factsheet(input.at, effects);
-  state_due = true;
-  owes_answer = true;
+  if (context) reporter.publish_factsheet(input.at, context->zone(), session, effects);
+  reporter.request_report();
+  perception.request_response();
 }
 
-void OnboardCore::Inside::on_port(const wire::Input& input) {
+void OnboardCore::Parts::on_port(const wire::Input& input) {
   const auto board = boards.board_of(input.source);
   if (!board) return;
   const bool up = input.payload == "up";
@@ -43,200 +115,268 @@ void OnboardCore::Inside::on_port(const wire::Input& input) {
   if (!up) supervision.board_gone(*board);
 }
 
-void OnboardCore::Inside::on_bytes(const wire::Input& input, wire::Effects& effects) {
+void OnboardCore::Parts::on_bytes(const wire::Input& input, wire::Effects& effects) {
   const auto board = boards.board_of(input.source);
   if (!board) return;
   for (const wire::BoardMessage& message : boards.on_bytes(*board, input.payload)) {
     supervision.board_heard(input.at, *board);
-    std::visit([this](const auto& m) { on_board(m); }, message);
+    std::visit(
+        [&](const auto& m) {
+          // Heartbeats are the link's, and commands are no messages of a board.
+          if constexpr (requires { on_board(input.at, m); }) on_board(input.at, m);
+        },
+        message);
   }
-  if (std::exchange(looked, false)) tell_seen(effects);
-  tell_estimate(effects);
+  if (boards.take_new_ranges()) publish_detection(input.at, effects);
+  estimation.publish(session, effects);
 }
 
-void OnboardCore::Inside::on_message(const wire::Input& input, wire::Effects& effects) {
+void OnboardCore::Parts::on_message(const wire::Input& input, wire::Effects& effects) {
+  const wire::ServerTopics& topics = server.topics();
   if (input.source == topics.heartbeat) {
     if (!input.flag) supervision.server_heard(input.at);
   } else if (input.source == session.ahead_topic()) {
-    on_ahead(input, effects);
+    on_virtual_bodies(input, effects);
   } else if (input.source == session.order_topic()) {
-    on_order(input, effects);
+    orders.on_order(input, context.get(), effects);
   } else if (input.source == session.instant_actions_topic()) {
-    on_instant_actions(input, effects);
+    actions.on_message(input.at, input.payload, context.get(), effects);
   } else if (input.source == topics.connection) {
     on_server_connection(input, effects);
   } else if (input.source == session.estimate_request_topic()) {
-    on_estimate_request(input, effects);
+    estimation.on_request(input.at, input.payload, session, effects);
   } else if (input.source == session.owner_topic()) {
     on_owner(input, effects);
-  } else if (input.source.starts_with(topics.zone_prefix)) {
-    on_zone(input, effects);
+  } else if (input.source.starts_with(topics.zone_prefix) && !input.payload.empty()) {
+    // An empty message clears the topic of a format that the zone no longer has.
+    on_zone(input.at, zone::from_payload(input.source.substr(topics.zone_prefix.size()), input.source, input.payload),
+            effects);
   }
 }
 
-void OnboardCore::Inside::on_board(const wire::Hello& hello) {
+void OnboardCore::Parts::on_board(SimTime, const wire::Hello& hello) {
   if (hello.board != wire::Board::PILS) return;
-  if (pils_session && *pils_session != hello.session && agent) agent->on_odometer_reset();
-  pils_session = hello.session;
-  find_place();
+  const bool powered_up_anew = positions.on_pils_hello(hello.session);
+  if (!context) return;
+  if (powered_up_anew) context->agent().on_odometer_reset();
+  positions.find_position(*context);
 }
 
-void OnboardCore::Inside::on_board(const wire::Odometry& odometry) {
-  if (!agent) return;
-  roll(odometry);
-  if (!agent->position().pose_known()) find_place();
+void OnboardCore::Parts::on_board(SimTime now, const wire::Odometry& odometry) {
+  if (!context) return;
+  estimation.on_odometry(now, odometry, *context);
+  if (!context->agent().position().pose_known()) positions.find_position(*context);
 }
 
-void OnboardCore::Inside::on_board(const wire::TagRead& tag) {
-  if (!agent) return;
-  const auto last = agent->position().last_tag();
-  if (estimating.busy() && agent->position().pose_known())
-    estimating.on_tag(tag.number, now - std::chrono::milliseconds{tag.age_ms}, *zone, agent->position().pose());
-  const auto fix = agent->on_tag(tag);
-  // A beacon every few centimetres is no event; a tag is (A13), and so is a belief that was wrong.
-  if (agent->position().last_tag() != last || fix.kind == PositionEstimator::FixKind::relocated) state_due = true;
+void OnboardCore::Parts::on_board(SimTime now, const wire::TagRead& tag) {
+  if (!context) return;
+  const PositionEstimator& position = context->agent().position();
+  const auto last = position.last_tag();
+  estimation.on_tag(now, tag, *context);
+  const auto fix = context->agent().on_tag(tag);
+  // A beacon every few centimetres is no event; a tag is (A13), and so is the correction of a wrong estimate.
+  if (position.last_tag() != last || fix.kind == PositionEstimator::FixKind::relocated) reporter.request_report();
 }
 
-void OnboardCore::Inside::on_board(const wire::Ranges& reading) {
-  ranges = reading;
-  looked = true;
-  if (agent) agent->on_ranges(reading);
+void OnboardCore::Parts::on_board(SimTime, const wire::Ranges& ranges) {
+  if (context) context->agent().on_ranges(ranges);
 }
 
-void OnboardCore::Inside::on_board(const wire::Power& reading) {
-  power = reading;
-  if (agent) agent->on_charge(reading.charge());
+void OnboardCore::Parts::on_board(SimTime, const wire::Power& power) {
+  if (context) context->agent().on_charge(power.charge());
 }
 
-void OnboardCore::Inside::on_tick(wire::Effects& effects) {
-  if (beat.take(now)) boards.beat(uptime_ms(), effects);
-  if (agent) {
-    drive(effects);
-    end_waits();
-    end_switch(effects);
-    if (!agent->take_traversed().empty()) state_due = true;
-    if (agent->take_lost_order()) {
-      refuse("orderError", "order", "the vehicle found itself off its order's way and dropped it",
-             {{"orderId", agent->order().order_id()}}, effects);
+void OnboardCore::Parts::on_virtual_bodies(const wire::Input& input, wire::Effects& effects) {
+  if (!context || !perception.on_bodies(input.at, input, *context, effects)) return;
+  drive_cycle.run(input.at, *context, effects);
+  perception.acknowledge(input.at, *context, session, effects);
+}
+
+void OnboardCore::Parts::on_owner(const wire::Input& input, wire::Effects& effects) {
+  if (!server.on_owner(input.payload, effects)) return;
+  // Nothing was heard of the new server yet, and the virtual bodies of the old one are gone.
+  supervision.server_left();
+  if (context) context->virtual_bodies().forget();
+  perception.request_response();
+  subscribe(effects);
+}
+
+void OnboardCore::Parts::on_server_connection(const wire::Input& input, wire::Effects& effects) {
+  constexpr std::size_t bytes_max = 4096;
+  const auto json = JsonValue::parse(input.payload, bytes_max);
+  const auto state = json ? json->text("connectionState") : std::nullopt;
+  if (!state) return log(effects, 'w', "the server's connection message says nothing");
+  if (*state != wire::vda5050::to_string(wire::ConnectionState::offline)) return;
+  supervision.server_left();
+  if (context) context->virtual_bodies().forget();
+}
+
+void OnboardCore::Parts::on_zone(SimTime now, zone::ZoneConfiguration announced, wire::Effects& effects) {
+  using enum ZoneSelection::Verdict;
+  const auto [verdict, rtm] = zones.on_announced(std::move(announced), context ? &context->zone() : nullptr, effects);
+  if (verdict == unchanged) return;
+  reporter.request_report();
+  if (verdict == first) return enter_first_zone(now, *rtm, effects);
+  if (!context) return;
+  context->agent().hold(Hold::zone_change, zones.pending().has_value());
+  if (verdict != edited) return;
+  context->adopt_fiducials(rtm->zone());
+  zones.enforce(*rtm);
+  const zone::TrafficZone& zone = context->zone();
+  log(effects, 'i',
+      "tags and beacons of '" + zone.name + "' as announced: " + std::to_string(zone.tags.size()) + " tags");
+}
+
+void OnboardCore::Parts::enter_first_zone(SimTime now, const zone::Rtm& rtm, wire::Effects& effects) {
+  COSIVA_EXPECT(!context);
+  context = std::make_unique<DrivingContext>(rtm.zone(), options);
+  zones.enforce(rtm);
+  if (boards.power()) context->agent().on_charge(boards.power()->charge());
+  positions.on_first_zone(*context, effects);
+  reporter.publish_factsheet(now, context->zone(), session, effects);
+}
+
+void OnboardCore::Parts::end_zone_switch(SimTime now, wire::Effects& effects) {
+  if (!zones.pending() || !context->agent().standing()) return;
+  actions.end_waits(context->agent());
+  const std::string from = context->zone().name;
+  context = std::make_unique<DrivingContext>(zones.pending()->zone(), options, context->agent());
+  zones.enforce(*zones.pending());
+  actions.on_zone_switched();
+  estimation.on_zone_switched();
+  perception.on_zone_switched();
+  v2x.on_zone_switched();
+  positions.on_zone_switched(*context);
+  reporter.request_report();
+  reporter.publish_factsheet(now, context->zone(), session, effects);
+  const PositionEstimator& position = context->agent().position();
+  const auto way_off = std::to_string(position.off_by_m()) + " m";
+  log(effects, position.away() ? 'w' : 'i',
+      "zone '" + context->zone().name + "' in force after '" + from + "'" +
+          (position.away()     ? ", whose nearest way passes " + way_off + " from here: parked"
+           : position.beside() ? ", " + way_off + " beside its nearest way"
+                               : ""));
+}
+
+void OnboardCore::Parts::on_tick(SimTime now, wire::Effects& effects) {
+  boards.on_tick(now, effects);
+  if (context) {
+    drive_cycle.run(now, *context, effects);
+    actions.end_waits(context->agent());
+    end_zone_switch(now, effects);
+    Agent& agent = context->agent();
+    if (!agent.take_traversed().empty()) reporter.request_report();
+    if (agent.take_lost_order()) {
+      reporter.refuse("orderError", "order", "the vehicle found itself off its order's way and dropped it",
+                      {{"orderId", agent.order().order_id()}}, effects);
     }
-    const bool due = remember.take(now);
-    remember_place(due, effects);
-    was_standing = agent->standing();
-    show(effects);
-    if (visualize.take(now) && agent->position().pose_known())
-      session.publish(now, compose_visualization(*agent, zone->name), effects);
-    if (options.v2x) {
-      listen_around(effects);
-      tell_intent(effects);
-    }
+    positions.on_tick(now, *context, effects);
+    reporter.update_display(now, agent, boards, effects);
+    reporter.publish_visualization(now, *context, session, effects);
+    if (v2x.update_cell(*context)) subscribe(effects);
+    v2x.publish_intent(now, *context, session, effects);
   }
-  if (!waking() && report_boards.take(now)) session.publish(now, compose_boards_report(sources(), ranges), effects);
-  const ReportFlags flags_now = flags_of(sources());
-  if (flags_now != flags) state_due = true;
-  flags = flags_now;
+  if (!starting_up(now)) reporter.publish_boards_report(sources(now), boards.ranges(), session, effects);
+  reporter.compare_flags(flags_of(sources(now)));
 }
 
-void OnboardCore::Inside::supervise() {
-  const bool pils_lost = supervision.board_lost(now, wire::Board::PILS);
-  if (pils_lost) agent->on_odometry_lost();
-  const auto faulty = [&](wire::Board board) { return boards.health(board).self_test != 0; };
-  agent->hold(Hold::broker_lost, supervision.broker_lost(now));
-  agent->hold(Hold::server_lost, supervision.server_lost(now));
-  agent->hold(Hold::board_lost, supervision.any_board_lost(now));
-  // It could go on without power readings or tags, not without wheels or eyes.
-  agent->hold(Hold::board_faulty, faulty(wire::Board::PILS) || faulty(wire::Board::DOBS));
+void OnboardCore::Parts::subscribe(wire::Effects& effects) const {
+  std::vector<std::string> filters = v2x.filters();
+  const std::vector<std::string> of_server = server.filters();
+  filters.insert(filters.end(), of_server.begin(), of_server.end());
+  effects.emplace_back(wire::Listen{std::move(filters)});
 }
 
-void OnboardCore::Inside::show(wire::Effects& effects) {
-  if (!display.take(now)) return;
-  std::string text = display_text(options.id.serial_number, *agent);
-  if (text == shown) return;
-  boards.send(wire::Board::PRAV, wire::Display{text}, effects);
-  shown = std::move(text);
+void OnboardCore::Parts::publish_detection(SimTime now, wire::Effects& effects) {
+  if (!context || !context->agent().position().known()) return;
+  const Agent& agent = context->agent();
+  const zone::TrafficZone& zone = context->zone();
+  const Pose2 X_BS{0.5 * zone.vehicle.length_m, 0.0, 0.0};
+  auto detection = context->sighting().on_frame(now, agent.look(), *boards.ranges(), agent.position().pose() * X_BS,
+                                                agent.look_reach_m());
+  if (!detection) return;
+  detection->map_id = zone.name;
+  session.publish(now, std::move(*detection), effects);
 }
 
-bool OnboardCore::Inside::waking() const {
-  return now - started < waking_max && (supervision.any_board_lost(now) || !power);
+bool OnboardCore::Parts::starting_up(SimTime now) const {
+  return boards.uptime(now) < starting_up_max && (supervision.any_board_lost(now) || !boards.power());
 }
 
-void OnboardCore::Inside::publish_state_if_due(wire::Effects& effects) {
-  if (!session.online()) return;
-  if (!state_sent && waking()) return;
-  const SimDuration since = state_sent ? now - *state_sent : SimDuration::max();
-  if (since < (state_due ? state_interval_min : options.state_period) && since >= SimDuration::zero()) return;
-  session.publish(now, compose_state(sources()), effects);
-  state_sent = now;
-  state_due = false;
+ReportSources OnboardCore::Parts::sources(SimTime now) const {
+  return {now,
+          context ? &context->agent() : nullptr,
+          zones.maps(),
+          zones.refusal(),
+          boards,
+          supervision,
+          actions.book(),
+          reporter.warnings(),
+          boards.power()};
 }
 
-void OnboardCore::Inside::publish_factsheet(SimTime at, wire::Effects& effects) {
-  if (!agent) return;
-  session.publish(at, make_factsheet(*zone, {options.state_period, state_interval_min, options.visualization_period}),
-                  effects);
-}
-
-ReportSources OnboardCore::Inside::sources() const {
-  return {now, agent ? &*agent : nullptr, maps, zone_refused, boards, supervision, actions, warnings, power};
-}
-
-OnboardCore::OnboardCore(OnboardOptions options) : inside_{std::make_unique<Inside>(std::move(options))} {}
+OnboardCore::OnboardCore(OnboardOptions options) : parts_{std::make_unique<Parts>(std::move(options))} {}
 OnboardCore::~OnboardCore() = default;
 
 void OnboardCore::handle(const wire::Input& input, wire::Effects& effects) {
-  Inside& in = *inside_;
-  in.now = input.at;
+  Parts& parts = *parts_;
+  now_ = input.at;
   switch (input.kind) {
     case wire::InputKind::configure:
-      in.started = input.at;
-      in.on_configure(effects);
+      parts.boards.start(now_);
+      if (parts.options.zone) parts.on_zone(now_, *parts.options.zone, effects);
       break;
-    case wire::InputKind::recall: in.on_recall(input, effects); break;
-    case wire::InputKind::link: in.on_link(input, effects); break;
-    case wire::InputKind::port: in.on_port(input); break;
-    case wire::InputKind::bytes: in.on_bytes(input, effects); break;
+    case wire::InputKind::recall: parts.on_restore(input, effects); break;
+    case wire::InputKind::link: parts.on_link(input, effects); break;
+    case wire::InputKind::port: parts.on_port(input); break;
+    case wire::InputKind::bytes: parts.on_bytes(input, effects); break;
     case wire::InputKind::message:
-      // What others say is no reason to report: it comes often, and changes nothing that a state says.
-      if (input.source.starts_with(wire::v2x_topic_prefix)) return in.on_intent(input, effects);
-      in.on_message(input, effects);
+      // Intents are no reason to report: they come often, and change nothing that a state contains.
+      if (input.source.starts_with(wire::v2x_topic_prefix)) {
+        if (parts.context) parts.v2x.on_intent(now_, input, *parts.context, effects);
+        return;
+      }
+      parts.on_message(input, effects);
       break;
-    case wire::InputKind::tick: in.on_tick(effects); break;
-    case wire::InputKind::command: break;  // nobody commands a vehicle from its own machine
+    case wire::InputKind::tick: parts.on_tick(now_, effects); break;
+    case wire::InputKind::command: break;  // no operator commands a vehicle from its own machine
   }
-  in.publish_state_if_due(effects);
+  COSIVA_EXPECT(parts.zones.maps().empty() == (parts.context == nullptr));
+  parts.reporter.publish_state(parts.sources(now_), parts.starting_up(now_), parts.session, effects);
 }
 
 std::vector<std::string> OnboardCore::subscriptions() const {
-  // Whose it is comes first: of the zones that a broker keeps, the one of its hall is the one that its memory is of.
-  return {inside_->session.owner_topic(),
-          inside_->session.order_topic(),
-          inside_->session.instant_actions_topic(),
-          inside_->session.ahead_topic(),
-          inside_->session.estimate_request_topic(),
+  // The owner comes first: of the zones that a broker retains, the owner's is the one that a restored position is of.
+  const Session& session = parts_->session;
+  return {session.owner_topic(),
+          session.order_topic(),
+          session.instant_actions_topic(),
+          session.ahead_topic(),
+          session.estimate_request_topic(),
           std::string(wire::server_heartbeat_topic),
           std::string(wire::server_connection_topic),
           wire::topics_below(wire::zone_topic_prefix, 1)};
 }
 
-std::optional<wire::Will> OnboardCore::will() const { return inside_->session.will(inside_->now); }
+std::optional<wire::Will> OnboardCore::will() const { return parts_->session.will(now_); }
 
 void OnboardCore::farewell(SimTime now, wire::Effects& effects) {
-  Inside& in = *inside_;
-  in.now = now;
-  if (in.agent) {
-    const auto braking = in.zone->profiles.medium.braking_mps2;
-    in.boards.send(wire::Board::PILS, wire::Drive{0, 0, static_cast<std::uint16_t>(1000.0 * braking), 0}, effects);
-    in.must_remember = true;
-    in.remember_place(true, effects);
+  now_ = now;
+  if (const auto& context = parts_->context) {
+    const auto braking = context->zone().profiles.medium.braking_mps2;
+    const wire::Drive stop{0, 0, static_cast<std::uint16_t>(1000.0 * braking), 0};
+    parts_->boards.send(wire::Board::PILS, stop, effects);
+    parts_->positions.save_now(*context, effects);
   }
-  in.session.publish(now, wire::ConnectionState::offline, effects);
+  parts_->session.publish(now, wire::ConnectionState::offline, effects);
 }
 
 void OnboardCore::fold(Digest& digest) const {
-  const Inside& in = *inside_;
-  digest.add(std::string_view{in.options.id.serial_number});
-  digest.add(std::uint64_t{in.agent.has_value()});
-  if (!in.agent) return;
-  const Agent& agent = *in.agent;
+  digest.add(std::string_view{parts_->options.id.serial_number});
+  digest.add(std::uint64_t{parts_->context != nullptr});
+  if (!parts_->context) return;
+  const DrivingContext& context = *parts_->context;
+  const Agent& agent = context.agent();
   digest.add(std::uint64_t{agent.position().known()});
   if (agent.position().known()) {
     digest.add(std::uint64_t{agent.position().place().section});
@@ -255,24 +395,25 @@ void OnboardCore::fold(Digest& digest) const {
   digest.add(std::uint64_t{agent.order().order_update_id()});
   digest.add(std::uint64_t{agent.order().last_node_sequence_id()});
   digest.add(std::uint64_t{agent.braking_for_felt()});
-  in.felt->fold(digest);
-  in.sighting.fold(digest);
-  in.neighbours->fold(digest);
+  context.virtual_bodies().fold(digest);
+  context.sighting().fold(digest);
+  context.neighbours().fold(digest);
 }
 
-SimDuration OnboardCore::tick_period() const { return inside_->options.cycle; }
+SimDuration OnboardCore::tick_period() const { return parts_->options.cycle; }
 
-std::string OnboardCore::kept_memory() const { return inside_->kept ? to_json(*inside_->kept) : std::string{}; }
+std::string OnboardCore::kept_memory() const { return parts_->positions.saved_json(); }
 
-const OnboardOptions& OnboardCore::options() const { return inside_->options; }
+const OnboardOptions& OnboardCore::options() const { return parts_->options; }
 
-std::vector<std::string> OnboardCore::ports() const { return inside_->boards.ports(); }
+std::vector<std::string> OnboardCore::ports() const { return parts_->boards.ports(); }
 
 std::optional<Pose2> OnboardCore::believed_pose() const {
-  const auto& agent = inside_->agent;
-  return agent && agent->position().pose_known() ? std::optional{agent->position().pose()} : std::nullopt;
+  const auto& context = parts_->context;
+  if (!context || !context->agent().position().pose_known()) return std::nullopt;
+  return context->agent().position().pose();
 }
 
-double OnboardCore::believed_speed_mps() const { return inside_->agent ? inside_->agent->speed_mps() : 0.0; }
+double OnboardCore::believed_speed_mps() const { return parts_->context ? parts_->context->agent().speed_mps() : 0.0; }
 
 }  // namespace cosiva::aiv

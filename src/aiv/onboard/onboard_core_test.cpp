@@ -1,10 +1,10 @@
-#include "aiv/onboard/onboard_core.h"
+#include "cosiva/aiv/onboard/onboard_core.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "aiv/onboard/memory.h"
-#include "aiv/onboard/onboard_bench.h"
+#include "cosiva/aiv/onboard/memory.h"
+#include "cosiva/aiv/onboard/onboard_bench.h"
 
 namespace cosiva::aiv {
 namespace {

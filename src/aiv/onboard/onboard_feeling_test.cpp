@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "aiv/envelope.h"
-#include "aiv/onboard/onboard_bench.h"
+#include "cosiva/aiv/decision/envelope.h"
+#include "cosiva/aiv/onboard/onboard_bench.h"
 
 namespace cosiva::aiv {
 namespace {

@@ -2,10 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "aiv/onboard/instant_actions.h"
-#include "aiv/onboard/onboard_bench.h"
-#include "aiv/onboard/supervision.h"
-#include "aiv/onboard/warnings.h"
+#include "cosiva/aiv/onboard/instant_actions.h"
+#include "cosiva/aiv/onboard/onboard_bench.h"
+#include "cosiva/aiv/onboard/supervision.h"
+#include "cosiva/aiv/onboard/warnings.h"
 
 namespace cosiva::aiv {
 namespace {
@@ -53,6 +53,15 @@ TEST(InstantActions, pause_and_resume) {
   EXPECT_EQ(bench.action("r1")->status, ActionStatus::finished);
   EXPECT_FALSE(bench.state().paused);
   EXPECT_NEAR(bench.speed_mps, medium_mps, 0.01);
+}
+
+TEST(InstantActions, a_pause_tells_the_motors_before_anything_else_happens) {
+  Driving bench;
+  const int drives = bench.drives;
+  ASSERT_GT(bench.last_drive().speed_mmps, 0);
+  bench.act("startPause", "p");
+  EXPECT_EQ(bench.drives, drives + 1);
+  EXPECT_EQ(bench.last_drive().speed_mmps, 0);
 }
 
 TEST(InstantActions, a_resume_overtakes_a_pause_that_did_not_stand_yet) {

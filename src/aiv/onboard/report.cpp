@@ -1,4 +1,4 @@
-#include "aiv/onboard/report.h"
+#include "cosiva/aiv/onboard/report.h"
 
 #include <array>
 #include <charconv>

@@ -4,13 +4,13 @@
 #include <string>
 #include <vector>
 
-#include "aiv/agent.h"
-#include "aiv/onboard/boards_link.h"
-#include "aiv/onboard/instant_actions.h"
-#include "aiv/onboard/supervision.h"
-#include "aiv/onboard/warnings.h"
-#include "wire/messages.h"
-#include "wire/own_messages.h"
+#include "cosiva/aiv/decision/agent.h"
+#include "cosiva/aiv/onboard/boards_link.h"
+#include "cosiva/aiv/onboard/instant_actions.h"
+#include "cosiva/aiv/onboard/supervision.h"
+#include "cosiva/aiv/onboard/warnings.h"
+#include "cosiva/wire/messages/messages.h"
+#include "cosiva/wire/own/own_messages.h"
 
 namespace cosiva::aiv {
 

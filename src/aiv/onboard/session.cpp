@@ -1,12 +1,12 @@
-#include "aiv/onboard/session.h"
+#include "cosiva/aiv/onboard/session.h"
 
 #include <algorithm>
 
-#include "aiv/onboard/instant_actions.h"
-#include "wire/estimate_exchange.h"
-#include "wire/halls.h"
-#include "wire/said.h"
-#include "wire/vda5050/codec.h"
+#include "cosiva/aiv/onboard/instant_actions.h"
+#include "cosiva/wire/in_process/said.h"
+#include "cosiva/wire/own/estimate_exchange.h"
+#include "cosiva/wire/own/halls.h"
+#include "cosiva/wire/vda5050/codec.h"
 
 namespace cosiva::aiv {
 

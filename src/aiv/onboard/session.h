@@ -5,13 +5,13 @@
 #include <string>
 #include <string_view>
 
-#include "base/result.h"
-#include "wire/core.h"
-#include "wire/messages.h"
-#include "wire/own_messages.h"
-#include "wire/topics.h"
-#include "wire/v2x.h"
-#include "zone/traffic_zone.h"
+#include "cosiva/base/result.h"
+#include "cosiva/wire/messages/messages.h"
+#include "cosiva/wire/messages/topics.h"
+#include "cosiva/wire/own/own_messages.h"
+#include "cosiva/wire/own/v2x.h"
+#include "cosiva/wire/runtime/core.h"
+#include "cosiva/zone/layout/traffic_zone.h"
 
 namespace cosiva::aiv {
 
@@ -19,7 +19,7 @@ namespace cosiva::aiv {
 /// §6.14, §6.15). While the broker is away nothing is published: a state that waits is an old state.
 class Session {
  public:
-  /// @param as_values  what comes often is passed on as values (wire/said.h)
+  /// @param as_values  what comes often is passed on as values (wire/in_process/said.h)
   Session(wire::VehicleId id, std::string_view interface_name, bool as_values = false);
 
   [[nodiscard]] const std::string& order_topic() const { return order_topic_; }
@@ -39,7 +39,7 @@ class Session {
   void publish(SimTime now, wire::Visualization&& visualization, wire::Effects& effects);
   void publish(SimTime now, wire::Factsheet&& factsheet, wire::Effects& effects);
 
-  // Our own (wire/own_messages.h), QoS 0 all of them; headers are counted here, too.
+  // Our own (wire/own/own_messages.h), QoS 0 all of them; headers are counted here, too.
   void publish(const wire::Felt& felt, wire::Effects& effects);
   void publish(SimTime now, wire::Seen&& seen, wire::Effects& effects);
   void publish(SimTime now, wire::BoardsReport&& report, wire::Effects& effects);

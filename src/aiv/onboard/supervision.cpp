@@ -1,4 +1,4 @@
-#include "aiv/onboard/supervision.h"
+#include "cosiva/aiv/onboard/supervision.h"
 
 #include <algorithm>
 

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <optional>
 
-#include "base/time.h"
-#include "wire/board.h"
+#include "cosiva/base/time.h"
+#include "cosiva/wire/messages/board.h"
 
 namespace cosiva::aiv {
 

@@ -1,4 +1,4 @@
-#include "aiv/onboard/warnings.h"
+#include "cosiva/aiv/onboard/warnings.h"
 
 #include <algorithm>
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
-#include "wire/messages.h"
+#include "cosiva/base/result.h"
+#include "cosiva/wire/messages/messages.h"
 
 namespace cosiva::aiv {
 

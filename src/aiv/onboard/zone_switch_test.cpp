@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "aiv/onboard/memory.h"
-#include "aiv/onboard/onboard_bench.h"
+#include "cosiva/aiv/onboard/memory.h"
+#include "cosiva/aiv/onboard/onboard_bench.h"
 
 namespace cosiva::aiv {
 namespace {

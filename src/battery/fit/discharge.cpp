@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "battery/fit/log.h"
+#include "cosiva/battery/fit/log.h"
 
 namespace cosiva::battery {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "battery/fit/log.h"
+#include "cosiva/battery/fit/log.h"
 
 namespace cosiva::battery {
 namespace {

@@ -1,4 +1,4 @@
-#include "battery/fit/fit.h"
+#include "cosiva/battery/fit/fit.h"
 
 #include <algorithm>
 #include <array>
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "base/math.h"
-#include "battery/fit/least_squares.h"
+#include "cosiva/base/math.h"
+#include "cosiva/battery/fit/least_squares.h"
 
 namespace cosiva::battery {
 namespace {

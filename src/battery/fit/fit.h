@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
-#include "battery/fit/log.h"
-#include "battery/type.h"
+#include "cosiva/base/result.h"
+#include "cosiva/battery/fit/log.h"
+#include "cosiva/battery/type.h"
 
 namespace cosiva::battery {
 

@@ -1,4 +1,4 @@
-#include "battery/fit/fit.h"
+#include "cosiva/battery/fit/fit.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "base/test_places.h"
-#include "battery/fit/least_squares.h"
-#include "battery/pack.h"
+#include "cosiva/base/test_places.h"
+#include "cosiva/battery/fit/least_squares.h"
+#include "cosiva/battery/pack.h"
 
 namespace cosiva::battery {
 namespace {

@@ -1,4 +1,4 @@
-#include "battery/fit/least_squares.h"
+#include "cosiva/battery/fit/least_squares.h"
 
 #include <algorithm>
 #include <vector>

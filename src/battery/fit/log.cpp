@@ -1,4 +1,4 @@
-#include "battery/fit/log.h"
+#include "cosiva/battery/fit/log.h"
 
 #include <algorithm>
 #include <array>
@@ -7,9 +7,9 @@
 #include <limits>
 #include <optional>
 
-#include "base/text.h"
-#include "battery/fit/log_checks.h"
-#include "battery/fit/log_columns.h"
+#include "cosiva/base/text.h"
+#include "cosiva/battery/fit/log_checks.h"
+#include "cosiva/battery/fit/log_columns.h"
 
 namespace cosiva::battery {
 namespace {

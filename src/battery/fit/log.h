@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/result.h"
+#include "cosiva/base/result.h"
 
 namespace cosiva::battery {
 

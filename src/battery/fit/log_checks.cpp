@@ -1,4 +1,4 @@
-#include "battery/fit/log_checks.h"
+#include "cosiva/battery/fit/log_checks.h"
 
 #include <algorithm>
 #include <array>

@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "base/result.h"
-#include "battery/fit/log.h"
+#include "cosiva/base/result.h"
+#include "cosiva/battery/fit/log.h"
 
 namespace cosiva::battery {
 

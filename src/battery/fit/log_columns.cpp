@@ -1,10 +1,10 @@
-#include "battery/fit/log_columns.h"
+#include "cosiva/battery/fit/log_columns.h"
 
 #include <algorithm>
 #include <span>
 #include <utility>
 
-#include "base/text.h"
+#include "cosiva/base/text.h"
 
 namespace cosiva::battery {
 namespace {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/result.h"
+#include "cosiva/base/result.h"
 
 /// What a log's header says: which column holds what, in which unit, and what stands between two of them.
 namespace cosiva::battery {

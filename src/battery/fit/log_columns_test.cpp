@@ -1,11 +1,11 @@
-#include "battery/fit/log_columns.h"
+#include "cosiva/battery/fit/log_columns.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "battery/fit/log.h"
+#include "cosiva/battery/fit/log.h"
 
 namespace cosiva::battery {
 namespace {

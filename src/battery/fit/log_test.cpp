@@ -1,4 +1,4 @@
-#include "battery/fit/log.h"
+#include "cosiva/battery/fit/log.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -4,8 +4,8 @@
 #include <limits>
 #include <memory>
 
-#include "battery/fit/fit.h"
-#include "battery/pack.h"
+#include "cosiva/battery/fit/fit.h"
+#include "cosiva/battery/pack.h"
 
 namespace cosiva::battery {
 namespace {

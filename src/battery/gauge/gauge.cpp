@@ -1,12 +1,12 @@
-#include "battery/gauge/gauge.h"
+#include "cosiva/battery/gauge/gauge.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "base/expect.h"
-#include "base/json_value.h"
-#include "base/json_writer.h"
-#include "base/math.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/base/math.h"
 
 namespace cosiva::battery {
 namespace {

@@ -7,9 +7,9 @@
 #include <string>
 #include <string_view>
 
-#include "base/digest.h"
-#include "battery/gauge/monitor.h"
-#include "battery/pack.h"
+#include "cosiva/base/digest.h"
+#include "cosiva/battery/gauge/monitor.h"
+#include "cosiva/battery/pack.h"
 
 namespace cosiva::battery {
 

@@ -1,4 +1,4 @@
-#include "battery/gauge/gauge.h"
+#include "cosiva/battery/gauge/gauge.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "base/test_places.h"
+#include "cosiva/base/test_places.h"
 
 namespace cosiva::battery {
 namespace {

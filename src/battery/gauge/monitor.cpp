@@ -1,4 +1,4 @@
-#include "battery/gauge/monitor.h"
+#include "cosiva/battery/gauge/monitor.h"
 
 #include <cmath>
 

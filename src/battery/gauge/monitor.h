@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "base/random.h"
+#include "cosiva/base/random.h"
 
 namespace cosiva::battery {
 

@@ -1,4 +1,4 @@
-#include "experiments/battery/analysis.h"
+#include "cosiva/experiments/battery/analysis.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <set>
 #include <utility>
 
-#include "experiments/statistics/distributions.h"
-#include "experiments/statistics/sample.h"
+#include "cosiva/experiments/statistics/distributions.h"
+#include "cosiva/experiments/statistics/sample.h"
 
 namespace cosiva::experiments {
 namespace {

@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "experiments/battery/procedure.h"
-#include "experiments/battery/virtual_rig.h"
-#include "experiments/statistics/effects.h"
-#include "experiments/statistics/interval.h"
-#include "experiments/statistics/survival.h"
-#include "experiments/statistics/tolerance.h"
+#include "cosiva/experiments/battery/procedure.h"
+#include "cosiva/experiments/battery/virtual_rig.h"
+#include "cosiva/experiments/statistics/effects.h"
+#include "cosiva/experiments/statistics/interval.h"
+#include "cosiva/experiments/statistics/survival.h"
+#include "cosiva/experiments/statistics/tolerance.h"
 
 namespace cosiva::experiments {
 

@@ -1,4 +1,4 @@
-#include "experiments/battery/analysis.h"
+#include "cosiva/experiments/battery/analysis.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "base/json_value.h"
-#include "base/test_places.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/test_places.h"
 
 namespace cosiva::experiments {
 namespace {

@@ -1,11 +1,11 @@
-#include "experiments/battery/live_rig.h"
+#include "cosiva/experiments/battery/live_rig.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "base/expect.h"
-#include "base/json_value.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/base/json_value.h"
 
 namespace cosiva::experiments {
 namespace {

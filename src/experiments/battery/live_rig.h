@@ -5,13 +5,13 @@
 #include <string_view>
 #include <vector>
 
-#include "base/json_writer.h"
-#include "base/pose.h"
-#include "experiments/battery/virtual_rig.h"
-#include "wire/battery_exchange.h"
-#include "wire/core.h"
-#include "wire/own_messages.h"
-#include "wire/topics.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/base/pose.h"
+#include "cosiva/experiments/battery/virtual_rig.h"
+#include "cosiva/wire/messages/topics.h"
+#include "cosiva/wire/own/battery_exchange.h"
+#include "cosiva/wire/own/own_messages.h"
+#include "cosiva/wire/runtime/core.h"
 
 namespace cosiva::experiments {
 

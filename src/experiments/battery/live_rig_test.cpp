@@ -1,4 +1,4 @@
-#include "experiments/battery/live_rig.h"
+#include "cosiva/experiments/battery/live_rig.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <chrono>
 #include <string>
 
-#include "wire/battery_exchange.h"
+#include "cosiva/wire/own/battery_exchange.h"
 
 namespace cosiva::experiments {
 namespace {

@@ -1,5 +1,5 @@
-#include "experiments/battery/virtual_rig.h"
-#include "experiments/world/fleet.h"
+#include "cosiva/experiments/battery/virtual_rig.h"
+#include "cosiva/experiments/runs/world/fleet.h"
 
 namespace cosiva::experiments {
 namespace {

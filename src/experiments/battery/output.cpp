@@ -4,8 +4,8 @@
 #include <charconv>
 #include <cmath>
 
-#include "base/json_writer.h"
-#include "experiments/battery/analysis.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/experiments/battery/analysis.h"
 
 namespace cosiva::experiments {
 namespace {

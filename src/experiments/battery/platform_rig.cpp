@@ -1,15 +1,15 @@
-#include "experiments/battery/platform_rig.h"
+#include "cosiva/experiments/battery/platform_rig.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "base/json_writer.h"
-#include "base/random.h"
-#include "experiments/battery/live_rig.h"
-#include "experiments/world/fleet.h"
-#include "wire/said.h"
-#include "wire/topics.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/base/random.h"
+#include "cosiva/experiments/battery/live_rig.h"
+#include "cosiva/experiments/runs/world/fleet.h"
+#include "cosiva/wire/in_process/said.h"
+#include "cosiva/wire/messages/topics.h"
 
 namespace cosiva::experiments {
 namespace {

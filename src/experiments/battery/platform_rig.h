@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "experiments/battery/procedure.h"
-#include "experiments/battery/virtual_rig.h"
-#include "experiments/world/world.h"
+#include "cosiva/experiments/battery/procedure.h"
+#include "cosiva/experiments/battery/virtual_rig.h"
+#include "cosiva/experiments/runs/world/world.h"
 
 namespace cosiva::experiments {
 

@@ -1,4 +1,4 @@
-#include "experiments/battery/platform_rig.h"
+#include "cosiva/experiments/battery/platform_rig.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "base/test_places.h"
-#include "experiments/battery/analysis.h"
+#include "cosiva/base/test_places.h"
+#include "cosiva/experiments/battery/analysis.h"
 
 namespace cosiva::experiments {
 namespace {

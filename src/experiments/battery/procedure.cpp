@@ -1,12 +1,12 @@
-#include "experiments/battery/procedure.h"
+#include "cosiva/experiments/battery/procedure.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 
-#include "base/expect.h"
-#include "experiments/statistics/effects.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/experiments/statistics/effects.h"
 
 namespace cosiva::experiments {
 namespace {

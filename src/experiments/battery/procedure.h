@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "base/result.h"
-#include "base/time.h"
+#include "cosiva/base/result.h"
+#include "cosiva/base/time.h"
 
 /// The exchange of a battery test (A37, A38): changeBattery → batteryReady → run → {rc, sendMsg} … floor. Told what the
 /// vehicles say and when, it answers what to tell them; it owns no link, clock or file. What it knows of a battery is

@@ -1,8 +1,8 @@
 // A test's state as JSON: saved at each sample, so that a server that died goes on from its last word.
 #include <utility>
 
-#include "experiments/battery/procedure.h"
-#include "experiments/battery/record_json.h"
+#include "cosiva/experiments/battery/procedure.h"
+#include "cosiva/experiments/battery/record_json.h"
 
 namespace cosiva::experiments {
 namespace {

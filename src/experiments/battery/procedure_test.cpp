@@ -1,4 +1,4 @@
-#include "experiments/battery/procedure.h"
+#include "cosiva/experiments/battery/procedure.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "experiments/battery/record_json.h"
+#include "cosiva/experiments/battery/record_json.h"
 
 #include <array>
 #include <utility>

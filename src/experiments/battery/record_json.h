@@ -1,8 +1,8 @@
 #pragma once
 
-#include "base/json_value.h"
-#include "base/json_writer.h"
-#include "experiments/battery/procedure.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/experiments/battery/procedure.h"
 
 namespace cosiva::experiments {
 

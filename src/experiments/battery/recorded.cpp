@@ -1,12 +1,12 @@
-#include "experiments/battery/recorded.h"
+#include "cosiva/experiments/battery/recorded.h"
 
 #include <algorithm>
 #include <array>
 #include <map>
 #include <optional>
 
-#include "base/json_value.h"
-#include "base/text.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/text.h"
 
 namespace cosiva::experiments {
 namespace {

@@ -4,8 +4,8 @@
 #include <string_view>
 #include <vector>
 
-#include "base/result.h"
-#include "experiments/battery/procedure.h"
+#include "cosiva/base/result.h"
+#include "cosiva/experiments/battery/procedure.h"
 
 /// Tests of batteries that were made before, here or by others: what is said of ours is said of theirs.
 namespace cosiva::experiments {

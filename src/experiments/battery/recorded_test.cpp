@@ -1,4 +1,4 @@
-#include "experiments/battery/recorded.h"
+#include "cosiva/experiments/battery/recorded.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,8 +7,8 @@
 #include <iterator>
 #include <string>
 
-#include "base/test_places.h"
-#include "experiments/battery/analysis.h"
+#include "cosiva/base/test_places.h"
+#include "cosiva/experiments/battery/analysis.h"
 
 namespace cosiva::experiments {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "experiments/battery/analysis.h"
-#include "experiments/report/chart.h"
-#include "experiments/report/report.h"
+#include "cosiva/experiments/battery/analysis.h"
+#include "cosiva/experiments/reporting/chart.h"
+#include "cosiva/experiments/reporting/report.h"
 
 namespace cosiva::experiments {
 namespace {

@@ -1,15 +1,15 @@
-#include "experiments/battery/virtual_rig.h"
+#include "cosiva/experiments/battery/virtual_rig.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include "base/expect.h"
-#include "base/json_value.h"
-#include "base/json_writer.h"
-#include "base/math.h"
-#include "experiments/battery/record_json.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/base/math.h"
+#include "cosiva/experiments/battery/record_json.h"
 
 namespace cosiva::experiments {
 namespace {

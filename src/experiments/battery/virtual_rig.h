@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "battery/gauge/gauge.h"
-#include "battery/gauge/monitor.h"
-#include "battery/pack.h"
-#include "experiments/battery/procedure.h"
-#include "experiments/world/world.h"
+#include "cosiva/battery/gauge/gauge.h"
+#include "cosiva/battery/gauge/monitor.h"
+#include "cosiva/battery/pack.h"
+#include "cosiva/experiments/battery/procedure.h"
+#include "cosiva/experiments/runs/world/world.h"
 
 /// A battery test in virtual time: the vehicles' own work, emulated batteries and gauges, and the very procedure that a
 /// real test would run.

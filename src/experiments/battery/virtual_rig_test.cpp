@@ -1,4 +1,4 @@
-#include "experiments/battery/virtual_rig.h"
+#include "cosiva/experiments/battery/virtual_rig.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "base/test_places.h"
-#include "experiments/battery/analysis.h"
+#include "cosiva/base/test_places.h"
+#include "cosiva/experiments/battery/analysis.h"
 
 namespace cosiva::experiments {
 namespace {

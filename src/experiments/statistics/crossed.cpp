@@ -2,9 +2,9 @@
 #include <cmath>
 #include <set>
 
-#include "experiments/statistics/effects.h"
-#include "experiments/statistics/sample.h"
-#include "experiments/statistics/special.h"
+#include "cosiva/experiments/statistics/effects.h"
+#include "cosiva/experiments/statistics/sample.h"
+#include "cosiva/experiments/statistics/special.h"
 
 namespace cosiva::statistics {
 namespace {

@@ -1,9 +1,9 @@
-#include "experiments/statistics/distributions.h"
+#include "cosiva/experiments/statistics/distributions.h"
 
 #include <cmath>
 
-#include "base/expect.h"
-#include "base/math.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/base/math.h"
 
 namespace cosiva::statistics {
 namespace {

@@ -1,4 +1,4 @@
-#include "experiments/statistics/distributions.h"
+#include "cosiva/experiments/statistics/distributions.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
-#include "experiments/statistics/effects.h"
+#include "cosiva/experiments/statistics/effects.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "base/expect.h"
-#include "experiments/statistics/distributions.h"
-#include "experiments/statistics/sample.h"
-#include "experiments/statistics/special.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/experiments/statistics/distributions.h"
+#include "cosiva/experiments/statistics/sample.h"
+#include "cosiva/experiments/statistics/special.h"
 
 namespace cosiva::statistics {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "experiments/statistics/interval.h"
+#include "cosiva/experiments/statistics/interval.h"
 
 /// Where differences come from: groups, drift, and who was tested on what.
 namespace cosiva::statistics {

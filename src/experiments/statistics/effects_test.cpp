@@ -1,4 +1,4 @@
-#include "experiments/statistics/effects.h"
+#include "cosiva/experiments/statistics/effects.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-#include "base/random.h"
+#include "cosiva/base/random.h"
 
 namespace cosiva::statistics {
 namespace {

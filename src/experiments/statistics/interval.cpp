@@ -1,11 +1,11 @@
-#include "experiments/statistics/interval.h"
+#include "cosiva/experiments/statistics/interval.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "base/random.h"
-#include "experiments/statistics/distributions.h"
-#include "experiments/statistics/sample.h"
+#include "cosiva/base/random.h"
+#include "cosiva/experiments/statistics/distributions.h"
+#include "cosiva/experiments/statistics/sample.h"
 
 namespace cosiva::statistics {
 namespace {

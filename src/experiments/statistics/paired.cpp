@@ -1,14 +1,14 @@
-#include "experiments/statistics/paired.h"
+#include "cosiva/experiments/statistics/paired.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "base/expect.h"
-#include "base/math.h"
-#include "base/random.h"
-#include "experiments/statistics/distributions.h"
-#include "experiments/statistics/sample.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/base/math.h"
+#include "cosiva/base/random.h"
+#include "cosiva/experiments/statistics/distributions.h"
+#include "cosiva/experiments/statistics/sample.h"
 
 namespace cosiva::statistics {
 namespace {

@@ -1,11 +1,11 @@
-#include "experiments/statistics/paired.h"
+#include "cosiva/experiments/statistics/paired.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
-#include "base/random.h"
+#include "cosiva/base/random.h"
 
 namespace cosiva::statistics {
 namespace {

@@ -1,10 +1,10 @@
-#include "experiments/statistics/sample.h"
+#include "cosiva/experiments/statistics/sample.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "base/expect.h"
+#include "cosiva/base/expect.h"
 
 namespace cosiva::statistics {
 namespace {

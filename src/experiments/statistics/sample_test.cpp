@@ -1,4 +1,4 @@
-#include "experiments/statistics/sample.h"
+#include "cosiva/experiments/statistics/sample.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "base/random.h"
+#include "cosiva/base/random.h"
 
 namespace cosiva::statistics {
 namespace {

@@ -1,11 +1,11 @@
-#include "experiments/statistics/special.h"
+#include "cosiva/experiments/statistics/special.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "base/expect.h"
-#include "base/math.h"
-#include "experiments/statistics/distributions.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/base/math.h"
+#include "cosiva/experiments/statistics/distributions.h"
 
 namespace cosiva::statistics {
 namespace {

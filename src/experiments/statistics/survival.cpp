@@ -1,14 +1,14 @@
-#include "experiments/statistics/survival.h"
+#include "cosiva/experiments/statistics/survival.h"
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 
-#include "base/expect.h"
-#include "base/math.h"
-#include "experiments/statistics/distributions.h"
-#include "experiments/statistics/special.h"
-#include "experiments/statistics/tolerance.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/base/math.h"
+#include "cosiva/experiments/statistics/distributions.h"
+#include "cosiva/experiments/statistics/special.h"
+#include "cosiva/experiments/statistics/tolerance.h"
 
 namespace cosiva::statistics {
 namespace {

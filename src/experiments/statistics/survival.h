@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "experiments/statistics/interval.h"
+#include "cosiva/experiments/statistics/interval.h"
 
 /// Durations some of which nobody saw the end of: a run that failed for another reason lasted at least so long.
 namespace cosiva::statistics {

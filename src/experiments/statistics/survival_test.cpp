@@ -1,4 +1,4 @@
-#include "experiments/statistics/survival.h"
+#include "cosiva/experiments/statistics/survival.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,9 +7,9 @@
 #include <cmath>
 #include <vector>
 
-#include "base/random.h"
-#include "experiments/statistics/sample.h"
-#include "experiments/statistics/tolerance.h"
+#include "cosiva/base/random.h"
+#include "cosiva/experiments/statistics/sample.h"
+#include "cosiva/experiments/statistics/tolerance.h"
 
 namespace cosiva::statistics {
 namespace {

@@ -1,14 +1,14 @@
-#include "experiments/statistics/tolerance.h"
+#include "cosiva/experiments/statistics/tolerance.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "base/expect.h"
-#include "base/math.h"
-#include "experiments/statistics/distributions.h"
-#include "experiments/statistics/sample.h"
-#include "experiments/statistics/special.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/base/math.h"
+#include "cosiva/experiments/statistics/distributions.h"
+#include "cosiva/experiments/statistics/sample.h"
+#include "cosiva/experiments/statistics/special.h"
 
 namespace cosiva::statistics {
 namespace {

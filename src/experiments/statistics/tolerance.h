@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "experiments/statistics/interval.h"
+#include "cosiva/experiments/statistics/interval.h"
 
 /// What a sample of a normal quantity allows to say of the quantity: bounds, outliers, sizes.
 namespace cosiva::statistics {

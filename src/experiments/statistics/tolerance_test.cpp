@@ -1,4 +1,4 @@
-#include "experiments/statistics/tolerance.h"
+#include "cosiva/experiments/statistics/tolerance.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,8 +7,8 @@
 #include <cmath>
 #include <vector>
 
-#include "base/random.h"
-#include "experiments/statistics/special.h"
+#include "cosiva/base/random.h"
+#include "cosiva/experiments/statistics/special.h"
 
 namespace cosiva::statistics {
 namespace {

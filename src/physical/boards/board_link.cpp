@@ -1,6 +1,6 @@
-#include "physical/boards/board_link.h"
+#include "cosiva/physical/boards/board_link.h"
 
-#include "base/digest.h"
+#include "cosiva/base/digest.h"
 
 namespace cosiva::physical {
 namespace {

@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include "base/time.h"
-#include "wire/board.h"
-#include "wire/module_link/module_link.h"
+#include "cosiva/base/time.h"
+#include "cosiva/wire/messages/board.h"
+#include "cosiva/wire/module_link/module_link.h"
 
 namespace cosiva::physical {
 

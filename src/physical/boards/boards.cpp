@@ -1,4 +1,4 @@
-#include "physical/boards/boards.h"
+#include "cosiva/physical/boards/boards.h"
 
 #include <algorithm>
 #include <cmath>

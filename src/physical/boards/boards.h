@@ -7,10 +7,10 @@
 #include <string_view>
 #include <vector>
 
-#include "base/pose.h"
-#include "base/time.h"
-#include "physical/boards/board_link.h"
-#include "wire/board.h"
+#include "cosiva/base/pose.h"
+#include "cosiva/base/time.h"
+#include "cosiva/physical/boards/board_link.h"
+#include "cosiva/wire/messages/board.h"
 
 /// The four boards of one vehicle (A14 to A17), between the world's values and the module link's frames. Each is told
 /// bytes and time and appends bytes to `out`; what it senses is handed in as plain SI values.

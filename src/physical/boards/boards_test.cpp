@@ -1,11 +1,11 @@
-#include "physical/boards/boards.h"
+#include "cosiva/physical/boards/boards.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <array>
 
-#include "wire/module_link/module_link.h"
+#include "cosiva/wire/module_link/module_link.h"
 
 namespace cosiva::physical {
 namespace {

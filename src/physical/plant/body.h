@@ -1,7 +1,7 @@
 #pragma once
 
-#include "base/math.h"
-#include "base/pose.h"
+#include "cosiva/base/math.h"
+#include "cosiva/base/pose.h"
 
 namespace cosiva::physical {
 

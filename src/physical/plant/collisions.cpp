@@ -1,4 +1,4 @@
-#include "physical/plant/collisions.h"
+#include "cosiva/physical/plant/collisions.h"
 
 #include <algorithm>
 #include <cmath>

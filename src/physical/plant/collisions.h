@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "physical/plant/body.h"
-#include "zone/traffic_zone.h"
+#include "cosiva/physical/plant/body.h"
+#include "cosiva/zone/layout/traffic_zone.h"
 
 namespace cosiva::physical {
 

@@ -1,4 +1,4 @@
-#include "physical/plant/collisions.h"
+#include "cosiva/physical/plant/collisions.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "base/random.h"
+#include "cosiva/base/random.h"
 
 namespace cosiva::physical {
 namespace {

@@ -1,4 +1,4 @@
-#include "physical/plant/floor.h"
+#include "cosiva/physical/plant/floor.h"
 
 namespace cosiva::physical {
 

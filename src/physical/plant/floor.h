@@ -3,8 +3,8 @@
 #include <memory>
 #include <utility>
 
-#include "physical/plant/tag_reader.h"
-#include "zone/traffic_zone.h"
+#include "cosiva/physical/plant/tag_reader.h"
+#include "cosiva/zone/layout/traffic_zone.h"
 
 namespace cosiva::physical {
 

@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "physical/plant/odometer.h"
-#include "physical/plant/vehicle_dynamics.h"
-#include "wire/board.h"
+#include "cosiva/physical/plant/odometer.h"
+#include "cosiva/physical/plant/vehicle_dynamics.h"
+#include "cosiva/wire/messages/board.h"
 
 namespace cosiva::physical {
 namespace {

@@ -1,4 +1,4 @@
-#include "physical/plant/obstacles.h"
+#include "cosiva/physical/plant/obstacles.h"
 
 #include <algorithm>
 #include <charconv>

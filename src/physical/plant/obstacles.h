@@ -7,12 +7,12 @@
 #include <string_view>
 #include <vector>
 
-#include "base/json_value.h"
-#include "base/result.h"
-#include "physical/plant/body.h"
-#include "physical/plant/collisions.h"
-#include "zone/draw.h"
-#include "zone/traffic_zone.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/result.h"
+#include "cosiva/physical/plant/body.h"
+#include "cosiva/physical/plant/collisions.h"
+#include "cosiva/zone/drawing/draw.h"
+#include "cosiva/zone/layout/traffic_zone.h"
 
 namespace cosiva::physical {
 

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "base/pose.h"
-#include "base/random.h"
+#include "cosiva/base/pose.h"
+#include "cosiva/base/random.h"
 
 namespace cosiva::physical {
 

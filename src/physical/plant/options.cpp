@@ -3,9 +3,9 @@
 #include <limits>
 #include <string>
 
-#include "base/json_value.h"
-#include "base/json_writer.h"
-#include "physical/plant/plant_core.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/physical/plant/plant_core.h"
 
 namespace cosiva::physical {
 namespace {

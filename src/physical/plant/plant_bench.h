@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "physical/plant/plant_core.h"
-#include "wire/module_link/module_link.h"
+#include "cosiva/physical/plant/plant_core.h"
+#include "cosiva/wire/module_link/module_link.h"
 
 namespace cosiva::physical {
 

@@ -1,4 +1,4 @@
-#include "physical/plant/plant_core.h"
+#include "cosiva/physical/plant/plant_core.h"
 
 #include <algorithm>
 #include <charconv>
@@ -6,15 +6,15 @@
 #include <string>
 #include <utility>
 
-#include "base/json_value.h"
-#include "base/json_writer.h"
-#include "physical/plant/collisions.h"
-#include "physical/plant/floor.h"
-#include "physical/plant/obstacles.h"
-#include "physical/plant/vehicle.h"
-#include "physical/plant/zone_exchange.h"
-#include "wire/battery_exchange.h"
-#include "wire/topics.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/physical/plant/collisions.h"
+#include "cosiva/physical/plant/floor.h"
+#include "cosiva/physical/plant/obstacles.h"
+#include "cosiva/physical/plant/vehicle.h"
+#include "cosiva/physical/plant/zone_exchange.h"
+#include "cosiva/wire/messages/topics.h"
+#include "cosiva/wire/own/battery_exchange.h"
 
 namespace cosiva::physical {
 namespace {

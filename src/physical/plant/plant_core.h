@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "base/pose.h"
-#include "base/result.h"
-#include "wire/core.h"
-#include "zone/rtm/rtm.h"
+#include "cosiva/base/pose.h"
+#include "cosiva/base/result.h"
+#include "cosiva/wire/runtime/core.h"
+#include "cosiva/zone/rtm/rtm.h"
 
 namespace cosiva::physical {
 

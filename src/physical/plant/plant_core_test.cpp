@@ -1,14 +1,14 @@
-#include "physical/plant/plant_core.h"
+#include "cosiva/physical/plant/plant_core.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "base/json_value.h"
-#include "physical/plant/plant_bench.h"
-#include "physical/plant/test_zones.h"
-#include "wire/topics.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/physical/plant/plant_bench.h"
+#include "cosiva/physical/plant/test_zones.h"
+#include "cosiva/wire/messages/topics.h"
 
 namespace cosiva::physical {
 namespace {

@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "physical/plant/plant_bench.h"
-#include "physical/plant/test_zones.h"
+#include "cosiva/physical/plant/plant_bench.h"
+#include "cosiva/physical/plant/test_zones.h"
 
 namespace cosiva::physical {
 namespace {

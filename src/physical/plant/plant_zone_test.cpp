@@ -4,12 +4,12 @@
 #include <cmath>
 #include <map>
 
-#include "base/json_value.h"
-#include "base/json_writer.h"
-#include "physical/plant/plant_bench.h"
-#include "physical/plant/test_zones.h"
-#include "wire/topics.h"
-#include "zone/edit.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/physical/plant/plant_bench.h"
+#include "cosiva/physical/plant/test_zones.h"
+#include "cosiva/wire/messages/topics.h"
+#include "cosiva/zone/edit/edit.h"
 
 namespace cosiva::physical {
 namespace {

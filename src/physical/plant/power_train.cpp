@@ -1,4 +1,4 @@
-#include "physical/plant/power_train.h"
+#include "cosiva/physical/plant/power_train.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,13 +3,13 @@
 #include <memory>
 #include <string>
 
-#include "base/json_value.h"
-#include "base/random.h"
-#include "base/result.h"
-#include "battery/gauge/gauge.h"
-#include "battery/gauge/monitor.h"
-#include "battery/pack.h"
-#include "physical/boards/boards.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/random.h"
+#include "cosiva/base/result.h"
+#include "cosiva/battery/gauge/gauge.h"
+#include "cosiva/battery/gauge/monitor.h"
+#include "cosiva/battery/pack.h"
+#include "cosiva/physical/boards/boards.h"
 
 namespace cosiva::physical {
 

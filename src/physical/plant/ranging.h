@@ -3,11 +3,11 @@
 #include <array>
 #include <vector>
 
-#include "base/pose.h"
-#include "base/random.h"
-#include "physical/boards/boards.h"
-#include "physical/plant/body.h"
-#include "zone/traffic_zone.h"
+#include "cosiva/base/pose.h"
+#include "cosiva/base/random.h"
+#include "cosiva/physical/boards/boards.h"
+#include "cosiva/physical/plant/body.h"
+#include "cosiva/zone/layout/traffic_zone.h"
 
 namespace cosiva::physical {
 

@@ -1,4 +1,4 @@
-#include "physical/plant/ranging.h"
+#include "cosiva/physical/plant/ranging.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "physical/plant/tag_reader.h"
+#include "cosiva/physical/plant/tag_reader.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,10 +3,10 @@
 #include <span>
 #include <vector>
 
-#include "base/pose.h"
-#include "base/random.h"
-#include "base/time.h"
-#include "zone/traffic_zone.h"
+#include "cosiva/base/pose.h"
+#include "cosiva/base/random.h"
+#include "cosiva/base/time.h"
+#include "cosiva/zone/layout/traffic_zone.h"
 
 namespace cosiva::physical {
 

@@ -1,11 +1,11 @@
-#include "physical/plant/tag_reader.h"
+#include "cosiva/physical/plant/tag_reader.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "physical/plant/test_zones.h"
+#include "cosiva/physical/plant/test_zones.h"
 
 namespace cosiva::physical {
 namespace {

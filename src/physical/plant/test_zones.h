@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "zone/rtm/rtm.h"
+#include "cosiva/zone/rtm/rtm.h"
 
 /// Zones for the tests of this folder.
 namespace cosiva::physical {

@@ -1,9 +1,9 @@
-#include "physical/plant/test_zones.h"
+#include "cosiva/physical/plant/test_zones.h"
 
 #include <fstream>
 #include <iterator>
 
-#include "base/test_places.h"
+#include "cosiva/base/test_places.h"
 
 namespace cosiva::physical {
 

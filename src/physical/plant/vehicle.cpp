@@ -1,4 +1,4 @@
-#include "physical/plant/vehicle.h"
+#include "cosiva/physical/plant/vehicle.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,14 +6,14 @@
 #include <string_view>
 #include <vector>
 
-#include "physical/boards/boards.h"
-#include "physical/plant/floor.h"
-#include "physical/plant/odometer.h"
-#include "physical/plant/plant_core.h"
-#include "physical/plant/power_train.h"
-#include "physical/plant/ranging.h"
-#include "physical/plant/tag_reader.h"
-#include "physical/plant/vehicle_dynamics.h"
+#include "cosiva/physical/boards/boards.h"
+#include "cosiva/physical/plant/floor.h"
+#include "cosiva/physical/plant/odometer.h"
+#include "cosiva/physical/plant/plant_core.h"
+#include "cosiva/physical/plant/power_train.h"
+#include "cosiva/physical/plant/ranging.h"
+#include "cosiva/physical/plant/tag_reader.h"
+#include "cosiva/physical/plant/vehicle_dynamics.h"
 
 namespace cosiva::physical {
 

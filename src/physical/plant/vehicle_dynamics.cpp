@@ -1,11 +1,11 @@
-#include "physical/plant/vehicle_dynamics.h"
+#include "cosiva/physical/plant/vehicle_dynamics.h"
 
 #include <algorithm>
 #include <cmath>
 #include <span>
 
-#include "base/expect.h"
-#include "zone/anchor.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/zone/circuit/anchor.h"
 
 namespace cosiva::physical {
 namespace {

@@ -3,11 +3,11 @@
 #include <cstddef>
 #include <optional>
 
-#include "aiv/manoeuvre.h"
-#include "base/pose.h"
-#include "base/random.h"
-#include "physical/plant/body.h"
-#include "zone/circuit.h"
+#include "cosiva/aiv/motion/manoeuvre.h"
+#include "cosiva/base/pose.h"
+#include "cosiva/base/random.h"
+#include "cosiva/physical/plant/body.h"
+#include "cosiva/zone/circuit/circuit.h"
 
 namespace cosiva::physical {
 

@@ -1,4 +1,4 @@
-#include "physical/plant/vehicle_dynamics.h"
+#include "cosiva/physical/plant/vehicle_dynamics.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "physical/plant/odometer.h"
-#include "physical/plant/test_zones.h"
+#include "cosiva/physical/plant/odometer.h"
+#include "cosiva/physical/plant/test_zones.h"
 
 namespace cosiva::physical {
 namespace {

@@ -1,10 +1,10 @@
-#include "physical/plant/zone_exchange.h"
+#include "cosiva/physical/plant/zone_exchange.h"
 
 #include <cstdint>
 #include <utility>
 
-#include "wire/topics.h"
-#include "zone/edit.h"
+#include "cosiva/wire/messages/topics.h"
+#include "cosiva/zone/edit/edit.h"
 
 namespace cosiva::physical {
 namespace {

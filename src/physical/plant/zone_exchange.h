@@ -6,10 +6,10 @@
 #include <string_view>
 #include <vector>
 
-#include "base/result.h"
-#include "base/time.h"
-#include "wire/core.h"
-#include "zone/rtm/rtm.h"
+#include "cosiva/base/result.h"
+#include "cosiva/base/time.h"
+#include "cosiva/wire/runtime/core.h"
+#include "cosiva/zone/rtm/rtm.h"
 
 namespace cosiva::physical {
 

@@ -1,10 +1,10 @@
-#include "physical/vision/board.h"
+#include "cosiva/physical/vision/board.h"
 
 #include <cmath>
 #include <set>
 
-#include "base/json_writer.h"
-#include "physical/vision/table.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/physical/vision/table.h"
 
 namespace cosiva::vision {
 

@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "physical/vision/points.h"
-#include "physical/vision/tags.h"
+#include "cosiva/physical/vision/points.h"
+#include "cosiva/physical/vision/tags.h"
 
 namespace cosiva::vision {
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <optional>
 
-#include "base/expect.h"
-#include "physical/vision/calibration.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/physical/vision/calibration.h"
 
 namespace cosiva::vision {
 namespace {

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "physical/vision/height.h"
-#include "physical/vision/points.h"
+#include "cosiva/physical/vision/height.h"
+#include "cosiva/physical/vision/points.h"
 
 /// A camera's calibration: the map to the floor, how far it may be trusted and where, and how height is corrected.
 namespace cosiva::vision {

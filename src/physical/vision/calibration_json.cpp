@@ -2,9 +2,9 @@
 #include <cmath>
 #include <optional>
 
-#include "base/json_value.h"
-#include "base/json_writer.h"
-#include "physical/vision/calibration.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/physical/vision/calibration.h"
 
 namespace cosiva::vision {
 namespace {

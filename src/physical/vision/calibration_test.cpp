@@ -1,10 +1,10 @@
-#include "physical/vision/calibration.h"
+#include "cosiva/physical/vision/calibration.h"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 
-#include "physical/vision/test_floor.h"
+#include "cosiva/physical/vision/test_floor.h"
 
 namespace cosiva::vision {
 namespace {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <string>
 
-#include "base/expect.h"
-#include "physical/vision/calibration.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/physical/vision/calibration.h"
 
 namespace cosiva::vision {
 namespace {

@@ -1,4 +1,4 @@
-#include "physical/vision/floor_map.h"
+#include "cosiva/physical/vision/floor_map.h"
 
 #include <cmath>
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "base/pose.h"
+#include "cosiva/base/pose.h"
 
 /// The global vision system (A34): where vehicles truly are, by a camera over the whole zone.
 namespace cosiva::vision {

@@ -1,4 +1,4 @@
-#include "physical/vision/height.h"
+#include "cosiva/physical/vision/height.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

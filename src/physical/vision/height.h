@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
-#include "base/pose.h"
-#include "base/result.h"
-#include "physical/vision/points.h"
+#include "cosiva/base/pose.h"
+#include "cosiva/base/result.h"
+#include "cosiva/physical/vision/points.h"
 
 /// What stands above the floor is seen where its ray meets the floor, further out from the camera's foot.
 namespace cosiva::vision {

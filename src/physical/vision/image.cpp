@@ -1,4 +1,4 @@
-#include "physical/vision/image.h"
+#include "cosiva/physical/vision/image.h"
 
 #include <array>
 #include <optional>

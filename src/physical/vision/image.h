@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "base/result.h"
-#include "physical/vision/floor_map.h"
+#include "cosiva/base/result.h"
+#include "cosiva/physical/vision/floor_map.h"
 
 namespace cosiva::vision {
 

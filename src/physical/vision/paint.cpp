@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/random.h"
-#include "physical/vision/scene.h"
-#include "physical/vision/tags.h"
+#include "cosiva/base/random.h"
+#include "cosiva/physical/vision/scene.h"
+#include "cosiva/physical/vision/tags.h"
 
 namespace cosiva::vision {
 namespace {

@@ -1,4 +1,4 @@
-#include "physical/vision/points.h"
+#include "cosiva/physical/vision/points.h"
 
 #include <algorithm>
 #include <array>
@@ -7,9 +7,9 @@
 #include <tuple>
 #include <utility>
 
-#include "base/json_writer.h"
-#include "base/text.h"
-#include "physical/vision/table.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/base/text.h"
+#include "cosiva/physical/vision/table.h"
 
 namespace cosiva::vision {
 namespace {

@@ -4,8 +4,8 @@
 #include <string_view>
 #include <vector>
 
-#include "base/result.h"
-#include "physical/vision/floor_map.h"
+#include "cosiva/base/result.h"
+#include "cosiva/physical/vision/floor_map.h"
 
 /// What a calibration is made from: places of the floor whose pixels are known, and vehicles at surveyed poses.
 namespace cosiva::vision {

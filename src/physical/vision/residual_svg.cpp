@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/json_writer.h"
-#include "physical/vision/calibration.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/physical/vision/calibration.h"
 
 namespace cosiva::vision {
 namespace {

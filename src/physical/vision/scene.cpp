@@ -1,4 +1,4 @@
-#include "physical/vision/scene.h"
+#include "cosiva/physical/vision/scene.h"
 
 #include <cmath>
 

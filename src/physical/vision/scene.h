@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "base/pose.h"
-#include "physical/vision/image.h"
+#include "cosiva/base/pose.h"
+#include "cosiva/physical/vision/image.h"
 
 /// The emulated world, as a camera under the roof sees it: pictures with everything that makes real ones bad.
 namespace cosiva::vision {

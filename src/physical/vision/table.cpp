@@ -1,11 +1,11 @@
-#include "physical/vision/table.h"
+#include "cosiva/physical/vision/table.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
 
-#include "base/text.h"
+#include "cosiva/base/text.h"
 
 namespace cosiva::vision {
 

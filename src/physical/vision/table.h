@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/result.h"
+#include "cosiva/base/result.h"
 
 /// Tables of numbers as the vision system's files have them. Only this folder includes it.
 namespace cosiva::vision {

@@ -1,4 +1,4 @@
-#include "physical/vision/tags.h"
+#include "cosiva/physical/vision/tags.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,8 @@ extern "C" {
 #include <apriltag/tag36h11.h>
 }
 
-#include "base/expect.h"
-#include "base/math.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/base/math.h"
 
 namespace cosiva::vision {
 namespace {

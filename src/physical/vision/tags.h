@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "physical/vision/image.h"
+#include "cosiva/physical/vision/image.h"
 
 namespace cosiva::vision {
 

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "base/random.h"
-#include "base/test_places.h"
-#include "physical/vision/calibration.h"
-#include "physical/vision/scene.h"
+#include "cosiva/base/random.h"
+#include "cosiva/base/test_places.h"
+#include "cosiva/physical/vision/calibration.h"
+#include "cosiva/physical/vision/scene.h"
 
 /// What tests of the vision system share.
 namespace cosiva::vision {

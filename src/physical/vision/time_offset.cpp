@@ -1,4 +1,4 @@
-#include "physical/vision/time_offset.h"
+#include "cosiva/physical/vision/time_offset.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

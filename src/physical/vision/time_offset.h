@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "base/pose.h"
-#include "base/result.h"
+#include "cosiva/base/pose.h"
+#include "cosiva/base/result.h"
 
 namespace cosiva::vision {
 

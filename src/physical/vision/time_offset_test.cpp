@@ -1,10 +1,10 @@
-#include "physical/vision/time_offset.h"
+#include "cosiva/physical/vision/time_offset.h"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 
-#include "base/random.h"
+#include "cosiva/base/random.h"
 
 namespace cosiva::vision {
 namespace {

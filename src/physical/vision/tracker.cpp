@@ -1,11 +1,11 @@
-#include "physical/vision/tracker.h"
+#include "cosiva/physical/vision/tracker.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <set>
 
-#include "base/expect.h"
+#include "cosiva/base/expect.h"
 
 namespace cosiva::vision {
 namespace {

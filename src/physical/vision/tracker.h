@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "physical/vision/calibration.h"
-#include "physical/vision/tags.h"
+#include "cosiva/physical/vision/calibration.h"
+#include "cosiva/physical/vision/tags.h"
 
 namespace cosiva::vision {
 

@@ -1,11 +1,11 @@
-#include "physical/vision/tracker.h"
+#include "cosiva/physical/vision/tracker.h"
 
 #include <gmock/gmock.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "physical/vision/test_floor.h"
+#include "cosiva/physical/vision/test_floor.h"
 
 namespace cosiva::vision {
 namespace {

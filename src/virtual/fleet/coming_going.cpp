@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "aiv/formulas.h"
-#include "virtual/fleet/inside.h"
+#include "cosiva/aiv/motion/formulas.h"
+#include "cosiva/virtual/fleet/inside.h"
 
 namespace cosiva::virtual_side {
 namespace {

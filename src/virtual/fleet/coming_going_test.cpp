@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "base/random.h"
-#include "virtual/fleet/test_fleet.h"
+#include "cosiva/base/random.h"
+#include "cosiva/virtual/fleet/test_fleet.h"
 
 namespace cosiva::virtual_side::test {
 namespace {

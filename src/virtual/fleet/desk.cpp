@@ -3,9 +3,9 @@
 #include <limits>
 #include <span>
 
-#include "aiv/formulas.h"
-#include "aiv/right_of_way.h"
-#include "virtual/fleet/inside.h"
+#include "cosiva/aiv/decision/right_of_way.h"
+#include "cosiva/aiv/motion/formulas.h"
+#include "cosiva/virtual/fleet/inside.h"
 
 namespace cosiva::virtual_side {
 namespace {

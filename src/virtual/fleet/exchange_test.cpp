@@ -1,8 +1,8 @@
 // Who stays in crossings and is then sent another way, where that way's crossings are behind it.
 #include <gtest/gtest.h>
 
-#include "virtual/fleet/fleet.h"
-#include "virtual/fleet/test_fleet.h"
+#include "cosiva/virtual/fleet/fleet.h"
+#include "cosiva/virtual/fleet/test_fleet.h"
 
 namespace cosiva::virtual_side {
 namespace {

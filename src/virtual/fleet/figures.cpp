@@ -1,8 +1,8 @@
 // What a fleet says of itself.
 #include <algorithm>
 
-#include "base/digest.h"
-#include "virtual/fleet/inside.h"
+#include "cosiva/base/digest.h"
+#include "cosiva/virtual/fleet/inside.h"
 
 namespace cosiva::virtual_side {
 namespace {

@@ -1,11 +1,11 @@
-#include "virtual/fleet/fleet.h"
+#include "cosiva/virtual/fleet/fleet.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "base/digest.h"
-#include "base/expect.h"
-#include "virtual/fleet/inside.h"
+#include "cosiva/base/digest.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/virtual/fleet/inside.h"
 
 namespace cosiva::virtual_side {
 

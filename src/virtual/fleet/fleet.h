@@ -8,13 +8,13 @@
 #include <span>
 #include <vector>
 
-#include "aiv/agent_rules.h"
-#include "aiv/speed.h"
-#include "base/pose.h"
-#include "base/result.h"
-#include "base/time.h"
-#include "base/workers.h"
-#include "zone/traffic_zone.h"
+#include "cosiva/aiv/decision/agent_rules.h"
+#include "cosiva/aiv/motion/speed.h"
+#include "cosiva/base/pose.h"
+#include "cosiva/base/result.h"
+#include "cosiva/base/time.h"
+#include "cosiva/base/workers.h"
+#include "cosiva/zone/layout/traffic_zone.h"
 
 namespace cosiva::virtual_side {
 

@@ -1,11 +1,14 @@
-#include "virtual/fleet/fleet.h"
+#include "cosiva/virtual/fleet/fleet.h"
 
 #include <gmock/gmock.h>
 #include <rapidcheck/gtest.h>
 
-#include "aiv/manoeuvre.h"
-#include "aiv/test_graphs.h"
-#include "virtual/fleet/test_fleet.h"
+#include <string>
+
+#include "cosiva/aiv/motion/manoeuvre.h"
+#include "cosiva/aiv/testing/test_graphs.h"
+#include "cosiva/base/test_property.h"
+#include "cosiva/virtual/fleet/test_fleet.h"
 
 namespace cosiva::virtual_side {
 namespace {
@@ -92,8 +95,8 @@ RC_GTEST_PROP(Fleet, touches_nobody_in_any_plant_however_full, ()) {
                                    .bays = *rc::gen::inRange(1U, 4U),
                                    .seed = *rc::gen::inRange<std::uint64_t>(1, 1000)};
   Fleet many = fleet(plant(options), *rc::gen::inRange<std::size_t>(1, 80), *rc::gen::arbitrary<bool>());
-  drive(many, 120, 17);
-  RC_ASSERT(!testing::Test::HasFailure());
+  const std::string failures = failures_of([&] { drive(many, 120, 17); });
+  RC_ASSERT(failures == "");
 }
 
 TEST(Fleet, drives_in_every_ready_zone) {

@@ -1,10 +1,10 @@
 // Who is ahead of whom, what lies ahead of whom, and what happens at the ends of sections.
 #include <algorithm>
 
-#include "aiv/formulas.h"
-#include "aiv/manoeuvre.h"
-#include "base/expect.h"
-#include "virtual/fleet/inside.h"
+#include "cosiva/aiv/motion/formulas.h"
+#include "cosiva/aiv/motion/manoeuvre.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/virtual/fleet/inside.h"
 
 namespace cosiva::virtual_side {
 namespace {

@@ -1,4 +1,4 @@
-#include "virtual/fleet/ground.h"
+#include "cosiva/virtual/fleet/ground.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -6,9 +6,9 @@
 #include <string>
 #include <utility>
 
-#include "aiv/outlook.h"
-#include "zone/deadlock.h"
-#include "zone/route.h"
+#include "cosiva/aiv/motion/outlook.h"
+#include "cosiva/zone/check/deadlock.h"
+#include "cosiva/zone/routing/route.h"
 
 namespace cosiva::virtual_side {
 namespace {

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "base/result.h"
-#include "zone/traffic_zone.h"
+#include "cosiva/base/result.h"
+#include "cosiva/zone/layout/traffic_zone.h"
 
 namespace cosiva::virtual_side {
 

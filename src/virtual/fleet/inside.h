@@ -5,11 +5,11 @@
 #include <span>
 #include <vector>
 
-#include "virtual/fleet/fleet.h"
-#include "virtual/fleet/ground.h"
-#include "virtual/fleet/passes.h"
-#include "virtual/fleet/state.h"
-#include "zone/pose_table.h"
+#include "cosiva/virtual/fleet/fleet.h"
+#include "cosiva/virtual/fleet/ground.h"
+#include "cosiva/virtual/fleet/passes.h"
+#include "cosiva/virtual/fleet/state.h"
+#include "cosiva/zone/circuit/pose_table.h"
 
 namespace cosiva::virtual_side {
 

@@ -1,7 +1,7 @@
 // What vehicles can be told while they drive.
 #include <algorithm>
 
-#include "virtual/fleet/inside.h"
+#include "cosiva/virtual/fleet/inside.h"
 
 namespace cosiva::virtual_side {
 

@@ -1,11 +1,11 @@
-#include "virtual/fleet/passes.h"
+#include "cosiva/virtual/fleet/passes.h"
 
 #include <algorithm>
 #include <span>
 
-#include "aiv/formulas.h"
-#include "base/time.h"
-#include "base/vector_clones.h"
+#include "cosiva/aiv/motion/formulas.h"
+#include "cosiva/base/time.h"
+#include "cosiva/base/vector_clones.h"
 
 namespace cosiva::virtual_side {
 namespace {

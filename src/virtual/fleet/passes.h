@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "aiv/agent_rules.h"
-#include "base/result.h"
-#include "fuzzy/narrow_rules.h"
-#include "virtual/fleet/state.h"
+#include "cosiva/aiv/decision/agent_rules.h"
+#include "cosiva/base/result.h"
+#include "cosiva/fuzzy/narrow_rules.h"
+#include "cosiva/virtual/fleet/state.h"
 
 /// The passes over vehicles that make up a step; they hold the arithmetic, and no decision but the agents' own.
 namespace cosiva::virtual_side {

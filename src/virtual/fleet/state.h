@@ -6,9 +6,9 @@
 #include <limits>
 #include <vector>
 
-#include "virtual/fleet/fleet.h"
-#include "virtual/fleet/ground.h"
-#include "zone/pose_table.h"
+#include "cosiva/virtual/fleet/fleet.h"
+#include "cosiva/virtual/fleet/ground.h"
+#include "cosiva/zone/circuit/pose_table.h"
 
 namespace cosiva::virtual_side {
 

@@ -4,8 +4,8 @@
 #include <bit>
 #include <cstring>
 
-#include "base/math.h"
-#include "virtual/fleet/inside.h"
+#include "cosiva/base/math.h"
+#include "cosiva/virtual/fleet/inside.h"
 
 namespace cosiva::virtual_side {
 namespace {

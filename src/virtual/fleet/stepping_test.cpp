@@ -7,8 +7,8 @@
 #include <limits>
 #include <new>
 
-#include "virtual/fleet/test_fleet.h"
-#include "zone/route.h"
+#include "cosiva/virtual/fleet/test_fleet.h"
+#include "cosiva/zone/routing/route.h"
 
 namespace {
 
@@ -138,7 +138,7 @@ TEST(FleetStep, taken_several_at_once_tells_of_every_arrival_between) {
   EXPECT_TRUE(stride.arrived().empty());
 }
 
-// The envelope's rule (aiv/formulas.h): so much is left free, standing and driving.
+// The envelope's rule (aiv/motion/formulas.h): so much is left free, standing and driving.
 TEST(FleetStep, leaves_the_stand_off_free_behind_whoever_is_on_the_same_ring) {
   for (const char* name : {"zones/lacet4.toml", "zones/indus8.toml", "bench/clover.toml"}) {
     for (const bool rules : {false, true}) {

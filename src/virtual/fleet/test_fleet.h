@@ -15,12 +15,12 @@
 #include <utility>
 #include <vector>
 
-#include "aiv/formulas.h"
-#include "base/math.h"
-#include "base/test_places.h"
-#include "virtual/fleet/fleet.h"
-#include "zone/generate.h"
-#include "zone/rtm/rtm.h"
+#include "cosiva/aiv/motion/formulas.h"
+#include "cosiva/base/math.h"
+#include "cosiva/base/test_places.h"
+#include "cosiva/virtual/fleet/fleet.h"
+#include "cosiva/zone/generate/generate.h"
+#include "cosiva/zone/rtm/rtm.h"
 
 namespace cosiva::virtual_side::test {
 

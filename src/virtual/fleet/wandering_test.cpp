@@ -2,10 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/random.h"
-#include "virtual/fleet/fleet.h"
-#include "virtual/fleet/test_fleet.h"
-#include "zone/route.h"
+#include "cosiva/base/random.h"
+#include "cosiva/virtual/fleet/fleet.h"
+#include "cosiva/virtual/fleet/test_fleet.h"
+#include "cosiva/zone/routing/route.h"
 
 namespace cosiva::virtual_side {
 namespace {

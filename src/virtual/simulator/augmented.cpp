@@ -1,11 +1,11 @@
-#include "virtual/simulator/augmented.h"
+#include "cosiva/virtual/simulator/augmented.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "base/expect.h"
-#include "base/math.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/base/math.h"
 
 namespace cosiva::virtual_side {
 

@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "base/digest.h"
-#include "base/pose.h"
-#include "base/time.h"
+#include "cosiva/base/digest.h"
+#include "cosiva/base/pose.h"
+#include "cosiva/base/time.h"
 
 namespace cosiva::virtual_side {
 
@@ -28,8 +28,8 @@ class Walk {
   static constexpr std::size_t points_max = 64;
 
   Walk() = default;
-  /// @param path   at least one point; with one, or with speed 0, it stands at the first
-  /// @param speed  ≥ 0
+  /// @param path       at least one point; with one, or with speed 0, it stands at the first
+  /// @param speed_mps  ≥ 0
   Walk(std::vector<Point2> path, double speed_mps, Repeat repeat);
 
   struct Motion {

@@ -1,4 +1,4 @@
-#include "virtual/simulator/augmented.h"
+#include "cosiva/virtual/simulator/augmented.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "virtual/simulator/bijection.h"
+#include "cosiva/virtual/simulator/bijection.h"
 
 #include <algorithm>
 

@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "base/digest.h"
-#include "base/json_writer.h"
-#include "base/time.h"
-#include "virtual/simulator/statistics.h"
+#include "cosiva/base/digest.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/base/time.h"
+#include "cosiva/virtual/simulator/statistics.h"
 
 namespace cosiva::virtual_side {
 

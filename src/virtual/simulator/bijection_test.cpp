@@ -1,9 +1,9 @@
-#include "virtual/simulator/bijection.h"
+#include "cosiva/virtual/simulator/bijection.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/json_value.h"
+#include "cosiva/base/json_value.h"
 
 namespace cosiva::virtual_side {
 namespace {

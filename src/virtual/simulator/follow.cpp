@@ -1,4 +1,4 @@
-#include "virtual/simulator/follow.h"
+#include "cosiva/virtual/simulator/follow.h"
 
 namespace cosiva::virtual_side {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "zone/course.h"
+#include "cosiva/zone/circuit/course.h"
 
 namespace cosiva::virtual_side {
 

@@ -1,9 +1,9 @@
-#include "virtual/simulator/seen_obstacles.h"
+#include "cosiva/virtual/simulator/seen_obstacles.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "base/math.h"
+#include "cosiva/base/math.h"
 
 namespace cosiva::virtual_side {
 namespace {

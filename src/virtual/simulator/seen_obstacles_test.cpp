@@ -1,4 +1,4 @@
-#include "virtual/simulator/seen_obstacles.h"
+#include "cosiva/virtual/simulator/seen_obstacles.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,9 +1,9 @@
-#include "virtual/simulator/simulator.h"
+#include "cosiva/virtual/simulator/simulator.h"
 
 #include <utility>
 
-#include "base/json_writer.h"
-#include "zone/edit.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/zone/edit/edit.h"
 
 namespace cosiva::virtual_side {
 

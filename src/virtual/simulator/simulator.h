@@ -9,15 +9,15 @@
 #include <utility>
 #include <vector>
 
-#include "base/digest.h"
-#include "base/result.h"
-#include "virtual/simulator/augmented.h"
-#include "virtual/simulator/bijection.h"
-#include "virtual/simulator/seen_obstacles.h"
-#include "virtual/simulator/twin.h"
-#include "zone/draw.h"
-#include "zone/rtm/rtm.h"
-#include "zone/traffic_zone.h"
+#include "cosiva/base/digest.h"
+#include "cosiva/base/result.h"
+#include "cosiva/virtual/simulator/augmented.h"
+#include "cosiva/virtual/simulator/bijection.h"
+#include "cosiva/virtual/simulator/seen_obstacles.h"
+#include "cosiva/virtual/simulator/twin.h"
+#include "cosiva/zone/drawing/draw.h"
+#include "cosiva/zone/layout/traffic_zone.h"
+#include "cosiva/zone/rtm/rtm.h"
 
 namespace cosiva::virtual_side {
 

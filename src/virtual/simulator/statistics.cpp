@@ -1,4 +1,4 @@
-#include "virtual/simulator/statistics.h"
+#include "cosiva/virtual/simulator/statistics.h"
 
 #include <algorithm>
 #include <bit>

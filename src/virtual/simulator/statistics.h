@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/digest.h"
-#include "base/json_writer.h"
+#include "cosiva/base/digest.h"
+#include "cosiva/base/json_writer.h"
 
 namespace cosiva::virtual_side {
 

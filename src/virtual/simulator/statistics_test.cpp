@@ -1,4 +1,4 @@
-#include "virtual/simulator/statistics.h"
+#include "cosiva/virtual/simulator/statistics.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/random.h"
+#include "cosiva/base/random.h"
 
 namespace cosiva::virtual_side {
 namespace {

@@ -1,12 +1,12 @@
-#include "virtual/simulator/twin.h"
+#include "cosiva/virtual/simulator/twin.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
 
-#include "base/math.h"
-#include "virtual/simulator/follow.h"
+#include "cosiva/base/math.h"
+#include "cosiva/virtual/simulator/follow.h"
 
 namespace cosiva::virtual_side {
 namespace {

@@ -6,11 +6,11 @@
 #include <span>
 #include <string>
 
-#include "aiv/motion.h"
-#include "base/digest.h"
-#include "base/pose.h"
-#include "base/time.h"
-#include "zone/course.h"
+#include "cosiva/aiv/motion/motion.h"
+#include "cosiva/base/digest.h"
+#include "cosiva/base/pose.h"
+#include "cosiva/base/time.h"
+#include "cosiva/zone/circuit/course.h"
 
 namespace cosiva::virtual_side {
 

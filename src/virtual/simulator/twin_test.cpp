@@ -1,4 +1,4 @@
-#include "virtual/simulator/twin.h"
+#include "cosiva/virtual/simulator/twin.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,8 +6,8 @@
 
 #include <cmath>
 
-#include "base/random.h"
-#include "virtual/simulator/follow.h"
+#include "cosiva/base/random.h"
+#include "cosiva/virtual/simulator/follow.h"
 
 namespace cosiva::virtual_side {
 namespace {

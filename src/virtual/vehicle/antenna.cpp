@@ -1,4 +1,4 @@
-#include "virtual/vehicle/antenna.h"
+#include "cosiva/virtual/vehicle/antenna.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,9 +4,9 @@
 #include <utility>
 #include <vector>
 
-#include "base/pose.h"
-#include "base/time.h"
-#include "zone/traffic_zone.h"
+#include "cosiva/base/pose.h"
+#include "cosiva/base/time.h"
+#include "cosiva/zone/layout/traffic_zone.h"
 
 namespace cosiva::virtual_side {
 

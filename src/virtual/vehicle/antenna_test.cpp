@@ -1,11 +1,11 @@
-#include "virtual/vehicle/antenna.h"
+#include "cosiva/virtual/vehicle/antenna.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
-#include "aiv/test_zone.h"
-#include "base/random.h"
+#include "cosiva/aiv/testing/test_zone.h"
+#include "cosiva/base/random.h"
 
 namespace cosiva::virtual_side {
 namespace {

@@ -1,4 +1,4 @@
-#include "virtual/vehicle/simulated_boards.h"
+#include "cosiva/virtual/vehicle/simulated_boards.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,11 +7,11 @@
 #include <string_view>
 #include <vector>
 
-#include "base/digest.h"
-#include "base/pose.h"
-#include "base/time.h"
-#include "wire/board.h"
-#include "wire/module_link/module_link.h"
+#include "cosiva/base/digest.h"
+#include "cosiva/base/pose.h"
+#include "cosiva/base/time.h"
+#include "cosiva/wire/messages/board.h"
+#include "cosiva/wire/module_link/module_link.h"
 
 namespace cosiva::virtual_side {
 

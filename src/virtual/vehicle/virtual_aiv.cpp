@@ -1,4 +1,4 @@
-#include "virtual/vehicle/virtual_aiv.h"
+#include "cosiva/virtual/vehicle/virtual_aiv.h"
 
 #include <algorithm>
 #include <array>
@@ -7,10 +7,10 @@
 #include <variant>
 #include <vector>
 
-#include "aiv/onboard/onboard_core.h"
-#include "base/expect.h"
-#include "virtual/vehicle/simulated_boards.h"
-#include "virtual/vehicle/virtual_body.h"
+#include "cosiva/aiv/onboard/onboard_core.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/virtual/vehicle/simulated_boards.h"
+#include "cosiva/virtual/vehicle/virtual_body.h"
 
 namespace cosiva::virtual_side {
 namespace {

@@ -4,12 +4,12 @@
 #include <memory>
 #include <string>
 
-#include "aiv/speed_rules.h"
-#include "base/digest.h"
-#include "base/pose.h"
-#include "wire/core.h"
-#include "wire/topics.h"
-#include "zone/rtm/rtm.h"
+#include "cosiva/aiv/decision/speed_rules.h"
+#include "cosiva/base/digest.h"
+#include "cosiva/base/pose.h"
+#include "cosiva/wire/messages/topics.h"
+#include "cosiva/wire/runtime/core.h"
+#include "cosiva/zone/rtm/rtm.h"
 
 namespace cosiva::virtual_side {
 

@@ -1,10 +1,10 @@
-#include "virtual/vehicle/virtual_aiv.h"
+#include "cosiva/virtual/vehicle/virtual_aiv.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "aiv/test_zone.h"
-#include "virtual/vehicle/virtual_bench.h"
+#include "cosiva/aiv/testing/test_zone.h"
+#include "cosiva/virtual/vehicle/virtual_bench.h"
 
 namespace cosiva::virtual_side {
 namespace {

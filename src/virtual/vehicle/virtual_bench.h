@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "aiv/test_orders.h"
-#include "virtual/vehicle/virtual_aiv.h"
-#include "wire/own_messages.h"
-#include "wire/v2x.h"
-#include "wire/vda5050/codec.h"
+#include "cosiva/aiv/testing/test_orders.h"
+#include "cosiva/virtual/vehicle/virtual_aiv.h"
+#include "cosiva/wire/own/own_messages.h"
+#include "cosiva/wire/own/v2x.h"
+#include "cosiva/wire/vda5050/codec.h"
 
 namespace cosiva::virtual_side::test {
 

@@ -1,11 +1,11 @@
-#include "virtual/vehicle/virtual_body.h"
+#include "cosiva/virtual/vehicle/virtual_body.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "zone/anchor.h"
-#include "zone/edit.h"
+#include "cosiva/zone/circuit/anchor.h"
+#include "cosiva/zone/edit/edit.h"
 
 namespace cosiva::virtual_side {
 namespace {

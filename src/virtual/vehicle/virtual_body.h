@@ -4,13 +4,13 @@
 #include <optional>
 #include <vector>
 
-#include "aiv/manoeuvre.h"
-#include "aiv/motion.h"
-#include "base/digest.h"
-#include "base/pose.h"
-#include "virtual/vehicle/antenna.h"
-#include "wire/board.h"
-#include "zone/traffic_zone.h"
+#include "cosiva/aiv/motion/manoeuvre.h"
+#include "cosiva/aiv/motion/motion.h"
+#include "cosiva/base/digest.h"
+#include "cosiva/base/pose.h"
+#include "cosiva/virtual/vehicle/antenna.h"
+#include "cosiva/wire/messages/board.h"
+#include "cosiva/zone/layout/traffic_zone.h"
 
 namespace cosiva::virtual_side {
 

@@ -1,4 +1,4 @@
-#include "virtual/vehicle/virtual_body.h"
+#include "cosiva/virtual/vehicle/virtual_body.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

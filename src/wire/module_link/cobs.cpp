@@ -1,6 +1,6 @@
-#include "wire/module_link/cobs.h"
+#include "cosiva/wire/module_link/cobs.h"
 
-#include "base/expect.h"
+#include "cosiva/base/expect.h"
 
 namespace cosiva::wire::module_link {
 

@@ -1,12 +1,12 @@
-#include "wire/module_link/module_link.h"
+#include "cosiva/wire/module_link/module_link.h"
 
 #include <array>
 #include <limits>
 #include <utility>
 
-#include "base/expect.h"
-#include "wire/module_link/cobs.h"
-#include "wire/module_link/payload.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/wire/module_link/cobs.h"
+#include "cosiva/wire/module_link/payload.h"
 
 namespace cosiva::wire::module_link {
 namespace {

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "base/result.h"
-#include "wire/board.h"
+#include "cosiva/base/result.h"
+#include "cosiva/wire/messages/board.h"
 
 /// The module link: COBS frames with CRC-16 between the on-board program and a board, over any byte stream.
 /// Specified with golden byte vectors in docs/protocols/module-link.md.

@@ -1,4 +1,4 @@
-#include "wire/module_link/module_link.h"
+#include "cosiva/wire/module_link/module_link.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@
 #include <limits>
 #include <sstream>
 
-#include "base/random.h"
-#include "base/test_places.h"
+#include "cosiva/base/random.h"
+#include "cosiva/base/test_places.h"
 
 namespace cosiva::wire::module_link {
 namespace {

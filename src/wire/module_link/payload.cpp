@@ -1,8 +1,8 @@
-#include "wire/module_link/payload.h"
+#include "cosiva/wire/module_link/payload.h"
 
 #include <string>
 
-#include "wire/module_link/module_link.h"
+#include "cosiva/wire/module_link/module_link.h"
 
 namespace cosiva::wire::module_link {
 namespace {

@@ -7,9 +7,9 @@
 #include <span>
 #include <type_traits>
 
-#include "base/expect.h"
-#include "base/result.h"
-#include "wire/board.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/base/result.h"
+#include "cosiva/wire/messages/board.h"
 
 namespace cosiva::wire::module_link {
 

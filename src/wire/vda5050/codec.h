@@ -3,8 +3,8 @@
 #include <string>
 #include <string_view>
 
-#include "base/result.h"
-#include "wire/messages.h"
+#include "cosiva/base/result.h"
+#include "cosiva/wire/messages/messages.h"
 
 /// JSON of VDA 5050 2.1.0, reading 2.0 peers too. Writing is strict (valid against the official schemas), reading
 /// tolerant (unknown fields pass, `instantActions` for `actions`, `allowedDeviationXy`, any number of decimals, "v2" as

@@ -1,8 +1,8 @@
 #include <cmath>
 
-#include "wire/vda5050/codec.h"
-#include "wire/vda5050/json_in.h"
-#include "wire/vda5050/words.h"
+#include "cosiva/wire/vda5050/codec.h"
+#include "cosiva/wire/vda5050/json_in.h"
+#include "cosiva/wire/vda5050/words.h"
 
 namespace cosiva::wire::vda5050 {
 namespace {

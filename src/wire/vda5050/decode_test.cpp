@@ -4,8 +4,8 @@
 #include <chrono>
 #include <string>
 
-#include "base/math.h"
-#include "wire/vda5050/codec.h"
+#include "cosiva/base/math.h"
+#include "cosiva/wire/vda5050/codec.h"
 
 namespace cosiva::wire::vda5050 {
 namespace {

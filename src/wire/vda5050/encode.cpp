@@ -1,11 +1,11 @@
 #include <algorithm>
 
-#include "base/math.h"
-#include "base/time.h"
-#include "wire/vda5050/codec.h"
-#include "wire/vda5050/json_out.h"
-#include "wire/vda5050/words.h"
-#include "wire/vda5050/write_header.h"
+#include "cosiva/base/math.h"
+#include "cosiva/base/time.h"
+#include "cosiva/wire/vda5050/codec.h"
+#include "cosiva/wire/vda5050/json_out.h"
+#include "cosiva/wire/vda5050/words.h"
+#include "cosiva/wire/vda5050/write_header.h"
 
 namespace cosiva::wire::vda5050 {
 namespace {

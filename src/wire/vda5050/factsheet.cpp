@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <array>
 
-#include "wire/vda5050/codec.h"
-#include "wire/vda5050/json_in.h"
-#include "wire/vda5050/json_out.h"
-#include "wire/vda5050/write_header.h"
+#include "cosiva/wire/vda5050/codec.h"
+#include "cosiva/wire/vda5050/json_in.h"
+#include "cosiva/wire/vda5050/json_out.h"
+#include "cosiva/wire/vda5050/write_header.h"
 
 namespace cosiva::wire::vda5050 {
 namespace {

@@ -1,8 +1,8 @@
-#include "wire/vda5050/json_in.h"
+#include "cosiva/wire/vda5050/json_in.h"
 
 #include <cmath>
 
-#include "base/math.h"
+#include "cosiva/base/math.h"
 
 namespace cosiva::wire::vda5050 {
 namespace {

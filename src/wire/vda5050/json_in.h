@@ -10,10 +10,10 @@
 #include <type_traits>
 #include <utility>
 
-#include "base/result.h"
-#include "base/time.h"
-#include "wire/vda5050/codec.h"
-#include "wire/vda5050/words.h"
+#include "cosiva/base/result.h"
+#include "cosiva/base/time.h"
+#include "cosiva/wire/vda5050/codec.h"
+#include "cosiva/wire/vda5050/words.h"
 
 namespace cosiva::wire::vda5050 {
 

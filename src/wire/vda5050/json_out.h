@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 
-#include "base/expect.h"
-#include "base/json_writer.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/base/json_writer.h"
 
 namespace cosiva::wire::vda5050 {
 

@@ -7,11 +7,11 @@
 #include <fstream>
 #include <functional>
 
-#include "base/json_writer.h"
-#include "base/test_places.h"
-#include "wire/topics.h"
-#include "wire/vda5050/codec.h"
-#include "wire/vda5050/sample_messages.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/base/test_places.h"
+#include "cosiva/wire/messages/topics.h"
+#include "cosiva/wire/vda5050/codec.h"
+#include "cosiva/wire/vda5050/sample_messages.h"
 
 namespace cosiva::wire::vda5050 {
 namespace {

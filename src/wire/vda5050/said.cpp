@@ -1,6 +1,6 @@
-#include "wire/vda5050/said.h"
+#include "cosiva/wire/vda5050/said.h"
 
-#include "wire/vda5050/codec.h"
+#include "cosiva/wire/vda5050/codec.h"
 
 namespace cosiva::wire::vda5050 {
 namespace {
@@ -31,6 +31,8 @@ Result<Order> heard_order(const Input& input) {
   return decode_order(input.payload);
 }
 
-std::string text_of(const Said& said) { return std::visit(Writer{}, said.message); }
+std::string text_of(const InProcessMessage& message) {
+  return std::visit(Writer{}, dynamic_cast<const Said&>(message).message);
+}
 
 }  // namespace cosiva::wire::vda5050

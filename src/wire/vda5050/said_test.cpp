@@ -1,10 +1,10 @@
-#include "wire/vda5050/said.h"
+#include "cosiva/wire/vda5050/said.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
-#include "wire/vda5050/codec.h"
-#include "wire/vda5050/sample_messages.h"
+#include "cosiva/wire/vda5050/codec.h"
+#include "cosiva/wire/vda5050/sample_messages.h"
 
 namespace cosiva::wire::vda5050 {
 namespace {

@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "base/math.h"
-#include "base/random.h"
-#include "wire/messages.h"
+#include "cosiva/base/math.h"
+#include "cosiva/base/random.h"
+#include "cosiva/wire/messages/messages.h"
 
 /// Messages drawn from a stream, every optional field now there, now not: what the codec's tests encode. Everything
 /// drawn survives the wire unchanged (whole milliseconds, angles in (−π, π], no `unsupported`).

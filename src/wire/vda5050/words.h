@@ -4,8 +4,8 @@
 #include <optional>
 #include <string_view>
 
-#include "base/expect.h"
-#include "wire/messages.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/wire/messages/messages.h"
 
 /// The standard's enumerations as one table each, read in both directions.
 namespace cosiva::wire::vda5050 {

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "base/time.h"
-#include "wire/vda5050/codec.h"
-#include "wire/vda5050/json_out.h"
+#include "cosiva/base/time.h"
+#include "cosiva/wire/vda5050/codec.h"
+#include "cosiva/wire/vda5050/json_out.h"
 
 namespace cosiva::wire::vda5050 {
 

@@ -1,4 +1,4 @@
-#include "zone/lif/json_fault.h"
+#include "cosiva/zone/lif/json_fault.h"
 
 #include <charconv>
 #include <cmath>

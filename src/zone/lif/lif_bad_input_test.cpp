@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "zone/lif/json_fault.h"
-#include "zone/lif/lif_bench.h"
+#include "cosiva/zone/lif/json_fault.h"
+#include "cosiva/zone/lif/lif_bench.h"
 
 namespace cosiva::zone::lif {
 namespace {

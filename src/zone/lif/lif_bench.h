@@ -12,9 +12,9 @@
 #include <string_view>
 #include <vector>
 
-#include "base/test_places.h"
-#include "zone/lif/lif_factory.h"
-#include "zone/toml/companion.h"
+#include "cosiva/base/test_places.h"
+#include "cosiva/zone/lif/lif_factory.h"
+#include "cosiva/zone/toml/companion.h"
 
 namespace cosiva::zone::lif::testing {
 

@@ -1,4 +1,4 @@
-#include "zone/lif/lif_circuit.h"
+#include "cosiva/zone/lif/lif_circuit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <set>
 #include <tuple>
 
-#include "zone/lif/lif_ways.h"
+#include "cosiva/zone/lif/lif_ways.h"
 
 namespace cosiva::zone::lif {
 namespace {

@@ -3,11 +3,11 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
-#include "zone/circuit.h"
-#include "zone/fit.h"
-#include "zone/lif/lif_document.h"
-#include "zone/lif/lif_notes.h"
+#include "cosiva/base/result.h"
+#include "cosiva/zone/circuit/circuit.h"
+#include "cosiva/zone/geometry/fit.h"
+#include "cosiva/zone/lif/lif_document.h"
+#include "cosiva/zone/lif/lif_notes.h"
 
 namespace cosiva::zone::lif {
 

@@ -1,4 +1,4 @@
-#include "zone/lif/lif_document.h"
+#include "cosiva/zone/lif/lif_document.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <string_view>
 #include <utility>
 
-#include "zone/lif/lif_fields.h"
-#include "zone/lif/lif_trajectory.h"
+#include "cosiva/zone/lif/lif_fields.h"
+#include "cosiva/zone/lif/lif_trajectory.h"
 
 namespace cosiva::zone::lif {
 namespace {

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "base/json_value.h"
-#include "base/pose.h"
-#include "base/result.h"
-#include "zone/lif/lif_notes.h"
-#include "zone/lif/nurbs.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/pose.h"
+#include "cosiva/base/result.h"
+#include "cosiva/zone/lif/lif_notes.h"
+#include "cosiva/zone/lif/nurbs.h"
 
 namespace cosiva::zone::lif {
 

@@ -1,13 +1,13 @@
-#include "zone/lif/lif_factory.h"
+#include "cosiva/zone/lif/lif_factory.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "zone/lif/json_fault.h"
-#include "zone/lif/lif_circuit.h"
-#include "zone/lif/lif_document.h"
-#include "zone/lif/lif_writer.h"
-#include "zone/toml/companion.h"
+#include "cosiva/zone/lif/json_fault.h"
+#include "cosiva/zone/lif/lif_circuit.h"
+#include "cosiva/zone/lif/lif_document.h"
+#include "cosiva/zone/lif/lif_writer.h"
+#include "cosiva/zone/toml/companion.h"
 
 namespace cosiva::zone {
 namespace {

@@ -1,4 +1,4 @@
-#include "zone/lif/lif_fields.h"
+#include "cosiva/zone/lif/lif_fields.h"
 
 #include <algorithm>
 #include <charconv>

@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
-#include "base/json_value.h"
-#include "zone/lif/lif_notes.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/zone/lif/lif_notes.h"
 
 namespace cosiva::zone::lif {
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "zone/lif/lif_bench.h"
+#include "cosiva/zone/lif/lif_bench.h"
 
 namespace cosiva::zone::lif {
 namespace {

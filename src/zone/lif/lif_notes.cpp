@@ -1,4 +1,4 @@
-#include "zone/lif/lif_notes.h"
+#include "cosiva/zone/lif/lif_notes.h"
 
 namespace cosiva::zone::lif {
 namespace {

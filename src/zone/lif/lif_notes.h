@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "zone/traffic_zone.h"
+#include "cosiva/zone/layout/traffic_zone.h"
 
 namespace cosiva::zone::lif {
 

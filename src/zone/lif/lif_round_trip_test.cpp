@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "base/json_value.h"
-#include "zone/edit.h"
-#include "zone/lif/lif_bench.h"
-#include "zone/toml/toml_factory.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/zone/edit/edit.h"
+#include "cosiva/zone/lif/lif_bench.h"
+#include "cosiva/zone/toml/toml_factory.h"
 
 namespace cosiva::zone::lif {
 namespace {

@@ -1,4 +1,4 @@
-#include "zone/lif/lif_trajectory.h"
+#include "cosiva/zone/lif/lif_trajectory.h"
 
 #include <algorithm>
 #include <cmath>

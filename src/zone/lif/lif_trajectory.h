@@ -2,8 +2,8 @@
 
 #include <optional>
 
-#include "zone/lif/lif_fields.h"
-#include "zone/lif/nurbs.h"
+#include "cosiva/zone/lif/lif_fields.h"
+#include "cosiva/zone/lif/nurbs.h"
 
 namespace cosiva::zone::lif {
 

@@ -1,4 +1,4 @@
-#include "zone/lif/lif_ways.h"
+#include "cosiva/zone/lif/lif_ways.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "base/pose.h"
-#include "zone/fit.h"
-#include "zone/lif/lif_document.h"
-#include "zone/lif/lif_notes.h"
-#include "zone/section.h"
+#include "cosiva/base/pose.h"
+#include "cosiva/zone/geometry/fit.h"
+#include "cosiva/zone/geometry/section.h"
+#include "cosiva/zone/lif/lif_document.h"
+#include "cosiva/zone/lif/lif_notes.h"
 
 namespace cosiva::zone::lif {
 

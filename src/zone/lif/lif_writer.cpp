@@ -1,4 +1,4 @@
-#include "zone/lif/lif_writer.h"
+#include "cosiva/zone/lif/lif_writer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,13 +10,13 @@
 #include <string_view>
 #include <utility>
 
-#include "base/expect.h"
-#include "base/json_writer.h"
-#include "zone/lif/lif_circuit.h"
-#include "zone/lif/lif_document.h"
-#include "zone/lif/lif_factory.h"
-#include "zone/lif/nurbs_of.h"
-#include "zone/toml/companion.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/zone/lif/lif_circuit.h"
+#include "cosiva/zone/lif/lif_document.h"
+#include "cosiva/zone/lif/lif_factory.h"
+#include "cosiva/zone/lif/nurbs_of.h"
+#include "cosiva/zone/toml/companion.h"
 
 namespace cosiva::zone::lif {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "base/result.h"
-#include "zone/circuit_factory.h"
+#include "cosiva/base/result.h"
+#include "cosiva/zone/layout/circuit_factory.h"
 
 namespace cosiva::zone::lif {
 

@@ -1,10 +1,10 @@
-#include "zone/lif/nurbs.h"
+#include "cosiva/zone/lif/nurbs.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "base/expect.h"
+#include "cosiva/base/expect.h"
 
 namespace cosiva::zone::lif {
 namespace {

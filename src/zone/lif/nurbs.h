@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "base/pose.h"
+#include "cosiva/base/pose.h"
 
 namespace cosiva::zone::lif {
 

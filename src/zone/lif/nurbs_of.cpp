@@ -1,4 +1,4 @@
-#include "zone/lif/nurbs_of.h"
+#include "cosiva/zone/lif/nurbs_of.h"
 
 #include <algorithm>
 #include <cmath>

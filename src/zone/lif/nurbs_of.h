@@ -1,7 +1,7 @@
 #pragma once
 
-#include "zone/lif/nurbs.h"
-#include "zone/section.h"
+#include "cosiva/zone/geometry/section.h"
+#include "cosiva/zone/lif/nurbs.h"
 
 namespace cosiva::zone::lif {
 

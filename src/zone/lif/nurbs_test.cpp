@@ -1,13 +1,13 @@
-#include "zone/lif/nurbs.h"
+#include "cosiva/zone/lif/nurbs.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
 #include <cmath>
 
-#include "base/random.h"
-#include "zone/fit.h"
-#include "zone/lif/nurbs_of.h"
+#include "cosiva/base/random.h"
+#include "cosiva/zone/geometry/fit.h"
+#include "cosiva/zone/lif/nurbs_of.h"
 
 namespace cosiva::zone::lif {
 namespace {

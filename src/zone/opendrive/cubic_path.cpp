@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "zone/opendrive/reference_line.h"
+#include "cosiva/zone/opendrive/reference_line.h"
 
 namespace cosiva::zone::opendrive {
 namespace {

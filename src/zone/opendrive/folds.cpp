@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "zone/opendrive/lane_curve.h"
+#include "cosiva/zone/opendrive/lane_curve.h"
 
 namespace cosiva::zone::opendrive {
 namespace {

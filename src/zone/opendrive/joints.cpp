@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "zone/opendrive/ways.h"
+#include "cosiva/zone/opendrive/ways.h"
 
 namespace cosiva::zone::opendrive {
 namespace {

@@ -1,4 +1,4 @@
-#include "zone/opendrive/lane_curve.h"
+#include "cosiva/zone/opendrive/lane_curve.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "zone/fit.h"
-#include "zone/opendrive/reference_line.h"
+#include "cosiva/zone/geometry/fit.h"
+#include "cosiva/zone/opendrive/reference_line.h"
 
 namespace cosiva::zone::opendrive {
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "zone/opendrive/ways.h"
+#include "cosiva/zone/opendrive/ways.h"
 
 namespace cosiva::zone::opendrive {
 namespace {

@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "base/pose.h"
+#include "cosiva/base/pose.h"
 
 /// What a road network file says, as plain values: in its own units (metres of the file, before any scale), in its own
 /// words, checked number by number, not yet as a whole.

@@ -1,13 +1,13 @@
-#include "zone/opendrive/opendrive_factory.h"
+#include "cosiva/zone/opendrive/opendrive_factory.h"
 
 #include <cmath>
 
-#include "base/digest.h"
-#include "zone/opendrive/reader.h"
-#include "zone/opendrive/sections.h"
-#include "zone/opendrive/short_sections.h"
-#include "zone/opendrive/ways.h"
-#include "zone/toml/companion.h"
+#include "cosiva/base/digest.h"
+#include "cosiva/zone/opendrive/reader.h"
+#include "cosiva/zone/opendrive/sections.h"
+#include "cosiva/zone/opendrive/short_sections.h"
+#include "cosiva/zone/opendrive/ways.h"
+#include "cosiva/zone/toml/companion.h"
 
 namespace cosiva::zone {
 namespace opendrive {

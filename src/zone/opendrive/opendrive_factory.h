@@ -1,6 +1,6 @@
 #pragma once
 
-#include "zone/circuit_factory.h"
+#include "cosiva/zone/layout/circuit_factory.h"
 
 namespace cosiva::zone {
 

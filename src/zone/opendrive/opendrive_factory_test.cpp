@@ -1,4 +1,4 @@
-#include "zone/opendrive/opendrive_factory.h"
+#include "cosiva/zone/opendrive/opendrive_factory.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,9 +11,9 @@
 #include <set>
 #include <sstream>
 
-#include "base/test_places.h"
-#include "zone/edit.h"
-#include "zone/opendrive/test_files.h"
+#include "cosiva/base/test_places.h"
+#include "cosiva/zone/edit/edit.h"
+#include "cosiva/zone/opendrive/test_files.h"
 
 namespace cosiva::zone {
 namespace {

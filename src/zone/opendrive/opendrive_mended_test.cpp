@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "zone/opendrive/test_files.h"
+#include "cosiva/zone/opendrive/test_files.h"
 
 /// What real files get wrong, or draw so that no vehicle could follow it, and what is made of it.
 namespace cosiva::zone {

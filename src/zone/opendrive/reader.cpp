@@ -1,4 +1,4 @@
-#include "zone/opendrive/reader.h"
+#include "cosiva/zone/opendrive/reader.h"
 
 #include <algorithm>
 #include <cstdlib>

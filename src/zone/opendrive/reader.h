@@ -1,9 +1,9 @@
 #pragma once
 
-#include "base/result.h"
-#include "zone/opendrive/model.h"
-#include "zone/opendrive/report.h"
-#include "zone/opendrive/xml.h"
+#include "cosiva/base/result.h"
+#include "cosiva/zone/opendrive/model.h"
+#include "cosiva/zone/opendrive/report.h"
+#include "cosiva/zone/opendrive/xml.h"
 
 namespace cosiva::zone::opendrive {
 

@@ -1,4 +1,4 @@
-#include "zone/opendrive/reference_line.h"
+#include "cosiva/zone/opendrive/reference_line.h"
 
 #include <algorithm>
 #include <cmath>

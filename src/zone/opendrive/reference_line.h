@@ -4,11 +4,11 @@
 #include <variant>
 #include <vector>
 
-#include "base/result.h"
-#include "zone/opendrive/easing.h"
-#include "zone/opendrive/model.h"
-#include "zone/opendrive/report.h"
-#include "zone/section.h"
+#include "cosiva/base/result.h"
+#include "cosiva/zone/geometry/section.h"
+#include "cosiva/zone/opendrive/easing.h"
+#include "cosiva/zone/opendrive/model.h"
+#include "cosiva/zone/opendrive/report.h"
 
 namespace cosiva::zone::opendrive {
 

@@ -1,11 +1,11 @@
-#include "zone/opendrive/reference_line.h"
+#include "cosiva/zone/opendrive/reference_line.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
 
-#include "zone/opendrive/easing.h"
+#include "cosiva/zone/opendrive/easing.h"
 
 namespace cosiva::zone::opendrive {
 namespace {

@@ -1,4 +1,4 @@
-#include "zone/opendrive/report.h"
+#include "cosiva/zone/opendrive/report.h"
 
 #include <charconv>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "zone/traffic_zone.h"
+#include "cosiva/zone/layout/traffic_zone.h"
 
 namespace cosiva::zone::opendrive {
 

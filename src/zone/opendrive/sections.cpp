@@ -1,4 +1,4 @@
-#include "zone/opendrive/sections.h"
+#include "cosiva/zone/opendrive/sections.h"
 
 #include <algorithm>
 #include <cmath>

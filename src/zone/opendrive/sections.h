@@ -3,11 +3,11 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
-#include "zone/circuit.h"
-#include "zone/fit.h"
-#include "zone/opendrive/report.h"
-#include "zone/opendrive/ways.h"
+#include "cosiva/base/result.h"
+#include "cosiva/zone/circuit/circuit.h"
+#include "cosiva/zone/geometry/fit.h"
+#include "cosiva/zone/opendrive/report.h"
+#include "cosiva/zone/opendrive/ways.h"
 
 namespace cosiva::zone::opendrive {
 

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "zone/opendrive/short_sections.h"
+#include "cosiva/zone/opendrive/short_sections.h"
 
 namespace cosiva::zone::opendrive {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "zone/opendrive/model.h"
-#include "zone/opendrive/report.h"
+#include "cosiva/zone/opendrive/model.h"
+#include "cosiva/zone/opendrive/report.h"
 
 namespace cosiva::zone::opendrive {
 

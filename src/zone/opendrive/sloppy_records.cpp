@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "zone/opendrive/reference_line.h"
+#include "cosiva/zone/opendrive/reference_line.h"
 
 /// Exporters that cut a curve into records of a metre and miss each one's end by centimetres, or draw it as a polygon,
 /// leave nothing that could be eased within such a record: it would swing from side to side. The line is led through

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "zone/opendrive/opendrive_factory.h"
+#include "cosiva/zone/opendrive/opendrive_factory.h"
 
 /// Small road networks for tests, made of the few things that a test is about, and what to ask of their zones.
 namespace cosiva::zone {

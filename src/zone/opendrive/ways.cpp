@@ -1,4 +1,4 @@
-#include "zone/opendrive/ways.h"
+#include "cosiva/zone/opendrive/ways.h"
 
 #include <algorithm>
 #include <cmath>
@@ -157,11 +157,6 @@ std::vector<SpeedFrom> RoadLanes::speeds(const Lane& lane, double from) const {
 }
 
 }  // namespace
-
-std::string Way::name(const Network& network) const {
-  std::string text = network.roads[road].id + '.' + std::to_string(section);
-  return text + '.' + std::to_string(lane);
-}
 
 WayId Ways::find(const End& end) const {
   const auto key = [](const auto& of) { return std::tuple{of.road, of.section, of.lane}; };

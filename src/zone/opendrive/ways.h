@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "zone/opendrive/lane_curve.h"
-#include "zone/opendrive/model.h"
-#include "zone/opendrive/report.h"
+#include "cosiva/zone/opendrive/lane_curve.h"
+#include "cosiva/zone/opendrive/model.h"
+#include "cosiva/zone/opendrive/report.h"
 
 namespace cosiva::zone::opendrive {
 
@@ -26,7 +26,9 @@ struct Way {
   std::vector<SpeedFrom> speeds{};  ///< by the road's s, ascending
   std::vector<WayId> next{};        ///< ascending
 
-  [[nodiscard]] std::string name(const Network& network) const;  ///< "12.0.-1"
+  [[nodiscard]] std::string name(const Network& network) const {  ///< "12.0.-1"
+    return network.roads[road].id + '.' + std::to_string(section) + '.' + std::to_string(lane);
+  }
 };
 
 /// Roads as they lie, and the ways on them, by (road, section, lane).

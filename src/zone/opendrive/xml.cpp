@@ -1,11 +1,11 @@
-#include "zone/opendrive/xml.h"
+#include "cosiva/zone/opendrive/xml.h"
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstring>
 
-#include "base/text.h"
+#include "cosiva/base/text.h"
 
 namespace cosiva::zone::opendrive {
 namespace {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/result.h"
+#include "cosiva/base/result.h"
 
 namespace cosiva::zone::opendrive {
 

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "zone/beacons.h"
-#include "zone/test_zones.h"
+#include "cosiva/zone/layout/beacons.h"
+#include "cosiva/zone/testing/test_zones.h"
 
 namespace cosiva::zone {
 namespace {

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "zone/test_zones.h"
+#include "cosiva/zone/testing/test_zones.h"
 
 namespace cosiva::zone {
 namespace {

@@ -3,11 +3,11 @@
 
 #include <filesystem>
 
-#include "base/test_places.h"
-#include "zone/check.h"
-#include "zone/deadlock.h"
-#include "zone/rtm/rtm.h"
-#include "zone/test_zones.h"
+#include "cosiva/base/test_places.h"
+#include "cosiva/zone/check/check.h"
+#include "cosiva/zone/check/deadlock.h"
+#include "cosiva/zone/rtm/rtm.h"
+#include "cosiva/zone/testing/test_zones.h"
 
 namespace cosiva::zone {
 namespace {

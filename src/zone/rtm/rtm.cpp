@@ -1,11 +1,11 @@
-#include "zone/rtm/rtm.h"
+#include "cosiva/zone/rtm/rtm.h"
 
 #include <array>
 
-#include "zone/lif/lif_factory.h"
-#include "zone/opendrive/opendrive_factory.h"
-#include "zone/toml/companion.h"
-#include "zone/toml/toml_factory.h"
+#include "cosiva/zone/lif/lif_factory.h"
+#include "cosiva/zone/opendrive/opendrive_factory.h"
+#include "cosiva/zone/toml/companion.h"
+#include "cosiva/zone/toml/toml_factory.h"
 
 namespace cosiva::zone {
 

@@ -6,10 +6,10 @@
 #include <string_view>
 #include <vector>
 
-#include "base/result.h"
-#include "zone/circuit_factory.h"
-#include "zone/edit.h"
-#include "zone/traffic_zone.h"
+#include "cosiva/base/result.h"
+#include "cosiva/zone/edit/edit.h"
+#include "cosiva/zone/layout/circuit_factory.h"
+#include "cosiva/zone/layout/traffic_zone.h"
 
 namespace cosiva::zone {
 

@@ -1,4 +1,4 @@
-#include "zone/rtm/rtm.h"
+#include "cosiva/zone/rtm/rtm.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
-#include "zone/toml/companion.h"
+#include "cosiva/zone/toml/companion.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "zone/edit_rules.h"
-#include "zone/toml/toml_factory.h"
-#include "zone/toml/toml_tables.h"
+#include "cosiva/zone/layout/rounding.h"
+#include "cosiva/zone/toml/toml_factory.h"
+#include "cosiva/zone/toml/toml_tables.h"
 
 namespace cosiva::zone {
 namespace {

@@ -1,10 +1,10 @@
-#include "zone/toml/companion.h"
+#include "cosiva/zone/toml/companion.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "zone/edit.h"
-#include "zone/test_zones.h"
+#include "cosiva/zone/edit/edit.h"
+#include "cosiva/zone/testing/test_zones.h"
 
 namespace cosiva::zone {
 namespace {

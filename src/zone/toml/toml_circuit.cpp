@@ -1,12 +1,12 @@
-#include "zone/toml/toml_circuit.h"
+#include "cosiva/zone/toml/toml_circuit.h"
 
 #include <algorithm>
 #include <cmath>
 #include <set>
 
-#include "base/expect.h"
-#include "zone/toml/toml_factory.h"
-#include "zone/toml/toml_tables.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/zone/toml/toml_factory.h"
+#include "cosiva/zone/toml/toml_tables.h"
 
 namespace cosiva::zone {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "zone/toml/toml_fields.h"
-#include "zone/traffic_zone.h"
+#include "cosiva/zone/layout/traffic_zone.h"
+#include "cosiva/zone/toml/toml_fields.h"
 
 namespace cosiva::zone {
 

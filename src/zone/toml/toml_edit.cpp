@@ -3,11 +3,11 @@
 // things.
 #include <algorithm>
 
-#include "zone/edit.h"
-#include "zone/edit_rules.h"
-#include "zone/toml/companion.h"
-#include "zone/toml/toml_factory.h"
-#include "zone/toml/toml_fields.h"
+#include "cosiva/zone/edit/edit.h"
+#include "cosiva/zone/layout/rounding.h"
+#include "cosiva/zone/toml/companion.h"
+#include "cosiva/zone/toml/toml_factory.h"
+#include "cosiva/zone/toml/toml_fields.h"
 
 namespace cosiva::zone {
 namespace {

@@ -1,8 +1,7 @@
-#include "zone/toml/toml_factory.h"
+#include "cosiva/zone/toml/toml_factory.h"
 
-#include "zone/edit_rules.h"
-#include "zone/toml/toml_circuit.h"
-#include "zone/toml/toml_tables.h"
+#include "cosiva/zone/toml/toml_circuit.h"
+#include "cosiva/zone/toml/toml_tables.h"
 
 namespace cosiva::zone {
 namespace {

@@ -1,4 +1,4 @@
-#include "zone/toml/toml_factory.h"
+#include "cosiva/zone/toml/toml_factory.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,9 +8,9 @@
 #include <fstream>
 #include <sstream>
 
-#include "base/random.h"
-#include "base/test_places.h"
-#include "zone/test_zones.h"
+#include "cosiva/base/random.h"
+#include "cosiva/base/test_places.h"
+#include "cosiva/zone/testing/test_zones.h"
 
 namespace cosiva::zone {
 namespace {

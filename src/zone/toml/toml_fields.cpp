@@ -1,11 +1,11 @@
 #define TOML_IMPLEMENTATION
-#include "zone/toml/toml_fields.h"
+#include "cosiva/zone/toml/toml_fields.h"
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 
-#include "base/likeness.h"
+#include "cosiva/base/likeness.h"
 
 namespace cosiva::zone {
 namespace {

@@ -8,10 +8,10 @@
 #include <string_view>
 #include <vector>
 
-#include "base/pose.h"
-#include "base/result.h"
-#include "zone/edit_rules.h"
-#include "zone/toml/toml_library.h"
+#include "cosiva/base/pose.h"
+#include "cosiva/base/result.h"
+#include "cosiva/zone/layout/rounding.h"
+#include "cosiva/zone/toml/toml_library.h"
 
 namespace cosiva::zone {
 

@@ -1,10 +1,10 @@
-#include "zone/toml/toml_tables.h"
+#include "cosiva/zone/toml/toml_tables.h"
 
 #include <algorithm>
 #include <cmath>
 #include <set>
 
-#include "zone/edit_rules.h"
+#include "cosiva/zone/edit/edit.h"
 
 namespace cosiva::zone {
 namespace {

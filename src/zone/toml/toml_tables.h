@@ -2,9 +2,9 @@
 
 #include <string>
 
-#include "zone/toml/companion.h"
-#include "zone/toml/toml_fields.h"
-#include "zone/traffic_zone.h"
+#include "cosiva/zone/layout/traffic_zone.h"
+#include "cosiva/zone/toml/companion.h"
+#include "cosiva/zone/toml/toml_fields.h"
 
 /// The tables that a native file and the companion of another format's have in common.
 namespace cosiva::zone {

@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "zone/test_zones.h"
-#include "zone/toml/toml_factory.h"
+#include "cosiva/zone/testing/test_zones.h"
+#include "cosiva/zone/toml/toml_factory.h"
 
 namespace cosiva::zone {
 namespace {

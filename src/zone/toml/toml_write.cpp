@@ -3,9 +3,9 @@
 #include <cmath>
 #include <optional>
 
-#include "zone/toml/companion.h"
-#include "zone/toml/toml_factory.h"
-#include "zone/toml/toml_fields.h"
+#include "cosiva/zone/toml/companion.h"
+#include "cosiva/zone/toml/toml_factory.h"
+#include "cosiva/zone/toml/toml_fields.h"
 
 namespace cosiva::zone {
 namespace {

@@ -4,11 +4,11 @@
 
 #include <cmath>
 
-#include "base/random.h"
-#include "zone/edit_rules.h"
-#include "zone/test_zones.h"
-#include "zone/toml/companion.h"
-#include "zone/toml/toml_factory.h"
+#include "cosiva/base/random.h"
+#include "cosiva/zone/edit/edit.h"
+#include "cosiva/zone/testing/test_zones.h"
+#include "cosiva/zone/toml/companion.h"
+#include "cosiva/zone/toml/toml_factory.h"
 
 namespace cosiva::zone {
 namespace {

@@ -1,0 +1,270 @@
+// Messages that a plain run in virtual time does not contain: qualification of algorithms, battery test, a server that
+// comes back, a server among several, camera over the zone.
+//
+//   message_samples ZONE.toml OUT.jsonl
+//
+// Each part is one short run of the whole platform in virtual time with its counterpart on the bus. Writes every
+// message on the topics of that part as `cosiva up --trace-messages` does; the same bytes every time. Exit 1 when a
+// part fails, 2 on bad usage. golden.test.mjs compares one message of each topic with its golden.
+
+#include <chrono>
+#include <cstdio>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cosiva/app/gvs/gvs_eye.h"
+#include "cosiva/app/gvs/gvs_scene.h"
+#include "cosiva/app/platform/trace_writer.h"
+#include "cosiva/battery/type.h"
+#include "cosiva/experiments/battery/live_rig.h"
+#include "cosiva/experiments/positioning/metrology/live_runs.h"
+#include "cosiva/experiments/runs/world/world.h"
+#include "cosiva/wire/messages/topics.h"
+#include "cosiva/wire/own/gvs.h"
+#include "cosiva/wire/own/halls.h"
+#include "cosiva/wire/runtime/network.h"
+#include "cosiva/zone/rtm/rtm.h"
+#include "e2e/soak.h"
+
+namespace {
+
+using namespace cosiva;
+using namespace std::chrono_literals;
+using experiments::World;
+
+constexpr SimDuration step = 10ms;
+
+std::vector<wire::VehicleId> vehicles(int count) {
+  std::vector<wire::VehicleId> ids;
+  for (int number = 1; number <= count; ++number)
+    ids.push_back({std::string(wire::our_manufacturer), "AIV" + std::to_string(number)});
+  return ids;
+}
+
+/// One run of the platform, of which the messages below some topics are written down.
+class Run {
+ public:
+  using Listener = std::function<void(SimTime, const wire::Publish&)>;
+
+  Run(app::TraceWriter& trace, experiments::WorldOptions options, std::vector<std::string_view> wanted)
+      : trace_{trace}, wanted_{std::move(wanted)} {
+    auto made = World::make(std::move(options));
+    if (!made) {
+      std::fprintf(stderr, "message_samples: %s\n", to_string(made.error()).c_str());
+      return;
+    }
+    world_ = std::move(*made);
+    world_->tap([this](SimTime at, const std::string& from, const wire::Publish& message) {
+      write(at, from, message);
+      if (listener) listener(at, message);
+    });
+  }
+  [[nodiscard]] bool made() const { return world_ != nullptr; }
+  [[nodiscard]] World& world() { return *world_; }
+
+  /// A message of the part's counterpart, which the tap does not see.
+  void publish(std::string_view from, const wire::Publish& message) {
+    write(world_->now(), from, message);
+    world_->publish(message);
+  }
+  template <typename Reaction>
+  void obey(std::string_view from, const Reaction& reaction) {
+    for (const wire::Publish& message : reaction.messages) publish(from, message);
+    for (const std::string& command : reaction.commands) world_->command_server(command);
+  }
+
+  /// Warnings and errors of the cores: why a part fails.
+  void print_log() const {
+    for (const std::string& line : world_->log()) std::fprintf(stderr, "  %s\n", line.c_str());
+  }
+
+  Listener listener;
+
+ private:
+  void write(SimTime at, std::string_view from, const wire::Publish& message) {
+    for (const std::string_view prefix : wanted_)
+      if (message.topic.starts_with(prefix))
+        return trace_.write(at, from, message.topic, message.payload, message.retained);
+  }
+
+  app::TraceWriter& trace_;
+  std::vector<std::string_view> wanted_;
+  std::unique_ptr<World> world_;
+};
+
+experiments::WorldOptions world_of(const zone::ZoneConfiguration& zone, std::uint32_t aivs) {
+  experiments::WorldOptions options;
+  options.zone = zone;
+  options.aivs = aivs;
+  return options;
+}
+
+bool any_matches(const std::vector<std::string>& filters, std::string_view topic) {
+  for (const std::string& filter : filters)
+    if (wire::topic_matches(filter, topic)) return true;
+  return false;
+}
+
+/// One vehicle sends its next estimated positions over three metres.
+bool qualification(app::TraceWriter& trace, const zone::ZoneConfiguration& zone) {
+  experiments::LiveRunsOptions options;
+  options.vehicles = vehicles(1);
+  options.way_m = 3.0;
+  options.algorithms = {"arc_kalman", "dead_reckoning"};
+  options.name = "golden";
+  experiments::LiveRuns runs{options};
+  Run run{trace, world_of(zone, 1), {wire::estimate_request_topic_prefix, wire::estimate_answer_topic_prefix}};
+  const auto rtm = zone::Rtm::initialise(zone);
+  if (!run.made() || !rtm) return false;
+  runs.on_zone(rtm->share_zone());
+  const auto filters = runs.subscriptions();
+  run.listener = [&](SimTime at, const wire::Publish& message) {
+    if (any_matches(filters, message.topic)) runs.on_message(at, message.topic, message.payload);
+  };
+  run.world().run_for(3s);
+  const SimTime end = run.world().now() + 60s;
+  while (!runs.done() && run.world().now() < end) {
+    run.obey("qualification", runs.tick(run.world().now()));
+    run.world().run_for(step);
+  }
+  return runs.done() && runs.losses().empty();
+}
+
+/// Two vehicles get emulated batteries and run for a few seconds.
+bool battery_test(app::TraceWriter& trace, const zone::ZoneConfiguration& zone) {
+  const auto type = battery::shipped_type("leaf33");
+  if (!type) return false;
+  experiments::LiveRigOptions options;
+  options.procedure.vehicles = 2;
+  options.vehicles = vehicles(2);
+  options.batteries = {"red", "blue"};
+  options.emulated.emplace();
+  options.emulated->type = *type;
+  options.emulated->design.series = 2;
+  experiments::LiveRig rig{options};
+  Run run{trace,
+          world_of(zone, 2),
+          {wire::battery_change_topic_prefix, wire::battery_ready_topic_prefix, wire::battery_test_topic}};
+  if (!run.made()) return false;
+  const auto filters = experiments::LiveRig::subscriptions();
+  std::vector<wire::Publish> received;  // handled after the step: a tap does not act on the world that it watches
+  run.listener = [&](SimTime, const wire::Publish& message) {
+    if (any_matches(filters, message.topic)) received.push_back(message);
+  };
+  bool started = false;
+  const SimTime end = run.world().now() + 20s;
+  while (run.world().now() < end) {
+    run.world().run_for(step);
+    const SimTime now = run.world().now();
+    for (const wire::Publish& message : std::exchange(received, {}))
+      run.obey("battery test", rig.on_message(now, message.topic, message.payload));
+    if (!started && rig.complete()) {
+      started = true;
+      run.obey("battery test", rig.start(now));
+    }
+    if (started) run.obey("battery test", rig.tick(now));
+  }
+  if (!started) return false;
+  run.publish("battery test", {std::string(wire::battery_test_topic), to_json(rig.test(end)), 1, true});
+  const bool running = rig.procedure().running(0) && rig.procedure().running(1);
+  if (!running) run.print_log();
+  return running;
+}
+
+/// The server and a vehicle are killed and started again: both publish their retained messages anew.
+void come_and_go(Run& run) {
+  run.world().run_for(3s);
+  run.world().kill_server();
+  run.world().kill_aiv(1);
+  run.world().run_for(1s);
+  run.world().start_aiv(1);
+  run.world().start_server();
+  run.world().run_for(6s);
+}
+
+bool connections(app::TraceWriter& trace, const zone::ZoneConfiguration& zone) {
+  const std::string vehicle = wire::vda_topic(vehicles(1)[0], "connection");
+  Run run{trace, world_of(zone, 2), {wire::server_connection_topic, vehicle}};
+  if (!run.made()) return false;
+  come_and_go(run);
+  return true;
+}
+
+/// The server is one of several, and claims the vehicles on its floor.
+bool several_servers(app::TraceWriter& trace, const zone::ZoneConfiguration& zone) {
+  experiments::WorldOptions options = world_of(zone, 2);
+  options.server.hall = "north";
+  options.server.zone = zone;
+  Run run{trace, std::move(options), {wire::hall_topic_prefix, wire::owner_topic_prefix}};
+  if (!run.made()) return false;
+  come_and_go(run);
+  return true;
+}
+
+/// The emulated camera watches two vehicles, four times a second.
+bool camera(app::TraceWriter& trace, const zone::ZoneConfiguration& zone) {
+  const auto rtm = zone::Rtm::initialise(zone);
+  if (!rtm) return false;
+  auto emulated = app::EmulatedCamera::over(rtm->zone());
+  if (!emulated) return false;
+  app::GvsSource source;
+  source.tag_side_m = emulated->tag_side_m();
+  source.exposure_ms = 1e3 * emulated->exposure_s();
+  app::GvsEye tracker{emulated->calibration(), app::tracker_options(source), {}};
+  Run run{trace, world_of(zone, 2), {"cosiva/v1/gvs/"}};
+  if (!run.made()) return false;
+  std::optional<app::PlantTruth> now;
+  std::optional<app::PlantTruth> before;
+  run.listener = [&](SimTime, const wire::Publish& message) {
+    if (message.topic != wire::plant_truth_topic) return;
+    before = std::exchange(now, app::read_plant_truth(message.payload));
+  };
+  const wire::GvsConnection online{wire::ConnectionState::online, run.world().now(), "the emulated world's camera", {}};
+  run.publish("gvs", {std::string(wire::gvs_connection_topic), to_json(online), 1, true});
+  run.publish("page", {std::string(wire::gvs_look_topic), "{}", 0, false});
+  bool found = false;
+  for (int i = 0; i < 3; ++i) {
+    run.world().run_for(250ms);
+    if (!now) return false;
+    const auto image = emulated->take(*now, before);
+    const auto poses = tracker.see(image, now->at, 0.25);
+    if (!poses) return false;
+    found = found || poses->sights.size() == 2;
+    run.publish("gvs", {std::string(wire::gvs_sights_topic), to_json(*poses), 0, false});
+    run.publish("gvs",
+                {std::string(wire::gvs_picture_topic), tracker.shown(image, *poses, rtm->zone().vehicle), 0, false});
+  }
+  return found;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 3) {
+    std::fprintf(stderr, "usage: message_samples ZONE.toml OUT.jsonl\n");
+    return 2;
+  }
+  const auto zone = soak::toml_zone(argv[1]);
+  auto trace = app::TraceWriter::create(argv[2]);
+  if (!trace) {
+    std::fprintf(stderr, "message_samples: %s\n", to_string(trace.error()).c_str());
+    return 2;
+  }
+  constexpr std::pair<const char*, bool (*)(app::TraceWriter&, const zone::ZoneConfiguration&)> parts[] = {
+      {"qualification", qualification},
+      {"battery test", battery_test},
+      {"connections", connections},
+      {"several servers", several_servers},
+      {"camera", camera}};
+  int status = 0;
+  for (const auto& [name, part] : parts) {
+    if (part(**trace, zone)) continue;
+    std::fprintf(stderr, "message_samples: the part '%s' failed\n", name);
+    status = 1;
+  }
+  return status;
+}

@@ -1,0 +1,149 @@
+#include "cosiva/aiv/decision/agent_rules.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "cosiva/aiv/motion/formulas.h"
+#include "cosiva/base/expect.h"
+
+namespace cosiva::aiv {
+namespace {
+
+constexpr std::array<AgentInputFacts, agent_input_count> all_facts{{
+    {"instruction", "", "what the operator asks for: 0 stop, 1 slow, 2 medium, 3 fast, 4 nothing", no_instruction},
+    {"gap", "braking distances", "free way to where it would stand before the next body", 10.0},
+    {"closing", "% of the medium speed", "how fast that way shrinks; below 0 it grows", 0.0},
+    {"base", "braking distances", "way to where its right to drive ends", 10.0},
+    {"crossing", "braking distances", "way to the next crossing that it may not enter yet", 10.0},
+    {"margin", "s", "by how much it is at that crossing before the other one", 10.0},
+    {"priority", "", "its own against the other one's: -1 lower, 0 the same, 1 higher", 0.0},
+    {"charge", "%", "its battery's state of charge", 100.0},
+}};
+constexpr std::string_view go_name = "go";
+
+std::optional<AgentInput> parse_input(std::string_view name) {
+  for (std::size_t i = 0; i < agent_input_count; ++i) {
+    if (all_facts[i].name == name) return static_cast<AgentInput>(i);
+  }
+  return std::nullopt;
+}
+
+tl::unexpected<Error> refuse(std::string_view origin, const fuzzy::Variable& variable, std::string message) {
+  return fail("rules.agent", std::move(message), std::string(origin) + ":" + std::to_string(variable.line));
+}
+
+Result<std::vector<AgentInput>> known_inputs(const fuzzy::Engine& engine, std::string_view origin) {
+  std::vector<AgentInput> inputs;
+  for (const fuzzy::Variable& variable : engine.inputs) {
+    const auto input = parse_input(variable.name);
+    if (!input) {
+      std::string names;
+      for (const AgentInputFacts& facts : all_facts) names += (names.empty() ? "" : ", ") + std::string(facts.name);
+      return refuse(origin, variable, "an agent knows no '" + variable.name + "'; it knows " + names);
+    }
+    inputs.push_back(*input);
+  }
+  return inputs;
+}
+
+}  // namespace
+
+const AgentInputFacts& facts_of(AgentInput input) { return all_facts[static_cast<std::size_t>(input)]; }
+
+AgentInputs free_way_inputs() {
+  AgentInputs inputs{};
+  for (std::size_t i = 0; i < agent_input_count; ++i) inputs[i] = all_facts[i].free;
+  return inputs;
+}
+
+double braking_distance_m(const zone::SpeedProfiles& profiles) {
+  const zone::SpeedProfile& medium = profiles.medium;
+  return medium.speed_mps * medium.speed_mps / (2.0 * medium.braking_mps2) + medium.speed_mps * obstacle_reaction_s;
+}
+
+AgentInputs inputs_of(const Situation& situation, const zone::SpeedProfiles& profiles) {
+  const double braking_m = braking_distance_m(profiles);
+  // Nothing is closed in on where nothing is; what is not known to move stands.
+  const bool is_free = std::isinf(situation.obstacle_ahead_m);
+  const double closing_mps = is_free ? 0.0 : situation.closing_mps.value_or(situation.speed_mps);
+  return {situation.imposed ? static_cast<double>(*situation.imposed) : no_instruction,
+          plain::gap_input(situation.obstacle_ahead_m, braking_m),
+          plain::closing_input(closing_mps, profiles.medium.speed_mps),
+          plain::way_input(situation.end_of_base_m, braking_m),
+          plain::way_input(situation.crossing_ahead_m, braking_m),
+          situation.crossing_margin_s,
+          situation.crossing_priority,
+          100.0 * situation.charge};
+}
+
+Profile nearest_profile(double speed, std::optional<Profile> present) {
+  const double chosen = plain::nearest_profile(speed, present ? static_cast<double>(*present) : -1.0);
+  return static_cast<Profile>(static_cast<int>(chosen));
+}
+
+Result<std::shared_ptr<const AgentRules>> AgentRules::read(std::string_view fll, std::string_view origin) {
+  auto base = fuzzy::RuleBase::read(fll, origin);
+  if (!base) return tl::unexpected(base.error());
+  auto inputs = known_inputs(base->engine(), origin);
+  if (!inputs) return tl::unexpected(inputs.error());
+  for (const fuzzy::Variable& output : base->engine().outputs) {
+    if (!std::isfinite(output.otherwise))
+      return refuse(origin, output, "'" + output.name + "' needs a 'default': what it is where no rule fires");
+  }
+  const auto go = base->find_output(go_name);
+  if (base->engine().outputs.size() == (go ? 1U : 0U))
+    return refuse(origin, base->engine().outputs.front(), "besides 'go' an output has to say how fast it may go");
+  return std::shared_ptr<const AgentRules>(new AgentRules{std::move(*base), std::move(*inputs), go});
+}
+
+std::shared_ptr<const AgentRules> AgentRules::built_in() {
+  static const std::shared_ptr<const AgentRules> rules = [] {
+    auto read = AgentRules::read(built_in_rules_text(), "rules/agent.fll");
+    COSIVA_EXPECT(read);  // a test reads it as well
+    return *read;
+  }();
+  return rules;
+}
+
+AgentDecision AgentRules::decide(const AgentInputs& inputs, std::optional<Profile> present) const {
+  // An agent knows eight inputs, each of them once; FLL has at most 64 variables.
+  std::array<double, agent_input_count> question{};
+  for (std::size_t i = 0; i < inputs_.size(); ++i) question[i] = inputs[static_cast<std::size_t>(inputs_[i])];
+  std::array<double, 64> answers{};
+  const std::size_t outputs = base_.engine().outputs.size();
+  base_.evaluate(std::span(question).first(inputs_.size()), std::span(answers).first(outputs));
+
+  AgentDecision decision{Profile::stop, std::numeric_limits<double>::infinity(), std::nullopt, 1.0};
+  for (std::size_t o = 0; o < outputs; ++o) {
+    if (o == go_) {
+      decision.go = answers[o];
+    } else if (answers[o] < decision.speed) {
+      decision.speed = answers[o];
+      decision.decided_by = o;
+    }
+  }
+  decision.profile = nearest_profile(decision.speed, present);
+  return decision;
+}
+
+fuzzy::Explanation AgentRules::explain(const AgentInputs& inputs) const {
+  std::vector<double> question;
+  question.reserve(inputs_.size());
+  for (const AgentInput input : inputs_) question.push_back(inputs[static_cast<std::size_t>(input)]);
+  return base_.explain(question);
+}
+
+FuzzySpeedChooser::FuzzySpeedChooser(std::shared_ptr<const AgentRules> rules, const zone::SpeedProfiles& profiles)
+    : rules_{std::move(rules)}, profiles_{profiles} {}
+
+AgentDecision FuzzySpeedChooser::decide(const Situation& situation) const {
+  AgentDecision decision = rules_->decide(inputs_of(situation, profiles_), situation.present);
+  if (situation.end_of_base_m <= 0.0) decision.profile = Profile::stop;
+  if (situation.imposed) decision.profile = std::min(decision.profile, *situation.imposed);
+  return decision;
+}
+
+}  // namespace cosiva::aiv

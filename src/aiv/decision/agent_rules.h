@@ -1,0 +1,99 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "cosiva/aiv/motion/speed.h"
+#include "cosiva/base/result.h"
+#include "cosiva/fuzzy/explain.h"
+#include "cosiva/fuzzy/rule_base.h"
+#include "cosiva/zone/layout/traffic_zone.h"
+
+namespace cosiva::aiv {
+
+/// What an agent's rules may ask for. Their numbers' meaning stands in rules/agent.fll and docs/guide/agents.md.
+enum class AgentInput { instruction, gap, closing, base, crossing, margin, priority, charge };
+inline constexpr std::size_t agent_input_count = 8;
+struct AgentInputFacts {
+  std::string_view name;     ///< in the rules
+  std::string_view unit;     ///< of the rules' number; empty: it has none
+  std::string_view meaning;  ///< for people
+  double free;               ///< its value on a free way, when nothing is known or in the way
+};
+[[nodiscard]] const AgentInputFacts& facts_of(AgentInput input);
+
+/// One number per AgentInput, as the rules count it.
+using AgentInputs = std::array<double, agent_input_count>;
+/// A free way, fully charged, no instruction, nobody else near.
+[[nodiscard]] AgentInputs free_way_inputs();
+/// What the rules are asked in this situation. Ways count in braking distances of the medium profile: a figure that did
+/// not change with its own effect.
+[[nodiscard]] AgentInputs inputs_of(const Situation& situation, const zone::SpeedProfiles& profiles);
+/// The way in which the medium profile stops, reaction included [m].
+[[nodiscard]] double braking_distance_m(const zone::SpeedProfiles& profiles);
+
+struct AgentDecision {
+  Profile profile;
+  double speed;                           ///< 0 stop … 3 fast, before it is rounded: the lowest concern's
+  std::optional<std::size_t> decided_by;  ///< that concern, an output of the rules
+  double go;                              ///< what the rules say of the next crossing, 0 yield … 1 go
+  [[nodiscard]] bool goes() const { return go > 0.5; }
+};
+
+/// Fuzzy rules that an agent can decide by (A10): each output but `go` is a concern that says how fast it may go, the
+/// lowest decides. Never changes; any number of agents share it.
+class AgentRules {
+ public:
+  /// Fails as fuzzy::RuleBase::read, and ("rules.agent") with file and line on a variable that no agent knows, on an
+  /// output without a finite default, and where no output says how fast to go.
+  [[nodiscard]] static Result<std::shared_ptr<const AgentRules>> read(std::string_view fll, std::string_view origin);
+  /// Those that come with the platform.
+  [[nodiscard]] static std::shared_ptr<const AgentRules> built_in();
+
+  /// @param present  the profile that it drives by; it is left only where another one is clearly meant, so that an
+  ///                 answer on the border of two does not make it change its mind with every echo. Nothing: the nearest
+  [[nodiscard]] AgentDecision decide(const AgentInputs& inputs, std::optional<Profile> present = std::nullopt) const;
+  [[nodiscard]] fuzzy::Explanation explain(const AgentInputs& inputs) const;
+
+  [[nodiscard]] const fuzzy::RuleBase& base() const { return base_; }
+  /// The rule base's inputs, in its order.
+  [[nodiscard]] std::span<const AgentInput> inputs() const { return inputs_; }
+  /// Which of its outputs says whether to go first, and is no concern; nothing: none does.
+  [[nodiscard]] std::optional<std::size_t> go() const { return go_; }
+
+ private:
+  AgentRules(fuzzy::RuleBase base, std::vector<AgentInput> inputs, std::optional<std::size_t> go)
+      : base_{std::move(base)}, inputs_{std::move(inputs)}, go_{go} {}
+
+  fuzzy::RuleBase base_;
+  std::vector<AgentInput> inputs_;
+  std::optional<std::size_t> go_;
+};
+
+/// The profile nearest to a speed of 0 (stop) to 3 (fast); the present one stays within 0.7 of it.
+[[nodiscard]] Profile nearest_profile(double speed, std::optional<Profile> present);
+
+/// rules/agent.fll.
+[[nodiscard]] std::string_view built_in_rules_text();
+
+/// Chooses by fuzzy rules. What may not be fuzzy is not: at the end of its base it stops, and never is it faster than
+/// what the operator has asked for.
+class FuzzySpeedChooser final : public SpeedChooser {
+ public:
+  FuzzySpeedChooser(std::shared_ptr<const AgentRules> rules, const zone::SpeedProfiles& profiles);
+
+  [[nodiscard]] Profile choose(const Situation& situation) const override { return decide(situation).profile; }
+  /// The same, with what the rules say of the next crossing.
+  [[nodiscard]] AgentDecision decide(const Situation& situation) const;
+
+ private:
+  std::shared_ptr<const AgentRules> rules_;
+  zone::SpeedProfiles profiles_;
+};
+
+}  // namespace cosiva::aiv

@@ -1,0 +1,311 @@
+#include "cosiva/aiv/decision/agent_rules.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <sstream>
+#include <string>
+
+#include "cosiva/aiv/decision/envelope.h"
+#include "cosiva/aiv/decision/speed_rules.h"
+#include "cosiva/base/test_places.h"
+
+namespace cosiva::aiv {
+namespace {
+
+constexpr double nothing = std::numeric_limits<double>::infinity();
+// As zones/lacet4.toml has them.
+constexpr zone::SpeedProfiles profiles{{0.15, 0.3, 0.6}, {0.40, 0.5, 0.8}, {0.50, 0.8, 1.0}};
+
+Situation free_way() {
+  return {.speed_mps = 0.3,
+          .obstacle_ahead_m = nothing,
+          .end_of_base_m = 1.2,
+          .crossing_ahead_m = nothing,
+          .charge = 1.0,
+          .imposed = std::nullopt};
+}
+
+AgentDecision decision(const Situation& situation) {
+  return FuzzySpeedChooser{AgentRules::built_in(), profiles}.decide(situation);
+}
+Profile choice(const Situation& situation) { return decision(situation).profile; }
+
+/// Anything that an agent may come into.
+Situation any_situation() {
+  const auto number = [](double low, double high) { return low + (high - low) * 1e-4 * *rc::gen::inRange(0, 10'001); };
+  Situation situation = free_way();
+  situation.speed_mps = number(0.0, 0.5);
+  if (*rc::gen::arbitrary<bool>()) situation.obstacle_ahead_m = number(0.0, 2.0);
+  situation.end_of_base_m = number(-0.1, 3.0);
+  if (*rc::gen::arbitrary<bool>()) situation.crossing_ahead_m = number(0.0, 3.0);
+  situation.charge = number(0.0, 1.0);
+  if (*rc::gen::arbitrary<bool>()) situation.closing_mps = number(-0.5, 0.5);
+  if (*rc::gen::arbitrary<bool>()) situation.crossing_margin_s = number(-12.0, 12.0);
+  situation.crossing_priority = number(-1.0, 1.0);
+  if (*rc::gen::arbitrary<bool>()) situation.imposed = static_cast<Profile>(*rc::gen::inRange(0, 4));
+  if (*rc::gen::arbitrary<bool>()) situation.present = static_cast<Profile>(*rc::gen::inRange(0, 4));
+  return situation;
+}
+
+TEST(FuzzyChoice, is_medium_on_a_free_way) { EXPECT_EQ(choice(free_way()), Profile::medium); }
+
+TEST(FuzzyChoice, an_AIV_close_behind_a_slower_one_goes_slower) {
+  Situation situation = free_way();
+  situation.obstacle_ahead_m = 0.25;
+  situation.closing_mps = 0.1;
+  EXPECT_EQ(choice(situation), Profile::slow);
+}
+
+TEST(FuzzyChoice, an_AIV_close_behind_one_that_pulls_away_keeps_its_speed) {
+  Situation situation = free_way();
+  situation.obstacle_ahead_m = 0.25;
+  situation.closing_mps = -0.2;
+  EXPECT_EQ(choice(situation), Profile::medium);
+}
+
+TEST(FuzzyChoice, what_is_not_known_to_move_counts_as_standing) {
+  Situation situation = free_way();
+  situation.obstacle_ahead_m = 0.25;
+  EXPECT_EQ(choice(situation), Profile::slow);
+}
+
+TEST(FuzzyChoice, obeys_the_operator_where_nothing_speaks_against_it) {
+  Situation situation = free_way();
+  for (const Profile imposed : {Profile::stop, Profile::slow, Profile::medium, Profile::fast}) {
+    situation.imposed = imposed;
+    EXPECT_EQ(choice(situation), imposed);
+  }
+}
+
+TEST(FuzzyChoice, hurries_for_an_operator_neither_into_another_one_nor_towards_the_end_of_its_base) {
+  Situation situation = free_way();
+  situation.imposed = Profile::fast;
+  situation.obstacle_ahead_m = 0.2;
+  EXPECT_EQ(choice(situation), Profile::slow);
+  situation = free_way();
+  situation.imposed = Profile::fast;
+  situation.end_of_base_m = 0.15;
+  EXPECT_EQ(choice(situation), Profile::medium);
+}
+
+TEST(FuzzyChoice, is_slow_with_a_low_battery) {
+  Situation situation = free_way();
+  situation.charge = 0.05;
+  EXPECT_EQ(choice(situation), Profile::slow);
+}
+
+TEST(FuzzyChoice, stops_without_a_base_whatever_else) {
+  EXPECT_TRUE(rc::check([] {
+    Situation situation = any_situation();
+    situation.end_of_base_m = -0.01 * *rc::gen::inRange(0, 100);
+    RC_ASSERT(choice(situation) == Profile::stop);
+  }));
+}
+
+TEST(FuzzyChoice, is_never_faster_than_the_operator_wants) {
+  EXPECT_TRUE(rc::check([] {
+    Situation situation = any_situation();
+    situation.imposed = static_cast<Profile>(*rc::gen::inRange(0, 4));
+    RC_ASSERT(choice(situation) <= *situation.imposed);
+  }));
+}
+
+TEST(FuzzyChoice, is_never_slower_with_more_room_in_front) {
+  EXPECT_TRUE(rc::check([] {
+    const Situation nearer = any_situation();
+    Situation farther = nearer;
+    farther.obstacle_ahead_m += 0.01 * *rc::gen::inRange(0, 300);
+    // On a free way nothing closes in: that is more room as well.
+    RC_ASSERT(choice(farther) >= choice(nearer));
+  }));
+}
+
+TEST(FuzzyChoice, is_never_slower_with_more_base_charge_time_or_priority_or_less_closing) {
+  EXPECT_TRUE(rc::check([] {
+    const Situation worse = any_situation();
+    Situation better = worse;
+    switch (*rc::gen::inRange(0, 5)) {
+      case 0: better.end_of_base_m += 0.5; break;
+      case 1: better.charge = std::fmin(1.0, better.charge + 0.1); break;
+      case 2: better.crossing_margin_s += 1.0; break;
+      case 3: better.crossing_priority += 0.5; break;
+      default: better.closing_mps = worse.closing_mps.value_or(worse.speed_mps) - 0.1;
+    }
+    RC_ASSERT(choice(better) >= choice(worse));
+    RC_ASSERT(decision(better).go >= decision(worse).go - 1e-12);
+  }));
+}
+
+TEST(FuzzyChoice, without_an_instruction_and_a_rival_at_a_crossing_is_never_slower_than_the_crisp_one) {
+  EXPECT_TRUE(rc::check([] {
+    Situation situation = any_situation();
+    situation.imposed.reset();
+    situation.crossing_margin_s = nothing;
+    // From where it stands, or on from what the crisp one would have it do.
+    if (situation.present) situation.present = CrispSpeedChooser{}.choose(situation);
+    RC_ASSERT(choice(situation) >= CrispSpeedChooser{}.choose(situation));
+  }));
+}
+
+TEST(FuzzyChoice, does_not_change_its_mind_with_every_echo) {
+  Situation situation = free_way();
+  situation.obstacle_ahead_m = 0.28;  // between slow and medium
+  situation.present = choice(situation);
+  for (int i = 0; i < 100; ++i) {
+    situation.obstacle_ahead_m = 0.28 + (i % 2 == 0 ? 0.02 : -0.02);
+    EXPECT_EQ(choice(situation), *situation.present);
+  }
+}
+
+TEST(FuzzyChoice, at_a_crossing_goes_with_ample_time_and_gives_way_when_late) {
+  Situation situation = free_way();
+  situation.crossing_ahead_m = 0.2;
+  EXPECT_TRUE(decision(situation).goes());
+  situation.crossing_margin_s = 5.0;
+  EXPECT_TRUE(decision(situation).goes());
+  situation.crossing_margin_s = -5.0;
+  EXPECT_FALSE(decision(situation).goes());
+  EXPECT_EQ(choice(situation), Profile::slow);
+}
+
+TEST(FuzzyChoice, at_a_crossing_lets_priority_decide_when_it_is_tight) {
+  Situation situation = free_way();
+  situation.crossing_ahead_m = 0.2;
+  situation.crossing_margin_s = 0.0;
+  situation.crossing_priority = 1.0;
+  EXPECT_TRUE(decision(situation).goes());
+  situation.crossing_priority = 0.0;
+  EXPECT_FALSE(decision(situation).goes());
+  situation.crossing_priority = -1.0;
+  EXPECT_FALSE(decision(situation).goes());
+}
+
+TEST(FuzzyChoice, of_two_who_see_each_other_the_same_way_never_sends_both_first) {
+  EXPECT_TRUE(rc::check([] {
+    Situation mine = free_way();
+    mine.crossing_ahead_m = 0.01 * *rc::gen::inRange(0, 30);
+    mine.crossing_margin_s = 0.01 * *rc::gen::inRange(-300, 301);
+    mine.crossing_priority = *rc::gen::element(-1.0, 0.0, 1.0);
+    Situation theirs = mine;
+    theirs.crossing_margin_s = -mine.crossing_margin_s;
+    theirs.crossing_priority = -mine.crossing_priority;
+    RC_ASSERT(!(decision(mine).goes() && decision(theirs).goes()));
+  }));
+}
+
+// ---- a drive up to a standing body, and behind a slower one
+// ----------------------------------------------------------
+
+struct Drive {
+  double way_m{};
+  int changes{};  ///< of profile
+  double nearest_m{1e9};
+};
+
+/// 20 s towards a body that starts 3 m ahead and moves at `body_mps`, by the chooser under the envelope's law.
+Drive drive(const SpeedChooser& chooser, double body_mps) {
+  constexpr double dt_s = 0.02;
+  Drive drive;
+  double speed_mps = 0.0;
+  double body_m = 3.0;
+  std::optional<Profile> present;
+  for (int i = 0; i < 1000; ++i) {
+    Situation situation = free_way();
+    situation.speed_mps = speed_mps;
+    situation.obstacle_ahead_m = body_m - drive.way_m;
+    situation.closing_mps = speed_mps - body_mps;
+    situation.present = present;
+    const Profile profile = chooser.choose(situation);
+    drive.changes += present && *present != profile ? 1 : 0;
+    present = profile;
+    const zone::SpeedProfile wish = kinematics(profiles, profile);
+    const double wanted_mps =
+        std::min(wish.speed_mps, stoppable_speed(situation.obstacle_ahead_m - stand_off_m, wish.braking_mps2, 0.15));
+    speed_mps = std::clamp(wanted_mps, speed_mps - 0.8 * dt_s, speed_mps + wish.acceleration_mps2 * dt_s);
+    drive.way_m += speed_mps * dt_s;
+    body_m += body_mps * dt_s;
+    drive.nearest_m = std::min(drive.nearest_m, body_m - drive.way_m);
+  }
+  return drive;
+}
+
+TEST(FuzzyDrive, comes_as_far_as_the_crisp_one_with_no_more_changes_of_profile) {
+  const FuzzySpeedChooser fuzzy{AgentRules::built_in(), profiles};
+  for (const double body_mps : {0.0, 0.05, 0.1, 0.2, 0.3}) {
+    const Drive ours = drive(fuzzy, body_mps);
+    const Drive crisp = drive(CrispSpeedChooser{}, body_mps);
+    EXPECT_GE(ours.way_m, crisp.way_m - 1e-3) << body_mps;
+    EXPECT_LE(ours.changes, crisp.changes) << body_mps;
+    EXPECT_GE(ours.nearest_m, 0.5 * stand_off_m) << body_mps;
+  }
+}
+
+// ---- rule files
+// ------------------------------------------------------------------------------------------------------
+
+std::string fault(const std::string& fll) {
+  const auto rules = AgentRules::read(fll, "my.fll");
+  return rules ? "nothing" : to_string(rules.error());
+}
+
+TEST(AgentRules, that_come_with_the_platform_are_the_file_that_is_edited) {
+  std::ostringstream text;
+  text << std::ifstream(source_dir() + "/rules/agent.fll").rdbuf();
+  EXPECT_EQ(built_in_rules_text(), text.str());
+  EXPECT_EQ(fault(text.str()), "nothing");
+}
+
+TEST(AgentRules, may_leave_out_what_they_do_not_ask_for) {
+  const auto rules = AgentRules::read(
+      "InputVariable: gap\n  range: 0 10\n  term: near Ramp 2 1\n  term: far Ramp 1 2\nOutputVariable: pace\n"
+      "  default: 1\n  defuzzifier: WeightedAverage\n  term: slow Constant 1\n  term: fast Constant 3\nRuleBlock:\n"
+      "  rule: if gap is near then pace is slow\n  rule: if gap is far then pace is fast\n",
+      "my.fll");
+  ASSERT_TRUE(rules) << to_string(rules.error());
+  EXPECT_EQ((*rules)->decide(free_way_inputs()).profile, Profile::fast);
+  EXPECT_TRUE((*rules)->decide(free_way_inputs()).goes());
+  // Rules that ask for no instruction do not set one aside.
+  Situation situation = free_way();
+  situation.imposed = Profile::slow;
+  EXPECT_EQ(FuzzySpeedChooser(*rules, profiles).choose(situation), Profile::slow);
+}
+
+TEST(AgentRules, with_a_variable_that_no_agent_knows_are_refused_with_its_line) {
+  std::string text(built_in_rules_text());
+  for (std::size_t at = 0; (at = text.find("charge", at)) != std::string::npos; at += 7) text.replace(at, 6, "voltage");
+  EXPECT_THAT(fault(text),
+              testing::MatchesRegex("my.fll:[0-9]+: an agent knows no 'voltage'; it knows instruction, gap.*"));
+}
+
+TEST(AgentRules, without_a_word_on_speed_or_without_a_default_are_refused) {
+  const std::string head = "InputVariable: gap\n  range: 0 10\n  term: near Ramp 2 1\nOutputVariable: ";
+  const std::string tail =
+      "\n  defuzzifier: WeightedAverage\n  term: a Constant 1\nRuleBlock:\n  rule: if gap is near then ";
+  EXPECT_EQ(fault(head + "go\n  default: 0" + tail + "go is a\n"),
+            "my.fll:4: besides 'go' an output has to say how fast it may go");
+  EXPECT_EQ(fault(head + "pace" + tail + "pace is a\n"),
+            "my.fll:4: 'pace' needs a 'default': what it is where no rule fires");
+}
+
+TEST(SpeedRules, come_back_from_json_as_they_went) {
+  for (const SpeedRules& rules : {SpeedRules{}, SpeedRules{SpeedRules::Kind::fuzzy, {}, {}},
+                                  SpeedRules{SpeedRules::Kind::custom, "my.fll", std::string(built_in_rules_text())}}) {
+    JsonWriter json;
+    write_json(json, rules);
+    const auto back = speed_rules_from_json(*JsonValue::parse(json.text()));
+    ASSERT_TRUE(back) << to_string(back.error());
+    EXPECT_EQ(*back, rules);
+    EXPECT_TRUE(make_chooser(*back, profiles));
+  }
+  EXPECT_FALSE(speed_rules_from_json(*JsonValue::parse("\"vague\"")));
+  EXPECT_THAT(to_string(speed_rules_from_json(*JsonValue::parse(R"({"origin":"x.fll","fll":"hello"})")).error()),
+              testing::StartsWith("x.fll:1:1: "));
+}
+
+}  // namespace
+}  // namespace cosiva::aiv

@@ -1,0 +1,379 @@
+#include "cosiva/aiv/decision/agent.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "cosiva/aiv/testing/test_orders.h"
+#include "cosiva/aiv/testing/test_senses.h"
+#include "cosiva/aiv/testing/test_zone.h"
+
+namespace cosiva::aiv {
+namespace {
+
+using test::at;
+using test::lacet4;
+using test::order;
+using test::ranges_to;
+using ::testing::ElementsAre;
+
+/// An agent on wheels that obey its commands as the line-following board does, with exact odometry at 50 Hz.
+struct AgentBench {
+  Agent agent{lacet4()};
+  AivMotion truth;
+  double speed_mps{0.0};
+  double travelled_m{0.0};
+  double hardest_braking_mps2{0.0};
+  double highest_speed_mps{0.0};
+  std::vector<Point2> obstacles;
+  std::vector<std::string> traversed;
+  int tick{0};
+
+  AgentBench(std::string_view section, double s_m) : truth{lacet4().circuit, at(lacet4(), section, s_m)} {
+    agent.stand_at(truth.place(lacet4().circuit));
+    step();
+  }
+
+  AgentBench& take(const wire::Order& text) {
+    const auto verdict = agent.take_order(text);
+    EXPECT_TRUE(verdict) << verdict.error().message;
+    return *this;
+  }
+
+  void step() {
+    constexpr double dt = 0.02;
+    const wire::Drive drive = agent.decide();
+    const double wanted = 1e-3 * drive.speed_mmps;
+    const double before = speed_mps;
+    speed_mps = wanted > speed_mps ? std::min(wanted, speed_mps + 1e-3 * drive.acceleration_mmps2 * dt)
+                                   : std::max(wanted, speed_mps - 1e-3 * drive.braking_mmps2 * dt);
+    hardest_braking_mps2 = std::max(hardest_braking_mps2, (before - speed_mps) / dt);
+    highest_speed_mps = std::max(highest_speed_mps, speed_mps);
+    travelled_m += truth.move(lacet4().circuit, 0.5 * (before + speed_mps) * dt);
+    wire::Odometry odometry;
+    odometry.distance_um = std::llround(travelled_m * 1e6);
+    odometry.speed_mmps = static_cast<std::int16_t>(std::lround(speed_mps * 1e3));
+    agent.on_odometry(odometry);
+    if (++tick % 3 == 0) agent.on_ranges(ranges_to(obstacles, truth.pose(lacet4().circuit)));
+    for (const auto& node : agent.take_traversed()) traversed.push_back(node.node_id);
+  }
+
+  void run(double seconds) {
+    for (int i = 0; i < static_cast<int>(seconds * 50.0); ++i) step();
+  }
+  bool run_until(const std::function<bool()>& done, double seconds) {
+    for (int i = 0; i < static_cast<int>(seconds * 50.0) && !done(); ++i) step();
+    return done();
+  }
+  double s_m() const { return truth.place(lacet4().circuit).s_m; }
+};
+
+constexpr double edge_m = 0.282743338823;
+const auto to_565 = [] { return order("O-1").through({"loop_se@0", "loop_se@283", "loop_se@565"}); };
+
+/// Wants medium, and writes down what it is told of its last choice.
+class NotingChooser final : public SpeedChooser {
+ public:
+  explicit NotingChooser(std::vector<std::optional<Profile>>& present) : present_{present} {}
+  [[nodiscard]] Profile choose(const Situation& situation) const override {
+    present_.push_back(situation.present);
+    return Profile::medium;
+  }
+
+ private:
+  std::vector<std::optional<Profile>>& present_;
+};
+
+TEST(Agent, tells_its_chooser_what_it_drives_by_and_nothing_after_it_had_to_stand) {
+  std::vector<std::optional<Profile>> present;
+  Agent agent{lacet4(), std::make_unique<NotingChooser>(present)};
+  agent.stand_at(at(lacet4(), "loop_se", 0.0));
+  ASSERT_TRUE(agent.take_order(to_565()));
+  (void)agent.decide();
+  (void)agent.decide();
+  agent.hold(Hold::paused, true);
+  (void)agent.decide();
+  agent.hold(Hold::paused, false);
+  (void)agent.decide();
+  EXPECT_THAT(present, ElementsAre(std::nullopt, Profile::medium, std::nullopt));
+}
+
+TEST(Agent, stays_without_an_order) {
+  AgentBench bench{"loop_se", 0.0};
+  bench.run(3.0);
+  EXPECT_EQ(bench.travelled_m, 0.0);
+  EXPECT_TRUE(bench.agent.standing());
+  EXPECT_EQ(bench.agent.status(), Status::stopped);
+}
+
+TEST(Agent, follows_its_order_and_stops_on_the_last_node_of_its_base) {
+  AgentBench bench{"loop_se", 0.0};
+  bench.take(to_565().then({"loop_se@848"}));
+  bench.run(8.0);
+  EXPECT_THAT(bench.traversed, ElementsAre("loop_se@283", "loop_se@565"));
+  EXPECT_TRUE(bench.agent.standing());
+  EXPECT_NEAR(bench.s_m(), 2.0 * edge_m, 0.01);
+  EXPECT_NEAR(bench.highest_speed_mps, lacet4().profiles.medium.speed_mps, 1e-9);
+  EXPECT_LE(bench.hardest_braking_mps2, lacet4().profiles.medium.braking_mps2 + 0.03) << "a smooth stop";
+}
+
+TEST(Agent, goes_on_without_stopping_when_its_base_is_extended_in_time) {
+  AgentBench bench{"loop_se", 0.0};
+  bench.take(to_565().then({"loop_se@848"}));
+  ASSERT_TRUE(bench.run_until([&] { return bench.agent.wants_base(); }, 5.0));
+  bench.take(order("O-1", 1).from_sequence(4).through({"loop_se@565", "loop_se@848", "loop_se@1131"}));
+  double slowest_mps = 1.0;
+  ASSERT_TRUE(bench.run_until(
+      [&] {
+        slowest_mps = std::min(slowest_mps, bench.speed_mps);
+        return bench.traversed.size() == 3;
+      },
+      5.0));
+  EXPECT_GT(slowest_mps, 0.25);
+}
+
+TEST(Agent, asks_for_base_only_when_more_is_announced) {
+  AgentBench bench{"loop_se", 0.0};
+  bench.take(to_565());
+  bench.run(8.0);
+  EXPECT_FALSE(bench.agent.wants_base());
+}
+
+TEST(Agent, stands_while_anything_holds_it_and_goes_on_by_itself) {
+  for (const Hold reason : {Hold::paused, Hold::broker_lost, Hold::server_lost, Hold::board_lost, Hold::board_faulty}) {
+    AgentBench bench{"loop_se", 0.0};
+    bench.take(order("O-1").through({"loop_se@0", "loop_se@565", "loop_se@1131", "loop_se@1696"}));
+    bench.run(1.0);
+    EXPECT_GT(bench.speed_mps, 0.2);
+    bench.agent.hold(reason, true);
+    bench.run(1.0);
+    EXPECT_EQ(bench.speed_mps, 0.0) << to_string(reason);
+    EXPECT_TRUE(bench.agent.order().active());
+    bench.agent.hold(reason, false);
+    bench.run(1.0);
+    EXPECT_GT(bench.speed_mps, 0.2) << to_string(reason);
+  }
+}
+
+TEST(Agent, stands_when_it_loses_the_line) {
+  AgentBench bench{"loop_se", 0.0};
+  bench.take(to_565());
+  wire::Odometry lost;
+  lost.line_lost = true;
+  bench.agent.on_odometry(lost);
+  EXPECT_EQ(bench.agent.decide().speed_mmps, 0);
+}
+
+TEST(Agent, that_knows_no_place_does_not_drive_and_takes_no_order) {
+  Agent agent{lacet4()};
+  EXPECT_EQ(agent.take_order(to_565()).error().code, "noRouteError");
+  EXPECT_EQ(agent.decide().speed_mmps, 0);
+}
+
+TEST(Agent, stops_before_an_obstacle_and_goes_on_when_it_is_gone) {
+  AgentBench bench{"loop_se", 0.0};
+  bench.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
+  bench.run(1.0);
+  bench.obstacles = {position(lacet4().circuit.pose_at(at(lacet4(), "loop_se", 0.9)))};
+  bench.run(4.0);
+  EXPECT_EQ(bench.speed_mps, 0.0);
+  EXPECT_TRUE(bench.agent.blocked());
+  EXPECT_NEAR(0.9 - bench.s_m() - 0.1, stand_off_m, 0.03);
+  EXPECT_LE(bench.hardest_braking_mps2, lacet4().profiles.fast.braking_mps2 + 0.03);
+  bench.obstacles.clear();
+  bench.run(4.0);
+  EXPECT_FALSE(bench.agent.blocked());
+  EXPECT_NEAR(bench.s_m(), 4.0 * edge_m, 0.01);
+}
+
+TEST(Agent, does_not_touch_an_obstacle_that_appears_half_a_metre_ahead_at_full_speed) {
+  AgentBench bench{"loop_se", 0.0};
+  bench.agent.impose(Profile::fast);
+  bench.take(order("O-1").through({"loop_se@0", "loop_se@1979"}));
+  bench.run(1.6);
+  EXPECT_NEAR(bench.speed_mps, 0.5, 0.01);
+  const double obstacle_s_m = bench.s_m() + 0.1 + 0.5;
+  bench.obstacles = {position(lacet4().circuit.pose_at(at(lacet4(), "loop_se", obstacle_s_m)))};
+  bench.run(4.0);
+  EXPECT_EQ(bench.speed_mps, 0.0);
+  EXPECT_GT(obstacle_s_m - bench.s_m() - 0.1, 0.08);
+}
+
+// --- what is only virtual -----------------------------------------------------------------------------------------
+
+TEST(Agent, stops_before_what_it_feels_as_before_an_obstacle_and_goes_on_when_it_is_gone) {
+  AgentBench bench{"loop_se", 0.0};
+  bench.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
+  bench.run(1.0);
+  const auto feel = [&] { bench.agent.feel(0.9 - bench.s_m() - 0.1); };
+  for (int i = 0; i < 200; ++i) {
+    feel();
+    bench.step();
+  }
+  EXPECT_EQ(bench.speed_mps, 0.0);
+  EXPECT_TRUE(bench.agent.blocked());
+  EXPECT_TRUE(bench.agent.braking_for_felt());
+  EXPECT_NEAR(0.9 - bench.s_m() - 0.1, stand_off_m, 0.02);
+  EXPECT_LE(bench.hardest_braking_mps2, lacet4().profiles.medium.braking_mps2 + 0.03) << "it was told in time";
+  bench.agent.feel(std::numeric_limits<double>::infinity());
+  bench.run(4.0);
+  EXPECT_FALSE(bench.agent.blocked());
+  EXPECT_FALSE(bench.agent.braking_for_felt());
+  EXPECT_NEAR(bench.s_m(), 4.0 * edge_m, 0.01);
+}
+
+TEST(Agent, brakes_for_the_nearer_of_what_it_sees_and_feels) {
+  AgentBench bench{"loop_se", 0.0};
+  bench.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
+  bench.obstacles = {position(lacet4().circuit.pose_at(at(lacet4(), "loop_se", 0.6)))};
+  for (int i = 0; i < 250; ++i) {
+    bench.agent.feel(0.9 - bench.s_m() - 0.1);
+    bench.step();
+    EXPECT_FALSE(bench.agent.braking_for_felt() && bench.tick > 10) << bench.tick;
+  }
+  EXPECT_NEAR(0.6 - bench.s_m() - 0.1, stand_off_m, 0.03) << "the obstacle";
+  bench.obstacles.clear();
+  for (int i = 0; i < 250; ++i) {
+    bench.agent.feel(0.9 - bench.s_m() - 0.1);
+    bench.step();
+  }
+  EXPECT_NEAR(0.9 - bench.s_m() - 0.1, stand_off_m, 0.02) << "the virtual one";
+  EXPECT_TRUE(bench.agent.braking_for_felt());
+}
+
+TEST(Agent, does_not_brake_for_what_it_feels_beyond_its_base_or_while_something_else_holds_it) {
+  AgentBench bench{"loop_se", 0.0};
+  bench.take(to_565());
+  for (int i = 0; i < 400; ++i) {
+    bench.agent.feel(1.1 - bench.s_m() - 0.1);
+    bench.step();
+    EXPECT_FALSE(bench.agent.braking_for_felt()) << bench.s_m();
+  }
+  EXPECT_NEAR(bench.s_m(), 2.0 * edge_m, 0.01);
+  EXPECT_FALSE(bench.agent.blocked());
+
+  AgentBench paused{"loop_se", 0.0};
+  paused.take(to_565());
+  paused.agent.hold(Hold::paused, true);
+  paused.agent.feel(0.0);
+  paused.run(0.2);
+  EXPECT_FALSE(paused.agent.braking_for_felt());
+  paused.agent.hold(Hold::paused, false);
+  paused.run(0.2);
+  EXPECT_TRUE(paused.agent.braking_for_felt());
+  EXPECT_EQ(paused.travelled_m, 0.0);
+}
+
+TEST(Agent, does_not_stutter_behind_what_moves_back_and_forth_by_a_few_centimetres) {
+  AgentBench bench{"loop_se", 0.0};
+  bench.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
+  int starts = 0;
+  bool stood = true;
+  for (int i = 0; i < 1000; ++i) {
+    const double sway_m = (i / 10) % 2 == 0 ? 0.015 : -0.015;
+    bench.agent.feel(0.9 - bench.s_m() - 0.1 + sway_m);
+    bench.step();
+    starts += stood && bench.speed_mps > 0.0 ? 1 : 0;
+    stood = bench.speed_mps == 0.0;
+  }
+  EXPECT_EQ(bench.speed_mps, 0.0);
+  EXPECT_LE(starts, 2);
+}
+
+TEST(Agent, drives_at_the_imposed_profile_and_no_faster_than_the_limit) {
+  AgentBench bench{"loop_se", 0.0};
+  bench.take(order("O-1").through({"loop_se@0", "loop_se@2545"}));
+  bench.agent.impose(Profile::slow);
+  bench.run(2.0);
+  EXPECT_NEAR(bench.speed_mps, 0.15, 1e-9);
+  EXPECT_EQ(bench.agent.status(), Status::slow_speed);
+  bench.agent.impose(Profile::fast);
+  bench.run(1.5);
+  EXPECT_NEAR(bench.speed_mps, 0.5, 1e-9);
+  EXPECT_EQ(bench.agent.status(), Status::fast_speed);
+  bench.agent.limit_speed(0.22);
+  bench.run(1.0);
+  EXPECT_NEAR(bench.speed_mps, 0.22, 1e-9);
+}
+
+TEST(Agent, stays_within_its_base_when_a_weaker_profile_is_imposed_at_speed) {
+  AgentBench bench{"loop_se", 0.0};
+  bench.agent.impose(Profile::fast);
+  bench.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
+  ASSERT_TRUE(bench.run_until([&] { return bench.agent.order().distance_to_base_end_m() < 0.20; }, 5.0));
+  bench.agent.impose(Profile::slow);
+  bench.run(3.0);
+  EXPECT_LT(bench.s_m(), 4.0 * edge_m + 0.01);
+  EXPECT_GT(bench.s_m(), 4.0 * edge_m - 0.01);
+}
+
+TEST(Agent, waits_at_the_stop_line_until_the_base_leads_through_the_crossing) {
+  AgentBench bench{"east", 0.1};
+  auto into = order("O-1").through({"east@0", "east@190", "middle"}).then({"east@1120"});
+  into.node(2).position = wire::NodePosition{0.0, -0.15, {}, {}, {}, ""};
+  bench.take(into);
+  bench.run(5.0);
+  EXPECT_TRUE(bench.agent.standing());
+  EXPECT_LT(bench.s_m(), 0.40);
+  EXPECT_GT(bench.s_m(), 0.37);
+  bench.take(order("O-1", 1).from_sequence(4).through({"middle", "east@1120"}));
+  bench.run(6.0);
+  EXPECT_NEAR(bench.s_m(), 1.12, 0.01);
+}
+
+TEST(Agent, cancelling_brakes_and_drops_the_order_when_it_stands) {
+  AgentBench bench{"loop_se", 0.0};
+  bench.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
+  bench.run(1.5);
+  EXPECT_TRUE(bench.agent.begin_cancel());
+  EXPECT_TRUE(bench.agent.cancelling());
+  EXPECT_TRUE(bench.agent.order().active());
+  EXPECT_EQ(bench.agent.take_order(order("O-2").through({"loop_se@283"})).error().code, "orderUpdateError");
+  bench.run(1.0);
+  EXPECT_FALSE(bench.agent.cancelling());
+  EXPECT_FALSE(bench.agent.order().active());
+  EXPECT_FALSE(bench.agent.begin_cancel()) << "there is nothing to cancel any more";
+}
+
+TEST(Agent, tag_corrections_move_the_order_along) {
+  AgentBench bench{"east", 1.30};
+  bench.take(order("O-1").through({"east@1310", "loop_se@0", "loop_se@283"}));
+  const double before_m = bench.agent.order().distance_to_base_end_m();
+  const auto fix = bench.agent.on_tag({0, 1, 0});
+  ASSERT_EQ(fix.kind, PositionEstimator::FixKind::corrected);
+  EXPECT_NEAR(bench.agent.order().distance_to_base_end_m(), before_m - fix.correction_m, 1e-12);
+}
+
+TEST(Agent, drops_an_order_that_a_tag_shows_it_is_not_on) {
+  AgentBench bench{"east", 0.10};
+  bench.take(order("O-1").through({"east@0", "east@190", "east@380"}));
+  bench.agent.on_tag({0, 7, 0});
+  EXPECT_TRUE(bench.agent.take_lost_order());
+  EXPECT_FALSE(bench.agent.take_lost_order());
+  EXPECT_FALSE(bench.agent.order().active());
+  EXPECT_EQ(bench.agent.position().place().section, 4U);
+}
+
+TEST(Agent, takes_a_position_only_when_it_stands_without_an_order_and_it_lies_on_the_circuit) {
+  AgentBench bench{"east", 0.10};
+  EXPECT_EQ(bench.agent.initialise_position({5.0, 5.0, 0.0}, "").error().code, "position.off_circuit");
+  EXPECT_TRUE(bench.agent.initialise_position({-0.5, -0.14, 0.05}, "dock"));
+  EXPECT_NEAR(bench.agent.position().place().s_m, 0.25, 1e-9);
+  EXPECT_EQ(bench.agent.order().last_node_id(), "dock");
+  bench.take(order("O-1").through({"east@190", "east@380"}));
+  EXPECT_EQ(bench.agent.initialise_position({-0.5, -0.14, 0.0}, "").error().code, "position.busy");
+}
+
+TEST(Agent, turns_as_the_circuit_does) {
+  AgentBench bench{"loop_se", 0.0};
+  bench.take(to_565());
+  bench.run(1.0);
+  EXPECT_NEAR(bench.agent.turn_rate_radps(), -bench.agent.speed_mps() / 0.6, 1e-9);
+}
+
+}  // namespace
+}  // namespace cosiva::aiv

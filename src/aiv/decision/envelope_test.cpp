@@ -1,0 +1,189 @@
+#include "cosiva/aiv/decision/envelope.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "cosiva/aiv/motion/speed.h"
+#include "cosiva/aiv/testing/test_orders.h"
+#include "cosiva/aiv/testing/test_zone.h"
+
+namespace cosiva::aiv {
+namespace {
+
+using test::at;
+using test::lacet4;
+using test::order;
+
+constexpr double nothing = std::numeric_limits<double>::infinity();
+
+// --- crossings ----------------------------------------------------------------------------------------------------
+
+TEST(CrossingsAhead, takes_the_two_of_a_straight_as_one) {
+  const CrossingsAhead crossings{lacet4()};
+  const auto chain = crossings.first(at(lacet4(), "east", 0.1), 1.0);
+  EXPECT_NEAR(chain.entry_m, 0.3, 0.001);
+  EXPECT_NEAR(chain.exit_m, 1.0, 0.001);
+}
+
+TEST(CrossingsAhead, sees_over_the_joint_of_two_sections) {
+  const CrossingsAhead crossings{lacet4()};
+  const auto chain = crossings.first(at(lacet4(), "loop_se", 2.7), 1.0);
+  EXPECT_NEAR(chain.entry_m, 0.9 * pi - 2.7 + 0.4, 0.001);
+}
+
+TEST(CrossingsAhead, has_nothing_within_a_shorter_reach) {
+  const CrossingsAhead crossings{lacet4()};
+  EXPECT_EQ(crossings.first(at(lacet4(), "east", 0.1), 0.2).entry_m, nothing);
+}
+
+TEST(CrossingsAhead, does_not_stop_a_vehicle_that_is_in_one) {
+  const CrossingsAhead crossings{lacet4()};
+  EXPECT_EQ(crossings.first(at(lacet4(), "east", 0.6), 1.0).entry_m, nothing);
+}
+
+zone::TrafficZone with_spans(std::vector<zone::CrossingSpan> spans, std::vector<test::Piece> pieces, bool closed) {
+  zone::TrafficZone zone = lacet4();
+  zone.circuit = test::lay(pieces, closed);
+  zone.crossings = {{"X", {}, std::move(spans)}};
+  return zone;
+}
+
+TEST(CrossingsAhead, are_apart_when_a_vehicle_can_stand_between) {
+  // The vehicle is 0.2 m long; 0.3 m is the room to stand.
+  const auto near = with_spans({{0, 1.0, 1.5}, {0, 1.79, 2.0}}, {{5.0}}, false);
+  EXPECT_NEAR(CrossingsAhead{near}.first({0, 0.5}, 1.0).exit_m, 1.5, 1e-12);
+  const auto far = with_spans({{0, 1.0, 1.5}, {0, 1.81, 2.0}}, {{5.0}}, false);
+  EXPECT_NEAR(CrossingsAhead{far}.first({0, 0.5}, 1.0).exit_m, 1.0, 1e-12);
+}
+
+TEST(CrossingsAhead, of_one_crossing_over_a_joint_are_one_span) {
+  const auto zone = with_spans({{0, 0.8, 1.0}, {1, 0.0, 0.3}}, {{1.0}, {5.0}}, false);
+  const CrossingsAhead crossings{zone};
+  const auto chain = crossings.first({0, 0.5}, 1.0);
+  EXPECT_NEAR(chain.entry_m, 0.3, 1e-12);
+  EXPECT_NEAR(chain.exit_m, 0.8, 1e-12);
+  EXPECT_EQ(crossings.first({0, 0.9}, 1.0).entry_m, nothing) << "it is in the crossing already";
+}
+
+TEST(CrossingsAhead, end_the_search_on_a_ring_that_is_all_crossing) {
+  const auto zone = with_spans({{0, 0.2, 0.9}}, {{1.0}, {1.0}, {1.0}, {1.0}}, false);
+  EXPECT_NEAR(CrossingsAhead{zone}.first({0, 0.1}, 1.0).exit_m, 0.8, 1e-12);
+  zone::TrafficZone ring = lacet4();
+  ring.crossings.clear();
+  for (zone::SectionId id = 0; id < ring.circuit.size(); ++id)
+    ring.crossings.push_back({"X", {}, {{id, 0.1, ring.circuit.section(id).length_m()}}});
+  EXPECT_GT(CrossingsAhead{ring}.first({0, 0.05}, 1.0).exit_m, ring.circuit.total_length_m());
+}
+
+// --- the envelope -------------------------------------------------------------------------------------------------
+
+const zone::SpeedProfile wish{.speed_mps = 0.5, .acceleration_mps2 = 0.5, .braking_mps2 = 0.8};
+
+struct Scene {
+  OrderBook book{lacet4()};
+  zone::Place here;
+  Scene(std::string_view section, double s_m, const wire::Order& order) : here{at(lacet4(), section, s_m)} {
+    if (!book.offer(order, {here, true})) std::abort();
+  }
+  Limit limit(double obstacle_m = nothing, double speed_mps = 0.3) const {
+    return Envelope{lacet4()}.limit({here, speed_mps, obstacle_m, book}, wish);
+  }
+};
+
+TEST(Envelope, leaves_the_wish_alone_on_a_free_way) {
+  const Scene scene{"loop_se", 0.0, order("O").through({"loop_se@0", "loop_se@283", "loop_se@1131"})};
+  EXPECT_EQ(scene.limit().speed_mps, wish.speed_mps);
+  EXPECT_EQ(scene.limit().braking_mps2, wish.braking_mps2);
+  EXPECT_FALSE(scene.limit().by_obstacle);
+}
+
+TEST(Envelope, lets_the_vehicle_stop_at_the_end_of_its_base) {
+  const Scene scene{"loop_se", 0.2, order("O").through({"loop_se@0", "loop_se@283"}).then({"loop_se@565"})};
+  EXPECT_NEAR(scene.limit().speed_mps, stoppable_speed(0.282743 - 0.2, 0.8, 0.08), 1e-5);
+}
+
+TEST(Envelope, allows_for_as_much_lateness_as_its_vehicle_s_cycle_brings) {
+  using namespace std::chrono_literals;
+  EXPECT_EQ(Lateness::of(20ms).command_s, 0.08);
+  EXPECT_EQ(Lateness::of(20ms).obstacle_s, 0.15);
+  // Eighty milliseconds more between two decisions, and forty between two looks.
+  const Lateness late = Lateness::of(100ms);
+  EXPECT_NEAR(late.command_s, 0.16, 1e-12);
+  EXPECT_NEAR(late.obstacle_s, 0.27, 1e-12);
+  const Scene scene{"loop_se", 0.2, order("O").through({"loop_se@0", "loop_se@283"}).then({"loop_se@565"})};
+  const Envelope slow{lacet4(), late};
+  const auto limit_mps = [&](double obstacle_m) {
+    return slow.limit({scene.here, 0.3, obstacle_m, scene.book}, wish).speed_mps;
+  };
+  EXPECT_NEAR(limit_mps(nothing), stoppable_speed(0.282743 - 0.2, 0.8, 0.16), 1e-5);
+  EXPECT_NEAR(limit_mps(0.16), stoppable_speed(0.16 - 0.12, 0.8, 0.27), 1e-9);
+}
+
+TEST(Envelope, is_zero_without_an_order) {
+  OrderBook empty{lacet4()};
+  EXPECT_EQ((Envelope{lacet4()}.limit({at(lacet4(), "east", 0.1), 0.0, nothing, empty}, wish).speed_mps), 0.0);
+}
+
+TEST(Envelope, stops_before_a_crossing_that_the_base_does_not_lead_through) {
+  // The base ends in the middle of the two crossings, and more is announced: somebody else may hold them.
+  auto into = order("O").through({"east@190", "middle"}).then({"east@1120"});
+  into.node(1).position = wire::NodePosition{0.0, -0.15, {}, {}, {}, ""};
+  const Scene scene{"east", 0.30, into};
+  EXPECT_NEAR(scene.limit().speed_mps, stoppable_speed(0.10 - 0.01, 0.8, 0.08), 1e-3);
+  EXPECT_NEAR(scene.limit().crossing_ahead_m, 0.10, 1e-3);
+}
+
+TEST(Envelope, enters_a_crossing_that_the_base_leads_through) {
+  const Scene scene{"east", 0.30, order("O").through({"east@190", "east@380", "east@1120"}).then({"east@1310"})};
+  EXPECT_EQ(scene.limit().speed_mps, wish.speed_mps);
+  EXPECT_EQ(scene.limit().crossing_ahead_m, nothing);
+}
+
+TEST(Envelope, enters_a_crossing_that_is_the_order_s_very_end) {
+  auto into = order("O").through({"east@190", "middle"});
+  into.node(1).position = wire::NodePosition{0.0, -0.15, {}, {}, {}, ""};
+  const Scene scene{"east", 0.30, into};
+  EXPECT_EQ(scene.limit().speed_mps, wish.speed_mps);
+}
+
+TEST(Envelope, keeps_its_distance_to_an_obstacle) {
+  const Scene scene{"loop_se", 0.0, order("O").through({"loop_se@0", "loop_se@283", "loop_se@1131"})};
+  EXPECT_NEAR(scene.limit(0.22).speed_mps, stoppable_speed(0.10, 0.8, 0.15), 1e-12);
+  EXPECT_TRUE(scene.limit(0.22).by_obstacle);
+  EXPECT_EQ(scene.limit(stand_off_m).speed_mps, 0.0);
+}
+
+TEST(Envelope, brakes_as_hard_as_it_can_when_the_profile_s_brakes_do_not_suffice) {
+  const Scene scene{"loop_se", 0.0, order("O").through({"loop_se@0", "loop_se@283", "loop_se@1131"})};
+  EXPECT_EQ(scene.limit(0.5, 0.5).braking_mps2, wish.braking_mps2);
+  EXPECT_EQ(scene.limit(0.2, 0.5).braking_mps2, lacet4().profiles.fast.braking_mps2);
+}
+
+TEST(Envelope, obeys_an_edge_s_speed_limit_and_brakes_for_the_next_one_s) {
+  auto limited = order("O").through({"loop_se@0", "loop_se@283", "loop_se@565", "loop_se@1131"});
+  limited.edge(1).max_speed_mps = 0.1;
+  EXPECT_EQ((Scene{"loop_se", 0.0, limited}.limit().speed_mps), wish.speed_mps);
+  // 5 cm before the edge: what may be had by braking down to 0.1 m/s over them, less the reaction's way.
+  const double before_mps = (Scene{"loop_se", 0.2327, limited}.limit().speed_mps);
+  EXPECT_NEAR(before_mps, std::sqrt(0.01 + 1.6 * (0.05 - 0.008)), 1e-3);
+  auto on_it = order("O").through({"loop_se@283", "loop_se@565", "loop_se@1131"});
+  on_it.edge(0).max_speed_mps = 0.1;
+  EXPECT_NEAR((Scene{"loop_se", 0.3, on_it}.limit().speed_mps), 0.1, 1e-12);
+}
+
+TEST(Envelope, obeys_a_section_s_speed_limit) {
+  zone::TrafficZone zone = lacet4();
+  std::vector<zone::Circuit::Part> parts;
+  for (zone::SectionId id = 0; id < zone.circuit.size(); ++id) parts.push_back(zone.circuit.part(id));
+  parts[1].speed_mps_max = 0.2;
+  zone.circuit = zone::Circuit::make("limited", parts).value();
+  OrderBook book{zone};
+  ASSERT_TRUE(book.offer(order("O").through({"loop_se@0", "loop_se@1131"}), {at(zone, "loop_se", 0.1), true}));
+  EXPECT_NEAR((Envelope{zone}.limit({at(zone, "loop_se", 0.1), 0.2, nothing, book}, wish).speed_mps), 0.2, 1e-12);
+}
+
+}  // namespace
+}  // namespace cosiva::aiv

@@ -1,0 +1,196 @@
+// Off the line: the vehicle turns on the spot, looks for a line, or stands where there is none.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "cosiva/aiv/localisation/estimator.h"
+#include "cosiva/aiv/motion/manoeuvre.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/zone/circuit/anchor.h"
+
+namespace cosiva::aiv {
+namespace {
+
+/// An odometer that has rolled further than this does not belong to the manoeuvre in which it stood still.
+constexpr double still_m = 0.002;
+/// Who decides that it is near enough to a way has been told its pose, rounded.
+constexpr double told_off_m = 0.005;
+/// Beside the line it has found one when its wheels roll this far in no manoeuvre.
+constexpr double follows_m = 0.010;
+
+/// A manoeuvre only turns on from where it began, and goes on away from there: one that is less far is another.
+bool begins_again(const Pose2& X_OB, const Pose2& X_OB_next) {
+  constexpr double back_m = 0.003;
+  constexpr double back_rad = 0.02;
+  constexpr double spot_m = 0.0005;
+  const double gone_m = norm(X_OB.x_m, X_OB.y_m);
+  const double next_m = norm(X_OB_next.x_m, X_OB_next.y_m);
+  if (next_m < gone_m - back_m) return true;
+  return gone_m <= spot_m && next_m <= spot_m &&
+         std::fabs(X_OB_next.heading_rad) < std::fabs(X_OB.heading_rad) - back_rad;
+}
+
+}  // namespace
+
+Pose2 PositionEstimator::pose() const {
+  if (!X_MO_) return motion_.pose(zone_.circuit);
+  return X_OB_ ? *X_MO_ * *X_OB_ : *X_MO_;
+}
+
+void PositionEstimator::stand_off(const Pose2& X_MB) {
+  X_MO_ = X_OB_ ? X_MB * inverse(*X_OB_) : X_MB;
+  strayed_m_ = 0.0;
+  course_.clear();
+  doubt_.reset();
+  const auto anchor = zone::anchor_of(zone_.circuit, X_MB, zone::anchor_within_m + told_off_m);
+  known_ = anchor.has_value();
+  beside_ = known_;
+  if (anchor) motion_ = AivMotion{zone_.circuit, anchor->place};
+  off_by_m_ = anchor ? anchor->distance_m : zone_.circuit.locate(position(X_MB)).distance_m;
+  variance_m2_ = std::max(variance_m2_, model_.sigma_start_m * model_.sigma_start_m);
+}
+
+void PositionEstimator::aim(zone::Place place) {
+  COSIVA_EXPECT(beside_);
+  motion_ = AivMotion{zone_.circuit, place};
+  course_.clear();
+}
+
+void PositionEstimator::resume_manoeuvre(const Pose2& X_OB, std::optional<zone::SectionId> next) {
+  if (!pose_known()) return;
+  if (next && known_ && !beside_) course_ = zone::Course{{motion_.current_section(), *next}};
+  if (X_OB_) return;  // PILS has told of it already
+  X_MO_ = X_MO_ ? *X_MO_ * inverse(X_OB) : motion_.pose(zone_.circuit);
+  X_OB_ = X_OB;
+  manoeuvre_travelled_m_ = travelled_m_;
+}
+
+void PositionEstimator::take_over(const PositionEstimator& before) {
+  odometer_um_ = before.odometer_um_;
+  travelled_m_ = before.travelled_m_;
+  variance_m2_ = before.variance_m2_;
+  X_OB_ = before.X_OB_;
+  manoeuvre_travelled_m_ = before.manoeuvre_travelled_m_;
+  on_old_floor_ = X_OB_.has_value();
+  if (before.pose_known()) stand_off(before.pose());
+}
+
+PositionEstimator::Rolled PositionEstimator::off_line(double step_m, const wire::Odometry& odometry) {
+  Rolled rolled;
+  const auto& manoeuvre = odometry.manoeuvre;
+  // Between two manoeuvres there may have been no frame, or none that came.
+  const bool another = std::fabs(travelled_m_ - manoeuvre_travelled_m_) > still_m ||
+                       (X_OB_ && manoeuvre && begins_again(*X_OB_, to_pose(*manoeuvre)));
+  if (X_OB_ && (!manoeuvre || another)) end_manoeuvre(odometry.line_lost && !manoeuvre, rolled);
+  if (step_m != 0.0 && !X_OB_) roll_off_line(step_m, rolled);
+  if (manoeuvre) {
+    if (!X_OB_) begin_manoeuvre(rolled);
+    X_OB_ = to_pose(*manoeuvre);
+  }
+  return rolled;
+}
+
+void PositionEstimator::roll_off_line(double step_m, Rolled& rolled) {
+  if (!X_MO_) {
+    if (known_) rolled.step_m += shift(step_m);
+    return;
+  }
+  strayed_m_ += step_m;
+  if (!known_) {
+    X_MO_ = *X_MO_ * Pose2{step_m, 0.0, 0.0};
+  } else if (std::fabs(strayed_m_) > follows_m) {
+    X_MO_.reset();
+    beside_ = false;
+    rolled.step_m += shift(strayed_m_);
+  }
+}
+
+void PositionEstimator::begin_manoeuvre(Rolled& rolled) {
+  manoeuvre_travelled_m_ = travelled_m_;
+  if (!known_ || X_MO_) return;
+  // It turns where the line bends, so it is there.
+  const zone::Circuit& circuit = zone_.circuit;
+  double end_m = -place().s_m;
+  for (zone::SectionsAhead ahead = sections_ahead(circuit, outlook());;) {
+    const zone::SectionId id = ahead.section();
+    end_m += circuit.section(id).length_m();
+    if (end_m > joint_gate_m()) break;
+    const auto bends = [&](zone::SectionId to) { return bend_rad(circuit, id, to) != 0.0; };
+    if (ahead.decided() ? bends(ahead.next()) : std::ranges::any_of(circuit.next(id), bends)) {
+      constexpr double hair_m = 1e-6;  // the joint itself holds it back
+      rolled.step_m += shift(end_m + hair_m);
+      break;
+    }
+    if (!ahead.decided() || !ahead.step()) break;
+  }
+  X_MO_ = motion_.pose(circuit);
+}
+
+void PositionEstimator::end_manoeuvre(bool line_lost, Rolled& rolled) {
+  const Pose2 X_MB = pose_known() ? pose() : Pose2{};
+  const double turned_rad = X_OB_->heading_rad;
+  X_OB_.reset();
+  const bool on_old_floor = std::exchange(on_old_floor_, false);
+  if (!X_MO_) return;
+  // What ends the way to a line of the old zone is on no line of this one, be it near one.
+  if (on_old_floor) {
+    stand_off(X_MB);
+    rolled.kind = FixKind::relocated;
+    return;
+  }
+  const bool turning = known_ && !beside_;
+  if (!(turning && end_turn(turned_rad, rolled))) land(X_MB, line_lost, rolled);
+}
+
+bool PositionEstimator::end_turn(double turned_rad, Rolled& rolled) {
+  const zone::SectionId here = motion_.current_section();
+  const auto to = turned_to(turned_rad);
+  if (!to || place().s_m < zone_.circuit.section(here).length_m()) return false;
+  X_MO_.reset();
+  if (course_.coming().empty() || course_.coming().front() != *to) {
+    // It took another way than it was told, or nobody had told any.
+    if (!course_.coming().empty()) rolled.kind = FixKind::relocated;
+    course_.cut(0);
+    if (course_.empty()) course_ = zone::Course{{here}};
+  }
+  enter(*to);
+  variance_m2_ = model_.sigma_fix_m * model_.sigma_fix_m;
+  doubt_.reset();
+  return true;
+}
+
+std::optional<zone::SectionId> PositionEstimator::turned_to(double turned_rad) const {
+  const zone::Circuit& circuit = zone_.circuit;
+  const zone::SectionId here = motion_.current_section();
+  const auto misfit_rad = [&](zone::SectionId to) {
+    const double bend = bend_rad(circuit, here, to);
+    return bend == 0.0 ? pi : std::fabs(wrap_angle(bend - turned_rad));
+  };
+  if (!course_.coming().empty() && misfit_rad(course_.coming().front()) <= model_.landed_rad)
+    return course_.coming().front();
+  const auto ways = circuit.next(here);
+  const auto best = std::ranges::min_element(ways, {}, misfit_rad);
+  return best != ways.end() && misfit_rad(*best) <= model_.landed_rad ? std::optional{*best} : std::nullopt;
+}
+
+void PositionEstimator::land(const Pose2& X_MB, bool line_lost, Rolled& rolled) {
+  const auto line = zone::anchor_of(zone_.circuit, X_MB, model_.landed_m);
+  const double across_rad = line ? wrap_angle(zone_.circuit.pose_at(line->place).heading_rad - X_MB.heading_rad) : pi;
+  if (line_lost || std::fabs(across_rad) > model_.landed_rad) {
+    // Given up on the way: it stands where that left it, be it beside a line that its sensors do not see.
+    stand_off(X_MB);
+    rolled.kind = FixKind::relocated;
+  } else if (known_ && line->place.section == place().section) {
+    X_MO_.reset();
+    beside_ = false;
+    rolled.step_m += shift(line->place.s_m - place().s_m);
+  } else {
+    const double variance_m2 = variance_m2_;
+    place_at(line->place);
+    variance_m2_ = std::max(variance_m2, variance_m2_);
+    rolled.kind = FixKind::relocated;
+  }
+}
+
+}  // namespace cosiva::aiv

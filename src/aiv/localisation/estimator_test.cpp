@@ -1,0 +1,181 @@
+#include "cosiva/aiv/localisation/estimator.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "cosiva/aiv/testing/test_zone.h"
+
+namespace cosiva::aiv {
+namespace {
+
+using FixKind = PositionEstimator::FixKind;
+using test::at;
+using test::lacet4;
+
+/// No latency and no antenna field: the fix is exactly the tag's place.
+constexpr EstimatorModel ideal{.antenna_range_m = 0.0, .reading_latency_s = 0.0};
+
+struct Estimator : PositionEstimator {
+  explicit Estimator(EstimatorModel model = ideal) : PositionEstimator{lacet4(), model} {}
+  Estimator& standing_at(std::string_view section, double s_m) {
+    place_at(at(lacet4(), section, s_m));
+    return *this;
+  }
+  void drive(double distance_m) {
+    if (!odometer_um()) on_odometry(0);
+    // The odometer counts in steps that a 50 Hz board would send.
+    const auto end_um = *odometer_um() + static_cast<std::int64_t>(std::llround(distance_m * 1e6));
+    while (*odometer_um() < end_um) on_odometry(std::min(end_um, *odometer_um() + 10'000));
+  }
+};
+
+std::uint32_t beacon_near(Point2 p) { return lacet4().beacons->nearest(p)->number; }
+
+TEST(Estimate, is_nothing_until_somebody_tells_a_place) {
+  Estimator estimator;
+  estimator.drive(0.4);
+  EXPECT_FALSE(estimator.known());
+  EXPECT_NEAR(estimator.travelled_m(), 0.4, 1e-9);
+  estimator.standing_at("east", 0.2);
+  EXPECT_TRUE(estimator.known());
+}
+
+TEST(Estimate, follows_the_odometer_round_the_circuit) {
+  Estimator estimator;
+  estimator.standing_at("east", 1.0).drive(0.7);
+  EXPECT_EQ(estimator.place().section, 1U);
+  EXPECT_NEAR(estimator.place().s_m, 0.2, 1e-9);
+}
+
+TEST(Estimate, starts_at_whatever_the_odometer_says_first) {
+  Estimator estimator;
+  estimator.standing_at("east", 1.0);
+  EXPECT_EQ(estimator.on_odometry(123'456'789), 0.0);
+  EXPECT_NEAR(estimator.on_odometry(123'466'789), 0.01, 1e-12);
+}
+
+TEST(Estimate, does_not_jump_when_the_board_counts_from_zero_again) {
+  Estimator estimator;
+  estimator.standing_at("east", 0.1).drive(0.7);
+  EXPECT_EQ(estimator.on_odometry(0), 0.0);
+  estimator.on_odometry(10'000);
+  EXPECT_NEAR(estimator.place().s_m, 0.81, 1e-9);
+  EXPECT_EQ(estimator.on_odometry(std::numeric_limits<std::int64_t>::min()), 0.0);
+  EXPECT_EQ(estimator.on_odometry(std::numeric_limits<std::int64_t>::max()), -1e-6) << "one step round the counter";
+}
+
+TEST(Estimate, doubts_more_the_further_it_went) {
+  Estimator estimator;
+  estimator.standing_at("east", 0.0);
+  const double start_m = estimator.sigma_m();
+  estimator.drive(1.0);
+  EXPECT_NEAR(estimator.sigma_m(), std::sqrt(start_m * start_m + 1e-4), 1e-9);
+  estimator.on_tag(1, 0.0, 0.0);  // stands at 1.471
+  EXPECT_LT(estimator.sigma_m(), start_m);
+}
+
+TEST(Tag, sets_the_place_of_a_vehicle_that_knows_nothing) {
+  Estimator estimator;
+  EXPECT_EQ(estimator.on_tag(5, 0.0, 0.0).kind, FixKind::relocated);
+  EXPECT_EQ(estimator.place(), at(lacet4(), "loop_ne", 1.4137));
+  EXPECT_EQ(estimator.last_tag(), 5U);
+}
+
+TEST(Tag, rectifies_the_belief_and_tells_by_how_much) {
+  Estimator estimator;
+  estimator.standing_at("east", 1.40);
+  const auto fix = estimator.on_tag(1, 0.0, 0.0);
+  EXPECT_EQ(fix.kind, FixKind::corrected);
+  EXPECT_NEAR(fix.correction_m, 0.071, 1e-9);
+  estimator.standing_at("loop_se", 0.05);
+  EXPECT_NEAR(estimator.on_tag(1, 0.0, 0.0).correction_m, -0.079, 1e-9);
+  EXPECT_NEAR(estimator.place().s_m, 1.471, 1e-9);
+}
+
+TEST(Tag, counts_the_way_driven_since_it_was_read) {
+  Estimator estimator{EstimatorModel{.antenna_range_m = 0.02, .reading_latency_s = 0.01}};
+  estimator.standing_at("east", 1.40);
+  estimator.on_tag(1, 0.040, 0.5);
+  EXPECT_NEAR(estimator.place().s_m, 1.471 - 0.02 + 0.5 * 0.05, 1e-9);
+}
+
+TEST(Tag, far_from_the_belief_relocates_at_once) {
+  Estimator estimator;
+  estimator.standing_at("east", 0.5);
+  EXPECT_EQ(estimator.on_tag(7, 0.0, 0.0).kind, FixKind::relocated);
+  EXPECT_EQ(estimator.place(), at(lacet4(), "west", 1.471));
+}
+
+TEST(Tag, of_unknown_number_says_nothing) {
+  Estimator estimator;
+  EXPECT_EQ(estimator.on_tag(999, 0.0, 0.0).kind, FixKind::none);
+  EXPECT_FALSE(estimator.known());
+  EXPECT_EQ(estimator.last_tag(), std::nullopt);
+}
+
+TEST(Tag, leaves_the_way_since_it_in_the_report) {
+  Estimator estimator;
+  estimator.standing_at("east", 1.47);
+  estimator.on_tag(1, 0.0, 0.0);
+  estimator.drive(0.3);
+  EXPECT_NEAR(estimator.since_last_tag_m(), 0.3, 1e-9);
+}
+
+TEST(Beacon, rectifies_along_the_way_it_lies_beside) {
+  // The beacon at (1.0, -0.25) lies 4.5 cm from the loop in the south-east.
+  const auto foot = lacet4().circuit.section(1).nearest({1.0, -0.25});
+  ASSERT_LT(foot.distance_m, 0.08);
+  Estimator estimator;
+  estimator.standing_at("loop_se", foot.s_m - 0.1);
+  const auto fix = estimator.on_tag(beacon_near({1.0, -0.25}), 0.0, 0.0);
+  EXPECT_EQ(fix.kind, FixKind::corrected);
+  EXPECT_NEAR(fix.correction_m, 0.1, 1e-6);
+  EXPECT_EQ(estimator.last_tag(), std::nullopt) << "a beacon is no tag of the circuit";
+}
+
+TEST(Beacon, says_nothing_to_a_vehicle_that_knows_nothing) {
+  Estimator estimator;
+  EXPECT_EQ(estimator.on_tag(beacon_near({1.0, -0.25}), 0.0, 0.0).kind, FixKind::none);
+  EXPECT_FALSE(estimator.known());
+}
+
+TEST(Beacon, that_contradicts_the_belief_is_an_outlier_and_two_that_agree_relocate) {
+  // Truly on the loop in the south-east, believed in the north-west.
+  const Point2 first{1.0, -0.25};
+  const Point2 second{1.25, -0.5};
+  const auto& loop = lacet4().circuit.section(1);
+  ASSERT_LT(loop.nearest(second).distance_m, 0.08);
+  const double way_m = loop.nearest(second).s_m - loop.nearest(first).s_m;
+  Estimator estimator;
+  estimator.standing_at("loop_nw", 1.0);
+  EXPECT_EQ(estimator.on_tag(beacon_near(first), 0.0, 0.0).kind, FixKind::outlier);
+  estimator.drive(way_m);
+  EXPECT_EQ(estimator.on_tag(beacon_near(second), 0.0, 0.0).kind, FixKind::relocated);
+  EXPECT_EQ(estimator.place().section, 1U);
+  EXPECT_NEAR(estimator.place().s_m, loop.nearest(second).s_m, 1e-6);
+}
+
+TEST(Beacon, outliers_that_do_not_agree_stay_outliers) {
+  Estimator estimator;
+  estimator.standing_at("loop_nw", 1.0);
+  EXPECT_EQ(estimator.on_tag(beacon_near({1.0, -0.25}), 0.0, 0.0).kind, FixKind::outlier);
+  estimator.drive(0.05);
+  EXPECT_EQ(estimator.on_tag(beacon_near({1.25, -1.0}), 0.0, 0.0).kind, FixKind::outlier);
+  EXPECT_EQ(estimator.place().section, 5U);
+}
+
+TEST(Pose, is_taken_to_the_circuit_only_near_it_and_along_it) {
+  Estimator estimator;
+  const auto on = estimator.on_circuit({-0.5, -0.10, 0.1}, 0.25);
+  ASSERT_TRUE(on);
+  EXPECT_EQ(on->section, 0U);
+  EXPECT_NEAR(on->s_m, 0.25, 1e-9);
+  EXPECT_EQ(estimator.on_circuit({-0.5, -0.10, 2.0}, 0.25), std::nullopt);
+  EXPECT_EQ(estimator.on_circuit({3.0, 3.0, 0.0}, 0.25), std::nullopt);
+}
+
+}  // namespace
+}  // namespace cosiva::aiv

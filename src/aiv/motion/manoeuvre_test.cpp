@@ -1,0 +1,129 @@
+#include "cosiva/aiv/motion/manoeuvre.h"
+
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <cmath>
+
+#include "cosiva/wire/messages/board.h"
+
+namespace cosiva::aiv {
+namespace {
+
+constexpr double dt_s = 0.01;
+
+/// Steps until it is done, at most a minute; the time it took.
+double finish(Manoeuvre& manoeuvre, double speed_mps = 0.3) {
+  for (int i = 1; i <= 6000; ++i) {
+    manoeuvre.step(speed_mps, dt_s);
+    if (manoeuvre.done()) return i * dt_s;
+  }
+  return 1e9;
+}
+
+TEST(Manoeuvre, on_the_spot_turns_with_a_ramp_up_and_one_down) {
+  Manoeuvre left{{0.0, 0.0, 0.5 * pi}};
+  // A trapezoid takes angle/rate + rate/ramp: 1.047 + 0.5 s.
+  EXPECT_NEAR(finish(left), 0.5 * pi / 1.5 + 0.5, 0.05);
+  EXPECT_EQ(left.X_SB(), (Pose2{0.0, 0.0, 0.5 * pi}));
+  Manoeuvre right{{0.0, 0.0, -2.0}};
+  double turned_rad = 0.0;
+  double fastest_radps = 0.0;
+  for (int i = 0; i < 400; ++i) {
+    const auto step = right.step(0.05, dt_s);
+    EXPECT_LE(step.turned_rad, 0.0);
+    EXPECT_EQ(step.gone_m, 0.0);
+    turned_rad += step.turned_rad;
+    fastest_radps = std::max(fastest_radps, std::fabs(step.turned_rad) / dt_s);
+  }
+  EXPECT_NEAR(turned_rad, -2.0, 1e-9);
+  EXPECT_NEAR(fastest_radps, 1.5, 1e-9);
+}
+
+TEST(Manoeuvre, turns_goes_and_turns_to_any_pose_and_ends_exactly_there) {
+  EXPECT_TRUE(rc::check("it ends at the goal, with no rate above its own", [] {
+    const Pose2 goal{*rc::gen::inRange(-350, 350) * 1e-3, *rc::gen::inRange(-350, 350) * 1e-3,
+                     *rc::gen::inRange(-3141, 3142) * 1e-3};
+    Manoeuvre manoeuvre{goal};
+    Pose2 summed;
+    for (int i = 0; i < 3000 && !manoeuvre.done(); ++i) {
+      const auto step = manoeuvre.step(0.3, dt_s);
+      RC_ASSERT(std::fabs(step.turned_rad) <= 1.5 * dt_s + 1e-6);
+      RC_ASSERT(step.gone_m >= 0.0 && step.gone_m <= 0.15 * dt_s + 1e-6);
+      RC_ASSERT(step.turned_rad == 0.0 || step.gone_m == 0.0);
+      summed = summed * Pose2{step.gone_m, 0.0, step.turned_rad};
+    }
+    RC_ASSERT(manoeuvre.done());
+    RC_ASSERT(distance(summed, manoeuvre.X_SB()) < 1e-9);
+    RC_ASSERT(distance(summed, goal) < 6e-4);  // half a millimetre it does not drive
+    RC_ASSERT(std::fabs(wrap_angle(summed.heading_rad - goal.heading_rad)) < 1e-9);
+  }));
+}
+
+TEST(Manoeuvre, waits_where_it_is_while_nobody_commands_it_and_goes_on) {
+  Manoeuvre manoeuvre{{0.2, 0.2, 0.0}};
+  for (int i = 0; i < 50; ++i) manoeuvre.step(0.1, dt_s);
+  for (int i = 0; i < 29; ++i) manoeuvre.step(0.0, dt_s);
+  EXPECT_FALSE(manoeuvre.abandoned());
+  for (int i = 0; i < 30; ++i) manoeuvre.step(-0.1, dt_s);  // nor does backwards mean anything here
+  EXPECT_TRUE(manoeuvre.abandoned());
+  const Pose2 waits = manoeuvre.X_SB();
+  EXPECT_GT(waits.heading_rad, 0.2);
+  EXPECT_LT(waits.heading_rad, 0.25 * pi);
+  manoeuvre.step(0.0, dt_s);
+  EXPECT_EQ(manoeuvre.X_SB(), waits);
+  finish(manoeuvre);
+  EXPECT_TRUE(manoeuvre.done());
+  EXPECT_FALSE(manoeuvre.abandoned());
+  EXPECT_EQ(manoeuvre.X_SB(), (Pose2{0.2, 0.2, 0.0}));
+}
+
+TEST(Manoeuvre, keeps_to_the_commanded_speed_where_that_is_slower_than_its_own) {
+  Manoeuvre manoeuvre{{0.3, 0.0, 0.0}};
+  double fastest_mps = 0.0;
+  for (int i = 0; i < 600; ++i) {
+    manoeuvre.step(0.08, dt_s);
+    fastest_mps = std::max(fastest_mps, manoeuvre.speed_mps());
+  }
+  EXPECT_NEAR(fastest_mps, 0.08, 1e-9);
+  EXPECT_TRUE(manoeuvre.done());
+}
+
+TEST(Manoeuvre, that_has_nowhere_to_go_still_lasts_long_enough_to_be_heard_of) {
+  Manoeuvre manoeuvre{{}};
+  manoeuvre.step(0.1, dt_s);
+  EXPECT_FALSE(manoeuvre.done());
+  EXPECT_NEAR(finish(manoeuvre), manoeuvre_s_min, 0.021);
+  EXPECT_EQ(manoeuvre.X_SB(), Pose2{});
+}
+
+/// An edge east, from whose end ways lead on: straight, to the left at a right angle; and one east that only goes on.
+zone::Circuit node() {
+  using zone::Section;
+  const auto in = *Section::make({0, 0, 0}, 1.0);
+  const auto ahead = *Section::make({1, 0, 0}, 1.0);
+  const auto up = *Section::make({1, 0, 0.5 * pi}, 1.0);
+  return *zone::Circuit::make("node", {{"in", in, {}, {1, 2}, true},
+                                       {"ahead", ahead, {}, {3}},
+                                       {"up", up, {}, {}, true},
+                                       {"on", *Section::make({2, 0, 0}, 1.0), {}, {}}});
+}
+
+TEST(Onward, is_the_branch_told_with_the_turn_that_it_takes) {
+  const zone::Circuit circuit = node();
+  EXPECT_EQ(onward(circuit, 0, 0).section, 1U);
+  EXPECT_EQ(onward(circuit, 0, 0).turn_rad, 0.0);
+  EXPECT_EQ(onward(circuit, 0, 1).section, 2U);
+  EXPECT_DOUBLE_EQ(onward(circuit, 0, 1).turn_rad, 0.5 * pi);
+  EXPECT_EQ(onward(circuit, 0, 7).section, 2U) << "beyond the last: the last";
+}
+
+TEST(Onward, is_nowhere_at_a_dead_end_and_where_nobody_said_which_way) {
+  const zone::Circuit circuit = node();
+  EXPECT_EQ(onward(circuit, 2, 0).section, zone::no_section);
+  EXPECT_EQ(onward(circuit, 0, wire::no_branch).section, zone::no_section);
+  EXPECT_EQ(onward(circuit, 1, wire::no_branch).section, 3U) << "where there is no choice none is needed";
+}
+
+}  // namespace
+}  // namespace cosiva::aiv

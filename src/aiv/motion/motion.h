@@ -1,0 +1,108 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "cosiva/base/expect.h"
+#include "cosiva/base/pose.h"
+#include "cosiva/zone/circuit/circuit.h"
+
+namespace cosiva::aiv {
+
+/// Travel direction, reified (A32, figure 13): it answers what follows, where a section starts, and what becomes of a
+/// request to move the other way. Two states: St_DirectTravelDir (default) and St_IndirectTravelDir.
+class TravelDir {
+ public:
+  enum class State { St_DirectTravelDir, St_IndirectTravelDir };
+  enum class Event { Ev_OnDirectMoveReq, Ev_OnIndirectMoveReq };
+
+  [[nodiscard]] static TravelDir direct() { return TravelDir{State::St_DirectTravelDir}; }
+  [[nodiscard]] static TravelDir indirect() { return TravelDir{State::St_IndirectTravelDir}; }
+  TravelDir() = default;
+
+  [[nodiscard]] State state() const { return state_; }
+  [[nodiscard]] bool is_direct() const { return state_ == State::St_DirectTravelDir; }
+
+  /// The section that comes next in this direction; no_section at a dead end.
+  [[nodiscard]] zone::SectionId next_section(const zone::Circuit& circuit, zone::SectionId current) const;
+  /// Pose at this direction's start of the section, heading of increasing s.
+  [[nodiscard]] Pose2 section_start(const zone::Section& section) const;
+  /// Arc length from the section's own start for a distance travelled in this direction: s, or L − s.
+  [[nodiscard]] double arc_length(const zone::Section& section, double mDTCS_m) const {
+    return is_direct() ? mDTCS_m : section.length_m() - mDTCS_m;
+  }
+
+  /// The state diagram of A32. True when the state changed.
+  bool on(Event event);
+
+  friend bool operator==(const TravelDir&, const TravelDir&) = default;
+
+ private:
+  explicit TravelDir(State state) : state_{state} {}
+  State state_{State::St_DirectTravelDir};
+};
+
+/// The route memory of an AIV (A28): which section, how far travelled on it (mDTCS), in which direction.
+/// Geometry stays in circuit and sections. A value: the plant's truth, the on-board belief, and the twin each own one.
+class AivMotion {
+ public:
+  AivMotion() = default;
+  /// @param place  section and arc length from the section's own start; s clamped to [0, L]
+  AivMotion(const zone::Circuit& circuit, zone::Place place, TravelDir direction = TravelDir::direct());
+
+  [[nodiscard]] zone::SectionId current_section() const { return section_; }
+  [[nodiscard]] double mDTCS_m() const { return mDTCS_m_; }  ///< distance travelled on the current section
+  [[nodiscard]] TravelDir direction() const { return direction_; }
+  [[nodiscard]] zone::Place place(const zone::Circuit& circuit) const;
+  /// X_MB with the body's x axis along increasing s, in either direction: reversing does not turn the vehicle.
+  [[nodiscard]] Pose2 pose(const zone::Circuit& circuit) const;
+
+  /// A30: travels DTT ≥ 0 over as many sections as it takes. Gives the distance really travelled: less than asked only
+  /// at a dead end. DTT is at most 1e9 m: the loop walks every section it passes. At a fork the `branch`-th successor
+  /// is taken (0: the default; too large: the last).
+  double move(const zone::Circuit& circuit, double DTT_m, std::size_t branch = 0);
+
+  /// A32: on a change mDTCS is mirrored first (L − mDTCS), then the state; the position stays. True when it changed.
+  bool on_direct_move_req(const zone::Circuit& circuit);
+  bool on_indirect_move_req(const zone::Circuit& circuit);
+
+  /// Signed move along the circuit: negative distances travel against the current direction. For corrections. Forwards
+  /// through the sections of `coming`, then along default successors; backwards through `gone`, its last first.
+  /// Gives the distance really travelled, with its sign.
+  double shift(const zone::Circuit& circuit, double distance_m, std::span<const zone::SectionId> coming = {},
+               std::span<const zone::SectionId> gone = {});
+
+  friend bool operator==(const AivMotion&, const AivMotion&) = default;
+
+ private:
+  /// Phase b of figure 14, as often as sections are too short: called when the section conservation condition fails.
+  double move_across(const zone::Circuit& circuit, double DTT_m, std::size_t branch);
+  /// Mirrors mDTCS, then lets the direction change its state (figure 13).
+  bool turn(const zone::Circuit& circuit, TravelDir::Event event);
+
+  zone::SectionId section_{zone::no_section};
+  double mDTCS_m_{0.0};
+  TravelDir direction_;
+};
+
+/// One pass over many AIVs: each travels its own distance; `poses` (same length, may be empty) receives where they are.
+void move_all(const zone::Circuit& circuit, std::span<AivMotion> aivs, std::span<const double> DTT_m,
+              std::span<Pose2> poses);
+
+// The usual move stays on its section (phases a and c only); it is inlined, because a fleet makes millions of them.
+inline double AivMotion::move(const zone::Circuit& circuit, double DTT_m, std::size_t branch) {
+  COSIVA_EXPECT(DTT_m >= 0.0);
+  const double length_m = circuit.section(section_).length_m();
+  const double reached_m = mDTCS_m_ + DTT_m;
+  if (reached_m > length_m) return move_across(circuit, DTT_m, branch);
+  mDTCS_m_ = reached_m;
+  return DTT_m;
+}
+
+inline zone::Place AivMotion::place(const zone::Circuit& circuit) const {
+  return {section_, direction_.arc_length(circuit.section(section_), mDTCS_m_)};
+}
+
+inline Pose2 AivMotion::pose(const zone::Circuit& circuit) const { return circuit.pose_at(place(circuit)); }
+
+}  // namespace cosiva::aiv

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "cosiva/base/pose.h"
+#include "cosiva/zone/circuit/course.h"
+
+namespace cosiva::aiv {
+
+/// Where a vehicle is and which way it will take from there. Refers to the way, which must outlive it.
+struct Outlook {
+  // A place alone is an outlook, too: along default successors.
+  Outlook(zone::Place at, std::span<const zone::SectionId> way = {})  // NOLINT(google-explicit-constructor)
+      : here{at}, coming{way} {}
+  Outlook(zone::SectionId section, double s_m) : here{section, s_m} {}
+
+  zone::Place here;
+  std::span<const zone::SectionId> coming;  ///< after here.section; from their end default successors
+  /// Where the body is when that is not `here`: it turns on the spot there, or has yet to come onto the line there.
+  std::optional<Pose2> X_MB{};
+};
+
+[[nodiscard]] inline zone::SectionsAhead sections_ahead(const zone::Circuit& circuit, const Outlook& outlook) {
+  return {circuit, outlook.here.section, outlook.coming};
+}
+
+/// What a vehicle turns on the spot from one section to the next; 0 where it rolls on.
+[[nodiscard]] inline double bend_rad(const zone::Circuit& circuit, zone::SectionId from, zone::SectionId to) {
+  return circuit.part(from).pivots ? circuit.turn_at(from, to) : 0.0;
+}
+
+/// Whether there is nothing to choose and nothing to turn at: each section has at most one before and one after it.
+[[nodiscard]] inline bool one_way_only(const zone::Circuit& circuit) {
+  for (zone::SectionId id = 0; id < circuit.size(); ++id) {
+    const auto ways = circuit.next(id);
+    if (ways.size() > 1 || circuit.previous(id).size() > 1) return false;
+    if (!ways.empty() && bend_rad(circuit, id, ways.front()) != 0.0) return false;
+  }
+  return true;
+}
+
+}  // namespace cosiva::aiv

@@ -1,0 +1,87 @@
+#include "cosiva/aiv/motion/speed.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <cmath>
+#include <limits>
+
+namespace cosiva::aiv {
+namespace {
+
+constexpr double nothing = std::numeric_limits<double>::infinity();
+const Situation free_way{.speed_mps = 0.3,
+                         .obstacle_ahead_m = nothing,
+                         .end_of_base_m = 1.0,
+                         .crossing_ahead_m = nothing,
+                         .charge = 1.0,
+                         .imposed = std::nullopt};
+
+TEST(StoppableSpeed, is_the_inverse_of_the_stopping_distance) {
+  EXPECT_TRUE(rc::check([] {
+    const double v = 1e-3 * *rc::gen::inRange(0, 5000);
+    const double b = 1e-2 * *rc::gen::inRange(1, 500);
+    const double t = 1e-3 * *rc::gen::inRange(0, 2000);
+    const double d = v * t + v * v / (2.0 * b);
+    RC_ASSERT(std::fabs(stoppable_speed(d, b, t) - v) <= 1e-12 * (1.0 + v));
+  }));
+}
+
+TEST(StoppableSpeed, is_zero_without_room_and_boundless_without_an_end) {
+  EXPECT_EQ(stoppable_speed(0.0, 1.0, 0.1), 0.0);
+  EXPECT_EQ(stoppable_speed(-1.0, 1.0, 0.1), 0.0);
+  EXPECT_EQ(stoppable_speed(nothing, 1.0, 0.1), nothing);
+}
+
+TEST(Profiles, have_their_words_and_nothing_else_has) {
+  for (const Profile profile : {Profile::stop, Profile::slow, Profile::medium, Profile::fast})
+    EXPECT_EQ(parse_profile(to_string(profile)), profile);
+  EXPECT_EQ(parse_profile("Slow"), std::nullopt);
+  EXPECT_EQ(parse_profile(""), std::nullopt);
+}
+
+TEST(Profiles, stop_brakes_like_medium) {
+  const zone::SpeedProfiles profiles{{0.1, 0.2, 0.3}, {0.4, 0.5, 0.6}, {0.7, 0.8, 0.9}};
+  EXPECT_EQ(kinematics(profiles, Profile::stop).speed_mps, 0.0);
+  EXPECT_EQ(kinematics(profiles, Profile::stop).braking_mps2, 0.6);
+  EXPECT_EQ(kinematics(profiles, Profile::fast).speed_mps, 0.7);
+}
+
+TEST(Status, is_one_of_the_five_of_the_article) {
+  EXPECT_EQ(to_string(status_of(0.3, std::nullopt)), "Normal");
+  EXPECT_EQ(to_string(status_of(0.0, std::nullopt)), "stopped");
+  EXPECT_EQ(to_string(status_of(0.009, Profile::fast)), "stopped");
+  EXPECT_EQ(to_string(status_of(0.1, Profile::slow)), "slow speed");
+  EXPECT_EQ(to_string(status_of(0.3, Profile::medium)), "medium speed");
+  EXPECT_EQ(to_string(status_of(-0.5, Profile::fast)), "fast speed");
+}
+
+TEST(CrispChoice, is_medium_on_a_free_way) { EXPECT_EQ(CrispSpeedChooser{}.choose(free_way), Profile::medium); }
+
+TEST(CrispChoice, obeys_the_operator) {
+  for (const Profile imposed : {Profile::slow, Profile::medium, Profile::fast, Profile::stop}) {
+    Situation situation = free_way;
+    situation.imposed = imposed;
+    EXPECT_EQ(CrispSpeedChooser{}.choose(situation), imposed);
+  }
+}
+
+TEST(CrispChoice, stops_without_a_base_whatever_the_operator_wants) {
+  Situation situation = free_way;
+  situation.imposed = Profile::fast;
+  situation.end_of_base_m = 0.0;
+  EXPECT_EQ(CrispSpeedChooser{}.choose(situation), Profile::stop);
+}
+
+TEST(CrispChoice, is_slow_near_an_obstacle_and_with_a_low_battery) {
+  Situation situation = free_way;
+  situation.obstacle_ahead_m = 0.2;
+  EXPECT_EQ(CrispSpeedChooser{}.choose(situation), Profile::slow);
+  situation = free_way;
+  situation.charge = 0.05;
+  EXPECT_EQ(CrispSpeedChooser{}.choose(situation), Profile::slow);
+}
+
+}  // namespace
+}  // namespace cosiva::aiv

@@ -1,0 +1,202 @@
+#include "cosiva/aiv/onboard/action_executor.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "cosiva/base/expect.h"
+#include "cosiva/wire/vda5050/codec.h"
+
+namespace cosiva::aiv {
+
+ActionExecutor::Handler ActionExecutor::handler_of(std::string_view action_type) {
+  struct Entry {
+    std::string_view type;
+    Handler handler;
+  };
+  static constexpr std::array entries{
+      Entry{action::start_pause, &ActionExecutor::start_pause},
+      Entry{action::stop_pause, &ActionExecutor::stop_pause},
+      Entry{action::cancel_order, &ActionExecutor::cancel_order},
+      Entry{action::init_position, &ActionExecutor::init_position},
+      Entry{action::set_speed_limit, &ActionExecutor::set_speed_limit},
+      Entry{action::enable_map, &ActionExecutor::enable_map},
+      Entry{action::download_map, &ActionExecutor::enable_map},
+      Entry{action::join_line, &ActionExecutor::join_line},
+      Entry{action::back_up, &ActionExecutor::back_up},
+      Entry{action::factsheet_request, &ActionExecutor::request_factsheet},
+  };
+  const auto entry = std::ranges::find(entries, action_type, &Entry::type);
+  return entry == entries.end() ? nullptr : entry->handler;
+}
+
+void ActionExecutor::on_message(SimTime now, std::string_view payload, DrivingContext* context,
+                                wire::Effects& effects) {
+  const auto message = wire::vda5050::decode_instant_actions(payload);
+  if (!message)
+    return parts_.reporter.refuse("validationError", "instantActions", to_string(message.error()), {}, effects);
+  if (auto accepted = parts_.session.accepts(message->header); !accepted) {
+    return parts_.reporter.refuse(
+        "validationError", "instantActions", to_string(accepted.error()),
+        {{"topic", "instantActions"}, {"headerId", std::to_string(message->header.header_id)}}, effects);
+  }
+  for (const wire::Action& action : message->actions) {
+    parts_.reporter.request_report();
+    if (book_.begin(action)) perform(now, action, context, effects);
+  }
+}
+
+void ActionExecutor::perform(SimTime now, const wire::Action& action, DrivingContext* context, wire::Effects& effects) {
+  if (action.action_type == action::state_request) return finish(action);
+  if (context == nullptr) return fail(action, "instantActionError", "no zone is known yet", effects);
+  const Handler handler = handler_of(action.action_type);
+  if (handler == nullptr) {
+    return fail(action, "instantActionError", "action '" + action.action_type + "' is not supported", effects);
+  }
+  (this->*handler)({now, action, *context, effects});
+}
+
+void ActionExecutor::finish(const wire::Action& action, std::string result) {
+  book_.set(action.action_id, wire::ActionStatus::finished, std::move(result));
+}
+
+void ActionExecutor::run(const wire::Action& action) { book_.set(action.action_id, wire::ActionStatus::running); }
+
+void ActionExecutor::fail(const wire::Action& action, std::string type, std::string why, wire::Effects& effects) {
+  book_.set(action.action_id, wire::ActionStatus::failed, why);
+  parts_.reporter.refuse(std::move(type), "instantActions", std::move(why),
+                         {{"actionId", action.action_id}, {"actionType", action.action_type}}, effects);
+}
+
+void ActionExecutor::fail(const Call& call, std::string why) {
+  fail(call.action, "instantActionError", std::move(why), call.effects);
+}
+
+void ActionExecutor::start_pause(const Call& call) {
+  call.context.agent().hold(Hold::paused, true);
+  run(call.action);
+  // An operator pressed Stop: the motors must not wait for the next tick, up to 100 ms at the slowest pace.
+  parts_.drive_cycle.run(call.now, call.context, call.effects);
+  end_waits(call.context.agent());
+  parts_.positions.request_save();
+}
+
+void ActionExecutor::stop_pause(const Call& call) {
+  call.context.agent().hold(Hold::paused, false);
+  book_.end_running(action::start_pause, wire::ActionStatus::failed, "overtaken by stopPause");
+  finish(call.action);
+  parts_.positions.request_save();
+}
+
+void ActionExecutor::cancel_order(const Call& call) {
+  if (!call.context.agent().begin_cancel())
+    return fail(call.action, "noOrderToCancel", "there is no order to cancel", call.effects);
+  run(call.action);
+}
+
+std::optional<Pose2> ActionExecutor::pose_of(const Call& call) {
+  const auto x = call.action.number("x");
+  const auto y = call.action.number("y");
+  const auto theta = call.action.number("theta");
+  if (x && y && theta && std::isfinite(*x) && std::isfinite(*y) && std::isfinite(*theta))
+    return Pose2{*x, *y, wrap_angle(*theta)};
+  fail(call, call.action.action_type + " needs the numbers x, y and theta");
+  return std::nullopt;
+}
+
+void ActionExecutor::join_line(const Call& call) {
+  const auto X_MG = pose_of(call);
+  if (!X_MG) return;
+  const auto joins = call.context.agent().join_line(*X_MG);
+  if (!joins) return fail(call, joins.error().message);
+  book_.end_running(action::join_line, wire::ActionStatus::failed, "overtaken by another joinLine");
+  run(call.action);
+}
+
+void ActionExecutor::back_up(const Call& call) {
+  const auto distance_m = call.action.number("distance");
+  if (!distance_m) return fail(call, "backUp needs the number distance");
+  Agent& agent = call.context.agent();
+  const auto backs = agent.back_up(*distance_m);
+  if (!backs) return fail(call, backs.error().message);
+  book_.end_running(action::back_up, wire::ActionStatus::failed, "overtaken by another backUp");
+  if (!agent.backing_up()) return finish(call.action);
+  run(call.action);
+}
+
+void ActionExecutor::init_position(const Call& call) {
+  const auto map_id = call.action.text("mapId");
+  const auto X_MB = pose_of(call);
+  if (!X_MB) return;
+  const std::string& name = call.context.zone().name;
+  if (map_id && !map_id->empty() && *map_id != name) return fail(call, "map '" + *map_id + "' is not '" + name + "'");
+  const auto done = call.context.agent().initialise_position(*X_MB, call.action.text("lastNodeId").value_or(""));
+  if (!done) return fail(call, done.error().message);
+  parts_.positions.discard_restored();
+  finish(call.action);
+}
+
+void ActionExecutor::set_speed_limit(const Call& call) {
+  const auto word = call.action.text("profile");
+  const auto speed_mps = call.action.number("maxSpeed");
+  Agent& agent = call.context.agent();
+  if (word) {
+    const auto profile = parse_profile(*word);
+    if (*word != "normal" && (!profile || *profile == Profile::stop))
+      return fail(call, "profile '" + *word + "', expected slow, medium, fast or normal");
+    agent.impose(profile);
+    agent.limit_speed(std::nullopt);
+  } else if (!speed_mps) {
+    return fail(call, "setSpeedLimit needs profile or maxSpeed");
+  }
+  if (speed_mps) {
+    if (!(*speed_mps > 0.0 && std::isfinite(*speed_mps))) return fail(call, "maxSpeed is a positive number of m/s");
+    agent.limit_speed(*speed_mps);
+  }
+  parts_.positions.request_save();
+  finish(call.action, agent.imposed() ? std::string(to_string(*agent.imposed())) : "normal");
+}
+
+void ActionExecutor::enable_map(const Call& call) {
+  const std::string& type = call.action.action_type;
+  const auto map_id = call.action.text("mapId");
+  const auto version = call.action.text("mapVersion");
+  if (!map_id || map_id->empty()) return fail(call, type + " needs a mapId");
+  for (const wire::MapInfo& map : parts_.zones.maps()) {
+    if (map.map_id != *map_id || (version && !version->empty() && *version != map.map_version)) continue;
+    if (map.enabled || type == action::download_map) return finish(call.action);
+    return run(call.action);  // ends with the switch
+  }
+  fail(call, "map '" + *map_id + "' is not here; it comes with a message on " + parts_.server.topics().zone_prefix);
+}
+
+void ActionExecutor::request_factsheet(const Call& call) {
+  parts_.reporter.publish_factsheet(call.now, call.context.zone(), parts_.session, call.effects);
+  finish(call.action);
+}
+
+void ActionExecutor::end_wait(std::string_view action_type, bool reached, std::string_view failure) {
+  if (!book_.running(action_type)) return;
+  book_.end_running(action_type, reached ? wire::ActionStatus::finished : wire::ActionStatus::failed,
+                    reached ? "" : failure);
+  parts_.reporter.request_report();
+}
+
+void ActionExecutor::end_waits(const Agent& agent) {
+  if (agent.standing() && agent.holds(Hold::paused)) end_wait(action::start_pause, true);
+  if (!agent.joining()) end_wait(action::join_line, !agent.position().off_line(), "it was given up on the way");
+  if (!agent.backing_up()) end_wait(action::back_up, agent.backed_up(), "it came to an end before it was there");
+  if (!agent.cancelling()) end_wait(action::cancel_order, true);
+  COSIVA_EXPECT(agent.cancelling() || !book_.running(action::cancel_order));
+  COSIVA_EXPECT(agent.joining() || !book_.running(action::join_line));
+  COSIVA_EXPECT(agent.backing_up() || !book_.running(action::back_up));
+}
+
+void ActionExecutor::on_zone_switched() {
+  book_.end_running(action::enable_map, wire::ActionStatus::finished);
+  book_.end_running(action::cancel_order, wire::ActionStatus::finished);
+  book_.end_running({}, wire::ActionStatus::failed, "the zone was switched");
+}
+
+}  // namespace cosiva::aiv

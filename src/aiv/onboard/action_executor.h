@@ -1,0 +1,80 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "cosiva/aiv/onboard/drive_cycle.h"
+#include "cosiva/aiv/onboard/driving_context.h"
+#include "cosiva/aiv/onboard/instant_actions.h"
+#include "cosiva/aiv/onboard/position_store.h"
+#include "cosiva/aiv/onboard/server_selection.h"
+#include "cosiva/aiv/onboard/session.h"
+#include "cosiva/aiv/onboard/state_reporter.h"
+#include "cosiva/aiv/onboard/zone_selection.h"
+#include "cosiva/wire/runtime/core.h"
+
+namespace cosiva::aiv {
+
+/// Performs instant actions (VDA 5050 2.1 §6.8) and keeps the book of them.
+///
+/// Invariant: after end_waits() cancelOrder, joinLine and backUp run only while the agent is still at it.
+class ActionExecutor {
+ public:
+  /// The other parts of the vehicle that actions act upon. All outlive the executor.
+  struct Parts {
+    Session& session;
+    StateReporter& reporter;
+    PositionStore& positions;
+    DriveCycle& drive_cycle;
+    const ZoneSelection& zones;
+    const ServerSelection& server;
+  };
+  explicit ActionExecutor(const Parts& parts) : parts_{parts} {}
+
+  /// One instantActions message.
+  /// @param context  none before a zone is known
+  void on_message(SimTime now, std::string_view payload, DrivingContext* context, wire::Effects& effects);
+  /// Ends actions that waited until the vehicle has stopped or arrived.
+  void end_waits(const Agent& agent);
+  void on_new_order() { book_.on_new_order(); }
+  /// No action outlasts a zone switch.
+  void on_zone_switched();
+  [[nodiscard]] const InstantActionBook& book() const { return book_; }
+
+ private:
+  struct Call {
+    SimTime now;
+    const wire::Action& action;
+    DrivingContext& context;
+    wire::Effects& effects;
+  };
+  using Handler = void (ActionExecutor::*)(const Call&);
+  /// The table of action types; none: not supported.
+  [[nodiscard]] static Handler handler_of(std::string_view action_type);
+
+  void perform(SimTime now, const wire::Action& action, DrivingContext* context, wire::Effects& effects);
+  void finish(const wire::Action& action, std::string result = {});
+  void run(const wire::Action& action);
+  void fail(const wire::Action& action, std::string type, std::string why, wire::Effects& effects);
+  void fail(const Call& call, std::string why);
+  /// Ends an action that runs, as soon as the vehicle is no longer at it.
+  void end_wait(std::string_view action_type, bool reached, std::string_view failure = {});
+
+  void start_pause(const Call& call);
+  void stop_pause(const Call& call);
+  void cancel_order(const Call& call);
+  void init_position(const Call& call);
+  void set_speed_limit(const Call& call);
+  void enable_map(const Call& call);
+  void join_line(const Call& call);
+  void back_up(const Call& call);
+  void request_factsheet(const Call& call);
+  /// Parameters x, y and theta; fails the action where they are no numbers.
+  [[nodiscard]] std::optional<Pose2> pose_of(const Call& call);
+
+  Parts parts_;
+  InstantActionBook book_;
+};
+
+}  // namespace cosiva::aiv

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "cosiva/aiv/onboard/boards_link.h"
+#include "cosiva/aiv/onboard/driving_context.h"
+#include "cosiva/aiv/onboard/session.h"
+#include "cosiva/aiv/onboard/supervision.h"
+#include "cosiva/aiv/onboard/v2x_participant.h"
+#include "cosiva/aiv/onboard/virtual_perception.h"
+
+namespace cosiva::aiv {
+
+/// One decision of the vehicle: what supervision, perception and V2X know goes to the agent, and the agent's command to
+/// the motors.
+///
+/// Invariant: a command is given only to an agent that holds for each link which supervision reports as lost.
+class DriveCycle {
+ public:
+  DriveCycle(const Supervision& supervision, VirtualPerception& perception, V2xParticipant& v2x, BoardsLink& boards,
+             Session& session);
+
+  void run(SimTime now, DrivingContext& context, wire::Effects& effects);
+
+ private:
+  void supervise(SimTime now, Agent& agent) const;
+
+  const Supervision& supervision_;
+  VirtualPerception& perception_;
+  V2xParticipant& v2x_;
+  BoardsLink& boards_;
+  Session& session_;
+};
+
+}  // namespace cosiva::aiv

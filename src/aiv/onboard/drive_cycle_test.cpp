@@ -1,0 +1,49 @@
+#include "cosiva/aiv/onboard/drive_cycle.h"
+
+#include <gtest/gtest.h>
+
+#include "cosiva/aiv/testing/test_zone.h"
+
+namespace cosiva::aiv {
+namespace {
+
+using test::lacet4;
+
+struct DriveCycleTest : ::testing::Test {
+  Supervision supervision{std::chrono::milliseconds{500}};
+  VirtualPerception perception;
+  wire::VehicleId id{"CoSiVA", "AIV1"};
+  V2xParticipant v2x{id, true};
+  BoardsLink boards{1};
+  Session session{id, wire::default_interface};
+  DriveCycle cycle{supervision, perception, v2x, boards, session};
+  DrivingContext context{lacet4(), {}};
+  wire::Effects effects;
+
+  DriveCycleTest() { boards.on_port(wire::Board::PILS, true); }
+};
+
+TEST_F(DriveCycleTest, sends_one_command_to_the_motors) {
+  cycle.run(SimTime{}, context, effects);
+  ASSERT_EQ(effects.size(), 1U);
+  EXPECT_EQ(std::get<wire::SendBytes>(effects[0]).port, wire::port_name(1, wire::Board::PILS));
+}
+
+TEST_F(DriveCycleTest, holds_for_each_link_that_is_lost_and_no_longer) {
+  cycle.run(SimTime{}, context, effects);
+  EXPECT_TRUE(context.agent().holds(Hold::broker_lost));
+  EXPECT_TRUE(context.agent().holds(Hold::board_lost));
+  EXPECT_FALSE(context.agent().holds(Hold::server_lost)) << "no server was heard yet";
+  supervision.broker(SimTime{}, true);
+  for (const wire::Board board : wire::all_boards) supervision.board_heard(SimTime{}, board);
+  supervision.server_heard(SimTime{});
+  cycle.run(SimTime{std::chrono::milliseconds{500}}, context, effects);
+  EXPECT_EQ(context.agent().holds(), 0);
+  cycle.run(SimTime{std::chrono::milliseconds{501}}, context, effects);
+  EXPECT_TRUE(context.agent().holds(Hold::server_lost));
+  EXPECT_TRUE(context.agent().holds(Hold::board_lost));
+  EXPECT_FALSE(context.agent().holds(Hold::broker_lost));
+}
+
+}  // namespace
+}  // namespace cosiva::aiv

@@ -1,0 +1,46 @@
+#include "cosiva/aiv/onboard/driving_context.h"
+
+#include <utility>
+
+#include "cosiva/base/expect.h"
+#include "cosiva/zone/edit/edit.h"
+
+namespace cosiva::aiv {
+namespace {
+
+std::unique_ptr<SpeedChooser> speed_policy_of(const OnboardOptions& options, const zone::TrafficZone& zone) {
+  auto policy = make_chooser(options.rules, zone.profiles);
+  COSIVA_EXPECT(policy);  // the rules were read when the options were made
+  return std::move(*policy);
+}
+
+}  // namespace
+
+DrivingContext::DrivingContext(const zone::TrafficZone& zone, const OnboardOptions& options)
+    : zone_{std::make_shared<zone::TrafficZone>(zone)},
+      agent_{*zone_, speed_policy_of(options, *zone_), Lateness::of(options.cycle)},
+      virtual_bodies_{*zone_},
+      neighbours_{*zone_, options.id},
+      crossings_{*zone_} {}
+
+DrivingContext::DrivingContext(const zone::TrafficZone& zone, const OnboardOptions& options, const Agent& before)
+    : DrivingContext{zone, options} {
+  COSIVA_EXPECT(before.standing());
+  agent_.take_over(before);
+}
+
+void DrivingContext::adopt_fiducials(const zone::TrafficZone& edited) {
+  COSIVA_EXPECT(zone::same_ways(*zone_, edited));
+  // Field by field into the same object: all parts look tags and beacons up in this object when one is read.
+  zone_->tags = edited.tags;
+  zone_->beacons = edited.beacons;
+  zone_->stations = edited.stations;
+  zone_->starts = edited.starts;
+  zone_->priorities = edited.priorities;
+  zone_->loops = edited.loops;
+  zone_->closed = edited.closed;
+  zone_->notes = edited.notes;
+  agent_.on_marks_moved();
+}
+
+}  // namespace cosiva::aiv

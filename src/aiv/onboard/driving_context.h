@@ -1,0 +1,55 @@
+#pragma once
+
+#include <memory>
+
+#include "cosiva/aiv/decision/agent.h"
+#include "cosiva/aiv/onboard/onboard_core.h"
+#include "cosiva/aiv/perception/felt_world.h"
+#include "cosiva/aiv/perception/sighting.h"
+#include "cosiva/aiv/v2x/neighbours.h"
+#include "cosiva/zone/layout/traffic_zone.h"
+
+namespace cosiva::aiv {
+
+/// The zone in force and everything that refers to this zone. The parts are built together, and a zone switch replaces
+/// all of them as one.
+///
+/// Invariant: all parts refer to zone(), whose circuit, speed profiles and vehicle shape never change.
+class DrivingContext {
+ public:
+  /// @param zone     copied: fiducials of the copy may be edited
+  /// @param options  of the vehicle: speed rules (which can be used), cycle and identity
+  DrivingContext(const zone::TrafficZone& zone, const OnboardOptions& options);
+  /// After a zone switch: the agent takes over from the agent `before`, which has stopped.
+  DrivingContext(const zone::TrafficZone& zone, const OnboardOptions& options, const Agent& before);
+  DrivingContext(const DrivingContext&) = delete;
+  DrivingContext& operator=(const DrivingContext&) = delete;
+  ~DrivingContext() = default;
+
+  [[nodiscard]] const zone::TrafficZone& zone() const { return *zone_; }
+  /// For users that outlive the context.
+  [[nodiscard]] std::shared_ptr<const zone::TrafficZone> shared_zone() const { return zone_; }
+  [[nodiscard]] Agent& agent() { return agent_; }
+  [[nodiscard]] const Agent& agent() const { return agent_; }
+  [[nodiscard]] FeltWorld& virtual_bodies() { return virtual_bodies_; }
+  [[nodiscard]] const FeltWorld& virtual_bodies() const { return virtual_bodies_; }
+  [[nodiscard]] Neighbours& neighbours() { return neighbours_; }
+  [[nodiscard]] const Neighbours& neighbours() const { return neighbours_; }
+  [[nodiscard]] const Passages& crossings() const { return crossings_; }
+  [[nodiscard]] Sighting& sighting() { return sighting_; }
+  [[nodiscard]] const Sighting& sighting() const { return sighting_; }
+
+  /// Takes tags, beacons, stations and priorities over from an edited configuration of the same circuit
+  /// (zone::same_ways). They are in force at once, also while the vehicle drives.
+  void adopt_fiducials(const zone::TrafficZone& edited);
+
+ private:
+  std::shared_ptr<zone::TrafficZone> zone_;
+  Agent agent_;
+  FeltWorld virtual_bodies_;
+  Neighbours neighbours_;
+  Passages crossings_;
+  Sighting sighting_;
+};
+
+}  // namespace cosiva::aiv

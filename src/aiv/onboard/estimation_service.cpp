@@ -1,0 +1,60 @@
+#include "cosiva/aiv/onboard/estimation_service.h"
+
+#include <optional>
+#include <utility>
+
+#include "cosiva/base/expect.h"
+
+namespace cosiva::aiv {
+namespace {
+
+std::optional<Estimating::Belief> estimate_of(const DrivingContext& context) {
+  const PositionEstimator& position = context.agent().position();
+  if (!position.pose_known()) return std::nullopt;
+  Estimating::Belief estimate{context.shared_zone(), position.pose(), std::nullopt, position.sigma_m()};
+  if (position.known() && !position.off_line()) estimate.place = position.place();
+  return estimate;
+}
+
+}  // namespace
+
+void EstimationService::on_request(SimTime now, std::string_view payload, Session& session, wire::Effects& effects) {
+  auto request = wire::estimate_request_from_json(payload);
+  if (!request) {
+    errors_.report("request", "a request for estimates that cannot be read: " + to_string(request.error()), effects);
+    return;
+  }
+  estimating_.ask(now, std::move(*request));
+  publish(session, effects);
+}
+
+void EstimationService::on_odometry(SimTime now, const wire::Odometry& odometry, DrivingContext& context) {
+  const SimTime at = pils_clock_.stamp(now, odometry.board_ms);
+  COSIVA_EXPECT(at <= now);
+  Agent& agent = context.agent();
+  if (!estimating_.busy()) return agent.on_odometry(odometry);
+  const PositionEstimator& position = agent.position();
+  const double travelled_m = position.travelled_m();
+  const auto before = estimate_of(context);
+  agent.on_odometry(odometry);
+  Estimating::Step step{at, position.travelled_m() - travelled_m, 0.0, 1e-3 * odometry.speed_mmps,
+                        estimate_of(context)};
+  if (before && step.belief) {
+    // There is no gyroscope: on its line the vehicle turns as the line does, elsewhere as its wheels report.
+    step.turn_rad = wrap_angle(step.belief->X_MB.heading_rad - before->X_MB.heading_rad);
+    if (position.manoeuvring()) step.distance_m = (inverse(before->X_MB) * step.belief->X_MB).x_m;
+  }
+  estimating_.on_odometry(now, step);
+}
+
+void EstimationService::on_tag(SimTime now, const wire::TagRead& tag, const DrivingContext& context) {
+  const PositionEstimator& position = context.agent().position();
+  if (!estimating_.busy() || !position.pose_known()) return;
+  estimating_.on_tag(tag.number, now - std::chrono::milliseconds{tag.age_ms}, context.zone(), position.pose());
+}
+
+void EstimationService::publish(Session& session, wire::Effects& effects) {
+  if (auto json = estimating_.take_answer()) session.publish_estimate(std::move(*json), effects);
+}
+
+}  // namespace cosiva::aiv

@@ -1,0 +1,59 @@
+#include "cosiva/aiv/onboard/order_receiver.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cosiva/base/expect.h"
+#include "cosiva/wire/vda5050/said.h"
+
+namespace cosiva::aiv {
+namespace {
+
+constexpr SimDuration usual_cycle = std::chrono::milliseconds{20};
+
+}  // namespace
+
+void OrderReceiver::on_order(const wire::Input& input, DrivingContext* context, wire::Effects& effects) {
+  StateReporter& reporter = parts_.reporter;
+  const auto order = wire::vda5050::heard_order(input);
+  if (!order) return reporter.refuse("validationError", "order", to_string(order.error()), {}, effects);
+  std::vector<wire::Reference> references{{"topic", "order"},
+                                          {"headerId", std::to_string(order->header.header_id)},
+                                          {"orderId", order->order_id},
+                                          {"orderUpdateId", std::to_string(order->order_update_id)}};
+  const auto refuse = [&](std::string type, std::string why) {
+    reporter.refuse(std::move(type), "order", std::move(why), std::move(references), effects);
+  };
+  if (auto accepted = parts_.session.accepts(order->header); !accepted)
+    return refuse("validationError", to_string(accepted.error()));
+  if (context == nullptr) return refuse("noRouteError", "no zone is known yet");
+  Agent& agent = context->agent();
+  const bool repeated =
+      order->order_id == agent.order().order_id() && order->order_update_id == agent.order().order_update_id();
+  if (const auto& pending = parts_.zones.pending(); pending && !repeated)
+    return refuse("noRouteError", "zone '" + pending->zone().name + "' follows as soon as it stands");
+
+  const auto verdict = agent.take_order(*order);
+  reporter.request_report();  // the state's orderUpdateId is the only
+                              // acknowledgement, also of a repetition
+  if (!verdict) return refuse(verdict.error().code, to_string(verdict.error()));
+  accept(*order, *verdict, input.at, *context, effects);
+}
+
+void OrderReceiver::accept(const wire::Order& order, OrderBook::Verdict verdict, SimTime now, DrivingContext& context,
+                           wire::Effects& effects) {
+  COSIVA_EXPECT(context.agent().order().order_id() == order.order_id);
+  if (verdict == OrderBook::Verdict::accepted_new) {
+    parts_.reporter.on_new_order();
+    parts_.actions.on_new_order();
+    effects.emplace_back(wire::Log{'i', "order " + order.order_id + " from " + order.nodes.front().node_id});
+  } else if (verdict == OrderBook::Verdict::accepted_update) {
+    parts_.reporter.on_order_update();
+  }
+  // At a slow pace a tick is far away, and other vehicles may wait for this one to go.
+  if (cycle_ > usual_cycle && verdict != OrderBook::Verdict::ignored_same)
+    parts_.drive_cycle.run(now, context, effects);
+}
+
+}  // namespace cosiva::aiv

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <optional>
+
+#include "cosiva/base/time.h"
+
+namespace cosiva::aiv {
+
+/// Tells when something periodic is due. A clock that jumped does not bring a burst.
+class Periodic {
+ public:
+  explicit Periodic(SimDuration period) : period_{period} {}
+  [[nodiscard]] bool take(SimTime now) {
+    if (next_ && now < *next_ && *next_ - now <= period_) return false;
+    next_ = next_ && now - *next_ < period_ ? *next_ + period_ : now + period_;
+    return true;
+  }
+
+ private:
+  SimDuration period_;
+  std::optional<SimTime> next_;
+};
+
+}  // namespace cosiva::aiv

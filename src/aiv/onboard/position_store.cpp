@@ -1,0 +1,175 @@
+#include "cosiva/aiv/onboard/position_store.h"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "cosiva/base/expect.h"
+
+namespace cosiva::aiv {
+namespace {
+
+constexpr SimDuration save_period = std::chrono::milliseconds{100};
+/// A saved position whose odometer differs by more is not of this drive.
+constexpr double saved_distance_m_max = 100.0;
+/// A body off the line that has moved further than this is no longer where it was.
+constexpr double off_line_distance_m_max = 0.005;
+/// A section lies where it lay when the position was saved.
+constexpr double same_place_m = 0.02;
+constexpr double same_heading_rad = 0.05;
+
+Memory position_of(const DrivingContext& context, std::int64_t odometer_um, std::uint32_t pils_session) {
+  const Agent& agent = context.agent();
+  const PositionEstimator& position = agent.position();
+  Memory now_here;
+  now_here.zone = context.zone().name;
+  now_here.odometer_um = odometer_um;
+  now_here.session = pils_session;
+  now_here.paused = agent.holds(Hold::paused);
+  now_here.imposed = agent.imposed();
+  now_here.off_line = position.away() || position.beside();
+  now_here.manoeuvre = position.manoeuvred();
+  now_here.pose = position.left_line_at() ? *position.left_line_at() : position.pose();
+  if (position.known()) {
+    const zone::Place at = position.place();
+    now_here.section = context.zone().circuit.part(at.section).name;
+    now_here.s_m = at.s_m;
+  }
+  if (const auto coming = position.course().coming(); !coming.empty())
+    now_here.next = context.zone().circuit.part(coming.front()).name;
+  return now_here;
+}
+
+}  // namespace
+
+PositionStore::PositionStore(const OnboardOptions& options)
+    : start_{options.start}, as_values_{options.as_values}, timer_{save_period} {}
+
+void PositionStore::restore(Memory restored, DrivingContext* context) {
+  restored_ = std::move(restored);
+  if (context == nullptr) return;
+  restrict(context->agent());
+  find_position(*context);
+}
+
+void PositionStore::restrict(Agent& agent) const {
+  agent.hold(Hold::paused, restored_->paused);
+  agent.impose(restored_->imposed);
+}
+
+bool PositionStore::on_pils_hello(std::uint32_t session) {
+  const bool powered_up_anew = pils_session_ && *pils_session_ != session;
+  pils_session_ = session;
+  return powered_up_anew;
+}
+
+void PositionStore::on_first_zone(DrivingContext& context, wire::Effects& effects) {
+  if (restored_) restrict(context.agent());
+  if (start_ && !context.zone().circuit.find(start_->section)) {
+    effects.emplace_back(
+        wire::Log{'e', "start: no section '" + start_->section + "' in zone '" + context.zone().name + "'"});
+  }
+}
+
+void PositionStore::on_zone_switched(DrivingContext& context) {
+  start_counts_ = false;
+  if (restored_ && restored_->zone == context.zone().name) find_position(context);
+  request_save();
+}
+
+void PositionStore::find_position(DrivingContext& context) {
+  Agent& agent = context.agent();
+  const bool of_this_zone = restored_ && restored_->zone == context.zone().name;
+  if (agent.position().pose_known() && !(of_this_zone && !start_counts_)) return;
+  // A position in another zone is preserved: that zone may be the broker's, and arrive later.
+  if (restored_ && (!pils_session_ || !agent.position().odometer_um())) return;  // not yet comparable
+  if (of_this_zone) {
+    const bool placed = place_as_restored(context);
+    restored_.reset();
+    if (placed) return;
+  }
+  if (agent.position().pose_known() || !start_ || !start_counts_) return;
+  if (const auto section = context.zone().circuit.find(start_->section)) agent.stand_at({*section, start_->s_m});
+}
+
+bool PositionStore::place_as_restored(DrivingContext& context) {
+  if (restored_->session != *pils_session_) return false;
+  Agent& agent = context.agent();
+  const zone::Circuit& circuit = context.zone().circuit;
+  const double distance_m =
+      1e-6 * (static_cast<double>(*agent.position().odometer_um()) - static_cast<double>(restored_->odometer_um));
+  if (!(std::fabs(distance_m) <= saved_distance_m_max)) return false;
+  // A position that was known before and has driven on since is no longer where it was saved.
+  if (agent.position().pose_known() && std::fabs(distance_m) > off_line_distance_m_max) return false;
+  if (!restored_->off_line) {
+    if (const auto place = restored_place(circuit, distance_m)) {
+      agent.stand_at(*place);
+      const auto next = restored_->next ? circuit.find(*restored_->next) : std::nullopt;
+      if (restored_->manoeuvre) agent.resume_manoeuvre(*restored_->manoeuvre, next);
+      return true;
+    }
+  }
+  if (!restored_->pose || std::fabs(distance_m) > off_line_distance_m_max) return false;
+  // What PILS reports of a manoeuvre now is younger than what was saved.
+  const auto& manoeuvred = agent.position().manoeuvred();
+  const Pose2 X_OB = manoeuvred ? *manoeuvred : restored_->manoeuvre.value_or(Pose2{});
+  agent.stand_off(*restored_->pose * X_OB);
+  if (restored_->manoeuvre) agent.resume_manoeuvre(*restored_->manoeuvre, std::nullopt);
+  return true;
+}
+
+std::optional<zone::Place> PositionStore::restored_place(const zone::Circuit& circuit, double distance_m) const {
+  const auto section = circuit.find(restored_->section);
+  if (!section || !std::isfinite(restored_->s_m)) return std::nullopt;
+  const zone::Place place{*section, restored_->s_m};
+  if (restored_->pose) {
+    // The section of the same name may lie elsewhere by now.
+    if (!(restored_->s_m >= 0.0 && restored_->s_m <= circuit.section(*section).length_m() + same_place_m))
+      return std::nullopt;
+    const Pose2 X_MP = circuit.pose_at(circuit.advance(place, 0.0));
+    if (distance(X_MP, *restored_->pose) > same_place_m ||
+        std::fabs(wrap_angle(X_MP.heading_rad - restored_->pose->heading_rad)) > same_heading_rad)
+      return std::nullopt;
+  }
+  const auto next = restored_->next ? circuit.find(*restored_->next) : std::nullopt;
+  if (!next) return circuit.advance(place, distance_m);
+  return circuit.advance(place, distance_m, std::array{*next});
+}
+
+void PositionStore::discard_restored() {
+  restored_.reset();
+  request_save();
+}
+
+void PositionStore::on_tick(SimTime now, const DrivingContext& context, wire::Effects& effects) {
+  save(timer_.take(now), context, effects);
+  was_stopped_ = context.agent().standing();
+}
+
+void PositionStore::save_now(const DrivingContext& context, wire::Effects& effects) {
+  request_save();
+  save(true, context, effects);
+}
+
+void PositionStore::save(bool due, const DrivingContext& context, wire::Effects& effects) {
+  const PositionEstimator& position = context.agent().position();
+  if (!position.pose_known() || !pils_session_) return;
+  const auto odometer_um = position.odometer_um();
+  if (!odometer_um) return;
+  if (odometer_um == saved_um_ && position.manoeuvred() == saved_manoeuvre_ && !requested_) return;
+  const bool stopped = context.agent().standing();
+  if (!due && !(stopped && !was_stopped_) && !requested_) return;
+  Memory now_here = position_of(context, *odometer_um, *pils_session_);
+  COSIVA_EXPECT(now_here.session == *pils_session_);
+  if (as_values_)
+    saved_ = std::move(now_here);
+  else
+    effects.emplace_back(wire::Remember{to_json(now_here)});
+  saved_um_ = odometer_um;
+  saved_manoeuvre_ = position.manoeuvred();
+  requested_ = false;
+}
+
+std::string PositionStore::saved_json() const { return saved_ ? to_json(*saved_) : std::string{}; }
+
+}  // namespace cosiva::aiv

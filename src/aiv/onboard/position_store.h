@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "cosiva/aiv/onboard/driving_context.h"
+#include "cosiva/aiv/onboard/memory.h"
+#include "cosiva/aiv/onboard/onboard_options.h"
+#include "cosiva/aiv/onboard/periodic.h"
+#include "cosiva/wire/runtime/core.h"
+
+namespace cosiva::aiv {
+
+/// Where the vehicle is when its program starts, and what the program saves of that for its next start.
+///
+/// Invariant: a saved position names the PILS session whose odometer it was read from. A restored position is used at
+/// most once, and never with the odometer of another session.
+class PositionStore {
+ public:
+  explicit PositionStore(const OnboardOptions& options);
+
+  /// What the program saved before its restart. Pause and imposed profile hold at once.
+  void restore(Memory restored, DrivingContext* context);
+  /// True: PILS has powered up anew since its last hello, so that its odometer counts from another origin.
+  [[nodiscard]] bool on_pils_hello(std::uint32_t session);
+  /// The first zone is in force.
+  void on_first_zone(DrivingContext& context, wire::Effects& effects);
+  /// Another zone is in force: the configured start is of the zone before.
+  void on_zone_switched(DrivingContext& context);
+  /// Finds the position if nothing better is known: the restored one first, because a vehicle that drove is no longer
+  /// where it was started; then the configured start.
+  void find_position(DrivingContext& context);
+  /// An operator told the position: what was restored is void.
+  void discard_restored();
+
+  /// Something is to be saved that the odometer does not show.
+  void request_save() { requested_ = true; }
+  /// Saves what has changed: periodically, as soon as the vehicle stops, and on request.
+  void on_tick(SimTime now, const DrivingContext& context, wire::Effects& effects);
+  void save_now(const DrivingContext& context, wire::Effects& effects);
+  /// What was saved last where messages pass as values; empty: nothing yet.
+  [[nodiscard]] std::string saved_json() const;
+
+ private:
+  void restrict(Agent& agent) const;
+  /// Places the vehicle at the restored position: false where it cannot be there.
+  [[nodiscard]] bool place_as_restored(DrivingContext& context);
+  [[nodiscard]] std::optional<zone::Place> restored_place(const zone::Circuit& circuit, double distance_m) const;
+  void save(bool due, const DrivingContext& context, wire::Effects& effects);
+
+  std::optional<OnboardOptions::Start> start_;
+  bool as_values_;
+  bool start_counts_{true};  ///< the configured start is of the zone in force
+  std::optional<Memory> restored_;
+  std::optional<Memory> saved_;  ///< where messages pass as values
+  std::optional<std::uint32_t> pils_session_;
+  Periodic timer_;
+  std::optional<std::int64_t> saved_um_;
+  std::optional<Pose2> saved_manoeuvre_;
+  bool requested_{false};
+  bool was_stopped_{true};
+};
+
+}  // namespace cosiva::aiv

@@ -1,0 +1,34 @@
+#include "cosiva/aiv/onboard/server_selection.h"
+
+#include <utility>
+
+#include "cosiva/base/expect.h"
+#include "cosiva/wire/messages/topics.h"
+
+namespace cosiva::aiv {
+
+bool ServerSelection::on_owner(std::string_view payload, wire::Effects& effects) {
+  std::string next;
+  if (!payload.empty()) {
+    auto owner = wire::owner_from_json(payload);
+    if (!owner) {
+      effects.emplace_back(
+          wire::Log{'w', "whose this vehicle is cannot be read, so nothing changes: " + to_string(owner.error())});
+      return false;
+    }
+    next = std::move(owner->hall);
+  }
+  if (next == area_) return false;
+  effects.emplace_back(wire::Log{'i', next.empty() ? std::string("is nobody's any more") : "is hall " + next + "'s"});
+  area_ = std::move(next);
+  topics_ = wire::server_topics(area_);
+  COSIVA_EXPECT(area_.empty() == (topics_.heartbeat == wire::server_heartbeat_topic));
+  return true;
+}
+
+std::vector<std::string> ServerSelection::filters() const {
+  if (area_.empty()) return {};
+  return {wire::topics_below(topics_.zone_prefix, 1), topics_.connection, topics_.heartbeat};
+}
+
+}  // namespace cosiva::aiv

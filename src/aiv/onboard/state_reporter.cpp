@@ -1,0 +1,74 @@
+#include "cosiva/aiv/onboard/state_reporter.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "cosiva/base/expect.h"
+
+namespace cosiva::aiv {
+namespace {
+
+constexpr SimDuration state_interval_min = std::chrono::milliseconds{50};
+constexpr SimDuration boards_report_period = std::chrono::milliseconds{500};
+constexpr SimDuration display_period = std::chrono::milliseconds{500};
+
+}  // namespace
+
+StateReporter::StateReporter(const OnboardOptions& options)
+    : serial_number_{options.id.serial_number},
+      state_period_{options.state_period},
+      visualization_period_{options.visualization_period},
+      visualization_timer_{options.visualization_period},
+      boards_timer_{boards_report_period},
+      display_timer_{display_period} {}
+
+void StateReporter::refuse(std::string type, std::string_view topic, std::string why,
+                           std::vector<wire::Reference> references, wire::Effects& effects) {
+  effects.emplace_back(wire::Log{'w', std::string(topic) + " refused, " + type + ": " + why});
+  if (references.empty()) references.push_back({"topic", std::string(topic)});
+  warnings_.add(std::move(type), std::move(why), std::move(references));
+  request_report();
+}
+
+void StateReporter::compare_flags(const ReportFlags& flags) {
+  if (flags != flags_) request_report();
+  flags_ = flags;
+}
+
+void StateReporter::publish_state(const ReportSources& sources, bool starting_up, Session& session,
+                                  wire::Effects& effects) {
+  if (!session.online()) return;
+  if (!published_at_ && starting_up) return;
+  const SimDuration since = published_at_ ? sources.now - *published_at_ : SimDuration::max();
+  if (since < (requested_ ? state_interval_min : state_period_) && since >= SimDuration::zero()) return;
+  COSIVA_EXPECT(since >= std::min(state_interval_min, state_period_) || since < SimDuration::zero());
+  session.publish(sources.now, compose_state(sources), effects);
+  published_at_ = sources.now;
+  requested_ = false;
+}
+
+void StateReporter::publish_visualization(SimTime now, const DrivingContext& context, Session& session,
+                                          wire::Effects& effects) {
+  if (!visualization_timer_.take(now) || !context.agent().position().pose_known()) return;
+  session.publish(now, compose_visualization(context.agent(), context.zone().name), effects);
+}
+
+void StateReporter::publish_boards_report(const ReportSources& sources, const std::optional<wire::Ranges>& ranges,
+                                          Session& session, wire::Effects& effects) {
+  if (boards_timer_.take(sources.now)) session.publish(sources.now, compose_boards_report(sources, ranges), effects);
+}
+
+void StateReporter::publish_factsheet(SimTime now, const zone::TrafficZone& zone, Session& session,
+                                      wire::Effects& effects) const {
+  session.publish(now, make_factsheet(zone, {state_period_, state_interval_min, visualization_period_}), effects);
+}
+
+void StateReporter::update_display(SimTime now, const Agent& agent, BoardsLink& boards, wire::Effects& effects) {
+  if (!display_timer_.take(now)) return;
+  std::string text = display_text(serial_number_, agent);
+  if (text == displayed_) return;
+  boards.send(wire::Board::PRAV, wire::Display{text}, effects);
+  displayed_ = std::move(text);
+}
+
+}  // namespace cosiva::aiv

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cosiva/aiv/onboard/boards_link.h"
+#include "cosiva/aiv/onboard/driving_context.h"
+#include "cosiva/aiv/onboard/onboard_options.h"
+#include "cosiva/aiv/onboard/periodic.h"
+#include "cosiva/aiv/onboard/report.h"
+#include "cosiva/aiv/onboard/session.h"
+#include "cosiva/aiv/onboard/warnings.h"
+#include "cosiva/wire/runtime/core.h"
+
+namespace cosiva::aiv {
+
+/// When the vehicle reports about itself: state, visualization, factsheet, state of its boards, display.
+///
+/// Invariant: two states are at least 50 ms apart, unless the clock was set back: events that come together travel in
+/// one state (§6.10: not faster than the factsheet's minStateInterval).
+class StateReporter {
+ public:
+  explicit StateReporter(const OnboardOptions& options);
+
+  /// Something has happened that the server has to know: a state follows as soon as one may.
+  void request_report() { requested_ = true; }
+  /// Refuses a message of the server: a log line, a warning in the following states.
+  void refuse(std::string type, std::string_view topic, std::string why, std::vector<wire::Reference> references,
+              wire::Effects& effects);
+  void on_new_order() { warnings_.on_new_order(); }
+  void on_order_update() { warnings_.on_update(); }
+  [[nodiscard]] const Warnings& warnings() const { return warnings_; }
+  /// Requests a state where a flag has changed since the last call.
+  void compare_flags(const ReportFlags& flags);
+
+  /// @param starting_up  the boards have not answered yet: the first state waits for them
+  void publish_state(const ReportSources& sources, bool starting_up, Session& session, wire::Effects& effects);
+  void publish_visualization(SimTime now, const DrivingContext& context, Session& session, wire::Effects& effects);
+  void publish_boards_report(const ReportSources& sources, const std::optional<wire::Ranges>& ranges, Session& session,
+                             wire::Effects& effects);
+  void publish_factsheet(SimTime now, const zone::TrafficZone& zone, Session& session, wire::Effects& effects) const;
+  void update_display(SimTime now, const Agent& agent, BoardsLink& boards, wire::Effects& effects);
+
+ private:
+  std::string serial_number_;
+  SimDuration state_period_;
+  SimDuration visualization_period_;
+  Warnings warnings_;
+  bool requested_{false};
+  std::optional<SimTime> published_at_;
+  ReportFlags flags_;
+  Periodic visualization_timer_;
+  Periodic boards_timer_;
+  Periodic display_timer_;
+  std::string displayed_;
+};
+
+}  // namespace cosiva::aiv

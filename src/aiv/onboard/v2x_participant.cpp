@@ -1,0 +1,94 @@
+#include "cosiva/aiv/onboard/v2x_participant.h"
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+#include "cosiva/base/expect.h"
+#include "cosiva/wire/in_process/heard_intents.h"
+
+namespace cosiva::aiv {
+namespace {
+
+/// No other vehicle is near: just often enough that a vehicle which arrives is found in time.
+constexpr SimDuration alone_period = std::chrono::seconds{1};
+constexpr SimDuration moving_period = std::chrono::milliseconds{200};
+constexpr SimDuration stopped_period = std::chrono::milliseconds{500};
+/// A change is published at once, but never more often than this.
+constexpr SimDuration intent_interval_min = std::chrono::milliseconds{100};
+
+}  // namespace
+
+V2xParticipant::V2xParticipant(wire::VehicleId id, bool enabled) : id_{std::move(id)}, enabled_{enabled} {}
+
+bool V2xParticipant::update_cell(const DrivingContext& context) {
+  const PositionEstimator& estimator = context.agent().position();
+  if (!enabled_ || !estimator.pose_known()) return false;
+  const Point2 here = position(estimator.pose());
+  const std::string& map_id = context.zone().name;
+  if (cell_ && cell_map_ == map_id && wire::outside_cell_m(*cell_, here) <= wire::v2x_cell_slack_m) return false;
+  cell_ = wire::cell_of(here);
+  cell_map_ = map_id;
+  return true;
+}
+
+std::vector<std::string> V2xParticipant::filters() const {
+  if (!enabled_ || !cell_) return {};
+  return wire::v2x_filters(cell_map_, *cell_);
+}
+
+void V2xParticipant::on_intent(SimTime now, const wire::Input& input, DrivingContext& context, wire::Effects& effects) {
+  // A retained intent is of unknown age. An intent that comes before the pose is known was not subscribed to.
+  if (!enabled_ || input.flag || !context.agent().position().pose_known()) return;
+  const auto topic = wire::parse_v2x_topic(input.source);
+  if (!topic) return;
+  const auto refuse = [&](std::string kind, const std::string& why) {
+    constexpr std::size_t topic_bytes_max = 120;
+    errors_.report(std::move(kind), "intent on '" + input.source.substr(0, topic_bytes_max) + "' not used: " + why,
+                   effects);
+  };
+  auto intent = wire::heard_intent(input);
+  if (!intent) return refuse(intent.error().code + " " + intent.error().place, to_string(intent.error()));
+  const Point2 here = position(context.agent().position().pose());
+  const auto verdict = context.neighbours().hear(now, *topic, std::move(*intent), here);
+  using enum Neighbours::Verdict;
+  if (verdict == first) requested_ = true;
+  // The network repeats and overtakes, and the vehicle's own intents come back where it subscribes: no fault.
+  const bool own_intent = verdict == own && topic->vehicle == id_;
+  if (verdict == taken || verdict == first || verdict == old || own_intent) return;
+  refuse(std::string(to_string(verdict)), std::string(to_string(verdict)));
+}
+
+Others V2xParticipant::survey(SimTime now, DrivingContext& context) const {
+  const Agent& agent = context.agent();
+  if (!agent.heeds_others() || !agent.position().known() || agent.position().off_line()) return {};
+  return context.neighbours().around(now, agent);
+}
+
+void V2xParticipant::publish_intent(SimTime now, DrivingContext& context, Session& session, wire::Effects& effects) {
+  const Agent& agent = context.agent();
+  if (!enabled_ || !session.online() || !cell_ || !agent.position().pose_known()) return;
+  const SimDuration since = published_at_ ? now - *published_at_ : SimDuration::max();
+  if (since >= SimDuration::zero() && since < intent_interval_min) return;
+  Neighbours& neighbours = context.neighbours();
+  neighbours.age(now);
+  const bool alone = neighbours.empty();
+  const SimDuration period = alone ? alone_period : agent.standing() ? stopped_period : moving_period;
+  const bool due = requested_ || since >= period || since < SimDuration::zero();
+  if (!due && alone) return;
+  const zone::TrafficZone& zone = context.zone();
+  const auto priority =
+      static_cast<std::uint32_t>(std::clamp(zone.priority_of(wire::to_string(id_)), 0, zone::priority_max));
+  const auto& crossings = context.crossings();
+  if (!due && last_intent_.priority == priority && !is_news(last_intent_, agent, zone, crossings)) return;
+  wire::Intent intent = compose_intent(agent, zone, crossings);
+  intent.vehicle = id_;
+  intent.priority = priority;
+  COSIVA_EXPECT(since >= intent_interval_min || since < SimDuration::zero());
+  requested_ = false;
+  published_at_ = now;
+  last_intent_ = intent;
+  session.publish(now, *cell_, std::move(intent), effects);
+}
+
+}  // namespace cosiva::aiv

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cosiva/aiv/onboard/driving_context.h"
+#include "cosiva/aiv/onboard/error_log.h"
+#include "cosiva/aiv/onboard/session.h"
+#include "cosiva/wire/own/v2x.h"
+#include "cosiva/wire/runtime/core.h"
+
+namespace cosiva::aiv {
+
+/// The vehicle's part in V2X (docs/protocols/v2x.md): which cell it publishes in and subscribes around, when it
+/// publishes its intent, and which intents of others it accepts.
+///
+/// Invariant: two intents are at least 100 ms apart, unless the clock was set back.
+class V2xParticipant {
+ public:
+  /// @param enabled  false: it neither publishes nor accepts intents
+  V2xParticipant(wire::VehicleId id, bool enabled);
+
+  /// True when the vehicle has come to another cell, so that filters() are others.
+  [[nodiscard]] bool update_cell(const DrivingContext& context);
+  /// Topics of the cells around the vehicle; none before its pose is known.
+  [[nodiscard]] std::vector<std::string> filters() const;
+
+  void on_intent(SimTime now, const wire::Input& input, DrivingContext& context, wire::Effects& effects);
+  /// What the others' intents mean for the next decision.
+  [[nodiscard]] Others survey(SimTime now, DrivingContext& context) const;
+  void publish_intent(SimTime now, DrivingContext& context, Session& session, wire::Effects& effects);
+  void on_zone_switched() { errors_.clear(); }
+
+ private:
+  wire::VehicleId id_;
+  bool enabled_;
+  std::optional<wire::Cell> cell_;
+  std::string cell_map_;
+  wire::Intent last_intent_;
+  std::optional<SimTime> published_at_;
+  bool requested_{false};  ///< a vehicle that was not known before has published
+  ErrorLog errors_;
+};
+
+}  // namespace cosiva::aiv

@@ -1,0 +1,67 @@
+#include "cosiva/aiv/onboard/zone_selection.h"
+
+#include <utility>
+
+#include "cosiva/base/expect.h"
+#include "cosiva/zone/edit/edit.h"
+
+namespace cosiva::aiv {
+namespace {
+
+wire::MapInfo map_info(const std::string& name, const zone::ZoneConfiguration& configuration, bool enabled) {
+  return {name, zone::version_of(configuration), {}, enabled};
+}
+
+}  // namespace
+
+ZoneSelection::Decision ZoneSelection::on_announced(zone::ZoneConfiguration announced,
+                                                    const zone::TrafficZone* in_force, wire::Effects& effects) {
+  COSIVA_EXPECT((in_force != nullptr) == configuration_.has_value());
+  if (pending_ && same_content(announced, pending_->configuration())) return {Verdict::unchanged, std::nullopt};
+  if (in_force != nullptr && same_content(announced, *configuration_)) {
+    refusal_.clear();
+    return {call_off(*in_force, effects) ? Verdict::called_off : Verdict::unchanged, std::nullopt};
+  }
+  auto rtm = zone::Rtm::initialise(std::move(announced));
+  if (!rtm) return refuse(rtm.error(), in_force == nullptr ? 'e' : 'w', effects);
+  refusal_.clear();
+  if (in_force == nullptr) return {Verdict::first, std::move(*rtm)};
+  if (zone::same_ways(*in_force, rtm->zone())) {
+    (void)call_off(*in_force, effects);
+    return {Verdict::edited, std::move(*rtm)};
+  }
+  effects.emplace_back(wire::Log{
+      'i', "zone '" + rtm->zone().name + "' follows '" + in_force->name + "' as soon as this vehicle stands"});
+  pending_ = std::move(*rtm);
+  list_maps();
+  return {Verdict::pending, std::nullopt};
+}
+
+ZoneSelection::Decision ZoneSelection::refuse(const Error& error, char level, wire::Effects& effects) {
+  refusal_ = "a zone was announced and is not used: " + to_string(error);
+  effects.emplace_back(wire::Log{level, refusal_});
+  return {Verdict::refused, std::nullopt};
+}
+
+bool ZoneSelection::call_off(const zone::TrafficZone& in_force, wire::Effects& effects) {
+  if (!pending_) return false;
+  effects.emplace_back(wire::Log{'i', "zone '" + in_force.name + "' stays"});
+  pending_.reset();
+  list_maps();
+  return true;
+}
+
+void ZoneSelection::enforce(const zone::Rtm& rtm) {
+  configuration_ = rtm.configuration();
+  name_ = rtm.zone().name;
+  pending_.reset();  // last: `rtm` may be the pending one
+  list_maps();
+}
+
+void ZoneSelection::list_maps() {
+  COSIVA_EXPECT(configuration_);
+  maps_ = {map_info(name_, *configuration_, true)};
+  if (pending_) maps_.push_back(map_info(pending_->zone().name, pending_->configuration(), false));
+}
+
+}  // namespace cosiva::aiv

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cosiva/wire/messages/messages.h"
+#include "cosiva/wire/runtime/core.h"
+#include "cosiva/zone/rtm/rtm.h"
+
+namespace cosiva::aiv {
+
+/// Which zone is in force, which one is pending until the vehicle has stopped, and why an announced one is not used.
+///
+/// Invariant: maps() lists the zone in force first, the pending one second, and no other. There is no pending zone
+/// before a first one is in force.
+class ZoneSelection {
+ public:
+  enum class Verdict {
+    unchanged,   ///< what was announced is in force or pending already
+    refused,     ///< it is no zone; refusal() gives the reason
+    first,       ///< it can be put in force, as no other is
+    edited,      ///< the circuit in force with other fiducials: in force at once
+    pending,     ///< another circuit: it waits until the vehicle has stopped
+    called_off,  ///< the zone in force again, before the vehicle had stopped
+  };
+  struct Decision {
+    Verdict verdict;
+    std::optional<zone::Rtm> rtm;  ///< of `first` and `edited`
+  };
+  /// @param in_force  none before the first zone
+  [[nodiscard]] Decision on_announced(zone::ZoneConfiguration announced, const zone::TrafficZone* in_force,
+                                      wire::Effects& effects);
+  /// The zone is in force from now on, and none is pending.
+  void enforce(const zone::Rtm& rtm);
+
+  [[nodiscard]] const std::optional<zone::Rtm>& pending() const { return pending_; }
+  /// Why the zone announced last is not used; empty: it is.
+  [[nodiscard]] const std::string& refusal() const { return refusal_; }
+  [[nodiscard]] const std::vector<wire::MapInfo>& maps() const { return maps_; }
+
+ private:
+  [[nodiscard]] Decision refuse(const Error& error, char level, wire::Effects& effects);
+  /// False: none was pending.
+  [[nodiscard]] bool call_off(const zone::TrafficZone& in_force, wire::Effects& effects);
+  void list_maps();
+
+  std::optional<zone::ZoneConfiguration> configuration_;  ///< of the zone in force
+  std::string name_;                                      ///< likewise
+  std::optional<zone::Rtm> pending_;
+  std::string refusal_;
+  std::vector<wire::MapInfo> maps_;
+};
+
+}  // namespace cosiva::aiv

@@ -1,0 +1,77 @@
+#include "cosiva/aiv/onboard/zone_selection.h"
+
+#include <gtest/gtest.h>
+
+#include "cosiva/aiv/testing/test_zone.h"
+
+namespace cosiva::aiv {
+namespace {
+
+using enum ZoneSelection::Verdict;
+using test::lacet4;
+
+zone::ZoneConfiguration changed(const std::string& from, const std::string& to) {
+  zone::ZoneConfiguration configuration = test::lacet4_configuration();
+  configuration.text.replace(configuration.text.find(from), from.size(), to);
+  return configuration;
+}
+zone::ZoneConfiguration renamed() { return changed("name = \"lacet4\"", "name = \"other\""); }
+
+struct ZoneSelectionTest : ::testing::Test {
+  ZoneSelection zones;
+  wire::Effects effects;
+
+  ZoneSelection::Verdict announce(zone::ZoneConfiguration configuration) {
+    return zones.on_announced(std::move(configuration), &lacet4(), effects).verdict;
+  }
+  void enter() {
+    const auto decision = zones.on_announced(test::lacet4_configuration(), nullptr, effects);
+    ASSERT_EQ(decision.verdict, first);
+    zones.enforce(*decision.rtm);
+  }
+};
+
+TEST_F(ZoneSelectionTest, lists_the_zone_in_force_and_then_the_pending_one) {
+  EXPECT_TRUE(zones.maps().empty());
+  enter();
+  EXPECT_EQ(zones.maps().size(), 1U);
+  EXPECT_EQ(announce(test::lacet4_configuration()), unchanged);
+  EXPECT_EQ(announce(renamed()), pending);
+  EXPECT_EQ(announce(renamed()), unchanged) << "it is pending already";
+  ASSERT_EQ(zones.maps().size(), 2U);
+  EXPECT_TRUE(zones.maps()[0].enabled);
+  EXPECT_EQ(zones.maps()[1].map_id, "other");
+  EXPECT_FALSE(zones.maps()[1].enabled);
+  zones.enforce(*zones.pending());
+  ASSERT_EQ(zones.maps().size(), 1U);
+  EXPECT_EQ(zones.maps()[0].map_id, "other");
+  EXPECT_TRUE(zones.maps()[0].enabled);
+}
+
+TEST_F(ZoneSelectionTest, calls_a_switch_off_when_the_zone_in_force_is_announced_again) {
+  enter();
+  ASSERT_EQ(announce(renamed()), pending);
+  EXPECT_EQ(announce(test::lacet4_configuration()), called_off);
+  EXPECT_FALSE(zones.pending());
+  EXPECT_EQ(zones.maps().size(), 1U);
+}
+
+TEST_F(ZoneSelectionTest, takes_other_fiducials_at_once) {
+  enter();
+  ASSERT_EQ(announce(renamed()), pending);
+  EXPECT_EQ(announce(changed("s_m = 1.4137", "s_m = 1.3637")), edited);
+  EXPECT_FALSE(zones.pending()) << "the last announcement counts";
+}
+
+TEST_F(ZoneSelectionTest, refuses_what_is_no_zone_and_keeps_what_is_pending) {
+  enter();
+  ASSERT_EQ(announce(renamed()), pending);
+  EXPECT_EQ(announce({"toml", "x.toml", "no zone"}), refused);
+  EXPECT_TRUE(zones.pending());
+  EXPECT_FALSE(zones.refusal().empty());
+  EXPECT_EQ(announce(test::lacet4_configuration()), called_off);
+  EXPECT_TRUE(zones.refusal().empty());
+}
+
+}  // namespace
+}  // namespace cosiva::aiv

@@ -1,0 +1,331 @@
+#include "cosiva/aiv/order/order_book.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "cosiva/aiv/order/order_check.h"
+
+namespace cosiva::aiv {
+namespace {
+
+/// How far from the first node a vehicle still counts as standing on it when the order states no deviation.
+constexpr double first_node_m = 0.10;
+/// Standing accuracy at the end of the base.
+constexpr double arrival_m = 0.015;
+/// Places of one node lie equally far along a way.
+constexpr double same_path_m = 1e-3;
+/// The vehicle's way along the order and its place on the circuit agree this well.
+constexpr double same_place_m = 0.10;
+
+std::string named(const wire::OrderNode& node) { return "node '" + node.node_id + "'"; }
+
+std::string with_sequence(std::string_view node_id, std::uint32_t sequence_id) {
+  return "'" + std::string(node_id) + "' (" + std::to_string(sequence_id) + ")";
+}
+
+}  // namespace
+
+OrderBook::OrderBook(const zone::TrafficZone& zone, std::vector<std::string> supported_actions)
+    : zone_{zone}, supported_actions_{std::move(supported_actions)}, router_{zone} {}
+
+Result<OrderBook::Verdict> OrderBook::offer(const wire::Order& order, const Standing& standing) {
+  // A repeated message is silence even when its base has long been driven, so it comes before everything else.
+  const bool same_order = !order_id_.empty() && order.order_id == order_id_;
+  if (same_order && order.order_update_id == order_update_id_) return Verdict::ignored_same;
+  if (auto checked = check_shape(order); !checked) return tl::unexpected(std::move(checked.error()));
+  if (same_order && order.order_update_id < order_update_id_) {
+    return fail("orderUpdateError", "update " + std::to_string(order.order_update_id) + " is older than " +
+                                        std::to_string(order_update_id_) + ", which is being followed");
+  }
+  if (auto checked = check_abilities(order, supported_actions_); !checked)
+    return tl::unexpected(std::move(checked.error()));
+  if (!standing.position_known) return fail("noRouteError", "the vehicle does not know where it is");
+  return same_order ? offer_update(order, standing) : offer_new(order, standing);
+}
+
+Result<OrderBook::Verdict> OrderBook::offer_new(const wire::Order& order, const Standing& standing) {
+  if (active()) {
+    return fail("orderUpdateError", "order '" + order_id_ + "' is not finished: it has " +
+                                        std::string(base_left() ? "base" : "horizon") + " left");
+  }
+  const auto firsts = router_.first_places(order);
+  if (!firsts) return tl::unexpected(firsts.error());
+  auto found = find_from_any(order, *firsts, standing);
+  if (!found) return tl::unexpected(std::move(found.error()));
+
+  targets_.clear();
+  edges_.clear();
+  travelled_m_ = found->vehicle_m;
+  base_end_path_m_ = found->vehicle_m;  // a first node alone is a place to be at, not to drive to
+  last_node_id_ = order.nodes.front().node_id;
+  last_node_sequence_id_ = order.nodes.front().sequence_id;
+  last_node_path_m_ = 0.0;
+  last_node_place_ = found->route.first;
+  accepted_at_ = found->from;
+  append(order, std::move(found->route), 0.0);
+  return Verdict::accepted_new;
+}
+
+Result<OrderBook::Verdict> OrderBook::offer_update(const wire::Order& order, const Standing& standing) {
+  if (cancelled_) return fail("orderUpdateError", "order '" + order_id_ + "' was cancelled");
+
+  // The stitch: the last node of the base, not of the horizon (trap 4); where no base is left, the last node passed.
+  const std::size_t kept = released_count();
+  const bool on_base = kept > 0;
+  const std::string& node_id = on_base ? targets_[kept - 1].node.node_id : last_node_id_;
+  const std::uint32_t sequence_id = on_base ? targets_[kept - 1].node.sequence_id : last_node_sequence_id_;
+  const wire::OrderNode& first = order.nodes.front();
+  if (first.node_id != node_id || first.sequence_id != sequence_id) {
+    return fail("orderUpdateError", "the update starts at " + with_sequence(first.node_id, first.sequence_id) +
+                                        ", the base ends at " + with_sequence(node_id, sequence_id));
+  }
+  if (on_base) {
+    auto route = find_continuation(order, kept);
+    if (!route) return tl::unexpected(std::move(route.error()));
+    targets_.resize(kept);
+    edges_.resize(kept);
+    append(order, std::move(*route), targets_.back().path_m);
+  } else {
+    // It may have been moved by hand since it arrived.
+    auto found = find_from_any(order, places_like(last_node_place_, order), standing);
+    if (!found) return tl::unexpected(std::move(found.error()));
+    targets_.clear();
+    edges_.clear();
+    travelled_m_ = last_node_path_m_ + found->vehicle_m;
+    last_node_place_ = found->route.first;
+    accepted_at_ = found->from;
+    append(order, std::move(found->route), last_node_path_m_);
+  }
+  return Verdict::accepted_update;
+}
+
+Result<OrderBook::Found> OrderBook::find(const wire::Order& order, const std::vector<zone::Place>& firsts,
+                                         zone::Place now) const {
+  std::optional<Found> best;
+  std::optional<Error> why;
+  for (const zone::Place first : firsts) {
+    auto route = router_.route(order, first);
+    const auto vehicle_m =
+        route ? way_from_first_node(order.nodes.front(), *route, now) : Result<double>{tl::unexpected(route.error())};
+    if (!vehicle_m) {
+      // A way that begins elsewhere tells more than none.
+      if (!why || route) why = vehicle_m.error();
+      continue;
+    }
+    const double nearer_m = best ? std::fabs(best->vehicle_m) - std::fabs(*vehicle_m) : 1.0;
+    const bool as_near = std::fabs(nearer_m) <= same_path_m;
+    if (as_near ? route->length_m() < best->route.length_m() - same_path_m : nearer_m > 0.0)
+      best = Found{std::move(*route), *vehicle_m, now};
+  }
+  if (!best) return tl::unexpected(std::move(*why));
+  return std::move(*best);
+}
+
+Result<OrderBook::Found> OrderBook::find_from_any(const wire::Order& order, const std::vector<zone::Place>& firsts,
+                                                  const Standing& standing) const {
+  auto best = find(order, firsts, standing.place);
+  for (const zone::Place place : standing.also) {
+    auto found = find(order, firsts, place);
+    if (found && (!best || found->route.length_m() + same_place_m < best->route.length_m())) best = std::move(found);
+  }
+  return best;
+}
+
+std::vector<zone::Place> OrderBook::places_like(zone::Place found, const wire::Order& order) const {
+  std::vector<zone::Place> places{found};
+  if (router_.one_way()) return places;
+  const auto others = router_.first_places(order);
+  if (!others) return places;
+  for (const zone::Place other : *others)
+    if (!(other == found)) places.push_back(other);
+  return places;
+}
+
+Result<OrderRoute> OrderBook::find_continuation(const wire::Order& order, std::size_t kept) {
+  Target& stitch = targets_[kept - 1];
+  const zone::Place before = kept > 1 ? targets_[kept - 2].place : last_node_place_;
+  const double way_m = stitch.path_m - (kept > 1 ? targets_[kept - 2].path_m : last_node_path_m_);
+  std::optional<OrderRoute> best;
+  std::optional<zone::Circuit::Way> best_way;
+  std::optional<Error> why;
+  for (const zone::Place place : places_like(stitch.place, order)) {
+    const bool same = place == stitch.place;
+    auto way = same ? std::nullopt : router_.way(before, place, way_m + same_path_m);
+    // Another place of the node, equally far along the base: that of another way out of it.
+    if (!same && (!way || way->length_m < way_m - same_path_m)) continue;
+    auto route = router_.route(order, place);
+    if (!route) {
+      if (!why) why = std::move(route.error());
+      continue;
+    }
+    if (best && best->length_m() <= route->length_m() + same_path_m) continue;
+    best = std::move(*route);
+    best_way = std::move(way);
+  }
+  if (!best) return tl::unexpected(std::move(*why));
+  if (best_way) {
+    stitch.place = best->first;
+    stitch.via.assign(best_way->sections.begin() + 1, best_way->sections.end());
+  }
+  return std::move(*best);
+}
+
+void OrderBook::append(const wire::Order& order, OrderRoute&& route, double first_path_m) {
+  double path_m = first_path_m;
+  for (std::size_t i = 0; i < route.legs.size(); ++i) {
+    OrderRoute::Leg& leg = route.legs[i];
+    path_m += leg.length_m;
+    targets_.push_back({order.nodes[i + 1], leg.place, path_m, order.edges[i].max_speed_mps, std::move(leg.via)});
+    edges_.push_back(order.edges[i]);
+  }
+  order_id_ = order.order_id;
+  order_update_id_ = order.order_update_id;
+  zone_set_id_ = order.zone_set_id;
+  cancelled_ = false;
+  if (const std::size_t released = released_count(); released > 0) base_end_path_m_ = targets_[released - 1].path_m;
+}
+
+Result<double> OrderBook::way_from_first_node(const wire::OrderNode& node, const OrderRoute& route,
+                                              zone::Place now) const {
+  const double deviation_m =
+      std::max(first_node_m, node.position ? node.position->allowed_deviation_xy_m.value_or(0.0) : 0.0);
+  // Behind the vehicle the whole first edge counts: a vehicle that stands on it has passed the node.
+  const double first_edge_m = route.legs.empty() ? 0.0 : route.legs.front().length_m;
+  const double longest_m = router_.longest_m();
+  const auto beyond_m = zone_.circuit.distance_ahead(
+      route.first, now, std::min(longest_m, std::max(deviation_m, first_edge_m)), route.sections());
+  const auto before = router_.way(now, route.first, std::min(longest_m, deviation_m));
+  if (before && (!beyond_m || before->length_m < *beyond_m)) return -before->length_m;
+  if (beyond_m) return *beyond_m;
+  return fail("noRouteError", named(node) + " is not where the vehicle is: neither on it within " +
+                                  std::to_string(deviation_m) + " m nor on the edge behind it");
+}
+
+void OrderBook::cancel() {
+  targets_.clear();
+  edges_.clear();
+  base_end_path_m_ = travelled_m_;
+  cancelled_ = true;
+}
+
+bool OrderBook::relocate(zone::Place place) {
+  if (!active()) return true;
+  const double left_m = targets_.back().path_m - last_node_path_m_;
+  std::vector<zone::SectionId> coming;
+  for (const Target& target : targets_) coming.insert(coming.end(), target.via.begin(), target.via.end());
+  if (const auto beyond_m = zone_.circuit.distance_ahead(last_node_place_, place, left_m, coming)) {
+    travelled_m_ = last_node_path_m_ + *beyond_m;
+    return true;
+  }
+  if (const auto before = router_.way(place, last_node_place_, first_node_m)) {
+    travelled_m_ = last_node_path_m_ - before->length_m;
+    return true;
+  }
+  return false;
+}
+
+zone::Course OrderBook::course_from(zone::Place here) const {
+  if (router_.one_way()) return {};
+  if (last_node_place_.section == zone::no_section) return zone::Course{{here.section}};  // it never had an order
+  std::vector<zone::SectionId> sections{last_node_place_.section};
+  for (const Target& target : targets_) sections.insert(sections.end(), target.via.begin(), target.via.end());
+
+  // A way may come over a section more than once: the one that fits how far the vehicle has come.
+  const double since_m = travelled_m_ - last_node_path_m_;
+  double start_m = -last_node_place_.s_m;
+  std::size_t at = sections.size();
+  double best_m = same_place_m;
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    const double misfit_m = std::fabs(start_m + here.s_m - since_m);
+    if (sections[i] == here.section && misfit_m <= best_m) {
+      at = i;
+      best_m = misfit_m;
+    }
+    start_m += zone_.circuit.section(sections[i]).length_m();
+  }
+  if (at < sections.size()) return zone::Course{std::move(sections), at};
+
+  // Before the first node, then, or nowhere near.
+  const auto way = router_.way(here, last_node_place_, std::fabs(since_m) + same_place_m);
+  if (!way) return zone::Course{{here.section}};
+  std::vector<zone::SectionId> all = way->sections;
+  all.insert(all.end(), sections.begin() + 1, sections.end());
+  return zone::Course{std::move(all)};
+}
+
+void OrderBook::set_last_node(std::string node_id) {
+  if (active()) return;
+  last_node_id_ = std::move(node_id);
+  last_node_sequence_id_ = 0;
+  cancelled_ = true;  // whatever it followed, it does not stand where that ended
+}
+
+void OrderBook::take_over_ids(const OrderBook& before) {
+  order_id_ = before.order_id_;
+  order_update_id_ = before.order_update_id_;
+  zone_set_id_ = before.zone_set_id_;
+  cancelled_ = true;
+}
+
+std::size_t OrderBook::released_count() const {
+  const auto end = std::ranges::find_if(targets_, [](const Target& target) { return !target.node.released; });
+  return static_cast<std::size_t>(end - targets_.begin());
+}
+
+std::vector<wire::OrderNode> OrderBook::travelled(double distance_m) {
+  travelled_m_ += distance_m;
+  std::size_t passed = 0;
+  for (; passed < targets_.size(); ++passed) {
+    const Target& target = targets_[passed];
+    // Not even a vehicle pushed past the end of its base traverses what was never released.
+    if (!target.node.released) break;
+    const bool base_ends_here = passed + 1 == targets_.size() || !targets_[passed + 1].node.released;
+    if (travelled_m_ < target.path_m - (base_ends_here ? arrival_m : 0.0)) break;
+  }
+  std::vector<wire::OrderNode> traversed;
+  if (passed == 0) return traversed;
+  last_node_path_m_ = targets_[passed - 1].path_m;
+  last_node_place_ = targets_[passed - 1].place;
+  traversed.reserve(passed);
+  for (std::size_t i = 0; i < passed; ++i) traversed.push_back(std::move(targets_[i].node));
+  last_node_id_ = traversed.back().node_id;
+  last_node_sequence_id_ = traversed.back().sequence_id;
+  const auto count = static_cast<std::ptrdiff_t>(passed);
+  targets_.erase(targets_.begin(), targets_.begin() + count);
+  edges_.erase(edges_.begin(), edges_.begin() + count);
+  return traversed;
+}
+
+bool OrderBook::active() const { return !targets_.empty(); }
+
+bool OrderBook::base_left() const { return !targets_.empty() && targets_.front().node.released; }
+
+bool OrderBook::horizon_left() const { return !targets_.empty() && !targets_.back().node.released; }
+
+double OrderBook::distance_to_base_end_m() const { return std::max(0.0, base_end_path_m_ - travelled_m_); }
+
+std::optional<double> OrderBook::speed_limit_mps() const {
+  return targets_.empty() ? std::nullopt : targets_.front().max_speed_mps;
+}
+
+double OrderBook::since_last_node_m() const { return std::max(0.0, travelled_m_ - last_node_path_m_); }
+
+std::vector<wire::NodeState> OrderBook::node_states() const {
+  std::vector<wire::NodeState> states;
+  states.reserve(targets_.size());
+  for (const Target& target : targets_) {
+    const wire::OrderNode& node = target.node;
+    states.push_back({node.node_id, node.sequence_id, node.released, node.position});
+  }
+  return states;
+}
+
+std::vector<wire::EdgeState> OrderBook::edge_states() const {
+  std::vector<wire::EdgeState> states;
+  states.reserve(edges_.size());
+  for (const wire::OrderEdge& edge : edges_) states.push_back({edge.edge_id, edge.sequence_id, edge.released});
+  return states;
+}
+
+}  // namespace cosiva::aiv

@@ -1,0 +1,157 @@
+#include "cosiva/aiv/order/order_route.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <utility>
+
+#include "cosiva/aiv/motion/outlook.h"
+
+namespace cosiva::aiv {
+namespace {
+
+/// A node that we do not know by name is ours when it lies this near to the circuit.
+constexpr double node_off_circuit_m_max = 0.25;
+/// Ways that pass a node equally near (crossings, joints) are told apart by the way to go, not by their last
+/// millimetre.
+constexpr double node_tie_m = 0.05;
+/// More places than that go by no node's position.
+constexpr std::size_t places_max = 16;
+/// Room for rounding in a lap's length.
+constexpr double lap_rounding_m = 1e-6;
+
+std::string named(const wire::OrderNode& node) { return "node '" + node.node_id + "'"; }
+
+/// A place that a node may mean, and the best way to it from the first node.
+struct Reached {
+  zone::Place place;
+  double path_m;
+  std::size_t before;  ///< which of the node before
+  zone::Circuit::Way way;
+};
+
+/// Best of the ways to one place from the places of the node before. Equally long ones: that which passed the node
+/// before earlier, because a way over itself (a lap) comes by there twice.
+std::optional<Reached> best_way_to(zone::Place place, const std::vector<Reached>& before, const OrderRouter& router) {
+  std::optional<Reached> best;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    auto way = router.way(before[i].place, place);
+    if (!way) continue;
+    const double path_m = before[i].path_m + way->length_m;
+    const double ahead_m = best ? best->path_m - path_m : 1.0;
+    const bool earlier = best && before[i].path_m < before[best->before].path_m;
+    if (ahead_m > lap_rounding_m || (ahead_m > -lap_rounding_m && earlier))
+      best = Reached{place, path_m, i, std::move(*way)};
+  }
+  return best;
+}
+
+}  // namespace
+
+double OrderRoute::length_m() const {
+  double total_m = 0.0;
+  for (const Leg& leg : legs) total_m += leg.length_m;
+  return total_m;
+}
+
+std::vector<zone::SectionId> OrderRoute::sections() const {
+  std::vector<zone::SectionId> all;
+  for (const Leg& leg : legs) all.insert(all.end(), leg.via.begin(), leg.via.end());
+  return all;
+}
+
+OrderRouter::OrderRouter(const zone::TrafficZone& zone)
+    : zone_{zone}, longest_m_{zone.circuit.total_length_m() + lap_rounding_m}, one_way_{one_way_only(zone.circuit)} {}
+
+Result<std::vector<zone::Place>> OrderRouter::places_of(const wire::OrderNode& node) const {
+  const auto& at = node.position;
+  if (at && !at->map_id.empty() && at->map_id != zone_.name) {
+    return fail("noRouteError", named(node) + " is on map '" + at->map_id + "', the vehicle on '" + zone_.name + "'");
+  }
+  const auto known = zone_.find_waypoints(node.node_id);
+  if (known.empty()) return by_position(node);
+  std::vector<zone::Place> places;
+  for (const std::size_t index : known) {
+    const zone::Place place = zone_.waypoints[index].place;
+    if (!at || distance(position(zone_.circuit.pose_at(place)), {at->x_m, at->y_m}) <= node_off_circuit_m_max)
+      places.push_back(place);
+  }
+  if (places.empty()) return fail("noRouteError", named(node) + " does not lie where its nodePosition says");
+  return places;
+}
+
+Result<std::vector<zone::Place>> OrderRouter::by_position(const wire::OrderNode& node) const {
+  const auto& at = node.position;
+  if (!at) return fail("noRouteError", named(node) + " is unknown here and has no nodePosition");
+  const zone::Circuit& circuit = zone_.circuit;
+  std::vector<zone::Circuit::Located> near;
+  circuit.near({at->x_m, at->y_m}, node_off_circuit_m_max, near);
+  if (at->theta_rad) {
+    std::erase_if(near, [&](const zone::Circuit::Located& located) {
+      return std::fabs(wrap_angle(circuit.pose_at(located.place).heading_rad - *at->theta_rad)) > pi / 2.0;
+    });
+  }
+  if (near.empty()) return fail("noRouteError", named(node) + " does not lie on the circuit");
+  std::vector<zone::Place> places;
+  for (const auto& located : near) {
+    if (located.distance_m > near.front().distance_m + node_tie_m || places.size() == places_max) break;
+    places.push_back(located.place);
+  }
+  std::ranges::sort(places, {}, &zone::Place::section);
+  return places;
+}
+
+void OrderRouter::keep_for_edge(std::vector<zone::Place>& places, const wire::OrderEdge* edge) const {
+  if (edge == nullptr || !zone_.edges_are_sections || places.size() < 2) return;
+  const auto section = zone_.circuit.find(edge->edge_id);
+  if (!section) return;
+  const auto on_it = [&](const zone::Place& place) { return place.section == *section; };
+  if (std::ranges::any_of(places, on_it)) std::erase_if(places, std::not_fn(on_it));
+}
+
+Result<std::vector<zone::Place>> OrderRouter::first_places(const wire::Order& order) const {
+  auto places = places_of(order.nodes.front());
+  if (places) keep_for_edge(*places, order.edges.empty() ? nullptr : &order.edges.front());
+  return places;
+}
+
+Result<OrderRoute> OrderRouter::route(const wire::Order& order, zone::Place first) const {
+  std::vector<std::vector<Reached>> reached;
+  reached.reserve(order.nodes.size());
+  reached.push_back({{first, 0.0, 0, {}}});
+  for (std::size_t i = 1; i < order.nodes.size(); ++i) {
+    auto places = places_of(order.nodes[i]);
+    if (!places) return tl::unexpected(std::move(places.error()));
+    keep_for_edge(*places, i < order.edges.size() ? &order.edges[i] : nullptr);
+    std::vector<Reached> here;
+    for (const zone::Place place : *places) {
+      if (auto best = best_way_to(place, reached.back(), *this)) here.push_back(std::move(*best));
+    }
+    if (here.empty()) {
+      return fail("noRouteError",
+                  "no way along the circuit from " + named(order.nodes[i - 1]) + " to " + named(order.nodes[i]));
+    }
+    reached.push_back(std::move(here));
+  }
+
+  OrderRoute route{first, std::vector<OrderRoute::Leg>(order.nodes.size() - 1)};
+  const auto& last = reached.back();
+  auto at = static_cast<std::size_t>(std::ranges::min_element(last, {}, &Reached::path_m) - last.begin());
+  for (std::size_t i = order.nodes.size() - 1; i > 0; --i) {
+    Reached& node = reached[i][at];
+    auto& via = node.way.sections;
+    if (!via.empty()) via.erase(via.begin());
+    route.legs[i - 1] = {node.place, node.way.length_m, std::move(via)};
+    at = node.before;
+  }
+  return route;
+}
+
+std::optional<zone::Circuit::Way> OrderRouter::way(zone::Place from, zone::Place to, double limit_m) const {
+  if (!one_way_) return zone_.circuit.shortest_way(from, to, limit_m);
+  const auto length_m = zone_.circuit.distance_ahead(from, to, limit_m);
+  return length_m ? std::optional{zone::Circuit::Way{*length_m, {}}} : std::nullopt;
+}
+
+}  // namespace cosiva::aiv

@@ -1,0 +1,169 @@
+#include "cosiva/aiv/order/order_route.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cosiva/aiv/order/order_book.h"
+#include "cosiva/aiv/testing/test_graphs.h"
+#include "cosiva/aiv/testing/test_orders.h"
+
+namespace cosiva::aiv {
+namespace {
+
+using test::at;
+using test::diamond;
+using test::order;
+using test::square;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using Verdict = OrderBook::Verdict;
+
+constexpr double way_round_m = pi;  // from F to M, on either side
+
+std::vector<std::string> names(const zone::TrafficZone& zone, std::span<const zone::SectionId> sections) {
+  std::vector<std::string> all;
+  for (const zone::SectionId id : sections) all.push_back(zone.circuit.part(id).name);
+  return all;
+}
+OrderBook::Standing standing(const zone::TrafficZone& zone, std::string_view section, double s_m) {
+  return {at(zone, section, s_m), true};
+}
+/// Of what is before a vehicle that stands there.
+std::vector<std::string> coming(const OrderBook& book, const zone::TrafficZone& zone, std::string_view section,
+                                double s_m) {
+  return names(zone, book.course_from(at(zone, section, s_m)).coming());
+}
+
+TEST(OrderOnAGraph, takes_the_way_that_its_nodes_name) {
+  for (const auto& [node, way] : {std::pair{"ro", std::vector<std::string>{"r_up", "r_over", "r_down", "tail"}},
+                                  std::pair{"lo", std::vector<std::string>{"l_up", "l_over", "l_down", "tail"}}}) {
+    OrderBook book{diamond()};
+    const auto verdict = book.offer(order("O-1").through({"T", "F", node, "M"}), standing(diamond(), "trunk", 0.0));
+    ASSERT_TRUE(verdict) << to_string(verdict.error());
+    EXPECT_EQ(coming(book, diamond(), "trunk", 0.0), way);
+    EXPECT_NEAR(book.distance_to_base_end_m(), 2.0 + way_round_m, 1e-9);
+  }
+}
+
+TEST(OrderOnAGraph, may_leave_out_nodes_between_which_there_is_only_one_shortest_way) {
+  OrderBook book{diamond()};
+  ASSERT_TRUE(book.offer(order("O-1").through({"T", "rd", "E"}), standing(diamond(), "trunk", 0.0)));
+  EXPECT_THAT(coming(book, diamond(), "trunk", 0.0), ElementsAre("r_up", "r_over", "r_down", "tail"));
+}
+
+TEST(OrderOnAGraph, names_the_two_nodes_that_no_way_joins) {
+  OrderBook book{diamond()};
+  const auto verdict = book.offer(order("O-1").through({"T", "lo", "rd"}), standing(diamond(), "trunk", 0.0));
+  ASSERT_FALSE(verdict);
+  EXPECT_EQ(verdict.error().code, "noRouteError");
+  EXPECT_THAT(verdict.error().message, HasSubstr("from node 'lo' to node 'rd'"));
+  EXPECT_FALSE(book.active());
+}
+
+TEST(OrderOnAGraph, is_refused_where_the_vehicle_is_on_the_other_way) {
+  OrderBook book{diamond()};
+  const auto verdict = book.offer(order("O-1").through({"F", "ro", "M"}), standing(diamond(), "l_up", 0.3));
+  ASSERT_FALSE(verdict);
+  EXPECT_EQ(verdict.error().code, "noRouteError");
+}
+
+TEST(OrderOnAGraph, is_continued_either_way_from_a_base_that_ends_where_ways_part) {
+  for (const auto& [node, section] : {std::pair{"ro", "r_up"}, std::pair{"lo", "l_up"}}) {
+    OrderBook book{diamond()};
+    ASSERT_TRUE(book.offer(order("O-1").through({"T", "T1", "F"}), standing(diamond(), "trunk", 0.0)));
+    book.travelled(0.5);
+    const auto verdict =
+        book.offer(order("O-1", 1).from_sequence(4).through({"F", node}), standing(diamond(), "trunk", 0.5));
+    ASSERT_TRUE(verdict) << to_string(verdict.error());
+    EXPECT_EQ(coming(book, diamond(), "trunk", 0.5).front(), section);
+    EXPECT_NEAR(book.distance_to_base_end_m(), 1.5 + pi / 4.0, 1e-9);
+  }
+}
+
+TEST(OrderOnAGraph, is_continued_either_way_by_a_vehicle_that_stands_where_they_part) {
+  for (const auto& [node, section] : {std::pair{"ro", "r_up"}, std::pair{"lo", "l_up"}}) {
+    OrderBook book{diamond()};
+    ASSERT_TRUE(book.offer(order("O-1").through({"T", "T1", "F"}), standing(diamond(), "trunk", 0.0)));
+    EXPECT_EQ(book.travelled(1.99).size(), 2U) << "a vehicle stands on a node 15 mm before it";
+    EXPECT_FALSE(book.active());
+    const auto verdict =
+        book.offer(order("O-1", 1).from_sequence(4).through({"F", node}), standing(diamond(), "trunk", 1.99));
+    ASSERT_TRUE(verdict) << to_string(verdict.error());
+    EXPECT_EQ(coming(book, diamond(), "trunk", 1.99).front(), section);
+    EXPECT_NEAR(book.distance_to_base_end_m(), 0.01 + pi / 4.0, 1e-9);
+  }
+}
+
+TEST(OrderOnAGraph, keeps_the_way_of_its_horizon_in_the_course) {
+  OrderBook book{diamond()};
+  ASSERT_TRUE(book.offer(order("O-1").through({"T", "T1"}).then({"F", "ro"}), standing(diamond(), "trunk", 0.2)));
+  EXPECT_THAT(coming(book, diamond(), "trunk", 0.2), ElementsAre("r_up", "r_over"));
+}
+
+TEST(OrderOnAGraph, goes_by_the_edge_where_two_lead_from_node_to_node) {
+  for (const auto& [edge, length_m] : {std::pair{"south", 1.0}, std::pair{"bow", pi / 3.0}}) {
+    OrderBook book{square()};
+    auto text = order("O-1").through({"D", "A", "B", "C"});
+    text.edge(1).edge_id = edge;
+    ASSERT_TRUE(book.offer(text, standing(square(), "west", 0.0)));
+    EXPECT_THAT(coming(book, square(), "west", 0.0), ElementsAre(edge, "east", "north"));
+    EXPECT_NEAR(book.distance_to_base_end_m(), 2.0 + length_m, 1e-9);
+  }
+}
+
+TEST(OrderOnAGraph, goes_on_after_a_jump_along_its_way_and_not_beside_it) {
+  OrderBook book{diamond()};
+  ASSERT_TRUE(book.offer(order("O-1").through({"T", "F", "ro", "M"}), standing(diamond(), "trunk", 0.0)));
+  EXPECT_FALSE(book.relocate(at(diamond(), "l_over", 0.1)));
+  ASSERT_TRUE(book.relocate(at(diamond(), "r_over", 0.1)));
+  EXPECT_NEAR(book.travelled_m(), 2.0 + pi / 4.0 + 0.1, 1e-9);
+  EXPECT_THAT(names(diamond(), book.course_from(at(diamond(), "r_over", 0.1)).gone()), ElementsAre("trunk", "r_up"));
+}
+
+TEST(OrderOnAGraph, that_comes_by_twice_knows_which_time_it_is) {
+  OrderBook book{square()};
+  auto text = order("O-1").through({"A", "B", "C", "D", "A", "B", "S"});
+  for (const std::size_t edge : {0U, 4U}) text.edge(edge).edge_id = "south";
+  ASSERT_TRUE(book.offer(text, standing(square(), "south", 0.0)));
+  EXPECT_THAT(coming(book, square(), "south", 0.0), ElementsAre("east", "north", "west", "south", "spur"));
+  book.travelled(4.2);
+  EXPECT_THAT(coming(book, square(), "south", 0.2), ElementsAre("spur"));
+}
+
+TEST(OrderOnAGraph, may_have_edges_of_hundreds_of_metres) {
+  const auto zone = test::graph("long",
+                                {{"there", {}, 400.0, 0.0, {1, 2}},
+                                 {"on", {400.0, 0.0, 0.0}, 150.0, 0.0, {}},
+                                 {"off", {400.0, 0.0, 0.0}, 150.0, 0.001, {}}},
+                                {{"a", {0, 0.0}}, {"b", {1, 150.0}}, {"c", {2, 150.0}}});
+  OrderBook book{zone};
+  ASSERT_TRUE(book.offer(order("O-1").through({"a", "c"}), standing(zone, "there", 200.0)));
+  EXPECT_NEAR(book.distance_to_base_end_m(), 350.0, 1e-9);
+  EXPECT_THAT(coming(book, zone, "there", 200.0), ElementsAre("off"));
+}
+
+TEST(OrderOnAGraph, finds_nodes_of_other_names_by_position_on_the_way_that_leads_on) {
+  OrderBook book{diamond()};
+  auto text = order("O-1").through({"here", "there", "M"});
+  text.node(0).position = wire::NodePosition{0.0, 0.0, {}, {}, {}, "diamond"};
+  text.node(1).position = wire::NodePosition{2.0 + std::sqrt(2.0), -2.0 + std::sqrt(2.0), {}, {}, {}, "diamond"};
+  ASSERT_TRUE(book.offer(text, standing(diamond(), "trunk", 0.0)));
+  EXPECT_THAT(coming(book, diamond(), "trunk", 0.0), ElementsAre("r_up", "r_over", "r_down", "tail"));
+}
+
+TEST(OrderOnAGraph, takes_no_course_on_a_ring_where_there_is_nothing_to_choose) {
+  OrderBook book{test::lacet4()};
+  ASSERT_TRUE(book.offer(order("O-1").through({"loop_se@0", "loop_se@283"}), standing(test::lacet4(), "loop_se", 0.0)));
+  EXPECT_TRUE(book.course_from(at(test::lacet4(), "loop_se", 0.0)).empty());
+}
+
+TEST(CourseOfAnOrder, is_where_it_stands_when_there_never_was_one) {
+  const OrderBook book{diamond()};
+  const zone::Course course = book.course_from(at(diamond(), "r_over", 0.1));
+  EXPECT_EQ(course.here(), at(diamond(), "r_over", 0.0).section);
+  EXPECT_THAT(course.coming(), testing::IsEmpty());
+}
+
+}  // namespace
+}  // namespace cosiva::aiv

@@ -1,0 +1,58 @@
+#include "cosiva/aiv/perception/body_gap.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cosiva::aiv {
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+/// A long body is felt as discs on its middle line, no further apart than this.
+constexpr double disc_spacing_m = 0.05;
+
+}  // namespace
+
+BodyGap::BodyGap(const zone::TrafficZone& zone, Model model)
+    : zone_{zone}, model_{model}, way_{zone.circuit, model.sample_m, model.reach_m} {}
+
+void BodyGap::look(const Outlook& outlook) {
+  way_.sample(outlook);
+  X_BM_ = inverse(outlook.X_MB ? *outlook.X_MB : zone_.circuit.pose_at(outlook.here));
+}
+
+double BodyGap::disc_gap_m(Point2 p_B, double radius_m) const {
+  const double half_m = 0.5 * zone_.vehicle.width_m + model_.margin_m;
+  const WayAhead::Beside there = way_.beside(p_B);
+  const double near_m = half_m + radius_m + way_.sample_m();
+  if (!(there.distance2_m2 < near_m * near_m)) return infinite;
+  const double along_m = way_.along_way_m(p_B, there.sample);
+  // Beyond the last sample the way is not known any more, and behind the middle nothing holds the vehicle.
+  if (along_m <= 0.0 || along_m > way_.length_m() + 0.5 * way_.sample_m()) return infinite;
+  const double beyond_m = along_m - static_cast<double>(there.sample) * way_.sample_m();
+  const double beside_m = std::sqrt(std::max(0.0, there.distance2_m2 - beyond_m * beyond_m));
+  // How far the disc's part inside the corridor reaches along the way, to either side of its middle.
+  const double outside_m = std::max(0.0, beside_m - half_m);
+  if (outside_m > radius_m) return infinite;
+  const double extent_m = std::sqrt(radius_m * radius_m - outside_m * outside_m);
+  return std::max(0.0, along_m - extent_m - 0.5 * zone_.vehicle.length_m);
+}
+
+double BodyGap::gap_m(const wire::Body& body, double carried_s) const {
+  const Point2 middle_M{body.x_m + body.vx_mps * carried_s, body.y_m + body.vy_mps * carried_s};
+  const Point2 middle_B = X_BM_ * middle_M;
+  const double half_m = 0.5 * body.length_m;
+  if (norm(middle_B.x_m, middle_B.y_m) > model_.reach_m + half_m + body.radius_m) return infinite;
+  const auto discs = static_cast<int>(std::ceil(body.length_m / disc_spacing_m)) + 1;
+  const auto [sin, cos] = sincos(body.heading_rad + X_BM_.heading_rad);
+  double nearest_m = infinite;
+  for (int i = 0; i < discs; ++i) {
+    const double along_m = discs == 1 ? 0.0 : body.length_m * i / (discs - 1) - half_m;
+    const Point2 p_B{middle_B.x_m + along_m * cos, middle_B.y_m + along_m * sin};
+    nearest_m = std::min(nearest_m, disc_gap_m(p_B, body.radius_m));
+  }
+  // Whoever is touched by something mostly behind it drives away from it; two that feel each other do not both wait.
+  if (nearest_m <= 0.0 && middle_B.x_m <= 0.0) return infinite;
+  return nearest_m;
+}
+
+}  // namespace cosiva::aiv

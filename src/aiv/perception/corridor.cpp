@@ -1,0 +1,74 @@
+#include "cosiva/aiv/perception/corridor.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cosiva::aiv {
+
+Corridor::Corridor(const zone::TrafficZone& zone, Model model)
+    : zone_{zone}, model_{model}, way_{zone.circuit, model.sample_m, model.reach_m} {}
+
+double Corridor::echo_ahead_m(double range_m, double bearing_rad, double spread_rad) const {
+  const double front_m = 0.5 * zone_.vehicle.length_m;
+  const double half_m = 0.5 * zone_.vehicle.width_m + model_.margin_m;
+  // A point beside the way is at most half a step from a sample's normal.
+  const double near_m = norm(half_m, 0.5 * model_.sample_m);
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (const double side : {0.0, -1.0, 1.0}) {
+    const auto [sin, cos] = sincos(bearing_rad + side * spread_rad);
+    const Point2 echo_B{front_m + range_m * cos, range_m * sin};
+    const WayAhead::Beside there = way_.beside(echo_B);
+    if (there.distance2_m2 < near_m * near_m)
+      nearest_m = std::min(nearest_m, way_.along_way_m(echo_B, there.sample) - front_m);
+    // Most echoes come from other lanes: where the middle is this far off, the sides of the beam are off too.
+    const double spread_m = near_m + spread_rad * range_m;
+    if (side == 0.0 && there.distance2_m2 > spread_m * spread_m) break;
+  }
+  // Beside the body or behind its front is no obstacle ahead, but one that touches.
+  return std::max(0.0, nearest_m);
+}
+
+Corridor::Look Corridor::look(const Outlook& outlook, const wire::Ranges& ranges) {
+  const double width_rad = 0.01 * ranges.beam_width_crad;
+  Look nearest;
+  bool sampled = false;
+  for (std::size_t beam = 0; beam < ranges.range_mm.size(); ++beam) {
+    if (ranges.range_mm[beam] == wire::no_echo) continue;
+    const double range_m = 0.001 * ranges.range_mm[beam];
+    if (range_m > reach_m()) continue;
+    if (!sampled) way_.sample(outlook);
+    sampled = true;
+    const double bearing_rad = 0.01 * ranges.first_bearing_crad + width_rad * static_cast<double>(beam);
+    const double ahead_m = echo_ahead_m(range_m, bearing_rad, model_.beam_share * width_rad);
+    if (ahead_m < nearest.ahead_m) nearest = {ahead_m, beam};
+  }
+  return nearest;
+}
+
+Point2 Corridor::echo(const wire::Ranges& ranges, std::size_t beam) const {
+  const double range_m = 0.001 * ranges.range_mm[beam];
+  const auto [sin, cos] =
+      sincos(0.01 * ranges.first_bearing_crad + 0.01 * ranges.beam_width_crad * static_cast<double>(beam));
+  return {0.5 * zone_.vehicle.length_m + range_m * cos, range_m * sin};
+}
+
+double Corridor::nearest_m(const wire::Ranges& ranges) const {
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (std::size_t beam = 0; beam < ranges.range_mm.size(); ++beam) {
+    if (ranges.range_mm[beam] == wire::no_echo) continue;
+    // The middle is further away than the front's sensor, for any beam ahead.
+    if (0.001 * ranges.range_mm[beam] > nearest_m) continue;
+    const Point2 echo_B = echo(ranges, beam);
+    nearest_m = std::min(nearest_m, norm(echo_B.x_m, echo_B.y_m));
+  }
+  return nearest_m;
+}
+
+void ObstacleFilter::add(double obstacle_ahead_m, double travelled_m) {
+  seen_m_[next_] = obstacle_ahead_m + travelled_m;
+  next_ = (next_ + 1) % seen_m_.size();
+  const auto& [a, b, c] = seen_m_;
+  median_m_ = std::max(std::min(a, b), std::min(std::max(a, b), c));
+}
+
+}  // namespace cosiva::aiv

@@ -1,0 +1,53 @@
+#include "cosiva/aiv/perception/felt_world.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace cosiva::aiv {
+
+FeltWorld::FeltWorld(const zone::TrafficZone& zone, Model model) : model_{model}, gap_{zone, model.look} {}
+
+bool FeltWorld::hear(SimTime now, wire::Ahead ahead) {
+  const auto was_there = [this](const wire::Body& body) {
+    return std::ranges::find(ahead_.bodies, body.id, &wire::Body::id) != ahead_.bodies.end();
+  };
+  const bool same = ahead.bodies.size() == ahead_.bodies.size() && std::ranges::all_of(ahead.bodies, was_there);
+  ahead_ = std::move(ahead);
+  heard_at_ = now;
+  news_at_ = now;
+  return !same;
+}
+
+void FeltWorld::forget() {
+  ahead_.bodies.clear();
+  news_at_.reset();
+}
+
+void FeltWorld::age(SimTime now) {
+  if (news_at_ && now - *news_at_ > model_.memory) forget();
+}
+
+FeltWorld::Contact FeltWorld::first(SimTime now, const Outlook& outlook) {
+  Contact contact;
+  if (ahead_.bodies.empty()) return contact;
+  gap_.look(outlook);
+  const double carried_s = to_seconds(std::clamp(now - heard_at_, SimDuration::zero(), model_.carry_max));
+  for (const wire::Body& body : ahead_.bodies) {
+    const double gap_m = gap_.gap_m(body, carried_s);
+    if (gap_m < contact.gap_m) contact = {gap_m, body.id};
+  }
+  return contact;
+}
+
+void FeltWorld::fold(Digest& digest) const {
+  digest.add(std::uint64_t{informed()});
+  digest.add(std::uint64_t{ahead_.header_id});
+  digest.add(std::uint64_t{ahead_.bodies.size()});
+  for (const wire::Body& body : ahead_.bodies) {
+    digest.add(std::string_view{body.id});
+    digest.add(body.x_m);
+    digest.add(body.y_m);
+  }
+}
+
+}  // namespace cosiva::aiv

@@ -1,0 +1,73 @@
+#include "cosiva/aiv/perception/sighting.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace cosiva::aiv {
+namespace {
+
+/// Neighbouring beams hear the same thing when their ranges differ from the nearest one's by no more. Two things side
+/// by side that are taken for one would have a middle where nothing is.
+constexpr int same_thing_mm = 50;
+constexpr double radius_m_min = 0.02;
+constexpr double radius_m_max = 0.15;
+
+bool same_thing(std::uint16_t a_mm, std::uint16_t b_mm) {
+  return a_mm != wire::no_echo && b_mm != wire::no_echo && std::abs(int{a_mm} - int{b_mm}) <= same_thing_mm;
+}
+
+}  // namespace
+
+wire::Seen::Thing thing_in_beams(const Corridor::Look& look, const wire::Ranges& ranges, const Pose2& X_MS) {
+  const auto& range_mm = ranges.range_mm;
+  std::size_t first = look.beam;
+  std::size_t last = look.beam;
+  const std::uint16_t nearest_mm = range_mm[look.beam];
+  while (first > 0 && same_thing(range_mm[first - 1], nearest_mm)) --first;
+  while (last + 1 < range_mm.size() && same_thing(range_mm[last + 1], nearest_mm)) ++last;
+  double range_m = 0.001 * nearest_mm;
+  for (std::size_t i = first; i <= last; ++i) range_m = std::min(range_m, 0.001 * range_mm[i]);
+
+  const double width_rad = 0.01 * ranges.beam_width_crad;
+  const double bearing_rad = 0.01 * ranges.first_bearing_crad + 0.5 * width_rad * static_cast<double>(first + last);
+  // A disc of radius r, its middle R = range + r away, spans 2·asin(r/R); of the beams that it touches the two outer
+  // ones are half filled on average.
+  const double half_rad = std::min(0.5 * width_rad * static_cast<double>(last - first), 0.25 * pi);
+  const double share = det_sin(half_rad);
+  const double radius_m = std::clamp(range_m * share / (1.0 - share), radius_m_min, radius_m_max);
+  const auto [sin, cos] = sincos(bearing_rad);
+  const double away_m = range_m + radius_m;
+  const Point2 middle_M = X_MS * Point2{away_m * cos, away_m * sin};
+  return {middle_M.x_m, middle_M.y_m, radius_m, look.ahead_m};
+}
+
+std::optional<wire::Seen> Sighting::on_frame(SimTime now, const Corridor::Look& look, const wire::Ranges& ranges,
+                                             const Pose2& X_MS, double reach_m) {
+  wire::Seen seen;
+  seen.clear_m = std::min(look.ahead_m, reach_m);
+  if (look.ahead_m <= told_m_max) {
+    const bool fresh = !there_;
+    there_ = true;
+    misses_ = 0;
+    farewells_left_ = farewells;
+    if (!fresh && !due(now)) return std::nullopt;
+    seen.thing = thing_in_beams(look, ranges, X_MS);
+  } else {
+    if (there_ && ++misses_ < misses_max) return std::nullopt;
+    const bool fresh = there_;
+    there_ = false;
+    if (farewells_left_ == 0 || (!fresh && !due(now))) return std::nullopt;
+    --farewells_left_;
+  }
+  told_at_ = now;
+  return seen;
+}
+
+void Sighting::fold(Digest& digest) const {
+  digest.add(std::uint64_t{there_});
+  digest.add(std::int64_t{misses_});
+  digest.add(std::int64_t{farewells_left_});
+}
+
+}  // namespace cosiva::aiv

@@ -1,0 +1,118 @@
+#include "cosiva/aiv/v2x/intent.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cosiva::aiv {
+namespace {
+
+/// Rounding between the order's way and the crossing's, as in the envelope.
+constexpr double rounding_m = 0.005;
+constexpr double duration_s_max = 3600.0;
+/// No name on the wire is longer; a zone may have longer ones.
+constexpr std::size_t name_bytes_max = 128;
+
+double thousandths(double value) { return std::nearbyint(1e3 * value) / 1e3 + 0.0; }
+
+/// How fast it may go where nothing is in its way.
+zone::SpeedProfile pace_of(const Agent& agent, const zone::TrafficZone& zone) {
+  const Profile imposed = agent.imposed().value_or(Profile::medium);
+  zone::SpeedProfile pace = kinematics(zone.profiles, imposed == Profile::stop ? Profile::medium : imposed);
+  if (agent.speed_mps_max()) pace.speed_mps = std::min(pace.speed_mps, *agent.speed_mps_max());
+  return pace;
+}
+
+/// Calls `take(passage, name, may_enter)` for each crossing that the vehicle has to speak of, in their order.
+template <typename Take>
+void each_crossing(const Agent& agent, const zone::TrafficZone& zone, const Passages& passages, Take take) {
+  const OrderBook& order = agent.order();
+  const bool goes_on = order.active() && agent.holds() == 0 && !agent.cancelling();
+  const double base_m = order.distance_to_base_end_m();
+  std::vector<Passage> ahead;
+  passages.ahead(agent.position().outlook(), intent_reach_m, wire::Intent::crossings_max, ahead);
+  for (const Passage& passage : ahead) {
+    const bool ends_there = !order.horizon_left() && base_m > passage.entry_m;
+    const bool may_enter =
+        passage.entry_m <= 0.0 || (order.active() && (base_m >= passage.chain_exit_m - rounding_m || ends_there));
+    if (!may_enter && !(goes_on && order.horizon_left())) return;
+    const std::string& name = zone.crossings[passage.crossing].name;
+    if (name.size() <= name_bytes_max) take(passage, name, may_enter);
+  }
+}
+
+void add_crossings(const Agent& agent, const zone::TrafficZone& zone, const Passages& passages, wire::Intent& intent) {
+  const zone::SpeedProfile pace = pace_of(agent, zone);
+  const auto after = [&](double way_m) {
+    return std::min(duration_s_max, thousandths(earliest_s(way_m, agent.speed_mps(), pace)));
+  };
+  each_crossing(agent, zone, passages, [&](const Passage& passage, const std::string& name, bool may_enter) {
+    intent.crossings.push_back({name, thousandths(passage.entry_m), thousandths(passage.exit_m), after(passage.entry_m),
+                                after(passage.exit_m), may_enter});
+  });
+}
+
+/// On a line whose name can be said.
+bool has_place(const Agent& agent, const zone::TrafficZone& zone) {
+  const PositionEstimator& position = agent.position();
+  return position.known() && !position.off_line() &&
+         zone.circuit.part(position.place().section).name.size() <= name_bytes_max;
+}
+
+void add_way(const Agent& agent, const zone::TrafficZone& zone, wire::Intent& intent) {
+  zone::SectionsAhead ahead = sections_ahead(zone.circuit, agent.position().outlook());
+  double left_m = intent_reach_m + agent.position().place().s_m;
+  for (std::size_t i = 0; i < wire::Intent::way_max; ++i) {
+    left_m -= zone.circuit.section(ahead.section()).length_m();
+    if (left_m <= 0.0 || !ahead.step()) return;
+    const std::string& name = zone.circuit.part(ahead.section()).name;
+    if (name.size() > name_bytes_max) return;
+    intent.way.push_back(name);
+  }
+}
+
+}  // namespace
+
+double earliest_s(double distance_m, double speed_mps, const zone::SpeedProfile& by) {
+  if (!(distance_m > 0.0)) return 0.0;
+  const double start_mps = std::max(0.0, speed_mps);
+  if (start_mps >= by.speed_mps) return distance_m / start_mps;
+  const double speeding_up_m = (by.speed_mps * by.speed_mps - start_mps * start_mps) / (2.0 * by.acceleration_mps2);
+  if (distance_m <= speeding_up_m) {
+    const double end_mps = std::sqrt(start_mps * start_mps + 2.0 * by.acceleration_mps2 * distance_m);
+    return 2.0 * distance_m / (start_mps + end_mps);
+  }
+  return (by.speed_mps - start_mps) / by.acceleration_mps2 + (distance_m - speeding_up_m) / by.speed_mps;
+}
+
+bool is_news(const wire::Intent& said, const Agent& agent, const zone::TrafficZone& zone, const Passages& passages) {
+  if (said.braking != agent.braking() || said.map_id != zone.name || said.place.has_value() != has_place(agent, zone))
+    return true;
+  if (!agent.position().known() || agent.position().off_line()) return !said.crossings.empty();
+  std::size_t same = 0;
+  bool other = false;
+  each_crossing(agent, zone, passages, [&](const Passage&, const std::string& name, bool may_enter) {
+    other = other || same == said.crossings.size() || said.crossings[same].name != name ||
+            said.crossings[same].may_enter != may_enter;
+    if (!other) ++same;
+  });
+  return other || same != said.crossings.size();
+}
+
+wire::Intent compose_intent(const Agent& agent, const zone::TrafficZone& zone, const Passages& passages) {
+  const PositionEstimator& position = agent.position();
+  wire::Intent intent;
+  intent.map_id = zone.name;
+  const Pose2 X_MB = position.pose();
+  intent.pose = {thousandths(X_MB.x_m), thousandths(X_MB.y_m), thousandths(wrap_angle(X_MB.heading_rad))};
+  intent.speed_mps = thousandths(agent.speed_mps());
+  intent.braking = agent.braking();
+  if (!position.known() || position.off_line()) return intent;
+  const zone::Place here = position.place();
+  if (has_place(agent, zone))
+    intent.place = wire::Intent::OnLine{zone.circuit.part(here.section).name, std::max(0.0, thousandths(here.s_m))};
+  add_crossings(agent, zone, passages, intent);
+  add_way(agent, zone, intent);
+  return intent;
+}
+
+}  // namespace cosiva::aiv

@@ -1,0 +1,183 @@
+#include "cosiva/aiv/v2x/neighbours.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+namespace cosiva::aiv {
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+/// A vehicle may be so far outside of the cell under which it speaks: its slack, and what it has driven since.
+constexpr double outside_cell_m_max = 2.0 * wire::v2x_cell_slack_m;
+/// Over so short a while a body's way is straight; how fast the gap to it changes says how fast it goes along ours.
+constexpr double glance_s = 0.1;
+/// The envelope's and ours may differ by rounding where a chain begins.
+constexpr double entry_slack_m = 0.05;
+constexpr double rests_mps = 0.02;
+
+/// Newer, on a counter that wraps.
+bool newer(std::uint32_t a, std::uint32_t b) { return static_cast<std::int32_t>(a - b) > 0; }
+
+auto name_of(const wire::Intent& intent) { return std::tie(intent.vehicle.manufacturer, intent.vehicle.serial_number); }
+
+double sign_of(double x) { return x > 0.0 ? 1.0 : x < 0.0 ? -1.0 : 0.0; }
+
+}  // namespace
+
+std::string_view to_string(Neighbours::Verdict verdict) {
+  switch (verdict) {
+    case Neighbours::Verdict::taken: return "taken";
+    case Neighbours::Verdict::first: return "heard for the first time";
+    case Neighbours::Verdict::old: return "old";
+    case Neighbours::Verdict::own: return "it bears this vehicle's own name";
+    case Neighbours::Verdict::other_map: return "it is of another map";
+    case Neighbours::Verdict::far: return "it comes from further off than anybody is heard";
+    case Neighbours::Verdict::implausible: return "no vehicle can be there, or be as fast as it says";
+    case Neighbours::Verdict::crowded: return "more vehicles are near than are listened to";
+  }
+  return "?";
+}
+
+Neighbours::Neighbours(const zone::TrafficZone& zone, wire::VehicleId self, Model model)
+    : zone_{zone},
+      self_{std::move(self)},
+      model_{model},
+      speed_mps_max_{model.speed_share_max * std::max({zone.profiles.slow.speed_mps, zone.profiles.medium.speed_mps,
+                                                       zone.profiles.fast.speed_mps})},
+      gap_{zone, model.look},
+      passages_{zone} {}
+
+bool Neighbours::leaps(const Heard& before, SimTime now, const wire::Intent& intent) const {
+  const double since_s = to_seconds(std::max(SimDuration::zero(), now - before.at));
+  return distance(before.intent->pose, intent.pose) > model_.leap_m + speed_mps_max_ * since_s;
+}
+
+Neighbours::Verdict Neighbours::hear(SimTime now, const wire::V2xTopic& topic,
+                                     std::shared_ptr<const wire::Intent> heard, Point2 own) {
+  const wire::Intent& intent = *heard;
+  if (intent.vehicle == self_ || topic.vehicle == self_) return Verdict::own;
+  if (intent.map_id != zone_.name) return Verdict::other_map;
+  const Point2 at = position(intent.pose);
+  if (intent.vehicle != topic.vehicle || wire::outside_cell_m(topic.cell, at) > outside_cell_m_max ||
+      !(std::fabs(intent.speed_mps) <= speed_mps_max_))
+    return Verdict::implausible;
+  const auto off_m = [&](Point2 p) { return std::max(std::fabs(p.x_m - own.x_m), std::fabs(p.y_m - own.y_m)); };
+  if (!(off_m(at) <= model_.near_m)) return Verdict::far;
+
+  age(now);
+  const auto by_name = [](const Heard& h) { return name_of(*h.intent); };
+  const auto known = std::ranges::lower_bound(heard_, name_of(intent), {}, by_name);
+  if (known != heard_.end() && known->intent->vehicle == intent.vehicle) {
+    if (!newer(intent.header_id, known->intent->header_id)) return Verdict::old;
+    if (leaps(*known, now, intent)) {
+      // Two speak under one name, or one lies: neither is known to be right.
+      heard_.erase(known);
+      return Verdict::implausible;
+    }
+    *known = {std::move(heard), now};
+    return Verdict::taken;
+  }
+  if (heard_.size() >= model_.count_max) {
+    const auto furthest =
+        std::ranges::max_element(heard_, {}, [&](const Heard& h) { return off_m(position(h.intent->pose)); });
+    if (off_m(position(furthest->intent->pose)) <= off_m(at)) return Verdict::crowded;
+    heard_.erase(furthest);
+  }
+  const auto before = std::ranges::lower_bound(heard_, name_of(intent), {}, by_name);
+  heard_.insert(before, Heard{std::move(heard), now});
+  return Verdict::first;
+}
+
+void Neighbours::age(SimTime now) {
+  // One that came after now is of a clock that was set back.
+  std::erase_if(heard_, [&](const Heard& h) { return now - h.at > model_.memory || h.at > now; });
+}
+
+wire::Body Neighbours::body_of(const wire::Intent& intent) const {
+  const auto [sin, cos] = sincos(intent.pose.heading_rad);
+  const double radius_m = 0.5 * zone_.vehicle.width_m;
+  return {{},
+          {},
+          intent.pose.x_m,
+          intent.pose.y_m,
+          intent.pose.heading_rad,
+          std::max(0.0, zone_.vehicle.length_m - 2.0 * radius_m),
+          radius_m,
+          intent.speed_mps * cos,
+          intent.speed_mps * sin};
+}
+
+Others Neighbours::around(SimTime now, const Agent& agent) {
+  Others others;
+  age(now);
+  if (heard_.empty()) return others;
+  // It would count only where the vehicle's own senses find it.
+  if (agent.finds_body()) look_for_leader(now, agent, others);
+  look_for_rivals(now, agent, others);
+  return others;
+}
+
+void Neighbours::look_for_leader(SimTime now, const Agent& agent, Others& others) {
+  gap_.look(agent.position().outlook());
+  for (const Heard& heard : heard_) {
+    const wire::Body body = body_of(*heard.intent);
+    const double carried_s = to_seconds(std::min(now - heard.at, model_.carry_max));
+    const double gap_m = gap_.gap_m(body, carried_s);
+    if (!(gap_m < others.leader_gap_m)) continue;
+    const double later_m = gap_.gap_m(body, carried_s + glance_s);
+    others.leader_gap_m = gap_m;
+    others.leader_mps = std::isfinite(later_m) ? std::optional{(later_m - gap_m) / glance_s} : std::nullopt;
+  }
+}
+
+void Neighbours::look_for_rivals(SimTime now, const Agent& agent, Others& others) {
+  const double stop_m = agent.crossing_ahead_m();
+  if (!std::isfinite(stop_m)) return;
+  passages_.ahead(agent.position().outlook(), stop_m + entry_slack_m, wire::Intent::crossings_max, ahead_);
+  const auto in_chain = [&](const wire::CrossingIntent& crossing) {
+    return std::ranges::any_of(ahead_, [&](const Passage& passage) {
+      return passage.entry_m >= stop_m - entry_slack_m && zone_.crossings[passage.crossing].name == crossing.name;
+    });
+  };
+  const double own_s = earliest_s(stop_m, agent.speed_mps(), zone_.profiles.medium);
+  const double slow_s = stop_m / zone_.profiles.slow.speed_mps;
+  const double own_priority = zone_.priority_of(wire::to_string(self_));
+  for (const Heard& heard : heard_) {
+    const double ago_s = to_seconds(now - heard.at);
+    double arrival_s = infinite;
+    double departure_s = -infinite;
+    bool may_enter = false;
+    for (const wire::CrossingIntent& crossing : heard.intent->crossings) {
+      if (!in_chain(crossing)) continue;
+      arrival_s = std::min(arrival_s, crossing.arrival_s - ago_s);
+      departure_s = std::max(departure_s, crossing.departure_s - ago_s);
+      may_enter = may_enter || crossing.may_enter;
+    }
+    if (!std::isfinite(arrival_s)) continue;
+    // Who would find the crossing free again even if it came up slowly has no reason to be slow.
+    const double wait_s = departure_s - slow_s;
+    if (wait_s <= 0.0) continue;
+    // Whoever may enter goes first, whatever the times say; of two equals who may not yet, the one that is there first.
+    const double priority = may_enter ? -1.0 : sign_of(own_priority - static_cast<double>(heard.intent->priority));
+    const double margin_s = may_enter ? -wait_s : arrival_s - own_s;
+    if (priority == 0.0 && margin_s >= 0.0) continue;
+    // Whoever stands before a crossing waits for a third one, or for room beyond; it may wait for long.
+    if (!may_enter && std::fabs(heard.intent->speed_mps) < rests_mps) continue;
+    if (margin_s >= others.crossing_margin_s) continue;
+    others.crossing_margin_s = margin_s;
+    others.crossing_priority = priority;
+  }
+}
+
+void Neighbours::fold(Digest& digest) const {
+  digest.add(std::uint64_t{heard_.size()});
+  for (const Heard& heard : heard_) {
+    digest.add(std::string_view{heard.intent->vehicle.serial_number});
+    digest.add(std::uint64_t{heard.intent->header_id});
+    digest.add(heard.at);
+  }
+}
+
+}  // namespace cosiva::aiv

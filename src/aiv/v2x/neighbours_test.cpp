@@ -1,0 +1,319 @@
+#include "cosiva/aiv/v2x/neighbours.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <cmath>
+
+#include "cosiva/aiv/testing/test_orders.h"
+#include "cosiva/aiv/testing/test_senses.h"
+#include "cosiva/aiv/testing/test_zone.h"
+#include "cosiva/base/random.h"
+
+namespace cosiva::aiv {
+namespace {
+
+using namespace std::chrono_literals;
+using test::at;
+using test::lacet4;
+using test::order;
+using Verdict = Neighbours::Verdict;
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+const wire::VehicleId me{"CoSiVA", "AIV1"};
+
+/// One that comes up to the crossings of the clover's eastward straight and may not enter them yet, and what it hears.
+struct Ear {
+  Agent agent{lacet4()};
+  Neighbours neighbours{lacet4(), me};
+  SimTime now{virtual_epoch};
+  std::uint32_t header{0};
+
+  explicit Ear(double s_m = 0.1) {
+    agent.stand_at(at(lacet4(), "east", s_m));
+    EXPECT_TRUE(agent.take_order(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"})));
+    static_cast<void>(agent.decide());
+  }
+
+  /// Of another one at a place.
+  [[nodiscard]] wire::Intent one_at(zone::Place place, double speed_mps, const std::string& serial = "AIV2") {
+    wire::Intent intent;
+    intent.header_id = ++header;
+    intent.map_id = "lacet4";
+    intent.vehicle = {"CoSiVA", serial};
+    intent.pose = lacet4().circuit.pose_at(place);
+    intent.speed_mps = speed_mps;
+    return intent;
+  }
+  /// One that comes to the same crossings from the south.
+  [[nodiscard]] wire::Intent rival(double arrival_s, bool may_enter, double departure_s,
+                                   const std::string& serial = "AIV2") {
+    wire::Intent intent = one_at(at(lacet4(), "north", 0.2), 0.3, serial);
+    for (const Passage& passage : crossings()) {
+      intent.crossings = {{lacet4().crossings[passage.crossing].name, 0.2, 0.6, arrival_s, departure_s, may_enter}};
+    }
+    return intent;
+  }
+  [[nodiscard]] std::vector<Passage> crossings() const {
+    std::vector<Passage> out;
+    Passages{lacet4()}.ahead(agent.position().outlook(), 1.0, 8, out);
+    return out;
+  }
+  Verdict hear(wire::Intent intent) {
+    const wire::V2xTopic topic{"lacet4", wire::cell_of(position(intent.pose)), intent.vehicle};
+    return neighbours.hear(now, topic, std::make_shared<const wire::Intent>(std::move(intent)),
+                           position(agent.position().pose()));
+  }
+  Others around() { return neighbours.around(now, agent); }
+};
+
+TEST(Neighbours, keep_the_newest_of_each_and_forget_it_after_a_second) {
+  Ear ear;
+  EXPECT_EQ(ear.hear(ear.one_at(at(lacet4(), "east", 0.5), 0.2)), Verdict::first);
+  ear.now += 200ms;
+  EXPECT_EQ(ear.hear(ear.one_at(at(lacet4(), "east", 0.54), 0.2)), Verdict::taken);
+  EXPECT_EQ(ear.neighbours.size(), 1U);
+  ear.now += 1000ms;
+  ear.neighbours.age(ear.now);
+  EXPECT_EQ(ear.neighbours.size(), 1U);
+  ear.now += 1ms;
+  ear.neighbours.age(ear.now);
+  EXPECT_TRUE(ear.neighbours.empty());
+}
+
+TEST(Neighbours, take_what_comes_twice_or_late_for_what_it_is) {
+  Ear ear;
+  const wire::Intent first = ear.one_at(at(lacet4(), "east", 0.5), 0.2);
+  const wire::Intent second = ear.one_at(at(lacet4(), "east", 0.54), 0.2);
+  EXPECT_EQ(ear.hear(second), Verdict::first);
+  EXPECT_EQ(ear.hear(second), Verdict::old);
+  EXPECT_EQ(ear.hear(first), Verdict::old);
+  wire::Intent wrapped = second;
+  wrapped.header_id = 4294967290U;
+  Ear other;
+  EXPECT_EQ(other.hear(wrapped), Verdict::first);
+  wrapped.header_id = 3;
+  EXPECT_EQ(other.hear(wrapped), Verdict::taken) << "the counter wraps";
+}
+
+TEST(Neighbours, do_not_read_anybody_s_clock) {
+  Ear ear;
+  wire::Intent intent = ear.one_at(at(lacet4(), "east", 0.5), 0.2);
+  intent.timestamp = ear.now + std::chrono::hours{24 * 365};
+  EXPECT_EQ(ear.hear(intent), Verdict::first);
+  ear.now += 1001ms;
+  ear.neighbours.age(ear.now);
+  EXPECT_TRUE(ear.neighbours.empty());
+}
+
+TEST(Neighbours, believe_no_absurdities) {
+  Ear ear;
+  const zone::Place there = at(lacet4(), "east", 0.5);
+  wire::Intent own = ear.one_at(there, 0.2, "AIV1");
+  EXPECT_EQ(ear.hear(own), Verdict::own);
+  wire::Intent other_map = ear.one_at(there, 0.2);
+  other_map.map_id = "indus8";
+  EXPECT_EQ(ear.hear(other_map), Verdict::other_map);
+  wire::Intent far = ear.one_at(there, 0.2);
+  far.pose.x_m = 40.0;
+  EXPECT_EQ(ear.hear(far), Verdict::far);
+  EXPECT_EQ(ear.hear(ear.one_at(there, 20.0)), Verdict::implausible) << "forty times the fast profile";
+  EXPECT_EQ(ear.hear(ear.one_at(there, std::nan(""))), Verdict::implausible);
+  const auto elsewhere = std::make_shared<const wire::Intent>(ear.one_at(there, 0.2));
+  EXPECT_EQ(ear.neighbours.hear(ear.now, {"lacet4", {2, 2}, elsewhere->vehicle}, elsewhere, {}), Verdict::implausible)
+      << "it speaks in a cell where it is not";
+  EXPECT_EQ(ear.neighbours.hear(ear.now, {"lacet4", wire::cell_of(position(elsewhere->pose)), {"CoSiVA", "AIV9"}},
+                                elsewhere, {}),
+            Verdict::implausible)
+      << "under another's name";
+  EXPECT_TRUE(ear.neighbours.empty());
+}
+
+TEST(Neighbours, forget_one_that_leaps) {
+  Ear ear;
+  EXPECT_EQ(ear.hear(ear.one_at(at(lacet4(), "east", 0.5), 0.2)), Verdict::first);
+  ear.now += 200ms;
+  EXPECT_EQ(ear.hear(ear.one_at(at(lacet4(), "west", 0.1), 0.2)), Verdict::implausible);
+  EXPECT_TRUE(ear.neighbours.empty()) << "which of the two is right nobody knows";
+}
+
+TEST(Neighbours, keep_the_nearest_of_a_crowd) {
+  Ear ear;
+  const Point2 here = position(ear.agent.position().pose());
+  for (int i = 0; i < 5000; ++i) {
+    wire::Intent intent = ear.one_at(at(lacet4(), "east", 0.5), 0.0, "S" + std::to_string(i));
+    intent.pose = {here.x_m + 0.5 + 0.001 * ((i * 37) % 5000), here.y_m, 0.0};
+    ear.hear(std::move(intent));
+    ASSERT_LE(ear.neighbours.size(), 32U);
+  }
+  wire::Intent near = ear.one_at(at(lacet4(), "east", 0.45), 0.1);
+  EXPECT_EQ(ear.hear(near), Verdict::first);
+  EXPECT_EQ(ear.neighbours.size(), 32U);
+}
+
+TEST(Neighbours, say_how_fast_the_one_ahead_drives) {
+  Ear ear;
+  ear.hear(ear.one_at(at(lacet4(), "east", 0.6), 0.25));
+  EXPECT_EQ(ear.around().leader_gap_m, infinite) << "nothing is seen";
+  ear.agent.feel(0.3);
+  const Others others = ear.around();
+  EXPECT_NEAR(others.leader_gap_m, 0.5 - 0.2, 0.01);
+  ASSERT_TRUE(others.leader_mps);
+  EXPECT_NEAR(*others.leader_mps, 0.25, 0.02);
+}
+
+TEST(Neighbours, carry_the_one_ahead_on_for_half_a_second_at_most) {
+  Ear ear;
+  ear.agent.feel(0.3);
+  ear.hear(ear.one_at(at(lacet4(), "east", 0.6), 0.2));
+  ear.now += 300ms;
+  EXPECT_NEAR(ear.around().leader_gap_m, 0.3 + 0.06, 0.01);
+  ear.now += 600ms;
+  EXPECT_NEAR(ear.around().leader_gap_m, 0.3 + 0.1, 0.01);
+}
+
+TEST(Neighbours, know_no_leader_beside_the_way_or_behind) {
+  Ear ear{0.1};
+  ear.agent.feel(0.3);
+  ear.hear(ear.one_at(at(lacet4(), "loop_sw", 2.7), 0.3));
+  ear.hear(ear.one_at(at(lacet4(), "west", 0.9), 0.3, "AIV3"));
+  EXPECT_EQ(ear.around().leader_gap_m, infinite);
+}
+
+TEST(Neighbours, say_by_how_much_a_rival_is_first) {
+  Ear ear;
+  const double own_s = earliest_s(ear.agent.crossing_ahead_m(), 0.0, lacet4().profiles.medium);
+  wire::Intent higher = ear.rival(own_s + 1.5, false, own_s + 3.0);
+  higher.priority = 1;
+  ear.hear(higher);
+  EXPECT_NEAR(ear.around().crossing_margin_s, 1.5, 1e-9);
+  ear.now += 500ms;
+  EXPECT_NEAR(ear.around().crossing_margin_s, 1.0, 1e-9) << "it comes nearer while it is silent";
+  ear.hear(ear.rival(own_s - 1.0, false, own_s + 3.0, "AIV3"));
+  EXPECT_NEAR(ear.around().crossing_margin_s, -1.0, 1e-9) << "the most pressing one counts";
+}
+
+TEST(Neighbours, let_the_first_of_two_equals_come_up_as_if_alone) {
+  Ear ear;
+  const double own_s = earliest_s(ear.agent.crossing_ahead_m(), 0.0, lacet4().profiles.medium);
+  ear.hear(ear.rival(own_s + 0.5, false, own_s + 3.0));
+  EXPECT_EQ(ear.around().crossing_margin_s, infinite);
+}
+
+TEST(Neighbours, do_not_wait_for_one_that_stands_and_may_not_enter) {
+  Ear ear;
+  wire::Intent stands = ear.rival(0.1, false, 9.0);
+  stands.speed_mps = 0.0;
+  ear.hear(stands);
+  EXPECT_EQ(ear.around().crossing_margin_s, infinite);
+}
+
+TEST(Neighbours, give_way_to_who_may_enter_only_as_long_as_it_is_in_the_way) {
+  const double slow_s = Ear{}.agent.crossing_ahead_m() / lacet4().profiles.slow.speed_mps;
+  Ear early;
+  early.hear(early.rival(0.2, true, slow_s - 0.1));
+  EXPECT_EQ(early.around().crossing_margin_s, infinite) << "gone before this one is there, even slowly";
+  Ear late;
+  late.hear(late.rival(0.2, true, slow_s + 1.0));
+  EXPECT_NEAR(late.around().crossing_margin_s, -1.0, 1e-9);
+  EXPECT_EQ(late.around().crossing_priority, -1.0);
+}
+
+TEST(Neighbours, weigh_priorities_and_other_crossings_do_not_matter) {
+  Ear ear;
+  wire::Intent rival = ear.rival(2.0, false, 3.0);
+  rival.priority = 5;
+  ear.hear(rival);
+  EXPECT_EQ(ear.around().crossing_priority, -1.0);
+  Ear other;
+  rival.crossings.front().name = "no crossing of this way";
+  other.hear(rival);
+  EXPECT_EQ(other.around().crossing_margin_s, infinite);
+}
+
+TEST(Neighbours, matter_to_nobody_who_may_enter) {
+  Ear ear;
+  EXPECT_TRUE(
+      ear.agent.take_order(order("O-1", 1).from_sequence(4).through({"east@380", "east@1120"}).then({"east@1310"})));
+  static_cast<void>(ear.agent.decide());
+  EXPECT_EQ(ear.agent.crossing_ahead_m(), infinite);
+  ear.hear(ear.rival(0.1, true, 9.0));
+  EXPECT_EQ(ear.around().crossing_margin_s, infinite);
+}
+
+/// Whatever anybody says, nothing that comes out is dangerous: numbers are numbers, and the memory is bounded.
+TEST(Neighbours, take_any_intent_that_can_be_decoded) {
+  EXPECT_TRUE(rc::check([](std::uint64_t seed) {
+    Random random{seed, "lies"};
+    Ear ear;
+    ear.agent.feel(0.3);
+    for (int i = 0; i < 60; ++i) {
+      wire::Intent lie =
+          ear.rival(random.uniform(0.0, 3600.0), random.chance(0.5), 3600.0, "S" + std::to_string(random.next() % 50));
+      lie.header_id = static_cast<std::uint32_t>(random.next());
+      lie.pose = {random.uniform(-8.0, 8.0), random.uniform(-8.0, 8.0), random.uniform(-3.14, 3.14)};
+      lie.speed_mps = random.uniform(-3.0, 3.0);
+      ear.hear(std::move(lie));
+      ear.now += 20ms;
+      const Others others = ear.around();
+      RC_ASSERT(others.leader_gap_m >= 0.0);
+      RC_ASSERT(!others.leader_mps || std::isfinite(*others.leader_mps));
+      RC_ASSERT(!std::isnan(others.crossing_margin_s));
+      RC_ASSERT(ear.neighbours.size() <= 32U);
+    }
+  }));
+}
+
+// --- what the agent makes of it
+// ---------------------------------------------------------------------------------------
+
+/// Notes what it was asked, and chooses medium.
+struct Asked final : SpeedChooser {
+  explicit Asked(Situation& out) : situation{out} {}
+  [[nodiscard]] Profile choose(const Situation& asked) const override {
+    if (std::isfinite(asked.obstacle_ahead_m)) situation = asked;  // not what it would do without the body
+    return Profile::medium;
+  }
+  Situation& situation;
+};
+
+TEST(Heeding, believes_a_leader_only_where_its_senses_find_a_body) {
+  Situation asked{};
+  Agent agent{lacet4(), std::make_unique<Asked>(asked)};
+  agent.stand_at(at(lacet4(), "east", 0.1));
+  EXPECT_TRUE(agent.take_order(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"})));
+  agent.heed({.leader_gap_m = 0.40, .leader_mps = 0.25});
+  static_cast<void>(agent.decide());
+  EXPECT_FALSE(asked.closing_mps) << "nothing is seen there";
+  agent.feel(0.45);
+  static_cast<void>(agent.decide());
+  ASSERT_TRUE(asked.closing_mps);
+  EXPECT_NEAR(*asked.closing_mps, -0.25, 1e-9);
+  agent.feel(0.20);
+  static_cast<void>(agent.decide());
+  EXPECT_FALSE(asked.closing_mps) << "what stands there is somebody else";
+}
+
+TEST(Heeding, never_goes_faster_than_the_envelope_whatever_is_said) {
+  EXPECT_TRUE(rc::check([](std::uint64_t seed) {
+    Random random{seed, "heeding"};
+    Agent told{lacet4()};
+    Agent alone{lacet4()};
+    const double s_m = random.uniform(0.0, 0.1);
+    const double gap_m = random.uniform(0.0, 1.0);
+    for (Agent* agent : {&told, &alone}) {
+      agent->stand_at(at(lacet4(), "east", s_m));
+      RC_ASSERT(agent->take_order(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"})));
+      agent->feel(gap_m);
+    }
+    told.heed({.leader_gap_m = random.uniform(0.0, 1.0),
+               .leader_mps = random.uniform(-2.0, 2.0),
+               .crossing_margin_s = random.uniform(-20.0, 20.0),
+               .crossing_priority = random.uniform(-1.0, 1.0)});
+    RC_ASSERT(told.decide().speed_mmps <= alone.decide().speed_mmps);
+  }));
+}
+
+}  // namespace
+}  // namespace cosiva::aiv

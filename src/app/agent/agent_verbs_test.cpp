@@ -1,0 +1,158 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+#include "cosiva/adapters/files.h"
+#include "cosiva/adapters/test_bench.h"
+#include "cosiva/aiv/decision/agent_rules.h"
+#include "cosiva/app/command_line_bench.h"
+#include "cosiva/base/json_value.h"
+
+namespace cosiva::app {
+namespace {
+
+using adapters::testing::Scratch;
+using bench::cosiva;
+using bench::Said;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+/// The built-in rules with one text put in another's place, as a file.
+std::string edited(const Scratch& scratch, const std::string& from, const std::string& to) {
+  std::string text(aiv::built_in_rules_text());
+  text.replace(text.find(from), from.size(), to);
+  const std::string file = scratch / "my.fll";
+  EXPECT_TRUE(adapters::write_file(file, text));
+  return file;
+}
+
+TEST(AgentExplain, says_the_decision_the_rules_that_fired_and_why) {
+  const Said said = cosiva({"agent", "explain", "--gap", "0.75", "--closing", "60"});
+  EXPECT_EQ(said.status, 0);
+  EXPECT_THAT(said.data, StartsWith("decision: slow (1.25 of"));
+  EXPECT_THAT(said.data, HasSubstr("because of by_gap; at the crossing it goes"));
+  EXPECT_THAT(said.data, HasSubstr("75 %  line"));
+  EXPECT_THAT(said.data, HasSubstr("if gap is near and closing is closing then by_gap is slow"));
+  EXPECT_THAT(said.data, HasSubstr("because gap is near: 75 %, closing is closing: 100 %"));
+  EXPECT_THAT(said.data, Not(HasSubstr("charge is low then")));
+  EXPECT_THAT(cosiva({"agent", "explain", "--all"}).data, HasSubstr("charge is low then"));
+}
+
+TEST(AgentExplain, takes_its_own_speed_for_how_fast_it_comes_up_to_what_stands) {
+  // On lacet4 medium is 0.4 m/s.
+  EXPECT_EQ(cosiva({"agent", "explain", "--gap", "0.9", "--speed", "0.1"}).data,
+            cosiva({"agent", "explain", "--gap", "0.9", "--closing", "25"}).data);
+  EXPECT_EQ(cosiva({"agent", "explain", "--gap", "0.9", "--speed", "0.1", "--zone", "workshop", "--json"}).data,
+            cosiva({"agent", "explain", "--gap", "0.9", "--closing", "33.333333333333336", "--json"}).data);
+  EXPECT_EQ(cosiva({"agent", "explain", "--speed", "0.4"}).data, cosiva({"agent", "explain"}).data)
+      << "nothing is there";
+  EXPECT_EQ(cosiva({"agent", "surface", "--y", "charge", "--gap", "2", "--speed", "0.4"}).status, 0);
+  EXPECT_EQ(cosiva({"agent", "explain", "--speed", "-1"}).status, 2);
+  EXPECT_EQ(cosiva({"agent", "explain", "--gap", "1", "--speed", "1", "--zone", "nowhere"}).status, 2);
+  const Said both = cosiva({"agent", "explain", "--gap", "1", "--speed", "1", "--closing", "3"});
+  EXPECT_EQ(both.status, 2);
+  EXPECT_THAT(both.words, HasSubstr("cosiva agent explain: "));
+  EXPECT_THAT(both.words, HasSubstr("`cosiva agent explain --help`"));
+}
+
+TEST(AgentExplain, says_it_as_json_too) {
+  const Said said = cosiva({"agent", "explain", "--instruction", "slow", "--json"});
+  const auto json = JsonValue::parse(said.data);
+  ASSERT_TRUE(json) << said.data;
+  EXPECT_EQ(json->text("profile"), "slow");
+  EXPECT_EQ(json->text("decided_by"), "by_instruction");
+  EXPECT_EQ(json->flag("goes"), true);
+  EXPECT_EQ(json->find("explanation")->find("rules")->array()->size(), 23U);
+}
+
+TEST(AgentExplain, keeps_the_profile_that_it_drives_by_near_a_border) {
+  EXPECT_THAT(cosiva({"agent", "explain", "--gap", "0.9"}).data, StartsWith("decision: slow"));
+  EXPECT_THAT(cosiva({"agent", "explain", "--gap", "0.9", "--present", "medium"}).data, StartsWith("decision: medium"));
+}
+
+TEST(AgentExplain, of_an_edited_file_follows_the_edit) {
+  const Scratch scratch;
+  const std::string file = edited(scratch, "if instruction is none then by_instruction is medium",
+                                  "if instruction is none then by_instruction is fast");
+  EXPECT_THAT(cosiva({"agent", "explain", "--rules", file}).data, StartsWith("decision: fast"));
+}
+
+TEST(AgentRules, that_are_bad_end_every_verb_with_2_and_their_line) {
+  const Scratch scratch;
+  const std::string file = edited(scratch, "if charge is low then", "if charge is lw then");
+  const std::vector<std::vector<std::string>> verbs{{"agent", "explain"},
+                                                    {"agent", "surface"},
+                                                    {"up", "--headless", "--virtual-time", "--duration", "1"},
+                                                    {"up", "--headless", "--duration", "1"},
+                                                    {"aiv", "--number", "1", "--sockets", scratch.path()},
+                                                    {"server", "--headless"}};
+  for (std::vector<std::string> verb : verbs) {
+    verb.insert(verb.end(), {"--rules", file});
+    const Said said = cosiva(verb);
+    EXPECT_EQ(said.status, 2) << verb[0];
+    EXPECT_THAT(said.words, HasSubstr("my.fll:199:22: 'charge' has no such term; expected a hedge or low or good"))
+        << verb[0];
+  }
+  EXPECT_EQ(cosiva({"agent", "explain", "--rules", scratch / "gone.fll"}).status, 2);
+}
+
+TEST(AgentSurface, is_a_map_of_letters_in_the_terminal) {
+  const Said said = cosiva({"agent", "surface", "--x", "gap", "--y", "charge"});
+  EXPECT_EQ(said.status, 0);
+  EXPECT_THAT(said.data, StartsWith("speed over gap [braking distances] and charge [%]"));
+  EXPECT_THAT(said.data, HasSubstr("     0.0 |sssss"));
+  EXPECT_THAT(said.data, HasSubstr("x stop, s slow, m medium, f fast"));
+}
+
+TEST(AgentSurface, is_drawn_into_a_file) {
+  const Scratch scratch;
+  ASSERT_EQ(cosiva({"agent", "surface", "--out", scratch / "s.svg"}).status, 0);
+  const std::string svg = *adapters::read_file(scratch / "s.svg");
+  EXPECT_THAT(svg, HasSubstr("Speed over gap and closing"));
+  EXPECT_THAT(svg, HasSubstr("closing [% of the medium speed]"));
+  EXPECT_THAT(svg, HasSubstr("with instruction none, base 10"));
+  ASSERT_EQ(cosiva({"agent", "surface", "--of", "go", "--x", "margin", "--y", "priority", "--crossing", "1", "--out",
+                    scratch / "s.png"})
+                .status,
+            0);
+  EXPECT_THAT(*adapters::read_file(scratch / "s.png"), StartsWith("\x89PNG"));
+}
+
+TEST(AgentSurface, says_which_inputs_and_outputs_there_are) {
+  EXPECT_THAT(cosiva({"agent", "surface", "--x", "gapp"}).words,
+              HasSubstr("--x: the rules have no input 'gapp'; they have instruction, gap,"));
+  EXPECT_THAT(cosiva({"agent", "surface", "--of", "joy"}).words, HasSubstr("there are speed, by_instruction"));
+  EXPECT_EQ(cosiva({"agent", "surface", "--x", "gap", "--y", "gap"}).status, 2);
+  EXPECT_EQ(cosiva({"agent", "surface", "--out", "surface.gif"}).status, 2);
+  EXPECT_EQ(cosiva({"agent"}).status, 2);
+  EXPECT_EQ(cosiva({"agent", "explain", "--instruction", "hurry"}).status, 2);
+}
+
+TEST(Rules, of_virtual_time_are_those_that_were_asked_for) {
+  const auto run = [](const char* rules) {
+    const Said said = cosiva({"up", "--virtual-time", "--duration", "20", "--aivs", "4", "--json", "--rules", rules});
+    EXPECT_EQ(said.status, 0) << said.words;
+    return said.data;
+  };
+  EXPECT_EQ(run("fuzzy"), run("fuzzy"));
+  run("crisp");
+}
+
+TEST(Switches, are_on_or_off_and_nothing_else) {
+  const auto run = [](const char* name, const char* word) {
+    return cosiva({"up", "--virtual-time", "--duration", "5", "--aivs", "2", "--json", name, word});
+  };
+  for (const char* name : {"--v2x", "--convoys"}) {
+    EXPECT_EQ(run(name, "on").status, 0) << name;
+    EXPECT_EQ(run(name, "off").status, 0) << name;
+    const Said said = run(name, "perhaps");
+    EXPECT_EQ(said.status, 2);
+    EXPECT_THAT(said.words, HasSubstr(name));
+  }
+}
+
+}  // namespace
+}  // namespace cosiva::app

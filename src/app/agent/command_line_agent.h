@@ -1,0 +1,23 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+
+#include "cosiva/app/agent/agent_arguments.h"
+
+/// The options of `cosiva agent`.
+namespace cosiva::app {
+
+/// `cosiva agent` and its verbs.
+struct AgentVerbs {
+  CLI::App* agent;
+  CLI::App* explain;
+  CLI::App* surface;
+};
+
+[[nodiscard]] AgentVerbs describe_agent(CLI::App& root, AgentArguments& agent);
+
+/// The exit status of the one that was asked for, if any.
+[[nodiscard]] std::optional<int> run_agent_verb(const AgentVerbs& verbs, const AgentArguments& agent);
+
+}  // namespace cosiva::app

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cosiva/aiv/decision/agent_rules.h"
+#include "cosiva/base/result.h"
+
+namespace cosiva::app {
+
+/// What an agent's rules say over two of their inputs, the others as they are.
+struct Surface {
+  struct Axis {
+    aiv::AgentInput input;
+    std::vector<double> values;  ///< rising evenly over the rules' range
+  };
+  Axis x;
+  Axis y;
+  std::string of;                      ///< "speed", or an output's name
+  double low;                          ///< of what is shown
+  double high;                         ///<
+  std::vector<double> levels;          ///< row by row, y from its lowest
+  aiv::AgentInputs others;             ///< the fixed ones
+  std::vector<aiv::AgentInput> asked;  ///< all inputs of the rules, for those that are fixed
+
+  [[nodiscard]] bool is_speed() const { return of == "speed"; }
+  [[nodiscard]] double at(std::size_t column, std::size_t row) const { return levels[row * x.values.size() + column]; }
+};
+
+/// @param of  "speed": the lowest concern, which decides; or an output's name
+/// Fails ("agent.surface") on an input that the rules have not, on one twice, on one whose range has no ends, and on an
+/// output that they have not.
+[[nodiscard]] Result<Surface> make_surface(const aiv::AgentRules& rules, const std::string& x, const std::string& y,
+                                           const std::string& of, const aiv::AgentInputs& others, std::size_t columns,
+                                           std::size_t rows);
+
+/// A picture: the level as colour, lines where the profile changes, axes with their units, a legend.
+[[nodiscard]] std::string to_svg(const Surface& surface);
+/// The same for a terminal, a letter per field.
+[[nodiscard]] std::string to_text(const Surface& surface);
+[[nodiscard]] std::string to_json(const Surface& surface);
+
+}  // namespace cosiva::app

@@ -1,0 +1,240 @@
+// Battery tests on a platform that runs, over its broker and its server's API; and `cosiva battery ready`.
+#include "cosiva/app/battery/battery_live.h"
+
+#include <algorithm>
+#include <csignal>
+#include <deque>
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "cosiva/adapters/child_process.h"
+#include "cosiva/adapters/clock.h"
+#include "cosiva/adapters/event_loop.h"
+#include "cosiva/adapters/files.h"
+#include "cosiva/adapters/http_client.h"
+#include "cosiva/adapters/mqtt_client.h"
+#include "cosiva/app/cli/progress.h"
+#include "cosiva/app/cli/words.h"
+#include "cosiva/app/remote/broker_say.h"
+#include "cosiva/app/remote/zone_switch.h"
+#include "cosiva/app/resources/places.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/experiments/battery/analysis.h"
+#include "cosiva/wire/own/battery_exchange.h"
+
+namespace cosiva::app {
+namespace {
+
+using experiments::LiveRig;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr milliseconds tick_period{250};
+/// Whoever looks on is told so often, besides each change.
+constexpr seconds tell_period{1};
+/// A server that was killed is back within a few seconds; what is said to it meanwhile waits.
+constexpr milliseconds command_patience{2000};
+constexpr seconds fleet_max{60};
+constexpr seconds goodbye_max{10};
+
+class LiveTest {
+ public:
+  LiveTest(const BatteryTestArguments& arguments, experiments::LiveRigOptions options, adapters::HttpClient server)
+      : arguments_{arguments}, rig_{std::move(options)}, server_{std::move(server)}, beat_{loop_} {}
+
+  Result<void> run() {
+    if (auto there = open(); !there) return there;
+    loop_.on_signals({SIGINT, SIGTERM}, [this](int) { interrupted_ = true; });
+    loop_.run_until([this] { return rig_.complete() || interrupted_; }, fleet_max);
+    if (interrupted_) return fail("battery.interrupted", "it was ended before it began", {});
+    if (!rig_.complete()) return fail("battery.fleet", "nothing was heard for a minute of " + rig_.missing(), address_);
+    if (auto begun = begin(); !begun) return begun;
+    beat_.every(tick_period, [this] { beat(); });
+    loop_.run();
+    if (failure_) return tl::unexpected(*failure_);
+    return say_goodbye();
+  }
+  [[nodiscard]] const std::vector<experiments::BatteryRun>& records() const { return rig_.procedure().records(); }
+
+ private:
+  Result<void> open() {
+    BrokerArguments broker = arguments_.broker;
+    if (broker.address.empty()) broker.address = "127.0.0.1:1883";
+    auto options = mqtt_options(broker, "cosiva-battery");
+    if (!options) return tl::unexpected(options.error());
+    address_ = options->host + ":" + std::to_string(options->port);
+    adapters::MqttHandlers handlers;
+    handlers.on_link = [](bool) {};
+    handlers.on_message = [this](std::string_view topic, std::string_view payload, bool) {
+      if (!ended_) answer(rig_.on_message(clock_.now(), topic, payload));
+    };
+    auto client =
+        adapters::MqttClient::make(loop_, std::move(*options), LiveRig::subscriptions(), std::nullopt, handlers);
+    if (!client) return tl::unexpected(client.error());
+    bus_ = std::move(*client);
+    bus_->start();
+    bool connected = false;
+    loop_.run_until([&] { return connected = bus_->connected(); }, seconds{10});
+    if (connected) return {};
+    return fail("mqtt.connect", "no broker answers there", address_);
+  }
+
+  Result<void> begin() {
+    const std::string& file = arguments_.state_file;
+    if (file.empty() || !std::filesystem::exists(file)) {
+      answer(rig_.start(clock_.now()));
+      return {};
+    }
+    const auto saved = adapters::read_file(file);
+    if (!saved) return tl::unexpected(saved.error());
+    auto answers = rig_.restore(clock_.now(), *saved);
+    if (!answers) return fail(answers.error().code, answers.error().message, file);
+    say("goes on from " + file);
+    answer(std::move(*answers));
+    return {};
+  }
+
+  void beat() {
+    if (std::exchange(interrupted_, false)) {
+      say("interrupted: what runs is known to last longer");
+      answer(rig_.give_up(clock_.now()));
+    } else {
+      answer(rig_.tick(clock_.now()));
+    }
+    tell_server();
+    if (!saved_) save();
+    if (clock_.now() - told_at_ >= tell_period) tell_onlookers();
+    if (ticker_.ticks()) say(progress_text(rig_.procedure(), clock_.now()));
+    if ((rig_.done() || failure_) && commands_.empty()) loop_.stop();
+  }
+
+  void answer(LiveRig::Answers answers) {
+    for (const wire::Publish& message : answers.messages) bus_->publish(message);
+    const bool news = !answers.messages.empty() || !answers.commands.empty();
+    for (std::string& command : answers.commands) commands_.push_back(std::move(command));
+    for (const std::string& words : answers.words) {
+      say(words);
+      notify(words);
+    }
+    if (news) tell_onlookers();
+    saved_ = false;
+  }
+
+  /// The operator's page, through the server: how the test stands. Kept by the broker, also when it is over.
+  void tell_onlookers() {
+    told_at_ = clock_.now();
+    bus_->publish({std::string(wire::battery_test_topic), to_json(rig_.test(told_at_)), 1, true});
+  }
+
+  /// In order, and each until it has been taken: a server that is not there now will be.
+  void tell_server() {
+    while (!commands_.empty()) {
+      const auto taken = server_.ask("POST", "/api/v1/commands", commands_.front(), command_patience);
+      if (!taken) {
+        if (!std::exchange(waiting_, true)) say("the server does not answer; what it is to be told waits");
+        return;
+      }
+      if (std::exchange(waiting_, false)) say("the server answers again");
+      if (taken->status >= 500) return;
+      if (taken->status >= 400)
+        say("the server refused " + commands_.front() + ": " + to_string(refusal_in(taken->body, taken->status)));
+      commands_.pop_front();
+    }
+  }
+
+  void save() {
+    saved_ = true;
+    if (arguments_.state_file.empty() || ended_) return;
+    if (auto kept = adapters::write_file(arguments_.state_file, rig_.state_json()); !kept && !complained_) {
+      // The test goes on: only a crash would now cost it something.
+      complained_ = true;
+      say("warning: " + to_string(kept.error()));
+    }
+  }
+
+  /// The operator's own command, with the words as its last argument; it may take as long as it likes.
+  void notify(const std::string& words) {
+    if (arguments_.notify.empty()) return;
+    adapters::ChildOptions options;
+    options.argv = {"/bin/sh", "-c", arguments_.notify + " \"$1\"", "notify", words};
+    options.log_file = "/dev/null";
+    options.on_exit = [](const adapters::ChildExit&) {};
+    auto child = adapters::Child::start(loop_, std::move(options));
+    if (!child) return say("warning: " + to_string(child.error()));
+    std::erase_if(notified_, [](const auto& one) { return !one->running(); });
+    notified_.push_back(std::move(*child));
+  }
+
+  Result<void> say_goodbye() {
+    tell_onlookers();
+    ended_ = true;
+    beat_.cancel();
+    bool out = false;
+    bus_->stop([&] { out = true; });
+    loop_.run_until([&] { return out; }, goodbye_max);
+    std::error_code gone;
+    if (!arguments_.state_file.empty()) std::filesystem::remove(arguments_.state_file, gone);
+    return {};
+  }
+
+  const BatteryTestArguments& arguments_;
+  adapters::EventLoop loop_;
+  adapters::WallClock clock_;
+  LiveRig rig_;
+  adapters::HttpClient server_;
+  std::unique_ptr<adapters::MqttClient> bus_;
+  std::string address_;
+  std::deque<std::string> commands_;
+  std::vector<std::unique_ptr<adapters::Child>> notified_;
+  SecondsTicker ticker_;
+  std::optional<Error> failure_;
+  SimTime told_at_{};
+  bool waiting_{false};
+  bool saved_{false};
+  bool complained_{false};
+  bool interrupted_{false};
+  bool ended_{false};
+  adapters::Timer beat_;
+};
+
+}  // namespace
+
+std::string progress_text(const experiments::Procedure& procedure, SimTime now) {
+  const auto progress = procedure.progress(now);
+  std::string text = "run " + std::to_string(std::min(procedure.present_run() + 1, procedure.options().runs)) + " of " +
+                     std::to_string(procedure.options().runs) + ": " + decimals(100.0 * progress.share, 0) + " %";
+  if (progress.expected_end)
+    text += ", its end in " + experiments::duration_text(to_seconds(*progress.expected_end - now));
+  return text;
+}
+
+Result<std::vector<experiments::BatteryRun>> run_live(const BatteryTestArguments& arguments,
+                                                      experiments::LiveRigOptions options) {
+  auto server = adapters::HttpClient::make(arguments.url);
+  if (!server) return tl::unexpected(server.error());
+  LiveTest test{arguments, std::move(options), std::move(*server)};
+  if (auto done = test.run(); !done) return tl::unexpected(done.error());
+  return test.records();
+}
+
+int run_battery_ready(const BatteryReadyArguments& arguments) {
+  const std::size_t slash = arguments.vehicle.find('/');
+  const wire::VehicleId id =
+      slash == std::string::npos
+          ? wire::VehicleId{std::string(wire::our_manufacturer), arguments.vehicle}
+          : wire::VehicleId{arguments.vehicle.substr(0, slash), arguments.vehicle.substr(slash + 1)};
+  if (id.manufacturer.empty() || !wire::valid_serial_number(id.serial_number))
+    return complain({"battery.vehicle", "say AIV3, or MANUFACTURER/SERIAL", arguments.vehicle});
+  BrokerArguments broker = arguments.broker;
+  if (broker.address.empty()) broker.address = "127.0.0.1:1883";
+  const wire::BatteryReady ready{arguments.battery, arguments.type,          arguments.cycles,
+                                 arguments.rest_s,  arguments.temperature_c, arguments.charge_percent};
+  const wire::Publish message{wire::own_topic(wire::battery_ready_topic_prefix, id), to_json(ready), 1, false};
+  if (const auto said = say_over_broker(broker, "cosiva-battery-ready", {message}); !said)
+    return complain(said.error());
+  print(to_string(id) + ": batteryReady, '" + arguments.battery + "'");
+  return exit_done;
+}
+
+}  // namespace cosiva::app

@@ -1,0 +1,375 @@
+// The options of `cosiva battery` and its verbs, and what their help says.
+#include "cosiva/app/battery/command_line_battery.h"
+
+#include "cosiva/app/cli/common_options.h"
+
+namespace cosiva::app {
+namespace {
+
+constexpr const char* battery_examples =
+    "Examples:\n"
+    "  cosiva battery sampled --repeat 4                          one battery, four times: autonomy and its drift\n"
+    "  cosiva battery fleet --aivs 12 --out report                twelve at once, with a report\n"
+    "  cosiva battery fleet --aivs 4 --repeat 4 --swap            tells battery from vehicle\n"
+    "  cosiva battery fleet --live --broker 127.0.0.1:1883 --state test.json   on a platform that runs (`cosiva up`)\n"
+    "  cosiva battery plan --cv 1.4 --half-width 1 --aivs 4       how many batteries it takes, who swaps with whom\n"
+    "  cosiva battery analyse durations.csv                       what may be claimed from tests made elsewhere\n"
+    "  cosiva battery discharge leaf33 --rate 1                   how long a type lasts under a load\n"
+    "  cosiva battery fit pulses.csv --predict 2C.csv --name mine --licence CC-BY-4.0 --out mine.json\n"
+    "\n"
+    "docs/guide/batteries.md tells more; every verb has its own --help.";
+
+constexpr const char* sampled_examples =
+    "The article's exchange (A37): changeBattery, batteryReady, run, then {rc, sendMsg} until rc stays below the "
+    "floor.\n"
+    "\n"
+    "Examples:\n"
+    "  cosiva battery sampled                                     the carts' own battery, from full to 20 %\n"
+    "  cosiva battery sampled --repeat 4 --json                   four times: slope per run, and the chance of none\n"
+    "  cosiva battery sampled --type leaf33 --scale 0.05 --floor 0   until the battery's own protection cuts off\n"
+    "  cosiva battery sampled --pause-every 600 --pause 60        calibrated pauses, booked apart\n"
+    "  cosiva battery sampled --live --by-hand --vehicle ACME/A1 --battery red --state red.json   real hardware";
+
+constexpr const char* fleet_examples =
+    "All run when the last is ready; AT is the mean of equation (4), with what it is worth beside it (A38).\n"
+    "\n"
+    "Examples:\n"
+    "  cosiva battery fleet --aivs 12 --out report                report.html, result.json, curves.csv\n"
+    "  cosiva battery fleet --aivs 4 --repeat 4 --swap            shares of variance: battery, vehicle, run, rest\n"
+    "  cosiva battery fleet --aivs 12 --failures 0.05             vehicles fail: censored, never counted as ends\n"
+    "  cosiva battery fleet --aivs 12 --half-width 1              after how many batteries the mean is known to 1 %\n"
+    "  cosiva battery fleet --aivs 6 --repeat 8 --half-width 1    runs are repeated until it is, eight times at most\n"
+    "  cosiva battery fleet --live --broker 127.0.0.1:1883 --state test.json   on a platform that runs (`cosiva up`)";
+
+constexpr const char* fit_examples =
+    "A pulse test from full to empty is best; constant discharges at two rates do. One rate alone does not tell\n"
+    "resistance from voltage. A discharge must begin full; + charges, as in the Battery Data Format. Columns:\n"
+    "test_time_second, voltage_volt, current_ampere; or a tester's own, where they name their unit, as Test_Time(s),\n"
+    "Voltage(V), Current(mA). Where the tester counted charge itself (discharging_capacity_ah, charging_capacity_ah),\n"
+    "its count is used. Where samples lie too far apart to tell the charge, the words say by how much it may be off:\n"
+    "--capacity, where it is known, mends that.\n"
+    "\n"
+    "Examples:\n"
+    "  cosiva battery fit pulses.csv --predict 1C.csv --predict 2C.csv   how far off what was not fitted\n"
+    "  cosiva battery fit rates.csv --predict rate=2C             hold one series out\n"
+    "  cosiva battery fit rates.csv --only rate=0.1C --only rate=1C --floor 3.0\n"
+    "  cosiva battery fit all.csv --predict 'discharge 3'         a file's discharges are numbered as they come\n"
+    "  cosiva battery fit pulses.csv --name mine --licence CC-BY-4.0 --out mine.json\n"
+    "  cosiva battery check mine.json && cosiva battery sampled --type mine.json";
+
+constexpr const char* analyse_examples =
+    "A table has a header and a row for each run: a column for how long it lasted (its name ends with its unit), and\n"
+    "where there are any: battery_id or cell, vehicle or tester_channel, run, stop, and series where tests are "
+    "several.\n"
+    "\n"
+    "Examples:\n"
+    "  cosiva battery analyse durations.csv                       every series of it\n"
+    "  cosiva battery analyse durations.csv --only first_run --failed 6=2000 --failed 9=3000   as if two had failed\n"
+    "  cosiva battery analyse monday/result.json tuesday/result.json --half-width 1   enough, or test another?\n"
+    "  cosiva battery analyse durations.csv --only first_run --json > a.json && cosiva battery compare a.json b.json";
+
+constexpr const char* discharge_examples =
+    "The very model that tests run on, alone: constant current or power, from full and rested to the voltage floor.\n"
+    "\n"
+    "Examples:\n"
+    "  cosiva battery discharge leaf33                            at C/5, C/2, 1C and 2C, with Peukert's exponent\n"
+    "  cosiva battery discharge leaf33 --current 30.6 --floor 3.0 measured: 3568.8 s\n"
+    "  cosiva battery discharge lipo850 --power 1 --power 2       constant power, as a vehicle asks for it\n"
+    "  cosiva battery discharge mine.json --rate 1 --csv 1C.csv   as a log in the Battery Data Format's columns";
+
+constexpr const char* plan_examples =
+    "Examples:\n"
+    "  cosiva battery plan --cv 1.4 --half-width 1                how many batteries for a mean known to 1 %\n"
+    "  cosiva battery plan --cv 1.4 --difference 2                how many of each type to see a difference of 2 %\n"
+    "  cosiva battery plan --aivs 4                               a Latin square: which battery on which AIV, run by "
+    "run";
+
+constexpr const char* compare_examples =
+    "Examples:\n"
+    "  cosiva battery compare old/result.json new/result.json     difference, its interval, effect size, power\n"
+    "\n"
+    "Runs that a vehicle's failure ended are left out.";
+
+constexpr const char* ready_examples =
+    "Examples:\n"
+    "  cosiva battery ready ACME/A1 red --type leaf33 --cycles 12 --rest 3600 --temperature 23.5\n"
+    "\n"
+    "A battery that is not full, not in its type's temperature band, or not the one asked for is refused by the test.";
+
+constexpr const char* check_examples =
+    "Examples:\n"
+    "  cosiva battery check mine.json leaf33                      files, or types that come with the platform\n"
+    "\n"
+    "The form is docs/protocols/battery-type.schema.json. Exit 2 where one is bad.";
+
+/// On a platform that runs, instead of in virtual time.
+void add_live_options(CLI::App& verb, BatteryTestArguments& test) {
+  verb.add_flag("--live", test.live, "on a platform that runs, by its wire, instead of in virtual time");
+  verb.add_option("--url", test.url, "of its server, with --live")->type_name("URL")->capture_default_str();
+  add_broker(verb, test.broker, "127.0.0.1:1883; with --live");
+  verb.add_option("--vehicle", test.vehicles, "whose batteries are tested; without: AIV1, AIV2 …")
+      ->type_name("MANUFACTURER/SERIAL");
+  verb.add_option("--battery", test.batteries, "what people call each battery, in the vehicles' order")
+      ->type_name("ID");
+  verb.add_flag("--by-hand", test.by_hand,
+                "people change the batteries, and say so with `cosiva battery ready`; without, the plant is told to");
+  verb.add_option("--park", test.park, "a station where who has ended goes, with --by-hand; without, it stands")
+      ->type_name("STATION");
+  verb.add_option("--lost-after", test.lost_after_s, "without a word from it a vehicle is lost [s]")
+      ->type_name("S")
+      ->check(CLI::Range(2.0, 86400.0))
+      ->capture_default_str();
+  verb.add_option("--notify", test.notify,
+                  "told what the operator is told, as the last argument of this shell command (live tests)")
+      ->type_name("COMMAND");
+}
+
+void add_test_options(CLI::App& verb, BatteryTestArguments& test) {
+  verb.add_option("--zone", test.zone, "traffic zone: a ready one's name or a file")
+      ->type_name("NAME|FILE")
+      ->capture_default_str();
+  verb.add_option("--type", test.type, "battery type: a shipped one's name (leaf33, lipo850) or a file")
+      ->type_name("NAME|FILE")
+      ->capture_default_str();
+  verb.add_option("--series", test.series, "cells in series; without: the type's")
+      ->type_name("N")
+      ->check(CLI::Range(1, 100));
+  verb.add_option("--parallel", test.parallel, "cells beside each other; without: the type's")
+      ->type_name("N")
+      ->check(CLI::Range(1, 100));
+  verb.add_option("--scale", test.scale, "cells of another size: capacity times this")
+      ->type_name("X")
+      ->check(CLI::Range(1e-4, 1e4));
+  verb.add_option("--gauge", test.gauge, "counter, rest or kalman: what the vehicles' gauges do")
+      ->type_name("WORD")
+      ->capture_default_str();
+  verb.add_option("--floor", test.floor_percent, "charge at which a run ends [%]")
+      ->type_name("PERCENT")
+      ->capture_default_str();
+  verb.add_option("--pause-every", test.pause_every_s, "running time between calibrated pauses [s]; 0: none")
+      ->type_name("S")
+      ->check(CLI::NonNegativeNumber);
+  verb.add_option("--pause", test.pause_s, "length of a pause [s], booked apart")
+      ->type_name("S")
+      ->check(CLI::NonNegativeNumber);
+  verb.add_option("--failures", test.failures_per_hour, "other failures, of a vehicle in an hour")
+      ->type_name("RATE")
+      ->check(CLI::Range(0.0, 1000.0));
+  verb.add_option("--load-spread", test.load_sd_percent, "how much vehicles differ in what they take [%]")
+      ->type_name("PERCENT")
+      ->check(CLI::Range(0.0, 30.0))
+      ->capture_default_str();
+  verb.add_option("--ambient", test.ambient_c, "temperature around the batteries [°C]")
+      ->type_name("C")
+      ->check(CLI::Range(-30.0, 60.0))
+      ->capture_default_str();
+  verb.add_option("--measure", test.measure_s, "so long the whole platform drives to measure the load [s]")
+      ->type_name("S")
+      ->check(CLI::Range(10.0, 36000.0))
+      ->capture_default_str();
+  verb.add_flag("--whole", test.whole,
+                "the whole platform in the loop to the end, instead of repeating the load that was measured");
+  verb.add_option(
+          "--hz", test.hz,
+          "with --whole: everybody acts so often in a second; 50 is the live platform's own pace, and what it is "
+          "without. At 10 it takes three fifths of the time, and crowded vehicles wait a little longer for each other")
+      ->type_name("N")
+      ->check(CLI::Range(10.0, 50.0));
+  add_rules(verb, test.rules, "how the AIVs choose their speed (docs/guide/agents.md); without: crisp");
+  verb.add_option("--state", test.state_file, "saved while it runs; where it is there, the test goes on from it")
+      ->type_name("FILE");
+  verb.add_option("--out", test.out_directory, "report.html, result.json and curves.csv go there")->type_name("DIR");
+  verb.add_option("--seed", test.seed, "fixes every random draw")->type_name("S")->capture_default_str();
+  verb.add_flag("--json", test.json, "print the result as JSON");
+  add_live_options(verb, test);
+}
+
+void describe_ready(CLI::App& verb, BatteryReadyArguments& ready) {
+  verb.add_option("vehicle", ready.vehicle, "AIV3, or MANUFACTURER/SERIAL")->type_name("VEHICLE")->required();
+  verb.add_option("battery", ready.battery, "the battery's own id")->type_name("ID")->required();
+  verb.add_option("--type", ready.type, "its type")->type_name("NAME")->capture_default_str();
+  verb.add_option("--cycles", ready.cycles, "full ones that it has gone through")
+      ->type_name("N")
+      ->check(CLI::NonNegativeNumber);
+  verb.add_option("--rest", ready.rest_s, "since it was charged [s]")->type_name("S")->check(CLI::NonNegativeNumber);
+  verb.add_option("--temperature", ready.temperature_c, "of the pack [°C]")
+      ->type_name("C")
+      ->check(CLI::Range(-100.0, 200.0))
+      ->capture_default_str();
+  verb.add_option("--charge", ready.charge_percent, "as far as is known [%]")
+      ->type_name("PERCENT")
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
+  add_broker(verb, ready.broker, "127.0.0.1:1883");
+}
+
+void describe_fit(CLI::App& verb, BatteryFitArguments& fit) {
+  verb.add_option("files", fit.files, "logs with the Battery Data Format's columns")->type_name("CSV")->required();
+  verb.add_option("--only", fit.series, "only the series whose name holds this: rate=1C, discharge 2")
+      ->type_name("TEXT");
+  verb.add_option("--predict", fit.predict, "not fitted but foretold: another log, or series whose name holds this")
+      ->type_name("CSV|TEXT");
+  verb.add_option("--name", fit.name, "of the type")->type_name("TEXT")->capture_default_str();
+  verb.add_option("--source", fit.source, "who measured it; without: the files' names")->type_name("TEXT");
+  verb.add_option("--licence", fit.licence, "of the logs; a type's file must say it")->type_name("TEXT");
+  verb.add_option("--capacity", fit.capacity_ah, "of a cell [Ah]; without: what the slowest discharge took out")
+      ->type_name("AH")
+      ->check(CLI::PositiveNumber);
+  verb.add_option("--floor", fit.floor_v, "where a discharge ends [V]; without: the lowest voltage under load")
+      ->type_name("V")
+      ->check(CLI::PositiveNumber);
+  verb.add_option("--out", fit.out_file, "the type goes there")->type_name("FILE");
+  verb.add_flag("--json", fit.json, "print the result as JSON");
+}
+
+void describe_discharge(CLI::App& verb, BatteryDischargeArguments& discharge) {
+  verb.add_option("type", discharge.type, "a shipped type's name (leaf33, lipo850) or a file")
+      ->type_name("NAME|FILE")
+      ->required();
+  verb.add_option("--current", discharge.currents_a, "of the whole pack [A]")
+      ->type_name("A")
+      ->check(CLI::PositiveNumber);
+  verb.add_option("--power", discharge.powers_w, "of the whole pack [W]")->type_name("W")->check(CLI::PositiveNumber);
+  verb.add_option("--rate", discharge.rates, "current in multiples of the capacity: 0.2 is C/5")
+      ->type_name("C")
+      ->check(CLI::PositiveNumber);
+  verb.add_option("--floor", discharge.floor_v, "of a cell [V]; without: the type's")
+      ->type_name("V")
+      ->check(CLI::PositiveNumber);
+  verb.add_option("--ambient", discharge.ambient_c, "temperature around it, and its own at first [°C]")
+      ->type_name("C")
+      ->check(CLI::Range(-40.0, 85.0))
+      ->capture_default_str();
+  verb.add_option("--step", discharge.step_s, "of the simulation [s]")
+      ->type_name("S")
+      ->check(CLI::Range(0.001, 10.0))
+      ->capture_default_str();
+  verb.add_option("--series", discharge.series, "cells in series")->type_name("N")->check(CLI::Range(1, 100));
+  verb.add_option("--parallel", discharge.parallel, "cells beside each other")
+      ->type_name("N")
+      ->check(CLI::Range(1, 100));
+  verb.add_option("--scale", discharge.scale, "cells of another size: capacity times this")
+      ->type_name("X")
+      ->check(CLI::Range(1e-4, 1e4));
+  verb.add_option("--csv", discharge.csv_file, "time, voltage, current and temperature go there; of one load")
+      ->type_name("FILE");
+  verb.add_flag("--json", discharge.json, "print the result as JSON");
+}
+
+void describe_analyse(CLI::App& verb, BatteryAnalyseArguments& analyse) {
+  verb.add_option("files", analyse.files, "tables of durations, or results of `--out` or `--json`")
+      ->type_name("CSV|JSON")
+      ->required();
+  verb.add_option("--only", analyse.only, "only this series of them")->type_name("SERIES");
+  verb.add_option("--failed", analyse.failed, "as if this battery's first run had been ended then by something else")
+      ->type_name("BATTERY=SECONDS");
+  verb.add_option("--time", analyse.time, "column: how long it lasted, such as time_to_2V5_second")
+      ->type_name("COLUMN");
+  verb.add_option("--battery", analyse.battery, "column: which battery")->type_name("COLUMN");
+  verb.add_option("--vehicle", analyse.vehicle, "column: on which vehicle, or tester channel")->type_name("COLUMN");
+  verb.add_option("--run", analyse.run, "column: which of its runs, from 1")->type_name("COLUMN");
+  verb.add_option("--half-width", analyse.half_width_percent,
+                  "say after how many batteries the mean is known to this [%]")
+      ->type_name("PERCENT")
+      ->check(CLI::Range(0.001, 100.0));
+  verb.add_option("--out", analyse.out_directory, "report.html and result.json go there")->type_name("DIR");
+  verb.add_option("--seed", analyse.seed, "of the bootstrap")->type_name("S")->capture_default_str();
+  verb.add_flag("--json", analyse.json, "print the result as JSON; of several series, a list of them");
+}
+
+/// A verb's own words after its options.
+void teach(const BatteryVerbs& verbs) {
+  verbs.battery->footer(battery_examples);
+  verbs.sampled->footer(sampled_examples);
+  verbs.fleet->footer(fleet_examples);
+  verbs.fit->footer(fit_examples);
+  verbs.ready->footer(ready_examples);
+  verbs.plan->footer(plan_examples);
+  verbs.analyse->footer(analyse_examples);
+  verbs.discharge->footer(discharge_examples);
+  verbs.compare->footer(compare_examples);
+  verbs.check->footer(check_examples);
+}
+
+}  // namespace
+
+BatteryVerbs describe_battery(CLI::App& root, BatteryArguments& battery) {
+  BatteryVerbs verbs{};
+  verbs.battery =
+      root.add_subcommand("battery", "Autonomy of batteries: types, tests, and what may be claimed from them");
+  verbs.battery->require_subcommand(0, 1);
+  verbs.sampled =
+      verbs.battery->add_subcommand("sampled", "One AIV, one battery, from full to the floor, as often as wanted");
+  verbs.fleet = verbs.battery->add_subcommand("fleet", "N AIVs on one circuit, each with its battery, all at once");
+  verbs.fit = verbs.battery->add_subcommand("fit", "Make a battery type of a tester's logs");
+  verbs.ready = verbs.battery->add_subcommand("ready", "Say that a battery has been put into a vehicle (live tests)");
+  verbs.plan = verbs.battery->add_subcommand("plan", "Say how many batteries a claim takes, and who swaps with whom");
+  verbs.analyse = verbs.battery->add_subcommand(
+      "analyse", "What may be claimed from tests that were made before, here or elsewhere");
+  verbs.discharge = verbs.battery->add_subcommand("discharge", "Say how long a type's battery lasts under a load");
+  verbs.compare = verbs.battery->add_subcommand("compare", "Compare the batteries of two results");
+  verbs.check =
+      verbs.battery->add_subcommand("check", "Say whether files are battery types, or what is wrong with them");
+  for (CLI::App* verb : {verbs.sampled, verbs.fleet}) {
+    add_test_options(*verb, battery.test);
+    verb->add_option("--repeat", battery.test.repeat, "runs of each battery")
+        ->type_name("N")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
+  }
+  verbs.fleet->add_option("--aivs", battery.test.aivs, "how many")
+      ->type_name("N")
+      ->check(CLI::Range(2, 200))
+      ->capture_default_str();
+  verbs.fleet->add_flag("--swap", battery.test.swap, "batteries change vehicles from run to run, by a Latin square");
+  verbs.fleet
+      ->add_option("--half-width", battery.test.half_width_percent,
+                   "the mean is wanted to this [%]: says after how many batteries it was known, and makes no further "
+                   "run of --repeat then")
+      ->type_name("PERCENT");
+  describe_fit(*verbs.fit, battery.fit);
+  describe_ready(*verbs.ready, battery.ready);
+  describe_analyse(*verbs.analyse, battery.analyse);
+  describe_discharge(*verbs.discharge, battery.discharge);
+  verbs.plan->add_option("--cv", battery.plan.cv_percent, "standard deviation that is expected [%]")
+      ->type_name("PERCENT")
+      ->check(CLI::Range(0.001, 100.0))
+      ->capture_default_str();
+  verbs.plan->add_option("--half-width", battery.plan.half_width_percent, "of the mean's 95 % interval [%]")
+      ->type_name("PERCENT")
+      ->check(CLI::Range(0.001, 100.0))
+      ->capture_default_str();
+  verbs.plan
+      ->add_option("--difference", battery.plan.difference_percent,
+                   "between two types, that a comparison should see [%]")
+      ->type_name("PERCENT")
+      ->check(CLI::Range(0.001, 100.0));
+  verbs.plan->add_option("--aivs", battery.plan.aivs, "print the square for so many")
+      ->type_name("N")
+      ->check(CLI::Range(2, 200));
+  verbs.plan->add_flag("--json", battery.plan.json, "print the result as JSON");
+  verbs.compare->add_option("results", battery.compare.files, "two results, of `--out` or `--json`")
+      ->type_name("FILE")
+      ->required()
+      ->expected(2);
+  verbs.compare->add_flag("--json", battery.compare.json, "print the result as JSON");
+  verbs.check->add_option("files", battery.check.files, "battery types")->type_name("FILE")->required();
+  verbs.check->add_flag("--json", battery.check.json, "print the result as JSON");
+  teach(verbs);
+  return verbs;
+}
+
+std::optional<int> run_battery_verb(const BatteryVerbs& verbs, const BatteryArguments& battery) {
+  if (verbs.sampled->parsed()) return run_battery_sampled(battery.test);
+  if (verbs.fleet->parsed()) return run_battery_fleet(battery.test);
+  if (verbs.fit->parsed()) return run_battery_fit(battery.fit);
+  if (verbs.ready->parsed()) return run_battery_ready(battery.ready);
+  if (verbs.plan->parsed()) return run_battery_plan(battery.plan);
+  if (verbs.discharge->parsed()) return run_battery_discharge(battery.discharge);
+  if (verbs.analyse->parsed()) return run_battery_analyse(battery.analyse);
+  if (verbs.compare->parsed()) return run_battery_compare(battery.compare);
+  if (verbs.check->parsed()) return run_battery_check(battery.check);
+  return std::nullopt;
+}
+
+}  // namespace cosiva::app

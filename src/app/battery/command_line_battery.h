@@ -1,0 +1,41 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+
+#include "cosiva/app/battery/battery_arguments.h"
+
+/// The options of `cosiva battery`.
+namespace cosiva::app {
+
+/// `cosiva battery` and its verbs.
+struct BatteryArguments {
+  BatteryFitArguments fit;
+  BatteryReadyArguments ready;
+  BatteryTestArguments test;
+  BatteryPlanArguments plan;
+  BatteryAnalyseArguments analyse;
+  BatteryDischargeArguments discharge;
+  BatteryFilesArguments compare;
+  BatteryFilesArguments check;
+};
+
+struct BatteryVerbs {
+  CLI::App* battery;
+  CLI::App* sampled;
+  CLI::App* fleet;
+  CLI::App* fit;
+  CLI::App* ready;
+  CLI::App* plan;
+  CLI::App* analyse;
+  CLI::App* discharge;
+  CLI::App* compare;
+  CLI::App* check;
+};
+
+[[nodiscard]] BatteryVerbs describe_battery(CLI::App& root, BatteryArguments& battery);
+
+/// The exit status of the one that was asked for, if any.
+[[nodiscard]] std::optional<int> run_battery_verb(const BatteryVerbs& verbs, const BatteryArguments& battery);
+
+}  // namespace cosiva::app

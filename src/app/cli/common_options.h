@@ -1,0 +1,20 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "cosiva/app/cli/common_arguments.h"
+
+/// Options that several verbs have.
+namespace cosiva::app {
+
+/// @param without  what is used where no --broker is given
+void add_broker(CLI::App& verb, BrokerArguments& broker, const std::string& without);
+
+/// --rules: how the vehicles that a command starts choose their speed.
+void add_rules(CLI::App& verb, std::string& rules, const std::string& what);
+
+/// An option that is on or off; as `on` says unless it is given.
+void add_switch(CLI::App& verb, const std::string& name, bool& on, const std::string& what);
+
+}  // namespace cosiva::app

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+#include "cosiva/app/gvs/gvs_arguments.h"
+
+/// The options of `cosiva gvs`.
+namespace cosiva::app {
+
+/// `cosiva gvs` and its verbs.
+struct GvsVerbs {
+  CLI::App* gvs;
+  CLI::App* watch;
+  CLI::App* calibrate;
+  CLI::App* track;
+  CLI::App* render;
+};
+
+[[nodiscard]] GvsVerbs describe_gvs(CLI::App& root, GvsArguments& gvs);
+
+/// The exit status of the one that was asked for, if any.
+[[nodiscard]] std::optional<int> run_gvs_verb(const GvsVerbs& verbs, const GvsArguments& gvs);
+
+/// Where a running platform's pictures come from: --gvs-… of `up`, the same without gvs of `gvs watch`.
+void add_gvs_source(CLI::App& verb, GvsSource& source, const std::string& prefix);
+
+}  // namespace cosiva::app

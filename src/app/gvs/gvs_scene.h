@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cosiva/app/gvs/pictures.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/time.h"
+#include "cosiva/physical/vision/calibration.h"
+#include "cosiva/physical/vision/points.h"
+#include "cosiva/physical/vision/scene.h"
+#include "cosiva/zone/drawing/draw.h"
+#include "cosiva/zone/layout/traffic_zone.h"
+
+/// The emulated world before a camera: what `cosiva gvs render` draws, and what a platform without a real one looks at.
+namespace cosiva::app {
+
+/// What a camera in the middle above a zone is made of, as far as it can be chosen.
+struct SceneChoice {
+  std::uint32_t size_px{1024};
+  double height_m{3.3};
+  double tag_height_m{0.10};
+  double exposure_ms{4.0};
+  double rolling_ms{0.0};
+  double noise_grey{2.0};
+  double brightness{1.0};
+};
+/// One whose lens is as long as it takes to see all of it.
+[[nodiscard]] vision::SceneCamera camera_over(const zone::Bounds& bounds, const SceneChoice& choice);
+/// The painted lines of a zone's drawing.
+[[nodiscard]] std::vector<vision::SceneLine> lines_of(const std::vector<zone::Primitive>& primitives);
+/// Corners that one would read off a printed grid: 0.1 m apart on floors that a room has.
+[[nodiscard]] std::vector<vision::FloorPoint> corners_of(const vision::SceneCamera& camera, std::uint64_t seed);
+
+/// A vehicle as the plant says it truly is (wire::plant_truth_topic).
+struct TruthfulVehicle {
+  std::uint32_t number{};
+  Pose2 X_MB{};
+  double speed_mps{};
+};
+struct PlantTruth {
+  SimTime at{};
+  std::vector<TruthfulVehicle> vehicles;
+};
+/// Nothing where this is no truth: anybody may publish there.
+[[nodiscard]] std::optional<PlantTruth> read_plant_truth(const std::string& json);
+
+/// The emulated world's camera over a running plant's zone. What it knows is what a real one's owner would know: it is
+/// calibrated from floor corners, and gives pictures. AIV n carries tag n.
+class EmulatedCamera {
+ public:
+  static constexpr std::uint32_t size_px = 960;  ///< half of it is what the page shows
+  static constexpr double tag_px_min = 24.0;     ///< where tags would be smaller it looks at the zone's middle alone
+
+  /// Fails as vision::calibrate does.
+  [[nodiscard]] static Result<EmulatedCamera> over(const zone::TrafficZone& zone);
+  [[nodiscard]] const vision::Calibration& calibration() const { return calibration_; }
+  [[nodiscard]] double tag_side_m() const { return tag_side_m_; }
+  [[nodiscard]] double exposure_s() const { return painter_.camera().exposure_s; }
+  /// How much of the floor is in its picture, from side to side.
+  [[nodiscard]] double width_m() const { return width_m_; }
+  /// Of all at that moment. Vehicles turn as they did since the truth before.
+  [[nodiscard]] vision::Image take(const PlantTruth& truth, const std::optional<PlantTruth>& before);
+
+ private:
+  EmulatedCamera(vision::Calibration calibration, vision::Painter painter, zone::VehicleShape shape, double tag_side_m,
+                 double width_m);
+  vision::Calibration calibration_;
+  vision::Painter painter_;
+  zone::VehicleShape shape_;
+  double tag_side_m_;
+  double width_m_;
+  std::uint64_t pictures_{0};
+};
+
+}  // namespace cosiva::app

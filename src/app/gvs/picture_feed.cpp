@@ -1,0 +1,91 @@
+#include "cosiva/app/gvs/picture_feed.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace cosiva::app {
+namespace {
+
+constexpr std::chrono::seconds open_again{2};
+
+}  // namespace
+
+PictureFeed::PictureFeed(adapters::EventLoop& loop, Options options, Handlers handlers)
+    : loop_{loop}, options_{std::move(options)}, handlers_{std::move(handlers)}, thread_{[this] { run(); }} {}
+
+PictureFeed::~PictureFeed() {
+  {
+    const std::scoped_lock lock{mutex_};
+    ending_ = true;
+  }
+  ended_.notify_all();
+  // A camera that hangs answers within its driver's own patience.
+  thread_.join();
+}
+
+bool PictureFeed::wait_until(SimTime time) {
+  std::unique_lock lock{mutex_};
+  return !ended_.wait_for(lock, std::max(SimDuration::zero(), time - clock_.now()), [this] { return ending_; });
+}
+
+void PictureFeed::run() {
+  for (;;) {
+    auto pictures = options_.open();
+    if (pictures) {
+      first_stamp_s_.reset();
+      read(**pictures);
+    } else {
+      trouble(to_string(pictures.error()));
+    }
+    // A recording that has been shown is over; only what is live comes back.
+    if (pictures && options_.recorded) return;
+    if (!wait_until(clock_.now() + open_again)) return;
+  }
+}
+
+void PictureFeed::read(Pictures& pictures) {
+  for (;;) {
+    auto picture = pictures.next();
+    if (!picture) return trouble(to_string(picture.error()));
+    if (!*picture) return trouble(options_.recorded ? "there are no more pictures" : "the camera gives no picture");
+    const SimTime began = by_our_clock((*picture)->stamp_s);
+    if (!wait_until(options_.recorded ? began : SimTime{})) return;
+    if (began < due_ || on_their_way_ > 0) continue;
+    const SimDuration period = from_seconds(1.0 / options_.rate_hz);
+    due_ = std::max(due_ + period, began + period / 2);  // so many a second, whatever the source's own rate
+    hand_over(std::move(**picture), began);
+  }
+}
+
+SimTime PictureFeed::by_our_clock(double stamp_s) {
+  const SimTime now = clock_.now();
+  if (options_.recorded) {
+    if (!first_stamp_s_) {
+      first_stamp_s_ = stamp_s;
+      first_at_ = now;
+    }
+    return first_at_ + from_seconds(stamp_s - *first_stamp_s_);
+  }
+  // Its clock began at another moment; of all delays from exposure to here the least is the nearest to none.
+  const double offset_s = to_seconds(now.time_since_epoch()) - stamp_s;
+  offset_s_ = std::min(offset_s_.value_or(offset_s), offset_s);
+  return SimTime{from_seconds(stamp_s + *offset_s_)};
+}
+
+void PictureFeed::trouble(const std::string& why) {
+  if (why == trouble_) return;
+  trouble_ = why;
+  loop_.post([this, why] { handlers_.on_trouble(why); });
+}
+
+void PictureFeed::hand_over(Picture picture, SimTime began) {
+  trouble_.clear();
+  ++on_their_way_;
+  loop_.post([this, picture = std::make_shared<const Picture>(std::move(picture)), began] {
+    --on_their_way_;
+    handlers_.on_picture(*picture, began);
+  });
+}
+
+}  // namespace cosiva::app

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "cosiva/adapters/clock.h"
+#include "cosiva/adapters/event_loop.h"
+#include "cosiva/app/gvs/pictures.h"
+#include "cosiva/base/time.h"
+
+namespace cosiva::app {
+
+/// Pictures for a loop, from a source that may block: read in a thread of their own, so many a second, the newest only.
+/// A source that fails is opened again every two seconds.
+class PictureFeed {
+ public:
+  struct Options {
+    std::function<Result<std::unique_ptr<Pictures>>()> open;
+    /// It would give all pictures at once, as files do: each is waited for as long as its stamp says.
+    bool recorded{false};
+    double rate_hz{4.0};
+  };
+  struct Handlers {
+    /// @param began  when the exposure of its first row began, by our clock
+    std::function<void(const Picture& picture, SimTime began)> on_picture;
+    /// Why there are none now, each time that changes.
+    std::function<void(const std::string& why)> on_trouble;
+  };
+  /// Handlers are called from the loop.
+  PictureFeed(adapters::EventLoop& loop, Options options, Handlers handlers);
+  ~PictureFeed();
+  PictureFeed(const PictureFeed&) = delete;
+  PictureFeed& operator=(const PictureFeed&) = delete;
+
+ private:
+  void run();
+  void read(Pictures& pictures);
+  void trouble(const std::string& why);
+  void hand_over(Picture picture, SimTime began);
+  [[nodiscard]] SimTime by_our_clock(double stamp_s);
+  /// False: it is to end.
+  bool wait_until(SimTime time);
+
+  adapters::EventLoop& loop_;
+  Options options_;
+  Handlers handlers_;
+  adapters::WallClock clock_;
+  SimTime due_{};
+  std::optional<double> first_stamp_s_;  ///< of the source that is open
+  SimTime first_at_{};
+  std::optional<double> offset_s_;  ///< our clock less the camera's, at the least delay so far
+  std::string trouble_;
+  std::atomic<int> on_their_way_{0};  ///< to the loop: who is busy gets no second one
+  bool ending_{false};
+  std::mutex mutex_;
+  std::condition_variable ended_;
+  std::thread thread_;
+};
+
+}  // namespace cosiva::app

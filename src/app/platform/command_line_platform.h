@@ -1,0 +1,40 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+
+#include "cosiva/app/platform/platform_arguments.h"
+
+/// The options of `cosiva up`, of the parts that run alone, of `cosiva replay` and of `cosiva scenario`.
+namespace cosiva::app {
+
+struct PlatformArguments {
+  UpArguments up;
+  ServerArguments server;
+  PlantArguments plant;
+  AivArguments aiv;
+  ReplayArguments replay;
+};
+/// `cosiva up`, `server`, `plant`, `aiv` and `replay`.
+struct PlatformVerbs {
+  CLI::App* up;
+  CLI::App* server;
+  CLI::App* plant;
+  CLI::App* aiv;
+  CLI::App* replay;
+};
+[[nodiscard]] PlatformVerbs describe_platform(CLI::App& root, PlatformArguments& platform);
+/// The exit status of the one that was asked for, if any.
+[[nodiscard]] std::optional<int> run_platform_verb(const PlatformVerbs& verbs, PlatformArguments& platform);
+
+/// `cosiva scenario` and its verbs.
+struct ScenarioVerbs {
+  CLI::App* scenario;
+  CLI::App* check;
+  CLI::App* list;
+};
+[[nodiscard]] ScenarioVerbs describe_scenario(CLI::App& root, ScenarioArguments& scenario);
+/// The exit status of the one that was asked for, if any.
+[[nodiscard]] std::optional<int> run_scenario_verb(const ScenarioVerbs& verbs, const ScenarioArguments& scenario);
+
+}  // namespace cosiva::app

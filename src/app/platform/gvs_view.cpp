@@ -1,0 +1,54 @@
+#include "cosiva/app/platform/gvs_view.h"
+
+#include <optional>
+#include <utility>
+
+#include "cosiva/app/cli/words.h"
+#include "cosiva/wire/own/gvs.h"
+
+namespace cosiva::app {
+namespace {
+
+constexpr std::chrono::milliseconds ask_every{500};
+/// An older one would be taken for what is.
+constexpr std::chrono::seconds picture_lives{3};
+
+}  // namespace
+
+GvsView::GvsView(adapters::EventLoop& loop, adapters::MqttOptions options)
+    : loop_{loop}, options_{std::move(options)} {}
+GvsView::~GvsView() = default;
+
+std::shared_ptr<const std::string> GvsView::look() {
+  const Clock::time_point now = Clock::now();
+  if (now - asked_ >= ask_every) ask();
+  if (picture_ && now - came_ > picture_lives) picture_.reset();
+  return picture_;
+}
+
+void GvsView::ask() {
+  if (client_) {
+    asked_ = Clock::now();
+    client_->publish({std::string(wire::gvs_look_topic), "{}", 0, false});
+    return;
+  }
+  adapters::MqttHandlers handlers;
+  handlers.on_link = [this](bool up) {
+    if (up) ask();
+  };
+  handlers.on_message = [this](std::string_view, std::string_view payload, bool retained) {
+    if (retained) return;  // somebody's mistake: it is of long ago
+    came_ = Clock::now();
+    picture_ = std::make_shared<const std::string>(payload);
+  };
+  auto made = adapters::MqttClient::make(loop_, options_, {std::string(wire::gvs_picture_topic)}, std::nullopt,
+                                         std::move(handlers));
+  if (!made) {
+    say("cosiva: " + to_string(made.error()));
+    return;
+  }
+  client_ = std::move(*made);
+  client_->start();
+}
+
+}  // namespace cosiva::app

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "cosiva/adapters/event_loop.h"
+#include "cosiva/adapters/mqtt_client.h"
+#include "cosiva/base/result.h"
+
+namespace cosiva::app {
+
+/// The picture of the camera over the zone, for the eye only: over a connection of its own, so that nothing of it can
+/// reach the server's core, and only while somebody looks.
+class GvsView {
+ public:
+  GvsView(adapters::EventLoop& loop, adapters::MqttOptions options);
+  ~GvsView();
+
+  /// The last picture (wire::gvs_picture_topic), and word to the camera that somebody looks; null where none came
+  /// lately.
+  [[nodiscard]] std::shared_ptr<const std::string> look();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  void ask();
+
+  adapters::EventLoop& loop_;
+  adapters::MqttOptions options_;
+  std::unique_ptr<adapters::MqttClient> client_;  ///< from the first look on
+  Clock::time_point asked_{};
+  Clock::time_point came_{};
+  std::shared_ptr<const std::string> picture_;
+};
+
+}  // namespace cosiva::app

@@ -1,0 +1,59 @@
+#include "cosiva/app/platform/part.h"
+
+#include <csignal>
+
+#include "cosiva/adapters/files.h"
+#include "cosiva/app/cli/words.h"
+#include "cosiva/base/json_writer.h"
+
+namespace cosiva::app {
+
+void announce(const PartArguments& arguments, const std::string& json) {
+  if (arguments.announce) print(json);
+}
+
+Part::Part(adapters::EventLoop& loop, adapters::LiveShell& shell, std::string kind, const PartArguments& arguments,
+           std::function<std::string()> summary)
+    : loop_{loop},
+      shell_{shell},
+      kind_{std::move(kind)},
+      arguments_{arguments},
+      summary_{std::move(summary)},
+      started_{clock_.now()},
+      duration_{loop} {}
+
+int Part::run() {
+  if (auto started = shell_.start(); !started) return complain(started.error());
+  loop_.on_signals({SIGINT, SIGTERM, SIGHUP}, [this](int) {
+    // Asked twice, it goes at once.
+    if (ending_) {
+      loop_.stop();
+    } else {
+      end();
+    }
+  });
+  if (arguments_.duration_s) duration_.after(from_seconds(*arguments_.duration_s), [this] { end(); });
+  loop_.run();
+  return status_;
+}
+
+void Part::end() {
+  if (ending_) return;
+  ending_ = true;
+  summary_at_end_ = summary_();
+  shell_.stop([this](const std::string& digest) { finish(digest); });
+}
+
+void Part::finish(const std::string& digest) {
+  JsonWriter json;
+  json.begin_object().field("kind", kind_).field("digest", digest).field("inputs", shell_.inputs());
+  json.field("duration_s", to_seconds(clock_.now() - started_)).key("summary").raw(summary_at_end_).end_object();
+  if (!arguments_.summary_file.empty()) {
+    if (auto written = adapters::write_file(arguments_.summary_file, json.text()); !written)
+      status_ = complain(written.error());
+  }
+  if (arguments_.json) print(json.text());
+  loop_.stop();
+}
+
+}  // namespace cosiva::app

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "cosiva/adapters/event_loop.h"
+#include "cosiva/adapters/live_shell.h"
+#include "cosiva/app/cli/common_arguments.h"
+
+namespace cosiva::app {
+
+/// One part (server, plant, vehicle) running alone in its process until a signal or its duration ends it.
+class Part {
+ public:
+  /// @param summary  the core's figures at the end, as JSON
+  Part(adapters::EventLoop& loop, adapters::LiveShell& shell, std::string kind, const PartArguments& arguments,
+       std::function<std::string()> summary);
+
+  /// Starts the shell and runs to the end: summary file, JSON and journal are written. Gives the exit status.
+  int run();
+
+ private:
+  void end();
+  void finish(const std::string& digest);
+
+  adapters::EventLoop& loop_;
+  adapters::LiveShell& shell_;
+  std::string kind_;
+  const PartArguments& arguments_;
+  std::function<std::string()> summary_;
+  std::string summary_at_end_;
+  adapters::WallClock clock_;
+  SimTime started_;
+  adapters::Timer duration_;
+  bool ending_{false};
+  int status_{0};
+};
+
+/// One event for `up`, as a JSON line on standard output.
+void announce(const PartArguments& arguments, const std::string& json);
+
+}  // namespace cosiva::app

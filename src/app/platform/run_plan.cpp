@@ -1,0 +1,92 @@
+#include "cosiva/app/platform/run_plan.h"
+
+#include <filesystem>
+
+#include "cosiva/app/cli/words.h"
+#include "cosiva/app/resources/places.h"
+#include "cosiva/app/resources/rule_files.h"
+#include "cosiva/app/resources/zone_files.h"
+
+namespace cosiva::app {
+namespace {
+
+std::string absolute(const std::string& file) {
+  std::error_code error;
+  const std::filesystem::path path = std::filesystem::absolute(file, error);
+  return error ? file : path.lexically_normal().string();
+}
+
+void say_it_wins(const std::string& what, const std::string& ours, const std::string& scenario_s) {
+  if (ours != scenario_s) say("--" + what + " " + ours + " wins over the scenario's " + scenario_s);
+}
+
+/// The scenario's word counts where the command line said nothing.
+void merge(UpArguments& arguments, const experiments::Scenario& scenario) {
+  const UpArguments::Given& given = arguments.given;
+  if (given.zone)
+    say_it_wins("zone", arguments.zone, scenario.zone);
+  else
+    arguments.zone = scenario.zone;
+  if (given.aivs)
+    say_it_wins("aivs", std::to_string(arguments.aivs), std::to_string(scenario.aivs));
+  else
+    arguments.aivs = scenario.aivs;
+  if (given.seed)
+    say_it_wins("seed", std::to_string(arguments.seed), std::to_string(scenario.seed));
+  else
+    arguments.seed = scenario.seed;
+  if (given.duration && scenario.duration_s)
+    say_it_wins("duration", decimals(*arguments.duration_s, 1) + " s", decimals(*scenario.duration_s, 1) + " s");
+  else if (!given.duration)
+    arguments.duration_s = scenario.duration_s;
+}
+
+}  // namespace
+
+Result<RunPlan> plan_run(const UpArguments& arguments) {
+  UpArguments merged = arguments;
+  std::optional<experiments::Scenario> scenario;
+  std::string scenario_file;
+  if (!arguments.scenario.empty()) {
+    auto loaded = load_scenario(arguments.scenario);
+    if (!loaded) return tl::unexpected(loaded.error());
+    merge(merged, loaded->scenario);
+    scenario_file = absolute(loaded->file);
+    scenario = std::move(loaded->scenario);
+  }
+
+  std::optional<aiv::SpeedRules> rules;
+  if (!merged.rules.empty()) {
+    auto loaded = load_speed_rules(merged.rules);
+    if (!loaded) return tl::unexpected(loaded.error());
+    rules = std::move(*loaded);
+  }
+
+  auto configuration = load_zone(merged.zone);
+  if (!configuration) return tl::unexpected(configuration.error());
+  configuration->origin = absolute(configuration->origin);
+  auto rtm = zone::Rtm::initialise(std::move(*configuration));
+  if (!rtm) return tl::unexpected(rtm.error());
+  if (const std::size_t room = rtm->zone().start_places(merged.aivs).size(); room < merged.aivs) {
+    return fail("up.aivs",
+                "this zone has room for " + std::to_string(room) + " AIVs to start, not " + std::to_string(merged.aivs),
+                "--aivs");
+  }
+  if (scenario) {
+    // It is judged as it will run. A run cut short on the command line is no fault of the file's.
+    experiments::Scenario judged = *scenario;
+    judged.aivs = merged.aivs;
+    if (merged.given.duration) judged.duration_s.reset();
+    if (auto good = experiments::check(judged, rtm->zone(), scenario_file); !good) return tl::unexpected(good.error());
+  }
+
+  if (const std::string own = own_folder("zones");
+      !looks_like_a_file(merged.zone) && !own.empty() && rtm->configuration().origin.starts_with(own + "/"))
+    say("the zone " + merged.zone + " is your own, " + rtm->configuration().origin);
+  std::string name = merged.name.empty() ? default_run_name(scenario ? scenario->name : rtm->zone().name) : merged.name;
+  std::string zone_file = looks_like_a_file(merged.zone) ? rtm->configuration().origin : std::string{};
+  return RunPlan{std::move(merged),        std::move(name),      std::move(*rtm), std::move(scenario),
+                 std::move(scenario_file), std::move(zone_file), std::move(rules)};
+}
+
+}  // namespace cosiva::app

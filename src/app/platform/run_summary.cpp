@@ -1,0 +1,125 @@
+#include "cosiva/app/platform/run_summary.h"
+
+#include <algorithm>
+
+#include "cosiva/app/cli/words.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/json_writer.h"
+
+namespace cosiva::app {
+namespace {
+
+void write(JsonWriter& json, const JsonValue& value) {
+  if (const bool* flag = value.flag()) {
+    json.value(*flag);
+  } else if (const double* number = value.number()) {
+    json.value(*number);
+  } else if (const std::string* text = value.text()) {
+    json.value(*text);
+  } else if (const JsonValue::Array* items = value.array()) {
+    json.begin_array();
+    for (const JsonValue& item : *items) write(json, item);
+    json.end_array();
+  } else if (const JsonValue::Object* members = value.object()) {
+    json.begin_object();
+    for (const auto& [name, member] : *members) write(json.key(name), member);
+    json.end_object();
+  } else {
+    json.null();
+  }
+}
+
+std::string millis(const JsonValue& figures, std::string_view of, double scale, const char* unit) {
+  const JsonValue* spread = figures.find(of);
+  const auto p99 = spread == nullptr ? std::nullopt : spread->number("p99");
+  return p99 ? decimals(*p99 * scale, 1) + unit : std::string("unknown");
+}
+
+/// What was only virtual, in a line of its own; empty where nothing was.
+std::string augmented(const JsonValue& bijection) {
+  const double aivs = bijection.number("augmented").value_or(0.0);
+  const JsonValue* effects = bijection.find("effects");
+  const auto count = [&](std::string_view of) {
+    const JsonValue* spread = effects == nullptr ? nullptr : effects->find(of);
+    return spread == nullptr ? 0.0 : spread->number("count").value_or(0.0);
+  };
+  if (aivs == 0.0 && count("felt_ms") == 0.0 && count("shown_ms") == 0.0) return {};
+  std::string text = "\n" + decimals(aivs, 0) + " virtual AIVs";
+  const auto figure = [&](std::string_view of, const char* words) {
+    if (count(of) > 0.0) text += ", " + decimals(count(of), 0) + " times " + words + millis(*effects, of, 1.0, " ms");
+  };
+  figure("felt_ms", "felt in p99 ");
+  figure("brakes_ms", "braked for in p99 ");
+  figure("shown_ms", "an obstacle shown in p99 ");
+  return text;
+}
+
+/// In a line of its own where it matters: the figures are the machine's then, too.
+std::string late(const JsonValue& bijection) {
+  constexpr double worth_saying_ms = 20.0;
+  const JsonValue* spread = bijection.find("late_ms");
+  if (spread == nullptr || spread->number("p99").value_or(0.0) < worth_saying_ms) return {};
+  return "\nthis machine was busy or stood still: the server woke up to " +
+         decimals(spread->number("max").value_or(0.0), 0) + " ms late (p99 " +
+         millis(bijection, "late_ms", 1.0, " ms") + "), which is in these figures";
+}
+
+/// "matched 4 of 4". Vehicles of other programs may have come to the same broker: of all that are on either side, and
+/// of those asked for that are on none, so many are matched.
+std::string matched_text(const JsonValue& bijection, std::uint32_t asked_for) {
+  const auto counted = [&](const char* what) { return bijection.number(what).value_or(0.0); };
+  const double present = counted("physical") + counted("virtual") - counted("matched");
+  const double wanted = asked_for;
+  std::string text = "matched " + decimals(counted("matched"), 0) + " of " + decimals(std::max(present, wanted), 0);
+  if (present > wanted) text += " (" + decimals(present - wanted, 0) + " more than asked for)";
+  return text;
+}
+
+std::string deadlocks_text(const JsonValue* deadlocks) {
+  if (deadlocks == nullptr) return {};
+  const double detected = deadlocks->number("detected").value_or(0.0);
+  const double open = deadlocks->number("open").value_or(0.0);
+  return ", " + decimals(detected, 0) + (detected == 1.0 ? " deadlock" : " deadlocks") +
+         (open > 0.0 ? " (" + decimals(open, 0) + " not resolved)" : "");
+}
+
+}  // namespace
+
+Result<RunSummary> summarise(const RunFacts& facts, std::string_view server_summary, std::string_view plant_summary) {
+  const auto server = JsonValue::parse(server_summary);
+  const auto plant = JsonValue::parse(plant_summary);
+  const JsonValue* bijection = server ? server->find("bijection") : nullptr;
+  const JsonValue* collisions = plant ? plant->find("collisions") : nullptr;
+  if (bijection == nullptr || collisions == nullptr || collisions->array() == nullptr)
+    return fail("run.summary", "a part of the platform left no summary; its log says why");
+
+  RunSummary run;
+  const std::size_t touched = collisions->array()->size();
+  const double laps = plant->number("laps").value_or(0.0);
+  const double longest_wait_s = plant->number("longest_wait_s").value_or(0.0);
+  JsonWriter json;
+  write(json.begin_object().key("bijection"), *bijection);
+  json.field("aivs", facts.aivs).field("collisions", touched).field("laps", laps);
+  json.field("longest_wait_s", longest_wait_s);
+  const JsonValue* deadlocks = server->find("deadlocks");
+  if (deadlocks != nullptr) write(json.key("deadlocks"), *deadlocks);
+  json.field("digest", facts.digest).field("duration_s", facts.duration_s);
+  json.field("zone", facts.zone).field("seed", facts.seed);
+  if (!facts.scenario.empty()) json.field("scenario", facts.scenario);
+  json.end_object();
+  run.json = json.take();
+
+  const auto counted = [&](const char* what) { return bijection->number(what).value_or(-1.0); };
+  const double wanted = facts.aivs;
+  run.collided = touched > 0;
+  run.all_matched = counted("matched") == wanted && counted("physical") == wanted && counted("virtual") == wanted;
+
+  run.text = decimals(facts.duration_s, 1) + " s on " + facts.zone + ": " + matched_text(*bijection, facts.aivs) +
+             ", divergence p99 " + millis(*bijection, "divergence_m", 1e3, " mm") + ", age p99 " +
+             millis(*bijection, "age_ms", 1.0, " ms") + "\n" + std::to_string(touched) + " collisions, " +
+             decimals(laps, 0) + " laps, longest wait " + decimals(longest_wait_s, 1) + " s" +
+             deadlocks_text(deadlocks) + ", digest " + facts.digest + augmented(*bijection) + late(*bijection);
+  return run;
+}
+
+}  // namespace cosiva::app

@@ -1,0 +1,133 @@
+#include "cosiva/app/platform/supervisor.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "cosiva/adapters/files.h"
+#include "cosiva/app/cli/words.h"
+#include "cosiva/base/json_writer.h"
+
+namespace cosiva::app {
+namespace {
+
+using adapters::Child;
+using adapters::ChildExit;
+using std::chrono::milliseconds;
+using Steady = std::chrono::steady_clock;
+
+/// Whose last lives were no longer than this together cannot live. Not judged one by one: on a machine that stands
+/// still for a second, a death is seen so much later.
+constexpr std::size_t lives_judged = 5;
+constexpr std::chrono::seconds lives_min{10};
+/// Who dies this soon did not get to work at all, and waits longer each time.
+constexpr std::chrono::seconds early{1};
+constexpr milliseconds backoff_first{50};
+
+}  // namespace
+
+Supervisor::Supervisor(adapters::EventLoop& loop, std::string children_file,
+                       std::function<void(const std::string&)> on_hopeless)
+    : loop_{loop}, children_file_{std::move(children_file)}, on_hopeless_{std::move(on_hopeless)} {}
+
+Supervisor::~Supervisor() { ending_ = true; }
+
+std::function<Result<Child*>(Supervisor::OnExit)> Supervisor::launcher(Program program) const {
+  auto owner = std::make_shared<std::unique_ptr<Child>>();
+  return [this, owner, program = std::move(program)](OnExit on_exit) -> Result<Child*> {
+    adapters::ChildOptions options;
+    options.argv = program.argv();
+    options.log_file = program.log_file;
+    options.on_line = program.on_line;
+    options.on_exit = std::move(on_exit);
+    auto started = Child::start(loop_, std::move(options));
+    if (!started) return tl::unexpected(started.error());
+    *owner = std::move(*started);
+    return owner->get();
+  };
+}
+
+Result<void> Supervisor::add(Member member) {
+  members_.push_back(std::make_unique<Running>(loop_, std::move(member)));
+  return launch(*members_.back());
+}
+
+Result<void> Supervisor::launch(Running& running) {
+  running.born = Steady::now();
+  auto child = running.member.launch([this, &running](const ChildExit& exit) { died(running, exit); });
+  if (!child) return tl::unexpected(child.error());
+  running.child = *child;
+  note_children();
+  return {};
+}
+
+void Supervisor::died(Running& running, const ChildExit& exit) {
+  const auto life = Steady::now() - running.born;
+  note_children();
+  if (ending_) return end_next_stage();
+  const std::string& name = running.member.name;
+  if (!running.member.respawns) {
+    say(name + " has ended: " + to_string(exit));
+    return;
+  }
+  running.lives.push_back(life);
+  if (running.lives.size() > lives_judged) running.lives.pop_front();
+  if (running.lives.size() == lives_judged &&
+      std::accumulate(running.lives.begin(), running.lives.end(), Steady::duration{}) < lives_min) {
+    say(name + " has ended: " + to_string(exit) + ", for the " + std::to_string(lives_judged) + "th time within " +
+        std::to_string(lives_min.count()) + " s of running");
+    if (on_hopeless_) on_hopeless_(name);
+    return;
+  }
+  const auto& lives = running.lives;
+  const auto early_deaths =
+      std::find_if(lives.rbegin(), lives.rend(), [](Steady::duration one) { return one >= early; }) - lives.rbegin();
+  milliseconds delay = running.member.respawn_delay;
+  if (early_deaths > 0) delay = std::max(delay, backoff_first * (1 << early_deaths));
+  say(name + " has ended: " + to_string(exit) + "; starting it again" +
+      (delay >= std::chrono::seconds{1} ? " in " + decimals(static_cast<double>(delay.count()) / 1e3, 0) + " s" : ""));
+  running.respawn.after(delay, [this, &running] { start_again(running); });
+}
+
+void Supervisor::start_again(Running& running) {
+  if (ending_) return;
+  if (auto launched = launch(running); !launched) {
+    say("cosiva: " + to_string(launched.error()));
+    if (on_hopeless_) on_hopeless_(running.member.name);
+  }
+}
+
+void Supervisor::end(std::function<void()> done) {
+  ending_ = true;
+  on_ended_ = std::move(done);
+  for (auto& running : members_) running->respawn.cancel();
+  end_next_stage();
+}
+
+void Supervisor::end_next_stage() {
+  int stage = std::numeric_limits<int>::max();
+  for (const auto& running : members_) {
+    if (running->alive()) stage = std::min(stage, running->member.stage);
+  }
+  if (stage == std::numeric_limits<int>::max()) {
+    if (const auto done = std::exchange(on_ended_, {})) loop_.post(done);
+    return;
+  }
+  for (auto& running : members_) {
+    if (running->alive() && running->member.stage == stage) running->child->end();
+  }
+}
+
+void Supervisor::note_children() const {
+  JsonWriter json;
+  json.begin_object().key("children").begin_array();
+  for (const auto& running : members_) {
+    if (running->alive())
+      json.begin_object().field("name", running->member.name).field("pid", running->child->pid()).end_object();
+  }
+  json.end_array().end_object();
+  // Only a convenience for people and tests: not being able to write it stops nothing.
+  static_cast<void>(adapters::write_file(children_file_, json.text()));
+}
+
+}  // namespace cosiva::app

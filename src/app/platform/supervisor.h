@@ -1,0 +1,70 @@
+#pragma once
+
+#include <chrono>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cosiva/adapters/child_process.h"
+#include "cosiva/adapters/event_loop.h"
+#include "cosiva/base/result.h"
+
+namespace cosiva::app {
+
+/// Keeps a set of processes running: starts again what dies, gives up on what cannot live, and ends all in order.
+class Supervisor {
+ public:
+  using OnExit = std::function<void(const adapters::ChildExit&)>;
+  struct Member {
+    std::string name;
+    int stage{0};  ///< ended in ascending order; the next stage waits until this one is gone
+    /// Starts it (again) and says what it is; the child's owner lives in the function.
+    std::function<Result<adapters::Child*>(OnExit)> launch;
+    bool respawns{true};
+    std::chrono::milliseconds respawn_delay{0};
+  };
+
+  /// @param children_file  kept up to date: {"children":[{"name","pid"}…]}
+  /// @param on_hopeless    told once whose last five lives were shorter than ten seconds together
+  Supervisor(adapters::EventLoop& loop, std::string children_file, std::function<void(const std::string&)> on_hopeless);
+  ~Supervisor();
+
+  /// Starts a member at once. Fails when its program cannot be run.
+  [[nodiscard]] Result<void> add(Member member);
+  void end(std::function<void()> done);
+
+  /// A process of ours whose program is `argv()` each time it starts.
+  struct Program {
+    std::string log_file;
+    std::function<std::vector<std::string>()> argv;
+    std::function<void(const std::string&)> on_line;
+  };
+  [[nodiscard]] std::function<Result<adapters::Child*>(OnExit)> launcher(Program program) const;
+
+ private:
+  struct Running {
+    Member member;
+    adapters::Child* child{nullptr};
+    adapters::Timer respawn;
+    std::chrono::steady_clock::time_point born;
+    std::deque<std::chrono::steady_clock::duration> lives;  ///< how long the last ones were
+    explicit Running(adapters::EventLoop& loop, Member m) : member{std::move(m)}, respawn{loop} {}
+    [[nodiscard]] bool alive() const { return child != nullptr && child->running(); }
+  };
+  [[nodiscard]] Result<void> launch(Running& running);
+  void died(Running& running, const adapters::ChildExit& exit);
+  void start_again(Running& running);
+  void end_next_stage();
+  void note_children() const;
+
+  adapters::EventLoop& loop_;
+  std::string children_file_;
+  std::function<void(const std::string&)> on_hopeless_;
+  std::function<void()> on_ended_;
+  std::vector<std::unique_ptr<Running>> members_;
+  bool ending_{false};
+};
+
+}  // namespace cosiva::app

@@ -1,0 +1,133 @@
+#include "cosiva/app/platform/supervisor.h"
+
+#include <gmock/gmock.h>
+#include <signal.h>
+
+#include <thread>
+
+#include "cosiva/adapters/files.h"
+#include "cosiva/adapters/test_bench.h"
+#include "cosiva/base/json_value.h"
+
+namespace cosiva::app {
+namespace {
+
+using namespace std::chrono_literals;
+using adapters::testing::patience;
+using adapters::testing::Scratch;
+using ::testing::ElementsAre;
+
+class Supervised : public ::testing::Test {
+ protected:
+  void add(const std::string& name, const std::string& script, int stage = 0, bool respawns = true,
+           std::chrono::milliseconds delay = 0ms) {
+    Supervisor::Program program;
+    program.log_file = scratch / (name + ".log");
+    program.argv = [this, name, script] {
+      ++starts[name];
+      return std::vector<std::string>{"sh", "-c", script};
+    };
+    program.on_line = [this](const std::string& line) {
+      lines.push_back(line);
+      if (on_line) on_line();
+    };
+    Supervisor::Member member{name, stage, supervisor.launcher(std::move(program)), respawns, delay};
+    ASSERT_TRUE(supervisor.add(std::move(member)));
+  }
+  [[nodiscard]] std::vector<pid_t> noted() const {
+    std::vector<pid_t> pids;
+    const auto file = JsonValue::parse(adapters::read_file(scratch / "children.json").value());
+    for (const JsonValue& child : *file->find("children")->array())
+      pids.push_back(static_cast<pid_t>(*child.number("pid")));
+    return pids;
+  }
+  bool until(const std::function<bool()>& done) { return loop.run_until(done, patience); }
+  bool end() {
+    bool ended = false;
+    supervisor.end([&] { ended = true; });
+    return until([&] { return ended; });
+  }
+
+  Scratch scratch;
+  adapters::EventLoop loop;
+  std::map<std::string, int> starts;
+  std::vector<std::string> lines;
+  std::function<void()> on_line;
+  std::vector<std::string> hopeless;
+  Supervisor supervisor{loop, scratch / "children.json", [this](const std::string& name) { hopeless.push_back(name); }};
+};
+
+TEST_F(Supervised, killed_member_is_started_again_and_noted) {
+  add("server", "echo up; exec sleep 600");
+  ASSERT_TRUE(until([&] { return lines.size() == 1; }));
+  const pid_t first = noted().at(0);
+  ::kill(first, SIGKILL);
+  ASSERT_TRUE(until([&] { return lines.size() == 2; }));
+  EXPECT_EQ(starts["server"], 2);
+  EXPECT_NE(noted().at(0), first);
+  EXPECT_TRUE(end());
+  EXPECT_TRUE(noted().empty());
+}
+
+TEST_F(Supervised, member_with_a_delay_waits_for_it) {
+  add("aiv1", "echo up; exec sleep 600", 0, true, 300ms);
+  ASSERT_TRUE(until([&] { return lines.size() == 1; }));
+  const auto killed = std::chrono::steady_clock::now();
+  ::kill(noted().at(0), SIGKILL);
+  ASSERT_TRUE(until([&] { return lines.size() == 2; }));
+  EXPECT_GE(std::chrono::steady_clock::now() - killed, 300ms);
+  EXPECT_TRUE(end());
+}
+
+TEST_F(Supervised, member_that_must_not_come_back_stays_away) {
+  add("aiv1", "echo up; exec sleep 600", 0, false);
+  ASSERT_TRUE(until([&] { return lines.size() == 1; }));
+  ::kill(noted().at(0), SIGKILL);
+  ASSERT_TRUE(until([&] { return noted().empty(); }));
+  loop.run_for(200ms);
+  EXPECT_EQ(starts["aiv1"], 1);
+  EXPECT_TRUE(end());
+}
+
+TEST_F(Supervised, member_that_cannot_live_is_given_up) {
+  add("plant", "exit 2");
+  ASSERT_TRUE(until([&] { return !hopeless.empty(); }));
+  EXPECT_THAT(hopeless, ElementsAre("plant"));
+  EXPECT_EQ(starts["plant"], 5);
+  EXPECT_TRUE(end());
+}
+
+TEST_F(Supervised, member_that_cannot_live_is_given_up_however_late_its_deaths_are_seen) {
+  on_line = [this] {
+    if (lines.size() == 2) std::this_thread::sleep_for(1200ms);
+  };
+  add("plant", "echo up; exit 2");
+  ASSERT_TRUE(until([&] { return !hopeless.empty(); }));
+  EXPECT_EQ(starts["plant"], 5);
+  EXPECT_TRUE(end());
+}
+
+TEST_F(Supervised, end_goes_stage_by_stage) {
+  const std::string polite = "trap 'echo bye $NAME; exit 0' TERM; echo up; while :; do sleep 0.02; done";
+  add("broker", "NAME=broker; " + polite, 2);
+  add("server", "NAME=server; " + polite, 0);
+  add("aiv1", "NAME=aiv1; " + polite, 1);
+  ASSERT_TRUE(until([&] { return lines.size() == 3; }));
+  EXPECT_TRUE(end());
+  EXPECT_TRUE(until([&] { return lines.size() == 6; }));
+  EXPECT_THAT((std::vector<std::string>{lines.begin() + 3, lines.end()}),
+              ElementsAre("bye server", "bye aiv1", "bye broker"));
+}
+
+TEST_F(Supervised, end_while_someone_waits_to_be_started_again_starts_nobody) {
+  add("aiv1", "echo up; exec sleep 600", 0, true, 200ms);
+  ASSERT_TRUE(until([&] { return lines.size() == 1; }));
+  ::kill(noted().at(0), SIGKILL);
+  ASSERT_TRUE(until([&] { return noted().empty(); }));
+  EXPECT_TRUE(end());
+  loop.run_for(400ms);
+  EXPECT_EQ(starts["aiv1"], 1);
+}
+
+}  // namespace
+}  // namespace cosiva::app

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "cosiva/adapters/event_loop.h"
+#include "cosiva/app/platform/virtual_run.h"
+#include "cosiva/app/platform/zone_watch.h"
+#include "cosiva/hmi/server_page.h"
+
+namespace cosiva::app {
+
+/// A world in virtual time behind the page: one event loop for both, so no lock. The clock can be stopped, stepped and
+/// given another speed from the page.
+class VirtualPage {
+ public:
+  /// @param ended  told when the run's duration is over
+  [[nodiscard]] static Result<std::unique_ptr<VirtualPage>> open(adapters::EventLoop& loop, VirtualRun& run,
+                                                                 std::function<void()> ended);
+  [[nodiscard]] std::uint16_t port() const { return page_->port(); }
+  [[nodiscard]] PageHost::Clock clock() const;
+  void set_clock(bool running, double speed);
+  /// Runs so much while the clock stands; ends at the run's end.
+  void step(SimDuration duration);
+
+ private:
+  using Steady = std::chrono::steady_clock;
+  VirtualPage(adapters::EventLoop& loop, VirtualRun& run, std::function<void()> ended);
+  [[nodiscard]] PageHost host();
+  void command(std::string json);
+  void beat();
+  /// Up to the run's end; false when that is reached.
+  bool run_for(SimDuration duration);
+  void measure(Steady::time_point now);
+
+  VirtualRun& run_;
+  std::function<void()> ended_;
+  std::unique_ptr<ServerPage> page_;
+  std::unique_ptr<ZoneWatch> watch_;
+  adapters::Timer timer_;
+  bool running_{true};
+  bool over_{false};
+  double speed_;
+  double reached_;  ///< virtual seconds per second, measured
+  Steady::time_point last_beat_;
+  Steady::time_point measured_since_;
+  SimTime measured_from_;
+  bool said_slow_{false};
+};
+
+/// `up --virtual-time --page`: until its duration, Ctrl-C or a signal ends it. Gives the exit status.
+int run_virtual_page(VirtualRun& run);
+
+}  // namespace cosiva::app

@@ -1,0 +1,65 @@
+#include "cosiva/app/platform/virtual_run.h"
+
+#include <algorithm>
+
+#include "cosiva/app/cli/words.h"
+
+namespace cosiva::app {
+
+Result<std::unique_ptr<VirtualRun>> VirtualRun::make(RunPlan plan) {
+  experiments::WorldOptions options;
+  options.zone = plan.rtm.configuration();
+  options.aivs = plan.arguments.aivs;
+  options.seed = plan.arguments.seed;
+  options.network.loss = plan.arguments.loss;
+  options.v2x = options.server.v2x = plan.arguments.v2x;
+  options.server.convoys = plan.arguments.convoys;
+  if (plan.rules) options.rules = options.server.virtual_rules = *plan.rules;
+  auto world = experiments::World::make(std::move(options));
+  if (!world) return tl::unexpected(world.error());
+  std::unique_ptr<VirtualRun> run{new VirtualRun{std::move(plan), std::move(*world)}};
+  if (!run->plan_.arguments.trace_file.empty()) {
+    auto opened = TraceWriter::create(run->plan_.arguments.trace_file);
+    if (!opened) return tl::unexpected(opened.error());
+    run->trace_ = std::move(*opened);
+  }
+  return run;
+}
+
+VirtualRun::VirtualRun(RunPlan plan, std::unique_ptr<experiments::World> world)
+    : plan_{std::move(plan)}, world_{std::move(world)}, start_{world_->now()} {
+  world_->tap([this](SimTime at, const std::string& from, const wire::Publish& message) {
+    if (trace_) trace_->write(at, from, message.topic, message.payload, message.retained);
+    if (more_) more_(at, from, message);
+  });
+  if (!plan_.scenario) return;
+  world_->play(*plan_.scenario);
+  world_->on_step([this](SimTime at, const experiments::Scenario::Step& step) {
+    say(step_line(to_seconds(at - world_->scenario_began().value_or(at)), step.what));
+  });
+}
+
+double VirtualRun::duration_s_default() const {
+  constexpr double minute_s = 60.0;
+  constexpr double afterwards_s = 10.0;
+  if (!plan_.scenario || plan_.scenario->steps.empty()) return minute_s;
+  return std::max(minute_s, to_seconds(plan_.scenario->steps.back().at) + afterwards_s);
+}
+
+std::optional<SimTime> VirtualRun::end() const {
+  if (!plan_.arguments.duration_s) return std::nullopt;
+  // A fleet that never gets complete still ends.
+  const SimTime from = plan_.scenario ? world_->scenario_began().value_or(start_) : start_;
+  return from + from_seconds(*plan_.arguments.duration_s);
+}
+
+int VirtualRun::finish(bool interrupted) const {
+  RunFacts facts{plan_.arguments.zone,  plan_.arguments.aivs,   plan_.arguments.seed,
+                 to_seconds(elapsed()), world_->digest().hex(), plan_.scenario ? plan_.scenario->name : std::string{}};
+  const auto run = summarise(facts, world_->server().summary_json(), world_->plant().summary_json());
+  if (!run) return complain(run.error());
+  print(plan_.arguments.json ? run->json : run->text);
+  return run->collided || (!run->all_matched && !interrupted) ? exit_check_failed : exit_done;
+}
+
+}  // namespace cosiva::app

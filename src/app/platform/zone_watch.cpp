@@ -1,0 +1,81 @@
+#include "cosiva/app/platform/zone_watch.h"
+
+#include <sys/stat.h>
+
+#include <cstdint>
+#include <utility>
+
+#include "cosiva/app/resources/zone_files.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/zone/rtm/rtm.h"
+
+namespace cosiva::app {
+namespace {
+
+constexpr std::chrono::milliseconds look_period{500};
+
+bool is(const std::optional<zone::ZoneConfiguration>& known, const zone::ZoneConfiguration& read) {
+  return known && known->format == read.format && known->text == read.text && known->companion == read.companion;
+}
+
+}  // namespace
+
+ZoneWatch::ZoneWatch(adapters::EventLoop& loop, std::string file, std::string companion_file, Handlers handlers)
+    : file_{std::move(file)}, companion_file_{std::move(companion_file)}, handlers_{std::move(handlers)}, timer_{loop} {
+  // What it holds now is what the run began with; only what comes after is news.
+  at_rest_stamp_ = stamp();
+  if (auto read = load_zone(file_, companion_file_)) at_rest_ = std::move(*read);
+  timer_.every(look_period, [this] { look(); });
+}
+
+std::string ZoneWatch::stamp() const {
+  std::string text;
+  for (const std::string& file :
+       {file_, companion_file_.empty() ? zone::companion_of_file(file_).value_or("") : companion_file_}) {
+    struct stat facts {};
+    if (file.empty() || ::stat(file.c_str(), &facts) != 0) continue;
+    for (const auto number :
+         {facts.st_size, facts.st_mtim.tv_sec, facts.st_mtim.tv_nsec, static_cast<std::int64_t>(facts.st_ino)})
+      text += std::to_string(number) + " ";
+    text += "| ";
+  }
+  return text;
+}
+
+void ZoneWatch::look() {
+  std::string stamped = stamp();
+  if (stamped == at_rest_stamp_ && !settling_ && looks_in_vain_ == 0) return;
+  auto read = load_zone(file_, companion_file_);
+  if (!read) {
+    settling_.reset();
+    // An editor may put a new file in the old one's place: one look that finds none is no news.
+    if (++looks_in_vain_ == 2)
+      handlers_.say("the zone's file cannot be read, so the zone stays as it is: " + to_string(read.error()));
+    return;
+  }
+  looks_in_vain_ = 0;
+  const bool changed = !is(at_rest_, *read);
+  // Half a file is no zone: it is taken when two looks find the same.
+  if (changed && !is(settling_, *read)) {
+    settling_ = std::move(*read);
+    return;
+  }
+  settling_.reset();
+  at_rest_stamp_ = std::move(stamped);
+  if (!changed) return;
+  at_rest_ = *read;
+  if (!is(handlers_.in_force(), *read)) take(*read);
+}
+
+void ZoneWatch::take(const zone::ZoneConfiguration& read) {
+  JsonWriter json;
+  zone::write_json(json.begin_object().field("command", "switch").key("zone"), read);
+  json.end_object();
+  handlers_.give(json.take());
+  if (is(handlers_.in_force(), read)) return handlers_.say("the zone's file has changed; switched to it");
+  const auto rtm = zone::Rtm::initialise(read);
+  handlers_.say("the zone's file has changed, but cannot be used; the zone that was there stays" +
+                (rtm ? std::string{} : ": " + to_string(rtm.error())));
+}
+
+}  // namespace cosiva::app

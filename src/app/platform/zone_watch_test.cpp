@@ -1,0 +1,115 @@
+#include "cosiva/app/platform/zone_watch.h"
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+#include "cosiva/adapters/files.h"
+#include "cosiva/adapters/test_bench.h"
+#include "cosiva/app/resources/zone_files.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/zone/rtm/rtm.h"
+
+namespace cosiva::app {
+namespace {
+
+using adapters::testing::Scratch;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+std::string straight(const std::string& length) {
+  return "name = \"way\"\nformat_version = 1\n[[section]]\nname = \"a\"\nkind = \"straight\"\nlength_m = " + length +
+         "\nnext = []\n";
+}
+
+/// A core that takes whatever can be read, and a file that somebody edits.
+class Watched : public ::testing::Test {
+ protected:
+  Watched() { in_force = load_zone(file).value(); }
+
+  void save(const std::string& text) const { scratch.write("way.toml", text); }
+  void look(int times = 1) {
+    for (int i = 0; i < times; ++i) watch.look();
+  }
+
+  Scratch scratch;
+  std::string file{scratch.write("way.toml", straight("2.0"))};
+  std::optional<zone::ZoneConfiguration> in_force;
+  std::vector<std::string> given;
+  std::vector<std::string> said;
+  adapters::EventLoop loop;
+  ZoneWatch watch{loop,
+                  file,
+                  {},
+                  {[this] { return in_force; },
+                   [this](const std::string& command) {
+                     given.push_back(command);
+                     auto zone = zone::zone_configuration_from_json(*JsonValue::parse(command)->find("zone"));
+                     if (zone::Rtm::initialise(*zone)) in_force = std::move(*zone);
+                   },
+                   [this](const std::string& text) { said.push_back(text); }}};
+};
+
+TEST_F(Watched, a_file_that_nobody_touches_is_no_news) {
+  look(5);
+  save(straight("2.0"));  // saved again, as it was
+  look(5);
+  EXPECT_THAT(given, IsEmpty());
+  EXPECT_THAT(said, IsEmpty());
+}
+
+TEST_F(Watched, a_change_is_taken_once_it_has_settled) {
+  save(straight("3.0"));
+  look();
+  EXPECT_THAT(given, IsEmpty()) << "somebody may still be writing";
+  save(straight("4.0"));
+  look();
+  EXPECT_THAT(given, IsEmpty());
+  look();
+  ASSERT_EQ(given.size(), 1U);
+  EXPECT_EQ(in_force->text, straight("4.0"));
+  EXPECT_EQ(JsonValue::parse(given[0])->text("command"), "switch");
+  look(5);
+  EXPECT_EQ(given.size(), 1U);
+  EXPECT_THAT(said, ElementsAre(HasSubstr("switched to it")));
+}
+
+TEST_F(Watched, what_the_page_saved_is_in_force_already) {
+  in_force->text = straight("5.0");
+  save(straight("5.0"));
+  look(3);
+  EXPECT_THAT(given, IsEmpty());
+  save(straight("2.0"));  // and by hand back to what it was first
+  look(3);
+  EXPECT_EQ(given.size(), 1U);
+}
+
+TEST_F(Watched, a_broken_file_is_given_for_its_refusal_and_said_once) {
+  save("name = 3\n");
+  look(5);
+  EXPECT_EQ(given.size(), 1U) << "the platform says on its page why it refuses";
+  EXPECT_EQ(in_force->text, straight("2.0"));
+  EXPECT_THAT(said, ElementsAre(::testing::AllOf(HasSubstr("stays"), HasSubstr("way.toml:1"))));
+  save(straight("3.0"));
+  look(2);
+  EXPECT_EQ(in_force->text, straight("3.0"));
+}
+
+TEST_F(Watched, a_file_that_is_away_for_a_moment_is_no_news_but_one_that_stays_away_is) {
+  std::filesystem::remove(file);
+  look();
+  save(straight("2.0"));
+  look(3);
+  EXPECT_THAT(said, IsEmpty());
+  std::filesystem::remove(file);
+  look(5);
+  EXPECT_THAT(said, ElementsAre(HasSubstr("cannot be read")));
+  EXPECT_THAT(given, IsEmpty());
+  save(straight("6.0"));
+  look(2);
+  EXPECT_EQ(in_force->text, straight("6.0"));
+}
+
+}  // namespace
+}  // namespace cosiva::app

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <optional>
+
+#include "cosiva/app/positioning/qualify_arguments.h"
+#include "cosiva/app/positioning/qualify_live.h"
+
+/// The options of `cosiva qualify` and `cosiva compare`.
+namespace cosiva::app {
+
+/// `cosiva qualify` and `cosiva compare`.
+struct QualifyVerbs {
+  CLI::App* qualify;
+  CLI::App* compare;
+  std::shared_ptr<LiveQualifyArguments> live;
+};
+
+[[nodiscard]] QualifyVerbs describe_qualify(CLI::App& root, QualifyArguments& qualify);
+
+/// The exit status of the one that was asked for, if any.
+[[nodiscard]] std::optional<int> run_qualify_verb(const QualifyVerbs& verbs, QualifyArguments& qualify, int argc,
+                                                  const char* const* argv);
+
+}  // namespace cosiva::app

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "cosiva/adapters/line_process.h"
+#include "cosiva/aiv/estimation/algorithm.h"
+
+namespace cosiva::app {
+
+/// An algorithm that is a program of its own, in any language: it reads one JSON line per input and answers one per
+/// estimate (docs/guide/metrology.md has the lines). When it hangs, ends or answers garbage, that is its fault(), and
+/// nobody else's.
+class ExternalAlgorithm final : public estimation::Algorithm {
+ public:
+  /// Starts the program and tells it the setting. Fails as LineProcess does.
+  [[nodiscard]] static Result<std::unique_ptr<estimation::Algorithm>> start(const std::string& name,
+                                                                            const std::string& command,
+                                                                            const estimation::Setting& setting,
+                                                                            std::chrono::milliseconds patience);
+
+  void predict(const estimation::Odometry& odometry) override;
+  estimation::Rectified rectify(const estimation::Reading& reading) override;
+  estimation::Rectified rectify(const estimation::Range& range) override;
+  [[nodiscard]] estimation::Estimate estimate() const override;
+  [[nodiscard]] const Error* fault() const override { return fault_ ? &*fault_ : nullptr; }
+
+ private:
+  ExternalAlgorithm(std::string name, std::unique_ptr<adapters::LineProcess> process,
+                    std::chrono::milliseconds patience);
+  void tell(const std::string& line);
+  void blame(const Error& error) const;
+
+  std::string name_;
+  std::unique_ptr<adapters::LineProcess> process_;
+  std::chrono::milliseconds patience_;
+  mutable std::optional<Error> fault_;
+};
+
+/// What it answers: {"x_m":…,"y_m":…,"heading_rad":…} and, where it states one, "covariance": nine numbers by rows of
+/// (x, y, heading). Fails ("algorithm.garbage") with what was said.
+[[nodiscard]] Result<estimation::Estimate> read_estimate(const std::string& line);
+
+}  // namespace cosiva::app

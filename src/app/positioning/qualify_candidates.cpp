@@ -1,0 +1,97 @@
+#include "cosiva/app/positioning/qualify_candidates.h"
+
+#include <algorithm>
+#include <thread>
+
+#include "cosiva/app/positioning/external_algorithm.h"
+#include "cosiva/app/resources/reference_budget.h"
+
+namespace cosiva::app {
+namespace {
+
+using experiments::Candidate;
+
+Candidate candidate_of(const estimation::Registry& registry, const estimation::Registered& registered,
+                       const QualifyArguments& arguments) {
+  const auto make = [&registry, name = registered.name, particles = arguments.particles,
+                     horizon = arguments.horizon](estimation::Setting setting) {
+    setting.particles = particles;
+    setting.horizon = horizon;
+    return registry.make(name, setting);
+  };
+  return {registered.name, registered.what, registered.looks_back, make};
+}
+
+Result<Candidate> external_of(const std::string& text, std::chrono::milliseconds patience) {
+  const std::size_t equals = text.find('=');
+  if (equals == 0 || equals == std::string::npos || equals + 1 == text.size())
+    return fail("algorithm.external", "it is NAME=COMMAND, such as \"mine=python3 mine.py\"", "--external " + text);
+  const std::string name = text.substr(0, equals);
+  const std::string command = text.substr(equals + 1);
+  const auto make = [name, command, patience](const estimation::Setting& setting) {
+    return ExternalAlgorithm::start(name, command, setting, patience);
+  };
+  return Candidate{name, "external: " + command, false, make};
+}
+
+}  // namespace
+
+std::size_t threads_for(const QualifyArguments& arguments) {
+  return arguments.threads > 0 ? arguments.threads : std::max(1U, std::thread::hardware_concurrency());
+}
+
+experiments::Alignment alignment_of(const QualifyArguments& arguments) {
+  for (const auto how : {experiments::Alignment::se2, experiments::Alignment::se3, experiments::Alignment::origin}) {
+    if (arguments.align == to_string(how)) return how;
+  }
+  return experiments::Alignment::none;
+}
+
+Result<experiments::ReferenceBudget> reference_of(const QualifyArguments& arguments) {
+  if (arguments.reference_budget.empty()) {
+    experiments::ReferenceBudget budget;
+    if (arguments.reference_m) budget.parts.push_back({"all of it", *arguments.reference_m, "--reference-error"});
+    return budget;
+  }
+  if (arguments.reference_m)
+    return fail("compare.reference", "it says part by part what the other says as one figure: give one of them",
+                "--reference-budget, --reference-error");
+  return load_reference_budget(arguments.reference_budget);
+}
+
+Result<std::vector<Candidate>> candidates_of(const QualifyArguments& arguments, const estimation::Registry& registry,
+                                             bool on_track, const std::vector<std::string>& usual) {
+  std::vector<Candidate> candidates;
+  std::vector<std::string> names = arguments.algorithms;
+  const bool all = names == std::vector<std::string>{"all"};
+  std::vector<Candidate> externals;
+  for (const std::string& text : arguments.external) {
+    auto external = external_of(text, std::chrono::milliseconds{static_cast<int>(1e3 * arguments.patience_s)});
+    if (!external) return tl::unexpected(external.error());
+    // Its name may stand among the others', to say where it belongs.
+    std::erase(names, external->name);
+    if (registry.find(external->name))
+      return fail("algorithm.duplicate", "one that comes with the platform has this name", external->name);
+    externals.push_back(std::move(*external));
+  }
+  if (arguments.algorithms.empty() && (externals.empty() || !usual.empty())) names = usual;
+  if (all) names.clear();
+  for (const estimation::Registered& one : registry.all()) {
+    if (all && (on_track || !one.needs_track)) names.push_back(one.name);
+  }
+  for (const std::string& name : names) {
+    const auto registered = registry.find(name);
+    if (!registered) return tl::unexpected(registered.error());
+    candidates.push_back(candidate_of(registry, **registered, arguments));
+  }
+  std::ranges::move(externals, std::back_inserter(candidates));
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      if (candidates[i].name == candidates[k].name)
+        return fail("algorithm.duplicate", "it is named twice", candidates[i].name);
+    }
+  }
+  return candidates;
+}
+
+}  // namespace cosiva::app

@@ -1,0 +1,275 @@
+// `cosiva qualify --live` and `cosiva compare --live`: on a platform that runs, over its broker and its server's API.
+#include "cosiva/app/positioning/qualify_live.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <deque>
+#include <memory>
+#include <utility>
+
+#include "cosiva/adapters/clock.h"
+#include "cosiva/adapters/event_loop.h"
+#include "cosiva/adapters/http_client.h"
+#include "cosiva/adapters/mqtt_client.h"
+#include "cosiva/app/cli/progress.h"
+#include "cosiva/app/cli/words.h"
+#include "cosiva/app/positioning/qualify_candidates.h"
+#include "cosiva/app/remote/zone_switch.h"
+#include "cosiva/app/resources/places.h"
+#include "cosiva/experiments/battery/analysis.h"
+#include "cosiva/experiments/positioning/metrology/live_runs.h"
+#include "cosiva/wire/own/halls.h"
+#include "cosiva/zone/rtm/rtm.h"
+
+namespace cosiva::app {
+namespace {
+
+using experiments::LiveRuns;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr milliseconds tick_period{5};
+/// A server that was killed is back within a few seconds; what is said to it meanwhile waits.
+constexpr milliseconds command_patience{1000};
+constexpr seconds connect_max{5};
+constexpr seconds goodbye_max{5};
+/// Of random numbers that JSON carries whole.
+constexpr std::uint64_t seed_max = std::uint64_t{1} << 53U;
+
+/// One test: the bus, the server, and what has to be said to them.
+class LiveTest {
+ public:
+  LiveTest(experiments::LiveRunsOptions options, adapters::HttpClient server)
+      : runs_asked_{options.runs}, runs_{std::move(options)}, server_{std::move(server)}, beat_{loop_} {}
+
+  Result<void> run(const BrokerArguments& broker) {
+    if (auto there = open(broker); !there) return there;
+    loop_.on_signals({SIGINT, SIGTERM}, [this](int) {
+      say("cosiva: interrupted: the runs that are complete count");
+      runs_.give_up();
+    });
+    beat_.every(tick_period, [this] { beat(); });
+    loop_.run();
+    beat_.cancel();
+    ended_ = true;
+    bool out = false;
+    bus_->stop([&] { out = true; });
+    loop_.run_until([&] { return out; }, goodbye_max);
+    return {};
+  }
+  [[nodiscard]] LiveRuns& runs() { return runs_; }
+
+ private:
+  Result<void> open(BrokerArguments broker) {
+    if (broker.address.empty()) broker.address = "127.0.0.1:1883";
+    auto options = mqtt_options(broker, "cosiva-qualify");
+    if (!options) return tl::unexpected(options.error());
+    const std::string address = options->host + ":" + std::to_string(options->port);
+    std::vector<std::string> filters = runs_.subscriptions();
+    filters.push_back(wire::topics_below(wire::zone_topic_prefix, 1));
+    filters.push_back(wire::topics_below(wire::hall_topic_prefix, 3));
+    adapters::MqttHandlers handlers;
+    handlers.on_link = [](bool) {};
+    handlers.on_message = [this](std::string_view topic, std::string_view payload, bool) { hear(topic, payload); };
+    auto client = adapters::MqttClient::make(loop_, std::move(*options), std::move(filters), std::nullopt, handlers);
+    if (!client) return tl::unexpected(client.error());
+    bus_ = std::move(*client);
+    bus_->start();
+    bool connected = false;
+    loop_.run_until([&] { return connected = bus_->connected(); }, connect_max);
+    if (!connected)
+      return fail("mqtt.connect", "no broker answers there: is the platform running (cosiva up), is --broker its own?",
+                  address);
+    const auto answer = server_.ask("GET", "/api/v1/snapshot", {}, command_patience);
+    if (!answer)
+      return fail("http.connect", "no server answers there: is the platform running (cosiva up), is --url its own?",
+                  server_.url());
+    return {};
+  }
+
+  void hear(std::string_view topic, std::string_view payload) {
+    if (ended_) return;
+    const std::size_t name = topic.rfind("/zone/");
+    const bool zone = name != std::string_view::npos &&
+                      (topic.starts_with(wire::zone_topic_prefix) || topic.starts_with(wire::hall_topic_prefix));
+    if (!zone) return runs_.on_message(clock_.now(), topic, payload);
+    if (payload.empty()) return;
+    const auto format = topic.substr(name + std::string_view{"/zone/"}.size());
+    auto rtm = zone::Rtm::initialise(zone::from_payload(std::string(format), std::string(topic), payload));
+    if (rtm) runs_.on_zone(rtm->share_zone());  // one that nobody can read is in force nowhere
+  }
+
+  void beat() {
+    LiveRuns::Answers answers = runs_.tick(clock_.now());
+    for (const wire::Publish& message : answers.messages) bus_->publish(message);
+    for (std::string& command : answers.commands) commands_.push_back(std::move(command));
+    for (const std::string& words : answers.words) say("cosiva: " + words);
+    tell_server();
+    if (runs_.done()) return loop_.stop();
+    if (!ticker_.ticks()) return;
+    const LiveRuns::Progress progress = runs_.progress(clock_.now());
+    std::string text = "cosiva: " + std::to_string(progress.complete) + " of " + std::to_string(runs_asked_) +
+                       " runs, " + decimals(100.0 * progress.share, 0) + " % of the way";
+    if (progress.left_s) text += ", " + experiments::duration_text(*progress.left_s) + " left";
+    say(text);
+  }
+
+  /// In order, and each until it has been taken: a server that is not there now will be.
+  void tell_server() {
+    if (clock_.now() < tell_again_) return;
+    while (!commands_.empty()) {
+      const auto taken = server_.ask("POST", "/api/v1/commands", commands_.front(), command_patience);
+      if (!taken || taken->status >= 500) {
+        if (!std::exchange(waiting_, true)) say("cosiva: the server does not answer; what it is to be told waits");
+        tell_again_ = clock_.now() + seconds{1};
+        return;
+      }
+      if (std::exchange(waiting_, false)) say("cosiva: the server answers again");
+      if (taken->status >= 400)
+        say("cosiva: the server refused " + commands_.front() + ": " +
+            to_string(refusal_in(taken->body, taken->status)));
+      commands_.pop_front();
+    }
+  }
+
+  adapters::EventLoop loop_;
+  adapters::WallClock clock_;
+  std::size_t runs_asked_;
+  LiveRuns runs_;
+  adapters::HttpClient server_;
+  std::unique_ptr<adapters::MqttClient> bus_;
+  std::deque<std::string> commands_;
+  SecondsTicker ticker_;
+  SimTime tell_again_{};
+  bool waiting_{false};
+  bool ended_{false};
+  adapters::Timer beat_;
+};
+
+Result<std::vector<wire::VehicleId>> vehicles_of(const LiveQualifyArguments& live) {
+  std::vector<wire::VehicleId> vehicles;
+  for (const std::string& name : live.vehicles.empty() ? std::vector<std::string>{"AIV1"} : live.vehicles) {
+    const std::size_t slash = name.find('/');
+    wire::VehicleId id = slash == std::string::npos ? wire::VehicleId{std::string(wire::our_manufacturer), name}
+                                                    : wire::VehicleId{name.substr(0, slash), name.substr(slash + 1)};
+    if (id.manufacturer.empty() || !wire::valid_serial_number(id.serial_number))
+      return fail("qualify.vehicle", "say AIV3, or MANUFACTURER/SERIAL", name);
+    if (std::ranges::find(vehicles, id) != vehicles.end()) return fail("qualify.vehicle", "it is named twice", name);
+    vehicles.push_back(std::move(id));
+  }
+  return vehicles;
+}
+
+Result<experiments::LiveRunsOptions> options_of(const QualifyArguments& arguments, const LiveQualifyArguments& live) {
+  auto vehicles = vehicles_of(live);
+  if (!vehicles) return tl::unexpected(vehicles.error());
+  using Request = wire::EstimateRequest;
+  if (arguments.particles > Request::particles_max)
+    return fail("qualify.particles", "on board there are at most " + std::to_string(Request::particles_max),
+                "--particles " + std::to_string(arguments.particles));
+  if (arguments.seed + arguments.runs > seed_max)
+    return fail("qualify.seed", "live, seeds are less than 2^53", "--seed " + std::to_string(arguments.seed));
+  if (!(arguments.way_m > 0.0)) return fail("qualify.way", "a way is longer than nothing", "--way");
+  if (!(arguments.rate_hz >= 0.1 && arguments.rate_hz <= 50.0))
+    return fail("qualify.rate", "a vehicle is asked 0.1 to 50 times a second: it knows of odometry 50 times",
+                "--rate " + decimals(arguments.rate_hz, 2));
+  if (live.speed_given && !(arguments.speed_mps > 0.0)) return fail("qualify.speed", "it has to move", "--speed");
+  experiments::LiveRunsOptions options;
+  options.vehicles = std::move(*vehicles);
+  options.runs = arguments.runs;
+  options.way_m = arguments.way_m;
+  options.rate_hz = arguments.rate_hz;
+  options.seed = arguments.seed;
+  options.particles = arguments.particles;
+  options.horizon = arguments.horizon;
+  if (live.speed_given) options.speed_mps = arguments.speed_mps;
+  if (!live.truth_topic.empty()) options.truth_topic = live.truth_topic;
+  options.gap_max = from_seconds(arguments.gap_s);
+  options.patience = from_seconds(arguments.patience_s);
+  options.name = "qualify-" + std::to_string(getpid()) + "-" +
+                 std::to_string(adapters::WallClock{}.now().time_since_epoch() / milliseconds{1});
+  return options;
+}
+
+experiments::Conditions conditions_of(const QualifyArguments& arguments, const experiments::LiveRunsOptions& options,
+                                      const LiveRuns& runs, std::size_t complete) {
+  experiments::Conditions conditions{arguments.command, "live on " + runs.map_id(), {}, {}};
+  std::string vehicles;
+  for (const auto& vehicle : options.vehicles) vehicles += (vehicles.empty() ? "" : ", ") + to_string(vehicle);
+  std::string on_board;
+  for (const auto& name : options.algorithms) on_board += (on_board.empty() ? "" : ", ") + name;
+  conditions.settings = {{"zone", runs.map_id()},
+                         {"vehicles", vehicles},
+                         {"way of each run", decimals(options.way_m, 1) + " m"},
+                         {"asked", decimals(options.rate_hz, 1) + " times a second"},
+                         {"on board", on_board.empty() ? "none" : on_board},
+                         {"truth", options.truth_topic},
+                         {"seeds", "from " + std::to_string(options.seed)}};
+  if (options.speed_mps) conditions.settings.emplace_back("speed", decimals(*options.speed_mps, 2) + " m/s");
+  auto& notes = conditions.notes;
+  notes.emplace_back(
+      "Odometry has no gyroscope: turns are those of the line where the vehicle's own program believes to be on it. "
+      "The limit is that of the sensors as the vehicle's data sheet has them: who is below it has better ones.");
+  if (complete < options.runs)
+    notes.push_back("Only " + std::to_string(complete) + " of " + std::to_string(options.runs) + " runs are complete.");
+  for (const std::string& loss : runs.losses()) notes.push_back("Lost " + loss + ".");
+  if (runs.repeated() > 0)
+    notes.push_back(std::to_string(runs.repeated()) + " requests were sent again: they or their answers were lost.");
+  if (runs.without_truth() > 0)
+    notes.push_back(std::to_string(runs.without_truth()) +
+                    " answers are left out: nobody said where the vehicle was then.");
+  return conditions;
+}
+
+/// The runs as they were lived, for all candidates: those on board say again what they said.
+Result<Runs> lived(const QualifyArguments& arguments, const LiveQualifyArguments& live,
+                   std::vector<experiments::Candidate>& candidates, const estimation::Registry& registry) {
+  auto options = options_of(arguments, live);
+  if (!options) return tl::unexpected(options.error());
+  const auto runs_on_board = [&](const experiments::Candidate& one) {
+    return !one.looks_back && registry.find(one.name).has_value();
+  };
+  for (const auto& one : candidates)
+    if (runs_on_board(one)) options->algorithms.push_back(one.name);
+  auto server = adapters::HttpClient::make(live.url);
+  if (!server) return tl::unexpected(server.error());
+  LiveTest test{*options, std::move(*server)};
+  if (auto done = test.run(live.broker); !done) return tl::unexpected(done.error());
+  using Lived = std::vector<std::shared_ptr<const experiments::LivedRun>>;
+  auto kept = std::make_shared<Lived>(test.runs().take_runs());
+  if (kept->empty()) {
+    const auto& losses = test.runs().losses();
+    return fail("live.runs", losses.empty() ? "it was ended before a run was complete" : losses.back());
+  }
+  for (auto& one : candidates)
+    if (runs_on_board(one)) one = experiments::on_board(one.name, one.what, *kept);
+  Runs runs;
+  runs.count = kept->size();
+  runs.on_track = true;
+  runs.complete = kept->size() == options->runs;
+  runs.conditions = conditions_of(arguments, *options, test.runs(), kept->size());
+  runs.source = [kept = kept.get()](std::size_t index, experiments::Trial&) -> Result<const experiments::Trial*> {
+    return &(*kept)[index]->trial;
+  };
+  runs.kept = std::move(kept);
+  return runs;
+}
+
+}  // namespace
+
+int run_qualify_live(const QualifyArguments& arguments, const LiveQualifyArguments& live, std::size_t at_least) {
+  const estimation::Registry registry;
+  auto candidates = candidates_of(arguments, registry, true, usual_algorithms(arguments, true, at_least));
+  if (!candidates) return complain(candidates.error());
+  if (candidates->size() < at_least)
+    return complain({"compare.few", "there are at least two to compare", "algorithms"});
+  auto reference = reference_of(arguments);
+  if (!reference) return complain(reference.error());
+  const auto runs = lived(arguments, live, *candidates, registry);
+  if (!runs) return complain(runs.error());
+  return judge(arguments, *candidates, *runs, std::move(*reference));
+}
+
+}  // namespace cosiva::app

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "cosiva/app/cli/common_arguments.h"
+#include "cosiva/app/positioning/qualify_arguments.h"
+
+namespace cosiva::app {
+
+/// What the command line said of `cosiva qualify|compare --live`, besides QualifyArguments.
+struct LiveQualifyArguments {
+  bool live{false};
+  std::string url{"http://127.0.0.1:8080"};
+  BrokerArguments broker;
+  std::vector<std::string> vehicles;  ///< AIV3, or MANUFACTURER/SERIAL; none: AIV1
+  std::string truth_topic;            ///< empty: the plant's
+  bool speed_given{false};            ///< else the vehicles drive as they do
+};
+
+/// The scenarios of figures 16 and 17 on a platform that runs: its vehicles run the algorithms, its plant or global
+/// vision system says where they are. Gives the exit status.
+/// @param at_least  so many algorithms
+int run_qualify_live(const QualifyArguments& arguments, const LiveQualifyArguments& live, std::size_t at_least);
+
+}  // namespace cosiva::app

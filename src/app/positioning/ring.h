@@ -1,0 +1,21 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "cosiva/aiv/estimation/track.h"
+#include "cosiva/base/result.h"
+#include "cosiva/zone/layout/traffic_zone.h"
+
+namespace cosiva::app {
+
+/// Where runs in virtual time go round.
+struct Ring {
+  std::shared_ptr<const zone::TrafficZone> zone;
+  std::shared_ptr<const estimation::Track> track;
+};
+
+/// The zone's first loop, or its ring. Fails as open_zone and Track::make do.
+[[nodiscard]] Result<Ring> ring_of(const std::string& name_or_file);
+
+}  // namespace cosiva::app

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cosiva/app/positioning/qualify_arguments.h"
+#include "cosiva/experiments/positioning/metrology/reference_budget.h"
+#include "cosiva/experiments/positioning/recording/alignment.h"
+#include "cosiva/experiments/positioning/recording/trajectory.h"
+#include "cosiva/experiments/statistics/interval.h"
+
+namespace cosiva::app {
+
+/// One `--estimate`, held against the `--reference`.
+struct JudgedTrajectory {
+  std::string name;  ///< its file's, without folder and ending; no two have the same
+  std::optional<Error> failed;
+  experiments::ApeFigures ape;
+  double variance_m2{};
+  double precision{};
+  double p90_m{}, p95_m{}, p99_m{};
+  double offset_s{};
+  std::size_t unpaired{};
+  std::optional<statistics::BlockInterval> interval;
+  std::optional<experiments::RigidMotion> alignment;
+  std::vector<experiments::Pair> pairs;  ///< after the alignment
+};
+
+/// Two on the same stamps: one run, that can show nothing different; but it can show that nothing could be seen.
+[[nodiscard]] bool unresolved(const JudgedTrajectory& a, const JudgedTrajectory& b,
+                              const experiments::ReferenceBudget& reference);
+
+/// What `--out` gets: report.html, result.json, errors.csv with a line per pair, the reference and each estimate as TUM
+/// (as they were judged, aligned where that was asked for), and a zip for evo of each.
+/// @param json  the result as JSON
+[[nodiscard]] Result<void> write_trajectories(const std::vector<JudgedTrajectory>& all,
+                                              const experiments::Trajectory& reference,
+                                              const QualifyArguments& arguments,
+                                              const experiments::ReferenceBudget& budget, const std::string& json);
+
+}  // namespace cosiva::app

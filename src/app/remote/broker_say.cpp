@@ -1,0 +1,40 @@
+#include "cosiva/app/remote/broker_say.h"
+
+#include <chrono>
+#include <string_view>
+#include <utility>
+
+#include "cosiva/adapters/event_loop.h"
+#include "cosiva/adapters/mqtt_client.h"
+
+namespace cosiva::app {
+namespace {
+
+constexpr std::chrono::seconds answer_max{10};
+
+}  // namespace
+
+Result<void> say_over_broker(const BrokerArguments& broker, const std::string& client_name,
+                             const std::vector<wire::Publish>& messages) {
+  auto options = mqtt_options(broker, client_name);
+  if (!options) return tl::unexpected(options.error());
+  const std::string address = options->host + ":" + std::to_string(options->port);
+  adapters::EventLoop loop;
+  adapters::MqttHandlers handlers;
+  handlers.on_link = [](bool) {};
+  handlers.on_message = [](std::string_view, std::string_view, bool) {};
+  auto client = adapters::MqttClient::make(loop, std::move(*options), {}, std::nullopt, std::move(handlers));
+  if (!client) return tl::unexpected(client.error());
+  (*client)->start();
+  bool connected = false;
+  loop.run_until([&] { return connected = (*client)->connected(); }, answer_max);
+  if (!connected) return fail("mqtt.connect", "no broker answers there", address);
+  for (const wire::Publish& message : messages) (*client)->publish(message);
+  bool out = false;
+  (*client)->stop([&] { out = true; });
+  loop.run_until([&] { return out; }, answer_max);
+  if (!out) return fail("mqtt.publish", "the broker did not acknowledge it", address);
+  return {};
+}
+
+}  // namespace cosiva::app

@@ -1,0 +1,132 @@
+#include "cosiva/app/resources/zone_files.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include "cosiva/adapters/files.h"
+#include "cosiva/app/resources/places.h"
+#include "cosiva/zone/rtm/rtm.h"
+
+namespace cosiva::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The usual endings of all formats, in the order in which the formats are known.
+std::vector<std::string> usual_endings() {
+  std::vector<std::string> endings;
+  for (const std::string_view format : zone::known_formats()) endings.push_back(usual_ending(format));
+  return endings;
+}
+
+/// The name of a ready zone whose file this would be: "plant" of "zones/plant.lif.json". Only usual endings count: not
+/// every .json in a folder is a zone.
+std::optional<std::string> ready_name(const fs::path& file) {
+  const std::string name = file.filename().string();
+  if (name.ends_with(companion_ending)) return std::nullopt;
+  for (const std::string& ending : usual_endings())
+    if (name.size() > ending.size() && name.ends_with(ending)) return name.substr(0, name.size() - ending.size());
+  return std::nullopt;
+}
+
+/// The first comment of a file that begins with one; nothing where it begins with anything else.
+std::optional<std::string> first_comment(const std::string& file) {
+  const auto text = adapters::read_file(file);
+  if (!text || !text->starts_with('#')) return std::nullopt;
+  std::string_view line{*text};
+  line = line.substr(1, line.find_first_of("\n(:.", 1) - 1);
+  while (line.starts_with(' ')) line.remove_prefix(1);
+  while (line.ends_with(' ')) line.remove_suffix(1);
+  if (line.empty()) return std::nullopt;
+  return std::string(line);
+}
+
+}  // namespace
+
+std::string usual_ending(std::string_view format) {
+  if (const auto factory = zone::circuit_factory_for(format)) {
+    const auto endings = (*factory)->file_endings();
+    if (!endings.empty()) return std::string(endings.front());
+  }
+  return "." + std::string(format);
+}
+
+std::vector<ReadyZone> ready_zones() {
+  std::map<std::string, std::string> found;
+  for (const std::string& folder : ready_folders("zones")) {
+    std::map<std::string, std::string> here;
+    std::error_code error;
+    for (auto at = fs::directory_iterator(folder, error); !error && at != fs::directory_iterator();
+         at.increment(error)) {
+      auto name = ready_name(at->path());
+      if (!name || !at->is_regular_file(error)) continue;
+      // Two formats of one zone in one folder: the first known one, whatever order the folder lists them in.
+      const std::string file = at->path().lexically_normal().string();
+      const auto [known, is_new] = here.emplace(std::move(*name), file);
+      if (is_new) continue;
+      for (const std::string& ending : usual_endings()) {
+        if (known->second.ends_with(ending)) break;
+        if (file.ends_with(ending)) {
+          known->second = file;
+          break;
+        }
+      }
+    }
+    found.merge(here);
+  }
+  std::vector<ReadyZone> zones;
+  zones.reserve(found.size());
+  for (auto& [name, file] : found) zones.push_back({name, std::move(file)});
+  return zones;
+}
+
+std::string title_of(const ReadyZone& ready) {
+  if (const auto companion = zone::companion_of_file(ready.file))
+    if (auto title = first_comment(*companion)) return *title;
+  return first_comment(ready.file).value_or(ready.name);
+}
+
+Result<std::string> find_zone_file(const std::string& name_or_file) {
+  std::vector<std::string> names;
+  for (ReadyZone& ready : ready_zones()) names.push_back(std::move(ready.name));
+  return find_ready_file("zone", name_or_file, usual_endings(), names);
+}
+
+Result<zone::ZoneConfiguration> load_zone(const std::string& name_or_file, const std::string& companion_file) {
+  auto file = find_zone_file(name_or_file);
+  if (!file) return tl::unexpected(file.error());
+  if (file->ends_with(companion_ending)) {
+    return fail("zone.format",
+                "this only says what the zone's own file cannot; name that file, and this one is read with it", *file);
+  }
+  auto format = zone::format_of_file(*file);
+  if (!format) return tl::unexpected(format.error());
+  auto text = adapters::read_file(*file);
+  if (!text) return tl::unexpected(text.error());
+  zone::ZoneConfiguration configuration{std::move(*format), *file, std::move(*text), {}};
+  std::error_code error;
+  std::string companion = companion_file;
+  if (const auto beside = zone::companion_of_file(*file); beside && companion.empty() && fs::exists(*beside, error))
+    companion = *beside;
+  if (companion.empty()) return configuration;
+  auto more = adapters::read_file(companion);
+  if (!more) return tl::unexpected(more.error());
+  configuration.companion = std::move(*more);
+  return configuration;
+}
+
+Result<zone::Rtm> open_zone(const std::string& name_or_file, const std::string& companion_file) {
+  auto configuration = load_zone(name_or_file, companion_file);
+  if (!configuration) return tl::unexpected(configuration.error());
+  return zone::Rtm::initialise(std::move(*configuration));
+}
+
+Result<void> write_zone(const std::string& file, const zone::ZoneConfiguration& configuration) {
+  // The companion first: an old file with a new companion is what an edit makes anyway.
+  if (const auto companion = zone::companion_of_file(file); companion && !configuration.companion.empty())
+    if (auto written = adapters::write_file(*companion, configuration.companion); !written) return written;
+  return adapters::write_file(file, configuration.text);
+}
+
+}  // namespace cosiva::app

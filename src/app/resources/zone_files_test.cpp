@@ -1,0 +1,104 @@
+#include "cosiva/app/resources/zone_files.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "cosiva/adapters/files.h"
+#include "cosiva/adapters/test_bench.h"
+
+namespace cosiva::app {
+namespace {
+
+using adapters::testing::Scratch;
+using ::testing::HasSubstr;
+
+/// The user's own folder of zones is this scratch's.
+class OwnFolder {
+ public:
+  OwnFolder() { ::setenv("XDG_DATA_HOME", scratch.path().c_str(), 1); }
+  ~OwnFolder() { ::unsetenv("XDG_DATA_HOME"); }
+  OwnFolder(const OwnFolder&) = delete;
+  OwnFolder& operator=(const OwnFolder&) = delete;
+  std::string write(const std::string& name, const std::string& text) const {
+    return scratch.write("cosiva/zones/" + name, text);
+  }
+  Scratch scratch;
+};
+
+const ReadyZone* named(const std::vector<ReadyZone>& zones, const std::string& name) {
+  const auto found = std::ranges::find(zones, name, &ReadyZone::name);
+  return found == zones.end() ? nullptr : &*found;
+}
+
+TEST(ZoneFiles, of_every_format_are_found_by_name_whatever_their_ending) {
+  const OwnFolder own;
+  const std::string layout = own.write("hall.lif.json", "{}");
+  const std::string road = own.write("road.xodr", "<OpenDRIVE/>");
+  own.write("hall.zone.toml", "name = 'hall'\n");
+  own.write("package.json", "{}");
+  EXPECT_EQ(find_zone_file("hall").value(), layout);
+  EXPECT_EQ(find_zone_file("road").value(), road);
+  const auto ready = ready_zones();
+  EXPECT_NE(named(ready, "hall"), nullptr);
+  EXPECT_NE(named(ready, "road"), nullptr);
+  EXPECT_NE(named(ready, "lacet4"), nullptr) << "those of the source tree";
+  EXPECT_EQ(named(ready, "hall.zone"), nullptr) << "a companion is no zone";
+  EXPECT_EQ(named(ready, "package"), nullptr) << "not every such file is a zone";
+  EXPECT_THAT(find_zone_file("haal").error().message, HasSubstr("did you mean 'hall'?"));
+}
+
+TEST(ZoneFiles, bring_the_companion_that_stands_beside_them) {
+  Scratch scratch;
+  const std::string file = scratch.write("hall.lif.json", "{}");
+  EXPECT_EQ(load_zone(file)->companion, "");
+  scratch.write("hall.zone.toml", "# beside\n");
+  const auto zone = load_zone(file);
+  ASSERT_TRUE(zone);
+  EXPECT_EQ(zone->format, "lif");
+  EXPECT_EQ(zone->companion, "# beside\n");
+  EXPECT_EQ(load_zone(file, scratch.write("other.toml", "# other\n"))->companion, "# other\n");
+  EXPECT_FALSE(load_zone(file, scratch / "missing.toml")) << "one that was named must be there";
+}
+
+TEST(ZoneFiles, that_say_everything_themselves_have_none) {
+  Scratch scratch;
+  const std::string file = scratch.write("mine.toml", "name = 'mine'\n");
+  scratch.write("mine.zone.toml", "# whatever\n");
+  EXPECT_EQ(load_zone(file)->companion, "");
+}
+
+TEST(ZoneFiles, of_other_kinds_are_refused_with_what_to_do) {
+  Scratch scratch;
+  const auto text = load_zone(scratch.write("zone.txt", ""));
+  ASSERT_FALSE(text);
+  EXPECT_EQ(text.error().code, "zone.format");
+  EXPECT_THAT(text.error().message, HasSubstr(".toml"));
+  const auto companion = load_zone(scratch.write("hall.zone.toml", ""));
+  ASSERT_FALSE(companion);
+  EXPECT_THAT(companion.error().message, HasSubstr("name that file"));
+}
+
+TEST(ZoneFiles, are_titled_by_their_first_comment_the_companion_s_first) {
+  const OwnFolder own;
+  own.write("a.toml", "# A small yard (for lorries)\nname = 'a'\n");
+  own.write("b.toml", "name = 'b'\n");
+  own.write("c.lif.json", "{}");
+  own.write("c.zone.toml", "#   The hall: three lanes\n");
+  const auto ready = ready_zones();
+  EXPECT_EQ(title_of(*named(ready, "a")), "A small yard");
+  EXPECT_EQ(title_of(*named(ready, "b")), "b");
+  EXPECT_EQ(title_of(*named(ready, "c")), "The hall");
+}
+
+TEST(ZoneFiles, are_written_with_their_companion) {
+  Scratch scratch;
+  ASSERT_TRUE(write_zone(scratch / "hall.lif.json", {"lif", "", "{}", "# beside\n"}));
+  EXPECT_EQ(adapters::read_file(scratch / "hall.zone.toml").value(), "# beside\n");
+  EXPECT_EQ(adapters::read_file(scratch / "hall.lif.json").value(), "{}");
+  EXPECT_FALSE(write_zone(scratch / "missing/hall.lif.json", {"lif", "", "{}", {}}));
+}
+
+}  // namespace
+}  // namespace cosiva::app

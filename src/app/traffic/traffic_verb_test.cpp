@@ -1,0 +1,98 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "cosiva/adapters/files.h"
+#include "cosiva/adapters/test_bench.h"
+#include "cosiva/app/command_line_bench.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/test_places.h"
+
+namespace cosiva::app {
+namespace {
+
+using bench::cosiva;
+using ::testing::HasSubstr;
+
+TEST(TrafficVerb, carries_jobs_on_a_ready_zone_and_says_what_came_of_it) {
+  const auto said =
+      cosiva({"traffic", "--zone", "indus8", "--aivs", "4", "--duration", "600", "--jobs-per-hour", "60"});
+  EXPECT_EQ(said.status, 0) << said.words;
+  EXPECT_THAT(said.data, HasSubstr("indus8: 4 AIVs, 10 min"));
+  EXPECT_THAT(said.data, HasSubstr("0 collisions"));
+}
+
+TEST(TrafficVerb, gives_the_same_figures_for_the_same_seed) {
+  const auto once = [](const std::string& seed) {
+    return cosiva({"traffic", "--zone", "indus8", "--duration", "300", "--aivs", "4", "--jobs-per-hour", "200",
+                   "--json", "--seed", seed})
+        .data;
+  };
+  const std::string one = once("1");
+  EXPECT_TRUE(JsonValue::parse(one, 1U << 20U));
+  EXPECT_EQ(one, once("1"));
+  EXPECT_NE(one, once("2"));
+}
+
+TEST(TrafficVerb, carries_jobs_in_a_layout_whose_stations_lie_in_dead_ends) {
+  const auto said = cosiva({"traffic", "--zone", "workshop", "--aivs", "6", "--jobs-per-hour", "60", "--json"});
+  EXPECT_EQ(said.status, 0) << said.words;
+  const auto json = JsonValue::parse(said.data, 1U << 20U);
+  ASSERT_TRUE(json);
+  EXPECT_GT(json->find("jobs")->number("done").value_or(0.0), 40.0);
+  EXPECT_EQ(json->number("collisions"), 0.0);
+  EXPECT_EQ(json->number("near_misses"), 0.0);
+  EXPECT_EQ(json->number("stuck"), 0.0);
+}
+
+TEST(TrafficVerb, counts_near_misses_where_a_zone_leaves_no_clearance) {
+  const adapters::testing::Scratch directory;
+  const std::string file = directory / "tight.toml";
+  ASSERT_EQ(cosiva({"zone", "convert", "workshop", file}).status, 0);
+  std::string text = *adapters::read_file(file);
+  const std::string clearance = "clearance_m = 0.04";
+  ASSERT_NE(text.find(clearance), std::string::npos);
+  text.replace(text.find(clearance), clearance.size(), "clearance_m = 0.0");
+  ASSERT_TRUE(adapters::write_file(file, text));
+  const auto said = cosiva({"traffic", "--zone", file, "--aivs", "12", "--jobs-per-hour", "120", "--json"});
+  const auto json = JsonValue::parse(said.data, 1U << 20U);
+  ASSERT_TRUE(json) << said.words;
+  EXPECT_GT(json->number("near_misses").value_or(0.0), 10.0);
+  EXPECT_LT(json->number("smallest_gap_m").value_or(1.0), 0.06);
+}
+
+TEST(TrafficVerb, names_the_section_where_no_fleet_finds_a_place_to_stand) {
+  const std::string lane = source_dir() + "/src/virtual/fleet/testdata/two_way_lane.toml";
+  const auto said = cosiva({"traffic", "--zone", lane, "--aivs", "1"});
+  EXPECT_EQ(said.status, 2);
+  EXPECT_THAT(said.words, HasSubstr("zone 'lane', section 'there': too many crossings upon one another"));
+}
+
+TEST(TrafficVerb, writes_a_report_that_can_be_looked_at) {
+  const adapters::testing::Scratch directory;
+  const std::string out = directory / "out/deeper";
+  const auto said = cosiva({"traffic", "--duration", "120", "--aivs", "8", "--out", out});
+  EXPECT_EQ(said.status, 0) << said.words;
+  for (const char* file : {"/report.html", "/result.json", "/jobs.csv"})
+    EXPECT_GT(std::filesystem::file_size(out + file), 50U) << file;
+}
+
+TEST(TrafficVerb, says_what_is_wrong_and_where) {
+  const adapters::testing::Scratch directory;
+  const std::string jobs = directory.write("jobs.csv", "time_s,from,to\n5,shelf_a,moon\n");
+  const auto bad_file = cosiva({"traffic", "--zone", "indus8", "--jobs", jobs});
+  EXPECT_EQ(bad_file.status, 2);
+  EXPECT_THAT(bad_file.words, HasSubstr(jobs + ":2: zone 'indus8' has no station 'moon'"));
+  const auto no_rate = cosiva({"traffic", "--jobs-per-hour", "-1"});
+  EXPECT_EQ(no_rate.status, 2);
+  EXPECT_THAT(no_rate.words, HasSubstr("jobs per hour are more than 0"));
+  EXPECT_EQ(cosiva({"traffic", "--aivs", "0"}).status, 2);
+  EXPECT_EQ(cosiva({"traffic", "--aivs", "100000"}).status, 2) << "no room";
+  EXPECT_EQ(cosiva({"traffic", "--rules", "/nowhere.fll"}).status, 2);
+  EXPECT_EQ(cosiva({"traffic", "--jobs", "/nowhere.csv"}).status, 2);
+  EXPECT_EQ(cosiva({"traffic", "--jobs", jobs, "--jobs-per-hour", "3"}).status, 2);
+}
+
+}  // namespace
+}  // namespace cosiva::app

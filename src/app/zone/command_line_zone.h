@@ -1,0 +1,27 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+
+#include "cosiva/app/zone/zone_arguments.h"
+
+/// The options of `cosiva zone`.
+namespace cosiva::app {
+
+/// `cosiva zone` and its verbs.
+struct ZoneVerbs {
+  CLI::App* zone;
+  CLI::App* check;
+  CLI::App* show;
+  CLI::App* convert;
+  CLI::App* generate;
+  CLI::App* switch_to;
+};
+
+[[nodiscard]] ZoneVerbs describe_zone(CLI::App& root, ZoneArguments& zone, GenerateArguments& generate);
+
+/// The exit status of the one that was asked for, if any.
+[[nodiscard]] std::optional<int> run_zone_verb(const ZoneVerbs& verbs, const ZoneArguments& zone,
+                                               const GenerateArguments& generate);
+
+}  // namespace cosiva::app

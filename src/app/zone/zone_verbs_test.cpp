@@ -1,0 +1,270 @@
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+#include "cosiva/adapters/files.h"
+#include "cosiva/adapters/test_bench.h"
+#include "cosiva/app/command_line_bench.h"
+#include "cosiva/app/remote/zone_switch.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/drawing/png/picture.h"
+#include "cosiva/zone/rtm/rtm.h"
+
+namespace cosiva::app {
+namespace {
+
+using adapters::testing::Scratch;
+using bench::cosiva;
+using bench::Said;
+using bench::zones;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+const std::string ring = R"(name = "ring"
+format_version = 1
+[circuit]
+closed = true
+[[section]]
+name = "south"
+kind = "straight"
+length_m = 2.0
+[[section]]
+name = "east"
+kind = "arc"
+radius_m = 0.5
+angle_deg = 180
+[[section]]
+name = "north"
+kind = "straight"
+length_m = 2.0
+[[section]]
+name = "west"
+kind = "arc"
+radius_m = 0.5
+angle_deg = 180
+)";
+
+// --- help and wrong words
+// -----------------------------------------------------------------------------------------------
+
+TEST(ZoneVerbs, teach_with_examples) {
+  for (const char* verb : {"check", "show", "convert", "generate", "switch"}) {
+    const Said said = cosiva({"zone", verb, "--help"});
+    EXPECT_EQ(said.status, 0) << verb;
+    EXPECT_THAT(said.data, HasSubstr("Examples:\n  cosiva zone " + std::string(verb) + " ")) << verb;
+    EXPECT_EQ(said.words, "") << verb;
+  }
+  EXPECT_THAT(cosiva({"zone", "--help"}).data, HasSubstr(".zone.toml"));
+  EXPECT_THAT(cosiva({"zone"}).words, HasSubstr("generate or switch"));
+}
+
+TEST(ZoneVerbs, that_lack_something_or_have_too_much_end_with_2) {
+  const std::vector<std::vector<std::string>> all{
+      {"zone", "check"},
+      {"zone", "show"},
+      {"zone", "convert", zones + "lacet4.toml"},
+      {"zone", "generate"},
+      {"zone", "switch"},
+      {"zone", "show", zones + "lacet4.toml", "--png", "x.png", "--width", "3"},
+      {"zone", "generate", "--sections", "0", "-o", "x.toml"},
+      {"zone", "generate", "--sections", "100", "--rows", "2", "-o", "x.toml"},
+      {"zone", "generate", "--bay-share", "2", "-o", "x.toml"},
+      {"zone", "switch", zones + "lacet4.toml", "--url", "localhost"},
+      {"zone", "switch", zones + "lacet4.toml", "--broker", "nowhere:"}};
+  for (const auto& arguments : all) {
+    const Said said = cosiva(arguments);
+    EXPECT_EQ(said.status, 2) << arguments[1] << " " << arguments.back();
+    EXPECT_NE(said.words, "") << arguments[1];
+    EXPECT_EQ(said.data, "") << arguments[1];
+  }
+}
+
+TEST(ZoneVerbs, of_a_file_of_no_known_format_name_the_known_endings) {
+  Scratch scratch;
+  const std::string file = scratch.write("zone.txt", ring);
+  for (const char* verb : {"check", "show", "switch"}) {
+    const Said said = cosiva({"zone", verb, file});
+    EXPECT_EQ(said.status, 2) << verb;
+    EXPECT_THAT(said.words, HasSubstr(".toml")) << verb;
+    EXPECT_THAT(said.words, HasSubstr("zone.txt")) << verb;
+  }
+}
+
+// --- check
+// ---------------------------------------------------------------------------------------------------------------
+
+TEST(ZoneCheck, says_where_the_longest_way_without_a_tag_is) {
+  Scratch scratch;
+  // 2 tags on a ring of 4 + π m: behind the second lies the longer way.
+  const std::string file = scratch.write("ring.toml", ring +
+                                                          "[[tag]]\nnumber = 1\nsection = \"south\"\ns_m = 0.5\n"
+                                                          "[[tag]]\nnumber = 2\nsection = \"north\"\ns_m = 0.5\n"
+                                                          "[[tag]]\nnumber = 3\nsection = \"south\"\ns_m = 1.5\n");
+  const Said said = cosiva({"zone", "check", file});
+  EXPECT_EQ(said.status, 0) << said.words;
+  EXPECT_THAT(said.data, HasSubstr("3 tags, the longest way without one is 3.571 m, from north at 0.500 m"));
+  const auto json = JsonValue::parse(cosiva({"zone", "check", file, "--json"}).data);
+  ASSERT_TRUE(json);
+  EXPECT_NEAR(json->number("longest_tag_free_m").value_or(0.0), 2.0 + 3.14159265358979 / 2.0, 1e-6);
+  EXPECT_EQ(json->find("tag_free")->find("from")->text("section"), "north");
+  EXPECT_TRUE(json->find("beacon_free")->is_null());
+}
+
+TEST(ZoneCheck, lists_every_fault_of_a_file_that_cannot_be_used) {
+  Scratch scratch;
+  std::string text = ring;
+  text.replace(text.find("closed = true"), 13, "closed = false");
+  for (const char* section : {"\"east\"", "\"north\""}) {
+    const std::size_t at = text.find(section);
+    text.insert(text.find('\n', at) + 1, "start = { x = 9.0, y = 9.0, heading_deg = 0 }\nnext = [\"south\"]\n");
+  }
+  const std::string file = scratch.write("broken.toml", text);
+  const Said said = cosiva({"zone", "check", file, "--json"});
+  EXPECT_EQ(said.status, 2);
+  const auto json = JsonValue::parse(said.data);
+  ASSERT_TRUE(json) << said.data;
+  EXPECT_EQ(json->flag("good"), false);
+  EXPECT_GE(json->find("faults")->array()->size(), 2U) << said.words;
+  EXPECT_THAT(said.words, HasSubstr("'east'"));
+  EXPECT_THAT(said.words, HasSubstr("'north'"));
+}
+
+TEST(ZoneCheck, warns_of_what_can_be_used_all_the_same_and_ends_with_0) {
+  Scratch scratch;
+  std::string text = ring;
+  text.replace(text.find("closed = true"), 13, "closed = false");
+  const Said said = cosiva({"zone", "check", scratch.write("open.toml", text)});
+  EXPECT_EQ(said.status, 0) << said.words;
+  EXPECT_THAT(said.data, HasSubstr("warning"));
+  EXPECT_THAT(said.data, HasSubstr("'west'"));
+}
+
+// --- show
+// ----------------------------------------------------------------------------------------------------------------
+
+TEST(ZoneShow, draws_a_png_as_wide_as_asked) {
+  Scratch scratch;
+  const Said said = cosiva({"zone", "show", zones + "lacet4.toml", "--png", scratch / "z.png", "--svg",
+                            scratch / "z.svg", "--width", "300"});
+  EXPECT_EQ(said.status, 0) << said.words;
+  const std::string png = adapters::read_file(scratch / "z.png").value();
+  ASSERT_THAT(png, StartsWith("\x89PNG"));
+  // The header's width, four bytes with the highest first (RFC 2083, 4.1.1).
+  EXPECT_EQ(static_cast<unsigned char>(png[18]) * 256 + static_cast<unsigned char>(png[19]), 300);
+  EXPECT_THAT(adapters::read_file(scratch / "z.svg").value(), HasSubstr("</svg>"));
+  EXPECT_EQ(said.data, "") << "drawn into files, not to standard output";
+}
+
+TEST(ZoneShow, into_what_cannot_be_written_says_so) {
+  Scratch scratch;
+  for (const std::string& target : {scratch.path(), std::string("/nonexistent/z.png")}) {
+    const Said said = cosiva({"zone", "show", zones + "lacet4.toml", "--png", target});
+    EXPECT_EQ(said.status, 2) << target;
+    EXPECT_THAT(said.words, HasSubstr(target));
+  }
+}
+
+TEST(Picture, of_what_is_none_or_far_too_high_is_refused) {
+  EXPECT_EQ(png_of("no picture", 100).error().code, "picture.svg");
+  EXPECT_EQ(png_of("<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 1 1000'/>", 100).error().code, "picture.size");
+}
+
+// --- convert and generate
+// ------------------------------------------------------------------------------------------------
+
+TEST(ZoneConvert, writes_the_same_ways_in_another_format_with_a_companion_beside) {
+  Scratch scratch;
+  const std::string file = scratch / "copy.lif.json";
+  const Said said = cosiva({"zone", "convert", zones + "indus8.toml", file, "--json"});
+  ASSERT_EQ(said.status, 0) << said.words;
+  const auto told = JsonValue::parse(said.data);
+  ASSERT_TRUE(told);
+  EXPECT_EQ(told->text("companion"), scratch / "copy.zone.toml");
+  const auto before = JsonValue::parse(cosiva({"zone", "check", zones + "indus8.toml", "--json"}).data);
+  const auto after = JsonValue::parse(cosiva({"zone", "check", file, "--json"}).data);
+  ASSERT_TRUE(before && after);
+  EXPECT_NEAR(*after->number("length_m"), *before->number("length_m"), 1e-4 * *before->number("length_m"));
+  EXPECT_EQ(after->number("stations"), before->number("stations"));
+  EXPECT_EQ(after->number("tags"), before->number("tags")) << "the companion is read by itself";
+}
+
+TEST(ZoneConvert, refuses_what_only_reads_itself_and_unknown_endings) {
+  Scratch scratch;
+  EXPECT_EQ(cosiva({"zone", "convert", zones + "lacet4.toml", scratch / "a.xodr"}).status, 2);
+  EXPECT_EQ(cosiva({"zone", "convert", zones + "lacet4.toml", scratch / "a.txt"}).status, 2);
+  EXPECT_EQ(cosiva({"zone", "convert", zones + "lacet4.toml", scratch / "a.txt", "--to", "nothing"}).status, 2);
+  EXPECT_THAT(std::filesystem::is_empty(scratch.path()), true) << "nothing was written";
+  const std::string file = scratch.write("ring.toml", ring);
+  EXPECT_EQ(cosiva({"zone", "convert", file, file}).status, 2);
+  EXPECT_EQ(adapters::read_file(file).value(), ring);
+}
+
+TEST(ZoneGenerate, makes_a_plant_of_the_size_asked_for_the_same_each_time) {
+  Scratch scratch;
+  const Said said = cosiva({"zone", "generate", "--sections", "200", "-o", scratch / "a.toml", "--json"});
+  ASSERT_EQ(said.status, 0) << said.words;
+  EXPECT_GE(JsonValue::parse(said.data)->number("sections").value_or(0.0), 200.0);
+  EXPECT_LT(JsonValue::parse(said.data)->number("sections").value_or(0.0), 400.0);
+  EXPECT_EQ(cosiva({"zone", "generate", "--sections", "200", "-o", scratch / "b.toml"}).status, 0);
+  EXPECT_EQ(adapters::read_file(scratch / "a.toml").value(), adapters::read_file(scratch / "b.toml").value());
+  EXPECT_EQ(cosiva({"zone", "check", scratch / "a.toml"}).status, 0);
+  EXPECT_EQ(cosiva({"zone", "generate", "--sections", "200", "--seed", "2", "-o", scratch / "c.toml"}).status, 0);
+  EXPECT_NE(adapters::read_file(scratch / "a.toml").value(), adapters::read_file(scratch / "c.toml").value());
+}
+
+TEST(ZoneGenerate, refuses_numbers_that_make_no_plant_and_names_them) {
+  Scratch scratch;
+  const Said said = cosiva({"zone", "generate", "--rows", "0", "-o", scratch / "a.toml"});
+  EXPECT_EQ(said.status, 2);
+  EXPECT_THAT(said.words, HasSubstr("rows"));
+  EXPECT_EQ(cosiva({"zone", "generate", "-o", scratch / "a.txt"}).status, 2);
+  EXPECT_TRUE(std::filesystem::is_empty(scratch.path()));
+}
+
+// --- switch
+// --------------------------------------------------------------------------------------------------------------
+
+TEST(ZoneSwitch, of_a_platform_that_does_not_run_says_how_to_start_one) {
+  const Said said = cosiva({"zone", "switch", zones + "indus8.toml", "--url", "http://127.0.0.1:1"});
+  EXPECT_EQ(said.status, 2);
+  EXPECT_THAT(said.words, HasSubstr("cosiva up"));
+}
+
+TEST(ZoneSwitch, over_a_broker_that_is_not_there_or_of_a_bad_file_ends_with_2) {
+  Scratch scratch;
+  const Said bad = cosiva({"zone", "switch", scratch.write("bad.toml", "name = 3\n"), "--broker", "127.0.0.1:1"});
+  EXPECT_EQ(bad.status, 2);
+  EXPECT_THAT(bad.words, HasSubstr("bad.toml:1"));
+}
+
+TEST(SwitchedZone, is_read_from_the_table_with_who_was_parked) {
+  const auto switched = switched_in(
+      R"({"aivs":[{},{}],"zone":{"name":"b","switched":{"at":1,"from":"a","first_moving_ms":431.4,"anchored":12,)"
+      R"("parked":["CoSiVA/AIV7"]}}})");
+  ASSERT_TRUE(switched);
+  EXPECT_EQ(switched->name, "b");
+  EXPECT_THAT(switched->parked, ElementsAre("CoSiVA/AIV7"));
+  EXPECT_EQ(to_text(*switched), "12 anchored, 1 parked: AIV7; the first moved after 431 ms");
+}
+
+TEST(SwitchedZone, tells_nobody_yet_from_nobody_there) {
+  const std::string table =
+      R"("zone":{"name":"b","switched":{"at":1,"first_moving_ms":null,"anchored":0,"parked":[]}}})";
+  EXPECT_THAT(to_text(*switched_in(R"({"aivs":[{}],)" + table)), HasSubstr("nobody has moved yet"));
+  EXPECT_THAT(to_text(*switched_in(R"({"aivs":[],)" + table)), HasSubstr("there are no vehicles"));
+  EXPECT_THAT(to_text(*switched_in(R"({"aivs":[{}],"zone":{"switched":{"anchored":0,"parked":["CoSiVA/AIV1"]}}})")),
+              HasSubstr("nobody can drive on"));
+  EXPECT_FALSE(switched_in(R"({"aivs":[],"zone":{"name":"b","switched":null}})"));
+  for (const char* none : {"", "null", "[]", "{}", R"({"zone":3})"}) EXPECT_FALSE(switched_in(none)) << none;
+}
+
+TEST(SwitchedZone, is_refused_with_the_platform_s_own_sentence) {
+  EXPECT_EQ(refusal_in(R"({"error":{"code":"circuit.gap","message":"a.toml:3: …"}})", 422).message, "a.toml:3: …");
+  EXPECT_THAT(refusal_in("<html>", 502).message, HasSubstr("502"));
+}
+
+}  // namespace
+}  // namespace cosiva::app

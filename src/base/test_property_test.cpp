@@ -1,0 +1,31 @@
+#include "cosiva/base/test_property.h"
+
+#include <gmock/gmock.h>
+
+namespace cosiva {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+void fails_twice() {
+  EXPECT_EQ(1, 1) << "holds";
+  EXPECT_EQ(1, 2) << "goes on";
+  ASSERT_EQ(1, 3) << "ends";
+  EXPECT_EQ(1, 4) << "never reached";
+}
+
+TEST(FailuresOf, names_what_fails_and_leaves_this_test_as_it_was) {
+  EXPECT_THAT(failures_of(fails_twice),
+              AllOf(HasSubstr("goes on"), HasSubstr("ends"), Not(HasSubstr("holds")), Not(HasSubstr("never reached"))));
+  EXPECT_FALSE(HasFailure());
+}
+
+TEST(FailuresOf, what_holds_is_empty_also_after_what_failed) {
+  EXPECT_NE(failures_of(fails_twice), "");
+  EXPECT_EQ(failures_of([] { EXPECT_EQ(1, 1); }), "");
+}
+
+}  // namespace
+}  // namespace cosiva

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "cosiva/base/result.h"
+
+namespace cosiva::experiments {
+
+/// A cell of a table. A number that is none (NaN) is an empty field in CSV and NULL in SQLite.
+using TableValue = std::variant<std::int64_t, double, std::string>;
+
+/// A table whose cells are computed when they are asked for: the largest have millions.
+struct Table {
+  std::string name;  ///< of a-z and _
+  struct Column {
+    std::string name;  ///< with its unit: "rmse_m"
+    enum class Kind { whole, number, text };
+    Kind kind;
+    std::function<TableValue(std::size_t row)> value;
+  };
+  std::vector<Column> columns;
+  std::size_t rows{};
+};
+
+/// A header line, then a line per row; numbers in the shortest form that reads back to the same bits.
+[[nodiscard]] std::string to_csv(const Table& table);
+
+/// The tables as one SQLite 3 database, byte for byte the same for the same tables and version of SQLite. Fails
+/// ("sqlite") where there is no memory for it.
+[[nodiscard]] Result<std::string> to_sqlite(const std::vector<Table>& tables);
+
+}  // namespace cosiva::experiments

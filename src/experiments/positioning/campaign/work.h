@@ -1,0 +1,69 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cosiva/aiv/estimation/registry.h"
+#include "cosiva/aiv/estimation/track.h"
+#include "cosiva/base/result.h"
+#include "cosiva/experiments/positioning/campaign/plan.h"
+#include "cosiva/experiments/positioning/campaign/vote.h"
+#include "cosiva/experiments/positioning/metrology/simulate.h"
+#include "cosiva/zone/layout/traffic_zone.h"
+
+namespace cosiva::experiments {
+
+/// Where a campaign drives.
+struct CampaignGround {
+  std::shared_ptr<const zone::TrafficZone> zone;
+  std::shared_ptr<const estimation::Track> track;
+};
+
+/// A plan cut into units: blocks of runs in one environment, with all algorithms on the same runs. How it is cut
+/// depends on the plan alone; what a unit gives depends on nothing else than the plan, the ground and its number.
+class CampaignWork {
+ public:
+  /// Fails ("simulation.…", "campaign.grid") where an environment cannot be, with its values as the place.
+  [[nodiscard]] static Result<CampaignWork> make(CampaignPlan plan, CampaignGround ground);
+
+  struct Unit {
+    std::size_t environment;
+    std::uint32_t first_run;
+    std::uint32_t runs;
+  };
+  [[nodiscard]] const CampaignPlan& plan() const { return plan_; }
+  [[nodiscard]] const CampaignGround& ground() const { return ground_; }
+  [[nodiscard]] std::size_t units() const;
+  [[nodiscard]] Unit unit(std::size_t number) const;
+  /// Which unit a run of an environment is in.
+  [[nodiscard]] std::size_t unit_of(std::size_t environment, std::size_t run) const;
+  /// Iterations to be estimated in it, over all algorithms: what it costs, about.
+  [[nodiscard]] double cost(std::size_t number) const;
+  /// All that decides what the runs give, as 16 hexadecimal digits: who has another has other runs. The plan's name and
+  /// its tolerance are not in it.
+  [[nodiscard]] std::string identity() const;
+  [[nodiscard]] bool looks_back(std::size_t algorithm) const { return algorithms_[algorithm].looks_back; }
+
+  /// Several threads may ask at once. Fails where an algorithm does.
+  [[nodiscard]] Result<UnitRecord> done(std::size_t number) const;
+
+ private:
+  CampaignWork(CampaignPlan plan, CampaignGround ground) : plan_{std::move(plan)}, ground_{std::move(ground)} {}
+  [[nodiscard]] Result<void> checked(const SweptValues& values) const;
+  [[nodiscard]] Simulation bare(const SweptValues& values) const;  ///< without the marks of a grid
+  [[nodiscard]] Simulation simulation(const SweptValues& values) const;
+  [[nodiscard]] std::optional<zone::BeaconGrid> grid(const SweptValues& values) const;
+  [[nodiscard]] MarksFound found(const Simulation& simulation) const;
+
+  CampaignPlan plan_;
+  CampaignGround ground_;
+  std::vector<estimation::Registered> algorithms_;
+  std::uint32_t block_{1};  ///< runs of a unit; the last of an environment may have fewer
+};
+
+/// "pitch_m = 0.5, missed_share = 0.3": of those that are swept.
+[[nodiscard]] std::string to_string(const CampaignPlan& plan, const SweptValues& values);
+
+}  // namespace cosiva::experiments

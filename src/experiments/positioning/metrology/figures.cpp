@@ -1,0 +1,76 @@
+#include "cosiva/experiments/positioning/metrology/figures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "cosiva/base/math.h"
+#include "cosiva/experiments/statistics/sample.h"
+
+namespace cosiva::experiments {
+namespace {
+
+double mean_square(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double v : values) sum += v * v;
+  return sum / static_cast<double>(values.size());
+}
+
+/// Of two dimensions: 1 − e^(−x/2) = p.
+double region_limit(double share) { return -2.0 * det_log(1.0 - share); }
+
+/// How many of the edges it is beyond: no search, whose branches nobody can foretell.
+std::size_t bin_of(double since_m) {
+  std::size_t bin = 0;
+  for (const double edge : since_mark_m) bin += edge < since_m ? 1 : 0;
+  return bin;
+}
+
+}  // namespace
+
+double Part::rmse_m() const {
+  if (iterations == 0) return std::numeric_limits<double>::quiet_NaN();
+  return std::sqrt(squares_m2 / static_cast<double>(iterations));
+}
+
+RunFigures figures_of(const Trial& trial, const Trace& trace, double threshold_m) {
+  RunFigures figures;
+  figures.iterations = trace.error_m.size();
+  if (trace.error_m.empty()) return figures;
+  figures.mean_m = statistics::mean(trace.error_m);
+  figures.mse_m2 = mean_square(trace.error_m);
+  figures.variance_m2 = std::fmax(0.0, figures.mse_m2 - figures.mean_m * figures.mean_m);
+  figures.precision = statistics::share_below(trace.error_m, threshold_m);
+  figures.max_m = *std::ranges::max_element(trace.error_m);
+  figures.along_mse_m2 = mean_square(trace.along_m);
+  figures.along_bias_m = statistics::mean(trace.along_m);
+  figures.across_mse_m2 = mean_square(trace.across_m);
+  figures.across_bias_m = statistics::mean(trace.across_m);
+  figures.heading_mse_rad2 =
+      trial.heading_known ? mean_square(trace.heading_rad) : std::numeric_limits<double>::quiet_NaN();
+  figures.nees = statistics::mean(trace.nees);
+  for (std::size_t i = 0; i < region_shares.size(); ++i)
+    figures.covered[i] = std::isfinite(figures.nees)
+                             ? statistics::share_below(trace.nees, region_limit(region_shares[i]))
+                             : std::numeric_limits<double>::quiet_NaN();
+  figures.nis = statistics::mean(trace.nis);
+  figures.nis_dimensions = trace.nis_dimensions;
+  figures.refused = trace.refused;
+  for (std::size_t i = 0; i < trial.moments.size(); ++i) {
+    const Moment& moment = trial.moments[i];
+    figures.by_distance[bin_of(moment.since_mark_m)].add(trace.error_m[i]);
+    if (moment.section) figures.by_section[static_cast<std::size_t>(*moment.section)].add(trace.error_m[i]);
+  }
+  return figures;
+}
+
+double worth_of(const std::vector<double>& series) {
+  constexpr std::size_t most = 2000;
+  if (series.size() <= most) return statistics::effective_size(series);
+  const std::size_t stride = (series.size() + most - 1) / most;
+  std::vector<double> thinned;
+  for (std::size_t i = 0; i < series.size(); i += stride) thinned.push_back(series[i]);
+  return statistics::effective_size(thinned);
+}
+
+}  // namespace cosiva::experiments

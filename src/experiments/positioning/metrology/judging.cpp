@@ -1,0 +1,173 @@
+#include "cosiva/experiments/positioning/metrology/judging.h"
+
+#include <algorithm>
+#include <memory>
+#include <numeric>
+
+#include "cosiva/experiments/positioning/metrology/planar_limit.h"
+
+namespace cosiva::experiments {
+namespace {
+
+/// With fewer runs than this each algorithm on each of them is a part of its own: a recording alone keeps all busy.
+constexpr std::size_t few_runs = 16;
+/// Else a part is some runs one after the other, whose memory is used again, and no more than lets all end together.
+constexpr std::size_t part_runs_most = 16;
+constexpr std::size_t parts_wanted = 64;
+
+template <typename What>
+bool has(const Trial& trial) {
+  return std::ranges::any_of(trial.events, [](const Event& event) { return std::holds_alternative<What>(event); });
+}
+
+/// On a line along it, from readings; on the plane from all there is. Of a line with ranges nothing is known: the first
+/// limit does not hear them, and the second does not see the line.
+std::optional<RunLimit> limit_of_run(const Trial& trial) {
+  if (trial.setting.track != nullptr) {
+    if (!has<estimation::Reading>(trial) || has<estimation::Range>(trial)) return std::nullopt;
+    return limit_of(trial);
+  }
+  if (trial.moments.empty() || !trial.setting.start_known) return std::nullopt;
+  return planar_limit_of(trial);
+}
+
+/// Some runs, and what is done of them.
+struct Part {
+  std::size_t first_run;
+  std::size_t runs;
+  bool own;                 ///< what is to say of the run itself
+  std::size_t first, last;  ///< candidates from the first to before the last
+};
+
+class Judging {
+ public:
+  Judging(const std::vector<Candidate>& candidates, std::size_t runs, const TrialSource& source,
+          const QualificationOptions& options)
+      : candidates_{candidates}, source_{source}, options_{options}, runs_(runs), failed_in_(candidates.size(), runs) {
+    for (JudgedRun& run : runs_) run.algorithms.resize(candidates.size());
+    const bool alone = runs < few_runs;
+    const std::size_t size = alone ? 1 : std::clamp<std::size_t>(runs / parts_wanted, 1, part_runs_most);
+    for (std::size_t run = 0; run < runs; run += size) {
+      const std::size_t count = std::min(size, runs - run);
+      parts_.push_back({run, count, true, 0, alone ? 0 : candidates.size()});
+      for (std::size_t i = 0; alone && i < candidates.size(); ++i) parts_.push_back({run, count, false, i, i + 1});
+    }
+  }
+
+  /// In rounds: what nobody has begun when time is up is left for the next, and in between it is told how far all is.
+  Result<std::vector<JudgedRun>> on(Workers& workers, const TimeIsUp& time_is_up, const Progress& progress) {
+    std::vector<std::size_t> left(parts_.size());
+    std::iota(left.begin(), left.end(), std::size_t{0});
+    while (!left.empty()) {
+      // Of each part in the list its own byte: nobody writes where another does.
+      std::vector<unsigned char> done(left.size(), 0);
+      workers.for_each(left.size(), [&](std::size_t i) {
+        if (i > 0 && time_is_up && time_is_up()) return;
+        go(parts_[left[i]]);
+        done[i] = 1;
+      });
+      look_for_faults();
+      std::vector<std::size_t> next;
+      for (std::size_t i = 0; i < left.size(); ++i) {
+        if (done[i] == 0 && parts_[left[i]].first_run <= no_run_) next.push_back(left[i]);
+      }
+      left = std::move(next);
+      if (progress) progress(left.empty() ? runs_.size() : parts_[left.front()].first_run);
+    }
+    if (no_run_ < runs_.size()) return tl::unexpected(*runs_[no_run_].failed);
+    return std::move(runs_);
+  }
+
+ private:
+  void go(const Part& part) {
+    Trial room;
+    Trace trace;
+    for (std::size_t index = part.first_run; index < part.first_run + part.runs; ++index) {
+      const auto trial = source_(index, room);
+      if (!trial) {
+        // Of all parts of a run one alone writes down that there is none.
+        if (part.own) runs_[index].failed = trial.error();
+        continue;
+      }
+      if (part.own) look_at(index, **trial);
+      for (std::size_t i = part.first; i < part.last; ++i) judge(i, index, **trial, trace);
+    }
+  }
+
+  /// Between two rounds. What is behind a fault need not be asked any more, and what is before it must: so what is
+  /// named in the end is the same whatever came first.
+  void look_for_faults() {
+    for (std::size_t index = runs_.size(); index-- > 0;) {
+      if (runs_[index].failed) no_run_ = index;
+      for (std::size_t i = 0; i < candidates_.size(); ++i) {
+        if (runs_[index].algorithms[i].failed) failed_in_[i] = index;
+      }
+    }
+  }
+
+  /// What is to say of the run itself.
+  void look_at(std::size_t index, const Trial& trial) {
+    JudgedRun& run = runs_[index];
+    if (options_.alignment == Alignment::none) run.limit = limit_of_run(trial);
+    run.sensors_assumed = trial.sensors_assumed;
+    if (index > 0) return;
+    for (const Moment& moment : trial.moments) {
+      run.times_s.push_back(moment.t_s);
+      run.truth.push_back(moment.truth);
+    }
+  }
+
+  void judge(std::size_t i, std::size_t index, const Trial& trial, Trace& trace) {
+    if (failed_in_[i] < index) return;
+    Judged& one = runs_[index].algorithms[i];
+    auto algorithm = candidates_[i].make(trial.setting);
+    if (!algorithm) {
+      one.failed = algorithm.error();
+    } else if (auto fine = apply(**algorithm, trial, trace); !fine) {
+      one.failed = fine.error();
+      one.failed->message += " (in run " + std::to_string(index + 1) + ")";
+    } else if (options_.alignment != Alignment::none) {
+      const auto aligned = align(options_.alignment, trial, trace);
+      if (aligned)
+        one.alignment = *aligned;
+      else
+        one.failed = aligned.error();
+    }
+    if (one.failed) return;
+    one.figures = figures_of(trial, trace, options_.threshold_m);
+    one.errors_m.reserve(trace.error_m.size());
+    for (const double e : trace.error_m) one.errors_m.push_back(static_cast<float>(e));
+    if (index < worth_runs_most) {
+      one.worth = worth_of(trace.error_m);
+      one.nees_worth = worth_of(trace.nees);
+    }
+    if (index == 0) keep_first(one, trial, trace);
+  }
+
+  static void keep_first(Judged& one, const Trial& trial, const Trace& trace) {
+    const std::size_t stride = std::max<std::size_t>(1, trial.moments.size() / 1500);
+    for (std::size_t k = 0; k < trial.moments.size(); ++k) {
+      one.path.push_back(trace.estimates[k].pose);
+      one.squares_m2.push_back(trace.error_m[k] * trace.error_m[k]);
+      if (k % stride == 0) one.over_way.emplace_back(trial.moments[k].travelled_m, trace.error_m[k]);
+    }
+  }
+
+  const std::vector<Candidate>& candidates_;
+  const TrialSource& source_;
+  const QualificationOptions& options_;
+  std::vector<JudgedRun> runs_;
+  std::vector<std::size_t> failed_in_;  ///< of each candidate the first run known to be; as many as there are: none
+  std::size_t no_run_{runs_.size()};    ///< likewise of runs
+  std::vector<Part> parts_;
+};
+
+}  // namespace
+
+Result<std::vector<JudgedRun>> judge_all(const std::vector<Candidate>& candidates, std::size_t runs,
+                                         const TrialSource& source, const QualificationOptions& options,
+                                         Workers& workers, const TimeIsUp& time_is_up, const Progress& progress) {
+  return Judging{candidates, runs, source, options}.on(workers, time_is_up, progress);
+}
+
+}  // namespace cosiva::experiments

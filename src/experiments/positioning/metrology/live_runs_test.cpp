@@ -1,0 +1,280 @@
+#include "cosiva/experiments/positioning/metrology/live_runs.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "cosiva/aiv/estimation/registry.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/base/random.h"
+#include "cosiva/experiments/runs/world/world.h"
+#include "cosiva/zone/rtm/rtm.h"
+#include "cosiva/zone/testing/test_zones.h"
+
+namespace cosiva::experiments {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using ::testing::Each;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+wire::VehicleId aiv(int number) { return {"CoSiVA", "AIV" + std::to_string(number)}; }
+
+/// The whole platform in virtual time, and a live test on its bus.
+class Bench {
+ public:
+  explicit Bench(LiveRunsOptions options, double loss = 0.0) : loss_{loss}, runs_{named(std::move(options))} {
+    WorldOptions world;
+    world.zone = zone::testing::configuration_file("lacet4.toml");
+    world.aivs = 2;
+    auto made = World::make(world);
+    EXPECT_TRUE(made);
+    world_ = std::move(*made);
+    runs_.on_zone(zone::Rtm::initialise(world.zone)->share_zone());
+    world_->tap([this](SimTime at, const std::string&, const wire::Publish& message) {
+      for (const std::string& filter : runs_.subscriptions()) {
+        if (wire::topic_matches(filter, message.topic) && !(deaf && deaf(message.topic)) && !random_.chance(loss_))
+          runs_.on_message(at, message.topic, message.payload);
+      }
+    });
+    world_->run_for(seconds{3});
+  }
+  /// Until it is done, or for so long.
+  void run(SimDuration longest) {
+    const SimTime end = world_->now() + longest;
+    while (!runs_.done() && world_->now() < end) {
+      LiveRuns::Answers answers = runs_.tick(world_->now());
+      for (const wire::Publish& message : answers.messages)
+        if (!random_.chance(loss_)) world_->publish(message);
+      for (std::string& command : answers.commands) world_->command_server(std::move(command));
+      for (std::string& one : answers.words) words += one + "\n";
+      world_->run_for(milliseconds{5});
+    }
+  }
+  World& world() { return *world_; }
+  LiveRuns& runs() { return runs_; }
+
+  std::function<bool(std::string_view topic)> deaf;  ///< what does not get through
+  std::string words;
+
+ private:
+  static LiveRunsOptions named(LiveRunsOptions options) {
+    options.name = "test";
+    options.patience = seconds{3};
+    return options;
+  }
+  double loss_;
+  Random random_{7, "bench"};
+  LiveRuns runs_;
+  std::unique_ptr<World> world_;
+};
+
+LiveRunsOptions options_of(std::vector<wire::VehicleId> vehicles, std::size_t runs, double way_m,
+                           std::vector<std::string> algorithms) {
+  LiveRunsOptions options;
+  options.vehicles = std::move(vehicles);
+  options.runs = runs;
+  options.way_m = way_m;
+  options.algorithms = std::move(algorithms);
+  return options;
+}
+
+/// What the same algorithm says of the same inputs off board.
+Trace off_board(const std::string& name, const Trial& trial) {
+  Trace trace;
+  const auto algorithm = estimation::Registry{}.make(name, trial.setting);
+  EXPECT_TRUE(algorithm && apply(**algorithm, trial, trace));
+  return trace;
+}
+
+Result<Qualification> judged(const std::vector<std::string>& names,
+                             const std::vector<std::shared_ptr<const LivedRun>>& runs) {
+  std::vector<Candidate> candidates;
+  candidates.reserve(names.size());
+  for (const std::string& name : names) candidates.push_back(on_board(name, "", runs));
+  return qualify(candidates, runs.size(),
+                 [&](std::size_t index, Trial&) -> Result<const Trial*> { return &runs[index]->trial; }, {});
+}
+
+TEST(LiveRuns, give_what_the_vehicles_say_of_themselves_beside_where_they_were) {
+  const std::vector<std::string> names{"dead_reckoning", "reset_rule", "arc_kalman", "ekf", "particles"};
+  Bench bench{options_of({aiv(1), aiv(2)}, 3, 12.0, names)};
+  bench.run(seconds{200});
+  EXPECT_THAT(bench.runs().losses(), IsEmpty()) << bench.words;
+  EXPECT_EQ(bench.runs().map_id(), "lacet4");
+  EXPECT_EQ(bench.runs().without_truth(), 0U);
+  const auto runs = bench.runs().take_runs();
+  ASSERT_THAT(runs, SizeIs(3));
+  for (const auto& run : runs) {
+    EXPECT_NEAR(run->trial.moments.back().travelled_m, 12.0, 0.05);
+    // 12 m at up to 0.5 m/s, asked 20 times a second.
+    EXPECT_GT(run->trial.moments.size(), 400U);
+  }
+  const auto all = judged(names, runs);
+  ASSERT_TRUE(all) << to_string(all.error());
+  for (const Qualified& one : all->algorithms) EXPECT_FALSE(one.failed) << one.name;
+  const Qualified& reckoning = all->algorithms[0];
+  const Qualified& kalman = all->algorithms[2];
+  // A tag every 1.44 m and beacons between: 3 mm. Wheels that are 0.5 % off alone: several times that.
+  EXPECT_LT(kalman.rmse_m.value, 0.006);
+  EXPECT_GT(reckoning.rmse_m.value, 2.0 * kalman.rmse_m.value);
+  EXPECT_LT(std::fabs(kalman.along_bias_m), 0.003) << "the stamps of both sides agree";
+}
+
+TEST(LiveRuns, have_on_board_bit_for_bit_what_the_same_algorithm_says_of_the_same_inputs_elsewhere) {
+  const std::vector<std::string> names{"dead_reckoning", "arc_kalman_scale", "ukf", "particles", "ufir"};
+  Bench bench{options_of({aiv(1)}, 1, 6.0, names), 0.2};
+  bench.run(seconds{200});
+  EXPECT_GT(bench.runs().repeated(), 10U) << "every fifth message is lost";
+  const auto runs = bench.runs().take_runs();
+  ASSERT_THAT(runs, SizeIs(1)) << bench.words;
+  const Trial& trial = runs[0]->trial;
+  EXPECT_GT(std::ranges::count_if(trial.events,
+                                  [](const Event& e) { return std::holds_alternative<estimation::Reading>(e); }),
+            5);
+  for (const std::string& name : names) {
+    const Candidate said = on_board(name, "", runs);
+    Trace on;
+    ASSERT_TRUE(apply(**said.make(trial.setting), trial, on));
+    const Trace off = off_board(name, trial);
+    EXPECT_EQ(on.error_m, off.error_m) << name;
+    EXPECT_EQ(on.nees, off.nees) << name;
+    EXPECT_EQ(on.nis, off.nis) << name;
+    EXPECT_EQ(on.refused, off.refused) << name;
+  }
+}
+
+TEST(LiveRuns, are_driven_anew_by_a_vehicle_that_begins_anew_and_left_to_others_by_one_that_is_lost) {
+  Bench bench{options_of({aiv(1), aiv(2)}, 2, 6.0, {"arc_kalman"})};
+  bench.run(seconds{5});
+  bench.world().kill_aiv(1);
+  bench.world().start_aiv(1);
+  bench.run(seconds{4});
+  EXPECT_THAT(bench.words, HasSubstr("CoSiVA/AIV1 drives run 1 anew"));
+  bench.world().kill_aiv(1);
+  bench.run(seconds{8});
+  ASSERT_THAT(bench.runs().losses(), SizeIs(1));
+  EXPECT_THAT(bench.runs().losses()[0], HasSubstr("CoSiVA/AIV1: it has not answered"));
+  // It comes back, and does not stand in the other's way; its run is the other's by now.
+  bench.world().start_aiv(1);
+  bench.run(seconds{200});
+  const auto runs = bench.runs().take_runs();
+  ASSERT_THAT(runs, SizeIs(2)) << bench.words;
+  for (const auto& run : runs) EXPECT_EQ(to_string(run->vehicle), "CoSiVA/AIV2");
+}
+
+TEST(LiveRuns, end_with_the_vehicle_s_own_words_where_nobody_can_drive_them) {
+  Bench bench{options_of({aiv(1)}, 2, 5.0, {"arc_kalman", "magic"})};
+  bench.run(seconds{30});
+  EXPECT_TRUE(bench.runs().done());
+  ASSERT_THAT(bench.runs().losses(), SizeIs(1));
+  EXPECT_THAT(bench.runs().losses()[0], AllOf(HasSubstr("magic"), HasSubstr("there are dead_reckoning")));
+  EXPECT_THAT(bench.runs().take_runs(), IsEmpty());
+}
+
+TEST(LiveRuns, need_somebody_who_says_where_the_vehicles_are) {
+  Bench bench{options_of({aiv(1)}, 1, 5.0, {"arc_kalman"})};
+  bench.deaf = [](std::string_view topic) { return topic == wire::plant_truth_topic; };
+  bench.run(seconds{30});
+  ASSERT_THAT(bench.runs().losses(), SizeIs(1));
+  EXPECT_THAT(bench.runs().losses()[0], HasSubstr("nobody has said on cosiva/v1/plant/truth"));
+}
+
+TEST(LiveRuns, take_what_a_camera_over_the_zone_saw_for_the_truth) {
+  LiveRunsOptions options = options_of({aiv(1)}, 1, 3.0, {"arc_kalman"});
+  options.truth_topic = "hall/sights";
+  Bench bench{std::move(options)};
+  // As GVS tells it: by name, and each vehicle with the time of its own rows.
+  bench.world().tap([&](SimTime at, const std::string&, const wire::Publish& message) {
+    if (message.topic != wire::plant_truth_topic) return bench.runs().on_message(at, message.topic, message.payload);
+    const Pose2 truth = bench.world().plant().vehicles()[0].X_MB;
+    JsonWriter json;
+    json.begin_object().field("timestamp", "2000-01-01T00:00:00Z").key("sights").begin_array().begin_object();
+    json.field("vehicle", "CoSiVA/AIV1").field("at", to_iso8601(at)).field("x", truth.x_m).field("y", truth.y_m);
+    json.field("heading", truth.heading_rad).end_object().end_array().end_object();
+    bench.runs().on_message(at, "hall/sights", json.take());
+  });
+  bench.run(seconds{30});
+  const auto runs = bench.runs().take_runs();
+  ASSERT_THAT(runs, SizeIs(1)) << bench.words;
+  EXPECT_LT(judged({"arc_kalman"}, runs)->algorithms[0].rmse_m.value, 0.006);
+}
+
+TEST(LiveRuns, of_a_fleet_of_one_unknown_vehicle_end) {
+  Bench bench{options_of({{"Other", "X9"}}, 1, 5.0, {"arc_kalman"})};
+  bench.run(seconds{30});
+  ASSERT_THAT(bench.runs().losses(), SizeIs(1));
+  EXPECT_THAT(bench.runs().losses()[0], HasSubstr("Other/X9: it has not answered for 3 s"));
+}
+
+TEST(LiveRuns, that_are_given_up_keep_what_is_complete) {
+  Bench bench{options_of({aiv(1)}, 5, 3.0, {"arc_kalman"})};
+  bench.run(seconds{12});
+  const auto progress = bench.runs().progress(bench.world().now());
+  EXPECT_GT(progress.complete, 0U);
+  EXPECT_LT(progress.complete, 5U);
+  ASSERT_TRUE(progress.left_s);
+  EXPECT_NEAR(*progress.left_s, 12.0 * (1.0 - progress.share) / progress.share, 1.0);
+  bench.runs().give_up();
+  EXPECT_TRUE(bench.runs().done());
+  EXPECT_THAT(bench.runs().take_runs(), SizeIs(progress.complete));
+}
+
+TEST(TruePose, between_two_fixes_goes_round_the_bend_and_is_none_outside_of_them) {
+  const auto on_circle = [](double t_s) {
+    const double angle_rad = 0.5 * t_s / 0.6;  // 0.5 m/s round 0.6 m
+    const SinCos at = sincos(angle_rad);
+    return TrueFix{SimTime{from_seconds(t_s)}, {0.6 * at.sin, 0.6 - 0.6 * at.cos, angle_rad}};
+  };
+  const std::vector<TrueFix> fixes{on_circle(0.0), on_circle(0.1), on_circle(0.2), on_circle(1.2)};
+  for (const double t_s : {0.03, 0.05, 0.1, 0.17}) {
+    const auto pose = true_pose(fixes, SimTime{from_seconds(t_s)}, milliseconds{500});
+    ASSERT_TRUE(pose);
+    EXPECT_LT(distance(*pose, on_circle(t_s).X_MB), 1e-5) << t_s;
+    EXPECT_NEAR(pose->heading_rad, on_circle(t_s).X_MB.heading_rad, 1e-9);
+  }
+  EXPECT_FALSE(true_pose(fixes, SimTime{from_seconds(0.7)}, milliseconds{500})) << "too long a gap";
+  EXPECT_FALSE(true_pose(fixes, SimTime{from_seconds(1.3)}, milliseconds{500}));
+  EXPECT_FALSE(true_pose({}, SimTime{}, milliseconds{500}));
+}
+
+TEST(LivedRun, of_an_algorithm_that_diverged_says_so_and_the_others_keep_their_results) {
+  const auto zone = zone::Rtm::initialise(zone::testing::configuration_file("lacet4.toml"))->share_zone();
+  RunLog log{"run 1", aiv(1), 1, 500, 4};
+  std::vector<TrueFix> truth;
+  wire::EstimateAnswer answer;
+  answer.map_id = "lacet4";
+  answer.start.emplace(wire::EstimateAnswer::Start{});
+  answer.start->sensors.distance_variance_per_m = 1e-4;
+  for (int i = 0; i < 40; ++i) {
+    answer.timestamp = SimTime{milliseconds{50 * i}};
+    answer.travelled_m = 0.02 * i;
+    answer.told.clear();
+    if (i > 0) answer.told.emplace_back(wire::EstimateAnswer::Odometry{0.02, 0.0, 0.05});
+    answer.estimates = {{"good", "", {0.02 * i, 0.0, 0.0}, std::nullopt, std::nullopt, {}},
+                        {"bad", i < 20 ? "" : "it has diverged", {0.0, 0.0, 0.0}, std::nullopt, std::nullopt, {}}};
+    log.add(answer);
+    answer.start.reset();
+    truth.push_back({answer.timestamp, {0.02 * i, 0.003, 0.0}});
+  }
+  std::size_t without_truth = 0;
+  auto run = std::move(log).finish(zone, truth, milliseconds{500}, without_truth);
+  ASSERT_TRUE(run) << to_string(run.error());
+  const std::vector<std::shared_ptr<const LivedRun>> runs{std::make_shared<const LivedRun>(std::move(*run))};
+  const auto all = judged({"good", "bad"}, runs);
+  ASSERT_TRUE(all);
+  EXPECT_NEAR(all->algorithms[0].rmse_m.value, 0.003, 1e-9);
+  ASSERT_TRUE(all->algorithms[1].failed);
+  EXPECT_THAT(all->algorithms[1].failed->message, HasSubstr("diverged"));
+}
+
+}  // namespace
+}  // namespace cosiva::experiments

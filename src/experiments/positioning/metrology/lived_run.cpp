@@ -1,0 +1,195 @@
+#include "cosiva/experiments/positioning/metrology/lived_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace cosiva::experiments {
+namespace {
+
+using wire::EstimateAnswer;
+
+/// An iteration of the article's loop is a move; one that stands is asked in vain.
+constexpr double move_m_min = 0.001;
+
+estimation::SensorModel sensors_of(const wire::EstimateSensors& told) {
+  estimation::SensorModel sensors;
+  sensors.distance_variance_per_m = told.distance_variance_per_m;
+  sensors.turn_variance_per_m = told.turn_variance_per_m;
+  sensors.turn_variance_per_rad = told.turn_variance_per_rad;
+  sensors.distance_scale_sigma = told.distance_scale_sigma;
+  sensors.turn_scale_sigma = told.turn_scale_sigma;
+  sensors.mark_along_sigma_m = told.mark_along_sigma_m;
+  sensors.mark_across_sigma_m = told.mark_across_sigma_m;
+  sensors.line_sigma_m = told.line_sigma_m;
+  sensors.line_heading_sigma_rad = told.line_heading_sigma_rad;
+  return sensors;
+}
+
+estimation::Estimate estimate_of(const EstimateAnswer::Estimate& told) {
+  estimation::Estimate estimate;
+  estimate.pose = told.X_MB;
+  estimate.along_m = told.along_m;
+  for (int i = 0; i < 9; ++i) {
+    estimate.covariance(i / 3, i % 3) =
+        told.covariance ? (*told.covariance)[static_cast<std::size_t>(i)] : std::numeric_limits<double>::quiet_NaN();
+  }
+  return estimate;
+}
+
+/// Says again, input by input, what was said on board.
+class Recited final : public estimation::Algorithm {
+ public:
+  Recited(std::shared_ptr<const LivedRun> run, std::size_t which) : run_{std::move(run)}, said_{&run_->said[which]} {
+    if (!said_->fault.empty()) fault_ = Error{"algorithm.on_board", said_->fault, to_string(run_->vehicle)};
+  }
+  void predict(const estimation::Odometry&) override { ++told_; }
+  estimation::Rectified rectify(const estimation::Reading&) override {
+    ++told_;
+    return read_ < said_->rectified.size() ? said_->rectified[read_++] : estimation::Rectified{};
+  }
+  estimation::Rectified rectify(const estimation::Range&) override { return {}; }
+  [[nodiscard]] estimation::Estimate estimate() const override {
+    // Between two moments the vehicle moved, so each has inputs of its own.
+    const auto& moments = run_->trial.moments;
+    const auto at = std::ranges::lower_bound(moments, told_, {}, &Moment::events);
+    const auto index = static_cast<std::size_t>(at - moments.begin());
+    return index < said_->estimates.size() ? said_->estimates[index] : estimation::Estimate{};
+  }
+  [[nodiscard]] const Error* fault() const override { return fault_ ? &*fault_ : nullptr; }
+
+ private:
+  std::shared_ptr<const LivedRun> run_;
+  const SaidOnBoard* said_;
+  std::optional<Error> fault_;
+  std::size_t told_{0};
+  std::size_t read_{0};
+};
+
+}  // namespace
+
+std::optional<Pose2> true_pose(const std::vector<TrueFix>& fixes, SimTime at, SimDuration gap_max) {
+  const auto after = std::ranges::lower_bound(fixes, at, {}, &TrueFix::at);
+  if (after != fixes.end() && after->at == at) return after->X_MB;
+  if (after == fixes.begin() || after == fixes.end()) return std::nullopt;
+  const TrueFix& a = *(after - 1);
+  const TrueFix& b = *after;
+  if (b.at - a.at > gap_max) return std::nullopt;
+  const double u = to_seconds(at - a.at) / to_seconds(b.at - a.at);
+  // A straight line would cut the corner by 0.5 mm in an arc of 0.6 m: a cubic whose ends look the body's way does not.
+  const SinCos from = sincos(a.X_MB.heading_rad);
+  const SinCos to = sincos(b.X_MB.heading_rad);
+  const double x = b.X_MB.x_m - a.X_MB.x_m;
+  const double y = b.X_MB.y_m - a.X_MB.y_m;
+  const double way_m = norm(x, y) * (from.cos * x + from.sin * y < 0.0 ? -1.0 : 1.0);
+  const double goes = u * u * (3.0 - 2.0 * u);
+  const double leaves = u * (1.0 - u) * (1.0 - u) * way_m;
+  const double arrives = u * u * (u - 1.0) * way_m;
+  const double turned_rad = wrap_angle(b.X_MB.heading_rad - a.X_MB.heading_rad);
+  return Pose2{a.X_MB.x_m + goes * x + leaves * from.cos + arrives * to.cos,
+               a.X_MB.y_m + goes * y + leaves * from.sin + arrives * to.sin,
+               wrap_angle(a.X_MB.heading_rad + u * turned_rad)};
+}
+
+RunLog::RunLog(std::string name, wire::VehicleId vehicle, std::uint64_t seed, std::uint32_t particles,
+               std::uint32_t horizon) {
+  run_.vehicle = std::move(vehicle);
+  run_.trial.name = std::move(name);
+  run_.trial.sensors_assumed = true;  // by a data sheet
+  run_.trial.setting.seed = seed;
+  run_.trial.setting.particles = particles;
+  run_.trial.setting.horizon = horizon;
+}
+
+std::optional<SimTime> RunLog::last_moment() const {
+  return stamps_.empty() ? std::nullopt : std::optional{stamps_.back()};
+}
+
+void RunLog::tell(const EstimateAnswer::Input& input) {
+  std::vector<Event>& events = run_.trial.events;
+  if (const auto* odometry = std::get_if<EstimateAnswer::Odometry>(&input)) {
+    events.emplace_back(estimation::Odometry{odometry->distance_m, odometry->turn_rad, odometry->duration_s});
+    since_mark_m_ += std::fabs(odometry->distance_m);
+  } else {
+    const auto& reading = std::get<EstimateAnswer::Reading>(input);
+    events.emplace_back(estimation::Reading{reading.mark, reading.mark_M, reading.seen_B});
+    since_mark_m_ = 0.0;
+  }
+}
+
+void RunLog::hear(const EstimateAnswer::Estimate& estimate, bool moment) {
+  const auto found = std::ranges::find(run_.said, estimate.algorithm, &SaidOnBoard::algorithm);
+  SaidOnBoard& said =
+      found != run_.said.end() ? *found : run_.said.emplace_back(SaidOnBoard{estimate.algorithm, {}, {}, {}});
+  if (!estimate.fault.empty() && said.fault.empty()) said.fault = estimate.fault;
+  for (const EstimateAnswer::Rectified& one : estimate.rectified)
+    said.rectified.push_back({one.accepted, one.nis, one.dimensions});
+  if (moment) said.estimates.push_back(estimate_of(estimate));
+}
+
+void RunLog::add(const EstimateAnswer& answer) {
+  if (answer.start) start_ = answer.start;
+  map_id_ = answer.map_id;
+  for (const EstimateAnswer::Input& input : answer.told) tell(input);
+  travelled_m_ = answer.travelled_m;
+  const bool moment = travelled_m_ - moment_m_ >= move_m_min;
+  for (const EstimateAnswer::Estimate& estimate : answer.estimates) hear(estimate, moment);
+  if (!moment) return;
+  moment_m_ = travelled_m_;
+  stamps_.push_back(answer.timestamp);
+  run_.trial.moments.push_back({run_.trial.events.size(), 0.0, {}, travelled_m_, since_mark_m_, std::nullopt});
+}
+
+Result<LivedRun> RunLog::finish(const std::shared_ptr<const zone::TrafficZone>& zone, const std::vector<TrueFix>& truth,
+                                SimDuration gap_max, std::size_t& without_truth) && {
+  estimation::Setting& setting = run_.trial.setting;
+  if (!start_) return fail("live.answer", "it never said where it began", to_string(run_.vehicle));
+  setting.sensors = sensors_of(start_->sensors);
+  setting.start = start_->X_MB;
+  setting.start_sigma_m = start_->sigma_m;
+  setting.start_heading_sigma_rad = start_->heading_sigma_rad;
+  setting.start_along_m = start_->along_m;
+  if (start_->section) {
+    const auto section = zone->circuit.find(*start_->section);
+    if (!section) return fail("live.zone", "there is no section '" + *start_->section + "'", zone->name);
+    auto track = estimation::Track::round(zone, *section);
+    if (!track) return tl::unexpected(track.error());
+    setting.track = std::make_shared<const estimation::Track>(std::move(*track));
+  }
+  std::vector<Moment> moments = std::exchange(run_.trial.moments, {});
+  std::vector<std::vector<estimation::Estimate>> estimates;
+  for (SaidOnBoard& said : run_.said) estimates.push_back(std::exchange(said.estimates, {}));
+  for (std::size_t i = 0; i < moments.size(); ++i) {
+    const auto X_MB = true_pose(truth, stamps_[i], gap_max);
+    if (!X_MB) {
+      ++without_truth;
+      continue;
+    }
+    Moment& moment = run_.trial.moments.emplace_back(moments[i]);
+    moment.t_s = to_seconds(stamps_[i] - stamps_.front());
+    moment.truth = *X_MB;
+    moment.section =
+        zone->circuit.section(zone->circuit.locate(position(*X_MB), X_MB->heading_rad).place.section).kind();
+    for (std::size_t k = 0; k < estimates.size(); ++k) run_.said[k].estimates.push_back(estimates[k][i]);
+  }
+  if (run_.trial.moments.empty())
+    return fail("live.truth", "nobody said where it truly was while it drove", to_string(run_.vehicle));
+  return std::move(run_);
+}
+
+Candidate on_board(std::string name, std::string what, const std::vector<std::shared_ptr<const LivedRun>>& runs) {
+  const auto make = [name, runs](const estimation::Setting& setting) -> Result<std::unique_ptr<estimation::Algorithm>> {
+    for (const auto& run : runs) {
+      if (run->trial.setting.seed != setting.seed) continue;
+      const auto said = std::ranges::find(run->said, name, &SaidOnBoard::algorithm);
+      if (said == run->said.end())
+        return fail("algorithm.on_board", "it said nothing of " + name, to_string(run->vehicle));
+      return std::make_unique<Recited>(run, static_cast<std::size_t>(said - run->said.begin()));
+    }
+    return fail("algorithm.on_board", "there was no such run", name);
+  };
+  return {std::move(name), std::move(what), false, make};
+}
+
+}  // namespace cosiva::experiments

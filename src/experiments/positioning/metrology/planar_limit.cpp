@@ -1,0 +1,269 @@
+#include "cosiva/experiments/positioning/metrology/planar_limit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "cosiva/aiv/estimation/planar.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/base/math.h"
+
+namespace cosiva::experiments {
+namespace {
+
+using estimation::Odometry;
+using estimation::Range;
+using estimation::Reading;
+using Vector = Eigen::VectorXd;
+using Matrix = Eigen::MatrixXd;
+
+/// What is not known: pose, scales of odometry and a gyroscope's offset, what all ranges have in common, then a bias of
+/// each station.
+enum Part : Eigen::Index { x, y, heading, distance_scale, turn_scale, turn_drift, range_scale, range_common, stations };
+
+double squared(double v) { return v * v; }
+
+/// The shortest way that tells a course, where the truth has no heading.
+constexpr double course_m = 0.1;
+
+/// The truth at moments, with a heading: its own, or the course of its places.
+std::vector<Pose2> drive_of(const Trial& run) {
+  std::vector<Pose2> drive;
+  drive.reserve(run.moments.size());
+  for (const Moment& moment : run.moments) drive.push_back(moment.truth);
+  if (run.heading_known) return drive;
+  std::size_t before = 0;
+  std::size_t after = 0;
+  for (std::size_t i = 0; i < drive.size(); ++i) {
+    while (before + 1 < i && distance(drive[before + 1], drive[i]) >= course_m) ++before;
+    after = std::max(after, i);
+    while (after + 1 < drive.size() && distance(drive[i], drive[after]) < course_m) ++after;
+    const double dx = drive[after].x_m - drive[before].x_m;
+    const double dy = drive[after].y_m - drive[before].y_m;
+    if (dx != 0.0 || dy != 0.0) drive[i].heading_rad = det_atan2(dy, dx);
+  }
+  return drive;
+}
+
+Pose2 between(const Pose2& a, const Pose2& b, double share) {
+  return {a.x_m + share * (b.x_m - a.x_m), a.y_m + share * (b.y_m - a.y_m),
+          wrap_angle(a.heading_rad + share * wrap_angle(b.heading_rad - a.heading_rad))};
+}
+
+/// A step's F: one beside some entries of the pose's rows, and stations' biases that forget themselves.
+struct Move {
+  double x_heading, y_heading;
+  double x_distance, y_distance;
+  double x_turn, y_turn, heading_turn;
+  double drifts_s;  ///< for which a gyroscope counted
+  double keeps;
+};
+
+/// What is gone through backwards for the smoother.
+struct Step {
+  enum class Kind { move, measure, moment } kind;
+  Move move{};
+  Vector slope{};  ///< of a measurement
+  Vector gain{};   ///< P·h/s
+  double s{};      ///< variance of its innovation
+  Matrix ahead{};  ///< of a moment: P's rows of x and y
+};
+
+class PlanarInformation {
+ public:
+  explicit PlanarInformation(const Trial& run)
+      : run_{run}, sensors_{run.setting.sensors}, drive_{drive_of(run)}, numbers_{numbers_of(run)} {
+    const auto n = stations + static_cast<Eigen::Index>(numbers_.size());
+    Vector variances = Vector::Constant(n, squared(sensors_.range_station_sigma_m));
+    variances(x) = variances(y) = squared(run.setting.start_sigma_m);
+    // Of who knows nothing of its heading a step ends anywhere on a circle: that is as far off as 1 rad says in the
+    // linear picture. More would not be a limit, since nobody is as bad.
+    variances(heading) = squared(std::fmin(1.0, run.setting.start_heading_sigma_rad));
+    variances(distance_scale) = squared(sensors_.distance_scale_sigma);
+    variances(turn_scale) = squared(sensors_.turn_scale_sigma);
+    variances(turn_drift) = squared(sensors_.turn_drift_sigma_radps);
+    variances(range_scale) = squared(sensors_.range_scale_sigma);
+    variances(range_common) = squared(sensors_.range_common_sigma_m);
+    p_ = variances.asDiagonal();
+  }
+
+  RunLimit limit() {
+    forwards();
+    const auto count = static_cast<double>(run_.moments.size());
+    return {filter_m2_ / count, backwards() / count};
+  }
+
+ private:
+  static std::vector<std::uint32_t> numbers_of(const Trial& run) {
+    std::vector<std::uint32_t> numbers;
+    for (const Event& event : run.events) {
+      if (const auto* range = std::get_if<Range>(&event)) numbers.push_back(range->station);
+    }
+    std::ranges::sort(numbers);
+    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+    return numbers;
+  }
+
+  void forwards() {
+    std::size_t told = 0;
+    for (std::size_t k = 0; k < run_.moments.size(); ++k) {
+      const std::size_t until = run_.moments[k].events;
+      const Pose2 from = k > 0 ? drive_[k - 1] : began_at(until);
+      double lasts_s = 0.0;
+      for (std::size_t i = told; i < until; ++i) {
+        if (const auto* odometry = std::get_if<Odometry>(&run_.events[i])) lasts_s += odometry->duration_s;
+      }
+      double passed_s = 0.0;
+      const auto here = [&](double t_s) { return between(from, drive_[k], lasts_s > 0.0 ? t_s / lasts_s : 1.0); };
+      for (; told < until; ++told) {
+        if (const auto* odometry = std::get_if<Odometry>(&run_.events[told])) {
+          move(*odometry, here(passed_s + 0.5 * odometry->duration_s).heading_rad);
+          passed_s += odometry->duration_s;
+        } else if (const auto* range = std::get_if<Range>(&run_.events[told])) {
+          measure(*range, here(passed_s));
+        } else {
+          measure(std::get<Reading>(run_.events[told]), here(passed_s));
+        }
+      }
+      filter_m2_ += p_(x, x) + p_(y, y);
+      steps_.push_back({Step::Kind::moment, {}, {}, {}, 0.0, p_.topRows(2)});
+    }
+  }
+
+  /// Where the drive to the first moment began, by what was counted on it.
+  [[nodiscard]] Pose2 began_at(std::size_t until) const {
+    Pose2 way;
+    for (std::size_t i = 0; i < until; ++i) {
+      if (const auto* odometry = std::get_if<Odometry>(&run_.events[i])) way = estimation::moved(way, *odometry);
+    }
+    return drive_[0] * inverse(way);
+  }
+
+  void move(const Odometry& odometry, double middle_rad) {
+    // A course has no backwards.
+    const estimation::StepCourse course = estimation::course_of(odometry);
+    const double d = run_.heading_known ? course.way_m : std::fabs(course.way_m);
+    const SinCos h = sincos(run_.heading_known ? middle_rad + course.aside_rad : middle_rad);
+    const double turn = odometry.turn_rad;
+    const Move f{-d * h.sin,
+                 d * h.cos,
+                 -d * h.cos,
+                 -d * h.sin,
+                 0.5 * d * h.sin * turn,
+                 -0.5 * d * h.cos * turn,
+                 -turn,
+                 turn != 0.0 ? odometry.duration_s : 0.0,
+                 det_exp(-std::fabs(d) / sensors_.range_station_length_m)};
+    const auto go = [&](auto&& of) {
+      of(x) += f.x_heading * of(heading) + f.x_distance * of(distance_scale) + f.x_turn * of(turn_scale);
+      of(y) += f.y_heading * of(heading) + f.y_distance * of(distance_scale) + f.y_turn * of(turn_scale);
+      of(heading) += f.heading_turn * of(turn_scale);
+      // Of the turn itself x and y know by half: what it is off by comes in along the way.
+      of(x) += -0.5 * f.x_heading * f.drifts_s * of(turn_drift);
+      of(y) += -0.5 * f.y_heading * f.drifts_s * of(turn_drift);
+      of(heading) -= f.drifts_s * of(turn_drift);
+      for (Eigen::Index i = stations; i < p_.rows(); ++i) of(i) *= f.keeps;
+    };
+    for (Eigen::Index i = 0; i < p_.cols(); ++i) go(p_.col(i));
+    for (Eigen::Index i = 0; i < p_.rows(); ++i) go(p_.row(i));
+    const estimation::Vector2 variances = estimation::step_variances(sensors_, odometry);
+    const estimation::Vector3 along{h.cos, h.sin, 0.0};
+    const estimation::Vector3 about{-0.5 * d * h.sin, 0.5 * d * h.cos, 1.0};
+    p_.topLeftCorner<3, 3>() += variances(0) * along * along.transpose() + variances(1) * about * about.transpose();
+    for (Eigen::Index i = stations; i < p_.rows(); ++i)
+      p_(i, i) += squared(sensors_.range_station_sigma_m) * (1.0 - f.keeps * f.keeps);
+    estimation::make_symmetric(p_);
+    steps_.push_back({Step::Kind::move, f, {}, {}, 0.0, {}});
+  }
+
+  void measure(const Range& range, const Pose2& truth) {
+    const double dx = truth.x_m - range.station_M.x_m;
+    const double dy = truth.y_m - range.station_M.y_m;
+    const double distance_m = norm(dx, dy);
+    if (distance_m < 1e-6) return;
+    Vector slope = Vector::Zero(p_.rows());
+    slope(x) = dx / distance_m;
+    slope(y) = dy / distance_m;
+    slope(range_scale) = distance_m;
+    slope(range_common) = 1.0;
+    slope(stations + (std::ranges::lower_bound(numbers_, range.station) - numbers_.begin())) = 1.0;
+    learn(std::move(slope), squared(sensors_.range_sigma_m));
+  }
+
+  void measure(const Reading& reading, const Pose2& truth) {
+    const Point2 seen_B = inverse(truth) * reading.mark_M;
+    const SinCos h = sincos(truth.heading_rad);
+    Vector along = Vector::Zero(p_.rows());
+    along.head<3>() = estimation::Vector3(-h.cos, -h.sin, seen_B.y_m);
+    learn(std::move(along), squared(sensors_.mark_along_sigma_m));
+    Vector across = Vector::Zero(p_.rows());
+    across.head<3>() = estimation::Vector3(h.sin, -h.cos, -seen_B.x_m);
+    learn(std::move(across), squared(sensors_.mark_across_sigma_m));
+  }
+
+  void learn(Vector slope, double variance) {
+    const Vector ph = p_.lazyProduct(slope);
+    const double s = slope.dot(ph) + variance;
+    // Who has no doubt learns nothing from who has none either.
+    if (!(s > 0.0)) return;
+    Vector gain = ph / s;
+    p_ -= gain.lazyProduct(ph.transpose());
+    estimation::make_symmetric(p_);
+    steps_.push_back({Step::Kind::measure, {}, std::move(slope), std::move(gain), s, {}});
+  }
+
+  /// Λ of what comes later: the smoother's covariance is P − P·Λ·P. Sum over the moments.
+  [[nodiscard]] double backwards() const {
+    double sum_m2 = 0.0;
+    Matrix later = Matrix::Zero(p_.rows(), p_.rows());
+    for (std::size_t i = steps_.size(); i-- > 0;) {
+      const Step& step = steps_[i];
+      if (step.kind == Step::Kind::move) {
+        back(step.move, later);
+      } else if (step.kind == Step::Kind::measure) {
+        // (I − g·hᵀ)ᵀ·Λ·(I − g·hᵀ) + h·hᵀ/s
+        const Vector lg = later.lazyProduct(step.gain);
+        const double both = step.gain.dot(lg) + 1.0 / step.s;
+        later += both * step.slope.lazyProduct(step.slope.transpose());
+        later -= step.slope.lazyProduct(lg.transpose());
+        later -= lg.lazyProduct(step.slope.transpose());
+        estimation::make_symmetric(later);
+      } else {
+        for (Eigen::Index row = 0; row < 2; ++row) {
+          const Vector p = step.ahead.row(row).transpose();
+          sum_m2 += p(row) - p.dot(Vector(later.lazyProduct(p)));
+        }
+      }
+    }
+    return sum_m2;
+  }
+
+  /// Fᵀ·Λ·F.
+  static void back(const Move& f, Matrix& later) {
+    const auto go = [&](auto&& of) {
+      of(turn_scale) += f.x_turn * of(x) + f.y_turn * of(y) + f.heading_turn * of(heading);
+      of(turn_drift) -= f.drifts_s * (0.5 * f.x_heading * of(x) + 0.5 * f.y_heading * of(y) + of(heading));
+      of(distance_scale) += f.x_distance * of(x) + f.y_distance * of(y);
+      of(heading) += f.x_heading * of(x) + f.y_heading * of(y);
+      for (Eigen::Index i = stations; i < later.rows(); ++i) of(i) *= f.keeps;
+    };
+    for (Eigen::Index i = 0; i < later.cols(); ++i) go(later.col(i));
+    for (Eigen::Index i = 0; i < later.rows(); ++i) go(later.row(i));
+  }
+
+  const Trial& run_;
+  const estimation::SensorModel& sensors_;
+  std::vector<Pose2> drive_;
+  std::vector<std::uint32_t> numbers_;
+  Matrix p_;
+  std::vector<Step> steps_;
+  double filter_m2_{0.0};
+};
+
+}  // namespace
+
+RunLimit planar_limit_of(const Trial& run) {
+  COSIVA_EXPECT(!run.moments.empty() && run.setting.start_known);
+  return PlanarInformation{run}.limit();
+}
+
+}  // namespace cosiva::experiments

@@ -1,0 +1,126 @@
+#include "cosiva/experiments/positioning/metrology/result_bars.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "cosiva/base/math.h"
+#include "cosiva/experiments/reporting/chart.h"
+#include "cosiva/experiments/statistics/sample.h"
+
+namespace cosiva::experiments {
+namespace {
+
+constexpr double row_px = 30.0;
+constexpr double name_px = 170.0;
+constexpr double gap_px = 160.0;
+constexpr double width_px = 720.0;
+constexpr double top_px = 8.0;
+/// Beyond this the smallest would be a stroke on the axis.
+constexpr double too_far_apart = 30.0;
+
+std::string px(double value) { return readable(value, 1); }
+
+std::vector<double> rmse_of_runs(const Qualified& one) {
+  std::vector<double> rmse;
+  rmse.reserve(one.runs.size());
+  for (const RunFigures& run : one.runs) rmse.push_back(std::sqrt(run.mse_m2));
+  return rmse;
+}
+
+/// Millimetres along the picture.
+class Scale {
+ public:
+  explicit Scale(const std::vector<const Qualified*>& ones) {
+    double largest = 0.0;
+    double smallest = 1e300;
+    const auto take = [&](double metres) {
+      if (!(metres > 0.0) || !std::isfinite(metres)) return;
+      largest = std::fmax(largest, 1e3 * metres);
+      smallest = std::fmin(smallest, 1e3 * metres);
+    };
+    for (const Qualified* one : ones) {
+      for (const double rmse : rmse_of_runs(*one)) take(rmse);
+      take(one->rmse_m.value);
+      if (one->rmse_m.interval) take(one->rmse_m.interval->high);
+      if (one->limit_m) take(*one->limit_m);
+    }
+    if (largest <= 0.0) largest = smallest = 1.0;
+    logarithmic_ = largest > too_far_apart * smallest;
+    ticks_ = logarithmic_ ? log_ticks(0.5 * smallest, largest) : experiments::ticks(0.0, largest);
+  }
+  [[nodiscard]] double x(double metres) const {
+    const double mm = std::clamp(1e3 * metres, ticks_.front(), ticks_.back());
+    const double share =
+        logarithmic_ ? det_log(mm / ticks_.front()) / det_log(ticks_.back() / ticks_.front()) : mm / ticks_.back();
+    return name_px + share * (width_px - name_px - gap_px);
+  }
+  [[nodiscard]] const std::vector<double>& ticks() const { return ticks_; }
+  [[nodiscard]] bool logarithmic() const { return logarithmic_; }
+
+ private:
+  bool logarithmic_{false};
+  std::vector<double> ticks_;
+};
+
+std::string gap_of(const Qualified& one) {
+  if (!one.gap_percent) return {};
+  const std::string sign = *one.gap_percent > 0.0 ? "+" : "";
+  return sign + readable(*one.gap_percent, 1) + " %" + (one.leak ? " leak" : (one.limit_assumed ? " (assumed)" : ""));
+}
+
+std::string row_of(const Qualified& one, const Scale& scale, double y) {
+  const auto at = [&](double metres) { return px(scale.x(metres)); };
+  const std::string middle = px(y + 0.5 * row_px - 4.0);
+  std::string svg = "<text x=\"" + px(name_px - 8.0) + "\" y=\"" + px(y + 15.0) + "\" text-anchor=\"end\">" +
+                    escaped(one.name) + "</text><rect class=\"bar c0\" opacity=\"0.25\" x=\"" + px(name_px) +
+                    "\" y=\"" + px(y + 2.0) + "\" width=\"" + px(std::fmax(1.0, scale.x(one.rmse_m.value) - name_px)) +
+                    "\" height=\"" + px(row_px - 12.0) + "\"/>";
+  if (one.rmse_m.interval)
+    svg += "<path class=\"axis\" d=\"M" + at(one.rmse_m.interval->low) + " " + px(y + row_px - 8.0) + "v4M" +
+           at(one.rmse_m.interval->low) + " " + px(y + row_px - 6.0) + "H" + at(one.rmse_m.interval->high) +
+           "m0 -2v4\"/>";
+  if (std::vector<double> rmse = rmse_of_runs(one); rmse.size() > 1) {
+    const auto share = [&](double p) { return at(statistics::percentile(rmse, p)); };
+    svg += "<path class=\"line c0\" d=\"M" + share(1e-9) + " " + middle + "H" + share(0.25) + "M" + share(0.75) + " " +
+           middle + "H" + share(1.0) + "M" + share(0.25) + " " + px(y + 4.0) + "H" + share(0.75) + "V" +
+           px(y + row_px - 12.0) + "H" + share(0.25) + "ZM" + share(0.5) + " " + px(y + 4.0) + "V" +
+           px(y + row_px - 12.0) + "\"/>";
+  }
+  if (one.limit_m)
+    svg += "<path class=\"line c1\" d=\"M" + at(*one.limit_m) + " " + px(y - 1.0) + "V" + px(y + row_px - 7.0) +
+           "\"><title>limit " + readable(1e3 * *one.limit_m, 2) + " mm</title></path>";
+  return svg + "<text x=\"" + px(width_px - gap_px + 12.0) + "\" y=\"" + px(y + 15.0) + "\">" + gap_of(one) + "</text>";
+}
+
+}  // namespace
+
+std::string limits_beside_bars(const Qualification& all) {
+  std::vector<const Qualified*> ones;
+  for (const Qualified& one : all.algorithms) {
+    if (!one.failed) ones.push_back(&one);
+  }
+  const Scale scale{ones};
+  const double bottom = top_px + row_px * static_cast<double>(ones.size());
+  std::string svg =
+      "<svg class=\"chart\" xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"rmse of each\" "
+      "viewBox=\"0 0 " +
+      px(width_px) + " " + px(bottom + 44.0) + "\" font-family=\"system-ui, sans-serif\" font-size=\"12\">";
+  for (const double tick : scale.ticks()) {
+    const double x = scale.x(1e-3 * tick);
+    svg += "<path class=\"grid\" d=\"M" + px(x) + " 4V" + px(bottom) + "\"/><text x=\"" + px(x) + "\" y=\"" +
+           px(bottom + 16.0) + "\" text-anchor=\"middle\">" + readable(tick) + "</text>";
+  }
+  double y = top_px;
+  for (const Qualified* one : ones) {
+    svg += row_of(*one, scale, y);
+    y += row_px;
+  }
+  svg += "<text class=\"label\" x=\"" + px(name_px) + "\" y=\"" + px(bottom + 36.0) + "\">rmse [mm]" +
+         (scale.logarithmic() ? ", logarithmic" : "") + "</text>";
+  if (std::ranges::any_of(ones, [](const Qualified* one) { return one->gap_percent.has_value(); }))
+    svg += "<text class=\"label\" x=\"" + px(width_px - gap_px + 12.0) + "\" y=\"" + px(bottom + 36.0) +
+           "\">over the limit</text>";
+  return svg + "</svg>";
+}
+
+}  // namespace cosiva::experiments

@@ -1,0 +1,233 @@
+#include "cosiva/experiments/positioning/metrology/simulate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "cosiva/base/gaussians.h"
+#include "cosiva/base/math.h"
+#include "cosiva/base/math_inline.h"
+#include "cosiva/base/random.h"
+
+namespace cosiva::experiments {
+namespace {
+
+using estimation::Odometry;
+using estimation::Reading;
+
+/// Over which a vehicle's distance to its line becomes another.
+constexpr double line_length_m = 0.3;
+
+/// The next beacon on the unrolled way.
+class Beacons {
+ public:
+  explicit Beacons(const Simulation& simulation) : simulation_{simulation} {}
+
+  [[nodiscard]] double next_m() const {
+    if (simulation_.marks.empty())
+      return simulation_.marks_only ? 1e300 : static_cast<double>(k_ + 1) * simulation_.pitch_m;
+    if (k_ >= simulation_.marks.size() && !simulation_.track->closed()) return 1e300;
+    const std::size_t rounds = k_ / simulation_.marks.size();
+    return static_cast<double>(rounds) * simulation_.track->length_m() +
+           simulation_.marks[k_ % simulation_.marks.size()].along_m;
+  }
+  [[nodiscard]] std::uint32_t number() const {
+    if (simulation_.marks.empty()) return static_cast<std::uint32_t>(k_ + 1);
+    return simulation_.marks[k_ % simulation_.marks.size()].number;
+  }
+  [[nodiscard]] Point2 surveyed() const {
+    if (simulation_.marks.empty()) return position(simulation_.track->pose_at(next_m()));
+    return simulation_.marks[k_ % simulation_.marks.size()].place_M;
+  }
+  void pass() { ++k_; }
+
+ private:
+  const Simulation& simulation_;
+  std::size_t k_{0};
+};
+
+/// One run in the making.
+class Drive {
+ public:
+  Drive(const Simulation& simulation, std::uint64_t seed, Trial& run)
+      : simulation_{simulation},
+        run_{run},
+        beacons_{simulation},
+        survey_seed_{seed},
+        odometer_{seed, "metrology/odometer"},
+        reader_{seed, "metrology/reader"},
+        line_{seed, "metrology/line"},
+        scale_{1.0 + Random(seed, "metrology/scale").gaussian(0.0, simulation.scale_sigma)},
+        left_m_{line_.next(0.0, simulation.sensors.line_sigma_m)},
+        truth_{pose()} {
+    begin(seed);
+  }
+
+  void go() {
+    const auto steps = static_cast<std::size_t>(
+        std::floor(simulation_.way_m * simulation_.odometry_hz / simulation_.speed_mps + 1e-9));
+    run_.moments.reserve(steps);
+    run_.events.reserve(steps + static_cast<std::size_t>(2.5 * simulation_.way_m / simulation_.pitch_m));
+    for (std::size_t i = 1; i <= steps; ++i) {
+      const double until_m = static_cast<double>(i) * step_m_;
+      while (beacons_.next_m() <= until_m) {
+        roll(beacons_.next_m());
+        read();
+      }
+      roll(until_m);
+      run_.moments.push_back({run_.events.size(), static_cast<double>(i) / simulation_.odometry_hz, truth_, along_m_,
+                              along_m_ - mark_m_, kind_});
+    }
+  }
+
+ private:
+  void begin(std::uint64_t seed) {
+    Random start{seed, "metrology/start"};
+    run_.events.clear();
+    run_.moments.clear();
+    estimation::Setting& setting = run_.setting;
+    setting.track = simulation_.track;
+    setting.start_along_m = start.gaussian(0.0, simulation_.start_sigma_m);
+    setting.start = truth_;
+    setting.start.x_m += start.gaussian(0.0, simulation_.start_sigma_m);
+    setting.start.y_m += start.gaussian(0.0, simulation_.start_sigma_m);
+    setting.start.heading_rad =
+        wrap_angle(truth_.heading_rad + start.gaussian(0.0, simulation_.start_heading_sigma_rad));
+    setting.start_sigma_m = simulation_.start_sigma_m;
+    setting.start_heading_sigma_rad = simulation_.start_heading_sigma_rad;
+    setting.sensors = simulation_.sensors;
+    setting.seed = seed;
+  }
+
+  /// Where it truly is; notes on what kind of section.
+  [[nodiscard]] Pose2 pose() {
+    const zone::Place place = simulation_.track->place_at(along_m_);
+    const zone::Section& section = simulation_.track->circuit().section(place.section);
+    kind_ = section.kind();
+    const Pose2 on_line = section.pose_at(place.s_m);
+    if (left_m_ == 0.0) return on_line;
+    // on_line * Pose2{0.0, left_m_, 0.0}
+    const SinCos h = plain::sincos(on_line.heading_rad);
+    return {on_line.x_m - h.sin * left_m_, on_line.y_m + h.cos * left_m_, wrap_angle(on_line.heading_rad)};
+  }
+
+  /// To there along the way, told by odometry.
+  void roll(double to_m) {
+    const double d = to_m - along_m_;
+    if (d <= 0.0) return;
+    along_m_ = to_m;
+    if (simulation_.sensors.line_sigma_m > 0.0) {
+      // Whole steps are all alike but for rounding.
+      const bool whole = std::fabs(d - step_m_) < 1e-9 * step_m_;
+      const double keeps = whole ? step_keeps_ : det_exp(-d / line_length_m);
+      left_m_ = keeps * left_m_ + simulation_.sensors.line_sigma_m * std::sqrt(1.0 - keeps * keeps) * line_.next();
+    }
+    const double heading_before = truth_.heading_rad;
+    truth_ = pose();
+    const double q = simulation_.sensors.distance_variance_per_m;
+    Odometry odometry{scale_ * (d + std::sqrt(q * d) * odometer_.next()), 0.0, d / simulation_.speed_mps};
+    if (simulation_.turns) {
+      const double turn = wrap_angle(truth_.heading_rad - heading_before);
+      const double variance =
+          simulation_.sensors.turn_variance_per_m * d + simulation_.sensors.turn_variance_per_rad * std::fabs(turn);
+      odometry.turn_rad = turn + std::sqrt(variance) * odometer_.next();
+    }
+    run_.events.emplace_back(odometry);
+  }
+
+  /// The beacon under it now. What the reader tells is Gaussian about what it should.
+  void read() {
+    const std::uint32_t number = beacons_.number();
+    Point2 told_M = beacons_.surveyed();
+    const Point2 seen_B = inverse(truth_) * told_M;
+    beacons_.pass();
+    if (simulation_.survey_sigma_m > 0.0) {
+      Random survey{survey_seed_, "metrology/survey/" + std::to_string(number)};
+      told_M.x_m += survey.gaussian(0.0, simulation_.survey_sigma_m);
+      told_M.y_m += survey.gaussian(0.0, simulation_.survey_sigma_m);
+    }
+    const double along = reader_.gaussian(0.0, simulation_.sensors.mark_along_sigma_m);
+    const double across = reader_.gaussian(0.0, simulation_.sensors.mark_across_sigma_m);
+    if (simulation_.read_share < 1.0 && !reader_.chance(simulation_.read_share)) return;
+    run_.events.emplace_back(Reading{number, told_M, {seen_B.x_m + along, seen_B.y_m + across}});
+    mark_m_ = along_m_;
+  }
+
+  const Simulation& simulation_;
+  Trial& run_;
+  Beacons beacons_;
+  std::uint64_t survey_seed_;
+  Gaussians odometer_;
+  Random reader_;
+  Gaussians line_;
+  double scale_;
+  double along_m_{0.0};
+  double mark_m_{0.0};
+  double left_m_;
+  zone::SectionKind kind_{};
+  double step_m_{simulation_.speed_mps / simulation_.odometry_hz};
+  double step_keeps_{det_exp(-step_m_ / line_length_m)};
+  Pose2 truth_;
+};
+
+}  // namespace
+
+Result<void> check(const Simulation& simulation) {
+  const auto positive = [](double v) { return v > 0.0 && v < 1e9; };
+  if (!simulation.track) return fail("simulation.track", "there is no line to follow");
+  if (!positive(simulation.way_m)) return fail("simulation.way", "a way is longer than nothing");
+  if (!simulation.track->closed() && simulation.way_m > simulation.track->length_m())
+    return fail("simulation.way", "the line ends after " + std::to_string(simulation.track->length_m()) + " m");
+  if (!positive(simulation.speed_mps)) return fail("simulation.speed", "it has to move");
+  if (!positive(simulation.odometry_hz)) return fail("simulation.odometry", "odometry is told at some rate");
+  if (!positive(simulation.pitch_m)) return fail("simulation.pitch", "beacons lie at some distance");
+  if (!(simulation.read_share > 0.0 && simulation.read_share <= 1.0))
+    return fail("simulation.reads", "the share of beacons that are read lies in (0, 1]");
+  if (!(simulation.sensors.mark_along_sigma_m > 0.0)) return fail("simulation.reader", "no reader is without error");
+  if (simulation.way_m / simulation.speed_mps * simulation.odometry_hz < 1.0)
+    return fail("simulation.way", "it ends before odometry has told anything");
+  if (simulation.way_m / simulation.speed_mps * simulation.odometry_hz > 2e7)
+    return fail("simulation.length", "that is more than 20 million steps in one run");
+  return {};
+}
+
+void simulate(const Simulation& simulation, std::uint64_t seed, Trial& run) {
+  run.name = "seed " + std::to_string(seed);
+  run.heading_known = true;
+  Drive(simulation, seed, run).go();
+}
+
+std::vector<Simulation::Mark> marks_of(const estimation::Track& track, const zone::BeaconGrid& grid, double reach_m) {
+  std::vector<Simulation::Mark> marks;
+  // Along the track in steps short enough that no beacon in reach is jumped over.
+  const double step_m = 0.25 * grid.pitch_m;
+  for (double s = 0.0; s < track.length_m(); s += step_m) {
+    const auto near = grid.nearest(position(track.pose_at(s)));
+    if (!near) continue;
+    const auto foot = track.foot(near->position, s, step_m, reach_m);
+    if (foot && *foot >= 0.0 && *foot < track.length_m()) marks.push_back({near->number, *foot, near->position});
+  }
+  std::ranges::sort(marks, {}, &Simulation::Mark::along_m);
+  const auto same = [](const Simulation::Mark& a, const Simulation::Mark& b) {
+    return a.number == b.number && std::fabs(a.along_m - b.along_m) < 1e-3;
+  };
+  marks.erase(std::unique(marks.begin(), marks.end(), same), marks.end());
+  return marks;
+}
+
+std::vector<Simulation::Mark> marks_of(const estimation::Track& track, const zone::TrafficZone& zone) {
+  std::vector<Simulation::Mark> marks;
+  for (double s = 0.0; s < track.length_m();) {
+    const zone::Place place = track.place_at(s);
+    const double end_m = s - place.s_m + zone.circuit.section(place.section).length_m();
+    for (const zone::Tag& tag : zone.tags) {
+      if (tag.place.section == place.section)
+        marks.push_back({tag.number, s - place.s_m + tag.place.s_m, position(zone.circuit.pose_at(tag.place))});
+    }
+    s = end_m + 1e-9;
+  }
+  std::ranges::sort(marks, {}, &Simulation::Mark::along_m);
+  return marks;
+}
+
+}  // namespace cosiva::experiments

@@ -1,0 +1,165 @@
+#include "cosiva/experiments/positioning/recording/alignment.h"
+
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include "cosiva/base/math.h"
+
+namespace cosiva::experiments {
+namespace {
+
+using Place = std::array<double, 3>;
+using Quaternion = std::array<double, 4>;
+using Matrix4 = std::array<std::array<double, 4>, 4>;
+
+Place cross(const Place& a, const Place& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+Place turned(const Quaternion& q, const Place& v) {
+  const Place u{q[0], q[1], q[2]};
+  const Place uv = cross(u, v);
+  const Place uuv = cross(u, uv);
+  Place out{};
+  for (std::size_t i = 0; i < 3; ++i) out[i] = v[i] + 2.0 * (q[3] * uv[i] + uuv[i]);
+  return out;
+}
+
+Quaternion product(const Quaternion& a, const Quaternion& b) {
+  return {a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1], a[3] * b[1] - a[0] * b[2] + a[1] * b[3] + a[2] * b[0],
+          a[3] * b[2] + a[0] * b[1] - a[1] * b[0] + a[2] * b[3], a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2]};
+}
+
+/// Turned by q about the estimates' place `from`, which comes to lie on `to`.
+RigidMotion motion(const Quaternion& q, const Place& from, const Place& to) {
+  RigidMotion made{q, {}};
+  const Place put = turned(q, from);
+  for (std::size_t i = 0; i < 3; ++i) made.shift_m[i] = to[i] - put[i];
+  return made;
+}
+
+Place middle_of(const std::vector<Pair>& pairs, Stamped Pair::*which) {
+  Place sum{};
+  for (const Pair& pair : pairs) {
+    for (std::size_t i = 0; i < 3; ++i) sum[i] += (pair.*which).p_m[i];
+  }
+  for (double& v : sum) v /= static_cast<double>(pairs.size());
+  return sum;
+}
+
+struct Eigen4 {
+  std::array<double, 4> values;
+  Matrix4 vectors;  ///< a column each
+};
+
+/// Jacobi's rotations, which end where nothing is left beside the diagonal.
+Eigen4 eigen_of(Matrix4 m) {
+  Matrix4 v{};
+  for (std::size_t i = 0; i < 4; ++i) v[i][i] = 1.0;
+  for (int sweep = 0; sweep < 50; ++sweep) {
+    double beside = 0.0;
+    for (std::size_t p = 0; p < 4; ++p) {
+      for (std::size_t q = p + 1; q < 4; ++q) {
+        if (m[p][q] == 0.0) continue;
+        beside += m[p][q] * m[p][q];
+        const double tau = (m[q][q] - m[p][p]) / (2.0 * m[p][q]);
+        const double t = (tau < 0.0 ? -1.0 : 1.0) / (std::fabs(tau) + std::sqrt(tau * tau + 1.0));
+        const double c = 1.0 / std::sqrt(t * t + 1.0);
+        const double s = t * c;
+        for (std::size_t k = 0; k < 4; ++k)
+          std::tie(m[k][p], m[k][q]) = std::pair{c * m[k][p] - s * m[k][q], s * m[k][p] + c * m[k][q]};
+        for (std::size_t k = 0; k < 4; ++k)
+          std::tie(m[p][k], m[q][k]) = std::pair{c * m[p][k] - s * m[q][k], s * m[p][k] + c * m[q][k]};
+        for (std::size_t k = 0; k < 4; ++k)
+          std::tie(v[k][p], v[k][q]) = std::pair{c * v[k][p] - s * v[k][q], s * v[k][p] + c * v[k][q]};
+      }
+    }
+    if (beside == 0.0) break;
+  }
+  return {{m[0][0], m[1][1], m[2][2], m[3][3]}, v};
+}
+
+/// Least squares over all turns in space. Source: B. K. P. Horn, Closed-form solution of absolute orientation using
+/// unit quaternions, JOSA A 4 (1987): the same optimum as Umeyama's without scale, and never a mirror image.
+Result<RigidMotion> in_space(const std::vector<Pair>& pairs) {
+  const Place of_truth = middle_of(pairs, &Pair::reference);
+  const Place of_estimate = middle_of(pairs, &Pair::estimate);
+  std::array<std::array<double, 3>, 3> s{};
+  double truth_spread = 0.0;
+  double estimate_spread = 0.0;
+  for (const Pair& pair : pairs) {
+    Place e{};
+    Place t{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      e[i] = pair.estimate.p_m[i] - of_estimate[i];
+      t[i] = pair.reference.p_m[i] - of_truth[i];
+      truth_spread += t[i] * t[i];
+      estimate_spread += e[i] * e[i];
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t k = 0; k < 3; ++k) s[i][k] += e[i] * t[k];
+    }
+  }
+  const double xyz = s[1][2] - s[2][1];
+  const double yzx = s[2][0] - s[0][2];
+  const double zxy = s[0][1] - s[1][0];
+  const double xy = s[0][1] + s[1][0];
+  const double zx = s[2][0] + s[0][2];
+  const double yz = s[1][2] + s[2][1];
+  const Eigen4 eigen = eigen_of({{{s[0][0] + s[1][1] + s[2][2], xyz, yzx, zxy},
+                                  {xyz, s[0][0] - s[1][1] - s[2][2], xy, zx},
+                                  {yzx, xy, s[1][1] - s[0][0] - s[2][2], yz},
+                                  {zxy, zx, yz, s[2][2] - s[0][0] - s[1][1]}}});
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < 4; ++i) best = eigen.values[i] > eigen.values[best] ? i : best;
+  double second = -1e300;
+  for (std::size_t i = 0; i < 4; ++i) second = i == best ? second : std::fmax(second, eigen.values[i]);
+  // Two turns as good as each other: all places on one line, or at one place.
+  if (!(eigen.values[best] - second > 1e-9 * std::sqrt(truth_spread * estimate_spread)))
+    return fail("align.turn",
+                "the places lie too near one line to tell a turn in space; se2 needs no more than a line");
+  const auto& v = eigen.vectors;
+  return motion({v[1][best], v[2][best], v[3][best], v[0][best]}, of_estimate, of_truth);
+}
+
+Result<RigidMotion> on_the_floor(const std::vector<Pair>& pairs) {
+  std::vector<Point2> truth;
+  std::vector<Point2> estimate;
+  truth.reserve(pairs.size());
+  estimate.reserve(pairs.size());
+  for (const Pair& pair : pairs) {
+    truth.push_back({pair.reference.p_m[0], pair.reference.p_m[1]});
+    estimate.push_back({pair.estimate.p_m[0], pair.estimate.p_m[1]});
+  }
+  const auto found = rigid_alignment(truth, estimate);
+  if (!found) return tl::unexpected(found.error());
+  return motion(stamped(0.0, *found).q, middle_of(pairs, &Pair::estimate), middle_of(pairs, &Pair::reference));
+}
+
+}  // namespace
+
+Stamped RigidMotion::operator*(const Stamped& pose) const {
+  Stamped moved{pose.t_s, turned(q, pose.p_m), product(q, pose.q)};
+  for (std::size_t i = 0; i < 3; ++i) moved.p_m[i] += shift_m[i];
+  return moved;
+}
+
+double RigidMotion::turn_rad() const { return Stamped{0.0, {}, q}.pose().heading_rad; }
+
+Result<RigidMotion> alignment_of(Alignment how, const std::vector<Pair>& pairs) {
+  switch (how) {
+    case Alignment::none: break;
+    case Alignment::se2: return on_the_floor(pairs);
+    case Alignment::se3: return in_space(pairs);
+    case Alignment::origin: {
+      const Stamped& truth = pairs.front().reference;
+      const Stamped& estimate = pairs.front().estimate;
+      const Quaternion back{-estimate.q[0], -estimate.q[1], -estimate.q[2], estimate.q[3]};
+      return motion(product(truth.q, back), estimate.p_m, truth.p_m);
+    }
+  }
+  return RigidMotion{};
+}
+
+}  // namespace cosiva::experiments

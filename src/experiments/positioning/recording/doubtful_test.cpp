@@ -1,0 +1,167 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <sstream>
+#include <string>
+
+#include "cosiva/aiv/estimation/registry.h"
+#include "cosiva/base/math.h"
+#include "cosiva/experiments/positioning/recording/recording.h"
+#include "cosiva/experiments/positioning/recording/test_folders.h"
+#include "cosiva/experiments/statistics/sample.h"
+
+// What is recorded and cannot be quite so.
+namespace cosiva::experiments {
+namespace {
+
+/// A vehicle on a circle of 5 m at 1 m/s for 60 s, ten times a second.
+struct Drive {
+  double speed_mps{1.0};
+  std::function<double(double)> heading = [](double course_rad) { return course_rad; };
+  std::function<bool(double)> counts = [](double) { return true; };
+  /// Of what odometry says after it counted nothing: what came by in the meantime, too.
+  bool adds_up{false};
+  bool tells_speeds{false};
+
+  [[nodiscard]] RecordingFiles files() const {
+    std::ostringstream odometry;
+    std::ostringstream truth;
+    odometry << (tells_speeds ? "time_s,speed_mps,turn_radps\n" : "time_s,delta_distance_m,delta_heading_rad\n");
+    truth << "time_s,x_m,y_m,heading_rad\n";
+    double since = 0.0;
+    for (int i = 0; i <= 600; ++i) {
+      const double t_s = 0.1 * i;
+      const double angle_rad = 0.2 * speed_mps * t_s;
+      const SinCos at = sincos(angle_rad);
+      truth << t_s << "," << 5.0 * at.cos << "," << 5.0 * at.sin << "," << heading(angle_rad + 0.5 * pi) << "\n";
+      if (i == 0) continue;
+      since += 0.1;
+      if (!counts(t_s)) continue;
+      const double counted_s = tells_speeds ? 1.0 : (adds_up ? since : 0.1);
+      odometry << t_s << "," << counted_s * speed_mps << "," << counted_s * 0.2 * speed_mps << "\n";
+      since = 0.0;
+    }
+    return {{"odometry.csv", odometry.str()}, {"groundtruth.csv", truth.str()}};
+  }
+  [[nodiscard]] Recording recording() const {
+    auto read = read_recording("drive", files());
+    EXPECT_TRUE(read) << to_string(read.error());
+    return std::move(*read);
+  }
+};
+
+TEST(TruthHeading, that_is_off_the_way_it_goes_by_always_the_same_is_turned_by_that_and_said_so) {
+  Drive drive;
+  drive.heading = [](double course_rad) { return course_rad + pi; };
+  const Recording recording = drive.recording();
+  EXPECT_TRUE(recording.truth_has_heading);
+  EXPECT_NEAR(wrap_angle(recording.truth[0].heading_rad - 0.5 * pi), 0.0, 0.01);
+  ASSERT_EQ(recording.notes.size(), 1U);
+  EXPECT_EQ(recording.notes[0].substr(0, 45), "the truth's heading is 180 degrees off the wa");
+}
+
+TEST(TruthHeading, is_not_touched_where_it_is_right_as_far_as_a_start_is_known_nor_of_who_drives_backwards) {
+  for (const double off_rad : {0.0, 0.1, -0.1}) {
+    Drive drive;
+    drive.heading = [off_rad](double course_rad) { return course_rad + off_rad; };
+    const Recording recording = drive.recording();
+    EXPECT_TRUE(recording.notes.empty()) << off_rad;
+    EXPECT_NEAR(recording.truth[0].heading_rad, 0.5 * pi + off_rad, 1e-5);
+  }
+  // Its body looks along the circle the one way, and goes the other.
+  Drive backwards;
+  backwards.speed_mps = -1.0;
+  EXPECT_TRUE(backwards.recording().notes.empty());
+  EXPECT_TRUE(backwards.recording().truth_has_heading);
+}
+
+TEST(TruthHeading, that_does_not_follow_the_way_is_left_out_and_said_so) {
+  const std::vector<std::function<double(double)>> hands{
+      [](double course_rad) { return course_rad * 180.0 / pi; },  // degrees
+      [](double course_rad) { return 0.5 * pi - course_rad; },    // a compass
+      [](double) { return 0.0; },                                 // a column that nobody filled
+  };
+  for (std::size_t hand = 0; hand < hands.size(); ++hand) {
+    Drive drive;
+    drive.heading = hands[hand];
+    const Recording recording = drive.recording();
+    EXPECT_FALSE(recording.truth_has_heading) << hand;
+    ASSERT_EQ(recording.notes.size(), 1U) << hand;
+    EXPECT_EQ(recording.notes[0].substr(0, 44), "the truth's heading does not follow the way ");
+    EXPECT_GT(replayed(recording)->setting.start_heading_sigma_rad, 1.0);
+  }
+}
+
+bool silent_once(double t_s) { return t_s < 29.95 || t_s > 34.95; }
+
+const Recording::Step& longest(const Recording& recording) {
+  return *std::ranges::max_element(recording.odometry, {}, &Recording::Step::duration_s);
+}
+
+TEST(Silence, of_odometry_is_bridged_as_the_vehicle_goes_elsewhere) {
+  for (const bool speeds : {false, true}) {
+    Drive drive;
+    drive.counts = silent_once;
+    drive.tells_speeds = speeds;
+    const Recording recording = drive.recording();
+    const Recording::Step& step = longest(recording);
+    EXPECT_NEAR(step.duration_s, 5.1, 1e-6);
+    EXPECT_NEAR(step.distance_m, 5.1, 0.01);
+    EXPECT_NEAR(step.turn_rad, 1.02, 0.01);
+    // It never does anything else, so little is doubted but for the bend.
+    EXPECT_LT(step.turn_variance_rad2, 1e-3);
+    ASSERT_EQ(recording.notes.size(), 1U);
+    EXPECT_EQ(recording.notes[0].substr(0, 64), "odometry is silent 1 time, for 5 s at most; the vehicle is taken");
+  }
+}
+
+TEST(Silence, after_which_all_is_counted_that_came_by_stands_as_it_was_told) {
+  Drive drive;
+  drive.counts = silent_once;
+  drive.adds_up = true;
+  const Recording recording = drive.recording();
+  EXPECT_NEAR(longest(recording).distance_m, 5.1, 1e-6);
+  EXPECT_EQ(longest(recording).distance_variance_m2, 0.0);
+  ASSERT_EQ(recording.notes.size(), 1U);
+  EXPECT_NE(recording.notes[0].find("is taken for all of that time"), std::string::npos);
+}
+
+TEST(Silence, of_a_drive_too_short_to_know_its_habits_leaves_the_vehicle_anywhere_within_its_reach) {
+  Drive drive;
+  drive.counts = [](double t_s) { return t_s < 1.95 || (t_s > 51.95 && t_s < 53.95); };
+  const Recording recording = drive.recording();
+  const Recording::Step& step = longest(recording);
+  EXPECT_GE(std::sqrt(step.distance_variance_m2), 50.0);
+  EXPECT_GE(std::sqrt(step.turn_variance_rad2), 3.0);
+}
+
+TEST(RecordedStatistics, mower_whose_odometry_is_silent_for_20_s_nine_times_is_found_again_and_its_regions_cover) {
+  RecordingFiles files = testing::folder(testing::recorded() + "plaza1");
+  std::stringstream lines(files["odometry.csv"]);
+  std::string line;
+  std::getline(lines, line);
+  std::string holey = line + "\n";
+  for (double began_s = -1.0; std::getline(lines, line);) {
+    const double t_s = std::stod(line);
+    if (began_s < 0.0) began_s = t_s;
+    if (t_s - began_s < 200.0 || std::fmod(t_s - began_s, 200.0) >= 20.0) holey += line + "\n";
+  }
+  files["odometry.csv"] = holey;
+  const auto recording = read_recording("holey", files);
+  ASSERT_TRUE(recording) << to_string(recording.error());
+  const auto trial = replayed(*recording);
+  ASSERT_TRUE(trial);
+  const estimation::Registry registry;
+  for (const auto& [name, rmse_m] : {std::pair{"calibrating", 3.0}, std::pair{"smoother", 1.5}}) {
+    Trace trace;
+    ASSERT_TRUE(apply(**registry.make(name, trial->setting), *trial, trace));
+    // Believing that it stood still meanwhile they were 20 m off, and their regions covered 26 and 5 %.
+    EXPECT_LT(statistics::root_mean_square(trace.error_m), rmse_m) << name;
+    EXPECT_GE(statistics::share_below(trace.nees, 5.991), 0.88) << name;
+  }
+}
+
+}  // namespace
+}  // namespace cosiva::experiments

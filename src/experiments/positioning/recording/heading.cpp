@@ -1,0 +1,98 @@
+#include "cosiva/experiments/positioning/recording/heading.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "cosiva/base/math.h"
+
+namespace cosiva::experiments {
+namespace {
+
+/// A chord as long tells a course in spite of the places' own noise, a few cm.
+constexpr double chord_m = 0.5;
+/// Beyond as much of a turn a chord tells no course.
+constexpr double bend_rad = 0.5;
+/// Three times what a start's heading is doubted by.
+constexpr double offset_rad = 0.15;
+/// Mean resultant length of what goes its own heading's way: a spread of 37 degrees; none at all gives 1/√n.
+constexpr double follows = 0.8;
+constexpr int enough = 10;
+
+/// What odometry has counted by then of the way, backwards negative, or of turns.
+class Odometer {
+ public:
+  Odometer(const std::vector<Recording::Step>& steps, double Recording::Step::*what) : steps_{steps}, what_{what} {
+    counted_.reserve(steps.size());
+    double sum = 0.0;
+    for (const Recording::Step& step : steps) counted_.push_back(sum += step.*what);
+  }
+  [[nodiscard]] double at(double t_s) const {
+    const auto after = std::ranges::lower_bound(steps_, t_s, {}, &Recording::Step::t_s);
+    if (after == steps_.end()) return counted_.empty() ? 0.0 : counted_.back();
+    const auto i = static_cast<std::size_t>(after - steps_.begin());
+    const double left = std::clamp((after->t_s - t_s) / after->duration_s, 0.0, 1.0);
+    return counted_[i] - left * (*after).*what_;
+  }
+
+ private:
+  const std::vector<Recording::Step>& steps_;
+  double Recording::Step::*what_;
+  std::vector<double> counted_;
+};
+
+struct Offset {
+  double mean_rad;
+  double together;  ///< mean resultant length: 1 where all agree
+  int chords;
+};
+
+/// Of the way forwards against the heading.
+Offset offset_of(const Recording& recording) {
+  const Odometer way{recording.odometry, &Recording::Step::distance_m};
+  const Odometer turns{recording.odometry, &Recording::Step::turn_rad};
+  const auto& truth = recording.truth;
+  double along = 0.0;
+  double aside = 0.0;
+  int chords = 0;
+  std::size_t from = 0;
+  for (std::size_t to = 1; to < truth.size(); ++to) {
+    const double dx = truth[to].place_M.x_m - truth[from].place_M.x_m;
+    const double dy = truth[to].place_M.y_m - truth[from].place_M.y_m;
+    if (norm(dx, dy) < chord_m) continue;
+    const double counted_m = way.at(truth[to].t_s) - way.at(truth[from].t_s);
+    const double bent_rad = std::fabs(turns.at(truth[to].t_s) - turns.at(truth[from].t_s));
+    // What odometry did not count tells neither forwards nor backwards.
+    if (std::fabs(counted_m) > 0.5 * norm(dx, dy) && bent_rad < bend_rad) {
+      const double course_rad = det_atan2(dy, dx) + (counted_m < 0.0 ? pi : 0.0);
+      const double turn_rad = wrap_angle(truth[to].heading_rad - truth[from].heading_rad);
+      const SinCos off = sincos(course_rad - truth[from].heading_rad - 0.5 * turn_rad);
+      along += off.cos;
+      aside += off.sin;
+      ++chords;
+    }
+    from = to;
+  }
+  return {det_atan2(aside, along), chords > 0 ? norm(along, aside) / chords : 0.0, chords};
+}
+
+}  // namespace
+
+void check_heading(Recording& recording) {
+  if (!recording.truth_has_heading) return;
+  const Offset offset = offset_of(recording);
+  if (offset.chords < enough) return;
+  if (offset.together < follows) {
+    recording.truth_has_heading = false;
+    for (Recording::True& truth : recording.truth) truth.heading_rad = 0.0;
+    recording.notes.emplace_back(
+        "the truth's heading does not follow the way it goes (is it in radians, counter-clockwise from x?); it is left "
+        "out, and whoever can has to find one");
+  } else if (std::fabs(offset.mean_rad) > offset_rad) {
+    for (Recording::True& truth : recording.truth) truth.heading_rad += offset.mean_rad;
+    recording.notes.push_back("the truth's heading is " +
+                              std::to_string(std::lround(std::fabs(offset.mean_rad) * 180.0 / pi)) +
+                              " degrees off the way it goes, forwards by odometry; it is turned by that");
+  }
+}
+
+}  // namespace cosiva::experiments

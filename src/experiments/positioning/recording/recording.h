@@ -1,0 +1,83 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "cosiva/aiv/estimation/algorithm.h"
+#include "cosiva/base/pose.h"
+#include "cosiva/base/result.h"
+#include "cosiva/experiments/positioning/metrology/trial.h"
+
+/// What was recorded of one drive: what the vehicle was told by its sensors, and where it truly was.
+namespace cosiva::experiments {
+
+struct Recording {
+  struct Step {
+    double t_s;         ///< when it was complete
+    double duration_s;  ///< since when it counts
+    double distance_m;
+    double turn_rad;
+    double distance_variance_m2{0.0};  ///< what it may be off by beyond the odometer's own figures
+    double turn_variance_rad2{0.0};
+    double left_m{0.0};  ///< sideways, of who can
+  };
+  struct Heard {
+    double t_s;
+    std::uint32_t station;
+    double range_m;
+  };
+  struct Seen {
+    double t_s;
+    std::uint32_t mark;
+    Point2 seen_B;
+  };
+  struct True {
+    double t_s;
+    Point2 place_M;
+    double heading_rad;
+  };
+
+  std::string name;
+  std::vector<Step> odometry;        ///< stamps rise
+  bool odometry_told_speeds{false};  ///< which have become distances
+  bool turns_from_wheels{false};     ///< from how differently they roll; else a gyroscope may have told them
+  std::vector<Heard> ranges;         ///< in the order of their stamps, as are readings
+  std::vector<Seen> readings;
+  std::vector<True> truth;  ///< stamps rise
+  bool truth_has_heading{false};
+  std::map<std::uint32_t, Point2> beacons;  ///< stations and marks, by number
+  std::map<std::string, double> sensors;    ///< figures of sensors that came with it, by their names in SensorModel
+  std::vector<std::string> notes{};         ///< what was made of it, in sentences
+};
+
+/// A folder's files, by name.
+using RecordingFiles = std::map<std::string, std::string>;
+
+/// Our own tables: odometry.csv (time_s, delta_distance_m, delta_heading_rad; or time_s, speed_mps, turn_radps; and
+/// delta_left_m or speed_left_mps of who goes sideways, too), groundtruth.csv (time_s, x_m, y_m, and heading_rad where
+/// it is known), beacons.csv (beacon_id, x_m, y_m), ranges.csv (time_s, receiver_id or beacon_id, range_m),
+/// readings.csv (time_s, beacon_id, and ahead_m, left_m where the reader tells them), sensors.csv (name, value). Or
+/// libRSF's text: one file …Input.txt with range2 and odom2diff or odom2, one …GT.txt with point2 and perhaps angle.
+/// Fails ("recording.…") with file and line.
+[[nodiscard]] Result<Recording> read_recording(std::string_view name, const RecordingFiles& files);
+
+struct ReplayOptions {
+  /// The truth is interpolated between two of its stamps no further apart than this.
+  double gap_s{0.5};
+  double start_sigma_m{0.05};            ///< of the start, which is the truth's first place
+  double start_heading_sigma_rad{0.05};  ///< of its heading, where the truth has one
+};
+/// The recording as a trial, with the sensors' figures that came with it, or else what can be told without its truth:
+/// odometry is cut where something was read between, and every step's end is a moment. Fails
+/// ("recording.overlap") where truth and odometry share no time, ("recording.beacon") on a beacon that nobody surveyed.
+[[nodiscard]] Result<Trial> replayed(const Recording& recording, const ReplayOptions& options = {});
+
+/// σ of single ranges, told by how far each is from the line between its neighbours of the same station; needs no
+/// truth. Nothing for too few.
+[[nodiscard]] std::optional<double> range_noise_m(const Recording& recording);
+
+}  // namespace cosiva::experiments

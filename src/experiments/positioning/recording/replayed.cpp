@@ -1,0 +1,236 @@
+#include <algorithm>
+#include <cmath>
+
+#include "cosiva/aiv/estimation/calibrating.h"
+#include "cosiva/base/math.h"
+#include "cosiva/experiments/positioning/recording/recording.h"
+#include "cosiva/experiments/statistics/sample.h"
+
+namespace cosiva::experiments {
+namespace {
+
+/// The truth at a time, and the way it has gone by then.
+class Truth {
+ public:
+  Truth(const Recording& recording, double gap_s) : truth_{recording.truth}, gap_s_{gap_s} {}
+
+  [[nodiscard]] std::optional<Pose2> at(double t_s) const {
+    const auto after = std::ranges::lower_bound(truth_, t_s, {}, &Recording::True::t_s);
+    if (after != truth_.end() && after->t_s == t_s) return pose(*after);
+    if (after == truth_.begin() || after == truth_.end()) return std::nullopt;
+    const Recording::True& a = *(after - 1);
+    const Recording::True& b = *after;
+    if (b.t_s - a.t_s > gap_s_) return std::nullopt;
+    const double u = (t_s - a.t_s) / (b.t_s - a.t_s);
+    return Pose2{a.place_M.x_m + u * (b.place_M.x_m - a.place_M.x_m),
+                 a.place_M.y_m + u * (b.place_M.y_m - a.place_M.y_m),
+                 wrap_angle(a.heading_rad + u * wrap_angle(b.heading_rad - a.heading_rad))};
+  }
+
+ private:
+  static Pose2 pose(const Recording::True& t) { return {t.place_M.x_m, t.place_M.y_m, wrap_angle(t.heading_rad)}; }
+  const std::vector<Recording::True>& truth_;
+  double gap_s_;
+};
+
+/// Ranges and readings in the order of time, cut into odometry's steps.
+class Mixer {
+ public:
+  Mixer(const Recording& recording, Trial& trial) : recording_{recording}, trial_{trial} {}
+
+  /// One step of odometry and what was read during it. Fails on a beacon that nobody surveyed.
+  Result<void> step(const Recording::Step& step) {
+    double from_s = step.t_s - step.duration_s;
+    for (;;) {
+      const double range_s = heard_ < recording_.ranges.size() ? recording_.ranges[heard_].t_s : 1e300;
+      const double reading_s = seen_ < recording_.readings.size() ? recording_.readings[seen_].t_s : 1e300;
+      const double next_s = std::fmin(range_s, reading_s);
+      if (next_s > step.t_s) break;
+      roll(step, from_s, next_s);
+      from_s = std::fmax(from_s, next_s);
+      auto told = range_s <= reading_s ? tell(recording_.ranges[heard_++]) : tell(recording_.readings[seen_++]);
+      if (!told) return told;
+    }
+    roll(step, from_s, step.t_s);
+    return {};
+  }
+  [[nodiscard]] double since_m() const { return since_m_; }
+  [[nodiscard]] double travelled_m() const { return travelled_m_; }
+  /// What came before odometry began says nothing of a drive that has not begun.
+  void skip_until(double t_s) {
+    while (heard_ < recording_.ranges.size() && recording_.ranges[heard_].t_s < t_s) ++heard_;
+    while (seen_ < recording_.readings.size() && recording_.readings[seen_].t_s < t_s) ++seen_;
+  }
+
+ private:
+  void roll(const Recording::Step& step, double from_s, double to_s) {
+    if (!(to_s > from_s)) return;
+    const double share = (to_s - from_s) / step.duration_s;
+    trial_.events.emplace_back(estimation::Odometry{share * step.distance_m, share * step.turn_rad, to_s - from_s,
+                                                    share * step.distance_variance_m2, share * step.turn_variance_rad2,
+                                                    share * step.left_m});
+    const double way_m = step.left_m != 0.0 ? norm(step.distance_m, step.left_m) : std::fabs(step.distance_m);
+    since_m_ += share * way_m;
+    travelled_m_ += share * way_m;
+  }
+  [[nodiscard]] Result<Point2> surveyed(std::uint32_t beacon) const {
+    const auto found = recording_.beacons.find(beacon);
+    if (found != recording_.beacons.end()) return found->second;
+    return fail("recording.beacon", "nobody has surveyed beacon " + std::to_string(beacon), recording_.name);
+  }
+  Result<void> tell(const Recording::Heard& heard) {
+    const auto place = surveyed(heard.station);
+    if (!place) return tl::unexpected(place.error());
+    trial_.events.emplace_back(estimation::Range{heard.station, *place, heard.range_m});
+    since_m_ = 0.0;
+    return {};
+  }
+  Result<void> tell(const Recording::Seen& seen) {
+    const auto place = surveyed(seen.mark);
+    if (!place) return tl::unexpected(place.error());
+    trial_.events.emplace_back(estimation::Reading{seen.mark, *place, seen.seen_B});
+    since_m_ = 0.0;
+    return {};
+  }
+
+  const Recording& recording_;
+  Trial& trial_;
+  std::size_t heard_{0};
+  std::size_t seen_{0};
+  double since_m_{0.0};
+  double travelled_m_{0.0};
+};
+
+/// What ranges have in common, and what changes with the place, grows with what a single one is worth.
+void believe_ranges(double noise_m, estimation::SensorModel& sensors) {
+  sensors.range_sigma_m = noise_m;
+  sensors.range_common_sigma_m = noise_m;
+  sensors.range_station_sigma_m = 0.75 * noise_m;
+}
+
+/// σ of single ranges that are too far apart to be held against each other: that with which a filter on the same inputs
+/// is as surprised by them as it should be. Needs no truth but for the start, which every estimator is told.
+double range_noise_by_surprise(const Trial& trial) {
+  // Half of what is chi-squared with one degree of freedom lies below this.
+  constexpr double middle = 0.4549;
+  constexpr int rounds_most = 16;
+  constexpr double settled = 1.02;
+  double noise_m = 1.0;
+  for (int round = 0; round < rounds_most; ++round) {
+    estimation::Setting setting = trial.setting;
+    believe_ranges(noise_m, setting.sensors);
+    estimation::CalibratingFilter filter{setting};
+    std::vector<double> surprise;
+    for (const Event& event : trial.events) {
+      if (const auto* odometry = std::get_if<estimation::Odometry>(&event)) {
+        filter.predict(*odometry);
+      } else if (const auto* reading = std::get_if<estimation::Reading>(&event)) {
+        filter.rectify(*reading);
+      } else if (const auto told = filter.rectify(std::get<estimation::Range>(event)); told.nis) {
+        surprise.push_back(*told.nis);
+      }
+    }
+    if (surprise.empty()) break;
+    const double factor = std::clamp(std::sqrt(statistics::percentile(surprise, 0.5) / middle), 0.25, 4.0);
+    noise_m = std::clamp(noise_m * factor, 1e-3, 1e3);
+    if (factor < settled && factor > 1.0 / settled) break;
+  }
+  return noise_m;
+}
+
+/// Where a recording brings no figures of its own: wheels on a real floor or lawn, whose slip and unevenness are worth
+/// 4 cm after a metre, four times what the simulated ones are; a gyroscope that nobody has calibrated, whose offset is
+/// some tenths of a degree a second; single ranges as they are seen to scatter.
+Result<void> take_sensors(const Recording& recording, estimation::SensorModel& sensors) {
+  sensors.distance_variance_per_m = 0.04 * 0.04;
+  if (!recording.turns_from_wheels) sensors.turn_drift_sigma_radps = 0.005;
+  if (const auto noise = range_noise_m(recording)) believe_ranges(*noise, sensors);
+  const std::map<std::string, double estimation::SensorModel::*> fields{
+      {"distance_variance_per_m", &estimation::SensorModel::distance_variance_per_m},
+      {"turn_variance_per_m", &estimation::SensorModel::turn_variance_per_m},
+      {"turn_variance_per_rad", &estimation::SensorModel::turn_variance_per_rad},
+      {"distance_scale_sigma", &estimation::SensorModel::distance_scale_sigma},
+      {"turn_scale_sigma", &estimation::SensorModel::turn_scale_sigma},
+      {"turn_drift_sigma_radps", &estimation::SensorModel::turn_drift_sigma_radps},
+      {"mark_along_sigma_m", &estimation::SensorModel::mark_along_sigma_m},
+      {"mark_across_sigma_m", &estimation::SensorModel::mark_across_sigma_m},
+      {"line_sigma_m", &estimation::SensorModel::line_sigma_m},
+      {"line_heading_sigma_rad", &estimation::SensorModel::line_heading_sigma_rad},
+      {"range_sigma_m", &estimation::SensorModel::range_sigma_m},
+      {"range_scale_sigma", &estimation::SensorModel::range_scale_sigma},
+      {"range_common_sigma_m", &estimation::SensorModel::range_common_sigma_m},
+      {"range_station_sigma_m", &estimation::SensorModel::range_station_sigma_m},
+      {"range_station_length_m", &estimation::SensorModel::range_station_length_m},
+  };
+  for (const auto& [name, value] : recording.sensors) {
+    const auto field = fields.find(name);
+    if (field == fields.end())
+      return fail("recording.sensors", "'" + name + "' is no figure of a sensor", recording.name + "/sensors.csv");
+    sensors.*field->second = value;
+  }
+  return {};
+}
+
+}  // namespace
+
+std::optional<double> range_noise_m(const Recording& recording) {
+  std::map<std::uint32_t, std::vector<const Recording::Heard*>> by_station;
+  for (const Recording::Heard& heard : recording.ranges) by_station[heard.station].push_back(&heard);
+  std::vector<double> off;
+  for (const auto& [station, heard] : by_station) {
+    for (std::size_t i = 1; i + 1 < heard.size(); ++i) {
+      const Recording::Heard& a = *heard[i - 1];
+      const Recording::Heard& b = *heard[i + 1];
+      if (!(b.t_s > a.t_s) || b.t_s - a.t_s > 5.0) continue;
+      const double u = (heard[i]->t_s - a.t_s) / (b.t_s - a.t_s);
+      const double spread = std::sqrt(1.0 + u * u + (1.0 - u) * (1.0 - u));
+      off.push_back(std::fabs(heard[i]->range_m - (1.0 - u) * a.range_m - u * b.range_m) / spread);
+    }
+  }
+  if (off.size() < 20) return std::nullopt;
+  // Half of a Gaussian lies within 0.6745 σ; outliers do not move the middle.
+  const double noise = statistics::percentile(off, 0.5) / 0.6745;
+  return noise > 0.0 ? std::optional(noise) : std::nullopt;
+}
+
+Result<Trial> replayed(const Recording& recording, const ReplayOptions& options) {
+  Trial trial;
+  trial.name = recording.name;
+  trial.heading_known = recording.truth_has_heading;
+  trial.sensors_assumed = recording.sensors.empty();
+  if (auto fine = take_sensors(recording, trial.setting.sensors); !fine) return tl::unexpected(fine.error());
+  const Truth truth{recording, options.gap_s};
+  Mixer mixer{recording, trial};
+  bool begun = false;
+  for (const Recording::Step& step : recording.odometry) {
+    const double from_s = step.t_s - step.duration_s;
+    if (!begun) {
+      // It begins where the truth does: at the step's beginning, or at its end.
+      const auto start = truth.at(from_s);
+      const auto later = start ? start : truth.at(step.t_s);
+      if (!later) continue;
+      trial.setting.start = *later;
+      begun = true;
+      mixer.skip_until(start ? from_s : step.t_s);
+      if (!start) continue;
+    }
+    if (auto told = mixer.step(step); !told) return tl::unexpected(told.error());
+    const auto here = truth.at(step.t_s);
+    if (!here) continue;
+    trial.moments.push_back({trial.events.size(), step.t_s, *here, mixer.travelled_m(), mixer.since_m(), std::nullopt});
+  }
+  if (trial.moments.empty())
+    return fail(
+        "recording.overlap",
+        "odometry and truth share no time, or the truth's gaps are longer than " + std::to_string(options.gap_s) + " s",
+        recording.name);
+  trial.setting.start_sigma_m = options.start_sigma_m;
+  trial.setting.start_heading_sigma_rad = recording.truth_has_heading ? options.start_heading_sigma_rad : pi;
+  const bool told =
+      std::ranges::any_of(recording.sensors, [](const auto& one) { return one.first.starts_with("range_"); });
+  if (!recording.ranges.empty() && !told && !range_noise_m(recording))
+    believe_ranges(range_noise_by_surprise(trial), trial.setting.sensors);
+  return trial;
+}
+
+}  // namespace cosiva::experiments

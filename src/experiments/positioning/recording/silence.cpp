@@ -1,0 +1,171 @@
+#include "cosiva/experiments/positioning/recording/silence.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "cosiva/base/math.h"
+#include "cosiva/experiments/statistics/sample.h"
+
+namespace cosiva::experiments {
+namespace {
+
+using Steps = std::vector<Recording::Step>;
+
+double squared(double v) { return v * v; }
+
+struct Rates {
+  double speed_mps;
+  double turn_radps;
+};
+
+/// How what is counted over some time goes with what the rates at its two ends would make of it: so many times as
+/// much, give or take a variance.
+class Habit {
+ public:
+  void see(double expected, double counted) {
+    ++count_;
+    expected_2_ += squared(expected);
+    both_ += expected * counted;
+    counted_2_ += squared(counted);
+  }
+  [[nodiscard]] double share() const { return expected_2_ > 0.0 ? std::clamp(both_ / expected_2_, 0.0, 1.0) : 0.0; }
+  [[nodiscard]] double variance() const {
+    const double left = counted_2_ - 2.0 * share() * both_ + squared(share()) * expected_2_;
+    return count_ > 0 ? std::fmax(left, 0.0) / static_cast<double>(count_) : 0.0;
+  }
+  [[nodiscard]] std::size_t count() const { return count_; }
+
+ private:
+  std::size_t count_{0};
+  double expected_2_{0.0}, both_{0.0}, counted_2_{0.0};
+};
+
+/// A vehicle's habits, of where it was not silent.
+class Habits {
+ public:
+  Habits(const Steps& steps, double silent_s) : steps_{steps}, silent_s_{silent_s} {
+    std::vector<double> speeds;
+    speeds.reserve(steps.size());
+    for (const Recording::Step& step : steps) {
+      if (step.duration_s <= silent_s) speeds.push_back(std::fabs(step.distance_m) / step.duration_s);
+    }
+    if (!speeds.empty()) fastest_mps_ = statistics::percentile(speeds, 0.99);
+  }
+
+  /// What came after a silence is unsure of as much as this vehicle elsewhere is after as long.
+  void bridge(std::size_t silent, const Rates& after, Recording::Step& step) const {
+    constexpr std::size_t enough = 10;
+    const double lasts_s = step.duration_s;
+    const Rates before = silent > 0 ? rates_before(silent - 1) : after;
+    Habit way;
+    Habit turn;
+    see(lasts_s, way, turn);
+    const double way_m = 0.5 * (before.speed_mps + after.speed_mps) * lasts_s;
+    const double turn_rad = 0.5 * (before.turn_radps + after.turn_radps) * lasts_s;
+    if (way.count() >= enough) {
+      step.distance_m = way.share() * way_m;
+      step.turn_rad = turn.share() * turn_rad;
+      step.distance_variance_m2 = way.variance();
+      step.turn_variance_rad2 = turn.variance();
+    } else {
+      // Too short a drive to know: it may have stopped, or gone as fast as ever, any way.
+      step.distance_m = way_m;
+      step.turn_rad = 0.0;
+      step.distance_variance_m2 = squared(fastest_mps_ * lasts_s);
+      step.turn_variance_rad2 = squared(pi);
+    }
+    // Whoever turns on the way comes less far: of a random walk of the heading with variance v the mean goes
+    // (1 − e^(−v/2))/(v/2) of the way ahead.
+    const double half = 0.5 * std::fmin(step.turn_variance_rad2, squared(pi));
+    const double ahead = half > 1e-6 ? (1.0 - det_exp(-half)) / half : 1.0;
+    step.distance_variance_m2 += squared((1.0 - ahead) * step.distance_m);
+    step.turn_variance_rad2 = std::fmin(step.turn_variance_rad2, squared(pi));
+  }
+
+  /// All but one of a hundred are slower.
+  [[nodiscard]] double fastest_mps() const { return fastest_mps_; }
+
+ private:
+  /// The mean rates of the last second.
+  [[nodiscard]] Rates rates_before(std::size_t last) const {
+    double lasted_s = 0.0;
+    Rates sum{};
+    for (std::size_t i = last + 1; i-- > 0 && lasted_s < 1.0 && steps_[i].duration_s <= silent_s_;) {
+      lasted_s += steps_[i].duration_s;
+      sum.speed_mps += steps_[i].distance_m;
+      sum.turn_radps += steps_[i].turn_rad;
+    }
+    if (!(lasted_s > 0.0)) return {};
+    return {sum.speed_mps / lasted_s, sum.turn_radps / lasted_s};
+  }
+
+  /// Every stretch of the drive that lasts as long and has no silence in it, one beginning each quarter of that time.
+  void see(double lasts_s, Habit& way, Habit& turn) const {
+    double next_s = -1e300;
+    for (std::size_t from = 0; from < steps_.size(); ++from) {
+      if (steps_[from].t_s < next_s || steps_[from].duration_s > silent_s_) continue;
+      double passed_s = 0.0;
+      double gone_m = 0.0;
+      double turned_rad = 0.0;
+      std::size_t to = from + 1;
+      for (; to < steps_.size() && passed_s < lasts_s && steps_[to].duration_s <= silent_s_; ++to) {
+        passed_s += steps_[to].duration_s;
+        gone_m += steps_[to].distance_m;
+        turned_rad += steps_[to].turn_rad;
+      }
+      if (passed_s < lasts_s) continue;
+      next_s = steps_[from].t_s + 0.25 * lasts_s;
+      const Rates first = rates_before(from);
+      const Recording::Step& last = steps_[to - 1];
+      way.see(0.5 * (first.speed_mps + last.distance_m / last.duration_s) * passed_s, gone_m);
+      turn.see(0.5 * (first.turn_radps + last.turn_rad / last.duration_s) * passed_s, turned_rad);
+    }
+  }
+
+  const Steps& steps_;
+  double silent_s_;
+  double fastest_mps_{0.0};
+};
+
+}  // namespace
+
+void bridge_silences(Recording& recording, bool speeds) {
+  std::vector<double> durations;
+  durations.reserve(recording.odometry.size());
+  for (const Recording::Step& step : recording.odometry) durations.push_back(step.duration_s);
+  if (durations.size() < 10) return;
+  const double usual_s = statistics::percentile(durations, 0.5);
+  const double silent_s = std::fmax(1.0, 10.0 * usual_s);
+  std::size_t bridged = 0;
+  std::size_t stood = 0;
+  double longest_s = 0.0;
+  const Steps as_told = recording.odometry;
+  const Habits habits{as_told, silent_s};
+  // Twice as fast as it ever goes: no single step is as large.
+  const double step_most_m = 2.0 * habits.fastest_mps() * usual_s;
+  for (std::size_t i = 0; i < as_told.size(); ++i) {
+    const Recording::Step& told = as_told[i];
+    if (told.duration_s <= silent_s) continue;
+    longest_s = std::fmax(longest_s, told.duration_s);
+    if (!speeds && std::fabs(told.distance_m) > step_most_m) {
+      ++stood;
+      continue;
+    }
+    ++bridged;
+    const double counted_s = speeds ? told.duration_s : usual_s;
+    habits.bridge(i, {told.distance_m / counted_s, told.turn_rad / counted_s}, recording.odometry[i]);
+  }
+  if (bridged + stood == 0) return;
+  const std::size_t often = bridged + stood;
+  std::string note = "odometry is silent " + std::to_string(often) + (often == 1 ? " time" : " times") + ", for " +
+                     std::to_string(std::lround(longest_s)) + " s at most; ";
+  if (bridged > 0)
+    note +=
+        "the vehicle is taken to have gone on as it elsewhere does in as long, give or take what it differs from that "
+        "there";
+  if (bridged > 0 && stood > 0) note += "; ";
+  if (stood > 0) note += "what it says next is too much for one step and is taken for all of that time";
+  recording.notes.push_back(std::move(note));
+}
+
+}  // namespace cosiva::experiments

@@ -1,0 +1,28 @@
+#pragma once
+
+// Recordings that came with this folder, for its tests.
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include "cosiva/base/test_places.h"
+#include "cosiva/experiments/positioning/recording/recording.h"
+
+namespace cosiva::experiments::testing {
+
+inline RecordingFiles folder(const std::string& path) {
+  RecordingFiles files;
+  for (const auto& entry : std::filesystem::directory_iterator(path)) {
+    std::ifstream file(entry.path());
+    std::stringstream text;
+    text << file.rdbuf();
+    files[entry.path().filename().string()] = text.str();
+  }
+  return files;
+}
+
+inline std::string recorded() { return source_dir() + "/src/experiments/positioning/recording/"; }
+
+}  // namespace cosiva::experiments::testing

@@ -1,0 +1,368 @@
+// What only the zone and the order of events can tell. The steps' own commands are judged, as the server will read
+// them.
+#include <algorithm>
+#include <charconv>
+#include <map>
+#include <memory>
+#include <set>
+
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/experiments/runs/scenario/scenario.h"
+#include "cosiva/experiments/runs/scenario/toml_entry.h"
+#include "cosiva/wire/messages/topics.h"
+#include "cosiva/zone/drawing/draw.h"
+#include "cosiva/zone/rtm/rtm.h"
+
+namespace cosiva::experiments {
+namespace {
+
+/// A virtual AIV is put on the nearest way; further off than this nobody could have meant that way.
+constexpr double off_way_max_m = 0.30;
+/// As the server has it: so far beyond the drawing's bounds a thing may stand.
+constexpr double margin_m = 0.5;
+/// A zone's file of 16 MiB, each byte of it escaped.
+constexpr std::size_t command_bytes_max = std::size_t{128} << 20U;
+
+struct Thing {
+  std::string kind;  ///< "aiv", "person", "obstacle", "physical obstacle"
+  std::uint32_t line;
+};
+
+std::string at_seconds(SimDuration at) { return "at " + shortest(to_seconds(at)) + " s"; }
+
+class Checker {
+ public:
+  Checker(const Scenario& scenario, const zone::TrafficZone& zone, const std::string& origin)
+      : scenario_{scenario}, faults_{origin} {
+    enter(zone);
+    for (const Scenario::Step& step : scenario.steps) note_arrival(step);
+  }
+
+  Result<void> run() {
+    if (const std::size_t room = zone_->start_places(scenario_.aivs).size(); room < scenario_.aivs) {
+      faults_.add("scenario.aivs", 1, "aivs",
+                  zone_->name + " has room for " + std::to_string(room) + " AIVs to start, not " +
+                      std::to_string(scenario_.aivs));
+    }
+    for (const Scenario::Step& step : scenario_.steps) {
+      if (faults_.first()) break;
+      step_ = &step;
+      if (scenario_.duration_s && step.at > from_seconds(*scenario_.duration_s)) {
+        fault("t_s", "scenario.never",
+              at_seconds(step.at) + " nothing happens any more: the scenario lasts " + shortest(*scenario_.duration_s) +
+                  " s (duration_s)");
+      }
+      const auto command = JsonValue::parse(step.command, command_bytes_max);
+      if (command) judge(*command);
+    }
+    if (faults_.first()) return tl::unexpected(*faults_.first());
+    return {};
+  }
+
+ private:
+  void fault(std::string_view field, std::string code, std::string message) {
+    faults_.add(std::move(code), step_->line, field, std::move(message));
+  }
+
+  /// When each virtual AIV comes, to tell "not yet" from "never".
+  void note_arrival(const Scenario::Step& step) {
+    const auto command = JsonValue::parse(step.command);
+    const JsonValue* thing = command ? command->find("thing") : nullptr;
+    if (thing != nullptr && command->text("command") == "add" && thing->text("kind") == "aiv")
+      arrivals_.emplace(thing->text("id").value_or(""), step.at);
+  }
+
+  /// This is the zone in force from here on.
+  void enter(const zone::TrafficZone& zone) {
+    zone_ = &zone;
+    bounds_ = zone::bounds(zone::draw(zone));
+    closed_.clear();
+    for (const zone::SectionId section : zone.closed) closed_.insert(zone.circuit.part(section).name);
+  }
+
+  void judge(const JsonValue& command) {
+    const std::string what = command.text("command").value_or("");
+    if (what == "switch") return judge_switch(command);
+    if (what == "close" || what == "open") return judge_closing(command.text("section").value_or(""), what);
+    if (what == "go") judge_goal(command.text("to").value_or(""));
+    if (what == "circulate") judge_loop(command.text("loop"));
+    if (what == "add") return judge_add(*command.find("thing"));
+    if (what == "move") return judge_move(*command.find("thing"));
+    if (what == "remove") return judge_remove(command.text("id").value_or(""), false);
+    if (what == "plant") return judge_plant(*command.find("plant"));
+    if (what == "radio") return judge_radio(command);
+    if (what == "edit") {
+      for (const auto& [id, priority] : *command.find("edit")->find("priorities")->object())
+        judge_vehicle(id, "priority");
+      return;
+    }
+    judge_vehicle(command.text("vehicle").value_or(""), "vehicle");
+  }
+
+  // --- the zone -----------------------------------------------------------------------------------------------------
+
+  void judge_switch(const JsonValue& command) {
+    const JsonValue* given = command.find("zone");
+    auto configuration = given == nullptr
+                             ? Result<zone::ZoneConfiguration>{fail("scenario.zone", "this zone was not looked for")}
+                             : zone::zone_configuration_from_json(*given);
+    auto rtm = configuration ? zone::Rtm::initialise(std::move(*configuration))
+                             : Result<zone::Rtm>{tl::unexpected(configuration.error())};
+    if (!rtm) return fault("switch", rtm.error().code, to_string(rtm.error()));
+    switched_to_ = rtm->share_zone();
+    enter(*switched_to_);
+  }
+
+  void fault_name(std::string_view field, std::string code, const std::string& what, const std::string& name,
+                  const std::vector<std::string_view>& known) {
+    const std::string_view near = nearest(name, known);
+    fault(field, std::move(code),
+          zone_->name + " has no " + what + " " + quoted(name) +
+              (near.empty() ? "" : "; did you mean " + quoted(near) + "?"));
+  }
+
+  [[nodiscard]] std::vector<std::string_view> section_names() const {
+    std::vector<std::string_view> names;
+    for (zone::SectionId id = 0; id < zone_->circuit.size(); ++id) names.push_back(zone_->circuit.part(id).name);
+    return names;
+  }
+
+  void judge_closing(const std::string& section, const std::string& what) {
+    if (!zone_->circuit.find(section)) return fault_name(what, "scenario.section", "section", section, section_names());
+    const bool changes = what == "close" ? closed_.insert(section).second : closed_.erase(section) > 0;
+    if (!changes)
+      fault(what, "scenario.section",
+            section + (what == "close" ? " is closed already " : " is not closed ") + at_seconds(step_->at));
+  }
+
+  void judge_goal(const std::string& to) {
+    if (zone_->find_station(to) != nullptr || zone_->find_waypoint(to) != nullptr) return;
+    std::vector<std::string_view> known;
+    for (const zone::Station& station : zone_->stations) known.push_back(station.name);
+    for (const zone::Waypoint& waypoint : zone_->waypoints) known.push_back(waypoint.id);
+    fault_name("go.to", "scenario.goal", "station or waypoint", to, known);
+  }
+
+  void judge_loop(const std::optional<std::string>& loop) {
+    if (!loop || zone_->find_loop(*loop) != nullptr) return;
+    std::vector<std::string_view> known;
+    for (const zone::Loop& one : zone_->loops) known.push_back(one.name);
+    fault_name("circulate.loop", "scenario.loop", "loop", *loop, known);
+  }
+
+  // --- vehicles -----------------------------------------------------------------------------------------------------
+
+  void judge_vehicle(const std::string& id, std::string_view field) {
+    if (id == "*") return;
+    const std::size_t slash = id.find('/');
+    const std::string manufacturer = id.substr(0, slash);
+    const std::string serial = slash == std::string::npos ? "" : id.substr(slash + 1);
+    if (manufacturer == wire::virtual_manufacturer) return judge_virtual_vehicle(serial, field);
+    if (manufacturer == wire::our_manufacturer && number_of(serial)) return;
+    const std::vector<std::string> there = vehicles_now();
+    const std::string_view near = nearest(serial, {there.begin(), there.end()});
+    fault(field, "scenario.vehicle",
+          "there is no vehicle " + quoted(manufacturer == wire::our_manufacturer ? serial : id) +
+              "; this scenario has " + (scenario_.aivs == 1 ? "AIV1" : "AIV1 to AIV" + std::to_string(scenario_.aivs)) +
+              (near.empty() ? "" : ", did you mean " + quoted(near) + "?"));
+  }
+
+  void judge_virtual_vehicle(const std::string& serial, std::string_view field) {
+    const auto thing = things_.find(serial);
+    if (thing != things_.end() && thing->second.kind == "aiv") return;
+    const auto arrival = arrivals_.find(serial);
+    std::string why = "no virtual_aiv of this name is ever added";
+    if (arrival != arrivals_.end())
+      why = arrival->second > step_->at ? "it only comes " + at_seconds(arrival->second) : "it was taken away before";
+    fault(field, "scenario.vehicle",
+          "there is no virtual AIV " + quoted(serial) + " " + at_seconds(step_->at) + ": " + why);
+  }
+
+  /// "AIV3" of a fleet of at least three.
+  [[nodiscard]] bool number_of(std::string_view serial) const {
+    if (!serial.starts_with("AIV") || serial.size() < 4 || serial[3] == '0') return false;
+    std::uint32_t number = 0;
+    const char* end = serial.data() + serial.size();
+    const auto [stop, error] = std::from_chars(serial.data() + 3, end, number);
+    return error == std::errc{} && stop == end && number >= 1 && number <= scenario_.aivs;
+  }
+
+  [[nodiscard]] std::vector<std::string> vehicles_now() const {
+    std::vector<std::string> names;
+    for (std::uint32_t number = 1; number <= scenario_.aivs; ++number) names.push_back("AIV" + std::to_string(number));
+    for (const auto& [id, thing] : things_) {
+      if (thing.kind == "aiv") names.push_back(id);
+    }
+    return names;
+  }
+
+  void judge_radio(const JsonValue& command) {
+    const std::string id = command.text("vehicle").value_or("");
+    if (id.starts_with(std::string(wire::virtual_manufacturer) + "/"))
+      return fault("radio.vehicle", "scenario.radio", "a virtual AIV lives in the server and has no radio to lose");
+    judge_vehicle(id, "radio.vehicle");
+    const bool begins = command.number("loss").value_or(0.0) > 0.0;
+    for (const auto& [other, line] : lossy_) {
+      // Whichever ends first would end the other one's loss as well.
+      if (begins && (other == id || other == "*" || id == "*")) {
+        return fault("radio", "scenario.radio",
+                     "the loss of line " + std::to_string(line) + " is not over yet " + at_seconds(step_->at) +
+                         "; let it end first (for_s)");
+      }
+    }
+    if (begins)
+      lossy_.insert_or_assign(id, step_->line);
+    else if (id == "*")
+      lossy_.clear();
+    else
+      lossy_.erase(id);
+  }
+
+  // --- things -------------------------------------------------------------------------------------------------------
+
+  void judge_new(const std::string& id, std::string kind) {
+    const auto [known, is_new] = things_.emplace(id, Thing{std::move(kind), step_->line});
+    if (!is_new) {
+      fault("id", "scenario.id",
+            "there is a " + known->second.kind + " " + quoted(id) + " already, since line " +
+                std::to_string(known->second.line) + "; take it away first, or choose another id");
+    }
+  }
+
+  void judge_point(double x_m, double y_m, std::string_view field) {
+    if (x_m >= bounds_.low.x_m - margin_m && x_m <= bounds_.high.x_m + margin_m && y_m >= bounds_.low.y_m - margin_m &&
+        y_m <= bounds_.high.y_m + margin_m)
+      return;
+    fault(field, "scenario.place",
+          "(" + shortest(x_m) + ", " + shortest(y_m) + ") lies off the zone " + zone_->name + ", which reaches from (" +
+              shortest(bounds_.low.x_m) + ", " + shortest(bounds_.low.y_m) + ") to (" + shortest(bounds_.high.x_m) +
+              ", " + shortest(bounds_.high.y_m) + ") m");
+  }
+
+  void judge_way(const JsonValue& thing) {
+    if (const JsonValue* path = thing.find("path"); path != nullptr && path->array() != nullptr) {
+      for (const JsonValue& p : *path->array())
+        judge_point(*p.array()->at(0).number(), *p.array()->at(1).number(), "path");
+    } else if (thing.number("x") && thing.number("y")) {
+      judge_point(*thing.number("x"), *thing.number("y"), "at");
+    }
+  }
+
+  void judge_add(const JsonValue& thing) {
+    const std::string kind = thing.text("kind").value_or("");
+    judge_new(thing.text("id").value_or(""), kind);
+    if (kind == "aiv")
+      judge_aiv_place(thing);
+    else
+      judge_way(thing);
+  }
+
+  void judge_aiv_place(const JsonValue& thing) {
+    std::optional<zone::Place> place;
+    if (const auto name = thing.text("section")) {
+      const auto section = zone_->circuit.find(*name);
+      if (!section) return fault_name("virtual_aiv.section", "scenario.section", "section", *name, section_names());
+      const double length_m = zone_->circuit.section(*section).length_m();
+      place = zone::Place{*section, thing.number("s").value_or(0.0)};
+      if (place->s_m > length_m) {
+        return fault("virtual_aiv.s_m", "scenario.place",
+                     *name + " is " + shortest(length_m) + " m long, so s_m must be from 0 to that");
+      }
+    } else if (thing.number("x") && thing.number("y")) {
+      const Point2 at{*thing.number("x"), *thing.number("y")};
+      const auto located = zone_->circuit.locate(at);
+      if (located.distance_m > off_way_max_m) {
+        return fault("virtual_aiv.at", "scenario.place",
+                     "the nearest way of " + zone_->name + " is " + shortest(located.distance_m) +
+                         " m off; put it within " + shortest(off_way_max_m) + " m of one");
+      }
+      place = located.place;
+    }
+    if (!place || zone_->may_stand(*place)) return;
+    const zone::Crossing* crossing = zone_->crossing_at(*place);
+    fault("virtual_aiv", "scenario.place",
+          "no vehicle may stand " +
+              (crossing == nullptr ? std::string("between crossings this close together")
+                                   : "in crossing " + crossing->name) +
+              "; choose a place before or behind it");
+  }
+
+  void judge_move(const JsonValue& thing) {
+    const std::string id = thing.text("id").value_or("");
+    const auto known = things_.find(id);
+    if (known == things_.end()) return fault_unknown(id, "move.id");
+    if (known->second.kind == "aiv")
+      return fault("move.id", "scenario.id", quoted(id) + " is a virtual AIV: it drives by itself, and is not moved");
+    if (known->second.kind != "person" && thing.find("path") != nullptr)
+      return fault("move.path", "scenario.field", quoted(id) + " is an obstacle and does not walk; move it with at");
+    judge_way(thing);
+  }
+
+  void judge_remove(const std::string& id, bool physical) {
+    if (id == "*") {
+      std::erase_if(things_, [](const auto& entry) { return entry.second.kind != "physical obstacle"; });
+      return;
+    }
+    const auto known = things_.find(id);
+    if (known == things_.end() || (known->second.kind == "physical obstacle") != physical)
+      return fault_unknown(id, "remove");
+    things_.erase(known);
+  }
+
+  void judge_plant(const JsonValue& plant) {
+    const JsonValue* added = plant.find("addObstacle");
+    if (added == nullptr) return judge_remove(plant.text("removeObstacle").value_or(""), true);
+    const std::string id = added->text("id").value_or("");
+    const auto known = things_.find(id);
+    // The reader has seen to it that a second one of this id is the first one moved.
+    const bool moved = known != things_.end() && known->second.kind == "physical obstacle";
+    if (!moved) judge_new(id, "physical obstacle");
+    judge_way(*added);
+  }
+
+  void fault_unknown(const std::string& id, std::string_view field) {
+    std::vector<std::string_view> there;
+    for (const auto& [name, thing] : things_) there.push_back(name);
+    const std::string_view near = nearest(id, there);
+    fault(field, "scenario.id",
+          "there is nothing called " + quoted(id) + " " + at_seconds(step_->at) +
+              (near.empty() ? "" : "; did you mean " + quoted(near) + "?"));
+  }
+
+  const Scenario& scenario_;
+  const zone::TrafficZone* zone_{};                       ///< in force at this step
+  std::shared_ptr<const zone::TrafficZone> switched_to_;  ///< keeps it, when a step has switched to it
+  zone::Bounds bounds_{};
+  std::set<std::string> closed_;
+  Faults faults_;
+  const Scenario::Step* step_{};
+  std::map<std::string, SimDuration> arrivals_;  ///< of virtual AIVs: when each first comes
+  std::map<std::string, Thing> things_;          ///< there at this step
+  std::map<std::string, std::uint32_t> lossy_;   ///< vehicles that lose messages, since which line
+};
+
+}  // namespace
+
+Result<void> resolve_zones(Scenario& scenario, const LoadZone& load, const std::string& origin) {
+  for (Scenario::Step& step : scenario.steps) {
+    if (step.zone.empty()) continue;
+    const auto configuration = load(step.zone);
+    if (!configuration) {
+      Faults faults{origin};
+      faults.add(configuration.error().code, step.line, "switch", to_string(configuration.error()));
+      return tl::unexpected(*faults.first());
+    }
+    JsonWriter json;
+    zone::write_json(json.begin_object().field("command", "switch").key("zone"), *configuration);
+    json.end_object();
+    step.command = json.take();
+  }
+  return {};
+}
+
+Result<void> check(const Scenario& scenario, const zone::TrafficZone& zone, const std::string& origin) {
+  return Checker{scenario, zone, origin}.run();
+}
+
+}  // namespace cosiva::experiments

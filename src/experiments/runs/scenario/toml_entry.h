@@ -1,0 +1,105 @@
+#pragma once
+
+#include <cstdint>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cosiva/base/pose.h"
+#include "cosiva/base/result.h"
+#include "cosiva/zone/toml/toml_library.h"  // one configuration of toml++ for the whole program: its symbols are compiled once, in zone
+
+namespace cosiva::experiments {
+
+/// The first thing wrong with a scenario. Reading goes on with stand-in values, so that the reader stays straight-line
+/// code; whoever reads asks first() before trusting what was read.
+class Faults {
+ public:
+  explicit Faults(std::string origin) : origin_{std::move(origin)} {}
+
+  /// "origin:line: path: message"; the path may be empty.
+  void add(std::string code, std::uint32_t line, std::string_view path, std::string message);
+  [[nodiscard]] const std::optional<Error>& first() const { return first_; }
+
+ private:
+  std::string origin_;
+  std::optional<Error> first_;
+};
+
+/// What a number must be, and how to say so.
+struct Range {
+  std::string_view what;  ///< "a number of metres over 0, at most 1"
+  double low;
+  double high;
+  bool low_allowed{true};
+};
+
+/// One table of a scenario, read field by field. Each read says what it expected and what it found, with file, line and
+/// path; the [[at]] tables are counted from 1, as people count them: at[3].person.speed_mps.
+class Entry {
+ public:
+  Entry(Faults& faults, const toml::table& table, std::string path)
+      : faults_{&faults}, table_{&table}, path_{std::move(path)} {}
+
+  [[nodiscard]] bool has(std::string_view key) const { return table_->contains(key); }
+  /// Faults any other key, naming the nearest of these.
+  void expect_only(const std::vector<std::string_view>& keys) const;
+  [[nodiscard]] std::vector<std::string> keys() const;
+
+  /// The text of a field of a table of this one, when both are there; nothing is faulted.
+  [[nodiscard]] std::optional<std::string> peek(std::string_view table, std::string_view key) const;
+
+  /// Without a fallback the field must be there.
+  [[nodiscard]] double number(std::string_view key, const Range& range,
+                              std::optional<double> fallback = std::nullopt) const;
+  [[nodiscard]] std::int64_t whole(std::string_view key, std::int64_t low, std::int64_t high,
+                                   std::optional<std::int64_t> fallback = std::nullopt) const;
+  [[nodiscard]] bool flag(std::string_view key, bool fallback) const;
+  /// Of at most `bytes_max` bytes, not empty, without control characters but line breaks.
+  [[nodiscard]] std::string text(std::string_view key, std::size_t bytes_max,
+                                 const std::optional<std::string>& fallback = std::nullopt) const;
+  /// One of these words; a misspelt one is answered with the nearest.
+  [[nodiscard]] std::string one_of(std::string_view key, const std::vector<std::string_view>& words,
+                                   const std::optional<std::string>& fallback = std::nullopt) const;
+  [[nodiscard]] std::vector<std::string> texts(std::string_view key, std::size_t count_max) const;
+  /// One of these words or a list of them, each once; a misspelt one is answered with the nearest.
+  [[nodiscard]] std::vector<std::string> some_of(std::string_view key, const std::vector<std::string_view>& words,
+                                                 const std::vector<std::string>& fallback) const;
+  /// A number, a list of numbers, or { from, to, steps, log } with both ends: 1 to `count_max` of them, each once, in
+  /// rising order. `range.what` says what each must be.
+  [[nodiscard]] std::vector<double> sweep(std::string_view key, const Range& range, std::size_t count_max,
+                                          double fallback) const;
+  [[nodiscard]] Point2 point(std::string_view key) const;  ///< [x, y] in metres
+  /// 2 to `count_max` of them.
+  [[nodiscard]] std::vector<Point2> points(std::string_view key, std::size_t count_max) const;
+  /// The table of this name; faulted where it is something else or missing.
+  [[nodiscard]] std::optional<Entry> table(std::string_view key) const;
+  /// The tables under [[key]]; none where there are none.
+  [[nodiscard]] std::vector<Entry> tables(std::string_view key, std::size_t count_max) const;
+
+  /// A fault of this field, or of the whole table with an empty key.
+  void fault(std::string_view key, std::string code, std::string message) const;
+  [[nodiscard]] std::uint32_t line(std::string_view key = {}) const;
+
+ private:
+  [[nodiscard]] const toml::node* find(std::string_view key, std::string_view what, bool optional) const;
+  void expected(std::string_view key, std::string_view what, const toml::node& found) const;
+  [[nodiscard]] std::optional<Point2> point_of(const toml::node& node) const;
+  [[nodiscard]] std::vector<double> spread(const Entry& fields, const Range& range, std::size_t count_max) const;
+  [[nodiscard]] std::string path(std::string_view key) const;
+
+  Faults* faults_;
+  const toml::table* table_;
+  std::string path_;
+};
+
+/// The word of `known` that was most likely meant; empty where none is near.
+[[nodiscard]] std::string_view nearest(std::string_view word, const std::vector<std::string_view>& known);
+/// In quotes, short enough for one line.
+[[nodiscard]] std::string quoted(std::string_view text);
+/// The shortest text that reads back to the same number: "0.3".
+[[nodiscard]] std::string shortest(double value);
+
+}  // namespace cosiva::experiments

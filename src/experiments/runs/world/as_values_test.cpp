@@ -1,0 +1,84 @@
+// Messages passed on as values: the same run as with their texts, to the last bit.
+#include <gtest/gtest.h>
+
+#include "cosiva/experiments/runs/world/test_world.h"
+#include "cosiva/wire/in_process/said.h"
+
+namespace cosiva::experiments {
+namespace {
+
+using namespace std::chrono_literals;
+
+std::unique_ptr<World> world(bool as_values, double loss = 0.0) {
+  WorldOptions options;
+  options.zone = testing::zone_named("lacet4");
+  options.aivs = 5;
+  options.seed = 4;
+  options.network.loss = loss;
+  options.network.duplication = loss;
+  options.as_values = as_values;
+  auto made = World::make(std::move(options));
+  EXPECT_TRUE(made.has_value()) << (made ? "" : to_string(made.error()));
+  return std::move(*made);
+}
+
+/// A run with something of everything: a person, a virtual AIV, a stop, a vehicle that dies and comes back.
+void live(World& world) {
+  world.run_for(15s);
+  world.command_server(R"({"command":"add","thing":{"id":"V1","kind":"aiv","x":0.0,"y":0.0}})");
+  world.command_server(R"({"id":"c1","command":"stop","vehicle":"CoSiVA/AIV2"})");
+  world.command_plant(R"({"addObstacle":{"id":"box","x":0.5,"y":0.9,"radius":0.05}})");
+  world.run_for(10s);
+  world.command_server(R"({"id":"c2","command":"restart","vehicle":"CoSiVA/AIV2"})");
+  world.command_plant(R"({"removeObstacle":"box"})");
+  world.kill_aiv(3);
+  world.run_for(5s);
+  world.start_aiv(3);
+  world.run_for(20s);
+}
+
+TEST(AsValues, everybody_believes_the_same_to_the_last_bit) {
+  for (const double loss : {0.0, 0.03}) {
+    const auto texts = world(false, loss);
+    const auto values = world(true, loss);
+    live(*texts);
+    live(*values);
+    EXPECT_EQ(values->beliefs().hex(), texts->beliefs().hex()) << "with a loss of " << loss;
+    EXPECT_EQ(values->network().counters().delivered, texts->network().counters().delivered);
+    EXPECT_EQ(values->log(), texts->log());
+  }
+}
+
+TEST(AsValues, what_vehicles_say_often_has_no_text_and_says_what_it_is) {
+  const auto values = world(true);
+  std::size_t passed = 0;
+  values->tap([&](SimTime, const std::string&, const wire::Publish& message) {
+    const bool often = message.topic.ends_with("/state") || message.topic.ends_with("/visualization");
+    EXPECT_TRUE(message.said || !often) << message.topic;
+    if (!message.said) return;
+    EXPECT_TRUE(message.payload.empty()) << message.topic;
+    ++passed;
+  });
+  values->run_for(5s);
+  EXPECT_GT(passed, 200U);
+}
+
+TEST(AsValues, another_seed_is_another_run) {
+  const auto run = [](std::uint64_t seed) {
+    WorldOptions options;
+    options.zone = testing::zone_named("lacet4");
+    options.aivs = 3;
+    options.seed = seed;
+    options.as_values = true;
+    auto made = World::make(std::move(options));
+    EXPECT_TRUE(made.has_value());
+    (*made)->run_for(10s);
+    return std::pair{(*made)->digest().hex(), (*made)->beliefs().hex()};
+  };
+  EXPECT_EQ(run(7), run(7));
+  EXPECT_NE(run(7).first, run(8).first);
+  EXPECT_NE(run(7).second, run(8).second);
+}
+
+}  // namespace
+}  // namespace cosiva::experiments

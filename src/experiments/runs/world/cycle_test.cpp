@@ -1,0 +1,110 @@
+// Everybody in one slower cycle: another run than at the live platform's pace, and as safe.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cosiva/experiments/runs/world/test_unrest.h"
+#include "cosiva/experiments/runs/world/test_world.h"
+
+namespace cosiva::experiments {
+namespace {
+
+using namespace std::chrono_literals;
+
+WorldOptions fleet(std::uint32_t aivs, std::optional<SimDuration> cycle, std::uint64_t seed = 1,
+                   const std::string& zone = "lacet4") {
+  WorldOptions options;
+  options.zone = testing::zone_named(zone);
+  options.aivs = aivs;
+  options.seed = seed;
+  options.cycle = cycle;
+  options.as_values = true;
+  return options;
+}
+
+std::unique_ptr<World> world_with(WorldOptions options) {
+  auto world = World::make(std::move(options));
+  EXPECT_TRUE(world.has_value()) << (world ? "" : to_string(world.error()));
+  return std::move(*world);
+}
+
+double driven_m(const World& world) {
+  double sum_m = 0.0;
+  for (const auto& v : world.plant().vehicles()) sum_m += v.distance_m;
+  return sum_m;
+}
+
+/// How far a fleet drives in such a cycle, beside how far at the live pace.
+double share_driven(std::uint32_t aivs, SimDuration cycle) {
+  const auto live = world_with(fleet(aivs, std::nullopt));
+  const auto slow = world_with(fleet(aivs, cycle));
+  live->run_for(200s);
+  slow->run_for(200s);
+  EXPECT_THAT(slow->plant().collisions(), ::testing::IsEmpty()) << aivs << " AIVs";
+  for (const auto& v : slow->plant().vehicles()) EXPECT_GT(v.distance_m, 30.0) << "AIV" << v.number;
+  return driven_m(*slow) / driven_m(*live);
+}
+
+TEST(Cycle, at_ten_hertz_a_fleet_with_room_drives_as_far_as_at_the_live_pace) {
+  EXPECT_NEAR(share_driven(4, 100ms), 1.0, 0.005);
+}
+
+/// Where crossings are never free for long, every tenth of a second until somebody is heard to have left one counts.
+TEST(CycleStatistics, at_ten_hertz_a_crowded_fleet_loses_some_of_its_way_and_at_twenty_next_to_none) {
+  EXPECT_NEAR(share_driven(12, 100ms), 0.94, 0.04);
+  EXPECT_NEAR(share_driven(12, 50ms), 1.0, 0.04);
+}
+
+TEST(Cycle, at_ten_hertz_nobody_is_touched_among_persons_stops_and_lost_messages) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    WorldOptions options = fleet(12, 100ms, seed);
+    options.network.loss = 0.05;
+    const auto world = world_with(std::move(options));
+    testing::Unrest unrest{*world, testing::zone_named("lacet4"), seed};
+    for (int s = 0; s < 240; ++s) unrest.second();
+    unrest.end();
+    std::vector<double> before_m;
+    for (const auto& v : world->plant().vehicles()) before_m.push_back(v.distance_m);
+    world->run_for(60s);
+    EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty()) << seed;
+    EXPECT_EQ(testing::deadlock_figures(*world).open, 0.0) << seed;
+    for (const auto& v : world->plant().vehicles()) EXPECT_GT(v.distance_m, before_m[v.number - 1] + 3.0) << v.number;
+  }
+}
+
+TEST(Cycle, at_ten_hertz_who_dies_is_hit_by_nobody_and_rejoins) {
+  const auto world = world_with(fleet(6, 100ms));
+  world->run_for(20s);
+  world->kill_aiv(2);
+  world->run_for(30s);
+  world->kill_server();
+  world->run_for(5s);
+  EXPECT_NEAR(world->plant().vehicles()[0].speed_mps, 0.0, 1e-3) << "without its server";
+  world->start_server();
+  world->start_aiv(2);
+  const double before_m = world->plant().vehicles()[1].distance_m;
+  world->run_for(60s);
+  EXPECT_GT(world->plant().vehicles()[1].distance_m, before_m + 3.0);
+  EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
+}
+
+TEST(Cycle, gives_the_same_digest_for_the_same_seed_and_another_for_another) {
+  const auto run = [](std::uint64_t seed) {
+    const auto world = world_with(fleet(4, 100ms, seed));
+    world->run_for(20s);
+    return world->digest().hex();
+  };
+  EXPECT_EQ(run(7), run(7));
+  EXPECT_NE(run(7), run(8));
+}
+
+TEST(Cycle, of_more_than_a_tenth_of_a_second_is_refused_and_so_is_one_faster_than_the_boards) {
+  for (const SimDuration cycle : {SimDuration{101ms}, SimDuration{19ms}, SimDuration{}}) {
+    const auto world = World::make(fleet(2, cycle));
+    ASSERT_FALSE(world);
+    EXPECT_EQ(world.error().code, "world.cycle");
+    EXPECT_THAT(world.error().message, ::testing::HasSubstr("from 20 to 100 ms"));
+  }
+}
+
+}  // namespace
+}  // namespace cosiva::experiments

@@ -1,0 +1,53 @@
+// Traffic that never deadlocks silently, in virtual time: with the vehicles' own program, their eyes, and a lossy link.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cosiva/experiments/runs/world/test_unrest.h"
+#include "cosiva/experiments/runs/world/test_world.h"
+
+namespace cosiva::experiments {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::deadlock_figures;
+using testing::DeadlockFigures;
+using testing::Unrest;
+using testing::zone_named;
+
+class Unquiet : public ::testing::TestWithParam<std::tuple<const char*, std::uint64_t>> {};
+
+TEST_P(Unquiet, hall_has_no_collision_and_no_deadlock_that_stays) {
+  const auto& [name, seed] = GetParam();
+  WorldOptions options;
+  options.zone = zone_named(name);
+  options.aivs = 12;
+  options.seed = seed;
+  options.network.loss = 0.05;
+  options.as_values = true;  // the same run, sooner over
+  const auto world = World::make(options);
+  ASSERT_TRUE(world);
+  Unrest unrest{**world, options.zone, seed};
+  for (int s = 0; s < 600; ++s) unrest.second();
+  unrest.end();
+  (*world)->run_for(15s);
+  std::vector<double> before_m;
+  for (const auto& vehicle : (*world)->plant().vehicles()) before_m.push_back(vehicle.distance_m);
+  (*world)->run_for(30s);
+  EXPECT_THAT((*world)->plant().collisions(), ::testing::IsEmpty());
+  const DeadlockFigures figures = deadlock_figures(**world);
+  EXPECT_EQ(figures.open, 0.0);
+  EXPECT_EQ(figures.detected, figures.resolved);
+  for (const auto& vehicle : (*world)->plant().vehicles())
+    EXPECT_GT(vehicle.distance_m - before_m[vehicle.number - 1], 1.0) << "AIV" << vehicle.number << " drives on";
+}
+
+std::string name_of(const ::testing::TestParamInfo<Unquiet::ParamType>& one) {
+  return std::string(std::get<0>(one.param)) + "_" + std::to_string(std::get<1>(one.param));
+}
+
+INSTANTIATE_TEST_SUITE_P(Zones, Unquiet, ::testing::Values(std::tuple{"lacet4", 1U}, std::tuple{"indus8", 1U}),
+                         name_of);
+INSTANTIATE_TEST_SUITE_P(Statistics, Unquiet, ::testing::Values(std::tuple{"lacet4", 2U}), name_of);
+
+}  // namespace
+}  // namespace cosiva::experiments

@@ -1,0 +1,312 @@
+#include "cosiva/experiments/transport/site/site.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+#include "cosiva/base/digest.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/base/random.h"
+
+namespace cosiva::experiments {
+namespace {
+
+/// Room for so many more vehicles in a zone than it begins with: all that its sections could hold is more than ever
+/// come.
+constexpr std::size_t spare_most = 64;
+
+/// What ranks tell each other, field by field; all of them run this same program on machines of one kind.
+class Letter {
+ public:
+  template <class T>
+  void put(T value) {
+    static_assert(std::is_arithmetic_v<T>);
+    const std::size_t at = bytes_.size();
+    bytes_.resize(at + sizeof(T));
+    std::memcpy(bytes_.data() + at, &value, sizeof(T));
+  }
+  [[nodiscard]] std::string take() { return std::move(bytes_); }
+
+ private:
+  std::string bytes_;
+};
+
+class LetterReader {
+ public:
+  explicit LetterReader(std::string_view bytes) : bytes_{bytes} {}
+  template <class T>
+  [[nodiscard]] T take() {
+    COSIVA_EXPECT(bytes_.size() >= sizeof(T));
+    T value;
+    std::memcpy(&value, bytes_.data(), sizeof(T));
+    bytes_.remove_prefix(sizeof(T));
+    return value;
+  }
+  [[nodiscard]] bool is_empty() const { return bytes_.empty(); }
+
+ private:
+  std::string_view bytes_;
+};
+
+/// A passage's end by name, or the n-th stop where none is said.
+Result<zone::Place> end_in(const zone::TrafficZone& zone, const std::string& zone_name, const std::string& station,
+                           std::size_t nth) {
+  if (!station.empty()) {
+    const zone::Station* const found = zone.find_station(station);
+    if (found != nullptr) return found->place;
+    return fail("site.passage", "zone '" + zone_name + "' has no station '" + station + "' for a passage");
+  }
+  const auto stops = stops_of(zone);
+  if (stops.empty())
+    return fail("site.passage", "zone '" + zone_name + "' has no station where a passage could begin or end");
+  return zone.stations[stops[std::min(nth, stops.size() - 1)]].place;
+}
+
+/// An error of one rank is everybody's: nobody may wait for one that has gone.
+Result<void> agree(Ranks& ranks, const Result<void>& mine) {
+  const std::string text =
+      mine ? std::string{} : mine.error().code + '\n' + mine.error().message + '\n' + mine.error().place;
+  const auto all = ranks.exchange(std::vector<std::string>(ranks.size(), text));
+  for (const std::string& one : all) {
+    if (one.empty()) continue;
+    const std::size_t first = one.find('\n');
+    const std::size_t last = one.rfind('\n');
+    return fail(one.substr(0, first), one.substr(first + 1, last - first - 1), one.substr(last + 1));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<SiteRun> SiteRun::make(SiteOptions options, Ranks& ranks) {
+  SiteRun site{std::move(options), ranks};
+  Result<void> laid = site.lay_ways();
+  if (laid) laid = site.open_halls();
+  if (auto agreed = agree(ranks, laid); !agreed) return tl::unexpected(agreed.error());
+  return site;
+}
+
+std::size_t SiteRun::owner_of(std::size_t zone) const { return zone * ranks_->size() / options_.zones.size(); }
+
+SiteRun::Hall& SiteRun::hall_of(std::size_t zone) {
+  COSIVA_EXPECT(!halls_.empty() && zone >= halls_.front().index && zone - halls_.front().index < halls_.size());
+  return halls_[zone - halls_.front().index];
+}
+
+Result<void> SiteRun::lay_ways() {
+  if (options_.zones.empty() || options_.zones.size() != options_.plan.zones.size())
+    return fail("site.options", "a site has zones, and each is given");
+  if (!(options_.away_share >= 0.0 && options_.away_share <= 1.0))
+    return fail("site.options", "the share of jobs that lead away is from 0 to 1");
+  std::map<std::string_view, std::size_t> index_of;
+  for (const SitePlan::Zone& zone : options_.plan.zones) index_of.emplace(zone.name, index_of.size());
+  exits_.resize(options_.zones.size());
+  meeting_steps_ = std::max<std::uint64_t>(1, steps_in(10.0, options_.step));
+  for (const SitePlan::Passage& passage : options_.plan.passages) {
+    const auto from = index_of.find(passage.from_zone);
+    const auto to = index_of.find(passage.to_zone);
+    if (from == index_of.end() || to == index_of.end())
+      return fail("site.passage", "a passage leads from '" + passage.from_zone + "' to '" + passage.to_zone +
+                                      "', and one of them is no zone");
+    const auto enter = end_in(*options_.zones[to->second], passage.to_zone, passage.to_station, 1);
+    if (!enter) return tl::unexpected(enter.error());
+    const std::uint64_t takes_steps = std::max<std::uint64_t>(1, steps_in(passage.takes_s, options_.step));
+    meeting_steps_ = std::min(meeting_steps_, takes_steps);
+    exits_[from->second].push_back(ways_.size());
+    ways_.push_back({to->second, *enter, takes_steps});
+  }
+  end_steps_ = steps_in(options_.warm_up_s, options_.step) +
+               std::max<std::uint64_t>(1, steps_in(options_.duration_s, options_.step));
+  return {};
+}
+
+Result<TrafficOptions> SiteRun::options_of(std::size_t zone, std::uint32_t first_aiv) const {
+  const std::vector<std::size_t>& exits = exits_[zone];
+  TrafficOptions traffic;
+  const TrafficTerms& terms = options_;
+  static_cast<TrafficTerms&>(traffic) = terms;
+  traffic.zone = options_.zones[zone];
+  traffic.aivs = options_.plan.zones[zone].aivs;
+  traffic.first_aiv = first_aiv;
+  if (!ways_.empty()) traffic.spare = std::min(spare_most, traffic.aivs + 8);
+  for (const std::size_t passage : exits) {
+    const SitePlan::Passage& named = options_.plan.passages[passage];
+    const auto leave = end_in(*traffic.zone, named.from_zone, named.from_station, 0);
+    if (!leave) return tl::unexpected(leave.error());
+    traffic.exits.push_back(*leave);
+  }
+  if (options_.jobs_per_hour <= 0.0) return traffic;
+  // Each zone draws for itself, so that it does the same wherever it is stepped.
+  const std::string stream = "site/" + std::to_string(zone);
+  Random random{options_.seed, stream};
+  auto jobs =
+      poisson_jobs(*traffic.zone, options_.jobs_per_hour, options_.warm_up_s + options_.duration_s, random.next());
+  if (!jobs) return tl::unexpected(jobs.error());
+  for (Job& job : *jobs) {
+    if (exits.empty() || !random.chance(options_.away_share)) continue;
+    const auto exit = static_cast<std::uint32_t>(random.below(exits.size()));
+    const auto stops = stops_of(*options_.zones[ways_[exits[exit]].to_zone]);
+    if (stops.empty()) continue;
+    job.exit = exit;
+    job.to = stops[random.below(stops.size())];
+  }
+  traffic.jobs = std::move(*jobs);
+  return traffic;
+}
+
+Result<void> SiteRun::open_halls() {
+  std::uint32_t first_aiv = 0;
+  for (std::size_t zone = 0; zone < options_.zones.size(); ++zone) {
+    const std::uint32_t first = first_aiv;
+    first_aiv += static_cast<std::uint32_t>(options_.plan.zones[zone].aivs);
+    if (owner_of(zone) != ranks_->rank()) continue;
+    Hall hall{zone, nullptr, {}, {}};
+    const auto in_zone = [&](Error error) {
+      error.message = "zone '" + options_.plan.zones[zone].name + "': " + error.message;
+      return tl::unexpected(std::move(error));
+    };
+    auto traffic = options_of(zone, first);
+    if (!traffic) return in_zone(traffic.error());
+    auto run = TrafficRun::make(std::move(*traffic));
+    if (!run) return in_zone(run.error());
+    hall.run = std::make_unique<TrafficRun>(std::move(*run));
+    halls_.push_back(std::move(hall));
+  }
+  for (const Way& way : ways_) {
+    if (owner_of(way.to_zone) != ranks_->rank() || hall_of(way.to_zone).run->fleet().may_stand(way.enter)) continue;
+    return fail("site.passage", "zone '" + options_.plan.zones[way.to_zone].name +
+                                    "': a passage leads to a place in a crossing, where no vehicle may stand");
+  }
+  return {};
+}
+
+void SiteRun::drive(Hall& hall, std::uint64_t until_step) const {
+  AloneWorker alone;
+  std::vector<std::size_t> blocked;  // passages whose first cannot come in now, so nobody behind it does
+  while (hall.run->steps() < until_step) {
+    hall.run->step(alone);
+    for (const Traveller& traveller : hall.run->take_leaving()) {
+      const std::size_t passage = exits_[hall.index][traveller.job.exit];
+      hall.left.emplace_back(passage, traveller);
+    }
+    blocked.clear();
+    for (auto next = hall.coming.begin(); next != hall.coming.end() && next->due_step <= hall.run->steps();) {
+      const bool waits = std::ranges::find(blocked, next->passage) != blocked.end();
+      if (!waits && hall.run->bring(next->traveller, ways_[next->passage].enter)) {
+        next = hall.coming.erase(next);
+        continue;
+      }
+      if (!waits) blocked.push_back(next->passage);
+      ++next;
+    }
+  }
+}
+
+bool SiteRun::advance(Workers& workers) {
+  if (steps_ >= end_steps_) return false;
+  const std::uint64_t until = std::min(end_steps_, steps_ + meeting_steps_);
+  workers.for_each(halls_.size(), [&](std::size_t i) { drive(halls_[i], until); });
+  steps_ = until;
+  if (!ways_.empty()) meet();
+  return steps_ < end_steps_;
+}
+
+void SiteRun::meet() {
+  std::vector<Letter> letters(ranks_->size());
+  for (Hall& hall : halls_) {
+    for (const auto& [passage, traveller] : hall.left) {
+      Letter& letter = letters[owner_of(ways_[passage].to_zone)];
+      letter.put(std::uint64_t{passage});
+      letter.put(traveller.aiv);
+      letter.put(traveller.left_step);
+      letter.put(traveller.job.due_s);
+      letter.put(std::uint64_t{traveller.job.to});
+      letter.put(traveller.job.priority);
+    }
+    hall.left.clear();
+  }
+  std::vector<std::string> texts;
+  texts.reserve(letters.size());
+  for (Letter& letter : letters) texts.push_back(letter.take());
+  const auto answers = ranks_->exchange(std::move(texts));
+  for (const std::string& text : answers) {
+    for (LetterReader reader{text}; !reader.is_empty();) {
+      const auto passage = static_cast<std::size_t>(reader.take<std::uint64_t>());
+      Traveller traveller;
+      traveller.aiv = reader.take<std::uint32_t>();
+      traveller.left_step = reader.take<std::uint64_t>();
+      traveller.job.due_s = reader.take<double>();
+      traveller.job.to = static_cast<std::size_t>(reader.take<std::uint64_t>());
+      traveller.job.priority = reader.take<std::int32_t>();
+      COSIVA_EXPECT(passage < ways_.size());
+      hall_of(ways_[passage].to_zone)
+          .coming.push_back({traveller.left_step + ways_[passage].takes_steps, passage, traveller});
+    }
+  }
+  // In an order that does not depend on who told us first.
+  for (Hall& hall : halls_)
+    std::ranges::sort(hall.coming, {}, [](const Coming& one) {
+      return std::tuple{one.due_step, one.passage, one.traveller.aiv};
+    });
+}
+
+double SiteRun::time_s() const { return to_seconds(options_.step) * static_cast<double>(steps_); }
+
+SiteFigures SiteRun::figures() const {
+  Letter mine;
+  for (const Hall& hall : halls_) {
+    const TrafficFigures f = hall.run->figures();
+    mine.put(std::uint64_t{hall.index});
+    for (const std::size_t count : {f.aivs, f.jobs_due, f.jobs_done, f.jobs_came, f.jobs_left, f.stuck})
+      mine.put(std::uint64_t{count});
+    for (const double value : {f.distance_m, f.waiting_share, f.energy_wh, f.vehicle_s}) mine.put(value);
+    mine.put(f.near_misses);
+    mine.put(f.collisions);
+    Digest digest;
+    digest.add(std::string_view{f.digest});
+    for (const Coming& coming : hall.coming) {
+      digest.add(coming.due_step);
+      digest.add(std::uint64_t{coming.traveller.aiv});
+    }
+    mine.put(digest.value());
+  }
+  const std::string text = mine.take();
+  const auto all = ranks_->exchange(std::vector<std::string>(ranks_->size(), text));
+
+  SiteFigures figures;
+  figures.zones.resize(options_.zones.size());
+  double vehicle_s = 0.0;
+  std::size_t present = 0;
+  for (const std::string& one : all) {
+    for (LetterReader reader{one}; !reader.is_empty();) {
+      const auto index = static_cast<std::size_t>(reader.take<std::uint64_t>());
+      COSIVA_EXPECT(index < figures.zones.size());
+      SiteFigures::Zone& zone = figures.zones[index];
+      zone.name = options_.plan.zones[index].name;
+      for (std::size_t* count : {&zone.aivs, &zone.jobs_due, &zone.jobs_done, &zone.came, &zone.left, &zone.stuck})
+        *count = static_cast<std::size_t>(reader.take<std::uint64_t>());
+      zone.distance_m = reader.take<double>();
+      zone.waiting_share = reader.take<double>();
+      zone.energy_wh = reader.take<double>();
+      vehicle_s += reader.take<double>();
+      zone.near_misses = reader.take<std::uint64_t>();
+      zone.collisions = reader.take<std::uint64_t>();
+      zone.digest = reader.take<std::uint64_t>();
+      present += zone.aivs;
+    }
+  }
+  for (const SitePlan::Zone& zone : options_.plan.zones) figures.aivs += zone.aivs;
+  figures.in_passage = figures.aivs - present;
+  figures.vehicle_steps = static_cast<std::uint64_t>(std::llround(vehicle_s / to_seconds(options_.step)));
+  Digest digest;
+  for (const SiteFigures::Zone& zone : figures.zones) digest.add(zone.digest);
+  figures.digest = digest.hex();
+  return figures;
+}
+
+}  // namespace cosiva::experiments

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cosiva/base/result.h"
+
+namespace cosiva::experiments {
+
+/// Zones and the passages between them, by name, as a user writes them.
+struct SitePlan {
+  struct Zone {
+    std::string name;  ///< in the site; two zones may be of one file
+    std::string file;  ///< a ready zone's name or a file
+    std::size_t aivs{12};
+    friend bool operator==(const Zone&, const Zone&) = default;
+  };
+  /// One way: who stands at a station of one zone is, some time later, put down at a station of another.
+  struct Passage {
+    std::string from_zone;
+    std::string from_station;  ///< empty: the zone's first stop
+    std::string to_zone;
+    std::string to_station;  ///< empty: the zone's second stop, or its only one
+    double takes_s{10.0};
+    friend bool operator==(const Passage&, const Passage&) = default;
+  };
+  std::vector<Zone> zones;
+  std::vector<Passage> passages;
+};
+
+inline constexpr std::size_t site_zones_max = 100'000;
+
+/// From a TOML file of [[zone]] (name, file, aivs) and [[passage]] (from, to: "zone" or "zone/station"; takes_s;
+/// both_ways). Fails ("site.file", "site.value", "site.key") with file, line and what is wrong.
+[[nodiscard]] Result<SitePlan> read_site_plan(std::string_view toml, std::string_view origin);
+
+/// From "lacet4,indus8" or "8*lacet4,plant1000": so many zones one behind the other, each joined with the next, and the
+/// last with the first, by a passage each way. Fails ("site.list").
+[[nodiscard]] Result<SitePlan> site_plan_of_list(std::string_view list, std::size_t aivs, double takes_s);
+
+}  // namespace cosiva::experiments

@@ -1,0 +1,65 @@
+#include <algorithm>
+
+#include "cosiva/experiments/reporting/chart.h"
+#include "cosiva/experiments/reporting/report.h"
+#include "cosiva/experiments/transport/site/site.h"
+
+namespace cosiva::experiments {
+namespace {
+
+/// Of more zones than this only those that wait longest are drawn; the table has all.
+constexpr std::size_t drawn_most = 40;
+
+void add_waiting(Report& report, const std::vector<SiteFigures::Zone>& zones) {
+  auto sorted = zones;
+  std::ranges::stable_sort(sorted, std::ranges::greater{}, &SiteFigures::Zone::waiting_share);
+  Bars bars{"waiting [% of the time]", {}};
+  for (std::size_t i = 0; i < std::min(drawn_most, sorted.size()); ++i)
+    bars.bars.push_back({sorted[i].name, 100.0 * sorted[i].waiting_share});
+  report.heading("Where they wait");
+  report.figure(to_svg(bars), sorted.size() > drawn_most ? "The forty zones that wait most." : "By zone.");
+}
+
+}  // namespace
+
+std::string to_html(const SiteFigures& figures, const std::string& command) {
+  Report report{"Traffic on a site of " + std::to_string(figures.zones.size()) + " zones",
+                std::to_string(figures.aivs) + " AIVs, " + std::to_string(figures.in_passage) +
+                    " of them between two zones at the end"};
+  std::vector<std::vector<std::string>> rows;
+  std::size_t done = 0;
+  std::size_t due = 0;
+  std::size_t came = 0;
+  for (const SiteFigures::Zone& zone : figures.zones) {
+    done += zone.jobs_done;
+    due += zone.jobs_due;
+    came += zone.came;
+    rows.push_back({zone.name, std::to_string(zone.aivs), std::to_string(zone.jobs_due), std::to_string(zone.jobs_done),
+                    std::to_string(zone.came), std::to_string(zone.left), readable(zone.distance_m / 1000.0, 2),
+                    readable(100.0 * zone.waiting_share, 1), readable(zone.energy_wh, 1),
+                    std::to_string(zone.near_misses), std::to_string(zone.collisions), std::to_string(zone.stuck)});
+  }
+  std::uint64_t near_misses = 0;
+  std::uint64_t collisions = 0;
+  std::size_t stuck = 0;
+  for (const SiteFigures::Zone& zone : figures.zones) {
+    near_misses += zone.near_misses;
+    collisions += zone.collisions;
+    stuck += zone.stuck;
+  }
+  report.facts({{std::to_string(done) + " of " + std::to_string(due), "jobs done"},
+                {std::to_string(came), "passages from zone to zone"},
+                {std::to_string(collisions), "collisions", collisions > 0},
+                {std::to_string(near_misses), "near misses", near_misses > 0},
+                {std::to_string(stuck), "AIVs stuck at the end", stuck > 0}});
+  add_waiting(report, figures.zones);
+  report.heading("Zones");
+  report.table({"zone", "AIVs at the end", "jobs due", "done", "came", "left", "driven [km]", "waiting [%]",
+                "energy [Wh]", "near misses", "collisions", "stuck"},
+               rows);
+  report.heading("The same again");
+  report.verbatim(command + "\ndigest " + figures.digest);
+  return report.html();
+}
+
+}  // namespace cosiva::experiments

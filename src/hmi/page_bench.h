@@ -1,0 +1,76 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cosiva/adapters/http_rules.h"
+#include "cosiva/app/resources/file_zone_library.h"
+#include "cosiva/hmi/page_calls.h"
+#include "cosiva/virtual/server/testing/server_bench.h"
+
+/// For tests: the page's calls over a real server core with two vehicles on lacet4, in virtual time.
+namespace cosiva::app::bench {
+
+namespace server_bench = virtual_side::bench;
+
+struct PageBench {
+  PageBench() {
+    const auto place = [&](const char* section, double s_m) {
+      return zone::Place{*server.zone->circuit.find(section), s_m};
+    };
+    server.add("AIV1", place("east", 0.5));
+    server.add("AIV2", place("west", 0.5));
+    server.run_for(std::chrono::seconds{3});
+  }
+
+  PageHost host() {
+    PageHost host;
+    host.core = server.server.get();
+    host.command = [this](const std::string& source, std::string json) {
+      commands.push_back(json);
+      server.feed(wire::InputKind::command, source, std::move(json));
+    };
+    host.now = [this] { return server.now; };
+    host.zones = std::make_shared<const FileZoneLibrary>();
+    host.run_name = "bench";
+    host.zone_file = zone_file;
+    host.clock = [this] { return clock; };
+    host.set_clock = [this](bool running, double speed) {
+      clock.running = running;
+      clock.speed = speed;
+    };
+    host.step = [this](SimDuration by) { server.run_for(by); };
+    return host;
+  }
+
+  adapters::HttpResponse ask(const std::string& method, const std::string& target, const std::string& body = {}) {
+    if (!calls) calls.emplace(host());
+    const std::size_t question = std::min(target.find('?'), target.size());
+    const std::string path = target.substr(0, question);
+    adapters::HttpRequest request{method, *adapters::http_rules::clean_path(path),
+                                  target.substr(std::min(question + 1, target.size())), body,
+                                  *adapters::http_rules::path_segments(path)};
+    return calls->answer(request);
+  }
+  /// What the answer's `name` says; empty when it says nothing.
+  static std::string said(const adapters::HttpResponse& answer, const char* name) {
+    const auto json = JsonValue::parse(answer.body);
+    return json ? json->text(name).value_or("") : "";
+  }
+  /// The sentence of a refusal.
+  static std::string sentence(const adapters::HttpResponse& answer) {
+    const auto json = JsonValue::parse(answer.body);
+    const JsonValue* error = json ? json->find("error") : nullptr;
+    return error == nullptr ? "" : error->text("message").value_or("");
+  }
+
+  server_bench::ServerBench server{server_bench::zone_file("lacet4.toml")};
+  PageHost::Clock clock{true, true, 1.0};
+  std::string zone_file;
+  std::vector<std::string> commands;  ///< as the core got them
+  std::optional<PageCalls> calls;     ///< from the first question on
+};
+
+}  // namespace cosiva::app::bench

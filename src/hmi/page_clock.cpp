@@ -1,0 +1,50 @@
+// The clock of a run in virtual time (docs/protocols/hmi-api.md, "Doing").
+#include "cosiva/hmi/page_calls.h"
+
+namespace cosiva::app {
+namespace {
+
+using adapters::http_error;
+using adapters::HttpResponse;
+
+constexpr double speed_min = 0.1;
+constexpr double speed_max = 100.0;
+constexpr double step_ms_min = 1.0;
+constexpr double step_ms_max = 10'000.0;
+
+HttpResponse walls_clock() {
+  return http_error(409, "clock.not_now",
+                    "this run goes by the wall's clock, which nobody stops; start one with --virtual-time to do so");
+}
+
+}  // namespace
+
+PageHost::Clock PageCalls::clock() const { return host_.clock ? host_.clock() : PageHost::Clock{}; }
+
+HttpResponse PageCalls::set_clock(const Call& call) {
+  const JsonValue* running = call.body.find("running");
+  const JsonValue* speed = call.body.find("speed");
+  if (running == nullptr && speed == nullptr)
+    return http_error(400, "clock.body", R"(say "running":true or false, or "speed":4, or both)");
+  if (running != nullptr && running->flag() == nullptr)
+    return http_error(400, "clock.running", R"("running" is true or false)");
+  if (speed != nullptr && (speed->number() == nullptr || *speed->number() < speed_min || *speed->number() > speed_max))
+    return http_error(400, "clock.speed", R"("speed" is how many virtual seconds pass in a real one, 0.1 to 100)");
+  const PageHost::Clock now = clock();
+  if (!now.is_virtual || !host_.set_clock) return walls_clock();
+  host_.set_clock(running != nullptr ? *running->flag() : now.running, speed != nullptr ? *speed->number() : now.speed);
+  return json_answer("{}");
+}
+
+HttpResponse PageCalls::step_clock(const Call& call) {
+  const auto ms = call.body.number("ms");
+  if (!ms || *ms < step_ms_min || *ms > step_ms_max)
+    return http_error(400, "clock.ms", R"("ms" says how far to go, 1 to 10000 virtual milliseconds)");
+  const PageHost::Clock now = clock();
+  if (!now.is_virtual || !host_.step) return walls_clock();
+  if (now.running) return http_error(409, "clock.not_now", "the clock runs; stop it first to go step by step");
+  host_.step(from_seconds(*ms * 1e-3));
+  return json_answer("{}");
+}
+
+}  // namespace cosiva::app

@@ -1,0 +1,156 @@
+// Commands to vehicles, and what is added or taken away (docs/protocols/hmi-api.md, "Doing").
+#include <algorithm>
+
+#include "cosiva/base/json_writer.h"
+#include "cosiva/hmi/page_calls.h"
+#include "cosiva/wire/messages/topics.h"
+
+namespace cosiva::app {
+namespace {
+
+using adapters::http_error;
+using adapters::HttpResponse;
+
+constexpr std::size_t snapshot_bytes_max = std::size_t{1} << 28U;
+
+HttpResponse id_answer(std::string_view id, unsigned status) {
+  JsonWriter json;
+  json.begin_object().field("id", id).end_object();
+  return json_answer(json.take(), status);
+}
+
+HttpResponse removed_answer(std::size_t count) {
+  JsonWriter json;
+  json.begin_object().field("removed", count).end_object();
+  return json_answer(json.take());
+}
+
+/// {"command":verb,"thing":{"id":…, and what the body says but its own id}}
+std::string thing_command(std::string_view verb, const std::string& id, const JsonValue& body) {
+  JsonWriter json;
+  json.begin_object().field("command", verb).key("thing").begin_object().field("id", id);
+  for (const auto& [name, value] : *body.object())
+    if (name != "id") write_json(json.key(name), value);
+  json.end_object().end_object();
+  return json.take();
+}
+
+std::string remove_command(std::string_view id) {
+  JsonWriter json;
+  json.begin_object().field("command", "remove").field("id", id).end_object();
+  return json.take();
+}
+
+/// A virtual AIV is known by two names: as a thing, and as the vehicle "CoSiVA.virtual/V1".
+std::string thing_id(const std::string& given) {
+  const std::string prefix = std::string(wire::virtual_manufacturer) + "/";
+  return given.starts_with(prefix) ? given.substr(prefix.size()) : given;
+}
+
+/// What is only virtual now: things and virtual AIVs.
+std::size_t count_virtual(const virtual_side::ServerCore& core) {
+  const auto snapshot = JsonValue::parse(core.snapshot_json(), snapshot_bytes_max);
+  if (!snapshot) return 0;
+  std::size_t count = 0;
+  if (const JsonValue* things = snapshot->find("things"); things != nullptr && things->array() != nullptr)
+    count += things->array()->size();
+  if (const JsonValue* aivs = snapshot->find("aivs"); aivs != nullptr && aivs->array() != nullptr)
+    count += static_cast<std::size_t>(
+        std::ranges::count_if(*aivs->array(), [](const JsonValue& aiv) { return aiv.flag("augmented") == true; }));
+  return count;
+}
+
+}  // namespace
+
+HttpResponse PageCalls::command(const Call& call) {
+  const std::string id = host_.core->next_command_id();
+  JsonWriter json;
+  json.begin_object().field("id", id);
+  for (const char* key : {"command", "vehicle", "vehicles", "to", "loop", "section"})
+    if (const JsonValue* value = call.body.find(key)) write_json(json.key(key), *value);
+  json.end_object();
+  if (auto given = give(json.take()); !given) return refusal(given.error());
+  return id_answer(id, 202);
+}
+
+HttpResponse PageCalls::battery_ready(const Call& call) {
+  JsonWriter json;
+  json.begin_object().field("command", "batteryReady");
+  for (const char* key : {"vehicle", "battery", "type", "cycles", "rest_s", "temperature", "charge"})
+    if (const JsonValue* value = call.body.find(key)) write_json(json.key(key), *value);
+  json.end_object();
+  if (auto given = give(json.take()); !given) return refusal(given.error());
+  return json_answer("{}", 202);
+}
+
+HttpResponse PageCalls::add_thing(const Call& call) {
+  const std::string kind = call.body.text("kind").value_or("");
+  if (kind != "aiv" && kind != "person" && kind != "obstacle")
+    return http_error(400, "thing.kind", R"(say what to add: "kind":"aiv", "person" or "obstacle")");
+  const std::string id = host_.core->next_thing_id(kind);
+  if (auto given = give(thing_command("add", id, call.body)); !given) return refusal(given.error());
+  return id_answer(id, 201);
+}
+
+HttpResponse PageCalls::move_thing(const Call& call) {
+  const std::string id = thing_id(call.arguments[0]);
+  // Whether it could be removed tells whether it is there.
+  if (auto there = host_.core->check_command(remove_command(id)); !there) return refusal(there.error());
+  if (auto given = give(thing_command("move", id, call.body)); !given) return refusal(given.error());
+  return id_answer(id, 200);
+}
+
+HttpResponse PageCalls::remove_thing(const Call& call) {
+  const std::string id = thing_id(call.arguments[0]);
+  if (id == "*") return http_error(404, "thing.not_found", "DELETE /api/v1/things takes all of them away");
+  if (auto given = give(remove_command(id)); !given) return refusal(given.error());
+  return removed_answer(1);
+}
+
+HttpResponse PageCalls::remove_things(const Call&) {
+  const std::size_t count = count_virtual(*host_.core);
+  if (count > 0) {
+    if (auto given = give(remove_command("*")); !given) return refusal(given.error());
+  }
+  return removed_answer(count);
+}
+
+HttpResponse PageCalls::add_plant_obstacle(const Call& call) {
+  if (!plant_obstacles_)
+    return http_error(409, "plant.not_now",
+                      "no emulated world has been heard of, and a real one takes obstacles only from your hands");
+  std::string id;
+  if (const JsonValue* given = call.body.find("id")) {
+    if (given->text() == nullptr || given->text()->empty())
+      return http_error(400, "plant.id", R"("id" is a name such as "box1"; without one the server gives it)");
+    id = *given->text();
+  } else {
+    do id = "box" + std::to_string(++boxes_);
+    while (in_plant(id));
+  }
+  JsonWriter json;
+  json.begin_object().field("command", "plant").key("plant").begin_object().key("addObstacle").begin_object();
+  json.field("id", id);
+  for (const auto& [name, value] : *call.body.object())
+    if (name != "id") write_json(json.key(name), value);
+  json.end_object().end_object().end_object();
+  if (auto given = give(json.take()); !given) return refusal(given.error());
+  plant_added_.insert(id);
+  return id_answer(id, 201);
+}
+
+HttpResponse PageCalls::remove_plant_obstacle(const Call& call) {
+  const std::string& id = call.arguments[0];
+  if (!plant_obstacles_)
+    return http_error(409, "plant.not_now", "no emulated world has been heard of; take a real obstacle away by hand");
+  if (!in_plant(id)) return http_error(404, "plant.not_found", "the emulated world has no obstacle '" + id + "'");
+  JsonWriter json;
+  json.begin_object().field("command", "plant").key("plant").begin_object().field("removeObstacle", id);
+  json.end_object().end_object();
+  if (auto given = give(json.take()); !given) return refusal(given.error());
+  plant_obstacles_->erase(id);
+  plant_added_.erase(id);
+  return removed_answer(1);
+}
+
+}  // namespace cosiva::app

@@ -1,0 +1,135 @@
+#include "cosiva/hmi/page_stream.h"
+
+#include <algorithm>
+#include <ctime>
+
+#include "cosiva/base/json_writer.h"
+#include "cosiva/hmi/page_calls.h"
+
+namespace cosiva::app {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr int beats_per_second = 30;
+constexpr std::chrono::nanoseconds beat_period{std::chrono::nanoseconds{std::chrono::seconds{1}} / beats_per_second};
+/// Above so many things every third beat only: 10 a second.
+constexpr std::size_t things_many = 1000;
+constexpr std::uint64_t beats_skipped_when_many = 3;
+constexpr milliseconds snapshot_period{250};
+constexpr milliseconds snapshot_period_when_many{1000};
+/// Vehicles pass tags and nodes many times a second together: what they report is gathered for so long.
+constexpr milliseconds events_gathering{50};
+/// A change waits this long for others that come with it; an operator waits 20 ms at most.
+constexpr milliseconds change_gathering{8};
+/// Of the time, one part in so many goes into snapshots: those of a thousand vehicles come less often.
+constexpr int snapshot_share = 10;
+
+}  // namespace
+
+PageStream::PageStream(adapters::EventLoop& loop, adapters::HttpServer& http, StreamSource source)
+    : http_{http}, source_{std::move(source)}, beat_{loop}, change_{loop}, frames_{beats_per_second} {
+  beat_.every(beat_period, [this] { position_beat(); });
+  http_.on_join([this] { join(); });
+}
+
+void PageStream::send(Kind kind, std::string frame, bool keep) const {
+  const bool binary = kind == key_frame || kind == delta_frame;
+  http_.send_live(kind, std::make_shared<const std::string>(std::move(frame)), binary, keep);
+}
+
+void PageStream::join() {
+  if (!idle_) return;  // the others keep it fresh
+  idle_ = false;
+  send_zone();
+  run_.clear();
+  send_run();
+  send_snapshot();
+  frames_.ask_key();
+  send_positions();
+}
+
+void PageStream::position_beat() {
+  ++beats_;
+  if (nobody_listens()) {
+    idle_ = true;
+    return;
+  }
+  if (idle_) return join();
+  if (beats_ % beats_per_second == 0) frames_.ask_key();
+  if (records_.size() <= things_many || beats_ % beats_skipped_when_many == 0) send_positions();
+  send_zone();
+  send_run();
+  if (Clock::now() >= next_snapshot_) send_snapshot();
+}
+
+void PageStream::changed() {
+  if (change_due_ || nobody_listens()) return;
+  change_due_ = true;
+  change_.after(change_gathering, [this] { look_for_change(); });
+}
+
+void PageStream::look_for_change() {
+  change_due_ = false;
+  const Clock::time_point now = Clock::now();
+  if (nobody_listens() || now < no_snapshot_before_) return;
+  send_zone();
+  const auto revision = source_.page_revision();
+  const bool waited_for = revision.waited_for != revision_.waited_for;
+  if (waited_for || (revision != revision_ && now >= no_event_before_)) send_snapshot();
+}
+
+void PageStream::send_zone() {
+  const std::uint64_t revision = source_.zone_revision();
+  if (zone_sent_ && revision == zone_revision_) return;
+  zone_sent_ = true;
+  zone_revision_ = revision;
+  send(zone_frame, R"({"type":"zone","zone":)" + source_.zone_json() + "}", true);
+}
+
+void PageStream::send_run() {
+  std::string run = source_.run_json();
+  // Its time passes by itself; news is whether it runs and how fast.
+  std::string without_time = run.substr(0, run.rfind(R"("time_ms")"));
+  if (without_time == run_) return;
+  run_ = std::move(without_time);
+  send(run_frame, R"({"type":"run","run":)" + run + "}", true);
+}
+
+void PageStream::send_snapshot() {
+  const Clock::time_point start = Clock::now();
+  const std::clock_t busy = std::clock();  // our own work: what else the machine does must not stretch the rest
+  revision_ = source_.page_revision();
+  send(snapshot_frame, R"({"type":"snapshot","snapshot":)" + source_.snapshot_json() + "}", true);
+  const std::chrono::duration<double> work{static_cast<double>(std::clock() - busy) / CLOCKS_PER_SEC};
+  const auto rest = std::chrono::duration_cast<Clock::duration>(snapshot_share * work);
+  const milliseconds period = records_.size() > things_many ? snapshot_period_when_many : snapshot_period;
+  next_snapshot_ = start + std::max<Clock::duration>(period, rest);
+  no_snapshot_before_ = start + rest;
+  no_event_before_ = start + std::max<Clock::duration>(events_gathering, rest);
+}
+
+void PageStream::send_positions() {
+  const SimTime now = source_.now();
+  source_.positions(now, records_);
+  const double time_ms = std::chrono::duration<double, std::milli>(now.time_since_epoch()).count();
+  auto frame = frames_.encode(time_ms, records_);
+  send(frame.key ? key_frame : delta_frame, std::move(frame.bytes), frame.key);
+}
+
+void PageStream::truth(const JsonValue& truth) {
+  if (nobody_listens()) return;
+  JsonWriter json;
+  json.begin_object().field("type", "truth");
+  for (const char* part : {"vehicles", "obstacles"}) {
+    const JsonValue* list = truth.find(part);
+    if (list != nullptr && list->array() != nullptr)
+      write_json(json.key(part), *list);
+    else
+      json.key(part).begin_array().end_array();
+  }
+  json.end_object();
+  send(truth_frame, json.take(), false);
+}
+
+}  // namespace cosiva::app

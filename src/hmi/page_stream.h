@@ -1,0 +1,77 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cosiva/adapters/event_loop.h"
+#include "cosiva/adapters/http_server.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/virtual/server/core/server_core.h"
+#include "cosiva/virtual/server/view/frames.h"
+
+namespace cosiva::app {
+
+/// What the live stream shows, so that a benchmark can show something else than a server core.
+struct StreamSource {
+  std::function<SimTime()> now;
+  std::function<std::uint64_t()> zone_revision;
+  std::function<std::string()> zone_json;
+  std::function<std::string()> run_json;
+  std::function<std::string()> snapshot_json;
+  std::function<virtual_side::ServerCore::PageRevision()> page_revision;
+  std::function<void(SimTime now, std::vector<virtual_side::PositionRecord>& out)> positions;
+};
+
+/// The live half of the page's contract: what is sent, when, and in which order. Each frame is made once for all
+/// clients, and nothing is made while nobody listens.
+class PageStream {
+ public:
+  PageStream(adapters::EventLoop& loop, adapters::HttpServer& http, StreamSource source);
+
+  /// Somebody has joined: what is kept for newcomers is renewed if it has grown old.
+  void join();
+  /// The core has handled an input.
+  void changed();
+  /// Sends the emulated world's truth on; only vehicles and obstacles of it.
+  void truth(const JsonValue& truth);
+
+  /// Kinds of live frames, in the order in which one client gets what waits for it.
+  enum Kind : std::size_t { zone_frame, run_frame, snapshot_frame, truth_frame, key_frame, delta_frame };
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void position_beat();
+  void look_for_change();
+  void send_zone();
+  void send_run();
+  void send_snapshot();
+  void send_positions();
+  [[nodiscard]] bool nobody_listens() const { return http_.live_clients() == 0; }
+  void send(Kind kind, std::string frame, bool keep) const;
+
+  adapters::HttpServer& http_;
+  StreamSource source_;
+
+  adapters::Timer beat_;
+  adapters::Timer change_;
+  bool change_due_{false};
+  bool idle_{true};  ///< nobody listened at the last beat: what is kept is old
+  std::uint64_t beats_{0};
+
+  std::uint64_t zone_revision_{0};
+  bool zone_sent_{false};
+  virtual_side::ServerCore::PageRevision revision_{};
+  std::string run_;  ///< as last sent, without its time
+  Clock::time_point next_snapshot_{};
+  Clock::time_point no_snapshot_before_{};
+  Clock::time_point no_event_before_{};
+  virtual_side::PositionFrames frames_;
+  std::vector<virtual_side::PositionRecord> records_;
+};
+
+}  // namespace cosiva::app

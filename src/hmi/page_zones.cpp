@@ -1,0 +1,230 @@
+// The zone's edits, its file, the zones there are, and the switch from one to another (docs/protocols/hmi-api.md).
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+
+#include "cosiva/base/json_writer.h"
+#include "cosiva/hmi/page_calls.h"
+#include "cosiva/zone/layout/beacons.h"
+
+namespace cosiva::app {
+namespace {
+
+using adapters::http_error;
+using adapters::HttpResponse;
+
+constexpr std::size_t zone_json_bytes_max = std::size_t{1} << 28U;
+
+HttpResponse no_zone() {
+  return http_error(409, "zone.not_now", "there is no zone yet; it comes from the physical side, or with --zone");
+}
+
+/// The zone that runs, by its own name; empty while there is none.
+std::string zone_name(const virtual_side::ServerCore& core) {
+  const auto zone = JsonValue::parse(core.zone_json(), zone_json_bytes_max);
+  return zone ? zone->text("name").value_or("") : std::string{};
+}
+
+/// Whether the zone in force is not the one that the run began with.
+bool switched_once(const virtual_side::ServerCore& core) {
+  const auto snapshot = JsonValue::parse(core.snapshot_json(), zone_json_bytes_max);
+  const JsonValue* zone = snapshot ? snapshot->find("zone") : nullptr;
+  const JsonValue* switched = zone == nullptr ? nullptr : zone->find("switched");
+  return switched != nullptr && !switched->is_null();
+}
+
+/// Whether a request names a zone rather than a file: neither a folder nor an ending.
+bool is_plain_name(const std::string& name) {
+  return !name.empty() && name.find('/') == std::string::npos && !std::filesystem::path(name).has_extension();
+}
+
+/// A zone's name as a file's: nothing in it leads elsewhere.
+std::string file_name(std::string name, const std::string& ending) {
+  for (char& c : name)
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-' && c != '_' && c != '.') c = '_';
+  if (name.empty() || name.front() == '.') name.insert(0, "zone");
+  return name + ending;
+}
+
+HttpResponse download(std::string text, const std::string& name) {
+  HttpResponse answer{200, "text/plain; charset=utf-8", std::move(text), {}};
+  answer.headers.emplace_back("Content-Disposition", "attachment; filename=\"" + name + "\"");
+  return answer;
+}
+
+/// A zone that somebody sends whole: with its format, or with its file's name, which tells that.
+Result<zone::ZoneConfiguration> given_zone(const JsonValue& body) {
+  const auto file = body.text("file");
+  const auto text = body.text("text");
+  if (file && text) {
+    auto format = zone::format_of_file(*file);
+    if (!format) return tl::unexpected(format.error());
+    return zone::ZoneConfiguration{std::move(*format), *file, *text, body.text("companion").value_or("")};
+  }
+  auto configuration = zone::zone_configuration_from_json(body);
+  if (!configuration)
+    configuration.error().message =
+        R"(say which: {"name":"…"} of a ready zone, {"file","text","companion"?}, or {"format","origin","text","companion"?})";
+  return configuration;
+}
+
+std::string revision_json(std::uint64_t revision) {
+  JsonWriter json;
+  json.begin_object().field("revision", revision).end_object();
+  return json.take();
+}
+
+}  // namespace
+
+HttpResponse PageCalls::zones(const Call&) {
+  const std::vector<ZoneLibrary::Entry> found = host_.zones->zones();
+  const std::string current = zone_name(*host_.core);
+  JsonWriter json;
+  json.begin_object().key("zones").begin_array();
+  if (!current.empty() && std::ranges::find(found, current, &ZoneLibrary::Entry::name) == found.end())
+    json.begin_object().field("name", current).field("title", current).field("current", true).end_object();
+  for (const ZoneLibrary::Entry& zone : found) {
+    json.begin_object().field("name", zone.name).field("title", zone.title);
+    json.field("current", zone.name == current).end_object();
+  }
+  json.end_array().end_object();
+  return json_answer(json.take());
+}
+
+HttpResponse PageCalls::zone_file(const Call&) {
+  auto configuration = host_.core->zone_configuration();
+  if (!configuration) return http_error(404, "zone.not_found", "there is no zone yet");
+  return download(std::move(configuration->text),
+                  file_name(zone_name(*host_.core), host_.zones->file_ending(configuration->format)));
+}
+
+HttpResponse PageCalls::zone_companion(const Call&) {
+  auto configuration = host_.core->zone_configuration();
+  if (!configuration) return http_error(404, "zone.not_found", "there is no zone yet");
+  if (configuration->companion.empty())
+    return http_error(404, "zone.companion", "this zone has no companion: its file says everything");
+  return download(std::move(configuration->companion),
+                  file_name(zone_name(*host_.core), std::string(host_.zones->sidecar_ending())));
+}
+
+HttpResponse PageCalls::suggest_beacons(const Call&) {
+  const auto zone = host_.core->zone();
+  if (!zone) return no_zone();
+  if (!zone->beacons) return http_error(409, "zone.beacons", "this zone has no beacons, so there is no origin to move");
+  const auto suggested = zone::suggest_origin(*zone);
+  if (!suggested)
+    return http_error(409, "zone.beacons",
+                      "this zone is so large that a search would take long; try an origin by hand");
+  JsonWriter json;
+  json.begin_object().key("origin").begin_array().value(suggested->origin.x_m).value(suggested->origin.y_m).end_array();
+  for (const auto& [key, metres] : {std::pair{"now_m", suggested->before_m}, {"longest_free_m", suggested->after_m}}) {
+    json.key(key);
+    if (std::isfinite(metres))
+      json.value(metres);
+    else
+      json.null();
+  }
+  json.end_object();
+  return json_answer(json.take());
+}
+
+HttpResponse PageCalls::switch_zone(const Call& call) {
+  Result<zone::ZoneConfiguration> configuration;
+  if (const JsonValue* name = call.body.find("name")) {
+    // Only those that are ready here: whoever may talk to us must not read this machine's files with it.
+    if (name->text() == nullptr || !is_plain_name(*name->text()))
+      return http_error(400, "zone.name", R"("name" is a ready zone's, as GET /api/v1/zones lists them)");
+    configuration = host_.zones->load(*name->text());
+    if (!configuration) return http_error(404, configuration.error().code, to_string(configuration.error()));
+  } else {
+    configuration = given_zone(call.body);
+    if (!configuration) return http_error(400, configuration.error().code, configuration.error().message);
+  }
+  JsonWriter json;
+  zone::write_json(json.begin_object().field("command", "switch").key("zone"), *configuration);
+  json.end_object();
+  std::string command = json.take();
+  // The core reads it once, however large it is, and says on the page too why it refuses; only then it is asked again.
+  host_.command("http", command);
+  const auto in_force = host_.core->zone_configuration();
+  if (!in_force || in_force->format != configuration->format || in_force->text != configuration->text ||
+      in_force->companion != configuration->companion) {
+    const auto judged = host_.core->check_command(command);
+    const Error why = judged ? Error{"zone.refused", "the zone that was there stays in force", {}} : judged.error();
+    return http_error(422, why.code, to_string(why));
+  }
+  JsonWriter answer;
+  answer.begin_object()
+      .field("revision", host_.core->zone_revision())
+      .field("name", zone_name(*host_.core))
+      .end_object();
+  return json_answer(answer.take());
+}
+
+Result<void> PageCalls::edit(const JsonValue& changes) {
+  JsonWriter json;
+  json.begin_object().field("command", "edit").key("edit");
+  write_json(json, changes);
+  json.end_object();
+  return give(json.take());
+}
+
+HttpResponse PageCalls::edit_zone(const Call& call) {
+  if (call.body.object()->empty())
+    return http_error(400, "edit.empty",
+                      R"(say what to change: "addTags", "moveTags", "removeTags", "beaconPitch" or "priorities")");
+  if (const auto given = edit(call.body); !given) return refusal(given.error());
+  return json_answer(revision_json(host_.core->zone_revision()));
+}
+
+HttpResponse PageCalls::priorities(const Call& call) {
+  JsonValue::Object changes;
+  changes.emplace_back("priorities", call.body);
+  // Put twice, they are as they were asked to be.
+  if (const auto given = edit(JsonValue{std::move(changes)}); !given && given.error().code != "edit.nothing")
+    return refusal(given.error());
+  return json_answer("{}");
+}
+
+HttpResponse PageCalls::step_zone(std::string_view way) {
+  JsonWriter json;
+  json.begin_object().field("command", way).end_object();
+  if (auto given = give(json.take()); !given) return refusal(given.error());
+  return json_answer(revision_json(host_.core->zone_revision()));
+}
+
+HttpResponse PageCalls::undo_zone(const Call&) { return step_zone("undo"); }
+HttpResponse PageCalls::redo_zone(const Call&) { return step_zone("redo"); }
+
+std::string PageCalls::file_in_place(const zone::ZoneConfiguration& configuration) const {
+  if (host_.zone_file.empty() || zone::format_of_file(host_.zone_file) != configuration.format) return {};
+  // After a switch to another zone the file is none of its business. One that is not there (any more) is written anew.
+  auto there = host_.zones->read(host_.zone_file);
+  if (!there) return host_.zone_file;
+  const auto rtm = zone::Rtm::initialise(std::move(*there));
+  const bool ours = rtm ? rtm->zone().name == zone_name(*host_.core) : !switched_once(*host_.core);
+  return ours ? host_.zone_file : std::string{};
+}
+
+HttpResponse PageCalls::save_zone(const Call&) {
+  const auto configuration = host_.core->zone_configuration();
+  if (!configuration) return no_zone();
+  std::string file = file_in_place(*configuration);
+  if (file.empty()) {
+    const auto folder = host_.zones->edits_folder();
+    if (!folder) return http_error(500, "zone.save", folder.error().message);
+    file = *folder + "/" + file_name(zone_name(*host_.core), host_.zones->file_ending(configuration->format));
+  }
+  if (auto written = host_.zones->write(file, *configuration); !written)
+    return http_error(500, "zone.save",
+                      "the zone could not be written to " + file + ": " + written.error().message +
+                          "; nothing is saved, the edits stay in force");
+  // What is saved is no unsaved edit any more.
+  (void)give(R"({"command":"saved"})");
+  JsonWriter json;
+  json.begin_object().field("file", file).end_object();
+  return json_answer(json.take());
+}
+
+}  // namespace cosiva::app

@@ -1,0 +1,81 @@
+#include "cosiva/hmi/server_page.h"
+
+#include <set>
+
+#include "cosiva/base/expect.h"
+#include "cosiva/hmi/page_calls.h"
+#include "cosiva/hmi/page_stream.h"
+
+namespace cosiva::app {
+namespace {
+
+constexpr const char* page_not_built =
+    "<!doctype html><meta charset=\"utf-8\"><title>CoSiVA</title>"
+    "<p>The platform runs, but its page has not been built. In the source tree, run <code>scripts/setup</code>, or "
+    "<code>npm ci</code> and <code>npm run build</code> in <code>web/</code>, and load this again."
+    "<p>The figures are at <a href=\"/api/v1/snapshot\">/api/v1/snapshot</a>, all calls at <a href=\"/api\">/api</a>.";
+
+}  // namespace
+
+struct ServerPage::Inside {
+  explicit Inside(PageHost host) : calls{std::move(host)} {}
+
+  [[nodiscard]] StreamSource source() const {
+    const virtual_side::ServerCore* core = calls.host().core;
+    StreamSource source;
+    source.now = calls.host().now;
+    source.zone_revision = [core] { return core->zone_revision(); };
+    source.zone_json = [core] { return core->zone_json(); };
+    source.run_json = [this] { return calls.run_json(); };
+    source.snapshot_json = [core] { return core->snapshot_json(); };
+    source.page_revision = [core] { return core->page_revision(); };
+    source.positions = [core](SimTime now, auto& out) { core->positions(now, out); };
+    return source;
+  }
+
+  PageCalls calls;
+  std::unique_ptr<adapters::HttpServer> http;
+  std::unique_ptr<PageStream> stream;
+};
+
+ServerPage::ServerPage(std::unique_ptr<Inside> inside) : inside_{std::move(inside)} {}
+ServerPage::~ServerPage() = default;
+
+Result<std::unique_ptr<ServerPage>> ServerPage::open(adapters::EventLoop& loop, PageHost host, std::uint16_t port,
+                                                     std::string web_root, bool headless) {
+  COSIVA_EXPECT(host.core != nullptr && host.command && host.now && host.zones != nullptr);
+  auto inside = std::make_unique<Inside>(std::move(host));
+  adapters::HttpOptions options;
+  options.port = port;
+  options.large_body_path = switch_path;
+  options.large_body_bytes_max = switch_bytes_max;
+  if (!headless) {
+    options.web_root = std::move(web_root);
+    options.page_without_web_root = page_not_built;
+  }
+  auto http = adapters::HttpServer::listen(
+      loop, std::move(options),
+      [calls = &inside->calls](const adapters::HttpRequest& request) { return calls->answer(request); });
+  if (!http) return tl::unexpected(http.error());
+  inside->http = std::move(*http);
+  inside->stream = std::make_unique<PageStream>(loop, *inside->http, inside->source());
+  return std::unique_ptr<ServerPage>{new ServerPage(std::move(inside))};
+}
+
+std::uint16_t ServerPage::port() const { return inside_->http->port(); }
+
+void ServerPage::truth(const std::string& json) {
+  const auto truth = JsonValue::parse(json);
+  if (!truth || truth->object() == nullptr) return;  // anybody may publish there
+  std::set<std::string> obstacles;
+  if (const JsonValue* list = truth->find("obstacles"); list != nullptr && list->array() != nullptr) {
+    for (const JsonValue& obstacle : *list->array())
+      if (auto id = obstacle.text("id")) obstacles.insert(std::move(*id));
+  }
+  inside_->calls.know_plant(std::move(obstacles));
+  inside_->stream->truth(*truth);
+}
+
+void ServerPage::changed() { inside_->stream->changed(); }
+
+}  // namespace cosiva::app

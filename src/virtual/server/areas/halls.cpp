@@ -1,0 +1,153 @@
+#include "cosiva/virtual/server/areas/halls.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "cosiva/wire/vda5050/codec.h"
+#include "cosiva/zone/circuit/anchor.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+std::string cut(std::string_view text) { return std::string(text.substr(0, 80)); }
+
+std::optional<zone::Place> place_of(const zone::TrafficZone& zone, std::string_view name) {
+  if (const zone::Station* station = zone.find_station(name)) return station->place;
+  const auto waypoint = std::ranges::find(zone.waypoints, name, &zone::Waypoint::id);
+  return waypoint == zone.waypoints.end() ? std::nullopt : std::optional{waypoint->place};
+}
+
+std::optional<wire::AgvPosition> position_in(std::string_view topic, const std::string& payload) {
+  if (topic == "visualization") {
+    const auto message = wire::vda5050::decode_visualization(payload);
+    return message ? message->position : std::nullopt;
+  }
+  const auto message = wire::vda5050::decode_state(payload);
+  return message ? message->position : std::nullopt;
+}
+
+}  // namespace
+
+bool Halls::is_ours(const wire::VehicleId& id) const {
+  if (!several()) return true;
+  const auto found = vehicles_.find(wire::to_string(id));
+  return found != vehicles_.end() && found->second.owner && found->second.owner->hall == own_;
+}
+
+Halls::Vehicle* Halls::vehicle(const wire::VehicleId& id) {
+  std::string name = wire::to_string(id);
+  if (const auto found = vehicles_.find(name); found != vehicles_.end()) return &found->second;
+  if (vehicles_.size() >= vehicles_max) return nullptr;
+  Vehicle& made = vehicles_[std::move(name)];
+  made.id = id;
+  return &made;
+}
+
+void Halls::overhear(Vehicle& vehicle, std::string_view topic, const wire::Input& input) {
+  if (topic == "connection") vehicle.connection = input;
+  if (topic == "factsheet") vehicle.factsheet = input;
+  if (vehicle.owner || input.flag || (topic != "visualization" && topic != "state")) return;
+  const auto position = position_in(topic, input.payload);
+  const bool known = position && position->position_initialized;
+  if (!known) return;
+  if (!vehicle.pose) vehicle.pose_since = input.at;
+  vehicle.pose = position->pose;
+  vehicle.pose_at = input.at;
+}
+
+void Halls::link_up() {
+  for (auto& [name, vehicle] : vehicles_) {
+    vehicle.owner_heard = false;
+    vehicle.pose.reset();
+    vehicle.claimed_at.reset();
+  }
+}
+
+Result<void> Halls::on_hall(wire::HallTopic topic, const wire::Input& input) {
+  if (topic.hall == own_) return {};
+  auto hall = halls_.find(topic.hall);
+  if (hall == halls_.end()) {
+    if (halls_.size() >= halls_max) return {};
+    hall = halls_.emplace(std::string(topic.hall), Hall{}).first;
+  }
+  if (topic.rest == "server/connection") {
+    constexpr std::size_t bytes_max = 4096;
+    const auto json = JsonValue::parse(input.payload, bytes_max);
+    hall->second.online = json && json->text("connectionState") == "ONLINE";
+    return {};
+  }
+  constexpr std::string_view zone = "zone/";
+  // As everywhere: an empty one takes a format's topic off the broker, and is no zone.
+  if (!topic.rest.starts_with(zone) || input.payload.empty()) return {};
+  const auto rtm = zone::Rtm::initialise(
+      zone::from_payload(std::string(topic.rest.substr(zone.size())), input.source, input.payload));
+  if (!rtm) return tl::unexpected(rtm.error());
+  hall->second.zone = rtm->share_zone();
+  return {};
+}
+
+bool Halls::is_there(std::string_view hall) const {
+  const auto found = halls_.find(hall);
+  return found != halls_.end() && found->second.online && found->second.zone;
+}
+
+bool Halls::has_map(std::string_view name) const {
+  return std::ranges::any_of(halls_,
+                             [&](const auto& hall) { return hall.second.zone && hall.second.zone->name == name; });
+}
+
+Result<Mission> Halls::way_to(std::string_view to, const zone::TrafficZone& zone, const Missions& missions) const {
+  const std::string name{to.substr(0, to.find('/'))};
+  const std::string goal{to.substr(std::min(to.size(), name.size() + 1))};
+  if (name == own_) {
+    if (missions.has_place(goal)) return Mission{Mission::Kind::go, goal, {}};
+    return fail("mission.to", "there is no station or waypoint '" + cut(goal) + "' in this hall", "to");
+  }
+  const auto hall = halls_.find(name);
+  if (hall == halls_.end()) {
+    std::string known;
+    for (const auto& [other, entry] : halls_) known += (known.empty() ? "; there are " : ", ") + other;
+    return fail("mission.hall", "no hall '" + cut(name) + "' has been heard of" + known, "to");
+  }
+  if (!hall->second.online)
+    return fail("mission.hall", "the server of hall '" + cut(name) + "' is silent; start it, then try again", "to");
+  if (!hall->second.zone)
+    return fail("mission.hall", "hall '" + cut(name) + "' has not said which zone it has; try again", "to");
+  const zone::TrafficZone& there = *hall->second.zone;
+  const auto end = place_of(there, goal);
+  if (!end) return fail("mission.to", "hall '" + cut(name) + "' has no station or waypoint '" + cut(goal) + "'", "to");
+
+  const zone::Router router{there};
+  const zone::Station* best = nullptr;
+  double best_m = 0.0;
+  for (const zone::Station& station : zone.stations) {
+    if (!missions.has_place(station.name)) continue;
+    const auto anchor = zone::anchor_of(there.circuit, zone.circuit.pose_at(station.place));
+    if (!anchor || (best != nullptr && anchor->distance_m >= best_m) || !router.plan(anchor->place, *end)) continue;
+    best = &station;
+    best_m = anchor->distance_m;
+  }
+  if (best == nullptr) {
+    return fail("mission.to",
+                "no station of this hall lies on a way of hall '" + cut(name) + "' that leads to '" + cut(goal) +
+                    "'; lay one where the two halls meet",
+                "to");
+  }
+  return Mission{Mission::Kind::go, best->name, std::string(to)};
+}
+
+void Halls::write(JsonWriter& json) const {
+  json.begin_object().field("name", own_).key("others").begin_array();
+  for (const auto& [name, hall] : halls_)
+    json.begin_object().field("name", name).field("online", hall.online).end_object();
+  json.end_array().end_object();
+}
+
+void Halls::fold(Digest& digest) const {
+  for (const auto& [name, vehicle] : vehicles_) {
+    digest.add(std::string_view{name});
+    if (vehicle.owner) digest.add(std::string_view{vehicle.owner->hall});
+  }
+}
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,233 @@
+#include "cosiva/virtual/server/augmented/ahead.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "cosiva/base/math.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+constexpr std::size_t changes_max = 16;
+/// Our own vehicles answer the first one they hear at once; who has not answered three in this time never will.
+constexpr SimDuration answer_patience{std::chrono::milliseconds{300}};
+constexpr std::uint32_t unanswered_max = 3;
+constexpr SimDuration feels_max{std::chrono::seconds{1}};
+
+}  // namespace
+
+wire::Body body_of(std::string id, const Pose2& X_MB, double speed_mps, const zone::VehicleShape& shape) {
+  const SinCos turn = sincos(X_MB.heading_rad);
+  return {std::move(id),
+          "aiv",
+          X_MB.x_m,
+          X_MB.y_m,
+          X_MB.heading_rad,
+          std::max(0.0, shape.length_m - shape.width_m),
+          0.5 * shape.width_m,
+          speed_mps * turn.cos,
+          speed_mps * turn.sin};
+}
+
+double distance_to(const wire::Body& body, Point2 p) {
+  const SinCos turn = sincos(body.heading_rad);
+  const double dx = p.x_m - body.x_m;
+  const double dy = p.y_m - body.y_m;
+  const double along = std::clamp(turn.cos * dx + turn.sin * dy, -0.5 * body.length_m, 0.5 * body.length_m);
+  return norm(dx - along * turn.cos, dy - along * turn.sin) - body.radius_m;
+}
+
+std::optional<Pose2> AheadDesk::pose_of(VehicleIndex vehicle) const {
+  if (const VirtualFleet::Host* host = fleet_.find(vehicle)) return host->aiv.X_MB();
+  const AivProxy& proxy = registry_[vehicle];
+  if (!proxy.here()) return std::nullopt;
+  return simulator_.image(*proxy.twin, outbox_.now()).X_MB;
+}
+
+bool AheadDesk::can_hear(VehicleIndex vehicle) const {
+  const AivProxy& proxy = registry_[vehicle];
+  return fleet_.find(vehicle) != nullptr ||
+         (proxy.here() && proxy.online() && proxy.position_known && !proxy.handed_over);
+}
+
+void AheadDesk::gather() {
+  world_.clear();
+  const SimTime now = outbox_.now();
+  for (const Thing& thing : simulator_.augmented().things()) {
+    const Walk::Motion at = thing.at(now);
+    world_.push_back({{thing.id, std::string(to_string(thing.kind)), at.at.x_m, at.at.y_m, at.heading_rad, 0.0,
+                       thing.radius_m, at.vx_mps, at.vy_mps},
+                      thing.handle,
+                      thing.started,
+                      no_vehicle,
+                      false});
+  }
+  if (!fleet_.empty()) gather_vehicles();
+}
+
+void AheadDesk::gather_vehicles() {
+  const zone::VehicleShape& shape = simulator_.zone()->vehicle;
+  const SimTime now = outbox_.now();
+  for (const VirtualFleet::Host& host : fleet_.hosts()) {
+    const Pose2 X_MB = host.aiv.X_MB();
+    world_.push_back({body_of(registry_[host.vehicle].name, X_MB, host.aiv.speed_mps(), shape),
+                      static_cast<std::uint16_t>(host.vehicle), host.since, host.vehicle, false});
+  }
+  for (VehicleIndex v = 0; v < registry_.size(); ++v) {
+    const AivProxy& proxy = registry_[v];
+    if (!proxy.here() || proxy.augmented) continue;
+    const Twin::Image image = simulator_.image(*proxy.twin, now);
+    world_.push_back(
+        {body_of(proxy.name, image.X_MB, image.speed_mps, shape), static_cast<std::uint16_t>(v), {}, v, true});
+  }
+  for (const SeenObstacle& seen : simulator_.seen().obstacles()) {
+    world_.push_back({{seen.id, "obstacle", seen.at.x_m, seen.at.y_m, 0.0, 0.0, seen.radius_m, 0.0, 0.0},
+                      seen.handle,
+                      seen.first,
+                      no_vehicle,
+                      true});
+  }
+}
+
+void AheadDesk::update() {
+  if (simulator_.zone() == nullptr) return;
+  if (simulator_.augmented().empty() && fleet_.empty() && !busy_) return;
+  busy_ = false;
+  gather();
+  for (VehicleIndex v = 0; v < viewers_.size(); ++v) {
+    if (can_hear(v)) look_around(v);
+    // One that is away is told when it is back.
+    const Viewer& viewer = viewers_[v];
+    busy_ =
+        busy_ || !viewer.told.empty() || viewer.empties > 0 || !viewer.feels.empty() || registry_[v].paused_for_body;
+  }
+}
+
+void AheadDesk::pick(VehicleIndex vehicle, const Pose2& X_MB) {
+  near_.clear();
+  const bool augmented = registry_[vehicle].augmented;
+  const double half_length_m = 0.5 * simulator_.zone()->vehicle.length_m;
+  const SinCos turn = sincos(X_MB.heading_rad);
+  for (Present& present : world_) {
+    if (present.vehicle == vehicle || (present.physical && !augmented)) continue;
+    present.distance_m = distance_to(present.body, position(X_MB));
+    if (present.distance_m > within_m) continue;
+    const double middle_m = turn.cos * (present.body.x_m - X_MB.x_m) + turn.sin * (present.body.y_m - X_MB.y_m);
+    const double half_m =
+        0.5 * present.body.length_m * std::fabs(det_cos(present.body.heading_rad - X_MB.heading_rad)) +
+        present.body.radius_m;
+    if (middle_m + half_m < -half_length_m) continue;  // wholly behind it
+    near_.push_back(&present);
+  }
+  std::ranges::stable_sort(near_, {}, [](const Present* p) { return p->distance_m; });
+  if (near_.size() > wire::Ahead::bodies_max) near_.resize(wire::Ahead::bodies_max);
+  marks_.clear();
+  for (const Present* present : near_) marks_.emplace_back(present->handle, present->changed);
+  std::ranges::sort(marks_);
+}
+
+void AheadDesk::look_around(VehicleIndex vehicle) {
+  const auto X_MB = pose_of(vehicle);
+  if (!X_MB) return;
+  Viewer& viewer = viewers_[vehicle];
+  const SimTime now = outbox_.now();
+  pick(vehicle, *X_MB);
+  if (marks_ != viewer.told) {
+    note_change(viewer);
+    tell(vehicle, viewer);
+  } else if (now >= viewer.due && (!near_.empty() || viewer.empties > 0)) {
+    if (near_.empty()) --viewer.empties;
+    tell(vehicle, viewer);
+  }
+  if (near_.empty() && viewer.empties == 0 && now - viewer.due > feels_max) viewer.feels.clear();
+
+  // One that was paused before a restart of the server stays so until it answers.
+  const bool given_up = viewer.unanswered >= unanswered_max && now - viewer.first_told >= answer_patience;
+  // Its answer may be lost; but who tells of its boards runs our program, which feels.
+  const AivProxy& proxy = registry_[vehicle];
+  const bool ours = viewer.answered || proxy.augmented || proxy.boards;
+  const bool deaf = !ours && (given_up || proxy.paused_for_body);
+  if (!deaf || near_.empty()) {
+    pauses_.let_go(vehicle);
+    return;
+  }
+  std::array<PauseDesk::Body, wire::Ahead::bodies_max> bodies{};
+  for (std::size_t i = 0; i < near_.size(); ++i) bodies[i] = {&near_[i]->body, near_[i]->vehicle != no_vehicle};
+  pauses_.judge(vehicle, *X_MB, {bodies.data(), near_.size()});
+  viewer.feels = pauses_.paused_for(vehicle);
+}
+
+void AheadDesk::note_change(Viewer& viewer) {
+  Change change{viewer.next_id, outbox_.now(), false, {}};
+  for (const Present* present : near_) {
+    const Mark mark{present->handle, present->changed};
+    if (!std::ranges::binary_search(viewer.told, mark)) change.came.push_back(present->body.id);
+  }
+  if (viewer.changes.size() >= changes_max) viewer.changes.erase(viewer.changes.begin());
+  viewer.changes.push_back(std::move(change));
+  viewer.empties = marks_.empty() ? empty_last - 1 : 0;
+  viewer.told = marks_;
+}
+
+void AheadDesk::tell(VehicleIndex vehicle, Viewer& viewer) {
+  const SimTime now = outbox_.now();
+  const AivProxy& proxy = registry_[vehicle];
+  viewer.sent[viewer.next_id % sent_kept] = now;
+  wire::Ahead ahead{viewer.next_id++, now, simulator_.zone()->name, {}};
+  ahead.bodies.reserve(near_.size());
+  std::string summary = near_.empty() ? "nothing" : "";
+  for (const Present* present : near_) {
+    ahead.bodies.push_back(present->body);
+    summary += (summary.empty() ? "" : ", ") + present->body.id;
+  }
+  std::string topic = wire::own_topic(wire::ahead_topic_prefix, proxy.id);
+  std::string payload = wire::to_json(ahead);
+  traces_.add(now, "AIV_Server", proxy.name, "ahead", summary, topic, payload);
+  viewer.due = now + period;
+  if (!near_.empty()) {
+    if (viewer.unanswered++ == 0) viewer.first_told = now;
+  }
+  if (fleet_.find(vehicle) != nullptr)
+    fleet_.message(now, vehicle, topic, payload);
+  else
+    outbox_.publish(std::move(topic), std::move(payload), 0, false);
+}
+
+bool AheadDesk::on_felt(VehicleIndex vehicle, const wire::Felt& felt, SimTime decided) {
+  Viewer& viewer = viewers_[vehicle];
+  const std::uint32_t behind = viewer.next_id - felt.ahead_header_id;  // counts modulo 2³²
+  if (behind == 0 || behind > known_max) return false;
+  viewer.answered = true;
+  const bool begins_to_brake = felt.braking && viewer.feels != felt.body;
+  viewer.feels = felt.braking ? felt.body : std::string{};
+  // Inside the server everything is felt at once; that would only flatter the figures.
+  if (!registry_[vehicle].augmented) measure(viewer, felt, decided, begins_to_brake);
+  return true;
+}
+
+void AheadDesk::measure(Viewer& viewer, const wire::Felt& felt, SimTime decided, bool begins_to_brake) {
+  BijectionMonitor& monitor = simulator_.monitor();
+  const auto since_ms = [decided](SimTime then) { return std::max(0.0, to_seconds(decided - then) * 1e3); };
+  bool was_change = false;
+  for (Change& change : viewer.changes) {
+    if (felt.ahead_header_id - change.header_id > answer_within) continue;
+    if (!std::exchange(change.felt, true)) monitor.effect(WorldEffect::felt, since_ms(change.since));
+    if (!felt.braking || std::erase(change.came, felt.body) == 0) continue;
+    monitor.effect(WorldEffect::brakes, since_ms(change.since));
+    was_change = true;
+  }
+  // It had been told of the body before; now that walked, or the vehicle drove, near enough: how old was what it knew?
+  if (begins_to_brake && !was_change && viewer.next_id - felt.ahead_header_id <= sent_kept)
+    monitor.effect(WorldEffect::brakes, since_ms(viewer.sent[felt.ahead_header_id % sent_kept]));
+}
+
+void AheadDesk::fold(Digest& digest) const {
+  for (const Viewer& viewer : viewers_) {
+    digest.add(std::uint64_t{viewer.next_id});
+    digest.add(static_cast<std::uint64_t>(viewer.told.size()));
+    digest.add(std::string_view{viewer.feels});
+  }
+}
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,332 @@
+#include "cosiva/virtual/server/augmented/ahead.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cosiva/virtual/server/testing/server_bench.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+using namespace bench;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using testing::SizeIs;
+
+/// One vehicle that stands at (0.5, 0) and looks along +x, on a straight of 2 m.
+class AheadBench : public testing::Test {
+ protected:
+  AheadBench() {
+    aiv.blocked = true;
+    bench.run_for(1s);
+    bench.published.clear();
+  }
+  void add_person(double x, double y, const std::string& id = "P1") {
+    bench.ask(R"({"command":"add","thing":{"kind":"person","id":")" + id + R"(","x":)" + std::to_string(x) +
+              ",\"y\":" + std::to_string(y) + "}}");
+  }
+  void remove(const std::string& id) { bench.ask(R"({"command":"remove","id":")" + id + "\"}"); }
+  [[nodiscard]] std::vector<wire::Ahead> aheads(const std::string& name = "CoSiVA/AIV1") const {
+    std::vector<wire::Ahead> all;
+    for (const wire::Publish& message : bench.published_on("cosiva/v1/ahead/" + name))
+      all.push_back(*wire::ahead_from_json(message.payload));
+    return all;
+  }
+  void answer(std::uint32_t header_id, const std::string& brakes_for = "") {
+    wire::Felt felt{header_id, bench.now, !brakes_for.empty(), brakes_for, std::nullopt};
+    if (felt.braking) felt.distance_m = 0.3;
+    bench.feed(wire::InputKind::message, "cosiva/v1/felt/CoSiVA/AIV1", wire::to_json(felt));
+  }
+  [[nodiscard]] JsonValue effect(const std::string& name) const {
+    return *bench.bijection().find("effects")->find(name);
+  }
+  [[nodiscard]] std::vector<std::string> asked_of(const BenchVehicle& vehicle) const {
+    std::vector<std::string> types;
+    for (const wire::InstantActions& message : vehicle.actions)
+      for (const wire::Action& action : message.actions)
+        if (types.empty() || types.back() != action.action_type) types.push_back(action.action_type);
+    return types;
+  }
+
+  ServerBench bench;
+  BenchVehicle& aiv{bench.add("AIV1", {0, 0.5})};
+};
+
+TEST_F(AheadBench, tells_of_a_body_in_the_same_call_in_which_it_came) {
+  add_person(1.2, 0.0);
+  const auto told = aheads();
+  ASSERT_THAT(told, SizeIs(1));
+  EXPECT_EQ(told[0].map_id, "oval");
+  EXPECT_EQ(told[0].timestamp, bench.now);
+  ASSERT_THAT(told[0].bodies, SizeIs(1));
+  EXPECT_EQ(told[0].bodies[0].id, "P1");
+  EXPECT_EQ(told[0].bodies[0].kind, "person");
+  EXPECT_EQ(told[0].bodies[0].radius_m, 0.06);
+  EXPECT_EQ(bench.published_on("cosiva/v1/ahead/CoSiVA/AIV1")[0].qos, 0);
+  EXPECT_FALSE(bench.published_on("cosiva/v1/ahead/CoSiVA/AIV1")[0].retained);
+}
+
+TEST_F(AheadBench, repeats_it_every_100_ms_and_says_five_times_that_it_is_gone) {
+  add_person(1.2, 0.0);
+  bench.run_for(1s);
+  EXPECT_THAT(aheads(), SizeIs(11)) << "at once and ten times more";
+  bench.published.clear();
+  remove("P1");
+  ASSERT_THAT(aheads(), SizeIs(1)) << "at once";
+  bench.run_for(2s);
+  const auto told = aheads();
+  EXPECT_THAT(told, SizeIs(5));
+  for (const wire::Ahead& ahead : told) EXPECT_THAT(ahead.bodies, IsEmpty());
+}
+
+TEST_F(AheadBench, tells_at_once_when_a_body_leaps_and_carries_its_motion) {
+  add_person(1.2, 0.0);
+  bench.run_for(50ms);
+  bench.published.clear();
+  bench.ask(R"({"command":"move","thing":{"id":"P1","path":[[1.4,0.0],[1.4,1.0]],"speed":0.5}})");
+  const auto told = aheads();
+  ASSERT_THAT(told, SizeIs(1));
+  EXPECT_NEAR(told[0].bodies[0].vy_mps, 0.5, 1e-9);
+  EXPECT_NEAR(told[0].bodies[0].x_m, 1.4, 1e-9);
+}
+
+TEST_F(AheadBench, counts_its_headers_up_by_one) {
+  add_person(1.2, 0.0);
+  bench.run_for(500ms);
+  const auto told = aheads();
+  for (std::size_t i = 1; i < told.size(); ++i) EXPECT_EQ(told[i].header_id, told[i - 1].header_id + 1);
+}
+
+TEST_F(AheadBench, does_not_tell_of_what_is_far_or_wholly_behind) {
+  add_person(0.3, 0.0, "behind");    // its front 0.06 m behind the tail at 0.4
+  add_person(0.5, 1.4, "left");      // beside it
+  add_person(2.45, -0.45, "ahead");  // 2.0 m from the middle, by its edge
+  add_person(1.0, 2.0, "far");       // 2.06 m less its radius is beyond… 2.0 m
+  const auto told = aheads();
+  ASSERT_FALSE(told.empty());
+  std::vector<std::string> ids;
+  for (const wire::Body& body : told.back().bodies) ids.push_back(body.id);
+  EXPECT_THAT(ids, ElementsAre("left", "ahead")) << "nearest first";
+}
+
+TEST_F(AheadBench, tells_when_a_walker_comes_into_reach) {
+  bench.ask(R"({"command":"add","thing":{"kind":"person","path":[[-0.4,0.8],[-0.4,0.0],[2.4,0.0]],"speed":1.0}})");
+  EXPECT_THAT(aheads(), IsEmpty()) << "behind it";
+  bench.run_for(3s);
+  ASSERT_FALSE(aheads().empty());
+  EXPECT_EQ(aheads().front().bodies[0].id, "P1");
+}
+
+TEST_F(AheadBench, is_still_while_nothing_virtual_is_there) {
+  bench.run_for(5s);
+  EXPECT_THAT(aheads(), IsEmpty());
+}
+
+TEST_F(AheadBench, tells_nobody_who_is_not_there) {
+  bench.kill(aiv);
+  add_person(1.2, 0.0);
+  bench.run_for(1s);
+  EXPECT_THAT(aheads(), IsEmpty());
+  aiv.alive = true;
+  bench.connection(aiv, wire::ConnectionState::online);
+  bench.run_for(1500ms);
+  EXPECT_THAT(aheads(), Not(IsEmpty())) << "and at once when it is back and knows where it is";
+}
+
+TEST_F(AheadBench, measures_from_the_command_to_the_decision) {
+  add_person(1.0, 0.0);
+  const std::uint32_t id = aheads().back().header_id;
+  bench.now += 12ms;
+  answer(id, "P1");
+  EXPECT_EQ(*effect("felt_ms").number("count"), 1.0);
+  EXPECT_NEAR(*effect("felt_ms").number("max"), 12.0, 1.0) << "times on the wire are whole milliseconds";
+  EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
+  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("feels"), "P1");
+  const JsonValue snapshot = bench.snapshot();
+  const JsonValue& person = snapshot.find("things")->array()->front();
+  EXPECT_EQ(person.find("feltBy")->array()->front().text()[0], "CoSiVA/AIV1");
+}
+
+TEST_F(AheadBench, counts_each_change_once_and_braking_once_per_body) {
+  add_person(1.0, 0.0);
+  const std::uint32_t id = aheads().back().header_id;
+  answer(id);
+  answer(id, "P1");
+  answer(id, "P1");
+  EXPECT_EQ(*effect("felt_ms").number("count"), 1.0);
+  EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
+  remove("P1");
+  answer(aheads().back().header_id);
+  EXPECT_EQ(*effect("felt_ms").number("count"), 2.0) << "its going is a change, too";
+  EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
+  EXPECT_TRUE(bench.aiv("CoSiVA/AIV1").find("feels")->is_null());
+}
+
+TEST_F(AheadBench, takes_the_answer_to_the_next_message_when_the_first_was_lost) {
+  add_person(1.0, 0.0);
+  const std::uint32_t id = aheads().back().header_id;
+  bench.run_for(100ms);
+  answer(id + 1, "P1");
+  EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
+  EXPECT_NEAR(*effect("brakes_ms").number("max"), 100.0, 1.0);
+}
+
+TEST_F(AheadBench, measures_how_old_the_news_was_where_a_vehicle_brakes_only_as_it_comes_nearer) {
+  add_person(1.9, 0.0);
+  answer(aheads().back().header_id);
+  bench.run_for(2s);
+  bench.now += 30ms;
+  const wire::Ahead news = aheads().back();
+  for (int i = 0; i < 3; ++i) answer(news.header_id, "P1");  // it goes on braking
+  EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
+  EXPECT_NEAR(*effect("brakes_ms").number("max"), to_seconds(bench.now - news.timestamp) * 1e3, 1.0);
+  EXPECT_GE(*effect("brakes_ms").number("max"), 29.0);
+  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("feels"), "P1");
+  // What was sent so long ago that nobody remembers when is not judged.
+  answer(news.header_id);
+  bench.run_for(3s);
+  answer(news.header_id, "P1");
+  EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
+}
+
+TEST_F(AheadBench, ignores_answers_to_what_it_never_said) {
+  add_person(1.0, 0.0);
+  answer(aheads().back().header_id + 1, "P1");
+  answer(4'000'000'000U, "P1");
+  EXPECT_EQ(*effect("felt_ms").number("count"), 0.0);
+  EXPECT_TRUE(bench.aiv("CoSiVA/AIV1").find("feels")->is_null());
+}
+
+TEST_F(AheadBench, tells_a_virtual_aiv_of_physical_vehicles_and_the_others_of_it) {
+  bench.ask(R"({"command":"add","thing":{"kind":"aiv","section":"south","s":1.4}})");
+  bench.run_for(200ms);
+  const auto told = aheads();
+  ASSERT_FALSE(told.empty());
+  EXPECT_EQ(told.front().bodies[0].id, "CoSiVA.virtual/V1");
+  EXPECT_EQ(told.front().bodies[0].kind, "aiv");
+  EXPECT_NEAR(told.front().bodies[0].length_m, 0.08, 1e-12) << "0.20 m long, 0.12 m wide";
+  EXPECT_NEAR(told.front().bodies[0].radius_m, 0.06, 1e-12);
+  EXPECT_THAT(bench.published_on("cosiva/v1/ahead/CoSiVA.virtual/V1"), IsEmpty()) << "it is told within the server";
+  const JsonValue traces = *JsonValue::parse(bench.server->traces_json(1, 2000));
+  bool traced = false;
+  for (const JsonValue& trace : *traces.find("traces")->array())
+    traced = traced || (trace.text("kind") == "ahead" && trace.text("to") == "CoSiVA.virtual/V1");
+  EXPECT_FALSE(traced) << "AIV1 stands wholly behind it";
+}
+
+TEST_F(AheadBench, stops_a_virtual_aiv_before_a_person_and_a_physical_vehicle) {
+  bench.ask(R"({"command":"add","thing":{"kind":"aiv","section":"west","s":1.0}})");
+  bench.run_for(20s);
+  const JsonValue v1 = bench.aiv("CoSiVA.virtual/V1");
+  EXPECT_EQ(*v1.number("speed"), 0.0) << "AIV1 stands on its way";
+  EXPECT_LT(*v1.number("x"), 0.3);
+  add_person(1.5, 1.0, "P1");  // on the north side, before a second one
+  bench.ask(R"({"command":"add","thing":{"kind":"aiv","id":"V2","section":"east","s":1.0}})");
+  bench.run_for(10s);
+  EXPECT_EQ(*bench.aiv("CoSiVA.virtual/V2").number("speed"), 0.0);
+  EXPECT_GT(*bench.aiv("CoSiVA.virtual/V2").number("x"), 1.5);
+  EXPECT_EQ(bench.aiv("CoSiVA.virtual/V2").text("feels"), "P1");
+  remove("P1");
+  bench.run_for(5s);
+  EXPECT_LT(*bench.aiv("CoSiVA.virtual/V2").number("x"), 1.5);
+}
+
+/// A vehicle of another make, that never answers.
+class DeafVehicle : public AheadBench {
+ protected:
+  DeafVehicle() { aiv.blocked = false; }
+};
+
+TEST_F(DeafVehicle, is_paused_before_a_body_in_its_way_and_let_go_when_it_is_gone) {
+  bench.run_for(1s);
+  ASSERT_GT(aiv.speed_mps, 0.0);
+  const double x = aiv.pose().x_m;
+  add_person(x + 0.75, 0.0);
+  bench.run_for(2s);
+  EXPECT_EQ(aiv.speed_mps, 0.0);
+  EXPECT_TRUE(aiv.paused);
+  EXPECT_LT(aiv.pose().x_m + 0.1, x + 0.75 - 0.06) << "it stands before it";
+  EXPECT_TRUE(bench.logged("paused for P1"));
+  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("feels"), "P1");
+  remove("P1");
+  bench.run_for(2s);
+  EXPECT_FALSE(aiv.paused);
+  EXPECT_GT(aiv.speed_mps, 0.0);
+}
+
+TEST_F(DeafVehicle, is_not_paused_for_a_body_beside_its_way) {
+  bench.run_for(1s);
+  add_person(aiv.pose().x_m + 0.5, 0.2);
+  bench.run_for(3s);
+  EXPECT_THAT(asked_of(aiv), Not(Contains("startPause")));
+}
+
+TEST_F(DeafVehicle, that_an_operator_stopped_is_not_let_go_by_us) {
+  bench.run_for(1s);
+  bench.command("stop", "CoSiVA/AIV1");
+  bench.run_for(1s);
+  add_person(aiv.pose().x_m + 0.5, 0.0);
+  bench.run_for(2s);
+  remove("P1");
+  bench.run_for(3s);
+  EXPECT_TRUE(aiv.paused);
+  EXPECT_THAT(asked_of(aiv), Not(Contains("stopPause")));
+}
+
+TEST_F(DeafVehicle, that_an_operator_stops_while_we_hold_it_stays_stopped) {
+  bench.run_for(1s);
+  add_person(aiv.pose().x_m + 0.6, 0.0);
+  bench.run_for(2s);
+  ASSERT_TRUE(aiv.paused);
+  bench.command("stop", "CoSiVA/AIV1");
+  bench.run_for(1s);
+  remove("P1");
+  bench.run_for(3s);
+  EXPECT_TRUE(aiv.paused);
+}
+
+TEST_F(DeafVehicle, that_answers_after_all_is_let_go_and_trusted) {
+  bench.run_for(1s);
+  add_person(aiv.pose().x_m + 0.6, 0.0);
+  bench.run_for(1s);
+  ASSERT_TRUE(aiv.paused);
+  answer(aheads().back().header_id, "P1");
+  bench.run_for(1s);
+  EXPECT_FALSE(aiv.paused);
+}
+
+TEST_F(DeafVehicle, that_tells_of_its_boards_runs_our_program_and_is_left_to_feel_by_itself) {
+  wire::BoardsReport report{1, bench.now, {{wire::Board::PILS, "ok", 0, 0, 0, 0, 0, 0}}, {}, {}};
+  bench.feed(wire::InputKind::message, "cosiva/v1/boards/CoSiVA/AIV1", wire::to_json(report));
+  bench.run_for(1s);
+  add_person(aiv.pose().x_m + 0.6, 0.0);
+  bench.run_for(2s);
+  EXPECT_FALSE(aiv.paused);
+}
+
+TEST_F(DeafVehicle, that_we_paused_is_let_go_by_the_next_life_of_the_server) {
+  bench.run_for(1s);
+  add_person(aiv.pose().x_m + 0.6, 0.0);
+  bench.run_for(3s);
+  ASSERT_TRUE(aiv.paused);
+  bench.restart_server(true);
+  bench.run_for(4s);
+  EXPECT_TRUE(aiv.paused) << "the person is remembered, and still there";
+  remove("P1");
+  bench.run_for(2s);
+  EXPECT_FALSE(aiv.paused);
+}
+
+TEST(Body, distance_is_to_the_nearest_point_of_its_surface) {
+  const wire::Body body = body_of("V1", {1.0, 2.0, 0.5 * pi}, 0.3, {0.20, 0.12});
+  EXPECT_NEAR(body.vy_mps, 0.3, 1e-12);
+  EXPECT_NEAR(distance_to(body, {1.0, 2.5}), 0.40, 1e-12) << "its nose is 0.10 m before its middle";
+  EXPECT_NEAR(distance_to(body, {1.3, 2.0}), 0.24, 1e-12);
+  EXPECT_NEAR(distance_to(body, {1.0, 2.0}), -0.06, 1e-12);
+}
+
+}  // namespace
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,68 @@
+#include "cosiva/virtual/server/augmented/pause_desk.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "cosiva/virtual/server/augmented/ahead.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+constexpr double step_m = 0.04;
+
+}  // namespace
+
+bool PauseDesk::in_way(VehicleIndex vehicle, const Pose2& X_MB, const Body& body, double within_m) const {
+  const zone::VehicleShape shape = simulator_.zone()->vehicle;
+  double reach_m = 0.5 * shape.length_m + within_m;
+  const auto& place = traffic_.place(vehicle);
+  if (body.is_aiv && place && map_ != nullptr && traffic_.base_end(vehicle) != no_waypoint) {
+    if (const auto left_m = traffic_.base_left_m(vehicle, *place))
+      reach_m = std::min(reach_m, *left_m + 0.5 * shape.length_m);
+  }
+  const double half_width_m = 0.5 * shape.width_m + beside_m;
+  const zone::Circuit& circuit = *simulator_.circuit();
+  // What touches its tail only is behind it: the way is looked at from its middle on.
+  for (double d_m = 0.0; d_m <= reach_m; d_m += step_m) {
+    const Point2 p = place ? position(circuit.pose_at(circuit.advance(*place, d_m, traffic_.coming(vehicle))))
+                           : X_MB * Point2{d_m, 0.0};
+    if (distance_to(*body.body, p) <= half_width_m) return true;
+  }
+  return false;
+}
+
+void PauseDesk::judge(VehicleIndex vehicle, const Pose2& X_MB, std::span<const Body> bodies) {
+  AivProxy& proxy = registry_[vehicle];
+  if (!proxy.state) return;
+  const double within_m = proxy.paused_for_body ? let_go_beyond_m : pause_within_m;
+  const auto blocking =
+      std::ranges::find_if(bodies, [&](const Body& body) { return in_way(vehicle, X_MB, body, within_m); });
+  if (blocking == bodies.end()) {
+    let_go(vehicle);
+    return;
+  }
+  if (proxy.paused_for_body) pauses_[vehicle].body = blocking->body->id;
+  if (proxy.paused_for_body || proxy.state->paused || proxy.supports("startPause") == std::optional{false}) return;
+  proxy.paused_for_body = true;
+  pauses_[vehicle].body = blocking->body->id;
+  outbox_.log('i', proxy.name + ": does not feel virtual things; paused for " + blocking->body->id);
+  send(vehicle, "startPause");
+}
+
+void PauseDesk::let_go(VehicleIndex vehicle) {
+  AivProxy& proxy = registry_[vehicle];
+  pauses_[vehicle].body.clear();
+  if (!proxy.paused_for_body) return;
+  proxy.paused_for_body = false;
+  send(vehicle, "stopPause");
+}
+
+void PauseDesk::send(VehicleIndex vehicle, std::string action) {
+  ++changes_;
+  // The one before, still unanswered and sent again, would undo this one.
+  if (pauses_[vehicle].ticket != 0) desk_.drop(pauses_[vehicle].ticket);
+  pauses_[vehicle].ticket = desk_.send(registry_[vehicle], vehicle,
+                                       {{std::move(action), {}, {}, wire::BlockingType::none, {}}}, patience, false);
+}
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,366 @@
+#include "cosiva/virtual/server/augmented/things_desk.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+namespace cosiva::virtual_side {
+namespace {
+
+constexpr std::size_t id_bytes_max = 32;
+
+std::string metres(double m) {
+  std::string text = std::to_string(m);
+  return text.substr(0, text.find('.') + 3) + " m";
+}
+
+std::string at_text(Point2 p) { return "(" + metres(p.x_m) + ", " + metres(p.y_m) + ")"; }
+
+std::string cut(std::string_view text) { return std::string(text.substr(0, 80)); }
+
+/// Reads a number in [low, high] into `out`; leaves it as it is where the field is missing.
+Result<void> read_number(const JsonValue& json, std::string_view field, double low, double high, std::string_view unit,
+                         double& out) {
+  const JsonValue* found = json.find(field);
+  if (found == nullptr || found->is_null()) return {};
+  const double* number = found->number();
+  if (number == nullptr || !(*number >= low && *number <= high)) {
+    return fail("thing.number", "give a number from " + metres(low) + " to " + metres(high) + std::string(unit),
+                std::string(field));
+  }
+  out = *number;
+  return {};
+}
+
+std::string_view letter_of(std::string_view kind) {
+  if (kind == "aiv") return "V";
+  return kind == "person" ? "P" : "O";
+}
+
+/// "S1", "S2" … are the twins of physical obstacles.
+bool is_seen_id(std::string_view id) {
+  return id.size() > 1 && id.front() == 'S' &&
+         std::ranges::all_of(id.substr(1), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+}  // namespace
+
+bool ThingsDesk::is_ours(std::string_view command) {
+  return command == "add" || command == "move" || command == "remove";
+}
+
+const VirtualFleet::Host* ThingsDesk::find_aiv(std::string_view id) const {
+  for (const VirtualFleet::Host& host : fleet_.hosts()) {
+    const AivProxy& proxy = registry_[host.vehicle];
+    if (proxy.id.serial_number == id || proxy.name == id) return &host;
+  }
+  return nullptr;
+}
+
+std::string ThingsDesk::next_id(std::string_view kind) const {
+  for (std::uint32_t n = 1;; ++n) {
+    std::string id = std::string(letter_of(kind)) + std::to_string(n);
+    if (simulator_.augmented().find(id) == nullptr && find_aiv(id) == nullptr) return id;
+  }
+}
+
+std::string ThingsDesk::known_things() const {
+  std::string names;
+  const auto add = [&names](std::string_view id) {
+    if (names.size() < 200) names += (names.empty() ? "" : ", ") + std::string(id);
+  };
+  for (const Thing& thing : simulator_.augmented().things()) add(thing.id);
+  for (const VirtualFleet::Host& host : fleet_.hosts()) add(registry_[host.vehicle].id.serial_number);
+  return names.empty() ? "there is none yet; add one first" : "there are " + names;
+}
+
+Result<ThingCommand> ThingsDesk::read(const JsonValue& command) const {
+  const std::string act = command.text("command").value_or("");
+  if (act == "remove") return read_remove(command);
+  const JsonValue* thing = command.find("thing");
+  if (thing == nullptr || thing->object() == nullptr)
+    return fail("thing.missing", R"(say what, as {"thing":{"kind":"person","x":0.5,"y":0.2}})", "thing");
+  if (simulator_.zone() == nullptr)
+    return fail("thing.zone", "there is no zone yet; wait until the physical side has sent it, then try again");
+  return act == "add" ? read_add(*thing) : read_move(*thing);
+}
+
+Result<ThingCommand> ThingsDesk::read_remove(const JsonValue& command) const {
+  ThingCommand asked;
+  asked.act = ThingCommand::Act::remove;
+  const auto id = command.text("id");
+  if (!id) return fail("thing.id", "say which thing to remove, or * for all", "id");
+  asked.id = *id;
+  if (asked.id == "*" || simulator_.augmented().find(asked.id) != nullptr) return asked;
+  if (find_aiv(asked.id) != nullptr) {
+    asked.is_aiv = true;
+    return asked;
+  }
+  return fail("thing.unknown", "no virtual thing is called '" + cut(asked.id) + "'; " + known_things(), "id");
+}
+
+Result<void> ThingsDesk::check_id(std::string_view id) const {
+  if (id.empty() || id.size() > id_bytes_max || !wire::valid_serial_number(id)) {
+    return fail("thing.id", "'" + cut(id) + "' is no name for it; use 1 to 32 of A-Z a-z 0-9 _ . : - or leave it out",
+                "id");
+  }
+  if (is_seen_id(id))
+    return fail("thing.id", "S1, S2 … are the names of obstacles that vehicles see; choose another name", "id");
+  if (simulator_.augmented().find(id) != nullptr || find_aiv(id) != nullptr) {
+    return fail("thing.taken", "there is a '" + cut(id) + "' already; choose another name, move that one, or remove it",
+                "id");
+  }
+  return {};
+}
+
+Result<ThingCommand> ThingsDesk::read_add(const JsonValue& thing) const {
+  ThingCommand asked;
+  asked.act = ThingCommand::Act::add;
+  const std::string kind = thing.text("kind").value_or("");
+  asked.is_aiv = kind == "aiv";
+  const auto known = parse_thing_kind(kind);
+  if (!asked.is_aiv && !known) {
+    return fail("thing.kind", "there is no kind '" + cut(kind) + "'; add an aiv, a person or an obstacle", "kind");
+  }
+  if (const JsonValue* id = thing.find("id"); id != nullptr && !id->is_null()) {
+    asked.id = thing.text("id").value_or("");
+    if (auto checked = check_id(asked.id); !checked) return tl::unexpected(checked.error());
+  } else {
+    asked.id = next_id(kind);
+  }
+  if (simulator_.augmented().things().size() + fleet_.hosts().size() >= Augmented::things_max) {
+    return fail("thing.many", "there are " + std::to_string(Augmented::things_max) +
+                                  " virtual things already; remove one that is no longer needed, then try again");
+  }
+  if (asked.is_aiv) {
+    const wire::VehicleId vehicle{std::string(wire::virtual_manufacturer), asked.id};
+    if (!registry_.find(wire::to_string(vehicle)) && registry_.size() >= Registry::vehicles_max)
+      return fail("thing.many", "this server knows " + std::to_string(Registry::vehicles_max) +
+                                    " vehicles already, and takes no more; add it under a name that was used before");
+    auto place = read_aiv_place(thing);
+    if (!place) return tl::unexpected(place.error());
+    asked.place = *place;
+    return asked;
+  }
+  asked.kind = *known;
+  asked.radius_m = std::clamp(0.5 * simulator_.zone()->vehicle.width_m, radius_m_min, radius_m_max);
+  if (auto read = read_number(thing, "radius", radius_m_min, radius_m_max, "", asked.radius_m); !read)
+    return tl::unexpected(read.error());
+  const Walk usual({Point2{}}, simulator_.zone()->profiles.slow.speed_mps, Repeat::once);
+  auto walk = read_walk(thing, asked.kind == ThingKind::person, usual);
+  if (!walk) return tl::unexpected(walk.error());
+  asked.walk = std::move(*walk);
+  return asked;
+}
+
+Result<ThingCommand> ThingsDesk::read_move(const JsonValue& thing) const {
+  ThingCommand asked;
+  asked.act = ThingCommand::Act::move;
+  const auto id = thing.text("id");
+  if (!id) return fail("thing.id", "say which thing to move, by its id", "id");
+  asked.id = *id;
+  if (find_aiv(asked.id) != nullptr) {
+    return fail("thing.aiv", "a virtual AIV drives by itself; remove it and add it where it shall start", "id");
+  }
+  const Thing* known = simulator_.augmented().find(asked.id);
+  if (known == nullptr)
+    return fail("thing.unknown", "no virtual thing is called '" + cut(asked.id) + "'; " + known_things(), "id");
+  asked.kind = known->kind;
+  const double usual_mps =
+      known->walk.speed_mps() > 0.0 ? known->walk.speed_mps() : simulator_.zone()->profiles.slow.speed_mps;
+  auto walk = read_walk(thing, asked.kind == ThingKind::person, Walk({Point2{}}, usual_mps, known->walk.repeat()));
+  if (!walk) return tl::unexpected(walk.error());
+  asked.walk = std::move(*walk);
+  return asked;
+}
+
+Result<Point2> ThingsDesk::read_point(const JsonValue& x, const JsonValue& y, std::string_view field) const {
+  if (x.number() == nullptr || y.number() == nullptr || !std::isfinite(*x.number()) || !std::isfinite(*y.number()))
+    return fail("thing.place", "give a place as two numbers, in metres on the map", std::string(field));
+  const Point2 p{*x.number(), *y.number()};
+  const zone::Bounds on = simulator_.bounds();
+  const bool inside = p.x_m >= on.low.x_m - beside_zone_m && p.x_m <= on.high.x_m + beside_zone_m &&
+                      p.y_m >= on.low.y_m - beside_zone_m && p.y_m <= on.high.y_m + beside_zone_m;
+  if (!inside) {
+    return fail("thing.place",
+                at_text(p) + " is off the zone, which reaches from " + at_text(on.low) + " to " + at_text(on.high) +
+                    "; choose a place on it or at most 0.5 m beside it",
+                std::string(field));
+  }
+  return p;
+}
+
+Result<std::vector<Point2>> ThingsDesk::read_path(const JsonValue& path) const {
+  const JsonValue::Array* points = path.array();
+  if (points == nullptr || points->empty() || points->size() > Walk::points_max) {
+    return fail("thing.path", "give a path as 1 to 64 points, [[x,y],[x,y],…]", "path");
+  }
+  std::vector<Point2> read;
+  for (std::size_t i = 0; i < points->size(); ++i) {
+    const std::string where = "path[" + std::to_string(i) + "]";
+    const JsonValue::Array* pair = (*points)[i].array();
+    if (pair == nullptr || pair->size() != 2) return fail("thing.path", "give each point as [x,y]", where);
+    const auto point = read_point((*pair)[0], (*pair)[1], where);
+    if (!point) return tl::unexpected(point.error());
+    read.push_back(*point);
+  }
+  return read;
+}
+
+Result<Walk> ThingsDesk::read_walk(const JsonValue& thing, bool may_walk, const Walk& usual) const {
+  const JsonValue* path = thing.find("path");
+  const JsonValue* x = thing.find("x");
+  const JsonValue* y = thing.find("y");
+  if (path == nullptr || path->is_null()) {
+    auto on_way = read_section(thing);
+    if (!on_way) return tl::unexpected(on_way.error());
+    if (*on_way) return Walk({position(simulator_.circuit()->pose_at(**on_way))}, 0.0, Repeat::once);
+    if (x == nullptr || y == nullptr) {
+      return fail("thing.place",
+                  may_walk ? "say where it stands (x, y) or which path it walks (path)" : "say where it stands (x, y)");
+    }
+    const auto point = read_point(*x, *y, "x, y");
+    if (!point) return tl::unexpected(point.error());
+    return Walk({*point}, 0.0, Repeat::once);
+  }
+  if (!may_walk) return fail("thing.path", "an obstacle stands still; give it a place (x, y), or add a person", "path");
+  if (x != nullptr || y != nullptr)
+    return fail("thing.place", "give either a place (x, y) or a path, not both", "path");
+  auto points = read_path(*path);
+  if (!points) return tl::unexpected(points.error());
+  double speed_mps = usual.speed_mps();
+  if (auto read = read_number(thing, "speed", 0.0, speed_mps_max, "/s", speed_mps); !read)
+    return tl::unexpected(read.error());
+  Repeat repeat = usual.repeat();
+  if (const JsonValue* given = thing.find("repeat"); given != nullptr && !given->is_null()) {
+    const auto known = parse_repeat(thing.text("repeat").value_or(""));
+    if (!known) return fail("thing.repeat", "use once, back and forth, or loop", "repeat");
+    repeat = *known;
+  }
+  return Walk(std::move(*points), speed_mps, repeat);
+}
+
+Result<std::optional<zone::Place>> ThingsDesk::read_section(const JsonValue& thing) const {
+  const JsonValue* named = thing.find("section");
+  if (named == nullptr || named->is_null()) return std::optional<zone::Place>{};
+  const zone::Circuit& circuit = *simulator_.circuit();
+  const auto section = named->text() == nullptr ? std::nullopt : circuit.find(*named->text());
+  if (!section) {
+    std::string names;
+    for (zone::SectionId id = 0; id < circuit.size() && names.size() < 200; ++id)
+      names += (names.empty() ? "" : ", ") + circuit.part(id).name;
+    return fail("thing.section", "this zone has no such section; it has " + names, "section");
+  }
+  zone::Place place{*section, 0.0};
+  if (auto read = read_number(thing, "s", 0.0, circuit.section(*section).length_m(), " along the section", place.s_m);
+      !read)
+    return tl::unexpected(read.error());
+  return std::optional{place};
+}
+
+Result<zone::Place> ThingsDesk::read_aiv_place(const JsonValue& thing) const {
+  const JsonValue* x = thing.find("x");
+  const JsonValue* y = thing.find("y");
+  auto named = read_section(thing);
+  if (!named) return tl::unexpected(named.error());
+  zone::Place place;
+  if (*named) {
+    place = **named;
+  } else if (x == nullptr && y == nullptr) {
+    const auto free = roomiest();
+    if (!free) return fail("thing.room", "no way has room for another vehicle; remove one, then try again");
+    return *free;
+  } else {
+    const JsonValue none;
+    const auto point = read_point(x == nullptr ? none : *x, y == nullptr ? none : *y, "x, y");
+    if (!point) return tl::unexpected(point.error());
+    const auto located = simulator_.circuit()->locate(*point);
+    if (located.distance_m > off_circuit_m) {
+      return fail("thing.off", at_text(*point) + " is " + metres(located.distance_m) +
+                                   " from the nearest way; a virtual AIV must be put within " + metres(off_circuit_m) +
+                                   " of one");
+    }
+    place = located.place;
+  }
+  if (auto checked = check_place(place); !checked) return tl::unexpected(checked.error());
+  return place;
+}
+
+std::vector<ThingsDesk::Standing> ThingsDesk::standing() const {
+  std::vector<Standing> all;
+  for (VehicleIndex v = 0; v < registry_.size(); ++v) {
+    const AivProxy& proxy = registry_[v];
+    if (const VirtualFleet::Host* host = fleet_.find(v)) {
+      all.push_back({proxy.name, position(host->aiv.X_MB()), VirtualFleet::place_of(*host, *simulator_.circuit())});
+    } else if (proxy.here()) {
+      const Twin::Image image = simulator_.image(*proxy.twin, outbox_.now());
+      all.push_back({proxy.name, position(image.X_MB), image.place});
+    }
+  }
+  return all;
+}
+
+bool ThingsDesk::has_room(zone::Place place, Point2 at, const Standing& other) const {
+  const zone::TrafficZone& zone = *simulator_.zone();
+  const double room_m = zone::standing_room_m(zone.vehicle);
+  const double apart_m = distance(at, other.at);
+  if (apart_m >= room_m) return true;
+  // Side by side on ways that do not follow each other, the bodies alone count.
+  return other.place && apart_m > norm(zone.vehicle.length_m, zone.vehicle.width_m) &&
+         !zone.circuit.distance_ahead(place, *other.place, room_m) &&
+         !zone.circuit.distance_ahead(*other.place, place, room_m);
+}
+
+bool ThingsDesk::has_room(zone::Place place) const {
+  const Point2 at = position(simulator_.circuit()->pose_at(place));
+  return std::ranges::all_of(standing(), [&](const Standing& other) { return has_room(place, at, other); });
+}
+
+Result<void> ThingsDesk::check_place(zone::Place place) const {
+  const zone::TrafficZone& zone = *simulator_.zone();
+  const Point2 at = position(zone.circuit.pose_at(place));
+  if (!zone.may_stand(place)) {
+    const zone::Crossing* crossing = zone.crossing_at(place);
+    return fail("thing.crossing", "no vehicle may stand " +
+                                      (crossing == nullptr ? std::string("between crossings this close together")
+                                                           : "in crossing " + crossing->name) +
+                                      "; choose a place before or behind it");
+  }
+  for (const Standing& other : standing()) {
+    if (has_room(place, at, other)) continue;
+    return fail("thing.room", other.name + " stands " + metres(distance(at, other.at)) + " from there; leave " +
+                                  metres(zone::standing_room_m(zone.vehicle)) + " between two vehicles");
+  }
+  return {};
+}
+
+std::optional<zone::Place> ThingsDesk::roomiest() const {
+  const zone::TrafficZone& zone = *simulator_.zone();
+  const auto others = standing();
+  const double step_m = std::max(0.05, zone.circuit.total_length_m() / 5'000.0);
+  std::optional<zone::Place> best;
+  double best_m = 0.0;
+  for (zone::SectionId id = 0; id < zone.circuit.size(); ++id) {
+    for (double i = 0.0; i * step_m < zone.circuit.section(id).length_m(); i += 1.0) {
+      const zone::Place place{id, i * step_m};
+      const Point2 at = position(zone.circuit.pose_at(place));
+      double room_m = 1e9;
+      bool fits = true;
+      for (const Standing& other : others) {
+        room_m = std::min(room_m, distance(at, other.at));
+        fits = fits && has_room(place, at, other);
+      }
+      for (const Thing& thing : simulator_.augmented().things())
+        room_m = std::min(room_m, distance(at, thing.walk.path().front()) - thing.radius_m);
+      for (const SeenObstacle& seen : simulator_.seen().obstacles())
+        room_m = std::min(room_m, distance(at, seen.at) - seen.radius_m);
+      if (!fits || (best && room_m <= best_m) || !zone.may_stand(place)) continue;
+      best = place;
+      best_m = room_m;
+    }
+  }
+  return best;
+}
+
+}  // namespace cosiva::virtual_side

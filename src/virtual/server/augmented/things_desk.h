@@ -1,0 +1,80 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/result.h"
+#include "cosiva/virtual/server/augmented/virtual_fleet.h"
+#include "cosiva/virtual/server/registry/proxy.h"
+#include "cosiva/virtual/simulator/simulator.h"
+
+namespace cosiva::virtual_side {
+
+/// What somebody asks for of the virtual world (A3), read and judged.
+struct ThingCommand {
+  enum class Act { add, move, remove };
+  Act act{Act::add};
+  std::string id;  ///< in `remove`, "*" means all
+  bool is_aiv{false};
+  ThingKind kind{ThingKind::person};
+  double radius_m{};
+  Walk walk;          ///< of a person or an obstacle
+  zone::Place place;  ///< of an AIV
+};
+
+/// Reads commands about virtual things, and refuses what cannot be, with a sentence that says what to do. It changes
+/// nothing.
+class ThingsDesk {
+ public:
+  static constexpr double beside_zone_m = 0.5;   ///< so far beyond the drawing's bounds a thing may stand
+  static constexpr double off_circuit_m = 0.30;  ///< further from every way, a virtual AIV cannot be put
+  static constexpr double radius_m_min = 0.02;
+  static constexpr double radius_m_max = 1.0;
+  static constexpr double speed_mps_max = 3.0;
+
+  ThingsDesk(const Registry& registry, const Simulator& simulator, const VirtualFleet& fleet, const Outbox& outbox)
+      : registry_{registry}, simulator_{simulator}, fleet_{fleet}, outbox_{outbox} {}
+
+  [[nodiscard]] static bool is_ours(std::string_view command);  ///< "add", "move" or "remove"
+  [[nodiscard]] Result<ThingCommand> read(const JsonValue& command) const;
+  /// The next free "V1", "P1", "O1".
+  [[nodiscard]] std::string next_id(std::string_view kind) const;
+  /// The virtual AIV of this serial number, or of "CoSiVA.virtual/<serial>".
+  [[nodiscard]] const VirtualFleet::Host* find_aiv(std::string_view id) const;
+  /// Whether a virtual AIV may be put there: fails with the reason.
+  [[nodiscard]] Result<void> check_place(zone::Place place) const;
+  /// Whether no vehicle is too near to stand there.
+  [[nodiscard]] bool has_room(zone::Place place) const;
+  /// Where a vehicle may stand and has most room; nothing where none has any.
+  [[nodiscard]] std::optional<zone::Place> roomiest() const;
+  /// A point on the zone's drawing, or 0.5 m beside it.
+  [[nodiscard]] Result<Point2> read_point(const JsonValue& x, const JsonValue& y, std::string_view field) const;
+
+ private:
+  struct Standing {
+    std::string name;
+    Point2 at;
+    std::optional<zone::Place> place;
+  };
+  [[nodiscard]] std::vector<Standing> standing() const;
+  [[nodiscard]] bool has_room(zone::Place place, Point2 at, const Standing& other) const;
+  [[nodiscard]] Result<void> check_id(std::string_view id) const;
+  [[nodiscard]] Result<ThingCommand> read_add(const JsonValue& thing) const;
+  [[nodiscard]] Result<ThingCommand> read_move(const JsonValue& thing) const;
+  [[nodiscard]] Result<ThingCommand> read_remove(const JsonValue& command) const;
+  [[nodiscard]] Result<zone::Place> read_aiv_place(const JsonValue& thing) const;
+  [[nodiscard]] Result<std::optional<zone::Place>> read_section(const JsonValue& thing) const;
+  [[nodiscard]] Result<Walk> read_walk(const JsonValue& thing, bool may_walk, const Walk& usual) const;
+  [[nodiscard]] Result<std::vector<Point2>> read_path(const JsonValue& path) const;
+  [[nodiscard]] std::string known_things() const;
+
+  const Registry& registry_;
+  const Simulator& simulator_;
+  const VirtualFleet& fleet_;
+  const Outbox& outbox_;  ///< for the time
+};
+
+}  // namespace cosiva::virtual_side

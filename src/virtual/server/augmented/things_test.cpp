@@ -1,0 +1,363 @@
+// What is added only virtually: asked for, refused, shown, and driving among the others.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cosiva/virtual/server/testing/server_bench.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+using namespace bench;
+using testing::AnyOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+std::string person(const std::string& rest) { return R"({"command":"add","thing":{"kind":"person",)" + rest + "}}"; }
+std::string virtual_aiv(const std::string& rest) { return R"({"command":"add","thing":{"kind":"aiv")" + rest + "}}"; }
+
+std::vector<std::string> ids(const JsonValue& list) {
+  std::vector<std::string> found;
+  for (const JsonValue& one : *list.array()) found.push_back(*one.text("id"));
+  return found;
+}
+JsonValue thing(const ServerBench& bench, const std::string& id) {
+  const JsonValue all = bench.snapshot();
+  for (const JsonValue& one : *all.find("things")->array())
+    if (one.text("id") == id) return one;
+  return {};
+}
+std::vector<std::string> things(const ServerBench& bench) { return ids(*bench.snapshot().find("things")); }
+std::vector<std::string> aivs(const ServerBench& bench) { return ids(*bench.snapshot().find("aivs")); }
+
+TEST(Things, stand_where_they_were_put_with_names_of_their_kind) {
+  ServerBench bench;
+  EXPECT_EQ(bench.server->next_thing_id("person"), "P1");
+  bench.ask(person(R"("x":0.5,"y":0.1)"));
+  bench.ask(R"({"command":"add","thing":{"kind":"obstacle","id":"box","x":1.5,"y":0.2,"radius":0.3}})");
+  EXPECT_THAT(things(bench), ElementsAre("P1", "box"));
+  EXPECT_EQ(bench.server->next_thing_id("person"), "P2");
+  EXPECT_EQ(bench.server->next_thing_id("obstacle"), "O1");
+  EXPECT_EQ(bench.server->next_thing_id("aiv"), "V1");
+  const JsonValue p = thing(bench, "P1");
+  EXPECT_EQ(*p.number("x"), 0.5);
+  EXPECT_EQ(*p.number("radius"), 0.06) << "half of the zone's vehicle width";
+  EXPECT_EQ(*p.number("handle"), 32768.0);
+  EXPECT_EQ(p.find("path"), nullptr);
+  EXPECT_EQ(*thing(bench, "box").number("radius"), 0.3);
+  EXPECT_EQ(thing(bench, "box").text("kind"), "obstacle");
+}
+
+TEST(Things, walk_their_path_move_and_go) {
+  ServerBench bench;
+  bench.ask(person(R"("path":[[0,0.1],[1,0.1]],"speed":0.5,"repeat":"back and forth")"));
+  bench.run_for(3s);
+  EXPECT_NEAR(*thing(bench, "P1").number("x"), 0.5, 1e-9);
+  EXPECT_EQ(thing(bench, "P1").text("repeat"), "back and forth");
+  EXPECT_THAT(*thing(bench, "P1").find("path")->array(), SizeIs(2));
+  bench.ask(R"({"command":"move","thing":{"id":"P1","x":1.5,"y":0.1}})");
+  EXPECT_EQ(*thing(bench, "P1").number("x"), 1.5);
+  EXPECT_EQ(*thing(bench, "P1").number("speed"), 0.0);
+  bench.ask(R"({"command":"move","thing":{"id":"P1","path":[[1.5,0.1],[0,0.1]]}})");
+  bench.run_for(1s);
+  EXPECT_LT(*thing(bench, "P1").number("x"), 1.5) << "at the zone's slow speed, since none was said";
+  bench.ask(R"({"command":"remove","id":"P1"})");
+  EXPECT_THAT(things(bench), IsEmpty());
+}
+
+TEST(Things, that_cannot_be_are_refused_with_a_sentence_and_change_nothing) {
+  ServerBench bench;
+  bench.ask(person(R"("id":"P1","x":0.5,"y":0.1)"));
+  const std::vector<std::pair<std::string, std::string>> wrong{
+      {person(R"("x":50,"y":0)"), "off the zone"},
+      {person(R"("path":[[0,0],[0,99]])"), "path[1]"},
+      {person(R"("path":[])"), "1 to 64 points"},
+      {person(R"("path":[[0]])"), "[x,y]"},
+      {person(R"("path":[[0,0],[1,0]],"x":1,"y":1)"), "not both"},
+      {person(R"("x":"0","y":0)"), "two numbers"},
+      {person(R"("x":0)"), "where it stands"},
+      {person(R"("x":0,"y":0,"radius":0.01)"), "0.02 m to 1.00 m"},
+      {person(R"("x":0,"y":0,"radius":1.5)"), "0.02 m to 1.00 m"},
+      {person(R"("path":[[0,0],[1,0]],"speed":3.5)"), "3.00 m/s"},
+      {person(R"("path":[[0,0],[1,0]],"speed":-1)"), "0.00 m"},
+      {person(R"("path":[[0,0],[1,0]],"repeat":"twice")"), "back and forth"},
+      {person(R"("id":"P1","x":0,"y":0)"), "already"},
+      {person(R"("id":"S1","x":0,"y":0)"), "choose another name"},
+      {person(R"("id":"a b","x":0,"y":0)"), "no name"},
+      {person(R"("id":7,"x":0,"y":0)"), "no name"},
+      {R"({"command":"add","thing":{"kind":"obstacle","path":[[0,0],[1,0]]}})", "stands still"},
+      {R"({"command":"add","thing":{"kind":"dragon","x":0,"y":0}})", "no kind 'dragon'"},
+      {R"({"command":"add"})", "say what"},
+      {R"({"command":"move","thing":{"id":"P9","x":0,"y":0}})", "there are P1"},
+      {R"({"command":"move","thing":{"x":0,"y":0}})", "by its id"},
+      {R"({"command":"move","thing":{"id":"P1"}})", "where it stands"},
+      {R"({"command":"remove","id":"P9"})", "there are P1"},
+      {R"({"command":"remove"})", "which thing"}};
+  for (const auto& [json, words] : wrong) {
+    EXPECT_THAT(bench.refusal(json), HasSubstr(words)) << json;
+    bench.logs.clear();
+    bench.ask(json);
+    EXPECT_TRUE(bench.logged("refused")) << json;
+  }
+  EXPECT_THAT(things(bench), ElementsAre("P1"));
+  EXPECT_EQ(*bench.bijection().find("commands")->number("issued"), 0.0) << "they are no commands to vehicles";
+}
+
+TEST(Things, need_a_zone) {
+  ServerCore server{ServerOptions{}};
+  const auto checked = server.check_command(person(R"("x":0,"y":0)"));
+  ASSERT_FALSE(checked.has_value());
+  EXPECT_THAT(checked.error().message, HasSubstr("no zone yet"));
+}
+
+TEST(Things, are_at_most_64_and_all_go_at_once) {
+  ServerBench bench;
+  for (int i = 0; i < 64; ++i) bench.ask(person(R"("x":0.5,"y":0.1)"));
+  EXPECT_THAT(bench.refusal(person(R"("x":0.5,"y":0.1)")), HasSubstr("remove one"));
+  EXPECT_THAT(bench.refusal(virtual_aiv("")), HasSubstr("remove one"));
+  bench.ask(R"({"command":"remove","id":"*"})");
+  EXPECT_THAT(things(bench), IsEmpty());
+}
+
+TEST(VirtualAivs, drive_round_as_every_other_and_are_counted_apart) {
+  ServerBench bench;
+  BenchVehicle& real = bench.add("AIV1", {0, 0.5});
+  bench.run_for(1s);
+  bench.ask(virtual_aiv(R"(,"section":"north","s":1.0)"));
+  bench.run_for(4s);
+  const JsonValue first = bench.aiv("CoSiVA.virtual/V1");
+  EXPECT_EQ(first.flag("augmented"), true);
+  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").flag("augmented"), false);
+  EXPECT_EQ(first.text("connection"), "ONLINE");
+  EXPECT_FALSE(first.text("orderId")->empty());
+  bench.run_for(6s);
+  const JsonValue then = bench.aiv("CoSiVA.virtual/V1");
+  EXPECT_NE(*then.number("x"), *first.number("x"));
+  EXPECT_GT(*then.number("speed"), 0.1);
+  EXPECT_GT(real.driven_m, 2.0);
+  const JsonValue figures = bench.bijection();
+  EXPECT_EQ(*figures.number("physical"), 1.0);
+  EXPECT_EQ(*figures.number("virtual"), 1.0);
+  EXPECT_EQ(*figures.number("matched"), 1.0);
+  EXPECT_EQ(*figures.number("augmented"), 1.0);
+  EXPECT_EQ(*figures.find("events")->find("by_kind")->number("arrival"), 1.0);
+  EXPECT_FALSE(bench.published_on("uagv/v2/CoSiVA.virtual/V1/order").empty()) << "any fleet tool sees it";
+}
+
+TEST(VirtualAivs, obey_commands_which_the_bijection_does_not_count) {
+  ServerBench bench;
+  bench.ask(virtual_aiv(R"(,"section":"south","s":1.0)"));
+  bench.run_for(4s);
+  bench.command("stop", "CoSiVA.virtual/V1", "c1");
+  bench.run_for(2s);
+  EXPECT_EQ(bench.command_entry("c1").text("state"), "materialised");
+  EXPECT_EQ(bench.aiv("CoSiVA.virtual/V1").text("status"), "stopped");
+  EXPECT_EQ(*bench.bijection().find("commands")->number("issued"), 0.0);
+}
+
+TEST(VirtualAivs, taken_away_leave_the_table_and_the_way_and_may_come_back) {
+  ServerBench bench;
+  BenchVehicle& real = bench.add("AIV1", {0, 0.2});
+  bench.run_for(1s);
+  bench.command("stop", "CoSiVA/AIV1");
+  bench.run_for(1s);
+  bench.ask(virtual_aiv(R"(,"section":"east","s":0.4)"));
+  bench.run_for(200ms);
+  bench.command("stop", "CoSiVA.virtual/V1");
+  bench.run_for(1s);
+  bench.command("restart", "CoSiVA/AIV1");
+  bench.run_for(10s);
+  EXPECT_LT(real.pose().x_m, 2.2) << "it keeps behind";
+  EXPECT_FALSE(real.paused) << "its base ends before the virtual one";
+  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("waitsFor"), "CoSiVA.virtual/V1");
+  bench.command("restart", "CoSiVA.virtual/V1");
+  bench.run_for(600ms);
+  bench.command("stop", "CoSiVA.virtual/V1", "c9");
+  ASSERT_EQ(bench.command_entry("c9").text("state"), "accepted") << "it still rolls";
+  bench.ask(R"({"command":"remove","id":"V1"})");
+  EXPECT_THAT(aivs(bench), ElementsAre("CoSiVA/AIV1"));
+  EXPECT_EQ(bench.command_entry("c9").text("state"), "failed");
+  const auto goodbyes = bench.published_on("uagv/v2/CoSiVA.virtual/V1/connection");
+  EXPECT_THAT(goodbyes.back().payload, HasSubstr("OFFLINE"));
+  EXPECT_TRUE(goodbyes.back().retained);
+  const double before_m = real.driven_m;
+  bench.run_for(3s);
+  EXPECT_GT(real.driven_m, before_m + 0.5);
+  EXPECT_THAT(bench.refusal(R"({"command":"stop","vehicle":"CoSiVA.virtual/V1"})"), HasSubstr("no vehicle"));
+  bench.ask(virtual_aiv(R"(,"id":"V1","section":"north","s":0.5)"));
+  bench.run_for(500ms);
+  EXPECT_THAT(aivs(bench), ElementsAre("CoSiVA/AIV1", "CoSiVA.virtual/V1"));
+  EXPECT_EQ(bench.aiv("CoSiVA.virtual/V1").text("section"), "north");
+}
+
+TEST(VirtualAivs, go_where_there_is_most_room_when_no_place_is_said) {
+  ServerBench bench;
+  bench.add("AIV1", {0, 1.0}).blocked = true;  // in the middle of the south side
+  bench.run_for(1s);
+  bench.ask(virtual_aiv(""));
+  bench.run_for(200ms);
+  // By the crow's fly the ends of the oval are 1.62 m away, the other side 1.0 m.
+  EXPECT_THAT(*bench.aiv("CoSiVA.virtual/V1").text("section"), AnyOf("east", "west"));
+}
+
+TEST(VirtualAivs, are_refused_where_no_vehicle_may_be) {
+  ServerBench bench;
+  bench.add("AIV1", {0, 1.0}).blocked = true;
+  bench.run_for(1s);
+  EXPECT_THAT(bench.refusal(virtual_aiv(R"(,"x":1.0,"y":0.45)")), HasSubstr("from the nearest way"));
+  EXPECT_THAT(bench.refusal(virtual_aiv(R"(,"x":1.2,"y":0.0)")), HasSubstr("CoSiVA/AIV1 stands 0.20 m"));
+  EXPECT_THAT(bench.refusal(virtual_aiv(R"(,"x":1.0)")), HasSubstr("two numbers"));
+  EXPECT_THAT(bench.refusal(virtual_aiv(R"(,"section":"attic")")), HasSubstr("it has south, east, north, west"));
+  EXPECT_THAT(bench.refusal(virtual_aiv(R"(,"section":"south","s":2.5)")), HasSubstr("2.00 m"));
+  EXPECT_EQ(bench.refusal(virtual_aiv(R"(,"x":1.5,"y":0.2)")), "");
+  bench.ask(virtual_aiv(R"(,"x":1.5,"y":0.2)"));
+  EXPECT_THAT(bench.refusal(virtual_aiv(R"(,"id":"V1")")), HasSubstr("already"));
+  EXPECT_THAT(bench.refusal(virtual_aiv(R"(,"x":1.6,"y":0.0)")), HasSubstr("CoSiVA.virtual/V1"));
+  EXPECT_THAT(bench.refusal(R"({"command":"move","thing":{"id":"V1","x":1,"y":0}})"), HasSubstr("drives by itself"));
+  ServerBench clover{zone_file("lacet4.toml")};
+  const zone::Crossing& crossing = clover.zone->crossings.front();
+  EXPECT_THAT(clover.refusal(virtual_aiv(",\"x\":" + std::to_string(crossing.centre.x_m) +
+                                         ",\"y\":" + std::to_string(crossing.centre.y_m))),
+              AnyOf(HasSubstr("in crossing"), HasSubstr("between crossings")));
+}
+
+TEST(VirtualAivs, go_on_from_where_they_stand_when_the_ways_change) {
+  ServerBench bench;
+  bench.ask(virtual_aiv(R"(,"section":"west","s":1.0)"));
+  bench.ask(virtual_aiv(R"(,"section":"south","s":1.0)"));
+  bench.run_for(3s);
+  std::string shorter = oval().text;
+  for (int i = 0; i < 2; ++i) shorter.replace(shorter.find("length_m = 2.0"), 14, "length_m = 1.0");
+  bench.feed(wire::InputKind::message, "cosiva/v1/zone/toml", shorter);
+  ASSERT_EQ(bench.server->zone_revision(), 2U);
+  bench.run_for(10s);
+  EXPECT_THAT(aivs(bench), ElementsAre("CoSiVA.virtual/V1", "CoSiVA.virtual/V2"));
+  EXPECT_GT(*bench.aiv("CoSiVA.virtual/V1").number("speed"), 0.05);
+  const JsonValue parked = bench.aiv("CoSiVA.virtual/V2");
+  EXPECT_THAT(parked.text("parked").value_or(""), HasSubstr("from the nearest way")) << "its way ended where it was";
+  EXPECT_EQ(*parked.number("speed"), 0.0);
+  EXPECT_EQ(*parked.number("y"), 0.0);
+}
+
+TEST(VirtualAivs, make_the_same_run_from_the_same_inputs) {
+  const auto run = [] {
+    ServerBench bench{zone_file("lacet4.toml")};
+    bench.add("AIV1", {0, 0.1});
+    bench.run_for(1s);
+    bench.ask(virtual_aiv(""));
+    bench.ask(person(R"("path":[[0,0],[0.5,0.5],[-0.5,0.2]],"speed":0.3,"repeat":"loop")"));
+    bench.run_for(10s);
+    bench.ask(R"({"command":"edit","edit":{"addTags":[{"number":77,"x":0,"y":0.1}]}})");
+    bench.run_for(5s);
+    Digest digest;
+    bench.server->fold(digest);
+    for (const wire::Publish& message : bench.published) digest.add(std::string_view{message.payload});
+    digest.add(std::string_view{bench.memory});
+    return digest.hex();
+  };
+  EXPECT_EQ(run(), run());
+}
+
+TEST(VirtualAivs, speak_under_the_server_s_own_interface) {
+  ServerOptions options;
+  options.interface_name = "plant7";
+  ServerBench bench{oval(), options};
+  bench.ask(virtual_aiv(R"(,"section":"south","s":1.0)"));
+  bench.run_for(3s);
+  EXPECT_FALSE(bench.published_on("plant7/v2/CoSiVA.virtual/V1/state").empty());
+  EXPECT_GT(*bench.aiv("CoSiVA.virtual/V1").number("speed"), 0.0);
+}
+
+TEST(VirtualAivs, say_goodbye_with_the_server) {
+  ServerBench bench;
+  bench.ask(virtual_aiv(R"(,"section":"south","s":1.0)"));
+  wire::Effects effects;
+  bench.server->farewell(bench.now, effects);
+  std::vector<std::string> topics;
+  for (const wire::Effect& effect : effects)
+    if (const auto* message = std::get_if<wire::Publish>(&effect)) topics.push_back(message->topic);
+  EXPECT_THAT(topics, ElementsAre("uagv/v2/CoSiVA.virtual/V1/connection", wire::server_connection_topic));
+}
+
+TEST(VirtualAivs, of_a_forgotten_life_are_not_shown_and_said_to_be_gone) {
+  ServerBench bench;
+  wire::Connection ghost{{3, bench.now, "2.1.0", "CoSiVA.virtual", "V7"}, wire::ConnectionState::online};
+  bench.feed(wire::InputKind::message, "uagv/v2/CoSiVA.virtual/V7/connection", vda::encode(ghost), true);
+  bench.run_for(3s);
+  EXPECT_THAT(aivs(bench), IsEmpty());
+  const auto said = bench.published_on("uagv/v2/CoSiVA.virtual/V7/connection");
+  ASSERT_THAT(said, SizeIs(1));
+  EXPECT_THAT(said[0].payload, HasSubstr("OFFLINE"));
+  EXPECT_TRUE(said[0].retained);
+}
+
+TEST(VirtualAivs, put_between_a_vehicle_and_its_crossing_drive_on_before_it) {
+  ServerBench bench{zone_file("lacet4.toml")};
+  BenchVehicle& real = bench.add("AIV1", {7, 1.5});
+  // Until its base leads through the crossings of the next straight.
+  for (int i = 0; i < 2000 && real.book->distance_to_base_end_m() < 1.0; ++i) bench.run_for(20ms);
+  real.blocked = true;  // it feels the virtual one before it
+  bench.run_for(100ms);
+  const zone::Place ahead = bench.zone->circuit.advance(real.place(), 0.45);
+  bench.ask(virtual_aiv(",\"section\":\"" + bench.zone->circuit.part(ahead.section).name +
+                        "\",\"s\":" + std::to_string(ahead.s_m)));
+  if (!bench.logged("command refused")) {
+    bench.run_for(8s);
+    EXPECT_GT(
+        distance(Pose2{*bench.aiv("CoSiVA.virtual/V1").number("x"), *bench.aiv("CoSiVA.virtual/V1").number("y"), 0},
+                 real.pose()),
+        0.8);
+  }
+}
+
+TEST(Commands, to_several_vehicles_have_an_entry_each) {
+  ServerBench bench;
+  bench.add("AIV1", {0, 0.5});
+  bench.add("AIV2", {2, 0.5});
+  bench.add("AIV3", {2, 1.5});
+  bench.run_for(2s);
+  bench.ask(R"({"command":"stop","id":"c1","vehicles":["CoSiVA/AIV1","CoSiVA/AIV3","CoSiVA/AIV1"]})");
+  bench.run_for(1s);
+  EXPECT_EQ(bench.command_entry("c1.AIV1").text("state"), "materialised");
+  EXPECT_EQ(bench.command_entry("c1.AIV3").text("state"), "materialised");
+  EXPECT_TRUE(bench.command_entry("c1.AIV2").is_null());
+  EXPECT_EQ(*bench.bijection().find("commands")->number("issued"), 2.0);
+  EXPECT_THAT(bench.refusal(R"({"command":"stop","vehicles":["CoSiVA/AIV1","CoSiVA/AIV9"]})"),
+              HasSubstr("'CoSiVA/AIV9'"));
+  EXPECT_THAT(bench.refusal(R"({"command":"stop","vehicles":[]})"), HasSubstr("at least one"));
+  EXPECT_THAT(bench.refusal(R"({"command":"stop","vehicles":[7]})"), HasSubstr("no vehicle ''"));
+}
+
+TEST(WorldCommands, pass_on_to_the_emulated_world_what_it_understands) {
+  ServerBench bench;
+  bench.add("AIV1", {0, 0.5});
+  bench.ask(R"({"command":"plant","plant":{"addObstacle":{"id":"box1","x":0.5,"y":0.2}}})");
+  bench.ask(R"({"command":"plant","plant":{"removeObstacle":"box1"}})");
+  const auto plant = bench.published_on(wire::plant_command_topic);
+  ASSERT_THAT(plant, SizeIs(2));
+  EXPECT_EQ(plant[0].payload, R"({"addObstacle":{"id":"box1","x":0.5,"y":0.2,"radius":0.06}})");
+  EXPECT_EQ(plant[1].payload, R"({"removeObstacle":"box1"})");
+  bench.ask(R"({"command":"radio","vehicle":"CoSiVA/AIV1","loss":0.3})");
+  const auto radio = bench.published_on(wire::plant_radio_topic);
+  ASSERT_THAT(radio, SizeIs(1));
+  EXPECT_EQ(wire::radio_from_json(radio[0].payload)->loss, 0.3);
+}
+
+TEST(WorldCommands, that_make_no_sense_are_refused) {
+  ServerBench bench;
+  EXPECT_THAT(bench.refusal(R"({"command":"plant"})"), HasSubstr("say what"));
+  EXPECT_THAT(bench.refusal(R"({"command":"plant","plant":{}})"), HasSubstr("say what"));
+  EXPECT_THAT(bench.refusal(R"({"command":"plant","plant":{"addObstacle":{"x":0,"y":0}}})"), HasSubstr("name"));
+  EXPECT_THAT(bench.refusal(R"({"command":"plant","plant":{"addObstacle":{"id":"a","x":90,"y":0}}})"),
+              HasSubstr("off the zone"));
+  EXPECT_THAT(bench.refusal(R"({"command":"plant","plant":{"addObstacle":{"id":"a","x":0,"y":0,"radius":9}}})"),
+              HasSubstr("0.02 m to 1 m"));
+  EXPECT_THAT(bench.refusal(R"({"command":"plant","plant":{"removeObstacle":7}})"), HasSubstr("name"));
+  EXPECT_THAT(bench.refusal(R"({"command":"radio","vehicle":"CoSiVA/AIV9","loss":0.3})"), HasSubstr("no vehicle"));
+  EXPECT_THAT(bench.refusal(R"({"command":"radio","vehicle":"*","loss":3})"), HasSubstr("from 0 to 1"));
+  EXPECT_THAT(bench.refusal(R"({"command":"radio","vehicle":"*"})"), HasSubstr("from 0 to 1"));
+}
+
+}  // namespace
+}  // namespace cosiva::virtual_side

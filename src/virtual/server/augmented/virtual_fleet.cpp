@@ -1,0 +1,130 @@
+#include "cosiva/virtual/server/augmented/virtual_fleet.h"
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+#include "cosiva/wire/vda5050/said.h"
+
+namespace cosiva::virtual_side {
+void VirtualFleet::send(Host& host) {
+  for (wire::Effect& effect : effects_) {
+    if (auto* message = std::get_if<wire::Publish>(&effect)) {
+      outbox_.publish(std::move(message->topic), std::move(message->payload), message->qos, message->retained);
+    } else if (auto* log = std::get_if<wire::Log>(&effect)) {
+      outbox_.log(log->level, registry_[host.vehicle].name + ": " + log->text);
+    } else if (auto* listen = std::get_if<wire::Listen>(&effect)) {
+      host.listens = std::move(listen->filters);
+    }
+  }
+  effects_.clear();
+}
+
+void VirtualFleet::add(VehicleIndex vehicle, SimTime now, bool link_up, const zone::ZoneConfiguration& zone,
+                       zone::Place start) {
+  const AivProxy& proxy = registry_[vehicle];
+  hosts_.push_back(
+      {vehicle, now,
+       VirtualAiv(proxy.id.serial_number, proxy.number, zone, start, registry_.interface_name(), rules_, v2x_)});
+  if (!link_up) return;
+  hosts_.back().aiv.link(now, true, effects_);
+  send(hosts_.back());
+}
+
+void VirtualFleet::remove(VehicleIndex vehicle, SimTime now) {
+  Host* host = find_host(vehicle);
+  if (host == nullptr) return;
+  host->aiv.farewell(now, effects_);
+  send(*host);
+  std::erase_if(hosts_, [vehicle](const Host& h) { return h.vehicle == vehicle; });
+}
+
+VirtualFleet::Host* VirtualFleet::find_host(VehicleIndex vehicle) {
+  const auto it = std::ranges::find(hosts_, vehicle, &Host::vehicle);
+  return it == hosts_.end() ? nullptr : &*it;
+}
+
+const VirtualFleet::Host* VirtualFleet::find(VehicleIndex vehicle) const {
+  const auto it = std::ranges::find(hosts_, vehicle, &Host::vehicle);
+  return it == hosts_.end() ? nullptr : &*it;
+}
+
+zone::Place VirtualFleet::place_of(const Host& host, const zone::Circuit& circuit) {
+  const Pose2 X_MB = host.aiv.X_MB();
+  return circuit.locate(position(X_MB), X_MB.heading_rad).place;
+}
+
+void VirtualFleet::link(SimTime now, bool up) {
+  for (Host& host : hosts_) {
+    host.aiv.link(now, up, effects_);
+    send(host);
+  }
+}
+
+void VirtualFleet::zone(SimTime now, const zone::ZoneConfiguration& zone) {
+  for (Host& host : hosts_) {
+    host.aiv.zone(now, zone, effects_);
+    send(host);
+  }
+}
+
+void VirtualFleet::message(SimTime now, const std::string& topic, const std::string& payload) {
+  for (Host& host : hosts_) {
+    host.aiv.message(now, topic, payload, effects_);
+    send(host);
+  }
+}
+
+void VirtualFleet::message(SimTime now, VehicleIndex vehicle, const std::string& topic, const std::string& payload) {
+  Host* host = find_host(vehicle);
+  if (host == nullptr) return;
+  host->aiv.message(now, topic, payload, effects_);
+  send(*host);
+}
+
+bool VirtualFleet::from_broker(SimTime now, const wire::Input& input) {
+  for (Host& host : hosts_) {
+    const AivProxy& proxy = registry_[host.vehicle];
+    if (input.source != proxy.order_topic && input.source != proxy.actions_topic) continue;
+    const std::string payload = input.said ? wire::vda5050::text_of(*input.said) : input.payload;
+    host.aiv.message(now, input.source, payload, effects_);
+    send(host);
+    return true;
+  }
+  return false;
+}
+
+void VirtualFleet::talk(SimTime now, const wire::Input& input) {
+  const auto* intent = wire::said<wire::Intent>(input.said);
+  const std::string payload = intent == nullptr ? input.payload : wire::to_json(*intent);
+  for (Host& host : hosts_) {
+    const bool hears = std::ranges::any_of(
+        host.listens, [&](const std::string& filter) { return wire::topic_matches(filter, input.source); });
+    if (!hears) continue;
+    host.aiv.message(now, input.source, payload, effects_);
+    send(host);
+  }
+}
+
+void VirtualFleet::tick(SimTime now) {
+  for (Host& host : hosts_) {
+    host.aiv.tick(now, effects_);
+    send(host);
+  }
+}
+
+void VirtualFleet::farewell(SimTime now) {
+  for (Host& host : hosts_) {
+    host.aiv.farewell(now, effects_);
+    send(host);
+  }
+}
+
+void VirtualFleet::fold(Digest& digest) const {
+  for (const Host& host : hosts_) {
+    digest.add(std::uint64_t{host.vehicle});
+    host.aiv.fold(digest);
+  }
+}
+
+}  // namespace cosiva::virtual_side

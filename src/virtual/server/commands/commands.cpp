@@ -1,0 +1,359 @@
+#include "cosiva/virtual/server/commands/commands.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "cosiva/base/json_value.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+constexpr std::array verbs{Verb::stop, Verb::slow, Verb::medium, Verb::fast, Verb::limit, Verb::restart, Verb::cancel};
+constexpr double limit_mps_max = 5.0;
+constexpr double standing_mps = 0.01;
+constexpr double speed_slack_mps = 0.02;
+constexpr std::size_t json_bytes_max = 64U << 10U;
+constexpr std::size_t vehicles_named_max = Registry::vehicles_max;
+
+std::optional<aiv::Profile> profile_of(Verb verb) {
+  switch (verb) {
+    case Verb::slow: return aiv::Profile::slow;
+    case Verb::medium: return aiv::Profile::medium;
+    case Verb::fast: return aiv::Profile::fast;
+    default: return std::nullopt;
+  }
+}
+
+wire::Action action(std::string type) { return {std::move(type), {}, {}, wire::BlockingType::none, {}}; }
+
+wire::Action speed_limit(std::string_view profile) {
+  wire::Action limit = action("setSpeedLimit");
+  limit.parameters.push_back({"profile", std::string(profile)});
+  return limit;
+}
+
+bool sets_speed(Verb verb) { return profile_of(verb) || verb == Verb::limit; }
+
+std::string cut(std::string_view text) { return std::string(text.substr(0, 80)); }
+
+}  // namespace
+
+std::string_view to_string(Verb verb) {
+  switch (verb) {
+    case Verb::stop: return "stop";
+    case Verb::slow: return "slow";
+    case Verb::medium: return "medium";
+    case Verb::fast: return "fast";
+    case Verb::limit: return "limit";
+    case Verb::restart: return "restart";
+    case Verb::cancel: return "cancel";
+  }
+  return "?";
+}
+
+std::string_view to_string(CommandState state) {
+  switch (state) {
+    case CommandState::issued: return "issued";
+    case CommandState::accepted: return "accepted";
+    case CommandState::materialised: return "materialised";
+    case CommandState::failed: return "failed";
+  }
+  return "?";
+}
+
+Result<Commands::Asked> Commands::read(std::string_view json) const {
+  const auto value = JsonValue::parse(json, json_bytes_max);
+  if (!value || value->object() == nullptr) {
+    return fail("command.syntax", "a command is a JSON object like {\"command\":\"stop\",\"vehicle\":\"*\"}" +
+                                      (value ? std::string{} : "; this is none: " + value.error().message));
+  }
+  Asked asked;
+  asked.id = cut(value->text("id").value_or(""));
+  const auto verb = value->text("command");
+  if (!verb)
+    return fail("command.missing", "say which command: stop, slow, medium, fast, limit, restart or cancel", "command");
+  asked.verb_text = cut(*verb);
+  if (const JsonValue* list = value->find("vehicles"); list != nullptr && !list->is_null()) {
+    if (list->array() == nullptr || list->array()->empty() || list->array()->size() > vehicles_named_max)
+      return fail("command.vehicle", "give at least one and at most 256 vehicles, as [\"CoSiVA/AIV1\",…]", "vehicles");
+    for (const JsonValue& name : *list->array())
+      asked.vehicle_names.push_back(name.text() == nullptr ? std::string{} : cut(*name.text()));
+    asked.several = true;
+  } else {
+    const auto vehicle = value->text("vehicle");
+    if (!vehicle)
+      return fail("command.vehicle", "say which vehicle, as manufacturer/serial number, or * for all", "vehicle");
+    asked.vehicle_names.push_back(cut(*vehicle));
+    asked.several = *vehicle == "*";
+  }
+  const auto known = std::ranges::find(verbs, *verb, [](Verb v) { return to_string(v); });
+  if (known != verbs.end()) asked.verb = *known;
+  if (asked.verb == Verb::limit) {
+    asked.speed_mps = value->number("speed").value_or(0.0);
+    if (!(asked.speed_mps > 0.0 && asked.speed_mps <= limit_mps_max))
+      return fail("command.speed", "say how fast it may drive at most, above 0 and up to 5 m/s, as \"speed\":0.25",
+                  "speed");
+  }
+  return asked;
+}
+
+std::optional<std::string> Commands::impossible(VehicleIndex vehicle, Verb verb) const {
+  const AivProxy& proxy = registry_[vehicle];
+  if (!proxy.online())
+    return proxy.name + " is not connected; switch it on or bring it back into radio range, then try again";
+  if (sets_speed(verb) && proxy.supports("setSpeedLimit") == std::optional{false})
+    return proxy.name + " does not support setSpeedLimit (its factsheet does not list it); it can only be stopped";
+  return std::nullopt;
+}
+
+Result<void> Commands::check(std::string_view json) const {
+  const auto asked = read(json);
+  if (!asked) return tl::unexpected(asked.error());
+  return judge_asked(*asked);
+}
+
+Result<void> Commands::judge_asked(const Asked& asked) const {
+  if (!asked.verb) {
+    return fail("command.unknown",
+                "there is no command '" + asked.verb_text + "'; use stop, slow, medium, fast, limit, restart or cancel",
+                "command");
+  }
+  if (asked.all()) {
+    if (addressed(asked).empty()) return fail("command.vehicle", "no vehicle has been heard of yet", "vehicle");
+    return {};
+  }
+  for (const std::string& name : asked.vehicle_names) {
+    const auto vehicle = registry_.find(name);
+    if (!vehicle || registry_[*vehicle].retired) {
+      return fail("command.vehicle",
+                  "no vehicle '" + name + "' has been heard of; name it as manufacturer/serial number", "vehicle");
+    }
+  }
+  // Of several, those that can follow do; the others' entries say why they cannot.
+  if (asked.several) return {};
+  if (auto reason = impossible(*registry_.find(asked.vehicle_names.front()), *asked.verb))
+    return fail("command.impossible", std::move(*reason), "vehicle");
+  return {};
+}
+
+std::vector<VehicleIndex> Commands::addressed(const Asked& asked) const {
+  std::vector<VehicleIndex> vehicles;
+  const auto add_once = [&vehicles](VehicleIndex v) {
+    if (std::ranges::find(vehicles, v) == vehicles.end()) vehicles.push_back(v);
+  };
+  if (!asked.all()) {
+    for (const std::string& name : asked.vehicle_names) add_once(*registry_.find(name));
+    return vehicles;
+  }
+  for (VehicleIndex v = 0; v < registry_.size(); ++v)
+    if (!registry_[v].retired) add_once(v);
+  return vehicles;
+}
+
+std::string Commands::next_id(const std::string& wanted) {
+  ++running_;
+  return wanted.empty() ? "c" + std::to_string(running_) : wanted;
+}
+
+void Commands::issue(std::string_view json) {
+  const auto asked = read(json);
+  Command command;
+  command.at = outbox_.now();
+  command.id = next_id(asked ? asked->id : "");
+  if (asked) {
+    command.verb = asked->verb;
+    command.verb_text = asked->verb_text;
+    command.speed_mps = asked->speed_mps;
+    for (const std::string& name : asked->vehicle_names)
+      command.vehicle_name += (command.vehicle_name.empty() ? "" : ", ") + name;
+  }
+  const Result<void> judged = asked ? judge_asked(*asked) : tl::unexpected(asked.error());
+  if (!judged) {
+    simulator_.monitor().command_issued();
+    fail_command(command, to_string(judged.error()));
+    keep(std::move(command));
+    return;
+  }
+  for (const VehicleIndex v : addressed(*asked)) {
+    Command one = command;
+    if (asked->several) one.id += "." + registry_[v].id.serial_number;
+    one.vehicle = v;
+    one.vehicle_name = registry_[v].name;
+    begin(std::move(one));
+  }
+}
+
+BijectionMonitor* Commands::monitor_of(const Command& command) {
+  const bool augmented = command.vehicle != no_vehicle && registry_[command.vehicle].augmented;
+  return augmented ? nullptr : &simulator_.monitor();
+}
+
+void Commands::begin(Command command) {
+  if (BijectionMonitor* monitor = monitor_of(command)) monitor->command_issued();
+  const Verb verb = *command.verb;
+  AivProxy& proxy = registry_[command.vehicle];
+  if (auto reason = impossible(command.vehicle, verb)) {
+    fail_command(command, std::move(*reason));
+    keep(std::move(command));
+    return;
+  }
+  supersede(command);
+  std::vector<wire::Action> actions;
+  switch (verb) {
+    case Verb::stop:
+      proxy.paused_for_body = false;  // from now on it stands because somebody wants it to
+      actions.push_back(action("startPause"));
+      break;
+    case Verb::restart:
+      proxy.paused_for_body = false;
+      proxy.no_orders = false;
+      actions.push_back(action("stopPause"));
+      if (proxy.imposed || proxy.speed_mps_max) actions.push_back(speed_limit("normal"));
+      proxy.speed_mps_max.reset();
+      break;
+    case Verb::cancel:
+      proxy.no_orders = true;
+      roller_.stop_rolling(command.vehicle);
+      actions.push_back(action("cancelOrder"));
+      break;
+    case Verb::slow:
+    case Verb::medium:
+    case Verb::fast:
+      actions.push_back(speed_limit(to_string(*profile_of(verb))));
+      proxy.speed_mps_max.reset();
+      break;
+    case Verb::limit:
+      actions.push_back(action("setSpeedLimit"));
+      actions.back().parameters.push_back({"maxSpeed", command.speed_mps});
+      break;
+  }
+  command.ticket = desk_.send(proxy, command.vehicle, std::move(actions), patience, true);
+  keep(std::move(command));
+}
+
+void Commands::supersede(const Command& by) {
+  // Otherwise the older one, sent again because its answer was lost, would undo the newer.
+  const auto overtakes = [&](Verb older) {
+    if (older == *by.verb || *by.verb == Verb::restart) return true;
+    return (sets_speed(older) && sets_speed(*by.verb)) || (older == Verb::restart && *by.verb == Verb::stop);
+  };
+  for (Command& older : list_) {
+    if (older.vehicle == by.vehicle && older.open() && overtakes(*older.verb))
+      fail_command(older, "overtaken by " + by.id + " (" + std::string(to_string(*by.verb)) + ")");
+  }
+}
+
+bool Commands::effect_seen(const Command& command) const {
+  const AivProxy& proxy = registry_[command.vehicle];
+  if (!proxy.state) return false;
+  const wire::State& state = *proxy.state;
+  const double speed_mps = proxy.twin ? simulator_.twin(*proxy.twin).speed_mps() : 0.0;
+  switch (*command.verb) {
+    case Verb::stop: return state.paused && !state.driving && speed_mps < standing_mps;
+    case Verb::restart: {
+      // A limit asked for after it is not its failure.
+      const bool limited_since = std::ranges::any_of(list_, [&](const Command& other) {
+        return other.vehicle == command.vehicle && other.at >= command.at && other.verb && profile_of(*other.verb);
+      });
+      return !state.paused && (!proxy.imposed || limited_since);
+    }
+    case Verb::cancel: return state.node_states.empty() && !state.driving;
+    case Verb::limit: {
+      const ActionDesk::Letter* letter = desk_.find(command.ticket);
+      return letter != nullptr && letter->actions.front().status == wire::ActionStatus::finished &&
+             speed_mps <= command.speed_mps + speed_slack_mps;
+    }
+    case Verb::slow:
+    case Verb::medium:
+    case Verb::fast: break;
+  }
+  const aiv::Profile profile = *profile_of(*command.verb);
+  if (proxy.imposed != profile) return false;
+  const auto& zone = simulator_.zone();
+  return !zone || speed_mps <= aiv::kinematics(zone->profiles, profile).speed_mps + speed_slack_mps;
+}
+
+void Commands::judge(Command& command) {
+  const ActionDesk::Letter* letter = desk_.find(command.ticket);
+  if (letter == nullptr || !letter->acknowledged()) return;
+  if (!command.accepted_at) accept(command);
+  if (effect_seen(command)) {
+    materialise(command);
+    return;
+  }
+  for (const auto& progress : letter->actions) {
+    if (progress.status != wire::ActionStatus::failed) continue;
+    std::string reason = "the vehicle refused it";
+    if (!progress.result.empty()) reason += ": " + progress.result;
+    for (const wire::VehicleError& error : registry_[command.vehicle].state->errors) {
+      const bool about = std::ranges::any_of(error.references, [&](const wire::Reference& r) {
+        return r.key == "actionId" && r.value == progress.action_id;
+      });
+      if (about) reason += " (" + error.type + ": " + error.description + ")";
+    }
+    fail_command(command, std::move(reason));
+    return;
+  }
+}
+
+void Commands::on_state(VehicleIndex vehicle) {
+  for (Command& command : list_)
+    if (command.vehicle == vehicle && command.open()) judge(command);
+}
+
+void Commands::tick() {
+  const SimTime now = outbox_.now();
+  for (Command& command : list_) {
+    if (!command.open() || now - command.at < patience) continue;
+    fail_command(command, command.accepted_at ? "accepted, but its effect was not seen within 5 s"
+                                              : "the vehicle did not answer within 5 s");
+  }
+}
+
+void Commands::forget(VehicleIndex vehicle, const std::string& reason) {
+  for (Command& command : list_)
+    if (command.vehicle == vehicle && command.open()) fail_command(command, reason);
+}
+
+void Commands::accept(Command& command) {
+  command.state = CommandState::accepted;
+  command.accepted_at = outbox_.now();
+  if (BijectionMonitor* monitor = monitor_of(command)) monitor->command_accepted();
+}
+
+void Commands::materialise(Command& command) {
+  command.state = CommandState::materialised;
+  command.materialised_at = outbox_.now();
+  if (command.verb == Verb::limit) registry_[command.vehicle].speed_mps_max = command.speed_mps;
+  desk_.drop(command.ticket);
+  if (BijectionMonitor* monitor = monitor_of(command))
+    monitor->command_materialised(to_seconds(outbox_.now() - command.at) * 1e3);
+}
+
+void Commands::fail_command(Command& command, std::string reason) {
+  command.state = CommandState::failed;
+  command.reason = std::move(reason);
+  desk_.drop(command.ticket);
+  if (BijectionMonitor* monitor = monitor_of(command)) monitor->command_failed();
+  outbox_.log('w', "command " + command.id + " '" + command.verb_text + "' for '" + command.vehicle_name +
+                       "' failed: " + command.reason);
+}
+
+void Commands::keep(Command command) {
+  list_.push_back(std::move(command));
+  // Open ones end within 5 s, so the oldest are closed unless somebody floods; those are followed no longer.
+  while (list_.size() > kept_max) {
+    if (list_.front().open()) fail_command(list_.front(), "too many commands at once");
+    list_.pop_front();
+  }
+}
+
+void Commands::fold(Digest& digest) const {
+  for (const Command& command : list_) {
+    digest.add(std::string_view{command.id});
+    digest.add(static_cast<std::uint64_t>(command.state));
+  }
+}
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cosiva/base/digest.h"
+#include "cosiva/virtual/server/messages/outbox.h"
+#include "cosiva/virtual/server/orders/order_roller.h"
+#include "cosiva/virtual/server/registry/proxy.h"
+#include "cosiva/virtual/simulator/simulator.h"
+
+namespace cosiva::virtual_side {
+
+/// What an operator can ask of a vehicle (A6).
+enum class Verb : std::uint8_t { stop, slow, medium, fast, limit, restart, cancel };
+[[nodiscard]] std::string_view to_string(Verb verb);
+
+enum class CommandState : std::uint8_t { issued, accepted, materialised, failed };
+[[nodiscard]] std::string_view to_string(CommandState state);
+
+struct Command {
+  std::string id;
+  VehicleIndex vehicle{no_vehicle};
+  std::string vehicle_name;
+  std::string verb_text;  ///< as asked, even when nobody knows such a verb
+  std::optional<Verb> verb;
+  double speed_mps{};  ///< of `limit`
+  CommandState state{CommandState::issued};
+  SimTime at{};
+  std::optional<SimTime> accepted_at;
+  std::optional<SimTime> materialised_at;
+  std::string reason;
+  ActionDesk::Ticket ticket{0};
+  [[nodiscard]] bool open() const { return state == CommandState::issued || state == CommandState::accepted; }
+};
+
+/// Follows each command until its effect is seen on the vehicle: issued → accepted (its actions stand in the state) →
+/// materialised (the vehicle does it), or failed with the reason.
+class Commands {
+ public:
+  static constexpr SimDuration patience{std::chrono::seconds{5}};
+  static constexpr std::size_t kept_max = 200;
+
+  Commands(Registry& registry, Outbox& outbox, ActionDesk& desk, OrderRoller& roller, Simulator& simulator)
+      : registry_{registry}, outbox_{outbox}, desk_{desk}, roller_{roller}, simulator_{simulator} {}
+
+  [[nodiscard]] Result<void> check(std::string_view json) const;
+  void issue(std::string_view json);
+  void on_state(VehicleIndex vehicle);
+  void tick();
+  /// It has been taken away: what is open for it fails.
+  void forget(VehicleIndex vehicle, const std::string& reason);
+
+  /// The id that the next command gets that brings none.
+  [[nodiscard]] std::string next_free_id() const { return "c" + std::to_string(running_ + 1); }
+  [[nodiscard]] const std::deque<Command>& list() const { return list_; }  ///< oldest first
+  void fold(Digest& digest) const;
+
+ private:
+  struct Asked {
+    std::string id;
+    std::string verb_text;
+    std::vector<std::string> vehicle_names;  ///< or "*" alone
+    std::optional<Verb> verb;
+    double speed_mps{};   ///< of `limit`
+    bool several{false};  ///< given as a list, or all: an entry each
+    [[nodiscard]] bool all() const { return several && vehicle_names.front() == "*"; }
+  };
+  [[nodiscard]] Result<Asked> read(std::string_view json) const;
+  [[nodiscard]] Result<void> judge_asked(const Asked& asked) const;
+  [[nodiscard]] std::vector<VehicleIndex> addressed(const Asked& asked) const;
+  /// The monitor, where the command is for a vehicle that it counts.
+  [[nodiscard]] BijectionMonitor* monitor_of(const Command& command);
+  [[nodiscard]] std::string next_id(const std::string& wanted);
+  void begin(Command command);
+  void supersede(const Command& by);
+  [[nodiscard]] std::optional<std::string> impossible(VehicleIndex vehicle, Verb verb) const;
+  [[nodiscard]] bool effect_seen(const Command& command) const;
+  void judge(Command& command);
+  void accept(Command& command);
+  void materialise(Command& command);
+  void fail_command(Command& command, std::string reason);
+  void keep(Command command);
+
+  Registry& registry_;
+  Outbox& outbox_;
+  ActionDesk& desk_;
+  OrderRoller& roller_;
+  Simulator& simulator_;
+  std::deque<Command> list_;
+  std::uint64_t running_{0};
+};
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,500 @@
+// Several servers on one broker: claims, handover, and who sends what to whom.
+#include "cosiva/virtual/server/areas/halls.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <map>
+
+#include "cosiva/base/json_value.h"
+#include "cosiva/virtual/server/core/server_core.h"
+#include "cosiva/virtual/server/testing/vehicle_bench.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+using namespace bench;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+using testing::UnorderedElementsAre;
+
+zone::ZoneConfiguration hall_file(const std::string& name) { return zone_file("../e2e/halls/" + name + ".toml"); }
+
+const std::string aiv1 = "CoSiVA/AIV1";
+
+/// The servers of halls a and b on one broker that keeps what is retained, and the bench's vehicles on their floor. Two
+/// straights at y = ±0.29 m, a gate of 0.6 m between them at y = 0 that begins at x = 1.307 m.
+class HallsBench {
+ public:
+  explicit HallsBench(std::vector<std::string> halls = {"a", "b"}) {
+    for (const std::string& hall : halls) start(hall);
+  }
+
+  struct Server {
+    std::unique_ptr<ServerCore> core;
+    std::string memory;
+    std::vector<std::string> logs;
+    std::vector<wire::Publish> published;
+    bool deaf_to_owners{false};  ///< what it should hear of them waits
+    std::vector<wire::Publish> waiting;
+  };
+  std::map<std::string, Server> servers;
+  std::map<std::string, zone::ZoneConfiguration> zone_of{{"a", hall_file("hall_a")}, {"b", hall_file("hall_b")}};
+  std::vector<std::unique_ptr<BenchVehicle>> vehicles;
+  std::map<std::string, wire::Publish> kept;  ///< by the broker
+  bool loses_owners{false};                   ///< the broker does
+  std::vector<wire::Owner> owners;            ///< of AIV1
+  SimTime now{virtual_epoch};
+  std::function<void()> each_step;
+
+  void start(const std::string& hall, bool recall = false) {
+    Server& server = servers[hall];
+    ServerOptions options;
+    options.hall = hall;
+    options.zone = zone_of.at(hall);
+    server.core = std::make_unique<ServerCore>(options);
+    if (recall && !server.memory.empty()) feed(server, wire::InputKind::recall, "", server.memory);
+    link(hall);
+  }
+  void link(const std::string& hall) {
+    Server& server = servers[hall];
+    feed(server, wire::InputKind::link, "", "up");
+    for (const auto& [topic, message] : std::map{kept}) deliver(server, message, true);
+    flush();
+  }
+  void kill(const std::string& hall) {
+    const wire::Publish will = servers[hall].core->will()->message;
+    servers[hall].core.reset();
+    publish(will);
+  }
+  BenchVehicle& add(const std::string& serial, const Pose2& X_MB, const std::string& manufacturer = "CoSiVA") {
+    vehicles.push_back(
+        std::make_unique<BenchVehicle>(floor_, wire::VehicleId{manufacturer, serial}, zone::Place{0, 0.0}));
+    BenchVehicle& vehicle = *vehicles.back();
+    vehicle.put(X_MB);
+    vehicle.takes_zones = false;
+    publish(
+        {vehicle.topic("connection"), vda::encode(vehicle.connection(now, wire::ConnectionState::online)), 1, true});
+    return vehicle;
+  }
+  BenchVehicle& in_a() { return add("AIV1", {0.3, 0.29289322, 0.0}); }
+
+  void publish(wire::Publish message) {
+    queue_.push_back(std::move(message));
+    flush();
+  }
+  void say_owner(const std::string& hall) {
+    publish({"cosiva/v1/owner/" + aiv1, wire::to_json({hall, 50, now, std::nullopt, std::nullopt}), 1, true});
+  }
+  void ask(const std::string& hall, const std::string& json) {
+    feed(servers[hall], wire::InputKind::command, "test", json);
+    flush();
+  }
+  void go(const std::string& hall, const std::string& to) {
+    ask(hall, R"({"command":"go","vehicle":")" + aiv1 + R"(","to":")" + to + "\"}");
+  }
+  [[nodiscard]] std::string refusal(const std::string& hall, const std::string& json) {
+    const auto checked = servers[hall].core->check_command(json);
+    return checked ? "" : to_string(checked.error());
+  }
+  [[nodiscard]] std::string refusal_to_go(const std::string& hall, const std::string& to) {
+    return refusal(hall, R"({"command":"go","vehicle":")" + aiv1 + R"(","to":")" + to + "\"}");
+  }
+  void hear_again(const std::string& hall) {
+    Server& server = servers[hall];
+    server.deaf_to_owners = false;
+    for (const wire::Publish& message : std::exchange(server.waiting, {})) deliver(server, message, false);
+    flush();
+  }
+
+  void run_for(SimDuration duration) {
+    for (const SimTime end = now + duration; now < end;) {
+      now += 20ms;
+      ++steps_;
+      for (const auto& vehicle : vehicles) {
+        vehicle->step(20ms);
+        if (steps_ % 5 == 0)
+          publish({vehicle->topic("visualization"), vda::encode(vehicle->visualization(now)), 0, false});
+        if (steps_ % 50 != 0 && !std::exchange(vehicle->state_due, false)) continue;
+        publish({vehicle->topic("state"), vda::encode(vehicle->state(now)), 0, false});
+      }
+      for (auto& [hall, server] : servers)
+        if (server.core) feed(server, wire::InputKind::tick, "", "");
+      flush();
+      if (each_step) each_step();
+    }
+  }
+  bool run_until(const std::function<bool()>& done, SimDuration patience) {
+    for (const SimTime end = now + patience; now < end && !done();) run_for(20ms);
+    return done();
+  }
+
+  [[nodiscard]] std::vector<std::string> table(const std::string& hall) const {
+    std::vector<std::string> ids;
+    if (!servers.at(hall).core) return ids;
+    const auto snapshot = *JsonValue::parse(servers.at(hall).core->snapshot_json());
+    for (const JsonValue& aiv : *snapshot.find("aivs")->array()) ids.push_back(*aiv.text("id"));
+    return ids;
+  }
+  [[nodiscard]] JsonValue aiv(const std::string& hall) const {
+    const auto snapshot = *JsonValue::parse(servers.at(hall).core->snapshot_json());
+    for (const JsonValue& one : *snapshot.find("aivs")->array())
+      if (one.text("id") == aiv1) return one;
+    return {};
+  }
+  [[nodiscard]] std::string mission(const std::string& hall) const {
+    const JsonValue one = aiv(hall);
+    if (one.find("mission") == nullptr) return "none";
+    return one.find("mission")->text("to").value_or("round") + ", " + *one.find("mission")->text("state");
+  }
+  /// Of orders and instant actions for AIV1.
+  [[nodiscard]] std::size_t sent(const std::string& hall) const {
+    return static_cast<std::size_t>(std::ranges::count_if(servers.at(hall).published, [](const wire::Publish& p) {
+      return p.topic == "uagv/v2/" + aiv1 + "/order" || p.topic == "uagv/v2/" + aiv1 + "/instantActions";
+    }));
+  }
+  [[nodiscard]] std::vector<std::string> halls_said() const {
+    std::vector<std::string> halls;
+    for (const wire::Owner& owner : owners) halls.push_back(owner.hall);
+    return halls;
+  }
+
+ private:
+  void deliver(Server& server, const wire::Publish& message, bool retained) {
+    if (!server.core) return;
+    if (server.deaf_to_owners && message.topic.starts_with(wire::owner_topic_prefix)) {
+      server.waiting.push_back(message);
+      return;
+    }
+    const auto filters = server.core->subscriptions();
+    if (std::ranges::any_of(filters, [&](const auto& f) { return wire::topic_matches(f, message.topic); }))
+      feed(server, wire::InputKind::message, message.topic, message.payload, retained);
+  }
+  void feed(Server& server, wire::InputKind kind, std::string source, std::string payload, bool flag = false) {
+    wire::Effects effects;
+    server.core->handle({now, kind, std::move(source), std::move(payload), flag}, effects);
+    for (const wire::Effect& effect : effects) {
+      if (const auto* log = std::get_if<wire::Log>(&effect)) server.logs.push_back(log->text);
+      if (const auto* memory = std::get_if<wire::Remember>(&effect)) server.memory = memory->bytes;
+      if (const auto* message = std::get_if<wire::Publish>(&effect)) {
+        server.published.push_back(*message);
+        queue_.push_back(*message);
+      }
+    }
+  }
+  void flush() {
+    while (!queue_.empty()) {
+      const wire::Publish message = std::move(queue_.front());
+      queue_.pop_front();
+      if (loses_owners && message.topic.starts_with(wire::owner_topic_prefix)) continue;
+      if (message.retained && message.payload.empty()) kept.erase(message.topic);
+      if (message.retained && !message.payload.empty()) kept[message.topic] = message;
+      for (auto& [hall, server] : servers) deliver(server, message, false);
+      for (const auto& vehicle : vehicles) {
+        vehicle->receive(message);
+        if (message.topic != wire::own_topic(wire::owner_topic_prefix, vehicle->id) || message.payload.empty())
+          continue;
+        const wire::Owner owner = *wire::owner_from_json(message.payload);
+        if (wire::to_string(vehicle->id) == aiv1) owners.push_back(owner);
+        // As our program does: the zone of its owner, as soon as it stands; here it stands.
+        const auto zone = zone::Rtm::initialise(zone_of.at(owner.hall))->share_zone();
+        if (vehicle->id.manufacturer == wire::our_manufacturer && vehicle->map_id != zone->name) vehicle->take(zone);
+      }
+    }
+  }
+
+  std::shared_ptr<const zone::TrafficZone> floor_{zone::Rtm::initialise(hall_file("floor"))->share_zone()};
+  std::deque<wire::Publish> queue_;
+  std::uint64_t steps_{0};
+};
+
+TEST(Halls, claim_a_vehicle_that_is_nobody_s_where_it_stands_and_only_there) {
+  HallsBench bench;
+  bench.in_a();
+  bench.run_for(900ms);
+  EXPECT_THAT(bench.owners, IsEmpty()) << "whose it is may yet be heard";
+  bench.run_for(600ms);
+  ASSERT_THAT(bench.halls_said(), ElementsAre("a"));
+  EXPECT_EQ(bench.owners[0].sequence, 1U);
+  EXPECT_NEAR(bench.owners[0].pose->x_m, 0.3, 1e-9);
+  EXPECT_TRUE(bench.kept.contains("cosiva/v1/owner/" + aiv1));
+  EXPECT_THAT(bench.table("a"), ElementsAre(aiv1));
+  bench.run_for(5s);
+  EXPECT_THAT(bench.table("b"), IsEmpty());
+  EXPECT_GT(bench.sent("a"), 0U);
+  EXPECT_EQ(bench.sent("b"), 0U) << "not its own";
+  EXPECT_EQ(bench.owners.size(), 1U) << "said once";
+}
+
+TEST(Halls, claim_nobody_who_stands_on_none_of_their_ways) {
+  HallsBench bench;
+  bench.add("AIV1", {1.6, 5.0, 0.0});
+  bench.run_for(5s);
+  EXPECT_THAT(bench.owners, IsEmpty());
+  EXPECT_THAT(bench.table("a"), IsEmpty());
+}
+
+TEST(Halls, leave_a_vehicle_alone_whose_owner_is_heard_late) {
+  HallsBench bench{{"a"}};
+  bench.in_a();
+  bench.run_for(800ms);
+  bench.say_owner("b");
+  bench.run_for(5s);
+  EXPECT_THAT(bench.halls_said(), ElementsAre("b")) << "its server is away, and it is its all the same";
+  EXPECT_THAT(bench.table("a"), IsEmpty());
+  EXPECT_EQ(bench.sent("a"), 0U);
+}
+
+TEST(Halls, agree_on_the_last_message_where_two_claim_at_once) {
+  HallsBench bench;
+  bench.add("AIV1", {1.6, 0.0, 0.0});  // in the gate
+  bench.run_for(2s);
+  ASSERT_THAT(bench.halls_said(), ElementsAre("a", "b")) << "neither has heard the other before it spoke";
+  EXPECT_THAT(bench.table("a"), IsEmpty());
+  EXPECT_THAT(bench.table("b"), ElementsAre(aiv1));
+  const std::size_t by_a = bench.sent("a");
+  bench.run_for(5s);
+  EXPECT_EQ(bench.sent("a"), by_a);
+  EXPECT_THAT(bench.halls_said(), SizeIs(2)) << "and leave it at that";
+}
+
+TEST(Halls, hand_a_vehicle_over_where_they_meet_and_it_is_in_exactly_one_table_throughout) {
+  HallsBench bench;
+  BenchVehicle& aiv = bench.in_a();
+  bench.run_for(2s);
+  EXPECT_EQ(bench.refusal_to_go("a", "b/rack_b"), "");
+  bench.go("a", "b/rack_b");
+  EXPECT_EQ(bench.mission("a"), "b/rack_b, driving");
+  int neither = 0;
+  int both = 0;
+  bench.each_step = [&] {
+    const std::size_t tables = bench.table("a").size() + bench.table("b").size();
+    neither += tables == 0 ? 1 : 0;
+    both += tables == 2 ? 1 : 0;
+  };
+  ASSERT_TRUE(bench.run_until([&] { return !bench.table("b").empty(); }, 60s));
+  EXPECT_EQ(bench.halls_said().at(1), "b");
+  ASSERT_TRUE(bench.owners[1].mission);
+  EXPECT_EQ(bench.owners[1].mission->name, "rack_b");
+  EXPECT_EQ(bench.owners[1].sequence, 2U);
+  EXPECT_NEAR(bench.owners[1].pose->y_m, 0.0, 0.02) << "in the gate";
+  EXPECT_EQ(aiv.speed_mps, 0.0);
+  const std::size_t by_a = bench.sent("a");
+  const auto left = *JsonValue::parse(bench.servers["a"].core->snapshot_json());
+  for (const JsonValue& crossing : *left.find("crossings")->array())
+    EXPECT_FALSE(crossing.text("heldBy")) << *crossing.text("name");
+  ASSERT_TRUE(bench.run_until([&] { return bench.mission("b") == "rack_b, arrived"; }, 40s)) << bench.mission("b");
+  EXPECT_EQ(bench.sent("a"), by_a) << "the old server is silent";
+  EXPECT_EQ(neither, 0);
+  EXPECT_EQ(both, 0);
+  EXPECT_THAT(aiv.refusals, IsEmpty());
+  EXPECT_FALSE(bench.owners.back().mission) << "said once: whoever starts again must not begin it again";
+
+  bench.go("b", "a/rack_a");
+  ASSERT_TRUE(bench.run_until([&] { return bench.mission("a") == "rack_a, arrived"; }, 60s)) << bench.mission("a");
+  EXPECT_EQ(neither, 0);
+  EXPECT_EQ(both, 0);
+}
+
+TEST(Halls, have_the_twin_as_soon_as_the_message_is_heard_and_send_nothing_after_it_is_said) {
+  HallsBench bench;
+  BenchVehicle& aiv = bench.in_a();
+  bench.run_for(2s);
+  bench.go("a", "b/rack_b");
+  bench.servers["a"].deaf_to_owners = true;
+  bench.servers["b"].deaf_to_owners = true;
+  ASSERT_TRUE(bench.run_until([&] { return bench.owners.size() == 2; }, 60s));
+  const std::size_t by_a = bench.sent("a");
+  EXPECT_THAT(bench.table("a"), IsEmpty()) << "the other may have heard it already: never in two tables";
+  bench.ask("a", R"({"command":"stop","vehicle":"*"})");
+  bench.ask("a", R"({"command":"circulate","vehicle":"*"})");
+  bench.run_for(1s);
+  EXPECT_EQ(bench.sent("a"), by_a) << "whatever it is asked";
+  EXPECT_FALSE(aiv.paused);
+  EXPECT_THAT(bench.table("a"), ElementsAre(aiv1)) << "nothing has come of it in a second: it is still a's";
+  EXPECT_EQ(bench.sent("b"), 0U);
+
+  bench.hear_again("b");
+  const JsonValue twin = bench.aiv("b");
+  ASSERT_TRUE(twin.text("id")) << "before it has reported";
+  EXPECT_NEAR(*twin.number("x"), aiv.pose().x_m, 0.01);
+  EXPECT_NEAR(*twin.number("y"), aiv.pose().y_m, 0.01);
+  EXPECT_EQ(twin.text("section"), "gate");
+  EXPECT_EQ(bench.mission("b"), "rack_b, driving");
+  bench.hear_again("a");
+  EXPECT_THAT(bench.table("a"), IsEmpty());
+  ASSERT_TRUE(bench.run_until([&] { return bench.mission("b") == "rack_b, arrived"; }, 40s));
+  EXPECT_EQ(bench.sent("a"), by_a);
+}
+
+TEST(Halls, say_a_handover_again_that_did_not_come_back) {
+  HallsBench bench;
+  bench.in_a();
+  bench.run_for(2s);
+  bench.go("a", "b/rack_b");
+  bench.loses_owners = true;
+  bench.run_for(60s);
+  EXPECT_THAT(bench.table("a"), ElementsAre(aiv1)) << "nobody has heard of it";
+  EXPECT_THAT(bench.table("b"), IsEmpty());
+  bench.loses_owners = false;
+  bench.run_for(3s);
+  EXPECT_THAT(bench.table("a"), IsEmpty());
+  EXPECT_THAT(bench.table("b"), ElementsAre(aiv1));
+}
+
+TEST(Halls, keep_the_vehicles_of_a_server_that_dies_until_it_is_back) {
+  HallsBench bench;
+  BenchVehicle& aiv = bench.in_a();
+  bench.run_for(3s);
+  bench.kill("a");
+  bench.run_for(5s);
+  EXPECT_THAT(bench.table("b"), IsEmpty());
+  EXPECT_THAT(bench.halls_said(), ElementsAre("a"));
+  bench.start("a");
+  bench.run_for(400ms);
+  EXPECT_THAT(bench.table("a"), ElementsAre(aiv1));
+  EXPECT_NEAR(*bench.aiv("a").number("x"), aiv.pose().x_m, 0.1) << "where it is, not where it was claimed";
+  const double driven_m = aiv.driven_m;
+  bench.run_for(5s);
+  EXPECT_GT(aiv.driven_m, driven_m + 0.5);
+  EXPECT_THAT(bench.halls_said(), ElementsAre("a")) << "there was nothing to claim";
+}
+
+TEST(Halls, know_the_way_to_another_hall_again_after_a_crash) {
+  HallsBench bench;
+  bench.in_a();
+  bench.run_for(2s);
+  bench.go("a", "b/rack_b");
+  bench.run_for(500ms);
+  bench.kill("a");
+  bench.start("a", true);
+  ASSERT_TRUE(bench.run_until([&] { return bench.mission("b") == "rack_b, arrived"; }, 60s)) << bench.mission("a");
+}
+
+TEST(Halls, wait_where_they_meet_for_a_server_that_has_died) {
+  HallsBench bench;
+  bench.in_a();
+  bench.run_for(2s);
+  bench.go("a", "b/rack_b");
+  bench.kill("b");
+  bench.run_for(60s);
+  EXPECT_EQ(bench.mission("a"), "b/rack_b, driving");
+  EXPECT_THAT(*bench.aiv("a").find("mission")->text("why"), HasSubstr("waits at gate"));
+  bench.start("b");
+  ASSERT_TRUE(bench.run_until([&] { return bench.mission("b") == "rack_b, arrived"; }, 40s));
+}
+
+TEST(Halls, say_again_whose_a_vehicle_is_when_the_broker_has_forgotten) {
+  HallsBench bench;
+  bench.in_a();
+  bench.run_for(3s);
+  for (const std::string hall : {"a", "b"}) {
+    wire::Effects effects;
+    bench.servers[hall].core->handle({bench.now, wire::InputKind::link, "", "down", false}, effects);
+  }
+  bench.kept.clear();
+  bench.link("a");
+  bench.link("b");
+  bench.run_for(5s);
+  EXPECT_THAT(bench.halls_said(), ElementsAre("a", "a"));
+  EXPECT_EQ(bench.owners.back().sequence, 2U);
+  EXPECT_THAT(bench.table("a"), ElementsAre(aiv1));
+  EXPECT_THAT(bench.table("b"), IsEmpty());
+}
+
+TEST(Halls, let_a_vehicle_go_that_is_made_nobody_s_and_claim_it_again) {
+  HallsBench bench;
+  bench.in_a();
+  bench.run_for(2s);
+  bench.publish({"cosiva/v1/owner/" + aiv1, "", 1, true});
+  EXPECT_THAT(bench.table("a"), IsEmpty());
+  bench.run_for(3s);
+  EXPECT_THAT(bench.table("a"), ElementsAre(aiv1));
+}
+
+TEST(Halls, leave_everything_as_it_is_where_an_owner_cannot_be_read) {
+  HallsBench bench;
+  bench.in_a();
+  bench.run_for(2s);
+  for (auto& [hall, server] : bench.servers) {
+    wire::Effects effects;
+    server.core->handle({bench.now, wire::InputKind::message, "cosiva/v1/owner/" + aiv1, R"({"hall":7})", false},
+                        effects);
+  }
+  EXPECT_THAT(bench.table("a"), ElementsAre(aiv1));
+  EXPECT_THAT(bench.table("b"), IsEmpty());
+}
+
+TEST(Halls, refuse_to_send_a_vehicle_where_no_way_leads_and_say_why) {
+  HallsBench bench;
+  bench.in_a();
+  bench.run_for(2s);
+  EXPECT_THAT(bench.refusal_to_go("a", "c/rack"), HasSubstr("no hall 'c' has been heard of; there are b"));
+  EXPECT_THAT(bench.refusal_to_go("a", "b/rack"), HasSubstr("no station or waypoint 'rack'"));
+  EXPECT_THAT(bench.refusal_to_go("a", "b/"), HasSubstr("no station or waypoint ''"));
+  EXPECT_THAT(bench.refusal_to_go("a", "/rack"), HasSubstr("no hall ''"));
+  EXPECT_EQ(bench.refusal_to_go("a", "a/rack_a"), "");
+  EXPECT_THAT(bench.refusal_to_go("a", "a/rack_b"), HasSubstr("in this hall"));
+  EXPECT_THAT(bench.refusal_to_go("b", "b/rack_b"), HasSubstr("no vehicle 'CoSiVA/AIV1'")) << "it is not this hall's";
+  EXPECT_THAT(bench.refusal("a", R"({"command":"add","thing":{"kind":"aiv","section":"a_far","s":1.0}})"),
+              HasSubstr("virtual AIV"));
+  EXPECT_EQ(bench.refusal("a", R"({"command":"add","thing":{"kind":"person","x":1.0,"y":1.0}})"), "");
+  bench.kill("b");
+  EXPECT_THAT(bench.refusal_to_go("a", "b/rack_b"), HasSubstr("silent"));
+}
+
+TEST(Halls, refuse_to_send_a_vehicle_to_a_hall_that_they_do_not_meet) {
+  HallsBench bench{{}};
+  std::string far = bench.zone_of["b"].text;
+  for (std::size_t at = far.find("y = "); at != std::string::npos; at = far.find("y = ", at + 1)) {
+    const std::size_t end = far.find(',', at);
+    far.replace(at, end - at, "y = " + std::to_string(std::stod(far.substr(at + 4)) - 3.0));
+  }
+  bench.zone_of["b"].text = far;
+  bench.start("a");
+  bench.start("b");
+  bench.in_a();
+  bench.run_for(2s);
+  EXPECT_THAT(bench.refusal_to_go("a", "b/rack_b"), HasSubstr("no station of this hall lies on a way of hall 'b'"));
+}
+
+TEST(Halls, drive_a_vehicle_of_another_make_over_as_well) {
+  HallsBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0.3, 0.29289322, 0.0}, "CoSiVA");
+  BenchVehicle& other = bench.add("R7", {2.0, -1.49289322, pi}, "Robots");
+  for (const std::string name : {"hall_a", "hall_b"})
+    other.downloads.push_back(zone::Rtm::initialise(hall_file(name))->share_zone());
+  // Said once, while it is nobody's: whoever owns it later must know it all the same.
+  wire::Factsheet factsheet;
+  factsheet.header = other.header(bench.now, 0);
+  for (const char* action : {"downloadMap", "enableMap", "initPosition", "cancelOrder"})
+    factsheet.actions.push_back({action, "", true, false, false, {}});
+  bench.publish({other.topic("factsheet"), vda::encode(factsheet), 0, true});
+  bench.run_for(3s);
+  EXPECT_THAT(bench.table("b"), ElementsAre("Robots/R7"));
+  bench.ask("b", R"({"command":"go","vehicle":"Robots/R7","to":"a/rack_a"})");
+  ASSERT_TRUE(bench.run_until([&] { return bench.table("a").size() == 2; }, 90s));
+  EXPECT_THAT(bench.table("a"), UnorderedElementsAre(aiv1, "Robots/R7"));
+  ASSERT_TRUE(bench.run_until([&] { return other.map_id == "hall_a" && other.speed_mps > 0.0; }, 20s));
+  EXPECT_THAT(other.refusals, IsEmpty());
+  EXPECT_THAT(aiv.refusals, IsEmpty());
+}
+
+TEST(Halls, are_nothing_to_the_only_server_of_its_broker) {
+  ServerCore server{ServerOptions{}};
+  for (const std::string& filter : server.subscriptions()) {
+    EXPECT_THAT(filter, testing::Not(HasSubstr("owner")));
+    EXPECT_THAT(filter, testing::Not(HasSubstr("hall")));
+  }
+  EXPECT_EQ(JsonValue::parse(server.snapshot_json())->find("hall"), nullptr);
+  ServerOptions options;
+  options.hall = "a";
+  EXPECT_EQ(server_options_from_json(to_json(options))->hall, "a");
+  EXPECT_FALSE(server_options_from_json(R"({"hall":"a/b"})"));
+}
+
+}  // namespace
+}  // namespace cosiva::virtual_side

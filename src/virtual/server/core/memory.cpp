@@ -1,0 +1,188 @@
+// What the server keeps over a crash of its process: the virtual world, and the zone's edits.
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+#include "cosiva/virtual/server/core/inside.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+constexpr SimDuration remember_period{std::chrono::seconds{1}};
+constexpr std::size_t names_max = Registry::vehicles_max;
+constexpr double place_m_max = 1e5;
+
+/// Nanoseconds do not fit a JSON number.
+std::string ns_text(SimTime time) { return std::to_string(time.time_since_epoch().count()); }
+
+std::optional<SimTime> read_ns(const JsonValue& json, std::string_view field) {
+  const auto text = json.text(field);
+  if (!text) return std::nullopt;
+  std::int64_t ns = 0;
+  const auto read = std::from_chars(text->data(), text->data() + text->size(), ns);
+  if (read.ec != std::errc{} || read.ptr != text->data() + text->size() || ns < 0) return std::nullopt;
+  return SimTime{SimDuration{ns}};
+}
+
+bool in(const std::optional<double>& value, double low, double high) {
+  return value && *value >= low && *value <= high;
+}
+
+void write_thing(JsonWriter& json, const Thing& thing) {
+  json.begin_object()
+      .field("id", thing.id)
+      .field("kind", to_string(thing.kind))
+      .field("radius", thing.radius_m)
+      .field("speed", thing.walk.speed_mps())
+      .field("repeat", to_string(thing.walk.repeat()))
+      .field("since", ns_text(thing.since))
+      .field("started", ns_text(thing.started));
+  json.key("path").begin_array();
+  for (const Point2 p : thing.walk.path()) json.begin_array().value(p.x_m).value(p.y_m).end_array();
+  json.end_array().end_object();
+}
+
+std::optional<std::vector<Point2>> read_path(const JsonValue* json) {
+  const JsonValue::Array* points = json == nullptr ? nullptr : json->array();
+  if (points == nullptr || points->empty() || points->size() > Walk::points_max) return std::nullopt;
+  std::vector<Point2> path;
+  for (const JsonValue& point : *points) {
+    const JsonValue::Array* pair = point.array();
+    if (pair == nullptr || pair->size() != 2) return std::nullopt;
+    const double* x = (*pair)[0].number();
+    const double* y = (*pair)[1].number();
+    if (x == nullptr || y == nullptr || !(std::fabs(*x) <= place_m_max) || !(std::fabs(*y) <= place_m_max))
+      return std::nullopt;
+    path.push_back({*x, *y});
+  }
+  return path;
+}
+
+std::optional<Thing> read_thing(const JsonValue& json) {
+  const auto id = json.text("id");
+  const auto kind = parse_thing_kind(json.text("kind").value_or(""));
+  const auto repeat = parse_repeat(json.text("repeat").value_or(""));
+  const auto since = read_ns(json, "since");
+  const auto started = read_ns(json, "started");
+  auto path = read_path(json.find("path"));
+  if (!id || id->empty() || id->size() > 64 || !kind || !repeat || !since || !started || !path) return std::nullopt;
+  if (!in(json.number("radius"), ThingsDesk::radius_m_min, ThingsDesk::radius_m_max) ||
+      !in(json.number("speed"), 0.0, ThingsDesk::speed_mps_max))
+    return std::nullopt;
+  return Thing{*id,    *kind,   0, *json.number("radius"), Walk(std::move(*path), *json.number("speed"), *repeat),
+               *since, *started};
+}
+
+}  // namespace
+
+std::string ServerCore::Inside::memory() const {
+  JsonWriter json;
+  json.begin_object().field("version", 1).key("things").begin_array();
+  for (const Thing& thing : simulator.augmented().things()) write_thing(json, thing);
+  json.end_array().key("aivs").begin_array();
+  const auto write_aiv = [&json](const std::string& serial, const std::string& section, double s_m) {
+    json.begin_object().field("id", serial).field("section", section).field("s", s_m).end_object();
+  };
+  for (const VirtualFleet::Host& host : fleet.hosts()) {
+    const zone::Place place = VirtualFleet::place_of(host, *simulator.circuit());
+    write_aiv(registry[host.vehicle].id.serial_number, simulator.circuit()->part(place.section).name,
+              std::nearbyint(place.s_m * 1000.0) / 1000.0);
+  }
+  for (const RecalledAiv& aiv : recalled_aivs) write_aiv(aiv.serial, aiv.section, aiv.s_m);
+  json.end_array().key("paused").begin_array();
+  for (const AivProxy& proxy : registry)
+    if (proxy.paused_for_body) json.value(proxy.name);
+  json.end_array();
+  if (zone_switched_here || edits.edited(simulator)) edits.write_memory(json.key("zone"), simulator);
+  // Only who switched here is asked again; its own beginning would be the zone from before.
+  if (zone_switched_here && options.zone) zone::write_json(json.key("given"), *options.zone);
+  if (missions.worth_remembering()) missions.write_memory(json.key("traffic"));
+  json.end_object();
+  return json.take();
+}
+
+void ServerCore::Inside::remember() {
+  const bool moves = !fleet.empty() && now >= remember_at;
+  if (!memory_stale && !moves) return;
+  // Until the zone has come, what is remembered of its edits is all there is.
+  if (recalled_zone) return;
+  memory_stale = false;
+  remember_at = now + remember_period;
+  std::string bytes = memory();
+  if (bytes == remembered) return;
+  remembered = bytes;
+  outbox.remember(std::move(bytes));
+}
+
+void ServerCore::Inside::recall(std::string_view bytes) {
+  auto memory = JsonValue::parse(bytes);
+  if (!memory || memory->number("version") != std::optional{1.0}) {
+    outbox.log('w', "what was remembered of the virtual world cannot be read; it starts empty" +
+                        (memory ? std::string{} : ": " + memory.error().message));
+    return;
+  }
+  recall_things(*memory);
+  if (const JsonValue* given = memory->find("given")) {
+    const auto configuration = zone::zone_configuration_from_json(*given);
+    recalled_given = configuration ? std::optional{*configuration} : std::nullopt;
+  }
+  if (const JsonValue* traffic_memory = memory->find("traffic")) missions.recall(*traffic_memory);
+  if (const JsonValue* zone = memory->find("zone")) {
+    recalled_zone = *zone;
+    if (simulator.zone()) recall_zone();
+  }
+  outbox.log('i', "remembered " + std::to_string(simulator.augmented().things().size()) + " virtual things and " +
+                      std::to_string(recalled_aivs.size()) + " virtual AIVs");
+}
+
+void ServerCore::Inside::recall_things(const JsonValue& memory) {
+  const auto each = [&memory](std::string_view list, std::size_t max, const auto& take) {
+    const JsonValue* found = memory.find(list);
+    if (found == nullptr || found->array() == nullptr) return;
+    for (std::size_t i = 0; i < found->array()->size() && i < max; ++i) take((*found->array())[i]);
+  };
+  each("things", Augmented::things_max, [&](const JsonValue& json) {
+    auto thing = read_thing(json);
+    if (thing && simulator.augmented().find(thing->id) == nullptr)
+      simulator.augmented().add(std::move(*thing));
+    else
+      outbox.log('w', "a remembered virtual thing cannot be read; it is left out");
+  });
+  each("aivs", Augmented::things_max, [&](const JsonValue& json) {
+    const auto id = json.text("id");
+    const auto section = json.text("section");
+    if (id && section && wire::valid_serial_number(*id) && in(json.number("s"), 0.0, place_m_max))
+      recalled_aivs.push_back({*id, *section, *json.number("s")});
+    else
+      outbox.log('w', "a remembered virtual AIV cannot be read; it is left out");
+  });
+  each("paused", names_max, [&](const JsonValue& json) {
+    if (json.text() != nullptr) recalled_pauses.push_back(*json.text());
+  });
+}
+
+void ServerCore::Inside::recall_zone() {
+  if (!recalled_zone) return;
+  const JsonValue memory = std::move(*std::exchange(recalled_zone, std::nullopt));
+  ZoneEdits::Recalled recalled = ZoneEdits::recalled(memory, *simulator.configuration());
+  // It was switched from the zone that it is given at every start.
+  const auto given = std::exchange(recalled_given, std::nullopt);
+  if (recalled.fit == ZoneEdits::Recalled::Fit::another && given && options.zone &&
+      same_content(*given, *options.zone) && same_content(*given, *simulator.configuration())) {
+    if (!take_zone(recalled.base)) return;
+    switched.reset();
+    zone_switched_here = true;
+    edits.begin(recalled.base, ZoneEdits::Origin::own);
+    recalled.fit = ZoneEdits::Recalled::Fit::base;
+  }
+  if (recalled.fit == ZoneEdits::Recalled::Fit::another) {
+    outbox.log('w', "the zone is another one than the remembered edits were made on; they are left out");
+    return;
+  }
+  const bool to_be_taken = recalled.fit == ZoneEdits::Recalled::Fit::base;
+  if (to_be_taken && !take_zone(recalled.made)) return;
+  if (!same_content(recalled.made, recalled.base)) edits.restore(std::move(recalled));
+  if (to_be_taken) publish_zone();
+}
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,169 @@
+// What the server knows again after it was killed.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cosiva/virtual/server/testing/server_bench.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+using namespace bench;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+const std::string edit = R"({"command":"edit","edit":{"addTags":[{"number":5,"section":"south","s":1.0}]}})";
+
+TEST(Memory, brings_back_things_virtual_aivs_and_edits) {
+  ServerBench bench;
+  bench.ask(
+      R"({"command":"add","thing":{"kind":"person","path":[[0,1.2],[2,1.2]],"speed":0.2,"repeat":"loop","radius":0.1}})");
+  bench.ask(R"({"command":"add","thing":{"kind":"obstacle","id":"box","x":1.0,"y":0.5}})");
+  bench.ask(R"({"command":"add","thing":{"kind":"aiv","section":"north","s":0.3}})");
+  bench.ask(edit);
+  bench.run_for(5s);
+  const JsonValue before = bench.snapshot();
+  const JsonValue aiv = bench.aiv("CoSiVA.virtual/V1");
+  bench.restart_server(true);
+  const JsonValue after = bench.snapshot();
+  ASSERT_THAT(*after.find("things")->array(), SizeIs(2));
+  for (std::size_t i = 0; i < 2; ++i) {
+    const JsonValue& was = (*before.find("things")->array())[i];
+    const JsonValue& is = (*after.find("things")->array())[i];
+    for (const char* field : {"id", "kind", "repeat"}) EXPECT_EQ(is.text(field), was.text(field));
+    for (const char* field : {"x", "y", "heading", "radius", "speed", "since_ms"})
+      EXPECT_EQ(is.number(field), was.number(field)) << "walks on as if nothing had been: " << field;
+  }
+  EXPECT_EQ(*after.find("zoneEdits")->number("undo"), 1.0) << "back to the file";
+  EXPECT_EQ(after.find("zoneEdits")->flag("unsaved"), true);
+  EXPECT_THAT(bench.server->zone_configuration()->text, HasSubstr("5"));
+  bench.run_for(1s);
+  const JsonValue again = bench.aiv("CoSiVA.virtual/V1");
+  ASSERT_FALSE(again.is_null());
+  const double moved_m = norm(*again.number("x") - *aiv.number("x"), *again.number("y") - *aiv.number("y"));
+  EXPECT_LT(moved_m, 1.0) << "near where it was at most a second before";
+  bench.run_for(4s);
+  EXPECT_GT(*bench.aiv("CoSiVA.virtual/V1").number("speed"), 0.1) << "and it drives";
+}
+
+TEST(Memory, is_written_when_something_changes_and_not_otherwise) {
+  ServerBench bench;
+  bench.run_for(5s);
+  EXPECT_EQ(bench.memory, "") << "nothing to remember";
+  bench.ask(R"({"command":"add","thing":{"kind":"obstacle","x":1.0,"y":0.5}})");
+  const std::string with = bench.memory;
+  EXPECT_THAT(with, HasSubstr("O1"));
+  bench.ask(R"({"command":"remove","id":"O1"})");
+  EXPECT_THAT(bench.memory, testing::Not(HasSubstr("O1")));
+}
+
+TEST(Memory, of_a_virtual_aiv_is_renewed_each_second) {
+  ServerBench bench;
+  bench.ask(R"({"command":"add","thing":{"kind":"aiv","section":"south","s":0.3}})");
+  bench.run_for(5s);
+  const std::string then = bench.memory;
+  bench.run_for(900ms);
+  const std::string soon = bench.memory;
+  bench.run_for(1200ms);
+  EXPECT_NE(bench.memory, then);
+  EXPECT_NE(bench.memory, soon);
+}
+
+TEST(Memory, survives_being_killed_twice_before_the_zone_and_the_vehicles_are_there) {
+  ServerBench bench;
+  bench.ask(R"({"command":"add","thing":{"kind":"aiv","section":"north","s":0.3}})");
+  bench.run_for(1s);
+  bench.restart_server(true);
+  bench.run_for(100ms);  // not settled yet
+  bench.ask(R"({"command":"add","thing":{"kind":"obstacle","x":1.0,"y":0.5}})");
+  EXPECT_THAT(bench.memory, HasSubstr("V1"));
+  bench.restart_server(true);
+  bench.run_for(3s);
+  EXPECT_FALSE(bench.aiv("CoSiVA.virtual/V1").is_null());
+}
+
+TEST(Memory, that_is_broken_is_said_and_left_out) {
+  for (const std::string& broken :
+       {std::string("rubbish"), std::string("[]"), std::string("{}"), std::string(R"({"version":2})"),
+        std::string(R"({"version":1,"things":7,"aivs":{},"paused":"x","zone":[]})"),
+        std::string(R"({"version":1,"things":[7,{"id":"P1"},{"id":"P1","kind":"person","radius":1e9,"speed":0,)"
+                    R"("repeat":"once","since":"1","started":"1","path":[[0,0]]}],"aivs":[{"id":"a b","section":"x",)"
+                    R"("s":0},{"id":"V1","section":"nowhere"}],"paused":[7],"zone":{"base":"0"}})"),
+        std::string(R"({"version":1,"zone":{"base":{"format":"toml","text":"name = "},"made":"x"}})")}) {
+    ServerBench bench;
+    bench.memory = broken;
+    bench.restart_server(true);
+    bench.run_for(3s);
+    EXPECT_THAT(*bench.snapshot().find("things")->array(), IsEmpty()) << broken;
+    EXPECT_THAT(*bench.snapshot().find("aivs")->array(), IsEmpty()) << broken;
+    EXPECT_EQ(bench.server->zone_revision(), 1U) << broken;
+    EXPECT_FALSE(bench.logs.empty());
+    bench.ask(R"({"command":"add","thing":{"kind":"obstacle","x":1.0,"y":0.5}})");
+    EXPECT_THAT(*bench.snapshot().find("things")->array(), SizeIs(1)) << "it works on: " << broken;
+  }
+}
+
+TEST(Memory, of_edits_waits_for_the_zone_of_the_physical_side) {
+  ServerBench bench;
+  bench.ask(edit);
+  const std::string edited = bench.server->zone_configuration()->text;
+  ServerCore server{ServerOptions{}};
+  wire::Effects effects;
+  server.handle({bench.now, wire::InputKind::recall, "", bench.memory, false}, effects);
+  EXPECT_FALSE(server.zone_configuration().has_value());
+  server.handle({bench.now, wire::InputKind::link, "", "up", false}, effects);
+  server.handle({bench.now, wire::InputKind::message, "cosiva/v1/zone/toml", oval().text, true}, effects);
+  ASSERT_TRUE(server.zone_configuration().has_value());
+  EXPECT_EQ(server.zone_configuration()->text, edited);
+}
+
+TEST(Memory, of_edits_knows_them_in_the_zone_that_the_broker_kept) {
+  ServerBench bench;
+  const std::string original = bench.server->zone_configuration()->text;
+  bench.ask(edit);
+  const zone::ZoneConfiguration edited = *bench.server->zone_configuration();
+  for (const bool saved : {false, true}) {
+    if (saved) bench.ask(R"({"command":"saved"})");
+    ServerCore server{ServerOptions{}};
+    wire::Effects effects;
+    const auto feed = [&](wire::InputKind kind, const char* source, const std::string& payload) {
+      server.handle({bench.now, kind, source, payload, kind == wire::InputKind::message}, effects);
+    };
+    feed(wire::InputKind::recall, "", bench.memory);
+    feed(wire::InputKind::link, "", "up");
+    feed(wire::InputKind::message, "cosiva/v1/zone/toml", edited.text);
+    const JsonValue snapshot = *JsonValue::parse(server.snapshot_json());
+    EXPECT_EQ(snapshot.find("zoneEdits")->flag("unsaved"), !saved);
+    EXPECT_EQ(snapshot.find("zoneEdits")->number("undo"), 1.0);
+    feed(wire::InputKind::message, "cosiva/v1/zone/toml", original);
+    EXPECT_EQ(server.zone_configuration()->text, edited.text) << "a physical side that starts again brings its file";
+    feed(wire::InputKind::command, "test", R"({"command":"undo"})");
+    EXPECT_EQ(server.zone_configuration()->text, original);
+  }
+}
+
+TEST(Memory, of_edits_is_left_out_on_another_zone) {
+  ServerBench bench;
+  bench.ask(edit);
+  ServerBench other{zone_file("lacet4.toml")};
+  other.memory = bench.memory;
+  other.restart_server(true);
+  EXPECT_EQ(other.server->zone_revision(), 1U);
+  EXPECT_TRUE(other.logged("edits"));
+}
+
+TEST(Memory, puts_a_virtual_aiv_beside_its_place_when_somebody_stands_there_by_now) {
+  ServerBench bench;
+  bench.ask(R"({"command":"add","thing":{"kind":"aiv","section":"south","s":1.0}})");
+  bench.run_for(100ms);
+  bench.add("AIV1", {0, 1.05}).blocked = true;
+  bench.restart_server(true);
+  bench.run_for(3s);
+  const JsonValue aiv = bench.aiv("CoSiVA.virtual/V1");
+  ASSERT_FALSE(aiv.is_null());
+  const double away_m = norm(*aiv.number("x") - 1.05, *aiv.number("y"));
+  EXPECT_GE(away_m, 0.25);
+}
+
+}  // namespace
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,346 @@
+#include "cosiva/virtual/server/core/server_core.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "cosiva/base/json_writer.h"
+#include "cosiva/virtual/server/core/inside.h"
+#include "cosiva/wire/own/v2x.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+constexpr SimDuration heartbeat_period{std::chrono::milliseconds{100}};
+constexpr SimDuration settle_min{std::chrono::milliseconds{300}};
+constexpr SimDuration settle_max{std::chrono::seconds{2}};
+constexpr std::uint64_t strangers_logged_max = 20;
+
+std::string connection_json(std::string_view state, SimTime now) {
+  JsonWriter json;
+  json.begin_object().field("connectionState", state).field("timestamp", to_iso8601(now)).end_object();
+  return json.take();
+}
+
+}  // namespace
+
+ServerCore::Inside::Inside(ServerOptions given)
+    : options{std::move(given)},
+      topic_prefix{(options.interface_name.empty() ? std::string(wire::default_interface) : options.interface_name) +
+                   "/"},
+      topics{wire::server_topics(options.hall)},
+      halls{options.hall},
+      traces{options.traces_max},
+      outbox{traces, options.as_values},
+      registry{topic_prefix.substr(0, topic_prefix.size() - 1)},
+      traffic{{.convoys = options.convoys}},
+      desk{outbox},
+      simulator{options.contract},
+      missions{registry, outbox},
+      roller{registry, traffic, outbox, desk, missions, simulator},
+      deadlocks{registry, outbox, traces, roller},
+      maps{registry, outbox, desk},
+      commands{registry, outbox, desk, roller, simulator},
+      fleet{registry, outbox, options.virtual_rules, options.v2x},
+      pauses{registry, traffic, outbox, desk, simulator},
+      ahead{registry, outbox, traces, simulator, fleet, pauses},
+      things{registry, simulator, fleet, outbox},
+      gvs{registry, simulator} {
+  if (halls.several())
+    missions.set_abroad([this](std::string_view to) { return halls.way_to(to, map->zone(), missions); });
+}
+
+void ServerCore::Inside::begin(SimTime) {
+  begun = true;
+  if (options.zone) on_zone(*options.zone, ZoneCame::given);
+}
+
+Simulator::Step ServerCore::Inside::step_recorder() {
+  return [this](std::string_view from, std::string_view to, std::string_view kind, std::string_view content) {
+    traces.add(now, from, to, kind, content);
+  };
+}
+
+std::optional<VehicleIndex> ServerCore::Inside::register_vehicle(const wire::VehicleId& id) {
+  const auto index = registry.add(id, now);
+  if (!index) return std::nullopt;
+  traffic.resize(registry.size());
+  roller.resize(registry.size());
+  missions.resize(registry.size());
+  maps.resize(registry.size());
+  missions.registered(*index);
+  ahead.resize(registry.size());
+  pauses.resize(registry.size());
+  AivProxy& proxy = registry[*index];
+  take_priority(*index);
+  // One of the virtual AIVs' name that does not live here is a ghost of an earlier life; the others are counted.
+  if (proxy.augmented)
+    proxy.retired = true;
+  else
+    proxy.entity = simulator.monitor().entity(proxy.name);
+  if (std::erase(recalled_pauses, proxy.name) > 0) {
+    proxy.paused_for_body = true;
+    ahead.wake();
+  }
+  outbox.log('i', proxy.name + ": registered with mark " + std::to_string(proxy.number));
+  return index;
+}
+
+std::optional<Registry::Address> ServerCore::Inside::address_of(const std::string& topic) {
+  if (const auto known = registry.find_topic(topic)) return known;
+  if (!topic.starts_with(topic_prefix)) return std::nullopt;
+  const auto parsed = wire::parse_vda_topic(topic);
+  if (!parsed) return std::nullopt;
+  const auto kind = parse_vehicle_topic(parsed->name);
+  if (!kind) return std::nullopt;
+  std::string fault;
+  if (parsed->major_version != "v2")
+    fault = "speaks '" + parsed->major_version + "'; this server speaks v2";
+  else if (!wire::valid_serial_number(parsed->vehicle.serial_number) ||
+           !wire::valid_serial_number(parsed->vehicle.manufacturer))
+    fault = "has a name with characters that VDA 5050 does not allow";
+  if (fault.empty()) {
+    if (const auto index = register_vehicle(parsed->vehicle)) return Registry::Address{*index, *kind};
+    fault = "is one more than the " + std::to_string(Registry::vehicles_max) + " vehicles a server takes";
+  }
+  ++messages_refused;
+  if (strangers_logged++ < strangers_logged_max) outbox.log('w', "ignored '" + topic.substr(0, 120) + "': it " + fault);
+  return std::nullopt;
+}
+
+void ServerCore::Inside::on_message(const wire::Input& input) {
+  if (input.source.starts_with(wire::v2x_topic_prefix)) return on_intent(input);
+  if (BatteryDesk::is_ours(input.source)) return on_battery(input);
+  if (GvsDesk::is_ours(input.source)) return on_gvs(input);
+  if (is_for_halls(input)) return;
+  if (!fleet.empty() && fleet.from_broker(now, input)) return;
+  if (const auto address = address_of(input.source)) {
+    on_vehicle_message(*address, input);
+    return;
+  }
+  const std::string_view topic{input.source};
+  if (topic.starts_with(topics.zone_prefix)) {
+    const std::string_view format = topic.substr(topics.zone_prefix.size());
+    // An empty retained message takes a zone off the broker; the one that runs stays.
+    if (!input.payload.empty())
+      on_zone(zone::from_payload(std::string(format), std::string(topic), input.payload),
+              input.flag ? ZoneCame::retained : ZoneCame::published);
+  }
+}
+
+/// Every hall's page shows it: who changes batteries stands anywhere.
+void ServerCore::Inside::on_battery(const wire::Input& input) {
+  const auto news = batteries.on_message(input);
+  if (news) {
+    if (!news->empty()) traces.add(now, "battery test", "*", "battery", *news, input.source, input.payload);
+    return;
+  }
+  refuse_stranger(input, news.error());
+}
+
+void ServerCore::Inside::on_gvs(const wire::Input& input) {
+  const auto news = gvs.on_message(now, input);
+  if (!news) return refuse_stranger(input, news.error());
+  if (!news->empty()) traces.add(now, "GVS", "AIV_Server", "gvs", *news, input.source, input.payload);
+}
+
+void ServerCore::Inside::refuse_stranger(const wire::Input& input, const Error& error) {
+  ++messages_refused;
+  if (strangers_logged++ < strangers_logged_max)
+    outbox.log('w', "ignored '" + input.source.substr(0, 120) + "': " + to_string(error));
+}
+
+void ServerCore::Inside::on_link(bool up) {
+  if (up == link_up) return;
+  link_up = up;
+  fleet.link(now, up);
+  if (!up) {
+    edits.link_lost();
+    outbox.log('w', "lost the broker; vehicles stop by themselves until it is back");
+    return;
+  }
+  link_up_at = now;
+  is_settled = false;
+  waiting_zone.reset();
+  zone_confirmed = false;
+  halls.link_up();
+  batteries.link_up();
+  for (AivProxy& proxy : registry) proxy.state_since_link = false;
+  std::string online = connection_json("ONLINE", now);
+  traces.add(now, "AIV_Server", "*", "connection", "ONLINE", topics.connection, online);
+  fleet.message(now, std::string(wire::server_connection_topic), online);
+  outbox.publish(topics.connection, std::move(online), 1, true);
+  if (options.zone || zone_switched_here || edits.edited(simulator)) publish_zone();
+  next_heartbeat = now;
+}
+
+bool ServerCore::Inside::settled() const {
+  const SimDuration since = now - link_up_at;
+  if (since >= settle_max) return true;
+  if (since < settle_min) return false;
+  // A vehicle that drives on an order of our last life must be heard before anyone is sent into its way.
+  return std::ranges::all_of(registry, [](const AivProxy& proxy) {
+    return proxy.retired || proxy.connection != wire::ConnectionState::online || proxy.state_since_link;
+  });
+}
+
+void ServerCore::Inside::settle() {
+  is_settled = true;
+  if (halls.several()) {
+    recalled_aivs.clear();
+    say_lost_owners();
+  }
+  if (!recalled_aivs.empty()) place_recalled_aivs();
+  silence_orphans();
+}
+
+void ServerCore::Inside::on_tick() {
+  if (link_up && now >= next_heartbeat) {
+    std::string heartbeat =
+        "{\"headerId\":" + std::to_string(heartbeat_id) + ",\"timestamp\":\"" + to_iso8601(now) + "\"}";
+    traces.add(now, "AIV_Server", "*", "heartbeat", heartbeat, topics.heartbeat, heartbeat);
+    fleet.message(now, std::string(wire::server_heartbeat_topic), heartbeat);
+    outbox.publish(topics.heartbeat, std::move(heartbeat), 0, false);
+    ++heartbeat_id;
+    next_heartbeat = std::max(next_heartbeat + heartbeat_period, now);
+  }
+  fleet.tick(now);
+  if (waiting_zone && now - link_up_at >= settle_min) take_waiting_zone();
+  if (link_up && !is_settled && settled()) settle();
+  if (link_up && is_settled) {
+    for (VehicleIndex v = 0; v < registry.size(); ++v) {
+      help_lost_position(v);
+      ask_factsheet(v);
+    }
+    traffic.set_time(now);
+    follow_switch();
+    roller.tick(options.drive, !switched || switched->sent_off, options.lost_after);
+    deadlocks.tick();
+    if (halls.several()) {
+      claim_vehicles();
+      hand_over_arrived();
+    }
+  }
+  update_virtual_world();
+  look_for_passed_obstacles();
+  desk.tick(registry, link_up);
+  commands.tick();
+
+  gvs.tick(now, !halls.several());
+  BijectionMonitor& monitor = simulator.monitor();
+  if (ticked_at) monitor.late(std::max(0.0, to_seconds(now - *ticked_at - options.cycle) * 1e3));
+  ticked_at = now;
+  for (const AivProxy& proxy : registry) {
+    // One that said goodbye owes no reports.
+    if (proxy.present && !proxy.augmented && proxy.connection != wire::ConnectionState::offline)
+      monitor.age(proxy.entity, to_seconds(now - proxy.reported_at) * 1e3);
+  }
+  monitor.elapse(now);
+}
+
+ServerCore::ServerCore(ServerOptions options) : inside_{std::make_unique<Inside>(std::move(options))} {}
+ServerCore::~ServerCore() = default;
+
+void ServerCore::handle(const wire::Input& input, wire::Effects& effects) {
+  Inside& in = *inside_;
+  in.now = input.at;
+  in.outbox.open(input.at, effects);
+  if (!in.begun) in.begin(input.at);
+  switch (input.kind) {
+    case wire::InputKind::message: in.on_message(input); break;
+    case wire::InputKind::tick: in.on_tick(); break;
+    case wire::InputKind::link: in.on_link(input.payload == "up"); break;
+    case wire::InputKind::command:
+      in.traces.add(input.at, input.source.empty() ? "operator" : input.source, "AIV_Server", "command", input.payload,
+                    {}, input.payload);
+      in.on_command(input.payload);
+      break;
+    case wire::InputKind::recall: in.recall(input.payload); break;
+    case wire::InputKind::configure:
+    case wire::InputKind::bytes:
+    case wire::InputKind::port: break;  // its options came with its construction; it has no streams
+  }
+  in.remember();
+}
+
+std::vector<std::string> ServerCore::subscriptions() const {
+  const std::string& prefix = inside_->topic_prefix;
+  const std::string hosted = prefix + "v2/" + std::string(wire::virtual_manufacturer) + "/+/";
+  std::vector<std::string> filters{prefix + "+/+/+/state",
+                                   prefix + "+/+/+/visualization",
+                                   prefix + "+/+/+/connection",
+                                   prefix + "+/+/+/factsheet",
+                                   wire::topics_below(wire::zone_topic_prefix, 1),
+                                   wire::topics_below(wire::felt_topic_prefix, 2),
+                                   wire::topics_below(wire::seen_topic_prefix, 2),
+                                   wire::topics_below(wire::boards_topic_prefix, 2),
+                                   wire::topics_below(wire::v2x_topic_prefix, wire::v2x_topic_levels),
+                                   hosted + "order",
+                                   hosted + "instantActions"};
+  std::ranges::move(BatteryDesk::subscriptions(), std::back_inserter(filters));
+  std::ranges::move(GvsDesk::subscriptions(), std::back_inserter(filters));
+  if (!inside_->halls.several()) return filters;
+  // Its zone comes with those of the other halls.
+  std::erase(filters, wire::topics_below(wire::zone_topic_prefix, 1));
+  const std::string hall{wire::hall_topic_prefix};
+  filters.insert(filters.end(),
+                 {hall + "+/zone/+", hall + "+/server/connection", wire::topics_below(wire::owner_topic_prefix, 2)});
+  return filters;
+}
+
+std::optional<wire::Will> ServerCore::will() const {
+  return wire::Will{{inside_->topics.connection, connection_json("CONNECTIONBROKEN", inside_->now), 1, true}};
+}
+
+void ServerCore::farewell(SimTime now, wire::Effects& effects) {
+  inside_->outbox.open(now, effects);
+  inside_->fleet.farewell(now);
+  effects.emplace_back(wire::Publish{inside_->topics.connection, connection_json("OFFLINE", now), 1, true});
+  inside_->traces.add(now, "AIV_Server", "*", "connection", "OFFLINE");
+}
+
+void ServerCore::fold(Digest& digest) const {
+  const Inside& in = *inside_;
+  in.simulator.fold(digest);
+  in.traffic.fold(digest);
+  in.roller.fold(digest);
+  in.deadlocks.fold(digest);
+  in.missions.fold(digest);
+  in.commands.fold(digest);
+  for (const AivProxy& proxy : in.registry) {
+    digest.add(std::string_view{proxy.name});
+    digest.add(std::uint64_t{proxy.number});
+    digest.add(proxy.messages);
+    digest.add(proxy.headers_missed);
+    digest.add(proxy.refused);
+    digest.add(proxy.outdated);
+    digest.add(static_cast<std::int64_t>(proxy.priority));
+    digest.add(static_cast<std::uint64_t>(proxy.retired) * 2 + static_cast<std::uint64_t>(proxy.paused_for_body));
+  }
+  in.fleet.fold(digest);
+  in.ahead.fold(digest);
+  in.edits.fold(digest);
+  in.halls.fold(digest);
+  in.gvs.fold(digest);
+  digest.add(in.messages_refused);
+  digest.add(in.traces.next());
+}
+
+SimDuration ServerCore::tick_period() const { return inside_->options.cycle; }
+
+Result<void> ServerCore::check_command(std::string_view json) const { return inside_->check_command(json); }
+
+std::uint64_t ServerCore::zone_revision() const { return inside_->simulator.zone_revision(); }
+std::string ServerCore::zone_json() const { return inside_->simulator.zone_json(); }
+std::string ServerCore::next_thing_id(std::string_view kind) const { return inside_->things.next_id(kind); }
+std::optional<std::string> ServerCore::battery_curve_json(const std::string& vehicle) const {
+  return inside_->batteries.curve_json(vehicle);
+}
+std::shared_ptr<const zone::TrafficZone> ServerCore::zone() const { return inside_->simulator.zone(); }
+
+std::optional<zone::ZoneConfiguration> ServerCore::zone_configuration() const {
+  const zone::ZoneConfiguration* configuration = inside_->simulator.configuration();
+  return configuration == nullptr ? std::nullopt : std::optional{*configuration};
+}
+
+}  // namespace cosiva::virtual_side

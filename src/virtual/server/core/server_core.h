@@ -1,0 +1,123 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cosiva/aiv/decision/speed_rules.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/base/result.h"
+#include "cosiva/virtual/server/view/frames.h"
+#include "cosiva/virtual/simulator/bijection.h"
+#include "cosiva/wire/runtime/core.h"
+#include "cosiva/zone/rtm/rtm.h"
+
+namespace cosiva::virtual_side {
+
+struct ServerOptions {
+  std::string interface_name;  ///< empty: wire::default_interface
+  /// Of several servers on one broker, the name of the hall that this one's zone is (wire/own/halls.h); empty: the only
+  /// one.
+  std::string hall;
+  /// The zone, when no physical side serves it; published retained so that vehicles get it too.
+  std::optional<zone::ZoneConfiguration> zone;
+  bool drive{true};  ///< give circulating orders to idle vehicles; false: watch only (a foreign master drives)
+  SimDuration lost_after{std::chrono::seconds{1}};  ///< no report for so long: the vehicle's link is lost
+  BijectionContract contract;
+  SimDuration cycle{std::chrono::milliseconds{20}};  ///< how often it looks after everything
+  bool as_values{
+      false};  ///< everybody is in this process: orders are passed on as values (wire/in_process/said.h); not in JSON
+  std::size_t traces_max{20'000};  ///< of the communications kept for the page
+  /// Where vehicles that download their maps find the zone's; empty: nowhere, so they are not asked to.
+  std::string map_download_link;
+  bool v2x{true};      ///< its virtual AIVs talk with those near them
+  bool convoys{true};  ///< vehicles of one way pass a crossing together when it pays (Traffic)
+  /// By what the virtual AIVs choose their speeds; custom ones can be used (checked).
+  aiv::SpeedRules virtual_rules{aiv::SpeedRules::Kind::fuzzy, {}, {}};
+};
+[[nodiscard]] std::string to_json(const ServerOptions& options);
+[[nodiscard]] Result<ServerOptions> server_options_from_json(std::string_view json);
+
+/// AIV_Server and Simulator as one core (they talk through recorded messages, seen in the traces). Ticks once in a
+/// cycle.
+///
+/// Commands (Input::command, JSON; id optional). Refused ones are logged; those to vehicles are listed as failed with
+/// the reason.
+/// - to vehicles (A6):
+/// {"id":"c1","command":"stop"|"slow"|"medium"|"fast"|"restart"|"cancel","vehicle":"CoSiVA/AIV1"|"*"},
+///   {"command":"limit","speed":0.25,"vehicle":…}: its own limit in m/s, until a profile or restart lifts it, or
+///   "vehicles":[…] for several: an entry "c1.AIV1" each
+/// - missions: {"command":"go","vehicle":"CoSiVA/AIV1","to":"dock"} (a station or waypoint),
+///   {"command":"circulate","vehicle":…|"*","loop":"outer"?}, {"command":"close","section":"east"},
+///   {"command":"open",…}
+/// - {"command":"switch","zone":{"format","origin","text","companion"?}}: another zone, while everything drives
+/// - only virtual things (A3): {"command":"add","thing":{"id":"V1","kind":"aiv","section","s"|"x","y"}},
+///   {"command":"add","thing":{"id":"P1","kind":"person"|"obstacle","x","y","radius"?,
+///   "path":[[x,y]…]?,"speed"?,"repeat":"once"|"back and forth"|"loop"?}},
+///   {"command":"move","thing":{"id","x","y"|"path"…}},
+///   {"command":"remove","id":"P1"|"*"}. Without an id in `add` the server takes next_thing_id(kind).
+/// - {"command":"edit","edit":{…}} (zone::ZoneEdit), {"command":"undo"}, {"command":"redo"}: of the zone (A5);
+///   {"command":"saved"}: zone_configuration() has been written to its file
+/// - to the emulated world: {"command":"plant","plant":{"addObstacle":{…}}|{"removeObstacle":"id"}},
+///   {"command":"radio","vehicle":"CoSiVA/AIV2"|"*","loss":0.3}
+/// - to a battery test: {"command":"batteryReady","vehicle","battery",…} (BatteryDesk::ready)
+class ServerCore final : public wire::Core {
+ public:
+  explicit ServerCore(ServerOptions options);
+  ~ServerCore() override;
+
+  void handle(const wire::Input& input, wire::Effects& effects) override;
+  [[nodiscard]] SimDuration tick_period() const override;
+  [[nodiscard]] std::vector<std::string> subscriptions() const override;
+  [[nodiscard]] std::optional<wire::Will> will() const override;
+  void farewell(SimTime now, wire::Effects& effects) override;
+  void fold(Digest& digest) const override;
+
+  /// Checks a command without running it, for an immediate answer to whoever sends it.
+  [[nodiscard]] Result<void> check_command(std::string_view json) const;
+
+  /// Grows when the zone is (re)instantiated; zone_json() is what the page draws, "null" before there is a zone.
+  [[nodiscard]] std::uint64_t zone_revision() const;
+  [[nodiscard]] std::string zone_json() const;
+  /// The moving picture's table, docs/protocols/hmi-api.md.
+  [[nodiscard]] std::string snapshot_json() const;
+  /// The run's bijection figures (DESIGN §5): physical, virtual, matched, matched_share, orphans, divergence_m, age_ms,
+  /// commands, events, held_share.
+  void write_bijection(JsonWriter& json) const;
+  /// {"bijection":{…},"aivs":[…]…} at the end of a run.
+  [[nodiscard]] std::string summary_json() const;
+  /// The last traces from `after` (a running number) on:
+  /// {"next":N,"traces":[{"n","time","from","to","kind","content"}…]}.
+  [[nodiscard]] std::string traces_json(std::uint64_t after, std::size_t limit) const;
+  /// One trace with all of its raw content: {"n","time","from","to","kind","topic","raw"}; raw is null when it is no
+  /// longer kept. Nothing where there is no such number (any more).
+  [[nodiscard]] std::optional<std::string> trace_json(std::uint64_t n) const;
+  /// What the page should show soon. Cheap enough to be asked after every input; numbers that differ from before mean
+  /// that something changed.
+  struct PageRevision {
+    std::uint64_t waited_for;  ///< by an operator: a command's state, what was added or went, an alarm
+    std::uint64_t events;      ///< of the vehicles: a tag or node passed, started, stopped
+    friend bool operator==(const PageRevision&, const PageRevision&) = default;
+  };
+  [[nodiscard]] PageRevision page_revision() const;
+  /// Everything that moves or may, sorted by handle, at the time of the last input carried on to `now`.
+  void positions(SimTime now, std::vector<PositionRecord>& out) const;
+  /// How a vehicle's battery fared, for a picture; nothing where the vehicle never reported its battery.
+  [[nodiscard]] std::optional<std::string> battery_curve_json(const std::string& vehicle) const;
+  /// "V1", "P2", "O1": the next free one of "aiv", "person", "obstacle".
+  [[nodiscard]] std::string next_thing_id(std::string_view kind) const;
+  /// "c12": the id that the next command to vehicles gets that brings none; whoever asks may give it that one.
+  [[nodiscard]] std::string next_command_id() const;
+  /// The zone's configuration with all edits, as it would be saved; nothing while there is no zone.
+  [[nodiscard]] std::optional<zone::ZoneConfiguration> zone_configuration() const;
+  /// The zone itself; null while there is none.
+  [[nodiscard]] std::shared_ptr<const zone::TrafficZone> zone() const;
+
+ private:
+  struct Inside;
+  std::unique_ptr<Inside> inside_;
+};
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,521 @@
+#include "cosiva/virtual/server/core/server_core.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cosiva/virtual/server/testing/server_bench.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+using namespace bench;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+std::vector<std::string> kinds(const ServerBench& bench, const std::string& from) {
+  std::vector<std::string> found;
+  const JsonValue traces = *JsonValue::parse(bench.server->traces_json(1, 1000));
+  for (const JsonValue& trace : *traces.find("traces")->array())
+    if (from.empty() || trace.text("from") == from) found.push_back(*trace.text("to") + "." + *trace.text("kind"));
+  return found;
+}
+
+TEST(ServerCore, says_online_heartbeats_and_the_zone_when_its_link_comes_up) {
+  ServerBench bench;
+  const auto connection = bench.published_on(wire::server_connection_topic);
+  ASSERT_THAT(connection, SizeIs(1));
+  EXPECT_TRUE(connection[0].retained);
+  EXPECT_EQ(connection[0].qos, 1);
+  EXPECT_EQ(JsonValue::parse(connection[0].payload)->text("connectionState"), "ONLINE");
+  const auto zone = bench.published_on("cosiva/v1/zone/toml");
+  ASSERT_THAT(zone, SizeIs(1));
+  EXPECT_TRUE(zone[0].retained);
+  EXPECT_EQ(zone[0].payload, oval().text) << "byte for byte";
+  bench.run_for(1s);
+  EXPECT_THAT(bench.published_on(wire::server_heartbeat_topic), SizeIs(11))
+      << "at the first tick and at 100, 200 … 1000 ms";
+}
+
+TEST(ServerCore, leaves_a_will_and_says_goodbye) {
+  ServerBench bench;
+  const auto will = bench.server->will();
+  ASSERT_TRUE(will.has_value());
+  EXPECT_EQ(JsonValue::parse(will->message.payload)->text("connectionState"), "CONNECTIONBROKEN");
+  EXPECT_TRUE(will->message.retained);
+  wire::Effects effects;
+  bench.server->farewell(bench.now, effects);
+  ASSERT_THAT(effects, SizeIs(1));
+  EXPECT_EQ(JsonValue::parse(std::get<wire::Publish>(effects[0]).payload)->text("connectionState"), "OFFLINE");
+}
+
+TEST(ServerCore, subscribes_to_what_vehicles_say_under_its_interface_and_to_zones) {
+  ServerOptions options;
+  options.interface_name = "plant7";
+  EXPECT_THAT(ServerCore{options}.subscriptions(),
+              ElementsAre("plant7/+/+/+/state", "plant7/+/+/+/visualization", "plant7/+/+/+/connection",
+                          "plant7/+/+/+/factsheet", "cosiva/v1/zone/+", "cosiva/v1/felt/+/+", "cosiva/v1/seen/+/+",
+                          "cosiva/v1/boards/+/+", "cosiva/v1/v2x/+/+/+/+", "plant7/v2/CoSiVA.virtual/+/order",
+                          "plant7/v2/CoSiVA.virtual/+/instantActions", "cosiva/v1/battery/change/+/+",
+                          "cosiva/v1/battery/test", "cosiva/v1/gvs/sights", "cosiva/v1/gvs/connection"));
+}
+
+TEST(ServerCore, builds_the_zone_in_the_article_s_order_and_shows_each_step) {
+  ServerBench bench;
+  const auto steps = kinds(bench, "");
+  EXPECT_THAT(
+      std::vector(steps.begin(), steps.begin() + 8),
+      ElementsAre("Simulator.zoneConfiguration", "RTM.initialise", "RTM.circuitFactory", "Simulator.circuitFactory",
+                  "CircuitFactory.circuit", "Simulator.circuit", "Circuit.draw", "Simulator.draw"));
+  EXPECT_EQ(bench.server->zone_revision(), 1U);
+  EXPECT_EQ(JsonValue::parse(bench.server->zone_json())->text("name"), "oval");
+}
+
+TEST(ServerCore, takes_the_zone_from_the_physical_side_and_does_not_build_the_same_twice) {
+  ServerCore server{ServerOptions{}};
+  wire::Effects effects;
+  EXPECT_EQ(server.zone_json(), "null");
+  const SimTime now = virtual_epoch;
+  server.handle({now, wire::InputKind::message, "cosiva/v1/zone/toml", oval().text, true}, effects);
+  EXPECT_EQ(server.zone_revision(), 1U);
+  server.handle({now, wire::InputKind::message, "cosiva/v1/zone/toml", oval().text, true}, effects);
+  EXPECT_EQ(server.zone_revision(), 1U);
+}
+
+TEST(ServerCore, keeps_its_zone_when_a_bad_one_arrives) {
+  ServerBench bench;
+  bench.feed(wire::InputKind::message, "cosiva/v1/zone/toml", "name = ");
+  bench.feed(wire::InputKind::message, "cosiva/v1/zone/clay", "tablets");
+  bench.feed(wire::InputKind::message, "cosiva/v1/zone/toml", "");
+  EXPECT_EQ(bench.server->zone_revision(), 1U);
+  EXPECT_TRUE(bench.logged("zone configuration refused"));
+}
+
+TEST(ServerCore, changes_the_zone_while_vehicles_drive_and_goes_on_on_the_new_one) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  bench.run_for(5s);
+  std::string longer = oval().text;
+  longer.replace(longer.find("\"oval\""), 6, "\"oval two\"");
+  bench.feed(wire::InputKind::message, "cosiva/v1/zone/toml", longer);
+  EXPECT_EQ(bench.server->zone_revision(), 2U);
+  bench.run_for(10s);
+  ASSERT_FALSE(aiv.orders.empty());
+  EXPECT_EQ(aiv.orders.back().nodes.front().position->map_id, "oval two");
+  EXPECT_EQ(*bench.bijection().number("matched"), 1.0);
+}
+
+TEST(ServerCore, registers_a_vehicle_at_its_first_message_and_shows_its_twin_at_its_first_place) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV7", {0, 0.5});
+  EXPECT_EQ(*bench.bijection().number("virtual"), 0.0);
+  EXPECT_THAT(*bench.snapshot().find("aivs")->array(), IsEmpty());
+  bench.tell(aiv, "state", vda::encode(aiv.state(bench.now)));
+  const JsonValue shown = bench.aiv("CoSiVA/AIV7");
+  EXPECT_EQ(*shown.number("number"), 7.0);
+  EXPECT_NEAR(*shown.number("x"), 0.5, 1e-9);
+  EXPECT_EQ(shown.text("section"), "south");
+  EXPECT_NEAR(*shown.number("s"), 0.5, 1e-6);
+  EXPECT_EQ(*bench.bijection().number("matched"), 1.0);
+  EXPECT_EQ(*bench.bijection().find("events")->find("by_kind")->number("arrival"), 1.0);
+  EXPECT_THAT(kinds(bench, "AIV_Server"), testing::Contains("Simulator.appear"));
+}
+
+TEST(ServerCore, gives_marks_by_serial_number_and_no_mark_twice) {
+  ServerBench bench;
+  for (const auto& [make, serial] : {std::pair{"CoSiVA", "AIV3"}, {"Acme", "truck-3"}, {"Acme", "nameless"}}) {
+    BenchVehicle& aiv = bench.add(serial, {0, 0.5}, make);
+    bench.tell(aiv, "state", vda::encode(aiv.state(bench.now)));
+  }
+  EXPECT_EQ(*bench.aiv("CoSiVA/AIV3").number("number"), 3.0);
+  EXPECT_EQ(*bench.aiv("Acme/truck-3").number("number"), 1.0);
+  EXPECT_EQ(*bench.aiv("Acme/nameless").number("number"), 2.0);
+}
+
+TEST(ServerCore, names_a_vehicle_that_does_not_know_its_place_as_an_orphan) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  aiv.position_known = false;
+  bench.run_for(2s);
+  const JsonValue figures = bench.bijection();
+  EXPECT_EQ(*figures.number("physical"), 1.0);
+  EXPECT_EQ(*figures.number("virtual"), 0.0);
+  ASSERT_THAT(*figures.find("orphans")->array(), SizeIs(1));
+  EXPECT_EQ((*figures.find("orphans")->array())[0].text("id"), "CoSiVA/AIV1");
+  EXPECT_EQ((*figures.find("orphans")->array())[0].text("side"), "physical");
+  EXPECT_EQ(*figures.number("matched_share"), 0.0);
+}
+
+TEST(ServerCore, tells_how_late_its_machine_woke_it) {
+  ServerBench bench;
+  bench.run_for(2s);
+  EXPECT_EQ(bench.bijection().find("late_ms")->number("max"), 0.0) << "its cycle is the bench's step";
+  bench.now += 480ms;
+  bench.run_for(2s);
+  EXPECT_NEAR(*bench.bijection().find("late_ms")->number("max"), 480.0, 1e-6);
+}
+
+TEST(ServerCore, shows_a_broken_connection_at_once_and_keeps_the_twin) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  bench.run_for(5s);
+  bench.kill(aiv);
+  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("connection"), "CONNECTIONBROKEN");
+  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").flag("lost"), true);
+  bench.run_for(10s);
+  EXPECT_EQ(*bench.bijection().number("matched"), 1.0);
+  EXPECT_GT(*bench.aiv("CoSiVA/AIV1").number("age_ms"), 9000.0);
+}
+
+TEST(ServerCore, marks_a_silent_vehicle_as_lost_after_a_second_and_stops_its_twin) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  bench.run_for(5s);
+  const double x0 = *bench.aiv("CoSiVA/AIV1").number("x");
+  aiv.alive = false;
+  bench.run_for(900ms);
+  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").flag("lost"), false);
+  bench.run_for(300ms);
+  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").flag("lost"), true);
+  const JsonValue then = bench.aiv("CoSiVA/AIV1");
+  bench.run_for(5s);
+  EXPECT_EQ(*bench.aiv("CoSiVA/AIV1").number("x"), *then.number("x"));
+  EXPECT_LE(std::fabs(*then.number("x") - x0), 0.3 * 1.0 + 0.05) << "anticipated for a second at most";
+  EXPECT_EQ(then.find("contract")->flag("age"), false);
+}
+
+/// A vehicle of another make that only says its state, and how much of its time it is shown as lost.
+class SlowReporter {
+ public:
+  SlowReporter() : vehicle_{bench_.add("agv-7", {0, 0.5}, "Acme")} {
+    vehicle_.alive = false;  // the bench does not report for it
+    bench_.each_step = [this] {
+      if (const auto lost = bench_.aiv("Acme/agv-7").flag("lost")) ++(*lost ? steps_lost_ : steps_live_);
+    };
+  }
+  void report_for(SimDuration duration, double period_s, double jitter_s = 0.0) {
+    for (const SimTime end = bench_.now + duration; bench_.now < end;) {
+      bench_.tell(vehicle_, "state", vda::encode(vehicle_.state(bench_.now)));
+      be_silent_for(from_seconds(period_s + bench_.random.uniform(-jitter_s, jitter_s)));
+    }
+  }
+  void be_silent_for(SimDuration duration) { bench_.run_for(duration); }
+  [[nodiscard]] double lost_share() const {
+    return static_cast<double>(steps_lost_) / static_cast<double>(steps_lost_ + steps_live_);
+  }
+  [[nodiscard]] bool lost() const { return *bench_.aiv("Acme/agv-7").flag("lost"); }
+
+ private:
+  ServerBench bench_;
+  BenchVehicle& vehicle_;
+  std::uint64_t steps_lost_{0};
+  std::uint64_t steps_live_{0};
+};
+
+TEST(ServerCore, never_shows_a_vehicle_as_lost_that_keeps_to_a_slow_rate) {
+  for (const double period_s : {1.2, 2.0, 3.0}) {
+    for (const double jitter_s : {0.0, 0.3 * period_s}) {
+      SlowReporter vehicle;
+      vehicle.report_for(60s, period_s, jitter_s);
+      EXPECT_EQ(vehicle.lost_share(), 0.0) << "a state every " << period_s << " s, give or take " << jitter_s;
+    }
+  }
+}
+
+TEST(ServerCore, shows_a_slow_vehicle_as_lost_after_three_of_its_usual_gaps) {
+  for (const double period_s : {1.2, 2.0, 3.0}) {
+    SlowReporter vehicle;
+    vehicle.report_for(180s, period_s);  // and silent for one gap already
+    vehicle.be_silent_for(from_seconds(1.9 * period_s));
+    EXPECT_FALSE(vehicle.lost()) << period_s;
+    vehicle.be_silent_for(from_seconds(0.2 * period_s));
+    EXPECT_TRUE(vehicle.lost()) << period_s;
+  }
+}
+
+TEST(ServerCore, believes_a_vehicle_that_goes_on_reporting_after_a_stale_will) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  bench.run_for(3s);
+  bench.connection(aiv, wire::ConnectionState::connection_broken);
+  bench.run_for(3s);
+  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("connection"), "ONLINE");
+}
+
+TEST(ServerCore, does_not_move_a_twin_back_for_a_late_report) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  bench.run_for(3s);
+  const auto late = vda::encode(aiv.visualization(bench.now - 200ms));
+  const auto late_state = vda::encode(aiv.state(bench.now - 1500ms));
+  bench.run_for(2s);
+  const JsonValue before = bench.aiv("CoSiVA/AIV1");
+  bench.tell(aiv, "visualization", late);
+  bench.tell(aiv, "state", late_state);
+  EXPECT_EQ(*bench.aiv("CoSiVA/AIV1").number("x"), *before.number("x"));
+  EXPECT_EQ(*bench.aiv("CoSiVA/AIV1").number("orderUpdateId"), *before.number("orderUpdateId"));
+  EXPECT_THAT(bench.server->summary_json(), HasSubstr("\"outdated\":2"));
+}
+
+TEST(ServerCore, ignores_a_retained_state) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  bench.tell(aiv, "state", vda::encode(aiv.state(bench.now)), true);
+  EXPECT_THAT(*bench.snapshot().find("aivs")->array(), IsEmpty());
+  EXPECT_TRUE(bench.logged("retained state"));
+}
+
+TEST(ServerCore, ignores_a_message_that_carries_another_s_name_and_says_so_once) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  wire::State forged = aiv.state(bench.now);
+  forged.header.serial_number = "AIV2";
+  for (int i = 0; i < 5; ++i) bench.tell(aiv, "state", vda::encode(forged));
+  EXPECT_THAT(*bench.snapshot().find("aivs")->array(), IsEmpty());
+  EXPECT_EQ(std::ranges::count_if(bench.logs, [](const auto& l) { return l.find("AIV2") != std::string::npos; }), 1);
+}
+
+TEST(ServerCore, counts_the_messages_that_never_came_and_lets_header_ids_wrap) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  std::uint32_t id = 0xFFFFFFFEU;
+  for (const std::uint32_t step : {0U, 1U, 1U, 3U}) {  // …fe, …ff, 0, 3: two lost
+    id += step;
+    wire::State state = aiv.state(bench.now);
+    state.header.header_id = id;
+    bench.now += 20ms;
+    state.header.timestamp = bench.now;
+    bench.tell(aiv, "state", vda::encode(state));
+  }
+  EXPECT_THAT(bench.server->summary_json(), HasSubstr("\"missed\":2"));
+}
+
+TEST(ServerCore, anticipates_by_arrival_when_a_vehicle_s_clock_is_wrong) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  aiv.clock_ahead = -100s;
+  bench.run_for(10s);
+  EXPECT_TRUE(bench.logged("clock"));
+  const JsonValue shown = bench.aiv("CoSiVA/AIV1");
+  EXPECT_LT(*shown.number("age_ms"), 150.0);
+  const Pose2 truth = aiv.pose();
+  EXPECT_LT(distance({*shown.number("x"), *shown.number("y")}, position(truth)), 0.03);
+  EXPECT_THAT(
+      (*shown.find("errors")->array()).back().text() != nullptr ? *(*shown.find("errors")->array()).back().text() : "",
+      HasSubstr("clock"));
+}
+
+TEST(ServerCore, survives_garbage_on_every_topic_and_serves_the_others) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  bench.run_for(2s);
+  const std::vector<std::string> garbage{"",
+                                         "{",
+                                         "null",
+                                         "[]",
+                                         "\xFF\xFE",
+                                         R"({"headerId":-1})",
+                                         R"({"agvPosition":{"x":1e999,"y":0}})",
+                                         std::string(300'000, '['),
+                                         R"({"manufacturer":1,"serialNumber":[]})"};
+  for (const std::string& payload : garbage)
+    for (const char* topic : {"state", "visualization", "connection", "factsheet"}) {
+      bench.tell(aiv, topic, payload);
+      bench.feed(wire::InputKind::message, std::string("uagv/v2/Acme/x1/") + topic, payload);
+    }
+  for (const char* topic : {"", "/", "uagv", "uagv/v2//x/state", "uagv/v3/Acme/new/state", "uagv/v2/Ac me/x/state",
+                            "uagv/v2/Acme/x/order", "uagv/v2/Acme/x/y/state", "cosiva/v1/zone/", "other/v2/a/b/state"})
+    bench.feed(wire::InputKind::message, topic, "{}");
+  bench.run_for(2s);
+  EXPECT_GT(aiv.speed_mps, 0.0);
+  EXPECT_EQ(*bench.bijection().number("matched"), 1.0);
+  EXPECT_TRUE(bench.logged("v3"));
+}
+
+TEST(ServerCore, refuses_places_and_versions_that_cannot_be) {
+  ServerBench bench;
+  BenchVehicle& far = bench.add("AIV1", {0, 0.5});
+  wire::State state = far.state(bench.now);
+  state.position->pose.x_m = 1e6;
+  bench.tell(far, "state", vda::encode(state));
+  EXPECT_TRUE(bench.logged("100 km"));
+  BenchVehicle& newer = bench.add("AIV2", {0, 0.5});
+  newer.version = "3.0.0";
+  bench.tell(newer, "state", vda::encode(newer.state(bench.now)));
+  EXPECT_TRUE(bench.logged("3.0.0"));
+  EXPECT_THAT(*bench.snapshot().find("aivs")->array(), IsEmpty());
+}
+
+TEST(ServerCore, takes_no_more_vehicles_than_it_can_hold) {
+  ServerBench bench;
+  for (int i = 0; i < 1000; ++i)
+    bench.feed(
+        wire::InputKind::message, "uagv/v2/Flood/n" + std::to_string(i) + "/connection",
+        R"({"headerId":0,"timestamp":"2023-07-11T00:00:00.000Z","version":"2.1.0","manufacturer":"Flood","serialNumber":"n)" +
+            std::to_string(i) + R"(","connectionState":"ONLINE"})");
+  EXPECT_TRUE(bench.logged("256 vehicles"));
+  EXPECT_LT(bench.logs.size(), 300U);
+}
+
+TEST(ServerCore, shows_events_of_the_physical_side_with_their_latency) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  bench.run_for(3s);
+  aiv.information = {{"lastTag", "", {{"tag", "12"}, {"distance_m", "0.25"}}}};
+  aiv.charge = 88.9;
+  aiv.blocked = true;
+  aiv.state_due = true;
+  bench.run_for(1s);
+  const JsonValue figures = bench.bijection();
+  const JsonValue& kinds = *figures.find("events")->find("by_kind");
+  EXPECT_EQ(*kinds.number("tag"), 1.0);
+  EXPECT_EQ(*kinds.number("obstacle"), 1.0);
+  EXPECT_EQ(*kinds.number("stop"), 1.0);
+  EXPECT_EQ(*kinds.number("battery"), 1.0);
+  EXPECT_NEAR(*figures.find("events")->find("latency_ms")->number("p50"), 4.0, 0.5);
+  EXPECT_EQ(*bench.aiv("CoSiVA/AIV1").number("lastTag"), 12.0);
+  EXPECT_EQ(*bench.aiv("CoSiVA/AIV1").number("sinceTag_m"), 0.25);
+}
+
+TEST(ServerCore, holds_the_bijection_of_a_driving_vehicle) {
+  ServerBench bench;
+  bench.add("AIV1", {0, 0.5});
+  bench.run_for(60s);
+  const JsonValue figures = bench.bijection();
+  EXPECT_EQ(*figures.number("matched_share"), 1.0);
+  EXPECT_GT(*figures.number("held_share"), 0.99);
+  // At constant speed on the line the prediction is exact; only starts differ.
+  EXPECT_LT(*figures.find("divergence_m")->number("p50"), 1e-3);
+  EXPECT_LT(*figures.find("divergence_m")->number("p99"), 0.01);
+  EXPECT_LE(*figures.find("age_ms")->number("p99"), 150.0);
+}
+
+TEST(ServerCore, asks_once_for_a_factsheet_it_was_not_given) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  bench.run_for(10s);
+  EXPECT_EQ(
+      std::ranges::count_if(aiv.actions, [](const auto& m) { return m.actions[0].action_type == "factsheetRequest"; }),
+      1);
+}
+
+TEST(ServerCore, numbers_its_traces_for_ever_and_keeps_the_last) {
+  ServerOptions options;
+  options.traces_max = 50;
+  ServerBench bench{oval(), options};
+  bench.add("AIV1", {0, 0.5});
+  bench.run_for(20s);
+  const JsonValue all = *JsonValue::parse(bench.server->traces_json(0, 1000));
+  EXPECT_THAT(*all.find("traces")->array(), SizeIs(50));
+  const double next = *all.number("next");
+  EXPECT_EQ(*all.find("traces")->array()->back().number("n"), next - 1);
+  const JsonValue none = *JsonValue::parse(bench.server->traces_json(static_cast<std::uint64_t>(next), 10));
+  EXPECT_THAT(*none.find("traces")->array(), IsEmpty());
+  const JsonValue one = *JsonValue::parse(bench.server->traces_json(static_cast<std::uint64_t>(next) - 5, 2));
+  EXPECT_THAT(*one.find("traces")->array(), SizeIs(2));
+}
+
+/// Those of this kind, and the whole of each.
+std::vector<JsonValue> traced(const ServerBench& bench, std::string_view kind, std::string_view from) {
+  std::vector<JsonValue> found;
+  const JsonValue all = *JsonValue::parse(bench.server->traces_json(0, 100'000));
+  for (const JsonValue& trace : *all.find("traces")->array()) {
+    if (trace.text("kind") != kind || trace.text("from") != from) continue;
+    const auto whole = bench.server->trace_json(static_cast<std::uint64_t>(*trace.number("n")));
+    found.push_back(*JsonValue::parse(*whole));
+  }
+  return found;
+}
+
+TEST(ServerCore, traces_a_message_that_it_refused_with_its_text_and_the_reason) {
+  ServerBench bench;
+  BenchVehicle& one = bench.add("AIV1", {0, 0.5});
+  const std::string broken = R"({"headerId":"seven"})";
+  bench.tell(one, "factsheet", broken);
+  const auto traces = traced(bench, "factsheet", "CoSiVA/AIV1");
+  ASSERT_THAT(traces, SizeIs(1));
+  EXPECT_EQ(traces[0].text("raw"), broken);
+  EXPECT_THAT(*traces[0].text("content"), testing::StartsWith("refused: "));
+  EXPECT_THAT(*traces[0].text("content"), HasSubstr("headerId"));
+}
+
+TEST(ServerCore, traces_what_the_sections_answer_where_a_twin_comes_to_a_new_one) {
+  ServerBench bench;
+  bench.add("AIV1", {0, 1.5});
+  bench.run_for(5s);  // at 0.3 m/s to beyond the end of the first, 2 m long, and on the half circle of 1.57 m
+  const auto asked = traced(bench, "nextAIVposition", "Simulator");
+  const auto answered = traced(bench, "position", "Circuit");
+  ASSERT_THAT(asked, SizeIs(1));
+  ASSERT_THAT(answered, SizeIs(1));
+  EXPECT_THAT(*asked[0].text("content"), testing::StartsWith("CoSiVA/AIV1 leaves south 1.9"));
+  EXPECT_THAT(*answered[0].text("content"), testing::StartsWith("CoSiVA/AIV1 on east 0.0"));
+}
+
+TEST(ServerCore, does_the_same_for_the_same_inputs) {
+  const auto run = [] {
+    ServerBench bench{zone_file("lacet4.toml")};
+    bench.loss = 0.05;
+    for (int i = 1; i <= 4; ++i)
+      bench.add("AIV" + std::to_string(i), bench.zone->start_places(4)[static_cast<std::size_t>(i - 1)]);
+    bench.run_for(20s);
+    bench.command("stop", "*");
+    bench.run_for(5s);
+    Digest digest;
+    bench.server->fold(digest);
+    for (const auto& message : bench.published) digest.add(std::string_view{message.payload});
+    return digest;
+  };
+  EXPECT_EQ(run(), run());
+}
+
+TEST(ServerOptions, survive_their_json) {
+  ServerOptions options;
+  options.interface_name = "plant7";
+  options.zone = oval();
+  options.drive = false;
+  options.lost_after = 2s;
+  options.contract.age_p99_ms = 99.5;
+  options.traces_max = 7;
+  options.cycle = 100ms;
+  options.virtual_rules = {};
+  options.v2x = false;
+  options.convoys = true;
+  const auto back = server_options_from_json(to_json(options));
+  ASSERT_TRUE(back.has_value());
+  EXPECT_EQ(to_json(*back), to_json(options));
+  EXPECT_EQ(back->zone, options.zone);
+  EXPECT_EQ(ServerCore{*back}.tick_period(), 100ms);
+}
+
+TEST(ServerOptions, of_a_journal_from_before_there_were_V2X_and_convoys_have_neither) {
+  EXPECT_FALSE(server_options_from_json("{}")->v2x);
+  EXPECT_FALSE(server_options_from_json("{}")->convoys);
+  EXPECT_TRUE(server_options_from_json(to_json(ServerOptions{}))->v2x);
+  ServerOptions together;
+  together.convoys = true;
+  EXPECT_TRUE(server_options_from_json(to_json(together))->convoys);
+}
+
+TEST(ServerOptions, of_a_journal_from_before_there_were_rules_have_crisp_virtual_AIVs) {
+  EXPECT_EQ(server_options_from_json("{}")->virtual_rules, aiv::SpeedRules{});
+  EXPECT_EQ(server_options_from_json(to_json(ServerOptions{}))->virtual_rules.kind, aiv::SpeedRules::Kind::fuzzy);
+}
+
+TEST(ServerOptions, refuse_what_makes_no_sense_and_name_the_field) {
+  for (const auto& [json, field] : {std::pair{R"({"lost_after_ms":-1})", "lost_after_ms"},
+                                    {R"({"cycle_ms":0.5})", "cycle_ms"},
+                                    {R"({"traces_max":"many"})", "traces_max"},
+                                    {R"({"zone":{"format":"x"}})", "zone"},
+                                    {R"({"contract":{"age_p99_ms":0}})", "age_p99_ms"},
+                                    {R"({"contract":3})", "contract"}}) {
+    const auto read = server_options_from_json(json);
+    ASSERT_FALSE(read.has_value()) << json;
+    EXPECT_EQ(read.error().place, field);
+  }
+  EXPECT_FALSE(server_options_from_json("[]").has_value());
+  EXPECT_FALSE(server_options_from_json("{").has_value());
+}
+
+}  // namespace
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,72 @@
+// What vehicles say to each other (V2X, A3, A10). The server has no part in it: it hands it to the virtual AIVs, which
+// live here, and shows some of it.
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+
+#include "cosiva/virtual/server/core/inside.h"
+#include "cosiva/wire/in_process/heard_intents.h"
+#include "cosiva/wire/own/v2x.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+/// Five a second from each would drown the rest.
+constexpr SimDuration trace_period{std::chrono::seconds{1}};
+
+/// "0.40 m/s, brakes; X1 in 0.9 s, its own".
+std::string summary_of(const wire::Intent& intent) {
+  std::string text = metres_text(intent.speed_mps) + " m/s";
+  if (intent.braking) text += ", brakes";
+  if (intent.crossings.empty()) return text;
+  const wire::CrossingIntent& next = intent.crossings.front();
+  text += "; " + next.name + (next.entry_m > 0.0 ? " in " + metres_text(next.arrival_s) + " s" : ", inside");
+  text += next.may_enter ? ", its own" : ", not yet its own";
+  return text;
+}
+
+bool adjacent(wire::Cell a, wire::Cell b) { return std::abs(a.x - b.x) <= 1 && std::abs(a.y - b.y) <= 1; }
+
+}  // namespace
+
+void ServerCore::Inside::on_intent(const wire::Input& input) {
+  if (input.flag) return;
+  if (!fleet.empty()) fleet.talk(now, input);
+  const auto topic = wire::parse_v2x_topic(input.source);
+  if (!topic) return;
+  // Who is known by its talk alone is no vehicle of this server's: made-up names cost it nothing.
+  const auto vehicle = registry.find(wire::to_string(topic->vehicle));
+  if (!vehicle) return;
+  AivProxy& proxy = registry[*vehicle];
+  if (proxy.talk_traced && now - *proxy.talk_traced < trace_period && now >= *proxy.talk_traced) return;
+  proxy.talk_traced = now;
+  trace_intent(proxy, input);
+}
+
+void ServerCore::Inside::trace_intent(AivProxy& proxy, const wire::Input& input) {
+  const auto heard = wire::heard_intent(input);
+  if (!heard || (*heard)->vehicle != proxy.id) {
+    ++proxy.refused;
+    return;
+  }
+  const wire::Intent& intent = **heard;
+  const wire::Cell cell = wire::cell_of(position(intent.pose));
+  const AivProxy* nearest = nullptr;
+  double nearest_m = std::numeric_limits<double>::infinity();
+  std::size_t listeners = 0;
+  for (const AivProxy& other : registry) {
+    if (&other == &proxy || !other.here() || !other.reported) continue;
+    if (!adjacent(cell, wire::cell_of(position(*other.reported)))) continue;
+    ++listeners;
+    const double off_m = distance(intent.pose, *other.reported);
+    if (off_m >= nearest_m) continue;
+    nearest_m = off_m;
+    nearest = &other;
+  }
+  std::string summary = summary_of(intent);
+  if (listeners > 1) summary += "; to " + std::to_string(listeners) + " near it";
+  traces.add(now, proxy.name, nearest == nullptr ? std::string_view{"*"} : std::string_view{nearest->name}, "V2X",
+             summary, input.source, input.payload);
+}
+
+}  // namespace cosiva::virtual_side

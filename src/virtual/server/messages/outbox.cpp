@@ -1,0 +1,138 @@
+#include "cosiva/virtual/server/messages/outbox.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <utility>
+
+#include "cosiva/wire/in_process/said.h"
+#include "cosiva/wire/vda5050/codec.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+constexpr std::string_view same_again = "the same again: not acknowledged within 300 ms";
+
+}  // namespace
+
+wire::Header Outbox::header(const AivProxy& proxy, std::uint32_t id) const {
+  return {id, now_, proxy.version, proxy.id.manufacturer, proxy.id.serial_number};
+}
+
+Outbox::SentOrder Outbox::send(AivProxy& proxy, wire::Order&& order, std::string_view summary) {
+  order.header = header(proxy, proxy.order_header_id);
+  if (order.header.version.empty()) order.header.version = wire::vda5050::version;
+  SentOrder sent = wire::say(std::move(order));
+  wire::Publish message{proxy.order_topic, {}, 0, false};
+  if (as_values_)
+    message.said = sent;
+  else
+    message.payload = wire::vda5050::encode(std::get<wire::Order>(sent->message));
+  traces_.add(now_, "AIV_Server", proxy.name, "order", summary, message.topic, message.payload);
+  say(proxy, proxy.order_header_id, std::move(message));
+  return sent;
+}
+
+void Outbox::send_again(AivProxy& proxy, SentOrder& order) {
+  wire::Order same = std::get<wire::Order>(order->message);
+  order = send(proxy, std::move(same), same_again);
+}
+
+void Outbox::send(AivProxy& proxy, wire::InstantActions& actions) {
+  std::string summary;
+  for (const wire::Action& action : actions.actions) {
+    if (!summary.empty()) summary += ", ";
+    summary += action.action_type;
+    if (const auto profile = action.text("profile")) summary += " " + *profile;
+    summary += " (" + action.action_id + ")";
+  }
+  publish(proxy, actions, summary);
+}
+
+void Outbox::send_again(AivProxy& proxy, wire::InstantActions& actions) { publish(proxy, actions, same_again); }
+
+void Outbox::publish(AivProxy& proxy, wire::InstantActions& actions, std::string_view summary) {
+  actions.header = header(proxy, proxy.actions_header_id);
+  wire::Publish message{proxy.actions_topic, wire::vda5050::encode(actions), 0, false};
+  traces_.add(now_, "AIV_Server", proxy.name, "instantActions", summary, message.topic, message.payload);
+  say(proxy, proxy.actions_header_id, std::move(message));
+}
+
+void Outbox::say(const AivProxy& proxy, std::uint32_t& header_id, wire::Publish message) {
+  if (proxy.handed_over) return;
+  ++header_id;
+  effects_->emplace_back(std::move(message));
+}
+
+void Outbox::publish(std::string topic, std::string payload, int qos, bool retained) {
+  effects_->emplace_back(wire::Publish{std::move(topic), std::move(payload), qos, retained});
+}
+
+void Outbox::log(char level, std::string text) { effects_->emplace_back(wire::Log{level, std::move(text)}); }
+
+std::string unique_id(std::string_view prefix, SimTime now) {
+  const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()).count();
+  std::array<char, 24> digits{};
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), ms, 36).ptr;
+  std::string id{prefix};
+  id += '-';
+  id.append(digits.data(), end);
+  return id;
+}
+
+bool ActionDesk::Letter::acknowledged() const { return std::ranges::all_of(actions, &Progress::seen); }
+
+ActionDesk::Ticket ActionDesk::send(AivProxy& proxy, VehicleIndex vehicle, std::vector<wire::Action> actions,
+                                    SimDuration patience, bool keep) {
+  const Ticket ticket = ++last_ticket_;
+  Letter letter{ticket, vehicle, {}, {}, outbox_.now(), outbox_.now() + patience, keep};
+  wire::InstantActions& message = letter.message;
+  message.actions = std::move(actions);
+  const std::string stem = unique_id("A", outbox_.now()) + "-" + std::to_string(ticket);
+  for (std::size_t i = 0; i < message.actions.size(); ++i) {
+    message.actions[i].action_id = i == 0 ? stem : stem + "." + std::to_string(i);
+    letter.actions.push_back({message.actions[i].action_id, false, wire::ActionStatus::waiting, {}});
+  }
+  outbox_.send(proxy, message);
+  letters_.push_back(std::move(letter));
+  return ticket;
+}
+
+const ActionDesk::Letter* ActionDesk::find(Ticket ticket) const {
+  const auto it = std::ranges::find(letters_, ticket, &Letter::ticket);
+  return it == letters_.end() ? nullptr : &*it;
+}
+
+void ActionDesk::drop(Ticket ticket) {
+  std::erase_if(letters_, [ticket](const Letter& letter) { return letter.ticket == ticket; });
+}
+
+void ActionDesk::forget(VehicleIndex vehicle) {
+  std::erase_if(letters_, [vehicle](const Letter& letter) { return letter.vehicle == vehicle; });
+}
+
+void ActionDesk::on_state(VehicleIndex vehicle, const wire::State& state) {
+  for (Letter& letter : letters_) {
+    if (letter.vehicle != vehicle) continue;
+    for (Progress& progress : letter.actions) {
+      const auto it = std::ranges::find(state.action_states, progress.action_id, &wire::ActionState::action_id);
+      if (it == state.action_states.end()) continue;
+      progress.seen = true;
+      progress.status = it->status;
+      progress.result = it->result_description;
+    }
+  }
+  std::erase_if(letters_, [&](const Letter& l) { return l.vehicle == vehicle && !l.kept && l.acknowledged(); });
+}
+
+void ActionDesk::tick(Registry& registry, bool link_up) {
+  const SimTime now = outbox_.now();
+  for (Letter& letter : letters_) {
+    if (letter.acknowledged() || now >= letter.until || now - letter.sent_at < resend_after || !link_up) continue;
+    letter.sent_at = now;
+    outbox_.send_again(registry[letter.vehicle], letter.message);
+  }
+  std::erase_if(letters_, [now](const Letter& l) { return !l.kept && now >= l.until; });
+}
+
+}  // namespace cosiva::virtual_side

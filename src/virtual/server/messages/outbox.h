@@ -1,0 +1,106 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "cosiva/base/time.h"
+#include "cosiva/virtual/server/messages/traces.h"
+#include "cosiva/virtual/server/registry/proxy.h"
+#include "cosiva/wire/in_process/said.h"
+#include "cosiva/wire/runtime/core.h"
+
+namespace cosiva::virtual_side {
+
+/// What the server says, in one place: fills in headers, encodes, publishes and traces.
+class Outbox {
+ public:
+  /// @param as_values  orders are passed on as values (wire/in_process/said.h)
+  explicit Outbox(Traces& traces, bool as_values = false) : traces_{traces}, as_values_{as_values} {}
+
+  /// Where everything goes until the next call.
+  void open(SimTime now, wire::Effects& effects) {
+    now_ = now;
+    effects_ = &effects;
+  }
+
+  /// An order as it was sent, for sending it again; null: none.
+  using SentOrder = std::shared_ptr<const wire::Said>;
+  // Every message sent gets a header of its own, whose id counts the messages of its topic (VDA 5050 §6.4). One that is
+  // sent again has the same content under the next id.
+  [[nodiscard]] SentOrder send(AivProxy& proxy, wire::Order&& order, std::string_view summary);
+  void send(AivProxy& proxy, wire::InstantActions& actions);
+  void send_again(AivProxy& proxy, SentOrder& order);
+  void send_again(AivProxy& proxy, wire::InstantActions& actions);
+  void publish(std::string topic, std::string payload, int qos, bool retained);
+  void log(char level, std::string text);
+  /// What the server decided about a vehicle, which is no message.
+  void explain(const AivProxy& proxy, std::string_view kind, std::string_view content) {
+    traces_.add(now_, "AIV_Server", proxy.name, kind, content);
+  }
+  void remember(std::string bytes) { effects_->emplace_back(wire::Remember{std::move(bytes)}); }
+
+  [[nodiscard]] SimTime now() const { return now_; }
+
+ private:
+  [[nodiscard]] wire::Header header(const AivProxy& proxy, std::uint32_t id) const;
+  void publish(AivProxy& proxy, wire::InstantActions& actions, std::string_view summary);
+  /// @param header_id  the topic's next one: only a message that leaves counts
+  void say(const AivProxy& proxy, std::uint32_t& header_id, wire::Publish message);
+
+  Traces& traces_;
+  bool as_values_;
+  wire::Effects* effects_{};
+  SimTime now_{};
+};
+
+/// Instant actions on their way: each is sent again, with the same action id, every 300 ms until the vehicle's state
+/// lists it.
+class ActionDesk {
+ public:
+  using Ticket = std::uint64_t;
+  static constexpr SimDuration resend_after{std::chrono::milliseconds{300}};
+
+  explicit ActionDesk(Outbox& outbox) : outbox_{outbox} {}
+
+  struct Progress {
+    std::string action_id;
+    bool seen{false};
+    wire::ActionStatus status{wire::ActionStatus::waiting};
+    std::string result;
+  };
+  struct Letter {
+    Ticket ticket{};
+    VehicleIndex vehicle{};
+    wire::InstantActions message;
+    std::vector<Progress> actions;
+    SimTime sent_at{};
+    SimTime until{};
+    bool kept{false};  ///< somebody follows it and will drop it
+    [[nodiscard]] bool acknowledged() const;
+  };
+
+  /// Gives every action its id and sends them in one message.
+  /// @param patience  how long it is sent again; zero: once only
+  /// @param keep      the caller follows the letter and drops it
+  Ticket send(AivProxy& proxy, VehicleIndex vehicle, std::vector<wire::Action> actions, SimDuration patience,
+              bool keep);
+  [[nodiscard]] const Letter* find(Ticket ticket) const;
+  void drop(Ticket ticket);
+  void on_state(VehicleIndex vehicle, const wire::State& state);
+  /// It has been taken away: nothing is sent to it any more.
+  void forget(VehicleIndex vehicle);
+  void tick(Registry& registry, bool link_up);
+
+ private:
+  Outbox& outbox_;
+  std::vector<Letter> letters_;
+  Ticket last_ticket_{0};
+};
+
+/// "<prefix>-<time in ms, base 36>-<n>": unique over restarts of the server.
+[[nodiscard]] std::string unique_id(std::string_view prefix, SimTime now);
+
+}  // namespace cosiva::virtual_side

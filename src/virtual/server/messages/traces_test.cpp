@@ -1,0 +1,149 @@
+#include "cosiva/virtual/server/messages/traces.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <utility>
+
+#include "cosiva/base/json_value.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+void add(Traces& traces, const std::string& content, const std::string& raw = {}) {
+  traces.add(virtual_epoch, "CoSiVA/AIV1", "AIV_Server", "state", content, "uagv/v2/CoSiVA/AIV1/state", raw);
+}
+JsonValue one(const Traces& traces, std::uint64_t n) {
+  const auto json = traces.one_json(n);
+  EXPECT_TRUE(json) << n;
+  return json ? *JsonValue::parse(*json) : JsonValue{};
+}
+std::optional<std::string> raw(const Traces& traces, std::uint64_t n) { return one(traces, n).text("raw"); }
+
+TEST(Traces, write_lengths_to_the_millimetre) {
+  EXPECT_EQ(metres_text(1.02), "1.020");
+  EXPECT_EQ(metres_text(-0.1234567), "-0.123");
+  EXPECT_EQ(metres_text(123456.7891), "123456.789");
+  EXPECT_EQ(metres_text(1e300), "1000000000.000");
+}
+
+TEST(Traces, say_when_they_were_as_milliseconds_of_unix_time) {
+  Traces traces{10};
+  traces.add(virtual_epoch + 1500us, "a", "b", "c", "d");
+  const JsonValue all = *JsonValue::parse(traces.to_json(0, 10));
+  ASSERT_THAT(*all.find("traces")->array(), SizeIs(1));
+  const JsonValue& trace = all.find("traces")->array()->front();
+  // Nanoseconds since 1970 leave a double a quarter of a microsecond.
+  EXPECT_NEAR(trace.number("time_ms").value(), to_seconds(virtual_epoch.time_since_epoch()) * 1e3 + 1.5, 1e-3);
+  EXPECT_EQ(trace.number("n"), 1.0);
+  EXPECT_EQ(trace.text("content"), "d");
+  EXPECT_EQ(trace.find("time"), nullptr);
+}
+
+TEST(Traces, tell_which_is_the_oldest_still_there) {
+  Traces traces{3};
+  EXPECT_EQ(traces.oldest(), 1U);
+  for (int i = 1; i <= 5; ++i) add(traces, std::to_string(i));
+  const JsonValue all = *JsonValue::parse(traces.to_json(0, 10));
+  EXPECT_EQ(all.number("oldest"), 3.0);
+  EXPECT_EQ(all.number("next"), 6.0);
+  EXPECT_THAT(*all.find("traces")->array(), SizeIs(3));
+  EXPECT_EQ(all.find("traces")->array()->front().text("content"), "3");
+  const JsonValue later = *JsonValue::parse(traces.to_json(77, 10));
+  EXPECT_THAT(*later.find("traces")->array(), IsEmpty());
+  EXPECT_EQ(later.number("next"), 6.0);
+}
+
+TEST(Traces, keep_a_message_with_its_topic_and_its_text_byte_for_byte) {
+  Traces traces{10};
+  const std::string text = R"({"headerId":1,"note":"a \"quoted\" ü"})";
+  add(traces, "driving", text);
+  const JsonValue trace = one(traces, 1);
+  EXPECT_EQ(trace.text("raw"), text);
+  EXPECT_EQ(trace.text("topic"), "uagv/v2/CoSiVA/AIV1/state");
+  EXPECT_EQ(trace.text("content"), "driving");
+  EXPECT_EQ(trace.text("from"), "CoSiVA/AIV1");
+  EXPECT_EQ(trace.text("kind"), "state");
+}
+
+TEST(Traces, keep_a_position_with_its_text_too) {
+  Traces traces{10};
+  traces.add_position(virtual_epoch, "a", "b", "visualization", {1.0, 2.0, 0.5}, 0.25, "t", "{}");
+  const JsonValue trace = one(traces, 1);
+  EXPECT_EQ(trace.text("content"), R"({"x":1,"y":2,"theta":0.5,"speed":0.25})");
+  EXPECT_EQ(trace.text("raw"), "{}");
+}
+
+TEST(Traces, have_no_one_of_a_number_that_is_not_there_yet_or_no_longer) {
+  Traces traces{2};
+  EXPECT_FALSE(traces.one_json(0));
+  EXPECT_FALSE(traces.one_json(1));
+  for (int i = 1; i <= 3; ++i) add(traces, std::to_string(i));
+  EXPECT_FALSE(traces.one_json(0));
+  EXPECT_FALSE(traces.one_json(1));
+  EXPECT_TRUE(traces.one_json(2));
+  EXPECT_TRUE(traces.one_json(3));
+  EXPECT_FALSE(traces.one_json(4));
+  EXPECT_FALSE(traces.one_json(~std::uint64_t{0}));
+}
+
+TEST(Traces, have_no_text_where_there_never_was_a_message) {
+  Traces traces{2};
+  traces.add(virtual_epoch, "Simulator", "RTM", "request", "zone");
+  EXPECT_EQ(one(traces, 1).text("topic"), "");
+  EXPECT_TRUE(one(traces, 1).find("raw")->is_null());
+}
+
+TEST(Traces, keep_as_many_texts_as_their_budget_holds_the_newest) {
+  Traces traces{100, 10};
+  for (int i = 0; i < 8; ++i) add(traces, "", std::string(4, static_cast<char>('a' + i)));
+  // Ten bytes hold two texts of four; the third last has lost two of its bytes.
+  EXPECT_EQ(raw(traces, 8), "hhhh");
+  EXPECT_EQ(raw(traces, 7), "gggg");
+  for (std::uint64_t n = 1; n <= 6; ++n) EXPECT_TRUE(one(traces, n).find("raw")->is_null()) << n;
+}
+
+TEST(Traces, hold_texts_across_the_end_of_their_ring) {
+  // Whatever the lengths, what is said to be kept is what was given.
+  for (const std::size_t budget : {std::size_t{7}, std::size_t{64}, std::size_t{1000}}) {
+    Traces traces{50, budget};
+    std::vector<std::string> given;
+    for (std::size_t i = 0; i < 150; ++i) {
+      given.push_back(std::string(1 + i * 37 % budget, static_cast<char>('a' + i % 26)));
+      add(traces, "", given.back());
+      std::size_t bytes = 0;
+      for (std::uint64_t n = i + 1; n >= traces.oldest(); --n) {
+        bytes += given[n - 1].size();
+        if (bytes <= budget)
+          ASSERT_EQ(raw(traces, n), given[n - 1]);
+        else
+          ASSERT_EQ(raw(traces, n), std::nullopt);
+      }
+    }
+  }
+}
+
+TEST(Traces, keep_no_text_that_is_too_long_and_lose_none_for_it) {
+  Traces traces{10};
+  add(traces, "short", "{}");
+  add(traces, std::string(1000, 'x'), std::string(Traces::raw_max + 1, 'x'));
+  add(traces, "longest", std::string(Traces::raw_max, 'y'));
+  EXPECT_EQ(raw(traces, 1), "{}");
+  EXPECT_TRUE(one(traces, 2).find("raw")->is_null());
+  EXPECT_EQ(one(traces, 2).text("content"), std::string(Traces::content_max, 'x'));
+  EXPECT_EQ(raw(traces, 3), std::string(Traces::raw_max, 'y'));
+}
+
+TEST(Traces, without_a_budget_keep_no_text) {
+  Traces traces{10, 0};
+  add(traces, "a", "{}");
+  EXPECT_TRUE(one(traces, 1).find("raw")->is_null());
+  EXPECT_EQ(one(traces, 1).text("content"), "a");
+}
+
+}  // namespace
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,174 @@
+// Ways that part: the map of them, who is ahead of whom, and which way a vehicle is sent.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <ranges>
+#include <set>
+
+#include "cosiva/base/test_places.h"
+#include "cosiva/virtual/server/right_of_way/traffic.h"
+#include "cosiva/virtual/server/testing/server_bench.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+using namespace bench;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+class Fork : public testing::Test {
+ protected:
+  Fork() {
+    traffic.set_map(&map);
+    traffic.resize(3);
+  }
+  [[nodiscard]] zone::SectionId id(const std::string& name) const { return *map.circuit().find(name); }
+  [[nodiscard]] std::vector<zone::SectionId> bypass() const {
+    return {id("entry"), id("bypass1"), id("bypass2"), id("bypass3"), id("bypass4"), id("bypass5"), id("east")};
+  }
+  /// The last waypoint before the fork.
+  [[nodiscard]] WaypointIndex before_fork() const { return map.behind({id("entry"), 1.0})->waypoint; }
+
+  WayMap map{zone::Rtm::initialise(fork())->share_zone()};
+  Traffic traffic;
+};
+
+TEST_F(Fork, has_a_stretch_for_each_branch_the_default_one_first) {
+  const auto stretches = map.stretches(before_fork());
+  ASSERT_THAT(stretches, SizeIs(2));
+  EXPECT_EQ(stretches[0].sections.front(), id("south"));
+  EXPECT_EQ(stretches[1].sections.front(), id("bypass1"));
+  EXPECT_TRUE(stretches[0].crosses && stretches[1].crosses) << "bodies touch where ways part";
+  EXPECT_NE(stretches[0].edge_id, stretches[1].edge_id);
+  const auto way = bypass();
+  EXPECT_EQ(map.along(before_fork(), std::span{way}.subspan(1)), &stretches[1]);
+  EXPECT_EQ(map.along(before_fork(), {}), &stretches[0]);
+}
+
+TEST_F(Fork, finds_the_way_over_nodes_that_a_vehicle_reports) {
+  const auto& stretch = map.stretches(before_fork())[1];
+  const std::vector<std::string_view> ids{map.waypoint(before_fork()).id, map.waypoint(stretch.to).id};
+  const auto way = map.through({id("entry"), map.waypoint(before_fork()).place.s_m - 0.3}, ids, 2);
+  ASSERT_TRUE(way.has_value());
+  EXPECT_EQ(way->end, stretch.to);
+  EXPECT_THAT(way->sections, Contains(id("bypass1")));
+  EXPECT_FALSE(map.through({id("north"), 0.1}, std::vector<std::string_view>{"nowhere"}, 1).has_value());
+}
+
+TEST_F(Fork, nobody_is_ahead_on_the_other_branch_once_the_bodies_have_parted) {
+  traffic.set_place(0, zone::Place{id("entry"), 0.5});
+  traffic.set_course(0, zone::Course(bypass()));
+  traffic.set_place(1, zone::Place{id("south"), 1.2});
+  traffic.update();
+  EXPECT_EQ(traffic.ahead(0).vehicle, no_vehicle);
+  traffic.set_place(1, zone::Place{id("south"), 0.1});
+  traffic.update();
+  EXPECT_EQ(traffic.ahead(0).vehicle, 1U);
+  EXPECT_NEAR(traffic.ahead(0).distance_m, 0.6, 1e-9);
+  traffic.set_place(1, zone::Place{id("bypass3"), 0.5});
+  traffic.update();
+  EXPECT_EQ(traffic.ahead(0).vehicle, 1U) << "on its own branch";
+}
+
+TEST_F(Fork, holds_are_met_along_the_course) {
+  std::vector<CrossingIndex> straight;
+  std::vector<CrossingIndex> round;
+  map.crossings_on({id("entry"), 0.5}, 0.9, straight);
+  const auto coming = bypass();
+  map.crossings_on({id("entry"), 0.5}, 0.9, round, Sections{coming}.subspan(1));
+  EXPECT_EQ(straight, round) << "the fork itself is one crossing";
+  EXPECT_THAT(straight, Not(IsEmpty()));
+}
+
+TEST_F(Fork, looks_as_far_as_a_base_is_to_reach) {
+  traffic.set_place(0, zone::Place{id("entry"), 0.0});
+  traffic.set_place(1, zone::Place{id("west"), 1.0});
+  traffic.update();
+  EXPECT_EQ(traffic.ahead(0).vehicle, no_vehicle) << "further than 6 m";
+  EXPECT_EQ(traffic.ahead_within(0, 12.0).vehicle, 1U);
+}
+
+TEST(Roaming, takes_each_branch_in_turn) {
+  ServerBench bench{fork()};
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.1});
+  std::vector<zone::SectionId> taken;
+  bench.each_step = [&] {
+    const zone::SectionId here = aiv.place().section;
+    if ((here == 1 || here == 5) && (taken.empty() || taken.back() != here)) taken.push_back(here);
+    if (here == 2 && !taken.empty() && taken.back() != 2) taken.push_back(2);
+  };
+  bench.run_for(130s);
+  std::erase(taken, 2U);
+  ASSERT_GE(taken.size(), 4U);
+  for (std::size_t i = 1; i < taken.size(); ++i) EXPECT_NE(taken[i], taken[i - 1]) << i;
+  EXPECT_THAT(aiv.refusals, IsEmpty());
+  EXPECT_THAT(bench.bijection().number("matched"), testing::Optional(1.0));
+}
+
+TEST(Roaming, of_six_over_fork_and_merge_touches_nobody_and_goes_on_after_restarts) {
+  ServerBench bench{fork()};
+  int number = 0;
+  for (const zone::Place place : bench.zone->start_places(6)) bench.add("AIV" + std::to_string(++number), place);
+  ASSERT_EQ(number, 6);
+  bench.loss = 0.02;
+  int touches = 0;
+  bench.each_step = [&] { touches += bench.touches(); };
+  for (int i = 0; i < 4; ++i) {
+    bench.run_for(20s);
+    bench.restart_server();
+  }
+  std::vector<double> driven;
+  for (const auto& aiv : bench.vehicles) driven.push_back(aiv->driven_m);
+  bench.run_for(40s);
+  EXPECT_EQ(touches, 0);
+  for (std::size_t i = 0; i < bench.vehicles.size(); ++i) {
+    EXPECT_THAT(bench.vehicles[i]->refusals, IsEmpty());
+    EXPECT_GT(bench.vehicles[i]->driven_m, driven[i] + 3.0) << i;
+  }
+}
+
+TEST(Missions, sent_back_from_where_it_arrived_it_is_where_its_order_leads_before_it_has_turned) {
+  // Two-way edges in a row, N0 to N4, 5 or 10 m each.
+  std::ifstream file{source_dir() + "/src/zone/lif/testdata/10.11-multiple-edges-with-load-restrictions.lif.json"};
+  std::stringstream text;
+  text << file.rdbuf();
+  ServerBench bench{{"lif", "lanes", text.str()}};
+  BenchVehicle& aiv = bench.add("AIV1", {*bench.zone->circuit.find("N2-N1"), 8.0});
+  bench.ask(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"N1"})");
+  bench.run_for(1s);
+  bench.ask(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"N1"})");
+  bench.run_for(10s);
+  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").find("mission")->text("state"), "arrived");
+  bench.ask(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"N2"})");
+  aiv.blocked = true;
+  bench.run_for(3s);
+  aiv.blocked = false;
+  bench.run_for(45s);
+  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").find("mission")->text("state"), "arrived");
+  EXPECT_EQ(aiv.zone().circuit.part(aiv.place().section).name, "N1-N2");
+  EXPECT_THAT(aiv.refusals, IsEmpty());
+  for (const wire::InstantActions& message : aiv.actions)
+    for (const wire::Action& action : message.actions) EXPECT_NE(action.action_type, "cancelOrder");
+}
+
+TEST(Twins, follow_the_branch_that_their_vehicle_takes) {
+  ServerBench bench{fork()};
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.1});
+  bench.ask(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"dock"})");
+  bench.run_for(300ms);
+  bench.ask(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"dock"})");
+  double worst_m = 0.0;
+  bench.each_step = [&] {
+    const JsonValue shown = bench.aiv("CoSiVA/AIV1");
+    if (shown.find("x") == nullptr) return;
+    worst_m = std::max(worst_m, distance(Point2{*shown.number("x"), *shown.number("y")}, position(aiv.pose())));
+  };
+  bench.run_for(12s);
+  EXPECT_EQ(bench.zone->circuit.part(aiv.place().section).name, "bypass3");
+  EXPECT_LT(worst_m, 0.05);
+}
+
+}  // namespace
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,266 @@
+#include "cosiva/virtual/server/orders/deadlocks.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace cosiva::virtual_side {
+namespace {
+
+constexpr std::array all_means{Means::move_up, Means::wait, Means::detour, Means::other_place, Means::back_up};
+
+std::string deed(Means means, double cost_m) {
+  switch (means) {
+    case Means::move_up: return "moves up to the one ahead and lets the one behind it out of a crossing";
+    case Means::wait: return "gives back what it holds ahead and lets the others go first";
+    case Means::detour: return "goes another way";
+    case Means::other_place: return "goes onto the line elsewhere";
+    case Means::back_up: return "backs up " + std::to_string(std::lround(cost_m * 100.0)) + " cm";
+  }
+  return {};
+}
+
+bool share(const std::vector<VehicleIndex>& a, const std::vector<VehicleIndex>& b) {
+  return std::ranges::any_of(a, [&](VehicleIndex v) { return std::ranges::binary_search(b, v); });
+}
+
+double ms_of(SimTime time) { return static_cast<double>(time.time_since_epoch().count()) * 1e-6; }
+
+}  // namespace
+
+std::string_view to_string(Deadlock::State state) {
+  switch (state) {
+    case Deadlock::State::forming: return "forming";
+    case Deadlock::State::standing: return "standing";
+    case Deadlock::State::giving_way: return "giving way";
+    case Deadlock::State::unresolved: return "unresolved";
+    case Deadlock::State::resolved: return "resolved";
+  }
+  return "?";
+}
+
+void Deadlocks::tick() {
+  graph_.begin(registry_.size());
+  roller_.add_waits(graph_);
+  for (const Knot& knot : graph_.find_knots()) note(knot);
+  if (forming_.empty() && open() == 0) return;
+  for (Deadlock& deadlock : forming_) follow(deadlock);
+  for (Deadlock& deadlock : forming_)
+    if (deadlock.state != Deadlock::State::forming) list_.push_back(std::move(deadlock));
+  const SimTime now = outbox_.now();
+  std::erase_if(forming_, [&](const Deadlock& deadlock) {
+    return deadlock.state != Deadlock::State::forming || now - deadlock.seen_at > rules_.flicker;
+  });
+  for (Deadlock& deadlock : list_)
+    if (deadlock.state != Deadlock::State::resolved) follow(deadlock);
+  for (std::size_t over = list_.size() - open(); over > kept_max; --over)
+    list_.erase(std::ranges::find(list_, Deadlock::State::resolved, &Deadlock::state));
+}
+
+Deadlock* Deadlocks::find(const std::vector<VehicleIndex>& members) {
+  for (auto* all : {&list_, &forming_})
+    for (Deadlock& deadlock : *all)
+      if (deadlock.state != Deadlock::State::resolved && share(deadlock.members, members)) return &deadlock;
+  return nullptr;
+}
+
+void Deadlocks::note(const Knot& knot) {
+  const SimTime now = outbox_.now();
+  Deadlock* known = find(knot.members);
+  if (known == nullptr) {
+    ++counters_.rings;
+    forming_.push_back({});
+    known = &forming_.back();
+    known->since = known->closed_since = now;
+    known->members = knot.members;
+    known->reason = describe(knot);
+    traces_.add(now, "AIV_Server", "AIV_Server", "ring", known->reason);
+  } else if (now - known->seen_at > rules_.flicker) {
+    known->closed_since = now;
+  }
+  known->seen_at = now;
+  if (known->members == knot.members) return;
+  // It has grown, or another has come out of it; whoever gives way in it stays one of its own.
+  std::vector<VehicleIndex> members = knot.members;
+  for (const VehicleIndex v : known->gave_way)
+    if (!std::ranges::binary_search(members, v)) members.insert(std::ranges::lower_bound(members, v), v);
+  if (members == known->members) return;
+  known->members = std::move(members);
+  known->reason = describe(knot);
+  ++revision_;
+}
+
+std::string Deadlocks::describe(const Knot& knot) const {
+  std::string text;
+  for (const Wait& wait : knot.ring) text += (text.empty() ? "" : ", ") + roller_.sentence(wait);
+  return text;
+}
+
+bool Deadlocks::somebody_beside(const Deadlock& deadlock) const {
+  return std::ranges::any_of(deadlock.members, [&](VehicleIndex v) { return roller_.is_beside(v); });
+}
+
+void Deadlocks::follow(Deadlock& deadlock) {
+  const SimTime now = outbox_.now();
+  const bool closed = now - deadlock.seen_at <= rules_.flicker;
+  const SimDuration for_long = now - deadlock.closed_since;
+  switch (deadlock.state) {
+    case Deadlock::State::forming:
+      if (closed && for_long >= (somebody_beside(deadlock) ? rules_.grace_beside : rules_.grace)) begin(deadlock);
+      return;
+    case Deadlock::State::standing: break;
+    case Deadlock::State::giving_way:
+      if (closed && for_long >= rules_.works_within) resolve(deadlock);
+      break;
+    case Deadlock::State::unresolved:
+      if (closed && for_long >= rules_.again_after) resolve(deadlock);
+      break;
+    case Deadlock::State::resolved: return;
+  }
+  const bool gives_way = std::ranges::any_of(deadlock.gave_way, [&](VehicleIndex v) { return roller_.gives_way(v); });
+  if (!gives_way && now - deadlock.seen_at > rules_.calm) end(deadlock);
+}
+
+void Deadlocks::begin(Deadlock& deadlock) {
+  deadlock.number = ++counters_.detected;
+  deadlock.state = Deadlock::State::standing;
+  tell('w', "deadlock " + std::to_string(deadlock.number) + ": " + deadlock.reason);
+  resolve(deadlock);
+}
+
+std::vector<Wait> Deadlocks::waits_for(const Deadlock& deadlock, VehicleIndex vehicle) const {
+  std::vector<Wait> waits;
+  for (const Wait& wait : graph_.waits())
+    if (wait.whom == vehicle && std::ranges::binary_search(deadlock.members, wait.who)) waits.push_back(wait);
+  return waits;
+}
+
+void Deadlocks::resolve(Deadlock& deadlock) {
+  deadlock.closed_since = outbox_.now();
+  std::vector<std::int32_t> priorities;
+  for (const VehicleIndex v : deadlock.members) priorities.push_back(registry_[v].priority);
+  std::ranges::sort(priorities);
+  priorities.erase(std::unique(priorities.begin(), priorities.end()), priorities.end());
+  for (const std::int32_t priority : priorities)
+    if (let_give_way(deadlock, priority)) return;
+  give_up(deadlock);
+}
+
+bool Deadlocks::let_give_way(Deadlock& deadlock, std::int32_t priority) {
+  for (const Means means : all_means) {
+    struct Offer {
+      double cost_m;
+      VehicleIndex vehicle;
+    };
+    std::vector<Offer> offers;
+    for (const VehicleIndex v : deadlock.members) {
+      if (registry_[v].priority != priority ||
+          std::ranges::find(deadlock.tried, std::pair{v, means}) != deadlock.tried.end())
+        continue;
+      const auto waits = waits_for(deadlock, v);
+      if (waits.empty()) continue;
+      if (const auto cost_m = roller_.can_give_way(v, means, waits)) offers.push_back({*cost_m, v});
+    }
+    std::ranges::sort(offers, [](const Offer& a, const Offer& b) {
+      return a.cost_m != b.cost_m ? a.cost_m < b.cost_m : a.vehicle > b.vehicle;
+    });
+    for (const auto& [cost_m, v] : offers) {
+      deadlock.tried.emplace_back(v, means);
+      if (!roller_.give_way(v, means, waits_for(deadlock, v))) continue;
+      deadlock.state = Deadlock::State::giving_way;
+      deadlock.gave_way.push_back(v);
+      const std::string how = registry_[v].name + " " + deed(means, cost_m);
+      deadlock.how = how;
+      tell('w', "deadlock " + std::to_string(deadlock.number) + ": " + how);
+      return true;
+    }
+  }
+  return false;
+}
+
+void Deadlocks::give_up(Deadlock& deadlock) {
+  const bool first = deadlock.state != Deadlock::State::unresolved;
+  deadlock.state = Deadlock::State::unresolved;
+  deadlock.tried.clear();
+  if (!first) return;
+  deadlock.how = "nobody in it can give way; take one of them away, or close a section";
+  tell('e', "deadlock " + std::to_string(deadlock.number) + " is unresolved: " + deadlock.reason + "; " + deadlock.how);
+}
+
+void Deadlocks::end(Deadlock& deadlock) {
+  const SimDuration lasted = deadlock.seen_at - deadlock.since;
+  if (deadlock.state != Deadlock::State::giving_way) deadlock.how = "it came undone by itself";
+  deadlock.state = Deadlock::State::resolved;
+  deadlock.ended_at = deadlock.seen_at;
+  ++counters_.resolved;
+  counters_.longest = std::max(counters_.longest, lasted);
+  for (const VehicleIndex v : deadlock.gave_way) roller_.need_not_avoid(v);
+  tell('i', "deadlock " + std::to_string(deadlock.number) + " is resolved after " +
+                std::to_string(std::lround(to_seconds(lasted))) + " s: " + deadlock.how);
+}
+
+void Deadlocks::forget() {
+  forming_.clear();
+  for (Deadlock& deadlock : list_) {
+    if (deadlock.state == Deadlock::State::resolved) continue;
+    end(deadlock);
+    deadlock.how = "the zone became another";
+  }
+}
+
+void Deadlocks::tell(char level, const std::string& text) {
+  ++revision_;
+  outbox_.log(level, text);
+  traces_.add(outbox_.now(), "AIV_Server", "AIV_Server", "deadlock", text);
+}
+
+std::size_t Deadlocks::unresolved() const {
+  return static_cast<std::size_t>(std::ranges::count(list_, Deadlock::State::unresolved, &Deadlock::state));
+}
+
+std::size_t Deadlocks::open() const {
+  return list_.size() -
+         static_cast<std::size_t>(std::ranges::count(list_, Deadlock::State::resolved, &Deadlock::state));
+}
+
+void Deadlocks::write_counters(JsonWriter& json) const {
+  json.field("rings", counters_.rings)
+      .field("detected", counters_.detected)
+      .field("resolved", counters_.resolved)
+      .field("open", static_cast<std::uint64_t>(open()))
+      .field("unresolved", static_cast<std::uint64_t>(unresolved()))
+      .field("longest_s", to_seconds(counters_.longest))
+      .field("longest_wait_s", to_seconds(roller_.longest_wait()));
+}
+
+void Deadlocks::write(JsonWriter& json) const {
+  json.begin_object();
+  write_counters(json);
+  json.key("list").begin_array();
+  for (const auto* all : {&list_, &forming_}) {
+    for (const Deadlock& deadlock : *all) {
+      json.begin_object()
+          .field("number", deadlock.number)
+          .field("since_ms", ms_of(deadlock.since))
+          .field("state", to_string(deadlock.state))
+          .key("members")
+          .begin_array();
+      for (const VehicleIndex v : deadlock.members) json.value(registry_[v].name);
+      json.end_array().field("reason", deadlock.reason).field("how", deadlock.how).key("ended_ms");
+      if (deadlock.ended_at)
+        json.value(ms_of(*deadlock.ended_at));
+      else
+        json.null();
+      json.end_object();
+    }
+  }
+  json.end_array().end_object();
+}
+
+void Deadlocks::fold(Digest& digest) const {
+  digest.add(counters_.rings);
+  digest.add(counters_.detected);
+  digest.add(counters_.resolved);
+}
+
+}  // namespace cosiva::virtual_side

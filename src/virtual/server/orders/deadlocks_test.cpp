@@ -1,0 +1,345 @@
+#include "cosiva/virtual/server/orders/deadlocks.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cosiva/virtual/server/testing/server_bench.h"
+#include "cosiva/zone/check/deadlock.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+using namespace bench;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+struct Shown {
+  double rings;
+  double detected;
+  double resolved;
+  double open;
+  JsonValue::Array list;
+};
+
+Shown shown(const ServerBench& bench) {
+  const JsonValue snapshot = bench.snapshot();
+  const JsonValue& deadlocks = *snapshot.find("deadlocks");
+  return {*deadlocks.number("rings"), *deadlocks.number("detected"), *deadlocks.number("resolved"),
+          *deadlocks.number("open"), *deadlocks.find("list")->array()};
+}
+
+std::vector<std::string> members(const JsonValue& deadlock) {
+  std::vector<std::string> names;
+  for (const JsonValue& name : *deadlock.find("members")->array()) names.push_back(*name.text());
+  return names;
+}
+
+std::size_t backed_up(const ServerBench& bench, const BenchVehicle& vehicle) {
+  std::size_t count = 0;
+  for (const wire::Publish& message : bench.published_on(vehicle.topic("instantActions")))
+    count += message.payload.find("\"backUp\"") == std::string::npos ? 0U : 1U;
+  return count;
+}
+
+/// Four vehicles on the clover, each in the first crossing of its straight, which is the second one of another's.
+class FourWay : public testing::Test {
+ protected:
+  FourWay() : FourWay{std::string(wire::our_manufacturer)} {}
+  /// @param maker  of the last two
+  explicit FourWay(const std::string& maker) {
+    for (const zone::SectionId straight : {0U, 2U, 4U, 6U})
+      bench.add("AIV" + std::to_string(straight / 2 + 1), {straight, 0.6}, straight < 4 ? "CoSiVA" : maker);
+  }
+  /// Until all four have been told what they wait for.
+  void run_until_closed() {
+    for (int i = 0; i < 200; ++i) {
+      bench.run_for(20ms);
+      const JsonValue snapshot = bench.snapshot();
+      const auto& aivs = *snapshot.find("aivs")->array();
+      if (std::ranges::all_of(aivs, [](const JsonValue& aiv) { return aiv.text("waitsFor").has_value(); }) &&
+          aivs.size() == 4)
+        return;
+    }
+    FAIL() << "they do not wait for each other";
+  }
+
+  ServerBench bench{zone_file("lacet4.toml")};
+};
+
+TEST_F(FourWay, is_detected_in_the_very_tick_and_names_all_four) {
+  run_until_closed();
+  const Shown now = shown(bench);
+  EXPECT_EQ(now.rings, 1.0);
+  EXPECT_EQ(now.detected, 0.0) << "it may come undone by itself";
+  ASSERT_THAT(now.list, SizeIs(1));
+  EXPECT_EQ(now.list[0].text("state"), "forming");
+  EXPECT_THAT(members(now.list[0]), ElementsAre("CoSiVA/AIV1", "CoSiVA/AIV2", "CoSiVA/AIV3", "CoSiVA/AIV4"));
+  const std::string reason = *now.list[0].text("reason");
+  EXPECT_THAT(reason, AllOf(HasSubstr("CoSiVA/AIV1 waits for X"), HasSubstr("CoSiVA/AIV2 waits for X"),
+                            HasSubstr("CoSiVA/AIV3 waits for X"), HasSubstr("CoSiVA/AIV4 waits for X")));
+}
+
+TEST_F(FourWay, is_resolved_and_everybody_drives_on) {
+  int touches = 0;
+  bench.each_step = [&] { touches += bench.touches(); };
+  bench.run_for(60s);
+  EXPECT_EQ(touches, 0);
+  const Shown now = shown(bench);
+  EXPECT_EQ(now.detected, 1.0);
+  EXPECT_EQ(now.resolved, 1.0);
+  EXPECT_EQ(now.open, 0.0);
+  ASSERT_THAT(now.list, SizeIs(1));
+  EXPECT_EQ(now.list[0].text("state"), "resolved");
+  EXPECT_THAT(*now.list[0].text("how"), HasSubstr("AIV4 backs up "));
+  EXPECT_TRUE(now.list[0].number("ended_ms").has_value());
+  for (const auto& vehicle : bench.vehicles) {
+    EXPECT_GT(vehicle->driven_m, 5.0) << vehicle->id.serial_number;
+    EXPECT_THAT(vehicle->refusals, IsEmpty());
+  }
+  EXPECT_TRUE(bench.logged("deadlock 1: CoSiVA/AIV1 waits for"));
+  EXPECT_TRUE(bench.logged("deadlock 1 is resolved"));
+}
+
+TEST_F(FourWay, lets_the_one_with_the_lowest_priority_give_way) {
+  bench.ask(R"({"command":"edit","edit":{"priorities":{"CoSiVA/AIV1":5,"CoSiVA/AIV3":5,"CoSiVA/AIV4":5}}})");
+  bench.run_for(20s);
+  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").number("priority"), 5.0);
+  ASSERT_THAT(shown(bench).list, SizeIs(1));
+  EXPECT_THAT(*shown(bench).list[0].text("how"), HasSubstr("AIV2 backs up "));
+}
+
+TEST_F(FourWay, is_tried_with_the_next_when_one_does_not_do_it) {
+  bench.vehicles[3]->refuses.insert("backUp");
+  bench.run_for(60s);
+  EXPECT_GT(backed_up(bench, *bench.vehicles[3]), 0U);
+  EXPECT_EQ(shown(bench).resolved, 1.0);
+  EXPECT_THAT(*shown(bench).list[0].text("how"), HasSubstr("AIV3 backs up "));
+  for (const auto& vehicle : bench.vehicles) EXPECT_GT(vehicle->driven_m, 5.0) << vehicle->id.serial_number;
+}
+
+TEST_F(FourWay, that_nobody_can_resolve_is_told_loudly_and_tried_again) {
+  for (const auto& vehicle : bench.vehicles) vehicle->refuses.insert("backUp");
+  bench.run_for(90s);
+  ASSERT_THAT(shown(bench).list, SizeIs(1));
+  EXPECT_EQ(shown(bench).open, 1.0);
+  EXPECT_TRUE(bench.logged("deadlock 1 is unresolved"));
+  // Somebody sees to it.
+  for (const auto& vehicle : bench.vehicles) vehicle->refuses.clear();
+  bench.run_for(90s);
+  EXPECT_EQ(shown(bench).resolved, 1.0);
+  for (const auto& vehicle : bench.vehicles) EXPECT_GT(vehicle->driven_m, 5.0) << vehicle->id.serial_number;
+}
+
+TEST_F(FourWay, that_comes_undone_by_itself_is_no_deadlock) {
+  run_until_closed();
+  bench.run_for(1s);
+  // Somebody carries one of them away.
+  bench.vehicles[2]->motion = {bench.zone->circuit, {5, 0.5}};
+  bench.vehicles[2]->state_due = true;
+  bench.run_for(30s);
+  const Shown now = shown(bench);
+  EXPECT_GE(now.rings, 1.0);
+  EXPECT_EQ(now.detected, 0.0);
+  EXPECT_THAT(now.list, IsEmpty());
+  for (const auto& vehicle : bench.vehicles) EXPECT_EQ(backed_up(bench, *vehicle), 0U);
+}
+
+/// The last two are of another make, and cannot back up.
+class FourWayWithForeigners : public FourWay {
+ protected:
+  FourWayWithForeigners() : FourWay{"Acme"} {}
+};
+
+TEST_F(FourWayWithForeigners, is_resolved_by_one_of_ours) {
+  bench.run_for(60s);
+  EXPECT_EQ(shown(bench).resolved, 1.0);
+  EXPECT_THAT(*shown(bench).list[0].text("how"), HasSubstr("CoSiVA/AIV2 backs up "));
+  EXPECT_EQ(backed_up(bench, *bench.vehicles[2]) + backed_up(bench, *bench.vehicles[3]), 0U);
+  for (const auto& vehicle : bench.vehicles) EXPECT_GT(vehicle->driven_m, 5.0) << vehicle->id.serial_number;
+}
+
+// It may not have been in the crossing, but its nose is in the way of whoever is: well into it, or so little beyond its
+// stop line that only beams of 8 degrees take it for a part of the way.
+class Overshot : public ::testing::TestWithParam<double> {};
+
+TEST_P(Overshot, vehicle_goes_first_when_the_one_that_its_nose_stops_gives_the_crossing_back) {
+  ServerBench bench{zone_file("lacet4.toml")};
+  double stop_m = 0.0;
+  for (const zone::Waypoint& waypoint : bench.zone->waypoints)
+    if (waypoint.place.section == 0 && waypoint.place.s_m < 0.5) stop_m = waypoint.place.s_m;
+  BenchVehicle& nose = bench.add("AIV1", {0, stop_m + GetParam()});
+  nose.paused = true;
+  // Across the first crossing of the other's straight, which is the second of its own.
+  BenchVehicle& other = bench.add("AIV2", {6, 0.2});
+  int touches = 0;
+  bench.each_step = [&] {
+    touches += bench.touches();
+    // Its eyes; the other's look the other way.
+    const bool near = std::fabs(other.place().s_m - 0.9) < 0.32 && other.place().section == 6 &&
+                      nose.place().section == 0 && nose.place().s_m < 1.0;
+    if (near != other.blocked) other.state_due = true;
+    other.blocked = near;
+    if (near && nose.paused) {
+      nose.paused = false;
+      nose.state_due = true;
+    }
+  };
+  bench.run_for(40s);
+  EXPECT_EQ(touches, 0);
+  ASSERT_THAT(shown(bench).list, SizeIs(1));
+  const JsonValue deadlock = shown(bench).list[0];
+  EXPECT_THAT(*deadlock.text("reason"),
+              AllOf(HasSubstr("CoSiVA/AIV1 waits for X"), HasSubstr("which CoSiVA/AIV2 holds"),
+                    HasSubstr("CoSiVA/AIV2 sees CoSiVA/AIV1 in its way")));
+  EXPECT_EQ(deadlock.text("how"), "CoSiVA/AIV2 gives back what it holds ahead and lets the others go first");
+  EXPECT_EQ(deadlock.text("state"), "resolved");
+  EXPECT_GT(nose.driven_m, 3.0);
+  EXPECT_GT(other.driven_m, 3.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Metres, Overshot, ::testing::Values(0.035, 0.005));
+
+TEST(SilentVehicle, that_stands_with_way_before_it_is_given_a_new_order) {
+  ServerBench bench;
+  BenchVehicle& ours = bench.add("AIV1", {0, 0.5});
+  BenchVehicle& foreign = bench.add("AGV1", {2, 0.5}, "Acme");
+  bench.run_for(5s);
+  for (BenchVehicle* vehicle : {&ours, &foreign}) vehicle->hangs_on = vehicle->book->order_id();
+  const double before_m = ours.driven_m;
+  bench.run_for(10s);
+  EXPECT_EQ(ours.driven_m, before_m);
+  bench.run_for(10s);
+  EXPECT_GT(ours.driven_m, before_m + 0.5);
+  EXPECT_TRUE(bench.logged("CoSiVA/AIV1: stands with way before it and says no reason"));
+  EXPECT_FALSE(bench.logged("Acme/AGV1: stands with way before it")) << "it may have reasons of its own";
+}
+
+/// Places of vehicles that stand one behind the other at waypoints, as many as there is room for.
+std::vector<zone::Place> packed(const zone::TrafficZone& zone, const std::vector<zone::SectionId>& round) {
+  std::vector<zone::Place> places;
+  double start_m = 0.0;
+  double last_m = -1.0;
+  double first_m = 0.0;
+  double round_m = 0.0;
+  for (const zone::SectionId id : round) round_m += zone.circuit.section(id).length_m();
+  const double room_m = zone::standing_room_m(zone.vehicle);
+  for (const zone::SectionId id : round) {
+    for (const zone::Waypoint& waypoint : zone.waypoints) {
+      const double at_m = start_m + waypoint.place.s_m;
+      if (waypoint.place.section != id || zone.crossing_at(waypoint.place) != nullptr) continue;
+      if (!places.empty() && (at_m - last_m < room_m || first_m + round_m - at_m < room_m)) continue;
+      if (places.empty()) first_m = at_m;
+      places.push_back(waypoint.place);
+      last_m = at_m;
+    }
+    start_m += zone.circuit.section(id).length_m();
+  }
+  return places;
+}
+
+TEST(FullRing, is_named_when_nobody_can_resolve_it_and_moves_with_one_vehicle_less) {
+  const std::vector<zone::SectionId> round{0, 1, 2, 3};
+  for (const bool full : {true, false}) {
+    ServerBench bench;
+    auto places = packed(*bench.zone, round);
+    // What cosiva zone check says that there is room for.
+    ASSERT_EQ(places.size(), zone::vehicles_going_round(*bench.zone, round) + 1);
+    if (!full) places.pop_back();
+    for (std::size_t i = 0; i < places.size(); ++i) bench.add("AIV" + std::to_string(i + 1), places[i]);
+    bench.run_for(60s);
+    const Shown now = shown(bench);
+    EXPECT_EQ(now.open, full ? 1.0 : 0.0);
+    if (full) {
+      EXPECT_THAT(members(now.list[0]), SizeIs(places.size()));
+    }
+    EXPECT_EQ(bench.logged("deadlock 1 is unresolved"), full);
+    for (const auto& vehicle : bench.vehicles) EXPECT_EQ(vehicle->driven_m > 0.5, !full) << vehicle->id.serial_number;
+  }
+}
+
+TEST(FullRing, opens_where_one_can_go_another_way) {
+  ServerBench bench{
+      fork("[[loop]]\nname = \"round\"\nsections = [\"entry\", \"south\", \"east\", \"north\", \"west\"]\n")};
+  const std::vector<zone::SectionId> round{0, 1, 2, 3, 4};
+  const auto places = packed(*bench.zone, round);
+  for (std::size_t i = 0; i < places.size(); ++i) bench.add("AIV" + std::to_string(i + 1), places[i]);
+  int touches = 0;
+  bench.each_step = [&] { touches += bench.touches(); };
+  bench.run_for(90s);
+  EXPECT_EQ(touches, 0);
+  const Shown now = shown(bench);
+  EXPECT_GE(now.detected, 1.0);
+  EXPECT_EQ(now.open, 0.0);
+  EXPECT_TRUE(bench.logged("goes another way"));
+  for (const auto& vehicle : bench.vehicles) EXPECT_GT(vehicle->driven_m, 0.5) << vehicle->id.serial_number;
+}
+
+/// The north-western loop of the clover is full: each of those in it stands at a waypoint, and the next one is too near
+/// to the one ahead. Who waits at its end needs the crossing where the first of them all stands, without room to leave
+/// it: the one before it stopped short of its room.
+TEST(FullLoop, that_ends_in_a_crossing_opens_when_the_one_beyond_it_moves_up) {
+  ServerBench bench{zone_file("lacet4.toml")};
+  constexpr zone::SectionId west = 4;
+  constexpr zone::SectionId loop = 5;
+  constexpr zone::SectionId south = 6;
+  const auto at = [&](const std::string& id) { return bench.zone->find_waypoint(id)->place; };
+  BenchVehicle& in_crossing = bench.add("AIV1", {west, 0.99});
+  bench.add("AIV2", at("west@1310"));
+  int number = 3;
+  for (const char* id : {"loop_nw@283", "loop_nw@848", "loop_nw@1414", "loop_nw@1979", "loop_nw@2262"})
+    bench.add("AIV" + std::to_string(number++), at(id));
+  bench.add("AIV8", {south, 0.0});
+  BenchVehicle& at_end = bench.add("AIV9", at("south@380"));
+  ASSERT_EQ(bench.zone->circuit.next(loop).front(), south);
+  int touches = 0;
+  bench.each_step = [&] { touches += bench.touches(); };
+  bench.run_for(60s);
+  EXPECT_EQ(touches, 0);
+  ASSERT_GE(shown(bench).list.size(), 1U);
+  EXPECT_THAT(*shown(bench).list[0].text("reason"), HasSubstr("CoSiVA/AIV9 waits for X4, which CoSiVA/AIV1 holds"));
+  EXPECT_EQ(shown(bench).list[0].text("how"),
+            "CoSiVA/AIV2 moves up to the one ahead and lets the one behind it out of a crossing");
+  EXPECT_EQ(shown(bench).open, 0.0);
+  EXPECT_GT(in_crossing.driven_m, 3.0);
+  EXPECT_GT(at_end.driven_m, 3.0);
+}
+
+/// One on the line, and one beside it so near that neither lets the other go.
+class SideBySide : public testing::Test {
+ protected:
+  void place(double ahead_m, double beside_m, double turned_rad) {
+    bench.add("AIV1", {0, 0.8});
+    BenchVehicle& beside = bench.add("AIV2", {0, 0.8 + ahead_m});
+    const Pose2 X_ML = bench.zone->circuit.pose_at({0, 0.8 + ahead_m});
+    beside.put(X_ML * Pose2{0.0, beside_m, turned_rad});
+  }
+  ServerBench bench;
+};
+
+TEST_F(SideBySide, is_resolved_by_the_one_on_the_line_which_backs_up) {
+  // Its tail would sweep over the other's nose on its way to any place near.
+  place(0.15, 0.17, 0.3);
+  int touches = 0;
+  bench.each_step = [&] { touches += bench.touches(); };
+  bench.run_for(60s);
+  EXPECT_EQ(touches, 0);
+  const Shown now = shown(bench);
+  EXPECT_EQ(now.open, 0.0);
+  EXPECT_EQ(now.detected, now.resolved);
+  for (const auto& vehicle : bench.vehicles) EXPECT_GT(vehicle->driven_m, 3.0) << vehicle->id.serial_number;
+}
+
+TEST_F(SideBySide, a_few_millimetres_apart_is_backed_out_of_as_well) {
+  place(0.15, 0.150, 0.3);
+  bench.run_for(60s);
+  EXPECT_EQ(shown(bench).open, 0.0);
+  // One that stopped at once, having somebody so near, would be told to back up no further.
+  EXPECT_EQ(backed_up(bench, *bench.vehicles[0]), 1U);
+  for (const auto& vehicle : bench.vehicles) EXPECT_GT(vehicle->driven_m, 3.0) << vehicle->id.serial_number;
+}
+
+}  // namespace
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,193 @@
+// What is asked of Missions, and what they keep over a crash of the server.
+#include <algorithm>
+#include <utility>
+
+#include "cosiva/base/likeness.h"
+#include "cosiva/virtual/server/orders/missions.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+constexpr std::size_t name_bytes_max = 200;
+constexpr std::size_t likened_max = 5000;  ///< of more names than this none is compared
+constexpr std::size_t shown_max = 3;
+
+std::string cut(std::string_view text) { return std::string(text.substr(0, 80)); }
+
+/// "; the nearest are dock, deck and duck", or what else there is to say.
+std::string nearest_names(std::string_view asked, const std::vector<std::string_view>& names,
+                          std::string_view of_what) {
+  if (names.empty()) return "; this zone has no " + std::string(of_what);
+  if (names.size() > likened_max) return "";
+  std::vector<std::pair<std::size_t, std::string_view>> ranked;
+  ranked.reserve(names.size());
+  for (const std::string_view name : names)
+    ranked.emplace_back(edit_distance(asked.substr(0, 64), name.substr(0, 64)), name);
+  std::ranges::stable_sort(ranked, {}, &std::pair<std::size_t, std::string_view>::first);
+  std::string text = names.size() > shown_max ? "; the nearest " : "; there ";
+  if (ranked.size() > shown_max) ranked.resize(shown_max);
+  text += ranked.size() == 1 ? "is " : "are ";
+  for (std::size_t i = 0; i < ranked.size(); ++i) {
+    if (i > 0) text += i + 1 == ranked.size() ? " and " : ", ";
+    text += ranked[i].second;
+  }
+  return text;
+}
+
+}  // namespace
+
+bool Missions::is_ours(std::string_view command) {
+  return command == "go" || command == "circulate" || command == "close" || command == "open";
+}
+
+Result<void> Missions::check(const JsonValue& command) const {
+  const std::string verb = command.text("command").value_or("");
+  if (map_ == nullptr)
+    return fail("mission.zone", "there is no zone yet; wait until the physical side has sent it, then try again");
+  return verb == "go" || verb == "circulate" ? check_mission(command, verb) : check_section(command, verb);
+}
+
+Result<std::vector<VehicleIndex>> Missions::addressed(const JsonValue& command) const {
+  std::vector<std::string> names;
+  if (const JsonValue* list = command.find("vehicles"); list != nullptr && list->array() != nullptr) {
+    for (const JsonValue& name : *list->array()) names.push_back(name.text() == nullptr ? "" : *name.text());
+  } else {
+    names.push_back(command.text("vehicle").value_or(""));
+  }
+  std::vector<VehicleIndex> vehicles;
+  for (const std::string& name : names) {
+    if (name == "*") {
+      for (VehicleIndex v = 0; v < registry_.size(); ++v)
+        if (!registry_[v].retired) vehicles.push_back(v);
+      continue;
+    }
+    const auto vehicle = registry_.find(name);
+    if (!vehicle || registry_[*vehicle].retired) {
+      return fail("mission.vehicle",
+                  name.empty()
+                      ? std::string("say which vehicle, as manufacturer/serial number, or * for all")
+                      : "no vehicle '" + cut(name) + "' has been heard of; name it as manufacturer/serial number",
+                  "vehicle");
+    }
+    vehicles.push_back(*vehicle);
+  }
+  if (vehicles.empty()) return fail("mission.vehicle", "no vehicle has been heard of yet", "vehicle");
+  return vehicles;
+}
+
+Result<void> Missions::check_mission(const JsonValue& command, std::string_view verb) const {
+  if (auto vehicles = addressed(command); !vehicles) return tl::unexpected(vehicles.error());
+  const zone::TrafficZone& zone = map_->zone();
+  std::vector<std::string_view> names;
+  if (verb == "circulate") {
+    const std::string loop = command.text("loop").value_or("");
+    if (loop.empty() || zone.find_loop(loop) != nullptr) return {};
+    for (const zone::Loop& known : zone.loops) names.push_back(known.name);
+    return fail("mission.loop", "there is no loop '" + cut(loop) + "'" + nearest_names(loop, names, "loops"), "loop");
+  }
+  const std::string to = command.text("to").value_or("");
+  if (to.empty() || to.size() > name_bytes_max)
+    return fail("mission.to", "say where to, as the name of a station or waypoint", "to");
+  if (!goals(to).empty()) return {};
+  if (abroad_ && to.find('/') != std::string::npos) {
+    const auto leads = abroad_(to);
+    return leads ? Result<void>{} : tl::unexpected(leads.error());
+  }
+  if (zone.find_station(to) != nullptr)
+    return fail("mission.to", "no way of this zone comes to a stop at '" + cut(to) + "'; lay it on one", "to");
+  for (const zone::Station& station : zone.stations) names.push_back(station.name);
+  if (names.empty()) {
+    for (const zone::Waypoint& waypoint : zone.waypoints)
+      if (names.empty() || names.back() != waypoint.id) names.push_back(waypoint.id);
+  }
+  return fail("mission.to", "there is no station or waypoint '" + cut(to) + "'" + nearest_names(to, names, "stations"),
+              "to");
+}
+
+Result<void> Missions::check_section(const JsonValue& command, std::string_view verb) const {
+  const std::string name = command.text("section").value_or("");
+  if (name.empty()) return fail("mission.section", "say which section to " + std::string(verb), "section");
+  const zone::Circuit& circuit = map_->circuit();
+  const auto section = circuit.find(name);
+  if (!section) {
+    std::vector<std::string_view> names;
+    for (zone::SectionId id = 0; id < circuit.size(); ++id) names.push_back(circuit.part(id).name);
+    return fail("mission.section", "there is no section '" + cut(name) + "'" + nearest_names(name, names, "sections"),
+                "section");
+  }
+  if (is_closed(*section) == (verb == "close"))
+    return fail("mission.section", "'" + cut(name) + "' is " + (verb == "close" ? "closed" : "open") + " already",
+                "section");
+  return {};
+}
+
+bool Missions::worth_remembering() const {
+  return closed_ != configured_ || !remembered_.empty() ||
+         std::ranges::any_of(entries_, [](const Entry& entry) { return !(entry.mission == Mission{}); });
+}
+
+void Missions::write_memory(JsonWriter& json) const {
+  json.begin_object().field("zone", map_ == nullptr ? std::string_view{} : std::string_view{map_->zone().name});
+  json.key("closed").begin_array();
+  for (const std::string& name : closed_names()) json.value(name);
+  json.end_array().key("missions").begin_array();
+  const auto write = [&json](const std::string& vehicle, const Mission& mission) {
+    json.begin_object()
+        .field("vehicle", vehicle)
+        .field("kind", mission.kind == Mission::Kind::go ? "go" : "circulate")
+        .field("name", mission.name);
+    if (!mission.beyond.empty()) json.field("beyond", mission.beyond);
+    json.end_object();
+  };
+  for (VehicleIndex v = 0; v < entries_.size(); ++v)
+    if (!(entries_[v].mission == Mission{})) write(registry_[v].name, entries_[v].mission);
+  for (const Remembered& one : remembered_) write(one.vehicle, one.mission);
+  json.end_array().end_object();
+}
+
+void Missions::recall(const JsonValue& memory) {
+  const auto each = [&memory](std::string_view list, const auto& take) {
+    const JsonValue* found = memory.find(list);
+    if (found == nullptr || found->array() == nullptr) return;
+    for (const JsonValue& one : *found->array()) take(one);
+  };
+  remembered_closed_.emplace(RememberedClosed{memory.text("zone").value_or(""), {}});
+  each("closed", [&](const JsonValue& name) {
+    if (name.text() != nullptr) remembered_closed_->sections.push_back(*name.text());
+  });
+  each("missions", [&](const JsonValue& one) {
+    const auto vehicle = one.text("vehicle");
+    if (!vehicle || vehicle->size() > name_bytes_max || remembered_.size() >= Registry::vehicles_max) return;
+    const bool go = one.text("kind").value_or("") == "go";
+    remembered_.push_back({*vehicle,
+                           {go ? Mission::Kind::go : Mission::Kind::circulate, one.text("name").value_or(""),
+                            one.text("beyond").value_or("")}});
+  });
+  for (VehicleIndex v = 0; v < entries_.size(); ++v) registered(v);
+  if (map_ == nullptr) return;
+  recall_for_zone();
+  closed_changed();
+}
+
+void Missions::registered(VehicleIndex vehicle) {
+  const auto found = std::ranges::find(remembered_, registry_[vehicle].name, &Remembered::vehicle);
+  if (found == remembered_.end()) return;
+  if (map_ == nullptr || known(found->mission)) {
+    entries_[vehicle].mission = found->mission;
+    ++entries_[vehicle].revision;
+  }
+  remembered_.erase(found);
+}
+
+void Missions::recall_for_zone() {
+  if (!remembered_closed_) return;
+  const RememberedClosed was = *std::exchange(remembered_closed_, std::nullopt);
+  if (was.zone != map_->zone().name) return;
+  closed_.clear();
+  for (const std::string& name : was.sections)
+    if (const auto section = map_->circuit().find(name)) closed_.push_back(*section);
+  std::ranges::sort(closed_);
+  closed_.erase(std::unique(closed_.begin(), closed_.end()), closed_.end());
+}
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,316 @@
+// OrderRoller: one vehicle lets others out of a deadlock. It moves up, gives back what it holds ahead, goes another
+// way, comes onto the line elsewhere, or backs up.
+#include <algorithm>
+#include <cmath>
+
+#include "cosiva/aiv/decision/envelope.h"
+#include "cosiva/aiv/decision/line_entry.h"
+#include "cosiva/base/math.h"
+#include "cosiva/virtual/server/orders/order_roller.h"
+#include "cosiva/zone/circuit/anchor.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+/// Less of a base than this is nothing to give back.
+constexpr double base_left_m_min = 0.02;
+/// A vehicle that goes onto the line there may look so far for a place: its own joinLine goes no further.
+constexpr double elsewhere_within_m = 0.60;
+/// It backs up in steps, a little further than must be, and looks behind itself a little further still.
+constexpr double back_step_m = 0.025;
+constexpr double back_slack_m = 0.02;
+constexpr double behind_every_m = 0.02;
+constexpr double behind_beyond_m = 0.04;
+/// Air around a body that backs up blindly.
+constexpr double behind_clear_m = 0.03;
+/// It stops when anything comes nearer than this on its way, or than it stood beside it: by reports, which may be
+/// wrong.
+constexpr double back_clear_m = 0.005;
+constexpr double back_clear_m_min = -0.02;
+/// What stands in another's way is looked for so far along it: the next stretch or chain, and where that one stops.
+constexpr double way_before_m = 0.70 + aiv::stand_off_m;
+constexpr double way_every_m = 0.03;
+constexpr double way_clear_m = 0.04;
+/// Its eyes may make it stand so much earlier than it should before the one ahead.
+constexpr double seen_too_early_m = 0.03;
+constexpr SimDuration back_patience{std::chrono::seconds{10}};
+
+/// From a point to a body's edge; 0 inside.
+double to_body_m(const zone::VehicleShape& shape, const Pose2& X_MB, Point2 p_M) {
+  const Pose2 X_BM = inverse(X_MB);
+  const Point2 p_B = X_BM * p_M;
+  return norm(std::max(0.0, std::fabs(p_B.x_m) - 0.5 * shape.length_m),
+              std::max(0.0, std::fabs(p_B.y_m) - 0.5 * shape.width_m));
+}
+
+}  // namespace
+
+bool OrderRoller::has_what_to_give_back(VehicleIndex vehicle) const {
+  const Plan& plan = plans_[vehicle];
+  if (!plan.standing.place) return false;
+  if (goes_onto_line(vehicle)) return plan.stage == Plan::Stage::running || plan.waits_since.has_value();
+  return plan.stage == Plan::Stage::running &&
+         traffic_.base_left_m(vehicle, *plan.standing.place).value_or(0.0) > base_left_m_min;
+}
+
+bool OrderRoller::keeps_off(const Wait& wait, zone::Place place) const {
+  const zone::Circuit& circuit = map_->circuit();
+  const zone::VehicleShape& shape = map_->zone().vehicle;
+  const Pose2 X_MV = off_line(wait.whom) ? body(wait.whom) : circuit.pose_at(place);
+  switch (wait.why) {
+    case WaitReason::turn: return false;
+    case WaitReason::ahead: return true;
+    case WaitReason::crossing: {
+      std::vector<CrossingIndex> stands_in;
+      map_->crossings_on(place, 0.0, stands_in, traffic_.coming(wait.whom));
+      return std::ranges::any_of(stands_in, [&](CrossingIndex x) { return traffic_.asks_for(wait.who, x); });
+    }
+    case WaitReason::beside:
+    case WaitReason::eyes: break;
+  }
+  const Plan& theirs = plans_[wait.who];
+  if (off_line(wait.who)) {
+    const auto anchor = zone::anchor_of(circuit, theirs.standing.X_MB);
+    if (!theirs.anchor && !anchor) return true;
+    aiv::EntrySweep sweep{shape};
+    sweep.take({body(wait.who), circuit.pose_at(theirs.anchor ? *theirs.anchor : anchor->place)});
+    return sweep.near_body(X_MV, way_clear_m);
+  }
+  if (!theirs.standing.place) return true;
+  const double far_m = traffic_.base_left_m(wait.who, *theirs.standing.place).value_or(0.0) + way_before_m;
+  for (double ahead_m = 0.0; ahead_m < far_m; ahead_m += way_every_m) {
+    const Pose2 X_MW = circuit.pose_at(circuit.advance(*theirs.standing.place, ahead_m, traffic_.coming(wait.who)));
+    if (aiv::near_bodies(shape, X_MW, X_MV, way_clear_m)) return true;
+  }
+  return false;
+}
+
+std::optional<double> OrderRoller::can_give_way(VehicleIndex vehicle, Means means, std::span<const Wait> waits) {
+  Plan& plan = plans_[vehicle];
+  if (map_ == nullptr || !registry_[vehicle].here() || !plan.standing.place || plan.giving_way) return std::nullopt;
+  switch (means) {
+    case Means::move_up: return makes_room_by_moving_up(vehicle, waits) ? std::optional{0.0} : std::nullopt;
+    case Means::wait: {
+      const bool gives_back = has_what_to_give_back(vehicle);
+      const bool frees = std::ranges::all_of(waits, [&](const Wait& wait) {
+        return !keeps_off(wait, *plan.standing.place) && (gives_back || wait.why == WaitReason::turn);
+      });
+      return frees ? std::optional{0.0} : std::nullopt;
+    }
+    case Means::detour: {
+      if (off_line(vehicle)) return std::nullopt;
+      const auto around = contested(vehicle);
+      const zone::Place from =
+          plan.stage == Plan::Stage::running ? map_->waypoint(plan.base_end).place : *plan.standing.place;
+      return !around.empty() && missions_.has_way_round(vehicle, from, around) ? std::optional{0.0} : std::nullopt;
+    }
+    case Means::other_place:
+      return plan.stage == Plan::Stage::none && plan.join_ticket == 0 && goes_onto_line(vehicle) ? std::optional{0.0}
+                                                                                                 : std::nullopt;
+    case Means::back_up: return way_back_m(vehicle, waits);
+  }
+  return std::nullopt;
+}
+
+bool OrderRoller::give_way(VehicleIndex vehicle, Means means, std::span<const Wait> waits) {
+  Plan& plan = plans_[vehicle];
+  if (means == Means::move_up) {
+    plan.moves_up = true;
+    return true;
+  }
+  if (means == Means::detour) {
+    missions_.avoid(vehicle, contested(vehicle));
+    return true;
+  }
+  if (means == Means::other_place) return join_elsewhere(vehicle, false, elsewhere_within_m);
+  Plan::GivingWay giving_way;
+  giving_way.until = outbox_.now() + rules_.gives_way_for;
+  for (const Wait& wait : waits) giving_way.others.emplace_back(wait.who, position(body(wait.who)));
+  giving_way.drops_order = means == Means::back_up || has_what_to_give_back(vehicle);
+  if (means == Means::back_up) {
+    const auto back_m = way_back_m(vehicle, waits);
+    if (!back_m) return false;
+    giving_way.back_m = *back_m;
+    giving_way.until += back_patience;
+  }
+  plan.giving_way = std::move(giving_way);
+  traffic_.withdraw(vehicle);
+  return true;
+}
+
+// --- nearer to the one ahead ----------------------------------------------------------------------------------------
+
+bool OrderRoller::makes_room_by_moving_up(VehicleIndex vehicle, std::span<const Wait> waits) const {
+  const Plan& plan = plans_[vehicle];
+  const Traffic::Ahead& ahead = traffic_.ahead(vehicle);
+  if (off_line(vehicle) || plan.waits_for_crossing || plan.waits_why != WaitReason::ahead ||
+      plan.waits_for_vehicle != ahead.vehicle || !has_eyes_for(vehicle, ahead.vehicle))
+    return false;
+  const double up_m = ahead.distance_m - map_->zone().vehicle.length_m - aiv::stand_off_m - seen_too_early_m;
+  return up_m > 0.0 && std::ranges::any_of(waits, [&](const Wait& wait) {
+           const auto& place = traffic_.place(wait.who);
+           const Traffic::Ahead& before = traffic_.ahead(wait.who);
+           if (wait.why != WaitReason::ahead || !place || before.vehicle != vehicle) return false;
+           const Sections coming = traffic_.coming(wait.who);
+           const auto stands_in = [&](double ahead_m) {
+             std::vector<CrossingIndex> crossings;
+             map_->crossings_on(map_->circuit().advance(*place, ahead_m, coming), 0.0, crossings, coming);
+             return !crossings.empty();
+           };
+           return stands_in(0.0) && !stands_in(std::max(0.0, before.distance_m + up_m - traffic_.standing_m()));
+         });
+}
+
+// --- another way ----------------------------------------------------------------------------------------------------
+
+std::vector<zone::SectionId> OrderRoller::contested(VehicleIndex vehicle) const {
+  const Plan& plan = plans_[vehicle];
+  const bool running = plan.stage == Plan::Stage::running;
+  const zone::Place from = running ? map_->waypoint(plan.base_end).place : *plan.standing.place;
+  const auto way = running
+                       ? traffic_.beyond_base(vehicle, *plan.standing.place).sections
+                       : std::vector<zone::SectionId>(traffic_.coming(vehicle).begin(), traffic_.coming(vehicle).end());
+  // The first section of its way that it need not enter, and where what it waits for is.
+  const auto& blocker = plan.waits_for_vehicle == no_vehicle ? std::nullopt : traffic_.place(plan.waits_for_vehicle);
+  for (const zone::SectionId section : way) {
+    if (section == from.section) break;
+    if (blocker && blocker->section == section) return {section};
+    if (!plan.waits_for_crossing) continue;
+    const auto& spans = map_->zone().crossings[*plan.waits_for_crossing].spans;
+    if (std::ranges::find(spans, section, &zone::CrossingSpan::section) != spans.end()) return {section};
+  }
+  return {};
+}
+
+// --- backwards ------------------------------------------------------------------------------------------------------
+
+std::optional<double> OrderRoller::way_back_m(VehicleIndex vehicle, std::span<const Wait> waits) const {
+  const Plan& plan = plans_[vehicle];
+  const AivProxy& proxy = registry_[vehicle];
+  if (off_line(vehicle) || !proxy.supports("backUp").value_or(proxy.ours()) || !stands(vehicle)) return std::nullopt;
+  const zone::Circuit& circuit = map_->circuit();
+  const zone::Place here = *plan.standing.place;
+  const Sections gone = traffic_.gone(vehicle);
+  // Over a joint only where it knows by which way it came, and where the way does not bend sharply.
+  double far_m = here.s_m;
+  const auto before = circuit.previous(here.section);
+  const zone::SectionId came_from = !gone.empty()        ? gone.back()
+                                    : before.size() == 1 ? before.front()
+                                                         : zone::no_section;
+  if (came_from != zone::no_section && circuit.turn_at(came_from, here.section) == 0.0)
+    far_m += circuit.section(came_from).length_m();
+  far_m = std::min(far_m, rules_.back_up_m_max);
+
+  std::vector<CrossingIndex> stood_in;
+  map_->crossings_on(here, 0.0, stood_in, traffic_.coming(vehicle));
+  for (double back_m = back_step_m; back_m + back_slack_m <= far_m + 1e-9; back_m += back_step_m) {
+    const zone::Place there = circuit.advance(here, -back_m, {}, gone);
+    if (std::ranges::any_of(waits, [&](const Wait& wait) { return keeps_off(wait, there); })) continue;
+    // In a crossing that it was not in it would be in somebody else's way.
+    std::vector<CrossingIndex> stands_in;
+    map_->crossings_on(there, 0.0, stands_in, traffic_.coming(vehicle));
+    const bool another = std::ranges::any_of(
+        stands_in, [&](CrossingIndex x) { return std::ranges::find(stood_in, x) == stood_in.end(); });
+    if (another) continue;
+    const double rolls_m = back_m + back_slack_m;
+    return is_free_behind(vehicle, rolls_m) ? std::optional{rolls_m} : std::nullopt;
+  }
+  return std::nullopt;
+}
+
+bool OrderRoller::is_free_behind(VehicleIndex vehicle, double back_m) const {
+  const zone::Circuit& circuit = map_->circuit();
+  const zone::Place here = *plans_[vehicle].standing.place;
+  // Whom it has beside it already it may leave as closely.
+  double clear_m = behind_clear_m;
+  while (clear_m > 0.0 && near_anything(vehicle, body(vehicle), clear_m)) clear_m -= 0.01;
+  if (clear_m <= 0.0) clear_m = 0.002;
+  const double end_m = back_m + behind_beyond_m;
+  for (double at_m = behind_every_m; at_m < end_m + behind_every_m; at_m += behind_every_m) {
+    const zone::Place place = circuit.advance(here, -std::min(at_m, end_m), {}, traffic_.gone(vehicle));
+    if (near_anything(vehicle, circuit.pose_at(place), clear_m)) return false;
+  }
+  return true;
+}
+
+bool OrderRoller::near_anything(VehicleIndex vehicle, const Pose2& X_MB, double clear_m) const {
+  const zone::VehicleShape& shape = map_->zone().vehicle;
+  const zone::Circuit& circuit = map_->circuit();
+  for (VehicleIndex other = 0; other < registry_.size(); ++other) {
+    if (other == vehicle || !registry_[other].here()) continue;
+    if (aiv::near_bodies(shape, X_MB, body(other), clear_m)) return true;
+    const auto& place = traffic_.place(other);
+    const double base_m = place ? traffic_.base_left_m(other, *place).value_or(0.0) : 0.0;
+    for (double ahead_m = behind_every_m; ahead_m < base_m + behind_every_m; ahead_m += behind_every_m) {
+      const zone::Place on = circuit.advance(*place, std::min(ahead_m, base_m), traffic_.coming(other));
+      if (aiv::near_bodies(shape, X_MB, circuit.pose_at(on), clear_m)) return true;
+    }
+  }
+  const auto near_disc = [&](Point2 at, double radius_m) { return to_body_m(shape, X_MB, at) < radius_m + clear_m; };
+  const auto& things = simulator_.augmented().things();
+  const auto& seen = simulator_.seen().obstacles();
+  return std::ranges::any_of(
+             things, [&](const Thing& thing) { return near_disc(thing.at(outbox_.now()).at, thing.radius_m); }) ||
+         std::ranges::any_of(seen, [&](const SeenObstacle& one) { return near_disc(one.at, one.radius_m); });
+}
+
+// --- until the others have gone -------------------------------------------------------------------------------------
+
+bool OrderRoller::go_on_giving_way(VehicleIndex vehicle) {
+  Plan& plan = plans_[vehicle];
+  if (!plan.giving_way) return false;
+  Plan::GivingWay& giving_way = *plan.giving_way;
+  const bool others_gone = std::ranges::all_of(giving_way.others, [&](const auto& other) {
+    return !registry_[other.first].here() || distance(position(body(other.first)), other.second) > rules_.others_gone_m;
+  });
+  const bool backs_up = giving_way.back_m > 0.0 || giving_way.ticket != 0;
+  if (outbox_.now() >= giving_way.until || (others_gone && !backs_up)) {
+    end_giving_way(vehicle);
+    return false;
+  }
+  if (giving_way.drops_order && plan.stage == Plan::Stage::running) cancel(vehicle);
+  if (backs_up && plan.stage == Plan::Stage::none) follow_back_up(vehicle, giving_way);
+  return true;
+}
+
+void OrderRoller::follow_back_up(VehicleIndex vehicle, Plan::GivingWay& giving_way) {
+  const auto tell = [&](double distance_m) {
+    return desk_.send(registry_[vehicle], vehicle,
+                      {{"backUp", {}, {}, wire::BlockingType::hard, {{"distance", distance_m}}}},
+                      std::chrono::seconds{3}, true);
+  };
+  if (giving_way.ticket == 0) {
+    if (!stands(vehicle)) return;
+    if (!is_free_behind(vehicle, giving_way.back_m)) return;  // whoever came there may go again; it has its time
+    // Whom it has beside it already it may leave as closely.
+    giving_way.clear_m = back_clear_m;
+    while (giving_way.clear_m > back_clear_m_min && near_anything(vehicle, body(vehicle), giving_way.clear_m))
+      giving_way.clear_m -= 0.001;
+    giving_way.ticket = tell(giving_way.back_m);
+    return;
+  }
+  const ActionDesk::Letter* letter = desk_.find(giving_way.ticket);
+  const wire::ActionStatus status = letter == nullptr ? wire::ActionStatus::failed : letter->actions.front().status;
+  const bool over = status == wire::ActionStatus::finished || status == wire::ActionStatus::failed;
+  if (!over && !giving_way.stopped && near_anything(vehicle, body(vehicle), giving_way.clear_m)) {
+    desk_.drop(giving_way.ticket);
+    giving_way.stopped = true;
+    giving_way.ticket = tell(0.0);
+    return;
+  }
+  if (!over) return;
+  if (status == wire::ActionStatus::failed && letter != nullptr)
+    outbox_.log('w', registry_[vehicle].name + ": did not back up: " + letter->actions.front().result);
+  desk_.drop(giving_way.ticket);
+  giving_way.ticket = 0;
+  giving_way.back_m = 0.0;
+  giving_way.until = std::min(giving_way.until, outbox_.now() + rules_.gives_way_for);
+}
+
+void OrderRoller::end_giving_way(VehicleIndex vehicle) {
+  auto& giving_way = plans_[vehicle].giving_way;
+  if (giving_way && giving_way->ticket != 0) desk_.drop(giving_way->ticket);
+  giving_way.reset();
+}
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,110 @@
+// OrderRoller: the nearest place on the line is not free, so a vehicle that stands beside it goes to another.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "cosiva/aiv/decision/line_entry.h"
+#include "cosiva/virtual/server/orders/order_roller.h"
+#include "cosiva/zone/circuit/anchor.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+/// Places that are tried lie so far apart along the line, and so far from the nearest one.
+constexpr double place_every_m = 0.05;
+constexpr double place_within_m = 0.45;
+/// So far ahead of it the way is to be free.
+constexpr double free_ahead_m = 0.5;
+
+}  // namespace
+
+bool OrderRoller::joining(VehicleIndex vehicle) {
+  Plan& plan = plans_[vehicle];
+  if (plan.join_ticket == 0) return false;
+  const ActionDesk::Letter* letter = desk_.find(plan.join_ticket);
+  const wire::ActionStatus status = letter == nullptr ? wire::ActionStatus::failed : letter->actions.front().status;
+  const bool over = status == wire::ActionStatus::finished || status == wire::ActionStatus::failed;
+  if (!over && outbox_.now() - plan.join_sent_at < rules_.join_patience) return true;
+  if (status == wire::ActionStatus::failed && letter != nullptr)
+    outbox_.log('w', registry_[vehicle].name + ": did not join the line: " + letter->actions.front().result);
+  end_join(vehicle);
+  return false;
+}
+
+void OrderRoller::end_join(VehicleIndex vehicle) {
+  Plan& plan = plans_[vehicle];
+  plan.anchor.reset();
+  if (plan.join_ticket != 0) desk_.drop(std::exchange(plan.join_ticket, 0));
+}
+
+void OrderRoller::try_other_places(VehicleIndex vehicle) {
+  const Plan& plan = plans_[vehicle];
+  if (!plan.waits_since) return;
+  const SimDuration waited = outbox_.now() - *plan.waits_since;
+  if (waited >= rules_.other_place_after) join_elsewhere(vehicle, waited < rules_.make_room_after, place_within_m);
+}
+
+bool OrderRoller::join_elsewhere(VehicleIndex vehicle, bool drives_on, double within_m) {
+  Plan& plan = plans_[vehicle];
+  if (!goes_onto_line(vehicle)) return false;
+  for (const zone::Place place : places_near(vehicle, within_m)) {
+    const Pose2 X_MG = map_->circuit().pose_at(place);
+    if (!drives_on && stands_in_entry(plan.waits_for_vehicle, X_MG)) continue;
+    if (!is_free_entry(vehicle, place, drives_on)) continue;
+    plan.anchor = place;
+    plan.standing.place = place;
+    plan.join_sent_at = outbox_.now();
+    plan.join_ticket = desk_.send(registry_[vehicle], vehicle,
+                                  {{"joinLine",
+                                    {},
+                                    {},
+                                    wire::BlockingType::hard,
+                                    {{"x", X_MG.x_m}, {"y", X_MG.y_m}, {"theta", X_MG.heading_rad}}}},
+                                  std::chrono::seconds{3}, true);
+    return true;
+  }
+  return false;
+}
+
+std::vector<zone::Place> OrderRoller::places_near(VehicleIndex vehicle, double within_m) const {
+  const zone::Circuit& circuit = map_->circuit();
+  const auto anchor = zone::anchor_of(circuit, plans_[vehicle].standing.X_MB);
+  if (!anchor) return {};
+  std::vector<zone::Place> places{anchor->place};
+  for (int i = 1; i * place_every_m <= within_m; ++i) {
+    const double off_m = i * place_every_m;
+    places.push_back(circuit.advance(anchor->place, off_m));
+    places.push_back(circuit.advance(anchor->place, -off_m));
+  }
+  return places;
+}
+
+bool OrderRoller::stands_in_entry(VehicleIndex other, const Pose2& X_MB) const {
+  if (other == no_vehicle || !goes_onto_line(other)) return false;
+  const Pose2& X_MO = plans_[other].standing.X_MB;
+  const auto anchor = zone::anchor_of(map_->circuit(), X_MO);
+  if (!anchor) return false;
+  aiv::EntrySweep sweep{map_->zone().vehicle};
+  sweep.take({X_MO, map_->circuit().pose_at(anchor->place)});
+  return sweep.near_body(X_MB);
+}
+
+bool OrderRoller::is_free_entry(VehicleIndex vehicle, zone::Place place, bool drives_on) {
+  if (in_way_to_line(vehicle, place) != no_vehicle) return false;
+  traffic_.set_place(vehicle, place);
+  traffic_.update();
+  bool free = !traffic_.stands_in_anothers(vehicle);
+  if (free && drives_on) {
+    const zone::Place before = std::exchange(*plans_[vehicle].standing.place, place);
+    free = traffic_.ahead_within(vehicle, free_ahead_m).vehicle == no_vehicle &&
+           beside_way(vehicle, 0.0, free_ahead_m) == no_vehicle;
+    plans_[vehicle].standing.place = before;
+  }
+  if (!free) {
+    traffic_.set_place(vehicle, std::nullopt);
+    traffic_.update();
+  }
+  return free;
+}
+
+}  // namespace cosiva::virtual_side

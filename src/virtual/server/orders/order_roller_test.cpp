@@ -1,0 +1,366 @@
+#include "cosiva/virtual/server/testing/server_bench.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <utility>
+
+namespace cosiva::virtual_side {
+namespace {
+
+using namespace bench;
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+/// The order under another header.
+wire::Order content_of(wire::Order order, const wire::Header& header) {
+  order.header = header;
+  return order;
+}
+
+std::vector<wire::Order> orders_to(const ServerBench& bench, const BenchVehicle& aiv) {
+  std::vector<wire::Order> orders;
+  for (const wire::Publish& message : bench.published_on(aiv.topic("order")))
+    orders.push_back(*vda::decode_order(message.payload));
+  return orders;
+}
+
+/// What VDA 5050 2.1 §6.6 asks of a sequence of orders, checked on the wire, message by message.
+void expect_stitched(const std::vector<wire::Order>& orders) {
+  std::string order_id;
+  std::uint32_t update_id = 0;
+  const wire::OrderNode* base_end = nullptr;
+  const wire::Order* before = nullptr;
+  std::uint32_t header_id = 0;  // of the message before; a server that was started again counts anew
+  for (const wire::Order& order : orders) {
+    const std::uint32_t header_id_before = std::exchange(header_id, order.header.header_id);
+    ASSERT_EQ(order.edges.size() + 1, order.nodes.size());
+    for (std::size_t i = 0; i < order.nodes.size(); ++i) {
+      EXPECT_EQ(order.nodes[i].sequence_id, order.nodes[0].sequence_id + 2 * i) << "gapless";
+      EXPECT_EQ(order.nodes[i].sequence_id % 2, 0U);
+      ASSERT_TRUE(order.nodes[i].position.has_value());
+      EXPECT_TRUE(order.nodes[i].position->allowed_deviation_xy_m.has_value());
+      EXPECT_FALSE(order.nodes[i].position->theta_rad.has_value());
+      if (i == 0) continue;
+      const wire::OrderEdge& edge = order.edges[i - 1];
+      EXPECT_EQ(edge.sequence_id, order.nodes[i].sequence_id - 1);
+      EXPECT_EQ(edge.start_node_id, order.nodes[i - 1].node_id);
+      EXPECT_EQ(edge.end_node_id, order.nodes[i].node_id);
+      EXPECT_EQ(edge.edge_id, edge.start_node_id + "-" + edge.end_node_id);
+      EXPECT_TRUE(order.nodes[i - 1].released || !order.nodes[i].released) << "nothing released behind the horizon";
+      EXPECT_EQ(edge.released, order.nodes[i].released);
+    }
+    if (before != nullptr && order.order_id == before->order_id && order.order_update_id == before->order_update_id) {
+      EXPECT_EQ(order, content_of(*before, order.header)) << "sent again unchanged";
+      EXPECT_GT(order.header.header_id, header_id_before) << "but as a message of its own";
+      continue;
+    }
+    if (order.order_id != order_id) {
+      EXPECT_EQ(order.order_update_id, 0U);
+    } else {
+      EXPECT_EQ(order.order_update_id, update_id + 1);
+      ASSERT_NE(base_end, nullptr);
+      EXPECT_EQ(order.nodes[0].node_id, base_end->node_id);
+      EXPECT_EQ(order.nodes[0].sequence_id, base_end->sequence_id);
+      EXPECT_TRUE(order.nodes.size() > 1 && order.nodes[1].released) << "an update makes the base longer";
+    }
+    order_id = order.order_id;
+    update_id = order.order_update_id;
+    before = &order;
+    for (const wire::OrderNode& node : order.nodes)
+      if (node.released) base_end = &node;
+  }
+}
+
+TEST(OrderRoller, sends_an_idle_vehicle_round_for_ever) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  bench.run_for(120s);
+  EXPECT_THAT(aiv.refusals, IsEmpty());
+  // 0.3 m/s for 120 s, less the first second of settling: five laps of 7.14 m and no stop on the way.
+  EXPECT_GT(aiv.driven_m, 34.5);
+  expect_stitched(aiv.orders);
+  EXPECT_EQ(aiv.orders.front().order_update_id, 0U);
+  EXPECT_EQ(aiv.orders.front().nodes.front().position->map_id, "oval");
+  for (const wire::Order& order : aiv.orders) EXPECT_EQ(order.order_id, aiv.orders.front().order_id);
+}
+
+TEST(OrderRoller, keeps_the_base_short_and_shows_a_horizon_of_four) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  double longest_m = 0.0;
+  bench.each_step = [&] { longest_m = std::max(longest_m, aiv.book->distance_to_base_end_m()); };
+  bench.run_for(30s);
+  // 1.2 m ahead, and at most one stretch (0.3 m) over it.
+  EXPECT_GT(longest_m, 1.0);
+  EXPECT_LE(longest_m, 1.5 + 0.02);
+  for (const wire::Order& order : aiv.orders)
+    EXPECT_EQ(std::ranges::count_if(order.nodes, [](const auto& n) { return !n.released; }), 4);
+}
+
+TEST(OrderRoller, never_lays_a_base_twice_over_one_place) {
+  // A ring shorter than a base may be.
+  ServerBench bench{{"toml", "ring", R"(
+name = "ring"
+format_version = 1
+[vehicle]
+length_m = 0.10
+width_m = 0.06
+[circuit]
+start = { x = 0.0, y = 0.0, heading_deg = 0 }
+closed = true
+[[section]]
+name = "east"
+kind = "arc"
+radius_m = 0.16
+angle_deg = 180
+[[section]]
+name = "west"
+kind = "arc"
+radius_m = 0.16
+angle_deg = 180
+)"}};
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.1});
+  bench.each_step = [&] {
+    std::set<std::string> base;
+    for (const wire::NodeState& node : aiv.book->node_states()) {
+      EXPECT_TRUE(!node.released || base.insert(node.node_id).second) << node.node_id;
+    }
+  };
+  bench.run_for(20s);
+  EXPECT_GT(aiv.driven_m, 4.0);
+  EXPECT_THAT(aiv.refusals, IsEmpty());
+}
+
+TEST(OrderRoller, starts_an_order_at_the_waypoint_behind_the_vehicle_with_a_deviation_that_covers_the_way) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.55});
+  bench.run_for(2s);
+  ASSERT_FALSE(aiv.orders.empty());
+  const wire::OrderNode& first = aiv.orders.front().nodes.front();
+  const zone::Waypoint* waypoint = bench.zone->find_waypoint(first.node_id);
+  ASSERT_NE(waypoint, nullptr);
+  EXPECT_LE(waypoint->place.s_m, 0.55);
+  EXPECT_GE(*first.position->allowed_deviation_xy_m, 0.55 - waypoint->place.s_m);
+}
+
+TEST(OrderRoller, repeats_an_order_unchanged_until_it_is_acknowledged) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  bench.loss = 1.0;
+  bench.run_for(100ms);
+  bench.tell(aiv, "state", vda::encode(aiv.state(bench.now)));
+  bench.run_for(1500ms);
+  const std::vector<wire::Order> sent = orders_to(bench, aiv);
+  ASSERT_GE(sent.size(), 3U);
+  for (const wire::Order& order : sent) EXPECT_EQ(order, content_of(sent.front(), order.header));
+  EXPECT_EQ(sent[1].header.timestamp - sent[0].header.timestamp, 300ms) << "each says when it was sent";
+}
+
+TEST(OrderRoller, counts_every_order_message_to_a_vehicle_also_one_sent_again) {
+  ServerBench bench;
+  bench.loss = 0.3;
+  const BenchVehicle& first = bench.add("AIV1", {0, 0.5});
+  const BenchVehicle& second = bench.add("AIV2", {2, 0.5});
+  bench.run_for(60s);
+  for (const BenchVehicle* aiv : {&first, &second}) {
+    const std::vector<wire::Order> sent = orders_to(bench, *aiv);
+    std::size_t again = 0;
+    for (std::size_t i = 0; i < sent.size(); ++i) {
+      EXPECT_EQ(sent[i].header.header_id, i);
+      if (i > 0 && sent[i].order_id == sent[i - 1].order_id && sent[i].order_update_id == sent[i - 1].order_update_id)
+        ++again;
+    }
+    EXPECT_GT(again, 5U) << aiv->id.serial_number;
+    EXPECT_GT(sent.size(), again + 20U) << aiv->id.serial_number;
+  }
+}
+
+TEST(OrderRoller, survives_a_link_that_loses_every_tenth_message) {
+  ServerBench bench;
+  bench.loss = 0.1;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  bench.run_for(120s);
+  EXPECT_THAT(aiv.refusals, IsEmpty());
+  EXPECT_GT(aiv.driven_m, 30.0);
+  // What was lost stays lost on the vehicle's side, so only what the server published is a complete sequence.
+  expect_stitched(orders_to(bench, aiv));
+}
+
+TEST(OrderRoller, writes_a_vehicle_s_own_version_back_to_it) {
+  ServerBench bench;
+  BenchVehicle& stranger = bench.add("agv-7", {0, 0.5}, "Acme");
+  stranger.version = "2.0.0";
+  bench.run_for(2s);
+  ASSERT_FALSE(stranger.orders.empty());
+  EXPECT_EQ(stranger.orders.front().header.version, "2.0.0");
+  EXPECT_EQ(stranger.orders.front().header.manufacturer, "Acme");
+  EXPECT_GT(stranger.driven_m, 0.1);
+}
+
+TEST(OrderRoller, leaves_who_is_told_to_watch_alone) {
+  ServerOptions watching;
+  watching.drive = false;
+  ServerBench bench{oval(), watching};
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  bench.run_for(5s);
+  EXPECT_THAT(aiv.orders, IsEmpty());
+  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("status"), "stopped");
+}
+
+TEST(OrderRoller, takes_an_order_over_after_a_restart_and_goes_on_with_it) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  bench.run_for(20s);
+  const std::string order_id = aiv.book->order_id();
+  const double driven_m = aiv.driven_m;
+  bench.restart_server();
+  bench.run_for(20s);
+  EXPECT_THAT(aiv.refusals, IsEmpty());
+  EXPECT_EQ(aiv.book->order_id(), order_id);
+  EXPECT_GT(aiv.driven_m, driven_m + 5.0);
+  EXPECT_TRUE(bench.logged("took over order"));
+  expect_stitched(aiv.orders);
+}
+
+TEST(OrderRoller, gives_nobody_an_order_after_a_restart_before_all_who_are_online_were_heard) {
+  ServerBench bench;
+  BenchVehicle& first = bench.add("AIV1", {0, 0.5});
+  BenchVehicle& silent = bench.add("AIV2", {2, 0.5});
+  silent.alive = false;
+  bench.run_for(1500ms);
+  EXPECT_THAT(first.orders, IsEmpty());
+  bench.run_for(1s);
+  EXPECT_FALSE(first.orders.empty()) << "but not for ever: 2 s at most";
+}
+
+TEST(OrderRoller, waits_two_seconds_after_a_refusal_and_then_makes_a_new_order) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  aiv.refuse_next_order = true;
+  bench.run_for(2s);
+  ASSERT_THAT(aiv.orders, SizeIs(1));
+  EXPECT_TRUE(bench.logged("refused order"));
+  bench.run_for(3s);
+  ASSERT_GE(aiv.orders.size(), 2U);
+  EXPECT_NE(aiv.orders[1].order_id, aiv.orders[0].order_id);
+  EXPECT_GT(aiv.driven_m, 0.1);
+}
+
+TEST(OrderRoller, cancels_an_active_order_whose_update_was_refused_before_it_makes_a_new_one) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  bench.run_for(5s);
+  const std::string first = aiv.book->order_id();
+  aiv.refuse_next_order = true;
+  bench.run_for(10s);
+  EXPECT_NE(aiv.book->order_id(), first);
+  EXPECT_THAT(aiv.refusals, IsEmpty());
+  const bool cancelled =
+      std::ranges::any_of(aiv.actions, [](const auto& m) { return m.actions[0].action_type == "cancelOrder"; });
+  EXPECT_TRUE(cancelled);
+  EXPECT_GT(aiv.speed_mps, 0.0);
+}
+
+TEST(OrderRoller, gives_a_vehicle_that_restarted_without_its_order_a_new_one) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  bench.run_for(5s);
+  bench.kill(aiv);
+  bench.run_for(5s);
+  aiv.alive = true;
+  aiv.book.emplace(*bench.zone);
+  bench.connection(aiv, wire::ConnectionState::online);
+  const double driven_m = aiv.driven_m;
+  bench.run_for(10s);
+  EXPECT_THAT(aiv.refusals, IsEmpty());
+  EXPECT_GT(aiv.driven_m, driven_m + 2.0);
+}
+
+TEST(OrderRoller, gives_a_vehicle_that_came_back_no_order_before_it_said_where_it_is_now) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  bench.run_for(5s);
+  bench.kill(aiv);
+  bench.run_for(5s);
+  const std::size_t orders = aiv.orders.size();
+  aiv.book.emplace(*bench.zone);
+  aiv.motion = aiv::AivMotion{bench.zone->circuit, {2, 0.5}};  // carried elsewhere
+  bench.connection(aiv, wire::ConnectionState::online);
+  wire::State blind = aiv.state(bench.now);
+  blind.position.reset();
+  bench.tell(aiv, "state", vda::encode(blind));
+  bench.run_for(500ms);
+  EXPECT_EQ(aiv.orders.size(), orders);
+  aiv.alive = true;
+  bench.run_for(2s);
+  EXPECT_THAT(aiv.refusals, IsEmpty());
+  EXPECT_GT(aiv.orders.size(), orders);
+}
+
+TEST(OrderRoller, sends_a_vehicle_on_that_rolled_past_the_end_of_its_base_into_the_next_section) {
+  ServerBench bench{zone_file("../e2e/halls/hall_b.toml")};
+  const zone::Circuit& circuit = bench.zone->circuit;
+  BenchVehicle& other = bench.add("AIV2", {*circuit.find("b_east"), 0.05});
+  other.blocked = true;  // where the way from the gate comes in
+  BenchVehicle& aiv = bench.add("AIV1", {*circuit.find("gate"), 0.3});
+  bench.run_for(4s);
+  bench.ask(R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"rack_b"})");
+  bench.run_for(4s);
+  ASSERT_EQ(aiv.book->last_node_id(), "gate@580") << "20 mm before the gate's end";
+  ASSERT_EQ(aiv.book->distance_to_base_end_m(), 0.0);
+  aiv.motion.shift(circuit, 0.03, std::array{*circuit.find("b_out1")});
+  ASSERT_EQ(circuit.part(aiv.place().section).name, "b_out1");
+  bench.run_for(4s);
+  other.blocked = false;
+  bench.run_for(40s);
+  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").find("mission")->text("state"), "arrived");
+  EXPECT_THAT(aiv.refusals, IsEmpty());
+}
+
+TEST(OrderRoller, drives_a_vehicle_that_reports_only_once_a_second) {
+  ServerBench bench;
+  BenchVehicle& slow = bench.add("agv-7", {0, 0.5}, "Acme");
+  slow.visualizes = false;  // leaves one state a second, and those at its nodes
+  bench.run_for(60s);
+  EXPECT_THAT(slow.refusals, IsEmpty());
+  EXPECT_GT(slow.driven_m, 17.0);
+  EXPECT_EQ(bench.aiv("Acme/agv-7").flag("lost"), false);
+}
+
+TEST(OrderRoller, does_not_touch_an_order_over_nodes_it_does_not_know) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  wire::State state = aiv.state(bench.now);
+  state.order_id = "theirs";
+  state.node_states = {{"somewhere", 2, true, std::nullopt}};
+  aiv.alive = false;
+  for (int i = 0; i < 30; ++i) {
+    state.header.header_id++;
+    state.header.timestamp = bench.now;
+    bench.tell(aiv, "state", vda::encode(state));
+    bench.run_for(100ms);
+  }
+  EXPECT_THAT(bench.published_on(aiv.topic("order")), IsEmpty());
+  EXPECT_TRUE(bench.logged("left alone"));
+}
+
+TEST(OrderRoller, tells_a_vehicle_that_lost_its_place_where_it_was_last) {
+  ServerBench bench;
+  BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
+  bench.run_for(3s);
+  aiv.position_known = false;
+  const Pose2 last = aiv.pose();
+  aiv.blocked = true;
+  bench.run_for(3s);
+  const auto init =
+      std::ranges::find_if(aiv.actions, [](const auto& m) { return m.actions[0].action_type == "initPosition"; });
+  ASSERT_NE(init, aiv.actions.end());
+  EXPECT_NEAR(*init->actions[0].number("x"), last.x_m, 0.05);
+  EXPECT_EQ(init->actions[0].text("mapId"), "oval");
+  EXPECT_TRUE(aiv.position_known);
+}
+
+}  // namespace
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,152 @@
+// OrderRoller: who waits for whom, and why.
+#include <algorithm>
+#include <cmath>
+
+#include "cosiva/aiv/decision/envelope.h"
+#include "cosiva/aiv/decision/line_entry.h"
+#include "cosiva/virtual/server/orders/order_roller.h"
+#include "cosiva/zone/circuit/anchor.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+constexpr double standing_mps = 0.01;
+/// What a vehicle's eyes make it stand before lies no further ahead than this, nor further from the body's way: where
+/// it stops, what more room it wants to go on, and what reports are wrong by; beside its way, what eyes take for a part
+/// of it: their margin of 0.02 m, and as far as an echo is placed wrong that came from a beam's edge (0.12 rad of a
+/// range of 0.3 m), noise included.
+constexpr double seen_ahead_m = aiv::stand_off_m + 0.08;
+constexpr double seen_beside_m = 0.07;
+constexpr double look_every_m = 0.03;
+/// Before it turns on the spot it wants so much air all around.
+constexpr double seen_around_m = 0.06;
+
+}  // namespace
+
+void OrderRoller::wait_for(Plan& plan, VehicleIndex other, WaitReason why) {
+  plan.waits_for_vehicle = other;
+  plan.waits_why = why;
+}
+
+void OrderRoller::note_waiting(Plan& plan, SimTime now) {
+  // Standing before something, not merely being told early that it will have to.
+  const bool waits = (plan.waits_for_crossing || plan.waits_for_vehicle != no_vehicle) && extension_.empty();
+  if (!waits) {
+    plan.waits_since.reset();
+    return;
+  }
+  if (!plan.waits_since) plan.waits_since = now;
+  longest_wait_ = std::max(longest_wait_, now - *plan.waits_since);
+}
+
+std::string OrderRoller::waits_for(VehicleIndex vehicle) const {
+  if (vehicle >= plans_.size() || map_ == nullptr) return {};
+  const Plan& plan = plans_[vehicle];
+  std::string text;
+  if (plan.waits_for_crossing && *plan.waits_for_crossing < map_->crossing_count())
+    text = map_->zone().crossings[*plan.waits_for_crossing].name;
+  if (plan.waits_for_vehicle != no_vehicle) {
+    if (!text.empty()) text += ", ";
+    text += registry_[plan.waits_for_vehicle].name;
+  }
+  return text;
+}
+
+Pose2 OrderRoller::body(VehicleIndex vehicle) const {
+  return simulator_.image(*registry_[vehicle].twin, outbox_.now()).X_MB;
+}
+
+bool OrderRoller::stands(VehicleIndex vehicle) const {
+  const AivProxy& proxy = registry_[vehicle];
+  return proxy.here() && proxy.state && !proxy.state->driving &&
+         std::fabs(simulator_.twin(*proxy.twin).speed_mps()) < standing_mps;
+}
+
+bool OrderRoller::stands_silently(VehicleIndex vehicle) {
+  Plan& plan = plans_[vehicle];
+  const AivProxy& proxy = registry_[vehicle];
+  constexpr double way_m_min = 0.10;
+  const wire::State& state = *proxy.state;
+  // Those of other makes may have reasons of their own.
+  const bool silent = proxy.ours() && stands(vehicle) && !state.field_violation && !state.paused &&
+                      !proxy.paused_for_body && state.errors.empty() && state.e_stop == wire::EStop::none &&
+                      plan.standing.place &&
+                      traffic_.base_left_m(vehicle, *plan.standing.place).value_or(0.0) > way_m_min;
+  if (!silent) {
+    plan.silent_since.reset();
+    return false;
+  }
+  if (!plan.silent_since) plan.silent_since = outbox_.now();
+  if (outbox_.now() - *plan.silent_since < rules_.silent_for) return false;
+  plan.silent_since.reset();
+  return true;
+}
+
+void OrderRoller::add_waits(WaitGraph& graph) const {
+  if (map_ == nullptr) return;
+  for (VehicleIndex v = 0; v < plans_.size(); ++v) {
+    if (!stands(v)) continue;
+    const Plan& plan = plans_[v];
+    const bool has_way = plan.stage == Plan::Stage::running || plan.join_ticket != 0;
+    if (has_way && (registry_[v].state->field_violation || registry_[v].paused_for_body)) {
+      // What it waits for at the end of its base matters once it is there.
+      graph.add({v, seen_in_way(v), WaitReason::eyes, no_crossing});
+      continue;
+    }
+    if (!plan.waits_since || plan.waits_for_vehicle == no_vehicle) continue;
+    graph.add({v, plan.waits_for_vehicle, plan.waits_why, plan.waits_for_crossing.value_or(no_crossing)});
+  }
+}
+
+VehicleIndex OrderRoller::seen_in_way(VehicleIndex vehicle) const {
+  const Plan& plan = plans_[vehicle];
+  const zone::VehicleShape& shape = map_->zone().vehicle;
+  const zone::Circuit& circuit = map_->circuit();
+  const Pose2 X_MB = body(vehicle);
+  VehicleIndex found = no_vehicle;
+  double nearest_m = std::numeric_limits<double>::infinity();
+  const auto consider = [&](VehicleIndex other, double far_m) {
+    if (far_m >= nearest_m) return;
+    found = other;
+    nearest_m = far_m;
+  };
+  aiv::EntrySweep sweep{shape};
+  if (plan.anchor) sweep.take({X_MB, circuit.pose_at(*plan.anchor)});
+  for (VehicleIndex other = 0; other < registry_.size(); ++other) {
+    if (other == vehicle || !registry_[other].here()) continue;
+    const Pose2 X_MO = body(other);
+    if (plan.anchor) {
+      if (sweep.near_body(X_MO, seen_beside_m)) consider(other, distance(X_MB, X_MO));
+      continue;
+    }
+    if (!plan.standing.place) continue;
+    for (double ahead_m = 0.0; ahead_m < seen_ahead_m + look_every_m; ahead_m += look_every_m) {
+      const Pose2 X_MV = circuit.pose_at(circuit.advance(*plan.standing.place, ahead_m, traffic_.coming(vehicle)));
+      if (!aiv::near_bodies(shape, X_MV, X_MO, seen_beside_m)) continue;
+      // Beside its flank already, it is not what it looks at.
+      if (ahead_m > 0.0 || aiv::lies_ahead(shape, X_MB, X_MO)) consider(other, ahead_m);
+      break;
+    }
+    // Half a metre: any body on the way is nearer than one that only keeps it from turning.
+    if (aiv::near_bodies(shape, X_MB, X_MO, seen_around_m)) consider(other, 0.5 + distance(X_MB, X_MO));
+  }
+  return found;
+}
+
+std::string OrderRoller::sentence(const Wait& wait) const {
+  const std::string& who = registry_[wait.who].name;
+  const std::string& whom = registry_[wait.whom].name;
+  const std::string crossing = wait.crossing < map_->crossing_count() ? map_->zone().crossings[wait.crossing].name : "";
+  switch (wait.why) {
+    case WaitReason::ahead:
+      return crossing.empty() ? who + " waits for " + whom + " ahead of it"
+                              : who + " waits for room beyond " + crossing + ", where " + whom + " is";
+    case WaitReason::crossing: return who + " waits for " + crossing + ", which " + whom + " holds";
+    case WaitReason::turn: return who + " waits for its turn at " + crossing + " after " + whom;
+    case WaitReason::beside: return who + " waits for " + whom + ", which stands too near its way";
+    case WaitReason::eyes: return who + " sees " + whom + " in its way";
+  }
+  return {};
+}
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,346 @@
+// OrderRoller: where the next stretch begins, and along which way.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "cosiva/aiv/decision/envelope.h"
+#include "cosiva/aiv/decision/line_entry.h"
+#include "cosiva/base/math.h"
+#include "cosiva/virtual/server/orders/order_roller.h"
+#include "cosiva/zone/circuit/anchor.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+/// A vehicle is on the line when it is so near to it, and heads along it.
+constexpr double on_line_m = 0.005;
+constexpr double on_line_rad = 0.2;
+/// A first node so little ahead serves better than one that lies far behind.
+constexpr double node_ahead_m = 0.10;
+constexpr double node_far_behind_m = 1.0;
+constexpr double past_base_m = 0.25;
+/// The way is planned so far beyond what is released, and for so many sections.
+constexpr double planned_m = 8.0;
+constexpr std::size_t planned_sections = 8;
+/// A way is looked at every so far for what stands beside it.
+constexpr double sample_m = 0.05;
+
+}  // namespace
+
+std::optional<OrderRoller::Extension> OrderRoller::start_of_extension(VehicleIndex vehicle) {
+  return plans_[vehicle].stage == Plan::Stage::running ? end_of_base(vehicle) : first_node(vehicle);
+}
+
+std::optional<OrderRoller::Extension> OrderRoller::end_of_base(VehicleIndex vehicle) {
+  Plan& plan = plans_[vehicle];
+  const zone::Place place = *plan.standing.place;
+  const bool on_course = traffic_.on_course(vehicle) || regain_course(vehicle);
+  const auto left_m = on_course ? traffic_.base_left_m(vehicle, place) : std::nullopt;
+  if (!left_m) {
+    outbox_.log('w', registry_[vehicle].name + ": is not where its order leads; cancelled, a new one follows");
+    cancel(vehicle);
+    plan.wait_until = outbox_.now() + rules_.after_refusal;
+    return std::nullopt;
+  }
+  if (plan.way_of != missions_.revision(vehicle) && !plan_course_again(vehicle)) return std::nullopt;
+  way_ = traffic_.beyond_base(vehicle, place).sections;
+  return Extension{plan.base_end, *left_m};
+}
+
+std::optional<OrderRoller::Extension> OrderRoller::first_node(VehicleIndex vehicle) {
+  Plan& plan = plans_[vehicle];
+  if (goes_onto_line(vehicle)) {
+    const auto anchor = zone::anchor_of(map_->circuit(), plan.standing.X_MB);
+    if (!anchor) return std::nullopt;
+    wait_for(plan, in_way_to_line(vehicle, anchor->place), WaitReason::beside);
+    if (plan.waits_for_vehicle != no_vehicle) {
+      traffic_.withdraw(vehicle);  // that one may need what this one has asked for
+      return std::nullopt;
+    }
+    plan.anchor = anchor->place;
+    plan.standing.place = anchor->place;
+    plan.standing.off_m = anchor->distance_m;
+    traffic_.set_place(vehicle, anchor->place);
+    traffic_.update();
+  }
+  if (!plan_course(vehicle)) return std::nullopt;
+  const zone::Place place = *plan.standing.place;
+  const Sections coming = traffic_.coming(vehicle);
+  auto behind = map_->behind(place, traffic_.gone(vehicle));
+  if (!behind || behind->since_m > node_far_behind_m) {
+    const auto ahead = map_->first_ahead(place, coming);
+    if (ahead && (!behind || ahead->distance_m <= node_ahead_m)) {
+      way_.assign(coming.begin() + static_cast<std::ptrdiff_t>(ahead->sections), coming.end());
+      if (!traffic_.holds_all(vehicle, ahead->distance_m) && !enter(vehicle, 0.0, ahead->distance_m))
+        return std::nullopt;
+      return Extension{ahead->waypoint, ahead->distance_m};
+    }
+  }
+  if (!behind) return std::nullopt;
+  way_ = std::move(behind->sections);
+  way_.insert(way_.end(), coming.begin(), coming.end());
+  return Extension{behind->waypoint, -behind->since_m};
+}
+
+void OrderRoller::stay_beside(VehicleIndex vehicle) {
+  // Nobody asks it to be anywhere but where its body is: beside_way() keeps the others off that.
+  if (!std::exchange(plans_[vehicle].anchor, std::nullopt)) return;
+  traffic_.set_place(vehicle, std::nullopt);
+  traffic_.update();
+}
+
+void OrderRoller::take_course(VehicleIndex vehicle, zone::Course course) {
+  if (const auto& twin = registry_[vehicle].twin) simulator_.set_course(*twin, course);
+  traffic_.set_course(vehicle, std::move(course));
+}
+
+bool OrderRoller::plan_course(VehicleIndex vehicle) {
+  Plan& plan = plans_[vehicle];
+  const zone::Place place = *plan.standing.place;
+  const std::uint64_t revision = missions_.revision(vehicle);
+  if (plan.way_of == revision && plan.no_way == place.section) return false;
+  if (plan.way_of == revision && !plan.no_way && traffic_.on_course(vehicle) && !past_goal(vehicle)) return true;
+
+  const std::vector<zone::Place> starts = map_->starts(place);
+  const auto sections = missions_.plan(vehicle, starts);
+  plan.way_of = revision;
+  plan.no_way.reset();
+  if (!sections) {
+    plan.no_way = place.section;
+    take_course(vehicle, {});
+    return false;
+  }
+  const auto start = std::ranges::find(starts, sections->front(), &zone::Place::section);
+  // Where it came from is where its first node lies, and where it is seen until it has turned into another way.
+  std::vector<zone::SectionId> all;
+  const Sections gone = traffic_.gone(vehicle);
+  const auto before_start = map_->circuit().previous(start->section);
+  if (start == starts.begin() || (!gone.empty() && std::ranges::find(before_start, gone.back()) != before_start.end()))
+    all.assign(gone.begin(), gone.end());
+  const std::size_t before = all.size();
+  all.insert(all.end(), sections->begin(), sections->end());
+  take_course(vehicle, zone::Course(std::move(all), before));
+  if (start != starts.begin()) {
+    plan.standing.place = *start;
+    if (traffic_.place(vehicle)) traffic_.set_place(vehicle, *start);
+    traffic_.update();
+  }
+  return true;
+}
+
+bool OrderRoller::past_goal(VehicleIndex vehicle) const {
+  const Plan& plan = plans_[vehicle];
+  const WaypointIndex goal = missions_.goal(vehicle);
+  if (plan.way_of != missions_.revision(vehicle) || goal == no_waypoint || !plan.standing.place) return false;
+  const zone::Place end = map_->waypoint(goal).place;
+  const Sections coming = traffic_.coming(vehicle);
+  const bool comes_to_it = std::ranges::find(coming, end.section) != coming.end();
+  return !comes_to_it && plan.standing.place->section == end.section && plan.standing.place->s_m > end.s_m;
+}
+
+bool OrderRoller::stays_at_goal(VehicleIndex vehicle) {
+  const bool past = past_goal(vehicle);
+  const Point2 here = position(plans_[vehicle].standing.X_MB);
+  // Who stops short can come nearer. Who has gone past would have to come round again, for what its order allowed.
+  const double off_m = past ? rules_.deviation_m : rules_.arrived_m;
+  const auto& state = registry_[vehicle].state;
+  if (state && state->driving) return past || missions_.is_at(vehicle, here, off_m);  // where it will stand, time tells
+  return missions_.stands_at(vehicle, here, off_m);
+}
+
+bool OrderRoller::plan_course_again(VehicleIndex vehicle) {
+  Plan& plan = plans_[vehicle];
+  const Traffic::Beyond beyond = traffic_.beyond_base(vehicle, *plan.standing.place);
+  const zone::Place end = map_->waypoint(plan.base_end).place;
+  const Sections released = traffic_.coming(vehicle).first(beyond.keep);
+  const bool ends_at_node = end.s_m == 0.0 && beyond.keep > 0;
+  const bool has_siblings = ends_at_node && map_->find(map_->waypoint(plan.base_end).id).size() > 1;
+  for (std::size_t i = 0; i < released.size(); ++i) {
+    if (!missions_.is_closed(released[i]) || (has_siblings && i + 1 == released.size())) continue;
+    outbox_.log('i', registry_[vehicle].name + ": its base leads into '" + map_->circuit().part(released[i]).name +
+                         "', which is closed now; cancelled, a new order follows");
+    cancel(vehicle);
+    return false;
+  }
+
+  std::optional<std::vector<zone::SectionId>> sections;
+  WaypointIndex base_end = no_waypoint;
+  std::size_t keep = beyond.keep;
+  if (has_siblings) {
+    // At a node where ways part it may still take any of them.
+    const zone::SectionId before = keep > 1 ? released[keep - 2] : traffic_.course(vehicle).here();
+    const std::array from{zone::Place{before, map_->circuit().section(before).length_m()}};
+    sections = missions_.plan(vehicle, from);
+    if (sections && sections->size() == 1) {
+      const auto more = missions_.more(vehicle, before);
+      sections->insert(sections->end(), more.begin(), more.end());
+    }
+    if (sections && sections->size() > 1) base_end = map_->sibling_on(plan.base_end, (*sections)[1]);
+    if (base_end != no_waypoint) --keep;
+  }
+  if (base_end == no_waypoint && !(has_siblings && missions_.is_closed(end.section))) {
+    base_end = plan.base_end;
+    const std::array from{end};
+    sections = missions_.plan(vehicle, from);
+  }
+  plan.way_of = missions_.revision(vehicle);
+  plan.no_way.reset();
+  traffic_.cut_course(vehicle, keep);
+  if (sections && base_end != no_waypoint) {
+    traffic_.extend_course(vehicle, Sections{*sections}.subspan(1));
+    plan.base_end = base_end;
+    traffic_.set_base_end(vehicle, base_end);
+  } else {
+    plan.no_way = end.section;
+  }
+  if (const auto& twin = registry_[vehicle].twin) simulator_.set_course(*twin, traffic_.course(vehicle));
+  traffic_.update();
+  return true;
+}
+
+bool OrderRoller::regain_course(VehicleIndex vehicle) {
+  Plan& plan = plans_[vehicle];
+  const zone::Place place = *plan.standing.place;
+  const zone::Place end = map_->waypoint(plan.base_end).place;
+  std::vector<zone::SectionId> sections{place.section};
+  if (!map_->circuit().shortest_way(end, place, past_base_m)) {
+    auto way = map_->circuit().shortest_way(place, end, traffic_.base_m_max(vehicle));
+    if (!way) return false;
+    sections = std::move(way->sections);
+  }
+  plan.way_of = 0;
+  take_course(vehicle, zone::Course(std::move(sections)));
+  traffic_.update();
+  return true;
+}
+
+const WayMap::Stretch* OrderRoller::next_stretch(VehicleIndex vehicle, WaypointIndex at, std::size_t passed) {
+  if (plans_[vehicle].no_way || passed > way_.size()) return nullptr;
+  const auto far_enough = [&] {
+    double rest_m = 0.0;
+    for (std::size_t i = passed; i < way_.size(); ++i) rest_m += map_->circuit().section(way_[i]).length_m();
+    return rest_m >= planned_m && way_.size() - passed >= planned_sections;
+  };
+  bool longer = false;
+  while (!missions_.complete(vehicle) && !far_enough()) {
+    const auto more = missions_.more(vehicle, way_.empty() ? map_->waypoint(at).place.section : way_.back());
+    way_.insert(way_.end(), more.begin(), more.end());
+    traffic_.extend_course(vehicle, more);
+    longer = longer || !more.empty();
+  }
+  const auto& twin = registry_[vehicle].twin;
+  if (longer && twin) simulator_.set_course(*twin, traffic_.course(vehicle));
+  if (missions_.complete(vehicle) && passed == way_.size() && at == missions_.goal(vehicle)) return nullptr;
+  const WayMap::Stretch* stretch = map_->along(at, Sections{way_}.subspan(passed));
+  return stretch != nullptr && stretch->sections.size() <= way_.size() - passed ? stretch : nullptr;
+}
+
+bool OrderRoller::off_line(VehicleIndex vehicle) const {
+  const Plan& plan = plans_[vehicle];
+  return plan.anchor || plan.standing.off_m > on_line_m || std::fabs(plan.standing.heading_off_rad) > on_line_rad;
+}
+
+bool OrderRoller::goes_onto_line(VehicleIndex vehicle) const {
+  const Plan& plan = plans_[vehicle];
+  return plan.anchor || (plan.stage == Plan::Stage::none && off_line(vehicle) && registry_[vehicle].ours());
+}
+
+void OrderRoller::follow_line(VehicleIndex vehicle) {
+  Plan& plan = plans_[vehicle];
+  if (!plan.anchor || map_ == nullptr) return;
+  Standing& standing = plan.standing;
+  const zone::Circuit& circuit = map_->circuit();
+  const Sections coming = traffic_.coming(vehicle);
+  std::array<zone::SectionId, 2> candidates{plan.anchor->section, coming.empty() ? plan.anchor->section : coming[0]};
+  for (const zone::SectionId section : candidates) {
+    const auto near = circuit.section(section).nearest(position(standing.X_MB));
+    const double off_rad =
+        wrap_angle(standing.X_MB.heading_rad - circuit.section(section).pose_at(near.s_m).heading_rad);
+    if (near.distance_m > on_line_m || std::fabs(off_rad) > on_line_rad) continue;
+    plan.anchor.reset();
+    standing.place = zone::Place{section, near.s_m};
+    standing.off_m = near.distance_m;
+    standing.heading_off_rad = off_rad;
+    return;
+  }
+  standing.place = plan.anchor;
+  standing.off_m = distance(standing.X_MB, circuit.pose_at(*plan.anchor));
+  standing.heading_off_rad = 0.0;
+}
+
+VehicleIndex OrderRoller::in_way_to_line(VehicleIndex vehicle, zone::Place anchor) const {
+  const zone::VehicleShape& shape = map_->zone().vehicle;
+  const aiv::LineEntry mine{plans_[vehicle].standing.X_MB, map_->circuit().pose_at(anchor)};
+  aiv::EntrySweep sweep{shape};
+  sweep.take(mine);
+  for (VehicleIndex other = 0; other < registry_.size(); ++other) {
+    const AivProxy& proxy = registry_[other];
+    if (other == vehicle || !proxy.here()) continue;
+    const Pose2 X_MB = simulator_.image(*proxy.twin, outbox_.now()).X_MB;
+    if (sweep.near_body(X_MB)) return other;
+    const Plan& theirs = plans_[other];
+    // One that is on its way to the line itself, or whose base leads over the place.
+    if (theirs.anchor && (theirs.stage == Plan::Stage::running || theirs.join_ticket != 0) &&
+        aiv::near_entry(mine, shape, {X_MB, map_->circuit().pose_at(*theirs.anchor)}))
+      return other;
+    const auto& place = traffic_.place(other);
+    if (!place) continue;
+    const double base_m = traffic_.base_left_m(other, *place).value_or(0.0);
+    const Sections coming = traffic_.coming(other);
+    for (double ahead_m = sample_m; ahead_m < base_m + sample_m; ahead_m += sample_m)
+      if (sweep.near_body(map_->circuit().pose_at(map_->circuit().advance(*place, std::min(ahead_m, base_m), coming))))
+        return other;
+    const double clear_m = shape.length_m + aiv::entry_clear_m;
+    if (base_m > 0.0 && map_->ahead(*place, anchor, base_m + clear_m, traffic_.coming(other))) return other;
+  }
+  return no_vehicle;
+}
+
+VehicleIndex OrderRoller::beside_way(VehicleIndex vehicle, double from_m, double to_m) const {
+  constexpr double clear_m = 0.04;  // no less than what a vehicle's own eyes make it stop for
+  const zone::Place place = *plans_[vehicle].standing.place;
+  const zone::Circuit& circuit = map_->circuit();
+  const zone::VehicleShape& shape = map_->zone().vehicle;
+  const Sections coming = traffic_.coming(vehicle);
+  aiv::EntrySweep sweep{shape};
+  for (const VehicleIndex other : beside_) {
+    if (other == vehicle) continue;
+    const Pose2 X_MB = simulator_.image(*registry_[other].twin, outbox_.now()).X_MB;
+    const std::optional<zone::Place> anchor = comes_onto_line_at(other);
+    if (anchor) sweep.take({X_MB, circuit.pose_at(*anchor)});
+    const auto in_way = [&](double ahead_m, double air_m) {
+      const Pose2 X_MV = circuit.pose_at(circuit.advance(place, ahead_m, coming));
+      return anchor ? sweep.near_body(X_MV, air_m) : aiv::near_bodies(shape, X_MV, X_MB, air_m);
+    };
+    // One that it has beside it already it may pass as closely.
+    const bool ahead = aiv::lies_ahead(shape, circuit.pose_at(place), X_MB);
+    const double free_m = !ahead && in_way(0.0, clear_m) ? 0.0 : clear_m;
+    // It stops short of a body by itself, and what of its base it cannot drive would keep that one from moving.
+    const double end_m = to_m + aiv::stand_off_m;
+    for (double ahead_m = std::max(0.0, from_m); ahead_m < end_m; ahead_m += sample_m)
+      if (in_way(ahead_m, free_m)) return other;
+    if (in_way(end_m, free_m)) return other;
+  }
+  return no_vehicle;
+}
+
+std::optional<zone::Place> OrderRoller::comes_onto_line_at(VehicleIndex vehicle) const {
+  const Plan& plan = plans_[vehicle];
+  if (plan.anchor) return plan.anchor;
+  // Who waits to come onto the line is let in, but not for ever: it may be that it cannot.
+  if (!plan.waits_since || outbox_.now() - *plan.waits_since > rules_.let_in_for || !goes_onto_line(vehicle)) return {};
+  const auto anchor = zone::anchor_of(map_->circuit(), plan.standing.X_MB);
+  return anchor ? std::optional{anchor->place} : std::nullopt;
+}
+
+std::string OrderRoller::stands_at_goal(VehicleIndex vehicle) const {
+  const Plan& plan = plans_[vehicle];
+  const WaypointIndex goal = missions_.goal(vehicle);
+  if (plan.waits_for_vehicle == no_vehicle || goal == no_waypoint || map_ == nullptr) return {};
+  const Standing& other = plans_[plan.waits_for_vehicle].standing;
+  const bool stands = distance(position(other.X_MB), map_->point(goal)) <= traffic_.standing_m();
+  return stands ? registry_[plan.waits_for_vehicle].name : std::string{};
+}
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,78 @@
+#include "cosiva/virtual/server/orders/wait_graph.h"
+
+#include <algorithm>
+#include <tuple>
+
+namespace cosiva::virtual_side {
+namespace {
+
+constexpr auto no_wait = std::numeric_limits<std::size_t>::max();
+
+}  // namespace
+
+void WaitGraph::begin(std::size_t count) {
+  count_ = count;
+  waits_.clear();
+  knots_.clear();
+}
+
+void WaitGraph::add(const Wait& wait) {
+  if (wait.who != wait.whom && wait.who < count_ && wait.whom < count_) waits_.push_back(wait);
+}
+
+void WaitGraph::sort_waits() {
+  const auto key = [](const Wait& w) { return std::tuple(w.who, w.whom, w.why, w.crossing); };
+  std::ranges::sort(waits_, {}, key);
+  first_.assign(count_ + 1, 0);
+  for (const Wait& wait : waits_) ++first_[wait.who + 1];
+  for (std::size_t i = 0; i < count_; ++i) first_[i + 1] += first_[i];
+}
+
+std::span<const Wait> WaitGraph::waits_of(VehicleIndex who) const {
+  if (who + std::size_t{1} >= first_.size()) return {};
+  return std::span{waits_}.subspan(first_[who], first_[who + 1] - first_[who]);
+}
+
+const std::vector<Knot>& WaitGraph::find_knots() {
+  knots_.clear();
+  sort_waits();
+  if (waits_.empty()) return knots_;
+  whom_.clear();
+  for (const Wait& wait : waits_) whom_.push_back(wait.whom);
+  components_.find(count_, [this](VehicleIndex v) {
+    return std::span<const VehicleIndex>{whom_}.subspan(first_[v], first_[v + 1] - first_[v]);
+  });
+  for (std::size_t i = 0; i < components_.size(); ++i) {
+    const auto members = components_.members(i);
+    if (members.size() > 1) knots_.push_back({{members.begin(), members.end()}, {}});
+  }
+  std::ranges::sort(knots_, {}, [](const Knot& knot) { return knot.members.front(); });
+  for (Knot& knot : knots_) knot.ring = ring_through(knot.members.front());
+  return knots_;
+}
+
+std::vector<Wait> WaitGraph::ring_through(VehicleIndex first) {
+  // Breadth first, from the first member until a wait leads back to it. Each knot's vehicles are reached in one search.
+  came_by_.resize(count_, no_wait);
+  reached_.assign(1, first);
+  std::size_t last = no_wait;
+  for (std::size_t i = 0; i < reached_.size() && last == no_wait; ++i) {
+    const VehicleIndex v = reached_[i];
+    for (std::size_t at = first_[v]; at < first_[v + 1] && last == no_wait; ++at) {
+      const VehicleIndex whom = waits_[at].whom;
+      if (whom == first) {
+        last = at;
+      } else if (components_.component_of(whom) == components_.component_of(first) && came_by_[whom] == no_wait) {
+        came_by_[whom] = at;
+        reached_.push_back(whom);
+      }
+    }
+  }
+  std::vector<Wait> ring;
+  for (std::size_t at = last; at != no_wait; at = came_by_[waits_[at].who]) ring.push_back(waits_[at]);
+  std::ranges::reverse(ring);
+  for (const VehicleIndex v : reached_) came_by_[v] = no_wait;
+  return ring;
+}
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,102 @@
+#include "cosiva/virtual/server/registry/report_clock.h"
+
+#include <gtest/gtest.h>
+
+#include <initializer_list>
+
+namespace cosiva::virtual_side {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr SimDuration after = 1s;
+
+/// The clock of a vehicle that reported at these times.
+ReportClock reported_at(std::initializer_list<SimDuration> times) {
+  ReportClock clock;
+  for (const SimDuration time : times) clock.on_report(virtual_epoch + time);
+  return clock;
+}
+
+/// The clock of a vehicle that has reported steadily for so long that its rate is known; the last time at the epoch.
+ReportClock steady(SimDuration gap) {
+  ReportClock clock;
+  for (int i = 200; i >= 0; --i) clock.on_report(virtual_epoch - i * gap);
+  return clock;
+}
+
+TEST(ReportClock, of_a_vehicle_that_never_reported_has_nothing_to_lose) {
+  const ReportClock clock;
+  EXPECT_FALSE(clock.first());
+  EXPECT_FALSE(clock.lost(virtual_epoch + 1h, after));
+}
+
+TEST(ReportClock, knows_first_and_last_report) {
+  const ReportClock clock = reported_at({1s, 2s, 4s});
+  EXPECT_EQ(clock.first(), virtual_epoch + 1s);
+  EXPECT_EQ(clock.last(), virtual_epoch + 4s);
+}
+
+TEST(ReportClock, takes_a_vehicle_that_reported_once_for_the_slowest) {
+  EXPECT_EQ(reported_at({0s}).usual_gap(), ReportClock::gap_max);
+}
+
+TEST(ReportClock, takes_the_mean_of_the_first_gaps) {
+  EXPECT_EQ(reported_at({0s, 1s}).usual_gap(), 3s) << "5 and 1";
+  EXPECT_EQ(reported_at({0s, 1s, 4s}).usual_gap(), 3s) << "5, 1 and 3";
+  EXPECT_EQ(reported_at({0s, 1s, 4s, 7s}).usual_gap(), 3s) << "5, 1, 3 and 3";
+}
+
+TEST(ReportClock, settles_at_the_gap_that_a_vehicle_keeps) {
+  for (const SimDuration gap : {SimDuration{100ms}, SimDuration{2s}, SimDuration{4900ms}})
+    EXPECT_NEAR(to_seconds(steady(gap).usual_gap()), to_seconds(gap), 1e-6);
+}
+
+TEST(ReportClock, follows_a_rate_that_changes_by_a_tenth_per_report) {
+  ReportClock clock = steady(2s);
+  clock.on_report(virtual_epoch + 3s);
+  EXPECT_NEAR(to_seconds(clock.usual_gap()), 2.1, 1e-6);
+  clock.on_report(virtual_epoch + 4s);
+  EXPECT_NEAR(to_seconds(clock.usual_gap()), 1.99, 1e-6);
+}
+
+TEST(ReportClock, does_not_take_an_absence_for_a_rate) {
+  ReportClock clock = steady(2s);
+  const SimDuration before = clock.usual_gap();
+  clock.on_report(virtual_epoch + ReportClock::gap_max);
+  EXPECT_EQ(clock.usual_gap(), before);
+  EXPECT_EQ(clock.last(), virtual_epoch + ReportClock::gap_max);
+}
+
+TEST(ReportClock, waits_for_three_usual_gaps_and_no_longer) {
+  const ReportClock clock = steady(2s);
+  EXPECT_NEAR(to_seconds(clock.longest_silence(after)), 6.0, 1e-6);
+  EXPECT_FALSE(clock.lost(virtual_epoch + 5999ms, after));
+  EXPECT_TRUE(clock.lost(virtual_epoch + 6001ms, after));
+}
+
+TEST(ReportClock, waits_as_long_as_it_is_told_where_reports_come_often) {
+  const ReportClock clock = steady(100ms);
+  EXPECT_EQ(clock.longest_silence(after), after);
+  EXPECT_FALSE(clock.lost(virtual_epoch + after, after));
+  EXPECT_TRUE(clock.lost(virtual_epoch + after + 1ms, after));
+}
+
+TEST(ReportClock, has_patience_with_messages_that_come_in_pairs_from_the_first_on) {
+  // State and visualization of one instant: the gaps of 0 s and 3 s have a mean of 1.5 s, and three of those last.
+  ReportClock clock;
+  for (int i = 0; i < 100; ++i) {
+    const SimTime now = virtual_epoch + i * 3s;
+    EXPECT_FALSE(clock.lost(now, after)) << i;
+    clock.on_report(now);
+    clock.on_report(now + 1ms);
+  }
+}
+
+TEST(ReportClock, refuses_a_time_that_runs_backwards) {
+  ReportClock clock = reported_at({2s});
+  EXPECT_DEATH(clock.on_report(virtual_epoch + 1s), "now >= last_");
+}
+
+}  // namespace
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,238 @@
+// Convoys through the clover's crossings: when it pays they go, and nobody starves for it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cosiva/virtual/server/right_of_way/traffic.h"
+#include "cosiva/virtual/server/testing/server_bench.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+using namespace bench;
+
+/// Vehicle 0 is in the crossings of the eastward straight, 1 stands at its stop line behind it, and 2 comes up the
+/// northward straight, which crosses it; 4 the southward one. Sections 0, 2 and 6. From stop line to exit it is 0.74 m:
+/// 1.85 s at the medium speed, and 0.4 s more for who has to speed up.
+class ConvoyBench : public testing::Test {
+ protected:
+  static constexpr zone::SectionId east = 0;
+  static constexpr zone::SectionId north = 2;
+  static constexpr zone::SectionId south = 6;
+
+  /// @param inside_m  so far 0 is beyond the stop line
+  void begin(double inside_m, const TrafficRules& rules = {}) {
+    traffic = Traffic{rules};
+    traffic.set_map(&map);
+    traffic.resize(6);
+    traffic.set_time(now);
+    stand(0, east, 0.0);
+    ASSERT_TRUE(ask(0, east, 0.0).granted);
+    give_leave(0);
+    stand(0, east, -inside_m);
+    stand(1, east, 0.0);
+  }
+  [[nodiscard]] WaypointIndex stop_on(zone::SectionId section) const {
+    for (WaypointIndex i = 0; i < map.size(); ++i)
+      if (map.waypoint(i).place.section == section && map.stretch(i).crosses) return i;
+    return no_waypoint;
+  }
+  [[nodiscard]] WaypointIndex exit_of(zone::SectionId section) const { return map.chain(stop_on(section)).exit; }
+  void stand(VehicleIndex vehicle, zone::SectionId section, double before_m) {
+    const zone::Place stop = map.waypoint(stop_on(section)).place;
+    traffic.set_place(vehicle, map.circuit().advance(stop, -before_m));
+    traffic.update();
+  }
+  /// A base as far as that many waypoints beyond the exit.
+  void give_leave(VehicleIndex vehicle, int waypoints = 4) {
+    WaypointIndex end = exit_of(east);
+    for (int i = 0; i < waypoints; ++i) end = map.stretch(end).to;
+    traffic.set_base_end(vehicle, end);
+    traffic.update();
+  }
+  Traffic::Answer ask(VehicleIndex vehicle, zone::SectionId section, double before_m) {
+    return traffic.request(vehicle, before_m + map.chain(stop_on(section)).length_m, before_m);
+  }
+  bool may_join(VehicleIndex vehicle, double before_m = 0.0) {
+    return traffic.may_join(vehicle, before_m + map.chain(stop_on(east)).length_m, before_m);
+  }
+  Traffic::Convoy join(VehicleIndex vehicle) {
+    Traffic::Convoy convoy = traffic.join(vehicle);
+    give_leave(vehicle, 0);
+    return convoy;
+  }
+  Traffic::Answer come_up(VehicleIndex vehicle, zone::SectionId section, double before_m) {
+    stand(vehicle, section, before_m);
+    return ask(vehicle, section, before_m);
+  }
+  void pass_time(SimDuration duration) {
+    now += duration;
+    traffic.set_time(now);
+  }
+
+  static constexpr double chain_m = 0.74;
+  static constexpr double half_way_m = 0.35;
+  static constexpr double at_exit_m = 0.728;  // all but out
+
+  WayMap map{zone::Rtm::initialise(zone_file("lacet4.toml"))->share_zone()};
+  Traffic traffic;
+  SimTime now{virtual_epoch};
+};
+
+TEST_F(ConvoyBench, has_the_measures_that_its_figures_stand_on) {
+  EXPECT_NEAR(map.chain(stop_on(east)).length_m, chain_m, 5e-4);
+  EXPECT_NEAR(map.chain(stop_on(north)).length_m, chain_m, 5e-4);
+}
+
+TEST_F(ConvoyBench, passes_the_crossing_together_without_giving_it_back_between) {
+  begin(half_way_m);
+  EXPECT_FALSE(come_up(2, north, 0.0).granted);
+  EXPECT_FALSE(ask(1, east, 0.0).granted) << "without a convoy it waits till 0 is gone";
+  ASSERT_TRUE(may_join(1));
+  const Traffic::Convoy convoy = join(1);
+  EXPECT_EQ(convoy.size, 2U);
+  EXPECT_EQ(convoy.crossings.size(), 2U);
+  EXPECT_EQ(traffic.convoys(), 1U);
+
+  stand(0, east, -1.0);
+  const auto answer = ask(2, north, 0.0);
+  EXPECT_FALSE(answer.granted) << "although 2 asked first";
+  EXPECT_EQ(answer.blocked_by, 1U);
+  stand(1, east, -1.0);
+  EXPECT_TRUE(ask(2, north, 0.0).granted) << "both are gone";
+}
+
+TEST_F(ConvoyBench, lets_cross_traffic_go_first_where_the_other_has_left_already) {
+  begin(at_exit_m);
+  EXPECT_FALSE(come_up(2, north, 0.0).granted);
+  EXPECT_FALSE(may_join(1)) << "1 would save no more than 2 would lose: 2.5 s";
+}
+
+TEST_F(ConvoyBench, counts_all_that_come_behind) {
+  begin(at_exit_m);
+  EXPECT_FALSE(come_up(2, north, 0.0).granted);
+  stand(3, east, 0.35);
+  EXPECT_TRUE(may_join(1)) << "two save 2.5 s each, 2 loses it once";
+}
+
+TEST_F(ConvoyBench, counts_all_that_wait) {
+  begin(0.42);
+  EXPECT_FALSE(come_up(2, north, 0.0).granted);
+  EXPECT_TRUE(may_join(1)) << "1 saves 3.35 s, 2 loses 1.75 s";
+  EXPECT_FALSE(come_up(4, south, 0.0).granted);
+  EXPECT_FALSE(may_join(1)) << "and 4 as much";
+}
+
+TEST_F(ConvoyBench, goes_where_nobody_waits) {
+  begin(half_way_m);
+  EXPECT_TRUE(may_join(1));
+  EXPECT_TRUE(may_join(1)) << "asking changes nothing";
+  stand(1, east, 0.8);
+  EXPECT_FALSE(may_join(1, 0.8)) << "too far off to ask";
+}
+
+TEST_F(ConvoyBench, is_off_where_it_is_switched_off) {
+  begin(half_way_m, {.convoys = false});
+  EXPECT_FALSE(may_join(1));
+}
+
+TEST_F(ConvoyBench, never_goes_before_a_higher_priority) {
+  begin(half_way_m);
+  traffic.set_priority(2, 1);
+  EXPECT_FALSE(come_up(2, north, 0.0).granted);
+  EXPECT_FALSE(may_join(1));
+  traffic.set_priority(1, 1);
+  EXPECT_TRUE(may_join(1)) << "equals";
+}
+
+TEST_F(ConvoyBench, never_goes_before_one_that_has_waited_ten_seconds) {
+  begin(half_way_m);
+  EXPECT_FALSE(come_up(2, north, 0.0).granted);
+  pass_time(9900ms);
+  EXPECT_TRUE(may_join(1));
+  pass_time(100ms);
+  EXPECT_FALSE(may_join(1));
+}
+
+TEST_F(ConvoyBench, is_no_longer_than_three) {
+  begin(half_way_m);
+  ASSERT_TRUE(may_join(1));
+  join(1);
+  VehicleIndex ahead = 0;
+  for (const VehicleIndex last : {1U, 3U}) {
+    traffic.set_place(ahead, std::nullopt);
+    give_leave(last);
+    stand(last, east, -half_way_m);
+    const VehicleIndex next = last == 1U ? 3U : 4U;
+    stand(next, east, 0.0);
+    EXPECT_EQ(may_join(next), next == 3U) << next;
+    if (next == 3U) {
+      EXPECT_EQ(join(next).size, 3U);
+    }
+    ahead = last;
+  }
+}
+
+TEST_F(ConvoyBench, follows_nobody_who_has_no_leave_to_make_room) {
+  begin(half_way_m);
+  give_leave(0, 0);
+  EXPECT_FALSE(may_join(1)) << "it would come to stand in the crossing";
+  give_leave(0, 4);
+  EXPECT_TRUE(may_join(1));
+}
+
+TEST_F(ConvoyBench, counts_on_no_leave_that_one_of_the_convoy_has_not_got_yet) {
+  begin(at_exit_m);
+  ASSERT_TRUE(may_join(1));
+  join(1);
+  stand(0, east, -1.0);
+  stand(1, east, -0.45);
+  stand(3, east, 0.0);
+  EXPECT_FALSE(may_join(3)) << "1 may come to stand at the exit, whatever 0 does";
+  give_leave(1, 2);
+  EXPECT_TRUE(may_join(3));
+  stand(0, east, -0.85);
+  give_leave(0, 1);
+  EXPECT_FALSE(may_join(3)) << "where 0 may stand for good there is no room for 1 and 3";
+}
+
+TEST_F(ConvoyBench, counts_where_its_eyes_make_the_leader_stand) {
+  begin(half_way_m);
+  give_leave(0, 2);  // 0.38 m beyond the exit
+  stand(5, east, -chain_m - 0.68);
+  EXPECT_FALSE(may_join(1)) << "the base ends behind 5, but 0 stops a little earlier";
+  stand(5, east, -chain_m - 0.75);
+  EXPECT_TRUE(may_join(1));
+}
+
+TEST_F(ConvoyBench, costs_nobody_more_than_may_be_lost_in_all) {
+  begin(half_way_m, {.lost_s_max = 1.5});
+  EXPECT_FALSE(come_up(2, north, 0.0).granted);
+  EXPECT_FALSE(may_join(1)) << "2 would lose 1.58 s";
+  begin(half_way_m, {.lost_s_max = 2.0});
+  EXPECT_FALSE(come_up(2, north, 0.0).granted);
+  ASSERT_TRUE(may_join(1));
+  join(1);
+  traffic.set_place(0, std::nullopt);
+  give_leave(1);
+  stand(1, east, -half_way_m);
+  stand(3, east, 0.0);
+  EXPECT_FALSE(may_join(3)) << "as much again";
+}
+
+TEST_F(ConvoyBench, is_broken_by_who_got_the_crossing_between) {
+  begin(half_way_m);
+  stand(0, east, -0.65);  // out of the first crossing, in the second one still
+  ASSERT_TRUE(come_up(4, south, 0.0).granted);
+  EXPECT_FALSE(may_join(1));
+}
+
+TEST_F(ConvoyBench, is_none_behind_one_that_is_before_its_stop_line_still) {
+  begin(half_way_m);
+  stand(1, east, 0.35);
+  EXPECT_TRUE(may_join(1, 0.35));
+  stand(0, east, 0.01);
+  EXPECT_FALSE(may_join(1, 0.35));
+}
+
+}  // namespace
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,372 @@
+#include "cosiva/virtual/server/right_of_way/traffic.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "cosiva/aiv/decision/right_of_way.h"
+#include "cosiva/virtual/simulator/follow.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+/// A base shorter than this is not measured.
+constexpr double short_base_m = 8.0;
+constexpr double base_slack_m = 0.5;
+/// So far behind somebody is looked for who only follows.
+constexpr double behind_m_max = 8.0;
+constexpr double past_m = 0.25;
+
+/// Nearer to its stop line than this it stands, or nearly so, and has to speed up.
+constexpr double standing_before_m = 0.10;
+
+bool shares(const std::vector<CrossingIndex>& a, const std::vector<CrossingIndex>& b) {
+  return std::ranges::any_of(a, [&](CrossingIndex x) { return std::ranges::find(b, x) != b.end(); });
+}
+
+}  // namespace
+
+void Traffic::set_map(const WayMap* map) {
+  map_ = map;
+  holders_.assign(map == nullptr ? 0 : map->crossing_count(), no_vehicle);
+  queue_.clear();
+  passes_.clear();
+  for (Vehicle& vehicle : vehicles_) {
+    Vehicle fresh;
+    fresh.priority = vehicle.priority;
+    vehicle = std::move(fresh);
+  }
+  places_dirty_ = true;
+}
+
+void Traffic::resize(std::size_t vehicles) {
+  vehicles_.resize(vehicles);
+  places_dirty_ = true;
+}
+
+void Traffic::set_place(VehicleIndex vehicle, std::optional<zone::Place> place) {
+  if (vehicles_[vehicle].place == place) return;
+  vehicles_[vehicle].place = place;
+  if (place) follow(vehicle, *place);
+  places_dirty_ = true;
+}
+
+void Traffic::follow(VehicleIndex vehicle, zone::Place place) {
+  Vehicle& self = vehicles_[vehicle];
+  const bool was_on = std::exchange(self.on_course, virtual_side::follow(self.course, map_->circuit(), place.section));
+  if (was_on != self.on_course) look_again(vehicle);
+}
+
+void Traffic::look_again(VehicleIndex vehicle) {
+  holds_dirty_ = true;
+  if (places_dirty_ || map_ == nullptr) return;
+  vehicles_[vehicle].ahead = vehicles_[vehicle].place ? ahead_within(vehicle, -1.0) : Ahead{};
+}
+
+void Traffic::set_course(VehicleIndex vehicle, zone::Course course) {
+  Vehicle& self = vehicles_[vehicle];
+  self.course = std::move(course);
+  self.on_course = !self.course.empty();
+  if (self.place) follow(vehicle, *self.place);
+  look_again(vehicle);
+}
+
+void Traffic::extend_course(VehicleIndex vehicle, Sections more) {
+  vehicles_[vehicle].course.extend(more);
+  look_again(vehicle);
+}
+
+void Traffic::cut_course(VehicleIndex vehicle, std::size_t keep) {
+  vehicles_[vehicle].course.cut(keep);
+  look_again(vehicle);
+}
+
+void Traffic::set_base_passed(VehicleIndex vehicle, bool passed) {
+  if (vehicles_[vehicle].base_passed == passed) return;
+  vehicles_[vehicle].base_passed = passed;
+  holds_dirty_ = true;
+}
+
+void Traffic::set_base_end(VehicleIndex vehicle, WaypointIndex end) {
+  set_base_passed(vehicle, false);
+  if (vehicles_[vehicle].base_end == end) return;
+  vehicles_[vehicle].base_end = end;
+  measure_base(vehicle);
+  holds_dirty_ = true;
+}
+
+void Traffic::measure_base(VehicleIndex vehicle) {
+  Vehicle& self = vehicles_[vehicle];
+  self.base_m_max = short_base_m;
+  if (self.base_end == no_waypoint || !self.place) return;
+  const auto left_m = map_->base_left(*self.place, self.base_end, std::numeric_limits<double>::max(), coming(vehicle),
+                                      self.base_passed);
+  self.base_m_max = std::max(short_base_m, left_m.value_or(0.0) + base_slack_m);
+}
+
+std::optional<double> Traffic::base_left_m(VehicleIndex vehicle, zone::Place place) const {
+  const Vehicle& self = vehicles_[vehicle];
+  if (self.base_end == no_waypoint) return std::nullopt;
+  const Sections coming =
+      self.course.empty() || self.course.here() != place.section ? Sections{} : this->coming(vehicle);
+  return map_->base_left(place, self.base_end, self.base_m_max, coming, self.base_passed);
+}
+
+Traffic::Beyond Traffic::beyond_base(VehicleIndex vehicle, zone::Place place) const {
+  const zone::Place end = map_->waypoint(vehicles_[vehicle].base_end).place;
+  const Sections coming = this->coming(vehicle);
+  const auto rolled_past = [&]() -> std::optional<Beyond> {
+    const auto past = map_->circuit().shortest_way(end, place, past_m);
+    if (!past) return std::nullopt;
+    Beyond beyond{0, {past->sections.begin() + 1, past->sections.end()}};
+    beyond.sections.insert(beyond.sections.end(), coming.begin(), coming.end());
+    return beyond;
+  };
+  if (vehicles_[vehicle].base_passed) {
+    if (auto beyond = rolled_past()) return *beyond;
+  }
+  if (end.section == place.section && end.s_m >= place.s_m) return {0, {coming.begin(), coming.end()}};
+  const auto left_m = map_->ahead(place, end, vehicles_[vehicle].base_m_max, coming);
+  const auto found = left_m ? std::ranges::find(coming, end.section) : coming.end();
+  if (found == coming.end()) return rolled_past().value_or(Beyond{0, {}});
+  return {static_cast<std::size_t>(found - coming.begin()) + 1, {found + 1, coming.end()}};
+}
+
+void Traffic::forget(VehicleIndex vehicle) {
+  set_place(vehicle, std::nullopt);
+  set_base_end(vehicle, no_waypoint);
+  vehicles_[vehicle].course.clear();
+  vehicles_[vehicle].on_course = false;
+  withdraw(vehicle);
+}
+
+double Traffic::standing_m() const { return map_->zone().vehicle.length_m + rules_.gap_m; }
+
+void Traffic::update() {
+  if (map_ == nullptr || !(places_dirty_ || holds_dirty_)) return;
+  if (std::exchange(places_dirty_, false)) {
+    sort_places();
+    for (VehicleIndex i = 0; i < vehicles_.size(); ++i)
+      vehicles_[i].ahead = vehicles_[i].place ? ahead_within(i, -1.0) : Ahead{};
+  }
+  holds_dirty_ = false;
+  settle_holds();
+}
+
+void Traffic::sort_places() {
+  by_section_.clear();
+  for (VehicleIndex i = 0; i < vehicles_.size(); ++i)
+    if (vehicles_[i].place) by_section_.emplace_back(vehicles_[i].place->section, i);
+  std::ranges::sort(by_section_);
+}
+
+void Traffic::look_on(zone::SectionId section, double start_m, double from_s_m, double to_s_m, VehicleIndex self,
+                      Ahead& nearest) const {
+  for (auto it = std::ranges::lower_bound(by_section_, std::pair{section, VehicleIndex{0}});
+       it != by_section_.end() && it->first == section; ++it) {
+    const VehicleIndex other = it->second;
+    const double s_m = vehicles_[other].place->s_m;
+    const double distance_m = start_m + (s_m - from_s_m);
+    if (other == self || s_m < from_s_m || s_m > to_s_m || distance_m > nearest.distance_m) continue;
+    // Two at the very same place: the lower number is taken to be the one in front, so that one of them can leave.
+    if (distance_m == 0.0 && other > self) continue;
+    nearest = {other, distance_m};
+  }
+}
+
+Traffic::Ahead Traffic::ahead_within(VehicleIndex index, double limit_m) const {
+  const Vehicle& self = vehicles_[index];
+  if (limit_m >= 0.0 && (limit_m <= rules_.look_ahead_m || self.ahead.vehicle != no_vehicle)) return self.ahead;
+  if (!self.place) return {};
+  constexpr double everywhere = std::numeric_limits<double>::infinity();
+  const zone::Circuit& circuit = map_->circuit();
+  const Sections coming = this->coming(index);
+  Ahead nearest{no_vehicle, std::max(limit_m, rules_.look_ahead_m)};
+  zone::SectionsAhead way{circuit, self.place->section, coming};
+  look_on(way.section(), 0.0, self.place->s_m, everywhere, index, nearest);
+  double travelled_m = circuit.section(way.section()).length_m() - self.place->s_m;
+  for (std::size_t steps = 0; steps < coming.size() + circuit.size() && travelled_m <= nearest.distance_m; ++steps) {
+    const auto branches = circuit.next(way.section());
+    if (!way.step()) break;
+    // Those on another branch are in the way as long as their bodies have not parted from it.
+    for (const zone::SectionId branch : branches)
+      if (branch != way.section()) look_on(branch, travelled_m, 0.0, map_->parted_m(branch), index, nearest);
+    look_on(way.section(), travelled_m, 0.0, everywhere, index, nearest);
+    travelled_m += circuit.section(way.section()).length_m();
+  }
+  if (nearest.vehicle == no_vehicle) return {};
+  return nearest;
+}
+
+void Traffic::settle_holds() {
+  for (VehicleIndex v = 0; v < vehicles_.size(); ++v) {
+    Vehicle& vehicle = vehicles_[v];
+    vehicle.needs.clear();
+    if (!vehicle.place) continue;
+    const double base_m = base_left_m(v, *vehicle.place).value_or(0.0);
+    map_->crossings_on(*vehicle.place, base_m, vehicle.needs, coming(v));
+  }
+  for (CrossingIndex x = 0; x < holders_.size(); ++x) {
+    VehicleIndex& holder = holders_[x];
+    if (holder == no_vehicle) continue;
+    const auto& needs = vehicles_[holder].needs;
+    if (std::ranges::find(needs, x) == needs.end()) holder = no_vehicle;
+  }
+  for (VehicleIndex v = 0; v < vehicles_.size(); ++v)
+    for (const CrossingIndex x : vehicles_[v].needs)
+      if (holders_[x] == no_vehicle) holders_[x] = v;
+}
+
+double Traffic::reach_m(VehicleIndex vehicle, double wanted_m) const {
+  return ahead_within(vehicle, wanted_m + standing_m()).distance_m - standing_m();
+}
+
+bool Traffic::holds_all(VehicleIndex vehicle, double distance_m) {
+  const auto& place = vehicles_[vehicle].place;
+  if (!place) return false;
+  scratch_.clear();
+  map_->crossings_on(*place, distance_m, scratch_, coming(vehicle));
+  return std::ranges::all_of(scratch_, [&](CrossingIndex x) { return holders_[x] == vehicle; });
+}
+
+bool Traffic::goes_before(const Request& a, const Request& b) const {
+  const auto claim = [&](const Request& request) {
+    return aiv::Claim{vehicles_[request.vehicle].priority, now_ - request.since};
+  };
+  // The queue is in the order of asking.
+  if (&a < &b) return aiv::keeps_its_turn(claim(a), claim(b), rules_.overtaken_at_most);
+  return &a != &b && !aiv::keeps_its_turn(claim(b), claim(a), rules_.overtaken_at_most);
+}
+
+double Traffic::run_s(double stop_m, double length_m) const {
+  const zone::SpeedProfile& pace = map_->zone().profiles.medium;
+  const double speeding_up_s = stop_m < standing_before_m ? 0.5 * pace.speed_mps / pace.acceleration_mps2 : 0.0;
+  return length_m / pace.speed_mps + speeding_up_s;
+}
+
+std::optional<double> Traffic::loses_s(const Request& other, const Request& mine) const {
+  const double pace_mps = map_->zone().profiles.medium.speed_mps;
+  double begins_s = 0.0;
+  for (const CrossingIndex x : other.crossings) {
+    const VehicleIndex holder = holders_[x];
+    if (holder == no_vehicle || holder == other.vehicle || holder == mine.vehicle) continue;
+    const zone::Place& at = *vehicles_[holder].place;
+    const double base_m = base_left_m(holder, at).value_or(0.0);
+    begins_s = std::max(begins_s, map_->way_out_m(at, x, base_m, coming(holder)) / pace_mps);
+  }
+  if (begins_s == 0.0) return std::nullopt;
+  double out_m = 0.0;
+  for (const CrossingIndex x : mine.crossings)
+    if (std::ranges::find(other.crossings, x) != other.crossings.end())
+      out_m = std::max(out_m, map_->way_out_m(*vehicles_[mine.vehicle].place, x, mine.exit_m, coming(mine.vehicle)));
+  return std::max(0.0, latency_s + run_s(mine.stop_m, out_m) - begins_s);
+}
+
+bool Traffic::lets_by(const Request& other, const Request& mine) const {
+  if (!rules_.convoys || has_waited(other) || vehicles_[other.vehicle].priority > vehicles_[mine.vehicle].priority)
+    return false;
+  const auto loses_s = this->loses_s(other, mine);
+  return loses_s && other.lost_s + *loses_s <= rules_.lost_s_max;
+}
+
+bool Traffic::only_follows(VehicleIndex other, VehicleIndex self, const std::vector<CrossingIndex>& crossings) {
+  const auto& from = vehicles_[other].place;
+  if (!from) return false;
+  const auto distance_m = map_->ahead(*from, *vehicles_[self].place, behind_m_max, coming(other));
+  if (!distance_m || *distance_m == 0.0) return false;
+  // On a ring everybody follows everybody; it counts only where none of the crossings comes first.
+  between_.clear();
+  map_->crossings_on(*from, *distance_m, between_, coming(other));
+  return !shares(between_, crossings);
+}
+
+Traffic::Answer Traffic::request(VehicleIndex vehicle, double exit_m, double stop_m) {
+  const Vehicle& self = vehicles_[vehicle];
+  if (!self.place) return {};
+  auto mine = std::ranges::find(queue_, vehicle, &Request::vehicle);
+  if (mine == queue_.end()) {
+    queue_.push_back({vehicle, {}, now_, false});
+    mine = queue_.end() - 1;
+  }
+  mine->stop_m = stop_m;
+  mine->exit_m = exit_m;
+  mine->crossings.clear();
+  map_->crossings_on(*self.place, exit_m, mine->crossings, coming(vehicle));
+  const double room_m = exit_m + map_->zone().vehicle.length_m + rules_.room_m;
+  const Ahead ahead = ahead_within(vehicle, room_m);
+  mine->has_room = ahead.distance_m >= room_m;
+
+  const CrossingIndex first = mine->crossings.empty() ? 0 : mine->crossings.front();
+  for (const CrossingIndex x : mine->crossings) {
+    const VehicleIndex holder = holders_[x];
+    if (holder != no_vehicle && holder != vehicle && !only_follows(holder, vehicle, mine->crossings))
+      return {false, x, holder, WaitReason::crossing};
+  }
+  // Somebody may stand in a crossing that a third one holds; it holds nothing, but it is there.
+  for (VehicleIndex j = 0; j < vehicles_.size(); ++j) {
+    if (j == vehicle || !shares(vehicles_[j].needs, mine->crossings)) continue;
+    const bool stands_by =
+        stands_in_anothers(j) && std::ranges::all_of(vehicles_[j].needs, [&](CrossingIndex x) {
+          return holders_[x] == vehicle || std::ranges::find(mine->crossings, x) == mine->crossings.end();
+        });
+    if (!stands_by && !only_follows(j, vehicle, mine->crossings)) return {false, first, j, WaitReason::crossing};
+  }
+  if (!mine->has_room) return {false, first, ahead.vehicle, WaitReason::ahead};
+  for (const Request& other : queue_) {
+    // Who has no room beyond could not use its turn; it keeps it, but lets others by. Who waits for a crossing that
+    // this one is in cannot have its turn before this one has gone.
+    const bool waits_for_this =
+        std::ranges::any_of(other.crossings, [&](CrossingIndex x) { return holders_[x] == vehicle; });
+    if (other.vehicle != vehicle && other.has_room && !waits_for_this && goes_before(other, *mine) &&
+        shares(other.crossings, mine->crossings) && !only_follows(other.vehicle, vehicle, mine->crossings) &&
+        !lets_by(other, *mine))
+      return {false, first, other.vehicle, WaitReason::turn};
+  }
+  for (Request& other : queue_)
+    if (rules_.convoys && &other != &*mine && goes_before(other, *mine) && shares(other.crossings, mine->crossings))
+      other.lost_s += loses_s(other, *mine).value_or(0.0);
+  for (const CrossingIndex x : mine->crossings) holders_[x] = vehicle;
+  note_pass(*mine);
+  queue_.erase(mine);
+  holds_dirty_ = true;  // a grant that no base follows is taken back by the next update
+  return {true, first, no_vehicle, WaitReason::crossing};
+}
+
+bool Traffic::stands_in_anothers(VehicleIndex vehicle) const {
+  const Vehicle& self = vehicles_[vehicle];
+  if (!self.place || base_left_m(vehicle, *self.place).value_or(0.0) > 0.0) return false;
+  return std::ranges::any_of(self.needs, [&](CrossingIndex x) { return holders_[x] != vehicle; });
+}
+
+void Traffic::withdraw(VehicleIndex vehicle) {
+  std::erase_if(queue_, [vehicle](const Request& r) { return r.vehicle == vehicle; });
+}
+
+bool Traffic::asks_for(VehicleIndex vehicle, CrossingIndex crossing) const {
+  const auto mine = std::ranges::find(queue_, vehicle, &Request::vehicle);
+  return mine != queue_.end() && std::ranges::find(mine->crossings, crossing) != mine->crossings.end();
+}
+
+std::vector<VehicleIndex> Traffic::waiting(CrossingIndex crossing) const {
+  std::vector<const Request*> asking;
+  for (const Request& request : queue_)
+    if (std::ranges::find(request.crossings, crossing) != request.crossings.end()) asking.push_back(&request);
+  std::ranges::sort(asking, [this](const Request* a, const Request* b) { return goes_before(*a, *b); });
+  std::vector<VehicleIndex> vehicles;
+  vehicles.reserve(asking.size());
+  for (const Request* request : asking) vehicles.push_back(request->vehicle);
+  return vehicles;
+}
+
+void Traffic::fold(Digest& digest) const {
+  for (const VehicleIndex holder : holders_) digest.add(std::uint64_t{holder});
+  for (const Request& request : queue_) {
+    digest.add(std::uint64_t{request.vehicle});
+    digest.add(request.since);
+  }
+  for (const Pass& pass : passes_) {
+    digest.add(std::uint64_t{pass.last});
+    digest.add(std::uint64_t{pass.row});
+  }
+}
+
+}  // namespace cosiva::virtual_side

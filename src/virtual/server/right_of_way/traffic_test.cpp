@@ -1,0 +1,462 @@
+#include "cosiva/virtual/server/right_of_way/traffic.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cosiva/virtual/server/testing/server_bench.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+using namespace bench;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+/// The clover has four straights of 1.5 m that cross pairwise 0.6 m and 0.9 m from their starts; sections 0, 2, 4, 6.
+/// Nobody is let by, and there are no convoys.
+class CloverTraffic : public testing::Test {
+ protected:
+  CloverTraffic() {
+    traffic.set_map(&map);
+    traffic.resize(3);
+  }
+  /// The last waypoint before the crossings of a straight.
+  [[nodiscard]] WaypointIndex stop_on(zone::SectionId section) const {
+    for (WaypointIndex i = 0; i < map.size(); ++i)
+      if (map.waypoint(i).place.section == section && map.stretch(i).crosses) return i;
+    return no_waypoint;
+  }
+  [[nodiscard]] double stop_s(zone::SectionId section) const { return map.waypoint(stop_on(section)).place.s_m; }
+  void stand_before(VehicleIndex vehicle, zone::SectionId section, double before_m = 0.0) {
+    traffic.set_place(vehicle, zone::Place{section, stop_s(section) - before_m});
+    traffic.update();
+  }
+  Traffic::Answer ask(VehicleIndex vehicle, zone::SectionId section, double before_m = 0.0) {
+    return traffic.request(vehicle, before_m + map.chain(stop_on(section)).length_m);
+  }
+  void drive_to_exit(VehicleIndex vehicle, zone::SectionId section) {
+    traffic.set_base_end(vehicle, map.chain(stop_on(section)).exit);
+    traffic.update();
+  }
+  [[nodiscard]] std::size_t held_by(VehicleIndex vehicle) const {
+    std::size_t count = 0;
+    for (CrossingIndex x = 0; x < map.crossing_count(); ++x) count += traffic.holder(x) == vehicle ? 1U : 0U;
+    return count;
+  }
+
+  WayMap map{zone::Rtm::initialise(zone_file("lacet4.toml"))->share_zone()};
+  Traffic traffic{{.convoys = false}};
+};
+
+TEST_F(CloverTraffic, finds_two_crossings_behind_each_stop_line_and_takes_them_as_one) {
+  ASSERT_EQ(map.crossing_count(), 4U);
+  for (const zone::SectionId straight : {0U, 2U, 4U, 6U}) {
+    const WaypointIndex stop = stop_on(straight);
+    ASSERT_NE(stop, no_waypoint);
+    std::vector<CrossingIndex> met;
+    map.crossings_on(map.waypoint(stop).place, map.chain(stop).length_m, met);
+    EXPECT_EQ(met.size(), 2U);
+    // Bodies 0.20 m × 0.12 m touch within 0.16 m of the middle of a crossing, plus clearance: 0.6 − 0.20 > s > 0.9 +
+    // 0.20.
+    EXPECT_LT(map.waypoint(stop).place.s_m, 0.44);
+    EXPECT_GT(map.waypoint(map.chain(stop).exit).place.s_m, 1.06);
+  }
+}
+
+TEST_F(CloverTraffic, grants_a_free_chain_whole) {
+  stand_before(0, 0);
+  EXPECT_TRUE(ask(0, 0).granted);
+  drive_to_exit(0, 0);
+  EXPECT_EQ(held_by(0), 2U);
+}
+
+TEST_F(CloverTraffic, gives_nothing_when_one_crossing_of_the_chain_is_taken) {
+  stand_before(0, 0);
+  ASSERT_TRUE(ask(0, 0).granted);
+  drive_to_exit(0, 0);
+  stand_before(1, 2);  // crosses the first straight and the third
+  const auto answer = ask(1, 2);
+  EXPECT_FALSE(answer.granted);
+  EXPECT_EQ(answer.blocked_by, 0U);
+  EXPECT_EQ(held_by(1), 0U) << "all or nothing";
+}
+
+TEST_F(CloverTraffic, lets_opposite_straights_go_together) {
+  stand_before(0, 0);
+  stand_before(1, 4);
+  EXPECT_TRUE(ask(0, 0).granted);
+  drive_to_exit(0, 0);
+  EXPECT_TRUE(ask(1, 4).granted);
+}
+
+TEST_F(CloverTraffic, takes_back_a_grant_that_no_base_followed) {
+  stand_before(0, 0);
+  ASSERT_TRUE(ask(0, 0).granted);
+  traffic.update();
+  EXPECT_EQ(held_by(0), 0U);
+}
+
+TEST_F(CloverTraffic, gives_a_crossing_back_as_soon_as_the_vehicle_reports_to_be_beyond_it) {
+  stand_before(0, 0);
+  ASSERT_TRUE(ask(0, 0).granted);
+  drive_to_exit(0, 0);
+  double first_span_end_m = 10.0;
+  for (const zone::Crossing& crossing : map.zone().crossings)
+    for (const zone::CrossingSpan& span : crossing.spans)
+      if (span.section == 0) first_span_end_m = std::min(first_span_end_m, span.to_m);
+  traffic.set_place(0, zone::Place{0, first_span_end_m});
+  traffic.update();
+  EXPECT_EQ(held_by(0), 2U) << "not at its very end: 1 cm more";
+  traffic.set_place(0, zone::Place{0, first_span_end_m + 0.03});
+  traffic.update();
+  EXPECT_EQ(held_by(0), 1U);
+  traffic.set_place(0, zone::Place{0, 1.3});
+  traffic.update();
+  EXPECT_EQ(held_by(0), 0U);
+}
+
+// Where it stops there is a crossing's exit; no vehicle stops to the last micrometre.
+TEST_F(CloverTraffic, counts_one_that_stopped_a_hair_before_its_exit_as_beyond_the_crossing) {
+  stand_before(0, 0);
+  ASSERT_TRUE(ask(0, 0).granted);
+  drive_to_exit(0, 0);
+  const double exit_s = map.waypoint(map.chain(stop_on(0)).exit).place.s_m;
+  traffic.set_place(0, zone::Place{0, exit_s - 0.015});
+  traffic.update();
+  EXPECT_EQ(held_by(0), 1U);
+  traffic.set_place(0, zone::Place{0, exit_s - 0.009});
+  traffic.update();
+  EXPECT_EQ(held_by(0), 0U);
+  stand_before(1, 2);
+  EXPECT_TRUE(ask(1, 2).granted);
+}
+
+/// 0 is in the eastward straight's crossings. North needs its second one, south its first; west none of them, but one
+/// of each of the other two.
+class CloverTurns : public CloverTraffic {
+ protected:
+  void begin(const TrafficRules& rules = {}) {
+    traffic = Traffic{rules};
+    traffic.set_map(&map);
+    traffic.resize(3);
+    stand_before(0, east);
+    ASSERT_TRUE(ask(0, east).granted);
+    drive_to_exit(0, east);
+  }
+  void refuse(VehicleIndex vehicle, zone::SectionId section, VehicleIndex because_of) {
+    stand_before(vehicle, section);
+    const auto answer = ask(vehicle, section);
+    EXPECT_FALSE(answer.granted);
+    EXPECT_EQ(answer.blocked_by, because_of);
+  }
+  static constexpr zone::SectionId east = 0;
+  static constexpr zone::SectionId north = 2;
+  static constexpr zone::SectionId west = 4;
+  static constexpr zone::SectionId south = 6;
+};
+
+TEST_F(CloverTurns, are_given_up_to_who_will_be_gone_before_they_can_be_taken) {
+  begin();
+  refuse(1, north, 0);
+  stand_before(2, west);
+  EXPECT_TRUE(ask(2, west).granted) << "it is out of north's way when 0 is";
+}
+
+TEST_F(CloverTurns, are_kept_where_that_would_cost_more_than_may_be_lost) {
+  begin({.lost_s_max = 1.0});
+  refuse(1, south, 0);
+  refuse(2, west, 1);  // south could begin 1.45 s before west is out of its way
+  begin({.lost_s_max = 1.5});
+  refuse(1, south, 0);
+  stand_before(2, west);
+  EXPECT_TRUE(ask(2, west).granted);
+}
+
+TEST_F(CloverTurns, are_lost_for_so_long_in_all_however_many_there_are) {
+  begin({.lost_s_max = 2.0});
+  refuse(1, south, 0);
+  stand_before(2, west);
+  ASSERT_TRUE(ask(2, west).granted);
+  traffic.update();  // no base follows: it is as if it were gone, and the next there
+  refuse(2, west, 1);
+}
+
+TEST_F(CloverTurns, are_not_given_up_to_lower_priorities_nor_after_ten_seconds) {
+  begin();
+  traffic.set_priority(1, 1);
+  refuse(1, north, 0);
+  refuse(2, west, 1);
+  begin();
+  traffic.set_priority(1, 0);
+  refuse(1, north, 0);
+  traffic.set_time(SimTime{} + traffic.rules().overtaken_at_most);
+  refuse(2, west, 1);
+}
+
+TEST_F(CloverTurns, are_kept_while_the_crossing_is_free) {
+  begin();
+  traffic.set_place(0, std::nullopt);
+  traffic.update();
+  stand_before(2, west);
+  ASSERT_TRUE(ask(2, west).granted);
+  drive_to_exit(2, west);
+  refuse(1, north, 2);
+  traffic.set_place(2, std::nullopt);
+  traffic.set_base_end(0, no_waypoint);
+  traffic.update();
+  refuse(0, east, 1);
+}
+
+TEST_F(CloverTraffic, lets_one_go_on_that_stands_in_a_crossing_for_which_another_asked_before_it) {
+  stand_before(0, 2);
+  traffic.set_place(1, zone::Place{4, 0.6});
+  traffic.update();
+  traffic.set_time(SimTime{1s});
+  const auto first = ask(0, 2);
+  ASSERT_FALSE(first.granted) << "it asks for the crossing that the other stands in";
+  EXPECT_EQ(first.blocked_by, 1U);
+  traffic.set_time(SimTime{20s});
+  // Far beyond any turn's patience: the one that asked first can still not go before the other has.
+  EXPECT_TRUE(traffic.request(1, 1.2 - 0.6).granted);
+}
+
+TEST_F(CloverTraffic, keeps_the_crossing_of_a_vehicle_that_stands_in_it_whatever_happened) {
+  traffic.set_place(0, zone::Place{0, 0.6});
+  traffic.update();
+  EXPECT_GE(held_by(0), 1U);
+  stand_before(1, 2);
+  stand_before(2, 6);
+  EXPECT_FALSE(ask(1, 2).granted && ask(2, 6).granted);
+}
+
+TEST_F(CloverTraffic, does_not_count_a_vehicle_that_stopped_a_centimetre_late_as_standing_in_the_crossing) {
+  traffic.set_place(0, zone::Place{0, stop_s(0) + 0.03});
+  traffic.update();
+  EXPECT_EQ(held_by(0), 0U);
+}
+
+TEST_F(CloverTraffic, serves_first_who_asked_first) {
+  stand_before(0, 0);
+  stand_before(1, 2);
+  stand_before(2, 4);
+  ASSERT_TRUE(ask(0, 0).granted);
+  drive_to_exit(0, 0);
+  EXPECT_FALSE(ask(1, 2).granted) << "1 asked before 2 and shares a crossing with it";
+  EXPECT_FALSE(ask(2, 4).granted);
+  EXPECT_EQ(ask(2, 4).blocked_by, 1U);
+  traffic.set_place(0, zone::Place{0, 1.3});
+  traffic.set_base_end(0, no_waypoint);
+  traffic.update();
+  EXPECT_FALSE(ask(2, 4).granted) << "still after 1";
+  EXPECT_TRUE(ask(1, 2).granted);
+}
+
+TEST_F(CloverTraffic, serves_the_higher_priority_before_one_that_asked_earlier) {
+  stand_before(0, 0);
+  stand_before(1, 2);
+  stand_before(2, 4);
+  ASSERT_TRUE(ask(0, 0).granted);
+  drive_to_exit(0, 0);
+  EXPECT_FALSE(ask(1, 2).granted);
+  EXPECT_FALSE(ask(2, 4).granted) << "it asked later";
+  traffic.set_priority(2, 5);
+  EXPECT_TRUE(ask(2, 4).granted);
+}
+
+TEST_F(CloverTraffic, lets_nobody_overtake_one_that_has_waited_ten_seconds) {
+  stand_before(0, 0);
+  stand_before(1, 2);
+  ASSERT_TRUE(ask(0, 0).granted);
+  drive_to_exit(0, 0);
+  traffic.set_time(virtual_epoch);
+  EXPECT_FALSE(ask(1, 2).granted);
+  traffic.set_time(virtual_epoch + 9s);
+  stand_before(2, 4, 0.3);
+  ask(2, 4, 0.3);
+  std::optional<CrossingIndex> both_want;
+  for (CrossingIndex x = 0; x < map.crossing_count(); ++x)
+    if (traffic.waiting(x).size() == 2) both_want = x;
+  ASSERT_TRUE(both_want.has_value());
+  EXPECT_THAT(traffic.waiting(*both_want), ElementsAre(1U, 2U));
+  traffic.set_priority(2, 999);
+  EXPECT_THAT(traffic.waiting(*both_want), ElementsAre(2U, 1U));
+  traffic.set_time(virtual_epoch + 10s);
+  EXPECT_THAT(traffic.waiting(*both_want), ElementsAre(1U, 2U));
+  const auto later = ask(2, 4, 0.3);
+  EXPECT_FALSE(later.granted);
+  EXPECT_EQ(later.blocked_by, 1U);
+}
+
+TEST_F(CloverTraffic, starves_nobody_beside_a_stream_of_higher_priority) {
+  traffic.set_priority(1, 999);
+  traffic.set_priority(2, 999);
+  stand_before(0, 2);  // of no priority; 0 and 4 cross its way
+  SimTime now = virtual_epoch;
+  SimDuration waited{};
+  bool served = false;
+  // Two others take turns: as one leaves the crossings, the next one asks.
+  for (int turn = 0; turn < 60 && !served; ++turn, now += 1s, waited += 1s) {
+    const VehicleIndex other = 1 + static_cast<VehicleIndex>(turn % 2);
+    const zone::SectionId from = turn % 2 == 0 ? 0U : 4U;
+    traffic.set_time(now);
+    stand_before(other, from);
+    const bool taken = ask(other, from).granted;
+    if (taken) drive_to_exit(other, from);
+    served = ask(0, 2).granted;
+    if (taken) {
+      traffic.set_place(other, std::nullopt);
+      traffic.set_base_end(other, no_waypoint);
+      traffic.update();
+    }
+  }
+  EXPECT_TRUE(served);
+  EXPECT_LE(waited, 12s);
+}
+
+TEST_F(CloverTraffic, lets_one_that_was_put_before_the_holder_go_first) {
+  stand_before(0, 0, 0.5);
+  ASSERT_TRUE(ask(0, 0, 0.5).granted);
+  drive_to_exit(0, 0);
+  ASSERT_EQ(held_by(0), 2U);
+  stand_before(1, 0);  // a virtual AIV, added in its way
+  EXPECT_TRUE(ask(1, 0).granted) << "the holder can only follow it";
+  drive_to_exit(1, 0);
+  EXPECT_EQ(held_by(1), 2U);
+  stand_before(2, 2);
+  EXPECT_FALSE(ask(2, 2).granted);
+  traffic.forget(1);
+  traffic.update();
+  EXPECT_EQ(held_by(0), 2U) << "its base still leads through them";
+}
+
+TEST_F(CloverTraffic, does_not_let_one_go_before_a_holder_that_comes_to_the_crossing_first) {
+  // On the ring everybody is somewhere ahead of everybody; but the way of 0 to 1 leads through what 1 asks for.
+  stand_before(0, 0);
+  ASSERT_TRUE(ask(0, 0).granted);
+  drive_to_exit(0, 0);
+  stand_before(1, 2);
+  EXPECT_FALSE(ask(1, 2).granted);
+}
+
+TEST_F(CloverTraffic, keeps_priorities_over_a_change_of_the_zone) {
+  traffic.set_priority(2, 7);
+  traffic.set_map(nullptr);
+  traffic.set_map(&map);
+  stand_before(0, 0);
+  stand_before(1, 2);
+  stand_before(2, 4);
+  ASSERT_TRUE(ask(0, 0).granted);
+  drive_to_exit(0, 0);
+  EXPECT_FALSE(ask(1, 2).granted);
+  EXPECT_TRUE(ask(2, 4).granted);
+}
+
+TEST_F(CloverTraffic, lets_others_by_while_there_is_no_room_beyond_and_keeps_the_turn) {
+  // A vehicle stands just beyond the exit of the north-bound straight.
+  traffic.set_place(2, zone::Place{2, 1.25});
+  stand_before(0, 2);
+  stand_before(1, 0);
+  const auto no_room = ask(0, 2);
+  EXPECT_FALSE(no_room.granted);
+  EXPECT_EQ(no_room.blocked_by, 2U);
+  EXPECT_TRUE(ask(1, 0).granted);
+}
+
+TEST_F(CloverTraffic, forgets_a_request_that_is_withdrawn) {
+  stand_before(0, 0);
+  stand_before(1, 2);
+  stand_before(2, 4);
+  ASSERT_TRUE(ask(0, 0).granted);
+  drive_to_exit(0, 0);
+  EXPECT_FALSE(ask(1, 2).granted);
+  traffic.withdraw(1);
+  EXPECT_TRUE(ask(2, 4).granted);
+}
+
+TEST_F(CloverTraffic, names_those_who_wait_in_order) {
+  stand_before(0, 0);
+  stand_before(1, 2);
+  stand_before(2, 6);
+  ASSERT_TRUE(ask(0, 0).granted);
+  drive_to_exit(0, 0);
+  (void)ask(2, 6);
+  (void)ask(1, 2);
+  std::vector<VehicleIndex> all;
+  for (CrossingIndex x = 0; x < map.crossing_count(); ++x)
+    for (const VehicleIndex v : traffic.waiting(x)) all.push_back(v);
+  EXPECT_THAT(all, testing::UnorderedElementsAre(1, 1, 2, 2));
+}
+
+TEST_F(CloverTraffic, reaches_no_nearer_than_a_gap_behind_the_vehicle_ahead) {
+  traffic.set_place(0, zone::Place{1, 0.5});
+  traffic.set_place(1, zone::Place{1, 1.5});
+  traffic.update();
+  EXPECT_EQ(traffic.ahead(0).vehicle, 1U);
+  EXPECT_NEAR(traffic.ahead(0).distance_m, 1.0, 1e-12);
+  EXPECT_NEAR(traffic.reach_m(0), 1.0 - 0.20 - 0.10, 1e-12);
+}
+
+// ---- whole fleets ----
+
+struct Fleet {
+  explicit Fleet(std::size_t count, double loss = 0.0) {
+    bench.loss = loss;
+    std::size_t number = 0;
+    for (const zone::Place place : bench.zone->start_places(count)) bench.add("AIV" + std::to_string(++number), place);
+    bench.each_step = [this] {
+      for (std::size_t i = 0; i < bench.vehicles.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j)
+          if (touch(bench.vehicles[i]->pose(), bench.vehicles[j]->pose(), bench.zone->vehicle)) ++touches;
+    };
+  }
+  ServerBench bench{zone_file("lacet4.toml")};
+  int touches{0};
+};
+
+TEST(Fleet, of_twelve_circulates_without_touching_on_a_lossy_link) {
+  Fleet fleet{12, 0.02};
+  ASSERT_EQ(fleet.bench.vehicles.size(), 12U);
+  fleet.bench.run_for(120s);
+  EXPECT_EQ(fleet.touches, 0);
+  for (const auto& aiv : fleet.bench.vehicles) {
+    EXPECT_THAT(aiv->refusals, IsEmpty()) << aiv->id.serial_number;
+    EXPECT_GT(aiv->driven_m, 5.0) << aiv->id.serial_number;
+  }
+}
+
+TEST(Fleet, goes_round_a_vehicle_that_died_on_a_loop_by_waiting_behind_it_and_goes_on_when_it_is_back) {
+  Fleet fleet{4};
+  fleet.bench.run_for(10s);
+  BenchVehicle& dead = *fleet.bench.vehicles[0];
+  while (dead.place().section % 2 == 0) fleet.bench.run_for(100ms);
+  fleet.bench.kill(dead);
+  fleet.bench.run_for(60s);
+  EXPECT_EQ(fleet.touches, 0);
+  dead.alive = true;
+  dead.book.emplace(*fleet.bench.zone);
+  fleet.bench.connection(dead, wire::ConnectionState::online);
+  std::vector<double> driven;
+  for (const auto& aiv : fleet.bench.vehicles) driven.push_back(aiv->driven_m);
+  fleet.bench.run_for(40s);
+  EXPECT_EQ(fleet.touches, 0);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_GT(fleet.bench.vehicles[i]->driven_m, driven[i] + 3.0);
+}
+
+TEST(Fleet, goes_on_after_the_server_restarts_with_vehicles_in_the_crossings) {
+  Fleet fleet{8, 0.02};
+  for (int i = 0; i < 5; ++i) {
+    fleet.bench.run_for(8s);
+    fleet.bench.restart_server();
+  }
+  std::vector<double> driven;
+  for (const auto& aiv : fleet.bench.vehicles) driven.push_back(aiv->driven_m);
+  fleet.bench.run_for(60s);
+  EXPECT_EQ(fleet.touches, 0);
+  for (std::size_t i = 0; i < 8; ++i) {
+    EXPECT_GT(fleet.bench.vehicles[i]->driven_m, driven[i] + 3.0);
+    EXPECT_THAT(fleet.bench.vehicles[i]->refusals, IsEmpty());
+  }
+}
+
+}  // namespace
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,363 @@
+#include "cosiva/virtual/server/right_of_way/way_map.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "cosiva/zone/circuit/course.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+constexpr double entered_m = 0.04;
+constexpr double left_m = 0.01;
+constexpr double late_m = 0.02;  ///< one that stands so far into a span stopped late before it
+constexpr double overshoot_m = 0.25;
+constexpr double at_node_m = 0.05;  ///< a vehicle nearer than this to a waypoint stands on it
+/// Sections without a waypoint between two of them, as far as anybody has one; a hostile file has more.
+constexpr std::size_t searched_max = 4096;
+
+void add_once(std::vector<CrossingIndex>& out, CrossingIndex crossing) {
+  if (std::ranges::find(out, crossing) == out.end()) out.push_back(crossing);
+}
+
+void slower(std::optional<double>& limit, const std::optional<double>& other) {
+  if (other) limit = limit ? std::min(*limit, *other) : *other;
+}
+
+}  // namespace
+
+WayMap::WayMap(std::shared_ptr<const zone::TrafficZone> zone) : zone_{std::move(zone)} {
+  spans_.resize(zone_->circuit.size());
+  for (CrossingIndex i = 0; i < zone_->crossings.size(); ++i)
+    for (const zone::CrossingSpan& span : zone_->crossings[i].spans)
+      spans_[span.section].push_back({span.from_m, span.to_m, i});
+  for (auto& spans : spans_) std::ranges::stable_sort(spans, {}, &Span::from_m);
+  WaypointIndex at = 0;
+  for (zone::SectionId section = 0; section <= zone_->circuit.size(); ++section) {
+    while (at < zone_->waypoints.size() && zone_->waypoints[at].place.section < section) ++at;
+    first_on_.push_back(at);
+  }
+  lay_stretches();
+}
+
+bool WayMap::take(std::shared_ptr<const zone::TrafficZone> zone) {
+  const auto same_waypoint = [](const zone::Waypoint& a, const zone::Waypoint& b) {
+    return a.id == b.id && a.place == b.place;
+  };
+  const auto same_crossing = [](const zone::Crossing& a, const zone::Crossing& b) {
+    return a.name == b.name && std::ranges::equal(a.spans, b.spans, [](const auto& x, const auto& y) {
+             return x.section == y.section && x.from_m == y.from_m && x.to_m == y.to_m;
+           });
+  };
+  if (zone->name != zone_->name || !std::ranges::equal(zone->waypoints, zone_->waypoints, same_waypoint) ||
+      !std::ranges::equal(zone->crossings, zone_->crossings, same_crossing))
+    return false;
+  zone_ = std::move(zone);
+  return true;
+}
+
+WaypointIndex WayMap::first_on(zone::SectionId section) const {
+  return first_on_[section] < first_on_[section + 1] ? first_on_[section] : no_waypoint;
+}
+
+void WayMap::lay_stretches() {
+  for (WaypointIndex i = 0; i < zone_->waypoints.size(); ++i) {
+    const zone::Waypoint& from = zone_->waypoints[i];
+    points_.push_back(position(zone_->circuit.pose_at(from.place)));
+    by_id_[from.id].push_back(i);
+    first_stretch_.push_back(stretches_.size());
+    lay_stretches_from(i);
+    for (std::size_t s = first_stretch_.back(); s < stretches_.size(); ++s) {
+      finish(i, stretches_[s]);
+      longest_m_ = std::max(longest_m_, stretches_[s].length_m);
+    }
+    const auto first = stretches_.begin() + static_cast<std::ptrdiff_t>(first_stretch_.back());
+    const auto usual = std::find_if(first, stretches_.end(), [&](const Stretch& s) { return is_default(i, s); });
+    if (usual != stretches_.end()) std::rotate(first, usual, usual + 1);
+  }
+  first_stretch_.push_back(stretches_.size());
+}
+
+void WayMap::lay_stretches_from(WaypointIndex from) {
+  const zone::Circuit& circuit = zone_->circuit;
+  const zone::Place start = waypoint(from).place;
+  if (from + 1 < first_on_[start.section + 1]) {
+    stretches_.push_back({from + 1, waypoint(from + 1).place.s_m - start.s_m, {}, false, {}, {}});
+    return;
+  }
+  // To each section once, by the shortest way: an order names nodes, and between two of them that is the one meant.
+  struct Reached {
+    zone::SectionId section;
+    double start_m;
+    std::size_t via;
+    bool done;
+  };
+  constexpr auto beginning = std::numeric_limits<std::size_t>::max();
+  std::vector<Reached> reached;
+  const auto reach = [&](zone::SectionId section, double start_m, std::size_t via) {
+    const auto known = std::ranges::find(reached, section, &Reached::section);
+    if (known == reached.end() && reached.size() < searched_max)
+      reached.push_back({section, start_m, via, false});
+    else if (known != reached.end() && !known->done && start_m < known->start_m)
+      *known = {section, start_m, via, false};
+  };
+  for (const zone::SectionId after : circuit.next(start.section))
+    reach(after, circuit.section(start.section).length_m() - start.s_m, beginning);
+  for (;;) {
+    std::size_t best = beginning;
+    for (std::size_t i = 0; i < reached.size(); ++i)
+      if (!reached[i].done && (best == beginning || reached[i].start_m < reached[best].start_m)) best = i;
+    if (best == beginning) return;
+    reached[best].done = true;
+    const Reached here = reached[best];
+    const WaypointIndex to = first_on(here.section);
+    if (to == no_waypoint) {
+      for (const zone::SectionId after : circuit.next(here.section))
+        reach(after, here.start_m + circuit.section(here.section).length_m(), best);
+      continue;
+    }
+    Stretch stretch{to, here.start_m + waypoint(to).place.s_m, {}, false, {}, {}};
+    for (std::size_t at = best; at != beginning; at = reached[at].via) stretch.sections.push_back(reached[at].section);
+    std::ranges::reverse(stretch.sections);
+    stretches_.push_back(std::move(stretch));
+  }
+}
+
+void WayMap::finish(WaypointIndex from, Stretch& stretch) const {
+  const zone::Circuit& circuit = zone_->circuit;
+  const zone::Waypoint& start = waypoint(from);
+  const zone::Waypoint& end = waypoint(stretch.to);
+  stretch.speed_mps_max = circuit.part(start.place.section).speed_mps_max;
+  for (const zone::SectionId section : stretch.sections)
+    if (section != end.place.section || end.place.s_m > 0.0)
+      slower(stretch.speed_mps_max, circuit.part(section).speed_mps_max);
+  std::vector<CrossingIndex> met;
+  crossings_on(start.place, stretch.length_m, met, stretch.sections);
+  stretch.crosses = !met.empty();
+  const double section_m = circuit.section(start.place.section).length_m();
+  const double end_s_m = stretch.sections.empty() ? end.place.s_m : section_m;
+  const bool whole = start.place.s_m == 0.0 && end_s_m == section_m &&
+                     (stretch.sections.empty() || (stretch.sections.size() == 1 && end.place.s_m == 0.0));
+  stretch.edge_id = zone_->edges_are_sections && whole ? circuit.part(start.place.section).name : start.id;
+  if (!zone_->edges_are_sections || !whole) stretch.edge_id += "-" + end.id;
+}
+
+bool WayMap::is_default(WaypointIndex from, const Stretch& stretch) const {
+  zone::SectionsAhead usual{zone_->circuit, waypoint(from).place.section, {}};
+  return std::ranges::all_of(stretch.sections,
+                             [&](zone::SectionId section) { return usual.step() && usual.section() == section; });
+}
+
+const WayMap::Stretch* WayMap::along(WaypointIndex from, Sections coming) const {
+  for (const Stretch& stretch : stretches(from)) {
+    const std::size_t known = std::min(coming.size(), stretch.sections.size());
+    if (std::ranges::equal(coming.first(known), Sections{stretch.sections}.first(known))) return &stretch;
+  }
+  return nullptr;
+}
+
+const WayMap::Stretch& WayMap::stretch(WaypointIndex from) const {
+  static const Stretch none;
+  const auto all = stretches(from);
+  return all.empty() ? none : all.front();
+}
+
+WayMap::Chain WayMap::chain(WaypointIndex stop, Sections coming, WaypointIndex goal) const {
+  Chain chain;
+  Chain first;
+  WaypointIndex at = stop;
+  std::size_t passed = 0;
+  // Waypoints are laid only where one may stand. Stretches that follow without a free one between them are one chain.
+  for (std::size_t steps = 0; steps < chain_max; ++steps) {
+    const Stretch* next = along(at, coming.subspan(std::min(passed, coming.size())));
+    if (next == nullptr || !next->crosses || (steps > 0 && next->to == stop)) return chain;
+    chain.exit = next->to;
+    chain.length_m += next->length_m;
+    if (steps == 0) first = chain;
+    passed += next->sections.size();
+    at = next->to;
+    if (at == goal && passed >= coming.size()) return chain;
+  }
+  // Where every way crosses another there is no place to stand; then one goes from node to node.
+  return first;
+}
+
+std::span<const WaypointIndex> WayMap::find(std::string_view id) const {
+  const auto it = by_id_.find(id);
+  return it == by_id_.end() ? std::span<const WaypointIndex>{} : std::span{it->second};
+}
+
+std::optional<WayMap::Behind> WayMap::behind(zone::Place place, Sections gone) const {
+  Behind found{no_waypoint, 0.0, {}};
+  zone::SectionId section = place.section;
+  double at_m = place.s_m;
+  for (std::size_t steps = 0; steps <= zone_->circuit.size(); ++steps) {
+    for (WaypointIndex i = first_on_[section + 1]; i > first_on_[section]; --i) {
+      if (waypoint(i - 1).place.s_m > at_m + 1e-9) continue;
+      found.waypoint = i - 1;
+      found.since_m += at_m - waypoint(i - 1).place.s_m;
+      std::ranges::reverse(found.sections);
+      return found;
+    }
+    const auto previous = zone_->circuit.previous(section);
+    if (gone.empty() && previous.empty()) return std::nullopt;
+    found.sections.push_back(section);
+    found.since_m += at_m;
+    section = gone.empty() ? previous.front() : gone.back();
+    if (!gone.empty()) gone = gone.first(gone.size() - 1);
+    at_m = zone_->circuit.section(section).length_m();
+  }
+  return std::nullopt;
+}
+
+std::optional<WayMap::FirstAhead> WayMap::first_ahead(zone::Place place, Sections coming) const {
+  for (WaypointIndex i = first_on_[place.section]; i < first_on_[place.section + 1]; ++i)
+    if (waypoint(i).place.s_m >= place.s_m) return FirstAhead{i, waypoint(i).place.s_m - place.s_m, 0};
+  double travelled_m = zone_->circuit.section(place.section).length_m() - place.s_m;
+  for (std::size_t i = 0; i < coming.size(); ++i) {
+    if (const WaypointIndex first = first_on(coming[i]); first != no_waypoint)
+      return FirstAhead{first, travelled_m + waypoint(first).place.s_m, i + 1};
+    travelled_m += zone_->circuit.section(coming[i]).length_m();
+  }
+  return std::nullopt;
+}
+
+std::vector<zone::Place> WayMap::starts(zone::Place place) const {
+  std::vector<zone::Place> found{place};
+  if (place.s_m > at_node_m) return found;
+  const WaypointIndex here = first_on(place.section);
+  if (here == no_waypoint || waypoint(here).place.s_m > 0.0) return found;
+  const auto reached_by = zone_->circuit.previous(place.section);
+  for (const WaypointIndex sibling : find(waypoint(here).id)) {
+    const zone::Place start = waypoint(sibling).place;
+    if (start.section == place.section || start.s_m > 0.0) continue;
+    const auto shares = [&](zone::SectionId before) {
+      return std::ranges::find(reached_by, before) != reached_by.end();
+    };
+    const auto before = zone_->circuit.previous(start.section);
+    if (std::ranges::any_of(before, shares) || (before.empty() && reached_by.empty())) found.push_back(start);
+  }
+  return found;
+}
+
+WaypointIndex WayMap::sibling_on(WaypointIndex of, zone::SectionId section) const {
+  for (const WaypointIndex sibling : find(waypoint(of).id)) {
+    const zone::Place& place = waypoint(sibling).place;
+    if (place.section == section && place.s_m == 0.0) return sibling;
+  }
+  return no_waypoint;
+}
+
+std::optional<double> WayMap::base_left(zone::Place place, WaypointIndex end, double limit_m, Sections coming,
+                                        bool passed) const {
+  const zone::Place end_place = waypoint(end).place;
+  if (!passed) {
+    // Where a way comes back soon, what lies just behind may be what lies at its end.
+    if (const auto ahead_m = ahead(place, end_place, limit_m, coming)) return ahead_m;
+  }
+  if (zone_->circuit.shortest_way(end_place, place, overshoot_m)) return 0.0;
+  return passed ? ahead(place, end_place, limit_m, coming) : std::nullopt;
+}
+
+std::optional<WayMap::Through> WayMap::through(zone::Place place, std::span<const std::string_view> ids,
+                                               std::size_t released) const {
+  // Which of an id's waypoints is meant shows only at the next one: all of them are followed.
+  struct Trail {
+    WaypointIndex at;
+    Through way;
+  };
+  constexpr std::size_t trails_max = 64;
+  std::vector<Trail> trails;
+  const auto note_end = [&](Trail& trail, std::size_t reached) {
+    if (reached != released) return;
+    trail.way.end = trail.at;
+    trail.way.to_end = trail.way.sections.size();
+  };
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    std::vector<Trail> on;
+    if (i == 0) {
+      for (const WaypointIndex first : find(ids[0])) {
+        const zone::Place there = waypoint(first).place;
+        if (zone_->circuit.shortest_way(there, place, overshoot_m))
+          on.push_back({first, {{place.section}, no_waypoint, 0}});
+        else if (auto way = zone_->circuit.shortest_way(place, there, longest_m_ + overshoot_m))
+          on.push_back({first, {std::move(way->sections), no_waypoint, 0}});
+      }
+    }
+    for (const Trail& trail : trails) {
+      for (const Stretch& stretch : stretches(trail.at)) {
+        if (waypoint(stretch.to).id != ids[i] || on.size() >= trails_max) continue;
+        Trail further{stretch.to, trail.way};
+        further.way.sections.insert(further.way.sections.end(), stretch.sections.begin(), stretch.sections.end());
+        on.push_back(std::move(further));
+      }
+    }
+    if (on.empty()) {
+      // The horizon may lead where this zone does not know; the base must not.
+      if (i < released) return std::nullopt;
+      break;
+    }
+    for (Trail& trail : on) note_end(trail, i + 1);
+    trails = std::move(on);
+  }
+  if (trails.empty()) return std::nullopt;
+  return std::move(trails.front().way);
+}
+
+void WayMap::spans_on(zone::SectionId section, double from_m, double to_m, bool standing,
+                      std::vector<CrossingIndex>& out) const {
+  for (const Span& span : spans_[section]) {
+    const bool met = span.from_m < to_m - 1e-6 && span.to_m > from_m;
+    const bool in = standing && span.from_m + entered_m < from_m + left_m && span.to_m > from_m;
+    if (met || in) add_once(out, span.crossing);
+  }
+}
+
+void WayMap::crossings_on(zone::Place place, double distance_m, std::vector<CrossingIndex>& out,
+                          Sections coming) const {
+  const zone::Circuit& circuit = zone_->circuit;
+  double from_m = place.s_m - left_m;
+  double rest_m = distance_m;
+  // What was left just behind the joint still counts by its 2 cm.
+  if (from_m < 0.0) {
+    for (const zone::SectionId before : circuit.previous(place.section)) {
+      const double end_m = circuit.section(before).length_m();
+      spans_on(before, end_m + from_m, end_m, true, out);
+    }
+  }
+  double at_m = place.s_m;
+  zone::SectionsAhead ahead{circuit, place.section, coming};
+  for (std::size_t steps = 0; steps <= coming.size() + circuit.size(); ++steps) {
+    const bool first = steps == 0;
+    const double end_m = circuit.section(ahead.section()).length_m();
+    const double reach_m = std::min(end_m, at_m + rest_m);
+    // Without way to go, only what it stands in counts.
+    spans_on(ahead.section(), first ? from_m : at_m, rest_m > 0.0 ? reach_m : at_m - late_m, first, out);
+    rest_m -= end_m - at_m;
+    if (rest_m <= 0.0 || !ahead.step()) return;
+    at_m = 0.0;
+  }
+}
+
+double WayMap::way_out_m(zone::Place place, CrossingIndex crossing, double distance_m, Sections coming) const {
+  double out_m = 0.0;
+  double start_m = -place.s_m;
+  zone::SectionsAhead ahead{zone_->circuit, place.section, coming};
+  for (std::size_t steps = 0; steps <= coming.size() + zone_->circuit.size() && start_m < distance_m; ++steps) {
+    for (const Span& span : spans_[ahead.section()])
+      if (span.crossing == crossing && start_m + span.from_m < distance_m)
+        out_m = std::max(out_m, start_m + span.to_m + left_m);
+    start_m += zone_->circuit.section(ahead.section()).length_m();
+    if (!ahead.step()) break;
+  }
+  return out_m;
+}
+
+double WayMap::parted_m(zone::SectionId section) const {
+  double parted = 0.5 * zone_->vehicle.length_m;
+  for (const Span& span : spans_[section])
+    if (span.from_m <= left_m) parted = std::max(parted, span.to_m + left_m);
+  return parted;
+}
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,178 @@
+#include "cosiva/virtual/server/view/battery_desk.h"
+
+#include <cmath>
+#include <utility>
+
+namespace cosiva::virtual_side {
+namespace {
+
+double ms_of(SimTime time) { return static_cast<double>(time.time_since_epoch().count()) * 1e-6; }
+
+/// So many digits as the quantity has; a float's others are noise.
+double rounded(double value, double steps_per_unit) { return std::nearbyint(value * steps_per_unit) / steps_per_unit; }
+
+void text_or_null(JsonWriter& json, std::string_view name, const std::string& text) {
+  json.key(name);
+  if (text.empty())
+    json.null();
+  else
+    json.value(text);
+}
+
+/// A field of an operator's command; where it is missing or null, `out` stays.
+Result<void> take(const JsonValue& command, const char* field, double low, double high, double& out) {
+  const JsonValue* given = command.find(field);
+  if (given == nullptr || given->is_null()) return {};
+  const double* number = given->number();
+  if (number == nullptr || !(*number >= low && *number <= high)) {
+    return fail(std::string("battery.") + field,
+                "give a number from " + std::to_string(std::lround(low)) + " to " + std::to_string(std::lround(high)),
+                field);
+  }
+  out = *number;
+  return {};
+}
+
+}  // namespace
+
+void BatteryCurve::add(const Point& point) {
+  if (!points_.empty() && point.at < points_.back().at) points_.clear();  // the clock was set
+  if (!points_.empty() && point.at - points_.back().at < every_) return;
+  if (points_.size() >= points_max) {
+    for (std::size_t i = 0; 2 * i < points_.size(); ++i) points_[i] = points_[2 * i];
+    points_.resize((points_.size() + 1) / 2);
+    every_ *= 2;
+  }
+  points_.push_back(point);
+}
+
+void BatteryCurve::forget_before(SimTime at) {
+  std::erase_if(points_, [at](const Point& point) { return point.at < at; });
+  if (points_.empty()) every_ = std::chrono::seconds{1};
+}
+
+std::vector<std::string> BatteryDesk::subscriptions() {
+  return {wire::topics_below(wire::battery_change_topic_prefix, 2), std::string(wire::battery_test_topic)};
+}
+
+Result<std::string> BatteryDesk::on_message(const wire::Input& input) {
+  if (input.source == wire::battery_test_topic) {
+    if (input.payload.empty()) {
+      test_.reset();
+      return std::string{};
+    }
+    auto test = wire::battery_test_from_json(input.payload);
+    if (!test) return tl::unexpected(test.error());
+    const bool another = !test_ || test_->began != test->began;
+    const std::string words = another ? "run " + std::to_string(test->run) + " of " + std::to_string(test->runs) : "";
+    test_ = std::move(*test);
+    if (another) {
+      for (const wire::BatteryTest::Seat& seat : test_->vehicles)
+        if (const auto curve = curves_.find(seat.vehicle); curve != curves_.end())
+          curve->second.forget_before(test_->began);
+    }
+    return words;
+  }
+  const auto vehicle = wire::parse_own_topic(wire::battery_change_topic_prefix, input.source);
+  if (!vehicle) return std::string{};
+  const std::string name = to_string(*vehicle);
+  if (input.payload.empty()) {
+    changes_.erase(name);
+    return std::string{};
+  }
+  auto change = wire::battery_change_from_json(input.payload);
+  if (!change) return tl::unexpected(change.error());
+  if (changes_.size() >= changes_max && !changes_.contains(name))
+    return fail("battery.many", "more than " + std::to_string(changes_max) + " battery changes at a time", name);
+  std::string words = "changeBattery in " + name + ": '" + change->battery + "'";
+  changes_.insert_or_assign(name, Change{*vehicle, std::move(*change), input.at});
+  return words;
+}
+
+void BatteryDesk::link_up() {
+  changes_.clear();
+  test_.reset();
+}
+
+void BatteryDesk::on_power(SimTime at, const std::string& vehicle, const wire::Power& power) {
+  curves_[vehicle].add({at, static_cast<float>(100.0 * power.charge()), 0.001F * static_cast<float>(power.voltage_mv),
+                        0.1F * static_cast<float>(power.temperature_01C)});
+}
+
+Result<wire::Publish> BatteryDesk::ready(const JsonValue& command) const {
+  const std::string vehicle = command.text("vehicle").value_or("");
+  if (vehicle.empty()) return fail("battery.vehicle", "say which vehicle, as manufacturer/serial number", "vehicle");
+  wire::BatteryReady ready{command.text("battery").value_or(""), "unknown", 0.0, 0.0, 22.0, 100.0};
+  if (ready.battery.empty() || ready.battery.size() > 64)
+    return fail("battery.battery", "give the battery's own id, of 1 to 64 bytes", "battery");
+  if (const JsonValue* type = command.find("type"); type != nullptr && !type->is_null()) {
+    if (type->text() == nullptr || type->text()->size() > 64)
+      return fail("battery.type", "give its type's name, of at most 64 bytes", "type");
+    if (!type->text()->empty()) ready.type = *type->text();
+  }
+  for (const auto& taken :
+       {take(command, "cycles", 0.0, 1e6, ready.cycles), take(command, "rest_s", 0.0, 1e9, ready.rest_s),
+        take(command, "temperature", -100.0, 200.0, ready.temperature_c),
+        take(command, "charge", 0.0, 100.0, ready.charge_percent)})
+    if (!taken) return tl::unexpected(taken.error());
+  const auto asked = changes_.find(vehicle);
+  if (asked == changes_.end())
+    return fail("battery.not_asked", "no test wants a battery changed in '" + vehicle.substr(0, 80) + "' now");
+  return wire::Publish{wire::own_topic(wire::battery_ready_topic_prefix, asked->second.vehicle), to_json(ready), 1,
+                       false};
+}
+
+void BatteryDesk::write(JsonWriter& json) const {
+  if (changes_.empty() && !test_) {
+    json.null();
+    return;
+  }
+  json.begin_object().key("changes").begin_array();
+  for (const auto& [name, change] : changes_) {
+    json.begin_object().field("vehicle", name).field("battery", change.wanted.battery).field("run", change.wanted.run);
+    json.field("reason", change.wanted.reason).field("since_ms", ms_of(change.since)).end_object();
+  }
+  json.end_array().key("test");
+  if (test_)
+    write_test(json);
+  else
+    json.null();
+  json.end_object();
+}
+
+void BatteryDesk::write_test(JsonWriter& json) const {
+  json.begin_object().field("began_ms", ms_of(test_->began)).field("told_ms", ms_of(test_->timestamp));
+  json.field("run", test_->run).field("runs", test_->runs).field("floor", test_->floor_percent);
+  json.field("share", test_->share).key("expectedEnd_ms");
+  if (test_->expected_end)
+    json.value(ms_of(*test_->expected_end));
+  else
+    json.null();
+  json.field("done", test_->done).key("vehicles").begin_array();
+  for (const wire::BatteryTest::Seat& seat : test_->vehicles) {
+    json.begin_object().field("id", seat.vehicle).field("battery", seat.battery).field("phase", to_string(seat.phase));
+    text_or_null(json, "stop", seat.stop);
+    json.field("autonomy_s", rounded(seat.autonomy_s, 10.0)).key("charge");
+    if (seat.charge_percent)
+      json.value(rounded(*seat.charge_percent, 1000.0));
+    else
+      json.null();
+    json.end_object();
+  }
+  json.end_array().end_object();
+}
+
+std::optional<std::string> BatteryDesk::curve_json(const std::string& vehicle) const {
+  const auto curve = curves_.find(vehicle);
+  if (curve == curves_.end()) return std::nullopt;
+  JsonWriter json;
+  json.begin_object().field("vehicle", vehicle).key("points").begin_array();
+  for (const BatteryCurve::Point& point : curve->second.points()) {
+    json.begin_array().value(ms_of(point.at)).value(rounded(point.charge_percent, 1000.0));
+    json.value(rounded(point.voltage_v, 1000.0)).value(rounded(point.temperature_c, 10.0)).end_array();
+  }
+  json.end_array().end_object();
+  return json.take();
+}
+
+}  // namespace cosiva::virtual_side

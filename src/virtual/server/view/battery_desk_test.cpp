@@ -1,0 +1,165 @@
+// What the server knows of battery tests that run elsewhere.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cosiva/virtual/server/testing/server_bench.h"
+#include "cosiva/virtual/server/view/battery_desk.h"
+#include "cosiva/wire/own/battery_exchange.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+using namespace bench;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+class BatteryBench : public testing::Test {
+ protected:
+  void change(const std::string& vehicle, const std::string& payload) {
+    bench.feed(wire::InputKind::message, "cosiva/v1/battery/change/" + vehicle, payload, true);
+  }
+  void ask_for(const std::string& vehicle, const std::string& battery) {
+    change(vehicle, to_json(wire::BatteryChange{battery, 1, {}}));
+  }
+  void test(const wire::BatteryTest& test) {
+    bench.feed(wire::InputKind::message, std::string(wire::battery_test_topic), to_json(test), true);
+  }
+  /// The vehicle's own report, with this charge.
+  void report(double charge) {
+    wire::BoardsReport boards;
+    boards.timestamp = bench.now;
+    wire::Power power;
+    power.voltage_mv = 7400;
+    power.temperature_01C = 225;
+    power.charge_permille = static_cast<std::uint16_t>(1000.0 * charge);
+    boards.power = power;
+    bench.feed(wire::InputKind::message, "cosiva/v1/boards/CoSiVA/AIV1", to_json(boards));
+  }
+  [[nodiscard]] JsonValue battery() const { return *bench.snapshot().find("battery"); }
+  [[nodiscard]] JsonValue::Array points() const {
+    return *JsonValue::parse(*bench.server->battery_curve_json("CoSiVA/AIV1"))->find("points")->array();
+  }
+
+  ServerBench bench;
+  BenchVehicle& aiv{bench.add("AIV1", {0, 0.5})};
+};
+
+TEST_F(BatteryBench, nothing_is_shown_until_something_was_heard) { EXPECT_TRUE(battery().is_null()); }
+
+TEST_F(BatteryBench, a_wanted_change_is_shown_until_it_is_taken_back) {
+  ask_for("CoSiVA/AIV1", "red");
+  ask_for("ACME/A7", "blue");
+  const JsonValue::Array changes = *battery().find("changes")->array();
+  ASSERT_THAT(changes, SizeIs(2));
+  EXPECT_EQ(changes[1].text("vehicle"), "CoSiVA/AIV1");
+  EXPECT_EQ(changes[1].text("battery"), "red");
+  EXPECT_EQ(changes[1].number("run"), 1.0);
+  change("CoSiVA/AIV1", "");
+  change("ACME/A7", "");
+  EXPECT_TRUE(battery().is_null());
+}
+
+TEST_F(BatteryBench, a_test_is_shown_as_it_says_it_stands) {
+  wire::BatteryTest running{bench.now, bench.now, 2, 4, 20.0, 0.5, bench.now + 60s, false, {}};
+  running.vehicles.push_back({"CoSiVA/AIV1", "red", wire::BatteryPhase::running, "", 12.34, 61.2345});
+  running.vehicles.push_back({"CoSiVA/AIV2", "blue", wire::BatteryPhase::ended, "floor", 10.0, {}});
+  test(running);
+  const JsonValue battery_json = battery();
+  const JsonValue& shown = *battery_json.find("test");
+  EXPECT_EQ(shown.number("run"), 2.0);
+  EXPECT_EQ(shown.number("expectedEnd_ms"), *shown.number("told_ms") + 60'000.0);
+  const JsonValue::Array& vehicles = *shown.find("vehicles")->array();
+  EXPECT_EQ(vehicles[0].text("phase"), "running");
+  EXPECT_TRUE(vehicles[0].find("stop")->is_null());
+  EXPECT_NEAR(*vehicles[0].number("charge"), 61.2345, 1e-3);
+  EXPECT_EQ(vehicles[1].text("stop"), "floor");
+  EXPECT_TRUE(vehicles[1].find("charge")->is_null());
+  bench.feed(wire::InputKind::message, std::string(wire::battery_test_topic), "", true);
+  EXPECT_TRUE(battery().is_null());
+}
+
+TEST_F(BatteryBench, what_cannot_be_read_is_left_alone_with_a_word) {
+  ask_for("CoSiVA/AIV1", "red");
+  change("CoSiVA/AIV1", "{");
+  bench.feed(wire::InputKind::message, std::string(wire::battery_test_topic), R"({"run":1})");
+  EXPECT_THAT(*battery().find("changes")->array(), SizeIs(1));
+  EXPECT_TRUE(battery().find("test")->is_null());
+  EXPECT_THAT(bench.logs, testing::Contains(HasSubstr("cosiva/v1/battery/test")));
+}
+
+TEST_F(BatteryBench, made_up_names_do_not_take_the_memory) {
+  for (int i = 0; i < 400; ++i) ask_for("ACME/A" + std::to_string(i), "x");
+  EXPECT_THAT(*battery().find("changes")->array(), SizeIs(BatteryDesk::changes_max));
+  ask_for("ACME/A7", "another");  // one that is known
+  EXPECT_THAT(bench.server->snapshot_json(), HasSubstr("another"));
+}
+
+TEST_F(BatteryBench, batteryReady_goes_to_the_test_that_asked_with_what_is_usual_where_nothing_is_said) {
+  const std::string in = R"({"command":"batteryReady","vehicle":"CoSiVA/AIV1","battery":"red"})";
+  EXPECT_THAT(bench.refusal(in), HasSubstr("no test wants"));
+  ask_for("CoSiVA/AIV1", "red");
+  EXPECT_EQ(bench.refusal(in), "");
+  bench.published.clear();
+  bench.ask(in);
+  ASSERT_THAT(bench.published, SizeIs(1));
+  EXPECT_EQ(bench.published[0].topic, "cosiva/v1/battery/ready/CoSiVA/AIV1");
+  EXPECT_FALSE(bench.published[0].retained);
+  EXPECT_EQ(wire::battery_ready_from_json(bench.published[0].payload),
+            (wire::BatteryReady{"red", "unknown", 0.0, 0.0, 22.0, 100.0}));
+  EXPECT_THAT(*battery().find("changes")->array(), SizeIs(1)) << "the test says whether it is content";
+}
+
+TEST_F(BatteryBench, batteryReady_with_a_wrong_field_is_refused_naming_it) {
+  ask_for("CoSiVA/AIV1", "red");
+  const auto refusal = [&](const std::string& rest) {
+    return bench.refusal(R"({"command":"batteryReady","vehicle":"CoSiVA/AIV1",)" + rest + "}");
+  };
+  EXPECT_EQ(refusal(R"("battery":"red","type":"leaf33","cycles":3,"rest_s":60,"temperature":21,"charge":99)"), "");
+  EXPECT_THAT(refusal(R"("charge":99)"), HasSubstr("battery's own id"));
+  EXPECT_THAT(refusal(R"("battery":"red","charge":101)"), HasSubstr("0 to 100"));
+  EXPECT_THAT(refusal(R"("battery":"red","temperature":"warm")"), HasSubstr("temperature"));
+  EXPECT_THAT(refusal(R"("battery":"red","type":5)"), HasSubstr("type"));
+  EXPECT_THAT(bench.refusal(R"({"command":"batteryReady","battery":"red"})"), HasSubstr("vehicle"));
+  bench.published.clear();
+  bench.ask(R"({"command":"batteryReady","vehicle":"CoSiVA/AIV1","battery":"red","charge":-1})");
+  EXPECT_THAT(bench.published, IsEmpty());
+}
+
+TEST_F(BatteryBench, what_the_broker_kept_is_known_again_after_a_new_connection) {
+  ask_for("CoSiVA/AIV1", "red");
+  bench.feed(wire::InputKind::link, "", "down");
+  bench.feed(wire::InputKind::link, "", "up");
+  EXPECT_TRUE(battery().is_null()) << "it may have been taken back meanwhile; what still holds comes anew";
+}
+
+TEST_F(BatteryBench, a_curve_reaches_back_to_its_beginning_however_long_it_becomes) {
+  EXPECT_FALSE(bench.server->battery_curve_json("CoSiVA/AIV1"));
+  bench.run_for(1s);
+  for (int i = 0; i <= 1000; ++i) {
+    report(1.0 - 0.0005 * i);
+    bench.now += 1s;
+  }
+  const JsonValue::Array all = points();
+  EXPECT_LE(all.size(), BatteryCurve::points_max);
+  EXPECT_GE(all.size(), BatteryCurve::points_max / 2);
+  EXPECT_NEAR(*(*all.front().array())[1].number(), 100.0, 0.1);
+  EXPECT_LT(*(*all.back().array())[1].number(), 51.0);
+  EXPECT_NEAR(*(*all.back().array())[2].number(), 7.4, 1e-3);
+  EXPECT_NEAR(*(*all.back().array())[3].number(), 22.5, 1e-3);
+}
+
+TEST_F(BatteryBench, a_new_test_begins_a_new_curve) {
+  bench.run_for(1s);
+  for (int i = 0; i < 20; ++i) {
+    report(0.5);
+    bench.now += 1s;
+  }
+  wire::BatteryTest begun{bench.now, bench.now - 5s, 1, 1, 20.0, 0.0, {}, false, {}};
+  begun.vehicles.push_back({"CoSiVA/AIV1", "red", {}, "", 0.0, {}});
+  test(begun);
+  EXPECT_THAT(points(), SizeIs(5));
+}
+
+}  // namespace
+}  // namespace cosiva::virtual_side

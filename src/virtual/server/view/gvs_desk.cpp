@@ -1,0 +1,256 @@
+#include "cosiva/virtual/server/view/gvs_desk.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "cosiva/base/math.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+/// A time stamp that falls back further than any network delays is a clock that was set, not a late message.
+constexpr SimDuration reorder_max{std::chrono::seconds{5}};
+
+double ms_of(SimTime time) { return static_cast<double>(time.time_since_epoch().count()) * 1e-6; }
+
+/// To the tenth of a millimetre: less is noise.
+double rounded(double value) { return std::nearbyint(value * 1e4) * 1e-4; }
+
+void number_or_null(JsonWriter& json, std::string_view name, const std::optional<double>& number) {
+  json.key(name);
+  if (number)
+    json.value(rounded(*number));
+  else
+    json.null();
+}
+
+/// By how often a ray to the right crosses its border.
+bool inside(const std::vector<Point2>& polygon, Point2 p) {
+  bool odd = false;
+  for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
+    const Point2& a = polygon[i];
+    const Point2& b = polygon[j];
+    if ((a.y_m > p.y_m) != (b.y_m > p.y_m) && p.x_m < a.x_m + (b.x_m - a.x_m) * (p.y_m - a.y_m) / (b.y_m - a.y_m))
+      odd = !odd;
+  }
+  return odd;
+}
+
+/// In decimetres: where it stands is for a person who looks for it, and words that change with every picture are none.
+std::string place_text(const Pose2& pose) {
+  const auto text = [](double m) {
+    const long dm = std::lround(10.0 * m);
+    return std::string(dm < 0 ? "-" : "") + std::to_string(std::labs(dm) / 10) + "." +
+           std::to_string(std::labs(dm) % 10);
+  };
+  return "(" + text(pose.x_m) + ", " + text(pose.y_m) + ")";
+}
+
+}  // namespace
+
+std::vector<std::string> GvsDesk::subscriptions() {
+  return {std::string(wire::gvs_sights_topic), std::string(wire::gvs_connection_topic)};
+}
+
+Result<std::string> GvsDesk::on_message(SimTime now, const wire::Input& input) {
+  now_ = now;
+  if (input.source == wire::gvs_connection_topic) {
+    if (input.payload.empty()) {  // somebody took it off the broker
+      connection_.reset();
+      return std::string{};
+    }
+    auto connection = wire::gvs_connection_from_json(input.payload);
+    if (!connection) return tl::unexpected(connection.error());
+    connection_ = std::move(*connection);
+    connection_at_ = now;
+    return std::string(state()) + (connection_->trouble.empty() ? "" : ": " + connection_->trouble);
+  }
+  // Retained it would be of long ago; and the picture itself is for the page alone.
+  if (input.source != wire::gvs_sights_topic || input.flag || input.payload.empty()) return std::string{};
+  auto sights = wire::gvs_sights_from_json(input.payload);
+  if (!sights) return tl::unexpected(sights.error());
+  if (sights_ && sights->timestamp <= sights_->timestamp && sights_->timestamp - sights->timestamp < reorder_max)
+    return std::string{};
+  const bool news = !sights_ || sights_->sights.size() != sights->sights.size();
+  take(now, std::move(*sights));
+  return news ? std::to_string(sights_->sights.size()) + " in its picture" : std::string{};
+}
+
+void GvsDesk::take(SimTime now, wire::GvsSights sights) {
+  if (!sights_ || state() != "watching") watching_since_ = now;
+  const SimTime before = sights_at_;
+  sights_ = std::move(sights);
+  sights_at_ = now;
+  for (const wire::GvsSights::Sight& sight : sights_->sights) {
+    auto found = seen_.find(sight.vehicle);
+    if (found == seen_.end()) {
+      if (seen_.size() >= seen_max) continue;
+      found = seen_.emplace(sight.vehicle, Seen{}).first;
+      found->second.since = now;
+    } else if (found->second.arrived < before - patience) {
+      found->second.since = now;
+    }
+    Seen& seen = found->second;
+    seen.tag = sight.tag;
+    seen.at = sight.at;
+    seen.arrived = now;
+    seen.X_MB = sight.pose;
+    seen.uncertainty_m = sight.uncertainty_m;
+    compare(sight, seen);
+  }
+}
+
+std::optional<VehicleIndex> GvsDesk::twin_of(const std::string& name) const {
+  const auto vehicle = registry_.find(name);
+  if (!vehicle || !registry_[*vehicle].here() || registry_[*vehicle].augmented) return std::nullopt;
+  return vehicle;
+}
+
+void GvsDesk::compare(const wire::GvsSights::Sight& sight, Seen& seen) {
+  seen.gap_m.reset();
+  seen.gap_rad.reset();
+  const auto vehicle = twin_of(sight.vehicle);
+  if (!vehicle) return;
+  const auto X_MT = twin_at(*vehicle, sight.at);
+  if (!X_MT) return;
+  seen.gap_m = distance(*X_MT, sight.pose);
+  seen.gap_rad = std::fabs(wrap_angle(X_MT->heading_rad - sight.pose.heading_rad));
+  simulator_.monitor().actual(registry_[*vehicle].entity, *seen.gap_m, *seen.gap_rad);
+}
+
+std::optional<Pose2> GvsDesk::twin_at(VehicleIndex vehicle, SimTime at) const {
+  if (vehicle >= trails_.size()) return std::nullopt;
+  const auto& points = trails_[vehicle].points;
+  const auto after = std::ranges::lower_bound(points, at, {}, &Trail::Point::at);
+  if (after == points.end()) return std::nullopt;
+  if (after->at == at) return after->X_MB;
+  if (after == points.begin()) return std::nullopt;
+  const Trail::Point& a = *std::prev(after);
+  const Trail::Point& b = *after;
+  const double share = to_seconds(at - a.at) / to_seconds(b.at - a.at);
+  return Pose2{a.X_MB.x_m + share * (b.X_MB.x_m - a.X_MB.x_m), a.X_MB.y_m + share * (b.X_MB.y_m - a.X_MB.y_m),
+               wrap_angle(a.X_MB.heading_rad + share * wrap_angle(b.X_MB.heading_rad - a.X_MB.heading_rad))};
+}
+
+void GvsDesk::note_twins() {
+  trails_.resize(registry_.size());
+  for (VehicleIndex v = 0; v < registry_.size(); ++v) {
+    const AivProxy& proxy = registry_[v];
+    Trail& trail = trails_[v];
+    if (!proxy.here() || proxy.augmented) {
+      trail = {};
+      continue;
+    }
+    if (!trail.points.empty() && trail.points.back().at >= now_) continue;
+    const Pose2 X_MB = simulator_.image(*proxy.twin, now_).X_MB;
+    trail.points.push_back({now_, X_MB});
+    while (trail.points.front().at < now_ - history) trail.points.pop_front();
+    if (!sights_ || !inside(sights_->field, position(X_MB)))
+      trail.in_field_since.reset();
+    else if (!trail.in_field_since)
+      trail.in_field_since = now_;
+  }
+}
+
+std::string_view GvsDesk::state() const {
+  if (connection_ && connection_->state != wire::ConnectionState::online)
+    return connection_->state == wire::ConnectionState::offline ? "ended" : "broken";
+  const SimDuration limit = std::max(silent_after, sights_ ? from_seconds(3.0 * sights_->period_s) : silent_after);
+  return sights_ && now_ - sights_at_ <= limit ? "watching" : "silent";
+}
+
+SimTime GvsDesk::since(Finding::Kind kind, const std::string& id) const {
+  for (const Finding& known : simulator_.monitor().findings())
+    if (known.kind == kind && known.id == id) return known.since;
+  return now_;
+}
+
+void GvsDesk::find_unseen(std::vector<Finding>& findings) {
+  for (VehicleIndex v = 0; v < trails_.size(); ++v) {
+    const Trail& trail = trails_[v];
+    if (!trail.in_field_since || trail.points.empty()) continue;
+    const std::string& name = registry_[v].name;
+    const auto seen = seen_.find(name);
+    SimTime last = std::max(*trail.in_field_since, watching_since_);
+    if (seen != seen_.end()) last = std::max(last, seen->second.arrived);
+    if (now_ - last <= patience) continue;
+    findings.push_back({Finding::Kind::not_seen, name,
+                        "its twin is at " + place_text(trail.points.back().X_MB) + ", where the camera sees no AIV",
+                        since(Finding::Kind::not_seen, name)});
+  }
+}
+
+std::vector<Finding> GvsDesk::find(bool strangers) {
+  std::vector<Finding> findings;
+  const std::string_view now_it = state();
+  if (now_it == "ended") return findings;
+  if (now_it != "watching") {
+    // It may just be coming up.
+    if (now_it == "silent" && connection_ && now_ - std::max(connection_at_, sights_at_) <= patience &&
+        connection_->trouble.empty())
+      return findings;
+    std::string text = now_it == "broken" ? "the camera's program is gone" : "no picture comes";
+    if (connection_ && !connection_->trouble.empty()) text += ": " + connection_->trouble;
+    findings.push_back({Finding::Kind::no_sight, "GVS", std::move(text), since(Finding::Kind::no_sight, "GVS")});
+    return findings;
+  }
+  for (const auto& [name, seen] : seen_) {
+    if (!strangers || twin_of(name) || now_ - seen.since <= patience || now_ - seen.arrived > patience) continue;
+    findings.push_back({Finding::Kind::no_twin, name,
+                        "the camera sees it (tag " + std::to_string(seen.tag) + ") at " + place_text(seen.X_MB) +
+                            ", and it has no twin",
+                        since(Finding::Kind::no_twin, name)});
+  }
+  find_unseen(findings);
+  return findings;
+}
+
+void GvsDesk::tick(SimTime now, bool strangers) {
+  if (!heard()) return;
+  now_ = now;
+  note_twins();
+  std::erase_if(seen_, [&](const auto& one) { return now_ - one.second.arrived > patience + patience; });
+  simulator_.monitor().set_findings(find(strangers));
+}
+
+void GvsDesk::write(JsonWriter& json) const {
+  if (!heard()) {
+    json.null();
+    return;
+  }
+  json.begin_object().field("state", state());
+  json.field("source", connection_ ? connection_->source : std::string{});
+  json.field("trouble", connection_ ? connection_->trouble : std::string{});
+  json.key("last_ms");
+  if (sights_)
+    json.value(ms_of(sights_at_)).key("period_s").value(sights_->period_s);
+  else
+    json.null().key("period_s").null();
+  json.key("seen").begin_array();
+  for (const auto& [name, seen] : seen_) {
+    json.begin_object().field("id", name).field("tag", seen.tag).field("twin", twin_of(name).has_value());
+    json.field("x", rounded(seen.X_MB.x_m)).field("y", rounded(seen.X_MB.y_m));
+    json.field("heading", rounded(seen.X_MB.heading_rad)).field("uncertainty_m", rounded(seen.uncertainty_m));
+    json.field("at_ms", ms_of(seen.at));
+    number_or_null(json, "gap_m", seen.gap_m);
+    number_or_null(json, "gap_rad", seen.gap_rad);
+    json.end_object();
+  }
+  json.end_array().end_object();
+}
+
+void GvsDesk::fold(Digest& digest) const {
+  // A run without a camera has the digest that it had before there were any.
+  if (!heard()) return;
+  digest.add(state());
+  digest.add(sights_at_);
+  for (const auto& [name, seen] : seen_) {
+    digest.add(std::string_view{name});
+    digest.add(seen.X_MB.x_m);
+    digest.add(seen.X_MB.y_m);
+    digest.add(seen.gap_m.value_or(-1.0));
+  }
+}
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,68 @@
+#include "cosiva/virtual/server/zones/map_desk.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace cosiva::virtual_side {
+
+void MapDesk::begin() {
+  for (Step& step : steps_) {
+    if (step.ticket != 0) desk_.drop(step.ticket);
+    step = {};
+  }
+}
+
+std::optional<wire::Action> MapDesk::next_action(VehicleIndex vehicle, const Map& map) const {
+  const AivProxy& proxy = registry_[vehicle];
+  const auto can = [&](std::string_view action) { return proxy.supports(action) == std::optional{true}; };
+  const auto& maps = proxy.state->maps;
+  const auto known = std::ranges::find_if(maps, [&](const wire::MapInfo& one) { return one.map_id == map.id; });
+  const auto action = [](std::string type, std::vector<wire::Parameter> parameters) {
+    return wire::Action{std::move(type), {}, {}, wire::BlockingType::none, std::move(parameters)};
+  };
+  if (known == maps.end() && can("downloadMap") && !map.link.empty())
+    return action("downloadMap", {{"mapId", map.id}, {"mapVersion", map.version}, {"mapDownloadLink", map.link}});
+  if (known != maps.end() && !known->enabled && can("enableMap"))
+    return action("enableMap", {{"mapId", map.id}, {"mapVersion", known->map_version}});
+  // One that says nothing of maps may know this one all the same; one that lists them without it does not.
+  if ((known != maps.end() || maps.empty()) && can("initPosition") && proxy.reported) {
+    return action("initPosition", {{"x", proxy.reported->x_m},
+                                   {"y", proxy.reported->y_m},
+                                   {"theta", proxy.reported->heading_rad},
+                                   {"mapId", map.id},
+                                   {"lastNodeId", std::string{}}});
+  }
+  return std::nullopt;
+}
+
+bool MapDesk::under_way(Step& step) const {
+  if (step.ticket == 0) return false;
+  const ActionDesk::Letter* letter = desk_.find(step.ticket);
+  const bool done = letter == nullptr || std::ranges::all_of(letter->actions, [](const ActionDesk::Progress& action) {
+                      return action.seen && (action.status == wire::ActionStatus::finished ||
+                                             action.status == wire::ActionStatus::failed);
+                    });
+  if (!done && outbox_.now() - step.sent_at < patience) return true;
+  const bool finished =
+      letter != nullptr && !letter->actions.empty() && letter->actions.front().status == wire::ActionStatus::finished;
+  // Its next state may still be from before; and what failed is not asked for all the time.
+  step.not_before = outbox_.now() + (finished ? SimDuration{std::chrono::seconds{1}} : again_after);
+  desk_.drop(std::exchange(step.ticket, 0));
+  return false;
+}
+
+void MapDesk::step(VehicleIndex vehicle, const Map& map) {
+  AivProxy& proxy = registry_[vehicle];
+  Step& step = steps_[vehicle];
+  if (!proxy.state || !proxy.online() || under_way(step) || outbox_.now() < step.not_before) return;
+  // On an order of the old map it would be asked for too much at once.
+  if (!proxy.state->node_states.empty() || proxy.state->driving) return;
+  auto action = next_action(vehicle, map);
+  if (!action) return;
+  outbox_.log('i', proxy.name + ": is on map '" + proxy.map_id + "'; asked for " + action->action_type + " of '" +
+                       map.id + "'");
+  step.sent_at = outbox_.now();
+  step.ticket = desk_.send(proxy, vehicle, {std::move(*action)}, patience, true);
+}
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cosiva/virtual/server/messages/outbox.h"
+#include "cosiva/virtual/server/registry/proxy.h"
+
+namespace cosiva::virtual_side {
+
+/// Leads vehicles of other makes to the zone's map as VDA 5050 2.1 wants it (§6.7): downloadMap, enableMap,
+/// initPosition, each where the factsheet lists it, one after the other. Our own take the configuration from its topic.
+class MapDesk {
+ public:
+  static constexpr SimDuration patience{std::chrono::seconds{10}};
+  static constexpr SimDuration again_after{std::chrono::seconds{10}};
+
+  MapDesk(Registry& registry, Outbox& outbox, ActionDesk& desk) : registry_{registry}, outbox_{outbox}, desk_{desk} {}
+
+  void resize(std::size_t vehicles) { steps_.resize(vehicles); }
+  /// The zone is another one; what was asked for before is not followed any more.
+  void begin();
+  struct Map {
+    std::string id;
+    std::string version;
+    std::string link;  ///< empty: it cannot be downloaded
+  };
+  /// For a vehicle that reports another map than this.
+  void step(VehicleIndex vehicle, const Map& map);
+
+ private:
+  struct Step {
+    ActionDesk::Ticket ticket{0};  ///< 0: nothing is under way
+    SimTime sent_at{};
+    SimTime not_before{};
+  };
+  [[nodiscard]] std::optional<wire::Action> next_action(VehicleIndex vehicle, const Map& map) const;
+  [[nodiscard]] bool under_way(Step& step) const;
+
+  Registry& registry_;
+  Outbox& outbox_;
+  ActionDesk& desk_;
+  std::vector<Step> steps_;
+};
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,126 @@
+#include "cosiva/virtual/server/zones/zone_edits.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "cosiva/zone/edit/edit.h"
+
+namespace cosiva::virtual_side {
+bool ZoneEdits::is_ours(std::string_view command) {
+  return command == "edit" || command == "undo" || command == "redo" || command == "saved";
+}
+
+Result<zone::ZoneConfiguration> ZoneEdits::after(const JsonValue& command, const Simulator& simulator) const {
+  if (simulator.configuration() == nullptr)
+    return fail("edit.zone", "there is no zone yet; wait until the physical side has sent it, then try again");
+  const std::string verb = command.text("command").value_or("");
+  if (verb == "saved") return *simulator.configuration();
+  if (verb == "undo") {
+    if (undo_.empty()) return fail("edit.undo", "there is nothing to undo");
+    return undo_.back();
+  }
+  if (verb == "redo") {
+    if (redo_.empty()) return fail("edit.redo", "there is nothing to do again");
+    return redo_.back();
+  }
+  const JsonValue* wanted = command.find("edit");
+  if (wanted == nullptr || wanted->object() == nullptr)
+    return fail("edit.missing", R"(say what to change, as {"edit":{"removeTags":[7]}})", "edit");
+  const auto edit = zone::zone_edit_from_json(*wanted, *simulator.zone());
+  if (!edit) return tl::unexpected(edit.error());
+  auto made = zone::edited(*simulator.configuration(), *edit);
+  if (!made) return made;
+  if (same_content(*made, *simulator.configuration())) return fail("edit.nothing", "this edit changes nothing", "edit");
+  // What we publish, everybody must be able to build.
+  if (auto rtm = zone::Rtm::initialise(*made); !rtm) return tl::unexpected(rtm.error());
+  return made;
+}
+
+void ZoneEdits::push(std::deque<zone::ZoneConfiguration>& stack, zone::ZoneConfiguration configuration) {
+  stack.push_back(std::move(configuration));
+  if (stack.size() > depth) stack.pop_front();
+}
+
+void ZoneEdits::done(std::string_view command, zone::ZoneConfiguration before) {
+  if (command == "undo") {
+    undo_.pop_back();
+    push(redo_, std::move(before));
+  } else if (command == "redo") {
+    redo_.pop_back();
+    push(undo_, std::move(before));
+  } else {
+    redo_.clear();
+    push(undo_, std::move(before));
+  }
+}
+
+void ZoneEdits::saved(const zone::ZoneConfiguration& now_in_force) { saved_ = now_in_force; }
+
+ZoneEdits::Arrival ZoneEdits::arrives(const zone::ZoneConfiguration& configuration) {
+  const auto echo = std::ranges::find_if(expected_, [&](const auto& own) { return same_content(own, configuration); });
+  if (echo != expected_.end()) {
+    expected_.erase(expected_.begin(), echo + 1);  // retained messages may be skipped, never swapped
+    return Arrival::echo;
+  }
+  return base_ && same_content(*base_, configuration) ? Arrival::stale : Arrival::news;
+}
+
+void ZoneEdits::published(const zone::ZoneConfiguration& configuration) { push(expected_, configuration); }
+
+void ZoneEdits::begin(const zone::ZoneConfiguration& configuration, Origin origin) {
+  base_ = configuration;
+  saved_ = configuration;
+  undo_.clear();
+  redo_.clear();
+  // What was published before a zone from the broker and comes back after it is in force again: the broker's order
+  // counts for everybody. One of our own comes back after all that we published before it.
+  if (origin == Origin::broker) expected_.clear();
+}
+
+bool ZoneEdits::unsaved(const Simulator& simulator) const {
+  return saved_ && simulator.configuration() != nullptr && !same_content(*saved_, *simulator.configuration());
+}
+
+bool ZoneEdits::edited(const Simulator& simulator) const {
+  return base_ && simulator.configuration() != nullptr && !same_content(*base_, *simulator.configuration());
+}
+
+void ZoneEdits::write_memory(JsonWriter& json, const Simulator& simulator) const {
+  const auto write = [&json](std::string_view key, const zone::ZoneConfiguration& configuration) {
+    zone::write_json(json.key(key), configuration);
+  };
+  json.begin_object();
+  write("base", *base_);
+  write("made", *simulator.configuration());
+  json.field("saved", !unsaved(simulator)).end_object();
+}
+
+ZoneEdits::Recalled ZoneEdits::recalled(const JsonValue& memory, const zone::ZoneConfiguration& in_force) {
+  const JsonValue* base_json = memory.find("base");
+  const JsonValue* made_json = memory.find("made");
+  if (base_json == nullptr || made_json == nullptr) return {};
+  auto base = zone::zone_configuration_from_json(*base_json);
+  auto made = zone::zone_configuration_from_json(*made_json);
+  if (!base || !made) return {};
+  Recalled recalled{Recalled::Fit::another, std::move(*base), std::move(*made), memory.flag("saved").value_or(false)};
+  if (same_content(recalled.made, in_force))
+    recalled.fit = Recalled::Fit::made;
+  else if (same_content(recalled.base, in_force))
+    recalled.fit = Recalled::Fit::base;
+  return recalled;
+}
+
+void ZoneEdits::restore(Recalled recalled) {
+  saved_ = recalled.saved ? recalled.made : recalled.base;
+  undo_.clear();
+  redo_.clear();
+  push(undo_, recalled.base);
+  base_ = std::move(recalled.base);
+}
+
+void ZoneEdits::fold(Digest& digest) const {
+  digest.add(static_cast<std::uint64_t>(undo_.size()));
+  digest.add(static_cast<std::uint64_t>(redo_.size()));
+}
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,54 @@
+#include "cosiva/wire/in_process/said.h"
+
+namespace cosiva::wire {
+namespace {
+
+SimTime on_the_wire(SimTime time) { return SimTime{floor<std::chrono::milliseconds>(time.time_since_epoch())}; }
+
+std::uint32_t number_of(const State& message) { return message.header.header_id; }
+std::uint32_t number_of(const Visualization& message) { return message.header.header_id; }
+std::uint32_t number_of(const Intent& message) { return message.header_id; }
+std::uint32_t number_of(const Seen& message) { return message.header_id; }
+std::uint32_t number_of(const BoardsReport& message) { return message.header_id; }
+std::uint32_t number_of(const Order& message) { return message.header.header_id; }
+
+template <typename Message>
+Message stamped(Message&& message) {
+  message.timestamp = on_the_wire(message.timestamp);
+  return std::forward<Message>(message);
+}
+
+template <typename Message>
+Message stamped_in_header(Message&& message) {
+  message.header.timestamp = on_the_wire(message.header.timestamp);
+  return std::forward<Message>(message);
+}
+
+template <typename Message>
+Result<Message> said_or(const Input& input, Result<Message> (*read)(std::string_view)) {
+  if (const auto* message = said<Message>(input.said)) return *message;
+  return read(input.payload);
+}
+
+}  // namespace
+
+State as_heard(State&& message) { return stamped_in_header(std::move(message)); }
+Visualization as_heard(Visualization&& message) { return stamped_in_header(std::move(message)); }
+Intent as_heard(Intent&& message) { return stamped(std::move(message)); }
+Seen as_heard(Seen&& message) { return stamped(std::move(message)); }
+Order as_heard(Order&& message) { return stamped_in_header(std::move(message)); }
+
+BoardsReport as_heard(BoardsReport&& message) {
+  if (message.ranges) message.ranges->board_ms = 0;  // a board's own clock is nobody's business outside
+  return stamped(std::move(message));
+}
+
+Result<Seen> heard_seen(const Input& input) { return said_or(input, seen_from_json); }
+Result<BoardsReport> heard_boards_report(const Input& input) { return said_or(input, boards_report_from_json); }
+
+void Said::fold(Digest& digest) const {
+  digest.add(std::uint64_t{message.index()});
+  digest.add(std::uint64_t{std::visit([](const auto& said) { return number_of(said); }, message)});
+}
+
+}  // namespace cosiva::wire

@@ -1,0 +1,69 @@
+#include "cosiva/wire/messages/topics.h"
+
+#include <gtest/gtest.h>
+
+#include "cosiva/wire/messages/board.h"
+
+namespace cosiva::wire {
+namespace {
+
+TEST(VdaTopic, is_written_as_the_standard_lays_it_out) {
+  EXPECT_EQ(vda_topic({"CoSiVA", "aiv-1"}, "state"), "uagv/v2/CoSiVA/aiv-1/state");
+  EXPECT_EQ(vda_topic({"RobotCompany", "001"}, "order", "twin"), "twin/v2/RobotCompany/001/order");
+}
+
+TEST(VdaTopic, reads_back_what_it_writes) {
+  const auto topic = parse_vda_topic("uagv/v2/CoSiVA/aiv-1/instantActions");
+  ASSERT_TRUE(topic);
+  EXPECT_EQ(topic->interface_name, "uagv");
+  EXPECT_EQ(topic->major_version, "v2");
+  EXPECT_EQ(topic->vehicle, (VehicleId{"CoSiVA", "aiv-1"}));
+  EXPECT_EQ(topic->name, "instantActions");
+  EXPECT_EQ(to_string(*topic), "uagv/v2/CoSiVA/aiv-1/instantActions");
+}
+
+TEST(VdaTopic, has_exactly_five_levels_with_something_in_each) {
+  for (const char* text : {"", "/", "uagv", "uagv/v2/m/s", "uagv/v2/m/s/state/more", "uagv/v2//s/state",
+                           "/v2/m/s/state", "uagv/v2/m/s/", "////", "uagv/v2/m/s/state/"})
+    EXPECT_FALSE(parse_vda_topic(text)) << text;
+}
+
+TEST(VehicleId, is_ordered_and_case_sensitive) {
+  EXPECT_LT((VehicleId{"A", "2"}), (VehicleId{"B", "1"}));
+  EXPECT_NE((VehicleId{"cosiva", "1"}), (VehicleId{"CoSiVA", "1"}));
+  EXPECT_EQ(to_string(VehicleId{"CoSiVA", "aiv-1"}), "CoSiVA/aiv-1");
+}
+
+TEST(SerialNumber, uses_the_standards_characters_only) {
+  EXPECT_TRUE(valid_serial_number("AZaz09_.:-"));
+  for (const char* text : {"", "a/b", "a b", "+", "#", "$x", "\xC3\xBC"})
+    EXPECT_FALSE(valid_serial_number(text)) << text;
+  EXPECT_TRUE(valid_serial_number(std::string(64, 'x')));
+  EXPECT_FALSE(valid_serial_number(std::string(65, 'x')));
+}
+
+TEST(OwnTopic, is_a_prefix_and_the_vehicle_and_reads_back) {
+  const VehicleId vehicle{"CoSiVA.virtual", "V1"};
+  EXPECT_EQ(own_topic(ahead_topic_prefix, vehicle), "cosiva/v1/ahead/CoSiVA.virtual/V1");
+  for (const std::string_view prefix : {ahead_topic_prefix, felt_topic_prefix, seen_topic_prefix, boards_topic_prefix})
+    EXPECT_EQ(parse_own_topic(prefix, own_topic(prefix, vehicle)), vehicle) << prefix;
+}
+
+TEST(OwnTopic, names_exactly_one_vehicle) {
+  for (const char* text : {"", "cosiva/v1/ahead/", "cosiva/v1/ahead/m", "cosiva/v1/ahead/m/", "cosiva/v1/ahead//s",
+                           "cosiva/v1/ahead/m/s/more", "cosiva/v1/felt/m/s", "cosiva/v1/ahead"})
+    EXPECT_FALSE(parse_own_topic(ahead_topic_prefix, text)) << text;
+}
+
+TEST(PortName, says_vehicle_and_board) {
+  EXPECT_EQ(port_name(3, Board::DOBS), "3/DOBS");
+  EXPECT_EQ(to_string(Board::PILS), "PILS");
+}
+
+TEST(Topics, below_a_prefix_have_one_filter) {
+  EXPECT_EQ(topics_below(zone_topic_prefix, 1), "cosiva/v1/zone/+");
+  EXPECT_EQ(topics_below(felt_topic_prefix, 2), "cosiva/v1/felt/+/+");
+}
+
+}  // namespace
+}  // namespace cosiva::wire

@@ -1,0 +1,112 @@
+#include "cosiva/wire/own/battery_exchange.h"
+
+#include <array>
+
+#include "cosiva/base/json_writer.h"
+#include "cosiva/wire/own/own_fields.h"
+
+namespace cosiva::wire {
+
+using own::Fields;
+using own::read_message;
+
+namespace {
+
+constexpr std::array<std::string_view, 5> phase_words{"changing", "ready", "running", "paused", "ended"};
+/// So long is one of vehicles_max vehicles, with the longest names.
+constexpr std::size_t test_bytes_max = 256U << 10U;
+constexpr double seconds_max = 1e9;
+
+void read_seat(Fields& in, BatteryTest::Seat& seat) {
+  in.text("vehicle", seat.vehicle);
+  in.text("battery", seat.battery);
+  std::string phase;
+  in.text("phase", phase);
+  bool known = false;
+  for (std::size_t i = 0; i < phase_words.size(); ++i) {
+    if (phase_words[i] != phase) continue;
+    seat.phase = static_cast<BatteryPhase>(i);
+    known = true;
+  }
+  if (!known) in.complain("phase", "changing, ready, running, paused or ended");
+  in.text("stop", seat.stop);
+  in.number("autonomy_s", 0.0, seconds_max, seat.autonomy_s);
+  in.number("charge", 0.0, 100.0, seat.charge_percent);
+}
+
+}  // namespace
+
+std::string_view to_string(BatteryPhase phase) { return phase_words[static_cast<std::size_t>(phase)]; }
+
+std::string to_json(const BatteryTest& test) {
+  JsonWriter json;
+  json.begin_object().field("timestamp", to_iso8601(test.timestamp)).field("began", to_iso8601(test.began));
+  json.field("run", test.run).field("runs", test.runs).field("floor", test.floor_percent).field("share", test.share);
+  json.key("expectedEnd");
+  if (test.expected_end)
+    json.value(to_iso8601(*test.expected_end));
+  else
+    json.null();
+  json.field("done", test.done).key("vehicles").begin_array();
+  for (const BatteryTest::Seat& seat : test.vehicles) {
+    json.begin_object().field("vehicle", seat.vehicle).field("battery", seat.battery);
+    json.field("phase", to_string(seat.phase)).field("stop", seat.stop).field("autonomy_s", seat.autonomy_s);
+    if (seat.charge_percent) json.field("charge", *seat.charge_percent);
+    json.end_object();
+  }
+  return json.end_array().end_object().take();
+}
+
+Result<BatteryTest> battery_test_from_json(std::string_view text) {
+  const auto read = [](Fields& in, BatteryTest& test) {
+    in.time("timestamp", test.timestamp);
+    in.time("began", test.began);
+    in.whole("run", test.run);
+    in.whole("runs", test.runs);
+    in.number("floor", 0.0, 100.0, test.floor_percent);
+    in.number("share", 0.0, 1.0, test.share);
+    if (in.optional("expectedEnd") != nullptr) in.time("expectedEnd", test.expected_end.emplace());
+    in.flag("done", test.done);
+    in.list("vehicles", BatteryTest::vehicles_max, [&](const JsonValue& item, const std::string& name) {
+      Fields fields{item, name + "."};
+      read_seat(fields, test.vehicles.emplace_back());
+      in.take_over(fields.error());
+    });
+  };
+  return read_message<BatteryTest>(text, read, test_bytes_max);
+}
+
+std::string to_json(const BatteryChange& change) {
+  JsonWriter json;
+  json.begin_object().field("battery", change.battery).field("run", change.run).field("reason", change.reason);
+  return json.end_object().take();
+}
+
+std::string to_json(const BatteryReady& ready) {
+  JsonWriter json;
+  json.begin_object().field("battery", ready.battery).field("type", ready.type).field("cycles", ready.cycles);
+  json.field("rest_s", ready.rest_s).field("temperature", ready.temperature_c).field("charge", ready.charge_percent);
+  return json.end_object().take();
+}
+
+Result<BatteryChange> battery_change_from_json(std::string_view text) {
+  return read_message<BatteryChange>(text, [](Fields& in, BatteryChange& change) {
+    in.text("battery", change.battery);
+    in.whole("run", change.run);
+    in.text("reason", change.reason);
+  });
+}
+
+Result<BatteryReady> battery_ready_from_json(std::string_view text) {
+  return read_message<BatteryReady>(text, [](Fields& in, BatteryReady& ready) {
+    in.text("battery", ready.battery);
+    if (ready.battery.empty()) in.complain("battery", "its id");
+    in.text("type", ready.type);
+    in.number("cycles", 0.0, 1e6, ready.cycles);
+    in.number("rest_s", 0.0, 1e9, ready.rest_s);
+    in.number("temperature", -100.0, 200.0, ready.temperature_c);
+    in.number("charge", 0.0, 100.0, ready.charge_percent);
+  });
+}
+
+}  // namespace cosiva::wire

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cosiva/base/result.h"
+#include "cosiva/base/time.h"
+#include "cosiva/wire/messages/topics.h"
+
+/// What a battery test says over the bus (A37): changeBattery → batteryReady → run → {rc, sendMsg} … floor. Run and
+/// stop are the server's commands, rc is in the vehicle's own reports (boards_topic_prefix); what is left is said here.
+namespace cosiva::wire {
+
+/// Test → vehicle and whoever stands beside it, retained until it is done: BatteryChange.
+inline constexpr std::string_view battery_change_topic_prefix = "cosiva/v1/battery/change/";
+/// Vehicle, or who changed its battery, → test: BatteryReady.
+inline constexpr std::string_view battery_ready_topic_prefix = "cosiva/v1/battery/ready/";
+/// Test → whoever looks on, retained, at each change and once a second: BatteryTest. The last one is kept, `done`,
+/// until another test begins.
+inline constexpr std::string_view battery_test_topic = "cosiva/v1/battery/test";
+
+/// changeBattery: this battery is wanted in the vehicle.
+struct BatteryChange {
+  std::string battery;   ///< as people call it
+  std::uint32_t run{1};  ///< of the test, from 1 on
+  std::string reason;    ///< why the one that is there may not run; empty: it is time
+  friend bool operator==(const BatteryChange&, const BatteryChange&) = default;
+};
+
+/// batteryReady: what has been put in.
+struct BatteryReady {
+  std::string battery;      ///< its own id
+  std::string type;         ///< "leaf33"
+  double cycles{};          ///< full ones that it has gone through
+  double rest_s{};          ///< since it was charged
+  double temperature_c{};   ///< of the pack
+  double charge_percent{};  ///< as the gauge believes, 0…100
+  friend bool operator==(const BatteryReady&, const BatteryReady&) = default;
+};
+
+/// Where a vehicle of a test is in the exchange.
+enum class BatteryPhase : std::uint8_t { changing, ready, running, paused, ended };
+[[nodiscard]] std::string_view to_string(BatteryPhase phase);
+
+/// A test as it stands.
+struct BatteryTest {
+  SimTime timestamp{};
+  SimTime began{};
+  std::uint32_t run{1};  ///< from 1 on, of `runs`
+  std::uint32_t runs{1};
+  double floor_percent{};               ///< where a run ends
+  double share{};                       ///< of the way from full to the floor, 0…1, over this run's vehicles
+  std::optional<SimTime> expected_end;  ///< of this run, as it goes; nothing: too early to say
+  bool done{false};
+  struct Seat {
+    std::string vehicle;  ///< "CoSiVA/AIV1"
+    std::string battery;  ///< that is in it, or asked for
+    BatteryPhase phase{};
+    std::string stop;     ///< what ended it: floor, cut-off, fault, operator, lost; empty: nothing yet
+    double autonomy_s{};  ///< so far, pauses taken out
+    std::optional<double> charge_percent;
+    friend bool operator==(const Seat&, const Seat&) = default;
+  };
+  std::vector<Seat> vehicles;
+  static constexpr std::size_t vehicles_max = 256;
+  friend bool operator==(const BatteryTest&, const BatteryTest&) = default;
+};
+
+[[nodiscard]] std::string to_json(const BatteryTest& test);
+[[nodiscard]] std::string to_json(const BatteryChange& change);
+[[nodiscard]] std::string to_json(const BatteryReady& ready);
+/// Fail ("own.field", "json.…") as the readers of own_messages.h do.
+[[nodiscard]] Result<BatteryChange> battery_change_from_json(std::string_view json);
+[[nodiscard]] Result<BatteryReady> battery_ready_from_json(std::string_view json);
+[[nodiscard]] Result<BatteryTest> battery_test_from_json(std::string_view json);
+
+}  // namespace cosiva::wire

@@ -1,0 +1,84 @@
+#include "cosiva/wire/own/battery_exchange.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <string>
+
+#include "cosiva/base/random.h"
+
+namespace cosiva::wire {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(BatteryExchange, reads_back_what_it_writes) {
+  rc::check("any battery", [](std::uint64_t seed) {
+    Random random{seed, "battery"};
+    const BatteryReady ready{"B" + std::to_string(random.below(1000)),
+                             "leaf\"33\n",
+                             random.uniform(0, 1e4),
+                             random.uniform(0, 1e6),
+                             random.uniform(-20, 60),
+                             random.uniform(0, 100)};
+    RC_ASSERT(battery_ready_from_json(to_json(ready)) == ready);
+    const BatteryChange change{"B7", static_cast<std::uint32_t>(random.next()), random.chance(0.5) ? "too cold" : ""};
+    RC_ASSERT(battery_change_from_json(to_json(change)) == change);
+    const auto time = [&] {
+      return SimTime{std::chrono::milliseconds{1'700'000'000'000 + random.below(1'000'000'000)}};
+    };
+    BatteryTest test{time(), time(), 2, 4, random.uniform(0, 100), random.uniform(0, 1), {}, random.chance(0.5), {}};
+    if (random.chance(0.5)) test.expected_end = time();
+    const std::size_t count = random.below(BatteryTest::vehicles_max + 1);
+    for (std::size_t v = 0; v < count; ++v) {
+      test.vehicles.push_back({std::string(60, 'm') + "/AIV" + std::to_string(v),
+                               std::string(60, '"'),
+                               static_cast<BatteryPhase>(random.below(5)),
+                               random.chance(0.5) ? "cut-off" : "",
+                               random.uniform(0, 1e6),
+                               {}});
+      if (random.chance(0.5)) test.vehicles.back().charge_percent = random.uniform(0, 100);
+    }
+    RC_ASSERT(battery_test_from_json(to_json(test)) == test);
+  });
+}
+
+TEST(BatteryExchange, of_a_test_that_is_bad_is_refused_with_its_field) {
+  const auto refusal = [](const std::string& from, const std::string& to) {
+    const BatteryTest good{{}, {}, 1, 1, 20.0, 0.5, {}, false, {{"CoSiVA/AIV1", "red", {}, "", 0.0, 87.0}}};
+    std::string json = to_json(good);
+    EXPECT_TRUE(battery_test_from_json(json)) << json;
+    const std::size_t at = json.find(from);
+    EXPECT_NE(at, std::string::npos) << json;
+    const auto read = battery_test_from_json(json.replace(at, from.size(), to));
+    EXPECT_FALSE(read) << json;
+    return read ? std::string{} : to_string(read.error());
+  };
+  EXPECT_THAT(refusal(R"("share":0.5)", R"("share":1.5)"), HasSubstr("share"));
+  EXPECT_THAT(refusal(R"("done":false)", R"("done":0)"), HasSubstr("done"));
+  EXPECT_THAT(refusal(R"("expectedEnd":null)", R"("expectedEnd":"soon")"), HasSubstr("expectedEnd"));
+  EXPECT_THAT(refusal("changing", "flying"), HasSubstr("vehicles.0.phase"));
+  EXPECT_THAT(refusal(R"("charge":87)", R"("charge":-1)"), HasSubstr("vehicles.0.charge"));
+  EXPECT_THAT(refusal(R"("vehicles":[)", R"("vehicles":[7,)"), HasSubstr("vehicles.0"));
+  EXPECT_FALSE(battery_test_from_json(""));
+}
+
+TEST(BatteryExchange, that_is_bad_is_refused_with_its_field) {
+  const auto refusal = [](const std::string& json) {
+    const auto ready = battery_ready_from_json(json);
+    EXPECT_FALSE(ready) << json;
+    return ready ? std::string{} : to_string(ready.error());
+  };
+  const std::string rest = R"("type":"x","cycles":1,"rest_s":0,"temperature":20,)";
+  EXPECT_THAT(refusal("{}"), HasSubstr("battery"));
+  EXPECT_THAT(refusal(R"({"battery":"",)" + rest + R"("charge":100})"), HasSubstr("battery"));
+  EXPECT_THAT(refusal(R"({"battery":"B",)" + rest + R"("charge":101})"), HasSubstr("charge"));
+  EXPECT_THAT(refusal(R"({"battery":"B",)" + rest + R"("charge":"full"})"), HasSubstr("charge"));
+  EXPECT_THAT(refusal(R"({"battery":"B","type":"x","cycles":-1,"rest_s":0,"temperature":20,"charge":1})"),
+              HasSubstr("cycles"));
+  EXPECT_FALSE(refusal("charge").empty());
+}
+
+}  // namespace
+}  // namespace cosiva::wire

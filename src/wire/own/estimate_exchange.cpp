@@ -1,0 +1,243 @@
+#include "cosiva/wire/own/estimate_exchange.h"
+
+#include <cmath>
+
+#include "cosiva/base/json_writer.h"
+#include "cosiva/wire/own/own_fields.h"
+
+namespace cosiva::wire {
+
+using own::Fields;
+using own::read_message;
+
+namespace {
+
+/// So long is one with told_max inputs.
+constexpr std::size_t answer_bytes_max = 2U << 20U;
+constexpr double way_m_max = 1e9;
+constexpr double variance_max = EstimateAnswer::variance_max;
+constexpr double seconds_max = 1e6;
+
+/// The fields of one object inside the message.
+template <typename Read>
+void inside(Fields& in, const JsonValue& json, const std::string& name, const Read& read) {
+  Fields fields{json, name + "."};
+  read(fields);
+  in.take_over(fields.error());
+}
+
+void read_pose(Fields& in, Pose2& pose) {
+  in.number("x", -own::place_m_max, own::place_m_max, pose.x_m);
+  in.number("y", -own::place_m_max, own::place_m_max, pose.y_m);
+  in.number("theta", -own::heading_rad_max, own::heading_rad_max, pose.heading_rad);
+}
+
+void read_sensors(Fields& in, EstimateSensors& sensors) {
+  const auto take = [&in](const char* field, double& out) { in.number(field, 0.0, variance_max, out); };
+  take("distance_variance_per_m", sensors.distance_variance_per_m);
+  take("turn_variance_per_m", sensors.turn_variance_per_m);
+  take("turn_variance_per_rad", sensors.turn_variance_per_rad);
+  take("distance_scale_sigma", sensors.distance_scale_sigma);
+  take("turn_scale_sigma", sensors.turn_scale_sigma);
+  take("mark_along_sigma_m", sensors.mark_along_sigma_m);
+  take("mark_across_sigma_m", sensors.mark_across_sigma_m);
+  take("line_sigma_m", sensors.line_sigma_m);
+  take("line_heading_sigma_rad", sensors.line_heading_sigma_rad);
+}
+
+void read_start(Fields& in, EstimateAnswer::Start& start) {
+  read_pose(in, start.X_MB);
+  in.number("sigma_m", 0.0, variance_max, start.sigma_m);
+  in.number("thetaSigma", 0.0, variance_max, start.heading_sigma_rad);
+  if (in.optional("section") != nullptr) in.text("section", start.section.emplace());
+  in.number("along_m", -way_m_max, way_m_max, start.along_m);
+  const JsonValue* sensors = in.optional("sensors");
+  if (sensors == nullptr) return in.complain("sensors", "this field");
+  inside(in, *sensors, "start.sensors", [&](Fields& fields) { read_sensors(fields, start.sensors); });
+}
+
+void read_odometry(Fields& in, EstimateAnswer::Odometry& odometry) {
+  in.number("distance_m", -way_m_max, way_m_max, odometry.distance_m);
+  in.number("turn_rad", -own::heading_rad_max, own::heading_rad_max, odometry.turn_rad);
+  in.number("duration_s", 0.0, seconds_max, odometry.duration_s);
+}
+
+void read_reading(Fields& in, EstimateAnswer::Reading& reading) {
+  in.whole("mark", reading.mark);
+  in.number("x_m", -own::place_m_max, own::place_m_max, reading.mark_M.x_m);
+  in.number("y_m", -own::place_m_max, own::place_m_max, reading.mark_M.y_m);
+  in.number("ahead_m", -own::place_m_max, own::place_m_max, reading.seen_B.x_m);
+  in.number("left_m", -own::place_m_max, own::place_m_max, reading.seen_B.y_m);
+}
+
+void read_input(Fields& in, const std::string& name, std::vector<EstimateAnswer::Input>& told) {
+  if (const JsonValue* odometry = in.optional("odometry")) {
+    EstimateAnswer::Odometry read;
+    inside(in, *odometry, name + ".odometry", [&](Fields& fields) { read_odometry(fields, read); });
+    told.emplace_back(read);
+  } else if (const JsonValue* reading = in.optional("reading")) {
+    EstimateAnswer::Reading read;
+    inside(in, *reading, name + ".reading", [&](Fields& fields) { read_reading(fields, read); });
+    told.emplace_back(read);
+  } else {
+    in.complain("", "odometry or reading");
+  }
+}
+
+void read_rectified(Fields& in, EstimateAnswer::Rectified& rectified) {
+  in.flag("accepted", rectified.accepted);
+  in.number("nis", 0.0, variance_max, rectified.nis);
+  in.whole("dimensions", rectified.dimensions);
+}
+
+void read_covariance(Fields& in, EstimateAnswer::Estimate& estimate) {
+  if (in.optional("covariance") == nullptr) return;
+  std::array<double, 9>& matrix = estimate.covariance.emplace();
+  std::size_t count = 0;
+  in.list("covariance", matrix.size(), [&](const JsonValue& item, const std::string& name) {
+    const double* number = item.number();
+    if (number == nullptr || !(std::fabs(*number) <= variance_max)) return in.complain(name, "a number");
+    matrix[count++] = *number + 0.0;  // no minus zero, as everywhere
+  });
+  if (count != matrix.size()) in.complain("covariance", "nine numbers");
+}
+
+void read_estimate(Fields& in, const std::string& name, EstimateAnswer::Estimate& estimate) {
+  in.text("algorithm", estimate.algorithm);
+  in.text("fault", estimate.fault, EstimateAnswer::fault_bytes_max);
+  if (!estimate.fault.empty()) return;
+  read_pose(in, estimate.X_MB);
+  read_covariance(in, estimate);
+  in.number("along_m", -way_m_max, way_m_max, estimate.along_m);
+  in.list("rectified", EstimateAnswer::told_max, [&](const JsonValue& item, const std::string& which) {
+    inside(in, item, name + "." + which,
+           [&](Fields& fields) { read_rectified(fields, estimate.rectified.emplace_back()); });
+  });
+}
+
+void write(JsonWriter& json, const Pose2& pose) {
+  json.field("x", pose.x_m).field("y", pose.y_m).field("theta", pose.heading_rad);
+}
+
+void write(JsonWriter& json, const EstimateSensors& sensors) {
+  json.key("sensors").begin_object();
+  json.field("distance_variance_per_m", sensors.distance_variance_per_m);
+  json.field("turn_variance_per_m", sensors.turn_variance_per_m);
+  json.field("turn_variance_per_rad", sensors.turn_variance_per_rad);
+  json.field("distance_scale_sigma", sensors.distance_scale_sigma);
+  json.field("turn_scale_sigma", sensors.turn_scale_sigma);
+  json.field("mark_along_sigma_m", sensors.mark_along_sigma_m);
+  json.field("mark_across_sigma_m", sensors.mark_across_sigma_m);
+  json.field("line_sigma_m", sensors.line_sigma_m);
+  json.field("line_heading_sigma_rad", sensors.line_heading_sigma_rad).end_object();
+}
+
+void write(JsonWriter& json, const EstimateAnswer::Start& start) {
+  json.key("start").begin_object();
+  write(json, start.X_MB);
+  json.field("sigma_m", start.sigma_m).field("thetaSigma", start.heading_sigma_rad);
+  if (start.section) json.field("section", *start.section);
+  json.field("along_m", start.along_m);
+  write(json, start.sensors);
+  json.end_object();
+}
+
+void write(JsonWriter& json, const EstimateAnswer::Input& input) {
+  json.begin_object();
+  if (const auto* odometry = std::get_if<EstimateAnswer::Odometry>(&input)) {
+    json.key("odometry").begin_object().field("distance_m", odometry->distance_m);
+    json.field("turn_rad", odometry->turn_rad).field("duration_s", odometry->duration_s).end_object();
+  } else {
+    const auto& reading = std::get<EstimateAnswer::Reading>(input);
+    json.key("reading").begin_object().field("mark", reading.mark);
+    json.field("x_m", reading.mark_M.x_m).field("y_m", reading.mark_M.y_m);
+    json.field("ahead_m", reading.seen_B.x_m).field("left_m", reading.seen_B.y_m).end_object();
+  }
+  json.end_object();
+}
+
+void write(JsonWriter& json, const EstimateAnswer::Estimate& estimate) {
+  json.begin_object().field("algorithm", estimate.algorithm).field("fault", estimate.fault);
+  if (estimate.fault.empty()) {
+    write(json, estimate.X_MB);
+    if (estimate.covariance) {
+      json.key("covariance").begin_array();
+      for (const double number : *estimate.covariance) json.value(number);
+      json.end_array();
+    }
+    if (estimate.along_m) json.field("along_m", *estimate.along_m);
+    json.key("rectified").begin_array();
+    for (const EstimateAnswer::Rectified& one : estimate.rectified) {
+      json.begin_object().field("accepted", one.accepted);
+      if (one.nis) json.field("nis", *one.nis);
+      json.field("dimensions", one.dimensions).end_object();
+    }
+    json.end_array();
+  }
+  json.end_object();
+}
+
+}  // namespace
+
+std::string to_json(const EstimateRequest& request) {
+  JsonWriter json;
+  json.begin_object().field("session", request.session).field("sequence", request.sequence);
+  json.key("algorithms").begin_array();
+  for (const std::string& name : request.algorithms) json.value(name);
+  json.end_array().field("seed", request.seed).field("particles", request.particles);
+  return json.field("horizon", request.horizon).end_object().take();
+}
+
+Result<EstimateRequest> estimate_request_from_json(std::string_view text) {
+  return read_message<EstimateRequest>(text, [](Fields& in, EstimateRequest& request) {
+    in.text("session", request.session);
+    if (request.session.empty()) in.complain("session", "a name");
+    in.whole("sequence", request.sequence);
+    if (request.sequence == 0) in.complain("sequence", "a number from 1 on");
+    in.list("algorithms", EstimateRequest::algorithms_max, [&](const JsonValue& item, const std::string& name) {
+      if (item.text() == nullptr || item.text()->size() > own::text_bytes_max) return in.complain(name, "a name");
+      request.algorithms.push_back(*item.text());
+    });
+    in.whole("seed", request.seed);
+    in.whole("particles", request.particles);
+    if (request.particles == 0 || request.particles > EstimateRequest::particles_max)
+      in.complain("particles", "a number from 1 to " + std::to_string(EstimateRequest::particles_max));
+    in.whole("horizon", request.horizon);
+    if (request.horizon == 0 || request.horizon > EstimateRequest::horizon_max)
+      in.complain("horizon", "a number from 1 to " + std::to_string(EstimateRequest::horizon_max));
+  });
+}
+
+std::string to_json(const EstimateAnswer& answer) {
+  JsonWriter json;
+  json.begin_object().field("session", answer.session).field("sequence", answer.sequence);
+  json.field("timestamp", to_iso8601(answer.timestamp)).field("mapId", answer.map_id);
+  json.field("fault", answer.fault).field("travelled_m", answer.travelled_m);
+  if (answer.start) write(json, *answer.start);
+  json.key("told").begin_array();
+  for (const EstimateAnswer::Input& input : answer.told) write(json, input);
+  json.end_array().key("estimates").begin_array();
+  for (const EstimateAnswer::Estimate& estimate : answer.estimates) write(json, estimate);
+  return json.end_array().end_object().take();
+}
+
+Result<EstimateAnswer> estimate_answer_from_json(std::string_view text) {
+  const auto read = [](Fields& in, EstimateAnswer& answer) {
+    in.text("session", answer.session);
+    in.whole("sequence", answer.sequence);
+    in.time("timestamp", answer.timestamp);
+    in.text("mapId", answer.map_id);
+    in.text("fault", answer.fault, EstimateAnswer::fault_bytes_max);
+    in.number("travelled_m", -way_m_max, way_m_max, answer.travelled_m);
+    own::read_part(in, "start", answer.start, [](Fields& fields, auto& start) { read_start(fields, start); });
+    in.list("told", EstimateAnswer::told_max, [&](const JsonValue& item, const std::string& name) {
+      inside(in, item, name, [&](Fields& fields) { read_input(fields, name, answer.told); });
+    });
+    in.list("estimates", EstimateRequest::algorithms_max, [&](const JsonValue& item, const std::string& name) {
+      inside(in, item, name, [&](Fields& fields) { read_estimate(fields, name, answer.estimates.emplace_back()); });
+    });
+  };
+  return read_message<EstimateAnswer>(text, read, answer_bytes_max);
+}
+
+}  // namespace cosiva::wire

@@ -1,0 +1,123 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "cosiva/base/pose.h"
+#include "cosiva/base/result.h"
+#include "cosiva/base/time.h"
+#include "cosiva/wire/messages/topics.h"
+
+/// nextEstimatedPosition(algorithm), figures 16 and 17 (A33, A35): whoever qualifies algorithms asks a vehicle that
+/// drives, the vehicle answers with its next step of odometry. The algorithms run on board, all on the same inputs,
+/// which are told, too: so that others may be given just these. Where the vehicle truly was, somebody else says.
+namespace cosiva::wire {
+
+/// Instrument → vehicle: EstimateRequest.
+inline constexpr std::string_view estimate_request_topic_prefix = "cosiva/v1/estimate/request/";
+/// Vehicle → instrument: EstimateAnswer.
+inline constexpr std::string_view estimate_answer_topic_prefix = "cosiva/v1/estimate/answer/";
+
+/// nextEstimatedPosition. A session is one run: the first request, 1, starts its algorithms where the vehicle then
+/// believes to be. Each request that follows says that the answer before it has come; the same again says that it has
+/// not, and gets it again. Another session ends this one, and so does a minute without a request.
+struct EstimateRequest {
+  std::string session;
+  std::uint32_t sequence{1};
+  std::vector<std::string> algorithms;  ///< that run on board; heard in the first request
+  std::uint64_t seed{1};                ///< likewise, for who draws random numbers; at most 2^53
+  std::uint32_t particles{500};
+  std::uint32_t horizon{4};
+  static constexpr std::size_t algorithms_max = 16;
+  static constexpr std::uint32_t particles_max = 5000;  ///< on board there is other work to do
+  static constexpr std::uint32_t horizon_max = 1000;
+  friend bool operator==(const EstimateRequest&, const EstimateRequest&) = default;
+};
+
+/// What the vehicle knows of its sensors, and tells its algorithms (estimation::SensorModel has the meanings).
+struct EstimateSensors {
+  double distance_variance_per_m{};
+  double turn_variance_per_m{};
+  double turn_variance_per_rad{};
+  double distance_scale_sigma{};
+  double turn_scale_sigma{};
+  double mark_along_sigma_m{};
+  double mark_across_sigma_m{};
+  double line_sigma_m{};
+  double line_heading_sigma_rad{};
+  friend bool operator==(const EstimateSensors&, const EstimateSensors&) = default;
+};
+
+struct EstimateAnswer {
+  std::string session;
+  std::uint32_t sequence{1};
+  SimTime timestamp{};  ///< at which its odometry was as told: the estimates are of then
+  std::string map_id;
+  std::string fault;     ///< why the session is over; empty: it is not
+  double travelled_m{};  ///< by odometry, since the session began
+
+  /// Where its algorithms began; in the first answer.
+  struct Start {
+    Pose2 X_MB;
+    double sigma_m{};
+    double heading_sigma_rad{};
+    std::optional<std::string> section;  ///< on which it stood; none: it follows no line that leads round
+    double along_m{};                    ///< along the ring through that section, from its beginning
+    EstimateSensors sensors;
+    friend bool operator==(const Start&, const Start&) = default;
+  };
+  std::optional<Start> start;
+
+  struct Odometry {
+    double distance_m{};
+    double turn_rad{};
+    double duration_s{};
+    friend bool operator==(const Odometry&, const Odometry&) = default;
+  };
+  struct Reading {
+    std::uint32_t mark{};
+    Point2 mark_M;  ///< as surveyed
+    Point2 seen_B;
+    friend bool operator==(const Reading&, const Reading&) = default;
+  };
+  using Input = std::variant<Odometry, Reading>;
+  std::vector<Input> told;  ///< since the answer before: what each algorithm has been told, in this order
+
+  /// What an algorithm made of a reading.
+  struct Rectified {
+    bool accepted{false};
+    std::optional<double> nis;
+    std::uint8_t dimensions{0};
+    friend bool operator==(const Rectified&, const Rectified&) = default;
+  };
+  struct Estimate {
+    std::string algorithm;
+    std::string fault;  ///< why it says nothing any more; empty: it does
+    Pose2 X_MB;
+    std::optional<std::array<double, 9>> covariance;  ///< of (x, y, heading), by rows; none: it states none
+    std::optional<double> along_m;
+    std::vector<Rectified> rectified;  ///< one for each reading of `told`
+    friend bool operator==(const Estimate&, const Estimate&) = default;
+  };
+  std::vector<Estimate> estimates;  ///< in the order in which they were asked for
+
+  static constexpr std::size_t told_max = 4096;
+  static constexpr std::size_t fault_bytes_max = 1024;
+  /// Beyond these an estimate is none that could be told: its algorithm has diverged.
+  static constexpr double place_m_max = 1e5;
+  static constexpr double variance_max = 1e12;
+  friend bool operator==(const EstimateAnswer&, const EstimateAnswer&) = default;
+};
+
+[[nodiscard]] std::string to_json(const EstimateRequest& request);
+[[nodiscard]] std::string to_json(const EstimateAnswer& answer);
+/// Fail ("own.field", "json.…") as the readers of own_messages.h do.
+[[nodiscard]] Result<EstimateRequest> estimate_request_from_json(std::string_view json);
+[[nodiscard]] Result<EstimateAnswer> estimate_answer_from_json(std::string_view json);
+
+}  // namespace cosiva::wire

@@ -1,0 +1,134 @@
+#include "cosiva/wire/own/gvs.h"
+
+#include <array>
+#include <optional>
+#include <utility>
+
+#include "cosiva/base/json_writer.h"
+#include "cosiva/base/math.h"
+#include "cosiva/wire/own/own_fields.h"
+
+namespace cosiva::wire {
+namespace {
+
+using namespace own;
+
+/// 256 sights of some 200 bytes.
+constexpr std::size_t sights_bytes_max = 96U << 10U;
+constexpr double period_s_max = 3600.0;
+
+constexpr std::array<std::pair<ConnectionState, std::string_view>, 3> words{
+    {{ConnectionState::online, "ONLINE"},
+     {ConnectionState::offline, "OFFLINE"},
+     {ConnectionState::connection_broken, "CONNECTIONBROKEN"}}};
+
+std::string_view word_of(ConnectionState state) {
+  for (const auto& [known, word] : words)
+    if (known == state) return word;
+  return "?";
+}
+
+std::optional<ConnectionState> state_of(std::string_view said) {
+  for (const auto& [known, word] : words)
+    if (word == said) return known;
+  return std::nullopt;
+}
+
+/// No longer than a reader takes, and no character cut in two.
+std::string_view cut(std::string_view text) {
+  if (text.size() <= text_bytes_max) return text;
+  std::size_t end = text_bytes_max;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
+  return text.substr(0, end);
+}
+
+void read_sight(Fields& in, GvsSights::Sight& sight) {
+  in.text("vehicle", sight.vehicle);
+  in.whole("tag", sight.tag);
+  in.time("at", sight.at);
+  in.number("x", -place_m_max, place_m_max, sight.pose.x_m);
+  in.number("y", -place_m_max, place_m_max, sight.pose.y_m);
+  in.number("heading", -heading_rad_max, heading_rad_max, sight.pose.heading_rad);
+  in.number("uncertainty", 0.0, place_m_max, sight.uncertainty_m);
+  sight.pose.heading_rad = wrap_angle(sight.pose.heading_rad);
+}
+
+void read_corner(Fields& in, const JsonValue& item, const std::string& name, Point2& corner) {
+  const JsonValue::Array* pair = item.array();
+  const bool two = pair != nullptr && pair->size() == 2;
+  const double* x = two ? (*pair)[0].number() : nullptr;
+  const double* y = two ? (*pair)[1].number() : nullptr;
+  const auto near = [](const double* m) { return m != nullptr && *m >= -place_m_max && *m <= place_m_max; };
+  if (!near(x) || !near(y)) return in.complain(name, "a place [x, y] within 100 km");
+  corner = {*x, *y};
+}
+
+}  // namespace
+
+std::string to_json(const GvsSights& sights) {
+  JsonWriter json;
+  json.begin_object()
+      .field("headerId", sights.header_id)
+      .field("timestamp", to_iso8601(sights.timestamp))
+      .field("period", sights.period_s)
+      .key("sights")
+      .begin_array();
+  for (const GvsSights::Sight& sight : sights.sights) {
+    json.begin_object()
+        .field("vehicle", sight.vehicle)
+        .field("tag", sight.tag)
+        .field("at", to_iso8601(sight.at))
+        .field("x", sight.pose.x_m)
+        .field("y", sight.pose.y_m)
+        .field("heading", sight.pose.heading_rad)
+        .field("uncertainty", sight.uncertainty_m)
+        .end_object();
+  }
+  json.end_array().key("field").begin_array();
+  for (const Point2& corner : sights.field) json.begin_array().value(corner.x_m).value(corner.y_m).end_array();
+  return json.end_array().end_object().take();
+}
+
+Result<GvsSights> gvs_sights_from_json(std::string_view text) {
+  return read_message<GvsSights>(
+      text,
+      [](Fields& in, GvsSights& sights) {
+        in.whole("headerId", sights.header_id);
+        in.time("timestamp", sights.timestamp);
+        in.number("period", 0.0, period_s_max, sights.period_s);
+        in.list("sights", GvsSights::sights_max, [&](const JsonValue& item, const std::string& name) {
+          Fields fields{item, name + "."};
+          read_sight(fields, sights.sights.emplace_back());
+          in.take_over(fields.error());
+        });
+        in.list("field", GvsSights::corners_max, [&](const JsonValue& item, const std::string& name) {
+          read_corner(in, item, name, sights.field.emplace_back());
+        });
+      },
+      sights_bytes_max);
+}
+
+std::string to_json(const GvsConnection& connection) {
+  JsonWriter json;
+  json.begin_object()
+      .field("connectionState", word_of(connection.state))
+      .field("timestamp", to_iso8601(connection.timestamp))
+      .field("source", cut(connection.source))
+      .field("trouble", cut(connection.trouble));
+  return json.end_object().take();
+}
+
+Result<GvsConnection> gvs_connection_from_json(std::string_view text) {
+  return read_message<GvsConnection>(text, [](Fields& in, GvsConnection& connection) {
+    std::string state;
+    in.text("connectionState", state);
+    const auto known = state_of(state);
+    if (!known) in.complain("connectionState", "ONLINE, OFFLINE or CONNECTIONBROKEN");
+    connection.state = known.value_or(ConnectionState{});
+    in.time("timestamp", connection.timestamp);
+    in.text("source", connection.source);
+    in.text("trouble", connection.trouble);
+  });
+}
+
+}  // namespace cosiva::wire

@@ -1,0 +1,103 @@
+#include "cosiva/wire/own/gvs.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "cosiva/base/math.h"
+
+namespace cosiva::wire {
+namespace {
+
+using ::testing::HasSubstr;
+
+SimTime time_of(const char* text) { return parse_iso8601(text).value(); }
+
+const GvsSights shown{7,
+                      time_of("2026-01-01T00:00:00.100Z"),
+                      0.25,
+                      {{"CoSiVA/AIV1", 1, time_of("2026-01-01T00:00:00.102Z"), {0.125, -0.15, 0.5}, 0.001}},
+                      {{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}}};
+constexpr std::string_view shown_json =
+    R"({"headerId":7,"timestamp":"2026-01-01T00:00:00.100Z","period":0.25,)"
+    R"("sights":[{"vehicle":"CoSiVA/AIV1","tag":1,"at":"2026-01-01T00:00:00.102Z","x":0.125,"y":-0.15,"heading":0.5,)"
+    R"("uncertainty":0.001}],"field":[[-1,-1],[1,-1],[1,1]]})";
+constexpr std::string_view connected_json =
+    R"({"connectionState":"ONLINE","timestamp":"2026-01-01T00:00:00.000Z","source":"the emulated world's camera",)"
+    R"("trouble":""})";
+
+std::string replaced(std::string_view text, std::string_view from, std::string_view to) {
+  std::string changed{text};
+  const std::size_t at = changed.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return changed.replace(at, from.size(), to);
+}
+
+TEST(GvsMessages, are_written_as_the_protocol_shows_and_read_back) {
+  EXPECT_EQ(to_json(shown), shown_json);
+  EXPECT_EQ(gvs_sights_from_json(shown_json).value(), shown);
+  const GvsConnection connected{ConnectionState::online, time_of("2026-01-01T00:00:00.000Z"),
+                                "the emulated world's camera", ""};
+  EXPECT_EQ(to_json(connected), connected_json);
+  EXPECT_EQ(gvs_connection_from_json(connected_json).value(), connected);
+}
+
+TEST(GvsMessages, of_nobody_and_with_unknown_fields_are_read) {
+  const auto read = gvs_sights_from_json(
+      R"({"headerId":0,"timestamp":"2026-01-01T00:00:00Z","period":1,"sights":[],"field":[],"colour":"grey"})");
+  ASSERT_TRUE(read);
+  EXPECT_TRUE(read->sights.empty());
+}
+
+TEST(GvsMessages, a_heading_comes_out_within_a_turn) {
+  const auto read = gvs_sights_from_json(replaced(shown_json, R"("heading":0.5)", R"("heading":7)"));
+  EXPECT_NEAR(read->sights[0].pose.heading_rad, 7.0 - 2.0 * pi, 1e-12);
+}
+
+TEST(GvsMessages, that_are_wrong_are_refused_by_the_field) {
+  const auto refused = [](const char* from, const char* to, const char* place) {
+    const auto read = gvs_sights_from_json(replaced(shown_json, from, to));
+    ASSERT_FALSE(read) << to;
+    EXPECT_EQ(read.error().code, "own.field");
+    EXPECT_EQ(read.error().place, place);
+  };
+  refused(R"("x":0.125)", R"("x":"here")", "sights.0.x");
+  refused(R"("x":0.125)", R"("x":1e9)", "sights.0.x");
+  refused(R"("tag":1)", R"("tag":-1)", "sights.0.tag");
+  refused(R"("at":"2026-01-01T00:00:00.102Z")", R"("at":"now")", "sights.0.at");
+  refused(R"("period":0.25)", R"("period":-1)", "period");
+  refused("[-1,-1]", "[-1]", "field.0");
+  refused("[1,1]", R"([1,"1"])", "field.2");
+  refused("[1,1]", "[1,1e7]", "field.2");
+  EXPECT_FALSE(gvs_sights_from_json(replaced(shown_json, R"("tag":1,)", "")));
+  EXPECT_FALSE(gvs_sights_from_json("[]"));
+  EXPECT_FALSE(gvs_sights_from_json(""));
+  const auto word = gvs_connection_from_json(replaced(connected_json, "ONLINE", "HERE"));
+  ASSERT_FALSE(word);
+  EXPECT_EQ(word.error().place, "connectionState");
+  EXPECT_THAT(word.error().message, HasSubstr("CONNECTIONBROKEN"));
+}
+
+TEST(GvsMessages, a_long_trouble_is_cut_between_two_characters) {
+  GvsConnection troubled{ConnectionState::online, time_of("2026-01-01T00:00:00.000Z"), "a folder", {}};
+  for (int i = 0; i < 100; ++i) troubled.trouble += "é";
+  troubled.trouble.insert(0, "x");  // so that the limit of 128 bytes falls into one
+  const auto read = gvs_connection_from_json(to_json(troubled));
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->trouble.size(), 127U);
+}
+
+TEST(GvsMessages, of_more_than_anybody_has_vehicles_are_refused) {
+  GvsSights many = shown;
+  many.sights.resize(GvsSights::sights_max, shown.sights[0]);
+  EXPECT_TRUE(gvs_sights_from_json(to_json(many)));
+  many.sights.push_back(shown.sights[0]);
+  EXPECT_FALSE(gvs_sights_from_json(to_json(many)));
+  GvsSights cornered = shown;
+  cornered.field.resize(GvsSights::corners_max + 1);
+  EXPECT_FALSE(gvs_sights_from_json(to_json(cornered)));
+}
+
+}  // namespace
+}  // namespace cosiva::wire

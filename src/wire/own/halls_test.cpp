@@ -1,0 +1,69 @@
+#include "cosiva/wire/own/halls.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cosiva/wire/messages/topics.h"
+
+namespace cosiva::wire {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(ServerTopics, stand_where_they_always_did_for_the_only_server_of_a_broker) {
+  const ServerTopics topics = server_topics("");
+  EXPECT_EQ(topics.zone_prefix, zone_topic_prefix);
+  EXPECT_EQ(topics.connection, server_connection_topic);
+  EXPECT_EQ(topics.heartbeat, server_heartbeat_topic);
+}
+
+TEST(ServerTopics, stand_below_the_name_of_a_hall) {
+  const ServerTopics topics = server_topics("north");
+  EXPECT_EQ(topics.zone_prefix, "cosiva/v1/hall/north/zone/");
+  EXPECT_EQ(topics.connection, "cosiva/v1/hall/north/server/connection");
+  EXPECT_EQ(topics.heartbeat, "cosiva/v1/hall/north/server/heartbeat");
+  for (const std::string& topic : {topics.zone_prefix + "toml", topics.connection, topics.heartbeat}) {
+    const auto parsed = parse_hall_topic(topic);
+    ASSERT_TRUE(parsed) << topic;
+    EXPECT_EQ(parsed->hall, "north");
+  }
+  EXPECT_EQ(parse_hall_topic(topics.zone_prefix + "lif.json")->rest, "zone/lif.json");
+}
+
+TEST(HallTopic, has_a_hall_and_something_below_it) {
+  for (const char* text : {"", "cosiva/v1/hall/", "cosiva/v1/hall/north", "cosiva/v1/hall/north/",
+                           "cosiva/v1/hall//zone", "cosiva/v1/halls/north/zone", "cosiva/v1/hall/no rth/zone"})
+    EXPECT_FALSE(parse_hall_topic(text)) << text;
+  EXPECT_FALSE(valid_hall(std::string(33, 'x')));
+  EXPECT_TRUE(valid_hall(std::string(32, 'x')));
+}
+
+TEST(Owner, comes_back_from_its_json_whether_it_says_much_or_little) {
+  Owner owner{"north", 7, virtual_epoch + std::chrono::milliseconds{1500}, std::nullopt, std::nullopt};
+  EXPECT_EQ(*owner_from_json(to_json(owner)), owner);
+  owner.pose = Pose2{1.25, -0.5, 1.5};
+  owner.mission = Owner::Mission{"go", "dock"};
+  EXPECT_EQ(*owner_from_json(to_json(owner)), owner);
+  EXPECT_EQ(to_json(owner), R"({"hall":"north","sequence":7,"timestamp":")" + to_iso8601(owner.timestamp) +
+                                R"(",)"
+                                R"("pose":{"x":1.25,"y":-0.5,"theta":1.5},"mission":{"kind":"go","name":"dock"}})");
+}
+
+TEST(Owner, is_refused_where_a_field_is_missing_or_wrong_and_says_which) {
+  const auto fault = [](const std::string& text) {
+    const auto read = owner_from_json(text);
+    return read ? std::string("read") : read.error().place;
+  };
+  const std::string rest = R"("sequence":1,"timestamp":"2026-01-01T00:00:00.000Z")";
+  EXPECT_EQ(fault(R"({"hall":"a",)" + rest + "}"), "read");
+  EXPECT_EQ(fault("{" + rest + "}"), "hall");
+  EXPECT_EQ(fault(R"({"hall":"a/b",)" + rest + "}"), "hall");
+  EXPECT_EQ(fault(R"({"hall":"",)" + rest + "}"), "hall");
+  EXPECT_EQ(fault(R"({"hall":"a","sequence":-1,"timestamp":"2026-01-01T00:00:00.000Z"})"), "sequence");
+  EXPECT_EQ(fault(R"({"hall":"a","sequence":1,"timestamp":"noon"})"), "timestamp");
+  EXPECT_EQ(fault(R"({"hall":"a",)" + rest + R"(,"pose":{"x":1,"y":1e9,"theta":0}})"), "pose.y");
+  EXPECT_EQ(fault(R"({"hall":"a",)" + rest + R"(,"mission":{"kind":"dance","name":""}})"), "mission.kind");
+}
+
+}  // namespace
+}  // namespace cosiva::wire

@@ -1,0 +1,269 @@
+#include "cosiva/wire/own/own_messages.h"
+
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "cosiva/base/json_writer.h"
+#include "cosiva/wire/own/own_fields.h"
+
+namespace cosiva::wire {
+namespace {
+
+using namespace own;
+
+constexpr std::size_t lines_max = 8;  ///< boards in a report
+constexpr std::size_t beams_max = 32;
+
+void read_body(Fields& in, Body& body) {
+  in.text("id", body.id);
+  in.text("kind", body.kind);
+  in.number("x", -place_m_max, place_m_max, body.x_m);
+  in.number("y", -place_m_max, place_m_max, body.y_m);
+  in.number("heading", -heading_rad_max, heading_rad_max, body.heading_rad);
+  in.number("length", 0.0, size_m_max, body.length_m);
+  in.number("radius", 0.0, size_m_max, body.radius_m);
+  in.number("vx", -speed_mps_max, speed_mps_max, body.vx_mps);
+  in.number("vy", -speed_mps_max, speed_mps_max, body.vy_mps);
+}
+
+std::optional<Board> parse_board(std::string_view word) {
+  for (const Board board : all_boards) {
+    if (to_string(board) == word) return board;
+  }
+  return std::nullopt;
+}
+
+std::string hex(std::uint32_t number) {
+  char text[9];
+  static_cast<void>(std::snprintf(text, sizeof text, "%08x", static_cast<unsigned>(number)));
+  return text;
+}
+
+std::optional<std::uint32_t> parse_hex(std::string_view text) {
+  if (text.size() != 8) return std::nullopt;
+  std::uint32_t number = 0;
+  for (const char c : text) {
+    const bool digit = c >= '0' && c <= '9';
+    if (!digit && !(c >= 'a' && c <= 'f')) return std::nullopt;
+    number = number << 4U | static_cast<std::uint32_t>(digit ? c - '0' : c - 'a' + 10);
+  }
+  return number;
+}
+
+void read_line(Fields& in, BoardsReport::Line& line) {
+  std::string word;
+  in.text("board", word);
+  const auto board = parse_board(word);
+  if (!board) in.complain("board", "PILS, PRAV, DOBS or RALI");
+  line.board = board.value_or(Board{});
+  in.text("health", line.health);
+  if (line.health != "ok" && line.health != "lost" && line.health != "faulty")
+    in.complain("health", "ok, lost or faulty");
+  in.text("firmware", word);
+  const auto firmware = parse_hex(word);
+  if (!firmware) in.complain("firmware", "eight hexadecimal digits");
+  line.firmware_hash = firmware.value_or(0);
+  in.whole("uptime_ms", line.uptime_ms);
+  in.whole("frames", line.frames);
+  in.whole("framesBad", line.frames_bad);
+  in.whole("framesMissed", line.frames_missed);
+  in.whole("selfTest", line.self_test);
+}
+
+void read_power(Fields& in, Power& power) {
+  in.counted("voltage", 1e-3, power.voltage_mv);
+  in.counted("current", 1e-3, power.current_ma);
+  in.counted("temperature", 0.1, power.temperature_01C);
+  in.counted("charge", 0.1, power.charge_permille);
+  if (!in.has("chargeStdDev")) return;
+  power.gauge = Power::Gauge{};
+  in.counted("chargeFine", 1e-4, power.gauge->charge_ppm);
+  in.counted("chargeStdDev", 0.01, power.gauge->charge_sd_01);
+}
+
+void read_ranges(Fields& in, Ranges& ranges) {
+  in.counted("first", 0.01, ranges.first_bearing_crad);
+  in.counted("width", 0.01, ranges.beam_width_crad);
+  in.list("m", beams_max, [&](const JsonValue& item, const std::string& name) {
+    constexpr double range_m_max = 65.534;
+    const double* range_m = item.number();
+    if (!item.is_null() && (range_m == nullptr || !(*range_m >= 0.0 && *range_m <= range_m_max)))
+      return in.complain(name, "metres from 0 to 65.534, or null");
+    ranges.range_mm.push_back(range_m == nullptr ? no_echo
+                                                 : static_cast<std::uint16_t>(std::nearbyint(*range_m * 1e3)));
+  });
+}
+
+}  // namespace
+
+std::string to_json(const Ahead& ahead) {
+  JsonWriter json;
+  json.begin_object()
+      .field("headerId", ahead.header_id)
+      .field("timestamp", to_iso8601(ahead.timestamp))
+      .field("mapId", ahead.map_id)
+      .key("bodies")
+      .begin_array();
+  for (const Body& body : ahead.bodies) {
+    json.begin_object()
+        .field("id", body.id)
+        .field("kind", body.kind)
+        .field("x", body.x_m)
+        .field("y", body.y_m)
+        .field("heading", body.heading_rad)
+        .field("length", body.length_m)
+        .field("radius", body.radius_m)
+        .field("vx", body.vx_mps)
+        .field("vy", body.vy_mps)
+        .end_object();
+  }
+  return json.end_array().end_object().take();
+}
+
+Result<Ahead> ahead_from_json(std::string_view text) {
+  return read_message<Ahead>(text, [](Fields& in, Ahead& ahead) {
+    in.whole("headerId", ahead.header_id);
+    in.time("timestamp", ahead.timestamp);
+    in.text("mapId", ahead.map_id);
+    in.list("bodies", Ahead::bodies_max, [&](const JsonValue& item, const std::string& name) {
+      Fields fields{item, name + "."};
+      read_body(fields, ahead.bodies.emplace_back());
+      in.take_over(fields.error());
+    });
+  });
+}
+
+std::string to_json(const Felt& felt) {
+  JsonWriter json;
+  json.begin_object()
+      .field("aheadHeaderId", felt.ahead_header_id)
+      .field("decided", to_iso8601(felt.decided))
+      .field("braking", felt.braking)
+      .field("body", felt.body);
+  if (felt.distance_m) json.field("distance", *felt.distance_m);
+  return json.end_object().take();
+}
+
+Result<Felt> felt_from_json(std::string_view text) {
+  return read_message<Felt>(text, [](Fields& in, Felt& felt) {
+    in.whole("aheadHeaderId", felt.ahead_header_id);
+    in.time("decided", felt.decided);
+    in.flag("braking", felt.braking);
+    in.text("body", felt.body);
+    in.number("distance", 0.0, place_m_max, felt.distance_m);
+  });
+}
+
+std::string to_json(const Seen& seen) {
+  JsonWriter json;
+  json.begin_object()
+      .field("headerId", seen.header_id)
+      .field("timestamp", to_iso8601(seen.timestamp))
+      .field("mapId", seen.map_id);
+  if (seen.thing) {
+    json.key("thing")
+        .begin_object()
+        .field("x", seen.thing->x_m)
+        .field("y", seen.thing->y_m)
+        .field("radius", seen.thing->radius_m)
+        .field("distance", seen.thing->distance_m)
+        .end_object();
+  }
+  return json.field("clear", seen.clear_m).end_object().take();
+}
+
+Result<Seen> seen_from_json(std::string_view text) {
+  return read_message<Seen>(text, [](Fields& in, Seen& seen) {
+    in.whole("headerId", seen.header_id);
+    in.time("timestamp", seen.timestamp);
+    in.text("mapId", seen.map_id);
+    read_part(in, "thing", seen.thing, [](Fields& fields, Seen::Thing& thing) {
+      fields.number("x", -place_m_max, place_m_max, thing.x_m);
+      fields.number("y", -place_m_max, place_m_max, thing.y_m);
+      fields.number("radius", 0.0, size_m_max, thing.radius_m);
+      fields.number("distance", 0.0, place_m_max, thing.distance_m);
+    });
+    in.number("clear", 0.0, place_m_max, seen.clear_m);
+  });
+}
+
+std::string to_json(const BoardsReport& report) {
+  JsonWriter json;
+  json.begin_object()
+      .field("headerId", report.header_id)
+      .field("timestamp", to_iso8601(report.timestamp))
+      .key("boards")
+      .begin_array();
+  for (const BoardsReport::Line& line : report.boards) {
+    json.begin_object()
+        .field("board", to_string(line.board))
+        .field("health", line.health)
+        .field("firmware", hex(line.firmware_hash))
+        .field("uptime_ms", line.uptime_ms)
+        .field("frames", line.frames)
+        .field("framesBad", line.frames_bad)
+        .field("framesMissed", line.frames_missed)
+        .field("selfTest", line.self_test)
+        .end_object();
+  }
+  json.end_array();
+  // Divided, not multiplied: 7.4 stays 7.4 and not 7.4000000000000004.
+  if (const auto& power = report.power) {
+    json.key("power")
+        .begin_object()
+        .field("voltage", power->voltage_mv / 1000.0)
+        .field("current", power->current_ma / 1000.0)
+        .field("temperature", power->temperature_01C / 10.0)
+        .field("charge", power->charge_permille / 10.0);
+    if (const auto& gauge = power->gauge)
+      json.field("chargeFine", gauge->charge_ppm / 10'000.0).field("chargeStdDev", gauge->charge_sd_01 / 100.0);
+    json.end_object();
+  }
+  if (const auto& ranges = report.ranges) {
+    json.key("ranges")
+        .begin_object()
+        .field("first", ranges->first_bearing_crad / 100.0)
+        .field("width", ranges->beam_width_crad / 100.0)
+        .key("m")
+        .begin_array();
+    for (const std::uint16_t range_mm : ranges->range_mm) {
+      if (range_mm == no_echo)
+        json.null();
+      else
+        json.value(range_mm / 1000.0);
+    }
+    json.end_array().end_object();
+  }
+  return json.end_object().take();
+}
+
+Result<BoardsReport> boards_report_from_json(std::string_view text) {
+  return read_message<BoardsReport>(text, [](Fields& in, BoardsReport& report) {
+    in.whole("headerId", report.header_id);
+    in.time("timestamp", report.timestamp);
+    in.list("boards", lines_max, [&](const JsonValue& item, const std::string& name) {
+      Fields fields{item, name + "."};
+      read_line(fields, report.boards.emplace_back());
+      in.take_over(fields.error());
+    });
+    read_part(in, "power", report.power, read_power);
+    read_part(in, "ranges", report.ranges, read_ranges);
+  });
+}
+
+std::string to_json(const Radio& radio) {
+  JsonWriter json;
+  json.begin_object().field("vehicle", radio.vehicle).field("loss", radio.loss).end_object();
+  return json.take();
+}
+
+Result<Radio> radio_from_json(std::string_view text) {
+  return read_message<Radio>(text, [](Fields& in, Radio& radio) {
+    in.text("vehicle", radio.vehicle);
+    if (radio.vehicle.empty()) in.complain("vehicle", "a vehicle such as CoSiVA/AIV1, or *");
+    in.number("loss", 0.0, 1.0, radio.loss);
+  });
+}
+
+}  // namespace cosiva::wire

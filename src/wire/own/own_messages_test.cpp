@@ -1,0 +1,264 @@
+#include "cosiva/wire/own/own_messages.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <functional>
+#include <limits>
+
+#include "cosiva/base/math.h"
+#include "cosiva/base/random.h"
+
+namespace cosiva::wire {
+namespace {
+
+using std::chrono::milliseconds;
+using ::testing::HasSubstr;
+
+// --- drawing messages ---------------------------------------------------------------------------------------------
+
+bool coin(Random& random) { return random.chance(0.5); }
+template <typename T>
+T whole(Random& random) {
+  return static_cast<T>(random.next());
+}
+SimTime time(Random& random) {
+  return virtual_epoch + milliseconds{static_cast<std::int64_t>(random.uniform(0, 1e12))};
+}
+double place(Random& random) { return random.uniform(-1e5, 1e5); }
+std::string name(Random& random) {
+  static const std::string letters = "AZaz09_.:-/ \"\\\n\xC3\xBC";
+  std::string text;
+  for (int i = 0; i < 12; ++i) text += letters[random.next() % (letters.size() - 2)];
+  return coin(random) ? text : text + "\xC3\xBC";
+}
+
+Ahead draw_ahead(Random& random) {
+  Ahead ahead{whole<std::uint32_t>(random), time(random), name(random), {}};
+  const std::size_t count = random.next() % (Ahead::bodies_max + 1);
+  for (std::size_t i = 0; i < count; ++i) {
+    ahead.bodies.push_back({name(random), name(random), place(random), place(random), random.uniform(-pi, pi),
+                            random.uniform(0, 10), random.uniform(0, 10), random.uniform(-2, 2),
+                            random.uniform(-2, 2)});
+  }
+  return ahead;
+}
+Felt draw_felt(Random& random) {
+  Felt felt{whole<std::uint32_t>(random), time(random), coin(random), name(random), std::nullopt};
+  if (coin(random)) felt.distance_m = random.uniform(0, 5);
+  return felt;
+}
+Seen draw_seen(Random& random) {
+  Seen seen{whole<std::uint32_t>(random), time(random), name(random), std::nullopt, random.uniform(0, 2)};
+  if (coin(random))
+    seen.thing = Seen::Thing{place(random), place(random), random.uniform(0, 10), random.uniform(0, 100)};
+  return seen;
+}
+BoardsReport draw_report(Random& random) {
+  BoardsReport report{whole<std::uint32_t>(random), time(random), {}, std::nullopt, std::nullopt};
+  for (const Board board : all_boards) {
+    report.boards.push_back({board, coin(random) ? "ok" : "faulty", whole<std::uint32_t>(random),
+                             whole<std::uint32_t>(random), random.next() >> 12U, whole<std::uint32_t>(random),
+                             whole<std::uint32_t>(random), whole<std::uint8_t>(random)});
+  }
+  if (coin(random)) {
+    report.power = Power{whole<std::uint16_t>(random), whole<std::int16_t>(random), whole<std::int16_t>(random),
+                         whole<std::uint16_t>(random)};
+    if (coin(random))
+      report.power->gauge =
+          Power::Gauge{static_cast<std::uint32_t>(random.below(1'000'001)), whole<std::uint16_t>(random)};
+  }
+  if (coin(random)) {
+    report.ranges = Ranges{0, whole<std::int16_t>(random), whole<std::uint16_t>(random), {}};
+    const std::size_t beams = random.next() % 33;
+    for (std::size_t i = 0; i < beams; ++i) report.ranges->range_mm.push_back(whole<std::uint16_t>(random));
+  }
+  return report;
+}
+Radio draw_radio(Random& random) { return {coin(random) ? "*" : "CoSiVA/" + name(random), random.uniform(0, 1)}; }
+
+template <typename Message>
+bool survives_the_wire(Message (*draw)(Random&), Result<Message> (*read)(std::string_view)) {
+  return rc::check([&](std::uint64_t seed) {
+    Random random{seed, "message"};
+    const Message message = draw(random);
+    const std::string json = to_json(message);
+    const Result<Message> back = read(json);
+    if (!back) RC_FAIL(to_string(back.error()) + " in " + json);
+    RC_ASSERT(*back == message);
+    RC_ASSERT(to_json(*back) == json);
+  });
+}
+
+TEST(OwnMessages, read_back_every_ahead_they_write) { EXPECT_TRUE(survives_the_wire(draw_ahead, ahead_from_json)); }
+TEST(OwnMessages, read_back_every_felt_they_write) { EXPECT_TRUE(survives_the_wire(draw_felt, felt_from_json)); }
+TEST(OwnMessages, read_back_every_seen_they_write) { EXPECT_TRUE(survives_the_wire(draw_seen, seen_from_json)); }
+TEST(OwnMessages, read_back_every_boards_report_they_write) {
+  EXPECT_TRUE(survives_the_wire(draw_report, boards_report_from_json));
+}
+TEST(OwnMessages, read_back_every_radio_they_write) { EXPECT_TRUE(survives_the_wire(draw_radio, radio_from_json)); }
+
+// --- what stands in docs/protocols/own-messages.md ----------------------------------------------------------------
+
+TEST(OwnMessages, are_written_as_their_page_shows) {
+  const SimTime at = parse_iso8601("2026-01-01T00:00:00.004Z").value();
+  EXPECT_EQ(to_json(Ahead{7, at, "lacet4", {{"P1", "person", 0.4, -0.15, 0.0, 0.0, 0.06, 0.0, 0.1}}}),
+            R"({"headerId":7,"timestamp":"2026-01-01T00:00:00.004Z","mapId":"lacet4","bodies":[{"id":"P1",)"
+            R"("kind":"person","x":0.4,"y":-0.15,"heading":0,"length":0,"radius":0.06,"vx":0,"vy":0.1}]})");
+  EXPECT_EQ(to_json(Felt{7, at, true, "P1", 0.31}),
+            R"({"aheadHeaderId":7,"decided":"2026-01-01T00:00:00.004Z","braking":true,"body":"P1","distance":0.31})");
+  EXPECT_EQ(to_json(Seen{3, at, "lacet4", Seen::Thing{1.17, -1.17, 0.05, 0.42}, 0.42}),
+            R"({"headerId":3,"timestamp":"2026-01-01T00:00:00.004Z","mapId":"lacet4",)"
+            R"("thing":{"x":1.17,"y":-1.17,"radius":0.05,"distance":0.42},"clear":0.42})");
+  const BoardsReport report{9,
+                            at,
+                            {{Board::PILS, "ok", 0x1a2b3c4d, 61000, 3050, 0, 0, 0}},
+                            Power{12100, 400, 240, 870},
+                            Ranges{0, -50, 10, {400, no_echo}}};
+  EXPECT_EQ(to_json(report),
+            R"({"headerId":9,"timestamp":"2026-01-01T00:00:00.004Z","boards":[{"board":"PILS","health":"ok",)"
+            R"("firmware":"1a2b3c4d","uptime_ms":61000,"frames":3050,"framesBad":0,"framesMissed":0,"selfTest":0}],)"
+            R"("power":{"voltage":12.1,"current":0.4,"temperature":24,"charge":87},)"
+            R"("ranges":{"first":-0.5,"width":0.1,"m":[0.4,null]}})");
+  EXPECT_EQ(to_json(Radio{"CoSiVA/AIV2", 0.3}), R"({"vehicle":"CoSiVA/AIV2","loss":0.3})");
+}
+
+TEST(OwnMessages, may_hold_fields_that_the_reader_does_not_know) {
+  const auto radio = radio_from_json(R"({"vehicle":"*","loss":1,"colour":{"deep":[1,2]}})");
+  ASSERT_TRUE(radio);
+  EXPECT_EQ(*radio, (Radio{"*", 1.0}));
+  EXPECT_TRUE(seen_from_json(R"({"headerId":1,"timestamp":"2026-01-01T00:00:00Z","mapId":"","thing":null,"clear":1})"));
+}
+
+TEST(OwnMessages, hold_as_many_bodies_with_as_long_names_as_allowed) {
+  Ahead ahead{4294967295U, virtual_epoch, "lacet4", {}};
+  const Body body{std::string(128, 'x'),
+                  "obstacle",
+                  -99999.123456789012,
+                  1.0 / 3.0,
+                  -pi,
+                  1.0 / 3.0,
+                  1.0 / 7.0,
+                  -1.0 / 3.0,
+                  1.0 / 3.0};
+  ahead.bodies.assign(Ahead::bodies_max, body);
+  EXPECT_LT(to_json(ahead).size(), 16U << 10U);
+  EXPECT_EQ(ahead_from_json(to_json(ahead)).value(), ahead);
+}
+
+// --- the bad side ---------------------------------------------------------------------------------------------------
+
+/// A good message with one place of its text replaced; where the reader says the fault is.
+template <typename Message>
+std::string fault(const Message& good, Result<Message> (*read)(std::string_view), std::string_view from,
+                  std::string_view to) {
+  std::string json = to_json(good);
+  const std::size_t at = json.find(from);
+  if (at == std::string::npos) return "the test's own text is not in " + json;
+  json.replace(at, from.size(), to);
+  const auto back = read(json);
+  return back ? "none" : back.error().code + " " + back.error().place;
+}
+
+const Ahead good_ahead{
+    7,
+    virtual_epoch,
+    "lacet4",
+    {{"P1", "person", 0.5, 0.5, 0.25, 0.0, 0.06, 0.0, 0.1}, {"P2", "person", 0.7, 0.7, 0.0, 0.0, 0.06, 0.0, 0.0}}};
+
+TEST(OwnMessages, refuse_a_body_out_of_bounds_naming_the_field) {
+  const auto at = [](std::string_view from, std::string_view to) {
+    return fault(good_ahead, ahead_from_json, from, to);
+  };
+  EXPECT_EQ(at(R"("x":0.7)", R"("x":100001)"), "own.field bodies.1.x");
+  EXPECT_EQ(at(R"("y":0.7)", R"("y":-1e300)"), "own.field bodies.1.y");
+  EXPECT_EQ(at(R"("x":0.5)", R"("x":"0.5")"), "own.field bodies.0.x");
+  EXPECT_EQ(at(R"("x":0.5)", R"("x":null)"), "own.field bodies.0.x");
+  EXPECT_EQ(at(R"("x":0.5,)", ""), "own.field bodies.0.x");
+  EXPECT_EQ(at(R"("heading":0.25)", R"("heading":1e9)"), "own.field bodies.0.heading");
+  EXPECT_EQ(at(R"("length":0)", R"("length":-0.1)"), "own.field bodies.0.length");
+  EXPECT_EQ(at(R"("radius":0.06)", R"("radius":10.01)"), "own.field bodies.0.radius");
+  EXPECT_EQ(at(R"("vy":0.1)", R"("vy":101)"), "own.field bodies.0.vy");
+  EXPECT_EQ(at(R"("id":"P1")", R"("id":1)"), "own.field bodies.0.id");
+  EXPECT_EQ(at(R"("id":"P1")", "\"id\":\"" + std::string(129, 'x') + '"'), "own.field bodies.0.id");
+}
+
+TEST(OwnMessages, refuse_an_ahead_of_the_wrong_shape) {
+  const auto at = [](std::string_view from, std::string_view to) {
+    return fault(good_ahead, ahead_from_json, from, to);
+  };
+  EXPECT_EQ(at(R"("headerId":7)", R"("headerId":-1)"), "own.field headerId");
+  EXPECT_EQ(at(R"("headerId":7)", R"("headerId":1.5)"), "own.field headerId");
+  EXPECT_EQ(at(R"("headerId":7)", R"("headerId":4294967296)"), "own.field headerId");
+  EXPECT_EQ(at("2023-07-11T00:00:00.000Z", "yesterday"), "own.field timestamp");
+  EXPECT_EQ(at(R"("mapId":"lacet4")", R"("mapId":4)"), "own.field mapId");
+  EXPECT_EQ(at(R"("bodies":[)", R"("bodies":[7,)"), "own.field bodies.0.");
+  EXPECT_EQ(at(R"("bodies")", R"("beings")"), "own.field bodies");
+  for (const char* text : {"", "null", "[]", "7", "{", "{}", R"({"headerId":7})", "\x00\xFF"})
+    EXPECT_FALSE(ahead_from_json(text)) << text;
+  Ahead crowd = good_ahead;
+  crowd.bodies.resize(Ahead::bodies_max + 1, good_ahead.bodies.front());
+  EXPECT_THAT(ahead_from_json(to_json(crowd)).error().message, HasSubstr("at most 32"));
+}
+
+TEST(OwnMessages, refuse_what_is_too_long_before_they_look_at_it) {
+  const std::string long_one = to_json(good_ahead) + std::string(16U << 10U, ' ');
+  EXPECT_EQ(ahead_from_json(long_one).error().code, "json.syntax");
+}
+
+TEST(OwnMessages, never_take_a_number_that_is_not_finite) {
+  Ahead ahead = good_ahead;
+  ahead.bodies[0].x_m = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(ahead_from_json(to_json(ahead))) << "written as null";
+  EXPECT_NE(fault(good_ahead, ahead_from_json, R"("x":0.5)", R"("x":1e999)"), "none");
+  EXPECT_NE(fault(good_ahead, ahead_from_json, R"("x":0.5)", R"("x":NaN)"), "none");
+}
+
+TEST(OwnMessages, refuse_a_felt_or_seen_with_wrong_fields) {
+  const Felt felt{7, virtual_epoch, true, "P1", 0.5};
+  EXPECT_EQ(fault(felt, felt_from_json, R"("braking":true)", R"("braking":1)"), "own.field braking");
+  EXPECT_EQ(fault(felt, felt_from_json, R"("distance":0.5)", R"("distance":-0.5)"), "own.field distance");
+  EXPECT_EQ(fault(felt, felt_from_json, R"("body":"P1")", R"("body":null)"), "own.field body");
+  const Seen seen{3, virtual_epoch, "lacet4", Seen::Thing{1.5, 1.25, 0.05, 0.75}, 0.5};
+  EXPECT_EQ(fault(seen, seen_from_json, R"("x":1.5)", R"("x":1e6)"), "own.field thing.x");
+  EXPECT_EQ(fault(seen, seen_from_json, R"("radius":0.05)", R"("radius":-1)"), "own.field thing.radius");
+  EXPECT_EQ(fault(seen, seen_from_json, R"("clear":0.5)", R"("clear":-0.5)"), "own.field clear");
+  EXPECT_EQ(fault(seen, seen_from_json, R"("thing":{)", R"("thing":7,"other":{)"), "own.field thing.");
+}
+
+TEST(OwnMessages, refuse_a_boards_report_with_wrong_fields) {
+  const BoardsReport report{9,
+                            virtual_epoch,
+                            {{Board::PILS, "ok", 1, 61000, 3050, 0, 0, 0}},
+                            Power{12500, 400, 240, 870},
+                            Ranges{0, -50, 10, {500, no_echo}}};
+  const auto at = [&](std::string_view from, std::string_view to) {
+    return fault(report, boards_report_from_json, from, to);
+  };
+  EXPECT_EQ(at(R"("PILS")", R"("PIL")"), "own.field boards.0.board");
+  EXPECT_EQ(at(R"("ok")", R"("fine")"), "own.field boards.0.health");
+  EXPECT_EQ(at("00000001", "0000001"), "own.field boards.0.firmware");
+  EXPECT_EQ(at("00000001", "0000000g"), "own.field boards.0.firmware");
+  EXPECT_EQ(at(R"("selfTest":0)", R"("selfTest":256)"), "own.field boards.0.selfTest");
+  EXPECT_EQ(at(R"("frames":3050)", R"("frames":1e17)"), "own.field boards.0.frames");
+  EXPECT_EQ(at(R"("voltage":12.5)", R"("voltage":66)"), "own.field power.voltage");
+  EXPECT_EQ(at(R"("m":[0.5)", R"("m":["0.5")"), "own.field ranges.m.0");
+  EXPECT_EQ(at(R"("m":[0.5)", R"("m":[70)"), "own.field ranges.m.0");
+  BoardsReport wide = report;
+  wide.ranges->range_mm.assign(33, 500);
+  EXPECT_FALSE(boards_report_from_json(to_json(wide)));
+  BoardsReport many = report;
+  many.boards.resize(9, report.boards.front());
+  EXPECT_FALSE(boards_report_from_json(to_json(many)));
+}
+
+TEST(OwnMessages, refuse_a_radio_that_loses_more_than_everything) {
+  const Radio radio{"*", 0.5};
+  EXPECT_EQ(fault(radio, radio_from_json, "0.5", "1.01"), "own.field loss");
+  EXPECT_EQ(fault(radio, radio_from_json, "0.5", "-0.01"), "own.field loss");
+  EXPECT_EQ(fault(radio, radio_from_json, R"("*")", R"("")"), "own.field vehicle");
+}
+
+}  // namespace
+}  // namespace cosiva::wire

@@ -1,0 +1,135 @@
+#include "cosiva/wire/runtime/core.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+
+namespace cosiva::wire {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::ElementsAre;
+
+TEST(TopicFilter, matches_level_by_level) {
+  EXPECT_TRUE(topic_matches("a/b/c", "a/b/c"));
+  EXPECT_FALSE(topic_matches("a/b/c", "a/b"));
+  EXPECT_FALSE(topic_matches("a/b", "a/b/c"));
+  EXPECT_FALSE(topic_matches("a/b", "a/bb"));
+  EXPECT_FALSE(topic_matches("", "a"));
+}
+
+TEST(TopicFilter, plus_stands_for_exactly_one_level_even_an_empty_one) {
+  EXPECT_TRUE(topic_matches("uagv/+/+/+/state", "uagv/v2/CoSiVA/1/state"));
+  EXPECT_FALSE(topic_matches("uagv/+/+/state", "uagv/v2/CoSiVA/1/state"));
+  EXPECT_TRUE(topic_matches("a/+", "a/"));
+  EXPECT_FALSE(topic_matches("a/+", "a"));
+  EXPECT_TRUE(topic_matches("+/+", "/finance"));
+  EXPECT_FALSE(topic_matches("+", "/finance"));
+}
+
+TEST(TopicFilter, hash_stands_for_the_rest_and_for_its_parent) {
+  EXPECT_TRUE(topic_matches("#", "a/b/c"));
+  EXPECT_TRUE(topic_matches("sport/tennis/#", "sport/tennis/player1/ranking"));
+  EXPECT_TRUE(topic_matches("sport/#", "sport"));
+  EXPECT_FALSE(topic_matches("sport/tennis/#", "sport"));
+  EXPECT_FALSE(topic_matches("sport/#", "sports"));
+}
+
+/// Answers each message with its payload, and counts what it was told.
+class EchoCore final : public Core {
+ public:
+  void handle(const Input& input, Effects& effects) override {
+    ++told;
+    if (input.kind == InputKind::message) effects.push_back(Publish{"echo", input.payload, 0, false});
+    if (input.kind == InputKind::tick) effects.push_back(Log{'i', "tick"});
+    recorded_when_told = recorded;
+  }
+  [[nodiscard]] SimDuration tick_period() const override { return 100ms; }
+  [[nodiscard]] std::vector<std::string> subscriptions() const override { return {}; }
+  void fold(Digest& digest) const override { digest.add(told); }
+
+  std::uint64_t told{0};
+  int recorded{0};
+  int recorded_when_told{0};
+};
+
+Input message(SimDuration at, std::string payload) {
+  return {SimTime{at}, InputKind::message, "topic", std::move(payload), false};
+}
+
+TEST(CoreRunner, records_an_input_before_the_core_acts_on_it) {
+  EchoCore core;
+  CoreRunner runner{core, [&](const Input&) { ++core.recorded; }};
+  runner.feed(message(1ms, "x"));
+  EXPECT_EQ(core.recorded_when_told, 1);
+}
+
+TEST(CoreRunner, hands_out_the_effects_of_the_last_input_only) {
+  EchoCore core;
+  CoreRunner runner{core};
+  EXPECT_THAT(runner.feed(message(1ms, "x")), ElementsAre(Effect{Publish{"echo", "x", 0, false}}));
+  EXPECT_THAT(runner.feed(message(2ms, "y")), ElementsAre(Effect{Publish{"echo", "y", 0, false}}));
+}
+
+std::string digest_of(const std::vector<Input>& inputs) {
+  EchoCore core;
+  CoreRunner runner{core};
+  for (const Input& input : inputs) runner.feed(input);
+  return runner.digest().hex();
+}
+
+TEST(RunDigest, is_equal_for_equal_runs) {
+  EXPECT_EQ(digest_of({message(1ms, "x"), message(2ms, "y")}), digest_of({message(1ms, "x"), message(2ms, "y")}));
+}
+
+TEST(RunDigest, sees_order_time_effects_and_the_state_at_the_end) {
+  const std::string reference = digest_of({message(1ms, "x"), message(2ms, "y")});
+  EXPECT_NE(digest_of({message(1ms, "y"), message(2ms, "x")}), reference);
+  EXPECT_NE(digest_of({message(1ms, "x"), message(3ms, "y")}), reference);
+  EXPECT_NE(digest_of({message(1ms, "x")}), reference);
+  EXPECT_NE(digest_of({}), digest_of({{SimTime{}, InputKind::command, "", "", false}}));
+}
+
+TEST(RunDigest, can_be_asked_in_the_middle_without_changing_the_end) {
+  EchoCore core;
+  CoreRunner runner{core};
+  runner.feed(message(1ms, "x"));
+  (void)runner.digest();
+  runner.feed(message(2ms, "y"));
+  EXPECT_EQ(runner.digest().hex(), digest_of({message(1ms, "x"), message(2ms, "y")}));
+}
+
+/// Answers once with the effect it is given.
+class OneEffectCore final : public Core {
+ public:
+  explicit OneEffectCore(Effect effect) : effect_{std::move(effect)} {}
+  void handle(const Input&, Effects& effects) override { effects.push_back(effect_); }
+  [[nodiscard]] SimDuration tick_period() const override { return 1s; }
+  [[nodiscard]] std::vector<std::string> subscriptions() const override { return {}; }
+  void fold(Digest&) const override {}
+
+ private:
+  Effect effect_;
+};
+
+TEST(RunDigest, tells_every_kind_of_effect_apart_and_does_not_read_the_log) {
+  const auto digest_with = [](Effect effect) {
+    OneEffectCore core{std::move(effect)};
+    CoreRunner runner{core};
+    runner.feed({SimTime{}, InputKind::tick, "", "", false});
+    return runner.digest().hex();
+  };
+  const std::vector<std::string> digests{
+      digest_with(Publish{"a", "b", 0, false}), digest_with(Publish{"a", "b", 1, false}),
+      digest_with(Publish{"a", "b", 0, true}),  digest_with(Publish{"ab", "", 0, false}),
+      digest_with(SendBytes{"a", "b"}),         digest_with(Remember{"ab"}),
+  };
+  for (std::size_t i = 0; i < digests.size(); ++i) {
+    for (std::size_t k = i + 1; k < digests.size(); ++k) EXPECT_NE(digests[i], digests[k]) << i << " and " << k;
+  }
+  EXPECT_EQ(digest_with(Log{'i', "one"}), digest_with(Log{'e', "two"}));
+}
+
+}  // namespace
+}  // namespace cosiva::wire

@@ -1,0 +1,249 @@
+#include "cosiva/wire/runtime/network.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "cosiva/base/expect.h"
+
+namespace cosiva::wire {
+namespace {
+
+/// A link that loses everything must not hang the run: after so many tries a QoS 1 delivery goes through.
+constexpr int tries_max = 100;
+/// Topics come from the program itself; the bound only keeps a defect from eating the memory.
+constexpr std::size_t cached_topics_max = 4096;
+
+bool matches_any(const std::vector<std::string>& filters, std::string_view topic) {
+  return std::ranges::any_of(filters, [&](const std::string& filter) { return topic_matches(filter, topic); });
+}
+
+}  // namespace
+
+Network::Network(std::uint64_t seed, NetworkFaults faults)
+    : random_{seed, "network"},
+      radio_random_{seed, "network/radio"},
+      aside_random_{seed, "network/aside"},
+      faults_{std::move(faults)} {
+  COSIVA_EXPECT(faults_.delay_min >= SimDuration::zero() && faults_.delay_max >= faults_.delay_min);
+  COSIVA_EXPECT(faults_.reorder_window >= SimDuration::zero() && faults_.retry >= SimDuration::zero());
+}
+
+Network::ClientId Network::connect(SimTime now, std::vector<std::string> filters, std::optional<Will> will) {
+  const auto id = static_cast<ClientId>(clients_.size());
+  clients_.push_back({true, std::move(filters), {}, std::move(will), now, now, now, 0.0, now});
+  subscribers_.clear();
+  for (const auto& [topic, message] : retained_) {
+    if (matches_any(clients_[id].filters, topic)) schedule(now, id, message, true);
+  }
+  return id;
+}
+
+void Network::listen(SimTime now, ClientId id, std::vector<std::string> filters) {
+  COSIVA_EXPECT(id < clients_.size());
+  Client& client = clients_[id];
+  if (!client.connected) return;
+  const auto fresh = [&](const std::string& filter) {
+    return std::ranges::find(client.listens, filter) == client.listens.end();
+  };
+  std::vector<std::string> news;
+  std::ranges::copy_if(filters, std::back_inserter(news), fresh);
+  for (const std::string& filter : client.listens) {
+    if (std::ranges::find(filters, filter) == filters.end()) forget_subscribers(filter);
+  }
+  for (const std::string& filter : news) forget_subscribers(filter);
+  client.listens = std::move(filters);
+  if (news.empty()) return;
+  for (const auto& [topic, message] : retained_) {
+    if (matches_any(news, topic)) schedule(now, id, message, true);
+  }
+}
+
+void Network::disconnect(SimTime /*now*/, ClientId client) {
+  COSIVA_EXPECT(client < clients_.size());
+  clients_[client].connected = false;
+  clients_[client].will.reset();
+  std::erase_if(sending_, [&](const Sending& sending) { return sending.from == client; });
+  subscribers_.clear();
+}
+
+void Network::break_connection(SimTime now, ClientId client) {
+  COSIVA_EXPECT(client < clients_.size());
+  if (!clients_[client].connected) return;
+  const std::optional<Will> will = std::move(clients_[client].will);
+  disconnect(now, client);
+  if (will) route(now, will->message);
+}
+
+void Network::publish(SimTime now, ClientId from, const Publish& message) {
+  COSIVA_EXPECT(from < clients_.size());
+  Client& client = clients_[from];
+  if (!client.connected) return;
+  if (message.qos == 0) {
+    Random& dice = goes_aside(message.topic) ? aside_random_ : radio_random_;
+    if (client.loss > 0.0 && dice.chance(client.loss)) {
+      ++counters_.lost;
+      return;
+    }
+    return route(now, message);
+  }
+  route_due(now);  // what it said before and has arrived by now comes first
+  const SimTime at = std::max(now + draw_radio_retries(radio_random_, client.loss), client.last_sent_due);
+  if (at <= now) return route(now, message);
+  client.last_sent_due = at;
+  send_later(at, from, message);
+}
+
+void Network::set_loss(ClientId client, double share) {
+  COSIVA_EXPECT(client < clients_.size() && share >= 0.0 && share <= 1.0);
+  clients_[client].loss = share;
+}
+
+SimDuration Network::draw_radio_retries(Random& dice, double loss) {
+  SimDuration later{};
+  for (int tries = 0; loss > 0.0 && tries < tries_max && dice.chance(loss); ++tries) {
+    ++counters_.lost;
+    later += faults_.retry;
+  }
+  return later;
+}
+
+void Network::send_later(SimTime at, ClientId from, const Publish& message) {
+  const auto after = std::ranges::upper_bound(sending_, at, {}, &Sending::at);
+  sending_.insert(after, Sending{at, from, message});
+}
+
+void Network::route_due(SimTime now) {
+  while (!sending_.empty() && sending_.front().at <= now) {
+    const Sending sending = std::move(sending_.front());
+    sending_.erase(sending_.begin());
+    route(sending.at, sending.message);
+  }
+}
+
+void Network::route(SimTime now, const Publish& message) {
+  ++counters_.published;
+  if (message.retained) {
+    if (message.payload.empty()) {
+      retained_.erase(message.topic);
+    } else {
+      retained_.insert_or_assign(message.topic, message);
+    }
+  }
+  for (const ClientId to : subscribers(message.topic)) schedule(now, to, message, false);
+}
+
+const std::vector<Network::ClientId>& Network::subscribers(const std::string& topic) {
+  if (const auto known = subscribers_.find(topic); known != subscribers_.end()) return known->second;
+  if (subscribers_.size() >= cached_topics_max) subscribers_.clear();
+  std::vector<ClientId>& ids = subscribers_[topic];
+  for (ClientId id = 0; id < clients_.size(); ++id) {
+    if (clients_[id].connected && hears(clients_[id], topic)) ids.push_back(id);
+  }
+  return ids;
+}
+
+bool Network::hears(const Client& client, std::string_view topic) const {
+  return matches_any(client.filters, topic) || matches_any(client.listens, topic);
+}
+
+void Network::forget_subscribers(std::string_view filter) {
+  // Vehicles change what they listen to all the time; the other topics' subscribers stay known.
+  const std::string literal{filter.substr(0, filter.find_first_of("+#"))};
+  auto topic = subscribers_.lower_bound(literal);
+  while (topic != subscribers_.end() && topic->first.starts_with(literal)) {
+    topic = topic_matches(filter, topic->first) ? subscribers_.erase(topic) : std::next(topic);
+  }
+}
+
+bool Network::goes_aside(std::string_view topic) const {
+  return !faults_.aside_prefix.empty() && topic.starts_with(faults_.aside_prefix);
+}
+
+void Network::schedule(SimTime now, ClientId to, const Publish& message, bool from_retained) {
+  Client& client = clients_[to];
+  const bool aside = goes_aside(message.topic);
+  Random& dice = aside ? aside_random_ : random_;
+  Random& radio_dice = aside ? aside_random_ : radio_random_;
+  SimTime& last_due = aside ? client.last_aside_due : client.last_due;
+  if (aside && dice.chance(faults_.aside_loss)) {
+    ++counters_.lost;
+    return;
+  }
+  SimTime at = std::max(now + draw_delay(dice), last_due);
+  bool ordinary = true;
+  if (message.qos > 0) {
+    // The common fault draws even where it is 0: runs of the same seed have always done so.
+    SimDuration later{};
+    for (int tries = 0; tries < tries_max && dice.chance(faults_.loss); ++tries) {
+      ++counters_.lost;
+      later += faults_.retry;
+    }
+    later += draw_radio_retries(radio_dice, client.loss);
+    at += later;
+    ordinary = later == SimDuration::zero() && at >= client.last_acked_due;
+    at = std::max(at, client.last_acked_due);
+    client.last_acked_due = at;
+  } else {
+    if (dice.chance(faults_.loss) || (client.loss > 0.0 && radio_dice.chance(client.loss))) {
+      ++counters_.lost;
+      return;
+    }
+    if (dice.chance(faults_.reordering)) {
+      ++counters_.reordered;
+      at += draw_up_to(dice, faults_.reorder_window);
+      ordinary = false;
+    }
+  }
+  // What is late must not hold up what follows, or nothing would ever be overtaken.
+  if (ordinary) last_due = at;
+  enqueue(at, to, message, from_retained);
+  if (dice.chance(faults_.duplication)) {
+    ++counters_.duplicated;
+    // A QoS 1 copy comes right behind the first, so that order holds; a QoS 0 copy may come behind later messages.
+    enqueue(message.qos > 0 ? at : at + draw_delay(dice), to, message, from_retained);
+  }
+}
+
+void Network::enqueue(SimTime at, ClientId to, const Publish& message, bool from_retained) {
+  if (free_slots_.empty()) {
+    free_slots_.push_back(slots_.size());
+    slots_.emplace_back();
+  }
+  const std::size_t slot = free_slots_.back();
+  free_slots_.pop_back();
+  slots_[slot] = {to, at, message.topic, message.payload, from_retained, message.said};
+  queue_.push_back({at, sequence_++, slot});
+  std::push_heap(queue_.begin(), queue_.end(), Later{});
+}
+
+std::optional<SimTime> Network::next_due() const {
+  std::optional<SimTime> next;
+  if (!queue_.empty()) next = queue_.front().at;
+  if (!sending_.empty() && (!next || sending_.front().at < *next)) next = sending_.front().at;
+  return next;
+}
+
+void Network::take_due(SimTime now, std::vector<Delivery>& out) {
+  route_due(now);
+  while (!queue_.empty() && queue_.front().at <= now) {
+    std::pop_heap(queue_.begin(), queue_.end(), Later{});
+    const std::size_t slot = queue_.back().slot;
+    queue_.pop_back();
+    free_slots_.push_back(slot);
+    Delivery& delivery = slots_[slot];
+    if (!clients_[delivery.to].connected) continue;
+    ++counters_.delivered;
+    out.push_back(std::move(delivery));
+  }
+}
+
+SimDuration Network::draw_delay(Random& dice) const {
+  return faults_.delay_min + draw_up_to(dice, faults_.delay_max - faults_.delay_min);
+}
+
+SimDuration Network::draw_up_to(Random& dice, SimDuration longest) {
+  return SimDuration{static_cast<SimDuration::rep>(dice.below(static_cast<std::uint64_t>(longest.count()) + 1))};
+}
+
+}  // namespace cosiva::wire

@@ -1,0 +1,132 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cosiva/base/random.h"
+#include "cosiva/base/time.h"
+#include "cosiva/wire/runtime/core.h"
+
+namespace cosiva::wire {
+
+/// What the in-memory network does to messages, drawn from the run's seed. QoS 0 suffers all of it; QoS 1 is delivered
+/// at least once and in order (a loss costs a retry of `retry`), as MQTT promises.
+struct NetworkFaults {
+  double loss{0.0};         ///< probability per delivery
+  double duplication{0.0};  ///< probability per delivery
+  double reordering{0.0};   ///< probability that a delivery is held back by up to `reorder_window`
+  SimDuration delay_min{std::chrono::milliseconds{1}};
+  SimDuration delay_max{std::chrono::milliseconds{3}};
+  SimDuration reorder_window{std::chrono::milliseconds{50}};
+  SimDuration retry{std::chrono::milliseconds{200}};
+  /// Whatever travels below this prefix goes aside, as by a radio of its own: with dice and an order of its own, so
+  /// that what is said there changes nothing for the rest of a run, and the two can be compared. Empty: nothing does.
+  std::string aside_prefix{};
+  double aside_loss{0.0};  ///< probability per delivery that it is lost besides
+};
+
+/// A broker in memory, for virtual time: retained messages, last will, QoS 0 and 1, and seeded faults. Sans-IO like
+/// everything else: `publish` queues, `next_due` tells when, `deliver_due` hands out.
+class Network {
+ public:
+  using ClientId = std::uint32_t;
+  struct Delivery {
+    ClientId to;
+    SimTime at;
+    std::string topic;
+    std::string payload;
+    bool retained{false};  ///< sent from the broker's memory on subscribing, not live
+    std::shared_ptr<const InProcessMessage> said{};
+  };
+
+  Network(std::uint64_t seed, NetworkFaults faults);
+
+  /// Subscribes at once; retained messages follow as deliveries.
+  ClientId connect(SimTime now, std::vector<std::string> filters, std::optional<Will> will);
+  /// What it hears besides the filters that it connected with; replaces what it listened to before. Retained messages
+  /// of filters that are new follow as deliveries.
+  void listen(SimTime now, ClientId client, std::vector<std::string> filters);
+  void disconnect(SimTime now, ClientId client);        ///< cleanly: no will
+  void break_connection(SimTime now, ClientId client);  ///< the process died or the radio went: the will is published
+  void publish(SimTime now, ClientId from, const Publish& message);
+  /// The radio between this client and the broker loses that share of its messages (0…1), both ways: QoS 0 is gone,
+  /// QoS 1 comes later by a retry each time, still in order. Drawn from a stream of its own, so that a run without such
+  /// a loss is the same run as before.
+  void set_loss(ClientId client, double share);
+
+  [[nodiscard]] std::optional<SimTime> next_due() const;
+  /// Moves out, in order, everything due at or before `now`.
+  void take_due(SimTime now, std::vector<Delivery>& out);
+
+  struct Counters {
+    std::uint64_t published{};
+    std::uint64_t delivered{};
+    std::uint64_t lost{};
+    std::uint64_t duplicated{};
+    std::uint64_t reordered{};
+  };
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+
+ private:
+  struct Client {
+    bool connected{false};
+    std::vector<std::string> filters;
+    std::vector<std::string> listens;  ///< likewise, until the next listen()
+    std::optional<Will> will;
+    SimTime last_due{};        ///< keeps one client's ordinary deliveries in order, as TCP does
+    SimTime last_aside_due{};  ///< likewise of those that go aside
+    SimTime last_acked_due{};  ///< no QoS 1 delivery overtakes one that had to be tried again
+    double loss{0.0};          ///< of its radio alone
+    SimTime last_sent_due{};   ///< no QoS 1 message of its overtakes one still on its way to the broker
+  };
+  /// A delivery lies still in its slot while the heap is put in order.
+  struct Queued {
+    SimTime at;
+    std::uint64_t sequence;
+    std::size_t slot;
+  };
+  struct Later {
+    bool operator()(const Queued& a, const Queued& b) const {
+      return a.at != b.at ? a.at > b.at : a.sequence > b.sequence;
+    }
+  };
+  /// A message that its sender has to try again and again before the broker has it.
+  struct Sending {
+    SimTime at;
+    ClientId from;
+    Publish message;
+  };
+  void route(SimTime now, const Publish& message);
+  [[nodiscard]] SimDuration draw_radio_retries(Random& dice, double loss);
+  void send_later(SimTime at, ClientId from, const Publish& message);
+  void route_due(SimTime now);
+  [[nodiscard]] bool hears(const Client& client, std::string_view topic) const;
+  [[nodiscard]] const std::vector<ClientId>& subscribers(const std::string& topic);
+  void forget_subscribers(std::string_view filter);
+  [[nodiscard]] bool goes_aside(std::string_view topic) const;
+  void schedule(SimTime now, ClientId to, const Publish& message, bool from_retained);
+  void enqueue(SimTime at, ClientId to, const Publish& message, bool from_retained);
+  [[nodiscard]] SimDuration draw_delay(Random& dice) const;
+  [[nodiscard]] static SimDuration draw_up_to(Random& dice, SimDuration longest);
+
+  Random random_;
+  Random radio_random_;
+  Random aside_random_;
+  NetworkFaults faults_;
+  std::vector<Client> clients_;
+  std::map<std::string, Publish> retained_;
+  /// Who hears a topic, found once per topic until somebody comes or goes.
+  std::map<std::string, std::vector<ClientId>> subscribers_;
+  std::vector<Queued> queue_;  ///< a heap, earliest first
+  std::vector<Delivery> slots_;
+  std::vector<std::size_t> free_slots_;
+  std::vector<Sending> sending_;  ///< by time, equal ones in the order they were said
+  std::uint64_t sequence_{0};
+  Counters counters_;
+};
+
+}  // namespace cosiva::wire

@@ -1,0 +1,236 @@
+#include "cosiva/zone/circuit/circuit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
+#include <queue>
+#include <utility>
+
+#include "cosiva/base/expect.h"
+#include "cosiva/zone/circuit/course.h"
+
+namespace cosiva::zone {
+namespace {
+
+std::string metres(double value) {
+  std::string text = std::to_string(value);
+  return text + " m";
+}
+
+std::string place_text(const Pose2& pose) {
+  return "(" + std::to_string(pose.x_m) + ", " + std::to_string(pose.y_m) + ")";
+}
+
+/// Nothing when `after` starts where `before` ends.
+std::optional<Error> check_joint(const Circuit::Part& before, const Circuit::Part& after, double gap_m,
+                                 double kink_rad) {
+  const Pose2& end = before.section.end();
+  const Pose2& start = after.section.start();
+  const double apart_m = distance(end, start);
+  if (!(apart_m <= gap_m)) {
+    return Error{"circuit.gap",
+                 "'" + before.name + "' ends at " + place_text(end) + " but '" + after.name + "' starts at " +
+                     place_text(start) + ", " + metres(apart_m) + " away; expected at most " + metres(gap_m),
+                 before.name};
+  }
+  const double turned_rad = std::fabs(wrap_angle(start.heading_rad - end.heading_rad));
+  if (!before.pivots && !(turned_rad <= kink_rad)) {
+    constexpr double degrees = 180.0 / pi;
+    return Error{"circuit.kink",
+                 "'" + before.name + "' ends with heading " + std::to_string(end.heading_rad * degrees) + "° but '" +
+                     after.name + "' starts with " + std::to_string(start.heading_rad * degrees) +
+                     "°; expected at most " + std::to_string(kink_rad * degrees) + "° between them",
+                 before.name};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<Circuit> Circuit::make(std::string name, std::vector<Part> parts, double gap_m, double kink_rad) {
+  if (parts.empty()) return fail("circuit.empty", "a circuit needs at least one section");
+
+  Circuit circuit;
+  circuit.name_ = std::move(name);
+  circuit.parts_ = std::move(parts);
+  const auto& all = circuit.parts_;
+  const auto size = static_cast<SectionId>(all.size());
+
+  circuit.by_name_.resize(size);
+  for (SectionId id = 0; id < size; ++id) circuit.by_name_[id] = id;
+  std::sort(circuit.by_name_.begin(), circuit.by_name_.end(),
+            [&](SectionId a, SectionId b) { return all[a].name != all[b].name ? all[a].name < all[b].name : a < b; });
+  for (std::size_t i = 1; i < circuit.by_name_.size(); ++i) {
+    const std::string& twin = all[circuit.by_name_[i]].name;
+    if (all[circuit.by_name_[i - 1]].name == twin)
+      return fail("circuit.duplicate", "two sections have the name '" + twin + "'", twin);
+  }
+
+  circuit.previous_.resize(size);
+  for (SectionId id = 0; id < size; ++id) {
+    for (const SectionId after : all[id].next) {
+      if (after >= size) {
+        return fail("circuit.next",
+                    "'" + all[id].name + "' is followed by section number " + std::to_string(after) +
+                        ", but there are only " + std::to_string(size),
+                    all[id].name);
+      }
+      if (auto error = check_joint(all[id], all[after], gap_m, kink_rad)) return tl::unexpected(std::move(*error));
+      circuit.previous_[after].push_back(id);
+    }
+  }
+  auto pieces = pieces_of(all.size(), [&](std::size_t id) -> const Section& { return all[id].section; });
+  circuit.grid_ = SectionGrid{pieces};
+  circuit.tree_ = SectionTree{std::move(pieces)};
+  return circuit;
+}
+
+std::optional<SectionId> Circuit::find(std::string_view section_name) const {
+  const auto at = std::lower_bound(by_name_.begin(), by_name_.end(), section_name,
+                                   [this](SectionId id, std::string_view name) { return parts_[id].name < name; });
+  if (at == by_name_.end() || parts_[*at].name != section_name) return std::nullopt;
+  return *at;
+}
+
+double Circuit::total_length_m() const {
+  double total_m = 0.0;
+  for (const Part& part : parts_) total_m += part.section.length_m();
+  return total_m;
+}
+
+/// Calls look(id) for all sections that head into `headings` and may come within `limit_m`, which `look` may lower; for
+/// some several times.
+template <typename Look>
+void Circuit::look_around(Point2 p, Headings headings, const double& limit_m, const Look& look) const {
+  if (!grid_.visit(p, headings, limit_m, look)) tree_.visit(p, headings, limit_m, look);
+}
+
+Circuit::Located Circuit::locate(Point2 p, std::optional<double> heading_rad) const {
+  COSIVA_EXPECT(!parts_.empty());
+  constexpr double aligned_rad = pi / 3.0;
+  Located best{{}, 0.0, std::numeric_limits<double>::infinity()};
+  SectionId last = no_section;  // the pieces of a section come one after the other, mostly
+  const auto look = [&](SectionId id) {
+    if (id == last) return;
+    last = id;
+    const Section::Nearest near = section(id).nearest(p);
+    if (near.distance_m > best.distance_m || (near.distance_m == best.distance_m && id >= best.place.section)) return;
+    if (heading_rad && !(std::fabs(wrap_angle(section(id).heading_at(near.s_m) - *heading_rad)) <= aligned_rad)) return;
+    best = {{id, near.s_m}, near.left_m, near.distance_m};
+  };
+  if (heading_rad) {
+    look_around(p, headings_near(*heading_rad, aligned_rad), best.distance_m, look);
+    if (best.place.section != no_section) return best;
+    heading_rad.reset();
+    last = no_section;
+  }
+  look_around(p, every_heading, best.distance_m, look);
+  return best;
+}
+
+void Circuit::near(Point2 p, double within_m, std::vector<Located>& out) const {
+  out.clear();
+  look_around(p, every_heading, within_m, [&](SectionId id) { out.push_back({{id, 0.0}, 0.0, 0.0}); });
+  std::sort(out.begin(), out.end(),
+            [](const Located& a, const Located& b) { return a.place.section < b.place.section; });
+  const auto same = [](const Located& a, const Located& b) { return a.place.section == b.place.section; };
+  out.erase(std::unique(out.begin(), out.end(), same), out.end());
+  for (Located& located : out) {
+    const Section::Nearest near = section(located.place.section).nearest(p);
+    located = {{located.place.section, near.s_m}, near.left_m, near.distance_m};
+  }
+  std::erase_if(out, [&](const Located& located) { return !(located.distance_m <= within_m); });
+  std::sort(out.begin(), out.end(), [](const Located& a, const Located& b) {
+    return a.distance_m != b.distance_m ? a.distance_m < b.distance_m : a.place.section < b.place.section;
+  });
+}
+
+double Circuit::turn_at(SectionId from, SectionId to) const {
+  const double turned_rad = wrap_angle(section(to).start().heading_rad - section(from).end().heading_rad);
+  return std::fabs(turned_rad) <= smooth_rad ? 0.0 : turned_rad;
+}
+
+Place Circuit::advance(Place from, double distance_m, std::span<const SectionId> coming,
+                       std::span<const SectionId> gone) const {
+  COSIVA_EXPECT(from.section < parts_.size() && std::isfinite(distance_m));
+  double s = std::clamp(from.s_m, 0.0, section(from.section).length_m()) + distance_m;
+  SectionsAhead ahead{*this, from.section, coming};
+  for (double length_m = section(from.section).length_m(); s > length_m && ahead.step();) {
+    s -= length_m;
+    length_m = section(ahead.section()).length_m();
+  }
+  SectionId id = ahead.section();
+  for (std::size_t left = gone.size(); s < 0.0;) {
+    const SectionId before = left > 0 ? gone[--left] : previous(id).empty() ? no_section : previous(id).front();
+    if (before == no_section) break;
+    id = before;
+    s += section(id).length_m();
+  }
+  return {id, std::clamp(s, 0.0, section(id).length_m())};
+}
+
+std::optional<double> Circuit::distance_ahead(Place from, Place to, double limit_m,
+                                              std::span<const SectionId> coming) const {
+  COSIVA_EXPECT(from.section < parts_.size() && to.section < parts_.size());
+  const auto within = [limit_m](double d_m) { return d_m <= limit_m ? std::optional{d_m} : std::nullopt; };
+  if (from.section == to.section && to.s_m >= from.s_m) return within(to.s_m - from.s_m);
+
+  double travelled_m = section(from.section).length_m() - from.s_m;  // up to the start of the next one
+  SectionsAhead ahead{*this, from.section, coming};
+  // A default way that comes back to a section it has been on never gets anywhere new.
+  for (std::size_t steps = 0; steps < coming.size() + parts_.size() && travelled_m <= limit_m; ++steps) {
+    if (!ahead.step()) return std::nullopt;
+    if (ahead.section() == to.section) return within(travelled_m + to.s_m);
+    travelled_m += section(ahead.section()).length_m();
+  }
+  return std::nullopt;
+}
+
+std::optional<Circuit::Way> Circuit::shortest_way(Place from, Place to, double limit_m) const {
+  COSIVA_EXPECT(from.section < parts_.size() && to.section < parts_.size());
+  if (from.section == to.section && to.s_m >= from.s_m) {
+    if (to.s_m - from.s_m > limit_m) return std::nullopt;
+    return Way{to.s_m - from.s_m, {from.section}};
+  }
+  // Dijkstra over the few sections within the limit, in a map: nothing of the circuit's size is made.
+  struct Reached {
+    double start_m;  // travelled when it begins
+    SectionId via;   // from.section's own beginning is not reached, its end is left
+    bool done;
+  };
+  std::map<SectionId, Reached> reached;
+  using Entry = std::pair<double, SectionId>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  const auto leave = [&](SectionId id, double end_m, SectionId via) {
+    if (!(end_m <= limit_m)) return;
+    for (const SectionId after : next(id)) {
+      const auto [known, is_new] = reached.try_emplace(after, Reached{end_m, via, false});
+      if (!is_new && (known->second.done || end_m >= known->second.start_m)) continue;
+      known->second = {end_m, via, false};
+      queue.emplace(end_m, after);
+    }
+  };
+  leave(from.section, section(from.section).length_m() - from.s_m, no_section);
+  while (!queue.empty()) {
+    const auto [start_m, id] = queue.top();
+    queue.pop();
+    Reached& here = reached.at(id);
+    if (here.done) continue;
+    here.done = true;
+    if (id != to.section) {
+      leave(id, start_m + section(id).length_m(), id);
+      continue;
+    }
+    if (start_m + to.s_m > limit_m) return std::nullopt;
+    Way way{start_m + to.s_m, {}};
+    for (SectionId at = id; at != no_section; at = reached.at(at).via) way.sections.push_back(at);
+    way.sections.push_back(from.section);
+    std::reverse(way.sections.begin(), way.sections.end());
+    return way;
+  }
+  return std::nullopt;
+}
+
+}  // namespace cosiva::zone

@@ -1,0 +1,104 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cosiva/base/pose.h"
+#include "cosiva/base/result.h"
+#include "cosiva/zone/geometry/section.h"
+#include "cosiva/zone/geometry/section_grid.h"
+#include "cosiva/zone/geometry/section_tree.h"
+
+namespace cosiva::zone {
+
+using SectionId = std::uint32_t;  ///< index into the circuit's sections
+inline constexpr SectionId no_section = ~SectionId{0};
+
+/// A place on a circuit: arc length s along a section.
+struct Place {
+  SectionId section{no_section};
+  double s_m{};
+  friend bool operator==(const Place&, const Place&) = default;
+};
+
+/// A directed graph of sections (DESIGN §4.3). The article's closed circuit is a ring.
+class Circuit {
+ public:
+  struct Part {
+    std::string name;
+    Section section;
+    std::optional<double> speed_mps_max;  ///< limit on this section, if any
+    std::vector<SectionId> next;          ///< what may follow; the first is the default
+    bool pivots{false};  ///< at its end vehicles turn on the spot where what follows leaves at an angle
+  };
+
+  /// Joins the parts. An error's place is the name of the section at fault. Fails ("circuit.gap", "circuit.kink") where
+  /// a next section does not start where this one ends: position within `gap_m`, heading within `kink_rad` unless the
+  /// section pivots;
+  /// ("circuit.duplicate") on equal names; ("circuit.next") on a successor that is none of the parts;
+  /// ("circuit.empty").
+  [[nodiscard]] static Result<Circuit> make(std::string name, std::vector<Part> parts, double gap_m = 1e-3,
+                                            double kink_rad = 1e-3);
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] std::size_t size() const { return parts_.size(); }
+  [[nodiscard]] const Section& section(SectionId id) const { return parts_[id].section; }
+  [[nodiscard]] const Part& part(SectionId id) const { return parts_[id]; }
+  [[nodiscard]] std::optional<SectionId> find(std::string_view section_name) const;
+
+  [[nodiscard]] std::span<const SectionId> next(SectionId id) const { return parts_[id].next; }
+  [[nodiscard]] std::span<const SectionId> previous(SectionId id) const { return previous_[id]; }
+  [[nodiscard]] double total_length_m() const;
+  /// What a vehicle turns on the spot between the end of `from` and the start of `to`, (−π, π], left positive; 0 where
+  /// the way goes on within `smooth_rad`.
+  [[nodiscard]] double turn_at(SectionId from, SectionId to) const;
+  static constexpr double smooth_rad = 1e-3;
+
+  [[nodiscard]] Pose2 pose_at(Place place) const { return section(place.section).pose_at(place.s_m); }
+
+  /// The place nearest to p over all sections; `heading_rad` (if given) breaks ties where sections cross: only those
+  /// within π/3 of it count, unless none is. Of several equally near the lowest id.
+  struct Located {
+    Place place;
+    double left_m;
+    double distance_m;
+  };
+  [[nodiscard]] Located locate(Point2 p, std::optional<double> heading_rad = std::nullopt) const;
+  /// All sections that pass within `within_m` of p, each at its place nearest to p; sorted by distance, then id. What
+  /// was in `out` goes; its memory is used again.
+  void near(Point2 p, double within_m, std::vector<Located>& out) const;
+
+  /// The place `distance_m` ahead: through the sections of `coming`, in order, and from its end along default
+  /// successors; stops at a dead end. Negative goes back through `gone`, its last first, then along `previous`.
+  [[nodiscard]] Place advance(Place from, double distance_m, std::span<const SectionId> coming = {},
+                              std::span<const SectionId> gone = {}) const;
+
+  /// Distance to travel forward from `from` to `to` through the sections of `coming`, which follow from.section, and
+  /// from its end along default successors; nothing beyond `limit_m`.
+  [[nodiscard]] std::optional<double> distance_ahead(Place from, Place to, double limit_m,
+                                                     std::span<const SectionId> coming = {}) const;
+
+  /// The shortest way from one place to another over all branches; nothing beyond `limit_m`.
+  struct Way {
+    double length_m{};
+    std::vector<SectionId> sections;  ///< from.section first, to.section last
+  };
+  [[nodiscard]] std::optional<Way> shortest_way(Place from, Place to, double limit_m) const;
+
+ private:
+  std::string name_;
+  std::vector<Part> parts_;
+  std::vector<std::vector<SectionId>> previous_;
+  std::vector<SectionId> by_name_;  ///< sorted by name, for find
+  template <typename Look>
+  void look_around(Point2 p, Headings headings, const double& limit_m, const Look& look) const;
+
+  SectionGrid grid_;
+  SectionTree tree_;  ///< of the same pieces, for where the grid does not know
+};
+
+}  // namespace cosiva::zone

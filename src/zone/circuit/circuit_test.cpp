@@ -1,0 +1,239 @@
+#include "cosiva/zone/circuit/circuit.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <cmath>
+
+#include "cosiva/base/random.h"
+#include "cosiva/zone/testing/test_zones.h"
+
+namespace cosiva::zone {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::part;
+using testing::section;
+using testing::track;
+
+std::string code_of(std::vector<Circuit::Part> parts) {
+  const auto made = Circuit::make("bad", std::move(parts));
+  return made ? "made" : made.error().code;
+}
+
+TEST(Circuit, knows_what_follows_and_what_precedes_each_section) {
+  const Circuit circuit = track();
+  EXPECT_THAT(circuit.next(0), ElementsAre(1));
+  EXPECT_THAT(circuit.previous(0), ElementsAre(3));
+  EXPECT_EQ(circuit.size(), 4U);
+  EXPECT_NEAR(circuit.total_length_m(), 4.0 + pi, 1e-12);
+}
+
+TEST(Circuit, finds_sections_by_name) {
+  const Circuit circuit = track();
+  EXPECT_EQ(circuit.find("north"), SectionId{2});
+  EXPECT_EQ(circuit.find("north-east"), std::nullopt);
+  EXPECT_EQ(circuit.find(""), std::nullopt);
+}
+
+TEST(Circuit, of_no_section_is_refused) { EXPECT_EQ(code_of({}), "circuit.empty"); }
+
+TEST(Circuit, with_two_sections_of_one_name_is_refused) {
+  const auto made =
+      Circuit::make("bad", {part("a", section({}, 1.0)), part("b", section({}, 1.0)), part("a", section({}, 1.0))});
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().code, "circuit.duplicate");
+  EXPECT_EQ(made.error().place, "a");
+}
+
+TEST(Circuit, with_a_gap_is_refused_and_says_where_and_how_wide) {
+  const auto made = Circuit::make("bad", {part("a", section({}, 1.0), {1}), part("b", section({1.0, 0.2, 0.0}, 1.0))});
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().code, "circuit.gap");
+  EXPECT_EQ(made.error().place, "a");
+  EXPECT_THAT(made.error().message, HasSubstr("0.200000 m"));
+}
+
+TEST(Circuit, tolerates_gaps_of_less_than_a_millimetre) {
+  EXPECT_EQ(code_of({part("a", section({}, 1.0), {1}), part("b", section({1.0, 0.0009, 0.0}, 1.0))}), "made");
+  EXPECT_EQ(code_of({part("a", section({}, 1.0), {1}), part("b", section({1.0, 0.0011, 0.0}, 1.0))}), "circuit.gap");
+}
+
+TEST(Circuit, with_a_kink_is_refused) {
+  EXPECT_EQ(code_of({part("a", section({}, 1.0), {1}), part("b", section({1.0, 0.0, 0.01}, 1.0))}), "circuit.kink");
+  // ±π are one heading, whichever side of it the two ends come from.
+  EXPECT_EQ(
+      code_of({part("a", section({0.0, 0.0, pi - 1e-5}, 1.0), {1}), part("b", section({-1.0, 1e-5, -pi + 1e-5}, 1.0))}),
+      "made");
+}
+
+TEST(Circuit, followed_by_a_section_that_is_not_there_is_refused) {
+  EXPECT_EQ(code_of({part("a", section({}, 1.0), {7})}), "circuit.next");
+}
+
+TEST(Circuit, advances_over_as_many_sections_as_the_distance_needs) {
+  const Circuit circuit = track();
+  const double lap_m = circuit.total_length_m();
+  const Place place = circuit.advance({0, 1.5}, 2.0 * lap_m + 1.0);
+  EXPECT_EQ(place.section, 1U);
+  EXPECT_NEAR(place.s_m, 0.5, 1e-12);
+  EXPECT_EQ(circuit.advance({0, 0.5}, 1.0), (Place{0, 1.5}));
+}
+
+TEST(Circuit, advances_backwards_too) {
+  const Circuit circuit = track();
+  const Place place = circuit.advance({0, 0.5}, -1.0);
+  EXPECT_EQ(place.section, 3U);
+  EXPECT_NEAR(place.s_m, circuit.section(3).length_m() - 0.5, 1e-12);
+}
+
+TEST(Circuit, stops_at_dead_ends) {
+  const Circuit circuit = testing::circuit({part("only", section({}, 2.0))});
+  EXPECT_EQ(circuit.advance({0, 1.0}, 5.0), (Place{0, 2.0}));
+  EXPECT_EQ(circuit.advance({0, 1.0}, -5.0), (Place{0, 0.0}));
+}
+
+TEST(Circuit, distance_ahead_is_the_way_round) {
+  const Circuit circuit = track();
+  const double lap_m = circuit.total_length_m();
+  EXPECT_DOUBLE_EQ(circuit.distance_ahead({0, 0.5}, {0, 1.5}, 100.0).value(), 1.0);
+  EXPECT_NEAR(circuit.distance_ahead({0, 1.5}, {0, 0.5}, 100.0).value(), lap_m - 1.0, 1e-12);
+  EXPECT_NEAR(circuit.distance_ahead({3, 0.0}, {2, 1.0}, 100.0).value(), lap_m - 1.0, 1e-12);
+}
+
+TEST(Circuit, distance_ahead_ends_at_its_limit_and_at_dead_ends) {
+  EXPECT_EQ(track().distance_ahead({0, 0.0}, {2, 0.0}, 3.5), std::nullopt);  // 2 + π/2 = 3.57 m
+  EXPECT_TRUE(track().distance_ahead({0, 0.0}, {2, 0.0}, 3.6));
+  const Circuit line = testing::circuit({part("a", section({}, 1.0), {1}), part("b", section({1.0, 0.0, 0.0}, 1.0))});
+  EXPECT_TRUE(line.distance_ahead({0, 0.5}, {1, 0.5}, 10.0));
+  EXPECT_EQ(line.distance_ahead({1, 0.5}, {0, 0.5}, 10.0), std::nullopt);
+}
+
+TEST(Circuit, distance_ahead_undoes_advance) {
+  const Circuit circuit = track();
+  rc::check([&] {
+    Random random{*rc::gen::arbitrary<std::uint64_t>(), "circuit_test"};
+    const auto id = static_cast<SectionId>(random.below(4));
+    const Place from{id, random.uniform(0.0, circuit.section(id).length_m())};
+    const double distance_m = random.uniform(0.0, 0.99) * circuit.total_length_m();
+    const auto back = circuit.distance_ahead(from, circuit.advance(from, distance_m), 100.0);
+    RC_ASSERT(back.has_value());
+    RC_ASSERT(std::fabs(*back - distance_m) < 1e-12);
+  });
+}
+
+TEST(Circuit, locates_the_nearest_place_of_all_sections) {
+  const Circuit circuit = track();
+  const auto located = circuit.locate({1.0, 0.9});  // above the middle of the field: north is nearer
+  EXPECT_EQ(located.place.section, 2U);
+  EXPECT_NEAR(located.place.s_m, 1.0, 1e-12);
+  EXPECT_NEAR(located.left_m, 0.1, 1e-12);  // north runs west, its left is the field
+  EXPECT_NEAR(located.distance_m, 0.1, 1e-12);
+}
+
+TEST(Circuit, locate_tells_crossing_ways_apart_by_heading) {
+  const Circuit cross = testing::circuit(
+      {part("east", section({-1.0, 0.0, 0.0}, 2.0)), part("north", section({0.0, -1.0, pi / 2.0}, 2.0))});
+  const Point2 p{0.05, 0.02};
+  EXPECT_EQ(cross.locate(p).place.section, 0U);
+  EXPECT_EQ(cross.locate(p, 0.1).place.section, 0U);
+  EXPECT_EQ(cross.locate(p, pi / 2.0 - 0.5).place.section, 1U);
+  // Against every way: then only distance counts.
+  EXPECT_EQ(cross.locate(p, -3.0 * pi / 4.0).place.section, 0U);
+}
+
+TEST(Circuit, locates_every_place_where_it_is) {
+  const Circuit circuit = track();
+  rc::check([&] {
+    Random random{*rc::gen::arbitrary<std::uint64_t>(), "circuit_test"};
+    const auto id = static_cast<SectionId>(random.below(4));
+    const Pose2 pose = circuit.pose_at({id, random.uniform(0.0, circuit.section(id).length_m())});
+    const auto located = circuit.locate(position(pose), pose.heading_rad);
+    RC_ASSERT(located.distance_m < 1e-12);
+    RC_ASSERT(distance(circuit.pose_at(located.place), pose) < 1e-9);
+  });
+}
+
+// Ways with branches
+// ----------------------------------------------------------------------------------------------------
+
+/// stem → left → end, or stem → right, which is longer, → end.
+Circuit diamond() {
+  std::vector<Circuit::Part> parts{
+      part("stem", section({}, 1.0), {1, 2}), part("left", section({1.0, 0.0, 0.0}, 1.0), {3}),
+      part("right", section({1.0, 0.0, 0.0}, 3.0), {3}), part("end", section({2.0, 0.0, pi / 2.0}, 1.0), {0})};
+  for (auto& one : parts) one.pivots = true;
+  parts[2].section = section({1.0, 0.0, pi / 2.0}, 3.0, 2.0 * pi / 3.0);  // once round
+  auto made = Circuit::make("diamond", parts, 10.0);                      // where ends lie does not matter here
+  EXPECT_TRUE(made);
+  return std::move(*made);
+}
+
+TEST(Circuit, turns_on_the_spot_only_where_headings_differ) {
+  const Circuit circuit = diamond();
+  EXPECT_EQ(circuit.turn_at(0, 1), 0.0);
+  EXPECT_DOUBLE_EQ(circuit.turn_at(0, 2), pi / 2.0);
+  EXPECT_DOUBLE_EQ(circuit.turn_at(3, 0), -pi / 2.0);
+  const Circuit back = testing::circuit({[] {
+                                           auto there = part("there", section({}, 1.0), {1});
+                                           there.pivots = true;
+                                           return there;
+                                         }(),
+                                         part("back", section({1.0, 0.0, pi}, 1.0))});
+  EXPECT_DOUBLE_EQ(std::fabs(back.turn_at(0, 1)), pi);
+}
+
+TEST(Circuit, refuses_a_kink_where_nobody_turns_on_the_spot_and_takes_it_where_they_do) {
+  auto corner = [](bool pivots) {
+    std::vector<Circuit::Part> parts{part("a", section({}, 1.0), {1}), part("b", section({1.0, 0.0, 1.0}, 1.0))};
+    parts[0].pivots = pivots;
+    return parts;
+  };
+  EXPECT_EQ(code_of(corner(false)), "circuit.kink");
+  EXPECT_EQ(code_of(corner(true)), "made");
+  auto gap = corner(true);
+  gap[1].section = section({1.0, 0.1, 1.0}, 1.0);
+  EXPECT_EQ(code_of(gap), "circuit.gap");
+}
+
+TEST(Circuit, advances_along_a_chosen_way_and_back_along_it) {
+  const Circuit circuit = diamond();
+  const SectionId right[] = {2, 3};
+  EXPECT_EQ(circuit.advance({0, 0.5}, 1.0), (Place{1, 0.5}));
+  EXPECT_EQ(circuit.advance({0, 0.5}, 1.0, right), (Place{2, 0.5}));
+  EXPECT_EQ(circuit.advance({0, 0.5}, 5.0, right), (Place{0, 0.5}));  // and on by default
+  const SectionId gone[] = {0, 2};
+  EXPECT_EQ(circuit.advance({3, 0.5}, -1.0), (Place{1, 0.5}));
+  EXPECT_EQ(circuit.advance({3, 0.5}, -1.0, {}, gone), (Place{2, 2.5}));
+  EXPECT_EQ(circuit.advance({3, 0.5}, -4.0, {}, gone), (Place{0, 0.5}));
+  EXPECT_EQ(circuit.advance({3, 0.5}, -5.0, {}, gone), (Place{3, 0.5}));  // beyond what is known: by default
+}
+
+TEST(Circuit, measures_along_a_chosen_way) {
+  const Circuit circuit = diamond();
+  const SectionId right[] = {2, 3};
+  EXPECT_DOUBLE_EQ(circuit.distance_ahead({0, 0.5}, {3, 0.5}, 10.0).value(), 2.0);
+  EXPECT_DOUBLE_EQ(circuit.distance_ahead({0, 0.5}, {3, 0.5}, 10.0, right).value(), 4.0);
+  EXPECT_EQ(circuit.distance_ahead({0, 0.5}, {2, 0.5}, 100.0), std::nullopt);  // never there by default
+  EXPECT_DOUBLE_EQ(circuit.distance_ahead({0, 0.5}, {2, 0.5}, 10.0, right).value(), 1.0);
+}
+
+TEST(Circuit, finds_the_shortest_way_over_all_branches) {
+  const Circuit circuit = diamond();
+  const auto left = circuit.shortest_way({0, 0.5}, {3, 0.5}, 10.0);
+  ASSERT_TRUE(left);
+  EXPECT_DOUBLE_EQ(left->length_m, 2.0);
+  EXPECT_THAT(left->sections, ElementsAre(0, 1, 3));
+  const auto right = circuit.shortest_way({0, 0.5}, {2, 1.0}, 10.0);
+  ASSERT_TRUE(right);
+  EXPECT_THAT(right->sections, ElementsAre(0, 2));
+  EXPECT_DOUBLE_EQ(right->length_m, 1.5);
+  EXPECT_THAT(circuit.shortest_way({1, 0.7}, {1, 0.2}, 10.0)->sections, ElementsAre(1, 3, 0, 1));
+  EXPECT_EQ(circuit.shortest_way({0, 0.5}, {2, 1.0}, 1.4), std::nullopt);
+  EXPECT_TRUE(circuit.shortest_way({0, 0.5}, {2, 1.0}, 1.5));
+}
+
+}  // namespace
+}  // namespace cosiva::zone

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "cosiva/zone/circuit/circuit.h"
+
+namespace cosiva::zone {
+
+/// Goes from section to section along a way: through `coming`, which follows `section`, and from its end along default
+/// successors. Refers to the way, which must outlive it.
+class SectionsAhead {
+ public:
+  SectionsAhead(const Circuit& circuit, SectionId section, std::span<const SectionId> coming)
+      : circuit_{circuit}, coming_{coming}, section_{section} {}
+
+  [[nodiscard]] SectionId section() const { return section_; }
+  /// What follows; no_section at a dead end.
+  [[nodiscard]] SectionId next() const {
+    if (step_ < coming_.size()) return coming_[step_];
+    const auto ways = circuit_.next(section_);
+    return ways.empty() ? no_section : ways.front();
+  }
+  /// Whether anybody has said what follows, or there is only one way.
+  [[nodiscard]] bool decided() const { return step_ < coming_.size() || circuit_.next(section_).size() == 1; }
+  /// To the next one. False at a dead end, and nothing changed.
+  bool step() {
+    const SectionId after = next();
+    if (after == no_section) return false;
+    section_ = after;
+    ++step_;
+    return true;
+  }
+
+ private:
+  const Circuit& circuit_;
+  std::span<const SectionId> coming_;
+  SectionId section_;
+  std::size_t step_{0};
+};
+
+/// The way that somebody takes through the circuit: a row of sections, each a successor of the one before, and which of
+/// them it is on. Where the row ends, default successors go on. An empty course is: default successors, always.
+class Course {
+ public:
+  Course() = default;
+  /// Is on sections[at], at first on sections.front().
+  explicit Course(std::vector<SectionId> sections, std::size_t at = 0) : sections_{std::move(sections)}, at_{at} {}
+
+  /// It is on `section` now: the next of that name on the course, at most `within` sections on, else the nearest back,
+  /// at most `back` sections. False, and nothing changed: that section is not on the course, or not so near.
+  bool arrive(SectionId section, std::size_t within = 64, std::size_t back = std::numeric_limits<std::size_t>::max());
+  /// To the first of coming(), and to the last of gone(); there must be one.
+  void step() { ++at_; }
+  void step_back() { --at_; }
+  /// Appends what comes after the last section.
+  void extend(std::span<const SectionId> more);
+  /// Forgets what comes after the next `keep` sections.
+  void cut(std::size_t keep);
+  void clear() { *this = Course{}; }
+  /// Forgets what lies further back than `keep` sections.
+  void forget_gone(std::size_t keep);
+
+  [[nodiscard]] bool empty() const { return sections_.empty(); }
+  [[nodiscard]] SectionId here() const { return sections_.empty() ? no_section : sections_[at_]; }
+  /// After the present section, in order of driving.
+  [[nodiscard]] std::span<const SectionId> coming() const {
+    return sections_.empty() ? std::span<const SectionId>{} : std::span{sections_}.subspan(at_ + 1);
+  }
+  /// The present section and those before it are the first `gone().size() + 1` of these.
+  [[nodiscard]] std::span<const SectionId> sections() const { return sections_; }
+  /// Before the present section, in order of driving: the last is where it came from.
+  [[nodiscard]] std::span<const SectionId> gone() const { return std::span{sections_}.first(at_); }
+
+ private:
+  std::vector<SectionId> sections_;
+  std::size_t at_{0};
+};
+
+}  // namespace cosiva::zone

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "cosiva/zone/circuit/circuit.h"
+
+namespace cosiva::zone {
+
+/// Which sections begin near after the end of which: whoever drives there follows, and is not in the way.
+class Followers {
+ public:
+  explicit Followers(const Circuit& circuit) : circuit_{circuit} {}
+
+  /// Of every section, finds those that begin within `follow_m` of its end. Each step takes from `work_left` what it
+  /// costs; false, and unfinished, when that is not enough.
+  [[nodiscard]] bool find(double follow_m, std::size_t& work_left);
+
+  /// Whether one goes on from `before` to `after` so nearly straight that one merely follows.
+  [[nodiscard]] bool follows(SectionId before, SectionId after) const;
+  /// From the end of one section to the start of the other [m]; infinity where that is none of those found.
+  [[nodiscard]] double gap_m(SectionId before, SectionId after) const;
+
+ private:
+  struct Follower {
+    SectionId section;
+    double gap_m;
+  };
+  const Circuit& circuit_;
+  std::vector<Follower> all_;
+  std::vector<std::size_t> first_;  ///< of each section's, and one past the last
+};
+
+}  // namespace cosiva::zone

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cosiva/base/json_writer.h"
+#include "cosiva/base/pose.h"
+#include "cosiva/zone/layout/traffic_zone.h"
+
+namespace cosiva::zone {
+
+/// What a blind display can draw without knowing what it shows (A19): shapes on named layers, in map metres.
+struct Primitive {
+  enum class Shape { polyline, polygon, disc, text };
+  Shape shape;
+  /// "road", "line", "crossing", "pivot", "tag", "beacon", "station", "section" (names and arrows), "label"
+  std::string layer;
+  std::vector<Point2> points;
+  double size_m{};    ///< stroke width, disc radius or text height
+  std::string label;  ///< text to write or to show on hover; may be empty
+  double heading_rad{};
+  std::string kind{};  ///< of one layer's several: "straight", "arc", "clothoid"; "stop", "charger"; else empty
+};
+
+/// The zone draws itself: road bands, centre lines, crossings, tags, beacons, stations, places to turn on the spot;
+/// curves to within 0.5 mm. Of a zone so large that nobody could read them names are left out, and its curves are as
+/// fine as some hundred thousand points allow.
+[[nodiscard]] std::vector<Primitive> draw(const TrafficZone& zone);
+
+struct Bounds {
+  Point2 low;
+  Point2 high;
+};
+[[nodiscard]] Bounds bounds(const std::vector<Primitive>& primitives);
+
+/// {"name":…, "bounds":[x0,y0,x1,y1], "vehicle":{"length_m","width_m"},
+/// "primitives":[{"shape","layer","kind"?,"points":[[x,y]…],"size_m","label","heading"}…] to 0.01 mm,
+/// "sections":[{"name","length_m"}…],"tags":[{"number","section","s","x","y"}…],
+/// "beacons":{"pitch_m","origin":[x,y],"rotation","columns","rows"} or null,
+/// "stations":[{"name","kind","x","y","section","s"}…],"loops":[name…],"notes":[{"kind","place","text"}…]}
+/// The beacons' origin is their first one, about which they are turned.
+void write_json(JsonWriter& json, const TrafficZone& zone, const std::vector<Primitive>& primitives);
+
+/// A self-contained SVG picture, y up, with a legend and a scale bar; closed sections are hatched.
+[[nodiscard]] std::string to_svg(const TrafficZone& zone, const std::vector<Primitive>& primitives);
+
+}  // namespace cosiva::zone

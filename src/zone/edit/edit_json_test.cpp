@@ -1,0 +1,162 @@
+#include "cosiva/zone/edit/edit.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cosiva/zone/testing/test_edit_files.h"
+#include "cosiva/zone/testing/test_zones.h"
+
+namespace cosiva::zone {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Pair;
+using ::testing::SizeIs;
+
+using testing::file;
+using testing::parsed;
+using testing::straight;
+
+/// The edit that the page's JSON asks of a zone, or the refusal's code.
+Result<ZoneEdit> from_json(const std::string& json, const TrafficZone& zone) {
+  const auto value = JsonValue::parse(json);
+  EXPECT_TRUE(value) << json;
+  return zone_edit_from_json(*value, zone);
+}
+std::string code_of(const std::string& json, const TrafficZone& zone = testing::lacet4()) {
+  const auto edit = from_json(json, zone);
+  return edit ? "none" : edit.error().code;
+}
+
+// What the page sends
+// ---------------------------------------------------------------------------------------------------------
+
+TEST(ZoneEditJson, puts_a_tag_at_the_nearest_place_of_the_circuit) {
+  const TrafficZone zone = testing::lacet4();
+  // "east" runs from (-0.75, -0.15) eastward; "loop_ne" lies far away.
+  const auto edit = from_json(R"({"addTags":[{"number":40,"x":0.35,"y":-0.30}]})", zone);
+  ASSERT_TRUE(edit) << to_string(edit.error());
+  ASSERT_THAT(edit->set_tags, SizeIs(1));
+  EXPECT_EQ(edit->set_tags[0].number, 40U);
+  EXPECT_EQ(edit->set_tags[0].place.section, zone.circuit.find("east"));
+  EXPECT_NEAR(edit->set_tags[0].place.s_m, 1.10, 1e-9);
+}
+
+TEST(ZoneEditJson, reads_everything_that_an_edit_may_hold) {
+  const TrafficZone zone = testing::lacet4();
+  const auto edit = from_json(R"({"addTags":[{"number":13,"section":"south","s":0.5}],
+      "moveTags":[{"number":1,"section":"north","s":0.7}],"removeTags":[2,3],"beaconPitch":0.2,
+      "priorities":{"CoSiVA/AIV1":3,"Other/7":0}})",
+                              zone);
+  ASSERT_TRUE(edit) << to_string(edit.error());
+  EXPECT_THAT(edit->set_tags, SizeIs(2));
+  EXPECT_THAT(edit->remove_tags, ElementsAre(2, 3));
+  EXPECT_EQ(edit->beacon_pitch_m, 0.2);
+  EXPECT_THAT(edit->set_priorities, ElementsAre(Pair("CoSiVA/AIV1", 3), Pair("Other/7", 0)));
+}
+
+TEST(ZoneEditJson, refuses_what_cannot_be_with_a_code_each) {
+  EXPECT_EQ(code_of("[]"), "edit.syntax");
+  EXPECT_EQ(code_of("{}"), "edit.empty");
+  EXPECT_EQ(code_of(R"({"addTag":[]})"), "edit.field");
+  EXPECT_EQ(code_of(R"({"addTags":{}})"), "edit.field");
+  EXPECT_EQ(code_of(R"({"addTags":[7]})"), "edit.number");
+  EXPECT_EQ(code_of(R"({"addTags":[{"number":0,"section":"east","s":1}]})"), "edit.number");
+  EXPECT_EQ(code_of(R"({"addTags":[{"number":13.5,"section":"east","s":1}]})"), "edit.number");
+  EXPECT_EQ(code_of(R"({"addTags":[{"number":4000000001,"section":"east","s":1}]})"), "edit.number");
+  EXPECT_EQ(code_of(R"({"addTags":[{"number":"13","section":"east","s":1}]})"), "edit.number");
+  EXPECT_EQ(code_of(R"({"addTags":[{"number":13}]})"), "edit.place");
+  EXPECT_EQ(code_of(R"({"addTags":[{"number":13,"x":1}]})"), "edit.place");
+  EXPECT_EQ(code_of(R"({"addTags":[{"number":13,"section":"east"}]})"), "edit.place");
+  EXPECT_EQ(code_of(R"({"addTags":[{"number":13,"section":"est","s":1}]})"), "edit.section");
+  EXPECT_EQ(code_of(R"({"addTags":[{"number":13,"section":"east","s":-0.1}]})"), "edit.place");
+  EXPECT_EQ(code_of(R"({"addTags":[{"number":13,"section":"east","s":1.51}]})"), "edit.place");
+  EXPECT_EQ(code_of(R"({"addTags":[{"number":1,"section":"east","s":1}]})"), "edit.tag");
+  EXPECT_EQ(code_of(R"({"moveTags":[{"number":13,"section":"east","s":1}]})"), "edit.tag");
+  EXPECT_EQ(code_of(R"({"removeTags":[13]})"), "edit.tag");
+  EXPECT_EQ(code_of(R"({"removeTags":["1"]})"), "edit.number");
+  EXPECT_EQ(code_of(R"({"removeTags":[1,1]})"), "edit.twice");
+  EXPECT_EQ(code_of(R"({"removeTags":[1],"moveTags":[{"number":1,"section":"east","s":1}]})"), "edit.twice");
+  EXPECT_EQ(code_of(R"({"addTags":[{"number":1000000,"section":"east","s":1}]})"), "edit.number");
+  EXPECT_EQ(code_of(R"({"beaconPitch":"0.2"})"), "edit.pitch");
+  EXPECT_EQ(code_of(R"({"beaconPitch":0.04})"), "edit.pitch");
+  EXPECT_EQ(code_of(R"({"beaconPitch":10.1})"), "edit.pitch");
+  EXPECT_EQ(code_of(R"({"beaconPitch":0.2})", parsed(file(straight))), "edit.beacons");
+  EXPECT_EQ(code_of(R"({"priorities":[]})"), "edit.priority");
+  EXPECT_EQ(code_of(R"({"priorities":{"CoSiVA/AIV1":1000}})"), "edit.priority");
+  EXPECT_EQ(code_of(R"({"priorities":{"CoSiVA/AIV1":-1}})"), "edit.priority");
+  EXPECT_EQ(code_of(R"({"priorities":{"CoSiVA/AIV1":1.5}})"), "edit.priority");
+  for (const char* name : {"AIV1", "/AIV1", "CoSiVA/", "CoSiVA/AIV/1", "CoSiVA/#", ""})
+    EXPECT_EQ(code_of(R"({"priorities":{")" + std::string(name) + R"(":1}})"), "edit.priority") << name;
+  EXPECT_EQ(code_of(R"({"priorities":{"a/b":1,"a/b":2}})"), "edit.twice");
+}
+
+TEST(ZoneEditJson, reads_any_part_of_where_the_beacons_lie) {
+  const TrafficZone zone = testing::lacet4();
+  const auto all = from_json(R"({"beacons":{"pitch":0.3,"origin":[0.1,-0.2],"rotation":0.26}})", zone);
+  ASSERT_TRUE(all) << to_string(all.error());
+  EXPECT_EQ(all->beacon_pitch_m, 0.3);
+  EXPECT_EQ(all->beacon_origin, (Point2{0.1, -0.2}));
+  EXPECT_EQ(all->beacon_rotation_rad, 0.26);
+  const auto one = from_json(R"({"beacons":{"rotation":-1}})", zone);
+  ASSERT_TRUE(one) << to_string(one.error());
+  EXPECT_FALSE(one->beacon_pitch_m);
+  EXPECT_FALSE(one->beacon_origin);
+}
+
+TEST(ZoneEditJson, refuses_beacons_that_cannot_lie_so) {
+  EXPECT_EQ(code_of(R"({"beacons":0.3})"), "edit.field");
+  EXPECT_EQ(code_of(R"({"beacons":{}})"), "edit.field");
+  EXPECT_EQ(code_of(R"({"beacons":{"pich":0.3}})"), "edit.field");
+  EXPECT_EQ(code_of(R"({"beacons":{"pitch":11}})"), "edit.pitch");
+  EXPECT_EQ(code_of(R"({"beacons":{"pitch":"x"}})"), "edit.pitch");
+  EXPECT_EQ(code_of(R"({"beacons":{"pitch":0.3},"beaconPitch":0.2})"), "edit.twice");
+  for (const char* origin : {"3", "[1]", "[1,2,3]", R"(["a",1])", "[1e7,0]", "[0,-1e300]"})
+    EXPECT_EQ(code_of(R"({"beacons":{"origin":)" + std::string(origin) + "}}"), "edit.origin") << origin;
+  EXPECT_EQ(code_of(R"({"beacons":{"rotation":6.3}})"), "edit.rotation");
+  EXPECT_EQ(code_of(R"({"beacons":{"rotation":true}})"), "edit.rotation");
+  EXPECT_EQ(code_of(R"({"beacons":{"rotation":0.1}})", parsed(file(straight))), "edit.beacons");
+}
+
+TEST(ZoneEditJson, knows_a_tag_30_cm_off_every_way_from_one_just_near_enough) {
+  const TrafficZone zone = parsed(file(straight));
+  EXPECT_EQ(code_of(R"({"addTags":[{"number":1,"x":1.0,"y":0.2999}]})", zone), "none");
+  EXPECT_EQ(code_of(R"({"addTags":[{"number":1,"x":1.0,"y":-0.3001}]})", zone), "edit.place");
+  EXPECT_THAT(from_json(R"({"addTags":[{"number":1,"x":1.0,"y":-0.5}]})", zone).error().message, HasSubstr("0.50 m"));
+}
+
+TEST(ZoneEditJson, refuses_more_beacons_than_a_page_can_draw) {
+  // 100 m by 0: at 0.05 m that is 2000 columns of 4 or 5; at right angles to it another 100 m make four million.
+  const TrafficZone zone = parsed(file(straight + R"(
+[[section]]
+name = "b"
+kind = "arc"
+radius_m = 20.0
+angle_deg = 90
+[beacons]
+pitch_m = 1.0
+cover = "zone"
+)"));
+  EXPECT_EQ(code_of(R"({"beaconPitch":0.05})", zone), "edit.pitch");
+  EXPECT_EQ(code_of(R"({"beaconPitch":0.5})", zone), "none");
+}
+
+TEST(ZoneEditJson, sees_that_a_narrower_pitch_takes_a_tags_number) {
+  // Round 2 m of way stand 3 by 3 beacons at 10 m, numbers 100 to 108; at 0.5 m it is 7 by 3, up to 120.
+  const TrafficZone zone = parsed(file(straight + R"(
+[beacons]
+pitch_m = 10.0
+cover = "zone"
+first_number = 100
+[[tag]]
+number = 120
+section = "a"
+s_m = 1.0
+)"));
+  EXPECT_EQ(code_of(R"({"beaconPitch":0.5})", zone), "edit.number");
+  EXPECT_EQ(code_of(R"({"beaconPitch":9.0})", zone), "none");
+}
+
+}  // namespace
+}  // namespace cosiva::zone

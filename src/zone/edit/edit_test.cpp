@@ -1,0 +1,371 @@
+#include "cosiva/zone/edit/edit.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "cosiva/zone/testing/test_edit_files.h"
+#include "cosiva/zone/testing/test_zones.h"
+
+namespace cosiva::zone {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Pair;
+
+using testing::file;
+using testing::lacet4_file;
+using testing::parsed;
+using testing::straight;
+
+std::string edited_text(const std::string& text, const ZoneEdit& edit) {
+  const auto result = edited(file(text), edit);
+  return result ? result->text : "refused: " + result.error().code + ": " + result.error().message;
+}
+
+// The file's text
+// ---------------------------------------------------------------------------------------------------------
+
+constexpr Place at_a(double s_m) { return {0, s_m}; }
+
+TEST(ZoneEdit, moves_a_tag_by_its_two_values_alone) {
+  const std::string before = straight + R"(
+# by the gate
+[[tag]]   # one
+number = 1   # blue
+section = "a"   # on a
+s_m     =   0.5   # metres
+)";
+  const std::string after = edited_text(before, {{{1, at_a(1.25)}}, {}, {}, {}});
+  std::string wanted = before;
+  wanted.replace(wanted.find("0.5 "), 3, "1.25");
+  EXPECT_EQ(after, wanted);
+}
+
+TEST(ZoneEdit, writes_another_section_only_where_it_changes) {
+  const std::string before = straight + R"([[section]]
+name = "b \"2\""
+kind = "straight"
+length_m = 1.0
+[[tag]]
+s_m = 0.5
+section = 'a'
+number = 1
+)";
+  EXPECT_THAT(edited_text(before, {{{1, {0, 0.25}}}, {}, {}, {}}), HasSubstr("s_m = 0.25\nsection = 'a'\n"));
+  EXPECT_THAT(edited_text(before, {{{1, {1, 0.25}}}, {}, {}, {}}),
+              HasSubstr("s_m = 0.25\nsection = \"b \\\"2\\\"\"\n"));
+}
+
+TEST(ZoneEdit, adds_a_tag_behind_the_last_one) {
+  const std::string tag = "\n[[tag]]\nnumber = 1\nsection = \"a\"\ns_m = 0.5\n";
+  const std::string rest = "\n# what follows\n[[station]]\nname = \"s\"\nsection = \"a\"\ns_m = 1.0";
+  EXPECT_EQ(edited_text(straight + tag + rest, {{{2, at_a(1.23456)}}, {}, {}, {}}),
+            straight + tag + "\n[[tag]]\nnumber = 2\nsection = \"a\"\ns_m = 1.2346\n" + rest);
+}
+
+TEST(ZoneEdit, adds_the_first_tag_at_the_end_even_of_a_file_without_a_last_newline) {
+  const std::string bare = straight.substr(0, straight.size() - 1);
+  EXPECT_EQ(
+      edited_text(bare, {{{2, at_a(1.0)}, {3, at_a(1.5)}}, {}, {}, {}}),
+      straight +
+          "\n[[tag]]\nnumber = 2\nsection = \"a\"\ns_m = 1.00\n\n[[tag]]\nnumber = 3\nsection = \"a\"\ns_m = 1.50\n");
+}
+
+TEST(ZoneEdit, takes_a_tags_lines_and_one_blank_line_but_no_comment) {
+  const std::string before = straight + R"(
+[[tag]]
+number = 1
+section = "a"
+s_m = 0.5
+
+# the second
+[[tag]]
+number = 2
+# half way
+section = "a"
+s_m = 1.0
+
+[[tag]]
+number = 3
+section = "a"
+s_m = 1.5
+)";
+  EXPECT_EQ(edited_text(before, {{}, {1}, {}, {}}), straight + R"(
+# the second
+[[tag]]
+number = 2
+# half way
+section = "a"
+s_m = 1.0
+
+[[tag]]
+number = 3
+section = "a"
+s_m = 1.5
+)");
+  EXPECT_EQ(edited_text(before, {{}, {1, 2, 3}, {}, {}}), straight + "\n# the second\n# half way\n\n");
+}
+
+TEST(ZoneEdit, changes_only_the_number_of_the_beacons_pitch) {
+  const ZoneConfiguration before = lacet4_file();
+  const auto after = edited(before, {{}, {}, 0.2, {}});
+  ASSERT_TRUE(after) << to_string(after.error());
+  std::string wanted = before.text;
+  wanted.replace(wanted.find("pitch_m = 0.30"), 14, "pitch_m = 0.20");
+  EXPECT_EQ(after->text, wanted);
+  EXPECT_EQ(after->origin, before.origin);
+  EXPECT_EQ(parsed(*after).beacons->pitch_m, 0.2);
+}
+
+TEST(ZoneEdit, keeps_the_number_of_beacons_that_a_file_counts_itself) {
+  const std::string before = straight + "beacons = { pitch_m = 1, columns = 3, rows = 2 } # few\n";
+  // An inline table belongs to the section here, so it must stand at the top.
+  const std::string top = "beacons = { pitch_m = 1, columns = 3, rows = 2 } # few\n" + straight;
+  EXPECT_EQ(edited_text(top, {{}, {}, 0.5, {}}),
+            "beacons = { pitch_m = 0.50, columns = 3, rows = 2 } # few\n" + straight);
+  EXPECT_THAT(edited_text(before, {{}, {}, 0.5, {}}), HasSubstr("refused: zone.unknown_key"));
+}
+
+ZoneEdit beacons(std::optional<double> pitch_m, std::optional<Point2> origin, std::optional<double> rotation_rad) {
+  ZoneEdit edit;
+  edit.beacon_pitch_m = pitch_m;
+  edit.beacon_origin = origin;
+  edit.beacon_rotation_rad = rotation_rad;
+  return edit;
+}
+
+TEST(ZoneEdit, writes_origin_and_rotation_where_they_stand_or_behind_the_pitch) {
+  const std::string before = straight + "[beacons]   # ours\npitch_m = 0.5 # wide\ncover = \"zone\"\n";
+  const std::string once = edited_text(before, beacons({}, Point2{0.15, -0.20004}, pi / 6.0));
+  EXPECT_EQ(once, straight +
+                      "[beacons]   # ours\npitch_m = 0.5 # wide\norigin = [0.15, -0.20]\nrotation_deg = 30.00\n"
+                      "cover = \"zone\"\n");
+  EXPECT_EQ(edited_text(once, beacons(0.25, Point2{1.0, 2.0}, -0.1)),
+            straight +
+                "[beacons]   # ours\npitch_m = 0.25 # wide\norigin = [1.00, 2.00]\nrotation_deg = -5.7296\n"
+                "cover = \"zone\"\n");
+  const TrafficZone zone = parsed(file(once));
+  EXPECT_EQ(zone.beacons->rotation_rad, 30.0 * pi / 180.0);
+  EXPECT_EQ(zone.beacons->covers_through, (Point2{0.15, -0.2}));
+}
+
+TEST(ZoneEdit, moves_beacons_that_stand_in_one_line_or_end_the_file) {
+  const std::string one_line = "beacons = { pitch_m = 1, columns = 3, rows = 2 } # few\n" + straight;
+  EXPECT_EQ(edited_text(one_line, beacons({}, Point2{0.5, 0.0}, {})),
+            "beacons = { pitch_m = 1, origin = [0.50, 0.00], columns = 3, rows = 2 } # few\n" + straight);
+  EXPECT_EQ(edited_text(straight + "[beacons]\ncover = \"zone\"\npitch_m = 0.5", beacons({}, {}, 0.5 * pi)),
+            straight + "[beacons]\ncover = \"zone\"\npitch_m = 0.5\nrotation_deg = 90.00\n");
+  EXPECT_THAT(
+      edited_text(straight + "[beacons]\ncover = \"zone\"\npitch_m = 0.5\nrotation_rad = 0.1\n", beacons({}, {}, 0.0)),
+      HasSubstr("rotation_rad = 0\n"));
+}
+
+TEST(ZoneEdit, makes_the_priorities_when_they_are_missing_and_keeps_them_in_order) {
+  const std::string one = edited_text(straight, {{}, {}, {}, {{"CoSiVA/AIV2", 3}}});
+  EXPECT_EQ(one, straight + "\n[priorities]\n\"CoSiVA/AIV2\" = 3\n");
+  const std::string two = edited_text(one + "# end\n", {{}, {}, {}, {{"CoSiVA/AIV1", 999}, {"CoSiVA/AIV2", 12}}});
+  EXPECT_EQ(two, straight + "\n[priorities]\n\"CoSiVA/AIV2\" = 12\n\"CoSiVA/AIV1\" = 999\n# end\n");
+  EXPECT_THAT(parsed(file(two)).priorities, ElementsAre(Pair("CoSiVA/AIV1", 999), Pair("CoSiVA/AIV2", 12)));
+  const std::string three = edited_text(two, {{}, {}, {}, {{"CoSiVA/AIV1", 0}, {"CoSiVA/AIV2", 0}, {"x/y", 0}}});
+  EXPECT_EQ(three, straight + "\n[priorities]\n# end\n");
+}
+
+TEST(ZoneEdit, keeps_the_line_ends_of_a_file_from_elsewhere) {
+  std::string crlf;
+  for (const char c : straight + "[[tag]]\nnumber = 1\nsection = \"a\"\ns_m = 0.5\n")
+    crlf += c == '\n' ? "\r\n" : std::string(1, c);
+  const std::string after = edited_text(crlf, {{{1, at_a(0.75)}, {2, at_a(1.0)}}, {}, {}, {{"a/b", 1}}});
+  EXPECT_THAT(after, HasSubstr("s_m = 0.75\r\n\r\n[[tag]]\r\nnumber = 2\r\n"));
+  for (std::size_t i = 0; i < after.size(); ++i) EXPECT_TRUE(after[i] != '\n' || after[i - 1] == '\r') << i;
+}
+
+TEST(ZoneEdit, counts_bytes_where_the_file_has_other_letters_than_ascii) {
+  const std::string before = "\xEF\xBB\xBF" + straight +
+                             "[[section]]\nname = \"ö\"\nkind = \"straight\"\nlength_m = 1.0\n" +
+                             "[[tag]]\nnumber = 1\nsection = \"ö\" # über\ns_m = 0.5\n";
+  const std::string after = edited_text(before, {{{1, {0, 0.25}}}, {}, {}, {}});
+  EXPECT_THAT(after, HasSubstr("section = \"a\" # über\ns_m = 0.25\n"));
+}
+
+TEST(ZoneEdit, refuses_to_rewrite_tags_that_stand_in_a_list_but_moves_them) {
+  const std::string before = "tag = [ { number = 1, section = \"a\", s_m = 0.5 } ]\n" + straight;
+  EXPECT_THAT(edited_text(before, {{{1, at_a(1.0)}}, {}, {}, {}}), HasSubstr("s_m = 1.00 }"));
+  EXPECT_THAT(edited_text(before, {{{2, at_a(1.0)}}, {}, {}, {}}), HasSubstr("refused: edit.format"));
+  EXPECT_THAT(edited_text(before, {{}, {1}, {}, {}}), HasSubstr("[[tag]]"));
+  EXPECT_THAT(edited_text("priorities = { \"a/b\" = 1 }\n" + straight, {{}, {}, {}, {{"c/d", 1}}}),
+              HasSubstr("refused: edit.format"));
+  EXPECT_THAT(edited_text("priorities = { \"a/b\" = 1 }\n" + straight, {{}, {}, {}, {{"a/b", 2}}}),
+              HasSubstr("\"a/b\" = 2 }"));
+}
+
+TEST(ZoneEdit, of_a_bad_file_or_a_bad_edit_fails_with_a_reason) {
+  EXPECT_THAT(edited_text("name = ", {{}, {}, 0.2, {}}), HasSubstr("refused: zone.syntax"));
+  EXPECT_THAT(edited_text(straight, {{}, {7}, {}, {}}), HasSubstr("refused: edit.tag"));
+  EXPECT_THAT(edited_text(straight, {{{1, {5, 0.0}}}, {}, {}, {}}), HasSubstr("refused: edit.section"));
+  EXPECT_THAT(edited_text(straight, {{{1, at_a(2.001)}}, {}, {}, {}}), HasSubstr("refused: edit.place"));
+  EXPECT_THAT(edited_text(straight, {{}, {}, {}, {{"a/b", 1000}}}), HasSubstr("refused: edit.priority"));
+  const auto other = edited({"cad", "x", ""}, {});
+  ASSERT_FALSE(other);
+  EXPECT_EQ(other.error().code, "zone.format");
+}
+
+TEST(ZoneEdit, is_refused_by_a_format_that_has_no_such_thing) {
+  class Rigid final : public CircuitFactory {
+   public:
+    std::string_view format() const override { return "rigid"; }
+    std::vector<std::string_view> file_endings() const override { return {".rigid"}; }
+    Result<TrafficZone> make_zone(const ZoneConfiguration&) const override { return testing::lacet4(); }
+  };
+  const auto result = Rigid{}.edited({"rigid", "x", ""}, {});
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, "edit.format");
+  EXPECT_THAT(result.error().message, HasSubstr("'rigid'"));
+}
+
+TEST(ZoneEdit, rounds_no_tag_off_its_section) {
+  const TrafficZone zone = testing::lacet4();
+  const SectionId loop = *zone.circuit.find("loop_se");
+  const double length_m = zone.circuit.section(loop).length_m();  // 0.6 m · 3π/2 = 2.82743… m
+  const auto after = edited(lacet4_file(), {{{50, {loop, length_m}}}, {}, {}, {}});
+  ASSERT_TRUE(after) << to_string(after.error());
+  EXPECT_EQ(parsed(*after).find_tag(50)->place, (Place{loop, 2.8274}));
+}
+
+// Same ways
+// ---------------------------------------------------------------------------------------------------------
+
+TEST(SameWays, are_those_that_a_running_vehicle_need_not_notice) {
+  const TrafficZone zone = testing::lacet4();
+  EXPECT_TRUE(same_ways(zone, zone));
+  const auto after = edited(lacet4_file(), {{{1, {0, 0.3}}, {77, {2, 0.3}}}, {4}, 0.07, {{"CoSiVA/AIV1", 3}}});
+  ASSERT_TRUE(after) << to_string(after.error());
+  EXPECT_TRUE(same_ways(zone, parsed(*after)));
+}
+
+TEST(SameWays, differ_in_a_length_a_name_a_speed_a_body_or_a_clearance) {
+  const ZoneConfiguration given = lacet4_file();
+  const TrafficZone zone = parsed(given);
+  for (const auto& [from, to] : {std::pair{"name = \"lacet4\"", "name = \"lacet5\""},
+                                 {"name = \"loop_se\"", "name = \"loop_es\""},
+                                 {"length_m = 0.20", "length_m = 0.21"},
+                                 {"speed_mps = 0.40", "speed_mps = 0.41"},
+                                 {"x = -0.75", "x = -0.76"},
+                                 {"[vehicle]", "[crossings]\nclearance_m = 0.05\n[vehicle]"},
+                                 {"[vehicle]", "[waypoints]\nspacing_m = 0.25\n[vehicle]"},
+                                 {"kind = \"straight\"", "kind = \"straight\"\nspeed_mps_max = 0.2"}}) {
+    ZoneConfiguration other = given;
+    // The dock stands on loop_se as do tags; a section's new name must reach them too.
+    for (auto at = other.text.find(from); at != std::string::npos;
+         at = other.text.find(from, at + std::string(to).size())) {
+      other.text.replace(at, std::string(from).size(), to);
+      if (std::string(from) != "name = \"loop_se\"") break;
+      for (auto use = other.text.find("section = \"loop_se\""); use != std::string::npos;
+           use = other.text.find("section = \"loop_se\""))
+        other.text.replace(use, 19, "section = \"loop_es\"");
+    }
+    EXPECT_FALSE(same_ways(zone, parsed(other))) << to;
+  }
+}
+
+TEST(Priorities, are_read_sorted_and_without_zeros) {
+  const TrafficZone zone = parsed(file(straight + "[priorities]\n\"B/2\" = 7\n\"A/1\" = 999\n\"C/3\" = 0\n"));
+  EXPECT_THAT(zone.priorities, ElementsAre(Pair("A/1", 999), Pair("B/2", 7)));
+  EXPECT_EQ(zone.priority_of("B/2"), 7);
+  EXPECT_EQ(zone.priority_of("C/3"), 0);
+  EXPECT_EQ(zone.priority_of(""), 0);
+}
+
+TEST(Priorities, that_make_no_sense_are_refused_with_their_line) {
+  for (const char* bad :
+       {"\"A/1\" = 1000", "\"A/1\" = -1", "\"A/1\" = 1.5", "\"A/1\" = \"3\"", "A1 = 3", "\"A/\" = 3"}) {
+    const auto zone = testing::read_zone(straight + "[priorities]\n" + bad + "\n");
+    ASSERT_FALSE(zone) << bad;
+    EXPECT_EQ(zone.error().code, "zone.field") << bad;
+    EXPECT_THAT(zone.error().place, HasSubstr("test.toml:8: priorities.")) << bad;
+  }
+}
+
+// Any edits
+// ---------------------------------------------------------------------------------------------------------
+
+std::vector<std::string> comments(const std::string& text) {
+  std::vector<std::string> found;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);)
+    if (const auto at = line.find('#'); at != std::string::npos) found.push_back(line.substr(at));
+  return found;
+}
+
+/// One edit that fits a zone with these tags, as an operator might click it together.
+ZoneEdit arbitrary_edit(const TrafficZone& zone, const std::map<TagNumber, Place>& tags) {
+  const auto place = [&] {
+    const auto section = *rc::gen::inRange<SectionId>(0, static_cast<SectionId>(zone.circuit.size()));
+    const double share = *rc::gen::inRange(0, 1001) * 1e-3;
+    return Place{section, share * zone.circuit.section(section).length_m()};
+  };
+  ZoneEdit edit;
+  std::set<TagNumber> used;
+  const int changes = *rc::gen::inRange(1, 4);
+  for (int i = 0; i < changes; ++i) {
+    const auto kind = *rc::gen::inRange(0, 5);
+    const TagNumber number = *rc::gen::inRange<TagNumber>(1, 30);
+    const bool fresh = used.insert(number).second;
+    if (kind <= 1 && fresh) edit.set_tags.push_back({number, place()});
+    if (kind == 2 && fresh && tags.count(number) > 0) edit.remove_tags.push_back(number);
+    if (kind == 3) edit.beacon_pitch_m = *rc::gen::inRange(50, 1000) * 1e-3;
+    if (kind == 4 && edit.set_priorities.empty())
+      edit.set_priorities.emplace_back("CoSiVA/AIV" + std::to_string(*rc::gen::inRange(1, 5)),
+                                       *rc::gen::inRange(0, 1000));
+  }
+  return edit;
+}
+
+TEST(ZoneEdit, of_any_kind_in_any_order_leaves_just_what_was_wanted_and_every_comment) {
+  const ZoneConfiguration start = lacet4_file();
+  const TrafficZone first = parsed(start);
+  const auto noted = comments(start.text);
+  EXPECT_TRUE(rc::check([&] {
+    ZoneConfiguration now = start;
+    std::map<TagNumber, Place> tags;
+    std::map<std::string, std::int32_t> priorities;
+    for (const Tag& tag : first.tags) tags[tag.number] = tag.place;
+    double pitch_m = first.beacons->pitch_m;
+    const int edits = *rc::gen::inRange(1, 4);
+    for (int i = 0; i < edits; ++i) {
+      const ZoneEdit edit = arbitrary_edit(first, tags);
+      const auto after = edited(now, edit);
+      if (!after) RC_FAIL(to_string(after.error()));
+      now = *after;
+      for (const TagNumber number : edit.remove_tags) tags.erase(number);
+      for (const auto& [number, place] : edit.set_tags) tags[number] = place;
+      for (const auto& [vehicle, priority] : edit.set_priorities) {
+        priorities.erase(vehicle);
+        if (priority > 0) priorities[vehicle] = priority;
+      }
+      if (edit.beacon_pitch_m) pitch_m = *edit.beacon_pitch_m;
+    }
+    const TrafficZone last = parsed(now);
+    RC_ASSERT(last.tags.size() == tags.size());
+    for (const Tag& tag : last.tags) {
+      RC_ASSERT(tags.count(tag.number) == 1U);
+      RC_ASSERT(tag.place.section == tags[tag.number].section);
+      RC_ASSERT(std::fabs(tag.place.s_m - tags[tag.number].s_m) <= 1e-4);  // 4 decimals, down at a section's end
+    }
+    RC_ASSERT(
+        (last.priorities == std::vector<std::pair<std::string, std::int32_t>>(priorities.begin(), priorities.end())));
+    RC_ASSERT(std::fabs(last.beacons->pitch_m - pitch_m) <= 0.5e-4);
+    RC_ASSERT(same_ways(first, last));
+    RC_ASSERT(last.stations.size() == first.stations.size());
+    RC_ASSERT(last.starts == first.starts);
+    RC_ASSERT(comments(now.text) == noted);
+  }));
+}
+
+}  // namespace
+}  // namespace cosiva::zone

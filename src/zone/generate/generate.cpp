@@ -1,0 +1,481 @@
+#include "cosiva/zone/generate/generate.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "cosiva/base/expect.h"
+#include "cosiva/base/random.h"
+#include "cosiva/zone/check/check.h"
+#include "cosiva/zone/geometry/section.h"
+
+namespace cosiva::zone {
+namespace {
+
+constexpr double deg_per_rad = 180.0 / pi;
+constexpr std::size_t sections_max = 200'000;
+constexpr double clearance_m = 0.10;
+
+/// To a micrometre: a thousandth of what a joint may gape, and short to read.
+double rounded(double value) { return std::nearbyint(value * 1e6) / 1e6; }
+
+/// At most 0.6 m/s, and slow enough for what loads bear, in whole centimetres per second.
+double bend_mps(double curvature_per_m) {
+  const double borne_mps = std::sqrt(CheckLimits{}.lateral_mps2 / std::fabs(curvature_per_m));
+  return std::min(0.6, std::floor(borne_mps * 100.0) / 100.0);
+}
+
+std::string text_of(double value) {
+  char buffer[32];
+  const double shown = rounded(value);
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, shown == 0.0 ? 0.0 : shown).ptr};
+}
+
+/// One section of the file to be.
+struct Way {
+  std::string name;
+  Pose2 start;
+  Pose2 end;
+  double length_m;
+  double curvature_start_per_m;
+  double curvature_end_per_m;
+  double speed_mps_max;  ///< 0: none
+  std::vector<std::size_t> next{};
+};
+
+struct Spot {
+  std::size_t way;
+  double s_m;
+};
+struct Stop {
+  std::string name;
+  Spot spot;
+  bool charger;
+};
+
+/// Everything is as large as the vehicle wants it.
+struct Scale {
+  explicit Scale(const VehicleShape& vehicle)
+      : unit_m{std::max(vehicle.length_m, 1.2 * vehicle.width_m)},
+        bay_offset_m{rounded(vehicle.width_m + clearance_m + 0.4 * unit_m)},
+        ease_radius_m{bay_offset_m / (2.0 - std::sqrt(2.0))},
+        ease_m{std::sqrt(2.0) * ease_radius_m},
+        turn_curvature_per_m{1.0 / (1.2 * unit_m)},
+        turn_half_m{0.5 * pi / turn_curvature_per_m} {}
+
+  double unit_m;
+  double bay_offset_m;          ///< from the middle of an aisle to that of a bay
+  double ease_radius_m;         ///< two arcs of 45° lead into a bay
+  double ease_m;                ///< and take this much of the aisle
+  double turn_curvature_per_m;  ///< a quarter turn is two clothoids, up to this and back
+  double turn_half_m;           ///< the length of each
+  [[nodiscard]] double bay_m() const { return 3.5 * unit_m; }
+  [[nodiscard]] double bay_pitch_m() const { return bay_m() + 0.5 * unit_m + 2.0 * ease_m + 3.0 * unit_m; }
+  [[nodiscard]] double lane_gap_m() const { return 3.4 * unit_m; }
+};
+
+class Plant {
+ public:
+  explicit Plant(const PlantOptions& options)
+      : options_{options}, scale_{options.vehicle}, random_{options.seed, "zone/generate"} {}
+
+  std::string text();
+
+ private:
+  /// Where a lane is left or joined, by the way that leaves or the last that joins.
+  struct Junction {
+    double x_m;
+    bool joins;
+    std::size_t way;
+  };
+  struct Strip {
+    std::size_t first;
+    std::size_t last;
+  };
+  struct Row {
+    std::vector<Junction> top;
+    std::vector<Junction> bottom;
+    std::size_t east_in, east_out, west_in, west_out;  // first and last way of what joins the lanes at either end
+    std::vector<std::size_t> top_ways, bottom_ways, west_ways, east_ways;
+  };
+
+  std::size_t add(std::string name, const Pose2& start, double length_m, double from_per_m, double to_per_m,
+                  double speed_mps);
+  std::size_t straight(std::string name, const Pose2& start, double length_m);
+  std::size_t arc(std::string name, const Pose2& start, double radius_m, double angle_rad);
+  Strip quarter_right(const std::string& name, const Pose2& start);
+  void join(std::size_t from, std::size_t to) { ways_[from].next.push_back(to); }
+  [[nodiscard]] Pose2 along(const Pose2& start, double distance_m) const { return start * Pose2{distance_m, 0.0, 0.0}; }
+
+  Strip strip(const std::string& name, const Pose2& start, double length_m, std::uint32_t bays, double share,
+              bool chargers);
+  Strip bay(const std::string& name, const Pose2& start, double straight_m, bool left, bool charger);
+  void aisle(Row& row, std::uint32_t number, double x_m, double bottom_m, bool north);
+  void ends(Row& row, std::size_t number, double bottom_m);
+  void lane(std::vector<Junction> junctions, const std::string& name, const Pose2& start, double length_m,
+            std::vector<std::size_t>& ways);
+  void row(std::size_t number);
+  void lay_tags();
+
+  void write_head(std::string& out) const;
+  void write_ways(std::string& out) const;
+  void write_spots(std::string& out) const;
+  void write_loops(std::string& out) const;
+  void write_place(std::string& out, const Spot& spot) const;
+
+  const PlantOptions& options_;
+  Scale scale_;
+  Random random_;
+  double turn_m_{};   ///< what a quarter turn takes of either lane
+  double aisle_m_{};  ///< from lane to lane
+  double west_m_{};   ///< where the ways at the ends of the rows lie
+  double east_m_{};
+  double cross_west_m_{};  ///< where neighbouring rows lead to each other
+  double cross_east_m_{};
+  std::vector<Way> ways_;
+  std::vector<Stop> stops_;
+  std::vector<Spot> tags_;
+  std::vector<Row> rows_;
+};
+
+std::size_t Plant::add(std::string name, const Pose2& start, double length_m, double from_per_m, double to_per_m,
+                       double speed_mps) {
+  const auto section = Section::make(start, length_m, from_per_m, (to_per_m - from_per_m) / length_m);
+  COSIVA_EXPECT(section.has_value());
+  ways_.push_back({std::move(name), start, section->end(), length_m, from_per_m, to_per_m, speed_mps});
+  return ways_.size() - 1;
+}
+
+std::size_t Plant::straight(std::string name, const Pose2& start, double length_m) {
+  return add(std::move(name), start, length_m, 0.0, 0.0, 0.0);
+}
+
+std::size_t Plant::arc(std::string name, const Pose2& start, double radius_m, double angle_rad) {
+  const double bend_per_m = (angle_rad < 0.0 ? -1.0 : 1.0) / radius_m;
+  return add(std::move(name), start, radius_m * std::fabs(angle_rad), bend_per_m, bend_per_m, bend_mps(bend_per_m));
+}
+
+Plant::Strip Plant::quarter_right(const std::string& name, const Pose2& start) {
+  const double bend_per_m = -scale_.turn_curvature_per_m;
+  const std::size_t in = add(name + "i", start, scale_.turn_half_m, 0.0, bend_per_m, bend_mps(bend_per_m));
+  const std::size_t out = add(name + "o", ways_[in].end, scale_.turn_half_m, bend_per_m, 0.0, bend_mps(bend_per_m));
+  join(in, out);
+  return {in, out};
+}
+
+/// A lay-by: two arcs aside, a straight with the station in its middle, two arcs back.
+Plant::Strip Plant::bay(const std::string& name, const Pose2& start, double straight_m, bool left, bool charger) {
+  const double turn_rad = left ? 0.25 * pi : -0.25 * pi;
+  const double radius_m = scale_.ease_radius_m;
+  const std::size_t first = arc(name + "p", start, radius_m, turn_rad);
+  const std::size_t in = arc(name + "q", ways_[first].end, radius_m, -turn_rad);
+  const std::size_t stop = straight(name + "s", ways_[in].end, straight_m);
+  const std::size_t out = arc(name + "t", ways_[stop].end, radius_m, -turn_rad);
+  const std::size_t last = arc(name + "u", ways_[out].end, radius_m, turn_rad);
+  ways_[stop].speed_mps_max = 0.4;
+  join(first, in);
+  join(in, stop);
+  join(stop, out);
+  join(out, last);
+  const double middle_m = rounded(0.5 * straight_m);
+  stops_.push_back({name, {stop, middle_m}, charger});
+  return {first, last};
+}
+
+/// A straight way of `length_m` with bays beside it: "a1b2" passes bay 2 of strip a1, "a1c2" leads up to it.
+Plant::Strip Plant::strip(const std::string& name, const Pose2& start, double length_m, std::uint32_t bays,
+                          double share, bool chargers) {
+  Strip all{ways_.size(), ways_.size()};
+  double done_m = 0.0;
+  std::vector<std::size_t> joining;
+  const auto lead_up = [&](std::uint32_t number, double to_m) {
+    all.last = straight(name + "c" + std::to_string(number), along(start, done_m), to_m - done_m);
+    for (const std::size_t way : joining) join(way, all.last);
+    joining.clear();
+    done_m = to_m;
+  };
+  for (std::uint32_t i = 0; i < bays; ++i) {
+    const double at_m = rounded(2.0 * scale_.unit_m + i * scale_.bay_pitch_m());
+    const bool there = random_.uniform() < share;
+    const bool left = random_.chance(0.5);
+    const double straight_m = rounded(scale_.bay_m() + random_.uniform(0.0, 0.5) * scale_.unit_m);
+    if (!there) continue;
+    lead_up(i + 1, at_m);
+    const std::string bay_name = name + "b" + std::to_string(i + 1);
+    const double pass_m = straight_m + 2.0 * scale_.ease_m;
+    const std::size_t pass = straight(bay_name, along(start, at_m), pass_m);
+    const Strip aside = bay(bay_name, along(start, at_m), straight_m, left, chargers);
+    join(all.last, pass);
+    join(all.last, aside.first);
+    joining = {pass, aside.last};
+    done_m = at_m + pass_m;
+  }
+  lead_up(bays + 1, length_m);
+  return all;
+}
+
+void Plant::aisle(Row& row, std::uint32_t number, double x_m, double bottom_m, bool north) {
+  const double top_m = bottom_m + aisle_m_;
+  const std::string name = "a" + std::to_string(number);
+  const Pose2 leaves = north ? Pose2{x_m + turn_m_, bottom_m, pi} : Pose2{x_m - turn_m_, top_m, 0.0};
+  const Pose2 begins = north ? Pose2{x_m, bottom_m + turn_m_, 0.5 * pi} : Pose2{x_m, top_m - turn_m_, -0.5 * pi};
+  const Strip in = quarter_right(name + "x", leaves);
+  const double length_m = aisle_m_ - 2.0 * turn_m_;
+  const Strip inside = strip(name, begins, length_m, options_.bays, options_.bay_share, false);
+  const Strip out = quarter_right(name + "y", along(begins, length_m));
+  join(in.last, inside.first);
+  join(inside.last, out.first);
+  auto& from = north ? row.bottom : row.top;
+  auto& to = north ? row.top : row.bottom;
+  from.push_back({leaves.x_m, false, in.first});
+  to.push_back({north ? x_m + turn_m_ : x_m - turn_m_, true, out.last});
+}
+
+/// The ways from lane to lane at both ends of a row, the eastern one with chargers.
+void Plant::ends(Row& row, std::size_t number, double bottom_m) {
+  const double top_m = bottom_m + aisle_m_;
+  const double length_m = aisle_m_ - 2.0 * turn_m_;
+  const auto lay = [&](const std::string& name, const Pose2& leaves, const Pose2& begins, std::uint32_t chargers,
+                       std::vector<std::size_t>& round) {
+    const Strip in = quarter_right(name + "x", leaves);
+    const Strip inside = strip(name, begins, length_m, chargers, 1.0, true);
+    const Strip out = quarter_right(name + "y", along(begins, length_m));
+    join(in.last, inside.first);
+    join(inside.last, out.first);
+    // The loop round the row passes the chargers by.
+    for (std::size_t way = in.first; way != out.last; way = ways_[way].next.front()) round.push_back(way);
+    round.push_back(out.last);
+    return Strip{in.first, out.last};
+  };
+  const std::string suffix = std::to_string(number);
+  const Strip east = lay("e" + suffix, {east_m_ - turn_m_, top_m, 0.0}, {east_m_, top_m - turn_m_, -0.5 * pi},
+                         std::min(options_.bays, 2U), row.east_ways);
+  const Strip west =
+      lay("w" + suffix, {west_m_ + turn_m_, bottom_m, pi}, {west_m_, bottom_m + turn_m_, 0.5 * pi}, 0, row.west_ways);
+  row.east_in = east.first;
+  row.east_out = east.last;
+  row.west_in = west.first;
+  row.west_out = west.last;
+}
+
+/// A lane, cut wherever it is left or joined.
+void Plant::lane(std::vector<Junction> junctions, const std::string& name, const Pose2& start, double length_m,
+                 std::vector<std::size_t>& ways) {
+  const bool east = start.heading_rad == 0.0;
+  std::sort(junctions.begin(), junctions.end(),
+            [east](const Junction& a, const Junction& b) { return east ? a.x_m < b.x_m : a.x_m > b.x_m; });
+  double done_m = 0.0;
+  const auto go_on = [&](double to_m) {
+    const std::size_t way = straight(name + std::to_string(ways.size() + 1), along(start, done_m), to_m - done_m);
+    if (!ways.empty()) ways_[ways.back()].next.insert(ways_[ways.back()].next.begin(), way);
+    ways.push_back(way);
+    done_m = to_m;
+  };
+  std::optional<std::size_t> joining;
+  for (const Junction& junction : junctions) {
+    go_on(std::fabs(junction.x_m - start.x_m));
+    if (joining) join(*joining, ways.back());
+    joining.reset();
+    if (junction.joins)
+      joining = junction.way;
+    else
+      join(ways.back(), junction.way);
+  }
+  go_on(length_m);
+  if (joining) join(*joining, ways.back());
+}
+
+/// At equal distances along every way, so that nobody drives further than `unread_max_m` without one: half of a pitch
+/// lies before a way's first tag and behind its last, and a way too short for one lies between two that are not.
+void Plant::lay_tags() {
+  const double pitch_m = std::min(0.8 * CheckLimits{}.unread_max_m, 4.0 * scale_.unit_m);
+  const double too_short_m = 0.25 * pitch_m;
+  for (std::size_t way = 0; way < ways_.size(); ++way) {
+    const double length_m = ways_[way].length_m;
+    if (length_m < too_short_m) continue;
+    const double number = std::ceil(length_m / pitch_m);
+    for (double i = 0.5; i < number; ++i) tags_.push_back({way, rounded(i * length_m / number)});
+  }
+}
+
+/// Rows are laid from south to north; each is joined to the one before it.
+void Plant::row(std::size_t number) {
+  const double bottom_m = rounded(static_cast<double>(number) * (aisle_m_ + scale_.lane_gap_m()));
+  rows_.emplace_back();
+  Row& here = rows_.back();
+  for (std::uint32_t i = 0; i < options_.aisles; ++i) {
+    const double x_m = rounded((i + 1.0) * 9.0 * scale_.unit_m);
+    aisle(here, static_cast<std::uint32_t>(number) * options_.aisles + i + 1, x_m, bottom_m, i % 2 == 0);
+  }
+  ends(here, number + 1, bottom_m);
+  if (number == 0) return;
+  Row& south = rows_[number - 1];
+  const double radius_m = 0.5 * scale_.lane_gap_m();
+  const double south_top_m = bottom_m - scale_.lane_gap_m();
+  const std::string suffix = std::to_string(number);
+  const std::size_t up = arc("n" + suffix, {cross_east_m_, south_top_m, 0.0}, radius_m, pi);
+  const std::size_t down = arc("s" + suffix, {cross_west_m_, bottom_m, pi}, radius_m, pi);
+  south.top.push_back({cross_east_m_, false, up});
+  here.bottom.push_back({cross_east_m_, true, up});
+  here.bottom.push_back({cross_west_m_, false, down});
+  south.top.push_back({cross_west_m_, true, down});
+}
+
+std::string Plant::text() {
+  const double unit_m = scale_.unit_m;
+  const Strip turn = quarter_right("", {});
+  turn_m_ = ways_[turn.last].end.x_m;
+  ways_.clear();
+  aisle_m_ = rounded(2.0 * turn_m_ + 4.0 * unit_m + std::max(options_.bays, 1U) * scale_.bay_pitch_m());
+  cross_west_m_ = 9.0 * unit_m - turn_m_ - 5.0 * unit_m;
+  west_m_ = cross_west_m_ - turn_m_ - 5.0 * unit_m;
+  cross_east_m_ = options_.aisles * 9.0 * unit_m + turn_m_ + 5.0 * unit_m;
+  east_m_ = cross_east_m_ + turn_m_ + 5.0 * unit_m;
+
+  for (std::size_t i = 0; i < options_.rows; ++i) row(i);
+  const double lane_m = east_m_ - west_m_ - 2.0 * turn_m_;
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    Row& here = rows_[i];
+    const std::string suffix = std::to_string(i + 1);
+    const double bottom_m = rounded(static_cast<double>(i) * (aisle_m_ + scale_.lane_gap_m()));
+    lane(here.top, "t" + suffix + "l", {west_m_ + turn_m_, bottom_m + aisle_m_, 0.0}, lane_m, here.top_ways);
+    lane(here.bottom, "b" + suffix + "l", {east_m_ - turn_m_, bottom_m, pi}, lane_m, here.bottom_ways);
+    join(here.top_ways.back(), here.east_in);
+    join(here.east_out, here.bottom_ways.front());
+    join(here.bottom_ways.back(), here.west_in);
+    join(here.west_out, here.top_ways.front());
+  }
+  lay_tags();
+  std::string out;
+  out.reserve(256 * ways_.size());
+  write_head(out);
+  write_ways(out);
+  write_spots(out);
+  write_loops(out);
+  return out;
+}
+
+void Plant::write_head(std::string& out) const {
+  const auto number = [](auto value) { return std::to_string(value); };
+  out.append("# A synthetic plant: ").append(number(options_.rows)).append(" rows of ").append(number(options_.aisles));
+  out.append(" aisles with up to ").append(number(options_.bays)).append(" bays each, ");
+  out.append(number(ways_.size())).append(" sections, seed ").append(number(options_.seed)).append(".\n");
+  out.append("# Made by `cosiva zone generate`; docs/guide/zones.md explains every field.\n");
+  out.append("name = \"").append(options_.name).append("\"\nformat_version = 1\n\n[vehicle]\nlength_m = ");
+  out.append(text_of(options_.vehicle.length_m)).append("\nwidth_m = ").append(text_of(options_.vehicle.width_m));
+  out.append(R"(
+
+[profiles.slow]
+speed_mps = 0.3
+acceleration_mps2 = 0.3
+braking_mps2 = 0.6
+
+[profiles.medium]
+speed_mps = 0.8
+acceleration_mps2 = 0.5
+braking_mps2 = 0.8
+
+[profiles.fast]
+speed_mps = 1.5
+acceleration_mps2 = 0.8
+braking_mps2 = 1.0
+
+[crossings]
+clearance_m = )");
+  out.append(text_of(clearance_m)).append("\n\n[waypoints]\nspacing_m = ").append(text_of(2.0 * scale_.unit_m));
+  out.append("\n");
+}
+
+void Plant::write_ways(std::string& out) const {
+  Pose2 before{};
+  for (std::size_t i = 0; i < ways_.size(); ++i) {
+    const Way& way = ways_[i];
+    out.append("\n[[section]]\nname = \"").append(way.name).append("\"\n");
+    if (way.curvature_start_per_m != way.curvature_end_per_m) {
+      out.append("kind = \"clothoid\"\nlength_m = ").append(text_of(way.length_m));
+      out.append("\ncurvature_start_per_m = ").append(text_of(way.curvature_start_per_m));
+      out.append("\ncurvature_end_per_m = ").append(text_of(way.curvature_end_per_m)).append("\n");
+    } else if (way.curvature_start_per_m != 0.0) {
+      out.append("kind = \"arc\"\nradius_m = ").append(text_of(std::fabs(1.0 / way.curvature_start_per_m)));
+      out.append("\nangle_deg = ").append(text_of(way.length_m * way.curvature_start_per_m * deg_per_rad)).append("\n");
+    } else {
+      out.append("kind = \"straight\"\nlength_m = ").append(text_of(way.length_m)).append("\n");
+    }
+    if (way.speed_mps_max > 0.0) out.append("speed_mps_max = ").append(text_of(way.speed_mps_max)).append("\n");
+    if (i == 0 || distance(before, way.start) > 1e-9 ||
+        std::fabs(wrap_angle(before.heading_rad - way.start.heading_rad)) > 1e-9) {
+      out.append("start = { x = ").append(text_of(way.start.x_m)).append(", y = ").append(text_of(way.start.y_m));
+      out.append(", heading_deg = ").append(text_of(way.start.heading_rad * deg_per_rad)).append(" }\n");
+    }
+    before = way.end;
+    if (way.next.size() == 1 && way.next.front() == i + 1) continue;
+    out.append("next = [");
+    for (std::size_t k = 0; k < way.next.size(); ++k)
+      out.append(k == 0 ? "\"" : ", \"").append(ways_[way.next[k]].name).append("\"");
+    out.append("]\n");
+  }
+}
+
+void Plant::write_place(std::string& out, const Spot& spot) const {
+  out.append("section = \"").append(ways_[spot.way].name).append("\"\ns_m = ").append(text_of(spot.s_m)).append("\n");
+}
+
+void Plant::write_spots(std::string& out) const {
+  for (std::size_t i = 0; i < tags_.size(); ++i) {
+    out.append("\n[[tag]]\nnumber = ").append(std::to_string(i + 1)).append("\n");
+    write_place(out, tags_[i]);
+  }
+  for (const Stop& stop : stops_) {
+    out.append("\n[[station]]\nname = \"").append(stop.charger ? "charger " : "bay ").append(stop.name);
+    out.append(stop.charger ? "\"\nkind = \"charger\"\n" : "\"\nkind = \"stop\"\n");
+    write_place(out, stop.spot);
+  }
+  const std::size_t starts = std::min<std::size_t>(options_.starts, stops_.size());
+  for (std::size_t i = 0; i < starts; ++i) {
+    out.append("\n[[start]]\n");
+    write_place(out, stops_[i * stops_.size() / starts].spot);
+  }
+}
+
+void Plant::write_loops(std::string& out) const {
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const Row& here = rows_[i];
+    out.append("\n[[loop]]\nname = \"row ").append(std::to_string(i + 1)).append("\"\nsections = [");
+    bool first = true;
+    for (const auto* part : {&here.bottom_ways, &here.west_ways, &here.top_ways, &here.east_ways}) {
+      for (const std::size_t way : *part) {
+        out.append(first ? "\"" : ", \"").append(ways_[way].name).append("\"");
+        first = false;
+      }
+    }
+    out.append("]\n");
+  }
+}
+
+}  // namespace
+
+Result<std::string> generate_plant(const PlantOptions& options) {
+  const auto out_of_range = [](std::string_view what) { return fail("generate.options", std::string(what)); };
+  if (options.rows < 1 || options.rows > 1000) return out_of_range("expected 1 to 1000 rows of aisles");
+  if (options.aisles < 1 || options.aisles > 10'000) return out_of_range("expected 1 to 10000 aisles per row");
+  if (options.bays > 10'000) return out_of_range("expected at most 10000 bays per aisle");
+  if (!(options.bay_share >= 0.0 && options.bay_share <= 1.0))
+    return out_of_range("expected a share of bays from 0 to 1");
+  if (plant_sections_max(options) > sections_max) {
+    return out_of_range("these rows, aisles and bays may make " + std::to_string(plant_sections_max(options)) +
+                        " sections; expected at most " + std::to_string(sections_max));
+  }
+  const auto good = [](double size_m) { return size_m >= 0.05 && size_m <= 5.0; };
+  if (!good(options.vehicle.length_m) || !good(options.vehicle.width_m))
+    return out_of_range("expected a vehicle of 0.05 to 5 m, long and wide");
+  const auto plain = [](char c) { return static_cast<unsigned char>(c) >= 0x20 && c != 0x7F && c != '"' && c != '\\'; };
+  if (options.name.empty() || options.name.size() > 64 || !std::all_of(options.name.begin(), options.name.end(), plain))
+    return out_of_range("expected a name of 1 to 64 bytes without control characters, quotes and backslashes");
+  return Plant{options}.text();
+}
+
+}  // namespace cosiva::zone

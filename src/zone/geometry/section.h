@@ -1,0 +1,140 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+#include "cosiva/base/pose.h"
+#include "cosiva/base/result.h"
+
+namespace cosiva::zone {
+
+/// An upright rectangle of the map.
+struct Box {
+  Point2 low;
+  Point2 high;
+  friend bool operator==(const Box&, const Box&) = default;
+};
+/// How far p is outside the box; 0 inside.
+[[nodiscard]] double distance(const Box& box, Point2 p) noexcept;
+
+enum class SectionKind { straight, arc, clothoid };
+[[nodiscard]] std::string_view to_string(SectionKind kind);
+
+/// A piece of circuit whose curvature is linear in arc length: κ(s) = κ₀ + κ₁·s, s ∈ [0, L] (DESIGN §4.3).
+/// κ₁ = 0 is an arc, κ₀ = κ₁ = 0 a straight line; the article's equations (1) to (3) are its special cases (A29).
+/// Positions come from Taylor pieces computed once (≤ 0.5 rad each), so that pose_at costs two polynomials and no sine.
+class Section {
+ public:
+  /// @param start            X_MP at s = 0
+  /// @param length_m         L > 0, finite
+  /// @param curvature_per_m  κ₀; positive bends left
+  /// @param curvature_rate_per_m2  κ₁
+  /// Fails with code "section.invalid" on non-finite numbers, L < 1e-6 m, L > 1e5 m or more than 1e4 rad turned in all.
+  [[nodiscard]] static Result<Section> make(const Pose2& start, double length_m, double curvature_per_m = 0.0,
+                                            double curvature_rate_per_m2 = 0.0);
+
+  [[nodiscard]] double length_m() const { return length_m_; }
+  [[nodiscard]] SectionKind kind() const;
+  [[nodiscard]] const Pose2& start() const { return start_; }
+  [[nodiscard]] const Pose2& end() const { return end_; }
+
+  /// X_MP at arc length s ∈ [0, L] (clamped). Heading is that of increasing s, in (−π, π].
+  [[nodiscard]] Pose2 pose_at(double s_m) const;
+  /// That of pose_at(s), to the same bits, without the way to it.
+  [[nodiscard]] double heading_at(double s_m) const;
+  [[nodiscard]] double curvature_at(double s_m) const;
+  [[nodiscard]] double curvature_rate_per_m2() const { return curvature_rate_per_m2_; }  ///< κ₁
+
+  /// The article's request of an AIV to its current section (A30): from `mDTCS_m` travelled on this section, try to
+  /// travel `DTT_m` more. Gives the pose reached and DT, the distance that this section could take: DT < DTT when it
+  /// ends first (figure 14). Both distances in [0, ∞), in the direction of increasing s.
+  struct NextPosition {
+    Pose2 pose;
+    double DT_m;
+  };
+  [[nodiscard]] NextPosition nextAIVposition(double mDTCS_m, double DTT_m) const;
+
+  /// The point of this section nearest to p: its arc length, and how far p is to the left of it (negative: right)
+  /// there.
+  struct Nearest {
+    double s_m;
+    double left_m;      ///< signed distance along the normal at s
+    double distance_m;  ///< ≥ 0, plain distance (differs from |left_m| beyond the ends)
+  };
+  [[nodiscard]] Nearest nearest(Point2 p) const;
+
+  /// A box that holds the whole section, at most a few percent too large.
+  [[nodiscard]] const Box& box() const { return box_; }
+  /// The greatest |curvature|, at one of the ends.
+  [[nodiscard]] double curvature_max_per_m() const;
+
+ private:
+  static constexpr std::size_t coefficient_count = 12;
+
+  /// Position over one piece as two polynomials of u = s − middle.
+  struct Piece {
+    double middle_m;
+    std::array<double, coefficient_count> x;
+    std::array<double, coefficient_count> y;
+
+    [[nodiscard]] Point2 at(double u_m) const noexcept;
+  };
+
+  Section() = default;
+  void lay_pieces();
+  void find_box();
+  [[nodiscard]] Point2 position_at(double s_m) const noexcept;  ///< s in [0, L]
+  [[nodiscard]] Nearest at_arc_length(Point2 p, double s_m) const;
+  [[nodiscard]] Nearest nearest_on_straight(Point2 p) const;
+  [[nodiscard]] Nearest nearest_on_arc(Point2 p) const;
+  [[nodiscard]] Nearest nearest_by_search(Point2 p) const;
+  [[nodiscard]] double polish(Point2 p, double s_m, double low_m, double high_m) const;
+
+  // First what says where the nearest place is, side by side: on a large circuit it comes from afar.
+  Pose2 start_;
+  SinCos direction_{};  ///< of the heading at the start
+  double length_m_{};
+  double curvature_per_m_{};
+  double curvature_rate_per_m2_{};
+  double pieces_per_m_{};
+  std::vector<Piece> pieces_;  ///< none on a straight section
+  Pose2 end_;
+  Box box_;
+};
+
+// The hot path of everything that moves, so it stands here for the compiler to see through.
+
+inline Point2 Section::Piece::at(double u_m) const noexcept {
+  // Even and odd powers apart: two short chains of multiplications instead of one long one.
+  const double w = u_m * u_m;
+  const double x_even = x[0] + w * (x[2] + w * (x[4] + w * (x[6] + w * (x[8] + w * x[10]))));
+  const double x_odd = x[1] + w * (x[3] + w * (x[5] + w * (x[7] + w * (x[9] + w * x[11]))));
+  const double y_even = y[0] + w * (y[2] + w * (y[4] + w * (y[6] + w * (y[8] + w * y[10]))));
+  const double y_odd = y[1] + w * (y[3] + w * (y[5] + w * (y[7] + w * (y[9] + w * y[11]))));
+  return {x_even + u_m * x_odd, y_even + u_m * y_odd};
+}
+
+inline Point2 Section::position_at(double s_m) const noexcept {
+  if (pieces_.empty()) return {start_.x_m + direction_.cos * s_m, start_.y_m + direction_.sin * s_m};
+  const std::size_t index = std::min(static_cast<std::size_t>(s_m * pieces_per_m_), pieces_.size() - 1);
+  const Piece& piece = pieces_[index];
+  return piece.at(s_m - piece.middle_m);
+}
+
+inline double Section::heading_at(double s_m) const {
+  if (curvature_per_m_ == 0.0 && curvature_rate_per_m2_ == 0.0) return start_.heading_rad;  // even of a NaN
+  const double s = s_m > 0.0 ? std::min(s_m, length_m_) : 0.0;
+  return wrap_angle(start_.heading_rad + s * (curvature_per_m_ + 0.5 * curvature_rate_per_m2_ * s));
+}
+
+inline Pose2 Section::pose_at(double s_m) const {
+  // Written so that a NaN, which no caller should send, becomes 0 rather than an index.
+  const double s = s_m > 0.0 ? std::min(s_m, length_m_) : 0.0;
+  const Point2 p = position_at(s);
+  return {p.x_m, p.y_m, heading_at(s)};
+}
+
+}  // namespace cosiva::zone

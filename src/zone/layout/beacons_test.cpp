@@ -1,0 +1,215 @@
+#include "cosiva/zone/layout/beacons.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "cosiva/zone/testing/test_zones.h"
+
+namespace cosiva::zone {
+namespace {
+
+using testing::part;
+using testing::section;
+
+TrafficZone zone_of(Circuit circuit) { return {"z", std::move(circuit), {}, {}, {}, {}, {}, {}, {}, {}}; }
+
+/// 6 m eastward from the origin.
+TrafficZone straight_zone() { return zone_of(testing::circuit({part("a", section({}, 6.0))})); }
+
+BeaconGrid grid(double pitch_m, Point2 origin, double rotation_rad = 0.0) {
+  BeaconGrid made{pitch_m, origin, 100, 100};
+  made.rotation_rad = rotation_rad;
+  return made;
+}
+
+// Where they stand
+// ---------------------------------------------------------------------------------------------------------
+
+TEST(BeaconGrid, turned_by_90_degrees_has_its_columns_northward) {
+  const BeaconGrid turned = grid(0.5, {1.0, 2.0}, pi / 2.0);
+  EXPECT_NEAR(turned.at(3, 0).x_m, 1.0, 1e-12);
+  EXPECT_NEAR(turned.at(3, 0).y_m, 3.5, 1e-12);
+  EXPECT_NEAR(turned.at(0, 2).x_m, 0.0, 1e-12);
+  EXPECT_NEAR(turned.at(0, 2).y_m, 2.0, 1e-12);
+}
+
+TEST(BeaconGrid, finds_the_nearest_of_a_turned_matrix_and_nothing_beyond_its_edge) {
+  BeaconGrid turned{0.4, {0.3, -0.2}, 7, 5};
+  turned.rotation_rad = 0.3;
+  for (std::uint32_t j = 0; j < 5; ++j) {
+    for (std::uint32_t i = 0; i < 7; ++i) {
+      const Point2 beacon = turned.at(i, j);
+      const auto near = turned.nearest({beacon.x_m + 0.1, beacon.y_m - 0.1});
+      ASSERT_TRUE(near);
+      EXPECT_EQ(near->number, turned.first_number + j * 7 + i);
+      EXPECT_EQ(near->position, beacon);
+      EXPECT_EQ(turned.find(near->number), beacon);
+    }
+  }
+  // Half a pitch and a little beyond the last column, along the matrix's own axis.
+  const Point2 last = turned.at(6, 2);
+  EXPECT_TRUE(turned.nearest({last.x_m + 0.19 * std::cos(0.3), last.y_m + 0.19 * std::sin(0.3)}));
+  EXPECT_FALSE(turned.nearest({last.x_m + 0.21 * std::cos(0.3), last.y_m + 0.21 * std::sin(0.3)}));
+}
+
+TEST(CoveringGrid, turned_covers_every_way_and_passes_through_its_point) {
+  const TrafficZone zone = testing::lacet4();
+  for (const double rotation_rad : {0.0, 0.2, pi / 4.0, 1.4, -2.0}) {
+    const auto covering = covering_grid(zone.circuit, zone.vehicle, 0.25, {0.1, 0.05}, 100'000, rotation_rad);
+    ASSERT_TRUE(covering);
+    for (SectionId id = 0; id < zone.circuit.size(); ++id)
+      for (double s = 0.0; s <= zone.circuit.section(id).length_m(); s += 0.05)
+        EXPECT_TRUE(covering->nearest(position(zone.circuit.pose_at({id, s})))) << rotation_rad;
+    EXPECT_LT(distance(covering->nearest({0.1, 0.05})->position, {0.1, 0.05}), 1e-12) << rotation_rad;
+    // Not many more than it takes: 2.7 m square, and its diagonal where it is turned.
+    EXPECT_LE(covering->columns * covering->rows, 20U * 20U);
+  }
+}
+
+// The longest stretch
+// ---------------------------------------------------------------------------------------------------------
+
+TEST(BeaconFree, parallel_straight_meets_one_at_every_pitch_or_never) {
+  TrafficZone zone = straight_zone();
+  zone.beacons = grid(0.30, {0.0, 0.0199});
+  EXPECT_NEAR(longest_beacon_free(zone).length_m, 0.30, 1e-9);
+  zone.beacons = grid(0.30, {0.0, 0.0201});
+  EXPECT_NEAR(longest_beacon_free(zone).length_m, 6.0, 1e-9);
+  EXPECT_NEAR(longest_beacon_free(zone, 0.03).length_m, 0.30, 1e-9);
+}
+
+TEST(BeaconFree, names_the_places_between_which_it_lies) {
+  TrafficZone zone = straight_zone();
+  // The way's end has 6 − 5·1.1 = 0.5 m behind the last, its beginning none: 1.1 m lie between two.
+  zone.beacons = grid(1.1, {0.0, 0.0});
+  const Stretch longest = longest_beacon_free(zone);
+  EXPECT_NEAR(longest.length_m, 1.1, 1e-9);
+  EXPECT_NEAR(longest.to.s_m - longest.from.s_m, 1.1, 1e-9);
+  EXPECT_FALSE(longest.endless);
+  // Beginning and end of a way count: nothing was read before.
+  zone.beacons = grid(4.0, {1.5, 0.0});
+  EXPECT_NEAR(longest_beacon_free(zone).length_m, 4.0, 1e-9);
+  zone.beacons = BeaconGrid{4.0, {4.5, 0.0}, 1, 1};
+  EXPECT_NEAR(longest_beacon_free(zone).length_m, 4.5, 1e-9);
+  EXPECT_EQ(longest_beacon_free(zone).from, (Place{0, 0.0}));
+}
+
+TEST(BeaconFree, oblique_straight_meets_one_where_the_lattice_says) {
+  // 45° through the origin of a matrix of 0.3 m: one at every diagonal.
+  TrafficZone zone = zone_of(testing::circuit({part("a", section({0.0, 0.0, pi / 4.0}, 6.0))}));
+  zone.beacons = grid(0.30, {0.0, 0.0});
+  EXPECT_NEAR(longest_beacon_free(zone).length_m, 0.30 * std::sqrt(2.0), 1e-9);
+  // The same matrix, turned as the way is, is parallel to it.
+  zone.beacons = grid(0.30, {0.0, 0.0}, pi / 4.0);
+  EXPECT_NEAR(longest_beacon_free(zone).length_m, 0.30, 1e-9);
+}
+
+TEST(BeaconFree, runs_on_over_joints_to_the_worst_branch) {
+  // A stem of 1 m with a beacon at its start; left goes on 2 m, right 3 m, neither has one.
+  const Section stem = section({}, 1.0);
+  const Section left = section(stem.end(), 2.0, 0.5);
+  const Section right = section(stem.end(), 3.0, -0.5);
+  TrafficZone zone = zone_of(testing::circuit({part("stem", stem, {1, 2}), part("left", left), part("right", right)}));
+  zone.beacons = BeaconGrid{50.0, {0.0, 0.0}, 1, 1};
+  const Stretch longest = longest_beacon_free(zone);
+  EXPECT_NEAR(longest.length_m, 4.0, 1e-6);
+  EXPECT_EQ(longest.from.section, 0U);
+  EXPECT_EQ(longest.to, (Place{2, 3.0}));
+}
+
+TEST(BeaconFree, round_without_any_is_endless) {
+  TrafficZone zone = zone_of(testing::track(2.0, 0.5));
+  const double round_m = 4.0 + pi;
+  for (const bool far_away : {false, true}) {
+    if (far_away) zone.beacons = BeaconGrid{0.3, {50.0, 50.0}, 3, 3};
+    const Stretch longest = longest_beacon_free(zone);
+    EXPECT_TRUE(longest.endless);
+    EXPECT_NEAR(longest.length_m, round_m, 1e-9);
+  }
+  // One beacon on it: once round from itself to itself.
+  zone.beacons = BeaconGrid{0.3, {1.0, 0.0}, 1, 1};
+  const Stretch longest = longest_beacon_free(zone);
+  EXPECT_FALSE(longest.endless);
+  EXPECT_NEAR(longest.length_m, round_m, 1e-9);
+}
+
+TEST(BeaconFree, counts_a_beacon_at_a_joint_once_and_in_any_case) {
+  TrafficZone zone = zone_of(testing::track(2.0, 0.5));
+  zone.beacons = BeaconGrid{10.0, {2.0, 0.0}, 1, 1};  // where "south" meets "east"
+  EXPECT_NEAR(longest_beacon_free(zone).length_m, 4.0 + pi, 1e-6);
+}
+
+TEST(BeaconFree, reads_on_curves_too) {
+  // Round a circle of 1 m; beacons of a 1 m matrix lie on it at the four quarters alone.
+  const Section half = section({1.0, 0.0, pi / 2.0}, pi, 1.0);
+  const Section back = section(half.end(), pi, 1.0);
+  TrafficZone zone = zone_of(testing::circuit({part("a", half, {1}), part("b", back, {0})}));
+  zone.beacons = BeaconGrid{1.0, {-3.0, -3.0}, 7, 7};
+  EXPECT_NEAR(longest_beacon_free(zone, 0.01).length_m, pi / 2.0, 1e-3);
+}
+
+TEST(TagFree, stretch_of_lacet4_is_a_twelfth_of_its_round) {
+  const TrafficZone zone = testing::lacet4();
+  EXPECT_NEAR(longest_tag_free(zone).length_m, zone.circuit.total_length_m() / 12.0, 0.002);
+  TrafficZone bare = zone;
+  bare.tags.clear();
+  EXPECT_TRUE(longest_tag_free(bare).endless);
+}
+
+// Where they had better stand
+// ---------------------------------------------------------------------------------------------------------
+
+TEST(SuggestedOrigin, puts_the_beacons_under_a_parallel_straight) {
+  TrafficZone zone = straight_zone();
+  zone.beacons = grid(0.30, {-3.0, -3.15});  // the line runs half way between two rows
+  const auto better = suggest_origin(zone);
+  ASSERT_TRUE(better);
+  EXPECT_NEAR(better->before_m, 6.0, 1e-9);
+  EXPECT_NEAR(better->after_m, 0.30, 1e-6);
+  zone.beacons->origin = better->origin;
+  EXPECT_NEAR(longest_beacon_free(zone).length_m, better->after_m, 1e-9);
+}
+
+TEST(SuggestedOrigin, leaves_a_matrix_where_none_is_better) {
+  TrafficZone zone = straight_zone();
+  zone.beacons = grid(0.30, {-3.0, -3.0});
+  const auto same = suggest_origin(zone);
+  ASSERT_TRUE(same);
+  EXPECT_EQ(same->origin, zone.beacons->origin);
+  EXPECT_EQ(same->before_m, same->after_m);
+  zone.beacons.reset();
+  EXPECT_FALSE(suggest_origin(zone));
+}
+
+TEST(SuggestedOrigin, of_a_real_zone_is_as_good_as_it_says_in_its_file_too) {
+  TrafficZone zone = testing::lacet4();
+  for (const double rotation_rad : {0.0, 0.25}) {
+    for (const double pitch_m : {0.20, 0.30, 0.45}) {
+      zone.beacons = covering_grid(zone.circuit, zone.vehicle, pitch_m, {0.02, 0.11}, 100'000, rotation_rad);
+      const auto better = suggest_origin(zone);
+      ASSERT_TRUE(better);
+      EXPECT_LE(better->after_m, better->before_m);
+      const TrafficZone before = zone;
+      zone.beacons = covering_grid(zone.circuit, zone.vehicle, pitch_m, better->origin, 100'000, rotation_rad);
+      EXPECT_NEAR(longest_beacon_free(zone).length_m, better->after_m, 1e-6) << pitch_m << " " << rotation_rad;
+      EXPECT_LT(distance(better->origin, *before.beacons->covers_through), pitch_m * 3.0);
+    }
+  }
+}
+
+TEST(SuggestedOrigin, holds_for_beacons_that_are_laid_a_millimetre_beside_it) {
+  TrafficZone zone = testing::lacet4();
+  zone.beacons = covering_grid(zone.circuit, zone.vehicle, 0.30, {0.02, 0.11}, 100'000, 0.0);
+  const auto better = suggest_origin(zone);
+  ASSERT_TRUE(better);
+  for (const Point2 off : {Point2{0.001, 0}, Point2{-0.001, 0}, Point2{0, 0.001}, Point2{0, -0.001}}) {
+    zone.beacons = covering_grid(zone.circuit, zone.vehicle, 0.30,
+                                 Point2{better->origin.x_m + off.x_m, better->origin.y_m + off.y_m}, 100'000, 0.0);
+    EXPECT_LT(longest_beacon_free(zone).length_m, better->after_m + 0.002);
+  }
+}
+
+}  // namespace
+}  // namespace cosiva::zone

@@ -1,0 +1,73 @@
+#include "cosiva/zone/layout/circuit_factory.h"
+
+#include <utility>
+
+#include "cosiva/base/digest.h"
+
+namespace cosiva::zone {
+
+Result<ZoneConfiguration> CircuitFactory::written(const TrafficZone&, std::vector<Note>&) const {
+  return fail("zone.write", "zones are read from '" + std::string(format()) + "', but not written to it");
+}
+
+Result<ZoneConfiguration> CircuitFactory::edited(const ZoneConfiguration& configuration, const ZoneEdit&) const {
+  return fail("edit.format",
+              "zones in the format '" + std::string(format()) + "' cannot be edited here; edit their file instead",
+              configuration.origin);
+}
+
+std::vector<Error> CircuitFactory::faults(const ZoneConfiguration& configuration) const {
+  const auto zone = make_zone(configuration);
+  if (zone) return {};
+  return {zone.error()};
+}
+
+bool same_content(const ZoneConfiguration& a, const ZoneConfiguration& b) {
+  return a.format == b.format && a.text == b.text && a.companion == b.companion;
+}
+
+std::string version_of(const ZoneConfiguration& configuration) {
+  Digest digest;
+  digest.add(std::string_view{configuration.format});
+  digest.add(std::string_view{configuration.companion});
+  digest.add(std::string_view{configuration.text});
+  return digest.hex();
+}
+
+std::string to_payload(const ZoneConfiguration& configuration) {
+  if (configuration.companion.empty()) return configuration.text;
+  std::string payload = configuration.companion;
+  payload.push_back('\0');
+  return payload.append(configuration.text);
+}
+
+ZoneConfiguration from_payload(std::string format, std::string origin, std::string_view payload) {
+  ZoneConfiguration configuration{std::move(format), std::move(origin), {}, {}};
+  const std::size_t zero = payload.find('\0');
+  if (zero != std::string_view::npos) {
+    configuration.companion = payload.substr(0, zero);
+    payload.remove_prefix(zero + 1);
+  }
+  configuration.text = payload;
+  return configuration;
+}
+
+void write_json(JsonWriter& json, const ZoneConfiguration& configuration) {
+  json.begin_object()
+      .field("format", configuration.format)
+      .field("origin", configuration.origin)
+      .field("text", configuration.text);
+  if (!configuration.companion.empty()) json.field("companion", configuration.companion);
+  json.end_object();
+}
+
+Result<ZoneConfiguration> zone_configuration_from_json(const JsonValue& json) {
+  const auto format = json.text("format");
+  const auto text = json.text("text");
+  if (!format || !text) {
+    return fail("zone.configuration", "expected an object with the texts format, origin and text", "zone");
+  }
+  return ZoneConfiguration{*format, json.text("origin").value_or(""), *text, json.text("companion").value_or("")};
+}
+
+}  // namespace cosiva::zone

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "cosiva/zone/circuit/circuit.h"
+#include "cosiva/zone/layout/contacts.h"
+
+namespace cosiva::zone {
+
+/// A short stretch of a section, and beyond an open end what a vehicle standing there sticks out.
+struct Chunk {
+  SectionId section;
+  double from_m;
+  double to_m;
+  double before_m;  ///< straight on before from_m, 0 but at an open start
+  double after_m;
+  Point2 middle;
+  Point2 start;  ///< of its chord, what sticks out included
+  Point2 end;
+  double bulge_m;     ///< how far the chunk strays from its chord
+  double sideways_m;  ///< how far a body's ends leave the chord because it turns
+
+  /// All of it lies within this of its middle.
+  [[nodiscard]] double radius_m() const { return 0.5 * (to_m - from_m) + std::max(before_m, after_m); }
+};
+
+/// The ways of a circuit cut into chunks, those of a section one after the other, and found by where they lie.
+class Chunks {
+ public:
+  Chunks(const Circuit& circuit, const ContactRules& rules);
+
+  [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(all_.size()); }
+  [[nodiscard]] const Chunk& operator[](std::uint32_t index) const { return all_[index]; }
+  /// The first chunk of a section; one past the last of all for the section past the last.
+  [[nodiscard]] std::uint32_t first_of(SectionId section) const { return first_[section]; }
+
+  /// Calls visit(chunk's index), until it is false, for all chunks in the cells around p, in no order that means
+  /// anything: all that may come within reach of p are among them.
+  template <typename Visit>
+  void visit_around(Point2 p, const Visit& visit);
+
+ private:
+  using Cell = std::pair<std::int64_t, std::int64_t>;
+  using Entry = std::pair<Cell, std::uint32_t>;
+
+  void cut(const Circuit& circuit, const ContactRules& rules);
+  void sort_into_cells(const ContactRules& rules);
+  [[nodiscard]] Cell cell_of(Point2 p) const;
+  void look_around(Cell home);
+
+  std::vector<Chunk> all_;
+  std::vector<std::uint32_t> first_;
+  double cell_m_{1.0};
+  std::vector<Entry> cells_;  ///< sorted
+  /// Where in `cells_` the three columns around `home_` are: who asks along a way asks mostly from the same cell.
+  Cell home_{};
+  std::array<std::pair<std::size_t, std::size_t>, 3> around_{};
+  bool looked_{false};
+};
+
+template <typename Visit>
+void Chunks::visit_around(Point2 p, const Visit& visit) {
+  const Cell home = cell_of(p);
+  if (!looked_ || home != home_) look_around(home);
+  for (const auto& [first, last] : around_) {
+    for (std::size_t i = first; i < last; ++i) {
+      if (!visit(cells_[i].second)) return;
+    }
+  }
+}
+
+}  // namespace cosiva::zone

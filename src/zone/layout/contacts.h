@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "cosiva/zone/layout/traffic_zone.h"
+
+namespace cosiva::zone {
+
+/// Where on `on` the body of a vehicle comes too near to a vehicle on `other`.
+struct Contact {
+  SectionId on;
+  SectionId other;
+  double from_m;
+  double to_m;
+  double other_from_m;  ///< the part of the other centre line that is touched
+  double other_to_m;
+  Point2 place;  ///< halfway between the two centre lines, where they are nearest
+};
+
+/// What find_crossings looks for, and what bounds it.
+struct ContactRules {
+  ContactRules(const VehicleShape& shape, double clearance);
+
+  double half_length_m;
+  double half_width_m;
+  double near_m;    ///< a body's edge this near to a centre line may touch a vehicle there
+  double disc_m;    ///< a body's edge this near to the middle of a vehicle that turns on the spot may touch it
+  double reach_m;   ///< further than this from a body's middle nothing is that near
+  double follow_m;  ///< along one way, vehicles this near follow each other; that is no crossing
+  double step_m;    ///< between samples along a way
+};
+
+/// All contacts, sorted by (on, other, from). Nothing when the ways lie so densely on one another that it would take
+/// minutes: the work that is allowed grows with the length of the ways, so that it bounds their density.
+[[nodiscard]] std::optional<std::vector<Contact>> find_contacts(const Circuit& circuit, const ContactRules& rules);
+/// Whether find_contacts would give nothing, found out without scanning.
+[[nodiscard]] bool too_many_contacts(const Circuit& circuit, const ContactRules& rules);
+
+}  // namespace cosiva::zone

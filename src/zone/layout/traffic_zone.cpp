@@ -1,0 +1,256 @@
+#include "cosiva/zone/layout/traffic_zone.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "cosiva/base/expect.h"
+
+namespace cosiva::zone {
+namespace {
+
+bool before(const Waypoint& waypoint, const Place& place) {
+  return waypoint.place.section != place.section ? waypoint.place.section < place.section
+                                                 : waypoint.place.s_m < place.s_m;
+}
+
+// Two places this near on one section are the same place: what adding and taking away a few lengths may cost.
+constexpr double same_place_m = 1e-9;
+
+/// The first waypoint of the default way after section `id`, none of whose own is left.
+std::size_t first_after(const TrafficZone& zone, SectionId id) {
+  for (std::size_t steps = 0; steps < zone.circuit.size(); ++steps) {
+    if (zone.circuit.next(id).empty()) break;
+    id = zone.circuit.next(id).front();
+    const auto at = std::lower_bound(zone.waypoints.begin(), zone.waypoints.end(), Place{id, 0.0}, before);
+    if (at != zone.waypoints.end() && at->place.section == id)
+      return static_cast<std::size_t>(at - zone.waypoints.begin());
+  }
+  return zone.waypoints.size();
+}
+
+}  // namespace
+
+std::int32_t TrafficZone::priority_of(std::string_view who) const {
+  const auto at = std::lower_bound(priorities.begin(), priorities.end(), who,
+                                   [](const auto& entry, std::string_view key) { return entry.first < key; });
+  return at == priorities.end() || at->first != who ? 0 : at->second;
+}
+
+const Tag* TrafficZone::find_tag(TagNumber number) const {
+  const auto found = tags.from(number);
+  return found.empty() || tags.key_of(found.front()) != number ? nullptr : &tags[found.front().position];
+}
+
+const Waypoint* TrafficZone::find_waypoint(std::string_view id) const {
+  const auto found = waypoints.from(id);
+  return found.empty() || waypoints.key_of(found.front()) != id ? nullptr : &waypoints[found.front().position];
+}
+
+std::vector<std::size_t> TrafficZone::find_waypoints(std::string_view id) const {
+  std::vector<std::size_t> found;
+  for (const auto& entry : waypoints.from(id)) {
+    if (waypoints.key_of(entry) != id) break;
+    found.push_back(entry.position);
+  }
+  return found;
+}
+
+const Station* TrafficZone::find_station(std::string_view station_name) const {
+  const auto at =
+      std::find_if(stations.begin(), stations.end(), [&](const Station& s) { return s.name == station_name; });
+  return at == stations.end() ? nullptr : &*at;
+}
+
+const Loop* TrafficZone::find_loop(std::string_view loop_name) const {
+  const auto at = std::find_if(loops.begin(), loops.end(), [&](const Loop& loop) { return loop.name == loop_name; });
+  return at == loops.end() ? nullptr : &*at;
+}
+
+std::string_view to_string(Note::Kind kind) {
+  switch (kind) {
+    case Note::Kind::mended: return "mended";
+    case Note::Kind::lost: return "lost";
+    case Note::Kind::notice: return "notice";
+  }
+  return "?";
+}
+
+const Crossing* TrafficZone::crossing_at(Place place) const {
+  const Crossing* first = nullptr;
+  for (const auto& entry : crossings.from(std::pair{place.section, -same_place_m})) {
+    const Crossing& crossing = crossings[entry.position];
+    const CrossingSpan& span = crossing.spans[entry.part];
+    if (span.section != place.section || span.from_m > place.s_m) break;
+    if (place.s_m <= span.to_m && (first == nullptr || &crossing < first)) first = &crossing;
+  }
+  return first;
+}
+
+std::size_t TrafficZone::waypoint_ahead(Place place) const {
+  COSIVA_EXPECT(place.section < circuit.size());
+  const Place from{place.section, place.s_m - same_place_m};
+  const auto at = std::lower_bound(waypoints.begin(), waypoints.end(), from, before);
+  if (at != waypoints.end() && at->place.section == place.section)
+    return static_cast<std::size_t>(at - waypoints.begin());
+  return first_after(*this, place.section);
+}
+
+std::size_t TrafficZone::waypoint_behind(Place place) const {
+  COSIVA_EXPECT(place.section < circuit.size());
+  SectionId id = place.section;
+  double s = place.s_m + same_place_m;
+  for (std::size_t steps = 0; steps <= circuit.size(); ++steps) {
+    // One past the last waypoint of `id` at or before s.
+    const auto at = std::partition_point(waypoints.begin(), waypoints.end(), [&](const Waypoint& waypoint) {
+      return waypoint.place.section != id ? waypoint.place.section < id : waypoint.place.s_m <= s;
+    });
+    if (at != waypoints.begin() && (at - 1)->place.section == id)
+      return static_cast<std::size_t>(at - waypoints.begin()) - 1;
+    if (circuit.previous(id).empty()) break;
+    id = circuit.previous(id).front();
+    s = circuit.section(id).length_m();
+  }
+  return waypoints.size();
+}
+
+std::size_t TrafficZone::next_waypoint(std::size_t index) const {
+  COSIVA_EXPECT(index < waypoints.size());
+  const SectionId section = waypoints[index].place.section;
+  if (index + 1 < waypoints.size() && waypoints[index + 1].place.section == section) return index + 1;
+  return first_after(*this, section);
+}
+
+bool TrafficZone::may_stand(Place place) const {
+  COSIVA_EXPECT(place.section < circuit.size());
+  // A vehicle stands between a waypoint behind it and no crossing since.
+  SectionId id = place.section;
+  double s = place.s_m;
+  for (std::size_t steps = 0; steps <= circuit.size(); ++steps) {
+    double span_m = -1.0;
+    for (const auto& entry : crossings.from(std::pair{id, -same_place_m})) {
+      const CrossingSpan& span = crossings[entry.position].spans[entry.part];
+      if (span.section != id || span.from_m > s) break;
+      span_m = std::max(span_m, std::min(span.to_m, s));
+    }
+    double waypoint_m = -1.0;
+    for (auto at = std::lower_bound(waypoints.begin(), waypoints.end(), Place{id, 0.0}, before);
+         at != waypoints.end() && at->place.section == id && at->place.s_m <= s + same_place_m; ++at)
+      waypoint_m = at->place.s_m;
+    if (span_m >= 0.0 || waypoint_m >= 0.0) return waypoint_m > span_m;
+    if (circuit.previous(id).empty()) return true;
+    id = circuit.previous(id).front();
+    s = circuit.section(id).length_m();
+  }
+  return true;
+}
+
+namespace {
+
+struct Spot {
+  Place place;
+  Point2 p;
+};
+
+/// Whether two vehicles have room: apart by the crow's fly, or side by side on ways that do not follow each other.
+bool apart(const TrafficZone& zone, const Spot& a, const Spot& b) {
+  const double room_m = standing_room_m(zone.vehicle);
+  const double apart_m = distance(a.p, b.p);
+  if (apart_m >= room_m) return true;
+  return apart_m > norm(zone.vehicle.length_m, zone.vehicle.width_m) &&
+         !zone.circuit.distance_ahead(a.place, b.place, room_m) &&
+         !zone.circuit.distance_ahead(b.place, a.place, room_m);
+}
+
+bool fits(const TrafficZone& zone, const Spot& spot, const std::vector<Spot>& taken) {
+  return std::all_of(taken.begin(), taken.end(), [&](const Spot& other) { return apart(zone, spot, other); });
+}
+
+/// Everywhere a vehicle may stand, every 5 cm (coarser on large zones).
+std::vector<Spot> spots(const TrafficZone& zone) {
+  const double step_m = std::max(0.05, zone.circuit.total_length_m() / 20'000.0);
+  std::vector<Spot> found;
+  for (SectionId id = 0; id < zone.circuit.size(); ++id) {
+    for (double i = 0.0; i * step_m < zone.circuit.section(id).length_m(); i += 1.0) {
+      const Place place{id, i * step_m};
+      if (zone.may_stand(place)) found.push_back({place, position(zone.circuit.pose_at(place))});
+    }
+  }
+  return found;
+}
+
+/// Takes the spot farthest from all taken so far, again and again.
+void spread(const TrafficZone& zone, const std::vector<Spot>& free, std::size_t count, std::vector<Spot>& taken) {
+  std::vector<double> nearest_m(free.size(), std::numeric_limits<double>::infinity());
+  const auto note = [&](const Spot& spot) {
+    for (std::size_t i = 0; i < free.size(); ++i) nearest_m[i] = std::min(nearest_m[i], distance(free[i].p, spot.p));
+  };
+  for (const Spot& spot : taken) note(spot);
+  while (taken.size() < count) {
+    std::size_t best = free.size();
+    for (std::size_t i = 0; i < free.size(); ++i) {
+      if (nearest_m[i] > 0.0 && (best == free.size() || nearest_m[i] > nearest_m[best]) && fits(zone, free[i], taken))
+        best = i;
+    }
+    if (best == free.size()) return;
+    taken.push_back(free[best]);
+    note(free[best]);
+  }
+}
+
+/// Whether a vehicle may begin where it may not stand otherwise: on a waypoint inside a crossing that no other is in.
+bool may_begin(const TrafficZone& zone, const Spot& spot, const std::vector<Spot>& taken) {
+  constexpr double near_m = 0.02;
+  const auto at = zone.waypoint_behind({spot.place.section, spot.place.s_m + near_m});
+  if (at == zone.waypoints.size() || zone.waypoints[at].place.section != spot.place.section ||
+      spot.place.s_m - zone.waypoints[at].place.s_m > near_m)
+    return false;
+  const auto covers = [](const Crossing& crossing, const Place& place) {
+    return std::any_of(crossing.spans.begin(), crossing.spans.end(), [&](const CrossingSpan& span) {
+      return span.section == place.section && span.from_m <= place.s_m && place.s_m <= span.to_m;
+    });
+  };
+  for (const auto& entry : zone.crossings.from(std::pair{spot.place.section, -same_place_m})) {
+    const Crossing& crossing = zone.crossings[entry.position];
+    if (crossing.spans[entry.part].section != spot.place.section) break;
+    if (covers(crossing, spot.place) &&
+        std::any_of(taken.begin(), taken.end(), [&](const Spot& other) { return covers(crossing, other.place); }))
+      return false;
+  }
+  return fits(zone, spot, taken);
+}
+
+}  // namespace
+
+std::vector<Place> TrafficZone::start_places(std::size_t count) const {
+  std::vector<Spot> fixed;
+  for (const Place& place : starts) {
+    const Spot spot{place, position(circuit.pose_at(place))};
+    if (fixed.size() < count && (may_stand(place) ? fits(*this, spot, fixed) : may_begin(*this, spot, fixed)))
+      fixed.push_back(spot);
+  }
+  std::vector<Spot> taken = fixed;
+  if (taken.size() < count) {
+    const auto free = spots(*this);
+    spread(*this, free, count, taken);
+    if (taken.size() < count) {
+      // Spreading wastes room when there is little: then one behind the other, as close as may be.
+      std::vector<Spot> packed = fixed;
+      for (const Spot& spot : free) {
+        if (packed.size() < count && fits(*this, spot, packed)) packed.push_back(spot);
+      }
+      if (packed.size() > taken.size()) taken = std::move(packed);
+    }
+    // In a net of two-way roads every place lies in some crossing, and its nodes are where vehicles begin.
+    for (std::size_t i = 0; i < waypoints.size() && taken.size() < count; ++i) {
+      const Spot spot{waypoints[i].place, position(circuit.pose_at(waypoints[i].place))};
+      if (!may_stand(spot.place) && may_begin(*this, spot, taken)) taken.push_back(spot);
+    }
+  }
+  std::vector<Place> places;
+  places.reserve(taken.size());
+  for (const Spot& spot : taken) places.push_back(spot.place);
+  return places;
+}
+
+}  // namespace cosiva::zone

@@ -1,0 +1,234 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "cosiva/base/pose.h"
+#include "cosiva/base/result.h"
+#include "cosiva/zone/circuit/circuit.h"
+#include "cosiva/zone/circuit/listed.h"
+
+namespace cosiva::zone {
+
+using TagNumber = std::uint32_t;
+inline constexpr TagNumber tag_number_max = 4'000'000'000;
+
+/// An RFID tag under a section (A11, A15).
+struct Tag {
+  TagNumber number;
+  Place place;
+};
+
+/// Beacons in a matrix over the zone, whatever the circuit (A21). Beacon (i, j) stands at origin + (i·pitch, j·pitch),
+/// and reads as tag number first_number + j·columns + i.
+struct BeaconGrid {
+  double pitch_m;
+  Point2 origin;
+  std::uint32_t columns;
+  std::uint32_t rows;
+  TagNumber first_number{1'000'000};
+  /// Given: the grid passes through this point and has as many beacons as it takes to cover every way, so that another
+  /// pitch makes another number of them.
+  std::optional<Point2> covers_through{};
+  /// The matrix is turned by this about its origin, left positive: column i, row j stands at
+  /// origin + pitch·(i·(cos, sin) + j·(−sin, cos)).
+  double rotation_rad{0.0};
+
+  [[nodiscard]] Point2 at(std::uint32_t column, std::uint32_t row) const;
+  [[nodiscard]] std::optional<Point2> find(TagNumber number) const;
+  /// The beacon nearest to p and its number; nothing further than half a pitch beyond the edge.
+  struct Near {
+    TagNumber number;
+    Point2 position;
+  };
+  [[nodiscard]] std::optional<Near> nearest(Point2 p) const;
+};
+
+enum class StationKind { stop, charger };
+struct Station {
+  std::string name;
+  Place place;
+  StationKind kind{StationKind::stop};
+};
+
+/// A named way round: each section follows the one before it, the first the last.
+struct Loop {
+  std::string name;
+  std::vector<SectionId> sections;
+};
+
+/// What a reader has to say about its file without refusing it.
+struct Note {
+  enum class Kind {
+    mended,  ///< it broke its format's rules; what was made of it
+    lost,    ///< something that a zone cannot say, or that is not taken from this format
+    notice,  ///< worth knowing, such as the worst error of a fit
+  };
+  Kind kind;
+  std::string place;  ///< in the file: "road 12", "layouts[0].edges[3].trajectory"
+  std::string text;   ///< a sentence
+};
+[[nodiscard]] std::string_view to_string(Note::Kind kind);
+
+/// The body that crossings and gaps are computed for. The body frame's origin is its middle.
+struct VehicleShape {
+  double length_m{0.20};
+  double width_m{0.12};
+};
+
+/// One of the three profiles that fix the kinematics (A12).
+struct SpeedProfile {
+  double speed_mps;
+  double acceleration_mps2;
+  double braking_mps2;
+};
+struct SpeedProfiles {
+  SpeedProfile slow;
+  SpeedProfile medium;
+  SpeedProfile fast;
+};
+
+/// Where two ways meet: while a vehicle's middle is in one span, a vehicle in another span may touch it.
+struct CrossingSpan {
+  SectionId section;
+  double from_m;
+  double to_m;
+};
+struct Crossing {
+  std::string name;
+  Point2 centre;
+  std::vector<CrossingSpan> spans;
+};
+
+/// A node of the VDA 5050 graph: a place where an order may start, turn, or end. None lies inside a crossing but those
+/// that the zone's format or its stations put there: a vehicle goes to such a one only because it is sent there.
+struct Waypoint {
+  std::string id;  ///< several may share one where ways part or meet: the same point, on several sections
+  Place place;
+};
+
+/// What tags, waypoints and crossings are found by: their numbers, their ids, where their spans begin.
+struct TagKeys {
+  static std::size_t count(const Tag&) { return 1; }
+  static TagNumber key(const Tag& tag, std::size_t) { return tag.number; }
+};
+struct WaypointKeys {
+  static std::size_t count(const Waypoint&) { return 1; }
+  static std::string_view key(const Waypoint& waypoint, std::size_t) { return waypoint.id; }
+};
+struct CrossingKeys {
+  static std::size_t count(const Crossing& crossing) { return crossing.spans.size(); }
+  static std::pair<SectionId, double> key(const Crossing& crossing, std::size_t i) {
+    return {crossing.spans[i].section, crossing.spans[i].from_m};
+  }
+};
+
+/// What an AIV is worth to others at a crossing: 0…999, higher goes first.
+inline constexpr std::int32_t priority_max = 999;
+
+/// Everything the traffic zone is. A value: built once, then only read.
+struct TrafficZone {
+  std::string name;
+  Circuit circuit;
+  VehicleShape vehicle;
+  SpeedProfiles profiles;
+  Listed<Tag, TagKeys> tags;
+  std::optional<BeaconGrid> beacons;
+  std::vector<Station> stations;
+  Listed<Crossing, CrossingKeys> crossings;  ///< found by find_crossings
+  Listed<Waypoint, WaypointKeys> waypoints;  ///< laid by lay_waypoints; sorted by (section, s)
+  std::vector<Place> starts;  ///< where vehicle 1, 2, … of an emulated fleet begin; may be shorter than the fleet
+  /// "CoSiVA/AIV1" → 1…999, sorted by name; who is not here has 0.
+  std::vector<std::pair<std::string, std::int32_t>> priorities{};
+  std::vector<Loop> loops{};        ///< the first is where idle vehicles circulate; none: wherever the ways lead
+  std::vector<SectionId> closed{};  ///< closed from the beginning; sorted
+  std::vector<Note> notes{};
+  /// The format names its edges: a stretch that is one whole section has that section's name as its edge's id.
+  bool edges_are_sections{false};
+  /// What crossings and waypoints were found with, for whoever writes the zone down.
+  double clearance_m{0.04};
+  double spacing_m{0.30};
+  bool nodes_only{false};
+
+  /// Of "manufacturer/serial"; 0 where none is given.
+  [[nodiscard]] std::int32_t priority_of(std::string_view who) const;
+  [[nodiscard]] const Tag* find_tag(TagNumber number) const;
+  /// The first of this id.
+  [[nodiscard]] const Waypoint* find_waypoint(std::string_view id) const;
+  /// Indices of all of this id, ascending.
+  [[nodiscard]] std::vector<std::size_t> find_waypoints(std::string_view id) const;
+  [[nodiscard]] const Station* find_station(std::string_view name) const;
+  [[nodiscard]] const Loop* find_loop(std::string_view name) const;
+  /// The crossing that has a span over this place, if any; the first of several.
+  [[nodiscard]] const Crossing* crossing_at(Place place) const;
+
+  /// Index of the first waypoint at or after `place`, following default successors from its section; waypoints.size()
+  /// where the way ends first. So for the next two, too.
+  [[nodiscard]] std::size_t waypoint_ahead(Place place) const;
+  /// Index of the last waypoint at or before `place` (following `previous` backwards).
+  [[nodiscard]] std::size_t waypoint_behind(Place place) const;
+  /// The waypoint that follows waypoints[index] along default successors.
+  [[nodiscard]] std::size_t next_waypoint(std::size_t index) const;
+  /// Whether a vehicle may stand here: outside every crossing, and not between two too close together to stand between.
+  [[nodiscard]] bool may_stand(Place place) const;
+  /// Places for `count` vehicles: `starts` first, then spread evenly; all where a vehicle may stand, and with room
+  /// between them. Where that does not suffice, waypoints inside crossings serve, in each crossing one vehicle. Fewer
+  /// than `count` when the zone cannot hold them.
+  [[nodiscard]] std::vector<Place> start_places(std::size_t count) const;
+};
+
+/// Pairs of sections whose vehicles could touch, from the geometry and the vehicle's shape plus `clearance_m` on each
+/// side; touching pairs at one place are one crossing. Ways that run along one another, such as one way and the way
+/// back, are one crossing of their own, apart from those at their ends. Consecutive sections do not cross each other at
+/// their joint, but where vehicles turn sharply on the spot; whoever turns sweeps a disc of half its diagonal.
+/// Names are "X1", "X2", … in the order in which the sections come to them. Not for a circuit that is too_crowded.
+[[nodiscard]] std::vector<Crossing> find_crossings(const Circuit& circuit, const VehicleShape& shape,
+                                                   double clearance_m = 0.04);
+
+/// Whether the ways lie so densely on one another that find_crossings would take minutes; it must not be asked then. No
+/// zone that anybody could drive in comes near this; a hostile file may.
+[[nodiscard]] bool too_crowded(const Circuit& circuit, const VehicleShape& shape, double clearance_m = 0.04);
+
+/// Both in one: nothing where it is too crowded.
+[[nodiscard]] std::optional<std::vector<Crossing>> find_crossings_unless_crowded(const Circuit& circuit,
+                                                                                 const VehicleShape& shape,
+                                                                                 double clearance_m = 0.04);
+
+/// Waypoints at joints, at each crossing's stop line and exit, and between them no further apart than `spacing_m`, none
+/// inside a crossing's span. Ids are "<section>@<millimetres>", stable as long as the geometry is.
+/// @param room_m  where the free way between two spans is shorter than this a vehicle cannot stand, so no waypoint lies
+[[nodiscard]] std::vector<Waypoint> lay_waypoints(const Circuit& circuit, const std::vector<Crossing>& crossings,
+                                                  double spacing_m = 0.30, double room_m = 0.30);
+
+/// Where waypoints lie beyond what follows from the geometry.
+struct WaypointRules {
+  double spacing_m{0.30};
+  double room_m{0.30};
+  bool nodes_only{false};  ///< none between those of joints, dead ends, stop lines, exits and `at`
+  /// One lies at each of these in any case, inside crossings too; one laid nearer than 2 cm on the same section serves.
+  std::vector<Place> at{};
+  /// By section: the id of the waypoint at its start; it lies there in any case. Empty: none of its own. The vector may
+  /// be empty, too.
+  std::vector<std::string> start_ids{};
+  /// By section: likewise at its end, of sections that nothing follows.
+  std::vector<std::string> end_ids{};
+};
+/// Sorted by (section, s). Ids of `start_ids` and `end_ids` may be shared; all others are "<section>@<millimetres>".
+[[nodiscard]] std::vector<Waypoint> lay_waypoints(const Circuit& circuit, const std::vector<Crossing>& crossings,
+                                                  const WaypointRules& rules);
+
+/// A grid that passes through `through`, turned by `rotation_rad`, and covers every way and half a vehicle beside it.
+/// Nothing when that takes more than `beacons_max` beacons.
+[[nodiscard]] std::optional<BeaconGrid> covering_grid(const Circuit& circuit, const VehicleShape& shape, double pitch_m,
+                                                      Point2 through, std::uint32_t beacons_max,
+                                                      double rotation_rad = 0.0);
+
+/// Way that a standing vehicle takes: its length and 0.1 m.
+[[nodiscard]] constexpr double standing_room_m(const VehicleShape& shape) { return shape.length_m + 0.1; }
+
+}  // namespace cosiva::zone

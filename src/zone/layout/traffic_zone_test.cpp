@@ -1,0 +1,208 @@
+#include "cosiva/zone/layout/traffic_zone.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "cosiva/zone/testing/test_zones.h"
+
+namespace cosiva::zone {
+namespace {
+
+using ::testing::SizeIs;
+
+TrafficZone track_zone(std::vector<Crossing> crossings = {}) {
+  TrafficZone zone{"track", testing::track(), {}, {}, {}, {}, {}, std::move(crossings), {}, {}};
+  zone.waypoints = lay_waypoints(zone.circuit, zone.crossings);
+  return zone;
+}
+
+std::string id_at(const TrafficZone& zone, std::size_t index) {
+  return index < zone.waypoints.size() ? zone.waypoints[index].id : "none";
+}
+
+// Beacons
+// ---------------------------------------------------------------------------------------------------------------
+
+constexpr BeaconGrid grid{0.5, {-1.0, 2.0}, 4, 3, 100};
+
+TEST(BeaconGrid, numbers_its_beacons_row_by_row) {
+  EXPECT_EQ(grid.find(100), (Point2{-1.0, 2.0}));
+  EXPECT_EQ(grid.find(103), (Point2{0.5, 2.0}));
+  EXPECT_EQ(grid.find(104), (Point2{-1.0, 2.5}));
+  EXPECT_EQ(grid.find(111), (Point2{0.5, 3.0}));
+}
+
+TEST(BeaconGrid, knows_no_other_numbers) {
+  for (const TagNumber number : {0U, 99U, 112U, ~0U}) EXPECT_EQ(grid.find(number), std::nullopt);
+  EXPECT_EQ((BeaconGrid{0.5, {}, 0, 3, 100}.find(100)), std::nullopt);
+}
+
+TEST(BeaconGrid, finds_the_nearest_up_to_half_a_pitch_beyond_its_edge) {
+  EXPECT_EQ(grid.nearest({-0.8, 2.2}).value().number, 100U);
+  EXPECT_EQ(grid.nearest({-0.7, 2.3}).value().number, 105U);
+  EXPECT_EQ(grid.nearest({0.74, 3.24}).value().number, 111U);
+  EXPECT_EQ(grid.nearest({0.74, 3.24}).value().position, (Point2{0.5, 3.0}));
+  EXPECT_FALSE(grid.nearest({0.76, 3.0}));
+  EXPECT_FALSE(grid.nearest({0.0, 1.74}));
+  EXPECT_FALSE(grid.nearest({std::numeric_limits<double>::quiet_NaN(), 2.0}));
+  EXPECT_FALSE(grid.nearest({1e300, 2.0}));
+}
+
+// Tags and waypoints
+// ------------------------------------------------------------------------------------------------------
+
+TEST(TrafficZone, finds_tags_by_number) {
+  TrafficZone zone = track_zone();
+  zone.tags = {{7, {0, 1.0}}, {9, {1, 0.5}}};
+  ASSERT_NE(zone.find_tag(9), nullptr);
+  EXPECT_EQ(zone.find_tag(9)->place, (Place{1, 0.5}));
+  EXPECT_EQ(zone.find_tag(8), nullptr);
+}
+
+TEST(TrafficZone, finds_waypoints_by_id_and_no_others) {
+  const TrafficZone zone = track_zone();
+  ASSERT_NE(zone.find_waypoint("north@0"), nullptr);
+  for (const char* none : {"", "north", "north@", "north@1", "nowhere@0", "@0"})
+    EXPECT_EQ(zone.find_waypoint(none), nullptr) << none;
+}
+
+TEST(TrafficZone, looks_ahead_and_behind_along_the_way) {
+  const TrafficZone zone = track_zone();  // 2 m straights in seven parts of 286 mm
+  EXPECT_EQ(id_at(zone, zone.waypoint_ahead({0, 0.3})), "south@571");
+  EXPECT_EQ(id_at(zone, zone.waypoint_behind({0, 0.3})), "south@286");
+  EXPECT_EQ(id_at(zone, zone.waypoint_ahead({0, 1.9})), "east@0");
+  EXPECT_EQ(id_at(zone, zone.waypoint_ahead({0, 0.0})), "south@0");
+  EXPECT_EQ(id_at(zone, zone.waypoint_behind({0, 0.0})), "south@0");
+}
+
+TEST(TrafficZone, stands_on_a_waypoint_in_spite_of_rounding) {
+  const TrafficZone zone = track_zone();
+  const double s = zone.find_waypoint("south@571")->place.s_m;
+  EXPECT_EQ(id_at(zone, zone.waypoint_ahead({0, s + 1e-12})), "south@571");
+  EXPECT_EQ(id_at(zone, zone.waypoint_behind({0, s - 1e-12})), "south@571");
+}
+
+TEST(TrafficZone, next_waypoint_goes_round_and_comes_back) {
+  const TrafficZone zone = track_zone();
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < zone.waypoints.size(); ++i) at = zone.next_waypoint(at);
+  EXPECT_EQ(at, 0U);
+  EXPECT_EQ(id_at(zone, zone.next_waypoint(zone.waypoints.size() - 1)), "south@0");
+}
+
+TEST(TrafficZone, without_waypoints_ahead_says_so) {
+  TrafficZone zone{
+      "line", testing::circuit({testing::part("a", testing::section({}, 1.0))}), {}, {}, {}, {}, {}, {}, {}, {}};
+  EXPECT_EQ(zone.waypoint_ahead({0, 0.5}), 0U);
+  zone.waypoints = {{"a@500", {0, 0.5}}};
+  EXPECT_EQ(zone.waypoint_ahead({0, 0.6}), 1U);
+  EXPECT_EQ(zone.waypoint_behind({0, 0.4}), 1U);
+  EXPECT_EQ(zone.next_waypoint(0), 1U);
+}
+
+// Where vehicles stand
+// ----------------------------------------------------------------------------------------------------
+
+TEST(TrafficZone, lets_no_vehicle_stand_in_a_crossing_or_between_two_that_are_too_close) {
+  const TrafficZone zone = testing::lacet4();
+  const SectionId east = zone.circuit.find("east").value();
+  EXPECT_TRUE(zone.may_stand({east, 0.2}));
+  EXPECT_FALSE(zone.may_stand({east, 0.6}));
+  EXPECT_FALSE(zone.may_stand({east, 0.75}));
+  EXPECT_FALSE(zone.may_stand({east, 1.1}));
+  EXPECT_TRUE(zone.may_stand({east, 1.2}));
+
+  // 0.2 m free between two spans: outside both, and still no place to stand.
+  const TrafficZone narrow = track_zone({{"X1", {}, {{0, 0.5, 0.8}}}, {"X2", {}, {{0, 1.0, 1.2}}}});
+  EXPECT_EQ(narrow.crossing_at({0, 0.9}), nullptr);
+  EXPECT_FALSE(narrow.may_stand({0, 0.9}));
+  EXPECT_TRUE(narrow.may_stand({0, 1.3}));
+}
+
+void expect_room(const TrafficZone& zone, const std::vector<Place>& places) {
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    EXPECT_TRUE(zone.may_stand(places[i]));
+    for (std::size_t j = 0; j < i; ++j) {
+      EXPECT_GT(distance(zone.circuit.pose_at(places[i]), zone.circuit.pose_at(places[j])), 0.2);
+      EXPECT_FALSE(zone.circuit.distance_ahead(places[i], places[j], 0.29));
+      EXPECT_FALSE(zone.circuit.distance_ahead(places[j], places[i], 0.29));
+    }
+  }
+}
+
+TEST(TrafficZone, starts_vehicles_at_its_starts_first_and_then_apart) {
+  const TrafficZone zone = testing::lacet4();
+  for (const std::size_t count : {0U, 1U, 4U, 12U, 20U}) {
+    const auto places = zone.start_places(count);
+    ASSERT_THAT(places, SizeIs(count));
+    for (std::size_t i = 0; i < std::min<std::size_t>(count, 4); ++i) EXPECT_EQ(places[i], zone.starts[i]);
+    expect_room(zone, places);
+  }
+}
+
+TEST(TrafficZone, spreads_vehicles_evenly_when_no_start_is_given) {
+  const TrafficZone zone = track_zone();
+  const auto places = zone.start_places(2);
+  ASSERT_THAT(places, SizeIs(2));
+  // The track is 3 m by 1 m: two vehicles as far apart as it goes.
+  EXPECT_GT(distance(zone.circuit.pose_at(places[0]), zone.circuit.pose_at(places[1])), 2.0);
+}
+
+TEST(TrafficZone, starts_fewer_vehicles_than_asked_when_it_is_full) {
+  const TrafficZone zone = track_zone();  // 7.14 m, 0.3 m for each
+  const auto places = zone.start_places(1000);
+  EXPECT_GE(places.size(), 16U);
+  EXPECT_LE(places.size(), 23U);
+  expect_room(zone, places);
+}
+
+TEST(TrafficZone, skips_starts_where_vehicles_would_stand_in_each_other) {
+  TrafficZone zone = track_zone({{"X1", {}, {{0, 0.5, 0.8}}}});
+  zone.starts = {{0, 0.1}, {0, 0.2}, {0, 0.6}, {2, 1.0}};
+  const auto places = zone.start_places(2);
+  EXPECT_THAT(places, ::testing::ElementsAre(Place{0, 0.1}, Place{2, 1.0}));
+}
+
+TEST(TrafficZone, begins_on_waypoints_inside_crossings_where_there_is_no_other_place) {
+  TrafficZone zone =
+      track_zone({{"X1", {}, {{0, 0.0, 2.0}, {1, 0.0, 1.7}}}, {"X2", {}, {{2, 0.0, 2.0}, {3, 0.0, 1.7}}}});
+  EXPECT_THAT(zone.start_places(3), SizeIs(0));
+  WaypointRules rules;
+  rules.start_ids = {"A", "B", "C", "D"};
+  zone.waypoints = lay_waypoints(zone.circuit, zone.crossings, rules);
+  // One vehicle in each crossing.
+  EXPECT_THAT(zone.start_places(3), ::testing::ElementsAre(Place{0, 0.0}, Place{2, 0.0}));
+  zone.starts = {{3, 0.0}, {1, 0.5}};
+  EXPECT_THAT(zone.start_places(3), ::testing::ElementsAre(Place{3, 0.0}, Place{0, 0.0}));
+}
+
+TEST(TrafficZone, finds_what_is_put_in_and_no_longer_what_is_taken_out) {
+  TrafficZone zone = track_zone();
+  for (const TagNumber number : {5U, 3U, 9U, 1U}) zone.tags.push_back({number, {0, 0.1 * number}});
+  for (const TagNumber number : {5U, 3U, 9U, 1U}) EXPECT_EQ(zone.find_tag(number)->number, number);
+  EXPECT_EQ(zone.tags.front().number, 5U);  // in the order in which they came
+  EXPECT_EQ(zone.tags.erase_if([](const Tag& tag) { return tag.number == 3; }), 1U);
+  EXPECT_EQ(zone.find_tag(3), nullptr);
+  zone.tags.replace(0, {7, {0, 0.7}});
+  EXPECT_EQ(zone.find_tag(5), nullptr);
+  EXPECT_EQ(zone.find_tag(7)->place.s_m, 0.7);
+  const TrafficZone copy = zone;
+  zone.tags.clear();
+  EXPECT_EQ(zone.find_tag(9), nullptr);
+  EXPECT_NE(copy.find_tag(9), nullptr);
+}
+
+TEST(TrafficZone, names_the_first_of_several_crossings_over_a_place) {
+  const TrafficZone zone = track_zone({{"X1", {}, {{0, 0.5, 1.0}, {2, 0.0, 0.1}}}, {"X2", {}, {{0, 0.2, 1.5}}}});
+  EXPECT_EQ(zone.crossing_at({0, 0.1}), nullptr);
+  EXPECT_EQ(zone.crossing_at({0, 0.3})->name, "X2");
+  EXPECT_EQ(zone.crossing_at({0, 0.7})->name, "X1");
+  EXPECT_EQ(zone.crossing_at({0, 1.2})->name, "X2");
+  EXPECT_EQ(zone.crossing_at({2, 0.0})->name, "X1");
+  EXPECT_EQ(zone.crossing_at({1, 0.3}), nullptr);
+}
+
+}  // namespace
+}  // namespace cosiva::zone

@@ -1,0 +1,198 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <set>
+
+#include "cosiva/base/random.h"
+#include "cosiva/zone/layout/traffic_zone.h"
+#include "cosiva/zone/testing/test_zones.h"
+
+namespace cosiva::zone {
+namespace {
+
+using ::testing::ElementsAre;
+using testing::part;
+using testing::section;
+
+std::vector<std::string> ids(const std::vector<Waypoint>& waypoints) {
+  std::vector<std::string> all;
+  for (const Waypoint& waypoint : waypoints) all.push_back(waypoint.id);
+  return all;
+}
+
+Circuit line() {
+  const Section first = section({}, 1.0);
+  return testing::circuit({part("a", first, {1}), part("b", section(first.end(), 1.0))});
+}
+
+/// A crossing over one stretch; who crosses there does not matter to waypoints.
+Crossing crossing(SectionId on, double from_m, double to_m) { return {"X", {}, {{on, from_m, to_m}}}; }
+
+TEST(Waypoints, mark_joints_and_what_lies_between_them) {
+  EXPECT_THAT(ids(lay_waypoints(line(), {}, 0.5)), ElementsAre("a@0", "a@500", "b@0", "b@500", "b@1000"));
+}
+
+TEST(Waypoints, are_never_further_apart_than_the_spacing) {
+  EXPECT_THAT(ids(lay_waypoints(line(), {}, 0.34)),
+              ElementsAre("a@0", "a@333", "a@667", "b@0", "b@333", "b@667", "b@1000"));
+}
+
+TEST(Waypoints, lie_at_stop_lines_and_exits_two_centimetres_off_the_crossing) {
+  EXPECT_THAT(ids(lay_waypoints(line(), {crossing(0, 0.4, 0.6)}, 0.5)),
+              ElementsAre("a@0", "a@380", "a@620", "b@0", "b@500", "b@1000"));
+}
+
+TEST(Waypoints, do_not_lie_where_a_vehicle_cannot_stand_between_crossings) {
+  // 0.25 m free: too short for a standing vehicle of 0.2 m and its 0.1 m; 0.35 m is enough.
+  EXPECT_THAT(ids(lay_waypoints(line(), {crossing(0, 0.2, 0.3), crossing(0, 0.55, 0.7)}, 0.5)),
+              ElementsAre("a@0", "a@180", "a@720", "b@0", "b@500", "b@1000"));
+  EXPECT_THAT(ids(lay_waypoints(line(), {crossing(0, 0.2, 0.3), crossing(0, 0.65, 0.7)}, 0.5)),
+              ElementsAre("a@0", "a@180", "a@320", "a@630", "a@720", "b@0", "b@500", "b@1000"));
+}
+
+TEST(Waypoints, mind_crossings_on_both_sides_of_a_joint) {
+  EXPECT_THAT(ids(lay_waypoints(line(), {crossing(0, 0.7, 0.9), crossing(1, 0.1, 0.3)}, 0.5)),
+              ElementsAre("a@0", "a@340", "a@680", "b@320", "b@660", "b@1000"));
+}
+
+TEST(Waypoints, mind_crossings_with_a_short_section_between) {
+  const Section first = section({}, 1.0);
+  const Section second = section(first.end(), 0.1);
+  const Circuit circuit =
+      testing::circuit({part("a", first, {1}), part("short", second, {2}), part("c", section(second.end(), 1.0))});
+  EXPECT_THAT(ids(lay_waypoints(circuit, {crossing(0, 0.5, 0.95), crossing(2, 0.05, 0.5)}, 1.0)),
+              ElementsAre("a@0", "a@480", "c@520", "c@1000"));
+  // With room enough before the second crossing the joint behind the first is a place to stand.
+  EXPECT_THAT(ids(lay_waypoints(circuit, {crossing(0, 0.5, 0.95), crossing(2, 0.55, 0.7)}, 1.0)),
+              ElementsAre("a@0", "a@480", "a@970", "short@0", "c@0", "c@530", "c@720", "c@1000"));
+}
+
+TEST(Waypoints, put_the_stop_line_on_the_section_before_when_the_crossing_begins_at_the_joint) {
+  EXPECT_THAT(ids(lay_waypoints(line(), {crossing(1, 0.0, 0.4)}, 1.0)), ElementsAre("a@0", "a@980", "b@420", "b@1000"));
+  EXPECT_THAT(ids(lay_waypoints(line(), {crossing(0, 0.6, 1.0)}, 1.0)), ElementsAre("a@0", "a@580", "b@20", "b@1000"));
+}
+
+TEST(Waypoints, at_a_fork_stand_before_the_stem_ends) {
+  const Section stem = section({}, 1.0);
+  const Circuit fork = testing::circuit({part("stem", stem, {1, 2}), part("left", section(stem.end(), 2.0, 1.0)),
+                                         part("right", section(stem.end(), 2.0, -1.0))});
+  const auto waypoints = lay_waypoints(fork, find_crossings(fork, {}), 1.0);
+  EXPECT_THAT(ids(waypoints), ::testing::Contains("stem@980"));
+  for (const Waypoint& waypoint : waypoints)
+    EXPECT_TRUE(waypoint.place.section == 0 || waypoint.place.s_m > 0.3) << waypoint.id;
+}
+
+// What stations and formats ask for
+// ------------------------------------------------------------------------------------------------------
+
+TEST(Waypoints, lie_at_asked_places_too_and_inside_crossings) {
+  WaypointRules rules;
+  rules.spacing_m = 1.0;
+  rules.at = {{1, 0.25}, {0, 0.5}};
+  EXPECT_THAT(ids(lay_waypoints(line(), {crossing(0, 0.4, 0.6)}, rules)),
+              ElementsAre("a@0", "a@380", "a@500", "a@620", "b@0", "b@250", "b@1000"));
+}
+
+TEST(Waypoints, nearer_than_two_centimetres_to_an_asked_place_serve) {
+  WaypointRules rules;
+  rules.spacing_m = 0.5;
+  rules.at = {{0, 0.481}, {0, 0.519}, {0, 0.3}, {0, 0.31}, {0, 0.321}, {1, 1.0}, {1, 0.0}};
+  EXPECT_THAT(ids(lay_waypoints(line(), {}, rules)),
+              ElementsAre("a@0", "a@300", "a@321", "a@500", "b@0", "b@500", "b@1000"));
+}
+
+TEST(Waypoints, at_nodes_have_the_nodes_ids_even_inside_a_crossing) {
+  WaypointRules rules;
+  rules.spacing_m = 1.0;
+  rules.start_ids = {"N1", "N2"};
+  rules.end_ids = {"never", "N3"};
+  EXPECT_THAT(ids(lay_waypoints(line(), {}, rules)), ElementsAre("N1", "N2", "N3"));
+  EXPECT_THAT(ids(lay_waypoints(line(), {crossing(0, 0.9, 1.0), crossing(1, 0.0, 0.1)}, rules)),
+              ElementsAre("N1", "a@880", "N2", "b@120", "N3"));
+  rules.at = {{1, 0.01}};
+  EXPECT_THAT(ids(lay_waypoints(line(), {}, rules)), ElementsAre("N1", "N2", "N3"));
+}
+
+TEST(Waypoints, of_nodes_only_have_none_in_between) {
+  WaypointRules rules;
+  rules.spacing_m = 0.1;
+  rules.nodes_only = true;
+  EXPECT_THAT(ids(lay_waypoints(line(), {crossing(0, 0.4, 0.6)}, rules)),
+              ElementsAre("a@0", "a@380", "a@620", "b@0", "b@1000"));
+}
+
+TEST(Waypoints, share_a_nodes_id_on_all_sections_that_begin_there_and_are_all_found) {
+  const Section stem = section({}, 1.0);
+  TrafficZone zone{"z",
+                   testing::circuit({part("stem", stem, {1, 2}), part("left", section(stem.end(), 2.0, 1.0)),
+                                     part("right", section(stem.end(), 2.0, -1.0))}),
+                   {},
+                   {},
+                   {},
+                   {},
+                   {},
+                   {},
+                   {},
+                   {}};
+  WaypointRules rules;
+  rules.start_ids = {"A", "B", "B"};
+  zone.waypoints = lay_waypoints(zone.circuit, {}, rules);
+  const auto found = zone.find_waypoints("B");
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(zone.waypoints[found[0]].place, (Place{1, 0.0}));
+  EXPECT_EQ(zone.waypoints[found[1]].place, (Place{2, 0.0}));
+  EXPECT_EQ(zone.find_waypoint("B"), &zone.waypoints[found[0]]);
+  EXPECT_TRUE(zone.find_waypoints("C").empty());
+}
+
+TEST(Waypoints, are_not_mistaken_for_a_node_whose_id_looks_like_theirs) {
+  WaypointRules rules;
+  rules.spacing_m = 0.5;
+  rules.start_ids = {"", "a@500"};
+  EXPECT_THAT(ids(lay_waypoints(line(), {}, rules)), ElementsAre("a@0", "a@500+", "a@500", "b@500", "b@1000"));
+}
+
+TEST(Waypoints, have_ids_of_their_own_in_order_of_section_and_arc_length) {
+  const TrafficZone zone = testing::lacet4();
+  std::set<std::string> seen;
+  for (std::size_t i = 0; i < zone.waypoints.size(); ++i) {
+    const Waypoint& waypoint = zone.waypoints[i];
+    EXPECT_TRUE(seen.insert(waypoint.id).second) << waypoint.id;
+    EXPECT_EQ(zone.find_waypoint(waypoint.id), &waypoint);
+    if (i == 0) continue;
+    const Place& before = zone.waypoints[i - 1].place;
+    EXPECT_TRUE(before.section < waypoint.place.section ||
+                (before.section == waypoint.place.section && before.s_m < waypoint.place.s_m));
+  }
+}
+
+TEST(Waypoints, keep_out_of_every_crossing_whatever_the_ways_and_the_vehicle) {
+  rc::check([] {
+    Random random{*rc::gen::arbitrary<std::uint64_t>(), "waypoints_test"};
+    std::vector<Circuit::Part> parts;
+    for (int i = 0; i < 4; ++i) {
+      const Pose2 start{random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), random.uniform(-3.0, 3.0)};
+      const auto first = static_cast<SectionId>(parts.size());
+      const Section one = section(start, random.uniform(0.2, 2.0), random.uniform(-1.0, 1.0));
+      parts.push_back(part("a" + std::to_string(i), one, {first + 1}));
+      parts.push_back(part("b" + std::to_string(i), section(one.end(), random.uniform(0.2, 2.0))));
+    }
+    const Circuit circuit = testing::circuit(std::move(parts));
+    const VehicleShape vehicle{random.uniform(0.05, 0.4), random.uniform(0.05, 0.3)};
+    const auto crossings = find_crossings(circuit, vehicle);
+    const auto waypoints = lay_waypoints(circuit, crossings, random.uniform(0.1, 1.0), standing_room_m(vehicle));
+    for (const Waypoint& waypoint : waypoints) {
+      RC_ASSERT(waypoint.place.s_m >= 0.0);
+      RC_ASSERT(waypoint.place.s_m <= circuit.section(waypoint.place.section).length_m());
+      for (const Crossing& c : crossings) {
+        for (const CrossingSpan& span : c.spans)
+          RC_ASSERT(span.section != waypoint.place.section || waypoint.place.s_m < span.from_m ||
+                    waypoint.place.s_m > span.to_m);
+      }
+    }
+  });
+}
+
+}  // namespace
+}  // namespace cosiva::zone

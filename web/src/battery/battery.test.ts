@@ -1,0 +1,96 @@
+import { describe, expect, it } from 'vitest';
+import { Curve, phase_words, picture_of, picture_words, points_max, points_of, test_words } from './battery';
+import type { BatteryPoint, BatterySeat, BatteryTest, Snapshot } from '../live/contract';
+
+const point = (s: number, charge: number): BatteryPoint => [s * 1000, charge, 7.4, 22];
+const seat = (change: Partial<BatterySeat> = {}): BatterySeat => ({ id: 'CoSiVA/AIV1', battery: 'red', phase: 'running', stop: null, autonomy_s: 60, charge: 81.25, ...change });
+const test = (change: Partial<BatteryTest> = {}): BatteryTest => ({
+  began_ms: 0, told_ms: 60_000, run: 1, runs: 1, floor: 20, share: 0.25, expectedEnd_ms: 240_000, done: false, vehicles: [seat()], ...change,
+});
+
+describe('a curve', () => {
+  it('takes a point a second and reaches back to its beginning, however long it becomes', () => {
+    const curve = new Curve();
+    for (let i = 0; i <= 40_000; i++) curve.add(point(i / 4, 100 - i / 800));
+    expect(curve.points.length).toBeLessThanOrEqual(points_max);
+    expect(curve.points.length).toBeGreaterThan(points_max / 2);
+    expect(curve.points[0]).toEqual(point(0, 100));
+    const gaps = curve.points.slice(1).map((one, i) => one[0] - curve.points[i]![0]);
+    expect(new Set(gaps)).toEqual(new Set([64_000]));
+  });
+
+  it('begins with what the server knew, and anew where the clock was set back', () => {
+    const curve = new Curve();
+    curve.begin([point(0, 100), point(60, 99)]);
+    expect(curve.add(point(60.2, 99))).toBe(false);
+    expect(curve.add(point(61, 98.9))).toBe(true);
+    expect(curve.points).toHaveLength(3);
+    curve.add(point(1, 100));
+    expect(curve.points).toEqual([point(1, 100)]);
+  });
+});
+
+describe('the points of a snapshot', () => {
+  const aiv = { id: 'CoSiVA/AIV1', augmented: false, lost: false, battery: 81, power: { voltage_v: 7.4, current_a: 1, temperature_c: 22 } };
+  const snapshot = (change: object, test_now: BatteryTest | null = null) => ({ time_ms: 5_000, aivs: [{ ...aiv, ...change }], battery: { changes: [], test: test_now } }) as unknown as Snapshot;
+
+  it('are taken from the vehicle, and finer from the test that runs on it', () => {
+    expect(points_of(snapshot({})).get(aiv.id)).toEqual([5_000, 81, 7.4, 22]);
+    expect(points_of(snapshot({}, test())).get(aiv.id)).toEqual([5_000, 81.25, 7.4, 22]);
+    // The test is over: a service battery may be installed.
+    expect(points_of(snapshot({}, test({ vehicles: [seat({ phase: 'ended', charge: 20 })] }))).get(aiv.id)?.[1]).toBe(81);
+  });
+
+  it('are none of who is lost, only virtual, or says nothing', () => {
+    for (const change of [{ lost: true }, { augmented: true }, { power: undefined }, { battery: null }]) expect(points_of(snapshot(change)).size).toBe(0);
+    expect(points_of({ time_ms: 1, aivs: [] } as unknown as Snapshot).size).toBe(0);
+  });
+});
+
+describe('the picture', () => {
+  it('goes from left to right and from high to low, and holds the floor', () => {
+    const picture = picture_of([point(0, 100), point(30, 80), point(60, 60)], 'charge', 100, 44, 20);
+    expect(picture.path).toBe('M0.0 2.0L50.0 12.0L100.0 22.0');
+    expect(picture.y(20)).toBe(42);
+    expect(picture.y(10)).toBeNull();
+    expect(picture.last).toBe(60);
+  });
+
+  it('makes no mountain of a molehill', () => {
+    const still = picture_of([point(0, 99.9), point(1, 99.8)], 'charge', 100, 44);
+    expect([still.low, still.high]).toEqual([98, 100]);
+    const flat = picture_of([point(0, 50), point(1, 50)], 'temperature', 100, 44);
+    expect([flat.low, flat.high]).toEqual([21, 23]);
+  });
+
+  it('is empty without points, and says so', () => {
+    expect(picture_of([], 'voltage', 100, 44).path).toBe('');
+    expect(picture_of([point(0, 1)], 'voltage', 100, 44).path).toBe('');
+    expect(picture_words('AIV1', 'charge', [])).toBe('Charge of AIV1: nothing yet');
+  });
+
+  it('is told to who does not see it', () => {
+    expect(picture_words('AIV1', 'charge', [point(0, 100), point(90, 61.25)])).toMatch(/^Charge of AIV1: from 100\.0.% to 61\.3.% in 1.min 30.s$/);
+  });
+});
+
+describe('the words', () => {
+  it('say what became of a battery', () => {
+    expect(phase_words(seat())).toBe('running');
+    expect(phase_words(seat({ phase: 'changing' }))).toBe('battery wanted');
+    expect(phase_words(seat({ phase: 'ended', stop: 'floor' }))).toBe('ended at the floor');
+    expect(phase_words(seat({ phase: 'ended', stop: 'lost' }))).toContain('known to last longer');
+  });
+
+  it('say how the test stands', () => {
+    expect(test_words(test(), 61_000)).toMatch(/^The run should end at .*, in 2.min 59.s\.$/);
+    expect(test_words(test({ runs: 4, run: 2, vehicles: [seat({ phase: 'changing' }), seat()] }), 61_000)).toBe('Run 2 of 4 waits for a battery.');
+    expect(test_words(test({ expectedEnd_ms: null }), 61_000)).toContain('cannot be told yet');
+    expect(test_words(test({ done: true, vehicles: [seat({ phase: 'ended', stop: 'floor' })] }), 999_000)).toMatch(/^Ended at .*after 1.min 00.s\.$/);
+    expect(test_words(test({ done: true, vehicles: [seat({ phase: 'changing' })] }), 999_000)).toMatch(/^Given up/);
+  });
+
+  it('say that its program is gone', () => {
+    expect(test_words(test(), 90_000)).toMatch(/^Not heard of for 30.s: .*--state/);
+  });
+});

@@ -1,0 +1,88 @@
+// The camera image in the server's format: Netpbm P5 (grey, one byte per pixel) with the detected vehicles in its comment.
+
+/** A detected AIV, in pixels of the image. */
+export interface Sight {
+  vehicle: string;
+  tag: number;
+  x: number;
+  y: number;
+  heading: number;
+  outline: readonly (readonly [number, number])[];
+  /** a line from the centre ahead */
+  nose: readonly (readonly [number, number])[];
+}
+
+export interface Picture {
+  width: number;
+  height: number;
+  /** rows from top to bottom */
+  grey: Uint8Array;
+  timestamp: string;
+  sights: readonly Sight[];
+}
+
+const side_max = 4_096;
+
+/** Parses an image; null if the bytes have another format. */
+export function picture_of(bytes: ArrayBuffer): Picture | null {
+  const all = new Uint8Array(bytes);
+  // "P5\n# {…}\nwidth height\n255\n"
+  let at = 0;
+  const line = () => {
+    const end = all.indexOf(10, at);
+    if (end < 0) return '';
+    const text = new TextDecoder().decode(all.subarray(at, end));
+    at = end + 1;
+    return text;
+  };
+  if (line() !== 'P5') return null;
+  const told = told_of(line());
+  const size = /^(\d+) (\d+)$/.exec(line());
+  if (!told || !size || line() !== '255') return null;
+  const [width, height] = [Number(size[1]), Number(size[2])];
+  if (width < 1 || height < 1 || width > side_max || height > side_max || all.length - at < width * height) return null;
+  return { width, height, grey: all.subarray(at, at + width * height), ...told };
+}
+
+function told_of(comment: string): Pick<Picture, 'timestamp' | 'sights'> | null {
+  if (!comment.startsWith('# ')) return null;
+  try {
+    const told = JSON.parse(comment.slice(2)) as Partial<Picture>;
+    return typeof told.timestamp === 'string' && Array.isArray(told.sights) ? { timestamp: told.timestamp, sights: told.sights } : null;
+  } catch {
+    return null;
+  }
+}
+
+/** The image in the RGBA format of a canvas. */
+export function rgba_of({ width, height, grey }: Picture): Uint8ClampedArray<ArrayBuffer> {
+  const rgba = new Uint8ClampedArray(4 * width * height);
+  const pixels = new Uint32Array(rgba.buffer);
+  // Three equal bytes and 255 have the same value in both byte orders.
+  const little = new Uint8Array(new Uint32Array([1]).buffer)[0] === 1;
+  for (let i = 0; i < pixels.length; i++) pixels[i] = little ? 0xff000000 | (grey[i]! * 0x010101) : (grey[i]! * 0x01010100) | 0xff;
+  return rgba;
+}
+
+export const path_of = (places: Sight['outline'], closed: boolean): string => (places.length < 2 ? '' : `M${places.map(([u, v]) => `${u} ${v}`).join('L')}${closed ? 'Z' : ''}`);
+
+/** The position of the label: above the outline if there is room, otherwise below it. */
+export function name_place({ outline }: Sight, height: number): readonly [u: number, v: number] | null {
+  if (outline.length === 0) return null;
+  const us = outline.map(([u]) => u);
+  const vs = outline.map(([, v]) => v);
+  const above = Math.min(...vs) - 6;
+  return [(Math.min(...us) + Math.max(...us)) / 2, above > 14 ? above : Math.min(height - 4, Math.max(...vs) + 18)];
+}
+
+const degrees = 180 / Math.PI;
+export const degrees_of = (rad: number | null): string => (rad === null ? '–' : `${(rad * degrees).toFixed(1)}°`);
+export const millimetres_of = (m: number | null): string => (m === null ? '–' : `${(1_000 * m).toFixed(1)}\u202fmm`);
+
+/** The text alternative of the image, for screen readers. */
+export function picture_words(picture: Picture | null): string {
+  if (!picture) return 'No picture of the camera';
+  if (picture.sights.length === 0) return 'The camera’s picture: no AIV on it';
+  const each = picture.sights.map((sight) => `${sight.vehicle.slice(sight.vehicle.indexOf('/') + 1)} at ${sight.x.toFixed(2)}, ${sight.y.toFixed(2)} m`);
+  return `The camera’s picture: ${each.join('; ')}`;
+}

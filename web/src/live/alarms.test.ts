@@ -1,0 +1,169 @@
+import { describe, expect, it } from 'vitest';
+import { AlarmBook, causes_of } from './alarms';
+import type { Aiv, Deadlock, Snapshot, ZoneState } from './contract';
+import { alarms_of, rows_of } from './rows';
+import { aiv, command, snapshot } from './snapshot_sample';
+
+const board = (health: 'ok' | 'lost' | 'faulty', selfTest = 0) => ({ board: 'DOBS', health, firmware: '', uptime_ms: 0, frames: 0, framesBad: 0, framesMissed: 0, selfTest });
+
+function told(book: AlarmBook, aivs: Aiv[], change: Partial<Snapshot> = {}) {
+  const now = snapshot(aivs, change);
+  book.accept(rows_of(now), now);
+  return book.list();
+}
+
+describe('what is abnormal', () => {
+  it('is nothing about a vehicle that is well, or that waits its turn', () => {
+    expect(causes_of(aiv(1))).toEqual([]);
+    expect(causes_of(aiv(1, { status: 'stopped', waitsFor: 'X2' }))).toEqual([]);
+  });
+
+  it('is a board that is lost or faulty, and a battery nearly empty', () => {
+    const texts = causes_of(aiv(1, { boards: [board('faulty', 3)], battery: 12 })).map((cause) => cause.text);
+    expect(texts).toEqual(['Board DOBS faulty, self-test 3', 'Battery at 12\u202f%']);
+  });
+
+  it('is the broken link alone, not what follows from it', () => {
+    const gone = aiv(1, { connection: 'CONNECTIONBROKEN', lost: true, battery: 3, boards: [board('lost')] });
+    expect(causes_of(gone).map((cause) => cause.code)).toEqual(['broken']);
+  });
+});
+
+describe('the book of alarms', () => {
+  it('keeps one entry while a trouble lasts, whatever its figures', () => {
+    const book = new AlarmBook();
+    told(book, [aiv(1, { lost: true, age_ms: 1_000 })]);
+    const [one, ...more] = told(book, [aiv(1, { lost: true, age_ms: 2_000 })], { time_ms: 11_000 });
+    expect(more).toEqual([]);
+    expect(one).toMatchObject({ since_ms: 10_000, text: 'No report for 2.0\u202fs', ended_ms: null, acknowledged: false });
+  });
+
+  it('says which battery a test wants in which vehicle, until it is there', () => {
+    const book = new AlarmBook();
+    const change = { vehicle: 'CoSiVA/AIV1', battery: 'red', run: 1, reason: '', since_ms: 10_000 };
+    expect(told(book, [aiv(1)], { battery: { changes: [change], test: null } })[0]).toMatchObject({ name: 'AIV1', text: 'Battery red is wanted in it', ended_ms: null });
+    const refused = { ...change, reason: 'it is not full: 80 %' };
+    expect(told(book, [aiv(1)], { battery: { changes: [refused], test: null } })).toMatchObject([{ text: 'Battery red is wanted in it: it is not full: 80 %' }]);
+    expect(told(book, [aiv(1)], { time_ms: 15_000, battery: null })[0]).toMatchObject({ ended_ms: 15_000 });
+  });
+
+  it('keeps what is over until somebody has seen it', () => {
+    const book = new AlarmBook();
+    told(book, [aiv(1, { connection: 'CONNECTIONBROKEN' })]);
+    const [over] = told(book, [aiv(1)], { time_ms: 15_000 });
+    expect(over).toMatchObject({ ended_ms: 15_000, acknowledged: false });
+    book.acknowledge(over!.key);
+    expect(book.list()).toEqual([]);
+  });
+
+  it('keeps what was seen while it lasts, below the others, and drops it when it is over', () => {
+    const book = new AlarmBook();
+    const [first] = told(book, [aiv(1, { connection: 'CONNECTIONBROKEN' })]);
+    book.acknowledge(first!.key);
+    const both = told(book, [aiv(1, { connection: 'CONNECTIONBROKEN' }), aiv(2, { battery: 5 })], { time_ms: 11_000 });
+    expect(both.map((alarm) => [alarm.name, alarm.acknowledged])).toEqual([['AIV2', false], ['AIV1', true]]);
+    expect(told(book, [aiv(1), aiv(2, { battery: 5 })], { time_ms: 12_000 }).map((alarm) => alarm.name)).toEqual(['AIV2']);
+  });
+
+  it('is new when the trouble comes again', () => {
+    const book = new AlarmBook();
+    told(book, [aiv(1, { lost: true })]);
+    book.acknowledge('*');
+    told(book, [aiv(1)], { time_ms: 11_000 });
+    expect(told(book, [aiv(1, { lost: true })], { time_ms: 12_000 })).toMatchObject([{ since_ms: 12_000, acknowledged: false }]);
+  });
+
+  it('tells a failed command once, with its reason', () => {
+    const book = new AlarmBook();
+    const commands = [command({ state: 'failed', reason: 'offline' })];
+    const [one] = told(book, [aiv(1)], { commands });
+    expect(one?.text).toBe('stop failed: offline');
+    book.acknowledge('*');
+    expect(told(book, [aiv(1)], { commands })).toEqual([]);
+  });
+
+  const deadlocks = (change: Partial<Deadlock>): Partial<Snapshot> => ({
+    deadlocks: {
+      rings: 1, detected: 1, resolved: 0, open: 1, unresolved: 0, longest_s: 0, longest_wait_s: 0,
+      list: [{ number: 1, since_ms: 10_000, state: 'standing', members: ['CoSiVA/AIV1', 'CoSiVA/AIV2'], reason: 'CoSiVA/AIV1 waits for X1, which CoSiVA/AIV2 holds, CoSiVA/AIV2 sees CoSiVA/AIV1 in its way', how: '', ended_ms: null, ...change }],
+    },
+  });
+
+  it('tells a deadlock in words, from its beginning to its end', () => {
+    const book = new AlarmBook();
+    expect(told(book, [aiv(1)], deadlocks({ number: 0, state: 'forming' }))).toEqual([]);
+    const standing = told(book, [aiv(1)], deadlocks({}));
+    expect(standing).toMatchObject([{ name: 'Traffic', ended_ms: null, text: 'Deadlock: AIV1 waits for X1, which AIV2 holds, AIV2 sees AIV1 in its way' }]);
+    const how = 'CoSiVA/AIV1 backs up 10 cm';
+    expect(told(book, [aiv(1)], { ...deadlocks({ state: 'unresolved', how }), time_ms: 14_000 })[0]?.text).toMatch(/^Deadlock, unresolved: .*\. AIV1 backs up 10 cm$/);
+    const over = told(book, [aiv(1)], { ...deadlocks({ state: 'resolved', how, ended_ms: 15_000 }), time_ms: 16_000 });
+    expect(over).toMatchObject([{ since_ms: 10_000, ended_ms: 15_000, text: expect.stringContaining('Deadlock, resolved after 5.0\u202fs') }]);
+    book.acknowledge('*');
+    expect(told(book, [aiv(1)], { ...deadlocks({ state: 'resolved', how, ended_ms: 15_000 }), time_ms: 17_000 })).toEqual([]);
+  });
+
+  it('tells a deadlock that was over between two looks, and none of long ago', () => {
+    expect(told(new AlarmBook(), [aiv(1)], { ...deadlocks({ state: 'resolved', ended_ms: 12_000 }), time_ms: 13_000 })).toHaveLength(1);
+    expect(told(new AlarmBook(), [aiv(1)], { ...deadlocks({ state: 'resolved', ended_ms: 12_000 }), time_ms: 99_000 })).toEqual([]);
+  });
+
+  it('names both sides of a broken pairing', () => {
+    const now = snapshot([aiv(1)]);
+    const bijection = { ...now.bijection, orphans: [{ side: 'virtual' as const, id: 'CoSiVA/AIV9' }] };
+    expect(told(new AlarmBook(), [aiv(1)], { bijection })).toMatchObject([{ name: 'AIV9', text: 'A twin without a vehicle' }]);
+  });
+
+  it('holds what the camera over the zone finds, of the AIV it is about or of the camera itself, and ends with it', () => {
+    const book = new AlarmBook();
+    const found = (kind: 'no twin' | 'no sight', id: string, text: string) => ({ bijection: { ...snapshot([]).bijection, findings: [{ kind, id, text, since_ms: 0 }] } });
+    expect(told(book, [aiv(1)], found('no twin', 'CoSiVA/AIV7', 'the camera sees it, and it has no twin'))).toMatchObject([{ vehicle: 'CoSiVA/AIV7', name: 'AIV7', text: 'the camera sees it, and it has no twin', ended_ms: null }]);
+    const blind = told(book, [aiv(1)], found('no sight', 'GVS', 'no picture comes'));
+    expect(blind).toMatchObject([{ vehicle: null, name: 'GVS', ended_ms: null }, { vehicle: 'CoSiVA/AIV7', ended_ms: 10_000 }]);
+    expect(causes_of(aiv(1, { contract: { matched: true, divergence: true, age: true, actual: false } })).map((cause) => cause.code)).toEqual(['actual']);
+  });
+
+  it('holds no more than it can, however long the page is open', () => {
+    const book = new AlarmBook();
+    for (let n = 0; n < 1_000; n++) told(book, [aiv(1)], { commands: [command({ id: `c${n}`, state: 'failed', time_ms: n })] });
+    const kept = book.list();
+    expect(kept.length).toBeLessThanOrEqual(200);
+    expect(kept[0]?.since_ms).toBe(999);
+  });
+});
+
+describe('the alarms of a row', () => {
+  it('are silent about a vehicle that is well', () => expect(alarms_of(aiv(1))).toEqual([]));
+
+  it('name the broken link once, not its consequences', () => {
+    const broken = aiv(1, { connection: 'CONNECTIONBROKEN', lost: true, contract: { matched: true, divergence: false, age: false } });
+    expect(alarms_of(broken)).toEqual(['Connection broken']);
+  });
+
+  it('name a broken contract', () => {
+    const far = aiv(1, { divergence_m: 0.05, contract: { matched: true, divergence: false, age: true } });
+    expect(alarms_of(far)[0]).toContain('Divergence');
+  });
+});
+
+describe('missions', () => {
+  it('that cannot be followed are abnormal, and so is a parked vehicle', () => {
+    expect(causes_of(aiv(1, { mission: { kind: 'go', to: 'dock', state: 'no way', why: 'east is closed' } })).map((one) => one.text)).toEqual(['east is closed']);
+    expect(causes_of(aiv(1, { parked: 'it stands 0.8 m beside every way' })).map((one) => one.text)).toEqual(['Parked: it stands 0.8 m beside every way']);
+  });
+});
+
+describe('a switch to another zone', () => {
+  const state = (change: Partial<ZoneState>): ZoneState => ({ name: 'a', revision: 1, closed: [], refused: null, switched: null, ...change });
+  it('that was refused is one alarm until it is acknowledged', () => {
+    const book = new AlarmBook();
+    const now = snapshot([], { zone: state({ refused: { origin: 'bad', why: 'line 3 is wrong', at: 5 } }) });
+    expect(book.accept([], now)).toBe(true);
+    expect(book.accept([], now)).toBe(false);
+    expect(book.list().map((alarm) => alarm.text)).toEqual(['bad was refused: line 3 is wrong']);
+    book.acknowledge('*');
+    book.accept([], now);
+    expect(book.list()).toEqual([]);
+    book.accept([], snapshot([], { zone: state({ refused: { origin: 'bad', why: 'line 4 is wrong', at: 9 } }) }));
+    expect(book.list()).toHaveLength(1);
+  });
+});

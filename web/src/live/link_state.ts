@@ -1,0 +1,27 @@
+// The state of the connection with the server, as the page shows it.
+
+/** Whether the page shows the present: `silent` is an open connection without frames, `down` a closed one. */
+export type Link =
+  | { phase: 'connecting'; since_ms: number }
+  | { phase: 'live'; since_ms: number }
+  | { phase: 'silent'; since_ms: number }
+  | { phase: 'down'; since_ms: number };
+
+export type LinkEvent = { kind: 'opened' | 'frame' | 'closed' | 'tick'; at_ms: number; last_frame_ms: number };
+
+/** A socket may stay open while its server hangs; after this time without a frame the link is silent [ms]. */
+export const silence_ms = 1_000;
+
+export function link_after(link: Link, event: LinkEvent): Link {
+  switch (event.kind) {
+    case 'opened':
+      return link.phase === 'live' ? link : { phase: 'connecting', since_ms: link.phase === 'down' ? link.since_ms : event.at_ms };
+    case 'frame':
+      return link.phase === 'live' ? link : { phase: 'live', since_ms: event.at_ms };
+    case 'closed':
+      return link.phase === 'down' ? link : { phase: 'down', since_ms: link.phase === 'silent' ? link.since_ms : event.at_ms };
+    case 'tick':
+      if (link.phase === 'live' && event.at_ms - event.last_frame_ms > silence_ms) return { phase: 'silent', since_ms: event.last_frame_ms };
+      return link;
+  }
+}

@@ -1,0 +1,19 @@
+// Runs, pauses and steps the platform's virtual time. A platform on the wall's clock refuses with a notice.
+import { api } from './api';
+import type { Platform } from './platform.svelte';
+
+const live_time = 'This platform runs on the wall\u2019s clock. Only virtual time can be paused and stepped; start one with `cosiva up --virtual-time`.';
+
+export async function play(platform: Platform, running?: boolean): Promise<void> {
+  const clock = platform.run?.clock;
+  if (clock?.kind !== 'virtual') return platform.say(live_time, 'news');
+  await platform.ask('Clock', api.clock({ running: running ?? !clock.running }));
+}
+
+/** Advances virtual time by `ms`, and pauses it first if it runs. */
+export async function step(platform: Platform, ms: number): Promise<void> {
+  const clock = platform.run?.clock;
+  if (clock?.kind !== 'virtual') return platform.say(live_time, 'news');
+  if (clock.running && (await platform.ask('Clock', api.clock({ running: false }))) === null) return;
+  await platform.ask('Step', api.step(ms));
+}

@@ -1,0 +1,120 @@
+// Plane geometry of the map: metres, y up, radians counter-clockwise.
+import type { Point, Zone } from '../live/contract';
+
+export interface OnLine {
+  x: number;
+  y: number;
+  /** distance from the given point [m] */
+  distance: number;
+  /** arc length from the start of the line [m] */
+  along: number;
+}
+
+export function distance(a: Point, b: Point): number {
+  return Math.hypot(a[0] - b[0], a[1] - b[1]);
+}
+
+export function path_length(points: readonly Point[]): number {
+  let sum = 0;
+  for (let i = 1; i < points.length; i++) sum += distance(points[i - 1]!, points[i]!);
+  return sum;
+}
+
+/** The nearest point on an open polyline; null for a polyline without points. */
+export function nearest_on_line(points: readonly Point[], x: number, y: number): OnLine | null {
+  const first = points[0];
+  if (!first) return null;
+  let best: OnLine = { x: first[0], y: first[1], distance: Math.hypot(first[0] - x, first[1] - y), along: 0 };
+  let before = 0;
+  for (let i = 1; i < points.length; i++) {
+    const [ax, ay] = points[i - 1]!;
+    const [bx, by] = points[i]!;
+    const length = Math.hypot(bx - ax, by - ay);
+    if (length > 0) {
+      const share = Math.min(1, Math.max(0, ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / (length * length)));
+      const px = ax + (bx - ax) * share;
+      const py = ay + (by - ay) * share;
+      const off = Math.hypot(px - x, py - y);
+      if (off < best.distance) best = { x: px, y: py, distance: off, along: before + share * length };
+    }
+    before += length;
+  }
+  return best;
+}
+
+export interface OnWay extends OnLine {
+  section: string;
+}
+
+/** A road with its bounding box, so that distant roads are skipped quickly. */
+interface Way {
+  points: readonly Point[];
+  section: string;
+  low_x: number;
+  low_y: number;
+  high_x: number;
+  high_y: number;
+}
+const ways = new WeakMap<Zone, readonly Way[]>();
+
+function ways_of(zone: Zone): readonly Way[] {
+  let known = ways.get(zone);
+  if (!known) {
+    known = zone.primitives.filter((one) => one.layer === 'road' && one.shape === 'polyline').map(({ points, label }) => ({ points, section: label ?? '', ...box_of(points) }));
+    ways.set(zone, known);
+  }
+  return known;
+}
+
+export function box_of(points: readonly Point[]): { low_x: number; low_y: number; high_x: number; high_y: number } {
+  const box = { low_x: Infinity, low_y: Infinity, high_x: -Infinity, high_y: -Infinity };
+  for (const [x, y] of points) {
+    box.low_x = Math.min(box.low_x, x);
+    box.low_y = Math.min(box.low_y, y);
+    box.high_x = Math.max(box.high_x, x);
+    box.high_y = Math.max(box.high_y, y);
+  }
+  return box;
+}
+
+/** The nearest point on any road of the zone. Roads are drawn along their centre lines. */
+export function nearest_on_ways(zone: Zone, x: number, y: number): OnWay | null {
+  let best: OnWay | null = null;
+  for (const way of ways_of(zone)) {
+    if (best !== null) {
+      const off_x = Math.max(way.low_x - x, x - way.high_x, 0);
+      const off_y = Math.max(way.low_y - y, y - way.high_y, 0);
+      if (off_x * off_x + off_y * off_y >= best.distance * best.distance) continue;
+    }
+    const place = nearest_on_line(way.points, x, y);
+    if (place && (best === null || place.distance < best.distance)) best = { ...place, section: way.section };
+  }
+  return best;
+}
+
+/** The section whose road contains a point; null outside all roads. */
+export function section_at(zone: Zone, x: number, y: number, slack: number): string | null {
+  const way = nearest_on_ways(zone, x, y);
+  return way && way.section !== '' && way.distance <= 0.75 * zone.vehicle.width_m + slack ? way.section : null;
+}
+
+/** Whether a point lies in a closed polygon (even-odd rule). */
+export function inside(points: readonly Point[], x: number, y: number): boolean {
+  let within = false;
+  for (let i = 0, j = points.length - 1; i < points.length; j = i++) {
+    const [ax, ay] = points[i]!;
+    const [bx, by] = points[j]!;
+    if (ay > y !== by > y && x < ((bx - ax) * (y - ay)) / (by - ay) + ax) within = !within;
+  }
+  return within;
+}
+
+/** Removes points closer than `apart` to their predecessor, such as repeated points of a hand-drawn line. */
+export function spread_out(points: readonly Point[], apart: number): Point[] {
+  const kept: Point[] = [];
+  for (const point of points) {
+    const last = kept.at(-1);
+    if (!last || distance(last, point) >= apart) kept.push(point);
+  }
+  return kept;
+}

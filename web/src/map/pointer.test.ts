@@ -1,0 +1,97 @@
+import { beforeEach, describe, expect, it } from 'vitest';
+import { Gestures } from './pointer';
+
+let told: string[];
+let holds = false;
+const round = (value: number) => Math.round(value * 100) / 100;
+const bench = () =>
+  new Gestures({
+    take: () => holds,
+    drag: ({ px, py }) => told.push(`drag ${px},${py}`),
+    drop: ({ px, py }, cancelled) => told.push(cancelled ? 'back' : `drop ${px},${py}`),
+    pan: (dx, dy) => told.push(`pan ${dx},${dy}`),
+    pinch: (_, factor) => told.push(`pinch ${round(factor)}`),
+    press: ({ px, py }) => told.push(`press ${px},${py}`),
+  });
+const at = (px: number, py: number) => ({ px, py });
+
+beforeEach(() => {
+  told = [];
+  holds = false;
+});
+
+describe('one pointer', () => {
+  it('presses, even when it trembles', () => {
+    const gestures = bench();
+    gestures.down(1, at(10, 10));
+    gestures.move(1, at(12, 11));
+    gestures.up(1, at(12, 11), false);
+    expect(told).toEqual(['press 12,11']);
+  });
+
+  it('drags the map and presses nothing then', () => {
+    const gestures = bench();
+    gestures.down(1, at(10, 10));
+    gestures.move(1, at(20, 10));
+    gestures.move(1, at(10, 10));
+    gestures.up(1, at(10, 10), false);
+    expect(told).toEqual(['pan 10,0', 'pan -10,0']);
+  });
+
+  it('drags what it took hold of, and drops it', () => {
+    holds = true;
+    const gestures = bench();
+    gestures.down(1, at(10, 10));
+    gestures.move(1, at(30, 10));
+    expect(gestures.dragging).toBe(true);
+    gestures.up(1, at(30, 12), false);
+    expect(told).toEqual(['drag 30,10', 'drop 30,12']);
+  });
+
+  it('leaves everything in its place when the drag is broken off', () => {
+    holds = true;
+    const gestures = bench();
+    gestures.down(1, at(10, 10));
+    gestures.move(1, at(30, 10));
+    gestures.cancel();
+    gestures.up(1, at(30, 10), false);
+    expect(told).toEqual(['drag 30,10', 'back']);
+  });
+
+  it('presses what it took hold of when it does not move', () => {
+    holds = true;
+    const gestures = bench();
+    gestures.down(1, at(10, 10));
+    gestures.up(1, at(10, 10), false);
+    expect(told).toEqual(['press 10,10']);
+  });
+
+  it('that was cancelled does nothing', () => {
+    const gestures = bench();
+    gestures.down(1, at(1, 1));
+    gestures.up(1, at(1, 1), true);
+    gestures.up(2, at(1, 1), false);
+    expect(told).toEqual([]);
+  });
+});
+
+describe('two pointers', () => {
+  it('pinch and move the map', () => {
+    const gestures = bench();
+    gestures.down(1, at(0, 0));
+    gestures.down(2, at(100, 0));
+    gestures.move(2, at(200, 0));
+    gestures.up(2, at(200, 0), false);
+    gestures.up(1, at(0, 0), false);
+    expect(told).toEqual(['pinch 2', 'pan 50,0']);
+  });
+
+  it('put back what the first one took', () => {
+    holds = true;
+    const gestures = bench();
+    gestures.down(1, at(0, 0));
+    gestures.move(1, at(10, 0));
+    gestures.down(2, at(100, 0));
+    expect(told).toEqual(['drag 10,0', 'back']);
+  });
+});

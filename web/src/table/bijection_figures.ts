@@ -1,0 +1,92 @@
+// The figures of the bijection panel: value, detail, limit and verdict of each.
+import { default_limits, type Bijection, type ContractLimits } from '../live/contract';
+import * as format from '../live/format';
+
+export interface Figure {
+  key: 'matched' | 'divergence' | 'age' | 'commands' | 'events' | 'felt' | 'brakes' | 'shown' | 'actual';
+  label: string;
+  value: string;
+  detail: string;
+  limit: string;
+  /** `open` while nothing has been measured */
+  verdict: 'kept' | 'broken' | 'open';
+}
+
+export function figures_of(bijection: Bijection): Figure[] {
+  const limits: ContractLimits = { ...default_limits, ...bijection.contract };
+  const judge = (count: number, kept: boolean): Figure['verdict'] => (count === 0 ? 'open' : kept ? 'kept' : 'broken');
+  const { divergence_m, actual_m, age_ms, commands, events } = bijection;
+  const expected = Math.max(bijection.physical, bijection.virtual);
+  // Only with a camera above the zone.
+  const actual: Figure[] = actual_m?.count ? [{
+    key: 'actual',
+    label: 'Twin to camera p99',
+    value: format.length(actual_m.p99),
+    detail: `mean ${format.length(actual_m.mean)}, max ${format.length(actual_m.max)}`,
+    limit: `≤ ${format.length(limits.actual_p99_m)}`,
+    verdict: judge(1, actual_m.p99 <= limits.actual_p99_m),
+  }] : [];
+  return [
+    {
+      key: 'matched',
+      label: 'Matched',
+      value: `${bijection.matched} / ${expected}`,
+      detail: `${format.share(bijection.matched_share)} of the time`,
+      limit: 'each has one twin',
+      verdict: judge(expected, bijection.matched === expected && bijection.orphans.length === 0),
+    },
+    {
+      key: 'divergence',
+      label: 'Divergence p99',
+      value: divergence_m.count === 0 ? format.none : format.length(divergence_m.p99),
+      detail: `mean ${format.length(divergence_m.mean)}, max ${format.length(divergence_m.max)}`,
+      limit: `≤ ${format.length(limits.divergence_p99_m)}`,
+      verdict: judge(divergence_m.count, divergence_m.p99 <= limits.divergence_p99_m),
+    },
+    ...actual,
+    {
+      key: 'age',
+      label: 'Age p99',
+      value: age_ms.count === 0 ? format.none : format.duration(age_ms.p99),
+      detail: `mean ${format.duration(age_ms.mean)}, max ${format.duration(age_ms.max)}`,
+      limit: `≤ ${format.duration(limits.age_p99_ms)}`,
+      verdict: judge(age_ms.count, age_ms.p99 <= limits.age_p99_ms),
+    },
+    {
+      key: 'commands',
+      label: 'Commands p99',
+      value: commands.latency_ms.count > 0 ? format.duration(commands.latency_ms.p99) : format.none,
+      detail: `${commands.materialised} of ${commands.issued} materialised${commands.failed > 0 ? `, ${commands.failed} failed` : ''}`,
+      limit: `≤ ${format.duration(limits.command_p99_ms)}`,
+      verdict: judge(
+        commands.latency_ms.count + commands.failed,
+        commands.failed === 0 && commands.latency_ms.p99 <= limits.command_p99_ms,
+      ),
+    },
+    {
+      key: 'events',
+      label: 'Events p99',
+      value: events.latency_ms.count > 0 ? format.duration(events.latency_ms.p99) : format.none,
+      detail: `${events.count} reflected`,
+      limit: `≤ ${format.duration(limits.event_p99_ms)}`,
+      verdict: judge(events.latency_ms.count, events.latency_ms.p99 <= limits.event_p99_ms),
+    },
+    ...effects_of(bijection, limits),
+  ];
+}
+
+/** Latencies between virtual and physical objects, in both directions; empty if the server does not report them. */
+function effects_of(bijection: Bijection, limits: ContractLimits): Figure[] {
+  const effects: Partial<Bijection['effects']> = bijection.effects ?? {};
+  const words = [
+    ['felt', 'Virtual felt p99', effects.felt_ms, 'change to decision'],
+    ['brakes', 'Virtual braked for p99', effects.brakes_ms, 'change to braking'],
+    ['shown', 'Obstacle shown p99', effects.shown_ms, 'seen to shown'],
+  ] as const;
+  return words.flatMap(([key, label, figure, what]) => {
+    if (!figure || figure.count === undefined) return [];
+    const measured = figure.count > 0;
+    const verdict = !measured ? 'open' : figure.p99 <= limits.effect_p99_ms ? 'kept' : 'broken';
+    return [{ key, label, value: measured ? format.duration(figure.p99) : format.none, detail: measured ? `${figure.count} × ${what}` : what, limit: `≤ ${format.duration(limits.effect_p99_ms)}`, verdict } as const];
+  });
+}

@@ -1,0 +1,236 @@
+// The layout of the sequence diagram: agents as lifelines, messages as arrows, one row each, in the order of the traces.
+import { manufacturer, serial } from '../live/format';
+import { note_kind, chunk_rows, type TraceStore } from './store';
+
+export const everybody = '*';
+export const row_px = 34;
+export const gutter_px = 92;
+
+/** The displayed name of an agent. */
+export function agent_label(name: string): string {
+  if (name === everybody) return 'everybody';
+  if (manufacturer(name) === '' || !/^CoSiVA(\.virtual)?$/.test(manufacturer(name))) return name;
+  return serial(name);
+}
+
+export function is_aiv(name: string): boolean {
+  return name.includes('/');
+}
+export function is_virtual(name: string): boolean {
+  return manufacturer(name) === 'CoSiVA.virtual';
+}
+
+const inner = ['AIV_Server', 'Simulator', 'RTM', 'CircuitFactory', 'Circuit'];
+
+/** The agents in the order of the article: persons and vehicles on the left, the circuit on the right. */
+export function in_order(agents: Iterable<string>): string[] {
+  const rank = (name: string): number => {
+    const at = inner.indexOf(name);
+    if (at >= 0) return 10 + at;
+    if (name === everybody) return 20;
+    if (is_virtual(name)) return 4;
+    if (is_aiv(name)) return 3;
+    return name === 'physical side' || name === 'emulated world' ? 2 : 1;
+  };
+  return [...new Set(agents)].sort((a, b) => rank(a) - rank(b) || a.localeCompare(b, 'en', { numeric: true }));
+}
+
+export interface Lifeline {
+  name: string;
+  label: string;
+  x: number;
+}
+/** Name of the lifeline of a vehicle's proxy in the server (A26), which relays all messages from and to the vehicle. */
+export function proxy_of(aiv: string): string {
+  return `proxy of ${agent_label(aiv)}`;
+}
+
+export function lifelines(agents: readonly string[], width_px: number, proxies: boolean): { lines: Lifeline[]; width_px: number } {
+  const names: { name: string; label: string }[] = [];
+  const ordered = in_order(agents);
+  for (const name of ordered) names.push({ name, label: agent_label(name) });
+  if (proxies) {
+    const server = names.findIndex(({ name }) => name === 'AIV_Server');
+    const made = ordered.filter(is_aiv).map((name) => ({ name: proxy_of(name), label: proxy_of(name) }));
+    if (server >= 0) names.splice(server, 0, ...made);
+  }
+  const widest = Math.max(0, ...names.map(({ label }) => label.length)) * 7 + 26;
+  const room = names.length === 0 ? 0 : (width_px - gutter_px - 20) / names.length;
+  const step = Math.max(widest, 112, Math.min(room, 260));
+  return {
+    lines: names.map(({ name, label }, i) => ({ name, label, x: gutter_px + step * (i + 0.5) })),
+    width_px: Math.max(width_px, gutter_px + step * names.length + 20),
+  };
+}
+
+export interface Leg {
+  x0: number;
+  x1: number;
+  /** true for a message over the broker, false within the server */
+  radio: boolean;
+}
+export interface Arrow {
+  seq: number;
+  n: number;
+  time_ms: number;
+  from: string;
+  to: string;
+  kind: string;
+  content: string;
+  /** empty if sender or receiver has no lifeline */
+  legs: Leg[];
+  note: boolean;
+}
+
+/** The arrow of one row. */
+export function arrow_of(store: TraceStore, seq: number, lines: readonly Lifeline[]): Arrow {
+  const trace = store.trace(seq);
+  const x_of = (name: string) => lines.find((line) => line.name === name)?.x;
+  const legs: Leg[] = [];
+  const x0 = x_of(trace.from);
+  const x1 = x_of(trace.to);
+  if (x0 !== undefined && x1 !== undefined) {
+    const remote = is_aiv(trace.from) || is_aiv(trace.to) || trace.to === everybody || trace.from === 'physical side';
+    const through = is_aiv(trace.from) ? x_of(proxy_of(trace.from)) : is_aiv(trace.to) ? x_of(proxy_of(trace.to)) : undefined;
+    if (through === undefined) legs.push({ x0, x1, radio: remote });
+    else legs.push({ x0, x1: through, radio: is_aiv(trace.from) }, { x0: through, x1, radio: is_aiv(trace.to) });
+  }
+  return { ...trace, seq, legs, note: store.is_note(seq) };
+}
+
+export type FigureName = 'figure 8' | 'figure 9' | 'figure 11';
+export interface Figure {
+  name: FigureName;
+  title: string;
+  /** describes the figure of the article and its equivalent here */
+  says: string;
+  /** hint for the user if the store has no such exchange */
+  missing: string;
+}
+
+export const figures: readonly Figure[] = [
+  {
+    name: 'figure 8',
+    title: 'Figure 8: the circuit is created and displayed',
+    says: 'The server hands the zone’s configuration to the simulator, which makes the RTM, asks it for the circuit factory, that for the circuit, and the circuit to draw itself.',
+    missing: 'No zone has been instantiated within the messages that are kept. It happens once at the start, and after every edit of the zone.',
+  },
+  {
+    name: 'figure 9',
+    title: 'Figure 9: an AIV starts',
+    says: 'An AIV comes on the air; its reports pass through its proxy to the server, which tells the simulator to give it a mark and a place; then it reports at regular intervals.',
+    missing: 'No AIV has appeared within the messages that are kept. Add a virtual AIV, or switch one on.',
+  },
+  {
+    name: 'figure 11',
+    title: 'Figure 11: a position is updated',
+    says: 'A report arrives, and the simulator moves the twin along the circuit’s sections. What a section answers is traced where the twin comes to a new one.',
+    missing: 'No AIV has reported a position yet.',
+  },
+];
+
+export interface Exchange {
+  agents: string[];
+  seqs: number[];
+  proxies: boolean;
+}
+
+/** The latest exchange of this kind in the store, optionally of one AIV. */
+export function find_figure(store: TraceStore, name: FigureName, aiv: string | null = null): Exchange | null {
+  if (name === 'figure 8') return zone_exchange(store);
+  return name === 'figure 9' ? start_exchange(store, aiv) : position_exchange(store, aiv);
+}
+
+/** The rows between two sequence numbers that `wanted` accepts, at most `count_max`. */
+function rows(store: TraceStore, begin: number, end: number, count_max: number, wanted: (from: string, to: string, kind: string, seq: number) => boolean): number[] {
+  const found: number[] = [];
+  for (let seq = Math.max(begin, store.first); seq < Math.min(end, store.end) && found.length < count_max; seq++) {
+    const chunk = store.chunk_at(seq);
+    const i = seq % chunk_rows;
+    if (chunk.kind[i] === note_kind) continue;
+    if (wanted(store.agents.name(chunk.from[i]!), store.agents.name(chunk.to[i]!), store.kinds.name(chunk.kind[i]!), seq)) found.push(seq);
+  }
+  return found;
+}
+
+function agents_of(store: TraceStore, seqs: readonly number[]): string[] {
+  return in_order(seqs.flatMap((seq) => [store.from(seq), store.to(seq)]));
+}
+
+function zone_exchange(store: TraceStore): Exchange | null {
+  const handed = store.find_last({ kind: 'zoneConfiguration' });
+  if (handed < 0) return null;
+  const received = store.find_last({ kind: 'zone', to: 'AIV_Server' }, handed);
+  // The last received zone may belong to an earlier exchange, because a zone edit creates a configuration in the server.
+  const begin = received > store.find_last({ kind: 'zoneConfiguration' }, handed) ? received : handed;
+  const cast = new Set(['physical side', 'operator', ...inner]);
+  let done = false;
+  const seqs = rows(store, begin, handed + 500, 40, (from, to, kind, seq) => {
+    if (done || !cast.has(from) || !cast.has(to) || (seq > begin && kind === 'zone')) return false;
+    const inside = seq <= handed || (from !== 'AIV_Server' && to !== 'AIV_Server');
+    if (inside && ((from === 'Circuit' && kind === 'draw') || kind === 'refused')) done = true;
+    return inside && (seq >= handed || kind === 'zone');
+  });
+  return { agents: agents_of(store, seqs), seqs, proxies: false };
+}
+
+/** The vehicle of "CoSiVA/AIV1 gets mark 1" or "CoSiVA/AIV1 is back under mark 1"; null for an obstacle. */
+function who_appears(content: string): string | null {
+  return /^(\S+\/\S+) (?:gets|is back under) mark/.exec(content)?.[1] ?? null;
+}
+
+/** Messages between vehicles and about crossings, which none of the figures shows. */
+const v2x_kinds = new Set(['V2X', 'convoy']);
+
+function start_exchange(store: TraceStore, aiv: string | null): Exchange | null {
+  let appears = store.find_last({ kind: 'appear' });
+  const fits = (content: string) => (aiv === null ? who_appears(content) !== null : who_appears(content) === aiv);
+  while (appears >= 0 && !fits(store.content(appears))) appears = store.find_last({ kind: 'appear' }, appears);
+  if (appears < 0) return null;
+  const who = who_appears(store.content(appears))!;
+  const online = store.find_last({ kind: 'connection', from: who }, appears + 1);
+  const begin = online >= 0 ? online : appears;
+  const of_who = (from: string, to: string, kind: string) => (from === who || to === who) && !v2x_kinds.has(kind);
+  const before = rows(store, begin, appears, 30, of_who);
+  // The rows after the appearance: messages to the vehicle and its first reports.
+  const after = rows(store, appears, appears + 20_000, 12, (from, to, kind, seq) => seq === appears || of_who(from, to, kind) || (kind === 'position' && store.content(seq).startsWith(`${who} `)));
+  const seqs = [...before, ...after];
+  return { agents: agents_of(store, seqs), seqs, proxies: true };
+}
+
+const section_kinds = new Set(['nextAIVposition', 'position']);
+
+function latest_report(store: TraceStore, aiv: string | null, before = store.end): number {
+  for (let seq = before - 1; seq >= store.first; seq--) {
+    const kind = store.kind(seq);
+    const from = store.from(seq);
+    if ((kind === 'visualization' || kind === 'state') && (aiv === null ? is_aiv(from) : from === aiv)) return seq;
+  }
+  return -1;
+}
+
+/** The last response of a section for this AIV, or for any. */
+function latest_answer(store: TraceStore, aiv: string | null): number {
+  let answer = store.find_last({ kind: 'position', from: 'Circuit' });
+  while (answer >= 0 && aiv !== null && !store.content(answer).startsWith(`${aiv} `)) answer = store.find_last({ kind: 'position', from: 'Circuit' }, answer);
+  return answer;
+}
+
+function position_exchange(store: TraceStore, aiv: string | null): Exchange | null {
+  const answer = latest_answer(store, aiv);
+  const last = latest_report(store, answer < 0 ? aiv : store.content(answer).split(' ', 1)[0]!);
+  if (last < 0) return null;
+  const who = store.from(last);
+  // The report that moved the twin to a new section, its predecessor and its successor, which show the reporting interval.
+  // Without a response of a section, the last three reports.
+  const taken = answer < 0 ? latest_report(store, who, last) : latest_report(store, who, answer);
+  const before = taken < 0 ? -1 : latest_report(store, who, taken);
+  const begin = before >= 0 ? before : taken >= 0 ? taken : last;
+  let reports = 0;
+  const seqs = rows(store, begin, store.end, 40, (from, _to, kind, seq) => {
+    const after = seq > Math.max(taken, answer);
+    if (from === who && kind !== 'felt' && !v2x_kinds.has(kind)) return reports < 3 && (kind === 'visualization' || kind === 'state' ? ++reports > 0 : true);
+    return !after && section_kinds.has(kind) && store.content(seq).startsWith(`${who} `);
+  });
+  return { agents: agents_of(store, seqs), seqs, proxies: true };
+}
