@@ -52,8 +52,8 @@ class Fleet {
   static constexpr Vehicle none = std::numeric_limits<Vehicle>::max();
 
   /// Fails ("fleet.start") where a start is not on the circuit, lies in a crossing or between two that are too close to
-  /// stand between, or has less than a vehicle's length and stand-off to the next one; ("fleet.options") on options out
-  /// of range; ("fleet.zone") on a zone without sections or with chains of crossings too long to be reserved.
+  /// stand between, or is less than occupied_m() + aiv::stand_off_m behind the next one; ("fleet.options") on options
+  /// out of range; ("fleet.zone") on a zone without sections or with chains of crossings too long to be reserved.
   /// @param zone  shared by all copies
   [[nodiscard]] static Result<Fleet> make(std::shared_ptr<const zone::TrafficZone> zone, const FleetOptions& options,
                                           std::span<const FleetStart> starts);
@@ -118,8 +118,9 @@ class Fleet {
   [[nodiscard]] std::span<const double> heading_rad() const;  ///< in (−π, π]
   [[nodiscard]] std::span<const double> speed_mps() const;
   [[nodiscard]] aiv::Profile profile(Vehicle vehicle) const;  ///< what its agent has chosen last
-  /// The next body ahead on its way, and how far its own front is from that one's rear; nearer than look_m() past the
-  /// end of its section at least.
+  /// The next body ahead on its way, and the distance between the two: the arc length between their middles less
+  /// occupied_m() (spacing.h), which is a vehicle's length unless the zone has very tight bends. Bodies nearer than
+  /// look_m() past the end of its section are found at least.
   struct Ahead {
     Vehicle vehicle{none};
     double gap_m{std::numeric_limits<double>::infinity()};

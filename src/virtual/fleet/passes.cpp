@@ -6,6 +6,7 @@
 #include "cosiva/aiv/motion/formulas.h"
 #include "cosiva/base/time.h"
 #include "cosiva/base/vector_clones.h"
+#include "cosiva/virtual/fleet/spacing.h"
 
 namespace cosiva::virtual_side {
 namespace {
@@ -271,7 +272,7 @@ Numbers numbers_of(const zone::TrafficZone& zone, const FleetOptions& options) {
   const zone::SpeedProfiles& profiles = zone.profiles;
   Numbers numbers{};
   numbers.dt_s = to_seconds(options.step);
-  numbers.length_m = zone.vehicle.length_m;
+  numbers.length_m = occupied_m(zone);
   numbers.braking_distance_m = aiv::braking_distance_m(profiles);
   numbers.medium_mps = profiles.medium.speed_mps;
   numbers.late_s = std::max(aiv::obstacle_reaction_s, numbers.dt_s);
@@ -287,7 +288,7 @@ Numbers numbers_of(const zone::TrafficZone& zone, const FleetOptions& options) {
       if (input.name == "gap" || input.name == "crossing" || input.name == "base")
         range = std::max(range, input.maximum);
   const double stop_m = fastest_mps * fastest_mps / (2.0 * low) + fastest_mps * (numbers.late_s + 3.0 * numbers.dt_s);
-  numbers.look_m = std::max(range * numbers.braking_distance_m, stop_m) + aiv::stand_off_m + zone.vehicle.length_m;
+  numbers.look_m = std::max(range * numbers.braking_distance_m, stop_m) + aiv::stand_off_m + numbers.length_m;
   return numbers;
 }
 

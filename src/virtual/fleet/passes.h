@@ -16,7 +16,7 @@ namespace cosiva::virtual_side {
 /// What all vehicles share, worked out once.
 struct Numbers {
   double dt_s;
-  double length_m;            ///< of a vehicle
+  double length_m;            ///< of a vehicle on its path: occupied_m()
   double look_m;              ///< bodies further ahead do not count
   double braking_distance_m;  ///< of the medium profile (agent_rules.h)
   double medium_mps;

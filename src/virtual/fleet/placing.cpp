@@ -4,6 +4,7 @@
 
 #include "cosiva/aiv/motion/formulas.h"
 #include "cosiva/virtual/fleet/inside.h"
+#include "cosiva/virtual/fleet/spacing.h"
 
 namespace cosiva::virtual_side {
 namespace {
@@ -133,7 +134,7 @@ namespace {
 class Spread {
  public:
   Spread(const zone::TrafficZone& zone, const Ground& ground)
-      : zone_{zone}, ground_{ground}, apart_m_{zone.vehicle.length_m + start_gap_m}, taken_(ground.size()) {}
+      : zone_{zone}, ground_{ground}, apart_m_{occupied_m(zone) + start_gap_m}, taken_(ground.size()) {}
 
   /// As many as there is room for, at most `count`, a new one after each `every_m` of way.
   [[nodiscard]] std::vector<zone::Place> take(std::size_t count, double every_m) {
