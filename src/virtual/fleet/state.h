@@ -119,6 +119,7 @@ struct alignas(64) Block {
   std::uint32_t last{};
   std::uint64_t pass{0};  ///< counts looks at queues
   std::uint64_t collisions{0};
+  double smallest_gap_m{far_m};               ///< ever seen
   std::uint32_t now{0};                       ///< the step that it makes, or that comes next
   std::uint32_t arrivals{0};                  ///< at the beginning of its part of `arrived`
   std::vector<std::uint64_t> occupied_steps;  ///< by section, of vehicles that have left it

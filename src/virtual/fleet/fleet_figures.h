@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "cosiva/virtual/fleet/fleet_tables.h"
+
+namespace cosiva::virtual_side {
+
+// Figures of a fleet, since its start; Fleet's functions of the same names say what they mean.
+
+[[nodiscard]] Fleet::CrossingFigures crossing_figures(const FleetTables& tables, std::size_t crossing);
+[[nodiscard]] SimDuration occupancy(const FleetTables& tables, zone::SectionId section);
+[[nodiscard]] double smallest_gap_m(const FleetTables& tables);
+[[nodiscard]] std::uint64_t collisions(const FleetTables& tables);
+[[nodiscard]] std::uint64_t fleet_digest(const FleetTables& tables);
+
+}  // namespace cosiva::virtual_side
