@@ -36,7 +36,7 @@ struct GraphBench {
 
   GraphBench(const zone::TrafficZone& z, std::string_view section, double s_m, double believed_ahead_m = 0.0)
       : zone{z}, world{z.circuit, at(z, section, s_m)} {
-    agent.stand_at(at(z, section, s_m + believed_ahead_m));
+    agent.estimator().place_at(at(z, section, s_m + believed_ahead_m));
     step();
   }
   GraphBench& take(const wire::Order& text) {
@@ -57,7 +57,7 @@ struct GraphBench {
     odometry.board_ms = static_cast<std::uint32_t>(20 * tick);
     agent.on_odometry(odometry);
     if (++tick % 3 == 0) agent.on_ranges(test::ranges_to(obstacles, world.pose()));
-    for (const auto& node : agent.take_traversed()) traversed.push_back(node.node_id);
+    for (const auto& node : agent.progress().take_traversed()) traversed.push_back(node.node_id);
     if (agent.position().pose_known())
       pose_error_m = std::max(pose_error_m, distance(agent.position().pose(), world.pose()));
   }
@@ -97,7 +97,7 @@ TEST(AgentAtAFork, says_the_branch_only_when_its_base_leads_over_it) {
   EXPECT_EQ(bench.drive.branch, wire::no_branch);
   EXPECT_EQ(bench.section(), "trunk");
   EXPECT_NEAR(bench.world.place().s_m, 2.0, 0.015);
-  EXPECT_TRUE(bench.agent.standing());
+  EXPECT_TRUE(bench.agent.motion().stopped());
   bench.take(order("O-1", 1).from_sequence(2).through({"F", "ro"}));
   bench.step();
   EXPECT_EQ(bench.drive.branch, 1);
@@ -124,21 +124,21 @@ TEST(AgentAtAFork, finds_that_it_is_there_when_its_wheels_stop) {
 
 TEST(AgentAtAFork, believes_a_little_more_than_it_has_driven_and_still_takes_an_order_along_the_other_way) {
   Agent agent{diamond()};
-  agent.stand_at(at(diamond(), "l_up", 0.005));
+  agent.estimator().place_at(at(diamond(), "l_up", 0.005));
   const auto verdict = agent.take_order(order("O-1").through({"T1", "F", "ro"}));
   ASSERT_TRUE(verdict) << verdict.error().message;
   EXPECT_EQ(diamond().circuit.part(agent.position().place().section).name.substr(0, 1), "t");
   EXPECT_EQ(agent.decide().branch, 1);
 
   Agent beyond{diamond()};
-  beyond.stand_at(at(diamond(), "l_up", 0.3));
+  beyond.estimator().place_at(at(diamond(), "l_up", 0.3));
   EXPECT_FALSE(beyond.take_order(order("O-1").through({"T1", "F", "ro"})));
 }
 
 TEST(AgentOnTwoSections, of_the_same_line_takes_an_order_along_either) {
   for (const auto& [believed, node, edge] : {std::tuple{"there", "tt", "there_too"}, {"there_too", "t", "there"}}) {
     Agent agent{test::there_and_back()};
-    agent.stand_at(at(test::there_and_back(), believed, 0.2));
+    agent.estimator().place_at(at(test::there_and_back(), believed, 0.2));
     auto text = order("O-1").through({"W", node});
     const auto verdict = agent.take_order(text);
     ASSERT_TRUE(verdict) << verdict.error().message;
@@ -158,7 +158,7 @@ TEST(AgentAtTheEnd, of_a_way_without_any_fork_finds_that_it_is_there_when_its_wh
 
 TEST(AgentOnARing, says_the_first_branch_and_carries_no_course) {
   Agent agent{test::lacet4()};
-  agent.stand_at(at(test::lacet4(), "loop_se", 0.0));
+  agent.estimator().place_at(at(test::lacet4(), "loop_se", 0.0));
   EXPECT_EQ(agent.decide().branch, 0);
   ASSERT_TRUE(agent.take_order(order("O-1").through({"loop_se@0", "loop_se@283"})));
   EXPECT_EQ(agent.decide().branch, 0);
@@ -194,8 +194,8 @@ TEST(AgentAtABend, is_driving_while_it_turns_and_knows_how_far_it_has_turned) {
   ASSERT_TRUE(bench.run_until([&] { return bench.world.manoeuvring(); }, 10.0));
   double turned_rad = 0.0;
   while (bench.world.manoeuvring()) {
-    EXPECT_FALSE(bench.agent.standing());
-    EXPECT_EQ(bench.agent.speed_mps(), 0.0);
+    EXPECT_FALSE(bench.agent.motion().stopped());
+    EXPECT_EQ(bench.agent.motion().speed_mps(), 0.0);
     EXPECT_LT(bench.heading_error_rad(), 0.002);
     turned_rad = std::max(turned_rad, bench.agent.turn_rate_radps());
     bench.step();
@@ -235,7 +235,7 @@ TEST(AgentAtABend, that_is_paused_in_it_goes_on_turning_later) {
   ASSERT_TRUE(bench.run_until([&] { return bench.world.pose().heading_rad > 0.5; }, 10.0));
   bench.agent.hold(Hold::paused, true);
   bench.run(2.0);
-  EXPECT_TRUE(bench.agent.standing());
+  EXPECT_TRUE(bench.agent.motion().stopped());
   EXPECT_TRUE(bench.world.manoeuvring());
   EXPECT_LT(bench.heading_error_rad(), 0.002);
   bench.agent.hold(Hold::paused, false);
@@ -247,9 +247,9 @@ TEST(AgentAtABend, that_loses_its_order_in_it_takes_another_from_there) {
   GraphBench bench{square(), "south", 0.8};
   bench.take(round());
   ASSERT_TRUE(bench.run_until([&] { return bench.world.pose().heading_rad > 0.5; }, 10.0));
-  ASSERT_TRUE(bench.agent.begin_cancel());
+  ASSERT_TRUE(bench.agent.progress().begin_cancel());
   bench.run(1.0);
-  EXPECT_FALSE(bench.agent.cancelling());
+  EXPECT_FALSE(bench.agent.progress().cancelling());
   EXPECT_FALSE(bench.agent.order().active());
   bench.traversed.clear();
   bench.take(order("O-2").through({"B", "C"}));
@@ -265,7 +265,7 @@ TEST(AgentAtABend, does_not_sweep_over_what_stands_beside_it) {
   bench.obstacles = {{1.135, -0.02}};  // beyond the corner, not in the way round it
   bench.run(10.0);
   EXPECT_EQ(bench.turns, 0);
-  EXPECT_TRUE(bench.agent.blocked());
+  EXPECT_TRUE(bench.agent.decision().blocked);
   bench.obstacles.clear();
   bench.run(15.0);
   EXPECT_EQ(bench.turns, 1);
@@ -279,7 +279,7 @@ struct BesideBench : GraphBench {
     const auto aslant = test::graph("aslant", {{"way", {0.5, 0.14, 1.0}, 1.0, 0.0, {}}}, {});
     world = LineWorld{aslant.circuit, {0, 0.0}};
     world.stand_on(diamond().circuit);
-    agent.stand_off(world.pose());
+    agent.estimator().stand_off(world.pose());
   }
 };
 
@@ -288,7 +288,7 @@ TEST(AgentBesideTheLine, goes_to_it_when_it_has_base_and_not_before) {
   ASSERT_TRUE(bench.agent.position().beside());
   bench.run(1.0);
   EXPECT_FALSE(bench.drive.seek);
-  EXPECT_FALSE(bench.agent.holds(Hold::line_lost)) << "it is beside the line, and knows it";
+  EXPECT_FALSE(bench.agent.holds().has(Hold::line_lost)) << "it is beside the line, and knows it";
   bench.take(order("O-1").through({"T", "T1", "F", "ro"}));
   bench.step();
   EXPECT_TRUE(bench.drive.seek);
@@ -307,7 +307,7 @@ TEST(AgentBesideTheLine, waits_for_whatever_stands_between) {
   bench.take(order("O-1").through({"T", "T1"}));
   bench.run(3.0);
   EXPECT_FALSE(bench.world.manoeuvring());
-  EXPECT_TRUE(bench.agent.blocked());
+  EXPECT_TRUE(bench.agent.decision().blocked);
   bench.obstacles.clear();
   bench.run(15.0);
   EXPECT_THAT(bench.traversed, ElementsAre("T1"));
@@ -327,7 +327,7 @@ TEST(AgentBesideTheLine, stops_half_way_for_what_it_sees_only_then) {
   bench.take(order("O-1").through({"T", "T1"}));
   bench.run(6.0);
   EXPECT_TRUE(bench.world.manoeuvring());
-  EXPECT_TRUE(bench.agent.blocked());
+  EXPECT_TRUE(bench.agent.decision().blocked);
   const Pose2 stands = bench.world.pose();
   EXPECT_GT(stands.y_m - 0.1, -0.05);
   bench.run(2.0);
@@ -390,7 +390,7 @@ TEST(AgentBesideTheLine, stands_where_a_manoeuvre_left_it_that_was_given_up) {
 
 TEST(AgentBesideTheLine, that_is_too_far_away_says_how_far_and_takes_no_order) {
   Agent agent{square()};
-  agent.stand_off({0.5, 0.5, 0.0});
+  agent.estimator().stand_off({0.5, 0.5, 0.0});
   EXPECT_TRUE(agent.position().away());
   EXPECT_TRUE(agent.position().pose_known());
   EXPECT_NEAR(agent.position().off_by_m(), 0.5, 1e-9);

@@ -34,7 +34,7 @@ struct AgentBench {
   int tick{0};
 
   AgentBench(std::string_view section, double s_m) : truth{lacet4().circuit, at(lacet4(), section, s_m)} {
-    agent.stand_at(truth.place(lacet4().circuit));
+    agent.estimator().place_at(truth.place(lacet4().circuit));
     step();
   }
 
@@ -59,7 +59,7 @@ struct AgentBench {
     odometry.speed_mmps = static_cast<std::int16_t>(std::lround(speed_mps * 1e3));
     agent.on_odometry(odometry);
     if (++tick % 3 == 0) agent.on_ranges(ranges_to(obstacles, truth.pose(lacet4().circuit)));
-    for (const auto& node : agent.take_traversed()) traversed.push_back(node.node_id);
+    for (const auto& node : agent.progress().take_traversed()) traversed.push_back(node.node_id);
   }
 
   void run(double seconds) {
@@ -91,7 +91,7 @@ class NotingChooser final : public SpeedChooser {
 TEST(Agent, tells_its_chooser_what_it_drives_by_and_nothing_after_it_had_to_stand) {
   std::vector<std::optional<Profile>> present;
   Agent agent{lacet4(), std::make_unique<NotingChooser>(present)};
-  agent.stand_at(at(lacet4(), "loop_se", 0.0));
+  agent.estimator().place_at(at(lacet4(), "loop_se", 0.0));
   ASSERT_TRUE(agent.take_order(to_565()));
   (void)agent.decide();
   (void)agent.decide();
@@ -106,7 +106,7 @@ TEST(Agent, stays_without_an_order) {
   AgentBench bench{"loop_se", 0.0};
   bench.run(3.0);
   EXPECT_EQ(bench.travelled_m, 0.0);
-  EXPECT_TRUE(bench.agent.standing());
+  EXPECT_TRUE(bench.agent.motion().stopped());
   EXPECT_EQ(bench.agent.status(), Status::stopped);
 }
 
@@ -115,7 +115,7 @@ TEST(Agent, follows_its_order_and_stops_on_the_last_node_of_its_base) {
   bench.take(to_565().then({"loop_se@848"}));
   bench.run(8.0);
   EXPECT_THAT(bench.traversed, ElementsAre("loop_se@283", "loop_se@565"));
-  EXPECT_TRUE(bench.agent.standing());
+  EXPECT_TRUE(bench.agent.motion().stopped());
   EXPECT_NEAR(bench.s_m(), 2.0 * edge_m, 0.01);
   EXPECT_NEAR(bench.highest_speed_mps, lacet4().profiles.medium.speed_mps, 1e-9);
   EXPECT_LE(bench.hardest_braking_mps2, lacet4().profiles.medium.braking_mps2 + 0.03) << "a smooth stop";
@@ -124,7 +124,7 @@ TEST(Agent, follows_its_order_and_stops_on_the_last_node_of_its_base) {
 TEST(Agent, goes_on_without_stopping_when_its_base_is_extended_in_time) {
   AgentBench bench{"loop_se", 0.0};
   bench.take(to_565().then({"loop_se@848"}));
-  ASSERT_TRUE(bench.run_until([&] { return bench.agent.wants_base(); }, 5.0));
+  ASSERT_TRUE(bench.run_until([&] { return bench.agent.decision().wants_base; }, 5.0));
   bench.take(order("O-1", 1).from_sequence(4).through({"loop_se@565", "loop_se@848", "loop_se@1131"}));
   double slowest_mps = 1.0;
   ASSERT_TRUE(bench.run_until(
@@ -140,7 +140,7 @@ TEST(Agent, asks_for_base_only_when_more_is_announced) {
   AgentBench bench{"loop_se", 0.0};
   bench.take(to_565());
   bench.run(8.0);
-  EXPECT_FALSE(bench.agent.wants_base());
+  EXPECT_FALSE(bench.agent.decision().wants_base);
 }
 
 TEST(Agent, stands_while_anything_holds_it_and_goes_on_by_itself) {
@@ -181,18 +181,18 @@ TEST(Agent, stops_before_an_obstacle_and_goes_on_when_it_is_gone) {
   bench.obstacles = {position(lacet4().circuit.pose_at(at(lacet4(), "loop_se", 0.9)))};
   bench.run(4.0);
   EXPECT_EQ(bench.speed_mps, 0.0);
-  EXPECT_TRUE(bench.agent.blocked());
+  EXPECT_TRUE(bench.agent.decision().blocked);
   EXPECT_NEAR(0.9 - bench.s_m() - 0.1, stand_off_m, 0.03);
   EXPECT_LE(bench.hardest_braking_mps2, lacet4().profiles.fast.braking_mps2 + 0.03);
   bench.obstacles.clear();
   bench.run(4.0);
-  EXPECT_FALSE(bench.agent.blocked());
+  EXPECT_FALSE(bench.agent.decision().blocked);
   EXPECT_NEAR(bench.s_m(), 4.0 * edge_m, 0.01);
 }
 
 TEST(Agent, does_not_touch_an_obstacle_that_appears_half_a_metre_ahead_at_full_speed) {
   AgentBench bench{"loop_se", 0.0};
-  bench.agent.impose(Profile::fast);
+  bench.agent.instructions().imposed = Profile::fast;
   bench.take(order("O-1").through({"loop_se@0", "loop_se@1979"}));
   bench.run(1.6);
   EXPECT_NEAR(bench.speed_mps, 0.5, 0.01);
@@ -215,14 +215,14 @@ TEST(Agent, stops_before_what_it_feels_as_before_an_obstacle_and_goes_on_when_it
     bench.step();
   }
   EXPECT_EQ(bench.speed_mps, 0.0);
-  EXPECT_TRUE(bench.agent.blocked());
-  EXPECT_TRUE(bench.agent.braking_for_felt());
+  EXPECT_TRUE(bench.agent.decision().blocked);
+  EXPECT_TRUE(bench.agent.decision().braking_for_felt);
   EXPECT_NEAR(0.9 - bench.s_m() - 0.1, stand_off_m, 0.02);
   EXPECT_LE(bench.hardest_braking_mps2, lacet4().profiles.medium.braking_mps2 + 0.03) << "it was told in time";
   bench.agent.feel(std::numeric_limits<double>::infinity());
   bench.run(4.0);
-  EXPECT_FALSE(bench.agent.blocked());
-  EXPECT_FALSE(bench.agent.braking_for_felt());
+  EXPECT_FALSE(bench.agent.decision().blocked);
+  EXPECT_FALSE(bench.agent.decision().braking_for_felt);
   EXPECT_NEAR(bench.s_m(), 4.0 * edge_m, 0.01);
 }
 
@@ -233,7 +233,7 @@ TEST(Agent, brakes_for_the_nearer_of_what_it_sees_and_feels) {
   for (int i = 0; i < 250; ++i) {
     bench.agent.feel(0.9 - bench.s_m() - 0.1);
     bench.step();
-    EXPECT_FALSE(bench.agent.braking_for_felt() && bench.tick > 10) << bench.tick;
+    EXPECT_FALSE(bench.agent.decision().braking_for_felt && bench.tick > 10) << bench.tick;
   }
   EXPECT_NEAR(0.6 - bench.s_m() - 0.1, stand_off_m, 0.03) << "the obstacle";
   bench.obstacles.clear();
@@ -242,7 +242,7 @@ TEST(Agent, brakes_for_the_nearer_of_what_it_sees_and_feels) {
     bench.step();
   }
   EXPECT_NEAR(0.9 - bench.s_m() - 0.1, stand_off_m, 0.02) << "the virtual one";
-  EXPECT_TRUE(bench.agent.braking_for_felt());
+  EXPECT_TRUE(bench.agent.decision().braking_for_felt);
 }
 
 TEST(Agent, does_not_brake_for_what_it_feels_beyond_its_base_or_while_something_else_holds_it) {
@@ -251,20 +251,20 @@ TEST(Agent, does_not_brake_for_what_it_feels_beyond_its_base_or_while_something_
   for (int i = 0; i < 400; ++i) {
     bench.agent.feel(1.1 - bench.s_m() - 0.1);
     bench.step();
-    EXPECT_FALSE(bench.agent.braking_for_felt()) << bench.s_m();
+    EXPECT_FALSE(bench.agent.decision().braking_for_felt) << bench.s_m();
   }
   EXPECT_NEAR(bench.s_m(), 2.0 * edge_m, 0.01);
-  EXPECT_FALSE(bench.agent.blocked());
+  EXPECT_FALSE(bench.agent.decision().blocked);
 
   AgentBench paused{"loop_se", 0.0};
   paused.take(to_565());
   paused.agent.hold(Hold::paused, true);
   paused.agent.feel(0.0);
   paused.run(0.2);
-  EXPECT_FALSE(paused.agent.braking_for_felt());
+  EXPECT_FALSE(paused.agent.decision().braking_for_felt);
   paused.agent.hold(Hold::paused, false);
   paused.run(0.2);
-  EXPECT_TRUE(paused.agent.braking_for_felt());
+  EXPECT_TRUE(paused.agent.decision().braking_for_felt);
   EXPECT_EQ(paused.travelled_m, 0.0);
 }
 
@@ -287,25 +287,25 @@ TEST(Agent, does_not_stutter_behind_what_moves_back_and_forth_by_a_few_centimetr
 TEST(Agent, drives_at_the_imposed_profile_and_no_faster_than_the_limit) {
   AgentBench bench{"loop_se", 0.0};
   bench.take(order("O-1").through({"loop_se@0", "loop_se@2545"}));
-  bench.agent.impose(Profile::slow);
+  bench.agent.instructions().imposed = Profile::slow;
   bench.run(2.0);
   EXPECT_NEAR(bench.speed_mps, 0.15, 1e-9);
   EXPECT_EQ(bench.agent.status(), Status::slow_speed);
-  bench.agent.impose(Profile::fast);
+  bench.agent.instructions().imposed = Profile::fast;
   bench.run(1.5);
   EXPECT_NEAR(bench.speed_mps, 0.5, 1e-9);
   EXPECT_EQ(bench.agent.status(), Status::fast_speed);
-  bench.agent.limit_speed(0.22);
+  bench.agent.instructions().speed_mps_max = 0.22;
   bench.run(1.0);
   EXPECT_NEAR(bench.speed_mps, 0.22, 1e-9);
 }
 
 TEST(Agent, stays_within_its_base_when_a_weaker_profile_is_imposed_at_speed) {
   AgentBench bench{"loop_se", 0.0};
-  bench.agent.impose(Profile::fast);
+  bench.agent.instructions().imposed = Profile::fast;
   bench.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
   ASSERT_TRUE(bench.run_until([&] { return bench.agent.order().distance_to_base_end_m() < 0.20; }, 5.0));
-  bench.agent.impose(Profile::slow);
+  bench.agent.instructions().imposed = Profile::slow;
   bench.run(3.0);
   EXPECT_LT(bench.s_m(), 4.0 * edge_m + 0.01);
   EXPECT_GT(bench.s_m(), 4.0 * edge_m - 0.01);
@@ -317,7 +317,7 @@ TEST(Agent, waits_at_the_stop_line_until_the_base_leads_through_the_crossing) {
   into.node(2).position = wire::NodePosition{0.0, -0.15, {}, {}, {}, ""};
   bench.take(into);
   bench.run(5.0);
-  EXPECT_TRUE(bench.agent.standing());
+  EXPECT_TRUE(bench.agent.motion().stopped());
   EXPECT_LT(bench.s_m(), 0.40);
   EXPECT_GT(bench.s_m(), 0.37);
   bench.take(order("O-1", 1).from_sequence(4).through({"middle", "east@1120"}));
@@ -329,14 +329,14 @@ TEST(Agent, cancelling_brakes_and_drops_the_order_when_it_stands) {
   AgentBench bench{"loop_se", 0.0};
   bench.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
   bench.run(1.5);
-  EXPECT_TRUE(bench.agent.begin_cancel());
-  EXPECT_TRUE(bench.agent.cancelling());
+  EXPECT_TRUE(bench.agent.progress().begin_cancel());
+  EXPECT_TRUE(bench.agent.progress().cancelling());
   EXPECT_TRUE(bench.agent.order().active());
   EXPECT_EQ(bench.agent.take_order(order("O-2").through({"loop_se@283"})).error().code, "orderUpdateError");
   bench.run(1.0);
-  EXPECT_FALSE(bench.agent.cancelling());
+  EXPECT_FALSE(bench.agent.progress().cancelling());
   EXPECT_FALSE(bench.agent.order().active());
-  EXPECT_FALSE(bench.agent.begin_cancel()) << "there is nothing to cancel any more";
+  EXPECT_FALSE(bench.agent.progress().begin_cancel()) << "there is nothing to cancel any more";
 }
 
 TEST(Agent, tag_corrections_move_the_order_along) {
@@ -352,8 +352,8 @@ TEST(Agent, drops_an_order_that_a_tag_shows_it_is_not_on) {
   AgentBench bench{"east", 0.10};
   bench.take(order("O-1").through({"east@0", "east@190", "east@380"}));
   bench.agent.on_tag({0, 7, 0});
-  EXPECT_TRUE(bench.agent.take_lost_order());
-  EXPECT_FALSE(bench.agent.take_lost_order());
+  EXPECT_TRUE(bench.agent.progress().take_lost());
+  EXPECT_FALSE(bench.agent.progress().take_lost());
   EXPECT_FALSE(bench.agent.order().active());
   EXPECT_EQ(bench.agent.position().place().section, 4U);
 }
@@ -372,7 +372,7 @@ TEST(Agent, turns_as_the_circuit_does) {
   AgentBench bench{"loop_se", 0.0};
   bench.take(to_565());
   bench.run(1.0);
-  EXPECT_NEAR(bench.agent.turn_rate_radps(), -bench.agent.speed_mps() / 0.6, 1e-9);
+  EXPECT_NEAR(bench.agent.turn_rate_radps(), -bench.agent.motion().speed_mps() / 0.6, 1e-9);
 }
 
 }  // namespace

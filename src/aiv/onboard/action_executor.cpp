@@ -90,7 +90,7 @@ void ActionExecutor::stop_pause(const Call& call) {
 }
 
 void ActionExecutor::cancel_order(const Call& call) {
-  if (!call.context.agent().begin_cancel())
+  if (!call.context.agent().progress().begin_cancel())
     return fail(call.action, "noOrderToCancel", "there is no order to cancel", call.effects);
   run(call.action);
 }
@@ -118,10 +118,10 @@ void ActionExecutor::back_up(const Call& call) {
   const auto distance_m = call.action.number("distance");
   if (!distance_m) return fail(call, "backUp needs the number distance");
   Agent& agent = call.context.agent();
-  const auto backs = agent.back_up(*distance_m);
+  const auto backs = agent.begin_back_up(*distance_m);
   if (!backs) return fail(call, backs.error().message);
   book_.end_running(action::back_up, wire::ActionStatus::failed, "overtaken by another backUp");
-  if (!agent.backing_up()) return finish(call.action);
+  if (!agent.back_up().active()) return finish(call.action);
   run(call.action);
 }
 
@@ -145,17 +145,17 @@ void ActionExecutor::set_speed_limit(const Call& call) {
     const auto profile = parse_profile(*word);
     if (*word != "normal" && (!profile || *profile == Profile::stop))
       return fail(call, "profile '" + *word + "', expected slow, medium, fast or normal");
-    agent.impose(profile);
-    agent.limit_speed(std::nullopt);
+    agent.instructions().imposed = profile;
+    agent.instructions().speed_mps_max = std::nullopt;
   } else if (!speed_mps) {
     return fail(call, "setSpeedLimit needs profile or maxSpeed");
   }
   if (speed_mps) {
     if (!(*speed_mps > 0.0 && std::isfinite(*speed_mps))) return fail(call, "maxSpeed is a positive number of m/s");
-    agent.limit_speed(*speed_mps);
+    agent.instructions().speed_mps_max = *speed_mps;
   }
   parts_.positions.request_save();
-  finish(call.action, agent.imposed() ? std::string(to_string(*agent.imposed())) : "normal");
+  finish(call.action, agent.instructions().imposed ? std::string(to_string(*agent.instructions().imposed)) : "normal");
 }
 
 void ActionExecutor::enable_map(const Call& call) {
@@ -184,13 +184,14 @@ void ActionExecutor::end_wait(std::string_view action_type, bool reached, std::s
 }
 
 void ActionExecutor::end_waits(const Agent& agent) {
-  if (agent.standing() && agent.holds(Hold::paused)) end_wait(action::start_pause, true);
+  if (agent.motion().stopped() && agent.holds().has(Hold::paused)) end_wait(action::start_pause, true);
   if (!agent.joining()) end_wait(action::join_line, !agent.position().off_line(), "it was given up on the way");
-  if (!agent.backing_up()) end_wait(action::back_up, agent.backed_up(), "it came to an end before it was there");
-  if (!agent.cancelling()) end_wait(action::cancel_order, true);
-  COSIVA_EXPECT(agent.cancelling() || !book_.running(action::cancel_order));
+  if (!agent.back_up().active())
+    end_wait(action::back_up, agent.back_up().completed(), "it came to an end before it was there");
+  if (!agent.progress().cancelling()) end_wait(action::cancel_order, true);
+  COSIVA_EXPECT(agent.progress().cancelling() || !book_.running(action::cancel_order));
   COSIVA_EXPECT(agent.joining() || !book_.running(action::join_line));
-  COSIVA_EXPECT(agent.backing_up() || !book_.running(action::back_up));
+  COSIVA_EXPECT(agent.back_up().active() || !book_.running(action::back_up));
 }
 
 void ActionExecutor::on_zone_switched() {

@@ -13,7 +13,7 @@ void DriveCycle::run(SimTime now, DrivingContext& context, wire::Effects& effect
   supervise(now, agent);
   perception_.update(now, supervision_.server_lost(now), context);
   agent.heed(v2x_.survey(now, context));
-  COSIVA_EXPECT(agent.holds(Hold::board_lost) == supervision_.any_board_lost(now));
+  COSIVA_EXPECT(agent.holds().has(Hold::board_lost) == supervision_.any_board_lost(now));
   boards_.send(wire::Board::PILS, agent.decide(), effects);
   perception_.publish_change(now, context, session_, effects);
 }

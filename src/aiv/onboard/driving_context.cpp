@@ -25,7 +25,7 @@ DrivingContext::DrivingContext(const zone::TrafficZone& zone, const OnboardOptio
 
 DrivingContext::DrivingContext(const zone::TrafficZone& zone, const OnboardOptions& options, const Agent& before)
     : DrivingContext{zone, options} {
-  COSIVA_EXPECT(before.standing());
+  COSIVA_EXPECT(before.motion().stopped());
   agent_.take_over(before);
 }
 
@@ -40,7 +40,7 @@ void DrivingContext::adopt_fiducials(const zone::TrafficZone& edited) {
   zone_->loops = edited.loops;
   zone_->closed = edited.closed;
   zone_->notes = edited.notes;
-  agent_.on_marks_moved();
+  agent_.estimator().forget_doubt();
 }
 
 }  // namespace cosiva::aiv

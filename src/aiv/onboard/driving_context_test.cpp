@@ -47,10 +47,10 @@ TEST(DrivingContextDeathTest, does_not_adopt_another_circuit) {
 TEST(DrivingContext, keeps_the_restrictions_of_the_agent_that_it_takes_over) {
   DrivingContext before{lacet4(), {}};
   before.agent().hold(Hold::paused, true);
-  before.agent().impose(Profile::slow);
+  before.agent().instructions().imposed = Profile::slow;
   const DrivingContext after{lacet4(), {}, before.agent()};
-  EXPECT_TRUE(after.agent().holds(Hold::paused));
-  EXPECT_EQ(after.agent().imposed(), Profile::slow);
+  EXPECT_TRUE(after.agent().holds().has(Hold::paused));
+  EXPECT_EQ(after.agent().instructions().imposed, Profile::slow);
 }
 
 }  // namespace

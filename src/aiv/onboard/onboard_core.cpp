@@ -158,7 +158,7 @@ void OnboardCore::Parts::on_board(SimTime, const wire::Hello& hello) {
   if (hello.board != wire::Board::PILS) return;
   const bool powered_up_anew = positions.on_pils_hello(hello.session);
   if (!context) return;
-  if (powered_up_anew) context->agent().on_odometer_reset();
+  if (powered_up_anew) context->agent().estimator().on_odometer_reset();
   positions.find_position(*context);
 }
 
@@ -237,7 +237,7 @@ void OnboardCore::Parts::enter_first_zone(SimTime now, const zone::Rtm& rtm, wir
 }
 
 void OnboardCore::Parts::end_zone_switch(SimTime now, wire::Effects& effects) {
-  if (!zones.pending() || !context->agent().standing()) return;
+  if (!zones.pending() || !context->agent().motion().stopped()) return;
   actions.end_waits(context->agent());
   const std::string from = context->zone().name;
   context = std::make_unique<DrivingContext>(zones.pending()->zone(), options, context->agent());
@@ -265,8 +265,8 @@ void OnboardCore::Parts::on_tick(SimTime now, wire::Effects& effects) {
     actions.end_waits(context->agent());
     end_zone_switch(now, effects);
     Agent& agent = context->agent();
-    if (!agent.take_traversed().empty()) reporter.request_report();
-    if (agent.take_lost_order()) {
+    if (!agent.progress().take_traversed().empty()) reporter.request_report();
+    if (agent.progress().take_lost()) {
       reporter.refuse("orderError", "order", "the vehicle found itself off its order's way and dropped it",
                       {{"orderId", agent.order().order_id()}}, effects);
     }
@@ -292,8 +292,8 @@ void OnboardCore::Parts::publish_detection(SimTime now, wire::Effects& effects) 
   const Agent& agent = context->agent();
   const zone::TrafficZone& zone = context->zone();
   const Pose2 X_BS{0.5 * zone.vehicle.length_m, 0.0, 0.0};
-  auto detection = context->sighting().on_frame(now, agent.look(), *boards.ranges(), agent.position().pose() * X_BS,
-                                                agent.look_reach_m());
+  auto detection = context->sighting().on_frame(now, agent.watch().look(), *boards.ranges(),
+                                                agent.position().pose() * X_BS, agent.watch().reach_m());
   if (!detection) return;
   detection->map_id = zone.name;
   session.publish(now, std::move(*detection), effects);
@@ -389,12 +389,12 @@ void OnboardCore::fold(Digest& digest) const {
     digest.add(X_MB.heading_rad);
   }
   digest.add(agent.position().travelled_m());
-  digest.add(agent.speed_mps());
-  digest.add(std::uint64_t{agent.holds()});
+  digest.add(agent.motion().speed_mps());
+  digest.add(std::uint64_t{agent.holds().bits()});
   digest.add(std::string_view{agent.order().order_id()});
   digest.add(std::uint64_t{agent.order().order_update_id()});
   digest.add(std::uint64_t{agent.order().last_node_sequence_id()});
-  digest.add(std::uint64_t{agent.braking_for_felt()});
+  digest.add(std::uint64_t{agent.decision().braking_for_felt});
   context.virtual_bodies().fold(digest);
   context.sighting().fold(digest);
   context.neighbours().fold(digest);
@@ -414,6 +414,8 @@ std::optional<Pose2> OnboardCore::believed_pose() const {
   return context->agent().position().pose();
 }
 
-double OnboardCore::believed_speed_mps() const { return parts_->context ? parts_->context->agent().speed_mps() : 0.0; }
+double OnboardCore::believed_speed_mps() const {
+  return parts_->context ? parts_->context->agent().motion().speed_mps() : 0.0;
+}
 
 }  // namespace cosiva::aiv

@@ -25,8 +25,8 @@ Memory position_of(const DrivingContext& context, std::int64_t odometer_um, std:
   now_here.zone = context.zone().name;
   now_here.odometer_um = odometer_um;
   now_here.session = pils_session;
-  now_here.paused = agent.holds(Hold::paused);
-  now_here.imposed = agent.imposed();
+  now_here.paused = agent.holds().has(Hold::paused);
+  now_here.imposed = agent.instructions().imposed;
   now_here.off_line = position.away() || position.beside();
   now_here.manoeuvre = position.manoeuvred();
   now_here.pose = position.left_line_at() ? *position.left_line_at() : position.pose();
@@ -54,7 +54,7 @@ void PositionStore::restore(Memory restored, DrivingContext* context) {
 
 void PositionStore::restrict(Agent& agent) const {
   agent.hold(Hold::paused, restored_->paused);
-  agent.impose(restored_->imposed);
+  agent.instructions().imposed = restored_->imposed;
 }
 
 bool PositionStore::on_pils_hello(std::uint32_t session) {
@@ -89,7 +89,8 @@ void PositionStore::find_position(DrivingContext& context) {
     if (placed) return;
   }
   if (agent.position().pose_known() || !start_ || !start_counts_) return;
-  if (const auto section = context.zone().circuit.find(start_->section)) agent.stand_at({*section, start_->s_m});
+  if (const auto section = context.zone().circuit.find(start_->section))
+    agent.estimator().place_at({*section, start_->s_m});
 }
 
 bool PositionStore::place_as_restored(DrivingContext& context) {
@@ -103,9 +104,9 @@ bool PositionStore::place_as_restored(DrivingContext& context) {
   if (agent.position().pose_known() && std::fabs(distance_m) > off_line_distance_m_max) return false;
   if (!restored_->off_line) {
     if (const auto place = restored_place(circuit, distance_m)) {
-      agent.stand_at(*place);
+      agent.estimator().place_at(*place);
       const auto next = restored_->next ? circuit.find(*restored_->next) : std::nullopt;
-      if (restored_->manoeuvre) agent.resume_manoeuvre(*restored_->manoeuvre, next);
+      if (restored_->manoeuvre) agent.estimator().resume_manoeuvre(*restored_->manoeuvre, next);
       return true;
     }
   }
@@ -113,8 +114,8 @@ bool PositionStore::place_as_restored(DrivingContext& context) {
   // What PILS reports of a manoeuvre now is younger than what was saved.
   const auto& manoeuvred = agent.position().manoeuvred();
   const Pose2 X_OB = manoeuvred ? *manoeuvred : restored_->manoeuvre.value_or(Pose2{});
-  agent.stand_off(*restored_->pose * X_OB);
-  if (restored_->manoeuvre) agent.resume_manoeuvre(*restored_->manoeuvre, std::nullopt);
+  agent.estimator().stand_off(*restored_->pose * X_OB);
+  if (restored_->manoeuvre) agent.estimator().resume_manoeuvre(*restored_->manoeuvre, std::nullopt);
   return true;
 }
 
@@ -143,7 +144,7 @@ void PositionStore::discard_restored() {
 
 void PositionStore::on_tick(SimTime now, const DrivingContext& context, wire::Effects& effects) {
   save(timer_.take(now), context, effects);
-  was_stopped_ = context.agent().standing();
+  was_stopped_ = context.agent().motion().stopped();
 }
 
 void PositionStore::save_now(const DrivingContext& context, wire::Effects& effects) {
@@ -157,7 +158,7 @@ void PositionStore::save(bool due, const DrivingContext& context, wire::Effects&
   const auto odometer_um = position.odometer_um();
   if (!odometer_um) return;
   if (odometer_um == saved_um_ && position.manoeuvred() == saved_manoeuvre_ && !requested_) return;
-  const bool stopped = context.agent().standing();
+  const bool stopped = context.agent().motion().stopped();
   if (!due && !(stopped && !was_stopped_) && !requested_) return;
   Memory now_here = position_of(context, *odometer_um, *pils_session_);
   COSIVA_EXPECT(now_here.session == *pils_session_);

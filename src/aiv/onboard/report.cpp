@@ -24,7 +24,7 @@ wire::AgvPosition position_of(const Agent& agent, const std::string& map_id) {
   return {estimator.pose(), map_id, true, std::nullopt, 2.0 * estimator.sigma_m()};
 }
 
-wire::Velocity velocity_of(const Agent& agent) { return {agent.speed_mps(), 0.0, agent.turn_rate_radps()}; }
+wire::Velocity velocity_of(const Agent& agent) { return {agent.motion().speed_mps(), 0.0, agent.turn_rate_radps()}; }
 
 wire::VehicleError condition(std::string type, std::string description, std::vector<wire::Reference> references = {}) {
   return {std::move(type), wire::ErrorLevel::warning, std::move(description), std::move(references)};
@@ -45,8 +45,9 @@ void add_conditions(const ReportSources& from, std::vector<wire::VehicleError>& 
     errors.push_back(condition("zoneUnknown", "no zone configuration has come yet"));
     return;
   }
-  if (from.agent->holds(Hold::server_lost)) errors.push_back(condition("serverLost", "the server's heartbeat stopped"));
-  if (from.agent->holds(Hold::line_lost)) errors.push_back(condition("lineLost", "no line under the sensors"));
+  if (from.agent->holds().has(Hold::server_lost))
+    errors.push_back(condition("serverLost", "the server's heartbeat stopped"));
+  if (from.agent->holds().has(Hold::line_lost)) errors.push_back(condition("lineLost", "no line under the sensors"));
   const PositionEstimator& estimator = from.agent->position();
   if (!estimator.pose_known()) errors.push_back(condition("positionUnknown", "nobody told where it stands"));
   if (estimator.away()) {
@@ -94,10 +95,10 @@ void add_agent(const Agent& agent, const ReportSources& from, wire::State& state
   state.node_states = order.node_states();
   state.edge_states = order.edge_states();
   if (!order.last_node_id().empty()) state.distance_since_last_node_m = order.since_last_node_m();
-  state.driving = !agent.standing();
-  state.paused = agent.holds(Hold::paused);
-  state.new_base_request = agent.wants_base();
-  state.field_violation = agent.blocked();
+  state.driving = !agent.motion().stopped();
+  state.paused = agent.holds().has(Hold::paused);
+  state.new_base_request = agent.decision().wants_base;
+  state.field_violation = agent.decision().blocked;
   state.velocity = velocity_of(agent);
   const PositionEstimator& estimator = agent.position();
   if (estimator.pose_known()) state.position = position_of(agent, from.maps.front().map_id);
@@ -150,7 +151,7 @@ std::string display_text(const std::string& serial_number, const Agent& agent) {
   char text[40];
   const int length =
       std::snprintf(text, sizeof text, "%.*s %s %.1f", static_cast<int>(serial_bytes_max), serial_number.c_str(),
-                    std::string(to_string(agent.status())).c_str(), std::fabs(agent.speed_mps()));
+                    std::string(to_string(agent.status())).c_str(), std::fabs(agent.motion().speed_mps()));
   return {text, static_cast<std::size_t>(length)};
 }
 
@@ -165,10 +166,10 @@ ReportFlags flags_of(const ReportSources& from) {
   }
   if (from.power) flags.charge_percent = from.power->charge_permille / 10;
   if (from.agent == nullptr) return flags;
-  flags.holds = from.agent->holds();
-  flags.driving = !from.agent->standing();
-  flags.blocked = from.agent->blocked();
-  flags.wants_base = from.agent->wants_base();
+  flags.holds = from.agent->holds().bits();
+  flags.driving = !from.agent->motion().stopped();
+  flags.blocked = from.agent->decision().blocked;
+  flags.wants_base = from.agent->decision().wants_base;
   flags.position_known = from.agent->position().pose_known();
   flags.beside = from.agent->position().beside();
   return flags;

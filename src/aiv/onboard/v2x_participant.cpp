@@ -73,7 +73,7 @@ void V2xParticipant::publish_intent(SimTime now, DrivingContext& context, Sessio
   Neighbours& neighbours = context.neighbours();
   neighbours.age(now);
   const bool alone = neighbours.empty();
-  const SimDuration period = alone ? alone_period : agent.standing() ? stopped_period : moving_period;
+  const SimDuration period = alone ? alone_period : agent.motion().stopped() ? stopped_period : moving_period;
   const bool due = requested_ || since >= period || since < SimDuration::zero();
   if (!due && alone) return;
   const zone::TrafficZone& zone = context.zone();

@@ -37,7 +37,7 @@ bool VirtualPerception::on_bodies(SimTime now, const wire::Input& input, Driving
 void VirtualPerception::acknowledge(SimTime now, const DrivingContext& context, Session& session,
                                     wire::Effects& effects) {
   const bool responded = response_.decided == now && response_.ahead_header_id == context.virtual_bodies().header_id();
-  const bool other_body = context.agent().braking_for_felt() && contact_.body != response_.body;
+  const bool other_body = context.agent().decision().braking_for_felt && contact_.body != response_.body;
   const bool due = std::exchange(ack_due_, false) || other_body;
   if (due && !responded) respond(now, context, session, effects);
 }
@@ -56,11 +56,12 @@ void VirtualPerception::update(SimTime now, bool server_lost, DrivingContext& co
 
 void VirtualPerception::publish_change(SimTime now, const DrivingContext& context, Session& session,
                                        wire::Effects& effects) {
-  if (context.agent().braking_for_felt() != response_.braking) respond(now, context, session, effects);
+  if (context.agent().decision().braking_for_felt != response_.braking) respond(now, context, session, effects);
 }
 
 void VirtualPerception::respond(SimTime now, const DrivingContext& context, Session& session, wire::Effects& effects) {
-  response_ = {context.virtual_bodies().header_id(), now, context.agent().braking_for_felt(), {}, std::nullopt};
+  response_ = {
+      context.virtual_bodies().header_id(), now, context.agent().decision().braking_for_felt, {}, std::nullopt};
   if (response_.braking) {
     response_.body = std::string(contact_.body);
     response_.distance_m = contact_.gap_m;

@@ -16,9 +16,10 @@ double thousandths(double value) { return std::nearbyint(1e3 * value) / 1e3 + 0.
 
 /// How fast it may go where nothing is in its way.
 zone::SpeedProfile pace_of(const Agent& agent, const zone::TrafficZone& zone) {
-  const Profile imposed = agent.imposed().value_or(Profile::medium);
+  const Profile imposed = agent.instructions().imposed.value_or(Profile::medium);
   zone::SpeedProfile pace = kinematics(zone.profiles, imposed == Profile::stop ? Profile::medium : imposed);
-  if (agent.speed_mps_max()) pace.speed_mps = std::min(pace.speed_mps, *agent.speed_mps_max());
+  if (agent.instructions().speed_mps_max)
+    pace.speed_mps = std::min(pace.speed_mps, *agent.instructions().speed_mps_max);
   return pace;
 }
 
@@ -26,7 +27,7 @@ zone::SpeedProfile pace_of(const Agent& agent, const zone::TrafficZone& zone) {
 template <typename Take>
 void each_crossing(const Agent& agent, const zone::TrafficZone& zone, const Passages& passages, Take take) {
   const OrderBook& order = agent.order();
-  const bool goes_on = order.active() && agent.holds() == 0 && !agent.cancelling();
+  const bool goes_on = order.active() && agent.holds().bits() == 0 && !agent.progress().cancelling();
   const double base_m = order.distance_to_base_end_m();
   std::vector<Passage> ahead;
   passages.ahead(agent.position().outlook(), intent_reach_m, wire::Intent::crossings_max, ahead);
@@ -43,7 +44,7 @@ void each_crossing(const Agent& agent, const zone::TrafficZone& zone, const Pass
 void add_crossings(const Agent& agent, const zone::TrafficZone& zone, const Passages& passages, wire::Intent& intent) {
   const zone::SpeedProfile pace = pace_of(agent, zone);
   const auto after = [&](double way_m) {
-    return std::min(duration_s_max, thousandths(earliest_s(way_m, agent.speed_mps(), pace)));
+    return std::min(duration_s_max, thousandths(earliest_s(way_m, agent.motion().speed_mps(), pace)));
   };
   each_crossing(agent, zone, passages, [&](const Passage& passage, const std::string& name, bool may_enter) {
     intent.crossings.push_back({name, thousandths(passage.entry_m), thousandths(passage.exit_m), after(passage.entry_m),
@@ -104,7 +105,7 @@ wire::Intent compose_intent(const Agent& agent, const zone::TrafficZone& zone, c
   intent.map_id = zone.name;
   const Pose2 X_MB = position.pose();
   intent.pose = {thousandths(X_MB.x_m), thousandths(X_MB.y_m), thousandths(wrap_angle(X_MB.heading_rad))};
-  intent.speed_mps = thousandths(agent.speed_mps());
+  intent.speed_mps = thousandths(agent.motion().speed_mps());
   intent.braking = agent.braking();
   if (!position.known() || position.off_line()) return intent;
   const zone::Place here = position.place();

@@ -133,7 +133,7 @@ void Neighbours::look_for_leader(SimTime now, const Agent& agent, Others& others
 }
 
 void Neighbours::look_for_rivals(SimTime now, const Agent& agent, Others& others) {
-  const double stop_m = agent.crossing_ahead_m();
+  const double stop_m = agent.decision().crossing_ahead_m;
   if (!std::isfinite(stop_m)) return;
   passages_.ahead(agent.position().outlook(), stop_m + entry_slack_m, wire::Intent::crossings_max, ahead_);
   const auto in_chain = [&](const wire::CrossingIntent& crossing) {
@@ -141,7 +141,7 @@ void Neighbours::look_for_rivals(SimTime now, const Agent& agent, Others& others
       return passage.entry_m >= stop_m - entry_slack_m && zone_.crossings[passage.crossing].name == crossing.name;
     });
   };
-  const double own_s = earliest_s(stop_m, agent.speed_mps(), zone_.profiles.medium);
+  const double own_s = earliest_s(stop_m, agent.motion().speed_mps(), zone_.profiles.medium);
   const double slow_s = stop_m / zone_.profiles.slow.speed_mps;
   const double own_priority = zone_.priority_of(wire::to_string(self_));
   for (const Heard& heard : heard_) {

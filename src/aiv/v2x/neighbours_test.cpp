@@ -31,7 +31,7 @@ struct Ear {
   std::uint32_t header{0};
 
   explicit Ear(double s_m = 0.1) {
-    agent.stand_at(at(lacet4(), "east", s_m));
+    agent.estimator().place_at(at(lacet4(), "east", s_m));
     EXPECT_TRUE(agent.take_order(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"})));
     static_cast<void>(agent.decide());
   }
@@ -183,7 +183,7 @@ TEST(Neighbours, know_no_leader_beside_the_way_or_behind) {
 
 TEST(Neighbours, say_by_how_much_a_rival_is_first) {
   Ear ear;
-  const double own_s = earliest_s(ear.agent.crossing_ahead_m(), 0.0, lacet4().profiles.medium);
+  const double own_s = earliest_s(ear.agent.decision().crossing_ahead_m, 0.0, lacet4().profiles.medium);
   wire::Intent higher = ear.rival(own_s + 1.5, false, own_s + 3.0);
   higher.priority = 1;
   ear.hear(higher);
@@ -196,7 +196,7 @@ TEST(Neighbours, say_by_how_much_a_rival_is_first) {
 
 TEST(Neighbours, let_the_first_of_two_equals_come_up_as_if_alone) {
   Ear ear;
-  const double own_s = earliest_s(ear.agent.crossing_ahead_m(), 0.0, lacet4().profiles.medium);
+  const double own_s = earliest_s(ear.agent.decision().crossing_ahead_m, 0.0, lacet4().profiles.medium);
   ear.hear(ear.rival(own_s + 0.5, false, own_s + 3.0));
   EXPECT_EQ(ear.around().crossing_margin_s, infinite);
 }
@@ -210,7 +210,7 @@ TEST(Neighbours, do_not_wait_for_one_that_stands_and_may_not_enter) {
 }
 
 TEST(Neighbours, give_way_to_who_may_enter_only_as_long_as_it_is_in_the_way) {
-  const double slow_s = Ear{}.agent.crossing_ahead_m() / lacet4().profiles.slow.speed_mps;
+  const double slow_s = Ear{}.agent.decision().crossing_ahead_m / lacet4().profiles.slow.speed_mps;
   Ear early;
   early.hear(early.rival(0.2, true, slow_s - 0.1));
   EXPECT_EQ(early.around().crossing_margin_s, infinite) << "gone before this one is there, even slowly";
@@ -237,7 +237,7 @@ TEST(Neighbours, matter_to_nobody_who_may_enter) {
   EXPECT_TRUE(
       ear.agent.take_order(order("O-1", 1).from_sequence(4).through({"east@380", "east@1120"}).then({"east@1310"})));
   static_cast<void>(ear.agent.decide());
-  EXPECT_EQ(ear.agent.crossing_ahead_m(), infinite);
+  EXPECT_EQ(ear.agent.decision().crossing_ahead_m, infinite);
   ear.hear(ear.rival(0.1, true, 9.0));
   EXPECT_EQ(ear.around().crossing_margin_s, infinite);
 }
@@ -281,7 +281,7 @@ struct Asked final : SpeedChooser {
 TEST(Heeding, believes_a_leader_only_where_its_senses_find_a_body) {
   Situation asked{};
   Agent agent{lacet4(), std::make_unique<Asked>(asked)};
-  agent.stand_at(at(lacet4(), "east", 0.1));
+  agent.estimator().place_at(at(lacet4(), "east", 0.1));
   EXPECT_TRUE(agent.take_order(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"})));
   agent.heed({.leader_gap_m = 0.40, .leader_mps = 0.25});
   static_cast<void>(agent.decide());
@@ -303,7 +303,7 @@ TEST(Heeding, never_goes_faster_than_the_envelope_whatever_is_said) {
     const double s_m = random.uniform(0.0, 0.1);
     const double gap_m = random.uniform(0.0, 1.0);
     for (Agent* agent : {&told, &alone}) {
-      agent->stand_at(at(lacet4(), "east", s_m));
+      agent->estimator().place_at(at(lacet4(), "east", s_m));
       RC_ASSERT(agent->take_order(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"})));
       agent->feel(gap_m);
     }

@@ -1,0 +1,54 @@
+#include "cosiva/aiv/decision/branch_choice.h"
+
+#include <algorithm>
+
+#include "cosiva/wire/messages/board.h"
+
+namespace cosiva::aiv {
+namespace {
+
+/// A fork counts as the next until the vehicle is so far beyond it: its body may be behind its belief.
+constexpr double fork_passed_m = 0.10;
+/// Forks further ahead than this are not looked for.
+constexpr double fork_ahead_m = 3.0;
+/// Rounding between the order's path and the joint's.
+constexpr double rounding_m = 0.005;
+
+}  // namespace
+
+std::uint8_t choose_branch(const zone::Circuit& circuit, const PositionEstimator& position, const OrderBook& order) {
+  if (!position.known()) return wire::no_branch;
+  const auto number = [&](zone::SectionId from, zone::SectionId to) {
+    const auto ways = circuit.next(from);
+    const auto index = std::ranges::find(ways, to) - ways.begin();
+    return static_cast<std::uint8_t>(std::min<std::ptrdiff_t>(index, wire::no_branch - 1));
+  };
+
+  const Outlook outlook = position.outlook();
+  const double base_m = order.distance_to_base_end_m();
+  zone::SectionsAhead ahead = sections_ahead(circuit, outlook);
+  double end_m = -outlook.here.s_m;
+  std::uint8_t next = wire::no_branch;
+  for (;;) {
+    const zone::SectionId from = ahead.section();
+    end_m += circuit.section(from).length_m();
+    const bool decides = circuit.next(from).size() != 1 || bend_rad(circuit, from, ahead.next()) != 0.0;
+    if (decides && ahead.decided() && base_m > end_m + rounding_m) next = number(from, ahead.next());
+    if (decides || end_m > fork_ahead_m || !ahead.step()) break;
+  }
+
+  // The last one rolled over, as long as it is near.
+  double back_m = outlook.here.s_m;
+  zone::SectionId to = outlook.here.section;
+  const auto gone = position.course().gone();
+  for (std::size_t i = gone.size(); i-- > 0 && back_m < std::min(fork_passed_m, 0.5 * (back_m + end_m));) {
+    const zone::SectionId from = gone[i];
+    if (bend_rad(circuit, from, to) != 0.0) break;  // turned: that is done
+    if (circuit.next(from).size() > 1) return number(from, to);
+    back_m += circuit.section(from).length_m();
+    to = from;
+  }
+  return next;
+}
+
+}  // namespace cosiva::aiv

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "cosiva/wire/messages/board.h"
+
+namespace cosiva::aiv {
+
+/// How the vehicle moves, from the readings of its odometer: speed, turn rate, and whether it has stopped.
+/// Invariant: a vehicle whose odometer is lost counts as stopped, at speed 0, until the next reading.
+class MotionState {
+ public:
+  void on_odometry(const wire::Odometry& odometry);
+  /// Nothing more is known of the speed; the motors stop by themselves.
+  void on_odometry_lost();
+  /// Whether the vehicle has been told to drive for half a second of readings without any progress, as one that waits
+  /// at a joint for its branch. Counts anew after that.
+  /// @param driving      the motors are told to drive along the line, and a line is there
+  /// @param travelled_m  of the vehicle's own odometer
+  [[nodiscard]] bool stuck(bool driving, double travelled_m);
+  /// Goes on as `before`, which was in another zone; what counts progress begins anew.
+  void take_over(const MotionState& before);
+
+  [[nodiscard]] double speed_mps() const { return speed_mps_; }  ///< signed: negative while backing up
+  [[nodiscard]] bool stopped() const { return stopped_; }        ///< since two readings, and not in a manoeuvre
+  [[nodiscard]] bool has_manoeuvre() const { return manoeuvre_.has_value(); }  ///< the last reading was of one
+  [[nodiscard]] double manoeuvre_turn_radps() const { return turn_radps_; }    ///< 0 outside manoeuvres
+
+ private:
+  double speed_mps_{0.0};
+  int slow_readings_{2};  ///< in a row under a centimetre per second; a vehicle starts stopped
+  bool stopped_{true};
+  std::optional<wire::Manoeuvre> manoeuvre_;  ///< as last read
+  std::uint32_t manoeuvre_ms_{};
+  int still_readings_{0};  ///< in a row in which the manoeuvre did not go on
+  double turn_radps_{0.0};
+  int stuck_readings_{0};
+  double stuck_travelled_m_{0.0};
+};
+
+}  // namespace cosiva::aiv

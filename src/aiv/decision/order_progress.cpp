@@ -1,0 +1,45 @@
+#include "cosiva/aiv/decision/order_progress.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "cosiva/base/expect.h"
+
+namespace cosiva::aiv {
+
+Result<OrderBook::Verdict> OrderProgress::offer(const wire::Order& order, const OrderBook::Standing& standing) {
+  if (cancelling_) return fail("orderUpdateError", "the order before it is being cancelled");
+  return book_.offer(order, standing);
+}
+
+void OrderProgress::advance(double distance_m) {
+  auto traversed = book_.travelled(distance_m);
+  std::ranges::move(traversed, std::back_inserter(traversed_));
+}
+
+bool OrderProgress::relocate(const zone::Place* place) {
+  if (!book_.active()) return false;
+  if (place != nullptr && book_.relocate(*place)) return true;
+  book_.cancel();
+  lost_ = true;
+  return false;
+}
+
+bool OrderProgress::begin_cancel() {
+  if (cancelling_) return true;
+  cancelling_ = book_.active();
+  return cancelling_;
+}
+
+void OrderProgress::end_cancel() {
+  COSIVA_EXPECT(cancelling_);
+  book_.cancel();
+  cancelling_ = false;
+}
+
+std::vector<wire::OrderNode> OrderProgress::take_traversed() { return std::exchange(traversed_, {}); }
+
+bool OrderProgress::take_lost() { return std::exchange(lost_, false); }
+
+}  // namespace cosiva::aiv

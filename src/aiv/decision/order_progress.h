@@ -1,0 +1,46 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cosiva/aiv/order/order_book.h"
+
+namespace cosiva::aiv {
+
+/// The vehicle's order while the vehicle drives: the nodes traversed, a cancelOrder that waits until the vehicle has
+/// stopped, and an order lost because the position proved wrong.
+/// Invariant: a cancelOrder is pending only after an order was active; no order is accepted meanwhile.
+class OrderProgress {
+ public:
+  explicit OrderProgress(const zone::TrafficZone& zone) : book_{zone} {}
+
+  /// As OrderBook::offer(); fails ("orderUpdateError") while a cancelOrder is pending.
+  [[nodiscard]] Result<OrderBook::Verdict> offer(const wire::Order& order, const OrderBook::Standing& standing);
+  /// The vehicle has come `distance_m` further; negative: a correction backwards.
+  void advance(double distance_m);
+  /// The vehicle finds itself at `place`; null: nowhere. True: an order is active and goes on from there. An order that
+  /// does not contain the place is dropped, and take_lost() says so.
+  [[nodiscard]] bool relocate(const zone::Place* place);
+  /// False: there is no order to cancel.
+  [[nodiscard]] bool begin_cancel();
+  [[nodiscard]] bool cancelling() const { return cancelling_; }
+  /// The vehicle has stopped: drops the order whose cancellation is pending.
+  void end_cancel();
+  void set_last_node(std::string node_id) { book_.set_last_node(std::move(node_id)); }
+  /// As OrderBook::take_over_ids().
+  void take_over_ids(const OrderProgress& before) { book_.take_over_ids(before.book_); }
+
+  [[nodiscard]] const OrderBook& book() const { return book_; }
+  /// Nodes traversed since the last call, in order.
+  [[nodiscard]] std::vector<wire::OrderNode> take_traversed();
+  /// True once after an order was lost.
+  [[nodiscard]] bool take_lost();
+
+ private:
+  OrderBook book_;
+  bool cancelling_{false};
+  bool lost_{false};
+  std::vector<wire::OrderNode> traversed_;
+};
+
+}  // namespace cosiva::aiv
