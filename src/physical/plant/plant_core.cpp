@@ -26,9 +26,9 @@ constexpr SimDuration tick_gap_max = std::chrono::seconds{1};
 constexpr SimDuration blind_max = std::chrono::milliseconds{50};
 
 /// Of a command by hand, which may bring a zone's file with it, and of one over the broker, which need not: a zone
-/// comes on its own topic there.
+/// comes on its own topic there. The largest message is a changeBattery with the whole type: lipo850 takes 5.7 kB.
 constexpr std::size_t command_bytes_max = 32U << 20U;
-constexpr std::size_t message_bytes_max = 4096;
+constexpr std::size_t message_bytes_max = 64U << 10U;
 
 /// To the micrometre or microradian: what more digits would say is below the emulation's own truth.
 double rounded(double value) { return std::nearbyint(value * 1e6) * 1e-6; }

@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "cosiva/base/json_value.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/battery/type.h"
 #include "cosiva/physical/plant/plant_bench.h"
 #include "cosiva/physical/plant/test_zones.h"
 #include "cosiva/wire/messages/topics.h"
@@ -298,6 +300,22 @@ TEST(Plant, drains_its_battery_by_its_work) {
   EXPECT_NEAR((driving - idle) / idle, work_j / 180.0, 0.02);
   EXPECT_NEAR(bench.heard<wire::Power>(1).back().charge_permille, 1000.0 * bench.truth(1).charge, 2.0);
   EXPECT_NEAR(bench.heard<wire::Power>(1).back().voltage_mv, 8150.0, 100.0);
+}
+
+// `cosiva battery fleet --live` sends the whole type along.
+TEST(Plant, takes_every_shipped_battery_type_over_the_broker) {
+  PlantBench bench{straight(8.0)};
+  bench.feed(wire::InputKind::link, "", "up");
+  for (const std::string& name : battery::shipped_types()) {
+    JsonWriter json;
+    json.begin_object().key("changeBattery").begin_object().field("vehicle", 1).field("id", "B-" + name);
+    json.field("type", battery::to_json(*battery::shipped_type(name))).end_object().end_object();
+    bench.published.clear();
+    bench.feed(wire::InputKind::message, std::string(wire::plant_command_topic), json.take());
+    ASSERT_FALSE(bench.published.empty()) << name;
+    EXPECT_EQ(bench.published.back().topic, "cosiva/v1/battery/ready/CoSiVA/AIV1") << name;
+    EXPECT_NE(bench.published.back().payload.find("B-" + name), std::string::npos) << name;
+  }
 }
 
 TEST(Plant, publishes_the_truth_ten_times_a_second) {
