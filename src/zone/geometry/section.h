@@ -41,8 +41,8 @@ class Section {
   [[nodiscard]] const Pose2& start() const { return start_; }
   [[nodiscard]] const Pose2& end() const { return end_; }
 
-  /// X_MP at arc length s ∈ [0, L] (clamped). Heading is that of increasing s, in (−π, π]. On an arc this is the article's
-  /// equation (1), on straights along x and y its equations (2) and (3).
+  /// X_MP at arc length s ∈ [0, L] (clamped). Heading is that of increasing s, in (−π, π]. On an arc this is the
+  /// article's equation (1), on straights along x and y its equations (2) and (3).
   [[nodiscard]] Pose2 pose_at(double s_m) const;
   /// That of pose_at(s), to the same bits, without the way to it.
   [[nodiscard]] double heading_at(double s_m) const;
