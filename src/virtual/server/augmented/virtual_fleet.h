@@ -22,6 +22,8 @@ class VirtualFleet {
   /// @param v2x    they talk with those near them
   VirtualFleet(Registry& registry, Outbox& outbox, const aiv::SpeedRules& rules, bool v2x)
       : registry_{registry}, outbox_{outbox}, rules_{rules}, v2x_{v2x} {}
+  VirtualFleet(const VirtualFleet&) = delete;  // other parts refer to it
+  VirtualFleet& operator=(const VirtualFleet&) = delete;
 
   struct Host {
     VehicleIndex vehicle;

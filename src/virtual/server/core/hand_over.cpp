@@ -18,16 +18,16 @@ bool stands_without_order(const wire::State& state) { return state.node_states.e
 }  // namespace
 
 bool ServerCore::Inside::is_for_halls(const wire::Input& input) {
-  if (!halls.several()) return false;
+  if (!areas.several()) return false;
   if (const auto id = wire::parse_own_topic(wire::owner_topic_prefix, input.source)) {
     on_owner(*id, input);
     return true;
   }
   if (const auto topic = wire::parse_hall_topic(input.source)) {
-    if (topic->hall == halls.own()) return !input.source.starts_with(topics.zone_prefix);
-    if (const auto heard = halls.on_hall(*topic, input); !heard)
-      outbox.log('w', "the zone of hall '" + std::string(topic->hall) +
-                          "' cannot be used, so no vehicle is sent there: " + to_string(heard.error()));
+    if (topic->hall == areas.own()) return !input.source.starts_with(topics.zone_prefix);
+    if (const auto heard = areas.on_hall(*topic, input); !heard)
+      publisher.log('w', "the zone of hall '" + std::string(topic->hall) +
+                             "' cannot be used, so no vehicle is sent there: " + to_string(heard.error()));
     return true;
   }
   std::optional<wire::VehicleId> id;
@@ -42,20 +42,20 @@ bool ServerCore::Inside::is_for_halls(const wire::Input& input) {
   if (!id || !wire::valid_serial_number(id->manufacturer) || !wire::valid_serial_number(id->serial_number))
     return false;
   if (id->manufacturer == wire::virtual_manufacturer) return true;
-  Halls::Vehicle* vehicle = halls.vehicle(*id);
-  if (vehicle != nullptr) halls.overhear(*vehicle, name, input);
-  return !halls.is_ours(*id);
+  Halls::Vehicle* vehicle = areas.vehicle(*id);
+  if (vehicle != nullptr) areas.overhear(*vehicle, name, input);
+  return !areas.is_ours(*id);
 }
 
 void ServerCore::Inside::on_owner(const wire::VehicleId& id, const wire::Input& input) {
-  Halls::Vehicle* vehicle = halls.vehicle(id);
+  Halls::Vehicle* vehicle = areas.vehicle(id);
   if (vehicle == nullptr) return;
   std::optional<wire::Owner> said;
   if (!input.payload.empty()) {
     auto owner = wire::owner_from_json(input.payload);
     if (!owner) {
-      outbox.log('w',
-                 wire::to_string(id) + ": who owns it cannot be read, so nothing changes: " + to_string(owner.error()));
+      publisher.log(
+          'w', wire::to_string(id) + ": who owns it cannot be read, so nothing changes: " + to_string(owner.error()));
       return;
     }
     said = std::move(*owner);
@@ -63,12 +63,12 @@ void ServerCore::Inside::on_owner(const wire::VehicleId& id, const wire::Input& 
   const std::string name = wire::to_string(id);
   traces.add(now, said ? std::string_view{said->hall} : std::string_view{"operator"}, name, "owner",
              said ? "it is hall " + said->hall + "'s" : "it is nobody's", input.source, input.payload);
-  const bool was_ours = halls.is_ours(id);
+  const bool was_ours = areas.is_ours(id);
   vehicle->owner = std::move(said);
   vehicle->owner_heard = true;
   vehicle->claimed_at.reset();
   vehicle->pose.reset();
-  const bool ours = halls.is_ours(id);
+  const bool ours = areas.is_ours(id);
   // What a broker kept is of the past: where it stands, it says itself.
   if (ours && !was_ours) take_over(*vehicle, input.flag);
   if (was_ours && !ours) let_go(*registry.find(name), vehicle->owner ? vehicle->owner->hall : std::string{});
@@ -84,18 +84,18 @@ void ServerCore::Inside::take_over(Halls::Vehicle& vehicle, bool kept) {
     missions.registered(*index);
     take_priority(*index);
     if (registry[*index].twin) {
-      simulator.reappear(*registry[*index].twin, options.lost_after, step_recorder());
+      simulator.reappear(*registry[*index].twin, options.lost_after, step_recorder(*this));
       simulator.monitor().set_virtual(registry[*index].entity, true);
     }
   } else {
     index = register_vehicle(vehicle.id);
   }
   if (!index) {
-    outbox.log('e', name + ": is this hall's, but it is one more than the vehicles a server takes");
+    publisher.log('e', name + ": is this hall's, but it is one more than the vehicles a server takes");
     return;
   }
   AivProxy& proxy = registry[*index];
-  ahead.new_session(*index);
+  virtual_obstacles.new_session(*index);
   if (vehicle.connection) on_vehicle_message({*index, VehicleTopic::connection}, *vehicle.connection);
   if (vehicle.factsheet) on_vehicle_message({*index, VehicleTopic::factsheet}, *vehicle.factsheet);
   if (owner.pose && !kept) {
@@ -105,14 +105,14 @@ void ServerCore::Inside::take_over(Halls::Vehicle& vehicle, bool kept) {
     set_present(proxy);
     place_twin(*index, now, *owner.pose, wire::Velocity{});
   }
-  outbox.log('i', name + ": is this hall's");
-  memory_stale = true;
+  publisher.log('i', name + ": is this hall's");
+  state_stale = true;
   if (!owner.mission) return;
   const Mission mission{
       owner.mission->kind == "go" ? Mission::Kind::go : Mission::Kind::circulate, owner.mission->name, {}};
   if (missions.mission(*index) == Mission{} && map && missions.known(mission)) missions.give(*index, mission);
   // Said once, it is ours to remember: who starts again must not begin it again.
-  say_owner(vehicle, {halls.own(), 0, now, owner.pose, std::nullopt});
+  say_owner(vehicle, {areas.own(), 0, now, owner.pose, std::nullopt});
 }
 
 void ServerCore::Inside::let_go(VehicleIndex vehicle, const std::string& hall) {
@@ -126,40 +126,40 @@ void ServerCore::Inside::let_go(VehicleIndex vehicle, const std::string& hall) {
   simulator.monitor().set_physical(proxy.entity, false);
   simulator.monitor().set_virtual(proxy.entity, false);
   traffic.forget(vehicle);
-  roller.forget(vehicle);
+  orders.forget(vehicle);
   missions.forget(vehicle);
-  desk.forget(vehicle);
+  actions.forget(vehicle);
   commands.forget(vehicle,
                   hall.empty() ? proxy.name + " is nobody's any more" : proxy.name + " is hall " + hall + "'s now");
-  ahead.new_session(vehicle);
-  memory_stale = true;
-  outbox.log('i', proxy.name + ": let go" + (hall.empty() ? std::string{} : "; it is hall " + hall + "'s now"));
+  virtual_obstacles.new_session(vehicle);
+  state_stale = true;
+  publisher.log('i', proxy.name + ": let go" + (hall.empty() ? std::string{} : "; it is hall " + hall + "'s now"));
 }
 
 void ServerCore::Inside::say_owner(const Halls::Vehicle& vehicle, wire::Owner owner) {
   owner.sequence = vehicle.owner ? vehicle.owner->sequence + 1 : 1;
-  outbox.publish(wire::own_topic(wire::owner_topic_prefix, vehicle.id), wire::to_json(owner), 1, true);
+  publisher.publish(wire::own_topic(wire::owner_topic_prefix, vehicle.id), wire::to_json(owner), 1, true);
 }
 
 void ServerCore::Inside::say_lost_owners() {
   // A broker that was started anew may have forgotten whose they are.
-  for (const auto& [name, vehicle] : halls.vehicles()) {
+  for (const auto& [name, vehicle] : areas.vehicles()) {
     const auto index = registry.find(name);
     if (index) registry[*index].handed_over.reset();
-    if (halls.is_ours(vehicle.id) && !vehicle.owner_heard)
-      say_owner(vehicle, {halls.own(), 0, now, index ? registry[*index].reported : std::nullopt, std::nullopt});
+    if (areas.is_ours(vehicle.id) && !vehicle.owner_heard)
+      say_owner(vehicle, {areas.own(), 0, now, index ? registry[*index].reported : std::nullopt, std::nullopt});
   }
 }
 
 void ServerCore::Inside::claim_vehicles() {
   if (!map) return;
-  for (auto& [name, vehicle] : halls.vehicles()) {
+  for (auto& [name, vehicle] : areas.vehicles()) {
     const bool waits = vehicle.claimed_at && now - *vehicle.claimed_at < say_again;
     if (vehicle.owner || !vehicle.pose || waits) continue;
     if (now - vehicle.pose_since < claim_after || now - vehicle.pose_at > pose_age_max) continue;
-    if (now - link_up_at < claim_after || !zone::anchor_of(map->circuit(), *vehicle.pose)) continue;
+    if (now - link.up_since() < claim_after || !zone::anchor_of(map->circuit(), *vehicle.pose)) continue;
     vehicle.claimed_at = now;
-    say_owner(vehicle, {halls.own(), 0, now, vehicle.pose, std::nullopt});
+    say_owner(vehicle, {areas.own(), 0, now, vehicle.pose, std::nullopt});
   }
 }
 
@@ -168,11 +168,11 @@ void ServerCore::Inside::hand_over_arrived() {
     AivProxy& proxy = registry[v];
     if (!proxy.here() || (proxy.handed_over && now - proxy.handed_over->last < say_again)) continue;
     const std::string& beyond = missions.mission(v).beyond;
-    if (beyond.empty() || missions.state(v) != Missions::State::arrived || roller.has_order(v)) continue;
+    if (beyond.empty() || missions.state(v) != Missions::State::arrived || orders.has_order(v)) continue;
     const std::string hall = beyond.substr(0, beyond.find('/'));
     const bool there = proxy.online() && !proxy.lost(now, options.lost_after) && proxy.position_known;
-    if (!there || !proxy.state || !stands_without_order(*proxy.state) || !halls.is_there(hall)) continue;
-    Halls::Vehicle* vehicle = halls.vehicle(proxy.id);
+    if (!there || !proxy.state || !stands_without_order(*proxy.state) || !areas.is_there(hall)) continue;
+    Halls::Vehicle* vehicle = areas.vehicle(proxy.id);
     if (vehicle == nullptr) continue;
     // It stays ours until we hear this ourselves, as the other server does; which of us hears it first nobody knows, so
     // we stop showing it now: it is in no table for one message at most, and never in two.

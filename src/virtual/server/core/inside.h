@@ -6,24 +6,13 @@
 #include <string_view>
 #include <vector>
 
-#include "cosiva/virtual/server/areas/halls.h"
-#include "cosiva/virtual/server/augmented/ahead.h"
-#include "cosiva/virtual/server/augmented/pause_desk.h"
-#include "cosiva/virtual/server/augmented/things_desk.h"
-#include "cosiva/virtual/server/augmented/virtual_fleet.h"
-#include "cosiva/virtual/server/commands/commands.h"
+#include "cosiva/virtual/server/core/augmented_parts.h"
+#include "cosiva/virtual/server/core/master_control.h"
+#include "cosiva/virtual/server/core/server_context.h"
 #include "cosiva/virtual/server/core/server_core.h"
-#include "cosiva/virtual/server/messages/outbox.h"
-#include "cosiva/virtual/server/messages/traces.h"
-#include "cosiva/virtual/server/orders/deadlocks.h"
-#include "cosiva/virtual/server/orders/missions.h"
-#include "cosiva/virtual/server/orders/order_roller.h"
-#include "cosiva/virtual/server/registry/proxy.h"
-#include "cosiva/virtual/server/right_of_way/traffic.h"
 #include "cosiva/virtual/server/right_of_way/way_map.h"
 #include "cosiva/virtual/server/view/battery_desk.h"
 #include "cosiva/virtual/server/view/gvs_desk.h"
-#include "cosiva/virtual/server/zones/map_desk.h"
 #include "cosiva/virtual/server/zones/zone_edits.h"
 #include "cosiva/virtual/simulator/simulator.h"
 
@@ -34,7 +23,7 @@ namespace cosiva::virtual_side {
 /// virtual_world.cpp: what is added only virtually; hand_over.cpp: from hall to hall; memory.cpp: what is kept over a
 /// crash; reports.cpp and own_reports.cpp: what vehicles say; talk.cpp: what they say to each other; snapshot.cpp and
 /// vehicle_json.cpp: what the page reads.
-struct ServerCore::Inside {
+struct ServerCore::Inside : ServerContext, MasterControl, AugmentedParts {
   explicit Inside(ServerOptions given);
 
   // server_core.cpp
@@ -44,11 +33,9 @@ struct ServerCore::Inside {
   void on_tick();
   void settle();
   [[nodiscard]] bool settled() const;
-  [[nodiscard]] Simulator::Step step_recorder();
   std::optional<Registry::Address> address_of(const std::string& topic);
   void on_battery(const wire::Input& input);
   void on_gvs(const wire::Input& input);
-  void refuse_stranger(const wire::Input& input, const Error& error);
   std::optional<VehicleIndex> register_vehicle(const wire::VehicleId& id);
 
   // zone.cpp
@@ -164,25 +151,6 @@ struct ServerCore::Inside {
   void write_crossings(JsonWriter& json) const;
   void write_commands(JsonWriter& json) const;
 
-  ServerOptions options;
-  std::string topic_prefix;  ///< "<interface>/"
-  wire::ServerTopics topics;
-  Halls halls;
-  Traces traces;
-  Outbox outbox;
-  Registry registry;
-  Traffic traffic;
-  ActionDesk desk;
-  Simulator simulator;
-  Missions missions;
-  OrderRoller roller;
-  Deadlocks deadlocks;
-  MapDesk maps;
-  Commands commands;
-  VirtualFleet fleet;
-  PauseDesk pauses;
-  AheadDesk ahead;
-  ThingsDesk things;
   BatteryDesk batteries;
   GvsDesk gvs;
   ZoneEdits edits;
@@ -223,18 +191,9 @@ struct ServerCore::Inside {
   std::vector<std::string> recalled_pauses;
   std::string remembered;
   SimTime remember_at{};
-  bool memory_stale{false};
 
-  SimTime now{};
   std::optional<SimTime> ticked_at;
   bool begun{false};
-  bool link_up{false};
-  SimTime link_up_at{};
-  bool is_settled{false};
-  SimTime next_heartbeat{};
-  std::uint32_t heartbeat_id{0};
-  std::uint64_t messages_refused{0};
-  std::uint64_t strangers_logged{0};
 };
 
 }  // namespace cosiva::virtual_side

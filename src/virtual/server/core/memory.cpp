@@ -83,7 +83,7 @@ std::string ServerCore::Inside::memory() const {
   const auto write_aiv = [&json](const std::string& serial, const std::string& section, double s_m) {
     json.begin_object().field("id", serial).field("section", section).field("s", s_m).end_object();
   };
-  for (const VirtualFleet::Host& host : fleet.hosts()) {
+  for (const VirtualFleet::Host& host : hosted.hosts()) {
     const zone::Place place = VirtualFleet::place_of(host, *simulator.circuit());
     write_aiv(registry[host.vehicle].id.serial_number, simulator.circuit()->part(place.section).name,
               std::nearbyint(place.s_m * 1000.0) / 1000.0);
@@ -102,23 +102,23 @@ std::string ServerCore::Inside::memory() const {
 }
 
 void ServerCore::Inside::remember() {
-  const bool moves = !fleet.empty() && now >= remember_at;
-  if (!memory_stale && !moves) return;
+  const bool moves = !hosted.empty() && now >= remember_at;
+  if (!state_stale && !moves) return;
   // Until the zone has come, what is remembered of its edits is all there is.
   if (recalled_zone) return;
-  memory_stale = false;
+  state_stale = false;
   remember_at = now + remember_period;
   std::string bytes = memory();
   if (bytes == remembered) return;
   remembered = bytes;
-  outbox.remember(std::move(bytes));
+  publisher.remember(std::move(bytes));
 }
 
 void ServerCore::Inside::recall(std::string_view bytes) {
   auto memory = JsonValue::parse(bytes);
   if (!memory || memory->number("version") != std::optional{1.0}) {
-    outbox.log('w', "what was remembered of the virtual world cannot be read; it starts empty" +
-                        (memory ? std::string{} : ": " + memory.error().message));
+    publisher.log('w', "what was remembered of the virtual world cannot be read; it starts empty" +
+                           (memory ? std::string{} : ": " + memory.error().message));
     return;
   }
   recall_things(*memory);
@@ -131,8 +131,8 @@ void ServerCore::Inside::recall(std::string_view bytes) {
     recalled_zone = *zone;
     if (simulator.zone()) recall_zone();
   }
-  outbox.log('i', "remembered " + std::to_string(simulator.augmented().things().size()) + " virtual things and " +
-                      std::to_string(recalled_aivs.size()) + " virtual AIVs");
+  publisher.log('i', "remembered " + std::to_string(simulator.augmented().things().size()) + " virtual things and " +
+                         std::to_string(recalled_aivs.size()) + " virtual AIVs");
 }
 
 void ServerCore::Inside::recall_things(const JsonValue& memory) {
@@ -146,7 +146,7 @@ void ServerCore::Inside::recall_things(const JsonValue& memory) {
     if (thing && simulator.augmented().find(thing->id) == nullptr)
       simulator.augmented().add(std::move(*thing));
     else
-      outbox.log('w', "a remembered virtual thing cannot be read; it is left out");
+      publisher.log('w', "a remembered virtual thing cannot be read; it is left out");
   });
   each("aivs", Augmented::things_max, [&](const JsonValue& json) {
     const auto id = json.text("id");
@@ -154,7 +154,7 @@ void ServerCore::Inside::recall_things(const JsonValue& memory) {
     if (id && section && wire::valid_serial_number(*id) && in(json.number("s"), 0.0, place_m_max))
       recalled_aivs.push_back({*id, *section, *json.number("s")});
     else
-      outbox.log('w', "a remembered virtual AIV cannot be read; it is left out");
+      publisher.log('w', "a remembered virtual AIV cannot be read; it is left out");
   });
   each("paused", names_max, [&](const JsonValue& json) {
     if (json.text() != nullptr) recalled_pauses.push_back(*json.text());
@@ -176,7 +176,7 @@ void ServerCore::Inside::recall_zone() {
     recalled.fit = ZoneEdits::Recalled::Fit::base;
   }
   if (recalled.fit == ZoneEdits::Recalled::Fit::another) {
-    outbox.log('w', "the zone is another one than the remembered edits were made on; they are left out");
+    publisher.log('w', "the zone is another one than the remembered edits were made on; they are left out");
     return;
   }
   const bool to_be_taken = recalled.fit == ZoneEdits::Recalled::Fit::base;

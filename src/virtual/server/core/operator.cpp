@@ -35,7 +35,7 @@ Result<std::string> obstacle_id(const std::optional<std::string>& id) {
 }
 
 /// {"addObstacle":…} or {"removeObstacle":…}, as the emulated world reads it.
-Result<std::string> plant_json(const JsonValue& plant, const ThingsDesk& things, double radius_m) {
+Result<std::string> plant_json(const JsonValue& plant, const ThingsDesk& objects, double radius_m) {
   JsonWriter json;
   if (const JsonValue* removed = plant.find("removeObstacle")) {
     auto id = obstacle_id(removed->text() == nullptr ? std::nullopt : std::optional{*removed->text()});
@@ -53,7 +53,7 @@ Result<std::string> plant_json(const JsonValue& plant, const ThingsDesk& things,
   const JsonValue none;
   const JsonValue* x = added->find("x");
   const JsonValue* y = added->find("y");
-  const auto at = things.read_point(x == nullptr ? none : *x, y == nullptr ? none : *y, "x, y");
+  const auto at = objects.read_point(x == nullptr ? none : *x, y == nullptr ? none : *y, "x, y");
   if (!at) return tl::unexpected(at.error());
   if (const JsonValue* given = added->find("radius"); given != nullptr && !given->is_null()) {
     const double* number = given->number();
@@ -74,7 +74,7 @@ Result<wire::Publish> ServerCore::Inside::world_command(const JsonValue& command
     if (plant == nullptr) return fail("plant.missing", "say what to do in the emulated world, as \"plant\"", "plant");
     if (!simulator.zone())
       return fail("plant.zone", "there is no zone yet; wait until the physical side has sent it, then try again");
-    auto json = plant_json(*plant, things, std::max(obstacle_radius_m_min, 0.5 * simulator.zone()->vehicle.width_m));
+    auto json = plant_json(*plant, objects, std::max(obstacle_radius_m_min, 0.5 * simulator.zone()->vehicle.width_m));
     if (!json) return tl::unexpected(json.error());
     return wire::Publish{std::string(wire::plant_command_topic), std::move(*json), 1, false};
   }
@@ -97,8 +97,8 @@ Result<void> ServerCore::Inside::check_command(std::string_view json) const {
     if (!result) return tl::unexpected(result.error());
     return {};
   };
-  if (halls.several() && verb == "add" && adds_virtual_aiv(*command)) return no_virtual_aivs();
-  if (ThingsDesk::is_ours(verb)) return verdict(things.read(*command));
+  if (areas.several() && verb == "add" && adds_virtual_aiv(*command)) return no_virtual_aivs();
+  if (ThingsDesk::is_ours(verb)) return verdict(objects.read(*command));
   if (ZoneEdits::is_ours(verb)) return verdict(edits.after(*command, simulator));
   if (is_world_command(verb)) return verdict(world_command(*command));
   if (is_battery_ready(verb)) return verdict(batteries.ready(*command));
@@ -110,17 +110,17 @@ Result<void> ServerCore::Inside::check_command(std::string_view json) const {
 void ServerCore::Inside::say_battery_ready(wire::Publish message) {
   traces.add(now, "AIV_Server", "battery test", "battery", "batteryReady: " + message.payload, message.topic,
              message.payload);
-  outbox.publish(std::move(message.topic), std::move(message.payload), message.qos, message.retained);
+  publisher.publish(std::move(message.topic), std::move(message.payload), message.qos, message.retained);
 }
 
 void ServerCore::Inside::on_command(std::string_view json) {
   const auto command = JsonValue::parse(json, command_bytes_max);
   const std::string verb = command ? command->text("command").value_or("") : std::string{};
-  const auto refuse = [&](const Error& error) { outbox.log('w', "command refused: " + to_string(error)); };
-  if (halls.several() && verb == "add" && adds_virtual_aiv(*command)) {
+  const auto refuse = [&](const Error& error) { publisher.log('w', "command refused: " + to_string(error)); };
+  if (areas.several() && verb == "add" && adds_virtual_aiv(*command)) {
     refuse(no_virtual_aivs().error());
   } else if (ThingsDesk::is_ours(verb)) {
-    const auto asked = things.read(*command);
+    const auto asked = objects.read(*command);
     if (!asked) return refuse(asked.error());
     follow(*asked);
   } else if (ZoneEdits::is_ours(verb)) {
@@ -129,7 +129,7 @@ void ServerCore::Inside::on_command(std::string_view json) {
     auto message = world_command(*command);
     if (!message) return refuse(message.error());
     traces.add(now, "AIV_Server", "emulated world", verb, message->payload, message->topic, message->payload);
-    outbox.publish(std::move(message->topic), std::move(message->payload), message->qos, message->retained);
+    publisher.publish(std::move(message->topic), std::move(message->payload), message->qos, message->retained);
   } else if (is_battery_ready(verb)) {
     auto message = batteries.ready(*command);
     if (!message) return refuse(message.error());
@@ -138,7 +138,7 @@ void ServerCore::Inside::on_command(std::string_view json) {
     const auto checked = missions.check(*command);
     if (!checked) return refuse(checked.error());
     missions.follow(*command);
-    memory_stale = true;
+    state_stale = true;
   } else if (verb == "switch") {
     switch_zone(*command);
   } else {

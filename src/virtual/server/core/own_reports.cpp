@@ -52,7 +52,7 @@ void ServerCore::Inside::on_felt(VehicleIndex vehicle, const wire::Input& input)
   std::string summary = "ahead " + std::to_string(felt->ahead_header_id) + ": ";
   summary += felt->braking ? "brakes for " + felt->body : std::string("nothing to brake for");
   traces.add(now, proxy.name, "AIV_Server", "felt", summary, input.source, input.payload);
-  if (!ahead.on_felt(vehicle, *felt, clock_of(proxy, felt->decided))) ++proxy.outdated;
+  if (!virtual_obstacles.on_felt(vehicle, *felt, clock_of(proxy, felt->decided))) ++proxy.outdated;
 }
 
 /// A late word is of a vehicle that has driven on: its body counts where its twin is shown, where it last reported

@@ -49,7 +49,7 @@ void ServerCore::positions(SimTime now, std::vector<PositionRecord>& out) const 
         record_of(static_cast<std::uint16_t>(v), PositionRecord::Kind::aiv, image.X_MB, lost ? 0.0 : image.speed_mps);
     record.status = lost ? status_lost : status_number(aiv::status_of(image.speed_mps, proxy.imposed));
     record.augmented = proxy.augmented;
-    record.blocked = !lost && ((proxy.state && proxy.state->field_violation) || !in.ahead.feels(v).empty());
+    record.blocked = !lost && ((proxy.state && proxy.state->field_violation) || !in.virtual_obstacles.feels(v).empty());
     record.reported_dx_m = static_cast<float>(reported.x_m - image.X_MB.x_m);
     record.reported_dy_m = static_cast<float>(reported.y_m - image.X_MB.y_m);
     out.push_back(record);
@@ -80,7 +80,7 @@ ServerCore::PageRevision ServerCore::page_revision() const {
     const AivProxy& proxy = in.registry[v];
     add(waited_for, proxy.here(), proxy.lost(in.now, in.options.lost_after), proxy.priority);
     if (proxy.connection) add(waited_for, *proxy.connection, 1);
-    waited_for.add(std::string_view{in.ahead.feels(v)});
+    waited_for.add(std::string_view{in.virtual_obstacles.feels(v)});
     if (!proxy.state) continue;
     const wire::State& state = *proxy.state;
     add(waited_for, state.field_violation, state.paused, state.errors.size());

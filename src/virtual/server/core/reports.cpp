@@ -66,7 +66,7 @@ std::string summary_of(const wire::State& state) {
 void ServerCore::Inside::log_once(AivProxy& proxy, std::uint32_t note, char level, std::string text) {
   if ((proxy.notes & note) != 0) return;
   proxy.notes |= note;
-  outbox.log(level, proxy.name + ": " + std::move(text));
+  publisher.log(level, proxy.name + ": " + std::move(text));
 }
 
 void ServerCore::Inside::refuse(VehicleIndex vehicle, VehicleTopic topic, const wire::Input& input,
@@ -158,7 +158,7 @@ SimTime ServerCore::Inside::clock_of(AivProxy& proxy, SimTime stamp) {
 void ServerCore::Inside::on_report(VehicleIndex vehicle, SimTime reported_at) {
   AivProxy& proxy = registry[vehicle];
   if (!proxy.online() && now - proxy.connection_at > will_outlived) {
-    outbox.log('i', proxy.name + ": goes on reporting; taken as connected");
+    publisher.log('i', proxy.name + ": goes on reporting; taken as connected");
     proxy.connection = wire::ConnectionState::online;
     proxy.connection_at = now;
   }
@@ -198,7 +198,7 @@ void ServerCore::Inside::on_connection(VehicleIndex vehicle, const wire::Input& 
     proxy.boards.reset();
     proxy.boards_stamp.reset();
     proxy.seen_stamp.reset();
-    ahead.new_session(vehicle);
+    virtual_obstacles.new_session(vehicle);
   }
 }
 
@@ -246,7 +246,7 @@ void ServerCore::Inside::on_state(VehicleIndex vehicle, const wire::Input& input
   const std::optional<wire::State> before = std::exchange(proxy.state, std::move(*message));
   const wire::State& state = *proxy.state;
   proxy.state_stamp = stamp;
-  proxy.state_since_link = proxy.state_since_link || link_up;
+  proxy.state_since_link = proxy.state_since_link || link.up();
   proxy.state_in_session = true;
   const SimTime reported_at = clock_of(proxy, stamp);
   on_report(vehicle, reported_at);
@@ -255,8 +255,8 @@ void ServerCore::Inside::on_state(VehicleIndex vehicle, const wire::Input& input
   tell_base_end(vehicle);
   const auto position_stamp = fresh_position_stamp(proxy, state.header);
   if (position_stamp && state.position) on_position(vehicle, *position_stamp, *state.position, state.velocity);
-  roller.on_state(vehicle, before ? &*before : nullptr);
-  desk.on_state(vehicle, state);
+  orders.on_state(vehicle, before ? &*before : nullptr);
+  actions.on_state(vehicle, state);
   commands.on_state(vehicle);
   show_events(vehicle, before ? &*before : nullptr, reported_at);
 }
@@ -299,7 +299,7 @@ void ServerCore::Inside::place_twin(VehicleIndex vehicle, SimTime at, const Pose
                                     const std::optional<wire::Velocity>& velocity) {
   AivProxy& proxy = registry[vehicle];
   if (!proxy.twin) {
-    proxy.twin = simulator.appear(proxy.name, proxy.number, proxy.augmented, options.lost_after, step_recorder());
+    proxy.twin = simulator.appear(proxy.name, proxy.number, proxy.augmented, options.lost_after, step_recorder(*this));
     show_event(proxy, PhysicalEvent::arrival, at);
     tell_base_end(vehicle);
   }
@@ -310,13 +310,13 @@ void ServerCore::Inside::place_twin(VehicleIndex vehicle, SimTime at, const Pose
     report.omega_radps = velocity->omega_radps;
   }
   // All halls share a frame: what was said on another's map holds on ours, too.
-  report.on_map = !map || proxy.map_id.empty() || proxy.map_id == map->zone().name || halls.has_map(proxy.map_id);
+  report.on_map = !map || proxy.map_id.empty() || proxy.map_id == map->zone().name || areas.has_map(proxy.map_id);
   const Twin& twin = simulator.twin(*proxy.twin);
   const std::optional<zone::Place> before = twin.on_circuit() ? std::optional{twin.reported_place()} : std::nullopt;
   simulator.report(*proxy.twin, now, report);
   if (before && twin.on_circuit() && before->section != twin.reported_place().section) trace_section(proxy, *before);
   if (map)
-    roller.set_standing(vehicle, {twin.reported_place(), twin.reported_off_m(), twin.heading_off_rad(), report.X_MB});
+    orders.set_standing(vehicle, {twin.reported_place(), twin.reported_off_m(), twin.heading_off_rad(), report.X_MB});
 }
 
 void ServerCore::Inside::trace_section(const AivProxy& proxy, zone::Place before) {
@@ -404,8 +404,8 @@ void ServerCore::Inside::help_lost_position(VehicleIndex vehicle) {
     if (const auto behind = map->behind(twin.reported_place(), traffic.gone(vehicle)))
       action.parameters.push_back({"lastNodeId", map->waypoint(behind->waypoint).id});
   }
-  outbox.log('i', proxy.name + ": does not know where it is; told its last place");
-  desk.send(proxy, vehicle, {std::move(action)}, std::chrono::seconds{2}, false);
+  publisher.log('i', proxy.name + ": does not know where it is; told its last place");
+  actions.send(proxy, vehicle, {std::move(action)}, std::chrono::seconds{2}, false);
 }
 
 void ServerCore::Inside::ask_factsheet(VehicleIndex vehicle) {
@@ -413,7 +413,8 @@ void ServerCore::Inside::ask_factsheet(VehicleIndex vehicle) {
   if (proxy.factsheet || proxy.factsheet_asked || !proxy.present || !proxy.online()) return;
   if (now - proxy.first_heard < factsheet_patience) return;
   proxy.factsheet_asked = true;
-  desk.send(proxy, vehicle, {{"factsheetRequest", {}, {}, wire::BlockingType::none, {}}}, SimDuration::zero(), false);
+  actions.send(proxy, vehicle, {{"factsheetRequest", {}, {}, wire::BlockingType::none, {}}}, SimDuration::zero(),
+               false);
 }
 
 }  // namespace cosiva::virtual_side

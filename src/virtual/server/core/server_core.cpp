@@ -11,10 +11,8 @@
 namespace cosiva::virtual_side {
 namespace {
 
-constexpr SimDuration heartbeat_period{std::chrono::milliseconds{100}};
 constexpr SimDuration settle_min{std::chrono::milliseconds{300}};
 constexpr SimDuration settle_max{std::chrono::seconds{2}};
-constexpr std::uint64_t strangers_logged_max = 20;
 
 std::string connection_json(std::string_view state, SimTime now) {
   JsonWriter json;
@@ -25,29 +23,12 @@ std::string connection_json(std::string_view state, SimTime now) {
 }  // namespace
 
 ServerCore::Inside::Inside(ServerOptions given)
-    : options{std::move(given)},
-      topic_prefix{(options.interface_name.empty() ? std::string(wire::default_interface) : options.interface_name) +
-                   "/"},
-      topics{wire::server_topics(options.hall)},
-      halls{options.hall},
-      traces{options.traces_max},
-      outbox{traces, options.as_values},
-      registry{topic_prefix.substr(0, topic_prefix.size() - 1)},
-      traffic{{.convoys = options.convoys}},
-      desk{outbox},
-      simulator{options.contract},
-      missions{registry, outbox},
-      roller{registry, traffic, outbox, desk, missions, simulator},
-      deadlocks{registry, outbox, traces, roller},
-      maps{registry, outbox, desk},
-      commands{registry, outbox, desk, roller, simulator},
-      fleet{registry, outbox, options.virtual_rules, options.v2x},
-      pauses{registry, traffic, outbox, desk, simulator},
-      ahead{registry, outbox, traces, simulator, fleet, pauses},
-      things{registry, simulator, fleet, outbox},
+    : ServerContext{std::move(given)},
+      MasterControl{.served = *this},
+      AugmentedParts{.server = *this, .master = *this},
       gvs{registry, simulator} {
-  if (halls.several())
-    missions.set_abroad([this](std::string_view to) { return halls.way_to(to, map->zone(), missions); });
+  if (areas.several())
+    missions.set_abroad([this](std::string_view to) { return areas.way_to(to, map->zone(), missions); });
 }
 
 void ServerCore::Inside::begin(SimTime) {
@@ -55,21 +36,15 @@ void ServerCore::Inside::begin(SimTime) {
   if (options.zone) on_zone(*options.zone, ZoneCame::given);
 }
 
-Simulator::Step ServerCore::Inside::step_recorder() {
-  return [this](std::string_view from, std::string_view to, std::string_view kind, std::string_view content) {
-    traces.add(now, from, to, kind, content);
-  };
-}
-
 std::optional<VehicleIndex> ServerCore::Inside::register_vehicle(const wire::VehicleId& id) {
   const auto index = registry.add(id, now);
   if (!index) return std::nullopt;
   traffic.resize(registry.size());
-  roller.resize(registry.size());
+  orders.resize(registry.size());
   missions.resize(registry.size());
   maps.resize(registry.size());
   missions.registered(*index);
-  ahead.resize(registry.size());
+  virtual_obstacles.resize(registry.size());
   pauses.resize(registry.size());
   AivProxy& proxy = registry[*index];
   take_priority(*index);
@@ -80,9 +55,9 @@ std::optional<VehicleIndex> ServerCore::Inside::register_vehicle(const wire::Veh
     proxy.entity = simulator.monitor().entity(proxy.name);
   if (std::erase(recalled_pauses, proxy.name) > 0) {
     proxy.paused_for_body = true;
-    ahead.wake();
+    virtual_obstacles.wake();
   }
-  outbox.log('i', proxy.name + ": registered with mark " + std::to_string(proxy.number));
+  publisher.log('i', proxy.name + ": registered with mark " + std::to_string(proxy.number));
   return index;
 }
 
@@ -103,8 +78,7 @@ std::optional<Registry::Address> ServerCore::Inside::address_of(const std::strin
     if (const auto index = register_vehicle(parsed->vehicle)) return Registry::Address{*index, *kind};
     fault = "is one more than the " + std::to_string(Registry::vehicles_max) + " vehicles a server takes";
   }
-  ++messages_refused;
-  if (strangers_logged++ < strangers_logged_max) outbox.log('w', "ignored '" + topic.substr(0, 120) + "': it " + fault);
+  refuse_unknown_sender(*this, topic, "it " + fault);
   return std::nullopt;
 }
 
@@ -113,7 +87,7 @@ void ServerCore::Inside::on_message(const wire::Input& input) {
   if (BatteryDesk::is_ours(input.source)) return on_battery(input);
   if (GvsDesk::is_ours(input.source)) return on_gvs(input);
   if (is_for_halls(input)) return;
-  if (!fleet.empty() && fleet.from_broker(now, input)) return;
+  if (!hosted.empty() && hosted.from_broker(now, input)) return;
   if (const auto address = address_of(input.source)) {
     on_vehicle_message(*address, input);
     return;
@@ -135,47 +109,42 @@ void ServerCore::Inside::on_battery(const wire::Input& input) {
     if (!news->empty()) traces.add(now, "battery test", "*", "battery", *news, input.source, input.payload);
     return;
   }
-  refuse_stranger(input, news.error());
+  refuse_unknown_sender(*this, input.source, to_string(news.error()));
 }
 
 void ServerCore::Inside::on_gvs(const wire::Input& input) {
   const auto news = gvs.on_message(now, input);
-  if (!news) return refuse_stranger(input, news.error());
+  if (!news) return refuse_unknown_sender(*this, input.source, to_string(news.error()));
   if (!news->empty()) traces.add(now, "GVS", "AIV_Server", "gvs", *news, input.source, input.payload);
 }
 
-void ServerCore::Inside::refuse_stranger(const wire::Input& input, const Error& error) {
-  ++messages_refused;
-  if (strangers_logged++ < strangers_logged_max)
-    outbox.log('w', "ignored '" + input.source.substr(0, 120) + "': " + to_string(error));
-}
-
 void ServerCore::Inside::on_link(bool up) {
-  if (up == link_up) return;
-  link_up = up;
-  fleet.link(now, up);
+  if (up == link.up()) return;
+  if (up)
+    link.came_up(now);
+  else
+    link.went_down();
+  hosted.link(now, up);
   if (!up) {
     edits.link_lost();
-    outbox.log('w', "lost the broker; vehicles stop by themselves until it is back");
+    publisher.log('w', "lost the broker; vehicles stop by themselves until it is back");
     return;
   }
-  link_up_at = now;
-  is_settled = false;
+  link.up_since() = now;
   waiting_zone.reset();
   zone_confirmed = false;
-  halls.link_up();
+  areas.link_up();
   batteries.link_up();
   for (AivProxy& proxy : registry) proxy.state_since_link = false;
   std::string online = connection_json("ONLINE", now);
   traces.add(now, "AIV_Server", "*", "connection", "ONLINE", topics.connection, online);
-  fleet.message(now, std::string(wire::server_connection_topic), online);
-  outbox.publish(topics.connection, std::move(online), 1, true);
+  hosted.message(now, std::string(wire::server_connection_topic), online);
+  publisher.publish(topics.connection, std::move(online), 1, true);
   if (options.zone || zone_switched_here || edits.edited(simulator)) publish_zone();
-  next_heartbeat = now;
 }
 
 bool ServerCore::Inside::settled() const {
-  const SimDuration since = now - link_up_at;
+  const SimDuration since = now - link.up_since();
   if (since >= settle_max) return true;
   if (since < settle_min) return false;
   // A vehicle that drives on an order of our last life must be heard before anyone is sent into its way.
@@ -185,8 +154,8 @@ bool ServerCore::Inside::settled() const {
 }
 
 void ServerCore::Inside::settle() {
-  is_settled = true;
-  if (halls.several()) {
+  link.set_synchronised();
+  if (areas.several()) {
     recalled_aivs.clear();
     say_lost_owners();
   }
@@ -195,38 +164,34 @@ void ServerCore::Inside::settle() {
 }
 
 void ServerCore::Inside::on_tick() {
-  if (link_up && now >= next_heartbeat) {
-    std::string heartbeat =
-        "{\"headerId\":" + std::to_string(heartbeat_id) + ",\"timestamp\":\"" + to_iso8601(now) + "\"}";
-    traces.add(now, "AIV_Server", "*", "heartbeat", heartbeat, topics.heartbeat, heartbeat);
-    fleet.message(now, std::string(wire::server_heartbeat_topic), heartbeat);
-    outbox.publish(topics.heartbeat, std::move(heartbeat), 0, false);
-    ++heartbeat_id;
-    next_heartbeat = std::max(next_heartbeat + heartbeat_period, now);
+  if (auto heartbeat = link.take_heartbeat(now)) {
+    traces.add(now, "AIV_Server", "*", "heartbeat", *heartbeat, topics.heartbeat, *heartbeat);
+    hosted.message(now, std::string(wire::server_heartbeat_topic), *heartbeat);
+    publisher.publish(topics.heartbeat, std::move(*heartbeat), 0, false);
   }
-  fleet.tick(now);
-  if (waiting_zone && now - link_up_at >= settle_min) take_waiting_zone();
-  if (link_up && !is_settled && settled()) settle();
-  if (link_up && is_settled) {
+  hosted.tick(now);
+  if (waiting_zone && now - link.up_since() >= settle_min) take_waiting_zone();
+  if (link.up() && !link.synchronised() && settled()) settle();
+  if (link.synchronised()) {
     for (VehicleIndex v = 0; v < registry.size(); ++v) {
       help_lost_position(v);
       ask_factsheet(v);
     }
     traffic.set_time(now);
     follow_switch();
-    roller.tick(options.drive, !switched || switched->sent_off, options.lost_after);
+    orders.tick(options.drive, !switched || switched->sent_off, options.lost_after);
     deadlocks.tick();
-    if (halls.several()) {
+    if (areas.several()) {
       claim_vehicles();
       hand_over_arrived();
     }
   }
   update_virtual_world();
   look_for_passed_obstacles();
-  desk.tick(registry, link_up);
+  actions.tick(registry, link.up());
   commands.tick();
 
-  gvs.tick(now, !halls.several());
+  gvs.tick(now, !areas.several());
   BijectionMonitor& monitor = simulator.monitor();
   if (ticked_at) monitor.late(std::max(0.0, to_seconds(now - *ticked_at - options.cycle) * 1e3));
   ticked_at = now;
@@ -244,7 +209,7 @@ ServerCore::~ServerCore() = default;
 void ServerCore::handle(const wire::Input& input, wire::Effects& effects) {
   Inside& in = *inside_;
   in.now = input.at;
-  in.outbox.open(input.at, effects);
+  in.publisher.open(input.at, effects);
   if (!in.begun) in.begin(input.at);
   switch (input.kind) {
     case wire::InputKind::message: in.on_message(input); break;
@@ -279,7 +244,7 @@ std::vector<std::string> ServerCore::subscriptions() const {
                                    hosted + "instantActions"};
   std::ranges::move(BatteryDesk::subscriptions(), std::back_inserter(filters));
   std::ranges::move(GvsDesk::subscriptions(), std::back_inserter(filters));
-  if (!inside_->halls.several()) return filters;
+  if (!inside_->areas.several()) return filters;
   // Its zone comes with those of the other halls.
   std::erase(filters, wire::topics_below(wire::zone_topic_prefix, 1));
   const std::string hall{wire::hall_topic_prefix};
@@ -293,8 +258,8 @@ std::optional<wire::Will> ServerCore::will() const {
 }
 
 void ServerCore::farewell(SimTime now, wire::Effects& effects) {
-  inside_->outbox.open(now, effects);
-  inside_->fleet.farewell(now);
+  inside_->publisher.open(now, effects);
+  inside_->hosted.farewell(now);
   effects.emplace_back(wire::Publish{inside_->topics.connection, connection_json("OFFLINE", now), 1, true});
   inside_->traces.add(now, "AIV_Server", "*", "connection", "OFFLINE");
 }
@@ -303,7 +268,7 @@ void ServerCore::fold(Digest& digest) const {
   const Inside& in = *inside_;
   in.simulator.fold(digest);
   in.traffic.fold(digest);
-  in.roller.fold(digest);
+  in.orders.fold(digest);
   in.deadlocks.fold(digest);
   in.missions.fold(digest);
   in.commands.fold(digest);
@@ -317,10 +282,10 @@ void ServerCore::fold(Digest& digest) const {
     digest.add(static_cast<std::int64_t>(proxy.priority));
     digest.add(static_cast<std::uint64_t>(proxy.retired) * 2 + static_cast<std::uint64_t>(proxy.paused_for_body));
   }
-  in.fleet.fold(digest);
-  in.ahead.fold(digest);
+  in.hosted.fold(digest);
+  in.virtual_obstacles.fold(digest);
   in.edits.fold(digest);
-  in.halls.fold(digest);
+  in.areas.fold(digest);
   in.gvs.fold(digest);
   digest.add(in.messages_refused);
   digest.add(in.traces.next());
@@ -332,7 +297,7 @@ Result<void> ServerCore::check_command(std::string_view json) const { return ins
 
 std::uint64_t ServerCore::zone_revision() const { return inside_->simulator.zone_revision(); }
 std::string ServerCore::zone_json() const { return inside_->simulator.zone_json(); }
-std::string ServerCore::next_thing_id(std::string_view kind) const { return inside_->things.next_id(kind); }
+std::string ServerCore::next_thing_id(std::string_view kind) const { return inside_->objects.next_id(kind); }
 std::optional<std::string> ServerCore::battery_curve_json(const std::string& vehicle) const {
   return inside_->batteries.curve_json(vehicle);
 }

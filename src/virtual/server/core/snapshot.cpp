@@ -42,7 +42,7 @@ void ServerCore::Inside::write_things(JsonWriter& json) const {
     }
     json.key("feltBy").begin_array();
     for (VehicleIndex v = 0; v < registry.size(); ++v)
-      if (registry[v].here() && ahead.feels(v) == thing.id) json.value(registry[v].name);
+      if (registry[v].here() && virtual_obstacles.feels(v) == thing.id) json.value(registry[v].name);
     json.end_array().field("since_ms", ms_of(thing.since.time_since_epoch())).end_object();
   }
   json.end_array();
@@ -121,7 +121,7 @@ std::string ServerCore::snapshot_json() const {
       .field("redo", static_cast<std::uint64_t>(in.edits.redo_count()))
       .field("unsaved", in.edits.unsaved(in.simulator))
       .end_object();
-  if (in.halls.several()) in.halls.write(json.key("hall"));
+  if (in.areas.several()) in.areas.write(json.key("hall"));
   in.write_zone(json);
   json.key("aivs").begin_array();
   for (VehicleIndex v = 0; v < in.registry.size(); ++v)
@@ -164,10 +164,10 @@ std::string ServerCore::summary_json() const {
   json.end_array();
   json.key("orders")
       .begin_object()
-      .field("sent", in.roller.orders_sent())
-      .field("updates", in.roller.updates_sent())
-      .field("resent", in.roller.resent())
-      .field("longest_wait_s", to_seconds(in.roller.longest_wait()))
+      .field("sent", in.orders.orders_sent())
+      .field("updates", in.orders.updates_sent())
+      .field("resent", in.orders.resent())
+      .field("longest_wait_s", to_seconds(in.orders.longest_wait()))
       .end_object();
   in.deadlocks.write_counters(json.key("deadlocks").begin_object());
   json.end_object();

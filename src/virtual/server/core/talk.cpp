@@ -31,7 +31,7 @@ bool adjacent(wire::Cell a, wire::Cell b) { return std::abs(a.x - b.x) <= 1 && s
 
 void ServerCore::Inside::on_intent(const wire::Input& input) {
   if (input.flag) return;
-  if (!fleet.empty()) fleet.talk(now, input);
+  if (!hosted.empty()) hosted.talk(now, input);
   const auto topic = wire::parse_v2x_topic(input.source);
   if (!topic) return;
   // Who is known by its talk alone is no vehicle of this server's: made-up names cost it nothing.

@@ -75,7 +75,7 @@ void ServerCore::Inside::write_vehicle(JsonWriter& json, VehicleIndex vehicle) c
   text_or_null(json, "map", proxy.map_id);
   const std::string why_parked = parked(vehicle);
   text_or_null(json, "parked", why_parked);
-  missions.write(json.key("mission"), vehicle, roller.stands_at_goal(vehicle));
+  missions.write(json.key("mission"), vehicle, orders.stands_at_goal(vehicle));
   write_pose(json.key("reported").begin_object(), twin.last_report().X_MB);
   json.end_object();
   json.field("age_ms", std::max(0.0, ms_of(now - proxy.reported_at)))
@@ -112,8 +112,8 @@ void ServerCore::Inside::write_agent(JsonWriter& json, VehicleIndex vehicle, boo
       .field("driving", state.driving)
       .field("paused", state.paused)
       .field("fieldViolation", state.field_violation);
-  text_or_null(json, "waitsFor", roller.waits_for(vehicle));
-  text_or_null(json, "feels", lost ? std::string_view{} : std::string_view{ahead.feels(vehicle)});
+  text_or_null(json, "waitsFor", orders.waits_for(vehicle));
+  text_or_null(json, "feels", lost ? std::string_view{} : std::string_view{virtual_obstacles.feels(vehicle)});
   json.key("errors").begin_array();
   for (const wire::VehicleError& error : state.errors)
     json.value(error.description.empty() ? error.type : error.type + ": " + error.description);

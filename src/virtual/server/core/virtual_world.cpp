@@ -16,7 +16,7 @@ constexpr double recalled_step_m = 0.05;
 }  // namespace
 
 void ServerCore::Inside::follow(const ThingCommand& asked) {
-  memory_stale = true;
+  state_stale = true;
   Augmented& world = simulator.augmented();
   const auto tell = [&](std::string_view what) {
     traces.add(now, "AIV_Server", "Simulator", what, asked.id == "*" ? std::string("everything") : asked.id);
@@ -38,9 +38,9 @@ void ServerCore::Inside::follow(const ThingCommand& asked) {
       if (asked.id == "*") {
         world.clear();
         recalled_aivs.clear();
-        while (!fleet.empty()) remove_aiv(fleet.hosts().back().vehicle);
+        while (!hosted.empty()) remove_aiv(hosted.hosts().back().vehicle);
       } else if (asked.is_aiv) {
-        remove_aiv(things.find_aiv(asked.id)->vehicle);
+        remove_aiv(objects.find_aiv(asked.id)->vehicle);
       } else {
         world.remove(asked.id);
       }
@@ -60,51 +60,51 @@ bool ServerCore::Inside::add_aiv(const std::string& serial, zone::Place place) {
   proxy.retired = false;
   missions.forget(*vehicle);
   missions.registered(*vehicle);
-  if (proxy.twin) simulator.reappear(*proxy.twin, options.lost_after, step_recorder());
-  ahead.new_session(*vehicle);
-  fleet.add(*vehicle, now, link_up, *simulator.configuration(), place);
-  simulator.monitor().set_augmented(fleet.hosts().size());
-  outbox.log('i', proxy.name + ": added at " + simulator.circuit()->part(place.section).name + ", " +
-                      std::to_string(place.s_m) + " m");
+  if (proxy.twin) simulator.reappear(*proxy.twin, options.lost_after, step_recorder(*this));
+  virtual_obstacles.new_session(*vehicle);
+  hosted.add(*vehicle, now, link.up(), *simulator.configuration(), place);
+  simulator.monitor().set_augmented(hosted.hosts().size());
+  publisher.log('i', proxy.name + ": added at " + simulator.circuit()->part(place.section).name + ", " +
+                         std::to_string(place.s_m) + " m");
   return true;
 }
 
 void ServerCore::Inside::remove_aiv(VehicleIndex vehicle) {
-  fleet.remove(vehicle, now);
-  simulator.monitor().set_augmented(fleet.hosts().size());
+  hosted.remove(vehicle, now);
+  simulator.monitor().set_augmented(hosted.hosts().size());
   AivProxy& proxy = registry[vehicle];
   proxy.retired = true;
   proxy.connection = wire::ConnectionState::offline;
   traffic.forget(vehicle);
-  roller.forget(vehicle);
-  desk.forget(vehicle);
+  orders.forget(vehicle);
+  actions.forget(vehicle);
   commands.forget(vehicle, proxy.name + " has been taken away");
-  ahead.new_session(vehicle);
-  outbox.log('i', proxy.name + ": taken away");
+  virtual_obstacles.new_session(vehicle);
+  publisher.log('i', proxy.name + ": taken away");
 }
 
 void ServerCore::Inside::place_recalled_aivs() {
   if (!simulator.zone()) return;
   const zone::Circuit& circuit = *simulator.circuit();
   for (const RecalledAiv& aiv : std::exchange(recalled_aivs, {})) {
-    if (things.find_aiv(aiv.serial) != nullptr) continue;
+    if (objects.find_aiv(aiv.serial) != nullptr) continue;
     std::optional<zone::Place> found;
     if (const auto section = circuit.find(aiv.section)) {
       const zone::Place was{*section, std::clamp(aiv.s_m, 0.0, circuit.section(*section).length_m())};
       // Where it stood it may stand again, a crossing included: it had been let into it.
-      if (things.has_room(was)) found = was;
+      if (objects.has_room(was)) found = was;
       for (double d = recalled_step_m; !found && d <= recalled_shift_m; d += recalled_step_m) {
         for (const double shift : {d, -d}) {
           const zone::Place near = circuit.advance(was, shift);
-          if (!found && things.check_place(near)) found = near;
+          if (!found && objects.check_place(near)) found = near;
         }
       }
     }
-    if (!found) found = things.roomiest();
+    if (!found) found = objects.roomiest();
     if (!found || !add_aiv(aiv.serial, *found))
-      outbox.log('w', "virtual AIV " + aiv.serial + " is remembered, but no way has room for it; add it again");
+      publisher.log('w', "virtual AIV " + aiv.serial + " is remembered, but no way has room for it; add it again");
   }
-  memory_stale = true;
+  state_stale = true;
 }
 
 void ServerCore::Inside::silence_orphans() {
@@ -115,16 +115,16 @@ void ServerCore::Inside::silence_orphans() {
     proxy.connection = wire::ConnectionState::offline;
     wire::Connection gone{{0, now, "2.1.0", proxy.id.manufacturer, proxy.id.serial_number},
                           wire::ConnectionState::offline};
-    outbox.publish(wire::vda_topic(proxy.id, "connection", registry.interface_name()), wire::vda5050::encode(gone), 1,
-                   true);
+    publisher.publish(wire::vda_topic(proxy.id, "connection", registry.interface_name()), wire::vda5050::encode(gone),
+                      1, true);
   }
 }
 
 void ServerCore::Inside::update_virtual_world() {
-  if (!link_up) return;
+  if (!link.up()) return;
   const std::uint64_t before = pauses.changes();
-  ahead.update();
-  memory_stale = memory_stale || pauses.changes() != before;
+  virtual_obstacles.update();
+  state_stale = state_stale || pauses.changes() != before;
 }
 
 void ServerCore::Inside::look_for_passed_obstacles() {

@@ -31,7 +31,7 @@ void ServerCore::Inside::on_zone(const zone::ZoneConfiguration& configuration, Z
   }
   if (in_force || waits_for_others(configuration, came)) return;
   if (!take_zone(configuration)) return;
-  if (std::exchange(zone_switched_here, false)) memory_stale = true;
+  if (std::exchange(zone_switched_here, false)) state_stale = true;
   edits.begin(configuration, ZoneEdits::Origin::broker);
   recall_zone();
 }
@@ -39,7 +39,7 @@ void ServerCore::Inside::on_zone(const zone::ZoneConfiguration& configuration, Z
 bool ServerCore::Inside::waits_for_others(const zone::ZoneConfiguration& configuration, ZoneCame came) {
   // A broker may keep one configuration for each format. They come in any order: where the one in force is among them
   // the others are left from before, else the last one counts.
-  if (came != ZoneCame::retained || simulator.configuration() == nullptr || now - link_up_at >= retained_within)
+  if (came != ZoneCame::retained || simulator.configuration() == nullptr || now - link.up_since() >= retained_within)
     return false;
   waiting_zone = configuration;
   return true;
@@ -48,12 +48,12 @@ bool ServerCore::Inside::waits_for_others(const zone::ZoneConfiguration& configu
 void ServerCore::Inside::take_waiting_zone() {
   const zone::ZoneConfiguration configuration = *std::exchange(waiting_zone, std::nullopt);
   if (!zone_confirmed) return on_zone(configuration, ZoneCame::published);
-  outbox.log('w', "the broker keeps another zone besides the one in force, on " + configuration.origin +
-                      "; it is left alone. Clear that topic, or switch to it");
+  publisher.log('w', "the broker keeps another zone besides the one in force, on " + configuration.origin +
+                         "; it is left alone. Clear that topic, or switch to it");
 }
 
 bool ServerCore::Inside::take_zone(const zone::ZoneConfiguration& configuration) {
-  const auto received = simulator.receive(now, configuration, step_recorder());
+  const auto received = simulator.receive(now, configuration, step_recorder(*this));
   if (!received) {
     ++messages_refused;
     note_refused(configuration.origin, to_string(received.error()));
@@ -62,15 +62,15 @@ bool ServerCore::Inside::take_zone(const zone::ZoneConfiguration& configuration)
   refused_zone.reset();
   if (*received == Simulator::Reception::same) return true;
   const auto& zone = simulator.zone();
-  outbox.log('i', "zone '" + zone->name + "': " + std::to_string(zone->waypoints.size()) + " waypoints, " +
-                      std::to_string(zone->crossings.size()) + " crossings");
+  publisher.log('i', "zone '" + zone->name + "': " + std::to_string(zone->waypoints.size()) + " waypoints, " +
+                         std::to_string(zone->crossings.size()) + " crossings");
   const bool same_ways = *received == Simulator::Reception::same_ways;
   if (same_ways)
     drive_on(zone);
   else
     start_over(zone);
   for (VehicleIndex v = 0; v < registry.size(); ++v) take_priority(v);
-  fleet.zone(now, configuration);
+  hosted.zone(now, configuration);
   return true;
 }
 
@@ -86,7 +86,7 @@ void ServerCore::Inside::start_over(const std::shared_ptr<const zone::TrafficZon
   const auto tell_all = [this](const WayMap* ways) {
     traffic.set_map(ways);
     missions.set_map(ways);
-    roller.set_map(ways);
+    orders.set_map(ways);
     pauses.set_map(ways);
   };
   deadlocks.forget();
@@ -111,23 +111,23 @@ void ServerCore::Inside::take_priority(VehicleIndex vehicle) {
 
 void ServerCore::Inside::publish_zone() {
   const zone::ZoneConfiguration* configuration = simulator.configuration();
-  if (!link_up || configuration == nullptr) return;
+  if (!link.up() || configuration == nullptr) return;
   const std::string topic = topics.zone_prefix + configuration->format;
   edits.published(*configuration);
   std::string payload = zone::to_payload(*configuration);
   traces.add(now, "AIV_Server", "*", "zone", configuration->format + ", " + std::to_string(payload.size()) + " bytes",
              topic, payload);
-  outbox.publish(topic, std::move(payload), 1, true);
+  publisher.publish(topic, std::move(payload), 1, true);
 }
 
 void ServerCore::Inside::edit_zone(const JsonValue& command) {
   const auto after = edits.after(command, simulator);
   if (!after) {
-    outbox.log('w', "command refused: " + to_string(after.error()));
+    publisher.log('w', "command refused: " + to_string(after.error()));
     return;
   }
   const std::string verb = *command.text("command");
-  memory_stale = true;
+  state_stale = true;
   if (verb == "saved") {
     edits.saved(*after);
     return;
@@ -148,12 +148,12 @@ void ServerCore::Inside::switch_zone(const JsonValue& command) {
   const std::string format = simulator.configuration() == nullptr ? wanted->format : simulator.configuration()->format;
   if (!take_zone(*wanted)) return;
   zone_switched_here = true;
-  memory_stale = true;
+  state_stale = true;
   waiting_zone.reset();
   edits.begin(*wanted, ZoneEdits::Origin::own);
   publish_zone();
   // Who comes later must not find two.
-  if (link_up && format != wanted->format) outbox.publish(topics.zone_prefix + format, {}, 1, true);
+  if (link.up() && format != wanted->format) publisher.publish(topics.zone_prefix + format, {}, 1, true);
 }
 
 }  // namespace cosiva::virtual_side

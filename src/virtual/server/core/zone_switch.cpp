@@ -32,7 +32,8 @@ Result<zone::ZoneConfiguration> ServerCore::Inside::switch_wanted(const JsonValu
 
 void ServerCore::Inside::note_refused(const std::string& origin, const std::string& why) {
   refused_zone = Refused{now, origin, why};
-  outbox.log('e', "zone configuration refused: " + why + (simulator.zone() ? "; the zone that was there stays" : ""));
+  publisher.log('e',
+                "zone configuration refused: " + why + (simulator.zone() ? "; the zone that was there stays" : ""));
 }
 
 void ServerCore::Inside::note_switch(std::string from) {
@@ -62,7 +63,7 @@ bool ServerCore::Inside::nobody_changes_map() const {
   for (VehicleIndex v = 0; v < registry.size(); ++v) {
     const AivProxy& proxy = registry[v];
     if (!proxy.here() || !proxy.online() || proxy.lost(now, options.lost_after)) continue;
-    const bool rolls_out = simulator.twin(*proxy.twin).speed_mps() > moving_mps && !roller.has_order(v);
+    const bool rolls_out = simulator.twin(*proxy.twin).speed_mps() > moving_mps && !orders.has_order(v);
     if (changing_map(v) || proxy.reports.last() <= switched->at || rolls_out) return false;
   }
   return true;
@@ -102,19 +103,20 @@ void ServerCore::Inside::follow_switch() {
         continue;
       }
       switched->parked.push_back(proxy.name);
-      outbox.log('w', proxy.name + ": parked: it " + why);
+      publisher.log('w', proxy.name + ": parked: it " + why);
     }
   }
   if (!switched->sent_off || switched->first_moving) return;
   for (VehicleIndex v = 0; v < registry.size(); ++v) {
     const AivProxy& proxy = registry[v];
-    if (!proxy.here() || !roller.has_order(v)) continue;
+    if (!proxy.here() || !orders.has_order(v)) continue;
     // Turning towards its new line counts: VDA 5050's driving is "driving or rotating".
     const bool drives = proxy.state && proxy.state->driving && proxy.map_id == map->zone().name;
     if (!drives && simulator.twin(*proxy.twin).speed_mps() <= moving_mps) continue;
     switched->first_moving = now;
-    outbox.log('i', "zone '" + wanted.id + "': " + proxy.name + " moves on it, " +
-                        std::to_string(static_cast<std::int64_t>(ms_of(now - switched->at))) + " ms after the switch");
+    publisher.log('i', "zone '" + wanted.id + "': " + proxy.name + " moves on it, " +
+                           std::to_string(static_cast<std::int64_t>(ms_of(now - switched->at))) +
+                           " ms after the switch");
     return;
   }
 }

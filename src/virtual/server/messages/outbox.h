@@ -19,6 +19,8 @@ class Outbox {
  public:
   /// @param as_values  orders are passed on as values (wire/in_process/said.h)
   explicit Outbox(Traces& traces, bool as_values = false) : traces_{traces}, as_values_{as_values} {}
+  Outbox(const Outbox&) = delete;  // other parts refer to it
+  Outbox& operator=(const Outbox&) = delete;
 
   /// Where everything goes until the next call.
   void open(SimTime now, wire::Effects& effects) {
@@ -64,6 +66,8 @@ class ActionDesk {
   static constexpr SimDuration resend_after{std::chrono::milliseconds{300}};
 
   explicit ActionDesk(Outbox& outbox) : outbox_{outbox} {}
+  ActionDesk(const ActionDesk&) = delete;  // other parts refer to it
+  ActionDesk& operator=(const ActionDesk&) = delete;
 
   struct Progress {
     std::string action_id;

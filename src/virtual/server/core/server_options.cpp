@@ -1,6 +1,10 @@
 // ServerOptions as JSON: the payload of the server's configure input.
+#include "cosiva/virtual/server/core/server_options.h"
+
+#include <utility>
+
 #include "cosiva/base/json_value.h"
-#include "cosiva/virtual/server/core/server_core.h"
+#include "cosiva/base/json_writer.h"
 #include "cosiva/wire/own/halls.h"
 
 namespace cosiva::virtual_side {

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "cosiva/virtual/server/augmented/ahead.h"
+#include "cosiva/virtual/server/augmented/pause_desk.h"
+#include "cosiva/virtual/server/augmented/things_desk.h"
+#include "cosiva/virtual/server/augmented/virtual_fleet.h"
+#include "cosiva/virtual/server/core/master_control.h"
+#include "cosiva/virtual/server/core/server_context.h"
+
+namespace cosiva::virtual_side {
+
+/// The parts of what is added only virtually (A3). The members refer to each other, to the context and to the master
+/// control: they stay where they were made.
+struct AugmentedParts {
+  ServerContext& server;
+  MasterControl& master;
+  VirtualFleet hosted{server.registry, server.publisher, server.options.virtual_rules, server.options.v2x};
+  PauseDesk pauses{server.registry, master.traffic, server.publisher, master.actions, server.simulator};
+  AheadDesk virtual_obstacles{server.registry, server.publisher, server.traces, server.simulator, hosted, pauses};
+  ThingsDesk objects{server.registry, server.simulator, hosted, server.publisher};
+};
+
+}  // namespace cosiva::virtual_side

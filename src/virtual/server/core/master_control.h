@@ -1,0 +1,26 @@
+#pragma once
+
+#include "cosiva/virtual/server/commands/commands.h"
+#include "cosiva/virtual/server/core/server_context.h"
+#include "cosiva/virtual/server/orders/deadlocks.h"
+#include "cosiva/virtual/server/orders/missions.h"
+#include "cosiva/virtual/server/orders/order_roller.h"
+#include "cosiva/virtual/server/right_of_way/traffic.h"
+#include "cosiva/virtual/server/zones/map_desk.h"
+
+namespace cosiva::virtual_side {
+
+/// The parts that make the server VDA 5050's master control: what each vehicle is to do, and the right of way. The
+/// members refer to each other and to the context: a master control stays where it was made.
+struct MasterControl {
+  ServerContext& served;
+  Traffic traffic{{.convoys = served.options.convoys}};
+  ActionDesk actions{served.publisher};
+  Missions missions{served.registry, served.publisher};
+  OrderRoller orders{served.registry, traffic, served.publisher, actions, missions, served.simulator};
+  Deadlocks deadlocks{served.registry, served.publisher, served.traces, orders};
+  MapDesk maps{served.registry, served.publisher, actions};
+  Commands commands{served.registry, served.publisher, actions, orders, served.simulator};
+};
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "cosiva/base/result.h"
+#include "cosiva/base/time.h"
+#include "cosiva/virtual/server/areas/halls.h"
+#include "cosiva/virtual/server/core/server_link.h"
+#include "cosiva/virtual/server/core/server_options.h"
+#include "cosiva/virtual/server/messages/outbox.h"
+#include "cosiva/virtual/server/messages/traces.h"
+#include "cosiva/virtual/server/registry/proxy.h"
+#include "cosiva/virtual/simulator/simulator.h"
+#include "cosiva/wire/runtime/core.h"
+
+namespace cosiva::virtual_side {
+
+/// What each part of the server is handed: the options, the time, the link, and the parts that hold what is known of
+/// vehicles and of the zone. The members refer to each other: a context stays where it was made.
+struct ServerContext {
+  ServerOptions options;
+  /// "<interface>/"
+  std::string topic_prefix{
+      (options.interface_name.empty() ? std::string(wire::default_interface) : options.interface_name) + "/"};
+  wire::ServerTopics topics{wire::server_topics(options.hall)};
+  SimTime now{};  ///< of the input that is being handled
+  ServerLink link{};
+  Halls areas{options.hall};
+  Traces traces{options.traces_max};
+  Outbox publisher{traces, options.as_values};
+  Registry registry{topic_prefix.substr(0, topic_prefix.size() - 1)};
+  Simulator simulator{options.contract};
+  bool state_stale{false};  ///< something that the state file holds has changed since the file was written
+  std::uint64_t messages_refused{0};
+  std::uint64_t unknown_senders_logged{0};
+};
+
+/// Traces each step of the simulator, as a message between two of its parts.
+[[nodiscard]] Simulator::Step step_recorder(ServerContext& context);
+
+/// Counts a message that no vehicle of the registry sent and that cannot be used; logs the first ones.
+/// @param fault  what is wrong, to be read after "ignored '<topic>': "
+void refuse_unknown_sender(ServerContext& context, const std::string& topic, const std::string& fault);
+
+}  // namespace cosiva::virtual_side

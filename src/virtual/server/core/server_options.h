@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "cosiva/aiv/decision/speed_rules.h"
+#include "cosiva/base/result.h"
+#include "cosiva/base/time.h"
+#include "cosiva/virtual/simulator/bijection.h"
+#include "cosiva/zone/rtm/rtm.h"
+
+namespace cosiva::virtual_side {
+
+struct ServerOptions {
+  std::string interface_name;  ///< empty: wire::default_interface
+  /// Of several servers on one broker, the name of the hall that this one's zone is (wire/own/halls.h); empty: the only
+  /// one.
+  std::string hall;
+  /// The zone, when no physical side serves it; published retained so that vehicles get it too.
+  std::optional<zone::ZoneConfiguration> zone;
+  bool drive{true};  ///< give circulating orders to idle vehicles; false: watch only (a foreign master drives)
+  SimDuration lost_after{std::chrono::seconds{1}};  ///< no report for so long: the vehicle's link is lost
+  BijectionContract contract;
+  SimDuration cycle{std::chrono::milliseconds{20}};  ///< how often it looks after everything
+  bool as_values{
+      false};  ///< everybody is in this process: orders are passed on as values (wire/in_process/said.h); not in JSON
+  std::size_t traces_max{20'000};  ///< of the communications kept for the page
+  /// Where vehicles that download their maps find the zone's; empty: nowhere, so they are not asked to.
+  std::string map_download_link;
+  bool v2x{true};      ///< its virtual AIVs talk with those near them
+  bool convoys{true};  ///< vehicles of one way pass a crossing together when it pays (Traffic)
+  /// By what the virtual AIVs choose their speeds; custom ones can be used (checked).
+  aiv::SpeedRules virtual_rules{aiv::SpeedRules::Kind::fuzzy, {}, {}};
+};
+[[nodiscard]] std::string to_json(const ServerOptions& options);
+[[nodiscard]] Result<ServerOptions> server_options_from_json(std::string_view json);
+
+}  // namespace cosiva::virtual_side
