@@ -77,63 +77,35 @@ void ServerCore::Inside::on_owner(const wire::VehicleId& id, const wire::Input& 
 void ServerCore::Inside::take_over(Halls::Vehicle& vehicle, bool kept) {
   const wire::Owner owner = *vehicle.owner;
   const std::string name = wire::to_string(vehicle.id);
-  auto index = registry.find(name);
-  if (index) {
-    registry.renew(*index, now);
-    missions.forget(*index);
-    missions.registered(*index);
-    take_priority(*index);
-    if (registry[*index].twin) {
-      simulator.reappear(*registry[*index].twin, options.lost_after, step_recorder(*this));
-      simulator.monitor().set_virtual(registry[*index].entity, true);
-    }
-  } else {
-    index = register_vehicle(vehicle.id);
-  }
+  const auto index = vehicles.begin_life(vehicle.id);
   if (!index) {
     publisher.log('e', name + ": is this hall's, but it is one more than the vehicles a server takes");
     return;
   }
   AivProxy& proxy = registry[*index];
-  virtual_obstacles.new_session(*index);
   if (vehicle.connection) on_vehicle_message({*index, VehicleTopic::connection}, *vehicle.connection);
   if (vehicle.factsheet) on_vehicle_message({*index, VehicleTopic::factsheet}, *vehicle.factsheet);
   if (owner.pose && !kept) {
     proxy.position_known = true;
     proxy.reported = owner.pose;
     on_report(*index, now);
-    set_present(proxy);
-    place_twin(*index, now, *owner.pose, wire::Velocity{});
+    twins.set_present(proxy);
+    twins.place(*index, now, *owner.pose, wire::Velocity{});
   }
   publisher.log('i', name + ": is this hall's");
   state_stale = true;
   if (!owner.mission) return;
   const Mission mission{
       owner.mission->kind == "go" ? Mission::Kind::go : Mission::Kind::circulate, owner.mission->name, {}};
-  if (missions.mission(*index) == Mission{} && map && missions.known(mission)) missions.give(*index, mission);
+  if (missions.mission(*index) == Mission{} && zones.map() && missions.known(mission)) missions.give(*index, mission);
   // Said once, it is ours to remember: who starts again must not begin it again.
   say_owner(vehicle, {areas.own(), 0, now, owner.pose, std::nullopt});
 }
 
 void ServerCore::Inside::let_go(VehicleIndex vehicle, const std::string& hall) {
-  AivProxy& proxy = registry[vehicle];
-  proxy.retired = true;
-  proxy.present = false;
-  proxy.connection = wire::ConnectionState::offline;
-  proxy.position_lost_since.reset();
-  proxy.paused_for_body = false;
-  proxy.handed_over.reset();
-  simulator.monitor().set_physical(proxy.entity, false);
-  simulator.monitor().set_virtual(proxy.entity, false);
-  traffic.forget(vehicle);
-  orders.forget(vehicle);
-  missions.forget(vehicle);
-  actions.forget(vehicle);
-  commands.forget(vehicle,
-                  hall.empty() ? proxy.name + " is nobody's any more" : proxy.name + " is hall " + hall + "'s now");
-  virtual_obstacles.new_session(vehicle);
-  state_stale = true;
-  publisher.log('i', proxy.name + ": let go" + (hall.empty() ? std::string{} : "; it is hall " + hall + "'s now"));
+  const std::string& name = registry[vehicle].name;
+  vehicles.retire(vehicle, hall.empty() ? name + " is nobody's any more" : name + " is hall " + hall + "'s now");
+  publisher.log('i', name + ": let go" + (hall.empty() ? std::string{} : "; it is hall " + hall + "'s now"));
 }
 
 void ServerCore::Inside::say_owner(const Halls::Vehicle& vehicle, wire::Owner owner) {
@@ -152,12 +124,12 @@ void ServerCore::Inside::say_lost_owners() {
 }
 
 void ServerCore::Inside::claim_vehicles() {
-  if (!map) return;
+  if (!zones.map()) return;
   for (auto& [name, vehicle] : areas.vehicles()) {
     const bool waits = vehicle.claimed_at && now - *vehicle.claimed_at < say_again;
     if (vehicle.owner || !vehicle.pose || waits) continue;
     if (now - vehicle.pose_since < claim_after || now - vehicle.pose_at > pose_age_max) continue;
-    if (now - link.up_since() < claim_after || !zone::anchor_of(map->circuit(), *vehicle.pose)) continue;
+    if (now - link.up_since() < claim_after || !zone::anchor_of(zones.map()->circuit(), *vehicle.pose)) continue;
     vehicle.claimed_at = now;
     say_owner(vehicle, {areas.own(), 0, now, vehicle.pose, std::nullopt});
   }

@@ -10,10 +10,11 @@
 #include "cosiva/virtual/server/core/master_control.h"
 #include "cosiva/virtual/server/core/server_context.h"
 #include "cosiva/virtual/server/core/server_core.h"
-#include "cosiva/virtual/server/right_of_way/way_map.h"
+#include "cosiva/virtual/server/core/twin_placement.h"
+#include "cosiva/virtual/server/core/vehicle_lifecycle.h"
+#include "cosiva/virtual/server/core/zone_session.h"
 #include "cosiva/virtual/server/view/battery_desk.h"
 #include "cosiva/virtual/server/view/gvs_desk.h"
-#include "cosiva/virtual/server/zones/zone_edits.h"
 #include "cosiva/virtual/simulator/simulator.h"
 
 namespace cosiva::virtual_side {
@@ -36,32 +37,6 @@ struct ServerCore::Inside : ServerContext, MasterControl, AugmentedParts {
   std::optional<Registry::Address> address_of(const std::string& topic);
   void on_battery(const wire::Input& input);
   void on_gvs(const wire::Input& input);
-  std::optional<VehicleIndex> register_vehicle(const wire::VehicleId& id);
-
-  // zone.cpp
-  /// How a configuration came: it was given, somebody published it just now, or the broker had kept it.
-  enum class ZoneCame { given, published, retained };
-  void on_zone(const zone::ZoneConfiguration& configuration, ZoneCame came);
-  [[nodiscard]] bool waits_for_others(const zone::ZoneConfiguration& configuration, ZoneCame came);
-  void take_waiting_zone();
-  bool take_zone(const zone::ZoneConfiguration& configuration);
-  void drive_on(const std::shared_ptr<const zone::TrafficZone>& zone);
-  void start_over(const std::shared_ptr<const zone::TrafficZone>& zone);
-  void publish_zone();
-  void take_priority(VehicleIndex vehicle);
-  void edit_zone(const JsonValue& command);
-  void switch_zone(const JsonValue& command);
-
-  // zone_switch.cpp
-  [[nodiscard]] Result<zone::ZoneConfiguration> switch_wanted(const JsonValue& command) const;
-  void note_refused(const std::string& origin, const std::string& why);
-  void note_switch(std::string from);
-  void follow_switch();
-  [[nodiscard]] bool changing_map(VehicleIndex vehicle) const;
-  [[nodiscard]] bool all_stand_off_old_map() const;
-  [[nodiscard]] bool nobody_changes_map() const;
-  [[nodiscard]] std::string parked(VehicleIndex vehicle) const;
-  void write_zone(JsonWriter& json) const;
 
   // operator.cpp
   [[nodiscard]] Result<void> check_command(std::string_view json) const;
@@ -94,7 +69,6 @@ struct ServerCore::Inside : ServerContext, MasterControl, AugmentedParts {
   // memory.cpp
   void recall(std::string_view bytes);
   void recall_things(const JsonValue& memory);
-  void recall_zone();
   [[nodiscard]] std::string memory() const;
   void remember();
 
@@ -119,17 +93,12 @@ struct ServerCore::Inside : ServerContext, MasterControl, AugmentedParts {
   [[nodiscard]] SimTime clock_of(AivProxy& proxy, SimTime stamp);
   /// Takes note of a report: once per message, whatever it carries.
   void on_report(VehicleIndex vehicle, SimTime reported_at);
-  void set_present(AivProxy& proxy);
   /// When a position was taken, on the vehicle's own clock; nothing where a newer or the same one is known.
   [[nodiscard]] std::optional<SimTime> fresh_position_stamp(AivProxy& proxy, const wire::Header& header) const;
   void on_position(VehicleIndex vehicle, SimTime stamp, const wire::AgvPosition& position,
                    const std::optional<wire::Velocity>& velocity);
-  void place_twin(VehicleIndex vehicle, SimTime at, const Pose2& pose, const std::optional<wire::Velocity>& velocity);
-  void trace_section(const AivProxy& proxy, zone::Place before);
   void show_events(VehicleIndex vehicle, const wire::State* before, SimTime reported_at);
-  void show_event(const AivProxy& proxy, PhysicalEvent kind, SimTime reported_at);
   void read_limits_and_tags(AivProxy& proxy);
-  void tell_base_end(VehicleIndex vehicle);
   void help_lost_position(VehicleIndex vehicle);
   void ask_factsheet(VehicleIndex vehicle);
   void log_once(AivProxy& proxy, std::uint32_t note, char level, std::string text);
@@ -151,44 +120,18 @@ struct ServerCore::Inside : ServerContext, MasterControl, AugmentedParts {
   void write_crossings(JsonWriter& json) const;
   void write_commands(JsonWriter& json) const;
 
+  VehicleLifecycle vehicles{*this, *this, *this};
+  TwinPlacement twins{*this, *this};
+  ZoneSession zones{*this, *this, *this, vehicles, twins};
   BatteryDesk batteries;
   GvsDesk gvs;
-  ZoneEdits edits;
-  std::optional<WayMap> map;
-
-  /// The last time that the zone became another one while vehicles were there.
-  struct Switched {
-    SimTime at{};
-    std::string from;
-    bool sent_off{false};  ///< nobody moves on the old map any more
-    bool counted{false};   ///< everybody is on the new one, or has been given up
-    std::optional<SimTime> first_moving;
-    std::size_t anchored{0};
-    std::vector<std::string> parked;
-  };
-  std::optional<Switched> switched;
-  struct Refused {
-    SimTime at{};
-    std::string origin;
-    std::string why;
-  };
-  std::optional<Refused> refused_zone;
-  bool zone_switched_here{false};  ///< the zone in force was asked for as a command: nobody else serves it
-  /// Retained configurations of a new connection: each waits until all are there.
-  std::optional<zone::ZoneConfiguration> waiting_zone;
-  bool zone_confirmed{false};  ///< the one in force is among them
-
-  /// What was remembered and waits: the zone's edits for the zone, the virtual AIVs for the vehicles to be known.
+  /// Virtual AIVs of the state file that wait until the vehicles are known.
   struct RecalledAiv {
     std::string serial;
     std::string section;
     double s_m;
   };
-  std::optional<JsonValue> recalled_zone;
-  std::optional<zone::ZoneConfiguration>
-      recalled_given;  ///< the zone that the one in `recalled_zone` took the place of
   std::vector<RecalledAiv> recalled_aivs;
-  std::vector<std::string> recalled_pauses;
   std::string remembered;
   SimTime remember_at{};
 

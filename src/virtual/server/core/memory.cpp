@@ -93,9 +93,7 @@ std::string ServerCore::Inside::memory() const {
   for (const AivProxy& proxy : registry)
     if (proxy.paused_for_body) json.value(proxy.name);
   json.end_array();
-  if (zone_switched_here || edits.edited(simulator)) edits.write_memory(json.key("zone"), simulator);
-  // Only who switched here is asked again; its own beginning would be the zone from before.
-  if (zone_switched_here && options.zone) zone::write_json(json.key("given"), *options.zone);
+  zones.write_state(json);
   if (missions.worth_remembering()) missions.write_memory(json.key("traffic"));
   json.end_object();
   return json.take();
@@ -105,7 +103,7 @@ void ServerCore::Inside::remember() {
   const bool moves = !hosted.empty() && now >= remember_at;
   if (!state_stale && !moves) return;
   // Until the zone has come, what is remembered of its edits is all there is.
-  if (recalled_zone) return;
+  if (zones.awaits_zone_to_restore()) return;
   state_stale = false;
   remember_at = now + remember_period;
   std::string bytes = memory();
@@ -122,15 +120,14 @@ void ServerCore::Inside::recall(std::string_view bytes) {
     return;
   }
   recall_things(*memory);
-  if (const JsonValue* given = memory->find("given")) {
-    const auto configuration = zone::zone_configuration_from_json(*given);
-    recalled_given = configuration ? std::optional{*configuration} : std::nullopt;
-  }
   if (const JsonValue* traffic_memory = memory->find("traffic")) missions.recall(*traffic_memory);
-  if (const JsonValue* zone = memory->find("zone")) {
-    recalled_zone = *zone;
-    if (simulator.zone()) recall_zone();
+  std::optional<zone::ZoneConfiguration> given_zone;
+  if (const JsonValue* given = memory->find("given")) {
+    auto configuration = zone::zone_configuration_from_json(*given);
+    if (configuration) given_zone = std::move(*configuration);
   }
+  const JsonValue* zone = memory->find("zone");
+  zones.restore(zone == nullptr ? std::nullopt : std::optional{*zone}, std::move(given_zone));
   publisher.log('i', "remembered " + std::to_string(simulator.augmented().things().size()) + " virtual things and " +
                          std::to_string(recalled_aivs.size()) + " virtual AIVs");
 }
@@ -157,32 +154,8 @@ void ServerCore::Inside::recall_things(const JsonValue& memory) {
       publisher.log('w', "a remembered virtual AIV cannot be read; it is left out");
   });
   each("paused", names_max, [&](const JsonValue& json) {
-    if (json.text() != nullptr) recalled_pauses.push_back(*json.text());
+    if (json.text() != nullptr) vehicles.restore_pause(*json.text());
   });
-}
-
-void ServerCore::Inside::recall_zone() {
-  if (!recalled_zone) return;
-  const JsonValue memory = std::move(*std::exchange(recalled_zone, std::nullopt));
-  ZoneEdits::Recalled recalled = ZoneEdits::recalled(memory, *simulator.configuration());
-  // It was switched from the zone that it is given at every start.
-  const auto given = std::exchange(recalled_given, std::nullopt);
-  if (recalled.fit == ZoneEdits::Recalled::Fit::another && given && options.zone &&
-      same_content(*given, *options.zone) && same_content(*given, *simulator.configuration())) {
-    if (!take_zone(recalled.base)) return;
-    switched.reset();
-    zone_switched_here = true;
-    edits.begin(recalled.base, ZoneEdits::Origin::own);
-    recalled.fit = ZoneEdits::Recalled::Fit::base;
-  }
-  if (recalled.fit == ZoneEdits::Recalled::Fit::another) {
-    publisher.log('w', "the zone is another one than the remembered edits were made on; they are left out");
-    return;
-  }
-  const bool to_be_taken = recalled.fit == ZoneEdits::Recalled::Fit::base;
-  if (to_be_taken && !take_zone(recalled.made)) return;
-  if (!same_content(recalled.made, recalled.base)) edits.restore(std::move(recalled));
-  if (to_be_taken) publish_zone();
 }
 
 }  // namespace cosiva::virtual_side

@@ -99,11 +99,11 @@ Result<void> ServerCore::Inside::check_command(std::string_view json) const {
   };
   if (areas.several() && verb == "add" && adds_virtual_aiv(*command)) return no_virtual_aivs();
   if (ThingsDesk::is_ours(verb)) return verdict(objects.read(*command));
-  if (ZoneEdits::is_ours(verb)) return verdict(edits.after(*command, simulator));
+  if (ZoneEdits::is_ours(verb)) return verdict(zones.edits().after(*command, simulator));
   if (is_world_command(verb)) return verdict(world_command(*command));
   if (is_battery_ready(verb)) return verdict(batteries.ready(*command));
   if (Missions::is_ours(verb)) return missions.check(*command);
-  if (verb == "switch") return verdict(switch_wanted(*command));
+  if (verb == "switch") return verdict(zones.wanted_by(*command));
   return commands.check(json);
 }
 
@@ -124,7 +124,7 @@ void ServerCore::Inside::on_command(std::string_view json) {
     if (!asked) return refuse(asked.error());
     follow(*asked);
   } else if (ZoneEdits::is_ours(verb)) {
-    edit_zone(*command);
+    zones.follow_edit(*command);
   } else if (is_world_command(verb)) {
     auto message = world_command(*command);
     if (!message) return refuse(message.error());
@@ -140,7 +140,7 @@ void ServerCore::Inside::on_command(std::string_view json) {
     missions.follow(*command);
     state_stale = true;
   } else if (verb == "switch") {
-    switch_zone(*command);
+    zones.follow_switch(*command);
   } else {
     commands.issue(json);
   }

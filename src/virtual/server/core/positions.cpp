@@ -66,8 +66,8 @@ ServerCore::PageRevision ServerCore::page_revision() const {
   Digest waited_for;
   Digest events;
   const auto add = [](Digest& digest, auto... numbers) { (digest.add(static_cast<std::uint64_t>(numbers)), ...); };
-  add(waited_for, in.simulator.zone_revision(), in.edits.undo_count(), in.edits.redo_count(),
-      in.edits.unsaved(in.simulator), in.deadlocks.revision());
+  add(waited_for, in.simulator.zone_revision(), in.zones.edits().undo_count(), in.zones.edits().redo_count(),
+      in.zones.edits().unsaved(in.simulator), in.deadlocks.revision());
   for (const Finding& finding : in.simulator.monitor().findings()) {
     add(waited_for, finding.kind, finding.since.time_since_epoch().count());
     waited_for.add(std::string_view{finding.id});

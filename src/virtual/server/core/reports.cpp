@@ -165,13 +165,7 @@ void ServerCore::Inside::on_report(VehicleIndex vehicle, SimTime reported_at) {
   proxy.reports.on_report(now);
   proxy.reported_at = std::max(proxy.reported_at, reported_at);
   // A vehicle that has just been switched on may need a moment to find its place; one that does not is an orphan.
-  if (proxy.online() && now - *proxy.reports.first() > arrival_patience) set_present(proxy);
-}
-
-void ServerCore::Inside::set_present(AivProxy& proxy) {
-  if (proxy.present) return;
-  proxy.present = true;
-  if (!proxy.augmented) simulator.monitor().set_physical(proxy.entity, true);
+  if (proxy.online() && now - *proxy.reports.first() > arrival_patience) twins.set_present(proxy);
 }
 
 void ServerCore::Inside::on_connection(VehicleIndex vehicle, const wire::Input& input) {
@@ -252,7 +246,7 @@ void ServerCore::Inside::on_state(VehicleIndex vehicle, const wire::Input& input
   on_report(vehicle, reported_at);
 
   read_limits_and_tags(proxy);
-  tell_base_end(vehicle);
+  twins.apply_base_end(vehicle);
   const auto position_stamp = fresh_position_stamp(proxy, state.header);
   if (position_stamp && state.position) on_position(vehicle, *position_stamp, *state.position, state.velocity);
   orders.on_state(vehicle, before ? &*before : nullptr);
@@ -291,64 +285,8 @@ void ServerCore::Inside::on_position(VehicleIndex vehicle, SimTime stamp, const 
   proxy.position_known = true;
   proxy.position_lost_since.reset();
   proxy.reported = pose;
-  set_present(proxy);
-  place_twin(vehicle, at, pose, velocity);
-}
-
-void ServerCore::Inside::place_twin(VehicleIndex vehicle, SimTime at, const Pose2& pose,
-                                    const std::optional<wire::Velocity>& velocity) {
-  AivProxy& proxy = registry[vehicle];
-  if (!proxy.twin) {
-    proxy.twin = simulator.appear(proxy.name, proxy.number, proxy.augmented, options.lost_after, step_recorder(*this));
-    show_event(proxy, PhysicalEvent::arrival, at);
-    tell_base_end(vehicle);
-  }
-  MotionReport report{at, {pose.x_m, pose.y_m, wrap_angle(pose.heading_rad)}, {}, 0.0, 0.0};
-  if (velocity) {
-    report.vx_mps = velocity->vx_mps;
-    report.vy_mps = velocity->vy_mps;
-    report.omega_radps = velocity->omega_radps;
-  }
-  // All halls share a frame: what was said on another's map holds on ours, too.
-  report.on_map = !map || proxy.map_id.empty() || proxy.map_id == map->zone().name || areas.has_map(proxy.map_id);
-  const Twin& twin = simulator.twin(*proxy.twin);
-  const std::optional<zone::Place> before = twin.on_circuit() ? std::optional{twin.reported_place()} : std::nullopt;
-  simulator.report(*proxy.twin, now, report);
-  if (before && twin.on_circuit() && before->section != twin.reported_place().section) trace_section(proxy, *before);
-  if (map)
-    orders.set_standing(vehicle, {twin.reported_place(), twin.reported_off_m(), twin.heading_off_rad(), report.X_MB});
-}
-
-void ServerCore::Inside::trace_section(const AivProxy& proxy, zone::Place before) {
-  // The article's figure 11, drawn where it tells something: at each new section.
-  const zone::Circuit& circuit = *simulator.circuit();
-  const zone::Place place = simulator.twin(*proxy.twin).reported_place();
-  const auto on = [&circuit](zone::Place p) { return circuit.part(p.section).name + " " + metres_text(p.s_m) + " m"; };
-  const Pose2 line = circuit.pose_at(place);
-  traces.add(now, "Simulator", "Circuit", "nextAIVposition", proxy.name + " leaves " + on(before));
-  traces.add(now, "Circuit", "Simulator", "position",
-             proxy.name + " on " + on(place) + ": " + metres_text(line.x_m) + ", " + metres_text(line.y_m));
-}
-
-void ServerCore::Inside::tell_base_end(VehicleIndex vehicle) {
-  AivProxy& proxy = registry[vehicle];
-  if (!proxy.twin || !proxy.state || !map) return;
-  const wire::State& state = *proxy.state;
-  std::optional<zone::Place> end;
-  if (!state.node_states.empty()) {
-    const auto released =
-        std::ranges::find_if(state.node_states.rbegin(), state.node_states.rend(), &wire::NodeState::released);
-    const std::string& id = released == state.node_states.rend() ? state.last_node_id : released->node_id;
-    // Of several places of that id the one that it was sent to is meant.
-    const WaypointIndex sent = traffic.base_end(vehicle);
-    const auto known = map->find(id);
-    if (sent != no_waypoint && map->waypoint(sent).id == id)
-      end = map->waypoint(sent).place;
-    else if (!known.empty())
-      end = map->waypoint(known.front()).place;
-  }
-  proxy.base_end = end;
-  simulator.set_base_end(*proxy.twin, end);
+  twins.set_present(proxy);
+  twins.place(vehicle, at, pose, velocity);
 }
 
 void ServerCore::Inside::read_limits_and_tags(AivProxy& proxy) {
@@ -367,32 +305,29 @@ void ServerCore::Inside::read_limits_and_tags(AivProxy& proxy) {
   }
 }
 
-void ServerCore::Inside::show_event(const AivProxy& proxy, PhysicalEvent kind, SimTime reported_at) {
-  if (!proxy.augmented) simulator.monitor().event(kind, to_seconds(now - reported_at) * 1e3);
-}
-
 void ServerCore::Inside::show_events(VehicleIndex vehicle, const wire::State* before, SimTime reported_at) {
   AivProxy& proxy = registry[vehicle];
   const wire::State& state = *proxy.state;
   if (proxy.last_tag != proxy.tag_shown) {
-    if (before != nullptr) show_event(proxy, PhysicalEvent::tag, reported_at);
+    if (before != nullptr) twins.record_event(proxy, PhysicalEvent::tag, reported_at);
     proxy.tag_shown = proxy.last_tag;
   }
   if (before == nullptr) return;
-  if (state.field_violation && !before->field_violation) show_event(proxy, PhysicalEvent::obstacle, reported_at);
-  if (!state.driving && before->driving) show_event(proxy, PhysicalEvent::stop, reported_at);
+  if (state.field_violation && !before->field_violation)
+    twins.record_event(proxy, PhysicalEvent::obstacle, reported_at);
+  if (!state.driving && before->driving) twins.record_event(proxy, PhysicalEvent::stop, reported_at);
   if (std::floor(state.battery.charge_percent) != std::floor(before->battery.charge_percent))
-    show_event(proxy, PhysicalEvent::battery, reported_at);
+    twins.record_event(proxy, PhysicalEvent::battery, reported_at);
 }
 
 void ServerCore::Inside::help_lost_position(VehicleIndex vehicle) {
   AivProxy& proxy = registry[vehicle];
   if (!proxy.position_lost_since || now - *proxy.position_lost_since <= position_lost_max) return;
-  if (!proxy.reported || !map || !proxy.online() || proxy.lost(now, options.lost_after)) return;
+  if (!proxy.reported || !zones.map() || !proxy.online() || proxy.lost(now, options.lost_after)) return;
   if (proxy.init_sent_at && now - *proxy.init_sent_at < init_again) return;
   if (proxy.supports("initPosition") == std::optional{false}) return;
   // One that no way comes near stands where it says, and has nothing to be told.
-  if (!parked(vehicle).empty()) return;
+  if (!zones.change().off_route(vehicle).empty()) return;
   proxy.init_sent_at = now;
   wire::Action action{"initPosition", {}, {}, wire::BlockingType::hard, {}};
   action.parameters = {{"x", proxy.reported->x_m},
@@ -401,8 +336,8 @@ void ServerCore::Inside::help_lost_position(VehicleIndex vehicle) {
                        {"mapId", simulator.zone()->name}};
   const Twin& twin = simulator.twin(*proxy.twin);
   if (twin.on_circuit()) {
-    if (const auto behind = map->behind(twin.reported_place(), traffic.gone(vehicle)))
-      action.parameters.push_back({"lastNodeId", map->waypoint(behind->waypoint).id});
+    if (const auto behind = zones.map()->behind(twin.reported_place(), traffic.gone(vehicle)))
+      action.parameters.push_back({"lastNodeId", zones.map()->waypoint(behind->waypoint).id});
   }
   publisher.log('i', proxy.name + ": does not know where it is; told its last place");
   actions.send(proxy, vehicle, {std::move(action)}, std::chrono::seconds{2}, false);

@@ -28,37 +28,12 @@ ServerCore::Inside::Inside(ServerOptions given)
       AugmentedParts{.server = *this, .master = *this},
       gvs{registry, simulator} {
   if (areas.several())
-    missions.set_abroad([this](std::string_view to) { return areas.way_to(to, map->zone(), missions); });
+    missions.set_abroad([this](std::string_view to) { return areas.way_to(to, zones.map()->zone(), missions); });
 }
 
 void ServerCore::Inside::begin(SimTime) {
   begun = true;
-  if (options.zone) on_zone(*options.zone, ZoneCame::given);
-}
-
-std::optional<VehicleIndex> ServerCore::Inside::register_vehicle(const wire::VehicleId& id) {
-  const auto index = registry.add(id, now);
-  if (!index) return std::nullopt;
-  traffic.resize(registry.size());
-  orders.resize(registry.size());
-  missions.resize(registry.size());
-  maps.resize(registry.size());
-  missions.registered(*index);
-  virtual_obstacles.resize(registry.size());
-  pauses.resize(registry.size());
-  AivProxy& proxy = registry[*index];
-  take_priority(*index);
-  // One of the virtual AIVs' name that does not live here is a ghost of an earlier life; the others are counted.
-  if (proxy.augmented)
-    proxy.retired = true;
-  else
-    proxy.entity = simulator.monitor().entity(proxy.name);
-  if (std::erase(recalled_pauses, proxy.name) > 0) {
-    proxy.paused_for_body = true;
-    virtual_obstacles.wake();
-  }
-  publisher.log('i', proxy.name + ": registered with mark " + std::to_string(proxy.number));
-  return index;
+  if (options.zone) zones.receive(*options.zone, ZoneSession::Source::given);
 }
 
 std::optional<Registry::Address> ServerCore::Inside::address_of(const std::string& topic) {
@@ -75,7 +50,7 @@ std::optional<Registry::Address> ServerCore::Inside::address_of(const std::strin
            !wire::valid_serial_number(parsed->vehicle.manufacturer))
     fault = "has a name with characters that VDA 5050 does not allow";
   if (fault.empty()) {
-    if (const auto index = register_vehicle(parsed->vehicle)) return Registry::Address{*index, *kind};
+    if (const auto index = vehicles.register_vehicle(parsed->vehicle)) return Registry::Address{*index, *kind};
     fault = "is one more than the " + std::to_string(Registry::vehicles_max) + " vehicles a server takes";
   }
   refuse_unknown_sender(*this, topic, "it " + fault);
@@ -97,8 +72,8 @@ void ServerCore::Inside::on_message(const wire::Input& input) {
     const std::string_view format = topic.substr(topics.zone_prefix.size());
     // An empty retained message takes a zone off the broker; the one that runs stays.
     if (!input.payload.empty())
-      on_zone(zone::from_payload(std::string(format), std::string(topic), input.payload),
-              input.flag ? ZoneCame::retained : ZoneCame::published);
+      zones.receive(zone::from_payload(std::string(format), std::string(topic), input.payload),
+                    input.flag ? ZoneSession::Source::retained : ZoneSession::Source::published);
   }
 }
 
@@ -126,13 +101,12 @@ void ServerCore::Inside::on_link(bool up) {
     link.went_down();
   hosted.link(now, up);
   if (!up) {
-    edits.link_lost();
+    zones.link_went_down();
     publisher.log('w', "lost the broker; vehicles stop by themselves until it is back");
     return;
   }
   link.up_since() = now;
-  waiting_zone.reset();
-  zone_confirmed = false;
+  zones.link_came_up();
   areas.link_up();
   batteries.link_up();
   for (AivProxy& proxy : registry) proxy.state_since_link = false;
@@ -140,7 +114,7 @@ void ServerCore::Inside::on_link(bool up) {
   traces.add(now, "AIV_Server", "*", "connection", "ONLINE", topics.connection, online);
   hosted.message(now, std::string(wire::server_connection_topic), online);
   publisher.publish(topics.connection, std::move(online), 1, true);
-  if (options.zone || zone_switched_here || edits.edited(simulator)) publish_zone();
+  zones.publish_own();
 }
 
 bool ServerCore::Inside::settled() const {
@@ -170,7 +144,7 @@ void ServerCore::Inside::on_tick() {
     publisher.publish(topics.heartbeat, std::move(*heartbeat), 0, false);
   }
   hosted.tick(now);
-  if (waiting_zone && now - link.up_since() >= settle_min) take_waiting_zone();
+  zones.take_waiting();
   if (link.up() && !link.synchronised() && settled()) settle();
   if (link.synchronised()) {
     for (VehicleIndex v = 0; v < registry.size(); ++v) {
@@ -178,8 +152,8 @@ void ServerCore::Inside::on_tick() {
       ask_factsheet(v);
     }
     traffic.set_time(now);
-    follow_switch();
-    orders.tick(options.drive, !switched || switched->sent_off, options.lost_after);
+    zones.change().follow();
+    orders.tick(options.drive, zones.change().may_send_orders(), options.lost_after);
     deadlocks.tick();
     if (areas.several()) {
       claim_vehicles();
@@ -284,7 +258,7 @@ void ServerCore::fold(Digest& digest) const {
   }
   in.hosted.fold(digest);
   in.virtual_obstacles.fold(digest);
-  in.edits.fold(digest);
+  in.zones.edits().fold(digest);
   in.areas.fold(digest);
   in.gvs.fold(digest);
   digest.add(in.messages_refused);

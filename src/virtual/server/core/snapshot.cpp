@@ -69,10 +69,10 @@ void ServerCore::Inside::write_obstacles(JsonWriter& json) const {
 
 void ServerCore::Inside::write_crossings(JsonWriter& json) const {
   json.key("crossings").begin_array();
-  if (map) {
-    for (CrossingIndex x = 0; x < map->crossing_count(); ++x) {
+  if (zones.map()) {
+    for (CrossingIndex x = 0; x < zones.map()->crossing_count(); ++x) {
       const VehicleIndex holder = traffic.holder(x);
-      json.begin_object().field("name", map->zone().crossings[x].name);
+      json.begin_object().field("name", zones.map()->zone().crossings[x].name);
       text_or_null(json, "heldBy", holder == no_vehicle ? std::string_view{} : std::string_view{registry[holder].name});
       json.key("waiting").begin_array();
       for (const VehicleIndex waiting : traffic.waiting(x)) json.value(registry[waiting].name);
@@ -117,12 +117,12 @@ std::string ServerCore::snapshot_json() const {
       .field("zoneRevision", in.simulator.zone_revision());
   json.key("zoneEdits")
       .begin_object()
-      .field("undo", static_cast<std::uint64_t>(in.edits.undo_count()))
-      .field("redo", static_cast<std::uint64_t>(in.edits.redo_count()))
-      .field("unsaved", in.edits.unsaved(in.simulator))
+      .field("undo", static_cast<std::uint64_t>(in.zones.edits().undo_count()))
+      .field("redo", static_cast<std::uint64_t>(in.zones.edits().redo_count()))
+      .field("unsaved", in.zones.edits().unsaved(in.simulator))
       .end_object();
   if (in.areas.several()) in.areas.write(json.key("hall"));
-  in.write_zone(json);
+  in.zones.write(json);
   json.key("aivs").begin_array();
   for (VehicleIndex v = 0; v < in.registry.size(); ++v)
     if (in.registry[v].shown(in.now)) in.write_vehicle(json, v);

@@ -73,7 +73,7 @@ void ServerCore::Inside::write_vehicle(JsonWriter& json, VehicleIndex vehicle) c
   else
     json.null();
   text_or_null(json, "map", proxy.map_id);
-  const std::string why_parked = parked(vehicle);
+  const std::string why_parked = zones.change().off_route(vehicle);
   text_or_null(json, "parked", why_parked);
   missions.write(json.key("mission"), vehicle, orders.stands_at_goal(vehicle));
   write_pose(json.key("reported").begin_object(), twin.last_report().X_MB);
@@ -118,7 +118,7 @@ void ServerCore::Inside::write_agent(JsonWriter& json, VehicleIndex vehicle, boo
   for (const wire::VehicleError& error : state.errors)
     json.value(error.description.empty() ? error.type : error.type + ": " + error.description);
   if (proxy.clock_off_s != 0.0) json.value("clock: off by " + std::to_string(proxy.clock_off_s) + " s");
-  if (const std::string why = parked(vehicle); !why.empty()) json.value("parked: it " + why);
+  if (const std::string why = zones.change().off_route(vehicle); !why.empty()) json.value("parked: it " + why);
   json.end_array();
 }
 
@@ -126,13 +126,13 @@ void ServerCore::Inside::write_reserved(JsonWriter& json, VehicleIndex vehicle) 
   json.key("reserved").begin_array();
   const AivProxy& proxy = registry[vehicle];
   const auto place = simulator.image(*proxy.twin, now).place;
-  if (place && map) {
-    const zone::Circuit& circuit = map->zone().circuit;
+  if (place && zones.map()) {
+    const zone::Circuit& circuit = zones.map()->zone().circuit;
     std::optional<double> left_m;
     const auto coming = simulator.twin(*proxy.twin).coming(place->section);
     if (traffic.base_end(vehicle) != no_waypoint)
-      left_m = map->base_left(*place, traffic.base_end(vehicle), traffic.base_m_max(vehicle), coming,
-                              traffic.base_passed(vehicle));
+      left_m = zones.map()->base_left(*place, traffic.base_end(vehicle), traffic.base_m_max(vehicle), coming,
+                                      traffic.base_passed(vehicle));
     else if (proxy.base_end)
       left_m = circuit.distance_ahead(*place, *proxy.base_end, strange_base_m_max, coming);
     const auto at = [&](double d_m) { return position(circuit.pose_at(circuit.advance(*place, d_m, coming))); };

@@ -49,22 +49,11 @@ void ServerCore::Inside::follow(const ThingCommand& asked) {
 }
 
 bool ServerCore::Inside::add_aiv(const std::string& serial, zone::Place place) {
-  const wire::VehicleId id{std::string(wire::virtual_manufacturer), serial};
-  auto vehicle = registry.find(wire::to_string(id));
-  if (vehicle)
-    registry.renew(*vehicle, now);
-  else
-    vehicle = register_vehicle(id);
+  const auto vehicle = vehicles.begin_life({std::string(wire::virtual_manufacturer), serial});
   if (!vehicle) return false;
-  AivProxy& proxy = registry[*vehicle];
-  proxy.retired = false;
-  missions.forget(*vehicle);
-  missions.registered(*vehicle);
-  if (proxy.twin) simulator.reappear(*proxy.twin, options.lost_after, step_recorder(*this));
-  virtual_obstacles.new_session(*vehicle);
   hosted.add(*vehicle, now, link.up(), *simulator.configuration(), place);
   simulator.monitor().set_augmented(hosted.hosts().size());
-  publisher.log('i', proxy.name + ": added at " + simulator.circuit()->part(place.section).name + ", " +
+  publisher.log('i', registry[*vehicle].name + ": added at " + simulator.circuit()->part(place.section).name + ", " +
                          std::to_string(place.s_m) + " m");
   return true;
 }
@@ -72,15 +61,9 @@ bool ServerCore::Inside::add_aiv(const std::string& serial, zone::Place place) {
 void ServerCore::Inside::remove_aiv(VehicleIndex vehicle) {
   hosted.remove(vehicle, now);
   simulator.monitor().set_augmented(hosted.hosts().size());
-  AivProxy& proxy = registry[vehicle];
-  proxy.retired = true;
-  proxy.connection = wire::ConnectionState::offline;
-  traffic.forget(vehicle);
-  orders.forget(vehicle);
-  actions.forget(vehicle);
-  commands.forget(vehicle, proxy.name + " has been taken away");
-  virtual_obstacles.new_session(vehicle);
-  publisher.log('i', proxy.name + ": taken away");
+  const std::string& name = registry[vehicle].name;
+  vehicles.retire(vehicle, name + " has been taken away");
+  publisher.log('i', name + ": taken away");
 }
 
 void ServerCore::Inside::place_recalled_aivs() {

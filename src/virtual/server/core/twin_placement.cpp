@@ -1,0 +1,79 @@
+#include "cosiva/virtual/server/core/twin_placement.h"
+
+#include <algorithm>
+
+#include "cosiva/base/expect.h"
+
+namespace cosiva::virtual_side {
+
+void TwinPlacement::place(VehicleIndex vehicle, SimTime at, const Pose2& pose,
+                          const std::optional<wire::Velocity>& velocity) {
+  AivProxy& proxy = context_.registry[vehicle];
+  if (!proxy.twin) {
+    proxy.twin = context_.simulator.appear(proxy.name, proxy.number, proxy.augmented, context_.options.lost_after,
+                                           step_recorder(context_));
+    record_event(proxy, PhysicalEvent::arrival, at);
+    apply_base_end(vehicle);
+  }
+  COSIVA_EXPECT(*proxy.twin < context_.simulator.twin_count());
+  MotionReport report{at, {pose.x_m, pose.y_m, wrap_angle(pose.heading_rad)}, {}, 0.0, 0.0};
+  if (velocity) {
+    report.vx_mps = velocity->vx_mps;
+    report.vy_mps = velocity->vy_mps;
+    report.omega_radps = velocity->omega_radps;
+  }
+  // All control areas share one frame: a pose on the map of another area holds on this one as well.
+  report.on_map =
+      !map_ || proxy.map_id.empty() || proxy.map_id == map_->zone().name || context_.areas.has_map(proxy.map_id);
+  const Twin& twin = context_.simulator.twin(*proxy.twin);
+  const std::optional<zone::Place> before = twin.on_circuit() ? std::optional{twin.reported_place()} : std::nullopt;
+  context_.simulator.report(*proxy.twin, context_.now, report);
+  if (before && twin.on_circuit() && before->section != twin.reported_place().section) trace_section(proxy, *before);
+  if (map_)
+    master_.orders.set_standing(vehicle,
+                                {twin.reported_place(), twin.reported_off_m(), twin.heading_off_rad(), report.X_MB});
+}
+
+void TwinPlacement::trace_section(const AivProxy& proxy, zone::Place before) {
+  // The article's figure 11, traced at each new section only.
+  const zone::Circuit& circuit = *context_.simulator.circuit();
+  const zone::Place place = context_.simulator.twin(*proxy.twin).reported_place();
+  const auto on = [&circuit](zone::Place p) { return circuit.part(p.section).name + " " + metres_text(p.s_m) + " m"; };
+  const Pose2 line = circuit.pose_at(place);
+  context_.traces.add(context_.now, "Simulator", "Circuit", "nextAIVposition", proxy.name + " leaves " + on(before));
+  context_.traces.add(context_.now, "Circuit", "Simulator", "position",
+                      proxy.name + " on " + on(place) + ": " + metres_text(line.x_m) + ", " + metres_text(line.y_m));
+}
+
+void TwinPlacement::apply_base_end(VehicleIndex vehicle) {
+  AivProxy& proxy = context_.registry[vehicle];
+  if (!proxy.twin || !proxy.state || !map_) return;
+  const wire::State& state = *proxy.state;
+  std::optional<zone::Place> end;
+  if (!state.node_states.empty()) {
+    const auto released =
+        std::ranges::find_if(state.node_states.rbegin(), state.node_states.rend(), &wire::NodeState::released);
+    const std::string& id = released == state.node_states.rend() ? state.last_node_id : released->node_id;
+    // Of several waypoints of that id, the one that the order ends at is meant.
+    const WaypointIndex sent = master_.traffic.base_end(vehicle);
+    const auto known = map_->find(id);
+    if (sent != no_waypoint && map_->waypoint(sent).id == id)
+      end = map_->waypoint(sent).place;
+    else if (!known.empty())
+      end = map_->waypoint(known.front()).place;
+  }
+  proxy.base_end = end;
+  context_.simulator.set_base_end(*proxy.twin, end);
+}
+
+void TwinPlacement::set_present(AivProxy& proxy) {
+  if (proxy.present) return;
+  proxy.present = true;
+  if (!proxy.augmented) context_.simulator.monitor().set_physical(proxy.entity, true);
+}
+
+void TwinPlacement::record_event(const AivProxy& proxy, PhysicalEvent kind, SimTime reported_at) {
+  if (!proxy.augmented) context_.simulator.monitor().event(kind, to_seconds(context_.now - reported_at) * 1e3);
+}
+
+}  // namespace cosiva::virtual_side

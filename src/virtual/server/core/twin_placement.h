@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+
+#include "cosiva/base/pose.h"
+#include "cosiva/base/time.h"
+#include "cosiva/virtual/server/core/master_control.h"
+#include "cosiva/virtual/server/core/server_context.h"
+
+namespace cosiva::virtual_side {
+
+/// Places the twin of a vehicle where the vehicle reported itself, and hands what follows from that to the order
+/// manager and to the bijection monitor.
+/// Invariant: a vehicle gets its twin with its first pose, and keeps that twin for ever.
+class TwinPlacement {
+ public:
+  TwinPlacement(ServerContext& context, MasterControl& master) : context_{context}, master_{master} {}
+
+  /// The waypoint graph of the zone in force; null while there is none.
+  void set_map(const WayMap* map) { map_ = map; }
+  /// @param at  when the vehicle was there, on the server's clock
+  void place(VehicleIndex vehicle, SimTime at, const Pose2& pose, const std::optional<wire::Velocity>& velocity);
+  /// The twin may drive to the end of the base that the vehicle's last state lists.
+  void apply_base_end(VehicleIndex vehicle);
+  /// The vehicle is there physically, from now on.
+  void set_present(AivProxy& proxy);
+  /// Counts an event of a physical vehicle with the time that passed since it was reported.
+  void record_event(const AivProxy& proxy, PhysicalEvent kind, SimTime reported_at);
+
+ private:
+  void trace_section(const AivProxy& proxy, zone::Place before);
+
+  ServerContext& context_;
+  MasterControl& master_;
+  const WayMap* map_{};
+};
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,101 @@
+#include "cosiva/virtual/server/core/vehicle_lifecycle.h"
+
+#include <utility>
+
+#include "cosiva/base/expect.h"
+
+namespace cosiva::virtual_side {
+
+std::optional<VehicleIndex> VehicleLifecycle::register_vehicle(const wire::VehicleId& id) {
+  Registry& registry = context_.registry;
+  const auto index = registry.add(id, context_.now);
+  if (!index) return std::nullopt;
+  COSIVA_EXPECT(*index < registry.size());
+  master_.traffic.resize(registry.size());
+  master_.orders.resize(registry.size());
+  master_.missions.resize(registry.size());
+  master_.maps.resize(registry.size());
+  master_.missions.registered(*index);
+  augmented_.virtual_obstacles.resize(registry.size());
+  augmented_.pauses.resize(registry.size());
+  AivProxy& proxy = registry[*index];
+  apply_priority(*index);
+  // A virtual AIV that this process did not add is left over from an earlier process: retired. The monitor counts the
+  // other vehicles.
+  if (proxy.augmented)
+    proxy.retired = true;
+  else
+    proxy.entity = context_.simulator.monitor().entity(proxy.name);
+  if (std::erase(restored_pauses_, proxy.name) > 0) {
+    proxy.paused_for_body = true;
+    augmented_.virtual_obstacles.wake();
+  }
+  context_.publisher.log('i', proxy.name + ": registered with mark " + std::to_string(proxy.number));
+  return index;
+}
+
+std::optional<VehicleIndex> VehicleLifecycle::begin_life(const wire::VehicleId& id) {
+  auto vehicle = context_.registry.find(wire::to_string(id));
+  const bool is_known = vehicle.has_value();
+  if (is_known)
+    context_.registry.renew(*vehicle, context_.now);
+  else
+    vehicle = register_vehicle(id);
+  if (!vehicle) return std::nullopt;
+  AivProxy& proxy = context_.registry[*vehicle];
+  proxy.retired = false;
+  // A virtual AIV starts without the mission of the state file even at its first registration, unlike a physical
+  // vehicle: recorded runs depend on that.
+  if (is_known || proxy.augmented) renew_mission(*vehicle);
+  apply_priority(*vehicle);
+  if (proxy.twin) {
+    context_.simulator.reappear(*proxy.twin, context_.options.lost_after, step_recorder(context_));
+    if (!proxy.augmented) context_.simulator.monitor().set_virtual(proxy.entity, true);
+  }
+  augmented_.virtual_obstacles.new_session(*vehicle);
+  return vehicle;
+}
+
+void VehicleLifecycle::retire(VehicleIndex vehicle, const std::string& reason) {
+  COSIVA_EXPECT(vehicle < context_.registry.size());
+  AivProxy& proxy = context_.registry[vehicle];
+  proxy.retired = true;
+  proxy.connection = wire::ConnectionState::offline;
+  proxy.position_lost_since.reset();
+  proxy.paused_for_body = false;
+  proxy.handed_over.reset();
+  master_.traffic.forget(vehicle);
+  master_.orders.forget(vehicle);
+  // The mission of a virtual AIV stays until the AIV is added again (begin_life): the digest of a run contains the
+  // missions of all vehicles, retired ones included, and a mission dropped here would change the digests of recorded
+  // runs. The monitor counts no virtual AIV, and the summary of a run lists it as present.
+  if (!proxy.augmented) {
+    proxy.present = false;
+    context_.simulator.monitor().set_physical(proxy.entity, false);
+    context_.simulator.monitor().set_virtual(proxy.entity, false);
+    master_.missions.forget(vehicle);
+  }
+  master_.actions.forget(vehicle);
+  master_.commands.forget(vehicle, reason);
+  augmented_.virtual_obstacles.new_session(vehicle);
+  context_.state_stale = true;
+  COSIVA_EXPECT(!master_.orders.has_order(vehicle));
+}
+
+void VehicleLifecycle::apply_priorities() {
+  for (VehicleIndex v = 0; v < context_.registry.size(); ++v) apply_priority(v);
+}
+
+void VehicleLifecycle::apply_priority(VehicleIndex vehicle) {
+  if (!context_.simulator.zone()) return;
+  AivProxy& proxy = context_.registry[vehicle];
+  proxy.priority = context_.simulator.zone()->priority_of(proxy.name);
+  master_.traffic.set_priority(vehicle, proxy.priority);
+}
+
+void VehicleLifecycle::renew_mission(VehicleIndex vehicle) {
+  master_.missions.forget(vehicle);
+  master_.missions.registered(vehicle);
+}
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,250 @@
+#include "cosiva/virtual/server/core/zone_session.h"
+
+#include <utility>
+
+#include "cosiva/base/expect.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+/// A broker sends its retained messages at once after a subscription.
+constexpr SimDuration retained_within{std::chrono::milliseconds{300}};
+
+double ms_of(SimDuration duration) { return static_cast<double>(duration.count()) * 1e-6; }
+
+}  // namespace
+
+void ZoneSession::receive(const zone::ZoneConfiguration& configuration, Source source) {
+  const ZoneEdits::Arrival arrival = edits_.arrives(configuration);
+  if (source != Source::given && arrival != ZoneEdits::Arrival::echo) {
+    context_.traces.add(context_.now, "physical side", "AIV_Server", "zone",
+                        configuration.format + ", " + std::to_string(configuration.text.size()) + " bytes",
+                        configuration.origin, configuration.text);
+  }
+  const zone::ZoneConfiguration* had = context_.simulator.configuration();
+  const bool in_force = had != nullptr && same_content(*had, configuration);
+  if (in_force || arrival != ZoneEdits::Arrival::news) confirmed_ = confirmed_ || source == Source::retained;
+  switch (arrival) {
+    case ZoneEdits::Arrival::echo: return;
+    case ZoneEdits::Arrival::stale:
+      // A physical side that was started again brings its file; what was edited since is in force all the same.
+      if (edits_.edited(context_.simulator)) publish();
+      return;
+    case ZoneEdits::Arrival::news: break;
+  }
+  if (in_force || waits_for_others(configuration, source)) return;
+  if (!take(configuration)) return;
+  if (std::exchange(switched_here_, false)) context_.state_stale = true;
+  edits_.begin(configuration, ZoneEdits::Origin::broker);
+  restore_now();
+}
+
+bool ZoneSession::waits_for_others(const zone::ZoneConfiguration& configuration, Source source) {
+  // A broker may keep one configuration for each format. They come in any order: where the one in force is among them
+  // the others are left from before, else the last one counts.
+  if (source != Source::retained || context_.simulator.configuration() == nullptr ||
+      context_.now - context_.link.up_since() >= retained_within)
+    return false;
+  waiting_ = configuration;
+  return true;
+}
+
+void ZoneSession::take_waiting() {
+  if (!waiting_ || context_.now - context_.link.up_since() < retained_within) return;
+  const zone::ZoneConfiguration configuration = *std::exchange(waiting_, std::nullopt);
+  if (!confirmed_) return receive(configuration, Source::published);
+  context_.publisher.log('w', "the broker keeps another zone besides the one in force, on " + configuration.origin +
+                                  "; it is left alone. Clear that topic, or switch to it");
+}
+
+void ZoneSession::link_came_up() {
+  waiting_.reset();
+  confirmed_ = false;
+}
+
+void ZoneSession::publish_own() {
+  if (context_.options.zone || switched_here_ || edits_.edited(context_.simulator)) publish();
+}
+
+bool ZoneSession::take(const zone::ZoneConfiguration& configuration) {
+  const auto received = context_.simulator.receive(context_.now, configuration, step_recorder(context_));
+  if (!received) {
+    ++context_.messages_refused;
+    record_refusal(configuration.origin, to_string(received.error()));
+    return false;
+  }
+  refused_.reset();
+  if (*received == Simulator::Reception::same) return true;
+  const auto& zone = context_.simulator.zone();
+  context_.publisher.log('i', "zone '" + zone->name + "': " + std::to_string(zone->waypoints.size()) + " waypoints, " +
+                                  std::to_string(zone->crossings.size()) + " crossings");
+  if (*received == Simulator::Reception::same_ways)
+    drive_on(zone);
+  else
+    start_over(zone);
+  vehicles_.apply_priorities();
+  augmented_.hosted.zone(context_.now, configuration);
+  COSIVA_EXPECT(map_ && map_->zone().name == zone->name);
+  return true;
+}
+
+void ZoneSession::drive_on(const std::shared_ptr<const zone::TrafficZone>& zone) {
+  // Positions, right of way and orders refer to the sections, which are the same.
+  if (!map_ || !map_->take(zone)) return start_over(zone);
+  master_.missions.renew();
+}
+
+void ZoneSession::start_over(const std::shared_ptr<const zone::TrafficZone>& zone) {
+  // Every part drops its references into the old map before that goes.
+  const std::string from = map_ ? map_->zone().name : std::string{};
+  master_.deadlocks.forget();
+  notify_all(nullptr);
+  map_.emplace(zone);
+  notify_all(&*map_);
+  master_.maps.begin();
+  if (!from.empty()) change_.begin(from);
+  for (VehicleIndex v = 0; v < context_.registry.size(); ++v) {
+    AivProxy& proxy = context_.registry[v];
+    if (!proxy.here() || !proxy.reported || !proxy.position_known) continue;
+    // Until its next report, the vehicle is shown on the new zone where it was last, stopped.
+    twins_.place(v, context_.now, *proxy.reported, wire::Velocity{});
+  }
+}
+
+void ZoneSession::notify_all(const WayMap* graph) {
+  master_.traffic.set_map(graph);
+  master_.missions.set_map(graph);
+  master_.orders.set_map(graph);
+  augmented_.pauses.set_map(graph);
+  twins_.set_map(graph);
+  change_.set_map(graph);
+}
+
+void ZoneSession::publish() {
+  const zone::ZoneConfiguration* configuration = context_.simulator.configuration();
+  if (!context_.link.up() || configuration == nullptr) return;
+  const std::string topic = context_.topics.zone_prefix + configuration->format;
+  edits_.published(*configuration);
+  std::string payload = zone::to_payload(*configuration);
+  context_.traces.add(context_.now, "AIV_Server", "*", "zone",
+                      configuration->format + ", " + std::to_string(payload.size()) + " bytes", topic, payload);
+  context_.publisher.publish(topic, std::move(payload), 1, true);
+}
+
+void ZoneSession::follow_edit(const JsonValue& command) {
+  const auto after = edits_.after(command, context_.simulator);
+  if (!after) {
+    context_.publisher.log('w', "command refused: " + to_string(after.error()));
+    return;
+  }
+  const std::string verb = *command.text("command");
+  context_.state_stale = true;
+  if (verb == "saved") {
+    edits_.saved(*after);
+    return;
+  }
+  zone::ZoneConfiguration before = *context_.simulator.configuration();
+  if (!take(*after)) return;
+  edits_.done(verb, std::move(before));
+  publish();
+}
+
+void ZoneSession::follow_switch(const JsonValue& command) {
+  const auto wanted = wanted_by(command);
+  if (!wanted) {
+    record_refusal(command.find("zone") == nullptr ? std::string{} : command.find("zone")->text("origin").value_or(""),
+                   to_string(wanted.error()));
+    return;
+  }
+  const std::string format =
+      context_.simulator.configuration() == nullptr ? wanted->format : context_.simulator.configuration()->format;
+  if (!take(*wanted)) return;
+  switched_here_ = true;
+  context_.state_stale = true;
+  waiting_.reset();
+  edits_.begin(*wanted, ZoneEdits::Origin::own);
+  publish();
+  // A program that subscribes later must not find two zones.
+  if (context_.link.up() && format != wanted->format)
+    context_.publisher.publish(context_.topics.zone_prefix + format, {}, 1, true);
+}
+
+Result<zone::ZoneConfiguration> ZoneSession::wanted_by(const JsonValue& command) const {
+  const JsonValue* zone = command.find("zone");
+  if (zone == nullptr)
+    return fail("switch.zone", R"(say which zone, as {"zone":{"format":…,"origin":…,"text":…}})", "zone");
+  auto configuration = zone::zone_configuration_from_json(*zone);
+  if (!configuration) return configuration;
+  if (context_.simulator.configuration() != nullptr &&
+      same_content(*context_.simulator.configuration(), *configuration))
+    return fail("switch.same", "this zone is in force already", "zone");
+  // Every program has to be able to build what the server publishes.
+  if (auto rtm = zone::Rtm::initialise(*configuration); !rtm) return tl::unexpected(rtm.error());
+  return configuration;
+}
+
+void ZoneSession::record_refusal(const std::string& origin, const std::string& why) {
+  refused_ = Refused{context_.now, origin, why};
+  context_.publisher.log(
+      'e', "zone configuration refused: " + why + (context_.simulator.zone() ? "; the zone that was there stays" : ""));
+}
+
+void ZoneSession::restore(std::optional<JsonValue> edited, std::optional<zone::ZoneConfiguration> given) {
+  if (given) restored_given_ = std::move(given);
+  if (edited) restored_zone_ = std::move(edited);
+  if (context_.simulator.zone()) restore_now();
+}
+
+void ZoneSession::restore_now() {
+  if (!restored_zone_) return;
+  const JsonValue memory = std::move(*std::exchange(restored_zone_, std::nullopt));
+  ZoneEdits::Recalled restored = ZoneEdits::recalled(memory, *context_.simulator.configuration());
+  // The edited zone had replaced the one that the options bring at every start.
+  const auto given = std::exchange(restored_given_, std::nullopt);
+  if (restored.fit == ZoneEdits::Recalled::Fit::another && given && context_.options.zone &&
+      same_content(*given, *context_.options.zone) && same_content(*given, *context_.simulator.configuration())) {
+    if (!take(restored.base)) return;
+    change_.clear();
+    switched_here_ = true;
+    edits_.begin(restored.base, ZoneEdits::Origin::own);
+    restored.fit = ZoneEdits::Recalled::Fit::base;
+  }
+  if (restored.fit == ZoneEdits::Recalled::Fit::another) {
+    context_.publisher.log('w', "the zone is another one than the remembered edits were made on; they are left out");
+    return;
+  }
+  const bool to_be_taken = restored.fit == ZoneEdits::Recalled::Fit::base;
+  if (to_be_taken && !take(restored.made)) return;
+  if (!same_content(restored.made, restored.base)) edits_.restore(std::move(restored));
+  if (to_be_taken) publish();
+}
+
+void ZoneSession::write_state(JsonWriter& json) const {
+  if (switched_here_ || edits_.edited(context_.simulator)) edits_.write_memory(json.key("zone"), context_.simulator);
+  // After a restart the options bring the zone from before the switch: that one must not replace this one.
+  if (switched_here_ && context_.options.zone) zone::write_json(json.key("given"), *context_.options.zone);
+}
+
+void ZoneSession::write(JsonWriter& json) const {
+  json.key("zone").begin_object().key("name");
+  if (context_.simulator.zone())
+    json.value(context_.simulator.zone()->name);
+  else
+    json.null();
+  json.field("revision", context_.simulator.zone_revision()).key("closed").begin_array();
+  for (const std::string& name : master_.missions.closed_names()) json.value(name);
+  json.end_array().key("refused");
+  if (refused_) {
+    json.begin_object()
+        .field("origin", refused_->origin)
+        .field("why", refused_->why)
+        .field("at", ms_of(refused_->at.time_since_epoch()))
+        .end_object();
+  } else {
+    json.null();
+  }
+  change_.write(json.key("switched"));
+  json.end_object();
+}
+
+}  // namespace cosiva::virtual_side

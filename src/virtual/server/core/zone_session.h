@@ -1,0 +1,103 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "cosiva/base/digest.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/base/result.h"
+#include "cosiva/virtual/server/core/augmented_parts.h"
+#include "cosiva/virtual/server/core/master_control.h"
+#include "cosiva/virtual/server/core/server_context.h"
+#include "cosiva/virtual/server/core/twin_placement.h"
+#include "cosiva/virtual/server/core/vehicle_lifecycle.h"
+#include "cosiva/virtual/server/core/zone_change.h"
+#include "cosiva/virtual/server/right_of_way/way_map.h"
+#include "cosiva/virtual/server/zones/zone_edits.h"
+
+namespace cosiva::virtual_side {
+
+/// The zone in force: which configurations of the broker, of an operator and of the state file replace it, its
+/// edits, and the waypoint graph that all parts drive by.
+/// Invariant: exactly one zone is in force once the first one was taken, the waypoint graph is that zone's, and every
+/// part has the same graph. A configuration that cannot be built changes nothing but the refusal that is shown.
+class ZoneSession {
+ public:
+  ZoneSession(ServerContext& context, MasterControl& master, AugmentedParts& augmented, VehicleLifecycle& vehicles,
+              TwinPlacement& twins)
+      : context_{context},
+        master_{master},
+        augmented_{augmented},
+        vehicles_{vehicles},
+        twins_{twins},
+        change_{context, master} {}
+
+  /// How a configuration came: from the options, published just now, or retained by the broker.
+  enum class Source { given, published, retained };
+  void receive(const zone::ZoneConfiguration& configuration, Source source);
+  void link_went_down() { edits_.link_lost(); }
+  void link_came_up();
+  /// Publishes the zone where no other program serves it.
+  void publish_own();
+  /// In each cycle: a configuration that waits for the other retained ones is taken when they have had their time.
+  void take_waiting();
+
+  /// The configuration that the command "switch" would bring into force. Fails with a sentence that says what to do.
+  [[nodiscard]] Result<zone::ZoneConfiguration> wanted_by(const JsonValue& command) const;
+  /// Follows "switch"; a refusal is shown until the next zone is taken.
+  void follow_switch(const JsonValue& command);
+  /// Follows "edit", "undo", "redo" or "saved".
+  void follow_edit(const JsonValue& command);
+
+  /// Takes what the state file holds of the zone, as soon as a zone is in force.
+  /// @param edited  the zone in force with its edits, as write_state() wrote it
+  /// @param given   the zone of the options that another one had replaced
+  void restore(std::optional<JsonValue> edited, std::optional<zone::ZoneConfiguration> given);
+  /// What the state file holds of the zone has not been taken yet: a new state file would lose it.
+  [[nodiscard]] bool awaits_zone_to_restore() const { return restored_zone_.has_value(); }
+  /// The state file's "zone" and "given"; nothing where a new server would have the same zone.
+  void write_state(JsonWriter& json) const;
+
+  /// The waypoint graph of the zone in force; null before there is a zone.
+  [[nodiscard]] const WayMap* map() const { return map_ ? &*map_ : nullptr; }
+  [[nodiscard]] ZoneChange& change() { return change_; }
+  [[nodiscard]] const ZoneChange& change() const { return change_; }
+  [[nodiscard]] const ZoneEdits& edits() const { return edits_; }
+  /// The snapshot's "zone".
+  void write(JsonWriter& json) const;
+
+ private:
+  struct Refused {
+    SimTime at{};
+    std::string origin;
+    std::string why;
+  };
+  [[nodiscard]] bool waits_for_others(const zone::ZoneConfiguration& configuration, Source source);
+  bool take(const zone::ZoneConfiguration& configuration);
+  void drive_on(const std::shared_ptr<const zone::TrafficZone>& zone);
+  void start_over(const std::shared_ptr<const zone::TrafficZone>& zone);
+  void notify_all(const WayMap* map);
+  void publish();
+  void restore_now();
+  void record_refusal(const std::string& origin, const std::string& why);
+
+  ServerContext& context_;
+  MasterControl& master_;
+  AugmentedParts& augmented_;
+  VehicleLifecycle& vehicles_;
+  TwinPlacement& twins_;
+  ZoneChange change_;
+  ZoneEdits edits_;
+  std::optional<WayMap> map_;
+  std::optional<Refused> refused_;
+  bool switched_here_{false};  ///< the zone in force came by a command: no other program serves it
+  /// Retained configurations of a new connection: each waits until all of them are there.
+  std::optional<zone::ZoneConfiguration> waiting_;
+  bool confirmed_{false};  ///< the zone in force is among the retained ones
+  std::optional<JsonValue> restored_zone_;
+  std::optional<zone::ZoneConfiguration> restored_given_;
+};
+
+}  // namespace cosiva::virtual_side
