@@ -8,13 +8,13 @@
 
 #include "cosiva/virtual/server/core/augmented_parts.h"
 #include "cosiva/virtual/server/core/master_control.h"
+#include "cosiva/virtual/server/core/position_view.h"
 #include "cosiva/virtual/server/core/server_context.h"
 #include "cosiva/virtual/server/core/server_core.h"
+#include "cosiva/virtual/server/core/server_view.h"
 #include "cosiva/virtual/server/core/twin_placement.h"
 #include "cosiva/virtual/server/core/vehicle_lifecycle.h"
 #include "cosiva/virtual/server/core/zone_session.h"
-#include "cosiva/virtual/server/view/battery_desk.h"
-#include "cosiva/virtual/server/view/gvs_desk.h"
 #include "cosiva/virtual/simulator/simulator.h"
 
 namespace cosiva::virtual_side {
@@ -24,7 +24,7 @@ namespace cosiva::virtual_side {
 /// virtual_world.cpp: what is added only virtually; hand_over.cpp: from hall to hall; memory.cpp: what is kept over a
 /// crash; reports.cpp and own_reports.cpp: what vehicles say; talk.cpp: what they say to each other; snapshot.cpp and
 /// vehicle_json.cpp: what the page reads.
-struct ServerCore::Inside : ServerContext, MasterControl, AugmentedParts {
+struct ServerCore::Inside : ServerContext, MasterControl, AugmentedParts, InstrumentParts {
   explicit Inside(ServerOptions given);
 
   // server_core.cpp
@@ -108,23 +108,11 @@ struct ServerCore::Inside : ServerContext, MasterControl, AugmentedParts {
   void on_intent(const wire::Input& input);
   void trace_intent(AivProxy& proxy, const wire::Input& input);
 
-  // vehicle_json.cpp
-  void write_vehicle(JsonWriter& json, VehicleIndex vehicle) const;
-  void write_agent(JsonWriter& json, VehicleIndex vehicle, bool lost) const;
-  void write_reserved(JsonWriter& json, VehicleIndex vehicle) const;
-  void write_boards(JsonWriter& json, const wire::BoardsReport& report) const;
-
-  // snapshot.cpp
-  void write_things(JsonWriter& json) const;
-  void write_obstacles(JsonWriter& json) const;
-  void write_crossings(JsonWriter& json) const;
-  void write_commands(JsonWriter& json) const;
-
   VehicleLifecycle vehicles{*this, *this, *this};
   TwinPlacement twins{*this, *this};
   ZoneSession zones{*this, *this, *this, vehicles, twins};
-  BatteryDesk batteries;
-  GvsDesk gvs;
+  ServerView view{*this, *this, *this, zones, *this};
+  PositionView position_view{*this, *this};
   /// Virtual AIVs of the state file that wait until the vehicles are known.
   struct RecalledAiv {
     std::string serial;

@@ -26,7 +26,7 @@ ServerCore::Inside::Inside(ServerOptions given)
     : ServerContext{std::move(given)},
       MasterControl{.served = *this},
       AugmentedParts{.server = *this, .master = *this},
-      gvs{registry, simulator} {
+      InstrumentParts{.observed = *this} {
   if (areas.several())
     missions.set_abroad([this](std::string_view to) { return areas.way_to(to, zones.map()->zone(), missions); });
 }
@@ -268,6 +268,19 @@ void ServerCore::fold(Digest& digest) const {
 SimDuration ServerCore::tick_period() const { return inside_->options.cycle; }
 
 Result<void> ServerCore::check_command(std::string_view json) const { return inside_->check_command(json); }
+
+std::string ServerCore::snapshot_json() const { return inside_->view.snapshot_json(); }
+std::string ServerCore::summary_json() const { return inside_->view.summary_json(); }
+ServerCore::PageRevision ServerCore::page_revision() const { return inside_->view.page_revision(); }
+void ServerCore::positions(SimTime now, std::vector<PositionRecord>& out) const {
+  inside_->position_view.positions(now, out);
+}
+void ServerCore::write_bijection(JsonWriter& json) const { inside_->simulator.monitor().write(json); }
+std::string ServerCore::traces_json(std::uint64_t after, std::size_t limit) const {
+  return inside_->traces.to_json(after, limit);
+}
+std::optional<std::string> ServerCore::trace_json(std::uint64_t n) const { return inside_->traces.one_json(n); }
+std::string ServerCore::next_command_id() const { return inside_->commands.next_free_id(); }
 
 std::uint64_t ServerCore::zone_revision() const { return inside_->simulator.zone_revision(); }
 std::string ServerCore::zone_json() const { return inside_->simulator.zone_json(); }

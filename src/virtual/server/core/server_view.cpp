@@ -1,0 +1,210 @@
+#include "cosiva/virtual/server/core/server_view.h"
+
+#include <algorithm>
+
+#include "cosiva/wire/vda5050/codec.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+constexpr std::size_t commands_shown = 50;
+
+double ms_of(SimDuration duration) { return static_cast<double>(duration.count()) * 1e-6; }
+
+void text_or_null(JsonWriter& json, std::string_view name, std::string_view text) {
+  json.key(name);
+  if (text.empty())
+    json.null();
+  else
+    json.value(text);
+}
+
+template <typename... Numbers>
+void add(Digest& digest, Numbers... numbers) {
+  (digest.add(static_cast<std::uint64_t>(numbers)), ...);
+}
+
+}  // namespace
+
+void ServerView::write_objects(JsonWriter& json) const {
+  json.key("things").begin_array();
+  for (const Thing& thing : context_.simulator.augmented().things()) {
+    const Walk::Motion at = thing.at(context_.now);
+    json.begin_object()
+        .field("id", thing.id)
+        .field("handle", thing.handle)
+        .field("kind", to_string(thing.kind))
+        .field("x", at.at.x_m)
+        .field("y", at.at.y_m)
+        .field("heading", at.heading_rad)
+        .field("radius", thing.radius_m)
+        .field("speed", thing.walk.speed_mps());
+    if (thing.walk.path().size() > 1) {
+      json.key("path").begin_array();
+      for (const Point2 p : thing.walk.path()) json.begin_array().value(p.x_m).value(p.y_m).end_array();
+      json.end_array().field("repeat", to_string(thing.walk.repeat()));
+    }
+    json.key("feltBy").begin_array();
+    for (VehicleIndex v = 0; v < context_.registry.size(); ++v)
+      if (context_.registry[v].here() && augmented_.virtual_obstacles.feels(v) == thing.id)
+        json.value(context_.registry[v].name);
+    json.end_array().field("since_ms", ms_of(thing.since.time_since_epoch())).end_object();
+  }
+  json.end_array();
+}
+
+void ServerView::write_obstacles(JsonWriter& json) const {
+  json.key("obstacles").begin_array();
+  for (const SeenObstacle& obstacle : context_.simulator.seen().obstacles()) {
+    json.begin_object()
+        .field("id", obstacle.id)
+        .field("handle", obstacle.handle)
+        .field("x", obstacle.at.x_m)
+        .field("y", obstacle.at.y_m)
+        .field("radius", obstacle.radius_m);
+    json.key("seenBy").begin_array();
+    for (const SeenObstacle::Witness& witness : obstacle.seen_by) json.value(witness.vehicle);
+    json.end_array()
+        .field("first_ms", ms_of(obstacle.first.time_since_epoch()))
+        .field("last_ms", ms_of(obstacle.last.time_since_epoch()))
+        .end_object();
+  }
+  json.end_array();
+}
+
+void ServerView::write_crossings(JsonWriter& json) const {
+  json.key("crossings").begin_array();
+  if (zones_.map()) {
+    for (CrossingIndex x = 0; x < zones_.map()->crossing_count(); ++x) {
+      const VehicleIndex holder = master_.traffic.holder(x);
+      json.begin_object().field("name", zones_.map()->zone().crossings[x].name);
+      text_or_null(json, "heldBy",
+                   holder == no_vehicle ? std::string_view{} : std::string_view{context_.registry[holder].name});
+      json.key("waiting").begin_array();
+      for (const VehicleIndex waiting : master_.traffic.waiting(x)) json.value(context_.registry[waiting].name);
+      json.end_array().end_object();
+    }
+  }
+  json.end_array();
+}
+
+void ServerView::write_commands(JsonWriter& json) const {
+  json.key("commands").begin_array();
+  const auto& list = master_.commands.list();
+  const std::size_t first = list.size() > commands_shown ? list.size() - commands_shown : 0;
+  for (std::size_t i = first; i < list.size(); ++i) {
+    const Command& command = list[i];
+    const auto since = [&](std::string_view name, const std::optional<SimTime>& at) {
+      json.key(name);
+      if (at)
+        json.value(ms_of(*at - command.at));
+      else
+        json.null();
+    };
+    json.begin_object()
+        .field("id", command.id)
+        .field("vehicle", command.vehicle_name)
+        .field("command", command.verb_text)
+        .field("state", to_string(command.state))
+        .field("time_ms", ms_of(command.at.time_since_epoch()));
+    since("accepted_ms", command.accepted_at);
+    since("materialised_ms", command.materialised_at);
+    json.field("reason", command.reason).end_object();
+  }
+  json.end_array();
+}
+
+std::string ServerView::snapshot_json() const {
+  JsonWriter json;
+  json.begin_object()
+      .field("time", to_iso8601(context_.now))
+      .field("time_ms", ms_of(context_.now.time_since_epoch()))
+      .field("zoneRevision", context_.simulator.zone_revision());
+  json.key("zoneEdits")
+      .begin_object()
+      .field("undo", static_cast<std::uint64_t>(zones_.edits().undo_count()))
+      .field("redo", static_cast<std::uint64_t>(zones_.edits().redo_count()))
+      .field("unsaved", zones_.edits().unsaved(context_.simulator))
+      .end_object();
+  if (context_.areas.several()) context_.areas.write(json.key("hall"));
+  zones_.write(json);
+  json.key("aivs").begin_array();
+  for (VehicleIndex v = 0; v < context_.registry.size(); ++v)
+    if (context_.registry[v].shown(context_.now)) vehicle_.write(json, v);
+  json.end_array();
+  write_objects(json);
+  write_obstacles(json);
+  write_crossings(json);
+  master_.deadlocks.write(json.key("deadlocks"));
+  context_.simulator.monitor().write(json.key("bijection"));
+  write_commands(json);
+  instruments_.batteries.write(json.key("battery"));
+  instruments_.gvs.write(json.key("gvs"));
+  json.end_object();
+  return json.take();
+}
+
+std::string ServerView::summary_json() const {
+  JsonWriter json;
+  context_.simulator.monitor().write(json.begin_object().key("bijection"));
+  json.key("aivs").begin_array();
+  for (const AivProxy& proxy : context_.registry) {
+    const wire::ConnectionState connection = proxy.connection.value_or(wire::ConnectionState::online);
+    json.begin_object()
+        .field("id", proxy.name)
+        .field("number", proxy.number)
+        .field("augmented", proxy.augmented)
+        .field("connection", wire::vda5050::to_string(connection))
+        .field("present", proxy.present)
+        .field("twin", proxy.twin.has_value())
+        .field("messages", proxy.messages)
+        .field("missed", proxy.headers_missed)
+        .field("refused", proxy.refused)
+        .field("outdated", proxy.outdated)
+        .end_object();
+  }
+  json.end_array();
+  json.key("orders")
+      .begin_object()
+      .field("sent", master_.orders.orders_sent())
+      .field("updates", master_.orders.updates_sent())
+      .field("resent", master_.orders.resent())
+      .field("longest_wait_s", to_seconds(master_.orders.longest_wait()))
+      .end_object();
+  master_.deadlocks.write_counters(json.key("deadlocks").begin_object());
+  json.end_object();
+  json.field("messages_refused", context_.messages_refused).field("traces", context_.traces.next() - 1).end_object();
+  return json.take();
+}
+
+ServerCore::PageRevision ServerView::page_revision() const {
+  Digest waited_for;
+  Digest events;
+  add(waited_for, context_.simulator.zone_revision(), zones_.edits().undo_count(), zones_.edits().redo_count(),
+      zones_.edits().unsaved(context_.simulator), master_.deadlocks.revision());
+  for (const Finding& finding : context_.simulator.monitor().findings()) {
+    add(waited_for, finding.kind, finding.since.time_since_epoch().count());
+    waited_for.add(std::string_view{finding.id});
+  }
+  for (const Command& command : master_.commands.list())
+    add(waited_for, command.state, command.ticket, command.vehicle);
+  for (const Thing& thing : context_.simulator.augmented().things())
+    add(waited_for, thing.handle, thing.started.time_since_epoch().count());
+  for (const SeenObstacle& seen : context_.simulator.seen().obstacles()) add(waited_for, seen.handle);
+  for (VehicleIndex v = 0; v < context_.registry.size(); ++v) add_vehicle(v, waited_for, events);
+  return {waited_for.value(), events.value()};
+}
+
+void ServerView::add_vehicle(VehicleIndex vehicle, Digest& waited_for, Digest& events) const {
+  const AivProxy& proxy = context_.registry[vehicle];
+  add(waited_for, proxy.here(), proxy.lost(context_.now, context_.options.lost_after), proxy.priority);
+  if (proxy.connection) add(waited_for, *proxy.connection, 1);
+  waited_for.add(std::string_view{augmented_.virtual_obstacles.feels(vehicle)});
+  if (!proxy.state) return;
+  const wire::State& state = *proxy.state;
+  add(waited_for, state.field_violation, state.paused, state.errors.size());
+  add(events, proxy.last_tag.value_or(0), state.last_node_sequence_id, state.driving);
+  events.add(std::string_view{state.last_node_id});
+}
+
+}  // namespace cosiva::virtual_side

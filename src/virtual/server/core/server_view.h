@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+
+#include "cosiva/base/json_writer.h"
+#include "cosiva/virtual/server/core/augmented_parts.h"
+#include "cosiva/virtual/server/core/instrument_parts.h"
+#include "cosiva/virtual/server/core/master_control.h"
+#include "cosiva/virtual/server/core/server_context.h"
+#include "cosiva/virtual/server/core/server_core.h"
+#include "cosiva/virtual/server/core/vehicle_view.h"
+#include "cosiva/virtual/server/core/zone_session.h"
+
+namespace cosiva::virtual_side {
+
+/// What the page and the summary of a run read of the server (docs/protocols/hmi-api.md).
+class ServerView {
+ public:
+  ServerView(const ServerContext& context, const MasterControl& master, const AugmentedParts& augmented,
+             const ZoneSession& zones, const InstrumentParts& instruments)
+      : context_{context},
+        master_{master},
+        augmented_{augmented},
+        zones_{zones},
+        instruments_{instruments},
+        vehicle_{context, master, augmented, zones} {}
+
+  [[nodiscard]] std::string snapshot_json() const;
+  [[nodiscard]] std::string summary_json() const;
+  [[nodiscard]] ServerCore::PageRevision page_revision() const;
+
+ private:
+  void write_objects(JsonWriter& json) const;
+  void write_obstacles(JsonWriter& json) const;
+  void write_crossings(JsonWriter& json) const;
+  void write_commands(JsonWriter& json) const;
+  void add_vehicle(VehicleIndex vehicle, Digest& waited_for, Digest& events) const;
+
+  const ServerContext& context_;
+  const MasterControl& master_;
+  const AugmentedParts& augmented_;
+  const ZoneSession& zones_;
+  const InstrumentParts& instruments_;
+  VehicleView vehicle_;
+};
+
+}  // namespace cosiva::virtual_side
