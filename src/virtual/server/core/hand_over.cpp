@@ -83,12 +83,12 @@ void ServerCore::Inside::take_over(Halls::Vehicle& vehicle, bool kept) {
     return;
   }
   AivProxy& proxy = registry[*index];
-  if (vehicle.connection) on_vehicle_message({*index, VehicleTopic::connection}, *vehicle.connection);
-  if (vehicle.factsheet) on_vehicle_message({*index, VehicleTopic::factsheet}, *vehicle.factsheet);
+  if (vehicle.connection) reports.receive({*index, VehicleTopic::connection}, *vehicle.connection);
+  if (vehicle.factsheet) reports.receive({*index, VehicleTopic::factsheet}, *vehicle.factsheet);
   if (owner.pose && !kept) {
     proxy.position_known = true;
     proxy.reported = owner.pose;
-    on_report(*index, now);
+    reports.on_report(*index, now);
     twins.set_present(proxy);
     twins.place(*index, now, *owner.pose, wire::Velocity{});
   }

@@ -9,11 +9,14 @@
 #include "cosiva/virtual/server/core/augmented_parts.h"
 #include "cosiva/virtual/server/core/master_control.h"
 #include "cosiva/virtual/server/core/position_view.h"
+#include "cosiva/virtual/server/core/report_follow_up.h"
 #include "cosiva/virtual/server/core/server_context.h"
 #include "cosiva/virtual/server/core/server_core.h"
 #include "cosiva/virtual/server/core/server_view.h"
 #include "cosiva/virtual/server/core/twin_placement.h"
+#include "cosiva/virtual/server/core/v2x_intake.h"
 #include "cosiva/virtual/server/core/vehicle_lifecycle.h"
+#include "cosiva/virtual/server/core/vehicle_reports.h"
 #include "cosiva/virtual/server/core/zone_session.h"
 #include "cosiva/virtual/simulator/simulator.h"
 
@@ -34,7 +37,6 @@ struct ServerCore::Inside : ServerContext, MasterControl, AugmentedParts, Instru
   void on_tick();
   void settle();
   [[nodiscard]] bool settled() const;
-  std::optional<Registry::Address> address_of(const std::string& topic);
   void on_battery(const wire::Input& input);
   void on_gvs(const wire::Input& input);
 
@@ -72,45 +74,12 @@ struct ServerCore::Inside : ServerContext, MasterControl, AugmentedParts, Instru
   [[nodiscard]] std::string memory() const;
   void remember();
 
-  // reports.cpp
-  void on_vehicle_message(Registry::Address address, const wire::Input& input);
-  void on_connection(VehicleIndex vehicle, const wire::Input& input);
-  void on_factsheet(VehicleIndex vehicle, const wire::Input& input);
-  void on_state(VehicleIndex vehicle, const wire::Input& input);
-  void on_visualization(VehicleIndex vehicle, const wire::Input& input);
-  // own_reports.cpp
-  void on_felt(VehicleIndex vehicle, const wire::Input& input);
-  void on_seen(VehicleIndex vehicle, const wire::Input& input);
-  void on_boards(VehicleIndex vehicle, const wire::Input& input);
-  [[nodiscard]] bool take_own_stamp(AivProxy& proxy, std::optional<SimTime>& last, SimTime stamp);
-  [[nodiscard]] bool is_vehicle(VehicleIndex seer, Point2 p, double radius_m, SimTime seen_at) const;
-  void look_through(VehicleIndex vehicle, const wire::Ranges& ranges);
-  void forget_where_clear(VehicleIndex vehicle, double clear_m);
-  void on_ghost(AivProxy& proxy, VehicleTopic topic, const wire::Input& input);
-  [[nodiscard]] bool take_header(VehicleIndex vehicle, VehicleTopic topic, const wire::Header& header);
-  void refuse(VehicleIndex vehicle, VehicleTopic topic, const wire::Input& input, const Error& error);
-  /// Time stamps older than this one's are out of order.
-  [[nodiscard]] SimTime clock_of(AivProxy& proxy, SimTime stamp);
-  /// Takes note of a report: once per message, whatever it carries.
-  void on_report(VehicleIndex vehicle, SimTime reported_at);
-  /// When a position was taken, on the vehicle's own clock; nothing where a newer or the same one is known.
-  [[nodiscard]] std::optional<SimTime> fresh_position_stamp(AivProxy& proxy, const wire::Header& header) const;
-  void on_position(VehicleIndex vehicle, SimTime stamp, const wire::AgvPosition& position,
-                   const std::optional<wire::Velocity>& velocity);
-  void show_events(VehicleIndex vehicle, const wire::State* before, SimTime reported_at);
-  void read_limits_and_tags(AivProxy& proxy);
-  void help_lost_position(VehicleIndex vehicle);
-  void ask_factsheet(VehicleIndex vehicle);
-  void log_once(AivProxy& proxy, std::uint32_t note, char level, std::string text);
-
-  // talk.cpp
-  /// Talk between vehicles: told to the virtual ones that listen, and shown, once a second from each.
-  void on_intent(const wire::Input& input);
-  void trace_intent(AivProxy& proxy, const wire::Input& input);
-
   VehicleLifecycle vehicles{*this, *this, *this};
   TwinPlacement twins{*this, *this};
   ZoneSession zones{*this, *this, *this, vehicles, twins};
+  VehicleReports reports{*this, *this, *this, *this, vehicles, twins};
+  ReportFollowUp follow_up{*this, *this, zones};
+  V2xIntake v2x{*this, *this};
   ServerView view{*this, *this, *this, zones, *this};
   PositionView position_view{*this, *this};
   /// Virtual AIVs of the state file that wait until the vehicles are known.

@@ -36,37 +36,13 @@ void ServerCore::Inside::begin(SimTime) {
   if (options.zone) zones.receive(*options.zone, ZoneSession::Source::given);
 }
 
-std::optional<Registry::Address> ServerCore::Inside::address_of(const std::string& topic) {
-  if (const auto known = registry.find_topic(topic)) return known;
-  if (!topic.starts_with(topic_prefix)) return std::nullopt;
-  const auto parsed = wire::parse_vda_topic(topic);
-  if (!parsed) return std::nullopt;
-  const auto kind = parse_vehicle_topic(parsed->name);
-  if (!kind) return std::nullopt;
-  std::string fault;
-  if (parsed->major_version != "v2")
-    fault = "speaks '" + parsed->major_version + "'; this server speaks v2";
-  else if (!wire::valid_serial_number(parsed->vehicle.serial_number) ||
-           !wire::valid_serial_number(parsed->vehicle.manufacturer))
-    fault = "has a name with characters that VDA 5050 does not allow";
-  if (fault.empty()) {
-    if (const auto index = vehicles.register_vehicle(parsed->vehicle)) return Registry::Address{*index, *kind};
-    fault = "is one more than the " + std::to_string(Registry::vehicles_max) + " vehicles a server takes";
-  }
-  refuse_unknown_sender(*this, topic, "it " + fault);
-  return std::nullopt;
-}
-
 void ServerCore::Inside::on_message(const wire::Input& input) {
-  if (input.source.starts_with(wire::v2x_topic_prefix)) return on_intent(input);
+  if (input.source.starts_with(wire::v2x_topic_prefix)) return v2x.receive(input);
   if (BatteryDesk::is_ours(input.source)) return on_battery(input);
   if (GvsDesk::is_ours(input.source)) return on_gvs(input);
   if (is_for_halls(input)) return;
   if (!hosted.empty() && hosted.from_broker(now, input)) return;
-  if (const auto address = address_of(input.source)) {
-    on_vehicle_message(*address, input);
-    return;
-  }
+  if (reports.receive(input)) return;
   const std::string_view topic{input.source};
   if (topic.starts_with(topics.zone_prefix)) {
     const std::string_view format = topic.substr(topics.zone_prefix.size());
@@ -147,10 +123,7 @@ void ServerCore::Inside::on_tick() {
   zones.take_waiting();
   if (link.up() && !link.synchronised() && settled()) settle();
   if (link.synchronised()) {
-    for (VehicleIndex v = 0; v < registry.size(); ++v) {
-      help_lost_position(v);
-      ask_factsheet(v);
-    }
+    follow_up.request_missing();
     traffic.set_time(now);
     zones.change().follow();
     orders.tick(options.drive, zones.change().may_send_orders(), options.lost_after);

@@ -1,10 +1,10 @@
-// What vehicles say to each other (V2X, A3, A10). The server has no part in it: it hands it to the virtual AIVs, which
-// live here, and shows some of it.
+#include "cosiva/virtual/server/core/v2x_intake.h"
+
 #include <cmath>
 #include <cstdlib>
 #include <limits>
 
-#include "cosiva/virtual/server/core/inside.h"
+#include "cosiva/base/expect.h"
 #include "cosiva/wire/in_process/heard_intents.h"
 #include "cosiva/wire/own/v2x.h"
 
@@ -29,21 +29,24 @@ bool adjacent(wire::Cell a, wire::Cell b) { return std::abs(a.x - b.x) <= 1 && s
 
 }  // namespace
 
-void ServerCore::Inside::on_intent(const wire::Input& input) {
+void V2xIntake::receive(const wire::Input& input) {
   if (input.flag) return;
-  if (!hosted.empty()) hosted.talk(now, input);
+  const std::size_t vehicles = context_.registry.size();
+  if (!augmented_.hosted.empty()) augmented_.hosted.talk(context_.now, input);
+  COSIVA_EXPECT(context_.registry.size() == vehicles);
   const auto topic = wire::parse_v2x_topic(input.source);
   if (!topic) return;
-  // Who is known by its talk alone is no vehicle of this server's: made-up names cost it nothing.
-  const auto vehicle = registry.find(wire::to_string(topic->vehicle));
+  // A vehicle that is known by its V2X messages alone is none of this server's.
+  const auto vehicle = context_.registry.find(wire::to_string(topic->vehicle));
   if (!vehicle) return;
-  AivProxy& proxy = registry[*vehicle];
-  if (proxy.talk_traced && now - *proxy.talk_traced < trace_period && now >= *proxy.talk_traced) return;
-  proxy.talk_traced = now;
-  trace_intent(proxy, input);
+  AivProxy& proxy = context_.registry[*vehicle];
+  if (proxy.talk_traced && context_.now - *proxy.talk_traced < trace_period && context_.now >= *proxy.talk_traced)
+    return;
+  proxy.talk_traced = context_.now;
+  trace(proxy, input);
 }
 
-void ServerCore::Inside::trace_intent(AivProxy& proxy, const wire::Input& input) {
+void V2xIntake::trace(AivProxy& proxy, const wire::Input& input) {
   const auto heard = wire::heard_intent(input);
   if (!heard || (*heard)->vehicle != proxy.id) {
     ++proxy.refused;
@@ -54,7 +57,7 @@ void ServerCore::Inside::trace_intent(AivProxy& proxy, const wire::Input& input)
   const AivProxy* nearest = nullptr;
   double nearest_m = std::numeric_limits<double>::infinity();
   std::size_t listeners = 0;
-  for (const AivProxy& other : registry) {
+  for (const AivProxy& other : context_.registry) {
     if (&other == &proxy || !other.here() || !other.reported) continue;
     if (!adjacent(cell, wire::cell_of(position(*other.reported)))) continue;
     ++listeners;
@@ -65,8 +68,9 @@ void ServerCore::Inside::trace_intent(AivProxy& proxy, const wire::Input& input)
   }
   std::string summary = summary_of(intent);
   if (listeners > 1) summary += "; to " + std::to_string(listeners) + " near it";
-  traces.add(now, proxy.name, nearest == nullptr ? std::string_view{"*"} : std::string_view{nearest->name}, "V2X",
-             summary, input.source, input.payload);
+  context_.traces.add(context_.now, proxy.name,
+                      nearest == nullptr ? std::string_view{"*"} : std::string_view{nearest->name}, "V2X", summary,
+                      input.source, input.payload);
 }
 
 }  // namespace cosiva::virtual_side

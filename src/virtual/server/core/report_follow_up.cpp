@@ -1,0 +1,57 @@
+#include "cosiva/virtual/server/core/report_follow_up.h"
+
+#include <utility>
+
+#include "cosiva/base/expect.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+constexpr SimDuration position_lost_max{std::chrono::seconds{1}};
+constexpr SimDuration init_again{std::chrono::seconds{5}};
+constexpr SimDuration factsheet_timeout{std::chrono::seconds{1}};
+
+}  // namespace
+
+void ReportFollowUp::request_missing() {
+  COSIVA_EXPECT(context_.link.synchronised());
+  for (VehicleIndex v = 0; v < context_.registry.size(); ++v) {
+    initialise_position(v);
+    request_factsheet(v);
+  }
+}
+
+void ReportFollowUp::initialise_position(VehicleIndex vehicle) {
+  AivProxy& proxy = context_.registry[vehicle];
+  if (!proxy.position_lost_since || context_.now - *proxy.position_lost_since <= position_lost_max) return;
+  if (!proxy.reported || !zones_.map() || !proxy.online() || proxy.lost(context_.now, context_.options.lost_after))
+    return;
+  if (proxy.init_sent_at && context_.now - *proxy.init_sent_at < init_again) return;
+  if (proxy.supports("initPosition") == std::optional{false}) return;
+  // A vehicle that is off-route knows its position; there is nothing to initialise.
+  if (!zones_.change().off_route(vehicle).empty()) return;
+  proxy.init_sent_at = context_.now;
+  wire::Action action{"initPosition", {}, {}, wire::BlockingType::hard, {}};
+  action.parameters = {{"x", proxy.reported->x_m},
+                       {"y", proxy.reported->y_m},
+                       {"theta", proxy.reported->heading_rad},
+                       {"mapId", context_.simulator.zone()->name}};
+  const Twin& twin = context_.simulator.twin(*proxy.twin);
+  if (twin.on_circuit()) {
+    if (const auto behind = zones_.map()->behind(twin.reported_place(), master_.traffic.gone(vehicle)))
+      action.parameters.push_back({"lastNodeId", zones_.map()->waypoint(behind->waypoint).id});
+  }
+  context_.publisher.log('i', proxy.name + ": does not know where it is; told its last place");
+  master_.actions.send(proxy, vehicle, {std::move(action)}, std::chrono::seconds{2}, false);
+}
+
+void ReportFollowUp::request_factsheet(VehicleIndex vehicle) {
+  AivProxy& proxy = context_.registry[vehicle];
+  if (proxy.factsheet || proxy.factsheet_asked || !proxy.present || !proxy.online()) return;
+  if (context_.now - proxy.first_heard < factsheet_timeout) return;
+  proxy.factsheet_asked = true;
+  master_.actions.send(proxy, vehicle, {{"factsheetRequest", {}, {}, wire::BlockingType::none, {}}},
+                       SimDuration::zero(), false);
+}
+
+}  // namespace cosiva::virtual_side

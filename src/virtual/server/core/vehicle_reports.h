@@ -1,0 +1,64 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "cosiva/virtual/server/core/augmented_parts.h"
+#include "cosiva/virtual/server/core/instrument_parts.h"
+#include "cosiva/virtual/server/core/master_control.h"
+#include "cosiva/virtual/server/core/own_reports.h"
+#include "cosiva/virtual/server/core/report_checks.h"
+#include "cosiva/virtual/server/core/server_context.h"
+#include "cosiva/virtual/server/core/twin_placement.h"
+#include "cosiva/virtual/server/core/vehicle_lifecycle.h"
+
+namespace cosiva::virtual_side {
+
+/// The intake of what vehicles report over VDA 5050: connection, factsheet, state and visualization, and what becomes
+/// of them in the registry, the twins, the orders and the commands.
+/// Invariant: a retired vehicle changes nothing but its connection, and the time that a vehicle last reported at never
+/// goes back.
+class VehicleReports {
+ public:
+  VehicleReports(ServerContext& context, MasterControl& master, AugmentedParts& augmented, InstrumentParts& instruments,
+                 VehicleLifecycle& vehicles, TwinPlacement& twins)
+      : context_{context},
+        master_{master},
+        augmented_{augmented},
+        vehicles_{vehicles},
+        twins_{twins},
+        checks_{context},
+        own_{context, augmented, instruments, checks_} {}
+
+  /// False: the topic is no vehicle's, or of one that the server does not take.
+  bool receive(const wire::Input& input);
+  void receive(Registry::Address address, const wire::Input& input);
+  /// Counts a report: once per message, whatever the message carries.
+  void on_report(VehicleIndex vehicle, SimTime reported_at);
+
+ private:
+  /// Registers the vehicle where the topic is its first one.
+  [[nodiscard]] std::optional<Registry::Address> address_of(const std::string& topic);
+  void on_retired(AivProxy& proxy, VehicleTopic topic, const wire::Input& input);
+  void on_connection(VehicleIndex vehicle, const wire::Input& input);
+  void begin_session(VehicleIndex vehicle);
+  void on_factsheet(VehicleIndex vehicle, const wire::Input& input);
+  void on_state(VehicleIndex vehicle, const wire::Input& input);
+  void on_visualization(VehicleIndex vehicle, const wire::Input& input);
+  /// When a position was taken, on the vehicle's own clock; nothing where a newer or the same one is known.
+  [[nodiscard]] std::optional<SimTime> fresh_position_stamp(AivProxy& proxy, const wire::Header& header) const;
+  void on_position(VehicleIndex vehicle, SimTime stamp, const wire::AgvPosition& position,
+                   const std::optional<wire::Velocity>& velocity);
+  void read_limits_and_tags(AivProxy& proxy);
+  void record_events(VehicleIndex vehicle, const wire::State* before, SimTime reported_at);
+
+  ServerContext& context_;
+  MasterControl& master_;
+  AugmentedParts& augmented_;
+  VehicleLifecycle& vehicles_;
+  TwinPlacement& twins_;
+  ReportChecks checks_;
+  OwnReports own_;
+};
+
+}  // namespace cosiva::virtual_side
