@@ -17,8 +17,8 @@
 
 namespace cosiva::virtual_side {
 
-/// Several servers on one broker, one for each hall: what the others say of theirs, and whose each vehicle is. It only
-/// listens and remembers; who claims, takes over and lets go is ServerCore::Inside (hand_over.cpp).
+/// Several servers on one broker, one for each hall: what the others say of theirs, and whose each vehicle is. The
+/// class only keeps what was received; Ownership (virtual/server/core) claims, takes over and lets go.
 class Halls {
  public:
   static constexpr std::size_t vehicles_max = 4096;  ///< a flood of made-up names must not take the memory

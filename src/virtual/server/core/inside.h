@@ -8,6 +8,7 @@
 
 #include "cosiva/virtual/server/core/augmented_parts.h"
 #include "cosiva/virtual/server/core/master_control.h"
+#include "cosiva/virtual/server/core/ownership.h"
 #include "cosiva/virtual/server/core/position_view.h"
 #include "cosiva/virtual/server/core/report_follow_up.h"
 #include "cosiva/virtual/server/core/server_context.h"
@@ -17,6 +18,7 @@
 #include "cosiva/virtual/server/core/v2x_intake.h"
 #include "cosiva/virtual/server/core/vehicle_lifecycle.h"
 #include "cosiva/virtual/server/core/vehicle_reports.h"
+#include "cosiva/virtual/server/core/virtual_world.h"
 #include "cosiva/virtual/server/core/zone_session.h"
 #include "cosiva/virtual/simulator/simulator.h"
 
@@ -46,28 +48,6 @@ struct ServerCore::Inside : ServerContext, MasterControl, AugmentedParts, Instru
   [[nodiscard]] Result<wire::Publish> world_command(const JsonValue& command) const;
   void say_battery_ready(wire::Publish message);
 
-  // hand_over.cpp
-  /// Takes what is of other halls, and of vehicles that are not ours. False: it is for us.
-  [[nodiscard]] bool is_for_halls(const wire::Input& input);
-  void on_owner(const wire::VehicleId& id, const wire::Input& input);
-  /// @param kept  the broker had kept the message
-  void take_over(Halls::Vehicle& vehicle, bool kept);
-  void let_go(VehicleIndex vehicle, const std::string& hall);
-  /// Its sequence follows from the last that was heard.
-  void say_owner(const Halls::Vehicle& vehicle, wire::Owner owner);
-  void say_lost_owners();
-  void claim_vehicles();
-  void hand_over_arrived();
-
-  // virtual_world.cpp
-  void follow(const ThingCommand& asked);
-  bool add_aiv(const std::string& serial, zone::Place place);
-  void remove_aiv(VehicleIndex vehicle);
-  void place_recalled_aivs();
-  void silence_orphans();
-  void update_virtual_world();
-  void look_for_passed_obstacles();
-
   // memory.cpp
   void recall(std::string_view bytes);
   void recall_things(const JsonValue& memory);
@@ -78,17 +58,12 @@ struct ServerCore::Inside : ServerContext, MasterControl, AugmentedParts, Instru
   TwinPlacement twins{*this, *this};
   ZoneSession zones{*this, *this, *this, vehicles, twins};
   VehicleReports reports{*this, *this, *this, *this, vehicles, twins};
+  Ownership ownership{*this, *this, vehicles, twins, reports, zones};
+  VirtualWorld world{*this, *this, vehicles};
   ReportFollowUp follow_up{*this, *this, zones};
   V2xIntake v2x{*this, *this};
   ServerView view{*this, *this, *this, zones, *this};
   PositionView position_view{*this, *this};
-  /// Virtual AIVs of the state file that wait until the vehicles are known.
-  struct RecalledAiv {
-    std::string serial;
-    std::string section;
-    double s_m;
-  };
-  std::vector<RecalledAiv> recalled_aivs;
   std::string remembered;
   SimTime remember_at{};
 

@@ -79,17 +79,9 @@ std::string ServerCore::Inside::memory() const {
   JsonWriter json;
   json.begin_object().field("version", 1).key("things").begin_array();
   for (const Thing& thing : simulator.augmented().things()) write_thing(json, thing);
-  json.end_array().key("aivs").begin_array();
-  const auto write_aiv = [&json](const std::string& serial, const std::string& section, double s_m) {
-    json.begin_object().field("id", serial).field("section", section).field("s", s_m).end_object();
-  };
-  for (const VirtualFleet::Host& host : hosted.hosts()) {
-    const zone::Place place = VirtualFleet::place_of(host, *simulator.circuit());
-    write_aiv(registry[host.vehicle].id.serial_number, simulator.circuit()->part(place.section).name,
-              std::nearbyint(place.s_m * 1000.0) / 1000.0);
-  }
-  for (const RecalledAiv& aiv : recalled_aivs) write_aiv(aiv.serial, aiv.section, aiv.s_m);
-  json.end_array().key("paused").begin_array();
+  json.end_array();
+  world.write_state(json);
+  json.key("paused").begin_array();
   for (const AivProxy& proxy : registry)
     if (proxy.paused_for_body) json.value(proxy.name);
   json.end_array();
@@ -129,7 +121,7 @@ void ServerCore::Inside::recall(std::string_view bytes) {
   const JsonValue* zone = memory->find("zone");
   zones.restore(zone == nullptr ? std::nullopt : std::optional{*zone}, std::move(given_zone));
   publisher.log('i', "remembered " + std::to_string(simulator.augmented().things().size()) + " virtual things and " +
-                         std::to_string(recalled_aivs.size()) + " virtual AIVs");
+                         std::to_string(world.restored_count()) + " virtual AIVs");
 }
 
 void ServerCore::Inside::recall_things(const JsonValue& memory) {
@@ -149,7 +141,7 @@ void ServerCore::Inside::recall_things(const JsonValue& memory) {
     const auto id = json.text("id");
     const auto section = json.text("section");
     if (id && section && wire::valid_serial_number(*id) && in(json.number("s"), 0.0, place_m_max))
-      recalled_aivs.push_back({*id, *section, *json.number("s")});
+      world.restore({*id, *section, *json.number("s")});
     else
       publisher.log('w', "a remembered virtual AIV cannot be read; it is left out");
   });

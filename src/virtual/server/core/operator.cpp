@@ -122,7 +122,7 @@ void ServerCore::Inside::on_command(std::string_view json) {
   } else if (ThingsDesk::is_ours(verb)) {
     const auto asked = objects.read(*command);
     if (!asked) return refuse(asked.error());
-    follow(*asked);
+    world.follow(*asked);
   } else if (ZoneEdits::is_ours(verb)) {
     zones.follow_edit(*command);
   } else if (is_world_command(verb)) {
@@ -144,7 +144,7 @@ void ServerCore::Inside::on_command(std::string_view json) {
   } else {
     commands.issue(json);
   }
-  update_virtual_world();
+  world.update();
 }
 
 }  // namespace cosiva::virtual_side

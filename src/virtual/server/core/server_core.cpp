@@ -26,10 +26,7 @@ ServerCore::Inside::Inside(ServerOptions given)
     : ServerContext{std::move(given)},
       MasterControl{.served = *this},
       AugmentedParts{.server = *this, .master = *this},
-      InstrumentParts{.observed = *this} {
-  if (areas.several())
-    missions.set_abroad([this](std::string_view to) { return areas.way_to(to, zones.map()->zone(), missions); });
-}
+      InstrumentParts{.observed = *this} {}
 
 void ServerCore::Inside::begin(SimTime) {
   begun = true;
@@ -40,7 +37,7 @@ void ServerCore::Inside::on_message(const wire::Input& input) {
   if (input.source.starts_with(wire::v2x_topic_prefix)) return v2x.receive(input);
   if (BatteryDesk::is_ours(input.source)) return on_battery(input);
   if (GvsDesk::is_ours(input.source)) return on_gvs(input);
-  if (is_for_halls(input)) return;
+  if (ownership.receive(input)) return;
   if (!hosted.empty() && hosted.from_broker(now, input)) return;
   if (reports.receive(input)) return;
   const std::string_view topic{input.source};
@@ -106,11 +103,11 @@ bool ServerCore::Inside::settled() const {
 void ServerCore::Inside::settle() {
   link.set_synchronised();
   if (areas.several()) {
-    recalled_aivs.clear();
-    say_lost_owners();
+    world.drop_restored();
+    ownership.publish_lost_owners();
   }
-  if (!recalled_aivs.empty()) place_recalled_aivs();
-  silence_orphans();
+  world.place_restored();
+  world.sign_off_orphans();
 }
 
 void ServerCore::Inside::on_tick() {
@@ -128,13 +125,10 @@ void ServerCore::Inside::on_tick() {
     zones.change().follow();
     orders.tick(options.drive, zones.change().may_send_orders(), options.lost_after);
     deadlocks.tick();
-    if (areas.several()) {
-      claim_vehicles();
-      hand_over_arrived();
-    }
+    ownership.claim_and_hand_over();
   }
-  update_virtual_world();
-  look_for_passed_obstacles();
+  world.update();
+  world.remove_passed_obstacles();
   actions.tick(registry, link.up());
   commands.tick();
 

@@ -1,124 +1,154 @@
-// What is added only virtually (A3): persons, obstacles, virtual AIVs.
+#include "cosiva/virtual/server/core/virtual_world.h"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "cosiva/virtual/server/core/inside.h"
+#include "cosiva/base/expect.h"
 #include "cosiva/wire/vda5050/codec.h"
 
 namespace cosiva::virtual_side {
 namespace {
 
-/// A virtual AIV's last place is up to a second old; somebody may stand there by now.
-constexpr double recalled_shift_m = 1.0;
-constexpr double recalled_step_m = 0.05;
+/// The restored position of a virtual AIV is up to a second old; another vehicle may be there by now.
+constexpr double restored_shift_m = 1.0;
+constexpr double restored_step_m = 0.05;
 
 }  // namespace
 
-void ServerCore::Inside::follow(const ThingCommand& asked) {
-  state_stale = true;
-  Augmented& world = simulator.augmented();
-  const auto tell = [&](std::string_view what) {
-    traces.add(now, "AIV_Server", "Simulator", what, asked.id == "*" ? std::string("everything") : asked.id);
+void VirtualWorld::follow(const ThingCommand& command) {
+  context_.state_stale = true;
+  Augmented& world = context_.simulator.augmented();
+  const auto trace = [&](std::string_view what) {
+    context_.traces.add(context_.now, "AIV_Server", "Simulator", what,
+                        command.id == "*" ? std::string("everything") : command.id);
   };
-  switch (asked.act) {
+  switch (command.act) {
     case ThingCommand::Act::add:
-      tell("add");
-      if (asked.is_aiv)
-        add_aiv(asked.id, asked.place);
+      trace("add");
+      if (command.is_aiv)
+        add_aiv(command.id, command.place);
       else
-        world.add({asked.id, asked.kind, 0, asked.radius_m, asked.walk, now, now});
+        world.add({command.id, command.kind, 0, command.radius_m, command.walk, context_.now, context_.now});
       break;
     case ThingCommand::Act::move:
-      tell("move");
-      world.move(asked.id, asked.walk, now);
+      trace("move");
+      world.move(command.id, command.walk, context_.now);
       break;
     case ThingCommand::Act::remove:
-      tell("remove");
-      if (asked.id == "*") {
-        world.clear();
-        recalled_aivs.clear();
-        while (!hosted.empty()) remove_aiv(hosted.hosts().back().vehicle);
-      } else if (asked.is_aiv) {
-        remove_aiv(objects.find_aiv(asked.id)->vehicle);
-      } else {
-        world.remove(asked.id);
-      }
+      trace("remove");
+      remove(command.id, command.is_aiv);
       break;
   }
 }
 
-bool ServerCore::Inside::add_aiv(const std::string& serial, zone::Place place) {
-  const auto vehicle = vehicles.begin_life({std::string(wire::virtual_manufacturer), serial});
+void VirtualWorld::remove(const std::string& id, bool is_aiv) {
+  if (id == "*") {
+    context_.simulator.augmented().clear();
+    restored_.clear();
+    while (!augmented_.hosted.empty()) remove_aiv(augmented_.hosted.hosts().back().vehicle);
+  } else if (is_aiv) {
+    remove_aiv(augmented_.objects.find_aiv(id)->vehicle);
+  } else {
+    context_.simulator.augmented().remove(id);
+  }
+}
+
+bool VirtualWorld::add_aiv(const std::string& serial, zone::Place position) {
+  const auto vehicle = vehicles_.begin_life({std::string(wire::virtual_manufacturer), serial});
   if (!vehicle) return false;
-  hosted.add(*vehicle, now, link.up(), *simulator.configuration(), place);
-  simulator.monitor().set_augmented(hosted.hosts().size());
-  publisher.log('i', registry[*vehicle].name + ": added at " + simulator.circuit()->part(place.section).name + ", " +
-                         std::to_string(place.s_m) + " m");
+  COSIVA_EXPECT(context_.registry[*vehicle].augmented && !context_.registry[*vehicle].retired &&
+                augmented_.hosted.find(*vehicle) == nullptr);
+  augmented_.hosted.add(*vehicle, context_.now, context_.link.up(), *context_.simulator.configuration(), position);
+  context_.simulator.monitor().set_augmented(augmented_.hosted.hosts().size());
+  context_.publisher.log('i', context_.registry[*vehicle].name + ": added at " +
+                                  context_.simulator.circuit()->part(position.section).name + ", " +
+                                  std::to_string(position.s_m) + " m");
   return true;
 }
 
-void ServerCore::Inside::remove_aiv(VehicleIndex vehicle) {
-  hosted.remove(vehicle, now);
-  simulator.monitor().set_augmented(hosted.hosts().size());
-  const std::string& name = registry[vehicle].name;
-  vehicles.retire(vehicle, name + " has been taken away");
-  publisher.log('i', name + ": taken away");
+void VirtualWorld::remove_aiv(VehicleIndex vehicle) {
+  augmented_.hosted.remove(vehicle, context_.now);
+  COSIVA_EXPECT(augmented_.hosted.find(vehicle) == nullptr);
+  context_.simulator.monitor().set_augmented(augmented_.hosted.hosts().size());
+  const std::string& name = context_.registry[vehicle].name;
+  vehicles_.retire(vehicle, name + " has been taken away");
+  context_.publisher.log('i', name + ": taken away");
 }
 
-void ServerCore::Inside::place_recalled_aivs() {
-  if (!simulator.zone()) return;
-  const zone::Circuit& circuit = *simulator.circuit();
-  for (const RecalledAiv& aiv : std::exchange(recalled_aivs, {})) {
-    if (objects.find_aiv(aiv.serial) != nullptr) continue;
-    std::optional<zone::Place> found;
-    if (const auto section = circuit.find(aiv.section)) {
-      const zone::Place was{*section, std::clamp(aiv.s_m, 0.0, circuit.section(*section).length_m())};
-      // Where it stood it may stand again, a crossing included: it had been let into it.
-      if (objects.has_room(was)) found = was;
-      for (double d = recalled_step_m; !found && d <= recalled_shift_m; d += recalled_step_m) {
-        for (const double shift : {d, -d}) {
-          const zone::Place near = circuit.advance(was, shift);
-          if (!found && objects.check_place(near)) found = near;
-        }
-      }
-    }
-    if (!found) found = objects.roomiest();
+void VirtualWorld::place_restored() {
+  if (restored_.empty() || !context_.simulator.zone()) return;
+  for (const RestoredAiv& aiv : std::exchange(restored_, {})) {
+    if (augmented_.objects.find_aiv(aiv.serial) != nullptr) continue;
+    auto found = room_near(aiv);
+    if (!found) found = augmented_.objects.roomiest();
     if (!found || !add_aiv(aiv.serial, *found))
-      publisher.log('w', "virtual AIV " + aiv.serial + " is remembered, but no way has room for it; add it again");
+      context_.publisher.log('w',
+                             "virtual AIV " + aiv.serial + " is remembered, but no way has room for it; add it again");
   }
-  state_stale = true;
+  context_.state_stale = true;
 }
 
-void ServerCore::Inside::silence_orphans() {
-  // Virtual AIVs of a life that was ended without goodbye, and forgotten: nobody else can say that they are gone.
-  for (VehicleIndex v = 0; v < registry.size(); ++v) {
-    AivProxy& proxy = registry[v];
+std::optional<zone::Place> VirtualWorld::room_near(const RestoredAiv& aiv) const {
+  const zone::Circuit& circuit = *context_.simulator.circuit();
+  const auto section = circuit.find(aiv.section);
+  if (!section) return std::nullopt;
+  const zone::Place was{*section, std::clamp(aiv.s_m, 0.0, circuit.section(*section).length_m())};
+  // The AIV may be where it was even inside a crossing: it had been let in.
+  if (augmented_.objects.has_room(was)) return was;
+  for (double d = restored_step_m; d <= restored_shift_m; d += restored_step_m) {
+    for (const double shift : {d, -d}) {
+      const zone::Place near = circuit.advance(was, shift);
+      if (augmented_.objects.check_place(near)) return near;
+    }
+  }
+  return std::nullopt;
+}
+
+void VirtualWorld::write_state(JsonWriter& json) const {
+  json.key("aivs").begin_array();
+  const auto write_aiv = [&json](const std::string& serial, const std::string& section, double s_m) {
+    json.begin_object().field("id", serial).field("section", section).field("s", s_m).end_object();
+  };
+  for (const VirtualFleet::Host& host : augmented_.hosted.hosts()) {
+    const zone::Place position = VirtualFleet::place_of(host, *context_.simulator.circuit());
+    write_aiv(context_.registry[host.vehicle].id.serial_number,
+              context_.simulator.circuit()->part(position.section).name,
+              std::nearbyint(position.s_m * 1000.0) / 1000.0);
+  }
+  for (const RestoredAiv& aiv : restored_) write_aiv(aiv.serial, aiv.section, aiv.s_m);
+  json.end_array();
+}
+
+void VirtualWorld::sign_off_orphans() {
+  for (AivProxy& proxy : context_.registry) {
     if (!proxy.augmented || !proxy.retired || proxy.connection != wire::ConnectionState::online) continue;
     proxy.connection = wire::ConnectionState::offline;
-    wire::Connection gone{{0, now, "2.1.0", proxy.id.manufacturer, proxy.id.serial_number},
+    wire::Connection gone{{0, context_.now, "2.1.0", proxy.id.manufacturer, proxy.id.serial_number},
                           wire::ConnectionState::offline};
-    publisher.publish(wire::vda_topic(proxy.id, "connection", registry.interface_name()), wire::vda5050::encode(gone),
-                      1, true);
+    context_.publisher.publish(wire::vda_topic(proxy.id, "connection", context_.registry.interface_name()),
+                               wire::vda5050::encode(gone), 1, true);
   }
 }
 
-void ServerCore::Inside::update_virtual_world() {
-  if (!link.up()) return;
-  const std::uint64_t before = pauses.changes();
-  virtual_obstacles.update();
-  state_stale = state_stale || pauses.changes() != before;
+void VirtualWorld::update() {
+  if (!context_.link.up()) return;
+  const std::uint64_t before = augmented_.pauses.changes();
+  augmented_.virtual_obstacles.update();
+  context_.state_stale = context_.state_stale || augmented_.pauses.changes() != before;
 }
 
-void ServerCore::Inside::look_for_passed_obstacles() {
-  SeenObstacles& seen = simulator.seen();
-  if (seen.empty() || !simulator.zone()) return;
-  const zone::VehicleShape& shape = simulator.zone()->vehicle;
-  for (const AivProxy& proxy : registry) {
-    if (!proxy.here() || proxy.augmented || !proxy.online() || proxy.lost(now, options.lost_after)) continue;
-    const Pose2 X_MB = simulator.image(*proxy.twin, now).X_MB;
-    if (seen.pass(proxy.name, now, X_MB, shape.length_m, shape.width_m) == 0) continue;
-    traces.add(now, proxy.name, "Simulator", "passed", "an obstacle is gone: it drove over its place");
+void VirtualWorld::remove_passed_obstacles() {
+  SeenObstacles& detected = context_.simulator.seen();
+  if (detected.empty() || !context_.simulator.zone()) return;
+  const zone::VehicleShape& shape = context_.simulator.zone()->vehicle;
+  for (const AivProxy& proxy : context_.registry) {
+    if (!proxy.here() || proxy.augmented || !proxy.online() || proxy.lost(context_.now, context_.options.lost_after))
+      continue;
+    const Pose2 X_MB = context_.simulator.image(*proxy.twin, context_.now).X_MB;
+    if (detected.pass(proxy.name, context_.now, X_MB, shape.length_m, shape.width_m) == 0) continue;
+    context_.traces.add(context_.now, proxy.name, "Simulator", "passed",
+                        "an obstacle is gone: it drove over its place");
   }
 }
 

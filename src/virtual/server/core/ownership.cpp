@@ -1,0 +1,182 @@
+#include "cosiva/virtual/server/core/ownership.h"
+
+#include <utility>
+
+#include "cosiva/base/expect.h"
+#include "cosiva/zone/circuit/anchor.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+/// So long a vehicle has to be there before a server claims it: a retained owner is received first.
+constexpr SimDuration claim_after{std::chrono::seconds{1}};
+/// An owner that has been published and not been received back is published again after this time.
+constexpr SimDuration publish_again{std::chrono::seconds{2}};
+constexpr SimDuration pose_age_max{std::chrono::seconds{1}};
+
+bool is_stopped_without_order(const wire::State& state) { return state.node_states.empty() && !state.driving; }
+
+}  // namespace
+
+Ownership::Ownership(ServerContext& context, MasterControl& master, VehicleLifecycle& vehicles, TwinPlacement& twins,
+                     VehicleReports& reports, const ZoneSession& zones)
+    : context_{context}, master_{master}, vehicles_{vehicles}, twins_{twins}, reports_{reports}, zones_{zones} {
+  if (!context_.areas.several()) return;
+  master_.missions.set_abroad(
+      [this](std::string_view to) { return context_.areas.way_to(to, zones_.map()->zone(), master_.missions); });
+}
+
+void Ownership::claim_and_hand_over() {
+  if (!context_.areas.several()) return;
+  claim_vehicles();
+  hand_over_arrived();
+}
+
+bool Ownership::receive(const wire::Input& input) {
+  if (!context_.areas.several()) return false;
+  if (const auto id = wire::parse_own_topic(wire::owner_topic_prefix, input.source)) {
+    on_owner(*id, input);
+    return true;
+  }
+  if (const auto topic = wire::parse_hall_topic(input.source)) {
+    if (topic->hall == context_.areas.own()) return !input.source.starts_with(context_.topics.zone_prefix);
+    if (const auto heard = context_.areas.on_hall(*topic, input); !heard)
+      context_.publisher.log('w', "the zone of hall '" + std::string(topic->hall) +
+                                      "' cannot be used, so no vehicle is sent there: " + to_string(heard.error()));
+    return true;
+  }
+  std::optional<wire::VehicleId> id;
+  std::string name;
+  if (auto topic = wire::parse_vda_topic(input.source)) {
+    id = std::move(topic->vehicle);
+    name = std::move(topic->name);
+  }
+  for (const auto prefix : {wire::felt_topic_prefix, wire::seen_topic_prefix, wire::boards_topic_prefix})
+    if (!id) id = wire::parse_own_topic(prefix, input.source);
+  // Names that VDA 5050 does not allow are refused where all messages are.
+  if (!id || !wire::valid_serial_number(id->manufacturer) || !wire::valid_serial_number(id->serial_number))
+    return false;
+  if (id->manufacturer == wire::virtual_manufacturer) return true;
+  Halls::Vehicle* vehicle = context_.areas.vehicle(*id);
+  if (vehicle != nullptr) context_.areas.overhear(*vehicle, name, input);
+  return !context_.areas.is_ours(*id);
+}
+
+void Ownership::on_owner(const wire::VehicleId& id, const wire::Input& input) {
+  Halls::Vehicle* vehicle = context_.areas.vehicle(id);
+  if (vehicle == nullptr) return;
+  std::optional<wire::Owner> now_owner;
+  if (!input.payload.empty()) {
+    auto owner = wire::owner_from_json(input.payload);
+    if (!owner) {
+      context_.publisher.log(
+          'w', wire::to_string(id) + ": who owns it cannot be read, so nothing changes: " + to_string(owner.error()));
+      return;
+    }
+    now_owner = std::move(*owner);
+  }
+  const std::string name = wire::to_string(id);
+  context_.traces.add(context_.now, now_owner ? std::string_view{now_owner->hall} : std::string_view{"operator"}, name,
+                      "owner", now_owner ? "it is hall " + now_owner->hall + "'s" : "it is nobody's", input.source,
+                      input.payload);
+  const bool was_own = context_.areas.is_ours(id);
+  vehicle->owner = std::move(now_owner);
+  vehicle->owner_heard = true;
+  vehicle->claimed_at.reset();
+  vehicle->pose.reset();
+  const bool is_own = context_.areas.is_ours(id);
+  // A retained owner is of the past: the vehicle itself reports where it is.
+  if (is_own && !was_own) take_over(*vehicle, input.flag);
+  if (was_own && !is_own) let_go(*context_.registry.find(name), vehicle->owner ? vehicle->owner->hall : std::string{});
+}
+
+void Ownership::take_over(Halls::Vehicle& vehicle, bool retained) {
+  const wire::Owner owner = *vehicle.owner;
+  const std::string name = wire::to_string(vehicle.id);
+  COSIVA_EXPECT(context_.areas.is_ours(vehicle.id));
+  const auto index = vehicles_.begin_life(vehicle.id);
+  if (!index) {
+    context_.publisher.log('e', name + ": is this hall's, but it is one more than the vehicles a server takes");
+    return;
+  }
+  AivProxy& proxy = context_.registry[*index];
+  if (vehicle.connection) reports_.receive({*index, VehicleTopic::connection}, *vehicle.connection);
+  if (vehicle.factsheet) reports_.receive({*index, VehicleTopic::factsheet}, *vehicle.factsheet);
+  if (owner.pose && !retained) {
+    proxy.position_known = true;
+    proxy.reported = owner.pose;
+    reports_.on_report(*index, context_.now);
+    twins_.set_present(proxy);
+    twins_.place(*index, context_.now, *owner.pose, wire::Velocity{});
+  }
+  context_.publisher.log('i', name + ": is this hall's");
+  context_.state_stale = true;
+  if (!owner.mission) return;
+  give_mission(*index, *owner.mission);
+  // From here on this server remembers the mission: after a restart it must not begin again.
+  publish_owner(vehicle, {context_.areas.own(), 0, context_.now, owner.pose, std::nullopt});
+}
+
+void Ownership::give_mission(VehicleIndex vehicle, const wire::Owner::Mission& handed_on) {
+  const Mission mission{handed_on.kind == "go" ? Mission::Kind::go : Mission::Kind::circulate, handed_on.name, {}};
+  if (master_.missions.mission(vehicle) == Mission{} && zones_.map() && master_.missions.known(mission))
+    master_.missions.give(vehicle, mission);
+}
+
+void Ownership::let_go(VehicleIndex vehicle, const std::string& hall) {
+  COSIVA_EXPECT(!context_.areas.is_ours(context_.registry[vehicle].id));
+  const std::string& name = context_.registry[vehicle].name;
+  vehicles_.retire(vehicle, hall.empty() ? name + " is nobody's any more" : name + " is hall " + hall + "'s now");
+  context_.publisher.log('i', name + ": let go" + (hall.empty() ? std::string{} : "; it is hall " + hall + "'s now"));
+}
+
+void Ownership::publish_owner(const Halls::Vehicle& vehicle, wire::Owner owner) {
+  owner.sequence = vehicle.owner ? vehicle.owner->sequence + 1 : 1;
+  context_.publisher.publish(wire::own_topic(wire::owner_topic_prefix, vehicle.id), wire::to_json(owner), 1, true);
+}
+
+void Ownership::publish_lost_owners() {
+  for (const auto& [name, vehicle] : context_.areas.vehicles()) {
+    const auto index = context_.registry.find(name);
+    if (index) context_.registry[*index].handed_over.reset();
+    if (context_.areas.is_ours(vehicle.id) && !vehicle.owner_heard)
+      publish_owner(vehicle, {context_.areas.own(), 0, context_.now,
+                              index ? context_.registry[*index].reported : std::nullopt, std::nullopt});
+  }
+}
+
+void Ownership::claim_vehicles() {
+  if (!zones_.map()) return;
+  for (auto& [name, vehicle] : context_.areas.vehicles()) {
+    const bool waits = vehicle.claimed_at && context_.now - *vehicle.claimed_at < publish_again;
+    if (vehicle.owner || !vehicle.pose || waits) continue;
+    if (context_.now - vehicle.pose_since < claim_after || context_.now - vehicle.pose_at > pose_age_max) continue;
+    if (context_.now - context_.link.up_since() < claim_after ||
+        !zone::anchor_of(zones_.map()->circuit(), *vehicle.pose))
+      continue;
+    vehicle.claimed_at = context_.now;
+    publish_owner(vehicle, {context_.areas.own(), 0, context_.now, vehicle.pose, std::nullopt});
+  }
+}
+
+void Ownership::hand_over_arrived() {
+  for (VehicleIndex v = 0; v < context_.registry.size(); ++v) {
+    AivProxy& proxy = context_.registry[v];
+    if (!proxy.here() || (proxy.handed_over && context_.now - proxy.handed_over->last < publish_again)) continue;
+    const std::string& beyond = master_.missions.mission(v).beyond;
+    if (beyond.empty() || master_.missions.state(v) != Missions::State::arrived || master_.orders.has_order(v))
+      continue;
+    const std::string hall = beyond.substr(0, beyond.find('/'));
+    const bool there = proxy.online() && !proxy.lost(context_.now, context_.options.lost_after) && proxy.position_known;
+    if (!there || !proxy.state || !is_stopped_without_order(*proxy.state) || !context_.areas.is_there(hall)) continue;
+    Halls::Vehicle* vehicle = context_.areas.vehicle(proxy.id);
+    if (vehicle == nullptr) continue;
+    // The vehicle stays this area's until both servers receive the new owner, in either order. So this server stops
+    // showing it now: for one message at most the vehicle is in no table, and never in two.
+    proxy.handed_over = {proxy.handed_over ? proxy.handed_over->first : context_.now, context_.now};
+    publish_owner(*vehicle,
+                  {hall, 0, context_.now, proxy.reported, wire::Owner::Mission{"go", beyond.substr(hall.size() + 1)}});
+  }
+}
+
+}  // namespace cosiva::virtual_side

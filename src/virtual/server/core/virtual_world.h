@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "cosiva/base/json_writer.h"
+#include "cosiva/virtual/server/core/augmented_parts.h"
+#include "cosiva/virtual/server/core/server_context.h"
+#include "cosiva/virtual/server/core/vehicle_lifecycle.h"
+
+namespace cosiva::virtual_side {
+
+/// What is added only virtually (A3): persons, obstacles and virtual AIVs, as operators add, move and remove them, and
+/// as the state file restores them.
+/// Invariant: the monitor counts as many virtual AIVs as run in this process, and each of them is a vehicle of the
+/// registry that is not retired.
+class VirtualWorld {
+ public:
+  VirtualWorld(ServerContext& context, AugmentedParts& augmented, VehicleLifecycle& vehicles)
+      : context_{context}, augmented_{augmented}, vehicles_{vehicles} {}
+
+  /// A virtual AIV of the state file, which waits until the vehicles around it are known.
+  struct RestoredAiv {
+    std::string serial;
+    std::string section;
+    double s_m;
+  };
+
+  void follow(const ThingCommand& command);
+  /// After everything that may have changed the virtual world: sends each vehicle what is near its path.
+  void update();
+  /// In each cycle: obstacles that a vehicle has driven through are gone.
+  void remove_passed_obstacles();
+  /// Virtual AIVs of an earlier process that ended without a goodbye: only this server can report them offline.
+  void sign_off_orphans();
+
+  void restore(RestoredAiv aiv) { restored_.push_back(std::move(aiv)); }
+  /// Adds the restored virtual AIVs, each as near as there is room to where it was.
+  void place_restored();
+  /// The restored virtual AIVs do not come back.
+  void drop_restored() { restored_.clear(); }
+  [[nodiscard]] std::size_t restored_count() const { return restored_.size(); }
+  /// The state file's "aivs".
+  void write_state(JsonWriter& json) const;
+
+ private:
+  bool add_aiv(const std::string& serial, zone::Place position);
+  void remove_aiv(VehicleIndex vehicle);
+  /// @param id  "*" means everything
+  void remove(const std::string& id, bool is_aiv);
+  [[nodiscard]] std::optional<zone::Place> room_near(const RestoredAiv& aiv) const;
+
+  ServerContext& context_;
+  AugmentedParts& augmented_;
+  VehicleLifecycle& vehicles_;
+  std::vector<RestoredAiv> restored_;
+};
+
+}  // namespace cosiva::virtual_side
