@@ -4,8 +4,6 @@
 #include <array>
 #include <utility>
 
-#include "cosiva/base/json_value.h"
-
 namespace cosiva::virtual_side {
 namespace {
 
@@ -13,7 +11,6 @@ constexpr std::array verbs{Verb::stop, Verb::slow, Verb::medium, Verb::fast, Ver
 constexpr double limit_mps_max = 5.0;
 constexpr double standing_mps = 0.01;
 constexpr double speed_slack_mps = 0.02;
-constexpr std::size_t json_bytes_max = 64U << 10U;
 constexpr std::size_t vehicles_named_max = Registry::vehicles_max;
 
 std::optional<aiv::Profile> profile_of(Verb verb) {
@@ -62,8 +59,7 @@ std::string_view to_string(CommandState state) {
   return "?";
 }
 
-Result<Commands::Asked> Commands::read(std::string_view json) const {
-  const auto value = JsonValue::parse(json, json_bytes_max);
+Result<Commands::Asked> Commands::read(const Result<JsonValue>& value) const {
   if (!value || value->object() == nullptr) {
     return fail("command.syntax", "a command is a JSON object like {\"command\":\"stop\",\"vehicle\":\"*\"}" +
                                       (value ? std::string{} : "; this is none: " + value.error().message));
@@ -107,8 +103,8 @@ std::optional<std::string> Commands::impossible(VehicleIndex vehicle, Verb verb)
   return std::nullopt;
 }
 
-Result<void> Commands::check(std::string_view json) const {
-  const auto asked = read(json);
+Result<void> Commands::check(const Result<JsonValue>& command) const {
+  const auto asked = read(command);
   if (!asked) return tl::unexpected(asked.error());
   return judge_asked(*asked);
 }
@@ -156,7 +152,7 @@ std::string Commands::next_id(const std::string& wanted) {
   return wanted.empty() ? "c" + std::to_string(running_) : wanted;
 }
 
-void Commands::issue(std::string_view json) {
+void Commands::issue(const Result<JsonValue>& json) {
   const auto asked = read(json);
   Command command;
   command.at = outbox_.now();

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cosiva/base/digest.h"
+#include "cosiva/base/json_value.h"
 #include "cosiva/virtual/server/messages/outbox.h"
 #include "cosiva/virtual/server/orders/order_roller.h"
 #include "cosiva/virtual/server/registry/proxy.h"
@@ -47,8 +48,12 @@ class Commands {
   Commands(Registry& registry, Outbox& outbox, ActionDesk& desk, OrderRoller& roller, Simulator& simulator)
       : registry_{registry}, outbox_{outbox}, desk_{desk}, roller_{roller}, simulator_{simulator} {}
 
-  [[nodiscard]] Result<void> check(std::string_view json) const;
-  void issue(std::string_view json);
+  /// Longer commands to vehicles are refused.
+  static constexpr std::size_t bytes_max = 64U << 10U;
+
+  /// @param command  as it was parsed, or why it could not be
+  [[nodiscard]] Result<void> check(const Result<JsonValue>& command) const;
+  void issue(const Result<JsonValue>& json);
   void on_state(VehicleIndex vehicle);
   void tick();
   /// It has been taken away: what is open for it fails.
@@ -69,7 +74,7 @@ class Commands {
     bool several{false};  ///< given as a list, or all: an entry each
     [[nodiscard]] bool all() const { return several && vehicle_names.front() == "*"; }
   };
-  [[nodiscard]] Result<Asked> read(std::string_view json) const;
+  [[nodiscard]] Result<Asked> read(const Result<JsonValue>& value) const;
   [[nodiscard]] Result<void> judge_asked(const Asked& asked) const;
   [[nodiscard]] std::vector<VehicleIndex> addressed(const Asked& asked) const;
   /// The monitor, where the command is for a vehicle that it counts.

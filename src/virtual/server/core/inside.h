@@ -6,12 +6,14 @@
 #include <string_view>
 #include <vector>
 
-#include "cosiva/virtual/server/core/augmented_parts.h"
-#include "cosiva/virtual/server/core/master_control.h"
+#include "cosiva/virtual/server/context/augmented_parts.h"
+#include "cosiva/virtual/server/context/master_control.h"
+#include "cosiva/virtual/server/context/server_context.h"
+#include "cosiva/virtual/server/core/command_router.h"
 #include "cosiva/virtual/server/core/ownership.h"
+#include "cosiva/virtual/server/core/persisted_state.h"
 #include "cosiva/virtual/server/core/position_view.h"
 #include "cosiva/virtual/server/core/report_follow_up.h"
-#include "cosiva/virtual/server/core/server_context.h"
 #include "cosiva/virtual/server/core/server_core.h"
 #include "cosiva/virtual/server/core/server_view.h"
 #include "cosiva/virtual/server/core/twin_placement.h"
@@ -42,31 +44,18 @@ struct ServerCore::Inside : ServerContext, MasterControl, AugmentedParts, Instru
   void on_battery(const wire::Input& input);
   void on_gvs(const wire::Input& input);
 
-  // operator.cpp
-  [[nodiscard]] Result<void> check_command(std::string_view json) const;
-  void on_command(std::string_view json);
-  [[nodiscard]] Result<wire::Publish> world_command(const JsonValue& command) const;
-  void say_battery_ready(wire::Publish message);
-
-  // memory.cpp
-  void recall(std::string_view bytes);
-  void recall_things(const JsonValue& memory);
-  [[nodiscard]] std::string memory() const;
-  void remember();
-
   VehicleLifecycle vehicles{*this, *this, *this};
   TwinPlacement twins{*this, *this};
   ZoneSession zones{*this, *this, *this, vehicles, twins};
   VehicleReports reports{*this, *this, *this, *this, vehicles, twins};
   Ownership ownership{*this, *this, vehicles, twins, reports, zones};
   VirtualWorld world{*this, *this, vehicles};
+  CommandRouter router{*this, *this, *this, *this, zones, world};
+  PersistedState persisted{*this, *this, *this, vehicles, zones, world};
   ReportFollowUp follow_up{*this, *this, zones};
   V2xIntake v2x{*this, *this};
   ServerView view{*this, *this, *this, zones, *this};
   PositionView position_view{*this, *this};
-  std::string remembered;
-  SimTime remember_at{};
-
   std::optional<SimTime> ticked_at;
   bool begun{false};
 };

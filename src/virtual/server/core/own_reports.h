@@ -2,10 +2,10 @@
 
 #include <optional>
 
-#include "cosiva/virtual/server/core/augmented_parts.h"
-#include "cosiva/virtual/server/core/instrument_parts.h"
+#include "cosiva/virtual/server/context/augmented_parts.h"
+#include "cosiva/virtual/server/context/instrument_parts.h"
+#include "cosiva/virtual/server/context/server_context.h"
 #include "cosiva/virtual/server/core/report_checks.h"
-#include "cosiva/virtual/server/core/server_context.h"
 
 namespace cosiva::virtual_side {
 

@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "cosiva/virtual/server/core/master_control.h"
-#include "cosiva/virtual/server/core/server_context.h"
+#include "cosiva/virtual/server/context/master_control.h"
+#include "cosiva/virtual/server/context/server_context.h"
 #include "cosiva/virtual/server/core/twin_placement.h"
 #include "cosiva/virtual/server/core/vehicle_lifecycle.h"
 #include "cosiva/virtual/server/core/vehicle_reports.h"

@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "cosiva/base/time.h"
-#include "cosiva/virtual/server/core/augmented_parts.h"
-#include "cosiva/virtual/server/core/server_context.h"
+#include "cosiva/virtual/server/context/augmented_parts.h"
+#include "cosiva/virtual/server/context/server_context.h"
 #include "cosiva/virtual/server/view/frames.h"
 
 namespace cosiva::virtual_side {

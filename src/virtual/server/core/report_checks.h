@@ -4,7 +4,7 @@
 #include <string>
 
 #include "cosiva/base/result.h"
-#include "cosiva/virtual/server/core/server_context.h"
+#include "cosiva/virtual/server/context/server_context.h"
 
 namespace cosiva::virtual_side {
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "cosiva/virtual/server/core/master_control.h"
-#include "cosiva/virtual/server/core/server_context.h"
+#include "cosiva/virtual/server/context/master_control.h"
+#include "cosiva/virtual/server/context/server_context.h"
 #include "cosiva/virtual/server/core/zone_session.h"
 
 namespace cosiva::virtual_side {

@@ -159,14 +159,14 @@ void ServerCore::handle(const wire::Input& input, wire::Effects& effects) {
     case wire::InputKind::command:
       in.traces.add(input.at, input.source.empty() ? "operator" : input.source, "AIV_Server", "command", input.payload,
                     {}, input.payload);
-      in.on_command(input.payload);
+      in.router.run(input.payload);
       break;
-    case wire::InputKind::recall: in.recall(input.payload); break;
+    case wire::InputKind::recall: in.persisted.restore(input.payload); break;
     case wire::InputKind::configure:
     case wire::InputKind::bytes:
     case wire::InputKind::port: break;  // its options came with its construction; it has no streams
   }
-  in.remember();
+  in.persisted.persist_if_stale();
 }
 
 std::vector<std::string> ServerCore::subscriptions() const {
@@ -234,7 +234,7 @@ void ServerCore::fold(Digest& digest) const {
 
 SimDuration ServerCore::tick_period() const { return inside_->options.cycle; }
 
-Result<void> ServerCore::check_command(std::string_view json) const { return inside_->check_command(json); }
+Result<void> ServerCore::check_command(std::string_view json) const { return inside_->router.check(json); }
 
 std::string ServerCore::snapshot_json() const { return inside_->view.snapshot_json(); }
 std::string ServerCore::summary_json() const { return inside_->view.summary_json(); }

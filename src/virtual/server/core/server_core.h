@@ -8,7 +8,7 @@
 
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/result.h"
-#include "cosiva/virtual/server/core/server_options.h"
+#include "cosiva/virtual/server/context/server_options.h"
 #include "cosiva/virtual/server/view/frames.h"
 #include "cosiva/wire/runtime/core.h"
 #include "cosiva/zone/rtm/rtm.h"

@@ -3,10 +3,10 @@
 #include <string>
 
 #include "cosiva/base/json_writer.h"
-#include "cosiva/virtual/server/core/augmented_parts.h"
-#include "cosiva/virtual/server/core/instrument_parts.h"
-#include "cosiva/virtual/server/core/master_control.h"
-#include "cosiva/virtual/server/core/server_context.h"
+#include "cosiva/virtual/server/context/augmented_parts.h"
+#include "cosiva/virtual/server/context/instrument_parts.h"
+#include "cosiva/virtual/server/context/master_control.h"
+#include "cosiva/virtual/server/context/server_context.h"
 #include "cosiva/virtual/server/core/server_core.h"
 #include "cosiva/virtual/server/core/vehicle_view.h"
 #include "cosiva/virtual/server/core/zone_session.h"

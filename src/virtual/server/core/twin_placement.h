@@ -4,8 +4,8 @@
 
 #include "cosiva/base/pose.h"
 #include "cosiva/base/time.h"
-#include "cosiva/virtual/server/core/master_control.h"
-#include "cosiva/virtual/server/core/server_context.h"
+#include "cosiva/virtual/server/context/master_control.h"
+#include "cosiva/virtual/server/context/server_context.h"
 
 namespace cosiva::virtual_side {
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "cosiva/virtual/server/core/augmented_parts.h"
-#include "cosiva/virtual/server/core/server_context.h"
+#include "cosiva/virtual/server/context/augmented_parts.h"
+#include "cosiva/virtual/server/context/server_context.h"
 
 namespace cosiva::virtual_side {
 

@@ -3,12 +3,12 @@
 #include <optional>
 #include <string>
 
-#include "cosiva/virtual/server/core/augmented_parts.h"
-#include "cosiva/virtual/server/core/instrument_parts.h"
-#include "cosiva/virtual/server/core/master_control.h"
+#include "cosiva/virtual/server/context/augmented_parts.h"
+#include "cosiva/virtual/server/context/instrument_parts.h"
+#include "cosiva/virtual/server/context/master_control.h"
+#include "cosiva/virtual/server/context/server_context.h"
 #include "cosiva/virtual/server/core/own_reports.h"
 #include "cosiva/virtual/server/core/report_checks.h"
-#include "cosiva/virtual/server/core/server_context.h"
 #include "cosiva/virtual/server/core/twin_placement.h"
 #include "cosiva/virtual/server/core/vehicle_lifecycle.h"
 

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "cosiva/base/json_writer.h"
-#include "cosiva/virtual/server/core/augmented_parts.h"
-#include "cosiva/virtual/server/core/master_control.h"
-#include "cosiva/virtual/server/core/server_context.h"
+#include "cosiva/virtual/server/context/augmented_parts.h"
+#include "cosiva/virtual/server/context/master_control.h"
+#include "cosiva/virtual/server/context/server_context.h"
 #include "cosiva/virtual/server/core/zone_session.h"
 
 namespace cosiva::virtual_side {

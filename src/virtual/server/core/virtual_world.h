@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "cosiva/base/json_writer.h"
-#include "cosiva/virtual/server/core/augmented_parts.h"
-#include "cosiva/virtual/server/core/server_context.h"
+#include "cosiva/virtual/server/context/augmented_parts.h"
+#include "cosiva/virtual/server/context/server_context.h"
 #include "cosiva/virtual/server/core/vehicle_lifecycle.h"
 
 namespace cosiva::virtual_side {

@@ -70,7 +70,7 @@ bool ZoneSession::take(const zone::ZoneConfiguration& configuration) {
   const auto received = context_.simulator.receive(context_.now, configuration, step_recorder(context_));
   if (!received) {
     ++context_.messages_refused;
-    record_refusal(configuration.origin, to_string(received.error()));
+    refuse(configuration.origin, to_string(received.error()));
     return false;
   }
   refused_.reset();
@@ -131,41 +131,29 @@ void ZoneSession::publish() {
   context_.publisher.publish(topic, std::move(payload), 1, true);
 }
 
-void ZoneSession::follow_edit(const JsonValue& command) {
-  const auto after = edits_.after(command, context_.simulator);
-  if (!after) {
-    context_.publisher.log('w', "command refused: " + to_string(after.error()));
-    return;
-  }
-  const std::string verb = *command.text("command");
+void ZoneSession::apply_edit(const std::string& name, const zone::ZoneConfiguration& after) {
   context_.state_stale = true;
-  if (verb == "saved") {
-    edits_.saved(*after);
+  if (name == "saved") {
+    edits_.saved(after);
     return;
   }
   zone::ZoneConfiguration before = *context_.simulator.configuration();
-  if (!take(*after)) return;
-  edits_.done(verb, std::move(before));
+  if (!take(after)) return;
+  edits_.done(name, std::move(before));
   publish();
 }
 
-void ZoneSession::follow_switch(const JsonValue& command) {
-  const auto wanted = wanted_by(command);
-  if (!wanted) {
-    record_refusal(command.find("zone") == nullptr ? std::string{} : command.find("zone")->text("origin").value_or(""),
-                   to_string(wanted.error()));
-    return;
-  }
-  const std::string format =
-      context_.simulator.configuration() == nullptr ? wanted->format : context_.simulator.configuration()->format;
-  if (!take(*wanted)) return;
+void ZoneSession::switch_to(const zone::ZoneConfiguration& wanted) {
+  const zone::ZoneConfiguration* in_force = context_.simulator.configuration();
+  const std::string format = in_force == nullptr ? wanted.format : in_force->format;
+  if (!take(wanted)) return;
   switched_here_ = true;
   context_.state_stale = true;
   waiting_.reset();
-  edits_.begin(*wanted, ZoneEdits::Origin::own);
+  edits_.begin(wanted, ZoneEdits::Origin::own);
   publish();
   // A program that subscribes later must not find two zones.
-  if (context_.link.up() && format != wanted->format)
+  if (context_.link.up() && format != wanted.format)
     context_.publisher.publish(context_.topics.zone_prefix + format, {}, 1, true);
 }
 
@@ -183,7 +171,7 @@ Result<zone::ZoneConfiguration> ZoneSession::wanted_by(const JsonValue& command)
   return configuration;
 }
 
-void ZoneSession::record_refusal(const std::string& origin, const std::string& why) {
+void ZoneSession::refuse(const std::string& origin, const std::string& why) {
   refused_ = Refused{context_.now, origin, why};
   context_.publisher.log(
       'e', "zone configuration refused: " + why + (context_.simulator.zone() ? "; the zone that was there stays" : ""));

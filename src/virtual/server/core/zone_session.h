@@ -8,9 +8,9 @@
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/result.h"
-#include "cosiva/virtual/server/core/augmented_parts.h"
-#include "cosiva/virtual/server/core/master_control.h"
-#include "cosiva/virtual/server/core/server_context.h"
+#include "cosiva/virtual/server/context/augmented_parts.h"
+#include "cosiva/virtual/server/context/master_control.h"
+#include "cosiva/virtual/server/context/server_context.h"
 #include "cosiva/virtual/server/core/twin_placement.h"
 #include "cosiva/virtual/server/core/vehicle_lifecycle.h"
 #include "cosiva/virtual/server/core/zone_change.h"
@@ -46,10 +46,13 @@ class ZoneSession {
 
   /// The configuration that the command "switch" would bring into force. Fails with a sentence that says what to do.
   [[nodiscard]] Result<zone::ZoneConfiguration> wanted_by(const JsonValue& command) const;
-  /// Follows "switch"; a refusal is shown until the next zone is taken.
-  void follow_switch(const JsonValue& command);
+  /// @param wanted  what wanted_by() gave
+  void switch_to(const zone::ZoneConfiguration& wanted);
+  /// The refusal is shown until the next zone is taken.
+  void refuse(const std::string& origin, const std::string& why);
   /// Follows "edit", "undo", "redo" or "saved".
-  void follow_edit(const JsonValue& command);
+  /// @param after  the configuration that edits().after() gave for the command
+  void apply_edit(const std::string& name, const zone::ZoneConfiguration& after);
 
   /// Takes what the state file holds of the zone, as soon as a zone is in force.
   /// @param edited  the zone in force with its edits, as write_state() wrote it
@@ -81,7 +84,6 @@ class ZoneSession {
   void notify_all(const WayMap* map);
   void publish();
   void restore_now();
-  void record_refusal(const std::string& origin, const std::string& why);
 
   ServerContext& context_;
   MasterControl& master_;

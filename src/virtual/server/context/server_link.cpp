@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/core/server_link.h"
+#include "cosiva/virtual/server/context/server_link.h"
 
 #include <algorithm>
 

@@ -1,11 +1,10 @@
 #pragma once
 
 #include "cosiva/virtual/server/augmented/ahead.h"
-#include "cosiva/virtual/server/augmented/pause_desk.h"
 #include "cosiva/virtual/server/augmented/things_desk.h"
 #include "cosiva/virtual/server/augmented/virtual_fleet.h"
-#include "cosiva/virtual/server/core/master_control.h"
-#include "cosiva/virtual/server/core/server_context.h"
+#include "cosiva/virtual/server/context/master_control.h"
+#include "cosiva/virtual/server/context/server_context.h"
 
 namespace cosiva::virtual_side {
 

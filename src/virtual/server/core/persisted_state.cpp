@@ -1,14 +1,15 @@
-// What the server keeps over a crash of its process: the virtual world, and the zone's edits.
+#include "cosiva/virtual/server/core/persisted_state.h"
+
 #include <charconv>
 #include <cmath>
 #include <utility>
 
-#include "cosiva/virtual/server/core/inside.h"
+#include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
 namespace {
 
-constexpr SimDuration remember_period{std::chrono::seconds{1}};
+constexpr SimDuration persist_period{std::chrono::seconds{1}};
 constexpr std::size_t names_max = Registry::vehicles_max;
 constexpr double place_m_max = 1e5;
 
@@ -75,78 +76,79 @@ std::optional<Thing> read_thing(const JsonValue& json) {
 
 }  // namespace
 
-std::string ServerCore::Inside::memory() const {
+std::string PersistedState::to_json() const {
   JsonWriter json;
   json.begin_object().field("version", 1).key("things").begin_array();
-  for (const Thing& thing : simulator.augmented().things()) write_thing(json, thing);
+  for (const Thing& thing : context_.simulator.augmented().things()) write_thing(json, thing);
   json.end_array();
-  world.write_state(json);
+  world_.write_state(json);
   json.key("paused").begin_array();
-  for (const AivProxy& proxy : registry)
+  for (const AivProxy& proxy : context_.registry)
     if (proxy.paused_for_body) json.value(proxy.name);
   json.end_array();
-  zones.write_state(json);
-  if (missions.worth_remembering()) missions.write_memory(json.key("traffic"));
+  zones_.write_state(json);
+  if (master_.missions.worth_remembering()) master_.missions.write_memory(json.key("traffic"));
   json.end_object();
   return json.take();
 }
 
-void ServerCore::Inside::remember() {
-  const bool moves = !hosted.empty() && now >= remember_at;
-  if (!state_stale && !moves) return;
-  // Until the zone has come, what is remembered of its edits is all there is.
-  if (zones.awaits_zone_to_restore()) return;
-  state_stale = false;
-  remember_at = now + remember_period;
-  std::string bytes = memory();
-  if (bytes == remembered) return;
-  remembered = bytes;
-  publisher.remember(std::move(bytes));
+void PersistedState::persist_if_stale() {
+  const bool moves = !augmented_.hosted.empty() && context_.now >= due_at_;
+  if (!context_.state_stale && !moves) return;
+  // Until a zone is in force, the state file alone holds its edits.
+  if (zones_.awaits_zone_to_restore()) return;
+  context_.state_stale = false;
+  due_at_ = context_.now + persist_period;
+  std::string bytes = to_json();
+  if (bytes == persisted_) return;
+  COSIVA_EXPECT(!bytes.empty());
+  persisted_ = bytes;
+  context_.publisher.remember(std::move(bytes));
 }
 
-void ServerCore::Inside::recall(std::string_view bytes) {
-  auto memory = JsonValue::parse(bytes);
-  if (!memory || memory->number("version") != std::optional{1.0}) {
-    publisher.log('w', "what was remembered of the virtual world cannot be read; it starts empty" +
-                           (memory ? std::string{} : ": " + memory.error().message));
+void PersistedState::restore(std::string_view bytes) {
+  const auto state = JsonValue::parse(bytes);
+  if (!state || state->number("version") != std::optional{1.0}) {
+    context_.publisher.log('w', "what was remembered of the virtual world cannot be read; it starts empty" +
+                                    (state ? std::string{} : ": " + state.error().message));
     return;
   }
-  recall_things(*memory);
-  if (const JsonValue* traffic_memory = memory->find("traffic")) missions.recall(*traffic_memory);
+  restore_world(*state);
+  if (const JsonValue* traffic_state = state->find("traffic")) master_.missions.recall(*traffic_state);
   std::optional<zone::ZoneConfiguration> given_zone;
-  if (const JsonValue* given = memory->find("given")) {
+  if (const JsonValue* given = state->find("given")) {
     auto configuration = zone::zone_configuration_from_json(*given);
     if (configuration) given_zone = std::move(*configuration);
   }
-  const JsonValue* zone = memory->find("zone");
-  zones.restore(zone == nullptr ? std::nullopt : std::optional{*zone}, std::move(given_zone));
-  publisher.log('i', "remembered " + std::to_string(simulator.augmented().things().size()) + " virtual things and " +
-                         std::to_string(world.restored_count()) + " virtual AIVs");
+  const JsonValue* zone = state->find("zone");
+  zones_.restore(zone == nullptr ? std::nullopt : std::optional{*zone}, std::move(given_zone));
+  context_.publisher.log('i', "remembered " + std::to_string(context_.simulator.augmented().things().size()) +
+                                  " virtual things and " + std::to_string(world_.restored_count()) + " virtual AIVs");
 }
 
-void ServerCore::Inside::recall_things(const JsonValue& memory) {
-  const auto each = [&memory](std::string_view list, std::size_t max, const auto& take) {
-    const JsonValue* found = memory.find(list);
+void PersistedState::restore_world(const JsonValue& state) {
+  const auto each = [&state](std::string_view list, std::size_t max, const auto& take) {
+    const JsonValue* found = state.find(list);
     if (found == nullptr || found->array() == nullptr) return;
     for (std::size_t i = 0; i < found->array()->size() && i < max; ++i) take((*found->array())[i]);
   };
   each("things", Augmented::things_max, [&](const JsonValue& json) {
     auto thing = read_thing(json);
-    if (thing && simulator.augmented().find(thing->id) == nullptr)
-      simulator.augmented().add(std::move(*thing));
+    if (thing && context_.simulator.augmented().find(thing->id) == nullptr)
+      context_.simulator.augmented().add(std::move(*thing));
     else
-      publisher.log('w', "a remembered virtual thing cannot be read; it is left out");
+      context_.publisher.log('w', "a remembered virtual thing cannot be read; it is left out");
   });
   each("aivs", Augmented::things_max, [&](const JsonValue& json) {
     const auto id = json.text("id");
     const auto section = json.text("section");
     if (id && section && wire::valid_serial_number(*id) && in(json.number("s"), 0.0, place_m_max))
-      world.restore({*id, *section, *json.number("s")});
+      world_.restore({*id, *section, *json.number("s")});
     else
-      publisher.log('w', "a remembered virtual AIV cannot be read; it is left out");
+      context_.publisher.log('w', "a remembered virtual AIV cannot be read; it is left out");
   });
   each("paused", names_max, [&](const JsonValue& json) {
-    if (json.text() != nullptr) vehicles.restore_pause(*json.text());
+    if (json.text() != nullptr) vehicles_.restore_pause(*json.text());
   });
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "cosiva/virtual/server/commands/commands.h"
-#include "cosiva/virtual/server/core/server_context.h"
+#include "cosiva/virtual/server/context/server_context.h"
 #include "cosiva/virtual/server/orders/deadlocks.h"
 #include "cosiva/virtual/server/orders/missions.h"
 #include "cosiva/virtual/server/orders/order_roller.h"

@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/core/server_context.h"
+#include "cosiva/virtual/server/context/server_context.h"
 
 namespace cosiva::virtual_side {
 namespace {

@@ -1,5 +1,5 @@
 // ServerOptions as JSON: the payload of the server's configure input.
-#include "cosiva/virtual/server/core/server_options.h"
+#include "cosiva/virtual/server/context/server_options.h"
 
 #include <utility>
 

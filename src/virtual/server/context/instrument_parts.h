@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cosiva/virtual/server/core/server_context.h"
+#include "cosiva/virtual/server/context/server_context.h"
 #include "cosiva/virtual/server/view/battery_desk.h"
 #include "cosiva/virtual/server/view/gvs_desk.h"
 

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/time.h"
+#include "cosiva/virtual/server/context/augmented_parts.h"
+#include "cosiva/virtual/server/context/master_control.h"
+#include "cosiva/virtual/server/context/server_context.h"
+#include "cosiva/virtual/server/core/vehicle_lifecycle.h"
+#include "cosiva/virtual/server/core/virtual_world.h"
+#include "cosiva/virtual/server/core/zone_session.h"
+
+namespace cosiva::virtual_side {
+
+/// What the server's state file holds over a crash of the process: the virtual world, the zone's edits, the missions.
+/// Invariant: a state is persisted only when it differs from the last one, and never before what the file held of the
+/// zone has been restored.
+class PersistedState {
+ public:
+  PersistedState(ServerContext& context, MasterControl& master, const AugmentedParts& augmented,
+                 VehicleLifecycle& vehicles, ZoneSession& zones, VirtualWorld& world)
+      : context_{context}, master_{master}, augmented_{augmented}, vehicles_{vehicles}, zones_{zones}, world_{world} {}
+
+  /// Hands the parts what the state file held; what cannot be read is logged and left out.
+  void restore(std::string_view bytes);
+  /// After each input.
+  void persist_if_stale();
+
+ private:
+  [[nodiscard]] std::string to_json() const;
+  void restore_world(const JsonValue& state);
+
+  ServerContext& context_;
+  MasterControl& master_;
+  const AugmentedParts& augmented_;
+  VehicleLifecycle& vehicles_;
+  ZoneSession& zones_;
+  VirtualWorld& world_;
+  std::string persisted_;
+  SimTime due_at_{};  ///< the positions of virtual AIVs are persisted again
+};
+
+}  // namespace cosiva::virtual_side
