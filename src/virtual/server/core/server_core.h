@@ -17,6 +17,7 @@ namespace cosiva::virtual_side {
 
 /// AIV_Server and Simulator as one core (they talk through recorded messages, seen in the traces). Ticks once in a
 /// cycle.
+/// Invariant: while an input is handled, every part sees the time of that input, and no other.
 ///
 /// Commands (Input::command, JSON; id optional). Refused ones are logged; those to vehicles are listed as failed with
 /// the reason.
@@ -91,8 +92,8 @@ class ServerCore final : public wire::Core {
   [[nodiscard]] std::shared_ptr<const zone::TrafficZone> zone() const;
 
  private:
-  struct Inside;
-  std::unique_ptr<Inside> inside_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace cosiva::virtual_side

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "cosiva/base/json_writer.h"
 #include "cosiva/virtual/server/context/augmented_parts.h"
 #include "cosiva/virtual/server/context/instrument_parts.h"
 #include "cosiva/virtual/server/context/master_control.h"
 #include "cosiva/virtual/server/context/server_context.h"
+#include "cosiva/virtual/server/core/position_view.h"
 #include "cosiva/virtual/server/core/server_core.h"
 #include "cosiva/virtual/server/core/vehicle_view.h"
 #include "cosiva/virtual/server/core/zone_session.h"
@@ -23,11 +25,13 @@ class ServerView {
         augmented_{augmented},
         zones_{zones},
         instruments_{instruments},
-        vehicle_{context, master, augmented, zones} {}
+        vehicle_{context, master, augmented, zones},
+        positions_{context, augmented} {}
 
   [[nodiscard]] std::string snapshot_json() const;
   [[nodiscard]] std::string summary_json() const;
   [[nodiscard]] ServerCore::PageRevision page_revision() const;
+  void positions(SimTime now, std::vector<PositionRecord>& out) const { positions_.positions(now, out); }
 
  private:
   void write_objects(JsonWriter& json) const;
@@ -42,6 +46,7 @@ class ServerView {
   const ZoneSession& zones_;
   const InstrumentParts& instruments_;
   VehicleView vehicle_;
+  PositionView positions_;
 };
 
 }  // namespace cosiva::virtual_side

@@ -1,0 +1,118 @@
+#include "cosiva/virtual/server/core/broker_session.h"
+
+#include <algorithm>
+#include <iterator>
+#include <string_view>
+#include <utility>
+
+#include "cosiva/base/expect.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/wire/own/v2x.h"
+
+namespace cosiva::virtual_side {
+namespace {
+
+constexpr SimDuration sync_time_min{std::chrono::milliseconds{300}};
+constexpr SimDuration sync_time_max{std::chrono::seconds{2}};
+
+std::string connection_json(std::string_view state, SimTime now) {
+  JsonWriter json;
+  json.begin_object().field("connectionState", state).field("timestamp", to_iso8601(now)).end_object();
+  return json.take();
+}
+
+}  // namespace
+
+void BrokerSession::on_link(bool up) {
+  if (up == context_.link.up()) return;
+  if (up)
+    context_.link.came_up(context_.now);
+  else
+    context_.link.went_down();
+  augmented_.hosted.link(context_.now, up);
+  if (up) return came_up();
+  zones_.link_went_down();
+  context_.publisher.log('w', "lost the broker; vehicles stop by themselves until it is back");
+}
+
+void BrokerSession::came_up() {
+  zones_.link_came_up();
+  context_.areas.link_up();
+  instruments_.batteries.link_up();
+  for (AivProxy& proxy : context_.registry) proxy.state_since_link = false;
+  std::string online = connection_json("ONLINE", context_.now);
+  const std::string& topic = context_.topics.connection;
+  context_.traces.add(context_.now, "AIV_Server", "*", "connection", "ONLINE", topic, online);
+  augmented_.hosted.message(context_.now, std::string(wire::server_connection_topic), online);
+  context_.publisher.publish(topic, std::move(online), 1, true);
+  zones_.publish_own();
+}
+
+void BrokerSession::send_heartbeat() {
+  auto heartbeat = context_.link.take_heartbeat(context_.now);
+  if (!heartbeat) return;
+  const std::string& topic = context_.topics.heartbeat;
+  context_.traces.add(context_.now, "AIV_Server", "*", "heartbeat", *heartbeat, topic, *heartbeat);
+  augmented_.hosted.message(context_.now, std::string(wire::server_heartbeat_topic), *heartbeat);
+  context_.publisher.publish(topic, std::move(*heartbeat), 0, false);
+}
+
+void BrokerSession::synchronise_if_due() {
+  if (!context_.link.up() || context_.link.synchronised() || !is_synchronisation_due()) return;
+  context_.link.set_synchronised();
+  if (context_.areas.several()) {
+    world_.drop_restored();
+    ownership_.publish_lost_owners();
+  }
+  world_.place_restored();
+  world_.sign_off_orphans();
+  COSIVA_EXPECT(context_.link.synchronised());
+}
+
+bool BrokerSession::is_synchronisation_due() const {
+  const SimDuration since = context_.now - context_.link.up_since();
+  if (since >= sync_time_max) return true;
+  if (since < sync_time_min) return false;
+  // A vehicle that drives on an order of an earlier process must report before any vehicle is sent across its path.
+  return std::ranges::all_of(context_.registry, [](const AivProxy& proxy) {
+    return proxy.retired || proxy.connection != wire::ConnectionState::online || proxy.state_since_link;
+  });
+}
+
+wire::Will BrokerSession::will() const {
+  return {{context_.topics.connection, connection_json("CONNECTIONBROKEN", context_.now), 1, true}};
+}
+
+void BrokerSession::farewell(SimTime now, wire::Effects& effects) {
+  context_.publisher.open(now, effects);
+  augmented_.hosted.farewell(now);
+  effects.emplace_back(wire::Publish{context_.topics.connection, connection_json("OFFLINE", now), 1, true});
+  context_.traces.add(now, "AIV_Server", "*", "connection", "OFFLINE");
+}
+
+std::vector<std::string> BrokerSession::subscriptions() const {
+  const std::string& prefix = context_.topic_prefix;
+  const std::string hosted = prefix + "v2/" + std::string(wire::virtual_manufacturer) + "/+/";
+  std::vector<std::string> filters{prefix + "+/+/+/state",
+                                   prefix + "+/+/+/visualization",
+                                   prefix + "+/+/+/connection",
+                                   prefix + "+/+/+/factsheet",
+                                   wire::topics_below(wire::zone_topic_prefix, 1),
+                                   wire::topics_below(wire::felt_topic_prefix, 2),
+                                   wire::topics_below(wire::seen_topic_prefix, 2),
+                                   wire::topics_below(wire::boards_topic_prefix, 2),
+                                   wire::topics_below(wire::v2x_topic_prefix, wire::v2x_topic_levels),
+                                   hosted + "order",
+                                   hosted + "instantActions"};
+  std::ranges::move(BatteryDesk::subscriptions(), std::back_inserter(filters));
+  std::ranges::move(GvsDesk::subscriptions(), std::back_inserter(filters));
+  if (!context_.areas.several()) return filters;
+  // The zone comes with those of the other areas.
+  std::erase(filters, wire::topics_below(wire::zone_topic_prefix, 1));
+  const std::string hall{wire::hall_topic_prefix};
+  filters.insert(filters.end(),
+                 {hall + "+/zone/+", hall + "+/server/connection", wire::topics_below(wire::owner_topic_prefix, 2)});
+  return filters;
+}
+
+}  // namespace cosiva::virtual_side

@@ -1,0 +1,45 @@
+#include "cosiva/virtual/server/core/message_intake.h"
+
+#include <string>
+#include <string_view>
+
+#include "cosiva/base/expect.h"
+#include "cosiva/wire/own/v2x.h"
+
+namespace cosiva::virtual_side {
+
+void MessageIntake::receive(const wire::Input& input) {
+  if (input.source.starts_with(wire::v2x_topic_prefix)) return v2x_.receive(input);
+  if (BatteryDesk::is_ours(input.source)) return on_battery(input);
+  if (GvsDesk::is_ours(input.source)) return on_gvs(input);
+  if (ownership_.receive(input)) return;
+  if (!augmented_.hosted.empty() && augmented_.hosted.from_broker(context_.now, input)) return;
+  const std::size_t vehicles = context_.registry.size();
+  if (reports_.receive(input)) return;
+  COSIVA_EXPECT(context_.registry.size() == vehicles);
+  if (input.source.starts_with(context_.topics.zone_prefix)) on_zone(input);
+}
+
+void MessageIntake::on_battery(const wire::Input& input) {
+  // Shown in every control area: a battery is changed anywhere.
+  const auto news = instruments_.batteries.on_message(input);
+  if (!news) return refuse_unknown_sender(context_, input.source, to_string(news.error()));
+  if (!news->empty())
+    context_.traces.add(context_.now, "battery test", "*", "battery", *news, input.source, input.payload);
+}
+
+void MessageIntake::on_gvs(const wire::Input& input) {
+  const auto news = instruments_.gvs.on_message(context_.now, input);
+  if (!news) return refuse_unknown_sender(context_, input.source, to_string(news.error()));
+  if (!news->empty()) context_.traces.add(context_.now, "GVS", "AIV_Server", "gvs", *news, input.source, input.payload);
+}
+
+void MessageIntake::on_zone(const wire::Input& input) {
+  // An empty retained message takes a zone off the broker; the one in force stays.
+  if (input.payload.empty()) return;
+  const std::string format = input.source.substr(context_.topics.zone_prefix.size());
+  zones_.receive(zone::from_payload(format, input.source, input.payload),
+                 input.flag ? ZoneSession::Source::retained : ZoneSession::Source::published);
+}
+
+}  // namespace cosiva::virtual_side
