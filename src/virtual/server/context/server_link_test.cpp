@@ -1,0 +1,55 @@
+#include "cosiva/virtual/server/context/server_link.h"
+
+#include <gtest/gtest.h>
+
+namespace cosiva::virtual_side {
+namespace {
+
+SimTime at_ms(int ms) { return SimTime{std::chrono::milliseconds{ms}}; }
+
+TEST(ServerLink, sends_no_heartbeat_while_the_link_is_down) {
+  ServerLink link;
+  EXPECT_FALSE(link.take_heartbeat(at_ms(0)));
+  link.came_up(at_ms(0));
+  EXPECT_TRUE(link.take_heartbeat(at_ms(0)));
+  link.went_down();
+  EXPECT_FALSE(link.take_heartbeat(at_ms(1000)));
+}
+
+TEST(ServerLink, numbers_its_heartbeats_and_makes_one_in_each_period) {
+  ServerLink link;
+  link.came_up(at_ms(50));
+  EXPECT_EQ(link.take_heartbeat(at_ms(50)), R"({"headerId":0,"timestamp":"1970-01-01T00:00:00.050Z"})");
+  EXPECT_FALSE(link.take_heartbeat(at_ms(149)));
+  EXPECT_EQ(link.take_heartbeat(at_ms(150)), R"({"headerId":1,"timestamp":"1970-01-01T00:00:00.150Z"})");
+}
+
+TEST(ServerLink, catches_up_by_one_heartbeat_after_a_long_pause) {
+  ServerLink link;
+  link.came_up(at_ms(0));
+  EXPECT_TRUE(link.take_heartbeat(at_ms(0)));
+  EXPECT_TRUE(link.take_heartbeat(at_ms(5000)));
+  EXPECT_TRUE(link.take_heartbeat(at_ms(5000)));
+  EXPECT_FALSE(link.take_heartbeat(at_ms(5050)));
+}
+
+TEST(ServerLink, is_synchronised_anew_each_time_the_link_comes_up) {
+  ServerLink link;
+  link.came_up(at_ms(0));
+  EXPECT_FALSE(link.synchronised());
+  link.set_synchronised();
+  EXPECT_TRUE(link.synchronised());
+  link.went_down();
+  EXPECT_FALSE(link.synchronised());
+  link.came_up(at_ms(700));
+  EXPECT_FALSE(link.synchronised());
+  EXPECT_EQ(link.up_since(), at_ms(700));
+}
+
+TEST(ServerLinkDeathTest, refuses_to_be_synchronised_while_the_link_is_down) {
+  ServerLink link;
+  EXPECT_DEATH(link.set_synchronised(), "up_");
+}
+
+}  // namespace
+}  // namespace cosiva::virtual_side
