@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "cosiva/base/random.h"
+#include "cosiva/physical/vision/floor_fit.h"
+#include "cosiva/physical/vision/painter.h"
 #include "cosiva/physical/vision/scene.h"
 #include "cosiva/physical/vision/tracker.h"
 

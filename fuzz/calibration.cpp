@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "cosiva/physical/vision/board.h"
+#include "cosiva/physical/vision/calibration_json.h"
+#include "cosiva/physical/vision/floor_fit.h"
 #include "cosiva/physical/vision/image.h"
 #include "target.h"
 

@@ -14,6 +14,9 @@
 #include "cosiva/experiments/reporting/report.h"
 #include "cosiva/physical/vision/board.h"
 #include "cosiva/physical/vision/calibration.h"
+#include "cosiva/physical/vision/calibration_json.h"
+#include "cosiva/physical/vision/floor_fit.h"
+#include "cosiva/physical/vision/residual_svg.h"
 
 namespace cosiva::app {
 namespace {

@@ -11,6 +11,7 @@
 #include "cosiva/base/json_writer.h"
 #include "cosiva/experiments/positioning/recording/trajectory.h"
 #include "cosiva/physical/vision/board.h"
+#include "cosiva/physical/vision/painter.h"
 #include "cosiva/physical/vision/scene.h"
 #include "cosiva/virtual/fleet/fleet.h"
 #include "cosiva/zone/drawing/draw.h"

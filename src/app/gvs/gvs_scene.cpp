@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "cosiva/base/random.h"
+#include "cosiva/physical/vision/floor_fit.h"
+#include "cosiva/physical/vision/painter.h"
 #include "cosiva/physical/vision/tags.h"
 
 namespace cosiva::app {

@@ -9,6 +9,7 @@
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/time.h"
 #include "cosiva/physical/vision/calibration.h"
+#include "cosiva/physical/vision/painter.h"
 #include "cosiva/physical/vision/points.h"
 #include "cosiva/physical/vision/scene.h"
 #include "cosiva/zone/drawing/draw.h"

@@ -15,6 +15,7 @@
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/text.h"
 #include "cosiva/experiments/positioning/recording/trajectory.h"
+#include "cosiva/physical/vision/calibration_json.h"
 #include "cosiva/physical/vision/time_offset.h"
 #include "cosiva/physical/vision/tracker.h"
 

@@ -19,6 +19,7 @@
 #include "cosiva/app/gvs/picture_feed.h"
 #include "cosiva/app/resources/places.h"
 #include "cosiva/base/json_writer.h"
+#include "cosiva/physical/vision/calibration_json.h"
 #include "cosiva/wire/messages/topics.h"
 #include "cosiva/zone/rtm/rtm.h"
 

@@ -16,6 +16,7 @@
 #include "cosiva/app/resources/zone_files.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/text.h"
+#include "cosiva/physical/vision/calibration_json.h"
 
 namespace cosiva::app {
 namespace {

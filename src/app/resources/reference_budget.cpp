@@ -5,6 +5,7 @@
 #include "cosiva/adapters/files.h"
 #include "cosiva/app/cli/words.h"
 #include "cosiva/base/json_value.h"
+#include "cosiva/physical/vision/calibration_json.h"
 
 namespace cosiva::app {
 namespace {

@@ -1,10 +1,12 @@
+#include "cosiva/physical/vision/calibration_json.h"
+
 #include <array>
 #include <cmath>
 #include <optional>
 
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
-#include "cosiva/physical/vision/calibration.h"
+#include "cosiva/physical/vision/floor_fit.h"
 
 namespace cosiva::vision {
 namespace {

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "cosiva/physical/vision/calibration_json.h"
+#include "cosiva/physical/vision/residual_svg.h"
 #include "cosiva/physical/vision/test_floor.h"
 
 namespace cosiva::vision {

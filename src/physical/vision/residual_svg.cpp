@@ -1,9 +1,9 @@
-// The residual map, drawn.
+#include "cosiva/physical/vision/residual_svg.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "cosiva/base/json_writer.h"
-#include "cosiva/physical/vision/calibration.h"
 
 namespace cosiva::vision {
 namespace {

@@ -1,12 +1,11 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <optional>
 #include <vector>
 
 #include "cosiva/base/pose.h"
-#include "cosiva/physical/vision/image.h"
+#include "cosiva/physical/vision/floor_map.h"
 
 /// The emulated world, as a camera under the roof sees it: pictures with everything that makes real ones bad.
 namespace cosiva::vision {
@@ -55,32 +54,6 @@ struct SceneBody {
 struct SceneLine {
   std::vector<Point2> points;
   double width_m{0.02};
-};
-
-/// Takes pictures. The same camera, lines, seed, bodies and number give the same bytes everywhere.
-class Painter {
- public:
-  Painter(const SceneCamera& camera, const std::vector<SceneLine>& lines, std::uint64_t seed);
-  /// Row r is exposed from the stamp + r·line_s on, for exposure_s.
-  /// @param number  of the picture, for its noise
-  [[nodiscard]] Image paint(const std::vector<SceneBody>& bodies, std::uint64_t number) const;
-  [[nodiscard]] const SceneCamera& camera() const { return camera_; }
-
- private:
-  struct Seen {
-    float x;
-    float y;
-  };
-  void look_around();
-  void draw_floor(const std::vector<SceneLine>& lines, std::uint64_t seed);
-  void draw_body(const SceneBody& body, std::vector<float>& light) const;
-  [[nodiscard]] Point2 seen_at(double u, double v) const;
-
-  SceneCamera camera_;
-  std::uint64_t seed_;
-  std::vector<Seen> corner_;  ///< where on the floor each pixel's upper left corner looks; one more than pixels
-  std::vector<float> floor_;  ///< light of the bare floor, per pixel
-  std::vector<float> noise_;  ///< drawn once, and shuffled for each picture
 };
 
 }  // namespace cosiva::vision

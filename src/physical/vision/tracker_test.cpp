@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cosiva/physical/vision/floor_fit.h"
+#include "cosiva/physical/vision/painter.h"
 #include "cosiva/physical/vision/test_floor.h"
 
 namespace cosiva::vision {

@@ -1,7 +1,7 @@
+#include "cosiva/zone/opendrive/cubic_path.h"
+
 #include <algorithm>
 #include <cmath>
-
-#include "cosiva/zone/opendrive/reference_line.h"
 
 namespace cosiva::zone::opendrive {
 namespace {
@@ -15,11 +15,6 @@ std::size_t cell_at(const std::vector<double>& table, double arc) {
 }
 
 }  // namespace
-
-Polynomial moved(const Polynomial& polynomial, double to_s) {
-  const double ds = to_s - polynomial.s;
-  return {to_s, polynomial.at(ds), polynomial.slope_at(ds), 0.5 * polynomial.bend_at(ds), polynomial.d};
-}
 
 double CubicPath::speed(double p) const { return norm(cubics_.u.slope_at(p), cubics_.v.slope_at(p)); }
 

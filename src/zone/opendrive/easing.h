@@ -45,4 +45,10 @@ struct Easing {
   return std::max(for_shift, std::min(for_slope, for_corner));
 }
 
+/// What joints may leave open, of records and of lanes: more is not bent to meet. Roads drawn as polygons have corners
+/// of a right angle; lanes that are linked go on nearly straight.
+inline constexpr double gap_max_m = 2.0;
+inline constexpr double corner_max_rad = 1.6;
+inline constexpr double kink_max_rad = 0.8;
+
 }  // namespace cosiva::zone::opendrive

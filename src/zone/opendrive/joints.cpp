@@ -1,8 +1,8 @@
+#include "cosiva/zone/opendrive/joints.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-
-#include "cosiva/zone/opendrive/ways.h"
 
 namespace cosiva::zone::opendrive {
 namespace {

@@ -1,7 +1,7 @@
+#include "cosiva/zone/opendrive/links.h"
+
 #include <algorithm>
 #include <cmath>
-
-#include "cosiva/zone/opendrive/ways.h"
 
 namespace cosiva::zone::opendrive {
 namespace {

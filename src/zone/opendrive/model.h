@@ -26,7 +26,10 @@ struct Polynomial {
   [[nodiscard]] double bend_at(double ds) const { return 2.0 * c + 6.0 * d * ds; }
 };
 /// The same cubic from another s on.
-[[nodiscard]] Polynomial moved(const Polynomial& polynomial, double to_s);
+[[nodiscard]] inline Polynomial moved(const Polynomial& polynomial, double to_s) {
+  const double ds = to_s - polynomial.s;
+  return {to_s, polynomial.at(ds), polynomial.slope_at(ds), 0.5 * polynomial.bend_at(ds), polynomial.d};
+}
 
 struct Clothoid {  ///< a line, an arc, a spiral
   double curvature_start{};

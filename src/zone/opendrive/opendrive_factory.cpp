@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "cosiva/base/digest.h"
+#include "cosiva/zone/opendrive/joints.h"
+#include "cosiva/zone/opendrive/links.h"
 #include "cosiva/zone/opendrive/reader.h"
 #include "cosiva/zone/opendrive/sections.h"
 #include "cosiva/zone/opendrive/short_sections.h"

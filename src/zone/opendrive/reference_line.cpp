@@ -3,19 +3,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cosiva/zone/opendrive/sloppy_records.h"
+
 namespace cosiva::zone::opendrive {
 namespace {
-
-// Shorter ones are an exporter's crumbs: their neighbours meet without them.
-constexpr double record_min_m = 5e-3;
 
 // What a file's own rounding leaves open at a joint stays: fit() bridges it without bending a line for it.
 constexpr double gap_free_m = 5e-6;
 constexpr double kink_free_rad = 5e-7;
 constexpr double worth_a_note = 1e-4;  // metres or radians
-constexpr double crumb_max_m = 0.3;
 
-double heading(Point2 d) { return det_atan2(d.y_m, d.x_m); }
+/// Whether the parameter's range and the length contradict each other, and it is the length that fits what comes next.
+bool goes_on_too_long(const PlanRecord& record, const Geometry& geometry, const Pose2* next) {
+  const auto* path = std::get_if<CubicPath>(&record.path);
+  if (path == nullptr || record.arc <= geometry.length + std::max(0.01, 0.01 * geometry.length)) return false;
+  if (next == nullptr) return true;
+  return distance(path->at(geometry.length).p, position(*next)) < distance(path->at(record.arc).p, position(*next));
+}
 
 }  // namespace
 
@@ -35,7 +39,7 @@ std::optional<ReferenceLine> ReferenceLine::make(const Road& road, Report& repor
     report.add(Note::Kind::mended, "plan views out of order", road.place,
                "its geometry records do not stand in the order of their s; they are taken in that order");
   }
-  std::vector<Record> records;
+  std::vector<PlanRecord> records;
   for (std::size_t i = 0; i < plan.size(); ++i) {
     auto record = make_record(*plan[i], report);
     if (!record) return std::nullopt;
@@ -48,7 +52,7 @@ std::optional<ReferenceLine> ReferenceLine::make(const Road& road, Report& repor
     records.push_back(std::move(*record));
   }
   drop_crumbs(plan, records, report);
-  redraw_sloppy(plan, records, report);
+  redraw_sloppy_records(plan, records, report);
   line.lay(road, plan, std::move(records), report);
   for (std::size_t i = 0; i + 1 < plan.size(); ++i) {
     if (!line.close_joint(i, plan[i + 1]->place, report)) return std::nullopt;
@@ -57,50 +61,12 @@ std::optional<ReferenceLine> ReferenceLine::make(const Road& road, Report& repor
   return line;
 }
 
-bool ReferenceLine::can_close(const Record& before, const Jet& left, const Jet& right, const Record& after) {
-  return distance(left.p, right.p) <= std::min(gap_max_m, 0.5 * std::min(before.arc, after.arc)) &&
-         std::fabs(wrap_angle(heading(right.d) - heading(left.d))) <= corner_max_rad;
-}
-
-/// A record of a few centimetres that does not meet its neighbours is no reason to lose the road.
-void ReferenceLine::drop_crumbs(std::vector<const Geometry*>& plan, std::vector<Record>& records, Report& report) {
-  const auto left_out = [&](const Geometry* geometry, const Record& record) {
-    report.add(Note::Kind::mended, "crumbs of plan views", geometry->place,
-               "is " + metres(record.arc) + " long and does not meet its neighbours; it is left out");
-    return record.arc + record.slack;
-  };
-  std::size_t kept = 1;  // so many of those before i stay
-  for (std::size_t i = 1; i < records.size(); ++i) {
-    bool stays = true;
-    while (stays) {
-      const Record& before = records[kept - 1];
-      const Record& after = records[i];
-      if (std::min(before.arc, after.arc) > crumb_max_m ||
-          can_close(before, raw(before, before.arc), raw(after, 0.0), after))
-        break;
-      // The first keeps its place: it says where the road begins.
-      stays = kept > 1 && before.arc < after.arc;
-      const double gone = stays ? left_out(plan[kept - 1], before) : left_out(plan[i], after);
-      if (stays) --kept;
-      records[kept - 1].slack += gone;
-    }
-    if (!stays) continue;
-    if (kept != i) {
-      records[kept] = std::move(records[i]);
-      plan[kept] = plan[i];
-    }
-    ++kept;
-  }
-  records.erase(records.begin() + static_cast<std::ptrdiff_t>(kept), records.end());
-  plan.erase(plan.begin() + static_cast<std::ptrdiff_t>(kept), plan.end());
-}
-
 /// Says from where to where along the road's s each record runs.
-void ReferenceLine::lay(const Road& road, const std::vector<const Geometry*>& plan, std::vector<Record> records,
+void ReferenceLine::lay(const Road& road, const std::vector<const Geometry*>& plan, std::vector<PlanRecord> records,
                         Report& report) {
   double s = plan.front()->s;
   for (std::size_t i = 0; i < plan.size(); ++i) {
-    Record& record = records[i];
+    PlanRecord& record = records[i];
     const double until = i + 1 < plan.size() ? plan[i + 1]->s : std::max(road.length, plan[i]->s);
     const double said = until - plan[i]->s;
     // A hundredth is rounding, or a sloppy spline; more is a contradiction, and the shape is trusted.
@@ -119,70 +85,15 @@ void ReferenceLine::lay(const Road& road, const std::vector<const Geometry*>& pl
   }
 }
 
-/// Whether the parameter's range and the length contradict each other, and it is the length that fits what comes next.
-bool ReferenceLine::goes_on_too_long(const Record& record, const Geometry& geometry, const Pose2* next) {
-  const auto* path = std::get_if<CubicPath>(&record.path);
-  if (path == nullptr || record.arc <= geometry.length + std::max(0.01, 0.01 * geometry.length)) return false;
-  if (next == nullptr) return true;
-  return distance(path->at(geometry.length).p, position(*next)) < distance(path->at(record.arc).p, position(*next));
-}
-
-std::optional<ReferenceLine::Record> ReferenceLine::make_record(const Geometry& geometry, Report& report) {
-  const auto lost = [&](const std::string& why) {
-    report.add(Note::Kind::lost, "roads whose plan view cannot be followed", geometry.place,
-               "cannot be followed, and its road is not taken: " + why);
-    return std::nullopt;
-  };
-  if (const auto* clothoid = std::get_if<Clothoid>(&geometry.shape)) {
-    const double rate = (clothoid->curvature_end - clothoid->curvature_start) / geometry.length;
-    auto section = Section::make(geometry.start, geometry.length, clothoid->curvature_start, rate);
-    if (!section) return lost(section.error().message);
-    return Record{0.0, 1.0, geometry.length, std::move(*section)};
-  }
-  Cubics cubics = std::get<Cubics>(geometry.shape);
-  auto path = CubicPath::make(geometry.start, cubics, geometry.length);
-  const auto off = [&](const std::optional<CubicPath>& made) {
-    return made ? std::fabs(made->length() / geometry.length - 1.0) : 1e9;
-  };
-  if (cubics.range != Cubics::Range::along_u && off(path) > 0.05) {
-    const bool was_normalized = cubics.range == Cubics::Range::normalized;
-    cubics.range = was_normalized ? Cubics::Range::arc_length : Cubics::Range::normalized;
-    if (auto other = CubicPath::make(geometry.start, cubics, geometry.length); off(other) < 0.01) {
-      path = std::move(other);
-      report.add(Note::Kind::mended, "paramPoly3 with the wrong pRange", geometry.place,
-                 std::string("its length is that of the other pRange, which is taken: ") +
-                     (was_normalized ? "arcLength" : "normalized"));
-    }
-  }
-  if (!path) return lost("its polynomials stand still, or lead further than 100 km");
-  const double arc = path->length();
-  return Record{0.0, 1.0, arc, std::move(*path)};
-}
-
-Jet ReferenceLine::raw(const Record& record, double s) {
-  const double arc = (s - record.from) * record.factor;
-  Jet jet;
-  if (const auto* section = std::get_if<Section>(&record.path)) {
-    const Pose2 pose = section->pose_at(arc);
-    const SinCos direction = sincos(pose.heading_rad);
-    const double bend = section->curvature_at(arc);
-    jet = {position(pose), {direction.cos, direction.sin}, {-bend * direction.sin, bend * direction.cos}};
-  } else {
-    jet = std::get<CubicPath>(record.path).at(arc);
-  }
-  const double f = record.factor;
-  return {jet.p, {f * jet.d.x_m, f * jet.d.y_m}, {f * f * jet.dd.x_m, f * f * jet.dd.y_m}};
-}
-
 /// Both records give way by half, over some metres.
 bool ReferenceLine::close_joint(std::size_t index, const std::string& place, Report& report) {
-  Record& before = records_[index];
-  Record& after = records_[index + 1];
+  PlanRecord& before = records_[index];
+  PlanRecord& after = records_[index + 1];
   const Jet left = raw(before, ends_[index]);
   const Jet right = raw(after, after.from);
   breaks_.push_back(after.from);
   const double gap_m = distance(left.p, right.p);
-  const double kink_rad = wrap_angle(heading(right.d) - heading(left.d));
+  const double kink_rad = wrap_angle(right.heading_rad() - left.heading_rad());
   if (gap_m <= gap_free_m && std::fabs(kink_rad) <= kink_free_rad) return true;
 
   if (!can_close(before, left, right, after)) {
@@ -192,7 +103,7 @@ bool ReferenceLine::close_joint(std::size_t index, const std::string& place, Rep
     return false;
   }
   const double reach_m = easing_reach(0.5 * gap_m, 0.5 * kink_rad);
-  const SinCos mean = sincos(heading(left.d) + 0.5 * kink_rad);
+  const SinCos mean = sincos(left.heading_rad() + 0.5 * kink_rad);
   const Point2 half{0.5 * (right.p.x_m - left.p.x_m), 0.5 * (right.p.y_m - left.p.y_m)};
   const auto slope_of = [&](const Jet& jet, double sign) {
     const double v = norm(jet.d.x_m, jet.d.y_m);
@@ -214,9 +125,9 @@ bool ReferenceLine::close_joint(std::size_t index, const std::string& place, Rep
   return true;
 }
 
-Jet ReferenceLine::at(const Record& record, double s) const {
+Jet ReferenceLine::at(const PlanRecord& record, double s) const {
   Jet jet = raw(record, s);
-  const auto add = [&](const Eased& eased, double x, double sign) {
+  const auto add = [&](const PlanRecord::Eased& eased, double x, double sign) {
     jet.p = {jet.p.x_m + eased.x.at(x), jet.p.y_m + eased.y.at(x)};
     jet.d = {jet.d.x_m + sign * eased.x.slope_at(x), jet.d.y_m + sign * eased.y.slope_at(x)};
     jet.dd = {jet.dd.x_m + eased.x.bend_at(x), jet.dd.y_m + eased.y.bend_at(x)};
@@ -229,7 +140,7 @@ Jet ReferenceLine::at(const Record& record, double s) const {
 Jet ReferenceLine::at(double s) const {
   s = std::clamp(s, records_.front().from, length());
   const auto after = std::upper_bound(records_.begin() + 1, records_.end(), s,
-                                      [](double value, const Record& record) { return value < record.from; });
+                                      [](double value, const PlanRecord& record) { return value < record.from; });
   return at(*(after - 1), s);
 }
 

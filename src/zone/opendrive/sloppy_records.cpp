@@ -1,11 +1,8 @@
+#include "cosiva/zone/opendrive/sloppy_records.h"
+
 #include <algorithm>
 #include <cmath>
 
-#include "cosiva/zone/opendrive/reference_line.h"
-
-/// Exporters that cut a curve into records of a metre and miss each one's end by centimetres, or draw it as a polygon,
-/// leave nothing that could be eased within such a record: it would swing from side to side. The line is led through
-/// the places where the records meet instead.
 namespace cosiva::zone::opendrive {
 namespace {
 
@@ -24,7 +21,7 @@ struct Joint {
   }
 };
 
-Pose2 pose_of(const Jet& jet) { return {jet.p.x_m, jet.p.y_m, det_atan2(jet.d.y_m, jet.d.x_m)}; }
+Pose2 pose_of(const Jet& jet) { return {jet.p.x_m, jet.p.y_m, jet.heading_rad()}; }
 
 bool sloppy(const Joint& joint, double arc_m) {
   const double kink = std::fabs(joint.kink_rad());
@@ -60,8 +57,7 @@ std::optional<CubicPath> curve_between(const Pose2& from, const Pose2& to) {
 
 }  // namespace
 
-void ReferenceLine::redraw_sloppy(const std::vector<const Geometry*>& plan, std::vector<Record>& records,
-                                  Report& report) {
+void redraw_sloppy_records(const std::vector<const Geometry*>& plan, std::vector<PlanRecord>& records, Report& report) {
   std::vector<Joint> joints;
   std::vector<bool> redrawn(records.size());
   for (std::size_t i = 0; i + 1 < records.size(); ++i) {
@@ -72,7 +68,8 @@ void ReferenceLine::redraw_sloppy(const std::vector<const Geometry*>& plan, std:
     for (const std::size_t at : {i, i + 1})
       if (sloppy(joints[i], records[at].arc)) redrawn[at] = true;
   }
-  // Where each record begins, and the last one ends. Who is not redrawn stays where it is, and the other comes to it.
+  // Where each record begins, and the last one ends. A record that is not redrawn stays in place, and its neighbour
+  // meets it.
   std::vector<Pose2> places{pose_of(raw(records.front(), 0.0))};
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const bool both = redrawn[i] && redrawn[i + 1];

@@ -49,10 +49,4 @@ struct Ways {
 /// @param lane_types  which lanes are driven on
 [[nodiscard]] Ways find_ways(const Network& network, const std::vector<std::string>& lane_types, Report& report);
 
-/// Fills `next`: from the file's links, and from ends that meet though no link says so.
-void link_ways(const Network& network, Ways& ways, Report& report);
-
-/// Moves ends of linked ways to where they meet; unlinks those that are too far apart.
-void join_ways(const Network& network, Ways& ways, Report& report);
-
 }  // namespace cosiva::zone::opendrive

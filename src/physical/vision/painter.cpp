@@ -1,9 +1,9 @@
-// The pixels of the emulated camera.
+#include "cosiva/physical/vision/painter.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "cosiva/base/random.h"
-#include "cosiva/physical/vision/scene.h"
 #include "cosiva/physical/vision/tags.h"
 
 namespace cosiva::vision {

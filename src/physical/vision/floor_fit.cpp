@@ -1,4 +1,5 @@
-// The floor's map, fitted: a homography in closed form, the lens by Levenberg and Marquardt, the rest by linear least
+#include "cosiva/physical/vision/floor_fit.h"
+
 // squares.
 #include <Eigen/Dense>
 #include <algorithm>
@@ -7,7 +8,6 @@
 #include <string>
 
 #include "cosiva/base/expect.h"
-#include "cosiva/physical/vision/calibration.h"
 
 namespace cosiva::vision {
 namespace {

@@ -1,10 +1,11 @@
-// Calibrations judged by points that they have not seen.
+#include "cosiva/physical/vision/calibration.h"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "cosiva/base/expect.h"
-#include "cosiva/physical/vision/calibration.h"
+#include "cosiva/physical/vision/floor_fit.h"
 
 namespace cosiva::vision {
 namespace {

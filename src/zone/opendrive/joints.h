@@ -1,0 +1,12 @@
+#pragma once
+
+#include "cosiva/zone/opendrive/model.h"
+#include "cosiva/zone/opendrive/report.h"
+#include "cosiva/zone/opendrive/ways.h"
+
+namespace cosiva::zone::opendrive {
+
+/// Moves ends of linked ways to where they meet; unlinks those that are too far apart.
+void join_ways(const Network& network, Ways& ways, Report& report);
+
+}  // namespace cosiva::zone::opendrive

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "cosiva/zone/opendrive/model.h"
+#include "cosiva/zone/opendrive/report.h"
+#include "cosiva/zone/opendrive/ways.h"
+
+namespace cosiva::zone::opendrive {
+
+/// Fills `next`: from the file's links, and from ends that meet though no link says so.
+void link_ways(const Network& network, Ways& ways, Report& report);
+
+}  // namespace cosiva::zone::opendrive
