@@ -7,12 +7,13 @@
 
 #include "cosiva/app/agent/command_line_agent.h"
 #include "cosiva/app/battery/command_line_battery.h"
-#include "cosiva/app/cli/words.h"
+#include "cosiva/app/cli/console.h"
 #include "cosiva/app/gvs/command_line_gvs.h"
 #include "cosiva/app/platform/command_line_platform.h"
 #include "cosiva/app/positioning/command_line_campaign.h"
 #include "cosiva/app/positioning/command_line_qualify.h"
 #include "cosiva/app/traffic/command_line_traffic.h"
+#include "cosiva/app/traffic/traffic_command.h"
 #include "cosiva/app/zone/command_line_zone.h"
 
 namespace cosiva::app {

@@ -6,7 +6,7 @@
 
 #include "cosiva/aiv/decision/agent_rules.h"
 
-/// What the command line said of `cosiva agent`, as plain values.
+/// The options of `cosiva agent`.
 namespace cosiva::app {
 
 /// Of the verbs of `agent`.
@@ -29,9 +29,5 @@ struct AgentArguments {
   std::string out_file;
   std::uint32_t width_px{1200};
 };
-
-/// Each runs one verb and gives the exit status: 0 done, 1 the run's own checks failed, 2 bad usage or bad input.
-int run_agent_explain(const AgentArguments& arguments);
-int run_agent_surface(const AgentArguments& arguments);
 
 }  // namespace cosiva::app

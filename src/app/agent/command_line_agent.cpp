@@ -1,6 +1,8 @@
 // The options of `cosiva agent` and its verbs, and what their help says.
 #include "cosiva/app/agent/command_line_agent.h"
 
+#include "cosiva/app/agent/agent_explain_command.h"
+#include "cosiva/app/agent/agent_surface_command.h"
 #include "cosiva/app/cli/common_options.h"
 
 namespace cosiva::app {

@@ -35,9 +35,7 @@ struct Surface {
                                            const std::string& of, const aiv::AgentInputs& others, std::size_t columns,
                                            std::size_t rows);
 
-/// A picture: the level as colour, lines where the profile changes, axes with their units, a legend.
-[[nodiscard]] std::string to_svg(const Surface& surface);
-/// The same for a terminal, a letter per field.
+/// The surface for a terminal, a letter per field.
 [[nodiscard]] std::string to_text(const Surface& surface);
 [[nodiscard]] std::string to_json(const Surface& surface);
 

@@ -1,4 +1,4 @@
-// Battery tests on a platform that runs, over its broker and its server's API; and `cosiva battery ready`.
+// Battery tests on a platform that runs, over its broker and its server's API.
 #include "cosiva/app/battery/battery_live.h"
 
 #include <algorithm>
@@ -14,11 +14,11 @@
 #include "cosiva/adapters/files.h"
 #include "cosiva/adapters/http_client.h"
 #include "cosiva/adapters/mqtt_client.h"
+#include "cosiva/app/battery/battery_text.h"
+#include "cosiva/app/cli/console.h"
 #include "cosiva/app/cli/progress.h"
-#include "cosiva/app/cli/words.h"
-#include "cosiva/app/remote/broker_say.h"
 #include "cosiva/app/remote/zone_switch.h"
-#include "cosiva/app/resources/places.h"
+#include "cosiva/app/resources/resource_paths.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/experiments/battery/analysis.h"
 #include "cosiva/wire/own/battery_exchange.h"
@@ -200,15 +200,6 @@ class LiveTest {
 
 }  // namespace
 
-std::string progress_text(const experiments::Procedure& procedure, SimTime now) {
-  const auto progress = procedure.progress(now);
-  std::string text = "run " + std::to_string(std::min(procedure.present_run() + 1, procedure.options().runs)) + " of " +
-                     std::to_string(procedure.options().runs) + ": " + decimals(100.0 * progress.share, 0) + " %";
-  if (progress.expected_end)
-    text += ", its end in " + experiments::duration_text(to_seconds(*progress.expected_end - now));
-  return text;
-}
-
 Result<std::vector<experiments::BatteryRun>> run_live(const BatteryTestArguments& arguments,
                                                       experiments::LiveRigOptions options) {
   auto server = adapters::HttpClient::make(arguments.url);
@@ -216,25 +207,6 @@ Result<std::vector<experiments::BatteryRun>> run_live(const BatteryTestArguments
   LiveTest test{arguments, std::move(options), std::move(*server)};
   if (auto done = test.run(); !done) return tl::unexpected(done.error());
   return test.records();
-}
-
-int run_battery_ready(const BatteryReadyArguments& arguments) {
-  const std::size_t slash = arguments.vehicle.find('/');
-  const wire::VehicleId id =
-      slash == std::string::npos
-          ? wire::VehicleId{std::string(wire::our_manufacturer), arguments.vehicle}
-          : wire::VehicleId{arguments.vehicle.substr(0, slash), arguments.vehicle.substr(slash + 1)};
-  if (id.manufacturer.empty() || !wire::valid_serial_number(id.serial_number))
-    return complain({"battery.vehicle", "say AIV3, or MANUFACTURER/SERIAL", arguments.vehicle});
-  BrokerArguments broker = arguments.broker;
-  if (broker.address.empty()) broker.address = "127.0.0.1:1883";
-  const wire::BatteryReady ready{arguments.battery, arguments.type,          arguments.cycles,
-                                 arguments.rest_s,  arguments.temperature_c, arguments.charge_percent};
-  const wire::Publish message{wire::own_topic(wire::battery_ready_topic_prefix, id), to_json(ready), 1, false};
-  if (const auto said = say_over_broker(broker, "cosiva-battery-ready", {message}); !said)
-    return complain(said.error());
-  print(to_string(id) + ": batteryReady, '" + arguments.battery + "'");
-  return exit_done;
 }
 
 }  // namespace cosiva::app

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "cosiva/app/battery/battery_arguments.h"
+#include "cosiva/app/battery/battery_test_arguments.h"
 #include "cosiva/base/result.h"
 #include "cosiva/experiments/battery/live_rig.h"
 
@@ -13,7 +13,5 @@ namespace cosiva::app {
 /// Fails where no broker answers, no vehicle speaks within a minute, or the state cannot be read or written.
 [[nodiscard]] Result<std::vector<experiments::BatteryRun>> run_live(const BatteryTestArguments& arguments,
                                                                     experiments::LiveRigOptions options);
-/// "run 1 of 4: 37 %, its end in 12 min", as both kinds of tests say it.
-[[nodiscard]] std::string progress_text(const experiments::Procedure& procedure, SimTime now);
 
 }  // namespace cosiva::app

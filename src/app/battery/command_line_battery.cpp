@@ -1,6 +1,9 @@
 // The options of `cosiva battery` and its verbs, and what their help says.
 #include "cosiva/app/battery/command_line_battery.h"
 
+#include "cosiva/app/battery/battery_check_command.h"
+#include "cosiva/app/battery/battery_compare_command.h"
+#include "cosiva/app/battery/battery_test_command.h"
 #include "cosiva/app/cli/common_options.h"
 
 namespace cosiva::app {

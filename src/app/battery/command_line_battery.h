@@ -3,7 +3,13 @@
 #include <CLI/CLI.hpp>
 #include <optional>
 
-#include "cosiva/app/battery/battery_arguments.h"
+#include "cosiva/app/battery/battery_analyse_command.h"
+#include "cosiva/app/battery/battery_discharge_command.h"
+#include "cosiva/app/battery/battery_files_arguments.h"
+#include "cosiva/app/battery/battery_fit_command.h"
+#include "cosiva/app/battery/battery_plan_command.h"
+#include "cosiva/app/battery/battery_ready_command.h"
+#include "cosiva/app/battery/battery_test_arguments.h"
 
 /// The options of `cosiva battery`.
 namespace cosiva::app {

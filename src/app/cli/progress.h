@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "cosiva/app/cli/words.h"
+#include "cosiva/app/cli/console.h"
 
 namespace cosiva::app {
 

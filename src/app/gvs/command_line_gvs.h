@@ -4,10 +4,20 @@
 #include <optional>
 #include <string>
 
-#include "cosiva/app/gvs/gvs_arguments.h"
+#include "cosiva/app/gvs/gvs_calibrate_command.h"
+#include "cosiva/app/gvs/gvs_render_command.h"
+#include "cosiva/app/gvs/gvs_track_command.h"
+#include "cosiva/app/gvs/gvs_watch_command.h"
 
 /// The options of `cosiva gvs`.
 namespace cosiva::app {
+
+struct GvsArguments {
+  GvsRenderArguments render;
+  GvsCalibrateArguments calibrate;
+  GvsTrackArguments track;
+  GvsWatchArguments watch;
+};
 
 /// `cosiva gvs` and its verbs.
 struct GvsVerbs {

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "cosiva/base/result.h"
+
 namespace cosiva::app {
 
 /// Where a running platform's pictures come from, and what is known of them, as the command line said it
@@ -22,5 +24,10 @@ struct GvsSource {
 
   [[nodiscard]] bool emulated() const { return images_folder.empty() && video_file.empty() && !camera; }
 };
+
+/// Whether the source's files and its camera are there and can be read, without using any yet. Fails ("gvs.pictures",
+/// "gvs.calibration") with the option that is wrong.
+/// @param prefix  of its options, for messages: "--", or "--gvs-" for `up`
+[[nodiscard]] Result<void> check_gvs_source(const GvsSource& source, const std::string& prefix);
 
 }  // namespace cosiva::app

@@ -10,7 +10,7 @@
 #include "cosiva/adapters/files.h"
 #include "cosiva/adapters/test_bench.h"
 #include "cosiva/app/command_line_bench.h"
-#include "cosiva/app/gvs/gvs_eye.h"
+#include "cosiva/app/gvs/camera_pipeline.h"
 #include "cosiva/app/gvs/gvs_scene.h"
 #include "cosiva/app/gvs/picture_feed.h"
 #include "cosiva/app/resources/zone_files.h"

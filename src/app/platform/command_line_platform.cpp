@@ -5,6 +5,7 @@
 
 #include "cosiva/app/cli/common_options.h"
 #include "cosiva/app/gvs/command_line_gvs.h"
+#include "cosiva/app/platform/up_command.h"
 
 namespace cosiva::app {
 namespace {

@@ -3,7 +3,12 @@
 #include <CLI/CLI.hpp>
 #include <optional>
 
-#include "cosiva/app/platform/platform_arguments.h"
+#include "cosiva/app/platform/aiv_command.h"
+#include "cosiva/app/platform/plant_command.h"
+#include "cosiva/app/platform/replay_command.h"
+#include "cosiva/app/platform/scenario_commands.h"
+#include "cosiva/app/platform/server_command.h"
+#include "cosiva/app/platform/up_arguments.h"
 
 /// The options of `cosiva up`, of the parts that run alone, of `cosiva replay` and of `cosiva scenario`.
 namespace cosiva::app {

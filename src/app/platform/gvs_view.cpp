@@ -3,7 +3,7 @@
 #include <optional>
 #include <utility>
 
-#include "cosiva/app/cli/words.h"
+#include "cosiva/app/cli/console.h"
 #include "cosiva/wire/own/gvs.h"
 
 namespace cosiva::app {

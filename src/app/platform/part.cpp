@@ -3,8 +3,11 @@
 #include <csignal>
 
 #include "cosiva/adapters/files.h"
-#include "cosiva/app/cli/words.h"
+#include "cosiva/app/cli/console.h"
+#include "cosiva/app/resources/resource_paths.h"
+#include "cosiva/app/resources/zone_files.h"
 #include "cosiva/base/json_writer.h"
+#include "cosiva/zone/rtm/rtm.h"
 
 namespace cosiva::app {
 
@@ -54,6 +57,26 @@ void Part::finish(const std::string& digest) {
   }
   if (arguments_.json) print(json.text());
   loop_.stop();
+}
+
+Result<zone::ZoneConfiguration> load_good_zone(const std::string& name_or_file) {
+  auto configuration = load_zone(name_or_file);
+  if (!configuration) return configuration;
+  if (auto rtm = zone::Rtm::initialise(*configuration); !rtm) return tl::unexpected(rtm.error());
+  return configuration;
+}
+
+Result<adapters::LiveOptions> live_options(const PartArguments& part, std::string kind, std::string name,
+                                           std::string options) {
+  auto mqtt = mqtt_options(part.broker, "cosiva-" + name);
+  if (!mqtt) return tl::unexpected(mqtt.error());
+  adapters::LiveOptions live;
+  live.kind = std::move(kind);
+  live.name = std::move(name);
+  live.options = std::move(options);
+  live.mqtt = std::move(*mqtt);
+  live.record_file = part.record_file;
+  return live;
 }
 
 }  // namespace cosiva::app

@@ -7,6 +7,8 @@
 #include "cosiva/adapters/event_loop.h"
 #include "cosiva/adapters/live_shell.h"
 #include "cosiva/app/cli/common_arguments.h"
+#include "cosiva/base/result.h"
+#include "cosiva/zone/layout/circuit_factory.h"
 
 namespace cosiva::app {
 
@@ -39,5 +41,17 @@ class Part {
 
 /// One event for `up`, as a JSON line on standard output.
 void announce(const PartArguments& arguments, const std::string& json);
+
+/// Reads and checks the zone, so that a bad file is said here and not by a core later. Fails as load_zone and
+/// zone::Rtm::initialise do.
+/// @param name_or_file  a ready zone's name or a file
+[[nodiscard]] Result<zone::ZoneConfiguration> load_good_zone(const std::string& name_or_file);
+
+/// What a live shell needs of a part. Fails as mqtt_options does.
+/// @param kind     of the core: "server", "plant" or "aiv"
+/// @param name     of the part on the broker
+/// @param options  the core's, as JSON
+[[nodiscard]] Result<adapters::LiveOptions> live_options(const PartArguments& part, std::string kind, std::string name,
+                                                         std::string options);
 
 }  // namespace cosiva::app

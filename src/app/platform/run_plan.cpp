@@ -2,8 +2,8 @@
 
 #include <filesystem>
 
-#include "cosiva/app/cli/words.h"
-#include "cosiva/app/resources/places.h"
+#include "cosiva/app/cli/console.h"
+#include "cosiva/app/resources/resource_paths.h"
 #include "cosiva/app/resources/rule_files.h"
 #include "cosiva/app/resources/zone_files.h"
 

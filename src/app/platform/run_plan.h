@@ -4,7 +4,7 @@
 #include <string>
 
 #include "cosiva/aiv/decision/speed_rules.h"
-#include "cosiva/app/platform/platform_arguments.h"
+#include "cosiva/app/platform/up_arguments.h"
 #include "cosiva/base/result.h"
 #include "cosiva/experiments/runs/scenario/scenario.h"
 #include "cosiva/zone/rtm/rtm.h"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "cosiva/app/cli/words.h"
+#include "cosiva/app/cli/console.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
 

@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "cosiva/adapters/files.h"
-#include "cosiva/app/cli/words.h"
+#include "cosiva/app/cli/console.h"
 #include "cosiva/base/json_writer.h"
 
 namespace cosiva::app {

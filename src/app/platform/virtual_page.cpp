@@ -4,9 +4,9 @@
 #include <cmath>
 #include <csignal>
 
-#include "cosiva/app/cli/words.h"
+#include "cosiva/app/cli/console.h"
 #include "cosiva/app/resources/file_zone_library.h"
-#include "cosiva/app/resources/places.h"
+#include "cosiva/app/resources/resource_paths.h"
 #include "cosiva/wire/messages/topics.h"
 
 namespace cosiva::app {

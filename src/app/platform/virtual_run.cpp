@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "cosiva/app/cli/words.h"
+#include "cosiva/app/cli/console.h"
 
 namespace cosiva::app {
 

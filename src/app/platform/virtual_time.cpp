@@ -1,9 +1,10 @@
+#include "cosiva/app/platform/virtual_time.h"
+
 #include <algorithm>
 #include <memory>
 
+#include "cosiva/app/cli/console.h"
 #include "cosiva/app/cli/progress.h"
-#include "cosiva/app/cli/words.h"
-#include "cosiva/app/platform/platform_arguments.h"
 #include "cosiva/app/platform/virtual_page.h"
 #include "cosiva/app/platform/virtual_run.h"
 

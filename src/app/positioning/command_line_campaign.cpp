@@ -1,6 +1,8 @@
 // The options of `cosiva campaign`, and what its help says.
 #include "cosiva/app/positioning/command_line_campaign.h"
 
+#include "cosiva/app/positioning/campaign_command.h"
+
 namespace cosiva::app {
 namespace {
 

@@ -2,7 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "cosiva/app/positioning/campaign_arguments.h"
+#include "cosiva/app/positioning/campaign_command.h"
 
 /// The options of `cosiva campaign`.
 namespace cosiva::app {

@@ -2,7 +2,8 @@
 #include "cosiva/app/positioning/command_line_qualify.h"
 
 #include "cosiva/app/cli/common_options.h"
-#include "cosiva/app/cli/words.h"
+#include "cosiva/app/cli/console.h"
+#include "cosiva/app/positioning/qualify_command.h"
 
 namespace cosiva::app {
 namespace {

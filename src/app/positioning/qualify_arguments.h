@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-/// What the command line said of `cosiva qualify` and `cosiva compare`, as plain values.
+/// The options of `cosiva qualify` and `cosiva compare`.
 namespace cosiva::app {
 
 /// Of `qualify` and `compare`.
@@ -53,9 +53,5 @@ struct QualifyArguments {
   std::string associate{"interpolate"};
   std::string align{"none"};  ///< none, se2, se3 or origin
 };
-
-/// Each runs one verb and gives the exit status: 0 done, 1 the run's own checks failed, 2 bad usage or bad input.
-int run_qualify(const QualifyArguments& arguments);
-int run_compare(const QualifyArguments& arguments);
 
 }  // namespace cosiva::app

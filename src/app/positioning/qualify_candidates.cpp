@@ -94,4 +94,14 @@ Result<std::vector<Candidate>> candidates_of(const QualifyArguments& arguments, 
   return candidates;
 }
 
+std::vector<std::string> usual_algorithms(const QualifyArguments& arguments, bool on_track, std::size_t at_least) {
+  if (at_least == 1) {
+    if (!arguments.external.empty()) return {};
+    return {on_track ? "arc_kalman" : "calibrating"};
+  }
+  if (on_track)
+    return {"dead_reckoning", "reset_rule", "arc_kalman", "arc_kalman_scale", "ekf", "iekf", "ufir", "arc_smoother"};
+  return {"dead_reckoning", "ekf", "ukf", "iekf", "calibrating", "smoother"};
+}
+
 }  // namespace cosiva::app

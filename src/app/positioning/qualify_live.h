@@ -9,7 +9,7 @@
 
 namespace cosiva::app {
 
-/// What the command line said of `cosiva qualify|compare --live`, besides QualifyArguments.
+/// The options of `cosiva qualify|compare --live`, besides QualifyArguments.
 struct LiveQualifyArguments {
   bool live{false};
   std::string url{"http://127.0.0.1:8080"};

@@ -1,13 +1,15 @@
+#include "cosiva/app/positioning/qualify_runs.h"
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
 #include "cosiva/adapters/files.h"
-#include "cosiva/app/cli/words.h"
-#include "cosiva/app/positioning/qualify_candidates.h"
+#include "cosiva/app/cli/console.h"
 #include "cosiva/app/positioning/ring.h"
 #include "cosiva/experiments/positioning/metrology/simulate.h"
 #include "cosiva/experiments/positioning/recording/recording.h"
+#include "cosiva/experiments/positioning/recording/replayed.h"
 
 namespace cosiva::app {
 namespace {

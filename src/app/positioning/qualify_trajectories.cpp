@@ -1,10 +1,12 @@
+#include "cosiva/app/positioning/qualify_trajectories.h"
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
 #include "cosiva/adapters/files.h"
 #include "cosiva/adapters/thread_pool.h"
-#include "cosiva/app/cli/words.h"
+#include "cosiva/app/cli/console.h"
 #include "cosiva/app/positioning/qualify_candidates.h"
 #include "cosiva/app/positioning/trajectory_report.h"
 #include "cosiva/base/json_writer.h"

@@ -6,8 +6,9 @@
 #include <cmath>
 
 #include "cosiva/adapters/files.h"
-#include "cosiva/app/cli/words.h"
+#include "cosiva/app/cli/console.h"
 #include "cosiva/app/positioning/qualify_candidates.h"
+#include "cosiva/experiments/positioning/metrology/evo_zip.h"
 #include "cosiva/experiments/reporting/chart.h"
 #include "cosiva/experiments/reporting/report.h"
 #include "cosiva/experiments/statistics/sample.h"

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "cosiva/app/resources/places.h"
+#include "cosiva/app/resources/resource_paths.h"
 #include "cosiva/base/result.h"
 #include "cosiva/wire/runtime/core.h"
 

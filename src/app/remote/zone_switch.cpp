@@ -1,6 +1,6 @@
 #include "cosiva/app/remote/zone_switch.h"
 
-#include "cosiva/app/cli/words.h"
+#include "cosiva/app/cli/console.h"
 #include "cosiva/base/json_value.h"
 
 namespace cosiva::app {

@@ -1,8 +1,8 @@
 #include "cosiva/app/resources/battery_types.h"
 
 #include "cosiva/adapters/files.h"
-#include "cosiva/app/cli/words.h"
-#include "cosiva/app/resources/places.h"
+#include "cosiva/app/cli/console.h"
+#include "cosiva/app/resources/resource_paths.h"
 
 namespace cosiva::app {
 

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "cosiva/app/resources/places.h"
+#include "cosiva/app/resources/resource_paths.h"
 #include "cosiva/app/resources/zone_files.h"
 
 namespace cosiva::app {

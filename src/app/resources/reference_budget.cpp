@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "cosiva/adapters/files.h"
-#include "cosiva/app/cli/words.h"
+#include "cosiva/app/cli/console.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/physical/vision/calibration_json.h"
 

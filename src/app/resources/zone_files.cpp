@@ -5,7 +5,7 @@
 #include <map>
 
 #include "cosiva/adapters/files.h"
-#include "cosiva/app/resources/places.h"
+#include "cosiva/app/resources/resource_paths.h"
 #include "cosiva/zone/rtm/rtm.h"
 
 namespace cosiva::app {

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "cosiva/app/cli/words.h"
+#include "cosiva/app/cli/console.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/virtual/fleet/fleet.h"
 

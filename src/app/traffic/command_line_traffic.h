@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "cosiva/app/traffic/capacity_command.h"
 #include "cosiva/app/traffic/traffic_arguments.h"
 
 /// The options of `cosiva traffic` and `cosiva capacity`.

@@ -3,12 +3,10 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <vector>
 
-/// What the command line said of `cosiva traffic` and `cosiva capacity`, as plain values.
 namespace cosiva::app {
 
-/// Of `traffic`.
+/// The options of `cosiva traffic`.
 struct FleetTrafficArguments {
   std::string zone{"lacet4"};
   std::string zones;  ///< several: a TOML file or a list; empty: one
@@ -28,23 +26,5 @@ struct FleetTrafficArguments {
   std::string out_directory;
   bool json{false};
 };
-
-/// Of `capacity`.
-struct CapacityArguments {
-  std::string zone{"lacet4"};
-  std::string rules{"fuzzy"};
-  std::uint64_t vehicles_max{1'000'000};
-  double seconds{2.0};  ///< of measuring, for each size
-  std::vector<std::uint32_t> live{4, 12};
-  std::string live_zone{"lacet4"};
-  double live_s{15.0};
-  std::string out_file;
-  bool json{false};
-};
-
-/// Each runs one verb and gives the exit status: 0 done, 1 the run's own checks failed, 2 bad usage or bad input.
-int run_traffic(const FleetTrafficArguments& arguments);
-int run_site(const FleetTrafficArguments& arguments);
-int run_capacity(const CapacityArguments& arguments);
 
 }  // namespace cosiva::app

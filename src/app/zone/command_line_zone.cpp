@@ -2,6 +2,11 @@
 #include "cosiva/app/zone/command_line_zone.h"
 
 #include "cosiva/app/cli/common_options.h"
+#include "cosiva/app/zone/zone_check_command.h"
+#include "cosiva/app/zone/zone_convert_command.h"
+#include "cosiva/app/zone/zone_generate_command.h"
+#include "cosiva/app/zone/zone_show_command.h"
+#include "cosiva/app/zone/zone_switch_command.h"
 
 namespace cosiva::app {
 namespace {

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "cosiva/app/zone/zone_arguments.h"
+#include "cosiva/app/zone/zone_generate_command.h"
 
 /// The options of `cosiva zone`.
 namespace cosiva::app {

@@ -1,13 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 
 #include "cosiva/app/cli/common_arguments.h"
-#include "cosiva/zone/generate/generate.h"
 
-/// What the command line said of `cosiva zone`, as plain values.
+/// The options of `cosiva zone`.
 namespace cosiva::app {
 
 /// Of the verbs of `zone`; each uses its own.
@@ -30,19 +28,5 @@ struct ZoneArguments {
   BrokerArguments broker;  ///< an address in it: published there instead
   double wait_s{30.0};
 };
-
-struct GenerateArguments {
-  std::string out_file;
-  std::optional<std::uint64_t> sections;  ///< given: the plant's own numbers follow from it
-  zone::PlantOptions plant;
-  bool json{false};
-};
-
-/// Each runs one verb and gives the exit status: 0 done, 1 the run's own checks failed, 2 bad usage or bad input.
-int run_zone_check(const ZoneArguments& arguments);
-int run_zone_show(const ZoneArguments& arguments);
-int run_zone_convert(const ZoneArguments& arguments);
-int run_zone_generate(const GenerateArguments& arguments);
-int run_zone_switch(const ZoneArguments& arguments);
 
 }  // namespace cosiva::app

@@ -7,7 +7,7 @@
 #include "cosiva/app/command_line_bench.h"
 #include "cosiva/app/remote/zone_switch.h"
 #include "cosiva/base/json_value.h"
-#include "cosiva/drawing/png/picture.h"
+#include "cosiva/drawing/png/svg_to_png.h"
 #include "cosiva/zone/rtm/rtm.h"
 
 namespace cosiva::app {

@@ -1,5 +1,6 @@
+#include "cosiva/experiments/positioning/campaign/result_json.h"
+
 #include "cosiva/base/json_writer.h"
-#include "cosiva/experiments/positioning/campaign/result.h"
 
 namespace cosiva::experiments {
 namespace {

@@ -1,7 +1,9 @@
+#include "cosiva/experiments/positioning/campaign/result_page.h"
+
 #include <algorithm>
 #include <cmath>
 
-#include "cosiva/experiments/positioning/campaign/result.h"
+#include "cosiva/experiments/positioning/campaign/result_text.h"
 #include "cosiva/experiments/reporting/chart.h"
 #include "cosiva/experiments/reporting/report.h"
 #include "cosiva/experiments/runs/scenario/toml_entry.h"

@@ -1,7 +1,9 @@
+#include "cosiva/experiments/positioning/campaign/result_tables.h"
+
 #include <cmath>
 #include <limits>
 
-#include "cosiva/experiments/positioning/campaign/result.h"
+#include "cosiva/experiments/positioning/campaign/result_text.h"
 #include "cosiva/experiments/runs/scenario/toml_entry.h"
 
 namespace cosiva::experiments {

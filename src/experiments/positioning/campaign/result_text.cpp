@@ -1,6 +1,7 @@
+#include "cosiva/experiments/positioning/campaign/result_text.h"
+
 #include <algorithm>
 
-#include "cosiva/experiments/positioning/campaign/result.h"
 #include "cosiva/experiments/reporting/chart.h"
 #include "cosiva/experiments/runs/scenario/toml_entry.h"
 

@@ -6,6 +6,9 @@
 #include <cmath>
 
 #include "cosiva/experiments/positioning/campaign/result.h"
+#include "cosiva/experiments/positioning/campaign/result_json.h"
+#include "cosiva/experiments/positioning/campaign/result_page.h"
+#include "cosiva/experiments/positioning/campaign/result_text.h"
 #include "cosiva/experiments/positioning/campaign/test_campaign.h"
 #include "cosiva/experiments/positioning/metrology/limit.h"
 

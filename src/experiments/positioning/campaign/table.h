@@ -7,8 +7,6 @@
 #include <variant>
 #include <vector>
 
-#include "cosiva/base/result.h"
-
 namespace cosiva::experiments {
 
 /// A cell of a table. A number that is none (NaN) is an empty field in CSV and NULL in SQLite.
@@ -29,9 +27,5 @@ struct Table {
 
 /// A header line, then a line per row; numbers in the shortest form that reads back to the same bits.
 [[nodiscard]] std::string to_csv(const Table& table);
-
-/// The tables as one SQLite 3 database, byte for byte the same for the same tables and version of SQLite. Fails
-/// ("sqlite") where there is no memory for it.
-[[nodiscard]] Result<std::string> to_sqlite(const std::vector<Table>& tables);
 
 }  // namespace cosiva::experiments

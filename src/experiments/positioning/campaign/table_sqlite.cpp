@@ -1,9 +1,9 @@
 // The database is made in memory and handed out as bytes: what writes files is not here.
+#include "cosiva/experiments/positioning/campaign/table_sqlite.h"
+
 #include <sqlite3.h>
 
 #include <memory>
-
-#include "cosiva/experiments/positioning/campaign/table.h"
 
 namespace cosiva::experiments {
 namespace {

@@ -7,6 +7,8 @@
 #include <limits>
 
 #include "cosiva/experiments/positioning/campaign/result.h"
+#include "cosiva/experiments/positioning/campaign/result_tables.h"
+#include "cosiva/experiments/positioning/campaign/table_sqlite.h"
 #include "cosiva/experiments/positioning/campaign/test_campaign.h"
 
 namespace cosiva::experiments {

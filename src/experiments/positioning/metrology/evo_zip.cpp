@@ -1,10 +1,11 @@
+#include "cosiva/experiments/positioning/metrology/evo_zip.h"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 
 #include "cosiva/base/json_writer.h"
-#include "cosiva/experiments/positioning/metrology/result.h"
 #include "cosiva/experiments/statistics/sample.h"
 
 namespace cosiva::experiments {

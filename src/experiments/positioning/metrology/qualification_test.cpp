@@ -9,6 +9,7 @@
 #include "cosiva/aiv/estimation/arc.h"
 #include "cosiva/aiv/estimation/registry.h"
 #include "cosiva/experiments/positioning/metrology/result.h"
+#include "cosiva/experiments/positioning/metrology/result_json.h"
 #include "cosiva/experiments/positioning/metrology/simulate.h"
 #include "cosiva/experiments/positioning/metrology/test_tracks.h"
 

@@ -1,7 +1,8 @@
+#include "cosiva/experiments/positioning/metrology/result_json.h"
+
 #include <cmath>
 
 #include "cosiva/base/json_writer.h"
-#include "cosiva/experiments/positioning/metrology/result.h"
 
 namespace cosiva::experiments {
 namespace {

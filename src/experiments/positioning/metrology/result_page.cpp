@@ -1,7 +1,8 @@
+#include "cosiva/experiments/positioning/metrology/result_page.h"
+
 #include <algorithm>
 #include <cmath>
 
-#include "cosiva/experiments/positioning/metrology/result.h"
 #include "cosiva/experiments/positioning/metrology/result_bars.h"
 #include "cosiva/experiments/reporting/chart.h"
 #include "cosiva/experiments/reporting/report.h"

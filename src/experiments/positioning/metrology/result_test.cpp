@@ -8,7 +8,11 @@
 
 #include "cosiva/aiv/estimation/registry.h"
 #include "cosiva/base/json_value.h"
+#include "cosiva/experiments/positioning/metrology/evo_zip.h"
 #include "cosiva/experiments/positioning/metrology/result_bars.h"
+#include "cosiva/experiments/positioning/metrology/result_json.h"
+#include "cosiva/experiments/positioning/metrology/result_page.h"
+#include "cosiva/experiments/positioning/metrology/result_text.h"
 #include "cosiva/experiments/positioning/metrology/simulate.h"
 #include "cosiva/experiments/positioning/metrology/test_tracks.h"
 #include "cosiva/experiments/reporting/chart.h"

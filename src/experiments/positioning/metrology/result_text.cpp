@@ -1,8 +1,9 @@
+#include "cosiva/experiments/positioning/metrology/result_text.h"
+
 #include <array>
 #include <charconv>
 #include <cmath>
 
-#include "cosiva/experiments/positioning/metrology/result.h"
 #include "cosiva/experiments/reporting/chart.h"
 
 namespace cosiva::experiments {

@@ -9,6 +9,7 @@
 #include "cosiva/aiv/estimation/registry.h"
 #include "cosiva/base/math.h"
 #include "cosiva/experiments/positioning/recording/recording.h"
+#include "cosiva/experiments/positioning/recording/replayed.h"
 #include "cosiva/experiments/positioning/recording/test_folders.h"
 #include "cosiva/experiments/statistics/sample.h"
 

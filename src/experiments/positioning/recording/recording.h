@@ -1,16 +1,13 @@
 #pragma once
 
 #include <map>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "cosiva/aiv/estimation/algorithm.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/base/result.h"
-#include "cosiva/experiments/positioning/metrology/trial.h"
 
 /// What was recorded of one drive: what the vehicle was told by its sensors, and where it truly was.
 namespace cosiva::experiments {
@@ -64,20 +61,5 @@ using RecordingFiles = std::map<std::string, std::string>;
 /// libRSF's text: one file …Input.txt with range2 and odom2diff or odom2, one …GT.txt with point2 and perhaps angle.
 /// Fails ("recording.…") with file and line.
 [[nodiscard]] Result<Recording> read_recording(std::string_view name, const RecordingFiles& files);
-
-struct ReplayOptions {
-  /// The truth is interpolated between two of its stamps no further apart than this.
-  double gap_s{0.5};
-  double start_sigma_m{0.05};            ///< of the start, which is the truth's first place
-  double start_heading_sigma_rad{0.05};  ///< of its heading, where the truth has one
-};
-/// The recording as a trial, with the sensors' figures that came with it, or else what can be told without its truth:
-/// odometry is cut where something was read between, and every step's end is a moment. Fails
-/// ("recording.overlap") where truth and odometry share no time, ("recording.beacon") on a beacon that nobody surveyed.
-[[nodiscard]] Result<Trial> replayed(const Recording& recording, const ReplayOptions& options = {});
-
-/// σ of single ranges, told by how far each is from the line between its neighbours of the same station; needs no
-/// truth. Nothing for too few.
-[[nodiscard]] std::optional<double> range_noise_m(const Recording& recording);
 
 }  // namespace cosiva::experiments

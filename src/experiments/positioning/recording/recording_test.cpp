@@ -10,6 +10,7 @@
 #include "cosiva/aiv/estimation/planar.h"
 #include "cosiva/aiv/estimation/registry.h"
 #include "cosiva/base/math.h"
+#include "cosiva/experiments/positioning/recording/replayed.h"
 #include "cosiva/experiments/positioning/recording/test_folders.h"
 #include "cosiva/experiments/statistics/sample.h"
 

@@ -1,9 +1,10 @@
+#include "cosiva/experiments/positioning/recording/replayed.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "cosiva/aiv/estimation/calibrating.h"
 #include "cosiva/base/math.h"
-#include "cosiva/experiments/positioning/recording/recording.h"
 #include "cosiva/experiments/statistics/sample.h"
 
 namespace cosiva::experiments {

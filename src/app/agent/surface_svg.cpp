@@ -1,0 +1,219 @@
+#include "cosiva/app/agent/surface_svg.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "cosiva/app/cli/console.h"
+
+namespace cosiva::app {
+namespace {
+
+constexpr double width_px = 960.0;
+constexpr double plot_left = 96.0;
+constexpr double plot_top = 108.0;
+constexpr double plot_width = 640.0;
+constexpr double plot_height = 480.0;
+constexpr double height_px = 700.0;
+/// Shades between lowest and highest: more would only make the file longer.
+constexpr int shades = 48;
+constexpr const char* ink = "#1d2730";
+constexpr const char* pale_ink = "#44525f";
+
+/// From calm to quick, told apart in lightness alone as well.
+constexpr std::array<std::array<double, 3>, 4> colours{
+    {{75, 45, 110}, {50, 105, 155}, {85, 175, 150}, {245, 225, 120}}};
+
+std::string number(double value) {
+  std::string text = decimals(value, 2);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  return text == "-0" ? "0" : text;
+}
+
+std::string colour(double share) {
+  const double at = std::clamp(share, 0.0, 1.0) * 3.0;
+  const auto from = std::min<std::size_t>(2, static_cast<std::size_t>(at));
+  const double part = at - static_cast<double>(from);
+  char text[8];
+  const auto channel = [&](std::size_t i) {
+    return static_cast<unsigned>(std::lround(colours[from][i] + part * (colours[from + 1][i] - colours[from][i])));
+  };
+  std::snprintf(text, sizeof text, "#%02x%02x%02x", channel(0), channel(1), channel(2));
+  return text;
+}
+
+class Picture {
+ public:
+  explicit Picture(const Surface& surface) : surface_{surface} {}
+
+  std::string draw() {
+    out_ =
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + number(width_px) + " " + number(height_px) +
+        "\" width=\"" + number(width_px) + "\" height=\"" + number(height_px) +
+        "\" font-family=\"system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif\">\n<rect width=\"100%\" height=\"100%\" " +
+        "fill=\"#fbfcfd\"/>\n";
+    head();
+    fields();
+    if (surface_.is_speed()) {
+      for (const double level : {0.5, 1.5, 2.5}) contour(level);
+    } else if (surface_.of == "go") {
+      contour(0.5);
+    }
+    axes();
+    legend();
+    return out_ + "</svg>\n";
+  }
+
+ private:
+  void text(double x, double y, double size, const std::string& attributes, const std::string& words) {
+    out_ += "<text x=\"" + number(x) + "\" y=\"" + number(y) + "\" font-size=\"" + number(size) + "\" " + attributes +
+            ">" + words + "</text>\n";
+  }
+  static std::string fill(const char* with) { return std::string("fill=\"") + with + "\""; }
+
+  static std::string titled(aiv::AgentInput input) {
+    const aiv::AgentInputFacts& facts = aiv::facts_of(input);
+    return std::string(facts.name) + (facts.unit.empty() ? "" : " [" + std::string(facts.unit) + "]");
+  }
+
+  /// An instruction is a word to people.
+  static std::string said(aiv::AgentInput input, double value) {
+    if (input != aiv::AgentInput::instruction) return number(value);
+    if (value > 3.5) return "none";
+    return std::string(to_string(aiv::nearest_profile(value, std::nullopt)));
+  }
+
+  void head() {
+    text(plot_left, 40.0, 22.0, fill(ink) + " font-weight=\"600\"",
+         (surface_.is_speed() ? std::string("Speed") : surface_.of) + " over " +
+             std::string(aiv::facts_of(surface_.x.input).name) + " and " +
+             std::string(aiv::facts_of(surface_.y.input).name));
+    std::string fixed;
+    for (const aiv::AgentInput input : surface_.asked) {
+      if (input == surface_.x.input || input == surface_.y.input) continue;
+      const double value = surface_.others[static_cast<std::size_t>(input)];
+      fixed += (fixed.empty() ? "with " : ", ") + std::string(aiv::facts_of(input).name) + " " + said(input, value);
+    }
+    text(plot_left, 66.0, 13.0, fill(pale_ink), fixed);
+  }
+
+  [[nodiscard]] double x_px(double column) const {
+    return plot_left + column / static_cast<double>(surface_.x.values.size() - 1) * plot_width;
+  }
+  [[nodiscard]] double y_px(double row) const {
+    return plot_top + plot_height - row / static_cast<double>(surface_.y.values.size() - 1) * plot_height;
+  }
+  [[nodiscard]] int shade(double level) const {
+    return static_cast<int>(std::lround((level - surface_.low) / (surface_.high - surface_.low) * shades));
+  }
+
+  /// A field around each point; equal neighbours in a row are one.
+  void fields() {
+    out_ += "<svg x=\"" + number(plot_left) + "\" y=\"" + number(plot_top) + "\" width=\"" + number(plot_width) +
+            "\" height=\"" + number(plot_height) + "\" viewBox=\"" + number(plot_left) + " " + number(plot_top) + " " +
+            number(plot_width) + " " + number(plot_height) + "\" shape-rendering=\"crispEdges\">\n";
+    const std::size_t columns = surface_.x.values.size();
+    const double half_px = 0.5 * plot_height / static_cast<double>(surface_.y.values.size() - 1);
+    for (std::size_t row = 0; row < surface_.y.values.size(); ++row) {
+      for (std::size_t from = 0; from < columns;) {
+        const int here = shade(surface_.at(from, row));
+        std::size_t to = from + 1;
+        while (to < columns && shade(surface_.at(to, row)) == here) ++to;
+        const double left = x_px(static_cast<double>(from) - 0.5);
+        out_ += "<rect x=\"" + number(left) + "\" y=\"" + number(y_px(static_cast<double>(row)) - half_px) +
+                "\" width=\"" + number(x_px(static_cast<double>(to) - 0.5) - left) + "\" height=\"" +
+                number(2.0 * half_px) + "\" fill=\"" + colour(static_cast<double>(here) / shades) + "\"/>\n";
+        from = to;
+      }
+    }
+    out_ += "</svg>\n";
+  }
+
+  /// Where the level is crossed, field by field: each edge of a field that has it on both sides gives a point.
+  void contour(double level) {
+    std::string path;
+    for (std::size_t row = 0; row + 1 < surface_.y.values.size(); ++row) {
+      for (std::size_t column = 0; column + 1 < surface_.x.values.size(); ++column) {
+        std::array<std::string, 4> points;
+        std::size_t count = 0;
+        const auto look = [&](std::size_t c0, std::size_t r0, std::size_t c1, std::size_t r1) {
+          const double a = surface_.at(c0, r0) - level;
+          const double b = surface_.at(c1, r1) - level;
+          if ((a < 0.0) == (b < 0.0)) return;
+          const double share = a / (a - b);
+          const auto between = [&](std::size_t from, std::size_t to) {
+            return static_cast<double>(from) + share * (static_cast<double>(to) - static_cast<double>(from));
+          };
+          points[count++] = number(x_px(between(c0, c1))) + " " + number(y_px(between(r0, r1)));
+        };
+        look(column, row, column + 1, row);
+        look(column + 1, row, column + 1, row + 1);
+        look(column + 1, row + 1, column, row + 1);
+        look(column, row + 1, column, row);
+        for (std::size_t i = 0; i + 1 < count; i += 2) path += "M" + points[i] + "L" + points[i + 1];
+      }
+    }
+    if (path.empty()) return;
+    out_ += "<path d=\"" + path + "\" fill=\"none\" stroke=\"#ffffff\" stroke-width=\"5\" stroke-linecap=\"round\"/>\n";
+    out_ +=
+        "<path d=\"" + path + "\" fill=\"none\" stroke=\"" + ink + "\" stroke-width=\"2\" stroke-linecap=\"round\"/>\n";
+  }
+
+  void axes() {
+    out_ += "<rect x=\"" + number(plot_left) + "\" y=\"" + number(plot_top) + "\" width=\"" + number(plot_width) +
+            "\" height=\"" + number(plot_height) + "\" fill=\"none\" stroke=\"" + ink + "\"/>\n";
+    constexpr int ticks = 4;
+    const double bottom = plot_top + plot_height;
+    const auto value = [](const Surface::Axis& axis, double share) {
+      return axis.values.front() + share * (axis.values.back() - axis.values.front());
+    };
+    for (int i = 0; i <= ticks; ++i) {
+      const double share = static_cast<double>(i) / ticks;
+      const double x = plot_left + share * plot_width;
+      const double y = bottom - share * plot_height;
+      out_ += "<path d=\"M" + number(x) + " " + number(bottom) + "v6M" + number(plot_left) + " " + number(y) +
+              "h-6\" stroke=\"" + ink + "\"/>\n";
+      text(x, bottom + 24.0, 14.0, fill(pale_ink) + " text-anchor=\"middle\"", number(value(surface_.x, share)));
+      text(plot_left - 12.0, y + 5.0, 14.0, fill(pale_ink) + " text-anchor=\"end\"", number(value(surface_.y, share)));
+    }
+    text(plot_left + 0.5 * plot_width, bottom + 54.0, 15.0, fill(ink) + " text-anchor=\"middle\"",
+         titled(surface_.x.input));
+    text(0.0, 0.0, 15.0,
+         fill(ink) + " text-anchor=\"middle\" transform=\"translate(30 " + number(plot_top + 0.5 * plot_height) +
+             ") rotate(-90)\"",
+         titled(surface_.y.input));
+  }
+
+  void legend() {
+    constexpr double left = plot_left + plot_width + 32.0;
+    for (int i = 0; i <= shades; ++i) {
+      const double step = plot_height / (shades + 1.0);
+      out_ += "<rect x=\"" + number(left) + "\" y=\"" + number(plot_top + plot_height - (i + 1.0) * step) +
+              "\" width=\"24\" height=\"" + number(step + 0.5) + "\" fill=\"" +
+              colour(static_cast<double>(i) / shades) + "\"/>\n";
+    }
+    const auto mark = [&](double share, const std::string& words) {
+      text(left + 34.0, plot_top + (1.0 - share) * plot_height + 5.0, 14.0, fill(pale_ink), words);
+    };
+    if (surface_.is_speed()) {
+      constexpr std::array<const char*, 4> names{"0 stop", "1 slow", "2 medium", "3 fast"};
+      for (std::size_t i = 0; i < names.size(); ++i) mark(static_cast<double>(i) / 3.0, names[i]);
+      text(left, plot_top - 16.0, 13.0, fill(pale_ink), "lines: another profile");
+      return;
+    }
+    for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0})
+      mark(share, number(surface_.low + share * (surface_.high - surface_.low)));
+    if (surface_.of == "go") text(left, plot_top - 16.0, 13.0, fill(pale_ink), "line: goes from here");
+  }
+
+  const Surface& surface_;
+  std::string out_;
+};
+
+}  // namespace
+
+std::string to_svg(const Surface& surface) { return Picture{surface}.draw(); }
+
+}  // namespace cosiva::app

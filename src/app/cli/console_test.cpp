@@ -1,0 +1,33 @@
+#include "cosiva/app/cli/console.h"
+
+#include <gmock/gmock.h>
+
+namespace cosiva::app {
+namespace {
+
+TEST(NearestWord, is_what_was_probably_meant) {
+  const std::vector<std::string> verbs{"up", "server", "plant", "aiv", "replay", "zone"};
+  EXPECT_EQ(nearest_word("serve", verbs), "server");
+  EXPECT_EQ(nearest_word("relpay", verbs), "replay");
+  EXPECT_EQ(nearest_word("zones", verbs), "zone");
+  EXPECT_EQ(nearest_word("--duraton", {"--duration", "--json"}), "--duration");
+}
+
+TEST(NearestWord, is_none_where_nothing_is_near) {
+  EXPECT_EQ(nearest_word("dance", {"server", "replay"}), "");
+  EXPECT_EQ(nearest_word("x", {}), "");
+}
+
+TEST(Decimals, round_as_people_expect) {
+  EXPECT_EQ(decimals(1.25, 1), "1.2");
+  EXPECT_EQ(decimals(0.9996, 3), "1.000");
+  EXPECT_EQ(decimals(12.0, 0), "12");
+}
+
+TEST(StepLine, puts_the_times_under_each_other) {
+  EXPECT_EQ(step_line(1.25, "x"), "     1.2 s  x");
+  EXPECT_EQ(step_line(12345.0, "y"), " 12345.0 s  y");
+}
+
+}  // namespace
+}  // namespace cosiva::app

@@ -1,0 +1,270 @@
+#include "cosiva/app/gvs/gvs_track_command.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <filesystem>
+#include <map>
+#include <optional>
+
+#include "cosiva/adapters/files.h"
+#include "cosiva/app/cli/console.h"
+#include "cosiva/app/cli/progress.h"
+#include "cosiva/app/gvs/pictures.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/base/text.h"
+#include "cosiva/experiments/positioning/recording/trajectory.h"
+#include "cosiva/physical/vision/calibration_json.h"
+#include "cosiva/physical/vision/time_offset.h"
+#include "cosiva/physical/vision/tracker.h"
+
+namespace cosiva::app {
+namespace {
+
+struct Timing {
+  std::string picture;
+  double stamp_s;
+  std::size_t fixes;
+  double took_ms;  ///< of a processor
+};
+
+struct Tracked {
+  std::map<int, std::vector<vision::Fix>> fixes;
+  std::vector<Timing> timing;
+  vision::Tracker::Figures figures;
+  double uncertainty_mean_m{0.0};
+};
+
+double processor_ms() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+Result<std::unique_ptr<Pictures>> source_of(const GvsTrackArguments& a) {
+  if (!a.images_folder.empty()) return folder_pictures(a.images_folder, a.rate_hz);
+  if (!a.video_file.empty()) return video_pictures(a.video_file);
+  if (a.camera) return camera_pictures(*a.camera);
+  return fail("gvs.pictures", "say where pictures come from: --images DIR, --video FILE or --camera N", "gvs track");
+}
+
+Result<Tracked> track(const GvsTrackArguments& a, const vision::Calibration& calibration, Pictures& pictures) {
+  vision::TrackerOptions options;
+  options.exposure_s = 1e-3 * a.exposure_ms;
+  options.line_s = 1e-6 * a.line_us;
+  options.side_m = a.tag_side_m;
+  options.expected = a.expected;
+  vision::Tracker tracker{calibration, options};
+  Tracked tracked;
+  SecondsTicker ticker;
+  while (a.pictures_max == 0 || tracked.timing.size() < a.pictures_max) {
+    auto picture = pictures.next();
+    if (!picture) return tl::unexpected(picture.error());
+    if (!*picture) break;
+    const double began_ms = processor_ms();
+    const auto fixes = tracker.see((*picture)->image, (*picture)->stamp_s);
+    if (!fixes) {
+      Error error = fixes.error();
+      error.place = (*picture)->name;
+      return tl::unexpected(error);
+    }
+    tracked.timing.push_back({(*picture)->name, (*picture)->stamp_s, fixes->size(), processor_ms() - began_ms});
+    for (const vision::Fix& fix : *fixes) {
+      tracked.fixes[fix.tag].push_back(fix);
+      tracked.uncertainty_mean_m += fix.uncertainty_m;
+    }
+    if (ticker.ticks()) say("cosiva: " + std::to_string(tracked.timing.size()) + " pictures");
+  }
+  tracked.figures = tracker.figures();
+  if (tracked.figures.fixes > 0) tracked.uncertainty_mean_m /= static_cast<double>(tracked.figures.fixes);
+  return tracked;
+}
+
+struct Offset {
+  int tag;
+  Result<vision::TimeOffset> found;
+};
+
+Result<std::vector<vision::Timed>> reference_of(const std::string& file) {
+  const auto text = adapters::read_file(file);
+  if (!text) return tl::unexpected(text.error());
+  const auto trajectory = experiments::read_trajectory(file, *text);
+  if (!trajectory) return tl::unexpected(trajectory.error());
+  std::vector<vision::Timed> timed;
+  for (const experiments::Stamped& pose : trajectory->poses) timed.push_back({pose.t_s, pose.pose()});
+  return timed;
+}
+
+/// Which tag's reference stands in which file.
+Result<std::map<int, std::string>> references_of(const GvsTrackArguments& a, const Tracked& tracked) {
+  std::map<int, std::string> files;
+  for (const std::string& against : a.against) {
+    std::error_code error;
+    if (std::filesystem::is_directory(against, error)) {
+      for (const auto& [tag, fixes] : tracked.fixes) {
+        const std::string file = against + "/tag_" + std::to_string(tag) + ".tum";
+        if (std::filesystem::exists(file, error)) files[tag] = file;
+      }
+      continue;
+    }
+    const std::size_t equals = against.find('=');
+    const auto tag = number_of<int>(std::string_view{against}.substr(0, equals));
+    if (equals == std::string::npos || !tag)
+      return fail("gvs.against", "expected TAG=FILE or a folder of tag_N.tum, found '" + against + "'", "--against");
+    if (!tracked.fixes.contains(*tag))
+      return fail("gvs.against", "tag " + std::to_string(*tag) + " was never seen", "--against");
+    files[*tag] = against.substr(equals + 1);
+  }
+  if (files.empty() && !a.against.empty())
+    return fail("gvs.against", "holds no tag_N.tum of a tag that was seen", a.against[0]);
+  return files;
+}
+
+Result<std::vector<Offset>> offsets_of(const GvsTrackArguments& a, const Tracked& tracked) {
+  const auto files = references_of(a, tracked);
+  if (!files) return tl::unexpected(files.error());
+  std::vector<Offset> offsets;
+  for (const auto& [tag, file] : *files) {
+    const auto reference = reference_of(file);
+    if (!reference) return tl::unexpected(reference.error());
+    std::vector<vision::Timed> seen;
+    for (const vision::Fix& fix : tracked.fixes.at(tag)) seen.push_back({fix.t_s, fix.X_MB});
+    offsets.push_back({tag, vision::time_offset(seen, *reference)});
+  }
+  return offsets;
+}
+
+/// All vehicles' offsets as one, each with the weight of its certainty; nothing where none could be told.
+std::optional<std::pair<double, double>> mean_offset(const std::vector<Offset>& offsets) {
+  double weights = 0.0;
+  double sum = 0.0;
+  for (const Offset& offset : offsets) {
+    if (!offset.found) continue;
+    const double sd = std::max(1e-5, offset.found->standard_error_s);
+    weights += 1.0 / (sd * sd);
+    sum += offset.found->offset_s / (sd * sd);
+  }
+  if (weights == 0.0) return std::nullopt;
+  return std::pair{sum / weights, 1.0 / std::sqrt(weights)};
+}
+
+double median_ms(const std::vector<Timing>& timing) {
+  if (timing.empty()) return 0.0;
+  std::vector<double> all;
+  all.reserve(timing.size());
+  for (const Timing& one : timing) all.push_back(one.took_ms);
+  std::ranges::nth_element(all, all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2));
+  return all[all.size() / 2];
+}
+
+std::string json_of(const Tracked& tracked, const std::vector<Offset>& offsets) {
+  JsonWriter json{2};
+  json.begin_object().field("pictures", tracked.figures.pictures).field("fixes", tracked.figures.fixes);
+  json.field("lost", tracked.figures.lost).field("strange", tracked.figures.strange);
+  json.field("median_ms", median_ms(tracked.timing)).field("uncertainty_mean_mm", 1e3 * tracked.uncertainty_mean_m);
+  json.key("vehicles").begin_array();
+  for (const auto& [tag, fixes] : tracked.fixes)
+    json.begin_object().field("tag", tag).field("fixes", fixes.size()).end_object();
+  json.end_array().key("time_offset").begin_object().field("applied", false);
+  const auto mean = mean_offset(offsets);
+  json.key("late_ms");
+  mean ? json.value(1e3 * mean->first) : json.null();
+  json.key("standard_error_ms");
+  mean ? json.value(1e3 * mean->second) : json.null();
+  json.key("vehicles").begin_array();
+  for (const Offset& offset : offsets) {
+    json.begin_object().field("tag", offset.tag);
+    if (offset.found) {
+      json.field("late_ms", 1e3 * offset.found->offset_s)
+          .field("standard_error_ms", 1e3 * offset.found->standard_error_s);
+      json.field("rms_mm", 1e3 * offset.found->before_rms_m)
+          .field("rms_without_offset_mm", 1e3 * offset.found->after_rms_m);
+      json.field("lever_x_mm", 1e3 * offset.found->lever.x_m).field("lever_y_mm", 1e3 * offset.found->lever.y_m);
+    } else {
+      json.field("why_not", offset.found.error().message);
+    }
+    json.end_object();
+  }
+  json.end_array().end_object().end_object();
+  return json.take();
+}
+
+std::string words_of(const Tracked& tracked, const std::vector<Offset>& offsets) {
+  std::string text = std::to_string(tracked.fixes.size()) + " vehicles, " + std::to_string(tracked.figures.fixes) +
+                     " fixes in " + std::to_string(tracked.figures.pictures) + " pictures; " +
+                     decimals(median_ms(tracked.timing), 1) + " ms of a processor per picture (median)\n";
+  text += "uncertainty " + decimals(1e3 * tracked.uncertainty_mean_m, 2) + " mm on average (calibration and tags); " +
+          std::to_string(tracked.figures.lost) + " times one was not found again, " +
+          std::to_string(tracked.figures.strange) + " tags that were none";
+  if (const auto mean = mean_offset(offsets)) {
+    text += "\nstamps are late by " + decimals(1e3 * mean->first, 2) + " ± " + decimals(1e3 * mean->second, 2) +
+            " ms against the references; not applied: poses are as the camera stamped them";
+  }
+  for (const Offset& offset : offsets) {
+    text += "\n  tag " + std::to_string(offset.tag) + ": ";
+    text +=
+        offset.found
+            ? decimals(1e3 * offset.found->offset_s, 2) + " ± " + decimals(1e3 * offset.found->standard_error_s, 2) +
+                  " ms; off by " + decimals(1e3 * offset.found->before_rms_m, 2) + " mm rms, " +
+                  decimals(1e3 * offset.found->after_rms_m, 2) + " were it taken out; lever " +
+                  decimals(1e3 * offset.found->lever.x_m, 1) + ", " + decimals(1e3 * offset.found->lever.y_m, 1) + " mm"
+            : offset.found.error().message;
+  }
+  return text;
+}
+
+std::string number(double value) {
+  JsonWriter json;
+  return json.value(value).take();
+}
+
+Result<void> write_all(const std::string& folder, const Tracked& tracked, const std::string& result) {
+  std::string poses = "t_s,tag,x_m,y_m,heading_rad,uncertainty_m,image_x_px,image_y_px\n";
+  std::vector<std::pair<std::string, std::string>> files;
+  for (const auto& [tag, fixes] : tracked.fixes) {
+    experiments::Trajectory trajectory{"tag_" + std::to_string(tag), {}};
+    for (const vision::Fix& fix : fixes) {
+      // Two rows of a rolling shutter may be seen at one time; a trajectory's stamps rise.
+      if (!trajectory.poses.empty() && !(fix.t_s > trajectory.poses.back().t_s)) continue;
+      trajectory.poses.push_back(experiments::stamped(fix.t_s, fix.X_MB));
+      poses += number(fix.t_s) + "," + std::to_string(tag) + "," + number(fix.X_MB.x_m) + "," + number(fix.X_MB.y_m) +
+               "," + number(fix.X_MB.heading_rad) + "," + number(fix.uncertainty_m) + "," + number(fix.centre.u) + "," +
+               number(fix.centre.v) + "\n";
+    }
+    files.emplace_back(trajectory.name + ".tum", experiments::write_tum(trajectory));
+  }
+  std::string timing = "picture,stamp_s,fixes,processor_ms\n";
+  for (const Timing& one : tracked.timing)
+    timing +=
+        one.picture + "," + number(one.stamp_s) + "," + std::to_string(one.fixes) + "," + number(one.took_ms) + "\n";
+  files.emplace_back("poses.csv", poses);
+  files.emplace_back("timing.csv", timing);
+  files.emplace_back("result.json", result + "\n");
+  return adapters::write_files(folder, files);
+}
+
+}  // namespace
+
+int run_gvs_track(const GvsTrackArguments& a) {
+  const auto text = adapters::read_file(a.calibration_file);
+  if (!text) return complain(text.error());
+  const auto calibration = vision::read_calibration(*text, a.calibration_file);
+  if (!calibration) return complain(calibration.error());
+  auto pictures = source_of(a);
+  if (!pictures) return complain(pictures.error());
+  const auto tracked = track(a, *calibration, **pictures);
+  if (!tracked) return complain(tracked.error());
+  const auto offsets = offsets_of(a, *tracked);
+  if (!offsets) return complain(offsets.error());
+  const std::string result = json_of(*tracked, *offsets);
+  if (!a.out_folder.empty()) {
+    if (auto written = write_all(a.out_folder, *tracked, result); !written) return complain(written.error());
+    say("written into " + a.out_folder);
+  }
+  print(a.json ? result : words_of(*tracked, *offsets));
+  // Its own check: pictures that show nobody prove nothing.
+  if (tracked->figures.fixes == 0) {
+    say("cosiva: no vehicle was seen in any picture");
+    return exit_check_failed;
+  }
+  return exit_done;
+}
+
+}  // namespace cosiva::app

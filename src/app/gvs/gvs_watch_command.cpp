@@ -1,0 +1,228 @@
+#include "cosiva/app/gvs/gvs_watch_command.h"
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "cosiva/adapters/clock.h"
+#include "cosiva/adapters/event_loop.h"
+#include "cosiva/adapters/files.h"
+#include "cosiva/adapters/live_shell.h"
+#include "cosiva/adapters/mqtt_client.h"
+#include "cosiva/app/cli/console.h"
+#include "cosiva/app/gvs/camera_pipeline.h"
+#include "cosiva/app/gvs/gvs_scene.h"
+#include "cosiva/app/gvs/gvs_source_files.h"
+#include "cosiva/app/gvs/picture_feed.h"
+#include "cosiva/app/resources/resource_paths.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/physical/vision/calibration_json.h"
+#include "cosiva/wire/messages/topics.h"
+#include "cosiva/zone/rtm/rtm.h"
+
+namespace cosiva::app {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// Somebody who looks says so twice a second.
+constexpr SimDuration looked_for{std::chrono::seconds{2}};
+/// An emulated world that says nothing for so long is gone.
+constexpr SimDuration truth_missed_after{std::chrono::seconds{2}};
+
+std::string words_of(const GvsSource& source) {
+  if (!source.images_folder.empty()) return "the pictures of " + source.images_folder;
+  if (!source.video_file.empty()) return "the video " + source.video_file;
+  return "the camera /dev/video" + std::to_string(source.camera.value_or(0));
+}
+
+class Watch {
+ public:
+  Watch(const GvsWatchArguments& arguments, std::map<int, std::string> names)
+      : arguments_{arguments},
+        source_{arguments.source},
+        names_{std::move(names)},
+        words_{source_.emulated() ? "the emulated world's camera" : words_of(source_)},
+        beat_{loop_},
+        duration_{loop_} {}
+
+  int run(std::optional<vision::Calibration> calibration) {
+    if (calibration) eye_.emplace(std::move(*calibration), tracker_options(source_), names_);
+    if (auto connected = connect(); !connected) return complain(connected.error());
+    loop_.on_signals({SIGINT, SIGTERM, SIGHUP}, [this](int) {
+      if (std::exchange(interrupted_, true)) return loop_.stop();  // asked twice: at once, without a goodbye
+      end();
+    });
+    if (arguments_.part.duration_s) duration_.after(from_seconds(*arguments_.part.duration_s), [this] { end(); });
+    // A zone with none of the emulated world's truth is no world.
+    truth_heard_ = clock_.now();
+    beat_.every(milliseconds{500}, [this] { look_for_truth(); });
+    if (!source_.emulated()) open_feed();
+    client_->start();
+    loop_.run();
+    feed_.reset();
+    if (arguments_.part.json) print(json());
+    // Its own check: who watched for so long and saw nobody has shown nothing.
+    return seen_ == 0 && !interrupted_ ? exit_check_failed : exit_done;
+  }
+
+ private:
+  Result<void> connect() {
+    auto options = mqtt_options(arguments_.part.broker, "cosiva-gvs");
+    if (!options) return tl::unexpected(options.error());
+    adapters::MqttHandlers handlers;
+    handlers.on_link = [this](bool up) {
+      if (up) say_connection(wire::ConnectionState::online);
+    };
+    handlers.on_message = [this](std::string_view topic, std::string_view payload, bool) { hear(topic, payload); };
+    std::vector<std::string> topics{std::string(wire::gvs_look_topic), wire::topics_below(wire::zone_topic_prefix, 1)};
+    if (source_.emulated()) topics.emplace_back(wire::plant_truth_topic);
+    const wire::Will will{
+        {std::string(wire::gvs_connection_topic),
+         to_json(wire::GvsConnection{wire::ConnectionState::connection_broken, clock_.now(), words_, {}}), 1, true}};
+    auto client = adapters::MqttClient::make(loop_, std::move(*options), std::move(topics), will, std::move(handlers));
+    if (!client) return tl::unexpected(client.error());
+    client_ = std::move(*client);
+    return {};
+  }
+
+  void open_feed() {
+    PictureFeed::Options options;
+    options.open = [source = source_] { return open_images(source); };
+    options.recorded = !source_.camera.has_value();
+    options.rate_hz = source_.rate_hz;
+    feed_ = std::make_unique<PictureFeed>(
+        loop_, std::move(options),
+        PictureFeed::Handlers{[this](const Picture& picture, SimTime began) { take(picture.image, began); },
+                              [this](const std::string& why) { set_trouble(why); }});
+  }
+
+  void hear(std::string_view topic, std::string_view payload) {
+    if (topic == wire::gvs_look_topic) {
+      looked_until_ = clock_.now() + looked_for;
+    } else if (topic == wire::plant_truth_topic) {
+      if (auto truth = read_plant_truth(std::string(payload))) see_world(std::move(*truth));
+    } else if (topic.starts_with(wire::zone_topic_prefix) && !payload.empty()) {
+      take_zone(std::string(topic), payload);
+    }
+  }
+
+  /// The zone says how large vehicles are, and to an emulated camera what there is to look at.
+  void take_zone(const std::string& topic, std::string_view payload) {
+    const auto configuration = zone::from_payload(topic.substr(wire::zone_topic_prefix.size()), topic, payload);
+    if (zone_ && same_content(*zone_, configuration)) return;
+    const auto rtm = zone::Rtm::initialise(configuration);
+    if (!rtm) return;  // the server says why; the zone that was there stays
+    zone_ = configuration;
+    body_ = rtm->zone().vehicle;
+    if (!source_.emulated()) return;
+    auto camera = EmulatedCamera::over(rtm->zone());
+    if (!camera) return set_trouble(to_string(camera.error()));
+    emulated_ = std::move(*camera);
+    words_ = "the emulated world's camera over " + decimals(emulated_->width_m(), 1) + " m of " + rtm->zone().name;
+    GvsSource known = source_;
+    known.exposure_ms = 1e3 * emulated_->exposure_s();
+    known.tag_side_m = emulated_->tag_side_m();
+    eye_.emplace(emulated_->calibration(), tracker_options(known), names_);
+    say_connection(wire::ConnectionState::online);
+  }
+
+  void see_world(PlantTruth truth) {
+    truth_heard_ = clock_.now();
+    if (emulated_ && truth.at >= due_) {
+      const SimDuration period = from_seconds(1.0 / source_.rate_hz);
+      due_ = std::max(due_ + period, truth.at + period / 2);
+      take(emulated_->take(truth, truth_), truth.at);
+    }
+    truth_ = std::move(truth);
+  }
+
+  void look_for_truth() {
+    if (source_.emulated() && clock_.now() - truth_heard_ > truth_missed_after)
+      set_trouble("the emulated world (cosiva plant) says nothing");
+  }
+
+  void take(const vision::Image& image, SimTime began) {
+    if (!eye_) return;
+    const auto sights = eye_->see(image, began, 1.0 / source_.rate_hz);
+    if (!sights) return set_trouble(to_string(sights.error()));
+    set_trouble({});
+    ++pictures_;
+    seen_ += sights->sights.size();
+    client_->publish({std::string(wire::gvs_sights_topic), to_json(*sights), 0, false});
+    if (clock_.now() <= looked_until_)
+      client_->publish({std::string(wire::gvs_picture_topic), eye_->shown(image, *sights, body_), 0, false});
+  }
+
+  void set_trouble(const std::string& why) {
+    if (why == trouble_) return;
+    trouble_ = why;
+    say(why.empty() ? "cosiva gvs: pictures come" : "cosiva gvs: " + why);
+    say_connection(wire::ConnectionState::online);
+  }
+
+  void say_connection(wire::ConnectionState state) {
+    client_->publish({std::string(wire::gvs_connection_topic),
+                      to_json(wire::GvsConnection{state, clock_.now(), words_, trouble_}), 1, true});
+  }
+
+  void end() {
+    say_connection(wire::ConnectionState::offline);
+    client_->stop([this] { loop_.stop(); });
+  }
+
+  [[nodiscard]] std::string json() const {
+    JsonWriter json;
+    json.begin_object().field("source", words_).field("pictures", pictures_).field("fixes", seen_);
+    json.field("trouble", trouble_).end_object();
+    return json.take();
+  }
+
+  const GvsWatchArguments& arguments_;
+  const GvsSource& source_;
+  std::map<int, std::string> names_;
+  std::string words_;
+  std::string trouble_;
+  adapters::EventLoop loop_;
+  adapters::WallClock clock_;
+  std::unique_ptr<adapters::MqttClient> client_;
+  adapters::Timer beat_;
+  adapters::Timer duration_;
+  std::optional<GvsEye> eye_;
+  std::optional<zone::ZoneConfiguration> zone_;
+  zone::VehicleShape body_;
+  std::optional<EmulatedCamera> emulated_;
+  std::optional<PlantTruth> truth_;
+  SimTime truth_heard_{};
+  SimTime due_{};
+  SimTime looked_until_{};
+  std::uint64_t pictures_{0};
+  std::uint64_t seen_{0};
+  bool interrupted_{false};
+  std::unique_ptr<PictureFeed> feed_;
+};
+
+}  // namespace
+
+int run_gvs_watch(const GvsWatchArguments& arguments) {
+  const GvsSource& source = arguments.source;
+  // For `up`, which has looked at all of it, a camera that is not there just now may come back.
+  if (!arguments.part.announce) {
+    if (auto checked = check_gvs_source(source, "--"); !checked) return complain(checked.error());
+  }
+  auto names = read_vehicle_names(source.vehicles);
+  if (!names) return complain(names.error());
+  std::optional<vision::Calibration> calibration;
+  if (!source.emulated()) {
+    auto read = read_calibration_file(source.calibration_file);
+    if (!read) return complain(read.error());
+    calibration = std::move(*read);
+  }
+  Watch watch{arguments, std::move(*names)};
+  return watch.run(std::move(calibration));
+}
+
+}  // namespace cosiva::app

@@ -1,0 +1,78 @@
+#include "cosiva/app/platform/aiv_command.h"
+
+#include <charconv>
+#include <string>
+#include <utility>
+
+#include "cosiva/aiv/onboard/onboard_core.h"
+#include "cosiva/app/cli/console.h"
+#include "cosiva/app/platform/part.h"
+#include "cosiva/app/resources/rule_files.h"
+#include "cosiva/base/json_writer.h"
+
+namespace cosiva::app {
+namespace {
+
+using adapters::EventLoop;
+using adapters::LiveShell;
+using adapters::PortHandlers;
+
+/// "section:s", as `--start` has it.
+Result<aiv::OnboardOptions::Start> parse_start(const std::string& text) {
+  const std::size_t colon = text.rfind(':');
+  double s_m = 0.0;
+  if (colon != std::string::npos && colon > 0) {
+    const char* end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data() + colon + 1, end, s_m);
+    if (error == std::errc{} && stop == end) return aiv::OnboardOptions::Start{text.substr(0, colon), s_m};
+  }
+  return fail("aiv.start", "'" + text + "' is not section:s, such as east:0.85 (metres along the section)", "--start");
+}
+
+}  // namespace
+
+int run_aiv(const AivArguments& arguments) {
+  aiv::OnboardOptions options;
+  options.number = arguments.number;
+  options.id.serial_number = arguments.serial.empty() ? "AIV" + std::to_string(arguments.number) : arguments.serial;
+  if (!wire::valid_serial_number(options.id.serial_number))
+    return complain({"aiv.serial", "a serial number has A-Z a-z 0-9 _ . : - only, 64 at most", "--serial"});
+  auto rules = load_speed_rules(arguments.rules);
+  if (!rules) return complain(rules.error());
+  options.rules = std::move(*rules);
+  options.v2x = arguments.v2x;
+  if (!arguments.start.empty()) {
+    auto start = parse_start(arguments.start);
+    if (!start) return complain(start.error());
+    options.start = std::move(*start);
+  }
+  if (!arguments.zone.empty()) {
+    auto zone = load_good_zone(arguments.zone);
+    if (!zone) return complain(zone.error());
+    options.zone = std::move(*zone);
+  }
+  auto live = live_options(arguments.part, "aiv", "aiv" + std::to_string(arguments.number), aiv::to_json(options));
+  if (!live) return complain(live.error());
+  live->memory_file = arguments.memory_file;
+  if (arguments.emulated) live->obeys_radio = to_string(options.id);
+
+  EventLoop loop;
+  aiv::OnboardCore core{options};
+  LiveShell shell{loop, core, std::move(*live), [&](const PortHandlers& handlers) {
+                    return adapters::connect_unix_ports(loop, arguments.sockets_directory, core.ports(), handlers);
+                  }};
+  const auto summary = [&] {
+    JsonWriter json;
+    json.begin_object().field("number", arguments.number).field("speed", core.believed_speed_mps()).key("believed");
+    if (const auto pose = core.believed_pose()) {
+      json.begin_object().field("x", pose->x_m).field("y", pose->y_m).field("heading", pose->heading_rad).end_object();
+    } else {
+      json.null();
+    }
+    json.end_object();
+    return json.take();
+  };
+  return Part{loop, shell, "aiv", arguments.part, summary}.run();
+}
+
+}  // namespace cosiva::app

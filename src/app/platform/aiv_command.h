@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "cosiva/app/cli/common_arguments.h"
+
+namespace cosiva::app {
+
+/// The options of `cosiva aiv`.
+struct AivArguments {
+  PartArguments part;
+  std::uint32_t number{1};
+  std::string serial;  ///< empty: "AIV<number>"
+  std::string sockets_directory;
+  std::string zone;   ///< empty: from the broker
+  std::string start;  ///< "section:s"; empty: not known until a tag or an initPosition tells
+  std::string memory_file;
+  bool emulated{false};        ///< its radio is the emulated world's
+  std::string rules{"crisp"};  ///< crisp, fuzzy or a file
+  bool v2x{true};
+};
+
+/// `cosiva aiv`: the on-board program of one AIV alone. Gives the exit status: 0 done, 1 the run's own checks failed, 2
+/// bad usage or bad input.
+int run_aiv(const AivArguments& arguments);
+
+}  // namespace cosiva::app

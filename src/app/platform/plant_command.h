@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "cosiva/app/cli/common_arguments.h"
+
+namespace cosiva::app {
+
+/// The options of `cosiva plant`.
+struct PlantArguments {
+  PartArguments part;
+  std::string zone;
+  std::uint32_t vehicles{4};
+  std::uint64_t seed{1};
+  std::string sockets_directory;
+};
+
+/// `cosiva plant`: the emulated plant alone. Gives the exit status: 0 done, 1 the run's own checks failed, 2 bad usage
+/// or bad input.
+int run_plant(const PlantArguments& arguments);
+
+}  // namespace cosiva::app

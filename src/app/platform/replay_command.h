@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+namespace cosiva::app {
+
+/// The options of `cosiva replay`.
+struct ReplayArguments {
+  std::string file;
+  bool json{false};
+};
+
+/// `cosiva replay`: a journal again, and whether the digest is that of the recorded run. Gives the exit status: 0 done,
+/// 1 the run's own checks failed, 2 bad usage or bad input.
+int run_replay(const ReplayArguments& arguments);
+
+}  // namespace cosiva::app

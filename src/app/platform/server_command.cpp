@@ -1,0 +1,192 @@
+#include "cosiva/app/platform/server_command.h"
+
+#include <memory>
+
+#include "cosiva/app/cli/console.h"
+#include "cosiva/app/platform/gvs_view.h"
+#include "cosiva/app/platform/live_scenario.h"
+#include "cosiva/app/platform/part.h"
+#include "cosiva/app/platform/zone_watch.h"
+#include "cosiva/app/resources/file_zone_library.h"
+#include "cosiva/app/resources/resource_paths.h"
+#include "cosiva/app/resources/rule_files.h"
+#include "cosiva/app/resources/zone_files.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/experiments/runs/world/fleet.h"
+#include "cosiva/hmi/server_page.h"
+#include "cosiva/virtual/server/core/server_core.h"
+#include "cosiva/wire/messages/topics.h"
+#include "cosiva/wire/own/halls.h"
+
+namespace cosiva::app {
+namespace {
+
+using adapters::EventLoop;
+using adapters::LiveShell;
+
+PageHost page_host(const ServerArguments& arguments, const virtual_side::ServerCore& core, LiveShell& shell,
+                   const std::string& scenario_name) {
+  PageHost host;
+  host.core = &core;
+  host.command = [&shell](const std::string& source, std::string json) { shell.command(source, std::move(json)); };
+  host.now = [] { return adapters::WallClock{}.now(); };
+  host.zones = std::make_shared<const FileZoneLibrary>();
+  host.run_name = arguments.name.empty() ? default_run_name("live") : arguments.name;
+  host.scenario_name = scenario_name;
+  // A zone given by its file is edited in place; a ready one, given by its name, never.
+  host.zone_file = arguments.zone_file;
+  if (host.zone_file.empty() && looks_like_a_file(arguments.zone)) host.zone_file = arguments.zone;
+  return host;
+}
+
+/// The zone's file, when it is to be watched; the one that `up` names, or our own zone's.
+std::string watched_file(const ServerArguments& arguments) {
+  if (!arguments.watch_file.empty()) return arguments.watch_file;
+  return arguments.watch ? find_zone_file(arguments.zone).value_or("") : std::string{};
+}
+
+/// Says it to who started this part: to `up`, or to the person before the terminal.
+void tell(const PartArguments& part, const std::string& text) {
+  if (!part.announce) return say(text);
+  JsonWriter json;
+  json.begin_object().field("event", "say").field("text", text).end_object();
+  announce(part, json.text());
+}
+
+/// Listens to what an emulated world says is true, for the eye only: a connection of its own, so that nothing of it can
+/// reach the core.
+Result<std::unique_ptr<adapters::MqttClient>> truth_for(EventLoop& loop, const PartArguments& part, ServerPage& page,
+                                                        const std::string& hall) {
+  auto mqtt = mqtt_options(part.broker, "cosiva-instrument" + (hall.empty() ? "" : "-" + hall));
+  if (!mqtt) return tl::unexpected(mqtt.error());
+  adapters::MqttHandlers handlers;
+  handlers.on_link = [](bool) {};
+  handlers.on_message = [&page](std::string_view, std::string_view payload, bool) { page.truth(std::string(payload)); };
+  return adapters::MqttClient::make(loop, std::move(*mqtt), {std::string(wire::plant_truth_topic)}, std::nullopt,
+                                    std::move(handlers));
+}
+
+/// Waits until the fleet is complete: says so to `up`, and begins the scenario.
+class FleetWatch {
+ public:
+  FleetWatch(EventLoop& loop, const virtual_side::ServerCore& core, LiveShell& shell, const ServerArguments& arguments,
+             experiments::Scenario scenario)
+      : core_{core},
+        arguments_{arguments},
+        fleet_{arguments.fleet > 0 || arguments.scenario.empty() ? arguments.fleet : scenario.aivs},
+        scenario_{loop,
+                  std::move(scenario),
+                  arguments.steps_done,
+                  {[&shell](std::string command) { shell.command("scenario", std::move(command)); },
+                   [this](std::uint64_t number, SimDuration at, const experiments::Scenario::Step& step) {
+                     tell_step(number, at, step);
+                   }}},
+        timer_{loop} {
+    if (fleet_ > 0) timer_.every(std::chrono::milliseconds{100}, [this] { look(); });
+  }
+
+ private:
+  void look() {
+    if (!experiments::fleet_is_complete(core_, fleet_)) return;
+    timer_.cancel();
+    announce(arguments_.part, R"({"event":"fleet"})");
+    if (arguments_.scenario.empty()) return;
+    using Milliseconds = std::chrono::milliseconds;
+    const SimTime began = arguments_.began_ms > 0 ? SimTime{Milliseconds{arguments_.began_ms}} : clock_.now();
+    const auto began_ms = std::chrono::duration_cast<Milliseconds>(began.time_since_epoch()).count();
+    announce(arguments_.part, R"({"event":"scenario","began_ms":)" + std::to_string(began_ms) + "}");
+    scenario_.begin(began);
+  }
+
+  void tell_step(std::uint64_t number, SimDuration at, const experiments::Scenario::Step& step) {
+    JsonWriter json;
+    json.begin_object().field("event", "step").field("number", number).field("t_s", to_seconds(at));
+    json.field("what", step.what).end_object();
+    announce(arguments_.part, json.text());
+    if (!arguments_.part.announce) say(step_line(to_seconds(at), step.what));
+  }
+
+  const virtual_side::ServerCore& core_;
+  const ServerArguments& arguments_;
+  std::uint32_t fleet_;
+  adapters::WallClock clock_;
+  LiveScenario scenario_;
+  adapters::Timer timer_;
+};
+
+}  // namespace
+
+int run_server(const ServerArguments& arguments) {
+  virtual_side::ServerOptions options;
+  if (!arguments.hall.empty() && !wire::valid_hall(arguments.hall))
+    return complain({"server.hall", "the name of a hall has A-Z a-z 0-9 _ . : - only, 32 at most", "--hall"});
+  options.hall = arguments.hall;
+  options.drive = !arguments.no_drive;
+  options.v2x = arguments.v2x;
+  options.convoys = arguments.convoys;
+  options.map_download_link = arguments.map_link;
+  // We speak to this machine only; vehicles elsewhere need the file where they can reach it.
+  if (options.map_download_link.empty() && arguments.port != 0)
+    options.map_download_link = "http://127.0.0.1:" + std::to_string(arguments.port) + "/api/v1/zone/file";
+  if (arguments.watch && arguments.zone.empty())
+    return complain(
+        {"server.watch", "without a zone of its own there is no file to watch; add --zone FILE", "--watch"});
+  if (!arguments.zone.empty()) {
+    auto zone = load_good_zone(arguments.zone);
+    if (!zone) return complain(zone.error());
+    options.zone = std::move(*zone);
+  }
+  auto rules = load_speed_rules(arguments.rules);
+  if (!rules) return complain(rules.error());
+  options.virtual_rules = std::move(*rules);
+  experiments::Scenario scenario;
+  if (!arguments.scenario.empty()) {
+    auto loaded = load_scenario(arguments.scenario);
+    if (!loaded) return complain(loaded.error());
+    scenario = std::move(loaded->scenario);
+  }
+  // Two clients of one name would take the broker from each other.
+  const std::string client = arguments.hall.empty() ? "server" : "server-" + arguments.hall;
+  auto live = live_options(arguments.part, "server", client, virtual_side::to_json(options));
+  if (!live) return complain(live.error());
+  live->memory_file = arguments.memory_file;
+
+  EventLoop loop;
+  virtual_side::ServerCore core{options};
+  auto eye = mqtt_options(arguments.part.broker, "cosiva-eye" + (arguments.hall.empty() ? "" : "-" + arguments.hall));
+  if (!eye) return complain(eye.error());
+  LiveShell shell{loop, core, std::move(*live)};
+  GvsView gvs{loop, std::move(*eye)};
+  PageHost host = page_host(arguments, core, shell, scenario.name);
+  host.gvs_picture = [&gvs] { return gvs.look(); };
+  auto page = ServerPage::open(loop, std::move(host), arguments.port, find_web_root(arguments.web_directory),
+                               arguments.headless);
+  if (!page) return complain(page.error());
+  shell.after_input([&] { (*page)->changed(); });
+  std::unique_ptr<adapters::MqttClient> instrument;
+  if (arguments.emulated) {
+    auto made = truth_for(loop, arguments.part, **page, arguments.hall);
+    if (!made) return complain(made.error());
+    instrument = std::move(*made);
+    instrument->start();
+  }
+  const std::uint16_t port = (*page)->port();
+  if (arguments.port != 0 && port != arguments.port)
+    say("port " + std::to_string(arguments.port) + " is busy; taking " + std::to_string(port));
+  say((arguments.headless ? "API at http://127.0.0.1:" : "page at http://127.0.0.1:") + std::to_string(port) + "/");
+  announce(arguments.part, R"({"event":"page","port":)" + std::to_string(port) + "}");
+
+  std::unique_ptr<ZoneWatch> zone_watch;
+  if (const std::string file = watched_file(arguments); !file.empty()) {
+    zone_watch = std::make_unique<ZoneWatch>(
+        loop, file, std::string{},
+        ZoneWatch::Handlers{[&] { return core.zone_configuration(); },
+                            [&](std::string command) { shell.command("watch", std::move(command)); },
+                            [&](const std::string& text) { tell(arguments.part, text); }});
+  }
+
+  FleetWatch watch{loop, core, shell, arguments, std::move(scenario)};
+  return Part{loop, shell, "server", arguments.part, [&] { return core.summary_json(); }}.run();
+}
+
+}  // namespace cosiva::app

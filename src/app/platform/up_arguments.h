@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "cosiva/app/cli/common_arguments.h"
+#include "cosiva/app/gvs/gvs_source.h"
+
+namespace cosiva::app {
+
+/// The options of `cosiva up`.
+struct UpArguments {
+  std::string scenario;  ///< a ready one's name or a file; empty: none
+  std::string name;      ///< of the run; empty: default_run_name
+  /// What the command line said itself: it wins over the scenario.
+  struct Given {
+    bool zone{false};
+    bool aivs{false};
+    bool seed{false};
+    bool duration{false};
+  };
+  Given given;
+  std::string zone{"lacet4"};
+  bool watch{false};
+  std::uint32_t aivs{4};
+  bool headless{false};
+  std::optional<double> duration_s;
+  bool json{false};
+  std::uint64_t seed{1};
+  std::uint16_t port{8080};
+  BrokerArguments broker;
+  std::string record_file;
+  std::string log_directory;
+  double respawn_s{5.0};
+  std::string run_directory;
+  bool virtual_time{false};
+  bool page{false};             ///< with virtual time: at the page's own speed, with the page
+  std::optional<double> speed;  ///< virtual seconds per second, with `page`
+  double loss{0.0};
+  std::string trace_file;
+  std::string web_directory;
+  bool v2x{true};
+  bool convoys{true};
+  bool gvs{false};  ///< a camera watches
+  GvsSource gvs_source;
+  std::string rules;  ///< crisp, fuzzy or a file; empty: crisp for physical AIVs, fuzzy for virtual ones
+};
+
+}  // namespace cosiva::app

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace cosiva::app {
+
+/// The options of `cosiva campaign`.
+struct CampaignArguments {
+  std::string plan_file;
+  std::string out_folder;    ///< empty: nothing is written, nothing is kept
+  std::uint32_t threads{0};  ///< 0: as many as there are cores
+  bool json{false};
+  bool anew{false};
+  bool dry_run{false};
+};
+
+/// `cosiva campaign`. Gives the exit status: 0 done, 1 some cell is below its limit, 2 bad usage or bad input.
+int run_campaign(const CampaignArguments& arguments);
+
+}  // namespace cosiva::app

@@ -1,0 +1,165 @@
+#include "cosiva/app/positioning/qualify_command.h"
+
+#include <chrono>
+
+#include "cosiva/adapters/files.h"
+#include "cosiva/adapters/thread_pool.h"
+#include "cosiva/app/cli/console.h"
+#include "cosiva/app/cli/progress.h"
+#include "cosiva/app/positioning/qualify_candidates.h"
+#include "cosiva/app/positioning/qualify_runs.h"
+#include "cosiva/app/positioning/qualify_trajectories.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/experiments/positioning/metrology/evo_zip.h"
+#include "cosiva/experiments/positioning/metrology/result_json.h"
+#include "cosiva/experiments/positioning/metrology/result_page.h"
+#include "cosiva/experiments/positioning/metrology/result_text.h"
+#include "cosiva/experiments/positioning/recording/trajectory.h"
+
+namespace cosiva::app {
+namespace {
+
+using experiments::Qualification;
+
+int list_algorithms(const estimation::Registry& registry, bool as_json) {
+  JsonWriter json;
+  std::string text;
+  json.begin_object().key("algorithms").begin_array();
+  for (const estimation::Registered& one : registry.all()) {
+    json.begin_object().field("name", one.name).field("what", one.what).field("needs_track", one.needs_track);
+    json.field("looks_back", one.looks_back).end_object();
+    text += (text.empty() ? "" : "\n") + one.name + std::string(18 - std::min<std::size_t>(17, one.name.size()), ' ') +
+            one.what + (one.needs_track ? "; needs a line" : "");
+  }
+  json.end_array().end_object();
+  print(as_json ? json.text() : text);
+  return exit_done;
+}
+
+/// "12 of 30 runs" once a second, for what takes longer than one.
+class RunsDone {
+ public:
+  explicit RunsDone(std::size_t runs) : runs_{runs} {}
+  /// Whoever works on it stops now and then to have this told.
+  [[nodiscard]] bool time_is_up() const { return std::chrono::steady_clock::now() >= until_; }
+  void at(std::size_t done) {
+    until_ = std::chrono::steady_clock::now() + round_time;
+    if (done == runs_ || !ticker_.ticks()) return;
+    say("cosiva: " + std::to_string(done) + " of " + std::to_string(runs_) + " runs");
+  }
+
+ private:
+  static constexpr std::chrono::milliseconds round_time{500};
+  std::size_t runs_;
+  std::chrono::steady_clock::time_point until_{std::chrono::steady_clock::now() + round_time};
+  SecondsTicker ticker_;
+};
+
+Result<void> write_all(const std::string& folder, const Qualification& all, const experiments::Conditions& conditions) {
+  const auto tum = [&](const std::string& name, const std::vector<Pose2>& path) {
+    experiments::Trajectory trajectory{name, {}};
+    for (std::size_t i = 0; i < path.size(); ++i)
+      trajectory.poses.push_back(experiments::stamped(all.times_s[i], path[i]));
+    return experiments::write_tum(trajectory);
+  };
+  std::vector<std::pair<std::string, std::string>> files{{"report.html", to_html(all, conditions)},
+                                                         {"result.json", to_json(all, conditions) + "\n"},
+                                                         {"runs.csv", to_csv(all)},
+                                                         {"truth.tum", tum("truth", all.truth)}};
+  for (const experiments::Qualified& one : all.algorithms) {
+    if (one.failed) continue;
+    std::vector<double> errors;
+    for (std::size_t i = 0; i < one.path.size(); ++i) errors.push_back(distance(one.path[i], all.truth[i]));
+    files.emplace_back(one.name + ".tum", tum(one.name, one.path));
+    files.emplace_back(one.name + ".zip", experiments::evo_zip(one.name, all.times_s, errors, all.options.alignment));
+  }
+  if (auto written = adapters::write_files(folder, files); !written) return written;
+  say("written into " + folder);
+  return {};
+}
+
+/// How late each estimate seems against the truth, over the first run: told, and nothing is shifted by it. A truth with
+/// a clock of its own is an error along the way that no algorithm can help.
+std::string lateness_of(const Qualification& all) {
+  std::string text;
+  for (const experiments::Qualified& one : all.algorithms) {
+    if (one.failed) continue;
+    std::vector<experiments::Pair> pairs;
+    pairs.reserve(one.path.size());
+    for (std::size_t i = 0; i < one.path.size(); ++i)
+      pairs.push_back(
+          {experiments::stamped(all.times_s[i], all.truth[i]), experiments::stamped(all.times_s[i], one.path[i])});
+    text += (text.empty() ? "" : ", ") + one.name + " " + decimals(1e3 * experiments::time_offset_s(pairs), 1) + " ms";
+  }
+  return text;
+}
+
+int run_either(const QualifyArguments& arguments, std::size_t at_least) {
+  const estimation::Registry registry;
+  if (arguments.list) return list_algorithms(registry, arguments.json);
+  if (!arguments.reference.empty() || !arguments.estimates.empty()) return run_trajectories(arguments);
+  const auto alignment = alignment_of(arguments);
+  if (alignment != experiments::Alignment::none && arguments.recordings.empty())
+    return complain({"compare.align", "in virtual time all are told the truth's own frame: there is nothing to align",
+                     "--align " + arguments.align});
+  if (alignment == experiments::Alignment::se3)
+    return complain({"compare.align", "a recording lies on the floor: ask for se2 or origin", "--align se3"});
+  auto reference = reference_of(arguments);
+  if (!reference) return complain(reference.error());
+  auto runs = arguments.recordings.empty() ? virtual_runs(arguments) : recorded_runs(arguments);
+  if (!runs) return complain(runs.error());
+  const auto candidates =
+      candidates_of(arguments, registry, runs->on_track, usual_algorithms(arguments, runs->on_track, at_least));
+  if (!candidates) return complain(candidates.error());
+  if (candidates->size() < at_least)
+    return complain({"compare.few", "there are at least two to compare", "algorithms"});
+  return judge(arguments, *candidates, *runs, std::move(*reference));
+}
+
+/// Its own checks: everybody answered, and nobody is better than can be.
+bool check(const Qualification& all) {
+  bool fine = true;
+  for (const experiments::Qualified& one : all.algorithms) {
+    if (one.failed) say("cosiva: " + one.name + " failed: " + to_string(*one.failed));
+    if (one.leak) say("cosiva: " + one.name + " is below the limit: it knows what it cannot, or the limit is wrong");
+    fine = fine && !one.failed && !one.leak;
+  }
+  return fine;
+}
+
+}  // namespace
+
+int judge(const QualifyArguments& arguments, const std::vector<experiments::Candidate>& candidates, const Runs& runs,
+          experiments::ReferenceBudget reference) {
+  experiments::QualificationOptions options;
+  options.threshold_m = arguments.threshold_m;
+  options.tolerance_m = arguments.tolerance_m;
+  options.reliability = arguments.reliability;
+  options.confidence = arguments.confidence;
+  options.alignment = alignment_of(arguments);
+  options.reference = std::move(reference);
+  options.bootstrap.seed = arguments.seed;
+  adapters::ThreadPool workers{threads_for(arguments)};
+  RunsDone runs_done{runs.count};
+  const auto all = experiments::qualify(
+      candidates, runs.count, runs.source, options, workers, [&] { return runs_done.time_is_up(); },
+      [&](std::size_t done) { runs_done.at(done); });
+  if (!all) return complain(all.error());
+  experiments::Conditions conditions = runs.conditions;
+  if (!arguments.recordings.empty())
+    conditions.settings.emplace_back("seems late against the truth, first run (not corrected)", lateness_of(*all));
+  if (!arguments.out_folder.empty()) {
+    if (auto written = write_all(arguments.out_folder, *all, conditions); !written) return complain(written.error());
+  }
+  std::string text = arguments.json ? to_json(*all, conditions) : to_text(*all);
+  while (text.ends_with('\n')) text.pop_back();  // print ends the line
+  print(text);
+  for (const std::string& note : runs.complete ? std::vector<std::string>{} : runs.conditions.notes)
+    say("cosiva: " + note);
+  return check(*all) && runs.complete ? exit_done : exit_check_failed;
+}
+
+int run_qualify(const QualifyArguments& arguments) { return run_either(arguments, 1); }
+int run_compare(const QualifyArguments& arguments) { return run_either(arguments, 2); }
+
+}  // namespace cosiva::app

@@ -1,0 +1,130 @@
+#include "cosiva/app/resources/resource_paths.h"
+
+#include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "cosiva/adapters/files.h"
+#include "cosiva/adapters/test_bench.h"
+#include "cosiva/app/resources/run_directory.h"
+#include "cosiva/app/resources/zone_files.h"
+
+namespace cosiva::app {
+namespace {
+
+using adapters::testing::Scratch;
+using ::testing::HasSubstr;
+
+TEST(Zone, that_is_missing_says_where_it_was_looked_for) {
+  const auto none = find_zone_file("lacet5");
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().code, "zone.missing");
+  EXPECT_THAT(none.error().message, HasSubstr("looked in\n  /"));
+  EXPECT_THAT(none.error().message, HasSubstr("share/cosiva/zones"));
+  EXPECT_EQ(find_zone_file("/nonexistent/zone.toml").error().place, "/nonexistent/zone.toml");
+}
+
+TEST(Zone, keeps_its_file_s_name_for_errors) {
+  Scratch scratch;
+  const std::string file = scratch.write("mine.toml", "name = 'mine'\n");
+  const auto zone = load_zone(file);
+  ASSERT_TRUE(zone);
+  EXPECT_EQ(zone->origin, file);
+  EXPECT_EQ(zone->format, "toml");
+  EXPECT_EQ(zone->text, "name = 'mine'\n");
+}
+
+TEST(Zone, of_the_user_s_own_comes_before_the_ready_one) {
+  Scratch scratch;
+  const std::string own = scratch.write("cosiva/zones/lacet4.toml", "name = 'mine'\n");
+  ::setenv("XDG_DATA_HOME", scratch.path().c_str(), 1);
+  EXPECT_EQ(find_zone_file("lacet4").value(), own);
+  EXPECT_EQ(own_folder("zones"), scratch / "cosiva/zones");
+  ::unsetenv("XDG_DATA_HOME");
+}
+
+TEST(Scenario, that_is_missing_says_where_it_was_looked_for) {
+  const auto none = find_scenario_file("shwroom");
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().code, "scenario.missing");
+  EXPECT_THAT(none.error().message, HasSubstr("share/cosiva/scenarios"));
+  EXPECT_EQ(load_scenario("/nonexistent/day.toml").error().place, "/nonexistent/day.toml");
+}
+
+TEST(Scenario, finds_a_zone_that_lies_beside_it) {
+  Scratch scratch;
+  const std::string zone = scratch.write("mine.toml", "name = 'mine'\n");
+  const auto beside = load_scenario(scratch.write("day.toml", "name = 'day'\nzone = 'mine.toml'\n"));
+  ASSERT_TRUE(beside) << to_string(beside.error());
+  EXPECT_EQ(beside->scenario.zone, zone);
+  const auto ready = load_scenario(scratch.write("other.toml", "name = 'other'\nzone = 'lacet4'\n"));
+  ASSERT_TRUE(ready);
+  EXPECT_EQ(ready->scenario.zone, "lacet4");
+}
+
+TEST(RunName, says_what_and_when) {
+  EXPECT_THAT(default_run_name("showroom"), ::testing::MatchesRegex("showroom, [0-9]+-[0-9]+-[0-9]+ [0-9]+:[0-9]+"));
+}
+
+TEST(BrokerArguments, that_do_not_go_together_are_refused) {
+  EXPECT_EQ(mqtt_options({"nonsense:", {}, {}, {}, {}, {}}, "x").error().code, "broker.address");
+  EXPECT_EQ(mqtt_options({{}, "ca", "cert", {}, {}, {}}, "x").error().code, "broker.tls");
+  EXPECT_EQ(mqtt_options({{}, {}, "cert", "key", {}, {}}, "x").error().code, "broker.tls");
+  EXPECT_EQ(mqtt_options({{}, {}, {}, {}, {}, "password"}, "x").error().code, "broker.user");
+  const auto good = mqtt_options({"10.0.0.1:8883", "ca", "cert", "key", "me", "password"}, "x");
+  ASSERT_TRUE(good);
+  EXPECT_EQ(good->port, 8883);
+  EXPECT_EQ(good->tls->key_file, "key");
+}
+
+TEST(RunDirectory, is_private_and_leaves_nothing) {
+  Scratch scratch;
+  const std::string path = scratch / "a/run";
+  {
+    const auto run = RunDirectory::create(path);
+    ASSERT_TRUE(run);
+    struct stat facts {};
+    ASSERT_EQ(::stat(path.c_str(), &facts), 0);
+    EXPECT_EQ(facts.st_mode & 0777U, 0700U);
+    ASSERT_TRUE(adapters::write_file(*run / "aiv1.memory", "x"));
+  }
+  EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+TEST(RunDirectory, that_was_there_stays_but_empty) {
+  Scratch scratch;
+  {
+    const auto run = RunDirectory::create(scratch.path());
+    ASSERT_TRUE(run);
+    ASSERT_TRUE(adapters::write_file(*run / "server.json", "{}"));
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(scratch.path()));
+}
+
+TEST(RunDirectory, with_anything_of_someone_else_is_refused_untouched) {
+  Scratch scratch;
+  const std::string file = scratch.write("thesis.tex", "years");
+  const auto run = RunDirectory::create(scratch.path());
+  ASSERT_FALSE(run);
+  EXPECT_EQ(run.error().code, "run.directory");
+  EXPECT_TRUE(std::filesystem::exists(file));
+}
+
+TEST(RunDirectory, of_a_killed_run_is_used_again_but_of_a_living_one_not) {
+  Scratch scratch;
+  const auto noted = [&](pid_t pid) {
+    scratch.write(children_file_name, R"({"children":[{"name":"plant","pid":)" + std::to_string(pid) + "}]}");
+  };
+  noted(::getpid());
+  EXPECT_FALSE(RunDirectory::create(scratch.path()));
+  noted(0x3FFFFFFF);  // beyond any process number
+  scratch.write("boards/left.sock", "");
+  const auto run = RunDirectory::create(scratch.path());
+  ASSERT_TRUE(run) << to_string(run.error());
+  EXPECT_FALSE(std::filesystem::exists(scratch / "boards"));
+}
+
+}  // namespace
+}  // namespace cosiva::app

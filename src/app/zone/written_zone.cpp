@@ -1,0 +1,47 @@
+#include "cosiva/app/zone/written_zone.h"
+
+#include "cosiva/app/resources/zone_files.h"
+#include "cosiva/app/zone/zone_report.h"
+#include "cosiva/base/json_writer.h"
+
+namespace cosiva::app {
+
+Result<WrittenZone> write_as(const std::string& format, const std::string& file, const zone::TrafficZone& zone) {
+  const auto factory = zone::circuit_factory_for(format);
+  if (!factory) return tl::unexpected(factory.error());
+  WrittenZone made{format, file, {}, {}};
+  const auto written = (*factory)->written(zone, made.lost);
+  if (!written) return tl::unexpected(written.error());
+  if (!written->companion.empty()) {
+    const auto companion = zone::companion_of_file(file);
+    if (!companion)
+      return fail("zone.write",
+                  "this format needs a companion beside its file, so the file's name must end as its files do", file);
+    made.companion = *companion;
+  }
+  if (auto stored = write_zone(file, *written); !stored) return tl::unexpected(stored.error());
+  return made;
+}
+
+std::string written_json_of(const zone::TrafficZone& zone, const WrittenZone& made) {
+  JsonWriter json;
+  json.begin_object().field("zone", zone.name).field("format", made.format).field("file", made.file).key("companion");
+  if (made.companion.empty())
+    json.null();
+  else
+    json.value(made.companion);
+  json.field("sections", zone.circuit.size()).field("length_m", zone.circuit.total_length_m());
+  json.field("stations", zone.stations.size());
+  write_notes(json.key("notes"), zone.notes);
+  write_notes(json.key("lost"), made.lost);
+  json.end_object();
+  return json.take();
+}
+
+std::string written_text_of(const zone::TrafficZone& zone, const WrittenZone& made) {
+  return zone.name + ": " + size_of(zone) + ", " + counted(zone.stations.size(), "station") + ", written to " +
+         made.file + (made.companion.empty() ? "" : "\n  what this format cannot say: " + made.companion) +
+         report_of(zone.notes, "reading it") + report_of(made.lost, "writing it");
+}
+
+}  // namespace cosiva::app

@@ -1,0 +1,45 @@
+#include "cosiva/app/zone/zone_generate_command.h"
+
+#include <string>
+#include <utility>
+
+#include "cosiva/app/cli/console.h"
+#include "cosiva/app/resources/zone_files.h"
+#include "cosiva/app/zone/written_zone.h"
+
+namespace cosiva::app {
+namespace {
+
+/// What generated zones are written in; the others are converted from it.
+constexpr std::string_view native_format = "toml";
+
+}  // namespace
+
+int run_zone_generate(const GenerateArguments& arguments) {
+  const auto format = zone::format_of_file(arguments.out_file);
+  if (!format) return complain(format.error());
+  zone::PlantOptions plant = arguments.plant;
+  if (arguments.sections) {
+    const zone::PlantOptions sized = zone::plant_of_size(*arguments.sections);
+    plant.rows = sized.rows;
+    plant.aisles = sized.aisles;
+    plant.bays = sized.bays;
+  }
+  auto text = zone::generate_plant(plant);
+  if (!text) return complain(text.error());
+  // It is read back before it is written: what is made here is good, or is not made.
+  const auto rtm = zone::Rtm::initialise({std::string(native_format), arguments.out_file, std::move(*text), {}});
+  if (!rtm) return complain(rtm.error());
+  WrittenZone made{*format, arguments.out_file, {}, {}};
+  if (*format == native_format) {
+    if (auto stored = write_zone(arguments.out_file, rtm->configuration()); !stored) return complain(stored.error());
+  } else {
+    auto converted = write_as(*format, arguments.out_file, rtm->zone());
+    if (!converted) return complain(converted.error());
+    made = std::move(*converted);
+  }
+  print(arguments.json ? written_json_of(rtm->zone(), made) : written_text_of(rtm->zone(), made));
+  return exit_done;
+}
+
+}  // namespace cosiva::app

@@ -1,0 +1,49 @@
+#include "cosiva/app/zone/zone_report.h"
+
+#include "cosiva/app/cli/console.h"
+#include "cosiva/app/resources/zone_files.h"
+
+namespace cosiva::app {
+
+std::string counted(std::size_t n, const std::string& one) {
+  return std::to_string(n) + " " + one + (n == 1 ? "" : "s");
+}
+
+std::string report_of(const std::vector<zone::Note>& notes, const std::string& heading) {
+  if (notes.empty()) return {};
+  std::string text = "\n  " + heading + ":";
+  for (const zone::Note& note : notes) {
+    const std::string kind{to_string(note.kind)};
+    text.append("\n    ").append(kind).append(kind.size() < 8 ? 8 - kind.size() : 1, ' ');
+    if (!note.place.empty()) text.append(note.place).append(": ");
+    text += note.text;
+  }
+  return text;
+}
+
+void write_notes(JsonWriter& json, const std::vector<zone::Note>& notes) {
+  json.begin_array();
+  for (const zone::Note& note : notes)
+    json.begin_object()
+        .field("kind", to_string(note.kind))
+        .field("place", note.place)
+        .field("text", note.text)
+        .end_object();
+  json.end_array();
+}
+
+std::string size_of(const zone::TrafficZone& zone) {
+  return counted(zone.circuit.size(), "section") + ", " + decimals(zone.circuit.total_length_m(), 3) + " m in all";
+}
+
+std::string section_name(const zone::Circuit& circuit, zone::SectionId section) {
+  return section < circuit.size() ? circuit.part(section).name : std::string{};
+}
+
+std::string place_text(const zone::Circuit& circuit, zone::Place place) {
+  const Pose2 X_MP = circuit.pose_at(place);
+  return circuit.part(place.section).name + " at " + decimals(place.s_m, 3) + " m, (" + decimals(X_MP.x_m, 2) + ", " +
+         decimals(X_MP.y_m, 2) + ")";
+}
+
+}  // namespace cosiva::app

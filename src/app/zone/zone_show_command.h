@@ -1,0 +1,11 @@
+#pragma once
+
+#include "cosiva/app/zone/zone_arguments.h"
+
+namespace cosiva::app {
+
+/// `cosiva zone show`: a zone drawn as SVG or PNG. Gives the exit status: 0 done, 1 the run's own checks failed, 2 bad
+/// usage or bad input.
+int run_zone_show(const ZoneArguments& arguments);
+
+}  // namespace cosiva::app

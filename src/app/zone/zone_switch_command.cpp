@@ -1,0 +1,103 @@
+#include "cosiva/app/zone/zone_switch_command.h"
+
+#include <chrono>
+#include <thread>
+
+#include "cosiva/adapters/http_client.h"
+#include "cosiva/app/cli/console.h"
+#include "cosiva/app/remote/broker_say.h"
+#include "cosiva/app/remote/zone_switch.h"
+#include "cosiva/app/resources/resource_paths.h"
+#include "cosiva/app/resources/zone_files.h"
+#include "cosiva/app/zone/zone_arguments.h"
+#include "cosiva/app/zone/zone_report.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/wire/messages/topics.h"
+
+namespace cosiva::app {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds look_period{50};
+
+/// Asks until the first vehicle moves, or as long as it is worth waiting.
+std::optional<SwitchedZone> watch(const adapters::HttpClient& client, double wait_s) {
+  const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(wait_s);
+  std::optional<SwitchedZone> switched;
+  for (;;) {
+    if (const auto answer = client.ask("GET", "/api/v1/snapshot"); answer && answer->status == 200)
+      switched = switched_in(answer->body);
+    // Who is parked will not move, and who is not there neither.
+    const bool nobody = switched && switched->parked.size() >= switched->vehicles;
+    if (nobody || (switched && switched->first_moving_ms) || std::chrono::steady_clock::now() >= until) return switched;
+    std::this_thread::sleep_for(look_period);
+  }
+}
+
+void tell(const ZoneArguments& arguments, const std::string& name, double revision,
+          const std::optional<SwitchedZone>& switched) {
+  if (!arguments.json) {
+    print("switched to " + name + (switched ? "\n  " + to_text(*switched) : std::string{}));
+    return;
+  }
+  JsonWriter json;
+  json.begin_object().field("zone", name).field("revision", static_cast<std::uint64_t>(revision));
+  json.field("anchored", switched ? switched->anchored : 0).key("parked").begin_array();
+  if (switched)
+    for (const std::string& who : switched->parked) json.value(who);
+  json.end_array().key("first_moving_ms");
+  if (switched && switched->first_moving_ms)
+    json.value(*switched->first_moving_ms);
+  else
+    json.null();
+  json.end_object();
+  print(json.text());
+}
+
+int switch_over_http(const ZoneArguments& arguments, const zone::ZoneConfiguration& configuration) {
+  const auto client = adapters::HttpClient::make(arguments.url);
+  if (!client) return complain(client.error());
+  JsonWriter json;
+  zone::write_json(json, configuration);
+  const auto answer = client->ask("POST", "/api/v1/zone/switch", json.take(), std::chrono::seconds{120});
+  if (!answer) return complain(answer.error());
+  if (answer->status != 200) {
+    Error refused = refusal_in(answer->body, answer->status);
+    refused.message += "\n  the zone that was there stays in force";
+    return complain(refused);
+  }
+  const auto accepted = JsonValue::parse(answer->body);
+  const std::string name = accepted ? accepted->text("name").value_or(configuration.origin) : configuration.origin;
+  tell(arguments, name, accepted ? accepted->number("revision").value_or(0.0) : 0.0, watch(*client, arguments.wait_s));
+  return exit_done;
+}
+
+/// As a physical side does it: the new configuration retained, and those of other formats taken off the broker first,
+/// so that nobody who comes later finds two.
+int switch_over_broker(const ZoneArguments& arguments, const zone::ZoneConfiguration& configuration) {
+  // Nobody answers on a bus: what is wrong with it is said here or nowhere.
+  const auto rtm = zone::Rtm::initialise(configuration);
+  if (!rtm) return complain(rtm.error());
+  const std::string prefix{wire::zone_topic_prefix};
+  std::vector<wire::Publish> messages;
+  for (const std::string_view format : zone::known_formats())
+    if (format != configuration.format) messages.push_back({prefix + std::string(format), {}, 1, true});
+  messages.push_back({prefix + configuration.format, zone::to_payload(configuration), 1, true});
+  if (const auto said = say_over_broker(arguments.broker, "cosiva-switch", messages); !said)
+    return complain(said.error());
+  print("published " + rtm->zone().name + " (" + size_of(rtm->zone()) + ") to " + prefix + configuration.format +
+        "\n  whoever listens judges it and switches by itself");
+  return exit_done;
+}
+
+}  // namespace
+
+int run_zone_switch(const ZoneArguments& arguments) {
+  auto configuration = load_zone(arguments.zone, arguments.companion);
+  if (!configuration) return complain(configuration.error());
+  return arguments.broker.address.empty() ? switch_over_http(arguments, *configuration)
+                                          : switch_over_broker(arguments, *configuration);
+}
+
+}  // namespace cosiva::app

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "cosiva/experiments/positioning/campaign/result.h"
+#include "cosiva/experiments/positioning/campaign/table.h"
+
+namespace cosiva::experiments {
+
+/// A row per run and algorithm: factors, algorithm, seed, rmse_m, … What it refers to outlives it.
+[[nodiscard]] Table runs_table(const CampaignResult& result);
+/// A row per cell.
+[[nodiscard]] Table cells_table(const CampaignResult& result);
+/// A row per algorithm and surrounding: the widest pitch that meets the tolerance.
+[[nodiscard]] Table pitches_table(const CampaignResult& result);
+/// key, value: the plan.
+[[nodiscard]] Table campaign_table(const CampaignResult& result);
+
+}  // namespace cosiva::experiments

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+#include "cosiva/experiments/positioning/metrology/qualification.h"
+#include "cosiva/experiments/positioning/metrology/result.h"
+
+namespace cosiva::experiments {
+
+/// One JSON document: `algorithms[]` with name, rmse_m, mean_m, variance_m2, precision and the rest, `comparisons[]`,
+/// `ranks`, `conditions`, `digest`. Numbers that there are none of are null.
+[[nodiscard]] std::string to_json(const Qualification& qualification, const Conditions& conditions);
+
+}  // namespace cosiva::experiments
