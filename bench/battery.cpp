@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "cosiva/battery/cell_table.h"
 #include "cosiva/battery/pack.h"
 
 namespace {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cosiva/battery/fit/discharge.h"
 #include "cosiva/battery/fit/log.h"
 #include "target.h"
 

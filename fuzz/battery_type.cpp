@@ -1,7 +1,9 @@
 #include <cmath>
 #include <memory>
 
+#include "cosiva/battery/cell_table.h"
 #include "cosiva/battery/pack.h"
+#include "cosiva/battery/type_json.h"
 #include "target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,4 +1,5 @@
-#include "cosiva/journal/journal.h"
+#include "cosiva/journal/reader.h"
+#include "cosiva/journal/writer.h"
 
 #include "target.h"
 

@@ -7,7 +7,7 @@
 
 #include "cosiva/adapters/lossy_radio.h"
 #include "cosiva/adapters/memory_file.h"
-#include "cosiva/journal/journal.h"
+#include "cosiva/journal/writer.h"
 #include "cosiva/wire/messages/topics.h"
 
 namespace cosiva::adapters {

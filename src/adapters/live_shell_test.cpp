@@ -11,7 +11,7 @@
 #include "cosiva/adapters/memory_file.h"
 #include "cosiva/adapters/test_bench.h"
 #include "cosiva/base/digest.h"
-#include "cosiva/journal/journal.h"
+#include "cosiva/journal/replay.h"
 
 namespace cosiva::adapters {
 namespace {

@@ -1,9 +1,10 @@
+#include "cosiva/battery/cell_table.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "cosiva/base/expect.h"
 #include "cosiva/base/math.h"
-#include "cosiva/battery/pack.h"
 
 namespace cosiva::battery {
 namespace {

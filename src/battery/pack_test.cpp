@@ -1,4 +1,5 @@
 #include "cosiva/battery/pack.h"
+#include "cosiva/battery/cell_table.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

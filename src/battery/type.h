@@ -48,12 +48,6 @@ struct BatteryType {
 /// What every type's file says in "format".
 inline constexpr std::string_view type_format = "cosiva-battery-type/1";
 
-/// Reads one type's file (docs/protocols/battery-type.schema.json). Fails ("battery.type") naming the file and the key:
-/// what is missing, unknown, without its unit, out of range, or an open-circuit voltage that does not grow with charge.
-[[nodiscard]] Result<BatteryType> read_type(std::string_view json, const std::string& origin);
-/// As read_type reads it back, to the bit.
-[[nodiscard]] std::string to_json(const BatteryType& type);
-
 /// The types that come with the platform, by name: "lipo850" and "leaf33".
 [[nodiscard]] std::vector<std::string> shipped_types();
 /// One of them; fails ("battery.missing") naming those there are.

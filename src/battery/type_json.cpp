@@ -1,3 +1,5 @@
+#include "cosiva/battery/type_json.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -6,7 +8,6 @@
 
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
-#include "cosiva/battery/type.h"
 
 namespace cosiva::battery {
 namespace {

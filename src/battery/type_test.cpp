@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "cosiva/base/test_places.h"
+#include "cosiva/battery/type_json.h"
 
 namespace cosiva::battery {
 namespace {

@@ -1,4 +1,6 @@
-#include "cosiva/journal/journal.h"
+#include "cosiva/journal/reader.h"
+#include "cosiva/journal/replay.h"
+#include "cosiva/journal/writer.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,7 @@
+#include "cosiva/journal/reader.h"
+
 #include "cosiva/journal/crc32c.h"
 #include "cosiva/journal/format.h"
-#include "cosiva/journal/journal.h"
 
 namespace cosiva::journal {
 namespace {
@@ -38,7 +39,7 @@ Result<std::optional<wire::Input>> Reader::next() {
     return std::nullopt;
   }
   const std::size_t length = get<std::uint32_t>(rest, 0);
-  if (length < format::fixed_bytes || length > record_bytes_max)
+  if (length < format::fixed_bytes || length > format::record_bytes_max)
     return damaged("journal.length", "a record cannot be " + std::to_string(length) + " bytes long");
   const std::size_t whole = format::length_bytes + length + format::crc_bytes;
   if (rest.size() < whole) {

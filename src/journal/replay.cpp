@@ -1,6 +1,8 @@
-#include <utility>
+#include "cosiva/journal/replay.h"
 
-#include "cosiva/journal/journal.h"
+#include "cosiva/journal/reader.h"
+
+#include <utility>
 
 namespace cosiva::journal {
 

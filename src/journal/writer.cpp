@@ -1,9 +1,10 @@
+#include "cosiva/journal/writer.h"
+
 #include <utility>
 
 #include "cosiva/base/expect.h"
 #include "cosiva/journal/crc32c.h"
 #include "cosiva/journal/format.h"
-#include "cosiva/journal/journal.h"
 
 namespace cosiva::journal {
 namespace {
@@ -18,7 +19,7 @@ void put(std::string& out, T value) {
 void put_record(std::string& out, std::uint8_t kind, bool flag, SimTime at, std::string_view source,
                 std::string_view payload) {
   const std::size_t length = format::fixed_bytes + source.size() + payload.size();
-  COSIVA_EXPECT(source.size() <= 0xFFFF && length <= record_bytes_max);
+  COSIVA_EXPECT(source.size() <= 0xFFFF && length <= format::record_bytes_max);
   const std::size_t start = out.size();
   put(out, static_cast<std::uint32_t>(length));
   put(out, kind);

@@ -11,6 +11,8 @@
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/text.h"
 #include "cosiva/experiments/battery/analysis.h"
+#include "cosiva/experiments/battery/autonomy_output.h"
+#include "cosiva/experiments/battery/autonomy_report.h"
 #include "cosiva/experiments/battery/recorded.h"
 
 namespace cosiva::app {

@@ -13,6 +13,7 @@
 #include "cosiva/app/resources/battery_types.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/math.h"
+#include "cosiva/battery/cell_table.h"
 #include "cosiva/battery/pack.h"
 #include "cosiva/experiments/battery/analysis.h"
 

@@ -9,7 +9,10 @@
 #include "cosiva/adapters/files.h"
 #include "cosiva/app/cli/console.h"
 #include "cosiva/base/json_writer.h"
+#include "cosiva/battery/fit/discharge.h"
 #include "cosiva/battery/fit/fit.h"
+#include "cosiva/battery/fit/predict.h"
+#include "cosiva/battery/type_json.h"
 
 namespace cosiva::app {
 namespace {

@@ -14,6 +14,9 @@
 #include "cosiva/app/resources/rule_files.h"
 #include "cosiva/app/resources/zone_files.h"
 #include "cosiva/experiments/battery/analysis.h"
+#include "cosiva/experiments/battery/autonomy_output.h"
+#include "cosiva/experiments/battery/autonomy_report.h"
+#include "cosiva/experiments/battery/load_profile.h"
 #include "cosiva/experiments/battery/platform_rig.h"
 #include "cosiva/experiments/battery/virtual_rig.h"
 

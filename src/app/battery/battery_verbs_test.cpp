@@ -11,6 +11,7 @@
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/test_places.h"
 #include "cosiva/battery/type.h"
+#include "cosiva/battery/type_json.h"
 
 namespace cosiva::app {
 namespace {

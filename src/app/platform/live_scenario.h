@@ -6,6 +6,7 @@
 #include "cosiva/adapters/clock.h"
 #include "cosiva/adapters/event_loop.h"
 #include "cosiva/experiments/runs/scenario/scenario.h"
+#include "cosiva/experiments/runs/scenario/scenario_player.h"
 
 namespace cosiva::app {
 

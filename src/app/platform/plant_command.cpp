@@ -6,6 +6,7 @@
 #include "cosiva/app/cli/console.h"
 #include "cosiva/app/platform/part.h"
 #include "cosiva/physical/plant/plant_core.h"
+#include "cosiva/physical/plant/plant_options.h"
 
 namespace cosiva::app {
 namespace {

@@ -6,8 +6,9 @@
 #include "cosiva/aiv/onboard/onboard_core.h"
 #include "cosiva/app/cli/console.h"
 #include "cosiva/base/json_writer.h"
-#include "cosiva/journal/journal.h"
+#include "cosiva/journal/replay.h"
 #include "cosiva/physical/plant/plant_core.h"
+#include "cosiva/physical/plant/plant_options.h"
 #include "cosiva/virtual/server/core/server_core.h"
 
 namespace cosiva::app {

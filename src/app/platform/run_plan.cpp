@@ -6,6 +6,7 @@
 #include "cosiva/app/resources/resource_paths.h"
 #include "cosiva/app/resources/rule_files.h"
 #include "cosiva/app/resources/zone_files.h"
+#include "cosiva/experiments/runs/scenario/scenario_check.h"
 
 namespace cosiva::app {
 namespace {

@@ -6,6 +6,7 @@
 #include "cosiva/app/resources/resource_paths.h"
 #include "cosiva/app/resources/zone_files.h"
 #include "cosiva/base/json_writer.h"
+#include "cosiva/experiments/runs/scenario/scenario_check.h"
 #include "cosiva/zone/rtm/rtm.h"
 
 namespace cosiva::app {

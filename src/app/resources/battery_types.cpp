@@ -3,6 +3,7 @@
 #include "cosiva/adapters/files.h"
 #include "cosiva/app/cli/console.h"
 #include "cosiva/app/resources/resource_paths.h"
+#include "cosiva/battery/type_json.h"
 
 namespace cosiva::app {
 

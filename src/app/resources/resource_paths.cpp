@@ -13,6 +13,7 @@
 #include "cosiva/app/cli/console.h"
 #include "cosiva/app/resources/zone_files.h"
 #include "cosiva/base/time.h"
+#include "cosiva/experiments/runs/scenario/scenario_check.h"
 #include "cosiva/zone/rtm/rtm.h"
 
 namespace cosiva::app {

@@ -12,6 +12,7 @@
 #include "cosiva/app/resources/zone_files.h"
 #include "cosiva/app/traffic/traffic_terms.h"
 #include "cosiva/experiments/transport/site/site.h"
+#include "cosiva/experiments/transport/site/site_report.h"
 
 namespace cosiva::app {
 namespace {

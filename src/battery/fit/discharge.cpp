@@ -1,9 +1,9 @@
 // From one full charge on: what was taken out, and when.
+#include "cosiva/battery/fit/discharge.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include "cosiva/battery/fit/log.h"
 
 namespace cosiva::battery {
 namespace {

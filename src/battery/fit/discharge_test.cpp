@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "cosiva/battery/fit/discharge.h"
 #include "cosiva/battery/fit/log.h"
 
 namespace cosiva::battery {

@@ -7,7 +7,9 @@
 #include <limits>
 
 #include "cosiva/base/math.h"
+#include "cosiva/battery/fit/discharge.h"
 #include "cosiva/battery/fit/least_squares.h"
+#include "cosiva/battery/fit/predict.h"
 
 namespace cosiva::battery {
 namespace {

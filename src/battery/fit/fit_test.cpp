@@ -11,8 +11,11 @@
 #include <vector>
 
 #include "cosiva/base/test_places.h"
+#include "cosiva/battery/cell_table.h"
 #include "cosiva/battery/fit/least_squares.h"
+#include "cosiva/battery/fit/predict.h"
 #include "cosiva/battery/pack.h"
+#include "cosiva/battery/type_json.h"
 
 namespace cosiva::battery {
 namespace {

@@ -1,4 +1,5 @@
 #include "cosiva/battery/fit/log.h"
+#include "cosiva/battery/fit/discharge.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

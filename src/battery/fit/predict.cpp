@@ -1,10 +1,13 @@
 // What a type's battery would have done under a log's current.
+#include "cosiva/battery/fit/predict.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
 
-#include "cosiva/battery/fit/fit.h"
+#include "cosiva/battery/cell_table.h"
+#include "cosiva/battery/fit/discharge.h"
 #include "cosiva/battery/pack.h"
 
 namespace cosiva::battery {

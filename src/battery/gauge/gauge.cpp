@@ -7,6 +7,7 @@
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/math.h"
+#include "cosiva/battery/cell_table.h"
 
 namespace cosiva::battery {
 namespace {

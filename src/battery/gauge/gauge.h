@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "cosiva/base/digest.h"
+#include "cosiva/battery/cell_table.h"
 #include "cosiva/battery/gauge/monitor.h"
 #include "cosiva/battery/pack.h"
 

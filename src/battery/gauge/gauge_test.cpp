@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "cosiva/base/test_places.h"
+#include "cosiva/battery/cell_table.h"
 
 namespace cosiva::battery {
 namespace {

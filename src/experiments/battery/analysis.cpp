@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "cosiva/experiments/statistics/crossed.h"
 #include "cosiva/experiments/statistics/distributions.h"
 #include "cosiva/experiments/statistics/sample.h"
 

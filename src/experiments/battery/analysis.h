@@ -7,6 +7,7 @@
 
 #include "cosiva/experiments/battery/procedure.h"
 #include "cosiva/experiments/battery/virtual_rig.h"
+#include "cosiva/experiments/statistics/crossed.h"
 #include "cosiva/experiments/statistics/effects.h"
 #include "cosiva/experiments/statistics/interval.h"
 #include "cosiva/experiments/statistics/survival.h"
@@ -75,29 +76,6 @@ struct AutonomyFigures {
 [[nodiscard]] AutonomyFigures analyse(std::span<const BatteryRun> records, std::size_t batteries,
                                       double wanted_half_width = 0.0, std::uint64_t seed = 1);
 
-/// {"autonomy_s":{"mean","sd","ci95":[low,high],…},"batteries":[one for each record],…}
-[[nodiscard]] std::string to_json(const AutonomyFigures& figures, std::span<const BatteryRun> records,
-                                  std::span<const TrueEnd> truth);
-/// For people, in a terminal.
-[[nodiscard]] std::string to_text(const AutonomyFigures& figures, std::span<const BatteryRun> records);
-/// All records' curves with the Battery Data Format's columns, + charges.
-[[nodiscard]] std::string to_csv(std::span<const BatteryRun> records);
-
-/// What the report's reader has to know besides the figures.
-struct ReportFacts {
-  std::string type;
-  std::string source;
-  std::string licence;
-  std::string command;            ///< that gives the same again
-  std::string load;               ///< how the batteries were drained
-  std::optional<double> floor{};  ///< nothing: as the source had it
-};
-[[nodiscard]] std::string report_html(const AutonomyFigures& figures, std::span<const BatteryRun> records,
-                                      std::span<const TrueEnd> truth, const ReportFacts& facts);
-
 /// "1 h 02 min 03 s".
 [[nodiscard]] std::string duration_text(double seconds);
-/// "0.0123", and "< 0.0001" of what is smaller: no chance is nothing.
-[[nodiscard]] std::string chance_text(double p);
-
 }  // namespace cosiva::experiments

@@ -12,6 +12,8 @@
 
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/test_places.h"
+#include "cosiva/experiments/battery/autonomy_output.h"
+#include "cosiva/experiments/battery/autonomy_report.h"
 
 namespace cosiva::experiments {
 namespace {

@@ -6,6 +6,7 @@
 
 #include "cosiva/base/expect.h"
 #include "cosiva/base/json_value.h"
+#include "cosiva/battery/type_json.h"
 
 namespace cosiva::experiments {
 namespace {

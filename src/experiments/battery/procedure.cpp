@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "cosiva/base/expect.h"
+#include "cosiva/experiments/battery/record_json.h"
+#include "cosiva/experiments/battery/slot_json.h"
 #include "cosiva/experiments/statistics/effects.h"
 
 namespace cosiva::experiments {
@@ -41,6 +43,8 @@ BatterySample between(const BatterySample& a, const BatterySample& b, double sha
           mix(a.distance_m, b.distance_m)};
 }
 
+tl::unexpected<Error> bad_state(std::string what) { return fail("battery.state", std::move(what), "saved state"); }
+
 }  // namespace
 
 std::string vehicle_name(const BatteryRun& run) {
@@ -60,7 +64,7 @@ std::optional<StopCause> parse_stop(std::string_view word) {
 }
 
 Procedure::Procedure(ProcedureOptions options)
-    : options_{std::move(options)}, batteries_{plan(options_)}, seats_(options_.vehicles) {
+    : options_{std::move(options)}, batteries_{plan(options_)}, slots_(options_.vehicles) {
   COSIVA_EXPECT(options_.vehicles > 0 && options_.runs > 0 && options_.floor >= 0.0 && options_.floor < 1.0);
 }
 
@@ -70,8 +74,8 @@ ProcedureCommands Procedure::start(SimTime /*now*/) { return ask_for_batteries()
 
 ProcedureCommands Procedure::ask_for_batteries() {
   ProcedureCommands commands;
-  for (std::size_t v = 0; v < seats_.size(); ++v) {
-    seats_[v] = {};
+  for (std::size_t v = 0; v < slots_.size(); ++v) {
+    slots_[v] = {};
     const std::size_t battery = battery_of(run_, v);
     commands.push_back({Kind::change_battery, v, battery, {}});
     commands.push_back({Kind::tell_operator, v, battery,
@@ -82,8 +86,8 @@ ProcedureCommands Procedure::ask_for_batteries() {
 }
 
 ProcedureCommands Procedure::on_ready(SimTime now, std::size_t vehicle, const BatteryTag& tag) {
-  COSIVA_EXPECT(vehicle < seats_.size());
-  Seat& seat = seats_[vehicle];
+  COSIVA_EXPECT(vehicle < slots_.size());
+  ProcedureSlot& seat = slots_[vehicle];
   if (done() || seat.phase != Phase::changing) return {};
   const std::size_t battery = battery_of(run_, vehicle);
   std::string why;
@@ -109,13 +113,13 @@ ProcedureCommands Procedure::on_ready(SimTime now, std::size_t vehicle, const Ba
   seat.record.vehicle = vehicle;
   seat.record.battery = battery;
   seat.record.tag = tag;
-  if (std::ranges::any_of(seats_, [](const Seat& one) { return one.phase == Phase::changing; })) return {};
+  if (std::ranges::any_of(slots_, [](const ProcedureSlot& one) { return one.phase == Phase::changing; })) return {};
   // The last is ready: all together.
   ProcedureCommands commands;
-  for (std::size_t v = 0; v < seats_.size(); ++v) {
-    seats_[v].phase = Phase::running;
-    seats_[v].record.started = now;
-    seats_[v].heard = now;
+  for (std::size_t v = 0; v < slots_.size(); ++v) {
+    slots_[v].phase = Phase::running;
+    slots_[v].record.started = now;
+    slots_[v].heard = now;
     commands.push_back({Kind::run, v});
   }
   return commands;
@@ -129,7 +133,7 @@ void end_curve(BatteryRun& record, const BatterySample& last) {
 }
 }  // namespace
 
-void Procedure::book(Seat& seat, const BatterySample& sample) const {
+void Procedure::book(ProcedureSlot& seat, const BatterySample& sample) const {
   seat.heard = sample.at;
   if (!seat.last) {
     seat.first_distance_m = sample.distance_m;
@@ -145,7 +149,7 @@ void Procedure::book(Seat& seat, const BatterySample& sample) const {
 }
 
 /// What the record says when the run ended with this sample.
-void Procedure::note_end(const Seat& seat, const BatterySample& sample, BatteryRun& record) const {
+void Procedure::note_end(const ProcedureSlot& seat, const BatterySample& sample, BatteryRun& record) const {
   SimDuration paused = seat.paused;
   if (seat.pause_began) paused += sample.at - *seat.pause_began;
   record.paused_s = to_seconds(paused);
@@ -158,8 +162,8 @@ void Procedure::note_end(const Seat& seat, const BatterySample& sample, BatteryR
 }
 
 ProcedureCommands Procedure::on_sample(std::size_t vehicle, const BatterySample& sample) {
-  COSIVA_EXPECT(vehicle < seats_.size());
-  Seat& seat = seats_[vehicle];
+  COSIVA_EXPECT(vehicle < slots_.size());
+  ProcedureSlot& seat = slots_[vehicle];
   if (seat.phase != Phase::running || sample.at < seat.record.started) return {};
   if (seat.last && sample.at <= seat.last->at) return {};  // late or twice
   const double before_ah = seat.record.charge_ah;
@@ -174,7 +178,7 @@ ProcedureCommands Procedure::on_sample(std::size_t vehicle, const BatterySample&
                              ? (last.charge - options_.floor) / (last.charge - sample.charge)
                              : 1.0;
     const BatterySample at = between(last, sample, share);
-    seat.crossing = Crossing{at.at, seat.record};
+    seat.crossing = FloorCrossing{at.at, seat.record};
     BatteryRun& record = seat.crossing->record;
     record.charge_ah = before_ah + share * (record.charge_ah - before_ah);
     record.energy_wh = before_wh + share * (record.energy_wh - before_wh);
@@ -189,8 +193,8 @@ ProcedureCommands Procedure::on_sample(std::size_t vehicle, const BatterySample&
 }
 
 ProcedureCommands Procedure::on_stop(SimTime now, std::size_t vehicle, StopCause cause) {
-  COSIVA_EXPECT(vehicle < seats_.size());
-  Seat& seat = seats_[vehicle];
+  COSIVA_EXPECT(vehicle < slots_.size());
+  ProcedureSlot& seat = slots_[vehicle];
   if (seat.phase != Phase::running) return {};
   // Below the floor already, if not for long enough yet: whatever came then, the battery was first.
   if (seat.crossing) {
@@ -206,12 +210,12 @@ ProcedureCommands Procedure::on_stop(SimTime now, std::size_t vehicle, StopCause
 }
 
 ProcedureCommands Procedure::finish(std::size_t vehicle, BatteryRun record, StopCause cause) {
-  seats_[vehicle] = {};
-  seats_[vehicle].phase = Phase::ended;
+  slots_[vehicle] = {};
+  slots_[vehicle].phase = Phase::ended;
   records_.push_back(std::move(record));
   records_.back().stop = cause;
   ProcedureCommands commands{{Kind::stop, vehicle}};
-  if (std::ranges::any_of(seats_, [](const Seat& one) { return one.phase != Phase::ended; })) return commands;
+  if (std::ranges::any_of(slots_, [](const ProcedureSlot& one) { return one.phase != Phase::ended; })) return commands;
   ++run_;
   if (!done() && options_.enough && options_.enough(records_)) {
     commands.push_back({Kind::tell_operator, vehicle, 0,
@@ -225,7 +229,7 @@ ProcedureCommands Procedure::finish(std::size_t vehicle, BatteryRun record, Stop
 }
 
 ProcedureCommands Procedure::pauses(SimTime now, std::size_t vehicle) {
-  Seat& seat = seats_[vehicle];
+  ProcedureSlot& seat = slots_[vehicle];
   if (options_.pause_every <= SimDuration::zero() || options_.pause_for <= SimDuration::zero()) return {};
   if (seat.pause_began) {
     if (now - *seat.pause_began < options_.pause_for) return {};
@@ -241,21 +245,21 @@ ProcedureCommands Procedure::pauses(SimTime now, std::size_t vehicle) {
 
 ProcedureCommands Procedure::tick(SimTime now) {
   ProcedureCommands commands;
-  for (std::size_t v = 0; v < seats_.size() && !done(); ++v) {
-    if (seats_[v].phase != Phase::running || now - seats_[v].heard < options_.lost_after) continue;
+  for (std::size_t v = 0; v < slots_.size() && !done(); ++v) {
+    if (slots_[v].phase != Phase::running || now - slots_[v].heard < options_.lost_after) continue;
     for (ProcedureCommand& command : on_stop(now, v, StopCause::lost)) commands.push_back(std::move(command));
   }
   return commands;
 }
 
 void Procedure::forgive(SimTime now) {
-  for (Seat& seat : seats_)
+  for (ProcedureSlot& seat : slots_)
     if (seat.phase == Phase::running) seat.heard = now;
 }
 
 Procedure::SeatNow Procedure::seat(SimTime now, std::size_t vehicle) const {
-  COSIVA_EXPECT(vehicle < seats_.size());
-  const Seat& seat = seats_[vehicle];
+  COSIVA_EXPECT(vehicle < slots_.size());
+  const ProcedureSlot& seat = slots_[vehicle];
   const std::size_t run = std::min(present_run(), options_.runs - 1);
   SeatNow is{seat.phase, battery_of(run, vehicle), seat.pause_began.has_value(), 0.0, {}, {}};
   if (seat.phase == Phase::ended) {
@@ -280,7 +284,7 @@ Procedure::Progress Procedure::progress(SimTime now) const {
   double share = 0.0;
   SimTime last = now;
   bool known = true;
-  for (const Seat& seat : seats_) {
+  for (const ProcedureSlot& seat : slots_) {
     if (seat.phase == Phase::ended) share += 1.0;
     if (seat.phase == Phase::changing || seat.phase == Phase::ready) known = false;
     if (seat.phase != Phase::running) continue;
@@ -292,7 +296,50 @@ Procedure::Progress Procedure::progress(SimTime now) const {
     if (gone > 0.01)
       last = std::max(last, seat.record.started + from_seconds(to_seconds(now - seat.record.started) / gone));
   }
-  return {share / static_cast<double>(seats_.size()), known ? std::optional{last} : std::nullopt};
+  return {share / static_cast<double>(slots_.size()), known ? std::optional{last} : std::nullopt};
+}
+
+std::string Procedure::state_json() const {
+  JsonWriter json;
+  json.begin_object().field("vehicles", options_.vehicles).field("runs", options_.runs).field("swap", options_.swap);
+  json.field("floor", options_.floor).field("run", run_).key("seats").begin_array();
+  for (const ProcedureSlot& seat : slots_) write_slot(json, seat);
+  json.end_array().key("records").begin_array();
+  for (const BatteryRun& record : records_) write_record(json, record);
+  return json.end_array().end_object().take();
+}
+
+Result<void> Procedure::restore(std::string_view state_json) {
+  constexpr std::size_t bytes_max = 512U << 20U;
+  const auto json = JsonValue::parse(state_json, bytes_max);
+  if (!json) return bad_state(json.error().message);
+  if (json->number("vehicles") != static_cast<double>(options_.vehicles) ||
+      json->number("runs") != static_cast<double>(options_.runs) || json->flag("swap") != options_.swap ||
+      json->number("floor") != options_.floor)
+    return bad_state("it is another test's: vehicles, runs, swap or floor differ");
+  const auto run = json->number("run");
+  const JsonValue* seats = json->find("seats");
+  const JsonValue* records = json->find("records");
+  if (!run || !(*run >= 0.0 && *run <= static_cast<double>(options_.runs)) || seats == nullptr ||
+      seats->array() == nullptr || seats->array()->size() != slots_.size() || records == nullptr ||
+      records->array() == nullptr)
+    return bad_state("it is not whole");
+  std::vector<ProcedureSlot> read_slots;
+  for (const JsonValue& item : *seats->array()) {
+    auto seat = read_slot(item);
+    if (!seat) return tl::unexpected(seat.error());
+    read_slots.push_back(std::move(*seat));
+  }
+  std::vector<BatteryRun> read_records;
+  for (const JsonValue& item : *records->array()) {
+    auto record = read_record(item);
+    if (!record) return tl::unexpected(record.error());
+    read_records.push_back(std::move(*record));
+  }
+  slots_ = std::move(read_slots);
+  records_ = std::move(read_records);
+  run_ = static_cast<std::size_t>(*run);
+  return {};
 }
 
 }  // namespace cosiva::experiments

@@ -94,6 +94,28 @@ struct ProcedureCommand {
 };
 using ProcedureCommands = std::vector<ProcedureCommand>;
 
+/// How far a vehicle is with its battery in a run.
+enum class ProcedurePhase : std::uint8_t { changing, ready, running, ended };
+
+/// When a battery crossed the floor, with its record at that time.
+struct FloorCrossing {
+  SimTime at{};
+  BatteryRun record;
+};
+
+/// All that a procedure knows of one vehicle in the present run.
+struct ProcedureSlot {
+  ProcedurePhase phase{ProcedurePhase::changing};
+  BatteryRun record;  ///< growing
+  std::optional<BatterySample> last;
+  std::optional<FloorCrossing> crossing;  ///< since then below the floor
+  double first_distance_m{};
+  SimTime heard{};
+  std::optional<SimTime> pause_began;
+  SimDuration paused{};
+  SimDuration ran_since_pause{};
+};
+
 class Procedure {
  public:
   explicit Procedure(ProcedureOptions options);
@@ -112,12 +134,12 @@ class Procedure {
   [[nodiscard]] std::size_t run() const { return run_; }
   /// The one that goes on, or where all is over the last that was made.
   [[nodiscard]] std::size_t present_run() const { return done() && !records_.empty() ? records_.back().run : run_; }
-  [[nodiscard]] bool running(std::size_t vehicle) const { return seats_[vehicle].phase == Phase::running; }
+  [[nodiscard]] bool running(std::size_t vehicle) const { return slots_[vehicle].phase == Phase::running; }
   /// Which battery belongs on a vehicle in a run.
   [[nodiscard]] std::size_t battery_of(std::size_t run, std::size_t vehicle) const;
   [[nodiscard]] const std::vector<BatteryRun>& records() const { return records_; }
   [[nodiscard]] const ProcedureOptions& options() const { return options_; }
-  enum class Phase : std::uint8_t { changing, ready, running, ended };
+  using Phase = ProcedurePhase;
   /// A vehicle as it stands in this run, or in the last when all are over.
   struct SeatNow {
     Phase phase;
@@ -144,32 +166,15 @@ class Procedure {
   void forgive(SimTime now);
 
  private:
-  struct Crossing {
-    SimTime at{};
-    BatteryRun record;
-  };
-  struct Seat {
-    Phase phase{Phase::changing};
-    BatteryRun record;  ///< growing
-    std::optional<BatterySample> last;
-    std::optional<Crossing> crossing;  ///< since then below the floor
-    double first_distance_m{};
-    SimTime heard{};
-    std::optional<SimTime> pause_began;
-    SimDuration paused{};
-    SimDuration ran_since_pause{};
-  };
-  friend struct ProcedureState;
-
   [[nodiscard]] ProcedureCommands ask_for_batteries();
   [[nodiscard]] ProcedureCommands finish(std::size_t vehicle, BatteryRun record, StopCause cause);
-  void book(Seat& seat, const BatterySample& sample) const;
-  void note_end(const Seat& seat, const BatterySample& sample, BatteryRun& record) const;
+  void book(ProcedureSlot& seat, const BatterySample& sample) const;
+  void note_end(const ProcedureSlot& seat, const BatterySample& sample, BatteryRun& record) const;
   [[nodiscard]] ProcedureCommands pauses(SimTime now, std::size_t vehicle);
 
   ProcedureOptions options_;
   std::vector<std::vector<std::size_t>> batteries_;  ///< by run and vehicle
-  std::vector<Seat> seats_;
+  std::vector<ProcedureSlot> slots_;
   std::size_t run_{0};
   std::vector<BatteryRun> records_;
 };

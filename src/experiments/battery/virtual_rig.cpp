@@ -9,6 +9,8 @@
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/math.h"
+#include "cosiva/battery/cell_table.h"
+#include "cosiva/experiments/battery/load_profile.h"
 #include "cosiva/experiments/battery/record_json.h"
 
 namespace cosiva::experiments {

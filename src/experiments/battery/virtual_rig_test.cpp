@@ -12,6 +12,7 @@
 
 #include "cosiva/base/test_places.h"
 #include "cosiva/experiments/battery/analysis.h"
+#include "cosiva/experiments/battery/load_profile.h"
 
 namespace cosiva::experiments {
 namespace {

@@ -1,8 +1,9 @@
+#include "cosiva/experiments/statistics/crossed.h"
+
 #include <algorithm>
 #include <cmath>
 #include <set>
 
-#include "cosiva/experiments/statistics/effects.h"
 #include "cosiva/experiments/statistics/sample.h"
 #include "cosiva/experiments/statistics/special.h"
 

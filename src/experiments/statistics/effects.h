@@ -33,38 +33,6 @@ struct Trend {
 /// Nothing for fewer than three points or equal x.
 [[nodiscard]] std::optional<Trend> trend(std::span<const double> x, std::span<const double> y, double level = 0.95);
 
-/// One measured value of a crossed design: unit (a battery) on carrier (a vehicle), and its how-manieth run.
-struct Trial {
-  std::size_t unit;
-  std::size_t carrier;
-  double run;
-  double value;
-};
-struct Factor {
-  double degrees;
-  double f;
-  double p;
-  double sd;     ///< of its true effects, by the method of moments
-  double share;  ///< of the variance that the factors and the noise make up together
-};
-/// value = mean + unit + carrier + slope · run + noise, by least squares. A factor is judged by what it explains beyond
-/// all others; where it explains nothing of its own that the others could not (each unit stayed on its carrier),
-/// `confounded` says so and its figures are those of both together.
-struct Crossed {
-  Factor unit;
-  Factor carrier;
-  Factor run;
-  double slope;  ///< per run
-  double noise_sd;
-  double noise_share;
-  double noise_degrees;
-  bool confounded;
-  std::vector<double> unit_effects;  ///< about their mean; empty where confounded
-  std::vector<double> carrier_effects;
-};
-/// Nothing where there are not more trials than the model has unknowns.
-[[nodiscard]] std::optional<Crossed> crossed(std::span<const Trial> trials);
-
 /// Who is tested on what: in run r, unit u goes on carrier square[r][u]. Every pair meets once, and in even sizes every
 /// carrier follows every other once (Williams 1949), so that no unit is always tested after the same one.
 [[nodiscard]] std::vector<std::vector<std::size_t>> latin_square(std::size_t size);

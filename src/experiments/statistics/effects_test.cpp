@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cosiva/base/random.h"
+#include "cosiva/experiments/statistics/crossed.h"
 
 namespace cosiva::statistics {
 namespace {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cosiva/physical/plant/plant_core.h"
+#include "cosiva/physical/plant/plant_options.h"
 #include "cosiva/wire/module_link/module_link.h"
 
 namespace cosiva::physical {

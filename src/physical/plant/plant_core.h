@@ -8,36 +8,11 @@
 
 #include "cosiva/base/pose.h"
 #include "cosiva/base/result.h"
+#include "cosiva/physical/plant/plant_options.h"
 #include "cosiva/wire/runtime/core.h"
 #include "cosiva/zone/rtm/rtm.h"
 
 namespace cosiva::physical {
-
-/// Imperfections of the emulated world; each can be set to zero.
-struct PlantNoise {
-  double odometry_scale_sd{0.005};  ///< per vehicle, drawn once: wheel wear
-  double odometry_noise_m_per_sqrt_m{0.003};
-  double slip_per_mps2{0.002};  ///< share of the distance lost per m/s² of acceleration
-  double line_offset_sd_m{0.0005};
-  double tag_range_m{0.02};  ///< radius of the antenna's field
-  double tag_miss{0.01};     ///< probability per passage
-  SimDuration tag_latency_min{std::chrono::milliseconds{8}};
-  SimDuration tag_latency_max{std::chrono::milliseconds{20}};
-  double range_sd_m{0.005};
-  double range_dropout{0.01};  ///< per beam and cycle
-};
-
-struct PlantOptions {
-  zone::ZoneConfiguration zone;
-  std::uint32_t vehicles{4};
-  std::uint64_t seed{1};
-  PlantNoise noise;
-  bool publish_zone{true};                           ///< hand the configuration to the server, retained
-  bool publish_truth{true};                          ///< for instruments, on plant_truth_topic
-  SimDuration cycle{std::chrono::milliseconds{10}};  ///< bodies move in steps of at most 20 ms all the same
-};
-[[nodiscard]] std::string to_json(const PlantOptions& options);
-[[nodiscard]] Result<PlantOptions> plant_options_from_json(std::string_view json);
 
 /// One vehicle as it truly is.
 struct TrueVehicle {

@@ -9,6 +9,7 @@
 #include "cosiva/base/json_writer.h"
 #include "cosiva/battery/type.h"
 #include "cosiva/physical/plant/plant_bench.h"
+#include "cosiva/physical/plant/plant_options.h"
 #include "cosiva/physical/plant/test_zones.h"
 #include "cosiva/wire/messages/topics.h"
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "cosiva/physical/plant/plant_bench.h"
+#include "cosiva/physical/plant/plant_options.h"
 #include "cosiva/physical/plant/test_zones.h"
 
 namespace cosiva::physical {

@@ -7,6 +7,7 @@
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/physical/plant/plant_bench.h"
+#include "cosiva/physical/plant/plant_options.h"
 #include "cosiva/physical/plant/test_zones.h"
 #include "cosiva/wire/messages/topics.h"
 #include "cosiva/zone/edit/edit.h"

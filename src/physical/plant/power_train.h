@@ -6,6 +6,7 @@
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/random.h"
 #include "cosiva/base/result.h"
+#include "cosiva/battery/cell_table.h"
 #include "cosiva/battery/gauge/gauge.h"
 #include "cosiva/battery/gauge/monitor.h"
 #include "cosiva/battery/pack.h"

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cosiva/battery/cell_table.h"
+#include "cosiva/physical/plant/plant_options.h"
+
 namespace cosiva::physical {
 namespace {
 

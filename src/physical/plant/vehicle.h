@@ -6,10 +6,12 @@
 #include <string_view>
 #include <vector>
 
+#include "cosiva/battery/cell_table.h"
 #include "cosiva/physical/boards/boards.h"
 #include "cosiva/physical/plant/floor.h"
 #include "cosiva/physical/plant/odometer.h"
 #include "cosiva/physical/plant/plant_core.h"
+#include "cosiva/physical/plant/plant_options.h"
 #include "cosiva/physical/plant/power_train.h"
 #include "cosiva/physical/plant/ranging.h"
 #include "cosiva/physical/plant/tag_reader.h"

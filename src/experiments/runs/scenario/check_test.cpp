@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include "cosiva/experiments/runs/scenario/scenario.h"
+#include "cosiva/experiments/runs/scenario/scenario_check.h"
 #include "cosiva/experiments/runs/scenario/test_scenarios.h"
 
 namespace cosiva::experiments {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,8 +8,6 @@
 
 #include "cosiva/base/result.h"
 #include "cosiva/base/time.h"
-#include "cosiva/zone/layout/circuit_factory.h"
-#include "cosiva/zone/layout/traffic_zone.h"
 
 namespace cosiva::experiments {
 
@@ -36,31 +33,4 @@ struct Scenario {
 /// Reads a scenario; errors name origin, line and field, and what was expected, with the nearest word for a misspelt
 /// one.
 [[nodiscard]] Result<Scenario> scenario_from_toml(std::string_view text, const std::string& origin);
-/// Finds the zones that the scenario switches to, and puts them into their steps' commands, whole: a server that plays
-/// it needs no files. Fails as `load` does, naming the line.
-using LoadZone = std::function<Result<zone::ZoneConfiguration>(const std::string& name_or_file)>;
-[[nodiscard]] Result<void> resolve_zones(Scenario& scenario, const LoadZone& load, const std::string& origin);
-/// Checks what only the zone in force at each step can tell: places on it, sections, stations and loops that exist,
-/// vehicles 1…aivs or named virtual ones that are there at that time, ids used twice or removed before they came. Its
-/// zones must have been resolved.
-/// @param zone  in force at the beginning
-[[nodiscard]] Result<void> check(const Scenario& scenario, const zone::TrafficZone& zone, const std::string& origin);
-
-/// Hands out the steps that are due.
-class ScenarioPlayer {
- public:
-  explicit ScenarioPlayer(const Scenario& scenario) : steps_{scenario.steps} {}
-  void begin(SimTime now) { begun_ = now; }
-  [[nodiscard]] bool begun() const { return begun_.has_value(); }
-  /// Those due up to `now`, each once; none before begin().
-  [[nodiscard]] std::vector<Scenario::Step> due(SimTime now);
-  [[nodiscard]] std::optional<SimTime> next_due() const;
-  [[nodiscard]] bool done() const { return next_ == steps_.size(); }
-
- private:
-  std::vector<Scenario::Step> steps_;
-  std::size_t next_{0};
-  std::optional<SimTime> begun_;
-};
-
 }  // namespace cosiva::experiments

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 
 #include "cosiva/base/json_value.h"
+#include "cosiva/experiments/runs/scenario/scenario_check.h"
+#include "cosiva/experiments/runs/scenario/scenario_player.h"
 #include "cosiva/experiments/runs/scenario/test_scenarios.h"
 
 namespace cosiva::experiments {

@@ -7,7 +7,9 @@
 #include <variant>
 
 #include "cosiva/base/expect.h"
+#include "cosiva/experiments/runs/scenario/scenario_player.h"
 #include "cosiva/experiments/runs/world/fleet.h"
+#include "cosiva/physical/plant/plant_options.h"
 #include "cosiva/wire/messages/board.h"
 #include "cosiva/wire/messages/topics.h"
 #include "cosiva/wire/own/own_messages.h"

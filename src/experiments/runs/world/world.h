@@ -13,6 +13,7 @@
 #include "cosiva/base/result.h"
 #include "cosiva/experiments/runs/scenario/scenario.h"
 #include "cosiva/physical/plant/plant_core.h"
+#include "cosiva/physical/plant/plant_options.h"
 #include "cosiva/virtual/server/core/server_core.h"
 #include "cosiva/wire/runtime/network.h"
 

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "cosiva/base/json_writer.h"
 #include "cosiva/base/ranks.h"
 #include "cosiva/base/result.h"
 #include "cosiva/base/workers.h"
+#include "cosiva/experiments/transport/site/site_metrics.h"
 #include "cosiva/experiments/transport/site/site_plan.h"
 #include "cosiva/experiments/transport/traffic/traffic.h"
 
@@ -22,37 +22,6 @@ struct SiteOptions : TrafficTerms {
   double jobs_per_hour{0.0};  ///< in each zone; 0: everybody circulates
   double away_share{0.2};     ///< of jobs, that lead into a neighbouring zone, where there is one
 };
-
-/// What came of it, the same on every rank.
-struct SiteFigures {
-  struct Zone {
-    std::string name;
-    std::size_t aivs{};  ///< in it at the end
-    std::size_t jobs_due{};
-    std::size_t jobs_done{};
-    std::size_t came{};  ///< vehicles, from other zones
-    std::size_t left{};
-    double distance_m{};
-    double waiting_share{};
-    double energy_wh{};
-    std::uint64_t near_misses{};
-    std::uint64_t collisions{};
-    std::size_t stuck{};
-    std::uint64_t digest{};
-  };
-  std::vector<Zone> zones;
-  std::size_t aivs{};        ///< in all zones
-  std::size_t in_passage{};  ///< between two of them, at the end
-  std::uint64_t vehicle_steps{};
-  std::string digest;  ///< of all zones; does not depend on ranks and workers
-
-  [[nodiscard]] bool good() const;
-};
-
-void write_json(JsonWriter& json, const SiteFigures& figures);
-[[nodiscard]] std::string to_text(const SiteFigures& figures);
-/// One page, with nothing to be fetched. @param command  that gives the same again
-[[nodiscard]] std::string to_html(const SiteFigures& figures, const std::string& command);
 
 /// Zones with passages, each zone stepped by one rank. Between two meetings of the ranks every zone is on its own: a
 /// meeting comes as often as the shortest passage takes, so nobody arrives before it has been heard of.

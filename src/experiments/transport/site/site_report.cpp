@@ -1,8 +1,9 @@
+#include "cosiva/experiments/transport/site/site_report.h"
+
 #include <algorithm>
 
 #include "cosiva/experiments/reporting/chart.h"
 #include "cosiva/experiments/reporting/report.h"
-#include "cosiva/experiments/transport/site/site.h"
 
 namespace cosiva::experiments {
 namespace {

@@ -1,5 +1,5 @@
-// What only the zone and the order of events can tell. The steps' own commands are judged, as the server will read
-// them.
+#include "cosiva/experiments/runs/scenario/scenario_check.h"
+
 #include <algorithm>
 #include <charconv>
 #include <map>
@@ -8,7 +8,6 @@
 
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
-#include "cosiva/experiments/runs/scenario/scenario.h"
 #include "cosiva/experiments/runs/scenario/toml_entry.h"
 #include "cosiva/wire/messages/topics.h"
 #include "cosiva/zone/drawing/draw.h"

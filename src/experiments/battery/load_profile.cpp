@@ -1,4 +1,5 @@
-#include "cosiva/experiments/battery/virtual_rig.h"
+#include "cosiva/experiments/battery/load_profile.h"
+
 #include "cosiva/experiments/runs/world/fleet.h"
 
 namespace cosiva::experiments {

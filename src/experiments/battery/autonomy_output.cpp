@@ -1,11 +1,11 @@
-// The figures as JSON, as text, and the curves as CSV.
+#include "cosiva/experiments/battery/autonomy_output.h"
+
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 
 #include "cosiva/base/json_writer.h"
-#include "cosiva/experiments/battery/analysis.h"
 
 namespace cosiva::experiments {
 namespace {

@@ -1,13 +1,15 @@
-// The report: a maker's one-page statement first, then what it rests on.
+#include "cosiva/experiments/battery/autonomy_report.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
 #include <vector>
 
-#include "cosiva/experiments/battery/analysis.h"
+#include "cosiva/experiments/battery/autonomy_output.h"
 #include "cosiva/experiments/reporting/chart.h"
 #include "cosiva/experiments/reporting/report.h"
+#include "cosiva/experiments/statistics/crossed.h"
 
 namespace cosiva::experiments {
 namespace {

@@ -1,7 +1,8 @@
+#include "cosiva/experiments/transport/site/site_metrics.h"
+
 #include <algorithm>
 
 #include "cosiva/experiments/reporting/chart.h"
-#include "cosiva/experiments/transport/site/site.h"
 
 namespace cosiva::experiments {
 namespace {

@@ -1,4 +1,4 @@
-#include "cosiva/experiments/runs/scenario/scenario.h"
+#include "cosiva/experiments/runs/scenario/scenario_player.h"
 
 namespace cosiva::experiments {
 

@@ -1,3 +1,5 @@
+#include "cosiva/physical/plant/plant_options.h"
+
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -5,7 +7,6 @@
 
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
-#include "cosiva/physical/plant/plant_core.h"
 
 namespace cosiva::physical {
 namespace {

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <vector>
+
+#include "cosiva/base/result.h"
+#include "cosiva/base/time.h"
+#include "cosiva/experiments/runs/world/world.h"
+
+namespace cosiva::experiments {
+
+/// What one vehicle took, ten times a second, while the whole platform drove: power [W] and way [m] in each step.
+struct LoadProfile {
+  std::vector<double> power_w;
+  std::vector<double> moved_m;
+  [[nodiscard]] double mean_w() const;
+  [[nodiscard]] double mean_mps() const;
+};
+inline constexpr double load_step_s = 0.1;
+
+/// Lets a world drive and writes down what each vehicle takes, `warm_up` after its fleet is complete. Fails where the
+/// fleet is not complete in two minutes.
+[[nodiscard]] Result<std::vector<LoadProfile>> measure_loads(WorldOptions options, SimDuration warm_up,
+                                                             SimDuration length);
+
+}  // namespace cosiva::experiments

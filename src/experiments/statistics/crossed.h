@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace cosiva::statistics {
+
+/// One measured value of a crossed design: unit (a battery) on carrier (a vehicle), and its how-manieth run.
+struct Trial {
+  std::size_t unit;
+  std::size_t carrier;
+  double run;
+  double value;
+};
+struct Factor {
+  double degrees;
+  double f;
+  double p;
+  double sd;     ///< of its true effects, by the method of moments
+  double share;  ///< of the variance that the factors and the noise make up together
+};
+/// value = mean + unit + carrier + slope · run + noise, by least squares. A factor is judged by what it explains beyond
+/// all others; where it explains nothing of its own that the others could not (each unit stayed on its carrier),
+/// `confounded` says so and its figures are those of both together.
+struct Crossed {
+  Factor unit;
+  Factor carrier;
+  Factor run;
+  double slope;  ///< per run
+  double noise_sd;
+  double noise_share;
+  double noise_degrees;
+  bool confounded;
+  std::vector<double> unit_effects;  ///< about their mean; empty where confounded
+  std::vector<double> carrier_effects;
+};
+/// Nothing where there are not more trials than the model has unknowns.
+[[nodiscard]] std::optional<Crossed> crossed(std::span<const Trial> trials);
+
+}  // namespace cosiva::statistics

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "cosiva/base/json_writer.h"
+
+namespace cosiva::experiments {
+
+/// What came of it, the same on every rank.
+struct SiteFigures {
+  struct Zone {
+    std::string name;
+    std::size_t aivs{};  ///< in it at the end
+    std::size_t jobs_due{};
+    std::size_t jobs_done{};
+    std::size_t came{};  ///< vehicles, from other zones
+    std::size_t left{};
+    double distance_m{};
+    double waiting_share{};
+    double energy_wh{};
+    std::uint64_t near_misses{};
+    std::uint64_t collisions{};
+    std::size_t stuck{};
+    std::uint64_t digest{};
+  };
+  std::vector<Zone> zones;
+  std::size_t aivs{};        ///< in all zones
+  std::size_t in_passage{};  ///< between two of them, at the end
+  std::uint64_t vehicle_steps{};
+  std::string digest;  ///< of all zones; does not depend on ranks and workers
+
+  [[nodiscard]] bool good() const;
+};
+
+void write_json(JsonWriter& json, const SiteFigures& figures);
+[[nodiscard]] std::string to_text(const SiteFigures& figures);
+
+}  // namespace cosiva::experiments

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "cosiva/base/result.h"
+#include "cosiva/wire/runtime/core.h"
+
+namespace cosiva::journal {
+
+/// Reads a journal's bytes from front to back. A record cut short at the end is news (`truncated`), a damaged one an
+/// error that names its offset.
+class Reader {
+ public:
+  /// Fails ("journal.magic") on something else than a journal.
+  [[nodiscard]] static Result<Reader> open(std::string_view bytes);
+  /// The next input; nothing at the end. Errors ("journal.crc", "journal.length", "journal.kind", "journal.flag",
+  /// "journal.after_end") name the record's offset, and come again on every further call.
+  [[nodiscard]] Result<std::optional<wire::Input>> next();
+  [[nodiscard]] const std::optional<std::string>& recorded_digest() const { return digest_; }
+  [[nodiscard]] bool truncated() const { return truncated_; }
+
+ private:
+  explicit Reader(std::string_view bytes) : bytes_{bytes} {}
+  std::string_view bytes_;
+  std::size_t at_{8};
+  std::optional<std::string> digest_;
+  bool truncated_{false};
+};
+
+}  // namespace cosiva::journal

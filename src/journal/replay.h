@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "cosiva/base/result.h"
+#include "cosiva/wire/runtime/core.h"
+
+namespace cosiva::journal {
+
+/// What a replay ended with.
+struct Replayed {
+  std::string digest;
+  std::optional<std::string> recorded_digest;
+  std::uint64_t inputs{};
+  bool truncated{false};
+};
+/// Runs the core that `make_core` makes from the first input, which must be `configure` (else "journal.configure"),
+/// over every input, that one included. `after` (if given) is called at the end with the core.
+[[nodiscard]] Result<Replayed> replay(
+    std::string_view bytes, const std::function<Result<std::unique_ptr<wire::Core>>(const wire::Input&)>& make_core,
+    const std::function<void(wire::Core&)>& after = {});
+
+}  // namespace cosiva::journal
