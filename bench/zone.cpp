@@ -15,6 +15,9 @@
 #include "cosiva/base/random.h"
 #include "cosiva/zone/check/check.h"
 #include "cosiva/zone/generate/generate.h"
+#include "cosiva/zone/generate/plant_size.h"
+#include "cosiva/zone/layout/crossings.h"
+#include "cosiva/zone/layout/waypoints.h"
 #include "cosiva/zone/routing/route.h"
 #include "cosiva/zone/rtm/rtm.h"
 

@@ -10,6 +10,7 @@
 #include "cosiva/base/test_places.h"
 #include "cosiva/virtual/fleet/fleet.h"
 #include "cosiva/zone/generate/generate.h"
+#include "cosiva/zone/generate/plant_size.h"
 #include "cosiva/zone/rtm/rtm.h"
 
 namespace cosiva::adapters {

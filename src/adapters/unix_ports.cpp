@@ -1,3 +1,5 @@
+#include "cosiva/adapters/unix_ports.h"
+
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -15,8 +17,6 @@
 #include <map>
 #include <type_traits>
 #include <utility>
-
-#include "cosiva/adapters/ports.h"
 
 namespace cosiva::adapters {
 namespace {

@@ -9,6 +9,7 @@
 
 #include "cosiva/adapters/ports.h"
 #include "cosiva/adapters/test_bench.h"
+#include "cosiva/adapters/unix_ports.h"
 
 namespace cosiva::adapters {
 namespace {

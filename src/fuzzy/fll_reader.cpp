@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "cosiva/fuzzy/fll_parts.h"
+#include "cosiva/fuzzy/fll_rule.h"
+#include "cosiva/fuzzy/fll_terms.h"
 
 namespace cosiva::fuzzy {
 namespace {

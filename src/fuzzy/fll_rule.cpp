@@ -1,4 +1,6 @@
 // Rules: "if gap is close and not …": 'and' binds tighter than 'or', brackets bind tightest.
+#include "cosiva/fuzzy/fll_rule.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>

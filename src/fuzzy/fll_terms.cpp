@@ -1,4 +1,6 @@
 // Terms: "close Trapezoid 0 0 1 2" of an input, "slow Constant 1" of an output.
+#include "cosiva/fuzzy/fll_terms.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -6,6 +8,7 @@
 #include <string>
 
 #include "cosiva/fuzzy/fll_parts.h"
+#include "cosiva/fuzzy/fll_rule.h"
 
 namespace cosiva::fuzzy {
 namespace {

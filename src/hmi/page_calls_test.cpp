@@ -10,6 +10,7 @@
 #include "cosiva/adapters/files.h"
 #include "cosiva/adapters/test_bench.h"
 #include "cosiva/base/test_places.h"
+#include "cosiva/hmi/http_responses.h"
 #include "cosiva/hmi/openapi.h"
 #include "cosiva/hmi/page_bench.h"
 

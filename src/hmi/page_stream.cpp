@@ -4,6 +4,7 @@
 #include <ctime>
 
 #include "cosiva/base/json_writer.h"
+#include "cosiva/hmi/http_responses.h"
 #include "cosiva/hmi/page_calls.h"
 
 namespace cosiva::app {

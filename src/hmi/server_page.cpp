@@ -5,6 +5,7 @@
 #include "cosiva/base/expect.h"
 #include "cosiva/hmi/page_calls.h"
 #include "cosiva/hmi/page_stream.h"
+#include "cosiva/hmi/queries.h"
 
 namespace cosiva::app {
 namespace {
@@ -26,7 +27,7 @@ struct ServerPage::Inside {
     source.now = calls.host().now;
     source.zone_revision = [core] { return core->zone_revision(); };
     source.zone_json = [core] { return core->zone_json(); };
-    source.run_json = [this] { return calls.run_json(); };
+    source.run_json = [this] { return app::run_json(calls.context()); };
     source.snapshot_json = [core] { return core->snapshot_json(); };
     source.page_revision = [core] { return core->page_revision(); };
     source.positions = [core](SimTime now, auto& out) { core->positions(now, out); };

@@ -14,7 +14,7 @@ namespace cosiva::app {
 /// video_pictures and camera_pictures do.
 /// @param source  not the emulated world's
 [[nodiscard]] Result<std::unique_ptr<Pictures>> open_images(const GvsSource& source);
-/// Fails as reading a file and vision::read_calibration do.
+/// A calibration from its file. Fails as reading a file and vision::read_calibration do.
 [[nodiscard]] Result<vision::Calibration> read_calibration_file(const std::string& file);
 
 }  // namespace cosiva::app

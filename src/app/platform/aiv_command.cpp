@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "cosiva/adapters/unix_ports.h"
 #include "cosiva/aiv/onboard/onboard_core.h"
 #include "cosiva/app/cli/console.h"
 #include "cosiva/app/platform/part.h"

@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "cosiva/adapters/unix_ports.h"
 #include "cosiva/app/cli/console.h"
 #include "cosiva/app/platform/part.h"
 #include "cosiva/physical/plant/plant_core.h"

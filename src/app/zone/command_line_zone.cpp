@@ -7,6 +7,7 @@
 #include "cosiva/app/zone/zone_generate_command.h"
 #include "cosiva/app/zone/zone_show_command.h"
 #include "cosiva/app/zone/zone_switch_command.h"
+#include "cosiva/zone/generate/plant_size.h"
 
 namespace cosiva::app {
 namespace {

@@ -10,7 +10,7 @@
 #include "cosiva/app/zone/zone_report.h"
 #include "cosiva/zone/check/check.h"
 #include "cosiva/zone/check/deadlock.h"
-#include "cosiva/zone/layout/beacons.h"
+#include "cosiva/zone/layout/beacon_free.h"
 
 namespace cosiva::app {
 namespace {

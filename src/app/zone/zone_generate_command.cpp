@@ -6,6 +6,7 @@
 #include "cosiva/app/cli/console.h"
 #include "cosiva/app/resources/zone_files.h"
 #include "cosiva/app/zone/written_zone.h"
+#include "cosiva/zone/generate/plant_size.h"
 
 namespace cosiva::app {
 namespace {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "cosiva/zone/generate/generate.h"
+#include "cosiva/zone/generate/plant_size.h"
 
 namespace cosiva::app {
 

@@ -7,6 +7,7 @@
 #include "cosiva/app/resources/zone_files.h"
 #include "cosiva/drawing/png/svg_to_png.h"
 #include "cosiva/zone/drawing/draw.h"
+#include "cosiva/zone/drawing/svg.h"
 
 namespace cosiva::app {
 namespace {

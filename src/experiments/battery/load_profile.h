@@ -12,9 +12,12 @@ namespace cosiva::experiments {
 struct LoadProfile {
   std::vector<double> power_w;
   std::vector<double> moved_m;
+  /// Mean over all steps [W].
   [[nodiscard]] double mean_w() const;
+  /// Mean speed [m/s].
   [[nodiscard]] double mean_mps() const;
 };
+/// Duration of one step of a profile.
 inline constexpr double load_step_s = 0.1;
 
 /// Lets a world drive and writes down what each vehicle takes, `warm_up` after its fleet is complete. Fails where the

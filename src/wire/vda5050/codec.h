@@ -1,10 +1,11 @@
 #pragma once
 
-#include <string>
+#include <cstddef>
 #include <string_view>
 
-#include "cosiva/base/result.h"
-#include "cosiva/wire/messages/messages.h"
+#include "cosiva/wire/vda5050/decode.h"
+#include "cosiva/wire/vda5050/encode.h"
+#include "cosiva/wire/vda5050/factsheet.h"
 
 /// JSON of VDA 5050 2.1.0, reading 2.0 peers too. Writing is strict (valid against the official schemas), reading
 /// tolerant (unknown fields pass, `instantActions` for `actions`, `allowedDeviationXy`, any number of decimals, "v2" as
@@ -21,25 +22,5 @@ inline constexpr std::string_view version = "2.1.0";
 inline constexpr std::size_t payload_bytes_max = 256 * 1024;
 inline constexpr std::size_t array_items_max = 4096;
 inline constexpr std::size_t text_bytes_max = 1024;
-
-[[nodiscard]] std::string encode(const Order& message);
-[[nodiscard]] std::string encode(const InstantActions& message);
-[[nodiscard]] std::string encode(const State& message);
-[[nodiscard]] std::string encode(const Visualization& message);
-[[nodiscard]] std::string encode(const Connection& message);
-[[nodiscard]] std::string encode(const Factsheet& message);
-
-[[nodiscard]] Result<Order> decode_order(std::string_view json);
-[[nodiscard]] Result<InstantActions> decode_instant_actions(std::string_view json);
-[[nodiscard]] Result<State> decode_state(std::string_view json);
-[[nodiscard]] Result<Visualization> decode_visualization(std::string_view json);
-[[nodiscard]] Result<Connection> decode_connection(std::string_view json);
-[[nodiscard]] Result<Factsheet> decode_factsheet(std::string_view json);
-
-/// The words of the standard: "CONNECTIONBROKEN", "FINISHED", "HARD", "AUTOMATIC"…
-[[nodiscard]] std::string_view to_string(ConnectionState state);
-[[nodiscard]] std::string_view to_string(ActionStatus status);
-[[nodiscard]] std::string_view to_string(BlockingType type);
-[[nodiscard]] std::string_view to_string(OperatingMode mode);
 
 }  // namespace cosiva::wire::vda5050

@@ -1,3 +1,5 @@
+#include "cosiva/wire/vda5050/decode.h"
+
 #include <cmath>
 
 #include "cosiva/wire/vda5050/codec.h"

@@ -1,3 +1,5 @@
+#include "cosiva/wire/vda5050/encode.h"
+
 #include <algorithm>
 
 #include "cosiva/base/math.h"

@@ -1,3 +1,5 @@
+#include "cosiva/wire/vda5050/factsheet.h"
+
 #include <algorithm>
 #include <array>
 

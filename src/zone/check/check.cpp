@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "cosiva/zone/check/deadlock.h"
-#include "cosiva/zone/layout/beacons.h"
+#include "cosiva/zone/layout/beacon_free.h"
 #include "cosiva/zone/layout/rounding.h"
 #include "cosiva/zone/routing/route.h"
 

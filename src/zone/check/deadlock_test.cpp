@@ -7,6 +7,8 @@
 
 #include "cosiva/base/math.h"
 #include "cosiva/zone/generate/generate.h"
+#include "cosiva/zone/layout/crossings.h"
+#include "cosiva/zone/layout/waypoints.h"
 #include "cosiva/zone/testing/test_zones.h"
 
 namespace cosiva::zone {

@@ -41,7 +41,4 @@ struct Bounds {
 /// The beacons' origin is their first one, about which they are turned.
 void write_json(JsonWriter& json, const TrafficZone& zone, const std::vector<Primitive>& primitives);
 
-/// A self-contained SVG picture, y up, with a legend and a scale bar; closed sections are hatched.
-[[nodiscard]] std::string to_svg(const TrafficZone& zone, const std::vector<Primitive>& primitives);
-
 }  // namespace cosiva::zone

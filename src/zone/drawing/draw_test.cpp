@@ -8,6 +8,7 @@
 #include <map>
 
 #include "cosiva/base/json_value.h"
+#include "cosiva/zone/drawing/svg.h"
 #include "cosiva/zone/testing/test_zones.h"
 
 namespace cosiva::zone {

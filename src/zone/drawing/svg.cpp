@@ -1,10 +1,10 @@
 // to_svg: the picture of a zone as a file that any browser opens.
+#include "cosiva/zone/drawing/svg.h"
+
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
-
-#include "cosiva/zone/drawing/draw.h"
 
 namespace cosiva::zone {
 namespace {

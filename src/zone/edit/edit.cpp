@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "cosiva/zone/layout/beacons.h"
 #include "cosiva/zone/layout/rounding.h"
 
 namespace cosiva::zone {

@@ -7,8 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "cosiva/base/json_value.h"
-#include "cosiva/base/json_writer.h"
 #include "cosiva/base/result.h"
 #include "cosiva/zone/layout/traffic_zone.h"
 
@@ -29,16 +27,8 @@ struct ZoneEdit {
   std::optional<double> beacon_rotation_rad{};
 };
 
-/// {"addTags":[{"number","x","y"}|{"number","section","s"}…],"moveTags":[…],"removeTags":[n…],
-/// "beacons":{"pitch":0.2,"origin":[0.15,0.15],"rotation":0.26},"priorities":{"CoSiVA/AIV1":3}}. A place given as x, y
-/// is the nearest one on the circuit; of "beacons" any part may be left out; "beaconPitch":0.2 is its pitch alone.
-/// Fails ("edit.…") with a sentence that says what to do: a tag further than 0.30 m from every way, an added number
-/// that is there already, a moved or removed one that is not, a number among the beacons', a pitch outside 0.05…10 m or
-/// that makes more than 20 000 beacons, an origin beyond ±1000 km, a rotation beyond ±2π, a zone without beacons.
-[[nodiscard]] Result<ZoneEdit> zone_edit_from_json(const JsonValue& json, const TrafficZone& zone);
-
 /// The zone as it is after the edit: new tags stand last, places, pitch and origin are rounded to 0.1 mm, the rotation
-/// to 0.0001°, as they are written. Fails as zone_edit_from_json does.
+/// to 0.0001°, as they are written. Fails as zone_edit_from_json (edit_json.h) does.
 [[nodiscard]] Result<TrafficZone> with_edit(TrafficZone zone, const ZoneEdit& edit);
 
 /// Whether the ways, the vehicle's shape and the profiles are the same, so that running vehicles may take `b` for `a`

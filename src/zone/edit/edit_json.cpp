@@ -1,9 +1,10 @@
 // An edit as the page sends it (docs/protocols/hmi-api.md).
+#include "cosiva/zone/edit/edit_json.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "cosiva/zone/edit/edit.h"
 #include "cosiva/zone/layout/rounding.h"
 
 namespace cosiva::zone {

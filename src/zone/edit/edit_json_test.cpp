@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "cosiva/zone/edit/edit_json.h"
 #include "cosiva/zone/testing/test_edit_files.h"
 #include "cosiva/zone/testing/test_zones.h"
 

@@ -11,6 +11,7 @@
 #include "cosiva/base/expect.h"
 #include "cosiva/base/random.h"
 #include "cosiva/zone/check/check.h"
+#include "cosiva/zone/generate/plant_size.h"
 #include "cosiva/zone/geometry/section.h"
 
 namespace cosiva::zone {

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "cosiva/zone/check/check.h"
+#include "cosiva/zone/generate/plant_size.h"
 #include "cosiva/zone/routing/route.h"
 #include "cosiva/zone/testing/test_zones.h"
 

@@ -1,9 +1,10 @@
 // The longest way without a beacon, and where the beacons had better lie.
+#include "cosiva/zone/layout/beacon_free.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "cosiva/zone/layout/beacons.h"
 #include "cosiva/zone/layout/rounding.h"
 
 namespace cosiva::zone {

@@ -1,4 +1,5 @@
 #include "cosiva/zone/layout/beacons.h"
+#include "cosiva/zone/layout/beacon_free.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,6 @@
 // find_crossings: contacts that belong together become one crossing.
+#include "cosiva/zone/layout/crossings.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,7 +11,6 @@
 
 #include "cosiva/base/expect.h"
 #include "cosiva/zone/layout/contacts.h"
-#include "cosiva/zone/layout/traffic_zone.h"
 
 namespace cosiva::zone {
 namespace {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "cosiva/zone/layout/crossings.h"
 #include "cosiva/zone/layout/traffic_zone.h"
 #include "cosiva/zone/testing/test_zones.h"
 

@@ -182,52 +182,6 @@ struct TrafficZone {
   [[nodiscard]] std::vector<Place> start_places(std::size_t count) const;
 };
 
-/// Pairs of sections whose vehicles could touch, from the geometry and the vehicle's shape plus `clearance_m` on each
-/// side; touching pairs at one place are one crossing. Ways that run along one another, such as one way and the way
-/// back, are one crossing of their own, apart from those at their ends. Consecutive sections do not cross each other at
-/// their joint, but where vehicles turn sharply on the spot; whoever turns sweeps a disc of half its diagonal.
-/// Names are "X1", "X2", … in the order in which the sections come to them. Not for a circuit that is too_crowded.
-[[nodiscard]] std::vector<Crossing> find_crossings(const Circuit& circuit, const VehicleShape& shape,
-                                                   double clearance_m = 0.04);
-
-/// Whether the ways lie so densely on one another that find_crossings would take minutes; it must not be asked then. No
-/// zone that anybody could drive in comes near this; a hostile file may.
-[[nodiscard]] bool too_crowded(const Circuit& circuit, const VehicleShape& shape, double clearance_m = 0.04);
-
-/// Both in one: nothing where it is too crowded.
-[[nodiscard]] std::optional<std::vector<Crossing>> find_crossings_unless_crowded(const Circuit& circuit,
-                                                                                 const VehicleShape& shape,
-                                                                                 double clearance_m = 0.04);
-
-/// Waypoints at joints, at each crossing's stop line and exit, and between them no further apart than `spacing_m`, none
-/// inside a crossing's span. Ids are "<section>@<millimetres>", stable as long as the geometry is.
-/// @param room_m  where the free way between two spans is shorter than this a vehicle cannot stand, so no waypoint lies
-[[nodiscard]] std::vector<Waypoint> lay_waypoints(const Circuit& circuit, const std::vector<Crossing>& crossings,
-                                                  double spacing_m = 0.30, double room_m = 0.30);
-
-/// Where waypoints lie beyond what follows from the geometry.
-struct WaypointRules {
-  double spacing_m{0.30};
-  double room_m{0.30};
-  bool nodes_only{false};  ///< none between those of joints, dead ends, stop lines, exits and `at`
-  /// One lies at each of these in any case, inside crossings too; one laid nearer than 2 cm on the same section serves.
-  std::vector<Place> at{};
-  /// By section: the id of the waypoint at its start; it lies there in any case. Empty: none of its own. The vector may
-  /// be empty, too.
-  std::vector<std::string> start_ids{};
-  /// By section: likewise at its end, of sections that nothing follows.
-  std::vector<std::string> end_ids{};
-};
-/// Sorted by (section, s). Ids of `start_ids` and `end_ids` may be shared; all others are "<section>@<millimetres>".
-[[nodiscard]] std::vector<Waypoint> lay_waypoints(const Circuit& circuit, const std::vector<Crossing>& crossings,
-                                                  const WaypointRules& rules);
-
-/// A grid that passes through `through`, turned by `rotation_rad`, and covers every way and half a vehicle beside it.
-/// Nothing when that takes more than `beacons_max` beacons.
-[[nodiscard]] std::optional<BeaconGrid> covering_grid(const Circuit& circuit, const VehicleShape& shape, double pitch_m,
-                                                      Point2 through, std::uint32_t beacons_max,
-                                                      double rotation_rad = 0.0);
-
 /// Way that a standing vehicle takes: its length and 0.1 m.
 [[nodiscard]] constexpr double standing_room_m(const VehicleShape& shape) { return shape.length_m + 0.1; }
 

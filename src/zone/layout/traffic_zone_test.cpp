@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "cosiva/zone/layout/waypoints.h"
 #include "cosiva/zone/testing/test_zones.h"
 
 namespace cosiva::zone {

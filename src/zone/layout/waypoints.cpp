@@ -1,4 +1,6 @@
 // lay_waypoints: where an order may start, turn, or end.
+#include "cosiva/zone/layout/waypoints.h"
+
 #include <algorithm>
 #include <cmath>
 #include <queue>
@@ -6,7 +8,6 @@
 #include <utility>
 
 #include "cosiva/base/expect.h"
-#include "cosiva/zone/layout/traffic_zone.h"
 
 namespace cosiva::zone {
 namespace {

@@ -5,7 +5,9 @@
 #include <set>
 
 #include "cosiva/base/random.h"
+#include "cosiva/zone/layout/crossings.h"
 #include "cosiva/zone/layout/traffic_zone.h"
+#include "cosiva/zone/layout/waypoints.h"
 #include "cosiva/zone/testing/test_zones.h"
 
 namespace cosiva::zone {

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <utility>
 
+#include "cosiva/zone/layout/waypoints.h"
 #include "cosiva/zone/lif/json_fault.h"
 #include "cosiva/zone/lif/lif_circuit.h"
 #include "cosiva/zone/lif/lif_document.h"
 #include "cosiva/zone/lif/lif_writer.h"
 #include "cosiva/zone/toml/companion.h"
+#include "cosiva/zone/toml/toml_edit.h"
 
 namespace cosiva::zone {
 namespace {

@@ -17,6 +17,7 @@
 #include "cosiva/zone/lif/lif_factory.h"
 #include "cosiva/zone/lif/nurbs_of.h"
 #include "cosiva/zone/toml/companion.h"
+#include "cosiva/zone/toml/toml_write.h"
 
 namespace cosiva::zone::lif {
 namespace {

@@ -10,6 +10,7 @@
 #include "cosiva/zone/opendrive/short_sections.h"
 #include "cosiva/zone/opendrive/ways.h"
 #include "cosiva/zone/toml/companion.h"
+#include "cosiva/zone/toml/toml_edit.h"
 
 namespace cosiva::zone {
 namespace opendrive {

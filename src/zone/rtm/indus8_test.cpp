@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "cosiva/zone/layout/beacons.h"
+#include "cosiva/zone/layout/beacon_free.h"
 #include "cosiva/zone/testing/test_zones.h"
 
 namespace cosiva::zone {

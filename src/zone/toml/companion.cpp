@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "cosiva/zone/layout/rounding.h"
+#include "cosiva/zone/layout/waypoints.h"
 #include "cosiva/zone/toml/toml_factory.h"
 #include "cosiva/zone/toml/toml_tables.h"
 

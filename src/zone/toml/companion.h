@@ -8,6 +8,7 @@
 #include "cosiva/base/result.h"
 #include "cosiva/zone/layout/circuit_factory.h"
 #include "cosiva/zone/layout/traffic_zone.h"
+#include "cosiva/zone/layout/waypoints.h"
 
 namespace cosiva::zone {
 
@@ -55,19 +56,6 @@ struct Companion {
 /// Fails as make_zone does: "zone.reference", "zone.duplicate", "zone.size", "zone.vehicle" …
 [[nodiscard]] Result<void> furnish(TrafficZone& zone, const ZoneConfiguration& configuration,
                                    const Companion& companion, WaypointRules rules = {});
-
-/// For CircuitFactory::edited: writes the edit into the companion, and makes one where there is none.
-[[nodiscard]] Result<ZoneConfiguration> edited_companion(const CircuitFactory& factory,
-                                                         const ZoneConfiguration& configuration, const ZoneEdit& edit);
-
-/// For CircuitFactory::written: a companion that says of the zone what another format cannot. Limits, stations and
-/// closed sections are among it only where asked for.
-struct CompanionParts {
-  bool limits{true};
-  bool stations{true};
-  bool closed{true};
-};
-[[nodiscard]] std::string companion_text(const TrafficZone& zone, CompanionParts parts = {});
 
 /// The companion's name beside a file: "plant.lif.json" and "plant.xodr" have "plant.zone.toml".
 [[nodiscard]] std::string companion_file(std::string_view file_name);

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "cosiva/zone/edit/edit.h"
+#include "cosiva/zone/layout/waypoints.h"
 #include "cosiva/zone/testing/test_zones.h"
+#include "cosiva/zone/toml/toml_edit.h"
 
 namespace cosiva::zone {
 namespace {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cosiva/zone/layout/traffic_zone.h"
+#include "cosiva/zone/layout/waypoints.h"
 #include "cosiva/zone/toml/toml_fields.h"
 
 namespace cosiva::zone {

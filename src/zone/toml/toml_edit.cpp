@@ -1,12 +1,13 @@
 // Edits a zone's TOML as a person would: by its text, so that comments and layout stay. toml++ tells where things
 // stand; only the bytes of what changes are touched. Each step reads the text anew, for the one before it has moved
 // things.
+#include "cosiva/zone/toml/toml_edit.h"
+
 #include <algorithm>
 
 #include "cosiva/zone/edit/edit.h"
 #include "cosiva/zone/layout/rounding.h"
 #include "cosiva/zone/toml/companion.h"
-#include "cosiva/zone/toml/toml_factory.h"
 #include "cosiva/zone/toml/toml_fields.h"
 
 namespace cosiva::zone {
@@ -304,9 +305,9 @@ Result<ZoneConfiguration> edited_in(std::string ZoneConfiguration::*part, const 
 
 }  // namespace
 
-Result<ZoneConfiguration> TomlCircuitFactory::edited(const ZoneConfiguration& configuration,
-                                                     const ZoneEdit& edit) const {
-  return edited_in(&ZoneConfiguration::text, configuration.origin, *this, configuration, edit);
+Result<ZoneConfiguration> edited_file(const CircuitFactory& factory, const ZoneConfiguration& configuration,
+                                      const ZoneEdit& edit) {
+  return edited_in(&ZoneConfiguration::text, configuration.origin, factory, configuration, edit);
 }
 
 Result<ZoneConfiguration> edited_companion(const CircuitFactory& factory, const ZoneConfiguration& configuration,

@@ -1,7 +1,10 @@
 #include "cosiva/zone/toml/toml_factory.h"
 
+#include "cosiva/zone/edit/edit.h"
 #include "cosiva/zone/toml/toml_circuit.h"
+#include "cosiva/zone/toml/toml_edit.h"
 #include "cosiva/zone/toml/toml_tables.h"
+#include "cosiva/zone/toml/toml_write.h"
 
 namespace cosiva::zone {
 namespace {
@@ -57,6 +60,23 @@ std::vector<Error> TomlCircuitFactory::faults(const ZoneConfiguration& configura
   TomlFaults faults{configuration.origin};
   (void)read_text(configuration, faults);
   return faults.all();
+}
+
+Result<ZoneConfiguration> TomlCircuitFactory::written(const TrafficZone& zone, std::vector<Note>& lost) const {
+  auto text = native_text(zone);
+  if (!text) return tl::unexpected(std::move(text.error()));
+  ZoneConfiguration configuration{std::string(format()), zone.name + ".toml", std::move(*text), {}};
+  const auto back = make_zone(configuration);
+  if (!back)
+    return tl::unexpected(Error{"zone.write", "what was written is refused: " + back.error().message, zone.name});
+  if (const auto other = difference(zone, *back))
+    lost.push_back({Note::Kind::lost, zone.name, "what was written is not quite the zone: " + *other});
+  return configuration;
+}
+
+Result<ZoneConfiguration> TomlCircuitFactory::edited(const ZoneConfiguration& configuration,
+                                                     const ZoneEdit& edit) const {
+  return edited_file(*this, configuration, edit);
 }
 
 }  // namespace cosiva::zone

@@ -5,6 +5,9 @@
 #include <set>
 
 #include "cosiva/zone/edit/edit.h"
+#include "cosiva/zone/layout/beacons.h"
+#include "cosiva/zone/layout/crossings.h"
+#include "cosiva/zone/layout/waypoints.h"
 
 namespace cosiva::zone {
 namespace {

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "cosiva/zone/layout/traffic_zone.h"
+#include "cosiva/zone/layout/waypoints.h"
 #include "cosiva/zone/toml/companion.h"
 #include "cosiva/zone/toml/toml_fields.h"
 

@@ -1,10 +1,11 @@
 // Writes a zone down as its readers want it, and so that they read the same zone, to the last bit.
+#include "cosiva/zone/toml/toml_write.h"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "cosiva/zone/toml/companion.h"
-#include "cosiva/zone/toml/toml_factory.h"
 #include "cosiva/zone/toml/toml_fields.h"
 
 namespace cosiva::zone {
@@ -256,7 +257,7 @@ std::optional<Error> unwritable(const TrafficZone& zone) {
 
 }  // namespace
 
-Result<ZoneConfiguration> TomlCircuitFactory::written(const TrafficZone& zone, std::vector<Note>& lost) const {
+Result<std::string> native_text(const TrafficZone& zone) {
   if (auto error = unwritable(zone)) return tl::unexpected(std::move(*error));
   Writer writer{zone};
   writer.head();
@@ -269,13 +270,7 @@ Result<ZoneConfiguration> TomlCircuitFactory::written(const TrafficZone& zone, s
   writer.loops();
   writer.closed();
   writer.priorities();
-  ZoneConfiguration configuration{std::string(format()), zone.name + ".toml", writer.take(), {}};
-  const auto back = make_zone(configuration);
-  if (!back)
-    return tl::unexpected(Error{"zone.write", "what was written is refused: " + back.error().message, zone.name});
-  if (const auto other = difference(zone, *back))
-    lost.push_back({Note::Kind::lost, zone.name, "what was written is not quite the zone: " + *other});
-  return configuration;
+  return writer.take();
 }
 
 std::string companion_text(const TrafficZone& zone, CompanionParts parts) {

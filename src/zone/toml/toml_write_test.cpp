@@ -6,9 +6,13 @@
 
 #include "cosiva/base/random.h"
 #include "cosiva/zone/edit/edit.h"
+#include "cosiva/zone/layout/beacons.h"
+#include "cosiva/zone/layout/crossings.h"
+#include "cosiva/zone/layout/waypoints.h"
 #include "cosiva/zone/testing/test_zones.h"
 #include "cosiva/zone/toml/companion.h"
 #include "cosiva/zone/toml/toml_factory.h"
+#include "cosiva/zone/toml/toml_write.h"
 
 namespace cosiva::zone {
 namespace {

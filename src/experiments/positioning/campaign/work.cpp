@@ -11,6 +11,7 @@
 #include "cosiva/experiments/positioning/metrology/figures.h"
 #include "cosiva/experiments/positioning/metrology/limit.h"
 #include "cosiva/experiments/statistics/sample.h"
+#include "cosiva/zone/layout/beacons.h"
 
 namespace cosiva::experiments {
 namespace {

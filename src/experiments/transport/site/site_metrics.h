@@ -9,7 +9,7 @@
 
 namespace cosiva::experiments {
 
-/// What came of it, the same on every rank.
+/// The metrics of a site's run, the same on every rank.
 struct SiteFigures {
   struct Zone {
     std::string name;
@@ -35,7 +35,9 @@ struct SiteFigures {
   [[nodiscard]] bool good() const;
 };
 
+/// One JSON object: the totals, and "zones" with one object for each.
 void write_json(JsonWriter& json, const SiteFigures& figures);
+/// A few lines for a terminal.
 [[nodiscard]] std::string to_text(const SiteFigures& figures);
 
 }  // namespace cosiva::experiments

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "cosiva/aiv/decision/right_of_way.h"
+#include "cosiva/base/expect.h"
 #include "cosiva/virtual/simulator/follow.h"
 
 namespace cosiva::virtual_side {
@@ -29,7 +30,7 @@ void Traffic::set_map(const WayMap* map) {
   map_ = map;
   holders_.assign(map == nullptr ? 0 : map->crossing_count(), no_vehicle);
   queue_.clear();
-  passes_.clear();
+  convoys_.clear();
   for (Vehicle& vehicle : vehicles_) {
     Vehicle fresh;
     fresh.priority = vehicle.priority;
@@ -208,6 +209,7 @@ void Traffic::settle_holds() {
   for (CrossingIndex x = 0; x < holders_.size(); ++x) {
     VehicleIndex& holder = holders_[x];
     if (holder == no_vehicle) continue;
+    COSIVA_EXPECT(holder < vehicles_.size());
     const auto& needs = vehicles_[holder].needs;
     if (std::ranges::find(needs, x) == needs.end()) holder = no_vehicle;
   }
@@ -325,7 +327,7 @@ Traffic::Answer Traffic::request(VehicleIndex vehicle, double exit_m, double sto
     if (rules_.convoys && &other != &*mine && goes_before(other, *mine) && shares(other.crossings, mine->crossings))
       other.lost_s += loses_s(other, *mine).value_or(0.0);
   for (const CrossingIndex x : mine->crossings) holders_[x] = vehicle;
-  note_pass(*mine);
+  convoys_.note_pass(mine->vehicle, mine->crossings);
   queue_.erase(mine);
   holds_dirty_ = true;  // a grant that no base follows is taken back by the next update
   return {true, first, no_vehicle, WaitReason::crossing};
@@ -335,6 +337,19 @@ bool Traffic::stands_in_anothers(VehicleIndex vehicle) const {
   const Vehicle& self = vehicles_[vehicle];
   if (!self.place || base_left_m(vehicle, *self.place).value_or(0.0) > 0.0) return false;
   return std::ranges::any_of(self.needs, [&](CrossingIndex x) { return holders_[x] != vehicle; });
+}
+
+bool Traffic::may_join(VehicleIndex vehicle, double exit_m, double stop_m) {
+  return convoys_.may_join(*this, vehicle, exit_m, stop_m);
+}
+
+Traffic::Convoy Traffic::join(VehicleIndex vehicle) {
+  const Convoys::Pass& pass = convoys_.join(vehicles_[vehicle].ahead.vehicle, vehicle);
+  for (Request& other : queue_)
+    for (const auto& [loser, loses_s] : convoys_.losing())
+      if (other.vehicle == loser) other.lost_s += loses_s;
+  withdraw(vehicle);
+  return {pass.row, pass.crossings};
 }
 
 void Traffic::withdraw(VehicleIndex vehicle) {
@@ -363,10 +378,7 @@ void Traffic::fold(Digest& digest) const {
     digest.add(std::uint64_t{request.vehicle});
     digest.add(request.since);
   }
-  for (const Pass& pass : passes_) {
-    digest.add(std::uint64_t{pass.last});
-    digest.add(std::uint64_t{pass.row});
-  }
+  convoys_.fold(digest);
 }
 
 }  // namespace cosiva::virtual_side

@@ -8,13 +8,10 @@
 
 #include "cosiva/base/digest.h"
 #include "cosiva/base/time.h"
-#include "cosiva/virtual/server/right_of_way/way_map.h"
+#include "cosiva/virtual/server/right_of_way/convoys.h"
 #include "cosiva/zone/circuit/course.h"
 
 namespace cosiva::virtual_side {
-
-using VehicleIndex = std::uint32_t;
-inline constexpr VehicleIndex no_vehicle = std::numeric_limits<VehicleIndex>::max();
 
 /// Why one vehicle waits for another.
 enum class WaitReason : std::uint8_t {
@@ -62,6 +59,8 @@ struct TrafficRules {
 ///
 /// Each vehicle looks along its own course; without one, along default successors. Of two that took different branches
 /// neither is ahead of the other once their bodies have parted.
+///
+/// Invariant: each crossing has at most one holder, which is one of the vehicles.
 class Traffic {
  public:
   explicit Traffic(TrafficRules rules = {}) : rules_{rules} {}
@@ -151,8 +150,32 @@ class Traffic {
   /// Who waits for a crossing, in the order in which they will be served.
   [[nodiscard]] std::vector<VehicleIndex> waiting(CrossingIndex crossing) const;
   /// How often somebody joined one.
-  [[nodiscard]] std::uint64_t convoys() const { return convoys_; }
+  [[nodiscard]] std::uint64_t convoys() const { return convoys_.count(); }
   [[nodiscard]] double standing_m() const;  ///< a vehicle's length and the gap
+
+  struct Request {
+    VehicleIndex vehicle;
+    std::vector<CrossingIndex> crossings;
+    SimTime since{};
+    bool has_room{false};
+    double stop_m{0.0};
+    double exit_m{0.0};
+    double lost_s{0.0};  ///< by those who were let by, as guessed when they were
+  };
+  /// The open requests for crossings, oldest first.
+  [[nodiscard]] const std::vector<Request>& requests() const { return queue_; }
+  [[nodiscard]] bool has_waited(const Request& request) const {
+    return now_ - request.since >= rules_.overtaken_at_most;
+  }
+  /// From a vehicle's report over its order to its wheels.
+  static constexpr double latency_s = 0.3;
+  /// Of one that asks: to its stop line, which is `stop_m` ahead, and so far, at the medium speed.
+  [[nodiscard]] double run_s(double stop_m, double length_m) const;
+  [[nodiscard]] const WayMap& map() const { return *map_; }
+  [[nodiscard]] VehicleIndex vehicle_count() const { return static_cast<VehicleIndex>(vehicles_.size()); }
+  [[nodiscard]] std::int32_t priority(VehicleIndex vehicle) const { return vehicles_[vehicle].priority; }
+  /// The crossings up to the end of its base.
+  [[nodiscard]] const std::vector<CrossingIndex>& needs(VehicleIndex vehicle) const { return vehicles_[vehicle].needs; }
 
   void fold(Digest& digest) const;
 
@@ -168,54 +191,16 @@ class Traffic {
     std::vector<CrossingIndex> needs;
     std::int32_t priority{0};
   };
-  struct Request {
-    VehicleIndex vehicle;
-    std::vector<CrossingIndex> crossings;
-    SimTime since{};
-    bool has_room{false};
-    double stop_m{0.0};
-    double exit_m{0.0};
-    double lost_s{0.0};  ///< by those who were let by, as guessed when they were
-  };
-  /// The last that was given a chain.
-  struct Pass {
-    VehicleIndex last;
-    std::vector<CrossingIndex> crossings;
-    std::size_t row;  ///< so many pass it together
-  };
-  /// Somebody who would join a convoy: all distances from its own place.
-  struct Joining {
-    VehicleIndex vehicle;
-    double stop_m;
-    double exit_m;
-    double ahead_m;  ///< the one ahead
-  };
   [[nodiscard]] bool goes_before(const Request& a, const Request& b) const;
   /// Of `other`, whose turn is before and who waits for a third one: so long it waits for `mine` beyond that. Nothing:
   /// it waits for no third one.
   [[nodiscard]] std::optional<double> loses_s(const Request& other, const Request& mine) const;
   [[nodiscard]] bool lets_by(const Request& other, const Request& mine) const;
-  /// From a vehicle's report over its order to its wheels.
-  static constexpr double latency_s = 0.3;
-  /// Of one that asks: to its stop line, which is `stop_m` ahead, and so far, at the medium speed.
-  [[nodiscard]] double run_s(double stop_m, double length_m) const;
   [[nodiscard]] bool only_follows(VehicleIndex other, VehicleIndex self, const std::vector<CrossingIndex>& crossings);
   void sort_places();
   void look_on(zone::SectionId section, double start_m, double from_s_m, double to_s_m, VehicleIndex self,
                Ahead& nearest) const;
   void settle_holds();
-  [[nodiscard]] bool has_waited(const Request& request) const {
-    return now_ - request.since >= rules_.overtaken_at_most;
-  }
-
-  // convoys.cpp
-  void note_pass(const Request& granted);
-  [[nodiscard]] std::vector<VehicleIndex> convoy_ahead(VehicleIndex vehicle, std::size_t row) const;
-  [[nodiscard]] bool is_kept_by(const std::vector<VehicleIndex>& convoy, VehicleIndex joining);
-  [[nodiscard]] bool has_room_beyond(const Joining& joining, const std::vector<VehicleIndex>& convoy) const;
-  [[nodiscard]] bool convoy_pays(const Joining& joining, std::size_t at_most);
-  [[nodiscard]] std::size_t members_from(VehicleIndex vehicle, std::size_t at_most) const;
-
   void measure_base(VehicleIndex vehicle);
   void look_again(VehicleIndex vehicle);
 
@@ -225,9 +210,7 @@ class Traffic {
   std::vector<std::pair<zone::SectionId, VehicleIndex>> by_section_;  ///< those with a place, sorted
   std::vector<VehicleIndex> holders_;                                 ///< by crossing
   std::vector<Request> queue_;                                        ///< oldest first
-  std::vector<Pass> passes_;
-  std::uint64_t convoys_{0};
-  std::vector<std::pair<VehicleIndex, double>> losing_;  ///< seconds, by the convoy that may_join() found
+  Convoys convoys_;
   std::vector<CrossingIndex> scratch_;
   std::vector<CrossingIndex> between_;
   SimTime now_{};

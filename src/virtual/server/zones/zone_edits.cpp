@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "cosiva/zone/edit/edit.h"
+#include "cosiva/zone/edit/edit_json.h"
 
 namespace cosiva::virtual_side {
 bool ZoneEdits::is_ours(std::string_view command) {

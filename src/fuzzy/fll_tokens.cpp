@@ -1,4 +1,4 @@
-#include "cosiva/fuzzy/fll_words.h"
+#include "cosiva/fuzzy/fll_tokens.h"
 
 #include <charconv>
 #include <limits>

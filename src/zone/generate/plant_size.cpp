@@ -1,5 +1,6 @@
+#include "cosiva/zone/generate/plant_size.h"
+
 #include "cosiva/base/expect.h"
-#include "cosiva/zone/generate/generate.h"
 
 namespace cosiva::zone {
 

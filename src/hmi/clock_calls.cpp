@@ -1,5 +1,6 @@
-// The clock of a run in virtual time (docs/protocols/hmi-api.md, "Doing").
-#include "cosiva/hmi/page_calls.h"
+#include "cosiva/hmi/clock_calls.h"
+
+#include "cosiva/hmi/http_responses.h"
 
 namespace cosiva::app {
 namespace {
@@ -19,9 +20,7 @@ HttpResponse walls_clock() {
 
 }  // namespace
 
-PageHost::Clock PageCalls::clock() const { return host_.clock ? host_.clock() : PageHost::Clock{}; }
-
-HttpResponse PageCalls::set_clock(const Call& call) {
+HttpResponse set_clock(CallContext& context, const Call& call) {
   const JsonValue* running = call.body.find("running");
   const JsonValue* speed = call.body.find("speed");
   if (running == nullptr && speed == nullptr)
@@ -30,20 +29,21 @@ HttpResponse PageCalls::set_clock(const Call& call) {
     return http_error(400, "clock.running", R"("running" is true or false)");
   if (speed != nullptr && (speed->number() == nullptr || *speed->number() < speed_min || *speed->number() > speed_max))
     return http_error(400, "clock.speed", R"("speed" is how many virtual seconds pass in a real one, 0.1 to 100)");
-  const PageHost::Clock now = clock();
-  if (!now.is_virtual || !host_.set_clock) return walls_clock();
-  host_.set_clock(running != nullptr ? *running->flag() : now.running, speed != nullptr ? *speed->number() : now.speed);
+  const PageHost::Clock now = context.clock();
+  if (!now.is_virtual || !context.host().set_clock) return walls_clock();
+  context.host().set_clock(running != nullptr ? *running->flag() : now.running,
+                           speed != nullptr ? *speed->number() : now.speed);
   return json_answer("{}");
 }
 
-HttpResponse PageCalls::step_clock(const Call& call) {
+HttpResponse step_clock(CallContext& context, const Call& call) {
   const auto ms = call.body.number("ms");
   if (!ms || *ms < step_ms_min || *ms > step_ms_max)
     return http_error(400, "clock.ms", R"("ms" says how far to go, 1 to 10000 virtual milliseconds)");
-  const PageHost::Clock now = clock();
-  if (!now.is_virtual || !host_.step) return walls_clock();
+  const PageHost::Clock now = context.clock();
+  if (!now.is_virtual || !context.host().step) return walls_clock();
   if (now.running) return http_error(409, "clock.not_now", "the clock runs; stop it first to go step by step");
-  host_.step(from_seconds(*ms * 1e-3));
+  context.host().step(from_seconds(*ms * 1e-3));
   return json_answer("{}");
 }
 

@@ -1,12 +1,13 @@
-// The zone's edits, its file, the zones there are, and the switch from one to another (docs/protocols/hmi-api.md).
+#include "cosiva/hmi/zone_calls.h"
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <filesystem>
 
 #include "cosiva/base/json_writer.h"
-#include "cosiva/hmi/page_calls.h"
-#include "cosiva/zone/layout/beacons.h"
+#include "cosiva/hmi/http_responses.h"
+#include "cosiva/zone/layout/beacon_free.h"
 
 namespace cosiva::app {
 namespace {
@@ -75,11 +76,38 @@ std::string revision_json(std::uint64_t revision) {
   return json.take();
 }
 
+Result<void> give_edit(CallContext& context, const JsonValue& changes) {
+  JsonWriter json;
+  json.begin_object().field("command", "edit").key("edit");
+  write_json(json, changes);
+  json.end_object();
+  return context.give(json.take());
+}
+
+HttpResponse step_zone(CallContext& context, std::string_view way) {
+  JsonWriter json;
+  json.begin_object().field("command", way).end_object();
+  if (auto given = context.give(json.take()); !given) return refusal(given.error());
+  return json_answer(revision_json(context.host().core->zone_revision()));
+}
+
+/// The file that edits of this zone may be saved into: that which the run was begun with, while it is that zone.
+std::string file_in_place(const CallContext& context, const zone::ZoneConfiguration& configuration) {
+  if (context.host().zone_file.empty() || zone::format_of_file(context.host().zone_file) != configuration.format)
+    return {};
+  // After a switch to another zone the file is none of its business. One that is not there (any more) is written anew.
+  auto there = context.host().zones->read(context.host().zone_file);
+  if (!there) return context.host().zone_file;
+  const auto rtm = zone::Rtm::initialise(std::move(*there));
+  const bool ours = rtm ? rtm->zone().name == zone_name(*context.host().core) : !switched_once(*context.host().core);
+  return ours ? context.host().zone_file : std::string{};
+}
+
 }  // namespace
 
-HttpResponse PageCalls::zones(const Call&) {
-  const std::vector<ZoneLibrary::Entry> found = host_.zones->zones();
-  const std::string current = zone_name(*host_.core);
+HttpResponse list_zones(CallContext& context, const Call&) {
+  const std::vector<ZoneLibrary::Entry> found = context.host().zones->zones();
+  const std::string current = zone_name(*context.host().core);
   JsonWriter json;
   json.begin_object().key("zones").begin_array();
   if (!current.empty() && std::ranges::find(found, current, &ZoneLibrary::Entry::name) == found.end())
@@ -92,24 +120,24 @@ HttpResponse PageCalls::zones(const Call&) {
   return json_answer(json.take());
 }
 
-HttpResponse PageCalls::zone_file(const Call&) {
-  auto configuration = host_.core->zone_configuration();
+HttpResponse get_zone_file(CallContext& context, const Call&) {
+  auto configuration = context.host().core->zone_configuration();
   if (!configuration) return http_error(404, "zone.not_found", "there is no zone yet");
   return download(std::move(configuration->text),
-                  file_name(zone_name(*host_.core), host_.zones->file_ending(configuration->format)));
+                  file_name(zone_name(*context.host().core), context.host().zones->file_ending(configuration->format)));
 }
 
-HttpResponse PageCalls::zone_companion(const Call&) {
-  auto configuration = host_.core->zone_configuration();
+HttpResponse get_zone_companion(CallContext& context, const Call&) {
+  auto configuration = context.host().core->zone_configuration();
   if (!configuration) return http_error(404, "zone.not_found", "there is no zone yet");
   if (configuration->companion.empty())
     return http_error(404, "zone.companion", "this zone has no companion: its file says everything");
   return download(std::move(configuration->companion),
-                  file_name(zone_name(*host_.core), std::string(host_.zones->sidecar_ending())));
+                  file_name(zone_name(*context.host().core), std::string(context.host().zones->sidecar_ending())));
 }
 
-HttpResponse PageCalls::suggest_beacons(const Call&) {
-  const auto zone = host_.core->zone();
+HttpResponse suggest_beacons(CallContext& context, const Call&) {
+  const auto zone = context.host().core->zone();
   if (!zone) return no_zone();
   if (!zone->beacons) return http_error(409, "zone.beacons", "this zone has no beacons, so there is no origin to move");
   const auto suggested = zone::suggest_origin(*zone);
@@ -129,13 +157,13 @@ HttpResponse PageCalls::suggest_beacons(const Call&) {
   return json_answer(json.take());
 }
 
-HttpResponse PageCalls::switch_zone(const Call& call) {
+HttpResponse switch_zone(CallContext& context, const Call& call) {
   Result<zone::ZoneConfiguration> configuration;
   if (const JsonValue* name = call.body.find("name")) {
     // Only those that are ready here: whoever may talk to us must not read this machine's files with it.
     if (name->text() == nullptr || !is_plain_name(*name->text()))
       return http_error(400, "zone.name", R"("name" is a ready zone's, as GET /api/v1/zones lists them)");
-    configuration = host_.zones->load(*name->text());
+    configuration = context.host().zones->load(*name->text());
     if (!configuration) return http_error(404, configuration.error().code, to_string(configuration.error()));
   } else {
     configuration = given_zone(call.body);
@@ -146,82 +174,59 @@ HttpResponse PageCalls::switch_zone(const Call& call) {
   json.end_object();
   std::string command = json.take();
   // The core reads it once, however large it is, and says on the page too why it refuses; only then it is asked again.
-  host_.command("http", command);
-  const auto in_force = host_.core->zone_configuration();
+  context.host().command("http", command);
+  const auto in_force = context.host().core->zone_configuration();
   if (!in_force || in_force->format != configuration->format || in_force->text != configuration->text ||
       in_force->companion != configuration->companion) {
-    const auto judged = host_.core->check_command(command);
+    const auto judged = context.host().core->check_command(command);
     const Error why = judged ? Error{"zone.refused", "the zone that was there stays in force", {}} : judged.error();
     return http_error(422, why.code, to_string(why));
   }
   JsonWriter answer;
   answer.begin_object()
-      .field("revision", host_.core->zone_revision())
-      .field("name", zone_name(*host_.core))
+      .field("revision", context.host().core->zone_revision())
+      .field("name", zone_name(*context.host().core))
       .end_object();
   return json_answer(answer.take());
 }
 
-Result<void> PageCalls::edit(const JsonValue& changes) {
-  JsonWriter json;
-  json.begin_object().field("command", "edit").key("edit");
-  write_json(json, changes);
-  json.end_object();
-  return give(json.take());
-}
-
-HttpResponse PageCalls::edit_zone(const Call& call) {
+HttpResponse edit_zone(CallContext& context, const Call& call) {
   if (call.body.object()->empty())
     return http_error(400, "edit.empty",
                       R"(say what to change: "addTags", "moveTags", "removeTags", "beaconPitch" or "priorities")");
-  if (const auto given = edit(call.body); !given) return refusal(given.error());
-  return json_answer(revision_json(host_.core->zone_revision()));
+  if (const auto given = give_edit(context, call.body); !given) return refusal(given.error());
+  return json_answer(revision_json(context.host().core->zone_revision()));
 }
 
-HttpResponse PageCalls::priorities(const Call& call) {
+HttpResponse put_priorities(CallContext& context, const Call& call) {
   JsonValue::Object changes;
   changes.emplace_back("priorities", call.body);
   // Put twice, they are as they were asked to be.
-  if (const auto given = edit(JsonValue{std::move(changes)}); !given && given.error().code != "edit.nothing")
+  if (const auto given = give_edit(context, JsonValue{std::move(changes)});
+      !given && given.error().code != "edit.nothing")
     return refusal(given.error());
   return json_answer("{}");
 }
 
-HttpResponse PageCalls::step_zone(std::string_view way) {
-  JsonWriter json;
-  json.begin_object().field("command", way).end_object();
-  if (auto given = give(json.take()); !given) return refusal(given.error());
-  return json_answer(revision_json(host_.core->zone_revision()));
-}
+HttpResponse undo_zone(CallContext& context, const Call&) { return step_zone(context, "undo"); }
+HttpResponse redo_zone(CallContext& context, const Call&) { return step_zone(context, "redo"); }
 
-HttpResponse PageCalls::undo_zone(const Call&) { return step_zone("undo"); }
-HttpResponse PageCalls::redo_zone(const Call&) { return step_zone("redo"); }
-
-std::string PageCalls::file_in_place(const zone::ZoneConfiguration& configuration) const {
-  if (host_.zone_file.empty() || zone::format_of_file(host_.zone_file) != configuration.format) return {};
-  // After a switch to another zone the file is none of its business. One that is not there (any more) is written anew.
-  auto there = host_.zones->read(host_.zone_file);
-  if (!there) return host_.zone_file;
-  const auto rtm = zone::Rtm::initialise(std::move(*there));
-  const bool ours = rtm ? rtm->zone().name == zone_name(*host_.core) : !switched_once(*host_.core);
-  return ours ? host_.zone_file : std::string{};
-}
-
-HttpResponse PageCalls::save_zone(const Call&) {
-  const auto configuration = host_.core->zone_configuration();
+HttpResponse save_zone(CallContext& context, const Call&) {
+  const auto configuration = context.host().core->zone_configuration();
   if (!configuration) return no_zone();
-  std::string file = file_in_place(*configuration);
+  std::string file = file_in_place(context, *configuration);
   if (file.empty()) {
-    const auto folder = host_.zones->edits_folder();
+    const auto folder = context.host().zones->edits_folder();
     if (!folder) return http_error(500, "zone.save", folder.error().message);
-    file = *folder + "/" + file_name(zone_name(*host_.core), host_.zones->file_ending(configuration->format));
+    file = *folder + "/" +
+           file_name(zone_name(*context.host().core), context.host().zones->file_ending(configuration->format));
   }
-  if (auto written = host_.zones->write(file, *configuration); !written)
+  if (auto written = context.host().zones->write(file, *configuration); !written)
     return http_error(500, "zone.save",
                       "the zone could not be written to " + file + ": " + written.error().message +
                           "; nothing is saved, the edits stay in force");
   // What is saved is no unsaved edit any more.
-  (void)give(R"({"command":"saved"})");
+  (void)context.give(R"({"command":"saved"})");
   JsonWriter json;
   json.begin_object().field("file", file).end_object();
   return json_answer(json.take());

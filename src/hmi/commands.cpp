@@ -1,8 +1,9 @@
-// Commands to vehicles, and what is added or taken away (docs/protocols/hmi-api.md, "Doing").
+#include "cosiva/hmi/commands.h"
+
 #include <algorithm>
 
 #include "cosiva/base/json_writer.h"
-#include "cosiva/hmi/page_calls.h"
+#include "cosiva/hmi/http_responses.h"
 #include "cosiva/wire/messages/topics.h"
 
 namespace cosiva::app {
@@ -62,61 +63,61 @@ std::size_t count_virtual(const virtual_side::ServerCore& core) {
 
 }  // namespace
 
-HttpResponse PageCalls::command(const Call& call) {
-  const std::string id = host_.core->next_command_id();
+HttpResponse post_command(CallContext& context, const Call& call) {
+  const std::string id = context.host().core->next_command_id();
   JsonWriter json;
   json.begin_object().field("id", id);
   for (const char* key : {"command", "vehicle", "vehicles", "to", "loop", "section"})
     if (const JsonValue* value = call.body.find(key)) write_json(json.key(key), *value);
   json.end_object();
-  if (auto given = give(json.take()); !given) return refusal(given.error());
+  if (auto given = context.give(json.take()); !given) return refusal(given.error());
   return id_answer(id, 202);
 }
 
-HttpResponse PageCalls::battery_ready(const Call& call) {
+HttpResponse post_battery_ready(CallContext& context, const Call& call) {
   JsonWriter json;
   json.begin_object().field("command", "batteryReady");
   for (const char* key : {"vehicle", "battery", "type", "cycles", "rest_s", "temperature", "charge"})
     if (const JsonValue* value = call.body.find(key)) write_json(json.key(key), *value);
   json.end_object();
-  if (auto given = give(json.take()); !given) return refusal(given.error());
+  if (auto given = context.give(json.take()); !given) return refusal(given.error());
   return json_answer("{}", 202);
 }
 
-HttpResponse PageCalls::add_thing(const Call& call) {
+HttpResponse add_thing(CallContext& context, const Call& call) {
   const std::string kind = call.body.text("kind").value_or("");
   if (kind != "aiv" && kind != "person" && kind != "obstacle")
     return http_error(400, "thing.kind", R"(say what to add: "kind":"aiv", "person" or "obstacle")");
-  const std::string id = host_.core->next_thing_id(kind);
-  if (auto given = give(thing_command("add", id, call.body)); !given) return refusal(given.error());
+  const std::string id = context.host().core->next_thing_id(kind);
+  if (auto given = context.give(thing_command("add", id, call.body)); !given) return refusal(given.error());
   return id_answer(id, 201);
 }
 
-HttpResponse PageCalls::move_thing(const Call& call) {
+HttpResponse move_thing(CallContext& context, const Call& call) {
   const std::string id = thing_id(call.arguments[0]);
   // Whether it could be removed tells whether it is there.
-  if (auto there = host_.core->check_command(remove_command(id)); !there) return refusal(there.error());
-  if (auto given = give(thing_command("move", id, call.body)); !given) return refusal(given.error());
+  if (auto there = context.host().core->check_command(remove_command(id)); !there) return refusal(there.error());
+  if (auto given = context.give(thing_command("move", id, call.body)); !given) return refusal(given.error());
   return id_answer(id, 200);
 }
 
-HttpResponse PageCalls::remove_thing(const Call& call) {
+HttpResponse remove_thing(CallContext& context, const Call& call) {
   const std::string id = thing_id(call.arguments[0]);
   if (id == "*") return http_error(404, "thing.not_found", "DELETE /api/v1/things takes all of them away");
-  if (auto given = give(remove_command(id)); !given) return refusal(given.error());
+  if (auto given = context.give(remove_command(id)); !given) return refusal(given.error());
   return removed_answer(1);
 }
 
-HttpResponse PageCalls::remove_things(const Call&) {
-  const std::size_t count = count_virtual(*host_.core);
+HttpResponse remove_things(CallContext& context, const Call&) {
+  const std::size_t count = count_virtual(*context.host().core);
   if (count > 0) {
-    if (auto given = give(remove_command("*")); !given) return refusal(given.error());
+    if (auto given = context.give(remove_command("*")); !given) return refusal(given.error());
   }
   return removed_answer(count);
 }
 
-HttpResponse PageCalls::add_plant_obstacle(const Call& call) {
-  if (!plant_obstacles_)
+HttpResponse add_plant_obstacle(CallContext& context, const Call& call) {
+  if (!context.has_plant())
     return http_error(409, "plant.not_now",
                       "no emulated world has been heard of, and a real one takes obstacles only from your hands");
   std::string id;
@@ -125,8 +126,7 @@ HttpResponse PageCalls::add_plant_obstacle(const Call& call) {
       return http_error(400, "plant.id", R"("id" is a name such as "box1"; without one the server gives it)");
     id = *given->text();
   } else {
-    do id = "box" + std::to_string(++boxes_);
-    while (in_plant(id));
+    id = context.next_obstacle_id();
   }
   JsonWriter json;
   json.begin_object().field("command", "plant").key("plant").begin_object().key("addObstacle").begin_object();
@@ -134,22 +134,22 @@ HttpResponse PageCalls::add_plant_obstacle(const Call& call) {
   for (const auto& [name, value] : *call.body.object())
     if (name != "id") write_json(json.key(name), value);
   json.end_object().end_object().end_object();
-  if (auto given = give(json.take()); !given) return refusal(given.error());
-  plant_added_.insert(id);
+  if (auto given = context.give(json.take()); !given) return refusal(given.error());
+  context.added_to_plant(id);
   return id_answer(id, 201);
 }
 
-HttpResponse PageCalls::remove_plant_obstacle(const Call& call) {
+HttpResponse remove_plant_obstacle(CallContext& context, const Call& call) {
   const std::string& id = call.arguments[0];
-  if (!plant_obstacles_)
+  if (!context.has_plant())
     return http_error(409, "plant.not_now", "no emulated world has been heard of; take a real obstacle away by hand");
-  if (!in_plant(id)) return http_error(404, "plant.not_found", "the emulated world has no obstacle '" + id + "'");
+  if (!context.in_plant(id))
+    return http_error(404, "plant.not_found", "the emulated world has no obstacle '" + id + "'");
   JsonWriter json;
   json.begin_object().field("command", "plant").key("plant").begin_object().field("removeObstacle", id);
   json.end_object().end_object();
-  if (auto given = give(json.take()); !given) return refusal(given.error());
-  plant_obstacles_->erase(id);
-  plant_added_.erase(id);
+  if (auto given = context.give(json.take()); !given) return refusal(given.error());
+  context.removed_from_plant(id);
   return removed_answer(1);
 }
 

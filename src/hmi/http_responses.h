@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+
+#include "cosiva/adapters/http_server.h"
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/base/result.h"
+
+namespace cosiva::app {
+
+/// A response with a JSON body.
+[[nodiscard]] adapters::HttpResponse json_answer(std::string json, unsigned status = 200);
+/// The core's refusal: 409 for what only cannot be now, 429 for one too many, 404 for what is not there, else 400.
+[[nodiscard]] adapters::HttpResponse refusal(const Error& error);
+/// Copies a value into a document that is being written.
+void write_json(JsonWriter& json, const JsonValue& value);
+
+}  // namespace cosiva::app

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+
+#include "cosiva/base/result.h"
+#include "cosiva/zone/layout/traffic_zone.h"
+
+namespace cosiva::zone {
+
+/// The zone as the text of a native file. Fails ("zone.write") on a name that no file can hold.
+[[nodiscard]] Result<std::string> native_text(const TrafficZone& zone);
+
+/// For CircuitFactory::written: a companion that says of the zone what another format cannot. Limits, stations and
+/// closed sections are among it only where asked for.
+struct CompanionParts {
+  bool limits{true};
+  bool stations{true};
+  bool closed{true};
+};
+[[nodiscard]] std::string companion_text(const TrafficZone& zone, CompanionParts parts = {});
+
+}  // namespace cosiva::zone
