@@ -16,7 +16,7 @@
 #include <string_view>
 #include <vector>
 
-#include "cosiva/app/gvs/gvs_eye.h"
+#include "cosiva/app/gvs/camera_pipeline.h"
 #include "cosiva/app/gvs/gvs_scene.h"
 #include "cosiva/app/platform/trace_writer.h"
 #include "cosiva/battery/type.h"

@@ -6,7 +6,7 @@
 #include "cosiva/aiv/estimation/planar.h"
 #include "cosiva/aiv/estimation/registry.h"
 #include "cosiva/experiments/positioning/metrology/qualification.h"
-#include "cosiva/experiments/positioning/metrology/result.h"
+#include "cosiva/experiments/positioning/metrology/result_text.h"
 #include "cosiva/experiments/positioning/metrology/simulate.h"
 
 namespace {
