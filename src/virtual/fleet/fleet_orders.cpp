@@ -74,7 +74,7 @@ std::span<const zone::SectionId> FleetOrders::committed(std::uint32_t i) {
     if (to == zone::no_section) break;
     committed_sections_.push_back(to);
     end_m += ground_.length_m(to);
-    paths_.advance(path, to);
+    Paths::advance(path, to);
     more = false;
   }
   return committed_sections_;

@@ -43,7 +43,7 @@ Leaders::Found Leaders::find_ahead(std::uint32_t i, double look_m) const {
     if (found.vehicle == i) return {i, far_m};  // all the way round, and nobody else
     if (found.vehicle != Fleet::none) return found;
     start_m += ground_.length_m(to);
-    paths_.advance(path, to);
+    Paths::advance(path, to);
   }
   return {i, far_m};
 }

@@ -44,7 +44,7 @@ void PathSurvey::survey(std::uint32_t i) {
       break;
     }
     start_m = end_m;
-    paths_.advance(path, to);
+    Paths::advance(path, to);
     if (!numbers_.has_limits || ground_.limit_mps(to) >= far_m) continue;
     // Of two limits ahead the same one counts all the way to the first: v² = l² + 2b·(d − l·t) for both.
     const double mps = ground_.limit_mps(to);
@@ -87,7 +87,7 @@ std::uint32_t PathSurvey::find_chain(const Ground::Line& line, const Paths::Path
       if (ended) to = ground_.default_next(on.section);
       same = to == section;
       if (!same) break;
-      paths_.advance(on, to);
+      Paths::advance(on, to);
     }
     std::uint32_t& best = ended ? part : whole;
     if (same && (best == no_chain || ground_.chain(c).exit_m > ground_.chain(best).exit_m)) best = c;

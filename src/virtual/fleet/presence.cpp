@@ -39,7 +39,7 @@ bool Presence::take_away(std::uint32_t i) {
   leaders_.unlink(i);
   block.occupied_steps[state_.section[i]] += step_number_ - own.entered_step;
   leaders_.update_followers(block, own.copy, state_.section[i]);
-  grants_.recheck(copies_[own.copy]);
+  CrossingGrants::recheck(copies_[own.copy]);
   own.own_mps = far_m;
   make_absent(i);
   return true;
@@ -76,7 +76,7 @@ bool Presence::bring(std::uint32_t i, zone::Place place, std::int16_t priority) 
   own.entered_step = step_number_;
   survey_.survey(i);
   leaders_.update_followers(block, own.copy, place.section);
-  grants_.recheck(copies_[own.copy]);
+  CrossingGrants::recheck(copies_[own.copy]);
   poses_.write(i, i + 1);
   return true;
 }
