@@ -1,4 +1,5 @@
 #include "cosiva/experiments/positioning/recording/recording.h"
+#include "cosiva/experiments/positioning/recording/replayed.h"
 
 #include "target.h"
 
