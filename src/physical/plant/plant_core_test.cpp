@@ -8,6 +8,7 @@
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/battery/type.h"
+#include "cosiva/battery/type_json.h"
 #include "cosiva/physical/plant/plant_bench.h"
 #include "cosiva/physical/plant/plant_options.h"
 #include "cosiva/physical/plant/test_zones.h"
