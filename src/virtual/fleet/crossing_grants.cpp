@@ -31,7 +31,7 @@ CrossingGrants::CrossingGrants(FleetTables& tables, Leaders& leaders, PathSurvey
 void CrossingGrants::request(const Block& block, std::uint32_t i) {
   const Own& own = state_.own[i];
   if (own.held_chain != no_chain) return;  // one chain after the other
-  // Whoever has somebody between itself and the line is not the next.
+  // A vehicle with another vehicle between itself and the line is not the next one.
   if (state_.leader[i] != i && state_.offset_m[i] + state_.s_m[state_.leader[i]] < state_.line_at[i]) return;
   Copy& copy = copies_[own.copy];
   state_.queue[copy.first + copy.waiting++] = {i, block.now, own.line_chain, own.priority};
@@ -82,7 +82,7 @@ void CrossingGrants::grant_due(Block& block, std::uint32_t index) {
   for (std::size_t k = 0; k < copy.waiting;) {
     const Waiting& one = waiting(index)[k];
     const Ground::Chain& chain = ground_.chain(one.chain);
-    // Who has no room beyond could not use its turn; it keeps it, but lets others by.
+    // A vehicle without room beyond the chain could not use its turn: the vehicle keeps the turn and lets others pass.
     if (!has_room(one.vehicle, chain)) {
       lacks_room = true;
       ++k;
@@ -100,8 +100,8 @@ void CrossingGrants::grant_due(Block& block, std::uint32_t index) {
     for (const Ground::Leave& leave : leaves) here[leave.crossing].claimed_pass = block.pass;
     ++k;
   }
-  // The one ahead of who lacks room may move on at any time; all else that could change is a crossing left, somebody
-  // new, or one that has waited long enough.
+  // The vehicle ahead of one that lacks room may move on at any time. All else that could change is a crossing left, a
+  // new request, or a vehicle that has waited long enough.
   copy.due_step = lacks_room ? block.now : sort_step;
   copy.sort_step = sort_step;
 }
@@ -134,7 +134,7 @@ bool CrossingGrants::exchange_chain(std::uint32_t i, std::span<const zone::Secti
 
   CrossingState* const here = crossings_.data() + std::size_t{own.copy} * ground_.zone().crossings.size();
   const auto leaves = ground_.leaves_of(ground_.chain(wanted));
-  // What lies behind it is others' business.
+  // Crossings behind the vehicle belong to others.
   std::uint16_t to_come = 0;
   while (to_come < leaves.size() && own.chain_at + leaves[to_come].at_m + Ground::left_m < state_.s_m[i]) ++to_come;
   for (const Ground::Leave& leave : leaves.subspan(to_come))
@@ -157,7 +157,7 @@ bool CrossingGrants::exchange_chain(std::uint32_t i, std::span<const zone::Secti
 
 std::size_t CrossingGrants::stuck() const {
   const auto count = static_cast<std::uint32_t>(state_.s_m.size());
-  // Each waits for one other at most: go from one to the next, and where a walk meets itself there is a circle.
+  // Each vehicle waits for one other at most: where a walk from one to the next meets itself there is a circle.
   std::vector<std::uint32_t> walk(count, 0);
   std::size_t in_circles = 0;
   for (std::uint32_t start = 0; start < count; ++start) {
@@ -188,7 +188,7 @@ std::span<Waiting> CrossingGrants::waiting(std::uint32_t copy) {
 }
 
 void CrossingGrants::sort_waiting(Copy& copy, std::span<Waiting> all, std::uint32_t now) {
-  // Sorted by hand, because it nearly always is sorted.
+  // Insertion sort: the queue nearly always is in order.
   for (std::size_t k = 1; k < all.size(); ++k) {
     const Waiting self = all[k];
     std::size_t to = k;
@@ -213,7 +213,7 @@ bool CrossingGrants::goes_before(const Waiting& a, const Waiting& b, std::uint32
 
 bool CrossingGrants::has_room(std::uint32_t i, const Ground::Chain& chain) const {
   const double exit_m = state_.line_at[i] - chain.entry_m + chain.exit_m;
-  // Where it is to stay in the crossing it needs no room beyond.
+  // A vehicle that is to stay in the crossing needs no room beyond.
   if ((state_.mode[i] & Mode::sent) != 0 && state_.goal_at[i] <= exit_m) return true;
   const double need_m = exit_m + numbers_.length_m + room_m;
   Leaders::Found ahead{state_.leader[i], state_.offset_m[i]};

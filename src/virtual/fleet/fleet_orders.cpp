@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "cosiva/aiv/motion/formulas.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
@@ -36,7 +35,7 @@ bool FleetOrders::send(std::uint32_t i, std::span<const zone::SectionId> route, 
   const auto kept = committed(i);
   const std::size_t common = std::min(kept.size(), route.size());
   if (!std::equal(kept.begin(), kept.begin() + static_cast<std::ptrdiff_t>(common), route.begin())) return false;
-  // Nor may it stay short of the end of crossings that it holds: nobody else could pass.
+  // Nor may the vehicle stay short of the end of crossings that it holds: no other vehicle could pass.
   if (goal_m < committed_m(i) || (kept.size() > route.size() && (state_.mode[i] & Mode::turning) != 0)) return false;
   if (!grants_.exchange_chain(i, route)) return false;
 
@@ -52,7 +51,7 @@ bool FleetOrders::send(std::uint32_t i, std::span<const zone::SectionId> route, 
 
 void FleetOrders::circulate(std::uint32_t i) {
   if ((state_.mode[i] & (Mode::sent | Mode::absent)) != Mode::sent) return;
-  // What it is committed to stays its way; from there the defaults lead on.
+  // The vehicle still drives the sections that it is committed to; from there the default successors lead on.
   committed(i);
   state_.goal_at[i] = far_m;
   --told_vehicles_;
@@ -67,7 +66,7 @@ std::span<const zone::SectionId> FleetOrders::committed(std::uint32_t i) {
   committed_sections_.push_back(path.section);
   const double until_m = std::min(committed_m(i), state_.goal_at[i]);
   double end_m = ground_.length_m(path.section);
-  // Whoever turns on the spot does so towards the next one.
+  // A vehicle that turns on the spot turns towards the next section.
   bool more = (state_.mode[i] & Mode::turning) != 0;
   while (more || end_m < until_m) {
     const zone::SectionId to = paths_.next(path);
@@ -103,7 +102,7 @@ void FleetOrders::follow_anew(std::uint32_t i) {
   if (front_[list_index(ground_, state_.own[i].copy, state_.section[i])] == i) leaders_.look_ahead(i);
   const std::uint32_t asked_for = state_.own[i].line_chain;
   survey_.survey(i);
-  // Who comes to a sharp bend turns there; who stands there already has no more to come.
+  // A vehicle that comes to a sharp bend turns there; for one that has stopped at the bend no event is to come.
   const bool stands_at_end = state_.v_mps[i] == 0.0 && state_.s_m[i] == ground_.length_m(state_.section[i]);
   if (numbers_.has_turns && stands_at_end && state_.goal_at[i] > state_.s_m[i] && (state_.mode[i] & Mode::turning) == 0)
     changes_.begin_turn(i);

@@ -3,14 +3,6 @@
 #include <utility>
 
 namespace cosiva::virtual_side {
-namespace {
-
-template <typename T>
-std::size_t size_of(const std::vector<T>& values) {
-  return values.capacity() * sizeof(T);
-}
-
-}  // namespace
 
 FleetTables::FleetTables(Ground fleet_ground, const FleetOptions& fleet_options)
     : ground{std::move(fleet_ground)}, options{fleet_options}, numbers{numbers_of(ground.zone(), options)} {
@@ -19,12 +11,14 @@ FleetTables::FleetTables(Ground fleet_ground, const FleetOptions& fleet_options)
 }
 
 std::size_t FleetTables::bytes() const {
-  std::size_t bytes = sizeof(FleetTables) + ground.bytes() + state.bytes() + size_of(copies) + size_of(front) +
-                      size_of(rear) + size_of(crossings) + size_of(blocks) + size_of(routes) + size_of(arrived);
+  std::size_t bytes = sizeof(FleetTables) + ground.bytes() + state.bytes() + allocated_bytes(copies) +
+                      allocated_bytes(front) + allocated_bytes(rear) + allocated_bytes(crossings) +
+                      allocated_bytes(blocks) + allocated_bytes(routes) + allocated_bytes(arrived);
   for (const Block& block : blocks)
-    bytes += size_of(block.occupied_steps) + size_of(block.grants) + size_of(block.waited_steps) +
-             size_of(block.seen_m) + size_of(block.seen_search) + size_of(block.open);
-  for (const Route& route : routes) bytes += size_of(route.sections);
+    bytes += allocated_bytes(block.occupied_steps) + allocated_bytes(block.grants) +
+             allocated_bytes(block.waited_steps) + allocated_bytes(block.seen_m) + allocated_bytes(block.seen_search) +
+             allocated_bytes(block.open);
+  for (const Route& route : routes) bytes += allocated_bytes(route.sections);
   return bytes;
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "cosiva/aiv/motion/formulas.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
@@ -33,7 +32,7 @@ Leaders::Found Leaders::find_ahead(std::uint32_t i, double look_m) const {
     Found found{rear_[list_index(ground_, copy, to)], start_m};
     const auto ways = circuit.next(path.section);
     if (ways.size() > 1) {
-      // Who has taken another branch is in the way until its body has parted.
+      // A vehicle on another branch is an obstacle until its body has parted from this path.
       for (const zone::SectionId branch : ways) {
         const std::uint32_t other = rear_[list_index(ground_, copy, branch)];
         if (branch == to || other == Fleet::none || !(state_.s_m[other] < ground_.parted_m(branch))) continue;
@@ -69,7 +68,7 @@ void Leaders::update_followers(Block& block, std::uint32_t copy, zone::SectionId
       }
       const double on_m = way_m + ground_.length_m(from);
       if (on_m > numbers_.look_m) continue;
-      // Found again by a shorter way it is looked through again: what lies behind it may only now be near enough.
+      // A section found again by a shorter path is searched again: sections behind it may only now be near enough.
       if (block.seen_search[from] == block.search && block.seen_m[from] <= on_m) continue;
       block.seen_search[from] = block.search;
       block.seen_m[from] = on_m;

@@ -68,13 +68,13 @@ void PathSurvey::survey(std::uint32_t i) {
 
 std::uint32_t PathSurvey::match(const Ground::Line& line, const Paths::Path& path) const {
   const std::uint32_t chain = find_chain(line, path);
-  COSIVA_EXPECT(chain != no_chain);  // whoever has none is not sent that way
+  COSIVA_EXPECT(chain != no_chain);  // a vehicle is never sent along a route without a chain
   return chain;
 }
 
 std::uint32_t PathSurvey::find_chain(const Ground::Line& line, const Paths::Path& path) const {
-  // Of several the longest: where another crossing follows closely on only one of two ways, that one's chain is longer.
-  // A way that ends before the exit goes on by default, so that whoever has stayed there can always go on so.
+  // Of several chains the longest: where another crossing follows closely on one of two paths, its chain is longer.
+  // A route that ends before the exit is continued by default successors: a vehicle that has stayed there can go on so.
   std::uint32_t whole = no_chain;
   std::uint32_t part = no_chain;
   for (std::uint32_t c = line.first_chain; c < line.first_chain + line.chains; ++c) {

@@ -1,10 +1,5 @@
 #include "cosiva/virtual/fleet/paths.h"
 
-#include <algorithm>
-
-#include "cosiva/aiv/motion/formulas.h"
-#include "cosiva/base/expect.h"
-
 namespace cosiva::virtual_side {
 
 Paths::Paths(const FleetTables& tables) : ground_{tables.ground}, state_{tables.state}, routes_{tables.routes} {}

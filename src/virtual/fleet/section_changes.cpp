@@ -1,7 +1,5 @@
 #include "cosiva/virtual/fleet/section_changes.h"
 
-#include <algorithm>
-
 #include "cosiva/aiv/motion/formulas.h"
 #include "cosiva/aiv/motion/manoeuvre.h"
 #include "cosiva/base/expect.h"
@@ -64,7 +62,7 @@ void SectionChanges::switch_section(Block& block, std::uint32_t i) {
   const Paths::Path path = paths_.path_of(i);
   const zone::SectionId to = paths_.next(path);
   COSIVA_EXPECT(to != zone::no_section);
-  // Whoever is before it on this section leaves it first.
+  // Vehicles ahead on this section leave it first.
   while (front_[list_index(ground_, copy, from)] != i) move_across(block, front_[list_index(ground_, copy, from)]);
 
   const std::uint32_t behind = state_.own[i].behind;
@@ -82,7 +80,7 @@ void SectionChanges::switch_section(Block& block, std::uint32_t i) {
   for (double* place : {&own.release_at, &own.clear_at, &own.chain_at}) *place = shifted(*place, length_m);
   state_.section[i] = to;
   if (!path.route.empty()) ++state_.own[i].route_step;
-  // Exactly where it was sent, whatever rounding the way there has left.
+  // The goal exactly as it was sent, without the rounding of the sections before it.
   if (path.ends && path.step + 2 == path.route.size()) state_.goal_at[i] = routes_[state_.own[i].route].goal_s_m;
   if (to == state_.own[i].began_on) ++state_.own[i].laps;
 

@@ -1,14 +1,6 @@
 #include "cosiva/virtual/fleet/state.h"
 
 namespace cosiva::virtual_side {
-namespace {
-
-template <typename T>
-std::size_t size_of(const std::vector<T>& values) {
-  return values.capacity() * sizeof(T);
-}
-
-}  // namespace
 
 void State::resize(std::size_t vehicles, bool limits, bool turns) {
   for (auto* numbers : {&s_m, &v_mps, &x_m, &y_m, &heading_rad}) numbers->assign(vehicles, 0.0);
@@ -27,12 +19,12 @@ void State::resize(std::size_t vehicles, bool limits, bool turns) {
 }
 
 std::size_t State::bytes() const {
-  std::size_t bytes = size_of(own) + size_of(queue) + size_of(profile);
+  std::size_t bytes = allocated_bytes(own) + allocated_bytes(queue) + allocated_bytes(profile);
   for (const auto* values : {&s_m, &v_mps, &next_mps, &offset_m, &halt_at, &line_at, &goal_at, &event_at, &cap_mps,
                              &slow_at, &slow_mps, &x_m, &y_m, &heading_rad, &turn_left_rad, &turn_radps})
-    bytes += size_of(*values);
-  for (const auto* values : {&leader, &section, &waited_steps}) bytes += size_of(*values);
-  for (const auto* values : {&imposed, &mode, &event}) bytes += size_of(*values);
+    bytes += allocated_bytes(*values);
+  for (const auto* values : {&leader, &section, &waited_steps}) bytes += allocated_bytes(*values);
+  for (const auto* values : {&imposed, &mode, &event}) bytes += allocated_bytes(*values);
   return bytes;
 }
 

@@ -14,6 +14,12 @@ namespace cosiva::virtual_side {
 
 inline constexpr std::uint32_t no_chain = std::numeric_limits<std::uint32_t>::max();
 
+/// Memory that a vector has allocated for its elements.
+template <typename T>
+[[nodiscard]] std::size_t allocated_bytes(const std::vector<T>& values) {
+  return values.capacity() * sizeof(T);
+}
+
 /// What a vehicle is at, besides driving.
 enum Mode : std::uint8_t {
   turning = 1U << 0U,  ///< on the spot, at the end of its section

@@ -9,8 +9,6 @@ namespace {
 
 constexpr std::size_t commands_shown = 50;
 
-double ms_of(SimDuration duration) { return static_cast<double>(duration.count()) * 1e-6; }
-
 void text_or_null(JsonWriter& json, std::string_view name, std::string_view text) {
   json.key(name);
   if (text.empty())
@@ -48,7 +46,7 @@ void ServerView::write_objects(JsonWriter& json) const {
     for (VehicleIndex v = 0; v < context_.registry.size(); ++v)
       if (context_.registry[v].here() && augmented_.virtual_obstacles.feels(v) == thing.id)
         json.value(context_.registry[v].name);
-    json.end_array().field("since_ms", ms_of(thing.since.time_since_epoch())).end_object();
+    json.end_array().field("since_ms", to_milliseconds(thing.since.time_since_epoch())).end_object();
   }
   json.end_array();
 }
@@ -65,8 +63,8 @@ void ServerView::write_obstacles(JsonWriter& json) const {
     json.key("seenBy").begin_array();
     for (const SeenObstacle::Witness& witness : obstacle.seen_by) json.value(witness.vehicle);
     json.end_array()
-        .field("first_ms", ms_of(obstacle.first.time_since_epoch()))
-        .field("last_ms", ms_of(obstacle.last.time_since_epoch()))
+        .field("first_ms", to_milliseconds(obstacle.first.time_since_epoch()))
+        .field("last_ms", to_milliseconds(obstacle.last.time_since_epoch()))
         .end_object();
   }
   json.end_array();
@@ -97,7 +95,7 @@ void ServerView::write_commands(JsonWriter& json) const {
     const auto since = [&](std::string_view name, const std::optional<SimTime>& at) {
       json.key(name);
       if (at)
-        json.value(ms_of(*at - command.at));
+        json.value(to_milliseconds(*at - command.at));
       else
         json.null();
     };
@@ -106,7 +104,7 @@ void ServerView::write_commands(JsonWriter& json) const {
         .field("vehicle", command.vehicle_name)
         .field("command", command.verb_text)
         .field("state", to_string(command.state))
-        .field("time_ms", ms_of(command.at.time_since_epoch()));
+        .field("time_ms", to_milliseconds(command.at.time_since_epoch()));
     since("accepted_ms", command.accepted_at);
     since("materialised_ms", command.materialised_at);
     json.field("reason", command.reason).end_object();
@@ -118,7 +116,7 @@ std::string ServerView::snapshot_json() const {
   JsonWriter json;
   json.begin_object()
       .field("time", to_iso8601(context_.now))
-      .field("time_ms", ms_of(context_.now.time_since_epoch()))
+      .field("time_ms", to_milliseconds(context_.now.time_since_epoch()))
       .field("zoneRevision", context_.simulator.zone_revision());
   json.key("zoneEdits")
       .begin_object()

@@ -14,8 +14,6 @@ constexpr double reserved_step_m = 0.1;
 constexpr double strange_base_m_max = 8.0;        ///< of an order that is not ours
 constexpr std::size_t reserved_points_max = 400;  ///< of a base longer than 40 m fewer are drawn
 
-double ms_of(SimDuration duration) { return static_cast<double>(duration.count()) * 1e-6; }
-
 /// A tenth of a millimetre is more than anybody can see.
 double drawn(double m) { return std::nearbyint(m * 1e4) / 1e4; }
 
@@ -100,7 +98,7 @@ void VehicleView::write(JsonWriter& json, VehicleIndex vehicle) const {
       .field("lost", lost)
       .field("status", aiv::to_string(aiv::status_of(speed_mps, proxy.imposed)));
   write_pose_and_mission(json, vehicle, image, speed_mps);
-  json.field("age_ms", std::max(0.0, ms_of(context_.now - proxy.reported_at)))
+  json.field("age_ms", std::max(0.0, to_milliseconds(context_.now - proxy.reported_at)))
       .field("divergence_m", context_.simulator.last_divergence_m(*proxy.twin));
   write_agent(json, vehicle, lost);
   write_reserved(json, vehicle);

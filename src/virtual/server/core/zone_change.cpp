@@ -12,8 +12,6 @@ namespace {
 constexpr SimDuration change_timeout{std::chrono::seconds{10}};
 constexpr double moving_mps = 0.01;
 
-double ms_of(SimDuration duration) { return static_cast<double>(duration.count()) * 1e-6; }
-
 }  // namespace
 
 void ZoneChange::begin(std::string from) {
@@ -108,9 +106,10 @@ void ZoneChange::find_first_moving() {
     const bool drives = proxy.state && proxy.state->driving && proxy.map_id == map_->zone().name;
     if (!drives && context_.simulator.twin(*proxy.twin).speed_mps() <= moving_mps) continue;
     last_->first_moving = context_.now;
-    context_.publisher.log('i', "zone '" + map_->zone().name + "': " + proxy.name + " moves on it, " +
-                                    std::to_string(static_cast<std::int64_t>(ms_of(context_.now - last_->at))) +
-                                    " ms after the switch");
+    context_.publisher.log('i',
+                           "zone '" + map_->zone().name + "': " + proxy.name + " moves on it, " +
+                               std::to_string(static_cast<std::int64_t>(to_milliseconds(context_.now - last_->at))) +
+                               " ms after the switch");
     return;
   }
 }
@@ -121,11 +120,11 @@ void ZoneChange::write(JsonWriter& json) const {
     return;
   }
   json.begin_object()
-      .field("at", ms_of(last_->at.time_since_epoch()))
+      .field("at", to_milliseconds(last_->at.time_since_epoch()))
       .field("from", last_->from)
       .key("first_moving_ms");
   if (last_->first_moving)
-    json.value(ms_of(*last_->first_moving - last_->at));
+    json.value(to_milliseconds(*last_->first_moving - last_->at));
   else
     json.null();
   json.field("anchored", static_cast<std::uint64_t>(last_->snapped)).key("parked").begin_array();

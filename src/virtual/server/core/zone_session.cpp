@@ -10,8 +10,6 @@ namespace {
 /// A broker sends its retained messages at once after a subscription.
 constexpr SimDuration retained_within{std::chrono::milliseconds{300}};
 
-double ms_of(SimDuration duration) { return static_cast<double>(duration.count()) * 1e-6; }
-
 }  // namespace
 
 void ZoneSession::receive(const zone::ZoneConfiguration& configuration, Source source) {
@@ -226,7 +224,7 @@ void ZoneSession::write(JsonWriter& json) const {
     json.begin_object()
         .field("origin", refused_->origin)
         .field("why", refused_->why)
-        .field("at", ms_of(refused_->at.time_since_epoch()))
+        .field("at", to_milliseconds(refused_->at.time_since_epoch()))
         .end_object();
   } else {
     json.null();
