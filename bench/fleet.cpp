@@ -66,9 +66,9 @@ Result<std::shared_ptr<const zone::TrafficZone>> read_zone(const std::string& pa
     std::ifstream file{name, std::ios::binary};
     return std::string{std::istreambuf_iterator<char>{file}, {}};
   };
-  const auto companion = zone::companion_of_file(path);
+  const auto sidecar = zone::sidecar_of_file(path);
   auto rtm = zone::Rtm::initialise(
-      {zone::format_of_file(path).value_or("toml"), path, bytes(path), companion ? bytes(*companion) : std::string{}});
+      {zone::format_of_file(path).value_or("toml"), path, bytes(path), sidecar ? bytes(*sidecar) : std::string{}});
   if (!rtm) return tl::unexpected(rtm.error());
   return rtm->share_zone();
 }

@@ -2,7 +2,7 @@
 //
 //   zone_tour [--speed M_PER_S] FILE...
 //
-// The files may be of any format; `<name>.zone.toml` beside one is its companion. Of parallel sections without a
+// The files may be of any format; `<name>.zone.toml` beside one is its sidecar file. Of parallel sections without a
 // waypoint of their own, the others are closed. Where a start does not lead everywhere, the tour begins anew before a
 // section not seen yet, until that brings nothing new. Prints a line per file, with a digest of its runs; exit 1 when a
 // section was not driven although a way leads to it, or bodies touched; 2 on a file that cannot be read.
@@ -44,7 +44,7 @@ Result<zone::ZoneConfiguration> load(const std::string& file) {
   auto text = text_of(file);
   if (!text) return fail("zone.missing", "there is no such file", file);
   zone::ZoneConfiguration configuration{std::move(*format), file, std::move(*text), {}};
-  if (const auto companion = zone::companion_of_file(file)) configuration.companion = text_of(*companion).value_or("");
+  if (const auto sidecar = zone::sidecar_of_file(file)) configuration.sidecar = text_of(*sidecar).value_or("");
   return configuration;
 }
 
@@ -241,7 +241,7 @@ std::string with_start(std::string text, const std::string& section, double spee
 
 zone::ZoneConfiguration beginning_at(zone::ZoneConfiguration configuration, const std::string& section,
                                      double speed_mps) {
-  std::string& rules = configuration.format == "toml" ? configuration.text : configuration.companion;
+  std::string& rules = configuration.format == "toml" ? configuration.text : configuration.sidecar;
   rules = with_start(std::move(rules), section, speed_mps);
   return configuration;
 }

@@ -4,7 +4,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cosiva::zone;
-  // A zero byte ends the companion, as it does on the wire.
+  // A zero byte ends the sidecar file, as it does on the wire.
   const LifCircuitFactory factory;
   const auto zone = factory.make_zone(from_payload("lif", "fuzz.lif.json", cosiva::fuzz::as_text(data, size)));
   if (!zone) {

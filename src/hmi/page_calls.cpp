@@ -26,7 +26,7 @@ std::span<const PageCalls::Route> PageCalls::routes() {
       {"GET", "/api/v1/run", none, &get_run},
       {"GET", "/api/v1/zones", none, &list_zones},
       {"GET", "/api/v1/zone/file", none, &get_zone_file},
-      {"GET", "/api/v1/zone/companion", none, &get_zone_companion},
+      {"GET", "/api/v1/zone/sidecar", none, &get_zone_sidecar},
       {"GET", "/api/v1/zone/beacons/suggestion", none, &suggest_beacons},
       {"GET", "/api/v1/traces", none, &get_traces},
       {"GET", "/api/v1/traces/{n}", none, &get_trace},

@@ -13,7 +13,7 @@
 namespace cosiva::app {
 
 /// A whole zone may be sent to this path; nothing else is so long. 16 MiB of a file, and some more where its bytes are
-/// escaped or a companion comes along.
+/// escaped or a sidecar file comes along.
 inline constexpr std::string_view switch_path = "/api/v1/zone/switch";
 inline constexpr std::size_t switch_bytes_max = std::size_t{64} << 20U;
 

@@ -312,7 +312,7 @@ TEST(PageCalls, switch_to_a_zone_that_is_sent_whole) {
   const HttpResponse answer = page.ask("POST", "/api/v1/zone/switch", switch_body("mine.toml", text));
   EXPECT_EQ(answer.status, 200U) << answer.body;
   EXPECT_EQ(page.ask("GET", "/api/v1/zone/file").body, text);
-  EXPECT_EQ(page.ask("GET", "/api/v1/zone/companion").status, 404U);
+  EXPECT_EQ(page.ask("GET", "/api/v1/zone/sidecar").status, 404U);
   EXPECT_EQ(page.ask("POST", "/api/v1/zone/switch", switch_body("mine.txt", text)).status, 400U);
 }
 

@@ -61,12 +61,12 @@ Result<zone::ZoneConfiguration> given_zone(const JsonValue& body) {
   if (file && text) {
     auto format = zone::format_of_file(*file);
     if (!format) return tl::unexpected(format.error());
-    return zone::ZoneConfiguration{std::move(*format), *file, *text, body.text("companion").value_or("")};
+    return zone::ZoneConfiguration{std::move(*format), *file, *text, body.text("sidecar").value_or("")};
   }
   auto configuration = zone::zone_configuration_from_json(body);
   if (!configuration)
     configuration.error().message =
-        R"(say which: {"name":"…"} of a ready zone, {"file","text","companion"?}, or {"format","origin","text","companion"?})";
+        R"(say which: {"name":"…"} of a ready zone, {"file","text","sidecar"?}, or {"format","origin","text","sidecar"?})";
   return configuration;
 }
 
@@ -127,12 +127,12 @@ HttpResponse get_zone_file(CallContext& context, const Call&) {
                   file_name(zone_name(*context.host().core), context.host().zones->file_ending(configuration->format)));
 }
 
-HttpResponse get_zone_companion(CallContext& context, const Call&) {
+HttpResponse get_zone_sidecar(CallContext& context, const Call&) {
   auto configuration = context.host().core->zone_configuration();
   if (!configuration) return http_error(404, "zone.not_found", "there is no zone yet");
-  if (configuration->companion.empty())
-    return http_error(404, "zone.companion", "this zone has no companion: its file says everything");
-  return download(std::move(configuration->companion),
+  if (configuration->sidecar.empty())
+    return http_error(404, "zone.sidecar", "this zone has no sidecar file: its file says everything");
+  return download(std::move(configuration->sidecar),
                   file_name(zone_name(*context.host().core), std::string(context.host().zones->sidecar_ending())));
 }
 
@@ -177,7 +177,7 @@ HttpResponse switch_zone(CallContext& context, const Call& call) {
   context.host().command("http", command);
   const auto in_force = context.host().core->zone_configuration();
   if (!in_force || in_force->format != configuration->format || in_force->text != configuration->text ||
-      in_force->companion != configuration->companion) {
+      in_force->sidecar != configuration->sidecar) {
     const auto judged = context.host().core->check_command(command);
     const Error why = judged ? Error{"zone.refused", "the zone that was there stays in force", {}} : judged.error();
     return http_error(422, why.code, to_string(why));

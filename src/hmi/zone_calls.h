@@ -12,7 +12,7 @@ namespace cosiva::app {
 /// GET /api/v1/zone/file: the file of the zone in force, as a download; 404 ("zone.not_found").
 [[nodiscard]] adapters::HttpResponse get_zone_file(CallContext& context, const Call& call);
 /// The sidecar file of the zone in force likewise.
-[[nodiscard]] adapters::HttpResponse get_zone_companion(CallContext& context, const Call& call);
+[[nodiscard]] adapters::HttpResponse get_zone_sidecar(CallContext& context, const Call& call);
 /// GET /api/v1/zone/beacons/suggestion: a better origin of the beacons; 409 ("zone.beacons").
 [[nodiscard]] adapters::HttpResponse suggest_beacons(CallContext& context, const Call& call);
 /// POST /api/v1/zone/switch: another zone, by name or whole; 422 where the core refuses it.

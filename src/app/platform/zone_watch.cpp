@@ -15,23 +15,23 @@ namespace {
 constexpr std::chrono::milliseconds look_period{500};
 
 bool is(const std::optional<zone::ZoneConfiguration>& known, const zone::ZoneConfiguration& read) {
-  return known && known->format == read.format && known->text == read.text && known->companion == read.companion;
+  return known && known->format == read.format && known->text == read.text && known->sidecar == read.sidecar;
 }
 
 }  // namespace
 
-ZoneWatch::ZoneWatch(adapters::EventLoop& loop, std::string file, std::string companion_file, Handlers handlers)
-    : file_{std::move(file)}, companion_file_{std::move(companion_file)}, handlers_{std::move(handlers)}, timer_{loop} {
+ZoneWatch::ZoneWatch(adapters::EventLoop& loop, std::string file, std::string sidecar_file, Handlers handlers)
+    : file_{std::move(file)}, sidecar_file_{std::move(sidecar_file)}, handlers_{std::move(handlers)}, timer_{loop} {
   // What it holds now is what the run began with; only what comes after is news.
   at_rest_stamp_ = stamp();
-  if (auto read = load_zone(file_, companion_file_)) at_rest_ = std::move(*read);
+  if (auto read = load_zone(file_, sidecar_file_)) at_rest_ = std::move(*read);
   timer_.every(look_period, [this] { look(); });
 }
 
 std::string ZoneWatch::stamp() const {
   std::string text;
   for (const std::string& file :
-       {file_, companion_file_.empty() ? zone::companion_of_file(file_).value_or("") : companion_file_}) {
+       {file_, sidecar_file_.empty() ? zone::sidecar_of_file(file_).value_or("") : sidecar_file_}) {
     struct stat facts {};
     if (file.empty() || ::stat(file.c_str(), &facts) != 0) continue;
     for (const auto number :
@@ -45,7 +45,7 @@ std::string ZoneWatch::stamp() const {
 void ZoneWatch::look() {
   std::string stamped = stamp();
   if (stamped == at_rest_stamp_ && !settling_ && looks_in_vain_ == 0) return;
-  auto read = load_zone(file_, companion_file_);
+  auto read = load_zone(file_, sidecar_file_);
   if (!read) {
     settling_.reset();
     // An editor may put a new file in the old one's place: one look that finds none is no news.

@@ -10,7 +10,7 @@
 
 namespace cosiva::app {
 
-/// Looks twice a second whether the file of a zone, or its companion, holds something else than what is in force, and
+/// Looks twice a second whether the file of a zone, or its sidecar file, holds something else than what is in force, and
 /// switches to that once it has settled. What the page saved is in force already, so that is no change.
 class ZoneWatch {
  public:
@@ -19,8 +19,8 @@ class ZoneWatch {
     std::function<void(std::string command)> give;  ///< to the core, which judges it and says why it refuses
     std::function<void(const std::string& text)> say;
   };
-  /// @param companion_file  empty: the one beside the file
-  ZoneWatch(adapters::EventLoop& loop, std::string file, std::string companion_file, Handlers handlers);
+  /// @param sidecar_file  empty: the one beside the file
+  ZoneWatch(adapters::EventLoop& loop, std::string file, std::string sidecar_file, Handlers handlers);
 
   /// As the timer does; for tests.
   void look();
@@ -31,7 +31,7 @@ class ZoneWatch {
   [[nodiscard]] std::string stamp() const;
 
   std::string file_;
-  std::string companion_file_;
+  std::string sidecar_file_;
   Handlers handlers_;
   std::optional<zone::ZoneConfiguration> at_rest_;  ///< as last read and done with
   std::string at_rest_stamp_;

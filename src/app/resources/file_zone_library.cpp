@@ -35,6 +35,6 @@ Result<void> FileZoneLibrary::write(const std::string& file, const zone::ZoneCon
 
 std::string FileZoneLibrary::file_ending(std::string_view format) const { return usual_ending(format); }
 
-std::string_view FileZoneLibrary::sidecar_ending() const { return app::companion_ending; }
+std::string_view FileZoneLibrary::sidecar_ending() const { return app::sidecar_file_ending; }
 
 }  // namespace cosiva::app

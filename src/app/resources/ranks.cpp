@@ -12,7 +12,7 @@ namespace cosiva::app {
 namespace {
 
 /// Each launcher says how many it has started in a variable of its own.
-bool has_companions() {
+bool has_sidecars() {
   for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_SIZE", "SLURM_STEP_NUM_TASKS"}) {
     const char* const count = std::getenv(name);
     if (count != nullptr && std::atol(count) > 1) return true;
@@ -34,7 +34,7 @@ std::size_t threads_for_each_rank() {
 }
 
 Result<std::unique_ptr<Ranks>> start_ranks() {
-  if (!has_companions()) return std::make_unique<OneRank>();
+  if (!has_sidecars()) return std::make_unique<OneRank>();
   std::error_code error;
   const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
   const std::string library = (self.parent_path() / "cosiva_mpi.so").string();

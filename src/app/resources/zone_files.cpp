@@ -24,7 +24,7 @@ std::vector<std::string> usual_endings() {
 /// every .json in a folder is a zone.
 std::optional<std::string> ready_name(const fs::path& file) {
   const std::string name = file.filename().string();
-  if (name.ends_with(companion_ending)) return std::nullopt;
+  if (name.ends_with(sidecar_file_ending)) return std::nullopt;
   for (const std::string& ending : usual_endings())
     if (name.size() > ending.size() && name.ends_with(ending)) return name.substr(0, name.size() - ending.size());
   return std::nullopt;
@@ -82,8 +82,8 @@ std::vector<ReadyZone> ready_zones() {
 }
 
 std::string title_of(const ReadyZone& ready) {
-  if (const auto companion = zone::companion_of_file(ready.file))
-    if (auto title = first_comment(*companion)) return *title;
+  if (const auto sidecar = zone::sidecar_of_file(ready.file))
+    if (auto title = first_comment(*sidecar)) return *title;
   return first_comment(ready.file).value_or(ready.name);
 }
 
@@ -93,10 +93,10 @@ Result<std::string> find_zone_file(const std::string& name_or_file) {
   return find_ready_file("zone", name_or_file, usual_endings(), names);
 }
 
-Result<zone::ZoneConfiguration> load_zone(const std::string& name_or_file, const std::string& companion_file) {
+Result<zone::ZoneConfiguration> load_zone(const std::string& name_or_file, const std::string& sidecar_file) {
   auto file = find_zone_file(name_or_file);
   if (!file) return tl::unexpected(file.error());
-  if (file->ends_with(companion_ending)) {
+  if (file->ends_with(sidecar_file_ending)) {
     return fail("zone.format",
                 "this only says what the zone's own file cannot; name that file, and this one is read with it", *file);
   }
@@ -106,26 +106,26 @@ Result<zone::ZoneConfiguration> load_zone(const std::string& name_or_file, const
   if (!text) return tl::unexpected(text.error());
   zone::ZoneConfiguration configuration{std::move(*format), *file, std::move(*text), {}};
   std::error_code error;
-  std::string companion = companion_file;
-  if (const auto beside = zone::companion_of_file(*file); beside && companion.empty() && fs::exists(*beside, error))
-    companion = *beside;
-  if (companion.empty()) return configuration;
-  auto more = adapters::read_file(companion);
+  std::string sidecar = sidecar_file;
+  if (const auto beside = zone::sidecar_of_file(*file); beside && sidecar.empty() && fs::exists(*beside, error))
+    sidecar = *beside;
+  if (sidecar.empty()) return configuration;
+  auto more = adapters::read_file(sidecar);
   if (!more) return tl::unexpected(more.error());
-  configuration.companion = std::move(*more);
+  configuration.sidecar = std::move(*more);
   return configuration;
 }
 
-Result<zone::Rtm> open_zone(const std::string& name_or_file, const std::string& companion_file) {
-  auto configuration = load_zone(name_or_file, companion_file);
+Result<zone::Rtm> open_zone(const std::string& name_or_file, const std::string& sidecar_file) {
+  auto configuration = load_zone(name_or_file, sidecar_file);
   if (!configuration) return tl::unexpected(configuration.error());
   return zone::Rtm::initialise(std::move(*configuration));
 }
 
 Result<void> write_zone(const std::string& file, const zone::ZoneConfiguration& configuration) {
-  // The companion first: an old file with a new companion is what an edit makes anyway.
-  if (const auto companion = zone::companion_of_file(file); companion && !configuration.companion.empty())
-    if (auto written = adapters::write_file(*companion, configuration.companion); !written) return written;
+  // The sidecar file first: an old file with a new sidecar file is what an edit makes anyway.
+  if (const auto sidecar = zone::sidecar_of_file(file); sidecar && !configuration.sidecar.empty())
+    if (auto written = adapters::write_file(*sidecar, configuration.sidecar); !written) return written;
   return adapters::write_file(file, configuration.text);
 }
 

@@ -44,7 +44,7 @@ TEST(ZoneFiles, of_every_format_are_found_by_name_whatever_their_ending) {
   EXPECT_NE(named(ready, "hall"), nullptr);
   EXPECT_NE(named(ready, "road"), nullptr);
   EXPECT_NE(named(ready, "lacet4"), nullptr) << "those of the source tree";
-  EXPECT_EQ(named(ready, "hall.zone"), nullptr) << "a companion is no zone";
+  EXPECT_EQ(named(ready, "hall.zone"), nullptr) << "a sidecar file is no zone";
   EXPECT_EQ(named(ready, "package"), nullptr) << "not every such file is a zone";
   EXPECT_THAT(find_zone_file("haal").error().message, HasSubstr("did you mean 'hall'?"));
 }
@@ -52,13 +52,13 @@ TEST(ZoneFiles, of_every_format_are_found_by_name_whatever_their_ending) {
 TEST(ZoneFiles, bring_the_companion_that_stands_beside_them) {
   Scratch scratch;
   const std::string file = scratch.write("hall.lif.json", "{}");
-  EXPECT_EQ(load_zone(file)->companion, "");
+  EXPECT_EQ(load_zone(file)->sidecar, "");
   scratch.write("hall.zone.toml", "# beside\n");
   const auto zone = load_zone(file);
   ASSERT_TRUE(zone);
   EXPECT_EQ(zone->format, "lif");
-  EXPECT_EQ(zone->companion, "# beside\n");
-  EXPECT_EQ(load_zone(file, scratch.write("other.toml", "# other\n"))->companion, "# other\n");
+  EXPECT_EQ(zone->sidecar, "# beside\n");
+  EXPECT_EQ(load_zone(file, scratch.write("other.toml", "# other\n"))->sidecar, "# other\n");
   EXPECT_FALSE(load_zone(file, scratch / "missing.toml")) << "one that was named must be there";
 }
 
@@ -66,7 +66,7 @@ TEST(ZoneFiles, that_say_everything_themselves_have_none) {
   Scratch scratch;
   const std::string file = scratch.write("mine.toml", "name = 'mine'\n");
   scratch.write("mine.zone.toml", "# whatever\n");
-  EXPECT_EQ(load_zone(file)->companion, "");
+  EXPECT_EQ(load_zone(file)->sidecar, "");
 }
 
 TEST(ZoneFiles, of_other_kinds_are_refused_with_what_to_do) {
@@ -75,12 +75,12 @@ TEST(ZoneFiles, of_other_kinds_are_refused_with_what_to_do) {
   ASSERT_FALSE(text);
   EXPECT_EQ(text.error().code, "zone.format");
   EXPECT_THAT(text.error().message, HasSubstr(".toml"));
-  const auto companion = load_zone(scratch.write("hall.zone.toml", ""));
-  ASSERT_FALSE(companion);
-  EXPECT_THAT(companion.error().message, HasSubstr("name that file"));
+  const auto sidecar = load_zone(scratch.write("hall.zone.toml", ""));
+  ASSERT_FALSE(sidecar);
+  EXPECT_THAT(sidecar.error().message, HasSubstr("name that file"));
 }
 
-TEST(ZoneFiles, are_titled_by_their_first_comment_the_companion_s_first) {
+TEST(ZoneFiles, are_titled_by_their_first_comment_the_sidecar_s_first) {
   const OwnFolder own;
   own.write("a.toml", "# A small yard (for lorries)\nname = 'a'\n");
   own.write("b.toml", "name = 'b'\n");
@@ -92,7 +92,7 @@ TEST(ZoneFiles, are_titled_by_their_first_comment_the_companion_s_first) {
   EXPECT_EQ(title_of(*named(ready, "c")), "The hall");
 }
 
-TEST(ZoneFiles, are_written_with_their_companion) {
+TEST(ZoneFiles, are_written_with_their_sidecar) {
   Scratch scratch;
   ASSERT_TRUE(write_zone(scratch / "hall.lif.json", {"lif", "", "{}", "# beside\n"}));
   EXPECT_EQ(adapters::read_file(scratch / "hall.zone.toml").value(), "# beside\n");

@@ -81,7 +81,7 @@ CLI::App* describe_traffic(CLI::App& root, FleetTrafficArguments& traffic) {
       ->type_name("N")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
-  verb->add_option("--companion", traffic.companion, "what the zone's format cannot say, if not beside the file")
+  verb->add_option("--sidecar", traffic.sidecar, "what the zone's format cannot say, if not beside the file")
       ->type_name("FILE");
   verb->add_option("--aivs", traffic.aivs, "how many vehicles")
       ->type_name("N")

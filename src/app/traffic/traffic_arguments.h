@@ -12,7 +12,7 @@ struct FleetTrafficArguments {
   std::string zones;  ///< several: a TOML file or a list; empty: one
   double away_share{0.2};
   double passage_s{10.0};
-  std::string companion;
+  std::string sidecar;
   std::uint64_t aivs{12};
   double duration_s{3600.0};
   double warm_up_s{120.0};

@@ -32,7 +32,7 @@ Result<std::vector<experiments::Job>> jobs_for(const FleetTrafficArguments& argu
 }
 
 Result<TrafficOptions> options_from(const FleetTrafficArguments& arguments) {
-  const auto rtm = open_zone(arguments.zone, arguments.companion);
+  const auto rtm = open_zone(arguments.zone, arguments.sidecar);
   if (!rtm) return tl::unexpected(rtm.error());
   auto terms = terms_from(arguments);
   if (!terms) return tl::unexpected(terms.error());

@@ -51,7 +51,7 @@ constexpr const char* switch_examples =
 
 void add_zone(CLI::App& verb, ZoneArguments& zone) {
   verb.add_option("zone", zone.zone, "a ready zone's name or a file")->type_name("NAME|FILE")->required();
-  verb.add_option("--companion", zone.companion,
+  verb.add_option("--sidecar", zone.sidecar,
                   "what the file's format cannot say; without: the one beside it, if any")
       ->type_name("FILE");
 }

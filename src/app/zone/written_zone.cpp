@@ -12,12 +12,12 @@ Result<WrittenZone> write_as(const std::string& format, const std::string& file,
   WrittenZone made{format, file, {}, {}};
   const auto written = (*factory)->written(zone, made.lost);
   if (!written) return tl::unexpected(written.error());
-  if (!written->companion.empty()) {
-    const auto companion = zone::companion_of_file(file);
-    if (!companion)
+  if (!written->sidecar.empty()) {
+    const auto sidecar = zone::sidecar_of_file(file);
+    if (!sidecar)
       return fail("zone.write",
-                  "this format needs a companion beside its file, so the file's name must end as its files do", file);
-    made.companion = *companion;
+                  "this format needs a sidecar file beside its file, so the file's name must end as its files do", file);
+    made.sidecar = *sidecar;
   }
   if (auto stored = write_zone(file, *written); !stored) return tl::unexpected(stored.error());
   return made;
@@ -25,11 +25,11 @@ Result<WrittenZone> write_as(const std::string& format, const std::string& file,
 
 std::string written_json_of(const zone::TrafficZone& zone, const WrittenZone& made) {
   JsonWriter json;
-  json.begin_object().field("zone", zone.name).field("format", made.format).field("file", made.file).key("companion");
-  if (made.companion.empty())
+  json.begin_object().field("zone", zone.name).field("format", made.format).field("file", made.file).key("sidecar");
+  if (made.sidecar.empty())
     json.null();
   else
-    json.value(made.companion);
+    json.value(made.sidecar);
   json.field("sections", zone.circuit.size()).field("length_m", zone.circuit.total_length_m());
   json.field("stations", zone.stations.size());
   write_notes(json.key("notes"), zone.notes);
@@ -40,7 +40,7 @@ std::string written_json_of(const zone::TrafficZone& zone, const WrittenZone& ma
 
 std::string written_text_of(const zone::TrafficZone& zone, const WrittenZone& made) {
   return zone.name + ": " + size_of(zone) + ", " + counted(zone.stations.size(), "station") + ", written to " +
-         made.file + (made.companion.empty() ? "" : "\n  what this format cannot say: " + made.companion) +
+         made.file + (made.sidecar.empty() ? "" : "\n  what this format cannot say: " + made.sidecar) +
          report_of(zone.notes, "reading it") + report_of(made.lost, "writing it");
 }
 

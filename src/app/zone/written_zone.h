@@ -12,7 +12,7 @@ namespace cosiva::app {
 struct WrittenZone {
   std::string format;
   std::string file;
-  std::string companion;  ///< its file; empty: none
+  std::string sidecar;  ///< its file; empty: none
   std::vector<zone::Note> lost;
 };
 

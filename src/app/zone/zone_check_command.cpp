@@ -147,7 +147,7 @@ std::string text_of(const zone::TrafficZone& zone, const Stretches& stretches, c
 /// Every fault of a zone that cannot be used, not only the first.
 int refuse_zone(const ZoneArguments& arguments, const Error& first) {
   std::vector<Error> faults;
-  if (const auto configuration = load_zone(arguments.zone, arguments.companion)) faults = zone::faults(*configuration);
+  if (const auto configuration = load_zone(arguments.zone, arguments.sidecar)) faults = zone::faults(*configuration);
   if (faults.empty()) faults.push_back(first);
   for (const Error& fault : faults) complain(fault);
   if (!arguments.json) return exit_bad_input;
@@ -167,7 +167,7 @@ int refuse_zone(const ZoneArguments& arguments, const Error& first) {
 }  // namespace
 
 int run_zone_check(const ZoneArguments& arguments) {
-  const auto rtm = open_zone(arguments.zone, arguments.companion);
+  const auto rtm = open_zone(arguments.zone, arguments.sidecar);
   if (!rtm) return refuse_zone(arguments, rtm.error());
   const Stretches stretches = stretches_of(rtm->zone());
   const Findings findings{rtm->zone()};

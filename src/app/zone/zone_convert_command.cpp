@@ -25,7 +25,7 @@ Result<std::string> format_to(const ZoneArguments& arguments) {
 int run_zone_convert(const ZoneArguments& arguments) {
   const auto format = format_to(arguments);
   if (!format) return complain(format.error());
-  const auto rtm = open_zone(arguments.zone, arguments.companion);
+  const auto rtm = open_zone(arguments.zone, arguments.sidecar);
   if (!rtm) return complain(rtm.error());
   std::error_code error;
   if (fs::equivalent(rtm->configuration().origin, arguments.out_file, error))

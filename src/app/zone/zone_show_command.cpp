@@ -21,7 +21,7 @@ int write_image(const std::string& file, const std::string& bytes) {
 }  // namespace
 
 int run_zone_show(const ZoneArguments& arguments) {
-  const auto rtm = open_zone(arguments.zone, arguments.companion);
+  const auto rtm = open_zone(arguments.zone, arguments.sidecar);
   if (!rtm) return complain(rtm.error());
   const std::string svg = zone::to_svg(rtm->zone(), zone::draw(rtm->zone()));
   const bool to_output = (arguments.svg_file.empty() && arguments.png_file.empty()) || arguments.svg_file == "-";

@@ -94,7 +94,7 @@ int switch_over_broker(const ZoneArguments& arguments, const zone::ZoneConfigura
 }  // namespace
 
 int run_zone_switch(const ZoneArguments& arguments) {
-  auto configuration = load_zone(arguments.zone, arguments.companion);
+  auto configuration = load_zone(arguments.zone, arguments.sidecar);
   if (!configuration) return complain(configuration.error());
   return arguments.broker.address.empty() ? switch_over_http(arguments, *configuration)
                                           : switch_over_broker(arguments, *configuration);

@@ -182,13 +182,13 @@ TEST(ZoneConvert, writes_the_same_ways_in_another_format_with_a_companion_beside
   ASSERT_EQ(said.status, 0) << said.words;
   const auto told = JsonValue::parse(said.data);
   ASSERT_TRUE(told);
-  EXPECT_EQ(told->text("companion"), scratch / "copy.zone.toml");
+  EXPECT_EQ(told->text("sidecar"), scratch / "copy.zone.toml");
   const auto before = JsonValue::parse(cosiva({"zone", "check", zones + "indus8.toml", "--json"}).data);
   const auto after = JsonValue::parse(cosiva({"zone", "check", file, "--json"}).data);
   ASSERT_TRUE(before && after);
   EXPECT_NEAR(*after->number("length_m"), *before->number("length_m"), 1e-4 * *before->number("length_m"));
   EXPECT_EQ(after->number("stations"), before->number("stations"));
-  EXPECT_EQ(after->number("tags"), before->number("tags")) << "the companion is read by itself";
+  EXPECT_EQ(after->number("tags"), before->number("tags")) << "the sidecar file is read by itself";
 }
 
 TEST(ZoneConvert, refuses_what_only_reads_itself_and_unknown_endings) {

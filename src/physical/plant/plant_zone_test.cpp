@@ -267,7 +267,7 @@ zone::ZoneConfiguration layout() {
               node + R"(},{"nodeId":"b","nodePosition":{"x":15,"y":0.1},)" + node +
               R"(}],"edges":[{"edgeId":"ab","startNodeId":"a","endNodeId":"b","vehicleTypeEdgeProperties":)"
               R"([{"vehicleTypeId":"cart","vehicleOrientation":0,"maxSpeed":1.0}]}],"stations":[]}]})";
-  zone.companion = "[vehicle]\nlength_m = 0.20\nwidth_m = 0.12\n";
+  zone.sidecar = "[vehicle]\nlength_m = 0.20\nwidth_m = 0.12\n";
   return zone;
 }
 
@@ -283,12 +283,12 @@ TEST(PlantSwitch, by_hand_to_another_format_clears_what_the_broker_kept_in_the_o
   EXPECT_EQ(bench.core().options().zone, layout());
 }
 
-TEST(PlantSwitch, takes_a_layout_with_its_companion_from_the_broker) {
+TEST(PlantSwitch, takes_a_layout_with_its_sidecar_from_the_broker) {
   PlantBench bench = running(straight(20.0, "5.0"));
   send_zone(bench, zone::to_payload(layout()), "lif");
   bench.run_for(100ms);
   EXPECT_TRUE(bench.heard<wire::Odometry>(1).back().line_lost);
-  EXPECT_EQ(bench.core().options().zone.companion, layout().companion);
+  EXPECT_EQ(bench.core().options().zone.sidecar, layout().sidecar);
   EXPECT_THAT(zones(bench), IsEmpty()) << "who publishes it clears the old one";
 }
 

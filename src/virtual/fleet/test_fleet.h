@@ -40,9 +40,9 @@ inline Zone zone_file(const std::string& name) {
     return text.str();
   };
   const std::string path = source_dir() + "/" + name;
-  const auto companion = zone::companion_of_file(path);
+  const auto sidecar = zone::sidecar_of_file(path);
   auto rtm = zone::Rtm::initialise(
-      {zone::format_of_file(path).value_or("?"), path, bytes(path), companion ? bytes(*companion) : std::string{}});
+      {zone::format_of_file(path).value_or("?"), path, bytes(path), sidecar ? bytes(*sidecar) : std::string{}});
   EXPECT_TRUE(rtm) << to_string(rtm.error());
   return rtm->share_zone();
 }

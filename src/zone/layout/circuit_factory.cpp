@@ -23,20 +23,20 @@ std::vector<Error> CircuitFactory::faults(const ZoneConfiguration& configuration
 }
 
 bool same_content(const ZoneConfiguration& a, const ZoneConfiguration& b) {
-  return a.format == b.format && a.text == b.text && a.companion == b.companion;
+  return a.format == b.format && a.text == b.text && a.sidecar == b.sidecar;
 }
 
 std::string version_of(const ZoneConfiguration& configuration) {
   Digest digest;
   digest.add(std::string_view{configuration.format});
-  digest.add(std::string_view{configuration.companion});
+  digest.add(std::string_view{configuration.sidecar});
   digest.add(std::string_view{configuration.text});
   return digest.hex();
 }
 
 std::string to_payload(const ZoneConfiguration& configuration) {
-  if (configuration.companion.empty()) return configuration.text;
-  std::string payload = configuration.companion;
+  if (configuration.sidecar.empty()) return configuration.text;
+  std::string payload = configuration.sidecar;
   payload.push_back('\0');
   return payload.append(configuration.text);
 }
@@ -45,7 +45,7 @@ ZoneConfiguration from_payload(std::string format, std::string origin, std::stri
   ZoneConfiguration configuration{std::move(format), std::move(origin), {}, {}};
   const std::size_t zero = payload.find('\0');
   if (zero != std::string_view::npos) {
-    configuration.companion = payload.substr(0, zero);
+    configuration.sidecar = payload.substr(0, zero);
     payload.remove_prefix(zero + 1);
   }
   configuration.text = payload;
@@ -57,7 +57,7 @@ void write_json(JsonWriter& json, const ZoneConfiguration& configuration) {
       .field("format", configuration.format)
       .field("origin", configuration.origin)
       .field("text", configuration.text);
-  if (!configuration.companion.empty()) json.field("companion", configuration.companion);
+  if (!configuration.sidecar.empty()) json.field("sidecar", configuration.sidecar);
   json.end_object();
 }
 
@@ -67,7 +67,7 @@ Result<ZoneConfiguration> zone_configuration_from_json(const JsonValue& json) {
   if (!format || !text) {
     return fail("zone.configuration", "expected an object with the texts format, origin and text", "zone");
   }
-  return ZoneConfiguration{*format, json.text("origin").value_or(""), *text, json.text("companion").value_or("")};
+  return ZoneConfiguration{*format, json.text("origin").value_or(""), *text, json.text("sidecar").value_or("")};
 }
 
 }  // namespace cosiva::zone

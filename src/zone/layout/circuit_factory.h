@@ -17,7 +17,7 @@ struct ZoneConfiguration {
   std::string origin;  ///< where it came from, for error messages: a file name or a topic
   std::string text;
   /// What the format cannot say, as TOML (docs/guide/zones.md): tags, beacons, the vehicle. Empty: nothing.
-  std::string companion{};
+  std::string sidecar{};
   friend bool operator==(const ZoneConfiguration&, const ZoneConfiguration&) = default;
 };
 
@@ -25,10 +25,10 @@ struct ZoneConfiguration {
 [[nodiscard]] bool same_content(const ZoneConfiguration& a, const ZoneConfiguration& b);
 /// What VDA 5050 calls a map's version: 16 hexadecimal digits, equal for whoever has the same content.
 [[nodiscard]] std::string version_of(const ZoneConfiguration& configuration);
-/// As it travels on its topic: the file's bytes alone, or the companion, a zero byte, and the file's bytes.
+/// As it travels on its topic: the file's bytes alone, or the sidecar file, a zero byte, and the file's bytes.
 [[nodiscard]] std::string to_payload(const ZoneConfiguration& configuration);
 [[nodiscard]] ZoneConfiguration from_payload(std::string format, std::string origin, std::string_view payload);
-/// {"format","origin","text","companion"}, as options of cores and their journals carry it.
+/// {"format","origin","text","sidecar file"}, as options of cores and their journals carry it.
 void write_json(JsonWriter& json, const ZoneConfiguration& configuration);
 /// Fails ("zone.configuration") on anything else than such an object.
 [[nodiscard]] Result<ZoneConfiguration> zone_configuration_from_json(const JsonValue& json);
@@ -42,7 +42,7 @@ class CircuitFactory {
   [[nodiscard]] virtual std::string_view format() const = 0;
   /// How names of its files end, such as ".toml"; the first is the usual one.
   [[nodiscard]] virtual std::vector<std::string_view> file_endings() const = 0;
-  /// A zone written in this format, with what cannot be said in it in the companion and in the notes of `lost`. A
+  /// A zone written in this format, with what cannot be said in it in the sidecar file and in the notes of `lost`. A
   /// format that is only read says so ("zone.write").
   [[nodiscard]] virtual Result<ZoneConfiguration> written(const TrafficZone& zone, std::vector<Note>& lost) const;
   /// Errors name origin, line and field, and what was expected.

@@ -13,16 +13,16 @@ using namespace testing;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-std::string error_of(const std::string& text, std::string companion = {}) {
-  const auto zone = read_text(text, std::move(companion));
+std::string error_of(const std::string& text, std::string sidecar = {}) {
+  const auto zone = read_text(text, std::move(sidecar));
   return zone ? "no error" : to_string(zone.error());
 }
 std::string code_of(const std::string& text) {
   const auto zone = read_text(text);
   return zone ? "none" : zone.error().code;
 }
-TrafficZone zone_of(const std::string& text, std::string companion = {}) {
-  auto zone = read_text(text, std::move(companion));
+TrafficZone zone_of(const std::string& text, std::string sidecar = {}) {
+  auto zone = read_text(text, std::move(sidecar));
   EXPECT_TRUE(zone) << to_string(zone.error());
   return std::move(*zone);
 }

@@ -14,7 +14,7 @@
 
 #include "cosiva/base/test_places.h"
 #include "cosiva/zone/lif/lif_factory.h"
-#include "cosiva/zone/toml/companion.h"
+#include "cosiva/zone/toml/sidecar.h"
 
 namespace cosiva::zone::lif::testing {
 
@@ -28,13 +28,13 @@ inline std::string file_text(const std::filesystem::path& path) {
 
 inline std::filesystem::path testdata() { return source_dir() + "/src/zone/lif/testdata"; }
 
-inline Result<TrafficZone> read_text(std::string text, std::string companion = {}) {
-  return LifCircuitFactory{}.make_zone({"lif", "plant.lif.json", std::move(text), std::move(companion)});
+inline Result<TrafficZone> read_text(std::string text, std::string sidecar = {}) {
+  return LifCircuitFactory{}.make_zone({"lif", "plant.lif.json", std::move(text), std::move(sidecar)});
 }
 
 /// One of testdata/, which must be readable.
-inline TrafficZone read_file(const std::string& name, std::string companion = {}) {
-  auto zone = read_text(file_text(testdata() / name), std::move(companion));
+inline TrafficZone read_file(const std::string& name, std::string sidecar = {}) {
+  auto zone = read_text(file_text(testdata() / name), std::move(sidecar));
   EXPECT_TRUE(zone) << name << ": " << to_string(zone.error());
   return std::move(*zone);
 }
@@ -43,7 +43,7 @@ inline TrafficZone read_file(const std::string& name, std::string companion = {}
 inline ZoneConfiguration ready_zone(std::string format, const std::string& name) {
   const std::filesystem::path folder = source_dir() + "/zones";
   ZoneConfiguration configuration{std::move(format), name, file_text(folder / name), {}};
-  if (configuration.format != "toml") configuration.companion = file_text(folder / companion_file(name));
+  if (configuration.format != "toml") configuration.sidecar = file_text(folder / sidecar_file(name));
   return configuration;
 }
 

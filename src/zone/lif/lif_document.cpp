@@ -73,7 +73,7 @@ class Reader {
   void stop(std::string code, std::string message, std::string place);
   /// Layouts that share their ids cannot be one zone, but each alone can.
   [[nodiscard]] const char* one_layout_hint() const {
-    return document_.layouts.size() > 1 ? ", as layouts may not; [import] layout in the companion takes one alone" : "";
+    return document_.layouts.size() > 1 ? ", as layouts may not; [import] layout in the sidecar file takes one alone" : "";
   }
 
   const Selection& selection_;
@@ -348,7 +348,7 @@ void Reader::choose_type() {
   if (types_.size() > 1) {
     notes_.add(Note::Kind::notice, "layouts",
                "edges and properties are those of vehicle type '" + printable(types_[type_]) + "', one of " +
-                   std::to_string(types_.size()) + "; [import] vehicle_type in the companion chooses another");
+                   std::to_string(types_.size()) + "; [import] vehicle_type in the sidecar file chooses another");
   }
 }
 

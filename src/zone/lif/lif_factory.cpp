@@ -8,7 +8,7 @@
 #include "cosiva/zone/lif/lif_circuit.h"
 #include "cosiva/zone/lif/lif_document.h"
 #include "cosiva/zone/lif/lif_writer.h"
-#include "cosiva/zone/toml/companion.h"
+#include "cosiva/zone/toml/sidecar.h"
 #include "cosiva/zone/toml/toml_edit.h"
 
 namespace cosiva::zone {
@@ -56,15 +56,15 @@ std::string zone_name(const std::optional<std::string>& asked, std::string proje
 
 Result<TrafficZone> LifCircuitFactory::make_zone(const ZoneConfiguration& configuration) const {
   const auto failed = [&](Error error) { return tl::unexpected(at_file(configuration, std::move(error))); };
-  auto companion = read_companion(configuration);
-  if (!companion) return tl::unexpected(companion.error());
+  auto sidecar = read_sidecar(configuration);
+  if (!sidecar) return tl::unexpected(sidecar.error());
   const auto json = parse(configuration.text);
   if (!json) return failed(json.error());
 
   lif::LifNotes notes;
-  auto document = lif::read_document(*json, {companion->vehicle_type, companion->layout, companion->scale}, notes);
+  auto document = lif::read_document(*json, {sidecar->vehicle_type, sidecar->layout, sidecar->scale}, notes);
   if (!document) return failed(document.error());
-  auto ways = lif::make_ways(*document, {companion->tolerance_m, companion->tolerance_rad}, notes);
+  auto ways = lif::make_ways(*document, {sidecar->tolerance_m, sidecar->tolerance_rad}, notes);
   if (!ways) {
     // What was lost before says why nothing is left; a field that is not taken does not, and begins with its name.
     Error error = ways.error();
@@ -77,7 +77,7 @@ Result<TrafficZone> LifCircuitFactory::make_zone(const ZoneConfiguration& config
     return failed(std::move(error));
   }
 
-  std::string name = zone_name(companion->name, document->project);
+  std::string name = zone_name(sidecar->name, document->project);
   auto circuit = Circuit::make(name, std::move(ways->parts));
   if (!circuit) return failed(circuit.error());
   TrafficZone zone{.name = std::move(name),
@@ -94,7 +94,7 @@ Result<TrafficZone> LifCircuitFactory::make_zone(const ZoneConfiguration& config
   WaypointRules rules;
   rules.start_ids = std::move(ways->start_ids);
   rules.end_ids = std::move(ways->end_ids);
-  if (auto furnished = furnish(zone, configuration, *companion, std::move(rules)); !furnished)
+  if (auto furnished = furnish(zone, configuration, *sidecar, std::move(rules)); !furnished)
     return tl::unexpected(furnished.error());
   auto said = notes.take();
   zone.notes.insert(zone.notes.begin(), std::make_move_iterator(said.begin()), std::make_move_iterator(said.end()));
@@ -107,7 +107,7 @@ Result<ZoneConfiguration> LifCircuitFactory::written(const TrafficZone& zone, st
 
 Result<ZoneConfiguration> LifCircuitFactory::edited(const ZoneConfiguration& configuration,
                                                     const ZoneEdit& edit) const {
-  return edited_companion(*this, configuration, edit);
+  return edited_sidecar(*this, configuration, edit);
 }
 
 }  // namespace cosiva::zone

@@ -181,7 +181,7 @@ TEST(LifRoundTrip, keeps_a_plant_that_was_read_from_it) {
   expect_same(zone, again);
   for (const char* node : {"S1", "P1", "EB2", "A1"})
     EXPECT_EQ(again.find_waypoints(node).size(), zone.find_waypoints(node).size()) << node;
-  EXPECT_EQ(written(again).companion, once.companion);
+  EXPECT_EQ(written(again).sidecar, once.sidecar);
 }
 
 TEST(LifWriter, cuts_a_section_at_its_stations_so_that_other_programs_see_them) {
@@ -308,7 +308,7 @@ TEST(LifRoundTrip, keeps_any_chain_of_sections_within_a_millimetre) {
   });
 }
 
-TEST(LifEdit, goes_into_the_companion) {
+TEST(LifEdit, goes_into_the_sidecar) {
   const ZoneConfiguration file = ready_zone("lif", "workshop.lif.json");
   const TrafficZone zone = read(file);
   ZoneEdit edit;

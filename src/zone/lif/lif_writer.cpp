@@ -16,7 +16,7 @@
 #include "cosiva/zone/lif/lif_document.h"
 #include "cosiva/zone/lif/lif_factory.h"
 #include "cosiva/zone/lif/nurbs_of.h"
-#include "cosiva/zone/toml/companion.h"
+#include "cosiva/zone/toml/sidecar.h"
 #include "cosiva/zone/toml/toml_write.h"
 
 namespace cosiva::zone::lif {
@@ -111,7 +111,7 @@ ZoneConfiguration Writer::write() {
   say_companion();
   compare(text);
   return {"lif", zone_.name + ".lif.json", std::move(text),
-          companion_text(zone_, {.limits = false, .stations = false, .closed = true})};
+          sidecar_text(zone_, {.limits = false, .stations = false, .closed = true})};
 }
 
 /// After the waypoint that lies there, so that orders name the same places as before.
@@ -313,7 +313,7 @@ void Writer::say_companion() {
     if (!names.empty()) names += ", ";
     names += name;
   }
-  lost_.push_back({Note::Kind::lost, "zone", "LIF has no place for " + names + "; the companion has"});
+  lost_.push_back({Note::Kind::lost, "zone", "LIF has no place for " + names + "; the sidecar file has"});
   lost_.push_back({Note::Kind::notice, "metaInformation.exportTimestamp", "is the same in every file written here"});
 }
 

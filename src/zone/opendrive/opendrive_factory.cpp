@@ -9,7 +9,7 @@
 #include "cosiva/zone/opendrive/sections.h"
 #include "cosiva/zone/opendrive/short_sections.h"
 #include "cosiva/zone/opendrive/ways.h"
-#include "cosiva/zone/toml/companion.h"
+#include "cosiva/zone/toml/sidecar.h"
 #include "cosiva/zone/toml/toml_edit.h"
 
 namespace cosiva::zone {
@@ -61,7 +61,7 @@ void note_what_is_not_taken(Report& report) {
   say(Note::Kind::lost, "controller", "controllers of signals are not taken");
   say(Note::Kind::lost, "junctionGroup", "groups of junctions are not taken");
   say(Note::Kind::lost, "railroad", "railroads are not taken");
-  say(Note::Kind::lost, "station", "stations of railways and buses are not taken; the companion can name stations");
+  say(Note::Kind::lost, "station", "stations of railways and buses are not taken; the sidecar file can name stations");
   say(Note::Kind::lost, "direction both",
       "lanes are driven both ways in the file; here only in their side's direction");
   say(Note::Kind::lost, "links to lanes not driven on", "links lead to lanes that are not driven on");
@@ -91,8 +91,8 @@ std::string name_of(const Network& network, std::string_view text) {
 
 Result<TrafficZone> OpenDriveCircuitFactory::make_zone(const ZoneConfiguration& configuration) const {
   using namespace opendrive;
-  const auto companion = read_companion(configuration);
-  if (!companion) return tl::unexpected(companion.error());
+  const auto sidecar = read_sidecar(configuration);
+  if (!sidecar) return tl::unexpected(sidecar.error());
   auto file = XmlFile::parse(configuration.origin, configuration.text);
   if (!file) return tl::unexpected(file.error());
   Report report;
@@ -102,26 +102,26 @@ Result<TrafficZone> OpenDriveCircuitFactory::make_zone(const ZoneConfiguration& 
   move_near(*network, report);
   drop_short_sections(*network, report);
 
-  Ways ways = find_ways(*network, companion->lane_types.value_or(driven_lane_types()), report);
+  Ways ways = find_ways(*network, sidecar->lane_types.value_or(driven_lane_types()), report);
   link_ways(*network, ways, report);
   join_ways(*network, ways, report);
   auto parts =
-      lay_sections(*network, ways, companion->scale, {companion->tolerance_m, companion->tolerance_rad}, report);
+      lay_sections(*network, ways, sidecar->scale, {sidecar->tolerance_m, sidecar->tolerance_rad}, report);
   if (!parts) return fail(parts.error().code, parts.error().message, configuration.origin);
-  const std::string name = companion->name.value_or(name_of(*network, configuration.text));
+  const std::string name = sidecar->name.value_or(name_of(*network, configuration.text));
   auto circuit = Circuit::make(name, std::move(*parts));
   if (!circuit) return fail(circuit.error().code, circuit.error().message, configuration.origin);
 
   note_what_is_not_taken(report);
   TrafficZone zone{name, std::move(*circuit), {}, default_profiles, {}, {}, {}, {}, {}, {}};
   zone.notes = report.notes();
-  if (auto furnished = furnish(zone, configuration, *companion); !furnished) return tl::unexpected(furnished.error());
+  if (auto furnished = furnish(zone, configuration, *sidecar); !furnished) return tl::unexpected(furnished.error());
   return zone;
 }
 
 Result<ZoneConfiguration> OpenDriveCircuitFactory::edited(const ZoneConfiguration& configuration,
                                                           const ZoneEdit& edit) const {
-  return edited_companion(*this, configuration, edit);
+  return edited_sidecar(*this, configuration, edit);
 }
 
 }  // namespace cosiva::zone

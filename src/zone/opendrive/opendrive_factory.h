@@ -10,7 +10,7 @@ class OpenDriveCircuitFactory final : public CircuitFactory {
   [[nodiscard]] std::string_view format() const override { return "opendrive"; }
   [[nodiscard]] std::vector<std::string_view> file_endings() const override { return {".xodr"}; }
   [[nodiscard]] Result<TrafficZone> make_zone(const ZoneConfiguration& configuration) const override;
-  /// In the companion: the file itself stays as it is.
+  /// In the sidecar file: the file itself stays as it is.
   [[nodiscard]] Result<ZoneConfiguration> edited(const ZoneConfiguration& configuration,
                                                  const ZoneEdit& edit) const override;
 };

@@ -280,7 +280,7 @@ TEST(OpenDrive, limits_hold_from_where_they_are_said_in_any_unit) {
   EXPECT_NEAR(limit("1.0.1"), 0.5, 1e-12);
 }
 
-TEST(OpenDrive, the_companion_scales_names_and_chooses_lanes) {
+TEST(OpenDrive, the_sidecar_scales_names_and_chooses_lanes) {
   const std::string text = file(road("1", 20.0, line(0.0, 0.0, 0.0, 0.0, 20.0),
                                      section(0.0, "", lane(-1) + lane(-2, R"(<width a="2"/>)", "biking"))));
   const TrafficZone zone = zone_of(text,
@@ -413,7 +413,7 @@ TEST(OpenDrive, hostile_files_cost_little) {
             "zone.size");
 }
 
-TEST(OpenDrive, edits_go_into_the_companion_and_the_file_stays) {
+TEST(OpenDrive, edits_go_into_the_sidecar_and_the_file_stays) {
   const ZoneConfiguration before{"opendrive", "test.xodr",
                                  file(road("1", 20.0, line(0.0, 0.0, 0.0, 0.0, 20.0), section(0.0, "", lane(-1)))), ""};
   ZoneEdit edit;

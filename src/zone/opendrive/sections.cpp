@@ -120,7 +120,7 @@ std::string nothing_to_drive_on(const Report& report) {
   for (const auto& [type, count] : report.counted_under("lane type ")) {
     if (types.size() < 200) types += (types.empty() ? "" : ", ") + std::to_string(count) + ' ' + type;
   }
-  if (!types.empty()) text += "; lanes of other types: " + types + " ([import] lane_types in the companion chooses)";
+  if (!types.empty()) text += "; lanes of other types: " + types + " ([import] lane_types in the sidecar file chooses)";
   bool lost = false;
   for (const Note& note : report.notes()) {
     if (note.kind != Note::Kind::lost) continue;
@@ -141,7 +141,7 @@ Result<std::vector<Circuit::Part>> Layer::lay() {
       return fail("zone.size", "following the lanes takes more than " + std::to_string(sections_max) + " sections");
     if (length_m_ > length_max_m)
       return fail("zone.size", "expected at most 300 km of lanes, found more up to lane '" + ways_[id].name(network_) +
-                                   "'; [import] scale in the companion makes a large network small");
+                                   "'; [import] scale in the sidecar file makes a large network small");
     if (failures_ > failures_max)
       return fail("zone.size", "more than " + std::to_string(failures_max) +
                                    " lanes cannot be followed; the first: " + report_.notes().back().text);

@@ -12,11 +12,11 @@
 /// Small road networks for tests, made of the few things that a test is about, and what to ask of their zones.
 namespace cosiva::zone {
 
-inline Result<TrafficZone> read(const std::string& text, const std::string& companion = {}) {
-  return OpenDriveCircuitFactory{}.make_zone({"opendrive", "test.xodr", text, companion});
+inline Result<TrafficZone> read(const std::string& text, const std::string& sidecar = {}) {
+  return OpenDriveCircuitFactory{}.make_zone({"opendrive", "test.xodr", text, sidecar});
 }
-inline TrafficZone zone_of(const std::string& text, const std::string& companion = {}) {
-  auto zone = read(text, companion);
+inline TrafficZone zone_of(const std::string& text, const std::string& sidecar = {}) {
+  auto zone = read(text, sidecar);
   EXPECT_TRUE(zone) << to_string(zone.error());
   return std::move(*zone);
 }

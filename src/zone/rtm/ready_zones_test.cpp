@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The zones that come with the platform, each with its companion.
+/// The zones that come with the platform, each with its sidecar file.
 std::vector<ZoneConfiguration> ready_zones() {
   std::vector<ZoneConfiguration> zones;
   for (const auto& entry : fs::directory_iterator{fs::path{source_dir()} / "zones"}) {

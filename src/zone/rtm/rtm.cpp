@@ -4,7 +4,7 @@
 
 #include "cosiva/zone/lif/lif_factory.h"
 #include "cosiva/zone/opendrive/opendrive_factory.h"
-#include "cosiva/zone/toml/companion.h"
+#include "cosiva/zone/toml/sidecar.h"
 #include "cosiva/zone/toml/toml_factory.h"
 
 namespace cosiva::zone {
@@ -51,10 +51,10 @@ Result<std::string> format_of_file(std::string_view file_name) {
   return fail("zone.format", "a zone's file ends with one of " + joined(endings), std::string(file_name));
 }
 
-std::optional<std::string> companion_of_file(std::string_view file_name) {
+std::optional<std::string> sidecar_of_file(std::string_view file_name) {
   const auto format = format_of_file(file_name);
   if (!format || *format == TomlCircuitFactory{}.format()) return std::nullopt;
-  return companion_file(file_name);
+  return sidecar_file(file_name);
 }
 
 std::vector<Error> faults(const ZoneConfiguration& configuration) {

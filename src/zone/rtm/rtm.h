@@ -24,7 +24,7 @@ namespace cosiva::zone {
 
 /// "plant.zone.toml": the name of the file that says what the format of "plant.lif.json" or "plant.xodr" cannot;
 /// nothing for a file whose format needs none.
-[[nodiscard]] std::optional<std::string> companion_of_file(std::string_view file_name);
+[[nodiscard]] std::optional<std::string> sidecar_of_file(std::string_view file_name);
 
 /// Everything wrong with it, at most a hundred faults, each with its place; nothing where Rtm::initialise takes it.
 [[nodiscard]] std::vector<Error> faults(const ZoneConfiguration& configuration);

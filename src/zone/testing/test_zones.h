@@ -56,7 +56,7 @@ inline Result<TrafficZone> read_zone(const std::string& text) {
   return rtm->zone();
 }
 
-/// A file of zones/ with its companion, if it has one, as the whole program would read it.
+/// A file of zones/ with its sidecar file, if it has one, as the whole program would read it.
 inline ZoneConfiguration configuration_file(const std::string& file_name) {
   const auto bytes = [](const std::string& path) {
     std::ifstream file(path);
@@ -65,9 +65,9 @@ inline ZoneConfiguration configuration_file(const std::string& file_name) {
     return text.str();
   };
   const std::string folder = source_dir() + "/zones/";
-  const auto companion = companion_of_file(file_name);
+  const auto sidecar = sidecar_of_file(file_name);
   return {format_of_file(file_name).value_or("?"), "zones/" + file_name, bytes(folder + file_name),
-          companion ? bytes(folder + *companion) : std::string()};
+          sidecar ? bytes(folder + *sidecar) : std::string()};
 }
 
 inline TrafficZone zone_file(const std::string& file_name) {

@@ -7,7 +7,7 @@
 
 #include "cosiva/zone/edit/edit.h"
 #include "cosiva/zone/layout/rounding.h"
-#include "cosiva/zone/toml/companion.h"
+#include "cosiva/zone/toml/sidecar.h"
 #include "cosiva/zone/toml/toml_fields.h"
 
 namespace cosiva::zone {
@@ -310,9 +310,9 @@ Result<ZoneConfiguration> edited_file(const CircuitFactory& factory, const ZoneC
   return edited_in(&ZoneConfiguration::text, configuration.origin, factory, configuration, edit);
 }
 
-Result<ZoneConfiguration> edited_companion(const CircuitFactory& factory, const ZoneConfiguration& configuration,
+Result<ZoneConfiguration> edited_sidecar(const CircuitFactory& factory, const ZoneConfiguration& configuration,
                                            const ZoneEdit& edit) {
-  return edited_in(&ZoneConfiguration::companion, companion_file(configuration.origin), factory, configuration, edit);
+  return edited_in(&ZoneConfiguration::sidecar, sidecar_file(configuration.origin), factory, configuration, edit);
 }
 
 }  // namespace cosiva::zone

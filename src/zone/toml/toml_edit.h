@@ -11,8 +11,8 @@ namespace cosiva::zone {
 [[nodiscard]] Result<ZoneConfiguration> edited_file(const CircuitFactory& factory,
                                                     const ZoneConfiguration& configuration, const ZoneEdit& edit);
 
-/// For CircuitFactory::edited: writes the edit into the companion, and makes one where there is none.
-[[nodiscard]] Result<ZoneConfiguration> edited_companion(const CircuitFactory& factory,
+/// For CircuitFactory::edited: writes the edit into the sidecar file, and makes one where there is none.
+[[nodiscard]] Result<ZoneConfiguration> edited_sidecar(const CircuitFactory& factory,
                                                          const ZoneConfiguration& configuration, const ZoneEdit& edit);
 
 }  // namespace cosiva::zone

@@ -16,7 +16,7 @@ std::optional<TrafficZone> read_zone(TomlFaults& faults, const TomlFields& root)
   if (root.whole("format_version", 1, tag_number_max) != 1 && !faults.any())
     root.fault("format_version", "zone.version", "this program reads version 1 of the format");
   const std::string name = root.name("name");
-  Companion basics;
+  Sidecar basics;
   read_basics(root, basics);
   if (faults.any()) return std::nullopt;
 

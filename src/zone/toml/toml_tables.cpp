@@ -69,7 +69,7 @@ void parse_toml(std::string_view text, TomlFaults& faults, const std::function<v
   }
 }
 
-void read_basics(const TomlFields& root, Companion& basics) {
+void read_basics(const TomlFields& root, Sidecar& basics) {
   if (const auto vehicle = root.table("vehicle")) {
     vehicle->expect_only({"length_m", "width_m"});
     basics.vehicle =

@@ -4,10 +4,10 @@
 
 #include "cosiva/zone/layout/traffic_zone.h"
 #include "cosiva/zone/layout/waypoints.h"
-#include "cosiva/zone/toml/companion.h"
+#include "cosiva/zone/toml/sidecar.h"
 #include "cosiva/zone/toml/toml_fields.h"
 
-/// The tables that a native file and the companion of another format's have in common.
+/// The tables that a native file and the sidecar file of another format's have in common.
 namespace cosiva::zone {
 
 /// Parses and reads: whatever is wrong with the text becomes a fault, and nothing is thrown on.
@@ -15,14 +15,14 @@ namespace cosiva::zone {
 void parse_toml(std::string_view text, TomlFaults& faults, const std::function<void(const TomlFields& root)>& read);
 
 /// [vehicle] [profiles] [crossings] [waypoints]
-void read_basics(const TomlFields& root, Companion& basics);
+void read_basics(const TomlFields& root, Sidecar& basics);
 
 /// All that stands on a circuit and follows from it. Each step may leave a fault, which ends the reading.
 class TomlTables {
  public:
   /// @param rules  of the format's own waypoints; spacing, room and stations come from here
   /// @param ways   where faults of the ways themselves are, for messages
-  TomlTables(TomlFaults& faults, const TomlFields& root, TrafficZone& zone, const Companion& basics,
+  TomlTables(TomlFaults& faults, const TomlFields& root, TrafficZone& zone, const Sidecar& basics,
              WaypointRules rules, std::string ways)
       : faults_{faults}, root_{root}, zone_{zone}, basics_{basics}, rules_{std::move(rules)}, ways_{std::move(ways)} {}
 
@@ -45,7 +45,7 @@ class TomlTables {
   TomlFaults& faults_;
   const TomlFields& root_;
   TrafficZone& zone_;
-  const Companion& basics_;
+  const Sidecar& basics_;
   WaypointRules rules_;
   std::string ways_;
 };

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "cosiva/zone/toml/companion.h"
+#include "cosiva/zone/toml/sidecar.h"
 #include "cosiva/zone/toml/toml_fields.h"
 
 namespace cosiva::zone {
@@ -273,7 +273,7 @@ Result<std::string> native_text(const TrafficZone& zone) {
   return writer.take();
 }
 
-std::string companion_text(const TrafficZone& zone, CompanionParts parts) {
+std::string sidecar_text(const TrafficZone& zone, SidecarParts parts) {
   Writer writer{zone};
   writer.basics();
   if (parts.limits) writer.limits();

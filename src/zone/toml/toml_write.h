@@ -10,13 +10,13 @@ namespace cosiva::zone {
 /// The zone as the text of a native file. Fails ("zone.write") on a name that no file can hold.
 [[nodiscard]] Result<std::string> native_text(const TrafficZone& zone);
 
-/// For CircuitFactory::written: a companion that says of the zone what another format cannot. Limits, stations and
+/// For CircuitFactory::written: a sidecar file that says of the zone what another format cannot. Limits, stations and
 /// closed sections are among it only where asked for.
-struct CompanionParts {
+struct SidecarParts {
   bool limits{true};
   bool stations{true};
   bool closed{true};
 };
-[[nodiscard]] std::string companion_text(const TrafficZone& zone, CompanionParts parts = {});
+[[nodiscard]] std::string sidecar_text(const TrafficZone& zone, SidecarParts parts = {});
 
 }  // namespace cosiva::zone

@@ -10,7 +10,7 @@
 #include "cosiva/zone/layout/crossings.h"
 #include "cosiva/zone/layout/waypoints.h"
 #include "cosiva/zone/testing/test_zones.h"
-#include "cosiva/zone/toml/companion.h"
+#include "cosiva/zone/toml/sidecar.h"
 #include "cosiva/zone/toml/toml_factory.h"
 #include "cosiva/zone/toml/toml_write.h"
 
@@ -131,14 +131,14 @@ TEST(TomlWriter, refuses_a_name_that_no_file_can_hold) {
   EXPECT_EQ(written.error().code, "zone.write");
 }
 
-TEST(CompanionWriter, says_what_other_formats_cannot) {
+TEST(SidecarWriter, says_what_other_formats_cannot) {
   TrafficZone zone = testing::zone_file("indus8.toml");
-  const std::string all = companion_text(zone);
+  const std::string all = sidecar_text(zone);
   for (const char* table :
        {"[vehicle]", "[profiles.fast]", "[[limit]]", "[beacons]", "[[tag]]", "[[station]]", "[[start]]", "[[loop]]"})
     EXPECT_THAT(all, HasSubstr(table));
   EXPECT_THAT(all, Not(HasSubstr("[[section]]")));
-  const std::string less = companion_text(zone, {.limits = false, .stations = false, .closed = false});
+  const std::string less = sidecar_text(zone, {.limits = false, .stations = false, .closed = false});
   EXPECT_THAT(less, Not(HasSubstr("[[limit]]")));
   EXPECT_THAT(less, Not(HasSubstr("[[station]]")));
 }

@@ -3,17 +3,17 @@
 export interface ChosenZone {
   file: string;
   text: string;
-  companion?: string;
+  sidecar?: string;
 }
 
 /** The indices of the zone file and of its sidecar, whose name contains ".zone."; an error message if the choice is ambiguous. */
-export function sorted_out(names: readonly string[]): { zone: number; companion: number | null } | string {
+export function sorted_out(names: readonly string[]): { zone: number; sidecar: number | null } | string {
   const beside = (name: string) => /\.zone\.[^.]+$/.test(name);
   const own = names.flatMap((name, i) => (beside(name) ? [] : [i]));
-  const companions = names.flatMap((name, i) => (beside(name) ? [i] : []));
+  const sidecars = names.flatMap((name, i) => (beside(name) ? [i] : []));
   if (own.length === 0) return 'Choose the zone’s own file too; this one only says what that cannot.';
-  if (own.length > 1 || companions.length > 1) return 'Choose one zone, and what stands beside it: two files at most.';
-  return { zone: own[0]!, companion: companions[0] ?? null };
+  if (own.length > 1 || sidecars.length > 1) return 'Choose one zone, and what stands beside it: two files at most.';
+  return { zone: own[0]!, sidecar: sidecars[0] ?? null };
 }
 
 export async function read_zone(files: readonly File[]): Promise<ChosenZone | string> {
@@ -21,7 +21,7 @@ export async function read_zone(files: readonly File[]): Promise<ChosenZone | st
   if (typeof which === 'string') return which;
   const own = files[which.zone]!;
   try {
-    return { file: own.name, text: await own.text(), ...(which.companion === null ? {} : { companion: await files[which.companion]!.text() }) };
+    return { file: own.name, text: await own.text(), ...(which.sidecar === null ? {} : { sidecar: await files[which.sidecar]!.text() }) };
   } catch {
     return `${own.name} cannot be read.`;
   }

@@ -194,7 +194,7 @@ TEST(Scenario, a_switch_names_a_zone_which_is_put_into_its_command_whole) {
   EXPECT_THAT(asked, ElementsAre("other"));
   EXPECT_EQ(
       scenario->steps[1].command,
-      R"({"command":"switch","zone":{"format":"f","origin":"other.f","text":"the \"text\"","companion":"more"}})");
+      R"({"command":"switch","zone":{"format":"f","origin":"other.f","text":"the \"text\"","sidecar":"more"}})");
   EXPECT_EQ(scenario->steps[0].command, R"({"command":"stop","vehicle":"*"})");
 }
 

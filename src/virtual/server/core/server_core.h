@@ -28,7 +28,7 @@ namespace cosiva::virtual_side {
 /// - missions: {"command":"go","vehicle":"CoSiVA/AIV1","to":"dock"} (a station or waypoint),
 ///   {"command":"circulate","vehicle":…|"*","loop":"outer"?}, {"command":"close","section":"east"},
 ///   {"command":"open",…}
-/// - {"command":"switch","zone":{"format","origin","text","companion"?}}: another zone, while everything drives
+/// - {"command":"switch","zone":{"format","origin","text","sidecar file"?}}: another zone, while everything drives
 /// - only virtual things (A3): {"command":"add","thing":{"id":"V1","kind":"aiv","section","s"|"x","y"}},
 ///   {"command":"add","thing":{"id":"P1","kind":"person"|"obstacle","x","y","radius"?,
 ///   "path":[[x,y]…]?,"speed"?,"repeat":"once"|"back and forth"|"loop"?}},

@@ -1,4 +1,4 @@
-#include "cosiva/zone/toml/companion.h"
+#include "cosiva/zone/toml/sidecar.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,36 +17,36 @@ using ::testing::Pair;
 using ::testing::SizeIs;
 using ::testing::StartsWith;
 
-/// A format whose every file is a running track with a dock, and which leaves all else to its companion.
+/// A format whose every file is a running track with a dock, and which leaves all else to its sidecar file.
 class TrackFactory final : public CircuitFactory {
  public:
   std::string_view format() const override { return "track"; }
   std::vector<std::string_view> file_endings() const override { return {".track"}; }
   Result<TrafficZone> make_zone(const ZoneConfiguration& configuration) const override {
-    const auto companion = read_companion(configuration);
-    if (!companion) return tl::unexpected(companion.error());
+    const auto sidecar = read_sidecar(configuration);
+    if (!sidecar) return tl::unexpected(sidecar.error());
     TrafficZone zone{
-        companion->name.value_or("track"), testing::track(2.0 * companion->scale), {}, {}, {}, {}, {}, {}, {}, {}};
+        sidecar->name.value_or("track"), testing::track(2.0 * sidecar->scale), {}, {}, {}, {}, {}, {}, {}, {}};
     zone.stations = {{"dock", {0, 1.0}, StationKind::stop}};
     zone.closed = {3};
     WaypointRules rules;
     rules.start_ids = {"N1", "N2", "N3", "N4"};
-    if (const auto done = furnish(zone, configuration, *companion, rules); !done) return tl::unexpected(done.error());
+    if (const auto done = furnish(zone, configuration, *sidecar, rules); !done) return tl::unexpected(done.error());
     return zone;
   }
   Result<ZoneConfiguration> edited(const ZoneConfiguration& configuration, const ZoneEdit& edit) const override {
-    return edited_companion(*this, configuration, edit);
+    return edited_sidecar(*this, configuration, edit);
   }
 };
 
-ZoneConfiguration file(const std::string& companion) { return {"track", "plants/hall.track", "?", companion}; }
-Result<TrafficZone> read(const std::string& companion) { return TrackFactory{}.make_zone(file(companion)); }
-std::string error_of(const std::string& companion) {
-  const auto zone = read(companion);
+ZoneConfiguration file(const std::string& sidecar) { return {"track", "plants/hall.track", "?", sidecar}; }
+Result<TrafficZone> read(const std::string& sidecar) { return TrackFactory{}.make_zone(file(sidecar)); }
+std::string error_of(const std::string& sidecar) {
+  const auto zone = read(sidecar);
   return zone ? "no error" : zone.error().code + " " + to_string(zone.error());
 }
 
-TEST(Companion, that_is_empty_leaves_the_defaults) {
+TEST(Sidecar, that_is_empty_leaves_the_defaults) {
   const auto zone = read("");
   ASSERT_TRUE(zone) << to_string(zone.error());
   EXPECT_EQ(zone->name, "track");
@@ -58,7 +58,7 @@ TEST(Companion, that_is_empty_leaves_the_defaults) {
   EXPECT_FALSE(zone->beacons);
 }
 
-TEST(Companion, says_all_that_the_format_cannot) {
+TEST(Sidecar, says_all_that_the_format_cannot) {
   const auto zone = read(R"(name = "hall"
 [import]
 scale = 2.0
@@ -118,19 +118,19 @@ sections = ["north"]
   EXPECT_TRUE(zone->beacons);
 }
 
-TEST(Companion, reads_the_import_before_the_geometry) {
-  const auto companion =
-      read_companion(file("[import]\nscale = 0.001\ntolerance_m = 0.002\ntolerance_rad = 0.01\n"
+TEST(Sidecar, reads_the_import_before_the_geometry) {
+  const auto sidecar =
+      read_sidecar(file("[import]\nscale = 0.001\ntolerance_m = 0.002\ntolerance_rad = 0.01\n"
                           "layout = \"hall 2\"\nvehicle_type = \"AMR\"\n"));
-  ASSERT_TRUE(companion) << to_string(companion.error());
-  EXPECT_EQ(companion->scale, 0.001);
-  EXPECT_EQ(companion->tolerance_m, 0.002);
-  EXPECT_EQ(companion->tolerance_rad, 0.01);
-  EXPECT_EQ(companion->layout, "hall 2");
-  EXPECT_EQ(companion->vehicle_type, "AMR");
+  ASSERT_TRUE(sidecar) << to_string(sidecar.error());
+  EXPECT_EQ(sidecar->scale, 0.001);
+  EXPECT_EQ(sidecar->tolerance_m, 0.002);
+  EXPECT_EQ(sidecar->tolerance_rad, 0.01);
+  EXPECT_EQ(sidecar->layout, "hall 2");
+  EXPECT_EQ(sidecar->vehicle_type, "AMR");
 }
 
-TEST(Companion, that_is_wrong_is_refused_at_its_own_file_and_line) {
+TEST(Sidecar, that_is_wrong_is_refused_at_its_own_file_and_line) {
   EXPECT_THAT(error_of("[vehicle\n"), StartsWith("zone.syntax plants/hall.zone.toml:1: "));
   EXPECT_THAT(
       error_of("[import]\nscle = 2\n"),
@@ -148,7 +148,7 @@ TEST(Companion, that_is_wrong_is_refused_at_its_own_file_and_line) {
               StartsWith("zone.field plants/hall.zone.toml"));
 }
 
-TEST(Companion, takes_a_bend_too_tight_for_the_vehicle_with_a_note) {
+TEST(Sidecar, takes_a_bend_too_tight_for_the_vehicle_with_a_note) {
   const auto zone = read("[vehicle]\nlength_m = 0.5\nwidth_m = 1.2\n");
   ASSERT_TRUE(zone) << to_string(zone.error());
   ASSERT_THAT(zone->notes, SizeIs(2));
@@ -156,7 +156,7 @@ TEST(Companion, takes_a_bend_too_tight_for_the_vehicle_with_a_note) {
   EXPECT_EQ(zone->notes[0].place, "section 'east'");
 }
 
-TEST(Companion, takes_edits_and_is_made_where_there_is_none) {
+TEST(Sidecar, takes_edits_and_is_made_where_there_is_none) {
   const TrackFactory factory;
   ZoneEdit edit;
   edit.set_tags = {{3, {1, 0.5}}};
@@ -164,22 +164,22 @@ TEST(Companion, takes_edits_and_is_made_where_there_is_none) {
   const auto made = factory.edited(file(""), edit);
   ASSERT_TRUE(made) << to_string(made.error());
   EXPECT_EQ(made->text, "?");
-  EXPECT_EQ(made->companion, "[[tag]]\nnumber = 3\nsection = \"east\"\ns_m = 0.50\n\n[priorities]\n\"A/1\" = 2\n");
+  EXPECT_EQ(made->sidecar, "[[tag]]\nnumber = 3\nsection = \"east\"\ns_m = 0.50\n\n[priorities]\n\"A/1\" = 2\n");
   ZoneEdit beacons;
   beacons.beacon_origin = Point2{0.25, 0.0};
   EXPECT_EQ(factory.edited(*made, beacons).error().code, "edit.beacons");
   const auto moved = factory.edited(file("# ours\n[beacons]\npitch_m = 0.5\ncover = \"zone\"\n"), beacons);
   ASSERT_TRUE(moved) << to_string(moved.error());
-  EXPECT_EQ(moved->companion, "# ours\n[beacons]\npitch_m = 0.5\norigin = [0.25, 0.00]\ncover = \"zone\"\n");
+  EXPECT_EQ(moved->sidecar, "# ours\n[beacons]\npitch_m = 0.5\norigin = [0.25, 0.00]\ncover = \"zone\"\n");
 }
 
-TEST(CompanionFile, stands_beside_the_file_it_speaks_of) {
-  EXPECT_EQ(companion_file("plants/hall.lif.json"), "plants/hall.zone.toml");
-  EXPECT_EQ(companion_file("plants.d/hall.xodr"), "plants.d/hall.zone.toml");
-  EXPECT_EQ(companion_file("plants.d/hall"), "plants.d/hall.zone.toml");
-  EXPECT_EQ(companion_file("hall.v2.json"), "hall.v2.zone.toml");
-  EXPECT_EQ(companion_of_file("hall.xodr"), "hall.zone.toml");
-  EXPECT_EQ(companion_of_file("hall.toml"), std::nullopt);
+TEST(SidecarFile, stands_beside_the_file_it_speaks_of) {
+  EXPECT_EQ(sidecar_file("plants/hall.lif.json"), "plants/hall.zone.toml");
+  EXPECT_EQ(sidecar_file("plants.d/hall.xodr"), "plants.d/hall.zone.toml");
+  EXPECT_EQ(sidecar_file("plants.d/hall"), "plants.d/hall.zone.toml");
+  EXPECT_EQ(sidecar_file("hall.v2.json"), "hall.v2.zone.toml");
+  EXPECT_EQ(sidecar_of_file("hall.xodr"), "hall.zone.toml");
+  EXPECT_EQ(sidecar_of_file("hall.toml"), std::nullopt);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "cosiva/zone/toml/companion.h"
+#include "cosiva/zone/toml/sidecar.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,45 +15,45 @@ namespace {
 constexpr std::size_t limits_max = 200'000;
 constexpr std::size_t tight_bends_noted = 20;
 
-void read_import(const TomlFields& root, Companion& companion) {
+void read_import(const TomlFields& root, Sidecar& sidecar) {
   const auto fields = root.table("import");
   if (!fields) return;
   fields->expect_only({"scale", "layout", "vehicle_type", "lane_types", "tolerance_m", "tolerance_rad"});
-  companion.scale = fields->number("scale", {"metres per unit of the file, 0.000001 to 1000000", 1e-6, 1e6}, 1.0);
-  companion.tolerance_m = fields->number("tolerance_m", {"metres from 0.000001 to 1", 1e-6, 1.0}, 1e-3);
-  companion.tolerance_rad = fields->number("tolerance_rad", {"radians from 0.000001 to 0.2", 1e-6, 0.2}, 1e-3);
-  companion.layout = fields->optional_name("layout");
-  companion.vehicle_type = fields->optional_name("vehicle_type");
-  companion.lane_types = fields->names("lane_types");
+  sidecar.scale = fields->number("scale", {"metres per unit of the file, 0.000001 to 1000000", 1e-6, 1e6}, 1.0);
+  sidecar.tolerance_m = fields->number("tolerance_m", {"metres from 0.000001 to 1", 1e-6, 1.0}, 1e-3);
+  sidecar.tolerance_rad = fields->number("tolerance_rad", {"radians from 0.000001 to 0.2", 1e-6, 0.2}, 1e-3);
+  sidecar.layout = fields->optional_name("layout");
+  sidecar.vehicle_type = fields->optional_name("vehicle_type");
+  sidecar.lane_types = fields->names("lane_types");
 }
 
-void read_limits(const TomlFields& root, Companion& companion) {
+void read_limits(const TomlFields& root, Sidecar& sidecar) {
   const auto entries = root.tables("limit");
   if (entries.size() > limits_max)
     return root.fault("limit", "zone.size", "expected at most 200000 limits, found " + std::to_string(entries.size()));
   for (const TomlFields& fields : entries) {
     fields.expect_only({"section", "speed_mps_max"});
-    companion.limits.push_back({fields.name("section"), fields.number("speed_mps_max", speed_range), fields.place()});
+    sidecar.limits.push_back({fields.name("section"), fields.number("speed_mps_max", speed_range), fields.place()});
   }
 }
 
 void read_text(const ZoneConfiguration& configuration, TomlFaults& faults,
                const std::function<void(const TomlFields& root)>& read) {
-  if (configuration.companion.size() > toml_bytes_max) {
+  if (configuration.sidecar.size() > toml_bytes_max) {
     faults.add({"zone.size",
-                "expected at most 64 MiB, found " + std::to_string(configuration.companion.size()) + " bytes",
-                companion_file(configuration.origin)});
+                "expected at most 64 MiB, found " + std::to_string(configuration.sidecar.size()) + " bytes",
+                sidecar_file(configuration.origin)});
     return;
   }
-  parse_toml(configuration.companion, faults, read);
+  parse_toml(configuration.sidecar, faults, read);
 }
 
 /// The circuit with these limits on its sections; it was joined already, so nothing about its joints is asked again.
-Result<Circuit> limited(const Circuit& circuit, const std::vector<Companion::Limit>& limits) {
+Result<Circuit> limited(const Circuit& circuit, const std::vector<Sidecar::Limit>& limits) {
   std::vector<Circuit::Part> parts;
   parts.reserve(circuit.size());
   for (SectionId id = 0; id < circuit.size(); ++id) parts.push_back(circuit.part(id));
-  for (const Companion::Limit& limit : limits) {
+  for (const Sidecar::Limit& limit : limits) {
     const auto id = circuit.find(limit.section);
     if (!id)
       return fail("zone.reference",
@@ -81,43 +81,43 @@ void note_tight_bends(TrafficZone& zone) {
 
 }  // namespace
 
-Result<Companion> read_companion(const ZoneConfiguration& configuration) {
-  Companion companion;
-  TomlFaults faults{companion_file(configuration.origin)};
+Result<Sidecar> read_sidecar(const ZoneConfiguration& configuration) {
+  Sidecar sidecar;
+  TomlFaults faults{sidecar_file(configuration.origin)};
   read_text(configuration, faults, [&](const TomlFields& root) {
     root.expect_only({"name", "format_version", "import", "vehicle", "profiles", "crossings", "waypoints", "limit",
                       "tag", "beacons", "station", "start", "priorities", "loop", "closed"});
     if (root.whole("format_version", 1, tag_number_max, 1) != 1 && !faults.any())
       root.fault("format_version", "zone.version", "this program reads version 1 of the format");
-    companion.name = root.optional_name("name");
-    read_import(root, companion);
-    read_basics(root, companion);
-    read_limits(root, companion);
+    sidecar.name = root.optional_name("name");
+    read_import(root, sidecar);
+    read_basics(root, sidecar);
+    read_limits(root, sidecar);
   });
   if (faults.any()) return tl::unexpected(faults.first());
-  return companion;
+  return sidecar;
 }
 
-Result<void> furnish(TrafficZone& zone, const ZoneConfiguration& configuration, const Companion& companion,
+Result<void> furnish(TrafficZone& zone, const ZoneConfiguration& configuration, const Sidecar& sidecar,
                      WaypointRules rules) {
-  zone.vehicle = companion.vehicle.value_or(VehicleShape{});
-  zone.profiles = companion.profiles.value_or(default_profiles);
-  if (companion.edges_are_sections) zone.edges_are_sections = true;
-  if (!companion.limits.empty()) {
-    auto circuit = limited(zone.circuit, companion.limits);
+  zone.vehicle = sidecar.vehicle.value_or(VehicleShape{});
+  zone.profiles = sidecar.profiles.value_or(default_profiles);
+  if (sidecar.edges_are_sections) zone.edges_are_sections = true;
+  if (!sidecar.limits.empty()) {
+    auto circuit = limited(zone.circuit, sidecar.limits);
     if (!circuit) return tl::unexpected(circuit.error());
     zone.circuit = std::move(*circuit);
   }
   note_tight_bends(zone);
-  TomlFaults faults{companion_file(configuration.origin)};
+  TomlFaults faults{sidecar_file(configuration.origin)};
   read_text(configuration, faults, [&](const TomlFields& root) {
-    TomlTables{faults, root, zone, companion, std::move(rules), configuration.origin}.read();
+    TomlTables{faults, root, zone, sidecar, std::move(rules), configuration.origin}.read();
   });
   if (faults.any()) return tl::unexpected(faults.first());
   return {};
 }
 
-std::string companion_file(std::string_view file_name) {
+std::string sidecar_file(std::string_view file_name) {
   const auto slash = file_name.rfind('/');
   const auto dot = file_name.rfind('.');
   if (dot != std::string_view::npos && (slash == std::string_view::npos || dot > slash + 1))

@@ -16,7 +16,7 @@ namespace cosiva::zone {
 inline constexpr SpeedProfiles default_profiles{{0.15, 0.3, 0.6}, {0.30, 0.5, 0.8}, {0.50, 0.8, 1.0}};
 
 /// What the TOML beside a file of another format says before its geometry is read. Nothing is there: the defaults.
-struct Companion {
+struct Sidecar {
   std::optional<std::string> name;  ///< the zone's, instead of the one that the format gives
   std::optional<VehicleShape> vehicle;
   std::optional<SpeedProfiles> profiles;
@@ -30,7 +30,7 @@ struct Companion {
   struct Limit {
     std::string section;
     double speed_mps_max;
-    std::string place;  ///< in the companion, for messages
+    std::string place;  ///< in the sidecar file, for messages
   };
   std::vector<Limit> limits;  ///< put on the circuit by furnish
 
@@ -43,21 +43,21 @@ struct Companion {
   std::optional<std::vector<std::string>> lane_types;  ///< of a road's lanes, which are driven on
 };
 
-/// Reads what the geometry needs of `configuration.companion`; an empty one is a good one. Errors are those of a native
-/// file, at the companion's name (companion_file) and line.
-[[nodiscard]] Result<Companion> read_companion(const ZoneConfiguration& configuration);
+/// Reads what the geometry needs of `configuration.sidecar file`; an empty one is a good one. Errors are those of a native
+/// file, at the sidecar file's name (sidecar_file) and line.
+[[nodiscard]] Result<Sidecar> read_sidecar(const ZoneConfiguration& configuration);
 
-/// The rest of the companion, once `zone` has its name and circuit: gives it vehicle and profiles (the defaults where
-/// `companion` has none), then [[limit]] [beacons] [[tag]] [[station]] [[loop]] [closed] [priorities], crossings,
+/// The rest of the sidecar file, once `zone` has its name and circuit: gives it vehicle and profiles (the defaults where
+/// `sidecar` has none), then [[limit]] [beacons] [[tag]] [[station]] [[loop]] [closed] [priorities], crossings,
 /// waypoints, [[start]]. Stations, loops, closed sections and notes that the format has put there itself stay, first.
 /// A bend that is too tight for the vehicle is noted, not refused: the file is somebody else's.
-/// @param companion  as it was read, with what the file itself says put in where the companion says nothing
+/// @param sidecar file  as it was read, with what the file itself says put in where the sidecar file says nothing
 /// @param rules      of the waypoints that the format declares (start_ids, end_ids, at); the rest of it comes from here
 /// Fails as make_zone does: "zone.reference", "zone.duplicate", "zone.size", "zone.vehicle" …
 [[nodiscard]] Result<void> furnish(TrafficZone& zone, const ZoneConfiguration& configuration,
-                                   const Companion& companion, WaypointRules rules = {});
+                                   const Sidecar& sidecar, WaypointRules rules = {});
 
-/// The companion's name beside a file: "plant.lif.json" and "plant.xodr" have "plant.zone.toml".
-[[nodiscard]] std::string companion_file(std::string_view file_name);
+/// The sidecar file's name beside a file: "plant.lif.json" and "plant.xodr" have "plant.zone.toml".
+[[nodiscard]] std::string sidecar_file(std::string_view file_name);
 
 }  // namespace cosiva::zone
