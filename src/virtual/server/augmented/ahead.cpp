@@ -38,20 +38,20 @@ double distance_to(const wire::Body& body, Point2 p) {
   return norm(dx - along * turn.cos, dy - along * turn.sin) - body.radius_m;
 }
 
-std::optional<Pose2> AheadDesk::pose_of(VehicleIndex vehicle) const {
+std::optional<Pose2> VirtualObstaclePublisher::pose_of(VehicleIndex vehicle) const {
   if (const VirtualFleet::Host* host = fleet_.find(vehicle)) return host->aiv.X_MB();
   const AivProxy& proxy = registry_[vehicle];
   if (!proxy.here()) return std::nullopt;
   return simulator_.image(*proxy.twin, outbox_.now()).X_MB;
 }
 
-bool AheadDesk::can_hear(VehicleIndex vehicle) const {
+bool VirtualObstaclePublisher::can_hear(VehicleIndex vehicle) const {
   const AivProxy& proxy = registry_[vehicle];
   return fleet_.find(vehicle) != nullptr ||
          (proxy.here() && proxy.online() && proxy.position_known && !proxy.handed_over);
 }
 
-void AheadDesk::gather() {
+void VirtualObstaclePublisher::gather() {
   world_.clear();
   const SimTime now = outbox_.now();
   for (const Thing& thing : simulator_.augmented().things()) {
@@ -66,7 +66,7 @@ void AheadDesk::gather() {
   if (!fleet_.empty()) gather_vehicles();
 }
 
-void AheadDesk::gather_vehicles() {
+void VirtualObstaclePublisher::gather_vehicles() {
   const zone::VehicleShape& shape = simulator_.zone()->vehicle;
   const SimTime now = outbox_.now();
   for (const VirtualFleet::Host& host : fleet_.hosts()) {
@@ -90,7 +90,7 @@ void AheadDesk::gather_vehicles() {
   }
 }
 
-void AheadDesk::update() {
+void VirtualObstaclePublisher::update() {
   if (simulator_.zone() == nullptr) return;
   if (simulator_.augmented().empty() && fleet_.empty() && !busy_) return;
   busy_ = false;
@@ -104,7 +104,7 @@ void AheadDesk::update() {
   }
 }
 
-void AheadDesk::pick(VehicleIndex vehicle, const Pose2& X_MB) {
+void VirtualObstaclePublisher::pick(VehicleIndex vehicle, const Pose2& X_MB) {
   near_.clear();
   const bool augmented = registry_[vehicle].augmented;
   const double half_length_m = 0.5 * simulator_.zone()->vehicle.length_m;
@@ -127,7 +127,7 @@ void AheadDesk::pick(VehicleIndex vehicle, const Pose2& X_MB) {
   std::ranges::sort(marks_);
 }
 
-void AheadDesk::look_around(VehicleIndex vehicle) {
+void VirtualObstaclePublisher::look_around(VehicleIndex vehicle) {
   const auto X_MB = pose_of(vehicle);
   if (!X_MB) return;
   Viewer& viewer = viewers_[vehicle];
@@ -152,13 +152,13 @@ void AheadDesk::look_around(VehicleIndex vehicle) {
     pauses_.let_go(vehicle);
     return;
   }
-  std::array<PauseDesk::Body, wire::Ahead::bodies_max> bodies{};
+  std::array<ThirdPartyPause::Body, wire::Ahead::bodies_max> bodies{};
   for (std::size_t i = 0; i < near_.size(); ++i) bodies[i] = {&near_[i]->body, near_[i]->vehicle != no_vehicle};
   pauses_.judge(vehicle, *X_MB, {bodies.data(), near_.size()});
   viewer.feels = pauses_.paused_for(vehicle);
 }
 
-void AheadDesk::note_change(Viewer& viewer) {
+void VirtualObstaclePublisher::note_change(Viewer& viewer) {
   Change change{viewer.next_id, outbox_.now(), false, {}};
   for (const Present* present : near_) {
     const Mark mark{present->handle, present->changed};
@@ -170,7 +170,7 @@ void AheadDesk::note_change(Viewer& viewer) {
   viewer.told = marks_;
 }
 
-void AheadDesk::tell(VehicleIndex vehicle, Viewer& viewer) {
+void VirtualObstaclePublisher::tell(VehicleIndex vehicle, Viewer& viewer) {
   const SimTime now = outbox_.now();
   const AivProxy& proxy = registry_[vehicle];
   viewer.sent[viewer.next_id % sent_kept] = now;
@@ -194,7 +194,7 @@ void AheadDesk::tell(VehicleIndex vehicle, Viewer& viewer) {
     outbox_.publish(std::move(topic), std::move(payload), 0, false);
 }
 
-bool AheadDesk::on_felt(VehicleIndex vehicle, const wire::Felt& felt, SimTime decided) {
+bool VirtualObstaclePublisher::on_felt(VehicleIndex vehicle, const wire::Felt& felt, SimTime decided) {
   Viewer& viewer = viewers_[vehicle];
   const std::uint32_t behind = viewer.next_id - felt.ahead_header_id;  // counts modulo 2³²
   if (behind == 0 || behind > known_max) return false;
@@ -206,7 +206,7 @@ bool AheadDesk::on_felt(VehicleIndex vehicle, const wire::Felt& felt, SimTime de
   return true;
 }
 
-void AheadDesk::measure(Viewer& viewer, const wire::Felt& felt, SimTime decided, bool begins_to_brake) {
+void VirtualObstaclePublisher::measure(Viewer& viewer, const wire::Felt& felt, SimTime decided, bool begins_to_brake) {
   BijectionMonitor& monitor = simulator_.monitor();
   const auto since_ms = [decided](SimTime then) { return std::max(0.0, to_seconds(decided - then) * 1e3); };
   bool was_change = false;
@@ -222,7 +222,7 @@ void AheadDesk::measure(Viewer& viewer, const wire::Felt& felt, SimTime decided,
     monitor.effect(WorldEffect::brakes, since_ms(viewer.sent[felt.ahead_header_id % sent_kept]));
 }
 
-void AheadDesk::fold(Digest& digest) const {
+void VirtualObstaclePublisher::fold(Digest& digest) const {
   for (const Viewer& viewer : viewers_) {
     digest.add(std::uint64_t{viewer.next_id});
     digest.add(static_cast<std::uint64_t>(viewer.told.size()));

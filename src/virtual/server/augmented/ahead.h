@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "cosiva/base/digest.h"
-#include "cosiva/virtual/server/augmented/pause_desk.h"
+#include "cosiva/virtual/server/augmented/third_party_pause.h"
 #include "cosiva/virtual/server/augmented/virtual_fleet.h"
 #include "cosiva/virtual/server/messages/outbox.h"
 #include "cosiva/virtual/server/registry/proxy.h"
@@ -19,7 +19,7 @@ namespace cosiva::virtual_side {
 
 /// Tells each vehicle what of the virtual world is near its way (wire::Ahead), and measures how soon it is felt. A
 /// virtual AIV, whose world is the server's, is told of physical vehicles and obstacles, too.
-class AheadDesk {
+class VirtualObstaclePublisher {
  public:
   static constexpr double within_m = 2.0;  ///< of the twin's middle
   static constexpr SimDuration period{std::chrono::milliseconds{100}};
@@ -29,8 +29,8 @@ class AheadDesk {
   static constexpr std::uint32_t known_max = 256;  ///< older ones are not known any more
   static constexpr std::size_t sent_kept = 16;     ///< of so many is known when they were sent
 
-  AheadDesk(Registry& registry, Outbox& outbox, Traces& traces, Simulator& simulator, VirtualFleet& fleet,
-            PauseDesk& pauses)
+  VirtualObstaclePublisher(Registry& registry, Outbox& outbox, Traces& traces, Simulator& simulator, VirtualFleet& fleet,
+            ThirdPartyPause& pauses)
       : registry_{registry}, outbox_{outbox}, traces_{traces}, simulator_{simulator}, fleet_{fleet}, pauses_{pauses} {}
 
   void resize(std::size_t vehicles) { viewers_.resize(vehicles); }
@@ -97,7 +97,7 @@ class AheadDesk {
   Traces& traces_;
   Simulator& simulator_;
   VirtualFleet& fleet_;
-  PauseDesk& pauses_;
+  ThirdPartyPause& pauses_;
   std::vector<Viewer> viewers_;
   std::vector<Present> world_;
   std::vector<const Present*> near_;  ///< of the viewer at hand, nearest first

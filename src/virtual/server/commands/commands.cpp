@@ -224,7 +224,7 @@ void Commands::begin(Command command) {
       actions.back().parameters.push_back({"maxSpeed", command.speed_mps});
       break;
   }
-  command.ticket = desk_.send(proxy, command.vehicle, std::move(actions), patience, true);
+  command.ticket = action_sender_.send(proxy, command.vehicle, std::move(actions), patience, true);
   keep(std::move(command));
 }
 
@@ -256,7 +256,7 @@ bool Commands::effect_seen(const Command& command) const {
     }
     case Verb::cancel: return state.node_states.empty() && !state.driving;
     case Verb::limit: {
-      const ActionDesk::Letter* letter = desk_.find(command.ticket);
+      const InstantActionSender::Letter* letter = action_sender_.find(command.ticket);
       return letter != nullptr && letter->actions.front().status == wire::ActionStatus::finished &&
              speed_mps <= command.speed_mps + speed_slack_mps;
     }
@@ -271,7 +271,7 @@ bool Commands::effect_seen(const Command& command) const {
 }
 
 void Commands::judge(Command& command) {
-  const ActionDesk::Letter* letter = desk_.find(command.ticket);
+  const InstantActionSender::Letter* letter = action_sender_.find(command.ticket);
   if (letter == nullptr || !letter->acknowledged()) return;
   if (!command.accepted_at) accept(command);
   if (effect_seen(command)) {
@@ -322,7 +322,7 @@ void Commands::materialise(Command& command) {
   command.state = CommandState::materialised;
   command.materialised_at = outbox_.now();
   if (command.verb == Verb::limit) registry_[command.vehicle].speed_mps_max = command.speed_mps;
-  desk_.drop(command.ticket);
+  action_sender_.drop(command.ticket);
   if (BijectionMonitor* monitor = monitor_of(command))
     monitor->command_materialised(to_seconds(outbox_.now() - command.at) * 1e3);
 }
@@ -330,7 +330,7 @@ void Commands::materialise(Command& command) {
 void Commands::fail_command(Command& command, std::string reason) {
   command.state = CommandState::failed;
   command.reason = std::move(reason);
-  desk_.drop(command.ticket);
+  action_sender_.drop(command.ticket);
   if (BijectionMonitor* monitor = monitor_of(command)) monitor->command_failed();
   outbox_.log('w', "command " + command.id + " '" + command.verb_text + "' for '" + command.vehicle_name +
                        "' failed: " + command.reason);

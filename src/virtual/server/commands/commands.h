@@ -34,7 +34,7 @@ struct Command {
   std::optional<SimTime> accepted_at;
   std::optional<SimTime> materialised_at;
   std::string reason;
-  ActionDesk::Ticket ticket{0};
+  InstantActionSender::Ticket ticket{0};
   [[nodiscard]] bool open() const { return state == CommandState::issued || state == CommandState::accepted; }
 };
 
@@ -45,8 +45,8 @@ class Commands {
   static constexpr SimDuration patience{std::chrono::seconds{5}};
   static constexpr std::size_t kept_max = 200;
 
-  Commands(Registry& registry, Outbox& outbox, ActionDesk& desk, OrderRoller& roller, Simulator& simulator)
-      : registry_{registry}, outbox_{outbox}, desk_{desk}, roller_{roller}, simulator_{simulator} {}
+  Commands(Registry& registry, Outbox& outbox, InstantActionSender& action_sender, OrderRoller& roller, Simulator& simulator)
+      : registry_{registry}, outbox_{outbox}, action_sender_{action_sender}, roller_{roller}, simulator_{simulator} {}
 
   /// Longer commands to vehicles are refused.
   static constexpr std::size_t bytes_max = 64U << 10U;
@@ -92,7 +92,7 @@ class Commands {
 
   Registry& registry_;
   Outbox& outbox_;
-  ActionDesk& desk_;
+  InstantActionSender& action_sender_;
   OrderRoller& roller_;
   Simulator& simulator_;
   std::deque<Command> list_;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "cosiva/virtual/server/augmented/ahead.h"
-#include "cosiva/virtual/server/augmented/things_desk.h"
+#include "cosiva/virtual/server/augmented/virtual_object_commands.h"
 #include "cosiva/virtual/server/augmented/virtual_fleet.h"
 #include "cosiva/virtual/server/context/master_control.h"
 #include "cosiva/virtual/server/context/server_context.h"
@@ -14,9 +14,9 @@ struct AugmentedParts {
   ServerContext& server;
   MasterControl& master;
   VirtualFleet hosted{server.registry, server.publisher, server.options.virtual_rules, server.options.v2x};
-  PauseDesk pauses{server.registry, master.traffic, server.publisher, master.actions, server.simulator};
-  AheadDesk virtual_obstacles{server.registry, server.publisher, server.traces, server.simulator, hosted, pauses};
-  ThingsDesk objects{server.registry, server.simulator, hosted, server.publisher};
+  ThirdPartyPause pauses{server.registry, master.traffic, server.publisher, master.actions, server.simulator};
+  VirtualObstaclePublisher virtual_obstacles{server.registry, server.publisher, server.traces, server.simulator, hosted, pauses};
+  VirtualObjectCommands objects{server.registry, server.simulator, hosted, server.publisher};
 };
 
 }  // namespace cosiva::virtual_side

@@ -6,7 +6,7 @@
 #include "cosiva/virtual/server/orders/missions.h"
 #include "cosiva/virtual/server/orders/order_roller.h"
 #include "cosiva/virtual/server/right_of_way/traffic.h"
-#include "cosiva/virtual/server/zones/map_desk.h"
+#include "cosiva/virtual/server/zones/map_deployment.h"
 
 namespace cosiva::virtual_side {
 
@@ -15,11 +15,11 @@ namespace cosiva::virtual_side {
 struct MasterControl {
   ServerContext& served;
   Traffic traffic{{.convoys = served.options.convoys}};
-  ActionDesk actions{served.publisher};
+  InstantActionSender actions{served.publisher};
   Missions missions{served.registry, served.publisher};
   OrderRoller orders{served.registry, traffic, served.publisher, actions, missions, served.simulator};
   Deadlocks deadlocks{served.registry, served.publisher, served.traces, orders};
-  MapDesk maps{served.registry, served.publisher, actions};
+  MapDeployment maps{served.registry, served.publisher, actions};
   Commands commands{served.registry, served.publisher, actions, orders, served.simulator};
 };
 

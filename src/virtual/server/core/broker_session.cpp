@@ -104,8 +104,8 @@ std::vector<std::string> BrokerSession::subscriptions() const {
                                    wire::topics_below(wire::v2x_topic_prefix, wire::v2x_topic_levels),
                                    hosted + "order",
                                    hosted + "instantActions"};
-  std::ranges::move(BatteryDesk::subscriptions(), std::back_inserter(filters));
-  std::ranges::move(GvsDesk::subscriptions(), std::back_inserter(filters));
+  std::ranges::move(BatteryTestRelay::subscriptions(), std::back_inserter(filters));
+  std::ranges::move(GroundTruthComparator::subscriptions(), std::back_inserter(filters));
   if (!context_.areas.several()) return filters;
   // The zone comes with those of the other areas.
   std::erase(filters, wire::topics_below(wire::zone_topic_prefix, 1));

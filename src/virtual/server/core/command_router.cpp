@@ -21,7 +21,7 @@ bool adds_virtual_aiv(const JsonValue& command) {
 }  // namespace
 
 CommandRouter::Kind CommandRouter::kind_of(std::string_view name) {
-  if (ThingsDesk::is_ours(name)) return Kind::object;
+  if (VirtualObjectCommands::is_ours(name)) return Kind::object;
   if (ZoneEdits::is_ours(name)) return Kind::edit;
   if (Missions::is_ours(name)) return Kind::mission;
   if (is_world_command(name)) return Kind::world;

@@ -67,8 +67,8 @@ std::optional<Thing> read_thing(const JsonValue& json) {
   const auto started = read_ns(json, "started");
   auto path = read_path(json.find("path"));
   if (!id || id->empty() || id->size() > 64 || !kind || !repeat || !since || !started || !path) return std::nullopt;
-  if (!in(json.number("radius"), ThingsDesk::radius_m_min, ThingsDesk::radius_m_max) ||
-      !in(json.number("speed"), 0.0, ThingsDesk::speed_mps_max))
+  if (!in(json.number("radius"), VirtualObjectCommands::radius_m_min, VirtualObjectCommands::radius_m_max) ||
+      !in(json.number("speed"), 0.0, VirtualObjectCommands::speed_mps_max))
     return std::nullopt;
   return Thing{*id,    *kind,   0, *json.number("radius"), Walk(std::move(*path), *json.number("speed"), *repeat),
                *since, *started};

@@ -38,7 +38,7 @@ namespace cosiva::virtual_side {
 ///   {"command":"saved"}: zone_configuration() has been written to its file
 /// - to the emulated world: {"command":"plant","plant":{"addObstacle":{…}}|{"removeObstacle":"id"}},
 ///   {"command":"radio","vehicle":"CoSiVA/AIV2"|"*","loss":0.3}
-/// - to a battery test: {"command":"batteryReady","vehicle","battery",…} (BatteryDesk::ready)
+/// - to a battery test: {"command":"batteryReady","vehicle","battery",…} (BatteryTestRelay::ready)
 class ServerCore final : public wire::Core {
  public:
   explicit ServerCore(ServerOptions options);

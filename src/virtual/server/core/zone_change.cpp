@@ -72,7 +72,7 @@ void ZoneChange::follow() {
 }
 
 void ZoneChange::deploy_map() {
-  const MapDesk::Map wanted{map_->zone().name, zone::version_of(*context_.simulator.configuration()),
+  const MapDeployment::Map wanted{map_->zone().name, zone::version_of(*context_.simulator.configuration()),
                             context_.options.map_download_link};
   for (VehicleIndex v = 0; v < context_.registry.size(); ++v) {
     const AivProxy& proxy = context_.registry[v];

@@ -80,9 +80,9 @@ std::string unique_id(std::string_view prefix, SimTime now) {
   return id;
 }
 
-bool ActionDesk::Letter::acknowledged() const { return std::ranges::all_of(actions, &Progress::seen); }
+bool InstantActionSender::Letter::acknowledged() const { return std::ranges::all_of(actions, &Progress::seen); }
 
-ActionDesk::Ticket ActionDesk::send(AivProxy& proxy, VehicleIndex vehicle, std::vector<wire::Action> actions,
+InstantActionSender::Ticket InstantActionSender::send(AivProxy& proxy, VehicleIndex vehicle, std::vector<wire::Action> actions,
                                     SimDuration patience, bool keep) {
   const Ticket ticket = ++last_ticket_;
   Letter letter{ticket, vehicle, {}, {}, outbox_.now(), outbox_.now() + patience, keep};
@@ -98,20 +98,20 @@ ActionDesk::Ticket ActionDesk::send(AivProxy& proxy, VehicleIndex vehicle, std::
   return ticket;
 }
 
-const ActionDesk::Letter* ActionDesk::find(Ticket ticket) const {
+const InstantActionSender::Letter* InstantActionSender::find(Ticket ticket) const {
   const auto it = std::ranges::find(letters_, ticket, &Letter::ticket);
   return it == letters_.end() ? nullptr : &*it;
 }
 
-void ActionDesk::drop(Ticket ticket) {
+void InstantActionSender::drop(Ticket ticket) {
   std::erase_if(letters_, [ticket](const Letter& letter) { return letter.ticket == ticket; });
 }
 
-void ActionDesk::forget(VehicleIndex vehicle) {
+void InstantActionSender::forget(VehicleIndex vehicle) {
   std::erase_if(letters_, [vehicle](const Letter& letter) { return letter.vehicle == vehicle; });
 }
 
-void ActionDesk::on_state(VehicleIndex vehicle, const wire::State& state) {
+void InstantActionSender::on_state(VehicleIndex vehicle, const wire::State& state) {
   for (Letter& letter : letters_) {
     if (letter.vehicle != vehicle) continue;
     for (Progress& progress : letter.actions) {
@@ -125,7 +125,7 @@ void ActionDesk::on_state(VehicleIndex vehicle, const wire::State& state) {
   std::erase_if(letters_, [&](const Letter& l) { return l.vehicle == vehicle && !l.kept && l.acknowledged(); });
 }
 
-void ActionDesk::tick(Registry& registry, bool link_up) {
+void InstantActionSender::tick(Registry& registry, bool link_up) {
   const SimTime now = outbox_.now();
   for (Letter& letter : letters_) {
     if (letter.acknowledged() || now >= letter.until || now - letter.sent_at < resend_after || !link_up) continue;

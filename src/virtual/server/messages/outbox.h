@@ -60,14 +60,14 @@ class Outbox {
 
 /// Instant actions on their way: each is sent again, with the same action id, every 300 ms until the vehicle's state
 /// lists it.
-class ActionDesk {
+class InstantActionSender {
  public:
   using Ticket = std::uint64_t;
   static constexpr SimDuration resend_after{std::chrono::milliseconds{300}};
 
-  explicit ActionDesk(Outbox& outbox) : outbox_{outbox} {}
-  ActionDesk(const ActionDesk&) = delete;  // other parts refer to it
-  ActionDesk& operator=(const ActionDesk&) = delete;
+  explicit InstantActionSender(Outbox& outbox) : outbox_{outbox} {}
+  InstantActionSender(const InstantActionSender&) = delete;  // other parts refer to it
+  InstantActionSender& operator=(const InstantActionSender&) = delete;
 
   struct Progress {
     std::string action_id;

@@ -275,7 +275,7 @@ bool OrderRoller::go_on_giving_way(VehicleIndex vehicle) {
 
 void OrderRoller::follow_back_up(VehicleIndex vehicle, Plan::GivingWay& giving_way) {
   const auto tell = [&](double distance_m) {
-    return desk_.send(registry_[vehicle], vehicle,
+    return action_sender_.send(registry_[vehicle], vehicle,
                       {{"backUp", {}, {}, wire::BlockingType::hard, {{"distance", distance_m}}}},
                       std::chrono::seconds{3}, true);
   };
@@ -289,11 +289,11 @@ void OrderRoller::follow_back_up(VehicleIndex vehicle, Plan::GivingWay& giving_w
     giving_way.ticket = tell(giving_way.back_m);
     return;
   }
-  const ActionDesk::Letter* letter = desk_.find(giving_way.ticket);
+  const InstantActionSender::Letter* letter = action_sender_.find(giving_way.ticket);
   const wire::ActionStatus status = letter == nullptr ? wire::ActionStatus::failed : letter->actions.front().status;
   const bool over = status == wire::ActionStatus::finished || status == wire::ActionStatus::failed;
   if (!over && !giving_way.stopped && near_anything(vehicle, body(vehicle), giving_way.clear_m)) {
-    desk_.drop(giving_way.ticket);
+    action_sender_.drop(giving_way.ticket);
     giving_way.stopped = true;
     giving_way.ticket = tell(0.0);
     return;
@@ -301,7 +301,7 @@ void OrderRoller::follow_back_up(VehicleIndex vehicle, Plan::GivingWay& giving_w
   if (!over) return;
   if (status == wire::ActionStatus::failed && letter != nullptr)
     outbox_.log('w', registry_[vehicle].name + ": did not back up: " + letter->actions.front().result);
-  desk_.drop(giving_way.ticket);
+  action_sender_.drop(giving_way.ticket);
   giving_way.ticket = 0;
   giving_way.back_m = 0.0;
   giving_way.until = std::min(giving_way.until, outbox_.now() + rules_.gives_way_for);
@@ -309,7 +309,7 @@ void OrderRoller::follow_back_up(VehicleIndex vehicle, Plan::GivingWay& giving_w
 
 void OrderRoller::end_giving_way(VehicleIndex vehicle) {
   auto& giving_way = plans_[vehicle].giving_way;
-  if (giving_way && giving_way->ticket != 0) desk_.drop(giving_way->ticket);
+  if (giving_way && giving_way->ticket != 0) action_sender_.drop(giving_way->ticket);
   giving_way.reset();
 }
 

@@ -21,7 +21,7 @@ constexpr double free_ahead_m = 0.5;
 bool OrderRoller::joining(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
   if (plan.join_ticket == 0) return false;
-  const ActionDesk::Letter* letter = desk_.find(plan.join_ticket);
+  const InstantActionSender::Letter* letter = action_sender_.find(plan.join_ticket);
   const wire::ActionStatus status = letter == nullptr ? wire::ActionStatus::failed : letter->actions.front().status;
   const bool over = status == wire::ActionStatus::finished || status == wire::ActionStatus::failed;
   if (!over && outbox_.now() - plan.join_sent_at < rules_.join_patience) return true;
@@ -34,7 +34,7 @@ bool OrderRoller::joining(VehicleIndex vehicle) {
 void OrderRoller::end_join(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
   plan.anchor.reset();
-  if (plan.join_ticket != 0) desk_.drop(std::exchange(plan.join_ticket, 0));
+  if (plan.join_ticket != 0) action_sender_.drop(std::exchange(plan.join_ticket, 0));
 }
 
 void OrderRoller::try_other_places(VehicleIndex vehicle) {
@@ -54,7 +54,7 @@ bool OrderRoller::join_elsewhere(VehicleIndex vehicle, bool drives_on, double wi
     plan.anchor = place;
     plan.standing.place = place;
     plan.join_sent_at = outbox_.now();
-    plan.join_ticket = desk_.send(registry_[vehicle], vehicle,
+    plan.join_ticket = action_sender_.send(registry_[vehicle], vehicle,
                                   {{"joinLine",
                                     {},
                                     {},

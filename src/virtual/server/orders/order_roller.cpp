@@ -196,7 +196,7 @@ void OrderRoller::drop(Plan& plan, VehicleIndex vehicle) {
   plan.moves_up = false;
   end_join(vehicle);
   // Sent again, it would take the next order.
-  if (plan.cancel_ticket != 0) desk_.drop(std::exchange(plan.cancel_ticket, 0));
+  if (plan.cancel_ticket != 0) action_sender_.drop(std::exchange(plan.cancel_ticket, 0));
   traffic_.set_base_end(vehicle, no_waypoint);
 }
 
@@ -204,8 +204,8 @@ void OrderRoller::cancel(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
   plan.stage = Plan::Stage::cancelling;
   plan.cancelled_at = outbox_.now();
-  if (plan.cancel_ticket != 0) desk_.drop(plan.cancel_ticket);
-  plan.cancel_ticket = desk_.send(registry_[vehicle], vehicle, {{"cancelOrder", {}, {}, wire::BlockingType::hard, {}}},
+  if (plan.cancel_ticket != 0) action_sender_.drop(plan.cancel_ticket);
+  plan.cancel_ticket = action_sender_.send(registry_[vehicle], vehicle, {{"cancelOrder", {}, {}, wire::BlockingType::hard, {}}},
                                   std::chrono::seconds{3}, false);
 }
 

@@ -1,18 +1,18 @@
-#include "cosiva/virtual/server/zones/map_desk.h"
+#include "cosiva/virtual/server/zones/map_deployment.h"
 
 #include <algorithm>
 #include <utility>
 
 namespace cosiva::virtual_side {
 
-void MapDesk::begin() {
+void MapDeployment::begin() {
   for (Step& step : steps_) {
-    if (step.ticket != 0) desk_.drop(step.ticket);
+    if (step.ticket != 0) action_sender_.drop(step.ticket);
     step = {};
   }
 }
 
-std::optional<wire::Action> MapDesk::next_action(VehicleIndex vehicle, const Map& map) const {
+std::optional<wire::Action> MapDeployment::next_action(VehicleIndex vehicle, const Map& map) const {
   const AivProxy& proxy = registry_[vehicle];
   const auto can = [&](std::string_view action) { return proxy.supports(action) == std::optional{true}; };
   const auto& maps = proxy.state->maps;
@@ -35,10 +35,10 @@ std::optional<wire::Action> MapDesk::next_action(VehicleIndex vehicle, const Map
   return std::nullopt;
 }
 
-bool MapDesk::under_way(Step& step) const {
+bool MapDeployment::under_way(Step& step) const {
   if (step.ticket == 0) return false;
-  const ActionDesk::Letter* letter = desk_.find(step.ticket);
-  const bool done = letter == nullptr || std::ranges::all_of(letter->actions, [](const ActionDesk::Progress& action) {
+  const InstantActionSender::Letter* letter = action_sender_.find(step.ticket);
+  const bool done = letter == nullptr || std::ranges::all_of(letter->actions, [](const InstantActionSender::Progress& action) {
                       return action.seen && (action.status == wire::ActionStatus::finished ||
                                              action.status == wire::ActionStatus::failed);
                     });
@@ -47,11 +47,11 @@ bool MapDesk::under_way(Step& step) const {
       letter != nullptr && !letter->actions.empty() && letter->actions.front().status == wire::ActionStatus::finished;
   // Its next state may still be from before; and what failed is not asked for all the time.
   step.not_before = outbox_.now() + (finished ? SimDuration{std::chrono::seconds{1}} : again_after);
-  desk_.drop(std::exchange(step.ticket, 0));
+  action_sender_.drop(std::exchange(step.ticket, 0));
   return false;
 }
 
-void MapDesk::step(VehicleIndex vehicle, const Map& map) {
+void MapDeployment::step(VehicleIndex vehicle, const Map& map) {
   AivProxy& proxy = registry_[vehicle];
   Step& step = steps_[vehicle];
   if (!proxy.state || !proxy.online() || under_way(step) || outbox_.now() < step.not_before) return;
@@ -62,7 +62,7 @@ void MapDesk::step(VehicleIndex vehicle, const Map& map) {
   outbox_.log('i', proxy.name + ": is on map '" + proxy.map_id + "'; asked for " + action->action_type + " of '" +
                        map.id + "'");
   step.sent_at = outbox_.now();
-  step.ticket = desk_.send(proxy, vehicle, {std::move(*action)}, patience, true);
+  step.ticket = action_sender_.send(proxy, vehicle, {std::move(*action)}, patience, true);
 }
 
 }  // namespace cosiva::virtual_side

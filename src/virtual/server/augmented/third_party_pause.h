@@ -17,15 +17,15 @@ namespace cosiva::virtual_side {
 
 /// Vehicles of other makes do not listen to Ahead. One that never answered is paused (startPause) while a virtual body
 /// stands in its way, and let go (stopPause) when that is gone; never one that somebody else paused.
-class PauseDesk {
+class ThirdPartyPause {
  public:
   static constexpr double pause_within_m = 0.8;   ///< from its front
   static constexpr double let_go_beyond_m = 1.0;  ///< so that a body at the limit does not make it stutter
   static constexpr double beside_m = 0.02;        ///< of its sides
   static constexpr SimDuration patience{std::chrono::seconds{5}};
 
-  PauseDesk(Registry& registry, Traffic& traffic, Outbox& outbox, ActionDesk& desk, Simulator& simulator)
-      : registry_{registry}, traffic_{traffic}, outbox_{outbox}, desk_{desk}, simulator_{simulator} {}
+  ThirdPartyPause(Registry& registry, Traffic& traffic, Outbox& outbox, InstantActionSender& action_sender, Simulator& simulator)
+      : registry_{registry}, traffic_{traffic}, outbox_{outbox}, action_sender_{action_sender}, simulator_{simulator} {}
 
   void resize(std::size_t vehicles) { pauses_.resize(vehicles); }
   void set_map(const WayMap* map) { map_ = map; }
@@ -51,12 +51,12 @@ class PauseDesk {
   Registry& registry_;
   Traffic& traffic_;
   Outbox& outbox_;
-  ActionDesk& desk_;
+  InstantActionSender& action_sender_;
   Simulator& simulator_;
   const WayMap* map_{};
   std::uint64_t changes_{0};
   struct Pause {
-    ActionDesk::Ticket ticket{0};  ///< of the last action for it; 0: none
+    InstantActionSender::Ticket ticket{0};  ///< of the last action for it; 0: none
     std::string body;
   };
   std::vector<Pause> pauses_;

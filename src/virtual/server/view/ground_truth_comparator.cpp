@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/view/gvs_desk.h"
+#include "cosiva/virtual/server/view/ground_truth_comparator.h"
 
 #include <algorithm>
 #include <cmath>
@@ -49,11 +49,11 @@ std::string place_text(const Pose2& pose) {
 
 }  // namespace
 
-std::vector<std::string> GvsDesk::subscriptions() {
+std::vector<std::string> GroundTruthComparator::subscriptions() {
   return {std::string(wire::gvs_sights_topic), std::string(wire::gvs_connection_topic)};
 }
 
-Result<std::string> GvsDesk::on_message(SimTime now, const wire::Input& input) {
+Result<std::string> GroundTruthComparator::on_message(SimTime now, const wire::Input& input) {
   now_ = now;
   if (input.source == wire::gvs_connection_topic) {
     if (input.payload.empty()) {  // somebody took it off the broker
@@ -77,7 +77,7 @@ Result<std::string> GvsDesk::on_message(SimTime now, const wire::Input& input) {
   return news ? std::to_string(sights_->sights.size()) + " in its picture" : std::string{};
 }
 
-void GvsDesk::take(SimTime now, wire::GvsSights sights) {
+void GroundTruthComparator::take(SimTime now, wire::GvsSights sights) {
   if (!sights_ || state() != "watching") watching_since_ = now;
   const SimTime before = sights_at_;
   sights_ = std::move(sights);
@@ -101,13 +101,13 @@ void GvsDesk::take(SimTime now, wire::GvsSights sights) {
   }
 }
 
-std::optional<VehicleIndex> GvsDesk::twin_of(const std::string& name) const {
+std::optional<VehicleIndex> GroundTruthComparator::twin_of(const std::string& name) const {
   const auto vehicle = registry_.find(name);
   if (!vehicle || !registry_[*vehicle].here() || registry_[*vehicle].augmented) return std::nullopt;
   return vehicle;
 }
 
-void GvsDesk::compare(const wire::GvsSights::Sight& sight, Seen& seen) {
+void GroundTruthComparator::compare(const wire::GvsSights::Sight& sight, Seen& seen) {
   seen.gap_m.reset();
   seen.gap_rad.reset();
   const auto vehicle = twin_of(sight.vehicle);
@@ -119,7 +119,7 @@ void GvsDesk::compare(const wire::GvsSights::Sight& sight, Seen& seen) {
   simulator_.monitor().actual(registry_[*vehicle].entity, *seen.gap_m, *seen.gap_rad);
 }
 
-std::optional<Pose2> GvsDesk::twin_at(VehicleIndex vehicle, SimTime at) const {
+std::optional<Pose2> GroundTruthComparator::twin_at(VehicleIndex vehicle, SimTime at) const {
   if (vehicle >= trails_.size()) return std::nullopt;
   const auto& points = trails_[vehicle].points;
   const auto after = std::ranges::lower_bound(points, at, {}, &Trail::Point::at);
@@ -133,7 +133,7 @@ std::optional<Pose2> GvsDesk::twin_at(VehicleIndex vehicle, SimTime at) const {
                wrap_angle(a.X_MB.heading_rad + share * wrap_angle(b.X_MB.heading_rad - a.X_MB.heading_rad))};
 }
 
-void GvsDesk::note_twins() {
+void GroundTruthComparator::note_twins() {
   trails_.resize(registry_.size());
   for (VehicleIndex v = 0; v < registry_.size(); ++v) {
     const AivProxy& proxy = registry_[v];
@@ -153,20 +153,20 @@ void GvsDesk::note_twins() {
   }
 }
 
-std::string_view GvsDesk::state() const {
+std::string_view GroundTruthComparator::state() const {
   if (connection_ && connection_->state != wire::ConnectionState::online)
     return connection_->state == wire::ConnectionState::offline ? "ended" : "broken";
   const SimDuration limit = std::max(silent_after, sights_ ? from_seconds(3.0 * sights_->period_s) : silent_after);
   return sights_ && now_ - sights_at_ <= limit ? "watching" : "silent";
 }
 
-SimTime GvsDesk::since(Finding::Kind kind, const std::string& id) const {
+SimTime GroundTruthComparator::since(Finding::Kind kind, const std::string& id) const {
   for (const Finding& known : simulator_.monitor().findings())
     if (known.kind == kind && known.id == id) return known.since;
   return now_;
 }
 
-void GvsDesk::find_unseen(std::vector<Finding>& findings) {
+void GroundTruthComparator::find_unseen(std::vector<Finding>& findings) {
   for (VehicleIndex v = 0; v < trails_.size(); ++v) {
     const Trail& trail = trails_[v];
     if (!trail.in_field_since || trail.points.empty()) continue;
@@ -181,7 +181,7 @@ void GvsDesk::find_unseen(std::vector<Finding>& findings) {
   }
 }
 
-std::vector<Finding> GvsDesk::find(bool strangers) {
+std::vector<Finding> GroundTruthComparator::find(bool strangers) {
   std::vector<Finding> findings;
   const std::string_view now_it = state();
   if (now_it == "ended") return findings;
@@ -206,7 +206,7 @@ std::vector<Finding> GvsDesk::find(bool strangers) {
   return findings;
 }
 
-void GvsDesk::tick(SimTime now, bool strangers) {
+void GroundTruthComparator::tick(SimTime now, bool strangers) {
   if (!heard()) return;
   now_ = now;
   note_twins();
@@ -214,7 +214,7 @@ void GvsDesk::tick(SimTime now, bool strangers) {
   simulator_.monitor().set_findings(find(strangers));
 }
 
-void GvsDesk::write(JsonWriter& json) const {
+void GroundTruthComparator::write(JsonWriter& json) const {
   if (!heard()) {
     json.null();
     return;
@@ -240,7 +240,7 @@ void GvsDesk::write(JsonWriter& json) const {
   json.end_array().end_object();
 }
 
-void GvsDesk::fold(Digest& digest) const {
+void GroundTruthComparator::fold(Digest& digest) const {
   // A run without a camera has the digest that it had before there were any.
   if (!heard()) return;
   digest.add(state());

@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/view/battery_desk.h"
+#include "cosiva/virtual/server/view/battery_test_relay.h"
 
 #include <cmath>
 #include <utility>
@@ -51,11 +51,11 @@ void BatteryCurve::forget_before(SimTime at) {
   if (points_.empty()) every_ = std::chrono::seconds{1};
 }
 
-std::vector<std::string> BatteryDesk::subscriptions() {
+std::vector<std::string> BatteryTestRelay::subscriptions() {
   return {wire::topics_below(wire::battery_change_topic_prefix, 2), std::string(wire::battery_test_topic)};
 }
 
-Result<std::string> BatteryDesk::on_message(const wire::Input& input) {
+Result<std::string> BatteryTestRelay::on_message(const wire::Input& input) {
   if (input.source == wire::battery_test_topic) {
     if (input.payload.empty()) {
       test_.reset();
@@ -89,17 +89,17 @@ Result<std::string> BatteryDesk::on_message(const wire::Input& input) {
   return words;
 }
 
-void BatteryDesk::link_up() {
+void BatteryTestRelay::link_up() {
   changes_.clear();
   test_.reset();
 }
 
-void BatteryDesk::on_power(SimTime at, const std::string& vehicle, const wire::Power& power) {
+void BatteryTestRelay::on_power(SimTime at, const std::string& vehicle, const wire::Power& power) {
   curves_[vehicle].add({at, static_cast<float>(100.0 * power.charge()), 0.001F * static_cast<float>(power.voltage_mv),
                         0.1F * static_cast<float>(power.temperature_01C)});
 }
 
-Result<wire::Publish> BatteryDesk::ready(const JsonValue& command) const {
+Result<wire::Publish> BatteryTestRelay::ready(const JsonValue& command) const {
   const std::string vehicle = command.text("vehicle").value_or("");
   if (vehicle.empty()) return fail("battery.vehicle", "say which vehicle, as manufacturer/serial number", "vehicle");
   wire::BatteryReady ready{command.text("battery").value_or(""), "unknown", 0.0, 0.0, 22.0, 100.0};
@@ -122,7 +122,7 @@ Result<wire::Publish> BatteryDesk::ready(const JsonValue& command) const {
                        false};
 }
 
-void BatteryDesk::write(JsonWriter& json) const {
+void BatteryTestRelay::write(JsonWriter& json) const {
   if (changes_.empty() && !test_) {
     json.null();
     return;
@@ -140,7 +140,7 @@ void BatteryDesk::write(JsonWriter& json) const {
   json.end_object();
 }
 
-void BatteryDesk::write_test(JsonWriter& json) const {
+void BatteryTestRelay::write_test(JsonWriter& json) const {
   json.begin_object().field("began_ms", ms_of(test_->began)).field("told_ms", ms_of(test_->timestamp));
   json.field("run", test_->run).field("runs", test_->runs).field("floor", test_->floor_percent);
   json.field("share", test_->share).key("expectedEnd_ms");
@@ -162,7 +162,7 @@ void BatteryDesk::write_test(JsonWriter& json) const {
   json.end_array().end_object();
 }
 
-std::optional<std::string> BatteryDesk::curve_json(const std::string& vehicle) const {
+std::optional<std::string> BatteryTestRelay::curve_json(const std::string& vehicle) const {
   const auto curve = curves_.find(vehicle);
   if (curve == curves_.end()) return std::nullopt;
   JsonWriter json;

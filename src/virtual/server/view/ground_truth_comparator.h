@@ -20,7 +20,7 @@ namespace cosiva::virtual_side {
 /// What the camera over the zone (GVS, A34) says of the physical side, held against the twins: how far each twin was
 /// from where its vehicle was seen at that moment, who is seen without a twin, and which twin nobody sees. It is news
 /// for the bijection monitor and for people; no twin and no order ever follows it.
-class GvsDesk {
+class GroundTruthComparator {
  public:
   /// Longer than a tracker needs to find again whom it lost.
   static constexpr SimDuration patience{std::chrono::seconds{3}};
@@ -30,7 +30,7 @@ class GvsDesk {
   static constexpr SimDuration history{std::chrono::seconds{2}};
   static constexpr std::size_t seen_max = 256;  ///< a flood of made-up names must not take the memory
 
-  GvsDesk(const Registry& registry, Simulator& simulator) : registry_{registry}, simulator_{simulator} {}
+  GroundTruthComparator(const Registry& registry, Simulator& simulator) : registry_{registry}, simulator_{simulator} {}
 
   [[nodiscard]] static std::vector<std::string> subscriptions();
   [[nodiscard]] static bool is_ours(std::string_view topic) { return topic.starts_with("cosiva/v1/gvs/"); }

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "cosiva/virtual/server/testing/server_bench.h"
-#include "cosiva/virtual/server/view/battery_desk.h"
+#include "cosiva/virtual/server/view/battery_test_relay.h"
 #include "cosiva/wire/own/battery_exchange.h"
 
 namespace cosiva::virtual_side {
@@ -90,7 +90,7 @@ TEST_F(BatteryBench, what_cannot_be_read_is_left_alone_with_a_word) {
 
 TEST_F(BatteryBench, made_up_names_do_not_take_the_memory) {
   for (int i = 0; i < 400; ++i) ask_for("ACME/A" + std::to_string(i), "x");
-  EXPECT_THAT(*battery().find("changes")->array(), SizeIs(BatteryDesk::changes_max));
+  EXPECT_THAT(*battery().find("changes")->array(), SizeIs(BatteryTestRelay::changes_max));
   ask_for("ACME/A7", "another");  // one that is known
   EXPECT_THAT(bench.server->snapshot_json(), HasSubstr("another"));
 }

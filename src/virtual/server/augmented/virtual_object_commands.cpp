@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/augmented/things_desk.h"
+#include "cosiva/virtual/server/augmented/virtual_object_commands.h"
 
 #include <algorithm>
 #include <charconv>
@@ -46,11 +46,11 @@ bool is_seen_id(std::string_view id) {
 
 }  // namespace
 
-bool ThingsDesk::is_ours(std::string_view command) {
+bool VirtualObjectCommands::is_ours(std::string_view command) {
   return command == "add" || command == "move" || command == "remove";
 }
 
-const VirtualFleet::Host* ThingsDesk::find_aiv(std::string_view id) const {
+const VirtualFleet::Host* VirtualObjectCommands::find_aiv(std::string_view id) const {
   for (const VirtualFleet::Host& host : fleet_.hosts()) {
     const AivProxy& proxy = registry_[host.vehicle];
     if (proxy.id.serial_number == id || proxy.name == id) return &host;
@@ -58,14 +58,14 @@ const VirtualFleet::Host* ThingsDesk::find_aiv(std::string_view id) const {
   return nullptr;
 }
 
-std::string ThingsDesk::next_id(std::string_view kind) const {
+std::string VirtualObjectCommands::next_id(std::string_view kind) const {
   for (std::uint32_t n = 1;; ++n) {
     std::string id = std::string(letter_of(kind)) + std::to_string(n);
     if (simulator_.augmented().find(id) == nullptr && find_aiv(id) == nullptr) return id;
   }
 }
 
-std::string ThingsDesk::known_things() const {
+std::string VirtualObjectCommands::known_things() const {
   std::string names;
   const auto add = [&names](std::string_view id) {
     if (names.size() < 200) names += (names.empty() ? "" : ", ") + std::string(id);
@@ -75,7 +75,7 @@ std::string ThingsDesk::known_things() const {
   return names.empty() ? "there is none yet; add one first" : "there are " + names;
 }
 
-Result<ThingCommand> ThingsDesk::read(const JsonValue& command) const {
+Result<ThingCommand> VirtualObjectCommands::read(const JsonValue& command) const {
   const std::string act = command.text("command").value_or("");
   if (act == "remove") return read_remove(command);
   const JsonValue* thing = command.find("thing");
@@ -86,7 +86,7 @@ Result<ThingCommand> ThingsDesk::read(const JsonValue& command) const {
   return act == "add" ? read_add(*thing) : read_move(*thing);
 }
 
-Result<ThingCommand> ThingsDesk::read_remove(const JsonValue& command) const {
+Result<ThingCommand> VirtualObjectCommands::read_remove(const JsonValue& command) const {
   ThingCommand asked;
   asked.act = ThingCommand::Act::remove;
   const auto id = command.text("id");
@@ -100,7 +100,7 @@ Result<ThingCommand> ThingsDesk::read_remove(const JsonValue& command) const {
   return fail("thing.unknown", "no virtual thing is called '" + cut(asked.id) + "'; " + known_things(), "id");
 }
 
-Result<void> ThingsDesk::check_id(std::string_view id) const {
+Result<void> VirtualObjectCommands::check_id(std::string_view id) const {
   if (id.empty() || id.size() > id_bytes_max || !wire::valid_serial_number(id)) {
     return fail("thing.id", "'" + cut(id) + "' is no name for it; use 1 to 32 of A-Z a-z 0-9 _ . : - or leave it out",
                 "id");
@@ -114,7 +114,7 @@ Result<void> ThingsDesk::check_id(std::string_view id) const {
   return {};
 }
 
-Result<ThingCommand> ThingsDesk::read_add(const JsonValue& thing) const {
+Result<ThingCommand> VirtualObjectCommands::read_add(const JsonValue& thing) const {
   ThingCommand asked;
   asked.act = ThingCommand::Act::add;
   const std::string kind = thing.text("kind").value_or("");
@@ -154,7 +154,7 @@ Result<ThingCommand> ThingsDesk::read_add(const JsonValue& thing) const {
   return asked;
 }
 
-Result<ThingCommand> ThingsDesk::read_move(const JsonValue& thing) const {
+Result<ThingCommand> VirtualObjectCommands::read_move(const JsonValue& thing) const {
   ThingCommand asked;
   asked.act = ThingCommand::Act::move;
   const auto id = thing.text("id");
@@ -175,7 +175,7 @@ Result<ThingCommand> ThingsDesk::read_move(const JsonValue& thing) const {
   return asked;
 }
 
-Result<Point2> ThingsDesk::read_point(const JsonValue& x, const JsonValue& y, std::string_view field) const {
+Result<Point2> VirtualObjectCommands::read_point(const JsonValue& x, const JsonValue& y, std::string_view field) const {
   if (x.number() == nullptr || y.number() == nullptr || !std::isfinite(*x.number()) || !std::isfinite(*y.number()))
     return fail("thing.place", "give a place as two numbers, in metres on the map", std::string(field));
   const Point2 p{*x.number(), *y.number()};
@@ -191,7 +191,7 @@ Result<Point2> ThingsDesk::read_point(const JsonValue& x, const JsonValue& y, st
   return p;
 }
 
-Result<std::vector<Point2>> ThingsDesk::read_path(const JsonValue& path) const {
+Result<std::vector<Point2>> VirtualObjectCommands::read_path(const JsonValue& path) const {
   const JsonValue::Array* points = path.array();
   if (points == nullptr || points->empty() || points->size() > Walk::points_max) {
     return fail("thing.path", "give a path as 1 to 64 points, [[x,y],[x,y],…]", "path");
@@ -208,7 +208,7 @@ Result<std::vector<Point2>> ThingsDesk::read_path(const JsonValue& path) const {
   return read;
 }
 
-Result<Walk> ThingsDesk::read_walk(const JsonValue& thing, bool may_walk, const Walk& usual) const {
+Result<Walk> VirtualObjectCommands::read_walk(const JsonValue& thing, bool may_walk, const Walk& usual) const {
   const JsonValue* path = thing.find("path");
   const JsonValue* x = thing.find("x");
   const JsonValue* y = thing.find("y");
@@ -241,7 +241,7 @@ Result<Walk> ThingsDesk::read_walk(const JsonValue& thing, bool may_walk, const 
   return Walk(std::move(*points), speed_mps, repeat);
 }
 
-Result<std::optional<zone::Place>> ThingsDesk::read_section(const JsonValue& thing) const {
+Result<std::optional<zone::Place>> VirtualObjectCommands::read_section(const JsonValue& thing) const {
   const JsonValue* named = thing.find("section");
   if (named == nullptr || named->is_null()) return std::optional<zone::Place>{};
   const zone::Circuit& circuit = *simulator_.circuit();
@@ -259,7 +259,7 @@ Result<std::optional<zone::Place>> ThingsDesk::read_section(const JsonValue& thi
   return std::optional{place};
 }
 
-Result<zone::Place> ThingsDesk::read_aiv_place(const JsonValue& thing) const {
+Result<zone::Place> VirtualObjectCommands::read_aiv_place(const JsonValue& thing) const {
   const JsonValue* x = thing.find("x");
   const JsonValue* y = thing.find("y");
   auto named = read_section(thing);
@@ -287,7 +287,7 @@ Result<zone::Place> ThingsDesk::read_aiv_place(const JsonValue& thing) const {
   return place;
 }
 
-std::vector<ThingsDesk::Standing> ThingsDesk::standing() const {
+std::vector<VirtualObjectCommands::Standing> VirtualObjectCommands::standing() const {
   std::vector<Standing> all;
   for (VehicleIndex v = 0; v < registry_.size(); ++v) {
     const AivProxy& proxy = registry_[v];
@@ -301,7 +301,7 @@ std::vector<ThingsDesk::Standing> ThingsDesk::standing() const {
   return all;
 }
 
-bool ThingsDesk::has_room(zone::Place place, Point2 at, const Standing& other) const {
+bool VirtualObjectCommands::has_room(zone::Place place, Point2 at, const Standing& other) const {
   const zone::TrafficZone& zone = *simulator_.zone();
   const double room_m = zone::standing_room_m(zone.vehicle);
   const double apart_m = distance(at, other.at);
@@ -312,12 +312,12 @@ bool ThingsDesk::has_room(zone::Place place, Point2 at, const Standing& other) c
          !zone.circuit.distance_ahead(*other.place, place, room_m);
 }
 
-bool ThingsDesk::has_room(zone::Place place) const {
+bool VirtualObjectCommands::has_room(zone::Place place) const {
   const Point2 at = position(simulator_.circuit()->pose_at(place));
   return std::ranges::all_of(standing(), [&](const Standing& other) { return has_room(place, at, other); });
 }
 
-Result<void> ThingsDesk::check_place(zone::Place place) const {
+Result<void> VirtualObjectCommands::check_place(zone::Place place) const {
   const zone::TrafficZone& zone = *simulator_.zone();
   const Point2 at = position(zone.circuit.pose_at(place));
   if (!zone.may_stand(place)) {
@@ -335,7 +335,7 @@ Result<void> ThingsDesk::check_place(zone::Place place) const {
   return {};
 }
 
-std::optional<zone::Place> ThingsDesk::roomiest() const {
+std::optional<zone::Place> VirtualObjectCommands::roomiest() const {
   const zone::TrafficZone& zone = *simulator_.zone();
   const auto others = standing();
   const double step_m = std::max(0.05, zone.circuit.total_length_m() / 5'000.0);

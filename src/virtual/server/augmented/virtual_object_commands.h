@@ -27,7 +27,7 @@ struct ThingCommand {
 
 /// Reads commands about virtual things, and refuses what cannot be, with a sentence that says what to do. It changes
 /// nothing.
-class ThingsDesk {
+class VirtualObjectCommands {
  public:
   static constexpr double beside_zone_m = 0.5;   ///< so far beyond the drawing's bounds a thing may stand
   static constexpr double off_circuit_m = 0.30;  ///< further from every way, a virtual AIV cannot be put
@@ -35,7 +35,7 @@ class ThingsDesk {
   static constexpr double radius_m_max = 1.0;
   static constexpr double speed_mps_max = 3.0;
 
-  ThingsDesk(const Registry& registry, const Simulator& simulator, const VirtualFleet& fleet, const Outbox& outbox)
+  VirtualObjectCommands(const Registry& registry, const Simulator& simulator, const VirtualFleet& fleet, const Outbox& outbox)
       : registry_{registry}, simulator_{simulator}, fleet_{fleet}, outbox_{outbox} {}
 
   [[nodiscard]] static bool is_ours(std::string_view command);  ///< "add", "move" or "remove"

@@ -37,7 +37,7 @@ class BatteryCurve {
 
 /// What is heard of battery tests (A37, A38). The tests run elsewhere: here it is only known which batteries they want
 /// changed and how they stand, so that a person can be shown it, and can answer.
-class BatteryDesk {
+class BatteryTestRelay {
  public:
   static constexpr std::size_t changes_max = 256;  ///< a flood of made-up names must not take the memory
 

@@ -10,12 +10,12 @@ namespace cosiva::virtual_side {
 
 /// Leads vehicles of other makes to the zone's map as VDA 5050 2.1 wants it (§6.7): downloadMap, enableMap,
 /// initPosition, each where the factsheet lists it, one after the other. Our own take the configuration from its topic.
-class MapDesk {
+class MapDeployment {
  public:
   static constexpr SimDuration patience{std::chrono::seconds{10}};
   static constexpr SimDuration again_after{std::chrono::seconds{10}};
 
-  MapDesk(Registry& registry, Outbox& outbox, ActionDesk& desk) : registry_{registry}, outbox_{outbox}, desk_{desk} {}
+  MapDeployment(Registry& registry, Outbox& outbox, InstantActionSender& action_sender) : registry_{registry}, outbox_{outbox}, action_sender_{action_sender} {}
 
   void resize(std::size_t vehicles) { steps_.resize(vehicles); }
   /// The zone is another one; what was asked for before is not followed any more.
@@ -30,7 +30,7 @@ class MapDesk {
 
  private:
   struct Step {
-    ActionDesk::Ticket ticket{0};  ///< 0: nothing is under way
+    InstantActionSender::Ticket ticket{0};  ///< 0: nothing is under way
     SimTime sent_at{};
     SimTime not_before{};
   };
@@ -39,7 +39,7 @@ class MapDesk {
 
   Registry& registry_;
   Outbox& outbox_;
-  ActionDesk& desk_;
+  InstantActionSender& action_sender_;
   std::vector<Step> steps_;
 };
 

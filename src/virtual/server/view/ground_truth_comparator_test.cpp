@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "cosiva/virtual/server/testing/server_bench.h"
-#include "cosiva/virtual/server/view/gvs_desk.h"
+#include "cosiva/virtual/server/view/ground_truth_comparator.h"
 #include "cosiva/wire/own/gvs.h"
 
 namespace cosiva::virtual_side {
@@ -206,7 +206,7 @@ TEST_F(GvsBench, a_flood_of_names_takes_no_more_than_its_share) {
     say(wire::to_json(sights));
     bench.run_for(20ms);
   }
-  EXPECT_THAT(seen(), SizeIs(GvsDesk::seen_max));
+  EXPECT_THAT(seen(), SizeIs(GroundTruthComparator::seen_max));
 }
 
 }  // namespace

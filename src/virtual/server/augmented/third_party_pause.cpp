@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/augmented/pause_desk.h"
+#include "cosiva/virtual/server/augmented/third_party_pause.h"
 
 #include <algorithm>
 #include <utility>
@@ -12,7 +12,7 @@ constexpr double step_m = 0.04;
 
 }  // namespace
 
-bool PauseDesk::in_way(VehicleIndex vehicle, const Pose2& X_MB, const Body& body, double within_m) const {
+bool ThirdPartyPause::in_way(VehicleIndex vehicle, const Pose2& X_MB, const Body& body, double within_m) const {
   const zone::VehicleShape shape = simulator_.zone()->vehicle;
   double reach_m = 0.5 * shape.length_m + within_m;
   const auto& place = traffic_.place(vehicle);
@@ -31,7 +31,7 @@ bool PauseDesk::in_way(VehicleIndex vehicle, const Pose2& X_MB, const Body& body
   return false;
 }
 
-void PauseDesk::judge(VehicleIndex vehicle, const Pose2& X_MB, std::span<const Body> bodies) {
+void ThirdPartyPause::judge(VehicleIndex vehicle, const Pose2& X_MB, std::span<const Body> bodies) {
   AivProxy& proxy = registry_[vehicle];
   if (!proxy.state) return;
   const double within_m = proxy.paused_for_body ? let_go_beyond_m : pause_within_m;
@@ -49,7 +49,7 @@ void PauseDesk::judge(VehicleIndex vehicle, const Pose2& X_MB, std::span<const B
   send(vehicle, "startPause");
 }
 
-void PauseDesk::let_go(VehicleIndex vehicle) {
+void ThirdPartyPause::let_go(VehicleIndex vehicle) {
   AivProxy& proxy = registry_[vehicle];
   pauses_[vehicle].body.clear();
   if (!proxy.paused_for_body) return;
@@ -57,11 +57,11 @@ void PauseDesk::let_go(VehicleIndex vehicle) {
   send(vehicle, "stopPause");
 }
 
-void PauseDesk::send(VehicleIndex vehicle, std::string action) {
+void ThirdPartyPause::send(VehicleIndex vehicle, std::string action) {
   ++changes_;
   // The one before, still unanswered and sent again, would undo this one.
-  if (pauses_[vehicle].ticket != 0) desk_.drop(pauses_[vehicle].ticket);
-  pauses_[vehicle].ticket = desk_.send(registry_[vehicle], vehicle,
+  if (pauses_[vehicle].ticket != 0) action_sender_.drop(pauses_[vehicle].ticket);
+  pauses_[vehicle].ticket = action_sender_.send(registry_[vehicle], vehicle,
                                        {{std::move(action), {}, {}, wire::BlockingType::none, {}}}, patience, false);
 }
 
