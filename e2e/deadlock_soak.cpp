@@ -1,4 +1,4 @@
-// Traffic that never deadlocks silently: fleets in a noisy hall, over many seeds.
+// Traffic that never deadlocks silently: fleets in a noisy control area, over many seeds.
 //
 //   deadlock_soak ZONE.toml [seeds] [aivs=12] [minutes] [loss=0.05] [first_seed=1] [workers=2] [convoys=on]
 //

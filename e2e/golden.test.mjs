@@ -127,22 +127,22 @@ test('the server serves the recorded OpenAPI document', { timeout: timeout_ms },
 
 const sources = readdirSync(path.join(source_dir, 'src'), { recursive: true }).sort();
 
-/** Every topic that the sources name: our own constants, VDA 5050's schemas. A hall has server topics of its own. */
+/** Every topic that the sources name: our own constants, VDA 5050's schemas. A area has server topics of its own. */
 function topics_of_the_sources() {
   const own = sources
     .filter((name) => /\.(h|cpp)$/.test(name) && !/_test\.cpp$/.test(name))
     .flatMap((name) => [...readFileSync(path.join(source_dir, 'src', name), 'utf8').matchAll(/\b\w*topic\w*\s*=\s*"(cosiva\/v1\/[^"]+)"/g)].map(([, topic]) => topic));
   const vda = sources.filter((name) => /\bvda5050\/.*\.schema$/.test(name)).map((name) => `vda5050/${path.basename(name, '.schema')}`);
-  const hall = own.find((topic) => topic.endsWith('/hall/'));
+  const area = own.find((topic) => topic.endsWith('/area/'));
   const of_servers = own.filter((topic) => /^cosiva\/v1\/(zone|server)\//.test(topic));
-  assert.ok(own.length > 15 && vda.length === 6 && hall && of_servers.length === 3, `topics are missing: ${[...own, ...vda]}`);
-  return [...own.filter((topic) => topic !== hall), ...vda, ...of_servers.map((topic) => hall + topic.slice('cosiva/v1/'.length))];
+  assert.ok(own.length > 15 && vda.length === 6 && area && of_servers.length === 3, `topics are missing: ${[...own, ...vda]}`);
+  return [...own.filter((topic) => topic !== area), ...vda, ...of_servers.map((topic) => area + topic.slice('cosiva/v1/'.length))];
 }
 
 /** Which of them a message's topic belongs to; nothing where none. */
 function topic_of(topics, text) {
   const vda = /^uagv\/v2\/[^/]+\/[^/]+\/(\w+)$/.exec(text);
-  const wanted = vda ? `vda5050/${vda[1]}` : text.replace(/\/hall\/[^/]+\//, '/hall/');
+  const wanted = vda ? `vda5050/${vda[1]}` : text.replace(/\/area\/[^/]+\//, '/area/');
   return topics.find((topic) => (topic.endsWith('/') ? wanted.startsWith(topic) : wanted === topic));
 }
 

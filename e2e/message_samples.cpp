@@ -25,7 +25,7 @@
 #include "cosiva/experiments/runs/world/world.h"
 #include "cosiva/wire/messages/topics.h"
 #include "cosiva/wire/own/gvs.h"
-#include "cosiva/wire/own/halls.h"
+#include "cosiva/wire/own/control_areas.h"
 #include "cosiva/wire/runtime/network.h"
 #include "cosiva/zone/rtm/rtm.h"
 #include "e2e/soak.h"
@@ -197,9 +197,9 @@ bool connections(app::TraceWriter& trace, const zone::ZoneConfiguration& zone) {
 /// The server is one of several, and claims the vehicles on its floor.
 bool several_servers(app::TraceWriter& trace, const zone::ZoneConfiguration& zone) {
   experiments::WorldOptions options = world_of(zone, 2);
-  options.server.hall = "north";
+  options.server.area = "north";
   options.server.zone = zone;
-  Run run{trace, std::move(options), {wire::hall_topic_prefix, wire::owner_topic_prefix}};
+  Run run{trace, std::move(options), {wire::area_topic_prefix, wire::owner_topic_prefix}};
   if (!run.made()) return false;
   come_and_go(run);
   return true;

@@ -1,5 +1,5 @@
 #include "cosiva/wire/messages/topics.h"
-#include "cosiva/wire/own/halls.h"
+#include "cosiva/wire/own/control_areas.h"
 #include "cosiva/wire/own/v2x.h"
 #include "cosiva/wire/runtime/core.h"
 #include "target.h"
@@ -10,8 +10,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view text = cosiva::fuzz::as_text(data, size);
   if (const auto topic = wire::parse_vda_topic(text)) COSIVA_EXPECT(wire::to_string(*topic) == text);
   (void)wire::valid_serial_number(text);
-  if (const auto topic = wire::parse_hall_topic(text)) {
-    COSIVA_EXPECT(wire::valid_hall(topic->hall) && !topic->rest.empty());
+  if (const auto topic = wire::parse_area_topic(text)) {
+    COSIVA_EXPECT(wire::valid_area_name(topic->area) && !topic->rest.empty());
     COSIVA_EXPECT(text.ends_with(topic->rest));
   }
   if (const auto topic = wire::parse_v2x_topic(text)) {

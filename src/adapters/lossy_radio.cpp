@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "cosiva/wire/messages/topics.h"
-#include "cosiva/wire/own/halls.h"
+#include "cosiva/wire/own/control_areas.h"
 #include "cosiva/wire/own/own_messages.h"
 
 namespace cosiva::adapters {
@@ -53,9 +53,9 @@ void LossyRadio::end() {
 }
 
 int qos_of_heard(std::string_view topic) {
-  const bool of_a_hall = topic.starts_with(wire::hall_topic_prefix) && !topic.ends_with("/server/heartbeat");
+  const bool of_a_control_area = topic.starts_with(wire::area_topic_prefix) && !topic.ends_with("/server/heartbeat");
   const bool kept = topic.starts_with(wire::zone_topic_prefix) || topic.starts_with(wire::owner_topic_prefix);
-  return kept || of_a_hall || topic == wire::server_connection_topic ? 1 : 0;
+  return kept || of_a_control_area || topic == wire::server_connection_topic ? 1 : 0;
 }
 
 }  // namespace cosiva::adapters

@@ -88,9 +88,9 @@ TEST(QosOfHeard, is_1_for_what_is_retained_and_0_for_the_rest) {
   EXPECT_EQ(qos_of_heard("cosiva/v1/server/connection"), 1);
   EXPECT_EQ(qos_of_heard("cosiva/v1/server/heartbeat"), 0);
   EXPECT_EQ(qos_of_heard("cosiva/v1/owner/CoSiVA/AIV1"), 1);
-  EXPECT_EQ(qos_of_heard("cosiva/v1/hall/north/zone/toml"), 1);
-  EXPECT_EQ(qos_of_heard("cosiva/v1/hall/north/server/connection"), 1);
-  EXPECT_EQ(qos_of_heard("cosiva/v1/hall/north/server/heartbeat"), 0);
+  EXPECT_EQ(qos_of_heard("cosiva/v1/area/north/zone/toml"), 1);
+  EXPECT_EQ(qos_of_heard("cosiva/v1/area/north/server/connection"), 1);
+  EXPECT_EQ(qos_of_heard("cosiva/v1/area/north/server/heartbeat"), 0);
   EXPECT_EQ(qos_of_heard("uagv/v2/CoSiVA/AIV1/order"), 0);
 }
 

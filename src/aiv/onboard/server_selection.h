@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "cosiva/wire/own/halls.h"
+#include "cosiva/wire/own/control_areas.h"
 #include "cosiva/wire/runtime/core.h"
 
 namespace cosiva::aiv {

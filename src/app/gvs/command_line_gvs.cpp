@@ -10,10 +10,10 @@ namespace {
 
 constexpr const char* examples =
     "Examples, the whole way without a camera:\n"
-    "  cosiva gvs render --zone lacet4 --aivs 20 --out hall            pictures, floor points, and the truth\n"
-    "  cosiva gvs calibrate --points hall/points.csv --camera-height 3.3 --camera-foot 0,0 --tag-height 0.1 --out cal\n"
-    "  cosiva gvs track --calibration cal/calibration.json --images hall/pictures --exposure 4 --tag-side 0.08 "
-    "--against hall/truth --out seen\n"
+    "  cosiva gvs render --zone lacet4 --aivs 20 --out control area            pictures, floor points, and the truth\n"
+    "  cosiva gvs calibrate --points control area/points.csv --camera-height 3.3 --camera-foot 0,0 --tag-height 0.1 --out cal\n"
+    "  cosiva gvs track --calibration cal/calibration.json --images control area/pictures --exposure 4 --tag-side 0.08 "
+    "--against control area/truth --out seen\n"
     "  cosiva compare --reference seen/tag_1.tum --estimate my_estimate.tum\n"
     "\n"
     "by a vehicle at surveyed poses, a grid of 2 x 2 places with eight headings each:\n"

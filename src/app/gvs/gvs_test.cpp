@@ -32,9 +32,9 @@ JsonValue json_of(const Said& said) {
   return json ? std::move(*json) : JsonValue{};
 }
 
-/// A small hall, drawn once for all tests: four AIVs start and drive for two seconds, stamps 30 ms late.
-struct Hall {
-  Hall() {
+/// A small control area, drawn once for all tests: four AIVs start and drive for two seconds, stamps 30 ms late.
+struct Bay {
+  Bay() {
     const Said said = cosiva({"gvs", "render", "--aivs", "4", "--seconds", "2", "--rate", "20", "--size", "1200",
                               "--tag-side", "0.1", "--warm-up", "0", "--late", "30", "--out", folder.path(), "--json"});
     EXPECT_EQ(said.status, 0) << said.words;
@@ -51,19 +51,19 @@ struct Hall {
   Scratch folder;
   JsonValue scene;
 };
-const Hall& hall() {
-  static const Hall hall;
-  return hall;
+const Bay& bay() {
+  static const Bay bay;
+  return bay;
 }
 
 // ---- The whole way
 
 TEST(Gvs, rendered_calibrated_and_tracked_says_how_late_the_stamps_are_and_shifts_nothing) {
   const Scratch out;
-  ASSERT_EQ(cosiva(hall().calibrate(out.path() + "/cal")).status, 0);
+  ASSERT_EQ(cosiva(bay().calibrate(out.path() + "/cal")).status, 0);
   const Said said = cosiva({"gvs", "track", "--calibration", out.path() + "/cal/calibration.json", "--images",
-                            hall().file("pictures"), "--exposure", "4", "--tag-side", "0.1", "--against",
-                            hall().file("truth"), "--out", out.path() + "/seen", "--json"});
+                            bay().file("pictures"), "--exposure", "4", "--tag-side", "0.1", "--against",
+                            bay().file("truth"), "--out", out.path() + "/seen", "--json"});
   ASSERT_EQ(said.status, 0) << said.words;
   const JsonValue json = json_of(said);
   EXPECT_EQ(json.number("fixes"), 160.0);  // four in each of forty
@@ -79,7 +79,7 @@ TEST(Gvs, rendered_calibrated_and_tracked_says_how_late_the_stamps_are_and_shift
   }
   const std::string other = out.path() + "/other.tum";
   ASSERT_TRUE(adapters::write_file(other, adapters::read_file(out.path() + "/seen/tag_1.tum").value()));
-  const Said compared = cosiva({"compare", "--reference", hall().file("truth/tag_1.tum"), "--estimate",
+  const Said compared = cosiva({"compare", "--reference", bay().file("truth/tag_1.tum"), "--estimate",
                                 out.path() + "/seen/tag_1.tum", "--estimate", other});
   EXPECT_EQ(compared.status, 0) << compared.words;
   for (const char* file : {"poses.csv", "timing.csv", "result.json", "tag_4.tum"})
@@ -88,7 +88,7 @@ TEST(Gvs, rendered_calibrated_and_tracked_says_how_late_the_stamps_are_and_shift
 
 TEST(Gvs, calibrates_from_tags_that_lie_on_the_floor_as_well) {
   const Said said =
-      cosiva({"gvs", "calibrate", "--board", hall().file("board.csv"), "--images", hall().file("board"), "--json"});
+      cosiva({"gvs", "calibrate", "--board", bay().file("board.csv"), "--images", bay().file("board"), "--json"});
   ASSERT_EQ(said.status, 0) << said.words;
   const JsonValue json = json_of(said);
   const JsonValue& best = json.find("tried")->array()->back();
@@ -121,7 +121,7 @@ TEST(Gvs, calibrates_a_real_camera_with_its_surveyed_poses) {
 
 TEST(Gvs, calibration_gives_the_budget_of_its_own_error_and_says_what_nobody_has_told) {
   const Scratch out;
-  std::vector<std::string> words = hall().calibrate(out.path() + "/cal");
+  std::vector<std::string> words = bay().calibrate(out.path() + "/cal");
   words.insert(words.end(), {"--tag-height-error", "0.002", "--mount-error", "0.003"});
   ASSERT_EQ(cosiva(words).status, 0);
   const auto told = load_reference_budget(out.path() + "/cal/reference_budget.json");
@@ -237,9 +237,9 @@ TEST(Gvs, refuses_what_it_cannot_use_with_status_2_and_says_what_and_where) {
       {{"gvs", "calibrate", "--points", data + "cpm-ips/calibration_points.csv", "--size", "640x480"},
        "lies outside a picture of 640x480"},
       {{"gvs", "calibrate", "--points", data + "cpm-ips/calibration_points.csv", "--size", "wide"}, "expected a size"},
-      {{"gvs", "calibrate", "--board", hall().file("board.csv")}, "needs --images"},
-      {{"gvs", "calibrate", "--board", hall().file("points.csv"), "--images", empty}, "lacks the column 'id'"},
-      {{"gvs", "calibrate", "--board", hall().file("board.csv"), "--images", empty}, "holds no pictures"},
+      {{"gvs", "calibrate", "--board", bay().file("board.csv")}, "needs --images"},
+      {{"gvs", "calibrate", "--board", bay().file("points.csv"), "--images", empty}, "lacks the column 'id'"},
+      {{"gvs", "calibrate", "--board", bay().file("board.csv"), "--images", empty}, "holds no pictures"},
       {{"gvs", "track"}, "--calibration is required"},
       {{"gvs", "track", "--calibration", out.path() + "/cal.json", "--images", empty},
        "cal.json: expected a JSON object"},
@@ -256,7 +256,7 @@ TEST(Gvs, refuses_what_it_cannot_use_with_status_2_and_says_what_and_where) {
 
 TEST(Gvs, tracking_refuses_bad_folders_and_pictures) {
   const Scratch out;
-  ASSERT_EQ(cosiva(hall().calibrate(out.path())).status, 0);
+  ASSERT_EQ(cosiva(bay().calibrate(out.path())).status, 0);
   const std::string pictures = out.path() + "/pictures";
   std::filesystem::create_directories(pictures);
   const auto track = [&] {

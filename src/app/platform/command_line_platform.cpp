@@ -95,8 +95,8 @@ void describe_server(CLI::App& verb, ServerArguments& server) {
   verb.add_option("--port", server.port, "of the page on 127.0.0.1; if busy, the next free one is taken")
       ->type_name("PORT")
       ->capture_default_str();
-  verb.add_option("--hall", server.hall,
-                  "name of this server's hall, where several share a broker (docs/guide/halls.md)")
+  verb.add_option("--area", server.area,
+                  "name of this server's control area, where several share a broker (docs/guide/control areas.md)")
       ->type_name("NAME");
   verb.add_option("--zone", server.zone, "traffic zone, when no plant serves it")->type_name("NAME|FILE");
   verb.add_flag("--watch", server.watch, "with --zone: switch to its file whenever it is saved, while everything runs");
@@ -122,9 +122,9 @@ void describe_server(CLI::App& verb, ServerArguments& server) {
   verb.footer(
       "Example, a server for vehicles of your own on your own broker:\n"
       "  cosiva server --zone my.toml --broker 10.0.0.5:1883 --memory server.memory\n"
-      "Two halls on one broker:\n"
-      "  cosiva server --hall north --zone north.toml --port 8080\n"
-      "  cosiva server --hall south --zone south.toml --port 8081");
+      "Two control areas on one broker:\n"
+      "  cosiva server --area north --zone north.toml --port 8080\n"
+      "  cosiva server --area south --zone south.toml --port 8081");
   add_part(verb, server.part);
 }
 

@@ -16,7 +16,7 @@
 #include "cosiva/hmi/server_page.h"
 #include "cosiva/virtual/server/core/server_core.h"
 #include "cosiva/wire/messages/topics.h"
-#include "cosiva/wire/own/halls.h"
+#include "cosiva/wire/own/control_areas.h"
 
 namespace cosiva::app {
 namespace {
@@ -56,8 +56,8 @@ void tell(const PartArguments& part, const std::string& text) {
 /// Listens to what an emulated world says is true, for the eye only: a connection of its own, so that nothing of it can
 /// reach the core.
 Result<std::unique_ptr<adapters::MqttClient>> truth_for(EventLoop& loop, const PartArguments& part, ServerPage& page,
-                                                        const std::string& hall) {
-  auto mqtt = mqtt_options(part.broker, "cosiva-instrument" + (hall.empty() ? "" : "-" + hall));
+                                                        const std::string& area) {
+  auto mqtt = mqtt_options(part.broker, "cosiva-instrument" + (area.empty() ? "" : "-" + area));
   if (!mqtt) return tl::unexpected(mqtt.error());
   adapters::MqttHandlers handlers;
   handlers.on_link = [](bool) {};
@@ -118,9 +118,9 @@ class FleetWatch {
 
 int run_server(const ServerArguments& arguments) {
   virtual_side::ServerOptions options;
-  if (!arguments.hall.empty() && !wire::valid_hall(arguments.hall))
-    return complain({"server.hall", "the name of a hall has A-Z a-z 0-9 _ . : - only, 32 at most", "--hall"});
-  options.hall = arguments.hall;
+  if (!arguments.area.empty() && !wire::valid_area_name(arguments.area))
+    return complain({"server.area", "the name of a control area has A-Z a-z 0-9 _ . : - only, 32 at most", "--area"});
+  options.area = arguments.area;
   options.drive = !arguments.no_drive;
   options.v2x = arguments.v2x;
   options.convoys = arguments.convoys;
@@ -146,14 +146,14 @@ int run_server(const ServerArguments& arguments) {
     scenario = std::move(loaded->scenario);
   }
   // Two clients of one name would take the broker from each other.
-  const std::string client = arguments.hall.empty() ? "server" : "server-" + arguments.hall;
+  const std::string client = arguments.area.empty() ? "server" : "server-" + arguments.area;
   auto live = live_options(arguments.part, "server", client, virtual_side::to_json(options));
   if (!live) return complain(live.error());
   live->memory_file = arguments.memory_file;
 
   EventLoop loop;
   virtual_side::ServerCore core{options};
-  auto eye = mqtt_options(arguments.part.broker, "cosiva-eye" + (arguments.hall.empty() ? "" : "-" + arguments.hall));
+  auto eye = mqtt_options(arguments.part.broker, "cosiva-eye" + (arguments.area.empty() ? "" : "-" + arguments.area));
   if (!eye) return complain(eye.error());
   LiveShell shell{loop, core, std::move(*live)};
   GvsView gvs{loop, std::move(*eye)};
@@ -165,7 +165,7 @@ int run_server(const ServerArguments& arguments) {
   shell.after_input([&] { (*page)->changed(); });
   std::unique_ptr<adapters::MqttClient> instrument;
   if (arguments.emulated) {
-    auto made = truth_for(loop, arguments.part, **page, arguments.hall);
+    auto made = truth_for(loop, arguments.part, **page, arguments.area);
     if (!made) return complain(made.error());
     instrument = std::move(*made);
     instrument->start();

@@ -10,7 +10,7 @@ namespace cosiva::app {
 /// The options of `cosiva server`.
 struct ServerArguments {
   PartArguments part;
-  std::string hall;  ///< of several servers on one broker, this one's; empty: the only one
+  std::string area;  ///< of several servers on one broker, this one's; empty: the only one
   std::string zone;  ///< empty: from the broker
   bool watch{false};
   std::uint16_t port{8080};

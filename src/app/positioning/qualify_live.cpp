@@ -22,7 +22,7 @@
 #include "cosiva/app/resources/resource_paths.h"
 #include "cosiva/experiments/battery/analysis.h"
 #include "cosiva/experiments/positioning/metrology/live_runs.h"
-#include "cosiva/wire/own/halls.h"
+#include "cosiva/wire/own/control_areas.h"
 #include "cosiva/zone/rtm/rtm.h"
 
 namespace cosiva::app {
@@ -71,7 +71,7 @@ class LiveTest {
     const std::string address = options->host + ":" + std::to_string(options->port);
     std::vector<std::string> filters = runs_.subscriptions();
     filters.push_back(wire::topics_below(wire::zone_topic_prefix, 1));
-    filters.push_back(wire::topics_below(wire::hall_topic_prefix, 3));
+    filters.push_back(wire::topics_below(wire::area_topic_prefix, 3));
     adapters::MqttHandlers handlers;
     handlers.on_link = [](bool) {};
     handlers.on_message = [this](std::string_view topic, std::string_view payload, bool) { hear(topic, payload); };
@@ -95,7 +95,7 @@ class LiveTest {
     if (ended_) return;
     const std::size_t name = topic.rfind("/zone/");
     const bool zone = name != std::string_view::npos &&
-                      (topic.starts_with(wire::zone_topic_prefix) || topic.starts_with(wire::hall_topic_prefix));
+                      (topic.starts_with(wire::zone_topic_prefix) || topic.starts_with(wire::area_topic_prefix));
     if (!zone) return runs_.on_message(clock_.now(), topic, payload);
     if (payload.empty()) return;
     const auto format = topic.substr(name + std::string_view{"/zone/"}.size());

@@ -34,26 +34,26 @@ const ReadyZone* named(const std::vector<ReadyZone>& zones, const std::string& n
 
 TEST(ZoneFiles, of_every_format_are_found_by_name_whatever_their_ending) {
   const OwnFolder own;
-  const std::string layout = own.write("hall.lif.json", "{}");
+  const std::string layout = own.write("area.lif.json", "{}");
   const std::string road = own.write("road.xodr", "<OpenDRIVE/>");
-  own.write("hall.zone.toml", "name = 'hall'\n");
+  own.write("area.zone.toml", "name = 'area'\n");
   own.write("package.json", "{}");
-  EXPECT_EQ(find_zone_file("hall").value(), layout);
+  EXPECT_EQ(find_zone_file("area").value(), layout);
   EXPECT_EQ(find_zone_file("road").value(), road);
   const auto ready = ready_zones();
-  EXPECT_NE(named(ready, "hall"), nullptr);
+  EXPECT_NE(named(ready, "area"), nullptr);
   EXPECT_NE(named(ready, "road"), nullptr);
   EXPECT_NE(named(ready, "lacet4"), nullptr) << "those of the source tree";
-  EXPECT_EQ(named(ready, "hall.zone"), nullptr) << "a sidecar file is no zone";
+  EXPECT_EQ(named(ready, "area.zone"), nullptr) << "a sidecar file is no zone";
   EXPECT_EQ(named(ready, "package"), nullptr) << "not every such file is a zone";
-  EXPECT_THAT(find_zone_file("haal").error().message, HasSubstr("did you mean 'hall'?"));
+  EXPECT_THAT(find_zone_file("haal").error().message, HasSubstr("did you mean 'area'?"));
 }
 
 TEST(ZoneFiles, bring_the_companion_that_stands_beside_them) {
   Scratch scratch;
-  const std::string file = scratch.write("hall.lif.json", "{}");
+  const std::string file = scratch.write("area.lif.json", "{}");
   EXPECT_EQ(load_zone(file)->sidecar, "");
-  scratch.write("hall.zone.toml", "# beside\n");
+  scratch.write("area.zone.toml", "# beside\n");
   const auto zone = load_zone(file);
   ASSERT_TRUE(zone);
   EXPECT_EQ(zone->format, "lif");
@@ -75,7 +75,7 @@ TEST(ZoneFiles, of_other_kinds_are_refused_with_what_to_do) {
   ASSERT_FALSE(text);
   EXPECT_EQ(text.error().code, "zone.format");
   EXPECT_THAT(text.error().message, HasSubstr(".toml"));
-  const auto sidecar = load_zone(scratch.write("hall.zone.toml", ""));
+  const auto sidecar = load_zone(scratch.write("area.zone.toml", ""));
   ASSERT_FALSE(sidecar);
   EXPECT_THAT(sidecar.error().message, HasSubstr("name that file"));
 }
@@ -85,19 +85,19 @@ TEST(ZoneFiles, are_titled_by_their_first_comment_the_sidecar_s_first) {
   own.write("a.toml", "# A small yard (for lorries)\nname = 'a'\n");
   own.write("b.toml", "name = 'b'\n");
   own.write("c.lif.json", "{}");
-  own.write("c.zone.toml", "#   The hall: three lanes\n");
+  own.write("c.zone.toml", "#   The control area: three lanes\n");
   const auto ready = ready_zones();
   EXPECT_EQ(title_of(*named(ready, "a")), "A small yard");
   EXPECT_EQ(title_of(*named(ready, "b")), "b");
-  EXPECT_EQ(title_of(*named(ready, "c")), "The hall");
+  EXPECT_EQ(title_of(*named(ready, "c")), "The control area");
 }
 
 TEST(ZoneFiles, are_written_with_their_sidecar) {
   Scratch scratch;
-  ASSERT_TRUE(write_zone(scratch / "hall.lif.json", {"lif", "", "{}", "# beside\n"}));
-  EXPECT_EQ(adapters::read_file(scratch / "hall.zone.toml").value(), "# beside\n");
-  EXPECT_EQ(adapters::read_file(scratch / "hall.lif.json").value(), "{}");
-  EXPECT_FALSE(write_zone(scratch / "missing/hall.lif.json", {"lif", "", "{}", {}}));
+  ASSERT_TRUE(write_zone(scratch / "area.lif.json", {"lif", "", "{}", "# beside\n"}));
+  EXPECT_EQ(adapters::read_file(scratch / "area.zone.toml").value(), "# beside\n");
+  EXPECT_EQ(adapters::read_file(scratch / "area.lif.json").value(), "{}");
+  EXPECT_FALSE(write_zone(scratch / "missing/area.lif.json", {"lif", "", "{}", {}}));
 }
 
 }  // namespace

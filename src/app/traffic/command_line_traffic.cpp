@@ -11,9 +11,9 @@ constexpr const char* examples =
     "  cosiva traffic --zone lacet4 --aivs 12                       an hour of laps, in a moment\n"
     "  cosiva traffic --zone indus8 --aivs 8 --jobs-per-hour 120    transport jobs by chance, between its stations\n"
     "  cosiva traffic --zone my.lif.json --jobs monday.csv --out monday   your own jobs, and a report to look at\n"
-    "  cosiva traffic --zones lacet4,indus8 --jobs-per-hour 60      two halls, and loads that go from one to the "
+    "  cosiva traffic --zones lacet4,indus8 --jobs-per-hour 60      two control areas, and loads that go from one to the "
     "other\n"
-    "  mpirun -n 4 cosiva traffic --zones 64*plant1000              many halls on many cores or machines\n"
+    "  mpirun -n 4 cosiva traffic --zones 64*plant1000              many control areas on many cores or machines\n"
     "\n"
     "A job file's first line names its columns: time_s,from,to and, if wanted, priority. docs/guide/traffic.md tells "
     "more.";

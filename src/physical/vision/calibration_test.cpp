@@ -92,7 +92,7 @@ TEST(Calibration, keeps_the_residual_map_as_its_uncertainty) {
 
 TEST(Calibration, is_the_same_after_its_file_was_written_and_read) {
   Calibration made = cpm().calibration;
-  made.name = "north \"hall\"";
+  made.name = "north \"area\"";
   made.camera = {{2.2, 2.0}, 3.3};
   MarkerProfile marker;
   marker.id = 7;

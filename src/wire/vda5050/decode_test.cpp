@@ -148,13 +148,13 @@ TEST(Reading, takes_the_maps_of_2_1_and_misses_none_of_a_peer_of_2_0) {
   const std::string rest = R"(,"nodeStates":[],"batteryState":{"batteryCharge":80,"charging":false})";
   EXPECT_TRUE(decode_state(state()).value().maps.empty());
   const auto read = decode_state(
-      state(rest + R"(,"maps":[{"mapId":"hall","mapVersion":"2","mapDescription":"east","mapStatus":"ENABLED"},)"
+      state(rest + R"(,"maps":[{"mapId":"area","mapVersion":"2","mapDescription":"east","mapStatus":"ENABLED"},)"
                    R"({"mapId":"yard","mapVersion":"1","mapStatus":"DISABLED"}])"));
   ASSERT_TRUE(read) << to_string(read.error());
-  EXPECT_THAT(read->maps, ElementsAre(MapInfo{"hall", "2", "east", true}, MapInfo{"yard", "1", "", false}));
-  EXPECT_EQ(place(decode_state(state(rest + R"(,"maps":[{"mapId":"hall","mapStatus":"ENABLED"}])"))),
+  EXPECT_THAT(read->maps, ElementsAre(MapInfo{"area", "2", "east", true}, MapInfo{"yard", "1", "", false}));
+  EXPECT_EQ(place(decode_state(state(rest + R"(,"maps":[{"mapId":"area","mapStatus":"ENABLED"}])"))),
             "state.maps[0].mapVersion");
-  EXPECT_EQ(place(decode_state(state(rest + R"(,"maps":[{"mapId":"hall","mapVersion":"1","mapStatus":"ON"}])"))),
+  EXPECT_EQ(place(decode_state(state(rest + R"(,"maps":[{"mapId":"area","mapVersion":"1","mapStatus":"ON"}])"))),
             "state.maps[0].mapStatus");
 }
 

@@ -39,7 +39,7 @@ class TrackFactory final : public CircuitFactory {
   }
 };
 
-ZoneConfiguration file(const std::string& sidecar) { return {"track", "plants/hall.track", "?", sidecar}; }
+ZoneConfiguration file(const std::string& sidecar) { return {"track", "plants/area.track", "?", sidecar}; }
 Result<TrafficZone> read(const std::string& sidecar) { return TrackFactory{}.make_zone(file(sidecar)); }
 std::string error_of(const std::string& sidecar) {
   const auto zone = read(sidecar);
@@ -59,7 +59,7 @@ TEST(Sidecar, that_is_empty_leaves_the_defaults) {
 }
 
 TEST(Sidecar, says_all_that_the_format_cannot) {
-  const auto zone = read(R"(name = "hall"
+  const auto zone = read(R"(name = "area"
 [import]
 scale = 2.0
 [vehicle]
@@ -100,7 +100,7 @@ sections = ["south", "east", "north", "west"]
 sections = ["north"]
 )");
   ASSERT_TRUE(zone) << to_string(zone.error());
-  EXPECT_EQ(zone->name, "hall");
+  EXPECT_EQ(zone->name, "area");
   EXPECT_EQ(zone->circuit.section(0).length_m(), 4.0);
   EXPECT_EQ(zone->vehicle.width_m, 0.2);
   EXPECT_EQ(zone->profiles.slow.speed_mps, 0.1);
@@ -121,31 +121,31 @@ sections = ["north"]
 TEST(Sidecar, reads_the_import_before_the_geometry) {
   const auto sidecar =
       read_sidecar(file("[import]\nscale = 0.001\ntolerance_m = 0.002\ntolerance_rad = 0.01\n"
-                          "layout = \"hall 2\"\nvehicle_type = \"AMR\"\n"));
+                          "layout = \"control area 2\"\nvehicle_type = \"AMR\"\n"));
   ASSERT_TRUE(sidecar) << to_string(sidecar.error());
   EXPECT_EQ(sidecar->scale, 0.001);
   EXPECT_EQ(sidecar->tolerance_m, 0.002);
   EXPECT_EQ(sidecar->tolerance_rad, 0.01);
-  EXPECT_EQ(sidecar->layout, "hall 2");
+  EXPECT_EQ(sidecar->layout, "control area 2");
   EXPECT_EQ(sidecar->vehicle_type, "AMR");
 }
 
 TEST(Sidecar, that_is_wrong_is_refused_at_its_own_file_and_line) {
-  EXPECT_THAT(error_of("[vehicle\n"), StartsWith("zone.syntax plants/hall.zone.toml:1: "));
+  EXPECT_THAT(error_of("[vehicle\n"), StartsWith("zone.syntax plants/control area.zone.toml:1: "));
   EXPECT_THAT(
       error_of("[import]\nscle = 2\n"),
-      StartsWith("zone.unknown_key plants/hall.zone.toml:2: import.scle: unknown key; did you mean \"scale\"?"));
-  EXPECT_THAT(error_of("\n[import]\nscale = 0\n"), StartsWith("zone.field plants/hall.zone.toml:3: import.scale"));
+      StartsWith("zone.unknown_key plants/control area.zone.toml:2: import.scle: unknown key; did you mean \"scale\"?"));
+  EXPECT_THAT(error_of("\n[import]\nscale = 0\n"), StartsWith("zone.field plants/control area.zone.toml:3: import.scale"));
   EXPECT_THAT(error_of("[[section]]\n"), StartsWith("zone.unknown_key"));
   EXPECT_THAT(error_of("format_version = 2\n"), StartsWith("zone.version"));
   EXPECT_THAT(error_of("[[tag]]\nnumber = 1\nsection = \"up\"\ns_m = 0\n"),
-              StartsWith("zone.reference plants/hall.zone.toml:3: tag[1].section"));
+              StartsWith("zone.reference plants/control area.zone.toml:3: tag[1].section"));
   EXPECT_THAT(error_of("[[limit]]\nsection = \"up\"\nspeed_mps_max = 1\n"),
-              StartsWith("zone.reference plants/hall.zone.toml:1: limit[1].section"));
+              StartsWith("zone.reference plants/control area.zone.toml:1: limit[1].section"));
   EXPECT_THAT(error_of("[[station]]\nname = \"dock\"\nsection = \"east\"\ns_m = 0\n"),
               HasSubstr("two stations have the name 'dock'"));
   EXPECT_THAT(error_of("[profiles.slow]\nspeed_mps = 0.5\nacceleration_mps2 = 1\nbraking_mps2 = 1\n"),
-              StartsWith("zone.field plants/hall.zone.toml"));
+              StartsWith("zone.field plants/control area.zone.toml"));
 }
 
 TEST(Sidecar, takes_a_bend_too_tight_for_the_vehicle_with_a_note) {
@@ -174,12 +174,12 @@ TEST(Sidecar, takes_edits_and_is_made_where_there_is_none) {
 }
 
 TEST(SidecarFile, stands_beside_the_file_it_speaks_of) {
-  EXPECT_EQ(sidecar_file("plants/hall.lif.json"), "plants/hall.zone.toml");
-  EXPECT_EQ(sidecar_file("plants.d/hall.xodr"), "plants.d/hall.zone.toml");
-  EXPECT_EQ(sidecar_file("plants.d/hall"), "plants.d/hall.zone.toml");
-  EXPECT_EQ(sidecar_file("hall.v2.json"), "hall.v2.zone.toml");
-  EXPECT_EQ(sidecar_of_file("hall.xodr"), "hall.zone.toml");
-  EXPECT_EQ(sidecar_of_file("hall.toml"), std::nullopt);
+  EXPECT_EQ(sidecar_file("plants/area.lif.json"), "plants/area.zone.toml");
+  EXPECT_EQ(sidecar_file("plants.d/area.xodr"), "plants.d/area.zone.toml");
+  EXPECT_EQ(sidecar_file("plants.d/area"), "plants.d/area.zone.toml");
+  EXPECT_EQ(sidecar_file("area.v2.json"), "area.v2.zone.toml");
+  EXPECT_EQ(sidecar_of_file("area.xodr"), "area.zone.toml");
+  EXPECT_EQ(sidecar_of_file("area.toml"), std::nullopt);
 }
 
 }  // namespace

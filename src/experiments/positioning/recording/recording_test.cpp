@@ -233,7 +233,7 @@ TEST(Recording, whose_odometry_is_silent_for_long_says_so) {
 TEST(Recording, of_libRSF_may_have_comments_and_lines_of_other_kinds) {
   const auto rsf =
       read_recording("r", {{"A_Input.txt",
-                            "# Hall 3, run 7\nimu3 0.1 a b c\nodom2diff 0.1 1 1 0 0.1 1 1 1\n"
+                            "# Control area 3, run 7\nimu3 0.1 a b c\nodom2diff 0.1 1 1 0 0.1 1 1 1\n"
                             "odom2diff 0.3 0.4 0.6 0 0.1 1 1 1\n"},
                            {"A_GT.txt", "% t x y\npoint2 0.1 1.5 2.5 0 0 0 0\npoint2 0.3 1.6 2.5 0 0 0 0\n"}});
   ASSERT_TRUE(rsf) << to_string(rsf.error());

@@ -16,7 +16,7 @@ using testing::zone_named;
 
 class Unquiet : public ::testing::TestWithParam<std::tuple<const char*, std::uint64_t>> {};
 
-TEST_P(Unquiet, hall_has_no_collision_and_no_deadlock_that_stays) {
+TEST_P(Unquiet, area_has_no_collision_and_no_deadlock_that_stays) {
   const auto& [name, seed] = GetParam();
   WorldOptions options;
   options.zone = zone_named(name);

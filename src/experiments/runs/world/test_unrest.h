@@ -1,6 +1,6 @@
 #pragma once
 
-// What goes wrong in a hall all day, from a seed: vehicles are stopped and let go, persons step in, some of them only
+// What goes wrong in a control area all day, from a seed: vehicles are stopped and let go, persons step in, some of them only
 // virtual. For tests and long runs.
 
 #include <algorithm>

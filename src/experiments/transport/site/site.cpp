@@ -86,16 +86,16 @@ Result<void> agree(Ranks& ranks, const Result<void>& mine) {
 Result<SiteRun> SiteRun::make(SiteOptions options, Ranks& ranks) {
   SiteRun site{std::move(options), ranks};
   Result<void> laid = site.lay_ways();
-  if (laid) laid = site.open_halls();
+  if (laid) laid = site.open_zones();
   if (auto agreed = agree(ranks, laid); !agreed) return tl::unexpected(agreed.error());
   return site;
 }
 
 std::size_t SiteRun::owner_of(std::size_t zone) const { return zone * ranks_->size() / options_.zones.size(); }
 
-SiteRun::Hall& SiteRun::hall_of(std::size_t zone) {
-  COSIVA_EXPECT(!halls_.empty() && zone >= halls_.front().index && zone - halls_.front().index < halls_.size());
-  return halls_[zone - halls_.front().index];
+SiteRun::SiteZone& SiteRun::site_zone_of(std::size_t zone) {
+  COSIVA_EXPECT(!site_zones_.empty() && zone >= site_zones_.front().index && zone - site_zones_.front().index < site_zones_.size());
+  return site_zones_[zone - site_zones_.front().index];
 }
 
 Result<void> SiteRun::lay_ways() {
@@ -159,13 +159,13 @@ Result<TrafficOptions> SiteRun::options_of(std::size_t zone, std::uint32_t first
   return traffic;
 }
 
-Result<void> SiteRun::open_halls() {
+Result<void> SiteRun::open_zones() {
   std::uint32_t first_aiv = 0;
   for (std::size_t zone = 0; zone < options_.zones.size(); ++zone) {
     const std::uint32_t first = first_aiv;
     first_aiv += static_cast<std::uint32_t>(options_.plan.zones[zone].aivs);
     if (owner_of(zone) != ranks_->rank()) continue;
-    Hall hall{zone, nullptr, {}, {}};
+    SiteZone site_zone{zone, nullptr, {}, {}};
     const auto in_zone = [&](Error error) {
       error.message = "zone '" + options_.plan.zones[zone].name + "': " + error.message;
       return tl::unexpected(std::move(error));
@@ -174,31 +174,31 @@ Result<void> SiteRun::open_halls() {
     if (!traffic) return in_zone(traffic.error());
     auto run = TrafficRun::make(std::move(*traffic));
     if (!run) return in_zone(run.error());
-    hall.run = std::make_unique<TrafficRun>(std::move(*run));
-    halls_.push_back(std::move(hall));
+    site_zone.run = std::make_unique<TrafficRun>(std::move(*run));
+    site_zones_.push_back(std::move(site_zone));
   }
   for (const Way& way : ways_) {
-    if (owner_of(way.to_zone) != ranks_->rank() || hall_of(way.to_zone).run->fleet().may_stand(way.enter)) continue;
+    if (owner_of(way.to_zone) != ranks_->rank() || site_zone_of(way.to_zone).run->fleet().may_stand(way.enter)) continue;
     return fail("site.passage", "zone '" + options_.plan.zones[way.to_zone].name +
                                     "': a passage leads to a place in a crossing, where no vehicle may stand");
   }
   return {};
 }
 
-void SiteRun::drive(Hall& hall, std::uint64_t until_step) const {
+void SiteRun::drive(SiteZone& site_zone, std::uint64_t until_step) const {
   AloneWorker alone;
   std::vector<std::size_t> blocked;  // passages whose first cannot come in now, so nobody behind it does
-  while (hall.run->steps() < until_step) {
-    hall.run->step(alone);
-    for (const Traveller& traveller : hall.run->take_leaving()) {
-      const std::size_t passage = exits_[hall.index][traveller.job.exit];
-      hall.left.emplace_back(passage, traveller);
+  while (site_zone.run->steps() < until_step) {
+    site_zone.run->step(alone);
+    for (const Traveller& traveller : site_zone.run->take_leaving()) {
+      const std::size_t passage = exits_[site_zone.index][traveller.job.exit];
+      site_zone.left.emplace_back(passage, traveller);
     }
     blocked.clear();
-    for (auto next = hall.coming.begin(); next != hall.coming.end() && next->due_step <= hall.run->steps();) {
+    for (auto next = site_zone.coming.begin(); next != site_zone.coming.end() && next->due_step <= site_zone.run->steps();) {
       const bool waits = std::ranges::find(blocked, next->passage) != blocked.end();
-      if (!waits && hall.run->bring(next->traveller, ways_[next->passage].enter)) {
-        next = hall.coming.erase(next);
+      if (!waits && site_zone.run->bring(next->traveller, ways_[next->passage].enter)) {
+        next = site_zone.coming.erase(next);
         continue;
       }
       if (!waits) blocked.push_back(next->passage);
@@ -210,7 +210,7 @@ void SiteRun::drive(Hall& hall, std::uint64_t until_step) const {
 bool SiteRun::advance(Workers& workers) {
   if (steps_ >= end_steps_) return false;
   const std::uint64_t until = std::min(end_steps_, steps_ + meeting_steps_);
-  workers.for_each(halls_.size(), [&](std::size_t i) { drive(halls_[i], until); });
+  workers.for_each(site_zones_.size(), [&](std::size_t i) { drive(site_zones_[i], until); });
   steps_ = until;
   if (!ways_.empty()) meet();
   return steps_ < end_steps_;
@@ -218,8 +218,8 @@ bool SiteRun::advance(Workers& workers) {
 
 void SiteRun::meet() {
   std::vector<Letter> letters(ranks_->size());
-  for (Hall& hall : halls_) {
-    for (const auto& [passage, traveller] : hall.left) {
+  for (SiteZone& site_zone : site_zones_) {
+    for (const auto& [passage, traveller] : site_zone.left) {
       Letter& letter = letters[owner_of(ways_[passage].to_zone)];
       letter.put(std::uint64_t{passage});
       letter.put(traveller.aiv);
@@ -228,7 +228,7 @@ void SiteRun::meet() {
       letter.put(std::uint64_t{traveller.job.to});
       letter.put(traveller.job.priority);
     }
-    hall.left.clear();
+    site_zone.left.clear();
   }
   std::vector<std::string> texts;
   texts.reserve(letters.size());
@@ -244,13 +244,13 @@ void SiteRun::meet() {
       traveller.job.to = static_cast<std::size_t>(reader.take<std::uint64_t>());
       traveller.job.priority = reader.take<std::int32_t>();
       COSIVA_EXPECT(passage < ways_.size());
-      hall_of(ways_[passage].to_zone)
+      site_zone_of(ways_[passage].to_zone)
           .coming.push_back({traveller.left_step + ways_[passage].takes_steps, passage, traveller});
     }
   }
   // In an order that does not depend on who told us first.
-  for (Hall& hall : halls_)
-    std::ranges::sort(hall.coming, {}, [](const Coming& one) {
+  for (SiteZone& site_zone : site_zones_)
+    std::ranges::sort(site_zone.coming, {}, [](const Coming& one) {
       return std::tuple{one.due_step, one.passage, one.traveller.aiv};
     });
 }
@@ -259,9 +259,9 @@ double SiteRun::time_s() const { return to_seconds(options_.step) * static_cast<
 
 SiteFigures SiteRun::figures() const {
   Letter mine;
-  for (const Hall& hall : halls_) {
-    const TrafficFigures f = hall.run->figures();
-    mine.put(std::uint64_t{hall.index});
+  for (const SiteZone& site_zone : site_zones_) {
+    const TrafficFigures f = site_zone.run->figures();
+    mine.put(std::uint64_t{site_zone.index});
     for (const std::size_t count : {f.aivs, f.jobs_due, f.jobs_done, f.jobs_came, f.jobs_left, f.stuck})
       mine.put(std::uint64_t{count});
     for (const double value : {f.distance_m, f.waiting_share, f.energy_wh, f.vehicle_s}) mine.put(value);
@@ -269,7 +269,7 @@ SiteFigures SiteRun::figures() const {
     mine.put(f.collisions);
     Digest digest;
     digest.add(std::string_view{f.digest});
-    for (const Coming& coming : hall.coming) {
+    for (const Coming& coming : site_zone.coming) {
       digest.add(coming.due_step);
       digest.add(std::uint64_t{coming.traveller.aiv});
     }

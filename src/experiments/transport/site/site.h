@@ -49,7 +49,7 @@ class SiteRun {
     std::size_t passage;
     Traveller traveller;
   };
-  struct Hall {  ///< a zone of this rank
+  struct SiteZone {  ///< a zone of this rank
     std::size_t index;
     std::unique_ptr<TrafficRun> run;
     std::deque<Coming> coming;                            ///< by due_step, then passage, then AIV
@@ -57,19 +57,19 @@ class SiteRun {
   };
   SiteRun(SiteOptions options, Ranks& ranks) : options_{std::move(options)}, ranks_{&ranks} {}
   [[nodiscard]] Result<void> lay_ways();
-  [[nodiscard]] Result<void> open_halls();
+  [[nodiscard]] Result<void> open_zones();
   [[nodiscard]] Result<TrafficOptions> options_of(std::size_t zone, std::uint32_t first_aiv) const;
   [[nodiscard]] std::size_t owner_of(std::size_t zone) const;
   /// Of a zone that this rank owns.
-  [[nodiscard]] Hall& hall_of(std::size_t zone);
-  void drive(Hall& hall, std::uint64_t until_step) const;
+  [[nodiscard]] SiteZone& site_zone_of(std::size_t zone);
+  void drive(SiteZone& site_zone, std::uint64_t until_step) const;
   void meet();
 
   SiteOptions options_;
   Ranks* ranks_;
   std::vector<Way> ways_;                        ///< by passage
   std::vector<std::vector<std::size_t>> exits_;  ///< by zone: passages, as its jobs count them
-  std::vector<Hall> halls_;                      ///< of zones one after another
+  std::vector<SiteZone> site_zones_;                      ///< of zones one after another
   std::uint64_t meeting_steps_{10};
   std::uint64_t steps_{0};
   std::uint64_t end_steps_{0};

@@ -7,22 +7,22 @@ namespace {
 
 TEST(SitePlan, reads_zones_and_passages_one_way_or_both) {
   const auto plan = read_site_plan(R"([[zone]]
-name = "hall"
+name = "area"
 file = "lacet4"
 aivs = 8
 [[zone]]
 file = "indus8"
 [[passage]]
-from = "hall/S1"
+from = "area/S1"
 to = "indus8"
 takes_s = 25
 both_ways = "yes"
 )",
                                    "site.toml");
   ASSERT_TRUE(plan) << to_string(plan.error());
-  EXPECT_EQ(plan->zones, (std::vector<SitePlan::Zone>{{"hall", "lacet4", 8}, {"indus8", "indus8", 12}}));
+  EXPECT_EQ(plan->zones, (std::vector<SitePlan::Zone>{{"area", "lacet4", 8}, {"indus8", "indus8", 12}}));
   EXPECT_EQ(plan->passages,
-            (std::vector<SitePlan::Passage>{{"hall", "S1", "indus8", "", 25.0}, {"indus8", "", "hall", "S1", 25.0}}));
+            (std::vector<SitePlan::Passage>{{"area", "S1", "indus8", "", 25.0}, {"indus8", "", "area", "S1", 25.0}}));
 }
 
 TEST(SitePlan, of_a_list_joins_each_zone_with_the_next_and_back) {
@@ -57,8 +57,8 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Bad{"", "at least one [[zone]]"}, Bad{"[[zone]]\naivs = 3\n", "file"},
                     Bad{"[[zone]]\nfile = \"a\"\n[[zone]]\nfile = \"a\"\n", "two zones"},
                     Bad{"[[zone]]\nfile = \"a/b\"\n", "'/'"},
-                    Bad{"[[zone]]\nfile = \"hall\"\n[[passage]]\nfrom = \"hal\"\nto = \"hall\"\n",
-                        "is \"hall\" meant?"},
+                    Bad{"[[zone]]\nfile = \"area\"\n[[passage]]\nfrom = \"hal\"\nto = \"area\"\n",
+                        "is \"area\" meant?"},
                     Bad{"[[zone]]\nfile = \"a\"\n[[passage]]\nfrom = \"a\"\nto = \"a\"\n", "another zone"},
                     Bad{"[[zone]]\nfile = \"a\"\naivs = -1\n", "aivs"},
                     Bad{"[[zone]]\nfile = \"a\"\nspeed = 3\n", "speed"}, Bad{"[[zone]\n", "site.toml:1"}));

@@ -5,7 +5,7 @@
 
 #include "cosiva/base/result.h"
 #include "cosiva/base/time.h"
-#include "cosiva/virtual/server/areas/halls.h"
+#include "cosiva/virtual/server/areas/control_areas.h"
 #include "cosiva/virtual/server/context/server_link.h"
 #include "cosiva/virtual/server/context/server_options.h"
 #include "cosiva/virtual/server/messages/outbox.h"
@@ -23,10 +23,10 @@ struct ServerContext {
   /// "<interface>/"
   std::string topic_prefix{
       (options.interface_name.empty() ? std::string(wire::default_interface) : options.interface_name) + "/"};
-  wire::ServerTopics topics{wire::server_topics(options.hall)};
+  wire::ServerTopics topics{wire::server_topics(options.area)};
   SimTime now{};  ///< of the input that is being handled
   ServerLink link{};
-  Halls areas{options.hall};
+  ControlAreas areas{options.area};
   Traces traces{options.traces_max};
   Outbox publisher{traces, options.as_values};
   Registry registry{topic_prefix.substr(0, topic_prefix.size() - 1)};

@@ -5,7 +5,7 @@
 
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
-#include "cosiva/wire/own/halls.h"
+#include "cosiva/wire/own/control_areas.h"
 
 namespace cosiva::virtual_side {
 namespace {
@@ -60,7 +60,7 @@ Result<void> read_contract(const JsonValue& json, BijectionContract& contract) {
 std::string to_json(const ServerOptions& options) {
   JsonWriter json;
   json.begin_object().field("interface", options.interface_name);
-  if (!options.hall.empty()) json.field("hall", options.hall);
+  if (!options.area.empty()) json.field("area", options.area);
   if (options.zone) zone::write_json(json.key("zone"), *options.zone);
   json.field("drive", options.drive)
       .field("lost_after_ms", ms_of(options.lost_after))
@@ -87,9 +87,9 @@ Result<ServerOptions> server_options_from_json(std::string_view text) {
   if (json->object() == nullptr) return bad("", "a JSON object with the server's options");
   ServerOptions options;
   options.interface_name = json->text("interface").value_or("");
-  options.hall = json->text("hall").value_or("");
-  if (!options.hall.empty() && !wire::valid_hall(options.hall))
-    return bad("hall", "a name of A-Z a-z 0-9 _ . : - only, 32 at most");
+  options.area = json->text("area").value_or("");
+  if (!options.area.empty() && !wire::valid_area_name(options.area))
+    return bad("area", "a name of A-Z a-z 0-9 _ . : - only, 32 at most");
   options.drive = json->flag("drive").value_or(true);
   if (auto r = read_zone(*json, options); !r) return tl::unexpected(r.error());
   if (auto r = read_duration(*json, "lost_after_ms", options.lost_after); !r) return tl::unexpected(r.error());

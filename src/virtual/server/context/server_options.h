@@ -15,9 +15,9 @@ namespace cosiva::virtual_side {
 
 struct ServerOptions {
   std::string interface_name;  ///< empty: wire::default_interface
-  /// Of several servers on one broker, the name of the hall that this one's zone is (wire/own/halls.h); empty: the only
+  /// Of several servers on one broker, the name of the control area that this one's zone is (wire/own/control areas.h); empty: the only
   /// one.
-  std::string hall;
+  std::string area;
   /// The zone, when no physical side serves it; published retained so that vehicles get it too.
   std::optional<zone::ZoneConfiguration> zone;
   bool drive{true};  ///< give circulating orders to idle vehicles; false: watch only (a foreign master drives)

@@ -109,9 +109,9 @@ std::vector<std::string> BrokerSession::subscriptions() const {
   if (!context_.areas.several()) return filters;
   // The zone comes with those of the other areas.
   std::erase(filters, wire::topics_below(wire::zone_topic_prefix, 1));
-  const std::string hall{wire::hall_topic_prefix};
+  const std::string area{wire::area_topic_prefix};
   filters.insert(filters.end(),
-                 {hall + "+/zone/+", hall + "+/server/connection", wire::topics_below(wire::owner_topic_prefix, 2)});
+                 {area + "+/zone/+", area + "+/server/connection", wire::topics_below(wire::owner_topic_prefix, 2)});
   return filters;
 }
 

@@ -11,7 +11,7 @@ namespace {
 /// A zone's whole configuration may be in a command.
 constexpr std::size_t command_bytes_max = 64U << 20U;
 
-constexpr std::string_view no_virtual_aivs = "thing.hall";
+constexpr std::string_view no_virtual_aivs = "thing.area";
 
 bool adds_virtual_aiv(const JsonValue& command) {
   const JsonValue* object = command.find("thing");
@@ -90,7 +90,7 @@ Result<OperatorCommand> CommandRouter::read(const Request& request) const {
 Result<OperatorCommand> CommandRouter::read_object(const Request& request) const {
   if (context_.areas.several() && request.name == "add" && adds_virtual_aiv(*request.json)) {
     return fail(std::string(no_virtual_aivs),
-                "a virtual AIV cannot be added where several halls share a broker; persons and obstacles can", "kind");
+                "a virtual AIV cannot be added where several control areas share a broker; persons and obstacles can", "kind");
   }
   auto object = augmented_.objects.read(*request.json);
   if (!object) return tl::unexpected(object.error());

@@ -38,10 +38,10 @@ bool Ownership::receive(const wire::Input& input) {
     on_owner(*id, input);
     return true;
   }
-  if (const auto topic = wire::parse_hall_topic(input.source)) {
-    if (topic->hall == context_.areas.own()) return !input.source.starts_with(context_.topics.zone_prefix);
-    if (const auto heard = context_.areas.on_hall(*topic, input); !heard)
-      context_.publisher.log('w', "the zone of hall '" + std::string(topic->hall) +
+  if (const auto topic = wire::parse_area_topic(input.source)) {
+    if (topic->area == context_.areas.own()) return !input.source.starts_with(context_.topics.zone_prefix);
+    if (const auto heard = context_.areas.on_area(*topic, input); !heard)
+      context_.publisher.log('w', "the zone of control area '" + std::string(topic->area) +
                                       "' cannot be used, so no vehicle is sent there: " + to_string(heard.error()));
     return true;
   }
@@ -57,13 +57,13 @@ bool Ownership::receive(const wire::Input& input) {
   if (!id || !wire::valid_serial_number(id->manufacturer) || !wire::valid_serial_number(id->serial_number))
     return false;
   if (id->manufacturer == wire::virtual_manufacturer) return true;
-  Halls::Vehicle* vehicle = context_.areas.vehicle(*id);
+  ControlAreas::Vehicle* vehicle = context_.areas.vehicle(*id);
   if (vehicle != nullptr) context_.areas.overhear(*vehicle, name, input);
   return !context_.areas.is_ours(*id);
 }
 
 void Ownership::on_owner(const wire::VehicleId& id, const wire::Input& input) {
-  Halls::Vehicle* vehicle = context_.areas.vehicle(id);
+  ControlAreas::Vehicle* vehicle = context_.areas.vehicle(id);
   if (vehicle == nullptr) return;
   std::optional<wire::Owner> now_owner;
   if (!input.payload.empty()) {
@@ -76,8 +76,8 @@ void Ownership::on_owner(const wire::VehicleId& id, const wire::Input& input) {
     now_owner = std::move(*owner);
   }
   const std::string name = wire::to_string(id);
-  context_.traces.add(context_.now, now_owner ? std::string_view{now_owner->hall} : std::string_view{"operator"}, name,
-                      "owner", now_owner ? "it is hall " + now_owner->hall + "'s" : "it is nobody's", input.source,
+  context_.traces.add(context_.now, now_owner ? std::string_view{now_owner->area} : std::string_view{"operator"}, name,
+                      "owner", now_owner ? "it is control area " + now_owner->area + "'s" : "it is nobody's", input.source,
                       input.payload);
   const bool was_own = context_.areas.is_ours(id);
   vehicle->owner = std::move(now_owner);
@@ -87,16 +87,16 @@ void Ownership::on_owner(const wire::VehicleId& id, const wire::Input& input) {
   const bool is_own = context_.areas.is_ours(id);
   // A retained owner is of the past: the vehicle itself reports where it is.
   if (is_own && !was_own) take_over(*vehicle, input.flag);
-  if (was_own && !is_own) let_go(*context_.registry.find(name), vehicle->owner ? vehicle->owner->hall : std::string{});
+  if (was_own && !is_own) let_go(*context_.registry.find(name), vehicle->owner ? vehicle->owner->area : std::string{});
 }
 
-void Ownership::take_over(Halls::Vehicle& vehicle, bool retained) {
+void Ownership::take_over(ControlAreas::Vehicle& vehicle, bool retained) {
   const wire::Owner owner = *vehicle.owner;
   const std::string name = wire::to_string(vehicle.id);
   COSIVA_EXPECT(context_.areas.is_ours(vehicle.id));
   const auto index = vehicles_.begin_life(vehicle.id);
   if (!index) {
-    context_.publisher.log('e', name + ": is this hall's, but it is one more than the vehicles a server takes");
+    context_.publisher.log('e', name + ": is this control area's, but it is one more than the vehicles a server takes");
     return;
   }
   AivProxy& proxy = context_.registry[*index];
@@ -109,7 +109,7 @@ void Ownership::take_over(Halls::Vehicle& vehicle, bool retained) {
     twins_.set_present(proxy);
     twins_.place(*index, context_.now, *owner.pose, wire::Velocity{});
   }
-  context_.publisher.log('i', name + ": is this hall's");
+  context_.publisher.log('i', name + ": is this control area's");
   context_.state_stale = true;
   if (!owner.mission) return;
   give_mission(*index, *owner.mission);
@@ -123,14 +123,14 @@ void Ownership::give_mission(VehicleIndex vehicle, const wire::Owner::Mission& h
     master_.missions.give(vehicle, mission);
 }
 
-void Ownership::let_go(VehicleIndex vehicle, const std::string& hall) {
+void Ownership::let_go(VehicleIndex vehicle, const std::string& area) {
   COSIVA_EXPECT(!context_.areas.is_ours(context_.registry[vehicle].id));
   const std::string& name = context_.registry[vehicle].name;
-  vehicles_.retire(vehicle, hall.empty() ? name + " is nobody's any more" : name + " is hall " + hall + "'s now");
-  context_.publisher.log('i', name + ": let go" + (hall.empty() ? std::string{} : "; it is hall " + hall + "'s now"));
+  vehicles_.retire(vehicle, area.empty() ? name + " is nobody's any more" : name + " is control area " + area + "'s now");
+  context_.publisher.log('i', name + ": let go" + (area.empty() ? std::string{} : "; it is control area " + area + "'s now"));
 }
 
-void Ownership::publish_owner(const Halls::Vehicle& vehicle, wire::Owner owner) {
+void Ownership::publish_owner(const ControlAreas::Vehicle& vehicle, wire::Owner owner) {
   owner.sequence = vehicle.owner ? vehicle.owner->sequence + 1 : 1;
   context_.publisher.publish(wire::own_topic(wire::owner_topic_prefix, vehicle.id), wire::to_json(owner), 1, true);
 }
@@ -166,16 +166,16 @@ void Ownership::hand_over_arrived() {
     const std::string& beyond = master_.missions.mission(v).beyond;
     if (beyond.empty() || master_.missions.state(v) != Missions::State::arrived || master_.orders.has_order(v))
       continue;
-    const std::string hall = beyond.substr(0, beyond.find('/'));
+    const std::string area = beyond.substr(0, beyond.find('/'));
     const bool there = proxy.online() && !proxy.lost(context_.now, context_.options.lost_after) && proxy.position_known;
-    if (!there || !proxy.state || !is_stopped_without_order(*proxy.state) || !context_.areas.is_there(hall)) continue;
-    Halls::Vehicle* vehicle = context_.areas.vehicle(proxy.id);
+    if (!there || !proxy.state || !is_stopped_without_order(*proxy.state) || !context_.areas.is_there(area)) continue;
+    ControlAreas::Vehicle* vehicle = context_.areas.vehicle(proxy.id);
     if (vehicle == nullptr) continue;
     // The vehicle stays this area's until both servers receive the new owner, in either order. So this server stops
     // showing it now: for one message at most the vehicle is in no table, and never in two.
     proxy.handed_over = {proxy.handed_over ? proxy.handed_over->first : context_.now, context_.now};
     publish_owner(*vehicle,
-                  {hall, 0, context_.now, proxy.reported, wire::Owner::Mission{"go", beyond.substr(hall.size() + 1)}});
+                  {area, 0, context_.now, proxy.reported, wire::Owner::Mission{"go", beyond.substr(area.size() + 1)}});
   }
 }
 

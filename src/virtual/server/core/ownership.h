@@ -31,11 +31,11 @@ class Ownership {
  private:
   void on_owner(const wire::VehicleId& id, const wire::Input& input);
   /// @param retained  the message of the owner was a retained one
-  void take_over(Halls::Vehicle& vehicle, bool retained);
+  void take_over(ControlAreas::Vehicle& vehicle, bool retained);
   void give_mission(VehicleIndex vehicle, const wire::Owner::Mission& handed_on);
   void let_go(VehicleIndex vehicle, const std::string& new_area);
   /// The sequence number follows the last one received.
-  void publish_owner(const Halls::Vehicle& vehicle, wire::Owner owner);
+  void publish_owner(const ControlAreas::Vehicle& vehicle, wire::Owner owner);
   void claim_vehicles();
   void hand_over_arrived();
 

@@ -124,7 +124,7 @@ std::string ServerView::snapshot_json() const {
       .field("redo", static_cast<std::uint64_t>(zones_.edits().redo_count()))
       .field("unsaved", zones_.edits().unsaved(context_.simulator))
       .end_object();
-  if (context_.areas.several()) context_.areas.write(json.key("hall"));
+  if (context_.areas.several()) context_.areas.write(json.key("area"));
   zones_.write(json);
   json.key("aivs").begin_array();
   for (VehicleIndex v = 0; v < context_.registry.size(); ++v)

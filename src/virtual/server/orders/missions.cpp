@@ -272,13 +272,13 @@ void Missions::write(JsonWriter& json, VehicleIndex vehicle, std::string_view wa
   else
     json.null();
   constexpr std::array<std::string_view, 3> words{"driving", "arrived", "no way"};
-  // Where two halls meet it has not arrived yet.
+  // Where two control areas meet it has not arrived yet.
   const bool waits = entry.state == State::arrived && !entry.mission.beyond.empty();
   json.field("state", waits ? words[0] : words[static_cast<std::size_t>(entry.state)]).key("why");
   if (!entry.why.empty())
     json.value(entry.why);
   else if (waits)
-    json.value("waits at " + entry.mission.name + " for the server of the other hall");
+    json.value("waits at " + entry.mission.name + " for the server of the other control area");
   else if (go && !waits_for.empty())
     json.value(std::string(waits_for) + " stands at " + entry.mission.name);
   else

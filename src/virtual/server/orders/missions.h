@@ -29,7 +29,7 @@ struct Mission {
   Kind kind{Kind::circulate};
   std::string
       name;  ///< of the loop, the station or the waypoint; circulate without one: the zone's first loop, or roam
-  /// Where it goes on to in another hall, "hall/name"; `name` is the station where the two meet. Empty: nowhere.
+  /// Where it goes on to in another control area, "control area/name"; `name` is the station where the two meet. Empty: nowhere.
   std::string beyond{};
   friend bool operator==(const Mission&, const Mission&) = default;
 };
@@ -43,7 +43,7 @@ class Missions {
 
   Missions(Registry& registry, Outbox& outbox) : registry_{registry}, outbox_{outbox} {}
 
-  /// Gives the mission to a place of another hall, "hall/name", or fails with a sentence.
+  /// Gives the mission to a place of another control area, "control area/name", or fails with a sentence.
   using Abroad = std::function<Result<Mission>(std::string_view to)>;
   void set_abroad(Abroad abroad) { abroad_ = std::move(abroad); }
 

@@ -300,7 +300,7 @@ TEST(OrderRoller, gives_a_vehicle_that_came_back_no_order_before_it_said_where_i
 }
 
 TEST(OrderRoller, sends_a_vehicle_on_that_rolled_past_the_end_of_its_base_into_the_next_section) {
-  ServerBench bench{zone_file("../e2e/halls/hall_b.toml")};
+  ServerBench bench{zone_file("../e2e/areas/area_b.toml")};
   const zone::Circuit& circuit = bench.zone->circuit;
   BenchVehicle& other = bench.add("AIV2", {*circuit.find("b_east"), 0.05});
   other.blocked = true;  // where the way from the gate comes in

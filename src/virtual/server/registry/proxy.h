@@ -77,7 +77,7 @@ struct AivProxy {
   double since_tag_m{};
   std::optional<std::uint32_t> tag_shown;
   bool no_orders{false};  ///< an operator cancelled; until restart
-  /// We have said that it is another hall's from now on: nothing more is sent to it.
+  /// We have said that it is another control area's from now on: nothing more is sent to it.
   struct HandedOver {
     SimTime first;
     SimTime last;  ///< it is said again until we hear it come back
@@ -97,7 +97,7 @@ struct AivProxy {
   [[nodiscard]] bool ours() const { return augmented || boards || id.manufacturer == wire::our_manufacturer; }
   /// Has a twin that is shown and stands in the way of others.
   [[nodiscard]] bool here() const { return twin.has_value() && !retired; }
-  /// Is in the table and on the map. One that we have handed over is not, so that no two halls ever show it at once; it
+  /// Is in the table and on the map. One that we have handed over is not, so that no two control areas ever show it at once; it
   /// is again where nothing came of that.
   [[nodiscard]] bool shown(SimTime now) const {
     return here() && (!handed_over || now - handed_over->first >= comes_back_within);

@@ -38,7 +38,7 @@ class GroundTruthComparator {
   /// @return  in a few words, what is worth showing among the communications; empty: nothing
   [[nodiscard]] Result<std::string> on_message(SimTime now, const wire::Input& input);
   /// Notes where the twins are, and what is wrong. Costs nothing where no camera was ever heard.
-  /// @param strangers  whether an AIV without a twin is ours to miss: of several halls it may be another's
+  /// @param strangers  whether an AIV without a twin is ours to miss: of several control areas it may be another's
   void tick(SimTime now, bool strangers);
 
   /// Of the physical side as it was seen last; nothing where it is not seen now.

@@ -1,4 +1,4 @@
-// Two servers on one broker, a hall each, over one floor. A vehicle goes from one hall to the other and back by `go` alone:
+// Two servers on one broker, a area each, over one floor. A vehicle goes from one area to the other and back by `go` alone:
 // it is always in exactly one server's table, but for the moment of one message, and drives by that one's orders. A server
 // that is killed has its vehicles again when it is back.
 import assert from 'node:assert/strict';
@@ -8,16 +8,16 @@ import { Bus, Truth } from './lib/bus.mjs';
 import { cosiva_binary, eventually, fetched, free_port, Program, sleep, source_dir, start_broker, work_folder } from './lib/platform.mjs';
 
 const nobodys_ms_max = 200;
-const zone = (name) => path.join(source_dir, 'e2e/halls', `${name}.toml`);
+const zone = (name) => path.join(source_dir, 'e2e/areas', `${name}.toml`);
 
-class Hall {
+class Control area {
   constructor(t, folder, name, broker, port) {
     Object.assign(this, { t, folder, name, broker, port, url: `http://127.0.0.1:${port}` });
     this.start();
   }
 
   start() {
-    const args = ['server', '--hall', this.name, '--zone', zone(`hall_${this.name}`), '--broker', this.broker, '--port', String(this.port), '--headless', '--memory', path.join(this.folder, `${this.name}.memory`)];
+    const args = ['server', '--area', this.name, '--zone', zone(`hall_${this.name}`), '--broker', this.broker, '--port', String(this.port), '--headless', '--memory', path.join(this.folder, `${this.name}.memory`)];
     this.program = new Program(this.t, cosiva_binary(), args, { cwd: this.folder, name: `server ${this.name}` });
   }
 
@@ -38,13 +38,13 @@ class Hall {
 /** Looks ten times a second whose each vehicle is. What changes between two questions is no fault: twice means that one
  *  server has it before and after the other is asked. */
 class Watch {
-  constructor(halls, vehicles) {
-    Object.assign(this, { halls, vehicles, looks: 0, twice: [], gaps_ms: [], since: new Map(), stopped: false });
+  constructor(areas, vehicles) {
+    Object.assign(this, { areas, vehicles, looks: 0, twice: [], gaps_ms: [], since: new Map(), stopped: false });
     this.done = this.run();
   }
 
   async look() {
-    const [a, b] = this.halls;
+    const [a, b] = this.areas;
     const asked = Date.now();
     const ids = (snapshot) => new Set(snapshot.aivs.map((aiv) => aiv.id));
     const [before, other, after] = [ids(await a.snapshot()), ids(await b.snapshot()), ids(await a.snapshot())];
@@ -77,7 +77,7 @@ class Watch {
   }
 }
 
-test('a vehicle goes from hall to hall and back, and never loses its twin', { timeout: 120_000 }, async (t) => {
+test('a vehicle goes from area to area and back, and never loses its twin', { timeout: 120_000 }, async (t) => {
   const folder = work_folder(t);
   const { address, port } = await start_broker(t, folder);
   const bus = await Bus.open(t, port, ['cosiva/v1/owner/+/+', 'uagv/v2/+/+/order', 'uagv/v2/CoSiVA/AIV2/visualization']);
@@ -93,8 +93,8 @@ test('a vehicle goes from hall to hall and back, and never loses its twin', { ti
   });
   const sockets = path.join(folder, 'boards');
   new Program(t, cosiva_binary(), ['plant', '--zone', zone('floor'), '--vehicles', '2', '--sockets', sockets, '--broker', address], { cwd: folder });
-  const a = new Hall(t, folder, 'a', address, await free_port());
-  const b = new Hall(t, folder, 'b', address, await free_port());
+  const a = new Control area(t, folder, 'a', address, await free_port());
+  const b = new Control area(t, folder, 'b', address, await free_port());
   truth = await Truth.follow(t, port);
   const starts = ['a_far:2.3', 'b_far:2.3'];
   const ones = [];
@@ -106,17 +106,17 @@ test('a vehicle goes from hall to hall and back, and never loses its twin', { ti
   start_aiv(2);
   const [traveller, local] = ['CoSiVA/AIV1', 'CoSiVA/AIV2'];
   const words = () => [a.program, b.program, ...ones].map(({ name, words: said }) => `--- ${name}\n${said.slice(-1500)}`).join('\n');
-  const tables = async () => JSON.stringify(await Promise.all([a, b].map(async (hall) => (await hall.snapshot().catch(() => undefined))?.aivs)));
+  const tables = async () => JSON.stringify(await Promise.all([a, b].map(async (area) => (await area.snapshot().catch(() => undefined))?.aivs)));
   const in_time = (what, question, options) => eventually(what, question, options).catch(async (error) => {
     throw new Error(`${error.message}\n${await tables()}\n${words()}`);
   });
 
-  await in_time('each vehicle is claimed by the hall it stands in', async () => (await a.has(traveller)) && (await b.has(local)), { within_ms: 15_000 });
+  await in_time('each vehicle is claimed by the area it stands in', async () => (await a.has(traveller)) && (await b.has(local)), { within_ms: 15_000 });
   assert.equal(await b.has(traveller), false);
   assert.equal(await a.has(local), false);
-  await in_time('the halls know each other', async () => (await a.snapshot()).hall.others.some(({ name, online }) => name === 'b' && online) && (await b.snapshot()).hall.others.some(({ name, online }) => name === 'a' && online));
+  await in_time('the areas know each other', async () => (await a.snapshot()).area.others.some(({ name, online }) => name === 'b' && online) && (await b.snapshot()).area.others.some(({ name, online }) => name === 'a' && online));
 
-  for (const [to, why] of [['c/rack', /hall 'c'/], ['b/nowhere', /no station or waypoint 'nowhere'/]]) {
+  for (const [to, why] of [['c/rack', /area 'c'/], ['b/nowhere', /no station or waypoint 'nowhere'/]]) {
     const refused = await a.go(traveller, to);
     assert.ok(refused.status >= 400, `${to}: ${refused.status}`);
     assert.match(JSON.stringify(refused.body), why);
@@ -133,9 +133,9 @@ test('a vehicle goes from hall to hall and back, and never loses its twin', { ti
     const asked = Date.now();
     const answer = await from.go(traveller, `${into.name}/${rack}`);
     assert.equal(answer.status, 202, JSON.stringify(answer.body));
-    await in_time(`hall ${into.name} has it`, () => into.has(traveller), { within_ms: 30_000 });
+    await in_time(`area ${into.name} has it`, () => into.has(traveller), { within_ms: 30_000 });
     const handed = owners.slice(said).find(({ id }) => id === traveller);
-    assert.equal(handed.hall, into.name);
+    assert.equal(handed.area, into.name);
     assert.deepEqual(handed.mission, { kind: 'go', name: rack });
     await in_time(`it stands at ${rack}`, async () => {
       const { aivs } = await into.snapshot();
@@ -148,7 +148,7 @@ test('a vehicle goes from hall to hall and back, and never loses its twin', { ti
   };
   const there_ms = await travels(a, b, 'rack_b');
   const away = await a.go(traveller, 'rack_a');
-  assert.ok(away.status >= 400, 'a hall cannot send what is not its own');
+  assert.ok(away.status >= 400, 'a area cannot send what is not its own');
   const back_ms = await travels(b, a, 'rack_a');
   await watch.end();
 
@@ -158,14 +158,14 @@ test('a vehicle goes from hall to hall and back, and never loses its twin', { ti
   assert.ok(longest_ms <= nobodys_ms_max, `in no table for ${longest_ms} ms`);
   assert.ok(watch.looks > 100, `only ${watch.looks} looks`);
   // Whose map an order is on tells whose order it is.
-  let hall = 'a';
+  let area = 'a';
   const maps = orders.filter(({ serialNumber }) => serialNumber === 'AIV1').map(({ nodes }) => nodes[0].nodePosition.mapId);
   const changes = maps.filter((map, i) => i > 0 && map !== maps[i - 1]);
-  assert.deepEqual([maps[0], ...changes], ['hall_a', 'hall_b', 'hall_a'], 'each server orders only while it is the owner');
+  assert.deepEqual([maps[0], ...changes], ['area_a', 'area_b', 'area_a'], 'each server orders only while it is the owner');
   for (const { after, nodes, serialNumber } of orders) {
     if (serialNumber !== 'AIV1') continue;
-    hall = owners.slice(0, after).filter(({ id }) => id === traveller).at(-1)?.hall;
-    assert.equal(nodes[0].nodePosition.mapId, `hall_${hall}`);
+    area = owners.slice(0, after).filter(({ id }) => id === traveller).at(-1)?.area;
+    assert.equal(nodes[0].nodePosition.mapId, `hall_${area}`);
   }
   assert.equal(truth.collisions, 0);
 

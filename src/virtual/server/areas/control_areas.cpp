@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/areas/halls.h"
+#include "cosiva/virtual/server/areas/control_areas.h"
 
 #include <algorithm>
 #include <utility>
@@ -28,13 +28,13 @@ std::optional<wire::AgvPosition> position_in(std::string_view topic, const std::
 
 }  // namespace
 
-bool Halls::is_ours(const wire::VehicleId& id) const {
+bool ControlAreas::is_ours(const wire::VehicleId& id) const {
   if (!several()) return true;
   const auto found = vehicles_.find(wire::to_string(id));
-  return found != vehicles_.end() && found->second.owner && found->second.owner->hall == own_;
+  return found != vehicles_.end() && found->second.owner && found->second.owner->area == own_;
 }
 
-Halls::Vehicle* Halls::vehicle(const wire::VehicleId& id) {
+ControlAreas::Vehicle* ControlAreas::vehicle(const wire::VehicleId& id) {
   std::string name = wire::to_string(id);
   if (const auto found = vehicles_.find(name); found != vehicles_.end()) return &found->second;
   if (vehicles_.size() >= vehicles_max) return nullptr;
@@ -43,7 +43,7 @@ Halls::Vehicle* Halls::vehicle(const wire::VehicleId& id) {
   return &made;
 }
 
-void Halls::overhear(Vehicle& vehicle, std::string_view topic, const wire::Input& input) {
+void ControlAreas::overhear(Vehicle& vehicle, std::string_view topic, const wire::Input& input) {
   if (topic == "connection") vehicle.connection = input;
   if (topic == "factsheet") vehicle.factsheet = input;
   if (vehicle.owner || input.flag || (topic != "visualization" && topic != "state")) return;
@@ -55,7 +55,7 @@ void Halls::overhear(Vehicle& vehicle, std::string_view topic, const wire::Input
   vehicle.pose_at = input.at;
 }
 
-void Halls::link_up() {
+void ControlAreas::link_up() {
   for (auto& [name, vehicle] : vehicles_) {
     vehicle.owner_heard = false;
     vehicle.pose.reset();
@@ -63,17 +63,17 @@ void Halls::link_up() {
   }
 }
 
-Result<void> Halls::on_hall(wire::HallTopic topic, const wire::Input& input) {
-  if (topic.hall == own_) return {};
-  auto hall = halls_.find(topic.hall);
-  if (hall == halls_.end()) {
-    if (halls_.size() >= halls_max) return {};
-    hall = halls_.emplace(std::string(topic.hall), Hall{}).first;
+Result<void> ControlAreas::on_area(wire::AreaTopic topic, const wire::Input& input) {
+  if (topic.area == own_) return {};
+  auto area = areas_.find(topic.area);
+  if (area == areas_.end()) {
+    if (areas_.size() >= areas_max) return {};
+    area = areas_.emplace(std::string(topic.area), ControlArea{}).first;
   }
   if (topic.rest == "server/connection") {
     constexpr std::size_t bytes_max = 4096;
     const auto json = JsonValue::parse(input.payload, bytes_max);
-    hall->second.online = json && json->text("connectionState") == "ONLINE";
+    area->second.online = json && json->text("connectionState") == "ONLINE";
     return {};
   }
   constexpr std::string_view zone = "zone/";
@@ -82,40 +82,40 @@ Result<void> Halls::on_hall(wire::HallTopic topic, const wire::Input& input) {
   const auto rtm = zone::Rtm::initialise(
       zone::from_payload(std::string(topic.rest.substr(zone.size())), input.source, input.payload));
   if (!rtm) return tl::unexpected(rtm.error());
-  hall->second.zone = rtm->share_zone();
+  area->second.zone = rtm->share_zone();
   return {};
 }
 
-bool Halls::is_there(std::string_view hall) const {
-  const auto found = halls_.find(hall);
-  return found != halls_.end() && found->second.online && found->second.zone;
+bool ControlAreas::is_there(std::string_view area) const {
+  const auto found = areas_.find(area);
+  return found != areas_.end() && found->second.online && found->second.zone;
 }
 
-bool Halls::has_map(std::string_view name) const {
-  return std::ranges::any_of(halls_,
-                             [&](const auto& hall) { return hall.second.zone && hall.second.zone->name == name; });
+bool ControlAreas::has_map(std::string_view name) const {
+  return std::ranges::any_of(areas_,
+                             [&](const auto& area) { return area.second.zone && area.second.zone->name == name; });
 }
 
-Result<Mission> Halls::way_to(std::string_view to, const zone::TrafficZone& zone, const Missions& missions) const {
+Result<Mission> ControlAreas::way_to(std::string_view to, const zone::TrafficZone& zone, const Missions& missions) const {
   const std::string name{to.substr(0, to.find('/'))};
   const std::string goal{to.substr(std::min(to.size(), name.size() + 1))};
   if (name == own_) {
     if (missions.has_place(goal)) return Mission{Mission::Kind::go, goal, {}};
-    return fail("mission.to", "there is no station or waypoint '" + cut(goal) + "' in this hall", "to");
+    return fail("mission.to", "there is no station or waypoint '" + cut(goal) + "' in this control area", "to");
   }
-  const auto hall = halls_.find(name);
-  if (hall == halls_.end()) {
+  const auto area = areas_.find(name);
+  if (area == areas_.end()) {
     std::string known;
-    for (const auto& [other, entry] : halls_) known += (known.empty() ? "; there are " : ", ") + other;
-    return fail("mission.hall", "no hall '" + cut(name) + "' has been heard of" + known, "to");
+    for (const auto& [other, entry] : areas_) known += (known.empty() ? "; there are " : ", ") + other;
+    return fail("mission.area", "no control area '" + cut(name) + "' has been heard of" + known, "to");
   }
-  if (!hall->second.online)
-    return fail("mission.hall", "the server of hall '" + cut(name) + "' is silent; start it, then try again", "to");
-  if (!hall->second.zone)
-    return fail("mission.hall", "hall '" + cut(name) + "' has not said which zone it has; try again", "to");
-  const zone::TrafficZone& there = *hall->second.zone;
+  if (!area->second.online)
+    return fail("mission.area", "the server of control area '" + cut(name) + "' is silent; start it, then try again", "to");
+  if (!area->second.zone)
+    return fail("mission.area", "control area '" + cut(name) + "' has not said which zone it has; try again", "to");
+  const zone::TrafficZone& there = *area->second.zone;
   const auto end = place_of(there, goal);
-  if (!end) return fail("mission.to", "hall '" + cut(name) + "' has no station or waypoint '" + cut(goal) + "'", "to");
+  if (!end) return fail("mission.to", "control area '" + cut(name) + "' has no station or waypoint '" + cut(goal) + "'", "to");
 
   const zone::Router router{there};
   const zone::Station* best = nullptr;
@@ -129,24 +129,24 @@ Result<Mission> Halls::way_to(std::string_view to, const zone::TrafficZone& zone
   }
   if (best == nullptr) {
     return fail("mission.to",
-                "no station of this hall lies on a way of hall '" + cut(name) + "' that leads to '" + cut(goal) +
-                    "'; lay one where the two halls meet",
+                "no station of this control area lies on a way of control area '" + cut(name) + "' that leads to '" + cut(goal) +
+                    "'; lay one where the two control areas meet",
                 "to");
   }
   return Mission{Mission::Kind::go, best->name, std::string(to)};
 }
 
-void Halls::write(JsonWriter& json) const {
+void ControlAreas::write(JsonWriter& json) const {
   json.begin_object().field("name", own_).key("others").begin_array();
-  for (const auto& [name, hall] : halls_)
-    json.begin_object().field("name", name).field("online", hall.online).end_object();
+  for (const auto& [name, area] : areas_)
+    json.begin_object().field("name", name).field("online", area.online).end_object();
   json.end_array().end_object();
 }
 
-void Halls::fold(Digest& digest) const {
+void ControlAreas::fold(Digest& digest) const {
   for (const auto& [name, vehicle] : vehicles_) {
     digest.add(std::string_view{name});
-    if (vehicle.owner) digest.add(std::string_view{vehicle.owner->hall});
+    if (vehicle.owner) digest.add(std::string_view{vehicle.owner->area});
   }
 }
 

@@ -11,21 +11,21 @@
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/result.h"
 #include "cosiva/virtual/server/orders/missions.h"
-#include "cosiva/wire/own/halls.h"
+#include "cosiva/wire/own/control_areas.h"
 #include "cosiva/wire/runtime/core.h"
 #include "cosiva/zone/rtm/rtm.h"
 
 namespace cosiva::virtual_side {
 
-/// Several servers on one broker, one for each hall: what the others say of theirs, and whose each vehicle is. The
+/// Several servers on one broker, one for each control area: what the others say of theirs, and whose each vehicle is. The
 /// class only keeps what was received; Ownership (virtual/server/core) claims, takes over and lets go.
-class Halls {
+class ControlAreas {
  public:
   static constexpr std::size_t vehicles_max = 4096;  ///< a flood of made-up names must not take the memory
-  static constexpr std::size_t halls_max = 256;
+  static constexpr std::size_t areas_max = 256;
 
   /// @param own  empty: the only server of its broker, and every vehicle is its own
-  explicit Halls(std::string own) : own_{std::move(own)} {}
+  explicit ControlAreas(std::string own) : own_{std::move(own)} {}
   [[nodiscard]] bool several() const { return !own_.empty(); }
   [[nodiscard]] const std::string& own() const { return own_; }
 
@@ -50,10 +50,10 @@ class Halls {
   void link_up();
 
   /// What another server says about itself. Fails where its zone cannot be built.
-  [[nodiscard]] Result<void> on_hall(wire::HallTopic topic, const wire::Input& input);
-  [[nodiscard]] bool is_there(std::string_view hall) const;
+  [[nodiscard]] Result<void> on_area(wire::AreaTopic topic, const wire::Input& input);
+  [[nodiscard]] bool is_there(std::string_view area) const;
   [[nodiscard]] bool has_map(std::string_view name) const;
-  /// The mission to "hall/name": to the station of `zone` that lies on a way of that hall from which `name` can be
+  /// The mission to "control area/name": to the station of `zone` that lies on a way of that control area from which `name` can be
   /// reached, the one nearest to its line. Fails with a sentence that says what to do.
   [[nodiscard]] Result<Mission> way_to(std::string_view to, const zone::TrafficZone& zone,
                                        const Missions& missions) const;
@@ -63,12 +63,12 @@ class Halls {
   void fold(Digest& digest) const;
 
  private:
-  struct Hall {
+  struct ControlArea {
     bool online{false};
     std::shared_ptr<const zone::TrafficZone> zone;
   };
   std::string own_;
-  std::map<std::string, Hall, std::less<>> halls_;  ///< the others
+  std::map<std::string, ControlArea, std::less<>> areas_;  ///< the others
   std::map<std::string, Vehicle, std::less<>> vehicles_;
 };
 

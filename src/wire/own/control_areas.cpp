@@ -1,4 +1,4 @@
-#include "cosiva/wire/own/halls.h"
+#include "cosiva/wire/own/control_areas.h"
 
 #include "cosiva/base/json_writer.h"
 #include "cosiva/wire/messages/topics.h"
@@ -6,32 +6,32 @@
 
 namespace cosiva::wire {
 
-bool valid_hall(std::string_view name) {
+bool valid_area_name(std::string_view name) {
   constexpr std::size_t bytes_max = 32;
   return name.size() <= bytes_max && valid_serial_number(name);
 }
 
-ServerTopics server_topics(std::string_view hall) {
-  if (hall.empty())
+ServerTopics server_topics(std::string_view area) {
+  if (area.empty())
     return {std::string(zone_topic_prefix), std::string(server_connection_topic), std::string(server_heartbeat_topic)};
-  std::string stem{hall_topic_prefix};
-  stem += hall;
+  std::string stem{area_topic_prefix};
+  stem += area;
   return {stem + "/zone/", stem + "/server/connection", stem + "/server/heartbeat"};
 }
 
-std::optional<HallTopic> parse_hall_topic(std::string_view topic) {
-  if (!topic.starts_with(hall_topic_prefix)) return std::nullopt;
-  topic.remove_prefix(hall_topic_prefix.size());
+std::optional<AreaTopic> parse_area_topic(std::string_view topic) {
+  if (!topic.starts_with(area_topic_prefix)) return std::nullopt;
+  topic.remove_prefix(area_topic_prefix.size());
   const std::size_t slash = topic.find('/');
-  if (slash == std::string_view::npos || slash + 1 == topic.size() || !valid_hall(topic.substr(0, slash)))
+  if (slash == std::string_view::npos || slash + 1 == topic.size() || !valid_area_name(topic.substr(0, slash)))
     return std::nullopt;
-  return HallTopic{topic.substr(0, slash), topic.substr(slash + 1)};
+  return AreaTopic{topic.substr(0, slash), topic.substr(slash + 1)};
 }
 
 std::string to_json(const Owner& owner) {
   JsonWriter json;
   json.begin_object()
-      .field("hall", owner.hall)
+      .field("area", owner.area)
       .field("sequence", owner.sequence)
       .field("timestamp", to_iso8601(owner.timestamp));
   if (owner.pose) {
@@ -54,8 +54,8 @@ std::string to_json(const Owner& owner) {
 Result<Owner> owner_from_json(std::string_view text) {
   using own::Fields;
   return own::read_message<Owner>(text, [](Fields& in, Owner& owner) {
-    in.text("hall", owner.hall);
-    if (!valid_hall(owner.hall)) in.complain("hall", "the name of a hall, of A-Z a-z 0-9 _ . : - only, 32 at most");
+    in.text("area", owner.area);
+    if (!valid_area_name(owner.area)) in.complain("area", "the name of a control area, of A-Z a-z 0-9 _ . : - only, 32 at most");
     in.whole("sequence", owner.sequence);
     in.time("timestamp", owner.timestamp);
     own::read_part(in, "pose", owner.pose, [](Fields& fields, Pose2& pose) {

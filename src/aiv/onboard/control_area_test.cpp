@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "cosiva/aiv/onboard/onboard_bench.h"
-#include "cosiva/wire/own/halls.h"
+#include "cosiva/wire/own/control_areas.h"
 
 namespace cosiva::aiv {
 namespace {
@@ -18,48 +18,48 @@ using ::testing::Not;
 
 const std::string owner_topic = "cosiva/v1/owner/CoSiVA/AIV1";
 
-struct HallBench : OnboardBench {
+struct ControlAreaFixture : OnboardBench {
   using OnboardBench::OnboardBench;
 
-  void owner(const std::string& hall) {
-    hear(owner_topic, wire::to_json({hall, 1, now, std::nullopt, std::nullopt}), true);
+  void owner(const std::string& area) {
+    hear(owner_topic, wire::to_json({area, 1, now, std::nullopt, std::nullopt}), true);
   }
   /// The clover under another name.
-  void zone_of(const std::string& hall) {
+  void zone_of(const std::string& area) {
     zone::ZoneConfiguration zone = lacet4_configuration();
-    zone.text.replace(zone.text.find("name = \"lacet4\""), 15, "name = \"" + hall + "\"");
-    hear("cosiva/v1/hall/" + hall + "/zone/toml", zone::to_payload(zone), true);
+    zone.text.replace(zone.text.find("name = \"lacet4\""), 15, "name = \"" + area + "\"");
+    hear("cosiva/v1/area/" + area + "/zone/toml", zone::to_payload(zone), true);
   }
-  void beat_of(const std::string& hall, double seconds) {
+  void beat_of(const std::string& area, double seconds) {
     for (int i = 0; i < static_cast<int>(std::lround(seconds * 10.0)); ++i) {
-      hear("cosiva/v1/hall/" + hall + "/server/heartbeat", R"({"headerId":1})");
+      hear("cosiva/v1/area/" + area + "/server/heartbeat", R"({"headerId":1})");
       run(0.1);
     }
   }
   [[nodiscard]] std::string map_id() const { return state().position->map_id; }
 };
 
-TEST(Hall, listens_to_the_server_whose_it_is_and_takes_its_zone_where_it_stands) {
-  HallBench bench;
+TEST(ControlArea, listens_to_the_server_whose_it_is_and_takes_its_zone_where_it_stands) {
+  ControlAreaFixture bench;
   bench.run(0.5);
   EXPECT_EQ(bench.map_id(), "lacet4");
   const Pose2 before = *bench.core->believed_pose();
   bench.owner("north");
   EXPECT_THAT(bench.listens,
-              AllOf(Contains("cosiva/v1/hall/north/zone/+"), Contains("cosiva/v1/hall/north/server/heartbeat"),
-                    Contains("cosiva/v1/hall/north/server/connection")));
+              AllOf(Contains("cosiva/v1/area/north/zone/+"), Contains("cosiva/v1/area/north/server/heartbeat"),
+                    Contains("cosiva/v1/area/north/server/connection")));
   bench.zone_of("north");
   bench.run(0.5);
   EXPECT_EQ(bench.map_id(), "north");
-  EXPECT_LT(distance(before, *bench.core->believed_pose()), 0.001) << "all halls share a frame";
+  EXPECT_LT(distance(before, *bench.core->believed_pose()), 0.001) << "all control areas share a frame";
   EXPECT_THAT(bench.error_types(), IsEmpty());
   bench.order(test::order("N-1").through({"loop_se@0", "loop_se@283", "loop_se@565"}));
   bench.run(1.5);
   EXPECT_GT(bench.speed_mps, 0.1);
 }
 
-TEST(Hall, takes_no_zone_but_its_own_server_s) {
-  HallBench bench;
+TEST(ControlArea, takes_no_zone_but_its_own_server_s) {
+  ControlAreaFixture bench;
   bench.run(0.5);
   bench.zone_of("north");
   bench.run(0.5);
@@ -73,8 +73,8 @@ TEST(Hall, takes_no_zone_but_its_own_server_s) {
   EXPECT_EQ(bench.map_id(), "lacet4");
 }
 
-TEST(Hall, changes_from_one_server_to_the_other_and_heeds_the_new_one_s_heartbeat_only) {
-  HallBench bench;
+TEST(ControlArea, changes_from_one_server_to_the_other_and_heeds_the_new_one_s_heartbeat_only) {
+  ControlAreaFixture bench;
   bench.run(0.5);
   bench.owner("north");
   bench.zone_of("north");
@@ -88,16 +88,16 @@ TEST(Hall, changes_from_one_server_to_the_other_and_heeds_the_new_one_s_heartbea
   bench.beat_of("south", 0.5);
   bench.beat_of("north", 1.0);
   EXPECT_THAT(bench.error_types(), Contains("serverLost")) << "its own has fallen silent, whatever the other says";
-  bench.hear("cosiva/v1/hall/north/server/connection", R"({"connectionState":"OFFLINE"})");
+  bench.hear("cosiva/v1/area/north/server/connection", R"({"connectionState":"OFFLINE"})");
   bench.run(0.2);
   EXPECT_THAT(bench.error_types(), Contains("serverLost"));
-  bench.hear("cosiva/v1/hall/south/server/connection", R"({"connectionState":"OFFLINE"})");
+  bench.hear("cosiva/v1/area/south/server/connection", R"({"connectionState":"OFFLINE"})");
   bench.run(0.2);
   EXPECT_THAT(bench.error_types(), Not(Contains("serverLost"))) << "it said goodbye";
 }
 
-TEST(Hall, brakes_on_the_old_zone_before_it_takes_the_new_server_s) {
-  HallBench bench;
+TEST(ControlArea, brakes_on_the_old_zone_before_it_takes_the_new_server_s) {
+  ControlAreaFixture bench;
   bench.run(0.5);
   bench.order(test::order("O-1").through({"loop_se@0", "loop_se@283", "loop_se@565", "loop_se@848", "loop_se@1131"}));
   bench.run(1.5);
@@ -112,11 +112,11 @@ TEST(Hall, brakes_on_the_old_zone_before_it_takes_the_new_server_s) {
   EXPECT_THAT(bench.state().node_states, IsEmpty()) << "what the old server ordered is over";
 }
 
-TEST(Hall, stays_where_it_is_when_its_owner_cannot_be_read_and_says_so) {
-  HallBench bench;
+TEST(ControlArea, stays_where_it_is_when_its_owner_cannot_be_read_and_says_so) {
+  ControlAreaFixture bench;
   bench.run(0.5);
   bench.owner("north");
-  bench.hear(owner_topic, R"({"hall":"so uth"})", true);
+  bench.hear(owner_topic, R"({"area":"so uth"})", true);
   bench.zone_of("north");
   bench.run(0.5);
   EXPECT_EQ(bench.map_id(), "north");
@@ -124,8 +124,8 @@ TEST(Hall, stays_where_it_is_when_its_owner_cannot_be_read_and_says_so) {
       bench.logs, [](const wire::Log& line) { return line.text.find("whose this vehicle is") != std::string::npos; }));
 }
 
-TEST(Hall, is_nobody_s_again_when_its_owner_is_taken_off_the_broker) {
-  HallBench bench;
+TEST(ControlArea, is_nobody_s_again_when_its_owner_is_taken_off_the_broker) {
+  ControlAreaFixture bench;
   bench.run(0.5);
   bench.owner("north");
   bench.zone_of("north");
@@ -134,11 +134,11 @@ TEST(Hall, is_nobody_s_again_when_its_owner_is_taken_off_the_broker) {
   bench.run(1.0);
   EXPECT_EQ(bench.map_id(), "north") << "it stays on the map it has";
   EXPECT_THAT(bench.error_types(), Not(Contains("serverLost")));
-  EXPECT_THAT(bench.listens, Not(Contains(HasSubstr("hall"))));
+  EXPECT_THAT(bench.listens, Not(Contains(HasSubstr("area"))));
 }
 
-TEST(Hall, knows_its_place_again_after_a_crash_before_it_reports_one_of_another_zone) {
-  HallBench bench;
+TEST(ControlArea, knows_its_place_again_after_a_crash_before_it_reports_one_of_another_zone) {
+  ControlAreaFixture bench;
   bench.run(0.5);
   bench.owner("north");
   bench.zone_of("north");
@@ -148,9 +148,9 @@ TEST(Hall, knows_its_place_again_after_a_crash_before_it_reports_one_of_another_
   const Pose2 stood = bench.world.pose();
   ASSERT_GT(distance(stood, test::lacet4().circuit.pose_at(test::at(test::lacet4(), "loop_se", 0.0))), 0.3);
 
-  HallBench::Setup setup = bench.reborn();
+  ControlAreaFixture::Setup setup = bench.reborn();
   setup.zone_told = false;
-  HallBench again{setup};
+  ControlAreaFixture again{setup};
   // As the broker hands them out: in the order of its subscriptions.
   ASSERT_EQ(again.core->subscriptions().front(), owner_topic);
   again.owner("north");
@@ -163,15 +163,15 @@ TEST(Hall, knows_its_place_again_after_a_crash_before_it_reports_one_of_another_
   EXPECT_LT(distance(*again.core->believed_pose(), stood), 0.02);
 }
 
-TEST(Hall, keeps_hearing_its_neighbours_while_it_changes_servers) {
-  HallBench bench;
+TEST(ControlArea, keeps_hearing_its_neighbours_while_it_changes_servers) {
+  ControlAreaFixture bench;
   bench.run(0.5);
   ASSERT_THAT(bench.listens, Contains(HasSubstr("v2x")));
   bench.owner("north");
-  EXPECT_THAT(bench.listens, AllOf(Contains(HasSubstr("v2x")), Contains("cosiva/v1/hall/north/zone/+")));
+  EXPECT_THAT(bench.listens, AllOf(Contains(HasSubstr("v2x")), Contains("cosiva/v1/area/north/zone/+")));
   bench.zone_of("north");
   bench.run(0.5);
-  EXPECT_THAT(bench.listens, AllOf(Contains(HasSubstr("v2x")), Contains("cosiva/v1/hall/north/zone/+")))
+  EXPECT_THAT(bench.listens, AllOf(Contains(HasSubstr("v2x")), Contains("cosiva/v1/area/north/zone/+")))
       << "nor is its server forgotten when it listens around on the new map";
 }
 

@@ -1,4 +1,4 @@
-#include "cosiva/wire/own/halls.h"
+#include "cosiva/wire/own/control_areas.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,23 +19,23 @@ TEST(ServerTopics, stand_where_they_always_did_for_the_only_server_of_a_broker) 
 
 TEST(ServerTopics, stand_below_the_name_of_a_hall) {
   const ServerTopics topics = server_topics("north");
-  EXPECT_EQ(topics.zone_prefix, "cosiva/v1/hall/north/zone/");
-  EXPECT_EQ(topics.connection, "cosiva/v1/hall/north/server/connection");
-  EXPECT_EQ(topics.heartbeat, "cosiva/v1/hall/north/server/heartbeat");
+  EXPECT_EQ(topics.zone_prefix, "cosiva/v1/area/north/zone/");
+  EXPECT_EQ(topics.connection, "cosiva/v1/area/north/server/connection");
+  EXPECT_EQ(topics.heartbeat, "cosiva/v1/area/north/server/heartbeat");
   for (const std::string& topic : {topics.zone_prefix + "toml", topics.connection, topics.heartbeat}) {
-    const auto parsed = parse_hall_topic(topic);
+    const auto parsed = parse_area_topic(topic);
     ASSERT_TRUE(parsed) << topic;
-    EXPECT_EQ(parsed->hall, "north");
+    EXPECT_EQ(parsed->area, "north");
   }
-  EXPECT_EQ(parse_hall_topic(topics.zone_prefix + "lif.json")->rest, "zone/lif.json");
+  EXPECT_EQ(parse_area_topic(topics.zone_prefix + "lif.json")->rest, "zone/lif.json");
 }
 
-TEST(HallTopic, has_a_hall_and_something_below_it) {
-  for (const char* text : {"", "cosiva/v1/hall/", "cosiva/v1/hall/north", "cosiva/v1/hall/north/",
-                           "cosiva/v1/hall//zone", "cosiva/v1/halls/north/zone", "cosiva/v1/hall/no rth/zone"})
-    EXPECT_FALSE(parse_hall_topic(text)) << text;
-  EXPECT_FALSE(valid_hall(std::string(33, 'x')));
-  EXPECT_TRUE(valid_hall(std::string(32, 'x')));
+TEST(AreaTopic, has_an_area_and_something_below_it) {
+  for (const char* text : {"", "cosiva/v1/area/", "cosiva/v1/area/north", "cosiva/v1/area/north/",
+                           "cosiva/v1/area//zone", "cosiva/v1/areas/north/zone", "cosiva/v1/control area/no rth/zone"})
+    EXPECT_FALSE(parse_area_topic(text)) << text;
+  EXPECT_FALSE(valid_area_name(std::string(33, 'x')));
+  EXPECT_TRUE(valid_area_name(std::string(32, 'x')));
 }
 
 TEST(Owner, comes_back_from_its_json_whether_it_says_much_or_little) {
@@ -44,7 +44,7 @@ TEST(Owner, comes_back_from_its_json_whether_it_says_much_or_little) {
   owner.pose = Pose2{1.25, -0.5, 1.5};
   owner.mission = Owner::Mission{"go", "dock"};
   EXPECT_EQ(*owner_from_json(to_json(owner)), owner);
-  EXPECT_EQ(to_json(owner), R"({"hall":"north","sequence":7,"timestamp":")" + to_iso8601(owner.timestamp) +
+  EXPECT_EQ(to_json(owner), R"({"area":"north","sequence":7,"timestamp":")" + to_iso8601(owner.timestamp) +
                                 R"(",)"
                                 R"("pose":{"x":1.25,"y":-0.5,"theta":1.5},"mission":{"kind":"go","name":"dock"}})");
 }
@@ -55,14 +55,14 @@ TEST(Owner, is_refused_where_a_field_is_missing_or_wrong_and_says_which) {
     return read ? std::string("read") : read.error().place;
   };
   const std::string rest = R"("sequence":1,"timestamp":"2026-01-01T00:00:00.000Z")";
-  EXPECT_EQ(fault(R"({"hall":"a",)" + rest + "}"), "read");
-  EXPECT_EQ(fault("{" + rest + "}"), "hall");
-  EXPECT_EQ(fault(R"({"hall":"a/b",)" + rest + "}"), "hall");
-  EXPECT_EQ(fault(R"({"hall":"",)" + rest + "}"), "hall");
-  EXPECT_EQ(fault(R"({"hall":"a","sequence":-1,"timestamp":"2026-01-01T00:00:00.000Z"})"), "sequence");
-  EXPECT_EQ(fault(R"({"hall":"a","sequence":1,"timestamp":"noon"})"), "timestamp");
-  EXPECT_EQ(fault(R"({"hall":"a",)" + rest + R"(,"pose":{"x":1,"y":1e9,"theta":0}})"), "pose.y");
-  EXPECT_EQ(fault(R"({"hall":"a",)" + rest + R"(,"mission":{"kind":"dance","name":""}})"), "mission.kind");
+  EXPECT_EQ(fault(R"({"area":"a",)" + rest + "}"), "read");
+  EXPECT_EQ(fault("{" + rest + "}"), "area");
+  EXPECT_EQ(fault(R"({"area":"a/b",)" + rest + "}"), "area");
+  EXPECT_EQ(fault(R"({"area":"",)" + rest + "}"), "area");
+  EXPECT_EQ(fault(R"({"area":"a","sequence":-1,"timestamp":"2026-01-01T00:00:00.000Z"})"), "sequence");
+  EXPECT_EQ(fault(R"({"area":"a","sequence":1,"timestamp":"noon"})"), "timestamp");
+  EXPECT_EQ(fault(R"({"area":"a",)" + rest + R"(,"pose":{"x":1,"y":1e9,"theta":0}})"), "pose.y");
+  EXPECT_EQ(fault(R"({"area":"a",)" + rest + R"(,"mission":{"kind":"dance","name":""}})"), "mission.kind");
 }
 
 }  // namespace

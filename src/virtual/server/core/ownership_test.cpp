@@ -1,5 +1,5 @@
 // Several servers on one broker: claims, handover, and who sends what to whom.
-#include "cosiva/virtual/server/areas/halls.h"
+#include "cosiva/virtual/server/areas/control_areas.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,16 +21,16 @@ using testing::IsEmpty;
 using testing::SizeIs;
 using testing::UnorderedElementsAre;
 
-zone::ZoneConfiguration hall_file(const std::string& name) { return zone_file("../e2e/halls/" + name + ".toml"); }
+zone::ZoneConfiguration area_file(const std::string& name) { return zone_file("../e2e/areas/" + name + ".toml"); }
 
 const std::string aiv1 = "CoSiVA/AIV1";
 
-/// The servers of halls a and b on one broker that keeps what is retained, and the bench's vehicles on their floor. Two
+/// The servers of control areas a and b on one broker that keeps what is retained, and the bench's vehicles on their floor. Two
 /// straights at y = ±0.29 m, a gate of 0.6 m between them at y = 0 that begins at x = 1.307 m.
-class HallsBench {
+class ControlAreasFixture {
  public:
-  explicit HallsBench(std::vector<std::string> halls = {"a", "b"}) {
-    for (const std::string& hall : halls) start(hall);
+  explicit ControlAreasFixture(std::vector<std::string> areas = {"a", "b"}) {
+    for (const std::string& area : areas) start(area);
   }
 
   struct Server {
@@ -42,7 +42,7 @@ class HallsBench {
     std::vector<wire::Publish> waiting;
   };
   std::map<std::string, Server> servers;
-  std::map<std::string, zone::ZoneConfiguration> zone_of{{"a", hall_file("hall_a")}, {"b", hall_file("hall_b")}};
+  std::map<std::string, zone::ZoneConfiguration> zone_of{{"a", area_file("area_a")}, {"b", area_file("area_b")}};
   std::vector<std::unique_ptr<BenchVehicle>> vehicles;
   std::map<std::string, wire::Publish> kept;  ///< by the broker
   bool loses_owners{false};                   ///< the broker does
@@ -50,24 +50,24 @@ class HallsBench {
   SimTime now{virtual_epoch};
   std::function<void()> each_step;
 
-  void start(const std::string& hall, bool recall = false) {
-    Server& server = servers[hall];
+  void start(const std::string& area, bool recall = false) {
+    Server& server = servers[area];
     ServerOptions options;
-    options.hall = hall;
-    options.zone = zone_of.at(hall);
+    options.area = area;
+    options.zone = zone_of.at(area);
     server.core = std::make_unique<ServerCore>(options);
     if (recall && !server.memory.empty()) feed(server, wire::InputKind::recall, "", server.memory);
-    link(hall);
+    link(area);
   }
-  void link(const std::string& hall) {
-    Server& server = servers[hall];
+  void link(const std::string& area) {
+    Server& server = servers[area];
     feed(server, wire::InputKind::link, "", "up");
     for (const auto& [topic, message] : std::map{kept}) deliver(server, message, true);
     flush();
   }
-  void kill(const std::string& hall) {
-    const wire::Publish will = servers[hall].core->will()->message;
-    servers[hall].core.reset();
+  void kill(const std::string& area) {
+    const wire::Publish will = servers[area].core->will()->message;
+    servers[area].core.reset();
     publish(will);
   }
   BenchVehicle& add(const std::string& serial, const Pose2& X_MB, const std::string& manufacturer = "CoSiVA") {
@@ -86,25 +86,25 @@ class HallsBench {
     queue_.push_back(std::move(message));
     flush();
   }
-  void say_owner(const std::string& hall) {
-    publish({"cosiva/v1/owner/" + aiv1, wire::to_json({hall, 50, now, std::nullopt, std::nullopt}), 1, true});
+  void say_owner(const std::string& area) {
+    publish({"cosiva/v1/owner/" + aiv1, wire::to_json({area, 50, now, std::nullopt, std::nullopt}), 1, true});
   }
-  void ask(const std::string& hall, const std::string& json) {
-    feed(servers[hall], wire::InputKind::command, "test", json);
+  void ask(const std::string& area, const std::string& json) {
+    feed(servers[area], wire::InputKind::command, "test", json);
     flush();
   }
-  void go(const std::string& hall, const std::string& to) {
-    ask(hall, R"({"command":"go","vehicle":")" + aiv1 + R"(","to":")" + to + "\"}");
+  void go(const std::string& area, const std::string& to) {
+    ask(area, R"({"command":"go","vehicle":")" + aiv1 + R"(","to":")" + to + "\"}");
   }
-  [[nodiscard]] std::string refusal(const std::string& hall, const std::string& json) {
-    const auto checked = servers[hall].core->check_command(json);
+  [[nodiscard]] std::string refusal(const std::string& area, const std::string& json) {
+    const auto checked = servers[area].core->check_command(json);
     return checked ? "" : to_string(checked.error());
   }
-  [[nodiscard]] std::string refusal_to_go(const std::string& hall, const std::string& to) {
-    return refusal(hall, R"({"command":"go","vehicle":")" + aiv1 + R"(","to":")" + to + "\"}");
+  [[nodiscard]] std::string refusal_to_go(const std::string& area, const std::string& to) {
+    return refusal(area, R"({"command":"go","vehicle":")" + aiv1 + R"(","to":")" + to + "\"}");
   }
-  void hear_again(const std::string& hall) {
-    Server& server = servers[hall];
+  void hear_again(const std::string& area) {
+    Server& server = servers[area];
     server.deaf_to_owners = false;
     for (const wire::Publish& message : std::exchange(server.waiting, {})) deliver(server, message, false);
     flush();
@@ -121,7 +121,7 @@ class HallsBench {
         if (steps_ % 50 != 0 && !std::exchange(vehicle->state_due, false)) continue;
         publish({vehicle->topic("state"), vda::encode(vehicle->state(now)), 0, false});
       }
-      for (auto& [hall, server] : servers)
+      for (auto& [area, server] : servers)
         if (server.core) feed(server, wire::InputKind::tick, "", "");
       flush();
       if (each_step) each_step();
@@ -132,34 +132,34 @@ class HallsBench {
     return done();
   }
 
-  [[nodiscard]] std::vector<std::string> table(const std::string& hall) const {
+  [[nodiscard]] std::vector<std::string> table(const std::string& area) const {
     std::vector<std::string> ids;
-    if (!servers.at(hall).core) return ids;
-    const auto snapshot = *JsonValue::parse(servers.at(hall).core->snapshot_json());
+    if (!servers.at(area).core) return ids;
+    const auto snapshot = *JsonValue::parse(servers.at(area).core->snapshot_json());
     for (const JsonValue& aiv : *snapshot.find("aivs")->array()) ids.push_back(*aiv.text("id"));
     return ids;
   }
-  [[nodiscard]] JsonValue aiv(const std::string& hall) const {
-    const auto snapshot = *JsonValue::parse(servers.at(hall).core->snapshot_json());
+  [[nodiscard]] JsonValue aiv(const std::string& area) const {
+    const auto snapshot = *JsonValue::parse(servers.at(area).core->snapshot_json());
     for (const JsonValue& one : *snapshot.find("aivs")->array())
       if (one.text("id") == aiv1) return one;
     return {};
   }
-  [[nodiscard]] std::string mission(const std::string& hall) const {
-    const JsonValue one = aiv(hall);
+  [[nodiscard]] std::string mission(const std::string& area) const {
+    const JsonValue one = aiv(area);
     if (one.find("mission") == nullptr) return "none";
     return one.find("mission")->text("to").value_or("round") + ", " + *one.find("mission")->text("state");
   }
   /// Of orders and instant actions for AIV1.
-  [[nodiscard]] std::size_t sent(const std::string& hall) const {
-    return static_cast<std::size_t>(std::ranges::count_if(servers.at(hall).published, [](const wire::Publish& p) {
+  [[nodiscard]] std::size_t sent(const std::string& area) const {
+    return static_cast<std::size_t>(std::ranges::count_if(servers.at(area).published, [](const wire::Publish& p) {
       return p.topic == "uagv/v2/" + aiv1 + "/order" || p.topic == "uagv/v2/" + aiv1 + "/instantActions";
     }));
   }
   [[nodiscard]] std::vector<std::string> halls_said() const {
-    std::vector<std::string> halls;
-    for (const wire::Owner& owner : owners) halls.push_back(owner.hall);
-    return halls;
+    std::vector<std::string> areas;
+    for (const wire::Owner& owner : owners) areas.push_back(owner.area);
+    return areas;
   }
 
  private:
@@ -192,7 +192,7 @@ class HallsBench {
       if (loses_owners && message.topic.starts_with(wire::owner_topic_prefix)) continue;
       if (message.retained && message.payload.empty()) kept.erase(message.topic);
       if (message.retained && !message.payload.empty()) kept[message.topic] = message;
-      for (auto& [hall, server] : servers) deliver(server, message, false);
+      for (auto& [area, server] : servers) deliver(server, message, false);
       for (const auto& vehicle : vehicles) {
         vehicle->receive(message);
         if (message.topic != wire::own_topic(wire::owner_topic_prefix, vehicle->id) || message.payload.empty())
@@ -200,19 +200,19 @@ class HallsBench {
         const wire::Owner owner = *wire::owner_from_json(message.payload);
         if (wire::to_string(vehicle->id) == aiv1) owners.push_back(owner);
         // As our program does: the zone of its owner, as soon as it stands; here it stands.
-        const auto zone = zone::Rtm::initialise(zone_of.at(owner.hall))->share_zone();
+        const auto zone = zone::Rtm::initialise(zone_of.at(owner.area))->share_zone();
         if (vehicle->id.manufacturer == wire::our_manufacturer && vehicle->map_id != zone->name) vehicle->take(zone);
       }
     }
   }
 
-  std::shared_ptr<const zone::TrafficZone> floor_{zone::Rtm::initialise(hall_file("floor"))->share_zone()};
+  std::shared_ptr<const zone::TrafficZone> floor_{zone::Rtm::initialise(area_file("floor"))->share_zone()};
   std::deque<wire::Publish> queue_;
   std::uint64_t steps_{0};
 };
 
-TEST(Halls, claim_a_vehicle_that_is_nobody_s_where_it_stands_and_only_there) {
-  HallsBench bench;
+TEST(ControlAreas, claim_a_vehicle_that_is_nobody_s_where_it_stands_and_only_there) {
+  ControlAreasFixture bench;
   bench.in_a();
   bench.run_for(900ms);
   EXPECT_THAT(bench.owners, IsEmpty()) << "whose it is may yet be heard";
@@ -229,16 +229,16 @@ TEST(Halls, claim_a_vehicle_that_is_nobody_s_where_it_stands_and_only_there) {
   EXPECT_EQ(bench.owners.size(), 1U) << "said once";
 }
 
-TEST(Halls, claim_nobody_who_stands_on_none_of_their_ways) {
-  HallsBench bench;
+TEST(ControlAreas, claim_nobody_who_stands_on_none_of_their_ways) {
+  ControlAreasFixture bench;
   bench.add("AIV1", {1.6, 5.0, 0.0});
   bench.run_for(5s);
   EXPECT_THAT(bench.owners, IsEmpty());
   EXPECT_THAT(bench.table("a"), IsEmpty());
 }
 
-TEST(Halls, leave_a_vehicle_alone_whose_owner_is_heard_late) {
-  HallsBench bench{{"a"}};
+TEST(ControlAreas, leave_a_vehicle_alone_whose_owner_is_heard_late) {
+  ControlAreasFixture bench{{"a"}};
   bench.in_a();
   bench.run_for(800ms);
   bench.say_owner("b");
@@ -248,8 +248,8 @@ TEST(Halls, leave_a_vehicle_alone_whose_owner_is_heard_late) {
   EXPECT_EQ(bench.sent("a"), 0U);
 }
 
-TEST(Halls, agree_on_the_last_message_where_two_claim_at_once) {
-  HallsBench bench;
+TEST(ControlAreas, agree_on_the_last_message_where_two_claim_at_once) {
+  ControlAreasFixture bench;
   bench.add("AIV1", {1.6, 0.0, 0.0});  // in the gate
   bench.run_for(2s);
   ASSERT_THAT(bench.halls_said(), ElementsAre("a", "b")) << "neither has heard the other before it spoke";
@@ -261,8 +261,8 @@ TEST(Halls, agree_on_the_last_message_where_two_claim_at_once) {
   EXPECT_THAT(bench.halls_said(), SizeIs(2)) << "and leave it at that";
 }
 
-TEST(Halls, hand_a_vehicle_over_where_they_meet_and_it_is_in_exactly_one_table_throughout) {
-  HallsBench bench;
+TEST(ControlAreas, hand_a_vehicle_over_where_they_meet_and_it_is_in_exactly_one_table_throughout) {
+  ControlAreasFixture bench;
   BenchVehicle& aiv = bench.in_a();
   bench.run_for(2s);
   EXPECT_EQ(bench.refusal_to_go("a", "b/rack_b"), "");
@@ -299,8 +299,8 @@ TEST(Halls, hand_a_vehicle_over_where_they_meet_and_it_is_in_exactly_one_table_t
   EXPECT_EQ(both, 0);
 }
 
-TEST(Halls, have_the_twin_as_soon_as_the_message_is_heard_and_send_nothing_after_it_is_said) {
-  HallsBench bench;
+TEST(ControlAreas, have_the_twin_as_soon_as_the_message_is_heard_and_send_nothing_after_it_is_said) {
+  ControlAreasFixture bench;
   BenchVehicle& aiv = bench.in_a();
   bench.run_for(2s);
   bench.go("a", "b/rack_b");
@@ -330,8 +330,8 @@ TEST(Halls, have_the_twin_as_soon_as_the_message_is_heard_and_send_nothing_after
   EXPECT_EQ(bench.sent("a"), by_a);
 }
 
-TEST(Halls, say_a_handover_again_that_did_not_come_back) {
-  HallsBench bench;
+TEST(ControlAreas, say_a_handover_again_that_did_not_come_back) {
+  ControlAreasFixture bench;
   bench.in_a();
   bench.run_for(2s);
   bench.go("a", "b/rack_b");
@@ -345,8 +345,8 @@ TEST(Halls, say_a_handover_again_that_did_not_come_back) {
   EXPECT_THAT(bench.table("b"), ElementsAre(aiv1));
 }
 
-TEST(Halls, keep_the_vehicles_of_a_server_that_dies_until_it_is_back) {
-  HallsBench bench;
+TEST(ControlAreas, keep_the_vehicles_of_a_server_that_dies_until_it_is_back) {
+  ControlAreasFixture bench;
   BenchVehicle& aiv = bench.in_a();
   bench.run_for(3s);
   bench.kill("a");
@@ -363,8 +363,8 @@ TEST(Halls, keep_the_vehicles_of_a_server_that_dies_until_it_is_back) {
   EXPECT_THAT(bench.halls_said(), ElementsAre("a")) << "there was nothing to claim";
 }
 
-TEST(Halls, know_the_way_to_another_hall_again_after_a_crash) {
-  HallsBench bench;
+TEST(ControlAreas, know_the_way_to_another_hall_again_after_a_crash) {
+  ControlAreasFixture bench;
   bench.in_a();
   bench.run_for(2s);
   bench.go("a", "b/rack_b");
@@ -374,8 +374,8 @@ TEST(Halls, know_the_way_to_another_hall_again_after_a_crash) {
   ASSERT_TRUE(bench.run_until([&] { return bench.mission("b") == "rack_b, arrived"; }, 60s)) << bench.mission("a");
 }
 
-TEST(Halls, wait_where_they_meet_for_a_server_that_has_died) {
-  HallsBench bench;
+TEST(ControlAreas, wait_where_they_meet_for_a_server_that_has_died) {
+  ControlAreasFixture bench;
   bench.in_a();
   bench.run_for(2s);
   bench.go("a", "b/rack_b");
@@ -387,13 +387,13 @@ TEST(Halls, wait_where_they_meet_for_a_server_that_has_died) {
   ASSERT_TRUE(bench.run_until([&] { return bench.mission("b") == "rack_b, arrived"; }, 40s));
 }
 
-TEST(Halls, say_again_whose_a_vehicle_is_when_the_broker_has_forgotten) {
-  HallsBench bench;
+TEST(ControlAreas, say_again_whose_a_vehicle_is_when_the_broker_has_forgotten) {
+  ControlAreasFixture bench;
   bench.in_a();
   bench.run_for(3s);
-  for (const std::string hall : {"a", "b"}) {
+  for (const std::string area : {"a", "b"}) {
     wire::Effects effects;
-    bench.servers[hall].core->handle({bench.now, wire::InputKind::link, "", "down", false}, effects);
+    bench.servers[area].core->handle({bench.now, wire::InputKind::link, "", "down", false}, effects);
   }
   bench.kept.clear();
   bench.link("a");
@@ -405,8 +405,8 @@ TEST(Halls, say_again_whose_a_vehicle_is_when_the_broker_has_forgotten) {
   EXPECT_THAT(bench.table("b"), IsEmpty());
 }
 
-TEST(Halls, let_a_vehicle_go_that_is_made_nobody_s_and_claim_it_again) {
-  HallsBench bench;
+TEST(ControlAreas, let_a_vehicle_go_that_is_made_nobody_s_and_claim_it_again) {
+  ControlAreasFixture bench;
   bench.in_a();
   bench.run_for(2s);
   bench.publish({"cosiva/v1/owner/" + aiv1, "", 1, true});
@@ -415,30 +415,30 @@ TEST(Halls, let_a_vehicle_go_that_is_made_nobody_s_and_claim_it_again) {
   EXPECT_THAT(bench.table("a"), ElementsAre(aiv1));
 }
 
-TEST(Halls, leave_everything_as_it_is_where_an_owner_cannot_be_read) {
-  HallsBench bench;
+TEST(ControlAreas, leave_everything_as_it_is_where_an_owner_cannot_be_read) {
+  ControlAreasFixture bench;
   bench.in_a();
   bench.run_for(2s);
-  for (auto& [hall, server] : bench.servers) {
+  for (auto& [area, server] : bench.servers) {
     wire::Effects effects;
-    server.core->handle({bench.now, wire::InputKind::message, "cosiva/v1/owner/" + aiv1, R"({"hall":7})", false},
+    server.core->handle({bench.now, wire::InputKind::message, "cosiva/v1/owner/" + aiv1, R"({"area":7})", false},
                         effects);
   }
   EXPECT_THAT(bench.table("a"), ElementsAre(aiv1));
   EXPECT_THAT(bench.table("b"), IsEmpty());
 }
 
-TEST(Halls, refuse_to_send_a_vehicle_where_no_way_leads_and_say_why) {
-  HallsBench bench;
+TEST(ControlAreas, refuse_to_send_a_vehicle_where_no_way_leads_and_say_why) {
+  ControlAreasFixture bench;
   bench.in_a();
   bench.run_for(2s);
-  EXPECT_THAT(bench.refusal_to_go("a", "c/rack"), HasSubstr("no hall 'c' has been heard of; there are b"));
+  EXPECT_THAT(bench.refusal_to_go("a", "c/rack"), HasSubstr("no control area 'c' has been heard of; there are b"));
   EXPECT_THAT(bench.refusal_to_go("a", "b/rack"), HasSubstr("no station or waypoint 'rack'"));
   EXPECT_THAT(bench.refusal_to_go("a", "b/"), HasSubstr("no station or waypoint ''"));
-  EXPECT_THAT(bench.refusal_to_go("a", "/rack"), HasSubstr("no hall ''"));
+  EXPECT_THAT(bench.refusal_to_go("a", "/rack"), HasSubstr("no control area ''"));
   EXPECT_EQ(bench.refusal_to_go("a", "a/rack_a"), "");
-  EXPECT_THAT(bench.refusal_to_go("a", "a/rack_b"), HasSubstr("in this hall"));
-  EXPECT_THAT(bench.refusal_to_go("b", "b/rack_b"), HasSubstr("no vehicle 'CoSiVA/AIV1'")) << "it is not this hall's";
+  EXPECT_THAT(bench.refusal_to_go("a", "a/rack_b"), HasSubstr("in this control area"));
+  EXPECT_THAT(bench.refusal_to_go("b", "b/rack_b"), HasSubstr("no vehicle 'CoSiVA/AIV1'")) << "it is not this control area's";
   EXPECT_THAT(bench.refusal("a", R"({"command":"add","thing":{"kind":"aiv","section":"a_far","s":1.0}})"),
               HasSubstr("virtual AIV"));
   EXPECT_EQ(bench.refusal("a", R"({"command":"add","thing":{"kind":"person","x":1.0,"y":1.0}})"), "");
@@ -446,8 +446,8 @@ TEST(Halls, refuse_to_send_a_vehicle_where_no_way_leads_and_say_why) {
   EXPECT_THAT(bench.refusal_to_go("a", "b/rack_b"), HasSubstr("silent"));
 }
 
-TEST(Halls, refuse_to_send_a_vehicle_to_a_hall_that_they_do_not_meet) {
-  HallsBench bench{{}};
+TEST(ControlAreas, refuse_to_send_a_vehicle_to_an_area_that_they_do_not_meet) {
+  ControlAreasFixture bench{{}};
   std::string far = bench.zone_of["b"].text;
   for (std::size_t at = far.find("y = "); at != std::string::npos; at = far.find("y = ", at + 1)) {
     const std::size_t end = far.find(',', at);
@@ -458,15 +458,15 @@ TEST(Halls, refuse_to_send_a_vehicle_to_a_hall_that_they_do_not_meet) {
   bench.start("b");
   bench.in_a();
   bench.run_for(2s);
-  EXPECT_THAT(bench.refusal_to_go("a", "b/rack_b"), HasSubstr("no station of this hall lies on a way of hall 'b'"));
+  EXPECT_THAT(bench.refusal_to_go("a", "b/rack_b"), HasSubstr("no station of this control area lies on a way of control area 'b'"));
 }
 
-TEST(Halls, drive_a_vehicle_of_another_make_over_as_well) {
-  HallsBench bench;
+TEST(ControlAreas, drive_a_vehicle_of_another_make_over_as_well) {
+  ControlAreasFixture bench;
   BenchVehicle& aiv = bench.add("AIV1", {0.3, 0.29289322, 0.0}, "CoSiVA");
   BenchVehicle& other = bench.add("R7", {2.0, -1.49289322, pi}, "Robots");
-  for (const std::string name : {"hall_a", "hall_b"})
-    other.downloads.push_back(zone::Rtm::initialise(hall_file(name))->share_zone());
+  for (const std::string name : {"area_a", "area_b"})
+    other.downloads.push_back(zone::Rtm::initialise(area_file(name))->share_zone());
   // Said once, while it is nobody's: whoever owns it later must know it all the same.
   wire::Factsheet factsheet;
   factsheet.header = other.header(bench.now, 0);
@@ -478,22 +478,22 @@ TEST(Halls, drive_a_vehicle_of_another_make_over_as_well) {
   bench.ask("b", R"({"command":"go","vehicle":"Robots/R7","to":"a/rack_a"})");
   ASSERT_TRUE(bench.run_until([&] { return bench.table("a").size() == 2; }, 90s));
   EXPECT_THAT(bench.table("a"), UnorderedElementsAre(aiv1, "Robots/R7"));
-  ASSERT_TRUE(bench.run_until([&] { return other.map_id == "hall_a" && other.speed_mps > 0.0; }, 20s));
+  ASSERT_TRUE(bench.run_until([&] { return other.map_id == "area_a" && other.speed_mps > 0.0; }, 20s));
   EXPECT_THAT(other.refusals, IsEmpty());
   EXPECT_THAT(aiv.refusals, IsEmpty());
 }
 
-TEST(Halls, are_nothing_to_the_only_server_of_its_broker) {
+TEST(ControlAreas, are_nothing_to_the_only_server_of_its_broker) {
   ServerCore server{ServerOptions{}};
   for (const std::string& filter : server.subscriptions()) {
     EXPECT_THAT(filter, testing::Not(HasSubstr("owner")));
-    EXPECT_THAT(filter, testing::Not(HasSubstr("hall")));
+    EXPECT_THAT(filter, testing::Not(HasSubstr("area")));
   }
-  EXPECT_EQ(JsonValue::parse(server.snapshot_json())->find("hall"), nullptr);
+  EXPECT_EQ(JsonValue::parse(server.snapshot_json())->find("area"), nullptr);
   ServerOptions options;
-  options.hall = "a";
-  EXPECT_EQ(server_options_from_json(to_json(options))->hall, "a");
-  EXPECT_FALSE(server_options_from_json(R"({"hall":"a/b"})"));
+  options.area = "a";
+  EXPECT_EQ(server_options_from_json(to_json(options))->area, "a");
+  EXPECT_FALSE(server_options_from_json(R"({"area":"a/b"})"));
 }
 
 }  // namespace
