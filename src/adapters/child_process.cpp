@@ -78,14 +78,14 @@ struct Pipe {
 
 }  // namespace
 
-struct Child::Inside : std::enable_shared_from_this<Child::Inside> {
+struct Child::Impl : std::enable_shared_from_this<Child::Impl> {
   struct Output {
     explicit Output(asio::io_context& context) : pipe{context} {}
     asio::posix::stream_descriptor pipe;
     asio::streambuf buffer{64 * 1024};
   };
 
-  explicit Inside(EventLoop& loop_, ChildOptions options_)
+  explicit Impl(EventLoop& loop_, ChildOptions options_)
       : loop{loop_},
         options{std::move(options_)},
         reaped{loop_.context(), SIGCHLD},
@@ -191,27 +191,27 @@ struct Child::Inside : std::enable_shared_from_this<Child::Inside> {
 
 Child::Child() = default;
 Child::~Child() {
-  if (inside_) inside_->close();
+  if (impl_) impl_->close();
 }
 
 Result<std::unique_ptr<Child>> Child::start(EventLoop& loop, ChildOptions options) {
   std::unique_ptr<Child> made{new Child};
-  made->inside_ = std::make_shared<Inside>(loop, std::move(options));
-  if (auto started = made->inside_->start(); !started) return tl::unexpected(started.error());
+  made->impl_ = std::make_shared<Impl>(loop, std::move(options));
+  if (auto started = made->impl_->start(); !started) return tl::unexpected(started.error());
   return made;
 }
 
-pid_t Child::pid() const { return inside_->pid; }
-bool Child::running() const { return inside_->pid > 0; }
+pid_t Child::pid() const { return impl_->pid; }
+bool Child::running() const { return impl_->pid > 0; }
 
 void Child::signal(int number) {
-  if (running()) ::kill(inside_->pid, number);
+  if (running()) ::kill(impl_->pid, number);
 }
 
 void Child::end(std::chrono::milliseconds grace) {
   if (!running()) return;
   signal(SIGTERM);
-  inside_->grace.after(grace, [weak = std::weak_ptr<Inside>(inside_)] {
+  impl_->grace.after(grace, [weak = std::weak_ptr<Impl>(impl_)] {
     if (const auto self = weak.lock(); self && self->pid > 0) self->kill_group();
   });
 }

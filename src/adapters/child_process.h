@@ -44,8 +44,8 @@ class Child {
 
  private:
   Child();
-  struct Inside;
-  std::shared_ptr<Inside> inside_;
+  struct Impl;
+  std::shared_ptr<Impl> impl_;
 };
 
 }  // namespace cosiva::adapters

@@ -30,8 +30,8 @@ DiskWriter::Write writes_to(int fd) {
   };
 }
 
-struct DiskWriter::Inside : std::enable_shared_from_this<Inside> {
-  Inside(EventLoop& loop_, Write write_, std::function<void(const Error&)> on_error_)
+struct DiskWriter::Impl : std::enable_shared_from_this<Impl> {
+  Impl(EventLoop& loop_, Write write_, std::function<void(const Error&)> on_error_)
       : loop{loop_}, write{std::move(write_)}, on_error{std::move(on_error_)} {}
 
   void work() {
@@ -72,40 +72,40 @@ struct DiskWriter::Inside : std::enable_shared_from_this<Inside> {
 };
 
 DiskWriter::DiskWriter(EventLoop& loop, Write write, std::function<void(const Error&)> on_error)
-    : inside_{std::make_shared<Inside>(loop, std::move(write), std::move(on_error))} {
-  inside_->thread = std::thread{[inside = inside_.get()] { inside->work(); }};
+    : impl_{std::make_shared<Impl>(loop, std::move(write), std::move(on_error))} {
+  impl_->thread = std::thread{[inside = impl_.get()] { inside->work(); }};
 }
 
 DiskWriter::~DiskWriter() {
   {
-    const std::lock_guard lock{inside_->mutex};
-    inside_->ends = true;
+    const std::lock_guard lock{impl_->mutex};
+    impl_->ends = true;
   }
-  inside_->changed.notify_all();
-  inside_->thread.join();
+  impl_->changed.notify_all();
+  impl_->thread.join();
 }
 
 void DiskWriter::append(std::string_view bytes) {
   {
-    const std::lock_guard lock{inside_->mutex};
-    if (inside_->failed) return;
-    if (inside_->waiting.size() + bytes.size() > behind_max) {
-      inside_->fail_with({"file.slow", "the disk does not keep up: more than 64 MiB wait to be written", {}});
+    const std::lock_guard lock{impl_->mutex};
+    if (impl_->failed) return;
+    if (impl_->waiting.size() + bytes.size() > behind_max) {
+      impl_->fail_with({"file.slow", "the disk does not keep up: more than 64 MiB wait to be written", {}});
       return;
     }
-    inside_->waiting += bytes;
+    impl_->waiting += bytes;
   }
-  inside_->changed.notify_all();
+  impl_->changed.notify_all();
 }
 
 void DiskWriter::drain() {
-  std::unique_lock lock{inside_->mutex};
-  inside_->changed.wait(lock, [this] { return inside_->waiting.empty() && !inside_->writing; });
+  std::unique_lock lock{impl_->mutex};
+  impl_->changed.wait(lock, [this] { return impl_->waiting.empty() && !impl_->writing; });
 }
 
 bool DiskWriter::broken() const {
-  const std::lock_guard lock{inside_->mutex};
-  return inside_->failed;
+  const std::lock_guard lock{impl_->mutex};
+  return impl_->failed;
 }
 
 }  // namespace cosiva::adapters

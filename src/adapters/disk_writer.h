@@ -37,8 +37,8 @@ class DiskWriter {
   [[nodiscard]] bool broken() const;
 
  private:
-  struct Inside;
-  std::shared_ptr<Inside> inside_;  ///< shared with the error that is on its way to the loop
+  struct Impl;
+  std::shared_ptr<Impl> impl_;  ///< shared with the error that is on its way to the loop
 };
 
 /// Fails ("file.write") with the reason.

@@ -16,7 +16,7 @@ namespace cosiva::adapters {
 namespace asio = boost::asio;
 using Steady = std::chrono::steady_clock;
 
-struct EventLoop::Inside {
+struct EventLoop::Impl {
   asio::io_context context{1};
   asio::executor_work_guard<asio::io_context::executor_type> work{context.get_executor()};
   std::vector<std::unique_ptr<asio::signal_set>> signals;
@@ -34,51 +34,51 @@ void wait_for_signal(asio::signal_set& set, std::function<void(int)> action) {
 
 }  // namespace
 
-EventLoop::EventLoop() : inside_{std::make_unique<Inside>()} { std::signal(SIGPIPE, SIG_IGN); }
+EventLoop::EventLoop() : impl_{std::make_unique<Impl>()} { std::signal(SIGPIPE, SIG_IGN); }
 
 EventLoop::~EventLoop() = default;
 
 void EventLoop::run() {
-  inside_->context.restart();
-  inside_->context.run();
+  impl_->context.restart();
+  impl_->context.run();
 }
 
-void EventLoop::stop() { inside_->context.stop(); }
+void EventLoop::stop() { impl_->context.stop(); }
 
 bool EventLoop::run_until(const std::function<bool()>& done, std::chrono::milliseconds limit) {
-  inside_->context.restart();
+  impl_->context.restart();
   const auto deadline = Steady::now() + limit;
   for (;;) {
     // The time is read before the question: a machine that slept in between does not make us give up unasked.
     const bool last = Steady::now() >= deadline;
     if (done()) return true;
     if (last) return false;
-    inside_->context.run_one_for(std::chrono::milliseconds{20});
+    impl_->context.run_one_for(std::chrono::milliseconds{20});
     // With nothing to wait for the context stops at once: what is awaited then is outside of the loop.
-    if (!inside_->context.stopped()) continue;
-    inside_->context.restart();
+    if (!impl_->context.stopped()) continue;
+    impl_->context.restart();
     std::this_thread::sleep_for(std::chrono::milliseconds{1});
   }
 }
 
 void EventLoop::run_for(std::chrono::milliseconds duration) {
-  inside_->context.restart();
-  inside_->context.run_for(duration);
+  impl_->context.restart();
+  impl_->context.run_for(duration);
 }
 
-void EventLoop::post(std::function<void()> action) { asio::post(inside_->context, std::move(action)); }
+void EventLoop::post(std::function<void()> action) { asio::post(impl_->context, std::move(action)); }
 
 void EventLoop::on_signals(std::initializer_list<int> signals, std::function<void(int)> action) {
-  auto set = std::make_unique<asio::signal_set>(inside_->context);
+  auto set = std::make_unique<asio::signal_set>(impl_->context);
   for (const int signal : signals) set->add(signal);
   wait_for_signal(*set, std::move(action));
-  inside_->signals.push_back(std::move(set));
+  impl_->signals.push_back(std::move(set));
 }
 
-asio::io_context& EventLoop::context() { return inside_->context; }
+asio::io_context& EventLoop::context() { return impl_->context; }
 
-struct Timer::Inside : std::enable_shared_from_this<Timer::Inside> {
-  explicit Inside(asio::io_context& context) : timer{context} {}
+struct Timer::Impl : std::enable_shared_from_this<Timer::Impl> {
+  explicit Impl(asio::io_context& context) : timer{context} {}
 
   void arm() {
     // The set number tells a wait that was replaced after its handler had been queued from the one that counts.
@@ -111,43 +111,43 @@ struct Timer::Inside : std::enable_shared_from_this<Timer::Inside> {
   std::uint64_t set{0};
 };
 
-Timer::Timer(EventLoop& loop) : inside_{std::make_shared<Inside>(loop.context())} {}
+Timer::Timer(EventLoop& loop) : impl_{std::make_shared<Impl>(loop.context())} {}
 
 Timer::~Timer() {
-  if (inside_) cancel();
+  if (impl_) cancel();
 }
 
 Timer::Timer(Timer&&) noexcept = default;
 
 Timer& Timer::operator=(Timer&& other) noexcept {
   if (this != &other) {
-    if (inside_) cancel();
-    inside_ = std::move(other.inside_);
+    if (impl_) cancel();
+    impl_ = std::move(other.impl_);
   }
   return *this;
 }
 
 void Timer::after(std::chrono::nanoseconds delay, std::function<void()> action) {
-  ++inside_->set;
-  inside_->action = std::move(action);
-  inside_->period = {};
-  inside_->timer.expires_after(delay);
-  inside_->arm();
+  ++impl_->set;
+  impl_->action = std::move(action);
+  impl_->period = {};
+  impl_->timer.expires_after(delay);
+  impl_->arm();
 }
 
 void Timer::every(std::chrono::nanoseconds period, std::function<void()> action) {
-  ++inside_->set;
-  inside_->action = std::move(action);
-  inside_->period = period;
-  inside_->due = Steady::now() + period;
-  inside_->timer.expires_at(inside_->due);
-  inside_->arm();
+  ++impl_->set;
+  impl_->action = std::move(action);
+  impl_->period = period;
+  impl_->due = Steady::now() + period;
+  impl_->timer.expires_at(impl_->due);
+  impl_->arm();
 }
 
 void Timer::cancel() {
-  ++inside_->set;
-  inside_->action = {};
-  inside_->timer.cancel();
+  ++impl_->set;
+  impl_->action = {};
+  impl_->timer.cancel();
 }
 
 }  // namespace cosiva::adapters

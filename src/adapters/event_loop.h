@@ -35,8 +35,8 @@ class EventLoop {
   [[nodiscard]] boost::asio::io_context& context();
 
  private:
-  struct Inside;
-  std::unique_ptr<Inside> inside_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 /// A timer of the loop. Setting it again replaces what it was set to; destroying it cancels it.
@@ -54,8 +54,8 @@ class Timer {
   void cancel();
 
  private:
-  struct Inside;
-  std::shared_ptr<Inside> inside_;
+  struct Impl;
+  std::shared_ptr<Impl> impl_;
 };
 
 }  // namespace cosiva::adapters

@@ -72,8 +72,8 @@ HttpResponse http_error(unsigned status, std::string_view code, std::string_view
 class HttpSession;
 class LiveSession;
 
-struct HttpServer::Inside : std::enable_shared_from_this<HttpServer::Inside> {
-  Inside(EventLoop& loop, HttpOptions options_, Handler api_)
+struct HttpServer::Impl : std::enable_shared_from_this<HttpServer::Impl> {
+  Impl(EventLoop& loop, HttpOptions options_, Handler api_)
       : acceptor{loop.context()}, options{std::move(options_)}, api{std::move(api_)} {}
 
   Result<void> listen();
@@ -95,7 +95,7 @@ struct HttpServer::Inside : std::enable_shared_from_this<HttpServer::Inside> {
   std::function<void()> on_join;
 };
 
-using Shared = std::shared_ptr<HttpServer::Inside>;
+using Shared = std::shared_ptr<HttpServer::Impl>;
 
 // --- one WebSocket
 // ----------------------------------------------------------------------------------------------------
@@ -318,7 +318,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 // --- the server
 // -------------------------------------------------------------------------------------------------------
 
-Result<void> HttpServer::Inside::listen() {
+Result<void> HttpServer::Impl::listen() {
   ErrorCode error;
   for (int i = 0; i < std::max(options.ports_tried, 1) && options.port + i <= 65535; ++i) {
     const tcp::endpoint endpoint{asio::ip::address_v4::loopback(), static_cast<std::uint16_t>(options.port + i)};
@@ -339,7 +339,7 @@ Result<void> HttpServer::Inside::listen() {
               "127.0.0.1:" + std::to_string(options.port));
 }
 
-void HttpServer::Inside::accept() {
+void HttpServer::Impl::accept() {
   acceptor.async_accept([weak = weak_from_this()](const ErrorCode& error, tcp::socket socket) {
     const auto self = weak.lock();
     if (!self || self->closed) return;
@@ -374,7 +374,7 @@ Response finish(const Request& request, HttpResponse plain) {
 
 }  // namespace
 
-Response HttpServer::Inside::answer(const Request& request) const {
+Response HttpServer::Impl::answer(const Request& request) const {
   if (!http_rules::is_loopback_authority(view(request[http::field::host])))
     return finish(request, http_error(403, "http.host", "this server answers to this machine's own names only"));
   const std::string_view target = view(request.target());
@@ -402,7 +402,7 @@ Response HttpServer::Inside::answer(const Request& request) const {
   return finish(request, std::move(found));
 }
 
-Response HttpServer::Inside::too_many(const Request& request) const {
+Response HttpServer::Impl::too_many(const Request& request) const {
   HttpResponse refusal = http_error(429, "http.rate",
                                     "more than " + std::to_string(std::lround(options.requests_per_second)) +
                                         " requests a second came over this connection; ask less often, or listen to " +
@@ -411,7 +411,7 @@ Response HttpServer::Inside::too_many(const Request& request) const {
   return finish(request, std::move(refusal));
 }
 
-HttpResponse HttpServer::Inside::answer_api(const Request& request, std::string_view target) const {
+HttpResponse HttpServer::Impl::answer_api(const Request& request, std::string_view target) const {
   const auto origin = request.find(http::field::origin);
   if (origin != request.end() &&
       !http_rules::is_own_origin(view(origin->value()), view(request[http::field::host]), port))
@@ -432,7 +432,7 @@ HttpResponse HttpServer::Inside::answer_api(const Request& request, std::string_
   return api(plain);
 }
 
-void HttpServer::Inside::close() {
+void HttpServer::Impl::close() {
   closed = true;
   ErrorCode ignored;
   acceptor.close(ignored);
@@ -442,25 +442,25 @@ void HttpServer::Inside::close() {
 
 HttpServer::HttpServer() = default;
 HttpServer::~HttpServer() {
-  if (inside_) inside_->close();
+  if (impl_) impl_->close();
 }
 
 Result<std::unique_ptr<HttpServer>> HttpServer::listen(EventLoop& loop, HttpOptions options, Handler api) {
   std::unique_ptr<HttpServer> made{new HttpServer};
-  made->inside_ = std::make_shared<Inside>(loop, std::move(options), std::move(api));
-  if (auto listening = made->inside_->listen(); !listening) return tl::unexpected(listening.error());
+  made->impl_ = std::make_shared<Impl>(loop, std::move(options), std::move(api));
+  if (auto listening = made->impl_->listen(); !listening) return tl::unexpected(listening.error());
   return made;
 }
 
-std::uint16_t HttpServer::port() const { return inside_->port; }
-std::size_t HttpServer::live_clients() const { return inside_->live.size(); }
+std::uint16_t HttpServer::port() const { return impl_->port; }
+std::size_t HttpServer::live_clients() const { return impl_->live.size(); }
 
 void HttpServer::send_live(std::size_t kind, LiveFrame bytes, bool binary, bool keep_for_new_clients) {
   const Frame frame{std::move(bytes), binary};
-  if (keep_for_new_clients) inside_->kept[kind] = frame;
-  for (LiveSession* session : inside_->live) session->offer(kind, frame);
+  if (keep_for_new_clients) impl_->kept[kind] = frame;
+  for (LiveSession* session : impl_->live) session->offer(kind, frame);
 }
 
-void HttpServer::on_join(std::function<void()> action) { inside_->on_join = std::move(action); }
+void HttpServer::on_join(std::function<void()> action) { impl_->on_join = std::move(action); }
 
 }  // namespace cosiva::adapters

@@ -57,7 +57,7 @@ struct HttpOptions {
 /// rebinding. Boost.Beast stays in the .cpp.
 class HttpServer {
  public:
-  struct Inside;  ///< shared with its sessions, in the .cpp only
+  struct Impl;  ///< shared with its sessions, in the .cpp only
   using Handler = std::function<HttpResponse(const HttpRequest&)>;
 
   /// Listens. `api` answers every path under /api/. Fails ("http.port") when no port could be had.
@@ -79,7 +79,7 @@ class HttpServer {
 
  private:
   HttpServer();
-  std::shared_ptr<Inside> inside_;
+  std::shared_ptr<Impl> impl_;
 };
 
 }  // namespace cosiva::adapters

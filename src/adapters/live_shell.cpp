@@ -22,8 +22,8 @@ std::string log_line(SimTime at, const std::string& name, char level, const std:
 
 }  // namespace
 
-struct LiveShell::Inside : std::enable_shared_from_this<LiveShell::Inside> {
-  Inside(EventLoop& loop_, wire::Core& core_, LiveOptions options_, OpenPorts open_ports_)
+struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
+  Impl(EventLoop& loop_, wire::Core& core_, LiveOptions options_, OpenPorts open_ports_)
       : loop{loop_},
         core{core_},
         options{std::move(options_)},
@@ -195,17 +195,17 @@ struct LiveShell::Inside : std::enable_shared_from_this<LiveShell::Inside> {
 };
 
 LiveShell::LiveShell(EventLoop& loop, wire::Core& core, LiveOptions options, OpenPorts open_ports)
-    : inside_{std::make_shared<Inside>(loop, core, std::move(options), std::move(open_ports))} {}
+    : impl_{std::make_shared<Impl>(loop, core, std::move(options), std::move(open_ports))} {}
 
 LiveShell::~LiveShell() = default;
 
-Result<void> LiveShell::start() { return inside_->start(); }
+Result<void> LiveShell::start() { return impl_->start(); }
 void LiveShell::command(const std::string& source, std::string json) {
-  inside_->tell(wire::InputKind::command, source, std::move(json));
+  impl_->tell(wire::InputKind::command, source, std::move(json));
 }
-void LiveShell::after_input(std::function<void()> action) { inside_->after_input = std::move(action); }
-void LiveShell::stop(std::function<void(const std::string& digest)> done) { inside_->stop(std::move(done)); }
-bool LiveShell::link_up() const { return inside_->mqtt && inside_->mqtt->connected(); }
-std::uint64_t LiveShell::inputs() const { return inside_->inputs; }
+void LiveShell::after_input(std::function<void()> action) { impl_->after_input = std::move(action); }
+void LiveShell::stop(std::function<void(const std::string& digest)> done) { impl_->stop(std::move(done)); }
+bool LiveShell::link_up() const { return impl_->mqtt && impl_->mqtt->connected(); }
+std::uint64_t LiveShell::inputs() const { return impl_->inputs; }
 
 }  // namespace cosiva::adapters

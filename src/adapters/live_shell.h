@@ -52,8 +52,8 @@ class LiveShell {
   [[nodiscard]] std::uint64_t inputs() const;
 
  private:
-  struct Inside;
-  std::shared_ptr<Inside> inside_;
+  struct Impl;
+  std::shared_ptr<Impl> impl_;
 };
 
 }  // namespace cosiva::adapters

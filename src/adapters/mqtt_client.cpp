@@ -63,8 +63,8 @@ Result<MqttOptions> parse_broker_address(std::string_view text) {
   return options;
 }
 
-struct MqttClient::Inside : std::enable_shared_from_this<MqttClient::Inside> {
-  Inside(EventLoop& loop_, MqttOptions options_, std::vector<std::string> subscriptions_, MqttHandlers handlers_)
+struct MqttClient::Impl : std::enable_shared_from_this<MqttClient::Impl> {
+  Impl(EventLoop& loop_, MqttOptions options_, std::vector<std::string> subscriptions_, MqttHandlers handlers_)
       : loop{loop_},
         options{std::move(options_)},
         subscriptions{std::move(subscriptions_)},
@@ -75,7 +75,7 @@ struct MqttClient::Inside : std::enable_shared_from_this<MqttClient::Inside> {
         watchdog{loop_},
         drain_timer{loop_} {}
 
-  ~Inside() {
+  ~Impl() {
     if (client != nullptr) mosquitto_destroy(client);
   }
 
@@ -95,13 +95,13 @@ struct MqttClient::Inside : std::enable_shared_from_this<MqttClient::Inside> {
     mosquitto_int_option(client, MOSQ_OPT_PROTOCOL_VERSION, MQTT_PROTOCOL_V311);
     mosquitto_max_inflight_messages_set(client, 0);
     mosquitto_connect_callback_set(client,
-                                   [](mosquitto*, void* self, int rc) { static_cast<Inside*>(self)->on_connect(rc); });
+                                   [](mosquitto*, void* self, int rc) { static_cast<Impl*>(self)->on_connect(rc); });
     mosquitto_disconnect_callback_set(client,
-                                      [](mosquitto*, void* self, int) { static_cast<Inside*>(self)->lost = true; });
+                                      [](mosquitto*, void* self, int) { static_cast<Impl*>(self)->lost = true; });
     mosquitto_publish_callback_set(
-        client, [](mosquitto*, void* self, int mid) { static_cast<Inside*>(self)->unacknowledged.erase(mid); });
+        client, [](mosquitto*, void* self, int mid) { static_cast<Impl*>(self)->unacknowledged.erase(mid); });
     mosquitto_message_callback_set(client, [](mosquitto*, void* self, const mosquitto_message* message) {
-      static_cast<Inside*>(self)->on_message(*message);
+      static_cast<Impl*>(self)->on_message(*message);
     });
     if (will) {
       const wire::Publish& last = will->message;
@@ -419,29 +419,29 @@ MqttClient::MqttClient() = default;
 
 MqttClient::~MqttClient() {
   // Handlers belong to whoever owned us; none may run after this.
-  inside_->handlers = {};
-  inside_->stopping = true;
-  inside_->misc_timer.cancel();
-  inside_->retry_timer.cancel();
-  inside_->watchdog.cancel();
-  inside_->drain_timer.cancel();
-  inside_->drop_connection();
+  impl_->handlers = {};
+  impl_->stopping = true;
+  impl_->misc_timer.cancel();
+  impl_->retry_timer.cancel();
+  impl_->watchdog.cancel();
+  impl_->drain_timer.cancel();
+  impl_->drop_connection();
 }
 
 Result<std::unique_ptr<MqttClient>> MqttClient::make(EventLoop& loop, MqttOptions options,
                                                      std::vector<std::string> subscriptions,
                                                      const std::optional<wire::Will>& will, MqttHandlers handlers) {
   std::unique_ptr<MqttClient> made{new MqttClient};
-  made->inside_ = std::make_shared<Inside>(loop, std::move(options), std::move(subscriptions), std::move(handlers));
-  if (auto prepared = made->inside_->prepare(will); !prepared) return tl::unexpected(prepared.error());
+  made->impl_ = std::make_shared<Impl>(loop, std::move(options), std::move(subscriptions), std::move(handlers));
+  if (auto prepared = made->impl_->prepare(will); !prepared) return tl::unexpected(prepared.error());
   return made;
 }
 
-void MqttClient::start() { inside_->start(); }
-bool MqttClient::connected() const { return inside_->up; }
-bool MqttClient::publish(const wire::Publish& message) { return inside_->publish(message); }
-void MqttClient::stop(std::function<void()> done) { inside_->stop(std::move(done)); }
-void MqttClient::listen(std::vector<std::string> filters) { inside_->listen(std::move(filters)); }
-const MqttClient::Counters& MqttClient::counters() const { return inside_->counters; }
+void MqttClient::start() { impl_->start(); }
+bool MqttClient::connected() const { return impl_->up; }
+bool MqttClient::publish(const wire::Publish& message) { return impl_->publish(message); }
+void MqttClient::stop(std::function<void()> done) { impl_->stop(std::move(done)); }
+void MqttClient::listen(std::vector<std::string> filters) { impl_->listen(std::move(filters)); }
+const MqttClient::Counters& MqttClient::counters() const { return impl_->counters; }
 
 }  // namespace cosiva::adapters

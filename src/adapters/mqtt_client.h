@@ -75,8 +75,8 @@ class MqttClient {
 
  private:
   MqttClient();
-  struct Inside;
-  std::shared_ptr<Inside> inside_;
+  struct Impl;
+  std::shared_ptr<Impl> impl_;
 };
 
 }  // namespace cosiva::adapters

@@ -18,8 +18,8 @@ constexpr const char* page_not_built =
 
 }  // namespace
 
-struct ServerPage::Inside {
-  explicit Inside(PageHost host) : calls{std::move(host)} {}
+struct ServerPage::Impl {
+  explicit Impl(PageHost host) : calls{std::move(host)} {}
 
   [[nodiscard]] StreamSource source() const {
     const virtual_side::ServerCore* core = calls.host().core;
@@ -39,13 +39,13 @@ struct ServerPage::Inside {
   std::unique_ptr<PageStream> stream;
 };
 
-ServerPage::ServerPage(std::unique_ptr<Inside> inside) : inside_{std::move(inside)} {}
+ServerPage::ServerPage(std::unique_ptr<Impl> inside) : impl_{std::move(inside)} {}
 ServerPage::~ServerPage() = default;
 
 Result<std::unique_ptr<ServerPage>> ServerPage::open(adapters::EventLoop& loop, PageHost host, std::uint16_t port,
                                                      std::string web_root, bool headless) {
   COSIVA_EXPECT(host.core != nullptr && host.command && host.now && host.zones != nullptr);
-  auto inside = std::make_unique<Inside>(std::move(host));
+  auto inside = std::make_unique<Impl>(std::move(host));
   adapters::HttpOptions options;
   options.port = port;
   options.large_body_path = switch_path;
@@ -63,7 +63,7 @@ Result<std::unique_ptr<ServerPage>> ServerPage::open(adapters::EventLoop& loop, 
   return std::unique_ptr<ServerPage>{new ServerPage(std::move(inside))};
 }
 
-std::uint16_t ServerPage::port() const { return inside_->http->port(); }
+std::uint16_t ServerPage::port() const { return impl_->http->port(); }
 
 void ServerPage::truth(const std::string& json) {
   const auto truth = JsonValue::parse(json);
@@ -73,10 +73,10 @@ void ServerPage::truth(const std::string& json) {
     for (const JsonValue& obstacle : *list->array())
       if (auto id = obstacle.text("id")) obstacles.insert(std::move(*id));
   }
-  inside_->calls.know_plant(std::move(obstacles));
-  inside_->stream->truth(*truth);
+  impl_->calls.know_plant(std::move(obstacles));
+  impl_->stream->truth(*truth);
 }
 
-void ServerPage::changed() { inside_->stream->changed(); }
+void ServerPage::changed() { impl_->stream->changed(); }
 
 }  // namespace cosiva::app

@@ -54,9 +54,9 @@ class ServerPage {
   void changed();
 
  private:
-  struct Inside;
-  explicit ServerPage(std::unique_ptr<Inside> inside);
-  std::unique_ptr<Inside> inside_;
+  struct Impl;
+  explicit ServerPage(std::unique_ptr<Impl> inside);
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace cosiva::app

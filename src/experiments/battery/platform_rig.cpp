@@ -22,7 +22,7 @@ std::string name_of(std::size_t vehicle) { return "AIV" + std::to_string(vehicle
 
 }  // namespace
 
-struct PlatformRig::Inside {
+struct PlatformRig::Impl {
   struct Seat {
     std::optional<ProcedureCommand> change;  ///< asked for, not yet reported ready
     SimTime changed{};
@@ -42,7 +42,7 @@ struct PlatformRig::Inside {
   std::vector<std::string> words;
   SimTime began{};
 
-  Inside(std::unique_ptr<World> w, VirtualRigOptions o)
+  Impl(std::unique_ptr<World> w, VirtualRigOptions o)
       : options{std::move(o)},
         world{std::move(w)},
         procedure{options.procedure},
@@ -168,7 +168,7 @@ struct PlatformRig::Inside {
   }
 };
 
-PlatformRig::PlatformRig(std::unique_ptr<Inside> inside) : inside_{std::move(inside)} {}
+PlatformRig::PlatformRig(std::unique_ptr<Impl> inside) : impl_{std::move(inside)} {}
 PlatformRig::~PlatformRig() = default;
 PlatformRig::PlatformRig(PlatformRig&&) noexcept = default;
 PlatformRig& PlatformRig::operator=(PlatformRig&&) noexcept = default;
@@ -186,8 +186,8 @@ Result<PlatformRig> PlatformRig::make(WorldOptions world_options, VirtualRigOpti
     if ((*world)->now() > latest) return fail("battery.fleet", "the fleet was not complete within two minutes");
     (*world)->run_for(half_a_second);
   }
-  PlatformRig rig{std::make_unique<Inside>(std::move(*world), std::move(options))};
-  Inside& in = *rig.inside_;
+  PlatformRig rig{std::make_unique<Impl>(std::move(*world), std::move(options))};
+  Impl& in = *rig.impl_;
   in.began = in.world->now();
   in.listen();
   in.spread_loads();
@@ -196,13 +196,13 @@ Result<PlatformRig> PlatformRig::make(WorldOptions world_options, VirtualRigOpti
 }
 
 void PlatformRig::step() {
-  if (!done()) inside_->step();
+  if (!done()) impl_->step();
 }
-bool PlatformRig::done() const { return inside_->procedure.done(); }
-SimTime PlatformRig::now() const { return inside_->world->now(); }
-const Procedure& PlatformRig::procedure() const { return inside_->procedure; }
-const std::vector<TrueEnd>& PlatformRig::truth() const { return inside_->ends; }
-std::vector<std::string> PlatformRig::take_words() { return std::exchange(inside_->words, {}); }
-World& PlatformRig::world() { return *inside_->world; }
+bool PlatformRig::done() const { return impl_->procedure.done(); }
+SimTime PlatformRig::now() const { return impl_->world->now(); }
+const Procedure& PlatformRig::procedure() const { return impl_->procedure; }
+const std::vector<TrueEnd>& PlatformRig::truth() const { return impl_->ends; }
+std::vector<std::string> PlatformRig::take_words() { return std::exchange(impl_->words, {}); }
+World& PlatformRig::world() { return *impl_->world; }
 
 }  // namespace cosiva::experiments

@@ -32,9 +32,9 @@ class PlatformRig {
   [[nodiscard]] World& world();
 
  private:
-  struct Inside;
-  explicit PlatformRig(std::unique_ptr<Inside> inside);
-  std::unique_ptr<Inside> inside_;
+  struct Impl;
+  explicit PlatformRig(std::unique_ptr<Impl> inside);
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace cosiva::experiments

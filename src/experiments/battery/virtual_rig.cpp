@@ -23,7 +23,7 @@ tl::unexpected<Error> bad(std::string what) { return fail("battery.state", std::
 
 }  // namespace
 
-struct VirtualRig::Inside {
+struct VirtualRig::Impl {
   /// A place on the circuit: the vehicle, its monitor, and the gauge that believes something of whichever battery is
   /// in.
   struct Cart {
@@ -50,7 +50,7 @@ struct VirtualRig::Inside {
   std::vector<std::string> words;
   ProcedureCommands changes;  ///< asked for, to be done before the next run
 
-  Inside(VirtualRigOptions o, std::vector<LoadProfile> l)
+  Impl(VirtualRigOptions o, std::vector<LoadProfile> l)
       : options{std::move(o)},
         loads{std::move(l)},
         table{std::make_shared<battery::CellTable>(options.battery.type)},
@@ -174,19 +174,19 @@ struct VirtualRig::Inside {
 };
 
 VirtualRig::VirtualRig(VirtualRigOptions options, std::vector<LoadProfile> loads)
-    : inside_{std::make_unique<Inside>(std::move(options), std::move(loads))} {}
+    : impl_{std::make_unique<Impl>(std::move(options), std::move(loads))} {}
 VirtualRig::~VirtualRig() = default;
 VirtualRig::VirtualRig(VirtualRig&&) noexcept = default;
 VirtualRig& VirtualRig::operator=(VirtualRig&&) noexcept = default;
 
 void VirtualRig::step() {
-  if (!done()) inside_->step();
+  if (!done()) impl_->step();
 }
-bool VirtualRig::done() const { return inside_->procedure.done(); }
-SimTime VirtualRig::now() const { return inside_->now; }
-const Procedure& VirtualRig::procedure() const { return inside_->procedure; }
-const std::vector<TrueEnd>& VirtualRig::truth() const { return inside_->ends; }
-std::vector<std::string> VirtualRig::take_words() { return std::exchange(inside_->words, {}); }
+bool VirtualRig::done() const { return impl_->procedure.done(); }
+SimTime VirtualRig::now() const { return impl_->now; }
+const Procedure& VirtualRig::procedure() const { return impl_->procedure; }
+const std::vector<TrueEnd>& VirtualRig::truth() const { return impl_->ends; }
+std::vector<std::string> VirtualRig::take_words() { return std::exchange(impl_->words, {}); }
 
 namespace {
 
@@ -221,7 +221,7 @@ Result<TrueEnd> read_truth(const JsonValue& json) {
 }  // namespace
 
 std::string VirtualRig::state_json() const {
-  const Inside& in = *inside_;
+  const Impl& in = *impl_;
   JsonWriter json;
   json.begin_object().field("format", "cosiva-battery-test/1").field("seed", std::to_string(in.options.seed));
   json.field("type", in.options.battery.type.name).field("minutes", in.minutes);
@@ -229,7 +229,7 @@ std::string VirtualRig::state_json() const {
   json.key("packs").begin_array();
   for (const battery::Pack& pack : in.packs) json.raw(pack.state_json());
   json.end_array().key("carts").begin_array();
-  for (const Inside::Cart& cart : in.carts) {
+  for (const Impl::Cart& cart : in.carts) {
     json.begin_object().key("gauge").raw(cart.gauge.state_json()).field("at", cart.at);
     json.field("distance_m", cart.distance_m).field("paused", cart.paused).key("fails_after_s");
     json.value(cart.fails_after_s).key("truth");  // infinity becomes null
@@ -245,7 +245,7 @@ Result<void> VirtualRig::restore(std::string_view state_json) {
   constexpr std::size_t bytes_max = 512U << 20U;
   const auto json = JsonValue::parse(state_json, bytes_max);
   if (!json) return bad(json.error().message);
-  Inside& in = *inside_;
+  Impl& in = *impl_;
   if (json->text("format") != "cosiva-battery-test/1") return bad("it is no battery test's");
   if (json->text("seed") != std::to_string(in.options.seed) || json->text("type") != in.options.battery.type.name)
     return bad("it is another test's: its seed or type differs");
@@ -262,7 +262,7 @@ Result<void> VirtualRig::restore(std::string_view state_json) {
     if (auto done = in.packs[b].restore(to_text((*packs->array())[b])); !done) return done;
   for (std::size_t v = 0; v < in.carts.size(); ++v) {
     const JsonValue& saved = (*carts->array())[v];
-    Inside::Cart& cart = in.carts[v];
+    Impl::Cart& cart = in.carts[v];
     const JsonValue* gauge = saved.find("gauge");
     const JsonValue* truth = saved.find("truth");
     const auto at = saved.number("at");

@@ -66,8 +66,8 @@ class VirtualRig {
   [[nodiscard]] Result<void> restore(std::string_view state_json);
 
  private:
-  struct Inside;
-  std::unique_ptr<Inside> inside_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace cosiva::experiments

@@ -56,8 +56,8 @@ std::optional<PortAddress> parse_port(std::string_view name) {
 
 }  // namespace
 
-struct PlantCore::Inside {
-  Inside(PlantOptions given, const zone::Rtm& read, const std::vector<zone::Place>& places)
+struct PlantCore::Impl {
+  Impl(PlantOptions given, const zone::Rtm& read, const std::vector<zone::Place>& places)
       : options{std::move(given)},
         floor{std::make_shared<Floor>(read.share_zone(), options.noise.tag_range_m)},
         fan{read.zone().vehicle},
@@ -121,12 +121,12 @@ Result<std::unique_ptr<PlantCore>> PlantCore::make(PlantOptions options) {
                                       " vehicles, asked for " + std::to_string(options.vehicles));
   }
   std::unique_ptr<PlantCore> core{new PlantCore};
-  core->inside_ = std::make_unique<Inside>(std::move(options), *rtm, places);
+  core->impl_ = std::make_unique<Impl>(std::move(options), *rtm, places);
   return core;
 }
 
 void PlantCore::handle(const wire::Input& input, wire::Effects& effects) {
-  Inside& in = *inside_;
+  Impl& in = *impl_;
   if (!in.powered_at) in.power_up(input.at);
   switch (input.kind) {
     case wire::InputKind::tick: return in.tick(input.at, effects);
@@ -149,7 +149,7 @@ void PlantCore::farewell(SimTime /*now*/, wire::Effects& /*effects*/) {
 }
 
 void PlantCore::fold(Digest& digest) const {
-  for (const Vehicle& vehicle : inside_->vehicles) {
+  for (const Vehicle& vehicle : impl_->vehicles) {
     const Pose2& pose = vehicle.motion().body().X_MB;
     digest.add(pose.x_m);
     digest.add(pose.y_m);
@@ -159,20 +159,20 @@ void PlantCore::fold(Digest& digest) const {
     digest.add(vehicle.charge());
     digest.add(std::string_view{vehicle.display()});
   }
-  for (const Collision& collision : inside_->collisions) {
+  for (const Collision& collision : impl_->collisions) {
     digest.add(collision.at);
     digest.add(std::string_view{collision.a});
     digest.add(std::string_view{collision.b});
   }
 }
 
-SimDuration PlantCore::tick_period() const { return inside_->options.cycle; }
+SimDuration PlantCore::tick_period() const { return impl_->options.cycle; }
 
-const PlantOptions& PlantCore::options() const { return inside_->options; }
+const PlantOptions& PlantCore::options() const { return impl_->options; }
 
 std::vector<std::string> PlantCore::ports() const {
   std::vector<std::string> names;
-  for (const Vehicle& vehicle : inside_->vehicles) {
+  for (const Vehicle& vehicle : impl_->vehicles) {
     for (const wire::Board board : wire::all_boards) names.push_back(vehicle.port(board));
   }
   return names;
@@ -180,8 +180,8 @@ std::vector<std::string> PlantCore::ports() const {
 
 std::vector<TrueVehicle> PlantCore::vehicles() const {
   std::vector<TrueVehicle> truth;
-  truth.reserve(inside_->vehicles.size());
-  for (const Vehicle& vehicle : inside_->vehicles) {
+  truth.reserve(impl_->vehicles.size());
+  for (const Vehicle& vehicle : impl_->vehicles) {
     const LineVehicle& motion = vehicle.motion();
     const PowerTrain& power = vehicle.power();
     truth.push_back({vehicle.number(),
@@ -190,7 +190,7 @@ std::vector<TrueVehicle> PlantCore::vehicles() const {
                      vehicle.distance_m(),
                      vehicle.laps(),
                      vehicle.charge(),
-                     vehicle.powered(inside_->now),
+                     vehicle.powered(impl_->now),
                      vehicle.display(),
                      motion.following() ? std::optional{motion.place()} : std::nullopt,
                      {power.pack().voltage_v(), power.pack().current_a(), power.pack().temperature_c(), power.load_w(),
@@ -199,14 +199,14 @@ std::vector<TrueVehicle> PlantCore::vehicles() const {
   return truth;
 }
 
-const std::vector<Collision>& PlantCore::collisions() const { return inside_->collisions; }
+const std::vector<Collision>& PlantCore::collisions() const { return impl_->collisions; }
 
 std::string PlantCore::summary_json() const {
   std::uint64_t laps = 0;
   double longest_wait_s = 0.0;
   JsonWriter json;
   json.begin_object().key("vehicles").begin_array();
-  for (const Vehicle& vehicle : inside_->vehicles) {
+  for (const Vehicle& vehicle : impl_->vehicles) {
     const Pose2& pose = vehicle.motion().body().X_MB;
     laps += vehicle.laps();
     longest_wait_s = std::max(longest_wait_s, vehicle.longest_wait_s());
@@ -216,7 +216,7 @@ std::string PlantCore::summary_json() const {
     json.field("charge", vehicle.charge()).field("longest_wait_s", vehicle.longest_wait_s()).end_object();
   }
   json.end_array().key("collisions").begin_array();
-  for (const Collision& collision : inside_->collisions) {
+  for (const Collision& collision : impl_->collisions) {
     json.begin_object().field("at", to_iso8601(collision.at)).field("a", collision.a).field("b", collision.b);
     json.end_object();
   }
@@ -224,18 +224,18 @@ std::string PlantCore::summary_json() const {
   return json.take();
 }
 
-void PlantCore::Inside::power_up(SimTime at) {
+void PlantCore::Impl::power_up(SimTime at) {
   powered_at = at;
   now = at;
   truth.start(at);
   for (Vehicle& vehicle : vehicles) vehicle.power_up(at, options.seed);
 }
 
-void PlantCore::Inside::note_bodies() {
+void PlantCore::Impl::note_bodies() {
   for (std::size_t i = 0; i < vehicles.size(); ++i) bodies[i] = vehicles[i].motion().body();
 }
 
-void PlantCore::Inside::tick(SimTime at, wire::Effects& effects) {
+void PlantCore::Impl::tick(SimTime at, wire::Effects& effects) {
   SimDuration dt = at - now;
   if (dt > tick_gap_max || dt < SimDuration::zero()) {
     effects.emplace_back(wire::Log{'w', "the plant's clock jumped by " + std::to_string(to_seconds(dt)) +
@@ -257,13 +257,13 @@ void PlantCore::Inside::tick(SimTime at, wire::Effects& effects) {
     effects.emplace_back(wire::Publish{std::string(wire::plant_truth_topic), truth_json(), 0, false});
 }
 
-void PlantCore::Inside::watch_contacts() {
+void PlantCore::Impl::watch_contacts() {
   contacts.clear();
   watch.look(bodies, obstacles.discs(), contacts);
   for (const auto& pair : contacts) collisions.push_back({now, name_of(pair.a), name_of(pair.b)});
 }
 
-void PlantCore::Inside::scan(std::size_t index) {
+void PlantCore::Impl::scan(std::size_t index) {
   fan.aim(bodies[index]);
   for (std::size_t other = 0; other < bodies.size(); ++other) {
     if (other != index) fan.see(bodies[other]);
@@ -271,12 +271,12 @@ void PlantCore::Inside::scan(std::size_t index) {
   for (const auto& obstacle : obstacles.all()) fan.see(obstacle.disc);
 }
 
-std::string PlantCore::Inside::name_of(CollisionWatch::BodyKey key) const {
+std::string PlantCore::Impl::name_of(CollisionWatch::BodyKey key) const {
   if ((key & CollisionWatch::obstacle_bit) == 0) return "AIV" + std::to_string(key + 1);
   return obstacles.name_of(key);
 }
 
-std::string PlantCore::Inside::truth_json() const {
+std::string PlantCore::Impl::truth_json() const {
   JsonWriter json;
   json.begin_object().field("timestamp", to_iso8601(now)).key("vehicles").begin_array();
   for (const Vehicle& vehicle : vehicles) {
@@ -294,7 +294,7 @@ std::string PlantCore::Inside::truth_json() const {
   return json.take();
 }
 
-void PlantCore::Inside::take_over(const ZoneExchange::News& news) {
+void PlantCore::Impl::take_over(const ZoneExchange::News& news) {
   options.zone = exchange.configuration();
   // The vehicles' readers look at this very floor; from the next tick on they find the new tags.
   if (news.same_ways) {
@@ -307,7 +307,7 @@ void PlantCore::Inside::take_over(const ZoneExchange::News& news) {
 }
 
 /// Who stands is on the newest floor, before anybody can tell it to drive.
-void PlantCore::Inside::change_floors() {
+void PlantCore::Impl::change_floors() {
   for (Vehicle& vehicle : vehicles) {
     if (vehicle.floor() == floor) continue;
     vehicle.await_floor();
@@ -315,18 +315,18 @@ void PlantCore::Inside::change_floors() {
   }
 }
 
-void PlantCore::Inside::on_link(const wire::Input& input) {
+void PlantCore::Impl::on_link(const wire::Input& input) {
   broker_up = input.payload == "up";
   exchange.on_link(broker_up, input.at);
 }
 
-void PlantCore::Inside::on_message(const wire::Input& input, wire::Effects& effects) {
+void PlantCore::Impl::on_message(const wire::Input& input, wire::Effects& effects) {
   if (input.source == wire::plant_command_topic) return on_command(input.payload, message_bytes_max, effects);
   if (!input.source.starts_with(wire::zone_topic_prefix)) return;
   if (const auto news = exchange.on_message(input.source, input.payload, input.at, effects)) take_over(*news);
 }
 
-void PlantCore::Inside::on_port(const wire::Input& input, wire::Effects& effects) {
+void PlantCore::Impl::on_port(const wire::Input& input, wire::Effects& effects) {
   const auto address = parse_port(input.source);
   if (!address || address->vehicle < 1 || address->vehicle > vehicles.size()) {
     effects.emplace_back(wire::Log{'w', "no vehicle has a port '" + input.source + "'"});
@@ -335,7 +335,7 @@ void PlantCore::Inside::on_port(const wire::Input& input, wire::Effects& effects
   vehicles[address->vehicle - 1].connect(address->board, input.payload == "up");
 }
 
-void PlantCore::Inside::on_bytes(const wire::Input& input, wire::Effects& effects) {
+void PlantCore::Impl::on_bytes(const wire::Input& input, wire::Effects& effects) {
   const auto address = parse_port(input.source);
   if (!address || address->vehicle < 1 || address->vehicle > vehicles.size()) {
     effects.emplace_back(wire::Log{'w', "bytes for '" + input.source + "', which no vehicle has"});
@@ -344,13 +344,13 @@ void PlantCore::Inside::on_bytes(const wire::Input& input, wire::Effects& effect
   vehicles[address->vehicle - 1].on_bytes(input.at, address->board, input.payload);
 }
 
-void PlantCore::Inside::on_command(std::string_view json, std::size_t bytes_max, wire::Effects& effects) {
+void PlantCore::Impl::on_command(std::string_view json, std::size_t bytes_max, wire::Effects& effects) {
   const auto command = JsonValue::parse(json, bytes_max);
   const auto error = command ? obey(*command, effects) : std::optional(command.error());
   if (error) effects.emplace_back(wire::Log{'w', "plant command refused: " + to_string(*error)});
 }
 
-std::optional<Error> PlantCore::Inside::obey(const JsonValue& command, wire::Effects& effects) {
+std::optional<Error> PlantCore::Impl::obey(const JsonValue& command, wire::Effects& effects) {
   if (const JsonValue* given = command.find("addObstacle")) return obstacles.add(*given, bodies);
   if (const auto id = command.text("removeObstacle")) return obstacles.remove(*id);
   if (const JsonValue* given = command.find("switch")) {
@@ -369,7 +369,7 @@ std::optional<Error> PlantCore::Inside::obey(const JsonValue& command, wire::Eff
                {}};
 }
 
-Result<Vehicle*> PlantCore::Inside::vehicle_of(const JsonValue& command) {
+Result<Vehicle*> PlantCore::Impl::vehicle_of(const JsonValue& command) {
   const auto number = command.number("vehicle");
   if (!number || !(*number >= 1.0 && *number <= static_cast<double>(vehicles.size())))
     return fail("plant.vehicle", "give a vehicle's number, from 1 to " + std::to_string(vehicles.size()), "vehicle");
@@ -377,7 +377,7 @@ Result<Vehicle*> PlantCore::Inside::vehicle_of(const JsonValue& command) {
 }
 
 /// Who has changed it says so: batteryReady (A37).
-std::optional<Error> PlantCore::Inside::change_battery(const JsonValue& given, wire::Effects& effects) {
+std::optional<Error> PlantCore::Impl::change_battery(const JsonValue& given, wire::Effects& effects) {
   const auto vehicle = vehicle_of(given);
   if (!vehicle) return vehicle.error();
   const auto change = battery_change_from_json(given);
@@ -395,7 +395,7 @@ std::optional<Error> PlantCore::Inside::change_battery(const JsonValue& given, w
   return std::nullopt;
 }
 
-std::optional<Error> PlantCore::Inside::set_load(const JsonValue& given) {
+std::optional<Error> PlantCore::Impl::set_load(const JsonValue& given) {
   const auto vehicle = vehicle_of(given);
   if (!vehicle) return vehicle.error();
   const auto factor = given.number("factor");

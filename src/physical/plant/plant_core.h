@@ -79,8 +79,8 @@ class PlantCore final : public wire::Core {
 
  private:
   PlantCore();
-  struct Inside;
-  std::unique_ptr<Inside> inside_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace cosiva::physical

@@ -67,15 +67,15 @@ PixelPoint SeenTag::centre() const {
   return {a.u + along * ux, a.v + along * uy};
 }
 
-struct TagFinder::Inside {
-  Inside() : family{tag36h11_create()}, detector{apriltag_detector_create()} {
+struct TagFinder::Impl {
+  Impl() : family{tag36h11_create()}, detector{apriltag_detector_create()} {
     apriltag_detector_add_family_bits(detector, family, 2);
     detector->nthreads = 1;
     detector->refine_edges = true;
   }
-  Inside(const Inside&) = delete;
-  Inside& operator=(const Inside&) = delete;
-  ~Inside() {
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+  ~Impl() {
     apriltag_detector_destroy(detector);
     tag36h11_destroy(family);
   }
@@ -83,7 +83,7 @@ struct TagFinder::Inside {
   apriltag_detector_t* detector;
 };
 
-TagFinder::TagFinder() : in_{std::make_unique<Inside>()} {}
+TagFinder::TagFinder() : in_{std::make_unique<Impl>()} {}
 TagFinder::TagFinder(TagFinder&&) noexcept = default;
 TagFinder& TagFinder::operator=(TagFinder&&) noexcept = default;
 TagFinder::~TagFinder() = default;

@@ -48,8 +48,8 @@ class TagFinder {
   [[nodiscard]] std::vector<SeenTag> find_all(const Image& image);
 
  private:
-  struct Inside;
-  std::unique_ptr<Inside> in_;
+  struct Impl;
+  std::unique_ptr<Impl> in_;
 };
 
 /// A tag as it is printed: 10 × 10 cells with its white margin, from above, true where white. Its black square is the

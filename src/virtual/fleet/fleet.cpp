@@ -22,8 +22,8 @@
 namespace cosiva::virtual_side {
 
 /// Invariant: the parts work on the tables beside them, so an Inside is never moved.
-struct Fleet::Inside {
-  Inside(Ground ground, const FleetOptions& options, std::optional<FleetRules> rules, std::size_t vehicles)
+struct Fleet::Impl {
+  Impl(Ground ground, const FleetOptions& options, std::optional<FleetRules> rules, std::size_t vehicles)
       : tables{std::move(ground), options}, stepper{tables, grants, changes, poses, std::move(rules), vehicles} {}
 
   FleetTables tables;
@@ -38,7 +38,7 @@ struct Fleet::Inside {
   Stepper stepper;
 };
 
-Fleet::Fleet(std::unique_ptr<Inside> inside) : in_{std::move(inside)} {}
+Fleet::Fleet(std::unique_ptr<Impl> inside) : in_{std::move(inside)} {}
 Fleet::Fleet(Fleet&&) noexcept = default;
 Fleet& Fleet::operator=(Fleet&&) noexcept = default;
 Fleet::~Fleet() = default;
@@ -59,7 +59,7 @@ Result<Fleet> Fleet::make(std::shared_ptr<const zone::TrafficZone> zone, const F
     if (!narrowed) return tl::unexpected(narrowed.error());
     rules = std::move(*narrowed);
   }
-  auto inside = std::make_unique<Inside>(std::move(*ground), options, std::move(rules), starts.size());
+  auto inside = std::make_unique<Impl>(std::move(*ground), options, std::move(rules), starts.size());
   Placement placement{inside->tables, inside->leaders, inside->survey, inside->presence};
   if (auto placed = placement.place(starts); !placed) return tl::unexpected(placed.error());
   inside->poses.write(0, static_cast<std::uint32_t>(starts.size()));

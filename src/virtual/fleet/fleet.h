@@ -153,9 +153,9 @@ class Fleet {
   [[nodiscard]] std::size_t bytes() const;  ///< of memory, all in all
 
  private:
-  struct Inside;
-  explicit Fleet(std::unique_ptr<Inside> inside);
-  std::unique_ptr<Inside> in_;
+  struct Impl;
+  explicit Fleet(std::unique_ptr<Impl> inside);
+  std::unique_ptr<Impl> in_;
 };
 
 }  // namespace cosiva::virtual_side

@@ -48,13 +48,13 @@ aiv::OnboardOptions options_of(std::string serial, std::uint32_t number, zone::Z
 
 }  // namespace
 
-struct VirtualAiv::Inside {
-  Inside(std::string serial, std::uint32_t number, zone::ZoneConfiguration configuration, zone::Place start,
+struct VirtualAiv::Impl {
+  Impl(std::string serial, std::uint32_t number, zone::ZoneConfiguration configuration, zone::Place start,
          std::string interface_name, aiv::SpeedRules rules, bool v2x)
-      : Inside{zone_of(configuration),    std::move(serial), number, std::move(configuration), start,
+      : Impl{zone_of(configuration),    std::move(serial), number, std::move(configuration), start,
                std::move(interface_name), std::move(rules),  v2x} {}
 
-  Inside(const std::shared_ptr<const zone::TrafficZone>& zone, std::string serial, std::uint32_t number,
+  Impl(const std::shared_ptr<const zone::TrafficZone>& zone, std::string serial, std::uint32_t number,
          zone::ZoneConfiguration configuration, zone::Place start, std::string interface_name, aiv::SpeedRules rules,
          bool v2x)
       : boards{session_of(serial, number)},
@@ -137,33 +137,33 @@ struct VirtualAiv::Inside {
 
 VirtualAiv::VirtualAiv(std::string serial, std::uint32_t number, zone::ZoneConfiguration zone, zone::Place start,
                        std::string interface_name, aiv::SpeedRules rules, bool v2x)
-    : inside_{std::make_unique<Inside>(std::move(serial), number, std::move(zone), start, std::move(interface_name),
+    : impl_{std::make_unique<Impl>(std::move(serial), number, std::move(zone), start, std::move(interface_name),
                                        std::move(rules), v2x)} {}
 VirtualAiv::~VirtualAiv() = default;
 VirtualAiv::VirtualAiv(VirtualAiv&&) noexcept = default;
 VirtualAiv& VirtualAiv::operator=(VirtualAiv&&) noexcept = default;
 
-const wire::VehicleId& VirtualAiv::id() const { return inside_->core.options().id; }
+const wire::VehicleId& VirtualAiv::id() const { return impl_->core.options().id; }
 
 void VirtualAiv::link(SimTime now, bool up, wire::Effects& effects) {
-  inside_->wake(now, effects);
-  inside_->feed({now, wire::InputKind::link, "broker", up ? "up" : "down", false}, effects);
+  impl_->wake(now, effects);
+  impl_->feed({now, wire::InputKind::link, "broker", up ? "up" : "down", false}, effects);
 }
 
 void VirtualAiv::message(SimTime now, const std::string& topic, const std::string& payload, wire::Effects& effects) {
-  inside_->wake(now, effects);
-  inside_->feed({now, wire::InputKind::message, topic, payload, false}, effects);
+  impl_->wake(now, effects);
+  impl_->feed({now, wire::InputKind::message, topic, payload, false}, effects);
 }
 
 void VirtualAiv::zone(SimTime now, const zone::ZoneConfiguration& zone, wire::Effects& effects) {
-  inside_->wake(now, effects);
+  impl_->wake(now, effects);
   // One that cannot be read leaves the floor as it is; the on-board program says why.
-  if (const auto rtm = zone::Rtm::initialise(zone)) inside_->body.change_floor(rtm->share_zone());
+  if (const auto rtm = zone::Rtm::initialise(zone)) impl_->body.change_floor(rtm->share_zone());
   message(now, std::string(wire::zone_topic_prefix) + zone.format, zone::to_payload(zone), effects);
 }
 
 void VirtualAiv::tick(SimTime now, wire::Effects& effects) {
-  Inside& in = *inside_;
+  Impl& in = *impl_;
   in.wake(now, effects);
   in.move(now);
   in.speak(now, effects);
@@ -172,18 +172,18 @@ void VirtualAiv::tick(SimTime now, wire::Effects& effects) {
 }
 
 void VirtualAiv::farewell(SimTime now, wire::Effects& effects) {
-  Inside& in = *inside_;
+  Impl& in = *impl_;
   in.effects.clear();
   in.core.farewell(now, in.effects);
   in.act(now, effects);
 }
 
-Pose2 VirtualAiv::X_MB() const { return inside_->body.X_MB(); }
-double VirtualAiv::speed_mps() const { return inside_->body.speed_mps(); }
-zone::Place VirtualAiv::place() const { return inside_->body.place(); }
+Pose2 VirtualAiv::X_MB() const { return impl_->body.X_MB(); }
+double VirtualAiv::speed_mps() const { return impl_->body.speed_mps(); }
+zone::Place VirtualAiv::place() const { return impl_->body.place(); }
 
 void VirtualAiv::fold(Digest& digest) const {
-  const Inside& in = *inside_;
+  const Impl& in = *impl_;
   in.core.fold(digest);
   in.boards.fold(digest);
   in.body.fold(digest);

@@ -51,8 +51,8 @@ class VirtualAiv {
   void fold(Digest& digest) const;
 
  private:
-  struct Inside;
-  std::unique_ptr<Inside> inside_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace cosiva::virtual_side

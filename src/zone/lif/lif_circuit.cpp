@@ -39,7 +39,7 @@ class Maker {
   [[nodiscard]] Way rejoined(Way way, const Edge& edge);
   [[nodiscard]] std::string unused(std::string name);
   [[nodiscard]] bool is_reached(std::size_t point) const {
-    return !arriving_[point].empty() || !leaving_[point].empty() || inside_.contains(point);
+    return !arriving_[point].empty() || !leaving_[point].empty() || impl_.contains(point);
   }
   void join();
   void join_end(std::size_t laid);
@@ -65,7 +65,7 @@ class Maker {
   std::vector<std::vector<std::size_t>> arriving_;  ///< likewise
   std::map<const Edge*, const Edge*> piece_after_;  ///< of a section that our writer has cut at stations
   std::set<const Edge*> rejoined_;
-  std::map<std::size_t, Place> inside_;  ///< by point: where it lies within such a section
+  std::map<std::size_t, Place> impl_;  ///< by point: where it lies within such a section
   std::set<std::string, std::less<>> names_;
   double length_m_{0.0};
   double turned_rad_{0.0};
@@ -179,7 +179,7 @@ Way Maker::rejoined(Way way, const Edge& edge) {
   if (!section) return way;
   const auto id = static_cast<SectionId>(ways_.parts.size());
   for (std::size_t i = 0; i + 1 < pieces.size(); ++i) {
-    inside_[point_[pieces[i]->to]] = {id, ends_m[i] * section->length_m() / ends_m.back()};
+    impl_[point_[pieces[i]->to]] = {id, ends_m[i] * section->length_m() / ends_m.back()};
     rejoined_.insert(pieces[i + 1]);
   }
   way.sections = {std::move(*section)};
@@ -340,7 +340,7 @@ void Maker::place_station(const std::string& name, std::size_t node, bool charge
   while (!station_names_.insert(unique).second) unique += '\'';
   const auto& arriving = arriving_[point_[node]];
   Place place{};
-  if (const auto inside = inside_.find(point_[node]); inside != inside_.end()) {
+  if (const auto inside = impl_.find(point_[node]); inside != impl_.end()) {
     place = inside->second;
   } else if (!arriving.empty()) {
     auto chosen = std::find_if(arriving.begin(), arriving.end(),

@@ -57,7 +57,7 @@ struct Actor {
   bool alive{false};
 };
 
-struct World::Inside {
+struct World::Impl {
   using ActorId = std::size_t;
   static constexpr ActorId plant_id = 0;
   static constexpr ActorId server_id = 1;
@@ -98,7 +98,7 @@ struct World::Inside {
   SimTime next_look{};      ///< at the fleet, or for the next step
   World::OnStep on_step;
 
-  explicit Inside(WorldOptions o) : options{std::move(o)}, network{options.seed, options.network} {}
+  explicit Impl(WorldOptions o) : options{std::move(o)}, network{options.seed, options.network} {}
 
   void feed(ActorId id, wire::InputKind kind, std::string source, std::string payload, bool flag = false) {
     Actor& actor = actors[id];
@@ -296,19 +296,19 @@ Result<std::unique_ptr<World>> World::make(WorldOptions options) {
 
   if (options.network.aside_prefix.empty()) options.network.aside_prefix = wire::v2x_topic_prefix;
   std::unique_ptr<World> world{new World};
-  world->inside_ = std::make_unique<Inside>(std::move(options));
-  Inside& inside = *world->inside_;
+  world->impl_ = std::make_unique<Impl>(std::move(options));
+  Impl& inside = *world->impl_;
   inside.start_places = rtm->zone().start_places(inside.options.aivs);
   for (zone::SectionId id = 0; id < rtm->zone().circuit.size(); ++id) {
     inside.section_names.push_back(rtm->zone().circuit.part(id).name);
   }
 
-  inside.actors.resize(Inside::first_aiv_id + inside.options.aivs);
-  inside.actors[Inside::plant_id].name = "plant";
-  inside.actors[Inside::server_id].name = "server";
-  inside.actors[Inside::server_id].tick_offset = inside.options.cycle ? server_after : SimDuration{microseconds{500}};
+  inside.actors.resize(Impl::first_aiv_id + inside.options.aivs);
+  inside.actors[Impl::plant_id].name = "plant";
+  inside.actors[Impl::server_id].name = "server";
+  inside.actors[Impl::server_id].tick_offset = inside.options.cycle ? server_after : SimDuration{microseconds{500}};
   for (std::uint32_t number = 1; number <= inside.options.aivs; ++number) {
-    Actor& actor = inside.actors[Inside::first_aiv_id + number - 1];
+    Actor& actor = inside.actors[Impl::first_aiv_id + number - 1];
     actor.name = "AIV" + std::to_string(number);
     // Vehicles power up one after another; their timers never beat in step.
     actor.tick_offset = microseconds{1300} * number % milliseconds{20};
@@ -316,7 +316,7 @@ Result<std::unique_ptr<World>> World::make(WorldOptions options) {
   }
 
   const std::string plant_configuration = physical::to_json((*plant)->options());
-  inside.start(Inside::plant_id, std::move(*plant), "plant", plant_configuration);
+  inside.start(Impl::plant_id, std::move(*plant), "plant", plant_configuration);
   inside.start_server();
   for (std::uint32_t number = 1; number <= inside.options.aivs; ++number) inside.start_aiv(number, true);
   inside.stranger = inside.network.connect(inside.now, {}, std::nullopt);
@@ -324,58 +324,58 @@ Result<std::unique_ptr<World>> World::make(WorldOptions options) {
 }
 
 void World::run_for(SimDuration duration) {
-  const SimTime end = inside_->now + duration;
-  for (SimTime next = inside_->next_event(); next <= end; next = inside_->next_event()) {
-    COSIVA_EXPECT(next >= inside_->now);
-    inside_->now = next;
-    inside_->step();
+  const SimTime end = impl_->now + duration;
+  for (SimTime next = impl_->next_event(); next <= end; next = impl_->next_event()) {
+    COSIVA_EXPECT(next >= impl_->now);
+    impl_->now = next;
+    impl_->step();
   }
-  inside_->now = end;
+  impl_->now = end;
 }
 
-SimTime World::now() const { return inside_->now; }
+SimTime World::now() const { return impl_->now; }
 
 void World::command_server(std::string json) {
-  inside_->feed(Inside::server_id, wire::InputKind::command, "world", std::move(json));
+  impl_->feed(Impl::server_id, wire::InputKind::command, "world", std::move(json));
 }
 
 void World::command_plant(std::string json) {
-  inside_->feed(Inside::plant_id, wire::InputKind::command, "world", std::move(json));
+  impl_->feed(Impl::plant_id, wire::InputKind::command, "world", std::move(json));
 }
 
 void World::play(const Scenario& scenario) {
-  inside_->player.emplace(scenario);
-  inside_->scenario_began.reset();
-  inside_->next_look = inside_->now;
+  impl_->player.emplace(scenario);
+  impl_->scenario_began.reset();
+  impl_->next_look = impl_->now;
 }
-std::optional<SimTime> World::scenario_began() const { return inside_->scenario_began; }
-bool World::scenario_done() const { return !inside_->player || inside_->player->done(); }
-void World::on_step(OnStep action) { inside_->on_step = std::move(action); }
+std::optional<SimTime> World::scenario_began() const { return impl_->scenario_began; }
+bool World::scenario_done() const { return !impl_->player || impl_->player->done(); }
+void World::on_step(OnStep action) { impl_->on_step = std::move(action); }
 
 void World::publish(const wire::Publish& message) {
-  if (message.topic == wire::plant_radio_topic) inside_->change_ether(message.payload);
-  inside_->network.publish(inside_->now, inside_->stranger, message);
+  if (message.topic == wire::plant_radio_topic) impl_->change_ether(message.payload);
+  impl_->network.publish(impl_->now, impl_->stranger, message);
 }
 
-void World::kill_aiv(std::uint32_t number) { inside_->kill(Inside::first_aiv_id + number - 1); }
-void World::start_aiv(std::uint32_t number) { inside_->start_aiv(number, false); }
-void World::kill_server() { inside_->kill(Inside::server_id); }
-void World::start_server() { inside_->start_server(); }
-void World::tap(Tap tap) { inside_->tap = std::move(tap); }
+void World::kill_aiv(std::uint32_t number) { impl_->kill(Impl::first_aiv_id + number - 1); }
+void World::start_aiv(std::uint32_t number) { impl_->start_aiv(number, false); }
+void World::kill_server() { impl_->kill(Impl::server_id); }
+void World::start_server() { impl_->start_server(); }
+void World::tap(Tap tap) { impl_->tap = std::move(tap); }
 
 const physical::PlantCore& World::plant() const {
-  return static_cast<const physical::PlantCore&>(*inside_->actors[Inside::plant_id].core);
+  return static_cast<const physical::PlantCore&>(*impl_->actors[Impl::plant_id].core);
 }
-const virtual_side::ServerCore& World::server() const { return inside_->server(); }
+const virtual_side::ServerCore& World::server() const { return impl_->server(); }
 const aiv::OnboardCore& World::aiv(std::uint32_t number) const {
-  return static_cast<const aiv::OnboardCore&>(*inside_->actors[Inside::first_aiv_id + number - 1].core);
+  return static_cast<const aiv::OnboardCore&>(*impl_->actors[Impl::first_aiv_id + number - 1].core);
 }
-const wire::Network& World::network() const { return inside_->network; }
-const std::vector<std::string>& World::log() const { return inside_->log; }
+const wire::Network& World::network() const { return impl_->network; }
+const std::vector<std::string>& World::log() const { return impl_->log; }
 
 Digest World::digest() const {
-  Digest digest = inside_->finished;
-  for (const Actor& actor : inside_->actors) {
+  Digest digest = impl_->finished;
+  for (const Actor& actor : impl_->actors) {
     if (actor.alive) digest.add(actor.runner->digest().value());
   }
   return digest;
@@ -383,7 +383,7 @@ Digest World::digest() const {
 
 Digest World::beliefs() const {
   Digest digest;
-  for (const Actor& actor : inside_->actors) {
+  for (const Actor& actor : impl_->actors) {
     if (actor.alive) actor.core->fold(digest);
   }
   return digest;

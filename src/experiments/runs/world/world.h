@@ -85,8 +85,8 @@ class World {
 
  private:
   World();
-  struct Inside;
-  std::unique_ptr<Inside> inside_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace cosiva::experiments
