@@ -17,7 +17,7 @@ class Control area {
   }
 
   start() {
-    const args = ['server', '--area', this.name, '--zone', zone(`hall_${this.name}`), '--broker', this.broker, '--port', String(this.port), '--headless', '--memory', path.join(this.folder, `${this.name}.memory`)];
+    const args = ['server', '--area', this.name, '--zone', zone(`hall_${this.name}`), '--broker', this.broker, '--port', String(this.port), '--headless', '--state_file', path.join(this.folder, `${this.name}.state_file`)];
     this.program = new Program(this.t, cosiva_binary(), args, { cwd: this.folder, name: `server ${this.name}` });
   }
 
@@ -99,7 +99,7 @@ test('a vehicle goes from area to area and back, and never loses its twin', { ti
   const starts = ['a_far:2.3', 'b_far:2.3'];
   const ones = [];
   const start_aiv = (number) => {
-    const args = ['aiv', '--number', String(number), '--sockets', sockets, '--start', starts[number - 1], '--broker', address, '--memory', path.join(folder, `aiv${number}.memory`)];
+    const args = ['aiv', '--number', String(number), '--sockets', sockets, '--start', starts[number - 1], '--broker', address, '--state_file', path.join(folder, `aiv${number}.state_file`)];
     ones[number - 1] = new Program(t, cosiva_binary(), args, { cwd: folder, name: `aiv ${number}` });
   };
   start_aiv(1);
@@ -178,7 +178,7 @@ test('a vehicle goes from area to area and back, and never loses its twin', { ti
   }, { within_ms: 10_000 });
   assert.equal(await a.has(local), false, 'nobody took it meanwhile');
 
-  // The zone that the emulated world serves is not the one that its memory is of.
+  // The zone that the emulated world serves is not the one that its state_file is of.
   await in_time('AIV2 is far from where it started', () => truth.vehicle(2).y > -0.35, { within_ms: 25_000 });
   process.kill(ones[1].pid, 'SIGKILL');
   await in_time('AIV2 is gone', () => ones[1].gone);

@@ -1,5 +1,5 @@
 // Twelve AIVs over MQTT, their zone switched ten times while they drive: nobody restarts, nothing is lost, nothing touches.
-// COSIVA_LONG=1 spreads the ten switches over five minutes. The server keeps its last 20 000 traces, so its memory is flat only
+// COSIVA_LONG=1 spreads the ten switches over five minutes. The server keeps its last 20 000 traces, so its state_file is flat only
 // once they are there, which takes half of that; the short run has a bound instead.
 import assert from 'node:assert/strict';
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';

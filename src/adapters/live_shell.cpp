@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "cosiva/adapters/lossy_radio.h"
-#include "cosiva/adapters/memory_file.h"
+#include "cosiva/adapters/state_file.h"
 #include "cosiva/journal/writer.h"
 #include "cosiva/wire/messages/topics.h"
 
@@ -82,10 +82,10 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
     if (mqtt) mqtt->listen(listen.filters);
   }
   void act(const wire::Remember& remember) {
-    if (!memory) return;
-    if (auto stored = memory->store(remember.bytes); !stored) {
+    if (!state_file) return;
+    if (auto stored = state_file->store(remember.bytes); !stored) {
       log('e', "nothing is remembered from now on: " + to_string(stored.error()));
-      memory.reset();
+      state_file.reset();
     }
   }
   void act(const wire::Log& line) { log(line.level, line.text); }
@@ -123,10 +123,10 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
 
   Result<void> start() {
     if (auto opened = open_journal(); !opened) return opened;
-    if (!options.memory_file.empty()) memory.emplace(options.memory_file);
+    if (!options.state_file.empty()) state_file.emplace(options.state_file);
     tell(wire::InputKind::configure, options.kind, options.options);
-    if (memory) {
-      if (auto bytes = memory->load()) tell(wire::InputKind::recall, "memory", std::move(*bytes));
+    if (state_file) {
+      if (auto bytes = state_file->load()) tell(wire::InputKind::recall, "state", std::move(*bytes));
     }
     if (auto prepared = connect(); !prepared) return prepared;
     if (open_ports) {
@@ -181,7 +181,7 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
   DiskWriter words;  ///< on stderr: what reads our log, or the disk it goes to, must not stop us
   std::unique_ptr<JournalFile> journal;
   std::optional<journal::Writer> writer;
-  std::optional<MemoryFile> memory;
+  std::optional<StateFile> state_file;
   std::optional<LossyRadio> radio;
   Timer tick_timer;
   std::deque<wire::Input> waiting;

@@ -8,7 +8,7 @@
 #include <csignal>
 
 #include "cosiva/adapters/broker.h"
-#include "cosiva/adapters/memory_file.h"
+#include "cosiva/adapters/state_file.h"
 #include "cosiva/adapters/test_bench.h"
 #include "cosiva/adapters/unix_ports.h"
 #include "cosiva/base/digest.h"
@@ -130,28 +130,28 @@ class InTheirPlace {
 };
 
 TEST_F(Shell, tells_configure_first_then_memory_then_ticks_in_order_of_time) {
-  scratch.write("memory", "remembered");
+  scratch.write("state", "remembered");
   EchoCore core;
-  LiveOptions with_memory = options();
-  with_memory.memory_file = scratch / "memory";
-  LiveShell shell{loop, core, with_memory};
+  LiveOptions with_state_file = options();
+  with_state_file.state_file = scratch / "state";
+  LiveShell shell{loop, core, with_state_file};
   ASSERT_TRUE(shell.start());
   ASSERT_TRUE(loop.run_until([&] { return core.ticks >= 3; }, patience));
   ASSERT_GE(core.heard.size(), 3U);
   EXPECT_EQ(core.heard[0], "1:echo:{}");
-  EXPECT_EQ(core.heard[1], "8:memory:remembered");
+  EXPECT_EQ(core.heard[1], "8:state:remembered");
   EXPECT_EQ(core.heard[2], "7::");
   EXPECT_FALSE(core.went_back);
 }
 
 TEST_F(Shell, keeps_what_the_core_wants_remembered) {
   EchoCore core;
-  LiveOptions with_memory = options();
-  with_memory.memory_file = scratch / "memory";
-  LiveShell shell{loop, core, with_memory};
+  LiveOptions with_state_file = options();
+  with_state_file.state_file = scratch / "state";
+  LiveShell shell{loop, core, with_state_file};
   ASSERT_TRUE(shell.start());
   shell.command("test", "place=3");
-  EXPECT_EQ(MemoryFile{scratch / "memory"}.load(), "place=3") << "at once: a moment later it may be killed";
+  EXPECT_EQ(StateFile{scratch / "state"}.load(), "place=3") << "at once: a moment later it may be killed";
 }
 
 TEST_F(Shell, runs_a_core_over_a_real_broker_and_real_sockets_and_the_journal_replays_to_the_same_digest) {

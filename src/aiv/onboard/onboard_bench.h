@@ -28,7 +28,7 @@ class OnboardBench {
   struct Setup {
     bool zone_told{true};
     std::optional<OnboardOptions::Start> start{OnboardOptions::Start{"loop_se", 0.0}};
-    std::string memory{};
+    std::string persisted{};
     std::uint32_t session{77};
     zone::Place truth{at(lacet4(), "loop_se", 0.0)};
     double odometer_m{0.0};
@@ -48,7 +48,7 @@ class OnboardBench {
     options.v2x = setup.v2x;
     core = std::make_unique<OnboardCore>(options);
     feed(wire::InputKind::configure, "aiv", to_json(options));
-    if (!setup.memory.empty()) feed(wire::InputKind::recall, "memory", setup.memory);
+    if (!setup.persisted.empty()) feed(wire::InputKind::recall, "state", setup.persisted);
     if (setup.broker_up) feed(wire::InputKind::link, "broker", "up");
     if (setup.boards_up) {
       for (const wire::Board board : wire::all_boards) plug(board);
@@ -126,7 +126,7 @@ class OnboardBench {
   /// A new process of the same vehicle, with what the old one remembered.
   [[nodiscard]] Setup reborn() const {
     Setup setup;
-    setup.memory = memory;
+    setup.persisted = persisted;
     setup.truth = truth.place(lacet4().circuit);
     setup.odometer_m = world.odometer_m;
     return setup;
@@ -171,7 +171,7 @@ class OnboardBench {
   std::vector<std::string> listens;  ///< to what it listens besides its subscriptions
   std::vector<SimTime> state_times;
   std::vector<std::string> displayed;
-  std::string memory;
+  std::string persisted;
   std::vector<wire::Log> logs;
   std::vector<std::string> undecodable;
   int drives{0};
@@ -188,7 +188,7 @@ class OnboardBench {
     for (const wire::Effect& effect : effects) {
       if (const auto* publish = std::get_if<wire::Publish>(&effect)) take(*publish);
       if (const auto* send = std::get_if<wire::SendBytes>(&effect)) take(*send);
-      if (const auto* remember = std::get_if<wire::Remember>(&effect)) memory = remember->bytes;
+      if (const auto* remember = std::get_if<wire::Remember>(&effect)) persisted = remember->bytes;
       if (const auto* line = std::get_if<wire::Log>(&effect)) logs.push_back(*line);
       if (const auto* listen = std::get_if<wire::Listen>(&effect)) listens = listen->filters;
     }

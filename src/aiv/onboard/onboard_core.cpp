@@ -91,7 +91,7 @@ struct OnboardCore::Parts {
 };
 
 void OnboardCore::Parts::on_restore(const wire::Input& input, wire::Effects& effects) {
-  auto restored = memory_from_json(input.payload);
+  auto restored = persisted_position_from_json(input.payload);
   if (!restored) return log(effects, 'w', "memory not used: " + to_string(restored.error()));
   positions.restore(std::move(*restored), context.get());
 }
@@ -402,7 +402,7 @@ void OnboardCore::fold(Digest& digest) const {
 
 SimDuration OnboardCore::tick_period() const { return parts_->options.cycle; }
 
-std::string OnboardCore::kept_memory() const { return parts_->positions.saved_json(); }
+std::string OnboardCore::persisted_bytes() const { return parts_->positions.saved_json(); }
 
 const OnboardOptions& OnboardCore::options() const { return parts_->options; }
 

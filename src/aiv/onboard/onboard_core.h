@@ -29,7 +29,7 @@ class OnboardCore final : public wire::Core {
 
   [[nodiscard]] const OnboardOptions& options() const;
   /// What Remember would have said last, where messages pass as values and nobody is told; empty: nothing yet.
-  [[nodiscard]] std::string kept_memory() const;
+  [[nodiscard]] std::string persisted_bytes() const;
   [[nodiscard]] std::vector<std::string> ports() const;
   /// What the vehicle believes; nothing until its position is known. For experiments and tests.
   [[nodiscard]] std::optional<Pose2> believed_pose() const;

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cosiva/aiv/onboard/memory.h"
+#include "cosiva/aiv/onboard/persisted_position.h"
 #include "cosiva/aiv/onboard/onboard_bench.h"
 
 namespace cosiva::aiv {
@@ -365,7 +365,7 @@ TEST(Onboard, remembers_where_it_was_over_a_crash) {
   before.run(0.5);
   before.order(to_1131());
   before.run(2.0);
-  ASSERT_FALSE(before.memory.empty());
+  ASSERT_FALSE(before.persisted.empty());
   auto setup = before.reborn();
   setup.odometer_m += 0.07;  // it rolled on while nobody listened
   setup.truth = lacet4().circuit.advance(setup.truth, 0.07);
@@ -375,7 +375,7 @@ TEST(Onboard, remembers_where_it_was_over_a_crash) {
   EXPECT_LT(distance(*after.core->believed_pose(), after.truth.pose(lacet4().circuit)), 0.01);
 }
 
-TEST(Onboard, does_not_trust_a_memory_of_another_odometer_or_zone) {
+TEST(Onboard, does_not_trust_a_persisted_position_of_another_odometer_or_zone) {
   OnboardBench before;
   before.run(0.5);
   before.order(to_1131());
@@ -388,17 +388,17 @@ TEST(Onboard, does_not_trust_a_memory_of_another_odometer_or_zone) {
   EXPECT_FALSE(after.core->believed_pose());
 
   auto other_zone = before.reborn();
-  auto memory = memory_from_json(other_zone.memory).value();
-  memory.zone = "attic";
-  other_zone.memory = to_json(memory);
+  auto persisted = persisted_position_from_json(other_zone.persisted).value();
+  persisted.zone = "attic";
+  other_zone.persisted = to_json(persisted);
   OnboardBench elsewhere{other_zone};
   elsewhere.run(0.5);
   ASSERT_TRUE(elsewhere.core->believed_pose()) << "then the start it was told counts";
   EXPECT_LT(distance(*elsewhere.core->believed_pose(), lacet4().circuit.pose_at(at(lacet4(), "loop_se", 0.0))), 1e-9);
 }
 
-TEST(Onboard, survives_a_damaged_memory) {
-  OnboardBench bench{{.memory = "{\"zone\":7}"}};
+TEST(Onboard, survives_a_damaged_state_file) {
+  OnboardBench bench{{.persisted = "{\"zone\":7}"}};
   bench.run(0.5);
   EXPECT_TRUE(bench.core->believed_pose());
 }

@@ -18,10 +18,10 @@ constexpr double off_line_distance_m_max = 0.005;
 constexpr double same_place_m = 0.02;
 constexpr double same_heading_rad = 0.05;
 
-Memory position_of(const DrivingContext& context, std::int64_t odometer_um, std::uint32_t pils_session) {
+PersistedPosition position_of(const DrivingContext& context, std::int64_t odometer_um, std::uint32_t pils_session) {
   const Agent& agent = context.agent();
   const PositionEstimator& position = agent.position();
-  Memory now_here;
+  PersistedPosition now_here;
   now_here.zone = context.zone().name;
   now_here.odometer_um = odometer_um;
   now_here.session = pils_session;
@@ -45,7 +45,7 @@ Memory position_of(const DrivingContext& context, std::int64_t odometer_um, std:
 PositionStore::PositionStore(const OnboardOptions& options)
     : start_{options.start}, as_values_{options.as_values}, timer_{save_period} {}
 
-void PositionStore::restore(Memory restored, DrivingContext* context) {
+void PositionStore::restore(PersistedPosition restored, DrivingContext* context) {
   restored_ = std::move(restored);
   if (context == nullptr) return;
   restrict(context->agent());
@@ -160,7 +160,7 @@ void PositionStore::save(bool due, const DrivingContext& context, wire::Effects&
   if (odometer_um == saved_um_ && position.manoeuvred() == saved_manoeuvre_ && !requested_) return;
   const bool stopped = context.agent().motion().stopped();
   if (!due && !(stopped && !was_stopped_) && !requested_) return;
-  Memory now_here = position_of(context, *odometer_um, *pils_session_);
+  PersistedPosition now_here = position_of(context, *odometer_um, *pils_session_);
   COSIVA_EXPECT(now_here.session == *pils_session_);
   if (as_values_)
     saved_ = std::move(now_here);

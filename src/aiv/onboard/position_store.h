@@ -5,7 +5,7 @@
 #include <string>
 
 #include "cosiva/aiv/onboard/driving_context.h"
-#include "cosiva/aiv/onboard/memory.h"
+#include "cosiva/aiv/onboard/persisted_position.h"
 #include "cosiva/aiv/onboard/onboard_options.h"
 #include "cosiva/aiv/onboard/periodic.h"
 #include "cosiva/wire/runtime/core.h"
@@ -21,7 +21,7 @@ class PositionStore {
   explicit PositionStore(const OnboardOptions& options);
 
   /// What the program saved before its restart. Pause and imposed profile hold at once.
-  void restore(Memory restored, DrivingContext* context);
+  void restore(PersistedPosition restored, DrivingContext* context);
   /// True: PILS has powered up anew since its last hello, so that its odometer counts from another origin.
   [[nodiscard]] bool on_pils_hello(std::uint32_t session);
   /// The first zone is in force.
@@ -52,8 +52,8 @@ class PositionStore {
   std::optional<OnboardOptions::Start> start_;
   bool as_values_;
   bool start_counts_{true};  ///< the configured start is of the zone in force
-  std::optional<Memory> restored_;
-  std::optional<Memory> saved_;  ///< where messages pass as values
+  std::optional<PersistedPosition> restored_;
+  std::optional<PersistedPosition> saved_;  ///< where messages pass as values
   std::optional<std::uint32_t> pils_session_;
   Periodic timer_;
   std::optional<std::int64_t> saved_um_;

@@ -18,13 +18,13 @@ struct PositionStoreTest : ::testing::Test {
     options.start = OnboardOptions::Start{"loop_se", 0.1};
     context.agent().on_odometry({});
   }
-  [[nodiscard]] static Memory saved(std::uint32_t session) {
-    Memory memory;
-    memory.zone = "lacet4";
-    memory.section = "loop_se";
-    memory.s_m = 0.4;
-    memory.session = session;
-    return memory;
+  [[nodiscard]] static PersistedPosition saved(std::uint32_t session) {
+    PersistedPosition persisted;
+    persisted.zone = "lacet4";
+    persisted.section = "loop_se";
+    persisted.s_m = 0.4;
+    persisted.session = session;
+    return persisted;
   }
   [[nodiscard]] double s_m() const { return context.agent().position().place().s_m; }
 };
@@ -66,7 +66,7 @@ TEST_F(PositionStoreTest, saves_on_request_and_not_twice_the_same) {
   positions.find_position(context);
   positions.on_tick(SimTime{}, context, effects);
   ASSERT_EQ(effects.size(), 1U);
-  const auto written = memory_from_json(std::get<wire::Remember>(effects[0]).bytes);
+  const auto written = persisted_position_from_json(std::get<wire::Remember>(effects[0]).bytes);
   ASSERT_TRUE(written);
   EXPECT_EQ(written->session, 7U);
   EXPECT_EQ(written->section, "loop_se");

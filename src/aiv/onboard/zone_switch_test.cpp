@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cosiva/aiv/onboard/memory.h"
+#include "cosiva/aiv/onboard/persisted_position.h"
 #include "cosiva/aiv/onboard/onboard_bench.h"
 
 namespace cosiva::aiv {
@@ -148,8 +148,8 @@ TEST(ZoneSwitch, keeps_pause_and_speed_limit) {
   EXPECT_TRUE(bench.state().paused);
   EXPECT_EQ(bench.state().position->map_id, "track");
   EXPECT_EQ(bench.action("p")->status, wire::ActionStatus::finished);
-  EXPECT_EQ(memory_from_json(bench.memory)->imposed, Profile::slow);
-  EXPECT_TRUE(memory_from_json(bench.memory)->paused);
+  EXPECT_EQ(persisted_position_from_json(bench.persisted)->imposed, Profile::slow);
+  EXPECT_TRUE(persisted_position_from_json(bench.persisted)->paused);
 }
 
 TEST(ZoneSwitch, to_a_broken_configuration_is_none) {
@@ -366,10 +366,10 @@ TEST(ZoneSwitch, answers_enableMap_and_downloadMap) {
   EXPECT_EQ(bench.action("e")->status, wire::ActionStatus::finished);
 }
 
-TEST(Memory, keeps_a_pose_beside_the_line_and_a_manoeuvre) {
-  Memory memory{"z", "s", 1.5, 7, 9, true, Profile::slow, Pose2{1.0, 2.0, 0.5}, true, Pose2{0.1, 0.0, -0.2}, "next"};
-  EXPECT_EQ(memory_from_json(to_json(memory)).value(), memory);
-  const auto damaged = memory_from_json(R"({"zone":"z","section":"s","s":1,"odometer_um":1,"session":1,)"
+TEST(PersistedPosition, keeps_a_pose_beside_the_line_and_a_manoeuvre) {
+  PersistedPosition persisted{"z", "s", 1.5, 7, 9, true, Profile::slow, Pose2{1.0, 2.0, 0.5}, true, Pose2{0.1, 0.0, -0.2}, "next"};
+  EXPECT_EQ(persisted_position_from_json(to_json(persisted)).value(), persisted);
+  const auto damaged = persisted_position_from_json(R"({"zone":"z","section":"s","s":1,"odometer_um":1,"session":1,)"
                                         R"("pose":{"x":1e300,"y":0,"theta":0},"off_line":true})");
   ASSERT_TRUE(damaged);
   EXPECT_FALSE(damaged->pose);

@@ -421,7 +421,7 @@ TEST(Relocation, elsewhere_changes_nothing) {
   EXPECT_NEAR(book.distance_to_base_end_m(), 2.0 * edge_m, 1e-9);
 }
 
-TEST(RollingOrder, goes_round_for_ever_in_bounded_memory) {
+TEST(RollingOrder, goes_round_for_ever_in_bounded_space) {
   const auto& zone = lacet4();
   Book book;
   std::size_t waypoint = zone.waypoint_ahead(start.place);

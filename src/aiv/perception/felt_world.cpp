@@ -24,7 +24,7 @@ void FeltWorld::forget() {
 }
 
 void FeltWorld::age(SimTime now) {
-  if (news_at_ && now - *news_at_ > model_.memory) forget();
+  if (news_at_ && now - *news_at_ > model_.memory_span) forget();
 }
 
 FeltWorld::Contact FeltWorld::first(SimTime now, const Outlook& outlook) {

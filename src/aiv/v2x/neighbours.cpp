@@ -92,7 +92,7 @@ Neighbours::Verdict Neighbours::hear(SimTime now, const wire::V2xTopic& topic,
 
 void Neighbours::age(SimTime now) {
   // One that came after now is of a clock that was set back.
-  std::erase_if(heard_, [&](const Heard& h) { return now - h.at > model_.memory || h.at > now; });
+  std::erase_if(heard_, [&](const Heard& h) { return now - h.at > model_.memory_span || h.at > now; });
 }
 
 wire::Body Neighbours::body_of(const wire::Intent& intent) const {

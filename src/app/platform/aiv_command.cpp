@@ -54,7 +54,7 @@ int run_aiv(const AivArguments& arguments) {
   }
   auto live = live_options(arguments.part, "aiv", "aiv" + std::to_string(arguments.number), aiv::to_json(options));
   if (!live) return complain(live.error());
-  live->memory_file = arguments.memory_file;
+  live->state_file = arguments.state_file;
   if (arguments.emulated) live->obeys_radio = to_string(options.id);
 
   EventLoop loop;

@@ -15,7 +15,7 @@ struct AivArguments {
   std::string sockets_directory;
   std::string zone;   ///< empty: from the broker
   std::string start;  ///< "section:s"; empty: not known until a tag or an initPosition tells
-  std::string memory_file;
+  std::string state_file;
   bool emulated{false};        ///< its radio is the emulated world's
   std::string rules{"crisp"};  ///< crisp, fuzzy or a file
   bool v2x{true};

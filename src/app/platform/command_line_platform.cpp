@@ -108,7 +108,7 @@ void describe_server(CLI::App& verb, ServerArguments& server) {
   add_switch(verb, "--convoys", server.convoys, "several of one way pass a crossing together, when it pays");
   verb.add_flag("--headless", server.headless, "no page; the figures stay on /api/v1");
   verb.add_option("--web", server.web_directory, "the page's built files, if not web/dist")->type_name("DIR");
-  verb.add_option("--memory", server.memory_file, "keeps what was added, priorities and edits over a crash")
+  verb.add_option("--state-file", server.state_file, "keeps what was added, priorities and edits over a crash")
       ->type_name("FILE");
   verb.add_option("--scenario", server.scenario, "what happens when, once its AIVs are there")->type_name("NAME|FILE");
   verb.add_option("--name", server.name, "of the run, shown on the page")->type_name("TEXT");
@@ -121,7 +121,7 @@ void describe_server(CLI::App& verb, ServerArguments& server) {
   verb.add_option("--scenario-steps-done", server.steps_done)->group("");
   verb.footer(
       "Example, a server for vehicles of your own on your own broker:\n"
-      "  cosiva server --zone my.toml --broker 10.0.0.5:1883 --memory server.memory\n"
+      "  cosiva server --zone my.toml --broker 10.0.0.5:1883 --state-file server.memory\n"
       "Two control areas on one broker:\n"
       "  cosiva server --area north --zone north.toml --port 8080\n"
       "  cosiva server --area south --zone south.toml --port 8081");
@@ -154,7 +154,7 @@ void describe_aiv(CLI::App& verb, AivArguments& aiv) {
   verb.add_option("--zone", aiv.zone, "traffic zone; without: from the broker")->type_name("NAME|FILE");
   verb.add_option("--start", aiv.start, "where it stands at first, such as east:0.85; without: it waits to be told")
       ->type_name("SECTION:S");
-  verb.add_option("--memory", aiv.memory_file, "keeps its place over a crash; wins over --start")->type_name("FILE");
+  verb.add_option("--state-file", aiv.state_file, "keeps its place over a crash; wins over --start")->type_name("FILE");
   add_rules(verb, aiv.rules, "how it chooses its speed (docs/guide/agents.md); without: crisp");
   add_switch(verb, "--v2x", aiv.v2x, "it tells those near it what it is about to do");
   verb.add_flag("--emulated", aiv.emulated, "its radio is the emulated world's, which scenarios can let lose messages");

@@ -149,7 +149,7 @@ int run_server(const ServerArguments& arguments) {
   const std::string client = arguments.area.empty() ? "server" : "server-" + arguments.area;
   auto live = live_options(arguments.part, "server", client, virtual_side::to_json(options));
   if (!live) return complain(live.error());
-  live->memory_file = arguments.memory_file;
+  live->state_file = arguments.state_file;
 
   EventLoop loop;
   virtual_side::ServerCore core{options};

@@ -20,7 +20,7 @@ struct ServerArguments {
   bool convoys{true};
   bool headless{false};
   std::string web_directory;
-  std::string memory_file;
+  std::string state_file;
   std::string scenario;        ///< a ready one's name or a file
   std::string name;            ///< of the run, for the page
   std::string rules{"fuzzy"};  ///< of its virtual AIVs: crisp, fuzzy or a file

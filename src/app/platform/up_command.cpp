@@ -179,7 +179,7 @@ class Up {
     const std::string name = std::to_string(number);
     auto argv = part_argv("aiv");
     append(argv, {"--number", name, "--sockets", run_ / "boards", "--start", start});
-    append(argv, {"--memory", run_ / ("aiv" + name + ".memory"), "--emulated"});
+    append(argv, {"--state-file", run_ / ("aiv" + name + ".state_file"), "--emulated"});
     if (!arguments_.rules.empty()) append(argv, {"--rules", arguments_.rules});
     if (!arguments_.v2x) append(argv, {"--v2x", "off"});
     return argv;
@@ -209,7 +209,7 @@ class Up {
     auto argv = part_argv("server");
     append(argv, {"--port", std::to_string(http_port_.value_or(arguments_.port)), "--summary", run_ / "server.json"});
     append(argv, {"--announce", "--fleet", std::to_string(arguments_.aivs), "--emulated"});
-    append(argv, {"--memory", run_ / "server.memory", "--name", plan_.name});
+    append(argv, {"--state-file", run_ / "server.state_file", "--name", plan_.name});
     if (!plan_.zone_file.empty()) append(argv, {"--zone-file", plan_.zone_file});
     if (arguments_.watch) append(argv, {"--watch-file", plan_.rtm.configuration().origin});
     if (plan_.scenario) append(argv, {"--scenario", plan_.scenario_file});

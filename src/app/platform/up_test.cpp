@@ -204,7 +204,7 @@ TEST_F(UpTest, parts_record_their_own_journals_and_both_replay) {
   Command aiv{loop,
               aiv_words,
               {"aiv", "--number", "1", "--sockets", scratch / "boards", "--broker", address, "--start", "east:0.1",
-               "--duration", "2", "--record", scratch / "aiv.journal", "--memory", scratch / "memory", "--json"}};
+               "--duration", "2", "--record", scratch / "aiv.journal", "--state-file", scratch / "state_file", "--json"}};
   ASSERT_TRUE(aiv.ends()) << aiv.words();
   ASSERT_TRUE(plant.ends()) << plant.words();
   EXPECT_EQ(aiv.exit->status, 0) << aiv.words();

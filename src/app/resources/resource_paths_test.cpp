@@ -88,7 +88,7 @@ TEST(RunDirectory, is_private_and_leaves_nothing) {
     struct stat facts {};
     ASSERT_EQ(::stat(path.c_str(), &facts), 0);
     EXPECT_EQ(facts.st_mode & 0777U, 0700U);
-    ASSERT_TRUE(adapters::write_file(*run / "aiv1.memory", "x"));
+    ASSERT_TRUE(adapters::write_file(*run / "aiv1.state_file", "x"));
   }
   EXPECT_FALSE(std::filesystem::exists(path));
 }

@@ -52,7 +52,7 @@ struct Actor {
   wire::Network::ClientId client{};
   std::uint32_t generation{0};  ///< grows with each start, so that a dead one's timers are not the next one's
   SimDuration tick_offset{};
-  std::string memory;
+  std::string persisted;
   double radio_loss{0.0};  ///< of the ether around it, whichever process is on
   bool alive{false};
 };
@@ -118,7 +118,7 @@ struct World::Impl {
       } else if (const auto* listen = std::get_if<wire::Listen>(&effect)) {
         network.listen(now, actors[id].client, listen->filters);
       } else if (const auto* remember = std::get_if<wire::Remember>(&effect)) {
-        actors[id].memory = remember->bytes;
+        actors[id].persisted = remember->bytes;
       } else if (const auto* line = std::get_if<wire::Log>(&effect); line != nullptr && line->level != 'i') {
         if (log.size() < 10'000) log.push_back(to_iso8601(now) + " " + actors[id].name + " " + line->text);
       }
@@ -149,7 +149,7 @@ struct World::Impl {
     actor.alive = true;
     ++actor.generation;
     feed(id, wire::InputKind::configure, std::move(what), std::move(configuration));
-    if (!actor.memory.empty()) feed(id, wire::InputKind::recall, "memory", actor.memory);
+    if (!actor.persisted.empty()) feed(id, wire::InputKind::recall, "state", actor.persisted);
     ticks.push({first_tick(actor), sequence++, id, actor.generation});
     actor.client = network.connect(now, actor.core->subscriptions(), actor.core->will());
     network.set_loss(actor.client, actor.radio_loss);
@@ -168,8 +168,8 @@ struct World::Impl {
     if (!actor.alive) return;
     if (id >= first_aiv_id && options.as_values) {
       // Nobody wrote it down ten times a second; what it would have been is read from the dead.
-      std::string memory = static_cast<const aiv::OnboardCore&>(*actor.core).kept_memory();
-      if (!memory.empty()) actor.memory = std::move(memory);
+      std::string persisted = static_cast<const aiv::OnboardCore&>(*actor.core).persisted_bytes();
+      if (!persisted.empty()) actor.persisted = std::move(persisted);
     }
     actor.alive = false;
     finished.add(actor.runner->digest().value());

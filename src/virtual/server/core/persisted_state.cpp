@@ -87,7 +87,7 @@ std::string PersistedState::to_json() const {
     if (proxy.paused_for_body) json.value(proxy.name);
   json.end_array();
   zones_.write_state(json);
-  if (master_.missions.worth_remembering()) master_.missions.write_memory(json.key("traffic"));
+  if (master_.missions.worth_remembering()) master_.missions.write_persisted(json.key("traffic"));
   json.end_object();
   return json.take();
 }

@@ -206,7 +206,7 @@ void ZoneSession::restore_now() {
 }
 
 void ZoneSession::write_state(JsonWriter& json) const {
-  if (switched_here_ || edits_.edited(context_.simulator)) edits_.write_memory(json.key("zone"), context_.simulator);
+  if (switched_here_ || edits_.edited(context_.simulator)) edits_.write_persisted(json.key("zone"), context_.simulator);
   // After a restart the options bring the zone from before the switch: that one must not replace this one.
   if (switched_here_ && context_.options.zone) zone::write_json(json.key("given"), *context_.options.zone);
 }

@@ -98,7 +98,7 @@ class Missions {
 
   /// {"zone","closed":[…],"missions":[…]}; only when there is anything that a new server would not do by itself.
   [[nodiscard]] bool worth_remembering() const;
-  void write_memory(JsonWriter& json) const;
+  void write_persisted(JsonWriter& json) const;
   /// What was remembered, for the zone of that name; vehicles are given theirs as they are heard of.
   void recall(const JsonValue& memory);
   void registered(VehicleIndex vehicle);

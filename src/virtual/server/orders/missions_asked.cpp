@@ -126,7 +126,7 @@ bool Missions::worth_remembering() const {
          std::ranges::any_of(entries_, [](const Entry& entry) { return !(entry.mission == Mission{}); });
 }
 
-void Missions::write_memory(JsonWriter& json) const {
+void Missions::write_persisted(JsonWriter& json) const {
   json.begin_object().field("zone", map_ == nullptr ? std::string_view{} : std::string_view{map_->zone().name});
   json.key("closed").begin_array();
   for (const std::string& name : closed_names()) json.value(name);

@@ -86,7 +86,7 @@ bool ZoneEdits::edited(const Simulator& simulator) const {
   return base_ && simulator.configuration() != nullptr && !same_content(*base_, *simulator.configuration());
 }
 
-void ZoneEdits::write_memory(JsonWriter& json, const Simulator& simulator) const {
+void ZoneEdits::write_persisted(JsonWriter& json, const Simulator& simulator) const {
   const auto write = [&json](std::string_view key, const zone::ZoneConfiguration& configuration) {
     zone::write_json(json.key(key), configuration);
   };

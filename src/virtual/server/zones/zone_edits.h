@@ -50,7 +50,7 @@ class ZoneEdits {
   [[nodiscard]] bool edited(const Simulator& simulator) const;
 
   /// {"base","made","saved"}: what is in force, and the configuration it was made from.
-  void write_memory(JsonWriter& json, const Simulator& simulator) const;
+  void write_persisted(JsonWriter& json, const Simulator& simulator) const;
   /// What was remembered, against the configuration that is in force now.
   struct Recalled {
     enum class Fit {

@@ -1,4 +1,4 @@
-#include "cosiva/adapters/memory_file.h"
+#include "cosiva/adapters/state_file.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -64,25 +64,25 @@ bool has_slots(std::string_view file) { return file.starts_with(magic) || file.f
 
 }  // namespace
 
-std::optional<std::string_view> newest_in(std::string_view memory_file) {
-  if (const auto slot = newest(memory_file)) return slot->bytes;
-  if (memory_file.empty() || has_slots(memory_file)) return std::nullopt;
-  return memory_file;
+std::optional<std::string_view> newest_in(std::string_view state_file) {
+  if (const auto slot = newest(state_file)) return slot->bytes;
+  if (state_file.empty() || has_slots(state_file)) return std::nullopt;
+  return state_file;
 }
 
-MemoryFile::~MemoryFile() { close(); }
+StateFile::~StateFile() { close(); }
 
-void MemoryFile::close() {
+void StateFile::close() {
   if (fd_ >= 0) ::close(std::exchange(fd_, -1));
 }
 
-std::optional<std::string> MemoryFile::load() const {
+std::optional<std::string> StateFile::load() const {
   const auto file = read_file(path_);
   const auto bytes = file ? newest_in(*file) : std::nullopt;
   return bytes ? std::optional{std::string{*bytes}} : std::nullopt;
 }
 
-Result<void> MemoryFile::store(std::string_view bytes) {
+Result<void> StateFile::store(std::string_view bytes) {
   struct stat there {};
   const bool taken_away = fd_ >= 0 && (::fstat(fd_, &there) != 0 || there.st_nlink == 0);
   if (taken_away) close();
@@ -96,7 +96,7 @@ Result<void> MemoryFile::store(std::string_view bytes) {
   return {};
 }
 
-bool MemoryFile::open_as_it_is() {
+bool StateFile::open_as_it_is() {
   const auto file = read_file(path_);
   if (!file || !std::has_single_bit(file->size()) || file->size() < 2 * slot_bytes_min) return false;
   const auto slot = newest(*file);
@@ -107,7 +107,7 @@ bool MemoryFile::open_as_it_is() {
   return fd_ >= 0;
 }
 
-Result<void> MemoryFile::make_anew(std::string_view bytes) {
+Result<void> StateFile::make_anew(std::string_view bytes) {
   close();
   const std::string text = slot_text(1, bytes);
   // It may grow to twice of what it is.

@@ -1,4 +1,4 @@
-#include "cosiva/adapters/memory_file.h"
+#include "cosiva/adapters/state_file.h"
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>
@@ -13,7 +13,7 @@ namespace {
 
 using testing::Scratch;
 
-std::optional<std::string> load(const std::string& file) { return MemoryFile{file}.load(); }
+std::optional<std::string> load(const std::string& file) { return StateFile{file}.load(); }
 
 ino_t identity(const std::string& file) {
   struct stat there {};
@@ -21,58 +21,58 @@ ino_t identity(const std::string& file) {
   return there.st_ino;
 }
 
-TEST(MemoryFile, gives_back_the_last_bytes_stored_while_it_is_written_and_after) {
+TEST(StateFile, gives_back_the_last_bytes_stored_while_it_is_written_and_after) {
   Scratch scratch;
-  const std::string file = scratch / "memory";
+  const std::string file = scratch / "state";
   EXPECT_FALSE(load(file));
   for (int process = 0; process < 3; ++process) {
-    MemoryFile memory{file};
+    StateFile state_file{file};
     for (int i = 0; i < 5; ++i) {
       const std::string bytes = std::string("t\0o\n", 4) + std::to_string(process) + std::to_string(i);
-      ASSERT_TRUE(memory.store(bytes));
+      ASSERT_TRUE(state_file.store(bytes));
       EXPECT_EQ(load(file), bytes) << "by a process that comes after one that was killed";
     }
   }
 }
 
-TEST(MemoryFile, takes_a_file_without_slots_as_it_is) {
+TEST(StateFile, takes_a_file_without_slots_as_it_is) {
   Scratch scratch;
-  const std::string file = scratch.write("memory", "{\"version\":1}");
+  const std::string file = scratch.write("state", "{\"version\":1}");
   EXPECT_EQ(load(file), "{\"version\":1}");
-  ASSERT_TRUE(MemoryFile{file}.store("newer"));
+  ASSERT_TRUE(StateFile{file}.store("newer"));
   EXPECT_EQ(load(file), "newer");
 }
 
-TEST(MemoryFile, is_written_in_place_for_a_new_name_waits_for_the_disk) {
+TEST(StateFile, is_written_in_place_for_a_new_name_waits_for_the_disk) {
   Scratch scratch;
-  const std::string file = scratch / "memory";
-  MemoryFile memory{file};
-  ASSERT_TRUE(memory.store("first"));
+  const std::string file = scratch / "state";
+  StateFile state_file{file};
+  ASSERT_TRUE(state_file.store("first"));
   const ino_t first = identity(file);
   const auto size = std::filesystem::file_size(file);
-  for (std::size_t i = 0; i < 100; ++i) ASSERT_TRUE(memory.store(std::string(1000 + i, 'x')));
-  ASSERT_TRUE(MemoryFile{file}.store("of the next process"));
+  for (std::size_t i = 0; i < 100; ++i) ASSERT_TRUE(state_file.store(std::string(1000 + i, 'x')));
+  ASSERT_TRUE(StateFile{file}.store("of the next process"));
   EXPECT_EQ(identity(file), first);
   EXPECT_EQ(std::filesystem::file_size(file), size);
 }
 
-TEST(MemoryFile, makes_room_for_what_does_not_fit) {
+TEST(StateFile, makes_room_for_what_does_not_fit) {
   Scratch scratch;
-  const std::string file = scratch / "memory";
-  MemoryFile memory{file};
+  const std::string file = scratch / "state";
+  StateFile state_file{file};
   for (std::size_t bytes = 1; bytes < 1'000'000; bytes = bytes * 3 + 1) {
-    ASSERT_TRUE(memory.store(std::string(bytes, 'x')));
+    ASSERT_TRUE(state_file.store(std::string(bytes, 'x')));
     EXPECT_EQ(load(file), std::string(bytes, 'x'));
-    ASSERT_TRUE(memory.store("small"));
+    ASSERT_TRUE(state_file.store("small"));
     EXPECT_EQ(load(file), "small");
   }
 }
 
-TEST(MemoryFile, of_which_anything_was_lost_gives_what_was_stored_last_or_before_or_nothing) {
+TEST(StateFile, of_which_anything_was_lost_gives_what_was_stored_last_or_before_or_nothing) {
   Scratch scratch;
-  const std::string file = scratch / "memory";
-  MemoryFile memory{file};
-  for (const char* bytes : {"first", "before", "last"}) ASSERT_TRUE(memory.store(bytes));
+  const std::string file = scratch / "state";
+  StateFile state_file{file};
+  for (const char* bytes : {"first", "before", "last"}) ASSERT_TRUE(state_file.store(bytes));
   const std::string whole = read_file(file).value();
   const auto expect_one_of_them = [&](const std::string& damaged, std::size_t at) {
     scratch.write("damaged", damaged);
@@ -96,29 +96,29 @@ TEST(MemoryFile, of_which_anything_was_lost_gives_what_was_stored_last_or_before
   EXPECT_GT(still_last, 0);
 }
 
-TEST(MemoryFile, that_says_it_is_longer_than_it_is_gives_nothing) {
+TEST(StateFile, that_says_it_is_longer_than_it_is_gives_nothing) {
   Scratch scratch;
   for (const std::string text : {"cosiva-memory 1 ", "cosiva-memory 1 1 5", "cosiva-memory 1 1 99999999999999999999 x",
                                  "cosiva-memory 1 1 18446744073709551615 0123456789abcdef\n12345",
                                  "cosiva-memory 1 -1 5 0123456789abcdef\n12345"}) {
-    EXPECT_FALSE(load(scratch.write("memory", text))) << text;
-    EXPECT_FALSE(load(scratch.write("memory", text + std::string(text.size(), '\0')))) << text;
+    EXPECT_FALSE(load(scratch.write("state", text))) << text;
+    EXPECT_FALSE(load(scratch.write("state", text + std::string(text.size(), '\0')))) << text;
   }
 }
 
-TEST(MemoryFile, that_was_taken_away_is_made_anew) {
+TEST(StateFile, that_was_taken_away_is_made_anew) {
   Scratch scratch;
-  const std::string file = scratch / "memory";
-  MemoryFile memory{file};
-  ASSERT_TRUE(memory.store("first"));
+  const std::string file = scratch / "state";
+  StateFile state_file{file};
+  ASSERT_TRUE(state_file.store("first"));
   std::filesystem::remove(file);
-  ASSERT_TRUE(memory.store("second"));
+  ASSERT_TRUE(state_file.store("second"));
   EXPECT_EQ(load(file), "second");
 }
 
-TEST(MemoryFile, that_cannot_be_written_says_so) {
-  MemoryFile memory{"/nonexistent/memory"};
-  const auto stored = memory.store("x");
+TEST(StateFile, that_cannot_be_written_says_so) {
+  StateFile state_file{"/nonexistent/state"};
+  const auto stored = state_file.store("x");
   ASSERT_FALSE(stored);
   EXPECT_EQ(stored.error().code, "file.write");
 }

@@ -1,4 +1,4 @@
-#include "cosiva/aiv/onboard/memory.h"
+#include "cosiva/aiv/onboard/persisted_position.h"
 
 #include <cmath>
 
@@ -34,24 +34,24 @@ std::optional<Pose2> pose_from(const JsonValue* json) {
 
 }  // namespace
 
-std::string to_json(const Memory& memory) {
+std::string to_json(const PersistedPosition& persisted) {
   JsonWriter json;
   json.begin_object()
-      .field("zone", memory.zone)
-      .field("section", memory.section)
-      .field("s", memory.s_m)
-      .field("odometer_um", memory.odometer_um)
-      .field("session", memory.session)
-      .field("paused", memory.paused);
-  write(json, "pose", memory.pose);
-  if (memory.off_line) json.field("off_line", true);
-  write(json, "manoeuvre", memory.manoeuvre);
-  if (memory.next) json.field("next", *memory.next);
-  if (memory.imposed) json.field("profile", to_string(*memory.imposed));
+      .field("zone", persisted.zone)
+      .field("section", persisted.section)
+      .field("s", persisted.s_m)
+      .field("odometer_um", persisted.odometer_um)
+      .field("session", persisted.session)
+      .field("paused", persisted.paused);
+  write(json, "pose", persisted.pose);
+  if (persisted.off_line) json.field("off_line", true);
+  write(json, "manoeuvre", persisted.manoeuvre);
+  if (persisted.next) json.field("next", *persisted.next);
+  if (persisted.imposed) json.field("profile", to_string(*persisted.imposed));
   return json.end_object().take();
 }
 
-Result<Memory> memory_from_json(std::string_view json) {
+Result<PersistedPosition> persisted_position_from_json(std::string_view json) {
   constexpr std::size_t bytes_max = 4096;
   const auto value = JsonValue::parse(json, bytes_max);
   if (!value) return tl::unexpected(value.error());
@@ -61,13 +61,13 @@ Result<Memory> memory_from_json(std::string_view json) {
   const auto odometer_um = value->number("odometer_um");
   const auto session = value->number("session");
   if (!zone || !section || !s_m || !odometer_um || !session)
-    return fail("memory.field", "a memory holds zone, section, s, odometer_um and session");
+    return fail("state.field", "a memory holds zone, section, s, odometer_um and session");
   const auto whole = [](double number, double low, double high) {
     return number >= low && number <= high && std::floor(number) == number;
   };
-  if (!whole(*odometer_um, -whole_max, whole_max)) return fail("memory.range", "no odometer reading", "odometer_um");
-  if (!whole(*session, 0.0, 4294967295.0)) return fail("memory.range", "no session number", "session");
-  Memory memory{*zone,
+  if (!whole(*odometer_um, -whole_max, whole_max)) return fail("state.range", "no odometer reading", "odometer_um");
+  if (!whole(*session, 0.0, 4294967295.0)) return fail("state.range", "no session number", "session");
+  PersistedPosition persisted{*zone,
                 *section,
                 *s_m,
                 static_cast<std::int64_t>(*odometer_um),
@@ -78,12 +78,12 @@ Result<Memory> memory_from_json(std::string_view json) {
                 false,
                 std::nullopt,
                 std::nullopt};
-  memory.pose = pose_from(value->find("pose"));
-  memory.off_line = value->flag("off_line").value_or(false) && memory.pose;
-  memory.manoeuvre = pose_from(value->find("manoeuvre"));
-  memory.next = value->text("next");
-  if (const auto profile = value->text("profile")) memory.imposed = parse_profile(*profile);
-  return memory;
+  persisted.pose = pose_from(value->find("pose"));
+  persisted.off_line = value->flag("off_line").value_or(false) && persisted.pose;
+  persisted.manoeuvre = pose_from(value->find("manoeuvre"));
+  persisted.next = value->text("next");
+  if (const auto profile = value->text("profile")) persisted.imposed = parse_profile(*profile);
+  return persisted;
 }
 
 }  // namespace cosiva::aiv

@@ -17,12 +17,12 @@ namespace cosiva::adapters {
 /// vehicle that remembers its place ten times a second must not. A slot starts with a line
 /// "cosiva-memory 1 NUMBER LENGTH DIGEST"; the higher number that is whole counts, so one that was being written when
 /// the machine lost its power does no harm.
-class MemoryFile {
+class StateFile {
  public:
-  explicit MemoryFile(std::string path) : path_{std::move(path)} {}
-  ~MemoryFile();
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
+  explicit StateFile(std::string path) : path_{std::move(path)} {}
+  ~StateFile();
+  StateFile(const StateFile&) = delete;
+  StateFile& operator=(const StateFile&) = delete;
 
   /// Nothing: no file, an empty one, or none of its slots is whole. A text without slots is taken as it is.
   [[nodiscard]] std::optional<std::string> load() const;
@@ -41,6 +41,6 @@ class MemoryFile {
 };
 
 /// What such a file gives back: a part of it, or nothing.
-[[nodiscard]] std::optional<std::string_view> newest_in(std::string_view memory_file);
+[[nodiscard]] std::optional<std::string_view> newest_in(std::string_view state_file);
 
 }  // namespace cosiva::adapters

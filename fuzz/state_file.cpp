@@ -1,4 +1,4 @@
-#include "cosiva/adapters/memory_file.h"
+#include "cosiva/adapters/state_file.h"
 
 #include "target.h"
 

@@ -13,7 +13,7 @@ namespace cosiva::aiv {
 
 /// What a vehicle keeps over a crash of its program. The odometer counts on in its board meanwhile, so place and
 /// odometer together tell where it stands now, as long as the board's session is the same.
-struct Memory {
+struct PersistedPosition {
   std::string zone;
   std::string section;
   double s_m{};
@@ -27,10 +27,10 @@ struct Memory {
   /// PILS was in a manoeuvre that had come this far.
   std::optional<Pose2> manoeuvre{};
   std::optional<std::string> next{};  ///< the section that its way led to
-  friend bool operator==(const Memory&, const Memory&) = default;
+  friend bool operator==(const PersistedPosition&, const PersistedPosition&) = default;
 };
-[[nodiscard]] std::string to_json(const Memory& memory);
+[[nodiscard]] std::string to_json(const PersistedPosition& persisted);
 /// Fails with code "memory.*" on what is no memory.
-[[nodiscard]] Result<Memory> memory_from_json(std::string_view json);
+[[nodiscard]] Result<PersistedPosition> persisted_position_from_json(std::string_view json);
 
 }  // namespace cosiva::aiv

@@ -14,7 +14,7 @@ using testing::SizeIs;
 
 const std::string edit = R"({"command":"edit","edit":{"addTags":[{"number":5,"section":"south","s":1.0}]}})";
 
-TEST(Memory, brings_back_things_virtual_aivs_and_edits) {
+TEST(PersistedState, brings_back_things_virtual_aivs_and_edits) {
   ServerBench bench;
   bench.ask(
       R"({"command":"add","thing":{"kind":"person","path":[[0,1.2],[2,1.2]],"speed":0.2,"repeat":"loop","radius":0.1}})");
@@ -46,7 +46,7 @@ TEST(Memory, brings_back_things_virtual_aivs_and_edits) {
   EXPECT_GT(*bench.aiv("CoSiVA.virtual/V1").number("speed"), 0.1) << "and it drives";
 }
 
-TEST(Memory, is_written_when_something_changes_and_not_otherwise) {
+TEST(PersistedState, is_written_when_something_changes_and_not_otherwise) {
   ServerBench bench;
   bench.run_for(5s);
   EXPECT_EQ(bench.memory, "") << "nothing to remember";
@@ -57,7 +57,7 @@ TEST(Memory, is_written_when_something_changes_and_not_otherwise) {
   EXPECT_THAT(bench.memory, testing::Not(HasSubstr("O1")));
 }
 
-TEST(Memory, of_a_virtual_aiv_is_renewed_each_second) {
+TEST(PersistedState, of_a_virtual_aiv_is_renewed_each_second) {
   ServerBench bench;
   bench.ask(R"({"command":"add","thing":{"kind":"aiv","section":"south","s":0.3}})");
   bench.run_for(5s);
@@ -69,7 +69,7 @@ TEST(Memory, of_a_virtual_aiv_is_renewed_each_second) {
   EXPECT_NE(bench.memory, soon);
 }
 
-TEST(Memory, survives_being_killed_twice_before_the_zone_and_the_vehicles_are_there) {
+TEST(PersistedState, survives_being_killed_twice_before_the_zone_and_the_vehicles_are_there) {
   ServerBench bench;
   bench.ask(R"({"command":"add","thing":{"kind":"aiv","section":"north","s":0.3}})");
   bench.run_for(1s);
@@ -82,7 +82,7 @@ TEST(Memory, survives_being_killed_twice_before_the_zone_and_the_vehicles_are_th
   EXPECT_FALSE(bench.aiv("CoSiVA.virtual/V1").is_null());
 }
 
-TEST(Memory, that_is_broken_is_said_and_left_out) {
+TEST(PersistedState, that_is_broken_is_said_and_left_out) {
   for (const std::string& broken :
        {std::string("rubbish"), std::string("[]"), std::string("{}"), std::string(R"({"version":2})"),
         std::string(R"({"version":1,"things":7,"aivs":{},"paused":"x","zone":[]})"),
@@ -103,7 +103,7 @@ TEST(Memory, that_is_broken_is_said_and_left_out) {
   }
 }
 
-TEST(Memory, of_edits_waits_for_the_zone_of_the_physical_side) {
+TEST(PersistedState, of_edits_waits_for_the_zone_of_the_physical_side) {
   ServerBench bench;
   bench.ask(edit);
   const std::string edited = bench.server->zone_configuration()->text;
@@ -117,7 +117,7 @@ TEST(Memory, of_edits_waits_for_the_zone_of_the_physical_side) {
   EXPECT_EQ(server.zone_configuration()->text, edited);
 }
 
-TEST(Memory, of_edits_knows_them_in_the_zone_that_the_broker_kept) {
+TEST(PersistedState, of_edits_knows_them_in_the_zone_that_the_broker_kept) {
   ServerBench bench;
   const std::string original = bench.server->zone_configuration()->text;
   bench.ask(edit);
@@ -142,7 +142,7 @@ TEST(Memory, of_edits_knows_them_in_the_zone_that_the_broker_kept) {
   }
 }
 
-TEST(Memory, of_edits_is_left_out_on_another_zone) {
+TEST(PersistedState, of_edits_is_left_out_on_another_zone) {
   ServerBench bench;
   bench.ask(edit);
   ServerBench other{zone_file("lacet4.toml")};
@@ -152,7 +152,7 @@ TEST(Memory, of_edits_is_left_out_on_another_zone) {
   EXPECT_TRUE(other.logged("edits"));
 }
 
-TEST(Memory, puts_a_virtual_aiv_beside_its_place_when_somebody_stands_there_by_now) {
+TEST(PersistedState, puts_a_virtual_aiv_beside_its_place_when_somebody_stands_there_by_now) {
   ServerBench bench;
   bench.ask(R"({"command":"add","thing":{"kind":"aiv","section":"south","s":1.0}})");
   bench.run_for(100ms);
