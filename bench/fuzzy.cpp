@@ -73,13 +73,13 @@ using Clock = std::chrono::steady_clock;
 
 /// One rule base, ours and theirs, and questions by input.
 struct Subject {
-  explicit Subject(std::string rules) : text{std::move(rules)}, ours{*fuzzy::RuleBase::read(text, "bench")} {
+  explicit Subject(std::string rules) : text{std::move(rules)}, rule_base{*fuzzy::RuleBase::read(text, "bench")} {
     Random random{1, "questions"};
-    for (const fuzzy::Variable& input : ours.engine().inputs) {
+    for (const fuzzy::Variable& input : rule_base.engine().inputs) {
       columns.emplace_back(questions);
       for (double& x : columns.back()) x = random.uniform(input.minimum, input.maximum);
     }
-    answers.assign(ours.engine().outputs.size(), std::vector<double>(questions));
+    answers.assign(rule_base.engine().outputs.size(), std::vector<double>(questions));
   }
 
   template <typename Evaluate>
@@ -92,7 +92,7 @@ struct Subject {
   }
 
   std::string text;
-  fuzzy::RuleBase ours;
+  fuzzy::RuleBase rule_base;
   std::vector<std::vector<double>> columns;
   std::vector<std::vector<double>> answers;
 };
@@ -145,7 +145,7 @@ void BM_many_at_once(benchmark::State& state) {
   const std::vector<std::span<double>> outputs(asked.answers.begin(), asked.answers.end());
   const auto start = Clock::now();
   for (auto _ : state) {
-    asked.ours.evaluate(inputs, outputs);
+    asked.rule_base.evaluate(inputs, outputs);
     benchmark::ClobberMemory();
   }
   report(state, start, questions);
@@ -156,7 +156,7 @@ void BM_one_by_one(benchmark::State& state) {
   std::size_t k = 0;
   const auto start = Clock::now();
   for (auto _ : state) {
-    asked.ask(k, [&](auto in, auto out) { asked.ours.evaluate(in, out); });
+    asked.ask(k, [&](auto in, auto out) { asked.rule_base.evaluate(in, out); });
     k = (k + 1) % questions;
   }
   report(state, start, 1);

@@ -1,4 +1,4 @@
-// A master control of another make, with our server off, drives one of our AIVs over four nodes, pauses, resumes, cancels.
+// A master control of a third party, with our server off, drives one of our AIVs over four nodes, pauses, resumes, cancels.
 import assert from 'node:assert/strict';
 import path from 'node:path';
 import { mkdirSync } from 'node:fs';

@@ -1,4 +1,4 @@
-// A vehicle of another make joins the zone by MQTT: it is shown, is given orders, and drives round the circuit, alone.
+// A vehicle of a third party joins the zone by MQTT: it is shown, is given orders, and drives round the circuit, alone.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';

@@ -1,4 +1,4 @@
-// A vehicle of another make among our own AIVs: no two bodies may ever touch on the virtual side (the plant does not know the
+// A vehicle of a third party among our own AIVs: no two bodies may ever touch on the virtual side (the plant does not know the
 // stranger).
 import assert from 'node:assert/strict';
 import { test } from 'node:test';

@@ -155,11 +155,11 @@ TEST(Child, that_cannot_be_run_is_an_error_naming_it) {
 
 TEST(Child, inherits_none_of_our_descriptors) {
   Bench bench;
-  const int ours = ::socket(AF_INET, SOCK_STREAM, 0);  // without close-on-exec, as Asio opens them
-  ASSERT_GE(ours, 3);
+  const int own = ::socket(AF_INET, SOCK_STREAM, 0);  // without close-on-exec, as Asio opens them
+  ASSERT_GE(own, 3);
   const auto child = bench.shell("ls /proc/self/fd | wc -l");
   ASSERT_TRUE(bench.until([&] { return bench.lines.size() == 1; }));
-  ::close(ours);
+  ::close(own);
   EXPECT_LE(std::stoi(bench.lines.front()), 4);  // 0, 1, 2 and the directory ls reads
 }
 

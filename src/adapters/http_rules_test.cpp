@@ -11,9 +11,9 @@ namespace {
 
 using adapters::testing::Scratch;
 
-TEST(Host, is_ours_only_by_a_loopback_name) {
-  for (const char* ours : {"localhost", "LocalHost:8080", "127.0.0.1", "127.0.0.1:9", "[::1]", "[::1]:8080"})
-    EXPECT_TRUE(is_loopback_authority(ours)) << ours;
+TEST(Host, is_own_only_by_a_loopback_name) {
+  for (const char* own : {"localhost", "LocalHost:8080", "127.0.0.1", "127.0.0.1:9", "[::1]", "[::1]:8080"})
+    EXPECT_TRUE(is_loopback_authority(own)) << own;
   for (const char* other : {"", "evil.example", "localhost.evil.example", "127.0.0.1.evil.example:8080", "localhost:",
                             "localhost:80x", "[::1", "[::1]x", "127.0.0.2", "10.0.0.1:8080", "user@localhost"})
     EXPECT_FALSE(is_loopback_authority(other)) << other;

@@ -245,8 +245,8 @@ TEST_F(Http, refuses_names_and_origins_that_are_not_this_machine) {
   EXPECT_THAT(get("/api/v1/echo", "Origin: null\r\n"), StartsWith("HTTP/1.1 403"));
   EXPECT_THAT(get("/api/v1/echo", "Origin: http://localhost:1\r\n"), StartsWith("HTTP/1.1 403"));
   EXPECT_TRUE(asked.empty());
-  const std::string ours = "Origin: http://127.0.0.1:" + std::to_string(server->port()) + "\r\n";
-  EXPECT_THAT(get("/api/v1/echo", ours), StartsWith("HTTP/1.1 202"));
+  const std::string own = "Origin: http://127.0.0.1:" + std::to_string(server->port()) + "\r\n";
+  EXPECT_THAT(get("/api/v1/echo", own), StartsWith("HTTP/1.1 202"));
 }
 
 TEST_F(Http, refuses_paths_that_climb_out) {

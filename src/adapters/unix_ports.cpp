@@ -182,7 +182,7 @@ class Listener : public std::enable_shared_from_this<Listener> {
     if (!error) acceptor_.bind(Stream::endpoint(path_), error);
     if (!error) acceptor_.listen(4, error);
     if (error) return fail("port.listen", "cannot listen: " + error.message(), path_);
-    ours_ = true;
+    own_ = true;
     accept();
     return {};
   }
@@ -193,7 +193,7 @@ class Listener : public std::enable_shared_from_this<Listener> {
     ErrorCode ignored;
     acceptor_.close(ignored);
     line_->close();
-    if (std::exchange(ours_, false)) ::unlink(path_.c_str());
+    if (std::exchange(own_, false)) ::unlink(path_.c_str());
   }
 
  private:
@@ -208,7 +208,7 @@ class Listener : public std::enable_shared_from_this<Listener> {
   Stream::acceptor acceptor_;
   std::string path_;
   std::shared_ptr<Line> line_;
-  bool ours_{false};
+  bool own_{false};
 };
 
 // --- the on-board side ----------------------------------------------------------------------------------------------

@@ -18,14 +18,14 @@ double allowed(double reference) {
   return 2.0 * (next - std::fabs(reference)) + 2e-16;
 }
 
-template <typename Ours, typename Reference>
-void expect_close_over(double low, double high, const Ours& ours, const Reference& reference) {
+template <typename Own, typename Reference>
+void expect_close_over(double low, double high, const Own& own, const Reference& reference) {
   Random random{1, "math_test"};
   for (int i = 0; i < 200'000; ++i) {
     const double x = random.uniform(low, high);
     // The reference in long double, so that what is measured is ours.
     const auto wanted = static_cast<double>(reference(static_cast<long double>(x)));
-    ASSERT_NEAR(ours(x), wanted, allowed(wanted)) << "at x = " << x;
+    ASSERT_NEAR(own(x), wanted, allowed(wanted)) << "at x = " << x;
   }
 }
 

@@ -99,8 +99,8 @@ std::string file_in_place(const CallContext& context, const zone::ZoneConfigurat
   auto there = context.host().zones->read(context.host().zone_file);
   if (!there) return context.host().zone_file;
   const auto rtm = zone::Rtm::initialise(std::move(*there));
-  const bool ours = rtm ? rtm->zone().name == zone_name(*context.host().core) : !switched_once(*context.host().core);
-  return ours ? context.host().zone_file : std::string{};
+  const bool own = rtm ? rtm->zone().name == zone_name(*context.host().core) : !switched_once(*context.host().core);
+  return own ? context.host().zone_file : std::string{};
 }
 
 }  // namespace

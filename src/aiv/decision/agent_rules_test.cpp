@@ -237,11 +237,11 @@ Drive drive(const SpeedChooser& chooser, double body_mps) {
 TEST(FuzzyDrive, comes_as_far_as_the_crisp_one_with_no_more_changes_of_profile) {
   const FuzzySpeedChooser fuzzy{AgentRules::built_in(), profiles};
   for (const double body_mps : {0.0, 0.05, 0.1, 0.2, 0.3}) {
-    const Drive ours = drive(fuzzy, body_mps);
+    const Drive own = drive(fuzzy, body_mps);
     const Drive crisp = drive(CrispSpeedChooser{}, body_mps);
-    EXPECT_GE(ours.way_m, crisp.way_m - 1e-3) << body_mps;
-    EXPECT_LE(ours.changes, crisp.changes) << body_mps;
-    EXPECT_GE(ours.nearest_m, 0.5 * stand_off_m) << body_mps;
+    EXPECT_GE(own.way_m, crisp.way_m - 1e-3) << body_mps;
+    EXPECT_LE(own.changes, crisp.changes) << body_mps;
+    EXPECT_GE(own.nearest_m, 0.5 * stand_off_m) << body_mps;
   }
 }
 

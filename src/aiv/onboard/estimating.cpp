@@ -92,10 +92,10 @@ SimTime BoardClock::stamp(SimTime now, std::uint32_t board_ms) {
 
 void Estimating::ask(SimTime now, wire::EstimateRequest request) {
   asked_at_ = now;
-  const bool of_ours = session_ && session_->id == request.session;
+  const bool of_own = session_ && session_->id == request.session;
   if (said_ && said_->session == request.session && said_->sequence == request.sequence) {
     due_ = true;  // it did not come
-  } else if (of_ours) {
+  } else if (of_own) {
     // Any other was under way for long, and means nothing any more.
     if (request.sequence == session_->answered + 1) asked_ = std::move(request);
   } else if (request.sequence == 1) {

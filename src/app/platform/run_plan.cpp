@@ -17,8 +17,8 @@ std::string absolute(const std::string& file) {
   return error ? file : path.lexically_normal().string();
 }
 
-void say_it_wins(const std::string& what, const std::string& ours, const std::string& scenario_s) {
-  if (ours != scenario_s) say("--" + what + " " + ours + " wins over the scenario's " + scenario_s);
+void say_it_wins(const std::string& what, const std::string& given, const std::string& scenario_s) {
+  if (given != scenario_s) say("--" + what + " " + given + " wins over the scenario's " + scenario_s);
 }
 
 /// The scenario's word counts where the command line said nothing.

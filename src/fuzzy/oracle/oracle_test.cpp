@@ -46,13 +46,13 @@ std::vector<std::vector<double>> ask(const Engine& engine, std::size_t count, Ra
 }
 
 /// The worst difference over so many questions, as a share of each output's range.
-double worst_deviation(const RuleBase& ours, Fuzzylite& theirs, std::size_t count, Random& random) {
-  const Engine& engine = ours.engine();
+double worst_deviation(const RuleBase& own, Fuzzylite& theirs, std::size_t count, Random& random) {
+  const Engine& engine = own.engine();
   const auto columns = ask(engine, count, random);
   std::vector<std::vector<double>> answers(engine.outputs.size(), std::vector<double>(count));
   const std::vector<std::span<const double>> inputs(columns.begin(), columns.end());
   const std::vector<std::span<double>> outputs(answers.begin(), answers.end());
-  ours.evaluate(inputs, outputs);
+  own.evaluate(inputs, outputs);
 
   double worst = 0.0;
   std::vector<double> question(inputs.size());
@@ -73,12 +73,12 @@ double worst_deviation(const RuleBase& ours, Fuzzylite& theirs, std::size_t coun
 TEST(Fuzzylite, answers_a_million_questions_by_the_agent_s_rules_as_we_do) {
   std::ostringstream text;
   text << std::ifstream(source_dir() + "/rules/agent.fll").rdbuf();
-  const auto ours = RuleBase::read(text.str(), "rules/agent.fll");
-  ASSERT_TRUE(ours) << to_string(ours.error());
+  const auto own = RuleBase::read(text.str(), "rules/agent.fll");
+  ASSERT_TRUE(own) << to_string(own.error());
   Fuzzylite theirs{text.str()};
   ASSERT_TRUE(theirs.ready());
   Random random{1, "questions"};
-  const double worst = worst_deviation(*ours, theirs, questions, random);
+  const double worst = worst_deviation(*own, theirs, questions, random);
   RecordProperty("worst_deviation", std::to_string(worst));
   EXPECT_LE(worst, deviation_max);
 }
@@ -87,12 +87,12 @@ TEST(Fuzzylite, agrees_on_random_rules_of_every_shape_hedge_and_norm) {
   constexpr std::size_t bases = 200;
   for (std::uint64_t seed = 1; seed <= bases; ++seed) {
     const std::string text = RandomRules{seed}.text();
-    const auto ours = RuleBase::read(text, "random");
-    ASSERT_TRUE(ours) << to_string(ours.error()) << "\n" << text;
+    const auto own = RuleBase::read(text, "random");
+    ASSERT_TRUE(own) << to_string(own.error()) << "\n" << text;
     Fuzzylite theirs{text};
     ASSERT_TRUE(theirs.ready()) << text;
     Random random{seed, "questions"};
-    ASSERT_LE(worst_deviation(*ours, theirs, questions / bases / 2, random), deviation_max) << "seed " << seed << "\n"
+    ASSERT_LE(worst_deviation(*own, theirs, questions / bases / 2, random), deviation_max) << "seed " << seed << "\n"
                                                                                             << text;
   }
 }

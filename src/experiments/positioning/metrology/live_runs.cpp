@@ -37,8 +37,8 @@ std::optional<std::uint64_t> number_of(std::string_view serial) {
 bool is_of(const JsonValue& line, const wire::VehicleId& vehicle) {
   if (const auto name = line.text("vehicle")) return *name == to_string(vehicle);
   const auto number = line.number("number");
-  const auto ours = vehicle.manufacturer == wire::our_manufacturer ? number_of(vehicle.serial_number) : std::nullopt;
-  return number && ours && *number == static_cast<double>(*ours);
+  const auto own = vehicle.manufacturer == wire::our_manufacturer ? number_of(vehicle.serial_number) : std::nullopt;
+  return number && own && *number == static_cast<double>(*own);
 }
 
 std::string command_json(const char* command, const wire::VehicleId& vehicle, std::optional<double> speed_mps) {

@@ -28,7 +28,7 @@ std::optional<wire::AgvPosition> position_in(std::string_view topic, const std::
 
 }  // namespace
 
-bool ControlAreas::is_ours(const wire::VehicleId& id) const {
+bool ControlAreas::owns(const wire::VehicleId& id) const {
   if (!several()) return true;
   const auto found = vehicles_.find(wire::to_string(id));
   return found != vehicles_.end() && found->second.owner && found->second.owner->area == own_;

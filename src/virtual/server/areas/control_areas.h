@@ -41,7 +41,7 @@ class ControlAreas {
     SimTime pose_at{};
     std::optional<SimTime> claimed_at;
   };
-  [[nodiscard]] bool is_ours(const wire::VehicleId& id) const;
+  [[nodiscard]] bool owns(const wire::VehicleId& id) const;
   /// Nothing: there are too many.
   [[nodiscard]] Vehicle* vehicle(const wire::VehicleId& id);
   [[nodiscard]] auto& vehicles() { return vehicles_; }  ///< by name

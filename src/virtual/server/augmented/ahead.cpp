@@ -146,8 +146,8 @@ void VirtualObstaclePublisher::look_around(VehicleIndex vehicle) {
   const bool given_up = viewer.unanswered >= unanswered_max && now - viewer.first_told >= answer_patience;
   // Its answer may be lost; but who tells of its boards runs our program, which feels.
   const AivProxy& proxy = registry_[vehicle];
-  const bool ours = viewer.answered || proxy.augmented || proxy.boards;
-  const bool deaf = !ours && (given_up || proxy.paused_for_body);
+  const bool is_cosiva = viewer.answered || proxy.augmented || proxy.boards;
+  const bool deaf = !is_cosiva && (given_up || proxy.paused_for_body);
   if (!deaf || near_.empty()) {
     pauses_.let_go(vehicle);
     return;

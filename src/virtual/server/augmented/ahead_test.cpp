@@ -234,7 +234,7 @@ TEST_F(AheadBench, stops_a_virtual_aiv_before_a_person_and_a_physical_vehicle) {
   EXPECT_LT(*bench.aiv("CoSiVA.virtual/V2").number("x"), 1.5);
 }
 
-/// A vehicle of another make, that never answers.
+/// A vehicle of a third party, that never answers.
 class DeafVehicle : public AheadBench {
  protected:
   DeafVehicle() { aiv.blocked = false; }

@@ -46,7 +46,7 @@ bool is_seen_id(std::string_view id) {
 
 }  // namespace
 
-bool VirtualObjectCommands::is_ours(std::string_view command) {
+bool VirtualObjectCommands::handles(std::string_view command) {
   return command == "add" || command == "move" || command == "remove";
 }
 

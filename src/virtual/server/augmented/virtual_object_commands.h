@@ -38,7 +38,7 @@ class VirtualObjectCommands {
   VirtualObjectCommands(const Registry& registry, const Simulator& simulator, const VirtualFleet& fleet, const Outbox& outbox)
       : registry_{registry}, simulator_{simulator}, fleet_{fleet}, outbox_{outbox} {}
 
-  [[nodiscard]] static bool is_ours(std::string_view command);  ///< "add", "move" or "remove"
+  [[nodiscard]] static bool handles(std::string_view command);  ///< "add", "move" or "remove"
   [[nodiscard]] Result<ThingCommand> read(const JsonValue& command) const;
   /// The next free "V1", "P1", "O1".
   [[nodiscard]] std::string next_id(std::string_view kind) const;

@@ -21,9 +21,9 @@ bool adds_virtual_aiv(const JsonValue& command) {
 }  // namespace
 
 CommandRouter::Kind CommandRouter::kind_of(std::string_view name) {
-  if (VirtualObjectCommands::is_ours(name)) return Kind::object;
-  if (ZoneEdits::is_ours(name)) return Kind::edit;
-  if (Missions::is_ours(name)) return Kind::mission;
+  if (VirtualObjectCommands::handles(name)) return Kind::object;
+  if (ZoneEdits::handles(name)) return Kind::edit;
+  if (Missions::handles(name)) return Kind::mission;
   if (is_world_command(name)) return Kind::world;
   if (name == "switch") return Kind::zone_switch;
   return name == "batteryReady" ? Kind::battery : Kind::vehicles;

@@ -10,8 +10,8 @@ namespace cosiva::virtual_side {
 
 void MessageIntake::receive(const wire::Input& input) {
   if (input.source.starts_with(wire::v2x_topic_prefix)) return v2x_.receive(input);
-  if (BatteryTestRelay::is_ours(input.source)) return on_battery(input);
-  if (GroundTruthComparator::is_ours(input.source)) return on_gvs(input);
+  if (BatteryTestRelay::handles(input.source)) return on_battery(input);
+  if (GroundTruthComparator::handles(input.source)) return on_gvs(input);
   if (ownership_.receive(input)) return;
   if (!augmented_.hosted.empty() && augmented_.hosted.from_broker(context_.now, input)) return;
   const std::size_t vehicles = context_.registry.size();

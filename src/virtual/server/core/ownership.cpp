@@ -59,7 +59,7 @@ bool Ownership::receive(const wire::Input& input) {
   if (id->manufacturer == wire::virtual_manufacturer) return true;
   ControlAreas::Vehicle* vehicle = context_.areas.vehicle(*id);
   if (vehicle != nullptr) context_.areas.overhear(*vehicle, name, input);
-  return !context_.areas.is_ours(*id);
+  return !context_.areas.owns(*id);
 }
 
 void Ownership::on_owner(const wire::VehicleId& id, const wire::Input& input) {
@@ -79,12 +79,12 @@ void Ownership::on_owner(const wire::VehicleId& id, const wire::Input& input) {
   context_.traces.add(context_.now, now_owner ? std::string_view{now_owner->area} : std::string_view{"operator"}, name,
                       "owner", now_owner ? "it is control area " + now_owner->area + "'s" : "it is nobody's", input.source,
                       input.payload);
-  const bool was_own = context_.areas.is_ours(id);
+  const bool was_own = context_.areas.owns(id);
   vehicle->owner = std::move(now_owner);
   vehicle->owner_heard = true;
   vehicle->claimed_at.reset();
   vehicle->pose.reset();
-  const bool is_own = context_.areas.is_ours(id);
+  const bool is_own = context_.areas.owns(id);
   // A retained owner is of the past: the vehicle itself reports where it is.
   if (is_own && !was_own) take_over(*vehicle, input.flag);
   if (was_own && !is_own) let_go(*context_.registry.find(name), vehicle->owner ? vehicle->owner->area : std::string{});
@@ -93,7 +93,7 @@ void Ownership::on_owner(const wire::VehicleId& id, const wire::Input& input) {
 void Ownership::take_over(ControlAreas::Vehicle& vehicle, bool retained) {
   const wire::Owner owner = *vehicle.owner;
   const std::string name = wire::to_string(vehicle.id);
-  COSIVA_EXPECT(context_.areas.is_ours(vehicle.id));
+  COSIVA_EXPECT(context_.areas.owns(vehicle.id));
   const auto index = vehicles_.begin_life(vehicle.id);
   if (!index) {
     context_.publisher.log('e', name + ": is this control area's, but it is one more than the vehicles a server takes");
@@ -124,7 +124,7 @@ void Ownership::give_mission(VehicleIndex vehicle, const wire::Owner::Mission& h
 }
 
 void Ownership::let_go(VehicleIndex vehicle, const std::string& area) {
-  COSIVA_EXPECT(!context_.areas.is_ours(context_.registry[vehicle].id));
+  COSIVA_EXPECT(!context_.areas.owns(context_.registry[vehicle].id));
   const std::string& name = context_.registry[vehicle].name;
   vehicles_.retire(vehicle, area.empty() ? name + " is nobody's any more" : name + " is control area " + area + "'s now");
   context_.publisher.log('i', name + ": let go" + (area.empty() ? std::string{} : "; it is control area " + area + "'s now"));
@@ -139,7 +139,7 @@ void Ownership::publish_lost_owners() {
   for (const auto& [name, vehicle] : context_.areas.vehicles()) {
     const auto index = context_.registry.find(name);
     if (index) context_.registry[*index].handed_over.reset();
-    if (context_.areas.is_ours(vehicle.id) && !vehicle.owner_heard)
+    if (context_.areas.owns(vehicle.id) && !vehicle.owner_heard)
       publish_owner(vehicle, {context_.areas.own(), 0, context_.now,
                               index ? context_.registry[*index].reported : std::nullopt, std::nullopt});
   }

@@ -461,7 +461,7 @@ TEST(ControlAreas, refuse_to_send_a_vehicle_to_an_area_that_they_do_not_meet) {
   EXPECT_THAT(bench.refusal_to_go("a", "b/rack_b"), HasSubstr("no station of this control area lies on a way of control area 'b'"));
 }
 
-TEST(ControlAreas, drive_a_vehicle_of_another_make_over_as_well) {
+TEST(ControlAreas, drive_a_third_party_vehicle_over_as_well) {
   ControlAreasFixture bench;
   BenchVehicle& aiv = bench.add("AIV1", {0.3, 0.29289322, 0.0}, "CoSiVA");
   BenchVehicle& other = bench.add("R7", {2.0, -1.49289322, pi}, "Robots");

@@ -185,7 +185,7 @@ TEST(ServerCore, marks_a_silent_vehicle_as_lost_after_a_second_and_stops_its_twi
   EXPECT_EQ(then.find("contract")->flag("age"), false);
 }
 
-/// A vehicle of another make that only says its state, and how much of its time it is shown as lost.
+/// A vehicle of a third party that only says its state, and how much of its time it is shown as lost.
 class SlowReporter {
  public:
   SlowReporter() : vehicle_{bench_.add("agv-7", {0, 0.5}, "Acme")} {

@@ -34,7 +34,7 @@ bool ZoneChange::all_stopped_off_old_map() const {
     // A report from before the change does not show what the vehicle does now.
     const bool moves = proxy.reports.last() <= last_->at || (proxy.state && proxy.state->driving) ||
                        context_.simulator.twin(*proxy.twin).speed_mps() > moving_mps;
-    if (proxy.ours() && moves) return false;
+    if (proxy.is_cosiva() && moves) return false;
   }
   return true;
 }
@@ -76,7 +76,7 @@ void ZoneChange::deploy_map() {
                             context_.options.map_download_link};
   for (VehicleIndex v = 0; v < context_.registry.size(); ++v) {
     const AivProxy& proxy = context_.registry[v];
-    if (context_.options.drive && !proxy.ours() && proxy.here() && !proxy.map_id.empty() && proxy.map_id != wanted.id)
+    if (context_.options.drive && !proxy.is_cosiva() && proxy.here() && !proxy.map_id.empty() && proxy.map_id != wanted.id)
       master_.maps.step(v, wanted);
   }
 }

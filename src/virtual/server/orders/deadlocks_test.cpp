@@ -147,13 +147,13 @@ TEST_F(FourWay, that_comes_undone_by_itself_is_no_deadlock) {
   for (const auto& vehicle : bench.vehicles) EXPECT_EQ(backed_up(bench, *vehicle), 0U);
 }
 
-/// The last two are of another make, and cannot back up.
+/// The last two are of a third party, and cannot back up.
 class FourWayWithForeigners : public FourWay {
  protected:
   FourWayWithForeigners() : FourWay{"Acme"} {}
 };
 
-TEST_F(FourWayWithForeigners, is_resolved_by_one_of_ours) {
+TEST_F(FourWayWithForeigners, is_resolved_by_a_cosiva_vehicle) {
   bench.run_for(60s);
   EXPECT_EQ(shown(bench).resolved, 1.0);
   EXPECT_THAT(*shown(bench).list[0].text("how"), HasSubstr("CoSiVA/AIV2 backs up "));
@@ -204,15 +204,15 @@ INSTANTIATE_TEST_SUITE_P(Metres, Overshot, ::testing::Values(0.035, 0.005));
 
 TEST(SilentVehicle, that_stands_with_way_before_it_is_given_a_new_order) {
   ServerBench bench;
-  BenchVehicle& ours = bench.add("AIV1", {0, 0.5});
+  BenchVehicle& is_cosiva = bench.add("AIV1", {0, 0.5});
   BenchVehicle& foreign = bench.add("AGV1", {2, 0.5}, "Acme");
   bench.run_for(5s);
-  for (BenchVehicle* vehicle : {&ours, &foreign}) vehicle->hangs_on = vehicle->book->order_id();
-  const double before_m = ours.driven_m;
+  for (BenchVehicle* vehicle : {&is_cosiva, &foreign}) vehicle->hangs_on = vehicle->book->order_id();
+  const double before_m = is_cosiva.driven_m;
   bench.run_for(10s);
-  EXPECT_EQ(ours.driven_m, before_m);
+  EXPECT_EQ(is_cosiva.driven_m, before_m);
   bench.run_for(10s);
-  EXPECT_GT(ours.driven_m, before_m + 0.5);
+  EXPECT_GT(is_cosiva.driven_m, before_m + 0.5);
   EXPECT_TRUE(bench.logged("CoSiVA/AIV1: stands with way before it and says no reason"));
   EXPECT_FALSE(bench.logged("Acme/AGV1: stands with way before it")) << "it may have reasons of its own";
 }

@@ -59,7 +59,7 @@ class Missions {
   [[nodiscard]] bool known(const Mission& mission) const;
   [[nodiscard]] bool has_place(std::string_view name) const { return !goals(name).empty(); }
 
-  [[nodiscard]] static bool is_ours(std::string_view command);  ///< "go", "circulate", "close" or "open"
+  [[nodiscard]] static bool handles(std::string_view command);  ///< "go", "circulate", "close" or "open"
   /// Fails with a sentence that says what to do, and names what is like what was asked for.
   [[nodiscard]] Result<void> check(const JsonValue& command) const;
   /// One that check() passes.

@@ -36,7 +36,7 @@ std::string nearest_names(std::string_view asked, const std::vector<std::string_
 
 }  // namespace
 
-bool Missions::is_ours(std::string_view command) {
+bool Missions::handles(std::string_view command) {
   return command == "go" || command == "circulate" || command == "close" || command == "open";
 }
 

@@ -187,7 +187,7 @@ std::vector<zone::SectionId> OrderRoller::contested(VehicleIndex vehicle) const 
 std::optional<double> OrderRoller::way_back_m(VehicleIndex vehicle, std::span<const Wait> waits) const {
   const Plan& plan = plans_[vehicle];
   const AivProxy& proxy = registry_[vehicle];
-  if (off_line(vehicle) || !proxy.supports("backUp").value_or(proxy.ours()) || !stands(vehicle)) return std::nullopt;
+  if (off_line(vehicle) || !proxy.supports("backUp").value_or(proxy.is_cosiva()) || !stands(vehicle)) return std::nullopt;
   const zone::Circuit& circuit = map_->circuit();
   const zone::Place here = *plan.standing.place;
   const Sections gone = traffic_.gone(vehicle);

@@ -111,10 +111,10 @@ void OrderRoller::adopt(VehicleIndex vehicle, const wire::State& state) {
   Plan& plan = plans_[vehicle];
   const auto [end_id, end_sequence] = base_end_of(state);
   const auto ends = map_->find(end_id);
-  const bool ours = !ends.empty() && std::ranges::all_of(state.node_states, [&](const wire::NodeState& node) {
+  const bool is_cosiva = !ends.empty() && std::ranges::all_of(state.node_states, [&](const wire::NodeState& node) {
     return !map_->find(node.node_id).empty();
   });
-  if (!ours || state.order_id.empty()) {
+  if (!is_cosiva || state.order_id.empty()) {
     if (plan.strange_order != state.order_id) {
       plan.strange_order = state.order_id;
       outbox_.log('i', registry_[vehicle].name + ": follows order '" + state.order_id +
@@ -370,7 +370,7 @@ bool OrderRoller::enter(VehicleIndex vehicle, double stop_m, double exit_m) {
 
 bool OrderRoller::has_eyes_for(VehicleIndex vehicle, VehicleIndex ahead) const {
   // A physical vehicle has none for a virtual one but the server's word, and what others' vehicles have is not known.
-  return ahead != no_vehicle && registry_[vehicle].ours() && registry_[ahead].ours() &&
+  return ahead != no_vehicle && registry_[vehicle].is_cosiva() && registry_[ahead].is_cosiva() &&
          (registry_[vehicle].augmented || !registry_[ahead].augmented);
 }
 

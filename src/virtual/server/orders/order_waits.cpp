@@ -68,7 +68,7 @@ bool OrderRoller::stands_silently(VehicleIndex vehicle) {
   constexpr double way_m_min = 0.10;
   const wire::State& state = *proxy.state;
   // Those of other makes may have reasons of their own.
-  const bool silent = proxy.ours() && stands(vehicle) && !state.field_violation && !state.paused &&
+  const bool silent = proxy.is_cosiva() && stands(vehicle) && !state.field_violation && !state.paused &&
                       !proxy.paused_for_body && state.errors.empty() && state.e_stop == wire::EStop::none &&
                       plan.standing.place &&
                       traffic_.base_left_m(vehicle, *plan.standing.place).value_or(0.0) > way_m_min;

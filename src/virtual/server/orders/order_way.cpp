@@ -243,7 +243,7 @@ bool OrderRoller::off_line(VehicleIndex vehicle) const {
 
 bool OrderRoller::goes_onto_line(VehicleIndex vehicle) const {
   const Plan& plan = plans_[vehicle];
-  return plan.anchor || (plan.stage == Plan::Stage::none && off_line(vehicle) && registry_[vehicle].ours());
+  return plan.anchor || (plan.stage == Plan::Stage::none && off_line(vehicle) && registry_[vehicle].is_cosiva());
 }
 
 void OrderRoller::follow_line(VehicleIndex vehicle) {

@@ -94,7 +94,7 @@ struct AivProxy {
   std::uint32_t notes{0};  ///< bits of what was already logged once
 
   /// Runs our program: it takes the zone from its topic, and goes onto the line by itself.
-  [[nodiscard]] bool ours() const { return augmented || boards || id.manufacturer == wire::our_manufacturer; }
+  [[nodiscard]] bool is_cosiva() const { return augmented || boards || id.manufacturer == wire::our_manufacturer; }
   /// Has a twin that is shown and stands in the way of others.
   [[nodiscard]] bool here() const { return twin.has_value() && !retired; }
   /// Is in the table and on the map. One that we have handed over is not, so that no two control areas ever show it at once; it

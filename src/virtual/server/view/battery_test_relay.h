@@ -42,7 +42,7 @@ class BatteryTestRelay {
   static constexpr std::size_t changes_max = 256;  ///< a flood of made-up names must not take the memory
 
   [[nodiscard]] static std::vector<std::string> subscriptions();
-  [[nodiscard]] static bool is_ours(std::string_view topic) { return topic.starts_with("cosiva/v1/battery/"); }
+  [[nodiscard]] static bool handles(std::string_view topic) { return topic.starts_with("cosiva/v1/battery/"); }
   /// Fails ("own.…", "json.…", "battery.many") and then keeps what it knew.
   /// @return  in a few words, what is worth showing among the communications; empty: nothing
   [[nodiscard]] Result<std::string> on_message(const wire::Input& input);

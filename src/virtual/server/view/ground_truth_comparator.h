@@ -33,7 +33,7 @@ class GroundTruthComparator {
   GroundTruthComparator(const Registry& registry, Simulator& simulator) : registry_{registry}, simulator_{simulator} {}
 
   [[nodiscard]] static std::vector<std::string> subscriptions();
-  [[nodiscard]] static bool is_ours(std::string_view topic) { return topic.starts_with("cosiva/v1/gvs/"); }
+  [[nodiscard]] static bool handles(std::string_view topic) { return topic.starts_with("cosiva/v1/gvs/"); }
   /// Fails ("own.…", "json.…") and then keeps what it knew.
   /// @return  in a few words, what is worth showing among the communications; empty: nothing
   [[nodiscard]] Result<std::string> on_message(SimTime now, const wire::Input& input);

@@ -7,7 +7,7 @@
 #include "cosiva/zone/edit/edit_json.h"
 
 namespace cosiva::virtual_side {
-bool ZoneEdits::is_ours(std::string_view command) {
+bool ZoneEdits::handles(std::string_view command) {
   return command == "edit" || command == "undo" || command == "redo" || command == "saved";
 }
 

@@ -20,7 +20,7 @@ class ZoneEdits {
  public:
   static constexpr std::size_t depth = 50;
 
-  [[nodiscard]] static bool is_ours(std::string_view command);  ///< "edit", "undo", "redo" or "saved"
+  [[nodiscard]] static bool handles(std::string_view command);  ///< "edit", "undo", "redo" or "saved"
 
   /// The configuration that would be in force after a command. Fails with a sentence that says what to do.
   [[nodiscard]] Result<zone::ZoneConfiguration> after(const JsonValue& command, const Simulator& simulator) const;
