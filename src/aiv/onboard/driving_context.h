@@ -35,7 +35,7 @@ class DrivingContext {
   [[nodiscard]] const FeltWorld& virtual_bodies() const { return virtual_bodies_; }
   [[nodiscard]] Neighbours& neighbours() { return neighbours_; }
   [[nodiscard]] const Neighbours& neighbours() const { return neighbours_; }
-  [[nodiscard]] const Passages& crossings() const { return crossings_; }
+  [[nodiscard]] const CrossingFinder& crossings() const { return crossings_; }
   [[nodiscard]] Sighting& sighting() { return sighting_; }
   [[nodiscard]] const Sighting& sighting() const { return sighting_; }
 
@@ -48,7 +48,7 @@ class DrivingContext {
   Agent agent_;
   FeltWorld virtual_bodies_;
   Neighbours neighbours_;
-  Passages crossings_;
+  CrossingFinder crossings_;
   Sighting sighting_;
 };
 

@@ -25,30 +25,30 @@ zone::SpeedProfile pace_of(const Agent& agent, const zone::TrafficZone& zone) {
 
 /// Calls `take(passage, name, may_enter)` for each crossing that the vehicle has to speak of, in their order.
 template <typename Take>
-void each_crossing(const Agent& agent, const zone::TrafficZone& zone, const Passages& passages, Take take) {
+void each_crossing(const Agent& agent, const zone::TrafficZone& zone, const CrossingFinder& crossing_spans, Take take) {
   const OrderBook& order = agent.order();
   const bool goes_on = order.active() && agent.holds().bits() == 0 && !agent.progress().cancelling();
   const double base_m = order.distance_to_base_end_m();
-  std::vector<Passage> ahead;
-  passages.ahead(agent.position().outlook(), intent_reach_m, wire::Intent::crossings_max, ahead);
-  for (const Passage& passage : ahead) {
-    const bool ends_there = !order.horizon_left() && base_m > passage.entry_m;
+  std::vector<CrossingSpan> ahead;
+  crossing_spans.ahead(agent.position().outlook(), intent_reach_m, wire::Intent::crossings_max, ahead);
+  for (const CrossingSpan& crossing_span : ahead) {
+    const bool ends_there = !order.horizon_left() && base_m > crossing_span.entry_m;
     const bool may_enter =
-        passage.entry_m <= 0.0 || (order.active() && (base_m >= passage.chain_exit_m - rounding_m || ends_there));
+        crossing_span.entry_m <= 0.0 || (order.active() && (base_m >= crossing_span.chain_exit_m - rounding_m || ends_there));
     if (!may_enter && !(goes_on && order.horizon_left())) return;
-    const std::string& name = zone.crossings[passage.crossing].name;
-    if (name.size() <= name_bytes_max) take(passage, name, may_enter);
+    const std::string& name = zone.crossings[crossing_span.crossing].name;
+    if (name.size() <= name_bytes_max) take(crossing_span, name, may_enter);
   }
 }
 
-void add_crossings(const Agent& agent, const zone::TrafficZone& zone, const Passages& passages, wire::Intent& intent) {
+void add_crossings(const Agent& agent, const zone::TrafficZone& zone, const CrossingFinder& crossing_spans, wire::Intent& intent) {
   const zone::SpeedProfile pace = pace_of(agent, zone);
   const auto after = [&](double way_m) {
     return std::min(duration_s_max, thousandths(earliest_s(way_m, agent.motion().speed_mps(), pace)));
   };
-  each_crossing(agent, zone, passages, [&](const Passage& passage, const std::string& name, bool may_enter) {
-    intent.crossings.push_back({name, thousandths(passage.entry_m), thousandths(passage.exit_m), after(passage.entry_m),
-                                after(passage.exit_m), may_enter});
+  each_crossing(agent, zone, crossing_spans, [&](const CrossingSpan& crossing_span, const std::string& name, bool may_enter) {
+    intent.crossings.push_back({name, thousandths(crossing_span.entry_m), thousandths(crossing_span.exit_m), after(crossing_span.entry_m),
+                                after(crossing_span.exit_m), may_enter});
   });
 }
 
@@ -85,13 +85,13 @@ double earliest_s(double distance_m, double speed_mps, const zone::SpeedProfile&
   return (by.speed_mps - start_mps) / by.acceleration_mps2 + (distance_m - speeding_up_m) / by.speed_mps;
 }
 
-bool is_news(const wire::Intent& said, const Agent& agent, const zone::TrafficZone& zone, const Passages& passages) {
+bool is_news(const wire::Intent& said, const Agent& agent, const zone::TrafficZone& zone, const CrossingFinder& crossing_spans) {
   if (said.braking != agent.braking() || said.map_id != zone.name || said.place.has_value() != has_place(agent, zone))
     return true;
   if (!agent.position().known() || agent.position().off_line()) return !said.crossings.empty();
   std::size_t same = 0;
   bool other = false;
-  each_crossing(agent, zone, passages, [&](const Passage&, const std::string& name, bool may_enter) {
+  each_crossing(agent, zone, crossing_spans, [&](const CrossingSpan&, const std::string& name, bool may_enter) {
     other = other || same == said.crossings.size() || said.crossings[same].name != name ||
             said.crossings[same].may_enter != may_enter;
     if (!other) ++same;
@@ -99,7 +99,7 @@ bool is_news(const wire::Intent& said, const Agent& agent, const zone::TrafficZo
   return other || same != said.crossings.size();
 }
 
-wire::Intent compose_intent(const Agent& agent, const zone::TrafficZone& zone, const Passages& passages) {
+wire::Intent compose_intent(const Agent& agent, const zone::TrafficZone& zone, const CrossingFinder& crossing_spans) {
   const PositionEstimator& position = agent.position();
   wire::Intent intent;
   intent.map_id = zone.name;
@@ -111,7 +111,7 @@ wire::Intent compose_intent(const Agent& agent, const zone::TrafficZone& zone, c
   const zone::Place here = position.place();
   if (has_place(agent, zone))
     intent.place = wire::Intent::OnLine{zone.circuit.part(here.section).name, std::max(0.0, thousandths(here.s_m))};
-  add_crossings(agent, zone, passages, intent);
+  add_crossings(agent, zone, crossing_spans, intent);
   add_way(agent, zone, intent);
   return intent;
 }

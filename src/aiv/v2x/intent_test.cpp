@@ -19,16 +19,16 @@ using ::testing::SizeIs;
 
 constexpr zone::SpeedProfile medium{0.40, 0.5, 0.8};
 
-std::vector<Passage> ahead_of(zone::Place here, double reach_m, std::size_t count_max = 8) {
-  static const Passages passages{lacet4()};
-  std::vector<Passage> out;
-  passages.ahead(here, reach_m, count_max, out);
+std::vector<CrossingSpan> ahead_of(zone::Place here, double reach_m, std::size_t count_max = 8) {
+  static const CrossingFinder crossing_spans{lacet4()};
+  std::vector<CrossingSpan> out;
+  crossing_spans.ahead(here, reach_m, count_max, out);
   return out;
 }
 
 // The clover's straights are 1.5 m long and cross others 0.6 m and 0.9 m from their starts, too close to stand between.
 
-TEST(Passages, name_the_two_crossings_of_a_straight_as_one_chain) {
+TEST(CrossingFinder, name_the_two_crossings_of_a_straight_as_one_chain) {
   const auto ahead = ahead_of(at(lacet4(), "east", 0.1), 1.0);
   ASSERT_THAT(ahead, SizeIs(2));
   EXPECT_GT(ahead[0].entry_m, 0.25);
@@ -41,14 +41,14 @@ TEST(Passages, name_the_two_crossings_of_a_straight_as_one_chain) {
   EXPECT_NE(ahead[0].crossing, ahead[1].crossing);
 }
 
-TEST(Passages, follow_a_chain_beyond_their_reach_and_see_none_before_it) {
+TEST(CrossingFinder, follow_a_chain_beyond_their_reach_and_see_none_before_it) {
   EXPECT_THAT(ahead_of(at(lacet4(), "east", 0.1), 0.35), SizeIs(2));
   EXPECT_THAT(ahead_of(at(lacet4(), "east", 0.1), 0.10), IsEmpty());
   EXPECT_THAT(ahead_of(at(lacet4(), "east", 1.2), 1.0), IsEmpty()) << "behind it";
   EXPECT_THAT(ahead_of(at(lacet4(), "east", 0.1), 3.0, 1), SizeIs(1));
 }
 
-TEST(Passages, begin_where_the_vehicle_is_when_it_is_inside) {
+TEST(CrossingFinder, begin_where_the_vehicle_is_when_it_is_inside) {
   const auto ahead = ahead_of(at(lacet4(), "east", 0.6), 0.1);
   ASSERT_THAT(ahead, SizeIs(2));
   EXPECT_EQ(ahead[0].entry_m, 0.0);
@@ -78,7 +78,7 @@ TEST(EarliestArrival, is_later_further_away_and_earlier_at_speed) {
 
 struct Speaker {
   Agent agent{lacet4()};
-  Passages passages{lacet4()};
+  CrossingFinder crossing_spans{lacet4()};
 
   explicit Speaker(double s_m) { agent.estimator().place_at(at(lacet4(), "east", s_m)); }
   Speaker& take(const wire::Order& text) {
@@ -86,7 +86,7 @@ struct Speaker {
     static_cast<void>(agent.decide());
     return *this;
   }
-  [[nodiscard]] wire::Intent says() const { return compose_intent(agent, lacet4(), passages); }
+  [[nodiscard]] wire::Intent says() const { return compose_intent(agent, lacet4(), crossing_spans); }
 };
 
 TEST(ComposeIntent, says_where_it_is_and_what_comes) {
@@ -135,7 +135,7 @@ TEST(ComposeIntent, of_one_beside_the_line_says_only_where_it_is) {
 }
 
 bool is_news(const wire::Intent& said, const Speaker& speaker) {
-  return aiv::is_news(said, speaker.agent, lacet4(), speaker.passages);
+  return aiv::is_news(said, speaker.agent, lacet4(), speaker.crossing_spans);
 }
 
 TEST(News, are_what_others_act_upon_and_not_where_it_drives_meanwhile) {

@@ -47,7 +47,7 @@ Neighbours::Neighbours(const zone::TrafficZone& zone, wire::VehicleId self, Mode
       speed_mps_max_{model.speed_share_max * std::max({zone.profiles.slow.speed_mps, zone.profiles.medium.speed_mps,
                                                        zone.profiles.fast.speed_mps})},
       gap_{zone, model.look},
-      passages_{zone} {}
+      crossing_finder_{zone} {}
 
 bool Neighbours::leaps(const Heard& before, SimTime now, const wire::Intent& intent) const {
   const double since_s = to_seconds(std::max(SimDuration::zero(), now - before.at));
@@ -135,10 +135,10 @@ void Neighbours::look_for_leader(SimTime now, const Agent& agent, Others& others
 void Neighbours::look_for_rivals(SimTime now, const Agent& agent, Others& others) {
   const double stop_m = agent.decision().crossing_ahead_m;
   if (!std::isfinite(stop_m)) return;
-  passages_.ahead(agent.position().outlook(), stop_m + entry_slack_m, wire::Intent::crossings_max, ahead_);
+  crossing_finder_.ahead(agent.position().outlook(), stop_m + entry_slack_m, wire::Intent::crossings_max, ahead_);
   const auto in_chain = [&](const wire::CrossingIntent& crossing) {
-    return std::ranges::any_of(ahead_, [&](const Passage& passage) {
-      return passage.entry_m >= stop_m - entry_slack_m && zone_.crossings[passage.crossing].name == crossing.name;
+    return std::ranges::any_of(ahead_, [&](const CrossingSpan& crossing_span) {
+      return crossing_span.entry_m >= stop_m - entry_slack_m && zone_.crossings[crossing_span.crossing].name == crossing.name;
     });
   };
   const double own_s = earliest_s(stop_m, agent.motion().speed_mps(), zone_.profiles.medium);

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "cosiva/aiv/motion/speed.h"
-#include "cosiva/aiv/order/passages.h"
+#include "cosiva/aiv/order/crossing_finder.h"
 #include "cosiva/aiv/perception/body_gap.h"
 #include "cosiva/aiv/v2x/intent.h"
 #include "cosiva/base/digest.h"
@@ -76,9 +76,9 @@ class Neighbours {
   Model model_;
   double speed_mps_max_;
   BodyGap gap_;
-  Passages passages_;
+  CrossingFinder crossing_finder_;
   std::vector<Heard> heard_;  ///< sorted by name
-  std::vector<Passage> ahead_;
+  std::vector<CrossingSpan> ahead_;
 };
 [[nodiscard]] std::string_view to_string(Neighbours::Verdict verdict);
 

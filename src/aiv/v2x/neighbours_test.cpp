@@ -50,14 +50,14 @@ struct Ear {
   [[nodiscard]] wire::Intent rival(double arrival_s, bool may_enter, double departure_s,
                                    const std::string& serial = "AIV2") {
     wire::Intent intent = one_at(at(lacet4(), "north", 0.2), 0.3, serial);
-    for (const Passage& passage : crossings()) {
-      intent.crossings = {{lacet4().crossings[passage.crossing].name, 0.2, 0.6, arrival_s, departure_s, may_enter}};
+    for (const CrossingSpan& crossing_span : crossings()) {
+      intent.crossings = {{lacet4().crossings[crossing_span.crossing].name, 0.2, 0.6, arrival_s, departure_s, may_enter}};
     }
     return intent;
   }
-  [[nodiscard]] std::vector<Passage> crossings() const {
-    std::vector<Passage> out;
-    Passages{lacet4()}.ahead(agent.position().outlook(), 1.0, 8, out);
+  [[nodiscard]] std::vector<CrossingSpan> crossings() const {
+    std::vector<CrossingSpan> out;
+    CrossingFinder{lacet4()}.ahead(agent.position().outlook(), 1.0, 8, out);
     return out;
   }
   Verdict hear(wire::Intent intent) {

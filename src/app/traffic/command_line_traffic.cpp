@@ -73,7 +73,7 @@ CLI::App* describe_traffic(CLI::App& root, FleetTrafficArguments& traffic) {
       ->type_name("SHARE")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  verb->add_option("--passage", traffic.passage_s, "with --zones and a list: seconds from one zone to the next")
+  verb->add_option("--transfer-time", traffic.transfer_s, "with --zones and a list: seconds from one zone to the next")
       ->type_name("S")
       ->check(CLI::Range(0.2, 1e5))
       ->capture_default_str();

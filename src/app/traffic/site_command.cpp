@@ -26,7 +26,7 @@ bool is_file(const std::string& text) { return text.ends_with(".toml"); }
 
 Result<SitePlan> plan_from(const FleetTrafficArguments& arguments) {
   if (!is_file(arguments.zones))
-    return experiments::site_plan_of_list(arguments.zones, arguments.aivs, arguments.passage_s);
+    return experiments::site_plan_of_list(arguments.zones, arguments.aivs, arguments.transfer_s);
   const auto text = adapters::read_file(arguments.zones);
   if (!text) return tl::unexpected(text.error());
   auto plan = experiments::read_site_plan(*text, arguments.zones);
@@ -83,7 +83,7 @@ std::string command_of(const FleetTrafficArguments& arguments) {
   if (arguments.jobs_per_hour)
     command += " --jobs-per-hour " + decimals(*arguments.jobs_per_hour, 3) + " --away " +
                decimals(arguments.away_share, 3) + " --handling " + decimals(arguments.handling_s, 1);
-  return command + " --passage " + decimals(arguments.passage_s, 1) + " --rules " + arguments.rules + " --step " +
+  return command + " --transfer-time " + decimals(arguments.transfer_s, 1) + " --rules " + arguments.rules + " --step " +
          decimals(arguments.step_s, 3);
 }
 

@@ -11,7 +11,7 @@ struct FleetTrafficArguments {
   std::string zone{"lacet4"};
   std::string zones;  ///< several: a TOML file or a list; empty: one
   double away_share{0.2};
-  double passage_s{10.0};
+  double transfer_s{10.0};
   std::string sidecar;
   std::uint64_t aivs{12};
   double duration_s{3600.0};

@@ -48,7 +48,7 @@ TEST(TagReader, reads_a_tag_once_when_it_comes_within_range) {
   EXPECT_LE(readings[0].read_at - start, 3ms);  // at 1.980
 }
 
-TEST(TagReader, reads_it_again_on_the_next_passage_only) {
+TEST(TagReader, reads_it_again_when_it_passes_the_next_time_only) {
   const auto rtm = one_tag();
   const TagMap map{rtm.zone(), 0.02};
   TagReader reader{map, perfect, Random{1, "tags"}};
@@ -98,8 +98,8 @@ TEST(TagReader, misses_as_many_passages_as_it_is_told) {
   const TagMap map{rtm.zone(), 0.02};
   TagReader reader{map, {0.1, 0ms, 0ms}, Random{3, "tags"}};
   int read = 0;
-  constexpr int passages = 4000;
-  for (int i = 0; i < passages; ++i) {
+  constexpr int transfer_points = 4000;
+  for (int i = 0; i < transfer_points; ++i) {
     std::vector<TagReader::Reading> readings;
     reader.move(start, {0, 1.99}, {1.97, 0}, {1.99, 0}, readings);
     reader.move(start, {0, 2.01}, {1.99, 0}, {2.01, 0}, readings);  // a missed passage stays missed

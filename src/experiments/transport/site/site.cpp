@@ -59,11 +59,11 @@ Result<zone::Place> end_in(const zone::TrafficZone& zone, const std::string& zon
   if (!station.empty()) {
     const zone::Station* const found = zone.find_station(station);
     if (found != nullptr) return found->place;
-    return fail("site.passage", "zone '" + zone_name + "' has no station '" + station + "' for a passage");
+    return fail("site.transfer_point", "zone '" + zone_name + "' has no station '" + station + "' for a passage");
   }
   const auto stops = stops_of(zone);
   if (stops.empty())
-    return fail("site.passage", "zone '" + zone_name + "' has no station where a passage could begin or end");
+    return fail("site.transfer_point", "zone '" + zone_name + "' has no station where a passage could begin or end");
   return zone.stations[stops[std::min(nth, stops.size() - 1)]].place;
 }
 
@@ -107,15 +107,15 @@ Result<void> SiteRun::lay_ways() {
   for (const SitePlan::Zone& zone : options_.plan.zones) index_of.emplace(zone.name, index_of.size());
   exits_.resize(options_.zones.size());
   meeting_steps_ = std::max<std::uint64_t>(1, steps_in(10.0, options_.step));
-  for (const SitePlan::Passage& passage : options_.plan.passages) {
-    const auto from = index_of.find(passage.from_zone);
-    const auto to = index_of.find(passage.to_zone);
+  for (const SitePlan::TransferPoint& transfer_point : options_.plan.transfer_points) {
+    const auto from = index_of.find(transfer_point.from_zone);
+    const auto to = index_of.find(transfer_point.to_zone);
     if (from == index_of.end() || to == index_of.end())
-      return fail("site.passage", "a passage leads from '" + passage.from_zone + "' to '" + passage.to_zone +
+      return fail("site.transfer_point", "a passage leads from '" + transfer_point.from_zone + "' to '" + transfer_point.to_zone +
                                       "', and one of them is no zone");
-    const auto enter = end_in(*options_.zones[to->second], passage.to_zone, passage.to_station, 1);
+    const auto enter = end_in(*options_.zones[to->second], transfer_point.to_zone, transfer_point.to_station, 1);
     if (!enter) return tl::unexpected(enter.error());
-    const std::uint64_t takes_steps = std::max<std::uint64_t>(1, steps_in(passage.takes_s, options_.step));
+    const std::uint64_t takes_steps = std::max<std::uint64_t>(1, steps_in(transfer_point.takes_s, options_.step));
     meeting_steps_ = std::min(meeting_steps_, takes_steps);
     exits_[from->second].push_back(ways_.size());
     ways_.push_back({to->second, *enter, takes_steps});
@@ -134,8 +134,8 @@ Result<TrafficOptions> SiteRun::options_of(std::size_t zone, std::uint32_t first
   traffic.aivs = options_.plan.zones[zone].aivs;
   traffic.first_aiv = first_aiv;
   if (!ways_.empty()) traffic.spare = std::min(spare_most, traffic.aivs + 8);
-  for (const std::size_t passage : exits) {
-    const SitePlan::Passage& named = options_.plan.passages[passage];
+  for (const std::size_t transfer_point : exits) {
+    const SitePlan::TransferPoint& named = options_.plan.transfer_points[transfer_point];
     const auto leave = end_in(*traffic.zone, named.from_zone, named.from_station, 0);
     if (!leave) return tl::unexpected(leave.error());
     traffic.exits.push_back(*leave);
@@ -179,7 +179,7 @@ Result<void> SiteRun::open_zones() {
   }
   for (const Way& way : ways_) {
     if (owner_of(way.to_zone) != ranks_->rank() || site_zone_of(way.to_zone).run->fleet().may_stand(way.enter)) continue;
-    return fail("site.passage", "zone '" + options_.plan.zones[way.to_zone].name +
+    return fail("site.transfer_point", "zone '" + options_.plan.zones[way.to_zone].name +
                                     "': a passage leads to a place in a crossing, where no vehicle may stand");
   }
   return {};
@@ -191,17 +191,17 @@ void SiteRun::drive(SiteZone& site_zone, std::uint64_t until_step) const {
   while (site_zone.run->steps() < until_step) {
     site_zone.run->step(alone);
     for (const Traveller& traveller : site_zone.run->take_leaving()) {
-      const std::size_t passage = exits_[site_zone.index][traveller.job.exit];
-      site_zone.left.emplace_back(passage, traveller);
+      const std::size_t transfer_point = exits_[site_zone.index][traveller.job.exit];
+      site_zone.left.emplace_back(transfer_point, traveller);
     }
     blocked.clear();
     for (auto next = site_zone.coming.begin(); next != site_zone.coming.end() && next->due_step <= site_zone.run->steps();) {
-      const bool waits = std::ranges::find(blocked, next->passage) != blocked.end();
-      if (!waits && site_zone.run->bring(next->traveller, ways_[next->passage].enter)) {
+      const bool waits = std::ranges::find(blocked, next->transfer_point) != blocked.end();
+      if (!waits && site_zone.run->bring(next->traveller, ways_[next->transfer_point].enter)) {
         next = site_zone.coming.erase(next);
         continue;
       }
-      if (!waits) blocked.push_back(next->passage);
+      if (!waits) blocked.push_back(next->transfer_point);
       ++next;
     }
   }
@@ -219,9 +219,9 @@ bool SiteRun::advance(Workers& workers) {
 void SiteRun::meet() {
   std::vector<Letter> letters(ranks_->size());
   for (SiteZone& site_zone : site_zones_) {
-    for (const auto& [passage, traveller] : site_zone.left) {
-      Letter& letter = letters[owner_of(ways_[passage].to_zone)];
-      letter.put(std::uint64_t{passage});
+    for (const auto& [transfer_point, traveller] : site_zone.left) {
+      Letter& letter = letters[owner_of(ways_[transfer_point].to_zone)];
+      letter.put(std::uint64_t{transfer_point});
       letter.put(traveller.aiv);
       letter.put(traveller.left_step);
       letter.put(traveller.job.due_s);
@@ -236,22 +236,22 @@ void SiteRun::meet() {
   const auto answers = ranks_->exchange(std::move(texts));
   for (const std::string& text : answers) {
     for (LetterReader reader{text}; !reader.is_empty();) {
-      const auto passage = static_cast<std::size_t>(reader.take<std::uint64_t>());
+      const auto transfer_point = static_cast<std::size_t>(reader.take<std::uint64_t>());
       Traveller traveller;
       traveller.aiv = reader.take<std::uint32_t>();
       traveller.left_step = reader.take<std::uint64_t>();
       traveller.job.due_s = reader.take<double>();
       traveller.job.to = static_cast<std::size_t>(reader.take<std::uint64_t>());
       traveller.job.priority = reader.take<std::int32_t>();
-      COSIVA_EXPECT(passage < ways_.size());
-      site_zone_of(ways_[passage].to_zone)
-          .coming.push_back({traveller.left_step + ways_[passage].takes_steps, passage, traveller});
+      COSIVA_EXPECT(transfer_point < ways_.size());
+      site_zone_of(ways_[transfer_point].to_zone)
+          .coming.push_back({traveller.left_step + ways_[transfer_point].takes_steps, transfer_point, traveller});
     }
   }
   // In an order that does not depend on who told us first.
   for (SiteZone& site_zone : site_zones_)
     std::ranges::sort(site_zone.coming, {}, [](const Coming& one) {
-      return std::tuple{one.due_step, one.passage, one.traveller.aiv};
+      return std::tuple{one.due_step, one.transfer_point, one.traveller.aiv};
     });
 }
 
@@ -301,7 +301,7 @@ SiteFigures SiteRun::figures() const {
     }
   }
   for (const SitePlan::Zone& zone : options_.plan.zones) figures.aivs += zone.aivs;
-  figures.in_passage = figures.aivs - present;
+  figures.in_transfer = figures.aivs - present;
   figures.vehicle_steps = static_cast<std::uint64_t>(std::llround(vehicle_s / to_seconds(options_.step)));
   Digest digest;
   for (const SiteFigures::Zone& zone : figures.zones) digest.add(zone.digest);

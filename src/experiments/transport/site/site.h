@@ -46,7 +46,7 @@ class SiteRun {
   };
   struct Coming {
     std::uint64_t due_step;
-    std::size_t passage;
+    std::size_t transfer_point;
     Traveller traveller;
   };
   struct SiteZone {  ///< a zone of this rank

@@ -32,10 +32,10 @@ bool SiteFigures::good() const {
 }
 
 void write_json(JsonWriter& json, const SiteFigures& figures) {
-  json.begin_object().field("aivs", figures.aivs).field("in_passage", figures.in_passage);
+  json.begin_object().field("aivs", figures.aivs).field("in_transfer", figures.in_transfer);
   json.field("vehicle_steps", figures.vehicle_steps).field("digest", figures.digest);
   const SiteFigures::Zone all = total_of(figures.zones);
-  json.field("jobs_due", all.jobs_due).field("jobs_done", all.jobs_done).field("passages", all.came);
+  json.field("jobs_due", all.jobs_due).field("jobs_done", all.jobs_done).field("transferPoints", all.came);
   json.field("distance_m", all.distance_m).field("energy_wh", all.energy_wh);
   json.field("near_misses", all.near_misses).field("collisions", all.collisions).field("stuck", all.stuck);
   json.key("zones").begin_array();
@@ -63,7 +63,7 @@ std::string to_text(const SiteFigures& figures) {
             readable(100.0 * zone.waiting_share, 1) + " %\n";
   }
   return std::to_string(figures.zones.size()) + (figures.zones.size() == 1 ? " zone, " : " zones, ") +
-         std::to_string(figures.aivs) + " AIVs (" + std::to_string(figures.in_passage) +
+         std::to_string(figures.aivs) + " AIVs (" + std::to_string(figures.in_transfer) +
          " in passages now): " + std::to_string(all.jobs_done) + " of " + std::to_string(all.jobs_due) +
          " jobs done, " + std::to_string(all.came) + " passages, " + readable(all.distance_m / 1000.0, 1) + " km, " +
          readable(all.energy_wh, 0) + " Wh, " + std::to_string(all.collisions) + " collisions, " +

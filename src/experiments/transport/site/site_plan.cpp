@@ -36,7 +36,7 @@ void check_zone(const Entry& entry, const char* key, const std::string& name, co
 SitePlan read(const Entry& root) {
   SitePlan plan;
   std::set<std::string> names;
-  root.expect_only({"zone", "passage"});
+  root.expect_only({"zone", "transferPoint"});
   for (const Entry& entry : root.tables("zone", site_zones_max)) {
     entry.expect_only({"name", "file", "aivs"});
     SitePlan::Zone zone;
@@ -49,21 +49,21 @@ SitePlan read(const Entry& root) {
       entry.fault("name", "site.value", "a zone's name has no '/', which stands between a zone and its station");
     plan.zones.push_back(std::move(zone));
   }
-  for (const Entry& entry : root.tables("passage", site_zones_max)) {
+  for (const Entry& entry : root.tables("transferPoint", site_zones_max)) {
     entry.expect_only({"from", "to", "takes_s", "both_ways"});
-    SitePlan::Passage passage;
-    std::tie(passage.from_zone, passage.from_station) = end_of(entry.text("from", text_max));
-    std::tie(passage.to_zone, passage.to_station) = end_of(entry.text("to", text_max));
-    passage.takes_s = entry.number("takes_s", takes_range_s, 10.0);
-    check_zone(entry, "from", passage.from_zone, names);
-    check_zone(entry, "to", passage.to_zone, names);
-    if (passage.from_zone == passage.to_zone)
+    SitePlan::TransferPoint transfer_point;
+    std::tie(transfer_point.from_zone, transfer_point.from_station) = end_of(entry.text("from", text_max));
+    std::tie(transfer_point.to_zone, transfer_point.to_station) = end_of(entry.text("to", text_max));
+    transfer_point.takes_s = entry.number("takes_s", takes_range_s, 10.0);
+    check_zone(entry, "from", transfer_point.from_zone, names);
+    check_zone(entry, "to", transfer_point.to_zone, names);
+    if (transfer_point.from_zone == transfer_point.to_zone)
       entry.fault("to", "site.value", "a passage leads into another zone, and this one back into its own");
-    plan.passages.push_back(passage);
+    plan.transfer_points.push_back(transfer_point);
     if (entry.one_of("both_ways", {"yes", "no"}, "no") == "no") continue;
-    std::swap(passage.from_zone, passage.to_zone);
-    std::swap(passage.from_station, passage.to_station);
-    plan.passages.push_back(std::move(passage));
+    std::swap(transfer_point.from_zone, transfer_point.to_zone);
+    std::swap(transfer_point.from_station, transfer_point.to_station);
+    plan.transfer_points.push_back(std::move(transfer_point));
   }
   if (plan.zones.empty()) root.fault("", "site.value", "a site has at least one [[zone]]");
   return plan;
@@ -113,11 +113,11 @@ Result<SitePlan> site_plan_of_list(std::string_view list, std::size_t aivs, doub
   const std::size_t count = plan.zones.size();
   for (std::size_t z = 0; z < count && count > 1; ++z) {
     const std::size_t next = (z + 1) % count;
-    plan.passages.push_back({plan.zones[z].name, "", plan.zones[next].name, "", takes_s});
+    plan.transfer_points.push_back({plan.zones[z].name, "", plan.zones[next].name, "", takes_s});
   }
   // And back: with two zones the ring is both ways already.
   for (std::size_t z = 0; z < count && count > 2; ++z)
-    plan.passages.push_back({plan.zones[(z + 1) % count].name, "", plan.zones[z].name, "", takes_s});
+    plan.transfer_points.push_back({plan.zones[(z + 1) % count].name, "", plan.zones[z].name, "", takes_s});
   return plan;
 }
 

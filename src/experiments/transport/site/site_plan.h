@@ -18,16 +18,16 @@ struct SitePlan {
     friend bool operator==(const Zone&, const Zone&) = default;
   };
   /// One way: who stands at a station of one zone is, some time later, put down at a station of another.
-  struct Passage {
+  struct TransferPoint {
     std::string from_zone;
     std::string from_station;  ///< empty: the zone's first stop
     std::string to_zone;
     std::string to_station;  ///< empty: the zone's second stop, or its only one
     double takes_s{10.0};
-    friend bool operator==(const Passage&, const Passage&) = default;
+    friend bool operator==(const TransferPoint&, const TransferPoint&) = default;
   };
   std::vector<Zone> zones;
-  std::vector<Passage> passages;
+  std::vector<TransferPoint> transfer_points;
 };
 
 inline constexpr std::size_t site_zones_max = 100'000;

@@ -5,7 +5,7 @@
 namespace cosiva::experiments {
 namespace {
 
-TEST(SitePlan, reads_zones_and_passages_one_way_or_both) {
+TEST(SitePlan, reads_zones_and_transfer_points_one_way_or_both) {
   const auto plan = read_site_plan(R"([[zone]]
 name = "area"
 file = "lacet4"
@@ -21,23 +21,23 @@ both_ways = "yes"
                                    "site.toml");
   ASSERT_TRUE(plan) << to_string(plan.error());
   EXPECT_EQ(plan->zones, (std::vector<SitePlan::Zone>{{"area", "lacet4", 8}, {"indus8", "indus8", 12}}));
-  EXPECT_EQ(plan->passages,
-            (std::vector<SitePlan::Passage>{{"area", "S1", "indus8", "", 25.0}, {"indus8", "", "area", "S1", 25.0}}));
+  EXPECT_EQ(plan->transfer_points,
+            (std::vector<SitePlan::TransferPoint>{{"area", "S1", "indus8", "", 25.0}, {"indus8", "", "area", "S1", 25.0}}));
 }
 
 TEST(SitePlan, of_a_list_joins_each_zone_with_the_next_and_back) {
   const auto two = site_plan_of_list("lacet4,indus8", 5, 10.0);
   ASSERT_TRUE(two);
   EXPECT_EQ(two->zones.size(), 2U);
-  EXPECT_EQ(two->passages.size(), 2U);
+  EXPECT_EQ(two->transfer_points.size(), 2U);
   const auto four = site_plan_of_list("3*lacet4,indus8", 5, 10.0);
   ASSERT_TRUE(four);
   ASSERT_EQ(four->zones.size(), 4U);
   EXPECT_EQ(four->zones[3].file, "indus8");
-  EXPECT_EQ(four->passages.size(), 8U);
+  EXPECT_EQ(four->transfer_points.size(), 8U);
   const auto one = site_plan_of_list("lacet4", 5, 10.0);
   ASSERT_TRUE(one);
-  EXPECT_TRUE(one->passages.empty());
+  EXPECT_TRUE(one->transfer_points.empty());
 }
 
 struct Bad {

@@ -25,7 +25,7 @@ void add_waiting(Report& report, const std::vector<SiteFigures::Zone>& zones) {
 
 std::string to_html(const SiteFigures& figures, const std::string& command) {
   Report report{"Traffic on a site of " + std::to_string(figures.zones.size()) + " zones",
-                std::to_string(figures.aivs) + " AIVs, " + std::to_string(figures.in_passage) +
+                std::to_string(figures.aivs) + " AIVs, " + std::to_string(figures.in_transfer) +
                     " of them between two zones at the end"};
   std::vector<std::vector<std::string>> rows;
   std::size_t done = 0;

@@ -69,10 +69,10 @@ TEST(Site, vehicles_carry_loads_from_zone_to_zone_and_none_is_lost_or_doubled) {
   ASSERT_EQ(figures->zones.size(), 2U);
   EXPECT_GT(figures->zones[0].came, 3U);
   EXPECT_GT(figures->zones[1].came, 3U);
-  EXPECT_EQ(figures->zones[0].aivs + figures->zones[1].aivs + figures->in_passage, 16U);
+  EXPECT_EQ(figures->zones[0].aivs + figures->zones[1].aivs + figures->in_transfer, 16U);
   // Who has left one and not come into the other is on its way.
   EXPECT_EQ(figures->zones[0].left + figures->zones[1].left,
-            figures->zones[0].came + figures->zones[1].came + figures->in_passage);
+            figures->zones[0].came + figures->zones[1].came + figures->in_transfer);
   EXPECT_TRUE(figures->good());
   EXPECT_GT(figures->zones[0].jobs_done, 0U);
   // What a reader wants first is the whole.
@@ -81,7 +81,7 @@ TEST(Site, vehicles_carry_loads_from_zone_to_zone_and_none_is_lost_or_doubled) {
   const auto read = JsonValue::parse(json.take(), 1U << 20U);
   ASSERT_TRUE(read);
   EXPECT_EQ(read->number("jobs_done"), figures->zones[0].jobs_done + figures->zones[1].jobs_done);
-  EXPECT_EQ(read->number("passages"), figures->zones[0].came + figures->zones[1].came);
+  EXPECT_EQ(read->number("transferPoints"), figures->zones[0].came + figures->zones[1].came);
   for (const char* none : {"collisions", "near_misses", "stuck"}) EXPECT_EQ(read->number(none), 0.0) << none;
 }
 
@@ -111,13 +111,13 @@ TEST(Site, an_error_of_one_rank_is_told_by_all) {
   }
 }
 
-TEST(Site, a_passage_to_a_station_that_is_not_there_is_refused_by_name) {
+TEST(Site, a_transfer_point_at_a_station_that_is_not_there_is_refused_by_name) {
   SiteOptions options = site_of("lacet4,indus8", 4);
-  options.plan.passages[0].to_station = "nowhere";
+  options.plan.transfer_points[0].to_station = "nowhere";
   OneRank alone;
   const auto site = SiteRun::make(options, alone);
   ASSERT_FALSE(site);
-  EXPECT_EQ(site.error().code, "site.passage");
+  EXPECT_EQ(site.error().code, "site.transfer_point");
   EXPECT_NE(site.error().message.find("nowhere"), std::string::npos);
 }
 

@@ -1,4 +1,4 @@
-#include "cosiva/aiv/order/passages.h"
+#include "cosiva/aiv/order/crossing_finder.h"
 
 #include <algorithm>
 
@@ -10,7 +10,7 @@ constexpr double joint_m = 1e-6;
 
 }  // namespace
 
-Passages::Passages(const zone::TrafficZone& zone)
+CrossingFinder::CrossingFinder(const zone::TrafficZone& zone)
     : circuit_{zone.circuit}, gap_m_{zone::standing_room_m(zone.vehicle)}, spans_(zone.circuit.size()) {
   for (std::size_t x = 0; x < zone.crossings.size(); ++x) {
     for (const zone::CrossingSpan& span : zone.crossings[x].spans)
@@ -19,7 +19,7 @@ Passages::Passages(const zone::TrafficZone& zone)
   for (auto& spans : spans_) std::ranges::stable_sort(spans, {}, &Span::from_m);
 }
 
-void Passages::ahead(const Outlook& outlook, double reach_m, std::size_t count_max, std::vector<Passage>& out) const {
+void CrossingFinder::ahead(const Outlook& outlook, double reach_m, std::size_t count_max, std::vector<CrossingSpan>& out) const {
   out.clear();
   double start_m = -outlook.here.s_m;  // of the present section, seen from here
   double chained_to_m = reach_m;       // so far a crossing still counts
@@ -30,8 +30,8 @@ void Passages::ahead(const Outlook& outlook, double reach_m, std::size_t count_m
       const double from_m = start_m + span.from_m;
       const double to_m = start_m + span.to_m;
       if (to_m <= 0.0 || from_m > chained_to_m) continue;
-      const auto same = std::ranges::find_if(out, [&](const Passage& passage) {
-        return passage.crossing == span.crossing && from_m <= passage.exit_m + joint_m;
+      const auto same = std::ranges::find_if(out, [&](const CrossingSpan& crossing_span) {
+        return crossing_span.crossing == span.crossing && from_m <= crossing_span.exit_m + joint_m;
       });
       if (same != out.end()) {
         same->exit_m = std::max(same->exit_m, to_m);
@@ -43,7 +43,7 @@ void Passages::ahead(const Outlook& outlook, double reach_m, std::size_t count_m
     start_m += circuit_.section(ahead.section()).length_m();
     if (!ahead.step()) break;
   }
-  std::ranges::stable_sort(out, {}, &Passage::entry_m);
+  std::ranges::stable_sort(out, {}, &CrossingSpan::entry_m);
   double exit_m = 0.0;
   std::size_t first = 0;
   for (std::size_t i = 0; i < out.size(); ++i) {

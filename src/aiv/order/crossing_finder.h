@@ -9,7 +9,7 @@
 namespace cosiva::aiv {
 
 /// One crossing on the way ahead, with its zone's index. Distances from the vehicle's middle, along its way.
-struct Passage {
+struct CrossingSpan {
   std::size_t crossing;
   double entry_m;         ///< 0 where it is inside
   double exit_m;          ///< > 0
@@ -17,13 +17,13 @@ struct Passage {
 };
 
 /// Which crossings a vehicle comes to, by name, where CrossingsAhead tells only that there is one.
-class Passages {
+class CrossingFinder {
  public:
-  explicit Passages(const zone::TrafficZone& zone);
+  explicit CrossingFinder(const zone::TrafficZone& zone);
 
   /// Those that the vehicle is in or enters within `reach_m`, and those chained to them, in the order of their entries;
   /// at most `count_max`. Replaces what was in `out`.
-  void ahead(const Outlook& outlook, double reach_m, std::size_t count_max, std::vector<Passage>& out) const;
+  void ahead(const Outlook& outlook, double reach_m, std::size_t count_max, std::vector<CrossingSpan>& out) const;
 
  private:
   struct Span {
