@@ -48,10 +48,10 @@ test('cosiva compare --live', { timeout: 180_000 }, async (t) => {
   const snapshot = await platform.snapshot();
   assert.equal(snapshot.aivs.length, 2, 'no twin was lost or doubled');
 
-  const stranger = await cosiva(['qualify', ...live, '--vehicle', 'AIV9', '--way', '1', '--runs', '1', '--patience', '2']);
+  const stranger = await cosiva(['qualify', ...live, '--vehicle', 'AIV9', '--way', '1', '--runs', '1', '--timeout', '2']);
   assert.equal(stranger.code, 2);
   assert.match(stranger.stderr, /CoSiVA\/AIV9: it has not answered for 2 s; is it online/);
-  const elsewhere = await cosiva(['qualify', ...live, '--truth', 'area/camera', '--way', '1', '--runs', '1', '--patience', '2']);
+  const elsewhere = await cosiva(['qualify', ...live, '--truth', 'area/camera', '--way', '1', '--runs', '1', '--timeout', '2']);
   assert.equal(elsewhere.code, 2);
   assert.match(elsewhere.stderr, /nobody has said on area\/camera for 2 s where it truly is/);
 });

@@ -199,12 +199,12 @@ class Tour {
 
   /// Arrived there, or on its way into a dead end already: then another start will lead there.
   void await(const Goal& goal) {
-    const double patience_s = 60.0 + goal.length_m / 0.1;
+    const double timeout_s = 60.0 + goal.length_m / 0.1;
     for (double waited_s = 0.0; failure_.empty(); waited_s += 0.5) {
       run_for(500ms);
       const std::string state = mission().state;
       if (state == "arrived" || state == "no way") return;
-      if (waited_s <= patience_s) continue;
+      if (waited_s <= timeout_s) continue;
       failure_ = "sent to " + goal.waypoint + " it is at " + zone_.circuit.part(here_.section).name + " after " +
                  std::to_string(waited_s) + " s, mission '" + state + "'";
       for (const std::string& line : world_->log()) std::fprintf(stderr, "  %s\n", line.c_str());

@@ -31,11 +31,11 @@ export function sleep(ms) {
 /** What the promise answers, or `late` when it takes longer; no timer stays behind to hold the process. */
 export async function within(promise, ms, late) {
   let timer;
-  const patience = new Promise((resolve) => {
+  const timeout = new Promise((resolve) => {
     timer = setTimeout(resolve, ms, late);
   });
   try {
-    return await Promise.race([promise, patience]);
+    return await Promise.race([promise, timeout]);
   } finally {
     clearTimeout(timer);
   }

@@ -21,7 +21,7 @@ namespace {
 using namespace std::chrono_literals;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using testing::patience;
+using testing::timeout;
 using testing::Scratch;
 
 struct Bench {
@@ -37,7 +37,7 @@ struct Bench {
     options.on_line = [this](const std::string& line) { lines.push_back(line); };
     return Child::start(loop, std::move(options)).value();
   }
-  bool until(const std::function<bool()>& done) { return loop.run_until(done, patience); }
+  bool until(const std::function<bool()>& done) { return loop.run_until(done, timeout); }
 };
 
 /// Tells when every process that holds it open for writing is gone, whoever reaps them and whatever /proc shows.
@@ -93,7 +93,7 @@ TEST(Child, ends_politely_when_it_can) {
   Bench bench;
   const auto child = bench.shell("trap 'echo bye; exit 0' TERM; echo up; while :; do sleep 0.05; done");
   ASSERT_TRUE(bench.until([&] { return bench.lines.size() == 1; }));
-  child->end(patience);
+  child->end(timeout);
   ASSERT_TRUE(bench.until([&] { return bench.exit.has_value() && bench.lines.size() == 2; }));
   EXPECT_TRUE(bench.exit->clean());
   EXPECT_EQ(bench.lines.back(), "bye");
@@ -186,7 +186,7 @@ TEST(Child, dies_with_a_parent_that_was_killed) {
   ::waitpid(middle, &status, 0);
   ASSERT_TRUE(WIFSIGNALED(status)) << "its child never came up";
   EventLoop loop;
-  EXPECT_TRUE(loop.run_until([&] { return !lifeline.held(); }, patience));
+  EXPECT_TRUE(loop.run_until([&] { return !lifeline.held(); }, timeout));
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace cosiva::adapters {
 namespace {
 
 using namespace std::chrono_literals;
-using testing::patience;
+using testing::timeout;
 
 /// A disk that takes nothing until it is let.
 struct Disk {
@@ -78,7 +78,7 @@ TEST(DiskWriter, tells_its_error_from_the_loop_and_to_nobody_once_it_is_gone) {
     writer.append("x");
     writer.drain();
     EXPECT_EQ(told, 0);
-    EXPECT_TRUE(loop.run_until([&] { return told == 1; }, patience));
+    EXPECT_TRUE(loop.run_until([&] { return told == 1; }, timeout));
   }
   {
     DiskWriter writer{loop, failing, [&](const Error&) { ++told; }};

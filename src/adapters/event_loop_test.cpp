@@ -12,7 +12,7 @@ namespace cosiva::adapters {
 namespace {
 
 using namespace std::chrono_literals;
-using testing::patience;
+using testing::timeout;
 
 TEST(Timer, set_again_forgets_what_it_was_set_to) {
   EventLoop loop;
@@ -21,7 +21,7 @@ TEST(Timer, set_again_forgets_what_it_was_set_to) {
   int second = 0;
   timer.after(1ms, [&] { ++first; });
   timer.after(1ms, [&] { ++second; });
-  EXPECT_TRUE(loop.run_until([&] { return second == 1; }, patience));
+  EXPECT_TRUE(loop.run_until([&] { return second == 1; }, timeout));
   loop.run_for(20ms);
   EXPECT_EQ(first, 0);
   EXPECT_EQ(second, 1);
@@ -44,7 +44,7 @@ TEST(Timer, beats_until_it_is_cancelled_from_its_own_beat) {
   timer.every(1ms, [&] {
     if (++beats == 5) timer.cancel();
   });
-  EXPECT_TRUE(loop.run_until([&] { return beats == 5; }, patience));
+  EXPECT_TRUE(loop.run_until([&] { return beats == 5; }, timeout));
   loop.run_for(20ms);
   EXPECT_EQ(beats, 5);
 }
@@ -56,9 +56,9 @@ TEST(Timer, skips_the_beats_a_stalled_loop_missed) {
   timer.every(20ms, [&] {
     if (++beats == 1) std::this_thread::sleep_for(210ms);  // ten beats long
   });
-  EXPECT_TRUE(loop.run_until([&] { return beats == 1; }, patience));
+  EXPECT_TRUE(loop.run_until([&] { return beats == 1; }, timeout));
   const auto stalled = std::chrono::steady_clock::now();
-  EXPECT_TRUE(loop.run_until([&] { return beats == 3; }, patience));
+  EXPECT_TRUE(loop.run_until([&] { return beats == 3; }, timeout));
   // A burst of made-up beats would be here at once; two honest ones need at least one whole period.
   EXPECT_GE(std::chrono::steady_clock::now() - stalled, 20ms);
 }
@@ -68,9 +68,9 @@ TEST(EventLoop, hands_over_signals_one_by_one) {
   int seen = 0;
   loop.on_signals({SIGUSR1}, [&](int signal) { seen += signal == SIGUSR1 ? 1 : 0; });
   ::raise(SIGUSR1);
-  EXPECT_TRUE(loop.run_until([&] { return seen == 1; }, patience));
+  EXPECT_TRUE(loop.run_until([&] { return seen == 1; }, timeout));
   ::raise(SIGUSR1);
-  EXPECT_TRUE(loop.run_until([&] { return seen == 2; }, patience));
+  EXPECT_TRUE(loop.run_until([&] { return seen == 2; }, timeout));
 }
 
 TEST(WallClock, tells_utc_and_never_goes_back) {

@@ -11,7 +11,7 @@ namespace cosiva::adapters {
 namespace {
 
 using namespace std::chrono_literals;
-using testing::patience;
+using testing::timeout;
 using testing::Scratch;
 
 /// A disk that stands still: what is written here waits until somebody reads.
@@ -41,7 +41,7 @@ TEST(JournalFile, holds_what_was_appended_within_100_ms_and_at_the_end) {
   EventLoop loop;
   auto journal = JournalFile::create(loop, scratch / "run.journal", {}).value();
   journal->append("first");
-  EXPECT_TRUE(loop.run_until([&] { return read_file(scratch / "run.journal").value() == "first"; }, patience));
+  EXPECT_TRUE(loop.run_until([&] { return read_file(scratch / "run.journal").value() == "first"; }, timeout));
   journal->append("-last");
   journal.reset();
   EXPECT_EQ(read_file(scratch / "run.journal").value(), "first-last");
@@ -80,10 +80,10 @@ TEST(JournalFile, goes_to_a_disk_that_stands_still_without_keeping_anybody_waiti
   int beats = 0;
   Timer timer{loop};
   timer.every(5ms, [&] { ++beats; });
-  EXPECT_TRUE(loop.run_until([&] { return beats == 20; }, patience));
+  EXPECT_TRUE(loop.run_until([&] { return beats == 20; }, timeout));
   journal->append("behind it");
   std::string got;
-  EXPECT_TRUE(loop.run_until([&] { return (got += reader.take()).size() == much.size() + 9; }, patience));
+  EXPECT_TRUE(loop.run_until([&] { return (got += reader.take()).size() == much.size() + 9; }, timeout));
   EXPECT_EQ(got, much + "behind it");
 }
 

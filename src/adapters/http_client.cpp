@@ -23,8 +23,8 @@ constexpr std::chrono::seconds connect_max{5};
 /// One question and its answer on a connection of its own: resolve, connect, write, read, each followed by the next.
 class Exchange {
  public:
-  Exchange(http::request<http::string_body> request, std::chrono::milliseconds patience)
-      : resolver_{io_}, stream_{io_}, request_{std::move(request)}, patience_{patience} {
+  Exchange(http::request<http::string_body> request, std::chrono::milliseconds timeout)
+      : resolver_{io_}, stream_{io_}, request_{std::move(request)}, timeout_{timeout} {
     parser_.body_limit(answer_bytes_max);
   }
 
@@ -52,7 +52,7 @@ class Exchange {
   }
 
   void write() {
-    stream_.expires_after(patience_);
+    stream_.expires_after(timeout_);
     http::async_write(stream_, request_, [this](ErrorCode error, std::size_t) {
       // A server that refuses a long body may answer before it has heard all of it.
       (void)error;
@@ -70,7 +70,7 @@ class Exchange {
   http::request<http::string_body> request_;
   beast::flat_buffer buffer_;
   http::response_parser<http::string_body> parser_;
-  std::chrono::milliseconds patience_;
+  std::chrono::milliseconds timeout_;
   ErrorCode error_;
   bool connected_{false};
 };
@@ -103,7 +103,7 @@ Result<HttpClient> HttpClient::make(std::string_view url) {
 }
 
 Result<HttpAnswer> HttpClient::ask(std::string_view method, std::string_view path, std::string body,
-                                   std::chrono::milliseconds patience) const {
+                                   std::chrono::milliseconds timeout) const {
   http::request<http::string_body> request;
   request.version(11);
   request.method_string({method.data(), method.size()});
@@ -113,7 +113,7 @@ Result<HttpAnswer> HttpClient::ask(std::string_view method, std::string_view pat
   request.body() = std::move(body);
   request.keep_alive(false);
   request.prepare_payload();
-  Exchange exchange{std::move(request), patience};
+  Exchange exchange{std::move(request), timeout};
   exchange.run(host_, port_);
   if (!exchange.error()) return exchange.take();
   const std::string why = exchange.error().message();

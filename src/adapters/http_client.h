@@ -22,9 +22,9 @@ class HttpClient {
   [[nodiscard]] static Result<HttpClient> make(std::string_view url);
 
   /// A body is sent as JSON; an empty one is not sent. Fails ("http.connect", "http.answer") where nobody listens, or
-  /// the answer does not come, whole, within `patience`. An answer that refuses is an answer.
+  /// the answer does not come, whole, within `timeout`. An answer that refuses is an answer.
   [[nodiscard]] Result<HttpAnswer> ask(std::string_view method, std::string_view path, std::string body = {},
-                                       std::chrono::milliseconds patience = std::chrono::seconds{30}) const;
+                                       std::chrono::milliseconds timeout = std::chrono::seconds{30}) const;
 
   [[nodiscard]] std::string url() const { return "http://" + authority_; }
 

@@ -37,7 +37,7 @@ class Serving {
     });
     server_ = std::move(*listening);
     port = server_->port();
-    thread_ = std::thread{[this] { loop_.run_until([this] { return over_.load(); }, testing::patience); }};
+    thread_ = std::thread{[this] { loop_.run_until([this] { return over_.load(); }, testing::timeout); }};
   }
   ~Serving() {
     over_ = true;

@@ -24,7 +24,7 @@ namespace websocket = beast::websocket;
 using namespace std::chrono_literals;
 using tcp = asio::ip::tcp;
 using ::testing::HasSubstr;
-using testing::patience;
+using testing::timeout;
 using testing::Scratch;
 using ::testing::StartsWith;
 
@@ -51,7 +51,7 @@ class Http : public ::testing::Test {
   }
 
   /// Sends raw bytes, gives all that comes back until the server closes (or `limit`).
-  std::string raw(const std::string& bytes, std::chrono::milliseconds limit = patience) {
+  std::string raw(const std::string& bytes, std::chrono::milliseconds limit = timeout) {
     tcp::socket socket{loop.context()};
     socket.connect({asio::ip::address_v4::loopback(), server->port()});
     bool closed = false;
@@ -71,7 +71,7 @@ class Http : public ::testing::Test {
     loop.run_until([&] { return closed; }, limit);
     beast::error_code ignored;
     socket.close(ignored);
-    loop.run_until([&] { return closed; }, patience);
+    loop.run_until([&] { return closed; }, timeout);
     return answer;
   }
 
@@ -352,13 +352,13 @@ TEST_F(Http, live_client_gets_the_kept_frame_first_then_what_comes) {
   server->send_live(0, frame("zone"), false, true);
   server->send_live(1, frame("old snapshot"));
   Live page{loop, server->port(), "localhost", {}};
-  ASSERT_TRUE(loop.run_until([&] { return page.opened.has_value(); }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return page.opened.has_value(); }, timeout));
   ASSERT_FALSE(*page.opened);
   EXPECT_EQ(server->live_clients(), 1U);
   page.listen();
-  ASSERT_TRUE(loop.run_until([&] { return page.frames.size() == 1; }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return page.frames.size() == 1; }, timeout));
   server->send_live(1, frame("snapshot"));
-  ASSERT_TRUE(loop.run_until([&] { return page.frames.size() == 2; }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return page.frames.size() == 2; }, timeout));
   EXPECT_THAT(page.frames, ::testing::ElementsAre("zone", "snapshot"));
 }
 
@@ -368,19 +368,19 @@ TEST_F(Http, live_client_gets_kept_frames_in_the_order_of_their_kinds_renewed_as
   server->send_live(0, frame("zone"), false, true);
   server->on_join([&] { server->send_live(4, frame("key"), true, true); });
   Live page{loop, server->port(), "localhost", {}};
-  ASSERT_TRUE(loop.run_until([&] { return page.opened.has_value(); }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return page.opened.has_value(); }, timeout));
   page.listen();
-  ASSERT_TRUE(loop.run_until([&] { return page.frames.size() == 2; }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return page.frames.size() == 2; }, timeout));
   server->send_live(5, frame("delta"), true);
   server->send_live(3, frame("truth"));
-  ASSERT_TRUE(loop.run_until([&] { return page.frames.size() == 4; }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return page.frames.size() == 4; }, timeout));
   EXPECT_THAT(page.frames, ::testing::ElementsAre("zone", "binary:key", "binary:delta", "truth"));
 }
 
 TEST_F(Http, live_client_that_never_reads_holds_one_frame_on_its_way_and_one_of_each_kind) {
   serve();
   Live stuck{loop, server->port(), "localhost", {}};
-  ASSERT_TRUE(loop.run_until([&] { return stuck.opened.has_value(); }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return stuck.opened.has_value(); }, timeout));
   std::vector<std::weak_ptr<const std::string>> sent;
   const std::string padding(100'000, '.');
   for (std::size_t i = 0; i < 600; ++i) {
@@ -394,14 +394,14 @@ TEST_F(Http, live_client_that_never_reads_holds_one_frame_on_its_way_and_one_of_
   EXPECT_GE(held, 2);  // it does not read, so something waits
   stuck.listen();      // once it reads, it has the newest of each kind
   const std::string newest = "599" + padding;
-  EXPECT_TRUE(loop.run_until([&] { return !stuck.frames.empty() && stuck.frames.back() == newest; }, patience));
+  EXPECT_TRUE(loop.run_until([&] { return !stuck.frames.empty() && stuck.frames.back() == newest; }, timeout));
 }
 
 TEST_F(Http, live_client_from_elsewhere_is_refused) {
   serve();
   Live wrong_host{loop, server->port(), "evil.example", {}};
   Live wrong_origin{loop, server->port(), "localhost", "http://evil.example"};
-  ASSERT_TRUE(loop.run_until([&] { return wrong_host.opened && wrong_origin.opened; }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return wrong_host.opened && wrong_origin.opened; }, timeout));
   EXPECT_EQ(*wrong_host.opened, websocket::error::upgrade_declined);
   EXPECT_EQ(*wrong_origin.opened, websocket::error::upgrade_declined);
   EXPECT_EQ(server->live_clients(), 0U);
@@ -411,17 +411,17 @@ TEST_F(Http, slow_live_client_misses_frames_but_gets_the_newest) {
   serve();
   Live slow{loop, server->port(), "localhost", {}};
   Live quick{loop, server->port(), "localhost", {}};
-  ASSERT_TRUE(loop.run_until([&] { return slow.opened && quick.opened; }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return slow.opened && quick.opened; }, timeout));
   quick.listen();
   constexpr std::size_t count = 200;
   const std::string padding(100'000, '.');
   for (std::size_t i = 0; i < count; ++i) {
     server->send_live(1, frame(std::to_string(i) + padding));
-    ASSERT_TRUE(loop.run_until([&] { return quick.frames.size() == i + 1; }, patience));
+    ASSERT_TRUE(loop.run_until([&] { return quick.frames.size() == i + 1; }, timeout));
   }
   slow.listen();  // 20 MB were offered to it; the kernel's buffers hold a few frames, we hold one
   const std::string newest = std::to_string(count - 1) + padding;
-  ASSERT_TRUE(loop.run_until([&] { return !slow.frames.empty() && slow.frames.back() == newest; }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return !slow.frames.empty() && slow.frames.back() == newest; }, timeout));
   EXPECT_LT(slow.frames.size(), count);
 }
 
@@ -430,45 +430,45 @@ TEST_F(Http, live_client_that_stops_answering_is_forgotten) {
   options.live_timeout = 200ms;
   serve(options);
   Live dead{loop, server->port(), "localhost", {}};
-  ASSERT_TRUE(loop.run_until([&] { return dead.opened.has_value(); }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return dead.opened.has_value(); }, timeout));
   EXPECT_EQ(server->live_clients(), 1U);  // it never reads, so it answers no ping
-  EXPECT_TRUE(loop.run_until([&] { return server->live_clients() == 0; }, patience));
+  EXPECT_TRUE(loop.run_until([&] { return server->live_clients() == 0; }, timeout));
 }
 
 TEST_F(Http, live_client_that_talks_too_much_is_closed) {
   serve();
   Live chatty{loop, server->port(), "localhost", {}};
-  ASSERT_TRUE(loop.run_until([&] { return chatty.opened.has_value(); }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return chatty.opened.has_value(); }, timeout));
   chatty.listen();
   const std::string much(100'000, 'x');
   chatty.socket.async_write(asio::buffer(much), [](beast::error_code, std::size_t) {});
-  EXPECT_TRUE(loop.run_until([&] { return chatty.closed && server->live_clients() == 0; }, patience));
+  EXPECT_TRUE(loop.run_until([&] { return chatty.closed && server->live_clients() == 0; }, timeout));
 }
 
 TEST_F(Http, fifty_live_clients_all_hear_the_same) {
   serve();
   std::vector<std::unique_ptr<Live>> pages;
   for (int i = 0; i < 50; ++i) pages.push_back(std::make_unique<Live>(loop, server->port(), "127.0.0.1:8080", ""));
-  ASSERT_TRUE(loop.run_until([&] { return server->live_clients() == 50; }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return server->live_clients() == 50; }, timeout));
   const auto all_open = [&] {
     return std::ranges::all_of(pages, [](const auto& page) { return page->opened.has_value(); });
   };
-  ASSERT_TRUE(loop.run_until(all_open, patience));
+  ASSERT_TRUE(loop.run_until(all_open, timeout));
   for (auto& page : pages) page->listen();
   server->send_live(1, frame("snapshot"));
   const auto all_heard = [&] {
     return std::ranges::all_of(pages, [](const auto& page) { return page->frames.size() == 1; });
   };
-  EXPECT_TRUE(loop.run_until(all_heard, patience));
+  EXPECT_TRUE(loop.run_until(all_heard, timeout));
 }
 
 TEST_F(Http, closes_everyone_when_it_goes) {
   serve();
   Live page{loop, server->port(), "localhost", {}};
-  ASSERT_TRUE(loop.run_until([&] { return page.opened.has_value(); }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return page.opened.has_value(); }, timeout));
   page.listen();
   server.reset();
-  EXPECT_TRUE(loop.run_until([&] { return page.closed; }, patience));
+  EXPECT_TRUE(loop.run_until([&] { return page.closed; }, timeout));
 }
 
 }  // namespace

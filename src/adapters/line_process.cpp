@@ -79,9 +79,9 @@ tl::unexpected<Error> LineProcess::gone() {
   return fail("process.gone", how, command_);
 }
 
-Result<void> LineProcess::exchange(bool until_line, std::chrono::milliseconds patience) {
+Result<void> LineProcess::exchange(bool until_line, std::chrono::milliseconds timeout) {
   if (pid_ < 0) return fail("process.gone", "it has ended", command_);
-  const auto deadline = Clock::now() + patience;
+  const auto deadline = Clock::now() + timeout;
   std::array<char, 4096> bytes{};
   while (!to_send_.empty() || (until_line && received_.find('\n') == std::string::npos)) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()).count();
@@ -90,8 +90,8 @@ Result<void> LineProcess::exchange(bool until_line, std::chrono::milliseconds pa
     if (ready < 0 && errno == EINTR) continue;
     if (ready <= 0)
       return fail("process.silent",
-                  until_line ? "it gave no answer for " + std::to_string(patience.count()) + " ms"
-                             : "it took nothing for " + std::to_string(patience.count()) + " ms",
+                  until_line ? "it gave no answer for " + std::to_string(timeout.count()) + " ms"
+                             : "it took nothing for " + std::to_string(timeout.count()) + " ms",
                   command_);
     if ((watched.revents & POLLOUT) != 0) {
       const ssize_t sent = ::send(fd_, to_send_.data(), to_send_.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
@@ -108,16 +108,16 @@ Result<void> LineProcess::exchange(bool until_line, std::chrono::milliseconds pa
   return {};
 }
 
-Result<void> LineProcess::tell(std::string_view line, std::chrono::milliseconds patience) {
+Result<void> LineProcess::tell(std::string_view line, std::chrono::milliseconds timeout) {
   to_send_ += line;
   to_send_ += '\n';
-  return to_send_.size() < send_at ? Result<void>{} : exchange(false, patience);
+  return to_send_.size() < send_at ? Result<void>{} : exchange(false, timeout);
 }
 
-Result<std::string> LineProcess::ask(std::string_view line, std::chrono::milliseconds patience) {
+Result<std::string> LineProcess::ask(std::string_view line, std::chrono::milliseconds timeout) {
   to_send_ += line;
   to_send_ += '\n';
-  if (auto done = exchange(true, patience); !done) return tl::unexpected(done.error());
+  if (auto done = exchange(true, timeout); !done) return tl::unexpected(done.error());
   const std::size_t end = received_.find('\n');
   std::string answer = received_.substr(0, end);
   received_.erase(0, end + 1);

@@ -25,15 +25,15 @@ class LineProcess {
 
   /// Keeps the line, and sends what is kept when there is much of it. Fails ("process.gone", "process.silent") as ask()
   /// does.
-  [[nodiscard]] Result<void> tell(std::string_view line, std::chrono::milliseconds patience);
+  [[nodiscard]] Result<void> tell(std::string_view line, std::chrono::milliseconds timeout);
   /// Sends what was told, and waits for one line. Fails ("process.gone") where it has ended, saying how;
   /// ("process.silent") where it says or takes nothing for that long; ("process.garbage") on a line of more than a
   /// megabyte.
-  [[nodiscard]] Result<std::string> ask(std::string_view line, std::chrono::milliseconds patience);
+  [[nodiscard]] Result<std::string> ask(std::string_view line, std::chrono::milliseconds timeout);
 
  private:
   LineProcess() = default;
-  [[nodiscard]] Result<void> exchange(bool until_line, std::chrono::milliseconds patience);
+  [[nodiscard]] Result<void> exchange(bool until_line, std::chrono::milliseconds timeout);
   [[nodiscard]] tl::unexpected<Error> gone();
 
   std::string command_;

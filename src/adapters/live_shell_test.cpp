@@ -20,7 +20,7 @@ namespace {
 using namespace std::chrono_literals;
 using ::testing::Contains;
 using ::testing::HasSubstr;
-using testing::patience;
+using testing::timeout;
 using testing::Scratch;
 
 /// Answers what it hears: echoes messages and bytes, remembers commands, counts ticks.
@@ -72,7 +72,7 @@ class Shell : public ::testing::Test {
   std::string stop(LiveShell& shell) {
     std::string digest;
     shell.stop([&](const std::string& d) { digest = d; });
-    EXPECT_TRUE(loop.run_until([&] { return !digest.empty(); }, patience));
+    EXPECT_TRUE(loop.run_until([&] { return !digest.empty(); }, timeout));
     return digest;
   }
 
@@ -136,7 +136,7 @@ TEST_F(Shell, tells_configure_first_then_memory_then_ticks_in_order_of_time) {
   with_state_file.state_file = scratch / "state";
   LiveShell shell{loop, core, with_state_file};
   ASSERT_TRUE(shell.start());
-  ASSERT_TRUE(loop.run_until([&] { return core.ticks >= 3; }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return core.ticks >= 3; }, timeout));
   ASSERT_GE(core.heard.size(), 3U);
   EXPECT_EQ(core.heard[0], "1:echo:{}");
   EXPECT_EQ(core.heard[1], "8:state:remembered");
@@ -186,12 +186,12 @@ TEST_F(Shell, runs_a_core_over_a_real_broker_and_real_sockets_and_the_journal_re
     wire->send("1/PILS", "x");
   });
   const auto echoed = [&] { return std::ranges::count(heard, "echo=ping") >= 3 && wire_bytes.size() >= 9; };
-  ASSERT_TRUE(loop.run_until(echoed, patience));
+  ASSERT_TRUE(loop.run_until(echoed, timeout));
   shell.command("test", "note");
   talk.cancel();
   const std::string digest = stop(shell);
   EXPECT_THAT(core.state, HasSubstr("farewell"));
-  EXPECT_TRUE(loop.run_until([&] { return std::ranges::count(heard, "hello=OFFLINE") == 1; }, patience));
+  EXPECT_TRUE(loop.run_until([&] { return std::ranges::count(heard, "hello=OFFLINE") == 1; }, timeout));
   EXPECT_THAT(heard, Contains("hello=ONLINE"));
   EXPECT_EQ(wire_bytes.substr(0, 1), "<");
 
@@ -212,11 +212,11 @@ TEST_F(Shell, tells_the_core_when_its_broker_dies_and_when_it_is_back) {
   live.mqtt->port = broker->port();
   LiveShell shell{loop, core, live};
   ASSERT_TRUE(shell.start());
-  ASSERT_TRUE(loop.run_until([&] { return shell.link_up(); }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return shell.link_up(); }, timeout));
   broker->child()->signal(SIGKILL);
-  ASSERT_TRUE(loop.run_until([&] { return !broker->child()->running() && !shell.link_up(); }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return !broker->child()->running() && !shell.link_up(); }, timeout));
   ASSERT_TRUE(broker->restart());
-  ASSERT_TRUE(loop.run_until([&] { return shell.link_up(); }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return shell.link_up(); }, timeout));
   std::vector<std::string> links;
   std::ranges::copy_if(core.heard, std::back_inserter(links),
                        [](const std::string& line) { return line.starts_with("3:"); });
@@ -242,7 +242,7 @@ TEST_F(Shell, of_an_emulated_vehicle_loses_what_the_ether_loses_and_its_core_and
   Timer talk{loop};
   talk.every(5ms, [&] { peer->publish({"to_core", "ping", 0, false}); });
   const auto heard = [&] { return std::ranges::count(core.heard, "2:to_core:ping"); };
-  ASSERT_TRUE(loop.run_until([&] { return echoes >= 3; }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return echoes >= 3; }, timeout));
 
   // Everything is lost: nothing comes in however long one waits, and what the core says goes nowhere.
   peer->publish({"cosiva/v1/plant/radio", R"({"vehicle":"CoSiVA/AIV1","loss":1})", 1, false});
@@ -254,7 +254,7 @@ TEST_F(Shell, of_an_emulated_vehicle_loses_what_the_ether_loses_and_its_core_and
   EXPECT_EQ(echoes, echoes_before);
 
   peer->publish({"cosiva/v1/plant/radio", R"({"vehicle":"*","loss":0})", 1, false});
-  EXPECT_TRUE(loop.run_until([&] { return echoes > echoes_before; }, patience));
+  EXPECT_TRUE(loop.run_until([&] { return echoes > echoes_before; }, timeout));
   EXPECT_THAT(core.heard, ::testing::Not(Contains(HasSubstr("plant/radio"))));
   stop(shell);
 }
@@ -267,7 +267,7 @@ TEST_F(Shell, goes_on_when_the_disk_of_its_journal_is_full) {
   ASSERT_TRUE(shell.start());
   ::testing::internal::CaptureStderr();
   const int before = core.ticks;
-  EXPECT_TRUE(loop.run_until([&] { return core.ticks >= before + 10; }, patience));
+  EXPECT_TRUE(loop.run_until([&] { return core.ticks >= before + 10; }, timeout));
   EXPECT_EQ(stop(shell).size(), 16U);
   EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("the journal stops here"));
 }
@@ -281,7 +281,7 @@ TEST_F(Shell, goes_on_when_nobody_reads_its_log) {
   {
     const InTheirPlace stderr_is{STDERR_FILENO, log.write_end};
     ASSERT_TRUE(shell.start());
-    EXPECT_TRUE(loop.run_until([&] { return core.ticks >= 20; }, patience));
+    EXPECT_TRUE(loop.run_until([&] { return core.ticks >= 20; }, timeout));
     EXPECT_THAT(log.read_until("the journal stops here"), HasSubstr("the journal stops here"));
     stop(shell);
   }

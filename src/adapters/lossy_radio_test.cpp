@@ -10,7 +10,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using ::testing::ElementsAre;
-using testing::patience;
+using testing::timeout;
 
 class Radio : public ::testing::Test {
  protected:
@@ -68,7 +68,7 @@ TEST_F(Radio, brings_QoS_1_later_but_whole_and_in_order) {
   EXPECT_LT(heard.size(), 8U) << "one in 256 seeds would lose none, and this is not one of them";
   say(R"({"vehicle":"*","loss":0})");
   radio.receive(1, [&heard] { heard.push_back(8); });
-  ASSERT_TRUE(loop.run_until([&] { return heard.size() == 9; }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return heard.size() == 9; }, timeout));
   EXPECT_THAT(heard, ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8));
 }
 

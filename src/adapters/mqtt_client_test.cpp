@@ -16,7 +16,7 @@ namespace {
 using namespace std::chrono_literals;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using testing::patience;
+using testing::timeout;
 using testing::Scratch;
 
 /// A client that notes down all it hears.
@@ -50,7 +50,7 @@ class Mqtt : public ::testing::Test {
     EXPECT_TRUE(started) << to_string(started.error());
     broker = std::move(*started);
   }
-  bool until(const std::function<bool()>& done) { return loop.run_until(done, patience); }
+  bool until(const std::function<bool()>& done) { return loop.run_until(done, timeout); }
   bool until_connected(const Listener& listener) {
     return until([&] { return listener.client->connected(); });
   }
@@ -220,7 +220,7 @@ TEST(MqttClient, says_once_that_nobody_answers_and_stops_at_once) {
   EXPECT_TRUE(listener.links.empty());
   bool stopped = false;
   listener.client->stop([&] { stopped = true; });
-  EXPECT_TRUE(loop.run_until([&] { return stopped; }, patience));
+  EXPECT_TRUE(loop.run_until([&] { return stopped; }, timeout));
 }
 
 TEST(MqttClient, reports_a_broker_that_refuses) {
@@ -237,7 +237,7 @@ TEST(MqttClient, reports_a_broker_that_refuses) {
   const auto refused = [&] {
     return !listener.log.empty() && listener.log.back().find("refuses") != std::string::npos;
   };
-  EXPECT_TRUE(loop.run_until(refused, patience));
+  EXPECT_TRUE(loop.run_until(refused, timeout));
   EXPECT_FALSE(listener.client->connected());
 }
 
@@ -270,9 +270,9 @@ TEST(MqttClient, gives_up_on_a_peer_that_accepts_and_says_nothing) {
   bool ready = false;
   silent.on_line = [&](const std::string&) { ready = true; };
   const auto peer = Child::start(loop, std::move(silent)).value();
-  ASSERT_TRUE(loop.run_until([&] { return ready; }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return ready; }, timeout));
   Listener listener{loop, port, {}};
-  EXPECT_TRUE(loop.run_until([&] { return !listener.log.empty(); }, patience));
+  EXPECT_TRUE(loop.run_until([&] { return !listener.log.empty(); }, timeout));
   EXPECT_THAT(listener.log.front(), HasSubstr("no answer in time"));
 }
 
@@ -308,7 +308,7 @@ class Tls : public ::testing::Test {
     std::optional<ChildExit> exit;
     options.on_exit = [&](const ChildExit& e) { exit = e; };
     const auto child = Child::start(loop, std::move(options)).value();
-    ASSERT_TRUE(loop.run_until([&] { return exit.has_value(); }, patience));
+    ASSERT_TRUE(loop.run_until([&] { return exit.has_value(); }, timeout));
     ASSERT_EQ(exit->status, 0) << arguments;
   }
   void start_broker() {
@@ -339,14 +339,14 @@ TEST_F(Tls, carries_messages_and_comes_back_after_the_broker_was_killed) {
   const std::string big(20'000, 'x');  // more than one TLS record
   Timer talk{loop};
   talk.every(50ms, [&] { client->publish({"a", big, 0, false}); });
-  ASSERT_TRUE(loop.run_until([&] { return heard.size() >= 3; }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return heard.size() >= 3; }, timeout));
   EXPECT_EQ(heard.front(), big);
   broker.reset();
-  ASSERT_TRUE(loop.run_until([&] { return !client->connected(); }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return !client->connected(); }, timeout));
   loop.run_for(300ms);
   heard.clear();
   start_broker();
-  EXPECT_TRUE(loop.run_until([&] { return heard.size() >= 3; }, patience));
+  EXPECT_TRUE(loop.run_until([&] { return heard.size() >= 3; }, timeout));
 }
 
 TEST_F(Tls, does_not_talk_to_a_broker_that_its_authority_does_not_know) {
@@ -355,7 +355,7 @@ TEST_F(Tls, does_not_talk_to_a_broker_that_its_authority_does_not_know) {
   handlers.on_log = [&](char, const std::string& text) { log.push_back(text); };
   const auto client = MqttClient::make(loop, options("other.pem"), {}, std::nullopt, std::move(handlers)).value();
   client->start();
-  EXPECT_TRUE(loop.run_until([&] { return !log.empty(); }, patience));
+  EXPECT_TRUE(loop.run_until([&] { return !log.empty(); }, timeout));
   loop.run_for(300ms);
   EXPECT_FALSE(client->connected());
   EXPECT_EQ(client->counters().connections, 0U);

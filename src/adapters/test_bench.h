@@ -11,7 +11,7 @@
 namespace cosiva::adapters::testing {
 
 /// A deadline that only a hang can miss, also on a machine that does ten things at once.
-inline constexpr std::chrono::seconds patience{30};
+inline constexpr std::chrono::seconds timeout{30};
 
 /// A directory of the test's own, gone with it.
 class Scratch {

@@ -16,7 +16,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using ::testing::ElementsAre;
-using testing::patience;
+using testing::timeout;
 using testing::Scratch;
 
 struct Side {
@@ -42,7 +42,7 @@ class UnixPorts : public ::testing::Test {
     ASSERT_TRUE(opened) << to_string(opened.error());
     vehicle.ports = std::move(*opened);
   }
-  bool until(const std::function<bool()>& done) { return loop.run_until(done, patience); }
+  bool until(const std::function<bool()>& done) { return loop.run_until(done, timeout); }
 
   Scratch scratch;
   EventLoop loop;

@@ -16,7 +16,7 @@
 namespace cosiva::app {
 namespace {
 
-using adapters::testing::patience;
+using adapters::testing::timeout;
 using namespace std::chrono_literals;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
@@ -133,7 +133,7 @@ class Page : public ::testing::Test {
     request += "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
     EXPECT_EQ(::write(fd, request.data(), request.size()), static_cast<ssize_t>(request.size()));
     std::string answer;
-    EXPECT_TRUE(loop.run_until([&] { return !receive(fd, answer); }, patience));
+    EXPECT_TRUE(loop.run_until([&] { return !receive(fd, answer); }, timeout));
     ::close(fd);
     return answer;
   }
@@ -168,7 +168,7 @@ TEST_F(Page, that_is_not_built_says_how_to_build_it) { EXPECT_THAT(ask("GET /"),
 TEST_F(Page, newcomer_gets_zone_run_snapshot_and_key_at_once_and_in_this_order) {
   for (int i = 0; i < 2; ++i) {  // when nobody listened, and when somebody did
     auto& client = clients.emplace_back(std::make_unique<LiveClient>(page->port()));
-    ASSERT_TRUE(loop.run_until([&] { return client->count("delta") > 0; }, patience));
+    ASSERT_TRUE(loop.run_until([&] { return client->count("delta") > 0; }, timeout));
     std::vector<std::string> types;  // as each came first
     for (const LiveClient::Frame& frame : client->frames())
       if (std::ranges::find(types, frame.type()) == types.end()) types.push_back(frame.type());
@@ -178,7 +178,7 @@ TEST_F(Page, newcomer_gets_zone_run_snapshot_and_key_at_once_and_in_this_order) 
 
 TEST_F(Page, sends_positions_that_build_on_the_key_and_snapshots_now_and_then) {
   LiveClient client{page->port()};
-  ASSERT_TRUE(loop.run_until([&] { return client.count("delta") >= 10 && client.count("snapshot") >= 3; }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return client.count("delta") >= 10 && client.count("snapshot") >= 3; }, timeout));
   const LiveClient::Frame* key = client.last("key");
   EXPECT_EQ(key->bytes.size(), 24U + 2 * 20U);  // two vehicles
   EXPECT_EQ(client.count("zone"), 1U);
@@ -189,7 +189,7 @@ TEST_F(Page, sends_positions_that_build_on_the_key_and_snapshots_now_and_then) {
 
 TEST_F(Page, sends_a_snapshot_when_a_command_comes_to_something) {
   LiveClient client{page->port()};
-  ASSERT_TRUE(loop.run_until([&] { return client.count("snapshot") == 1; }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return client.count("snapshot") == 1; }, timeout));
   EXPECT_THAT(ask("POST /api/v1/commands", R"({"command":"slow","vehicle":"CoSiVA/AIV1"})"),
               StartsWith("HTTP/1.1 202"));
   page->changed();
@@ -200,7 +200,7 @@ TEST_F(Page, sends_a_snapshot_when_a_command_comes_to_something) {
           return last->bytes.find("\"id\":\"c1\",\"vehicle\":\"CoSiVA/AIV1\",\"command\":\"slow\",\"state\":\"" +
                                   state) != std::string::npos;
         },
-        patience);
+        timeout);
   };
   EXPECT_TRUE(shows("issued"));
   bench.server.run_for(2s);
@@ -209,9 +209,9 @@ TEST_F(Page, sends_a_snapshot_when_a_command_comes_to_something) {
 
 TEST_F(Page, sends_the_clock_when_it_changed) {
   LiveClient client{page->port()};
-  ASSERT_TRUE(loop.run_until([&] { return client.count("run") == 1; }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return client.count("run") == 1; }, timeout));
   EXPECT_THAT(ask("PUT /api/v1/clock", R"({"running":false,"speed":4})"), StartsWith("HTTP/1.1 200"));
-  ASSERT_TRUE(loop.run_until([&] { return client.count("run") == 2; }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return client.count("run") == 2; }, timeout));
   const auto run = JsonValue::parse(client.last("run")->bytes);
   EXPECT_EQ(run->find("run")->find("clock")->flag("running"), false);
   EXPECT_EQ(run->find("run")->find("clock")->number("speed"), 4.0);
@@ -219,11 +219,11 @@ TEST_F(Page, sends_the_clock_when_it_changed) {
 
 TEST_F(Page, sends_the_truth_on_as_vehicles_and_obstacles_and_nothing_else_of_it) {
   LiveClient client{page->port()};
-  ASSERT_TRUE(loop.run_until([&] { return client.count("key") == 1; }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return client.count("key") == 1; }, timeout));
   for (const char* bad : {"", "nonsense", "[]", "5"}) page->truth(bad);
   page->truth(R"({"type":"zone","zone":null,"vehicles":[{"number":1,"x":0.5,"y":0.25,"heading":0}],)"
               R"("obstacles":[{"id":"box1","x":1,"y":2,"radius":0.05}]})");
-  ASSERT_TRUE(loop.run_until([&] { return client.count("truth") == 1; }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return client.count("truth") == 1; }, timeout));
   EXPECT_EQ(client.last("truth")->bytes, R"({"type":"truth","vehicles":[{"number":1,"x":0.5,"y":0.25,"heading":0}],)"
                                          R"("obstacles":[{"id":"box1","x":1,"y":2,"radius":0.05}]})");
   EXPECT_EQ(client.count("zone"), 1U);
@@ -233,13 +233,13 @@ TEST_F(Page, sends_the_truth_on_as_vehicles_and_obstacles_and_nothing_else_of_it
 TEST_F(Page, newcomer_after_a_time_alone_sees_what_is_now) {
   {
     LiveClient gone{page->port()};
-    ASSERT_TRUE(loop.run_until([&] { return gone.count("key") == 1; }, patience));
+    ASSERT_TRUE(loop.run_until([&] { return gone.count("key") == 1; }, timeout));
   }
   loop.run_for(100ms);  // the server sees that it is gone
   bench.server.run_for(5s);
   const auto now = JsonValue::parse(bench.server.server->snapshot_json())->number("time_ms");
   LiveClient client{page->port()};
-  ASSERT_TRUE(loop.run_until([&] { return client.count("snapshot") >= 1; }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return client.count("snapshot") >= 1; }, timeout));
   const auto shown = JsonValue::parse(client.frames()[2].bytes);
   EXPECT_EQ(shown->find("snapshot")->number("time_ms"), now);
 }

@@ -34,7 +34,7 @@ constexpr milliseconds tick_period{250};
 /// Whoever looks on is told so often, besides each change.
 constexpr seconds tell_period{1};
 /// A server that was killed is back within a few seconds; what is said to it meanwhile waits.
-constexpr milliseconds command_patience{2000};
+constexpr milliseconds command_timeout{2000};
 constexpr seconds fleet_max{60};
 constexpr seconds goodbye_max{10};
 
@@ -130,7 +130,7 @@ class LiveTest {
   /// In order, and each until it has been taken: a server that is not there now will be.
   void tell_server() {
     while (!commands_.empty()) {
-      const auto taken = server_.ask("POST", "/api/v1/commands", commands_.front(), command_patience);
+      const auto taken = server_.ask("POST", "/api/v1/commands", commands_.front(), command_timeout);
       if (!taken) {
         if (!std::exchange(waiting_, true)) say("the server does not answer; what it is to be told waits");
         return;

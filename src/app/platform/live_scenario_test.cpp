@@ -9,7 +9,7 @@ using namespace std::chrono_literals;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-constexpr std::chrono::seconds patience{30};
+constexpr std::chrono::seconds timeout{30};
 
 class Live : public ::testing::Test {
  protected:
@@ -43,7 +43,7 @@ TEST_F(Live, plays_nothing_before_the_fleet_is_there_and_then_each_step_once_in_
   EXPECT_THAT(given, IsEmpty());
   live.begin(clock.now());
   EXPECT_EQ(given.size(), 1U);
-  ASSERT_TRUE(loop.run_until([&] { return given.size() == 3; }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return given.size() == 3; }, timeout));
   loop.run_for(100ms);
   EXPECT_THAT(given, ElementsAre(R"({"command":"remove","id":"a"})", R"({"command":"remove","id":"b"})",
                                  R"({"command":"remove","id":"c"})"));

@@ -13,7 +13,7 @@ namespace cosiva::app {
 namespace {
 
 using namespace std::chrono_literals;
-using adapters::testing::patience;
+using adapters::testing::timeout;
 using adapters::testing::Scratch;
 using ::testing::ElementsAre;
 
@@ -41,7 +41,7 @@ class Supervised : public ::testing::Test {
       pids.push_back(static_cast<pid_t>(*child.number("pid")));
     return pids;
   }
-  bool until(const std::function<bool()>& done) { return loop.run_until(done, patience); }
+  bool until(const std::function<bool()>& done) { return loop.run_until(done, timeout); }
   bool end() {
     bool ended = false;
     supervisor.end([&] { ended = true; });

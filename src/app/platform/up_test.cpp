@@ -21,7 +21,7 @@ using adapters::testing::Scratch;
 using ::testing::HasSubstr;
 using namespace std::chrono_literals;
 
-constexpr std::chrono::seconds patience{120};
+constexpr std::chrono::seconds timeout{120};
 
 /// The built command as its user meets it: arguments in, words and data out, processes and files around it.
 class Command {
@@ -38,10 +38,10 @@ class Command {
   }
   [[nodiscard]] std::string words() const { return adapters::read_file(words_file_).value_or(""); }
   bool says(const std::string& text) {
-    return loop_.run_until([&] { return exit || words().find(text) != std::string::npos; }, patience) && !exit;
+    return loop_.run_until([&] { return exit || words().find(text) != std::string::npos; }, timeout) && !exit;
   }
   bool ends() {
-    return loop_.run_until([&] { return exit.has_value(); }, patience) && (loop_.run_for(100ms), true);
+    return loop_.run_until([&] { return exit.has_value(); }, timeout) && (loop_.run_for(100ms), true);
   }
 
   std::unique_ptr<Child> child;
@@ -121,7 +121,7 @@ TEST_F(UpTest, starts_again_whoever_is_killed_and_the_fleet_is_whole_at_the_end)
       const auto now = children();
       return now.contains(name) && now.at(name) != first.at(name);
     };
-    ASSERT_TRUE(loop.run_until(back, patience)) << name << "\n" << run.words();
+    ASSERT_TRUE(loop.run_until(back, timeout)) << name << "\n" << run.words();
     EXPECT_THAT(run.words(), HasSubstr(std::string(name) + " has ended: killed (signal 9)"));
   }
   ASSERT_TRUE(run.ends());

@@ -9,7 +9,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::chrono::seconds patience{60};
+constexpr std::chrono::seconds timeout{60};
 
 class Virtual : public ::testing::Test {
  protected:
@@ -42,7 +42,7 @@ TEST_F(Virtual, time_goes_by_itself_until_it_is_stopped) {
   EXPECT_NE(page->port(), 0);
   EXPECT_TRUE(page->clock().is_virtual);
   EXPECT_TRUE(page->clock().running);
-  ASSERT_TRUE(loop.run_until([&] { return run->elapsed() > 200ms; }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return run->elapsed() > 200ms; }, timeout));
   page->set_clock(false, 1.0);
   EXPECT_FALSE(page->clock().running);
   const SimDuration stood_at = run->elapsed();
@@ -64,7 +64,7 @@ TEST_F(Virtual, more_speed_than_the_machine_has_keeps_the_page_alive_and_is_told
   EXPECT_EQ(page->clock().speed, 100.0);
   bool answered = false;
   loop.post([&] { answered = true; });
-  ASSERT_TRUE(loop.run_until([&] { return answered && run->elapsed() > 5s; }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return answered && run->elapsed() > 5s; }, timeout));
   EXPECT_GT(page->clock().speed, 0.0);
   EXPECT_LE(page->clock().speed, 100.0);
   page->set_clock(true, 2.0);
@@ -73,7 +73,7 @@ TEST_F(Virtual, more_speed_than_the_machine_has_keeps_the_page_alive_and_is_told
 
 TEST_F(Virtual, ends_exactly_at_its_duration_and_only_once) {
   const auto page = open(1.5, 20.0);
-  ASSERT_TRUE(loop.run_until([&] { return ended > 0; }, patience));
+  ASSERT_TRUE(loop.run_until([&] { return ended > 0; }, timeout));
   EXPECT_EQ(run->elapsed(), 1500ms);
   page->set_clock(true, 1.0);
   EXPECT_FALSE(page->clock().running) << "what is over does not run again";

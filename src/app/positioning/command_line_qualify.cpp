@@ -92,7 +92,7 @@ void add_others(CLI::App& verb, QualifyArguments& q) {
   verb.add_option("--external", q.external, "an algorithm in a program of its own; may come again")
       ->type_name("NAME=COMMAND")
       ->allow_extra_args(false);
-  verb.add_option("--patience", q.patience_s, "how long to wait for its answer")
+  verb.add_option("--timeout", q.timeout_s, "how long to wait for its answer")
       ->type_name("S")
       ->check(CLI::Range(0.001, 1e5))
       ->capture_default_str();

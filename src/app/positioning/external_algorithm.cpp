@@ -80,16 +80,16 @@ Result<Estimate> read_estimate(const std::string& line) {
 }
 
 ExternalAlgorithm::ExternalAlgorithm(std::string name, std::unique_ptr<adapters::LineProcess> process,
-                                     std::chrono::milliseconds patience)
-    : name_{std::move(name)}, process_{std::move(process)}, patience_{patience} {}
+                                     std::chrono::milliseconds timeout)
+    : name_{std::move(name)}, process_{std::move(process)}, timeout_{timeout} {}
 
 Result<std::unique_ptr<estimation::Algorithm>> ExternalAlgorithm::start(const std::string& name,
                                                                         const std::string& command,
                                                                         const estimation::Setting& setting,
-                                                                        std::chrono::milliseconds patience) {
+                                                                        std::chrono::milliseconds timeout) {
   auto process = adapters::LineProcess::start(command);
   if (!process) return tl::unexpected(process.error());
-  std::unique_ptr<ExternalAlgorithm> algorithm{new ExternalAlgorithm(name, std::move(*process), patience)};
+  std::unique_ptr<ExternalAlgorithm> algorithm{new ExternalAlgorithm(name, std::move(*process), timeout)};
   algorithm->tell(start_line(setting));
   return algorithm;
 }
@@ -100,7 +100,7 @@ void ExternalAlgorithm::blame(const Error& error) const {
 
 void ExternalAlgorithm::tell(const std::string& line) {
   if (fault_) return;
-  if (auto told = process_->tell(line, patience_); !told) blame(told.error());
+  if (auto told = process_->tell(line, timeout_); !told) blame(told.error());
 }
 
 void ExternalAlgorithm::predict(const estimation::Odometry& odometry) {
@@ -135,7 +135,7 @@ estimation::Rectified ExternalAlgorithm::rectify(const estimation::Range& range)
 
 Estimate ExternalAlgorithm::estimate() const {
   if (fault_) return {};
-  const auto answer = process_->ask(R"({"estimate":{}})", patience_);
+  const auto answer = process_->ask(R"({"estimate":{}})", timeout_);
   if (!answer) {
     blame(answer.error());
     return {};

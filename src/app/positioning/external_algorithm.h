@@ -19,7 +19,7 @@ class ExternalAlgorithm final : public estimation::Algorithm {
   [[nodiscard]] static Result<std::unique_ptr<estimation::Algorithm>> start(const std::string& name,
                                                                             const std::string& command,
                                                                             const estimation::Setting& setting,
-                                                                            std::chrono::milliseconds patience);
+                                                                            std::chrono::milliseconds timeout);
 
   void predict(const estimation::Odometry& odometry) override;
   estimation::Rectified rectify(const estimation::Reading& reading) override;
@@ -29,13 +29,13 @@ class ExternalAlgorithm final : public estimation::Algorithm {
 
  private:
   ExternalAlgorithm(std::string name, std::unique_ptr<adapters::LineProcess> process,
-                    std::chrono::milliseconds patience);
+                    std::chrono::milliseconds timeout);
   void tell(const std::string& line);
   void blame(const Error& error) const;
 
   std::string name_;
   std::unique_ptr<adapters::LineProcess> process_;
-  std::chrono::milliseconds patience_;
+  std::chrono::milliseconds timeout_;
   mutable std::optional<Error> fault_;
 };
 

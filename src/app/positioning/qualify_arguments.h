@@ -47,7 +47,7 @@ struct QualifyArguments {
   std::vector<std::string> recordings;
   double gap_s{0.5};
   std::vector<std::string> external;  ///< NAME=COMMAND
-  double patience_s{10.0};
+  double timeout_s{10.0};
   std::string reference;
   std::vector<std::string> estimates;
   std::string associate{"interpolate"};

@@ -22,14 +22,14 @@ Candidate candidate_of(const estimation::Registry& registry, const estimation::R
   return {registered.name, registered.what, registered.looks_back, make};
 }
 
-Result<Candidate> external_of(const std::string& text, std::chrono::milliseconds patience) {
+Result<Candidate> external_of(const std::string& text, std::chrono::milliseconds timeout) {
   const std::size_t equals = text.find('=');
   if (equals == 0 || equals == std::string::npos || equals + 1 == text.size())
     return fail("algorithm.external", "it is NAME=COMMAND, such as \"mine=python3 mine.py\"", "--external " + text);
   const std::string name = text.substr(0, equals);
   const std::string command = text.substr(equals + 1);
-  const auto make = [name, command, patience](const estimation::Setting& setting) {
-    return ExternalAlgorithm::start(name, command, setting, patience);
+  const auto make = [name, command, timeout](const estimation::Setting& setting) {
+    return ExternalAlgorithm::start(name, command, setting, timeout);
   };
   return Candidate{name, "external: " + command, false, make};
 }
@@ -66,7 +66,7 @@ Result<std::vector<Candidate>> candidates_of(const QualifyArguments& arguments, 
   const bool all = names == std::vector<std::string>{"all"};
   std::vector<Candidate> externals;
   for (const std::string& text : arguments.external) {
-    auto external = external_of(text, std::chrono::milliseconds{static_cast<int>(1e3 * arguments.patience_s)});
+    auto external = external_of(text, std::chrono::milliseconds{static_cast<int>(1e3 * arguments.timeout_s)});
     if (!external) return tl::unexpected(external.error());
     // Its name may stand among the others', to say where it belongs.
     std::erase(names, external->name);

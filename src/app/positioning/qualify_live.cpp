@@ -34,7 +34,7 @@ using std::chrono::seconds;
 
 constexpr milliseconds tick_period{5};
 /// A server that was killed is back within a few seconds; what is said to it meanwhile waits.
-constexpr milliseconds command_patience{1000};
+constexpr milliseconds command_timeout{1000};
 constexpr seconds connect_max{5};
 constexpr seconds goodbye_max{5};
 /// Of random numbers that JSON carries whole.
@@ -84,7 +84,7 @@ class LiveTest {
     if (!connected)
       return fail("mqtt.connect", "no broker answers there: is the platform running (cosiva up), is --broker its own?",
                   address);
-    const auto answer = server_.ask("GET", "/api/v1/snapshot", {}, command_patience);
+    const auto answer = server_.ask("GET", "/api/v1/snapshot", {}, command_timeout);
     if (!answer)
       return fail("http.connect", "no server answers there: is the platform running (cosiva up), is --url its own?",
                   server_.url());
@@ -122,7 +122,7 @@ class LiveTest {
   void tell_server() {
     if (clock_.now() < tell_again_) return;
     while (!commands_.empty()) {
-      const auto taken = server_.ask("POST", "/api/v1/commands", commands_.front(), command_patience);
+      const auto taken = server_.ask("POST", "/api/v1/commands", commands_.front(), command_timeout);
       if (!taken || taken->status >= 500) {
         if (!std::exchange(waiting_, true)) say("cosiva: the server does not answer; what it is to be told waits");
         tell_again_ = clock_.now() + seconds{1};
@@ -189,7 +189,7 @@ Result<experiments::LiveRunsOptions> options_of(const QualifyArguments& argument
   if (live.speed_given) options.speed_mps = arguments.speed_mps;
   if (!live.truth_topic.empty()) options.truth_topic = live.truth_topic;
   options.gap_max = from_seconds(arguments.gap_s);
-  options.patience = from_seconds(arguments.patience_s);
+  options.timeout = from_seconds(arguments.timeout_s);
   options.name = "qualify-" + std::to_string(getpid()) + "-" +
                  std::to_string(adapters::WallClock{}.now().time_since_epoch() / milliseconds{1});
   return options;

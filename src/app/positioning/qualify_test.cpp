@@ -323,7 +323,7 @@ TEST(Compare, takes_the_python_example_as_one_of_many) {
 
 TEST(Compare, keeps_the_others_when_a_program_hangs_ends_or_talks_nonsense) {
   const Said said =
-      cosiva({"compare", "arc_kalman", "--runs", "2", "--way", "5", "--patience", "0.3", "--external", "hangs=sleep 60",
+      cosiva({"compare", "arc_kalman", "--runs", "2", "--way", "5", "--timeout", "0.3", "--external", "hangs=sleep 60",
               "--external", "ends=exit 4", "--external", "nonsense=while read -r line; do echo hello; done", "--json"});
   EXPECT_EQ(said.status, 1);
   const JsonValue json = json_of(said);

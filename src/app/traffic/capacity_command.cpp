@@ -37,8 +37,8 @@ Result<LiveFigures> measure_live(const CapacityArguments& arguments, std::uint32
   options.on_exit = [&](const adapters::ChildExit&) { ended = true; };
   auto child = adapters::Child::start(loop, std::move(options));
   if (!child) return tl::unexpected(child.error());
-  const auto patience = std::chrono::milliseconds{static_cast<std::int64_t>(1000.0 * arguments.live_s) + 60'000};
-  if (!loop.run_until([&] { return ended; }, patience))
+  const auto timeout = std::chrono::milliseconds{static_cast<std::int64_t>(1000.0 * arguments.live_s) + 60'000};
+  if (!loop.run_until([&] { return ended; }, timeout))
     return fail("capacity.live", "the platform with " + std::to_string(vehicles) + " vehicles did not end in time");
   return live_figures(vehicles, summary);
 }

@@ -4,11 +4,11 @@ import type { CommandVerb, Point, Repeat, Run, Traces, WholeTrace, ZoneEdit } fr
 
 export type Answer<T> = { ok: true; value: T } | { ok: false; status: number; sentence: string };
 
-const patience_ms = 3_000;
+const timeout_ms = 3_000;
 /** The server reads and checks a large zone before it responds. */
-const patience_with_zones_ms = 120_000;
+const timeout_with_zones_ms = 120_000;
 
-export async function call<T>(method: string, path: string, body?: unknown, wait_ms = patience_ms): Promise<Answer<T>> {
+export async function call<T>(method: string, path: string, body?: unknown, wait_ms = timeout_ms): Promise<Answer<T>> {
   try {
     const response = await fetch(`api/v1/${path}`, {
       method,
@@ -53,8 +53,8 @@ export const api = {
   undo_zone: () => call<{ revision: number }>('POST', 'zone/undo'),
   redo_zone: () => call<{ revision: number }>('POST', 'zone/redo'),
   save_zone: () => call<{ file: string }>('POST', 'zone/save'),
-  switch_zone: (zone: { name: string } | { file: string; text: string; sidecar?: string }) => call<{ revision: number; name: string }>('POST', 'zone/switch', zone, patience_with_zones_ms),
-  suggest_beacons: () => call<{ origin: Point; now_m: number | null; longest_free_m: number | null }>('GET', 'zone/beacons/suggestion', undefined, patience_with_zones_ms),
+  switch_zone: (zone: { name: string } | { file: string; text: string; sidecar?: string }) => call<{ revision: number; name: string }>('POST', 'zone/switch', zone, timeout_with_zones_ms),
+  suggest_beacons: () => call<{ origin: Point; now_m: number | null; longest_free_m: number | null }>('GET', 'zone/beacons/suggestion', undefined, timeout_with_zones_ms),
   zones: () => call<{ zones: { name: string; title: string; current: boolean }[] }>('GET', 'zones'),
   add_plant_obstacle: (place: { x: number; y: number; radius?: number }) => call<{ id: string }>('POST', 'plant/obstacles', place),
   remove_plant_obstacle: (id: string) => call<{ removed: number }>('DELETE', `plant/obstacles/${id_of(id)}`),

@@ -167,13 +167,13 @@ void LiveRuns::lose(Seat& seat, const std::string& why) {
 }
 
 std::optional<std::string> LiveRuns::missing(SimTime now, const Seat& seat) const {
-  const std::string seconds = std::to_string(options_.patience / std::chrono::seconds{1}) + " s";
-  if (now - seat.heard > options_.patience)
+  const std::string seconds = std::to_string(options_.timeout / std::chrono::seconds{1}) + " s";
+  if (now - seat.heard > options_.timeout)
     return "it has not answered for " + seconds + "; is it online, and of this version?";
   const SimTime truth = std::max(seat.truth_heard.value_or(*began_), *began_);
-  if (now - truth > options_.patience)
+  if (now - truth > options_.timeout)
     return "nobody has said on " + options_.truth_topic + " for " + seconds + " where it truly is";
-  if (!map_id_.empty() && zones_.find(map_id_) == zones_.end() && now - *began_ > options_.patience)
+  if (!map_id_.empty() && zones_.find(map_id_) == zones_.end() && now - *began_ > options_.timeout)
     return "it drives in zone '" + map_id_ + "', which nobody hands out";
   if (now - seat.moved > options_.standing_max)
     return "it has not moved for " + std::to_string(options_.standing_max / std::chrono::seconds{1}) + " s";

@@ -68,7 +68,7 @@ class Bench {
  private:
   static LiveRunsOptions named(LiveRunsOptions options) {
     options.name = "test";
-    options.patience = seconds{3};
+    options.timeout = seconds{3};
     return options;
   }
   double loss_;

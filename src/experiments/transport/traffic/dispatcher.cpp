@@ -13,7 +13,7 @@ constexpr std::size_t asked_max = 6;
 /// A goal on its own section is driven to when it lies further ahead than it needs to stop, and this.
 constexpr double beyond_stop_m = 0.3;
 /// So long who stands at a stop waits for the crossings on its way.
-constexpr double patience_s = 20.0;
+constexpr double timeout_s = 20.0;
 
 }  // namespace
 
@@ -154,7 +154,7 @@ void Dispatcher::drive_on(Fleet::Vehicle vehicle) {
   to_send_.push_back(vehicle);
   Carrier& carrier = carriers_[vehicle];
   if (!fleet_.is_at_goal(vehicle)) return;
-  if (carrier.patient_until_s < 0.0) carrier.patient_until_s = now_s_ + patience_s;
+  if (carrier.patient_until_s < 0.0) carrier.patient_until_s = now_s_ + timeout_s;
   if (now_s_ < carrier.patient_until_s) return;
   carrier.patient_until_s = -1.0;
   fleet_.circulate(vehicle);

@@ -62,7 +62,7 @@ void ThirdPartyPause::send(VehicleIndex vehicle, std::string action) {
   // The one before, still unanswered and sent again, would undo this one.
   if (pauses_[vehicle].ticket != 0) action_sender_.drop(pauses_[vehicle].ticket);
   pauses_[vehicle].ticket = action_sender_.send(registry_[vehicle], vehicle,
-                                       {{std::move(action), {}, {}, wire::BlockingType::none, {}}}, patience, false);
+                                       {{std::move(action), {}, {}, wire::BlockingType::none, {}}}, timeout, false);
 }
 
 }  // namespace cosiva::virtual_side

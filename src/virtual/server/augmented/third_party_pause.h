@@ -22,7 +22,7 @@ class ThirdPartyPause {
   static constexpr double pause_within_m = 0.8;   ///< from its front
   static constexpr double let_go_beyond_m = 1.0;  ///< so that a body at the limit does not make it stutter
   static constexpr double beside_m = 0.02;        ///< of its sides
-  static constexpr SimDuration patience{std::chrono::seconds{5}};
+  static constexpr SimDuration timeout{std::chrono::seconds{5}};
 
   ThirdPartyPause(Registry& registry, Traffic& traffic, Outbox& outbox, InstantActionSender& action_sender, Simulator& simulator)
       : registry_{registry}, traffic_{traffic}, outbox_{outbox}, action_sender_{action_sender}, simulator_{simulator} {}

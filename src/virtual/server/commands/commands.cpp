@@ -224,7 +224,7 @@ void Commands::begin(Command command) {
       actions.back().parameters.push_back({"maxSpeed", command.speed_mps});
       break;
   }
-  command.ticket = action_sender_.send(proxy, command.vehicle, std::move(actions), patience, true);
+  command.ticket = action_sender_.send(proxy, command.vehicle, std::move(actions), timeout, true);
   keep(std::move(command));
 }
 
@@ -301,7 +301,7 @@ void Commands::on_state(VehicleIndex vehicle) {
 void Commands::tick() {
   const SimTime now = outbox_.now();
   for (Command& command : list_) {
-    if (!command.open() || now - command.at < patience) continue;
+    if (!command.open() || now - command.at < timeout) continue;
     fail_command(command, command.accepted_at ? "accepted, but its effect was not seen within 5 s"
                                               : "the vehicle did not answer within 5 s");
   }

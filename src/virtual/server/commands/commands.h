@@ -42,7 +42,7 @@ struct Command {
 /// materialised (the vehicle does it), or failed with the reason.
 class Commands {
  public:
-  static constexpr SimDuration patience{std::chrono::seconds{5}};
+  static constexpr SimDuration timeout{std::chrono::seconds{5}};
   static constexpr std::size_t kept_max = 200;
 
   Commands(Registry& registry, Outbox& outbox, InstantActionSender& action_sender, OrderRoller& roller, Simulator& simulator)

@@ -127,8 +127,8 @@ class ControlAreasFixture {
       if (each_step) each_step();
     }
   }
-  bool run_until(const std::function<bool()>& done, SimDuration patience) {
-    for (const SimTime end = now + patience; now < end && !done();) run_for(20ms);
+  bool run_until(const std::function<bool()>& done, SimDuration timeout) {
+    for (const SimTime end = now + timeout; now < end && !done();) run_for(20ms);
     return done();
   }
 

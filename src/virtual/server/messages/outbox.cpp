@@ -83,9 +83,9 @@ std::string unique_id(std::string_view prefix, SimTime now) {
 bool InstantActionSender::Letter::acknowledged() const { return std::ranges::all_of(actions, &Progress::seen); }
 
 InstantActionSender::Ticket InstantActionSender::send(AivProxy& proxy, VehicleIndex vehicle, std::vector<wire::Action> actions,
-                                    SimDuration patience, bool keep) {
+                                    SimDuration timeout, bool keep) {
   const Ticket ticket = ++last_ticket_;
-  Letter letter{ticket, vehicle, {}, {}, outbox_.now(), outbox_.now() + patience, keep};
+  Letter letter{ticket, vehicle, {}, {}, outbox_.now(), outbox_.now() + timeout, keep};
   wire::InstantActions& message = letter.message;
   message.actions = std::move(actions);
   const std::string stem = unique_id("A", outbox_.now()) + "-" + std::to_string(ticket);

@@ -33,7 +33,7 @@ constexpr double way_every_m = 0.03;
 constexpr double way_clear_m = 0.04;
 /// Its eyes may make it stand so much earlier than it should before the one ahead.
 constexpr double seen_too_early_m = 0.03;
-constexpr SimDuration back_patience{std::chrono::seconds{10}};
+constexpr SimDuration back_up_timeout{std::chrono::seconds{10}};
 
 /// From a point to a body's edge; 0 inside.
 double to_body_m(const zone::VehicleShape& shape, const Pose2& X_MB, Point2 p_M) {
@@ -131,7 +131,7 @@ bool OrderRoller::give_way(VehicleIndex vehicle, Means means, std::span<const Wa
     const auto back_m = way_back_m(vehicle, waits);
     if (!back_m) return false;
     giving_way.back_m = *back_m;
-    giving_way.until += back_patience;
+    giving_way.until += back_up_timeout;
   }
   plan.giving_way = std::move(giving_way);
   traffic_.withdraw(vehicle);

@@ -24,7 +24,7 @@ bool OrderRoller::joining(VehicleIndex vehicle) {
   const InstantActionSender::Letter* letter = action_sender_.find(plan.join_ticket);
   const wire::ActionStatus status = letter == nullptr ? wire::ActionStatus::failed : letter->actions.front().status;
   const bool over = status == wire::ActionStatus::finished || status == wire::ActionStatus::failed;
-  if (!over && outbox_.now() - plan.join_sent_at < rules_.join_patience) return true;
+  if (!over && outbox_.now() - plan.join_sent_at < rules_.join_timeout) return true;
   if (status == wire::ActionStatus::failed && letter != nullptr)
     outbox_.log('w', registry_[vehicle].name + ": did not join the line: " + letter->actions.front().result);
   end_join(vehicle);

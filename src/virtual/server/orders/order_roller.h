@@ -31,7 +31,7 @@ struct RollerRules {
   SimDuration let_in_for{std::chrono::seconds{5}};  ///< one that waits beside the line
   SimDuration other_place_after{std::chrono::seconds{1}};
   SimDuration make_room_after{std::chrono::seconds{4}};  ///< it goes onto the line where it cannot drive on, either
-  SimDuration join_patience{std::chrono::seconds{15}};
+  SimDuration join_timeout{std::chrono::seconds{15}};
   SimDuration cancel_again{std::chrono::seconds{5}};
   SimDuration silent_for{std::chrono::seconds{12}};     ///< one of ours with way before it and no reason to stand
   SimDuration gives_way_for{std::chrono::seconds{12}};  ///< at most

@@ -82,7 +82,7 @@ TEST(ReportClock, waits_as_long_as_it_is_told_where_reports_come_often) {
   EXPECT_TRUE(clock.lost(virtual_epoch + after + 1ms, after));
 }
 
-TEST(ReportClock, has_patience_with_messages_that_come_in_pairs_from_the_first_on) {
+TEST(ReportClock, accepts_messages_that_come_in_pairs_from_the_first_on) {
   // State and visualization of one instant: the gaps of 0 s and 3 s have a mean of 1.5 s, and three of those last.
   ReportClock clock;
   for (int i = 0; i < 100; ++i) {

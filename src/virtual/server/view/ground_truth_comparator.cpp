@@ -88,7 +88,7 @@ void GroundTruthComparator::take(SimTime now, wire::GvsSights sights) {
       if (seen_.size() >= seen_max) continue;
       found = seen_.emplace(sight.vehicle, Seen{}).first;
       found->second.since = now;
-    } else if (found->second.arrived < before - patience) {
+    } else if (found->second.arrived < before - timeout) {
       found->second.since = now;
     }
     Seen& seen = found->second;
@@ -174,7 +174,7 @@ void GroundTruthComparator::find_unseen(std::vector<Finding>& findings) {
     const auto seen = seen_.find(name);
     SimTime last = std::max(*trail.in_field_since, watching_since_);
     if (seen != seen_.end()) last = std::max(last, seen->second.arrived);
-    if (now_ - last <= patience) continue;
+    if (now_ - last <= timeout) continue;
     findings.push_back({Finding::Kind::not_seen, name,
                         "its twin is at " + place_text(trail.points.back().X_MB) + ", where the camera sees no AIV",
                         since(Finding::Kind::not_seen, name)});
@@ -187,7 +187,7 @@ std::vector<Finding> GroundTruthComparator::find(bool strangers) {
   if (now_it == "ended") return findings;
   if (now_it != "watching") {
     // It may just be coming up.
-    if (now_it == "silent" && connection_ && now_ - std::max(connection_at_, sights_at_) <= patience &&
+    if (now_it == "silent" && connection_ && now_ - std::max(connection_at_, sights_at_) <= timeout &&
         connection_->trouble.empty())
       return findings;
     std::string text = now_it == "broken" ? "the camera's program is gone" : "no picture comes";
@@ -196,7 +196,7 @@ std::vector<Finding> GroundTruthComparator::find(bool strangers) {
     return findings;
   }
   for (const auto& [name, seen] : seen_) {
-    if (!strangers || twin_of(name) || now_ - seen.since <= patience || now_ - seen.arrived > patience) continue;
+    if (!strangers || twin_of(name) || now_ - seen.since <= timeout || now_ - seen.arrived > timeout) continue;
     findings.push_back({Finding::Kind::no_twin, name,
                         "the camera sees it (tag " + std::to_string(seen.tag) + ") at " + place_text(seen.X_MB) +
                             ", and it has no twin",
@@ -210,7 +210,7 @@ void GroundTruthComparator::tick(SimTime now, bool strangers) {
   if (!heard()) return;
   now_ = now;
   note_twins();
-  std::erase_if(seen_, [&](const auto& one) { return now_ - one.second.arrived > patience + patience; });
+  std::erase_if(seen_, [&](const auto& one) { return now_ - one.second.arrived > timeout + timeout; });
   simulator_.monitor().set_findings(find(strangers));
 }
 

@@ -23,7 +23,7 @@ namespace cosiva::virtual_side {
 class GroundTruthComparator {
  public:
   /// Longer than a tracker needs to find again whom it lost.
-  static constexpr SimDuration patience{std::chrono::seconds{3}};
+  static constexpr SimDuration timeout{std::chrono::seconds{3}};
   /// Without a picture for so long, or three periods, it watches no more.
   static constexpr SimDuration silent_after{std::chrono::seconds{2}};
   /// Twins are remembered for so long: a picture is looked at after it was taken.

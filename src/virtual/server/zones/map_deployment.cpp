@@ -42,7 +42,7 @@ bool MapDeployment::under_way(Step& step) const {
                       return action.seen && (action.status == wire::ActionStatus::finished ||
                                              action.status == wire::ActionStatus::failed);
                     });
-  if (!done && outbox_.now() - step.sent_at < patience) return true;
+  if (!done && outbox_.now() - step.sent_at < timeout) return true;
   const bool finished =
       letter != nullptr && !letter->actions.empty() && letter->actions.front().status == wire::ActionStatus::finished;
   // Its next state may still be from before; and what failed is not asked for all the time.
@@ -62,7 +62,7 @@ void MapDeployment::step(VehicleIndex vehicle, const Map& map) {
   outbox_.log('i', proxy.name + ": is on map '" + proxy.map_id + "'; asked for " + action->action_type + " of '" +
                        map.id + "'");
   step.sent_at = outbox_.now();
-  step.ticket = action_sender_.send(proxy, vehicle, {std::move(*action)}, patience, true);
+  step.ticket = action_sender_.send(proxy, vehicle, {std::move(*action)}, timeout, true);
 }
 
 }  // namespace cosiva::virtual_side

@@ -12,7 +12,7 @@ namespace cosiva::virtual_side {
 /// initPosition, each where the factsheet lists it, one after the other. Our own take the configuration from its topic.
 class MapDeployment {
  public:
-  static constexpr SimDuration patience{std::chrono::seconds{10}};
+  static constexpr SimDuration timeout{std::chrono::seconds{10}};
   static constexpr SimDuration again_after{std::chrono::seconds{10}};
 
   MapDeployment(Registry& registry, Outbox& outbox, InstantActionSender& action_sender) : registry_{registry}, outbox_{outbox}, action_sender_{action_sender} {}
