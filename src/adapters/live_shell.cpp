@@ -81,9 +81,9 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
   void act(const wire::Listen& listen) {
     if (mqtt) mqtt->listen(listen.filters);
   }
-  void act(const wire::Remember& remember) {
+  void act(const wire::Persist& persist) {
     if (!state_file) return;
-    if (auto stored = state_file->store(remember.bytes); !stored) {
+    if (auto stored = state_file->store(persist.bytes); !stored) {
       log('e', "nothing is remembered from now on: " + to_string(stored.error()));
       state_file.reset();
     }
@@ -126,7 +126,7 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
     if (!options.state_file.empty()) state_file.emplace(options.state_file);
     tell(wire::InputKind::configure, options.kind, options.options);
     if (state_file) {
-      if (auto bytes = state_file->load()) tell(wire::InputKind::recall, "state", std::move(*bytes));
+      if (auto bytes = state_file->load()) tell(wire::InputKind::restore, "state", std::move(*bytes));
     }
     if (auto prepared = connect(); !prepared) return prepared;
     if (open_ports) {

@@ -34,7 +34,7 @@ class EchoCore final : public wire::Core {
     switch (input.kind) {
       case wire::InputKind::message: effects.push_back(wire::Publish{"echo", input.payload, 0, false}); break;
       case wire::InputKind::bytes: effects.push_back(wire::SendBytes{input.source, "<" + input.payload + ">"}); break;
-      case wire::InputKind::command: effects.push_back(wire::Remember{input.payload}); break;
+      case wire::InputKind::command: effects.push_back(wire::Persist{input.payload}); break;
       case wire::InputKind::tick: ++ticks; break;
       case wire::InputKind::link:
         if (input.payload == "up") effects.push_back(wire::Publish{"hello", "ONLINE", 1, true});
@@ -130,7 +130,7 @@ class InTheirPlace {
 };
 
 TEST_F(Shell, tells_configure_first_then_memory_then_ticks_in_order_of_time) {
-  scratch.write("state", "remembered");
+  scratch.write("state", "persisted");
   EchoCore core;
   LiveOptions with_state_file = options();
   with_state_file.state_file = scratch / "state";
@@ -139,12 +139,12 @@ TEST_F(Shell, tells_configure_first_then_memory_then_ticks_in_order_of_time) {
   ASSERT_TRUE(loop.run_until([&] { return core.ticks >= 3; }, timeout));
   ASSERT_GE(core.heard.size(), 3U);
   EXPECT_EQ(core.heard[0], "1:echo:{}");
-  EXPECT_EQ(core.heard[1], "8:state:remembered");
+  EXPECT_EQ(core.heard[1], "8:state:persisted");
   EXPECT_EQ(core.heard[2], "7::");
   EXPECT_FALSE(core.went_back);
 }
 
-TEST_F(Shell, keeps_what_the_core_wants_remembered) {
+TEST_F(Shell, keeps_what_the_core_wants_persisted) {
   EchoCore core;
   LiveOptions with_state_file = options();
   with_state_file.state_file = scratch / "state";

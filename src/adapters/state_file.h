@@ -10,7 +10,7 @@
 
 namespace cosiva::adapters {
 
-/// The few bytes a core wants kept over a crash of its process (wire::Remember), kept before store() returns.
+/// The few bytes a core wants kept over a crash of its process (wire::Persist), kept before store() returns.
 ///
 /// The file has two slots that are written in turn, in place: a name that is made, moved or grown waits for whatever
 /// else the disk has to do (up to 1.5 s were measured beside a copy of large files, where this takes 0.03 ms), and a

@@ -16,7 +16,7 @@ T get(std::string_view bytes, std::size_t at) {
 
 bool known_input(std::uint8_t kind) {
   return kind >= static_cast<std::uint8_t>(wire::InputKind::configure) &&
-         kind <= static_cast<std::uint8_t>(wire::InputKind::recall);
+         kind <= static_cast<std::uint8_t>(wire::InputKind::restore);
 }
 
 }  // namespace

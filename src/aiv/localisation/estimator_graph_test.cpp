@@ -211,7 +211,7 @@ TEST(EstimateAtABend, knows_nothing_of_a_turn_before_it_knows_where) {
   EXPECT_EQ(estimator.section(), "east");
 }
 
-TEST(EstimateAtABend, takes_up_a_turn_that_was_remembered) {
+TEST(EstimateAtABend, takes_up_a_turn_that_was_persisted) {
   for (const bool ended_meanwhile : {false, true}) {
     Estimator estimator{square()};
     estimator.standing_at("south", 1.0);

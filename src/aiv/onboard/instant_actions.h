@@ -15,7 +15,7 @@ namespace cosiva::aiv {
 class InstantActionBook {
  public:
   static constexpr std::size_t shown_max = 32;        ///< states in actionStates
-  static constexpr std::size_t remembered_max = 128;  ///< ids that are not done twice
+  static constexpr std::size_t recent_max = 128;  ///< ids that are not done twice
 
   /// False when this actionId was seen before.
   [[nodiscard]] bool begin(const wire::Action& action);

@@ -48,7 +48,7 @@ class OnboardBench {
     options.v2x = setup.v2x;
     core = std::make_unique<OnboardCore>(options);
     feed(wire::InputKind::configure, "aiv", to_json(options));
-    if (!setup.persisted.empty()) feed(wire::InputKind::recall, "state", setup.persisted);
+    if (!setup.persisted.empty()) feed(wire::InputKind::restore, "state", setup.persisted);
     if (setup.broker_up) feed(wire::InputKind::link, "broker", "up");
     if (setup.boards_up) {
       for (const wire::Board board : wire::all_boards) plug(board);
@@ -188,7 +188,7 @@ class OnboardBench {
     for (const wire::Effect& effect : effects) {
       if (const auto* publish = std::get_if<wire::Publish>(&effect)) take(*publish);
       if (const auto* send = std::get_if<wire::SendBytes>(&effect)) take(*send);
-      if (const auto* remember = std::get_if<wire::Remember>(&effect)) persisted = remember->bytes;
+      if (const auto* persist = std::get_if<wire::Persist>(&effect)) persisted = persist->bytes;
       if (const auto* line = std::get_if<wire::Log>(&effect)) logs.push_back(*line);
       if (const auto* listen = std::get_if<wire::Listen>(&effect)) listens = listen->filters;
     }

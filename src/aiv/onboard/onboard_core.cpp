@@ -326,7 +326,7 @@ void OnboardCore::handle(const wire::Input& input, wire::Effects& effects) {
       parts.boards.start(now_);
       if (parts.options.zone) parts.on_zone(now_, *parts.options.zone, effects);
       break;
-    case wire::InputKind::recall: parts.on_restore(input, effects); break;
+    case wire::InputKind::restore: parts.on_restore(input, effects); break;
     case wire::InputKind::link: parts.on_link(input, effects); break;
     case wire::InputKind::port: parts.on_port(input); break;
     case wire::InputKind::bytes: parts.on_bytes(input, effects); break;

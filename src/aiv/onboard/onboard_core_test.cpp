@@ -360,7 +360,7 @@ TEST(Onboard, takes_initPosition) {
   EXPECT_EQ(bench.state().last_node_id, "east@190");
 }
 
-TEST(Onboard, remembers_where_it_was_over_a_crash) {
+TEST(Onboard, restores_its_position_after_a_crash) {
   OnboardBench before;
   before.run(0.5);
   before.order(to_1131());

@@ -165,7 +165,7 @@ void PositionStore::save(bool due, const DrivingContext& context, wire::Effects&
   if (as_values_)
     saved_ = std::move(now_here);
   else
-    effects.emplace_back(wire::Remember{to_json(now_here)});
+    effects.emplace_back(wire::Persist{to_json(now_here)});
   saved_um_ = odometer_um;
   saved_manoeuvre_ = position.manoeuvred();
   requested_ = false;

@@ -66,7 +66,7 @@ TEST_F(PositionStoreTest, saves_on_request_and_not_twice_the_same) {
   positions.find_position(context);
   positions.on_tick(SimTime{}, context, effects);
   ASSERT_EQ(effects.size(), 1U);
-  const auto written = persisted_position_from_json(std::get<wire::Remember>(effects[0]).bytes);
+  const auto written = persisted_position_from_json(std::get<wire::Persist>(effects[0]).bytes);
   ASSERT_TRUE(written);
   EXPECT_EQ(written->session, 7U);
   EXPECT_EQ(written->section, "loop_se");

@@ -260,7 +260,7 @@ TEST(ZoneSwitch, is_remembered_over_a_crash_beside_the_line) {
   EXPECT_THAT(after.error_types(), IsEmpty());
 }
 
-TEST(ZoneSwitch, is_remembered_by_a_program_that_was_started_with_the_old_zone) {
+TEST(ZoneSwitch, is_restored_by_a_program_that_was_started_with_the_old_zone) {
   SwitchBench bench;
   bench.set_off();
   bench.switch_to(track_near_loop());

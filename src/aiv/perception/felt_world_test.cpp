@@ -176,7 +176,7 @@ TEST(FeltWorld, forgets_after_a_second_without_news) {
   EXPECT_FALSE(skin.world.informed());
 }
 
-TEST(FeltWorld, remembers_over_a_silence_that_is_nobodys_news) {
+TEST(FeltWorld, stays_known_over_a_silence_without_news) {
   const zone::Place here = at(lacet4(), "east", 0.1);
   Skin skin;
   skin.hears({disc(beside(here, 0.6, 0.0))});

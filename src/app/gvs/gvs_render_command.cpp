@@ -58,7 +58,7 @@ class Render {
     for (std::uint64_t k = 0; k < pictures; ++k) {
       const double t_s = static_cast<double>(k) * step_s;
       const auto bodies = bodies_until_next(step_s);
-      remember(bodies, t_s, step_s);
+      persist(bodies, t_s, step_s);
       const std::string name = name_of(k);
       if (auto written =
               adapters::write_files(a_.out_folder + "/pictures", {{name, write_pgm(painter_.paint(bodies, k))}});
@@ -126,7 +126,7 @@ class Render {
     return bodies;
   }
 
-  void remember(const std::vector<vision::SceneBody>& bodies, double t_s, double step_s) {
+  void persist(const std::vector<vision::SceneBody>& bodies, double t_s, double step_s) {
     constexpr int finer = 5;
     for (std::size_t i = 0; i < bodies.size(); ++i)
       for (int k = 0; k < finer; ++k)

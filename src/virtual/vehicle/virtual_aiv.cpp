@@ -92,7 +92,7 @@ struct VirtualAiv::Impl {
           if (said[static_cast<std::size_t>(board) - 1].source == bytes->port)
             boards.on_bytes(now, board, bytes->bytes);
         }
-      } else if (!std::holds_alternative<wire::Remember>(effect)) {
+      } else if (!std::holds_alternative<wire::Persist>(effect)) {
         out.push_back(std::move(effect));
       }
     }

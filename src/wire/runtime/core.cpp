@@ -19,7 +19,7 @@ struct Fold {
     digest.add(std::string_view{s.port});
     digest.add(std::string_view{s.bytes});
   }
-  void operator()(const Remember& r) const {
+  void operator()(const Persist& r) const {
     digest.add(std::uint64_t{3});
     digest.add(std::string_view{r.bytes});
   }

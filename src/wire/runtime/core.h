@@ -40,7 +40,7 @@ enum class InputKind : std::uint8_t {
   port = 5,       ///< a byte stream came or went: source = port name, payload "up" or "down"
   command = 6,    ///< from a person or program on this machine: source = who, payload = JSON
   tick = 7,       ///< the core's own timer, every tick_period()
-  recall = 8,     ///< what Remember stored before the last stop; payload = bytes, only right after configure
+  restore = 8,     ///< what Remember stored before the last stop; payload = bytes, only right after configure
 };
 
 struct Input {
@@ -70,9 +70,9 @@ struct SendBytes {
   friend bool operator==(const SendBytes&, const SendBytes&) = default;
 };
 /// Keep these few bytes over a crash of the process; each replaces the last.
-struct Remember {
+struct Persist {
   std::string bytes;
-  friend bool operator==(const Remember&, const Remember&) = default;
+  friend bool operator==(const Persist&, const Persist&) = default;
 };
 /// A line for the log: level 'i', 'w' or 'e'. Not part of the digest.
 struct Log {
@@ -86,7 +86,7 @@ struct Listen {
   std::vector<std::string> filters;
   friend bool operator==(const Listen&, const Listen&) = default;
 };
-using Effect = std::variant<Publish, SendBytes, Remember, Log, Listen>;
+using Effect = std::variant<Publish, SendBytes, Persist, Log, Listen>;
 using Effects = std::vector<Effect>;
 
 struct Will {

@@ -123,7 +123,7 @@ TEST(RunDigest, tells_every_kind_of_effect_apart_and_does_not_read_the_log) {
   const std::vector<std::string> digests{
       digest_with(Publish{"a", "b", 0, false}), digest_with(Publish{"a", "b", 1, false}),
       digest_with(Publish{"a", "b", 0, true}),  digest_with(Publish{"ab", "", 0, false}),
-      digest_with(SendBytes{"a", "b"}),         digest_with(Remember{"ab"}),
+      digest_with(SendBytes{"a", "b"}),         digest_with(Persist{"ab"}),
   };
   for (std::size_t i = 0; i < digests.size(); ++i) {
     for (std::size_t k = i + 1; k < digests.size(); ++k) EXPECT_NE(digests[i], digests[k]) << i << " and " << k;

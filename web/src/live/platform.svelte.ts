@@ -258,7 +258,7 @@ export class Platform {
     if (snapshot.aivs.length > many && now - this.refreshed_ms < many_ms) return;
     this.refreshed_ms = now;
     this.dirty = false;
-    this.remember_commands(snapshot.commands);
+    this.record_commands(snapshot.commands);
     const rows = rows_of(snapshot);
     this.history.accept(snapshot);
     this.fleet.accept(snapshot);
@@ -273,7 +273,7 @@ export class Platform {
     this.forget_the_gone(snapshot);
   }
 
-  private remember_commands(commands: readonly Command[]): void {
+  private record_commands(commands: readonly Command[]): void {
     let changed = false;
     for (const command of commands) {
       const known = this.command_book.get(command.id);

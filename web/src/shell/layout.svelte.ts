@@ -65,8 +65,8 @@ class Layout {
       this.columns = (kept['columns'] as Record<string, boolean> | undefined) ?? {};
       this.letters = kept['letters'] !== false;
       // A wide screen has room for a panel beside the four frames.
-      const remembered = kept['panel'] as PanelName | null | undefined;
-      this.panel = remembered === undefined ? (innerWidth >= 1_700 ? 'bijection' : null) : remembered;
+      const persisted = kept['panel'] as PanelName | null | undefined;
+      this.panel = persisted === undefined ? (innerWidth >= 1_700 ? 'bijection' : null) : persisted;
       this.supervision_order = kept['order'] === 'priority' ? 'priority' : 'number';
       if (typeof kept['sort'] === 'string') this.sort = kept['sort'];
     } catch {
@@ -74,7 +74,7 @@ class Layout {
     }
   }
 
-  remember(): void {
+  persist(): void {
     const kept = { borders: this.borders, columns: this.columns, letters: this.letters, panel: this.panel, order: this.supervision_order, sort: this.sort };
     try {
       localStorage.setItem(key, JSON.stringify(kept));

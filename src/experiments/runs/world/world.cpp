@@ -117,8 +117,8 @@ struct World::Impl {
         send_bytes(id, *send);
       } else if (const auto* listen = std::get_if<wire::Listen>(&effect)) {
         network.listen(now, actors[id].client, listen->filters);
-      } else if (const auto* remember = std::get_if<wire::Remember>(&effect)) {
-        actors[id].persisted = remember->bytes;
+      } else if (const auto* persist = std::get_if<wire::Persist>(&effect)) {
+        actors[id].persisted = persist->bytes;
       } else if (const auto* line = std::get_if<wire::Log>(&effect); line != nullptr && line->level != 'i') {
         if (log.size() < 10'000) log.push_back(to_iso8601(now) + " " + actors[id].name + " " + line->text);
       }
@@ -149,7 +149,7 @@ struct World::Impl {
     actor.alive = true;
     ++actor.generation;
     feed(id, wire::InputKind::configure, std::move(what), std::move(configuration));
-    if (!actor.persisted.empty()) feed(id, wire::InputKind::recall, "state", actor.persisted);
+    if (!actor.persisted.empty()) feed(id, wire::InputKind::restore, "state", actor.persisted);
     ticks.push({first_tick(actor), sequence++, id, actor.generation});
     actor.client = network.connect(now, actor.core->subscriptions(), actor.core->will());
     network.set_loss(actor.client, actor.radio_loss);

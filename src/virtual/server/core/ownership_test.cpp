@@ -50,13 +50,13 @@ class ControlAreasFixture {
   SimTime now{virtual_epoch};
   std::function<void()> each_step;
 
-  void start(const std::string& area, bool recall = false) {
+  void start(const std::string& area, bool restore = false) {
     Server& server = servers[area];
     ServerOptions options;
     options.area = area;
     options.zone = zone_of.at(area);
     server.core = std::make_unique<ServerCore>(options);
-    if (recall && !server.memory.empty()) feed(server, wire::InputKind::recall, "", server.memory);
+    if (restore && !server.memory.empty()) feed(server, wire::InputKind::restore, "", server.memory);
     link(area);
   }
   void link(const std::string& area) {
@@ -178,7 +178,7 @@ class ControlAreasFixture {
     server.core->handle({now, kind, std::move(source), std::move(payload), flag}, effects);
     for (const wire::Effect& effect : effects) {
       if (const auto* log = std::get_if<wire::Log>(&effect)) server.logs.push_back(log->text);
-      if (const auto* memory = std::get_if<wire::Remember>(&effect)) server.memory = memory->bytes;
+      if (const auto* memory = std::get_if<wire::Persist>(&effect)) server.memory = memory->bytes;
       if (const auto* message = std::get_if<wire::Publish>(&effect)) {
         server.published.push_back(*message);
         queue_.push_back(*message);

@@ -103,7 +103,7 @@ void PersistedState::persist_if_stale() {
   if (bytes == persisted_) return;
   COSIVA_EXPECT(!bytes.empty());
   persisted_ = bytes;
-  context_.publisher.remember(std::move(bytes));
+  context_.publisher.persist(std::move(bytes));
 }
 
 void PersistedState::restore(std::string_view bytes) {
@@ -114,7 +114,7 @@ void PersistedState::restore(std::string_view bytes) {
     return;
   }
   restore_world(*state);
-  if (const JsonValue* traffic_state = state->find("traffic")) master_.missions.recall(*traffic_state);
+  if (const JsonValue* traffic_state = state->find("traffic")) master_.missions.restore(*traffic_state);
   std::optional<zone::ZoneConfiguration> given_zone;
   if (const JsonValue* given = state->find("given")) {
     auto configuration = zone::zone_configuration_from_json(*given);

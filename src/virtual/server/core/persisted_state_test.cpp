@@ -109,7 +109,7 @@ TEST(PersistedState, of_edits_waits_for_the_zone_of_the_physical_side) {
   const std::string edited = bench.server->zone_configuration()->text;
   ServerCore server{ServerOptions{}};
   wire::Effects effects;
-  server.handle({bench.now, wire::InputKind::recall, "", bench.memory, false}, effects);
+  server.handle({bench.now, wire::InputKind::restore, "", bench.memory, false}, effects);
   EXPECT_FALSE(server.zone_configuration().has_value());
   server.handle({bench.now, wire::InputKind::link, "", "up", false}, effects);
   server.handle({bench.now, wire::InputKind::message, "cosiva/v1/zone/toml", oval().text, true}, effects);
@@ -129,7 +129,7 @@ TEST(PersistedState, of_edits_knows_them_in_the_zone_that_the_broker_kept) {
     const auto feed = [&](wire::InputKind kind, const char* source, const std::string& payload) {
       server.handle({bench.now, kind, source, payload, kind == wire::InputKind::message}, effects);
     };
-    feed(wire::InputKind::recall, "", bench.memory);
+    feed(wire::InputKind::restore, "", bench.memory);
     feed(wire::InputKind::link, "", "up");
     feed(wire::InputKind::message, "cosiva/v1/zone/toml", edited.text);
     const JsonValue snapshot = *JsonValue::parse(server.snapshot_json());

@@ -105,7 +105,7 @@ void ServerCore::handle(const wire::Input& input, wire::Effects& effects) {
     case wire::InputKind::tick: impl.on_tick(); break;
     case wire::InputKind::link: impl.broker.on_link(input.payload == "up"); break;
     case wire::InputKind::command: impl.on_command(input); break;
-    case wire::InputKind::recall: impl.persisted.restore(input.payload); break;
+    case wire::InputKind::restore: impl.persisted.restore(input.payload); break;
     case wire::InputKind::configure:
     case wire::InputKind::bytes:
     case wire::InputKind::port: break;  // the options came with the construction, and the server has no streams

@@ -184,22 +184,22 @@ void ZoneSession::restore(std::optional<JsonValue> edited, std::optional<zone::Z
 void ZoneSession::restore_now() {
   if (!restored_zone_) return;
   const JsonValue memory = std::move(*std::exchange(restored_zone_, std::nullopt));
-  ZoneEdits::Recalled restored = ZoneEdits::recalled(memory, *context_.simulator.configuration());
+  ZoneEdits::Restored restored = ZoneEdits::restored(memory, *context_.simulator.configuration());
   // The edited zone had replaced the one that the options bring at every start.
   const auto given = std::exchange(restored_given_, std::nullopt);
-  if (restored.fit == ZoneEdits::Recalled::Fit::another && given && context_.options.zone &&
+  if (restored.fit == ZoneEdits::Restored::Fit::another && given && context_.options.zone &&
       same_content(*given, *context_.options.zone) && same_content(*given, *context_.simulator.configuration())) {
     if (!take(restored.base)) return;
     change_.clear();
     switched_here_ = true;
     edits_.begin(restored.base, ZoneEdits::Origin::own);
-    restored.fit = ZoneEdits::Recalled::Fit::base;
+    restored.fit = ZoneEdits::Restored::Fit::base;
   }
-  if (restored.fit == ZoneEdits::Recalled::Fit::another) {
+  if (restored.fit == ZoneEdits::Restored::Fit::another) {
     context_.publisher.log('w', "the zone is another one than the remembered edits were made on; they are left out");
     return;
   }
-  const bool to_be_taken = restored.fit == ZoneEdits::Recalled::Fit::base;
+  const bool to_be_taken = restored.fit == ZoneEdits::Restored::Fit::base;
   if (to_be_taken && !take(restored.made)) return;
   if (!same_content(restored.made, restored.base)) edits_.restore(std::move(restored));
   if (to_be_taken) publish();

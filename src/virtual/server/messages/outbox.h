@@ -42,7 +42,7 @@ class Outbox {
   void explain(const AivProxy& proxy, std::string_view kind, std::string_view content) {
     traces_.add(now_, "AIV_Server", proxy.name, kind, content);
   }
-  void remember(std::string bytes) { effects_->emplace_back(wire::Remember{std::move(bytes)}); }
+  void persist(std::string bytes) { effects_->emplace_back(wire::Persist{std::move(bytes)}); }
 
   [[nodiscard]] SimTime now() const { return now_; }
 

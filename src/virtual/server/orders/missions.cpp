@@ -36,7 +36,7 @@ void Missions::set_map(const WayMap* map) {
     outbox_.log('w', registry_[v].name + ": this zone has no '" + mission.name + "'; it goes its usual way");
     mission = {};
   }
-  recall_for_zone();
+  restore_for_zone();
   for_ever_ = router_->goes_on_for_ever(closed_);
 }
 

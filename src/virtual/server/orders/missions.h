@@ -100,7 +100,7 @@ class Missions {
   [[nodiscard]] bool worth_remembering() const;
   void write_persisted(JsonWriter& json) const;
   /// What was remembered, for the zone of that name; vehicles are given theirs as they are heard of.
-  void recall(const JsonValue& memory);
+  void restore(const JsonValue& memory);
   void registered(VehicleIndex vehicle);
   void fold(Digest& digest) const;
 
@@ -116,7 +116,7 @@ class Missions {
     std::uint64_t forks{0};
     std::vector<zone::SectionId> avoided;  ///< sorted
   };
-  struct Remembered {
+  struct Persisted {
     std::string vehicle;
     Mission mission;
   };
@@ -128,7 +128,7 @@ class Missions {
   void closed_changed();
   /// Closed, or avoided by this one; sorted.
   [[nodiscard]] std::vector<zone::SectionId> shut(Sections avoided) const;
-  void recall_for_zone();
+  void restore_for_zone();
   /// Of those that are open; no_section: none is.
   [[nodiscard]] zone::SectionId least_recent(const Entry& entry, Sections choice) const;
   [[nodiscard]] std::vector<zone::SectionId> branch(Entry& entry, zone::SectionId last);
@@ -144,12 +144,12 @@ class Missions {
   std::vector<zone::SectionId> configured_;  ///< of them, as the zone's own configuration says
   std::vector<bool> for_ever_;
   std::uint64_t revision_{0};
-  std::vector<Remembered> remembered_;  ///< of vehicles not heard of yet
-  struct RememberedClosed {
+  std::vector<Persisted> persisted_;  ///< of vehicles not heard of yet
+  struct PersistedClosed {
     std::string zone;
     std::vector<std::string> sections;
   };
-  std::optional<RememberedClosed> remembered_closed_;
+  std::optional<PersistedClosed> persisted_closed_;
 };
 
 }  // namespace cosiva::virtual_side

@@ -122,7 +122,7 @@ Result<void> Missions::check_section(const JsonValue& command, std::string_view 
 }
 
 bool Missions::worth_remembering() const {
-  return closed_ != configured_ || !remembered_.empty() ||
+  return closed_ != configured_ || !persisted_.empty() ||
          std::ranges::any_of(entries_, [](const Entry& entry) { return !(entry.mission == Mission{}); });
 }
 
@@ -141,47 +141,47 @@ void Missions::write_persisted(JsonWriter& json) const {
   };
   for (VehicleIndex v = 0; v < entries_.size(); ++v)
     if (!(entries_[v].mission == Mission{})) write(registry_[v].name, entries_[v].mission);
-  for (const Remembered& one : remembered_) write(one.vehicle, one.mission);
+  for (const Persisted& one : persisted_) write(one.vehicle, one.mission);
   json.end_array().end_object();
 }
 
-void Missions::recall(const JsonValue& memory) {
+void Missions::restore(const JsonValue& memory) {
   const auto each = [&memory](std::string_view list, const auto& take) {
     const JsonValue* found = memory.find(list);
     if (found == nullptr || found->array() == nullptr) return;
     for (const JsonValue& one : *found->array()) take(one);
   };
-  remembered_closed_.emplace(RememberedClosed{memory.text("zone").value_or(""), {}});
+  persisted_closed_.emplace(PersistedClosed{memory.text("zone").value_or(""), {}});
   each("closed", [&](const JsonValue& name) {
-    if (name.text() != nullptr) remembered_closed_->sections.push_back(*name.text());
+    if (name.text() != nullptr) persisted_closed_->sections.push_back(*name.text());
   });
   each("missions", [&](const JsonValue& one) {
     const auto vehicle = one.text("vehicle");
-    if (!vehicle || vehicle->size() > name_bytes_max || remembered_.size() >= Registry::vehicles_max) return;
+    if (!vehicle || vehicle->size() > name_bytes_max || persisted_.size() >= Registry::vehicles_max) return;
     const bool go = one.text("kind").value_or("") == "go";
-    remembered_.push_back({*vehicle,
+    persisted_.push_back({*vehicle,
                            {go ? Mission::Kind::go : Mission::Kind::circulate, one.text("name").value_or(""),
                             one.text("beyond").value_or("")}});
   });
   for (VehicleIndex v = 0; v < entries_.size(); ++v) registered(v);
   if (map_ == nullptr) return;
-  recall_for_zone();
+  restore_for_zone();
   closed_changed();
 }
 
 void Missions::registered(VehicleIndex vehicle) {
-  const auto found = std::ranges::find(remembered_, registry_[vehicle].name, &Remembered::vehicle);
-  if (found == remembered_.end()) return;
+  const auto found = std::ranges::find(persisted_, registry_[vehicle].name, &Persisted::vehicle);
+  if (found == persisted_.end()) return;
   if (map_ == nullptr || known(found->mission)) {
     entries_[vehicle].mission = found->mission;
     ++entries_[vehicle].revision;
   }
-  remembered_.erase(found);
+  persisted_.erase(found);
 }
 
-void Missions::recall_for_zone() {
-  if (!remembered_closed_) return;
-  const RememberedClosed was = *std::exchange(remembered_closed_, std::nullopt);
+void Missions::restore_for_zone() {
+  if (!persisted_closed_) return;
+  const PersistedClosed was = *std::exchange(persisted_closed_, std::nullopt);
   if (was.zone != map_->zone().name) return;
   closed_.clear();
   for (const std::string& name : was.sections)

@@ -36,10 +36,10 @@ class ServerBench {
   SimDuration latency{4ms};
 
   /// Killed and started anew, with what it remembered where that is asked for.
-  void restart_server(bool recall = false) {
+  void restart_server(bool restore = false) {
     server = std::make_unique<ServerCore>(options_);
     echoes_.clear();
-    if (recall && !memory.empty()) feed(wire::InputKind::recall, "", memory);
+    if (restore && !memory.empty()) feed(wire::InputKind::restore, "", memory);
     feed(wire::InputKind::link, "", "up");
     for (const auto& vehicle : vehicles)
       tell(*vehicle, "connection", vda::encode(vehicle->connection(now, wire::ConnectionState::online)), true);
@@ -153,7 +153,7 @@ class ServerBench {
     const wire::Effects effects = std::move(effects_);
     for (const wire::Effect& effect : effects) {
       if (const auto* log = std::get_if<wire::Log>(&effect)) logs.push_back(log->text);
-      if (const auto* kept = std::get_if<wire::Remember>(&effect)) memory = kept->bytes;
+      if (const auto* kept = std::get_if<wire::Persist>(&effect)) memory = kept->bytes;
       const auto* message = std::get_if<wire::Publish>(&effect);
       if (message == nullptr) continue;
       published.push_back(*message);

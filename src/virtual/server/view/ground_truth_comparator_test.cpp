@@ -87,7 +87,7 @@ TEST_F(GvsBench, holds_a_picture_against_where_the_twin_was_when_it_was_taken) {
   EXPECT_LT(seen()[0].number("gap_m").value_or(9.0), 0.02);
 }
 
-TEST_F(GvsBench, compares_nothing_that_is_older_than_it_remembers_or_yet_to_come) {
+TEST_F(GvsBench, compares_nothing_that_is_older_than_its_history_or_yet_to_come) {
   connect(wire::ConnectionState::online);
   bench.run_for(3s);
   for (const SimDuration off : {SimDuration{-10s}, SimDuration{10s}}) {

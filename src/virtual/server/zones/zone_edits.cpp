@@ -96,27 +96,27 @@ void ZoneEdits::write_persisted(JsonWriter& json, const Simulator& simulator) co
   json.field("saved", !unsaved(simulator)).end_object();
 }
 
-ZoneEdits::Recalled ZoneEdits::recalled(const JsonValue& memory, const zone::ZoneConfiguration& in_force) {
+ZoneEdits::Restored ZoneEdits::restored(const JsonValue& memory, const zone::ZoneConfiguration& in_force) {
   const JsonValue* base_json = memory.find("base");
   const JsonValue* made_json = memory.find("made");
   if (base_json == nullptr || made_json == nullptr) return {};
   auto base = zone::zone_configuration_from_json(*base_json);
   auto made = zone::zone_configuration_from_json(*made_json);
   if (!base || !made) return {};
-  Recalled recalled{Recalled::Fit::another, std::move(*base), std::move(*made), memory.flag("saved").value_or(false)};
-  if (same_content(recalled.made, in_force))
-    recalled.fit = Recalled::Fit::made;
-  else if (same_content(recalled.base, in_force))
-    recalled.fit = Recalled::Fit::base;
-  return recalled;
+  Restored restored{Restored::Fit::another, std::move(*base), std::move(*made), memory.flag("saved").value_or(false)};
+  if (same_content(restored.made, in_force))
+    restored.fit = Restored::Fit::made;
+  else if (same_content(restored.base, in_force))
+    restored.fit = Restored::Fit::base;
+  return restored;
 }
 
-void ZoneEdits::restore(Recalled recalled) {
-  saved_ = recalled.saved ? recalled.made : recalled.base;
+void ZoneEdits::restore(Restored restored) {
+  saved_ = restored.saved ? restored.made : restored.base;
   undo_.clear();
   redo_.clear();
-  push(undo_, recalled.base);
-  base_ = std::move(recalled.base);
+  push(undo_, restored.base);
+  base_ = std::move(restored.base);
 }
 
 void ZoneEdits::fold(Digest& digest) const {

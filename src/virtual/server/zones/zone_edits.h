@@ -52,7 +52,7 @@ class ZoneEdits {
   /// {"base","made","saved"}: what is in force, and the configuration it was made from.
   void write_persisted(JsonWriter& json, const Simulator& simulator) const;
   /// What was remembered, against the configuration that is in force now.
-  struct Recalled {
+  struct Restored {
     enum class Fit {
       base,     ///< it is the one that the edits were made on; they are to be taken again
       made,     ///< it holds the edits: the broker kept what we published
@@ -63,9 +63,9 @@ class ZoneEdits {
     zone::ZoneConfiguration made;
     bool saved{false};
   };
-  [[nodiscard]] static Recalled recalled(const JsonValue& memory, const zone::ZoneConfiguration& in_force);
+  [[nodiscard]] static Restored restored(const JsonValue& memory, const zone::ZoneConfiguration& in_force);
   /// The edits are in force again: one step of undoing leads back to where they began.
-  void restore(Recalled recalled);
+  void restore(Restored restored);
   void fold(Digest& digest) const;
 
  private:
