@@ -20,7 +20,7 @@ test('an operator changes a battery, says so on the page, and watches it', { tim
   const platform = await Platform.up(t, { aivs: 1 });
   const page = await open_operator(t, await open_browser(t), platform, { reducedMotion: 'reduce' });
   const panel = page.getByTestId('battery');
-  const seat = panel.locator('[data-testid=battery-test] [data-vehicle="CoSiVA/AIV1"]');
+  const slot = panel.locator('[data-testid=battery-test] [data-vehicle="CoSiVA/AIV1"]');
 
   await t.test('without a test the view teaches how to begin one', async () => {
     await page.getByTestId('open-battery').click();
@@ -40,7 +40,7 @@ test('an operator changes a battery, says so on the page, and watches it', { tim
     await page.getByTestId('alarms').getByText('Battery red is wanted in it').waitFor({ timeout: 30_000 });
     await page.getByTestId('open-battery').click();
     await panel.getByTestId('battery-change').waitFor({ timeout: 5_000 });
-    await eventually('the test is shown to wait', async () => (await seat.getAttribute('data-phase')) === 'changing');
+    await eventually('the test is shown to wait', async () => (await slot.getAttribute('data-phase')) === 'changing');
     await assert_open_to_all(page);
   });
 
@@ -59,7 +59,7 @@ test('an operator changes a battery, says so on the page, and watches it', { tim
     await form.getByLabel('Charge [%]').fill('100');
     await eventually('the button is free', () => form.getByRole('button', { name: /battery red, AIV1/ }).isEnabled());
     await form.getByRole('button', { name: /battery red, AIV1/ }).click();
-    await eventually('it runs', async () => (await seat.getAttribute('data-phase')) === 'running');
+    await eventually('it runs', async () => (await slot.getAttribute('data-phase')) === 'running');
     assert.equal(await panel.getByTestId('battery-change').count(), 0, 'nothing is wanted any more');
     assert.deepEqual((await platform.snapshot()).battery.changes, []);
   });
@@ -90,7 +90,7 @@ test('an operator changes a battery, says so on the page, and watches it', { tim
   await t.test('a test that is given up stays, as that', async () => {
     await live.stop();
     await panel.getByText(/^Given up at/).waitFor({ timeout: 10_000 });
-    assert.equal(await seat.getAttribute('data-phase'), 'ended');
+    assert.equal(await slot.getAttribute('data-phase'), 'ended');
   });
   assert.deepEqual(page.script_errors, []);
 });

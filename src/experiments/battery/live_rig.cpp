@@ -14,11 +14,11 @@ namespace {
 /// Further between two reports of its position nobody drives: it was told another place, and has not moved.
 constexpr double hop_max_m = 1.0;
 
-wire::BatteryPhase phase_of(const Procedure::SeatNow& seat) {
-  switch (seat.phase) {
+wire::BatteryPhase phase_of(const Procedure::SlotNow& slot) {
+  switch (slot.phase) {
     case Procedure::Phase::changing: return wire::BatteryPhase::changing;
     case Procedure::Phase::ready: return wire::BatteryPhase::ready;
-    case Procedure::Phase::running: return seat.paused ? wire::BatteryPhase::paused : wire::BatteryPhase::running;
+    case Procedure::Phase::running: return slot.paused ? wire::BatteryPhase::paused : wire::BatteryPhase::running;
     case Procedure::Phase::ended: break;
   }
   return wire::BatteryPhase::ended;
@@ -48,8 +48,8 @@ std::string server_command_json(std::string_view command, const std::string& veh
 }
 
 LiveRig::LiveRig(LiveRigOptions options)
-    : options_{std::move(options)}, procedure_{options_.procedure}, seats_(options_.vehicles.size()) {
-  COSIVA_EXPECT(seats_.size() == options_.procedure.vehicles && options_.batteries.size() == seats_.size());
+    : options_{std::move(options)}, procedure_{options_.procedure}, slots_(options_.vehicles.size()) {
+  COSIVA_EXPECT(slots_.size() == options_.procedure.vehicles && options_.batteries.size() == slots_.size());
 }
 
 std::vector<std::string> LiveRig::subscriptions() {
@@ -70,12 +70,12 @@ bool LiveRig::complete() const { return missing().empty(); }
 
 std::string LiveRig::missing() const {
   std::string names;
-  for (std::size_t v = 0; v < seats_.size(); ++v)
-    if (!seats_[v].heard) names += (names.empty() ? "" : ", ") + to_string(options_.vehicles[v]);
+  for (std::size_t v = 0; v < slots_.size(); ++v)
+    if (!slots_[v].heard) names += (names.empty() ? "" : ", ") + to_string(options_.vehicles[v]);
   return names;
 }
 
-std::optional<std::size_t> LiveRig::seat_of(const wire::VehicleId& id) const {
+std::optional<std::size_t> LiveRig::slot_of(const wire::VehicleId& id) const {
   const auto found = std::ranges::find(options_.vehicles, id);
   if (found == options_.vehicles.end()) return std::nullopt;
   return static_cast<std::size_t>(found - options_.vehicles.begin());
@@ -84,11 +84,11 @@ std::optional<std::size_t> LiveRig::seat_of(const wire::VehicleId& id) const {
 LiveRig::Answers LiveRig::on_message(SimTime now, std::string_view topic, std::string_view payload) {
   Answers answers;
   if (const auto id = wire::parse_own_topic(wire::boards_topic_prefix, topic)) {
-    if (const auto v = seat_of(*id)) on_report(now, *v, payload, answers);
+    if (const auto v = slot_of(*id)) on_report(now, *v, payload, answers);
   } else if (const auto ready = wire::parse_own_topic(wire::battery_ready_topic_prefix, topic)) {
-    if (const auto v = seat_of(*ready)) on_ready(now, *v, payload, answers);
+    if (const auto v = slot_of(*ready)) on_ready(now, *v, payload, answers);
   } else if (const auto vda = wire::parse_vda_topic(topic); vda && vda->name == "visualization") {
-    if (const auto v = seat_of(vda->vehicle)) on_position(*v, payload);
+    if (const auto v = slot_of(vda->vehicle)) on_position(*v, payload);
   }
   return answers;
 }
@@ -96,13 +96,13 @@ LiveRig::Answers LiveRig::on_message(SimTime now, std::string_view topic, std::s
 void LiveRig::on_report(SimTime now, std::size_t vehicle, std::string_view payload, Answers& answers) {
   const auto report = wire::boards_report_from_json(payload);
   if (!report) return;
-  Seat& seat = seats_[vehicle];
-  seat.heard = true;
+  Slot& slot = slots_[vehicle];
+  slot.heard = true;
   if (!report->power || !procedure_.running(vehicle)) return;
   const wire::Power& power = *report->power;
   obey(procedure_.on_sample(
            vehicle, {now, power.charge(), power.gauge ? 1e-4 * power.gauge->charge_sd_01 : 0.0,
-                     0.001 * power.voltage_mv, 0.001 * power.current_ma, 0.1 * power.temperature_01C, seat.odometer_m}),
+                     0.001 * power.voltage_mv, 0.001 * power.current_ma, 0.1 * power.temperature_01C, slot.odometer_m}),
        answers);
 }
 
@@ -113,8 +113,8 @@ void LiveRig::on_ready(SimTime now, std::size_t vehicle, std::string_view payloa
                             " said batteryReady, but: " + to_string(ready.error()));
     return;
   }
-  Seat& seat = seats_[vehicle];
-  if (!seat.wanted) return;  // a service battery, or one that nobody asked for
+  Slot& slot = slots_[vehicle];
+  if (!slot.wanted) return;  // a service battery, or one that nobody asked for
   clear_request(vehicle, answers);
   obey(procedure_.on_ready(now, vehicle,
                            {ready->battery, ready->type, ready->cycles, ready->rest_s, ready->temperature_c,
@@ -129,12 +129,12 @@ void LiveRig::on_position(std::size_t vehicle, std::string_view payload) {
   const auto x = position->number("x");
   const auto y = position->number("y");
   if (!x || !y) return;
-  Seat& seat = seats_[vehicle];
-  if (seat.at) {
-    const double gone_m = distance(*seat.at, {*x, *y});
-    if (gone_m < hop_max_m) seat.odometer_m += gone_m;
+  Slot& slot = slots_[vehicle];
+  if (slot.at) {
+    const double gone_m = distance(*slot.at, {*x, *y});
+    if (gone_m < hop_max_m) slot.odometer_m += gone_m;
   }
-  seat.at = Point2{*x, *y};
+  slot.at = Point2{*x, *y};
 }
 
 LiveRig::Answers LiveRig::tick(SimTime now) {
@@ -146,8 +146,8 @@ LiveRig::Answers LiveRig::tick(SimTime now) {
 LiveRig::Answers LiveRig::give_up(SimTime now) {
   Answers answers;
   given_up_ = true;
-  for (std::size_t v = 0; v < seats_.size(); ++v) {
-    if (seats_[v].wanted) clear_request(v, answers);
+  for (std::size_t v = 0; v < slots_.size(); ++v) {
+    if (slots_[v].wanted) clear_request(v, answers);
     // Of this run alone: with its last end the next would begin.
     if (procedure_.running(v)) obey(procedure_.on_stop(now, v, StopCause::operator_stop), answers);
   }
@@ -166,12 +166,12 @@ wire::BatteryTest LiveRig::test(SimTime now) const {
   test.share = std::clamp(progress.share, 0.0, 1.0);
   test.done = done();
   if (!test.done) test.expected_end = progress.expected_end;
-  for (std::size_t v = 0; v < std::min(seats_.size(), wire::BatteryTest::vehicles_max); ++v) {
-    const Procedure::SeatNow seat = procedure_.seat(now, v);
+  for (std::size_t v = 0; v < std::min(slots_.size(), wire::BatteryTest::vehicles_max); ++v) {
+    const Procedure::SlotNow slot = procedure_.slot(now, v);
     std::optional<double> charge_percent;
-    if (seat.charge) charge_percent = std::clamp(100.0 * *seat.charge, 0.0, 100.0);
-    test.vehicles.push_back({to_string(options_.vehicles[v]), options_.batteries[seat.battery], phase_of(seat),
-                             seat.stop ? std::string(to_string(*seat.stop)) : std::string{}, seat.autonomy_s,
+    if (slot.charge) charge_percent = std::clamp(100.0 * *slot.charge, 0.0, 100.0);
+    test.vehicles.push_back({to_string(options_.vehicles[v]), options_.batteries[slot.battery], phase_of(slot),
+                             slot.stop ? std::string(to_string(*slot.stop)) : std::string{}, slot.autonomy_s,
                              charge_percent});
   }
   return test;
@@ -201,7 +201,7 @@ void LiveRig::obey(const ProcedureCommands& commands, Answers& answers) {
 
 void LiveRig::ask_for(std::size_t vehicle, std::size_t battery, const std::string& reason, Answers& answers) {
   drive(vehicle, "stop", answers);
-  seats_[vehicle].wanted = options_.batteries[battery];
+  slots_[vehicle].wanted = options_.batteries[battery];
   answers.messages.push_back({wire::own_topic(wire::battery_change_topic_prefix, options_.vehicles[vehicle]),
                               to_json(wire::BatteryChange{options_.batteries[battery],
                                                           static_cast<std::uint32_t>(procedure_.run() + 1), reason}),
@@ -210,7 +210,7 @@ void LiveRig::ask_for(std::size_t vehicle, std::size_t battery, const std::strin
 }
 
 void LiveRig::clear_request(std::size_t vehicle, Answers& answers) {
-  seats_[vehicle].wanted.reset();
+  slots_[vehicle].wanted.reset();
   answers.messages.push_back(
       {wire::own_topic(wire::battery_change_topic_prefix, options_.vehicles[vehicle]), {}, 1, true});
 }
@@ -245,10 +245,10 @@ void LiveRig::end(std::size_t vehicle, Answers& answers) {
 std::string LiveRig::state_json() const {
   JsonWriter json;
   json.begin_object().field("procedure", procedure_.state_json()).field("began", to_iso8601(began_));
-  json.key("seats").begin_array();
-  for (const Seat& seat : seats_) {
-    json.begin_object().field("odometer_m", seat.odometer_m);
-    if (seat.wanted) json.field("wanted", *seat.wanted);
+  json.key("slots").begin_array();
+  for (const Slot& slot : slots_) {
+    json.begin_object().field("odometer_m", slot.odometer_m);
+    if (slot.wanted) json.field("wanted", *slot.wanted);
     json.end_object();
   }
   return json.end_array().end_object().take();
@@ -259,16 +259,16 @@ Result<LiveRig::Answers> LiveRig::restore(SimTime now, std::string_view state_js
   const auto json = JsonValue::parse(state_json, bytes_max);
   if (!json) return fail("battery.state", json.error().message, "saved state");
   const auto procedure = json->text("procedure");
-  const JsonValue* seats = json->find("seats");
-  if (!procedure || seats == nullptr || seats->array() == nullptr || seats->array()->size() != seats_.size())
+  const JsonValue* slots = json->find("slots");
+  if (!procedure || slots == nullptr || slots->array() == nullptr || slots->array()->size() != slots_.size())
     return fail("battery.state", "it is not a live test's, or not of so many vehicles", "saved state");
   if (auto restored = procedure_.restore(*procedure); !restored) return tl::unexpected(restored.error());
   procedure_.forgive(now);
   began_ = parse_iso8601(json->text("began").value_or("")).value_or(now);
   Answers answers;
-  for (std::size_t v = 0; v < seats_.size(); ++v) {
-    const JsonValue& saved = (*seats->array())[v];
-    seats_[v].odometer_m = saved.number("odometer_m").value_or(0.0);
+  for (std::size_t v = 0; v < slots_.size(); ++v) {
+    const JsonValue& saved = (*slots->array())[v];
+    slots_[v].odometer_m = saved.number("odometer_m").value_or(0.0);
     // Asked for before we were away: the answer may have come meanwhile, so it is asked for again.
     if (saved.text("wanted")) ask_for(v, procedure_.battery_of(procedure_.run(), v), {}, answers);
   }

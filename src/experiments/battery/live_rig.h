@@ -60,13 +60,13 @@ class LiveRig {
   [[nodiscard]] Result<Answers> restore(SimTime now, std::string_view state_json);
 
  private:
-  struct Seat {
+  struct Slot {
     std::optional<Point2> at;  ///< where it was last
     double odometer_m{0.0};
     bool heard{false};
     std::optional<std::string> wanted;  ///< battery asked for and not yet ready
   };
-  [[nodiscard]] std::optional<std::size_t> seat_of(const wire::VehicleId& id) const;
+  [[nodiscard]] std::optional<std::size_t> slot_of(const wire::VehicleId& id) const;
   void obey(const ProcedureCommands& commands, Answers& answers);
   void ask_for(std::size_t vehicle, std::size_t battery, const std::string& reason, Answers& answers);
   void end(std::size_t vehicle, Answers& answers);
@@ -79,7 +79,7 @@ class LiveRig {
 
   LiveRigOptions options_;
   Procedure procedure_;
-  std::vector<Seat> seats_;
+  std::vector<Slot> slots_;
   SimTime began_{};
   bool given_up_{false};
 };

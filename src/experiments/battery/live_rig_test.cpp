@@ -219,8 +219,8 @@ TEST(LiveRig, says_how_it_stands) {
   EXPECT_EQ(test.timestamp, start_of_test + seconds{6});
   EXPECT_DOUBLE_EQ(test.floor_percent, 50.0);
   EXPECT_FALSE(test.expected_end || test.done);
-  EXPECT_EQ(test.vehicles[0], (wire::BatteryTest::Seat{"CoSiVA/AIV1", "red", wire::BatteryPhase::ready, "", 0, 100.0}));
-  EXPECT_EQ(test.vehicles[1], (wire::BatteryTest::Seat{"CoSiVA/AIV2", "blue", {}, "", 0, {}})) << "still asked for";
+  EXPECT_EQ(test.vehicles[0], (wire::BatteryTest::Slot{"CoSiVA/AIV1", "red", wire::BatteryPhase::ready, "", 0, 100.0}));
+  EXPECT_EQ(test.vehicles[1], (wire::BatteryTest::Slot{"CoSiVA/AIV2", "blue", {}, "", 0, {}})) << "still asked for";
 
   std::ignore = say_ready(rig, start_of_test + seconds{10}, 2, "blue");
   for (const int number : {1, 2}) std::ignore = say_report(rig, start_of_test + seconds{60}, number, 0.75);
@@ -260,7 +260,7 @@ TEST(LiveRig, leaves_nonsense_alone_and_says_what_a_bad_answer_lacks) {
 
 TEST(LiveRig, refuses_a_state_that_is_not_its_own) {
   LiveRig rig{two_by_hand()};
-  for (const char* text : {"", "{}", R"({"procedure":"{}","seats":[{},{}]})", R"({"procedure":"x","seats":[{}]})"}) {
+  for (const char* text : {"", "{}", R"({"procedure":"{}","slots":[{},{}]})", R"({"procedure":"x","slots":[{}]})"}) {
     const auto restored = rig.restore(start_of_test, text);
     ASSERT_FALSE(restored) << text;
     EXPECT_EQ(restored.error().code, "battery.state");

@@ -23,7 +23,7 @@ std::string name_of(std::size_t vehicle) { return "AIV" + std::to_string(vehicle
 }  // namespace
 
 struct PlatformRig::Impl {
-  struct Seat {
+  struct Slot {
     std::optional<ProcedureCommand> change;  ///< asked for, not yet reported ready
     SimTime changed{};
     std::optional<wire::BoardsReport> report;  ///< the last, with when it was heard
@@ -36,7 +36,7 @@ struct PlatformRig::Impl {
   VirtualRigOptions options;
   std::unique_ptr<World> world;
   Procedure procedure;
-  std::vector<Seat> seats;
+  std::vector<Slot> slots;
   std::vector<double> cycles;  ///< by battery: what it went through before its present run
   std::vector<TrueEnd> ends;
   std::vector<std::string> words;
@@ -46,26 +46,26 @@ struct PlatformRig::Impl {
       : options{std::move(o)},
         world{std::move(w)},
         procedure{options.procedure},
-        seats(options.procedure.vehicles),
+        slots(options.procedure.vehicles),
         cycles(options.procedure.vehicles, 0.0) {}
 
   void listen() {
     world->tap([this](SimTime at, const std::string& /*from*/, const wire::Publish& message) {
       const auto vehicle = wire::parse_own_topic(wire::boards_topic_prefix, message.topic);
       if (!vehicle) return;
-      for (std::size_t v = 0; v < seats.size(); ++v) {
+      for (std::size_t v = 0; v < slots.size(); ++v) {
         if (vehicle->serial_number != name_of(v)) continue;
         const auto* report = wire::said<wire::BoardsReport>(message.said);
         if (report == nullptr || !report->power) return;
-        seats[v].report = *report;
-        seats[v].heard = at;
-        seats[v].fresh = true;
+        slots[v].report = *report;
+        slots[v].heard = at;
+        slots[v].fresh = true;
       }
     });
   }
 
   void spread_loads() {
-    for (std::size_t v = 0; v < seats.size(); ++v) {
+    for (std::size_t v = 0; v < slots.size(); ++v) {
       Random random{options.seed, "battery/cart/" + std::to_string(v)};
       JsonWriter json;
       json.begin_object().key("setLoad").begin_object().field("vehicle", v + 1);
@@ -91,12 +91,12 @@ struct PlatformRig::Impl {
       const std::string vehicle = "CoSiVA/" + name_of(command.vehicle);
       switch (command.kind) {
         case Kind::change_battery:
-          seats[command.vehicle].change = command;
-          seats[command.vehicle].changed = {};
+          slots[command.vehicle].change = command;
+          slots[command.vehicle].changed = {};
           break;
         case Kind::tell_operator: words.push_back(command.text); break;
         case Kind::run:
-          seats[command.vehicle].truth = {
+          slots[command.vehicle].truth = {
               procedure.run(), command.vehicle, to_seconds(world->now() - began), 1.0, 0.0, {}, {}};
           world->command_server(server_command_json("restart", vehicle));
           break;
@@ -109,31 +109,31 @@ struct PlatformRig::Impl {
 
   /// Its test is over: with a service battery it goes on as traffic.
   void end(std::size_t v) {
-    Seat& seat = seats[v];
+    Slot& slot = slots[v];
     const auto vehicles = world->plant().vehicles();
-    seat.truth.charge = vehicles[v].charge;
-    ends.push_back(seat.truth);
+    slot.truth.charge = vehicles[v].charge;
+    ends.push_back(slot.truth);
     // A full cycle less what is left; the plant's own battery is put away with its state.
-    cycles[procedure.battery_of(seat.truth.run, v)] += 1.0 - vehicles[v].charge;
+    cycles[procedure.battery_of(slot.truth.run, v)] += 1.0 - vehicles[v].charge;
     put_in(v, std::nullopt);
     world->command_server(server_command_json("restart", "CoSiVA/" + name_of(v)));
   }
 
   /// Vehicles whose battery is to be changed stop, all of them together; then the batteries go in.
   void change_batteries() {
-    for (std::size_t v = 0; v < seats.size(); ++v) {
-      Seat& seat = seats[v];
-      if (!seat.change) continue;
-      if (seat.changed == SimTime{}) {
+    for (std::size_t v = 0; v < slots.size(); ++v) {
+      Slot& slot = slots[v];
+      if (!slot.change) continue;
+      if (slot.changed == SimTime{}) {
         world->command_server(server_command_json("stop", "CoSiVA/" + name_of(v)));
-        put_in(v, seat.change->battery);
-        seat.changed = world->now();
+        put_in(v, slot.change->battery);
+        slot.changed = world->now();
         continue;
       }
-      if (!seat.fresh || seat.heard < seat.changed + settle) continue;
-      const std::size_t battery = seat.change->battery;
-      const wire::Power& power = *seat.report->power;
-      seat.change.reset();
+      if (!slot.fresh || slot.heard < slot.changed + settle) continue;
+      const std::size_t battery = slot.change->battery;
+      const wire::Power& power = *slot.report->power;
+      slot.change.reset();
       obey(procedure.on_ready(world->now(), v,
                               {id_of(battery), options.battery.type.name, cycles[battery], to_seconds(options.service),
                                0.1 * power.temperature_01C, power.charge()}));
@@ -145,13 +145,13 @@ struct PlatformRig::Impl {
     change_batteries();
     const auto vehicles = world->plant().vehicles();
     const SimTime now = world->now();
-    for (std::size_t v = 0; v < seats.size(); ++v) {
-      Seat& seat = seats[v];
+    for (std::size_t v = 0; v < slots.size(); ++v) {
+      Slot& slot = slots[v];
       if (!procedure.running(v)) continue;
-      note_truth(seat, vehicles[v].charge, to_seconds(now - began) - seat.truth.started_s);
-      if (std::exchange(seat.fresh, false)) {
-        const wire::Power& power = *seat.report->power;
-        obey(procedure.on_sample(v, {seat.heard, power.charge(), power.gauge ? 1e-4 * power.gauge->charge_sd_01 : 0.0,
+      note_truth(slot, vehicles[v].charge, to_seconds(now - began) - slot.truth.started_s);
+      if (std::exchange(slot.fresh, false)) {
+        const wire::Power& power = *slot.report->power;
+        obey(procedure.on_sample(v, {slot.heard, power.charge(), power.gauge ? 1e-4 * power.gauge->charge_sd_01 : 0.0,
                                      0.001 * power.voltage_mv, 0.001 * power.current_ma, 0.1 * power.temperature_01C,
                                      vehicles[v].distance_m}));
       }
@@ -160,11 +160,11 @@ struct PlatformRig::Impl {
     obey(procedure.tick(now));
   }
 
-  void note_truth(Seat& seat, double charge, double at_s) const {
+  void note_truth(Slot& slot, double charge, double at_s) const {
     const double every_s = to_seconds(options.procedure.curve_every);
-    if (!seat.truth.curve_s.empty() && at_s - seat.truth.curve_s.back() < every_s - 1e-6) return;
-    seat.truth.curve_s.push_back(at_s);
-    seat.truth.curve_charge.push_back(charge);
+    if (!slot.truth.curve_s.empty() && at_s - slot.truth.curve_s.back() < every_s - 1e-6) return;
+    slot.truth.curve_s.push_back(at_s);
+    slot.truth.curve_charge.push_back(charge);
   }
 };
 

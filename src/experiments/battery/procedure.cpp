@@ -87,8 +87,8 @@ ProcedureCommands Procedure::ask_for_batteries() {
 
 ProcedureCommands Procedure::on_ready(SimTime now, std::size_t vehicle, const BatteryTag& tag) {
   COSIVA_EXPECT(vehicle < slots_.size());
-  ProcedureSlot& seat = slots_[vehicle];
-  if (done() || seat.phase != Phase::changing) return {};
+  ProcedureSlot& slot = slots_[vehicle];
+  if (done() || slot.phase != Phase::changing) return {};
   const std::size_t battery = battery_of(run_, vehicle);
   std::string why;
   if (!(tag.charge >= options_.full_min)) why = "it is not full: " + percent(tag.charge);
@@ -108,11 +108,11 @@ ProcedureCommands Procedure::on_ready(SimTime now, std::size_t vehicle, const Ba
     return {{Kind::change_battery, vehicle, battery, why},
             {Kind::tell_operator, vehicle, battery, vehicle_name(vehicle) + " may not run: " + why}};
   }
-  seat.phase = Phase::ready;
-  seat.record.run = run_;
-  seat.record.vehicle = vehicle;
-  seat.record.battery = battery;
-  seat.record.tag = tag;
+  slot.phase = Phase::ready;
+  slot.record.run = run_;
+  slot.record.vehicle = vehicle;
+  slot.record.battery = battery;
+  slot.record.tag = tag;
   if (std::ranges::any_of(slots_, [](const ProcedureSlot& one) { return one.phase == Phase::changing; })) return {};
   // The last is ready: all together.
   ProcedureCommands commands;
@@ -133,28 +133,28 @@ void end_curve(BatteryRun& record, const BatterySample& last) {
 }
 }  // namespace
 
-void Procedure::book(ProcedureSlot& seat, const BatterySample& sample) const {
-  seat.heard = sample.at;
-  if (!seat.last) {
-    seat.first_distance_m = sample.distance_m;
+void Procedure::book(ProcedureSlot& slot, const BatterySample& sample) const {
+  slot.heard = sample.at;
+  if (!slot.last) {
+    slot.first_distance_m = sample.distance_m;
   } else {
-    const double hours = to_seconds(sample.at - seat.last->at) / 3600.0;
-    seat.record.charge_ah += 0.5 * (seat.last->current_a + sample.current_a) * hours;
-    seat.record.energy_wh +=
-        0.5 * (seat.last->current_a * seat.last->voltage_v + sample.current_a * sample.voltage_v) * hours;
-    if (!seat.pause_began) seat.ran_since_pause += sample.at - seat.last->at;
+    const double hours = to_seconds(sample.at - slot.last->at) / 3600.0;
+    slot.record.charge_ah += 0.5 * (slot.last->current_a + sample.current_a) * hours;
+    slot.record.energy_wh +=
+        0.5 * (slot.last->current_a * slot.last->voltage_v + sample.current_a * sample.voltage_v) * hours;
+    if (!slot.pause_began) slot.ran_since_pause += sample.at - slot.last->at;
   }
-  if (seat.record.curve.empty() || sample.at - seat.record.curve.back().at >= options_.curve_every)
-    seat.record.curve.push_back(sample);
+  if (slot.record.curve.empty() || sample.at - slot.record.curve.back().at >= options_.curve_every)
+    slot.record.curve.push_back(sample);
 }
 
 /// What the record says when the run ended with this sample.
-void Procedure::note_end(const ProcedureSlot& seat, const BatterySample& sample, BatteryRun& record) const {
-  SimDuration paused = seat.paused;
-  if (seat.pause_began) paused += sample.at - *seat.pause_began;
+void Procedure::note_end(const ProcedureSlot& slot, const BatterySample& sample, BatteryRun& record) const {
+  SimDuration paused = slot.paused;
+  if (slot.pause_began) paused += sample.at - *slot.pause_began;
   record.paused_s = to_seconds(paused);
   record.autonomy_s = to_seconds(sample.at - record.started - paused);
-  record.distance_m = sample.distance_m - seat.first_distance_m;
+  record.distance_m = sample.distance_m - slot.first_distance_m;
   record.charge_end = sample.charge;
   record.charge_end_sd = sample.charge_sd;
   record.voltage_end_v = sample.voltage_v;
@@ -163,49 +163,49 @@ void Procedure::note_end(const ProcedureSlot& seat, const BatterySample& sample,
 
 ProcedureCommands Procedure::on_sample(std::size_t vehicle, const BatterySample& sample) {
   COSIVA_EXPECT(vehicle < slots_.size());
-  ProcedureSlot& seat = slots_[vehicle];
-  if (seat.phase != Phase::running || sample.at < seat.record.started) return {};
-  if (seat.last && sample.at <= seat.last->at) return {};  // late or twice
-  const double before_ah = seat.record.charge_ah;
-  const double before_wh = seat.record.energy_wh;
-  book(seat, sample);
+  ProcedureSlot& slot = slots_[vehicle];
+  if (slot.phase != Phase::running || sample.at < slot.record.started) return {};
+  if (slot.last && sample.at <= slot.last->at) return {};  // late or twice
+  const double before_ah = slot.record.charge_ah;
+  const double before_wh = slot.record.energy_wh;
+  book(slot, sample);
   if (sample.charge >= options_.floor) {
-    seat.crossing.reset();
-  } else if (!seat.crossing) {
+    slot.crossing.reset();
+  } else if (!slot.crossing) {
     // When it crossed, between two samples by their time stamps, and what had been taken by then.
-    const BatterySample last = seat.last.value_or(sample);
+    const BatterySample last = slot.last.value_or(sample);
     const double share = last.charge > sample.charge && last.charge >= options_.floor
                              ? (last.charge - options_.floor) / (last.charge - sample.charge)
                              : 1.0;
     const BatterySample at = between(last, sample, share);
-    seat.crossing = FloorCrossing{at.at, seat.record};
-    BatteryRun& record = seat.crossing->record;
+    slot.crossing = FloorCrossing{at.at, slot.record};
+    BatteryRun& record = slot.crossing->record;
     record.charge_ah = before_ah + share * (record.charge_ah - before_ah);
     record.energy_wh = before_wh + share * (record.energy_wh - before_wh);
-    note_end(seat, at, record);
+    note_end(slot, at, record);
     end_curve(record, at);
   }
-  seat.last = sample;
-  if (seat.crossing && sample.at - seat.crossing->at >= options_.hold) {
-    return finish(vehicle, std::move(seat.crossing->record), StopCause::floor);
+  slot.last = sample;
+  if (slot.crossing && sample.at - slot.crossing->at >= options_.hold) {
+    return finish(vehicle, std::move(slot.crossing->record), StopCause::floor);
   }
   return pauses(sample.at, vehicle);
 }
 
 ProcedureCommands Procedure::on_stop(SimTime now, std::size_t vehicle, StopCause cause) {
   COSIVA_EXPECT(vehicle < slots_.size());
-  ProcedureSlot& seat = slots_[vehicle];
-  if (seat.phase != Phase::running) return {};
+  ProcedureSlot& slot = slots_[vehicle];
+  if (slot.phase != Phase::running) return {};
   // Below the floor already, if not for long enough yet: whatever came then, the battery was first.
-  if (seat.crossing) {
-    return finish(vehicle, std::move(seat.crossing->record), StopCause::floor);
+  if (slot.crossing) {
+    return finish(vehicle, std::move(slot.crossing->record), StopCause::floor);
   }
-  BatterySample end = seat.last.value_or(BatterySample{});
+  BatterySample end = slot.last.value_or(BatterySample{});
   // Who says so itself was running until now; who is lost, until it was last heard.
-  end.at = cause == StopCause::lost ? seat.heard : now;
-  BatteryRun record = seat.record;
-  note_end(seat, end, record);
-  if (seat.last) end_curve(record, end);
+  end.at = cause == StopCause::lost ? slot.heard : now;
+  BatteryRun record = slot.record;
+  note_end(slot, end, record);
+  if (slot.last) end_curve(record, end);
   return finish(vehicle, std::move(record), cause);
 }
 
@@ -229,17 +229,17 @@ ProcedureCommands Procedure::finish(std::size_t vehicle, BatteryRun record, Stop
 }
 
 ProcedureCommands Procedure::pauses(SimTime now, std::size_t vehicle) {
-  ProcedureSlot& seat = slots_[vehicle];
+  ProcedureSlot& slot = slots_[vehicle];
   if (options_.pause_every <= SimDuration::zero() || options_.pause_for <= SimDuration::zero()) return {};
-  if (seat.pause_began) {
-    if (now - *seat.pause_began < options_.pause_for) return {};
-    seat.paused += now - *seat.pause_began;
-    seat.pause_began.reset();
-    seat.ran_since_pause = {};
+  if (slot.pause_began) {
+    if (now - *slot.pause_began < options_.pause_for) return {};
+    slot.paused += now - *slot.pause_began;
+    slot.pause_began.reset();
+    slot.ran_since_pause = {};
     return {{Kind::resume, vehicle}};
   }
-  if (seat.ran_since_pause < options_.pause_every) return {};
-  seat.pause_began = now;
+  if (slot.ran_since_pause < options_.pause_every) return {};
+  slot.pause_began = now;
   return {{Kind::pause, vehicle}};
 }
 
@@ -253,29 +253,29 @@ ProcedureCommands Procedure::tick(SimTime now) {
 }
 
 void Procedure::forgive(SimTime now) {
-  for (ProcedureSlot& seat : slots_)
-    if (seat.phase == Phase::running) seat.heard = now;
+  for (ProcedureSlot& slot : slots_)
+    if (slot.phase == Phase::running) slot.heard = now;
 }
 
-Procedure::SeatNow Procedure::seat(SimTime now, std::size_t vehicle) const {
+Procedure::SlotNow Procedure::slot(SimTime now, std::size_t vehicle) const {
   COSIVA_EXPECT(vehicle < slots_.size());
-  const ProcedureSlot& seat = slots_[vehicle];
+  const ProcedureSlot& slot = slots_[vehicle];
   const std::size_t run = std::min(present_run(), options_.runs - 1);
-  SeatNow is{seat.phase, battery_of(run, vehicle), seat.pause_began.has_value(), 0.0, {}, {}};
-  if (seat.phase == Phase::ended) {
+  SlotNow is{slot.phase, battery_of(run, vehicle), slot.pause_began.has_value(), 0.0, {}, {}};
+  if (slot.phase == Phase::ended) {
     for (const BatteryRun& record : records_) {
       if (record.run != run || record.vehicle != vehicle) continue;
       is.autonomy_s = record.autonomy_s;
       is.charge = record.charge_end;
       is.stop = record.stop;
     }
-  } else if (seat.phase != Phase::changing) {
-    is.charge = seat.last ? seat.last->charge : seat.record.tag.charge;
+  } else if (slot.phase != Phase::changing) {
+    is.charge = slot.last ? slot.last->charge : slot.record.tag.charge;
   }
-  if (seat.phase == Phase::running) {
-    const SimDuration paused = seat.paused + (seat.pause_began ? now - *seat.pause_began : SimDuration::zero());
-    is.autonomy_s = seat.crossing ? seat.crossing->record.autonomy_s
-                                  : std::max(0.0, to_seconds(now - seat.record.started - paused));
+  if (slot.phase == Phase::running) {
+    const SimDuration paused = slot.paused + (slot.pause_began ? now - *slot.pause_began : SimDuration::zero());
+    is.autonomy_s = slot.crossing ? slot.crossing->record.autonomy_s
+                                  : std::max(0.0, to_seconds(now - slot.record.started - paused));
   }
   return is;
 }
@@ -284,17 +284,17 @@ Procedure::Progress Procedure::progress(SimTime now) const {
   double share = 0.0;
   SimTime last = now;
   bool known = true;
-  for (const ProcedureSlot& seat : slots_) {
-    if (seat.phase == Phase::ended) share += 1.0;
-    if (seat.phase == Phase::changing || seat.phase == Phase::ready) known = false;
-    if (seat.phase != Phase::running) continue;
-    const double from = seat.record.tag.charge;
-    const double at = seat.last ? seat.last->charge : from;
+  for (const ProcedureSlot& slot : slots_) {
+    if (slot.phase == Phase::ended) share += 1.0;
+    if (slot.phase == Phase::changing || slot.phase == Phase::ready) known = false;
+    if (slot.phase != Phase::running) continue;
+    const double from = slot.record.tag.charge;
+    const double at = slot.last ? slot.last->charge : from;
     const double gone = std::clamp((from - at) / std::max(1e-9, from - options_.floor), 0.0, 1.0);
     share += gone;
     known = known && gone > 0.01;
     if (gone > 0.01)
-      last = std::max(last, seat.record.started + from_seconds(to_seconds(now - seat.record.started) / gone));
+      last = std::max(last, slot.record.started + from_seconds(to_seconds(now - slot.record.started) / gone));
   }
   return {share / static_cast<double>(slots_.size()), known ? std::optional{last} : std::nullopt};
 }
@@ -302,8 +302,8 @@ Procedure::Progress Procedure::progress(SimTime now) const {
 std::string Procedure::state_json() const {
   JsonWriter json;
   json.begin_object().field("vehicles", options_.vehicles).field("runs", options_.runs).field("swap", options_.swap);
-  json.field("floor", options_.floor).field("run", run_).key("seats").begin_array();
-  for (const ProcedureSlot& seat : slots_) write_slot(json, seat);
+  json.field("floor", options_.floor).field("run", run_).key("slots").begin_array();
+  for (const ProcedureSlot& slot : slots_) write_slot(json, slot);
   json.end_array().key("records").begin_array();
   for (const BatteryRun& record : records_) write_record(json, record);
   return json.end_array().end_object().take();
@@ -318,17 +318,17 @@ Result<void> Procedure::restore(std::string_view state_json) {
       json->number("floor") != options_.floor)
     return bad_state("it is another test's: vehicles, runs, swap or floor differ");
   const auto run = json->number("run");
-  const JsonValue* seats = json->find("seats");
+  const JsonValue* slots = json->find("slots");
   const JsonValue* records = json->find("records");
-  if (!run || !(*run >= 0.0 && *run <= static_cast<double>(options_.runs)) || seats == nullptr ||
-      seats->array() == nullptr || seats->array()->size() != slots_.size() || records == nullptr ||
+  if (!run || !(*run >= 0.0 && *run <= static_cast<double>(options_.runs)) || slots == nullptr ||
+      slots->array() == nullptr || slots->array()->size() != slots_.size() || records == nullptr ||
       records->array() == nullptr)
     return bad_state("it is not whole");
   std::vector<ProcedureSlot> read_slots;
-  for (const JsonValue& item : *seats->array()) {
-    auto seat = read_slot(item);
-    if (!seat) return tl::unexpected(seat.error());
-    read_slots.push_back(std::move(*seat));
+  for (const JsonValue& item : *slots->array()) {
+    auto slot = read_slot(item);
+    if (!slot) return tl::unexpected(slot.error());
+    read_slots.push_back(std::move(*slot));
   }
   std::vector<BatteryRun> read_records;
   for (const JsonValue& item : *records->array()) {

@@ -141,7 +141,7 @@ class Procedure {
   [[nodiscard]] const ProcedureOptions& options() const { return options_; }
   using Phase = ProcedurePhase;
   /// A vehicle as it stands in this run, or in the last when all are over.
-  struct SeatNow {
+  struct SlotNow {
     Phase phase;
     std::size_t battery;  ///< in it, or asked for
     bool paused;
@@ -149,7 +149,7 @@ class Procedure {
     std::optional<double> charge;  ///< 0…1; nothing: not heard
     std::optional<StopCause> stop;
   };
-  [[nodiscard]] SeatNow seat(SimTime now, std::size_t vehicle) const;
+  [[nodiscard]] SlotNow slot(SimTime now, std::size_t vehicle) const;
   /// Mean share of the way from full to the floor, over this run's vehicles, and when the last will be there as it
   /// goes.
   struct Progress {
@@ -168,8 +168,8 @@ class Procedure {
  private:
   [[nodiscard]] ProcedureCommands ask_for_batteries();
   [[nodiscard]] ProcedureCommands finish(std::size_t vehicle, BatteryRun record, StopCause cause);
-  void book(ProcedureSlot& seat, const BatterySample& sample) const;
-  void note_end(const ProcedureSlot& seat, const BatterySample& sample, BatteryRun& record) const;
+  void book(ProcedureSlot& slot, const BatterySample& sample) const;
+  void note_end(const ProcedureSlot& slot, const BatterySample& sample, BatteryRun& record) const;
   [[nodiscard]] ProcedureCommands pauses(SimTime now, std::size_t vehicle);
 
   ProcedureOptions options_;

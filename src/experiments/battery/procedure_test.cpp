@@ -306,7 +306,7 @@ TEST(Fleet, makes_no_further_run_when_its_records_say_enough_but_ends_none_amid)
   EXPECT_EQ(bench.procedure.records().size(), 4U);
   EXPECT_EQ(bench.last_words(), "the test ends after run 2 of 5: the mean is known as well as was wanted");
   EXPECT_EQ(bench.procedure.present_run(), 1U);
-  EXPECT_EQ(bench.procedure.seat(bench.now, 0).stop, StopCause::floor);
+  EXPECT_EQ(bench.procedure.slot(bench.now, 0).stop, StopCause::floor);
   // What was saved then is a test that is over.
   Procedure again{options};
   ASSERT_TRUE(again.restore(bench.procedure.state_json()));

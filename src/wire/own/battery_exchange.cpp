@@ -17,21 +17,21 @@ constexpr std::array<std::string_view, 5> phase_words{"changing", "ready", "runn
 constexpr std::size_t test_bytes_max = 256U << 10U;
 constexpr double seconds_max = 1e9;
 
-void read_seat(Fields& in, BatteryTest::Seat& seat) {
-  in.text("vehicle", seat.vehicle);
-  in.text("battery", seat.battery);
+void read_slot(Fields& in, BatteryTest::Slot& slot) {
+  in.text("vehicle", slot.vehicle);
+  in.text("battery", slot.battery);
   std::string phase;
   in.text("phase", phase);
   bool known = false;
   for (std::size_t i = 0; i < phase_words.size(); ++i) {
     if (phase_words[i] != phase) continue;
-    seat.phase = static_cast<BatteryPhase>(i);
+    slot.phase = static_cast<BatteryPhase>(i);
     known = true;
   }
   if (!known) in.complain("phase", "changing, ready, running, paused or ended");
-  in.text("stop", seat.stop);
-  in.number("autonomy_s", 0.0, seconds_max, seat.autonomy_s);
-  in.number("charge", 0.0, 100.0, seat.charge_percent);
+  in.text("stop", slot.stop);
+  in.number("autonomy_s", 0.0, seconds_max, slot.autonomy_s);
+  in.number("charge", 0.0, 100.0, slot.charge_percent);
 }
 
 }  // namespace
@@ -48,10 +48,10 @@ std::string to_json(const BatteryTest& test) {
   else
     json.null();
   json.field("done", test.done).key("vehicles").begin_array();
-  for (const BatteryTest::Seat& seat : test.vehicles) {
-    json.begin_object().field("vehicle", seat.vehicle).field("battery", seat.battery);
-    json.field("phase", to_string(seat.phase)).field("stop", seat.stop).field("autonomy_s", seat.autonomy_s);
-    if (seat.charge_percent) json.field("charge", *seat.charge_percent);
+  for (const BatteryTest::Slot& slot : test.vehicles) {
+    json.begin_object().field("vehicle", slot.vehicle).field("battery", slot.battery);
+    json.field("phase", to_string(slot.phase)).field("stop", slot.stop).field("autonomy_s", slot.autonomy_s);
+    if (slot.charge_percent) json.field("charge", *slot.charge_percent);
     json.end_object();
   }
   return json.end_array().end_object().take();
@@ -69,7 +69,7 @@ Result<BatteryTest> battery_test_from_json(std::string_view text) {
     in.flag("done", test.done);
     in.list("vehicles", BatteryTest::vehicles_max, [&](const JsonValue& item, const std::string& name) {
       Fields fields{item, name + "."};
-      read_seat(fields, test.vehicles.emplace_back());
+      read_slot(fields, test.vehicles.emplace_back());
       in.take_over(fields.error());
     });
   };

@@ -55,16 +55,16 @@ struct BatteryTest {
   double share{};                       ///< of the way from full to the floor, 0…1, over this run's vehicles
   std::optional<SimTime> expected_end;  ///< of this run, as it goes; nothing: too early to say
   bool done{false};
-  struct Seat {
+  struct Slot {
     std::string vehicle;  ///< "CoSiVA/AIV1"
     std::string battery;  ///< that is in it, or asked for
     BatteryPhase phase{};
     std::string stop;     ///< what ended it: floor, cut-off, fault, operator, lost; empty: nothing yet
     double autonomy_s{};  ///< so far, pauses taken out
     std::optional<double> charge_percent;
-    friend bool operator==(const Seat&, const Seat&) = default;
+    friend bool operator==(const Slot&, const Slot&) = default;
   };
-  std::vector<Seat> vehicles;
+  std::vector<Slot> vehicles;
   static constexpr std::size_t vehicles_max = 256;
   friend bool operator==(const BatteryTest&, const BatteryTest&) = default;
 };

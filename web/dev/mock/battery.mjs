@@ -16,21 +16,21 @@ export class MockBatteries {
   begin() {
     this.began = this.world.now;
     this.ended = null;
-    this.seats = names.map((battery, i) => ({ number: i + 1, battery, phase: i === 0 ? 'changing' : 'ready', since: this.world.now, reason: '', started: null, at: null }));
+    this.slots = names.map((battery, i) => ({ number: i + 1, battery, phase: i === 0 ? 'changing' : 'ready', since: this.world.now, reason: '', started: null, at: null }));
   }
 
-  vehicle(seat) {
-    return this.world.aivs.find((aiv) => aiv.number === seat.number && !aiv.augmented);
+  vehicle(slot) {
+    return this.world.aivs.find((aiv) => aiv.number === slot.number && !aiv.augmented);
   }
 
   /** @returns why not, as [status, code, sentence]; undefined: it is taken */
   ready({ vehicle, battery, charge }) {
-    const seat = this.seats.find((one) => one.phase === 'changing' && this.vehicle(one)?.id === vehicle);
+    const slot = this.slots.find((one) => one.phase === 'changing' && this.vehicle(one)?.id === vehicle);
     if (!battery) return [400, 'battery.battery', "give the battery's own id, of 1 to 64 bytes"];
-    if (!seat) return [409, 'battery.not_asked', `no test wants a battery changed in '${vehicle}' now`];
-    if ((charge ?? 100) < 97) seat.reason = `it is not full: ${charge} %`;
-    else Object.assign(seat, { phase: 'ready', battery, reason: '' });
-    if (this.seats.every((one) => one.phase === 'ready')) for (const one of this.seats) Object.assign(one, { phase: 'running', started: this.world.now });
+    if (!slot) return [409, 'battery.not_asked', `no test wants a battery changed in '${vehicle}' now`];
+    if ((charge ?? 100) < 97) slot.reason = `it is not full: ${charge} %`;
+    else Object.assign(slot, { phase: 'ready', battery, reason: '' });
+    if (this.slots.every((one) => one.phase === 'ready')) for (const one of this.slots) Object.assign(one, { phase: 'running', started: this.world.now });
     return undefined;
   }
 
@@ -41,15 +41,15 @@ export class MockBatteries {
   /** Each vehicle's battery as it stands now, and a point of its curve each second. */
   advance() {
     const now = this.world.now;
-    for (const seat of this.seats) {
-      const aiv = this.vehicle(seat);
-      if (!aiv || seat.phase !== 'running') continue;
+    for (const slot of this.slots) {
+      const aiv = this.vehicle(slot);
+      if (!aiv || slot.phase !== 'running') continue;
       // Not all alike: the second lasts longer.
-      const gone = (now - seat.started) / (run_ms * (1 + 0.05 * seat.number));
+      const gone = (now - slot.started) / (run_ms * (1 + 0.05 * slot.number));
       aiv.battery = Math.max(floor, 100 - (100 - floor) * gone);
-      if (gone >= 1) Object.assign(seat, { phase: 'ended', at: now });
+      if (gone >= 1) Object.assign(slot, { phase: 'ended', at: now });
     }
-    if (this.ended === null && this.seats.every((seat) => seat.phase === 'ended')) this.ended = now;
+    if (this.ended === null && this.slots.every((slot) => slot.phase === 'ended')) this.ended = now;
     if (this.ended !== null && now - this.ended > pause_ms) this.begin();
     for (const aiv of this.world.aivs.slice(0, 50)) {
       const points = this.curves.get(aiv.id) ?? [];
@@ -60,18 +60,18 @@ export class MockBatteries {
   snapshot() {
     this.advance();
     const now = this.world.now;
-    const there = this.seats.filter((seat) => this.vehicle(seat));
-    const running = there.every((seat) => seat.phase === 'running' || seat.phase === 'ended');
-    const share = there.reduce((sum, seat) => sum + (seat.phase === 'ended' ? 1 : seat.started === null ? 0 : (100 - this.vehicle(seat).battery) / (100 - floor)), 0) / Math.max(1, there.length);
-    const wanted = there.filter((seat) => seat.phase === 'changing');
+    const there = this.slots.filter((slot) => this.vehicle(slot));
+    const running = there.every((slot) => slot.phase === 'running' || slot.phase === 'ended');
+    const share = there.reduce((sum, slot) => sum + (slot.phase === 'ended' ? 1 : slot.started === null ? 0 : (100 - this.vehicle(slot).battery) / (100 - floor)), 0) / Math.max(1, there.length);
+    const wanted = there.filter((slot) => slot.phase === 'changing');
     return {
-      changes: wanted.map((seat) => ({ vehicle: this.vehicle(seat).id, battery: seat.battery, run: 1, reason: seat.reason, since_ms: seat.since })),
+      changes: wanted.map((slot) => ({ vehicle: this.vehicle(slot).id, battery: slot.battery, run: 1, reason: slot.reason, since_ms: slot.since })),
       test: {
         began_ms: this.began, told_ms: this.ended ?? now, run: 1, runs: 1, floor, share,
         expectedEnd_ms: running && this.ended === null && share > 0.01 ? there[0].started + run_ms * 1.1 : null, done: this.ended !== null,
-        vehicles: there.map((seat) => ({
-          id: this.vehicle(seat).id, battery: seat.battery, phase: seat.phase, stop: seat.phase === 'ended' ? 'floor' : null,
-          autonomy_s: seat.started === null ? 0 : ((seat.at ?? now) - seat.started) / 1000, charge: seat.phase === 'changing' ? null : seat.started === null ? 100 : this.vehicle(seat).battery,
+        vehicles: there.map((slot) => ({
+          id: this.vehicle(slot).id, battery: slot.battery, phase: slot.phase, stop: slot.phase === 'ended' ? 'floor' : null,
+          autonomy_s: slot.started === null ? 0 : ((slot.at ?? now) - slot.started) / 1000, charge: slot.phase === 'changing' ? null : slot.started === null ? 100 : this.vehicle(slot).battery,
         })),
       },
     };

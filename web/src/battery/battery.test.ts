@@ -1,11 +1,11 @@
 import { describe, expect, it } from 'vitest';
 import { Curve, phase_words, picture_of, picture_words, points_max, points_of, test_words } from './battery';
-import type { BatteryPoint, BatterySeat, BatteryTest, Snapshot } from '../live/contract';
+import type { BatteryPoint, BatterySlot, BatteryTest, Snapshot } from '../live/contract';
 
 const point = (s: number, charge: number): BatteryPoint => [s * 1000, charge, 7.4, 22];
-const seat = (change: Partial<BatterySeat> = {}): BatterySeat => ({ id: 'CoSiVA/AIV1', battery: 'red', phase: 'running', stop: null, autonomy_s: 60, charge: 81.25, ...change });
+const slot = (change: Partial<BatterySlot> = {}): BatterySlot => ({ id: 'CoSiVA/AIV1', battery: 'red', phase: 'running', stop: null, autonomy_s: 60, charge: 81.25, ...change });
 const test = (change: Partial<BatteryTest> = {}): BatteryTest => ({
-  began_ms: 0, told_ms: 60_000, run: 1, runs: 1, floor: 20, share: 0.25, expectedEnd_ms: 240_000, done: false, vehicles: [seat()], ...change,
+  began_ms: 0, told_ms: 60_000, run: 1, runs: 1, floor: 20, share: 0.25, expectedEnd_ms: 240_000, done: false, vehicles: [slot()], ...change,
 });
 
 describe('a curve', () => {
@@ -38,7 +38,7 @@ describe('the points of a snapshot', () => {
     expect(points_of(snapshot({})).get(aiv.id)).toEqual([5_000, 81, 7.4, 22]);
     expect(points_of(snapshot({}, test())).get(aiv.id)).toEqual([5_000, 81.25, 7.4, 22]);
     // The test is over: a service battery may be installed.
-    expect(points_of(snapshot({}, test({ vehicles: [seat({ phase: 'ended', charge: 20 })] }))).get(aiv.id)?.[1]).toBe(81);
+    expect(points_of(snapshot({}, test({ vehicles: [slot({ phase: 'ended', charge: 20 })] }))).get(aiv.id)?.[1]).toBe(81);
   });
 
   it('are none of who is lost, only virtual, or says nothing', () => {
@@ -76,18 +76,18 @@ describe('the picture', () => {
 
 describe('the words', () => {
   it('say what became of a battery', () => {
-    expect(phase_words(seat())).toBe('running');
-    expect(phase_words(seat({ phase: 'changing' }))).toBe('battery wanted');
-    expect(phase_words(seat({ phase: 'ended', stop: 'floor' }))).toBe('ended at the floor');
-    expect(phase_words(seat({ phase: 'ended', stop: 'lost' }))).toContain('known to last longer');
+    expect(phase_words(slot())).toBe('running');
+    expect(phase_words(slot({ phase: 'changing' }))).toBe('battery wanted');
+    expect(phase_words(slot({ phase: 'ended', stop: 'floor' }))).toBe('ended at the floor');
+    expect(phase_words(slot({ phase: 'ended', stop: 'lost' }))).toContain('known to last longer');
   });
 
   it('say how the test stands', () => {
     expect(test_words(test(), 61_000)).toMatch(/^The run should end at .*, in 2.min 59.s\.$/);
-    expect(test_words(test({ runs: 4, run: 2, vehicles: [seat({ phase: 'changing' }), seat()] }), 61_000)).toBe('Run 2 of 4 waits for a battery.');
+    expect(test_words(test({ runs: 4, run: 2, vehicles: [slot({ phase: 'changing' }), slot()] }), 61_000)).toBe('Run 2 of 4 waits for a battery.');
     expect(test_words(test({ expectedEnd_ms: null }), 61_000)).toContain('cannot be told yet');
-    expect(test_words(test({ done: true, vehicles: [seat({ phase: 'ended', stop: 'floor' })] }), 999_000)).toMatch(/^Ended at .*after 1.min 00.s\.$/);
-    expect(test_words(test({ done: true, vehicles: [seat({ phase: 'changing' })] }), 999_000)).toMatch(/^Given up/);
+    expect(test_words(test({ done: true, vehicles: [slot({ phase: 'ended', stop: 'floor' })] }), 999_000)).toMatch(/^Ended at .*after 1.min 00.s\.$/);
+    expect(test_words(test({ done: true, vehicles: [slot({ phase: 'changing' })] }), 999_000)).toMatch(/^Given up/);
   });
 
   it('say that its program is gone', () => {

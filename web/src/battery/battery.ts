@@ -1,5 +1,5 @@
 // Pure functions of the battery panel: curves reduced to the points that a plot has room for, and texts.
-import type { BatteryPoint, BatterySeat, BatteryTest, Snapshot } from '../live/contract';
+import type { BatteryPoint, BatterySlot, BatteryTest, Snapshot } from '../live/contract';
 import * as format from '../live/format';
 
 export const points_max = 240;
@@ -32,12 +32,12 @@ export class Curve {
 
 /** One point per vehicle of a snapshot; vehicles that report no battery have none. */
 export function points_of(snapshot: Snapshot): Map<string, BatteryPoint> {
-  const finer = new Map((snapshot.battery?.test?.vehicles ?? []).map((seat) => [seat.id, seat]));
+  const finer = new Map((snapshot.battery?.test?.vehicles ?? []).map((slot) => [slot.id, slot]));
   const points = new Map<string, BatteryPoint>();
   for (const aiv of snapshot.aivs) {
     if (!aiv.power || aiv.augmented || aiv.lost) continue;
-    const seat = finer.get(aiv.id);
-    const charge = (seat?.phase === 'running' || seat?.phase === 'paused' ? seat.charge : null) ?? aiv.battery;
+    const slot = finer.get(aiv.id);
+    const charge = (slot?.phase === 'running' || slot?.phase === 'paused' ? slot.charge : null) ?? aiv.battery;
     if (charge !== null) points.set(aiv.id, [snapshot.time_ms, charge, aiv.power.voltage_v, aiv.power.temperature_c]);
   }
   return points;
@@ -95,7 +95,7 @@ export function picture_words(name: string, quantity: Quantity, points: readonly
 const stop_words: Record<string, string> = {
   floor: 'at the floor', 'cut-off': 'cut off by itself', fault: 'by a fault', operator: 'by the operator', lost: 'lost: known to last longer',
 };
-export function phase_words({ phase, stop }: BatterySeat): string {
+export function phase_words({ phase, stop }: BatterySlot): string {
   if (phase === 'changing') return 'battery wanted';
   if (phase === 'ready') return 'ready, waits for the others';
   if (phase === 'ended') return `ended${stop ? ` ${stop_words[stop] ?? stop}` : ''}`;
@@ -109,11 +109,11 @@ export const silent_ms = 10_000;
 export function test_words(test: BatteryTest, now_ms: number): string {
   const run = test.runs > 1 ? `Run ${test.run} of ${test.runs}` : 'The run';
   if (test.done) {
-    const given_up = test.vehicles.some((seat) => seat.phase !== 'ended' || seat.stop === 'operator');
+    const given_up = test.vehicles.some((slot) => slot.phase !== 'ended' || slot.stop === 'operator');
     return `${given_up ? 'Given up' : 'Ended'} at ${format.clock(test.told_ms)}, after ${format.lasting(test.told_ms - test.began_ms)}.`;
   }
   if (now_ms - test.told_ms > silent_ms) return `Not heard of for ${format.lasting(now_ms - test.told_ms)}: its program is gone, or cannot reach the broker. The same command with its --state goes on.`;
-  const wanted = test.vehicles.filter((seat) => seat.phase === 'changing').length;
+  const wanted = test.vehicles.filter((slot) => slot.phase === 'changing').length;
   if (wanted > 0) return `${run} waits for ${wanted === 1 ? 'a battery' : `${wanted} batteries`}.`;
   if (test.expectedEnd_ms === null) return `${run} has begun; its end cannot be told yet.`;
   return `${run} should end at ${format.clock(test.expectedEnd_ms)}, in ${format.lasting(test.expectedEnd_ms - now_ms)}.`;

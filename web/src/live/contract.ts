@@ -278,9 +278,9 @@ export interface BatteryTest {
   share: number;
   expectedEnd_ms: number | null;
   done: boolean;
-  vehicles: readonly BatterySeat[];
+  vehicles: readonly BatterySlot[];
 }
-export interface BatterySeat {
+export interface BatterySlot {
   id: string;
   battery: string;
   phase: 'changing' | 'ready' | 'running' | 'paused' | 'ended';

@@ -52,8 +52,8 @@ std::string command_json(const char* command, const wire::VehicleId& vehicle, st
 
 LiveRuns::LiveRuns(LiveRunsOptions options) : options_{std::move(options)} {
   for (const wire::VehicleId& vehicle : options_.vehicles) {
-    seats_.emplace_back();
-    seats_.back().vehicle = vehicle;
+    slots_.emplace_back();
+    slots_.back().vehicle = vehicle;
   }
   for (std::size_t run = 0; run < options_.runs; ++run) to_drive_.push_back(run);
 }
@@ -71,8 +71,8 @@ void LiveRuns::on_message(SimTime now, std::string_view topic, std::string_view 
   if (topic == options_.truth_topic) return on_truth(now, payload);
   const auto vehicle = wire::parse_own_topic(wire::estimate_answer_topic_prefix, topic);
   if (!vehicle) return;
-  const auto seat = std::ranges::find(seats_, *vehicle, &Seat::vehicle);
-  if (seat != seats_.end()) on_answer(now, *seat, payload);
+  const auto slot = std::ranges::find(slots_, *vehicle, &Slot::vehicle);
+  if (slot != slots_.end()) on_answer(now, *slot, payload);
 }
 
 void LiveRuns::on_truth(SimTime now, std::string_view payload) {
@@ -90,132 +90,132 @@ void LiveRuns::on_truth(SimTime now, std::string_view payload) {
     const auto y = line.number("y");
     const auto heading = line.number("heading");
     if (!x || !y || !heading || !std::isfinite(*x) || !std::isfinite(*y) || !std::isfinite(*heading)) continue;
-    for (Seat& seat : seats_) {
-      if (!is_of(line, seat.vehicle) || (!seat.truth.empty() && *at <= seat.truth.back().at)) continue;
-      if (!seat.run && seat.truth.size() >= fixes_before) seat.truth.erase(seat.truth.begin());
-      seat.truth.push_back({*at, {*x, *y, wrap_angle(*heading)}});
-      seat.truth_heard = now;
+    for (Slot& slot : slots_) {
+      if (!is_of(line, slot.vehicle) || (!slot.truth.empty() && *at <= slot.truth.back().at)) continue;
+      if (!slot.run && slot.truth.size() >= fixes_before) slot.truth.erase(slot.truth.begin());
+      slot.truth.push_back({*at, {*x, *y, wrap_angle(*heading)}});
+      slot.truth_heard = now;
     }
   }
 }
 
-void LiveRuns::on_answer(SimTime now, Seat& seat, std::string_view payload) {
-  if (!seat.run || !seat.waiting) return;
+void LiveRuns::on_answer(SimTime now, Slot& slot, std::string_view payload) {
+  if (!slot.run || !slot.waiting) return;
   const auto answer = wire::estimate_answer_from_json(payload);
-  if (!answer || answer->session != seat.session || answer->sequence != seat.sequence) return;
-  seat.waiting = false;
-  seat.heard = now;
-  if (!answer->fault.empty()) return begin_anew(seat, answer->fault);
+  if (!answer || answer->session != slot.session || answer->sequence != slot.sequence) return;
+  slot.waiting = false;
+  slot.heard = now;
+  if (!answer->fault.empty()) return begin_anew(slot, answer->fault);
   if (map_id_.empty()) map_id_ = answer->map_id;
   if (answer->map_id != map_id_)
-    return lose(seat, "it drives in zone '" + answer->map_id + "', the runs before it were in '" + map_id_ + "'");
-  const double before_m = seat.run->travelled_m();
-  seat.run->add(*answer);
-  if (seat.run->travelled_m() - before_m > 0.0 || seat.sequence == 1) seat.moved = now;
+    return lose(slot, "it drives in zone '" + answer->map_id + "', the runs before it were in '" + map_id_ + "'");
+  const double before_m = slot.run->travelled_m();
+  slot.run->add(*answer);
+  if (slot.run->travelled_m() - before_m > 0.0 || slot.sequence == 1) slot.moved = now;
 }
 
-void LiveRuns::begin(SimTime now, Seat& seat, Answers& answers) {
-  if (!seat.run) {
-    seat.index = to_drive_.front();
+void LiveRuns::begin(SimTime now, Slot& slot, Answers& answers) {
+  if (!slot.run) {
+    slot.index = to_drive_.front();
     to_drive_.pop_front();
-    seat.begun = 0;
+    slot.begun = 0;
   }
-  const std::uint64_t seed = options_.seed + seat.index;
+  const std::uint64_t seed = options_.seed + slot.index;
   // As it is told: the file that is written does not depend on who was first.
-  seat.run.emplace("run " + std::to_string(seat.index + 1) + ", " + to_string(seat.vehicle), seat.vehicle, seed,
+  slot.run.emplace("run " + std::to_string(slot.index + 1) + ", " + to_string(slot.vehicle), slot.vehicle, seed,
                    options_.particles, options_.horizon);
-  ++seat.begun;
-  seat.session = options_.name + "/" + std::to_string(++sessions_);
-  seat.sequence = 0;
-  seat.waiting = false;
-  seat.heard = seat.moved = now;
+  ++slot.begun;
+  slot.session = options_.name + "/" + std::to_string(++sessions_);
+  slot.sequence = 0;
+  slot.waiting = false;
+  slot.heard = slot.moved = now;
   // AIV.move: whoever stands goes on, and as fast as is wanted.
-  answers.commands.push_back(command_json("restart", seat.vehicle, std::nullopt));
-  if (options_.speed_mps) answers.commands.push_back(command_json("limit", seat.vehicle, options_.speed_mps));
-  ask(now, seat, answers);
+  answers.commands.push_back(command_json("restart", slot.vehicle, std::nullopt));
+  if (options_.speed_mps) answers.commands.push_back(command_json("limit", slot.vehicle, options_.speed_mps));
+  ask(now, slot, answers);
 }
 
-void LiveRuns::ask(SimTime now, Seat& seat, Answers& answers) {
-  if (seat.waiting)
+void LiveRuns::ask(SimTime now, Slot& slot, Answers& answers) {
+  if (slot.waiting)
     ++repeated_;
   else
-    ++seat.sequence;
-  seat.waiting = true;
-  seat.asked = now;
-  const wire::EstimateRequest request{seat.session,
-                                      seat.sequence,
-                                      seat.sequence == 1 ? options_.algorithms : std::vector<std::string>{},
-                                      options_.seed + seat.index,
+    ++slot.sequence;
+  slot.waiting = true;
+  slot.asked = now;
+  const wire::EstimateRequest request{slot.session,
+                                      slot.sequence,
+                                      slot.sequence == 1 ? options_.algorithms : std::vector<std::string>{},
+                                      options_.seed + slot.index,
                                       options_.particles,
                                       options_.horizon};
   answers.messages.push_back(
-      {wire::own_topic(wire::estimate_request_topic_prefix, seat.vehicle), to_json(request), 0, false});
+      {wire::own_topic(wire::estimate_request_topic_prefix, slot.vehicle), to_json(request), 0, false});
 }
 
-void LiveRuns::begin_anew(Seat& seat, const std::string& why) {
-  if (seat.begun >= begun_max) return lose(seat, why);
-  words_.push_back(to_string(seat.vehicle) + " drives run " + std::to_string(seat.index + 1) + " anew: " + why);
-  seat.session.clear();
+void LiveRuns::begin_anew(Slot& slot, const std::string& why) {
+  if (slot.begun >= begun_max) return lose(slot, why);
+  words_.push_back(to_string(slot.vehicle) + " drives run " + std::to_string(slot.index + 1) + " anew: " + why);
+  slot.session.clear();
 }
 
-void LiveRuns::lose(Seat& seat, const std::string& why) {
-  losses_.push_back(to_string(seat.vehicle) + ": " + why);
+void LiveRuns::lose(Slot& slot, const std::string& why) {
+  losses_.push_back(to_string(slot.vehicle) + ": " + why);
   words_.push_back("lost " + losses_.back());
-  if (seat.run) to_drive_.push_front(seat.index);
-  seat.run.reset();
-  seat.lost = true;
+  if (slot.run) to_drive_.push_front(slot.index);
+  slot.run.reset();
+  slot.lost = true;
 }
 
-std::optional<std::string> LiveRuns::missing(SimTime now, const Seat& seat) const {
+std::optional<std::string> LiveRuns::missing(SimTime now, const Slot& slot) const {
   const std::string seconds = std::to_string(options_.timeout / std::chrono::seconds{1}) + " s";
-  if (now - seat.heard > options_.timeout)
+  if (now - slot.heard > options_.timeout)
     return "it has not answered for " + seconds + "; is it online, and of this version?";
-  const SimTime truth = std::max(seat.truth_heard.value_or(*began_), *began_);
+  const SimTime truth = std::max(slot.truth_heard.value_or(*began_), *began_);
   if (now - truth > options_.timeout)
     return "nobody has said on " + options_.truth_topic + " for " + seconds + " where it truly is";
   if (!map_id_.empty() && zones_.find(map_id_) == zones_.end() && now - *began_ > options_.timeout)
     return "it drives in zone '" + map_id_ + "', which nobody hands out";
-  if (now - seat.moved > options_.standing_max)
+  if (now - slot.moved > options_.standing_max)
     return "it has not moved for " + std::to_string(options_.standing_max / std::chrono::seconds{1}) + " s";
   return std::nullopt;
 }
 
-void LiveRuns::look_after(SimTime now, Seat& seat, Answers& answers) {
-  if (!seat.run) {
-    if (!to_drive_.empty()) begin(now, seat, answers);
+void LiveRuns::look_after(SimTime now, Slot& slot, Answers& answers) {
+  if (!slot.run) {
+    if (!to_drive_.empty()) begin(now, slot, answers);
     return;
   }
-  if (seat.session.empty()) {
-    if (now - seat.heard >= rest_before_anew) begin(now, seat, answers);
+  if (slot.session.empty()) {
+    if (now - slot.heard >= rest_before_anew) begin(now, slot, answers);
     return;
   }
-  if (seat.run->travelled_m() >= options_.way_m) {
-    const auto last = seat.run->last_moment();
-    const bool known = last && !seat.truth.empty() && seat.truth.back().at >= *last;
-    if (known || now - seat.heard > last_truth_max) complete(seat);
+  if (slot.run->travelled_m() >= options_.way_m) {
+    const auto last = slot.run->last_moment();
+    const bool known = last && !slot.truth.empty() && slot.truth.back().at >= *last;
+    if (known || now - slot.heard > last_truth_max) complete(slot);
     return;
   }
-  if (const auto why = missing(now, seat)) return lose(seat, *why);
+  if (const auto why = missing(now, slot)) return lose(slot, *why);
   const auto period = from_seconds(1.0 / options_.rate_hz);
-  if (now - seat.asked >= (seat.waiting ? std::max(repeat_after, period) : period)) ask(now, seat, answers);
+  if (now - slot.asked >= (slot.waiting ? std::max(repeat_after, period) : period)) ask(now, slot, answers);
 }
 
-void LiveRuns::complete(Seat& seat) {
+void LiveRuns::complete(Slot& slot) {
   const auto zone = zones_.find(map_id_);
-  if (zone == zones_.end()) return lose(seat, "it drives in zone '" + map_id_ + "', which nobody hands out");
-  auto lived = std::move(*seat.run).finish(zone->second, seat.truth, options_.gap_max, without_truth_);
-  if (!lived) return lose(seat, to_string(lived.error()));
-  complete_[seat.index] = std::make_shared<const LivedRun>(std::move(*lived));
-  seat.run.reset();
-  if (seat.truth.size() > fixes_before)
-    seat.truth.erase(seat.truth.begin(), seat.truth.end() - static_cast<std::ptrdiff_t>(fixes_before));
+  if (zone == zones_.end()) return lose(slot, "it drives in zone '" + map_id_ + "', which nobody hands out");
+  auto lived = std::move(*slot.run).finish(zone->second, slot.truth, options_.gap_max, without_truth_);
+  if (!lived) return lose(slot, to_string(lived.error()));
+  complete_[slot.index] = std::make_shared<const LivedRun>(std::move(*lived));
+  slot.run.reset();
+  if (slot.truth.size() > fixes_before)
+    slot.truth.erase(slot.truth.begin(), slot.truth.end() - static_cast<std::ptrdiff_t>(fixes_before));
 }
 
 LiveRuns::Answers LiveRuns::tick(SimTime now) {
   if (!began_) began_ = now;
   Answers answers;
-  for (Seat& seat : seats_) {
-    if (!seat.lost && !given_up_) look_after(now, seat, answers);
+  for (Slot& slot : slots_) {
+    if (!slot.lost && !given_up_) look_after(now, slot, answers);
   }
   answers.words = std::exchange(words_, {});
   return answers;
@@ -225,7 +225,7 @@ void LiveRuns::give_up() { given_up_ = true; }
 
 bool LiveRuns::done() const {
   if (given_up_ || complete_.size() == options_.runs) return true;
-  return std::ranges::all_of(seats_, &Seat::lost);
+  return std::ranges::all_of(slots_, &Slot::lost);
 }
 
 std::vector<std::shared_ptr<const LivedRun>> LiveRuns::take_runs() {
@@ -240,8 +240,8 @@ LiveRuns::Progress LiveRuns::progress(SimTime now) const {
   Progress progress;
   progress.complete = complete_.size();
   double driven = static_cast<double>(complete_.size());
-  for (const Seat& seat : seats_)
-    if (seat.run) driven += std::fmin(seat.run->travelled_m() / options_.way_m, 1.0);
+  for (const Slot& slot : slots_)
+    if (slot.run) driven += std::fmin(slot.run->travelled_m() / options_.way_m, 1.0);
   progress.share = driven / static_cast<double>(options_.runs);
   if (began_ && progress.share > 0.0)
     progress.left_s = to_seconds(now - *began_) * (1.0 - progress.share) / progress.share;

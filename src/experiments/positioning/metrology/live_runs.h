@@ -78,7 +78,7 @@ class LiveRuns {
   [[nodiscard]] Progress progress(SimTime now) const;
 
  private:
-  struct Seat {
+  struct Slot {
     wire::VehicleId vehicle;
     bool lost{false};
     std::vector<TrueFix> truth;  ///< since its run began
@@ -94,17 +94,17 @@ class LiveRuns {
     unsigned begun{};  ///< times that this run was
   };
   void on_truth(SimTime now, std::string_view payload);
-  void on_answer(SimTime now, Seat& seat, std::string_view payload);
-  void begin(SimTime now, Seat& seat, Answers& answers);
-  void ask(SimTime now, Seat& seat, Answers& answers);
-  void begin_anew(Seat& seat, const std::string& why);
-  void look_after(SimTime now, Seat& seat, Answers& answers);
-  void complete(Seat& seat);
-  void lose(Seat& seat, const std::string& why);
-  [[nodiscard]] std::optional<std::string> missing(SimTime now, const Seat& seat) const;
+  void on_answer(SimTime now, Slot& slot, std::string_view payload);
+  void begin(SimTime now, Slot& slot, Answers& answers);
+  void ask(SimTime now, Slot& slot, Answers& answers);
+  void begin_anew(Slot& slot, const std::string& why);
+  void look_after(SimTime now, Slot& slot, Answers& answers);
+  void complete(Slot& slot);
+  void lose(Slot& slot, const std::string& why);
+  [[nodiscard]] std::optional<std::string> missing(SimTime now, const Slot& slot) const;
 
   LiveRunsOptions options_;
-  std::vector<Seat> seats_;
+  std::vector<Slot> slots_;
   std::deque<std::size_t> to_drive_;
   std::map<std::size_t, std::shared_ptr<const LivedRun>> complete_;
   std::map<std::string, std::shared_ptr<const zone::TrafficZone>, std::less<>> zones_;

@@ -67,8 +67,8 @@ Result<std::string> BatteryTestRelay::on_message(const wire::Input& input) {
     const std::string words = another ? "run " + std::to_string(test->run) + " of " + std::to_string(test->runs) : "";
     test_ = std::move(*test);
     if (another) {
-      for (const wire::BatteryTest::Seat& seat : test_->vehicles)
-        if (const auto curve = curves_.find(seat.vehicle); curve != curves_.end())
+      for (const wire::BatteryTest::Slot& slot : test_->vehicles)
+        if (const auto curve = curves_.find(slot.vehicle); curve != curves_.end())
           curve->second.forget_before(test_->began);
     }
     return words;
@@ -149,12 +149,12 @@ void BatteryTestRelay::write_test(JsonWriter& json) const {
   else
     json.null();
   json.field("done", test_->done).key("vehicles").begin_array();
-  for (const wire::BatteryTest::Seat& seat : test_->vehicles) {
-    json.begin_object().field("id", seat.vehicle).field("battery", seat.battery).field("phase", to_string(seat.phase));
-    text_or_null(json, "stop", seat.stop);
-    json.field("autonomy_s", rounded(seat.autonomy_s, 10.0)).key("charge");
-    if (seat.charge_percent)
-      json.value(rounded(*seat.charge_percent, 1000.0));
+  for (const wire::BatteryTest::Slot& slot : test_->vehicles) {
+    json.begin_object().field("id", slot.vehicle).field("battery", slot.battery).field("phase", to_string(slot.phase));
+    text_or_null(json, "stop", slot.stop);
+    json.field("autonomy_s", rounded(slot.autonomy_s, 10.0)).key("charge");
+    if (slot.charge_percent)
+      json.value(rounded(*slot.charge_percent, 1000.0));
     else
       json.null();
     json.end_object();
