@@ -165,9 +165,9 @@ class Tour {
       if (before != id && std::find(rivals.begin(), rivals.end(), before) == rivals.end()) rivals.push_back(before);
   }
 
-  void command(std::string_view verb, std::string_view key, std::string_view value) {
+  void command(std::string_view name, std::string_view key, std::string_view value) {
     JsonWriter json;
-    json.begin_object().field("command", verb).field("vehicle", "CoSiVA/AIV1").field(key, value).end_object();
+    json.begin_object().field("command", name).field("vehicle", "CoSiVA/AIV1").field(key, value).end_object();
     world_->command_server(json.take());
   }
 

@@ -30,29 +30,29 @@ constexpr const char* about =
 constexpr const char* exit_codes = "Exit status: 0 done, 1 the run's own checks failed, 2 bad usage or bad input.";
 
 /// All options of a verb, for the "did you mean".
-std::vector<std::string> option_names(const CLI::App& verb) {
+std::vector<std::string> option_names(const CLI::App& command) {
   std::vector<std::string> names;
-  for (const CLI::Option* option : verb.get_options()) {
+  for (const CLI::Option* option : command.get_options()) {
     for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
   }
   return names;
 }
 
 /// As one types it, such as `cosiva zone check`.
-std::string typed(const CLI::App& verb) {
-  return verb.get_parent() == nullptr ? "cosiva" : typed(*verb.get_parent()) + " " + verb.get_name();
+std::string typed(const CLI::App& command) {
+  return command.get_parent() == nullptr ? "cosiva" : typed(*command.get_parent()) + " " + command.get_name();
 }
 
-int refuse(const std::string& message, const CLI::App& verb) {
-  const std::string name = typed(verb);
+int refuse(const std::string& message, const CLI::App& command) {
+  const std::string name = typed(command);
   say(name + ": " + message);
   say("`" + name + " --help` tells what there is");
   return exit_bad_input;
 }
 
 int refuse_unknown(const CLI::App& root) {
-  const CLI::App* verb = &root;
-  while (!verb->get_subcommands().empty()) verb = verb->get_subcommands().front();
+  const CLI::App* command = &root;
+  while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
   std::vector<std::string> unknown = root.remaining(true);
   // What follows an unknown verb, and the value after an unknown option, are unknown too; that is no second news.
   const auto is_option = [](const std::string& word) { return word.starts_with('-'); };
@@ -64,13 +64,13 @@ int refuse_unknown(const CLI::App& root) {
   std::string message;
   for (const std::string& word : unknown) {
     message += (message.empty() ? "'" : "\n  '") + word + "' is unknown";
-    std::vector<std::string> candidates = option_names(*verb);
-    for (const CLI::App* sub : verb->get_subcommands([](const CLI::App*) { return true; }))
+    std::vector<std::string> candidates = option_names(*command);
+    for (const CLI::App* sub : command->get_subcommands([](const CLI::App*) { return true; }))
       candidates.push_back(sub->get_name());
     if (const std::string near = nearest_word(word, candidates); !near.empty())
       message += "; did you mean '" + near + "'?";
   }
-  return refuse(message, *verb);
+  return refuse(message, *command);
 }
 
 }  // namespace
@@ -89,19 +89,19 @@ int run_command_line(int argc, const char* const* argv) {
   FleetTrafficArguments traffic;
   CapacityArguments capacity;
   QualifyArguments qualify;
-  const PlatformVerbs platform_verbs = describe_platform(root, platform);
-  CLI::App* traffic_verb = describe_traffic(root, traffic);
-  CLI::App* capacity_verb = describe_capacity(root, capacity);
-  const ZoneVerbs zone_verbs = describe_zone(root, zone, generate);
-  const ScenarioVerbs scenario_verbs = describe_scenario(root, scenario);
-  const AgentVerbs agent_verbs = describe_agent(root, agent);
+  const PlatformCommands platform_commands = describe_platform(root, platform);
+  CLI::App* traffic_command = describe_traffic(root, traffic);
+  CLI::App* capacity_command = describe_capacity(root, capacity);
+  const ZoneCommands zone_commands = describe_zone(root, zone, generate);
+  const ScenarioCommands scenario_commands = describe_scenario(root, scenario);
+  const AgentCommands agent_commands = describe_agent(root, agent);
   BatteryArguments battery;
-  const BatteryVerbs battery_verbs = describe_battery(root, battery);
-  const QualifyVerbs qualify_verbs = describe_qualify(root, qualify);
+  const BatteryCommands battery_commands = describe_battery(root, battery);
+  const QualifyCommands qualify_commands = describe_qualify(root, qualify);
   CampaignArguments campaign;
-  CLI::App* campaign_verb = describe_campaign(root, campaign);
+  CLI::App* campaign_command = describe_campaign(root, campaign);
   GvsArguments gvs;
-  const GvsVerbs gvs_verbs = describe_gvs(root, gvs);
+  const GvsCommands gvs_commands = describe_gvs(root, gvs);
 
   try {
     root.parse(argc, argv);
@@ -111,29 +111,29 @@ int run_command_line(int argc, const char* const* argv) {
     root.exit(asked);  // --help, --version: to standard output
     return exit_done;
   } catch (const CLI::ParseError& error) {
-    const CLI::App* verb = &root;
-    while (!verb->get_subcommands().empty()) verb = verb->get_subcommands().front();
-    return refuse(error.what(), *verb);
+    const CLI::App* command = &root;
+    while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
+    return refuse(error.what(), *command);
   }
 
-  if (const auto status = run_platform_verb(platform_verbs, platform)) return *status;
-  if (traffic_verb->parsed()) return run_traffic(traffic);
-  if (capacity_verb->parsed()) return run_capacity(capacity);
-  if (campaign_verb->parsed()) return run_campaign(campaign);
-  if (const auto status = run_zone_verb(zone_verbs, zone, generate)) return *status;
-  if (const auto status = run_agent_verb(agent_verbs, agent)) return *status;
-  if (const auto status = run_battery_verb(battery_verbs, battery)) return *status;
-  if (battery_verbs.battery->parsed())
+  if (const auto status = run_platform_command(platform_commands, platform)) return *status;
+  if (traffic_command->parsed()) return run_traffic(traffic);
+  if (capacity_command->parsed()) return run_capacity(capacity);
+  if (campaign_command->parsed()) return run_campaign(campaign);
+  if (const auto status = run_zone_command(zone_commands, zone, generate)) return *status;
+  if (const auto status = run_agent_command(agent_commands, agent)) return *status;
+  if (const auto status = run_battery_command(battery_commands, battery)) return *status;
+  if (battery_commands.battery->parsed())
     return refuse("say what to do: sampled, fleet, fit, ready, plan, discharge, analyse, compare or check",
-                  *battery_verbs.battery);
-  if (const auto status = run_qualify_verb(qualify_verbs, qualify, argc, argv)) return *status;
-  if (const auto status = run_gvs_verb(gvs_verbs, gvs)) return *status;
-  if (gvs_verbs.gvs->parsed()) return refuse("say what to do: calibrate, track, render or watch", *gvs_verbs.gvs);
-  if (agent_verbs.agent->parsed()) return refuse("say what to do: explain or surface", *agent_verbs.agent);
-  if (const auto status = run_scenario_verb(scenario_verbs, scenario)) return *status;
-  if (scenario_verbs.scenario->parsed()) return refuse("say what to do: check or list", *scenario_verbs.scenario);
-  if (zone_verbs.zone->parsed())
-    return refuse("say what to do: check, show, convert, generate or switch", *zone_verbs.zone);
+                  *battery_commands.battery);
+  if (const auto status = run_qualify_command(qualify_commands, qualify, argc, argv)) return *status;
+  if (const auto status = run_gvs_command(gvs_commands, gvs)) return *status;
+  if (gvs_commands.gvs->parsed()) return refuse("say what to do: calibrate, track, render or watch", *gvs_commands.gvs);
+  if (agent_commands.agent->parsed()) return refuse("say what to do: explain or surface", *agent_commands.agent);
+  if (const auto status = run_scenario_command(scenario_commands, scenario)) return *status;
+  if (scenario_commands.scenario->parsed()) return refuse("say what to do: check or list", *scenario_commands.scenario);
+  if (zone_commands.zone->parsed())
+    return refuse("say what to do: check, show, convert, generate or switch", *zone_commands.zone);
   print(root.help());
   return exit_done;
 }

@@ -28,24 +28,24 @@ TEST(CommandLine, bare_shows_what_there_is_with_two_examples) {
   EXPECT_THAT(said.data, HasSubstr("replay"));
 }
 
-TEST(CommandLine, help_of_each_verb_goes_to_standard_output) {
-  for (const char* verb :
+TEST(CommandLine, help_of_each_command_goes_to_standard_output) {
+  for (const char* command :
        {"up", "server", "plant", "aiv", "replay", "zone", "scenario", "agent", "qualify", "compare"}) {
-    const Said said = cosiva({verb, "--help"});
-    EXPECT_EQ(said.status, 0) << verb;
-    EXPECT_THAT(said.data, HasSubstr("--help")) << verb;
-    EXPECT_EQ(said.words, "") << verb;
+    const Said said = cosiva({command, "--help"});
+    EXPECT_EQ(said.status, 0) << command;
+    EXPECT_THAT(said.data, HasSubstr("--help")) << command;
+    EXPECT_EQ(said.words, "") << command;
   }
-  for (const char* verb : {"up", "server", "plant", "aiv", "scenario", "agent"})
-    EXPECT_THAT(cosiva({verb, "--help"}).data, HasSubstr(std::string("cosiva ") + verb + " ")) << "an example";
+  for (const char* command : {"up", "server", "plant", "aiv", "scenario", "agent"})
+    EXPECT_THAT(cosiva({command, "--help"}).data, HasSubstr(std::string("cosiva ") + command + " ")) << "an example";
   EXPECT_THAT(cosiva({"--version"}).data, HasSubstr("cosiva 0."));
 }
 
 TEST(CommandLine, wrong_words_end_with_2_and_the_nearest_right_one) {
-  const Said verb = cosiva({"serve"});
-  EXPECT_EQ(verb.status, 2);
-  EXPECT_THAT(verb.words, HasSubstr("did you mean 'server'?"));
-  EXPECT_EQ(verb.data, "");
+  const Said command = cosiva({"serve"});
+  EXPECT_EQ(command.status, 2);
+  EXPECT_THAT(command.words, HasSubstr("did you mean 'server'?"));
+  EXPECT_EQ(command.data, "");
   const Said option = cosiva({"up", "--duraton", "3"});
   EXPECT_EQ(option.status, 2);
   EXPECT_THAT(option.words, HasSubstr("did you mean '--duration'?"));

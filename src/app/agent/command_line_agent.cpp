@@ -27,11 +27,11 @@ constexpr const char* surface_examples =
     "  cosiva agent surface --x gap --y closing --out surface.svg\n"
     "  cosiva agent surface --rules my.fll --x gap --y charge --instruction fast --out surface.png";
 
-void add_inputs(CLI::App& verb, AgentArguments& agent) {
-  verb.add_option("--rules", agent.rules, "rules to look at: a file, or fuzzy, the built-in ones")
+void add_inputs(CLI::App& command, AgentArguments& agent) {
+  command.add_option("--rules", agent.rules, "rules to look at: a file, or fuzzy, the built-in ones")
       ->type_name("FILE")
       ->capture_default_str();
-  verb.add_option("--instruction", agent.instruction, "what the operator asks for: stop, slow, medium, fast or none")
+  command.add_option("--instruction", agent.instruction, "what the operator asks for: stop, slow, medium, fast or none")
       ->type_name("WORD")
       ->capture_default_str();
   CLI::Option* closing = nullptr;
@@ -41,52 +41,52 @@ void add_inputs(CLI::App& verb, AgentArguments& agent) {
     const aiv::AgentInputFacts& facts = aiv::facts_of(input);
     std::string what(facts.meaning);
     if (!facts.unit.empty()) what += " [" + std::string(facts.unit) + "]";
-    CLI::Option* option = verb.add_option("--" + std::string(facts.name), agent.inputs[i], what);
+    CLI::Option* option = command.add_option("--" + std::string(facts.name), agent.inputs[i], what);
     option->type_name("N")->capture_default_str();
     if (input == aiv::AgentInput::closing) closing = option;
   }
-  verb.add_option("--speed", agent.speed_mps, "in place of --closing: its own speed, towards a body that stands [m/s]")
+  command.add_option("--speed", agent.speed_mps, "in place of --closing: its own speed, towards a body that stands [m/s]")
       ->type_name("N")
       ->check(CLI::Range(0.0, 100.0))
       ->excludes(closing);
-  verb.add_option("--zone", agent.zone, "with --speed: where it drives, for the medium speed there")
+  command.add_option("--zone", agent.zone, "with --speed: where it drives, for the medium speed there")
       ->type_name("NAME|FILE")
       ->capture_default_str();
-  verb.add_flag("--json", agent.json, "print the result as JSON");
+  command.add_flag("--json", agent.json, "print the result as JSON");
 }
 
 }  // namespace
 
-AgentVerbs describe_agent(CLI::App& root, AgentArguments& agent) {
-  AgentVerbs verbs{};
-  verbs.agent = root.add_subcommand("agent", "Look at how an AIV chooses its speed: its fuzzy rules");
-  verbs.agent->require_subcommand(0, 1);
-  verbs.agent->footer(agent_examples);
-  verbs.explain =
-      verbs.agent->add_subcommand("explain", "Say which rules fire in a situation, why, and what comes of it");
-  verbs.surface = verbs.agent->add_subcommand("surface", "Draw what the rules say over two of their inputs");
-  for (CLI::App* verb : {verbs.explain, verbs.surface}) add_inputs(*verb, agent);
-  verbs.explain->add_option("--present", agent.present, "the profile that it drives by; without: none")
+AgentCommands describe_agent(CLI::App& root, AgentArguments& agent) {
+  AgentCommands commands{};
+  commands.agent = root.add_subcommand("agent", "Look at how an AIV chooses its speed: its fuzzy rules");
+  commands.agent->require_subcommand(0, 1);
+  commands.agent->footer(agent_examples);
+  commands.explain =
+      commands.agent->add_subcommand("explain", "Say which rules fire in a situation, why, and what comes of it");
+  commands.surface = commands.agent->add_subcommand("surface", "Draw what the rules say over two of their inputs");
+  for (CLI::App* command : {commands.explain, commands.surface}) add_inputs(*command, agent);
+  commands.explain->add_option("--present", agent.present, "the profile that it drives by; without: none")
       ->type_name("WORD");
-  verbs.explain->add_flag("--all", agent.every_rule, "the rules that did not fire, too");
-  verbs.explain->footer(explain_examples);
-  verbs.surface->add_option("--x", agent.x, "the input that goes across")->type_name("INPUT")->capture_default_str();
-  verbs.surface->add_option("--y", agent.y, "the input that goes up")->type_name("INPUT")->capture_default_str();
-  verbs.surface->add_option("--of", agent.of, "what is drawn: speed, which decides, or one of the rules' outputs")
+  commands.explain->add_flag("--all", agent.every_rule, "the rules that did not fire, too");
+  commands.explain->footer(explain_examples);
+  commands.surface->add_option("--x", agent.x, "the input that goes across")->type_name("INPUT")->capture_default_str();
+  commands.surface->add_option("--y", agent.y, "the input that goes up")->type_name("INPUT")->capture_default_str();
+  commands.surface->add_option("--of", agent.of, "what is drawn: speed, which decides, or one of the rules' outputs")
       ->type_name("OUTPUT")
       ->capture_default_str();
-  verbs.surface->add_option("--out", agent.out_file, "a picture, .svg or .png; without: as text")->type_name("FILE");
-  verbs.surface->add_option("--width", agent.width_px, "of a PNG")
+  commands.surface->add_option("--out", agent.out_file, "a picture, .svg or .png; without: as text")->type_name("FILE");
+  commands.surface->add_option("--width", agent.width_px, "of a PNG")
       ->type_name("PX")
       ->check(CLI::Range(16, 16384))
       ->capture_default_str();
-  verbs.surface->footer(surface_examples);
-  return verbs;
+  commands.surface->footer(surface_examples);
+  return commands;
 }
 
-std::optional<int> run_agent_verb(const AgentVerbs& verbs, const AgentArguments& agent) {
-  if (verbs.explain->parsed()) return run_agent_explain(agent);
-  if (verbs.surface->parsed()) return run_agent_surface(agent);
+std::optional<int> run_agent_command(const AgentCommands& commands, const AgentArguments& agent) {
+  if (commands.explain->parsed()) return run_agent_explain(agent);
+  if (commands.surface->parsed()) return run_agent_surface(agent);
   return std::nullopt;
 }
 

@@ -9,15 +9,15 @@
 namespace cosiva::app {
 
 /// `cosiva agent` and its verbs.
-struct AgentVerbs {
+struct AgentCommands {
   CLI::App* agent;
   CLI::App* explain;
   CLI::App* surface;
 };
 
-[[nodiscard]] AgentVerbs describe_agent(CLI::App& root, AgentArguments& agent);
+[[nodiscard]] AgentCommands describe_agent(CLI::App& root, AgentArguments& agent);
 
 /// The exit status of the one that was asked for, if any.
-[[nodiscard]] std::optional<int> run_agent_verb(const AgentVerbs& verbs, const AgentArguments& agent);
+[[nodiscard]] std::optional<int> run_agent_command(const AgentCommands& commands, const AgentArguments& agent);
 
 }  // namespace cosiva::app

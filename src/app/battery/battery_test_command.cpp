@@ -109,13 +109,13 @@ struct Outcome {
   std::string load;
 };
 
-std::string again(const BatteryTestArguments& arguments, const std::string& verb) {
-  std::string text = "cosiva battery " + verb + " --zone " + arguments.zone + " --type " + arguments.type +
+std::string again(const BatteryTestArguments& arguments, const std::string& command) {
+  std::string text = "cosiva battery " + command + " --zone " + arguments.zone + " --type " + arguments.type +
                      " --floor " + decimals(arguments.floor_percent, 1) + " --repeat " +
                      std::to_string(arguments.repeat) + " --gauge " + arguments.gauge + " --ambient " +
                      decimals(arguments.ambient_c, 1) + " --load-spread " + decimals(arguments.load_sd_percent, 2) +
                      " --measure " + decimals(arguments.measure_s, 0) + " --seed " + std::to_string(arguments.seed);
-  if (verb == "fleet") text += " --aivs " + std::to_string(arguments.aivs) + (arguments.swap ? " --swap" : "");
+  if (command == "fleet") text += " --aivs " + std::to_string(arguments.aivs) + (arguments.swap ? " --swap" : "");
   if (arguments.half_width_percent > 0.0) text += " --half-width " + decimals(arguments.half_width_percent, 3);
   if (arguments.series > 0) text += " --series " + std::to_string(arguments.series);
   if (arguments.parallel > 0) text += " --parallel " + std::to_string(arguments.parallel);
@@ -129,7 +129,7 @@ std::string again(const BatteryTestArguments& arguments, const std::string& verb
   return text;
 }
 
-Result<void> write_report(const BatteryTestArguments& arguments, const std::string& verb, const Outcome& outcome,
+Result<void> write_report(const BatteryTestArguments& arguments, const std::string& command, const Outcome& outcome,
                           const VirtualRigOptions& options, const experiments::AutonomyFigures& figures,
                           const std::string& json) {
   const battery::PackDesign& design = options.battery.design;
@@ -138,7 +138,7 @@ Result<void> write_report(const BatteryTestArguments& arguments, const std::stri
                                            decimals(options.battery.type.capacity_ah * design.scale, 2) + " Ah",
                                        options.battery.type.source,
                                        options.battery.type.licence,
-                                       again(arguments, verb),
+                                       again(arguments, command),
                                        outcome.load,
                                        options.procedure.floor};
   return adapters::write_files(
@@ -250,7 +250,7 @@ Result<Outcome> run_somehow(const BatteryTestArguments& arguments, const Virtual
                          : run_measured(arguments, std::move(*world), options);
 }
 
-int run_test(const BatteryTestArguments& arguments, const std::string& verb, std::size_t vehicles) {
+int run_test(const BatteryTestArguments& arguments, const std::string& command, std::size_t vehicles) {
   auto options = rig_options(arguments, vehicles);
   if (!options) return complain(options.error());
   const double half_width = 0.01 * arguments.half_width_percent;
@@ -264,7 +264,7 @@ int run_test(const BatteryTestArguments& arguments, const std::string& verb, std
   const auto figures = experiments::analyse(outcome->records, vehicles, half_width, arguments.seed);
   const std::string json = experiments::to_json(figures, outcome->records, outcome->truth);
   if (!arguments.out_directory.empty()) {
-    if (auto written = write_report(arguments, verb, *outcome, *options, figures, json); !written)
+    if (auto written = write_report(arguments, command, *outcome, *options, figures, json); !written)
       return complain(written.error());
     say("written to " + arguments.out_directory + ": report.html, result.json, curves.csv");
   }

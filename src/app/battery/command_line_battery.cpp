@@ -106,272 +106,272 @@ constexpr const char* check_examples =
     "The form is docs/protocols/battery-type.schema.json. Exit 2 where one is bad.";
 
 /// On a platform that runs, instead of in virtual time.
-void add_live_options(CLI::App& verb, BatteryTestArguments& test) {
-  verb.add_flag("--live", test.live, "on a platform that runs, by its wire, instead of in virtual time");
-  verb.add_option("--url", test.url, "of its server, with --live")->type_name("URL")->capture_default_str();
-  add_broker(verb, test.broker, "127.0.0.1:1883; with --live");
-  verb.add_option("--vehicle", test.vehicles, "whose batteries are tested; without: AIV1, AIV2 …")
+void add_live_options(CLI::App& command, BatteryTestArguments& test) {
+  command.add_flag("--live", test.live, "on a platform that runs, by its wire, instead of in virtual time");
+  command.add_option("--url", test.url, "of its server, with --live")->type_name("URL")->capture_default_str();
+  add_broker(command, test.broker, "127.0.0.1:1883; with --live");
+  command.add_option("--vehicle", test.vehicles, "whose batteries are tested; without: AIV1, AIV2 …")
       ->type_name("MANUFACTURER/SERIAL");
-  verb.add_option("--battery", test.batteries, "what people call each battery, in the vehicles' order")
+  command.add_option("--battery", test.batteries, "what people call each battery, in the vehicles' order")
       ->type_name("ID");
-  verb.add_flag("--by-hand", test.by_hand,
+  command.add_flag("--by-hand", test.by_hand,
                 "people change the batteries, and say so with `cosiva battery ready`; without, the plant is told to");
-  verb.add_option("--park", test.park, "a station where who has ended goes, with --by-hand; without, it stands")
+  command.add_option("--park", test.park, "a station where who has ended goes, with --by-hand; without, it stands")
       ->type_name("STATION");
-  verb.add_option("--lost-after", test.lost_after_s, "without a word from it a vehicle is lost [s]")
+  command.add_option("--lost-after", test.lost_after_s, "without a word from it a vehicle is lost [s]")
       ->type_name("S")
       ->check(CLI::Range(2.0, 86400.0))
       ->capture_default_str();
-  verb.add_option("--notify", test.notify,
+  command.add_option("--notify", test.notify,
                   "told what the operator is told, as the last argument of this shell command (live tests)")
       ->type_name("COMMAND");
 }
 
-void add_test_options(CLI::App& verb, BatteryTestArguments& test) {
-  verb.add_option("--zone", test.zone, "traffic zone: a ready one's name or a file")
+void add_test_options(CLI::App& command, BatteryTestArguments& test) {
+  command.add_option("--zone", test.zone, "traffic zone: a ready one's name or a file")
       ->type_name("NAME|FILE")
       ->capture_default_str();
-  verb.add_option("--type", test.type, "battery type: a shipped one's name (leaf33, lipo850) or a file")
+  command.add_option("--type", test.type, "battery type: a shipped one's name (leaf33, lipo850) or a file")
       ->type_name("NAME|FILE")
       ->capture_default_str();
-  verb.add_option("--series", test.series, "cells in series; without: the type's")
+  command.add_option("--series", test.series, "cells in series; without: the type's")
       ->type_name("N")
       ->check(CLI::Range(1, 100));
-  verb.add_option("--parallel", test.parallel, "cells beside each other; without: the type's")
+  command.add_option("--parallel", test.parallel, "cells beside each other; without: the type's")
       ->type_name("N")
       ->check(CLI::Range(1, 100));
-  verb.add_option("--scale", test.scale, "cells of another size: capacity times this")
+  command.add_option("--scale", test.scale, "cells of another size: capacity times this")
       ->type_name("X")
       ->check(CLI::Range(1e-4, 1e4));
-  verb.add_option("--gauge", test.gauge, "counter, rest or kalman: what the vehicles' gauges do")
+  command.add_option("--gauge", test.gauge, "counter, rest or kalman: what the vehicles' gauges do")
       ->type_name("WORD")
       ->capture_default_str();
-  verb.add_option("--floor", test.floor_percent, "charge at which a run ends [%]")
+  command.add_option("--floor", test.floor_percent, "charge at which a run ends [%]")
       ->type_name("PERCENT")
       ->capture_default_str();
-  verb.add_option("--pause-every", test.pause_every_s, "running time between calibrated pauses [s]; 0: none")
+  command.add_option("--pause-every", test.pause_every_s, "running time between calibrated pauses [s]; 0: none")
       ->type_name("S")
       ->check(CLI::NonNegativeNumber);
-  verb.add_option("--pause", test.pause_s, "length of a pause [s], booked apart")
+  command.add_option("--pause", test.pause_s, "length of a pause [s], booked apart")
       ->type_name("S")
       ->check(CLI::NonNegativeNumber);
-  verb.add_option("--failures", test.failures_per_hour, "other failures, of a vehicle in an hour")
+  command.add_option("--failures", test.failures_per_hour, "other failures, of a vehicle in an hour")
       ->type_name("RATE")
       ->check(CLI::Range(0.0, 1000.0));
-  verb.add_option("--load-spread", test.load_sd_percent, "how much vehicles differ in what they take [%]")
+  command.add_option("--load-spread", test.load_sd_percent, "how much vehicles differ in what they take [%]")
       ->type_name("PERCENT")
       ->check(CLI::Range(0.0, 30.0))
       ->capture_default_str();
-  verb.add_option("--ambient", test.ambient_c, "temperature around the batteries [°C]")
+  command.add_option("--ambient", test.ambient_c, "temperature around the batteries [°C]")
       ->type_name("C")
       ->check(CLI::Range(-30.0, 60.0))
       ->capture_default_str();
-  verb.add_option("--measure", test.measure_s, "so long the whole platform drives to measure the load [s]")
+  command.add_option("--measure", test.measure_s, "so long the whole platform drives to measure the load [s]")
       ->type_name("S")
       ->check(CLI::Range(10.0, 36000.0))
       ->capture_default_str();
-  verb.add_flag("--whole", test.whole,
+  command.add_flag("--whole", test.whole,
                 "the whole platform in the loop to the end, instead of repeating the load that was measured");
-  verb.add_option(
+  command.add_option(
           "--hz", test.hz,
           "with --whole: everybody acts so often in a second; 50 is the live platform's own pace, and what it is "
           "without. At 10 it takes three fifths of the time, and crowded vehicles wait a little longer for each other")
       ->type_name("N")
       ->check(CLI::Range(10.0, 50.0));
-  add_rules(verb, test.rules, "how the AIVs choose their speed (docs/guide/agents.md); without: crisp");
-  verb.add_option("--state", test.state_file, "saved while it runs; where it is there, the test goes on from it")
+  add_rules(command, test.rules, "how the AIVs choose their speed (docs/guide/agents.md); without: crisp");
+  command.add_option("--state", test.state_file, "saved while it runs; where it is there, the test goes on from it")
       ->type_name("FILE");
-  verb.add_option("--out", test.out_directory, "report.html, result.json and curves.csv go there")->type_name("DIR");
-  verb.add_option("--seed", test.seed, "fixes every random draw")->type_name("S")->capture_default_str();
-  verb.add_flag("--json", test.json, "print the result as JSON");
-  add_live_options(verb, test);
+  command.add_option("--out", test.out_directory, "report.html, result.json and curves.csv go there")->type_name("DIR");
+  command.add_option("--seed", test.seed, "fixes every random draw")->type_name("S")->capture_default_str();
+  command.add_flag("--json", test.json, "print the result as JSON");
+  add_live_options(command, test);
 }
 
-void describe_ready(CLI::App& verb, BatteryReadyArguments& ready) {
-  verb.add_option("vehicle", ready.vehicle, "AIV3, or MANUFACTURER/SERIAL")->type_name("VEHICLE")->required();
-  verb.add_option("battery", ready.battery, "the battery's own id")->type_name("ID")->required();
-  verb.add_option("--type", ready.type, "its type")->type_name("NAME")->capture_default_str();
-  verb.add_option("--cycles", ready.cycles, "full ones that it has gone through")
+void describe_ready(CLI::App& command, BatteryReadyArguments& ready) {
+  command.add_option("vehicle", ready.vehicle, "AIV3, or MANUFACTURER/SERIAL")->type_name("VEHICLE")->required();
+  command.add_option("battery", ready.battery, "the battery's own id")->type_name("ID")->required();
+  command.add_option("--type", ready.type, "its type")->type_name("NAME")->capture_default_str();
+  command.add_option("--cycles", ready.cycles, "full ones that it has gone through")
       ->type_name("N")
       ->check(CLI::NonNegativeNumber);
-  verb.add_option("--rest", ready.rest_s, "since it was charged [s]")->type_name("S")->check(CLI::NonNegativeNumber);
-  verb.add_option("--temperature", ready.temperature_c, "of the pack [°C]")
+  command.add_option("--rest", ready.rest_s, "since it was charged [s]")->type_name("S")->check(CLI::NonNegativeNumber);
+  command.add_option("--temperature", ready.temperature_c, "of the pack [°C]")
       ->type_name("C")
       ->check(CLI::Range(-100.0, 200.0))
       ->capture_default_str();
-  verb.add_option("--charge", ready.charge_percent, "as far as is known [%]")
+  command.add_option("--charge", ready.charge_percent, "as far as is known [%]")
       ->type_name("PERCENT")
       ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str();
-  add_broker(verb, ready.broker, "127.0.0.1:1883");
+  add_broker(command, ready.broker, "127.0.0.1:1883");
 }
 
-void describe_fit(CLI::App& verb, BatteryFitArguments& fit) {
-  verb.add_option("files", fit.files, "logs with the Battery Data Format's columns")->type_name("CSV")->required();
-  verb.add_option("--only", fit.series, "only the series whose name holds this: rate=1C, discharge 2")
+void describe_fit(CLI::App& command, BatteryFitArguments& fit) {
+  command.add_option("files", fit.files, "logs with the Battery Data Format's columns")->type_name("CSV")->required();
+  command.add_option("--only", fit.series, "only the series whose name holds this: rate=1C, discharge 2")
       ->type_name("TEXT");
-  verb.add_option("--predict", fit.predict, "not fitted but foretold: another log, or series whose name holds this")
+  command.add_option("--predict", fit.predict, "not fitted but foretold: another log, or series whose name holds this")
       ->type_name("CSV|TEXT");
-  verb.add_option("--name", fit.name, "of the type")->type_name("TEXT")->capture_default_str();
-  verb.add_option("--source", fit.source, "who measured it; without: the files' names")->type_name("TEXT");
-  verb.add_option("--licence", fit.licence, "of the logs; a type's file must say it")->type_name("TEXT");
-  verb.add_option("--capacity", fit.capacity_ah, "of a cell [Ah]; without: what the slowest discharge took out")
+  command.add_option("--name", fit.name, "of the type")->type_name("TEXT")->capture_default_str();
+  command.add_option("--source", fit.source, "who measured it; without: the files' names")->type_name("TEXT");
+  command.add_option("--licence", fit.licence, "of the logs; a type's file must say it")->type_name("TEXT");
+  command.add_option("--capacity", fit.capacity_ah, "of a cell [Ah]; without: what the slowest discharge took out")
       ->type_name("AH")
       ->check(CLI::PositiveNumber);
-  verb.add_option("--floor", fit.floor_v, "where a discharge ends [V]; without: the lowest voltage under load")
+  command.add_option("--floor", fit.floor_v, "where a discharge ends [V]; without: the lowest voltage under load")
       ->type_name("V")
       ->check(CLI::PositiveNumber);
-  verb.add_option("--out", fit.out_file, "the type goes there")->type_name("FILE");
-  verb.add_flag("--json", fit.json, "print the result as JSON");
+  command.add_option("--out", fit.out_file, "the type goes there")->type_name("FILE");
+  command.add_flag("--json", fit.json, "print the result as JSON");
 }
 
-void describe_discharge(CLI::App& verb, BatteryDischargeArguments& discharge) {
-  verb.add_option("type", discharge.type, "a shipped type's name (leaf33, lipo850) or a file")
+void describe_discharge(CLI::App& command, BatteryDischargeArguments& discharge) {
+  command.add_option("type", discharge.type, "a shipped type's name (leaf33, lipo850) or a file")
       ->type_name("NAME|FILE")
       ->required();
-  verb.add_option("--current", discharge.currents_a, "of the whole pack [A]")
+  command.add_option("--current", discharge.currents_a, "of the whole pack [A]")
       ->type_name("A")
       ->check(CLI::PositiveNumber);
-  verb.add_option("--power", discharge.powers_w, "of the whole pack [W]")->type_name("W")->check(CLI::PositiveNumber);
-  verb.add_option("--rate", discharge.rates, "current in multiples of the capacity: 0.2 is C/5")
+  command.add_option("--power", discharge.powers_w, "of the whole pack [W]")->type_name("W")->check(CLI::PositiveNumber);
+  command.add_option("--rate", discharge.rates, "current in multiples of the capacity: 0.2 is C/5")
       ->type_name("C")
       ->check(CLI::PositiveNumber);
-  verb.add_option("--floor", discharge.floor_v, "of a cell [V]; without: the type's")
+  command.add_option("--floor", discharge.floor_v, "of a cell [V]; without: the type's")
       ->type_name("V")
       ->check(CLI::PositiveNumber);
-  verb.add_option("--ambient", discharge.ambient_c, "temperature around it, and its own at first [°C]")
+  command.add_option("--ambient", discharge.ambient_c, "temperature around it, and its own at first [°C]")
       ->type_name("C")
       ->check(CLI::Range(-40.0, 85.0))
       ->capture_default_str();
-  verb.add_option("--step", discharge.step_s, "of the simulation [s]")
+  command.add_option("--step", discharge.step_s, "of the simulation [s]")
       ->type_name("S")
       ->check(CLI::Range(0.001, 10.0))
       ->capture_default_str();
-  verb.add_option("--series", discharge.series, "cells in series")->type_name("N")->check(CLI::Range(1, 100));
-  verb.add_option("--parallel", discharge.parallel, "cells beside each other")
+  command.add_option("--series", discharge.series, "cells in series")->type_name("N")->check(CLI::Range(1, 100));
+  command.add_option("--parallel", discharge.parallel, "cells beside each other")
       ->type_name("N")
       ->check(CLI::Range(1, 100));
-  verb.add_option("--scale", discharge.scale, "cells of another size: capacity times this")
+  command.add_option("--scale", discharge.scale, "cells of another size: capacity times this")
       ->type_name("X")
       ->check(CLI::Range(1e-4, 1e4));
-  verb.add_option("--csv", discharge.csv_file, "time, voltage, current and temperature go there; of one load")
+  command.add_option("--csv", discharge.csv_file, "time, voltage, current and temperature go there; of one load")
       ->type_name("FILE");
-  verb.add_flag("--json", discharge.json, "print the result as JSON");
+  command.add_flag("--json", discharge.json, "print the result as JSON");
 }
 
-void describe_analyse(CLI::App& verb, BatteryAnalyseArguments& analyse) {
-  verb.add_option("files", analyse.files, "tables of durations, or results of `--out` or `--json`")
+void describe_analyse(CLI::App& command, BatteryAnalyseArguments& analyse) {
+  command.add_option("files", analyse.files, "tables of durations, or results of `--out` or `--json`")
       ->type_name("CSV|JSON")
       ->required();
-  verb.add_option("--only", analyse.only, "only this series of them")->type_name("SERIES");
-  verb.add_option("--failed", analyse.failed, "as if this battery's first run had been ended then by something else")
+  command.add_option("--only", analyse.only, "only this series of them")->type_name("SERIES");
+  command.add_option("--failed", analyse.failed, "as if this battery's first run had been ended then by something else")
       ->type_name("BATTERY=SECONDS");
-  verb.add_option("--time", analyse.time, "column: how long it lasted, such as time_to_2V5_second")
+  command.add_option("--time", analyse.time, "column: how long it lasted, such as time_to_2V5_second")
       ->type_name("COLUMN");
-  verb.add_option("--battery", analyse.battery, "column: which battery")->type_name("COLUMN");
-  verb.add_option("--vehicle", analyse.vehicle, "column: on which vehicle, or tester channel")->type_name("COLUMN");
-  verb.add_option("--run", analyse.run, "column: which of its runs, from 1")->type_name("COLUMN");
-  verb.add_option("--half-width", analyse.half_width_percent,
+  command.add_option("--battery", analyse.battery, "column: which battery")->type_name("COLUMN");
+  command.add_option("--vehicle", analyse.vehicle, "column: on which vehicle, or tester channel")->type_name("COLUMN");
+  command.add_option("--run", analyse.run, "column: which of its runs, from 1")->type_name("COLUMN");
+  command.add_option("--half-width", analyse.half_width_percent,
                   "say after how many batteries the mean is known to this [%]")
       ->type_name("PERCENT")
       ->check(CLI::Range(0.001, 100.0));
-  verb.add_option("--out", analyse.out_directory, "report.html and result.json go there")->type_name("DIR");
-  verb.add_option("--seed", analyse.seed, "of the bootstrap")->type_name("S")->capture_default_str();
-  verb.add_flag("--json", analyse.json, "print the result as JSON; of several series, a list of them");
+  command.add_option("--out", analyse.out_directory, "report.html and result.json go there")->type_name("DIR");
+  command.add_option("--seed", analyse.seed, "of the bootstrap")->type_name("S")->capture_default_str();
+  command.add_flag("--json", analyse.json, "print the result as JSON; of several series, a list of them");
 }
 
 /// A verb's own words after its options.
-void teach(const BatteryVerbs& verbs) {
-  verbs.battery->footer(battery_examples);
-  verbs.sampled->footer(sampled_examples);
-  verbs.fleet->footer(fleet_examples);
-  verbs.fit->footer(fit_examples);
-  verbs.ready->footer(ready_examples);
-  verbs.plan->footer(plan_examples);
-  verbs.analyse->footer(analyse_examples);
-  verbs.discharge->footer(discharge_examples);
-  verbs.compare->footer(compare_examples);
-  verbs.check->footer(check_examples);
+void teach(const BatteryCommands& commands) {
+  commands.battery->footer(battery_examples);
+  commands.sampled->footer(sampled_examples);
+  commands.fleet->footer(fleet_examples);
+  commands.fit->footer(fit_examples);
+  commands.ready->footer(ready_examples);
+  commands.plan->footer(plan_examples);
+  commands.analyse->footer(analyse_examples);
+  commands.discharge->footer(discharge_examples);
+  commands.compare->footer(compare_examples);
+  commands.check->footer(check_examples);
 }
 
 }  // namespace
 
-BatteryVerbs describe_battery(CLI::App& root, BatteryArguments& battery) {
-  BatteryVerbs verbs{};
-  verbs.battery =
+BatteryCommands describe_battery(CLI::App& root, BatteryArguments& battery) {
+  BatteryCommands commands{};
+  commands.battery =
       root.add_subcommand("battery", "Autonomy of batteries: types, tests, and what may be claimed from them");
-  verbs.battery->require_subcommand(0, 1);
-  verbs.sampled =
-      verbs.battery->add_subcommand("sampled", "One AIV, one battery, from full to the floor, as often as wanted");
-  verbs.fleet = verbs.battery->add_subcommand("fleet", "N AIVs on one circuit, each with its battery, all at once");
-  verbs.fit = verbs.battery->add_subcommand("fit", "Make a battery type of a tester's logs");
-  verbs.ready = verbs.battery->add_subcommand("ready", "Say that a battery has been put into a vehicle (live tests)");
-  verbs.plan = verbs.battery->add_subcommand("plan", "Say how many batteries a claim takes, and who swaps with whom");
-  verbs.analyse = verbs.battery->add_subcommand(
+  commands.battery->require_subcommand(0, 1);
+  commands.sampled =
+      commands.battery->add_subcommand("sampled", "One AIV, one battery, from full to the floor, as often as wanted");
+  commands.fleet = commands.battery->add_subcommand("fleet", "N AIVs on one circuit, each with its battery, all at once");
+  commands.fit = commands.battery->add_subcommand("fit", "Make a battery type of a tester's logs");
+  commands.ready = commands.battery->add_subcommand("ready", "Say that a battery has been put into a vehicle (live tests)");
+  commands.plan = commands.battery->add_subcommand("plan", "Say how many batteries a claim takes, and who swaps with whom");
+  commands.analyse = commands.battery->add_subcommand(
       "analyse", "What may be claimed from tests that were made before, here or elsewhere");
-  verbs.discharge = verbs.battery->add_subcommand("discharge", "Say how long a type's battery lasts under a load");
-  verbs.compare = verbs.battery->add_subcommand("compare", "Compare the batteries of two results");
-  verbs.check =
-      verbs.battery->add_subcommand("check", "Say whether files are battery types, or what is wrong with them");
-  for (CLI::App* verb : {verbs.sampled, verbs.fleet}) {
-    add_test_options(*verb, battery.test);
-    verb->add_option("--repeat", battery.test.repeat, "runs of each battery")
+  commands.discharge = commands.battery->add_subcommand("discharge", "Say how long a type's battery lasts under a load");
+  commands.compare = commands.battery->add_subcommand("compare", "Compare the batteries of two results");
+  commands.check =
+      commands.battery->add_subcommand("check", "Say whether files are battery types, or what is wrong with them");
+  for (CLI::App* command : {commands.sampled, commands.fleet}) {
+    add_test_options(*command, battery.test);
+    command->add_option("--repeat", battery.test.repeat, "runs of each battery")
         ->type_name("N")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
   }
-  verbs.fleet->add_option("--aivs", battery.test.aivs, "how many")
+  commands.fleet->add_option("--aivs", battery.test.aivs, "how many")
       ->type_name("N")
       ->check(CLI::Range(2, 200))
       ->capture_default_str();
-  verbs.fleet->add_flag("--swap", battery.test.swap, "batteries change vehicles from run to run, by a Latin square");
-  verbs.fleet
+  commands.fleet->add_flag("--swap", battery.test.swap, "batteries change vehicles from run to run, by a Latin square");
+  commands.fleet
       ->add_option("--half-width", battery.test.half_width_percent,
                    "the mean is wanted to this [%]: says after how many batteries it was known, and makes no further "
                    "run of --repeat then")
       ->type_name("PERCENT");
-  describe_fit(*verbs.fit, battery.fit);
-  describe_ready(*verbs.ready, battery.ready);
-  describe_analyse(*verbs.analyse, battery.analyse);
-  describe_discharge(*verbs.discharge, battery.discharge);
-  verbs.plan->add_option("--cv", battery.plan.cv_percent, "standard deviation that is expected [%]")
+  describe_fit(*commands.fit, battery.fit);
+  describe_ready(*commands.ready, battery.ready);
+  describe_analyse(*commands.analyse, battery.analyse);
+  describe_discharge(*commands.discharge, battery.discharge);
+  commands.plan->add_option("--cv", battery.plan.cv_percent, "standard deviation that is expected [%]")
       ->type_name("PERCENT")
       ->check(CLI::Range(0.001, 100.0))
       ->capture_default_str();
-  verbs.plan->add_option("--half-width", battery.plan.half_width_percent, "of the mean's 95 % interval [%]")
+  commands.plan->add_option("--half-width", battery.plan.half_width_percent, "of the mean's 95 % interval [%]")
       ->type_name("PERCENT")
       ->check(CLI::Range(0.001, 100.0))
       ->capture_default_str();
-  verbs.plan
+  commands.plan
       ->add_option("--difference", battery.plan.difference_percent,
                    "between two types, that a comparison should see [%]")
       ->type_name("PERCENT")
       ->check(CLI::Range(0.001, 100.0));
-  verbs.plan->add_option("--aivs", battery.plan.aivs, "print the square for so many")
+  commands.plan->add_option("--aivs", battery.plan.aivs, "print the square for so many")
       ->type_name("N")
       ->check(CLI::Range(2, 200));
-  verbs.plan->add_flag("--json", battery.plan.json, "print the result as JSON");
-  verbs.compare->add_option("results", battery.compare.files, "two results, of `--out` or `--json`")
+  commands.plan->add_flag("--json", battery.plan.json, "print the result as JSON");
+  commands.compare->add_option("results", battery.compare.files, "two results, of `--out` or `--json`")
       ->type_name("FILE")
       ->required()
       ->expected(2);
-  verbs.compare->add_flag("--json", battery.compare.json, "print the result as JSON");
-  verbs.check->add_option("files", battery.check.files, "battery types")->type_name("FILE")->required();
-  verbs.check->add_flag("--json", battery.check.json, "print the result as JSON");
-  teach(verbs);
-  return verbs;
+  commands.compare->add_flag("--json", battery.compare.json, "print the result as JSON");
+  commands.check->add_option("files", battery.check.files, "battery types")->type_name("FILE")->required();
+  commands.check->add_flag("--json", battery.check.json, "print the result as JSON");
+  teach(commands);
+  return commands;
 }
 
-std::optional<int> run_battery_verb(const BatteryVerbs& verbs, const BatteryArguments& battery) {
-  if (verbs.sampled->parsed()) return run_battery_sampled(battery.test);
-  if (verbs.fleet->parsed()) return run_battery_fleet(battery.test);
-  if (verbs.fit->parsed()) return run_battery_fit(battery.fit);
-  if (verbs.ready->parsed()) return run_battery_ready(battery.ready);
-  if (verbs.plan->parsed()) return run_battery_plan(battery.plan);
-  if (verbs.discharge->parsed()) return run_battery_discharge(battery.discharge);
-  if (verbs.analyse->parsed()) return run_battery_analyse(battery.analyse);
-  if (verbs.compare->parsed()) return run_battery_compare(battery.compare);
-  if (verbs.check->parsed()) return run_battery_check(battery.check);
+std::optional<int> run_battery_command(const BatteryCommands& commands, const BatteryArguments& battery) {
+  if (commands.sampled->parsed()) return run_battery_sampled(battery.test);
+  if (commands.fleet->parsed()) return run_battery_fleet(battery.test);
+  if (commands.fit->parsed()) return run_battery_fit(battery.fit);
+  if (commands.ready->parsed()) return run_battery_ready(battery.ready);
+  if (commands.plan->parsed()) return run_battery_plan(battery.plan);
+  if (commands.discharge->parsed()) return run_battery_discharge(battery.discharge);
+  if (commands.analyse->parsed()) return run_battery_analyse(battery.analyse);
+  if (commands.compare->parsed()) return run_battery_compare(battery.compare);
+  if (commands.check->parsed()) return run_battery_check(battery.check);
   return std::nullopt;
 }
 

@@ -26,7 +26,7 @@ struct BatteryArguments {
   BatteryFilesArguments check;
 };
 
-struct BatteryVerbs {
+struct BatteryCommands {
   CLI::App* battery;
   CLI::App* sampled;
   CLI::App* fleet;
@@ -39,9 +39,9 @@ struct BatteryVerbs {
   CLI::App* check;
 };
 
-[[nodiscard]] BatteryVerbs describe_battery(CLI::App& root, BatteryArguments& battery);
+[[nodiscard]] BatteryCommands describe_battery(CLI::App& root, BatteryArguments& battery);
 
 /// The exit status of the one that was asked for, if any.
-[[nodiscard]] std::optional<int> run_battery_verb(const BatteryVerbs& verbs, const BatteryArguments& battery);
+[[nodiscard]] std::optional<int> run_battery_command(const BatteryCommands& commands, const BatteryArguments& battery);
 
 }  // namespace cosiva::app

@@ -9,12 +9,12 @@
 namespace cosiva::app {
 
 /// @param without  what is used where no --broker is given
-void add_broker(CLI::App& verb, BrokerArguments& broker, const std::string& without);
+void add_broker(CLI::App& command, BrokerArguments& broker, const std::string& without);
 
 /// --rules: how the vehicles that a command starts choose their speed.
-void add_rules(CLI::App& verb, std::string& rules, const std::string& what);
+void add_rules(CLI::App& command, std::string& rules, const std::string& what);
 
 /// An option that is on or off; as `on` says unless it is given.
-void add_switch(CLI::App& verb, const std::string& name, bool& on, const std::string& what);
+void add_switch(CLI::App& command, const std::string& name, bool& on, const std::string& what);
 
 }  // namespace cosiva::app

@@ -6,10 +6,10 @@ namespace cosiva::app {
 namespace {
 
 TEST(NearestWord, is_what_was_probably_meant) {
-  const std::vector<std::string> verbs{"up", "server", "plant", "aiv", "replay", "zone"};
-  EXPECT_EQ(nearest_word("serve", verbs), "server");
-  EXPECT_EQ(nearest_word("relpay", verbs), "replay");
-  EXPECT_EQ(nearest_word("zones", verbs), "zone");
+  const std::vector<std::string> commands{"up", "server", "plant", "aiv", "replay", "zone"};
+  EXPECT_EQ(nearest_word("serve", commands), "server");
+  EXPECT_EQ(nearest_word("relpay", commands), "replay");
+  EXPECT_EQ(nearest_word("zones", commands), "zone");
   EXPECT_EQ(nearest_word("--duraton", {"--duration", "--json"}), "--duration");
 }
 

@@ -25,182 +25,182 @@ constexpr const char* examples =
     "\n"
     "docs/guide/gvs.md tells how to do it with a real one.";
 
-void describe_render(CLI::App& verb, GvsRenderArguments& a) {
-  verb.add_option("--zone", a.zone, "where they drive: a ready zone's name or a file")
+void describe_render(CLI::App& command, GvsRenderArguments& a) {
+  command.add_option("--zone", a.zone, "where they drive: a ready zone's name or a file")
       ->type_name("NAME|FILE")
       ->capture_default_str();
-  verb.add_option("--aivs", a.aivs, "how many; AIV n carries tag n of family 36h11")
+  command.add_option("--aivs", a.aivs, "how many; AIV n carries tag n of family 36h11")
       ->type_name("N")
       ->check(CLI::Range(1, 80))
       ->capture_default_str();
-  verb.add_option("--warm-up", a.warm_up_s, "seconds of driving before, that are not shown; at first all stand")
+  command.add_option("--warm-up", a.warm_up_s, "seconds of driving before, that are not shown; at first all stand")
       ->type_name("S")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
-  verb.add_option("--seconds", a.seconds, "of driving")
+  command.add_option("--seconds", a.seconds, "of driving")
       ->type_name("S")
       ->check(CLI::Range(0.001, 3600.0))
       ->capture_default_str();
-  verb.add_option("--rate", a.rate_hz, "pictures per second")
+  command.add_option("--rate", a.rate_hz, "pictures per second")
       ->type_name("HZ")
       ->check(CLI::Range(5.0, 1000.0))
       ->capture_default_str();
-  verb.add_option("--size", a.size_px, "width and height of the pictures")
+  command.add_option("--size", a.size_px, "width and height of the pictures")
       ->type_name("PX")
       ->check(CLI::Range(128, 8192))
       ->capture_default_str();
-  verb.add_option("--height", a.height_m, "of the camera above the floor")
+  command.add_option("--height", a.height_m, "of the camera above the floor")
       ->type_name("M")
       ->check(CLI::Range(0.5, 100.0))
       ->capture_default_str();
-  verb.add_option("--tag-height", a.tag_height_m, "of the tags above the floor")
+  command.add_option("--tag-height", a.tag_height_m, "of the tags above the floor")
       ->type_name("M")
       ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();
-  verb.add_option("--tag-side", a.tag_side_m, "of the tags' black square")
+  command.add_option("--tag-side", a.tag_side_m, "of the tags' black square")
       ->type_name("M")
       ->check(CLI::Range(0.01, 5.0))
       ->capture_default_str();
-  verb.add_option("--exposure", a.exposure_ms, "what moves meanwhile is blurred")
+  command.add_option("--exposure", a.exposure_ms, "what moves meanwhile is blurred")
       ->type_name("MS")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
-  verb.add_option("--rolling", a.rolling_ms,
+  command.add_option("--rolling", a.rolling_ms,
                   "rolling shutter: from the first row's beginning to the last one's; 0: global")
       ->type_name("MS")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
-  verb.add_option("--noise", a.noise_grey, "standard deviation of a pixel, in grey levels")
+  command.add_option("--noise", a.noise_grey, "standard deviation of a pixel, in grey levels")
       ->type_name("GREY")
       ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str();
-  verb.add_option("--brightness", a.brightness, "of the light; 1: white paper is 215 of 255")
+  command.add_option("--brightness", a.brightness, "of the light; 1: white paper is 215 of 255")
       ->type_name("SHARE")
       ->check(CLI::Range(0.01, 10.0))
       ->capture_default_str();
-  verb.add_option("--late", a.late_ms, "the stamps are so late, for trying `track --against`")
+  command.add_option("--late", a.late_ms, "the stamps are so late, for trying `track --against`")
       ->type_name("MS")
       ->check(CLI::Range(-1000.0, 1000.0))
       ->capture_default_str();
-  verb.add_option("--seed", a.seed, "of noise and floor: the same seed, the same bytes")
+  command.add_option("--seed", a.seed, "of noise and floor: the same seed, the same bytes")
       ->type_name("S")
       ->capture_default_str();
-  verb.add_option("--out", a.out_folder, "writes pictures/, board/, board.csv, points.csv, truth/")
+  command.add_option("--out", a.out_folder, "writes pictures/, board/, board.csv, points.csv, truth/")
       ->type_name("DIR")
       ->required();
-  verb.add_flag("--json", a.json, "print what was made as JSON");
+  command.add_flag("--json", a.json, "print what was made as JSON");
 }
 
-void describe_calibrate(CLI::App& verb, GvsCalibrateArguments& a) {
+void describe_calibrate(CLI::App& command, GvsCalibrateArguments& a) {
   CLI::Option* points =
-      verb.add_option("--points", a.points_file, "floor points: CSV with world_x; world_y [m]; image_x; image_y [px]")
+      command.add_option("--points", a.points_file, "floor points: CSV with world_x; world_y [m]; image_x; image_y [px]")
           ->type_name("FILE");
-  verb.add_option("--board", a.board_file, "tags that lie on the floor: CSV with id; x; y; heading_deg; side [m]")
+  command.add_option("--board", a.board_file, "tags that lie on the floor: CSV with id; x; y; heading_deg; side [m]")
       ->type_name("FILE")
       ->excludes(points);
-  verb.add_option("--images", a.images_folder, "pictures of those tags")->type_name("DIR");
-  verb.add_option("--size", a.size, "of the pictures that points were read off; a board's pictures say it themselves")
+  command.add_option("--images", a.images_folder, "pictures of those tags")->type_name("DIR");
+  command.add_option("--size", a.size, "of the pictures that points were read off; a board's pictures say it themselves")
       ->type_name("WxH")
       ->capture_default_str();
-  verb.add_option("--model", a.model, "of the floor; best: the one whose left-out blocks fit best")
+  command.add_option("--model", a.model, "of the floor; best: the one whose left-out blocks fit best")
       ->check(CLI::IsMember({"best", "homography", "lens", "polynomial", "lens_polynomial"}))
       ->capture_default_str();
-  verb.add_option("--degree", a.degree, "of a polynomial")
+  command.add_option("--degree", a.degree, "of a polynomial")
       ->type_name("N")
       ->check(CLI::Range(std::size_t{2}, vision::degree_max))
       ->capture_default_str();
-  verb.add_option("--block", a.block_m, "side of the squares of floor that are left out in turn")
+  command.add_option("--block", a.block_m, "side of the squares of floor that are left out in turn")
       ->type_name("M")
       ->check(CLI::Range(0.01, 1000.0))
       ->capture_default_str();
-  verb.add_option("--camera-height", a.camera_height_m,
+  command.add_option("--camera-height", a.camera_height_m,
                   "above the floor, by a tape measure; without: no tag is corrected")
       ->type_name("M")
       ->check(CLI::Range(0.1, 1000.0));
-  verb.add_option("--camera-foot", a.camera_foot_m, "the place straight below it, by a plumb line; without: worked out")
+  command.add_option("--camera-foot", a.camera_foot_m, "the place straight below it, by a plumb line; without: worked out")
       ->type_name("X,Y")
       ->delimiter(',')
       ->expected(2);
-  verb.add_option("--tag-height", a.tag_height_m, "of the vehicles' tags above the floor")
+  command.add_option("--tag-height", a.tag_height_m, "of the vehicles' tags above the floor")
       ->type_name("M")
       ->check(CLI::Range(0.0, 100.0));
-  verb.add_option("--tag-height-error", a.tag_height_error_m,
+  command.add_option("--tag-height-error", a.tag_height_error_m,
                   "how sure that height is, as a standard deviation: it goes into reference_budget.json")
       ->type_name("M")
       ->check(CLI::Range(0.0, 1.0));
-  verb.add_option("--mount-error", a.mount_error_m, "likewise of where the tag sits on its vehicle")
+  command.add_option("--mount-error", a.mount_error_m, "likewise of where the tag sits on its vehicle")
       ->type_name("M")
       ->check(CLI::Range(0.0, 1.0));
-  verb.add_option("--mount", a.mount, "where the tag sits on its vehicle: x forward, y left [m], heading [degrees]")
+  command.add_option("--mount", a.mount, "where the tag sits on its vehicle: x forward, y left [m], heading [degrees]")
       ->type_name("X,Y,DEG")
       ->delimiter(',')
       ->expected(3);
-  verb.add_option(
+  command.add_option(
           "--poses", a.poses_file,
           "a vehicle at surveyed poses: CSV true_x; true_y; true_heading_deg; seen_x; seen_y; seen_heading_deg, or, "
           "with --pose-xs, samples x, y, cos, sin, 1 one stand after the other")
       ->type_name("FILE");
-  verb.add_option("--pose-xs", a.pose_xs_m, "of a grid of stands: y slowest, then x, heading fastest")
+  command.add_option("--pose-xs", a.pose_xs_m, "of a grid of stands: y slowest, then x, heading fastest")
       ->type_name("X,X")
       ->delimiter(',');
-  verb.add_option("--pose-ys", a.pose_ys_m, "of that grid")->type_name("Y,Y")->delimiter(',');
-  verb.add_option("--pose-headings", a.pose_headings, "of that grid, evenly round from 0")
+  command.add_option("--pose-ys", a.pose_ys_m, "of that grid")->type_name("Y,Y")->delimiter(',');
+  command.add_option("--pose-headings", a.pose_headings, "of that grid, evenly round from 0")
       ->type_name("N")
       ->check(CLI::Range(1, 360))
       ->capture_default_str();
-  verb.add_option("--name", a.name, "of the camera")->type_name("TEXT");
-  verb.add_option("--out", a.out_folder, "writes calibration.json, residual_map.svg, report.html")->type_name("DIR");
-  verb.add_flag("--json", a.json, "print the figures as JSON");
+  command.add_option("--name", a.name, "of the camera")->type_name("TEXT");
+  command.add_option("--out", a.out_folder, "writes calibration.json, residual_map.svg, report.html")->type_name("DIR");
+  command.add_flag("--json", a.json, "print the figures as JSON");
 }
 
-void describe_track(CLI::App& verb, GvsTrackArguments& a) {
-  verb.add_option("--calibration", a.calibration_file, "what `gvs calibrate` wrote")->type_name("FILE")->required();
-  CLI::Option* images = verb.add_option("--images", a.images_folder,
+void describe_track(CLI::App& command, GvsTrackArguments& a) {
+  command.add_option("--calibration", a.calibration_file, "what `gvs calibrate` wrote")->type_name("FILE")->required();
+  CLI::Option* images = command.add_option("--images", a.images_folder,
                                         "pictures by their names, with stamps.csv (file,stamp_s) if there is one")
                             ->type_name("DIR");
-  CLI::Option* video = verb.add_option("--video", a.video_file, "a video file")->type_name("FILE")->excludes(images);
-  verb.add_option("--camera", a.camera, "a camera: N of /dev/videoN")
+  CLI::Option* video = command.add_option("--video", a.video_file, "a video file")->type_name("FILE")->excludes(images);
+  command.add_option("--camera", a.camera, "a camera: N of /dev/videoN")
       ->type_name("N")
       ->check(CLI::Range(0, 255))
       ->excludes(images)
       ->excludes(video);
-  verb.add_option("--rate", a.rate_hz, "pictures per second of a folder without stamps")
+  command.add_option("--rate", a.rate_hz, "pictures per second of a folder without stamps")
       ->type_name("HZ")
       ->check(CLI::Range(1e-3, 1e5))
       ->capture_default_str();
-  verb.add_option("--pictures", a.pictures_max, "no more than so many; 0: all")->type_name("N")->capture_default_str();
-  verb.add_option("--exposure", a.exposure_ms, "of a row: fixes are stamped in its middle")
+  command.add_option("--pictures", a.pictures_max, "no more than so many; 0: all")->type_name("N")->capture_default_str();
+  command.add_option("--exposure", a.exposure_ms, "of a row: fixes are stamped in its middle")
       ->type_name("MS")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
-  verb.add_option("--line", a.line_us, "rolling shutter: from a row's beginning to the next one's")
+  command.add_option("--line", a.line_us, "rolling shutter: from a row's beginning to the next one's")
       ->type_name("US")
       ->check(CLI::Range(0.0, 1e5))
       ->capture_default_str();
-  verb.add_option("--tag-side", a.tag_side_m, "of the black square; other sizes are no vehicles. Without: any")
+  command.add_option("--tag-side", a.tag_side_m, "of the black square; other sizes are no vehicles. Without: any")
       ->type_name("M")
       ->check(CLI::Range(0.005, 10.0));
-  verb.add_option("--expect", a.expected, "tags of the vehicles; when all are followed, nobody searches. Without: any")
+  command.add_option("--expect", a.expected, "tags of the vehicles; when all are followed, nobody searches. Without: any")
       ->type_name("N,N")
       ->delimiter(',')
       ->check(CLI::Range(0, vision::tags_in_family - 1));
-  verb.add_option("--against", a.against,
+  command.add_option("--against", a.against,
                   "a trajectory of one vehicle, or a folder of tag_N.tum: how late the camera's stamps are; nothing is "
                   "shifted by it. May come again")
       ->type_name("N=FILE|DIR")
       ->allow_extra_args(false);
-  verb.add_option("--out", a.out_folder, "writes poses.csv, tag_N.tum, timing.csv, result.json")->type_name("DIR");
-  verb.add_flag("--json", a.json, "print the figures as JSON");
+  command.add_option("--out", a.out_folder, "writes poses.csv, tag_N.tum, timing.csv, result.json")->type_name("DIR");
+  command.add_flag("--json", a.json, "print the figures as JSON");
 }
 
 /// What it has in common with the platform's other parts; it keeps no journal, since it decides nothing.
-void add_watch_part(CLI::App& verb, PartArguments& part) {
-  add_broker(verb, part.broker, "127.0.0.1:1883");
-  verb.add_option("--duration", part.duration_s, "end by itself after so many seconds")
+void add_watch_part(CLI::App& command, PartArguments& part) {
+  add_broker(command, part.broker, "127.0.0.1:1883");
+  command.add_option("--duration", part.duration_s, "end by itself after so many seconds")
       ->type_name("S")
       ->check(CLI::Range(0.001, 1e9));
-  verb.add_flag("--json", part.json, "print what was seen at the end as JSON");
-  verb.add_flag("--announce", part.announce)->group("");
+  command.add_flag("--json", part.json, "print what was seen at the end as JSON");
+  command.add_flag("--announce", part.announce)->group("");
 }
 
 constexpr const char* watch_examples =
@@ -211,64 +211,64 @@ constexpr const char* watch_examples =
 
 }  // namespace
 
-void add_gvs_source(CLI::App& verb, GvsSource& source, const std::string& prefix) {
-  verb.add_option(prefix + "calibration", source.calibration_file, "of a real camera: what `gvs calibrate` wrote")
+void add_gvs_source(CLI::App& command, GvsSource& source, const std::string& prefix) {
+  command.add_option(prefix + "calibration", source.calibration_file, "of a real camera: what `gvs calibrate` wrote")
       ->type_name("FILE");
-  CLI::Option* images = verb.add_option(prefix + "images", source.images_folder,
+  CLI::Option* images = command.add_option(prefix + "images", source.images_folder,
                                         "pictures by their names and stamps.csv, shown once at their own pace")
                             ->type_name("DIR");
-  CLI::Option* video = verb.add_option(prefix + "video", source.video_file, "a video file, likewise")
+  CLI::Option* video = command.add_option(prefix + "video", source.video_file, "a video file, likewise")
                            ->type_name("FILE")
                            ->excludes(images);
-  verb.add_option(prefix + "camera", source.camera, "a camera: N of /dev/videoN")
+  command.add_option(prefix + "camera", source.camera, "a camera: N of /dev/videoN")
       ->type_name("N")
       ->check(CLI::Range(0, 255))
       ->excludes(images)
       ->excludes(video);
-  verb.add_option(prefix + "rate", source.rate_hz, "so many pictures a second are looked at")
+  command.add_option(prefix + "rate", source.rate_hz, "so many pictures a second are looked at")
       ->type_name("HZ")
       ->check(CLI::Range(0.1, 100.0))
       ->capture_default_str();
-  verb.add_option(prefix + "exposure", source.exposure_ms, "of a row: vehicles are stamped in its middle")
+  command.add_option(prefix + "exposure", source.exposure_ms, "of a row: vehicles are stamped in its middle")
       ->type_name("MS")
       ->check(CLI::Range(0.0, 1000.0));
-  verb.add_option(prefix + "line", source.line_us, "rolling shutter: from a row's beginning to the next one's")
+  command.add_option(prefix + "line", source.line_us, "rolling shutter: from a row's beginning to the next one's")
       ->type_name("US")
       ->check(CLI::Range(0.0, 1e5));
-  verb.add_option(prefix + "tag-side", source.tag_side_m, "of the black square; other sizes are no vehicles")
+  command.add_option(prefix + "tag-side", source.tag_side_m, "of the black square; other sizes are no vehicles")
       ->type_name("M")
       ->check(CLI::Range(0.005, 10.0));
-  verb.add_option(prefix + "vehicle", source.vehicles,
+  command.add_option(prefix + "vehicle", source.vehicles,
                   "whose tag it is, such as 7=CoSiVA/AIV1; without: tag n is CoSiVA/AIVn's. May come again")
       ->type_name("TAG=NAME")
       ->allow_extra_args(false);
 }
 
-GvsVerbs describe_gvs(CLI::App& root, GvsArguments& gvs) {
-  GvsVerbs verbs{};
-  verbs.gvs = root.add_subcommand("gvs", "Global vision: where vehicles truly are, by a camera over the zone");
-  verbs.calibrate =
-      verbs.gvs->add_subcommand("calibrate", "Fit lens and floor, judged by points that the fit has not seen");
-  verbs.track = verbs.gvs->add_subcommand("track", "Follow vehicles by their tags, in pictures, a video or a camera");
-  verbs.render = verbs.gvs->add_subcommand("render", "Take the emulated world's pictures, with the truth beside them");
-  verbs.watch = verbs.gvs->add_subcommand(
+GvsCommands describe_gvs(CLI::App& root, GvsArguments& gvs) {
+  GvsCommands commands{};
+  commands.gvs = root.add_subcommand("gvs", "Global vision: where vehicles truly are, by a camera over the zone");
+  commands.calibrate =
+      commands.gvs->add_subcommand("calibrate", "Fit lens and floor, judged by points that the fit has not seen");
+  commands.track = commands.gvs->add_subcommand("track", "Follow vehicles by their tags, in pictures, a video or a camera");
+  commands.render = commands.gvs->add_subcommand("render", "Take the emulated world's pictures, with the truth beside them");
+  commands.watch = commands.gvs->add_subcommand(
       "watch", "Watch a running platform, and tell it where each vehicle truly is; `cosiva up --gvs` runs it");
-  verbs.gvs->require_subcommand(0, 1);
-  add_gvs_source(*verbs.watch, gvs.watch.source, "--");
-  add_watch_part(*verbs.watch, gvs.watch.part);
-  describe_calibrate(*verbs.calibrate, gvs.calibrate);
-  describe_track(*verbs.track, gvs.track);
-  describe_render(*verbs.render, gvs.render);
-  for (CLI::App* verb : {verbs.gvs, verbs.calibrate, verbs.track, verbs.render}) verb->footer(examples);
-  verbs.watch->footer(watch_examples);
-  return verbs;
+  commands.gvs->require_subcommand(0, 1);
+  add_gvs_source(*commands.watch, gvs.watch.source, "--");
+  add_watch_part(*commands.watch, gvs.watch.part);
+  describe_calibrate(*commands.calibrate, gvs.calibrate);
+  describe_track(*commands.track, gvs.track);
+  describe_render(*commands.render, gvs.render);
+  for (CLI::App* command : {commands.gvs, commands.calibrate, commands.track, commands.render}) command->footer(examples);
+  commands.watch->footer(watch_examples);
+  return commands;
 }
 
-std::optional<int> run_gvs_verb(const GvsVerbs& verbs, const GvsArguments& gvs) {
-  if (verbs.calibrate->parsed()) return run_gvs_calibrate(gvs.calibrate);
-  if (verbs.track->parsed()) return run_gvs_track(gvs.track);
-  if (verbs.render->parsed()) return run_gvs_render(gvs.render);
-  if (verbs.watch->parsed()) return run_gvs_watch(gvs.watch);
+std::optional<int> run_gvs_command(const GvsCommands& commands, const GvsArguments& gvs) {
+  if (commands.calibrate->parsed()) return run_gvs_calibrate(gvs.calibrate);
+  if (commands.track->parsed()) return run_gvs_track(gvs.track);
+  if (commands.render->parsed()) return run_gvs_render(gvs.render);
+  if (commands.watch->parsed()) return run_gvs_watch(gvs.watch);
   return std::nullopt;
 }
 

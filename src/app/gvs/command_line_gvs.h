@@ -20,7 +20,7 @@ struct GvsArguments {
 };
 
 /// `cosiva gvs` and its verbs.
-struct GvsVerbs {
+struct GvsCommands {
   CLI::App* gvs;
   CLI::App* watch;
   CLI::App* calibrate;
@@ -28,12 +28,12 @@ struct GvsVerbs {
   CLI::App* render;
 };
 
-[[nodiscard]] GvsVerbs describe_gvs(CLI::App& root, GvsArguments& gvs);
+[[nodiscard]] GvsCommands describe_gvs(CLI::App& root, GvsArguments& gvs);
 
 /// The exit status of the one that was asked for, if any.
-[[nodiscard]] std::optional<int> run_gvs_verb(const GvsVerbs& verbs, const GvsArguments& gvs);
+[[nodiscard]] std::optional<int> run_gvs_command(const GvsCommands& commands, const GvsArguments& gvs);
 
 /// Where a running platform's pictures come from: --gvs-… of `up`, the same without gvs of `gvs watch`.
-void add_gvs_source(CLI::App& verb, GvsSource& source, const std::string& prefix);
+void add_gvs_source(CLI::App& command, GvsSource& source, const std::string& prefix);
 
 }  // namespace cosiva::app

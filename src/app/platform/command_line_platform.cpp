@@ -10,19 +10,19 @@
 namespace cosiva::app {
 namespace {
 
-CLI::Option* add_seconds(CLI::App& verb, const std::string& name, std::optional<double>& seconds,
+CLI::Option* add_seconds(CLI::App& command, const std::string& name, std::optional<double>& seconds,
                          const std::string& what) {
-  return verb.add_option(name, seconds, what)->type_name("S")->check(CLI::Range(0.001, 1e9));
+  return command.add_option(name, seconds, what)->type_name("S")->check(CLI::Range(0.001, 1e9));
 }
 
-void add_part(CLI::App& verb, PartArguments& part) {
-  add_broker(verb, part.broker, "127.0.0.1:1883");
-  verb.add_option("--record", part.record_file, "write everything this part is told to a journal (see `replay`)")
+void add_part(CLI::App& command, PartArguments& part) {
+  add_broker(command, part.broker, "127.0.0.1:1883");
+  command.add_option("--record", part.record_file, "write everything this part is told to a journal (see `replay`)")
       ->type_name("FILE");
-  verb.add_option("--summary", part.summary_file, "write the figures at the end to a JSON file")->type_name("FILE");
-  verb.add_flag("--json", part.json, "print the figures at the end as JSON");
-  add_seconds(verb, "--duration", part.duration_s, "end by itself after so many seconds");
-  verb.add_flag("--announce", part.announce)->group("");
+  command.add_option("--summary", part.summary_file, "write the figures at the end to a JSON file")->type_name("FILE");
+  command.add_flag("--json", part.json, "print the figures at the end as JSON");
+  add_seconds(command, "--duration", part.duration_s, "end by itself after so many seconds");
+  command.add_flag("--announce", part.announce)->group("");
 }
 
 constexpr const char* up_examples =
@@ -34,185 +34,185 @@ constexpr const char* up_examples =
     "  cosiva up --virtual-time --page --speed 10           the page at ten times real time; stop and step it there\n"
     "  cosiva up --gvs                                      a camera over the zone says where each AIV truly is";
 
-void describe_up(CLI::App& verb, UpArguments& up) {
-  verb.footer(up_examples);
-  verb.add_option("--scenario", up.scenario,
+void describe_up(CLI::App& command, UpArguments& up) {
+  command.footer(up_examples);
+  command.add_option("--scenario", up.scenario,
                   "what happens when: a ready one's name or a file (docs/guide/scenarios.md)")
       ->type_name("NAME|FILE");
-  verb.add_option("--name", up.name, "of the run, shown on the page; without: scenario or zone, date and time")
+  command.add_option("--name", up.name, "of the run, shown on the page; without: scenario or zone, date and time")
       ->type_name("TEXT");
-  verb.add_option("--zone", up.zone, "traffic zone: a ready one's name or a file")
+  command.add_option("--zone", up.zone, "traffic zone: a ready one's name or a file")
       ->type_name("NAME|FILE")
       ->capture_default_str();
-  verb.add_flag("--watch", up.watch, "switch to the zone's file whenever it is saved, while everything runs");
-  verb.add_option("--aivs", up.aivs, "how many vehicles")
+  command.add_flag("--watch", up.watch, "switch to the zone's file whenever it is saved, while everything runs");
+  command.add_option("--aivs", up.aivs, "how many vehicles")
       ->type_name("N")
       ->check(CLI::Range(1, 200))
       ->capture_default_str();
-  verb.add_flag("--headless", up.headless, "no page; the figures stay on /api/v1");
-  add_seconds(verb, "--duration", up.duration_s, "end so many seconds after the fleet is up, with a summary");
-  verb.add_flag("--json", up.json, "print the summary as JSON");
-  verb.add_option("--seed", up.seed, "fixes every random draw of the emulated world")
+  command.add_flag("--headless", up.headless, "no page; the figures stay on /api/v1");
+  add_seconds(command, "--duration", up.duration_s, "end so many seconds after the fleet is up, with a summary");
+  command.add_flag("--json", up.json, "print the summary as JSON");
+  command.add_option("--seed", up.seed, "fixes every random draw of the emulated world")
       ->type_name("S")
       ->capture_default_str();
-  verb.add_option("--port", up.port, "of the page on 127.0.0.1; if busy, the next free one is taken")
+  command.add_option("--port", up.port, "of the page on 127.0.0.1; if busy, the next free one is taken")
       ->type_name("PORT")
       ->capture_default_str();
-  verb.add_option("--record", up.record_file, "write everything the server is told to a journal (see `replay`)")
+  command.add_option("--record", up.record_file, "write everything the server is told to a journal (see `replay`)")
       ->type_name("FILE");
-  verb.add_option("--log-dir", up.log_directory, "where the logs go; they are kept")->type_name("DIR");
-  verb.add_option("--run-dir", up.run_directory, "where sockets and other passing things go; cleared at the end")
+  command.add_option("--log-dir", up.log_directory, "where the logs go; they are kept")->type_name("DIR");
+  command.add_option("--run-dir", up.run_directory, "where sockets and other passing things go; cleared at the end")
       ->type_name("DIR");
-  verb.add_option("--respawn", up.respawn_s, "start an AIV that died again after so many seconds; 0: never")
+  command.add_option("--respawn", up.respawn_s, "start an AIV that died again after so many seconds; 0: never")
       ->type_name("S")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
-  verb.add_flag("--virtual-time", up.virtual_time,
+  command.add_flag("--virtual-time", up.virtual_time,
                 "all in one process, as fast as the machine can, bit for bit the same each time");
-  verb.add_flag("--page", up.page, "with --virtual-time: at a speed that a person can follow, with the page");
-  verb.add_option("--speed", up.speed, "with --page: virtual seconds per second to begin with; without: 1")
+  command.add_flag("--page", up.page, "with --virtual-time: at a speed that a person can follow, with the page");
+  command.add_option("--speed", up.speed, "with --page: virtual seconds per second to begin with; without: 1")
       ->type_name("X")
       ->check(CLI::Range(0.1, 100.0));
-  verb.add_option("--loss", up.loss, "share of messages lost, with --virtual-time")
+  command.add_option("--loss", up.loss, "share of messages lost, with --virtual-time")
       ->type_name("P")
       ->check(CLI::Range(0.0, 0.9));
-  add_switch(verb, "--v2x", up.v2x, "AIVs tell those near them what they are about to do");
-  add_switch(verb, "--convoys", up.convoys, "several of one way pass a crossing together, when it pays");
-  CLI::Option* gvs = verb.add_flag("--gvs", up.gvs,
+  add_switch(command, "--v2x", up.v2x, "AIVs tell those near them what they are about to do");
+  add_switch(command, "--convoys", up.convoys, "several of one way pass a crossing together, when it pays");
+  CLI::Option* gvs = command.add_flag("--gvs", up.gvs,
                                    "a camera over the zone watches, says where each AIV truly is, and is shown on the "
                                    "page (docs/guide/gvs.md); without more: the emulated world's");
-  add_gvs_source(verb, up.gvs_source, "--gvs-");
+  add_gvs_source(command, up.gvs_source, "--gvs-");
   for (const char* name :
        {"calibration", "images", "video", "camera", "rate", "exposure", "line", "tag-side", "vehicle"})
-    verb.get_option(std::string("--gvs-") + name)->needs(gvs);
-  add_rules(verb, up.rules, "how all AIVs choose their speed; without: crisp, and fuzzy for virtual ones");
-  verb.add_option("--trace-messages", up.trace_file, "write every message as a JSON line")->type_name("FILE");
-  verb.add_option("--web", up.web_directory, "the page's built files, if not web/dist")->type_name("DIR");
-  add_broker(verb, up.broker, "a private one is started on 127.0.0.1");
+    command.get_option(std::string("--gvs-") + name)->needs(gvs);
+  add_rules(command, up.rules, "how all AIVs choose their speed; without: crisp, and fuzzy for virtual ones");
+  command.add_option("--trace-messages", up.trace_file, "write every message as a JSON line")->type_name("FILE");
+  command.add_option("--web", up.web_directory, "the page's built files, if not web/dist")->type_name("DIR");
+  add_broker(command, up.broker, "a private one is started on 127.0.0.1");
 }
 
-void describe_server(CLI::App& verb, ServerArguments& server) {
-  verb.add_option("--port", server.port, "of the page on 127.0.0.1; if busy, the next free one is taken")
+void describe_server(CLI::App& command, ServerArguments& server) {
+  command.add_option("--port", server.port, "of the page on 127.0.0.1; if busy, the next free one is taken")
       ->type_name("PORT")
       ->capture_default_str();
-  verb.add_option("--area", server.area,
+  command.add_option("--area", server.area,
                   "name of this server's control area, where several share a broker (docs/guide/control areas.md)")
       ->type_name("NAME");
-  verb.add_option("--zone", server.zone, "traffic zone, when no plant serves it")->type_name("NAME|FILE");
-  verb.add_flag("--watch", server.watch, "with --zone: switch to its file whenever it is saved, while everything runs");
-  verb.add_option("--map-link", server.map_link,
+  command.add_option("--zone", server.zone, "traffic zone, when no plant serves it")->type_name("NAME|FILE");
+  command.add_flag("--watch", server.watch, "with --zone: switch to its file whenever it is saved, while everything runs");
+  command.add_option("--map-link", server.map_link,
                   "where vehicles of other makes download the zone's file; without: from our page's address")
       ->type_name("URL");
-  verb.add_flag("--no-drive", server.no_drive, "only watch: another master control gives the orders");
-  add_switch(verb, "--v2x", server.v2x, "its virtual AIVs tell those near them what they are about to do");
-  add_switch(verb, "--convoys", server.convoys, "several of one way pass a crossing together, when it pays");
-  verb.add_flag("--headless", server.headless, "no page; the figures stay on /api/v1");
-  verb.add_option("--web", server.web_directory, "the page's built files, if not web/dist")->type_name("DIR");
-  verb.add_option("--state-file", server.state_file, "keeps what was added, priorities and edits over a crash")
+  command.add_flag("--no-drive", server.no_drive, "only watch: another master control gives the orders");
+  add_switch(command, "--v2x", server.v2x, "its virtual AIVs tell those near them what they are about to do");
+  add_switch(command, "--convoys", server.convoys, "several of one way pass a crossing together, when it pays");
+  command.add_flag("--headless", server.headless, "no page; the figures stay on /api/v1");
+  command.add_option("--web", server.web_directory, "the page's built files, if not web/dist")->type_name("DIR");
+  command.add_option("--state-file", server.state_file, "keeps what was added, priorities and edits over a crash")
       ->type_name("FILE");
-  verb.add_option("--scenario", server.scenario, "what happens when, once its AIVs are there")->type_name("NAME|FILE");
-  verb.add_option("--name", server.name, "of the run, shown on the page")->type_name("TEXT");
-  add_rules(verb, server.rules, "how its virtual AIVs choose their speed; without: fuzzy");
-  verb.add_flag("--emulated", server.emulated, "there is a plant: the page may show what is true there");
-  verb.add_option("--fleet", server.fleet)->group("");
-  verb.add_option("--zone-file", server.zone_file)->group("");
-  verb.add_option("--watch-file", server.watch_file)->group("");
-  verb.add_option("--scenario-began", server.began_ms)->group("");
-  verb.add_option("--scenario-steps-done", server.steps_done)->group("");
-  verb.footer(
+  command.add_option("--scenario", server.scenario, "what happens when, once its AIVs are there")->type_name("NAME|FILE");
+  command.add_option("--name", server.name, "of the run, shown on the page")->type_name("TEXT");
+  add_rules(command, server.rules, "how its virtual AIVs choose their speed; without: fuzzy");
+  command.add_flag("--emulated", server.emulated, "there is a plant: the page may show what is true there");
+  command.add_option("--fleet", server.fleet)->group("");
+  command.add_option("--zone-file", server.zone_file)->group("");
+  command.add_option("--watch-file", server.watch_file)->group("");
+  command.add_option("--scenario-began", server.began_ms)->group("");
+  command.add_option("--scenario-steps-done", server.steps_done)->group("");
+  command.footer(
       "Example, a server for vehicles of your own on your own broker:\n"
       "  cosiva server --zone my.toml --broker 10.0.0.5:1883 --state-file server.memory\n"
       "Two control areas on one broker:\n"
       "  cosiva server --area north --zone north.toml --port 8080\n"
       "  cosiva server --area south --zone south.toml --port 8081");
-  add_part(verb, server.part);
+  add_part(command, server.part);
 }
 
-void describe_plant(CLI::App& verb, PlantArguments& plant) {
-  verb.add_option("--zone", plant.zone, "traffic zone: a ready one's name or a file")
+void describe_plant(CLI::App& command, PlantArguments& plant) {
+  command.add_option("--zone", plant.zone, "traffic zone: a ready one's name or a file")
       ->type_name("NAME|FILE")
       ->required();
-  verb.add_option("--vehicles", plant.vehicles, "how many vehicles to emulate")
+  command.add_option("--vehicles", plant.vehicles, "how many vehicles to emulate")
       ->type_name("N")
       ->check(CLI::Range(1, 200))
       ->capture_default_str();
-  verb.add_option("--sockets", plant.sockets_directory, "folder of the boards' sockets")->type_name("DIR")->required();
-  verb.add_option("--seed", plant.seed, "fixes every random draw")->type_name("S")->capture_default_str();
-  verb.footer(
+  command.add_option("--sockets", plant.sockets_directory, "folder of the boards' sockets")->type_name("DIR")->required();
+  command.add_option("--seed", plant.seed, "fixes every random draw")->type_name("S")->capture_default_str();
+  command.footer(
       "Example, two vehicles' worlds for two on-board programs:\n"
       "  cosiva plant --zone lacet4 --vehicles 2 --sockets /tmp/boards");
-  add_part(verb, plant.part);
+  add_part(command, plant.part);
 }
 
-void describe_aiv(CLI::App& verb, AivArguments& aiv) {
-  verb.add_option("--number", aiv.number, "its number, which its boards' sockets carry")
+void describe_aiv(CLI::App& command, AivArguments& aiv) {
+  command.add_option("--number", aiv.number, "its number, which its boards' sockets carry")
       ->type_name("N")
       ->check(CLI::Range(1, 1'000'000))
       ->required();
-  verb.add_option("--sockets", aiv.sockets_directory, "folder of the boards' sockets")->type_name("DIR")->required();
-  verb.add_option("--serial", aiv.serial, "its serial number; without: AIV<number>")->type_name("TEXT");
-  verb.add_option("--zone", aiv.zone, "traffic zone; without: from the broker")->type_name("NAME|FILE");
-  verb.add_option("--start", aiv.start, "where it stands at first, such as east:0.85; without: it waits to be told")
+  command.add_option("--sockets", aiv.sockets_directory, "folder of the boards' sockets")->type_name("DIR")->required();
+  command.add_option("--serial", aiv.serial, "its serial number; without: AIV<number>")->type_name("TEXT");
+  command.add_option("--zone", aiv.zone, "traffic zone; without: from the broker")->type_name("NAME|FILE");
+  command.add_option("--start", aiv.start, "where it stands at first, such as east:0.85; without: it waits to be told")
       ->type_name("SECTION:S");
-  verb.add_option("--state-file", aiv.state_file, "keeps its place over a crash; wins over --start")->type_name("FILE");
-  add_rules(verb, aiv.rules, "how it chooses its speed (docs/guide/agents.md); without: crisp");
-  add_switch(verb, "--v2x", aiv.v2x, "it tells those near it what it is about to do");
-  verb.add_flag("--emulated", aiv.emulated, "its radio is the emulated world's, which scenarios can let lose messages");
-  verb.footer(
+  command.add_option("--state-file", aiv.state_file, "keeps its place over a crash; wins over --start")->type_name("FILE");
+  add_rules(command, aiv.rules, "how it chooses its speed (docs/guide/agents.md); without: crisp");
+  add_switch(command, "--v2x", aiv.v2x, "it tells those near it what it is about to do");
+  command.add_flag("--emulated", aiv.emulated, "its radio is the emulated world's, which scenarios can let lose messages");
+  command.footer(
       "Example, a program for the first of a plant's vehicles:\n"
       "  cosiva aiv --number 1 --sockets /tmp/boards --start east:0.85");
-  add_part(verb, aiv.part);
+  add_part(command, aiv.part);
 }
 
 }  // namespace
 
-PlatformVerbs describe_platform(CLI::App& root, PlatformArguments& platform) {
-  PlatformVerbs verbs{};
-  verbs.up = root.add_subcommand("up", "The whole platform on this machine: broker, emulated vehicles, server, page");
-  verbs.server = root.add_subcommand("server", "AIV_Server, simulator and page alone");
-  verbs.plant = root.add_subcommand("plant", "The emulated physical world alone");
-  verbs.aiv = root.add_subcommand("aiv", "One vehicle's on-board program alone");
-  verbs.replay = root.add_subcommand("replay", "Run a recorded journal again and compare the digests");
-  describe_up(*verbs.up, platform.up);
-  describe_server(*verbs.server, platform.server);
-  describe_plant(*verbs.plant, platform.plant);
-  describe_aiv(*verbs.aiv, platform.aiv);
-  verbs.replay->add_option("file", platform.replay.file, "journal made with --record; '-' reads standard input")
+PlatformCommands describe_platform(CLI::App& root, PlatformArguments& platform) {
+  PlatformCommands commands{};
+  commands.up = root.add_subcommand("up", "The whole platform on this machine: broker, emulated vehicles, server, page");
+  commands.server = root.add_subcommand("server", "AIV_Server, simulator and page alone");
+  commands.plant = root.add_subcommand("plant", "The emulated physical world alone");
+  commands.aiv = root.add_subcommand("aiv", "One vehicle's on-board program alone");
+  commands.replay = root.add_subcommand("replay", "Run a recorded journal again and compare the digests");
+  describe_up(*commands.up, platform.up);
+  describe_server(*commands.server, platform.server);
+  describe_plant(*commands.plant, platform.plant);
+  describe_aiv(*commands.aiv, platform.aiv);
+  commands.replay->add_option("file", platform.replay.file, "journal made with --record; '-' reads standard input")
       ->type_name("FILE")
       ->required();
-  verbs.replay->add_flag("--json", platform.replay.json, "print the result as JSON");
-  return verbs;
+  commands.replay->add_flag("--json", platform.replay.json, "print the result as JSON");
+  return commands;
 }
 
-std::optional<int> run_platform_verb(const PlatformVerbs& verbs, PlatformArguments& platform) {
-  platform.up.given = {verbs.up->count("--zone") > 0, verbs.up->count("--aivs") > 0, verbs.up->count("--seed") > 0,
-                       verbs.up->count("--duration") > 0};
-  if (verbs.up->parsed()) return run_up(platform.up);
-  if (verbs.server->parsed()) return run_server(platform.server);
-  if (verbs.plant->parsed()) return run_plant(platform.plant);
-  if (verbs.aiv->parsed()) return run_aiv(platform.aiv);
-  if (verbs.replay->parsed()) return run_replay(platform.replay);
+std::optional<int> run_platform_command(const PlatformCommands& commands, PlatformArguments& platform) {
+  platform.up.given = {commands.up->count("--zone") > 0, commands.up->count("--aivs") > 0, commands.up->count("--seed") > 0,
+                       commands.up->count("--duration") > 0};
+  if (commands.up->parsed()) return run_up(platform.up);
+  if (commands.server->parsed()) return run_server(platform.server);
+  if (commands.plant->parsed()) return run_plant(platform.plant);
+  if (commands.aiv->parsed()) return run_aiv(platform.aiv);
+  if (commands.replay->parsed()) return run_replay(platform.replay);
   return std::nullopt;
 }
 
-ScenarioVerbs describe_scenario(CLI::App& root, ScenarioArguments& scenario) {
-  ScenarioVerbs verbs{};
-  verbs.scenario = root.add_subcommand("scenario", "Look at scenarios: what happens when");
-  verbs.check = verbs.scenario->add_subcommand(
+ScenarioCommands describe_scenario(CLI::App& root, ScenarioArguments& scenario) {
+  ScenarioCommands commands{};
+  commands.scenario = root.add_subcommand("scenario", "Look at scenarios: what happens when");
+  commands.check = commands.scenario->add_subcommand(
       "check", "Say what a scenario holds, step by step, or what is wrong with it and where");
-  verbs.list = verbs.scenario->add_subcommand("list", "Say which scenarios are ready");
-  verbs.scenario->require_subcommand(0, 1);
-  verbs.scenario->footer("Example:\n  cosiva scenario check showroom");
-  verbs.check->add_option("scenario", scenario.scenario, "a ready scenario's name or a file")
+  commands.list = commands.scenario->add_subcommand("list", "Say which scenarios are ready");
+  commands.scenario->require_subcommand(0, 1);
+  commands.scenario->footer("Example:\n  cosiva scenario check showroom");
+  commands.check->add_option("scenario", scenario.scenario, "a ready scenario's name or a file")
       ->type_name("NAME|FILE")
       ->required();
-  for (CLI::App* verb : {verbs.check, verbs.list}) verb->add_flag("--json", scenario.json, "print the result as JSON");
-  return verbs;
+  for (CLI::App* command : {commands.check, commands.list}) command->add_flag("--json", scenario.json, "print the result as JSON");
+  return commands;
 }
 
-std::optional<int> run_scenario_verb(const ScenarioVerbs& verbs, const ScenarioArguments& scenario) {
-  if (verbs.check->parsed()) return run_scenario_check(scenario);
-  if (verbs.list->parsed()) return run_scenario_list(scenario);
+std::optional<int> run_scenario_command(const ScenarioCommands& commands, const ScenarioArguments& scenario) {
+  if (commands.check->parsed()) return run_scenario_check(scenario);
+  if (commands.list->parsed()) return run_scenario_list(scenario);
   return std::nullopt;
 }
 

@@ -21,25 +21,25 @@ struct PlatformArguments {
   ReplayArguments replay;
 };
 /// `cosiva up`, `server`, `plant`, `aiv` and `replay`.
-struct PlatformVerbs {
+struct PlatformCommands {
   CLI::App* up;
   CLI::App* server;
   CLI::App* plant;
   CLI::App* aiv;
   CLI::App* replay;
 };
-[[nodiscard]] PlatformVerbs describe_platform(CLI::App& root, PlatformArguments& platform);
+[[nodiscard]] PlatformCommands describe_platform(CLI::App& root, PlatformArguments& platform);
 /// The exit status of the one that was asked for, if any.
-[[nodiscard]] std::optional<int> run_platform_verb(const PlatformVerbs& verbs, PlatformArguments& platform);
+[[nodiscard]] std::optional<int> run_platform_command(const PlatformCommands& commands, PlatformArguments& platform);
 
 /// `cosiva scenario` and its verbs.
-struct ScenarioVerbs {
+struct ScenarioCommands {
   CLI::App* scenario;
   CLI::App* check;
   CLI::App* list;
 };
-[[nodiscard]] ScenarioVerbs describe_scenario(CLI::App& root, ScenarioArguments& scenario);
+[[nodiscard]] ScenarioCommands describe_scenario(CLI::App& root, ScenarioArguments& scenario);
 /// The exit status of the one that was asked for, if any.
-[[nodiscard]] std::optional<int> run_scenario_verb(const ScenarioVerbs& verbs, const ScenarioArguments& scenario);
+[[nodiscard]] std::optional<int> run_scenario_command(const ScenarioCommands& commands, const ScenarioArguments& scenario);
 
 }  // namespace cosiva::app

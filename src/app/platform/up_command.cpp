@@ -148,8 +148,8 @@ class Up {
 
   [[nodiscard]] std::string log(const std::string& name) const { return log_directory_ + "/" + name + ".log"; }
 
-  [[nodiscard]] std::vector<std::string> part_argv(const std::string& verb) const {
-    std::vector<std::string> argv{own_executable(), verb, "--broker", broker_arguments_.address};
+  [[nodiscard]] std::vector<std::string> part_argv(const std::string& command) const {
+    std::vector<std::string> argv{own_executable(), command, "--broker", broker_arguments_.address};
     const auto option = [&](const char* name, const std::string& value) {
       if (value.empty()) return;
       argv.emplace_back(name);

@@ -25,21 +25,21 @@ constexpr const char* examples =
 }  // namespace
 
 CLI::App* describe_campaign(CLI::App& root, CampaignArguments& campaign) {
-  CLI::App* verb = root.add_subcommand(
+  CLI::App* command = root.add_subcommand(
       "campaign", "Sweep position estimators over beacon pitch, noise, speed and more; goes on after a kill");
-  verb->footer(examples);
-  verb->add_option("plan", campaign.plan_file, "what is swept: a TOML file")->type_name("PLAN.toml")->required();
-  verb->add_option("--out", campaign.out_folder,
+  command->footer(examples);
+  command->add_option("plan", campaign.plan_file, "what is swept: a TOML file")->type_name("PLAN.toml")->required();
+  command->add_option("--out", campaign.out_folder,
                    "keeps its state there, and writes report.html, result.json, CSV and campaign.sqlite; without: "
                    "nothing is kept")
       ->type_name("DIR");
-  verb->add_option("--threads", campaign.threads, "how many work on it; without: one for each core")
+  command->add_option("--threads", campaign.threads, "how many work on it; without: one for each core")
       ->type_name("N")
       ->check(CLI::Range(1, 1024));
-  verb->add_flag("--json", campaign.json, "print the result as JSON");
-  verb->add_flag("--anew", campaign.anew, "forget what is finished in --out");
-  verb->add_flag("--dry-run", campaign.dry_run, "say how much there is to do, and do nothing");
-  return verb;
+  command->add_flag("--json", campaign.json, "print the result as JSON");
+  command->add_flag("--anew", campaign.anew, "forget what is finished in --out");
+  command->add_flag("--dry-run", campaign.dry_run, "say how much there is to do, and do nothing");
+  return command;
 }
 
 }  // namespace cosiva::app

@@ -30,81 +30,81 @@ constexpr const char* compare_examples =
     "  cosiva compare ekf smoother --recording A --reference-budget cal/reference_budget.json\n"
     "  cosiva compare --reference truth.tum --estimate slam.tum --align se2     in a frame of its own";
 
-void add_length(CLI::App& verb, const std::string& name, double& metres, const std::string& what) {
-  verb.add_option(name, metres, what)->type_name("M")->check(CLI::Range(0.0, 1e9))->capture_default_str();
+void add_length(CLI::App& command, const std::string& name, double& metres, const std::string& what) {
+  command.add_option(name, metres, what)->type_name("M")->check(CLI::Range(0.0, 1e9))->capture_default_str();
 }
 
-void add_virtual_time(CLI::App& verb, QualifyArguments& q) {
-  verb.add_option("--zone", q.zone, "whose ring is driven: a ready zone's name or a file; without: lacet4")
+void add_virtual_time(CLI::App& command, QualifyArguments& q) {
+  command.add_option("--zone", q.zone, "whose ring is driven: a ready zone's name or a file; without: lacet4")
       ->type_name("NAME|FILE");
-  add_length(verb, "--way", q.way_m, "how far each run goes");
-  verb.add_option("--runs", q.runs, "how many runs; each is one vote")
+  add_length(command, "--way", q.way_m, "how far each run goes");
+  command.add_option("--runs", q.runs, "how many runs; each is one vote")
       ->type_name("N")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  verb.add_option("--seed", q.seed, "of the first run; the others count on")->type_name("N")->capture_default_str();
-  verb.add_option("--marks", q.marks, "what is read: a beacon every --pitch, the zone's tags, or its beacons")
+  command.add_option("--seed", q.seed, "of the first run; the others count on")->type_name("N")->capture_default_str();
+  command.add_option("--marks", q.marks, "what is read: a beacon every --pitch, the zone's tags, or its beacons")
       ->check(CLI::IsMember({"pitch", "tags", "beacons"}))
       ->capture_default_str();
-  add_length(verb, "--pitch", q.pitch_m, "between beacons along the way");
-  add_length(verb, "--reach", q.reach_m, "within which the line passes a beacon that is read");
-  verb.add_option("--speed", q.speed_mps, "of the vehicle")->type_name("M/S")->capture_default_str();
-  verb.add_option("--rate", q.rate_hz, "odometry per second; each is an iteration")
+  add_length(command, "--pitch", q.pitch_m, "between beacons along the way");
+  add_length(command, "--reach", q.reach_m, "within which the line passes a beacon that is read");
+  command.add_option("--speed", q.speed_mps, "of the vehicle")->type_name("M/S")->capture_default_str();
+  command.add_option("--rate", q.rate_hz, "odometry per second; each is an iteration")
       ->type_name("HZ")
       ->capture_default_str();
-  add_length(verb, "--odometry-noise", q.odometry_m, "standard deviation of odometry after one metre");
-  add_length(verb, "--reading-noise", q.reading_m, "standard deviation of a reading");
-  verb.add_option("--missed", q.missed, "share of beacons that are not read")
+  add_length(command, "--odometry-noise", q.odometry_m, "standard deviation of odometry after one metre");
+  add_length(command, "--reading-noise", q.reading_m, "standard deviation of a reading");
+  command.add_option("--missed", q.missed, "share of beacons that are not read")
       ->check(CLI::Range(0.0, 0.99))
       ->capture_default_str();
-  verb.add_option("--scale-error", q.scale, "standard deviation of the odometer's scale, a draw per run")
+  command.add_option("--scale-error", q.scale, "standard deviation of the odometer's scale, a draw per run")
       ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
-  add_length(verb, "--survey-error", q.survey_m, "standard deviation of where beacons really lie");
-  verb.add_option("--particles", q.particles, "of the particle filter")->check(CLI::Range(10, 1000000));
-  verb.add_option("--horizon", q.horizon, "readings that the unbiased FIR filter looks back")
+  add_length(command, "--survey-error", q.survey_m, "standard deviation of where beacons really lie");
+  command.add_option("--particles", q.particles, "of the particle filter")->check(CLI::Range(10, 1000000));
+  command.add_option("--horizon", q.horizon, "readings that the unbiased FIR filter looks back")
       ->check(CLI::Range(1, 1000));
 }
 
-void add_judging(CLI::App& verb, QualifyArguments& q) {
-  add_length(verb, "--threshold", q.threshold_m, "of the precision: the share of iterations with an error under it");
-  add_length(verb, "--tolerance", q.tolerance_m, "a run passes when no error exceeds it");
-  verb.add_option("--reliability", q.reliability, "that passes in a row should show")->check(CLI::Range(0.01, 0.9999));
-  verb.add_option("--confidence", q.confidence, "with which they should")->check(CLI::Range(0.01, 0.9999));
-  verb.add_option("--reference-error", q.reference_m, "standard uncertainty of the truth itself, as one figure")
+void add_judging(CLI::App& command, QualifyArguments& q) {
+  add_length(command, "--threshold", q.threshold_m, "of the precision: the share of iterations with an error under it");
+  add_length(command, "--tolerance", q.tolerance_m, "a run passes when no error exceeds it");
+  command.add_option("--reliability", q.reliability, "that passes in a row should show")->check(CLI::Range(0.01, 0.9999));
+  command.add_option("--confidence", q.confidence, "with which they should")->check(CLI::Range(0.01, 0.9999));
+  command.add_option("--reference-error", q.reference_m, "standard uncertainty of the truth itself, as one figure")
       ->type_name("M")
       ->check(CLI::Range(0.0, 1e3));
-  verb.add_option(
+  command.add_option(
           "--reference-budget", q.reference_budget,
           "the same part by part with sources, all told in the result: reference_budget.json or calibration.json "
           "of gvs calibrate; differences below it are called unresolved")
       ->type_name("FILE");
 }
 
-void add_others(CLI::App& verb, QualifyArguments& q) {
-  verb.add_option("--recording", q.recordings, "a folder with odometry, readings or ranges, and truth; may come again")
+void add_others(CLI::App& command, QualifyArguments& q) {
+  command.add_option("--recording", q.recordings, "a folder with odometry, readings or ranges, and truth; may come again")
       ->type_name("DIR")
       ->allow_extra_args(false);
-  verb.add_option("--gap", q.gap_s, "the truth is interpolated between stamps no further apart")
+  command.add_option("--gap", q.gap_s, "the truth is interpolated between stamps no further apart")
       ->type_name("S")
       ->check(CLI::Range(1e-6, 1e6))
       ->capture_default_str();
-  verb.add_option("--external", q.external, "an algorithm in a program of its own; may come again")
+  command.add_option("--external", q.external, "an algorithm in a program of its own; may come again")
       ->type_name("NAME=COMMAND")
       ->allow_extra_args(false);
-  verb.add_option("--timeout", q.timeout_s, "how long to wait for its answer")
+  command.add_option("--timeout", q.timeout_s, "how long to wait for its answer")
       ->type_name("S")
       ->check(CLI::Range(0.001, 1e5))
       ->capture_default_str();
-  verb.add_option("--reference", q.reference, "a trajectory (TUM, KITTI or EuRoC) to judge --estimate by")
+  command.add_option("--reference", q.reference, "a trajectory (TUM, KITTI or EuRoC) to judge --estimate by")
       ->type_name("FILE");
-  verb.add_option("--estimate", q.estimates, "a trajectory; may come again")
+  command.add_option("--estimate", q.estimates, "a trajectory; may come again")
       ->type_name("FILE")
       ->allow_extra_args(false);
-  verb.add_option("--associate", q.associate, "which poses belong together; nearest is evo's rule, within 10 ms")
+  command.add_option("--associate", q.associate, "which poses belong together; nearest is evo's rule, within 10 ms")
       ->check(CLI::IsMember({"interpolate", "nearest"}))
       ->capture_default_str();
-  verb.add_option(
+  command.add_option(
           "--align", q.align,
           "moves estimates onto the truth before they are judged, and says so: se2 turns about the vertical and "
           "shifts, by least squares; origin puts the first pose on the truth's; se3, of trajectories, is evo's "
@@ -113,64 +113,64 @@ void add_others(CLI::App& verb, QualifyArguments& q) {
       ->capture_default_str();
 }
 
-void add_live(CLI::App& verb, LiveQualifyArguments& live) {
-  verb.add_flag(
+void add_live(CLI::App& command, LiveQualifyArguments& live) {
+  command.add_flag(
       "--live", live.live,
       "on a platform that runs: its vehicles run the algorithms while they drive, and are asked --rate times a "
       "second until they have gone --way");
-  verb.add_option("--url", live.url, "of its server, with --live")->type_name("URL")->capture_default_str();
-  add_broker(verb, live.broker, "127.0.0.1:1883; with --live");
-  verb.add_option("--vehicle", live.vehicles, "who drives the runs, with --live; may come again; without: AIV1")
+  command.add_option("--url", live.url, "of its server, with --live")->type_name("URL")->capture_default_str();
+  add_broker(command, live.broker, "127.0.0.1:1883; with --live");
+  command.add_option("--vehicle", live.vehicles, "who drives the runs, with --live; may come again; without: AIV1")
       ->type_name("AIV|MANUFACTURER/SERIAL")
       ->allow_extra_args(false);
-  verb.add_option("--truth", live.truth_topic, "where it is said where they truly are; without: cosiva/v1/plant/truth")
+  command.add_option("--truth", live.truth_topic, "where it is said where they truly are; without: cosiva/v1/plant/truth")
       ->type_name("TOPIC");
 }
 
 /// What is a property of a simulation or of a file is none of a platform that runs.
-std::optional<std::string> useless_live(const CLI::App& verb) {
+std::optional<std::string> useless_live(const CLI::App& command) {
   for (const char* name :
        {"--zone", "--marks", "--pitch", "--reach", "--odometry-noise", "--reading-noise", "--missed", "--scale-error",
         "--survey-error", "--recording", "--reference", "--estimate", "--associate", "--align"}) {
-    if (verb.get_option(name)->count() > 0) return name;
+    if (command.get_option(name)->count() > 0) return name;
   }
   return std::nullopt;
 }
 
-int run_live(const CLI::App& verb, const QualifyArguments& q, LiveQualifyArguments& live, std::size_t at_least) {
-  if (const auto useless = useless_live(verb))
+int run_live(const CLI::App& command, const QualifyArguments& q, LiveQualifyArguments& live, std::size_t at_least) {
+  if (const auto useless = useless_live(command))
     return complain({"qualify.live", "it means nothing with --live: the platform is as it is", *useless});
-  live.speed_given = verb.get_option("--speed")->count() > 0;
+  live.speed_given = command.get_option("--speed")->count() > 0;
   return run_qualify_live(q, live, at_least);
 }
 
 }  // namespace
 
-QualifyVerbs describe_qualify(CLI::App& root, QualifyArguments& q) {
-  QualifyVerbs verbs{nullptr, nullptr, std::make_shared<LiveQualifyArguments>()};
-  verbs.qualify = root.add_subcommand("qualify", "Say how good a position estimator is, with intervals and its limit");
-  verbs.compare = root.add_subcommand("compare", "Say which position estimators differ, on the same runs");
-  for (CLI::App* verb : {verbs.qualify, verbs.compare}) {
-    verb->add_option("algorithms", q.algorithms, "their names (--list), or all")->type_name("NAME");
-    verb->add_flag("--list", q.list, "say which algorithms there are");
-    verb->add_flag("--json", q.json, "print the result as JSON");
-    verb->add_option("--out", q.out_folder, "writes report.html, result.json, TUM and CSV files, and zips for evo")
+QualifyCommands describe_qualify(CLI::App& root, QualifyArguments& q) {
+  QualifyCommands commands{nullptr, nullptr, std::make_shared<LiveQualifyArguments>()};
+  commands.qualify = root.add_subcommand("qualify", "Say how good a position estimator is, with intervals and its limit");
+  commands.compare = root.add_subcommand("compare", "Say which position estimators differ, on the same runs");
+  for (CLI::App* command : {commands.qualify, commands.compare}) {
+    command->add_option("algorithms", q.algorithms, "their names (--list), or all")->type_name("NAME");
+    command->add_flag("--list", q.list, "say which algorithms there are");
+    command->add_flag("--json", q.json, "print the result as JSON");
+    command->add_option("--out", q.out_folder, "writes report.html, result.json, TUM and CSV files, and zips for evo")
         ->type_name("DIR");
-    verb->add_option("--threads", q.threads, "how many work on it, with the same result; without: one for each core")
+    command->add_option("--threads", q.threads, "how many work on it, with the same result; without: one for each core")
         ->type_name("N")
         ->check(CLI::Range(1, 1024));
-    add_virtual_time(*verb, q);
-    add_judging(*verb, q);
-    add_others(*verb, q);
-    add_live(*verb, *verbs.live);
+    add_virtual_time(*command, q);
+    add_judging(*command, q);
+    add_others(*command, q);
+    add_live(*command, *commands.live);
   }
-  verbs.qualify->footer(qualify_examples);
-  verbs.compare->footer(compare_examples);
-  return verbs;
+  commands.qualify->footer(qualify_examples);
+  commands.compare->footer(compare_examples);
+  return commands;
 }
 
-std::optional<int> run_qualify_verb(const QualifyVerbs& verbs, QualifyArguments& q, int argc, const char* const* argv) {
-  if (!verbs.qualify->parsed() && !verbs.compare->parsed()) return std::nullopt;
+std::optional<int> run_qualify_command(const QualifyCommands& commands, QualifyArguments& q, int argc, const char* const* argv) {
+  if (!commands.qualify->parsed() && !commands.compare->parsed()) return std::nullopt;
   q.command = "cosiva";
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
@@ -179,10 +179,10 @@ std::optional<int> run_qualify_verb(const QualifyVerbs& verbs, QualifyArguments&
     if (word.starts_with("--threads")) continue;
     q.command += word.find(' ') == std::string::npos ? " " + word : " '" + word + "'";
   }
-  if (verbs.live->live && !q.list)
-    return verbs.qualify->parsed() ? run_live(*verbs.qualify, q, *verbs.live, 1)
-                                   : run_live(*verbs.compare, q, *verbs.live, 2);
-  return verbs.qualify->parsed() ? run_qualify(q) : run_compare(q);
+  if (commands.live->live && !q.list)
+    return commands.qualify->parsed() ? run_live(*commands.qualify, q, *commands.live, 1)
+                                   : run_live(*commands.compare, q, *commands.live, 2);
+  return commands.qualify->parsed() ? run_qualify(q) : run_compare(q);
 }
 
 }  // namespace cosiva::app

@@ -11,16 +11,16 @@
 namespace cosiva::app {
 
 /// `cosiva qualify` and `cosiva compare`.
-struct QualifyVerbs {
+struct QualifyCommands {
   CLI::App* qualify;
   CLI::App* compare;
   std::shared_ptr<LiveQualifyArguments> live;
 };
 
-[[nodiscard]] QualifyVerbs describe_qualify(CLI::App& root, QualifyArguments& qualify);
+[[nodiscard]] QualifyCommands describe_qualify(CLI::App& root, QualifyArguments& qualify);
 
 /// The exit status of the one that was asked for, if any.
-[[nodiscard]] std::optional<int> run_qualify_verb(const QualifyVerbs& verbs, QualifyArguments& qualify, int argc,
+[[nodiscard]] std::optional<int> run_qualify_command(const QualifyCommands& commands, QualifyArguments& qualify, int argc,
                                                   const char* const* argv);
 
 }  // namespace cosiva::app

@@ -26,95 +26,95 @@ constexpr const char* capacity_examples =
 }  // namespace
 
 CLI::App* describe_capacity(CLI::App& root, CapacityArguments& capacity) {
-  CLI::App* verb = root.add_subcommand(
+  CLI::App* command = root.add_subcommand(
       "capacity", "How many vehicles this machine carries: a virtual fleet, and the whole platform over MQTT");
-  verb->footer(capacity_examples);
-  verb->add_option("--zone", capacity.zone, "the virtual fleet drives on copies of it: a ready one's name or a file")
+  command->footer(capacity_examples);
+  command->add_option("--zone", capacity.zone, "the virtual fleet drives on copies of it: a ready one's name or a file")
       ->type_name("NAME|FILE")
       ->capture_default_str();
-  add_rules(*verb, capacity.rules, "how AIVs choose their speed (docs/guide/agents.md)");
-  verb->add_option("--max", capacity.vehicles_max, "no larger virtual fleet; ten times larger each time, from 100 on")
+  add_rules(*command, capacity.rules, "how AIVs choose their speed (docs/guide/agents.md)");
+  command->add_option("--max", capacity.vehicles_max, "no larger virtual fleet; ten times larger each time, from 100 on")
       ->type_name("N")
       ->check(CLI::Range(100, 100'000'000))
       ->capture_default_str();
-  verb->add_option("--seconds", capacity.seconds, "of measuring, for each size")
+  command->add_option("--seconds", capacity.seconds, "of measuring, for each size")
       ->type_name("S")
       ->check(CLI::Range(0.05, 3600.0))
       ->capture_default_str();
-  verb->add_option("--live", capacity.live, "numbers of vehicles for the whole platform over MQTT; 0: not that")
+  command->add_option("--live", capacity.live, "numbers of vehicles for the whole platform over MQTT; 0: not that")
       ->type_name("N,N")
       ->delimiter(',')
       ->check(CLI::Range(0, 200))
       ->capture_default_str();
-  verb->add_option("--live-zone", capacity.live_zone, "where those drive: a ready one's name or a file")
+  command->add_option("--live-zone", capacity.live_zone, "where those drive: a ready one's name or a file")
       ->type_name("NAME|FILE")
       ->capture_default_str();
-  verb->add_option("--live-seconds", capacity.live_s, "of driving, for each number")
+  command->add_option("--live-seconds", capacity.live_s, "of driving, for each number")
       ->type_name("S")
       ->check(CLI::Range(1.0, 3600.0))
       ->capture_default_str();
-  verb->add_option("--out", capacity.out_file, "write the table as JSON, too")->type_name("FILE");
-  verb->add_flag("--json", capacity.json, "print the table as JSON");
-  return verb;
+  command->add_option("--out", capacity.out_file, "write the table as JSON, too")->type_name("FILE");
+  command->add_flag("--json", capacity.json, "print the table as JSON");
+  return command;
 }
 
 CLI::App* describe_traffic(CLI::App& root, FleetTrafficArguments& traffic) {
-  CLI::App* verb = root.add_subcommand(
+  CLI::App* command = root.add_subcommand(
       "traffic", "How much a virtual fleet carries on a zone, far faster than real time: jobs, waits, a heat map");
-  verb->footer(examples);
-  CLI::Option* zone = verb->add_option("--zone", traffic.zone, "traffic zone: a ready one's name or a file")
+  command->footer(examples);
+  CLI::Option* zone = command->add_option("--zone", traffic.zone, "traffic zone: a ready one's name or a file")
                           ->type_name("NAME|FILE")
                           ->capture_default_str();
-  verb->add_option("--zones", traffic.zones,
+  command->add_option("--zones", traffic.zones,
                    "many zones with passages between them: a TOML file, or names such as 4*lacet4,indus8")
       ->type_name("FILE|LIST")
       ->excludes(zone);
-  verb->add_option("--away", traffic.away_share, "with --zones: share of jobs that lead into a neighbouring zone")
+  command->add_option("--away", traffic.away_share, "with --zones: share of jobs that lead into a neighbouring zone")
       ->type_name("SHARE")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  verb->add_option("--transfer-time", traffic.transfer_s, "with --zones and a list: seconds from one zone to the next")
+  command->add_option("--transfer-time", traffic.transfer_s, "with --zones and a list: seconds from one zone to the next")
       ->type_name("S")
       ->check(CLI::Range(0.2, 1e5))
       ->capture_default_str();
-  verb->add_option("--threads", traffic.threads, "how many work on it; the result is the same with any number")
+  command->add_option("--threads", traffic.threads, "how many work on it; the result is the same with any number")
       ->type_name("N")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
-  verb->add_option("--sidecar", traffic.sidecar, "what the zone's format cannot say, if not beside the file")
+  command->add_option("--sidecar", traffic.sidecar, "what the zone's format cannot say, if not beside the file")
       ->type_name("FILE");
-  verb->add_option("--aivs", traffic.aivs, "how many vehicles")
+  command->add_option("--aivs", traffic.aivs, "how many vehicles")
       ->type_name("N")
       ->check(CLI::Range(1, 10'000'000))
       ->capture_default_str();
-  verb->add_option("--duration", traffic.duration_s, "virtual seconds that count")
+  command->add_option("--duration", traffic.duration_s, "virtual seconds that count")
       ->type_name("S")
       ->check(CLI::Range(1.0, 1e8))
       ->capture_default_str();
-  verb->add_option("--warm-up", traffic.warm_up_s, "virtual seconds before, that count in no figure")
+  command->add_option("--warm-up", traffic.warm_up_s, "virtual seconds before, that count in no figure")
       ->type_name("S")
       ->check(CLI::Range(0.0, 1e8))
       ->capture_default_str();
-  verb->add_option("--seed", traffic.seed, "fixes every random draw")->type_name("S")->capture_default_str();
+  command->add_option("--seed", traffic.seed, "fixes every random draw")->type_name("S")->capture_default_str();
   CLI::Option* rate =
-      verb->add_option("--jobs-per-hour", traffic.jobs_per_hour, "transport jobs by chance, so many an hour on average")
+      command->add_option("--jobs-per-hour", traffic.jobs_per_hour, "transport jobs by chance, so many an hour on average")
           ->type_name("N");
-  verb->add_option("--jobs", traffic.jobs_file, "transport jobs from a CSV file; '-' reads standard input")
+  command->add_option("--jobs", traffic.jobs_file, "transport jobs from a CSV file; '-' reads standard input")
       ->type_name("FILE")
       ->excludes(rate);
-  verb->add_option("--handling", traffic.handling_s, "seconds to load, and to unload")
+  command->add_option("--handling", traffic.handling_s, "seconds to load, and to unload")
       ->type_name("S")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
-  add_rules(*verb, traffic.rules, "how AIVs choose their speed (docs/guide/agents.md)");
-  verb->add_option("--step", traffic.step_s, "seconds of one step")
+  add_rules(*command, traffic.rules, "how AIVs choose their speed (docs/guide/agents.md)");
+  command->add_option("--step", traffic.step_s, "seconds of one step")
       ->type_name("S")
       ->check(CLI::Range(0.01, 0.2))
       ->capture_default_str();
-  verb->add_option("--out", traffic.out_directory, "write report.html, result.json and jobs.csv there")
+  command->add_option("--out", traffic.out_directory, "write report.html, result.json and jobs.csv there")
       ->type_name("DIR");
-  verb->add_flag("--json", traffic.json, "print the result as JSON");
-  return verb;
+  command->add_flag("--json", traffic.json, "print the result as JSON");
+  return command;
 }
 
 }  // namespace cosiva::app

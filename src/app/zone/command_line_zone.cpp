@@ -49,30 +49,30 @@ constexpr const char* switch_examples =
     "Vehicles whose place the new zone's ways pass within 0.30 m go on from there; the others are parked and named.\n"
     "Exit status: 0 it is in force; 2 it was refused, and the zone that was there goes on.";
 
-void add_zone(CLI::App& verb, ZoneArguments& zone) {
-  verb.add_option("zone", zone.zone, "a ready zone's name or a file")->type_name("NAME|FILE")->required();
-  verb.add_option("--sidecar", zone.sidecar,
+void add_zone(CLI::App& command, ZoneArguments& zone) {
+  command.add_option("zone", zone.zone, "a ready zone's name or a file")->type_name("NAME|FILE")->required();
+  command.add_option("--sidecar", zone.sidecar,
                   "what the file's format cannot say; without: the one beside it, if any")
       ->type_name("FILE");
 }
 
-void add_json(CLI::App& verb, bool& json) { verb.add_flag("--json", json, "print the result as JSON"); }
+void add_json(CLI::App& command, bool& json) { command.add_flag("--json", json, "print the result as JSON"); }
 
-void describe_show(CLI::App& verb, ZoneArguments& zone) {
-  verb.add_option("--svg", zone.svg_file, "draw into this file; '-' is standard output, as without any")
+void describe_show(CLI::App& command, ZoneArguments& zone) {
+  command.add_option("--svg", zone.svg_file, "draw into this file; '-' is standard output, as without any")
       ->type_name("OUT");
-  verb.add_option("--png", zone.png_file, "draw into this file")->type_name("OUT");
-  verb.add_option("--width", zone.width_px, "of the PNG")
+  command.add_option("--png", zone.png_file, "draw into this file")->type_name("OUT");
+  command.add_option("--width", zone.width_px, "of the PNG")
       ->type_name("PX")
       ->check(CLI::Range(16, 16384))
       ->capture_default_str();
-  verb.footer(show_examples);
+  command.footer(show_examples);
 }
 
-void describe_convert(CLI::App& verb, ZoneArguments& zone) {
-  verb.add_option("out", zone.out_file, "the new file; its ending says which format")->type_name("OUT")->required();
-  verb.add_option("--to", zone.format, "the format, where the ending does not say it")->type_name("FORMAT");
-  verb.footer(convert_examples);
+void describe_convert(CLI::App& command, ZoneArguments& zone) {
+  command.add_option("out", zone.out_file, "the new file; its ending says which format")->type_name("OUT")->required();
+  command.add_option("--to", zone.format, "the format, where the ending does not say it")->type_name("FORMAT");
+  command.footer(convert_examples);
 }
 
 constexpr const char* generate_examples =
@@ -83,78 +83,78 @@ constexpr const char* generate_examples =
     "  cosiva zone generate --sections 1000 -o plant.toml     a thousand sections, and not many more\n"
     "  cosiva zone generate --rows 2 --aisles 4 --seed 7 -o small.lif.json";
 
-void describe_generate(CLI::App& verb, GenerateArguments& generate) {
+void describe_generate(CLI::App& command, GenerateArguments& generate) {
   zone::PlantOptions& plant = generate.plant;
-  verb.add_option("-o,--out", generate.out_file, "the new file; its ending says which format")
+  command.add_option("-o,--out", generate.out_file, "the new file; its ending says which format")
       ->type_name("OUT")
       ->required();
   CLI::Option* sections =
-      verb.add_option("--sections", generate.sections, "at least so many sections, laid out by itself")
+      command.add_option("--sections", generate.sections, "at least so many sections, laid out by itself")
           ->type_name("N")
           ->check(CLI::Range(1, 190'000));
   const auto number = [&](const char* name, std::uint32_t& value, const char* what) {
-    return verb.add_option(name, value, what)->type_name("N")->capture_default_str();
+    return command.add_option(name, value, what)->type_name("N")->capture_default_str();
   };
   number("--rows", plant.rows, "rows of aisles")->excludes(sections);
   number("--aisles", plant.aisles, "aisles in each row")->excludes(sections);
   number("--bays", plant.bays, "bays along each aisle")->excludes(sections);
-  verb.add_option("--bay-share", plant.bay_share, "how many of the bays there are")
+  command.add_option("--bay-share", plant.bay_share, "how many of the bays there are")
       ->type_name("P")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  verb.add_option("--seed", plant.seed, "decides which bays there are, where, and how long")
+  command.add_option("--seed", plant.seed, "decides which bays there are, where, and how long")
       ->type_name("S")
       ->capture_default_str();
-  verb.add_option("--length", plant.vehicle.length_m, "of the vehicle that all is laid out for")
+  command.add_option("--length", plant.vehicle.length_m, "of the vehicle that all is laid out for")
       ->type_name("M")
       ->capture_default_str();
-  verb.add_option("--width", plant.vehicle.width_m, "of the vehicle")->type_name("M")->capture_default_str();
+  command.add_option("--width", plant.vehicle.width_m, "of the vehicle")->type_name("M")->capture_default_str();
   number("--starts", plant.starts, "places where an emulated fleet begins, at most");
-  verb.add_option("--name", plant.name, "of the zone")->type_name("TEXT")->capture_default_str();
-  verb.footer(generate_examples);
+  command.add_option("--name", plant.name, "of the zone")->type_name("TEXT")->capture_default_str();
+  command.footer(generate_examples);
 }
 
-void describe_switch(CLI::App& verb, ZoneArguments& zone) {
-  verb.add_option("--url", zone.url, "where the platform's API is")->type_name("URL")->capture_default_str();
-  verb.add_option("--wait", zone.wait_s, "for the first vehicle to move, at most")
+void describe_switch(CLI::App& command, ZoneArguments& zone) {
+  command.add_option("--url", zone.url, "where the platform's API is")->type_name("URL")->capture_default_str();
+  command.add_option("--wait", zone.wait_s, "for the first vehicle to move, at most")
       ->type_name("S")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
-  add_broker(verb, zone.broker, "the platform's API is asked");
-  verb.footer(switch_examples);
+  add_broker(command, zone.broker, "the platform's API is asked");
+  command.footer(switch_examples);
 }
 
 }  // namespace
 
-ZoneVerbs describe_zone(CLI::App& root, ZoneArguments& zone, GenerateArguments& generate) {
-  ZoneVerbs verbs{};
-  verbs.zone = root.add_subcommand("zone", "Check, draw, convert, make and switch traffic zones");
-  verbs.zone->require_subcommand(0, 1);
-  verbs.zone->footer(zone_examples);
-  verbs.check =
-      verbs.zone->add_subcommand("check", "Say what a zone holds and where it is weak, or what is wrong with it");
-  verbs.show = verbs.zone->add_subcommand("show", "Draw a zone as SVG or PNG");
-  verbs.convert =
-      verbs.zone->add_subcommand("convert", "Write a zone in another format, and say what that cannot hold");
-  verbs.generate = verbs.zone->add_subcommand("generate", "Make a zone of any size, for trials");
-  verbs.switch_to = verbs.zone->add_subcommand("switch", "Give a running platform another zone, while it runs");
-  for (CLI::App* verb : {verbs.check, verbs.show, verbs.convert, verbs.switch_to}) add_zone(*verb, zone);
-  for (CLI::App* verb : {verbs.check, verbs.convert, verbs.switch_to}) add_json(*verb, zone.json);
-  add_json(*verbs.generate, generate.json);
-  verbs.check->footer(check_examples);
-  describe_show(*verbs.show, zone);
-  describe_convert(*verbs.convert, zone);
-  describe_generate(*verbs.generate, generate);
-  describe_switch(*verbs.switch_to, zone);
-  return verbs;
+ZoneCommands describe_zone(CLI::App& root, ZoneArguments& zone, GenerateArguments& generate) {
+  ZoneCommands commands{};
+  commands.zone = root.add_subcommand("zone", "Check, draw, convert, make and switch traffic zones");
+  commands.zone->require_subcommand(0, 1);
+  commands.zone->footer(zone_examples);
+  commands.check =
+      commands.zone->add_subcommand("check", "Say what a zone holds and where it is weak, or what is wrong with it");
+  commands.show = commands.zone->add_subcommand("show", "Draw a zone as SVG or PNG");
+  commands.convert =
+      commands.zone->add_subcommand("convert", "Write a zone in another format, and say what that cannot hold");
+  commands.generate = commands.zone->add_subcommand("generate", "Make a zone of any size, for trials");
+  commands.switch_to = commands.zone->add_subcommand("switch", "Give a running platform another zone, while it runs");
+  for (CLI::App* command : {commands.check, commands.show, commands.convert, commands.switch_to}) add_zone(*command, zone);
+  for (CLI::App* command : {commands.check, commands.convert, commands.switch_to}) add_json(*command, zone.json);
+  add_json(*commands.generate, generate.json);
+  commands.check->footer(check_examples);
+  describe_show(*commands.show, zone);
+  describe_convert(*commands.convert, zone);
+  describe_generate(*commands.generate, generate);
+  describe_switch(*commands.switch_to, zone);
+  return commands;
 }
 
-std::optional<int> run_zone_verb(const ZoneVerbs& verbs, const ZoneArguments& zone, const GenerateArguments& generate) {
-  if (verbs.check->parsed()) return run_zone_check(zone);
-  if (verbs.show->parsed()) return run_zone_show(zone);
-  if (verbs.convert->parsed()) return run_zone_convert(zone);
-  if (verbs.generate->parsed()) return run_zone_generate(generate);
-  if (verbs.switch_to->parsed()) return run_zone_switch(zone);
+std::optional<int> run_zone_command(const ZoneCommands& commands, const ZoneArguments& zone, const GenerateArguments& generate) {
+  if (commands.check->parsed()) return run_zone_check(zone);
+  if (commands.show->parsed()) return run_zone_show(zone);
+  if (commands.convert->parsed()) return run_zone_convert(zone);
+  if (commands.generate->parsed()) return run_zone_generate(generate);
+  if (commands.switch_to->parsed()) return run_zone_switch(zone);
   return std::nullopt;
 }
 

@@ -10,7 +10,7 @@
 namespace cosiva::app {
 
 /// `cosiva zone` and its verbs.
-struct ZoneVerbs {
+struct ZoneCommands {
   CLI::App* zone;
   CLI::App* check;
   CLI::App* show;
@@ -19,10 +19,10 @@ struct ZoneVerbs {
   CLI::App* switch_to;
 };
 
-[[nodiscard]] ZoneVerbs describe_zone(CLI::App& root, ZoneArguments& zone, GenerateArguments& generate);
+[[nodiscard]] ZoneCommands describe_zone(CLI::App& root, ZoneArguments& zone, GenerateArguments& generate);
 
 /// The exit status of the one that was asked for, if any.
-[[nodiscard]] std::optional<int> run_zone_verb(const ZoneVerbs& verbs, const ZoneArguments& zone,
+[[nodiscard]] std::optional<int> run_zone_command(const ZoneCommands& commands, const ZoneArguments& zone,
                                                const GenerateArguments& generate);
 
 }  // namespace cosiva::app

@@ -4,7 +4,7 @@ import { Motion } from './motion.mjs';
 import { action_of, topic_of } from './traces.mjs';
 import { draw_zone, nearest_place, place_of } from './ways.mjs';
 
-const verbs = ['stop', 'slow', 'medium', 'fast', 'restart', 'cancel'];
+const operator_commands = ['stop', 'slow', 'medium', 'fast', 'restart', 'cancel'];
 const status_words = ['Normal', 'stopped', 'slow speed', 'medium speed', 'fast speed'];
 
 /** Thrown by whatever a caller asked wrongly; the server turns it into an answer. */
@@ -134,7 +134,7 @@ export class World extends Motion {
       for (const aiv of sent) aiv.mission = body.command === 'go' ? { kind: 'go', to: body.to, state: 'driving' } : { kind: 'circulate', loop: body.loop ?? null, state: 'driving' };
       return { id: `c${++this.command_number}` };
     }
-    if (!verbs.includes(body.command)) throw new Refusal(400, 'command.unknown', `There is no command “${body.command}”. Send one of: ${verbs.join(', ')}.`);
+    if (!operator_commands.includes(body.command)) throw new Refusal(400, 'command.unknown', `There is no command “${body.command}”. Send one of: ${operator_commands.join(', ')}.`);
     const wanted = body.vehicle === '*' ? this.aivs.map((aiv) => aiv.id) : (body.vehicles ?? [body.vehicle]);
     const chosen = wanted.map((id) => {
       const aiv = this.aivs.find((candidate) => candidate.id === id);

@@ -13,7 +13,7 @@ describe('the list of commands', () => {
   it('finds a command to one vehicle by its words', () => {
     expect(first('stop AIV2')).toBe('Stop AIV2');
     expect(first('slow aiv1')).toBe('Slow AIV1');
-    expect(search(entries, 'stop aiv2')[0]?.doing).toEqual({ kind: 'command', verb: 'stop', vehicles: ['CoSiVA/AIV2'] });
+    expect(search(entries, 'stop aiv2')[0]?.doing).toEqual({ kind: 'command', command: 'stop', vehicles: ['CoSiVA/AIV2'] });
   });
   it('finds by a few letters', () => {
     expect(first('stopall')).toBe('Stop all AIVs');

@@ -1,11 +1,11 @@
 // The list of commands: every command by name, also for each AIV ("stop AIV2"), found by a few letters.
 import { key_of, type Action } from '../shell/keys';
-import { verbs } from './verbs';
-import type { CommandVerb } from '../live/contract';
+import { operator_commands } from './operator_commands';
+import type { CommandName } from '../live/contract';
 
 export type Doing =
   | { kind: 'act'; action: Action }
-  | { kind: 'command'; verb: CommandVerb; vehicles: '*' | readonly string[] }
+  | { kind: 'command'; command: CommandName; vehicles: '*' | readonly string[] }
   | { kind: 'go'; vehicle: string; to: string }
   | { kind: 'circulate'; vehicle: string; loop: string | null }
   | { kind: 'close'; section: string }
@@ -104,11 +104,11 @@ function missions_of(vehicles: readonly { id: string; name: string }[], { statio
 
 export function entries_of(vehicles: readonly { id: string; name: string; augmented: boolean }[], things: readonly { id: string }[], places: Places = no_places): Entry[] {
   const list: Entry[] = actions.map(([action, text]) => entry(text, key_of(action) ?? '', { kind: 'act', action }));
-  for (const { verb, word } of verbs) if (verb !== 'stop') list.push(entry(`${word} all AIVs`, '', { kind: 'command', verb, vehicles: '*' }));
+  for (const { command, word } of operator_commands) if (command !== 'stop') list.push(entry(`${word} all AIVs`, '', { kind: 'command', command, vehicles: '*' }));
   for (const [name, text] of page_entries) list.push(entry(text, '', { kind: 'page', name }));
   for (const { id, name, augmented } of vehicles) {
-    for (const { verb, word } of verbs) list.push({ ...entry(`${word} ${name}`, '', { kind: 'command', verb, vehicles: [id] }), key: `${verb} ${id}` });
-    list.push({ ...entry(`Cancel the order of ${name}`, '', { kind: 'command', verb: 'cancel', vehicles: [id] }), key: `cancel ${id}` });
+    for (const { command, word } of operator_commands) list.push({ ...entry(`${word} ${name}`, '', { kind: 'command', command, vehicles: [id] }), key: `${command} ${id}` });
+    list.push({ ...entry(`Cancel the order of ${name}`, '', { kind: 'command', command: 'cancel', vehicles: [id] }), key: `cancel ${id}` });
     list.push({ ...entry(`Select ${name}`, '', { kind: 'select', id }), key: `select ${id}` });
     list.push({ ...entry(`Follow ${name}`, '', { kind: 'follow', id }), key: `follow ${id}` });
     if (augmented) list.push({ ...entry(`Remove ${name}`, '', { kind: 'remove', id }), key: `remove ${id}` });

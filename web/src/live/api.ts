@@ -1,6 +1,6 @@
 // The HTTP calls of docs/protocols/hmi-api.md. Each returns the server's response or an error message for the operator;
 // no call throws.
-import type { CommandVerb, Point, Repeat, Run, Traces, WholeTrace, ZoneEdit } from './contract';
+import type { CommandName, Point, Repeat, Run, Traces, WholeTrace, ZoneEdit } from './contract';
 
 export type Answer<T> = { ok: true; value: T } | { ok: false; status: number; sentence: string };
 
@@ -36,7 +36,7 @@ function parse(text: string): unknown {
 const id_of = (id: string) => encodeURIComponent(id);
 
 export const api = {
-  command: (command: CommandVerb, vehicles: '*' | readonly string[]) =>
+  command: (command: CommandName, vehicles: '*' | readonly string[]) =>
     call<{ id: string }>('POST', 'commands', vehicles === '*' ? { command, vehicle: '*' } : vehicles.length === 1 ? { command, vehicle: vehicles[0] } : { command, vehicles }),
   go: (vehicle: string, to: string) => call<{ id: string }>('POST', 'commands', { command: 'go', vehicle, to }),
   circulate: (vehicle: string, loop: string | null) => call<{ id: string }>('POST', 'commands', { command: 'circulate', vehicle, ...(loop === null ? {} : { loop }) }),

@@ -237,13 +237,13 @@ export const default_limits: ContractLimits = {
   actual_p99_m: 0.05,
 };
 
-export type CommandVerb = 'stop' | 'slow' | 'medium' | 'fast' | 'restart' | 'cancel';
+export type CommandName = 'stop' | 'slow' | 'medium' | 'fast' | 'restart' | 'cancel';
 export type CommandState = 'issued' | 'accepted' | 'materialised' | 'failed';
 
 export interface Command {
   id: string;
   vehicle: string;
-  /** a CommandVerb, or a command of a newer server */
+  /** a CommandName, or a command of a newer server */
   command: string;
   state: CommandState;
   time_ms: number;

@@ -2,7 +2,7 @@
 // and figures are updated from a snapshot, at most once per painted frame.
 import { AlarmBook, type Alarm } from './alarms';
 import { api, type Answer } from './api';
-import type { Bijection, Command, CommandVerb, Crossing, LiveMessage, Run, SeenObstacle, Snapshot, Thing, Truth, Zone } from './contract';
+import type { Bijection, Command, CommandName, Crossing, LiveMessage, Run, SeenObstacle, Snapshot, Thing, Truth, Zone } from './contract';
 import { Live, live_url } from './connection';
 import { Positions } from './positions';
 import { rows_of, type Row } from './rows';
@@ -154,7 +154,7 @@ export class Platform {
   }
 
   /** Sends a command; the snapshots report its progress. A command that cannot be sent raises a notice. */
-  async command(command: CommandVerb, vehicle: string | readonly string[]): Promise<void> {
+  async command(command: CommandName, vehicle: string | readonly string[]): Promise<void> {
     const vehicles = typeof vehicle === 'string' && vehicle !== '*' ? [vehicle] : (vehicle as '*' | readonly string[]);
     if (vehicles.length === 0) return this.say('Select an AIV first, or choose several.', 'news');
     const whom = vehicles === '*' ? 'all AIVs' : vehicles.length === 1 ? short(vehicles[0]!) : `${vehicles.length} AIVs`;

@@ -1,7 +1,7 @@
 // The entries of the map's context menu, for the object under the pointer and for that position.
 import { api } from '../live/api';
-import { verbs } from '../commands/verbs';
-import type { CommandVerb, Point } from '../live/contract';
+import { operator_commands } from '../commands/operator_commands';
+import type { CommandName, Point } from '../live/contract';
 import { layout } from '../shell/layout.svelte';
 import { section_at } from './geometry';
 import type { MapState, Menu } from './map_state.svelte';
@@ -64,9 +64,9 @@ function of_thing(map: MapState, hit: NonNullable<Menu['hit']>): MenuGroup[] {
   const { id } = hit;
   const items: MenuItem[] = [];
   if (hit.kind === 'aiv') {
-    const give = (verb: CommandVerb) => () => void platform.command(verb, id);
-    const wanted: readonly CommandVerb[] = ['slow', 'medium', 'fast', 'stop', 'restart'];
-    items.push(...wanted.map((verb) => ({ word: word_of(verb), act: give(verb), danger: verb === 'stop' })));
+    const give = (command: CommandName) => () => void platform.command(command, id);
+    const wanted: readonly CommandName[] = ['slow', 'medium', 'fast', 'stop', 'restart'];
+    items.push(...wanted.map((command) => ({ word: word_of(command), act: give(command), danger: command === 'stop' })));
     items.push(...missions(map, id));
     const followed = platform.following && platform.selected === id;
     items.push({
@@ -103,7 +103,7 @@ function of_place(map: MapState, at: Point): MenuGroup {
   };
 }
 
-function word_of(verb: CommandVerb): string {
-  const known = verbs.find((one) => one.verb === verb);
-  return known?.word ?? verb;
+function word_of(command: CommandName): string {
+  const known = operator_commands.find((one) => one.command === command);
+  return known?.word ?? command;
 }

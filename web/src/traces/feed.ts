@@ -72,7 +72,7 @@ export class TraceFeed {
 
   private gap(count: number, known: boolean, time_ms: number): void {
     const messages = `${count.toLocaleString('en')} ${count === 1 ? 'message' : 'messages'}`;
-    const verb = count === 1 ? 'was' : 'were';
-    this.store.note(known ? `${messages} ${verb} not kept: overwritten before this page read them.` : `${messages} before these ${verb} not kept by the server.`, time_ms);
+    const was_or_were = count === 1 ? 'was' : 'were';
+    this.store.note(known ? `${messages} ${was_or_were} not kept: overwritten before this page read them.` : `${messages} before these ${was_or_were} not kept by the server.`, time_ms);
   }
 }

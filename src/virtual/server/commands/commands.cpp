@@ -7,17 +7,17 @@
 namespace cosiva::virtual_side {
 namespace {
 
-constexpr std::array verbs{Verb::stop, Verb::slow, Verb::medium, Verb::fast, Verb::limit, Verb::restart, Verb::cancel};
+constexpr std::array verbs{OperatorCommandKind::stop, OperatorCommandKind::slow, OperatorCommandKind::medium, OperatorCommandKind::fast, OperatorCommandKind::limit, OperatorCommandKind::restart, OperatorCommandKind::cancel};
 constexpr double limit_mps_max = 5.0;
 constexpr double standing_mps = 0.01;
 constexpr double speed_slack_mps = 0.02;
 constexpr std::size_t vehicles_named_max = Registry::vehicles_max;
 
-std::optional<aiv::Profile> profile_of(Verb verb) {
+std::optional<aiv::Profile> profile_of(OperatorCommandKind verb) {
   switch (verb) {
-    case Verb::slow: return aiv::Profile::slow;
-    case Verb::medium: return aiv::Profile::medium;
-    case Verb::fast: return aiv::Profile::fast;
+    case OperatorCommandKind::slow: return aiv::Profile::slow;
+    case OperatorCommandKind::medium: return aiv::Profile::medium;
+    case OperatorCommandKind::fast: return aiv::Profile::fast;
     default: return std::nullopt;
   }
 }
@@ -30,21 +30,21 @@ wire::Action speed_limit(std::string_view profile) {
   return limit;
 }
 
-bool sets_speed(Verb verb) { return profile_of(verb) || verb == Verb::limit; }
+bool sets_speed(OperatorCommandKind verb) { return profile_of(verb) || verb == OperatorCommandKind::limit; }
 
 std::string cut(std::string_view text) { return std::string(text.substr(0, 80)); }
 
 }  // namespace
 
-std::string_view to_string(Verb verb) {
+std::string_view to_string(OperatorCommandKind verb) {
   switch (verb) {
-    case Verb::stop: return "stop";
-    case Verb::slow: return "slow";
-    case Verb::medium: return "medium";
-    case Verb::fast: return "fast";
-    case Verb::limit: return "limit";
-    case Verb::restart: return "restart";
-    case Verb::cancel: return "cancel";
+    case OperatorCommandKind::stop: return "stop";
+    case OperatorCommandKind::slow: return "slow";
+    case OperatorCommandKind::medium: return "medium";
+    case OperatorCommandKind::fast: return "fast";
+    case OperatorCommandKind::limit: return "limit";
+    case OperatorCommandKind::restart: return "restart";
+    case OperatorCommandKind::cancel: return "cancel";
   }
   return "?";
 }
@@ -69,7 +69,7 @@ Result<Commands::Asked> Commands::read(const Result<JsonValue>& value) const {
   const auto verb = value->text("command");
   if (!verb)
     return fail("command.missing", "say which command: stop, slow, medium, fast, limit, restart or cancel", "command");
-  asked.verb_text = cut(*verb);
+  asked.command_text = cut(*verb);
   if (const JsonValue* list = value->find("vehicles"); list != nullptr && !list->is_null()) {
     if (list->array() == nullptr || list->array()->empty() || list->array()->size() > vehicles_named_max)
       return fail("command.vehicle", "give at least one and at most 256 vehicles, as [\"CoSiVA/AIV1\",…]", "vehicles");
@@ -83,9 +83,9 @@ Result<Commands::Asked> Commands::read(const Result<JsonValue>& value) const {
     asked.vehicle_names.push_back(cut(*vehicle));
     asked.several = *vehicle == "*";
   }
-  const auto known = std::ranges::find(verbs, *verb, [](Verb v) { return to_string(v); });
+  const auto known = std::ranges::find(verbs, *verb, [](OperatorCommandKind v) { return to_string(v); });
   if (known != verbs.end()) asked.verb = *known;
-  if (asked.verb == Verb::limit) {
+  if (asked.verb == OperatorCommandKind::limit) {
     asked.speed_mps = value->number("speed").value_or(0.0);
     if (!(asked.speed_mps > 0.0 && asked.speed_mps <= limit_mps_max))
       return fail("command.speed", "say how fast it may drive at most, above 0 and up to 5 m/s, as \"speed\":0.25",
@@ -94,7 +94,7 @@ Result<Commands::Asked> Commands::read(const Result<JsonValue>& value) const {
   return asked;
 }
 
-std::optional<std::string> Commands::impossible(VehicleIndex vehicle, Verb verb) const {
+std::optional<std::string> Commands::impossible(VehicleIndex vehicle, OperatorCommandKind verb) const {
   const AivProxy& proxy = registry_[vehicle];
   if (!proxy.online())
     return proxy.name + " is not connected; switch it on or bring it back into radio range, then try again";
@@ -112,7 +112,7 @@ Result<void> Commands::check(const Result<JsonValue>& command) const {
 Result<void> Commands::judge_asked(const Asked& asked) const {
   if (!asked.verb) {
     return fail("command.unknown",
-                "there is no command '" + asked.verb_text + "'; use stop, slow, medium, fast, limit, restart or cancel",
+                "there is no command '" + asked.command_text + "'; use stop, slow, medium, fast, limit, restart or cancel",
                 "command");
   }
   if (asked.all()) {
@@ -159,7 +159,7 @@ void Commands::issue(const Result<JsonValue>& json) {
   command.id = next_id(asked ? asked->id : "");
   if (asked) {
     command.verb = asked->verb;
-    command.verb_text = asked->verb_text;
+    command.command_text = asked->command_text;
     command.speed_mps = asked->speed_mps;
     for (const std::string& name : asked->vehicle_names)
       command.vehicle_name += (command.vehicle_name.empty() ? "" : ", ") + name;
@@ -187,7 +187,7 @@ BijectionMonitor* Commands::monitor_of(const Command& command) {
 
 void Commands::begin(Command command) {
   if (BijectionMonitor* monitor = monitor_of(command)) monitor->command_issued();
-  const Verb verb = *command.verb;
+  const OperatorCommandKind verb = *command.verb;
   AivProxy& proxy = registry_[command.vehicle];
   if (auto reason = impossible(command.vehicle, verb)) {
     fail_command(command, std::move(*reason));
@@ -197,29 +197,29 @@ void Commands::begin(Command command) {
   supersede(command);
   std::vector<wire::Action> actions;
   switch (verb) {
-    case Verb::stop:
+    case OperatorCommandKind::stop:
       proxy.paused_for_body = false;  // from now on it stands because somebody wants it to
       actions.push_back(action("startPause"));
       break;
-    case Verb::restart:
+    case OperatorCommandKind::restart:
       proxy.paused_for_body = false;
       proxy.no_orders = false;
       actions.push_back(action("stopPause"));
       if (proxy.imposed || proxy.speed_mps_max) actions.push_back(speed_limit("normal"));
       proxy.speed_mps_max.reset();
       break;
-    case Verb::cancel:
+    case OperatorCommandKind::cancel:
       proxy.no_orders = true;
       roller_.stop_rolling(command.vehicle);
       actions.push_back(action("cancelOrder"));
       break;
-    case Verb::slow:
-    case Verb::medium:
-    case Verb::fast:
+    case OperatorCommandKind::slow:
+    case OperatorCommandKind::medium:
+    case OperatorCommandKind::fast:
       actions.push_back(speed_limit(to_string(*profile_of(verb))));
       proxy.speed_mps_max.reset();
       break;
-    case Verb::limit:
+    case OperatorCommandKind::limit:
       actions.push_back(action("setSpeedLimit"));
       actions.back().parameters.push_back({"maxSpeed", command.speed_mps});
       break;
@@ -230,9 +230,9 @@ void Commands::begin(Command command) {
 
 void Commands::supersede(const Command& by) {
   // Otherwise the older one, sent again because its answer was lost, would undo the newer.
-  const auto overtakes = [&](Verb older) {
-    if (older == *by.verb || *by.verb == Verb::restart) return true;
-    return (sets_speed(older) && sets_speed(*by.verb)) || (older == Verb::restart && *by.verb == Verb::stop);
+  const auto overtakes = [&](OperatorCommandKind older) {
+    if (older == *by.verb || *by.verb == OperatorCommandKind::restart) return true;
+    return (sets_speed(older) && sets_speed(*by.verb)) || (older == OperatorCommandKind::restart && *by.verb == OperatorCommandKind::stop);
   };
   for (Command& older : list_) {
     if (older.vehicle == by.vehicle && older.open() && overtakes(*older.verb))
@@ -246,23 +246,23 @@ bool Commands::effect_seen(const Command& command) const {
   const wire::State& state = *proxy.state;
   const double speed_mps = proxy.twin ? simulator_.twin(*proxy.twin).speed_mps() : 0.0;
   switch (*command.verb) {
-    case Verb::stop: return state.paused && !state.driving && speed_mps < standing_mps;
-    case Verb::restart: {
+    case OperatorCommandKind::stop: return state.paused && !state.driving && speed_mps < standing_mps;
+    case OperatorCommandKind::restart: {
       // A limit asked for after it is not its failure.
       const bool limited_since = std::ranges::any_of(list_, [&](const Command& other) {
         return other.vehicle == command.vehicle && other.at >= command.at && other.verb && profile_of(*other.verb);
       });
       return !state.paused && (!proxy.imposed || limited_since);
     }
-    case Verb::cancel: return state.node_states.empty() && !state.driving;
-    case Verb::limit: {
+    case OperatorCommandKind::cancel: return state.node_states.empty() && !state.driving;
+    case OperatorCommandKind::limit: {
       const InstantActionSender::Letter* letter = action_sender_.find(command.ticket);
       return letter != nullptr && letter->actions.front().status == wire::ActionStatus::finished &&
              speed_mps <= command.speed_mps + speed_slack_mps;
     }
-    case Verb::slow:
-    case Verb::medium:
-    case Verb::fast: break;
+    case OperatorCommandKind::slow:
+    case OperatorCommandKind::medium:
+    case OperatorCommandKind::fast: break;
   }
   const aiv::Profile profile = *profile_of(*command.verb);
   if (proxy.imposed != profile) return false;
@@ -321,7 +321,7 @@ void Commands::accept(Command& command) {
 void Commands::materialise(Command& command) {
   command.state = CommandState::materialised;
   command.materialised_at = outbox_.now();
-  if (command.verb == Verb::limit) registry_[command.vehicle].speed_mps_max = command.speed_mps;
+  if (command.verb == OperatorCommandKind::limit) registry_[command.vehicle].speed_mps_max = command.speed_mps;
   action_sender_.drop(command.ticket);
   if (BijectionMonitor* monitor = monitor_of(command))
     monitor->command_materialised(to_seconds(outbox_.now() - command.at) * 1e3);
@@ -332,7 +332,7 @@ void Commands::fail_command(Command& command, std::string reason) {
   command.reason = std::move(reason);
   action_sender_.drop(command.ticket);
   if (BijectionMonitor* monitor = monitor_of(command)) monitor->command_failed();
-  outbox_.log('w', "command " + command.id + " '" + command.verb_text + "' for '" + command.vehicle_name +
+  outbox_.log('w', "command " + command.id + " '" + command.command_text + "' for '" + command.vehicle_name +
                        "' failed: " + command.reason);
 }
 

@@ -16,8 +16,8 @@
 namespace cosiva::virtual_side {
 
 /// What an operator can ask of a vehicle (A6).
-enum class Verb : std::uint8_t { stop, slow, medium, fast, limit, restart, cancel };
-[[nodiscard]] std::string_view to_string(Verb verb);
+enum class OperatorCommandKind : std::uint8_t { stop, slow, medium, fast, limit, restart, cancel };
+[[nodiscard]] std::string_view to_string(OperatorCommandKind verb);
 
 enum class CommandState : std::uint8_t { issued, accepted, materialised, failed };
 [[nodiscard]] std::string_view to_string(CommandState state);
@@ -26,8 +26,8 @@ struct Command {
   std::string id;
   VehicleIndex vehicle{no_vehicle};
   std::string vehicle_name;
-  std::string verb_text;  ///< as asked, even when nobody knows such a verb
-  std::optional<Verb> verb;
+  std::string command_text;  ///< as asked, even when nobody knows such a verb
+  std::optional<OperatorCommandKind> verb;
   double speed_mps{};  ///< of `limit`
   CommandState state{CommandState::issued};
   SimTime at{};
@@ -67,9 +67,9 @@ class Commands {
  private:
   struct Asked {
     std::string id;
-    std::string verb_text;
+    std::string command_text;
     std::vector<std::string> vehicle_names;  ///< or "*" alone
-    std::optional<Verb> verb;
+    std::optional<OperatorCommandKind> verb;
     double speed_mps{};   ///< of `limit`
     bool several{false};  ///< given as a list, or all: an entry each
     [[nodiscard]] bool all() const { return several && vehicle_names.front() == "*"; }
@@ -82,7 +82,7 @@ class Commands {
   [[nodiscard]] std::string next_id(const std::string& wanted);
   void begin(Command command);
   void supersede(const Command& by);
-  [[nodiscard]] std::optional<std::string> impossible(VehicleIndex vehicle, Verb verb) const;
+  [[nodiscard]] std::optional<std::string> impossible(VehicleIndex vehicle, OperatorCommandKind verb) const;
   [[nodiscard]] bool effect_seen(const Command& command) const;
   void judge(Command& command);
   void accept(Command& command);

@@ -102,7 +102,7 @@ void ServerView::write_commands(JsonWriter& json) const {
     json.begin_object()
         .field("id", command.id)
         .field("vehicle", command.vehicle_name)
-        .field("command", command.verb_text)
+        .field("command", command.command_text)
         .field("state", to_string(command.state))
         .field("time_ms", to_milliseconds(command.at.time_since_epoch()));
     since("accepted_ms", command.accepted_at);

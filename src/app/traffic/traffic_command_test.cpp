@@ -15,7 +15,7 @@ namespace {
 using bench::cosiva;
 using ::testing::HasSubstr;
 
-TEST(TrafficVerb, carries_jobs_on_a_ready_zone_and_says_what_came_of_it) {
+TEST(TrafficCommand, carries_jobs_on_a_ready_zone_and_says_what_came_of_it) {
   const auto said =
       cosiva({"traffic", "--zone", "indus8", "--aivs", "4", "--duration", "600", "--jobs-per-hour", "60"});
   EXPECT_EQ(said.status, 0) << said.words;
@@ -23,7 +23,7 @@ TEST(TrafficVerb, carries_jobs_on_a_ready_zone_and_says_what_came_of_it) {
   EXPECT_THAT(said.data, HasSubstr("0 collisions"));
 }
 
-TEST(TrafficVerb, gives_the_same_figures_for_the_same_seed) {
+TEST(TrafficCommand, gives_the_same_figures_for_the_same_seed) {
   const auto once = [](const std::string& seed) {
     return cosiva({"traffic", "--zone", "indus8", "--duration", "300", "--aivs", "4", "--jobs-per-hour", "200",
                    "--json", "--seed", seed})
@@ -35,7 +35,7 @@ TEST(TrafficVerb, gives_the_same_figures_for_the_same_seed) {
   EXPECT_NE(one, once("2"));
 }
 
-TEST(TrafficVerb, carries_jobs_in_a_layout_whose_stations_lie_in_dead_ends) {
+TEST(TrafficCommand, carries_jobs_in_a_layout_whose_stations_lie_in_dead_ends) {
   const auto said = cosiva({"traffic", "--zone", "workshop", "--aivs", "6", "--jobs-per-hour", "60", "--json"});
   EXPECT_EQ(said.status, 0) << said.words;
   const auto json = JsonValue::parse(said.data, 1U << 20U);
@@ -46,7 +46,7 @@ TEST(TrafficVerb, carries_jobs_in_a_layout_whose_stations_lie_in_dead_ends) {
   EXPECT_EQ(json->number("stuck"), 0.0);
 }
 
-TEST(TrafficVerb, counts_near_misses_where_a_zone_leaves_no_clearance) {
+TEST(TrafficCommand, counts_near_misses_where_a_zone_leaves_no_clearance) {
   const adapters::testing::Scratch directory;
   const std::string file = directory / "tight.toml";
   ASSERT_EQ(cosiva({"zone", "convert", "workshop", file}).status, 0);
@@ -62,14 +62,14 @@ TEST(TrafficVerb, counts_near_misses_where_a_zone_leaves_no_clearance) {
   EXPECT_LT(json->number("smallest_gap_m").value_or(1.0), 0.06);
 }
 
-TEST(TrafficVerb, names_the_section_where_no_fleet_finds_a_place_to_stand) {
+TEST(TrafficCommand, names_the_section_where_no_fleet_finds_a_place_to_stand) {
   const std::string lane = source_dir() + "/src/virtual/fleet/testdata/two_way_lane.toml";
   const auto said = cosiva({"traffic", "--zone", lane, "--aivs", "1"});
   EXPECT_EQ(said.status, 2);
   EXPECT_THAT(said.words, HasSubstr("zone 'lane', section 'there': too many crossings upon one another"));
 }
 
-TEST(TrafficVerb, writes_a_report_that_can_be_looked_at) {
+TEST(TrafficCommand, writes_a_report_that_can_be_looked_at) {
   const adapters::testing::Scratch directory;
   const std::string out = directory / "out/deeper";
   const auto said = cosiva({"traffic", "--duration", "120", "--aivs", "8", "--out", out});
@@ -78,7 +78,7 @@ TEST(TrafficVerb, writes_a_report_that_can_be_looked_at) {
     EXPECT_GT(std::filesystem::file_size(out + file), 50U) << file;
 }
 
-TEST(TrafficVerb, says_what_is_wrong_and_where) {
+TEST(TrafficCommand, says_what_is_wrong_and_where) {
   const adapters::testing::Scratch directory;
   const std::string jobs = directory.write("jobs.csv", "time_s,from,to\n5,shelf_a,moon\n");
   const auto bad_file = cosiva({"traffic", "--zone", "indus8", "--jobs", jobs});

@@ -76,10 +76,10 @@ TEST(BatteryFleet, may_have_the_whole_platform_in_the_loop) {
 }
 
 TEST(BatteryFleet, says_at_what_pace_the_whole_platform_was_in_the_loop) {
-  const std::vector<std::string> verb{"battery", "fleet",    "--aivs", "2",       "--whole", "--scale",
+  const std::vector<std::string> command{"battery", "fleet",    "--aivs", "2",       "--whole", "--scale",
                                       "0.3",     "--series", "2",      "--floor", "90",      "--json"};
   const auto with = [&](std::vector<std::string> more) {
-    std::vector<std::string> all = verb;
+    std::vector<std::string> all = command;
     all.insert(all.end(), more.begin(), more.end());
     return cosiva(all);
   };
@@ -99,14 +99,14 @@ TEST(BatteryFleet, says_at_what_pace_the_whole_platform_was_in_the_loop) {
 TEST(BatteryFleet, goes_on_from_its_state_and_refuses_another_s) {
   const Scratch scratch;
   const std::string state = scratch / "state";
-  const std::vector<std::string> verb{"battery", "fleet", "--aivs", "2",       "--measure", "20",
+  const std::vector<std::string> command{"battery", "fleet", "--aivs", "2",       "--measure", "20",
                                       "--scale", "0.5",   "--json", "--state", state};
-  const Said first = cosiva(verb);
+  const Said first = cosiva(command);
   ASSERT_EQ(first.status, 0) << first.words;
-  const Said again = cosiva(verb);  // it was done: nothing is driven anew
+  const Said again = cosiva(command);  // it was done: nothing is driven anew
   EXPECT_EQ(again.data, first.data);
   EXPECT_THAT(again.words, HasSubstr("goes on from"));
-  std::vector<std::string> other = verb;
+  std::vector<std::string> other = command;
   other.insert(other.end(), {"--seed", "9"});
   EXPECT_EQ(cosiva(other).status, 2);
   EXPECT_THAT(cosiva(other).words, HasSubstr("another test's"));
@@ -230,9 +230,9 @@ TEST(BatteryFit, refuses_logs_that_would_mislead) {
 // Chen and Rincón-Mora's closed form, and the Leaf's measured times (ORNL, doi 10.5281/zenodo.2580327), to 3.0 V.
 TEST(BatteryDischarge, tells_the_published_and_the_measured_times) {
   const auto seconds = [](const std::vector<std::string>& load) {
-    std::vector<std::string> verb{"battery", "discharge", "--floor", "3.0", "--json"};
-    verb.insert(verb.end(), load.begin(), load.end());
-    const Said said = cosiva(verb);
+    std::vector<std::string> command{"battery", "discharge", "--floor", "3.0", "--json"};
+    command.insert(command.end(), load.begin(), load.end());
+    const Said said = cosiva(command);
     EXPECT_EQ(said.status, 0) << said.words;
     const auto json = JsonValue::parse(said.data);
     return json ? json->find("discharges")->array()->front().number("lasted_s").value_or(0.0) : 0.0;

@@ -50,18 +50,18 @@ angle_deg = 180
 // --- help and wrong words
 // -----------------------------------------------------------------------------------------------
 
-TEST(ZoneVerbs, teach_with_examples) {
-  for (const char* verb : {"check", "show", "convert", "generate", "switch"}) {
-    const Said said = cosiva({"zone", verb, "--help"});
-    EXPECT_EQ(said.status, 0) << verb;
-    EXPECT_THAT(said.data, HasSubstr("Examples:\n  cosiva zone " + std::string(verb) + " ")) << verb;
-    EXPECT_EQ(said.words, "") << verb;
+TEST(ZoneCommands, teach_with_examples) {
+  for (const char* command : {"check", "show", "convert", "generate", "switch"}) {
+    const Said said = cosiva({"zone", command, "--help"});
+    EXPECT_EQ(said.status, 0) << command;
+    EXPECT_THAT(said.data, HasSubstr("Examples:\n  cosiva zone " + std::string(command) + " ")) << command;
+    EXPECT_EQ(said.words, "") << command;
   }
   EXPECT_THAT(cosiva({"zone", "--help"}).data, HasSubstr(".zone.toml"));
   EXPECT_THAT(cosiva({"zone"}).words, HasSubstr("generate or switch"));
 }
 
-TEST(ZoneVerbs, that_lack_something_or_have_too_much_end_with_2) {
+TEST(ZoneCommands, that_lack_something_or_have_too_much_end_with_2) {
   const std::vector<std::vector<std::string>> all{
       {"zone", "check"},
       {"zone", "show"},
@@ -82,14 +82,14 @@ TEST(ZoneVerbs, that_lack_something_or_have_too_much_end_with_2) {
   }
 }
 
-TEST(ZoneVerbs, of_a_file_of_no_known_format_name_the_known_endings) {
+TEST(ZoneCommands, of_a_file_of_no_known_format_name_the_known_endings) {
   Scratch scratch;
   const std::string file = scratch.write("zone.txt", ring);
-  for (const char* verb : {"check", "show", "switch"}) {
-    const Said said = cosiva({"zone", verb, file});
-    EXPECT_EQ(said.status, 2) << verb;
-    EXPECT_THAT(said.words, HasSubstr(".toml")) << verb;
-    EXPECT_THAT(said.words, HasSubstr("zone.txt")) << verb;
+  for (const char* command : {"check", "show", "switch"}) {
+    const Said said = cosiva({"zone", command, file});
+    EXPECT_EQ(said.status, 2) << command;
+    EXPECT_THAT(said.words, HasSubstr(".toml")) << command;
+    EXPECT_THAT(said.words, HasSubstr("zone.txt")) << command;
   }
 }
 

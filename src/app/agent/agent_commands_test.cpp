@@ -80,21 +80,21 @@ TEST(AgentExplain, of_an_edited_file_follows_the_edit) {
   EXPECT_THAT(cosiva({"agent", "explain", "--rules", file}).data, StartsWith("decision: fast"));
 }
 
-TEST(AgentRules, that_are_bad_end_every_verb_with_2_and_their_line) {
+TEST(AgentRules, that_are_bad_end_every_command_with_2_and_their_line) {
   const Scratch scratch;
   const std::string file = edited(scratch, "if charge is low then", "if charge is lw then");
-  const std::vector<std::vector<std::string>> verbs{{"agent", "explain"},
+  const std::vector<std::vector<std::string>> commands{{"agent", "explain"},
                                                     {"agent", "surface"},
                                                     {"up", "--headless", "--virtual-time", "--duration", "1"},
                                                     {"up", "--headless", "--duration", "1"},
                                                     {"aiv", "--number", "1", "--sockets", scratch.path()},
                                                     {"server", "--headless"}};
-  for (std::vector<std::string> verb : verbs) {
-    verb.insert(verb.end(), {"--rules", file});
-    const Said said = cosiva(verb);
-    EXPECT_EQ(said.status, 2) << verb[0];
+  for (std::vector<std::string> command : commands) {
+    command.insert(command.end(), {"--rules", file});
+    const Said said = cosiva(command);
+    EXPECT_EQ(said.status, 2) << command[0];
     EXPECT_THAT(said.words, HasSubstr("my.fll:199:22: 'charge' has no such term; expected a hedge or low or good"))
-        << verb[0];
+        << command[0];
   }
   EXPECT_EQ(cosiva({"agent", "explain", "--rules", scratch / "gone.fll"}).status, 2);
 }
