@@ -29,10 +29,10 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
         options{std::move(options_)},
         open_ports{std::move(open_ports_)},
         runner{core_, [this](const wire::Input& input) { record(input); }},
-        words{loop_, writes_to(STDERR_FILENO), {}},
+        log_writer{loop_, writes_to(STDERR_FILENO), {}},
         tick_timer{loop_} {}
 
-  void log(char level, const std::string& text) { words.append(log_line(clock.now(), options.name, level, text)); }
+  void log(char level, const std::string& text) { log_writer.append(log_line(clock.now(), options.name, level, text)); }
 
   // --- telling ------------------------------------------------------------------------------------------------------
 
@@ -162,7 +162,7 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
       journal->flush();
     }
     const auto finish = [this, done = std::move(done), digest] {
-      words.drain();
+      log_writer.drain();
       done(digest);
     };
     if (mqtt) {
@@ -178,7 +178,7 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
   OpenPorts open_ports;
   WallClock clock;
   wire::CoreRunner runner;
-  DiskWriter words;  ///< on stderr: what reads our log, or the disk it goes to, must not stop us
+  DiskWriter log_writer;  ///< on stderr: what reads our log, or the disk it goes to, must not stop us
   std::unique_ptr<JournalFile> journal;
   std::optional<journal::Writer> writer;
   std::optional<StateFile> state_file;

@@ -38,10 +38,10 @@ std::string slot_text(std::uint64_t number, std::string_view bytes) {
 std::optional<Slot> read_slot(std::string_view text) {
   if (!text.starts_with(magic)) return std::nullopt;
   const std::string_view line = text.substr(0, text.find('\n'));
-  std::string_view words = line.substr(magic.size());
-  const auto take_word = [&words] {
-    const std::string_view word = words.substr(0, words.find(' '));
-    words.remove_prefix(std::min(words.size(), word.size() + 1));
+  std::string_view tokens = line.substr(magic.size());
+  const auto take_word = [&tokens] {
+    const std::string_view word = tokens.substr(0, tokens.find(' '));
+    tokens.remove_prefix(std::min(tokens.size(), word.size() + 1));
     return word;
   };
   const auto number = number_of<std::uint64_t>(take_word());

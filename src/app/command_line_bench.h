@@ -15,7 +15,7 @@ namespace cosiva::app::bench {
 struct Said {
   int status;
   std::string data;   ///< on standard output
-  std::string words;  ///< on standard error
+  std::string standard_error;  ///< on standard error
 };
 
 inline Said cosiva(const std::vector<std::string>& arguments) {
@@ -26,7 +26,7 @@ inline Said cosiva(const std::vector<std::string>& arguments) {
   Said said{run_command_line(static_cast<int>(argv.size()), argv.data()), {}, {}};
   std::fflush(nullptr);
   said.data = ::testing::internal::GetCapturedStdout();
-  said.words = ::testing::internal::GetCapturedStderr();
+  said.standard_error = ::testing::internal::GetCapturedStderr();
   return said;
 }
 

@@ -34,22 +34,22 @@ TEST(CommandLine, help_of_each_command_goes_to_standard_output) {
     const Said said = cosiva({command, "--help"});
     EXPECT_EQ(said.status, 0) << command;
     EXPECT_THAT(said.data, HasSubstr("--help")) << command;
-    EXPECT_EQ(said.words, "") << command;
+    EXPECT_EQ(said.standard_error, "") << command;
   }
   for (const char* command : {"up", "server", "plant", "aiv", "scenario", "agent"})
     EXPECT_THAT(cosiva({command, "--help"}).data, HasSubstr(std::string("cosiva ") + command + " ")) << "an example";
   EXPECT_THAT(cosiva({"--version"}).data, HasSubstr("cosiva 0."));
 }
 
-TEST(CommandLine, wrong_words_end_with_2_and_the_nearest_right_one) {
+TEST(CommandLine, wrong_terms_end_with_2_and_the_nearest_right_one) {
   const Said command = cosiva({"serve"});
   EXPECT_EQ(command.status, 2);
-  EXPECT_THAT(command.words, HasSubstr("did you mean 'server'?"));
+  EXPECT_THAT(command.standard_error, HasSubstr("did you mean 'server'?"));
   EXPECT_EQ(command.data, "");
   const Said option = cosiva({"up", "--duraton", "3"});
   EXPECT_EQ(option.status, 2);
-  EXPECT_THAT(option.words, HasSubstr("did you mean '--duration'?"));
-  EXPECT_THAT(cosiva({"zone", "chekc", "x"}).words, HasSubstr("did you mean 'check'?"));
+  EXPECT_THAT(option.standard_error, HasSubstr("did you mean '--duration'?"));
+  EXPECT_THAT(cosiva({"zone", "chekc", "x"}).standard_error, HasSubstr("did you mean 'check'?"));
 }
 
 TEST(CommandLine, values_out_of_range_or_missing_end_with_2) {
@@ -81,15 +81,15 @@ TEST(CommandLine, values_out_of_range_or_missing_end_with_2) {
                                                   {"replay"}};
   for (const auto& arguments : all) {
     const Said said = cosiva(arguments);
-    EXPECT_EQ(said.status, 2) << arguments.front() << " " << arguments.back() << "\n" << said.words;
-    EXPECT_NE(said.words, "");
+    EXPECT_EQ(said.status, 2) << arguments.front() << " " << arguments.back() << "\n" << said.standard_error;
+    EXPECT_NE(said.standard_error, "");
     EXPECT_EQ(said.data, "");
   }
 }
 
 TEST(ZoneCheck, tells_what_the_ready_zone_holds) {
   const Said said = cosiva({"zone", "check", zones + "lacet4.toml", "--json"});
-  ASSERT_EQ(said.status, 0) << said.words;
+  ASSERT_EQ(said.status, 0) << said.standard_error;
   const auto facts = JsonValue::parse(said.data);
   ASSERT_TRUE(facts);
   // A11: four straights of 1.5 m, four arcs of 270° with a radius of 0.6 m, 12 tags.
@@ -107,7 +107,7 @@ TEST(ZoneCheck, of_a_bad_file_names_file_and_line) {
       scratch.write("bad.toml", "name = \"x\"\nformat_version = 1\n[[section]]\nkind = \"spiral\"\n");
   const Said said = cosiva({"zone", "check", file});
   EXPECT_EQ(said.status, 2);
-  EXPECT_THAT(said.words, HasSubstr(file + ":"));
+  EXPECT_THAT(said.standard_error, HasSubstr(file + ":"));
 }
 
 TEST(ZoneShow, draws_into_a_file_or_to_standard_output) {
@@ -120,7 +120,7 @@ TEST(ZoneShow, draws_into_a_file_or_to_standard_output) {
 
 TEST(ScenarioCheck, shows_what_happens_when_as_a_timeline_and_as_json) {
   const Said people = cosiva({"scenario", "check", scenarios + "laboratory.toml"});
-  ASSERT_EQ(people.status, 0) << people.words;
+  ASSERT_EQ(people.status, 0) << people.standard_error;
   EXPECT_THAT(people.data, HasSubstr("laboratory: good\n"));
   EXPECT_THAT(people.data, HasSubstr("4 AIVs on lacet4, seed 3, 120 s"));
   EXPECT_THAT(people.data, HasSubstr("\n    50.0 s  AIV2 loses 30 % of its messages for 20 s\n"));
@@ -141,8 +141,8 @@ TEST(ScenarioCheck, of_a_bad_file_names_file_line_and_field) {
       scratch.write("bad.toml", "name = \"x\"\n[[at]]\nt_s = 1\ncommand = \"stpo\"\nvehicle = \"*\"\n");
   const Said said = cosiva({"scenario", "check", file});
   EXPECT_EQ(said.status, 2);
-  EXPECT_THAT(said.words, HasSubstr(file + ":4: at[1].command: "));
-  EXPECT_THAT(said.words, HasSubstr("did you mean \"stop\"?"));
+  EXPECT_THAT(said.standard_error, HasSubstr(file + ":4: at[1].command: "));
+  EXPECT_THAT(said.standard_error, HasSubstr("did you mean \"stop\"?"));
   EXPECT_EQ(said.data, "");
 }
 
@@ -155,7 +155,7 @@ TEST(ScenarioCheck, of_one_that_does_not_fit_its_zone_says_so_too) {
        {std::vector<std::string>{"scenario", "check", file}, {"up", "--virtual-time", "--scenario", file}}) {
     const Said said = cosiva(arguments);
     EXPECT_EQ(said.status, 2) << arguments[0];
-    EXPECT_THAT(said.words, HasSubstr("off.toml:3: vehicle: there is no vehicle \"AIV9\"")) << arguments[0];
+    EXPECT_THAT(said.standard_error, HasSubstr("off.toml:3: vehicle: there is no vehicle \"AIV9\"")) << arguments[0];
   }
 }
 
@@ -172,7 +172,7 @@ TEST(Replay, of_what_is_no_journal_ends_with_2_and_the_file_s_name) {
   const std::string file = scratch.write("not.journal", "hello");
   const Said said = cosiva({"replay", file});
   EXPECT_EQ(said.status, 2);
-  EXPECT_THAT(said.words, HasSubstr(file));
+  EXPECT_THAT(said.standard_error, HasSubstr(file));
   EXPECT_EQ(cosiva({"replay", "/nonexistent"}).status, 2);
 }
 
@@ -180,7 +180,7 @@ TEST(VirtualTime, same_seed_same_digest_other_seed_another) {
   const auto run = [](const std::string& seed) {
     const Said said = cosiva({"up", "--virtual-time", "--zone", zones + "lacet4.toml", "--aivs", "2", "--duration",
                               "10", "--seed", seed, "--loss", "0.02", "--json"});
-    EXPECT_EQ(said.status, 0) << said.words << said.data;
+    EXPECT_EQ(said.status, 0) << said.standard_error << said.data;
     return JsonValue::parse(said.data)->text("digest").value_or("none");
   };
   const std::string one = run("1");
@@ -211,8 +211,8 @@ std::string short_scenario(const Scratch& scratch) {
 TEST(VirtualTime, plays_a_scenario_and_says_each_step) {
   Scratch scratch;
   const Said said = cosiva({"up", "--virtual-time", "--scenario", short_scenario(scratch), "--json"});
-  EXPECT_EQ(said.status, 0) << said.words;
-  EXPECT_THAT(said.words, HasSubstr("     2.0 s  AIV1: stop\n"));
+  EXPECT_EQ(said.status, 0) << said.standard_error;
+  EXPECT_THAT(said.standard_error, HasSubstr("     2.0 s  AIV1: stop\n"));
   const auto run = JsonValue::parse(said.data);
   ASSERT_TRUE(run) << said.data;
   EXPECT_EQ(run->text("scenario"), "short");
@@ -226,11 +226,11 @@ TEST(VirtualTime, lets_the_command_line_win_over_the_scenario_and_says_so) {
   Scratch scratch;
   const Said said = cosiva({"up", "--virtual-time", "--scenario", short_scenario(scratch), "--aivs", "1", "--seed", "5",
                             "--duration", "1.5", "--json"});
-  EXPECT_EQ(said.status, 0) << said.words;
-  EXPECT_THAT(said.words, HasSubstr("--aivs 1 wins over the scenario's 2"));
-  EXPECT_THAT(said.words, HasSubstr("--duration 1.5 s wins over the scenario's 6.0 s"));
-  EXPECT_THAT(said.words, ::testing::Not(HasSubstr("--seed"))) << "they agree";
-  EXPECT_THAT(said.words, ::testing::Not(HasSubstr("AIV1: stop"))) << "it was cut short before";
+  EXPECT_EQ(said.status, 0) << said.standard_error;
+  EXPECT_THAT(said.standard_error, HasSubstr("--aivs 1 wins over the scenario's 2"));
+  EXPECT_THAT(said.standard_error, HasSubstr("--duration 1.5 s wins over the scenario's 6.0 s"));
+  EXPECT_THAT(said.standard_error, ::testing::Not(HasSubstr("--seed"))) << "they agree";
+  EXPECT_THAT(said.standard_error, ::testing::Not(HasSubstr("AIV1: stop"))) << "it was cut short before";
   EXPECT_EQ(JsonValue::parse(said.data)->number("aivs"), 1.0);
 }
 

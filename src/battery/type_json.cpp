@@ -134,15 +134,15 @@ class Reader {
     if (found->number() == nullptr) return note(number.key, "expected a number");
     const double value = *found->number();
     if (!(value >= number.min && value <= number.max))
-      return note(number.key, range_words(value, number.min, number.max));
+      return note(number.key, range_text(value, number.min, number.max));
     if (number.whole && value != std::floor(value)) return note(number.key, "expected a whole number");
     type_.*number.member = value;
   }
 
-  static std::string range_words(double value, double min, double max) {
-    std::string words = readable(value) + " is out of range: expected ";
-    if (min == tiny) return words + "more than 0";
-    return words + readable(min) + " to " + readable(max);
+  static std::string range_text(double value, double min, double max) {
+    std::string phrase = readable(value) + " is out of range: expected ";
+    if (min == tiny) return phrase + "more than 0";
+    return phrase + readable(min) + " to " + readable(max);
   }
 
   void read_table(const Table& table) {
@@ -157,7 +157,7 @@ class Reader {
       const double value = *item.number();
       if (!(value >= table.min && value <= table.max)) {
         const bool percent = table.member == &BatteryType::charge && value > 1.0 && value <= 100.0;
-        return note(where, range_words(value, table.min, table.max) + (percent ? "; a fraction, not percent" : ""));
+        return note(where, range_text(value, table.min, table.max) + (percent ? "; a fraction, not percent" : ""));
       }
       values.push_back(value);
     }

@@ -111,15 +111,15 @@ class Reader {
   }
 
   Result<void> range(const Line& line, Variable& variable) const {
-    const auto words = split_words(line.value);
-    if (words.size() != 2)
+    const auto tokens = split_tokens(line.value);
+    if (tokens.size() != 2)
       return refuse(origin_, line.value,
                     "'range' has two numbers, lowest and highest; found " + quoted(line.value.text));
-    const auto low = number(words[0]);
+    const auto low = number(tokens[0]);
     if (!low) return tl::unexpected(low.error());
-    const auto high = number(words[1]);
+    const auto high = number(tokens[1]);
     if (!high) return tl::unexpected(high.error());
-    if (!(*low < *high)) return refuse(origin_, words[0], "the lowest number of 'range' must be below the highest");
+    if (!(*low < *high)) return refuse(origin_, tokens[0], "the lowest number of 'range' must be below the highest");
     variable.minimum = *low;
     variable.maximum = *high;
     return {};
@@ -222,17 +222,17 @@ class Reader {
   }
 
   Result<void> defuzzifier(const Line& line, Variable& variable) const {
-    const auto words = split_words(line.value);
-    const bool is_average = !words.empty() && words[0].text == "WeightedAverage";
-    if (!is_average && (words.empty() || words[0].text != "WeightedSum")) {
+    const auto tokens = split_tokens(line.value);
+    const bool is_average = !tokens.empty() && tokens[0].text == "WeightedAverage";
+    if (!is_average && (tokens.empty() || tokens[0].text != "WeightedSum")) {
       return refuse(origin_, line.value,
                     "the defuzzifier " + quoted(line.value.text) +
                         " is not taken: outputs are Takagi-Sugeno; write 'WeightedAverage TakagiSugeno' or " +
                         "'WeightedSum TakagiSugeno', and the output's terms as Constant or Linear");
     }
-    if (words.size() > 2 || (words.size() == 2 && words[1].text != "TakagiSugeno" && words[1].text != "Automatic")) {
-      return refuse(origin_, words[1],
-                    "the type of a weighted defuzzifier is TakagiSugeno, but found " + quoted(words[1].text));
+    if (tokens.size() > 2 || (tokens.size() == 2 && tokens[1].text != "TakagiSugeno" && tokens[1].text != "Automatic")) {
+      return refuse(origin_, tokens[1],
+                    "the type of a weighted defuzzifier is TakagiSugeno, but found " + quoted(tokens[1].text));
     }
     variable.is_average = is_average;
     return {};
@@ -287,15 +287,15 @@ class Reader {
   Result<void> norm(const Line& line, const std::array<Norm, 3>& known, std::optional<Norm>& norm) const {
     norm.reset();
     if (line.value.text == "none") return {};
-    std::vector<std::string_view> words;
+    std::vector<std::string_view> tokens;
     for (const Norm one : known) {
       if (to_string(one) == line.value.text) norm = one;
-      words.push_back(to_string(one));
+      tokens.push_back(to_string(one));
     }
     if (norm) return {};
     return refuse(origin_, line.value,
                   "the " + std::string(line.key.text) + " " + quoted(line.value.text) +
-                      " is not taken; there are none, " + listed(words, "and"));
+                      " is not taken; there are none, " + listed(tokens, "and"));
   }
 
   std::string_view origin_;

@@ -12,7 +12,7 @@
 namespace cosiva::fuzzy {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, Hedge>, 6> hedge_words{{
+constexpr std::array<std::pair<std::string_view, Hedge>, 6> hedge_tokens{{
     {"not", Hedge::is_not},
     {"very", Hedge::very},
     {"somewhat", Hedge::somewhat},
@@ -20,7 +20,7 @@ constexpr std::array<std::pair<std::string_view, Hedge>, 6> hedge_words{{
     {"seldom", Hedge::seldom},
     {"any", Hedge::any},
 }};
-constexpr std::array<std::pair<std::string_view, Norm>, 6> norm_words{{
+constexpr std::array<std::pair<std::string_view, Norm>, 6> norm_tokens{{
     {"Minimum", Norm::minimum},
     {"AlgebraicProduct", Norm::algebraic_product},
     {"BoundedDifference", Norm::bounded_difference},
@@ -36,7 +36,7 @@ constexpr std::size_t hedges_max = 4;
 class RuleParser {
  public:
   RuleParser(const Word& value, const Norms& norms, const Engine& engine, std::string_view origin)
-      : words_{split_words(value)}, end_{end_of(value)}, norms_{norms}, engine_{engine}, origin_{origin} {
+      : tokens_{split_tokens(value)}, end_{end_of(value)}, norms_{norms}, engine_{engine}, origin_{origin} {
     rule_.text = std::string(value.text);
     rule_.line = value.line;
   }
@@ -50,22 +50,22 @@ class RuleParser {
     } while (take("and"));
     if (take("with")) {
       if (auto read = weight(); !read) return tl::unexpected(read.error());
-    } else if (at_ != words_.size()) {
+    } else if (at_ != tokens_.size()) {
       return refuse_here("expected 'and', 'with' or the end of the rule");
     }
-    if (at_ != words_.size()) return refuse_here("expected the end of the rule");
+    if (at_ != tokens_.size()) return refuse_here("expected the end of the rule");
     return std::move(rule_);
   }
 
  private:
-  [[nodiscard]] const Word& here() const { return at_ < words_.size() ? words_[at_] : end_; }
+  [[nodiscard]] const Word& here() const { return at_ < tokens_.size() ? tokens_[at_] : end_; }
   bool take(std::string_view word) {
     if (here().text != word) return false;
     ++at_;
     return true;
   }
   [[nodiscard]] tl::unexpected<Error> refuse_here(std::string message) const {
-    message += at_ < words_.size() ? ", but found " + quoted(here().text) : ", but the rule ends here";
+    message += at_ < tokens_.size() ? ", but found " + quoted(here().text) : ", but the rule ends here";
     return refuse(origin_, here(), std::move(message));
   }
   Result<void> expect(std::string_view word, const char* message) {
@@ -177,7 +177,7 @@ class RuleParser {
     return {};
   }
 
-  std::vector<Word> words_;
+  std::vector<Word> tokens_;
   Word end_;
   const Norms& norms_;
   const Engine& engine_;
@@ -186,18 +186,18 @@ class RuleParser {
   Rule rule_;
 };
 
-template <typename Words, typename Value>
-std::string_view word_of(const Words& words, Value value) {
-  return std::find_if(words.begin(), words.end(), [&](const auto& entry) { return entry.second == value; })->first;
+template <typename Tokens, typename Value>
+std::string_view word_of(const Tokens& tokens, Value value) {
+  return std::find_if(tokens.begin(), tokens.end(), [&](const auto& entry) { return entry.second == value; })->first;
 }
 
 }  // namespace
 
-std::string_view to_string(Hedge hedge) { return word_of(hedge_words, hedge); }
-std::string_view to_string(Norm norm) { return word_of(norm_words, norm); }
+std::string_view to_string(Hedge hedge) { return word_of(hedge_tokens, hedge); }
+std::string_view to_string(Norm norm) { return word_of(norm_tokens, norm); }
 
 std::optional<Hedge> parse_hedge(std::string_view text) {
-  for (const auto& [word, hedge] : hedge_words) {
+  for (const auto& [word, hedge] : hedge_tokens) {
     if (word == text) return hedge;
   }
   return std::nullopt;

@@ -13,13 +13,13 @@
 namespace cosiva::fuzzy {
 namespace {
 
-struct ShapeWords {
+struct ShapeTokens {
   Shape shape;
   std::string_view word;
   std::size_t count;            ///< of parameters
   std::string_view parameters;  ///< as a person would name them
 };
-constexpr std::array<ShapeWords, 13> input_shapes{{
+constexpr std::array<ShapeTokens, 13> input_shapes{{
     {Shape::triangle, "Triangle", 3, "left, top and right"},
     {Shape::trapezoid, "Trapezoid", 4, "left, top from, top to and right"},
     {Shape::ramp, "Ramp", 2, "where it is 0 and where it is 1"},
@@ -35,27 +35,27 @@ constexpr std::array<ShapeWords, 13> input_shapes{{
     {Shape::cosine, "Cosine", 2, "center and width"},
 }};
 
-std::string input_words() {
-  std::vector<std::string_view> words;
-  words.reserve(input_shapes.size());
-  for (const ShapeWords& shape : input_shapes) words.push_back(shape.word);
-  return listed(words, "or");
+std::string input_tokens() {
+  std::vector<std::string_view> tokens;
+  tokens.reserve(input_shapes.size());
+  for (const ShapeTokens& shape : input_shapes) tokens.push_back(shape.word);
+  return listed(tokens, "or");
 }
 
 struct Numbers {
   std::vector<double> values;
-  std::vector<Word> words;
+  std::vector<Word> tokens;
 };
 
 /// The numbers behind a term's shape. Infinite ones are welcome only where the shape says so, which `check` does.
-Result<Numbers> read_numbers(const std::vector<Word>& words, std::string_view origin) {
+Result<Numbers> read_numbers(const std::vector<Word>& tokens, std::string_view origin) {
   Numbers numbers;
-  for (std::size_t i = 2; i < words.size(); ++i) {
-    const auto number = parse_number(words[i].text);
+  for (std::size_t i = 2; i < tokens.size(); ++i) {
+    const auto number = parse_number(tokens[i].text);
     if (!number || std::isnan(*number))
-      return refuse(origin, words[i], "expected a number, but found " + quoted(words[i].text));
+      return refuse(origin, tokens[i], "expected a number, but found " + quoted(tokens[i].text));
     numbers.values.push_back(*number);
-    numbers.words.push_back(words[i]);
+    numbers.tokens.push_back(tokens[i]);
   }
   return numbers;
 }
@@ -107,14 +107,14 @@ std::string fault_of(Shape shape, const std::vector<double>& p) {
 }
 
 /// Name and shape stand there, and the name can be used in rules.
-Result<void> check_head(const Word& value, const std::vector<Word>& words, std::string_view origin,
+Result<void> check_head(const Word& value, const std::vector<Word>& tokens, std::string_view origin,
                         std::string_view example) {
-  if (words.size() < 2)
+  if (tokens.size() < 2)
     return refuse(origin, end_of(value),
                   "expected a term such as '" + std::string(example) + "', but found " + quoted(value.text));
-  if (!is_name(words[0].text) || is_keyword(words[0].text)) {
-    return refuse(origin, words[0],
-                  quoted(words[0].text) +
+  if (!is_name(tokens[0].text) || is_keyword(tokens[0].text)) {
+    return refuse(origin, tokens[0],
+                  quoted(tokens[0].text) +
                       " cannot name a term: a name has letters, digits, _ and . and is no word of " + "the rules' own");
   }
   return {};
@@ -129,65 +129,65 @@ std::string_view to_string(Shape shape) {
 }
 
 Result<Term> read_input_term(const Word& value, std::string_view origin) {
-  const std::vector<Word> words = split_words(value);
-  if (auto good = check_head(value, words, origin, "close Trapezoid 0 0 1 2"); !good)
+  const std::vector<Word> tokens = split_tokens(value);
+  if (auto good = check_head(value, tokens, origin, "close Trapezoid 0 0 1 2"); !good)
     return tl::unexpected(good.error());
   const auto* const found =
-      std::find_if(input_shapes.begin(), input_shapes.end(), [&](const auto& s) { return s.word == words[1].text; });
+      std::find_if(input_shapes.begin(), input_shapes.end(), [&](const auto& s) { return s.word == tokens[1].text; });
   if (found == input_shapes.end()) {
-    return refuse(origin, words[1],
-                  "there is no shape " + quoted(words[1].text) + " for an input's term; there are " + input_words());
+    return refuse(origin, tokens[1],
+                  "there is no shape " + quoted(tokens[1].text) + " for an input's term; there are " + input_tokens());
   }
-  auto numbers = read_numbers(words, origin);
+  auto numbers = read_numbers(tokens, origin);
   if (!numbers) return tl::unexpected(numbers.error());
-  Term term{std::string(words[0].text), found->shape, std::move(numbers->values), 1.0};
+  Term term{std::string(tokens[0].text), found->shape, std::move(numbers->values), 1.0};
   if (term.parameters.size() == found->count + 1) {
     term.height = term.parameters.back();
     term.parameters.pop_back();
     if (!(term.height > 0.0 && term.height <= 1.0))
-      return refuse(origin, numbers->words.back(), "the height of a term is above 0 and at most 1");
+      return refuse(origin, numbers->tokens.back(), "the height of a term is above 0 and at most 1");
   }
   if (term.parameters.size() != found->count) {
-    return refuse(origin, numbers->words.empty() ? end_of(value) : numbers->words.front(),
+    return refuse(origin, numbers->tokens.empty() ? end_of(value) : numbers->tokens.front(),
                   std::string(found->word) + " has " + std::to_string(found->count) + " numbers (" +
                       std::string(found->parameters) + ") and maybe a height; found " +
                       std::to_string(term.parameters.size()));
   }
   if (const std::string fault = fault_of(term.shape, term.parameters); !fault.empty())
-    return refuse(origin, words[1], std::string(found->word) + ": " + fault);
+    return refuse(origin, tokens[1], std::string(found->word) + ": " + fault);
   return term;
 }
 
 Result<Term> read_output_term(const Word& value, std::string_view origin, std::size_t inputs) {
-  const std::vector<Word> words = split_words(value);
-  if (auto good = check_head(value, words, origin, "slow Constant 1.0"); !good) return tl::unexpected(good.error());
-  const bool is_constant = words[1].text == "Constant";
-  if (!is_constant && words[1].text != "Linear") {
-    return refuse(origin, words[1],
-                  quoted(words[1].text) +
+  const std::vector<Word> tokens = split_tokens(value);
+  if (auto good = check_head(value, tokens, origin, "slow Constant 1.0"); !good) return tl::unexpected(good.error());
+  const bool is_constant = tokens[1].text == "Constant";
+  if (!is_constant && tokens[1].text != "Linear") {
+    return refuse(origin, tokens[1],
+                  quoted(tokens[1].text) +
                       " is not taken for an output: these rules are Takagi-Sugeno, so write 'Constant number', or " +
                       "'Linear' with a coefficient per input and a constant");
   }
-  auto numbers = read_numbers(words, origin);
+  auto numbers = read_numbers(tokens, origin);
   if (!numbers) return tl::unexpected(numbers.error());
   const auto too_large = std::find_if(numbers->values.begin(), numbers->values.end(),
                                       [](double v) { return !(std::fabs(v) <= magnitude_max); });
   if (too_large != numbers->values.end()) {
-    return refuse(origin, numbers->words[static_cast<std::size_t>(too_large - numbers->values.begin())],
+    return refuse(origin, numbers->tokens[static_cast<std::size_t>(too_large - numbers->values.begin())],
                   "the numbers of an output's term lie within ±1e9");
   }
   if (is_constant) {
-    if (numbers->values.size() != 1) return refuse(origin, words[1], "Constant has one number, its value");
-    return Term{std::string(words[0].text), Shape::constant, std::move(numbers->values), 1.0};
+    if (numbers->values.size() != 1) return refuse(origin, tokens[1], "Constant has one number, its value");
+    return Term{std::string(tokens[0].text), Shape::constant, std::move(numbers->values), 1.0};
   }
   if (numbers->values.empty() || numbers->values.size() > inputs + 1) {
-    return refuse(origin, words[1],
+    return refuse(origin, tokens[1],
                   "Linear has a coefficient for each of the " + std::to_string(inputs) +
                       " inputs, which stand before it, and a constant; found " +
                       std::to_string(numbers->values.size()) + " numbers");
   }
   numbers->values.resize(inputs + 1, 0.0);
-  return Term{std::string(words[0].text), Shape::linear, std::move(numbers->values), 1.0};
+  return Term{std::string(tokens[0].text), Shape::linear, std::move(numbers->values), 1.0};
 }
 
 }  // namespace cosiva::fuzzy

@@ -50,8 +50,8 @@ Result<std::vector<Line>> split_lines(std::string_view text, std::string_view or
   return lines;
 }
 
-std::vector<Word> split_words(const Word& value) {
-  std::vector<Word> words;
+std::vector<Word> split_tokens(const Word& value) {
+  std::vector<Word> tokens;
   const std::string_view text = value.text;
   for (std::size_t i = 0; i < text.size();) {
     if (blanks.find(text[i]) != std::string_view::npos) {
@@ -63,10 +63,10 @@ std::vector<Word> split_words(const Word& value) {
     if (!is_bracket(text[i])) {
       while (end < text.size() && blanks.find(text[end]) == std::string_view::npos && !is_bracket(text[end])) ++end;
     }
-    words.push_back({text.substr(i, end - i), value.line, value.column + i});
+    tokens.push_back({text.substr(i, end - i), value.line, value.column + i});
     i = end;
   }
-  return words;
+  return tokens;
 }
 
 Word end_of(const Word& value) {

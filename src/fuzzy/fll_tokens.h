@@ -30,7 +30,7 @@ struct Line {
 /// All lines that say something. Fails on the first one without a colon.
 [[nodiscard]] Result<std::vector<Line>> split_lines(std::string_view text, std::string_view origin);
 /// The words of a value; ( and ) are words of their own.
-[[nodiscard]] std::vector<Word> split_words(const Word& value);
+[[nodiscard]] std::vector<Word> split_tokens(const Word& value);
 /// The place just behind a value, where something is missing.
 [[nodiscard]] Word end_of(const Word& value);
 

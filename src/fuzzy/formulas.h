@@ -43,7 +43,7 @@ COSIVA_PART inline void with_shapes(Op op, const Use& use) {
 }
 
 template <typename Use>
-COSIVA_PART inline void with_words(Op op, const Use& use) {
+COSIVA_PART inline void with_text(Op op, const Use& use) {
   switch (op) {
     case Op::complement: return use([](double a, double, Numbers) COSIVA_PART { return 1.0 - a; });
     case Op::square: return use([](double a, double, Numbers) COSIVA_PART { return a * a; });
@@ -99,7 +99,7 @@ COSIVA_PART inline void with_formula(Op op, const Use& use) {
   if (op <= Op::value)
     with_shapes(op, use);
   else if (op <= Op::bounded_sum)
-    with_words(op, use);
+    with_text(op, use);
   else
     with_answers(op, use);
 }

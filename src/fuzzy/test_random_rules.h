@@ -28,8 +28,8 @@ class RandomRules {
 
   [[nodiscard]] std::string number(double low, double high) { return std::to_string(random_.uniform(low, high)); }
   template <std::size_t n>
-  [[nodiscard]] std::string_view one_of(const std::array<std::string_view, n>& words) {
-    return words[random_.below(n)];
+  [[nodiscard]] std::string_view one_of(const std::array<std::string_view, n>& choices) {
+    return choices[random_.below(n)];
   }
 
   /// Rising corners at least two apart: a flank's slope then hides fuzzylite's own tolerance of 1e-6.

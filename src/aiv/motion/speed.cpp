@@ -11,16 +11,16 @@
 namespace cosiva::aiv {
 namespace {
 
-constexpr std::array profile_words{std::string_view{"stop"}, std::string_view{"slow"}, std::string_view{"medium"},
+constexpr std::array profile_terms{std::string_view{"stop"}, std::string_view{"slow"}, std::string_view{"medium"},
                                    std::string_view{"fast"}};
 
 }  // namespace
 
-std::string_view to_string(Profile profile) { return profile_words[static_cast<std::size_t>(profile)]; }
+std::string_view to_string(Profile profile) { return profile_terms[static_cast<std::size_t>(profile)]; }
 
 std::optional<Profile> parse_profile(std::string_view word) {
-  for (std::size_t i = 0; i < profile_words.size(); ++i) {
-    if (profile_words[i] == word) return static_cast<Profile>(i);
+  for (std::size_t i = 0; i < profile_terms.size(); ++i) {
+    if (profile_terms[i] == word) return static_cast<Profile>(i);
   }
   return std::nullopt;
 }

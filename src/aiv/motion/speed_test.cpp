@@ -34,7 +34,7 @@ TEST(StoppableSpeed, is_zero_without_room_and_boundless_without_an_end) {
   EXPECT_EQ(stoppable_speed(nothing, 1.0, 0.1), nothing);
 }
 
-TEST(Profiles, have_their_words_and_nothing_else_has) {
+TEST(Profiles, have_their_terms_and_nothing_else_has) {
   for (const Profile profile : {Profile::stop, Profile::slow, Profile::medium, Profile::fast})
     EXPECT_EQ(parse_profile(to_string(profile)), profile);
   EXPECT_EQ(parse_profile("Slow"), std::nullopt);

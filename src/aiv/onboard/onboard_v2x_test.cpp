@@ -137,7 +137,7 @@ TEST(OnboardV2x, counts_lies_and_logs_each_kind_once) {
   }));
 }
 
-TEST(OnboardV2x, is_not_troubled_by_its_own_words_or_retained_ones) {
+TEST(OnboardV2x, is_not_disturbed_by_its_own_messages_or_retained_ones) {
   Talking bench;
   const std::size_t before = bench.warnings();
   bench.hear_intent(bench.from("AIV1", at(lacet4(), "loop_se", 0.0)));

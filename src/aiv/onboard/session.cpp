@@ -43,8 +43,8 @@ wire::Header Session::header(SimTime now, std::uint32_t header_id) const {
 }
 
 wire::Will Session::will(SimTime now) const {
-  const wire::Connection last_words{header(now, connections_), wire::ConnectionState::connection_broken};
-  return {wire::Publish{connection_topic_, vda::encode(last_words), 1, true}};
+  const wire::Connection last_will{header(now, connections_), wire::ConnectionState::connection_broken};
+  return {wire::Publish{connection_topic_, vda::encode(last_will), 1, true}};
 }
 
 void Session::publish(SimTime now, wire::ConnectionState state, wire::Effects& effects) {

@@ -54,8 +54,8 @@ TEST(AgentExplain, takes_its_own_speed_for_how_fast_it_comes_up_to_what_stands) 
   EXPECT_EQ(cosiva({"agent", "explain", "--gap", "1", "--speed", "1", "--zone", "nowhere"}).status, 2);
   const Said both = cosiva({"agent", "explain", "--gap", "1", "--speed", "1", "--closing", "3"});
   EXPECT_EQ(both.status, 2);
-  EXPECT_THAT(both.words, HasSubstr("cosiva agent explain: "));
-  EXPECT_THAT(both.words, HasSubstr("`cosiva agent explain --help`"));
+  EXPECT_THAT(both.standard_error, HasSubstr("cosiva agent explain: "));
+  EXPECT_THAT(both.standard_error, HasSubstr("`cosiva agent explain --help`"));
 }
 
 TEST(AgentExplain, says_it_as_json_too) {
@@ -93,7 +93,7 @@ TEST(AgentRules, that_are_bad_end_every_command_with_2_and_their_line) {
     command.insert(command.end(), {"--rules", file});
     const Said said = cosiva(command);
     EXPECT_EQ(said.status, 2) << command[0];
-    EXPECT_THAT(said.words, HasSubstr("my.fll:199:22: 'charge' has no such term; expected a hedge or low or good"))
+    EXPECT_THAT(said.standard_error, HasSubstr("my.fll:199:22: 'charge' has no such term; expected a hedge or low or good"))
         << command[0];
   }
   EXPECT_EQ(cosiva({"agent", "explain", "--rules", scratch / "gone.fll"}).status, 2);
@@ -122,9 +122,9 @@ TEST(AgentSurface, is_drawn_into_a_file) {
 }
 
 TEST(AgentSurface, says_which_inputs_and_outputs_there_are) {
-  EXPECT_THAT(cosiva({"agent", "surface", "--x", "gapp"}).words,
+  EXPECT_THAT(cosiva({"agent", "surface", "--x", "gapp"}).standard_error,
               HasSubstr("--x: the rules have no input 'gapp'; they have instruction, gap,"));
-  EXPECT_THAT(cosiva({"agent", "surface", "--of", "joy"}).words, HasSubstr("there are speed, by_instruction"));
+  EXPECT_THAT(cosiva({"agent", "surface", "--of", "joy"}).standard_error, HasSubstr("there are speed, by_instruction"));
   EXPECT_EQ(cosiva({"agent", "surface", "--x", "gap", "--y", "gap"}).status, 2);
   EXPECT_EQ(cosiva({"agent", "surface", "--out", "surface.gif"}).status, 2);
   EXPECT_EQ(cosiva({"agent"}).status, 2);
@@ -134,7 +134,7 @@ TEST(AgentSurface, says_which_inputs_and_outputs_there_are) {
 TEST(Rules, of_virtual_time_are_those_that_were_asked_for) {
   const auto run = [](const char* rules) {
     const Said said = cosiva({"up", "--virtual-time", "--duration", "20", "--aivs", "4", "--json", "--rules", rules});
-    EXPECT_EQ(said.status, 0) << said.words;
+    EXPECT_EQ(said.status, 0) << said.standard_error;
     return said.data;
   };
   EXPECT_EQ(run("fuzzy"), run("fuzzy"));
@@ -150,7 +150,7 @@ TEST(Switches, are_on_or_off_and_nothing_else) {
     EXPECT_EQ(run(name, "off").status, 0) << name;
     const Said said = run(name, "perhaps");
     EXPECT_EQ(said.status, 2);
-    EXPECT_THAT(said.words, HasSubstr(name));
+    EXPECT_THAT(said.standard_error, HasSubstr(name));
   }
 }
 

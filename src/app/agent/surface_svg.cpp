@@ -67,9 +67,9 @@ class Picture {
   }
 
  private:
-  void text(double x, double y, double size, const std::string& attributes, const std::string& words) {
+  void text(double x, double y, double size, const std::string& attributes, const std::string& phrase) {
     out_ += "<text x=\"" + number(x) + "\" y=\"" + number(y) + "\" font-size=\"" + number(size) + "\" " + attributes +
-            ">" + words + "</text>\n";
+            ">" + phrase + "</text>\n";
   }
   static std::string fill(const char* with) { return std::string("fill=\"") + with + "\""; }
 
@@ -194,8 +194,8 @@ class Picture {
               "\" width=\"24\" height=\"" + number(step + 0.5) + "\" fill=\"" +
               colour(static_cast<double>(i) / shades) + "\"/>\n";
     }
-    const auto mark = [&](double share, const std::string& words) {
-      text(left + 34.0, plot_top + (1.0 - share) * plot_height + 5.0, 14.0, fill(pale_ink), words);
+    const auto mark = [&](double share, const std::string& phrase) {
+      text(left + 34.0, plot_top + (1.0 - share) * plot_height + 5.0, 14.0, fill(pale_ink), phrase);
     };
     if (surface_.is_speed()) {
       constexpr std::array<const char*, 4> names{"0 stop", "1 slow", "2 medium", "3 fast"};

@@ -27,7 +27,7 @@ std::string data(const std::string& name) { return source_dir() + "/src/battery/
 
 TEST(BatterySampled, gives_the_autonomy_and_its_drift) {
   const Said said = cosiva({"battery", "sampled", "--repeat", "3", "--measure", "20", "--json"});
-  EXPECT_EQ(said.status, 0) << said.words;
+  EXPECT_EQ(said.status, 0) << said.standard_error;
   const auto json = JsonValue::parse(said.data);
   ASSERT_TRUE(json);
   // 80 % of 2.2 Ah at about 7.7 V are 48 kJ, and a vehicle takes 3.3 W.
@@ -35,7 +35,7 @@ TEST(BatterySampled, gives_the_autonomy_and_its_drift) {
   ASSERT_EQ(json->find("batteries")->array()->size(), 1U);
   EXPECT_EQ(json->find("records")->array()->size(), 3U);
   EXPECT_NE(json->find("slope_per_run")->number("p"), std::nullopt);
-  EXPECT_THAT(said.words, HasSubstr("run 3: put battery 1, full, into AIV1"));
+  EXPECT_THAT(said.standard_error, HasSubstr("run 3: put battery 1, full, into AIV1"));
 }
 
 TEST(BatteryFleet, writes_report_result_and_curves_and_gives_the_same_again) {
@@ -46,7 +46,7 @@ TEST(BatteryFleet, writes_report_result_and_curves_and_gives_the_same_again) {
                    "--out", to});
   };
   const Said said = run(out);
-  ASSERT_EQ(said.status, 0) << said.words;
+  ASSERT_EQ(said.status, 0) << said.standard_error;
   const auto json = JsonValue::parse(said.data);
   ASSERT_TRUE(json);
   const JsonValue* autonomy = json->find("autonomy_s");
@@ -63,14 +63,14 @@ TEST(BatteryFleet, writes_report_result_and_curves_and_gives_the_same_again) {
   EXPECT_EQ(run(scratch / "again").data, said.data);
   // The curves are logs like others: a pack's type can be fitted to them.
   const Said fit = cosiva({"battery", "fit", out + "/curves.csv", "--json"});
-  EXPECT_EQ(fit.status, 0) << fit.words;
+  EXPECT_EQ(fit.status, 0) << fit.standard_error;
   EXPECT_LT(*JsonValue::parse(fit.data)->number("rms_v"), 0.05);
 }
 
 TEST(BatteryFleet, may_have_the_whole_platform_in_the_loop) {
   const Said said = cosiva(
       {"battery", "fleet", "--aivs", "2", "--whole", "--scale", "0.3", "--series", "2", "--floor", "80", "--json"});
-  ASSERT_EQ(said.status, 0) << said.words;
+  ASSERT_EQ(said.status, 0) << said.standard_error;
   EXPECT_THAT(said.data, HasSubstr("\"stop\":\"floor\""));
   EXPECT_EQ(cosiva({"battery", "fleet", "--aivs", "2", "--whole", "--state", "x"}).status, 2);
 }
@@ -84,16 +84,16 @@ TEST(BatteryFleet, says_at_what_pace_the_whole_platform_was_in_the_loop) {
     return cosiva(all);
   };
   const Said usual = with({});
-  EXPECT_EQ(usual.status, 0) << usual.words;
+  EXPECT_EQ(usual.status, 0) << usual.standard_error;
   EXPECT_EQ(with({"--hz", "50"}).data, usual.data);
   const Said slower = with({"--hz", "10"});
-  EXPECT_EQ(slower.status, 0) << slower.words;
+  EXPECT_EQ(slower.status, 0) << slower.standard_error;
   EXPECT_NE(slower.data, usual.data);
   EXPECT_EQ(with({"--hz", "9"}).status, 2);
   EXPECT_EQ(with({"--hz", "51"}).status, 2);
   const Said nothing_to_pace = cosiva({"battery", "fleet", "--aivs", "2", "--hz", "10"});
   EXPECT_EQ(nothing_to_pace.status, 2);
-  EXPECT_THAT(nothing_to_pace.words, HasSubstr("--whole"));
+  EXPECT_THAT(nothing_to_pace.standard_error, HasSubstr("--whole"));
 }
 
 TEST(BatteryFleet, goes_on_from_its_state_and_refuses_another_s) {
@@ -102,27 +102,27 @@ TEST(BatteryFleet, goes_on_from_its_state_and_refuses_another_s) {
   const std::vector<std::string> command{"battery", "fleet", "--aivs", "2",       "--measure", "20",
                                       "--scale", "0.5",   "--json", "--state", state};
   const Said first = cosiva(command);
-  ASSERT_EQ(first.status, 0) << first.words;
+  ASSERT_EQ(first.status, 0) << first.standard_error;
   const Said again = cosiva(command);  // it was done: nothing is driven anew
   EXPECT_EQ(again.data, first.data);
-  EXPECT_THAT(again.words, HasSubstr("goes on from"));
+  EXPECT_THAT(again.standard_error, HasSubstr("goes on from"));
   std::vector<std::string> other = command;
   other.insert(other.end(), {"--seed", "9"});
   EXPECT_EQ(cosiva(other).status, 2);
-  EXPECT_THAT(cosiva(other).words, HasSubstr("another test's"));
+  EXPECT_THAT(cosiva(other).standard_error, HasSubstr("another test's"));
 }
 
 TEST(BatteryTest, refuses_what_makes_no_sense) {
-  EXPECT_THAT(cosiva({"battery", "fleet", "--floor", "0.2"}).words,
+  EXPECT_THAT(cosiva({"battery", "fleet", "--floor", "0.2"}).standard_error,
               HasSubstr("looks like a fraction; give percent, such as 20.0"));
   EXPECT_EQ(cosiva({"battery", "fleet", "--floor", "0.2"}).status, 2);
   EXPECT_EQ(cosiva({"battery", "fleet", "--floor", "120"}).status, 2);
   EXPECT_EQ(cosiva({"battery", "fleet", "--floor", "99"}).status, 2);
-  EXPECT_THAT(cosiva({"battery", "sampled", "--type", "leaf3"}).words, HasSubstr("did you mean 'leaf33'?"));
+  EXPECT_THAT(cosiva({"battery", "sampled", "--type", "leaf3"}).standard_error, HasSubstr("did you mean 'leaf33'?"));
   EXPECT_EQ(cosiva({"battery", "sampled", "--type", "gone.json"}).status, 2);
   EXPECT_EQ(cosiva({"battery", "sampled", "--gauge", "magic"}).status, 2);
   EXPECT_EQ(cosiva({"battery", "sampled", "--zone", "nowhere"}).status, 2);
-  EXPECT_THAT(cosiva({"battery", "sampled", "--ambient", "-10"}).words, HasSubstr("would refuse every battery"));
+  EXPECT_THAT(cosiva({"battery", "sampled", "--ambient", "-10"}).standard_error, HasSubstr("would refuse every battery"));
   EXPECT_EQ(cosiva({"battery", "fleet", "--aivs", "1"}).status, 2);
   EXPECT_EQ(cosiva({"battery"}).status, 2);
 }
@@ -133,11 +133,11 @@ TEST(BatteryFleet, ends_itself_after_the_run_that_made_its_mean_as_sure_as_was_w
                    "--half-width", half_width});
   };
   const Said loose = fleet("20");
-  ASSERT_EQ(loose.status, 0) << loose.words;
-  EXPECT_THAT(loose.words, HasSubstr("the test ends after run 1 of 3: the mean is known as well as was wanted"));
+  ASSERT_EQ(loose.status, 0) << loose.standard_error;
+  EXPECT_THAT(loose.standard_error, HasSubstr("the test ends after run 1 of 3: the mean is known as well as was wanted"));
   EXPECT_THAT(loose.data, HasSubstr("after 5 batteries: no more are needed, nor more runs than the 1 of 3 that were"));
   const Said strict = fleet("0.01");
-  ASSERT_EQ(strict.status, 0) << strict.words;
+  ASSERT_EQ(strict.status, 0) << strict.standard_error;
   EXPECT_THAT(strict.data, HasSubstr("5 batteries, 15 runs"));
   EXPECT_THAT(strict.data, HasSubstr("the mean is not known to 0.01 % yet"));
 }
@@ -145,7 +145,7 @@ TEST(BatteryFleet, ends_itself_after_the_run_that_made_its_mean_as_sure_as_was_w
 TEST(BatteryFit, tells_residuals_and_foretells_what_it_was_not_fitted_to) {
   const Said said = cosiva({"battery", "fit", data("leaf_hppc_25C.csv"), "--predict", data("leaf_1C_first.csv"),
                             "--predict", data("leaf_2C_first.csv"), "--json"});
-  ASSERT_EQ(said.status, 0) << said.words;
+  ASSERT_EQ(said.status, 0) << said.standard_error;
   const auto json = JsonValue::parse(said.data);
   ASSERT_TRUE(json);
   EXPECT_LT(*json->number("rms_v"), 0.003);
@@ -179,7 +179,7 @@ TEST(BatteryFit, holds_a_discharge_out_of_a_file_that_has_several) {
   const std::string file = scratch / "all.csv";
   ASSERT_TRUE(adapters::write_file(file, text));
   const Said said = cosiva({"battery", "fit", file, "--predict", "discharge 2", "--json"});
-  ASSERT_EQ(said.status, 0) << said.words;
+  ASSERT_EQ(said.status, 0) << said.standard_error;
   const auto json = JsonValue::parse(said.data);
   ASSERT_TRUE(json);
   EXPECT_EQ(json->find("residuals")->array()->size(), 2U);
@@ -188,16 +188,16 @@ TEST(BatteryFit, holds_a_discharge_out_of_a_file_that_has_several) {
   EXPECT_THAT(*foretold.text("log"), HasSubstr("all.csv, discharge 2"));
   EXPECT_NEAR(*foretold.number("predicted_s") / *foretold.number("measured_s"), 1.0, 0.02);
   EXPECT_TRUE(json->number("charge_uncertain_percent"));
-  const std::string words = cosiva({"battery", "fit", file, "--predict", "discharge 2"}).data;
-  EXPECT_THAT(words, HasSubstr("'Current(mA)' as current_ampere"));
-  EXPECT_THAT(words, HasSubstr("foretold at 2.0 times the largest current"));
+  const std::string standard_error = cosiva({"battery", "fit", file, "--predict", "discharge 2"}).data;
+  EXPECT_THAT(standard_error, HasSubstr("'Current(mA)' as current_ampere"));
+  EXPECT_THAT(standard_error, HasSubstr("foretold at 2.0 times the largest current"));
   EXPECT_EQ(cosiva({"battery", "fit", file, "--predict", "discharge 4"}).status, 2);
 }
 
 TEST(BatteryFit, writes_a_type_that_can_be_used) {
   const Scratch scratch;
   const std::string file = scratch / "mine.json";
-  EXPECT_THAT(cosiva({"battery", "fit", data("leaf_hppc_25C.csv"), "--out", file}).words, HasSubstr("--licence"));
+  EXPECT_THAT(cosiva({"battery", "fit", data("leaf_hppc_25C.csv"), "--out", file}).standard_error, HasSubstr("--licence"));
   EXPECT_FALSE(std::filesystem::exists(file));
   ASSERT_EQ(
       cosiva({"battery", "fit", data("leaf_hppc_25C.csv"), "--out", file, "--licence", "MIT", "--name", "mine"}).status,
@@ -216,7 +216,7 @@ TEST(BatteryFit, refuses_logs_that_would_mislead) {
     EXPECT_TRUE(adapters::write_file(file, text));
     const Said said = cosiva({"battery", "fit", file});
     EXPECT_EQ(said.status, 2);
-    return said.words;
+    return said.standard_error;
   };
   EXPECT_THAT(refused("test_time_second,voltage,current_ampere\n"), HasSubstr("'voltage' lacks its unit"));
   std::string turned = *adapters::read_file(data("leaf_2C_first.csv"));
@@ -233,7 +233,7 @@ TEST(BatteryDischarge, tells_the_published_and_the_measured_times) {
     std::vector<std::string> command{"battery", "discharge", "--floor", "3.0", "--json"};
     command.insert(command.end(), load.begin(), load.end());
     const Said said = cosiva(command);
-    EXPECT_EQ(said.status, 0) << said.words;
+    EXPECT_EQ(said.status, 0) << said.standard_error;
     const auto json = JsonValue::parse(said.data);
     return json ? json->find("discharges")->array()->front().number("lasted_s").value_or(0.0) : 0.0;
   };
@@ -259,7 +259,7 @@ TEST(BatteryDischarge, writes_logs_that_a_fit_finds_the_battery_in_again) {
         0);
   const Said fit =
       cosiva({"battery", "fit", scratch / "0.2.csv", scratch / "2.csv", "--predict", scratch / "1.csv", "--json"});
-  ASSERT_EQ(fit.status, 0) << fit.words;
+  ASSERT_EQ(fit.status, 0) << fit.standard_error;
   const auto json = JsonValue::parse(fit.data);
   const JsonValue& found = json->find("predictions")->array()->front();
   EXPECT_NEAR(*found.number("predicted_s"), *found.number("measured_s"), 0.005 * *found.number("measured_s"));
@@ -269,7 +269,7 @@ TEST(BatteryDischarge, writes_logs_that_a_fit_finds_the_battery_in_again) {
 TEST(BatteryAnalyse, says_of_others_measurements_what_was_published_of_them) {
   const std::string csv = data("lghg2_fleet_figures.csv");
   const Said both = cosiva({"battery", "analyse", csv});
-  ASSERT_EQ(both.status, 0) << both.words;
+  ASSERT_EQ(both.status, 0) << both.standard_error;
   EXPECT_THAT(both.data, HasSubstr("fleet_first_run: 9 batteries, 9 runs, 0 failed"));
   EXPECT_THAT(both.data, HasSubstr("(3605.5 s, equation (4)), 95 % interval 3567.3 to 3643.7 s"));
   EXPECT_THAT(both.data, HasSubstr("1 is an outlier (Grubbs), kept: 2.309 > 2.215, robust score -4.3"));
@@ -299,7 +299,7 @@ TEST(BatteryAnalyse, takes_results_of_our_own_tests_together_and_writes_a_report
   const std::string out = scratch / "both";
   const Said said =
       cosiva({"battery", "analyse", fleet("1"), fleet("2"), "--half-width", "20", "--json", "--out", out});
-  ASSERT_EQ(said.status, 0) << said.words;
+  ASSERT_EQ(said.status, 0) << said.standard_error;
   const auto json = JsonValue::parse(said.data);
   ASSERT_TRUE(json);
   EXPECT_GE(*json->number("n"), 3.0);

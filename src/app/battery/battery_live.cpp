@@ -113,9 +113,9 @@ class LiveTest {
     for (const wire::Publish& message : answers.messages) bus_->publish(message);
     const bool news = !answers.messages.empty() || !answers.commands.empty();
     for (std::string& command : answers.commands) commands_.push_back(std::move(command));
-    for (const std::string& words : answers.words) {
-      say(words);
-      notify(words);
+    for (const std::string& operator_messages : answers.operator_messages) {
+      say(operator_messages);
+      notify(operator_messages);
     }
     if (news) tell_onlookers();
     saved_ = false;
@@ -154,10 +154,10 @@ class LiveTest {
   }
 
   /// The operator's own command, with the words as its last argument; it may take as long as it likes.
-  void notify(const std::string& words) {
+  void notify(const std::string& operator_messages) {
     if (arguments_.notify.empty()) return;
     adapters::ChildOptions options;
-    options.argv = {"/bin/sh", "-c", arguments_.notify + " \"$1\"", "notify", words};
+    options.argv = {"/bin/sh", "-c", arguments_.notify + " \"$1\"", "notify", operator_messages};
     options.log_file = "/dev/null";
     options.on_exit = [](const adapters::ChildExit&) {};
     auto child = adapters::Child::start(loop_, std::move(options));

@@ -35,7 +35,7 @@ class Teller {
   /// @return  whether a second has gone by
   template <typename Rig>
   bool look(Rig& rig) {
-    for (const std::string& words : rig.take_words()) say(words);
+    for (const std::string& text : rig.take_messages()) say(text);
     if (!ticker_.ticks()) return false;
     say(progress_text(rig.procedure(), rig.now()));
     return true;

@@ -139,7 +139,7 @@ std::string both(const vision::Residuals& r) {
   return decimals(1e3 * r.rms_m, 2) + " (" + decimals(1e3 * r.max_m, 1) + ")";
 }
 
-std::string words_of(const vision::Calibrated& made, const std::optional<vision::PoseResiduals>& poses) {
+std::string text_of(const vision::Calibrated& made, const std::optional<vision::PoseResiduals>& poses) {
   std::string text = "rms (max) in mm    fitted           other colour     left-out block\n";
   for (std::size_t i = 0; i < made.tried.size(); ++i) {
     const vision::Tried& tried = made.tried[i];
@@ -185,7 +185,7 @@ std::string page_of(const vision::Calibrated& made, const std::optional<vision::
   report.heading("Models tried").table({"model", "fitted, rms (max) mm", "other colour", "left-out block"}, rows);
   report.paragraph("The print's or the survey's own error is not seen here: it is the same in all points.");
   if (poses)
-    report.heading("Surveyed poses").paragraph(words_of(made, poses).substr(words_of(made, poses).rfind('\n') + 1));
+    report.heading("Surveyed poses").paragraph(text_of(made, poses).substr(text_of(made, poses).rfind('\n') + 1));
   return report.html();
 }
 
@@ -246,7 +246,7 @@ int run_gvs_calibrate(const GvsCalibrateArguments& a) {
       return complain(written.error());
     say("written into " + a.out_folder);
   }
-  print(a.json ? figures_json(*made, poses) : words_of(*made, poses));
+  print(a.json ? figures_json(*made, poses) : text_of(*made, poses));
   return exit_done;
 }
 

@@ -82,7 +82,7 @@ class Render {
     json.field("late_ms", a_.late_ms).field("seed", a_.seed).end_object();
     return json.take();
   }
-  [[nodiscard]] std::string words() const {
+  [[nodiscard]] std::string phrase() const {
     std::string text = std::to_string(pictures_) + " pictures of " + std::to_string(fleet_.size()) + " AIVs, tags " +
                        decimals(tag_px(), 0) + " px wide; a camera " + decimals(camera_.height_m, 2) + " m above (" +
                        decimals(camera_.foot.x_m, 3) + ", " + decimals(camera_.foot.y_m, 3) + ")";
@@ -183,7 +183,7 @@ int run_gvs_render(const GvsRenderArguments& a) {
   if (!fleet) return complain(fleet.error());
   Render render{a, zone, std::move(*fleet)};
   if (auto done = render.run(); !done) return complain(done.error());
-  print(a.json ? render.json() : render.words());
+  print(a.json ? render.json() : render.phrase());
   return exit_done;
 }
 

@@ -28,7 +28,7 @@ const std::string data = source_dir() + "/src/physical/vision/testdata/";
 
 JsonValue json_of(const Said& said) {
   auto json = JsonValue::parse(said.data);
-  EXPECT_TRUE(json) << said.data << said.words;
+  EXPECT_TRUE(json) << said.data << said.standard_error;
   return json ? std::move(*json) : JsonValue{};
 }
 
@@ -37,7 +37,7 @@ struct Bay {
   Bay() {
     const Said said = cosiva({"gvs", "render", "--aivs", "4", "--seconds", "2", "--rate", "20", "--size", "1200",
                               "--tag-side", "0.1", "--warm-up", "0", "--late", "30", "--out", folder.path(), "--json"});
-    EXPECT_EQ(said.status, 0) << said.words;
+    EXPECT_EQ(said.status, 0) << said.standard_error;
     scene = json_of(said);
   }
   [[nodiscard]] std::string file(const std::string& name) const { return folder.path() + "/" + name; }
@@ -64,7 +64,7 @@ TEST(Gvs, rendered_calibrated_and_tracked_says_how_late_the_stamps_are_and_shift
   const Said said = cosiva({"gvs", "track", "--calibration", out.path() + "/cal/calibration.json", "--images",
                             bay().file("pictures"), "--exposure", "4", "--tag-side", "0.1", "--against",
                             bay().file("truth"), "--out", out.path() + "/seen", "--json"});
-  ASSERT_EQ(said.status, 0) << said.words;
+  ASSERT_EQ(said.status, 0) << said.standard_error;
   const JsonValue json = json_of(said);
   EXPECT_EQ(json.number("fixes"), 160.0);  // four in each of forty
   EXPECT_EQ(json.number("lost"), 0.0);
@@ -81,7 +81,7 @@ TEST(Gvs, rendered_calibrated_and_tracked_says_how_late_the_stamps_are_and_shift
   ASSERT_TRUE(adapters::write_file(other, adapters::read_file(out.path() + "/seen/tag_1.tum").value()));
   const Said compared = cosiva({"compare", "--reference", bay().file("truth/tag_1.tum"), "--estimate",
                                 out.path() + "/seen/tag_1.tum", "--estimate", other});
-  EXPECT_EQ(compared.status, 0) << compared.words;
+  EXPECT_EQ(compared.status, 0) << compared.standard_error;
   for (const char* file : {"poses.csv", "timing.csv", "result.json", "tag_4.tum"})
     EXPECT_TRUE(std::filesystem::exists(out.path() + "/seen/" + file)) << file;
 }
@@ -89,7 +89,7 @@ TEST(Gvs, rendered_calibrated_and_tracked_says_how_late_the_stamps_are_and_shift
 TEST(Gvs, calibrates_from_tags_that_lie_on_the_floor_as_well) {
   const Said said =
       cosiva({"gvs", "calibrate", "--board", bay().file("board.csv"), "--images", bay().file("board"), "--json"});
-  ASSERT_EQ(said.status, 0) << said.words;
+  ASSERT_EQ(said.status, 0) << said.standard_error;
   const JsonValue json = json_of(said);
   const JsonValue& best = json.find("tried")->array()->back();
   EXPECT_GE(best.find("blocks")->number("points").value_or(0.0), 400.0);
@@ -101,7 +101,7 @@ TEST(Gvs, calibrates_a_real_camera_with_its_surveyed_poses) {
   const Said said = cosiva({"gvs", "calibrate", "--points", data + "cpm-ips/calibration_points.csv", "--poses",
                             data + "cpm-ips/pose_calibration.txt", "--pose-xs", "0.6,3.9", "--pose-ys", "0.6,3.4",
                             "--model", "polynomial", "--out", out.path(), "--json"});
-  ASSERT_EQ(said.status, 0) << said.words;
+  ASSERT_EQ(said.status, 0) << said.standard_error;
   const JsonValue json = json_of(said);
   EXPECT_LE(json.find("poses")->number("rms_mm").value_or(9.0), 1.0);
   EXPECT_LE(json.find("poses")->number("heading_sd_deg").value_or(9.0), 0.25);
@@ -121,9 +121,9 @@ TEST(Gvs, calibrates_a_real_camera_with_its_surveyed_poses) {
 
 TEST(Gvs, calibration_gives_the_budget_of_its_own_error_and_says_what_nobody_has_told) {
   const Scratch out;
-  std::vector<std::string> words = bay().calibrate(out.path() + "/cal");
-  words.insert(words.end(), {"--tag-height-error", "0.002", "--mount-error", "0.003"});
-  ASSERT_EQ(cosiva(words).status, 0);
+  std::vector<std::string> standard_error = bay().calibrate(out.path() + "/cal");
+  standard_error.insert(standard_error.end(), {"--tag-height-error", "0.002", "--mount-error", "0.003"});
+  ASSERT_EQ(cosiva(standard_error).status, 0);
   const auto told = load_reference_budget(out.path() + "/cal/reference_budget.json");
   const auto alone = load_reference_budget(out.path() + "/cal/calibration.json");
   ASSERT_TRUE(told && alone);
@@ -226,7 +226,7 @@ TEST(Gvs, refuses_what_it_cannot_use_with_status_2_and_says_what_and_where) {
       adapters::write_file(out.path() + "/three.csv", "world_x;world_y;image_x;image_y\n0;0;1;1\n1;0;2;1\n0;1;1;2\n"));
   ASSERT_TRUE(adapters::write_file(out.path() + "/cal.json", "{}"));
   struct Case {
-    std::vector<std::string> words;
+    std::vector<std::string> standard_error;
     std::string says;
   };
   const std::vector<Case> cases{
@@ -248,9 +248,9 @@ TEST(Gvs, refuses_what_it_cannot_use_with_status_2_and_says_what_and_where) {
       {{"gvs", "render", "--tag-height", "5", "--out", empty}, "lies not below the camera"},
   };
   for (const Case& one : cases) {
-    const Said said = cosiva(one.words);
+    const Said said = cosiva(one.standard_error);
     EXPECT_EQ(said.status, 2) << one.says;
-    EXPECT_THAT(said.words, HasSubstr(one.says));
+    EXPECT_THAT(said.standard_error, HasSubstr(one.says));
   }
 }
 
@@ -262,21 +262,21 @@ TEST(Gvs, tracking_refuses_bad_folders_and_pictures) {
   const auto track = [&] {
     return cosiva({"gvs", "track", "--calibration", out.path() + "/calibration.json", "--images", pictures});
   };
-  EXPECT_THAT(track().words, HasSubstr("holds no pictures"));
+  EXPECT_THAT(track().standard_error, HasSubstr("holds no pictures"));
   ASSERT_TRUE(adapters::write_file(pictures + "/a.pgm", "P5\n1200 1200\n255\ntoo short"));
   Said said = track();
   EXPECT_EQ(said.status, 2);
-  EXPECT_THAT(said.words, HasSubstr("a.pgm: ends too early"));
+  EXPECT_THAT(said.standard_error, HasSubstr("a.pgm: ends too early"));
   ASSERT_TRUE(adapters::write_file(pictures + "/a.pgm", write_pgm(vision::Image::filled({64, 64}, 7))));
-  EXPECT_THAT(track().words, HasSubstr("a.pgm: is 64 x 64 pixels large"));
+  EXPECT_THAT(track().standard_error, HasSubstr("a.pgm: is 64 x 64 pixels large"));
   ASSERT_TRUE(adapters::write_file(pictures + "/a.pgm", write_pgm(vision::Image::filled({1200, 1200}, 7))));
   said = track();
   EXPECT_EQ(said.status, 1);
-  EXPECT_THAT(said.words, HasSubstr("no vehicle was seen"));
+  EXPECT_THAT(said.standard_error, HasSubstr("no vehicle was seen"));
   ASSERT_TRUE(adapters::write_file(pictures + "/stamps.csv", "file,stamp_s\nb.pgm,0\n"));
-  EXPECT_THAT(track().words, HasSubstr("has no stamp for"));
+  EXPECT_THAT(track().standard_error, HasSubstr("has no stamp for"));
   ASSERT_TRUE(adapters::write_file(pictures + "/stamps.csv", "file,stamp_s\na.pgm,soon\n"));
-  EXPECT_THAT(track().words, HasSubstr("stamps.csv:2: expected 'file,stamp_s'"));
+  EXPECT_THAT(track().standard_error, HasSubstr("stamps.csv:2: expected 'file,stamp_s'"));
 }
 
 }  // namespace

@@ -186,7 +186,7 @@ std::string json_of(const Tracked& tracked, const std::vector<Offset>& offsets) 
   return json.take();
 }
 
-std::string words_of(const Tracked& tracked, const std::vector<Offset>& offsets) {
+std::string text_of(const Tracked& tracked, const std::vector<Offset>& offsets) {
   std::string text = std::to_string(tracked.fixes.size()) + " vehicles, " + std::to_string(tracked.figures.fixes) +
                      " fixes in " + std::to_string(tracked.figures.pictures) + " pictures; " +
                      decimals(median_ms(tracked.timing), 1) + " ms of a processor per picture (median)\n";
@@ -258,7 +258,7 @@ int run_gvs_track(const GvsTrackArguments& a) {
     if (auto written = write_all(a.out_folder, *tracked, result); !written) return complain(written.error());
     say("written into " + a.out_folder);
   }
-  print(a.json ? result : words_of(*tracked, *offsets));
+  print(a.json ? result : text_of(*tracked, *offsets));
   // Its own check: pictures that show nobody prove nothing.
   if (tracked->figures.fixes == 0) {
     say("cosiva: no vehicle was seen in any picture");

@@ -33,7 +33,7 @@ constexpr SimDuration looked_for{std::chrono::seconds{2}};
 /// An emulated world that says nothing for so long is gone.
 constexpr SimDuration truth_missed_after{std::chrono::seconds{2}};
 
-std::string words_of(const GvsSource& source) {
+std::string text_of(const GvsSource& source) {
   if (!source.images_folder.empty()) return "the pictures of " + source.images_folder;
   if (!source.video_file.empty()) return "the video " + source.video_file;
   return "the camera /dev/video" + std::to_string(source.camera.value_or(0));
@@ -45,7 +45,7 @@ class Watch {
       : arguments_{arguments},
         source_{arguments.source},
         names_{std::move(names)},
-        words_{source_.emulated() ? "the emulated world's camera" : words_of(source_)},
+        text_{source_.emulated() ? "the emulated world's camera" : text_of(source_)},
         beat_{loop_},
         duration_{loop_} {}
 
@@ -82,7 +82,7 @@ class Watch {
     if (source_.emulated()) topics.emplace_back(wire::plant_truth_topic);
     const wire::Will will{
         {std::string(wire::gvs_connection_topic),
-         to_json(wire::GvsConnection{wire::ConnectionState::connection_broken, clock_.now(), words_, {}}), 1, true}};
+         to_json(wire::GvsConnection{wire::ConnectionState::connection_broken, clock_.now(), text_, {}}), 1, true}};
     auto client = adapters::MqttClient::make(loop_, std::move(*options), std::move(topics), will, std::move(handlers));
     if (!client) return tl::unexpected(client.error());
     client_ = std::move(*client);
@@ -122,7 +122,7 @@ class Watch {
     auto camera = EmulatedCamera::over(rtm->zone());
     if (!camera) return set_trouble(to_string(camera.error()));
     emulated_ = std::move(*camera);
-    words_ = "the emulated world's camera over " + decimals(emulated_->width_m(), 1) + " m of " + rtm->zone().name;
+    text_ = "the emulated world's camera over " + decimals(emulated_->width_m(), 1) + " m of " + rtm->zone().name;
     GvsSource known = source_;
     known.exposure_ms = 1e3 * emulated_->exposure_s();
     known.tag_side_m = emulated_->tag_side_m();
@@ -166,7 +166,7 @@ class Watch {
 
   void say_connection(wire::ConnectionState state) {
     client_->publish({std::string(wire::gvs_connection_topic),
-                      to_json(wire::GvsConnection{state, clock_.now(), words_, trouble_}), 1, true});
+                      to_json(wire::GvsConnection{state, clock_.now(), text_, trouble_}), 1, true});
   }
 
   void end() {
@@ -176,7 +176,7 @@ class Watch {
 
   [[nodiscard]] std::string json() const {
     JsonWriter json;
-    json.begin_object().field("source", words_).field("pictures", pictures_).field("fixes", seen_);
+    json.begin_object().field("source", text_).field("pictures", pictures_).field("fixes", seen_);
     json.field("trouble", trouble_).end_object();
     return json.take();
   }
@@ -184,7 +184,7 @@ class Watch {
   const GvsWatchArguments& arguments_;
   const GvsSource& source_;
   std::map<int, std::string> names_;
-  std::string words_;
+  std::string text_;
   std::string trouble_;
   adapters::EventLoop loop_;
   adapters::WallClock clock_;

@@ -270,10 +270,10 @@ TEST(GvsWatch, refuses_what_it_cannot_use_with_2_and_the_option) {
   const Scratch scratch;
   const std::string bad = scratch.write("bad.json", R"({"name":"x"})");
   const std::string folder = pictures_in(scratch, 1);
-  const auto refused = [](std::vector<std::string> arguments, const std::string& words) {
+  const auto refused = [](std::vector<std::string> arguments, const std::string& standard_error) {
     const auto said = cosiva(arguments);
-    EXPECT_EQ(said.status, 2) << said.words;
-    EXPECT_THAT(said.words, HasSubstr(words));
+    EXPECT_EQ(said.status, 2) << said.standard_error;
+    EXPECT_THAT(said.standard_error, HasSubstr(standard_error));
   };
   refused({"gvs", "watch", "--images", folder}, "--calibration");
   refused({"gvs", "watch", "--calibration", bad}, "--camera N");
@@ -296,11 +296,11 @@ TEST(GvsWatch, refuses_a_camera_that_is_not_there_and_a_folder_without_pictures)
   ASSERT_TRUE(adapters::write_file(calibration, vision::to_json(Watched{}.camera.calibration())));
   const auto camera = cosiva({"up", "--gvs", "--gvs-calibration", calibration, "--gvs-camera", "250"});
   EXPECT_EQ(camera.status, 2);
-  EXPECT_THAT(camera.words, HasSubstr("/dev/video250: there is no such camera"));
+  EXPECT_THAT(camera.standard_error, HasSubstr("/dev/video250: there is no such camera"));
   std::filesystem::create_directories(scratch / "empty");
   const auto empty = cosiva({"gvs", "watch", "--calibration", calibration, "--images", scratch / "empty"});
   EXPECT_EQ(empty.status, 2);
-  EXPECT_THAT(empty.words, HasSubstr("holds no pictures"));
+  EXPECT_THAT(empty.standard_error, HasSubstr("holds no pictures"));
 }
 
 }  // namespace

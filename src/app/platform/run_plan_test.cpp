@@ -58,13 +58,13 @@ TEST(RunPlan, the_command_line_wins) {
   arguments.given = {false, true, true, true};
   ::testing::internal::CaptureStderr();
   const auto plan = plan_run(arguments);
-  const std::string words = ::testing::internal::GetCapturedStderr();
+  const std::string standard_error = ::testing::internal::GetCapturedStderr();
   ASSERT_TRUE(plan) << to_string(plan.error()) << ": cut short is not wrong";
   EXPECT_EQ(plan->arguments.aivs, 5U);
   EXPECT_EQ(plan->arguments.seed, 9U);
   EXPECT_EQ(plan->arguments.duration_s, 10.0);
-  EXPECT_THAT(words, HasSubstr("--aivs 5 wins over the scenario's 3"));
-  EXPECT_THAT(words, HasSubstr("--seed 9 wins over the scenario's 8"));
+  EXPECT_THAT(standard_error, HasSubstr("--aivs 5 wins over the scenario's 3"));
+  EXPECT_THAT(standard_error, HasSubstr("--seed 9 wins over the scenario's 8"));
 }
 
 TEST(RunPlan, with_fewer_AIVs_than_the_scenario_speaks_of_is_refused) {

@@ -45,8 +45,8 @@ std::string augmented(const JsonValue& bijection) {
   };
   if (aivs == 0.0 && count("felt_ms") == 0.0 && count("shown_ms") == 0.0) return {};
   std::string text = "\n" + decimals(aivs, 0) + " virtual AIVs";
-  const auto figure = [&](std::string_view of, const char* words) {
-    if (count(of) > 0.0) text += ", " + decimals(count(of), 0) + " times " + words + millis(*effects, of, 1.0, " ms");
+  const auto figure = [&](std::string_view of, const char* phrase) {
+    if (count(of) > 0.0) text += ", " + decimals(count(of), 0) + " times " + phrase + millis(*effects, of, 1.0, " ms");
   };
   figure("felt_ms", "felt in p99 ");
   figure("brakes_ms", "braked for in p99 ");

@@ -27,18 +27,18 @@ constexpr std::chrono::seconds timeout{120};
 class Command {
  public:
   Command(adapters::EventLoop& loop, const Scratch& scratch, std::vector<std::string> arguments)
-      : loop_{loop}, words_file_{scratch / "words"} {
+      : loop_{loop}, standard_error_file_{scratch / "words"} {
     adapters::ChildOptions options;
     options.argv = {COSIVA_BINARY};
     options.argv.insert(options.argv.end(), arguments.begin(), arguments.end());
-    options.log_file = words_file_;
+    options.log_file = standard_error_file_;
     options.on_line = [this](const std::string& line) { data += line + "\n"; };
     options.on_exit = [this](const ChildExit& e) { exit = e; };
     child = Child::start(loop, std::move(options)).value();
   }
-  [[nodiscard]] std::string words() const { return adapters::read_file(words_file_).value_or(""); }
+  [[nodiscard]] std::string standard_error() const { return adapters::read_file(standard_error_file_).value_or(""); }
   bool says(const std::string& text) {
-    return loop_.run_until([&] { return exit || words().find(text) != std::string::npos; }, timeout) && !exit;
+    return loop_.run_until([&] { return exit || standard_error().find(text) != std::string::npos; }, timeout) && !exit;
   }
   bool ends() {
     return loop_.run_until([&] { return exit.has_value(); }, timeout) && (loop_.run_for(100ms), true);
@@ -50,7 +50,7 @@ class Command {
 
  private:
   adapters::EventLoop& loop_;
-  std::string words_file_;
+  std::string standard_error_file_;
 };
 
 class UpTest : public ::testing::Test {
@@ -82,30 +82,30 @@ class UpTest : public ::testing::Test {
 
 TEST_F(UpTest, runs_the_platform_for_a_while_and_sums_up_and_its_journal_replays) {
   Command run{loop, scratch, up({"--duration", "3", "--json", "--record", scratch / "run.journal"})};
-  ASSERT_TRUE(run.ends()) << run.words();
-  EXPECT_EQ(run.exit->status, 0) << run.words() << run.data;
+  ASSERT_TRUE(run.ends()) << run.standard_error();
+  EXPECT_EQ(run.exit->status, 0) << run.standard_error() << run.data;
   const auto summary = JsonValue::parse(run.data);
   ASSERT_TRUE(summary) << run.data;
   EXPECT_EQ(summary->find("bijection")->number("matched"), 2.0);
   EXPECT_EQ(summary->number("collisions"), 0.0);
   EXPECT_GE(summary->number("duration_s").value(), 3.0);
   EXPECT_FALSE(std::filesystem::exists(scratch / "run"));
-  EXPECT_THAT(run.words(), HasSubstr(scratch / "log"));
+  EXPECT_THAT(run.standard_error(), HasSubstr(scratch / "log"));
 
   Command replay{loop, scratch, {"replay", scratch / "run.journal", "--json"}};
   ASSERT_TRUE(replay.ends());
-  EXPECT_EQ(replay.exit->status, 0) << replay.words();
+  EXPECT_EQ(replay.exit->status, 0) << replay.standard_error();
   EXPECT_EQ(JsonValue::parse(replay.data)->text("digest"), summary->text("digest"));
 }
 
 TEST_F(UpTest, ends_in_order_when_asked_and_leaves_only_logs) {
   Command run{loop, scratch, up({})};
-  ASSERT_TRUE(run.says("all 2 AIVs are up")) << run.words();
+  ASSERT_TRUE(run.says("all 2 AIVs are up")) << run.standard_error();
   const auto family = children();
   EXPECT_EQ(family.size(), 5U);
   run.child->signal(SIGINT);
   ASSERT_TRUE(run.ends());
-  EXPECT_EQ(run.exit->status, 0) << run.words();
+  EXPECT_EQ(run.exit->status, 0) << run.standard_error();
   for (const auto& [name, pid] : family) EXPECT_EQ(::kill(pid, 0), -1) << name;
   EXPECT_FALSE(std::filesystem::exists(scratch / "run"));
   EXPECT_TRUE(std::filesystem::exists(scratch / "log/aiv1.log"));
@@ -113,7 +113,7 @@ TEST_F(UpTest, ends_in_order_when_asked_and_leaves_only_logs) {
 
 TEST_F(UpTest, starts_again_whoever_is_killed_and_the_fleet_is_whole_at_the_end) {
   Command run{loop, scratch, up({"--respawn", "0.2", "--duration", "20", "--json"})};
-  ASSERT_TRUE(run.says("all 2 AIVs are up")) << run.words();
+  ASSERT_TRUE(run.says("all 2 AIVs are up")) << run.standard_error();
   const auto first = children();
   for (const char* name : {"aiv1", "server", "broker"}) {
     ::kill(first.at(name), SIGKILL);
@@ -121,11 +121,11 @@ TEST_F(UpTest, starts_again_whoever_is_killed_and_the_fleet_is_whole_at_the_end)
       const auto now = children();
       return now.contains(name) && now.at(name) != first.at(name);
     };
-    ASSERT_TRUE(loop.run_until(back, timeout)) << name << "\n" << run.words();
-    EXPECT_THAT(run.words(), HasSubstr(std::string(name) + " has ended: killed (signal 9)"));
+    ASSERT_TRUE(loop.run_until(back, timeout)) << name << "\n" << run.standard_error();
+    EXPECT_THAT(run.standard_error(), HasSubstr(std::string(name) + " has ended: killed (signal 9)"));
   }
   ASSERT_TRUE(run.ends());
-  EXPECT_EQ(run.exit->status, 0) << run.words() << run.data;
+  EXPECT_EQ(run.exit->status, 0) << run.standard_error() << run.data;
 }
 
 TEST_F(UpTest, plays_a_scenario_and_a_server_killed_meanwhile_goes_on_with_it) {
@@ -135,18 +135,18 @@ TEST_F(UpTest, plays_a_scenario_and_a_server_killed_meanwhile_goes_on_with_it) {
                                          "[[at]]\nt_s = 1\nvirtual_aiv = { id = \"V1\" }\n"
                                          "[[at]]\nt_s = 4\ncommand = \"fast\"\nvehicle = \"V1\"\n");
   Command run{loop, scratch, up({"--scenario", file, "--json"})};
-  ASSERT_TRUE(run.says(" s  virtual AIV V1 joins")) << run.words();
-  EXPECT_THAT(run.words(), HasSubstr("--aivs 2 wins over the scenario's 1"));
+  ASSERT_TRUE(run.says(" s  virtual AIV V1 joins")) << run.standard_error();
+  EXPECT_THAT(run.standard_error(), HasSubstr("--aivs 2 wins over the scenario's 1"));
   // Time for the new AIV to be remembered, and less than there is before the next step.
   loop.run_for(500ms);
   ::kill(children().at("server"), SIGKILL);
-  ASSERT_TRUE(run.says("  V1: fast")) << run.words();
-  EXPECT_THAT(run.words(), HasSubstr("the server is back"));
+  ASSERT_TRUE(run.says("  V1: fast")) << run.standard_error();
+  EXPECT_THAT(run.standard_error(), HasSubstr("the server is back"));
   ASSERT_TRUE(run.ends());
-  EXPECT_EQ(run.exit->status, 0) << run.words() << run.data;
-  const std::string words = run.words();
+  EXPECT_EQ(run.exit->status, 0) << run.standard_error() << run.data;
+  const std::string standard_error = run.standard_error();
   for (const char* step : {"P1 stands", "V1 joins", "V1: fast"})
-    EXPECT_EQ(words.find(step), words.rfind(step)) << step << " is played once";
+    EXPECT_EQ(standard_error.find(step), standard_error.rfind(step)) << step << " is played once";
   const auto summary = JsonValue::parse(run.data);
   ASSERT_TRUE(summary) << run.data;
   EXPECT_EQ(summary->text("scenario"), "day");
@@ -155,11 +155,11 @@ TEST_F(UpTest, plays_a_scenario_and_a_server_killed_meanwhile_goes_on_with_it) {
 
 TEST_F(UpTest, in_virtual_time_with_its_page_runs_until_somebody_ends_it_and_sums_up) {
   Command run{loop, scratch, up({"--virtual-time", "--page", "--speed", "5", "--json"})};
-  ASSERT_TRUE(run.says("Ctrl-C ends it")) << run.words();
+  ASSERT_TRUE(run.says("Ctrl-C ends it")) << run.standard_error();
   loop.run_for(300ms);
   run.child->signal(SIGINT);
   ASSERT_TRUE(run.ends());
-  EXPECT_EQ(run.exit->status, 0) << run.words();
+  EXPECT_EQ(run.exit->status, 0) << run.standard_error();
   const auto summary = JsonValue::parse(run.data);
   ASSERT_TRUE(summary) << run.data;
   EXPECT_GT(summary->number("duration_s").value_or(0.0), 0.0);
@@ -169,22 +169,22 @@ TEST_F(UpTest, refuses_a_bad_scenario_before_anything_is_started) {
   Command run{loop, scratch, up({"--scenario", scratch.write("bad.toml", "name = 1\n")})};
   ASSERT_TRUE(run.ends());
   EXPECT_EQ(run.exit->status, 2);
-  EXPECT_THAT(run.words(), HasSubstr("bad.toml:1: name: expected a text"));
+  EXPECT_THAT(run.standard_error(), HasSubstr("bad.toml:1: name: expected a text"));
   EXPECT_FALSE(std::filesystem::exists(scratch / "run"));
 }
 
 TEST_F(UpTest, takes_another_port_when_the_wanted_one_is_busy_and_says_so) {
   Command first{loop, scratch, up({})};
-  ASSERT_TRUE(first.says("figures http://127.0.0.1:")) << first.words();
-  const std::string words = first.words();
-  const std::size_t at = words.find("127.0.0.1:") + 10;
-  const std::string busy = words.substr(at, words.find('/', at) - at);
+  ASSERT_TRUE(first.says("figures http://127.0.0.1:")) << first.standard_error();
+  const std::string standard_error = first.standard_error();
+  const std::size_t at = standard_error.find("127.0.0.1:") + 10;
+  const std::string busy = standard_error.substr(at, standard_error.find('/', at) - at);
   Scratch other;
   Command second{
       loop,
       other,
       {"up", "--headless", "--aivs", "1", "--port", busy, "--run-dir", other / "run", "--log-dir", other / "log"}};
-  EXPECT_TRUE(second.says("port " + busy + " is busy")) << second.words();
+  EXPECT_TRUE(second.says("port " + busy + " is busy")) << second.standard_error();
   for (Command* run : {&first, &second}) {
     run->child->signal(SIGTERM);
     EXPECT_TRUE(run->ends());
@@ -194,25 +194,25 @@ TEST_F(UpTest, takes_another_port_when_the_wanted_one_is_busy_and_says_so) {
 TEST_F(UpTest, parts_record_their_own_journals_and_both_replay) {
   auto broker = adapters::PrivateBroker::start(loop, {scratch.path(), scratch / "broker.log", {}}).value();
   const std::string address = "127.0.0.1:" + std::to_string(broker->port());
-  Scratch plant_words;
-  Scratch aiv_words;
+  Scratch plant_log;
+  Scratch aiv_log;
   const std::string zone = source_dir() + "/zones/lacet4.toml";
   Command plant{loop,
-                plant_words,
+                plant_log,
                 {"plant", "--zone", zone, "--vehicles", "1", "--sockets", scratch / "boards", "--broker", address,
                  "--duration", "3", "--record", scratch / "plant.journal", "--json"}};
   Command aiv{loop,
-              aiv_words,
+              aiv_log,
               {"aiv", "--number", "1", "--sockets", scratch / "boards", "--broker", address, "--start", "east:0.1",
                "--duration", "2", "--record", scratch / "aiv.journal", "--state-file", scratch / "state_file", "--json"}};
-  ASSERT_TRUE(aiv.ends()) << aiv.words();
-  ASSERT_TRUE(plant.ends()) << plant.words();
-  EXPECT_EQ(aiv.exit->status, 0) << aiv.words();
-  EXPECT_EQ(plant.exit->status, 0) << plant.words();
+  ASSERT_TRUE(aiv.ends()) << aiv.standard_error();
+  ASSERT_TRUE(plant.ends()) << plant.standard_error();
+  EXPECT_EQ(aiv.exit->status, 0) << aiv.standard_error();
+  EXPECT_EQ(plant.exit->status, 0) << plant.standard_error();
   for (const auto& [journal, data] : {std::pair{"plant.journal", plant.data}, std::pair{"aiv.journal", aiv.data}}) {
     Command replay{loop, scratch, {"replay", scratch / journal, "--json"}};
     ASSERT_TRUE(replay.ends());
-    EXPECT_EQ(replay.exit->status, 0) << replay.words();
+    EXPECT_EQ(replay.exit->status, 0) << replay.standard_error();
     EXPECT_EQ(JsonValue::parse(replay.data)->text("digest"), JsonValue::parse(data)->text("digest")) << journal;
   }
 }

@@ -27,7 +27,7 @@ const std::string small =
 TEST(Campaign, says_how_much_there_is_to_do_and_does_nothing) {
   const Scratch scratch;
   const Said said = cosiva({"campaign", examples + "campaign.toml", "--out", scratch / "out", "--dry-run"});
-  EXPECT_EQ(said.status, 0) << said.words;
+  EXPECT_EQ(said.status, 0) << said.standard_error;
   EXPECT_THAT(said.data, AllOf(HasSubstr("14 environments, 3 algorithms, 20 runs each: 840 runs of 50.0 m"),
                                HasSubstr("pitch_m: 7 values"), HasSubstr("0 finished")));
   EXPECT_FALSE(std::filesystem::exists(scratch / "out"));
@@ -38,17 +38,17 @@ TEST(Campaign, writes_report_tables_and_database_and_says_the_same_again_at_once
   const Scratch scratch;
   const std::string plan = scratch.write("plan.toml", small);
   const Said said = cosiva({"campaign", plan, "--out", scratch / "out", "--json"});
-  EXPECT_EQ(said.status, 0) << said.words;
+  EXPECT_EQ(said.status, 0) << said.standard_error;
   for (const char* file : {"report.html", "result.json", "runs.csv", "cells.csv", "campaign.sqlite", "campaign.state"})
     EXPECT_TRUE(std::filesystem::exists(scratch / (std::string("out/") + file))) << file;
   const auto json = JsonValue::parse(said.data);
   ASSERT_TRUE(json);
   EXPECT_EQ(json->find("cells")->array()->size(), 6U);
   EXPECT_EQ(json->text("digest")->size(), 16U);
-  EXPECT_THAT(said.words, HasSubstr("ms a run"));
+  EXPECT_THAT(said.standard_error, HasSubstr("ms a run"));
   const Said again = cosiva({"campaign", plan, "--out", scratch / "out", "--json"});
   EXPECT_EQ(again.data, said.data);
-  EXPECT_THAT(again.words, AllOf(HasSubstr("3 of 3 units"), Not(HasSubstr("ms a run"))));
+  EXPECT_THAT(again.standard_error, AllOf(HasSubstr("3 of 3 units"), Not(HasSubstr("ms a run"))));
   EXPECT_EQ(cosiva({"campaign", plan, "--json", "--threads", "3"}).data, said.data) << "without a folder, too";
   EXPECT_THAT(cosiva({"campaign", plan, "--out", scratch / "out", "--dry-run"}).data, HasSubstr("3 finished"));
 }
@@ -60,20 +60,20 @@ TEST(Campaign, refuses_the_state_of_another_plan_until_told_to_forget_it) {
   scratch.write("plan.toml", "seed = 5\n" + small);
   const Said said = cosiva({"campaign", plan, "--out", scratch / "out"});
   EXPECT_EQ(said.status, 2);
-  EXPECT_THAT(said.words, AllOf(HasSubstr("campaign.state:1"), HasSubstr("another plan"), HasSubstr("--anew")));
+  EXPECT_THAT(said.standard_error, AllOf(HasSubstr("campaign.state:1"), HasSubstr("another plan"), HasSubstr("--anew")));
   EXPECT_EQ(cosiva({"campaign", plan, "--out", scratch / "out", "--anew"}).status, 0);
   // A tolerance changes no run: what is finished stays.
   scratch.write("plan.toml", "tolerance_m = 0.02\nseed = 5\n" + small);
-  EXPECT_THAT(cosiva({"campaign", plan, "--out", scratch / "out"}).words, HasSubstr("units are finished"));
+  EXPECT_THAT(cosiva({"campaign", plan, "--out", scratch / "out"}).standard_error, HasSubstr("units are finished"));
 }
 
 TEST(Campaign, names_what_is_in_its_way) {
   const Scratch scratch;
   const std::string plan = scratch.write("plan.toml", small);
-  const auto refused = [](const std::vector<std::string>& words, const std::string& what) {
-    const Said said = cosiva(words);
-    EXPECT_EQ(said.status, 2) << said.words;
-    EXPECT_THAT(said.words, HasSubstr(what));
+  const auto refused = [](const std::vector<std::string>& standard_error, const std::string& what) {
+    const Said said = cosiva(standard_error);
+    EXPECT_EQ(said.status, 2) << said.standard_error;
+    EXPECT_THAT(said.standard_error, HasSubstr(what));
     EXPECT_EQ(said.data, "");
   };
   refused({"campaign"}, "plan is required");

@@ -107,7 +107,7 @@ class LiveTest {
     LiveRuns::Answers answers = runs_.tick(clock_.now());
     for (const wire::Publish& message : answers.messages) bus_->publish(message);
     for (std::string& command : answers.commands) commands_.push_back(std::move(command));
-    for (const std::string& words : answers.words) say("cosiva: " + words);
+    for (const std::string& operator_messages : answers.operator_messages) say("cosiva: " + operator_messages);
     tell_server();
     if (runs_.done()) return loop_.stop();
     if (!ticker_.ticks()) return;

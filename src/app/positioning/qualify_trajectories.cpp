@@ -29,21 +29,21 @@ Result<Trajectory> load(const std::string& file) {
 }
 
 /// The words of a file's name in small letters: what stands between anything but letters.
-std::vector<std::string> words_of(const std::string& file) {
-  std::vector<std::string> words(1);
+std::vector<std::string> text_of(const std::string& file) {
+  std::vector<std::string> tokens(1);
   for (const char c : std::filesystem::path(file).filename().string()) {
     const char small = c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
     if (small >= 'a' && small <= 'z')
-      words.back() += small;
-    else if (!words.back().empty())
-      words.emplace_back();
+      tokens.back() += small;
+    else if (!tokens.back().empty())
+      tokens.emplace_back();
   }
-  return words;
+  return tokens;
 }
 
 /// Whether a file's name says that a truth is in it.
 bool called_truth(const std::string& file) {
-  return std::ranges::any_of(words_of(file), [](const std::string& word) {
+  return std::ranges::any_of(text_of(file), [](const std::string& word) {
     return word == "gt" || word == "ref" || word.find("truth") != std::string::npos ||
            word.find("reference") != std::string::npos;
   });
@@ -51,7 +51,7 @@ bool called_truth(const std::string& file) {
 
 /// Whether it says that somebody has estimated what is in it.
 bool called_estimate(const std::string& file) {
-  return std::ranges::any_of(words_of(file),
+  return std::ranges::any_of(text_of(file),
                              [](const std::string& word) { return word == "est" || word.starts_with("estimat"); });
 }
 
@@ -191,7 +191,7 @@ std::string to_text(const std::vector<Judged>& all, experiments::Alignment align
   std::string text;
   if (alignment != experiments::Alignment::none)
     text =
-        "Aligned (" + std::string(to_string(alignment)) + "): estimates were " + std::string(words_of(alignment)) + ".";
+        "Aligned (" + std::string(to_string(alignment)) + "): estimates were " + std::string(text_of(alignment)) + ".";
   for (const Judged& one : all) {
     text += text.empty() ? "" : "\n";
     if (one.failed) {
@@ -212,7 +212,7 @@ std::string to_text(const std::vector<Judged>& all, experiments::Alignment align
               decimals(one.alignment->shift_m[2], 4) + ") m";
   }
   if (reference.parts.empty()) return text;
-  text += "\nThe reference's own error: " + words_of(reference) + " [mm]";
+  text += "\nThe reference's own error: " + text_of(reference) + " [mm]";
   each_pair(all, [&](const Judged& a, const Judged& b) {
     if (unresolved(a, b, reference))
       text += "\n" + b.name + " − " + a.name + ": " + decimals(1e3 * (b.ape.rmse - a.ape.rmse), 2) + " mm, unresolved";

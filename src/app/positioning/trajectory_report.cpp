@@ -151,7 +151,7 @@ std::string page_of(const std::vector<JudgedTrajectory>& all, const experiments:
   const auto alignment = alignment_of(arguments);
   if (alignment != experiments::Alignment::none)
     report.paragraph("Aligned (" + arguments.align + "), as was asked for: estimates were " +
-                     std::string(words_of(alignment)) + ". The figures tell the shape of ways, not where they lie.");
+                     std::string(text_of(alignment)) + ". The figures tell the shape of ways, not where they lie.");
   add_figures(report, all, reference);
   add_comparisons(report, all, budget);
   report.heading("Conditions");
@@ -160,7 +160,7 @@ std::string page_of(const std::vector<JudgedTrajectory>& all, const experiments:
                {{"paired by", nearest ? "the nearest stamp, within 10 ms" : "interpolating the reference"},
                 {"longest gap of the reference", nearest ? "–" : readable(arguments.gap_s, 3) + " s"},
                 {"alignment", arguments.align},
-                {"the reference's own error", budget.parts.empty() ? "not told" : words_of(budget) + " [mm]"}});
+                {"the reference's own error", budget.parts.empty() ? "not told" : text_of(budget) + " [mm]"}});
   report.verbatim(arguments.command);
   return report.html();
 }

@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 TEST(TrafficCommand, carries_jobs_on_a_ready_zone_and_says_what_came_of_it) {
   const auto said =
       cosiva({"traffic", "--zone", "indus8", "--aivs", "4", "--duration", "600", "--jobs-per-hour", "60"});
-  EXPECT_EQ(said.status, 0) << said.words;
+  EXPECT_EQ(said.status, 0) << said.standard_error;
   EXPECT_THAT(said.data, HasSubstr("indus8: 4 AIVs, 10 min"));
   EXPECT_THAT(said.data, HasSubstr("0 collisions"));
 }
@@ -37,7 +37,7 @@ TEST(TrafficCommand, gives_the_same_figures_for_the_same_seed) {
 
 TEST(TrafficCommand, carries_jobs_in_a_layout_whose_stations_lie_in_dead_ends) {
   const auto said = cosiva({"traffic", "--zone", "workshop", "--aivs", "6", "--jobs-per-hour", "60", "--json"});
-  EXPECT_EQ(said.status, 0) << said.words;
+  EXPECT_EQ(said.status, 0) << said.standard_error;
   const auto json = JsonValue::parse(said.data, 1U << 20U);
   ASSERT_TRUE(json);
   EXPECT_GT(json->find("jobs")->number("done").value_or(0.0), 40.0);
@@ -57,7 +57,7 @@ TEST(TrafficCommand, counts_near_misses_where_a_zone_leaves_no_clearance) {
   ASSERT_TRUE(adapters::write_file(file, text));
   const auto said = cosiva({"traffic", "--zone", file, "--aivs", "12", "--jobs-per-hour", "120", "--json"});
   const auto json = JsonValue::parse(said.data, 1U << 20U);
-  ASSERT_TRUE(json) << said.words;
+  ASSERT_TRUE(json) << said.standard_error;
   EXPECT_GT(json->number("near_misses").value_or(0.0), 10.0);
   EXPECT_LT(json->number("smallest_gap_m").value_or(1.0), 0.06);
 }
@@ -66,14 +66,14 @@ TEST(TrafficCommand, names_the_section_where_no_fleet_finds_a_place_to_stand) {
   const std::string lane = source_dir() + "/src/virtual/fleet/testdata/two_way_lane.toml";
   const auto said = cosiva({"traffic", "--zone", lane, "--aivs", "1"});
   EXPECT_EQ(said.status, 2);
-  EXPECT_THAT(said.words, HasSubstr("zone 'lane', section 'there': too many crossings upon one another"));
+  EXPECT_THAT(said.standard_error, HasSubstr("zone 'lane', section 'there': too many crossings upon one another"));
 }
 
 TEST(TrafficCommand, writes_a_report_that_can_be_looked_at) {
   const adapters::testing::Scratch directory;
   const std::string out = directory / "out/deeper";
   const auto said = cosiva({"traffic", "--duration", "120", "--aivs", "8", "--out", out});
-  EXPECT_EQ(said.status, 0) << said.words;
+  EXPECT_EQ(said.status, 0) << said.standard_error;
   for (const char* file : {"/report.html", "/result.json", "/jobs.csv"})
     EXPECT_GT(std::filesystem::file_size(out + file), 50U) << file;
 }
@@ -83,10 +83,10 @@ TEST(TrafficCommand, says_what_is_wrong_and_where) {
   const std::string jobs = directory.write("jobs.csv", "time_s,from,to\n5,shelf_a,moon\n");
   const auto bad_file = cosiva({"traffic", "--zone", "indus8", "--jobs", jobs});
   EXPECT_EQ(bad_file.status, 2);
-  EXPECT_THAT(bad_file.words, HasSubstr(jobs + ":2: zone 'indus8' has no station 'moon'"));
+  EXPECT_THAT(bad_file.standard_error, HasSubstr(jobs + ":2: zone 'indus8' has no station 'moon'"));
   const auto no_rate = cosiva({"traffic", "--jobs-per-hour", "-1"});
   EXPECT_EQ(no_rate.status, 2);
-  EXPECT_THAT(no_rate.words, HasSubstr("jobs per hour are more than 0"));
+  EXPECT_THAT(no_rate.standard_error, HasSubstr("jobs per hour are more than 0"));
   EXPECT_EQ(cosiva({"traffic", "--aivs", "0"}).status, 2);
   EXPECT_EQ(cosiva({"traffic", "--aivs", "100000"}).status, 2) << "no room";
   EXPECT_EQ(cosiva({"traffic", "--rules", "/nowhere.fll"}).status, 2);

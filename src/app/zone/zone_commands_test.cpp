@@ -55,10 +55,10 @@ TEST(ZoneCommands, teach_with_examples) {
     const Said said = cosiva({"zone", command, "--help"});
     EXPECT_EQ(said.status, 0) << command;
     EXPECT_THAT(said.data, HasSubstr("Examples:\n  cosiva zone " + std::string(command) + " ")) << command;
-    EXPECT_EQ(said.words, "") << command;
+    EXPECT_EQ(said.standard_error, "") << command;
   }
   EXPECT_THAT(cosiva({"zone", "--help"}).data, HasSubstr(".zone.toml"));
-  EXPECT_THAT(cosiva({"zone"}).words, HasSubstr("generate or switch"));
+  EXPECT_THAT(cosiva({"zone"}).standard_error, HasSubstr("generate or switch"));
 }
 
 TEST(ZoneCommands, that_lack_something_or_have_too_much_end_with_2) {
@@ -77,7 +77,7 @@ TEST(ZoneCommands, that_lack_something_or_have_too_much_end_with_2) {
   for (const auto& arguments : all) {
     const Said said = cosiva(arguments);
     EXPECT_EQ(said.status, 2) << arguments[1] << " " << arguments.back();
-    EXPECT_NE(said.words, "") << arguments[1];
+    EXPECT_NE(said.standard_error, "") << arguments[1];
     EXPECT_EQ(said.data, "") << arguments[1];
   }
 }
@@ -88,8 +88,8 @@ TEST(ZoneCommands, of_a_file_of_no_known_format_name_the_known_endings) {
   for (const char* command : {"check", "show", "switch"}) {
     const Said said = cosiva({"zone", command, file});
     EXPECT_EQ(said.status, 2) << command;
-    EXPECT_THAT(said.words, HasSubstr(".toml")) << command;
-    EXPECT_THAT(said.words, HasSubstr("zone.txt")) << command;
+    EXPECT_THAT(said.standard_error, HasSubstr(".toml")) << command;
+    EXPECT_THAT(said.standard_error, HasSubstr("zone.txt")) << command;
   }
 }
 
@@ -104,7 +104,7 @@ TEST(ZoneCheck, says_where_the_longest_way_without_a_tag_is) {
                                                           "[[tag]]\nnumber = 2\nsection = \"north\"\ns_m = 0.5\n"
                                                           "[[tag]]\nnumber = 3\nsection = \"south\"\ns_m = 1.5\n");
   const Said said = cosiva({"zone", "check", file});
-  EXPECT_EQ(said.status, 0) << said.words;
+  EXPECT_EQ(said.status, 0) << said.standard_error;
   EXPECT_THAT(said.data, HasSubstr("3 tags, the longest way without one is 3.571 m, from north at 0.500 m"));
   const auto json = JsonValue::parse(cosiva({"zone", "check", file, "--json"}).data);
   ASSERT_TRUE(json);
@@ -127,9 +127,9 @@ TEST(ZoneCheck, lists_every_fault_of_a_file_that_cannot_be_used) {
   const auto json = JsonValue::parse(said.data);
   ASSERT_TRUE(json) << said.data;
   EXPECT_EQ(json->flag("good"), false);
-  EXPECT_GE(json->find("faults")->array()->size(), 2U) << said.words;
-  EXPECT_THAT(said.words, HasSubstr("'east'"));
-  EXPECT_THAT(said.words, HasSubstr("'north'"));
+  EXPECT_GE(json->find("faults")->array()->size(), 2U) << said.standard_error;
+  EXPECT_THAT(said.standard_error, HasSubstr("'east'"));
+  EXPECT_THAT(said.standard_error, HasSubstr("'north'"));
 }
 
 TEST(ZoneCheck, warns_of_what_can_be_used_all_the_same_and_ends_with_0) {
@@ -137,7 +137,7 @@ TEST(ZoneCheck, warns_of_what_can_be_used_all_the_same_and_ends_with_0) {
   std::string text = ring;
   text.replace(text.find("closed = true"), 13, "closed = false");
   const Said said = cosiva({"zone", "check", scratch.write("open.toml", text)});
-  EXPECT_EQ(said.status, 0) << said.words;
+  EXPECT_EQ(said.status, 0) << said.standard_error;
   EXPECT_THAT(said.data, HasSubstr("warning"));
   EXPECT_THAT(said.data, HasSubstr("'west'"));
 }
@@ -149,7 +149,7 @@ TEST(ZoneShow, draws_a_png_as_wide_as_asked) {
   Scratch scratch;
   const Said said = cosiva({"zone", "show", zones + "lacet4.toml", "--png", scratch / "z.png", "--svg",
                             scratch / "z.svg", "--width", "300"});
-  EXPECT_EQ(said.status, 0) << said.words;
+  EXPECT_EQ(said.status, 0) << said.standard_error;
   const std::string png = adapters::read_file(scratch / "z.png").value();
   ASSERT_THAT(png, StartsWith("\x89PNG"));
   // The header's width, four bytes with the highest first (RFC 2083, 4.1.1).
@@ -163,7 +163,7 @@ TEST(ZoneShow, into_what_cannot_be_written_says_so) {
   for (const std::string& target : {scratch.path(), std::string("/nonexistent/z.png")}) {
     const Said said = cosiva({"zone", "show", zones + "lacet4.toml", "--png", target});
     EXPECT_EQ(said.status, 2) << target;
-    EXPECT_THAT(said.words, HasSubstr(target));
+    EXPECT_THAT(said.standard_error, HasSubstr(target));
   }
 }
 
@@ -179,7 +179,7 @@ TEST(ZoneConvert, writes_the_same_ways_in_another_format_with_a_companion_beside
   Scratch scratch;
   const std::string file = scratch / "copy.lif.json";
   const Said said = cosiva({"zone", "convert", zones + "indus8.toml", file, "--json"});
-  ASSERT_EQ(said.status, 0) << said.words;
+  ASSERT_EQ(said.status, 0) << said.standard_error;
   const auto told = JsonValue::parse(said.data);
   ASSERT_TRUE(told);
   EXPECT_EQ(told->text("sidecar"), scratch / "copy.zone.toml");
@@ -205,7 +205,7 @@ TEST(ZoneConvert, refuses_what_only_reads_itself_and_unknown_endings) {
 TEST(ZoneGenerate, makes_a_plant_of_the_size_asked_for_the_same_each_time) {
   Scratch scratch;
   const Said said = cosiva({"zone", "generate", "--sections", "200", "-o", scratch / "a.toml", "--json"});
-  ASSERT_EQ(said.status, 0) << said.words;
+  ASSERT_EQ(said.status, 0) << said.standard_error;
   EXPECT_GE(JsonValue::parse(said.data)->number("sections").value_or(0.0), 200.0);
   EXPECT_LT(JsonValue::parse(said.data)->number("sections").value_or(0.0), 400.0);
   EXPECT_EQ(cosiva({"zone", "generate", "--sections", "200", "-o", scratch / "b.toml"}).status, 0);
@@ -219,7 +219,7 @@ TEST(ZoneGenerate, refuses_numbers_that_make_no_plant_and_names_them) {
   Scratch scratch;
   const Said said = cosiva({"zone", "generate", "--rows", "0", "-o", scratch / "a.toml"});
   EXPECT_EQ(said.status, 2);
-  EXPECT_THAT(said.words, HasSubstr("rows"));
+  EXPECT_THAT(said.standard_error, HasSubstr("rows"));
   EXPECT_EQ(cosiva({"zone", "generate", "-o", scratch / "a.txt"}).status, 2);
   EXPECT_TRUE(std::filesystem::is_empty(scratch.path()));
 }
@@ -230,14 +230,14 @@ TEST(ZoneGenerate, refuses_numbers_that_make_no_plant_and_names_them) {
 TEST(ZoneSwitch, of_a_platform_that_does_not_run_says_how_to_start_one) {
   const Said said = cosiva({"zone", "switch", zones + "indus8.toml", "--url", "http://127.0.0.1:1"});
   EXPECT_EQ(said.status, 2);
-  EXPECT_THAT(said.words, HasSubstr("cosiva up"));
+  EXPECT_THAT(said.standard_error, HasSubstr("cosiva up"));
 }
 
 TEST(ZoneSwitch, over_a_broker_that_is_not_there_or_of_a_bad_file_ends_with_2) {
   Scratch scratch;
   const Said bad = cosiva({"zone", "switch", scratch.write("bad.toml", "name = 3\n"), "--broker", "127.0.0.1:1"});
   EXPECT_EQ(bad.status, 2);
-  EXPECT_THAT(bad.words, HasSubstr("bad.toml:1"));
+  EXPECT_THAT(bad.standard_error, HasSubstr("bad.toml:1"));
 }
 
 TEST(SwitchedZone, is_read_from_the_table_with_who_was_parked) {

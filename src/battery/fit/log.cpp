@@ -17,10 +17,10 @@ namespace {
 constexpr std::size_t samples_min = 10;
 constexpr std::size_t series_max = 1000;
 /// The words of a column's name: "cell_id" has "cell" and "id".
-bool has_word(std::string_view name, std::initializer_list<std::string_view> words) {
+bool has_word(std::string_view name, std::initializer_list<std::string_view> terms) {
   while (!name.empty()) {
     const std::size_t end = std::min(name.find_first_of("_ -"), name.size());
-    if (std::ranges::find(words, name.substr(0, end)) != words.end()) return true;
+    if (std::ranges::find(terms, name.substr(0, end)) != terms.end()) return true;
     name.remove_prefix(std::min(end + 1, name.size()));
   }
   return false;

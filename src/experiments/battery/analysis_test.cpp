@@ -212,10 +212,10 @@ TEST(Autonomy, s_report_is_one_page_that_needs_nothing_else_and_escapes_what_it_
       report_html(analyse(records, 9), records, {}, {"HG2", "facts", "cite", "cosiva battery", "3 A", 0.2});
   EXPECT_THAT(html, HasSubstr("1 h 00 min 05 s"));
   EXPECT_THAT(html, HasSubstr("Kaplan and Meier"));
-  for (const char* words :
+  for (const char* phrase :
        {"Voltage, as measured on board, over time.", "Voltage, as measured on board, over the way driven.",
         "Charge, as the gauges believed, over the charge taken out.", "Temperature, over time."})
-    EXPECT_THAT(html, HasSubstr(words));
+    EXPECT_THAT(html, HasSubstr(phrase));
   EXPECT_THAT(html, Not(HasSubstr("<script>")));
   EXPECT_THAT(html, Not(HasSubstr("src=\"http")));
   const std::string csv = to_csv(records);

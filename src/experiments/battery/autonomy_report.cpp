@@ -51,12 +51,12 @@ void add_curves(Report& report, std::span<const BatteryRun> records) {
   using Up = double (*)(const BatterySample&);
   struct X {
     const char* label;
-    const char* words;
+    const char* text;
     Across of;
   };
   struct Y {
     const char* label;
-    const char* words;
+    const char* text;
     Up of;
   };
   constexpr std::array<X, 3> across{
@@ -78,7 +78,7 @@ void add_curves(Report& report, std::span<const BatteryRun> records) {
   report.paragraph("The first run of each battery; at most six are drawn.");
   for (const Y& y : up)
     for (const X& x : across)
-      report.figure(curves(records, x.label, y.label, x.of, y.of), std::string(y.words) + ", over " + x.words + ".");
+      report.figure(curves(records, x.label, y.label, x.of, y.of), std::string(y.text) + ", over " + x.text + ".");
 }
 
 std::string survival_svg(const statistics::Survival& survival) {

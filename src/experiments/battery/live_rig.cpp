@@ -109,7 +109,7 @@ void LiveRig::on_report(SimTime now, std::size_t vehicle, std::string_view paylo
 void LiveRig::on_ready(SimTime now, std::size_t vehicle, std::string_view payload, Answers& answers) {
   const auto ready = wire::battery_ready_from_json(payload);
   if (!ready) {
-    answers.words.push_back(to_string(options_.vehicles[vehicle]) +
+    answers.operator_messages.push_back(to_string(options_.vehicles[vehicle]) +
                             " said batteryReady, but: " + to_string(ready.error()));
     return;
   }
@@ -189,7 +189,7 @@ void LiveRig::obey(const ProcedureCommands& commands, Answers& answers) {
         if (!given_up_) ask_for(command.vehicle, command.battery, command.text, answers);
         break;
       case Kind::tell_operator:
-        if (!given_up_) answers.words.push_back(command.text);
+        if (!given_up_) answers.operator_messages.push_back(command.text);
         break;
       case Kind::run:
       case Kind::resume: drive(command.vehicle, "restart", answers); break;
@@ -230,7 +230,7 @@ void LiveRig::put_in(std::size_t vehicle, std::optional<std::size_t> battery, An
 void LiveRig::end(std::size_t vehicle, Answers& answers) {
   const std::string name = to_string(options_.vehicles[vehicle]);
   const BatteryRun& record = procedure_.records().back();
-  answers.words.push_back(name + " has ended: " + std::string(to_string(record.stop)) + " after " +
+  answers.operator_messages.push_back(name + " has ended: " + std::string(to_string(record.stop)) + " after " +
                           std::to_string(std::lround(record.autonomy_s)) + " s");
   if (options_.emulated) {
     put_in(vehicle, std::nullopt, answers);

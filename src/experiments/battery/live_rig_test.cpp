@@ -86,7 +86,7 @@ TEST(LiveRig, asks_for_batteries_over_the_wire_with_vehicles_stopped_and_runs_al
   EXPECT_EQ(wire::battery_change_from_json(asked.messages[1].payload)->battery, "blue");
   EXPECT_THAT(asked.commands, ElementsAre(HasSubstr(R"("stop","vehicle":"CoSiVA/AIV1")"),
                                           HasSubstr(R"("stop","vehicle":"CoSiVA/AIV2")")));
-  EXPECT_THAT(asked.words, Contains(HasSubstr("put battery 1, full, into AIV1")));
+  EXPECT_THAT(asked.operator_messages, Contains(HasSubstr("put battery 1, full, into AIV1")));
 
   const auto first = say_ready(rig, start_of_test, 1, "red");
   EXPECT_THAT(first.commands, IsEmpty());
@@ -101,7 +101,7 @@ TEST(LiveRig, refuses_a_battery_that_is_not_full_and_asks_again) {
   LiveRig rig{two_by_hand()};
   std::ignore = rig.start(start_of_test);
   const auto refused = say_ready(rig, start_of_test, 1, "red", 80.0);
-  EXPECT_THAT(refused.words, Contains(HasSubstr("AIV1 may not run: it is not full")));
+  EXPECT_THAT(refused.operator_messages, Contains(HasSubstr("AIV1 may not run: it is not full")));
   EXPECT_EQ(wire::battery_change_from_json(refused.messages.back().payload)->battery, "red");
   EXPECT_FALSE(rig.procedure().running(0));
 }
@@ -255,7 +255,7 @@ TEST(LiveRig, leaves_nonsense_alone_and_says_what_a_bad_answer_lacks) {
   std::ignore = rig.on_message(start_of_test, "cosiva/v1/battery/ready/", "{}");
   EXPECT_FALSE(rig.complete());
   const auto bad = rig.on_message(start_of_test, wire::own_topic(wire::battery_ready_topic_prefix, aiv(1)), "{}");
-  EXPECT_THAT(bad.words, ElementsAre(AllOf(HasSubstr("AIV1"), HasSubstr("battery"))));
+  EXPECT_THAT(bad.operator_messages, ElementsAre(AllOf(HasSubstr("AIV1"), HasSubstr("battery"))));
 }
 
 TEST(LiveRig, refuses_a_state_that_is_not_its_own) {

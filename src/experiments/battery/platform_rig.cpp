@@ -39,7 +39,7 @@ struct PlatformRig::Impl {
   std::vector<Slot> slots;
   std::vector<double> cycles;  ///< by battery: what it went through before its present run
   std::vector<TrueEnd> ends;
-  std::vector<std::string> words;
+  std::vector<std::string> operator_messages;
   SimTime began{};
 
   Impl(std::unique_ptr<World> w, VirtualRigOptions o)
@@ -94,7 +94,7 @@ struct PlatformRig::Impl {
           slots[command.vehicle].change = command;
           slots[command.vehicle].changed = {};
           break;
-        case Kind::tell_operator: words.push_back(command.text); break;
+        case Kind::tell_operator: operator_messages.push_back(command.text); break;
         case Kind::run:
           slots[command.vehicle].truth = {
               procedure.run(), command.vehicle, to_seconds(world->now() - began), 1.0, 0.0, {}, {}};
@@ -202,7 +202,7 @@ bool PlatformRig::done() const { return impl_->procedure.done(); }
 SimTime PlatformRig::now() const { return impl_->world->now(); }
 const Procedure& PlatformRig::procedure() const { return impl_->procedure; }
 const std::vector<TrueEnd>& PlatformRig::truth() const { return impl_->ends; }
-std::vector<std::string> PlatformRig::take_words() { return std::exchange(impl_->words, {}); }
+std::vector<std::string> PlatformRig::take_messages() { return std::exchange(impl_->operator_messages, {}); }
 World& PlatformRig::world() { return *impl_->world; }
 
 }  // namespace cosiva::experiments

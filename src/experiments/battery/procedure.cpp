@@ -52,8 +52,8 @@ std::string vehicle_name(const BatteryRun& run) {
 }
 
 std::string_view to_string(StopCause cause) {
-  constexpr std::array<std::string_view, 5> words{"floor", "cut-off", "fault", "operator", "lost"};
-  return words[static_cast<std::size_t>(cause)];
+  constexpr std::array<std::string_view, 5> terms{"floor", "cut-off", "fault", "operator", "lost"};
+  return terms[static_cast<std::size_t>(cause)];
 }
 
 std::optional<StopCause> parse_stop(std::string_view word) {

@@ -36,18 +36,18 @@ struct Bench {
     for (const ProcedureCommand& command : heard) n += command.kind == kind ? 1U : 0U;
     return n;
   }
-  [[nodiscard]] std::string last_words() const {
-    std::string words;
+  [[nodiscard]] std::string last_message() const {
+    std::string phrase;
     for (const ProcedureCommand& command : heard)
-      if (command.kind == Kind::tell_operator) words = command.text;
-    return words;
+      if (command.kind == Kind::tell_operator) phrase = command.text;
+    return phrase;
   }
 };
 
 TEST(Sampled, is_the_article_s_exchange_from_change_to_floor) {
   Bench bench{{.vehicles = 1, .floor = 0.2}};
   EXPECT_EQ(bench.count(Kind::change_battery), 1U);
-  EXPECT_EQ(bench.last_words(), "run 1: put battery 1, full, into AIV1");
+  EXPECT_EQ(bench.last_message(), "run 1: put battery 1, full, into AIV1");
   bench.ready(0, "B7");
   EXPECT_EQ(bench.count(Kind::run), 1U);
   // One percent a second: 20 % is crossed after 80 s exactly, between two samples.
@@ -104,9 +104,9 @@ TEST(Sampled, takes_no_sag_for_the_end) {
 TEST(Sampled, refuses_a_battery_that_is_not_full_or_too_cold_or_hot) {
   Bench bench{{.vehicles = 1, .temperature_min_c = 15.0, .temperature_max_c = 30.0}};
   bench.ready(0, "B7", 0.8);
-  EXPECT_THAT(bench.last_words(), HasSubstr("AIV1 may not run: it is not full: 80 %"));
+  EXPECT_THAT(bench.last_message(), HasSubstr("AIV1 may not run: it is not full: 80 %"));
   bench.ready(0, "B7", 1.0, 8.0);
-  EXPECT_THAT(bench.last_words(), HasSubstr("out of the band: 8 °C"));
+  EXPECT_THAT(bench.last_message(), HasSubstr("out of the band: 8 °C"));
   bench.ready(0, "B7", 1.0, 45.0);
   EXPECT_EQ(bench.count(Kind::run), 0U);
   EXPECT_EQ(bench.count(Kind::change_battery), 4U);  // asked again each time
@@ -217,9 +217,9 @@ TEST(Fleet, swaps_batteries_by_a_latin_square_and_refuses_one_in_another_s_place
   EXPECT_EQ(bench.procedure.run(), 1U);
   EXPECT_EQ(bench.procedure.battery_of(1, 0), 1U);
   bench.ready(0, "A");
-  EXPECT_THAT(bench.last_words(), HasSubstr("'A' is battery 1, asked for was 2"));
+  EXPECT_THAT(bench.last_message(), HasSubstr("'A' is battery 1, asked for was 2"));
   bench.ready(0, "X");
-  EXPECT_THAT(bench.last_words(), HasSubstr("battery 2 was 'B', this is 'X'"));
+  EXPECT_THAT(bench.last_message(), HasSubstr("battery 2 was 'B', this is 'X'"));
   bench.ready(0, "B");
   bench.ready(1, "A");
   EXPECT_EQ(bench.count(Kind::run), 4U);
@@ -304,7 +304,7 @@ TEST(Fleet, makes_no_further_run_when_its_records_say_enough_but_ends_none_amid)
   run_once();
   ASSERT_TRUE(bench.procedure.done());
   EXPECT_EQ(bench.procedure.records().size(), 4U);
-  EXPECT_EQ(bench.last_words(), "the test ends after run 2 of 5: the mean is known as well as was wanted");
+  EXPECT_EQ(bench.last_message(), "the test ends after run 2 of 5: the mean is known as well as was wanted");
   EXPECT_EQ(bench.procedure.present_run(), 1U);
   EXPECT_EQ(bench.procedure.slot(bench.now, 0).stop, StopCause::floor);
   // What was saved then is a test that is over.

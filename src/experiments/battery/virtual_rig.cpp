@@ -47,7 +47,7 @@ struct VirtualRig::Impl {
   SimTime now{virtual_epoch};
   std::uint64_t minutes{0};
   std::vector<TrueEnd> ends;
-  std::vector<std::string> words;
+  std::vector<std::string> operator_messages;
   ProcedureCommands changes;  ///< asked for, to be done before the next run
 
   Impl(VirtualRigOptions o, std::vector<LoadProfile> l)
@@ -88,7 +88,7 @@ struct VirtualRig::Impl {
       using Kind = ProcedureCommand::Kind;
       switch (command.kind) {
         case Kind::change_battery: changes.push_back(command); break;
-        case Kind::tell_operator: words.push_back(command.text); break;
+        case Kind::tell_operator: operator_messages.push_back(command.text); break;
         case Kind::run: begin(command.vehicle); break;
         case Kind::pause: carts[command.vehicle].paused = true; break;
         case Kind::resume: carts[command.vehicle].paused = false; break;
@@ -186,7 +186,7 @@ bool VirtualRig::done() const { return impl_->procedure.done(); }
 SimTime VirtualRig::now() const { return impl_->now; }
 const Procedure& VirtualRig::procedure() const { return impl_->procedure; }
 const std::vector<TrueEnd>& VirtualRig::truth() const { return impl_->ends; }
-std::vector<std::string> VirtualRig::take_words() { return std::exchange(impl_->words, {}); }
+std::vector<std::string> VirtualRig::take_messages() { return std::exchange(impl_->operator_messages, {}); }
 
 namespace {
 

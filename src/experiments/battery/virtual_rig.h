@@ -59,7 +59,7 @@ class VirtualRig {
   [[nodiscard]] const Procedure& procedure() const;
   [[nodiscard]] const std::vector<TrueEnd>& truth() const;
   /// What the operator is told; taken away by this call.
-  [[nodiscard]] std::vector<std::string> take_words();
+  [[nodiscard]] std::vector<std::string> take_messages();
 
   /// Between steps; goes on to the same bits.
   [[nodiscard]] std::string state_json() const;

@@ -408,7 +408,7 @@ TEST(Plant, refuses_more_vehicles_than_its_zone_holds) {
   EXPECT_FALSE(PlantCore::make({straight(1.0, "0.5"), 0, 1, {}, true, true}));
 }
 
-TEST(Plant, refuses_a_bad_zone_with_the_factory_s_own_words) {
+TEST(Plant, refuses_a_bad_zone_with_the_factory_s_own_error) {
   const auto made = PlantCore::make({{"toml", "bad.toml", "name = 7"}, 1, 1, {}, true, true});
   ASSERT_FALSE(made);
   EXPECT_THAT(to_string(made.error()), HasSubstr("bad.toml"));

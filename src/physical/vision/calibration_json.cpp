@@ -49,7 +49,7 @@ class Reader {
   double number(const JsonValue& from, std::string_view key, double low, double high) {
     const auto found = from.number(key);
     if (!found || !(*found >= low && *found <= high)) {
-      note(key, "expected a number from " + words(low) + " to " + words(high));
+      note(key, "expected a number from " + phrase(low) + " to " + phrase(high));
       return low;
     }
     return *found;
@@ -87,7 +87,7 @@ class Reader {
   static constexpr double biggest = 1e12;
 
  private:
-  static std::string words(double number) {
+  static std::string phrase(double number) {
     JsonWriter json;
     return json.value(number).take();
   }

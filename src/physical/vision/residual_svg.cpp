@@ -27,7 +27,7 @@ std::string residual_svg(const std::vector<FloorPoint>& points, const Calibrated
   const Tried& tried = calibrated.tried[calibrated.chosen];
   constexpr double room_px = 900.0;
   constexpr double margin_px = 24.0;
-  constexpr double words_px = 64.0;
+  constexpr double text_px = 64.0;
   const double wide_m = static_cast<double>(map.columns) * map.side_m;
   const double high_m = static_cast<double>(map.rows) * map.side_m;
   const double px = room_px / std::max(wide_m, high_m);
@@ -38,7 +38,7 @@ std::string residual_svg(const std::vector<FloorPoint>& points, const Calibrated
   // An arrow of the rms is a fifth of a square long.
   const double enlarged = 0.2 * map.side_m / std::max(1e-9, tried.block.figures.rms_m);
   const double width = px * wide_m + 2.0 * margin_px;
-  const double height = px * high_m + 2.0 * margin_px + words_px;
+  const double height = px * high_m + 2.0 * margin_px + text_px;
   std::string svg =
       "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"chart\" role=\"img\" aria-label=\"residual map\" viewBox=\"0 "
       "0 " +

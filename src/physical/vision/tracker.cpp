@@ -172,11 +172,11 @@ std::optional<Fix> Tracker::fix_of(const SeenTag& tag, double stamp_s) const {
 
 Result<std::vector<Fix>> Tracker::see(const Image& image, double stamp_s) {
   if (image.size != calibration_.map.picture) {
-    const auto words = [](PictureSize size) {
+    const auto phrase = [](PictureSize size) {
       return std::to_string(size.width) + " x " + std::to_string(size.height);
     };
-    return fail("gvs.picture", "is " + words(image.size) + " pixels large, and the calibration is for " +
-                                   words(calibration_.map.picture));
+    return fail("gvs.picture", "is " + phrase(image.size) + " pixels large, and the calibration is for " +
+                                   phrase(calibration_.map.picture));
   }
   COSIVA_EXPECT(figures_.pictures == 0 || stamp_s > stamp_s_);
   std::map<int, SeenTag> seen;

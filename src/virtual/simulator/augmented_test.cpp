@@ -102,7 +102,7 @@ TEST(Augmented, goes_round_its_handles_without_taking_one_in_use) {
   }
 }
 
-TEST(Augmented, words_read_back) {
+TEST(Augmented, terms_read_back) {
   for (const Repeat repeat : {Repeat::once, Repeat::back_and_forth, Repeat::loop})
     EXPECT_EQ(parse_repeat(to_string(repeat)), repeat);
   for (const ThingKind kind : {ThingKind::person, ThingKind::obstacle})

@@ -12,7 +12,7 @@ using own::read_message;
 
 namespace {
 
-constexpr std::array<std::string_view, 5> phase_words{"changing", "ready", "running", "paused", "ended"};
+constexpr std::array<std::string_view, 5> phase_terms{"changing", "ready", "running", "paused", "ended"};
 /// So long is one of vehicles_max vehicles, with the longest names.
 constexpr std::size_t test_bytes_max = 256U << 10U;
 constexpr double seconds_max = 1e9;
@@ -23,8 +23,8 @@ void read_slot(Fields& in, BatteryTest::Slot& slot) {
   std::string phase;
   in.text("phase", phase);
   bool known = false;
-  for (std::size_t i = 0; i < phase_words.size(); ++i) {
-    if (phase_words[i] != phase) continue;
+  for (std::size_t i = 0; i < phase_terms.size(); ++i) {
+    if (phase_terms[i] != phase) continue;
     slot.phase = static_cast<BatteryPhase>(i);
     known = true;
   }
@@ -36,7 +36,7 @@ void read_slot(Fields& in, BatteryTest::Slot& slot) {
 
 }  // namespace
 
-std::string_view to_string(BatteryPhase phase) { return phase_words[static_cast<std::size_t>(phase)]; }
+std::string_view to_string(BatteryPhase phase) { return phase_terms[static_cast<std::size_t>(phase)]; }
 
 std::string to_json(const BatteryTest& test) {
   JsonWriter json;

@@ -17,19 +17,19 @@ using namespace own;
 constexpr std::size_t sights_bytes_max = 96U << 10U;
 constexpr double period_s_max = 3600.0;
 
-constexpr std::array<std::pair<ConnectionState, std::string_view>, 3> words{
+constexpr std::array<std::pair<ConnectionState, std::string_view>, 3> terms{
     {{ConnectionState::online, "ONLINE"},
      {ConnectionState::offline, "OFFLINE"},
      {ConnectionState::connection_broken, "CONNECTIONBROKEN"}}};
 
 std::string_view word_of(ConnectionState state) {
-  for (const auto& [known, word] : words)
+  for (const auto& [known, word] : terms)
     if (known == state) return word;
   return "?";
 }
 
 std::optional<ConnectionState> state_of(std::string_view said) {
-  for (const auto& [known, word] : words)
+  for (const auto& [known, word] : terms)
     if (word == said) return known;
   return std::nullopt;
 }

@@ -4,7 +4,7 @@
 
 #include "cosiva/wire/vda5050/codec.h"
 #include "cosiva/wire/vda5050/json_in.h"
-#include "cosiva/wire/vda5050/words.h"
+#include "cosiva/wire/vda5050/terms.h"
 
 namespace cosiva::wire::vda5050 {
 namespace {

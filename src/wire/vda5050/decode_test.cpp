@@ -197,7 +197,7 @@ TEST(Reading, brings_angles_back_into_one_turn) {
   EXPECT_NEAR(read->position->pose.heading_rad, 3.2 - 2 * pi, 1e-12);
 }
 
-TEST(Reading, refuses_words_that_are_not_the_standards) {
+TEST(Reading, refuses_terms_that_are_not_the_standards) {
   EXPECT_EQ(code(decode_connection("{" + header + R"(,"connectionState":"ASLEEP"})")), "vda.value");
   EXPECT_EQ(code(decode_connection("{" + header + R"(,"connectionState":"online"})")), "vda.value");
   EXPECT_EQ(code(decode_connection("{" + header + R"(,"connectionState":1})")), "vda.type");
@@ -215,13 +215,13 @@ TEST(Reading, is_bounded) {
 }
 
 TEST(Reading, cuts_long_explanations_instead_of_losing_the_state_they_explain) {
-  std::string words;
-  while (words.size() < text_bytes_max + 10) words += "\xC3\xBC\xE2\x82\xAC";
-  const auto read = decode_factsheet(R"({"typeSpecification":{"seriesDescription":")" + words + "\"}}");
+  std::string phrase;
+  while (phrase.size() < text_bytes_max + 10) phrase += "\xC3\xBC\xE2\x82\xAC";
+  const auto read = decode_factsheet(R"({"typeSpecification":{"seriesDescription":")" + phrase + "\"}}");
   ASSERT_TRUE(read) << to_string(read.error());
   EXPECT_LE(read->series_description.size(), text_bytes_max);
   EXPECT_GT(read->series_description.size(), text_bytes_max - 4);
-  EXPECT_EQ(words.substr(0, read->series_description.size()), read->series_description);
+  EXPECT_EQ(phrase.substr(0, read->series_description.size()), read->series_description);
   EXPECT_TRUE(decode_factsheet(encode(*read)));
 }
 

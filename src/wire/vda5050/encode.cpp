@@ -6,7 +6,7 @@
 #include "cosiva/base/time.h"
 #include "cosiva/wire/vda5050/codec.h"
 #include "cosiva/wire/vda5050/json_out.h"
-#include "cosiva/wire/vda5050/words.h"
+#include "cosiva/wire/vda5050/terms.h"
 #include "cosiva/wire/vda5050/write_header.h"
 
 namespace cosiva::wire::vda5050 {

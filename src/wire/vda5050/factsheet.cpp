@@ -17,9 +17,9 @@ constexpr std::array<std::string_view, 7> value_types{"BOOL",   "NUMBER", "INTEG
                                                       "STRING", "OBJECT", "ARRAY"};
 
 template <std::size_t N>
-std::string_view one_of(const std::array<std::string_view, N>& words, std::string_view word,
+std::string_view one_of(const std::array<std::string_view, N>& terms, std::string_view word,
                         std::string_view otherwise) {
-  return std::ranges::find(words, word) == words.end() ? otherwise : word;
+  return std::ranges::find(terms, word) == terms.end() ? otherwise : word;
 }
 
 std::string_view value_type(const ParameterValue& value) {

@@ -13,7 +13,7 @@
 #include "cosiva/base/result.h"
 #include "cosiva/base/time.h"
 #include "cosiva/wire/vda5050/codec.h"
-#include "cosiva/wire/vda5050/words.h"
+#include "cosiva/wire/vda5050/terms.h"
 
 namespace cosiva::wire::vda5050 {
 

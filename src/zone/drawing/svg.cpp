@@ -125,9 +125,9 @@ class Svg {
            number(head_px + margin_px + (box_.high.y_m - p.y_m) * px_per_m_);
   }
 
-  void text(double x_px, double y_px, double size_px, std::string_view attributes, std::string_view words) {
+  void text(double x_px, double y_px, double size_px, std::string_view attributes, std::string_view phrase) {
     out_ += "<text x=\"" + number(x_px) + "\" y=\"" + number(y_px) + "\" font-size=\"" + number(size_px) + "\" ";
-    out_.append(attributes).append(">").append(escaped(words)).append("</text>\n");
+    out_.append(attributes).append(">").append(escaped(phrase)).append("</text>\n");
   }
 
   void head() {

@@ -55,9 +55,9 @@ inline const Note* note_at(const TrafficZone& zone, std::string_view place) {
 }
 
 /// The first note with these words in it.
-inline const Note* note_with(const TrafficZone& zone, std::string_view words) {
+inline const Note* note_with(const TrafficZone& zone, std::string_view tokens) {
   const auto found = std::find_if(zone.notes.begin(), zone.notes.end(),
-                                  [words](const Note& note) { return note.text.find(words) != std::string::npos; });
+                                  [tokens](const Note& note) { return note.text.find(tokens) != std::string::npos; });
   return found == zone.notes.end() ? nullptr : &*found;
 }
 
@@ -77,19 +77,19 @@ struct Plan {
   [[nodiscard]] std::string text() const {
     std::string all_nodes;
     for (const std::string& node : nodes) {
-      std::stringstream words(node);
+      std::stringstream tokens(node);
       std::string id, x, y;
-      words >> id >> x >> y;
+      tokens >> id >> x >> y;
       all_nodes += all_nodes.empty() ? "" : ",";
       all_nodes += "{'nodeId':'" + id + "','nodePosition':{'x':" + x + ",'y':" + y +
                    "},'vehicleTypeNodeProperties':[{'vehicleTypeId':'T'}]}";
     }
     std::string all_edges;
     for (const std::string& edge : edges) {
-      std::stringstream words(edge);
+      std::stringstream tokens(edge);
       std::string from, to, more;
-      words >> from >> to;
-      std::getline(words, more);
+      tokens >> from >> to;
+      std::getline(tokens, more);
       all_edges += all_edges.empty() ? "" : ",";
       all_edges += "{'edgeId':'" + from + "-" + to + "','startNodeId':'" + from + "','endNodeId':'" + to +
                    "','vehicleTypeEdgeProperties':[{'vehicleTypeId':'T','rotationAllowed':false" +

@@ -19,9 +19,9 @@ const std::array<const CircuitFactory*, 3>& factories() {
   return all;
 }
 
-std::string joined(const std::vector<std::string_view>& words) {
+std::string joined(const std::vector<std::string_view>& terms) {
   std::string text;
-  for (const std::string_view word : words) text.append(text.empty() ? "" : ", ").append(word);
+  for (const std::string_view word : terms) text.append(text.empty() ? "" : ", ").append(word);
   return text;
 }
 

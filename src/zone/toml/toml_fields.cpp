@@ -185,13 +185,13 @@ double TomlFields::angle(std::string_view key, double within_deg, std::optional<
   return has(degrees) || !fallback_rad ? value_deg * rad_per_deg : *fallback_rad;
 }
 
-std::string TomlFields::one_of(std::string_view key, std::initializer_list<std::string_view> words) const {
+std::string TomlFields::one_of(std::string_view key, std::initializer_list<std::string_view> terms) const {
   std::string what;
-  for (const std::string_view word : words) what.append(what.empty() ? "" : " or ").append(quoted(word));
+  for (const std::string_view word : terms) what.append(what.empty() ? "" : " or ").append(quoted(word));
   const toml::node* node = find(key, what, false);
   if (node == nullptr) return {};
   const auto* value = node->as_string();
-  if (value != nullptr && std::find(words.begin(), words.end(), value->get()) != words.end()) return value->get();
+  if (value != nullptr && std::find(terms.begin(), terms.end(), value->get()) != terms.end()) return value->get();
   expected(key, what, *node);
   return {};
 }

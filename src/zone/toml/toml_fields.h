@@ -78,7 +78,7 @@ class TomlFields {
   /// In radians, from `key`_deg or, where the last digit counts, `key`_rad: one of both, or the fallback.
   [[nodiscard]] double angle(std::string_view key, double within_deg,
                              std::optional<double> fallback_rad = std::nullopt) const;
-  [[nodiscard]] std::string one_of(std::string_view key, std::initializer_list<std::string_view> words) const;
+  [[nodiscard]] std::string one_of(std::string_view key, std::initializer_list<std::string_view> terms) const;
 
   [[nodiscard]] std::optional<TomlFields> table(std::string_view key) const;
   [[nodiscard]] std::vector<TomlFields> tables(std::string_view key) const;

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { Curve, phase_words, picture_of, picture_words, points_max, points_of, test_words } from './battery';
+import { Curve, phase_text, picture_of, curve_text, points_max, points_of, test_text } from './battery';
 import type { BatteryPoint, BatterySlot, BatteryTest, Snapshot } from '../live/contract';
 
 const point = (s: number, charge: number): BatteryPoint => [s * 1000, charge, 7.4, 22];
@@ -66,31 +66,31 @@ describe('the picture', () => {
   it('is empty without points, and says so', () => {
     expect(picture_of([], 'voltage', 100, 44).path).toBe('');
     expect(picture_of([point(0, 1)], 'voltage', 100, 44).path).toBe('');
-    expect(picture_words('AIV1', 'charge', [])).toBe('Charge of AIV1: nothing yet');
+    expect(curve_text('AIV1', 'charge', [])).toBe('Charge of AIV1: nothing yet');
   });
 
   it('is told to who does not see it', () => {
-    expect(picture_words('AIV1', 'charge', [point(0, 100), point(90, 61.25)])).toMatch(/^Charge of AIV1: from 100\.0.% to 61\.3.% in 1.min 30.s$/);
+    expect(curve_text('AIV1', 'charge', [point(0, 100), point(90, 61.25)])).toMatch(/^Charge of AIV1: from 100\.0.% to 61\.3.% in 1.min 30.s$/);
   });
 });
 
 describe('the words', () => {
   it('say what became of a battery', () => {
-    expect(phase_words(slot())).toBe('running');
-    expect(phase_words(slot({ phase: 'changing' }))).toBe('battery wanted');
-    expect(phase_words(slot({ phase: 'ended', stop: 'floor' }))).toBe('ended at the floor');
-    expect(phase_words(slot({ phase: 'ended', stop: 'lost' }))).toContain('known to last longer');
+    expect(phase_text(slot())).toBe('running');
+    expect(phase_text(slot({ phase: 'changing' }))).toBe('battery wanted');
+    expect(phase_text(slot({ phase: 'ended', stop: 'floor' }))).toBe('ended at the floor');
+    expect(phase_text(slot({ phase: 'ended', stop: 'lost' }))).toContain('known to last longer');
   });
 
   it('say how the test stands', () => {
-    expect(test_words(test(), 61_000)).toMatch(/^The run should end at .*, in 2.min 59.s\.$/);
-    expect(test_words(test({ runs: 4, run: 2, vehicles: [slot({ phase: 'changing' }), slot()] }), 61_000)).toBe('Run 2 of 4 waits for a battery.');
-    expect(test_words(test({ expectedEnd_ms: null }), 61_000)).toContain('cannot be told yet');
-    expect(test_words(test({ done: true, vehicles: [slot({ phase: 'ended', stop: 'floor' })] }), 999_000)).toMatch(/^Ended at .*after 1.min 00.s\.$/);
-    expect(test_words(test({ done: true, vehicles: [slot({ phase: 'changing' })] }), 999_000)).toMatch(/^Given up/);
+    expect(test_text(test(), 61_000)).toMatch(/^The run should end at .*, in 2.min 59.s\.$/);
+    expect(test_text(test({ runs: 4, run: 2, vehicles: [slot({ phase: 'changing' }), slot()] }), 61_000)).toBe('Run 2 of 4 waits for a battery.');
+    expect(test_text(test({ expectedEnd_ms: null }), 61_000)).toContain('cannot be told yet');
+    expect(test_text(test({ done: true, vehicles: [slot({ phase: 'ended', stop: 'floor' })] }), 999_000)).toMatch(/^Ended at .*after 1.min 00.s\.$/);
+    expect(test_text(test({ done: true, vehicles: [slot({ phase: 'changing' })] }), 999_000)).toMatch(/^Given up/);
   });
 
   it('say that its program is gone', () => {
-    expect(test_words(test(), 90_000)).toMatch(/^Not heard of for 30.s: .*--state/);
+    expect(test_text(test(), 90_000)).toMatch(/^Not heard of for 30.s: .*--state/);
   });
 });

@@ -84,7 +84,7 @@ const units = { charge: '%', voltage: 'V', temperature: '°C' } as const;
 export const value_of = (quantity: Quantity, value: number | null): string => (value === null ? format.none : `${value.toFixed(digits[quantity])}\u202f${units[quantity]}`);
 
 /** The text alternative of a plot, for screen readers. */
-export function picture_words(name: string, quantity: Quantity, points: readonly BatteryPoint[]): string {
+export function curve_text(name: string, quantity: Quantity, points: readonly BatteryPoint[]): string {
   const title = `${quantity[0]!.toUpperCase()}${quantity.slice(1)} of ${name}`;
   const [first, last] = [points[0], points.at(-1)];
   if (!first || !last || points.length < 2) return `${title}: nothing yet`;
@@ -92,13 +92,13 @@ export function picture_words(name: string, quantity: Quantity, points: readonly
   return `${title}: from ${value_of(quantity, first[at])} to ${value_of(quantity, last[at])} in ${format.lasting(last[0] - first[0])}`;
 }
 
-const stop_words: Record<string, string> = {
+const stop_text: Record<string, string> = {
   floor: 'at the floor', 'cut-off': 'cut off by itself', fault: 'by a fault', operator: 'by the operator', lost: 'lost: known to last longer',
 };
-export function phase_words({ phase, stop }: BatterySlot): string {
+export function phase_text({ phase, stop }: BatterySlot): string {
   if (phase === 'changing') return 'battery wanted';
   if (phase === 'ready') return 'ready, waits for the others';
-  if (phase === 'ended') return `ended${stop ? ` ${stop_words[stop] ?? stop}` : ''}`;
+  if (phase === 'ended') return `ended${stop ? ` ${stop_text[stop] ?? stop}` : ''}`;
   return phase;
 }
 
@@ -106,7 +106,7 @@ export function phase_words({ phase, stop }: BatterySlot): string {
 export const silent_ms = 10_000;
 
 /** A sentence on the state of the test; `now_ms` on the server's clock. */
-export function test_words(test: BatteryTest, now_ms: number): string {
+export function test_text(test: BatteryTest, now_ms: number): string {
   const run = test.runs > 1 ? `Run ${test.run} of ${test.runs}` : 'The run';
   if (test.done) {
     const given_up = test.vehicles.some((slot) => slot.phase !== 'ended' || slot.stop === 'operator');

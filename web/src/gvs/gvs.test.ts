@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { degrees_of, millimetres_of, name_place, path_of, picture_of, picture_words, rgba_of, type Sight } from './gvs';
+import { degrees_of, millimetres_of, name_place, path_of, picture_of, curve_text, rgba_of, type Sight } from './gvs';
 
 const sight: Sight = { vehicle: 'CoSiVA/AIV1', tag: 1, x: 0.125, y: -0.5, heading: 0, outline: [[10, 20], [14, 20], [14, 30], [10, 30]], nose: [[12, 25], [16, 25]] };
 const comment = { timestamp: '2026-01-01T00:00:00.000Z', sights: [sight] };
@@ -39,9 +39,9 @@ describe('the camera’s picture', () => {
   });
 
   it('is told in words to who does not see it', () => {
-    expect(picture_words({ width: 1, height: 1, grey: new Uint8Array(1), ...comment })).toBe('The camera’s picture: AIV1 at 0.13, -0.50 m');
-    expect(picture_words({ width: 1, height: 1, grey: new Uint8Array(1), timestamp: '', sights: [] })).toBe('The camera’s picture: no AIV on it');
-    expect(picture_words(null)).toBe('No picture of the camera');
+    expect(curve_text({ width: 1, height: 1, grey: new Uint8Array(1), ...comment })).toBe('The camera’s picture: AIV1 at 0.13, -0.50 m');
+    expect(curve_text({ width: 1, height: 1, grey: new Uint8Array(1), timestamp: '', sights: [] })).toBe('The camera’s picture: no AIV on it');
+    expect(curve_text(null)).toBe('No picture of the camera');
   });
 
   it('has its outlines as paths, and names above them or, at its upper border, below', () => {

@@ -80,7 +80,7 @@ export const degrees_of = (rad: number | null): string => (rad === null ? '–' 
 export const millimetres_of = (m: number | null): string => (m === null ? '–' : `${(1_000 * m).toFixed(1)}\u202fmm`);
 
 /** The text alternative of the image, for screen readers. */
-export function picture_words(picture: Picture | null): string {
+export function curve_text(picture: Picture | null): string {
   if (!picture) return 'No picture of the camera';
   if (picture.sights.length === 0) return 'The camera’s picture: no AIV on it';
   const each = picture.sights.map((sight) => `${sight.vehicle.slice(sight.vehicle.indexOf('/') + 1)} at ${sight.x.toFixed(2)}, ${sight.y.toFixed(2)} m`);

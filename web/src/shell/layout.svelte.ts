@@ -20,7 +20,7 @@ class Layout {
   sort = $state(default_view.sort);
   /** filter of the communications, and whether the diagram shows them */
   agent = $state('');
-  words = $state('');
+  search_text = $state('');
   kinds_off = $state.raw<readonly string[]>([]);
   diagram = $state(false);
   columns = $state.raw<Readonly<Record<string, boolean>>>({});
@@ -51,7 +51,7 @@ class Layout {
     if (view.filter !== undefined) this.filter = view.filter;
     if (view.sort !== undefined) this.sort = view.sort;
     if (view.agent !== undefined) this.agent = view.agent;
-    if (view.words !== undefined) this.words = view.words;
+    if (view.search_text !== undefined) this.search_text = view.search_text;
     if (view.kinds_off !== undefined) this.kinds_off = view.kinds_off;
     if (view.diagram !== undefined) this.diagram = view.diagram;
     if (view.layers_off !== undefined) this.layers_off = view.layers_off;

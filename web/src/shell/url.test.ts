@@ -12,7 +12,7 @@ describe('the address', () => {
 
   it('brings back the whole view', () => {
     const view: ViewState = {
-      frame: 'states', panel: 'alarms', select: 'MAKER & CO/Ä 7#', follow: true, filter: 'stopped east=1', sort: '-battery', agent: 'CoSiVA/AIV1', words: 'node 7', kinds_off: ['ahead', 'heartbeat'], diagram: true, theme: 'dark', layers_off: ['tag', 'beacon'],
+      frame: 'states', panel: 'alarms', select: 'MAKER & CO/Ä 7#', follow: true, filter: 'stopped east=1', sort: '-battery', agent: 'CoSiVA/AIV1', search_text: 'node 7', kinds_off: ['ahead', 'heartbeat'], diagram: true, theme: 'dark', layers_off: ['tag', 'beacon'],
     };
     expect(there_and_back(view)).toEqual(view);
   });

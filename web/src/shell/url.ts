@@ -30,9 +30,9 @@ export interface ViewState {
   filter: string;
   /** key of a column, with a minus sign in front for descending order */
   sort: string;
-  /** filter of the communications: agent (empty: all), words, and the kinds left out */
+  /** filter of the communications: agent (empty: all), search_text, and the kinds left out */
   agent: string;
-  words: string;
+  search_text: string;
   kinds_off: readonly string[];
   diagram: boolean;
   theme: Theme;
@@ -41,7 +41,7 @@ export interface ViewState {
 }
 
 export const default_view: ViewState = {
-  frame: null, panel: null, select: null, follow: false, filter: '', sort: 'number', agent: '', words: '', kinds_off: [], diagram: false, theme: 'system', layers_off: null,
+  frame: null, panel: null, select: null, follow: false, filter: '', sort: 'number', agent: '', search_text: '', kinds_off: [], diagram: false, theme: 'system', layers_off: null,
 };
 
 const names_in = (text: string | null): string[] => (text ?? '').split(',').filter((name) => name !== '').slice(0, 50);
@@ -67,7 +67,7 @@ export function view_of(hash: string): Partial<ViewState> {
   const sort = said.get('sort');
   if (sort && /^-?[a-z]+$/i.test(sort)) view.sort = sort;
   view.agent = (said.get('agent') ?? '').slice(0, 200);
-  view.words = (said.get('words') ?? '').slice(0, 200);
+  view.search_text = (said.get('search_text') ?? '').slice(0, 200);
   view.kinds_off = names_in(said.get('without'));
   view.diagram = said.get('diagram') === '1';
   const theme = one_of(['system', 'light', 'dark'] as const, said.get('theme'));
@@ -86,7 +86,7 @@ export function hash_of(view: ViewState): string {
   if (view.filter !== '') parts.push(['filter', view.filter]);
   if (view.sort !== default_view.sort) parts.push(['sort', view.sort]);
   if (view.agent !== '') parts.push(['agent', view.agent]);
-  if (view.words !== '') parts.push(['words', view.words]);
+  if (view.search_text !== '') parts.push(['search_text', view.search_text]);
   if (view.kinds_off.length > 0) parts.push(['without', view.kinds_off.join(',')]);
   if (view.diagram) parts.push(['diagram', '1']);
   if (view.theme !== 'system') parts.push(['theme', view.theme]);

@@ -16,14 +16,14 @@ function filled(count: number, max?: number): TraceStore {
 }
 /** Reference implementation of the filter, slow and simple. */
 function expected(store: TraceStore, filter: Filter): number[] {
-  const words = filter.text.toLowerCase().split(/\s+/).filter((word) => word !== '');
+  const search_text = filter.text.toLowerCase().split(/\s+/).filter((word) => word !== '');
   const found: number[] = [];
   for (let seq = store.first; seq < store.end; seq++) {
     const { from, to, kind, content } = store.trace(seq);
     const names = [from, to, kind].map((name) => name.toLowerCase());
     const fits =
       (filter.agent === '' || from === filter.agent || to === filter.agent) && !filter.kinds_off.has(kind) && (filter.between === null || (filter.between.has(from) && filter.between.has(to))) &&
-      words.every((word) => content.toLowerCase().includes(word) || names.some((name) => name.includes(word)));
+      search_text.every((word) => content.toLowerCase().includes(word) || names.some((name) => name.includes(word)));
     if (fits || store.is_note(seq)) found.push(seq);
   }
   return found;

@@ -7,7 +7,7 @@ export interface Filter {
   agent: string;
   /** excluded kinds */
   kinds_off: ReadonlySet<string>;
-  /** words, each of which must occur in the content, the kind or a name */
+  /** search_text, each of which must occur in the content, the kind or a name */
   text: string;
   /** sender and receiver must both be among these; null: any */
   between: ReadonlySet<string> | null;
@@ -89,7 +89,7 @@ class Places {
 
 /** Tests the rows of one store; names that appear later are added on demand. */
 export class Matcher {
-  private readonly words: readonly string[];
+  private readonly search_text: readonly string[];
   private is_agent = new Uint8Array(0);
   private is_between = new Uint8Array(0);
   private kinds_ok = new Uint8Array(0);
@@ -101,15 +101,15 @@ export class Matcher {
     private readonly store: TraceStore,
     private readonly filter: Filter,
   ) {
-    this.words = filter.text.toLowerCase().split(/\s+/).filter((word) => word !== '');
+    this.search_text = filter.text.toLowerCase().split(/\s+/).filter((word) => word !== '');
   }
 
   /** Calls `found` with the sequence number of each matching row of a chunk, in order. Notes always match, as they mark gaps. */
   scan(chunk: Chunk, base: number, begin: number, end: number, found: (seq: number) => void): void {
     this.learn_names();
     const { agent, between } = this.filter;
-    const lower = this.words.length > 0 ? chunk.lower() : null;
-    const next_hit = this.words.map(() => -1);
+    const lower = this.search_text.length > 0 ? chunk.lower() : null;
+    const next_hit = this.search_text.map(() => -1);
     for (let i = begin; i < end; i++) {
       const kind = chunk.kind[i]!;
       if (kind === note_kind) {
@@ -129,9 +129,9 @@ export class Matcher {
   private says_all(lower: { text: string; ends: Uint32Array | readonly number[] }, i: number, from: number, to: number, kind: number, next_hit: number[]): boolean {
     const start = i === 0 ? 0 : lower.ends[i - 1]!;
     const end = lower.ends[i]!;
-    for (let w = 0; w < this.words.length; w++) {
+    for (let w = 0; w < this.search_text.length; w++) {
       if (this.agents_say[w]![from] || this.agents_say[w]![to] || this.kinds_say[w]![kind]) continue;
-      const word = this.words[w]!;
+      const word = this.search_text[w]!;
       // The text of the chunk is searched once per word: a hit is kept until the rows reach it.
       if (next_hit[w]! < start) {
         const hit = lower.text.indexOf(word, start);
@@ -150,11 +150,11 @@ export class Matcher {
     if (this.is_agent.length < agents.size) {
       this.is_agent = of(agents, (name) => name === agent);
       this.is_between = of(agents, (name) => between?.has(name) ?? true);
-      this.agents_say = this.words.map((word) => of(agents, (name) => name.toLowerCase().includes(word)));
+      this.agents_say = this.search_text.map((word) => of(agents, (name) => name.toLowerCase().includes(word)));
     }
     if (this.kinds_ok.length < kinds.size) {
       this.kinds_ok = of(kinds, (name) => !kinds_off.has(name));
-      this.kinds_say = this.words.map((word) => of(kinds, (name) => name.toLowerCase().includes(word)));
+      this.kinds_say = this.search_text.map((word) => of(kinds, (name) => name.toLowerCase().includes(word)));
     }
   }
 }

@@ -121,9 +121,9 @@ class Validation {
   }
 
   private number(schema: JsonObject, value: number, path: string): void {
-    const bound = (key: string, holds: (limit: number) => boolean, words: string) => {
+    const bound = (key: string, holds: (limit: number) => boolean, search_text: string) => {
       const limit = schema[key];
-      if (typeof limit === 'number' && !holds(limit)) this.fault(path, `must be ${words} ${limit}, and is ${value}.`);
+      if (typeof limit === 'number' && !holds(limit)) this.fault(path, `must be ${search_text} ${limit}, and is ${value}.`);
     };
     bound('minimum', (limit) => value >= limit, 'at least');
     bound('maximum', (limit) => value <= limit, 'at most');

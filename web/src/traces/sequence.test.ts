@@ -112,7 +112,7 @@ describe('the layout', () => {
     expect(path_of(50, 50, 20)).toContain('q');
     expect(path_of(50, 90, 20)).toBe('M50 20L89 20');
   });
-  it('the words fit over their arrow', () => {
+  it('the search_text fit over their arrow', () => {
     expect(words_of({ kind: 'order', content: 'x'.repeat(500) }, 200).length).toBeLessThanOrEqual(31);
   });
   it('the file is well formed whatever was said', () => {
@@ -127,7 +127,7 @@ describe('the layout', () => {
 });
 
 describe('communications as text', () => {
-  it('flat JSON reads as words, the rest stands as it came', () => {
+  it('flat JSON reads as search_text, the rest stands as it came', () => {
     expect(summary_of('{"x":-0.68249,"y":1,"speed":0.3}')).toBe('x −0.682, y 1, speed 0.300');
     expect(summary_of('{"a":{"b":1}}')).toBe('{"a":{"b":1}}');
     expect(summary_of('{"cut off')).toBe('{"cut off');

@@ -20,8 +20,8 @@ void write(JsonWriter& json, std::string_view name, const std::optional<Crossing
     json.null();
     return;
   }
-  static constexpr std::string_view words[] = {"at", "under", "over"};
-  json.begin_object().field("m", crossing->x).field("is", words[static_cast<std::size_t>(crossing->where)]);
+  static constexpr std::string_view terms[] = {"at", "under", "over"};
+  json.begin_object().field("m", crossing->x).field("is", terms[static_cast<std::size_t>(crossing->where)]);
   json.end_object();
 }
 

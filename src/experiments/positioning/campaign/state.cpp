@@ -29,9 +29,9 @@ std::string check_of(std::string_view body) {
 }
 
 /// The words of a line, one after the other.
-class Words {
+class Tokens {
  public:
-  explicit Words(std::string_view line) : rest_{line} {}
+  explicit Tokens(std::string_view line) : rest_{line} {}
   [[nodiscard]] std::string_view next() {
     const std::size_t space = rest_.find(' ');
     const std::string_view word = rest_.substr(0, space);
@@ -80,16 +80,16 @@ std::string state_line(const UnitRecord& record) {
 std::optional<UnitRecord> unit_of(std::string_view line, const CampaignWork& work) {
   const std::size_t last = line.rfind(' ');
   if (last == std::string_view::npos || line.substr(last + 1) != check_of(line.substr(0, last))) return std::nullopt;
-  Words words{line.substr(0, last)};
-  const auto unit = number_of<std::size_t>(words.next());
+  Tokens tokens{line.substr(0, last)};
+  const auto unit = number_of<std::size_t>(tokens.next());
   if (!unit || *unit >= work.units()) return std::nullopt;
   UnitRecord record{*unit, {}, {}};
-  if (!words.number(record.marks.spacing_m) || !words.number(record.marks.longest_unread_m)) return std::nullopt;
+  if (!tokens.number(record.marks.spacing_m) || !tokens.number(record.marks.longest_unread_m)) return std::nullopt;
   record.votes.resize(work.unit(*unit).runs * work.plan().algorithms.size());
   for (Vote& vote : record.votes)
     for (const auto field : vote_fields)
-      if (!words.number(vote.*field)) return std::nullopt;
-  if (!words.empty()) return std::nullopt;
+      if (!tokens.number(vote.*field)) return std::nullopt;
+  if (!tokens.empty()) return std::nullopt;
   return record;
 }
 

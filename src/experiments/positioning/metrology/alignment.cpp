@@ -26,7 +26,7 @@ std::string_view to_string(Alignment alignment) {
   return "";
 }
 
-std::string_view words_of(Alignment alignment) {
+std::string_view text_of(Alignment alignment) {
   switch (alignment) {
     case Alignment::none: return "not aligned";
     case Alignment::se2: return "turned about the vertical and shifted onto the truth (least squares, no scale)";

@@ -18,7 +18,7 @@ enum class Alignment {
 };
 [[nodiscard]] std::string_view to_string(Alignment alignment);
 /// What was done, in words: "turned and shifted …".
-[[nodiscard]] std::string_view words_of(Alignment alignment);
+[[nodiscard]] std::string_view text_of(Alignment alignment);
 
 /// Of the rigid motions of the plane the X for which X · estimate is nearest to truth in the mean square.
 /// Source: S. Umeyama, Least-Squares Estimation of Transformation Parameters Between Two Point Patterns, IEEE TPAMI 13

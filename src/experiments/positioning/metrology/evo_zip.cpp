@@ -114,7 +114,7 @@ std::string evo_zip(std::string_view title, const std::vector<double>& times_s, 
   }
   JsonWriter info;
   info.begin_object()
-      .field("title", "APE w.r.t. translation part (m)\n(" + std::string(words_of(alignment)) + ")")
+      .field("title", "APE w.r.t. translation part (m)\n(" + std::string(text_of(alignment)) + ")")
       .field("label", "APE (m)");
   info.field("ref_name", "truth").field("est_name", title).end_object();
   JsonWriter stats;

@@ -154,13 +154,13 @@ void LiveRuns::ask(SimTime now, Slot& slot, Answers& answers) {
 
 void LiveRuns::begin_anew(Slot& slot, const std::string& why) {
   if (slot.begun >= begun_max) return lose(slot, why);
-  words_.push_back(to_string(slot.vehicle) + " drives run " + std::to_string(slot.index + 1) + " anew: " + why);
+  operator_messages_.push_back(to_string(slot.vehicle) + " drives run " + std::to_string(slot.index + 1) + " anew: " + why);
   slot.session.clear();
 }
 
 void LiveRuns::lose(Slot& slot, const std::string& why) {
   losses_.push_back(to_string(slot.vehicle) + ": " + why);
-  words_.push_back("lost " + losses_.back());
+  operator_messages_.push_back("lost " + losses_.back());
   if (slot.run) to_drive_.push_front(slot.index);
   slot.run.reset();
   slot.lost = true;
@@ -217,7 +217,7 @@ LiveRuns::Answers LiveRuns::tick(SimTime now) {
   for (Slot& slot : slots_) {
     if (!slot.lost && !given_up_) look_after(now, slot, answers);
   }
-  answers.words = std::exchange(words_, {});
+  answers.operator_messages = std::exchange(operator_messages_, {});
   return answers;
 }
 

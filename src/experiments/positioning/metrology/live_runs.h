@@ -47,7 +47,7 @@ class LiveRuns {
   struct Answers {
     std::vector<wire::Publish> messages;
     std::vector<std::string> commands;  ///< to the server, as /api/v1/commands takes them, in this order
-    std::vector<std::string> words;     ///< to the operator
+    std::vector<std::string> operator_messages;     ///< to the operator
   };
   explicit LiveRuns(LiveRunsOptions options);
 
@@ -110,7 +110,7 @@ class LiveRuns {
   std::map<std::string, std::shared_ptr<const zone::TrafficZone>, std::less<>> zones_;
   std::string map_id_;  ///< that the first answer named
   std::vector<std::string> losses_;
-  std::vector<std::string> words_;
+  std::vector<std::string> operator_messages_;
   std::optional<SimTime> began_;
   std::size_t sessions_{0};
   std::size_t without_truth_{0};

@@ -55,7 +55,7 @@ class Bench {
       for (const wire::Publish& message : answers.messages)
         if (!random_.chance(loss_)) world_->publish(message);
       for (std::string& command : answers.commands) world_->command_server(std::move(command));
-      for (std::string& one : answers.words) words += one + "\n";
+      for (std::string& one : answers.operator_messages) operator_messages += one + "\n";
       world_->run_for(milliseconds{5});
     }
   }
@@ -63,7 +63,7 @@ class Bench {
   LiveRuns& runs() { return runs_; }
 
   std::function<bool(std::string_view topic)> deaf;  ///< what does not get through
-  std::string words;
+  std::string operator_messages;
 
  private:
   static LiveRunsOptions named(LiveRunsOptions options) {
@@ -108,7 +108,7 @@ TEST(LiveRuns, give_what_the_vehicles_say_of_themselves_beside_where_they_were) 
   const std::vector<std::string> names{"dead_reckoning", "reset_rule", "arc_kalman", "ekf", "particles"};
   Bench bench{options_of({aiv(1), aiv(2)}, 3, 12.0, names)};
   bench.run(seconds{200});
-  EXPECT_THAT(bench.runs().losses(), IsEmpty()) << bench.words;
+  EXPECT_THAT(bench.runs().losses(), IsEmpty()) << bench.operator_messages;
   EXPECT_EQ(bench.runs().map_id(), "lacet4");
   EXPECT_EQ(bench.runs().without_truth(), 0U);
   const auto runs = bench.runs().take_runs();
@@ -135,7 +135,7 @@ TEST(LiveRuns, have_on_board_bit_for_bit_what_the_same_algorithm_says_of_the_sam
   bench.run(seconds{200});
   EXPECT_GT(bench.runs().repeated(), 10U) << "every fifth message is lost";
   const auto runs = bench.runs().take_runs();
-  ASSERT_THAT(runs, SizeIs(1)) << bench.words;
+  ASSERT_THAT(runs, SizeIs(1)) << bench.operator_messages;
   const Trial& trial = runs[0]->trial;
   EXPECT_GT(std::ranges::count_if(trial.events,
                                   [](const Event& e) { return std::holds_alternative<estimation::Reading>(e); }),
@@ -158,7 +158,7 @@ TEST(LiveRuns, are_driven_anew_by_a_vehicle_that_begins_anew_and_left_to_others_
   bench.world().kill_aiv(1);
   bench.world().start_aiv(1);
   bench.run(seconds{4});
-  EXPECT_THAT(bench.words, HasSubstr("CoSiVA/AIV1 drives run 1 anew"));
+  EXPECT_THAT(bench.operator_messages, HasSubstr("CoSiVA/AIV1 drives run 1 anew"));
   bench.world().kill_aiv(1);
   bench.run(seconds{8});
   ASSERT_THAT(bench.runs().losses(), SizeIs(1));
@@ -167,7 +167,7 @@ TEST(LiveRuns, are_driven_anew_by_a_vehicle_that_begins_anew_and_left_to_others_
   bench.world().start_aiv(1);
   bench.run(seconds{200});
   const auto runs = bench.runs().take_runs();
-  ASSERT_THAT(runs, SizeIs(2)) << bench.words;
+  ASSERT_THAT(runs, SizeIs(2)) << bench.operator_messages;
   for (const auto& run : runs) EXPECT_EQ(to_string(run->vehicle), "CoSiVA/AIV2");
 }
 
@@ -204,7 +204,7 @@ TEST(LiveRuns, take_what_a_camera_over_the_zone_saw_for_the_truth) {
   });
   bench.run(seconds{30});
   const auto runs = bench.runs().take_runs();
-  ASSERT_THAT(runs, SizeIs(1)) << bench.words;
+  ASSERT_THAT(runs, SizeIs(1)) << bench.operator_messages;
   EXPECT_LT(judged({"arc_kalman"}, runs)->algorithms[0].rmse_m.value, 0.006);
 }
 

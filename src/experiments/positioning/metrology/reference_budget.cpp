@@ -141,7 +141,7 @@ void write_fields(JsonWriter& json, const ReferenceBudget& budget) {
   json.end_array();
 }
 
-std::string words_of(const ReferenceBudget& budget) {
+std::string text_of(const ReferenceBudget& budget) {
   std::string told;
   std::string untold;
   for (const ReferencePart& part : budget.parts) {

@@ -43,7 +43,7 @@ struct ReferenceBudget {
 /// As fields of an object that is open: uncertainty_m, untold, parts[] with name, uncertainty_m, share_percent, source.
 void write_fields(JsonWriter& json, const ReferenceBudget& budget);
 /// "u 1.30 mm: floor fit 0.95, time stamp 0.25; not told: mounting".
-[[nodiscard]] std::string words_of(const ReferenceBudget& budget);
+[[nodiscard]] std::string text_of(const ReferenceBudget& budget);
 
 /// RMSE of the algorithm alone, with the reference's share taken out; 0 where that is all there was.
 [[nodiscard]] double without_reference_m(double rmse_seen_m, double reference_m);

@@ -35,7 +35,7 @@ TEST(ReferenceBudget, is_the_root_of_the_sum_of_its_parts_squares) {
   EXPECT_NEAR(budget->share_percent(budget->parts[0]), 100.0 * 9.0 / 169.0, 1e-12);
   EXPECT_EQ(budget->share_percent(budget->parts[3]), 0.0);
   EXPECT_EQ(budget->untold(), 1U);
-  EXPECT_EQ(words_of(*budget), "u 13 mm: floor fit 3, time stamp 4, tag height 12; not told: mounting");
+  EXPECT_EQ(text_of(*budget), "u 13 mm: floor fit 3, time stamp 4, tag height 12; not told: mounting");
   EXPECT_EQ(ReferenceBudget{}.total_m(), 0.0);
 }
 

@@ -239,7 +239,7 @@ std::string to_html(const Qualification& all, const Conditions& conditions) {
       "posterior Cramér-Rao bound for the readings that the runs had.");
   if (all.options.alignment != Alignment::none)
     report.paragraph("Aligned (" + std::string(to_string(all.options.alignment)) +
-                     "), as was asked for: each run's estimates were " + std::string(words_of(all.options.alignment)) +
+                     "), as was asked for: each run's estimates were " + std::string(text_of(all.options.alignment)) +
                      ". The figures tell the shape of ways, not where they lie; no limit is drawn, for it knows of no "
                      "alignment.");
   for (const std::string& note : conditions.notes) report.paragraph(note);

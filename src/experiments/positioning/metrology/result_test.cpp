@@ -169,9 +169,9 @@ TEST(Result, tells_the_reference_s_error_part_by_part_with_its_sources) {
   const double seen = *algorithm.number("rmse_m");
   EXPECT_NEAR(*algorithm.number("rmse_without_reference_m"), std::sqrt(seen * seen - 25e-6), 1e-12);
   const std::string html = to_html(all, {});
-  for (const char* words :
+  for (const char* phrase :
        {"The reference's own error", "left-out blocks", "a ruler", "not told", "u is more than this"})
-    EXPECT_THAT(html, HasSubstr(words)) << words;
+    EXPECT_THAT(html, HasSubstr(phrase)) << phrase;
   EXPECT_THAT(to_text(all), HasSubstr("u 5 mm: floor fit 3, tag height 4; not told: mounting"));
 }
 

@@ -46,9 +46,9 @@ std::string to_text(const Qualification& all) {
   }
   if (all.options.alignment != Alignment::none)
     text += "Aligned (" + std::string(to_string(all.options.alignment)) + "): each run's estimates were " +
-            std::string(words_of(all.options.alignment)) + ".\n";
+            std::string(text_of(all.options.alignment)) + ".\n";
   if (!all.options.reference.parts.empty())
-    text += "The reference's own error: " + words_of(all.options.reference) +
+    text += "The reference's own error: " + text_of(all.options.reference) +
             " [mm]; smaller differences are called unresolved.\n";
   if (!all.comparisons.empty() && all.runs < 6) {
     return text + "With " + std::to_string(all.runs) + (all.runs == 1 ? " run" : " runs") +

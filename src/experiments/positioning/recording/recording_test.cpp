@@ -199,10 +199,10 @@ TEST(Recording, is_the_same_however_its_tables_are_written) {
 }
 
 TEST(Recording, may_have_columns_of_words_that_nobody_needs_but_no_words_where_numbers_are_needed) {
-  const auto words = read_recording(
+  const auto phrase = read_recording(
       "s", with("odometry.csv", "mode,time_s,delta_distance_m,delta_heading_rad\nauto,1,0.5,0\nby hand,2,1,0\n"));
-  ASSERT_TRUE(words) << to_string(words.error());
-  EXPECT_EQ(words->odometry[1].distance_m, 1.0);
+  ASSERT_TRUE(phrase) << to_string(phrase.error());
+  EXPECT_EQ(phrase->odometry[1].distance_m, 1.0);
   EXPECT_EQ(refusal(with("odometry.csv", "time_s,delta_distance_m,delta_heading_rad\n1,0.5,0\n2,auto,0\n")),
             "recording.number odometry.csv:3");
   EXPECT_EQ(refusal(with("groundtruth.csv", "time_s,x_m,y_m,heading_rad\n0,0,0,nan\n1,1,0,0\n")),

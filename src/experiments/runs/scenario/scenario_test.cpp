@@ -28,7 +28,7 @@ std::vector<std::string> commands(const std::string& body) {
   return all;
 }
 
-std::vector<std::string> words(const std::string& body) {
+std::vector<std::string> phrase(const std::string& body) {
   const auto scenario = read(body);
   EXPECT_TRUE(scenario) << to_string(scenario.error());
   std::vector<std::string> all;
@@ -99,7 +99,7 @@ TEST(Scenario, virtual_AIVs_join_anywhere_on_a_section_or_near_a_point) {
                        at(1, R"(virtual_aiv = { id = "V2", at = [0.1, -0.15] })")),
               ElementsAre(R"({"command":"add","thing":{"id":"V1","kind":"aiv","section":"east","s":0.5}})",
                           R"({"command":"add","thing":{"id":"V2","kind":"aiv","x":0.1,"y":-0.15}})"));
-  EXPECT_THAT(words(at(0, R"(virtual_aiv = { id = "V1", section = "east", s_m = 0.5 })") +
+  EXPECT_THAT(phrase(at(0, R"(virtual_aiv = { id = "V1", section = "east", s_m = 0.5 })") +
                     at(1, R"(virtual_aiv = { id = "V2" })")),
               ElementsAre("virtual AIV V1 joins on east at 0.5 m", "virtual AIV V2 joins where there is room"));
 }
@@ -113,7 +113,7 @@ TEST(Scenario, persons_stand_or_walk) {
                   R"({"command":"add","thing":{"id":"P2","kind":"person","path":[[0,1],[0,2.5]],"speed":0.3,)"
                   R"("repeat":"back and forth"}})"));
   EXPECT_THAT(
-      words(at(0, R"(person = { id = "P1", at = [0.4, 0.1] })") +
+      phrase(at(0, R"(person = { id = "P1", at = [0.4, 0.1] })") +
             at(1, R"(person = { id = "P2", path = [[0, 1], [0, 2.5]], speed_mps = 0.3, repeat = "loop" })")),
       ElementsAre("person P1 stands at (0.4, 0.1)", "person P2 walks 1.5 m from (0, 1) at 0.3 m/s, round and round"));
 }
@@ -160,7 +160,7 @@ TEST(Scenario, a_radio_loss_ends_by_itself) {
 }
 
 TEST(Scenario, one_loss_ends_before_the_next_begins_wherever_they_stand_in_the_file) {
-  EXPECT_THAT(words(at(13, R"(radio = { vehicle = "*", loss = 0.1 })") +
+  EXPECT_THAT(phrase(at(13, R"(radio = { vehicle = "*", loss = 0.1 })") +
                     at(3, R"(radio = { vehicle = "AIV2", loss = 0.3, for_s = 10 })")),
               ElementsAre(StartsWith("AIV2 loses 30 %"), "AIV2 hears and is heard again",
                           "every vehicle loses 10 % of its messages"));
@@ -230,7 +230,7 @@ TEST(Scenario, priorities_are_an_edit_of_the_zone) {
 }
 
 TEST(Scenario, actions_may_be_written_as_tables_of_their_own) {
-  EXPECT_THAT(words("[[at]]\nt_s = 1\n[at.person]\nid = \"P1\"\nat = [0, 1]\n"),
+  EXPECT_THAT(phrase("[[at]]\nt_s = 1\n[at.person]\nid = \"P1\"\nat = [0, 1]\n"),
               ElementsAre("person P1 stands at (0, 1)"));
 }
 

@@ -34,9 +34,9 @@ std::optional<double> number_of(const toml::node& node) {
   return std::nullopt;
 }
 
-std::string listed(const std::vector<std::string_view>& words) {
+std::string listed(const std::vector<std::string_view>& terms) {
   std::string text;
-  for (const std::string_view word : words) text.append(text.empty() ? "" : ", ").append(word);
+  for (const std::string_view word : terms) text.append(text.empty() ? "" : ", ").append(word);
   return text;
 }
 
@@ -160,18 +160,18 @@ std::string Entry::text(std::string_view key, std::size_t bytes_max, const std::
   return {};
 }
 
-std::string Entry::one_of(std::string_view key, const std::vector<std::string_view>& words,
+std::string Entry::one_of(std::string_view key, const std::vector<std::string_view>& terms,
                           const std::optional<std::string>& fallback) const {
-  const std::string what = "one of " + listed(words);
+  const std::string what = "one of " + listed(terms);
   const toml::node* node = find(key, what, fallback.has_value());
   if (node == nullptr) return fallback.value_or("");
   const auto* value = node->as_string();
-  if (value != nullptr && std::ranges::find(words, value->get()) != words.end()) return value->get();
-  const std::string_view near = value == nullptr ? std::string_view{} : nearest(value->get(), words);
+  if (value != nullptr && std::ranges::find(terms, value->get()) != terms.end()) return value->get();
+  const std::string_view near = value == nullptr ? std::string_view{} : nearest(value->get(), terms);
   fault(
       key, "scenario.field",
       "expected " + what + ", found " + describe(*node) + (near.empty() ? "" : "; did you mean " + quoted(near) + "?"));
-  return std::string(words.front());
+  return std::string(terms.front());
 }
 
 std::vector<std::string> Entry::texts(std::string_view key, std::size_t count_max) const {
@@ -269,20 +269,20 @@ bool within(double value, const Range& range) {
 
 }  // namespace
 
-std::vector<std::string> Entry::some_of(std::string_view key, const std::vector<std::string_view>& words,
+std::vector<std::string> Entry::some_of(std::string_view key, const std::vector<std::string_view>& terms,
                                         const std::vector<std::string>& fallback) const {
   const toml::node* node = find(key, "", true);
   if (node == nullptr) return fallback;
   const auto* list = node->as_array();
-  if (list == nullptr) return {one_of(key, words)};
-  if (list->empty()) fault(key, "scenario.field", "expected one or more of " + listed(words) + ", found an empty list");
+  if (list == nullptr) return {one_of(key, terms)};
+  if (list->empty()) fault(key, "scenario.field", "expected one or more of " + listed(terms) + ", found an empty list");
   std::vector<std::string> chosen;
   for (const toml::node& one : *list) {
     const auto* text = one.as_string();
-    if (text == nullptr || std::ranges::find(words, text->get()) == words.end()) {
-      const std::string_view near = text == nullptr ? std::string_view{} : nearest(text->get(), words);
+    if (text == nullptr || std::ranges::find(terms, text->get()) == terms.end()) {
+      const std::string_view near = text == nullptr ? std::string_view{} : nearest(text->get(), terms);
       fault(key, "scenario.field",
-            "expected some of " + listed(words) + ", found " + describe(one) +
+            "expected some of " + listed(terms) + ", found " + describe(one) +
                 (near.empty() ? "" : "; did you mean " + quoted(near) + "?"));
       return fallback;
     }

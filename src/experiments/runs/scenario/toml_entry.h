@@ -61,11 +61,11 @@ class Entry {
   [[nodiscard]] std::string text(std::string_view key, std::size_t bytes_max,
                                  const std::optional<std::string>& fallback = std::nullopt) const;
   /// One of these words; a misspelt one is answered with the nearest.
-  [[nodiscard]] std::string one_of(std::string_view key, const std::vector<std::string_view>& words,
+  [[nodiscard]] std::string one_of(std::string_view key, const std::vector<std::string_view>& terms,
                                    const std::optional<std::string>& fallback = std::nullopt) const;
   [[nodiscard]] std::vector<std::string> texts(std::string_view key, std::size_t count_max) const;
   /// One of these words or a list of them, each once; a misspelt one is answered with the nearest.
-  [[nodiscard]] std::vector<std::string> some_of(std::string_view key, const std::vector<std::string_view>& words,
+  [[nodiscard]] std::vector<std::string> some_of(std::string_view key, const std::vector<std::string_view>& terms,
                                                  const std::vector<std::string>& fallback) const;
   /// A number, a list of numbers, or { from, to, steps, log } with both ends: 1 to `count_max` of them, each once, in
   /// rising order. `range.what` says what each must be.

@@ -13,6 +13,6 @@ namespace cosiva::experiments {
 [[nodiscard]] std::string describe(const toml::node& node);
 [[nodiscard]] std::optional<double> number_of(const toml::node& node);
 /// "a, b, c".
-[[nodiscard]] std::string listed(const std::vector<std::string_view>& words);
+[[nodiscard]] std::string listed(const std::vector<std::string_view>& terms);
 
 }  // namespace cosiva::experiments

@@ -94,8 +94,8 @@ TEST(Things, that_cannot_be_are_refused_with_a_sentence_and_change_nothing) {
       {R"({"command":"move","thing":{"id":"P1"}})", "where it stands"},
       {R"({"command":"remove","id":"P9"})", "there are P1"},
       {R"({"command":"remove"})", "which thing"}};
-  for (const auto& [json, words] : wrong) {
-    EXPECT_THAT(bench.refusal(json), HasSubstr(words)) << json;
+  for (const auto& [json, phrase] : wrong) {
+    EXPECT_THAT(bench.refusal(json), HasSubstr(phrase)) << json;
     bench.logs.clear();
     bench.ask(json);
     EXPECT_TRUE(bench.logged("refused")) << json;

@@ -271,10 +271,10 @@ void Missions::write(JsonWriter& json, VehicleIndex vehicle, std::string_view wa
     json.value(loop->name);
   else
     json.null();
-  constexpr std::array<std::string_view, 3> words{"driving", "arrived", "no way"};
+  constexpr std::array<std::string_view, 3> terms{"driving", "arrived", "no way"};
   // Where two control areas meet it has not arrived yet.
   const bool waits = entry.state == State::arrived && !entry.mission.beyond.empty();
-  json.field("state", waits ? words[0] : words[static_cast<std::size_t>(entry.state)]).key("why");
+  json.field("state", waits ? terms[0] : terms[static_cast<std::size_t>(entry.state)]).key("why");
   if (!entry.why.empty())
     json.value(entry.why);
   else if (waits)

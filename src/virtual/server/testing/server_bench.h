@@ -142,8 +142,8 @@ class ServerBench {
     std::ranges::copy_if(published, std::back_inserter(found), [&](const auto& p) { return p.topic == topic; });
     return found;
   }
-  [[nodiscard]] bool logged(std::string_view words) const {
-    return std::ranges::any_of(logs, [&](const std::string& line) { return line.find(words) != std::string::npos; });
+  [[nodiscard]] bool logged(std::string_view phrase) const {
+    return std::ranges::any_of(logs, [&](const std::string& line) { return line.find(phrase) != std::string::npos; });
   }
 
  private:

@@ -64,14 +64,14 @@ Result<std::string> BatteryTestRelay::on_message(const wire::Input& input) {
     auto test = wire::battery_test_from_json(input.payload);
     if (!test) return tl::unexpected(test.error());
     const bool another = !test_ || test_->began != test->began;
-    const std::string words = another ? "run " + std::to_string(test->run) + " of " + std::to_string(test->runs) : "";
+    const std::string phrase = another ? "run " + std::to_string(test->run) + " of " + std::to_string(test->runs) : "";
     test_ = std::move(*test);
     if (another) {
       for (const wire::BatteryTest::Slot& slot : test_->vehicles)
         if (const auto curve = curves_.find(slot.vehicle); curve != curves_.end())
           curve->second.forget_before(test_->began);
     }
-    return words;
+    return phrase;
   }
   const auto vehicle = wire::parse_own_topic(wire::battery_change_topic_prefix, input.source);
   if (!vehicle) return std::string{};
@@ -84,9 +84,9 @@ Result<std::string> BatteryTestRelay::on_message(const wire::Input& input) {
   if (!change) return tl::unexpected(change.error());
   if (changes_.size() >= changes_max && !changes_.contains(name))
     return fail("battery.many", "more than " + std::to_string(changes_max) + " battery changes at a time", name);
-  std::string words = "changeBattery in " + name + ": '" + change->battery + "'";
+  std::string phrase = "changeBattery in " + name + ": '" + change->battery + "'";
   changes_.insert_or_assign(name, Change{*vehicle, std::move(*change), input.at});
-  return words;
+  return phrase;
 }
 
 void BatteryTestRelay::link_up() {
