@@ -1,8 +1,8 @@
 #include "cosiva/wire/own/own_messages.h"
 
 #include "cosiva/wire/own/battery_exchange.h"
-#include "cosiva/wire/own/estimate_exchange.h"
 #include "cosiva/wire/own/control_areas.h"
+#include "cosiva/wire/own/estimate_exchange.h"
 #include "cosiva/wire/own/v2x.h"
 #include "target.h"
 

@@ -21,8 +21,8 @@ namespace {
 using namespace std::chrono_literals;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using testing::timeout;
 using testing::Scratch;
+using testing::timeout;
 
 struct Bench {
   EventLoop loop;

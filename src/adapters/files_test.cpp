@@ -11,8 +11,8 @@ namespace cosiva::adapters {
 namespace {
 
 using namespace std::chrono_literals;
-using testing::timeout;
 using testing::Scratch;
+using testing::timeout;
 
 /// A disk that stands still: what is written here waits until somebody reads.
 std::string pipe_in(const Scratch& scratch, std::string_view name) {

@@ -24,9 +24,9 @@ namespace websocket = beast::websocket;
 using namespace std::chrono_literals;
 using tcp = asio::ip::tcp;
 using ::testing::HasSubstr;
-using testing::timeout;
 using testing::Scratch;
 using ::testing::StartsWith;
+using testing::timeout;
 
 /// A server with a page and a small API, and clients on the same loop.
 class Http : public ::testing::Test {

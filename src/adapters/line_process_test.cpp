@@ -10,10 +10,10 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-std::string refusal(const std::string& command, milliseconds timeout = seconds{5}) {
+std::string refusal(const std::string& command, milliseconds within = seconds{5}) {
   auto process = LineProcess::start(command);
   EXPECT_TRUE(process);
-  const auto answer = (*process)->ask("hello", timeout);
+  const auto answer = (*process)->ask("hello", within);
   return answer ? "said " + *answer : answer.error().code + ": " + answer.error().message;
 }
 

@@ -23,7 +23,7 @@ struct LiveOptions {
   std::string name;     ///< before each line of the log: "aiv1"
   std::optional<MqttOptions> mqtt;
   std::string record_file;  ///< empty: no journal
-  std::string state_file;  ///< empty: what the core wants remembered is dropped
+  std::string state_file;   ///< empty: what the core wants remembered is dropped
   /// "CoSiVA/AIV2" for an *emulated* vehicle's program: it loses messages as wire::plant_radio_topic says; its core
   /// never hears of it, and the journal holds what got through. Empty for everything real.
   std::string obeys_radio;

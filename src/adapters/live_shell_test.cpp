@@ -20,8 +20,8 @@ namespace {
 using namespace std::chrono_literals;
 using ::testing::Contains;
 using ::testing::HasSubstr;
-using testing::timeout;
 using testing::Scratch;
+using testing::timeout;
 
 /// Answers what it hears: echoes messages and bytes, remembers commands, counts ticks.
 class EchoCore final : public wire::Core {

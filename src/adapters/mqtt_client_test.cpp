@@ -16,8 +16,8 @@ namespace {
 using namespace std::chrono_literals;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using testing::timeout;
 using testing::Scratch;
+using testing::timeout;
 
 /// A client that notes down all it hears.
 struct Listener {

@@ -16,8 +16,8 @@ namespace {
 
 using namespace std::chrono_literals;
 using ::testing::ElementsAre;
-using testing::timeout;
 using testing::Scratch;
+using testing::timeout;
 
 struct Side {
   std::vector<std::string> events;  ///< "1/PILS up"

@@ -14,7 +14,7 @@ namespace cosiva::app::bench {
 
 struct Said {
   int status;
-  std::string data;   ///< on standard output
+  std::string data;            ///< on standard output
   std::string standard_error;  ///< on standard error
 };
 

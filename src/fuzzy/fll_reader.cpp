@@ -230,7 +230,8 @@ class Reader {
                         " is not taken: outputs are Takagi-Sugeno; write 'WeightedAverage TakagiSugeno' or " +
                         "'WeightedSum TakagiSugeno', and the output's terms as Constant or Linear");
     }
-    if (tokens.size() > 2 || (tokens.size() == 2 && tokens[1].text != "TakagiSugeno" && tokens[1].text != "Automatic")) {
+    if (tokens.size() > 2 ||
+        (tokens.size() == 2 && tokens[1].text != "TakagiSugeno" && tokens[1].text != "Automatic")) {
       return refuse(origin_, tokens[1],
                     "the type of a weighted defuzzifier is TakagiSugeno, but found " + quoted(tokens[1].text));
     }

@@ -223,7 +223,8 @@ TEST(PageCalls, save_a_ready_zone_into_the_users_folder_and_list_it) {
   PageBench page;
   const HttpResponse saved = page.ask("POST", "/api/v1/zone/save");
   EXPECT_EQ(PageBench::said(saved, "file"), scratch / "data/cosiva/zones/lacet4.toml") << saved.body;
-  const std::string mine = scratch.write("data/cosiva/zones/mine.toml", "# My control area: with a pit\nname = \"mine\"\n");
+  const std::string mine =
+      scratch.write("data/cosiva/zones/mine.toml", "# My control area: with a pit\nname = \"mine\"\n");
   const auto zones = JsonValue::parse(page.ask("GET", "/api/v1/zones").body);
   std::map<std::string, std::string> titles;
   std::vector<std::string> current;

@@ -14,7 +14,7 @@ namespace cosiva::aiv {
 /// actionId is the repair of a lost message: it is known, and not done again.
 class InstantActionBook {
  public:
-  static constexpr std::size_t shown_max = 32;        ///< states in actionStates
+  static constexpr std::size_t shown_max = 32;    ///< states in actionStates
   static constexpr std::size_t recent_max = 128;  ///< ids that are not done twice
 
   /// False when this actionId was seen before.

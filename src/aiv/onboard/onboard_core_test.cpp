@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cosiva/aiv/onboard/persisted_position.h"
 #include "cosiva/aiv/onboard/onboard_bench.h"
+#include "cosiva/aiv/onboard/persisted_position.h"
 
 namespace cosiva::aiv {
 namespace {

@@ -68,16 +68,16 @@ Result<PersistedPosition> persisted_position_from_json(std::string_view json) {
   if (!whole(*odometer_um, -whole_max, whole_max)) return fail("state.range", "no odometer reading", "odometer_um");
   if (!whole(*session, 0.0, 4294967295.0)) return fail("state.range", "no session number", "session");
   PersistedPosition persisted{*zone,
-                *section,
-                *s_m,
-                static_cast<std::int64_t>(*odometer_um),
-                static_cast<std::uint32_t>(*session),
-                value->flag("paused").value_or(false),
-                std::nullopt,
-                std::nullopt,
-                false,
-                std::nullopt,
-                std::nullopt};
+                              *section,
+                              *s_m,
+                              static_cast<std::int64_t>(*odometer_um),
+                              static_cast<std::uint32_t>(*session),
+                              value->flag("paused").value_or(false),
+                              std::nullopt,
+                              std::nullopt,
+                              false,
+                              std::nullopt,
+                              std::nullopt};
   persisted.pose = pose_from(value->find("pose"));
   persisted.off_line = value->flag("off_line").value_or(false) && persisted.pose;
   persisted.manoeuvre = pose_from(value->find("manoeuvre"));

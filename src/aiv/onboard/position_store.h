@@ -5,9 +5,9 @@
 #include <string>
 
 #include "cosiva/aiv/onboard/driving_context.h"
-#include "cosiva/aiv/onboard/persisted_position.h"
 #include "cosiva/aiv/onboard/onboard_options.h"
 #include "cosiva/aiv/onboard/periodic.h"
+#include "cosiva/aiv/onboard/persisted_position.h"
 #include "cosiva/wire/runtime/core.h"
 
 namespace cosiva::aiv {

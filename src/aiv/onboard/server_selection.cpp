@@ -19,7 +19,8 @@ bool ServerSelection::on_owner(std::string_view payload, wire::Effects& effects)
     next = std::move(owner->area);
   }
   if (next == area_) return false;
-  effects.emplace_back(wire::Log{'i', next.empty() ? std::string("is nobody's any more") : "is control area " + next + "'s"});
+  effects.emplace_back(
+      wire::Log{'i', next.empty() ? std::string("is nobody's any more") : "is control area " + next + "'s"});
   area_ = std::move(next);
   topics_ = wire::server_topics(area_);
   COSIVA_EXPECT(area_.empty() == (topics_.heartbeat == wire::server_heartbeat_topic));

@@ -4,8 +4,8 @@
 
 #include "cosiva/aiv/onboard/instant_actions.h"
 #include "cosiva/wire/in_process/said.h"
-#include "cosiva/wire/own/estimate_exchange.h"
 #include "cosiva/wire/own/control_areas.h"
+#include "cosiva/wire/own/estimate_exchange.h"
 #include "cosiva/wire/vda5050/codec.h"
 
 namespace cosiva::aiv {

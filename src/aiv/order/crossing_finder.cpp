@@ -19,7 +19,8 @@ CrossingFinder::CrossingFinder(const zone::TrafficZone& zone)
   for (auto& spans : spans_) std::ranges::stable_sort(spans, {}, &Span::from_m);
 }
 
-void CrossingFinder::ahead(const Outlook& outlook, double reach_m, std::size_t count_max, std::vector<CrossingSpan>& out) const {
+void CrossingFinder::ahead(const Outlook& outlook, double reach_m, std::size_t count_max,
+                           std::vector<CrossingSpan>& out) const {
   out.clear();
   double start_m = -outlook.here.s_m;  // of the present section, seen from here
   double chained_to_m = reach_m;       // so far a crossing still counts

@@ -20,7 +20,7 @@ class FeltWorld {
  public:
   struct Model {
     BodyGap::Model look{};
-    SimDuration memory_span{std::chrono::seconds{1}};            ///< without news all of it is forgotten
+    SimDuration memory_span{std::chrono::seconds{1}};       ///< without news all of it is forgotten
     SimDuration carry_max{std::chrono::milliseconds{500}};  ///< a moving body is carried on no longer
   };
   explicit FeltWorld(const zone::TrafficZone& zone) : FeltWorld{zone, Model{}} {}

@@ -33,23 +33,25 @@ void each_crossing(const Agent& agent, const zone::TrafficZone& zone, const Cros
   crossing_spans.ahead(agent.position().outlook(), intent_reach_m, wire::Intent::crossings_max, ahead);
   for (const CrossingSpan& crossing_span : ahead) {
     const bool ends_there = !order.horizon_left() && base_m > crossing_span.entry_m;
-    const bool may_enter =
-        crossing_span.entry_m <= 0.0 || (order.active() && (base_m >= crossing_span.chain_exit_m - rounding_m || ends_there));
+    const bool may_enter = crossing_span.entry_m <= 0.0 ||
+                           (order.active() && (base_m >= crossing_span.chain_exit_m - rounding_m || ends_there));
     if (!may_enter && !(goes_on && order.horizon_left())) return;
     const std::string& name = zone.crossings[crossing_span.crossing].name;
     if (name.size() <= name_bytes_max) take(crossing_span, name, may_enter);
   }
 }
 
-void add_crossings(const Agent& agent, const zone::TrafficZone& zone, const CrossingFinder& crossing_spans, wire::Intent& intent) {
+void add_crossings(const Agent& agent, const zone::TrafficZone& zone, const CrossingFinder& crossing_spans,
+                   wire::Intent& intent) {
   const zone::SpeedProfile pace = pace_of(agent, zone);
   const auto after = [&](double way_m) {
     return std::min(duration_s_max, thousandths(earliest_s(way_m, agent.motion().speed_mps(), pace)));
   };
-  each_crossing(agent, zone, crossing_spans, [&](const CrossingSpan& crossing_span, const std::string& name, bool may_enter) {
-    intent.crossings.push_back({name, thousandths(crossing_span.entry_m), thousandths(crossing_span.exit_m), after(crossing_span.entry_m),
-                                after(crossing_span.exit_m), may_enter});
-  });
+  each_crossing(
+      agent, zone, crossing_spans, [&](const CrossingSpan& crossing_span, const std::string& name, bool may_enter) {
+        intent.crossings.push_back({name, thousandths(crossing_span.entry_m), thousandths(crossing_span.exit_m),
+                                    after(crossing_span.entry_m), after(crossing_span.exit_m), may_enter});
+      });
 }
 
 /// On a line whose name can be said.
@@ -85,7 +87,8 @@ double earliest_s(double distance_m, double speed_mps, const zone::SpeedProfile&
   return (by.speed_mps - start_mps) / by.acceleration_mps2 + (distance_m - speeding_up_m) / by.speed_mps;
 }
 
-bool is_news(const wire::Intent& said, const Agent& agent, const zone::TrafficZone& zone, const CrossingFinder& crossing_spans) {
+bool is_news(const wire::Intent& said, const Agent& agent, const zone::TrafficZone& zone,
+             const CrossingFinder& crossing_spans) {
   if (said.braking != agent.braking() || said.map_id != zone.name || said.place.has_value() != has_place(agent, zone))
     return true;
   if (!agent.position().known() || agent.position().off_line()) return !said.crossings.empty();

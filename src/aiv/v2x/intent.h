@@ -16,7 +16,8 @@ inline constexpr double intent_reach_m = 3.0;
 /// What the vehicle has to say of itself now, but for header and identity. Lengths and times are rounded to
 /// thousandths. Only for one whose pose is known. One that is held or has no order names the crossings that are its own
 /// already, and wants none.
-[[nodiscard]] wire::Intent compose_intent(const Agent& agent, const zone::TrafficZone& zone, const CrossingFinder& crossing_spans);
+[[nodiscard]] wire::Intent compose_intent(const Agent& agent, const zone::TrafficZone& zone,
+                                          const CrossingFinder& crossing_spans);
 
 /// Whether compose_intent would say something else now that others act upon at once: whether it brakes, its map,
 /// whether it is on a line, and which crossings it comes to or may enter. Asked fifty times a second, so it composes

@@ -138,7 +138,8 @@ void Neighbours::look_for_rivals(SimTime now, const Agent& agent, Others& others
   crossing_finder_.ahead(agent.position().outlook(), stop_m + entry_slack_m, wire::Intent::crossings_max, ahead_);
   const auto in_chain = [&](const wire::CrossingIntent& crossing) {
     return std::ranges::any_of(ahead_, [&](const CrossingSpan& crossing_span) {
-      return crossing_span.entry_m >= stop_m - entry_slack_m && zone_.crossings[crossing_span.crossing].name == crossing.name;
+      return crossing_span.entry_m >= stop_m - entry_slack_m &&
+             zone_.crossings[crossing_span.crossing].name == crossing.name;
     });
   };
   const double own_s = earliest_s(stop_m, agent.motion().speed_mps(), zone_.profiles.medium);

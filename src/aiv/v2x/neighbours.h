@@ -26,7 +26,7 @@ namespace cosiva::aiv {
 class Neighbours {
  public:
   struct Model {
-    SimDuration memory_span{std::chrono::seconds{1}};            ///< since it arrived
+    SimDuration memory_span{std::chrono::seconds{1}};       ///< since it arrived
     SimDuration carry_max{std::chrono::milliseconds{500}};  ///< a pose is carried on no longer
     std::size_t count_max{32};
     /// Nobody further off along an axis can be heard: two cells, both sides' slack, and what they drive meanwhile.

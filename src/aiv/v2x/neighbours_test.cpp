@@ -51,7 +51,8 @@ struct Ear {
                                    const std::string& serial = "AIV2") {
     wire::Intent intent = one_at(at(lacet4(), "north", 0.2), 0.3, serial);
     for (const CrossingSpan& crossing_span : crossings()) {
-      intent.crossings = {{lacet4().crossings[crossing_span.crossing].name, 0.2, 0.6, arrival_s, departure_s, may_enter}};
+      intent.crossings = {
+          {lacet4().crossings[crossing_span.crossing].name, 0.2, 0.6, arrival_s, departure_s, may_enter}};
     }
     return intent;
   }

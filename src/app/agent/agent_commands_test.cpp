@@ -84,16 +84,17 @@ TEST(AgentRules, that_are_bad_end_every_command_with_2_and_their_line) {
   const Scratch scratch;
   const std::string file = edited(scratch, "if charge is low then", "if charge is lw then");
   const std::vector<std::vector<std::string>> commands{{"agent", "explain"},
-                                                    {"agent", "surface"},
-                                                    {"up", "--headless", "--virtual-time", "--duration", "1"},
-                                                    {"up", "--headless", "--duration", "1"},
-                                                    {"aiv", "--number", "1", "--sockets", scratch.path()},
-                                                    {"server", "--headless"}};
+                                                       {"agent", "surface"},
+                                                       {"up", "--headless", "--virtual-time", "--duration", "1"},
+                                                       {"up", "--headless", "--duration", "1"},
+                                                       {"aiv", "--number", "1", "--sockets", scratch.path()},
+                                                       {"server", "--headless"}};
   for (std::vector<std::string> command : commands) {
     command.insert(command.end(), {"--rules", file});
     const Said said = cosiva(command);
     EXPECT_EQ(said.status, 2) << command[0];
-    EXPECT_THAT(said.standard_error, HasSubstr("my.fll:199:22: 'charge' has no such term; expected a hedge or low or good"))
+    EXPECT_THAT(said.standard_error,
+                HasSubstr("my.fll:199:22: 'charge' has no such term; expected a hedge or low or good"))
         << command[0];
   }
   EXPECT_EQ(cosiva({"agent", "explain", "--rules", scratch / "gone.fll"}).status, 2);

@@ -31,7 +31,8 @@ void add_inputs(CLI::App& command, AgentArguments& agent) {
   command.add_option("--rules", agent.rules, "rules to look at: a file, or fuzzy, the built-in ones")
       ->type_name("FILE")
       ->capture_default_str();
-  command.add_option("--instruction", agent.instruction, "what the operator asks for: stop, slow, medium, fast or none")
+  command
+      .add_option("--instruction", agent.instruction, "what the operator asks for: stop, slow, medium, fast or none")
       ->type_name("WORD")
       ->capture_default_str();
   CLI::Option* closing = nullptr;
@@ -45,7 +46,8 @@ void add_inputs(CLI::App& command, AgentArguments& agent) {
     option->type_name("N")->capture_default_str();
     if (input == aiv::AgentInput::closing) closing = option;
   }
-  command.add_option("--speed", agent.speed_mps, "in place of --closing: its own speed, towards a body that stands [m/s]")
+  command
+      .add_option("--speed", agent.speed_mps, "in place of --closing: its own speed, towards a body that stands [m/s]")
       ->type_name("N")
       ->check(CLI::Range(0.0, 100.0))
       ->excludes(closing);

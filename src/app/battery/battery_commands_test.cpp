@@ -77,7 +77,7 @@ TEST(BatteryFleet, may_have_the_whole_platform_in_the_loop) {
 
 TEST(BatteryFleet, says_at_what_pace_the_whole_platform_was_in_the_loop) {
   const std::vector<std::string> command{"battery", "fleet",    "--aivs", "2",       "--whole", "--scale",
-                                      "0.3",     "--series", "2",      "--floor", "90",      "--json"};
+                                         "0.3",     "--series", "2",      "--floor", "90",      "--json"};
   const auto with = [&](std::vector<std::string> more) {
     std::vector<std::string> all = command;
     all.insert(all.end(), more.begin(), more.end());
@@ -100,7 +100,7 @@ TEST(BatteryFleet, goes_on_from_its_state_and_refuses_another_s) {
   const Scratch scratch;
   const std::string state = scratch / "state";
   const std::vector<std::string> command{"battery", "fleet", "--aivs", "2",       "--measure", "20",
-                                      "--scale", "0.5",   "--json", "--state", state};
+                                         "--scale", "0.5",   "--json", "--state", state};
   const Said first = cosiva(command);
   ASSERT_EQ(first.status, 0) << first.standard_error;
   const Said again = cosiva(command);  // it was done: nothing is driven anew
@@ -122,7 +122,8 @@ TEST(BatteryTest, refuses_what_makes_no_sense) {
   EXPECT_EQ(cosiva({"battery", "sampled", "--type", "gone.json"}).status, 2);
   EXPECT_EQ(cosiva({"battery", "sampled", "--gauge", "magic"}).status, 2);
   EXPECT_EQ(cosiva({"battery", "sampled", "--zone", "nowhere"}).status, 2);
-  EXPECT_THAT(cosiva({"battery", "sampled", "--ambient", "-10"}).standard_error, HasSubstr("would refuse every battery"));
+  EXPECT_THAT(cosiva({"battery", "sampled", "--ambient", "-10"}).standard_error,
+              HasSubstr("would refuse every battery"));
   EXPECT_EQ(cosiva({"battery", "fleet", "--aivs", "1"}).status, 2);
   EXPECT_EQ(cosiva({"battery"}).status, 2);
 }
@@ -134,7 +135,8 @@ TEST(BatteryFleet, ends_itself_after_the_run_that_made_its_mean_as_sure_as_was_w
   };
   const Said loose = fleet("20");
   ASSERT_EQ(loose.status, 0) << loose.standard_error;
-  EXPECT_THAT(loose.standard_error, HasSubstr("the test ends after run 1 of 3: the mean is known as well as was wanted"));
+  EXPECT_THAT(loose.standard_error,
+              HasSubstr("the test ends after run 1 of 3: the mean is known as well as was wanted"));
   EXPECT_THAT(loose.data, HasSubstr("after 5 batteries: no more are needed, nor more runs than the 1 of 3 that were"));
   const Said strict = fleet("0.01");
   ASSERT_EQ(strict.status, 0) << strict.standard_error;
@@ -197,7 +199,8 @@ TEST(BatteryFit, holds_a_discharge_out_of_a_file_that_has_several) {
 TEST(BatteryFit, writes_a_type_that_can_be_used) {
   const Scratch scratch;
   const std::string file = scratch / "mine.json";
-  EXPECT_THAT(cosiva({"battery", "fit", data("leaf_hppc_25C.csv"), "--out", file}).standard_error, HasSubstr("--licence"));
+  EXPECT_THAT(cosiva({"battery", "fit", data("leaf_hppc_25C.csv"), "--out", file}).standard_error,
+              HasSubstr("--licence"));
   EXPECT_FALSE(std::filesystem::exists(file));
   ASSERT_EQ(
       cosiva({"battery", "fit", data("leaf_hppc_25C.csv"), "--out", file, "--licence", "MIT", "--name", "mine"}).status,

@@ -114,15 +114,17 @@ void add_live_options(CLI::App& command, BatteryTestArguments& test) {
       ->type_name("MANUFACTURER/SERIAL");
   command.add_option("--battery", test.batteries, "what people call each battery, in the vehicles' order")
       ->type_name("ID");
-  command.add_flag("--by-hand", test.by_hand,
-                "people change the batteries, and say so with `cosiva battery ready`; without, the plant is told to");
+  command.add_flag(
+      "--by-hand", test.by_hand,
+      "people change the batteries, and say so with `cosiva battery ready`; without, the plant is told to");
   command.add_option("--park", test.park, "a station where who has ended goes, with --by-hand; without, it stands")
       ->type_name("STATION");
   command.add_option("--lost-after", test.lost_after_s, "without a word from it a vehicle is lost [s]")
       ->type_name("S")
       ->check(CLI::Range(2.0, 86400.0))
       ->capture_default_str();
-  command.add_option("--notify", test.notify,
+  command
+      .add_option("--notify", test.notify,
                   "told what the operator is told, as the last argument of this shell command (live tests)")
       ->type_name("COMMAND");
 }
@@ -171,8 +173,9 @@ void add_test_options(CLI::App& command, BatteryTestArguments& test) {
       ->check(CLI::Range(10.0, 36000.0))
       ->capture_default_str();
   command.add_flag("--whole", test.whole,
-                "the whole platform in the loop to the end, instead of repeating the load that was measured");
-  command.add_option(
+                   "the whole platform in the loop to the end, instead of repeating the load that was measured");
+  command
+      .add_option(
           "--hz", test.hz,
           "with --whole: everybody acts so often in a second; 50 is the live platform's own pace, and what it is "
           "without. At 10 it takes three fifths of the time, and crowded vehicles wait a little longer for each other")
@@ -232,7 +235,9 @@ void describe_discharge(CLI::App& command, BatteryDischargeArguments& discharge)
   command.add_option("--current", discharge.currents_a, "of the whole pack [A]")
       ->type_name("A")
       ->check(CLI::PositiveNumber);
-  command.add_option("--power", discharge.powers_w, "of the whole pack [W]")->type_name("W")->check(CLI::PositiveNumber);
+  command.add_option("--power", discharge.powers_w, "of the whole pack [W]")
+      ->type_name("W")
+      ->check(CLI::PositiveNumber);
   command.add_option("--rate", discharge.rates, "current in multiples of the capacity: 0.2 is C/5")
       ->type_name("C")
       ->check(CLI::PositiveNumber);
@@ -264,14 +269,16 @@ void describe_analyse(CLI::App& command, BatteryAnalyseArguments& analyse) {
       ->type_name("CSV|JSON")
       ->required();
   command.add_option("--only", analyse.only, "only this series of them")->type_name("SERIES");
-  command.add_option("--failed", analyse.failed, "as if this battery's first run had been ended then by something else")
+  command
+      .add_option("--failed", analyse.failed, "as if this battery's first run had been ended then by something else")
       ->type_name("BATTERY=SECONDS");
   command.add_option("--time", analyse.time, "column: how long it lasted, such as time_to_2V5_second")
       ->type_name("COLUMN");
   command.add_option("--battery", analyse.battery, "column: which battery")->type_name("COLUMN");
   command.add_option("--vehicle", analyse.vehicle, "column: on which vehicle, or tester channel")->type_name("COLUMN");
   command.add_option("--run", analyse.run, "column: which of its runs, from 1")->type_name("COLUMN");
-  command.add_option("--half-width", analyse.half_width_percent,
+  command
+      .add_option("--half-width", analyse.half_width_percent,
                   "say after how many batteries the mean is known to this [%]")
       ->type_name("PERCENT")
       ->check(CLI::Range(0.001, 100.0));
@@ -303,13 +310,17 @@ BatteryCommands describe_battery(CLI::App& root, BatteryArguments& battery) {
   commands.battery->require_subcommand(0, 1);
   commands.sampled =
       commands.battery->add_subcommand("sampled", "One AIV, one battery, from full to the floor, as often as wanted");
-  commands.fleet = commands.battery->add_subcommand("fleet", "N AIVs on one circuit, each with its battery, all at once");
+  commands.fleet =
+      commands.battery->add_subcommand("fleet", "N AIVs on one circuit, each with its battery, all at once");
   commands.fit = commands.battery->add_subcommand("fit", "Make a battery type of a tester's logs");
-  commands.ready = commands.battery->add_subcommand("ready", "Say that a battery has been put into a vehicle (live tests)");
-  commands.plan = commands.battery->add_subcommand("plan", "Say how many batteries a claim takes, and who swaps with whom");
+  commands.ready =
+      commands.battery->add_subcommand("ready", "Say that a battery has been put into a vehicle (live tests)");
+  commands.plan =
+      commands.battery->add_subcommand("plan", "Say how many batteries a claim takes, and who swaps with whom");
   commands.analyse = commands.battery->add_subcommand(
       "analyse", "What may be claimed from tests that were made before, here or elsewhere");
-  commands.discharge = commands.battery->add_subcommand("discharge", "Say how long a type's battery lasts under a load");
+  commands.discharge =
+      commands.battery->add_subcommand("discharge", "Say how long a type's battery lasts under a load");
   commands.compare = commands.battery->add_subcommand("compare", "Compare the batteries of two results");
   commands.check =
       commands.battery->add_subcommand("check", "Say whether files are battery types, or what is wrong with them");

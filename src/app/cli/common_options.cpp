@@ -18,7 +18,8 @@ void add_rules(CLI::App& command, std::string& rules, const std::string& what) {
 }
 
 void add_switch(CLI::App& command, const std::string& name, bool& on, const std::string& what) {
-  command.add_option_function<std::string>(
+  command
+      .add_option_function<std::string>(
           name, [&on](const std::string& word) { on = word == "on"; }, what + (on ? "; without: on" : "; without: off"))
       ->type_name("on|off")
       ->check(CLI::IsMember({"on", "off"}));

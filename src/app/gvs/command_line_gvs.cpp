@@ -11,7 +11,8 @@ namespace {
 constexpr const char* examples =
     "Examples, the whole way without a camera:\n"
     "  cosiva gvs render --zone lacet4 --aivs 20 --out control area            pictures, floor points, and the truth\n"
-    "  cosiva gvs calibrate --points control area/points.csv --camera-height 3.3 --camera-foot 0,0 --tag-height 0.1 --out cal\n"
+    "  cosiva gvs calibrate --points control area/points.csv --camera-height 3.3 --camera-foot 0,0 --tag-height 0.1 "
+    "--out cal\n"
     "  cosiva gvs track --calibration cal/calibration.json --images control area/pictures --exposure 4 --tag-side 0.08 "
     "--against control area/truth --out seen\n"
     "  cosiva compare --reference seen/tag_1.tum --estimate my_estimate.tum\n"
@@ -65,7 +66,8 @@ void describe_render(CLI::App& command, GvsRenderArguments& a) {
       ->type_name("MS")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
-  command.add_option("--rolling", a.rolling_ms,
+  command
+      .add_option("--rolling", a.rolling_ms,
                   "rolling shutter: from the first row's beginning to the last one's; 0: global")
       ->type_name("MS")
       ->check(CLI::Range(0.0, 1000.0))
@@ -93,13 +95,15 @@ void describe_render(CLI::App& command, GvsRenderArguments& a) {
 
 void describe_calibrate(CLI::App& command, GvsCalibrateArguments& a) {
   CLI::Option* points =
-      command.add_option("--points", a.points_file, "floor points: CSV with world_x; world_y [m]; image_x; image_y [px]")
+      command
+          .add_option("--points", a.points_file, "floor points: CSV with world_x; world_y [m]; image_x; image_y [px]")
           ->type_name("FILE");
   command.add_option("--board", a.board_file, "tags that lie on the floor: CSV with id; x; y; heading_deg; side [m]")
       ->type_name("FILE")
       ->excludes(points);
   command.add_option("--images", a.images_folder, "pictures of those tags")->type_name("DIR");
-  command.add_option("--size", a.size, "of the pictures that points were read off; a board's pictures say it themselves")
+  command
+      .add_option("--size", a.size, "of the pictures that points were read off; a board's pictures say it themselves")
       ->type_name("WxH")
       ->capture_default_str();
   command.add_option("--model", a.model, "of the floor; best: the one whose left-out blocks fit best")
@@ -113,18 +117,21 @@ void describe_calibrate(CLI::App& command, GvsCalibrateArguments& a) {
       ->type_name("M")
       ->check(CLI::Range(0.01, 1000.0))
       ->capture_default_str();
-  command.add_option("--camera-height", a.camera_height_m,
+  command
+      .add_option("--camera-height", a.camera_height_m,
                   "above the floor, by a tape measure; without: no tag is corrected")
       ->type_name("M")
       ->check(CLI::Range(0.1, 1000.0));
-  command.add_option("--camera-foot", a.camera_foot_m, "the place straight below it, by a plumb line; without: worked out")
+  command
+      .add_option("--camera-foot", a.camera_foot_m, "the place straight below it, by a plumb line; without: worked out")
       ->type_name("X,Y")
       ->delimiter(',')
       ->expected(2);
   command.add_option("--tag-height", a.tag_height_m, "of the vehicles' tags above the floor")
       ->type_name("M")
       ->check(CLI::Range(0.0, 100.0));
-  command.add_option("--tag-height-error", a.tag_height_error_m,
+  command
+      .add_option("--tag-height-error", a.tag_height_error_m,
                   "how sure that height is, as a standard deviation: it goes into reference_budget.json")
       ->type_name("M")
       ->check(CLI::Range(0.0, 1.0));
@@ -135,7 +142,8 @@ void describe_calibrate(CLI::App& command, GvsCalibrateArguments& a) {
       ->type_name("X,Y,DEG")
       ->delimiter(',')
       ->expected(3);
-  command.add_option(
+  command
+      .add_option(
           "--poses", a.poses_file,
           "a vehicle at surveyed poses: CSV true_x; true_y; true_heading_deg; seen_x; seen_y; seen_heading_deg, or, "
           "with --pose-xs, samples x, y, cos, sin, 1 one stand after the other")
@@ -155,7 +163,8 @@ void describe_calibrate(CLI::App& command, GvsCalibrateArguments& a) {
 
 void describe_track(CLI::App& command, GvsTrackArguments& a) {
   command.add_option("--calibration", a.calibration_file, "what `gvs calibrate` wrote")->type_name("FILE")->required();
-  CLI::Option* images = command.add_option("--images", a.images_folder,
+  CLI::Option* images = command
+                            .add_option("--images", a.images_folder,
                                         "pictures by their names, with stamps.csv (file,stamp_s) if there is one")
                             ->type_name("DIR");
   CLI::Option* video = command.add_option("--video", a.video_file, "a video file")->type_name("FILE")->excludes(images);
@@ -168,7 +177,9 @@ void describe_track(CLI::App& command, GvsTrackArguments& a) {
       ->type_name("HZ")
       ->check(CLI::Range(1e-3, 1e5))
       ->capture_default_str();
-  command.add_option("--pictures", a.pictures_max, "no more than so many; 0: all")->type_name("N")->capture_default_str();
+  command.add_option("--pictures", a.pictures_max, "no more than so many; 0: all")
+      ->type_name("N")
+      ->capture_default_str();
   command.add_option("--exposure", a.exposure_ms, "of a row: fixes are stamped in its middle")
       ->type_name("MS")
       ->check(CLI::Range(0.0, 1000.0))
@@ -180,11 +191,13 @@ void describe_track(CLI::App& command, GvsTrackArguments& a) {
   command.add_option("--tag-side", a.tag_side_m, "of the black square; other sizes are no vehicles. Without: any")
       ->type_name("M")
       ->check(CLI::Range(0.005, 10.0));
-  command.add_option("--expect", a.expected, "tags of the vehicles; when all are followed, nobody searches. Without: any")
+  command
+      .add_option("--expect", a.expected, "tags of the vehicles; when all are followed, nobody searches. Without: any")
       ->type_name("N,N")
       ->delimiter(',')
       ->check(CLI::Range(0, vision::tags_in_family - 1));
-  command.add_option("--against", a.against,
+  command
+      .add_option("--against", a.against,
                   "a trajectory of one vehicle, or a folder of tag_N.tum: how late the camera's stamps are; nothing is "
                   "shifted by it. May come again")
       ->type_name("N=FILE|DIR")
@@ -214,7 +227,8 @@ constexpr const char* watch_examples =
 void add_gvs_source(CLI::App& command, GvsSource& source, const std::string& prefix) {
   command.add_option(prefix + "calibration", source.calibration_file, "of a real camera: what `gvs calibrate` wrote")
       ->type_name("FILE");
-  CLI::Option* images = command.add_option(prefix + "images", source.images_folder,
+  CLI::Option* images = command
+                            .add_option(prefix + "images", source.images_folder,
                                         "pictures by their names and stamps.csv, shown once at their own pace")
                             ->type_name("DIR");
   CLI::Option* video = command.add_option(prefix + "video", source.video_file, "a video file, likewise")
@@ -238,7 +252,8 @@ void add_gvs_source(CLI::App& command, GvsSource& source, const std::string& pre
   command.add_option(prefix + "tag-side", source.tag_side_m, "of the black square; other sizes are no vehicles")
       ->type_name("M")
       ->check(CLI::Range(0.005, 10.0));
-  command.add_option(prefix + "vehicle", source.vehicles,
+  command
+      .add_option(prefix + "vehicle", source.vehicles,
                   "whose tag it is, such as 7=CoSiVA/AIV1; without: tag n is CoSiVA/AIVn's. May come again")
       ->type_name("TAG=NAME")
       ->allow_extra_args(false);
@@ -249,8 +264,10 @@ GvsCommands describe_gvs(CLI::App& root, GvsArguments& gvs) {
   commands.gvs = root.add_subcommand("gvs", "Global vision: where vehicles truly are, by a camera over the zone");
   commands.calibrate =
       commands.gvs->add_subcommand("calibrate", "Fit lens and floor, judged by points that the fit has not seen");
-  commands.track = commands.gvs->add_subcommand("track", "Follow vehicles by their tags, in pictures, a video or a camera");
-  commands.render = commands.gvs->add_subcommand("render", "Take the emulated world's pictures, with the truth beside them");
+  commands.track =
+      commands.gvs->add_subcommand("track", "Follow vehicles by their tags, in pictures, a video or a camera");
+  commands.render =
+      commands.gvs->add_subcommand("render", "Take the emulated world's pictures, with the truth beside them");
   commands.watch = commands.gvs->add_subcommand(
       "watch", "Watch a running platform, and tell it where each vehicle truly is; `cosiva up --gvs` runs it");
   commands.gvs->require_subcommand(0, 1);
@@ -259,7 +276,8 @@ GvsCommands describe_gvs(CLI::App& root, GvsArguments& gvs) {
   describe_calibrate(*commands.calibrate, gvs.calibrate);
   describe_track(*commands.track, gvs.track);
   describe_render(*commands.render, gvs.render);
-  for (CLI::App* command : {commands.gvs, commands.calibrate, commands.track, commands.render}) command->footer(examples);
+  for (CLI::App* command : {commands.gvs, commands.calibrate, commands.track, commands.render})
+    command->footer(examples);
   commands.watch->footer(watch_examples);
   return commands;
 }

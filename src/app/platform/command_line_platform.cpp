@@ -36,7 +36,8 @@ constexpr const char* up_examples =
 
 void describe_up(CLI::App& command, UpArguments& up) {
   command.footer(up_examples);
-  command.add_option("--scenario", up.scenario,
+  command
+      .add_option("--scenario", up.scenario,
                   "what happens when: a ready one's name or a file (docs/guide/scenarios.md)")
       ->type_name("NAME|FILE");
   command.add_option("--name", up.name, "of the run, shown on the page; without: scenario or zone, date and time")
@@ -68,7 +69,7 @@ void describe_up(CLI::App& command, UpArguments& up) {
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
   command.add_flag("--virtual-time", up.virtual_time,
-                "all in one process, as fast as the machine can, bit for bit the same each time");
+                   "all in one process, as fast as the machine can, bit for bit the same each time");
   command.add_flag("--page", up.page, "with --virtual-time: at a speed that a person can follow, with the page");
   command.add_option("--speed", up.speed, "with --page: virtual seconds per second to begin with; without: 1")
       ->type_name("X")
@@ -78,9 +79,10 @@ void describe_up(CLI::App& command, UpArguments& up) {
       ->check(CLI::Range(0.0, 0.9));
   add_switch(command, "--v2x", up.v2x, "AIVs tell those near them what they are about to do");
   add_switch(command, "--convoys", up.convoys, "several of one way pass a crossing together, when it pays");
-  CLI::Option* gvs = command.add_flag("--gvs", up.gvs,
-                                   "a camera over the zone watches, says where each AIV truly is, and is shown on the "
-                                   "page (docs/guide/gvs.md); without more: the emulated world's");
+  CLI::Option* gvs =
+      command.add_flag("--gvs", up.gvs,
+                       "a camera over the zone watches, says where each AIV truly is, and is shown on the "
+                       "page (docs/guide/gvs.md); without more: the emulated world's");
   add_gvs_source(command, up.gvs_source, "--gvs-");
   for (const char* name :
        {"calibration", "images", "video", "camera", "rate", "exposure", "line", "tag-side", "vehicle"})
@@ -95,12 +97,15 @@ void describe_server(CLI::App& command, ServerArguments& server) {
   command.add_option("--port", server.port, "of the page on 127.0.0.1; if busy, the next free one is taken")
       ->type_name("PORT")
       ->capture_default_str();
-  command.add_option("--area", server.area,
+  command
+      .add_option("--area", server.area,
                   "name of this server's control area, where several share a broker (docs/guide/control areas.md)")
       ->type_name("NAME");
   command.add_option("--zone", server.zone, "traffic zone, when no plant serves it")->type_name("NAME|FILE");
-  command.add_flag("--watch", server.watch, "with --zone: switch to its file whenever it is saved, while everything runs");
-  command.add_option("--map-link", server.map_link,
+  command.add_flag("--watch", server.watch,
+                   "with --zone: switch to its file whenever it is saved, while everything runs");
+  command
+      .add_option("--map-link", server.map_link,
                   "where vehicles of other makes download the zone's file; without: from our page's address")
       ->type_name("URL");
   command.add_flag("--no-drive", server.no_drive, "only watch: another master control gives the orders");
@@ -110,7 +115,8 @@ void describe_server(CLI::App& command, ServerArguments& server) {
   command.add_option("--web", server.web_directory, "the page's built files, if not web/dist")->type_name("DIR");
   command.add_option("--state-file", server.state_file, "keeps what was added, priorities and edits over a crash")
       ->type_name("FILE");
-  command.add_option("--scenario", server.scenario, "what happens when, once its AIVs are there")->type_name("NAME|FILE");
+  command.add_option("--scenario", server.scenario, "what happens when, once its AIVs are there")
+      ->type_name("NAME|FILE");
   command.add_option("--name", server.name, "of the run, shown on the page")->type_name("TEXT");
   add_rules(command, server.rules, "how its virtual AIVs choose their speed; without: fuzzy");
   command.add_flag("--emulated", server.emulated, "there is a plant: the page may show what is true there");
@@ -136,7 +142,9 @@ void describe_plant(CLI::App& command, PlantArguments& plant) {
       ->type_name("N")
       ->check(CLI::Range(1, 200))
       ->capture_default_str();
-  command.add_option("--sockets", plant.sockets_directory, "folder of the boards' sockets")->type_name("DIR")->required();
+  command.add_option("--sockets", plant.sockets_directory, "folder of the boards' sockets")
+      ->type_name("DIR")
+      ->required();
   command.add_option("--seed", plant.seed, "fixes every random draw")->type_name("S")->capture_default_str();
   command.footer(
       "Example, two vehicles' worlds for two on-board programs:\n"
@@ -154,10 +162,12 @@ void describe_aiv(CLI::App& command, AivArguments& aiv) {
   command.add_option("--zone", aiv.zone, "traffic zone; without: from the broker")->type_name("NAME|FILE");
   command.add_option("--start", aiv.start, "where it stands at first, such as east:0.85; without: it waits to be told")
       ->type_name("SECTION:S");
-  command.add_option("--state-file", aiv.state_file, "keeps its place over a crash; wins over --start")->type_name("FILE");
+  command.add_option("--state-file", aiv.state_file, "keeps its place over a crash; wins over --start")
+      ->type_name("FILE");
   add_rules(command, aiv.rules, "how it chooses its speed (docs/guide/agents.md); without: crisp");
   add_switch(command, "--v2x", aiv.v2x, "it tells those near it what it is about to do");
-  command.add_flag("--emulated", aiv.emulated, "its radio is the emulated world's, which scenarios can let lose messages");
+  command.add_flag("--emulated", aiv.emulated,
+                   "its radio is the emulated world's, which scenarios can let lose messages");
   command.footer(
       "Example, a program for the first of a plant's vehicles:\n"
       "  cosiva aiv --number 1 --sockets /tmp/boards --start east:0.85");
@@ -168,7 +178,8 @@ void describe_aiv(CLI::App& command, AivArguments& aiv) {
 
 PlatformCommands describe_platform(CLI::App& root, PlatformArguments& platform) {
   PlatformCommands commands{};
-  commands.up = root.add_subcommand("up", "The whole platform on this machine: broker, emulated vehicles, server, page");
+  commands.up =
+      root.add_subcommand("up", "The whole platform on this machine: broker, emulated vehicles, server, page");
   commands.server = root.add_subcommand("server", "AIV_Server, simulator and page alone");
   commands.plant = root.add_subcommand("plant", "The emulated physical world alone");
   commands.aiv = root.add_subcommand("aiv", "One vehicle's on-board program alone");
@@ -185,8 +196,8 @@ PlatformCommands describe_platform(CLI::App& root, PlatformArguments& platform) 
 }
 
 std::optional<int> run_platform_command(const PlatformCommands& commands, PlatformArguments& platform) {
-  platform.up.given = {commands.up->count("--zone") > 0, commands.up->count("--aivs") > 0, commands.up->count("--seed") > 0,
-                       commands.up->count("--duration") > 0};
+  platform.up.given = {commands.up->count("--zone") > 0, commands.up->count("--aivs") > 0,
+                       commands.up->count("--seed") > 0, commands.up->count("--duration") > 0};
   if (commands.up->parsed()) return run_up(platform.up);
   if (commands.server->parsed()) return run_server(platform.server);
   if (commands.plant->parsed()) return run_plant(platform.plant);
@@ -206,7 +217,8 @@ ScenarioCommands describe_scenario(CLI::App& root, ScenarioArguments& scenario) 
   commands.check->add_option("scenario", scenario.scenario, "a ready scenario's name or a file")
       ->type_name("NAME|FILE")
       ->required();
-  for (CLI::App* command : {commands.check, commands.list}) command->add_flag("--json", scenario.json, "print the result as JSON");
+  for (CLI::App* command : {commands.check, commands.list})
+    command->add_flag("--json", scenario.json, "print the result as JSON");
   return commands;
 }
 

@@ -40,6 +40,7 @@ struct ScenarioCommands {
 };
 [[nodiscard]] ScenarioCommands describe_scenario(CLI::App& root, ScenarioArguments& scenario);
 /// The exit status of the one that was asked for, if any.
-[[nodiscard]] std::optional<int> run_scenario_command(const ScenarioCommands& commands, const ScenarioArguments& scenario);
+[[nodiscard]] std::optional<int> run_scenario_command(const ScenarioCommands& commands,
+                                                      const ScenarioArguments& scenario);
 
 }  // namespace cosiva::app

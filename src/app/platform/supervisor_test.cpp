@@ -13,8 +13,8 @@ namespace cosiva::app {
 namespace {
 
 using namespace std::chrono_literals;
-using adapters::testing::timeout;
 using adapters::testing::Scratch;
+using adapters::testing::timeout;
 using ::testing::ElementsAre;
 
 class Supervised : public ::testing::Test {

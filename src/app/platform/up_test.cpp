@@ -201,10 +201,11 @@ TEST_F(UpTest, parts_record_their_own_journals_and_both_replay) {
                 plant_log,
                 {"plant", "--zone", zone, "--vehicles", "1", "--sockets", scratch / "boards", "--broker", address,
                  "--duration", "3", "--record", scratch / "plant.journal", "--json"}};
-  Command aiv{loop,
-              aiv_log,
-              {"aiv", "--number", "1", "--sockets", scratch / "boards", "--broker", address, "--start", "east:0.1",
-               "--duration", "2", "--record", scratch / "aiv.journal", "--state-file", scratch / "state_file", "--json"}};
+  Command aiv{
+      loop,
+      aiv_log,
+      {"aiv", "--number", "1", "--sockets", scratch / "boards", "--broker", address, "--start", "east:0.1",
+       "--duration", "2", "--record", scratch / "aiv.journal", "--state-file", scratch / "state_file", "--json"}};
   ASSERT_TRUE(aiv.ends()) << aiv.standard_error();
   ASSERT_TRUE(plant.ends()) << plant.standard_error();
   EXPECT_EQ(aiv.exit->status, 0) << aiv.standard_error();

@@ -10,8 +10,8 @@
 
 namespace cosiva::app {
 
-/// Looks twice a second whether the file of a zone, or its sidecar file, holds something else than what is in force, and
-/// switches to that once it has settled. What the page saved is in force already, so that is no change.
+/// Looks twice a second whether the file of a zone, or its sidecar file, holds something else than what is in force,
+/// and switches to that once it has settled. What the page saved is in force already, so that is no change.
 class ZoneWatch {
  public:
   struct Handlers {

@@ -60,7 +60,8 @@ TEST(Campaign, refuses_the_state_of_another_plan_until_told_to_forget_it) {
   scratch.write("plan.toml", "seed = 5\n" + small);
   const Said said = cosiva({"campaign", plan, "--out", scratch / "out"});
   EXPECT_EQ(said.status, 2);
-  EXPECT_THAT(said.standard_error, AllOf(HasSubstr("campaign.state:1"), HasSubstr("another plan"), HasSubstr("--anew")));
+  EXPECT_THAT(said.standard_error,
+              AllOf(HasSubstr("campaign.state:1"), HasSubstr("another plan"), HasSubstr("--anew")));
   EXPECT_EQ(cosiva({"campaign", plan, "--out", scratch / "out", "--anew"}).status, 0);
   // A tolerance changes no run: what is finished stays.
   scratch.write("plan.toml", "tolerance_m = 0.02\nseed = 5\n" + small);

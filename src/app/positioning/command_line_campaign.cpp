@@ -29,7 +29,8 @@ CLI::App* describe_campaign(CLI::App& root, CampaignArguments& campaign) {
       "campaign", "Sweep position estimators over beacon pitch, noise, speed and more; goes on after a kill");
   command->footer(examples);
   command->add_option("plan", campaign.plan_file, "what is swept: a TOML file")->type_name("PLAN.toml")->required();
-  command->add_option("--out", campaign.out_folder,
+  command
+      ->add_option("--out", campaign.out_folder,
                    "keeps its state there, and writes report.html, result.json, CSV and campaign.sqlite; without: "
                    "nothing is kept")
       ->type_name("DIR");

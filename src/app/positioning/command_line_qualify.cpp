@@ -69,12 +69,14 @@ void add_virtual_time(CLI::App& command, QualifyArguments& q) {
 void add_judging(CLI::App& command, QualifyArguments& q) {
   add_length(command, "--threshold", q.threshold_m, "of the precision: the share of iterations with an error under it");
   add_length(command, "--tolerance", q.tolerance_m, "a run passes when no error exceeds it");
-  command.add_option("--reliability", q.reliability, "that passes in a row should show")->check(CLI::Range(0.01, 0.9999));
+  command.add_option("--reliability", q.reliability, "that passes in a row should show")
+      ->check(CLI::Range(0.01, 0.9999));
   command.add_option("--confidence", q.confidence, "with which they should")->check(CLI::Range(0.01, 0.9999));
   command.add_option("--reference-error", q.reference_m, "standard uncertainty of the truth itself, as one figure")
       ->type_name("M")
       ->check(CLI::Range(0.0, 1e3));
-  command.add_option(
+  command
+      .add_option(
           "--reference-budget", q.reference_budget,
           "the same part by part with sources, all told in the result: reference_budget.json or calibration.json "
           "of gvs calibrate; differences below it are called unresolved")
@@ -82,7 +84,8 @@ void add_judging(CLI::App& command, QualifyArguments& q) {
 }
 
 void add_others(CLI::App& command, QualifyArguments& q) {
-  command.add_option("--recording", q.recordings, "a folder with odometry, readings or ranges, and truth; may come again")
+  command
+      .add_option("--recording", q.recordings, "a folder with odometry, readings or ranges, and truth; may come again")
       ->type_name("DIR")
       ->allow_extra_args(false);
   command.add_option("--gap", q.gap_s, "the truth is interpolated between stamps no further apart")
@@ -104,7 +107,8 @@ void add_others(CLI::App& command, QualifyArguments& q) {
   command.add_option("--associate", q.associate, "which poses belong together; nearest is evo's rule, within 10 ms")
       ->check(CLI::IsMember({"interpolate", "nearest"}))
       ->capture_default_str();
-  command.add_option(
+  command
+      .add_option(
           "--align", q.align,
           "moves estimates onto the truth before they are judged, and says so: se2 turns about the vertical and "
           "shifts, by least squares; origin puts the first pose on the truth's; se3, of trajectories, is evo's "
@@ -123,7 +127,8 @@ void add_live(CLI::App& command, LiveQualifyArguments& live) {
   command.add_option("--vehicle", live.vehicles, "who drives the runs, with --live; may come again; without: AIV1")
       ->type_name("AIV|MANUFACTURER/SERIAL")
       ->allow_extra_args(false);
-  command.add_option("--truth", live.truth_topic, "where it is said where they truly are; without: cosiva/v1/plant/truth")
+  command
+      .add_option("--truth", live.truth_topic, "where it is said where they truly are; without: cosiva/v1/plant/truth")
       ->type_name("TOPIC");
 }
 
@@ -148,7 +153,8 @@ int run_live(const CLI::App& command, const QualifyArguments& q, LiveQualifyArgu
 
 QualifyCommands describe_qualify(CLI::App& root, QualifyArguments& q) {
   QualifyCommands commands{nullptr, nullptr, std::make_shared<LiveQualifyArguments>()};
-  commands.qualify = root.add_subcommand("qualify", "Say how good a position estimator is, with intervals and its limit");
+  commands.qualify =
+      root.add_subcommand("qualify", "Say how good a position estimator is, with intervals and its limit");
   commands.compare = root.add_subcommand("compare", "Say which position estimators differ, on the same runs");
   for (CLI::App* command : {commands.qualify, commands.compare}) {
     command->add_option("algorithms", q.algorithms, "their names (--list), or all")->type_name("NAME");
@@ -169,7 +175,8 @@ QualifyCommands describe_qualify(CLI::App& root, QualifyArguments& q) {
   return commands;
 }
 
-std::optional<int> run_qualify_command(const QualifyCommands& commands, QualifyArguments& q, int argc, const char* const* argv) {
+std::optional<int> run_qualify_command(const QualifyCommands& commands, QualifyArguments& q, int argc,
+                                       const char* const* argv) {
   if (!commands.qualify->parsed() && !commands.compare->parsed()) return std::nullopt;
   q.command = "cosiva";
   for (int i = 1; i < argc; ++i) {
@@ -181,7 +188,7 @@ std::optional<int> run_qualify_command(const QualifyCommands& commands, QualifyA
   }
   if (commands.live->live && !q.list)
     return commands.qualify->parsed() ? run_live(*commands.qualify, q, *commands.live, 1)
-                                   : run_live(*commands.compare, q, *commands.live, 2);
+                                      : run_live(*commands.compare, q, *commands.live, 2);
   return commands.qualify->parsed() ? run_qualify(q) : run_compare(q);
 }
 

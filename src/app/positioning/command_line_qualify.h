@@ -20,7 +20,7 @@ struct QualifyCommands {
 [[nodiscard]] QualifyCommands describe_qualify(CLI::App& root, QualifyArguments& qualify);
 
 /// The exit status of the one that was asked for, if any.
-[[nodiscard]] std::optional<int> run_qualify_command(const QualifyCommands& commands, QualifyArguments& qualify, int argc,
-                                                  const char* const* argv);
+[[nodiscard]] std::optional<int> run_qualify_command(const QualifyCommands& commands, QualifyArguments& qualify,
+                                                     int argc, const char* const* argv);
 
 }  // namespace cosiva::app

@@ -25,7 +25,7 @@ const std::string source = source_dir();
 
 JsonValue json_of(const Said& said) {
   auto json = JsonValue::parse(said.data);
-  EXPECT_TRUE(json) << said.data << said.arguments;
+  EXPECT_TRUE(json) << said.data << said.standard_error;
   return json ? std::move(*json) : JsonValue{};
 }
 
@@ -35,7 +35,7 @@ const JsonValue& algorithm(const JsonValue& json, std::size_t index) {
 
 TEST(Qualify, in_virtual_time_gives_the_figures_and_the_limit) {
   const Said said = cosiva({"qualify", "arc_kalman", "--runs", "8", "--way", "40", "--json"});
-  EXPECT_EQ(said.status, 0) << said.arguments;
+  EXPECT_EQ(said.status, 0) << said.standard_error;
   const JsonValue json = json_of(said);
   EXPECT_EQ(algorithm(json, 0).text("name"), "arc_kalman");
   // Beacons every half metre, 1 cm each: 8.7 mm along and 2 mm across the line.
@@ -55,7 +55,7 @@ TEST(QualifyStatistics, says_the_same_to_the_byte_on_any_number_of_threads) {
       if (arguments.size() > 3) arguments.insert(arguments.end(), {"--way", "10"});
       arguments.insert(arguments.end(), {"--json", "--threads", threads});
       const Said one = cosiva(arguments);
-      EXPECT_EQ(one.status, 0) << one.arguments;
+      EXPECT_EQ(one.status, 0) << one.standard_error;
       said.push_back(one.data);
     }
     EXPECT_EQ(said[0], said[1]);
@@ -89,7 +89,7 @@ TEST(Compare, on_a_recording_reads_it_and_writes_its_report) {
   // A name after the folder is an algorithm's, and no second folder.
   const Said said =
       cosiva({"compare", "dead_reckoning", "--recording", recorded, "calibrating", "--out", out, "--json"});
-  EXPECT_EQ(said.status, 0) << said.arguments;
+  EXPECT_EQ(said.status, 0) << said.standard_error;
   const JsonValue json = json_of(said);
   EXPECT_LT(*algorithm(json, 1).number("rmse_m"), 0.45);
   EXPECT_FALSE(algorithm(json, 1).find("rmse_interval_m")->is_null());
@@ -116,8 +116,8 @@ TEST(Qualify, says_on_the_terminal_and_in_the_report_what_it_made_of_a_recording
   ASSERT_TRUE(adapters::write_file(scratch / "drive/odometry.csv", odometry));
   ASSERT_TRUE(adapters::write_file(scratch / "drive/groundtruth.csv", truth));
   const Said said = cosiva({"qualify", "--recording", scratch / "drive", "--out", scratch / "out", "--json"});
-  EXPECT_EQ(said.status, 0) << said.arguments;
-  EXPECT_THAT(said.arguments, HasSubstr("drive: the truth's heading is 180 degrees off the way it goes"));
+  EXPECT_EQ(said.status, 0) << said.standard_error;
+  EXPECT_THAT(said.standard_error, HasSubstr("drive: the truth's heading is 180 degrees off the way it goes"));
   EXPECT_THAT(adapters::read_file(scratch / "out/report.html").value_or(""), HasSubstr("180 degrees off the way"));
   EXPECT_LT(*algorithm(json_of(said), 0).number("rmse_m"), 0.01);
 }
@@ -147,16 +147,16 @@ TEST(Compare, of_trajectories_writes_a_report_and_what_evo_opens_and_keeps_one_t
   const Said said = cosiva({"compare", "--reference", scratch / "truth.tum", "--estimate", scratch / "a/mine.tum",
                             "--estimate", scratch / "b/mine.tum", "--estimate", scratch / "bad.tum", "--out", out,
                             "--reference-error", "0.05", "--json"});
-  EXPECT_EQ(said.status, 1) << said.arguments;  // one is bad, the others have their figures
-  EXPECT_THAT(said.arguments, HasSubstr("bad.tum:1"));
+  EXPECT_EQ(said.status, 1) << said.standard_error;  // one is bad, the others have their figures
+  EXPECT_THAT(said.standard_error, HasSubstr("bad.tum:1"));
   const auto read = [&](const std::string& file) { return adapters::read_file(out + "/" + file).value_or(""); };
   // Two files of one name are told apart.
   EXPECT_EQ(algorithm(json_of(said), 1).text("name"), "mine_2");
   EXPECT_EQ(read("result.json"), said.data);
   const std::string page = read("report.html");
-  for (const char* arguments : {"least rmse: mine", "mine_2 − mine", "unresolved", "bad.tum:1: here are 3 numbers",
-                            "Reference and estimates from above", "Distribution of all errors", "<svg"})
-    EXPECT_THAT(page, HasSubstr(arguments)) << arguments;
+  for (const char* phrase : {"least rmse: mine", "mine_2 − mine", "unresolved", "bad.tum:1: here are 3 numbers",
+                                "Reference and estimates from above", "Distribution of all errors", "<svg"})
+    EXPECT_THAT(page, HasSubstr(phrase)) << phrase;
   EXPECT_THAT(page, Not(HasSubstr("src=\"http")));
   const std::string errors = read("errors.csv");
   EXPECT_EQ(std::count(errors.begin(), errors.end(), '\n'), 1 + 2 * 60);
@@ -195,7 +195,7 @@ TEST(Compare, names_the_folder_of_a_recording_that_is_bad) {
   const Said said = cosiva({"compare", "--recording", source + "/src/experiments/positioning/recording/labyrinth",
                             "--recording", scratch / "lap2"});
   EXPECT_EQ(said.status, 2);
-  EXPECT_THAT(said.arguments, HasSubstr("lap2/odometry.csv:2: 'nan' under time_s is no finite number"));
+  EXPECT_THAT(said.standard_error, HasSubstr("lap2/odometry.csv:2: 'nan' under time_s is no finite number"));
 }
 
 TEST(Compare, aligns_when_it_is_asked_to_and_says_so) {
@@ -232,7 +232,7 @@ TEST(Compare, aligns_when_it_is_asked_to_and_says_so) {
       json_of(cosiva({"qualify", "calibrating", "--recording", recorded, "--align", "se2", "--json"}));
   EXPECT_EQ(drive.text("align"), "se2");
   EXPECT_EQ(algorithm(drive, 0).find("alignment_by_run")->array()->size(), 1U);
-  EXPECT_THAT(cosiva({"qualify", "calibrating", "--recording", recorded, "--align", "origin"}).arguments,
+  EXPECT_THAT(cosiva({"qualify", "calibrating", "--recording", recorded, "--align", "origin"}).standard_error,
               HasSubstr("the truth has no heading"));
 }
 
@@ -242,8 +242,8 @@ TEST(Compare, refuses_an_alignment_that_means_nothing) {
   EXPECT_TRUE(adapters::write_file(line, "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n2 2 0 0 0 0 0 1\n"));
   const auto arguments = [](const std::vector<std::string>& arguments) {
     const Said said = cosiva(arguments);
-    EXPECT_EQ(said.status, 2) << said.arguments;
-    return said.arguments;
+    EXPECT_EQ(said.status, 2) << said.standard_error;
+    return said.standard_error;
   };
   EXPECT_THAT(arguments({"compare", "--align", "se2"}),
               HasSubstr("--align se2: in virtual time all are told the truth's own frame"));
@@ -287,7 +287,7 @@ TEST(Compare, tells_the_reference_s_budget_and_calls_what_is_below_it_unresolved
   const std::string b = line("b.tum", "0.014");
   write_budget("0.005");
   const std::vector<std::string> arguments{"compare", "--reference",        truth, "--estimate", a, "--estimate", b,
-                                       "--json",  "--reference-budget", budget};
+                                           "--json",  "--reference-budget", budget};
   const JsonValue judged = json_of(cosiva(arguments));
   EXPECT_EQ(judged.find("comparisons")->array()->front().text("verdict"), "unresolved");
   EXPECT_EQ(judged.find("reference_error")->find("parts")->array()->size(), 2U);
@@ -299,7 +299,7 @@ TEST(Compare, on_the_plane_draws_the_limit_beside_each_bar) {
   const std::string recorded = source + "/src/experiments/positioning/recording/labyrinth";
   const Said said = cosiva({"compare", "dead_reckoning", "calibrating", "smoother", "--recording", recorded, "--out",
                             scratch / "out", "--json"});
-  EXPECT_EQ(said.status, 0) << said.arguments;
+  EXPECT_EQ(said.status, 0) << said.standard_error;
   const JsonValue json = json_of(said);
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_GT(*algorithm(json, i).number("limit_m"), 0.005);
@@ -314,7 +314,7 @@ TEST(Compare, on_the_plane_draws_the_limit_beside_each_bar) {
 TEST(Compare, takes_the_python_example_as_one_of_many) {
   const Said said = cosiva({"compare", "arc_kalman", "reset_rule", "--runs", "3", "--way", "10", "--external",
                             "mine=python3 " + source + "/examples/estimator.py", "--json"});
-  EXPECT_EQ(said.status, 0) << said.arguments;
+  EXPECT_EQ(said.status, 0) << said.standard_error;
   const JsonValue json = json_of(said);
   EXPECT_EQ(algorithm(json, 2).text("name"), "mine");
   EXPECT_LT(*algorithm(json, 2).number("rmse_m"), 0.03);
@@ -331,17 +331,17 @@ TEST(Compare, keeps_the_others_when_a_program_hangs_ends_or_talks_nonsense) {
   EXPECT_EQ(algorithm(json, 1).find("failed")->text("code"), "process.silent");
   EXPECT_EQ(algorithm(json, 2).find("failed")->text("code"), "process.gone");
   EXPECT_EQ(algorithm(json, 3).find("failed")->text("code"), "algorithm.garbage");
-  EXPECT_THAT(said.arguments, HasSubstr("hangs failed: hangs: it gave no answer for 300 ms (in run 1)"));
-  EXPECT_THAT(said.arguments, HasSubstr("exit status 4"));
-  EXPECT_THAT(said.arguments, HasSubstr("that is no JSON: 'hello'"));
+  EXPECT_THAT(said.standard_error, HasSubstr("hangs failed: hangs: it gave no answer for 300 ms (in run 1)"));
+  EXPECT_THAT(said.standard_error, HasSubstr("exit status 4"));
+  EXPECT_THAT(said.standard_error, HasSubstr("that is no JSON: 'hello'"));
 }
 
 TEST(Compare, refuses_bad_input_with_its_place) {
   const Scratch scratch;
   const auto arguments = [](const std::vector<std::string>& arguments) {
     const Said said = cosiva(arguments);
-    EXPECT_EQ(said.status, 2) << said.arguments;
-    return said.arguments;
+    EXPECT_EQ(said.status, 2) << said.standard_error;
+    return said.standard_error;
   };
   EXPECT_THAT(arguments({"qualify", "kalmann"}), HasSubstr("there is no such algorithm"));
   EXPECT_THAT(arguments({"compare", "ekf"}), HasSubstr("at least two"));

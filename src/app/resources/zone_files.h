@@ -19,16 +19,16 @@ inline constexpr std::string_view sidecar_file_ending = ".zone.toml";
 /// source tree of this build, in the installed share folder, and in ./zones. Fails ("zone.missing") with where it
 /// looked and what there is.
 [[nodiscard]] Result<std::string> find_zone_file(const std::string& name_or_file);
-/// The file's bytes with their format and origin, and the sidecar file's: the file named, else the one beside it, if any.
-/// Fails ("zone.format") on a file whose ending no format has.
+/// The file's bytes with their format and origin, and the sidecar file's: the file named, else the one beside it, if
+/// any. Fails ("zone.format") on a file whose ending no format has.
 [[nodiscard]] Result<zone::ZoneConfiguration> load_zone(const std::string& name_or_file,
                                                         const std::string& sidecar_file = {});
 
 /// Loads it and makes it ready. Fails as load_zone and Rtm::initialise do.
 [[nodiscard]] Result<zone::Rtm> open_zone(const std::string& name_or_file, const std::string& sidecar_file = {});
 
-/// Writes the file, and its sidecar file beside it where there is one. Fails ("file.write"); then the file itself is as it
-/// was.
+/// Writes the file, and its sidecar file beside it where there is one. Fails ("file.write"); then the file itself is as
+/// it was.
 [[nodiscard]] Result<void> write_zone(const std::string& file, const zone::ZoneConfiguration& configuration);
 
 /// How names of files of a format usually end: ".toml"; for a format nobody knows, "." and its name.
@@ -40,8 +40,8 @@ struct ReadyZone {
 };
 /// The ready ones, by name; of several of one name the first that find_zone_file would find.
 [[nodiscard]] std::vector<ReadyZone> ready_zones();
-/// What a zone is, in a few words: of the first comment of its sidecar file or its file the first sentence, or what stands
-/// before a bracket or colon. Its name where it has none.
+/// What a zone is, in a few words: of the first comment of its sidecar file or its file the first sentence, or what
+/// stands before a bracket or colon. Its name where it has none.
 [[nodiscard]] std::string title_of(const ReadyZone& ready);
 
 }  // namespace cosiva::app

@@ -11,7 +11,8 @@ constexpr const char* examples =
     "  cosiva traffic --zone lacet4 --aivs 12                       an hour of laps, in a moment\n"
     "  cosiva traffic --zone indus8 --aivs 8 --jobs-per-hour 120    transport jobs by chance, between its stations\n"
     "  cosiva traffic --zone my.lif.json --jobs monday.csv --out monday   your own jobs, and a report to look at\n"
-    "  cosiva traffic --zones lacet4,indus8 --jobs-per-hour 60      two control areas, and loads that go from one to the "
+    "  cosiva traffic --zones lacet4,indus8 --jobs-per-hour 60      two control areas, and loads that go from one to "
+    "the "
     "other\n"
     "  mpirun -n 4 cosiva traffic --zones 64*plant1000              many control areas on many cores or machines\n"
     "\n"
@@ -33,7 +34,8 @@ CLI::App* describe_capacity(CLI::App& root, CapacityArguments& capacity) {
       ->type_name("NAME|FILE")
       ->capture_default_str();
   add_rules(*command, capacity.rules, "how AIVs choose their speed (docs/guide/agents.md)");
-  command->add_option("--max", capacity.vehicles_max, "no larger virtual fleet; ten times larger each time, from 100 on")
+  command
+      ->add_option("--max", capacity.vehicles_max, "no larger virtual fleet; ten times larger each time, from 100 on")
       ->type_name("N")
       ->check(CLI::Range(100, 100'000'000))
       ->capture_default_str();
@@ -65,7 +67,8 @@ CLI::App* describe_traffic(CLI::App& root, FleetTrafficArguments& traffic) {
   CLI::Option* zone = command->add_option("--zone", traffic.zone, "traffic zone: a ready one's name or a file")
                           ->type_name("NAME|FILE")
                           ->capture_default_str();
-  command->add_option("--zones", traffic.zones,
+  command
+      ->add_option("--zones", traffic.zones,
                    "many zones with passages between them: a TOML file, or names such as 4*lacet4,indus8")
       ->type_name("FILE|LIST")
       ->excludes(zone);
@@ -73,7 +76,8 @@ CLI::App* describe_traffic(CLI::App& root, FleetTrafficArguments& traffic) {
       ->type_name("SHARE")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  command->add_option("--transfer-time", traffic.transfer_s, "with --zones and a list: seconds from one zone to the next")
+  command
+      ->add_option("--transfer-time", traffic.transfer_s, "with --zones and a list: seconds from one zone to the next")
       ->type_name("S")
       ->check(CLI::Range(0.2, 1e5))
       ->capture_default_str();
@@ -97,7 +101,8 @@ CLI::App* describe_traffic(CLI::App& root, FleetTrafficArguments& traffic) {
       ->capture_default_str();
   command->add_option("--seed", traffic.seed, "fixes every random draw")->type_name("S")->capture_default_str();
   CLI::Option* rate =
-      command->add_option("--jobs-per-hour", traffic.jobs_per_hour, "transport jobs by chance, so many an hour on average")
+      command
+          ->add_option("--jobs-per-hour", traffic.jobs_per_hour, "transport jobs by chance, so many an hour on average")
           ->type_name("N");
   command->add_option("--jobs", traffic.jobs_file, "transport jobs from a CSV file; '-' reads standard input")
       ->type_name("FILE")

@@ -83,8 +83,8 @@ std::string command_of(const FleetTrafficArguments& arguments) {
   if (arguments.jobs_per_hour)
     command += " --jobs-per-hour " + decimals(*arguments.jobs_per_hour, 3) + " --away " +
                decimals(arguments.away_share, 3) + " --handling " + decimals(arguments.handling_s, 1);
-  return command + " --transfer-time " + decimals(arguments.transfer_s, 1) + " --rules " + arguments.rules + " --step " +
-         decimals(arguments.step_s, 3);
+  return command + " --transfer-time " + decimals(arguments.transfer_s, 1) + " --rules " + arguments.rules +
+         " --step " + decimals(arguments.step_s, 3);
 }
 
 }  // namespace

@@ -51,8 +51,8 @@ constexpr const char* switch_examples =
 
 void add_zone(CLI::App& command, ZoneArguments& zone) {
   command.add_option("zone", zone.zone, "a ready zone's name or a file")->type_name("NAME|FILE")->required();
-  command.add_option("--sidecar", zone.sidecar,
-                  "what the file's format cannot say; without: the one beside it, if any")
+  command
+      .add_option("--sidecar", zone.sidecar, "what the file's format cannot say; without: the one beside it, if any")
       ->type_name("FILE");
 }
 
@@ -138,7 +138,8 @@ ZoneCommands describe_zone(CLI::App& root, ZoneArguments& zone, GenerateArgument
       commands.zone->add_subcommand("convert", "Write a zone in another format, and say what that cannot hold");
   commands.generate = commands.zone->add_subcommand("generate", "Make a zone of any size, for trials");
   commands.switch_to = commands.zone->add_subcommand("switch", "Give a running platform another zone, while it runs");
-  for (CLI::App* command : {commands.check, commands.show, commands.convert, commands.switch_to}) add_zone(*command, zone);
+  for (CLI::App* command : {commands.check, commands.show, commands.convert, commands.switch_to})
+    add_zone(*command, zone);
   for (CLI::App* command : {commands.check, commands.convert, commands.switch_to}) add_json(*command, zone.json);
   add_json(*commands.generate, generate.json);
   commands.check->footer(check_examples);
@@ -149,7 +150,8 @@ ZoneCommands describe_zone(CLI::App& root, ZoneArguments& zone, GenerateArgument
   return commands;
 }
 
-std::optional<int> run_zone_command(const ZoneCommands& commands, const ZoneArguments& zone, const GenerateArguments& generate) {
+std::optional<int> run_zone_command(const ZoneCommands& commands, const ZoneArguments& zone,
+                                    const GenerateArguments& generate) {
   if (commands.check->parsed()) return run_zone_check(zone);
   if (commands.show->parsed()) return run_zone_show(zone);
   if (commands.convert->parsed()) return run_zone_convert(zone);

@@ -23,6 +23,6 @@ struct ZoneCommands {
 
 /// The exit status of the one that was asked for, if any.
 [[nodiscard]] std::optional<int> run_zone_command(const ZoneCommands& commands, const ZoneArguments& zone,
-                                               const GenerateArguments& generate);
+                                                  const GenerateArguments& generate);
 
 }  // namespace cosiva::app

@@ -16,7 +16,8 @@ Result<WrittenZone> write_as(const std::string& format, const std::string& file,
     const auto sidecar = zone::sidecar_of_file(file);
     if (!sidecar)
       return fail("zone.write",
-                  "this format needs a sidecar file beside its file, so the file's name must end as its files do", file);
+                  "this format needs a sidecar file beside its file, so the file's name must end as its files do",
+                  file);
     made.sidecar = *sidecar;
   }
   if (auto stored = write_zone(file, *written); !stored) return tl::unexpected(stored.error());

@@ -10,7 +10,7 @@ namespace cosiva::app {
 
 /// Of the verbs of `zone`; each uses its own.
 struct ZoneArguments {
-  std::string zone;       ///< a ready one's name or a file
+  std::string zone;     ///< a ready one's name or a file
   std::string sidecar;  ///< empty: the one beside the file, if any
   bool json{false};
 

@@ -110,7 +110,7 @@ void LiveRig::on_ready(SimTime now, std::size_t vehicle, std::string_view payloa
   const auto ready = wire::battery_ready_from_json(payload);
   if (!ready) {
     answers.operator_messages.push_back(to_string(options_.vehicles[vehicle]) +
-                            " said batteryReady, but: " + to_string(ready.error()));
+                                        " said batteryReady, but: " + to_string(ready.error()));
     return;
   }
   Slot& slot = slots_[vehicle];
@@ -231,7 +231,7 @@ void LiveRig::end(std::size_t vehicle, Answers& answers) {
   const std::string name = to_string(options_.vehicles[vehicle]);
   const BatteryRun& record = procedure_.records().back();
   answers.operator_messages.push_back(name + " has ended: " + std::string(to_string(record.stop)) + " after " +
-                          std::to_string(std::lround(record.autonomy_s)) + " s");
+                                      std::to_string(std::lround(record.autonomy_s)) + " s");
   if (options_.emulated) {
     put_in(vehicle, std::nullopt, answers);
     return drive(vehicle, "restart", answers);

@@ -33,8 +33,8 @@ class LiveRig {
  public:
   struct Answers {
     std::vector<wire::Publish> messages;
-    std::vector<std::string> commands;  ///< to the server, as /api/v1/commands takes them, in this order
-    std::vector<std::string> operator_messages;     ///< to the operator
+    std::vector<std::string> commands;           ///< to the server, as /api/v1/commands takes them, in this order
+    std::vector<std::string> operator_messages;  ///< to the operator
   };
   explicit LiveRig(LiveRigOptions options);
 

@@ -93,7 +93,7 @@ TEST(Fuzzylite, agrees_on_random_rules_of_every_shape_hedge_and_norm) {
     ASSERT_TRUE(theirs.ready()) << text;
     Random random{seed, "questions"};
     ASSERT_LE(worst_deviation(*own, theirs, questions / bases / 2, random), deviation_max) << "seed " << seed << "\n"
-                                                                                            << text;
+                                                                                           << text;
   }
 }
 

@@ -21,8 +21,8 @@ namespace {
 
 /// Longer than this a tick was not late but the machine asleep; the vehicles stood still meanwhile.
 constexpr SimDuration tick_gap_max = std::chrono::seconds{1};
-/// However late a tick is, the control area goes on by no more than this: what boards were told meanwhile they have not heard,
-/// so everybody would drive blind, as no real vehicle does because the computer that emulates it is busy.
+/// However late a tick is, the control area goes on by no more than this: what boards were told meanwhile they have not
+/// heard, so everybody would drive blind, as no real vehicle does because the computer that emulates it is busy.
 constexpr SimDuration blind_max = std::chrono::milliseconds{50};
 
 /// Of a command by hand, which may bring a zone's file with it, and of one over the broker, which need not: a zone

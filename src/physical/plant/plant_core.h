@@ -52,11 +52,11 @@ struct Collision {
 /// too many vehicles. A configuration that cannot be read leaves all as it is, and the log says why.
 ///
 /// Commands (plant_command_topic or Input::command): {"addObstacle":{"id","x","y","radius"}}, which also moves the one
-/// of this id; {"removeObstacle":"id"}; {"switch":{"format","origin","text","sidecar file"}}, the physical side's new zone
-/// by hand, which it then publishes; {"changeBattery":{"vehicle":1,"id":"B7",…}} (power_train.h), another battery in a
-/// cart; {"setLoad":{"vehicle":1,"factor":1.02}}, how much more than others it takes; what makes no sense is logged.
-/// Ticks once in a cycle; no board speaks more often. Ports: wire::port_name(number, board) for every vehicle, spoken
-/// from the board's side.
+/// of this id; {"removeObstacle":"id"}; {"switch":{"format","origin","text","sidecar file"}}, the physical side's new
+/// zone by hand, which it then publishes; {"changeBattery":{"vehicle":1,"id":"B7",…}} (power_train.h), another battery
+/// in a cart; {"setLoad":{"vehicle":1,"factor":1.02}}, how much more than others it takes; what makes no sense is
+/// logged. Ticks once in a cycle; no board speaks more often. Ports: wire::port_name(number, board) for every vehicle,
+/// spoken from the board's side.
 class PlantCore final : public wire::Core {
  public:
   /// Fails when the zone's configuration is bad or cannot hold so many vehicles.

@@ -50,13 +50,13 @@ aiv::OnboardOptions options_of(std::string serial, std::uint32_t number, zone::Z
 
 struct VirtualAiv::Impl {
   Impl(std::string serial, std::uint32_t number, zone::ZoneConfiguration configuration, zone::Place start,
-         std::string interface_name, aiv::SpeedRules rules, bool v2x)
+       std::string interface_name, aiv::SpeedRules rules, bool v2x)
       : Impl{zone_of(configuration),    std::move(serial), number, std::move(configuration), start,
-               std::move(interface_name), std::move(rules),  v2x} {}
+             std::move(interface_name), std::move(rules),  v2x} {}
 
   Impl(const std::shared_ptr<const zone::TrafficZone>& zone, std::string serial, std::uint32_t number,
-         zone::ZoneConfiguration configuration, zone::Place start, std::string interface_name, aiv::SpeedRules rules,
-         bool v2x)
+       zone::ZoneConfiguration configuration, zone::Place start, std::string interface_name, aiv::SpeedRules rules,
+       bool v2x)
       : boards{session_of(serial, number)},
         core{options_of(std::move(serial), number, std::move(configuration), std::move(interface_name),
                         std::move(rules), v2x, *zone, start)},
@@ -138,7 +138,7 @@ struct VirtualAiv::Impl {
 VirtualAiv::VirtualAiv(std::string serial, std::uint32_t number, zone::ZoneConfiguration zone, zone::Place start,
                        std::string interface_name, aiv::SpeedRules rules, bool v2x)
     : impl_{std::make_unique<Impl>(std::move(serial), number, std::move(zone), start, std::move(interface_name),
-                                       std::move(rules), v2x)} {}
+                                   std::move(rules), v2x)} {}
 VirtualAiv::~VirtualAiv() = default;
 VirtualAiv::VirtualAiv(VirtualAiv&&) noexcept = default;
 VirtualAiv& VirtualAiv::operator=(VirtualAiv&&) noexcept = default;

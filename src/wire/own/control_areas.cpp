@@ -55,7 +55,8 @@ Result<Owner> owner_from_json(std::string_view text) {
   using own::Fields;
   return own::read_message<Owner>(text, [](Fields& in, Owner& owner) {
     in.text("area", owner.area);
-    if (!valid_area_name(owner.area)) in.complain("area", "the name of a control area, of A-Z a-z 0-9 _ . : - only, 32 at most");
+    if (!valid_area_name(owner.area))
+      in.complain("area", "the name of a control area, of A-Z a-z 0-9 _ . : - only, 32 at most");
     in.whole("sequence", owner.sequence);
     in.time("timestamp", owner.timestamp);
     own::read_part(in, "pose", owner.pose, [](Fields& fields, Pose2& pose) {

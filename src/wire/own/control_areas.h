@@ -9,8 +9,8 @@
 #include "cosiva/base/result.h"
 #include "cosiva/base/time.h"
 
-/// Several servers on one broker, one for each control area (docs/protocols/own-messages.md): where each speaks, and whose each
-/// vehicle is.
+/// Several servers on one broker, one for each control area (docs/protocols/own-messages.md): where each speaks, and
+/// whose each vehicle is.
 namespace cosiva::wire {
 
 /// What is a server's own stands below it and the control area's name.

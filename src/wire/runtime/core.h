@@ -40,7 +40,7 @@ enum class InputKind : std::uint8_t {
   port = 5,       ///< a byte stream came or went: source = port name, payload "up" or "down"
   command = 6,    ///< from a person or program on this machine: source = who, payload = JSON
   tick = 7,       ///< the core's own timer, every tick_period()
-  restore = 8,     ///< what Remember stored before the last stop; payload = bytes, only right after configure
+  restore = 8,    ///< what Remember stored before the last stop; payload = bytes, only right after configure
 };
 
 struct Input {

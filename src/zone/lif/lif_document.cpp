@@ -73,7 +73,8 @@ class Reader {
   void stop(std::string code, std::string message, std::string place);
   /// Layouts that share their ids cannot be one zone, but each alone can.
   [[nodiscard]] const char* one_layout_hint() const {
-    return document_.layouts.size() > 1 ? ", as layouts may not; [import] layout in the sidecar file takes one alone" : "";
+    return document_.layouts.size() > 1 ? ", as layouts may not; [import] layout in the sidecar file takes one alone"
+                                        : "";
   }
 
   const Selection& selection_;

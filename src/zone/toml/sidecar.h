@@ -43,19 +43,19 @@ struct Sidecar {
   std::optional<std::vector<std::string>> lane_types;  ///< of a road's lanes, which are driven on
 };
 
-/// Reads what the geometry needs of `configuration.sidecar file`; an empty one is a good one. Errors are those of a native
-/// file, at the sidecar file's name (sidecar_file) and line.
+/// Reads what the geometry needs of `configuration.sidecar file`; an empty one is a good one. Errors are those of a
+/// native file, at the sidecar file's name (sidecar_file) and line.
 [[nodiscard]] Result<Sidecar> read_sidecar(const ZoneConfiguration& configuration);
 
-/// The rest of the sidecar file, once `zone` has its name and circuit: gives it vehicle and profiles (the defaults where
-/// `sidecar` has none), then [[limit]] [beacons] [[tag]] [[station]] [[loop]] [closed] [priorities], crossings,
+/// The rest of the sidecar file, once `zone` has its name and circuit: gives it vehicle and profiles (the defaults
+/// where `sidecar` has none), then [[limit]] [beacons] [[tag]] [[station]] [[loop]] [closed] [priorities], crossings,
 /// waypoints, [[start]]. Stations, loops, closed sections and notes that the format has put there itself stay, first.
 /// A bend that is too tight for the vehicle is noted, not refused: the file is somebody else's.
 /// @param sidecar file  as it was read, with what the file itself says put in where the sidecar file says nothing
 /// @param rules      of the waypoints that the format declares (start_ids, end_ids, at); the rest of it comes from here
 /// Fails as make_zone does: "zone.reference", "zone.duplicate", "zone.size", "zone.vehicle" …
-[[nodiscard]] Result<void> furnish(TrafficZone& zone, const ZoneConfiguration& configuration,
-                                   const Sidecar& sidecar, WaypointRules rules = {});
+[[nodiscard]] Result<void> furnish(TrafficZone& zone, const ZoneConfiguration& configuration, const Sidecar& sidecar,
+                                   WaypointRules rules = {});
 
 /// The sidecar file's name beside a file: "plant.lif.json" and "plant.xodr" have "plant.zone.toml".
 [[nodiscard]] std::string sidecar_file(std::string_view file_name);

@@ -121,7 +121,7 @@ sections = ["north"]
 TEST(Sidecar, reads_the_import_before_the_geometry) {
   const auto sidecar =
       read_sidecar(file("[import]\nscale = 0.001\ntolerance_m = 0.002\ntolerance_rad = 0.01\n"
-                          "layout = \"control area 2\"\nvehicle_type = \"AMR\"\n"));
+                        "layout = \"control area 2\"\nvehicle_type = \"AMR\"\n"));
   ASSERT_TRUE(sidecar) << to_string(sidecar.error());
   EXPECT_EQ(sidecar->scale, 0.001);
   EXPECT_EQ(sidecar->tolerance_m, 0.002);
@@ -134,8 +134,10 @@ TEST(Sidecar, that_is_wrong_is_refused_at_its_own_file_and_line) {
   EXPECT_THAT(error_of("[vehicle\n"), StartsWith("zone.syntax plants/control area.zone.toml:1: "));
   EXPECT_THAT(
       error_of("[import]\nscle = 2\n"),
-      StartsWith("zone.unknown_key plants/control area.zone.toml:2: import.scle: unknown key; did you mean \"scale\"?"));
-  EXPECT_THAT(error_of("\n[import]\nscale = 0\n"), StartsWith("zone.field plants/control area.zone.toml:3: import.scale"));
+      StartsWith(
+          "zone.unknown_key plants/control area.zone.toml:2: import.scle: unknown key; did you mean \"scale\"?"));
+  EXPECT_THAT(error_of("\n[import]\nscale = 0\n"),
+              StartsWith("zone.field plants/control area.zone.toml:3: import.scale"));
   EXPECT_THAT(error_of("[[section]]\n"), StartsWith("zone.unknown_key"));
   EXPECT_THAT(error_of("format_version = 2\n"), StartsWith("zone.version"));
   EXPECT_THAT(error_of("[[tag]]\nnumber = 1\nsection = \"up\"\ns_m = 0\n"),

@@ -311,7 +311,7 @@ Result<ZoneConfiguration> edited_file(const CircuitFactory& factory, const ZoneC
 }
 
 Result<ZoneConfiguration> edited_sidecar(const CircuitFactory& factory, const ZoneConfiguration& configuration,
-                                           const ZoneEdit& edit) {
+                                         const ZoneEdit& edit) {
   return edited_in(&ZoneConfiguration::sidecar, sidecar_file(configuration.origin), factory, configuration, edit);
 }
 

@@ -13,6 +13,6 @@ namespace cosiva::zone {
 
 /// For CircuitFactory::edited: writes the edit into the sidecar file, and makes one where there is none.
 [[nodiscard]] Result<ZoneConfiguration> edited_sidecar(const CircuitFactory& factory,
-                                                         const ZoneConfiguration& configuration, const ZoneEdit& edit);
+                                                       const ZoneConfiguration& configuration, const ZoneEdit& edit);
 
 }  // namespace cosiva::zone

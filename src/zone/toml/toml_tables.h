@@ -22,8 +22,8 @@ class TomlTables {
  public:
   /// @param rules  of the format's own waypoints; spacing, room and stations come from here
   /// @param ways   where faults of the ways themselves are, for messages
-  TomlTables(TomlFaults& faults, const TomlFields& root, TrafficZone& zone, const Sidecar& basics,
-             WaypointRules rules, std::string ways)
+  TomlTables(TomlFaults& faults, const TomlFields& root, TrafficZone& zone, const Sidecar& basics, WaypointRules rules,
+             std::string ways)
       : faults_{faults}, root_{root}, zone_{zone}, basics_{basics}, rules_{std::move(rules)}, ways_{std::move(ways)} {}
 
   void read();

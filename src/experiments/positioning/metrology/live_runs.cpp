@@ -154,7 +154,8 @@ void LiveRuns::ask(SimTime now, Slot& slot, Answers& answers) {
 
 void LiveRuns::begin_anew(Slot& slot, const std::string& why) {
   if (slot.begun >= begun_max) return lose(slot, why);
-  operator_messages_.push_back(to_string(slot.vehicle) + " drives run " + std::to_string(slot.index + 1) + " anew: " + why);
+  operator_messages_.push_back(to_string(slot.vehicle) + " drives run " + std::to_string(slot.index + 1) +
+                               " anew: " + why);
   slot.session.clear();
 }
 

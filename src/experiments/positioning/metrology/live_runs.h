@@ -32,7 +32,7 @@ struct LiveRunsOptions {
   /// or {"sights":[{"vehicle":"CoSiVA/AIV1","at","x","y","heading"}…]} as a global vision system.
   std::string truth_topic{std::string(wire::plant_truth_topic)};
   SimDuration gap_max{std::chrono::milliseconds{500}};  ///< the truth is interpolated between stamps no further apart
-  SimDuration timeout{std::chrono::seconds{10}};       ///< who says nothing for so long is lost
+  SimDuration timeout{std::chrono::seconds{10}};        ///< who says nothing for so long is lost
   SimDuration standing_max{std::chrono::minutes{1}};    ///< and who does not move
   std::string name;                                     ///< of this test, among all that the vehicles hear
 };
@@ -46,8 +46,8 @@ class LiveRuns {
  public:
   struct Answers {
     std::vector<wire::Publish> messages;
-    std::vector<std::string> commands;  ///< to the server, as /api/v1/commands takes them, in this order
-    std::vector<std::string> operator_messages;     ///< to the operator
+    std::vector<std::string> commands;           ///< to the server, as /api/v1/commands takes them, in this order
+    std::vector<std::string> operator_messages;  ///< to the operator
   };
   explicit LiveRuns(LiveRunsOptions options);
 

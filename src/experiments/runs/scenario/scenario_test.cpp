@@ -100,7 +100,7 @@ TEST(Scenario, virtual_AIVs_join_anywhere_on_a_section_or_near_a_point) {
               ElementsAre(R"({"command":"add","thing":{"id":"V1","kind":"aiv","section":"east","s":0.5}})",
                           R"({"command":"add","thing":{"id":"V2","kind":"aiv","x":0.1,"y":-0.15}})"));
   EXPECT_THAT(phrase(at(0, R"(virtual_aiv = { id = "V1", section = "east", s_m = 0.5 })") +
-                    at(1, R"(virtual_aiv = { id = "V2" })")),
+                     at(1, R"(virtual_aiv = { id = "V2" })")),
               ElementsAre("virtual AIV V1 joins on east at 0.5 m", "virtual AIV V2 joins where there is room"));
 }
 
@@ -114,7 +114,7 @@ TEST(Scenario, persons_stand_or_walk) {
                   R"("repeat":"back and forth"}})"));
   EXPECT_THAT(
       phrase(at(0, R"(person = { id = "P1", at = [0.4, 0.1] })") +
-            at(1, R"(person = { id = "P2", path = [[0, 1], [0, 2.5]], speed_mps = 0.3, repeat = "loop" })")),
+             at(1, R"(person = { id = "P2", path = [[0, 1], [0, 2.5]], speed_mps = 0.3, repeat = "loop" })")),
       ElementsAre("person P1 stands at (0.4, 0.1)", "person P2 walks 1.5 m from (0, 1) at 0.3 m/s, round and round"));
 }
 
@@ -161,7 +161,7 @@ TEST(Scenario, a_radio_loss_ends_by_itself) {
 
 TEST(Scenario, one_loss_ends_before_the_next_begins_wherever_they_stand_in_the_file) {
   EXPECT_THAT(phrase(at(13, R"(radio = { vehicle = "*", loss = 0.1 })") +
-                    at(3, R"(radio = { vehicle = "AIV2", loss = 0.3, for_s = 10 })")),
+                     at(3, R"(radio = { vehicle = "AIV2", loss = 0.3, for_s = 10 })")),
               ElementsAre(StartsWith("AIV2 loses 30 %"), "AIV2 hears and is heard again",
                           "every vehicle loses 10 % of its messages"));
 }
@@ -192,9 +192,8 @@ TEST(Scenario, a_switch_names_a_zone_which_is_put_into_its_command_whole) {
   };
   ASSERT_TRUE(resolve_zones(*scenario, load, "test.toml"));
   EXPECT_THAT(asked, ElementsAre("other"));
-  EXPECT_EQ(
-      scenario->steps[1].command,
-      R"({"command":"switch","zone":{"format":"f","origin":"other.f","text":"the \"text\"","sidecar":"more"}})");
+  EXPECT_EQ(scenario->steps[1].command,
+            R"({"command":"switch","zone":{"format":"f","origin":"other.f","text":"the \"text\"","sidecar":"more"}})");
   EXPECT_EQ(scenario->steps[0].command, R"({"command":"stop","vehicle":"*"})");
 }
 

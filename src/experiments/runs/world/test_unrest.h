@@ -1,7 +1,7 @@
 #pragma once
 
-// What goes wrong in a control area all day, from a seed: vehicles are stopped and let go, persons step in, some of them only
-// virtual. For tests and long runs.
+// What goes wrong in a control area all day, from a seed: vehicles are stopped and let go, persons step in, some of
+// them only virtual. For tests and long runs.
 
 #include <algorithm>
 #include <cmath>

@@ -94,7 +94,8 @@ Result<SiteRun> SiteRun::make(SiteOptions options, Ranks& ranks) {
 std::size_t SiteRun::owner_of(std::size_t zone) const { return zone * ranks_->size() / options_.zones.size(); }
 
 SiteRun::SiteZone& SiteRun::site_zone_of(std::size_t zone) {
-  COSIVA_EXPECT(!site_zones_.empty() && zone >= site_zones_.front().index && zone - site_zones_.front().index < site_zones_.size());
+  COSIVA_EXPECT(!site_zones_.empty() && zone >= site_zones_.front().index &&
+                zone - site_zones_.front().index < site_zones_.size());
   return site_zones_[zone - site_zones_.front().index];
 }
 
@@ -111,8 +112,8 @@ Result<void> SiteRun::lay_ways() {
     const auto from = index_of.find(transfer_point.from_zone);
     const auto to = index_of.find(transfer_point.to_zone);
     if (from == index_of.end() || to == index_of.end())
-      return fail("site.transfer_point", "a passage leads from '" + transfer_point.from_zone + "' to '" + transfer_point.to_zone +
-                                      "', and one of them is no zone");
+      return fail("site.transfer_point", "a passage leads from '" + transfer_point.from_zone + "' to '" +
+                                             transfer_point.to_zone + "', and one of them is no zone");
     const auto enter = end_in(*options_.zones[to->second], transfer_point.to_zone, transfer_point.to_station, 1);
     if (!enter) return tl::unexpected(enter.error());
     const std::uint64_t takes_steps = std::max<std::uint64_t>(1, steps_in(transfer_point.takes_s, options_.step));
@@ -178,9 +179,10 @@ Result<void> SiteRun::open_zones() {
     site_zones_.push_back(std::move(site_zone));
   }
   for (const Way& way : ways_) {
-    if (owner_of(way.to_zone) != ranks_->rank() || site_zone_of(way.to_zone).run->fleet().may_stand(way.enter)) continue;
+    if (owner_of(way.to_zone) != ranks_->rank() || site_zone_of(way.to_zone).run->fleet().may_stand(way.enter))
+      continue;
     return fail("site.transfer_point", "zone '" + options_.plan.zones[way.to_zone].name +
-                                    "': a passage leads to a place in a crossing, where no vehicle may stand");
+                                           "': a passage leads to a place in a crossing, where no vehicle may stand");
   }
   return {};
 }
@@ -195,7 +197,8 @@ void SiteRun::drive(SiteZone& site_zone, std::uint64_t until_step) const {
       site_zone.left.emplace_back(transfer_point, traveller);
     }
     blocked.clear();
-    for (auto next = site_zone.coming.begin(); next != site_zone.coming.end() && next->due_step <= site_zone.run->steps();) {
+    for (auto next = site_zone.coming.begin();
+         next != site_zone.coming.end() && next->due_step <= site_zone.run->steps();) {
       const bool waits = std::ranges::find(blocked, next->transfer_point) != blocked.end();
       if (!waits && site_zone.run->bring(next->traveller, ways_[next->transfer_point].enter)) {
         next = site_zone.coming.erase(next);

@@ -69,7 +69,7 @@ class SiteRun {
   Ranks* ranks_;
   std::vector<Way> ways_;                        ///< by passage
   std::vector<std::vector<std::size_t>> exits_;  ///< by zone: passages, as its jobs count them
-  std::vector<SiteZone> site_zones_;                      ///< of zones one after another
+  std::vector<SiteZone> site_zones_;             ///< of zones one after another
   std::uint64_t meeting_steps_{10};
   std::uint64_t steps_{0};
   std::uint64_t end_steps_{0};

@@ -27,7 +27,7 @@ struct SiteFigures {
     std::uint64_t digest{};
   };
   std::vector<Zone> zones;
-  std::size_t aivs{};        ///< in all zones
+  std::size_t aivs{};         ///< in all zones
   std::size_t in_transfer{};  ///< between two of them, at the end
   std::uint64_t vehicle_steps{};
   std::string digest;  ///< of all zones; does not depend on ranks and workers

@@ -21,8 +21,8 @@ both_ways = "yes"
                                    "site.toml");
   ASSERT_TRUE(plan) << to_string(plan.error());
   EXPECT_EQ(plan->zones, (std::vector<SitePlan::Zone>{{"area", "lacet4", 8}, {"indus8", "indus8", 12}}));
-  EXPECT_EQ(plan->transfer_points,
-            (std::vector<SitePlan::TransferPoint>{{"area", "S1", "indus8", "", 25.0}, {"indus8", "", "area", "S1", 25.0}}));
+  EXPECT_EQ(plan->transfer_points, (std::vector<SitePlan::TransferPoint>{{"area", "S1", "indus8", "", 25.0},
+                                                                         {"indus8", "", "area", "S1", 25.0}}));
 }
 
 TEST(SitePlan, of_a_list_joins_each_zone_with_the_next_and_back) {

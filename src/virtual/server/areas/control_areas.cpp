@@ -96,7 +96,8 @@ bool ControlAreas::has_map(std::string_view name) const {
                              [&](const auto& area) { return area.second.zone && area.second.zone->name == name; });
 }
 
-Result<Mission> ControlAreas::way_to(std::string_view to, const zone::TrafficZone& zone, const Missions& missions) const {
+Result<Mission> ControlAreas::way_to(std::string_view to, const zone::TrafficZone& zone,
+                                     const Missions& missions) const {
   const std::string name{to.substr(0, to.find('/'))};
   const std::string goal{to.substr(std::min(to.size(), name.size() + 1))};
   if (name == own_) {
@@ -110,12 +111,14 @@ Result<Mission> ControlAreas::way_to(std::string_view to, const zone::TrafficZon
     return fail("mission.area", "no control area '" + cut(name) + "' has been heard of" + known, "to");
   }
   if (!area->second.online)
-    return fail("mission.area", "the server of control area '" + cut(name) + "' is silent; start it, then try again", "to");
+    return fail("mission.area", "the server of control area '" + cut(name) + "' is silent; start it, then try again",
+                "to");
   if (!area->second.zone)
     return fail("mission.area", "control area '" + cut(name) + "' has not said which zone it has; try again", "to");
   const zone::TrafficZone& there = *area->second.zone;
   const auto end = place_of(there, goal);
-  if (!end) return fail("mission.to", "control area '" + cut(name) + "' has no station or waypoint '" + cut(goal) + "'", "to");
+  if (!end)
+    return fail("mission.to", "control area '" + cut(name) + "' has no station or waypoint '" + cut(goal) + "'", "to");
 
   const zone::Router router{there};
   const zone::Station* best = nullptr;
@@ -129,8 +132,8 @@ Result<Mission> ControlAreas::way_to(std::string_view to, const zone::TrafficZon
   }
   if (best == nullptr) {
     return fail("mission.to",
-                "no station of this control area lies on a way of control area '" + cut(name) + "' that leads to '" + cut(goal) +
-                    "'; lay one where the two control areas meet",
+                "no station of this control area lies on a way of control area '" + cut(name) + "' that leads to '" +
+                    cut(goal) + "'; lay one where the two control areas meet",
                 "to");
   }
   return Mission{Mission::Kind::go, best->name, std::string(to)};

@@ -17,8 +17,8 @@
 
 namespace cosiva::virtual_side {
 
-/// Several servers on one broker, one for each control area: what the others say of theirs, and whose each vehicle is. The
-/// class only keeps what was received; Ownership (virtual/server/core) claims, takes over and lets go.
+/// Several servers on one broker, one for each control area: what the others say of theirs, and whose each vehicle is.
+/// The class only keeps what was received; Ownership (virtual/server/core) claims, takes over and lets go.
 class ControlAreas {
  public:
   static constexpr std::size_t vehicles_max = 4096;  ///< a flood of made-up names must not take the memory
@@ -53,8 +53,8 @@ class ControlAreas {
   [[nodiscard]] Result<void> on_area(wire::AreaTopic topic, const wire::Input& input);
   [[nodiscard]] bool is_there(std::string_view area) const;
   [[nodiscard]] bool has_map(std::string_view name) const;
-  /// The mission to "control area/name": to the station of `zone` that lies on a way of that control area from which `name` can be
-  /// reached, the one nearest to its line. Fails with a sentence that says what to do.
+  /// The mission to "control area/name": to the station of `zone` that lies on a way of that control area from which
+  /// `name` can be reached, the one nearest to its line. Fails with a sentence that says what to do.
   [[nodiscard]] Result<Mission> way_to(std::string_view to, const zone::TrafficZone& zone,
                                        const Missions& missions) const;
 

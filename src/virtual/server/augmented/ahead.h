@@ -29,8 +29,8 @@ class VirtualObstaclePublisher {
   static constexpr std::uint32_t known_max = 256;  ///< older ones are not known any more
   static constexpr std::size_t sent_kept = 16;     ///< of so many is known when they were sent
 
-  VirtualObstaclePublisher(Registry& registry, Outbox& outbox, Traces& traces, Simulator& simulator, VirtualFleet& fleet,
-            ThirdPartyPause& pauses)
+  VirtualObstaclePublisher(Registry& registry, Outbox& outbox, Traces& traces, Simulator& simulator,
+                           VirtualFleet& fleet, ThirdPartyPause& pauses)
       : registry_{registry}, outbox_{outbox}, traces_{traces}, simulator_{simulator}, fleet_{fleet}, pauses_{pauses} {}
 
   void resize(std::size_t vehicles) { viewers_.resize(vehicles); }

@@ -61,8 +61,8 @@ void ThirdPartyPause::send(VehicleIndex vehicle, std::string action) {
   ++changes_;
   // The one before, still unanswered and sent again, would undo this one.
   if (pauses_[vehicle].ticket != 0) action_sender_.drop(pauses_[vehicle].ticket);
-  pauses_[vehicle].ticket = action_sender_.send(registry_[vehicle], vehicle,
-                                       {{std::move(action), {}, {}, wire::BlockingType::none, {}}}, timeout, false);
+  pauses_[vehicle].ticket = action_sender_.send(
+      registry_[vehicle], vehicle, {{std::move(action), {}, {}, wire::BlockingType::none, {}}}, timeout, false);
 }
 
 }  // namespace cosiva::virtual_side

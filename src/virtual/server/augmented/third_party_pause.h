@@ -24,7 +24,8 @@ class ThirdPartyPause {
   static constexpr double beside_m = 0.02;        ///< of its sides
   static constexpr SimDuration timeout{std::chrono::seconds{5}};
 
-  ThirdPartyPause(Registry& registry, Traffic& traffic, Outbox& outbox, InstantActionSender& action_sender, Simulator& simulator)
+  ThirdPartyPause(Registry& registry, Traffic& traffic, Outbox& outbox, InstantActionSender& action_sender,
+                  Simulator& simulator)
       : registry_{registry}, traffic_{traffic}, outbox_{outbox}, action_sender_{action_sender}, simulator_{simulator} {}
 
   void resize(std::size_t vehicles) { pauses_.resize(vehicles); }

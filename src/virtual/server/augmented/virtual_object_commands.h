@@ -35,7 +35,8 @@ class VirtualObjectCommands {
   static constexpr double radius_m_max = 1.0;
   static constexpr double speed_mps_max = 3.0;
 
-  VirtualObjectCommands(const Registry& registry, const Simulator& simulator, const VirtualFleet& fleet, const Outbox& outbox)
+  VirtualObjectCommands(const Registry& registry, const Simulator& simulator, const VirtualFleet& fleet,
+                        const Outbox& outbox)
       : registry_{registry}, simulator_{simulator}, fleet_{fleet}, outbox_{outbox} {}
 
   [[nodiscard]] static bool handles(std::string_view command);  ///< "add", "move" or "remove"

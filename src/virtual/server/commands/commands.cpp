@@ -7,7 +7,9 @@
 namespace cosiva::virtual_side {
 namespace {
 
-constexpr std::array verbs{OperatorCommandKind::stop, OperatorCommandKind::slow, OperatorCommandKind::medium, OperatorCommandKind::fast, OperatorCommandKind::limit, OperatorCommandKind::restart, OperatorCommandKind::cancel};
+constexpr std::array verbs{OperatorCommandKind::stop,  OperatorCommandKind::slow,  OperatorCommandKind::medium,
+                           OperatorCommandKind::fast,  OperatorCommandKind::limit, OperatorCommandKind::restart,
+                           OperatorCommandKind::cancel};
 constexpr double limit_mps_max = 5.0;
 constexpr double standing_mps = 0.01;
 constexpr double speed_slack_mps = 0.02;
@@ -111,9 +113,10 @@ Result<void> Commands::check(const Result<JsonValue>& command) const {
 
 Result<void> Commands::judge_asked(const Asked& asked) const {
   if (!asked.verb) {
-    return fail("command.unknown",
-                "there is no command '" + asked.command_text + "'; use stop, slow, medium, fast, limit, restart or cancel",
-                "command");
+    return fail(
+        "command.unknown",
+        "there is no command '" + asked.command_text + "'; use stop, slow, medium, fast, limit, restart or cancel",
+        "command");
   }
   if (asked.all()) {
     if (addressed(asked).empty()) return fail("command.vehicle", "no vehicle has been heard of yet", "vehicle");
@@ -232,7 +235,8 @@ void Commands::supersede(const Command& by) {
   // Otherwise the older one, sent again because its answer was lost, would undo the newer.
   const auto overtakes = [&](OperatorCommandKind older) {
     if (older == *by.verb || *by.verb == OperatorCommandKind::restart) return true;
-    return (sets_speed(older) && sets_speed(*by.verb)) || (older == OperatorCommandKind::restart && *by.verb == OperatorCommandKind::stop);
+    return (sets_speed(older) && sets_speed(*by.verb)) ||
+           (older == OperatorCommandKind::restart && *by.verb == OperatorCommandKind::stop);
   };
   for (Command& older : list_) {
     if (older.vehicle == by.vehicle && older.open() && overtakes(*older.verb))

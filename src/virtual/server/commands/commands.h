@@ -45,7 +45,8 @@ class Commands {
   static constexpr SimDuration timeout{std::chrono::seconds{5}};
   static constexpr std::size_t kept_max = 200;
 
-  Commands(Registry& registry, Outbox& outbox, InstantActionSender& action_sender, OrderRoller& roller, Simulator& simulator)
+  Commands(Registry& registry, Outbox& outbox, InstantActionSender& action_sender, OrderRoller& roller,
+           Simulator& simulator)
       : registry_{registry}, outbox_{outbox}, action_sender_{action_sender}, roller_{roller}, simulator_{simulator} {}
 
   /// Longer commands to vehicles are refused.

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "cosiva/virtual/server/augmented/ahead.h"
-#include "cosiva/virtual/server/augmented/virtual_object_commands.h"
 #include "cosiva/virtual/server/augmented/virtual_fleet.h"
+#include "cosiva/virtual/server/augmented/virtual_object_commands.h"
 #include "cosiva/virtual/server/context/master_control.h"
 #include "cosiva/virtual/server/context/server_context.h"
 
@@ -15,7 +15,8 @@ struct AugmentedParts {
   MasterControl& master;
   VirtualFleet hosted{server.registry, server.publisher, server.options.virtual_rules, server.options.v2x};
   ThirdPartyPause pauses{server.registry, master.traffic, server.publisher, master.actions, server.simulator};
-  VirtualObstaclePublisher virtual_obstacles{server.registry, server.publisher, server.traces, server.simulator, hosted, pauses};
+  VirtualObstaclePublisher virtual_obstacles{server.registry,  server.publisher, server.traces,
+                                             server.simulator, hosted,           pauses};
   VirtualObjectCommands objects{server.registry, server.simulator, hosted, server.publisher};
 };
 

@@ -15,8 +15,8 @@ namespace cosiva::virtual_side {
 
 struct ServerOptions {
   std::string interface_name;  ///< empty: wire::default_interface
-  /// Of several servers on one broker, the name of the control area that this one's zone is (wire/own/control areas.h); empty: the only
-  /// one.
+  /// Of several servers on one broker, the name of the control area that this one's zone is (wire/own/control areas.h);
+  /// empty: the only one.
   std::string area;
   /// The zone, when no physical side serves it; published retained so that vehicles get it too.
   std::optional<zone::ZoneConfiguration> zone;

@@ -90,7 +90,8 @@ Result<OperatorCommand> CommandRouter::read(const Request& request) const {
 Result<OperatorCommand> CommandRouter::read_object(const Request& request) const {
   if (context_.areas.several() && request.name == "add" && adds_virtual_aiv(*request.json)) {
     return fail(std::string(no_virtual_aivs),
-                "a virtual AIV cannot be added where several control areas share a broker; persons and obstacles can", "kind");
+                "a virtual AIV cannot be added where several control areas share a broker; persons and obstacles can",
+                "kind");
   }
   auto object = augmented_.objects.read(*request.json);
   if (!object) return tl::unexpected(object.error());

@@ -77,8 +77,8 @@ void Ownership::on_owner(const wire::VehicleId& id, const wire::Input& input) {
   }
   const std::string name = wire::to_string(id);
   context_.traces.add(context_.now, now_owner ? std::string_view{now_owner->area} : std::string_view{"operator"}, name,
-                      "owner", now_owner ? "it is control area " + now_owner->area + "'s" : "it is nobody's", input.source,
-                      input.payload);
+                      "owner", now_owner ? "it is control area " + now_owner->area + "'s" : "it is nobody's",
+                      input.source, input.payload);
   const bool was_own = context_.areas.owns(id);
   vehicle->owner = std::move(now_owner);
   vehicle->owner_heard = true;
@@ -126,8 +126,10 @@ void Ownership::give_mission(VehicleIndex vehicle, const wire::Owner::Mission& h
 void Ownership::let_go(VehicleIndex vehicle, const std::string& area) {
   COSIVA_EXPECT(!context_.areas.owns(context_.registry[vehicle].id));
   const std::string& name = context_.registry[vehicle].name;
-  vehicles_.retire(vehicle, area.empty() ? name + " is nobody's any more" : name + " is control area " + area + "'s now");
-  context_.publisher.log('i', name + ": let go" + (area.empty() ? std::string{} : "; it is control area " + area + "'s now"));
+  vehicles_.retire(vehicle,
+                   area.empty() ? name + " is nobody's any more" : name + " is control area " + area + "'s now");
+  context_.publisher.log(
+      'i', name + ": let go" + (area.empty() ? std::string{} : "; it is control area " + area + "'s now"));
 }
 
 void Ownership::publish_owner(const ControlAreas::Vehicle& vehicle, wire::Owner owner) {

@@ -25,8 +25,8 @@ zone::ZoneConfiguration area_file(const std::string& name) { return zone_file(".
 
 const std::string aiv1 = "CoSiVA/AIV1";
 
-/// The servers of control areas a and b on one broker that keeps what is retained, and the bench's vehicles on their floor. Two
-/// straights at y = ±0.29 m, a gate of 0.6 m between them at y = 0 that begins at x = 1.307 m.
+/// The servers of control areas a and b on one broker that keeps what is retained, and the bench's vehicles on their
+/// floor. Two straights at y = ±0.29 m, a gate of 0.6 m between them at y = 0 that begins at x = 1.307 m.
 class ControlAreasFixture {
  public:
   explicit ControlAreasFixture(std::vector<std::string> areas = {"a", "b"}) {
@@ -438,7 +438,8 @@ TEST(ControlAreas, refuse_to_send_a_vehicle_where_no_way_leads_and_say_why) {
   EXPECT_THAT(bench.refusal_to_go("a", "/rack"), HasSubstr("no control area ''"));
   EXPECT_EQ(bench.refusal_to_go("a", "a/rack_a"), "");
   EXPECT_THAT(bench.refusal_to_go("a", "a/rack_b"), HasSubstr("in this control area"));
-  EXPECT_THAT(bench.refusal_to_go("b", "b/rack_b"), HasSubstr("no vehicle 'CoSiVA/AIV1'")) << "it is not this control area's";
+  EXPECT_THAT(bench.refusal_to_go("b", "b/rack_b"), HasSubstr("no vehicle 'CoSiVA/AIV1'"))
+      << "it is not this control area's";
   EXPECT_THAT(bench.refusal("a", R"({"command":"add","thing":{"kind":"aiv","section":"a_far","s":1.0}})"),
               HasSubstr("virtual AIV"));
   EXPECT_EQ(bench.refusal("a", R"({"command":"add","thing":{"kind":"person","x":1.0,"y":1.0}})"), "");
@@ -458,7 +459,8 @@ TEST(ControlAreas, refuse_to_send_a_vehicle_to_an_area_that_they_do_not_meet) {
   bench.start("b");
   bench.in_a();
   bench.run_for(2s);
-  EXPECT_THAT(bench.refusal_to_go("a", "b/rack_b"), HasSubstr("no station of this control area lies on a way of control area 'b'"));
+  EXPECT_THAT(bench.refusal_to_go("a", "b/rack_b"),
+              HasSubstr("no station of this control area lies on a way of control area 'b'"));
 }
 
 TEST(ControlAreas, drive_a_third_party_vehicle_over_as_well) {

@@ -73,10 +73,11 @@ void ZoneChange::follow() {
 
 void ZoneChange::deploy_map() {
   const MapDeployment::Map wanted{map_->zone().name, zone::version_of(*context_.simulator.configuration()),
-                            context_.options.map_download_link};
+                                  context_.options.map_download_link};
   for (VehicleIndex v = 0; v < context_.registry.size(); ++v) {
     const AivProxy& proxy = context_.registry[v];
-    if (context_.options.drive && !proxy.is_cosiva() && proxy.here() && !proxy.map_id.empty() && proxy.map_id != wanted.id)
+    if (context_.options.drive && !proxy.is_cosiva() && proxy.here() && !proxy.map_id.empty() &&
+        proxy.map_id != wanted.id)
       master_.maps.step(v, wanted);
   }
 }

@@ -82,8 +82,9 @@ std::string unique_id(std::string_view prefix, SimTime now) {
 
 bool InstantActionSender::Letter::acknowledged() const { return std::ranges::all_of(actions, &Progress::seen); }
 
-InstantActionSender::Ticket InstantActionSender::send(AivProxy& proxy, VehicleIndex vehicle, std::vector<wire::Action> actions,
-                                    SimDuration timeout, bool keep) {
+InstantActionSender::Ticket InstantActionSender::send(AivProxy& proxy, VehicleIndex vehicle,
+                                                      std::vector<wire::Action> actions, SimDuration timeout,
+                                                      bool keep) {
   const Ticket ticket = ++last_ticket_;
   Letter letter{ticket, vehicle, {}, {}, outbox_.now(), outbox_.now() + timeout, keep};
   wire::InstantActions& message = letter.message;

@@ -89,8 +89,7 @@ class InstantActionSender {
   /// Gives every action its id and sends them in one message.
   /// @param patience  how long it is sent again; zero: once only
   /// @param keep      the caller follows the letter and drops it
-  Ticket send(AivProxy& proxy, VehicleIndex vehicle, std::vector<wire::Action> actions, SimDuration timeout,
-              bool keep);
+  Ticket send(AivProxy& proxy, VehicleIndex vehicle, std::vector<wire::Action> actions, SimDuration timeout, bool keep);
   [[nodiscard]] const Letter* find(Ticket ticket) const;
   void drop(Ticket ticket);
   void on_state(VehicleIndex vehicle, const wire::State& state);

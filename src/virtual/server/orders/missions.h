@@ -29,7 +29,8 @@ struct Mission {
   Kind kind{Kind::circulate};
   std::string
       name;  ///< of the loop, the station or the waypoint; circulate without one: the zone's first loop, or roam
-  /// Where it goes on to in another control area, "control area/name"; `name` is the station where the two meet. Empty: nowhere.
+  /// Where it goes on to in another control area, "control area/name"; `name` is the station where the two meet. Empty:
+  /// nowhere.
   std::string beyond{};
   friend bool operator==(const Mission&, const Mission&) = default;
 };

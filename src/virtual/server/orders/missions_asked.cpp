@@ -160,8 +160,8 @@ void Missions::restore(const JsonValue& memory) {
     if (!vehicle || vehicle->size() > name_bytes_max || persisted_.size() >= Registry::vehicles_max) return;
     const bool go = one.text("kind").value_or("") == "go";
     persisted_.push_back({*vehicle,
-                           {go ? Mission::Kind::go : Mission::Kind::circulate, one.text("name").value_or(""),
-                            one.text("beyond").value_or("")}});
+                          {go ? Mission::Kind::go : Mission::Kind::circulate, one.text("name").value_or(""),
+                           one.text("beyond").value_or("")}});
   });
   for (VehicleIndex v = 0; v < entries_.size(); ++v) registered(v);
   if (map_ == nullptr) return;

@@ -187,7 +187,8 @@ std::vector<zone::SectionId> OrderRoller::contested(VehicleIndex vehicle) const 
 std::optional<double> OrderRoller::way_back_m(VehicleIndex vehicle, std::span<const Wait> waits) const {
   const Plan& plan = plans_[vehicle];
   const AivProxy& proxy = registry_[vehicle];
-  if (off_line(vehicle) || !proxy.supports("backUp").value_or(proxy.is_cosiva()) || !stands(vehicle)) return std::nullopt;
+  if (off_line(vehicle) || !proxy.supports("backUp").value_or(proxy.is_cosiva()) || !stands(vehicle))
+    return std::nullopt;
   const zone::Circuit& circuit = map_->circuit();
   const zone::Place here = *plan.standing.place;
   const Sections gone = traffic_.gone(vehicle);
@@ -276,8 +277,8 @@ bool OrderRoller::go_on_giving_way(VehicleIndex vehicle) {
 void OrderRoller::follow_back_up(VehicleIndex vehicle, Plan::GivingWay& giving_way) {
   const auto tell = [&](double distance_m) {
     return action_sender_.send(registry_[vehicle], vehicle,
-                      {{"backUp", {}, {}, wire::BlockingType::hard, {{"distance", distance_m}}}},
-                      std::chrono::seconds{3}, true);
+                               {{"backUp", {}, {}, wire::BlockingType::hard, {{"distance", distance_m}}}},
+                               std::chrono::seconds{3}, true);
   };
   if (giving_way.ticket == 0) {
     if (!stands(vehicle)) return;

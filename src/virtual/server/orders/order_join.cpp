@@ -55,12 +55,12 @@ bool OrderRoller::join_elsewhere(VehicleIndex vehicle, bool drives_on, double wi
     plan.standing.place = place;
     plan.join_sent_at = outbox_.now();
     plan.join_ticket = action_sender_.send(registry_[vehicle], vehicle,
-                                  {{"joinLine",
-                                    {},
-                                    {},
-                                    wire::BlockingType::hard,
-                                    {{"x", X_MG.x_m}, {"y", X_MG.y_m}, {"theta", X_MG.heading_rad}}}},
-                                  std::chrono::seconds{3}, true);
+                                           {{"joinLine",
+                                             {},
+                                             {},
+                                             wire::BlockingType::hard,
+                                             {{"x", X_MG.x_m}, {"y", X_MG.y_m}, {"theta", X_MG.heading_rad}}}},
+                                           std::chrono::seconds{3}, true);
     return true;
   }
   return false;

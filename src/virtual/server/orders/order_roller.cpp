@@ -205,8 +205,9 @@ void OrderRoller::cancel(VehicleIndex vehicle) {
   plan.stage = Plan::Stage::cancelling;
   plan.cancelled_at = outbox_.now();
   if (plan.cancel_ticket != 0) action_sender_.drop(plan.cancel_ticket);
-  plan.cancel_ticket = action_sender_.send(registry_[vehicle], vehicle, {{"cancelOrder", {}, {}, wire::BlockingType::hard, {}}},
-                                  std::chrono::seconds{3}, false);
+  plan.cancel_ticket =
+      action_sender_.send(registry_[vehicle], vehicle, {{"cancelOrder", {}, {}, wire::BlockingType::hard, {}}},
+                          std::chrono::seconds{3}, false);
 }
 
 void OrderRoller::stop_rolling(VehicleIndex vehicle) {

@@ -55,8 +55,8 @@ enum class Means : std::uint8_t {
 /// finds which vehicle waits for which, order_give_way.cpp resolves deadlocks.
 class OrderRoller {
  public:
-  OrderRoller(Registry& registry, Traffic& traffic, Outbox& outbox, InstantActionSender& action_sender, Missions& missions,
-              Simulator& simulator)
+  OrderRoller(Registry& registry, Traffic& traffic, Outbox& outbox, InstantActionSender& action_sender,
+              Missions& missions, Simulator& simulator)
       : registry_{registry},
         traffic_{traffic},
         outbox_{outbox},
@@ -139,21 +139,21 @@ class OrderRoller {
     VehicleIndex waits_for_vehicle{no_vehicle};
     WaitReason waits_why{WaitReason::ahead};
     std::optional<SimTime> waits_since;
-    std::optional<SimTime> silent_since;    ///< it stands with base before it, and says no reason
-    InstantActionSender::Ticket cancel_ticket{0};    ///< of the cancelOrder on its way; 0: none
-    std::uint64_t way_of{0};                ///< the missions' revision that its course was planned for; 0: none
-    std::optional<zone::SectionId> no_way;  ///< there is none from here
-    std::optional<zone::Place> anchor;      ///< where it comes onto the line
-    InstantActionSender::Ticket join_ticket{0};      ///< of the joinLine on its way; 0: none
+    std::optional<SimTime> silent_since;           ///< it stands with base before it, and says no reason
+    InstantActionSender::Ticket cancel_ticket{0};  ///< of the cancelOrder on its way; 0: none
+    std::uint64_t way_of{0};                       ///< the missions' revision that its course was planned for; 0: none
+    std::optional<zone::SectionId> no_way;         ///< there is none from here
+    std::optional<zone::Place> anchor;             ///< where it comes onto the line
+    InstantActionSender::Ticket join_ticket{0};    ///< of the joinLine on its way; 0: none
     SimTime join_sent_at{};
     struct GivingWay {
       SimTime until{};
       std::vector<std::pair<VehicleIndex, Point2>> others;  ///< for whom, and where they stood
       bool drops_order{false};
-      double back_m{0.0};            ///< 0: it does not back up
+      double back_m{0.0};                     ///< 0: it does not back up
       InstantActionSender::Ticket ticket{0};  ///< of its backUp; 0: not sent yet
-      double clear_m{0.0};           ///< it stops when anything comes nearer
-      bool stopped{false};           ///< on its way back, as somebody came
+      double clear_m{0.0};                    ///< it stops when anything comes nearer
+      bool stopped{false};                    ///< on its way back, as somebody came
     };
     std::optional<GivingWay> giving_way;
     bool moves_up{false};  ///< the next stretch may end nearer to the one ahead than the gap

@@ -97,8 +97,8 @@ struct AivProxy {
   [[nodiscard]] bool is_cosiva() const { return augmented || boards || id.manufacturer == wire::our_manufacturer; }
   /// Has a twin that is shown and stands in the way of others.
   [[nodiscard]] bool here() const { return twin.has_value() && !retired; }
-  /// Is in the table and on the map. One that we have handed over is not, so that no two control areas ever show it at once; it
-  /// is again where nothing came of that.
+  /// Is in the table and on the map. One that we have handed over is not, so that no two control areas ever show it at
+  /// once; it is again where nothing came of that.
   [[nodiscard]] bool shown(SimTime now) const {
     return here() && (!handed_over || now - handed_over->first >= comes_back_within);
   }

@@ -38,10 +38,11 @@ std::optional<wire::Action> MapDeployment::next_action(VehicleIndex vehicle, con
 bool MapDeployment::under_way(Step& step) const {
   if (step.ticket == 0) return false;
   const InstantActionSender::Letter* letter = action_sender_.find(step.ticket);
-  const bool done = letter == nullptr || std::ranges::all_of(letter->actions, [](const InstantActionSender::Progress& action) {
-                      return action.seen && (action.status == wire::ActionStatus::finished ||
-                                             action.status == wire::ActionStatus::failed);
-                    });
+  const bool done =
+      letter == nullptr || std::ranges::all_of(letter->actions, [](const InstantActionSender::Progress& action) {
+        return action.seen &&
+               (action.status == wire::ActionStatus::finished || action.status == wire::ActionStatus::failed);
+      });
   if (!done && outbox_.now() - step.sent_at < timeout) return true;
   const bool finished =
       letter != nullptr && !letter->actions.empty() && letter->actions.front().status == wire::ActionStatus::finished;

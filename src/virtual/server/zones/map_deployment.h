@@ -15,7 +15,8 @@ class MapDeployment {
   static constexpr SimDuration timeout{std::chrono::seconds{10}};
   static constexpr SimDuration again_after{std::chrono::seconds{10}};
 
-  MapDeployment(Registry& registry, Outbox& outbox, InstantActionSender& action_sender) : registry_{registry}, outbox_{outbox}, action_sender_{action_sender} {}
+  MapDeployment(Registry& registry, Outbox& outbox, InstantActionSender& action_sender)
+      : registry_{registry}, outbox_{outbox}, action_sender_{action_sender} {}
 
   void resize(std::size_t vehicles) { steps_.resize(vehicles); }
   /// The zone is another one; what was asked for before is not followed any more.
