@@ -12,9 +12,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
   }
   COSIVA_EXPECT(zone->circuit.size() > 0);
-  for (const Note& note : zone->notes) COSIVA_EXPECT(!note.text.empty());
+  for (const Diagnostic& diagnostic : zone->diagnostics) COSIVA_EXPECT(!diagnostic.text.empty());
   if (zone->circuit.size() > 200) return 0;
-  std::vector<Note> lost;
+  std::vector<Diagnostic> lost;
   const auto written = factory.written(*zone, lost);
   COSIVA_EXPECT(written.has_value());
   const auto again = factory.make_zone(*written);

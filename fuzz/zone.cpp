@@ -11,7 +11,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
   }
   // What was read can be written, and that reads back.
-  std::vector<Note> lost;
+  std::vector<Diagnostic> lost;
   const auto written = rtm->circuit_factory().written(rtm->zone(), lost);
   COSIVA_EXPECT(written && lost.empty());
   return 0;

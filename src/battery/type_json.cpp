@@ -75,7 +75,7 @@ class Reader {
 
   Result<BatteryType> read() {
     if (json_.object() == nullptr) return fail("battery.type", "expected a JSON object", origin_);
-    if (json_.text("format") != type_format) note("format", "expected \"" + std::string(type_format) + "\"");
+    if (json_.text("format") != type_format) record("format", "expected \"" + std::string(type_format) + "\"");
     know_all_keys();
     for (const Text& text : texts) read_text(text);
     for (const Number& number : numbers) read_number(number);
@@ -86,7 +86,7 @@ class Reader {
   }
 
  private:
-  void note(std::string_view key, std::string message) {
+  void record(std::string_view key, std::string message) {
     if (!error_) error_ = Error{"battery.type", std::move(message), origin_ + ": '" + std::string(key) + "'"};
   }
 
@@ -99,7 +99,7 @@ class Reader {
     for (std::size_t i = 0; i < json_.object()->size(); ++i) {
       const std::string& key = (*json_.object())[i].first;
       for (std::size_t j = 0; j < i; ++j)
-        if ((*json_.object())[j].first == key) return note(key, "stands here twice");
+        if ((*json_.object())[j].first == key) return record(key, "stands here twice");
       if (std::ranges::find(known, key) != known.end()) continue;
       // "capacity", "capacity_mah" for "capacity_ampere_hour": the words before the unit are the same.
       const std::string stem = key.substr(0, key.rfind('_'));
@@ -108,34 +108,34 @@ class Reader {
         if (!key.empty() && (whole.starts_with(key + "_") || whole.starts_with(stem + "_")))
           meant += (meant.empty() ? "'" : " or '") + std::string(whole) + "'";
       }
-      if (!meant.empty()) return note(key, "lacks its unit, or has another: expected " + meant);
-      return note(key, "is no key of a battery type");
+      if (!meant.empty()) return record(key, "lacks its unit, or has another: expected " + meant);
+      return record(key, "is no key of a battery type");
     }
   }
 
   void read_text(const Text& text) {
     const JsonValue* found = json_.find(text.key);
     if (found == nullptr) {
-      if (text.required) note(text.key, "is missing");
+      if (text.required) record(text.key, "is missing");
       return;
     }
-    if (found->text() == nullptr) return note(text.key, "expected a text");
+    if (found->text() == nullptr) return record(text.key, "expected a text");
     if (text.required && found->text()->find_first_not_of(" \t\n") == std::string::npos)
-      return note(text.key, "must say something");
+      return record(text.key, "must say something");
     type_.*text.member = *found->text();
   }
 
   void read_number(const Number& number) {
     const JsonValue* found = json_.find(number.key);
     if (found == nullptr) {
-      if (number.required) note(number.key, "is missing");
+      if (number.required) record(number.key, "is missing");
       return;
     }
-    if (found->number() == nullptr) return note(number.key, "expected a number");
+    if (found->number() == nullptr) return record(number.key, "expected a number");
     const double value = *found->number();
     if (!(value >= number.min && value <= number.max))
-      return note(number.key, range_text(value, number.min, number.max));
-    if (number.whole && value != std::floor(value)) return note(number.key, "expected a whole number");
+      return record(number.key, range_text(value, number.min, number.max));
+    if (number.whole && value != std::floor(value)) return record(number.key, "expected a whole number");
     type_.*number.member = value;
   }
 
@@ -147,17 +147,17 @@ class Reader {
 
   void read_table(const Table& table) {
     const JsonValue* found = json_.find(table.key);
-    if (found == nullptr) return note(table.key, "is missing");
-    if (found->array() == nullptr) return note(table.key, "expected a list of numbers, one for each charge");
-    if (found->array()->size() > rows_max) return note(table.key, "has more than 10 000 rows");
+    if (found == nullptr) return record(table.key, "is missing");
+    if (found->array() == nullptr) return record(table.key, "expected a list of numbers, one for each charge");
+    if (found->array()->size() > rows_max) return record(table.key, "has more than 10 000 rows");
     std::vector<double>& values = type_.*table.member;
     for (const JsonValue& item : *found->array()) {
       const std::string where = std::string(table.key) + "[" + std::to_string(values.size()) + "]";
-      if (item.number() == nullptr) return note(where, "expected a number");
+      if (item.number() == nullptr) return record(where, "expected a number");
       const double value = *item.number();
       if (!(value >= table.min && value <= table.max)) {
         const bool percent = table.member == &BatteryType::charge && value > 1.0 && value <= 100.0;
-        return note(where, range_text(value, table.min, table.max) + (percent ? "; a fraction, not percent" : ""));
+        return record(where, range_text(value, table.min, table.max) + (percent ? "; a fraction, not percent" : ""));
       }
       values.push_back(value);
     }
@@ -166,24 +166,24 @@ class Reader {
   void check() {
     const std::size_t rows = type_.charge.size();
     if (rows < 2 || type_.charge.front() != 0.0 || type_.charge.back() != 1.0)
-      return note("charge_fraction", "must go from 0 to 1, in two rows at least");
+      return record("charge_fraction", "must go from 0 to 1, in two rows at least");
     for (const Table& table : tables) {
       const std::size_t there = (type_.*table.member).size();
       if (there != rows)
-        return note(table.key, "has " + std::to_string(there) + " rows, 'charge_fraction' " + std::to_string(rows));
+        return record(table.key, "has " + std::to_string(there) + " rows, 'charge_fraction' " + std::to_string(rows));
     }
     check_growth("charge_fraction", type_.charge);
     check_growth("open_circuit_volt", type_.open_circuit_v);
-    if (type_.voltage_floor_v >= type_.voltage_full_v) note("voltage_floor_volt", "must be below 'voltage_full_volt'");
+    if (type_.voltage_floor_v >= type_.voltage_full_v) record("voltage_floor_volt", "must be below 'voltage_full_volt'");
     if (type_.temperature_min_c >= type_.temperature_max_c)
-      note("temperature_min_celsius", "must be below 'temperature_max_celsius'");
-    if (type_.series_cells * type_.parallel_cells > 10'000.0) note("series_cells", "a pack has at most 10 000 cells");
+      record("temperature_min_celsius", "must be below 'temperature_max_celsius'");
+    if (type_.series_cells * type_.parallel_cells > 10'000.0) record("series_cells", "a pack has at most 10 000 cells");
   }
 
   void check_growth(std::string_view key, std::span<const double> values) {
     for (std::size_t i = 1; i < values.size(); ++i) {
       if (values[i] > values[i - 1]) continue;
-      return note(std::string(key) + "[" + std::to_string(i) + "]",
+      return record(std::string(key) + "[" + std::to_string(i) + "]",
                   readable(values[i]) + " is not above the " + readable(values[i - 1]) + " before it");
     }
   }

@@ -39,7 +39,7 @@ void DrivingContext::adopt_fiducials(const zone::TrafficZone& edited) {
   zone_->priorities = edited.priorities;
   zone_->loops = edited.loops;
   zone_->closed = edited.closed;
-  zone_->notes = edited.notes;
+  zone_->diagnostics = edited.diagnostics;
   agent_.estimator().forget_doubt();
 }
 

@@ -89,17 +89,17 @@ Result<FitInput> load_input(const BatteryFitArguments& arguments) {
 }
 
 /// What is worth saying of what was foretold beyond the fit's own notes.
-void note_foretold(const FitInput& input, const std::vector<battery::Residual>& foretold, battery::Fit& fit) {
-  const auto note = [&](std::string text) {
-    if (std::ranges::find(fit.notes, text) == fit.notes.end()) fit.notes.push_back(std::move(text));
+void record_foretold(const FitInput& input, const std::vector<battery::Residual>& foretold, battery::Fit& fit) {
+  const auto record = [&](std::string text) {
+    if (std::ranges::find(fit.diagnostics, text) == fit.diagnostics.end()) fit.diagnostics.push_back(std::move(text));
   };
   for (const Log& log : input.foretold)
-    for (const std::string& text : log.notes) note(text);
+    for (const std::string& text : log.diagnostics) record(text);
   constexpr double far = 1.5;
   double most_a = 0.0;
   for (const battery::Residual& one : foretold) most_a = std::max(most_a, one.current_a);
   if (most_a > far * fit.largest_a)
-    note("foretold at " + decimals(most_a / fit.largest_a, 1) +
+    record("foretold at " + decimals(most_a / fit.largest_a, 1) +
          " times the largest current that was fitted: near empty a battery may give less than that tells; fit a "
          "faster log");
 }
@@ -158,7 +158,7 @@ int run_battery_fit(const BatteryFitArguments& arguments) {
                        log.name});
     std::ranges::move(own, std::back_inserter(foretold));
   }
-  note_foretold(*input, foretold, *fit);
+  record_foretold(*input, foretold, *fit);
   if (!arguments.out_file.empty()) {
     // Nothing is written that could not be read again.
     const std::string file = battery::to_json(fit->type);
@@ -176,8 +176,8 @@ int run_battery_fit(const BatteryFitArguments& arguments) {
     json.field("fast_s", fit->fast_s).field("slow_s", fit->slow_s).field("floor_v", fit->type.voltage_floor_v);
     write_residuals(json, "residuals", fit->residuals);
     write_residuals(json, "predictions", foretold);
-    json.key("notes").begin_array();
-    for (const std::string& note : fit->notes) json.value(note);
+    json.key("diagnostics").begin_array();
+    for (const std::string& note : fit->diagnostics) json.value(note);
     json.end_array().key("type").raw(battery::to_json(fit->type)).end_object();
     print(json.text());
     return exit_done;
@@ -188,7 +188,7 @@ int run_battery_fit(const BatteryFitArguments& arguments) {
   for (const auto& residual : fit->residuals) text += residual_text(residual);
   if (!foretold.empty()) text += "foretold:\n";
   for (const auto& residual : foretold) text += residual_text(residual);
-  for (const std::string& note : fit->notes) text += "note: " + note + "\n";
+  for (const std::string& note : fit->diagnostics) text += "note: " + note + "\n";
   text.pop_back();
   print(text);
   return exit_done;

@@ -57,13 +57,13 @@ Result<void> Supervisor::launch(Running& running) {
   auto child = running.member.launch([this, &running](const ChildExit& exit) { died(running, exit); });
   if (!child) return tl::unexpected(child.error());
   running.child = *child;
-  note_children();
+  record_children();
   return {};
 }
 
 void Supervisor::died(Running& running, const ChildExit& exit) {
   const auto life = Steady::now() - running.born;
-  note_children();
+  record_children();
   if (ending_) return end_next_stage();
   const std::string& name = running.member.name;
   if (!running.member.respawns) {
@@ -118,7 +118,7 @@ void Supervisor::end_next_stage() {
   }
 }
 
-void Supervisor::note_children() const {
+void Supervisor::record_children() const {
   JsonWriter json;
   json.begin_object().key("children").begin_array();
   for (const auto& running : members_) {

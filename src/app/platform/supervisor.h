@@ -57,7 +57,7 @@ class Supervisor {
   void died(Running& running, const adapters::ChildExit& exit);
   void start_again(Running& running);
   void end_next_stage();
-  void note_children() const;
+  void record_children() const;
 
   adapters::EventLoop& loop_;
   std::string children_file_;

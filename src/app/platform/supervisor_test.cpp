@@ -34,7 +34,7 @@ class Supervised : public ::testing::Test {
     Supervisor::Member member{name, stage, supervisor.launcher(std::move(program)), respawns, delay};
     ASSERT_TRUE(supervisor.add(std::move(member)));
   }
-  [[nodiscard]] std::vector<pid_t> noted() const {
+  [[nodiscard]] std::vector<pid_t> logged() const {
     std::vector<pid_t> pids;
     const auto file = JsonValue::parse(adapters::read_file(scratch / "children.json").value());
     for (const JsonValue& child : *file->find("children")->array())
@@ -60,20 +60,20 @@ class Supervised : public ::testing::Test {
 TEST_F(Supervised, killed_member_is_started_again_and_noted) {
   add("server", "echo up; exec sleep 600");
   ASSERT_TRUE(until([&] { return lines.size() == 1; }));
-  const pid_t first = noted().at(0);
+  const pid_t first = logged().at(0);
   ::kill(first, SIGKILL);
   ASSERT_TRUE(until([&] { return lines.size() == 2; }));
   EXPECT_EQ(starts["server"], 2);
-  EXPECT_NE(noted().at(0), first);
+  EXPECT_NE(logged().at(0), first);
   EXPECT_TRUE(end());
-  EXPECT_TRUE(noted().empty());
+  EXPECT_TRUE(logged().empty());
 }
 
 TEST_F(Supervised, member_with_a_delay_waits_for_it) {
   add("aiv1", "echo up; exec sleep 600", 0, true, 300ms);
   ASSERT_TRUE(until([&] { return lines.size() == 1; }));
   const auto killed = std::chrono::steady_clock::now();
-  ::kill(noted().at(0), SIGKILL);
+  ::kill(logged().at(0), SIGKILL);
   ASSERT_TRUE(until([&] { return lines.size() == 2; }));
   EXPECT_GE(std::chrono::steady_clock::now() - killed, 300ms);
   EXPECT_TRUE(end());
@@ -82,8 +82,8 @@ TEST_F(Supervised, member_with_a_delay_waits_for_it) {
 TEST_F(Supervised, member_that_must_not_come_back_stays_away) {
   add("aiv1", "echo up; exec sleep 600", 0, false);
   ASSERT_TRUE(until([&] { return lines.size() == 1; }));
-  ::kill(noted().at(0), SIGKILL);
-  ASSERT_TRUE(until([&] { return noted().empty(); }));
+  ::kill(logged().at(0), SIGKILL);
+  ASSERT_TRUE(until([&] { return logged().empty(); }));
   loop.run_for(200ms);
   EXPECT_EQ(starts["aiv1"], 1);
   EXPECT_TRUE(end());
@@ -122,8 +122,8 @@ TEST_F(Supervised, end_goes_stage_by_stage) {
 TEST_F(Supervised, end_while_someone_waits_to_be_started_again_starts_nobody) {
   add("aiv1", "echo up; exec sleep 600", 0, true, 200ms);
   ASSERT_TRUE(until([&] { return lines.size() == 1; }));
-  ::kill(noted().at(0), SIGKILL);
-  ASSERT_TRUE(until([&] { return noted().empty(); }));
+  ::kill(logged().at(0), SIGKILL);
+  ASSERT_TRUE(until([&] { return logged().empty(); }));
   EXPECT_TRUE(end());
   loop.run_for(400ms);
   EXPECT_EQ(starts["aiv1"], 1);

@@ -68,8 +68,8 @@ class UpTest : public ::testing::Test {
   [[nodiscard]] std::map<std::string, pid_t> children() const {
     std::map<std::string, pid_t> result;
     const auto text = adapters::read_file(scratch / "run/children.json");
-    const auto noted = text ? JsonValue::parse(*text) : JsonValue{};
-    const JsonValue* list = noted ? noted->find("children") : nullptr;
+    const auto logged = text ? JsonValue::parse(*text) : JsonValue{};
+    const JsonValue* list = logged ? logged->find("children") : nullptr;
     if (list == nullptr) return result;
     for (const JsonValue& child : *list->array())
       result[*child.text("name")] = static_cast<pid_t>(*child.number("pid"));

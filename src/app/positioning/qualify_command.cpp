@@ -154,8 +154,8 @@ int judge(const QualifyArguments& arguments, const std::vector<experiments::Cand
   std::string text = arguments.json ? to_json(*all, conditions) : to_text(*all);
   while (text.ends_with('\n')) text.pop_back();  // print ends the line
   print(text);
-  for (const std::string& note : runs.complete ? std::vector<std::string>{} : runs.conditions.notes)
-    say("cosiva: " + note);
+  for (const std::string& diagnostic : runs.complete ? std::vector<std::string>{} : runs.conditions.diagnostics)
+    say("cosiva: " + diagnostic);
   return check(*all) && runs.complete ? exit_done : exit_check_failed;
 }
 

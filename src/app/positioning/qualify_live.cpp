@@ -210,17 +210,17 @@ experiments::Conditions conditions_of(const QualifyArguments& arguments, const e
                          {"truth", options.truth_topic},
                          {"seeds", "from " + std::to_string(options.seed)}};
   if (options.speed_mps) conditions.settings.emplace_back("speed", decimals(*options.speed_mps, 2) + " m/s");
-  auto& notes = conditions.notes;
-  notes.emplace_back(
+  auto& diagnostics = conditions.diagnostics;
+  diagnostics.emplace_back(
       "Odometry has no gyroscope: turns are those of the line where the vehicle's own program believes to be on it. "
       "The limit is that of the sensors as the vehicle's data sheet has them: who is below it has better ones.");
   if (complete < options.runs)
-    notes.push_back("Only " + std::to_string(complete) + " of " + std::to_string(options.runs) + " runs are complete.");
-  for (const std::string& loss : runs.losses()) notes.push_back("Lost " + loss + ".");
+    diagnostics.push_back("Only " + std::to_string(complete) + " of " + std::to_string(options.runs) + " runs are complete.");
+  for (const std::string& loss : runs.losses()) diagnostics.push_back("Lost " + loss + ".");
   if (runs.repeated() > 0)
-    notes.push_back(std::to_string(runs.repeated()) + " requests were sent again: they or their answers were lost.");
+    diagnostics.push_back(std::to_string(runs.repeated()) + " requests were sent again: they or their answers were lost.");
   if (runs.without_truth() > 0)
-    notes.push_back(std::to_string(runs.without_truth()) +
+    diagnostics.push_back(std::to_string(runs.without_truth()) +
                     " answers are left out: nobody said where the vehicle was then.");
   return conditions;
 }

@@ -97,11 +97,11 @@ Result<Trial> trial_of(const std::string& folder, const QualifyArguments& argume
   }
   auto trial = experiments::replayed(*recording, {arguments.gap_s, 0.05, 0.05});
   if (!trial) return trial;
-  for (const std::string& note : recording->notes) {
-    std::string told = std::string(folder).append(": ").append(note).append(".");
+  for (const std::string& diagnostic : recording->diagnostics) {
+    std::string told = std::string(folder).append(": ").append(diagnostic).append(".");
     // What was made of a recording is no matter for the report alone: it may be a mistake in the files.
     say("cosiva: " + told);
-    conditions.notes.push_back(std::move(told));
+    conditions.diagnostics.push_back(std::move(told));
   }
   if (ring) {
     trial->setting.track = ring->track;
@@ -164,7 +164,7 @@ Result<Runs> recorded_runs(const QualifyArguments& arguments) {
                                                       " m after 1 m, ranges " + decimals(sensors.range_sigma_m, 3) +
                                                       " m");
     if (trial->sensors_assumed)
-      runs.conditions.notes.push_back(folder +
+      runs.conditions.diagnostics.push_back(folder +
                                       " has no sensors.csv: the limit is that of the figures assumed, and who is below "
                                       "it is no leak, but shows that "
                                       "the sensors are better than that.");
@@ -172,7 +172,7 @@ Result<Runs> recorded_runs(const QualifyArguments& arguments) {
   }
   runs.conditions.settings.emplace_back("longest gap of the truth", decimals(arguments.gap_s, 3) + " s");
   if (arguments.recordings.size() == 1)
-    runs.conditions.notes.emplace_back(
+    runs.conditions.diagnostics.emplace_back(
         "One run is one vote: its interval tells how this drive might have gone, not how others will, and nothing can "
         "be "
         "shown different with fewer than six.");

@@ -114,12 +114,12 @@ TEST(RunDirectory, with_anything_of_someone_else_is_refused_untouched) {
 
 TEST(RunDirectory, of_a_killed_run_is_used_again_but_of_a_living_one_not) {
   Scratch scratch;
-  const auto noted = [&](pid_t pid) {
+  const auto logged = [&](pid_t pid) {
     scratch.write(children_file_name, R"({"children":[{"name":"plant","pid":)" + std::to_string(pid) + "}]}");
   };
-  noted(::getpid());
+  logged(::getpid());
   EXPECT_FALSE(RunDirectory::create(scratch.path()));
-  noted(0x3FFFFFFF);  // beyond any process number
+  logged(0x3FFFFFFF);  // beyond any process number
   scratch.write("boards/left.sock", "");
   const auto run = RunDirectory::create(scratch.path());
   ASSERT_TRUE(run) << to_string(run.error());

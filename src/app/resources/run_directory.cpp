@@ -25,8 +25,8 @@ void clear(const std::string& path) {
 /// Does one of the processes noted there still live?
 bool in_use(const std::string& path) {
   const auto text = adapters::read_file(path + "/" + children_file_name);
-  const auto noted = text ? JsonValue::parse(*text) : JsonValue{};
-  const JsonValue* children = noted ? noted->find("children") : nullptr;
+  const auto logged = text ? JsonValue::parse(*text) : JsonValue{};
+  const JsonValue* children = logged ? logged->find("children") : nullptr;
   if (children == nullptr || children->array() == nullptr) return false;
   for (const JsonValue& child : *children->array()) {
     const auto pid = static_cast<pid_t>(child.number("pid").value_or(0.0));

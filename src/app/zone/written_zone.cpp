@@ -33,8 +33,8 @@ std::string written_json_of(const zone::TrafficZone& zone, const WrittenZone& ma
     json.value(made.sidecar);
   json.field("sections", zone.circuit.size()).field("length_m", zone.circuit.total_length_m());
   json.field("stations", zone.stations.size());
-  write_notes(json.key("notes"), zone.notes);
-  write_notes(json.key("lost"), made.lost);
+  write_diagnostics(json.key("diagnostics"), zone.diagnostics);
+  write_diagnostics(json.key("lost"), made.lost);
   json.end_object();
   return json.take();
 }
@@ -42,7 +42,7 @@ std::string written_json_of(const zone::TrafficZone& zone, const WrittenZone& ma
 std::string written_text_of(const zone::TrafficZone& zone, const WrittenZone& made) {
   return zone.name + ": " + size_of(zone) + ", " + counted(zone.stations.size(), "station") + ", written to " +
          made.file + (made.sidecar.empty() ? "" : "\n  what this format cannot say: " + made.sidecar) +
-         report_of(zone.notes, "reading it") + report_of(made.lost, "writing it");
+         report_of(zone.diagnostics, "reading it") + report_of(made.lost, "writing it");
 }
 
 }  // namespace cosiva::app

@@ -13,7 +13,7 @@ struct WrittenZone {
   std::string format;
   std::string file;
   std::string sidecar;  ///< its file; empty: none
-  std::vector<zone::Note> lost;
+  std::vector<zone::Diagnostic> lost;
 };
 
 /// Writes a zone in a format, with a sidecar file for what the format cannot express. Fails ("zone.write") where the

@@ -107,7 +107,7 @@ std::string json_of(const zone::Rtm& rtm, const Stretches& stretches, const Find
     json.null();
   write_problems(json.key("problems"), zone, findings.problems);
   write_problems(json.key("deadlocks"), zone, findings.deadlocks);
-  write_notes(json.key("notes"), zone.notes);
+  write_diagnostics(json.key("diagnostics"), zone.diagnostics);
   write_waypoints(json.key("waypoints"), zone);
   json.end_object();
   return json.take();
@@ -141,7 +141,7 @@ std::string text_of(const zone::TrafficZone& zone, const Stretches& stretches, c
   for (const zone::Problem& problem : problems) text += "\n    " + to_string(problem, zone);
   if (!findings.deadlocks.empty()) text += "\n  where vehicles may come to wait for each other:";
   for (const zone::Problem& spot : findings.deadlocks) text += "\n    " + to_string(spot, zone);
-  return text + report_of(zone.notes, "reading it");
+  return text + report_of(zone.diagnostics, "reading it");
 }
 
 /// Every fault of a zone that cannot be used, not only the first.

@@ -9,25 +9,25 @@ std::string counted(std::size_t n, const std::string& one) {
   return std::to_string(n) + " " + one + (n == 1 ? "" : "s");
 }
 
-std::string report_of(const std::vector<zone::Note>& notes, const std::string& heading) {
-  if (notes.empty()) return {};
+std::string report_of(const std::vector<zone::Diagnostic>& diagnostics, const std::string& heading) {
+  if (diagnostics.empty()) return {};
   std::string text = "\n  " + heading + ":";
-  for (const zone::Note& note : notes) {
-    const std::string kind{to_string(note.kind)};
+  for (const zone::Diagnostic& diagnostic : diagnostics) {
+    const std::string kind{to_string(diagnostic.kind)};
     text.append("\n    ").append(kind).append(kind.size() < 8 ? 8 - kind.size() : 1, ' ');
-    if (!note.place.empty()) text.append(note.place).append(": ");
-    text += note.text;
+    if (!diagnostic.place.empty()) text.append(diagnostic.place).append(": ");
+    text += diagnostic.text;
   }
   return text;
 }
 
-void write_notes(JsonWriter& json, const std::vector<zone::Note>& notes) {
+void write_diagnostics(JsonWriter& json, const std::vector<zone::Diagnostic>& diagnostics) {
   json.begin_array();
-  for (const zone::Note& note : notes)
+  for (const zone::Diagnostic& diagnostic : diagnostics)
     json.begin_object()
-        .field("kind", to_string(note.kind))
-        .field("place", note.place)
-        .field("text", note.text)
+        .field("kind", to_string(diagnostic.kind))
+        .field("place", diagnostic.place)
+        .field("text", diagnostic.text)
         .end_object();
   json.end_array();
 }

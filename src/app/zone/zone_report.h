@@ -13,9 +13,9 @@ namespace cosiva::app {
 /// "3 sections", "1 section".
 [[nodiscard]] std::string counted(std::size_t n, const std::string& one);
 /// The loss report, a line for each note under a heading; empty where there is nothing to say.
-[[nodiscard]] std::string report_of(const std::vector<zone::Note>& notes, const std::string& heading);
+[[nodiscard]] std::string report_of(const std::vector<zone::Diagnostic>& diagnostics, const std::string& heading);
 /// [{"kind","place","text"}…]
-void write_notes(JsonWriter& json, const std::vector<zone::Note>& notes);
+void write_diagnostics(JsonWriter& json, const std::vector<zone::Diagnostic>& diagnostics);
 /// "13 sections, 17.310 m in all"
 [[nodiscard]] std::string size_of(const zone::TrafficZone& zone);
 /// The section's name; empty for no_section.

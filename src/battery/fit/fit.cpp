@@ -178,7 +178,7 @@ double lowest_of(const std::vector<Discharge>& discharges) {
   return volt;
 }
 
-void note_loads(Problem& problem) {
+void record_loads(Problem& problem) {
   double load = 0.0;
   double load_a = 0.0;
   double load_sq = 0.0;
@@ -223,7 +223,7 @@ Problem make_problem(const std::vector<Discharge>& discharges, const std::vector
     }
   }
   problem.current_sq /= problem.weight;
-  note_loads(problem);
+  record_loads(problem);
   return problem;
 }
 
@@ -269,7 +269,7 @@ std::string few_digits(double value) {
 
 /// A battery gives a little less to a faster load. Much less means another thing: another battery or temperature, or a
 /// tester whose current is off at one of its ranges.
-void note_capacities(const std::vector<Discharge>& discharges, double floor_v, std::vector<std::string>& notes) {
+void record_capacities(const std::vector<Discharge>& discharges, double floor_v, std::vector<std::string>& diagnostics) {
   double least_ah = std::numeric_limits<double>::infinity();
   double most_ah = 0.0;
   for (const Discharge& one : discharges) {
@@ -280,28 +280,28 @@ void note_capacities(const std::vector<Discharge>& discharges, double floor_v, s
   }
   constexpr double usual_share = 0.95;
   if (least_ah < usual_share * most_ah)
-    notes.push_back("down to the same voltage the discharges take out from " + few_digits(least_ah) + " to " +
+    diagnostics.push_back("down to the same voltage the discharges take out from " + few_digits(least_ah) + " to " +
                     few_digits(most_ah) +
                     " Ah: if that is not one battery at rates far apart, fit what belongs together alone (--only)");
 }
 
 /// How well the logs tell what was taken out.
-void note_charge(const std::vector<Discharge>& discharges, const Problem& problem, Fit& fit) {
+void record_charge(const std::vector<Discharge>& discharges, const Problem& problem, Fit& fit) {
   std::size_t counted = 0;
   for (const Discharge& one : discharges) {
     fit.charge_uncertain = std::max(fit.charge_uncertain, one.uncertain);
     if (one.is_counted) ++counted;
     if (one.scale != 1.0)
-      fit.notes.push_back("the samples lie too far apart to tell what was taken out: their count was " +
+      fit.diagnostics.push_back("the samples lie too far apart to tell what was taken out: their count was " +
                           few_digits(100.0 * (1.0 / one.scale - 1.0)) +
                           " % off the capacity given, and is scaled to it");
   }
   if (counted > 0)
-    fit.notes.push_back("in " + std::to_string(counted) + " of " + std::to_string(discharges.size()) +
+    fit.diagnostics.push_back("in " + std::to_string(counted) + " of " + std::to_string(discharges.size()) +
                         " discharges the charge is what the tester itself counted");
   constexpr double worth_saying = 0.01;
   if (fit.charge_uncertain <= worth_saying) return;
-  fit.notes.push_back(
+  fit.diagnostics.push_back(
       "what was taken out, and so the capacity and every time foretold, may be off by " +
       few_digits(100.0 * fit.charge_uncertain) + " %: nobody knows when the current changed between two samples (" +
       std::to_string(problem.brief) + " of " + std::to_string(problem.loads) +
@@ -309,14 +309,14 @@ void note_charge(const std::vector<Discharge>& discharges, const Problem& proble
       "'discharging_capacity_ah' and 'charging_capacity_ah', or give the capacity where you know it (--capacity)");
 }
 
-void note_warmth(const Warmth& warmth, std::vector<std::string>& notes) {
+void record_warmth(const Warmth& warmth, std::vector<std::string>& diagnostics) {
   if (!warmth.is_known) {
-    notes.emplace_back("the logs tell no temperature: 25 °C is assumed");
+    diagnostics.emplace_back("the logs tell no temperature: 25 °C is assumed");
     return;
   }
-  notes.push_back("taken at " + few_digits(warmth.mean_c) + " °C: the type's resistances are of that temperature");
+  diagnostics.push_back("taken at " + few_digits(warmth.mean_c) + " °C: the type's resistances are of that temperature");
   if (warmth.high_c - warmth.low_c > 8.0)
-    notes.push_back("the discharges' own temperatures go from " + few_digits(warmth.low_c) + " to " +
+    diagnostics.push_back("the discharges' own temperatures go from " + few_digits(warmth.low_c) + " to " +
                     few_digits(warmth.high_c) + " °C and are fitted as one: fit each temperature alone (--only)");
 }
 
@@ -366,31 +366,31 @@ double most_taken_ah(const std::vector<Discharge>& discharges) {
 }
 
 /// What whoever reads the figures should know besides.
-void note_all(const std::vector<Log>& logs, const std::vector<Discharge>& discharges, const Problem& problem,
+void record_all(const std::vector<Log>& logs, const std::vector<Discharge>& discharges, const Problem& problem,
               const FitOptions& options, const Warmth& warmth, Fit& fit) {
   for (const Log& log : logs)
-    for (const std::string& note : log.notes)
-      if (std::ranges::find(fit.notes, note) == fit.notes.end()) fit.notes.push_back(note);
+    for (const std::string& diagnostic : log.diagnostics)
+      if (std::ranges::find(fit.diagnostics, diagnostic) == fit.diagnostics.end()) fit.diagnostics.push_back(diagnostic);
   double& largest_a = fit.largest_a;
   for (const Point& point : problem.points) largest_a = std::max(largest_a, point.current_a);
-  fit.notes.push_back("fitted up to " + few_digits(largest_a) + " A: at more the type is a guess");
+  fit.diagnostics.push_back("fitted up to " + few_digits(largest_a) + " A: at more the type is a guess");
   constexpr double rate_suspicious = 50.0;
   if (largest_a > rate_suspicious * fit.type.capacity_ah)
-    fit.notes.push_back("that is " + few_digits(largest_a / fit.type.capacity_ah) +
+    fit.diagnostics.push_back("that is " + few_digits(largest_a / fit.type.capacity_ah) +
                         "C: if the battery never gave so much, the times are not in seconds");
-  note_charge(discharges, problem, fit);
+  record_charge(discharges, problem, fit);
   if (problem.one_current)
-    fit.notes.emplace_back(
+    fit.diagnostics.emplace_back(
         "one current only: steps at its begin and end are all that tells resistance from voltage; the usual is "
         "assumed");
   constexpr double rms_suspicious_v = 0.03;
   if (fit.rms_v > rms_suspicious_v)
-    fit.notes.push_back("off by " + few_digits(1e3 * fit.rms_v) +
+    fit.diagnostics.push_back("off by " + few_digits(1e3 * fit.rms_v) +
                         " mV: no one battery does what these logs say; fit one battery's alone (--only)");
-  note_warmth(warmth, fit.notes);
-  if (options.capacity_ah <= 0.0) fit.notes.emplace_back("the capacity is what the slowest discharge took out");
-  note_capacities(discharges, fit.type.voltage_floor_v, fit.notes);
-  fit.notes.emplace_back(
+  record_warmth(warmth, fit.diagnostics);
+  if (options.capacity_ah <= 0.0) fit.diagnostics.emplace_back("the capacity is what the slowest discharge took out");
+  record_capacities(discharges, fit.type.voltage_floor_v, fit.diagnostics);
+  fit.diagnostics.emplace_back(
       "assumed, as no log tells it: heat capacity and loss, activation energy, fade, growth, spread");
 }
 
@@ -439,7 +439,7 @@ Result<Fit> fit_type(const std::vector<Log>& logs, const FitOptions& options) {
   fit.slow_s = solution.slow_s;
   fit.rms_v = std::sqrt(solution.sum_sq / problem.weight);
   fit.residuals = predict(fit.type, logs, 0.0, options.capacity_ah);
-  note_all(logs, discharges, problem, options, warmth, fit);
+  record_all(logs, discharges, problem, options, warmth, fit);
   return fit;
 }
 

@@ -29,7 +29,7 @@ struct Fit {
   double largest_a{0.0};         ///< discharging current that was fitted
   double charge_uncertain{0.0};  ///< how far what was taken out may be off, as a share of it: the worst discharge's
   std::vector<Residual> residuals;
-  std::vector<std::string> notes;  ///< what was assumed
+  std::vector<std::string> diagnostics;  ///< what was assumed
 };
 
 /// Fits a type's tables to discharges that begin full. With straight tables all but the two time constants is linear:

@@ -70,7 +70,7 @@ TEST(Fit, of_one_rate_alone_tells_others_roughly_and_says_that_it_guesses) {
   const std::vector<Log> logs = logs_of("lipo_pouch_rates_25C.csv");
   const auto fit = fit_type(only(logs, {"=0.1C"}), {.name = "pouch"});
   ASSERT_TRUE(fit) << to_string(fit.error());
-  EXPECT_THAT(fit->notes, ::testing::Contains(::testing::HasSubstr("one current only")));
+  EXPECT_THAT(fit->diagnostics, ::testing::Contains(::testing::HasSubstr("one current only")));
   for (const char* rate : {"=1C", "=2C"}) {
     const auto found = predict(fit->type, only(logs, {rate}));
     ASSERT_EQ(found.size(), 1U);
@@ -95,7 +95,7 @@ TEST(Fit, of_one_rate_is_not_misled_by_a_tester_s_zero) {
   }
   const auto fit = fit_type({rested}, {.name = "pouch"});
   ASSERT_TRUE(fit) << to_string(fit.error());
-  EXPECT_THAT(fit->notes, ::testing::Contains(::testing::HasSubstr("one current only")));
+  EXPECT_THAT(fit->diagnostics, ::testing::Contains(::testing::HasSubstr("one current only")));
 }
 
 TEST(Fit, knows_the_temperature_of_its_logs) {
@@ -107,7 +107,7 @@ TEST(Fit, knows_the_temperature_of_its_logs) {
   EXPECT_NEAR(fit->type.reference_temperature_c, -12.5, 2.0);
   EXPECT_LT(fit->type.temperature_min_c, fit->type.reference_temperature_c);
   for (Log& log : logs) log.temperature_c.clear();
-  EXPECT_THAT(fit_type(logs, {})->notes, ::testing::Contains(::testing::HasSubstr("25 °C is assumed")));
+  EXPECT_THAT(fit_type(logs, {})->diagnostics, ::testing::Contains(::testing::HasSubstr("25 °C is assumed")));
 }
 
 TEST(Fit, compares_a_log_that_ends_above_the_floor_at_its_own_lowest_voltage) {
@@ -188,7 +188,7 @@ TEST(Fit, of_a_log_that_was_sampled_too_seldom_says_by_how_much_it_may_be_off_an
     EXPECT_NEAR(fit->type.capacity_ah, 30.5, fit->charge_uncertain * 30.5) << phase_s;
     EXPECT_GT(fit->charge_uncertain, 0.02) << phase_s;
     EXPECT_LT(fit->charge_uncertain, 0.2) << phase_s;
-    EXPECT_THAT(fit->notes, ::testing::Contains(::testing::HasSubstr("may be off by"))) << phase_s;
+    EXPECT_THAT(fit->diagnostics, ::testing::Contains(::testing::HasSubstr("may be off by"))) << phase_s;
     EXPECT_EQ(fit->residuals.front().uncertain, fit->charge_uncertain) << phase_s;
     is_often_wrong = is_often_wrong || std::fabs(fit->type.capacity_ah / 30.5 - 1.0) > 0.03;
     // With the capacity, which a rated one is not but another test tells, the times are right again.
@@ -202,7 +202,7 @@ TEST(Fit, of_a_log_that_was_sampled_too_seldom_says_by_how_much_it_may_be_off_an
   const auto often = fit_type(pulses, {.name = "leaf"});
   ASSERT_TRUE(often);
   EXPECT_LT(often->charge_uncertain, 0.005);
-  EXPECT_THAT(often->notes, ::testing::Not(::testing::Contains(::testing::HasSubstr("may be off by"))));
+  EXPECT_THAT(often->diagnostics, ::testing::Not(::testing::Contains(::testing::HasSubstr("may be off by"))));
 }
 
 TEST(Fit, says_what_a_log_lacks) {

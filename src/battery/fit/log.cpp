@@ -295,8 +295,8 @@ class Reader {
           one.log.name += ", " + columns_.names[counters_at_[i]] + "=" + one.first[i];
       if (!is_fine(one)) one.log.counted_ah.clear();
       if (!columns_.note.empty())
-        one.log.notes.push_back(origin_ + ": read " + columns_.note + "; its current must charge where it is positive");
-      if (const std::string note = one.clock.note(); !note.empty()) one.log.notes.push_back(one.log.name + ": " + note);
+        one.log.diagnostics.push_back(origin_ + ": read " + columns_.note + "; its current must charge where it is positive");
+      if (const std::string note = one.clock.note(); !note.empty()) one.log.diagnostics.push_back(one.log.name + ": " + note);
       logs.push_back(std::move(one.log));
     }
     return logs;
@@ -325,7 +325,7 @@ class Reader {
   static void tell_when_loads_came(Log& log) {
     double largest_a = 0.0;
     for (const double current : log.current_a) largest_a = std::max(largest_a, std::fabs(current));
-    Log whole{log.name, {}, {}, {}, {}, log.origin, {}, {}, log.notes};
+    Log whole{log.name, {}, {}, {}, {}, log.origin, {}, {}, log.diagnostics};
     const std::size_t size = log.time_s.size();
     const auto copy = [&](std::size_t i, double time_s) {
       whole.time_s.push_back(time_s);

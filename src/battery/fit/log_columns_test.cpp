@@ -44,7 +44,7 @@ TEST(Columns, that_testers_name_in_their_own_way_are_read_in_their_units) {
   EXPECT_NEAR(logs->front().voltage_v[50], 3.98, 1e-6);
   EXPECT_NEAR(logs->front().current_a[50], 1.0, 1e-9);
   EXPECT_EQ(logs->front().temperature_c[50], 31.5);
-  EXPECT_THAT(logs->front().notes, ElementsAre(HasSubstr("'Test_Time(s)' as test_time_second, 'Ecell/mV' as")));
+  EXPECT_THAT(logs->front().diagnostics, ElementsAre(HasSubstr("'Test_Time(s)' as test_time_second, 'Ecell/mV' as")));
 }
 
 TEST(Columns, of_the_format_s_own_names_need_no_word_and_come_first) {

@@ -242,7 +242,7 @@ TEST(Log, whose_time_begins_anew_with_each_step_is_put_together) {
   ASSERT_EQ(logs->size(), 1U);
   // A step's first sample comes at its begin: the tenth of a minute before it is not in the file.
   EXPECT_NEAR(logs->front().time_s.back(), 3000.0 - 6 * 10.0, 1e-9);
-  EXPECT_THAT(logs->front().notes, ::testing::ElementsAre(HasSubstr("begins anew with each step")));
+  EXPECT_THAT(logs->front().diagnostics, ::testing::ElementsAre(HasSubstr("begins anew with each step")));
   EXPECT_EQ(code_of(stepped(within, false)), "log.time");  // nothing says that steps are the reason
 }
 
@@ -253,7 +253,7 @@ TEST(Log, with_a_zero_for_the_time_at_a_step_s_first_sample_is_read) {
   ASSERT_EQ(logs->size(), 1U);
   EXPECT_EQ(logs->front().time_s[50], 490.0);
   EXPECT_EQ(logs->front().time_s[51], 510.0);
-  EXPECT_THAT(logs->front().notes, ::testing::ElementsAre(HasSubstr("5 steps begin with a sample whose time goes")));
+  EXPECT_THAT(logs->front().diagnostics, ::testing::ElementsAre(HasSubstr("5 steps begin with a sample whose time goes")));
 }
 
 TEST(Log, of_a_charge_that_is_looked_at_seldom_has_no_gap) {

@@ -50,9 +50,9 @@ class Foretelling {
     double sum_sq = 0.0;
     for (std::size_t i = discharge_.first; i < end; ++i) {
       go_on(i);
-      note_load(i);
+      record_load(i);
       if (ended()) break;
-      sum_sq += note_difference(i);
+      sum_sq += record_difference(i);
     }
     const double last_a = log_.current_a[end - 1];
     while (!ended() && last_a > 0.0 && now_s_ - start_s_ <= 1.5 * residual_.measured_s) advance(now_s_ + 10.0, last_a);
@@ -100,14 +100,14 @@ class Foretelling {
     advance(log_.time_s[i], log_.current_a[i]);
   }
 
-  void note_load(std::size_t i) {
+  void record_load(std::size_t i) {
     if (log_.current_a[i] <= 0.0) return;
     const double dt_s = log_.time_s[i] - (i == discharge_.first ? start_s_ : log_.time_s[i - 1]);
     load_s_ += dt_s;
     load_as_ += log_.current_a[i] * dt_s;
   }
 
-  double note_difference(std::size_t i) {
+  double record_difference(std::size_t i) {
     const double off_v = pack_.voltage_v() - log_.voltage_v[i];
     if (std::fabs(off_v) > residual_.worst_v) {
       residual_.worst_v = std::fabs(off_v);

@@ -149,7 +149,7 @@ void Procedure::book(ProcedureSlot& slot, const BatterySample& sample) const {
 }
 
 /// What the record says when the run ended with this sample.
-void Procedure::note_end(const ProcedureSlot& slot, const BatterySample& sample, BatteryRun& record) const {
+void Procedure::record_end(const ProcedureSlot& slot, const BatterySample& sample, BatteryRun& record) const {
   SimDuration paused = slot.paused;
   if (slot.pause_began) paused += sample.at - *slot.pause_began;
   record.paused_s = to_seconds(paused);
@@ -182,7 +182,7 @@ ProcedureCommands Procedure::on_sample(std::size_t vehicle, const BatterySample&
     BatteryRun& record = slot.crossing->record;
     record.charge_ah = before_ah + share * (record.charge_ah - before_ah);
     record.energy_wh = before_wh + share * (record.energy_wh - before_wh);
-    note_end(slot, at, record);
+    record_end(slot, at, record);
     end_curve(record, at);
   }
   slot.last = sample;
@@ -204,7 +204,7 @@ ProcedureCommands Procedure::on_stop(SimTime now, std::size_t vehicle, StopCause
   // Who says so itself was running until now; who is lost, until it was last heard.
   end.at = cause == StopCause::lost ? slot.heard : now;
   BatteryRun record = slot.record;
-  note_end(slot, end, record);
+  record_end(slot, end, record);
   if (slot.last) end_curve(record, end);
   return finish(vehicle, std::move(record), cause);
 }

@@ -169,7 +169,7 @@ class Procedure {
   [[nodiscard]] ProcedureCommands ask_for_batteries();
   [[nodiscard]] ProcedureCommands finish(std::size_t vehicle, BatteryRun record, StopCause cause);
   void book(ProcedureSlot& slot, const BatterySample& sample) const;
-  void note_end(const ProcedureSlot& slot, const BatterySample& sample, BatteryRun& record) const;
+  void record_end(const ProcedureSlot& slot, const BatterySample& sample, BatteryRun& record) const;
   [[nodiscard]] ProcedureCommands pauses(SimTime now, std::size_t vehicle);
 
   ProcedureOptions options_;

@@ -53,7 +53,7 @@ std::optional<Error> Obstacles::add(const JsonValue& given, std::span<const Body
     if (all_.size() >= count_max) return refused("there are 1000 obstacles already; take one away first", *id);
     all_.insert(at, Obstacle{*id, disc, next_key_++});
   }
-  note_discs();
+  record_discs();
   return std::nullopt;
 }
 
@@ -84,7 +84,7 @@ std::optional<Error> Obstacles::remove(std::string_view id) {
                                             (all_.size() > 5 ? ", …" : "")),
                    std::string(id.substr(0, 64)));
   }
-  note_discs();
+  record_discs();
   return std::nullopt;
 }
 
@@ -93,7 +93,7 @@ std::string Obstacles::name_of(CollisionWatch::BodyKey key) const {
   return found == all_.end() ? "obstacle" : found->id;
 }
 
-void Obstacles::note_discs() {
+void Obstacles::record_discs() {
   discs_.clear();
   for (const Obstacle& obstacle : all_) discs_.push_back({obstacle.key, obstacle.disc});
 }

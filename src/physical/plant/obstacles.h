@@ -50,7 +50,7 @@ class Obstacles {
  private:
   [[nodiscard]] std::optional<Error> check(const std::string& id, const Disc& disc,
                                            std::span<const BodyPose> bodies) const;
-  void note_discs();
+  void record_discs();
 
   zone::VehicleShape shape_;
   zone::Bounds world_;

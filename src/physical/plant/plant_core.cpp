@@ -69,7 +69,7 @@ struct PlantCore::Impl {
     for (std::uint32_t i = 0; i < places.size(); ++i)
       vehicles.emplace_back(i + 1, floor, places[i], options.noise, options.seed, cells, step_max(options));
     bodies.resize(vehicles.size());
-    note_bodies();
+    record_bodies();
   }
 
   PlantOptions options;
@@ -88,7 +88,7 @@ struct PlantCore::Impl {
   Every truth{std::chrono::milliseconds{100}};
 
   void power_up(SimTime at);
-  void note_bodies();
+  void record_bodies();
   void tick(SimTime at, wire::Effects& effects);
   void watch_contacts();
   void scan(std::size_t index);
@@ -231,7 +231,7 @@ void PlantCore::Impl::power_up(SimTime at) {
   for (Vehicle& vehicle : vehicles) vehicle.power_up(at, options.seed);
 }
 
-void PlantCore::Impl::note_bodies() {
+void PlantCore::Impl::record_bodies() {
   for (std::size_t i = 0; i < vehicles.size(); ++i) bodies[i] = vehicles[i].motion().body();
 }
 
@@ -246,7 +246,7 @@ void PlantCore::Impl::tick(SimTime at, wire::Effects& effects) {
   now = at;
   change_floors();
   for (Vehicle& vehicle : vehicles) vehicle.move(at, dt);
-  note_bodies();
+  record_bodies();
   watch_contacts();
   for (std::size_t i = 0; i < vehicles.size(); ++i) {
     if (vehicles[i].wants_scan(at)) scan(i);

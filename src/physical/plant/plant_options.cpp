@@ -29,7 +29,7 @@ class Reader {
     if (member == nullptr) return;
     const double* given = member->number();
     if (given == nullptr || !std::isfinite(*given) || *given < 0.0 || *given > max)
-      note(name, "a number from 0 to " + std::to_string(max));
+      record(name, "a number from 0 to " + std::to_string(max));
     else
       value = *given;
   }
@@ -42,7 +42,7 @@ class Reader {
     const JsonValue* member = object_.find(name);
     if (member == nullptr) return;
     if (member->flag() == nullptr)
-      note(name, "true or false");
+      record(name, "true or false");
     else
       value = *member->flag();
   }
@@ -50,7 +50,7 @@ class Reader {
     double number_given = value;
     number(name, number_given, max);
     if (number_given < 1.0 || number_given != std::floor(number_given))
-      note(name, "a whole number from 1 to " + std::to_string(max));
+      record(name, "a whole number from 1 to " + std::to_string(max));
     else
       value = static_cast<std::uint32_t>(number_given);
   }
@@ -66,16 +66,16 @@ class Reader {
     const std::string* text = member->text();
     if (text == nullptr || text->empty() || text->size() > 20 ||
         text->find_first_not_of("0123456789") != std::string::npos)
-      return note(name, "a whole number, as text when above 2^53");
+      return record(name, "a whole number, as text when above 2^53");
     std::uint64_t sum = 0;
     for (const char digit : *text) {
       const auto d = static_cast<std::uint64_t>(digit - '0');
-      if (sum > (std::numeric_limits<std::uint64_t>::max() - d) / 10) return note(name, "below 2^64");
+      if (sum > (std::numeric_limits<std::uint64_t>::max() - d) / 10) return record(name, "below 2^64");
       sum = 10 * sum + d;
     }
     value = sum;
   }
-  void note(const std::string& name, const std::string& expected) {
+  void record(const std::string& name, const std::string& expected) {
     if (!error_) error_ = bad("'" + name + "'", expected).value();
   }
   [[nodiscard]] const std::optional<Error>& error() const { return error_; }
@@ -97,7 +97,7 @@ std::optional<Error> read_noise(const JsonValue& json, PlantNoise& noise) {
   reader.milliseconds("tag_latency_max_ms", noise.tag_latency_max);
   reader.number("range_sd_m", noise.range_sd_m, 1.0);
   reader.number("range_dropout", noise.range_dropout, 1.0);
-  if (noise.tag_latency_min > noise.tag_latency_max) reader.note("tag_latency_min_ms", "at most tag_latency_max_ms");
+  if (noise.tag_latency_min > noise.tag_latency_max) reader.record("tag_latency_min_ms", "at most tag_latency_max_ms");
   return reader.error();
 }
 
@@ -144,7 +144,7 @@ Result<PlantOptions> plant_options_from_json(std::string_view text) {
   reader.count("vehicles", options.vehicles, vehicles_max);
   reader.seed("seed", options.seed);
   reader.milliseconds("cycle_ms", options.cycle);
-  if (options.cycle < std::chrono::milliseconds{1}) reader.note("cycle_ms", "at least 1");
+  if (options.cycle < std::chrono::milliseconds{1}) reader.record("cycle_ms", "at least 1");
   reader.flag("publish_zone", options.publish_zone);
   reader.flag("publish_truth", options.publish_truth);
   if (reader.error()) return tl::unexpected(*reader.error());

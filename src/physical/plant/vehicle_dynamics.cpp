@@ -19,7 +19,7 @@ LineVehicle::LineVehicle(const zone::Circuit& circuit, zone::Place start, double
     : circuit_{&circuit}, line_offset_sd_m_{line_offset_sd_m}, line_random_{line_noise}, place_{start} {
   line_noise_m_ = line_random_.gaussian(0.0, line_offset_sd_m_);
   place_body(0.0, 1.0);
-  note_section();
+  record_section();
 }
 
 void LineVehicle::step(const DriveCommand* command, double dt_s) {
@@ -129,7 +129,7 @@ void LineVehicle::to_next() {
   const std::span<const zone::SectionId> ways = circuit_->next(place_.section);
   came_from_ = place_.section;
   place_.section = ways[std::min(branch_, ways.size() - 1)];
-  note_section();
+  record_section();
 }
 
 bool LineVehicle::to_previous() {
@@ -141,12 +141,12 @@ bool LineVehicle::to_previous() {
   if (before == ways.end()) return false;
   place_.section = *before;
   came_from_ = zone::no_section;
-  note_section();
+  record_section();
   return true;
 }
 
 /// Most sections of most circuits go on in one smooth way; a step on these costs one look at this flag.
-void LineVehicle::note_section() {
+void LineVehicle::record_section() {
   const zone::Circuit::Part& part = circuit_->part(place_.section);
   may_end_here_ = part.next.size() != 1 || part.pivots;
 }
@@ -233,7 +233,7 @@ void LineVehicle::end_manoeuvre() {
   place_ = goal_;
   lateral_m_ = goal_lateral_m_;
   heading_rad_ = goal_heading_rad_;
-  note_section();
+  record_section();
   const auto [sin, cos] = sincos(heading_rad_);
   place_body(sin, cos);
 }
@@ -254,7 +254,7 @@ void LineVehicle::stand_on(const zone::Circuit& circuit) {
   lateral_m_ = X_PB.y_m;
   heading_rad_ = X_PB.heading_rad;
   lies_on_line_ = anchor && lies_over(X_PB) && std::fabs(heading_rad_) <= aiv::on_line_rad;
-  note_section();
+  record_section();
 }
 
 bool LineVehicle::lies_over(const Pose2& X_PB) const {

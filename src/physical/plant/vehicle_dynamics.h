@@ -82,7 +82,7 @@ class LineVehicle {
   [[nodiscard]] bool lies_over(const Pose2& X_PB) const;
   void end_manoeuvre();
   [[nodiscard]] double sight_error_rad();
-  void note_section();
+  void record_section();
   void brake_for_end(double dt_s);
   void change_speed(const DriveCommand* command, double dt_s);
   void steer(double dt_s);

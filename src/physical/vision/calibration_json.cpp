@@ -49,14 +49,14 @@ class Reader {
   double number(const JsonValue& from, std::string_view key, double low, double high) {
     const auto found = from.number(key);
     if (!found || !(*found >= low && *found <= high)) {
-      note(key, "expected a number from " + phrase(low) + " to " + phrase(high));
+      record(key, "expected a number from " + phrase(low) + " to " + phrase(high));
       return low;
     }
     return *found;
   }
   std::size_t whole(const JsonValue& from, std::string_view key, std::size_t low, std::size_t high) {
     const double found = number(from, key, static_cast<double>(low), static_cast<double>(high));
-    if (found != std::floor(found)) note(key, "expected a whole number");
+    if (found != std::floor(found)) record(key, "expected a whole number");
     return static_cast<std::size_t>(found);
   }
   std::vector<double> list(const JsonValue& from, std::string_view key, std::size_t count) {
@@ -67,7 +67,7 @@ class Reader {
         if (one.number() != nullptr && std::fabs(*one.number()) <= biggest) numbers.push_back(*one.number());
     }
     if (numbers.size() != count) {
-      note(key, "expected a list of " + std::to_string(count) + " numbers");
+      record(key, "expected a list of " + std::to_string(count) + " numbers");
       numbers.assign(count, 0.0);
     }
     return numbers;
@@ -76,10 +76,10 @@ class Reader {
     static const JsonValue nothing{JsonValue::Object{}};
     const JsonValue* found = from.find(key);
     if (found != nullptr && found->object() != nullptr) return *found;
-    note(key, "expected an object");
+    record(key, "expected an object");
     return nothing;
   }
-  void note(std::string_view key, std::string message) {
+  void record(std::string_view key, std::string message) {
     if (!error_) error_ = Error{"gvs.calibration", std::move(message), file_ + ": '" + std::string(key) + "'"};
   }
   [[nodiscard]] const std::optional<Error>& error() const { return error_; }
@@ -111,7 +111,7 @@ FloorMap read_map(Reader& reader, const JsonValue& json) {
   const auto size = reader.list(json, "picture_px", 2);
   for (const double side : size)
     if (!(side >= 1.0 && side <= 65536.0 && side == std::floor(side)))
-      reader.note("picture_px", "expected width and height in pixels, 1 to 65536");
+      reader.record("picture_px", "expected width and height in pixels, 1 to 65536");
   if (!reader.error()) map.picture = {static_cast<std::size_t>(size[0]), static_cast<std::size_t>(size[1])};
   const auto centre = reader.list(json, "centre_px", 2);
   map.centre = {centre[0], centre[1]};
@@ -133,11 +133,11 @@ ResidualMap read_uncertainty(Reader& reader, const JsonValue& json) {
   map.rows = reader.whole(from, "rows", 0, 1000);
   map.rms_m = reader.list(from, "rms_m", map.columns * map.rows);
   for (const double count : reader.list(from, "points", map.columns * map.rows)) {
-    if (!(count >= 0.0 && count <= 1e9)) reader.note("points", "expected how many points each square has");
+    if (!(count >= 0.0 && count <= 1e9)) reader.record("points", "expected how many points each square has");
     map.points.push_back(count >= 0.0 && count <= 1e9 ? static_cast<std::size_t>(count) : 0);
   }
   for (const double rms : map.rms_m)
-    if (rms < 0.0) reader.note("rms_m", "expected no number below 0");
+    if (rms < 0.0) reader.record("rms_m", "expected no number below 0");
   return map;
 }
 
@@ -211,7 +211,7 @@ Result<Calibration> read_calibration(std::string_view text, const std::string& f
     made.model = one;
     known = true;
   }
-  if (!known) reader.note("model", "expected homography, lens, polynomial or lens_polynomial");
+  if (!known) reader.record("model", "expected homography, lens, polynomial or lens_polynomial");
   made.map = read_map(reader, json);
   made.fitted = read_residuals(reader, json, "fitted");
   made.colour = read_residuals(reader, json, "colours");
@@ -222,7 +222,7 @@ Result<Calibration> read_calibration(std::string_view text, const std::string& f
   made.camera = {{foot[0], foot[1]}, reader.number(camera, "height_m", 0.0, 1e4)};
   const JsonValue* markers = json.find("markers");
   if (markers == nullptr || markers->array() == nullptr) {
-    reader.note("markers", "expected a list");
+    reader.record("markers", "expected a list");
   } else {
     for (const JsonValue& marker : *markers->array()) made.markers.push_back(read_marker(reader, marker));
   }

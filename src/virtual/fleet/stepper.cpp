@@ -58,7 +58,7 @@ void Stepper::step_block(Block& block) {
   alignas(64) std::array<double, forgets_vehicles> forgotten;
   double* const next =
       block.last - block.first > forgets_vehicles ? state_.next_mps.data() + block.first : forgotten.data();
-  note_gap(block, decide(state_, numbers_, by, more, block.first, block.last, next));
+  record_gap(block, decide(state_, numbers_, by, more, block.first, block.last, next));
   move(state_, numbers_, block.first, block.last, next);
   settle(block);
   poses_.write(block.first, block.last);
@@ -77,7 +77,7 @@ void Stepper::step_in_parts(Workers& workers, Block& block) {
       part_gap_m_[part] = decide(state_, numbers_, by, more, first, last, state_.next_mps.data() + first);
     });
   });
-  note_gap(block, *std::min_element(part_gap_m_.begin(), part_gap_m_.end()));
+  record_gap(block, *std::min_element(part_gap_m_.begin(), part_gap_m_.end()));
   workers.for_each(parts, [&](std::size_t part) {
     of_part(part, [&](std::uint32_t first, std::uint32_t last) {
       move(state_, numbers_, first, last, state_.next_mps.data() + first);
@@ -89,7 +89,7 @@ void Stepper::step_in_parts(Workers& workers, Block& block) {
   });
 }
 
-void Stepper::note_gap(Block& block, double seen_m) const {
+void Stepper::record_gap(Block& block, double seen_m) const {
   block.smallest_gap_m = std::min(block.smallest_gap_m, seen_m);
   if (seen_m >= 0.0) return;
   for (std::uint32_t i = block.first; i < block.last; ++i)

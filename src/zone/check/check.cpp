@@ -74,7 +74,7 @@ class Checker {
  private:
   using Severity = Problem::Severity;
 
-  void note(Severity severity, std::string code, Place place, std::string text) {
+  void record(Severity severity, std::string code, Place place, std::string text) {
     auto& [count, last] = counts_[code];
     last = place;
     if (++count > limits_.of_one_code) return;
@@ -100,11 +100,11 @@ class Checker {
         const Pose2& start = circuit_.section(after).start();
         const double gap_m = distance(end, start);
         if (gap_m > limits_.gap_m)
-          note(Severity::error, "circuit.gap", end_of(id),
+          record(Severity::error, "circuit.gap", end_of(id),
                name(id) + " ends " + metres(gap_m) + " from where " + name(after) + " starts; bring them together");
         const double kink_rad = std::fabs(wrap_angle(start.heading_rad - end.heading_rad));
         if (kink_rad > limits_.kink_rad && !circuit_.part(id).pivots)
-          note(Severity::error, "circuit.kink", end_of(id),
+          record(Severity::error, "circuit.kink", end_of(id),
                "the way turns by " + metres_text(kink_rad / rad_per_deg) + "° at once from " + name(id) + " to " +
                    name(after) + "; round it, or let vehicles turn on the spot there");
       }
@@ -119,7 +119,7 @@ class Checker {
       const bool at_start = std::fabs(section.curvature_at(0.0)) >= bend;
       const Place place = at_start ? Place{id, 0.0} : end_of(id);
       if (0.5 * zone_.vehicle.width_m * bend >= 1.0) {
-        note(Severity::error, "zone.vehicle", place,
+        record(Severity::error, "zone.vehicle", place,
              name(id) + " bends with a radius of " + metres(1.0 / bend) + ", less than half the vehicle's width of " +
                  metres(zone_.vehicle.width_m) + "; widen the bend");
       }
@@ -127,7 +127,7 @@ class Checker {
                                         zone_.profiles.fast.speed_mps);
       const double lateral_mps2 = speed_mps * speed_mps * bend;
       if (lateral_mps2 > limits_.lateral_mps2) {
-        note(Severity::warning, "zone.speed", place,
+        record(Severity::warning, "zone.speed", place,
              "at " + metres_text(speed_mps) + " m/s vehicles are pushed outward with " + metres_text(lateral_mps2) +
                  " m/s² in " + name(id) + "; limit it to " +
                  metres_text(std::floor(100.0 * std::sqrt(limits_.lateral_mps2 / bend)) / 100.0) + " m/s");
@@ -139,13 +139,13 @@ class Checker {
     const auto goes_on = Router{zone_}.goes_on_for_ever();
     for (SectionId id = 0; id < circuit_.size(); ++id) {
       if (circuit_.next(id).empty())
-        note(Severity::warning, "zone.dead_end", end_of(id),
+        record(Severity::warning, "zone.dead_end", end_of(id),
              "nothing follows " + name(id) + "; a vehicle that drives to its end stays there");
       else if (!goes_on[id])
-        note(Severity::warning, "zone.no_return", {id, 0.0},
+        record(Severity::warning, "zone.no_return", {id, 0.0},
              "all ways from " + name(id) + " end; who drives in does not come round again");
       if (circuit_.previous(id).empty())
-        note(Severity::warning, "zone.no_way_in", {id, 0.0},
+        record(Severity::warning, "zone.no_way_in", {id, 0.0},
              "no section leads to " + name(id) + "; only vehicles that start there drive on it");
     }
   }
@@ -155,10 +155,10 @@ class Checker {
     const Reachable reached{zone_, zone_.starts};
     for (const Station& station : all) {
       if (const Crossing* crossing = zone_.crossing_at(station.place))
-        note(Severity::warning, "zone.station", station.place,
+        record(Severity::warning, "zone.station", station.place,
              "who stands at station '" + station.name + "' holds up everybody at crossing " + crossing->name);
       if (!zone_.starts.empty() && !reached.reaches(station.place))
-        note(Severity::error, "zone.unreachable", station.place,
+        record(Severity::error, "zone.unreachable", station.place,
              "station '" + station.name + "' cannot be reached from any of the starts");
     }
     // From every other station, as long as that does not take minutes.
@@ -174,7 +174,7 @@ class Checker {
       if (count == 0) continue;
       std::string from = "'" + all[first].name + "'";
       if (count > 1) from += " and " + std::to_string(count - 1) + " other" + (count > 2 ? "s" : "");
-      note(Severity::warning, "zone.unreachable", all[to].place,
+      record(Severity::warning, "zone.unreachable", all[to].place,
            "station '" + all[to].name + "' cannot be reached from station " + from);
     }
   }
@@ -187,12 +187,12 @@ class Checker {
       const bool free = std::none_of(taken.begin(), taken.end(), [&](Point2 q) { return distance(p, q) < room_m; });
       const std::string which = "start " + std::to_string(taken.size() + 1);
       if (zone_.crossing_at(start) != nullptr || !zone_.may_stand(start))
-        note(Severity::error, "zone.start", start, which + " lies where no vehicle may stand");
+        record(Severity::error, "zone.start", start, which + " lies where no vehicle may stand");
       else if (!free)
-        note(Severity::warning, "zone.start", start,
+        record(Severity::warning, "zone.start", start,
              which + " is nearer than " + metres(room_m) + " to one before it; no vehicle begins here");
       if (std::binary_search(zone_.closed.begin(), zone_.closed.end(), start.section))
-        note(Severity::warning, "zone.start", start, which + " lies on a closed section");
+        record(Severity::warning, "zone.start", start, which + " lies on a closed section");
       taken.push_back(p);
     }
   }
@@ -200,7 +200,7 @@ class Checker {
   void unread() {
     const Stretch stretch = longest_unread(zone_);
     if (!stretch.endless && stretch.length_m <= limits_.unread_max_m) return;
-    note(Severity::warning, "zone.unread", stretch.from,
+    record(Severity::warning, "zone.unread", stretch.from,
          stretch.endless ? "one can drive round for ever without a tag or a beacon, " + metres(stretch.length_m) +
                                " each time; lay a tag"
                          : "there is neither tag nor beacon for " + metres(stretch.length_m) + " from here to " +
@@ -212,7 +212,7 @@ class Checker {
     const std::vector<SectionId> other = opposites(zone_);
     for (SectionId id = 0; id < circuit_.size(); ++id) {
       if (other[id] == no_section || other[id] > id) continue;
-      note(Severity::warning, "zone.single_track", {id, 0.0},
+      record(Severity::warning, "zone.single_track", {id, 0.0},
            name(id) + " and " + name(other[id]) + " are one track of " + metres(circuit_.section(id).length_m()) +
                " driven both ways; only one vehicle at a time can use it");
     }

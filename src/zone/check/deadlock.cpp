@@ -54,7 +54,7 @@ class Spots {
  private:
   [[nodiscard]] std::string name(SectionId id) const { return "'" + circuit_.part(id).name + "'"; }
 
-  void note(std::string code, Place place, std::string text) {
+  void record(std::string code, Place place, std::string text) {
     found_.push_back(
         {Problem::Severity::notice, std::move(code), place, position(circuit_.pose_at(place)), std::move(text)});
   }
@@ -76,7 +76,7 @@ class Spots {
 
   void one_loop(const std::string& what, const std::vector<SectionId>& sections) {
     const std::size_t most = vehicles_going_round(zone_, sections);
-    note("deadlock.loop", {sections.front(), 0.0},
+    record("deadlock.loop", {sections.front(), 0.0},
          what + (most == 0 ? " has no place where a vehicle can wait outside crossings"
                            : " has room for " + vehicles(most) + " that go round; with " + std::to_string(most + 1) +
                                  " nobody in it can move"));
@@ -106,7 +106,7 @@ class Spots {
       places += std::min(rests_[id], fit);
     }
     const std::size_t most = places > 0 ? places - 1 : 0;
-    note("deadlock.loop", {members.front(), 0.0},
+    record("deadlock.loop", {members.front(), 0.0},
          "the " + std::to_string(members.size()) + " sections that lead round from " + name(members.front()) +
              " have places for at most " + vehicles(places) + " to wait; with more than " + std::to_string(most) +
              " nobody in them can move");
@@ -143,7 +143,7 @@ class Spots {
       if (!without_room(id)) continue;
       const auto ways = next(id);
       if (members.size() > 1 || std::find(ways.begin(), ways.end(), id) != ways.end()) {
-        note("deadlock.no_room", {id, 0.0},
+        record("deadlock.no_room", {id, 0.0},
              "one can go round from " + name(id) + " over " + std::to_string(members.size()) +
                  " sections without a place to wait between crossings; vehicles stand in crossings there, and each "
                  "may hold what the next one needs: leave more room between two of them");
@@ -162,7 +162,7 @@ class Spots {
       if (row[id] <= reserved_at_once_max) continue;
       const auto before = circuit_.previous(id);
       if (std::any_of(before.begin(), before.end(), [&](SectionId b) { return row[b] > row[id]; })) continue;
-      note("deadlock.no_room", {id, 0.0},
+      record("deadlock.no_room", {id, 0.0},
            "from " + name(id) + " on crossings follow each other over " + std::to_string(row[id]) +
                " stretches without a place to wait; more than " + std::to_string(reserved_at_once_max) +
                " are not reserved at once, so vehicles stand in crossings there");
@@ -214,7 +214,7 @@ class Spots {
         waits_on = rests_[at] > 0 ? at : opposite_[at];
     }
     if (waits_on == no_section) return;  // reserved whole, from end to end
-    note("deadlock.single_track", {waits_on, 0.0},
+    record("deadlock.single_track", {waits_on, 0.0},
          (first == last ? name(first) + " is" : name(first) + " to " + name(last) + " are") + " one track of " +
              metres_text(length_m) + " m driven both ways, and a vehicle may stop on " + name(waits_on) +
              " while another comes the other way; there is no place to pass");
@@ -230,7 +230,7 @@ class Spots {
     std::string names;
     for (std::size_t i = 0; i < std::min(named_max, ends.size()); ++i) names += (i > 0 ? ", " : "") + name(ends[i]);
     if (ends.size() > named_max) names += " and " + std::to_string(ends.size() - named_max) + " more";
-    note("deadlock.dead_end", {ends.front(), 0.0},
+    record("deadlock.dead_end", {ends.front(), 0.0},
          names + " can only be left the way one came in; who waits to get in must leave the way out free");
   }
 

@@ -242,10 +242,10 @@ void write_goals(JsonWriter& json, const TrafficZone& zone) {
   }
   json.end_array().key("loops").begin_array();
   for (const Loop& loop : zone.loops) json.value(loop.name);
-  json.end_array().key("notes").begin_array();
-  for (const Note& note : zone.notes) {
-    json.begin_object().field("kind", to_string(note.kind)).field("place", note.place);
-    json.field("text", note.text).end_object();
+  json.end_array().key("diagnostics").begin_array();
+  for (const Diagnostic& diagnostic : zone.diagnostics) {
+    json.begin_object().field("kind", to_string(diagnostic.kind)).field("place", diagnostic.place);
+    json.field("text", diagnostic.text).end_object();
   }
   json.end_array();
 }

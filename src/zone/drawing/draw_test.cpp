@@ -246,9 +246,9 @@ TEST(Draw, of_a_vast_zone_stays_small) {
   EXPECT_EQ(svg.find("<polyline"), std::string::npos);
 }
 
-TEST(Draw, writes_stations_loops_and_notes_for_the_page) {
+TEST(Draw, writes_stations_loops_and_diagnostics_for_the_page) {
   TrafficZone zone = testing::zone_file("indus8.toml");
-  zone.notes = {{Note::Kind::lost, "road 12", "its signals are not taken"}};
+  zone.diagnostics = {{Diagnostic::Kind::lost, "road 12", "its signals are not taken"}};
   JsonWriter json;
   write_json(json, zone, draw(zone));
   const auto document = JsonValue::parse(json.text());
@@ -263,10 +263,10 @@ TEST(Draw, writes_stations_loops_and_notes_for_the_page) {
   EXPECT_NEAR(stations[5].number("y").value(), -1.33, 1e-9);
   ASSERT_EQ(document->find("loops")->array()->size(), 1U);
   EXPECT_EQ(*(*document->find("loops")->array())[0].text(), "round");
-  const auto& notes = *document->find("notes")->array();
-  ASSERT_EQ(notes.size(), 1U);
-  EXPECT_EQ(notes[0].text("kind"), "lost");
-  EXPECT_EQ(notes[0].text("place"), "road 12");
+  const auto& diagnostics = *document->find("diagnostics")->array();
+  ASSERT_EQ(diagnostics.size(), 1U);
+  EXPECT_EQ(diagnostics[0].text("kind"), "lost");
+  EXPECT_EQ(diagnostics[0].text("place"), "road 12");
   EXPECT_EQ(document->find("beacons")->number("rotation"), 0.0);
 }
 

@@ -329,7 +329,7 @@ ZoneEdit arbitrary_edit(const TrafficZone& zone, const std::map<TagNumber, Place
 TEST(ZoneEdit, of_any_kind_in_any_order_leaves_just_what_was_wanted_and_every_comment) {
   const ZoneConfiguration start = lacet4_file();
   const TrafficZone first = parsed(start);
-  const auto noted = comments(start.text);
+  const auto logged = comments(start.text);
   EXPECT_TRUE(rc::check([&] {
     ZoneConfiguration now = start;
     std::map<TagNumber, Place> tags;
@@ -363,7 +363,7 @@ TEST(ZoneEdit, of_any_kind_in_any_order_leaves_just_what_was_wanted_and_every_co
     RC_ASSERT(same_ways(first, last));
     RC_ASSERT(last.stations.size() == first.stations.size());
     RC_ASSERT(last.starts == first.starts);
-    RC_ASSERT(comments(now.text) == noted);
+    RC_ASSERT(comments(now.text) == logged);
   }));
 }
 

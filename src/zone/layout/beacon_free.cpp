@@ -34,15 +34,15 @@ class Ways {
     if (longest_.endless) return longest_;
     for (SectionId id = 0; id < circuit_.size(); ++id) {
       const auto& s = reads_[id].s_m;
-      for (std::size_t i = 1; i < s.size(); ++i) note(s[i] - s[i - 1], {id, s[i - 1]}, {id, s[i]});
-      if (circuit_.previous(id).empty()) note(ahead_m_[id], {id, 0.0}, end_of_way(id));
+      for (std::size_t i = 1; i < s.size(); ++i) record(s[i] - s[i - 1], {id, s[i - 1]}, {id, s[i]});
+      if (circuit_.previous(id).empty()) record(ahead_m_[id], {id, 0.0}, end_of_way(id));
       if (s.empty()) continue;
       const double left_m = circuit_.section(id).length_m() - s.back();
       const SectionId worst = worst_after(id);
       if (worst == no_section)
-        note(left_m, {id, s.back()}, {id, circuit_.section(id).length_m()});
+        record(left_m, {id, s.back()}, {id, circuit_.section(id).length_m()});
       else
-        note(left_m + ahead_m_[worst], {id, s.back()}, end_of_way(worst));
+        record(left_m + ahead_m_[worst], {id, s.back()}, end_of_way(worst));
     }
     return longest_;
   }
@@ -51,7 +51,7 @@ class Ways {
   static constexpr double unknown = -1.0;
   static constexpr double open = -2.0;  // on the way that is being followed
 
-  void note(double length_m, Place from, Place to) {
+  void record(double length_m, Place from, Place to) {
     if (length_m > longest_.length_m) longest_ = {length_m, from, to, false};
   }
 
@@ -87,7 +87,7 @@ class Ways {
         if (ahead_m_[after] == unknown)
           enter(after, stack);
         else if (ahead_m_[after] == open)
-          note_round(stack, after);
+          record_round(stack, after);
         continue;
       }
       via_[id] = worst_after(id);
@@ -97,7 +97,7 @@ class Ways {
     }
   }
 
-  void note_round(const Stack& stack, SectionId first) {
+  void record_round(const Stack& stack, SectionId first) {
     const auto begin = std::find_if(stack.begin(), stack.end(), [&](const auto& step) { return step.first == first; });
     double length_m = 0.0;
     for (auto at = begin; at != stack.end(); ++at) length_m += circuit_.section(at->first).length_m();

@@ -6,7 +6,7 @@
 
 namespace cosiva::zone {
 
-Result<ZoneConfiguration> CircuitFactory::written(const TrafficZone&, std::vector<Note>&) const {
+Result<ZoneConfiguration> CircuitFactory::written(const TrafficZone&, std::vector<Diagnostic>&) const {
   return fail("zone.write", "zones are read from '" + std::string(format()) + "', but not written to it");
 }
 

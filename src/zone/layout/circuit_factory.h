@@ -44,7 +44,7 @@ class CircuitFactory {
   [[nodiscard]] virtual std::vector<std::string_view> file_endings() const = 0;
   /// A zone written in this format, with what cannot be said in it in the sidecar file and in the notes of `lost`. A
   /// format that is only read says so ("zone.write").
-  [[nodiscard]] virtual Result<ZoneConfiguration> written(const TrafficZone& zone, std::vector<Note>& lost) const;
+  [[nodiscard]] virtual Result<ZoneConfiguration> written(const TrafficZone& zone, std::vector<Diagnostic>& lost) const;
   /// Errors name origin, line and field, and what was expected.
   [[nodiscard]] virtual Result<TrafficZone> make_zone(const ZoneConfiguration& configuration) const = 0;
   /// Everything wrong with a configuration that make_zone refuses, its error first and at most a hundred: every gap and

@@ -67,11 +67,11 @@ const Loop* TrafficZone::find_loop(std::string_view loop_name) const {
   return at == loops.end() ? nullptr : &*at;
 }
 
-std::string_view to_string(Note::Kind kind) {
+std::string_view to_string(Diagnostic::Kind kind) {
   switch (kind) {
-    case Note::Kind::mended: return "mended";
-    case Note::Kind::lost: return "lost";
-    case Note::Kind::notice: return "notice";
+    case Diagnostic::Kind::mended: return "mended";
+    case Diagnostic::Kind::lost: return "lost";
+    case Diagnostic::Kind::notice: return "notice";
   }
   return "?";
 }
@@ -182,10 +182,10 @@ std::vector<Spot> spots(const TrafficZone& zone) {
 /// Takes the spot farthest from all taken so far, again and again.
 void spread(const TrafficZone& zone, const std::vector<Spot>& free, std::size_t count, std::vector<Spot>& taken) {
   std::vector<double> nearest_m(free.size(), std::numeric_limits<double>::infinity());
-  const auto note = [&](const Spot& spot) {
+  const auto record = [&](const Spot& spot) {
     for (std::size_t i = 0; i < free.size(); ++i) nearest_m[i] = std::min(nearest_m[i], distance(free[i].p, spot.p));
   };
-  for (const Spot& spot : taken) note(spot);
+  for (const Spot& spot : taken) record(spot);
   while (taken.size() < count) {
     std::size_t best = free.size();
     for (std::size_t i = 0; i < free.size(); ++i) {
@@ -194,7 +194,7 @@ void spread(const TrafficZone& zone, const std::vector<Spot>& free, std::size_t 
     }
     if (best == free.size()) return;
     taken.push_back(free[best]);
-    note(free[best]);
+    record(free[best]);
   }
 }
 

@@ -63,7 +63,7 @@ struct Loop {
 };
 
 /// What a reader has to say about its file without refusing it.
-struct Note {
+struct Diagnostic {
   enum class Kind {
     mended,  ///< it broke its format's rules; what was made of it
     lost,    ///< something that a zone cannot say, or that is not taken from this format
@@ -73,7 +73,7 @@ struct Note {
   std::string place;  ///< in the file: "road 12", "layouts[0].edges[3].trajectory"
   std::string text;   ///< a sentence
 };
-[[nodiscard]] std::string_view to_string(Note::Kind kind);
+[[nodiscard]] std::string_view to_string(Diagnostic::Kind kind);
 
 /// The body that crossings and gaps are computed for. The body frame's origin is its middle.
 struct VehicleShape {
@@ -147,7 +147,7 @@ struct TrafficZone {
   std::vector<std::pair<std::string, std::int32_t>> priorities{};
   std::vector<Loop> loops{};        ///< the first is where idle vehicles circulate; none: wherever the ways lead
   std::vector<SectionId> closed{};  ///< closed from the beginning; sorted
-  std::vector<Note> notes{};
+  std::vector<Diagnostic> diagnostics{};
   /// The format names its edges: a stretch that is one whole section has that section's name as its edge's id.
   bool edges_are_sections{false};
   /// What crossings and waypoints were found with, for whoever writes the zone down.

@@ -122,8 +122,8 @@ TEST(LifErrors, come_where_a_zone_is_too_long) {
 TEST(LifLosses, edges_to_nowhere_are_lost_and_named) {
   const TrafficZone zone = zone_of(Plan{{"A 0 0", "B 2 0"}, {"A B", "B C", "D A"}}.text());
   EXPECT_EQ(zone.circuit.size(), 1U);
-  EXPECT_EQ(note_at(zone, "layouts[0].edges[1].endNodeId")->kind, Note::Kind::lost);
-  EXPECT_EQ(note_at(zone, "layouts[0].edges[2].startNodeId")->kind, Note::Kind::lost);
+  EXPECT_EQ(diagnostic_at(zone, "layouts[0].edges[1].endNodeId")->kind, Diagnostic::Kind::lost);
+  EXPECT_EQ(diagnostic_at(zone, "layouts[0].edges[2].startNodeId")->kind, Diagnostic::Kind::lost);
 }
 
 TEST(LifLosses, nodes_without_a_place_are_lost_with_their_edges) {
@@ -131,8 +131,8 @@ TEST(LifLosses, nodes_without_a_place_are_lost_with_their_edges) {
       replaced(Plan{{"A 0 0", "B 2 0", "C 3 0"}, {"A B", "B C"}}.text(), "\"x\":3", "\"x\":\"far\"");
   const TrafficZone zone = zone_of(text);
   EXPECT_EQ(zone.circuit.size(), 1U);
-  EXPECT_EQ(note_at(zone, "layouts[0].nodes[2].nodePosition.x")->kind, Note::Kind::mended);
-  EXPECT_EQ(note_at(zone, "layouts[0].nodes[2].nodePosition")->kind, Note::Kind::lost);
+  EXPECT_EQ(diagnostic_at(zone, "layouts[0].nodes[2].nodePosition.x")->kind, Diagnostic::Kind::mended);
+  EXPECT_EQ(diagnostic_at(zone, "layouts[0].nodes[2].nodePosition")->kind, Diagnostic::Kind::lost);
 }
 
 TEST(LifLosses, stations_that_no_way_leads_to_are_lost) {
@@ -140,22 +140,22 @@ TEST(LifLosses, stations_that_no_way_leads_to_are_lost) {
   plan.stations = "[{'stationId':'S','interactionNodeIds':['C','X']}]";
   const TrafficZone zone = zone_of(plan.text());
   EXPECT_TRUE(zone.stations.empty());
-  EXPECT_EQ(note_at(zone, "layouts[0].stations[0]")->kind, Note::Kind::lost);
-  EXPECT_EQ(note_at(zone, "layouts[0].stations[0].interactionNodeIds[1]")->kind, Note::Kind::lost);
+  EXPECT_EQ(diagnostic_at(zone, "layouts[0].stations[0]")->kind, Diagnostic::Kind::lost);
+  EXPECT_EQ(diagnostic_at(zone, "layouts[0].stations[0].interactionNodeIds[1]")->kind, Diagnostic::Kind::lost);
 }
 
 TEST(LifLosses, fields_that_lif_does_not_know_are_named) {
   const TrafficZone zone = zone_of(replaced(two.text(), "\"edgeId\":\"A-B\"", "\"edgeId\":\"A-B\",\"colour\":\"red\""));
-  ASSERT_NE(note_at(zone, "layouts[0].edges[0].colour"), nullptr);
-  EXPECT_EQ(note_at(zone, "layouts[0].edges[0].colour")->kind, Note::Kind::lost);
+  ASSERT_NE(diagnostic_at(zone, "layouts[0].edges[0].colour"), nullptr);
+  EXPECT_EQ(diagnostic_at(zone, "layouts[0].edges[0].colour")->kind, Diagnostic::Kind::lost);
 }
 
-TEST(LifLosses, a_thousand_kinds_of_notes_are_no_more_than_two_hundred) {
+TEST(LifLosses, a_thousand_kinds_of_diagnostics_are_no_more_than_two_hundred) {
   std::string fields;
   for (int i = 0; i < 1000; ++i) fields += "\"f" + std::to_string(i) + "\":1,";
   const TrafficZone zone = zone_of(replaced(two.text(), "\"edgeId\":\"A-B\"", fields + "\"edgeId\":\"A-B\""));
-  EXPECT_LE(zone.notes.size(), 203U);
-  EXPECT_NE(note_with(zone, "more to say"), nullptr);
+  EXPECT_LE(zone.diagnostics.size(), 203U);
+  EXPECT_NE(diagnostic_with(zone, "more to say"), nullptr);
 }
 
 // Mended ----------------------------------------------------------------------------------------------------------
@@ -166,7 +166,7 @@ TEST(LifMendings, numbers_as_texts_and_texts_as_numbers_are_taken) {
   text = replaced(text, "\"lifVersion\":\"1.0.0\"", "\"lifVersion\":1");
   const TrafficZone zone = zone_of(text);
   EXPECT_NEAR(zone.circuit.total_length_m(), 5.0, 1e-12);
-  EXPECT_EQ(note_at(zone, "layouts[0].nodes[1].nodePosition.x")->kind, Note::Kind::mended);
+  EXPECT_EQ(diagnostic_at(zone, "layouts[0].nodes[1].nodePosition.x")->kind, Diagnostic::Kind::mended);
 }
 
 TEST(LifMendings, ids_may_be_numbers) {
@@ -199,7 +199,7 @@ TEST(LifMendings, speeds_must_be_positive) {
   for (const std::string speed : {"0", "-1.5", "1000"}) {
     const TrafficZone zone = zone_of(Plan{{"A 0 0", "B 2 0"}, {"A B 'maxSpeed':" + speed}}.text());
     EXPECT_FALSE(zone.circuit.part(0).speed_mps_max);
-    EXPECT_EQ(note_at(zone, "layouts[0].edges[0].vehicleTypeEdgeProperties[0].maxSpeed")->kind, Note::Kind::mended);
+    EXPECT_EQ(diagnostic_at(zone, "layouts[0].edges[0].vehicleTypeEdgeProperties[0].maxSpeed")->kind, Diagnostic::Kind::mended);
   }
   EXPECT_EQ(zone_of(Plan{{"A 0 0", "B 2 0"}, {"A B 'maxSpeed':0.4"}}.text()).circuit.part(0).speed_mps_max, 0.4);
 }
@@ -208,8 +208,8 @@ TEST(LifMendings, a_far_away_origin_is_moved_by_whole_kilometres) {
   const TrafficZone zone = zone_of(Plan{{"A 3500000.25 5400000", "B 3500002.25 5400000"}, {"A B"}}.text());
   EXPECT_NEAR(zone.circuit.total_length_m(), 2.0, 1e-9);
   EXPECT_NEAR(zone.circuit.section(0).start().x_m, 0.25, 1e-9);
-  EXPECT_NE(note_with(zone, "(3500000 m, 5400000 m)"), nullptr);
-  EXPECT_EQ(note_with(zone_of(Plan{{"A 3000 1000", "B 3002 1000"}, {"A B"}}.text()), "origin"), nullptr);
+  EXPECT_NE(diagnostic_with(zone, "(3500000 m, 5400000 m)"), nullptr);
+  EXPECT_EQ(diagnostic_with(zone_of(Plan{{"A 3000 1000", "B 3002 1000"}, {"A B"}}.text()), "origin"), nullptr);
 }
 
 // Joints ----------------------------------------------------------------------------------------------------------
@@ -242,7 +242,7 @@ TEST(LifJoints, a_node_that_would_be_the_end_lets_turn_all_the_same) {
   const TrafficZone zone =
       zone_of(Plan{{"A 0 0", "B 1 0", "D 1 1"}, {"A B 'rotationAtEndNodeAllowed':'NONE'", "B D"}}.text());
   EXPECT_THAT(after(zone, "A-B"), ::testing::ElementsAre("B-D"));
-  EXPECT_EQ(note_at(zone, "layouts[0].edges[0]")->kind, Note::Kind::mended);
+  EXPECT_EQ(diagnostic_at(zone, "layouts[0].edges[0]")->kind, Diagnostic::Kind::mended);
 }
 
 TEST(LifJoints, nodes_of_different_levels_are_apart_even_at_one_point) {
@@ -272,7 +272,7 @@ TEST(LifTrajectories, of_degree_one_are_straight_lines_with_corners_to_turn_at) 
   EXPECT_EQ(zone.circuit.part(1).name, "A-B.2");
   EXPECT_TRUE(zone.circuit.part(0).pivots);
   EXPECT_NEAR(zone.circuit.turn_at(0, 1), -pi / 2.0, 1e-9);
-  EXPECT_NE(note_with(zone, "corners"), nullptr);
+  EXPECT_NE(diagnostic_with(zone, "corners"), nullptr);
 }
 
 TEST(LifTrajectories, that_are_straight_become_one_straight_section) {
@@ -287,13 +287,13 @@ TEST(LifTrajectories, with_wrong_knots_get_even_ones) {
   for (const std::string knots : {"[]", "[0,1]", "[0,0,0,1,0.5,1]", "[0.5,0.5,0.5,0.5,0.5,0.5]", "[0,0,0,0,0,1]"}) {
     const TrafficZone zone = with_trajectory("{'degree':2,'knotVector':" + knots +
                                              ",'controlPoints':[{'x':0,'y':0},{'x':2,'y':1},{'x':4,'y':0}]}");
-    EXPECT_EQ(note_at(zone, trajectory_place + ".knotVector")->kind, Note::Kind::mended) << knots;
+    EXPECT_EQ(diagnostic_at(zone, trajectory_place + ".knotVector")->kind, Diagnostic::Kind::mended) << knots;
     EXPECT_LT(zone.circuit.locate({2.0, 0.5}).distance_m, 1e-3);
   }
   // Without the outermost ones, as some programs write them, they are plain.
   const TrafficZone zone = with_trajectory(
       "{'degree':2,'knotVector':[0,0,1,1],'controlPoints':[{'x':0,'y':0},{'x':2,'y':1},{'x':4,'y':0}]}");
-  EXPECT_THAT(note_at(zone, trajectory_place + ".knotVector")->text, HasSubstr("doubled"));
+  EXPECT_THAT(diagnostic_at(zone, trajectory_place + ".knotVector")->text, HasSubstr("doubled"));
 }
 
 TEST(LifTrajectories, that_make_no_sense_become_straight_lines) {
@@ -309,7 +309,7 @@ TEST(LifTrajectories, that_make_no_sense_become_straight_lines) {
     const TrafficZone zone = with_trajectory(trajectory);
     ASSERT_EQ(zone.circuit.size(), 1U) << trajectory;
     EXPECT_NEAR(zone.circuit.total_length_m(), 4.0, 1e-9);
-    EXPECT_NE(note_with(zone, "a straight line"), nullptr) << trajectory;
+    EXPECT_NE(diagnostic_with(zone, "a straight line"), nullptr) << trajectory;
   }
 }
 
@@ -326,7 +326,7 @@ TEST(LifTrajectories, with_huge_coordinates_knots_and_weights_do_no_harm) {
 TEST(LifTrajectories, that_meet_their_nodes_to_a_millimetre_are_moved_silently) {
   const TrafficZone zone = with_trajectory(
       "{'degree':2,'knotVector':[0,0,0,1,1,1],'controlPoints':[{'x':0.0005,'y':0},{'x':2,'y':1},{'x':4,'y':0.0005}]}");
-  EXPECT_EQ(note_at(zone, trajectory_place), nullptr);
+  EXPECT_EQ(diagnostic_at(zone, trajectory_place), nullptr);
   EXPECT_LT(distance(zone.circuit.section(0).start(), Pose2{}), 1e-12);
 }
 

@@ -48,17 +48,17 @@ inline ZoneConfiguration ready_zone(std::string format, const std::string& name)
 }
 
 /// The first note at this place of the file; nothing where none is.
-inline const Note* note_at(const TrafficZone& zone, std::string_view place) {
+inline const Diagnostic* diagnostic_at(const TrafficZone& zone, std::string_view place) {
   const auto found =
-      std::find_if(zone.notes.begin(), zone.notes.end(), [place](const Note& note) { return note.place == place; });
-  return found == zone.notes.end() ? nullptr : &*found;
+      std::find_if(zone.diagnostics.begin(), zone.diagnostics.end(), [place](const Diagnostic& diagnostic) { return diagnostic.place == place; });
+  return found == zone.diagnostics.end() ? nullptr : &*found;
 }
 
 /// The first note with these words in it.
-inline const Note* note_with(const TrafficZone& zone, std::string_view tokens) {
-  const auto found = std::find_if(zone.notes.begin(), zone.notes.end(),
-                                  [tokens](const Note& note) { return note.text.find(tokens) != std::string::npos; });
-  return found == zone.notes.end() ? nullptr : &*found;
+inline const Diagnostic* diagnostic_with(const TrafficZone& zone, std::string_view tokens) {
+  const auto found = std::find_if(zone.diagnostics.begin(), zone.diagnostics.end(),
+                                  [tokens](const Diagnostic& diagnostic) { return diagnostic.text.find(tokens) != std::string::npos; });
+  return found == zone.diagnostics.end() ? nullptr : &*found;
 }
 
 /// {"a":1} from {'a':1}: quotes that C++ need not escape.

@@ -12,8 +12,8 @@
 namespace cosiva::zone::lif {
 namespace {
 
-constexpr auto mended = Note::Kind::mended;
-constexpr auto lost = Note::Kind::lost;
+constexpr auto mended = Diagnostic::Kind::mended;
+constexpr auto lost = Diagnostic::Kind::lost;
 
 /// Nodes this close are one point: nobody places a vehicle better.
 constexpr double same_point_m = 1e-3;
@@ -27,8 +27,8 @@ constexpr double turned_max_rad = 1e5;
 
 class Maker {
  public:
-  Maker(const Document& document, FitTolerance tolerance, LifNotes& notes)
-      : document_{document}, notes_{notes}, way_maker_{tolerance, notes} {}
+  Maker(const Document& document, FitTolerance tolerance, LifDiagnostics& diagnostics)
+      : document_{document}, diagnostics_{diagnostics}, way_maker_{tolerance, diagnostics} {}
   Result<Ways> make();
 
  private:
@@ -56,7 +56,7 @@ class Maker {
   };
 
   const Document& document_;
-  LifNotes& notes_;
+  LifDiagnostics& diagnostics_;
   WayMaker way_maker_;
   std::optional<Error> error_;
   std::vector<std::size_t> point_;  ///< by node: the node whose point it shares, itself where it is the first there
@@ -85,7 +85,7 @@ Result<Ways> Maker::make() {
   join();
   if (error_) return tl::unexpected(*error_);
   place_stations();
-  way_maker_.note_worst();
+  way_maker_.record_worst();
   return std::move(ways_);
 }
 
@@ -116,7 +116,7 @@ void Maker::merge_nodes() {
     if (point_[i] == i) {
       cells[{level, x, y}].push_back(i);
     } else {
-      notes_.add(Note::Kind::notice, node.place,
+      diagnostics_.add(Diagnostic::Kind::notice, node.place,
                  "node '" + node.id + "' lies where '" + document_.nodes[point_[i]].id +
                      "' lies; they are one point with several ids",
                  "merged nodes");
@@ -193,7 +193,7 @@ std::string Maker::unused(std::string name) {
 
 void Maker::lay(const Edge& edge) {
   if (is_lift(edge)) {
-    notes_.add(lost, edge.place, "edge '" + edge.id + "' leads to another level; lifts are not taken", "lift");
+    diagnostics_.add(lost, edge.place, "edge '" + edge.id + "' leads to another level; lifts are not taken", "lift");
     return;
   }
   const std::size_t from = point_[edge.from];
@@ -201,7 +201,7 @@ void Maker::lay(const Edge& edge) {
   Way way = way_maker_.make(edge, document_.nodes[from].at, document_.nodes[to].at);
   if (way.sections.empty()) {
     if (from == to || distance(document_.nodes[from].at, document_.nodes[to].at) < same_point_m) {
-      notes_.add(mended, edge.place,
+      diagnostics_.add(mended, edge.place,
                  "edge '" + edge.id + "' has no length: its nodes are one point, where vehicles turn on the spot",
                  "edge without length");
     }
@@ -272,7 +272,7 @@ void Maker::join_end(std::size_t index) {
     any_allowed = any_allowed || choices.back().allowed;
   }
   if (!any_allowed && !choices.empty()) {
-    notes_.add(mended, laid.edge->place,
+    diagnostics_.add(mended, laid.edge->place,
                "no way leads on from edge '" + laid.edge->id +
                    "' without a turn, which its node forbids; vehicles turn there all the same",
                "forbidden turn");
@@ -293,7 +293,7 @@ void Maker::place_stations() {
   for (const Station& station : document_.stations) {
     std::string name = station.name;
     if (station_names_.contains(name)) {
-      notes_.add(mended, station.place, "another station is called '" + name + "'; known by its id", "station names");
+      diagnostics_.add(mended, station.place, "another station is called '" + name + "'; known by its id", "station names");
       name = station.id;
     }
     std::set<std::size_t> points;
@@ -305,7 +305,7 @@ void Maker::place_stations() {
         return point_[other] == point && document_.nodes[other].charges;
       });
       if (points.size() == 2) {
-        notes_.add(Note::Kind::notice, station.place,
+        diagnostics_.add(Diagnostic::Kind::notice, station.place,
                    "station '" + name + "' has several interaction nodes; the further ones are numbered: .2, .3 …",
                    "several interaction nodes");
       }
@@ -314,7 +314,7 @@ void Maker::place_stations() {
       served.insert(point);
     }
     if (points.empty()) {
-      notes_.add(lost, station.place, "no way leads to an interaction node of station '" + name + "'; not taken",
+      diagnostics_.add(lost, station.place, "no way leads to an interaction node of station '" + name + "'; not taken",
                  "station without way");
     }
   }
@@ -327,7 +327,7 @@ void Maker::add_lonely_chargers(const std::set<std::size_t>& served) {
     const Node& node = document_.nodes[i];
     const std::size_t point = point_[i];
     if (!node.charges || served.contains(point) || !is_reached(point)) continue;
-    notes_.add(mended, node.place,
+    diagnostics_.add(mended, node.place,
                "node '" + node.id + "' offers startCharging but no station; it is a charger of that name",
                "lonely charger");
     place_station(node.id, i, true);
@@ -356,8 +356,8 @@ void Maker::place_station(const std::string& name, std::size_t node, bool charge
 
 }  // namespace
 
-Result<Ways> make_ways(const Document& document, FitTolerance tolerance, LifNotes& notes) {
-  return Maker{document, tolerance, notes}.make();
+Result<Ways> make_ways(const Document& document, FitTolerance tolerance, LifDiagnostics& diagnostics) {
+  return Maker{document, tolerance, diagnostics}.make();
 }
 
 }  // namespace cosiva::zone::lif

@@ -7,7 +7,7 @@
 #include "cosiva/zone/circuit/circuit.h"
 #include "cosiva/zone/geometry/fit.h"
 #include "cosiva/zone/lif/lif_document.h"
-#include "cosiva/zone/lif/lif_notes.h"
+#include "cosiva/zone/lif/lif_diagnostics.h"
 
 namespace cosiva::zone::lif {
 
@@ -20,6 +20,6 @@ struct Ways {
 };
 
 /// Fails ("circuit.empty") where no edge is left, ("zone.size") where there are too many sections or joints.
-[[nodiscard]] Result<Ways> make_ways(const Document& document, FitTolerance tolerance, LifNotes& notes);
+[[nodiscard]] Result<Ways> make_ways(const Document& document, FitTolerance tolerance, LifDiagnostics& diagnostics);
 
 }  // namespace cosiva::zone::lif

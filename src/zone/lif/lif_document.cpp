@@ -13,8 +13,8 @@
 namespace cosiva::zone::lif {
 namespace {
 
-constexpr auto mended = Note::Kind::mended;
-constexpr auto lost = Note::Kind::lost;
+constexpr auto mended = Diagnostic::Kind::mended;
+constexpr auto lost = Diagnostic::Kind::lost;
 
 /// Beyond this a file's origin is moved: positions travel as numbers that keep a millimetre up to here.
 constexpr double coordinate_max_m = 1e5;
@@ -41,7 +41,7 @@ std::string printable(std::string text) {
 
 class Reader {
  public:
-  Reader(const Selection& selection, LifNotes& notes) : selection_{selection}, notes_{notes} {}
+  Reader(const Selection& selection, LifDiagnostics& diagnostics) : selection_{selection}, diagnostics_{diagnostics} {}
   Result<Document> read(const JsonValue& json);
 
  private:
@@ -78,7 +78,7 @@ class Reader {
   }
 
   const Selection& selection_;
-  LifNotes& notes_;
+  LifDiagnostics& diagnostics_;
   std::optional<Error> error_;
   Document document_;
   std::string other_layouts_;  ///< names of those not taken
@@ -95,7 +95,7 @@ void lose(const LifFields& fields, std::string_view key, std::string_view why) {
   if (!fields.has(key)) return;
   std::string text = "'";
   text.append(key).append("' is not taken: ").append(why);
-  fields.note(lost, key, std::move(text));
+  fields.record(lost, key, std::move(text));
 }
 
 void Reader::stop(std::string code, std::string message, std::string place) {
@@ -103,7 +103,7 @@ void Reader::stop(std::string code, std::string message, std::string place) {
 }
 
 Result<Document> Reader::read(const JsonValue& json) {
-  const LifFields root{notes_, json, {}};
+  const LifFields root{diagnostics_, json, {}};
   if (!root.is_object()) return fail("zone.missing", "expected an object with metaInformation and layouts");
   root.known({"metaInformation", "layouts"});
   read_meta(root);
@@ -128,7 +128,7 @@ Result<Document> Reader::read(const JsonValue& json) {
   std::size_t index = 0;
   root.each("layouts", [&](const LifFields& layout) {
     if (!taken[index++]) return;
-    if (!layout.has("stations")) layout.note(mended, "stations", "the list of stations is missing; there are none");
+    if (!layout.has("stations")) layout.record(mended, "stations", "the list of stations is missing; there are none");
     layout.each("edges", [&](const LifFields& edge) {
       if (!error_) read_edge(edge);
     });
@@ -154,12 +154,12 @@ void Reader::read_meta(const LifFields& root) {
   const LifFields meta = root.object("metaInformation");
   meta.known({"projectIdentification", "creator", "exportTimestamp", "lifVersion"});
   for (const std::string_view key : {"projectIdentification", "creator", "exportTimestamp", "lifVersion"}) {
-    if (!meta.has(key)) meta.note(mended, key, "'" + std::string(key) + "' is missing; read all the same");
+    if (!meta.has(key)) meta.record(mended, key, "'" + std::string(key) + "' is missing; read all the same");
   }
   document_.project = printable(meta.text("projectIdentification").value_or(""));
   const auto version = meta.text("lifVersion");
   if (version && !version->starts_with("1."))
-    meta.note(mended, "lifVersion", "the file says version '" + printable(version->substr(0, 40)) + "'; read as 1.0.0");
+    meta.record(mended, "lifVersion", "the file says version '" + printable(version->substr(0, 40)) + "'; read as 1.0.0");
 }
 
 /// Its nodes; false: it is not taken.
@@ -167,18 +167,18 @@ bool Reader::read_layout(const LifFields& layout) {
   layout.known(
       {"layoutId", "layoutName", "layoutVersion", "layoutLevelId", "layoutDescription", "nodes", "edges", "stations"});
   if (!layout.is_object()) {
-    layout.note(lost, {}, "no object where a layout belongs; not taken");
+    layout.record(lost, {}, "no object where a layout belongs; not taken");
     return false;
   }
   const auto id = layout.text("layoutId");
   if (selection_.layout && id != selection_.layout && layout.text("layoutName") != selection_.layout) {
-    layout.note(lost, {}, "only the layout that [import] names is taken");
+    layout.record(lost, {}, "only the layout that [import] names is taken");
     if (other_layouts_.size() < 200)
       other_layouts_ += (other_layouts_.empty() ? "" : ", ") + printable(id.value_or("?"));
     return false;
   }
-  if (!id) layout.note(mended, "layoutId", "a layout without an id; taken all the same");
-  if (!layout.has("layoutVersion")) layout.note(mended, "layoutVersion", "'layoutVersion' is missing; nobody needs it");
+  if (!id) layout.record(mended, "layoutId", "a layout without an id; taken all the same");
+  if (!layout.has("layoutVersion")) layout.record(mended, "layoutVersion", "'layoutVersion' is missing; nobody needs it");
   lose(layout, "layoutName", "a zone has one name only");
   lose(layout, "layoutDescription", "a zone has none");
   document_.layouts.push_back({id.value_or(""), layout.text("layoutLevelId")});
@@ -192,7 +192,7 @@ Types Reader::read_types(const LifFields& fields, std::string_view key) {
   Types types;
   fields.each(key, [&](const LifFields& properties) {
     const auto name = properties.text("vehicleTypeId");
-    if (!name) return properties.note(lost, "vehicleTypeId", "properties of no vehicle type; not taken");
+    if (!name) return properties.record(lost, "vehicleTypeId", "properties of no vehicle type; not taken");
     const auto [known, fresh] = type_by_name_.emplace(*name, static_cast<TypeId>(types_.size()));
     if (fresh) types_.push_back(*name);
     types.ids.push_back(known->second);
@@ -201,7 +201,7 @@ Types Reader::read_types(const LifFields& fields, std::string_view key) {
   types.ids.erase(std::unique(types.ids.begin(), types.ids.end()), types.ids.end());
   if (types.ids.empty()) {
     types.all = true;
-    fields.note(mended, key, "no vehicle type is named; open to all");
+    fields.record(mended, key, "no vehicle type is named; open to all");
   }
   return types;
 }
@@ -209,15 +209,15 @@ Types Reader::read_types(const LifFields& fields, std::string_view key) {
 void Reader::read_node(const LifFields& node) {
   node.known({"nodeId", "nodeName", "nodeDescription", "mapId", "nodePosition", "vehicleTypeNodeProperties"});
   const auto id = node.text("nodeId");
-  if (!id || id->empty()) return node.note(lost, "nodeId", "a node without an id; not taken");
+  if (!id || id->empty()) return node.record(lost, "nodeId", "a node without an id; not taken");
   const LifFields position = node.object("nodePosition");
   position.known({"x", "y"});
   const auto x = position.number("x");
   const auto y = position.number("y");
-  if (!x || !y) return node.note(lost, "nodePosition", "a node without a position; not taken");
+  if (!x || !y) return node.record(lost, "nodePosition", "a node without a position; not taken");
   if (!(std::fabs(*x * selection_.scale) <= any_coordinate_max_m &&
         std::fabs(*y * selection_.scale) <= any_coordinate_max_m))
-    return node.note(lost, "nodePosition", "a node more than a million kilometres away; not taken");
+    return node.record(lost, "nodePosition", "a node more than a million kilometres away; not taken");
   if (document_.nodes.size() >= nodes_max)
     return stop("zone.size", "expected at most " + std::to_string(nodes_max) + " nodes", node.place());
   if (!node_by_id_.emplace(*id, document_.nodes.size()).second)
@@ -240,7 +240,7 @@ std::optional<std::size_t> Reader::find_node(const LifFields& fields, std::strin
                                              const std::string& id) const {
   const auto found = node_by_id_.find(id);
   if (found != node_by_id_.end()) return found->second;
-  fields.note(lost, key, "there is no node '" + printable(id.substr(0, 64)) + "' among those taken; not taken",
+  fields.record(lost, key, "there is no node '" + printable(id.substr(0, 64)) + "' among those taken; not taken",
               std::string(key) + " dangles");
   return std::nullopt;
 }
@@ -249,15 +249,15 @@ void Reader::read_edge(const LifFields& edge) {
   edge.known({"edgeId", "edgeName", "edgeDescription", "startNodeId", "endNodeId", "vehicleTypeEdgeProperties"});
   const auto start = edge.text("startNodeId");
   const auto end = edge.text("endNodeId");
-  if (!start) return edge.note(lost, "startNodeId", "an edge without a node that it starts at; not taken");
-  if (!end) return edge.note(lost, "endNodeId", "an edge without a node that it ends at; not taken");
+  if (!start) return edge.record(lost, "startNodeId", "an edge without a node that it starts at; not taken");
+  if (!end) return edge.record(lost, "endNodeId", "an edge without a node that it ends at; not taken");
   const auto from = find_node(edge, "startNodeId", *start);
   const auto to = find_node(edge, "endNodeId", *end);
   if (!from || !to) return;
   auto id = edge.text("edgeId");
   if (!id || id->empty()) {
     id = *start + "-" + *end;
-    edge.note(mended, "edgeId", "an edge without an id is named after its nodes, '" + printable(*id) + "'",
+    edge.record(mended, "edgeId", "an edge without an id is named after its nodes, '" + printable(*id) + "'",
               "no edgeId");
     while (edge_by_id_.contains(*id)) *id += '\'';
   }
@@ -281,10 +281,10 @@ void Reader::read_edge(const LifFields& edge) {
 void Reader::read_station(const LifFields& station) {
   station.known({"stationId", "interactionNodeIds", "stationName", "stationDescription", "stationHeight",
                  "stationPosition", "stationType"});
-  if (!station.is_object()) return station.note(lost, {}, "no object where a station belongs; not taken");
+  if (!station.is_object()) return station.record(lost, {}, "no object where a station belongs; not taken");
   const std::string id = printable(station.text("stationId").value_or(""));
   Station read{id, printable(station.text("stationName").value_or(id)), station.place(), {}, false};
-  if (read.name.empty()) return station.note(lost, "stationId", "a station without an id; not taken");
+  if (read.name.empty()) return station.record(lost, "stationId", "a station without an id; not taken");
   station.each("interactionNodeIds", [&](const LifFields& node) {
     if (const auto name = node.text()) {
       if (const auto index = find_node(node, {}, *name)) read.nodes.push_back(*index);
@@ -293,7 +293,7 @@ void Reader::read_station(const LifFields& station) {
   // Not in LIF 1.0, but some write it as 2.0 will have it.
   if (const auto type = station.text("stationType")) {
     read.charges = type->starts_with("CHARG");
-    station.note(mended, "stationType",
+    station.record(mended, "stationType",
                  "'stationType' is no field of LIF 1.0; taken where it says CHARGING, else without meaning");
   }
   lose(station, "stationDescription", "a station is known by its name");
@@ -344,10 +344,10 @@ void Reader::choose_type() {
   }
   if (usable_edges[type_] == 0 && named_edges[type_] > 0) {
     for (Item& node : node_items_) node.types.all = true;
-    notes_.add(mended, "layouts", "no edge leads between nodes that are open to its vehicle type; all nodes are open");
+    diagnostics_.add(mended, "layouts", "no edge leads between nodes that are open to its vehicle type; all nodes are open");
   }
   if (types_.size() > 1) {
-    notes_.add(Note::Kind::notice, "layouts",
+    diagnostics_.add(Diagnostic::Kind::notice, "layouts",
                "edges and properties are those of vehicle type '" + printable(types_[type_]) + "', one of " +
                    std::to_string(types_.size()) + "; [import] vehicle_type in the sidecar file chooses another");
   }
@@ -362,7 +362,7 @@ void Reader::close_others() {
   const auto edges = closed(edge_items_);
   const auto nodes = closed(node_items_);
   if (edges + nodes == 0) return;
-  notes_.add(lost, "layouts",
+  diagnostics_.add(lost, "layouts",
              std::to_string(edges) + " of " + std::to_string(edge_items_.size()) + " edges and " +
                  std::to_string(nodes) + " of " + std::to_string(node_items_.size()) +
                  " nodes are closed to vehicle type '" + printable(types_[type_]) + "'; not taken");
@@ -372,11 +372,11 @@ void Reader::close_others() {
 template <typename Visit>
 void Reader::visit_properties(const Item& item, const std::string& place, std::string_view key,
                               const Visit& visit) const {
-  const LifFields fields{notes_, *item.value, {nullptr, place, 0}};
+  const LifFields fields{diagnostics_, *item.value, {nullptr, place, 0}};
   bool found = false;
   fields.each(key, [&](const LifFields& properties) {
     if (properties.text("vehicleTypeId") != types_[type_]) return;
-    if (found) return properties.note(lost, {}, "the vehicle type's properties a second time; not taken");
+    if (found) return properties.record(lost, {}, "the vehicle type's properties a second time; not taken");
     found = true;
     visit(properties);
   });
@@ -387,7 +387,7 @@ void Reader::read_node_properties(std::size_t index) {
   visit_properties(node_items_[index], node.place, "vehicleTypeNodeProperties", [&](const LifFields& properties) {
     properties.known({"vehicleTypeId", "theta", "actions"});
     if (const auto theta = properties.number("theta"); theta && std::fabs(*theta) > 2.0 * pi + 1e-6)
-      properties.note(mended, "theta", "an angle beyond ±2π must be meant in degrees");
+      properties.record(mended, "theta", "an angle beyond ±2π must be meant in degrees");
     lose(properties, "theta", "vehicles stand as their way comes in");
     bool others = false;
     properties.each("actions", [&](const LifFields& action) {
@@ -404,10 +404,10 @@ Rotation Reader::read_rotation(const LifFields& fields, std::string_view key) {
   if (!word || *word == "BOTH") return Rotation::any;
   if (*word == "NONE") return Rotation::none;
   if (*word == "CW" || *word == "CCW") {
-    fields.note(lost, key, "turning one way only is not kept: vehicles turn the shorter way");
+    fields.record(lost, key, "turning one way only is not kept: vehicles turn the shorter way");
     return Rotation::one_way;
   }
-  fields.note(mended, key,
+  fields.record(mended, key,
               "expected NONE, CW, CCW or BOTH, found '" + printable(word->substr(0, 40)) + "'; taken as BOTH");
   return Rotation::any;
 }
@@ -420,21 +420,21 @@ void Reader::read_edge_properties(std::size_t index) {
                       "minHeight", "maxHeight", "loadRestriction", "actions", "trajectory", "reentryAllowed"});
     const double orientation = properties.number("vehicleOrientation").value_or(0.0);
     if (std::fabs(orientation) > 2.0 * pi + 1e-6)
-      properties.note(mended, "vehicleOrientation", "an angle beyond ±2π must be meant in degrees");
+      properties.record(mended, "vehicleOrientation", "an angle beyond ±2π must be meant in degrees");
     if (orientation != 0.0 || properties.text("orientationType").value_or("TANGENTIAL") != "TANGENTIAL")
-      properties.note(lost, "vehicleOrientation",
+      properties.record(lost, "vehicleOrientation",
                       "another orientation than along the way is not kept: vehicles drive forwards");
     if (!properties.has("rotationAllowed"))
-      properties.note(mended, "rotationAllowed", "'rotationAllowed' is missing; nobody turns on edges anyway");
+      properties.record(mended, "rotationAllowed", "'rotationAllowed' is missing; nobody turns on edges anyway");
     else if (properties.flag("rotationAllowed").value_or(false))
-      properties.note(lost, "rotationAllowed", "turning while driving is not kept: vehicles turn at nodes only");
+      properties.record(lost, "rotationAllowed", "turning while driving is not kept: vehicles turn at nodes only");
     edge.leaving = read_rotation(properties, "rotationAtStartNodeAllowed");
     edge.arriving = read_rotation(properties, "rotationAtEndNodeAllowed");
     if (const auto speed = properties.number("maxSpeed")) {
       if (*speed > 0.0 && *speed <= speed_max_mps)
         edge.speed_mps_max = *speed;
       else
-        properties.note(mended, "maxSpeed", "expected a positive speed of at most 100 m/s; taken as absent");
+        properties.record(mended, "maxSpeed", "expected a positive speed of at most 100 m/s; taken as absent");
     }
     lose(properties, "maxRotationSpeed", "turns on the spot have one speed everywhere");
     lose(properties, "minHeight", "a zone is flat");
@@ -478,15 +478,15 @@ void Reader::move_origin() {
     for (Point2& point : edge.trajectory->points) point = {point.x_m - origin.x_m, point.y_m - origin.y_m};
   }
   const auto whole = [](double value) { return std::to_string(static_cast<long long>(value)); };
-  notes_.add(mended, "layouts",
+  diagnostics_.add(mended, "layouts",
              "coordinates beyond 100 km: the zone's origin is the file's (" + whole(origin.x_m) + " m, " +
                  whole(origin.y_m) + " m)");
 }
 
 }  // namespace
 
-Result<Document> read_document(const JsonValue& json, const Selection& selection, LifNotes& notes) {
-  return Reader{selection, notes}.read(json);
+Result<Document> read_document(const JsonValue& json, const Selection& selection, LifDiagnostics& diagnostics) {
+  return Reader{selection, diagnostics}.read(json);
 }
 
 }  // namespace cosiva::zone::lif

@@ -8,7 +8,7 @@
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/base/result.h"
-#include "cosiva/zone/lif/lif_notes.h"
+#include "cosiva/zone/lif/lif_diagnostics.h"
 #include "cosiva/zone/lif/nurbs.h"
 
 namespace cosiva::zone::lif {
@@ -72,6 +72,6 @@ struct Selection {
 /// Reads leniently: what is amiss with an item is noted and mended, or the item is lost. An error's place is one in the
 /// file, without its name. Fails ("zone.missing") where there are no layouts, ("zone.duplicate") on two nodes or edges
 /// of one id, ("zone.size") on too many, ("zone.field") where the selection finds nothing.
-[[nodiscard]] Result<Document> read_document(const JsonValue& json, const Selection& selection, LifNotes& notes);
+[[nodiscard]] Result<Document> read_document(const JsonValue& json, const Selection& selection, LifDiagnostics& diagnostics);
 
 }  // namespace cosiva::zone::lif

@@ -61,16 +61,16 @@ Result<TrafficZone> LifCircuitFactory::make_zone(const ZoneConfiguration& config
   const auto json = parse(configuration.text);
   if (!json) return failed(json.error());
 
-  lif::LifNotes notes;
-  auto document = lif::read_document(*json, {sidecar->vehicle_type, sidecar->layout, sidecar->scale}, notes);
+  lif::LifDiagnostics diagnostics;
+  auto document = lif::read_document(*json, {sidecar->vehicle_type, sidecar->layout, sidecar->scale}, diagnostics);
   if (!document) return failed(document.error());
-  auto ways = lif::make_ways(*document, {sidecar->tolerance_m, sidecar->tolerance_rad}, notes);
+  auto ways = lif::make_ways(*document, {sidecar->tolerance_m, sidecar->tolerance_rad}, diagnostics);
   if (!ways) {
     // What was lost before says why nothing is left; a field that is not taken does not, and begins with its name.
     Error error = ways.error();
-    for (const Note& note : notes.take()) {
-      if (error.code == "circuit.empty" && note.kind == Note::Kind::lost && !note.text.starts_with('\'')) {
-        error.message += "; " + note.place + ": " + note.text;
+    for (const Diagnostic& diagnostic : diagnostics.take()) {
+      if (error.code == "circuit.empty" && diagnostic.kind == Diagnostic::Kind::lost && !diagnostic.text.starts_with('\'')) {
+        error.message += "; " + diagnostic.place + ": " + diagnostic.text;
         break;
       }
     }
@@ -96,12 +96,12 @@ Result<TrafficZone> LifCircuitFactory::make_zone(const ZoneConfiguration& config
   rules.end_ids = std::move(ways->end_ids);
   if (auto furnished = furnish(zone, configuration, *sidecar, std::move(rules)); !furnished)
     return tl::unexpected(furnished.error());
-  auto said = notes.take();
-  zone.notes.insert(zone.notes.begin(), std::make_move_iterator(said.begin()), std::make_move_iterator(said.end()));
+  auto said = diagnostics.take();
+  zone.diagnostics.insert(zone.diagnostics.begin(), std::make_move_iterator(said.begin()), std::make_move_iterator(said.end()));
   return zone;
 }
 
-Result<ZoneConfiguration> LifCircuitFactory::written(const TrafficZone& zone, std::vector<Note>& lost) const {
+Result<ZoneConfiguration> LifCircuitFactory::written(const TrafficZone& zone, std::vector<Diagnostic>& lost) const {
   return lif::write_zone(zone, lost);
 }
 

@@ -36,10 +36,10 @@ bool LifFields::has(std::string_view key) const { return find(key) != nullptr; }
 std::optional<std::string> LifFields::text() const {
   if (const std::string* text = value_->text()) return *text;
   if (const double* number = value_->number()) {
-    notes_->add(Note::Kind::mended, place_.text(), "a number where a text belongs is taken as that text");
+    diagnostics_->add(Diagnostic::Kind::mended, place_.text(), "a number where a text belongs is taken as that text");
     return shortest(*number);
   }
-  notes_->add(Note::Kind::mended, place_.text(), "no text where one belongs; taken as absent");
+  diagnostics_->add(Diagnostic::Kind::mended, place_.text(), "no text where one belongs; taken as absent");
   return std::nullopt;
 }
 
@@ -47,12 +47,12 @@ std::optional<double> LifFields::number() const {
   if (const double* number = value_->number()) return *number;
   if (const std::string* text = value_->text()) {
     if (const auto number = number_in(*text)) {
-      notes_->add(Note::Kind::mended, place_.text(), "a text where a number belongs is taken as that number",
+      diagnostics_->add(Diagnostic::Kind::mended, place_.text(), "a text where a number belongs is taken as that number",
                   std::string(place_.key) + " is a text");
       return number;
     }
   }
-  notes_->add(Note::Kind::mended, place_.text(), "no number where one belongs; taken as absent");
+  diagnostics_->add(Diagnostic::Kind::mended, place_.text(), "no number where one belongs; taken as absent");
   return std::nullopt;
 }
 
@@ -77,7 +77,7 @@ std::optional<bool> LifFields::flag(std::string_view key) const {
   }
   if (const double* number = value->number(); number != nullptr && (*number == 0.0 || *number == 1.0))
     meant = *number == 1.0;
-  note(Note::Kind::mended, key,
+  record(Diagnostic::Kind::mended, key,
        meant ? "neither true nor false, but it says which" : "neither true nor false; taken as absent");
   return meant;
 }
@@ -87,7 +87,7 @@ LifFields LifFields::object(std::string_view key) const {
   const JsonValue* value = find(key);
   if (value == nullptr) return member(key, nothing);
   if (value->object() == nullptr) {
-    note(Note::Kind::mended, key, "no object where one belongs; taken as absent");
+    record(Diagnostic::Kind::mended, key, "no object where one belongs; taken as absent");
     return member(key, nothing);
   }
   return member(key, *value);
@@ -95,7 +95,7 @@ LifFields LifFields::object(std::string_view key) const {
 
 void LifFields::mend_list(std::string_view key) const {
   const bool single = find(key)->object() != nullptr;
-  note(Note::Kind::mended, key,
+  record(Diagnostic::Kind::mended, key,
        single ? "a single object where a list belongs is taken as a list of one"
               : "no list where one belongs; taken as absent");
 }
@@ -106,12 +106,12 @@ void LifFields::known(std::initializer_list<std::string_view> keys) const {
   for (const auto& [name, member] : *members) {
     if (std::find(keys.begin(), keys.end(), name) != keys.end()) continue;
     const std::string shown = name.substr(0, 64);
-    note(Note::Kind::lost, shown, "'" + shown + "' is no field of LIF 1.0; not taken");
+    record(Diagnostic::Kind::lost, shown, "'" + shown + "' is no field of LIF 1.0; not taken");
   }
 }
 
-void LifFields::note(Note::Kind kind, std::string_view key, std::string text, std::string sort) const {
-  notes_->add(kind, place(key), std::move(text), std::move(sort));
+void LifFields::record(Diagnostic::Kind kind, std::string_view key, std::string text, std::string sort) const {
+  diagnostics_->add(kind, place(key), std::move(text), std::move(sort));
 }
 
 std::string LifFields::place(std::string_view key) const {

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "cosiva/base/json_value.h"
-#include "cosiva/zone/lif/lif_notes.h"
+#include "cosiva/zone/lif/lif_diagnostics.h"
 
 namespace cosiva::zone::lif {
 
@@ -16,8 +16,8 @@ namespace cosiva::zone::lif {
 class LifFields {
  public:
   /// @param value  of any kind; only an object has fields
-  LifFields(LifNotes& notes, const JsonValue& value, const JsonPlace& place)
-      : notes_{&notes}, value_{&value}, place_{place} {}
+  LifFields(LifDiagnostics& diagnostics, const JsonValue& value, const JsonPlace& place)
+      : diagnostics_{&diagnostics}, value_{&value}, place_{place} {}
 
   [[nodiscard]] bool is_object() const { return value_->object() != nullptr; }
   [[nodiscard]] const JsonValue* value() const { return value_; }
@@ -39,17 +39,17 @@ class LifFields {
 
   /// Notes all other fields as lost.
   void known(std::initializer_list<std::string_view> keys) const;
-  void note(Note::Kind kind, std::string_view key, std::string text, std::string sort = {}) const;
+  void record(Diagnostic::Kind kind, std::string_view key, std::string text, std::string sort = {}) const;
   [[nodiscard]] std::string place(std::string_view key = {}) const;
 
  private:
   [[nodiscard]] const JsonValue* find(std::string_view key) const;
   [[nodiscard]] LifFields member(std::string_view key, const JsonValue& value) const {
-    return {*notes_, value, {&place_, key, 0}};
+    return {*diagnostics_, value, {&place_, key, 0}};
   }
   void mend_list(std::string_view key) const;
 
-  LifNotes* notes_;
+  LifDiagnostics* diagnostics_;
   const JsonValue* value_;
   JsonPlace place_;  ///< points to that of the object around it, which must outlive this
 };
@@ -62,10 +62,10 @@ std::optional<std::size_t> LifFields::each(std::string_view key, const Visit& vi
   if (list->array() == nullptr) {
     mend_list(key);
     if (list->object() == nullptr) return std::nullopt;
-    visit(LifFields{*notes_, *list, at});
+    visit(LifFields{*diagnostics_, *list, at});
     return 1;
   }
-  for (std::size_t i = 0; i < list->array()->size(); ++i) visit(LifFields{*notes_, (*list->array())[i], {&at, {}, i}});
+  for (std::size_t i = 0; i < list->array()->size(); ++i) visit(LifFields{*diagnostics_, (*list->array())[i], {&at, {}, i}});
   return list->array()->size();
 }
 

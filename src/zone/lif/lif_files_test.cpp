@@ -75,35 +75,35 @@ TEST(LifFiles, are_22_and_all_are_read) {
 
 TEST(LifFiles, say_what_was_mended) {
   const TrafficZone zone = read_file("10.06-station-with-one-node.lif.json");
-  const Note* version = note_at(zone, "metaInformation.lifVersion");
+  const Diagnostic* version = diagnostic_at(zone, "metaInformation.lifVersion");
   ASSERT_NE(version, nullptr);
-  EXPECT_EQ(version->kind, Note::Kind::mended);
+  EXPECT_EQ(version->kind, Diagnostic::Kind::mended);
   EXPECT_THAT(version->text, HasSubstr("'0.11.0'"));
-  const Note* height = note_at(zone, "layouts[0].stations[0].stationHeight");
+  const Diagnostic* height = diagnostic_at(zone, "layouts[0].stations[0].stationHeight");
   ASSERT_NE(height, nullptr);
-  EXPECT_EQ(height->kind, Note::Kind::mended);
+  EXPECT_EQ(height->kind, Diagnostic::Kind::mended);
 
-  EXPECT_EQ(note_at(read_file("10.01-forward-edge.lif.json"), "layouts[0].stations")->kind, Note::Kind::mended);
+  EXPECT_EQ(diagnostic_at(read_file("10.01-forward-edge.lif.json"), "layouts[0].stations")->kind, Diagnostic::Kind::mended);
 }
 
 TEST(LifFiles, say_what_is_lost) {
   const TrafficZone orientation = read_file("10.02-bidirectional-edge.lif.json");
-  const Note* note = note_at(orientation, "layouts[0].edges[1].vehicleTypeEdgeProperties[0].vehicleOrientation");
-  ASSERT_NE(note, nullptr);
-  EXPECT_EQ(note->kind, Note::Kind::lost);
-  EXPECT_THAT(note->text, HasSubstr("forwards"));
+  const Diagnostic* diagnostic = diagnostic_at(orientation, "layouts[0].edges[1].vehicleTypeEdgeProperties[0].vehicleOrientation");
+  ASSERT_NE(diagnostic, nullptr);
+  EXPECT_EQ(diagnostic->kind, Diagnostic::Kind::lost);
+  EXPECT_THAT(diagnostic->text, HasSubstr("forwards"));
 
-  EXPECT_NE(note_with(read_file("10.11-multiple-edges-with-load-restrictions.lif.json"), "'loadRestriction'"), nullptr);
-  EXPECT_NE(note_with(read_file("10.18-manufacturer-specific-action-on-an-edge.lif.json"), "on edges but drive"),
+  EXPECT_NE(diagnostic_with(read_file("10.11-multiple-edges-with-load-restrictions.lif.json"), "'loadRestriction'"), nullptr);
+  EXPECT_NE(diagnostic_with(read_file("10.18-manufacturer-specific-action-on-an-edge.lif.json"), "on edges but drive"),
             nullptr);
-  EXPECT_NE(note_with(read_file("10.03-counter-clockwise-rotation-on-node.lif.json"), "one way only"), nullptr);
+  EXPECT_NE(diagnostic_with(read_file("10.03-counter-clockwise-rotation-on-node.lif.json"), "one way only"), nullptr);
 }
 
 TEST(LifFiles, a_note_stands_for_all_of_its_sort) {
   const TrafficZone zone = read_file("kit-ifl-lab.lif.json");
-  const Note* note = note_at(zone, "layouts[0].nodes[0].mapId");
-  ASSERT_NE(note, nullptr);
-  EXPECT_THAT(note->text, HasSubstr("(10 times, also at layouts[0].nodes[1].mapId, layouts[0].nodes[2].mapId, …)"));
+  const Diagnostic* diagnostic = diagnostic_at(zone, "layouts[0].nodes[0].mapId");
+  ASSERT_NE(diagnostic, nullptr);
+  EXPECT_THAT(diagnostic->text, HasSubstr("(10 times, also at layouts[0].nodes[1].mapId, layouts[0].nodes[2].mapId, …)"));
 }
 
 TEST(LifFiles, a_real_laboratory_has_its_stations_and_chargers) {
@@ -115,7 +115,7 @@ TEST(LifFiles, a_real_laboratory_has_its_stations_and_chargers) {
     EXPECT_EQ(station.kind, station.name.starts_with("C") ? StationKind::charger : StationKind::stop) << station.name;
   const Point2 at = position(zone.circuit.pose_at(zone.find_station("S2")->place));
   EXPECT_LT(distance(at, Point2{1.49, -1.86}), 1e-9);
-  EXPECT_NE(note_with(zone, "'stationType'"), nullptr);
+  EXPECT_NE(diagnostic_with(zone, "'stationType'"), nullptr);
 }
 
 TEST(LifFiles, waypoints_have_the_ids_of_nodes_which_several_sections_share) {
@@ -137,7 +137,7 @@ TEST(LifFiles, nodes_at_one_point_are_one) {
   EXPECT_THAT(rotation.circuit.part(*in).next, ElementsAre(*out));
   EXPECT_NEAR(rotation.circuit.turn_at(*in, *out), -pi / 2.0, 1e-12);
   EXPECT_FALSE(rotation.circuit.find("N11-N21"));
-  EXPECT_NE(note_with(rotation, "has no length"), nullptr);
+  EXPECT_NE(diagnostic_with(rotation, "has no length"), nullptr);
 
   const TrafficZone rack = read_file("10.16-rack-station-modelled-by-three-nodes.lif.json");
   for (const char* into : {"N2-NA", "N2-NB", "N2-NC"})
@@ -148,10 +148,10 @@ TEST(LifFiles, nodes_at_one_point_are_one) {
 TEST(LifFiles, lifts_are_lost) {
   const TrafficZone zone = read_file("10.14-two-levels-of-a-facility-in-one-lif-file.lif.json");
   EXPECT_FALSE(zone.circuit.find("N2-N102"));
-  const Note* note = note_at(zone, "layouts[0].edges[1]");
-  ASSERT_NE(note, nullptr);
-  EXPECT_EQ(note->kind, Note::Kind::lost);
-  EXPECT_THAT(note->text, HasSubstr("level"));
+  const Diagnostic* diagnostic = diagnostic_at(zone, "layouts[0].edges[1]");
+  ASSERT_NE(diagnostic, nullptr);
+  EXPECT_EQ(diagnostic->kind, Diagnostic::Kind::lost);
+  EXPECT_THAT(diagnostic->text, HasSubstr("level"));
 }
 
 TEST(LifFiles, chargers_are_where_charging_is_offered) {
@@ -175,7 +175,7 @@ TEST(LifFiles, the_vehicle_type_with_most_edges_is_taken_unless_the_companion_sa
   const TrafficZone other = read_file(file, "[import]\nvehicle_type = \"Vehicle_Type_2\"\n");
   EXPECT_TRUE(other.circuit.find("N4-N3"));
   EXPECT_FALSE(other.circuit.find("N1-N2"));
-  EXPECT_NE(note_with(other, "2 of 4 edges and 2 of 4 nodes are closed to vehicle type 'Vehicle_Type_2'"), nullptr);
+  EXPECT_NE(diagnostic_with(other, "2 of 4 edges and 2 of 4 nodes are closed to vehicle type 'Vehicle_Type_2'"), nullptr);
 
   const auto wrong = read_text(file_text(testdata() / file), "[import]\nvehicle_type = \"Truck\"\n");
   ASSERT_FALSE(wrong);
@@ -221,12 +221,12 @@ TEST(LifFiles, a_trajectory_that_misses_its_nodes_is_moved_and_stretched) {
   EXPECT_NEAR(zone.circuit.section(*zone.circuit.find("N1-N2")).start().heading_rad, pi / 2.0, 1e-9);
   EXPECT_LT(zone.circuit.locate({10.0, 5.0}).distance_m, 1e-3);
   EXPECT_LT(zone.circuit.locate({10.0, -5.0}).distance_m, 1e-3);
-  const Note* note = note_at(zone, "layouts[0].edges[0].trajectory");
-  ASSERT_NE(note, nullptr);
-  EXPECT_EQ(note->kind, Note::Kind::mended);
-  EXPECT_THAT(note->text, HasSubstr("misses its nodes by 11.400 m"));
-  EXPECT_THAT(note->text, HasSubstr("stretched by 2.778"));
-  EXPECT_NE(note_with(zone, "followed within"), nullptr);
+  const Diagnostic* diagnostic = diagnostic_at(zone, "layouts[0].edges[0].trajectory");
+  ASSERT_NE(diagnostic, nullptr);
+  EXPECT_EQ(diagnostic->kind, Diagnostic::Kind::mended);
+  EXPECT_THAT(diagnostic->text, HasSubstr("misses its nodes by 11.400 m"));
+  EXPECT_THAT(diagnostic->text, HasSubstr("stretched by 2.778"));
+  EXPECT_NE(diagnostic_with(zone, "followed within"), nullptr);
 }
 
 TEST(LifFiles, a_parsers_fixture_of_faults_is_read_too) {
@@ -234,13 +234,13 @@ TEST(LifFiles, a_parsers_fixture_of_faults_is_read_too) {
   const auto edge = zone.circuit.find("edge-001");
   ASSERT_TRUE(edge);
   EXPECT_EQ(zone.circuit.part(*edge).speed_mps_max, 1.5);
-  EXPECT_EQ(note_at(zone, "layouts[0].nodes[0].vehicleTypeNodeProperties[0].theta")->kind, Note::Kind::mended);
+  EXPECT_EQ(diagnostic_at(zone, "layouts[0].nodes[0].vehicleTypeNodeProperties[0].theta")->kind, Diagnostic::Kind::mended);
   const std::string trajectory = "layouts[0].edges[0].vehicleTypeEdgeProperties[0].trajectory";
-  EXPECT_EQ(note_at(zone, trajectory + ".degree")->kind, Note::Kind::mended);
-  EXPECT_EQ(note_at(zone, trajectory + ".knotVector")->kind, Note::Kind::mended);
-  EXPECT_EQ(note_at(zone, trajectory + ".controlPoints[1].weight")->kind, Note::Kind::mended);
+  EXPECT_EQ(diagnostic_at(zone, trajectory + ".degree")->kind, Diagnostic::Kind::mended);
+  EXPECT_EQ(diagnostic_at(zone, trajectory + ".knotVector")->kind, Diagnostic::Kind::mended);
+  EXPECT_EQ(diagnostic_at(zone, trajectory + ".controlPoints[1].weight")->kind, Diagnostic::Kind::mended);
   // Its one way leads to a node that is closed to it.
-  EXPECT_NE(note_with(zone, "all nodes are open"), nullptr);
+  EXPECT_NE(diagnostic_with(zone, "all nodes are open"), nullptr);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "cosiva/zone/lif/lif_notes.h"
+#include "cosiva/zone/lif/lif_diagnostics.h"
 
 namespace cosiva::zone::lif {
 namespace {
@@ -21,7 +21,7 @@ std::string JsonPlace::text() const {
   return text += key;
 }
 
-void LifNotes::add(Note::Kind kind, std::string place, std::string text, std::string sort) {
+void LifDiagnostics::add(Diagnostic::Kind kind, std::string place, std::string text, std::string sort) {
   if (sort.empty()) sort = text;
   const auto known = index_.find(sort);
   if (known != index_.end()) {
@@ -38,27 +38,27 @@ void LifNotes::add(Note::Kind kind, std::string place, std::string text, std::st
       ++all_.back().count;
       return;
     }
-    kind = Note::Kind::notice;
+    kind = Diagnostic::Kind::notice;
     text = "there is more to say about this file than fits here";
   }
   index_.emplace(std::move(sort), all_.size());
   all_.push_back({{kind, std::move(place), std::move(text)}, 1, {}});
 }
 
-std::vector<Note> LifNotes::take() const {
-  std::vector<Note> notes;
-  notes.reserve(all_.size());
+std::vector<Diagnostic> LifDiagnostics::take() const {
+  std::vector<Diagnostic> diagnostics;
+  diagnostics.reserve(all_.size());
   for (const Sorted& sorted : all_) {
-    Note note = sorted.first;
+    Diagnostic diagnostic = sorted.first;
     if (sorted.count > 1) {
-      note.text += " (" + std::to_string(sorted.count) + " times";
-      if (!sorted.others.empty()) note.text += ", also at " + sorted.others.substr(2);
-      if (sorted.count > places_named) note.text += ", …";
-      note.text += ')';
+      diagnostic.text += " (" + std::to_string(sorted.count) + " times";
+      if (!sorted.others.empty()) diagnostic.text += ", also at " + sorted.others.substr(2);
+      if (sorted.count > places_named) diagnostic.text += ", …";
+      diagnostic.text += ')';
     }
-    notes.push_back(std::move(note));
+    diagnostics.push_back(std::move(diagnostic));
   }
-  return notes;
+  return diagnostics;
 }
 
 }  // namespace cosiva::zone::lif

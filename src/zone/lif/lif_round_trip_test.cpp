@@ -24,11 +24,11 @@ TrafficZone native(const std::string& text) {
   return std::move(*zone);
 }
 
-ZoneConfiguration written(const TrafficZone& zone, std::vector<Note>* lost = nullptr) {
-  std::vector<Note> notes;
-  auto file = LifCircuitFactory{}.written(zone, notes);
+ZoneConfiguration written(const TrafficZone& zone, std::vector<Diagnostic>* lost = nullptr) {
+  std::vector<Diagnostic> diagnostics;
+  auto file = LifCircuitFactory{}.written(zone, diagnostics);
   EXPECT_TRUE(file) << to_string(file.error());
-  if (lost != nullptr) *lost = notes;
+  if (lost != nullptr) *lost = diagnostics;
   return std::move(*file);
 }
 
@@ -155,11 +155,11 @@ s_m = 1.0
 
 TEST(LifRoundTrip, keeps_forks_merges_dead_ends_limits_and_which_way_is_the_default) {
   const TrafficZone zone = native(yard);
-  std::vector<Note> lost;
+  std::vector<Diagnostic> lost;
   const TrafficZone again = read(written(zone, &lost));
   expect_same(zone, again);
   EXPECT_EQ(again.circuit.part(again.circuit.next(*again.circuit.find("in")).front()).name, "left");
-  for (const Note& note : lost) EXPECT_FALSE(note.place.starts_with("section")) << note.text;
+  for (const Diagnostic& diagnostic : lost) EXPECT_FALSE(diagnostic.place.starts_with("section")) << diagnostic.text;
 }
 
 TEST(LifRoundTrip, keeps_the_ready_ring) {
@@ -224,9 +224,9 @@ TEST(LifWriter, writes_what_was_approved) {
 }
 
 TEST(LifWriter, says_what_lif_cannot_say) {
-  std::vector<Note> lost;
+  std::vector<Diagnostic> lost;
   (void)written(native(yard), &lost);
-  EXPECT_THAT(lost, Contains(Field(&Note::text, HasSubstr("tags, priorities, the vehicle's measures"))));
+  EXPECT_THAT(lost, Contains(Field(&Diagnostic::text, HasSubstr("tags, priorities, the vehicle's measures"))));
   // A full circle begins and ends at one node, and a curve that turns so far is read in pieces.
   const TrafficZone circle = native(R"(name = "circle"
 format_version = 1
@@ -241,7 +241,7 @@ angle_deg = 360
   lost.clear();
   const TrafficZone again = read(written(circle, &lost));
   EXPECT_NEAR(again.circuit.total_length_m(), 2.0 * pi, 1e-6);
-  EXPECT_THAT(lost, Contains(Field(&Note::text, HasSubstr("becomes several sections"))));
+  EXPECT_THAT(lost, Contains(Field(&Diagnostic::text, HasSubstr("becomes several sections"))));
 }
 
 TEST(LifWriter, says_where_nodes_join_what_the_zone_keeps_apart) {
@@ -264,9 +264,9 @@ length_m = 1.0
 start = { x = 1.0, y = 0.0, heading_deg = 0.0 }
 next = []
 )");
-  std::vector<Note> lost;
+  std::vector<Diagnostic> lost;
   (void)written(zone, &lost);
-  EXPECT_THAT(lost, Contains(Field(&Note::text, HasSubstr("is followed by b, which LIF can only say as b, c"))));
+  EXPECT_THAT(lost, Contains(Field(&Diagnostic::text, HasSubstr("is followed by b, which LIF can only say as b, c"))));
 }
 
 TEST(LifRoundTrip, keeps_any_chain_of_sections_within_a_millimetre) {
@@ -325,7 +325,7 @@ TEST(LifEdit, goes_into_the_sidecar) {
 
 TEST(LifPlant, is_complete) {
   const TrafficZone zone = read(ready_zone("lif", "workshop.lif.json"));
-  for (const Note& note : zone.notes) EXPECT_NE(note.kind, Note::Kind::mended) << note.place << ": " << note.text;
+  for (const Diagnostic& diagnostic : zone.diagnostics) EXPECT_NE(diagnostic.kind, Diagnostic::Kind::mended) << diagnostic.place << ": " << diagnostic.text;
   EXPECT_EQ(zone.stations.size(), 7U);
   EXPECT_GE(zone.start_places(12).size(), 12U);
   for (SectionId id = 0; id < zone.circuit.size(); ++id) {

@@ -6,7 +6,7 @@
 namespace cosiva::zone::lif {
 namespace {
 
-constexpr auto mended = Note::Kind::mended;
+constexpr auto mended = Diagnostic::Kind::mended;
 
 /// Whether the knots make one unbroken curve of these points.
 bool fit_together(const std::vector<double>& knots, std::size_t points, std::size_t degree) {
@@ -31,16 +31,16 @@ bool read_points(const LifFields& fields, double scale, Nurbs& curve) {
     curve.points.push_back({scale * x.value_or(0.0), scale * y.value_or(0.0)});
     double weight = point.number("weight").value_or(1.0);
     if (!(weight > 1e-6 && weight < 1e6)) {
-      point.note(mended, "weight", "a control point's weight must be positive; taken as 1");
+      point.record(mended, "weight", "a control point's weight must be positive; taken as 1");
       weight = 1.0;
     } else if (weight < 1.0) {
-      point.note(mended, "weight",
+      point.record(mended, "weight",
                  "a weight below 1 breaks the official schema, though not the standard; taken as it is");
     }
     curve.weights.push_back(weight);
   });
   if (whole && curve.points.size() >= 2) return true;
-  fields.note(mended, "controlPoints",
+  fields.record(mended, "controlPoints",
               whole ? "fewer than two control points make no curve; a straight line instead"
                     : "a control point lacks a coordinate; a straight line instead");
   return false;
@@ -54,7 +54,7 @@ void read_degree(const LifFields& fields, Nurbs& curve) {
     return;
   }
   curve.degree = degree > static_cast<double>(most) ? most : 1;
-  fields.note(mended, "degree",
+  fields.record(mended, "degree",
               "a degree must be a whole number of at least 1, less than there are control points; taken as " +
                   std::to_string(curve.degree));
 }
@@ -71,7 +71,7 @@ void read_knots(const LifFields& fields, Nurbs& curve) {
                          .has_value();
   if (whole && fit_together(curve.knots, curve.points.size(), curve.degree)) {
     if (curve.knots.front() < 0.0 || curve.knots.back() > 1.0)
-      fields.note(mended, "knotVector", "knots must lie between 0 and 1; taken as they are");
+      fields.record(mended, "knotVector", "knots must lie between 0 and 1; taken as they are");
     return;
   }
   // Some programs leave out the first and the last knot, which change nothing.
@@ -81,13 +81,13 @@ void read_knots(const LifFields& fields, Nurbs& curve) {
     longer.push_back(longer.back());
     if (fit_together(longer, curve.points.size(), curve.degree)) {
       curve.knots = std::move(longer);
-      fields.note(mended, "knotVector", "the knot vector lacks its first and its last knot; they are doubled");
+      fields.record(mended, "knotVector", "the knot vector lacks its first and its last knot; they are doubled");
       return;
     }
   }
   const std::string found = there ? std::to_string(curve.knots.size()) + " knots" : "no knots";
   curve.knots = clamped_uniform_knots(curve.points.size(), curve.degree);
-  fields.note(mended, "knotVector",
+  fields.record(mended, "knotVector",
               "expected " + std::to_string(curve.knots.size()) + " ascending knots that hold together, found " + found +
                   "; evenly spaced ones instead",
               "uniform knots");

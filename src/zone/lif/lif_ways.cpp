@@ -56,7 +56,7 @@ Way WayMaker::make(const Edge& edge, Point2 from, Point2 to) {
   if (length_m < way_min_m) return {};
   auto section = Section::make({from.x_m, from.y_m, det_atan2(to.y_m - from.y_m, to.x_m - from.x_m)}, length_m);
   if (!section) {
-    notes_.add(Note::Kind::lost, edge.place, "no way can be made of it: " + section.error().message + "; not taken");
+    diagnostics_.add(Diagnostic::Kind::lost, edge.place, "no way can be made of it: " + section.error().message + "; not taken");
     return {};
   }
   return {{std::move(*section)}, {false}};
@@ -78,13 +78,13 @@ bool WayMaker::meet(Nurbs& curve, const Edge& edge, Point2 from, Point2 to) {
     kx = (w.x_m * c.x_m + w.y_m * c.y_m) / (chord_m * chord_m);
     ky = (w.y_m * c.x_m - w.x_m * c.y_m) / (chord_m * chord_m);
   } else if (chord_m >= way_min_m || wanted_m >= way_min_m) {
-    notes_.add(Note::Kind::mended, edge.place + ".trajectory",
+    diagnostics_.add(Diagnostic::Kind::mended, edge.place + ".trajectory",
                "the trajectory and its nodes do not belong together; a straight line from node to node instead");
     return false;
   }
   const double stretch = norm(kx, ky);
   if (!(stretch < stretch_max && stretch > 1.0 / stretch_max)) {
-    notes_.add(Note::Kind::mended, edge.place + ".trajectory",
+    diagnostics_.add(Diagnostic::Kind::mended, edge.place + ".trajectory",
                "the trajectory would have to be stretched by " + decimal(stretch, 1.0) +
                    " to meet its nodes; a straight line from node to node instead",
                "trajectory not stretched");
@@ -96,7 +96,7 @@ bool WayMaker::meet(Nurbs& curve, const Edge& edge, Point2 from, Point2 to) {
     p = {from.x_m + kx * x - ky * y, from.y_m + ky * x + kx * y};
   }
   if (off_m > meets_m) {
-    notes_.add(Note::Kind::mended, edge.place + ".trajectory",
+    diagnostics_.add(Diagnostic::Kind::mended, edge.place + ".trajectory",
                "the trajectory misses its nodes by " + decimal(off_m, 1.0) + " m; it is moved to them, turned by " +
                    decimal(det_atan2(ky, kx), 1.0) + " rad and stretched by " + decimal(stretch, 1.0),
                "trajectory stretched");
@@ -119,7 +119,7 @@ bool WayMaker::follow(const Nurbs& curve, const Edge& edge, Way& way) {
   for (const double to : ends) {
     if (!follow_span(curve, from, to, way, why)) {
       way = {};
-      notes_.add(Note::Kind::mended, edge.place + ".trajectory",
+      diagnostics_.add(Diagnostic::Kind::mended, edge.place + ".trajectory",
                  "the trajectory cannot be driven: " + why + "; a straight line from node to node instead",
                  "trajectory not fitted");
       return false;
@@ -129,7 +129,7 @@ bool WayMaker::follow(const Nurbs& curve, const Edge& edge, Way& way) {
   }
   way.corner.back() = false;
   if (ends.size() > 1) {
-    notes_.add(Note::Kind::mended, edge.place + ".trajectory",
+    diagnostics_.add(Diagnostic::Kind::mended, edge.place + ".trajectory",
                "the trajectory has corners; vehicles turn on the spot there");
   }
   return true;
@@ -207,9 +207,9 @@ std::optional<Section> WayMaker::as_one(const std::vector<Section>& sections) co
   return std::move(made->sections.front());
 }
 
-void WayMaker::note_worst() {
+void WayMaker::record_worst() {
   if (fitted_ == 0) return;
-  notes_.add(Note::Kind::notice, "layouts",
+  diagnostics_.add(Diagnostic::Kind::notice, "layouts",
              std::to_string(fitted_) + " trajectories are followed within " + decimal(worst_position_m_, 1e-3) +
                  " mm and " + decimal(worst_heading_rad_, 1e-3) + " mrad");
 }

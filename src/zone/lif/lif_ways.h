@@ -9,7 +9,7 @@
 #include "cosiva/zone/geometry/fit.h"
 #include "cosiva/zone/geometry/section.h"
 #include "cosiva/zone/lif/lif_document.h"
-#include "cosiva/zone/lif/lif_notes.h"
+#include "cosiva/zone/lif/lif_diagnostics.h"
 
 namespace cosiva::zone::lif {
 
@@ -22,7 +22,7 @@ struct Way {
 /// Makes ways of edges, within a tolerance, and notes how.
 class WayMaker {
  public:
-  WayMaker(FitTolerance tolerance, LifNotes& notes) : tolerance_{tolerance}, notes_{notes} {}
+  WayMaker(FitTolerance tolerance, LifDiagnostics& diagnostics) : tolerance_{tolerance}, diagnostics_{diagnostics} {}
 
   /// A straight line, or the trajectory: moved, turned and stretched where it does not meet the nodes, a straight line
   /// again where that would not do. No sections where the nodes are one point and the trajectory does not lead round.
@@ -30,7 +30,7 @@ class WayMaker {
   /// One section along sections that lie end to end, within the tolerance; nothing where there is none.
   [[nodiscard]] std::optional<Section> as_one(const std::vector<Section>& sections) const;
   /// Notes what the fits of all ways came to.
-  void note_worst();
+  void record_worst();
 
  private:
   [[nodiscard]] bool meet(Nurbs& curve, const Edge& edge, Point2 from, Point2 to);
@@ -38,7 +38,7 @@ class WayMaker {
   [[nodiscard]] bool follow_span(const Nurbs& curve, double from, double to, Way& way, std::string& why);
 
   FitTolerance tolerance_;
-  LifNotes& notes_;
+  LifDiagnostics& diagnostics_;
   double work_left_{2e9};  ///< additions and multiplications that all curves of a file may take
   std::size_t fitted_{0};
   double worst_position_m_{0.0};

@@ -54,7 +54,7 @@ class Ends {
 
 class Writer {
  public:
-  Writer(const TrafficZone& zone, std::vector<Note>& lost) : zone_{zone}, lost_{lost}, ends_{zone.circuit} {}
+  Writer(const TrafficZone& zone, std::vector<Diagnostic>& lost) : zone_{zone}, lost_{lost}, ends_{zone.circuit} {}
   ZoneConfiguration write();
 
  private:
@@ -78,7 +78,7 @@ class Writer {
   };
 
   const TrafficZone& zone_;
-  std::vector<Note>& lost_;
+  std::vector<Diagnostic>& lost_;
   Ends ends_;
   std::map<std::size_t, Node> nodes_;  ///< by Ends::node; beyond those, nodes between a section's ends
   std::map<SectionId, std::map<double, std::size_t>> cuts_;  ///< by arc length: nodes between a section's ends
@@ -313,14 +313,14 @@ void Writer::say_companion() {
     if (!names.empty()) names += ", ";
     names += name;
   }
-  lost_.push_back({Note::Kind::lost, "zone", "LIF has no place for " + names + "; the sidecar file has"});
-  lost_.push_back({Note::Kind::notice, "metaInformation.exportTimestamp", "is the same in every file written here"});
+  lost_.push_back({Diagnostic::Kind::lost, "zone", "LIF has no place for " + names + "; the sidecar file has"});
+  lost_.push_back({Diagnostic::Kind::notice, "metaInformation.exportTimestamp", "is the same in every file written here"});
 }
 
 /// Reads what was written, and says where it is not what the zone is.
 void Writer::compare(const std::string& text) {
   const auto differs = [this](const std::string& section, std::string what) {
-    lost_.push_back({Note::Kind::lost, "section '" + section + "'", std::move(what)});
+    lost_.push_back({Diagnostic::Kind::lost, "section '" + section + "'", std::move(what)});
   };
   const auto again = LifCircuitFactory{}.make_zone({"lif", zone_.name + ".lif.json", text, {}});
   if (!again) return differs("", "what was written cannot be read again: " + to_string(again.error()));
@@ -351,7 +351,7 @@ void Writer::compare(const std::string& text) {
 
 }  // namespace
 
-Result<ZoneConfiguration> write_zone(const TrafficZone& zone, std::vector<Note>& lost) {
+Result<ZoneConfiguration> write_zone(const TrafficZone& zone, std::vector<Diagnostic>& lost) {
   if (zone.circuit.size() > edges_max) {
     return fail(
         "zone.size",

@@ -10,7 +10,7 @@ namespace {
 // Ends this close are left as they are: the circuit asks for a millimetre and a milliradian.
 constexpr double free_m = 5e-6;
 constexpr double free_rad = 2e-5;
-constexpr double worth_a_note = 1e-3;  // metres or radians
+constexpr double worth_a_diagnostic = 1e-3;  // metres or radians
 constexpr double short_way_m = 1.0;
 
 /// Ends of ways: 2·way is where it is entered, 2·way + 1 where it is left.
@@ -72,7 +72,7 @@ bool Joiner::apart(WayId from, WayId to) {
   if (gap_m <= free_m && std::fabs(kink_rad) <= free_rad) return false;
   std::string text = "its successor '" + ways_.ways[to].name(network_) + "' begins " + metres(gap_m) + " and ";
   text += std::to_string(kink_rad) + " rad from where it ends, too much to bend: they are not joined";
-  report_.add(Note::Kind::lost, "links between ends too far apart", "lane '" + ways_.ways[from].name(network_) + "'",
+  report_.add(Diagnostic::Kind::lost, "links between ends too far apart", "lane '" + ways_.ways[from].name(network_) + "'",
               std::move(text));
   return true;
 }
@@ -119,8 +119,8 @@ void Joiner::join_group(const std::vector<EndId>& ends) {
     if (shift_m <= 1e-9 && std::fabs(turn_rad) <= 1e-9) continue;
     const double reach_m = std::min(easing_reach(shift_m, turn_rad), way_of(end).curve.span());
     ways_.ways[end / 2].curve.move_end(end % 2 == 0, mean, reach_m);
-    if (shift_m <= worth_a_note && std::fabs(turn_rad) <= worth_a_note) continue;
-    report_.add(Note::Kind::mended, "lane ends that did not meet", "lane '" + way_of(end).name(network_) + "'",
+    if (shift_m <= worth_a_diagnostic && std::fabs(turn_rad) <= worth_a_diagnostic) continue;
+    report_.add(Diagnostic::Kind::mended, "lane ends that did not meet", "lane '" + way_of(end).name(network_) + "'",
                 std::string(end % 2 == 0 ? "its beginning" : "its end") + " is moved by " + metres(shift_m) + " and " +
                     std::to_string(turn_rad) + " rad, over " + metres(reach_m) + ", to meet the lanes linked to it");
   }

@@ -49,7 +49,7 @@ class Linker {
 std::optional<std::uint32_t> Linker::road(const std::string& id, const std::string& place) {
   const auto found = roads_.find(id);
   if (found != roads_.end()) return found->second;
-  report_.add(Note::Kind::lost, "links to roads that are not there", place,
+  report_.add(Diagnostic::Kind::lost, "links to roads that are not there", place,
               "leads to road '" + id + "', which is not there");
   return std::nullopt;
 }
@@ -67,7 +67,7 @@ void Linker::link(const Ways::End& a, const Ways::End& b, const std::string& pla
   if (one == no_way || two == no_way) {
     for (const Ways::End& end : {a, b}) {
       if (lane(end) == nullptr && end.lane != 0)
-        return report_.add(Note::Kind::lost, "links to lanes that are not there", place,
+        return report_.add(Diagnostic::Kind::lost, "links to lanes that are not there", place,
                            "leads to lane " + std::to_string(end.lane) + " of road '" + network_.roads[end.road].id +
                                "', which is not there");
     }
@@ -76,7 +76,7 @@ void Linker::link(const Ways::End& a, const Ways::End& b, const std::string& pla
     return;
   }
   if (exit_of(a, one) == exit_of(b, two))
-    return report_.add(Note::Kind::lost, "links of lanes that run against each other", place,
+    return report_.add(Diagnostic::Kind::lost, "links of lanes that run against each other", place,
                        "links '" + ways_.ways[one].name(network_) + "' to '" + ways_.ways[two].name(network_) +
                            "', which run against each other");
   const WayId from = exit_of(a, one) ? one : two;
@@ -98,7 +98,7 @@ bool Linker::contact(std::uint32_t road, bool at_start, std::uint32_t other, boo
   const double named_m = distance(here, end_of(road, at_start));
   const double opposite_m = distance(here, end_of(road, !at_start));
   if (named_m <= contact_far_m || opposite_m >= contact_near_m) return at_start;
-  report_.add(Note::Kind::mended, "links to the wrong end of a road", place,
+  report_.add(Diagnostic::Kind::mended, "links to the wrong end of a road", place,
               std::string("leads to the ") + (at_start ? "start" : "end") + " of road '" + network_.roads[road].id +
                   "', which is " + metres(named_m) + " away; its other end is only " + metres(opposite_m) +
                   " away and is taken");
@@ -187,7 +187,7 @@ void Linker::join_if_met(WayId from, WayId to) {
   if (distance(exit, entry) > meets_m || std::fabs(wrap_angle(exit.heading_rad - entry.heading_rad)) > meets_rad)
     return;
   ways_.ways[from].next.push_back(to);
-  report_.add(Note::Kind::mended, "ends that meet without a link", "lane '" + ways_.ways[from].name(network_) + "'",
+  report_.add(Diagnostic::Kind::mended, "ends that meet without a link", "lane '" + ways_.ways[from].name(network_) + "'",
               "ends where '" + ways_.ways[to].name(network_) + "' begins, though no link says so; joined");
 }
 
@@ -208,7 +208,7 @@ void Linker::link_what_meets() {
          at != entries.end() && at->first <= x + meets_m; ++at) {
       if (followed[from] && led_to[at->second]) continue;
       if (++pairs > pairs_max)
-        return report_.add(Note::Kind::lost, "ends heaped on one place", "file",
+        return report_.add(Diagnostic::Kind::lost, "ends heaped on one place", "file",
                            "so many lanes end at the same places that those without a link are not all joined");
       join_if_met(from, at->second);
     }

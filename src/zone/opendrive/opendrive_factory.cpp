@@ -39,38 +39,38 @@ void move_near(Network& network, Report& report) {
       geometry.start.y_m -= by.y_m;
     }
   }
-  report.add(Note::Kind::notice, "origins", "file",
+  report.add(Diagnostic::Kind::notice, "origins", "file",
              "lies far from its origin: everything is moved by (" + std::to_string(-by.x_m) + ", " +
                  std::to_string(-by.y_m) + ") of its metres");
 }
 
-void note_what_is_not_taken(Report& report) {
-  const auto say = [&](Note::Kind kind, std::string_view what, std::string_view text) {
+void record_what_is_not_taken(Report& report) {
+  const auto say = [&](Diagnostic::Kind kind, std::string_view what, std::string_view text) {
     const std::size_t count = report.counted(what);
     if (count == 0) return;
     std::string sentence = std::to_string(count) + ' ';
     sentence += text;
     report.add(kind, what, "file", std::move(sentence));
   };
-  say(Note::Kind::notice, "elevation", "records of elevation are not taken: the zone is flat");
-  say(Note::Kind::notice, "superelevation", "records of superelevation are not taken: the zone is flat");
-  say(Note::Kind::notice, "crossfall", "records of crossfall are not taken: the zone is flat");
-  say(Note::Kind::notice, "shape", "records of road shape are not taken: the zone is flat");
-  say(Note::Kind::lost, "signals", "signals are not taken: vehicles do not stop at lights and signs");
-  say(Note::Kind::lost, "objects", "objects are not taken");
-  say(Note::Kind::lost, "controller", "controllers of signals are not taken");
-  say(Note::Kind::lost, "junctionGroup", "groups of junctions are not taken");
-  say(Note::Kind::lost, "railroad", "railroads are not taken");
-  say(Note::Kind::lost, "station", "stations of railways and buses are not taken; the sidecar file can name stations");
-  say(Note::Kind::lost, "direction both",
+  say(Diagnostic::Kind::notice, "elevation", "records of elevation are not taken: the zone is flat");
+  say(Diagnostic::Kind::notice, "superelevation", "records of superelevation are not taken: the zone is flat");
+  say(Diagnostic::Kind::notice, "crossfall", "records of crossfall are not taken: the zone is flat");
+  say(Diagnostic::Kind::notice, "shape", "records of road shape are not taken: the zone is flat");
+  say(Diagnostic::Kind::lost, "signals", "signals are not taken: vehicles do not stop at lights and signs");
+  say(Diagnostic::Kind::lost, "objects", "objects are not taken");
+  say(Diagnostic::Kind::lost, "controller", "controllers of signals are not taken");
+  say(Diagnostic::Kind::lost, "junctionGroup", "groups of junctions are not taken");
+  say(Diagnostic::Kind::lost, "railroad", "railroads are not taken");
+  say(Diagnostic::Kind::lost, "station", "stations of railways and buses are not taken; the sidecar file can name stations");
+  say(Diagnostic::Kind::lost, "direction both",
       "lanes are driven both ways in the file; here only in their side's direction");
-  say(Note::Kind::lost, "links to lanes not driven on", "links lead to lanes that are not driven on");
+  say(Diagnostic::Kind::lost, "links to lanes not driven on", "links lead to lanes that are not driven on");
   std::string types;
   for (const auto& [type, count] : report.counted_under("lane type ")) {
     if (types.size() > 300) continue;
     types += (types.empty() ? "" : ", ") + std::to_string(count) + ' ' + type;
   }
-  if (!types.empty()) report.add(Note::Kind::notice, "lane types", "file", "lanes that are not driven on: " + types);
+  if (!types.empty()) report.add(Diagnostic::Kind::notice, "lane types", "file", "lanes that are not driven on: " + types);
 }
 
 /// The header's name, or one that the text alone decides: vehicles know the map by it, and a file that has travelled is
@@ -111,9 +111,9 @@ Result<TrafficZone> OpenDriveCircuitFactory::make_zone(const ZoneConfiguration& 
   auto circuit = Circuit::make(name, std::move(*parts));
   if (!circuit) return fail(circuit.error().code, circuit.error().message, configuration.origin);
 
-  note_what_is_not_taken(report);
+  record_what_is_not_taken(report);
   TrafficZone zone{name, std::move(*circuit), {}, default_profiles, {}, {}, {}, {}, {}, {}};
-  zone.notes = report.notes();
+  zone.diagnostics = report.diagnostics();
   if (auto furnished = furnish(zone, configuration, *sidecar); !furnished) return tl::unexpected(furnished.error());
   return zone;
 }

@@ -139,7 +139,7 @@ TEST_P(Sample, is_as_long_as_the_file_says) {
 
 TEST_P(Sample, tells_its_fit) {
   bool told = false;
-  for (const Note& note : zone_.notes) told = told || (note.place == "lanes" && note.kind == Note::Kind::notice);
+  for (const Diagnostic& note : zone_.diagnostics) told = told || (note.place == "lanes" && note.kind == Diagnostic::Kind::notice);
   EXPECT_TRUE(told);
 }
 
@@ -228,7 +228,7 @@ TEST(OpenDrive, a_lane_that_begins_without_width_leaves_its_neighbour_smoothly) 
   EXPECT_EQ(section_of(zone, "1.0.-1").kind(), SectionKind::straight);
   EXPECT_EQ(section_of(zone, "1.1.-1").kind(), SectionKind::straight);
   EXPECT_NEAR(section_of(zone, "1.1.-2").start().y_m, -1.5, 1e-6);
-  EXPECT_TRUE(noted(zone, Note::Kind::mended, "lane '1.1.-2'", "1.50 m"));
+  EXPECT_TRUE(logged(zone, Diagnostic::Kind::mended, "lane '1.1.-2'", "1.50 m"));
 }
 
 TEST(OpenDrive, lanes_too_far_apart_are_not_joined_and_it_says_so) {
@@ -236,7 +236,7 @@ TEST(OpenDrive, lanes_too_far_apart_are_not_joined_and_it_says_so) {
                             section(40.0, "", lane(-1) + lane(-2));
   const TrafficZone zone = zone_of(file(road("1", 100.0, line(0.0, 0.0, 0.0, 0.0, 100.0), lanes)));
   EXPECT_FALSE(leads(zone, "1.0.-1", "1.1.-2"));
-  EXPECT_TRUE(noted(zone, Note::Kind::lost, "lane '1.0.-1'", "too much to bend"));
+  EXPECT_TRUE(logged(zone, Diagnostic::Kind::lost, "lane '1.0.-1'", "too much to bend"));
 }
 
 TEST(OpenDrive, a_crumb_of_a_lane_section_is_swept_up_and_links_lead_through_it) {
@@ -253,7 +253,7 @@ TEST(OpenDrive, roads_that_meet_without_a_link_are_joined_with_a_note) {
   const TrafficZone zone = zone_of(file(road("1", 20.0, line(0.0, 0.0, 0.0, 0.0, 20.0), section(0.0, "", lane(-1))) +
                                         road("2", 20.0, line(0.0, 20.0, 0.0, 0.0, 20.0), section(0.0, "", lane(-1)))));
   EXPECT_TRUE(leads(zone, "1.0.-1", "2.0.-1"));
-  EXPECT_TRUE(noted(zone, Note::Kind::mended, "1.0.-1", "no link says so"));
+  EXPECT_TRUE(logged(zone, Diagnostic::Kind::mended, "1.0.-1", "no link says so"));
 }
 
 TEST(OpenDrive, contact_points_say_which_ends_meet) {
@@ -305,12 +305,12 @@ TEST(OpenDrive, what_is_not_taken_is_told) {
                 section(0.0, lane(1, R"(<width a="2"/>)", "sidewalk"), lane(-1, R"(<width a="2"/>)", "bidirectional")),
                 more) +
            R"(<controller id="1"/>)"));
-  EXPECT_TRUE(noted(zone, Note::Kind::notice, "file", "1 records of elevation"));
-  EXPECT_TRUE(noted(zone, Note::Kind::lost, "file", "2 signals"));
-  EXPECT_TRUE(noted(zone, Note::Kind::lost, "file", "1 objects"));
-  EXPECT_TRUE(noted(zone, Note::Kind::lost, "file", "1 controllers"));
-  EXPECT_TRUE(noted(zone, Note::Kind::notice, "file", "1 sidewalk"));
-  EXPECT_TRUE(noted(zone, Note::Kind::lost, "lane -1", "both ways"));
+  EXPECT_TRUE(logged(zone, Diagnostic::Kind::notice, "file", "1 records of elevation"));
+  EXPECT_TRUE(logged(zone, Diagnostic::Kind::lost, "file", "2 signals"));
+  EXPECT_TRUE(logged(zone, Diagnostic::Kind::lost, "file", "1 objects"));
+  EXPECT_TRUE(logged(zone, Diagnostic::Kind::lost, "file", "1 controllers"));
+  EXPECT_TRUE(logged(zone, Diagnostic::Kind::notice, "file", "1 sidewalk"));
+  EXPECT_TRUE(logged(zone, Diagnostic::Kind::lost, "lane -1", "both ways"));
 }
 
 TEST(OpenDrive, dangling_links_are_lost_with_their_place) {
@@ -320,9 +320,9 @@ TEST(OpenDrive, dangling_links_are_lost_with_their_place) {
                                              <predecessor elementType="road" elementId="9" contactPoint="end"/></link>)") +
                                         R"(<junction id="3"><connection id="0" incomingRoad="1" connectingRoad="8"
                                              contactPoint="start"><laneLink from="-1" to="-1"/></connection></junction>)"));
-  EXPECT_TRUE(noted(zone, Note::Kind::lost, "road 1", "lane -4 of road '1'"));
-  EXPECT_TRUE(noted(zone, Note::Kind::lost, "road 1, link/predecessor", "road '9'"));
-  EXPECT_TRUE(noted(zone, Note::Kind::lost, "junction 3, connection[1]", "road '8'"));
+  EXPECT_TRUE(logged(zone, Diagnostic::Kind::lost, "road 1", "lane -4 of road '1'"));
+  EXPECT_TRUE(logged(zone, Diagnostic::Kind::lost, "road 1, link/predecessor", "road '9'"));
+  EXPECT_TRUE(logged(zone, Diagnostic::Kind::lost, "junction 3, connection[1]", "road '8'"));
 }
 
 TEST(OpenDrive, a_network_far_from_its_origin_is_moved_near) {
@@ -330,7 +330,7 @@ TEST(OpenDrive, a_network_far_from_its_origin_is_moved_near) {
       road("1", 20.0, line(0.0, 691000.25, 5334100.5, 0.0, 20.0), section(0.0, "", lane(-1, R"(<width a="2"/>)")))));
   EXPECT_NEAR(section_of(zone, "1.0.-1").start().x_m, 0.25, 1e-9);
   EXPECT_NEAR(section_of(zone, "1.0.-1").start().y_m, 99.5, 1e-9);
-  EXPECT_TRUE(noted(zone, Note::Kind::notice, "file", "moved by (-691000"));
+  EXPECT_TRUE(logged(zone, Diagnostic::Kind::notice, "file", "moved by (-691000"));
 }
 
 struct Bad {
@@ -429,7 +429,7 @@ TEST(OpenDrive, edits_go_into_the_sidecar_and_the_file_stays) {
 
 TEST(OpenDrive, is_only_read) {
   EXPECT_THAT(OpenDriveCircuitFactory{}.file_endings(), ::testing::ElementsAre(".xodr"));
-  std::vector<Note> lost;
+  std::vector<Diagnostic> lost;
   const TrafficZone zone = zone_of(file(road("1", 20.0, line(0.0, 0.0, 0.0, 0.0, 20.0), section(0.0, "", lane(-1)))));
   const auto written = OpenDriveCircuitFactory{}.written(zone, lost);
   ASSERT_FALSE(written);

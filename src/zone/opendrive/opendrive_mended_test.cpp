@@ -38,7 +38,7 @@ TEST(OpenDriveMended, a_road_drawn_as_a_polygon_is_driven_round_its_corners) {
     EXPECT_GT(tightest_m(sections), 1.0) << name;
     EXPECT_NEAR(length_m(sections), 40.0, 3.0) << name;
   }
-  EXPECT_TRUE(noted(zone, Note::Kind::mended, "road 1, planView/geometry[2]", "smoothed"));
+  EXPECT_TRUE(logged(zone, Diagnostic::Kind::mended, "road 1, planView/geometry[2]", "smoothed"));
 }
 
 TEST(OpenDriveMended, a_lane_inside_too_tight_a_bend_is_cut_short_instead_of_folding) {
@@ -52,10 +52,10 @@ TEST(OpenDriveMended, a_lane_inside_too_tight_a_bend_is_cut_short_instead_of_fol
   EXPECT_NEAR(inner.front()->start().y_m, -1.5, 1e-6);
   EXPECT_NEAR(inner.back()->end().x_m, 19.5, 1e-6);
   EXPECT_NEAR(inner.back()->end().y_m, -21.0, 1e-5);
-  EXPECT_TRUE(noted(zone, Note::Kind::mended, "lane -1", "run backwards"));
+  EXPECT_TRUE(logged(zone, Diagnostic::Kind::mended, "lane -1", "run backwards"));
   // The outer lane has room enough, and stays an arc.
   EXPECT_NEAR(length_m(sections_of(zone, "1.0.1")), 40.0 + 2.5 * 0.5 * pi, 0.02);
-  EXPECT_FALSE(noted(zone, Note::Kind::mended, "lane 1", "run backwards"));
+  EXPECT_FALSE(logged(zone, Diagnostic::Kind::mended, "lane 1", "run backwards"));
 }
 
 TEST(OpenDriveMended, a_lane_aslant_of_its_road_turns_no_corner_where_the_road_begins_to_bend) {
@@ -67,7 +67,7 @@ TEST(OpenDriveMended, a_lane_aslant_of_its_road_turns_no_corner_where_the_road_b
   const auto sections = sections_of(zone, "1.0.1");
   ASSERT_FALSE(sections.empty());
   EXPECT_GT(tightest_m(sections), 0.15);
-  EXPECT_TRUE(noted(zone, Note::Kind::mended, "lane 1", "would kink or run backwards"));
+  EXPECT_TRUE(logged(zone, Diagnostic::Kind::mended, "lane 1", "would kink or run backwards"));
 }
 
 TEST(OpenDriveMended, a_link_to_the_wrong_end_of_a_road_is_put_right) {
@@ -78,7 +78,7 @@ TEST(OpenDriveMended, a_link_to_the_wrong_end_of_a_road_is_put_right) {
   const std::string two = road("2", 20.0, line(0.0, 40.0, 0.0, pi, 20.0), section(0.0, lane(1), ""));
   const TrafficZone zone = zone_of(file(one + two));
   EXPECT_TRUE(leads(zone, "1.0.-1", "2.0.1"));
-  EXPECT_TRUE(noted(zone, Note::Kind::mended, "road 1, link/successor", "its other end is only"));
+  EXPECT_TRUE(logged(zone, Diagnostic::Kind::mended, "road 1, link/successor", "its other end is only"));
 }
 
 TEST(OpenDriveMended, a_lane_lies_on_the_side_of_its_id_wherever_it_stands) {
@@ -87,8 +87,8 @@ TEST(OpenDriveMended, a_lane_lies_on_the_side_of_its_id_wherever_it_stands) {
   EXPECT_NEAR(section_of(zone, "5.0.-1").start().y_m, -1.5, 1e-12);
   EXPECT_NEAR(section_of(zone, "5.0.1").start().y_m, 1.5, 1e-12);
   EXPECT_TRUE(
-      noted(zone, Note::Kind::mended, "road 5, lanes/laneSection/left/lane[-1]", "right of the reference line"));
-  EXPECT_TRUE(noted(zone, Note::Kind::lost, "road 5, lanes/laneSection/right/lane[0]", "middle line"));
+      logged(zone, Diagnostic::Kind::mended, "road 5, lanes/laneSection/left/lane[-1]", "right of the reference line"));
+  EXPECT_TRUE(logged(zone, Diagnostic::Kind::lost, "road 5, lanes/laneSection/right/lane[0]", "middle line"));
   EXPECT_EQ(zone.circuit.size(), 2U);
 }
 
@@ -128,7 +128,7 @@ TEST(OpenDriveMended, lanes_that_meet_at_an_angle_are_bent_to_each_other) {
   EXPECT_GT(tightest_m(first), 2.0);
   const auto second = sections_of(zone, "2.0.-1");
   EXPECT_LT(distance(first.back()->end(), second.front()->start()), 1e-6);
-  EXPECT_TRUE(noted(zone, Note::Kind::mended, "lane '1.0.-1'", "to meet the lanes linked to it"));
+  EXPECT_TRUE(logged(zone, Diagnostic::Kind::mended, "lane '1.0.-1'", "to meet the lanes linked to it"));
 }
 
 TEST(OpenDriveMended, a_byte_order_mark_and_the_line_ends_of_another_system_are_no_fault) {

@@ -37,7 +37,7 @@ class Reader {
   [[nodiscard]] Lane read_lane(pugi::xml_node node, int sign);
   [[nodiscard]] Junction read_junction(pugi::xml_node node);
   [[nodiscard]] Connection read_connection(pugi::xml_node node, std::string place);
-  void note(Note::Kind kind, std::string_view topic, pugi::xml_node node, std::string text);
+  void record(Diagnostic::Kind kind, std::string_view topic, pugi::xml_node node, std::string text);
   void count_what_is_not_taken(pugi::xml_node road);
 
   XmlFile& file_;
@@ -74,7 +74,7 @@ Result<Network> Reader::read() {
 }
 
 /// Where an element stands among its like costs a walk along them, so it is only asked for what will be shown.
-void Reader::note(Note::Kind kind, std::string_view topic, pugi::xml_node node, std::string text) {
+void Reader::record(Diagnostic::Kind kind, std::string_view topic, pugi::xml_node node, std::string text) {
   report_.add(kind, topic, report_.full(topic) ? std::string{} : XmlFile::path(node), std::move(text));
 }
 
@@ -82,7 +82,7 @@ void Reader::read_header(pugi::xml_node header) {
   if (const auto major = file_.whole(header, "revMajor"); major && *major != 1)
     file_.fault(header, "revMajor", "zone.version", "this program reads versions 1.1 to 1.8 of OpenDRIVE");
   if (header.child("geoReference"))
-    report_.add(Note::Kind::notice, "geoReferences", "header/geoReference",
+    report_.add(Diagnostic::Kind::notice, "geoReferences", "header/geoReference",
                 "where on earth this lies is not taken: x and y are used as they are");
 }
 
@@ -92,7 +92,7 @@ std::string Reader::id_of(pugi::xml_node node, std::set<std::string>& known) {
     id = file_.id(node, "id");
   } else {
     id = "unnamed" + std::to_string(known.size() + 1);
-    note(Note::Kind::mended, "elements without an id", node,
+    record(Diagnostic::Kind::mended, "elements without an id", node,
          "has no id; it is called '" + id + "' here, and nothing links to it");
   }
   if (!known.insert(id).second)
@@ -133,7 +133,7 @@ std::optional<RoadLink> Reader::read_link(pugi::xml_node node) {
   const std::string_view contact = node.attribute("contactPoint").value();
   link.at_start = contact == "start";
   if (link.junction || contact == "start" || contact == "end") return link;
-  note(Note::Kind::mended, "links without a contact point", node,
+  record(Diagnostic::Kind::mended, "links without a contact point", node,
        "does not say at which end of the road; lanes are joined where their ends meet");
   return std::nullopt;
 }
@@ -172,7 +172,7 @@ Cubics Reader::read_cubics(pugi::xml_node node) {
   if (range == "arcLength") {
     cubics.range = Cubics::Range::arc_length;
   } else if (range.empty()) {
-    note(Note::Kind::mended, "paramPoly3 without pRange", node, "has no pRange; taken as normalized, p from 0 to 1");
+    record(Diagnostic::Kind::mended, "paramPoly3 without pRange", node, "has no pRange; taken as normalized, p from 0 to 1");
   } else if (range != "normalized") {
     file_.fault(node, "pRange", "zone.field", "expected \"arcLength\" or \"normalized\"");
   }
@@ -196,7 +196,7 @@ SpeedFrom Reader::read_speed(pugi::xml_node node, double s) {
   if (mps > 0.0)
     from.mps = mps;
   else
-    note(Note::Kind::mended, "speed limits that are not positive", node, "is no limit, and none is set");
+    record(Diagnostic::Kind::mended, "speed limits that are not positive", node, "is no limit, and none is set");
   return from;
 }
 
@@ -231,7 +231,7 @@ Lane Reader::read_lane(pugi::xml_node node, int sign) {
   if (!id) file_.fault(node, "id", "zone.missing", "expected a lane's id, found nothing");
   lane.id = id.value_or(sign);
   if (lane.id * sign <= 0)
-    note(lane.id == 0 ? Note::Kind::lost : Note::Kind::mended, "lanes on the wrong side", node,
+    record(lane.id == 0 ? Diagnostic::Kind::lost : Diagnostic::Kind::mended, "lanes on the wrong side", node,
          lane.id == 0 ? "stands for the middle line, which has no width and belongs under center; not taken"
                       : std::string("lies ") + (sign > 0 ? "right" : "left") +
                             " of the reference line by its id, though it stands under the other side");
@@ -255,7 +255,7 @@ Junction Reader::read_junction(pugi::xml_node node) {
   Junction junction;
   junction.id = id_of(node, junction_ids_);
   if (std::strcmp(node.attribute("type").value(), "virtual") == 0)
-    note(Note::Kind::lost, "virtual junctions", node,
+    record(Diagnostic::Kind::lost, "virtual junctions", node,
          "is a virtual junction: ways that leave a road in its middle are not taken");
   for (const auto connection : node.children("connection")) {
     if (file_.error()) break;

@@ -52,7 +52,7 @@ TEST(ReferenceLine, of_lines_arcs_and_spirals_ends_where_their_curvature_integra
     EXPECT_NEAR(line.at(60.0).p.x_m, end.x_m, 1e-7);
     EXPECT_NEAR(line.at(60.0).p.y_m, end.y_m, 1e-7);
     EXPECT_NEAR(std::remainder(heading_of(line.at(60.0)) - end.heading_rad, 2.0 * pi), 0.0, 1e-9);
-    EXPECT_TRUE(report.notes().empty());
+    EXPECT_TRUE(report.diagnostics().empty());
   }
 }
 
@@ -92,7 +92,7 @@ TEST(ReferenceLine, of_cubics_runs_by_arc_length) {
     EXPECT_LT(distance(line.at(share * length).p, walked(at, 1.0, share * length)), 1e-4) << share;
   // It leaves along (bU, bV), whatever hdg says.
   EXPECT_NEAR(heading_of(line.at(0.0)), std::atan2(2.0, 40.0), 1e-12);
-  EXPECT_TRUE(report.notes().empty());
+  EXPECT_TRUE(report.diagnostics().empty());
 }
 
 TEST(ReferenceLine, of_an_arc_length_curve_is_the_same_as_of_its_normalized_twin) {
@@ -116,9 +116,9 @@ TEST(ReferenceLine, of_a_curve_whose_range_of_p_is_wrong_takes_the_other) {
   const ReferenceLine line =
       line_of(road_of({{0.0, {}, 50.01, Cubics{u, v, Cubics::Range::arc_length}, "here"}}, 50.01), report);
   EXPECT_NEAR(line.at(line.length()).p.x_m, 50.0, 1e-6);
-  ASSERT_FALSE(report.notes().empty());
-  EXPECT_EQ(report.notes()[0].kind, Note::Kind::mended);
-  EXPECT_EQ(report.notes()[0].place, "here");
+  ASSERT_FALSE(report.diagnostics().empty());
+  EXPECT_EQ(report.diagnostics()[0].kind, Diagnostic::Kind::mended);
+  EXPECT_EQ(report.diagnostics()[0].place, "here");
 }
 
 TEST(ReferenceLine, of_poly3_ends_where_its_length_says) {
@@ -129,7 +129,7 @@ TEST(ReferenceLine, of_poly3_ends_where_its_length_says) {
       road_of({{0.0, {}, 35.0, Cubics{{0.0, 0.0, 1.0, 0.0, 0.0}, v, Cubics::Range::along_u}, ""}}, 35.0), report);
   for (const double s : {5.0, 17.0, 34.99}) EXPECT_LT(distance(line.at(s).p, walked(at, 40.0, s)), 1e-4) << s;
   EXPECT_NEAR(line.length(), 35.0, 1e-9);
-  EXPECT_TRUE(report.notes().empty());
+  EXPECT_TRUE(report.diagnostics().empty());
 }
 
 TEST(ReferenceLine, has_derivatives_that_are_those_of_its_points) {
@@ -166,8 +166,8 @@ TEST(ReferenceLine, closes_small_gaps_and_kinks_and_says_so) {
   EXPECT_NEAR(heading_of(line.at(20.0)), 0.025, 1e-7);
   EXPECT_NEAR(line.at(0.0).p.x_m, 0.0, 1e-12);
   EXPECT_NEAR(heading_of(line.at(40.0)), 0.05, 1e-9);
-  ASSERT_EQ(report.notes().size(), 1U);
-  EXPECT_EQ(report.notes()[0].place, "second");
+  ASSERT_EQ(report.diagnostics().size(), 1U);
+  EXPECT_EQ(report.diagnostics()[0].place, "second");
 }
 
 TEST(ReferenceLine, is_not_there_across_a_corner_or_a_gap_and_says_so) {
@@ -176,9 +176,9 @@ TEST(ReferenceLine, is_not_there_across_a_corner_or_a_gap_and_says_so) {
     const auto line = ReferenceLine::make(
         road_of({{0.0, {}, 20.0, Clothoid{}, "first"}, {20.0, second, 20.0, Clothoid{}, "second"}}, 40.0), report);
     EXPECT_FALSE(line);
-    ASSERT_EQ(report.notes().size(), 1U);
-    EXPECT_EQ(report.notes()[0].kind, Note::Kind::lost);
-    EXPECT_EQ(report.notes()[0].place, "second");
+    ASSERT_EQ(report.diagnostics().size(), 1U);
+    EXPECT_EQ(report.diagnostics()[0].kind, Diagnostic::Kind::lost);
+    EXPECT_EQ(report.diagnostics()[0].place, "second");
   }
 }
 
@@ -197,8 +197,8 @@ TEST(ReferenceLine, rounds_a_right_angle_within_a_metre) {
     EXPECT_LT(std::min(std::fabs(here.p.y_m), std::fabs(here.p.x_m - 20.0)), 1.0) << s;
   }
   EXPECT_NEAR(turned, 0.5 * pi, 1e-6);
-  ASSERT_FALSE(report.notes().empty());
-  EXPECT_EQ(report.notes()[0].kind, Note::Kind::mended);
+  ASSERT_FALSE(report.diagnostics().empty());
+  EXPECT_EQ(report.diagnostics()[0].kind, Diagnostic::Kind::mended);
 }
 
 TEST(ReferenceLine, leads_through_short_records_that_miss_each_other) {
@@ -224,8 +224,8 @@ TEST(ReferenceLine, leads_through_short_records_that_miss_each_other) {
     const double bend = (jet.d.x_m * jet.dd.y_m - jet.d.y_m * jet.dd.x_m) / (v * v * v);
     EXPECT_NEAR(bend, 1.0 / 6.0, s < 2.0 || s > 7.0 ? 0.1 : 0.03) << s;
   }
-  ASSERT_FALSE(report.notes().empty());
-  EXPECT_EQ(report.notes()[0].kind, Note::Kind::mended);
+  ASSERT_FALSE(report.diagnostics().empty());
+  EXPECT_EQ(report.diagnostics()[0].kind, Diagnostic::Kind::mended);
 }
 
 TEST(ReferenceLine, leaves_many_crumbs_out_in_no_time) {
@@ -245,8 +245,8 @@ TEST(ReferenceLine, leaves_a_crumb_out_that_meets_nobody) {
                                      report);
   EXPECT_NEAR(line.length(), 40.06, 1e-9);
   for (double s = 0.0; s < 40.0; s += 0.5) EXPECT_LT(distance(line.at(s).p, {s, 0.0}), 0.07) << s;
-  ASSERT_FALSE(report.notes().empty());
-  EXPECT_EQ(report.notes()[0].place, "crumb");
+  ASSERT_FALSE(report.diagnostics().empty());
+  EXPECT_EQ(report.diagnostics()[0].place, "crumb");
 }
 
 TEST(ReferenceLine, trusts_a_shape_whose_s_contradicts_it) {
@@ -256,7 +256,7 @@ TEST(ReferenceLine, trusts_a_shape_whose_s_contradicts_it) {
       report);
   EXPECT_NEAR(line.length(), 40.0, 1e-12);
   EXPECT_NEAR(line.at(30.0).p.x_m, 30.0, 1e-12);
-  EXPECT_FALSE(report.notes().empty());
+  EXPECT_FALSE(report.diagnostics().empty());
 }
 
 TEST(ReferenceLine, takes_crumbs_out) {
@@ -267,7 +267,7 @@ TEST(ReferenceLine, takes_crumbs_out) {
                                              30.000000001),
                                      report);
   EXPECT_NEAR(line.at(line.length()).p.x_m, 30.0, 1e-8);
-  EXPECT_TRUE(report.notes().empty());
+  EXPECT_TRUE(report.diagnostics().empty());
 }
 
 TEST(Easing, is_whole_at_its_end_and_gone_with_slope_and_bend_at_the_other) {

@@ -5,10 +5,10 @@
 
 namespace cosiva::zone::opendrive {
 
-void Report::add(Note::Kind kind, std::string_view topic, std::string place, std::string text) {
+void Report::add(Diagnostic::Kind kind, std::string_view topic, std::string place, std::string text) {
   auto& alike = alike_[std::string(topic)];
   alike.first = kind;
-  if (++alike.second <= alike_max) notes_.push_back({kind, std::move(place), std::move(text)});
+  if (++alike.second <= alike_max) diagnostics_.push_back({kind, std::move(place), std::move(text)});
 }
 
 bool Report::full(std::string_view topic) const {
@@ -29,8 +29,8 @@ std::vector<std::pair<std::string, std::size_t>> Report::counted_under(std::stri
   return found;
 }
 
-std::vector<Note> Report::notes() const {
-  std::vector<Note> all = notes_;
+std::vector<Diagnostic> Report::diagnostics() const {
+  std::vector<Diagnostic> all = diagnostics_;
   for (const auto& [topic, alike] : alike_) {
     if (alike.second <= alike_max) continue;
     std::string text = std::to_string(alike.second - alike_max);

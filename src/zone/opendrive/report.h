@@ -14,19 +14,19 @@ namespace cosiva::zone::opendrive {
 class Report {
  public:
   /// @param topic  what is alike, as a plural: "lanes that …"
-  void add(Note::Kind kind, std::string_view topic, std::string place, std::string text);
+  void add(Diagnostic::Kind kind, std::string_view topic, std::string place, std::string text);
   /// Whether no more of this topic will be kept.
   [[nodiscard]] bool full(std::string_view topic) const;
   void count(std::string_view what, std::size_t more = 1) { counts_[std::string(what)] += more; }
   [[nodiscard]] std::size_t counted(std::string_view what) const;
   /// What begins with `prefix`, without it, and how often it was counted.
   [[nodiscard]] std::vector<std::pair<std::string, std::size_t>> counted_under(std::string_view prefix) const;
-  [[nodiscard]] std::vector<Note> notes() const;
+  [[nodiscard]] std::vector<Diagnostic> diagnostics() const;
 
  private:
   static constexpr std::size_t alike_max = 20;
-  std::vector<Note> notes_;
-  std::map<std::string, std::pair<Note::Kind, std::size_t>, std::less<>> alike_;
+  std::vector<Diagnostic> diagnostics_;
+  std::map<std::string, std::pair<Diagnostic::Kind, std::size_t>, std::less<>> alike_;
   std::map<std::string, std::size_t, std::less<>> counts_;
 };
 

@@ -50,11 +50,11 @@ void Layer::lay_way(WayId id) {
   auto fitted = fit(way.curve.curve(scale_, limits), tolerance_, pieces_max);
   if (!fitted) {
     ++failures_;
-    return report_.add(Note::Kind::lost, "lanes that no sections follow", "lane '" + way.name(network_) + "'",
+    return report_.add(Diagnostic::Kind::lost, "lanes that no sections follow", "lane '" + way.name(network_) + "'",
                        "is not taken: " + fitted.error().message);
   }
   if (fitted->worst_heading_rad > tolerance_.heading_rad)
-    report_.add(Note::Kind::mended, "lanes that kink", "lane '" + way.name(network_) + "'",
+    report_.add(Diagnostic::Kind::mended, "lanes that kink", "lane '" + way.name(network_) + "'",
                 "kinks, as where its road begins to bend while its width changes; rounded, it heads " +
                     std::to_string(1e3 * fitted->worst_heading_rad) + " mrad off there at worst");
   worst_m_ = std::max(worst_m_, fitted->worst_position_m);
@@ -108,7 +108,7 @@ void Layer::link(WayId id) {
       part.next.push_back(runs_[to].first);
       continue;
     }
-    report_.add(Note::Kind::lost, "links whose ends drifted apart", "lane '" + ways_[id].name(network_) + "'",
+    report_.add(Diagnostic::Kind::lost, "links whose ends drifted apart", "lane '" + ways_[id].name(network_) + "'",
                 "its successor '" + ways_[to].name(network_) + "' could not be bent to meet it: they are not joined");
   }
 }
@@ -122,8 +122,8 @@ std::string nothing_to_drive_on(const Report& report) {
   }
   if (!types.empty()) text += "; lanes of other types: " + types + " ([import] lane_types in the sidecar file chooses)";
   bool lost = false;
-  for (const Note& note : report.notes()) {
-    if (note.kind != Note::Kind::lost) continue;
+  for (const Diagnostic& note : report.diagnostics()) {
+    if (note.kind != Diagnostic::Kind::lost) continue;
     lost = true;
     if (text.size() > 600) break;
     text += "; " + note.place;
@@ -144,11 +144,11 @@ Result<std::vector<Circuit::Part>> Layer::lay() {
                                    "'; [import] scale in the sidecar file makes a large network small");
     if (failures_ > failures_max)
       return fail("zone.size", "more than " + std::to_string(failures_max) +
-                                   " lanes cannot be followed; the first: " + report_.notes().back().text);
+                                   " lanes cannot be followed; the first: " + report_.diagnostics().back().text);
   }
   if (parts_.empty()) return fail("circuit.empty", nothing_to_drive_on(report_));
   for (WayId id = 0; id < ways_.size(); ++id) link(id);
-  report_.add(Note::Kind::notice, "fits", "lanes",
+  report_.add(Diagnostic::Kind::notice, "fits", "lanes",
               "their centre lines are followed by " + std::to_string(parts_.size()) + " sections, at worst " +
                   metres(worst_m_) + " and " + std::to_string(1e3 * worst_rad_) + " mrad off");
   return std::move(parts_);

@@ -93,7 +93,7 @@ void redraw_sloppy_records(const std::vector<const Geometry*>& plan, std::vector
       gap_m = std::max(gap_m, joints[joint].gap_m());
       kink_rad = std::max(kink_rad, std::fabs(joints[joint].kink_rad()));
     }
-    report.add(Note::Kind::mended, "short records that do not meet", plan[i]->place,
+    report.add(Diagnostic::Kind::mended, "short records that do not meet", plan[i]->place,
                "misses its neighbours by up to " + metres(gap_m) + " and " + std::to_string(kink_rad) +
                    " rad, and is short; a curve leads through the places where they should meet");
   }

@@ -13,7 +13,7 @@ namespace cosiva::zone {
 namespace {
 
 constexpr std::size_t limits_max = 200'000;
-constexpr std::size_t tight_bends_noted = 20;
+constexpr std::size_t tight_bends_logged = 20;
 
 void read_import(const TomlFields& root, Sidecar& sidecar) {
   const auto fields = root.table("import");
@@ -65,18 +65,18 @@ Result<Circuit> limited(const Circuit& circuit, const std::vector<Sidecar::Limit
   return Circuit::make(circuit.name(), std::move(parts), any, any);
 }
 
-void note_tight_bends(TrafficZone& zone) {
+void record_tight_bends(TrafficZone& zone) {
   std::size_t found = 0;
   for (SectionId id = 0; id < zone.circuit.size(); ++id) {
     const double bend = zone.circuit.section(id).curvature_max_per_m();
-    if (0.5 * zone.vehicle.width_m * bend < 1.0 || ++found > tight_bends_noted) continue;
-    zone.notes.push_back({Note::Kind::notice, "section '" + zone.circuit.part(id).name + "'",
+    if (0.5 * zone.vehicle.width_m * bend < 1.0 || ++found > tight_bends_logged) continue;
+    zone.diagnostics.push_back({Diagnostic::Kind::notice, "section '" + zone.circuit.part(id).name + "'",
                           "bends with a radius of " + metres_text(1.0 / bend) + " m, less than half the vehicle's " +
                               metres_text(zone.vehicle.width_m) + " m of width: its inner side drives backwards here"});
   }
-  if (found > tight_bends_noted)
-    zone.notes.push_back({Note::Kind::notice, "sections",
-                          std::to_string(found - tight_bends_noted) + " more bend as tightly as those above"});
+  if (found > tight_bends_logged)
+    zone.diagnostics.push_back({Diagnostic::Kind::notice, "sections",
+                          std::to_string(found - tight_bends_logged) + " more bend as tightly as those above"});
 }
 
 }  // namespace
@@ -108,7 +108,7 @@ Result<void> furnish(TrafficZone& zone, const ZoneConfiguration& configuration, 
     if (!circuit) return tl::unexpected(circuit.error());
     zone.circuit = std::move(*circuit);
   }
-  note_tight_bends(zone);
+  record_tight_bends(zone);
   TomlFaults faults{sidecar_file(configuration.origin)};
   read_text(configuration, faults, [&](const TomlFields& root) {
     TomlTables{faults, root, zone, sidecar, std::move(rules), configuration.origin}.read();

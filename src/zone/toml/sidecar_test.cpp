@@ -153,9 +153,9 @@ TEST(Sidecar, that_is_wrong_is_refused_at_its_own_file_and_line) {
 TEST(Sidecar, takes_a_bend_too_tight_for_the_vehicle_with_a_note) {
   const auto zone = read("[vehicle]\nlength_m = 0.5\nwidth_m = 1.2\n");
   ASSERT_TRUE(zone) << to_string(zone.error());
-  ASSERT_THAT(zone->notes, SizeIs(2));
-  EXPECT_EQ(zone->notes[0].kind, Note::Kind::notice);
-  EXPECT_EQ(zone->notes[0].place, "section 'east'");
+  ASSERT_THAT(zone->diagnostics, SizeIs(2));
+  EXPECT_EQ(zone->diagnostics[0].kind, Diagnostic::Kind::notice);
+  EXPECT_EQ(zone->diagnostics[0].place, "section 'east'");
 }
 
 TEST(Sidecar, takes_edits_and_is_made_where_there_is_none) {

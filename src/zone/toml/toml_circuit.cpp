@@ -190,8 +190,8 @@ void TomlWays::read_waypoint_ids(const TomlFields& fields, SectionId id) {
     if (ids.empty()) ids.resize(entries_.size());
     ids[id] = *name;
   };
-  note("start_node", rules_.start_ids);
-  note("end_node", rules_.end_ids);
+  record("start_node", rules_.start_ids);
+  record("end_node", rules_.end_ids);
 }
 
 void TomlWays::add_successor(SectionId id, std::string_view name, std::string_view key, SectionId said_by) {

@@ -62,7 +62,7 @@ std::vector<Error> TomlCircuitFactory::faults(const ZoneConfiguration& configura
   return faults.all();
 }
 
-Result<ZoneConfiguration> TomlCircuitFactory::written(const TrafficZone& zone, std::vector<Note>& lost) const {
+Result<ZoneConfiguration> TomlCircuitFactory::written(const TrafficZone& zone, std::vector<Diagnostic>& lost) const {
   auto text = native_text(zone);
   if (!text) return tl::unexpected(std::move(text.error()));
   ZoneConfiguration configuration{std::string(format()), zone.name + ".toml", std::move(*text), {}};
@@ -70,7 +70,7 @@ Result<ZoneConfiguration> TomlCircuitFactory::written(const TrafficZone& zone, s
   if (!back)
     return tl::unexpected(Error{"zone.write", "what was written is refused: " + back.error().message, zone.name});
   if (const auto other = difference(zone, *back))
-    lost.push_back({Note::Kind::lost, zone.name, "what was written is not quite the zone: " + *other});
+    lost.push_back({Diagnostic::Kind::lost, zone.name, "what was written is not quite the zone: " + *other});
   return configuration;
 }
 

@@ -23,7 +23,7 @@ using ::testing::Not;
 
 /// The zone as it reads back from what was written; nothing may be lost.
 TrafficZone written_and_read(const TrafficZone& zone) {
-  std::vector<Note> lost;
+  std::vector<Diagnostic> lost;
   const auto written = TomlCircuitFactory{}.written(zone, lost);
   EXPECT_TRUE(written) << to_string(written.error());
   EXPECT_THAT(lost, IsEmpty()) << (lost.empty() ? "" : lost[0].text) << "\n" << written->text;
@@ -40,7 +40,7 @@ TEST(TomlWriter, writes_the_ready_zones_so_that_they_read_back_the_same) {
 }
 
 TEST(TomlWriter, says_what_people_say_where_that_is_the_same) {
-  std::vector<Note> lost;
+  std::vector<Diagnostic> lost;
   const std::string text = TomlCircuitFactory{}.written(testing::lacet4(), lost)->text;
   EXPECT_THAT(text, HasSubstr("kind = \"arc\"\nradius_m = 0.6\nangle_deg = -270\n"));
   EXPECT_THAT(text, HasSubstr("start = { x = -0.75, y = -0.15, heading_deg = 0 }\n"));
@@ -111,7 +111,7 @@ TrafficZone arbitrary_zone(std::uint64_t seed) {
 TEST(TomlWriter, writes_any_zone_so_that_it_reads_back_the_same_to_the_last_bit) {
   EXPECT_TRUE(rc::check([] {
     const TrafficZone zone = arbitrary_zone(*rc::gen::arbitrary<std::uint64_t>());
-    std::vector<Note> lost;
+    std::vector<Diagnostic> lost;
     const auto written = TomlCircuitFactory{}.written(zone, lost);
     if (!written) RC_FAIL(to_string(written.error()));
     if (!lost.empty()) RC_FAIL(lost[0].text + "\n" + written->text);
@@ -125,7 +125,7 @@ TEST(TomlWriter, refuses_a_name_that_no_file_can_hold) {
                          {},  {},
                          {},  {},
                          {},  {}};
-  std::vector<Note> lost;
+  std::vector<Diagnostic> lost;
   const auto written = TomlCircuitFactory{}.written(zone, lost);
   ASSERT_FALSE(written);
   EXPECT_EQ(written.error().code, "zone.write");

@@ -26,7 +26,7 @@ export interface Zone {
   stations?: readonly Station[];
   loops?: readonly string[];
   /** remarks of the importer: repaired, dropped or notable content of the file */
-  notes?: readonly { kind: 'mended' | 'lost' | 'notice'; place: string; text: string }[];
+  diagnostics?: readonly { kind: 'mended' | 'lost' | 'notice'; place: string; text: string }[];
 }
 
 export interface Station {

@@ -72,7 +72,7 @@ Result<CampaignRun> CampaignRun::make(const CampaignWork& work, Result<std::vect
     run.left_.push_back(unit);
     run.cost_all_ += work.cost(unit);
   }
-  run.note_done(finished);
+  run.record_done(finished);
   if (first) {
     run.records_.resize(work.units());
     for (UnitRecord& record : *known) run.records_[record.unit] = std::move(record);
@@ -80,7 +80,7 @@ Result<CampaignRun> CampaignRun::make(const CampaignWork& work, Result<std::vect
   return run;
 }
 
-void CampaignRun::note_done(const std::vector<bool>& finished) {
+void CampaignRun::record_done(const std::vector<bool>& finished) {
   std::erase_if(left_, [&](std::size_t unit) {
     if (finished[unit]) cost_done_ += work_->cost(unit);
     return finished[unit];
@@ -136,7 +136,7 @@ Result<void> CampaignRun::tell(const std::vector<std::optional<UnitRecord>>& min
     return tl::unexpected(*error);
   std::vector<bool> finished(work_->units(), false);
   for (const std::string& letter : letters) mark(letter, finished);
-  note_done(finished);
+  record_done(finished);
   return {};
 }
 

@@ -43,7 +43,7 @@ class CampaignRun {
  private:
   CampaignRun(const CampaignWork& work, Ranks& ranks) : work_{&work}, ranks_{&ranks} {}
   [[nodiscard]] std::vector<std::size_t> share() const;
-  void note_done(const std::vector<bool>& finished);
+  void record_done(const std::vector<bool>& finished);
   [[nodiscard]] Result<void> tell(const std::vector<std::optional<UnitRecord>>& mine, const std::optional<Error>& fault,
                                   const Keep& keep);
   [[nodiscard]] Result<void> take(const std::vector<std::string>& letters, const Keep& keep);

@@ -25,7 +25,7 @@ estimation::SensorModel plain_sensors() {
   return sensors;
 }
 
-void note_moment(Trial& run, const Pose2& truth) {
+void record_moment(Trial& run, const Pose2& truth) {
   run.moments.push_back({run.events.size(), static_cast<double>(run.moments.size()), truth, 0.0, 0.0, std::nullopt});
 }
 
@@ -36,12 +36,12 @@ Trial standing(const estimation::SensorModel& sensors, int rounds) {
   Trial run;
   run.setting.sensors = sensors;
   run.setting.start_sigma_m = 0.5;
-  note_moment(run, {});
+  record_moment(run, {});
   for (int i = 0; i < rounds; ++i) {
     for (std::uint32_t k = 0; k < stations.size(); ++k)
       run.events.emplace_back(Range{k, stations[k], norm(stations[k].x_m, stations[k].y_m)});
   }
-  note_moment(run, {});
+  record_moment(run, {});
   return run;
 }
 
@@ -104,7 +104,7 @@ struct Straight {
     for (std::size_t i = 0; i < steps; ++i) {
       run.events.emplace_back(Odometry{step_m, 0.0, 0.05});
       gone_m += step_m;
-      if (asked) note_moment(run, here());
+      if (asked) record_moment(run, here());
     }
   }
   [[nodiscard]] Pose2 here() const { return Pose2{1.0, -2.0, heading_rad} * Pose2{gone_m, 0.0, 0.0}; }
@@ -117,7 +117,7 @@ TEST(PlanarLimit, of_odometry_alone_on_a_straight_is_its_random_walk_and_what_th
     drive.run.setting.start_sigma_m = 0.03;
     drive.run.setting.start_heading_sigma_rad = 0.01;
     drive.go(steps, false);
-    note_moment(drive.run, drive.here());
+    record_moment(drive.run, drive.here());
     const double q = drive.run.setting.sensors.distance_variance_per_m * drive.step_m;
     const double t = drive.run.setting.sensors.turn_variance_per_m * drive.step_m;
     double across_m2 = 9e-4 + drive.gone_m * drive.gone_m * 1e-4;
@@ -139,7 +139,7 @@ TEST(PlanarLimit, of_a_gyroscope_with_an_offset_grows_with_the_square_of_time_an
     drive.run.setting.start_sigma_m = drive.run.setting.start_heading_sigma_rad = 0.0;
     drive.go(800, false);
     for (Event& event : drive.run.events) std::get<Odometry>(event).turn_rad = turn_rad;
-    note_moment(drive.run, drive.here());
+    record_moment(drive.run, drive.here());
     // 40 s at 0.4 m/s: the offset times v·t²/2.
     const double aside_m = turn_rad != 0.0 ? 0.004 * 0.4 * 40.0 * 40.0 / 2.0 : 0.0;
     EXPECT_NEAR(std::sqrt(planar_limit_of(drive.run).filter_m2), aside_m, 1e-6);
@@ -168,7 +168,7 @@ TEST(PlanarLimit, of_a_heading_nobody_knows_is_no_more_than_a_circle) {
   drive.run.setting.start_sigma_m = 0.0;
   drive.run.setting.start_heading_sigma_rad = pi;
   drive.go(100, false);
-  note_moment(drive.run, drive.here());
+  record_moment(drive.run, drive.here());
   EXPECT_NEAR(planar_limit_of(drive.run).filter_m2, drive.gone_m * drive.gone_m, 1e-9);
 }
 
@@ -186,7 +186,7 @@ Trial beacons_on_a_straight(double pitch_m, bool heading_known) {
     drive.go(steps - 1);
     drive.go(1, false);
     drive.run.events.emplace_back(Reading{i, position(drive.here() * Pose2{0.1, 0.05, 0.0}), {0.1, 0.05}});
-    note_moment(drive.run, drive.here());
+    record_moment(drive.run, drive.here());
   }
   return drive.run;
 }

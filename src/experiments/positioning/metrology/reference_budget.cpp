@@ -22,15 +22,15 @@ class PartReader {
   double number(std::string_view key, double most) {
     const auto value = json_.number(key);
     if (value && *value >= 0.0 && *value <= most) return *value;
-    note(key, "expected a number from 0 to " + readable(most));
+    record(key, "expected a number from 0 to " + readable(most));
     return 0.0;
   }
   std::string text(std::string_view key) {
     auto value = json_.text(key);
-    if (!value || value->empty()) note(key, "expected some words");
+    if (!value || value->empty()) record(key, "expected some words");
     return std::string(value.value_or(""));
   }
-  void note(std::string_view key, const std::string& message) {
+  void record(std::string_view key, const std::string& message) {
     if (!error_) error_ = Error{"reference.budget", message, place_ + ": '" + std::string(key) + "'"};
   }
   [[nodiscard]] const std::optional<Error>& error() const { return error_; }
@@ -44,7 +44,7 @@ class PartReader {
 std::optional<double> uncertainty_of(PartReader& part, const JsonValue& json) {
   const std::array kinds{part.has("uncertainty_m"), part.has("time_s"), part.has("height_error_m")};
   if (std::ranges::count(kinds, true) != 1) {
-    part.note("uncertainty_m",
+    part.record("uncertainty_m",
               "expected one of uncertainty_m, time_s (with speed_mps) and height_error_m (with tag_height_m, "
               "camera_height_m, from_foot_m)");
     return std::nullopt;
@@ -59,7 +59,7 @@ std::optional<double> uncertainty_of(PartReader& part, const JsonValue& json) {
   const double error_m = part.number("height_error_m", biggest_m);
   const double from_foot_m = part.number("from_foot_m", biggest_m);
   if (!(camera_m > tag_m)) {
-    part.note("camera_height_m", "the camera hangs above the tag");
+    part.record("camera_height_m", "the camera hangs above the tag");
     return std::nullopt;
   }
   return height_uncertainty_m(from_foot_m, error_m, tag_m, camera_m);

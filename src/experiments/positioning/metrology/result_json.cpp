@@ -171,8 +171,8 @@ std::string to_json(const Qualification& all, const Conditions& conditions) {
   json.end_object();
   json.key("conditions").begin_object();
   for (const auto& [name, value] : conditions.settings) json.field(name, value);
-  json.end_object().key("notes").begin_array();
-  for (const std::string& note : conditions.notes) json.value(note);
+  json.end_object().key("diagnostics").begin_array();
+  for (const std::string& diagnostic : conditions.diagnostics) json.value(diagnostic);
   json.end_array().field("command", conditions.command).field("digest", all.digest.hex()).end_object();
   return json.take();
 }

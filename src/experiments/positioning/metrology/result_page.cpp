@@ -242,7 +242,7 @@ std::string to_html(const Qualification& all, const Conditions& conditions) {
                      "), as was asked for: each run's estimates were " + std::string(text_of(all.options.alignment)) +
                      ". The figures tell the shape of ways, not where they lie; no limit is drawn, for it knows of no "
                      "alignment.");
-  for (const std::string& note : conditions.notes) report.paragraph(note);
+  for (const std::string& diagnostic : conditions.diagnostics) report.paragraph(diagnostic);
   add_honesty(report, all);
   report.paragraph(
       "What they state of themselves: NEES/2 and NIS are 1 where stated covariances are honest; beside them the bands "

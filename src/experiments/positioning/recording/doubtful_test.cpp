@@ -59,8 +59,8 @@ TEST(TruthHeading, that_is_off_the_way_it_goes_by_always_the_same_is_turned_by_t
   const Recording recording = drive.recording();
   EXPECT_TRUE(recording.truth_has_heading);
   EXPECT_NEAR(wrap_angle(recording.truth[0].heading_rad - 0.5 * pi), 0.0, 0.01);
-  ASSERT_EQ(recording.notes.size(), 1U);
-  EXPECT_EQ(recording.notes[0].substr(0, 45), "the truth's heading is 180 degrees off the wa");
+  ASSERT_EQ(recording.diagnostics.size(), 1U);
+  EXPECT_EQ(recording.diagnostics[0].substr(0, 45), "the truth's heading is 180 degrees off the wa");
 }
 
 TEST(TruthHeading, is_not_touched_where_it_is_right_as_far_as_a_start_is_known_nor_of_who_drives_backwards) {
@@ -68,13 +68,13 @@ TEST(TruthHeading, is_not_touched_where_it_is_right_as_far_as_a_start_is_known_n
     Drive drive;
     drive.heading = [off_rad](double course_rad) { return course_rad + off_rad; };
     const Recording recording = drive.recording();
-    EXPECT_TRUE(recording.notes.empty()) << off_rad;
+    EXPECT_TRUE(recording.diagnostics.empty()) << off_rad;
     EXPECT_NEAR(recording.truth[0].heading_rad, 0.5 * pi + off_rad, 1e-5);
   }
   // Its body looks along the circle the one way, and goes the other.
   Drive backwards;
   backwards.speed_mps = -1.0;
-  EXPECT_TRUE(backwards.recording().notes.empty());
+  EXPECT_TRUE(backwards.recording().diagnostics.empty());
   EXPECT_TRUE(backwards.recording().truth_has_heading);
 }
 
@@ -89,8 +89,8 @@ TEST(TruthHeading, that_does_not_follow_the_way_is_left_out_and_said_so) {
     drive.heading = hands[hand];
     const Recording recording = drive.recording();
     EXPECT_FALSE(recording.truth_has_heading) << hand;
-    ASSERT_EQ(recording.notes.size(), 1U) << hand;
-    EXPECT_EQ(recording.notes[0].substr(0, 44), "the truth's heading does not follow the way ");
+    ASSERT_EQ(recording.diagnostics.size(), 1U) << hand;
+    EXPECT_EQ(recording.diagnostics[0].substr(0, 44), "the truth's heading does not follow the way ");
     EXPECT_GT(replayed(recording)->setting.start_heading_sigma_rad, 1.0);
   }
 }
@@ -113,8 +113,8 @@ TEST(Silence, of_odometry_is_bridged_as_the_vehicle_goes_elsewhere) {
     EXPECT_NEAR(step.turn_rad, 1.02, 0.01);
     // It never does anything else, so little is doubted but for the bend.
     EXPECT_LT(step.turn_variance_rad2, 1e-3);
-    ASSERT_EQ(recording.notes.size(), 1U);
-    EXPECT_EQ(recording.notes[0].substr(0, 64), "odometry is silent 1 time, for 5 s at most; the vehicle is taken");
+    ASSERT_EQ(recording.diagnostics.size(), 1U);
+    EXPECT_EQ(recording.diagnostics[0].substr(0, 64), "odometry is silent 1 time, for 5 s at most; the vehicle is taken");
   }
 }
 
@@ -125,8 +125,8 @@ TEST(Silence, after_which_all_is_counted_that_came_by_stands_as_it_was_told) {
   const Recording recording = drive.recording();
   EXPECT_NEAR(longest(recording).distance_m, 5.1, 1e-6);
   EXPECT_EQ(longest(recording).distance_variance_m2, 0.0);
-  ASSERT_EQ(recording.notes.size(), 1U);
-  EXPECT_NE(recording.notes[0].find("is taken for all of that time"), std::string::npos);
+  ASSERT_EQ(recording.diagnostics.size(), 1U);
+  EXPECT_NE(recording.diagnostics[0].find("is taken for all of that time"), std::string::npos);
 }
 
 TEST(Silence, of_a_drive_too_short_to_know_its_habits_leaves_the_vehicle_anywhere_within_its_reach) {

@@ -84,12 +84,12 @@ void check_heading(Recording& recording) {
   if (offset.together < follows) {
     recording.truth_has_heading = false;
     for (Recording::True& truth : recording.truth) truth.heading_rad = 0.0;
-    recording.notes.emplace_back(
+    recording.diagnostics.emplace_back(
         "the truth's heading does not follow the way it goes (is it in radians, counter-clockwise from x?); it is left "
         "out, and whoever can has to find one");
   } else if (std::fabs(offset.mean_rad) > offset_rad) {
     for (Recording::True& truth : recording.truth) truth.heading_rad += offset.mean_rad;
-    recording.notes.push_back("the truth's heading is " +
+    recording.diagnostics.push_back("the truth's heading is " +
                               std::to_string(std::lround(std::fabs(offset.mean_rad) * 180.0 / pi)) +
                               " degrees off the way it goes, forwards by odometry; it is turned by that");
   }

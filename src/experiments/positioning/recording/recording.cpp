@@ -38,7 +38,7 @@ void put_in_order(std::vector<T>& all, std::string_view what, Recording& recordi
   }
   if (late == 0) return;
   std::ranges::stable_sort(all, {}, &T::t_s);
-  recording.notes.push_back(std::to_string(late) + " " + std::string(what) +
+  recording.diagnostics.push_back(std::to_string(late) + " " + std::string(what) +
                             " were logged after later ones; they are taken in the order of their stamps");
 }
 
@@ -326,7 +326,7 @@ void drop_no_distances(Recording& recording) {
   const auto dropped =
       std::erase_if(recording.ranges, [](const Recording::Heard& heard) { return heard.range_m <= 0.0; });
   if (dropped > 0)
-    recording.notes.push_back(std::to_string(dropped) + " ranges are no distances (0 or less); they are left out");
+    recording.diagnostics.push_back(std::to_string(dropped) + " ranges are no distances (0 or less); they are left out");
 }
 
 Result<Recording> read_either(std::string_view name, const RecordingFiles& files) {

@@ -64,8 +64,8 @@ TEST(Recording, takes_ranges_that_were_logged_late_by_their_stamps_and_says_so) 
   const auto recording = read_recording("small", files);
   ASSERT_TRUE(recording);
   EXPECT_EQ(recording->ranges.front().t_s, 1.25);
-  ASSERT_EQ(recording->notes.size(), 1U);
-  EXPECT_EQ(recording->notes[0].substr(0, 8), "1 ranges");
+  ASSERT_EQ(recording->diagnostics.size(), 1U);
+  EXPECT_EQ(recording->diagnostics[0].substr(0, 8), "1 ranges");
 }
 
 TEST(Recording, reads_speeds_and_libRSF_text) {
@@ -217,8 +217,8 @@ TEST(Recording, leaves_out_ranges_that_are_no_distances_and_says_so) {
   ASSERT_TRUE(recording);
   ASSERT_EQ(recording->ranges.size(), 1U);
   EXPECT_EQ(recording->ranges[0].range_m, 2.0);
-  ASSERT_EQ(recording->notes.size(), 1U);
-  EXPECT_EQ(recording->notes[0], "2 ranges are no distances (0 or less); they are left out");
+  ASSERT_EQ(recording->diagnostics.size(), 1U);
+  EXPECT_EQ(recording->diagnostics[0], "2 ranges are no distances (0 or less); they are left out");
 }
 
 TEST(Recording, whose_odometry_is_silent_for_long_says_so) {
@@ -226,8 +226,8 @@ TEST(Recording, whose_odometry_is_silent_for_long_says_so) {
   for (int i = 1; i < 20; ++i) odometry += std::to_string(i < 10 ? 0.1 * i : 0.1 * i + 12.0) + ",0.01,0\n";
   const auto recording = read_recording("s", with("odometry.csv", odometry));
   ASSERT_TRUE(recording);
-  ASSERT_EQ(recording->notes.size(), 1U);
-  EXPECT_EQ(recording->notes[0].substr(0, 45), "odometry is silent 1 time, for 12 s at most; ");
+  ASSERT_EQ(recording->diagnostics.size(), 1U);
+  EXPECT_EQ(recording->diagnostics[0].substr(0, 45), "odometry is silent 1 time, for 12 s at most; ");
 }
 
 TEST(Recording, of_libRSF_may_have_comments_and_lines_of_other_kinds) {

@@ -165,7 +165,7 @@ void bridge_silences(Recording& recording, bool speeds) {
         "there";
   if (bridged > 0 && stood > 0) note += "; ";
   if (stood > 0) note += "what it says next is too much for one step and is taken for all of that time";
-  recording.notes.push_back(std::move(note));
+  recording.diagnostics.push_back(std::move(note));
 }
 
 }  // namespace cosiva::experiments

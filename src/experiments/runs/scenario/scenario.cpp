@@ -58,7 +58,7 @@ class Reader {
     std::vector<Timed> timed;
     for (const Entry& entry : root_.tables("at", entries_max)) {
       timed.push_back({from_seconds(entry.number("t_s", time_s)), entry});
-      note_virtual_aiv(entry);
+      record_virtual_aiv(entry);
     }
     std::ranges::stable_sort(timed, {}, &Timed::at);
     for (const Timed& t : timed) {
@@ -96,7 +96,7 @@ class Reader {
   }
 
   /// Commands may name a virtual AIV as "V1", so these names are needed before the first command is read.
-  void note_virtual_aiv(const Entry& entry) {
+  void record_virtual_aiv(const Entry& entry) {
     if (auto id = entry.peek("virtual_aiv", "id")) virtual_aivs_.push_back(std::move(*id));
   }
 

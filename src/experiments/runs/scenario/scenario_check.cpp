@@ -35,7 +35,7 @@ class Checker {
   Checker(const Scenario& scenario, const zone::TrafficZone& zone, const std::string& origin)
       : scenario_{scenario}, faults_{origin} {
     enter(zone);
-    for (const Scenario::Step& step : scenario.steps) note_arrival(step);
+    for (const Scenario::Step& step : scenario.steps) record_arrival(step);
   }
 
   Result<void> run() {
@@ -65,7 +65,7 @@ class Checker {
   }
 
   /// When each virtual AIV comes, to tell "not yet" from "never".
-  void note_arrival(const Scenario::Step& step) {
+  void record_arrival(const Scenario::Step& step) {
     const auto command = JsonValue::parse(step.command);
     const JsonValue* thing = command ? command->find("thing") : nullptr;
     if (thing != nullptr && command->text("command") == "add" && thing->text("kind") == "aiv")

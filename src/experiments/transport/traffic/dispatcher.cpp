@@ -37,7 +37,7 @@ Dispatcher::Dispatcher(Fleet& fleet, std::vector<Job> jobs, double handling_s, s
 void Dispatcher::step() {
   const double before_s = std::exchange(now_s_, to_seconds(fleet_.time()));
   busy_s_ += (now_s_ - before_s) * static_cast<double>(fleet_.size() - idle_ - away_);
-  note_due();
+  record_due();
   for (const Fleet::Vehicle vehicle : fleet_.arrived()) arrive(vehicle);
   // Those that are done leave the list, so it is gone through backwards.
   for (std::size_t i = handling_.size(); i-- > 0;)
@@ -50,7 +50,7 @@ void Dispatcher::step() {
   if (std::exchange(changed_, false)) give_out();
 }
 
-void Dispatcher::note_due() {
+void Dispatcher::record_due() {
   for (; next_due_ < own_jobs_ && jobs_[next_due_].due_s <= now_s_; ++next_due_) {
     const auto first_lower = std::ranges::find_if(
         waiting_, [&](std::size_t job) { return jobs_[job].priority < jobs_[next_due_].priority; });

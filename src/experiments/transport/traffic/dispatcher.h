@@ -57,7 +57,7 @@ class Dispatcher {
     double until_s{};
     double patient_until_s{-1.0};  ///< it stands where it cannot be sent on from; below 0: it does not
   };
-  void note_due();
+  void record_due();
   void arrive(Fleet::Vehicle vehicle);
   void handle(Fleet::Vehicle vehicle);
   void give_out();

@@ -95,7 +95,7 @@ void TrafficRun::step(Workers& workers) {
   }
   if (!options_.jobs.empty() || !options_.exits.empty() || options_.spare > 0) dispatcher_->step();
   // Nobody need be looked at as long as nobody has ever come so near.
-  if (fleet_->smallest_gap_m() < near_miss_m) note_near_misses();
+  if (fleet_->smallest_gap_m() < near_miss_m) record_near_misses();
   if (steps_ == warm_up_steps_) end_warm_up();
   if (steps_ % steps_per_sample_ == 0 && steps_ > warm_up_steps_) take_sample();
 }
@@ -127,7 +127,7 @@ void TrafficRun::end_warm_up() {
   for (Fleet::Vehicle v = 0; v < fleet_->size(); ++v) laps_[v] = fleet_->laps(v);
 }
 
-void TrafficRun::note_near_misses() {
+void TrafficRun::record_near_misses() {
   is_near_.resize(fleet_->size());
   for (Fleet::Vehicle v = 0; v < fleet_->size(); ++v) {
     const bool is_near = !fleet_->is_away(v) && fleet_->ahead(v).gap_m < near_miss_m;

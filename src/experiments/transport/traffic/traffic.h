@@ -77,7 +77,7 @@ class TrafficRun {
  private:
   TrafficRun(TrafficOptions options, std::unique_ptr<virtual_side::Fleet> fleet);
   void take_sample();
-  void note_near_misses();
+  void record_near_misses();
   void end_warm_up();
 
   /// Totals, so that what came before the end of the warm-up can be taken away.

@@ -134,7 +134,7 @@ void VirtualObstaclePublisher::look_around(VehicleIndex vehicle) {
   const SimTime now = outbox_.now();
   pick(vehicle, *X_MB);
   if (marks_ != viewer.told) {
-    note_change(viewer);
+    record_change(viewer);
     tell(vehicle, viewer);
   } else if (now >= viewer.due && (!near_.empty() || viewer.empties > 0)) {
     if (near_.empty()) --viewer.empties;
@@ -158,7 +158,7 @@ void VirtualObstaclePublisher::look_around(VehicleIndex vehicle) {
   viewer.feels = pauses_.paused_for(vehicle);
 }
 
-void VirtualObstaclePublisher::note_change(Viewer& viewer) {
+void VirtualObstaclePublisher::record_change(Viewer& viewer) {
   Change change{viewer.next_id, outbox_.now(), false, {}};
   for (const Present* present : near_) {
     const Mark mark{present->handle, present->changed};

@@ -88,7 +88,7 @@ class VirtualObstaclePublisher {
   [[nodiscard]] bool can_hear(VehicleIndex vehicle) const;
   void look_around(VehicleIndex vehicle);
   void pick(VehicleIndex vehicle, const Pose2& X_MB);
-  void note_change(Viewer& viewer);
+  void record_change(Viewer& viewer);
   void tell(VehicleIndex vehicle, Viewer& viewer);
   void measure(Viewer& viewer, const wire::Felt& felt, SimTime decided, bool begins_to_brake);
 

@@ -26,8 +26,8 @@ std::optional<int> major_of(std::string_view version) {
 }  // namespace
 
 void ReportChecks::log_once(AivProxy& proxy, std::uint32_t reason, char level, std::string text) {
-  if ((proxy.notes & reason) != 0) return;
-  proxy.notes |= reason;
+  if ((proxy.diagnostics & reason) != 0) return;
+  proxy.diagnostics |= reason;
   context_.publisher.log(level, proxy.name + ": " + std::move(text));
 }
 

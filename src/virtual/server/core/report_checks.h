@@ -15,7 +15,7 @@ class ReportChecks {
  public:
   explicit ReportChecks(ServerContext& context) : context_{context} {}
 
-  /// Bits of AivProxy::notes: reasons that are logged once.
+  /// Bits of AivProxy::diagnostics: reasons that are logged once.
   enum Logged : std::uint32_t { identity = 1, version = 2, retained = 4, clock = 8, position = 16, unreadable = 32 };
   void log_once(AivProxy& proxy, std::uint32_t reason, char level, std::string text);
   void refuse(VehicleIndex vehicle, VehicleTopic topic, const wire::Input& input, const Error& error);

@@ -42,7 +42,7 @@ std::string_view to_string(Deadlock::State state) {
 void Deadlocks::tick() {
   graph_.begin(registry_.size());
   roller_.add_waits(graph_);
-  for (const Knot& knot : graph_.find_knots()) note(knot);
+  for (const Knot& knot : graph_.find_knots()) record(knot);
   if (forming_.empty() && open() == 0) return;
   for (Deadlock& deadlock : forming_) follow(deadlock);
   for (Deadlock& deadlock : forming_)
@@ -64,7 +64,7 @@ Deadlock* Deadlocks::find(const std::vector<VehicleIndex>& members) {
   return nullptr;
 }
 
-void Deadlocks::note(const Knot& knot) {
+void Deadlocks::record(const Knot& knot) {
   const SimTime now = outbox_.now();
   Deadlock* known = find(knot.members);
   if (known == nullptr) {

@@ -88,7 +88,7 @@ class Deadlocks {
 
  private:
   static constexpr std::size_t kept_max = 20;  ///< of those that are over
-  void note(const Knot& knot);
+  void record(const Knot& knot);
   [[nodiscard]] Deadlock* find(const std::vector<VehicleIndex>& members);
   [[nodiscard]] std::string describe(const Knot& knot) const;
   void follow(Deadlock& deadlock);

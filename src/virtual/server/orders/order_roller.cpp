@@ -283,7 +283,7 @@ void OrderRoller::step(VehicleIndex vehicle, bool drive, bool send_off) {
   if (from) extend(vehicle, *from);
   if (!extension_.empty() || (from && leads_too_far(vehicle))) send(vehicle, *from);
   if (plan.stage == Plan::Stage::none) stay_beside(vehicle);
-  note_waiting(plan, now);
+  record_waiting(plan, now);
   if (plan.stage == Plan::Stage::none) try_other_places(vehicle);
 }
 

@@ -227,7 +227,7 @@ class OrderRoller {
   void end_join(VehicleIndex vehicle);
 
   // order_waits.cpp
-  void note_waiting(Plan& plan, SimTime now);
+  void record_waiting(Plan& plan, SimTime now);
   void wait_for(Plan& plan, VehicleIndex other, WaitReason why);
   [[nodiscard]] bool stands(VehicleIndex vehicle) const;
   /// True once when one of ours has stood for so long with base before it and no reason that it needs a new order.

@@ -28,7 +28,7 @@ void OrderRoller::wait_for(Plan& plan, VehicleIndex other, WaitReason why) {
   plan.waits_why = why;
 }
 
-void OrderRoller::note_waiting(Plan& plan, SimTime now) {
+void OrderRoller::record_waiting(Plan& plan, SimTime now) {
   // Standing before something, not merely being told early that it will have to.
   const bool waits = (plan.waits_for_crossing || plan.waits_for_vehicle != no_vehicle) && extension_.empty();
   if (!waits) {

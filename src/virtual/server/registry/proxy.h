@@ -91,7 +91,7 @@ struct AivProxy {
   std::uint64_t outdated{0};
   std::uint32_t order_header_id{0};
   std::uint32_t actions_header_id{0};
-  std::uint32_t notes{0};  ///< bits of what was already logged once
+  std::uint32_t diagnostics{0};  ///< bits of what was already logged once
 
   /// Runs our program: it takes the zone from its topic, and goes onto the line by itself.
   [[nodiscard]] bool is_cosiva() const { return augmented || boards || id.manufacturer == wire::our_manufacturer; }

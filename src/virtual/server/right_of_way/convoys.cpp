@@ -62,7 +62,7 @@ std::size_t members_from(const Traffic& traffic, VehicleIndex vehicle, std::size
 
 }  // namespace
 
-void Convoys::note_pass(VehicleIndex vehicle, const std::vector<CrossingIndex>& crossings) {
+void Convoys::record_pass(VehicleIndex vehicle, const std::vector<CrossingIndex>& crossings) {
   std::erase_if(passes_, [&](const Pass& pass) { return shares(pass.crossings, crossings); });
   passes_.push_back({vehicle, crossings, 1});
 }

@@ -30,7 +30,7 @@ class Convoys {
   /// Forgets every pass.
   void clear() { passes_.clear(); }
   /// A vehicle was given a chain of crossings.
-  void note_pass(VehicleIndex vehicle, const std::vector<CrossingIndex>& crossings);
+  void record_pass(VehicleIndex vehicle, const std::vector<CrossingIndex>& crossings);
   /// Whether a vehicle may pass a chain in convoy with the one ahead, whatever the turns.
   /// @param exit_m  from the vehicle's position to the chain's exit
   /// @param stop_m  from the vehicle's position to the chain's stop line

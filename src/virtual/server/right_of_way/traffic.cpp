@@ -327,7 +327,7 @@ Traffic::Answer Traffic::request(VehicleIndex vehicle, double exit_m, double sto
     if (rules_.convoys && &other != &*mine && goes_before(other, *mine) && shares(other.crossings, mine->crossings))
       other.lost_s += loses_s(other, *mine).value_or(0.0);
   for (const CrossingIndex x : mine->crossings) holders_[x] = vehicle;
-  convoys_.note_pass(mine->vehicle, mine->crossings);
+  convoys_.record_pass(mine->vehicle, mine->crossings);
   queue_.erase(mine);
   holds_dirty_ = true;  // a grant that no base follows is taken back by the next update
   return {true, first, no_vehicle, WaitReason::crossing};

@@ -268,7 +268,7 @@ std::optional<WayMap::Through> WayMap::through(zone::Place place, std::span<cons
   };
   constexpr std::size_t trails_max = 64;
   std::vector<Trail> trails;
-  const auto note_end = [&](Trail& trail, std::size_t reached) {
+  const auto record_end = [&](Trail& trail, std::size_t reached) {
     if (reached != released) return;
     trail.way.end = trail.at;
     trail.way.to_end = trail.way.sections.size();
@@ -297,7 +297,7 @@ std::optional<WayMap::Through> WayMap::through(zone::Place place, std::span<cons
       if (i < released) return std::nullopt;
       break;
     }
-    for (Trail& trail : on) note_end(trail, i + 1);
+    for (Trail& trail : on) record_end(trail, i + 1);
     trails = std::move(on);
   }
   if (trails.empty()) return std::nullopt;

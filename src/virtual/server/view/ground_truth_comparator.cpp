@@ -133,7 +133,7 @@ std::optional<Pose2> GroundTruthComparator::twin_at(VehicleIndex vehicle, SimTim
                wrap_angle(a.X_MB.heading_rad + share * wrap_angle(b.X_MB.heading_rad - a.X_MB.heading_rad))};
 }
 
-void GroundTruthComparator::note_twins() {
+void GroundTruthComparator::record_twins() {
   trails_.resize(registry_.size());
   for (VehicleIndex v = 0; v < registry_.size(); ++v) {
     const AivProxy& proxy = registry_[v];
@@ -209,7 +209,7 @@ std::vector<Finding> GroundTruthComparator::find(bool strangers) {
 void GroundTruthComparator::tick(SimTime now, bool strangers) {
   if (!heard()) return;
   now_ = now;
-  note_twins();
+  record_twins();
   std::erase_if(seen_, [&](const auto& one) { return now_ - one.second.arrived > timeout + timeout; });
   simulator_.monitor().set_findings(find(strangers));
 }

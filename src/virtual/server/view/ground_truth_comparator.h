@@ -75,7 +75,7 @@ class GroundTruthComparator {
   void compare(const wire::GvsSights::Sight& sight, Seen& seen);
   [[nodiscard]] std::optional<Pose2> twin_at(VehicleIndex vehicle, SimTime at) const;
   [[nodiscard]] std::optional<VehicleIndex> twin_of(const std::string& name) const;
-  void note_twins();
+  void record_twins();
   [[nodiscard]] std::vector<Finding> find(bool strangers);
   void find_unseen(std::vector<Finding>& findings);
   [[nodiscard]] SimTime since(Finding::Kind kind, const std::string& id) const;

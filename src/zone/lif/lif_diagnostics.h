@@ -23,16 +23,16 @@ struct JsonPlace {
 
 /// What is said of a file. The same thing said of many places becomes one note that counts them, so that a plant of a
 /// hundred thousand edges has a report that somebody reads.
-class LifNotes {
+class LifDiagnostics {
  public:
   /// @param sort  what makes two notes the same; empty: the text
-  void add(Note::Kind kind, std::string place, std::string text, std::string sort = {});
+  void add(Diagnostic::Kind kind, std::string place, std::string text, std::string sort = {});
   /// In the order of their first appearance.
-  [[nodiscard]] std::vector<Note> take() const;
+  [[nodiscard]] std::vector<Diagnostic> take() const;
 
  private:
   struct Sorted {
-    Note first;
+    Diagnostic first;
     std::size_t count;
     std::string others;  ///< the places of the next few
   };
