@@ -17,7 +17,7 @@ class Ranks {
   /// Sends letters[r] to rank r and returns what each rank has sent to this one, in their order. All of them call it,
   /// the same number of times; it returns when all have.
   /// @param letters  size() of them, of any bytes, at most 2³¹ − 1 in all
-  [[nodiscard]] virtual std::vector<std::string> exchange(std::vector<std::string> letters) = 0;
+  [[nodiscard]] virtual std::vector<std::string> exchange(std::vector<std::string> messages) = 0;
 };
 
 /// One process that does everything itself.
@@ -25,7 +25,7 @@ class OneRank final : public Ranks {
  public:
   [[nodiscard]] std::size_t rank() const override { return 0; }
   [[nodiscard]] std::size_t size() const override { return 1; }
-  [[nodiscard]] std::vector<std::string> exchange(std::vector<std::string> letters) override { return letters; }
+  [[nodiscard]] std::vector<std::string> exchange(std::vector<std::string> messages) override { return messages; }
 };
 
 }  // namespace cosiva

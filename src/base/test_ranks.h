@@ -21,8 +21,8 @@ class ThreadRanks final : public Ranks {
   ThreadRanks(Room& room, std::size_t rank) : room_{room}, rank_{rank} {}
   [[nodiscard]] std::size_t rank() const override { return rank_; }
   [[nodiscard]] std::size_t size() const override { return room_.boxes.size(); }
-  [[nodiscard]] std::vector<std::string> exchange(std::vector<std::string> letters) override {
-    room_.boxes[rank_] = std::move(letters);
+  [[nodiscard]] std::vector<std::string> exchange(std::vector<std::string> messages) override {
+    room_.boxes[rank_] = std::move(messages);
     room_.meeting.arrive_and_wait();
     std::vector<std::string> mine;
     for (const auto& box : room_.boxes) mine.push_back(box[rank_]);

@@ -26,12 +26,12 @@ class MpiRanks final : public cosiva::Ranks {
   [[nodiscard]] std::size_t rank() const override { return static_cast<std::size_t>(rank_); }
   [[nodiscard]] std::size_t size() const override { return static_cast<std::size_t>(size_); }
 
-  [[nodiscard]] std::vector<std::string> exchange(std::vector<std::string> letters) override {
+  [[nodiscard]] std::vector<std::string> exchange(std::vector<std::string> messages) override {
     Box out{size()};
     std::string sent;
     for (std::size_t r = 0; r < size(); ++r) {
-      out.sizes[r] = static_cast<int>(letters[r].size());
-      sent += letters[r];
+      out.sizes[r] = static_cast<int>(messages[r].size());
+      sent += messages[r];
     }
     Box in{size()};
     MPI_Alltoall(out.sizes.data(), 1, MPI_INT, in.sizes.data(), 1, MPI_INT, MPI_COMM_WORLD);
@@ -39,8 +39,8 @@ class MpiRanks final : public cosiva::Ranks {
     MPI_Alltoallv(sent.data(), out.sizes.data(), out.starts(), MPI_CHAR, got.data(), in.sizes.data(), in.starts(),
                   MPI_CHAR, MPI_COMM_WORLD);
     for (std::size_t r = 0; r < size(); ++r)
-      letters[r] = got.substr(static_cast<std::size_t>(in.at[r]), static_cast<std::size_t>(in.sizes[r]));
-    return letters;
+      messages[r] = got.substr(static_cast<std::size_t>(in.at[r]), static_cast<std::size_t>(in.sizes[r]));
+    return messages;
   }
 
  private:

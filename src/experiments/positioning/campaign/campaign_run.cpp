@@ -16,19 +16,19 @@ std::string letter_of(const Error& error) {
   return error_mark + error.code + part_mark + error.message + part_mark + error.place;
 }
 
-std::optional<Error> error_in(std::string_view letter) {
-  if (letter.empty() || letter.front() != error_mark) return std::nullopt;
-  letter.remove_prefix(1);
-  const std::size_t first = letter.find(part_mark);
-  const std::size_t second = letter.find(part_mark, first + 1);
-  return Error{std::string(letter.substr(0, first)), std::string(letter.substr(first + 1, second - first - 1)),
-               std::string(letter.substr(second + 1))};
+std::optional<Error> error_in(std::string_view message) {
+  if (message.empty() || message.front() != error_mark) return std::nullopt;
+  message.remove_prefix(1);
+  const std::size_t first = message.find(part_mark);
+  const std::size_t second = message.find(part_mark, first + 1);
+  return Error{std::string(message.substr(0, first)), std::string(message.substr(first + 1, second - first - 1)),
+               std::string(message.substr(second + 1))};
 }
 
 /// The first rank's error, so that all say the same.
-std::optional<Error> first_error(const std::vector<std::string>& letters) {
-  for (const std::string& letter : letters)
-    if (auto error = error_in(letter)) return error;
+std::optional<Error> first_error(const std::vector<std::string>& messages) {
+  for (const std::string& message : messages)
+    if (auto error = error_in(message)) return error;
   return std::nullopt;
 }
 
@@ -51,23 +51,23 @@ void mark(std::string_view numbers, std::vector<bool>& finished) {
 Result<CampaignRun> CampaignRun::make(const CampaignWork& work, Result<std::vector<UnitRecord>> known, Ranks& ranks) {
   const std::string identity = work.identity();
   const bool first = ranks.rank() == 0;
-  std::string letter = identity + "\n";
+  std::string message = identity + "\n";
   if (first && !known) {
-    letter = letter_of(known.error());
+    message = letter_of(known.error());
   } else if (first) {
     std::vector<std::size_t> units;
     for (const UnitRecord& record : *known) units.push_back(record.unit);
-    letter += numbers_of(units);
+    message += numbers_of(units);
   }
-  const auto letters = ranks.exchange(std::vector<std::string>(ranks.size(), letter));
-  if (const auto error = first_error(letters)) return tl::unexpected(*error);
-  for (std::size_t r = 0; r < letters.size(); ++r)
-    if (!letters[r].starts_with(letters[0].substr(0, identity.size() + 1)))
+  const auto messages = ranks.exchange(std::vector<std::string>(ranks.size(), message));
+  if (const auto error = first_error(messages)) return tl::unexpected(*error);
+  for (std::size_t r = 0; r < messages.size(); ++r)
+    if (!messages[r].starts_with(messages[0].substr(0, identity.size() + 1)))
       return fail("campaign.ranks", "not all processes have the same plan, zone and version of cosiva: number " +
                                         std::to_string(r) + " differs from number 0");
   CampaignRun run{work, ranks};
   std::vector<bool> finished(work.units(), false);
-  mark(std::string_view{letters[0]}.substr(identity.size() + 1), finished);
+  mark(std::string_view{messages[0]}.substr(identity.size() + 1), finished);
   for (std::size_t unit = 0; unit < work.units(); ++unit) {
     run.left_.push_back(unit);
     run.cost_all_ += work.cost(unit);
@@ -124,32 +124,32 @@ Result<void> CampaignRun::tell(const std::vector<std::optional<UnitRecord>>& min
     lines += state_line(*record);
   }
   // Rank 0 keeps the records, the others need to know which units are done. What is done counts beside a fault, too.
-  std::vector<std::string> letters(ranks_->size(), numbers_of(units));
-  letters[0] = std::move(lines);
-  letters = ranks_->exchange(std::move(letters));
+  std::vector<std::string> messages(ranks_->size(), numbers_of(units));
+  messages[0] = std::move(lines);
+  messages = ranks_->exchange(std::move(messages));
   const bool first = ranks_->rank() == 0;
   Result<void> kept;
-  if (first) kept = take(letters, keep);
+  if (first) kept = take(messages, keep);
   std::string news = fault ? letter_of(*fault) : "";
   if (!kept) news = letter_of(kept.error());
   if (const auto error = first_error(ranks_->exchange(std::vector<std::string>(ranks_->size(), news))))
     return tl::unexpected(*error);
   std::vector<bool> finished(work_->units(), false);
-  for (const std::string& letter : letters) mark(letter, finished);
+  for (const std::string& message : messages) mark(message, finished);
   record_done(finished);
   return {};
 }
 
-Result<void> CampaignRun::take(const std::vector<std::string>& letters, const Keep& keep) {
-  for (std::size_t r = 0; r < letters.size(); ++r) {
-    Lines each{letters[r]};
+Result<void> CampaignRun::take(const std::vector<std::string>& messages, const Keep& keep) {
+  for (std::size_t r = 0; r < messages.size(); ++r) {
+    Lines each{messages[r]};
     for (std::string_view line; each.next(line);) {
       auto record = unit_of(line, *work_);
       if (!record) return fail("campaign.ranks", "what process " + std::to_string(r) + " has sent is damaged");
       records_[record->unit] = std::move(*record);
     }
-    if (letters[r].empty()) continue;
-    if (auto kept = keep(letters[r]); !kept) return kept;
+    if (messages[r].empty()) continue;
+    if (auto kept = keep(messages[r]); !kept) return kept;
   }
   return {};
 }

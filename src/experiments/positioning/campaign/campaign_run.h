@@ -46,7 +46,7 @@ class CampaignRun {
   void record_done(const std::vector<bool>& finished);
   [[nodiscard]] Result<void> tell(const std::vector<std::optional<UnitRecord>>& mine, const std::optional<Error>& fault,
                                   const Keep& keep);
-  [[nodiscard]] Result<void> take(const std::vector<std::string>& letters, const Keep& keep);
+  [[nodiscard]] Result<void> take(const std::vector<std::string>& messages, const Keep& keep);
 
   const CampaignWork* work_;
   Ranks* ranks_;

@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t spare_most = 64;
 
 /// What ranks tell each other, field by field; all of them run this same program on machines of one kind.
-class Letter {
+class Message {
  public:
   template <class T>
   void put(T value) {
@@ -36,9 +36,9 @@ class Letter {
   std::string bytes_;
 };
 
-class LetterReader {
+class MessageReader {
  public:
-  explicit LetterReader(std::string_view bytes) : bytes_{bytes} {}
+  explicit MessageReader(std::string_view bytes) : bytes_{bytes} {}
   template <class T>
   [[nodiscard]] T take() {
     COSIVA_EXPECT(bytes_.size() >= sizeof(T));
@@ -220,25 +220,25 @@ bool SiteRun::advance(Workers& workers) {
 }
 
 void SiteRun::meet() {
-  std::vector<Letter> letters(ranks_->size());
+  std::vector<Message> messages(ranks_->size());
   for (SiteZone& site_zone : site_zones_) {
     for (const auto& [transfer_point, traveller] : site_zone.left) {
-      Letter& letter = letters[owner_of(ways_[transfer_point].to_zone)];
-      letter.put(std::uint64_t{transfer_point});
-      letter.put(traveller.aiv);
-      letter.put(traveller.left_step);
-      letter.put(traveller.job.due_s);
-      letter.put(std::uint64_t{traveller.job.to});
-      letter.put(traveller.job.priority);
+      Message& message = messages[owner_of(ways_[transfer_point].to_zone)];
+      message.put(std::uint64_t{transfer_point});
+      message.put(traveller.aiv);
+      message.put(traveller.left_step);
+      message.put(traveller.job.due_s);
+      message.put(std::uint64_t{traveller.job.to});
+      message.put(traveller.job.priority);
     }
     site_zone.left.clear();
   }
   std::vector<std::string> texts;
-  texts.reserve(letters.size());
-  for (Letter& letter : letters) texts.push_back(letter.take());
+  texts.reserve(messages.size());
+  for (Message& message : messages) texts.push_back(message.take());
   const auto answers = ranks_->exchange(std::move(texts));
   for (const std::string& text : answers) {
-    for (LetterReader reader{text}; !reader.is_empty();) {
+    for (MessageReader reader{text}; !reader.is_empty();) {
       const auto transfer_point = static_cast<std::size_t>(reader.take<std::uint64_t>());
       Traveller traveller;
       traveller.aiv = reader.take<std::uint32_t>();
@@ -261,7 +261,7 @@ void SiteRun::meet() {
 double SiteRun::time_s() const { return to_seconds(options_.step) * static_cast<double>(steps_); }
 
 SiteFigures SiteRun::figures() const {
-  Letter mine;
+  Message mine;
   for (const SiteZone& site_zone : site_zones_) {
     const TrafficFigures f = site_zone.run->figures();
     mine.put(std::uint64_t{site_zone.index});
@@ -286,7 +286,7 @@ SiteFigures SiteRun::figures() const {
   double vehicle_s = 0.0;
   std::size_t present = 0;
   for (const std::string& one : all) {
-    for (LetterReader reader{one}; !reader.is_empty();) {
+    for (MessageReader reader{one}; !reader.is_empty();) {
       const auto index = static_cast<std::size_t>(reader.take<std::uint64_t>());
       COSIVA_EXPECT(index < figures.zones.size());
       SiteFigures::Zone& zone = figures.zones[index];

@@ -60,8 +60,8 @@ void ThirdPartyPause::let_go(VehicleIndex vehicle) {
 void ThirdPartyPause::send(VehicleIndex vehicle, std::string action) {
   ++changes_;
   // The one before, still unanswered and sent again, would undo this one.
-  if (pauses_[vehicle].ticket != 0) action_sender_.drop(pauses_[vehicle].ticket);
-  pauses_[vehicle].ticket = action_sender_.send(
+  if (pauses_[vehicle].handle != 0) action_sender_.drop(pauses_[vehicle].handle);
+  pauses_[vehicle].handle = action_sender_.send(
       registry_[vehicle], vehicle, {{std::move(action), {}, {}, wire::BlockingType::none, {}}}, timeout, false);
 }
 

@@ -57,7 +57,7 @@ class ThirdPartyPause {
   const WayMap* map_{};
   std::uint64_t changes_{0};
   struct Pause {
-    InstantActionSender::Ticket ticket{0};  ///< of the last action for it; 0: none
+    InstantActionSender::ActionHandle handle{0};  ///< of the last action for it; 0: none
     std::string body;
   };
   std::vector<Pause> pauses_;

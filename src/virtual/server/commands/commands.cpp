@@ -227,7 +227,7 @@ void Commands::begin(Command command) {
       actions.back().parameters.push_back({"maxSpeed", command.speed_mps});
       break;
   }
-  command.ticket = action_sender_.send(proxy, command.vehicle, std::move(actions), timeout, true);
+  command.handle = action_sender_.send(proxy, command.vehicle, std::move(actions), timeout, true);
   keep(std::move(command));
 }
 
@@ -260,8 +260,8 @@ bool Commands::effect_seen(const Command& command) const {
     }
     case OperatorCommandKind::cancel: return state.node_states.empty() && !state.driving;
     case OperatorCommandKind::limit: {
-      const InstantActionSender::Letter* letter = action_sender_.find(command.ticket);
-      return letter != nullptr && letter->actions.front().status == wire::ActionStatus::finished &&
+      const InstantActionSender::PendingAction* pending_action = action_sender_.find(command.handle);
+      return pending_action != nullptr && pending_action->actions.front().status == wire::ActionStatus::finished &&
              speed_mps <= command.speed_mps + speed_slack_mps;
     }
     case OperatorCommandKind::slow:
@@ -275,14 +275,14 @@ bool Commands::effect_seen(const Command& command) const {
 }
 
 void Commands::judge(Command& command) {
-  const InstantActionSender::Letter* letter = action_sender_.find(command.ticket);
-  if (letter == nullptr || !letter->acknowledged()) return;
+  const InstantActionSender::PendingAction* pending_action = action_sender_.find(command.handle);
+  if (pending_action == nullptr || !pending_action->acknowledged()) return;
   if (!command.accepted_at) accept(command);
   if (effect_seen(command)) {
     materialise(command);
     return;
   }
-  for (const auto& progress : letter->actions) {
+  for (const auto& progress : pending_action->actions) {
     if (progress.status != wire::ActionStatus::failed) continue;
     std::string reason = "the vehicle refused it";
     if (!progress.result.empty()) reason += ": " + progress.result;
@@ -326,7 +326,7 @@ void Commands::materialise(Command& command) {
   command.state = CommandState::materialised;
   command.materialised_at = outbox_.now();
   if (command.verb == OperatorCommandKind::limit) registry_[command.vehicle].speed_mps_max = command.speed_mps;
-  action_sender_.drop(command.ticket);
+  action_sender_.drop(command.handle);
   if (BijectionMonitor* monitor = monitor_of(command))
     monitor->command_materialised(to_seconds(outbox_.now() - command.at) * 1e3);
 }
@@ -334,7 +334,7 @@ void Commands::materialise(Command& command) {
 void Commands::fail_command(Command& command, std::string reason) {
   command.state = CommandState::failed;
   command.reason = std::move(reason);
-  action_sender_.drop(command.ticket);
+  action_sender_.drop(command.handle);
   if (BijectionMonitor* monitor = monitor_of(command)) monitor->command_failed();
   outbox_.log('w', "command " + command.id + " '" + command.command_text + "' for '" + command.vehicle_name +
                        "' failed: " + command.reason);

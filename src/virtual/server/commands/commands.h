@@ -34,7 +34,7 @@ struct Command {
   std::optional<SimTime> accepted_at;
   std::optional<SimTime> materialised_at;
   std::string reason;
-  InstantActionSender::Ticket ticket{0};
+  InstantActionSender::ActionHandle handle{0};
   [[nodiscard]] bool open() const { return state == CommandState::issued || state == CommandState::accepted; }
 };
 

@@ -185,7 +185,7 @@ ServerCore::PageRevision ServerView::page_revision() const {
     waited_for.add(std::string_view{finding.id});
   }
   for (const Command& command : master_.commands.list())
-    add(waited_for, command.state, command.ticket, command.vehicle);
+    add(waited_for, command.state, command.handle, command.vehicle);
   for (const Thing& thing : context_.simulator.augmented().things())
     add(waited_for, thing.handle, thing.started.time_since_epoch().count());
   for (const SeenObstacle& seen : context_.simulator.seen().obstacles()) add(waited_for, seen.handle);

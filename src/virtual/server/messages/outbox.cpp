@@ -80,42 +80,42 @@ std::string unique_id(std::string_view prefix, SimTime now) {
   return id;
 }
 
-bool InstantActionSender::Letter::acknowledged() const { return std::ranges::all_of(actions, &Progress::seen); }
+bool InstantActionSender::PendingAction::acknowledged() const { return std::ranges::all_of(actions, &Progress::seen); }
 
-InstantActionSender::Ticket InstantActionSender::send(AivProxy& proxy, VehicleIndex vehicle,
+InstantActionSender::ActionHandle InstantActionSender::send(AivProxy& proxy, VehicleIndex vehicle,
                                                       std::vector<wire::Action> actions, SimDuration timeout,
                                                       bool keep) {
-  const Ticket ticket = ++last_ticket_;
-  Letter letter{ticket, vehicle, {}, {}, outbox_.now(), outbox_.now() + timeout, keep};
-  wire::InstantActions& message = letter.message;
+  const ActionHandle handle = ++last_handle_;
+  PendingAction pending_action{handle, vehicle, {}, {}, outbox_.now(), outbox_.now() + timeout, keep};
+  wire::InstantActions& message = pending_action.message;
   message.actions = std::move(actions);
-  const std::string stem = unique_id("A", outbox_.now()) + "-" + std::to_string(ticket);
+  const std::string stem = unique_id("A", outbox_.now()) + "-" + std::to_string(handle);
   for (std::size_t i = 0; i < message.actions.size(); ++i) {
     message.actions[i].action_id = i == 0 ? stem : stem + "." + std::to_string(i);
-    letter.actions.push_back({message.actions[i].action_id, false, wire::ActionStatus::waiting, {}});
+    pending_action.actions.push_back({message.actions[i].action_id, false, wire::ActionStatus::waiting, {}});
   }
   outbox_.send(proxy, message);
-  letters_.push_back(std::move(letter));
-  return ticket;
+  pending_.push_back(std::move(pending_action));
+  return handle;
 }
 
-const InstantActionSender::Letter* InstantActionSender::find(Ticket ticket) const {
-  const auto it = std::ranges::find(letters_, ticket, &Letter::ticket);
-  return it == letters_.end() ? nullptr : &*it;
+const InstantActionSender::PendingAction* InstantActionSender::find(ActionHandle handle) const {
+  const auto it = std::ranges::find(pending_, handle, &PendingAction::handle);
+  return it == pending_.end() ? nullptr : &*it;
 }
 
-void InstantActionSender::drop(Ticket ticket) {
-  std::erase_if(letters_, [ticket](const Letter& letter) { return letter.ticket == ticket; });
+void InstantActionSender::drop(ActionHandle handle) {
+  std::erase_if(pending_, [handle](const PendingAction& pending_action) { return pending_action.handle == handle; });
 }
 
 void InstantActionSender::forget(VehicleIndex vehicle) {
-  std::erase_if(letters_, [vehicle](const Letter& letter) { return letter.vehicle == vehicle; });
+  std::erase_if(pending_, [vehicle](const PendingAction& pending_action) { return pending_action.vehicle == vehicle; });
 }
 
 void InstantActionSender::on_state(VehicleIndex vehicle, const wire::State& state) {
-  for (Letter& letter : letters_) {
-    if (letter.vehicle != vehicle) continue;
-    for (Progress& progress : letter.actions) {
+  for (PendingAction& pending_action : pending_) {
+    if (pending_action.vehicle != vehicle) continue;
+    for (Progress& progress : pending_action.actions) {
       const auto it = std::ranges::find(state.action_states, progress.action_id, &wire::ActionState::action_id);
       if (it == state.action_states.end()) continue;
       progress.seen = true;
@@ -123,17 +123,17 @@ void InstantActionSender::on_state(VehicleIndex vehicle, const wire::State& stat
       progress.result = it->result_description;
     }
   }
-  std::erase_if(letters_, [&](const Letter& l) { return l.vehicle == vehicle && !l.kept && l.acknowledged(); });
+  std::erase_if(pending_, [&](const PendingAction& l) { return l.vehicle == vehicle && !l.kept && l.acknowledged(); });
 }
 
 void InstantActionSender::tick(Registry& registry, bool link_up) {
   const SimTime now = outbox_.now();
-  for (Letter& letter : letters_) {
-    if (letter.acknowledged() || now >= letter.until || now - letter.sent_at < resend_after || !link_up) continue;
-    letter.sent_at = now;
-    outbox_.send_again(registry[letter.vehicle], letter.message);
+  for (PendingAction& pending_action : pending_) {
+    if (pending_action.acknowledged() || now >= pending_action.until || now - pending_action.sent_at < resend_after || !link_up) continue;
+    pending_action.sent_at = now;
+    outbox_.send_again(registry[pending_action.vehicle], pending_action.message);
   }
-  std::erase_if(letters_, [now](const Letter& l) { return !l.kept && now >= l.until; });
+  std::erase_if(pending_, [now](const PendingAction& l) { return !l.kept && now >= l.until; });
 }
 
 }  // namespace cosiva::virtual_side

@@ -62,7 +62,7 @@ class Outbox {
 /// lists it.
 class InstantActionSender {
  public:
-  using Ticket = std::uint64_t;
+  using ActionHandle = std::uint64_t;
   static constexpr SimDuration resend_after{std::chrono::milliseconds{300}};
 
   explicit InstantActionSender(Outbox& outbox) : outbox_{outbox} {}
@@ -75,8 +75,8 @@ class InstantActionSender {
     wire::ActionStatus status{wire::ActionStatus::waiting};
     std::string result;
   };
-  struct Letter {
-    Ticket ticket{};
+  struct PendingAction {
+    ActionHandle handle{};
     VehicleIndex vehicle{};
     wire::InstantActions message;
     std::vector<Progress> actions;
@@ -89,9 +89,9 @@ class InstantActionSender {
   /// Gives every action its id and sends them in one message.
   /// @param patience  how long it is sent again; zero: once only
   /// @param keep      the caller follows the letter and drops it
-  Ticket send(AivProxy& proxy, VehicleIndex vehicle, std::vector<wire::Action> actions, SimDuration timeout, bool keep);
-  [[nodiscard]] const Letter* find(Ticket ticket) const;
-  void drop(Ticket ticket);
+  ActionHandle send(AivProxy& proxy, VehicleIndex vehicle, std::vector<wire::Action> actions, SimDuration timeout, bool keep);
+  [[nodiscard]] const PendingAction* find(ActionHandle handle) const;
+  void drop(ActionHandle handle);
   void on_state(VehicleIndex vehicle, const wire::State& state);
   /// It has been taken away: nothing is sent to it any more.
   void forget(VehicleIndex vehicle);
@@ -99,8 +99,8 @@ class InstantActionSender {
 
  private:
   Outbox& outbox_;
-  std::vector<Letter> letters_;
-  Ticket last_ticket_{0};
+  std::vector<PendingAction> pending_;
+  ActionHandle last_handle_{0};
 };
 
 /// "<prefix>-<time in ms, base 36>-<n>": unique over restarts of the server.

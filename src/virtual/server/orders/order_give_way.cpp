@@ -105,7 +105,7 @@ std::optional<double> OrderRoller::can_give_way(VehicleIndex vehicle, Means mean
       return !around.empty() && missions_.has_way_round(vehicle, from, around) ? std::optional{0.0} : std::nullopt;
     }
     case Means::other_place:
-      return plan.stage == Plan::Stage::none && plan.join_ticket == 0 && goes_onto_line(vehicle) ? std::optional{0.0}
+      return plan.stage == Plan::Stage::none && plan.join_handle == 0 && goes_onto_line(vehicle) ? std::optional{0.0}
                                                                                                  : std::nullopt;
     case Means::back_up: return way_back_m(vehicle, waits);
   }
@@ -264,7 +264,7 @@ bool OrderRoller::go_on_giving_way(VehicleIndex vehicle) {
   const bool others_gone = std::ranges::all_of(giving_way.others, [&](const auto& other) {
     return !registry_[other.first].here() || distance(position(body(other.first)), other.second) > rules_.others_gone_m;
   });
-  const bool backs_up = giving_way.back_m > 0.0 || giving_way.ticket != 0;
+  const bool backs_up = giving_way.back_m > 0.0 || giving_way.handle != 0;
   if (outbox_.now() >= giving_way.until || (others_gone && !backs_up)) {
     end_giving_way(vehicle);
     return false;
@@ -280,37 +280,37 @@ void OrderRoller::follow_back_up(VehicleIndex vehicle, Plan::GivingWay& giving_w
                                {{"backUp", {}, {}, wire::BlockingType::hard, {{"distance", distance_m}}}},
                                std::chrono::seconds{3}, true);
   };
-  if (giving_way.ticket == 0) {
+  if (giving_way.handle == 0) {
     if (!stands(vehicle)) return;
     if (!is_free_behind(vehicle, giving_way.back_m)) return;  // whoever came there may go again; it has its time
     // Whom it has beside it already it may leave as closely.
     giving_way.clear_m = back_clear_m;
     while (giving_way.clear_m > back_clear_m_min && near_anything(vehicle, body(vehicle), giving_way.clear_m))
       giving_way.clear_m -= 0.001;
-    giving_way.ticket = tell(giving_way.back_m);
+    giving_way.handle = tell(giving_way.back_m);
     return;
   }
-  const InstantActionSender::Letter* letter = action_sender_.find(giving_way.ticket);
-  const wire::ActionStatus status = letter == nullptr ? wire::ActionStatus::failed : letter->actions.front().status;
+  const InstantActionSender::PendingAction* pending_action = action_sender_.find(giving_way.handle);
+  const wire::ActionStatus status = pending_action == nullptr ? wire::ActionStatus::failed : pending_action->actions.front().status;
   const bool over = status == wire::ActionStatus::finished || status == wire::ActionStatus::failed;
   if (!over && !giving_way.stopped && near_anything(vehicle, body(vehicle), giving_way.clear_m)) {
-    action_sender_.drop(giving_way.ticket);
+    action_sender_.drop(giving_way.handle);
     giving_way.stopped = true;
-    giving_way.ticket = tell(0.0);
+    giving_way.handle = tell(0.0);
     return;
   }
   if (!over) return;
-  if (status == wire::ActionStatus::failed && letter != nullptr)
-    outbox_.log('w', registry_[vehicle].name + ": did not back up: " + letter->actions.front().result);
-  action_sender_.drop(giving_way.ticket);
-  giving_way.ticket = 0;
+  if (status == wire::ActionStatus::failed && pending_action != nullptr)
+    outbox_.log('w', registry_[vehicle].name + ": did not back up: " + pending_action->actions.front().result);
+  action_sender_.drop(giving_way.handle);
+  giving_way.handle = 0;
   giving_way.back_m = 0.0;
   giving_way.until = std::min(giving_way.until, outbox_.now() + rules_.gives_way_for);
 }
 
 void OrderRoller::end_giving_way(VehicleIndex vehicle) {
   auto& giving_way = plans_[vehicle].giving_way;
-  if (giving_way && giving_way->ticket != 0) action_sender_.drop(giving_way->ticket);
+  if (giving_way && giving_way->handle != 0) action_sender_.drop(giving_way->handle);
   giving_way.reset();
 }
 

@@ -20,13 +20,13 @@ constexpr double free_ahead_m = 0.5;
 
 bool OrderRoller::joining(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
-  if (plan.join_ticket == 0) return false;
-  const InstantActionSender::Letter* letter = action_sender_.find(plan.join_ticket);
-  const wire::ActionStatus status = letter == nullptr ? wire::ActionStatus::failed : letter->actions.front().status;
+  if (plan.join_handle == 0) return false;
+  const InstantActionSender::PendingAction* pending_action = action_sender_.find(plan.join_handle);
+  const wire::ActionStatus status = pending_action == nullptr ? wire::ActionStatus::failed : pending_action->actions.front().status;
   const bool over = status == wire::ActionStatus::finished || status == wire::ActionStatus::failed;
   if (!over && outbox_.now() - plan.join_sent_at < rules_.join_timeout) return true;
-  if (status == wire::ActionStatus::failed && letter != nullptr)
-    outbox_.log('w', registry_[vehicle].name + ": did not join the line: " + letter->actions.front().result);
+  if (status == wire::ActionStatus::failed && pending_action != nullptr)
+    outbox_.log('w', registry_[vehicle].name + ": did not join the line: " + pending_action->actions.front().result);
   end_join(vehicle);
   return false;
 }
@@ -34,7 +34,7 @@ bool OrderRoller::joining(VehicleIndex vehicle) {
 void OrderRoller::end_join(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
   plan.anchor.reset();
-  if (plan.join_ticket != 0) action_sender_.drop(std::exchange(plan.join_ticket, 0));
+  if (plan.join_handle != 0) action_sender_.drop(std::exchange(plan.join_handle, 0));
 }
 
 void OrderRoller::try_other_places(VehicleIndex vehicle) {
@@ -54,7 +54,7 @@ bool OrderRoller::join_elsewhere(VehicleIndex vehicle, bool drives_on, double wi
     plan.anchor = place;
     plan.standing.place = place;
     plan.join_sent_at = outbox_.now();
-    plan.join_ticket = action_sender_.send(registry_[vehicle], vehicle,
+    plan.join_handle = action_sender_.send(registry_[vehicle], vehicle,
                                            {{"joinLine",
                                              {},
                                              {},

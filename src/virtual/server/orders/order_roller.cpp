@@ -196,7 +196,7 @@ void OrderRoller::drop(Plan& plan, VehicleIndex vehicle) {
   plan.moves_up = false;
   end_join(vehicle);
   // Sent again, it would take the next order.
-  if (plan.cancel_ticket != 0) action_sender_.drop(std::exchange(plan.cancel_ticket, 0));
+  if (plan.cancel_handle != 0) action_sender_.drop(std::exchange(plan.cancel_handle, 0));
   traffic_.set_base_end(vehicle, no_waypoint);
 }
 
@@ -204,8 +204,8 @@ void OrderRoller::cancel(VehicleIndex vehicle) {
   Plan& plan = plans_[vehicle];
   plan.stage = Plan::Stage::cancelling;
   plan.cancelled_at = outbox_.now();
-  if (plan.cancel_ticket != 0) action_sender_.drop(plan.cancel_ticket);
-  plan.cancel_ticket =
+  if (plan.cancel_handle != 0) action_sender_.drop(plan.cancel_handle);
+  plan.cancel_handle =
       action_sender_.send(registry_[vehicle], vehicle, {{"cancelOrder", {}, {}, wire::BlockingType::hard, {}}},
                           std::chrono::seconds{3}, false);
 }

@@ -140,18 +140,18 @@ class OrderRoller {
     WaitReason waits_why{WaitReason::ahead};
     std::optional<SimTime> waits_since;
     std::optional<SimTime> silent_since;           ///< it stands with base before it, and says no reason
-    InstantActionSender::Ticket cancel_ticket{0};  ///< of the cancelOrder on its way; 0: none
+    InstantActionSender::ActionHandle cancel_handle{0};  ///< of the cancelOrder on its way; 0: none
     std::uint64_t way_of{0};                       ///< the missions' revision that its course was planned for; 0: none
     std::optional<zone::SectionId> no_way;         ///< there is none from here
     std::optional<zone::Place> anchor;             ///< where it comes onto the line
-    InstantActionSender::Ticket join_ticket{0};    ///< of the joinLine on its way; 0: none
+    InstantActionSender::ActionHandle join_handle{0};    ///< of the joinLine on its way; 0: none
     SimTime join_sent_at{};
     struct GivingWay {
       SimTime until{};
       std::vector<std::pair<VehicleIndex, Point2>> others;  ///< for whom, and where they stood
       bool drops_order{false};
       double back_m{0.0};                     ///< 0: it does not back up
-      InstantActionSender::Ticket ticket{0};  ///< of its backUp; 0: not sent yet
+      InstantActionSender::ActionHandle handle{0};  ///< of its backUp; 0: not sent yet
       double clear_m{0.0};                    ///< it stops when anything comes nearer
       bool stopped{false};                    ///< on its way back, as somebody came
     };

@@ -87,7 +87,7 @@ void OrderRoller::add_waits(WaitGraph& graph) const {
   for (VehicleIndex v = 0; v < plans_.size(); ++v) {
     if (!stands(v)) continue;
     const Plan& plan = plans_[v];
-    const bool has_way = plan.stage == Plan::Stage::running || plan.join_ticket != 0;
+    const bool has_way = plan.stage == Plan::Stage::running || plan.join_handle != 0;
     if (has_way && (registry_[v].state->field_violation || registry_[v].paused_for_body)) {
       // What it waits for at the end of its base matters once it is there.
       graph.add({v, seen_in_way(v), WaitReason::eyes, no_crossing});

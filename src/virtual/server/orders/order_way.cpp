@@ -281,7 +281,7 @@ VehicleIndex OrderRoller::in_way_to_line(VehicleIndex vehicle, zone::Place ancho
     if (sweep.near_body(X_MB)) return other;
     const Plan& theirs = plans_[other];
     // One that is on its way to the line itself, or whose base leads over the place.
-    if (theirs.anchor && (theirs.stage == Plan::Stage::running || theirs.join_ticket != 0) &&
+    if (theirs.anchor && (theirs.stage == Plan::Stage::running || theirs.join_handle != 0) &&
         aiv::near_entry(mine, shape, {X_MB, map_->circuit().pose_at(*theirs.anchor)}))
       return other;
     const auto& place = traffic_.place(other);

@@ -7,7 +7,7 @@ namespace cosiva::virtual_side {
 
 void MapDeployment::begin() {
   for (Step& step : steps_) {
-    if (step.ticket != 0) action_sender_.drop(step.ticket);
+    if (step.handle != 0) action_sender_.drop(step.handle);
     step = {};
   }
 }
@@ -36,19 +36,19 @@ std::optional<wire::Action> MapDeployment::next_action(VehicleIndex vehicle, con
 }
 
 bool MapDeployment::under_way(Step& step) const {
-  if (step.ticket == 0) return false;
-  const InstantActionSender::Letter* letter = action_sender_.find(step.ticket);
+  if (step.handle == 0) return false;
+  const InstantActionSender::PendingAction* pending_action = action_sender_.find(step.handle);
   const bool done =
-      letter == nullptr || std::ranges::all_of(letter->actions, [](const InstantActionSender::Progress& action) {
+      pending_action == nullptr || std::ranges::all_of(pending_action->actions, [](const InstantActionSender::Progress& action) {
         return action.seen &&
                (action.status == wire::ActionStatus::finished || action.status == wire::ActionStatus::failed);
       });
   if (!done && outbox_.now() - step.sent_at < timeout) return true;
   const bool finished =
-      letter != nullptr && !letter->actions.empty() && letter->actions.front().status == wire::ActionStatus::finished;
+      pending_action != nullptr && !pending_action->actions.empty() && pending_action->actions.front().status == wire::ActionStatus::finished;
   // Its next state may still be from before; and what failed is not asked for all the time.
   step.not_before = outbox_.now() + (finished ? SimDuration{std::chrono::seconds{1}} : again_after);
-  action_sender_.drop(std::exchange(step.ticket, 0));
+  action_sender_.drop(std::exchange(step.handle, 0));
   return false;
 }
 
@@ -63,7 +63,7 @@ void MapDeployment::step(VehicleIndex vehicle, const Map& map) {
   outbox_.log('i', proxy.name + ": is on map '" + proxy.map_id + "'; asked for " + action->action_type + " of '" +
                        map.id + "'");
   step.sent_at = outbox_.now();
-  step.ticket = action_sender_.send(proxy, vehicle, {std::move(*action)}, timeout, true);
+  step.handle = action_sender_.send(proxy, vehicle, {std::move(*action)}, timeout, true);
 }
 
 }  // namespace cosiva::virtual_side

@@ -31,7 +31,7 @@ class MapDeployment {
 
  private:
   struct Step {
-    InstantActionSender::Ticket ticket{0};  ///< 0: nothing is under way
+    InstantActionSender::ActionHandle handle{0};  ///< 0: nothing is under way
     SimTime sent_at{};
     SimTime not_before{};
   };
