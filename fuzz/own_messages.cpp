@@ -28,7 +28,7 @@ void read(cosiva::Result<Message> (*reader)(std::string_view), std::string_view 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   namespace wire = cosiva::wire;
   const std::string_view text = cosiva::fuzz::as_text(data, size);
-  read(wire::ahead_from_json, text);
+  read(wire::virtual_obstacles_from_json, text);
   read(wire::felt_from_json, text);
   read(wire::seen_from_json, text);
   read(wire::boards_report_from_json, text);

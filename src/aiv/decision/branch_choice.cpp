@@ -26,7 +26,7 @@ std::uint8_t choose_branch(const zone::Circuit& circuit, const PositionEstimator
 
   const Outlook outlook = position.outlook();
   const double base_m = order.distance_to_base_end_m();
-  zone::SectionsAhead ahead = sections_ahead(circuit, outlook);
+  zone::SectionLookAhead ahead = section_look_ahead(circuit, outlook);
   double end_m = -outlook.here.s_m;
   std::uint8_t next = wire::no_branch;
   for (;;) {

@@ -19,7 +19,7 @@ using plain::speed_before;
 
 }  // namespace
 
-CrossingsAhead::CrossingsAhead(const zone::TrafficZone& zone)
+CrossingLookAhead::CrossingLookAhead(const zone::TrafficZone& zone)
     : circuit_{zone.circuit}, gap_m_{zone::standing_room_m(zone.vehicle)}, spans_(zone.circuit.size()) {
   for (const zone::Crossing& crossing : zone.crossings) {
     for (const zone::CrossingSpan& span : crossing.spans) spans_[span.section].push_back({span.from_m, span.to_m});
@@ -38,12 +38,12 @@ CrossingsAhead::CrossingsAhead(const zone::TrafficZone& zone)
   }
 }
 
-CrossingsAhead::Chain CrossingsAhead::first(const Outlook& outlook, double reach_m) const {
+CrossingLookAhead::Chain CrossingLookAhead::first(const Outlook& outlook, double reach_m) const {
   Chain chain;
   bool found = false;
   double start_m = -outlook.here.s_m;  // of the present section, seen from here
   double busy_until_m = 0.0;           // the end of the span that the vehicle stands in
-  zone::SectionsAhead ahead = sections_ahead(circuit_, outlook);
+  zone::SectionLookAhead ahead = section_look_ahead(circuit_, outlook);
   // Twice round is more than any chain needs; it ends the search on a ring that is one chain.
   for (std::size_t steps = 0; steps < 2 * circuit_.size(); ++steps) {
     for (const Span& span : spans_[ahead.section()]) {
@@ -136,7 +136,7 @@ double Envelope::section_limit_mps(const View& view, const zone::SpeedProfile& w
   const zone::Circuit& circuit = zone_.circuit;
   double limit_mps = std::numeric_limits<double>::infinity();
   double start_m = -view.outlook.here.s_m;
-  zone::SectionsAhead ahead = sections_ahead(circuit, view.outlook);
+  zone::SectionLookAhead ahead = section_look_ahead(circuit, view.outlook);
   while (start_m <= reach_m) {
     if (const auto& section_mps = circuit.part(ahead.section()).speed_mps_max)
       limit_mps = std::min(limit_mps, speed_before(*section_mps, std::max(0.0, start_m), wish.braking_mps2));
@@ -149,7 +149,7 @@ double Envelope::section_limit_mps(const View& view, const zone::SpeedProfile& w
 double Envelope::bend_ahead_m(const Outlook& outlook, double reach_m) const {
   const zone::Circuit& circuit = zone_.circuit;
   double end_m = -outlook.here.s_m;
-  zone::SectionsAhead ahead = sections_ahead(circuit, outlook);
+  zone::SectionLookAhead ahead = section_look_ahead(circuit, outlook);
   for (;;) {
     const zone::SectionId from = ahead.section();
     end_m += circuit.section(from).length_m();

@@ -14,9 +14,9 @@ namespace cosiva::aiv {
 
 /// Where crossings lie on the way ahead. Those that follow each other too closely for a vehicle to stand between count
 /// as one: a chain.
-class CrossingsAhead {
+class CrossingLookAhead {
  public:
-  explicit CrossingsAhead(const zone::TrafficZone& zone);
+  explicit CrossingLookAhead(const zone::TrafficZone& zone);
 
   /// The first chain that the vehicle's middle has not entered yet; distances along its way.
   struct Chain {
@@ -79,7 +79,7 @@ class Envelope {
 
   const zone::TrafficZone& zone_;
   Lateness late_;
-  CrossingsAhead crossings_;
+  CrossingLookAhead crossings_;
   double braking_mps2_max_;
   bool sections_have_limits_;
   bool has_bends_;

@@ -21,26 +21,26 @@ constexpr double nothing = std::numeric_limits<double>::infinity();
 
 // --- crossings ----------------------------------------------------------------------------------------------------
 
-TEST(CrossingsAhead, takes_the_two_of_a_straight_as_one) {
-  const CrossingsAhead crossings{lacet4()};
+TEST(CrossingLookAhead, takes_the_two_of_a_straight_as_one) {
+  const CrossingLookAhead crossings{lacet4()};
   const auto chain = crossings.first(at(lacet4(), "east", 0.1), 1.0);
   EXPECT_NEAR(chain.entry_m, 0.3, 0.001);
   EXPECT_NEAR(chain.exit_m, 1.0, 0.001);
 }
 
-TEST(CrossingsAhead, sees_over_the_joint_of_two_sections) {
-  const CrossingsAhead crossings{lacet4()};
+TEST(CrossingLookAhead, sees_over_the_joint_of_two_sections) {
+  const CrossingLookAhead crossings{lacet4()};
   const auto chain = crossings.first(at(lacet4(), "loop_se", 2.7), 1.0);
   EXPECT_NEAR(chain.entry_m, 0.9 * pi - 2.7 + 0.4, 0.001);
 }
 
-TEST(CrossingsAhead, has_nothing_within_a_shorter_reach) {
-  const CrossingsAhead crossings{lacet4()};
+TEST(CrossingLookAhead, has_nothing_within_a_shorter_reach) {
+  const CrossingLookAhead crossings{lacet4()};
   EXPECT_EQ(crossings.first(at(lacet4(), "east", 0.1), 0.2).entry_m, nothing);
 }
 
-TEST(CrossingsAhead, does_not_stop_a_vehicle_that_is_in_one) {
-  const CrossingsAhead crossings{lacet4()};
+TEST(CrossingLookAhead, does_not_stop_a_vehicle_that_is_in_one) {
+  const CrossingLookAhead crossings{lacet4()};
   EXPECT_EQ(crossings.first(at(lacet4(), "east", 0.6), 1.0).entry_m, nothing);
 }
 
@@ -51,31 +51,31 @@ zone::TrafficZone with_spans(std::vector<zone::CrossingSpan> spans, std::vector<
   return zone;
 }
 
-TEST(CrossingsAhead, are_apart_when_a_vehicle_can_stand_between) {
+TEST(CrossingLookAhead, are_apart_when_a_vehicle_can_stand_between) {
   // The vehicle is 0.2 m long; 0.3 m is the room to stand.
   const auto near = with_spans({{0, 1.0, 1.5}, {0, 1.79, 2.0}}, {{5.0}}, false);
-  EXPECT_NEAR(CrossingsAhead{near}.first({0, 0.5}, 1.0).exit_m, 1.5, 1e-12);
+  EXPECT_NEAR(CrossingLookAhead{near}.first({0, 0.5}, 1.0).exit_m, 1.5, 1e-12);
   const auto far = with_spans({{0, 1.0, 1.5}, {0, 1.81, 2.0}}, {{5.0}}, false);
-  EXPECT_NEAR(CrossingsAhead{far}.first({0, 0.5}, 1.0).exit_m, 1.0, 1e-12);
+  EXPECT_NEAR(CrossingLookAhead{far}.first({0, 0.5}, 1.0).exit_m, 1.0, 1e-12);
 }
 
-TEST(CrossingsAhead, of_one_crossing_over_a_joint_are_one_span) {
+TEST(CrossingLookAhead, of_one_crossing_over_a_joint_are_one_span) {
   const auto zone = with_spans({{0, 0.8, 1.0}, {1, 0.0, 0.3}}, {{1.0}, {5.0}}, false);
-  const CrossingsAhead crossings{zone};
+  const CrossingLookAhead crossings{zone};
   const auto chain = crossings.first({0, 0.5}, 1.0);
   EXPECT_NEAR(chain.entry_m, 0.3, 1e-12);
   EXPECT_NEAR(chain.exit_m, 0.8, 1e-12);
   EXPECT_EQ(crossings.first({0, 0.9}, 1.0).entry_m, nothing) << "it is in the crossing already";
 }
 
-TEST(CrossingsAhead, end_the_search_on_a_ring_that_is_all_crossing) {
+TEST(CrossingLookAhead, end_the_search_on_a_ring_that_is_all_crossing) {
   const auto zone = with_spans({{0, 0.2, 0.9}}, {{1.0}, {1.0}, {1.0}, {1.0}}, false);
-  EXPECT_NEAR(CrossingsAhead{zone}.first({0, 0.1}, 1.0).exit_m, 0.8, 1e-12);
+  EXPECT_NEAR(CrossingLookAhead{zone}.first({0, 0.1}, 1.0).exit_m, 0.8, 1e-12);
   zone::TrafficZone ring = lacet4();
   ring.crossings.clear();
   for (zone::SectionId id = 0; id < ring.circuit.size(); ++id)
     ring.crossings.push_back({"X", {}, {{id, 0.1, ring.circuit.section(id).length_m()}}});
-  EXPECT_GT(CrossingsAhead{ring}.first({0, 0.05}, 1.0).exit_m, ring.circuit.total_length_m());
+  EXPECT_GT(CrossingLookAhead{ring}.first({0, 0.05}, 1.0).exit_m, ring.circuit.total_length_m());
 }
 
 // --- the envelope -------------------------------------------------------------------------------------------------

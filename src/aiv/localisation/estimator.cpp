@@ -133,7 +133,7 @@ double PositionEstimator::shift_on(double distance_m) {
       return distance_m;
     }
     left_m -= length_m - motion_.mDTCS_m();
-    const zone::SectionsAhead ahead = sections_ahead(circuit, outlook());
+    const zone::SectionLookAhead ahead = section_look_ahead(circuit, outlook());
     if (!ahead.decided() || bend_rad(circuit, here, ahead.next()) != 0.0) {
       motion_ = AivMotion{circuit, {here, length_m}};
       return distance_m - left_m;
@@ -191,7 +191,7 @@ double PositionEstimator::on_stuck() {
   if (!known_ || off_line()) return 0.0;
   const zone::Circuit& circuit = zone_.circuit;
   double end_m = -place().s_m;
-  for (zone::SectionsAhead ahead = sections_ahead(circuit, outlook());; ahead.step()) {
+  for (zone::SectionLookAhead ahead = section_look_ahead(circuit, outlook());; ahead.step()) {
     const zone::SectionId id = ahead.section();
     end_m += circuit.section(id).length_m();
     if (end_m > joint_gate_m()) return 0.0;
@@ -309,7 +309,7 @@ PositionEstimator::Near PositionEstimator::sections_near(double reach_m) const {
   const zone::Place here = place();
   Near near;
   double end_m = circuit.section(here.section).length_m() - here.s_m;
-  for (zone::SectionsAhead ahead = sections_ahead(circuit, outlook());
+  for (zone::SectionLookAhead ahead = section_look_ahead(circuit, outlook());
        near.add(ahead.section()) && end_m <= reach_m && ahead.step();)
     end_m += circuit.section(ahead.section()).length_m();
   double start_m = here.s_m;

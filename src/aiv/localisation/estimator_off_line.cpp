@@ -112,7 +112,7 @@ void PositionEstimator::begin_manoeuvre(Rolled& rolled) {
   // It turns where the line bends, so it is there.
   const zone::Circuit& circuit = zone_.circuit;
   double end_m = -place().s_m;
-  for (zone::SectionsAhead ahead = sections_ahead(circuit, outlook());;) {
+  for (zone::SectionLookAhead ahead = section_look_ahead(circuit, outlook());;) {
     const zone::SectionId id = ahead.section();
     end_m += circuit.section(id).length_m();
     if (end_m > joint_gate_m()) break;

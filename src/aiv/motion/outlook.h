@@ -21,7 +21,7 @@ struct Outlook {
   std::optional<Pose2> X_MB{};
 };
 
-[[nodiscard]] inline zone::SectionsAhead sections_ahead(const zone::Circuit& circuit, const Outlook& outlook) {
+[[nodiscard]] inline zone::SectionLookAhead section_look_ahead(const zone::Circuit& circuit, const Outlook& outlook) {
   return {circuit, outlook.here.section, outlook.coming};
 }
 

@@ -135,7 +135,7 @@ void OnboardCore::Parts::on_message(const wire::Input& input, wire::Effects& eff
   const wire::ServerTopics& topics = server.topics();
   if (input.source == topics.heartbeat) {
     if (!input.flag) supervision.server_heard(input.at);
-  } else if (input.source == session.ahead_topic()) {
+  } else if (input.source == session.virtual_obstacles_topic()) {
     on_virtual_bodies(input, effects);
   } else if (input.source == session.order_topic()) {
     orders.on_order(input, context.get(), effects);
@@ -351,7 +351,7 @@ std::vector<std::string> OnboardCore::subscriptions() const {
   return {session.owner_topic(),
           session.order_topic(),
           session.instant_actions_topic(),
-          session.ahead_topic(),
+          session.virtual_obstacles_topic(),
           session.estimate_request_topic(),
           std::string(wire::server_heartbeat_topic),
           std::string(wire::server_connection_topic),

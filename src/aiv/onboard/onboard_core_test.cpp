@@ -118,7 +118,7 @@ TEST(Onboard, subscribes_to_what_concerns_it) {
   EXPECT_THAT(
       OnboardBench{}.core->subscriptions(),
       ElementsAre("cosiva/v1/owner/CoSiVA/AIV1", "uagv/v2/CoSiVA/AIV1/order", "uagv/v2/CoSiVA/AIV1/instantActions",
-                  "cosiva/v1/ahead/CoSiVA/AIV1", "cosiva/v1/estimate/request/CoSiVA/AIV1", "cosiva/v1/server/heartbeat",
+                  "cosiva/v1/virtual_obstacles/CoSiVA/AIV1", "cosiva/v1/estimate/request/CoSiVA/AIV1", "cosiva/v1/server/heartbeat",
                   "cosiva/v1/server/connection", "cosiva/v1/zone/+"));
 }
 

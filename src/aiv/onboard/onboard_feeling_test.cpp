@@ -40,14 +40,14 @@ struct Driving : OnboardBench {
   }
   [[nodiscard]] double s_m() const { return truth.place(lacet4().circuit).s_m; }
 
-  void hear_ahead(std::vector<wire::Body> bodies) {
-    hear(wire::own_topic(wire::ahead_topic_prefix, me),
-         to_json(wire::Ahead{++aheads, now, "lacet4", std::move(bodies)}));
+  void receive_virtual_obstacles(std::vector<wire::Body> bodies) {
+    hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, me),
+         to_json(wire::VirtualObstacles{++aheads, now, "lacet4", std::move(bodies)}));
   }
   /// As a server does: ten times a second, for `seconds`.
   void run_with(const std::vector<wire::Body>& bodies, double seconds) {
     for (int i = 0; i < static_cast<int>(seconds * 10.0); ++i) {
-      hear_ahead(bodies);
+      receive_virtual_obstacles(bodies);
       run(0.1);
     }
   }
@@ -63,13 +63,13 @@ struct Driving : OnboardBench {
 
 // --- Ahead and Felt -----------------------------------------------------------------------------------------------
 
-TEST(Feeling, the_first_ahead_is_answered_though_there_is_nothing) {
+TEST(Feeling, the_first_virtual_obstacles_are_acknowledged_even_when_empty) {
   Driving bench;
-  bench.hear_ahead({});
+  bench.receive_virtual_obstacles({});
   ASSERT_THAT(bench.felts, SizeIs(1));
   EXPECT_EQ(bench.felts[0], (wire::Felt{1, bench.now, false, "", std::nullopt}));
   for (int i = 0; i < 30; ++i) {
-    bench.hear_ahead({});
+    bench.receive_virtual_obstacles({});
     bench.run(0.1);
   }
   EXPECT_THAT(bench.felts, SizeIs(3)) << "nothing changed: once a second, since one may be lost";
@@ -77,12 +77,12 @@ TEST(Feeling, the_first_ahead_is_answered_though_there_is_nothing) {
 
 TEST(Feeling, a_body_on_the_way_is_decided_on_at_once) {
   Driving bench;
-  bench.hear_ahead({});
+  bench.receive_virtual_obstacles({});
   const int drives = bench.drives;
-  bench.hear_ahead({Driving::person(bench.s_m() + 0.4)});
+  bench.receive_virtual_obstacles({Driving::person(bench.s_m() + 0.4)});
   EXPECT_EQ(bench.drives, drives + 1) << "its motors were told before anything else happened";
   ASSERT_THAT(bench.felts, SizeIs(2));
-  EXPECT_EQ(bench.felts[1].ahead_header_id, 2U);
+  EXPECT_EQ(bench.felts[1].virtual_obstacles_header_id, 2U);
   EXPECT_EQ(bench.felts[1].decided, bench.now);
   EXPECT_TRUE(bench.felts[1].braking);
   EXPECT_EQ(bench.felts[1].body, "P1");
@@ -99,7 +99,7 @@ TEST(Feeling, it_stops_before_a_person_and_goes_on_when_the_person_is_gone) {
   EXPECT_TRUE(bench.state().field_violation);
   EXPECT_FALSE(bench.state().driving);
   EXPECT_THAT(bench.state().errors, IsEmpty()) << "an obstacle is no fault";
-  bench.hear_ahead({});
+  bench.receive_virtual_obstacles({});
   EXPECT_FALSE(bench.felts.back().braking);
   EXPECT_EQ(bench.felts.back().body, "");
   bench.run(1.0);
@@ -110,7 +110,7 @@ TEST(Feeling, it_stops_before_a_person_and_goes_on_when_the_person_is_gone) {
 TEST(Feeling, a_body_far_ahead_is_felt_without_braking_until_it_comes_near) {
   Driving bench;
   const std::vector<wire::Body> bodies{Driving::person(bench.s_m() + 1.2)};
-  bench.hear_ahead(bodies);
+  bench.receive_virtual_obstacles(bodies);
   ASSERT_THAT(bench.felts, SizeIs(1));
   EXPECT_FALSE(bench.felts[0].braking);
   bench.run_with(bodies, 4.0);
@@ -125,24 +125,24 @@ TEST(Feeling, a_body_far_ahead_is_felt_without_braking_until_it_comes_near) {
 TEST(Feeling, who_comes_or_goes_is_answered_though_it_does_not_brake) {
   Driving bench;
   const wire::Body far = Driving::person(bench.s_m() + 1.2);
-  bench.hear_ahead({});
-  bench.hear_ahead({far});
-  bench.hear_ahead({far});
+  bench.receive_virtual_obstacles({});
+  bench.receive_virtual_obstacles({far});
+  bench.receive_virtual_obstacles({far});
   ASSERT_THAT(bench.felts, SizeIs(2));
-  bench.hear_ahead({Driving::person(bench.s_m() + 1.25, "P2"), far});
-  bench.hear_ahead({far, Driving::person(bench.s_m() + 1.25, "P2")});
+  bench.receive_virtual_obstacles({Driving::person(bench.s_m() + 1.25, "P2"), far});
+  bench.receive_virtual_obstacles({far, Driving::person(bench.s_m() + 1.25, "P2")});
   ASSERT_THAT(bench.felts, SizeIs(3)) << "their order is no news";
-  bench.hear_ahead({});
+  bench.receive_virtual_obstacles({});
   ASSERT_THAT(bench.felts, SizeIs(4));
-  EXPECT_EQ(bench.felts.back().ahead_header_id, 6U);
+  EXPECT_EQ(bench.felts.back().virtual_obstacles_header_id, 6U);
 }
 
 TEST(Feeling, is_told_again_when_the_broker_is_back) {
   Driving bench;
-  bench.hear_ahead({});
+  bench.receive_virtual_obstacles({});
   bench.link(false);
   bench.link(true);
-  bench.hear_ahead({});
+  bench.receive_virtual_obstacles({});
   EXPECT_THAT(bench.felts, SizeIs(2));
 }
 
@@ -150,9 +150,9 @@ TEST(Feeling, another_body_that_comes_before_the_first_is_answered) {
   Driving bench;
   const double there_m = bench.s_m() + 0.6;
   bench.run_with({Driving::person(there_m)}, 3.0);
-  bench.hear_ahead({Driving::person(there_m), Driving::person(there_m - 0.1, "P2")});
+  bench.receive_virtual_obstacles({Driving::person(there_m), Driving::person(there_m - 0.1, "P2")});
   EXPECT_EQ(bench.felts.back().body, "P2");
-  EXPECT_EQ(bench.felts.back().ahead_header_id, bench.aheads);
+  EXPECT_EQ(bench.felts.back().virtual_obstacles_header_id, bench.aheads);
 }
 
 TEST(Feeling, a_person_who_walks_across_makes_it_stop_once_and_go_once) {
@@ -166,7 +166,7 @@ TEST(Feeling, a_person_who_walks_across_makes_it_stop_once_and_go_once) {
       const Point2 ahead = X_MP * Point2{0.0, 1.0};
       const double vx = 0.24 * (ahead.x_m - X_MP.x_m);
       const double vy = 0.24 * (ahead.y_m - X_MP.y_m);
-      bench.hear_ahead({{"P1", "person", p.x_m, p.y_m, 0.0, 0.0, radius_m, vx, vy}});
+      bench.receive_virtual_obstacles({{"P1", "person", p.x_m, p.y_m, 0.0, 0.0, radius_m, vx, vy}});
     }
     bench.step();
     stops += !stood && bench.speed_mps == 0.0 ? 1 : 0;
@@ -187,7 +187,7 @@ TEST(Feeling, is_forgotten_after_a_second_without_news_and_that_is_told) {
   EXPECT_GT(bench.speed_mps, 0.0);
   EXPECT_FALSE(bench.felts.back().braking);
   const std::size_t before = bench.felts.size();
-  bench.hear_ahead({});
+  bench.receive_virtual_obstacles({});
   EXPECT_THAT(bench.felts, SizeIs(before + 1)) << "the first one of a new beginning is answered";
 }
 
@@ -211,26 +211,26 @@ TEST(Feeling, outlasts_a_server_that_died_and_came_back) {
   bench.run(0.9);
   EXPECT_EQ(bench.speed_mps, 0.0) << "the new one had no time yet to say what stands there";
   bench.aheads = 0;
-  bench.hear_ahead({Driving::person(bench.s_m() + 0.3)});
-  EXPECT_EQ(bench.felts.back().ahead_header_id, 1U) << "a new server hears that this vehicle feels";
+  bench.receive_virtual_obstacles({Driving::person(bench.s_m() + 0.3)});
+  EXPECT_EQ(bench.felts.back().virtual_obstacles_header_id, 1U) << "a new server hears that this vehicle feels";
 }
 
-TEST(Feeling, a_malformed_ahead_is_refused_with_one_line_per_kind_and_changes_nothing) {
+TEST(Feeling, malformed_virtual_obstacles_are_refused_with_one_line_per_kind_and_change_nothing) {
   Driving bench;
-  const std::string topic = wire::own_topic(wire::ahead_topic_prefix, me);
+  const std::string topic = wire::own_topic(wire::virtual_obstacles_topic_prefix, me);
   const std::vector<wire::Body> bodies{Driving::person(bench.s_m() + 0.5)};
   bench.run_with(bodies, 3.0);
-  const std::string good = to_json(wire::Ahead{99, bench.now, "lacet4", {}});
+  const std::string good = to_json(wire::VirtualObstacles{99, bench.now, "lacet4", {}});
   for (int i = 0; i < 5; ++i) {
     for (const std::string& text :
          {std::string(), std::string("{"), good.substr(0, good.size() - 1), std::string(R"({"headerId":1})"),
-          std::string(40000, ' ') + good, to_json(wire::Ahead{99, bench.now, "elsewhere", {}})})
+          std::string(40000, ' ') + good, to_json(wire::VirtualObstacles{99, bench.now, "elsewhere", {}})})
       bench.hear(topic, text);
-    bench.hear_ahead(bodies);
+    bench.receive_virtual_obstacles(bodies);
     bench.run(0.1);
   }
   EXPECT_EQ(bench.speed_mps, 0.0);
-  for (auto felt = bench.felts.rbegin(); felt != bench.felts.rend() && felt->ahead_header_id > 30; ++felt)
+  for (auto felt = bench.felts.rbegin(); felt != bench.felts.rend() && felt->virtual_obstacles_header_id > 30; ++felt)
     EXPECT_EQ(felt->body, "P1");
   const auto warnings = bench.warnings();
   EXPECT_THAT(warnings, SizeIs(3)) << "not JSON, a field, another map";
@@ -240,18 +240,18 @@ TEST(Feeling, a_malformed_ahead_is_refused_with_one_line_per_kind_and_changes_no
 TEST(Feeling, complains_of_at_most_sixteen_kinds_of_fault) {
   Driving bench;
   for (int i = 0; i < 32; ++i) {
-    wire::Ahead ahead{1, bench.now, "lacet4", std::vector<wire::Body>(32, Driving::person(0.5))};
+    wire::VirtualObstacles ahead{1, bench.now, "lacet4", std::vector<wire::Body>(32, Driving::person(0.5))};
     ahead.bodies[static_cast<std::size_t>(i)].radius_m = -1.0;
-    bench.hear(wire::own_topic(wire::ahead_topic_prefix, me), to_json(ahead));
+    bench.hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, me), to_json(ahead));
   }
   EXPECT_THAT(bench.warnings(), SizeIs(16));
 }
 
 TEST(Feeling, hears_neither_what_is_retained_nor_what_is_for_another) {
   Driving bench;
-  const std::string text = to_json(wire::Ahead{1, bench.now, "lacet4", {Driving::person(bench.s_m() + 0.4)}});
-  bench.hear(wire::own_topic(wire::ahead_topic_prefix, me), text, true);
-  bench.hear(wire::own_topic(wire::ahead_topic_prefix, {"CoSiVA", "AIV2"}), text);
+  const std::string text = to_json(wire::VirtualObstacles{1, bench.now, "lacet4", {Driving::person(bench.s_m() + 0.4)}});
+  bench.hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, me), text, true);
+  bench.hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, {"CoSiVA", "AIV2"}), text);
   bench.run(0.2);
   EXPECT_THAT(bench.felts, IsEmpty());
   EXPECT_GT(bench.speed_mps, 0.39);
@@ -261,14 +261,14 @@ TEST(Feeling, before_there_is_a_zone_or_a_place_harms_nothing) {
   OnboardBench::Setup setup;
   setup.zone_told = false;
   OnboardBench no_zone{setup};
-  const std::string text = to_json(wire::Ahead{1, no_zone.now, "lacet4", {Driving::person(0.4)}});
-  no_zone.hear(wire::own_topic(wire::ahead_topic_prefix, me), text);
+  const std::string text = to_json(wire::VirtualObstacles{1, no_zone.now, "lacet4", {Driving::person(0.4)}});
+  no_zone.hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, me), text);
   no_zone.run(0.2);
   EXPECT_THAT(no_zone.felts, IsEmpty());
   setup.zone_told = true;
   setup.start.reset();
   OnboardBench no_place{setup};
-  no_place.hear(wire::own_topic(wire::ahead_topic_prefix, me), text);
+  no_place.hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, me), text);
   no_place.run(0.2);
   ASSERT_THAT(no_place.felts, SizeIs(1));
   EXPECT_FALSE(no_place.felts[0].braking);

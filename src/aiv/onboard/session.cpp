@@ -30,7 +30,7 @@ Session::Session(wire::VehicleId id, std::string_view interface_name, bool as_va
       state_topic_{wire::vda_topic(id_, "state", interface_name)},
       visualization_topic_{wire::vda_topic(id_, "visualization", interface_name)},
       factsheet_topic_{wire::vda_topic(id_, "factsheet", interface_name)},
-      ahead_topic_{wire::own_topic(wire::ahead_topic_prefix, id_)},
+      virtual_obstacles_topic_{wire::own_topic(wire::virtual_obstacles_topic_prefix, id_)},
       owner_topic_{wire::own_topic(wire::owner_topic_prefix, id_)},
       felt_topic_{wire::own_topic(wire::felt_topic_prefix, id_)},
       estimate_request_topic_{wire::own_topic(wire::estimate_request_topic_prefix, id_)},

@@ -25,7 +25,7 @@ class Session {
   [[nodiscard]] const std::string& order_topic() const { return order_topic_; }
   [[nodiscard]] const std::string& instant_actions_topic() const { return instant_actions_topic_; }
 
-  [[nodiscard]] const std::string& ahead_topic() const { return ahead_topic_; }
+  [[nodiscard]] const std::string& virtual_obstacles_topic() const { return virtual_obstacles_topic_; }
   [[nodiscard]] const std::string& owner_topic() const { return owner_topic_; }
   [[nodiscard]] const std::string& estimate_request_topic() const { return estimate_request_topic_; }
 
@@ -62,7 +62,7 @@ class Session {
   std::string state_topic_;
   std::string visualization_topic_;
   std::string factsheet_topic_;
-  std::string ahead_topic_;
+  std::string virtual_obstacles_topic_;
   std::string owner_topic_;
   std::string felt_topic_;
   std::string estimate_request_topic_;

@@ -20,7 +20,7 @@ bool VirtualPerception::on_bodies(SimTime now, const wire::Input& input, Driving
     errors_.report(std::move(kind), "ahead not used: " + why, effects);
     return false;
   };
-  auto list = wire::ahead_from_json(input.payload);
+  auto list = wire::virtual_obstacles_from_json(input.payload);
   if (!list) return refuse(list.error().code + " " + list.error().place, to_string(list.error()));
   const std::string& map_id = context.zone().name;
   if (list->map_id != map_id) return refuse("map", "it is of map '" + list->map_id + "', this is '" + map_id + "'");
@@ -36,7 +36,7 @@ bool VirtualPerception::on_bodies(SimTime now, const wire::Input& input, Driving
 
 void VirtualPerception::acknowledge(SimTime now, const DrivingContext& context, Session& session,
                                     wire::Effects& effects) {
-  const bool responded = response_.decided == now && response_.ahead_header_id == context.virtual_bodies().header_id();
+  const bool responded = response_.decided == now && response_.virtual_obstacles_header_id == context.virtual_bodies().header_id();
   const bool other_body = context.agent().decision().braking_for_felt && contact_.body != response_.body;
   const bool due = std::exchange(ack_due_, false) || other_body;
   if (due && !responded) respond(now, context, session, effects);

@@ -8,7 +8,7 @@
 
 namespace cosiva::aiv {
 
-/// Perception of virtual bodies: takes the server's list of them (wire::Ahead), finds the first one in the corridor for
+/// Perception of virtual bodies: takes the server's list of them (wire::VirtualObstacles), finds the first one in the corridor for
 /// each decision, and responds to the server (wire::Felt).
 ///
 /// Invariant: a response names a body and its distance exactly when the vehicle brakes for this body.

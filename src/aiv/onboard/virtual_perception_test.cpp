@@ -20,7 +20,7 @@ struct VirtualPerceptionTest : ::testing::Test {
   /// True: the list was accepted. Then the vehicle has decided and acknowledged.
   bool list(std::uint32_t header_id, const std::string& map_id = "lacet4", bool retained = false) {
     effects.clear();
-    wire::Ahead bodies;
+    wire::VirtualObstacles bodies;
     bodies.header_id = header_id;
     bodies.timestamp = now;
     bodies.map_id = map_id;

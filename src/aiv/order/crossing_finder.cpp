@@ -24,7 +24,7 @@ void CrossingFinder::ahead(const Outlook& outlook, double reach_m, std::size_t c
   out.clear();
   double start_m = -outlook.here.s_m;  // of the present section, seen from here
   double chained_to_m = reach_m;       // so far a crossing still counts
-  zone::SectionsAhead ahead = sections_ahead(circuit_, outlook);
+  zone::SectionLookAhead ahead = section_look_ahead(circuit_, outlook);
   // Twice round is more than any chain needs; it ends the search on a ring that is one chain.
   for (std::size_t steps = 0; steps < 2 * circuit_.size() && start_m <= chained_to_m; ++steps) {
     for (const Span& span : spans_[ahead.section()]) {

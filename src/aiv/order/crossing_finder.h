@@ -16,7 +16,7 @@ struct CrossingSpan {
   double chain_exit_m{};  ///< of the last crossing that follows too closely to stand before it
 };
 
-/// Which crossings a vehicle comes to, by name, where CrossingsAhead tells only that there is one.
+/// Which crossings a vehicle comes to, by name, where CrossingLookAhead tells only that there is one.
 class CrossingFinder {
  public:
   explicit CrossingFinder(const zone::TrafficZone& zone);

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "cosiva/aiv/perception/way_ahead.h"
+#include "cosiva/aiv/perception/path_look_ahead.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/wire/own/own_messages.h"
 #include "cosiva/zone/layout/traffic_zone.h"
@@ -33,7 +33,7 @@ class BodyGap {
 
   const zone::TrafficZone& zone_;
   Model model_;
-  WayAhead way_;
+  PathLookAhead way_;
   Pose2 X_BM_;
 };
 

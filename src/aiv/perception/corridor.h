@@ -5,7 +5,7 @@
 #include <limits>
 #include <optional>
 
-#include "cosiva/aiv/perception/way_ahead.h"
+#include "cosiva/aiv/perception/path_look_ahead.h"
 #include "cosiva/wire/messages/board.h"
 #include "cosiva/zone/layout/traffic_zone.h"
 
@@ -58,7 +58,7 @@ class Corridor {
 
   const zone::TrafficZone& zone_;
   Model model_;
-  WayAhead way_;
+  PathLookAhead way_;
 };
 
 /// The median of the last three frames: neither one echo missed nor one echo too many changes what the agent does.

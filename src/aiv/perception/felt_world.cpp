@@ -7,7 +7,7 @@ namespace cosiva::aiv {
 
 FeltWorld::FeltWorld(const zone::TrafficZone& zone, Model model) : model_{model}, gap_{zone, model.look} {}
 
-bool FeltWorld::hear(SimTime now, wire::Ahead ahead) {
+bool FeltWorld::hear(SimTime now, wire::VirtualObstacles ahead) {
   const auto was_there = [this](const wire::Body& body) {
     return std::ranges::find(ahead_.bodies, body.id, &wire::Body::id) != ahead_.bodies.end();
   };

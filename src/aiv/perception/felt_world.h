@@ -14,7 +14,7 @@
 
 namespace cosiva::aiv {
 
-/// What the vehicle is told of the virtual world near its way (wire::Ahead), as its skin would feel it: where the first
+/// What the vehicle is told of the virtual world near its way (wire::VirtualObstacles), as its skin would feel it: where the first
 /// body stands in the corridor that Corridor looks through, too.
 class FeltWorld {
  public:
@@ -27,7 +27,7 @@ class FeltWorld {
   FeltWorld(const zone::TrafficZone& zone, Model model);
 
   /// Replaces what was heard before. True when somebody came or went since.
-  bool hear(SimTime now, wire::Ahead ahead);
+  bool hear(SimTime now, wire::VirtualObstacles ahead);
   /// Nobody could have told anything since: the memory counts from now on. What moves is not carried on any longer.
   void excuse_silence(SimTime now) { news_at_ = news_at_ ? std::optional{now} : std::nullopt; }
   void forget();
@@ -50,7 +50,7 @@ class FeltWorld {
  private:
   Model model_;
   BodyGap gap_;
-  wire::Ahead ahead_;
+  wire::VirtualObstacles ahead_;
   SimTime heard_at_{};
   std::optional<SimTime> news_at_;  ///< what the memory counts from; nothing: it knows nothing
 };

@@ -62,7 +62,7 @@ bool has_place(const Agent& agent, const zone::TrafficZone& zone) {
 }
 
 void add_way(const Agent& agent, const zone::TrafficZone& zone, wire::Intent& intent) {
-  zone::SectionsAhead ahead = sections_ahead(zone.circuit, agent.position().outlook());
+  zone::SectionLookAhead ahead = section_look_ahead(zone.circuit, agent.position().outlook());
   double left_m = intent_reach_m + agent.position().place().s_m;
   for (std::size_t i = 0; i < wire::Intent::way_max; ++i) {
     left_m -= zone.circuit.section(ahead.section()).length_m();

@@ -108,13 +108,13 @@ zone::Circuit::Located Twin::locate(const zone::Circuit& circuit, const Pose2& X
 
 zone::Circuit::Located Twin::prefer_course(const zone::Circuit& circuit, const Pose2& X_MB,
                                            zone::Circuit::Located located) const {
-  constexpr std::size_t sections_ahead = 3;
+  constexpr std::size_t section_look_ahead = 3;
   const auto coming = course_.coming();
   const auto gone = course_.gone();
   std::vector<zone::SectionId> candidates;
   if (!course_.empty()) candidates.push_back(course_.here());
   candidates.insert(candidates.end(), coming.begin(),
-                    coming.begin() + static_cast<std::ptrdiff_t>(std::min(coming.size(), sections_ahead)));
+                    coming.begin() + static_cast<std::ptrdiff_t>(std::min(coming.size(), section_look_ahead)));
   if (std::ranges::find(candidates, located.place.section) != candidates.end()) return located;
   // Where it came from counts last: where sections lie on one another it is on the one that it goes along.
   if (!gone.empty()) candidates.push_back(gone.back());

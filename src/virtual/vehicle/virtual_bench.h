@@ -53,8 +53,8 @@ class VirtualBench {
     return first_zone_.waypoints[first_zone_.waypoint_behind(aiv.place())].id;
   }
   void ahead(std::vector<wire::Body> bodies) {
-    hear(wire::own_topic(wire::ahead_topic_prefix, aiv.id()),
-         to_json(wire::Ahead{++aheads_, now, first_zone_.name, std::move(bodies)}));
+    hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, aiv.id()),
+         to_json(wire::VirtualObstacles{++aheads_, now, first_zone_.name, std::move(bodies)}));
   }
   void zone(const zone::ZoneConfiguration& configuration) {
     aiv.zone(now, configuration, effects_);

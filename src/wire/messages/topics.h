@@ -25,8 +25,8 @@ inline constexpr std::string_view plant_command_topic = "cosiva/v1/plant/command
 /// of its messages, both ways. Real vehicles do not listen.
 inline constexpr std::string_view plant_radio_topic = "cosiva/v1/plant/radio";
 
-/// Server → one vehicle: what of the virtual world stands near its way (wire::Ahead).
-inline constexpr std::string_view ahead_topic_prefix = "cosiva/v1/ahead/";
+/// Server → one vehicle: what of the virtual world stands near its way (wire::VirtualObstacles).
+inline constexpr std::string_view virtual_obstacles_topic_prefix = "cosiva/v1/virtual_obstacles/";
 /// Vehicle → server: it has taken an Ahead into account (wire::Felt).
 inline constexpr std::string_view felt_topic_prefix = "cosiva/v1/felt/";
 /// Vehicle → server: the obstacle its DOBS sees in its way, or none any more (wire::Seen).

@@ -97,7 +97,7 @@ void read_ranges(Fields& in, Ranges& ranges) {
 
 }  // namespace
 
-std::string to_json(const Ahead& ahead) {
+std::string to_json(const VirtualObstacles& ahead) {
   JsonWriter json;
   json.begin_object()
       .field("headerId", ahead.header_id)
@@ -121,12 +121,12 @@ std::string to_json(const Ahead& ahead) {
   return json.end_array().end_object().take();
 }
 
-Result<Ahead> ahead_from_json(std::string_view text) {
-  return read_message<Ahead>(text, [](Fields& in, Ahead& ahead) {
+Result<VirtualObstacles> virtual_obstacles_from_json(std::string_view text) {
+  return read_message<VirtualObstacles>(text, [](Fields& in, VirtualObstacles& ahead) {
     in.whole("headerId", ahead.header_id);
     in.time("timestamp", ahead.timestamp);
     in.text("mapId", ahead.map_id);
-    in.list("bodies", Ahead::bodies_max, [&](const JsonValue& item, const std::string& name) {
+    in.list("bodies", VirtualObstacles::bodies_max, [&](const JsonValue& item, const std::string& name) {
       Fields fields{item, name + "."};
       read_body(fields, ahead.bodies.emplace_back());
       in.take_over(fields.error());
@@ -137,7 +137,7 @@ Result<Ahead> ahead_from_json(std::string_view text) {
 std::string to_json(const Felt& felt) {
   JsonWriter json;
   json.begin_object()
-      .field("aheadHeaderId", felt.ahead_header_id)
+      .field("virtualObstaclesHeaderId", felt.virtual_obstacles_header_id)
       .field("decided", to_iso8601(felt.decided))
       .field("braking", felt.braking)
       .field("body", felt.body);
@@ -147,7 +147,7 @@ std::string to_json(const Felt& felt) {
 
 Result<Felt> felt_from_json(std::string_view text) {
   return read_message<Felt>(text, [](Fields& in, Felt& felt) {
-    in.whole("aheadHeaderId", felt.ahead_header_id);
+    in.whole("virtualObstaclesHeaderId", felt.virtual_obstacles_header_id);
     in.time("decided", felt.decided);
     in.flag("braking", felt.braking);
     in.text("body", felt.body);

@@ -34,13 +34,13 @@ struct Body {
 /// body comes, goes or leaps, every 100 ms while there is any, and five times empty after the last one went. The
 /// vehicle treats the bodies as its own obstacle detection's readings (DOBS), carries moving ones on, and forgets all
 /// of it after a second without news while its server beats.
-struct Ahead {
+struct VirtualObstacles {
   std::uint32_t header_id{};
   SimTime timestamp{};
   std::string map_id;
   std::vector<Body> bodies;  ///< at most bodies_max, nearest first
   static constexpr std::size_t bodies_max = 32;
-  friend bool operator==(const Ahead&, const Ahead&) = default;
+  friend bool operator==(const VirtualObstacles&, const VirtualObstacles&) = default;
 };
 
 /// Vehicle → server: the first Ahead it heard, and then every one with which somebody came or went or after which its
@@ -48,7 +48,7 @@ struct Ahead {
 /// answered anyway, because answers may be lost. Where it begins or ends to brake between two of them, the last is
 /// named.
 struct Felt {
-  std::uint32_t ahead_header_id{};
+  std::uint32_t virtual_obstacles_header_id{};
   SimTime decided{};
   bool braking{};                    ///< its speed is limited by a virtual body
   std::string body;                  ///< by which; empty: none
@@ -102,12 +102,12 @@ struct Radio {
   friend bool operator==(const Radio&, const Radio&) = default;
 };
 
-[[nodiscard]] std::string to_json(const Ahead& ahead);
+[[nodiscard]] std::string to_json(const VirtualObstacles& ahead);
 [[nodiscard]] std::string to_json(const Felt& felt);
 [[nodiscard]] std::string to_json(const Seen& seen);
 [[nodiscard]] std::string to_json(const BoardsReport& report);
 [[nodiscard]] std::string to_json(const Radio& radio);
-[[nodiscard]] Result<Ahead> ahead_from_json(std::string_view json);
+[[nodiscard]] Result<VirtualObstacles> virtual_obstacles_from_json(std::string_view json);
 [[nodiscard]] Result<Felt> felt_from_json(std::string_view json);
 [[nodiscard]] Result<Seen> seen_from_json(std::string_view json);
 [[nodiscard]] Result<BoardsReport> boards_report_from_json(std::string_view json);

@@ -34,9 +34,9 @@ std::string name(Random& random) {
   return coin(random) ? text : text + "\xC3\xBC";
 }
 
-Ahead draw_ahead(Random& random) {
-  Ahead ahead{whole<std::uint32_t>(random), time(random), name(random), {}};
-  const std::size_t count = random.next() % (Ahead::bodies_max + 1);
+VirtualObstacles draw_virtual_obstacles(Random& random) {
+  VirtualObstacles ahead{whole<std::uint32_t>(random), time(random), name(random), {}};
+  const std::size_t count = random.next() % (VirtualObstacles::bodies_max + 1);
   for (std::size_t i = 0; i < count; ++i) {
     ahead.bodies.push_back({name(random), name(random), place(random), place(random), random.uniform(-pi, pi),
                             random.uniform(0, 10), random.uniform(0, 10), random.uniform(-2, 2),
@@ -91,7 +91,7 @@ bool survives_the_wire(Message (*draw)(Random&), Result<Message> (*read)(std::st
   });
 }
 
-TEST(OwnMessages, read_back_every_ahead_they_write) { EXPECT_TRUE(survives_the_wire(draw_ahead, ahead_from_json)); }
+TEST(OwnMessages, read_back_all_virtual_obstacles_they_write) { EXPECT_TRUE(survives_the_wire(draw_virtual_obstacles, virtual_obstacles_from_json)); }
 TEST(OwnMessages, read_back_every_felt_they_write) { EXPECT_TRUE(survives_the_wire(draw_felt, felt_from_json)); }
 TEST(OwnMessages, read_back_every_seen_they_write) { EXPECT_TRUE(survives_the_wire(draw_seen, seen_from_json)); }
 TEST(OwnMessages, read_back_every_boards_report_they_write) {
@@ -103,11 +103,11 @@ TEST(OwnMessages, read_back_every_radio_they_write) { EXPECT_TRUE(survives_the_w
 
 TEST(OwnMessages, are_written_as_their_page_shows) {
   const SimTime at = parse_iso8601("2026-01-01T00:00:00.004Z").value();
-  EXPECT_EQ(to_json(Ahead{7, at, "lacet4", {{"P1", "person", 0.4, -0.15, 0.0, 0.0, 0.06, 0.0, 0.1}}}),
+  EXPECT_EQ(to_json(VirtualObstacles{7, at, "lacet4", {{"P1", "person", 0.4, -0.15, 0.0, 0.0, 0.06, 0.0, 0.1}}}),
             R"({"headerId":7,"timestamp":"2026-01-01T00:00:00.004Z","mapId":"lacet4","bodies":[{"id":"P1",)"
             R"("kind":"person","x":0.4,"y":-0.15,"heading":0,"length":0,"radius":0.06,"vx":0,"vy":0.1}]})");
   EXPECT_EQ(to_json(Felt{7, at, true, "P1", 0.31}),
-            R"({"aheadHeaderId":7,"decided":"2026-01-01T00:00:00.004Z","braking":true,"body":"P1","distance":0.31})");
+            R"({"virtualObstaclesHeaderId":7,"decided":"2026-01-01T00:00:00.004Z","braking":true,"body":"P1","distance":0.31})");
   EXPECT_EQ(to_json(Seen{3, at, "lacet4", Seen::Thing{1.17, -1.17, 0.05, 0.42}, 0.42}),
             R"({"headerId":3,"timestamp":"2026-01-01T00:00:00.004Z","mapId":"lacet4",)"
             R"("thing":{"x":1.17,"y":-1.17,"radius":0.05,"distance":0.42},"clear":0.42})");
@@ -132,7 +132,7 @@ TEST(OwnMessages, may_hold_fields_that_the_reader_does_not_know) {
 }
 
 TEST(OwnMessages, hold_as_many_bodies_with_as_long_names_as_allowed) {
-  Ahead ahead{4294967295U, virtual_epoch, "lacet4", {}};
+  VirtualObstacles ahead{4294967295U, virtual_epoch, "lacet4", {}};
   const Body body{std::string(128, 'x'),
                   "obstacle",
                   -99999.123456789012,
@@ -142,9 +142,9 @@ TEST(OwnMessages, hold_as_many_bodies_with_as_long_names_as_allowed) {
                   1.0 / 7.0,
                   -1.0 / 3.0,
                   1.0 / 3.0};
-  ahead.bodies.assign(Ahead::bodies_max, body);
+  ahead.bodies.assign(VirtualObstacles::bodies_max, body);
   EXPECT_LT(to_json(ahead).size(), 16U << 10U);
-  EXPECT_EQ(ahead_from_json(to_json(ahead)).value(), ahead);
+  EXPECT_EQ(virtual_obstacles_from_json(to_json(ahead)).value(), ahead);
 }
 
 // --- the bad side ---------------------------------------------------------------------------------------------------
@@ -161,7 +161,7 @@ std::string fault(const Message& good, Result<Message> (*read)(std::string_view)
   return back ? "none" : back.error().code + " " + back.error().place;
 }
 
-const Ahead good_ahead{
+const VirtualObstacles good_virtual_obstacles{
     7,
     virtual_epoch,
     "lacet4",
@@ -169,7 +169,7 @@ const Ahead good_ahead{
 
 TEST(OwnMessages, refuse_a_body_out_of_bounds_naming_the_field) {
   const auto at = [](std::string_view from, std::string_view to) {
-    return fault(good_ahead, ahead_from_json, from, to);
+    return fault(good_virtual_obstacles, virtual_obstacles_from_json, from, to);
   };
   EXPECT_EQ(at(R"("x":0.7)", R"("x":100001)"), "own.field bodies.1.x");
   EXPECT_EQ(at(R"("y":0.7)", R"("y":-1e300)"), "own.field bodies.1.y");
@@ -184,9 +184,9 @@ TEST(OwnMessages, refuse_a_body_out_of_bounds_naming_the_field) {
   EXPECT_EQ(at(R"("id":"P1")", "\"id\":\"" + std::string(129, 'x') + '"'), "own.field bodies.0.id");
 }
 
-TEST(OwnMessages, refuse_an_ahead_of_the_wrong_shape) {
+TEST(OwnMessages, refuse_virtual_obstacles_of_the_wrong_shape) {
   const auto at = [](std::string_view from, std::string_view to) {
-    return fault(good_ahead, ahead_from_json, from, to);
+    return fault(good_virtual_obstacles, virtual_obstacles_from_json, from, to);
   };
   EXPECT_EQ(at(R"("headerId":7)", R"("headerId":-1)"), "own.field headerId");
   EXPECT_EQ(at(R"("headerId":7)", R"("headerId":1.5)"), "own.field headerId");
@@ -196,23 +196,23 @@ TEST(OwnMessages, refuse_an_ahead_of_the_wrong_shape) {
   EXPECT_EQ(at(R"("bodies":[)", R"("bodies":[7,)"), "own.field bodies.0.");
   EXPECT_EQ(at(R"("bodies")", R"("beings")"), "own.field bodies");
   for (const char* text : {"", "null", "[]", "7", "{", "{}", R"({"headerId":7})", "\x00\xFF"})
-    EXPECT_FALSE(ahead_from_json(text)) << text;
-  Ahead crowd = good_ahead;
-  crowd.bodies.resize(Ahead::bodies_max + 1, good_ahead.bodies.front());
-  EXPECT_THAT(ahead_from_json(to_json(crowd)).error().message, HasSubstr("at most 32"));
+    EXPECT_FALSE(virtual_obstacles_from_json(text)) << text;
+  VirtualObstacles crowd = good_virtual_obstacles;
+  crowd.bodies.resize(VirtualObstacles::bodies_max + 1, good_virtual_obstacles.bodies.front());
+  EXPECT_THAT(virtual_obstacles_from_json(to_json(crowd)).error().message, HasSubstr("at most 32"));
 }
 
 TEST(OwnMessages, refuse_what_is_too_long_before_they_look_at_it) {
-  const std::string long_one = to_json(good_ahead) + std::string(16U << 10U, ' ');
-  EXPECT_EQ(ahead_from_json(long_one).error().code, "json.syntax");
+  const std::string long_one = to_json(good_virtual_obstacles) + std::string(16U << 10U, ' ');
+  EXPECT_EQ(virtual_obstacles_from_json(long_one).error().code, "json.syntax");
 }
 
 TEST(OwnMessages, never_take_a_number_that_is_not_finite) {
-  Ahead ahead = good_ahead;
+  VirtualObstacles ahead = good_virtual_obstacles;
   ahead.bodies[0].x_m = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(ahead_from_json(to_json(ahead))) << "written as null";
-  EXPECT_NE(fault(good_ahead, ahead_from_json, R"("x":0.5)", R"("x":1e999)"), "none");
-  EXPECT_NE(fault(good_ahead, ahead_from_json, R"("x":0.5)", R"("x":NaN)"), "none");
+  EXPECT_FALSE(virtual_obstacles_from_json(to_json(ahead))) << "written as null";
+  EXPECT_NE(fault(good_virtual_obstacles, virtual_obstacles_from_json, R"("x":0.5)", R"("x":1e999)"), "none");
+  EXPECT_NE(fault(good_virtual_obstacles, virtual_obstacles_from_json, R"("x":0.5)", R"("x":NaN)"), "none");
 }
 
 TEST(OwnMessages, refuse_a_felt_or_seen_with_wrong_fields) {

@@ -156,7 +156,7 @@ Place Circuit::advance(Place from, double distance_m, std::span<const SectionId>
                        std::span<const SectionId> gone) const {
   COSIVA_EXPECT(from.section < parts_.size() && std::isfinite(distance_m));
   double s = std::clamp(from.s_m, 0.0, section(from.section).length_m()) + distance_m;
-  SectionsAhead ahead{*this, from.section, coming};
+  SectionLookAhead ahead{*this, from.section, coming};
   for (double length_m = section(from.section).length_m(); s > length_m && ahead.step();) {
     s -= length_m;
     length_m = section(ahead.section()).length_m();
@@ -178,7 +178,7 @@ std::optional<double> Circuit::distance_ahead(Place from, Place to, double limit
   if (from.section == to.section && to.s_m >= from.s_m) return within(to.s_m - from.s_m);
 
   double travelled_m = section(from.section).length_m() - from.s_m;  // up to the start of the next one
-  SectionsAhead ahead{*this, from.section, coming};
+  SectionLookAhead ahead{*this, from.section, coming};
   // A default way that comes back to a section it has been on never gets anywhere new.
   for (std::size_t steps = 0; steps < coming.size() + parts_.size() && travelled_m <= limit_m; ++steps) {
     if (!ahead.step()) return std::nullopt;

@@ -11,9 +11,9 @@ namespace cosiva::zone {
 
 /// Goes from section to section along a way: through `coming`, which follows `section`, and from its end along default
 /// successors. Refers to the way, which must outlive it.
-class SectionsAhead {
+class SectionLookAhead {
  public:
-  SectionsAhead(const Circuit& circuit, SectionId section, std::span<const SectionId> coming)
+  SectionLookAhead(const Circuit& circuit, SectionId section, std::span<const SectionId> coming)
       : circuit_{circuit}, coming_{coming}, section_{section} {}
 
   [[nodiscard]] SectionId section() const { return section_; }

@@ -225,8 +225,8 @@ export class Motion {
       if (aiv.feels !== aiv.felt) {
         const braking = aiv.feels !== null;
         aiv.felt = aiv.feels;
-        this.traces.add(this.now, 'AIV_Server', aiv.serial, 'ahead', `cosiva/v1/ahead/${aiv.id}`, braking ? `${aiv.feels} ahead` : 'nothing ahead', { headerId: update, timestamp: new Date(this.now).toISOString(), mapId: map, bodies: this.things.filter((thing) => thing.id === aiv.feels).map(({ id, kind, x, y, heading, radius }) => ({ id, kind, x, y, heading, length: 0, radius, vx: 0, vy: 0 })) });
-        this.traces.add(this.now + 9, aiv.serial, 'AIV_Server', 'felt', `cosiva/v1/felt/${aiv.id}`, braking ? `brakes for ${aiv.feels}` : 'goes on', { aheadHeaderId: update, decided: new Date(this.now + 4).toISOString(), braking, body: aiv.felt ?? '', distance: 0.28 });
+        this.traces.add(this.now, 'AIV_Server', aiv.serial, 'ahead', `cosiva/v1/virtual_obstacles/${aiv.id}`, braking ? `${aiv.feels} ahead` : 'nothing ahead', { headerId: update, timestamp: new Date(this.now).toISOString(), mapId: map, bodies: this.things.filter((thing) => thing.id === aiv.feels).map(({ id, kind, x, y, heading, radius }) => ({ id, kind, x, y, heading, length: 0, radius, vx: 0, vy: 0 })) });
+        this.traces.add(this.now + 9, aiv.serial, 'AIV_Server', 'felt', `cosiva/v1/felt/${aiv.id}`, braking ? `brakes for ${aiv.feels}` : 'goes on', { virtualObstaclesHeaderId: update, decided: new Date(this.now + 4).toISOString(), braking, body: aiv.felt ?? '', distance: 0.28 });
       }
     }
     const second = Math.floor(this.now / 1000);

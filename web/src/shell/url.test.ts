@@ -12,7 +12,7 @@ describe('the address', () => {
 
   it('brings back the whole view', () => {
     const view: ViewState = {
-      frame: 'states', panel: 'alarms', select: 'MAKER & CO/Ä 7#', follow: true, filter: 'stopped east=1', sort: '-battery', agent: 'CoSiVA/AIV1', search_text: 'node 7', kinds_off: ['ahead', 'heartbeat'], diagram: true, theme: 'dark', layers_off: ['tag', 'beacon'],
+      frame: 'states', panel: 'alarms', select: 'MAKER & CO/Ä 7#', follow: true, filter: 'stopped east=1', sort: '-battery', agent: 'CoSiVA/AIV1', search_text: 'node 7', kinds_off: ['virtual_obstacles', 'heartbeat'], diagram: true, theme: 'dark', layers_off: ['tag', 'beacon'],
     };
     expect(there_and_back(view)).toEqual(view);
   });
@@ -41,7 +41,7 @@ describe('the address', () => {
   });
 
   it('tells which communications one looks at', () => {
-    expect(hash_of({ ...default_view, frame: 'traces', agent: 'CoSiVA/AIV1', kinds_off: ['ahead', 'felt'], diagram: true })).toBe('#frame=traces&agent=CoSiVA/AIV1&without=ahead,felt&diagram=1');
+    expect(hash_of({ ...default_view, frame: 'traces', agent: 'CoSiVA/AIV1', kinds_off: ['virtual_obstacles', 'felt'], diagram: true })).toBe('#frame=traces&agent=CoSiVA/AIV1&without=ahead,felt&diagram=1');
   });
 
   it('does not follow nobody', () => expect(hash_of({ ...default_view, follow: true })).toBe(''));

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "cosiva/virtual/server/augmented/ahead.h"
+#include "cosiva/virtual/server/augmented/virtual_obstacle_publisher.h"
 
 namespace cosiva::virtual_side {
 namespace {

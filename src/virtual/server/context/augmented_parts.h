@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cosiva/virtual/server/augmented/ahead.h"
+#include "cosiva/virtual/server/augmented/virtual_obstacle_publisher.h"
 #include "cosiva/virtual/server/augmented/virtual_fleet.h"
 #include "cosiva/virtual/server/augmented/virtual_object_commands.h"
 #include "cosiva/virtual/server/context/master_control.h"

@@ -50,7 +50,7 @@ void OwnReports::on_acknowledged(VehicleIndex vehicle, const wire::Input& input)
   const auto felt = wire::felt_from_json(input.payload);
   if (!felt) return checks_.refuse(vehicle, VehicleTopic::felt, input, felt.error());
   AivProxy& proxy = context_.registry[vehicle];
-  std::string summary = "ahead " + std::to_string(felt->ahead_header_id) + ": ";
+  std::string summary = "ahead " + std::to_string(felt->virtual_obstacles_header_id) + ": ";
   summary += felt->braking ? "brakes for " + felt->body : std::string("nothing to brake for");
   context_.traces.add(context_.now, proxy.name, "AIV_Server", "felt", summary, input.source, input.payload);
   if (!augmented_.virtual_obstacles.on_felt(vehicle, *felt, checks_.server_time(proxy, felt->decided)))

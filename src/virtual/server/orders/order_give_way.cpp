@@ -142,14 +142,14 @@ bool OrderRoller::give_way(VehicleIndex vehicle, Means means, std::span<const Wa
 
 bool OrderRoller::makes_room_by_moving_up(VehicleIndex vehicle, std::span<const Wait> waits) const {
   const Plan& plan = plans_[vehicle];
-  const Traffic::Ahead& ahead = traffic_.ahead(vehicle);
+  const Traffic::Leader& ahead = traffic_.ahead(vehicle);
   if (off_line(vehicle) || plan.waits_for_crossing || plan.waits_why != WaitReason::ahead ||
       plan.waits_for_vehicle != ahead.vehicle || !has_eyes_for(vehicle, ahead.vehicle))
     return false;
   const double up_m = ahead.distance_m - map_->zone().vehicle.length_m - aiv::stand_off_m - seen_too_early_m;
   return up_m > 0.0 && std::ranges::any_of(waits, [&](const Wait& wait) {
            const auto& place = traffic_.place(wait.who);
-           const Traffic::Ahead& before = traffic_.ahead(wait.who);
+           const Traffic::Leader& before = traffic_.ahead(wait.who);
            if (wait.why != WaitReason::ahead || !place || before.vehicle != vehicle) return false;
            const Sections coming = traffic_.coming(wait.who);
            const auto stands_in = [&](double ahead_m) {

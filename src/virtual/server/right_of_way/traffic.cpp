@@ -60,7 +60,7 @@ void Traffic::follow(VehicleIndex vehicle, zone::Place place) {
 void Traffic::look_again(VehicleIndex vehicle) {
   holds_dirty_ = true;
   if (places_dirty_ || map_ == nullptr) return;
-  vehicles_[vehicle].ahead = vehicles_[vehicle].place ? ahead_within(vehicle, -1.0) : Ahead{};
+  vehicles_[vehicle].ahead = vehicles_[vehicle].place ? ahead_within(vehicle, -1.0) : Leader{};
 }
 
 void Traffic::set_course(VehicleIndex vehicle, zone::Course course) {
@@ -147,7 +147,7 @@ void Traffic::update() {
   if (std::exchange(places_dirty_, false)) {
     sort_places();
     for (VehicleIndex i = 0; i < vehicles_.size(); ++i)
-      vehicles_[i].ahead = vehicles_[i].place ? ahead_within(i, -1.0) : Ahead{};
+      vehicles_[i].ahead = vehicles_[i].place ? ahead_within(i, -1.0) : Leader{};
   }
   holds_dirty_ = false;
   settle_holds();
@@ -161,7 +161,7 @@ void Traffic::sort_places() {
 }
 
 void Traffic::look_on(zone::SectionId section, double start_m, double from_s_m, double to_s_m, VehicleIndex self,
-                      Ahead& nearest) const {
+                      Leader& nearest) const {
   for (auto it = std::ranges::lower_bound(by_section_, std::pair{section, VehicleIndex{0}});
        it != by_section_.end() && it->first == section; ++it) {
     const VehicleIndex other = it->second;
@@ -174,15 +174,15 @@ void Traffic::look_on(zone::SectionId section, double start_m, double from_s_m, 
   }
 }
 
-Traffic::Ahead Traffic::ahead_within(VehicleIndex index, double limit_m) const {
+Traffic::Leader Traffic::ahead_within(VehicleIndex index, double limit_m) const {
   const Vehicle& self = vehicles_[index];
   if (limit_m >= 0.0 && (limit_m <= rules_.look_ahead_m || self.ahead.vehicle != no_vehicle)) return self.ahead;
   if (!self.place) return {};
   constexpr double everywhere = std::numeric_limits<double>::infinity();
   const zone::Circuit& circuit = map_->circuit();
   const Sections coming = this->coming(index);
-  Ahead nearest{no_vehicle, std::max(limit_m, rules_.look_ahead_m)};
-  zone::SectionsAhead way{circuit, self.place->section, coming};
+  Leader nearest{no_vehicle, std::max(limit_m, rules_.look_ahead_m)};
+  zone::SectionLookAhead way{circuit, self.place->section, coming};
   look_on(way.section(), 0.0, self.place->s_m, everywhere, index, nearest);
   double travelled_m = circuit.section(way.section()).length_m() - self.place->s_m;
   for (std::size_t steps = 0; steps < coming.size() + circuit.size() && travelled_m <= nearest.distance_m; ++steps) {
@@ -294,7 +294,7 @@ Traffic::Answer Traffic::request(VehicleIndex vehicle, double exit_m, double sto
   mine->crossings.clear();
   map_->crossings_on(*self.place, exit_m, mine->crossings, coming(vehicle));
   const double room_m = exit_m + map_->zone().vehicle.length_m + rules_.room_m;
-  const Ahead ahead = ahead_within(vehicle, room_m);
+  const Leader ahead = ahead_within(vehicle, room_m);
   mine->has_room = ahead.distance_m >= room_m;
 
   const CrossingIndex first = mine->crossings.empty() ? 0 : mine->crossings.front();

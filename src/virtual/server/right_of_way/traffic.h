@@ -111,13 +111,13 @@ class Traffic {
   /// Works out vehicles ahead and holds from places, courses and bases; call after changes and before asking.
   void update();
 
-  struct Ahead {
+  struct Leader {
     VehicleIndex vehicle{no_vehicle};
     double distance_m{std::numeric_limits<double>::infinity()};
   };
-  [[nodiscard]] const Ahead& ahead(VehicleIndex vehicle) const { return vehicles_[vehicle].ahead; }
+  [[nodiscard]] const Leader& ahead(VehicleIndex vehicle) const { return vehicles_[vehicle].ahead; }
   /// Looks as far as `limit_m`, be it further than usual.
-  [[nodiscard]] Ahead ahead_within(VehicleIndex vehicle, double limit_m) const;
+  [[nodiscard]] Leader ahead_within(VehicleIndex vehicle, double limit_m) const;
   /// How far the end of a base may reach from the vehicle's last reported place, where it is to reach `wanted_m`.
   [[nodiscard]] double reach_m(VehicleIndex vehicle, double wanted_m = 0.0) const;
   [[nodiscard]] bool holds_all(VehicleIndex vehicle, double distance_m);
@@ -187,7 +187,7 @@ class Traffic {
     WaypointIndex base_end{no_waypoint};
     bool base_passed{false};
     double base_m_max{};  ///< how long the base can be at most; one that seems longer has been driven to its end
-    Ahead ahead;
+    Leader ahead;
     std::vector<CrossingIndex> needs;
     std::int32_t priority{0};
   };
@@ -199,7 +199,7 @@ class Traffic {
   [[nodiscard]] bool only_follows(VehicleIndex other, VehicleIndex self, const std::vector<CrossingIndex>& crossings);
   void sort_places();
   void look_on(zone::SectionId section, double start_m, double from_s_m, double to_s_m, VehicleIndex self,
-               Ahead& nearest) const;
+               Leader& nearest) const;
   void settle_holds();
   void measure_base(VehicleIndex vehicle);
   void look_again(VehicleIndex vehicle);

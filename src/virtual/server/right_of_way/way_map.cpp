@@ -143,7 +143,7 @@ void WayMap::finish(WaypointIndex from, Stretch& stretch) const {
 }
 
 bool WayMap::is_default(WaypointIndex from, const Stretch& stretch) const {
-  zone::SectionsAhead usual{zone_->circuit, waypoint(from).place.section, {}};
+  zone::SectionLookAhead usual{zone_->circuit, waypoint(from).place.section, {}};
   return std::ranges::all_of(stretch.sections,
                              [&](zone::SectionId section) { return usual.step() && usual.section() == section; });
 }
@@ -326,7 +326,7 @@ void WayMap::crossings_on(zone::Place place, double distance_m, std::vector<Cros
     }
   }
   double at_m = place.s_m;
-  zone::SectionsAhead ahead{circuit, place.section, coming};
+  zone::SectionLookAhead ahead{circuit, place.section, coming};
   for (std::size_t steps = 0; steps <= coming.size() + circuit.size(); ++steps) {
     const bool first = steps == 0;
     const double end_m = circuit.section(ahead.section()).length_m();
@@ -342,7 +342,7 @@ void WayMap::crossings_on(zone::Place place, double distance_m, std::vector<Cros
 double WayMap::way_out_m(zone::Place place, CrossingIndex crossing, double distance_m, Sections coming) const {
   double out_m = 0.0;
   double start_m = -place.s_m;
-  zone::SectionsAhead ahead{zone_->circuit, place.section, coming};
+  zone::SectionLookAhead ahead{zone_->circuit, place.section, coming};
   for (std::size_t steps = 0; steps <= coming.size() + zone_->circuit.size() && start_m < distance_m; ++steps) {
     for (const Span& span : spans_[ahead.section()])
       if (span.crossing == crossing && start_m + span.from_m < distance_m)

@@ -13,11 +13,11 @@ namespace cosiva::aiv {
 /// The way before the vehicle as evenly spaced points in its body frame, and where other points lie beside it. What it
 /// sees (Corridor) and what it is told (FeltWorld) are judged by the same way. A body off the line goes straight to
 /// where it comes onto it.
-class WayAhead {
+class PathLookAhead {
  public:
   /// @param sample_m  between two points of the way
   /// @param reach_m   of the vehicle's middle, ahead
-  WayAhead(const zone::Circuit& circuit, double sample_m, double reach_m);
+  PathLookAhead(const zone::Circuit& circuit, double sample_m, double reach_m);
 
   void sample(const Outlook& outlook);
   /// Of the way sampled last: less than the reach where the circuit ends.

@@ -1,4 +1,4 @@
-#include "cosiva/aiv/perception/way_ahead.h"
+#include "cosiva/aiv/perception/path_look_ahead.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,13 +7,13 @@
 
 namespace cosiva::aiv {
 
-WayAhead::WayAhead(const zone::Circuit& circuit, double sample_m, double reach_m)
+PathLookAhead::PathLookAhead(const zone::Circuit& circuit, double sample_m, double reach_m)
     : circuit_{circuit}, sample_m_{sample_m}, reach_m_{reach_m} {
   COSIVA_EXPECT(sample_m > 0.0 && reach_m > sample_m);
   way_B_.reserve(static_cast<std::size_t>(reach_m / sample_m) + 2);
 }
 
-void WayAhead::sample(const Outlook& outlook) {
+void PathLookAhead::sample(const Outlook& outlook) {
   const Pose2 X_ML = circuit_.pose_at(outlook.here);
   const Pose2 X_MB = outlook.X_MB.value_or(X_ML);
   const SinCos turn = sincos(X_MB.heading_rad);
@@ -32,7 +32,7 @@ void WayAhead::sample(const Outlook& outlook) {
     }
     s_m += ahead_m - to_line_m;
   }
-  zone::SectionsAhead ahead = sections_ahead(circuit_, outlook);
+  zone::SectionLookAhead ahead = section_look_ahead(circuit_, outlook);
   for (; ahead_m <= reach_m_; ahead_m += sample_m_, s_m += sample_m_) {
     while (s_m > circuit_.section(ahead.section()).length_m()) {
       const double length_m = circuit_.section(ahead.section()).length_m();
@@ -43,7 +43,7 @@ void WayAhead::sample(const Outlook& outlook) {
   }
 }
 
-WayAhead::Beside WayAhead::beside(Point2 p_B) const {
+PathLookAhead::Beside PathLookAhead::beside(Point2 p_B) const {
   // Every fourth point first: neighbours are no further apart than a step (and a little, where the way begins or two
   // sections meet), so only round those that are nearly as near can the nearest lie.
   constexpr std::size_t stride = 4;
@@ -65,7 +65,7 @@ WayAhead::Beside WayAhead::beside(Point2 p_B) const {
   return nearest;
 }
 
-double WayAhead::along_way_m(Point2 p_B, std::size_t sample) const {
+double PathLookAhead::along_way_m(Point2 p_B, std::size_t sample) const {
   // Between the samples: along the chord of its neighbours.
   const Point2 before = way_B_[sample == 0 ? 0 : sample - 1];
   const Point2 after = way_B_[std::min(sample + 1, way_B_.size() - 1)];

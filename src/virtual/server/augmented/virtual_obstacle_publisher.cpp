@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/augmented/ahead.h"
+#include "cosiva/virtual/server/augmented/virtual_obstacle_publisher.h"
 
 #include <algorithm>
 #include <cmath>
@@ -121,7 +121,7 @@ void VirtualObstaclePublisher::pick(VehicleIndex vehicle, const Pose2& X_MB) {
     near_.push_back(&present);
   }
   std::ranges::stable_sort(near_, {}, [](const Present* p) { return p->distance_m; });
-  if (near_.size() > wire::Ahead::bodies_max) near_.resize(wire::Ahead::bodies_max);
+  if (near_.size() > wire::VirtualObstacles::bodies_max) near_.resize(wire::VirtualObstacles::bodies_max);
   marks_.clear();
   for (const Present* present : near_) marks_.emplace_back(present->handle, present->changed);
   std::ranges::sort(marks_);
@@ -152,7 +152,7 @@ void VirtualObstaclePublisher::look_around(VehicleIndex vehicle) {
     pauses_.let_go(vehicle);
     return;
   }
-  std::array<ThirdPartyPause::Body, wire::Ahead::bodies_max> bodies{};
+  std::array<ThirdPartyPause::Body, wire::VirtualObstacles::bodies_max> bodies{};
   for (std::size_t i = 0; i < near_.size(); ++i) bodies[i] = {&near_[i]->body, near_[i]->vehicle != no_vehicle};
   pauses_.judge(vehicle, *X_MB, {bodies.data(), near_.size()});
   viewer.feels = pauses_.paused_for(vehicle);
@@ -174,16 +174,16 @@ void VirtualObstaclePublisher::tell(VehicleIndex vehicle, Viewer& viewer) {
   const SimTime now = outbox_.now();
   const AivProxy& proxy = registry_[vehicle];
   viewer.sent[viewer.next_id % sent_kept] = now;
-  wire::Ahead ahead{viewer.next_id++, now, simulator_.zone()->name, {}};
+  wire::VirtualObstacles ahead{viewer.next_id++, now, simulator_.zone()->name, {}};
   ahead.bodies.reserve(near_.size());
   std::string summary = near_.empty() ? "nothing" : "";
   for (const Present* present : near_) {
     ahead.bodies.push_back(present->body);
     summary += (summary.empty() ? "" : ", ") + present->body.id;
   }
-  std::string topic = wire::own_topic(wire::ahead_topic_prefix, proxy.id);
+  std::string topic = wire::own_topic(wire::virtual_obstacles_topic_prefix, proxy.id);
   std::string payload = wire::to_json(ahead);
-  traces_.add(now, "AIV_Server", proxy.name, "ahead", summary, topic, payload);
+  traces_.add(now, "AIV_Server", proxy.name, "virtual_obstacles", summary, topic, payload);
   viewer.due = now + period;
   if (!near_.empty()) {
     if (viewer.unanswered++ == 0) viewer.first_told = now;
@@ -196,7 +196,7 @@ void VirtualObstaclePublisher::tell(VehicleIndex vehicle, Viewer& viewer) {
 
 bool VirtualObstaclePublisher::on_felt(VehicleIndex vehicle, const wire::Felt& felt, SimTime decided) {
   Viewer& viewer = viewers_[vehicle];
-  const std::uint32_t behind = viewer.next_id - felt.ahead_header_id;  // counts modulo 2³²
+  const std::uint32_t behind = viewer.next_id - felt.virtual_obstacles_header_id;  // counts modulo 2³²
   if (behind == 0 || behind > known_max) return false;
   viewer.answered = true;
   const bool begins_to_brake = felt.braking && viewer.feels != felt.body;
@@ -211,15 +211,15 @@ void VirtualObstaclePublisher::measure(Viewer& viewer, const wire::Felt& felt, S
   const auto since_ms = [decided](SimTime then) { return std::max(0.0, to_seconds(decided - then) * 1e3); };
   bool was_change = false;
   for (Change& change : viewer.changes) {
-    if (felt.ahead_header_id - change.header_id > answer_within) continue;
+    if (felt.virtual_obstacles_header_id - change.header_id > answer_within) continue;
     if (!std::exchange(change.felt, true)) monitor.effect(WorldEffect::felt, since_ms(change.since));
     if (!felt.braking || std::erase(change.came, felt.body) == 0) continue;
     monitor.effect(WorldEffect::brakes, since_ms(change.since));
     was_change = true;
   }
   // It had been told of the body before; now that walked, or the vehicle drove, near enough: how old was what it knew?
-  if (begins_to_brake && !was_change && viewer.next_id - felt.ahead_header_id <= sent_kept)
-    monitor.effect(WorldEffect::brakes, since_ms(viewer.sent[felt.ahead_header_id % sent_kept]));
+  if (begins_to_brake && !was_change && viewer.next_id - felt.virtual_obstacles_header_id <= sent_kept)
+    monitor.effect(WorldEffect::brakes, since_ms(viewer.sent[felt.virtual_obstacles_header_id % sent_kept]));
 }
 
 void VirtualObstaclePublisher::fold(Digest& digest) const {

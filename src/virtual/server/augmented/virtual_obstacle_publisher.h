@@ -17,7 +17,7 @@
 
 namespace cosiva::virtual_side {
 
-/// Tells each vehicle what of the virtual world is near its way (wire::Ahead), and measures how soon it is felt. A
+/// Tells each vehicle what of the virtual world is near its way (wire::VirtualObstacles), and measures how soon it is felt. A
 /// virtual AIV, whose world is the server's, is told of physical vehicles and obstacles, too.
 class VirtualObstaclePublisher {
  public:

@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/augmented/ahead.h"
+#include "cosiva/virtual/server/augmented/virtual_obstacle_publisher.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,9 +17,9 @@ using testing::Not;
 using testing::SizeIs;
 
 /// One vehicle that stands at (0.5, 0) and looks along +x, on a straight of 2 m.
-class AheadBench : public testing::Test {
+class VirtualObstaclesFixture : public testing::Test {
  protected:
-  AheadBench() {
+  VirtualObstaclesFixture() {
     aiv.blocked = true;
     bench.run_for(1s);
     bench.published.clear();
@@ -29,10 +29,10 @@ class AheadBench : public testing::Test {
               ",\"y\":" + std::to_string(y) + "}}");
   }
   void remove(const std::string& id) { bench.ask(R"({"command":"remove","id":")" + id + "\"}"); }
-  [[nodiscard]] std::vector<wire::Ahead> aheads(const std::string& name = "CoSiVA/AIV1") const {
-    std::vector<wire::Ahead> all;
-    for (const wire::Publish& message : bench.published_on("cosiva/v1/ahead/" + name))
-      all.push_back(*wire::ahead_from_json(message.payload));
+  [[nodiscard]] std::vector<wire::VirtualObstacles> aheads(const std::string& name = "CoSiVA/AIV1") const {
+    std::vector<wire::VirtualObstacles> all;
+    for (const wire::Publish& message : bench.published_on("cosiva/v1/virtual_obstacles/" + name))
+      all.push_back(*wire::virtual_obstacles_from_json(message.payload));
     return all;
   }
   void answer(std::uint32_t header_id, const std::string& brakes_for = "") {
@@ -55,7 +55,7 @@ class AheadBench : public testing::Test {
   BenchVehicle& aiv{bench.add("AIV1", {0, 0.5})};
 };
 
-TEST_F(AheadBench, tells_of_a_body_in_the_same_call_in_which_it_came) {
+TEST_F(VirtualObstaclesFixture, tells_of_a_body_in_the_same_call_in_which_it_came) {
   add_person(1.2, 0.0);
   const auto told = aheads();
   ASSERT_THAT(told, SizeIs(1));
@@ -65,11 +65,11 @@ TEST_F(AheadBench, tells_of_a_body_in_the_same_call_in_which_it_came) {
   EXPECT_EQ(told[0].bodies[0].id, "P1");
   EXPECT_EQ(told[0].bodies[0].kind, "person");
   EXPECT_EQ(told[0].bodies[0].radius_m, 0.06);
-  EXPECT_EQ(bench.published_on("cosiva/v1/ahead/CoSiVA/AIV1")[0].qos, 0);
-  EXPECT_FALSE(bench.published_on("cosiva/v1/ahead/CoSiVA/AIV1")[0].retained);
+  EXPECT_EQ(bench.published_on("cosiva/v1/virtual_obstacles/CoSiVA/AIV1")[0].qos, 0);
+  EXPECT_FALSE(bench.published_on("cosiva/v1/virtual_obstacles/CoSiVA/AIV1")[0].retained);
 }
 
-TEST_F(AheadBench, repeats_it_every_100_ms_and_says_five_times_that_it_is_gone) {
+TEST_F(VirtualObstaclesFixture, repeats_it_every_100_ms_and_says_five_times_that_it_is_gone) {
   add_person(1.2, 0.0);
   bench.run_for(1s);
   EXPECT_THAT(aheads(), SizeIs(11)) << "at once and ten times more";
@@ -79,10 +79,10 @@ TEST_F(AheadBench, repeats_it_every_100_ms_and_says_five_times_that_it_is_gone) 
   bench.run_for(2s);
   const auto told = aheads();
   EXPECT_THAT(told, SizeIs(5));
-  for (const wire::Ahead& ahead : told) EXPECT_THAT(ahead.bodies, IsEmpty());
+  for (const wire::VirtualObstacles& ahead : told) EXPECT_THAT(ahead.bodies, IsEmpty());
 }
 
-TEST_F(AheadBench, tells_at_once_when_a_body_leaps_and_carries_its_motion) {
+TEST_F(VirtualObstaclesFixture, tells_at_once_when_a_body_leaps_and_carries_its_motion) {
   add_person(1.2, 0.0);
   bench.run_for(50ms);
   bench.published.clear();
@@ -93,14 +93,14 @@ TEST_F(AheadBench, tells_at_once_when_a_body_leaps_and_carries_its_motion) {
   EXPECT_NEAR(told[0].bodies[0].x_m, 1.4, 1e-9);
 }
 
-TEST_F(AheadBench, counts_its_headers_up_by_one) {
+TEST_F(VirtualObstaclesFixture, counts_its_headers_up_by_one) {
   add_person(1.2, 0.0);
   bench.run_for(500ms);
   const auto told = aheads();
   for (std::size_t i = 1; i < told.size(); ++i) EXPECT_EQ(told[i].header_id, told[i - 1].header_id + 1);
 }
 
-TEST_F(AheadBench, does_not_tell_of_what_is_far_or_wholly_behind) {
+TEST_F(VirtualObstaclesFixture, does_not_tell_of_what_is_far_or_wholly_behind) {
   add_person(0.3, 0.0, "behind");    // its front 0.06 m behind the tail at 0.4
   add_person(0.5, 1.4, "left");      // beside it
   add_person(2.45, -0.45, "ahead");  // 2.0 m from the middle, by its edge
@@ -112,7 +112,7 @@ TEST_F(AheadBench, does_not_tell_of_what_is_far_or_wholly_behind) {
   EXPECT_THAT(ids, ElementsAre("left", "ahead")) << "nearest first";
 }
 
-TEST_F(AheadBench, tells_when_a_walker_comes_into_reach) {
+TEST_F(VirtualObstaclesFixture, tells_when_a_walker_comes_into_reach) {
   bench.ask(R"({"command":"add","thing":{"kind":"person","path":[[-0.4,0.8],[-0.4,0.0],[2.4,0.0]],"speed":1.0}})");
   EXPECT_THAT(aheads(), IsEmpty()) << "behind it";
   bench.run_for(3s);
@@ -120,12 +120,12 @@ TEST_F(AheadBench, tells_when_a_walker_comes_into_reach) {
   EXPECT_EQ(aheads().front().bodies[0].id, "P1");
 }
 
-TEST_F(AheadBench, is_still_while_nothing_virtual_is_there) {
+TEST_F(VirtualObstaclesFixture, is_still_while_nothing_virtual_is_there) {
   bench.run_for(5s);
   EXPECT_THAT(aheads(), IsEmpty());
 }
 
-TEST_F(AheadBench, tells_nobody_who_is_not_there) {
+TEST_F(VirtualObstaclesFixture, tells_nobody_who_is_not_there) {
   bench.kill(aiv);
   add_person(1.2, 0.0);
   bench.run_for(1s);
@@ -136,7 +136,7 @@ TEST_F(AheadBench, tells_nobody_who_is_not_there) {
   EXPECT_THAT(aheads(), Not(IsEmpty())) << "and at once when it is back and knows where it is";
 }
 
-TEST_F(AheadBench, measures_from_the_command_to_the_decision) {
+TEST_F(VirtualObstaclesFixture, measures_from_the_command_to_the_decision) {
   add_person(1.0, 0.0);
   const std::uint32_t id = aheads().back().header_id;
   bench.now += 12ms;
@@ -150,7 +150,7 @@ TEST_F(AheadBench, measures_from_the_command_to_the_decision) {
   EXPECT_EQ(person.find("feltBy")->array()->front().text()[0], "CoSiVA/AIV1");
 }
 
-TEST_F(AheadBench, counts_each_change_once_and_braking_once_per_body) {
+TEST_F(VirtualObstaclesFixture, counts_each_change_once_and_braking_once_per_body) {
   add_person(1.0, 0.0);
   const std::uint32_t id = aheads().back().header_id;
   answer(id);
@@ -165,7 +165,7 @@ TEST_F(AheadBench, counts_each_change_once_and_braking_once_per_body) {
   EXPECT_TRUE(bench.aiv("CoSiVA/AIV1").find("feels")->is_null());
 }
 
-TEST_F(AheadBench, takes_the_answer_to_the_next_message_when_the_first_was_lost) {
+TEST_F(VirtualObstaclesFixture, takes_the_answer_to_the_next_message_when_the_first_was_lost) {
   add_person(1.0, 0.0);
   const std::uint32_t id = aheads().back().header_id;
   bench.run_for(100ms);
@@ -174,12 +174,12 @@ TEST_F(AheadBench, takes_the_answer_to_the_next_message_when_the_first_was_lost)
   EXPECT_NEAR(*effect("brakes_ms").number("max"), 100.0, 1.0);
 }
 
-TEST_F(AheadBench, measures_how_old_the_news_was_where_a_vehicle_brakes_only_as_it_comes_nearer) {
+TEST_F(VirtualObstaclesFixture, measures_how_old_the_news_was_where_a_vehicle_brakes_only_as_it_comes_nearer) {
   add_person(1.9, 0.0);
   answer(aheads().back().header_id);
   bench.run_for(2s);
   bench.now += 30ms;
-  const wire::Ahead news = aheads().back();
+  const wire::VirtualObstacles news = aheads().back();
   for (int i = 0; i < 3; ++i) answer(news.header_id, "P1");  // it goes on braking
   EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
   EXPECT_NEAR(*effect("brakes_ms").number("max"), to_seconds(bench.now - news.timestamp) * 1e3, 1.0);
@@ -192,7 +192,7 @@ TEST_F(AheadBench, measures_how_old_the_news_was_where_a_vehicle_brakes_only_as_
   EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
 }
 
-TEST_F(AheadBench, ignores_answers_to_what_it_never_said) {
+TEST_F(VirtualObstaclesFixture, ignores_answers_to_what_it_never_said) {
   add_person(1.0, 0.0);
   answer(aheads().back().header_id + 1, "P1");
   answer(4'000'000'000U, "P1");
@@ -200,7 +200,7 @@ TEST_F(AheadBench, ignores_answers_to_what_it_never_said) {
   EXPECT_TRUE(bench.aiv("CoSiVA/AIV1").find("feels")->is_null());
 }
 
-TEST_F(AheadBench, tells_a_virtual_aiv_of_physical_vehicles_and_the_others_of_it) {
+TEST_F(VirtualObstaclesFixture, tells_a_virtual_aiv_of_physical_vehicles_and_the_others_of_it) {
   bench.ask(R"({"command":"add","thing":{"kind":"aiv","section":"south","s":1.4}})");
   bench.run_for(200ms);
   const auto told = aheads();
@@ -209,7 +209,7 @@ TEST_F(AheadBench, tells_a_virtual_aiv_of_physical_vehicles_and_the_others_of_it
   EXPECT_EQ(told.front().bodies[0].kind, "aiv");
   EXPECT_NEAR(told.front().bodies[0].length_m, 0.08, 1e-12) << "0.20 m long, 0.12 m wide";
   EXPECT_NEAR(told.front().bodies[0].radius_m, 0.06, 1e-12);
-  EXPECT_THAT(bench.published_on("cosiva/v1/ahead/CoSiVA.virtual/V1"), IsEmpty()) << "it is told within the server";
+  EXPECT_THAT(bench.published_on("cosiva/v1/virtual_obstacles/CoSiVA.virtual/V1"), IsEmpty()) << "it is told within the server";
   const JsonValue traces = *JsonValue::parse(bench.server->traces_json(1, 2000));
   bool traced = false;
   for (const JsonValue& trace : *traces.find("traces")->array())
@@ -217,7 +217,7 @@ TEST_F(AheadBench, tells_a_virtual_aiv_of_physical_vehicles_and_the_others_of_it
   EXPECT_FALSE(traced) << "AIV1 stands wholly behind it";
 }
 
-TEST_F(AheadBench, stops_a_virtual_aiv_before_a_person_and_a_physical_vehicle) {
+TEST_F(VirtualObstaclesFixture, stops_a_virtual_aiv_before_a_person_and_a_physical_vehicle) {
   bench.ask(R"({"command":"add","thing":{"kind":"aiv","section":"west","s":1.0}})");
   bench.run_for(20s);
   const JsonValue v1 = bench.aiv("CoSiVA.virtual/V1");
@@ -235,7 +235,7 @@ TEST_F(AheadBench, stops_a_virtual_aiv_before_a_person_and_a_physical_vehicle) {
 }
 
 /// A vehicle of a third party, that never answers.
-class DeafVehicle : public AheadBench {
+class DeafVehicle : public VirtualObstaclesFixture {
  protected:
   DeafVehicle() { aiv.blocked = false; }
 };
