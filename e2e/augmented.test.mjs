@@ -29,7 +29,7 @@ test('the virtual and the physical world feel each other', { timeout: 240_000 },
     { within_ms: 40_000, every_ms: 25 },
   );
   const snapshot_of = async (id) => (await platform.snapshot()).aivs.find((aiv) => aiv.id === id);
-  const feels = (id, thing) => eventually(`${id} feels ${thing}`, async () => (await snapshot_of(id)).feels === thing, { within_ms: 3_000 });
+  const brakingFor = (id, thing) => eventually(`${id} brakingFor ${thing}`, async () => (await snapshot_of(id)).brakingFor === thing, { within_ms: 3_000 });
   /** Metres from the front of a vehicle to a place, as the plant has it. */
   const gap = (number, at) => Math.hypot(truth.vehicle(number).x - at.x, truth.vehicle(number).y - at.y) - front_m;
 
@@ -40,7 +40,7 @@ test('the virtual and the physical world feel each other', { timeout: 240_000 },
     const { id } = await platform.ask('POST', 'things', { kind: 'person', x: at.x, y: at.y });
     await truth.stands(aiv.number, 4_000);
     assert.ok(gap(aiv.number, at) > 0.06 && gap(aiv.number, at) < 0.4, `it stands ${gap(aiv.number, at)} m before the person`);
-    await feels(aiv.id, id);
+    await brakingFor(aiv.id, id);
     await page.waitForFunction((thing) => /felt by AIV/.test(document.querySelector(`[data-thing="${thing}"]`)?.textContent ?? ''), id, { timeout: 4_000 });
     const { x, y } = truth.vehicle(aiv.number);
     await truth.driven(1_200);
@@ -109,7 +109,7 @@ test('the virtual and the physical world feel each other', { timeout: 240_000 },
     const { effects, augmented, physical } = await platform.get('bijection');
     assert.equal(physical, 2);
     assert.equal(augmented, 0);
-    for (const name of ['felt_ms', 'brakes_ms', 'shown_ms']) assert.ok(effects[name].count > 0 && effects[name].max > 0, `${name}: ${JSON.stringify(effects[name])}`);
+    for (const name of ['perceived_ms', 'brakes_ms', 'shown_ms']) assert.ok(effects[name].count > 0 && effects[name].max > 0, `${name}: ${JSON.stringify(effects[name])}`);
     assert.ok(effects.brakes_ms.max < 1_000, `braking took up to ${effects.brakes_ms.max} ms`);
   });
 

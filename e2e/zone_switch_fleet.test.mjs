@@ -100,7 +100,7 @@ test('twelve AIVs circulate, and their zone is switched ten times', { timeout: 5
     return drove_on.size >= aivs / 2;
   }, { within_ms: 30_000, every_ms: 100 });
   await half.catch((error) => {
-    const words = ({ id, status, section, waitsFor, waitsWhy, feels, parked }) => JSON.stringify({ id, status, section, waitsFor, waitsWhy, feels, parked });
+    const words = ({ id, status, section, waitsFor, waitsWhy, brakingFor, parked }) => JSON.stringify({ id, status, section, waitsFor, waitsWhy, brakingFor, parked });
     throw new Error(`${error.message}; only ${[...drove_on]}; ${seen.map(words).join('\n')}`);
   });
 

@@ -29,7 +29,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   namespace wire = cosiva::wire;
   const std::string_view text = cosiva::fuzz::as_text(data, size);
   read(wire::virtual_obstacles_from_json, text);
-  read(wire::felt_from_json, text);
+  read(wire::virtual_obstacles_ack_from_json, text);
   read(wire::seen_from_json, text);
   read(wire::boards_report_from_json, text);
   read(wire::radio_from_json, text);

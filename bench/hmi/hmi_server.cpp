@@ -132,7 +132,7 @@ void write_vehicle(JsonWriter& json, const Fleet& fleet, std::size_t i) {
   json.field("heading", double{at.heading_rad}).end_object().field("age_ms", 42.0).field("divergence_m", 0.002);
   json.field("battery", 87.0).field("lastTag", 3).field("sinceTag_m", 0.21).field("lastNode", "east@300");
   json.field("orderId", "0b1c2d3e").field("orderUpdateId", 12).field("driving", true).field("paused", false);
-  json.field("fieldViolation", false).key("waitsFor").null().key("feels").null();
+  json.field("fieldViolation", false).key("waitsFor").null().key("brakingFor").null();
   json.key("errors").begin_array().end_array().key("reserved").begin_array();
   for (const double ahead_m : {0.0, 0.3}) json.begin_array().value(x + ahead_m).value(y).end_array();
   json.end_array().key("contract").begin_object().field("matched", true).field("divergence", true);

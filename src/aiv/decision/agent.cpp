@@ -21,8 +21,8 @@ constexpr double same_body_m = 0.10;
 constexpr double resume_room_m = 0.05;
 constexpr double base_warning_m = 0.30;
 /// It says that it brakes for what it feels from this much on, and until it is less than that.
-constexpr double felt_begins_mps = 0.01;
-constexpr double felt_ends_mps = 0.002;
+constexpr double perceived_begins_mps = 0.01;
+constexpr double perceived_ends_mps = 0.002;
 /// So far it goes to join a line, and so near to the pose that it was told the line must lie.
 constexpr double join_within_m = 0.70;
 constexpr double join_off_m_max = 0.02;
@@ -135,7 +135,7 @@ bool Agent::on_line() const {
 }
 
 wire::Drive Agent::decide_backwards() {
-  decision_.blocked = decision_.braking_for_felt = decision_.wants_base = false;
+  decision_.blocked = decision_.braking_for_virtual = decision_.wants_base = false;
   const zone::SpeedProfile& slow = zone_.profiles.slow;
   double speed_mps = back_up_.speed_mps(slow, estimator_.travelled_m());
   if (instructions_.speed_mps_max) speed_mps = std::min(speed_mps, *instructions_.speed_mps_max);
@@ -210,10 +210,10 @@ Agent::Plan Agent::plan(double room_m, double base_end_m) const {
   return {wish, limit, may_drive ? std::optional{profile} : std::nullopt};
 }
 
-bool Agent::limited_by_felt(const Plan& plan, double sensed_m, double base_end_m) const {
-  if (!(inputs_.felt_m < sensed_m)) return false;
+bool Agent::limited_by_virtual(const Plan& plan, double sensed_m, double base_end_m) const {
+  if (!(inputs_.perceived_m < sensed_m)) return false;
   const double free_mps = this->plan(sensed_m, base_end_m).limit.speed_mps;
-  return plan.limit.speed_mps < free_mps - (decision_.braking_for_felt ? felt_ends_mps : felt_begins_mps);
+  return plan.limit.speed_mps < free_mps - (decision_.braking_for_virtual ? perceived_ends_mps : perceived_begins_mps);
 }
 
 wire::Drive Agent::decide() {
@@ -226,14 +226,14 @@ wire::Drive Agent::decide() {
   // What stands on the line matters to one that is on it.
   const double sensed_m = estimator_.beside() ? nothing : watch_.ahead_m(estimator_);
   const double base_end_m = joining_ ? nothing : order().distance_to_base_end_m();
-  const Plan plan = this->plan(std::min(sensed_m, inputs_.felt_m), base_end_m);
+  const Plan plan = this->plan(std::min(sensed_m, inputs_.perceived_m), base_end_m);
   auto [wish, limit, chosen] = plan;
   if (!estimator_.known()) {
     decision_.profile.reset();
-    decision_.blocked = decision_.braking_for_felt = decision_.wants_base = false;
+    decision_.blocked = decision_.braking_for_virtual = decision_.wants_base = false;
     return drive(0.0, wish);
   }
-  decision_.braking_for_felt = limited_by_felt(plan, sensed_m, base_end_m);
+  decision_.braking_for_virtual = limited_by_virtual(plan, sensed_m, base_end_m);
   COSIVA_EXPECT(chosen || limit.speed_mps == 0.0);
   decision_.profile = chosen;
   decision_.crossing_ahead_m = limit.crossing_ahead_m;

@@ -30,7 +30,7 @@ struct Decision {
   wire::Drive drive{};             ///< to the motors
   std::optional<Profile> profile;  ///< nothing while the vehicle must stop
   bool blocked{false};             ///< the protective field is violated: an obstacle keeps the vehicle from going
-  bool braking_for_felt{false};    ///< a body that is only virtual keeps it slower than it would drive without
+  bool braking_for_virtual{false};    ///< a body that is only virtual keeps it slower than it would drive without
   bool wants_base{false};          ///< the base ends soon and more is announced (§6.10.3)
   /// To the next crossing that the vehicle may not enter yet; infinite: none is near.
   double crossing_ahead_m{std::numeric_limits<double>::infinity()};
@@ -52,9 +52,9 @@ class Agent {
   PositionEstimator::Fix on_tag(const wire::TagRead& tag);
   void on_ranges(const wire::Ranges& ranges);
   void on_charge(double charge) { inputs_.charge = charge; }
-  /// From its front along its way to the first body that is only virtual (FeltWorld); infinite: none. It decides like
+  /// From its front along its way to the first body that is only virtual (PerceivedWorld); infinite: none. It decides like
   /// an echo of the same distance, until the next call.
-  void feel(double gap_m) { inputs_.felt_m = gap_m; }
+  void perceive(double gap_m) { inputs_.perceived_m = gap_m; }
   /// What those near say of themselves, until the next call. It is a matter of comfort: where the first body before it
   /// is, its own senses say; whether it may enter a crossing, its order.
   void heed(const Others& others) { inputs_.others = others; }
@@ -102,7 +102,7 @@ class Agent {
   }
   /// Its senses find a body on its way, or it is told of one that is only virtual.
   [[nodiscard]] bool finds_body() const {
-    return std::min(inputs_.felt_m, watch_.ahead_m(estimator_)) < std::numeric_limits<double>::infinity();
+    return std::min(inputs_.perceived_m, watch_.ahead_m(estimator_)) < std::numeric_limits<double>::infinity();
   }
   [[nodiscard]] Status status() const {
     return status_of(estimator_.manoeuvring() && !motion_.stopped() ? bend_creep_mps : motion_.speed_mps(),
@@ -122,7 +122,7 @@ class Agent {
     std::optional<Profile> chosen;  ///< nothing while it must not drive
   };
   [[nodiscard]] Plan plan(double room_m, double base_end_m) const;
-  [[nodiscard]] bool limited_by_felt(const Plan& plan, double sensed_m, double base_end_m) const;
+  [[nodiscard]] bool limited_by_virtual(const Plan& plan, double sensed_m, double base_end_m) const;
   [[nodiscard]] wire::Drive drive(double speed_mps, const zone::SpeedProfile& kinematics);
   /// A line is under it, followed or not.
   [[nodiscard]] bool on_line() const;
@@ -138,7 +138,7 @@ class Agent {
   MotionState motion_;
   /// What it is told of its surroundings and of itself, until told anew.
   struct Inputs {
-    double felt_m{std::numeric_limits<double>::infinity()};
+    double perceived_m{std::numeric_limits<double>::infinity()};
     Others others;
     double charge{1.0};
   };

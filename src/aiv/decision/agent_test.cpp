@@ -209,20 +209,20 @@ TEST(Agent, stops_before_what_it_feels_as_before_an_obstacle_and_goes_on_when_it
   AgentBench bench{"loop_se", 0.0};
   bench.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
   bench.run(1.0);
-  const auto feel = [&] { bench.agent.feel(0.9 - bench.s_m() - 0.1); };
+  const auto perceive = [&] { bench.agent.perceive(0.9 - bench.s_m() - 0.1); };
   for (int i = 0; i < 200; ++i) {
-    feel();
+    perceive();
     bench.step();
   }
   EXPECT_EQ(bench.speed_mps, 0.0);
   EXPECT_TRUE(bench.agent.decision().blocked);
-  EXPECT_TRUE(bench.agent.decision().braking_for_felt);
+  EXPECT_TRUE(bench.agent.decision().braking_for_virtual);
   EXPECT_NEAR(0.9 - bench.s_m() - 0.1, stand_off_m, 0.02);
   EXPECT_LE(bench.hardest_braking_mps2, lacet4().profiles.medium.braking_mps2 + 0.03) << "it was told in time";
-  bench.agent.feel(std::numeric_limits<double>::infinity());
+  bench.agent.perceive(std::numeric_limits<double>::infinity());
   bench.run(4.0);
   EXPECT_FALSE(bench.agent.decision().blocked);
-  EXPECT_FALSE(bench.agent.decision().braking_for_felt);
+  EXPECT_FALSE(bench.agent.decision().braking_for_virtual);
   EXPECT_NEAR(bench.s_m(), 4.0 * edge_m, 0.01);
 }
 
@@ -231,27 +231,27 @@ TEST(Agent, brakes_for_the_nearer_of_what_it_sees_and_feels) {
   bench.take(order("O-1").through({"loop_se@0", "loop_se@1131"}));
   bench.obstacles = {position(lacet4().circuit.pose_at(at(lacet4(), "loop_se", 0.6)))};
   for (int i = 0; i < 250; ++i) {
-    bench.agent.feel(0.9 - bench.s_m() - 0.1);
+    bench.agent.perceive(0.9 - bench.s_m() - 0.1);
     bench.step();
-    EXPECT_FALSE(bench.agent.decision().braking_for_felt && bench.tick > 10) << bench.tick;
+    EXPECT_FALSE(bench.agent.decision().braking_for_virtual && bench.tick > 10) << bench.tick;
   }
   EXPECT_NEAR(0.6 - bench.s_m() - 0.1, stand_off_m, 0.03) << "the obstacle";
   bench.obstacles.clear();
   for (int i = 0; i < 250; ++i) {
-    bench.agent.feel(0.9 - bench.s_m() - 0.1);
+    bench.agent.perceive(0.9 - bench.s_m() - 0.1);
     bench.step();
   }
   EXPECT_NEAR(0.9 - bench.s_m() - 0.1, stand_off_m, 0.02) << "the virtual one";
-  EXPECT_TRUE(bench.agent.decision().braking_for_felt);
+  EXPECT_TRUE(bench.agent.decision().braking_for_virtual);
 }
 
 TEST(Agent, does_not_brake_for_what_it_feels_beyond_its_base_or_while_something_else_holds_it) {
   AgentBench bench{"loop_se", 0.0};
   bench.take(to_565());
   for (int i = 0; i < 400; ++i) {
-    bench.agent.feel(1.1 - bench.s_m() - 0.1);
+    bench.agent.perceive(1.1 - bench.s_m() - 0.1);
     bench.step();
-    EXPECT_FALSE(bench.agent.decision().braking_for_felt) << bench.s_m();
+    EXPECT_FALSE(bench.agent.decision().braking_for_virtual) << bench.s_m();
   }
   EXPECT_NEAR(bench.s_m(), 2.0 * edge_m, 0.01);
   EXPECT_FALSE(bench.agent.decision().blocked);
@@ -259,12 +259,12 @@ TEST(Agent, does_not_brake_for_what_it_feels_beyond_its_base_or_while_something_
   AgentBench paused{"loop_se", 0.0};
   paused.take(to_565());
   paused.agent.hold(Hold::paused, true);
-  paused.agent.feel(0.0);
+  paused.agent.perceive(0.0);
   paused.run(0.2);
-  EXPECT_FALSE(paused.agent.decision().braking_for_felt);
+  EXPECT_FALSE(paused.agent.decision().braking_for_virtual);
   paused.agent.hold(Hold::paused, false);
   paused.run(0.2);
-  EXPECT_TRUE(paused.agent.decision().braking_for_felt);
+  EXPECT_TRUE(paused.agent.decision().braking_for_virtual);
   EXPECT_EQ(paused.travelled_m, 0.0);
 }
 
@@ -275,7 +275,7 @@ TEST(Agent, does_not_stutter_behind_what_moves_back_and_forth_by_a_few_centimetr
   bool stood = true;
   for (int i = 0; i < 1000; ++i) {
     const double sway_m = (i / 10) % 2 == 0 ? 0.015 : -0.015;
-    bench.agent.feel(0.9 - bench.s_m() - 0.1 + sway_m);
+    bench.agent.perceive(0.9 - bench.s_m() - 0.1 + sway_m);
     bench.step();
     starts += stood && bench.speed_mps > 0.0 ? 1 : 0;
     stood = bench.speed_mps == 0.0;

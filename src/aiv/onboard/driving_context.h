@@ -4,7 +4,7 @@
 
 #include "cosiva/aiv/decision/agent.h"
 #include "cosiva/aiv/onboard/onboard_core.h"
-#include "cosiva/aiv/perception/felt_world.h"
+#include "cosiva/aiv/perception/perceived_world.h"
 #include "cosiva/aiv/perception/sighting.h"
 #include "cosiva/aiv/v2x/neighbours.h"
 #include "cosiva/zone/layout/traffic_zone.h"
@@ -31,8 +31,8 @@ class DrivingContext {
   [[nodiscard]] std::shared_ptr<const zone::TrafficZone> shared_zone() const { return zone_; }
   [[nodiscard]] Agent& agent() { return agent_; }
   [[nodiscard]] const Agent& agent() const { return agent_; }
-  [[nodiscard]] FeltWorld& virtual_bodies() { return virtual_bodies_; }
-  [[nodiscard]] const FeltWorld& virtual_bodies() const { return virtual_bodies_; }
+  [[nodiscard]] PerceivedWorld& virtual_bodies() { return virtual_bodies_; }
+  [[nodiscard]] const PerceivedWorld& virtual_bodies() const { return virtual_bodies_; }
   [[nodiscard]] Neighbours& neighbours() { return neighbours_; }
   [[nodiscard]] const Neighbours& neighbours() const { return neighbours_; }
   [[nodiscard]] const CrossingFinder& crossings() const { return crossings_; }
@@ -46,7 +46,7 @@ class DrivingContext {
  private:
   std::shared_ptr<zone::TrafficZone> zone_;
   Agent agent_;
-  FeltWorld virtual_bodies_;
+  PerceivedWorld virtual_bodies_;
   Neighbours neighbours_;
   CrossingFinder crossings_;
   Sighting sighting_;

@@ -164,7 +164,7 @@ class OnboardBench {
   std::vector<wire::Visualization> visualizations;
   std::vector<wire::Connection> connections;
   std::vector<wire::Factsheet> factsheets;
-  std::vector<wire::Felt> felts;
+  std::vector<wire::VirtualObstaclesAck> felts;
   std::vector<wire::Seen> sightings;
   std::vector<wire::BoardsReport> boards_reports;
   std::vector<wire::Intent> intents;
@@ -216,8 +216,8 @@ class OnboardBench {
       keep(wire::vda5050::decode_connection(publish.payload), connections, publish);
     } else if (name == "factsheet") {
       keep(wire::vda5050::decode_factsheet(publish.payload), factsheets, publish);
-    } else if (publish.topic == wire::own_topic(wire::felt_topic_prefix, id)) {
-      keep(wire::felt_from_json(publish.payload), felts, publish);
+    } else if (publish.topic == wire::own_topic(wire::virtual_obstacles_ack_topic_prefix, id)) {
+      keep(wire::virtual_obstacles_ack_from_json(publish.payload), felts, publish);
     } else if (publish.topic == wire::own_topic(wire::seen_topic_prefix, id)) {
       keep(wire::seen_from_json(publish.payload), sightings, publish);
     } else if (publish.topic == wire::own_topic(wire::boards_topic_prefix, id)) {

@@ -394,7 +394,7 @@ void OnboardCore::fold(Digest& digest) const {
   digest.add(std::string_view{agent.order().order_id()});
   digest.add(std::uint64_t{agent.order().order_update_id()});
   digest.add(std::uint64_t{agent.order().last_node_sequence_id()});
-  digest.add(std::uint64_t{agent.decision().braking_for_felt});
+  digest.add(std::uint64_t{agent.decision().braking_for_virtual});
   context.virtual_bodies().fold(digest);
   context.sighting().fold(digest);
   context.neighbours().fold(digest);

@@ -32,7 +32,7 @@ Session::Session(wire::VehicleId id, std::string_view interface_name, bool as_va
       factsheet_topic_{wire::vda_topic(id_, "factsheet", interface_name)},
       virtual_obstacles_topic_{wire::own_topic(wire::virtual_obstacles_topic_prefix, id_)},
       owner_topic_{wire::own_topic(wire::owner_topic_prefix, id_)},
-      felt_topic_{wire::own_topic(wire::felt_topic_prefix, id_)},
+      virtual_obstacles_ack_topic_{wire::own_topic(wire::virtual_obstacles_ack_topic_prefix, id_)},
       estimate_request_topic_{wire::own_topic(wire::estimate_request_topic_prefix, id_)},
       estimate_answer_topic_{wire::own_topic(wire::estimate_answer_topic_prefix, id_)},
       seen_topic_{wire::own_topic(wire::seen_topic_prefix, id_)},
@@ -73,8 +73,8 @@ void Session::publish(SimTime now, wire::Factsheet&& factsheet, wire::Effects& e
   effects.emplace_back(wire::Publish{factsheet_topic_, vda::encode(factsheet), 0, true});
 }
 
-void Session::publish(const wire::Felt& felt, wire::Effects& effects) {
-  if (online_) effects.emplace_back(wire::Publish{felt_topic_, to_json(felt), 0, false});
+void Session::publish(const wire::VirtualObstaclesAck& perceived, wire::Effects& effects) {
+  if (online_) effects.emplace_back(wire::Publish{virtual_obstacles_ack_topic_, to_json(perceived), 0, false});
 }
 
 void Session::publish(SimTime now, wire::Seen&& seen, wire::Effects& effects) {

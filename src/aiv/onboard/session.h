@@ -40,7 +40,7 @@ class Session {
   void publish(SimTime now, wire::Factsheet&& factsheet, wire::Effects& effects);
 
   // Our own (wire/own/own_messages.h), QoS 0 all of them; headers are counted here, too.
-  void publish(const wire::Felt& felt, wire::Effects& effects);
+  void publish(const wire::VirtualObstaclesAck& perceived, wire::Effects& effects);
   void publish(SimTime now, wire::Seen&& seen, wire::Effects& effects);
   void publish(SimTime now, wire::BoardsReport&& report, wire::Effects& effects);
   /// wire::EstimateAnswer, written when it was due: it is said again to who did not hear it.
@@ -64,7 +64,7 @@ class Session {
   std::string factsheet_topic_;
   std::string virtual_obstacles_topic_;
   std::string owner_topic_;
-  std::string felt_topic_;
+  std::string virtual_obstacles_ack_topic_;
   std::string estimate_request_topic_;
   std::string estimate_answer_topic_;
   std::string seen_topic_;

@@ -26,7 +26,7 @@ bool VirtualPerception::on_bodies(SimTime now, const wire::Input& input, Driving
   if (list->map_id != map_id) return refuse("map", "it is of map '" + list->map_id + "', this is '" + map_id + "'");
   // A number that runs backwards is another server's, which does not know yet that this vehicle perceives virtual
   // bodies. And any response may have been lost in transit.
-  FeltWorld& bodies = context.virtual_bodies();
+  PerceivedWorld& bodies = context.virtual_bodies();
   const bool first = !bodies.informed() || list->header_id < bodies.header_id();
   const bool expired = now - response_.decided >= response_period_max || now < response_.decided;
   const bool changed = bodies.hear(now, std::move(*list));
@@ -37,31 +37,31 @@ bool VirtualPerception::on_bodies(SimTime now, const wire::Input& input, Driving
 void VirtualPerception::acknowledge(SimTime now, const DrivingContext& context, Session& session,
                                     wire::Effects& effects) {
   const bool responded = response_.decided == now && response_.virtual_obstacles_header_id == context.virtual_bodies().header_id();
-  const bool other_body = context.agent().decision().braking_for_felt && contact_.body != response_.body;
+  const bool other_body = context.agent().decision().braking_for_virtual && contact_.body != response_.body;
   const bool due = std::exchange(ack_due_, false) || other_body;
   if (due && !responded) respond(now, context, session, effects);
 }
 
 void VirtualPerception::update(SimTime now, bool server_lost, DrivingContext& context) {
-  FeltWorld& bodies = context.virtual_bodies();
+  PerceivedWorld& bodies = context.virtual_bodies();
   // A vehicle without its server cannot learn that a body went; it is stopped.
   if (server_lost)
     bodies.excuse_silence(now);
   else
     bodies.age(now);
   Agent& agent = context.agent();
-  contact_ = agent.position().known() ? bodies.first(now, agent.position().outlook()) : FeltWorld::Contact{};
-  agent.feel(contact_.gap_m);
+  contact_ = agent.position().known() ? bodies.first(now, agent.position().outlook()) : PerceivedWorld::Contact{};
+  agent.perceive(contact_.gap_m);
 }
 
 void VirtualPerception::publish_change(SimTime now, const DrivingContext& context, Session& session,
                                        wire::Effects& effects) {
-  if (context.agent().decision().braking_for_felt != response_.braking) respond(now, context, session, effects);
+  if (context.agent().decision().braking_for_virtual != response_.braking) respond(now, context, session, effects);
 }
 
 void VirtualPerception::respond(SimTime now, const DrivingContext& context, Session& session, wire::Effects& effects) {
   response_ = {
-      context.virtual_bodies().header_id(), now, context.agent().decision().braking_for_felt, {}, std::nullopt};
+      context.virtual_bodies().header_id(), now, context.agent().decision().braking_for_virtual, {}, std::nullopt};
   if (response_.braking) {
     response_.body = std::string(contact_.body);
     response_.distance_m = contact_.gap_m;

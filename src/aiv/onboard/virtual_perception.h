@@ -9,7 +9,7 @@
 namespace cosiva::aiv {
 
 /// Perception of virtual bodies: takes the server's list of them (wire::VirtualObstacles), finds the first one in the corridor for
-/// each decision, and responds to the server (wire::Felt).
+/// each decision, and responds to the server (wire::VirtualObstaclesAck).
 ///
 /// Invariant: a response names a body and its distance exactly when the vehicle brakes for this body.
 class VirtualPerception {
@@ -32,8 +32,8 @@ class VirtualPerception {
  private:
   void respond(SimTime now, const DrivingContext& context, Session& session, wire::Effects& effects);
 
-  FeltWorld::Contact contact_;  ///< at the last decision
-  wire::Felt response_;         ///< the last one
+  PerceivedWorld::Contact contact_;  ///< at the last decision
+  wire::VirtualObstaclesAck response_;         ///< the last one
   bool ack_due_{true};          ///< the server does not know yet that this vehicle perceives virtual bodies
   ErrorLog errors_;
 };

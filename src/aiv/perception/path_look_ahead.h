@@ -11,7 +11,7 @@
 namespace cosiva::aiv {
 
 /// The way before the vehicle as evenly spaced points in its body frame, and where other points lie beside it. What it
-/// sees (Corridor) and what it is told (FeltWorld) are judged by the same way. A body off the line goes straight to
+/// sees (Corridor) and what it is told (PerceivedWorld) are judged by the same way. A body off the line goes straight to
 /// where it comes onto it.
 class PathLookAhead {
  public:

@@ -157,7 +157,7 @@ TEST(Neighbours, say_how_fast_the_one_ahead_drives) {
   Ear ear;
   ear.hear(ear.one_at(at(lacet4(), "east", 0.6), 0.25));
   EXPECT_EQ(ear.around().leader_gap_m, infinite) << "nothing is seen";
-  ear.agent.feel(0.3);
+  ear.agent.perceive(0.3);
   const Others others = ear.around();
   EXPECT_NEAR(others.leader_gap_m, 0.5 - 0.2, 0.01);
   ASSERT_TRUE(others.leader_mps);
@@ -166,7 +166,7 @@ TEST(Neighbours, say_how_fast_the_one_ahead_drives) {
 
 TEST(Neighbours, carry_the_one_ahead_on_for_half_a_second_at_most) {
   Ear ear;
-  ear.agent.feel(0.3);
+  ear.agent.perceive(0.3);
   ear.hear(ear.one_at(at(lacet4(), "east", 0.6), 0.2));
   ear.now += 300ms;
   EXPECT_NEAR(ear.around().leader_gap_m, 0.3 + 0.06, 0.01);
@@ -176,7 +176,7 @@ TEST(Neighbours, carry_the_one_ahead_on_for_half_a_second_at_most) {
 
 TEST(Neighbours, know_no_leader_beside_the_way_or_behind) {
   Ear ear{0.1};
-  ear.agent.feel(0.3);
+  ear.agent.perceive(0.3);
   ear.hear(ear.one_at(at(lacet4(), "loop_sw", 2.7), 0.3));
   ear.hear(ear.one_at(at(lacet4(), "west", 0.9), 0.3, "AIV3"));
   EXPECT_EQ(ear.around().leader_gap_m, infinite);
@@ -248,7 +248,7 @@ TEST(Neighbours, take_any_intent_that_can_be_decoded) {
   EXPECT_TRUE(rc::check([](std::uint64_t seed) {
     Random random{seed, "lies"};
     Ear ear;
-    ear.agent.feel(0.3);
+    ear.agent.perceive(0.3);
     for (int i = 0; i < 60; ++i) {
       wire::Intent lie =
           ear.rival(random.uniform(0.0, 3600.0), random.chance(0.5), 3600.0, "S" + std::to_string(random.next() % 50));
@@ -287,11 +287,11 @@ TEST(Heeding, believes_a_leader_only_where_its_senses_find_a_body) {
   agent.heed({.leader_gap_m = 0.40, .leader_mps = 0.25});
   static_cast<void>(agent.decide());
   EXPECT_FALSE(asked.closing_mps) << "nothing is seen there";
-  agent.feel(0.45);
+  agent.perceive(0.45);
   static_cast<void>(agent.decide());
   ASSERT_TRUE(asked.closing_mps);
   EXPECT_NEAR(*asked.closing_mps, -0.25, 1e-9);
-  agent.feel(0.20);
+  agent.perceive(0.20);
   static_cast<void>(agent.decide());
   EXPECT_FALSE(asked.closing_mps) << "what stands there is somebody else";
 }
@@ -306,7 +306,7 @@ TEST(Heeding, never_goes_faster_than_the_envelope_whatever_is_said) {
     for (Agent* agent : {&told, &alone}) {
       agent->estimator().place_at(at(lacet4(), "east", s_m));
       RC_ASSERT(agent->take_order(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"})));
-      agent->feel(gap_m);
+      agent->perceive(gap_m);
     }
     told.heed({.leader_gap_m = random.uniform(0.0, 1.0),
                .leader_mps = random.uniform(-2.0, 2.0),

@@ -43,12 +43,12 @@ std::string augmented(const JsonValue& bijection) {
     const JsonValue* spread = effects == nullptr ? nullptr : effects->find(of);
     return spread == nullptr ? 0.0 : spread->number("count").value_or(0.0);
   };
-  if (aivs == 0.0 && count("felt_ms") == 0.0 && count("shown_ms") == 0.0) return {};
+  if (aivs == 0.0 && count("perceived_ms") == 0.0 && count("shown_ms") == 0.0) return {};
   std::string text = "\n" + decimals(aivs, 0) + " virtual AIVs";
   const auto figure = [&](std::string_view of, const char* phrase) {
     if (count(of) > 0.0) text += ", " + decimals(count(of), 0) + " times " + phrase + millis(*effects, of, 1.0, " ms");
   };
-  figure("felt_ms", "felt in p99 ");
+  figure("perceived_ms", "felt in p99 ");
   figure("brakes_ms", "braked for in p99 ");
   figure("shown_ms", "an obstacle shown in p99 ");
   return text;

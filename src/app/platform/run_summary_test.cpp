@@ -79,7 +79,7 @@ TEST(RunSummary, tells_what_was_only_virtual_in_a_line_of_its_own) {
   EXPECT_EQ(std::ranges::count(summarise(facts, server(2, 2, 2), calm_plant)->text, '\n'), 1);
   const auto run = summarise(facts,
                              R"({"bijection":{"physical":2,"virtual":2,"matched":2,"augmented":3,"effects":{)"
-                             R"("felt_ms":{"count":7,"p99":12.5},"brakes_ms":{"count":2,"p99":20.0},)"
+                             R"("perceived_ms":{"count":7,"p99":12.5},"brakes_ms":{"count":2,"p99":20.0},)"
                              R"("shown_ms":{"count":0}}}})",
                              calm_plant);
   ASSERT_TRUE(run);

@@ -37,7 +37,7 @@ std::string_view to_string(PhysicalEvent event) {
 
 std::string_view to_string(WorldEffect effect) {
   switch (effect) {
-    case WorldEffect::felt: return "felt";
+    case WorldEffect::perceived: return "perceived";
     case WorldEffect::brakes: return "brakes";
     case WorldEffect::shown: return "shown";
   }

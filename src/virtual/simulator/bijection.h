@@ -48,7 +48,7 @@ inline constexpr std::size_t physical_event_kinds = 5;
 
 /// What crosses between the worlds (A3): a virtual body changed and a vehicle near it decided anew; the same where it
 /// braked; a vehicle saw an obstacle and its twin appeared.
-enum class WorldEffect : std::uint8_t { felt, brakes, shown };
+enum class WorldEffect : std::uint8_t { perceived, brakes, shown };
 inline constexpr std::size_t effect_kinds = 3;
 [[nodiscard]] std::string_view to_string(WorldEffect effect);
 

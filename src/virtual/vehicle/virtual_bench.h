@@ -84,7 +84,7 @@ class VirtualBench {
   std::vector<wire::Visualization> visualizations;
   std::vector<wire::Connection> connections;
   std::vector<wire::Factsheet> factsheets;
-  std::vector<wire::Felt> felts;
+  std::vector<wire::VirtualObstaclesAck> felts;
   std::vector<wire::BoardsReport> reports;
   std::vector<wire::Log> logs;
   std::vector<wire::Intent> intents;
@@ -122,8 +122,8 @@ class VirtualBench {
       return keep(vda::decode_connection(publish.payload), connections, topic);
     if (topic == wire::vda_topic(aiv.id(), "factsheet"))
       return keep(vda::decode_factsheet(publish.payload), factsheets, topic);
-    if (topic == wire::own_topic(wire::felt_topic_prefix, aiv.id()))
-      return keep(wire::felt_from_json(publish.payload), felts, topic);
+    if (topic == wire::own_topic(wire::virtual_obstacles_ack_topic_prefix, aiv.id()))
+      return keep(wire::virtual_obstacles_ack_from_json(publish.payload), felts, topic);
     if (topic == wire::own_topic(wire::boards_topic_prefix, aiv.id()))
       return keep(wire::boards_report_from_json(publish.payload), reports, topic);
     if (wire::parse_v2x_topic(topic)) return keep(wire::intent_from_json(publish.payload), intents, topic);

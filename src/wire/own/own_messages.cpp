@@ -134,24 +134,24 @@ Result<VirtualObstacles> virtual_obstacles_from_json(std::string_view text) {
   });
 }
 
-std::string to_json(const Felt& felt) {
+std::string to_json(const VirtualObstaclesAck& perceived) {
   JsonWriter json;
   json.begin_object()
-      .field("virtualObstaclesHeaderId", felt.virtual_obstacles_header_id)
-      .field("decided", to_iso8601(felt.decided))
-      .field("braking", felt.braking)
-      .field("body", felt.body);
-  if (felt.distance_m) json.field("distance", *felt.distance_m);
+      .field("virtualObstaclesHeaderId", perceived.virtual_obstacles_header_id)
+      .field("decided", to_iso8601(perceived.decided))
+      .field("braking", perceived.braking)
+      .field("body", perceived.body);
+  if (perceived.distance_m) json.field("distance", *perceived.distance_m);
   return json.end_object().take();
 }
 
-Result<Felt> felt_from_json(std::string_view text) {
-  return read_message<Felt>(text, [](Fields& in, Felt& felt) {
-    in.whole("virtualObstaclesHeaderId", felt.virtual_obstacles_header_id);
-    in.time("decided", felt.decided);
-    in.flag("braking", felt.braking);
-    in.text("body", felt.body);
-    in.number("distance", 0.0, place_m_max, felt.distance_m);
+Result<VirtualObstaclesAck> virtual_obstacles_ack_from_json(std::string_view text) {
+  return read_message<VirtualObstaclesAck>(text, [](Fields& in, VirtualObstaclesAck& perceived) {
+    in.whole("virtualObstaclesHeaderId", perceived.virtual_obstacles_header_id);
+    in.time("decided", perceived.decided);
+    in.flag("braking", perceived.braking);
+    in.text("body", perceived.body);
+    in.number("distance", 0.0, place_m_max, perceived.distance_m);
   });
 }
 

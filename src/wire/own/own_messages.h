@@ -47,13 +47,13 @@ struct VirtualObstacles {
 /// decision changed, has been taken into account; `decided` is the time at which its motors were told. One a second is
 /// answered anyway, because answers may be lost. Where it begins or ends to brake between two of them, the last is
 /// named.
-struct Felt {
+struct VirtualObstaclesAck {
   std::uint32_t virtual_obstacles_header_id{};
   SimTime decided{};
   bool braking{};                    ///< its speed is limited by a virtual body
   std::string body;                  ///< by which; empty: none
   std::optional<double> distance_m;  ///< along its way, from its front
-  friend bool operator==(const Felt&, const Felt&) = default;
+  friend bool operator==(const VirtualObstaclesAck&, const VirtualObstaclesAck&) = default;
 };
 
 /// Vehicle → server: the nearest thing its DOBS sees in its corridor, ten times a second while there is one within
@@ -103,12 +103,12 @@ struct Radio {
 };
 
 [[nodiscard]] std::string to_json(const VirtualObstacles& ahead);
-[[nodiscard]] std::string to_json(const Felt& felt);
+[[nodiscard]] std::string to_json(const VirtualObstaclesAck& perceived);
 [[nodiscard]] std::string to_json(const Seen& seen);
 [[nodiscard]] std::string to_json(const BoardsReport& report);
 [[nodiscard]] std::string to_json(const Radio& radio);
 [[nodiscard]] Result<VirtualObstacles> virtual_obstacles_from_json(std::string_view json);
-[[nodiscard]] Result<Felt> felt_from_json(std::string_view json);
+[[nodiscard]] Result<VirtualObstaclesAck> virtual_obstacles_ack_from_json(std::string_view json);
 [[nodiscard]] Result<Seen> seen_from_json(std::string_view json);
 [[nodiscard]] Result<BoardsReport> boards_report_from_json(std::string_view json);
 [[nodiscard]] Result<Radio> radio_from_json(std::string_view json);

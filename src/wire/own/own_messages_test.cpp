@@ -44,10 +44,10 @@ VirtualObstacles draw_virtual_obstacles(Random& random) {
   }
   return ahead;
 }
-Felt draw_felt(Random& random) {
-  Felt felt{whole<std::uint32_t>(random), time(random), coin(random), name(random), std::nullopt};
-  if (coin(random)) felt.distance_m = random.uniform(0, 5);
-  return felt;
+VirtualObstaclesAck draw_ack(Random& random) {
+  VirtualObstaclesAck perceived{whole<std::uint32_t>(random), time(random), coin(random), name(random), std::nullopt};
+  if (coin(random)) perceived.distance_m = random.uniform(0, 5);
+  return perceived;
 }
 Seen draw_seen(Random& random) {
   Seen seen{whole<std::uint32_t>(random), time(random), name(random), std::nullopt, random.uniform(0, 2)};
@@ -92,7 +92,7 @@ bool survives_the_wire(Message (*draw)(Random&), Result<Message> (*read)(std::st
 }
 
 TEST(OwnMessages, read_back_all_virtual_obstacles_they_write) { EXPECT_TRUE(survives_the_wire(draw_virtual_obstacles, virtual_obstacles_from_json)); }
-TEST(OwnMessages, read_back_every_felt_they_write) { EXPECT_TRUE(survives_the_wire(draw_felt, felt_from_json)); }
+TEST(OwnMessages, read_back_every_felt_they_write) { EXPECT_TRUE(survives_the_wire(draw_ack, virtual_obstacles_ack_from_json)); }
 TEST(OwnMessages, read_back_every_seen_they_write) { EXPECT_TRUE(survives_the_wire(draw_seen, seen_from_json)); }
 TEST(OwnMessages, read_back_every_boards_report_they_write) {
   EXPECT_TRUE(survives_the_wire(draw_report, boards_report_from_json));
@@ -106,7 +106,7 @@ TEST(OwnMessages, are_written_as_their_page_shows) {
   EXPECT_EQ(to_json(VirtualObstacles{7, at, "lacet4", {{"P1", "person", 0.4, -0.15, 0.0, 0.0, 0.06, 0.0, 0.1}}}),
             R"({"headerId":7,"timestamp":"2026-01-01T00:00:00.004Z","mapId":"lacet4","bodies":[{"id":"P1",)"
             R"("kind":"person","x":0.4,"y":-0.15,"heading":0,"length":0,"radius":0.06,"vx":0,"vy":0.1}]})");
-  EXPECT_EQ(to_json(Felt{7, at, true, "P1", 0.31}),
+  EXPECT_EQ(to_json(VirtualObstaclesAck{7, at, true, "P1", 0.31}),
             R"({"virtualObstaclesHeaderId":7,"decided":"2026-01-01T00:00:00.004Z","braking":true,"body":"P1","distance":0.31})");
   EXPECT_EQ(to_json(Seen{3, at, "lacet4", Seen::Thing{1.17, -1.17, 0.05, 0.42}, 0.42}),
             R"({"headerId":3,"timestamp":"2026-01-01T00:00:00.004Z","mapId":"lacet4",)"
@@ -216,10 +216,10 @@ TEST(OwnMessages, never_take_a_number_that_is_not_finite) {
 }
 
 TEST(OwnMessages, refuse_a_felt_or_seen_with_wrong_fields) {
-  const Felt felt{7, virtual_epoch, true, "P1", 0.5};
-  EXPECT_EQ(fault(felt, felt_from_json, R"("braking":true)", R"("braking":1)"), "own.field braking");
-  EXPECT_EQ(fault(felt, felt_from_json, R"("distance":0.5)", R"("distance":-0.5)"), "own.field distance");
-  EXPECT_EQ(fault(felt, felt_from_json, R"("body":"P1")", R"("body":null)"), "own.field body");
+  const VirtualObstaclesAck perceived{7, virtual_epoch, true, "P1", 0.5};
+  EXPECT_EQ(fault(perceived, virtual_obstacles_ack_from_json, R"("braking":true)", R"("braking":1)"), "own.field braking");
+  EXPECT_EQ(fault(perceived, virtual_obstacles_ack_from_json, R"("distance":0.5)", R"("distance":-0.5)"), "own.field distance");
+  EXPECT_EQ(fault(perceived, virtual_obstacles_ack_from_json, R"("body":"P1")", R"("body":null)"), "own.field body");
   const Seen seen{3, virtual_epoch, "lacet4", Seen::Thing{1.5, 1.25, 0.05, 0.75}, 0.5};
   EXPECT_EQ(fault(seen, seen_from_json, R"("x":1.5)", R"("x":1e6)"), "own.field thing.x");
   EXPECT_EQ(fault(seen, seen_from_json, R"("radius":0.05)", R"("radius":-1)"), "own.field thing.radius");

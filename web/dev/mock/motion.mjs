@@ -47,7 +47,7 @@ export class Motion {
     const serial = augmented ? `V${number}` : `AIV${number}`;
     const aiv = {
       id: `${augmented ? 'CoSiVA.virtual' : 'CoSiVA'}/${serial}`, serial, number, augmented, track, distance, handle: this.handles.aiv++, speed: 0.3, imposed: null, paused: false,
-      lost_at: null, drift: 0.002, battery: 30 + ((61 + 53 * number) % 68), priority: 0, feels: null, felt: null, field: false, orderUpdateId: 1, orderId: `${this.circuit.name}-${number}`, waits: null,
+      lost_at: null, drift: 0.002, battery: 30 + ((61 + 53 * number) % 68), priority: 0, brakingFor: null, felt: null, field: false, orderUpdateId: 1, orderId: `${this.circuit.name}-${number}`, waits: null,
       trace_phase: (number * 37) % 100, last_tag: null, since_tag: 0, pose: track.pose_at(distance),
     };
     this.aivs.push(aiv);
@@ -101,7 +101,7 @@ export class Motion {
       wish = 0;
       aiv.waits = 'the AIV ahead';
     }
-    aiv.feels = null;
+    aiv.brakingFor = null;
     aiv.field = false;
     aiv.ahead = null;
     const { x, y, heading } = aiv.pose;
@@ -115,7 +115,7 @@ export class Motion {
       if (ahead > 0.3) continue;
       wish = 0;
       if (body.physical) aiv.field = true;
-      else aiv.feels = body.id;
+      else aiv.brakingFor = body.id;
     }
     aiv.speed = Math.max(0, aiv.speed + Math.max(-1.2 * dt, Math.min(0.5 * dt, wish - aiv.speed)));
     aiv.distance += aiv.speed * dt;
@@ -222,11 +222,11 @@ export class Motion {
         aiv.orderUpdateId = update;
         this.traces.add(this.now, 'AIV_Server', aiv.serial, 'order', topic_of(aiv.id, 'order'), `order ${row.orderId} update ${update}: 4 nodes, 3 released`, order_of({ ...row, orderUpdateId: update }, this.now, map));
       }
-      if (aiv.feels !== aiv.felt) {
-        const braking = aiv.feels !== null;
-        aiv.felt = aiv.feels;
-        this.traces.add(this.now, 'AIV_Server', aiv.serial, 'ahead', `cosiva/v1/virtual_obstacles/${aiv.id}`, braking ? `${aiv.feels} ahead` : 'nothing ahead', { headerId: update, timestamp: new Date(this.now).toISOString(), mapId: map, bodies: this.things.filter((thing) => thing.id === aiv.feels).map(({ id, kind, x, y, heading, radius }) => ({ id, kind, x, y, heading, length: 0, radius, vx: 0, vy: 0 })) });
-        this.traces.add(this.now + 9, aiv.serial, 'AIV_Server', 'felt', `cosiva/v1/felt/${aiv.id}`, braking ? `brakes for ${aiv.feels}` : 'goes on', { virtualObstaclesHeaderId: update, decided: new Date(this.now + 4).toISOString(), braking, body: aiv.felt ?? '', distance: 0.28 });
+      if (aiv.brakingFor !== aiv.felt) {
+        const braking = aiv.brakingFor !== null;
+        aiv.felt = aiv.brakingFor;
+        this.traces.add(this.now, 'AIV_Server', aiv.serial, 'ahead', `cosiva/v1/virtual_obstacles/${aiv.id}`, braking ? `${aiv.brakingFor} ahead` : 'nothing ahead', { headerId: update, timestamp: new Date(this.now).toISOString(), mapId: map, bodies: this.things.filter((thing) => thing.id === aiv.brakingFor).map(({ id, kind, x, y, heading, radius }) => ({ id, kind, x, y, heading, length: 0, radius, vx: 0, vy: 0 })) });
+        this.traces.add(this.now + 9, aiv.serial, 'AIV_Server', 'felt', `cosiva/v1/virtual_obstacles_ack/${aiv.id}`, braking ? `brakes for ${aiv.brakingFor}` : 'goes on', { virtualObstaclesHeaderId: update, decided: new Date(this.now + 4).toISOString(), braking, body: aiv.felt ?? '', distance: 0.28 });
       }
     }
     const second = Math.floor(this.now / 1000);

@@ -55,7 +55,7 @@ export class World extends Motion {
   }
   positions() {
     const records = this.aivs.map((aiv) => ({
-      handle: aiv.handle, kind: 0, status: this.lost(aiv) ? 5 : this.status_of(aiv), augmented: aiv.augmented, blocked: aiv.field || aiv.feels !== null,
+      handle: aiv.handle, kind: 0, status: this.lost(aiv) ? 5 : this.status_of(aiv), augmented: aiv.augmented, blocked: aiv.field || aiv.brakingFor !== null,
       x: aiv.pose.x, y: aiv.pose.y, heading: aiv.pose.heading, speed: aiv.speed, dx: -aiv.drift - aiv.speed * 0.03 * Math.cos(aiv.pose.heading), dy: aiv.drift - aiv.speed * 0.03 * Math.sin(aiv.pose.heading),
     }));
     for (const thing of this.things) records.push({ handle: thing.handle, kind: thing.kind === 'person' ? 1 : 2, status: 0, augmented: true, blocked: false, x: thing.x, y: thing.y, heading: thing.heading, speed: thing.moving ? thing.speed : 0, dx: 0, dy: 0 });
@@ -84,7 +84,7 @@ export class World extends Motion {
       x: pose.x, y: pose.y, heading, speed: aiv.speed, section: pose.section, s: pose.s, priority: aiv.priority,
       reported: { x: pose.x - aiv.drift - aiv.speed * 0.03 * Math.cos(heading), y: pose.y + aiv.drift - aiv.speed * 0.03 * Math.sin(heading), heading }, age_ms: age, divergence_m: aiv.drift * (0.6 + 0.4 * Math.sin(this.now / 700 + aiv.number)),
       battery: aiv.battery, lastTag: aiv.last_tag, sinceTag_m: aiv.since_tag, lastNode: `${pose.section}@${Math.floor(pose.s / 0.3) * 300}`, orderId: aiv.orderId, orderUpdateId: aiv.orderUpdateId,
-      driving: !standing, paused: aiv.paused, fieldViolation: aiv.field, waitsFor: standing && !aiv.paused ? aiv.waits : null, feels: aiv.feels, errors: aiv.field ? ['An obstacle stands in its way'] : [],
+      driving: !standing, paused: aiv.paused, fieldViolation: aiv.field, waitsFor: standing && !aiv.paused ? aiv.waits : null, brakingFor: aiv.brakingFor, errors: aiv.field ? ['An obstacle stands in its way'] : [],
       reserved, ...boards, ...ranges, contract: { matched: true, divergence: aiv.drift < 0.03, age: !aiv.lost_at },
     };
   }
@@ -104,18 +104,18 @@ export class World extends Motion {
       divergence_m: statistics(drift * 0.7, Math.max(0.0112, drift), 48_000), divergence_rad: statistics(0.004, 0.02, 48_000), age_ms: statistics(54, lost ? 1800 : 108, 48_000),
       commands: { issued: this.commands.length, accepted: this.commands.filter((c) => c.accepted_ms !== null).length, materialised: done.length, failed: this.commands.filter((c) => c.state === 'failed').length, latency_ms: statistics(done.length ? 480 : 0, done.length ? 910 : 0, done.length) },
       events: { count: 412, latency_ms: statistics(48, 131, 412), by_kind: { arrival: 4, tag: 380, obstacle: 9, stop: 19, battery: 0 } },
-      effects: { felt_ms: statistics(18, 41, 37), brakes_ms: statistics(21, 44, 12), shown_ms: statistics(62, 97, 5) },
+      effects: { perceived_ms: statistics(18, 41, 37), brakes_ms: statistics(21, 44, 12), shown_ms: statistics(62, 97, 5) },
       held_share: lost ? 0.981 : 0.9994, contract: { divergence_p99_m: 0.03, age_p99_ms: 150, command_p99_ms: 2000, event_p99_ms: 500, effect_p99_ms: 200 },
     };
   }
   snapshot() {
-    const felt = (thing) => this.aivs.filter((aiv) => aiv.feels === thing.id).map((aiv) => aiv.id);
+    const felt = (thing) => this.aivs.filter((aiv) => aiv.brakingFor === thing.id).map((aiv) => aiv.id);
     return {
       time: new Date(this.now).toISOString(), time_ms: this.now, zoneRevision: this.zone_revision,
       zoneEdits: { undo: this.undo_stack.length, redo: this.redo_stack.length, unsaved: !this.saved },
       zone: { name: this.circuit.name, revision: this.zone_revision, closed: [...this.closed].sort(), refused: this.refused ?? null, switched: this.switched ?? null },
       aivs: this.aivs.map((aiv) => ({ ...this.row(aiv), mission: aiv.mission ?? { kind: 'circulate', loop: null, state: 'driving' }, map: this.circuit.name, parked: aiv.parked ?? null })),
-      things: this.things.map((thing) => ({ id: thing.id, handle: thing.handle, kind: thing.kind, x: thing.x, y: thing.y, heading: thing.heading, radius: thing.radius, speed: thing.speed, ...(thing.path ? { path: thing.path, repeat: thing.repeat } : {}), feltBy: felt(thing), since_ms: thing.since_ms })),
+      things: this.things.map((thing) => ({ id: thing.id, handle: thing.handle, kind: thing.kind, x: thing.x, y: thing.y, heading: thing.heading, radius: thing.radius, speed: thing.speed, ...(thing.path ? { path: thing.path, repeat: thing.repeat } : {}), perceivedBy: felt(thing), since_ms: thing.since_ms })),
       obstacles: this.seen.map(({ id, handle, x, y, radius, seenBy, first_ms, last_ms }) => ({ id, handle, x, y, radius, seenBy, first_ms, last_ms })),
       crossings: this.aivs.length <= 200 ? this.crossings() : [], bijection: this.bijection(), commands: this.commands.slice(-50),
     };

@@ -97,7 +97,7 @@ export interface Aiv extends Pose {
   fieldViolation: boolean;
   waitsFor: string | null;
   /** the virtual object that the vehicle brakes for */
-  feels: string | null;
+  brakingFor: string | null;
   errors: readonly string[];
   /** the path reserved by the vehicle's base; no other vehicle may enter it */
   reserved: readonly Point[];
@@ -139,7 +139,7 @@ export interface Thing {
   speed: number;
   path?: readonly Point[];
   repeat?: Repeat;
-  feltBy: readonly string[];
+  perceivedBy: readonly string[];
   since_ms: number;
 }
 
@@ -211,7 +211,7 @@ export interface Bijection {
   age_ms: Statistics;
   commands: { issued: number; accepted: number; materialised: number; failed: number; latency_ms: Statistics };
   augmented: number;
-  effects: { felt_ms: Statistics; brakes_ms: Statistics; shown_ms: Statistics };
+  effects: { perceived_ms: Statistics; brakes_ms: Statistics; shown_ms: Statistics };
   events: { count: number; latency_ms: Statistics; by_kind: Readonly<Record<string, number>> };
   /** ratio of the time in which the whole contract was kept, 0…1 */
   held_share: number;

@@ -14,8 +14,8 @@ describe('the rows', () => {
   });
 
   it('say what virtual thing a vehicle brakes for', () => {
-    const [row] = rows_of(snapshot([aiv(1, { status: 'stopped', feels: 'P1', fieldViolation: true })]));
-    expect(row?.note).toBe('feels P1');
+    const [row] = rows_of(snapshot([aiv(1, { status: 'stopped', brakingFor: 'P1', fieldViolation: true })]));
+    expect(row?.note).toBe('brakingFor P1');
   });
 
   it('say why a vehicle stands', () => {

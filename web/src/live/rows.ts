@@ -50,7 +50,7 @@ function note_of(aiv: Aiv): string {
   if (aiv.connection === 'OFFLINE') return 'signed off';
   if (aiv.lost) return 'no report';
   if (aiv.paused) return 'by command';
-  if (aiv.feels) return `feels ${aiv.feels}`;
+  if (aiv.brakingFor) return `brakingFor ${aiv.brakingFor}`;
   if (aiv.waitsFor && state_key(aiv.status, false, 'ONLINE') === 'stopped') return `waits: ${short(aiv.waitsFor)}`;
   if (aiv.fieldViolation) return 'obstacle ahead';
   if (aiv.parked) return 'parked';

@@ -7,7 +7,7 @@ export function aiv(number: number, change: Partial<Aiv> = {}): Aiv {
     id: `CoSiVA/AIV${number}`, handle: number - 1, number, augmented: false, connection: 'ONLINE', lost: false, status: 'Normal', x: 0, y: 0,
     heading: 0, speed: 0.3, section: 'east', s: 0.5, priority: 0, reported: null, age_ms: 40, divergence_m: 0.001, battery: 90, lastTag: 1,
     sinceTag_m: 0.1, lastNode: 'east@300', orderId: 'o', orderUpdateId: 0, driving: true, paused: false, fieldViolation: false, waitsFor: null,
-    feels: null, errors: [], reserved: [], contract: { matched: true, divergence: true, age: true }, ...change,
+    brakingFor: null, errors: [], reserved: [], contract: { matched: true, divergence: true, age: true }, ...change,
   };
 }
 
@@ -18,7 +18,7 @@ export function snapshot(aivs: readonly Aiv[], change: Partial<Snapshot> = {}): 
   const bijection: Bijection = {
     physical: n, virtual: n, matched: n, matched_share: 1, orphans: [], augmented: 0, divergence_m: none, divergence_rad: none, age_ms: none,
     commands: { issued: 0, accepted: 0, materialised: 0, failed: 0, latency_ms: none }, events: { count: 0, latency_ms: none, by_kind: {} },
-    effects: { felt_ms: none, brakes_ms: none, shown_ms: none }, held_share: 1,
+    effects: { perceived_ms: none, brakes_ms: none, shown_ms: none }, held_share: 1,
   };
   return {
     time: '', time_ms: 10_000, zoneRevision: 1, zoneEdits: { undo: 0, redo: 0, unsaved: false }, aivs, things: [], obstacles: [], crossings: [],

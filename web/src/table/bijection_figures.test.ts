@@ -10,7 +10,7 @@ function bijection(change: Partial<Bijection> = {}): Bijection {
     divergence_m: statistics(0.012), divergence_rad: statistics(0.02), age_ms: statistics(110),
     commands: { issued: 2, accepted: 2, materialised: 2, failed: 0, latency_ms: statistics(640, 2) },
     events: { count: 10, latency_ms: statistics(90, 10), by_kind: {} }, held_share: 1, augmented: 0,
-    effects: { felt_ms: statistics(8, 10), brakes_ms: statistics(9, 10), shown_ms: statistics(80, 10) }, ...change,
+    effects: { perceived_ms: statistics(8, 10), brakes_ms: statistics(9, 10), shown_ms: statistics(80, 10) }, ...change,
   };
 }
 
@@ -18,16 +18,16 @@ describe('bijection figures', () => {
   const verdicts = (b: Bijection) => Object.fromEntries(figures_of(b).map((f) => [f.key, f.verdict]));
 
   it('are kept in a good run', () => {
-    expect(verdicts(bijection())).toEqual({ matched: 'kept', divergence: 'kept', age: 'kept', commands: 'kept', events: 'kept', felt: 'kept', brakes: 'kept', shown: 'kept' });
+    expect(verdicts(bijection())).toEqual({ matched: 'kept', divergence: 'kept', age: 'kept', commands: 'kept', events: 'kept', perceived: 'kept', brakes: 'kept', shown: 'kept' });
   });
 
   it('break on an orphan, on drift, on age and on a failed command', () => {
     const bad = bijection({
       matched: 3, virtual: 3, orphans: [{ side: 'physical', id: 'CoSiVA/AIV4' }], divergence_m: statistics(0.031), age_ms: statistics(151),
       commands: { issued: 1, accepted: 0, materialised: 0, failed: 1, latency_ms: statistics(0, 0) },
-      effects: { felt_ms: statistics(201), brakes_ms: statistics(199), shown_ms: statistics(0, 0) },
+      effects: { perceived_ms: statistics(201), brakes_ms: statistics(199), shown_ms: statistics(0, 0) },
     });
-    expect(verdicts(bad)).toEqual({ matched: 'broken', divergence: 'broken', age: 'broken', commands: 'broken', events: 'kept', felt: 'broken', brakes: 'kept', shown: 'open' });
+    expect(verdicts(bad)).toEqual({ matched: 'broken', divergence: 'broken', age: 'broken', commands: 'broken', events: 'kept', perceived: 'broken', brakes: 'kept', shown: 'open' });
   });
 
   it('stay open while nothing was measured', () => {
@@ -35,7 +35,7 @@ describe('bijection figures', () => {
       physical: 0, virtual: 0, matched: 0, divergence_m: statistics(0, 0), age_ms: statistics(0, 0),
       commands: { issued: 0, accepted: 0, materialised: 0, failed: 0, latency_ms: statistics(0, 0) },
       events: { count: 0, latency_ms: statistics(0, 0), by_kind: {} },
-      effects: { felt_ms: statistics(0, 0), brakes_ms: statistics(0, 0), shown_ms: statistics(0, 0) },
+      effects: { perceived_ms: statistics(0, 0), brakes_ms: statistics(0, 0), shown_ms: statistics(0, 0) },
     });
     expect(new Set(Object.values(verdicts(fresh)))).toEqual(new Set(['open']));
   });

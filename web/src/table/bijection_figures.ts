@@ -3,7 +3,7 @@ import { default_limits, type Bijection, type ContractLimits } from '../live/con
 import * as format from '../live/format';
 
 export interface Figure {
-  key: 'matched' | 'divergence' | 'age' | 'commands' | 'events' | 'felt' | 'brakes' | 'shown' | 'actual';
+  key: 'matched' | 'divergence' | 'age' | 'commands' | 'events' | 'perceived' | 'brakes' | 'shown' | 'actual';
   label: string;
   value: string;
   detail: string;
@@ -79,7 +79,7 @@ export function figures_of(bijection: Bijection): Figure[] {
 function effects_of(bijection: Bijection, limits: ContractLimits): Figure[] {
   const effects: Partial<Bijection['effects']> = bijection.effects ?? {};
   const words = [
-    ['felt', 'Virtual felt p99', effects.felt_ms, 'change to decision'],
+    ['perceived', 'Virtual perceived p99', effects.perceived_ms, 'change to decision'],
     ['brakes', 'Virtual braked for p99', effects.brakes_ms, 'change to braking'],
     ['shown', 'Obstacle shown p99', effects.shown_ms, 'seen to shown'],
   ] as const;

@@ -46,8 +46,8 @@ describe('columns', () => {
 
 describe('cells', () => {
   it('say what holds a vehicle, the virtual before the rest', () => {
-    const [feels, waits, sees, free] = rows(aiv(1, { feels: 'P1', waitsFor: 'X1' }), aiv(2, { waitsFor: 'X2, CoSiVA/AIV4' }), aiv(3, { fieldViolation: true }), aiv(4));
-    expect([feels, waits, sees, free].map((row) => holds_of(row!))).toEqual(['feels P1', 'waits for X2, AIV4', 'obstacle ahead', '']);
+    const [brakingFor, waits, sees, free] = rows(aiv(1, { brakingFor: 'P1', waitsFor: 'X1' }), aiv(2, { waitsFor: 'X2, CoSiVA/AIV4' }), aiv(3, { fieldViolation: true }), aiv(4));
+    expect([brakingFor, waits, sees, free].map((row) => holds_of(row!))).toEqual(['brakingFor P1', 'waits for X2, AIV4', 'obstacle ahead', '']);
   });
   it('name what of the contract is broken', () => {
     const [row] = rows(aiv(1, { contract: { matched: true, divergence: false, age: false } }));

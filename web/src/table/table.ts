@@ -29,7 +29,7 @@ const lost = (row: Row) => row.state === 'lost';
 
 /** What the vehicle waits for: a virtual object, a crossing or vehicle ahead, an obstacle. */
 export function holds_of(row: Row): string {
-  if (row.aiv.feels) return `feels ${row.aiv.feels}`;
+  if (row.aiv.brakingFor) return `brakingFor ${row.aiv.brakingFor}`;
   if (row.aiv.waitsFor) return `waits for ${row.aiv.waitsFor.replace(/[^\s,/]+\//g, '')}`;
   return row.aiv.fieldViolation ? 'obstacle ahead' : '';
 }
@@ -69,7 +69,7 @@ export const columns: readonly Column[] = [
   { key: 'battery', title: 'Battery', what: 'Battery', width_px: 62, number: true, rank: 3, text: (row) => format.percent(row.aiv.battery), order: (row) => row.aiv.battery, exact: (row) => row.aiv.battery },
   { key: 'divergence', title: 'Divergence', what: 'Distance of the twin from the report, with its last minute', width_px: 116, number: true, rank: 2, series: 'divergence', text: (row) => (lost(row) ? format.none : format.length(row.aiv.divergence_m)), order: (row) => (lost(row) ? null : row.aiv.divergence_m), exact: (row) => row.aiv.divergence_m },
   { key: 'age', title: 'Age', what: 'Age of the last report, with its last minute', width_px: 104, number: true, rank: 3, series: 'age', text: (row) => (lost(row) ? format.lasting(row.aiv.age_ms) : format.duration(row.aiv.age_ms)), order: (row) => row.aiv.age_ms, exact: (row) => row.aiv.age_ms },
-  { key: 'holds', title: 'Waits, feels', what: 'What holds it: a crossing, a vehicle, a virtual body', width_px: 120, rank: 4, text: holds_of, order: (row) => holds_of(row) || null },
+  { key: 'holds', title: 'Waits, brakingFor', what: 'What holds it: a crossing, a vehicle, a virtual body', width_px: 120, rank: 4, text: holds_of, order: (row) => holds_of(row) || null },
   { key: 'mission', title: 'Mission', what: 'Where it was sent, or that it circulates', width_px: 110, rank: 5, text: mission_of, order: (row) => mission_of(row) || null },
   { key: 'connection', title: 'Link', what: 'Connection', width_px: 64, rank: 5, text: (row) => connection_words[row.aiv.connection], order: (row) => row.aiv.connection },
   { key: 'contract', title: 'Contract', what: 'Contract of the bijection over the last ten seconds', width_px: 84, rank: 4, text: contract_of, order: contract_of },

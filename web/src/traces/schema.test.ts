@@ -114,7 +114,7 @@ describe('the schema of a topic', () => {
   it.each<[string, VdaKind | null]>([
     ['uagv/v2/CoSiVA/AIV1/state', 'state'],
     ['uagv/v2/RobotCompany/001/instantActions', 'instantActions'],
-    ['cosiva/v1/felt/CoSiVA/AIV1', null],
+    ['cosiva/v1/virtual_obstacles_ack/CoSiVA/AIV1', null],
     ['cosiva/v1/server/x/connection', null],
     ['uagv/v2/CoSiVA/AIV1/unheard', null],
     ['uagv/v2//AIV1/state', null],

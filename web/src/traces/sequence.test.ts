@@ -64,7 +64,7 @@ describe('the article’s exchanges', () => {
   });
   it('figure 11 is the last three reports where no section has answered yet', () => {
     const report: Said = ['CoSiVA/AIV1', 'AIV_Server', 'visualization', '{"x":1}'];
-    const store = told(report, report, ['CoSiVA/AIV1', 'AIV_Server', 'felt', 'nothing'], report, report);
+    const store = told(report, report, ['CoSiVA/AIV1', 'AIV_Server', 'virtual_obstacles_ack', 'nothing'], report, report);
     expect(find_figure(store, 'figure 11')!.seqs).toEqual([1, 3, 4]);
   });
   it('figure 9 holds neither what vehicles say to each other nor their convoys', () => {

@@ -229,7 +229,7 @@ function position_exchange(store: TraceStore, aiv: string | null): Exchange | nu
   let reports = 0;
   const seqs = rows(store, begin, store.end, 40, (from, _to, kind, seq) => {
     const after = seq > Math.max(taken, answer);
-    if (from === who && kind !== 'felt' && !v2x_kinds.has(kind)) return reports < 3 && (kind === 'visualization' || kind === 'state' ? ++reports > 0 : true);
+    if (from === who && kind !== 'virtual_obstacles_ack' && !v2x_kinds.has(kind)) return reports < 3 && (kind === 'visualization' || kind === 'state' ? ++reports > 0 : true);
     return !after && section_kinds.has(kind) && store.content(seq).startsWith(`${who} `);
   });
   return { agents: agents_of(store, seqs), seqs, proxies: true };

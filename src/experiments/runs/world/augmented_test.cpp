@@ -72,7 +72,7 @@ TEST(Augmented, a_person_put_before_a_physical_vehicle_stops_it_and_its_removal_
   const JsonValue shown = snapshot(*world);
   const JsonValue* aiv = aiv_of(shown, "CoSiVA/AIV1");
   ASSERT_NE(aiv, nullptr);
-  EXPECT_EQ(aiv->text("feels"), "P1");
+  EXPECT_EQ(aiv->text("brakingFor"), "P1");
   world->run_for(10s);
   EXPECT_NEAR(vehicle(*world, 1).distance_m, stands.distance_m, 1e-3) << "it stays as long as the person does";
 

@@ -45,9 +45,9 @@ struct Stage {
     world = std::move(*made);
     world->play(s);
     world->tap([this](SimTime, const std::string&, const wire::Publish& message) {
-      if (!message.topic.starts_with(wire::felt_topic_prefix)) return;
-      const auto felt = wire::felt_from_json(message.payload);
-      if (felt && felt->braking) braked_for.insert(felt->body);
+      if (!message.topic.starts_with(wire::virtual_obstacles_ack_topic_prefix)) return;
+      const auto perceived = wire::virtual_obstacles_ack_from_json(message.payload);
+      if (perceived && perceived->braking) braked_for.insert(perceived->body);
     });
     world->on_step([this](SimTime at, const Scenario::Step& step) {
       played.push_back(step.what);

@@ -13,7 +13,7 @@ constexpr std::size_t changes_max = 16;
 /// Our own vehicles answer the first one they hear at once; who has not answered three in this time never will.
 constexpr SimDuration answer_patience{std::chrono::milliseconds{300}};
 constexpr std::uint32_t unanswered_max = 3;
-constexpr SimDuration feels_max{std::chrono::seconds{1}};
+constexpr SimDuration perceived_max{std::chrono::seconds{1}};
 
 }  // namespace
 
@@ -100,7 +100,7 @@ void VirtualObstaclePublisher::update() {
     // One that is away is told when it is back.
     const Viewer& viewer = viewers_[v];
     busy_ =
-        busy_ || !viewer.told.empty() || viewer.empties > 0 || !viewer.feels.empty() || registry_[v].paused_for_body;
+        busy_ || !viewer.told.empty() || viewer.empties > 0 || !viewer.perceives.empty() || registry_[v].paused_for_body;
   }
 }
 
@@ -140,7 +140,7 @@ void VirtualObstaclePublisher::look_around(VehicleIndex vehicle) {
     if (near_.empty()) --viewer.empties;
     tell(vehicle, viewer);
   }
-  if (near_.empty() && viewer.empties == 0 && now - viewer.due > feels_max) viewer.feels.clear();
+  if (near_.empty() && viewer.empties == 0 && now - viewer.due > perceived_max) viewer.perceives.clear();
 
   // One that was paused before a restart of the server stays so until it answers.
   const bool given_up = viewer.unanswered >= unanswered_max && now - viewer.first_told >= answer_patience;
@@ -155,7 +155,7 @@ void VirtualObstaclePublisher::look_around(VehicleIndex vehicle) {
   std::array<ThirdPartyPause::Body, wire::VirtualObstacles::bodies_max> bodies{};
   for (std::size_t i = 0; i < near_.size(); ++i) bodies[i] = {&near_[i]->body, near_[i]->vehicle != no_vehicle};
   pauses_.judge(vehicle, *X_MB, {bodies.data(), near_.size()});
-  viewer.feels = pauses_.paused_for(vehicle);
+  viewer.perceives = pauses_.paused_for(vehicle);
 }
 
 void VirtualObstaclePublisher::record_change(Viewer& viewer) {
@@ -194,39 +194,39 @@ void VirtualObstaclePublisher::tell(VehicleIndex vehicle, Viewer& viewer) {
     outbox_.publish(std::move(topic), std::move(payload), 0, false);
 }
 
-bool VirtualObstaclePublisher::on_felt(VehicleIndex vehicle, const wire::Felt& felt, SimTime decided) {
+bool VirtualObstaclePublisher::on_virtual_obstacles_ack(VehicleIndex vehicle, const wire::VirtualObstaclesAck& perceived, SimTime decided) {
   Viewer& viewer = viewers_[vehicle];
-  const std::uint32_t behind = viewer.next_id - felt.virtual_obstacles_header_id;  // counts modulo 2³²
+  const std::uint32_t behind = viewer.next_id - perceived.virtual_obstacles_header_id;  // counts modulo 2³²
   if (behind == 0 || behind > known_max) return false;
   viewer.answered = true;
-  const bool begins_to_brake = felt.braking && viewer.feels != felt.body;
-  viewer.feels = felt.braking ? felt.body : std::string{};
+  const bool begins_to_brake = perceived.braking && viewer.perceives != perceived.body;
+  viewer.perceives = perceived.braking ? perceived.body : std::string{};
   // Inside the server everything is felt at once; that would only flatter the figures.
-  if (!registry_[vehicle].augmented) measure(viewer, felt, decided, begins_to_brake);
+  if (!registry_[vehicle].augmented) measure(viewer, perceived, decided, begins_to_brake);
   return true;
 }
 
-void VirtualObstaclePublisher::measure(Viewer& viewer, const wire::Felt& felt, SimTime decided, bool begins_to_brake) {
+void VirtualObstaclePublisher::measure(Viewer& viewer, const wire::VirtualObstaclesAck& perceived, SimTime decided, bool begins_to_brake) {
   BijectionMonitor& monitor = simulator_.monitor();
   const auto since_ms = [decided](SimTime then) { return std::max(0.0, to_seconds(decided - then) * 1e3); };
   bool was_change = false;
   for (Change& change : viewer.changes) {
-    if (felt.virtual_obstacles_header_id - change.header_id > answer_within) continue;
-    if (!std::exchange(change.felt, true)) monitor.effect(WorldEffect::felt, since_ms(change.since));
-    if (!felt.braking || std::erase(change.came, felt.body) == 0) continue;
+    if (perceived.virtual_obstacles_header_id - change.header_id > answer_within) continue;
+    if (!std::exchange(change.perceived, true)) monitor.effect(WorldEffect::perceived, since_ms(change.since));
+    if (!perceived.braking || std::erase(change.came, perceived.body) == 0) continue;
     monitor.effect(WorldEffect::brakes, since_ms(change.since));
     was_change = true;
   }
   // It had been told of the body before; now that walked, or the vehicle drove, near enough: how old was what it knew?
-  if (begins_to_brake && !was_change && viewer.next_id - felt.virtual_obstacles_header_id <= sent_kept)
-    monitor.effect(WorldEffect::brakes, since_ms(viewer.sent[felt.virtual_obstacles_header_id % sent_kept]));
+  if (begins_to_brake && !was_change && viewer.next_id - perceived.virtual_obstacles_header_id <= sent_kept)
+    monitor.effect(WorldEffect::brakes, since_ms(viewer.sent[perceived.virtual_obstacles_header_id % sent_kept]));
 }
 
 void VirtualObstaclePublisher::fold(Digest& digest) const {
   for (const Viewer& viewer : viewers_) {
     digest.add(std::uint64_t{viewer.next_id});
     digest.add(static_cast<std::uint64_t>(viewer.told.size()));
-    digest.add(std::string_view{viewer.feels});
+    digest.add(std::string_view{viewer.perceives});
   }
 }
 

@@ -39,7 +39,7 @@ class VirtualObstaclePublisher {
   /// The next update looks at everybody, even in an empty world.
   void wake() { busy_ = true; }
   /// Takes an answer in. @param decided  on the server's clock. False: it answers nothing that was sent lately.
-  bool on_felt(VehicleIndex vehicle, const wire::Felt& felt, SimTime decided);
+  bool on_virtual_obstacles_ack(VehicleIndex vehicle, const wire::VirtualObstaclesAck& perceived, SimTime decided);
   /// A vehicle's program has started anew: it has felt nothing yet.
   void new_session(VehicleIndex vehicle) {
     Viewer fresh;
@@ -48,7 +48,7 @@ class VirtualObstaclePublisher {
   }
 
   /// The virtual body it brakes for; empty: none.
-  [[nodiscard]] const std::string& feels(VehicleIndex vehicle) const { return viewers_[vehicle].feels; }
+  [[nodiscard]] const std::string& perceives(VehicleIndex vehicle) const { return viewers_[vehicle].perceives; }
   void fold(Digest& digest) const;
 
  private:
@@ -66,7 +66,7 @@ class VirtualObstaclePublisher {
   struct Change {
     std::uint32_t header_id;
     SimTime since;
-    bool felt;
+    bool perceived;
     std::vector<std::string> came;  ///< not braked for yet
   };
   struct Viewer {
@@ -79,7 +79,7 @@ class VirtualObstaclePublisher {
     bool answered{false};
     std::uint32_t unanswered{0};
     SimTime first_told{};
-    std::string feels;
+    std::string perceives;
   };
 
   void gather();
@@ -90,7 +90,7 @@ class VirtualObstaclePublisher {
   void pick(VehicleIndex vehicle, const Pose2& X_MB);
   void record_change(Viewer& viewer);
   void tell(VehicleIndex vehicle, Viewer& viewer);
-  void measure(Viewer& viewer, const wire::Felt& felt, SimTime decided, bool begins_to_brake);
+  void measure(Viewer& viewer, const wire::VirtualObstaclesAck& perceived, SimTime decided, bool begins_to_brake);
 
   Registry& registry_;
   Outbox& outbox_;

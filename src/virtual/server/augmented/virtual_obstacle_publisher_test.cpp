@@ -36,9 +36,9 @@ class VirtualObstaclesFixture : public testing::Test {
     return all;
   }
   void answer(std::uint32_t header_id, const std::string& brakes_for = "") {
-    wire::Felt felt{header_id, bench.now, !brakes_for.empty(), brakes_for, std::nullopt};
-    if (felt.braking) felt.distance_m = 0.3;
-    bench.feed(wire::InputKind::message, "cosiva/v1/felt/CoSiVA/AIV1", wire::to_json(felt));
+    wire::VirtualObstaclesAck perceived{header_id, bench.now, !brakes_for.empty(), brakes_for, std::nullopt};
+    if (perceived.braking) perceived.distance_m = 0.3;
+    bench.feed(wire::InputKind::message, "cosiva/v1/virtual_obstacles_ack/CoSiVA/AIV1", wire::to_json(perceived));
   }
   [[nodiscard]] JsonValue effect(const std::string& name) const {
     return *bench.bijection().find("effects")->find(name);
@@ -141,13 +141,13 @@ TEST_F(VirtualObstaclesFixture, measures_from_the_command_to_the_decision) {
   const std::uint32_t id = aheads().back().header_id;
   bench.now += 12ms;
   answer(id, "P1");
-  EXPECT_EQ(*effect("felt_ms").number("count"), 1.0);
-  EXPECT_NEAR(*effect("felt_ms").number("max"), 12.0, 1.0) << "times on the wire are whole milliseconds";
+  EXPECT_EQ(*effect("perceived_ms").number("count"), 1.0);
+  EXPECT_NEAR(*effect("perceived_ms").number("max"), 12.0, 1.0) << "times on the wire are whole milliseconds";
   EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("feels"), "P1");
+  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("brakingFor"), "P1");
   const JsonValue snapshot = bench.snapshot();
   const JsonValue& person = snapshot.find("things")->array()->front();
-  EXPECT_EQ(person.find("feltBy")->array()->front().text()[0], "CoSiVA/AIV1");
+  EXPECT_EQ(person.find("perceivedBy")->array()->front().text()[0], "CoSiVA/AIV1");
 }
 
 TEST_F(VirtualObstaclesFixture, counts_each_change_once_and_braking_once_per_body) {
@@ -156,13 +156,13 @@ TEST_F(VirtualObstaclesFixture, counts_each_change_once_and_braking_once_per_bod
   answer(id);
   answer(id, "P1");
   answer(id, "P1");
-  EXPECT_EQ(*effect("felt_ms").number("count"), 1.0);
+  EXPECT_EQ(*effect("perceived_ms").number("count"), 1.0);
   EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
   remove("P1");
   answer(aheads().back().header_id);
-  EXPECT_EQ(*effect("felt_ms").number("count"), 2.0) << "its going is a change, too";
+  EXPECT_EQ(*effect("perceived_ms").number("count"), 2.0) << "its going is a change, too";
   EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
-  EXPECT_TRUE(bench.aiv("CoSiVA/AIV1").find("feels")->is_null());
+  EXPECT_TRUE(bench.aiv("CoSiVA/AIV1").find("brakingFor")->is_null());
 }
 
 TEST_F(VirtualObstaclesFixture, takes_the_answer_to_the_next_message_when_the_first_was_lost) {
@@ -184,7 +184,7 @@ TEST_F(VirtualObstaclesFixture, measures_how_old_the_news_was_where_a_vehicle_br
   EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
   EXPECT_NEAR(*effect("brakes_ms").number("max"), to_seconds(bench.now - news.timestamp) * 1e3, 1.0);
   EXPECT_GE(*effect("brakes_ms").number("max"), 29.0);
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("feels"), "P1");
+  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("brakingFor"), "P1");
   // What was sent so long ago that nobody remembers when is not judged.
   answer(news.header_id);
   bench.run_for(3s);
@@ -196,8 +196,8 @@ TEST_F(VirtualObstaclesFixture, ignores_answers_to_what_it_never_said) {
   add_person(1.0, 0.0);
   answer(aheads().back().header_id + 1, "P1");
   answer(4'000'000'000U, "P1");
-  EXPECT_EQ(*effect("felt_ms").number("count"), 0.0);
-  EXPECT_TRUE(bench.aiv("CoSiVA/AIV1").find("feels")->is_null());
+  EXPECT_EQ(*effect("perceived_ms").number("count"), 0.0);
+  EXPECT_TRUE(bench.aiv("CoSiVA/AIV1").find("brakingFor")->is_null());
 }
 
 TEST_F(VirtualObstaclesFixture, tells_a_virtual_aiv_of_physical_vehicles_and_the_others_of_it) {
@@ -228,7 +228,7 @@ TEST_F(VirtualObstaclesFixture, stops_a_virtual_aiv_before_a_person_and_a_physic
   bench.run_for(10s);
   EXPECT_EQ(*bench.aiv("CoSiVA.virtual/V2").number("speed"), 0.0);
   EXPECT_GT(*bench.aiv("CoSiVA.virtual/V2").number("x"), 1.5);
-  EXPECT_EQ(bench.aiv("CoSiVA.virtual/V2").text("feels"), "P1");
+  EXPECT_EQ(bench.aiv("CoSiVA.virtual/V2").text("brakingFor"), "P1");
   remove("P1");
   bench.run_for(5s);
   EXPECT_LT(*bench.aiv("CoSiVA.virtual/V2").number("x"), 1.5);
@@ -250,7 +250,7 @@ TEST_F(DeafVehicle, is_paused_before_a_body_in_its_way_and_let_go_when_it_is_gon
   EXPECT_TRUE(aiv.paused);
   EXPECT_LT(aiv.pose().x_m + 0.1, x + 0.75 - 0.06) << "it stands before it";
   EXPECT_TRUE(bench.logged("paused for P1"));
-  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("feels"), "P1");
+  EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("brakingFor"), "P1");
   remove("P1");
   bench.run_for(2s);
   EXPECT_FALSE(aiv.paused);

@@ -47,13 +47,13 @@ bool OwnReports::take_stamp(AivProxy& proxy, std::optional<SimTime>& last, SimTi
 }
 
 void OwnReports::on_acknowledged(VehicleIndex vehicle, const wire::Input& input) {
-  const auto felt = wire::felt_from_json(input.payload);
-  if (!felt) return checks_.refuse(vehicle, VehicleTopic::felt, input, felt.error());
+  const auto perceived = wire::virtual_obstacles_ack_from_json(input.payload);
+  if (!perceived) return checks_.refuse(vehicle, VehicleTopic::perceived, input, perceived.error());
   AivProxy& proxy = context_.registry[vehicle];
-  std::string summary = "ahead " + std::to_string(felt->virtual_obstacles_header_id) + ": ";
-  summary += felt->braking ? "brakes for " + felt->body : std::string("nothing to brake for");
-  context_.traces.add(context_.now, proxy.name, "AIV_Server", "felt", summary, input.source, input.payload);
-  if (!augmented_.virtual_obstacles.on_felt(vehicle, *felt, checks_.server_time(proxy, felt->decided)))
+  std::string summary = "ahead " + std::to_string(perceived->virtual_obstacles_header_id) + ": ";
+  summary += perceived->braking ? "brakes for " + perceived->body : std::string("nothing to brake for");
+  context_.traces.add(context_.now, proxy.name, "AIV_Server", "virtual_obstacles_ack", summary, input.source, input.payload);
+  if (!augmented_.virtual_obstacles.on_virtual_obstacles_ack(vehicle, *perceived, checks_.server_time(proxy, perceived->decided)))
     ++proxy.outdated;
 }
 

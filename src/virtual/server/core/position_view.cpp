@@ -58,7 +58,7 @@ PositionRecord PositionView::record_of_vehicle(VehicleIndex vehicle, SimTime at)
   record.status = lost ? status_lost : status_number(aiv::status_of(image.speed_mps, proxy.imposed));
   record.augmented = proxy.augmented;
   record.blocked =
-      !lost && ((proxy.state && proxy.state->field_violation) || !augmented_.virtual_obstacles.feels(vehicle).empty());
+      !lost && ((proxy.state && proxy.state->field_violation) || !augmented_.virtual_obstacles.perceives(vehicle).empty());
   record.reported_dx_m = static_cast<float>(reported.x_m - image.X_MB.x_m);
   record.reported_dy_m = static_cast<float>(reported.y_m - image.X_MB.y_m);
   return record;

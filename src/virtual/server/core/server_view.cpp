@@ -42,9 +42,9 @@ void ServerView::write_objects(JsonWriter& json) const {
       for (const Point2 p : thing.walk.path()) json.begin_array().value(p.x_m).value(p.y_m).end_array();
       json.end_array().field("repeat", to_string(thing.walk.repeat()));
     }
-    json.key("feltBy").begin_array();
+    json.key("perceivedBy").begin_array();
     for (VehicleIndex v = 0; v < context_.registry.size(); ++v)
-      if (context_.registry[v].here() && augmented_.virtual_obstacles.feels(v) == thing.id)
+      if (context_.registry[v].here() && augmented_.virtual_obstacles.perceives(v) == thing.id)
         json.value(context_.registry[v].name);
     json.end_array().field("since_ms", to_milliseconds(thing.since.time_since_epoch())).end_object();
   }
@@ -197,7 +197,7 @@ void ServerView::add_vehicle(VehicleIndex vehicle, Digest& waited_for, Digest& e
   const AivProxy& proxy = context_.registry[vehicle];
   add(waited_for, proxy.here(), proxy.lost(context_.now, context_.options.lost_after), proxy.priority);
   if (proxy.connection) add(waited_for, *proxy.connection, 1);
-  waited_for.add(std::string_view{augmented_.virtual_obstacles.feels(vehicle)});
+  waited_for.add(std::string_view{augmented_.virtual_obstacles.perceives(vehicle)});
   if (!proxy.state) return;
   const wire::State& state = *proxy.state;
   add(waited_for, state.field_violation, state.paused, state.errors.size());

@@ -87,7 +87,7 @@ void VehicleReports::receive(Registry::Address address, const wire::Input& input
     case VehicleTopic::factsheet: on_factsheet(address.vehicle, input); break;
     case VehicleTopic::state: on_state(address.vehicle, input); break;
     case VehicleTopic::visualization: on_visualization(address.vehicle, input); break;
-    case VehicleTopic::felt: own_.on_acknowledged(address.vehicle, input); break;
+    case VehicleTopic::perceived: own_.on_acknowledged(address.vehicle, input); break;
     case VehicleTopic::seen: own_.on_detected(address.vehicle, input); break;
     case VehicleTopic::boards: own_.on_boards(address.vehicle, input); break;
   }

@@ -159,8 +159,8 @@ void VehicleView::write_agent(JsonWriter& json, VehicleIndex vehicle, bool lost)
       .field("paused", state.paused)
       .field("fieldViolation", state.field_violation);
   text_or_null(json, "waitsFor", master_.orders.waits_for(vehicle));
-  text_or_null(json, "feels",
-               lost ? std::string_view{} : std::string_view{augmented_.virtual_obstacles.feels(vehicle)});
+  text_or_null(json, "brakingFor",
+               lost ? std::string_view{} : std::string_view{augmented_.virtual_obstacles.perceives(vehicle)});
   json.key("errors").begin_array();
   for (const wire::VehicleError& error : state.errors)
     json.value(error.description.empty() ? error.type : error.type + ": " + error.description);

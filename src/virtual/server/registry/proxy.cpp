@@ -21,7 +21,7 @@ std::string_view to_string(VehicleTopic topic) {
     case VehicleTopic::state: return "state";
     case VehicleTopic::visualization: return "visualization";
     case VehicleTopic::factsheet: return "factsheet";
-    case VehicleTopic::felt: return "felt";
+    case VehicleTopic::perceived: return "virtual_obstacles_ack";
     case VehicleTopic::seen: return "seen";
     case VehicleTopic::boards: return "boards";
   }
@@ -76,7 +76,7 @@ std::optional<VehicleIndex> Registry::add(const wire::VehicleId& id, SimTime now
   for (const auto topic :
        {VehicleTopic::connection, VehicleTopic::state, VehicleTopic::visualization, VehicleTopic::factsheet})
     topics_.emplace(wire::vda_topic(id, to_string(topic), interface_name_), Address{index, topic});
-  topics_.emplace(wire::own_topic(wire::felt_topic_prefix, id), Address{index, VehicleTopic::felt});
+  topics_.emplace(wire::own_topic(wire::virtual_obstacles_ack_topic_prefix, id), Address{index, VehicleTopic::perceived});
   topics_.emplace(wire::own_topic(wire::seen_topic_prefix, id), Address{index, VehicleTopic::seen});
   topics_.emplace(wire::own_topic(wire::boards_topic_prefix, id), Address{index, VehicleTopic::boards});
   proxy.augmented = id.manufacturer == wire::virtual_manufacturer;

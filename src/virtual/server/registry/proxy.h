@@ -21,7 +21,7 @@
 namespace cosiva::virtual_side {
 
 /// Topics on which a vehicle speaks.
-enum class VehicleTopic : std::uint8_t { connection, state, visualization, factsheet, felt, seen, boards };
+enum class VehicleTopic : std::uint8_t { connection, state, visualization, factsheet, perceived, seen, boards };
 inline constexpr std::size_t vehicle_topics = 7;
 /// Of the standard's topics; our own have no place under the interface.
 [[nodiscard]] std::optional<VehicleTopic> parse_vehicle_topic(std::string_view name);

@@ -16,15 +16,15 @@ namespace cosiva::aiv {
 
 /// What the vehicle is told of the virtual world near its way (wire::VirtualObstacles), as its skin would feel it: where the first
 /// body stands in the corridor that Corridor looks through, too.
-class FeltWorld {
+class PerceivedWorld {
  public:
   struct Model {
     BodyGap::Model look{};
     SimDuration memory_span{std::chrono::seconds{1}};       ///< without news all of it is forgotten
     SimDuration carry_max{std::chrono::milliseconds{500}};  ///< a moving body is carried on no longer
   };
-  explicit FeltWorld(const zone::TrafficZone& zone) : FeltWorld{zone, Model{}} {}
-  FeltWorld(const zone::TrafficZone& zone, Model model);
+  explicit PerceivedWorld(const zone::TrafficZone& zone) : PerceivedWorld{zone, Model{}} {}
+  PerceivedWorld(const zone::TrafficZone& zone, Model model);
 
   /// Replaces what was heard before. True when somebody came or went since.
   bool hear(SimTime now, wire::VirtualObstacles ahead);

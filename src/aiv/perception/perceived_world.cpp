@@ -1,13 +1,13 @@
-#include "cosiva/aiv/perception/felt_world.h"
+#include "cosiva/aiv/perception/perceived_world.h"
 
 #include <algorithm>
 #include <utility>
 
 namespace cosiva::aiv {
 
-FeltWorld::FeltWorld(const zone::TrafficZone& zone, Model model) : model_{model}, gap_{zone, model.look} {}
+PerceivedWorld::PerceivedWorld(const zone::TrafficZone& zone, Model model) : model_{model}, gap_{zone, model.look} {}
 
-bool FeltWorld::hear(SimTime now, wire::VirtualObstacles ahead) {
+bool PerceivedWorld::hear(SimTime now, wire::VirtualObstacles ahead) {
   const auto was_there = [this](const wire::Body& body) {
     return std::ranges::find(ahead_.bodies, body.id, &wire::Body::id) != ahead_.bodies.end();
   };
@@ -18,16 +18,16 @@ bool FeltWorld::hear(SimTime now, wire::VirtualObstacles ahead) {
   return !same;
 }
 
-void FeltWorld::forget() {
+void PerceivedWorld::forget() {
   ahead_.bodies.clear();
   news_at_.reset();
 }
 
-void FeltWorld::age(SimTime now) {
+void PerceivedWorld::age(SimTime now) {
   if (news_at_ && now - *news_at_ > model_.memory_span) forget();
 }
 
-FeltWorld::Contact FeltWorld::first(SimTime now, const Outlook& outlook) {
+PerceivedWorld::Contact PerceivedWorld::first(SimTime now, const Outlook& outlook) {
   Contact contact;
   if (ahead_.bodies.empty()) return contact;
   gap_.look(outlook);
@@ -39,7 +39,7 @@ FeltWorld::Contact FeltWorld::first(SimTime now, const Outlook& outlook) {
   return contact;
 }
 
-void FeltWorld::fold(Digest& digest) const {
+void PerceivedWorld::fold(Digest& digest) const {
   digest.add(std::uint64_t{informed()});
   digest.add(std::uint64_t{ahead_.header_id});
   digest.add(std::uint64_t{ahead_.bodies.size()});

@@ -63,11 +63,11 @@ struct Driving : OnboardBench {
 
 // --- Ahead and Felt -----------------------------------------------------------------------------------------------
 
-TEST(Feeling, the_first_virtual_obstacles_are_acknowledged_even_when_empty) {
+TEST(Perception, the_first_virtual_obstacles_are_acknowledged_even_when_empty) {
   Driving bench;
   bench.receive_virtual_obstacles({});
   ASSERT_THAT(bench.felts, SizeIs(1));
-  EXPECT_EQ(bench.felts[0], (wire::Felt{1, bench.now, false, "", std::nullopt}));
+  EXPECT_EQ(bench.felts[0], (wire::VirtualObstaclesAck{1, bench.now, false, "", std::nullopt}));
   for (int i = 0; i < 30; ++i) {
     bench.receive_virtual_obstacles({});
     bench.run(0.1);
@@ -75,7 +75,7 @@ TEST(Feeling, the_first_virtual_obstacles_are_acknowledged_even_when_empty) {
   EXPECT_THAT(bench.felts, SizeIs(3)) << "nothing changed: once a second, since one may be lost";
 }
 
-TEST(Feeling, a_body_on_the_way_is_decided_on_at_once) {
+TEST(Perception, a_body_on_the_way_is_decided_on_at_once) {
   Driving bench;
   bench.receive_virtual_obstacles({});
   const int drives = bench.drives;
@@ -90,7 +90,7 @@ TEST(Feeling, a_body_on_the_way_is_decided_on_at_once) {
   EXPECT_NEAR(*bench.felts[1].distance_m, 0.4 - radius_m - front_m, 0.03);
 }
 
-TEST(Feeling, it_stops_before_a_person_and_goes_on_when_the_person_is_gone) {
+TEST(Perception, it_stops_before_a_person_and_goes_on_when_the_person_is_gone) {
   Driving bench;
   const double person_s_m = bench.s_m() + 0.5;
   bench.run_with({Driving::person(person_s_m)}, 3.0);
@@ -107,7 +107,7 @@ TEST(Feeling, it_stops_before_a_person_and_goes_on_when_the_person_is_gone) {
   EXPECT_FALSE(bench.state().field_violation);
 }
 
-TEST(Feeling, a_body_far_ahead_is_felt_without_braking_until_it_comes_near) {
+TEST(Perception, a_body_far_ahead_is_felt_without_braking_until_it_comes_near) {
   Driving bench;
   const std::vector<wire::Body> bodies{Driving::person(bench.s_m() + 1.2)};
   bench.receive_virtual_obstacles(bodies);
@@ -122,7 +122,7 @@ TEST(Feeling, a_body_far_ahead_is_felt_without_braking_until_it_comes_near) {
   EXPECT_EQ(bench.speed_mps, 0.0);
 }
 
-TEST(Feeling, who_comes_or_goes_is_answered_though_it_does_not_brake) {
+TEST(Perception, who_comes_or_goes_is_answered_though_it_does_not_brake) {
   Driving bench;
   const wire::Body far = Driving::person(bench.s_m() + 1.2);
   bench.receive_virtual_obstacles({});
@@ -137,7 +137,7 @@ TEST(Feeling, who_comes_or_goes_is_answered_though_it_does_not_brake) {
   EXPECT_EQ(bench.felts.back().virtual_obstacles_header_id, 6U);
 }
 
-TEST(Feeling, is_told_again_when_the_broker_is_back) {
+TEST(Perception, is_told_again_when_the_broker_is_back) {
   Driving bench;
   bench.receive_virtual_obstacles({});
   bench.link(false);
@@ -146,7 +146,7 @@ TEST(Feeling, is_told_again_when_the_broker_is_back) {
   EXPECT_THAT(bench.felts, SizeIs(2));
 }
 
-TEST(Feeling, another_body_that_comes_before_the_first_is_answered) {
+TEST(Perception, another_body_that_comes_before_the_first_is_answered) {
   Driving bench;
   const double there_m = bench.s_m() + 0.6;
   bench.run_with({Driving::person(there_m)}, 3.0);
@@ -155,7 +155,7 @@ TEST(Feeling, another_body_that_comes_before_the_first_is_answered) {
   EXPECT_EQ(bench.felts.back().virtual_obstacles_header_id, bench.aheads);
 }
 
-TEST(Feeling, a_person_who_walks_across_makes_it_stop_once_and_go_once) {
+TEST(Perception, a_person_who_walks_across_makes_it_stop_once_and_go_once) {
   Driving bench;
   const Pose2 X_MP = lacet4().circuit.pose_at(at(lacet4(), "loop_se", bench.s_m() + 0.8));
   int stops = 0;
@@ -174,11 +174,11 @@ TEST(Feeling, a_person_who_walks_across_makes_it_stop_once_and_go_once) {
   }
   EXPECT_EQ(stops, 1);
   EXPECT_GT(bench.speed_mps, 0.0);
-  EXPECT_THAT(bench.felts, Contains(Field(&wire::Felt::braking, true)));
+  EXPECT_THAT(bench.felts, Contains(Field(&wire::VirtualObstaclesAck::braking, true)));
   EXPECT_FALSE(bench.felts.back().braking);
 }
 
-TEST(Feeling, is_forgotten_after_a_second_without_news_and_that_is_told) {
+TEST(Perception, is_forgotten_after_a_second_without_news_and_that_is_told) {
   Driving bench;
   bench.run_with({Driving::person(bench.s_m() + 0.5)}, 3.0);
   bench.run(0.8);
@@ -191,7 +191,7 @@ TEST(Feeling, is_forgotten_after_a_second_without_news_and_that_is_told) {
   EXPECT_THAT(bench.felts, SizeIs(before + 1)) << "the first one of a new beginning is answered";
 }
 
-TEST(Feeling, is_forgotten_when_the_server_leaves) {
+TEST(Perception, is_forgotten_when_the_server_leaves) {
   Driving bench;
   bench.run_with({Driving::person(bench.s_m() + 0.5)}, 3.0);
   EXPECT_EQ(bench.speed_mps, 0.0);
@@ -201,7 +201,7 @@ TEST(Feeling, is_forgotten_when_the_server_leaves) {
   EXPECT_GT(bench.speed_mps, 0.0);
 }
 
-TEST(Feeling, outlasts_a_server_that_died_and_came_back) {
+TEST(Perception, outlasts_a_server_that_died_and_came_back) {
   Driving bench;
   bench.run_with({Driving::person(bench.s_m() + 0.5)}, 3.0);
   bench.server_beats = false;
@@ -215,7 +215,7 @@ TEST(Feeling, outlasts_a_server_that_died_and_came_back) {
   EXPECT_EQ(bench.felts.back().virtual_obstacles_header_id, 1U) << "a new server hears that this vehicle feels";
 }
 
-TEST(Feeling, malformed_virtual_obstacles_are_refused_with_one_line_per_kind_and_change_nothing) {
+TEST(Perception, malformed_virtual_obstacles_are_refused_with_one_line_per_kind_and_change_nothing) {
   Driving bench;
   const std::string topic = wire::own_topic(wire::virtual_obstacles_topic_prefix, me);
   const std::vector<wire::Body> bodies{Driving::person(bench.s_m() + 0.5)};
@@ -230,14 +230,14 @@ TEST(Feeling, malformed_virtual_obstacles_are_refused_with_one_line_per_kind_and
     bench.run(0.1);
   }
   EXPECT_EQ(bench.speed_mps, 0.0);
-  for (auto felt = bench.felts.rbegin(); felt != bench.felts.rend() && felt->virtual_obstacles_header_id > 30; ++felt)
-    EXPECT_EQ(felt->body, "P1");
+  for (auto perceived = bench.felts.rbegin(); perceived != bench.felts.rend() && perceived->virtual_obstacles_header_id > 30; ++perceived)
+    EXPECT_EQ(perceived->body, "P1");
   const auto warnings = bench.warnings();
   EXPECT_THAT(warnings, SizeIs(3)) << "not JSON, a field, another map";
   for (const std::string& text : warnings) EXPECT_THAT(text, HasSubstr("ahead not used"));
 }
 
-TEST(Feeling, complains_of_at_most_sixteen_kinds_of_fault) {
+TEST(Perception, complains_of_at_most_sixteen_kinds_of_fault) {
   Driving bench;
   for (int i = 0; i < 32; ++i) {
     wire::VirtualObstacles ahead{1, bench.now, "lacet4", std::vector<wire::Body>(32, Driving::person(0.5))};
@@ -247,7 +247,7 @@ TEST(Feeling, complains_of_at_most_sixteen_kinds_of_fault) {
   EXPECT_THAT(bench.warnings(), SizeIs(16));
 }
 
-TEST(Feeling, hears_neither_what_is_retained_nor_what_is_for_another) {
+TEST(Perception, hears_neither_what_is_retained_nor_what_is_for_another) {
   Driving bench;
   const std::string text = to_json(wire::VirtualObstacles{1, bench.now, "lacet4", {Driving::person(bench.s_m() + 0.4)}});
   bench.hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, me), text, true);
@@ -257,7 +257,7 @@ TEST(Feeling, hears_neither_what_is_retained_nor_what_is_for_another) {
   EXPECT_GT(bench.speed_mps, 0.39);
 }
 
-TEST(Feeling, before_there_is_a_zone_or_a_place_harms_nothing) {
+TEST(Perception, before_there_is_a_zone_or_a_place_harms_nothing) {
   OnboardBench::Setup setup;
   setup.zone_told = false;
   OnboardBench no_zone{setup};

@@ -1,4 +1,4 @@
-#include "cosiva/aiv/perception/felt_world.h"
+#include "cosiva/aiv/perception/perceived_world.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ wire::Body disc(Point2 p, double radius_m = 0.06, double vx_mps = 0.0, double vy
 wire::Body vehicle(const Pose2& X_MB) { return {"V1", "aiv", X_MB.x_m, X_MB.y_m, X_MB.heading_rad, 0.08, 0.06, 0, 0}; }
 
 struct Skin {
-  FeltWorld world{lacet4()};
+  PerceivedWorld world{lacet4()};
   SimTime now{virtual_epoch};
 
   Skin& hears(std::vector<wire::Body> bodies) {
@@ -41,7 +41,7 @@ double gap_to_vehicle_m(zone::Place here, zone::Place other) {
 /// Beside the vehicle at `here`: x ahead of its middle, y to its left.
 Point2 beside(zone::Place here, double x_m, double y_m) { return lacet4().circuit.pose_at(here) * Point2{x_m, y_m}; }
 
-TEST(FeltWorld, without_bodies_is_free) {
+TEST(PerceivedWorld, without_bodies_is_free) {
   Skin skin;
   EXPECT_FALSE(skin.world.informed());
   EXPECT_EQ(skin.gap_m(at(lacet4(), "east", 0.1)), nothing);
@@ -50,13 +50,13 @@ TEST(FeltWorld, without_bodies_is_free) {
   EXPECT_EQ(skin.gap_m(at(lacet4(), "east", 0.1)), nothing);
 }
 
-TEST(FeltWorld, feels_a_person_on_its_way) {
+TEST(PerceivedWorld, feels_a_person_on_its_way) {
   const zone::Place here = at(lacet4(), "east", 0.1);
   EXPECT_NEAR(gap_m(here, disc(beside(here, 0.7, 0.0))), 0.7 - 0.06 - front_m, 1e-6);
   EXPECT_NEAR(gap_m(here, disc(beside(here, 0.7, 0.08))), 0.7 - 0.06 - front_m, 1e-6);
 }
 
-TEST(FeltWorld, feels_the_part_of_a_body_that_reaches_into_its_corridor) {
+TEST(PerceivedWorld, feels_the_part_of_a_body_that_reaches_into_its_corridor) {
   // Half the vehicle's width and the margin are 0.08 m. A disc 0.13 m off reaches 0.01 m in: its chord there is
   // shorter.
   const zone::Place here = at(lacet4(), "east", 0.1);
@@ -65,7 +65,7 @@ TEST(FeltWorld, feels_the_part_of_a_body_that_reaches_into_its_corridor) {
   EXPECT_EQ(gap_m(here, disc(beside(here, 0.7, -0.141))), nothing);
 }
 
-TEST(FeltWorld, feels_a_vehicle_ahead_on_a_straight_an_arc_and_round_a_joint) {
+TEST(PerceivedWorld, feels_a_vehicle_ahead_on_a_straight_an_arc_and_round_a_joint) {
   for (const double gap : {0.15, 0.3, 0.45, 0.6, 0.9}) {
     EXPECT_NEAR(gap_to_vehicle_m(at(lacet4(), "east", 0.1), at(lacet4(), "east", 0.3 + gap)), gap, 1e-6) << gap;
     EXPECT_NEAR(gap_to_vehicle_m(at(lacet4(), "loop_se", 0.8), at(lacet4(), "loop_se", 1.0 + gap)), gap, 0.01) << gap;
@@ -73,7 +73,7 @@ TEST(FeltWorld, feels_a_vehicle_ahead_on_a_straight_an_arc_and_round_a_joint) {
   EXPECT_NEAR(gap_to_vehicle_m(at(lacet4(), "east", 1.4), at(lacet4(), "loop_se", 0.4)), 0.3, 0.01);
 }
 
-TEST(FeltWorld, does_not_feel_the_neighbouring_lane) {
+TEST(PerceivedWorld, does_not_feel_the_neighbouring_lane) {
   // Lanes of opposite ways run 0.30 m apart: y = -0.15 eastward, y = +0.15 westward.
   for (int mm = 0; mm <= 1500; mm += 20) {
     const zone::Place there = at(lacet4(), "west", 1e-3 * mm);
@@ -82,22 +82,22 @@ TEST(FeltWorld, does_not_feel_the_neighbouring_lane) {
   }
 }
 
-TEST(FeltWorld, does_not_feel_who_waits_at_the_stop_line_of_a_crossing_lane) {
+TEST(PerceivedWorld, does_not_feel_who_waits_at_the_stop_line_of_a_crossing_lane) {
   for (int mm = 300; mm <= 650; mm += 10)
     EXPECT_GT(gap_to_vehicle_m(at(lacet4(), "south", 1e-3 * mm), at(lacet4(), "east", 0.38)), 0.4) << mm;
 }
 
-TEST(FeltWorld, feels_who_stands_in_the_crossing) {
+TEST(PerceivedWorld, feels_who_stands_in_the_crossing) {
   EXPECT_NEAR(gap_to_vehicle_m(at(lacet4(), "south", 0.4), at(lacet4(), "east", 0.6)), 0.34, 0.02);
 }
 
-TEST(FeltWorld, does_not_feel_behind_itself_or_beyond_its_reach) {
+TEST(PerceivedWorld, does_not_feel_behind_itself_or_beyond_its_reach) {
   EXPECT_EQ(gap_to_vehicle_m(at(lacet4(), "east", 0.8), at(lacet4(), "east", 0.5)), nothing);
   EXPECT_EQ(gap_to_vehicle_m(at(lacet4(), "east", 0.8), at(lacet4(), "east", 0.79)), nothing) << "mostly behind it";
   EXPECT_EQ(gap_to_vehicle_m(at(lacet4(), "loop_se", 0.1), at(lacet4(), "loop_se", 1.6)), nothing);
 }
 
-TEST(FeltWorld, is_not_held_for_ever_by_what_touches_it_from_the_side_or_from_behind) {
+TEST(PerceivedWorld, is_not_held_for_ever_by_what_touches_it_from_the_side_or_from_behind) {
   const zone::Place here = at(lacet4(), "east", 0.8);
   for (const double side : {-1.0, 1.0}) {
     EXPECT_EQ(gap_m(here, disc(beside(here, 0.0, side * 0.1))), nothing);
@@ -107,14 +107,14 @@ TEST(FeltWorld, is_not_held_for_ever_by_what_touches_it_from_the_side_or_from_be
   EXPECT_EQ(gap_m(here, disc(beside(here, 0.11, 0.0))), 0.0) << "in front it does";
 }
 
-TEST(FeltWorld, of_two_vehicles_that_overlap_the_one_before_goes) {
+TEST(PerceivedWorld, of_two_vehicles_that_overlap_the_one_before_goes) {
   const zone::Place rear = at(lacet4(), "east", 0.80);
   const zone::Place fore = at(lacet4(), "east", 0.83);
   EXPECT_EQ(gap_to_vehicle_m(rear, fore), 0.0);
   EXPECT_EQ(gap_to_vehicle_m(fore, rear), nothing);
 }
 
-TEST(FeltWorld, feels_a_wall_across_its_way_and_not_one_along_it) {
+TEST(PerceivedWorld, feels_a_wall_across_its_way_and_not_one_along_it) {
   const zone::Place here = at(lacet4(), "east", 0.1);
   const Pose2 X_MB = lacet4().circuit.pose_at(here);
   const Point2 across = beside(here, 0.6, 0.4);
@@ -125,7 +125,7 @@ TEST(FeltWorld, feels_a_wall_across_its_way_and_not_one_along_it) {
   EXPECT_EQ(gap_m(here, rail), nothing);
 }
 
-TEST(FeltWorld, names_the_first_of_several) {
+TEST(PerceivedWorld, names_the_first_of_several) {
   const zone::Place here = at(lacet4(), "east", 0.1);
   wire::Body far = disc(beside(here, 0.9, 0.0));
   far.id = "P2";
@@ -136,7 +136,7 @@ TEST(FeltWorld, names_the_first_of_several) {
   EXPECT_NEAR(contact.gap_m, 0.5 - 0.06 - front_m, 1e-6);
 }
 
-TEST(FeltWorld, carries_a_moving_body_on_for_half_a_second) {
+TEST(PerceivedWorld, carries_a_moving_body_on_for_half_a_second) {
   const zone::Place here = at(lacet4(), "east", 0.1);
   const Point2 p = beside(here, 0.9, 0.0);
   Skin skin;
@@ -150,7 +150,7 @@ TEST(FeltWorld, carries_a_moving_body_on_for_half_a_second) {
   EXPECT_NEAR(skin.gap_m(here), at_once_m - 0.2, 1e-6) << "and then nobody knows";
 }
 
-TEST(FeltWorld, feels_who_walks_into_its_way_and_not_who_walked_out) {
+TEST(PerceivedWorld, feels_who_walks_into_its_way_and_not_who_walked_out) {
   const zone::Place here = at(lacet4(), "east", 0.1);
   Skin skin;
   skin.hears({disc(beside(here, 0.6, 0.2), 0.06, 0.0, -0.4)});
@@ -163,7 +163,7 @@ TEST(FeltWorld, feels_who_walks_into_its_way_and_not_who_walked_out) {
   EXPECT_EQ(skin.gap_m(here), nothing);
 }
 
-TEST(FeltWorld, forgets_after_a_second_without_news) {
+TEST(PerceivedWorld, forgets_after_a_second_without_news) {
   const zone::Place here = at(lacet4(), "east", 0.1);
   Skin skin;
   skin.hears({disc(beside(here, 0.6, 0.0))});
@@ -176,7 +176,7 @@ TEST(FeltWorld, forgets_after_a_second_without_news) {
   EXPECT_FALSE(skin.world.informed());
 }
 
-TEST(FeltWorld, stays_known_over_a_silence_without_news) {
+TEST(PerceivedWorld, stays_known_over_a_silence_without_news) {
   const zone::Place here = at(lacet4(), "east", 0.1);
   Skin skin;
   skin.hears({disc(beside(here, 0.6, 0.0))});
@@ -192,17 +192,17 @@ TEST(FeltWorld, stays_known_over_a_silence_without_news) {
   EXPECT_FALSE(skin.world.informed()) << "an excuse is no news";
 }
 
-TEST(FeltWorld, ends_where_the_circuit_ends) {
+TEST(PerceivedWorld, ends_where_the_circuit_ends) {
   zone::TrafficZone dead_end = lacet4();
   dead_end.circuit = test::lay({{0.5}}, false);
-  FeltWorld world{dead_end};
+  PerceivedWorld world{dead_end};
   world.hear(virtual_epoch, {1, virtual_epoch, "", {disc({0.45, 0.0})}});
   EXPECT_NEAR(world.first(virtual_epoch, {0, 0.1}).gap_m, 0.45 - 0.1 - 0.06 - front_m, 1e-6);
   world.hear(virtual_epoch, {1, virtual_epoch, "", {disc({0.9, 0.0})}});
   EXPECT_EQ(world.first(virtual_epoch, {0, 0.1}).gap_m, nothing);
 }
 
-TEST(FeltWorld, gives_a_sane_gap_whatever_stands_around) {
+TEST(PerceivedWorld, gives_a_sane_gap_whatever_stands_around) {
   EXPECT_TRUE(rc::check([](std::uint64_t seed) {
     Random random{seed, "bodies"};
     Skin skin;
