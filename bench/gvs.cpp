@@ -98,18 +98,18 @@ int main(int argc, char** argv) {
     for (std::size_t i = 0; i < now.size(); ++i) now[i].X_MB = bodies[i].after(std::fmod(t_s, 1.0));
     const Image image = painter.paint(now, static_cast<std::uint64_t>(k));
     const double began_ms = processor_ms();
-    const auto seen = searching.see(image, t_s);
+    const auto detected = searching.see(image, t_s);
     const double between_ms = processor_ms();
     const auto again = knowing.see(image, t_s);
     const double end_ms = processor_ms();
-    if (!seen || !again) return 1;
+    if (!detected || !again) return 1;
     if (k == 0) {
       first_ms = between_ms - began_ms;
     } else {
       searching_ms.push_back(between_ms - began_ms);
       knowing_ms.push_back(end_ms - between_ms);
     }
-    for (const Fix& fix : *seen) {
+    for (const Fix& fix : *detected) {
       const Pose2 truth = bodies[static_cast<std::size_t>(fix.tag)].after(std::fmod(t_s, 1.0) + fix.t_s - t_s);
       const double off = distance(truth, fix.X_MB);
       squares += off * off;

@@ -95,7 +95,7 @@ test('the virtual and the physical world feel each other', { timeout: 240_000 },
     const at = place(aiv.section, aiv.s + 0.9);
     const { id } = await platform.ask('POST', 'plant/obstacles', { x: at.x, y: at.y, radius: 0.05 });
     const seen = await eventually('its twin is there', async () => (await platform.snapshot()).obstacles.find((one) => Math.hypot(one.x - at.x, one.y - at.y) < 0.12), { within_ms: 5_000 });
-    assert.ok(seen.seenBy.includes(aiv.id), `seen by ${seen.seenBy}`);
+    assert.ok(seen.detectedBy.includes(aiv.id), `seen by ${seen.detectedBy}`);
     await truth.stands(aiv.number, 5_000);
     await page.waitForSelector(`[data-seen="${seen.id}"]`, { timeout: 4_000 });
     assert.match(await page.locator(`[data-seen="${seen.id}"]`).innerText(), new RegExp(`by AIV${aiv.number}`));

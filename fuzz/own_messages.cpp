@@ -30,7 +30,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view text = cosiva::fuzz::as_text(data, size);
   read(wire::virtual_obstacles_from_json, text);
   read(wire::virtual_obstacles_ack_from_json, text);
-  read(wire::seen_from_json, text);
+  read(wire::detected_obstacle_from_json, text);
   read(wire::boards_report_from_json, text);
   read(wire::radio_from_json, text);
   read(wire::intent_from_json, text);

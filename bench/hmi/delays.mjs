@@ -69,7 +69,7 @@ class Fleet {
   listeners = new Set();
   static async open(t, port) {
     const fleet = new Fleet();
-    fleet.bus = await Bus.open(t, port, ['uagv/v2/+/+/instantActions', 'uagv/v2/+/+/state', 'cosiva/v1/virtual_obstacles_ack/+/+', 'cosiva/v1/seen/+/+']);
+    fleet.bus = await Bus.open(t, port, ['uagv/v2/+/+/instantActions', 'uagv/v2/+/+/state', 'cosiva/v1/virtual_obstacles_ack/+/+', 'cosiva/v1/detected_obstacle/+/+']);
     fleet.bus.on_message((topic, payload) => {
       const at_ms = now_ms();
       const levels = topic.split('/');

@@ -65,12 +65,12 @@ TEST(Timer, skips_the_beats_a_stalled_loop_missed) {
 
 TEST(EventLoop, hands_over_signals_one_by_one) {
   EventLoop loop;
-  int seen = 0;
-  loop.on_signals({SIGUSR1}, [&](int signal) { seen += signal == SIGUSR1 ? 1 : 0; });
+  int detected = 0;
+  loop.on_signals({SIGUSR1}, [&](int signal) { detected += signal == SIGUSR1 ? 1 : 0; });
   ::raise(SIGUSR1);
-  EXPECT_TRUE(loop.run_until([&] { return seen == 1; }, timeout));
+  EXPECT_TRUE(loop.run_until([&] { return detected == 1; }, timeout));
   ::raise(SIGUSR1);
-  EXPECT_TRUE(loop.run_until([&] { return seen == 2; }, timeout));
+  EXPECT_TRUE(loop.run_until([&] { return detected == 2; }, timeout));
 }
 
 TEST(WallClock, tells_utc_and_never_goes_back) {

@@ -25,8 +25,8 @@ TEST(Digest, minds_the_order) {
 }
 
 TEST(Digest, minds_every_bit_of_a_number) {
-  std::set<std::uint64_t> seen{digest_of(std::uint64_t{0})};
-  for (unsigned bit = 0; bit < 64; ++bit) EXPECT_TRUE(seen.insert(digest_of(std::uint64_t{1} << bit)).second);
+  std::set<std::uint64_t> detected{digest_of(std::uint64_t{0})};
+  for (unsigned bit = 0; bit < 64; ++bit) EXPECT_TRUE(detected.insert(digest_of(std::uint64_t{1} << bit)).second);
   EXPECT_NE(digest_of(0.0), digest_of(-0.0));
 }
 
@@ -38,9 +38,9 @@ TEST(Digest, minds_where_one_text_ends_and_the_next_begins) {
 }
 
 TEST(Digest, of_texts_of_every_length_differ) {
-  std::set<std::uint64_t> seen;
+  std::set<std::uint64_t> detected;
   for (std::size_t length = 0; length < 40; ++length)
-    EXPECT_TRUE(seen.insert(digest_of(std::string(length, 'x'))).second);
+    EXPECT_TRUE(detected.insert(digest_of(std::string(length, 'x'))).second);
 }
 
 TEST(Digest, is_written_as_sixteen_hexadecimal_digits) {

@@ -183,8 +183,8 @@ Agent::Plan Agent::plan(double room_m, double base_end_m) const {
   // Once it stands for something it goes on only when there is clearly more room.
   const double obstacle_m = decision_.blocked && room_m < stand_off_m + resume_room_m ? 0.0 : room_m;
   const bool may_drive = !holds_.any() && !progress_.cancelling() && estimator_.known();
-  const bool leader_seen = inputs_.others.leader_mps && std::fabs(inputs_.others.leader_gap_m - room_m) <= same_body_m;
-  const auto closing_mps = leader_seen ? std::optional{motion_.speed_mps() - *inputs_.others.leader_mps} : std::nullopt;
+  const bool leader_detected = inputs_.others.leader_mps && std::fabs(inputs_.others.leader_gap_m - room_m) <= same_body_m;
+  const auto closing_mps = leader_detected ? std::optional{motion_.speed_mps() - *inputs_.others.leader_mps} : std::nullopt;
   const Situation situation{.speed_mps = motion_.speed_mps(),
                             .obstacle_ahead_m = obstacle_m,
                             .end_of_base_m = base_end_m,

@@ -29,7 +29,7 @@ struct Odometry {
 struct Reading {
   std::uint32_t mark{};
   Point2 mark_M;  ///< where it was surveyed, in the map
-  Point2 seen_B;  ///< where the reader has it, in the body's frame; a reader that only names it: (0, 0)
+  Point2 detected_B;  ///< where the reader has it, in the body's frame; a reader that only names it: (0, 0)
 };
 
 /// The distance to a fixed station, from the body's middle.

@@ -47,9 +47,9 @@ std::optional<DeadReckoning::Sight> DeadReckoning::see(const Reading& reading) {
   const double gate_m = gate_sigmas * std::sqrt(p_m2 + mark_variance(told));
   // The foot of a mark on another branch of the line may lie near; the belief says which is meant.
   const double reach_m = std::fmax(1.0, 2.0 * gate_m);
-  const auto foot_m = told.track->foot(reading.mark_M, s_m + reading.seen_B.x_m, reach_m);
+  const auto foot_m = told.track->foot(reading.mark_M, s_m + reading.detected_B.x_m, reach_m);
   if (!foot_m) return std::nullopt;
-  const Sight sight{*foot_m - reading.seen_B.x_m, *foot_m - reading.seen_B.x_m - s_m};
+  const Sight sight{*foot_m - reading.detected_B.x_m, *foot_m - reading.detected_B.x_m - s_m};
   if (std::fabs(sight.innovation_m) <= gate_m) {
     doubting_ = false;
     return sight;

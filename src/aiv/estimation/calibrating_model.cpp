@@ -112,11 +112,11 @@ Said said_by(const SensorModel& sensors, Stations&, const State::Vector& about, 
   for (Measured& measured : said.measured) measured.slope = State::Vector::Zero(about.size());
   Measured& along = said.measured[0];
   along.slope.head<3>() = Vector3(-h.cos, -h.sin, left);
-  along.residual = reading.seen_B.x_m - ahead;
+  along.residual = reading.detected_B.x_m - ahead;
   along.variance = squared(sensors.mark_along_sigma_m);
   Measured& across = said.measured[1];
   across.slope.head<3>() = Vector3(h.sin, -h.cos, -ahead);
-  across.residual = reading.seen_B.y_m - left;
+  across.residual = reading.detected_B.y_m - left;
   across.variance = squared(sensors.mark_across_sigma_m);
   return said;
 }

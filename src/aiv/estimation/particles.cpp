@@ -116,8 +116,8 @@ Rectified ParticleFilter::rectify(const Reading& reading) {
   const double along = sensors.mark_along_sigma_m * sensors.mark_along_sigma_m;
   weigh([&](const Pose2& pose) {
     const Point2 mark_B = inverse(pose) * reading.mark_M;
-    const double ahead = mark_B.x_m - reading.seen_B.x_m;
-    const double left = mark_B.y_m - reading.seen_B.y_m;
+    const double ahead = mark_B.x_m - reading.detected_B.x_m;
+    const double left = mark_B.y_m - reading.detected_B.y_m;
     return ahead * ahead / along + left * left / across;
   });
   return {true, std::nullopt, 0};

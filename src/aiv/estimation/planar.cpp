@@ -30,7 +30,7 @@ Matrix2 rotation(double angle_rad) {
 Vector2 vector(Point2 p) { return {p.x_m, p.y_m}; }
 
 /// Where a pose would have a mark, in the body's frame.
-Vector2 seen_from(double x_m, double y_m, double heading_rad, Point2 mark_M) {
+Vector2 detected_from(double x_m, double y_m, double heading_rad, Point2 mark_M) {
   const SinCos h = sincos(heading_rad);
   const double dx = mark_M.x_m - x_m;
   const double dy = mark_M.y_m - y_m;
@@ -141,12 +141,12 @@ void Ekf::predict(const Odometry& odometry) {
 }
 
 Rectified Ekf::rectify(const Reading& reading) {
-  const Vector2 expected = seen_from(belief.x_m, belief.y_m, belief.heading_rad, reading.mark_M);
+  const Vector2 expected = detected_from(belief.x_m, belief.y_m, belief.heading_rad, reading.mark_M);
   const Matrix2 r = rotation(belief.heading_rad);
   Eigen::Matrix<double, 2, 3> h;
   h.leftCols<2>() = -r.transpose();
   h.col(2) = Vector2(expected(1), -expected(0));
-  const Vector2 innovation = vector(reading.seen_B) - expected;
+  const Vector2 innovation = vector(reading.detected_B) - expected;
   const Matrix2 s = h * doubt * h.transpose() + mark_covariance(told.sensors);
   const double nis = squared_over(innovation, s);
   if (!(nis <= gate_2)) return {false, nis, 2};
@@ -229,7 +229,7 @@ Rectified Ukf::rectify(const Reading& reading) {
   Vector2 mean = Vector2::Zero();
   for (int i = 0; i < points; ++i) {
     z.col(i) =
-        seen_from(belief.x_m + about(0, i), belief.y_m + about(1, i), belief.heading_rad + about(2, i), reading.mark_M);
+        detected_from(belief.x_m + about(0, i), belief.y_m + about(1, i), belief.heading_rad + about(2, i), reading.mark_M);
     mean += weight(i) * z.col(i);
   }
   Matrix2 s = mark_covariance(told.sensors);
@@ -238,7 +238,7 @@ Rectified Ukf::rectify(const Reading& reading) {
     s += weight(i) * (z.col(i) - mean) * (z.col(i) - mean).transpose();
     cross += weight(i) * about.col(i) * (z.col(i) - mean).transpose();
   }
-  const Vector2 innovation = vector(reading.seen_B) - mean;
+  const Vector2 innovation = vector(reading.detected_B) - mean;
   const double nis = squared_over(innovation, s);
   if (!(nis <= gate_2)) return {false, nis, 2};
   const Eigen::Matrix<double, 3, 2> gain = cross * inverse_of(s);
@@ -319,7 +319,7 @@ void InvariantEkf::correct(const Vector3& xi) {
 }
 
 Rectified InvariantEkf::rectify(const Reading& reading) {
-  const Point2 believed_M = pose_ * reading.seen_B;
+  const Point2 believed_M = pose_ * reading.detected_B;
   Eigen::Matrix<double, 2, 3> h;
   h << 1.0, 0.0, -reading.mark_M.y_m, 0.0, 1.0, reading.mark_M.x_m;
   const Vector2 innovation = vector(reading.mark_M) - vector(believed_M);

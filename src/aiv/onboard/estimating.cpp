@@ -83,9 +83,9 @@ estimation::SensorModel data_sheet() {
 
 SimTime BoardClock::stamp(SimTime now, std::uint32_t board_ms) {
   const SimDuration board = std::chrono::milliseconds{board_ms};
-  const SimDuration seen = now.time_since_epoch() - board;
+  const SimDuration detected = now.time_since_epoch() - board;
   if (offset_) *offset_ += std::max(now - heard_, SimDuration::zero()) / drift_divisor;
-  if (!offset_ || seen < *offset_ || seen > *offset_ + leap) offset_ = seen;
+  if (!offset_ || detected < *offset_ || detected > *offset_ + leap) offset_ = detected;
   heard_ = now;
   return SimTime{board + *offset_};
 }
@@ -202,11 +202,11 @@ void Estimating::on_tag(std::uint32_t number, SimTime read_at, const zone::Traff
   if (const zone::Tag* tag = zone.find_tag(number)) mark_M = position(zone.circuit.pose_at(tag->place));
   if (!mark_M && zone.beacons) mark_M = zone.beacons->find(number);
   if (!mark_M) return;
-  Point2 seen_B = at_rim(zone.circuit, *mark_M, X_MB, model_.antenna_range_m);
+  Point2 detected_B = at_rim(zone.circuit, *mark_M, X_MB, model_.antenna_range_m);
   // The algorithms stand where the last odometry was counted, which is not when the mark came into the field.
   const double since_s = to_seconds(session_->stepped_at - read_at) + model_.reading_latency_s;
-  seen_B.x_m -= session_->speed_mps * since_s;
-  tell({number, {mark_M->x_m + 0.0, mark_M->y_m + 0.0}, {seen_B.x_m + 0.0, seen_B.y_m + 0.0}});
+  detected_B.x_m -= session_->speed_mps * since_s;
+  tell({number, {mark_M->x_m + 0.0, mark_M->y_m + 0.0}, {detected_B.x_m + 0.0, detected_B.y_m + 0.0}});
 }
 
 void Estimating::tell(const EstimateAnswer::Reading& reading) {
@@ -214,7 +214,7 @@ void Estimating::tell(const EstimateAnswer::Reading& reading) {
   for (Running& one : session_->algorithms) {
     if (!one.algorithm) continue;
     one.rectified.push_back(
-        told_of(one.algorithm->rectify(estimation::Reading{reading.mark, reading.mark_M, reading.seen_B})));
+        told_of(one.algorithm->rectify(estimation::Reading{reading.mark, reading.mark_M, reading.detected_B})));
   }
 }
 

@@ -123,8 +123,8 @@ TEST(Estimating, tells_readings_as_the_antenna_has_them_and_what_each_algorithm_
   const auto& reading = std::get<EstimateAnswer::Reading>(answer.told[1]);
   EXPECT_EQ(reading.mark, tag.number);
   // At the rim, 2 cm ahead, 20 ms before its number was there: 1 cm at 0.5 m/s.
-  EXPECT_NEAR(reading.seen_B.x_m, 0.01, 1e-9);
-  EXPECT_NEAR(reading.seen_B.y_m, 0.0, 1e-9);
+  EXPECT_NEAR(reading.detected_B.x_m, 0.01, 1e-9);
+  EXPECT_NEAR(reading.detected_B.y_m, 0.0, 1e-9);
   EXPECT_THAT(answer.estimates[0].rectified, SizeIs(1));
   EXPECT_FALSE(answer.estimates[0].rectified[0].accepted);
   EXPECT_TRUE(answer.estimates[1].rectified[0].accepted);

@@ -12,9 +12,9 @@ bool ended(const wire::ActionState& state) {
 }  // namespace
 
 bool InstantActionBook::begin(const wire::Action& action) {
-  if (std::ranges::find(seen_, action.action_id) != seen_.end()) return false;
-  seen_.push_back(action.action_id);
-  if (seen_.size() > recent_max) seen_.pop_front();
+  if (std::ranges::find(detected_, action.action_id) != detected_.end()) return false;
+  detected_.push_back(action.action_id);
+  if (detected_.size() > recent_max) detected_.pop_front();
   if (states_.size() == shown_max) {
     const auto oldest = std::ranges::find_if(states_, ended);
     states_.erase(oldest == states_.end() ? states_.begin() : oldest);

@@ -32,7 +32,7 @@ class InstantActionBook {
 
  private:
   std::vector<wire::ActionState> states_;
-  std::deque<std::string> seen_;
+  std::deque<std::string> detected_;
 };
 
 /// The types that this vehicle knows.

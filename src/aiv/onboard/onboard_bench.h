@@ -165,7 +165,7 @@ class OnboardBench {
   std::vector<wire::Connection> connections;
   std::vector<wire::Factsheet> factsheets;
   std::vector<wire::VirtualObstaclesAck> felts;
-  std::vector<wire::Seen> sightings;
+  std::vector<wire::DetectedObstacleReport> sightings;
   std::vector<wire::BoardsReport> boards_reports;
   std::vector<wire::Intent> intents;
   std::vector<std::string> listens;  ///< to what it listens besides its subscriptions
@@ -218,8 +218,8 @@ class OnboardBench {
       keep(wire::vda5050::decode_factsheet(publish.payload), factsheets, publish);
     } else if (publish.topic == wire::own_topic(wire::virtual_obstacles_ack_topic_prefix, id)) {
       keep(wire::virtual_obstacles_ack_from_json(publish.payload), felts, publish);
-    } else if (publish.topic == wire::own_topic(wire::seen_topic_prefix, id)) {
-      keep(wire::seen_from_json(publish.payload), sightings, publish);
+    } else if (publish.topic == wire::own_topic(wire::detected_obstacle_topic_prefix, id)) {
+      keep(wire::detected_obstacle_from_json(publish.payload), sightings, publish);
     } else if (publish.topic == wire::own_topic(wire::boards_topic_prefix, id)) {
       keep(wire::boards_report_from_json(publish.payload), boards_reports, publish);
     } else if (wire::parse_v2x_topic(publish.topic)) {

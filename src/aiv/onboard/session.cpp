@@ -35,7 +35,7 @@ Session::Session(wire::VehicleId id, std::string_view interface_name, bool as_va
       virtual_obstacles_ack_topic_{wire::own_topic(wire::virtual_obstacles_ack_topic_prefix, id_)},
       estimate_request_topic_{wire::own_topic(wire::estimate_request_topic_prefix, id_)},
       estimate_answer_topic_{wire::own_topic(wire::estimate_answer_topic_prefix, id_)},
-      seen_topic_{wire::own_topic(wire::seen_topic_prefix, id_)},
+      detected_obstacle_topic_{wire::own_topic(wire::detected_obstacle_topic_prefix, id_)},
       boards_topic_{wire::own_topic(wire::boards_topic_prefix, id_)} {}
 
 wire::Header Session::header(SimTime now, std::uint32_t header_id) const {
@@ -77,12 +77,12 @@ void Session::publish(const wire::VirtualObstaclesAck& perceived, wire::Effects&
   if (online_) effects.emplace_back(wire::Publish{virtual_obstacles_ack_topic_, to_json(perceived), 0, false});
 }
 
-void Session::publish(SimTime now, wire::Seen&& seen, wire::Effects& effects) {
+void Session::publish(SimTime now, wire::DetectedObstacleReport&& detected, wire::Effects& effects) {
   if (!online_) return;
-  seen.header_id = sightings_++;
-  seen.timestamp = now;
-  if (as_values_) return pass_on(seen_topic_, std::move(seen), effects);
-  effects.emplace_back(wire::Publish{seen_topic_, to_json(seen), 0, false});
+  detected.header_id = sightings_++;
+  detected.timestamp = now;
+  if (as_values_) return pass_on(detected_obstacle_topic_, std::move(detected), effects);
+  effects.emplace_back(wire::Publish{detected_obstacle_topic_, to_json(detected), 0, false});
 }
 
 void Session::publish(SimTime now, wire::BoardsReport&& report, wire::Effects& effects) {

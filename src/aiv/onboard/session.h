@@ -41,7 +41,7 @@ class Session {
 
   // Our own (wire/own/own_messages.h), QoS 0 all of them; headers are counted here, too.
   void publish(const wire::VirtualObstaclesAck& perceived, wire::Effects& effects);
-  void publish(SimTime now, wire::Seen&& seen, wire::Effects& effects);
+  void publish(SimTime now, wire::DetectedObstacleReport&& detected, wire::Effects& effects);
   void publish(SimTime now, wire::BoardsReport&& report, wire::Effects& effects);
   /// wire::EstimateAnswer, written when it was due: it is said again to who did not hear it.
   void publish_estimate(std::string&& json, wire::Effects& effects) const;
@@ -67,7 +67,7 @@ class Session {
   std::string virtual_obstacles_ack_topic_;
   std::string estimate_request_topic_;
   std::string estimate_answer_topic_;
-  std::string seen_topic_;
+  std::string detected_obstacle_topic_;
   std::string boards_topic_;
   bool online_{false};
   std::uint32_t connections_{0};

@@ -65,9 +65,9 @@ double Corridor::nearest_m(const wire::Ranges& ranges) const {
 }
 
 void ObstacleFilter::add(double obstacle_ahead_m, double travelled_m) {
-  seen_m_[next_] = obstacle_ahead_m + travelled_m;
-  next_ = (next_ + 1) % seen_m_.size();
-  const auto& [a, b, c] = seen_m_;
+  detected_m_[next_] = obstacle_ahead_m + travelled_m;
+  next_ = (next_ + 1) % detected_m_.size();
+  const auto& [a, b, c] = detected_m_;
   median_m_ = std::max(std::min(a, b), std::min(std::max(a, b), c));
 }
 

@@ -71,7 +71,7 @@ class ObstacleFilter {
 
  private:
   static constexpr double nothing = std::numeric_limits<double>::infinity();
-  std::array<double, 3> seen_m_{nothing, nothing, nothing};  ///< along the odometer
+  std::array<double, 3> detected_m_{nothing, nothing, nothing};  ///< along the odometer
   std::size_t next_{0};
   double median_m_{nothing};
 };

@@ -28,8 +28,8 @@ wire::Ranges look(const Pose2& X_MB, const std::vector<Point2>& things) {
     const double range_m = std::hypot(x_m, p_B.y_m);
     const long beam = std::lround((std::atan2(p_B.y_m, x_m) + 0.84) / 0.14);
     if (beam < 0 || beam > 12 || range_m > 2.0) continue;
-    auto& seen = ranges.range_mm[static_cast<std::size_t>(beam)];
-    seen = std::min(seen, static_cast<std::uint16_t>(std::lround(range_m * 1e3)));
+    auto& detected = ranges.range_mm[static_cast<std::size_t>(beam)];
+    detected = std::min(detected, static_cast<std::uint16_t>(std::lround(range_m * 1e3)));
   }
   return ranges;
 }
@@ -60,8 +60,8 @@ TEST(Corridor, sees_a_vehicle_ahead_on_a_straight) {
 
 TEST(Corridor, sees_a_vehicle_ahead_on_an_arc) {
   for (const double gap_m : {0.15, 0.3, 0.45, 0.6}) {
-    const double seen_m = ahead_of_vehicle(at(lacet4(), "loop_se", 0.8), at(lacet4(), "loop_se", 0.8 + 0.2 + gap_m));
-    EXPECT_NEAR(seen_m, gap_m, 0.04) << "gap " << gap_m;
+    const double detected_m = ahead_of_vehicle(at(lacet4(), "loop_se", 0.8), at(lacet4(), "loop_se", 0.8 + 0.2 + gap_m));
+    EXPECT_NEAR(detected_m, gap_m, 0.04) << "gap " << gap_m;
   }
 }
 
@@ -77,8 +77,8 @@ TEST(Corridor, does_not_see_the_neighbouring_lane) {
 
 TEST(Corridor, does_not_see_who_waits_at_the_stop_line_of_a_crossing_lane) {
   for (int mm = 300; mm <= 650; mm += 10) {
-    const double seen_m = ahead_of_vehicle(at(lacet4(), "south", 1e-3 * mm), at(lacet4(), "east", 0.38));
-    EXPECT_GT(seen_m, 0.4) << mm;
+    const double detected_m = ahead_of_vehicle(at(lacet4(), "south", 1e-3 * mm), at(lacet4(), "east", 0.38));
+    EXPECT_GT(detected_m, 0.4) << mm;
   }
 }
 

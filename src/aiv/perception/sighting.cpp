@@ -19,7 +19,7 @@ bool same_thing(std::uint16_t a_mm, std::uint16_t b_mm) {
 
 }  // namespace
 
-wire::Seen::Thing thing_in_beams(const Corridor::Look& look, const wire::Ranges& ranges, const Pose2& X_MS) {
+wire::DetectedObstacleReport::Thing thing_in_beams(const Corridor::Look& look, const wire::Ranges& ranges, const Pose2& X_MS) {
   const auto& range_mm = ranges.range_mm;
   std::size_t first = look.beam;
   std::size_t last = look.beam;
@@ -42,17 +42,17 @@ wire::Seen::Thing thing_in_beams(const Corridor::Look& look, const wire::Ranges&
   return {middle_M.x_m, middle_M.y_m, radius_m, look.ahead_m};
 }
 
-std::optional<wire::Seen> Sighting::on_frame(SimTime now, const Corridor::Look& look, const wire::Ranges& ranges,
+std::optional<wire::DetectedObstacleReport> Sighting::on_frame(SimTime now, const Corridor::Look& look, const wire::Ranges& ranges,
                                              const Pose2& X_MS, double reach_m) {
-  wire::Seen seen;
-  seen.clear_m = std::min(look.ahead_m, reach_m);
+  wire::DetectedObstacleReport detected;
+  detected.clear_m = std::min(look.ahead_m, reach_m);
   if (look.ahead_m <= told_m_max) {
     const bool fresh = !there_;
     there_ = true;
     misses_ = 0;
     farewells_left_ = farewells;
     if (!fresh && !due(now)) return std::nullopt;
-    seen.thing = thing_in_beams(look, ranges, X_MS);
+    detected.thing = thing_in_beams(look, ranges, X_MS);
   } else {
     if (there_ && ++misses_ < misses_max) return std::nullopt;
     const bool fresh = there_;
@@ -61,7 +61,7 @@ std::optional<wire::Seen> Sighting::on_frame(SimTime now, const Corridor::Look& 
     --farewells_left_;
   }
   told_at_ = now;
-  return seen;
+  return detected;
 }
 
 void Sighting::fold(Digest& digest) const {

@@ -14,10 +14,10 @@ namespace cosiva::aiv {
 /// Where the thing stands that the beam `look.beam` hears, as far as can be told from one side: its middle lies behind
 /// its nearest point, in the middle of the beams that it fills.
 /// @param X_MS  of the sensor, in the middle of the vehicle's front
-[[nodiscard]] wire::Seen::Thing thing_in_beams(const Corridor::Look& look, const wire::Ranges& ranges,
+[[nodiscard]] wire::DetectedObstacleReport::Thing thing_in_beams(const Corridor::Look& look, const wire::Ranges& ranges,
                                                const Pose2& X_MS);
 
-/// Makes of DOBS' frames what the vehicle tells of things in its way (wire::Seen): a new thing at once, then ten times
+/// Makes of DOBS' frames what the vehicle tells of things in its way (wire::DetectedObstacleReport): a new thing at once, then ten times
 /// a second, and three times that there is none any more. One echo that does not come back ends nothing.
 class Sighting {
  public:
@@ -28,7 +28,7 @@ class Sighting {
 
   /// One frame. Gives what is to be told now, without header and map.
   /// @param reach_m  so far from its front the vehicle can tell whether its way is free
-  [[nodiscard]] std::optional<wire::Seen> on_frame(SimTime now, const Corridor::Look& look, const wire::Ranges& ranges,
+  [[nodiscard]] std::optional<wire::DetectedObstacleReport> on_frame(SimTime now, const Corridor::Look& look, const wire::Ranges& ranges,
                                                    const Pose2& X_MS, double reach_m);
   void fold(Digest& digest) const;
 

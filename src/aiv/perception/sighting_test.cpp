@@ -86,16 +86,16 @@ struct Eyes {
   Sighting sighting;
   SimTime now{virtual_epoch};
   int told{0};
-  std::optional<wire::Seen> last;
+  std::optional<wire::DetectedObstacleReport> last;
 
   bool frame(double ahead_m) {
     now += std::chrono::milliseconds{60};
     wire::Ranges ranges = no_ranges();
     if (ahead_m < 2.0) ranges.range_mm[middle] = static_cast<std::uint16_t>(std::lround(1e3 * ahead_m));
-    const auto seen = sighting.on_frame(now, {ahead_m, middle}, ranges, {}, 1.2);
-    if (seen) last = seen;
-    told += seen ? 1 : 0;
-    return seen.has_value();
+    const auto detected = sighting.on_frame(now, {ahead_m, middle}, ranges, {}, 1.2);
+    if (detected) last = detected;
+    told += detected ? 1 : 0;
+    return detected.has_value();
   }
 };
 

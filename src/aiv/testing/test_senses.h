@@ -20,8 +20,8 @@ inline wire::Ranges ranges_to(const std::vector<Point2>& obstacles_M, const Pose
     const double range_m = std::hypot(p_B.x_m - 0.1, p_B.y_m);
     const long beam = std::lround((std::atan2(p_B.y_m, p_B.x_m - 0.1) + 0.84) / 0.14);
     if (beam < 0 || beam > 12 || range_m > 2.0) continue;
-    auto& seen = ranges.range_mm[static_cast<std::size_t>(beam)];
-    seen = std::min(seen, static_cast<std::uint16_t>(std::lround(range_m * 1e3)));
+    auto& detected = ranges.range_mm[static_cast<std::size_t>(beam)];
+    detected = std::min(detected, static_cast<std::uint16_t>(std::lround(range_m * 1e3)));
   }
   return ranges;
 }

@@ -127,7 +127,7 @@ Result<wire::GvsSights> GvsEye::see(const vision::Image& image, SimTime began, d
 
 std::optional<vision::PixelPoint> GvsEye::pixel_of(Point2 place, int tag) const {
   const double height_m = vision::profile_of(tag, calibration_.markers).height_m;
-  return calibration_.map.pixel_at(vision::seen_from(place, height_m, calibration_.camera));
+  return calibration_.map.pixel_at(vision::detected_from(place, height_m, calibration_.camera));
 }
 
 std::string GvsEye::shown(const vision::Image& image, const wire::GvsSights& sights,

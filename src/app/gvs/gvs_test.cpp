@@ -167,7 +167,7 @@ std::vector<std::pair<int, vision::PixelPoint>> listed(const std::string& text) 
   std::string_view line;
   while (lines.next(line)) {
     if (line.empty()) continue;
-    vision::SeenTag tag;
+    vision::DetectedTag tag;
     EXPECT_EQ(std::sscanf(std::string(line).c_str(), "%d, (%lf %lf), (%lf %lf), (%lf %lf), (%lf %lf)", &tag.id,
                           &tag.corners[0].u, &tag.corners[0].v, &tag.corners[1].u, &tag.corners[1].v, &tag.corners[2].u,
                           &tag.corners[2].v, &tag.corners[3].u, &tag.corners[3].v),
@@ -194,7 +194,7 @@ TEST(Photographs, show_the_tags_that_are_listed_but_one) {
     ASSERT_GE(expected.size(), 10U);
     for (const auto& [id, place] : expected) {
       bool there = false;
-      for (const vision::SeenTag& tag : found) {
+      for (const vision::DetectedTag& tag : found) {
         const vision::PixelPoint centre = tag.centre();
         there = there || (tag.id == id && std::abs(centre.u - place.u) < 1.5 && std::abs(centre.v - place.v) < 1.5);
       }

@@ -124,9 +124,9 @@ Result<std::vector<Offset>> offsets_of(const GvsTrackArguments& a, const Tracked
   for (const auto& [tag, file] : *files) {
     const auto reference = reference_of(file);
     if (!reference) return tl::unexpected(reference.error());
-    std::vector<vision::Timed> seen;
-    for (const vision::Fix& fix : tracked.fixes.at(tag)) seen.push_back({fix.t_s, fix.X_MB});
-    offsets.push_back({tag, vision::time_offset(seen, *reference)});
+    std::vector<vision::Timed> detected;
+    for (const vision::Fix& fix : tracked.fixes.at(tag)) detected.push_back({fix.t_s, fix.X_MB});
+    offsets.push_back({tag, vision::time_offset(detected, *reference)});
   }
   return offsets;
 }

@@ -66,7 +66,7 @@ class Watch {
     feed_.reset();
     if (arguments_.part.json) print(json());
     // Its own check: who watched for so long and saw nobody has shown nothing.
-    return seen_ == 0 && !interrupted_ ? exit_check_failed : exit_done;
+    return detected_ == 0 && !interrupted_ ? exit_check_failed : exit_done;
   }
 
  private:
@@ -151,7 +151,7 @@ class Watch {
     if (!sights) return set_trouble(to_string(sights.error()));
     set_trouble({});
     ++pictures_;
-    seen_ += sights->sights.size();
+    detected_ += sights->sights.size();
     client_->publish({std::string(wire::gvs_sights_topic), to_json(*sights), 0, false});
     if (clock_.now() <= looked_until_)
       client_->publish({std::string(wire::gvs_picture_topic), eye_->shown(image, *sights, body_), 0, false});
@@ -176,7 +176,7 @@ class Watch {
 
   [[nodiscard]] std::string json() const {
     JsonWriter json;
-    json.begin_object().field("source", text_).field("pictures", pictures_).field("fixes", seen_);
+    json.begin_object().field("source", text_).field("pictures", pictures_).field("fixes", detected_);
     json.field("trouble", trouble_).end_object();
     return json.take();
   }
@@ -200,7 +200,7 @@ class Watch {
   SimTime due_{};
   SimTime looked_until_{};
   std::uint64_t pictures_{0};
-  std::uint64_t seen_{0};
+  std::uint64_t detected_{0};
   bool interrupted_{false};
   std::unique_ptr<PictureFeed> feed_;
 };

@@ -116,7 +116,7 @@ TEST(GvsEye, tells_how_much_of_the_floor_it_sees) {
   const vision::Calibration& calibration = watched.camera.calibration();
   const double height_m = vision::profile_of(1, calibration.markers).height_m;
   for (const Point2& corner : watched.eye->field()) {
-    const auto pixel = calibration.map.pixel_at(vision::seen_from(corner, height_m, calibration.camera));
+    const auto pixel = calibration.map.pixel_at(vision::detected_from(corner, height_m, calibration.camera));
     ASSERT_TRUE(pixel);
     for (const double at : {pixel->u, pixel->v}) {
       EXPECT_GT(at, 39.0);
@@ -174,7 +174,7 @@ TEST(GvsEye, shows_a_small_picture_whose_comment_says_who_is_where_on_it) {
   }
 }
 
-TEST(GvsEye, a_zone_too_large_for_the_picture_is_seen_in_its_middle_with_tags_that_can_be_read) {
+TEST(GvsEye, a_zone_too_large_for_the_image_is_seen_in_its_centre_with_tags_that_can_be_read) {
   const auto rtm = open_zone(bench::zones + "plant1000.toml");
   ASSERT_TRUE(rtm);
   const auto camera = EmulatedCamera::over(rtm->zone());

@@ -119,7 +119,7 @@ estimation::Rectified ExternalAlgorithm::rectify(const estimation::Reading& read
   JsonWriter json;
   json.begin_object().key("reading").begin_object().field("mark", reading.mark);
   json.field("x_m", reading.mark_M.x_m).field("y_m", reading.mark_M.y_m);
-  json.field("ahead_m", reading.seen_B.x_m).field("left_m", reading.seen_B.y_m).end_object().end_object();
+  json.field("ahead_m", reading.detected_B.x_m).field("left_m", reading.detected_B.y_m).end_object().end_object();
   tell(json.text());
   return {true, std::nullopt, 0};
 }

@@ -135,11 +135,11 @@ void Gauge::rest(const Measured& measured, double dt_s) {
   if (rested_s_ < rests.front().seconds) return;
   // Fused anew with what was known before the rest at every moment of it: samples of one rest err together, so that
   // the later ones replace the earlier ones instead of adding to them.
-  const double seen = table_->charge_of(rest_v_);
-  const double slope_v = std::max(1e-3, table_->volt_per_charge(seen));
-  const double seen_variance = squared(rest_sd(rested_s_)) + squared(cell_error_v(cell_v) / slope_v);
-  const double weight = variance_before_rest_ / (variance_before_rest_ + seen_variance);
-  charge_ = before_rest_ + weight * (seen - before_rest_);
+  const double detected = table_->charge_of(rest_v_);
+  const double slope_v = std::max(1e-3, table_->volt_per_charge(detected));
+  const double detected_variance = squared(rest_sd(rested_s_)) + squared(cell_error_v(cell_v) / slope_v);
+  const double weight = variance_before_rest_ / (variance_before_rest_ + detected_variance);
+  charge_ = before_rest_ + weight * (detected - before_rest_);
   variance_ = (1.0 - weight) * variance_before_rest_;
   used_ = 0.0;
   counted_s_ = 0.0;

@@ -117,10 +117,10 @@ struct VirtualRig::Impl {
       Cart& cart = carts[change.vehicle];
       cart.gauge.full();
       cart.monitor.renew_noise(stream("change", change.vehicle * 1000 + procedure.run()));
-      const battery::Measured seen = cart.monitor.measure(pack.voltage_v(), 0.0, pack.temperature_c());
+      const battery::Measured detected = cart.monitor.measure(pack.voltage_v(), 0.0, pack.temperature_c());
       obey(procedure.on_ready(now, change.vehicle,
                               {pack.history().id, options.battery.type.name, pack.cycles(), to_seconds(service),
-                               seen.temperature_c, cart.gauge.reading().charge}));
+                               detected.temperature_c, cart.gauge.reading().charge}));
     }
   }
 
@@ -139,12 +139,12 @@ struct VirtualRig::Impl {
         if (++cart.at == load.power_w.size()) cart.at = 0;
       }
       const battery::PackStep step = pack.draw_power(power_w, options.battery.ambient_c, load_step_s);
-      const battery::Measured seen = cart.monitor.measure(step.voltage_v, step.current_a, pack.temperature_c());
-      cart.gauge.see(seen, load_step_s);
+      const battery::Measured detected = cart.monitor.measure(step.voltage_v, step.current_a, pack.temperature_c());
+      cart.gauge.see(detected, load_step_s);
       const battery::GaugeReading reading = cart.gauge.reading();
       note_truth(cart, pack, to_seconds(at - virtual_epoch) - cart.truth.started_s);
-      const auto commands = procedure.on_sample(v, {at, reading.charge, reading.charge_sd, seen.voltage_v,
-                                                    seen.current_a, seen.temperature_c, cart.distance_m});
+      const auto commands = procedure.on_sample(v, {at, reading.charge, reading.charge_sd, detected.voltage_v,
+                                                    detected.current_a, detected.temperature_c, cart.distance_m});
       obey(commands);
       if (procedure.run() != run || !procedure.running(v)) break;
       if (step.event != battery::PackEvent::none) obey(procedure.on_stop(at, v, StopCause::cut_off));

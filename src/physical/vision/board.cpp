@@ -43,11 +43,11 @@ Result<void> BoardReader::add(const Image& image) {
   if (picture_ == PictureSize{}) picture_ = image.size;
   if (image.size != picture_) return fail("gvs.board", "is of another size than the first picture");
   bool any = false;
-  std::set<int> seen;
-  for (const SeenTag& tag : finder_.find(image, {})) {
+  std::set<int> detected;
+  for (const DetectedTag& tag : finder_.find(image, {})) {
     bool of_board = false;
     for (const BoardTag& one : board_) of_board = of_board || one.id == tag.id;
-    if (!of_board || !seen.insert(tag.id).second) continue;
+    if (!of_board || !detected.insert(tag.id).second) continue;
     Sum& sum = sums_[tag.id];
     for (std::size_t i = 0; i < 4; ++i) {
       sum.corners[i].u += tag.corners[i].u;

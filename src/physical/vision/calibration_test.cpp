@@ -131,7 +131,7 @@ TEST(FloorMap, leads_back_from_the_floor_to_the_pixel) {
 
 TEST(Calibration, finds_a_bent_lens_that_it_has_no_model_of) {
   const SceneCamera camera;
-  const auto made = calibrate(seen_corners(camera, 0.0), camera.picture, {});
+  const auto made = calibrate(detected_corners(camera, 0.0), camera.picture, {});
   ASSERT_TRUE(made);
   EXPECT_LE(made->calibration.block.max_m, 0.2e-3);
   const auto somewhere = camera.pixel_of({0.333, -0.777}, 0.0);
@@ -143,18 +143,18 @@ TEST(Height, is_corrected_by_the_cameras_foot_and_height) {
   camera.foot = {0.2, -0.1};
   const Point2 there{1.1, 0.7};
   const auto pixel = camera.pixel_of(there, 0.10);
-  const Point2 seen = camera.floor_of(*pixel).value();
-  EXPECT_GT(distance(seen, there), 0.03);  // 10 cm under 3.3 m, 1.2 m from the foot: 37 mm
+  const Point2 detected = camera.floor_of(*pixel).value();
+  EXPECT_GT(distance(detected, there), 0.03);  // 10 cm under 3.3 m, 1.2 m from the foot: 37 mm
   const CameraPlace place{camera.foot, camera.height_m};
-  EXPECT_LE(distance(at_height(seen, 0.10, place), there), 1e-9);
-  EXPECT_LE(distance(seen_from(there, 0.10, place), seen), 1e-9);
+  EXPECT_LE(distance(at_height(detected, 0.10, place), there), 1e-9);
+  EXPECT_LE(distance(detected_from(there, 0.10, place), detected), 1e-9);
 }
 
 TEST(Height, knows_the_cameras_foot_from_its_height_within_30_mm) {
   const SceneCamera camera;
   CalibrationOptions options;
   options.camera_height_m = camera.height_m;
-  const auto made = calibrate(seen_corners(camera), camera.picture, options);
+  const auto made = calibrate(detected_corners(camera), camera.picture, options);
   ASSERT_TRUE(made);
   EXPECT_LE(distance(made->calibration.camera.foot, camera.foot), 0.030);
 }

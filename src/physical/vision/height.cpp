@@ -29,12 +29,12 @@ double direction(const std::array<double, 4>& linear, double heading_rad) {
   return det_atan2(linear[2] * c + linear[3] * s, linear[0] * c + linear[1] * s);
 }
 
-/// The mean angle from `seen`, turned by A, to `surveyed`. Nothing where they contradict each other.
+/// The mean angle from `detected`, turned by A, to `surveyed`. Nothing where they contradict each other.
 std::optional<double> turn_of(const std::vector<SurveyedPose>& poses, const std::array<double, 4>& linear) {
   double s = 0.0;
   double c = 0.0;
   for (const SurveyedPose& pose : poses) {
-    const SinCos turn = sincos(pose.surveyed.heading_rad - direction(linear, pose.seen.heading_rad));
+    const SinCos turn = sincos(pose.surveyed.heading_rad - direction(linear, pose.detected.heading_rad));
     s += turn.sin;
     c += turn.cos;
   }
@@ -43,15 +43,15 @@ std::optional<double> turn_of(const std::vector<SurveyedPose>& poses, const std:
 }
 
 /// The vehicle's heading, were the marker level.
-double level_heading(const PoseFit& fit, double seen_rad) {
-  return wrap_angle(direction(fit.linear, seen_rad) + fit.turn_rad);
+double level_heading(const PoseFit& fit, double detected_rad) {
+  return wrap_angle(direction(fit.linear, detected_rad) + fit.turn_rad);
 }
 
 /// The vehicle's heading.
-double heading_of(const PoseFit& fit, const Pose2& seen) {
-  const auto [s, c] = sincos(seen.heading_rad);
-  const double lean = c * (fit.lean_per_m * seen.y_m + fit.lean.y_m) - s * (fit.lean_per_m * seen.x_m + fit.lean.x_m);
-  return wrap_angle(level_heading(fit, seen.heading_rad) + lean);
+double heading_of(const PoseFit& fit, const Pose2& detected) {
+  const auto [s, c] = sincos(detected.heading_rad);
+  const double lean = c * (fit.lean_per_m * detected.y_m + fit.lean.y_m) - s * (fit.lean_per_m * detected.x_m + fit.lean.x_m);
+  return wrap_angle(level_heading(fit, detected.heading_rad) + lean);
 }
 
 /// Turn and, if asked for, lean: small angles, so least squares of what the turn alone leaves over.
@@ -67,9 +67,9 @@ bool fit_heading(const std::vector<SurveyedPose>& poses, bool leans, PoseFit& fi
   Eigen::VectorXd right(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     const SurveyedPose& pose = poses[static_cast<std::size_t>(i)];
-    const auto [s, c] = sincos(pose.seen.heading_rad);
-    left.row(i) << 1.0, c * pose.seen.y_m - s * pose.seen.x_m, -s, c;
-    right[i] = wrap_angle(pose.surveyed.heading_rad - heading_of(fit, pose.seen));
+    const auto [s, c] = sincos(pose.detected.heading_rad);
+    left.row(i) << 1.0, c * pose.detected.y_m - s * pose.detected.x_m, -s, c;
+    right[i] = wrap_angle(pose.surveyed.heading_rad - heading_of(fit, pose.detected));
   }
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver{left};
   solver.setThreshold(1e-4);
@@ -91,15 +91,15 @@ Rows rows_of(const std::vector<SurveyedPose>& poses, const PoseFit& before, bool
   Rows rows{Eigen::MatrixXd::Zero(2 * static_cast<Eigen::Index>(poses.size()), full ? 8 : 5),
             Eigen::VectorXd::Zero(2 * static_cast<Eigen::Index>(poses.size()))};
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    const Pose2& seen = poses[i].seen;
-    const auto [s, c] = sincos(level_heading(before, seen.heading_rad));
+    const Pose2& detected = poses[i].detected;
+    const auto [s, c] = sincos(level_heading(before, detected.heading_rad));
     const auto k = 2 * static_cast<Eigen::Index>(i);
     if (full) {
-      rows.left.row(k) << seen.x_m, seen.y_m, 0.0, 0.0, 1.0, 0.0, c, -s;
-      rows.left.row(k + 1) << 0.0, 0.0, seen.x_m, seen.y_m, 0.0, 1.0, s, c;
+      rows.left.row(k) << detected.x_m, detected.y_m, 0.0, 0.0, 1.0, 0.0, c, -s;
+      rows.left.row(k + 1) << 0.0, 0.0, detected.x_m, detected.y_m, 0.0, 1.0, s, c;
     } else {
-      rows.left.row(k) << seen.x_m, 1.0, 0.0, c, -s;
-      rows.left.row(k + 1) << seen.y_m, 0.0, 1.0, s, c;
+      rows.left.row(k) << detected.x_m, 1.0, 0.0, c, -s;
+      rows.left.row(k + 1) << detected.y_m, 0.0, 1.0, s, c;
     }
     rows.right[k] = poses[i].surveyed.x_m;
     rows.right[k + 1] = poses[i].surveyed.y_m;
@@ -133,13 +133,13 @@ std::optional<PoseFit> fit_once(const std::vector<SurveyedPose>& poses, bool ful
 
 }  // namespace
 
-Point2 at_height(Point2 seen, double height_m, const CameraPlace& camera) {
-  if (camera.height_m <= 0.0) return seen;
+Point2 at_height(Point2 detected, double height_m, const CameraPlace& camera) {
+  if (camera.height_m <= 0.0) return detected;
   const double share = height_m / camera.height_m;
-  return {seen.x_m + share * (camera.foot.x_m - seen.x_m), seen.y_m + share * (camera.foot.y_m - seen.y_m)};
+  return {detected.x_m + share * (camera.foot.x_m - detected.x_m), detected.y_m + share * (camera.foot.y_m - detected.y_m)};
 }
 
-Point2 seen_from(Point2 there, double height_m, const CameraPlace& camera) {
+Point2 detected_from(Point2 there, double height_m, const CameraPlace& camera) {
   if (camera.height_m <= 0.0) return there;
   const double share = height_m / camera.height_m;
   return {(there.x_m - share * camera.foot.x_m) / (1.0 - share), (there.y_m - share * camera.foot.y_m) / (1.0 - share)};
@@ -165,12 +165,12 @@ std::optional<CameraPlace> camera_over(const FloorMap& map, double height_m) {
   return CameraPlace{{place[0], place[1]}, height_m};
 }
 
-Pose2 PoseFit::apply(const Pose2& seen) const {
+Pose2 PoseFit::apply(const Pose2& detected) const {
   // The lever is seen in the same picture as the marker's direction: it leans with it.
-  const auto [s, c] = sincos(level_heading(*this, seen.heading_rad));
-  return {linear[0] * seen.x_m + linear[1] * seen.y_m + shift.x_m + c * lever.x_m - s * lever.y_m,
-          linear[2] * seen.x_m + linear[3] * seen.y_m + shift.y_m + s * lever.x_m + c * lever.y_m,
-          heading_of(*this, seen)};
+  const auto [s, c] = sincos(level_heading(*this, detected.heading_rad));
+  return {linear[0] * detected.x_m + linear[1] * detected.y_m + shift.x_m + c * lever.x_m - s * lever.y_m,
+          linear[2] * detected.x_m + linear[3] * detected.y_m + shift.y_m + s * lever.x_m + c * lever.y_m,
+          heading_of(*this, detected)};
 }
 
 const MarkerProfile& profile_of(int id, const std::vector<MarkerProfile>& profiles) {
@@ -183,10 +183,10 @@ const MarkerProfile& profile_of(int id, const std::vector<MarkerProfile>& profil
   return *everybodys;
 }
 
-Pose2 vehicle_at(const Pose2& seen, const MarkerProfile& profile, const CameraPlace& camera) {
-  if (profile.surveyed) return profile.surveyed->apply(seen);
-  const Point2 there = at_height(position(seen), profile.height_m, camera);
-  return Pose2{there.x_m, there.y_m, seen.heading_rad} * inverse(profile.X_BT);
+Pose2 vehicle_at(const Pose2& detected, const MarkerProfile& profile, const CameraPlace& camera) {
+  if (profile.surveyed) return profile.surveyed->apply(detected);
+  const Point2 there = at_height(position(detected), profile.height_m, camera);
+  return Pose2{there.x_m, there.y_m, detected.heading_rad} * inverse(profile.X_BT);
 }
 
 namespace {
@@ -199,7 +199,7 @@ std::optional<PoseResiduals> residuals_of(const std::vector<SurveyedPose>& poses
   result.fit = *all;
   double spread = 0.0;
   for (const SurveyedPose& pose : poses) {
-    const double off = wrap_angle(all->apply(pose.seen).heading_rad - pose.surveyed.heading_rad);
+    const double off = wrap_angle(all->apply(pose.detected).heading_rad - pose.surveyed.heading_rad);
     spread += off * off / static_cast<double>(poses.size());
   }
   result.heading_sd_rad = std::sqrt(spread);
@@ -210,7 +210,7 @@ std::optional<PoseResiduals> residuals_of(const std::vector<SurveyedPose>& poses
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
     const auto fit = fit_once(others, full, leans);
     if (!fit) return std::nullopt;
-    const Pose2 put = fit->apply(poses[i].seen);
+    const Pose2 put = fit->apply(poses[i].detected);
     const Pose2& there = poses[i].surveyed;
     result.left_out.push_back(
         {put.x_m - there.x_m, put.y_m - there.y_m, wrap_angle(put.heading_rad - there.heading_rad)});

@@ -18,11 +18,11 @@ struct CameraPlace {
   friend bool operator==(const CameraPlace&, const CameraPlace&) = default;
 };
 
-/// Where it is, that lies `height_m` above the floor and is seen at `seen` on it: a share height_m/H of the way from
+/// Where it is, that lies `height_m` above the floor and is seen at `detected` on it: a share height_m/H of the way from
 /// there to the camera's foot.
-[[nodiscard]] Point2 at_height(Point2 seen, double height_m, const CameraPlace& camera);
+[[nodiscard]] Point2 at_height(Point2 detected, double height_m, const CameraPlace& camera);
 /// Where on the floor it is seen, that is there so high: the other way round.
-[[nodiscard]] Point2 seen_from(Point2 there, double height_m, const CameraPlace& camera);
+[[nodiscard]] Point2 detected_from(Point2 there, double height_m, const CameraPlace& camera);
 /// Where the camera hangs whose pictures are mapped so, from how high it hangs: a plane alone tells a camera's height
 /// only up to its lens's angle. Nothing where no height fits.
 [[nodiscard]] std::optional<CameraPlace> camera_over(const FloorMap& map, double height_m);
@@ -42,7 +42,7 @@ struct PoseFit {
   double turn_rad{};
   double lean_per_m{};  ///< 0: it does not lean, or nothing is gained by believing that
   Point2 lean;          ///< −lean_per_m·foot
-  [[nodiscard]] Pose2 apply(const Pose2& seen) const;
+  [[nodiscard]] Pose2 apply(const Pose2& detected) const;
   /// h/H, as A has it, and the foot.
   [[nodiscard]] double height_share() const { return 1.0 - 0.5 * (linear[0] + linear[3]); }
   friend bool operator==(const PoseFit&, const PoseFit&) = default;
@@ -59,7 +59,7 @@ struct MarkerProfile {
 /// Whose tag this is.
 [[nodiscard]] const MarkerProfile& profile_of(int id, const std::vector<MarkerProfile>& profiles);
 /// The vehicle's pose from its tag's, seen as if it lay on the floor.
-[[nodiscard]] Pose2 vehicle_at(const Pose2& seen, const MarkerProfile& profile, const CameraPlace& camera);
+[[nodiscard]] Pose2 vehicle_at(const Pose2& detected, const MarkerProfile& profile, const CameraPlace& camera);
 
 struct PoseResiduals {
   PoseFit fit;              ///< to all poses

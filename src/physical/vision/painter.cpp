@@ -87,23 +87,23 @@ void Painter::look_around() {
   for (std::size_t row = 0; row <= height; ++row) {
     for (std::size_t column = 0; column <= width; ++column) {
       const auto floor = camera_.floor_of({static_cast<double>(column), static_cast<double>(row)});
-      corner_[row * (width + 1) + column] = floor ? Seen{static_cast<float>(floor->x_m - camera_.foot.x_m),
+      corner_[row * (width + 1) + column] = floor ? Sighted{static_cast<float>(floor->x_m - camera_.foot.x_m),
                                                          static_cast<float>(floor->y_m - camera_.foot.y_m)}
-                                                  : Seen{nowhere, nowhere};
+                                                  : Sighted{nowhere, nowhere};
     }
   }
 }
 
-Point2 Painter::seen_at(double u, double v) const {
+Point2 Painter::detected_at(double u, double v) const {
   const auto column = static_cast<std::size_t>(u);
   const auto row = static_cast<std::size_t>(v);
   const double s = u - static_cast<double>(column);
   const double t = v - static_cast<double>(row);
   const std::size_t wide = camera_.picture.width + 1;
-  const Seen& a = corner_[row * wide + column];
-  const Seen& b = corner_[row * wide + column + 1];
-  const Seen& c = corner_[(row + 1) * wide + column];
-  const Seen& d = corner_[(row + 1) * wide + column + 1];
+  const Sighted& a = corner_[row * wide + column];
+  const Sighted& b = corner_[row * wide + column + 1];
+  const Sighted& c = corner_[(row + 1) * wide + column];
+  const Sighted& d = corner_[(row + 1) * wide + column + 1];
   const auto mixed = [&](double p, double q, double r, double w) {
     return (1.0 - t) * ((1.0 - s) * p + s * q) + t * ((1.0 - s) * r + s * w);
   };
@@ -116,7 +116,7 @@ void Painter::draw_floor(const std::vector<SceneLine>& lines, std::uint64_t seed
   floor_.assign(width * height, floor_light);
   for (std::size_t i = 0; i < floor_.size(); ++i) {
     const std::size_t row = i / width;
-    const Point2 there = seen_at(static_cast<double>(i % width) + 0.5, static_cast<double>(row) + 0.5);
+    const Point2 there = detected_at(static_cast<double>(i % width) + 0.5, static_cast<double>(row) + 0.5);
     if (std::fabs(there.x_m) < 1e4) floor_[i] += 8.0F * patches.at(there.x_m, there.y_m);
   }
   for (const SceneLine& line : lines) {
@@ -134,7 +134,7 @@ void Painter::draw_floor(const std::vector<SceneLine>& lines, std::uint64_t seed
       const std::size_t high_v = clip(std::max(a->v, b->v) + reach, height);
       for (std::size_t row = low_v; row < high_v; ++row) {
         for (std::size_t column = low_u; column < high_u; ++column) {
-          const Point2 there = seen_at(static_cast<double>(column) + 0.5, static_cast<double>(row) + 0.5);
+          const Point2 there = detected_at(static_cast<double>(column) + 0.5, static_cast<double>(row) + 0.5);
           const double beyond = distance_to(there, line.points[k - 1], line.points[k]) - 0.5 * line.width_m;
           const double pixel_m = camera_.height_m / camera_.focal_px;
           const auto covered = static_cast<float>(std::clamp(0.5 - beyond / pixel_m, 0.0, 1.0));
@@ -180,8 +180,8 @@ void Painter::draw_body(const SceneBody& body, std::vector<float>& light) const 
         const double u = static_cast<double>(column) + (static_cast<double>(look % 3) + 0.5) / 3.0;
         const std::size_t look_row = look / 3;
         const double v = static_cast<double>(row) + (static_cast<double>(look_row) + 0.5) / 3.0;
-        const Point2 seen = seen_at(u, v);
-        const Point2 there{(1.0 - share) * seen.x_m + nearer.x_m, (1.0 - share) * seen.y_m + nearer.y_m};
+        const Point2 detected = detected_at(u, v);
+        const Point2 there{(1.0 - share) * detected.x_m + nearer.x_m, (1.0 - share) * detected.y_m + nearer.y_m};
         const Point2 on_tag = X_TM[look] * there;
         const double x = on_tag.x_m / cell_m + 5.0;
         const double y = 5.0 - on_tag.y_m / cell_m;

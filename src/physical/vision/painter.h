@@ -19,18 +19,18 @@ class Painter {
   [[nodiscard]] const SceneCamera& camera() const { return camera_; }
 
  private:
-  struct Seen {
+  struct Sighted {
     float x;
     float y;
   };
   void look_around();
   void draw_floor(const std::vector<SceneLine>& lines, std::uint64_t seed);
   void draw_body(const SceneBody& body, std::vector<float>& light) const;
-  [[nodiscard]] Point2 seen_at(double u, double v) const;
+  [[nodiscard]] Point2 detected_at(double u, double v) const;
 
   SceneCamera camera_;
   std::uint64_t seed_;
-  std::vector<Seen> corner_;  ///< where on the floor each pixel's upper left corner looks; one more than pixels
+  std::vector<Sighted> corner_;  ///< where on the floor each pixel's upper left corner looks; one more than pixels
   std::vector<float> floor_;  ///< light of the bare floor, per pixel
   std::vector<float> noise_;  ///< drawn once, and shuffled for each picture
 };

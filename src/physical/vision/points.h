@@ -26,8 +26,8 @@ struct FloorPoint {
 /// What the camera said of a vehicle that stood still at a surveyed pose, averaged over its samples.
 struct SurveyedPose {
   Pose2 surveyed;         ///< of the vehicle's reference point [m, rad]
-  Pose2 seen;             ///< of its marker, taken to lie on the floor
-  std::size_t samples{};  ///< that `seen` is the mean of
+  Pose2 detected;             ///< of its marker, taken to lie on the floor
+  std::size_t samples{};  ///< that `detected` is the mean of
   double standing_m{};    ///< standard deviation of one sample's place, how still the picture stands
 };
 

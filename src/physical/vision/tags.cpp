@@ -16,7 +16,7 @@ namespace cosiva::vision {
 namespace {
 
 /// Nearer to each other than a share of the tag: the same one.
-bool same(const SeenTag& a, const SeenTag& b) {
+bool same(const DetectedTag& a, const DetectedTag& b) {
   const PixelPoint p = a.centre();
   const PixelPoint q = b.centre();
   const double side = norm(a.corners[1].u - a.corners[0].u, a.corners[1].v - a.corners[0].v);
@@ -45,8 +45,8 @@ Image doubled(const Image& image) {
   return twice;
 }
 
-void sort_from_above(std::vector<SeenTag>& tags) {
-  std::ranges::sort(tags, [](const SeenTag& a, const SeenTag& b) {
+void sort_from_above(std::vector<DetectedTag>& tags) {
+  std::ranges::sort(tags, [](const DetectedTag& a, const DetectedTag& b) {
     const PixelPoint p = a.centre();
     const PixelPoint q = b.centre();
     return std::tie(p.v, p.u, a.id) < std::tie(q.v, q.u, b.id);
@@ -55,7 +55,7 @@ void sort_from_above(std::vector<SeenTag>& tags) {
 
 }  // namespace
 
-PixelPoint SeenTag::centre() const {
+PixelPoint DetectedTag::centre() const {
   const auto& [a, b, c, d] = corners;
   const double ux = c.u - a.u;
   const double uy = c.v - a.v;
@@ -88,7 +88,7 @@ TagFinder::TagFinder(TagFinder&&) noexcept = default;
 TagFinder& TagFinder::operator=(TagFinder&&) noexcept = default;
 TagFinder::~TagFinder() = default;
 
-std::vector<SeenTag> TagFinder::find(const Image& image, const Window& window, const How& how) {
+std::vector<DetectedTag> TagFinder::find(const Image& image, const Window& window, const How& how) {
   COSIVA_EXPECT(window.column + window.size.width <= image.size.width &&
                 window.row + window.size.height <= image.size.height);
   constexpr std::size_t least_px = 16;
@@ -101,12 +101,12 @@ std::vector<SeenTag> TagFinder::find(const Image& image, const Window& window, c
   image_u8_t part = {static_cast<std::int32_t>(window.size.width), static_cast<std::int32_t>(window.size.height),
                      static_cast<std::int32_t>(image.size.width), first};
   zarray_t* const found = apriltag_detector_detect(in_->detector, &part);
-  std::vector<SeenTag> tags;
+  std::vector<DetectedTag> tags;
   for (int i = 0; i < zarray_size(found); ++i) {
     apriltag_detection_t* one = nullptr;
     zarray_get(found, i, static_cast<void*>(&one));
     if (one->hamming > how.corrected_max || one->decision_margin < how.margin_min) continue;
-    SeenTag tag{one->id, one->hamming, one->decision_margin, {}};
+    DetectedTag tag{one->id, one->hamming, one->decision_margin, {}};
     for (std::size_t k = 0; k < 4; ++k) {
       tag.corners[k] = {one->p[k][0] + static_cast<double>(window.column),
                         one->p[k][1] + static_cast<double>(window.row)};
@@ -118,18 +118,18 @@ std::vector<SeenTag> TagFinder::find(const Image& image, const Window& window, c
   return tags;
 }
 
-std::vector<SeenTag> TagFinder::find(const Image& image, const How& how) {
+std::vector<DetectedTag> TagFinder::find(const Image& image, const How& how) {
   return find(image, {0, 0, image.size}, how);
 }
 
-std::vector<SeenTag> TagFinder::find_all(const Image& image) {
+std::vector<DetectedTag> TagFinder::find_all(const Image& image) {
   How how;
   how.corrected_max = 2;
   how.margin_min = 0.0;
-  std::vector<SeenTag> tags = find(image, how);
-  for (SeenTag more : find(doubled(image), how)) {
+  std::vector<DetectedTag> tags = find(image, how);
+  for (DetectedTag more : find(doubled(image), how)) {
     for (PixelPoint& corner : more.corners) corner = {0.5 * corner.u, 0.5 * corner.v};
-    const bool known = std::ranges::any_of(tags, [&](const SeenTag& tag) { return same(tag, more); });
+    const bool known = std::ranges::any_of(tags, [&](const DetectedTag& tag) { return same(tag, more); });
     if (!known) tags.push_back(more);
   }
   sort_from_above(tags);

@@ -9,7 +9,7 @@
 namespace cosiva::vision {
 
 /// An AprilTag (family 36h11) in a picture.
-struct SeenTag {
+struct DetectedTag {
   int id{};
   int corrected{};  ///< bits that were read wrongly
   double margin{};  ///< how far its bits are from the threshold [grey levels]
@@ -42,10 +42,10 @@ class TagFinder {
     double margin_min{20.0};  ///< less: it is noise
   };
   /// Tags of a part of the picture, corners in the whole picture's pixels, from above to below.
-  [[nodiscard]] std::vector<SeenTag> find(const Image& image, const Window& window, const How& how);
-  [[nodiscard]] std::vector<SeenTag> find(const Image& image, const How& how);
+  [[nodiscard]] std::vector<DetectedTag> find(const Image& image, const Window& window, const How& how);
+  [[nodiscard]] std::vector<DetectedTag> find(const Image& image, const How& how);
   /// Twice over the whole picture, as it is and doubled, each tag once: slow, and finds tags of 12 px, too.
-  [[nodiscard]] std::vector<SeenTag> find_all(const Image& image);
+  [[nodiscard]] std::vector<DetectedTag> find_all(const Image& image);
 
  private:
   struct Impl;

@@ -38,7 +38,7 @@ inline PoseGrid cpm_grid() {
 }
 
 /// Floor corners as a scene's camera shows them, read off with a little noise.
-inline std::vector<FloorPoint> seen_corners(const SceneCamera& camera, double noise_px = 0.05) {
+inline std::vector<FloorPoint> detected_corners(const SceneCamera& camera, double noise_px = 0.05) {
   std::vector<FloorPoint> points;
   Random random{7, "corners"};
   for (int i = -15; i <= 15; ++i) {

@@ -37,12 +37,12 @@ struct Sums {
   double left{0.0};
   std::size_t pairs{0};
 
-  void add(const Timed& seen, const State& there) {
+  void add(const Timed& detected, const State& there) {
     const auto [s, c] = sincos(there.pose.heading_rad);
     const Eigen::Vector3d x{-there.velocity_mps.x_m, c, -s};
     const Eigen::Vector3d y{-there.velocity_mps.y_m, s, c};
-    const double ex = seen.pose.x_m - there.pose.x_m;
-    const double ey = seen.pose.y_m - there.pose.y_m;
+    const double ex = detected.pose.x_m - there.pose.x_m;
+    const double ey = detected.pose.y_m - there.pose.y_m;
     squares += x * x.transpose() + y * y.transpose();
     pulls += x * ex + y * ey;
     left += ex * ex + ey * ey;
@@ -68,11 +68,11 @@ struct Sums {
 
 constexpr std::size_t blocks_of_time = 10;
 
-std::vector<Sums> sums_at(const std::vector<Timed>& seen, const std::vector<Timed>& reference, double offset_s) {
+std::vector<Sums> sums_at(const std::vector<Timed>& detected, const std::vector<Timed>& reference, double offset_s) {
   std::vector<Sums> blocks(blocks_of_time);
-  for (std::size_t i = 0; i < seen.size(); ++i) {
-    const auto there = at(reference, seen[i].t_s - offset_s);
-    if (there) blocks[i * blocks_of_time / seen.size()].add(seen[i], *there);
+  for (std::size_t i = 0; i < detected.size(); ++i) {
+    const auto there = at(reference, detected[i].t_s - offset_s);
+    if (there) blocks[i * blocks_of_time / detected.size()].add(detected[i], *there);
   }
   return blocks;
 }
@@ -99,9 +99,9 @@ double told_apart(const Sums& sums) {
 
 }  // namespace
 
-Result<TimeOffset> time_offset(const std::vector<Timed>& seen, const std::vector<Timed>& reference, double limit_s) {
+Result<TimeOffset> time_offset(const std::vector<Timed>& detected, const std::vector<Timed>& reference, double limit_s) {
   constexpr std::size_t fewest = 20;
-  Sums sums = total(sums_at(seen, reference, 0.0));
+  Sums sums = total(sums_at(detected, reference, 0.0));
   if (sums.pairs < fewest) {
     return fail("gvs.offset", "only " + std::to_string(sums.pairs) + " stamps lie within the reference's times; " +
                                   std::to_string(fewest) + " tell an offset");
@@ -115,7 +115,7 @@ Result<TimeOffset> time_offset(const std::vector<Timed>& seen, const std::vector
   Eigen::Vector3d x = Eigen::Vector3d::Zero();
   // Where the reference bends, its line at one time is not its line at another: a few rounds.
   for (int round = 0; round < 8; ++round) {
-    parts = sums_at(seen, reference, found.offset_s);
+    parts = sums_at(detected, reference, found.offset_s);
     sums = total(parts);
     if (sums.pairs < fewest) return fail("gvs.offset", "no offset within the limit brings the two together");
     x = sums.squares.ldlt().solve(sums.pulls);

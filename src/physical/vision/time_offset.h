@@ -29,7 +29,7 @@ struct TimeOffset {
 /// @param limit_s  no offset is further from 0
 /// Fails ("gvs.offset") where fewer than twenty stamps lie within the reference's times (interpolated over gaps of at
 /// most half a second), and where speed never changes.
-[[nodiscard]] Result<TimeOffset> time_offset(const std::vector<Timed>& seen, const std::vector<Timed>& reference,
+[[nodiscard]] Result<TimeOffset> time_offset(const std::vector<Timed>& detected, const std::vector<Timed>& reference,
                                              double limit_s = 0.5);
 
 }  // namespace cosiva::vision

@@ -16,7 +16,7 @@ Pose2 there(double t_s) {
   return {c, s, wrap_angle(way_m + 0.5 * pi)};
 }
 
-std::vector<Timed> seen(double late_s, Pose2 lever, double noise_m) {
+std::vector<Timed> detected(double late_s, Pose2 lever, double noise_m) {
   std::vector<Timed> all;
   Random random{1, "seen"};
   for (int i = 0; i < 400; ++i) {
@@ -37,7 +37,7 @@ std::vector<Timed> reference() {
 
 TEST(TimeOffset, is_found_whatever_else_is_shifted) {
   for (const double late_s : {-0.080, 0.0, 0.010, 0.120}) {
-    const auto found = time_offset(seen(late_s, {0.05, -0.01, 0.0}, 0.001), reference());
+    const auto found = time_offset(detected(late_s, {0.05, -0.01, 0.0}, 0.001), reference());
     ASSERT_TRUE(found) << to_string(found.error());
     EXPECT_NEAR(found->offset_s, late_s, 0.002);
     EXPECT_NEAR(found->lever.x_m, 0.05, 0.001);
@@ -57,7 +57,7 @@ TEST(TimeOffset, that_nothing_tells_from_a_lever_is_refused) {
 }
 
 TEST(TimeOffset, of_what_never_meets_is_refused) {
-  const auto found = time_offset(seen(0.0, {}, 0.0), {{0.0, {}}, {0.1, {}}});
+  const auto found = time_offset(detected(0.0, {}, 0.0), {{0.0, {}}, {0.1, {}}});
   ASSERT_FALSE(found);
   EXPECT_THAT(found.error().message, testing::HasSubstr("only 0 stamps"));
 }

@@ -36,7 +36,7 @@ double decimate_for(const FloorMap& map, double side_m) {
   return side_px >= 24.0 ? 1.5 : 1.0;
 }
 
-double radius_of(const SeenTag& tag) {
+double radius_of(const DetectedTag& tag) {
   const PixelPoint centre = tag.centre();
   double radius = 0.0;
   for (const PixelPoint& corner : tag.corners)
@@ -46,7 +46,7 @@ double radius_of(const SeenTag& tag) {
 
 }  // namespace
 
-std::optional<TagOnFloor> tag_on_floor(const SeenTag& tag, const FloorMap& map) {
+std::optional<TagOnFloor> tag_on_floor(const DetectedTag& tag, const FloorMap& map) {
   std::array<Point2, 4> corners{};
   Point2 middle;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -83,7 +83,7 @@ std::vector<int> Tracker::followed() const {
 }
 
 Window Tracker::around(const Followed& followed, double stamp_s, double margin) const {
-  const double dt_s = stamp_s - followed.seen_s;
+  const double dt_s = stamp_s - followed.detected_s;
   const double u = followed.centre.u + dt_s * followed.per_s.u;
   const double v = followed.centre.v + dt_s * followed.per_s.v;
   // The white margin is a quarter of the side; the rest is for what the prediction does not know.
@@ -100,8 +100,8 @@ Window Tracker::around(const Followed& followed, double stamp_s, double margin) 
   return window;
 }
 
-std::optional<SeenTag> Tracker::find_again(const Image& image, int id, const Followed& followed, double stamp_s) {
-  const double dt_s = stamp_s - followed.seen_s;
+std::optional<DetectedTag> Tracker::find_again(const Image& image, int id, const Followed& followed, double stamp_s) {
+  const double dt_s = stamp_s - followed.detected_s;
   // First where it should be. Then as far as it can have got since.
   const double px_per_m = options_.side_m > 0.0 ? followed.radius_px / (0.7071 * options_.side_m) : 1000.0;
   const double farthest = std::min(px_per_m * options_.speed_mps_max * dt_s, 400.0);
@@ -110,13 +110,13 @@ std::optional<SeenTag> Tracker::find_again(const Image& image, int id, const Fol
   for (const double margin : {near, farthest + 6.0}) {
     Followed from = followed;
     if (margin != near) from.per_s = {};
-    for (const SeenTag& tag : finder_.find(image, around(from, stamp_s, margin), closely()))
+    for (const DetectedTag& tag : finder_.find(image, around(from, stamp_s, margin), closely()))
       if (tag.id == id) return tag;
   }
   return std::nullopt;
 }
 
-bool Tracker::is_welcome(const SeenTag& tag) const {
+bool Tracker::is_welcome(const DetectedTag& tag) const {
   if (!options_.expected.empty() && std::ranges::find(options_.expected, tag.id) == options_.expected.end())
     return false;
   if (options_.side_m <= 0.0) return true;
@@ -125,9 +125,9 @@ bool Tracker::is_welcome(const SeenTag& tag) const {
   return there && there->side_m > 0.85 * options_.side_m && there->side_m < 1.4 * options_.side_m;
 }
 
-void Tracker::search(const Image& image, double stamp_s, std::map<int, SeenTag>& seen) {
+void Tracker::search(const Image& image, double stamp_s, std::map<int, DetectedTag>& detected) {
   const bool everybody =
-      !options_.expected.empty() && std::ranges::all_of(options_.expected, [&](int id) { return seen.contains(id); });
+      !options_.expected.empty() && std::ranges::all_of(options_.expected, [&](int id) { return detected.contains(id); });
   if (everybody) return;
   Window window{0, 0, image.size};
   if (figures_.pictures > 0) {
@@ -139,23 +139,23 @@ void Tracker::search(const Image& image, double stamp_s, std::map<int, SeenTag>&
     band_ = (band_ + 1) % options_.bands;
   }
   std::set<int> found;
-  for (const SeenTag& far : finder_.find(image, window, from_afar(options_.search_decimate))) {
-    if (seen.contains(far.id) && !found.contains(far.id)) continue;  // it is followed
+  for (const DetectedTag& far : finder_.find(image, window, from_afar(options_.search_decimate))) {
+    if (detected.contains(far.id) && !found.contains(far.id)) continue;  // it is followed
     if (!is_welcome(far) || found.contains(far.id)) {
       ++figures_.strange;
       continue;
     }
     // Corners of the smaller picture are coarser: look again, closely.
     Followed there{far.centre(), {}, radius_of(far), stamp_s, false, 0};
-    for (const SeenTag& near : finder_.find(image, around(there, stamp_s, 8.0), closely())) {
+    for (const DetectedTag& near : finder_.find(image, around(there, stamp_s, 8.0), closely())) {
       if (near.id != far.id) continue;
-      seen[near.id] = near;
+      detected[near.id] = near;
       found.insert(near.id);
     }
   }
 }
 
-std::optional<Fix> Tracker::fix_of(const SeenTag& tag, double stamp_s) const {
+std::optional<Fix> Tracker::fix_of(const DetectedTag& tag, double stamp_s) const {
   const auto there = tag_on_floor(tag, calibration_.map);
   if (!there) return std::nullopt;
   Fix fix;
@@ -179,26 +179,26 @@ Result<std::vector<Fix>> Tracker::see(const Image& image, double stamp_s) {
                                    phrase(calibration_.map.picture));
   }
   COSIVA_EXPECT(figures_.pictures == 0 || stamp_s > stamp_s_);
-  std::map<int, SeenTag> seen;
+  std::map<int, DetectedTag> detected;
   for (auto& [id, followed] : followed_) {
     if (const auto tag = find_again(image, id, followed, stamp_s)) {
-      seen.emplace(id, *tag);
+      detected.emplace(id, *tag);
     } else {
       ++followed.missed;
       ++figures_.lost;
     }
   }
   std::erase_if(followed_, [](const auto& one) { return one.second.missed > missed_max; });
-  search(image, stamp_s, seen);
+  search(image, stamp_s, detected);
   ++figures_.pictures;
   stamp_s_ = stamp_s;
 
   std::vector<Fix> fixes;
-  for (const auto& [id, tag] : seen) {
+  for (const auto& [id, tag] : detected) {
     const PixelPoint centre = tag.centre();
     Followed now{centre, {}, radius_of(tag), stamp_s, false, 0};
     if (const auto before = followed_.find(id); before != followed_.end()) {
-      const double dt_s = stamp_s - before->second.seen_s;
+      const double dt_s = stamp_s - before->second.detected_s;
       now.per_s = {(centre.u - before->second.centre.u) / dt_s, (centre.v - before->second.centre.v) / dt_s};
       now.moving = true;
     }

@@ -57,15 +57,15 @@ class Tracker {
     PixelPoint centre;
     PixelPoint per_s;    ///< its motion [px/s]
     double radius_px{};  ///< from its centre to its corners
-    double seen_s{};
+    double detected_s{};
     bool moving{false};  ///< per_s is known
     int missed{0};
   };
   [[nodiscard]] Window around(const Followed& followed, double stamp_s, double margin) const;
-  [[nodiscard]] std::optional<SeenTag> find_again(const Image& image, int id, const Followed& followed, double stamp_s);
-  void search(const Image& image, double stamp_s, std::map<int, SeenTag>& seen);
-  [[nodiscard]] bool is_welcome(const SeenTag& tag) const;
-  [[nodiscard]] std::optional<Fix> fix_of(const SeenTag& tag, double stamp_s) const;
+  [[nodiscard]] std::optional<DetectedTag> find_again(const Image& image, int id, const Followed& followed, double stamp_s);
+  void search(const Image& image, double stamp_s, std::map<int, DetectedTag>& detected);
+  [[nodiscard]] bool is_welcome(const DetectedTag& tag) const;
+  [[nodiscard]] std::optional<Fix> fix_of(const DetectedTag& tag, double stamp_s) const;
 
   Calibration calibration_;
   TrackerOptions options_;
@@ -82,6 +82,6 @@ struct TagOnFloor {
   Pose2 pose;
   double side_m;
 };
-[[nodiscard]] std::optional<TagOnFloor> tag_on_floor(const SeenTag& tag, const FloorMap& map);
+[[nodiscard]] std::optional<TagOnFloor> tag_on_floor(const DetectedTag& tag, const FloorMap& map);
 
 }  // namespace cosiva::vision

@@ -26,7 +26,7 @@ SceneCamera small_camera() {
 }
 
 Calibration calibration_of(const SceneCamera& camera) {
-  const auto points = seen_corners(camera);
+  const auto points = detected_corners(camera);
   CalibrationOptions options;
   options.models = {{FloorModel::lens, 5}};
   Calibration made = calibrate(points, camera.picture, options).value().calibration;
@@ -138,11 +138,11 @@ TEST(Tracker, finds_who_comes_later_and_forgets_who_goes) {
   bodies.pop_back();
   EXPECT_EQ(tracker.see(painter.paint(bodies, 0), 0.0)->size(), 2U);
   double t_s = 0.0;
-  std::size_t seen = 0;
-  for (int k = 1; k <= 16; ++k) seen = tracker.see(painter.paint(all, 1), t_s += 0.01)->size();
-  EXPECT_EQ(seen, 3U);  // all bands have been searched
-  for (int k = 0; k < 10; ++k) seen = tracker.see(painter.paint({all[1]}, 2), t_s += 0.01)->size();
-  EXPECT_EQ(seen, 1U);
+  std::size_t detected = 0;
+  for (int k = 1; k <= 16; ++k) detected = tracker.see(painter.paint(all, 1), t_s += 0.01)->size();
+  EXPECT_EQ(detected, 3U);  // all bands have been searched
+  for (int k = 0; k < 10; ++k) detected = tracker.see(painter.paint({all[1]}, 2), t_s += 0.01)->size();
+  EXPECT_EQ(detected, 1U);
   EXPECT_THAT(tracker.followed(), ElementsAre(1));
   EXPECT_GT(tracker.figures().lost, 0U);
 }

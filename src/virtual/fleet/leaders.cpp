@@ -54,12 +54,12 @@ void Leaders::update_followers(Block& block, std::uint32_t copy, zone::SectionId
   for (const zone::SectionId changed : {left, section}) {
     if (changed == zone::no_section) continue;
     block.open.push_back(changed);
-    block.seen_m[changed] = 0.0;
-    block.seen_search[changed] = block.search;
+    block.detected_m[changed] = 0.0;
+    block.detection_search[changed] = block.search;
   }
   for (std::size_t k = 0; k < block.open.size(); ++k) {
     const zone::SectionId to = block.open[k];
-    const double way_m = block.seen_m[to];
+    const double way_m = block.detected_m[to];
     for (const zone::SectionId from : circuit.previous(to)) {
       const std::uint32_t first = front_[list_index(ground_, copy, from)];
       if (first != Fleet::none) {
@@ -69,9 +69,9 @@ void Leaders::update_followers(Block& block, std::uint32_t copy, zone::SectionId
       const double on_m = way_m + ground_.length_m(from);
       if (on_m > numbers_.look_m) continue;
       // A section found again by a shorter path is searched again: sections behind it may only now be near enough.
-      if (block.seen_search[from] == block.search && block.seen_m[from] <= on_m) continue;
-      block.seen_search[from] = block.search;
-      block.seen_m[from] = on_m;
+      if (block.detection_search[from] == block.search && block.detected_m[from] <= on_m) continue;
+      block.detection_search[from] = block.search;
+      block.detected_m[from] = on_m;
       block.open.push_back(from);
     }
   }

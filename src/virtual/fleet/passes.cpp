@@ -25,7 +25,7 @@ constexpr double ask_early_m = 0.05;
 
 /// What a vehicle sees, side by side for `lanes` of them. Aligned as a whole: a member with an alignment of its own has
 /// elements of which GCC 12 makes no vectors.
-struct alignas(64) Seen {
+struct alignas(64) DetectedObstacleReport {
   Column gap_m;  ///< from its front to the rear of the one ahead; far: nobody near
   Column closing_mps;
   Column halt_m;  ///< to the next place to stop
@@ -43,7 +43,7 @@ COSIVA_INLINE double lower(double a, double b) { return b < a ? b : a; }
 COSIVA_INLINE double higher(double a, double b) { return a < b ? b : a; }
 
 COSIVA_VECTOR_CLONES void see(const View& view, double length_m, double look_m, std::size_t first, std::size_t count,
-                              Seen& seen, double* __restrict smallest) {
+                              DetectedObstacleReport& detected, double* __restrict smallest) {
   const double* __restrict s = view.s_m;
   const double* __restrict v = view.v_mps;
   const double* __restrict offset = view.offset_m + first;
@@ -54,12 +54,12 @@ COSIVA_VECTOR_CLONES void see(const View& view, double length_m, double look_m, 
     const std::uint32_t ahead = leader[k];
     const double gap_m = offset[k] + s[ahead] - s[first + k] - length_m;
     const bool near = gap_m <= look_m;
-    seen.gap_m[k] = near ? gap_m : far_m;
-    seen.closing_mps[k] = near ? v[first + k] - v[ahead] : 0.0;
-    seen.halt_m[k] = halt[k] - s[first + k];
+    detected.gap_m[k] = near ? gap_m : far_m;
+    detected.closing_mps[k] = near ? v[first + k] - v[ahead] : 0.0;
+    detected.halt_m[k] = halt[k] - s[first + k];
   }
   COSIVA_ROUNDS_APART
-  for (std::size_t k = 0; k < count; ++k) smallest[k] = lower(smallest[k], seen.gap_m[k]);
+  for (std::size_t k = 0; k < count; ++k) smallest[k] = lower(smallest[k], detected.gap_m[k]);
 }
 
 struct Ways {
@@ -78,7 +78,7 @@ struct Rows {
   double* __restrict instruction;  ///< null: nobody is instructed
 };
 
-COSIVA_VECTOR_CLONES void ask(const Ways& ways, const Numbers& numbers, const Seen& seen, std::size_t first,
+COSIVA_VECTOR_CLONES void ask(const Ways& ways, const Numbers& numbers, const DetectedObstacleReport& detected, std::size_t first,
                               std::size_t count, const Rows& rows) {
   const double braking_m = numbers.braking_distance_m;
   const double medium_mps = numbers.medium_mps;
@@ -89,8 +89,8 @@ COSIVA_VECTOR_CLONES void ask(const Ways& ways, const Numbers& numbers, const Se
   double* __restrict crossing = rows.crossing;
   COSIVA_ROUNDS_APART
   for (std::size_t k = 0; k < count; ++k) {
-    gap[k] = aiv::plain::gap_input(seen.gap_m[k], braking_m);
-    closing[k] = aiv::plain::closing_input(seen.closing_mps[k], medium_mps);
+    gap[k] = aiv::plain::gap_input(detected.gap_m[k], braking_m);
+    closing[k] = aiv::plain::closing_input(detected.closing_mps[k], medium_mps);
     crossing[k] = aiv::plain::way_input(line[k] - s[k], braking_m);
   }
 }
@@ -176,7 +176,7 @@ COSIVA_INLINE double of_profile(double number, double stop, double slow, double 
 
 /// The envelope above the choice, and what the wheels make of it in one step.
 template <bool capped, bool limited>
-COSIVA_INLINE void limit(const Limits& limits, const Numbers& n, const Seen& seen, const Column& chosen,
+COSIVA_INLINE void limit(const Limits& limits, const Numbers& n, const DetectedObstacleReport& detected, const Column& chosen,
                          std::size_t first, std::size_t count, double* __restrict next) {
   const double* __restrict s = limits.s_m + first;
   const double* __restrict v = limits.v_mps + first;
@@ -192,7 +192,7 @@ COSIVA_INLINE void limit(const Limits& limits, const Numbers& n, const Seen& see
     const double speeding =
         of_profile(p, stop.acceleration_mps2, slow.acceleration_mps2, medium.acceleration_mps2, fast.acceleration_mps2);
     const double wish = of_profile(p, stop.speed_mps, slow.speed_mps, medium.speed_mps, fast.speed_mps);
-    const double way_m = lower(seen.halt_m[k], seen.gap_m[k] - aiv::stand_off_m);
+    const double way_m = lower(detected.halt_m[k], detected.gap_m[k] - aiv::stand_off_m);
     double speed = wish;
     if constexpr (capped) speed = lower(speed, cap[k]);
     if constexpr (limited) {
@@ -210,17 +210,17 @@ COSIVA_INLINE void limit(const Limits& limits, const Numbers& n, const Seen& see
   }
 }
 
-COSIVA_VECTOR_CLONES void limit_plain(const Limits& limits, const Numbers& n, const Seen& seen, const Column& chosen,
+COSIVA_VECTOR_CLONES void limit_plain(const Limits& limits, const Numbers& n, const DetectedObstacleReport& detected, const Column& chosen,
                                       std::size_t first, std::size_t count, double* __restrict next) {
-  limit<false, false>(limits, n, seen, chosen, first, count, next);
+  limit<false, false>(limits, n, detected, chosen, first, count, next);
 }
-COSIVA_VECTOR_CLONES void limit_capped(const Limits& limits, const Numbers& n, const Seen& seen, const Column& chosen,
+COSIVA_VECTOR_CLONES void limit_capped(const Limits& limits, const Numbers& n, const DetectedObstacleReport& detected, const Column& chosen,
                                        std::size_t first, std::size_t count, double* __restrict next) {
-  limit<true, false>(limits, n, seen, chosen, first, count, next);
+  limit<true, false>(limits, n, detected, chosen, first, count, next);
 }
-COSIVA_VECTOR_CLONES void limit_limited(const Limits& limits, const Numbers& n, const Seen& seen, const Column& chosen,
+COSIVA_VECTOR_CLONES void limit_limited(const Limits& limits, const Numbers& n, const DetectedObstacleReport& detected, const Column& chosen,
                                         std::size_t first, std::size_t count, double* __restrict next) {
-  limit<true, true>(limits, n, seen, chosen, first, count, next);
+  limit<true, true>(limits, n, detected, chosen, first, count, next);
 }
 
 /// The lowest of what concerns say.
@@ -342,7 +342,7 @@ double decide_by(const State& state, const Numbers& numbers, std::uint32_t first
                   state.halt_at.data()};
   const Limits limits{state.s_m.data(), state.v_mps.data(), state.cap_mps.data(), state.slow_at.data(),
                       state.slow_mps.data()};
-  Seen seen;
+  DetectedObstacleReport detected;
   alignas(64) Column chosen;
   alignas(64) Column smallest;
   std::ranges::fill(smallest, far_m);
@@ -350,10 +350,10 @@ double decide_by(const State& state, const Numbers& numbers, std::uint32_t first
   for (std::size_t at = first; at < last; at += lanes) {
     const std::size_t count = std::min(lanes, last - at);
     if (is_large) fetch_ahead(state, at + fetched_ahead);
-    see(view, numbers.length_m, numbers.look_m, at, count, seen, smallest);
-    choose(seen, at, count, chosen);
+    see(view, numbers.length_m, numbers.look_m, at, count, detected, smallest);
+    choose(detected, at, count, chosen);
     const auto by = numbers.has_limits ? limit_limited : numbers.has_caps ? limit_capped : limit_plain;
-    by(limits, numbers, seen, chosen, at, count, next + (at - first));
+    by(limits, numbers, detected, chosen, at, count, next + (at - first));
   }
   return *std::ranges::min_element(smallest);
 }
@@ -364,15 +364,15 @@ double decide(State& state, const Numbers& numbers, const FleetRules* rules, boo
               std::uint32_t last, double* next) {
   const Choice choice{state.s_m.data(), state.goal_at.data(), state.imposed.data(), state.profile.data()};
   if (rules == nullptr) {
-    return decide_by(state, numbers, first, last, next, [&](const Seen& seen, auto at, auto count, Column& chosen) {
-      choose_crisp(choice, seen.gap_m, at, count, chosen);
+    return decide_by(state, numbers, first, last, next, [&](const DetectedObstacleReport& detected, auto at, auto count, Column& chosen) {
+      choose_crisp(choice, detected.gap_m, at, count, chosen);
     });
   }
   const Ways ways{state.s_m.data(), state.goal_at.data(), state.line_at.data(), state.imposed.data()};
   Answers answers{*rules, more};
   alignas(64) Column speed;
-  return decide_by(state, numbers, first, last, next, [&](const Seen& seen, auto at, auto count, Column& chosen) {
-    ask(ways, numbers, seen, at, count, answers.rows);
+  return decide_by(state, numbers, first, last, next, [&](const DetectedObstacleReport& detected, auto at, auto count, Column& chosen) {
+    ask(ways, numbers, detected, at, count, answers.rows);
     if (more) ask_more(ways, numbers, at, count, answers.rows);
     answers.answer(speed);
     choose_fuzzy(choice.profile + at, speed, count, chosen);

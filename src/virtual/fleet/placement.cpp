@@ -81,8 +81,8 @@ void Placement::lay_blocks() {
     block.occupied_steps.assign(ground_.size(), 0);
     block.grants.assign(ground_.zone().crossings.size(), 0);
     block.waited_steps.assign(ground_.zone().crossings.size(), 0);
-    block.seen_m.assign(ground_.size(), 0.0);
-    block.seen_search.assign(ground_.size(), 0);
+    block.detected_m.assign(ground_.size(), 0.0);
+    block.detection_search.assign(ground_.size(), 0);
     // Each section is opened again only by a shorter way; on a real zone hardly ever.
     block.open.reserve(4 * ground_.size());
     if (block.last - block.first > forgets_vehicles) state_.next_mps.resize(state_.s_m.size());

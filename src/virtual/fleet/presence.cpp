@@ -102,9 +102,9 @@ bool Presence::leaves_room_behind(Block& block, std::uint32_t i) const {
     return can_stop(other, state_.s_m[i] - state_.s_m[other]);
   ++block.search;
   block.open.assign(1, state_.section[i]);
-  block.seen_m[state_.section[i]] = state_.s_m[i];
+  block.detected_m[state_.section[i]] = state_.s_m[i];
   for (std::size_t k = 0; k < block.open.size(); ++k) {
-    const double way_m = block.seen_m[block.open[k]];
+    const double way_m = block.detected_m[block.open[k]];
     for (const zone::SectionId from : ground_.circuit().previous(block.open[k])) {
       const std::uint32_t first = front_[list_index(ground_, copy, from)];
       const double length_m = ground_.length_m(from);
@@ -113,9 +113,9 @@ bool Presence::leaves_room_behind(Block& block, std::uint32_t i) const {
         continue;
       }
       if (way_m + length_m > numbers_.look_m) continue;
-      if (block.seen_search[from] == block.search && block.seen_m[from] <= way_m + length_m) continue;
-      block.seen_search[from] = block.search;
-      block.seen_m[from] = way_m + length_m;
+      if (block.detection_search[from] == block.search && block.detected_m[from] <= way_m + length_m) continue;
+      block.detection_search[from] = block.search;
+      block.detected_m[from] = way_m + length_m;
       block.open.push_back(from);
     }
   }

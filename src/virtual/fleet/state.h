@@ -132,8 +132,8 @@ struct alignas(64) Block {
   std::vector<std::uint64_t> grants;          ///< by crossing
   std::vector<std::uint64_t> waited_steps;
   // For searches against the direction of driving: how far off a section is, if it was seen in this search.
-  std::vector<double> seen_m;
-  std::vector<std::uint64_t> seen_search;
+  std::vector<double> detected_m;
+  std::vector<std::uint64_t> detection_search;
   std::vector<zone::SectionId> open;
   std::uint64_t search{0};
 };

@@ -89,9 +89,9 @@ void Stepper::step_in_parts(Workers& workers, Block& block) {
   });
 }
 
-void Stepper::record_gap(Block& block, double seen_m) const {
-  block.smallest_gap_m = std::min(block.smallest_gap_m, seen_m);
-  if (seen_m >= 0.0) return;
+void Stepper::record_gap(Block& block, double detected_m) const {
+  block.smallest_gap_m = std::min(block.smallest_gap_m, detected_m);
+  if (detected_m >= 0.0) return;
   for (std::uint32_t i = block.first; i < block.last; ++i)
     if (state_.offset_m[i] + state_.s_m[state_.leader[i]] - state_.s_m[i] < numbers_.length_m) ++block.collisions;
 }

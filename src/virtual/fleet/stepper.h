@@ -27,7 +27,7 @@ class Stepper {
  private:
   void step_block(Block& block);
   void step_in_parts(Workers& workers, Block& block);
-  void record_gap(Block& block, double seen_m) const;
+  void record_gap(Block& block, double detected_m) const;
   void settle(Block& block);
   void gather_arrivals();
 

@@ -47,7 +47,7 @@ std::string_view to_string(WorldEffect effect) {
 std::string_view to_string(Finding::Kind kind) {
   switch (kind) {
     case Finding::Kind::no_twin: return "no twin";
-    case Finding::Kind::not_seen: return "not seen";
+    case Finding::Kind::not_detected: return "not detected";
     case Finding::Kind::no_sight: return "no sight";
   }
   return "?";
@@ -75,8 +75,8 @@ void BijectionMonitor::divergence(Entity entity, double m, double rad) {
   divergence_m_.add(m);
   divergence_rad_.add(rad);
   Pair& pair = pairs_[entity];
-  if (pair.divergences_seen < settling_divergences) {
-    ++pair.divergences_seen;
+  if (pair.divergences_measured < settling_divergences) {
+    ++pair.divergences_measured;
   } else {
     pair.divergence.add(m);
   }
@@ -86,8 +86,8 @@ void BijectionMonitor::actual(Entity entity, double m, double rad) {
   actual_m_.add(m);
   actual_rad_.add(rad);
   Pair& pair = pairs_[entity];
-  if (pair.actuals_seen < settling_actuals) {
-    ++pair.actuals_seen;
+  if (pair.actuals_measured < settling_actuals) {
+    ++pair.actuals_measured;
   } else {
     pair.actual.add(m);
   }
@@ -96,8 +96,8 @@ void BijectionMonitor::actual(Entity entity, double m, double rad) {
 void BijectionMonitor::age(Entity entity, double ms) {
   age_ms_.add(ms);
   Pair& pair = pairs_[entity];
-  if (pair.ages_seen < settling_ages) {
-    ++pair.ages_seen;
+  if (pair.ages_measured < settling_ages) {
+    ++pair.ages_measured;
   } else {
     pair.age.add(ms);
   }

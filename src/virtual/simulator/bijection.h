@@ -30,7 +30,7 @@ struct BijectionContract {
 struct Finding {
   enum class Kind : std::uint8_t {
     no_twin,   ///< the camera sees an AIV, and it has no twin
-    not_seen,  ///< a twin stands where the camera sees no AIV
+    not_detected,  ///< a twin stands where the camera sees no AIV
     no_sight,  ///< the camera itself says nothing: neither is known
   };
   Kind kind{};
@@ -124,9 +124,9 @@ class BijectionMonitor {
     RecentP99 divergence;
     RecentP99 age;
     RecentP99 actual;
-    std::uint32_t divergences_seen{0};  ///< up to the end of its settling
-    std::uint32_t ages_seen{0};
-    std::uint32_t actuals_seen{0};
+    std::uint32_t divergences_measured{0};  ///< up to the end of its settling
+    std::uint32_t ages_measured{0};
+    std::uint32_t actuals_measured{0};
     [[nodiscard]] bool orphan() const { return physical != image; }
   };
 

@@ -39,7 +39,7 @@ Result<Simulator::Reception> Simulator::receive(SimTime now, const zone::ZoneCon
     for (Twin& twin : twins_) twin.leave_circuit(circuit(), now);
     // What was seen was seen beside the old ways, and nobody looks for it there any more: it would stay for ever. Who
     // sees it beside the new ones says so within a tenth of a second.
-    seen_.clear();
+    detected_.clear();
   }
   zone_json_ = json.take();
   bounds_ = zone::bounds(primitives);
@@ -82,7 +82,7 @@ void Simulator::fold(Digest& digest) const {
   digest.add(zone_revision_);
   for (const Twin& twin : twins_) twin.fold(digest);
   augmented_.fold(digest);
-  seen_.fold(digest);
+  detected_.fold(digest);
   monitor_.fold(digest);
 }
 

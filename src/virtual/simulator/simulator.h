@@ -13,7 +13,7 @@
 #include "cosiva/base/result.h"
 #include "cosiva/virtual/simulator/augmented.h"
 #include "cosiva/virtual/simulator/bijection.h"
-#include "cosiva/virtual/simulator/seen_obstacles.h"
+#include "cosiva/virtual/simulator/detected_obstacles.h"
 #include "cosiva/virtual/simulator/twin.h"
 #include "cosiva/zone/drawing/draw.h"
 #include "cosiva/zone/layout/traffic_zone.h"
@@ -63,8 +63,8 @@ class Simulator {
 
   [[nodiscard]] Augmented& augmented() { return augmented_; }
   [[nodiscard]] const Augmented& augmented() const { return augmented_; }
-  [[nodiscard]] SeenObstacles& seen() { return seen_; }
-  [[nodiscard]] const SeenObstacles& seen() const { return seen_; }
+  [[nodiscard]] DetectedObstacles& detected() { return detected_; }
+  [[nodiscard]] const DetectedObstacles& detected() const { return detected_; }
 
   [[nodiscard]] const zone::ZoneConfiguration* configuration() const { return rtm_ ? &rtm_->configuration() : nullptr; }
   [[nodiscard]] const std::shared_ptr<const zone::TrafficZone>& zone() const { return zone_; }  ///< may be null
@@ -88,7 +88,7 @@ class Simulator {
   std::vector<double> divergences_m_;
   std::vector<std::optional<BijectionMonitor::Entity>> entities_;  ///< of each twin; none: it is augmented
   Augmented augmented_;
-  SeenObstacles seen_;
+  DetectedObstacles detected_;
   BijectionMonitor monitor_;
 };
 

@@ -54,10 +54,10 @@ double Statistics::percentile(double share) const {
     std::ranges::nth_element(sorted, nth);
     return *nth;
   }
-  std::uint64_t seen = 0;
+  std::uint64_t detected = 0;
   for (std::size_t i = 0; i < buckets_.size(); ++i) {
-    seen += buckets_[i];
-    if (seen >= rank) return std::min(i == 0 ? 0.0 : middle_of(i), max_);
+    detected += buckets_[i];
+    if (detected >= rank) return std::min(i == 0 ? 0.0 : middle_of(i), max_);
   }
   return max_;
 }

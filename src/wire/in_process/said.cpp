@@ -8,7 +8,7 @@ SimTime on_the_wire(SimTime time) { return SimTime{floor<std::chrono::millisecon
 std::uint32_t number_of(const State& message) { return message.header.header_id; }
 std::uint32_t number_of(const Visualization& message) { return message.header.header_id; }
 std::uint32_t number_of(const Intent& message) { return message.header_id; }
-std::uint32_t number_of(const Seen& message) { return message.header_id; }
+std::uint32_t number_of(const DetectedObstacleReport& message) { return message.header_id; }
 std::uint32_t number_of(const BoardsReport& message) { return message.header_id; }
 std::uint32_t number_of(const Order& message) { return message.header.header_id; }
 
@@ -35,7 +35,7 @@ Result<Message> said_or(const Input& input, Result<Message> (*read)(std::string_
 State as_heard(State&& message) { return stamped_in_header(std::move(message)); }
 Visualization as_heard(Visualization&& message) { return stamped_in_header(std::move(message)); }
 Intent as_heard(Intent&& message) { return stamped(std::move(message)); }
-Seen as_heard(Seen&& message) { return stamped(std::move(message)); }
+DetectedObstacleReport as_heard(DetectedObstacleReport&& message) { return stamped(std::move(message)); }
 Order as_heard(Order&& message) { return stamped_in_header(std::move(message)); }
 
 BoardsReport as_heard(BoardsReport&& message) {
@@ -43,7 +43,7 @@ BoardsReport as_heard(BoardsReport&& message) {
   return stamped(std::move(message));
 }
 
-Result<Seen> heard_seen(const Input& input) { return said_or(input, seen_from_json); }
+Result<DetectedObstacleReport> heard_detected(const Input& input) { return said_or(input, detected_obstacle_from_json); }
 Result<BoardsReport> heard_boards_report(const Input& input) { return said_or(input, boards_report_from_json); }
 
 void Said::fold(Digest& digest) const {

@@ -19,7 +19,7 @@ namespace cosiva::wire {
 /// real wire, and in journals, there are texts alone.
 class Said final : public InProcessMessage {
  public:
-  using Message = std::variant<State, Visualization, Intent, Seen, BoardsReport, Order>;
+  using Message = std::variant<State, Visualization, Intent, DetectedObstacleReport, BoardsReport, Order>;
   explicit Said(Message what) : message{std::move(what)} {}
   void fold(Digest& digest) const override;
 
@@ -30,7 +30,7 @@ class Said final : public InProcessMessage {
 [[nodiscard]] State as_heard(State&& message);
 [[nodiscard]] Visualization as_heard(Visualization&& message);
 [[nodiscard]] Intent as_heard(Intent&& message);
-[[nodiscard]] Seen as_heard(Seen&& message);
+[[nodiscard]] DetectedObstacleReport as_heard(DetectedObstacleReport&& message);
 [[nodiscard]] BoardsReport as_heard(BoardsReport&& message);
 /// @param message  its header says a version, and its angles and tolerances are the standard's
 [[nodiscard]] Order as_heard(Order&& message);
@@ -48,7 +48,7 @@ template <typename Message>
 }
 
 // Our own messages, either way; those of VDA 5050 stand with their codec (vda5050/said.h).
-[[nodiscard]] Result<Seen> heard_seen(const Input& input);
+[[nodiscard]] Result<DetectedObstacleReport> heard_detected(const Input& input);
 [[nodiscard]] Result<BoardsReport> heard_boards_report(const Input& input);
 
 }  // namespace cosiva::wire

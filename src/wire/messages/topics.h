@@ -29,8 +29,8 @@ inline constexpr std::string_view plant_radio_topic = "cosiva/v1/plant/radio";
 inline constexpr std::string_view virtual_obstacles_topic_prefix = "cosiva/v1/virtual_obstacles/";
 /// Vehicle → server: it has taken an Ahead into account (wire::VirtualObstaclesAck).
 inline constexpr std::string_view virtual_obstacles_ack_topic_prefix = "cosiva/v1/virtual_obstacles_ack/";
-/// Vehicle → server: the obstacle its DOBS sees in its way, or none any more (wire::Seen).
-inline constexpr std::string_view seen_topic_prefix = "cosiva/v1/seen/";
+/// Vehicle → server: the obstacle its DOBS sees in its way, or none any more (wire::DetectedObstacleReport).
+inline constexpr std::string_view detected_obstacle_topic_prefix = "cosiva/v1/detected_obstacle/";
 /// Vehicle → server, twice a second: how its boards fare (wire::BoardsReport, A18).
 inline constexpr std::string_view boards_topic_prefix = "cosiva/v1/boards/";
 

@@ -66,8 +66,8 @@ void read_reading(Fields& in, EstimateAnswer::Reading& reading) {
   in.whole("mark", reading.mark);
   in.number("x_m", -own::place_m_max, own::place_m_max, reading.mark_M.x_m);
   in.number("y_m", -own::place_m_max, own::place_m_max, reading.mark_M.y_m);
-  in.number("ahead_m", -own::place_m_max, own::place_m_max, reading.seen_B.x_m);
-  in.number("left_m", -own::place_m_max, own::place_m_max, reading.seen_B.y_m);
+  in.number("ahead_m", -own::place_m_max, own::place_m_max, reading.detected_B.x_m);
+  in.number("left_m", -own::place_m_max, own::place_m_max, reading.detected_B.y_m);
 }
 
 void read_input(Fields& in, const std::string& name, std::vector<EstimateAnswer::Input>& told) {
@@ -151,7 +151,7 @@ void write(JsonWriter& json, const EstimateAnswer::Input& input) {
     const auto& reading = std::get<EstimateAnswer::Reading>(input);
     json.key("reading").begin_object().field("mark", reading.mark);
     json.field("x_m", reading.mark_M.x_m).field("y_m", reading.mark_M.y_m);
-    json.field("ahead_m", reading.seen_B.x_m).field("left_m", reading.seen_B.y_m).end_object();
+    json.field("ahead_m", reading.detected_B.x_m).field("left_m", reading.detected_B.y_m).end_object();
   }
   json.end_object();
 }

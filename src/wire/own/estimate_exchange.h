@@ -82,7 +82,7 @@ struct EstimateAnswer {
   struct Reading {
     std::uint32_t mark{};
     Point2 mark_M;  ///< as surveyed
-    Point2 seen_B;
+    Point2 detected_B;
     friend bool operator==(const Reading&, const Reading&) = default;
   };
   using Input = std::variant<Odometry, Reading>;

@@ -155,36 +155,36 @@ Result<VirtualObstaclesAck> virtual_obstacles_ack_from_json(std::string_view tex
   });
 }
 
-std::string to_json(const Seen& seen) {
+std::string to_json(const DetectedObstacleReport& detected) {
   JsonWriter json;
   json.begin_object()
-      .field("headerId", seen.header_id)
-      .field("timestamp", to_iso8601(seen.timestamp))
-      .field("mapId", seen.map_id);
-  if (seen.thing) {
-    json.key("thing")
+      .field("headerId", detected.header_id)
+      .field("timestamp", to_iso8601(detected.timestamp))
+      .field("mapId", detected.map_id);
+  if (detected.thing) {
+    json.key("obstacle")
         .begin_object()
-        .field("x", seen.thing->x_m)
-        .field("y", seen.thing->y_m)
-        .field("radius", seen.thing->radius_m)
-        .field("distance", seen.thing->distance_m)
+        .field("x", detected.thing->x_m)
+        .field("y", detected.thing->y_m)
+        .field("radius", detected.thing->radius_m)
+        .field("distance", detected.thing->distance_m)
         .end_object();
   }
-  return json.field("clear", seen.clear_m).end_object().take();
+  return json.field("clear", detected.clear_m).end_object().take();
 }
 
-Result<Seen> seen_from_json(std::string_view text) {
-  return read_message<Seen>(text, [](Fields& in, Seen& seen) {
-    in.whole("headerId", seen.header_id);
-    in.time("timestamp", seen.timestamp);
-    in.text("mapId", seen.map_id);
-    read_part(in, "thing", seen.thing, [](Fields& fields, Seen::Thing& thing) {
+Result<DetectedObstacleReport> detected_obstacle_from_json(std::string_view text) {
+  return read_message<DetectedObstacleReport>(text, [](Fields& in, DetectedObstacleReport& detected) {
+    in.whole("headerId", detected.header_id);
+    in.time("timestamp", detected.timestamp);
+    in.text("mapId", detected.map_id);
+    read_part(in, "obstacle", detected.thing, [](Fields& fields, DetectedObstacleReport::Obstacle& thing) {
       fields.number("x", -place_m_max, place_m_max, thing.x_m);
       fields.number("y", -place_m_max, place_m_max, thing.y_m);
       fields.number("radius", 0.0, size_m_max, thing.radius_m);
       fields.number("distance", 0.0, place_m_max, thing.distance_m);
     });
-    in.number("clear", 0.0, place_m_max, seen.clear_m);
+    in.number("clear", 0.0, place_m_max, detected.clear_m);
   });
 }
 

@@ -58,11 +58,11 @@ struct VirtualObstaclesAck {
 
 /// Vehicle → server: the nearest thing its DOBS sees in its corridor, ten times a second while there is one within
 /// 1.0 m, and three times without one after it went. Other vehicles are seen too: telling them apart is the server's.
-struct Seen {
+struct DetectedObstacleReport {
   std::uint32_t header_id{};
   SimTime timestamp{};
   std::string map_id;
-  struct Thing {
+  struct Obstacle {
     double x_m{};  ///< of its middle, as far as can be told from one side
     double y_m{};
     double radius_m{};    ///< from the number of beams it fills
@@ -71,7 +71,7 @@ struct Seen {
   };
   std::optional<Thing> thing;
   double clear_m{};  ///< so much of its corridor is free
-  friend bool operator==(const Seen&, const Seen&) = default;
+  friend bool operator==(const DetectedObstacleReport&, const DetectedObstacleReport&) = default;
 };
 
 /// Vehicle → server: one line per board (A18), and what DOBS sees.
@@ -104,12 +104,12 @@ struct Radio {
 
 [[nodiscard]] std::string to_json(const VirtualObstacles& ahead);
 [[nodiscard]] std::string to_json(const VirtualObstaclesAck& perceived);
-[[nodiscard]] std::string to_json(const Seen& seen);
+[[nodiscard]] std::string to_json(const DetectedObstacleReport& detected);
 [[nodiscard]] std::string to_json(const BoardsReport& report);
 [[nodiscard]] std::string to_json(const Radio& radio);
 [[nodiscard]] Result<VirtualObstacles> virtual_obstacles_from_json(std::string_view json);
 [[nodiscard]] Result<VirtualObstaclesAck> virtual_obstacles_ack_from_json(std::string_view json);
-[[nodiscard]] Result<Seen> seen_from_json(std::string_view json);
+[[nodiscard]] Result<DetectedObstacleReport> detected_obstacle_from_json(std::string_view json);
 [[nodiscard]] Result<BoardsReport> boards_report_from_json(std::string_view json);
 [[nodiscard]] Result<Radio> radio_from_json(std::string_view json);
 

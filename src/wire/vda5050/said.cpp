@@ -10,7 +10,7 @@ struct Writer {
   std::string operator()(const Visualization& message) const { return encode(message); }
   std::string operator()(const Order& message) const { return encode(message); }
   std::string operator()(const Intent& message) const { return to_json(message); }
-  std::string operator()(const Seen& message) const { return to_json(message); }
+  std::string operator()(const DetectedObstacleReport& message) const { return to_json(message); }
   std::string operator()(const BoardsReport& message) const { return to_json(message); }
 };
 

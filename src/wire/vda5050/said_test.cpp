@@ -26,8 +26,8 @@ void expect_heard_as_read(const std::shared_ptr<const Said>& passed, Result<Mess
   EXPECT_EQ(text_of(*say(Message{*as_text})), text_of(*passed));
 }
 
-Seen seen() {
-  Seen message{7, virtual_epoch + within_a_millisecond, "lacet4", Seen::Thing{0.1, -2.0 / 3.0, 0.03, 0.4}, 0.37};
+DetectedObstacleReport detected() {
+  DetectedObstacleReport message{7, virtual_epoch + within_a_millisecond, "lacet4", DetectedObstacleReport::Obstacle{0.1, -2.0 / 3.0, 0.03, 0.4}, 0.37};
   return message;
 }
 
@@ -73,7 +73,7 @@ TEST(Said, states_orders_and_visualizations_are_heard_as_their_texts_would_be_re
 }
 
 TEST(Said, our_own_messages_are_heard_as_their_texts_would_be_read) {
-  expect_heard_as_read<Seen>(say(seen()), heard_seen);
+  expect_heard_as_read<DetectedObstacleReport>(say(detected()), heard_detected);
   expect_heard_as_read<BoardsReport>(say(boards_report()), heard_boards_report);
   const auto passed = say(intent());
   const auto as_text = intent_from_json(text_of(*passed));
@@ -94,9 +94,9 @@ TEST(Said, no_more_is_heard_than_the_text_would_carry) {
 }
 
 TEST(Said, one_message_is_not_taken_for_another) {
-  const auto passed = say(seen());
+  const auto passed = say(detected());
   EXPECT_EQ(said<Visualization>(passed), nullptr);
-  EXPECT_EQ(said<Seen>(std::shared_ptr<const Said>{}), nullptr);
+  EXPECT_EQ(said<DetectedObstacleReport>(std::shared_ptr<const Said>{}), nullptr);
   EXPECT_FALSE(heard_state(input_of(passed)));
 }
 

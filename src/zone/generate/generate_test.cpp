@@ -26,17 +26,17 @@ TrafficZone zone_of(const PlantOptions& options) {
 /// Sections that can be reached from the first, or from which it can be reached.
 template <typename Neighbours>
 std::size_t reached(const Circuit& circuit, const Neighbours& neighbours) {
-  std::vector<bool> seen(circuit.size(), false);
+  std::vector<bool> detected(circuit.size(), false);
   std::vector<SectionId> waiting{0};
-  seen[0] = true;
+  detected[0] = true;
   std::size_t count = 0;
   while (!waiting.empty()) {
     const SectionId id = waiting.back();
     waiting.pop_back();
     ++count;
     for (const SectionId other : neighbours(id)) {
-      if (seen[other]) continue;
-      seen[other] = true;
+      if (detected[other]) continue;
+      detected[other] = true;
       waiting.push_back(other);
     }
   }

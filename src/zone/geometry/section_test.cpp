@@ -194,15 +194,15 @@ TEST(Section, box_holds_every_point_and_little_more) {
   rc::check([] {
     Random random = any();
     const Section section = any_section(random);
-    Box seen{position(section.start()), position(section.start())};
+    Box detected{position(section.start()), position(section.start())};
     for (double part = 0.0; part <= 1.0; part += 0.002) {
       const Point2 p = position(section.pose_at(part * section.length_m()));
       RC_ASSERT(distance(section.box(), p) == 0.0);
-      seen = {{std::min(seen.low.x_m, p.x_m), std::min(seen.low.y_m, p.y_m)},
-              {std::max(seen.high.x_m, p.x_m), std::max(seen.high.y_m, p.y_m)}};
+      detected = {{std::min(detected.low.x_m, p.x_m), std::min(detected.low.y_m, p.y_m)},
+              {std::max(detected.high.x_m, p.x_m), std::max(detected.high.y_m, p.y_m)}};
     }
-    RC_ASSERT(section.box().high.x_m - seen.high.x_m < 0.02 * section.length_m());
-    RC_ASSERT(seen.low.y_m - section.box().low.y_m < 0.02 * section.length_m());
+    RC_ASSERT(section.box().high.x_m - detected.high.x_m < 0.02 * section.length_m());
+    RC_ASSERT(detected.low.y_m - section.box().low.y_m < 0.02 * section.length_m());
   });
 }
 

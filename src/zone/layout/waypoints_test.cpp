@@ -157,10 +157,10 @@ TEST(Waypoints, are_not_mistaken_for_a_node_whose_id_looks_like_theirs) {
 
 TEST(Waypoints, have_ids_of_their_own_in_order_of_section_and_arc_length) {
   const TrafficZone zone = testing::lacet4();
-  std::set<std::string> seen;
+  std::set<std::string> detected;
   for (std::size_t i = 0; i < zone.waypoints.size(); ++i) {
     const Waypoint& waypoint = zone.waypoints[i];
-    EXPECT_TRUE(seen.insert(waypoint.id).second) << waypoint.id;
+    EXPECT_TRUE(detected.insert(waypoint.id).second) << waypoint.id;
     EXPECT_EQ(zone.find_waypoint(waypoint.id), &waypoint);
     if (i == 0) continue;
     const Place& before = zone.waypoints[i - 1].place;

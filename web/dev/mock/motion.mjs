@@ -164,12 +164,12 @@ export class Motion {
         if (reach > 0.8 || aiv.ahead === null) continue;
         let seen = this.seen.find((one) => one.box === box.id);
         if (!seen) {
-          seen = { id: `S${this.next_number(this.seen)}`, handle: this.handles.seen++, box: box.id, x: box.x + 0.006, y: box.y - 0.004, radius: box.radius * 0.95, seenBy: [], first_ms: this.now, last_ms: this.now };
+          seen = { id: `S${this.next_number(this.seen)}`, handle: this.handles.seen++, box: box.id, x: box.x + 0.006, y: box.y - 0.004, radius: box.radius * 0.95, detectedBy: [], first_ms: this.now, last_ms: this.now };
           this.seen.push(seen);
-          this.traces.add(this.now, aiv.serial, 'AIV_Server', 'seen', `cosiva/v1/seen/${aiv.id}`, `a thing at ${seen.x.toFixed(2)}, ${seen.y.toFixed(2)}`, { headerId: 1, timestamp: new Date(this.now).toISOString(), mapId: this.circuit.name, thing: { x: seen.x, y: seen.y, radius: seen.radius, distance: aiv.ahead }, clear: aiv.ahead });
+          this.traces.add(this.now, aiv.serial, 'AIV_Server', 'seen', `cosiva/v1/detected_obstacle/${aiv.id}`, `a thing at ${seen.x.toFixed(2)}, ${seen.y.toFixed(2)}`, { headerId: 1, timestamp: new Date(this.now).toISOString(), mapId: this.circuit.name, thing: { x: seen.x, y: seen.y, radius: seen.radius, distance: aiv.ahead }, clear: aiv.ahead });
         }
         seen.last_ms = this.now;
-        if (!seen.seenBy.includes(aiv.id)) seen.seenBy.push(aiv.id);
+        if (!seen.detectedBy.includes(aiv.id)) seen.detectedBy.push(aiv.id);
       }
     }
     const gone = (one) => !this.boxes.some((box) => box.id === one.box) && this.aivs.some((aiv) => Math.hypot(aiv.pose.x - one.x, aiv.pose.y - one.y) < 0.2);

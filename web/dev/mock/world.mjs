@@ -116,7 +116,7 @@ export class World extends Motion {
       zone: { name: this.circuit.name, revision: this.zone_revision, closed: [...this.closed].sort(), refused: this.refused ?? null, switched: this.switched ?? null },
       aivs: this.aivs.map((aiv) => ({ ...this.row(aiv), mission: aiv.mission ?? { kind: 'circulate', loop: null, state: 'driving' }, map: this.circuit.name, parked: aiv.parked ?? null })),
       things: this.things.map((thing) => ({ id: thing.id, handle: thing.handle, kind: thing.kind, x: thing.x, y: thing.y, heading: thing.heading, radius: thing.radius, speed: thing.speed, ...(thing.path ? { path: thing.path, repeat: thing.repeat } : {}), perceivedBy: felt(thing), since_ms: thing.since_ms })),
-      obstacles: this.seen.map(({ id, handle, x, y, radius, seenBy, first_ms, last_ms }) => ({ id, handle, x, y, radius, seenBy, first_ms, last_ms })),
+      obstacles: this.seen.map(({ id, handle, x, y, radius, detectedBy, first_ms, last_ms }) => ({ id, handle, x, y, radius, detectedBy, first_ms, last_ms })),
       crossings: this.aivs.length <= 200 ? this.crossings() : [], bijection: this.bijection(), commands: this.commands.slice(-50),
     };
   }

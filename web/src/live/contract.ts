@@ -144,13 +144,13 @@ export interface Thing {
 }
 
 /** The twin of a physical obstacle that vehicles detected. */
-export interface SeenObstacle {
+export interface DetectedObstacle {
   id: string;
   handle: number;
   x: number;
   y: number;
   radius: number;
-  seenBy: readonly string[];
+  detectedBy: readonly string[];
   first_ms: number;
   last_ms: number;
 }
@@ -202,7 +202,7 @@ export interface Bijection {
   matched_share: number;
   orphans: readonly { side: 'physical' | 'virtual'; id: string }[];
   /** discrepancies found by the camera above the zone; absent if the server has no camera */
-  findings?: readonly { kind: 'no twin' | 'not seen' | 'no sight'; id: string; text: string; since_ms: number }[];
+  findings?: readonly { kind: 'no twin' | 'not detected' | 'no sight'; id: string; text: string; since_ms: number }[];
   divergence_m: Statistics;
   divergence_rad: Statistics;
   /** distance of the twins from the positions measured by the camera */
@@ -301,9 +301,9 @@ export interface Gvs {
   /** time of the last image */
   last_ms: number | null;
   period_s: number | null;
-  seen: readonly GvsSeen[];
+  seen: readonly GvsDetection[];
 }
-export interface GvsSeen extends Pose {
+export interface GvsDetection extends Pose {
   id: string;
   tag: number;
   /** whether the vehicle has a twin */
@@ -325,7 +325,7 @@ export interface Snapshot {
   zone?: ZoneState | null;
   aivs: readonly Aiv[];
   things: readonly Thing[];
-  obstacles: readonly SeenObstacle[];
+  obstacles: readonly DetectedObstacle[];
   crossings: readonly Crossing[];
   /** absent if the server does not detect deadlocks */
   deadlocks?: Deadlocks;

@@ -2,7 +2,7 @@
 // and figures are updated from a snapshot, at most once per painted frame.
 import { AlarmBook, type Alarm } from './alarms';
 import { api, type Answer } from './api';
-import type { Bijection, Command, CommandName, Crossing, LiveMessage, Run, SeenObstacle, Snapshot, Thing, Truth, Zone } from './contract';
+import type { Bijection, Command, CommandName, Crossing, LiveMessage, Run, DetectedObstacle, Snapshot, Thing, Truth, Zone } from './contract';
 import { Live, live_url } from './connection';
 import { Positions } from './positions';
 import { rows_of, type Row } from './rows';
@@ -39,7 +39,7 @@ export class Platform {
   snapshot = $state.raw<Snapshot | null>(null);
   rows = $state.raw<readonly Row[]>([]);
   things = $state.raw<readonly Thing[]>([]);
-  obstacles = $state.raw<readonly SeenObstacle[]>([]);
+  obstacles = $state.raw<readonly DetectedObstacle[]>([]);
   /** physical obstacles of the emulated world that can be removed */
   plant_obstacles = $state.raw<Truth['obstacles']>([]);
   /** newest first; includes commands that have left the snapshot */

@@ -1,5 +1,5 @@
 // Resolves the handles of the binary frames to objects, and a point of the map to the object there.
-import type { Aiv, Point, SeenObstacle, Snapshot, Thing, Truth, Zone } from '../live/contract';
+import type { Aiv, Point, DetectedObstacle, Snapshot, Thing, Truth, Zone } from '../live/contract';
 import * as format from '../live/format';
 import { inside } from './geometry';
 import type { Positions } from '../live/positions';
@@ -22,7 +22,7 @@ export interface ThingEntry {
 export interface SeenEntry {
   kind: 'seen';
   id: string;
-  seen: SeenObstacle;
+  seen: DetectedObstacle;
 }
 export type Entry = AivEntry | ThingEntry | SeenEntry;
 

@@ -39,12 +39,12 @@ TEST(CampaignPlan, takes_numbers_lists_and_ranges) {
 TEST(CampaignPlan, counts_through_its_grid_with_the_pitch_fastest) {
   const CampaignPlan plan = plan_of("[vary]\npitch_m = [0.5, 1.0]\nspeed_mps = [0.2, 0.4, 0.6]\n");
   ASSERT_EQ(plan.environments(), 6U);
-  std::vector<std::pair<double, double>> seen;
+  std::vector<std::pair<double, double>> detected;
   for (std::size_t i = 0; i < 6; ++i) {
     const SweptValues values = plan.environment(i);
-    seen.emplace_back(value_of(values, Swept::speed), value_of(values, Swept::pitch));
+    detected.emplace_back(value_of(values, Swept::speed), value_of(values, Swept::pitch));
   }
-  EXPECT_THAT(seen, ElementsAre(std::pair{0.2, 0.5}, std::pair{0.2, 1.0}, std::pair{0.4, 0.5}, std::pair{0.4, 1.0},
+  EXPECT_THAT(detected, ElementsAre(std::pair{0.2, 0.5}, std::pair{0.2, 1.0}, std::pair{0.4, 0.5}, std::pair{0.4, 1.0},
                                 std::pair{0.6, 0.5}, std::pair{0.6, 1.0}));
 }
 

@@ -106,7 +106,7 @@ Result<CampaignState> read_state(std::string_view text, const CampaignWork& work
                   text.starts_with(magic) ? "it belongs to a campaign of another plan, zone or version"
                                           : "this is no campaign's state");
   }
-  std::vector<bool> seen(work.units(), false);
+  std::vector<bool> detected(work.units(), false);
   std::size_t number = 1;
   state.whole_bytes = header.size();
   for (std::string_view rest = text.substr(header.size()); !rest.empty();) {
@@ -124,8 +124,8 @@ Result<CampaignState> read_state(std::string_view text, const CampaignWork& work
     }
     if (!record) return refuse(origin, number, "it is damaged here, before its end");
     state.whole_bytes = text.size() - rest.size();
-    if (seen[record->unit]) continue;
-    seen[record->unit] = true;
+    if (detected[record->unit]) continue;
+    detected[record->unit] = true;
     state.records.push_back(std::move(*record));
   }
   return state;

@@ -63,10 +63,10 @@ Result<CampaignWork> CampaignWork::make(CampaignPlan plan, CampaignGround ground
     work.algorithms_.push_back(**registered);
   }
   // Where an environment cannot be, its pitch, its speed or its rotation cannot: the rest is checked with the plan.
-  std::set<std::array<double, 3>> seen;
+  std::set<std::array<double, 3>> detected;
   for (std::size_t i = 0; i < p.environments(); ++i) {
     const SweptValues values = p.environment(i);
-    if (!seen.insert(
+    if (!detected.insert(
                  {value_of(values, Swept::pitch), value_of(values, Swept::speed), value_of(values, Swept::rotation)})
              .second)
       continue;

@@ -17,15 +17,15 @@ using testing::work_of;
 TEST(CampaignWork, cuts_every_run_of_every_environment_into_exactly_one_unit) {
   const CampaignWork work = work_of("runs = 43\nway_m = 500\n[vary]\npitch_m = [0.5, 1.0, 2.0]\n");
   EXPECT_GT(work.units(), 3U) << "blocks, so that little is lost and nobody waits long";
-  std::vector<std::vector<int>> seen(3, std::vector<int>(43, 0));
+  std::vector<std::vector<int>> detected(3, std::vector<int>(43, 0));
   for (std::size_t i = 0; i < work.units(); ++i) {
     const auto unit = work.unit(i);
     for (std::uint32_t run = unit.first_run; run < unit.first_run + unit.runs; ++run) {
-      ++seen[unit.environment][run];
+      ++detected[unit.environment][run];
       EXPECT_EQ(work.unit_of(unit.environment, run), i);
     }
   }
-  for (const auto& environment : seen)
+  for (const auto& environment : detected)
     for (const int times : environment) EXPECT_EQ(times, 1);
 }
 

@@ -113,7 +113,7 @@ void RunLog::tell(const EstimateAnswer::Input& input) {
     since_mark_m_ += std::fabs(odometry->distance_m);
   } else {
     const auto& reading = std::get<EstimateAnswer::Reading>(input);
-    events.emplace_back(estimation::Reading{reading.mark, reading.mark_M, reading.seen_B});
+    events.emplace_back(estimation::Reading{reading.mark, reading.mark_M, reading.detected_B});
     since_mark_m_ = 0.0;
   }
 }

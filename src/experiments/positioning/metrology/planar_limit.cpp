@@ -190,13 +190,13 @@ class PlanarInformation {
   }
 
   void measure(const Reading& reading, const Pose2& truth) {
-    const Point2 seen_B = inverse(truth) * reading.mark_M;
+    const Point2 detected_B = inverse(truth) * reading.mark_M;
     const SinCos h = sincos(truth.heading_rad);
     Vector along = Vector::Zero(p_.rows());
-    along.head<3>() = estimation::Vector3(-h.cos, -h.sin, seen_B.y_m);
+    along.head<3>() = estimation::Vector3(-h.cos, -h.sin, detected_B.y_m);
     learn(std::move(along), squared(sensors_.mark_along_sigma_m));
     Vector across = Vector::Zero(p_.rows());
-    across.head<3>() = estimation::Vector3(h.sin, -h.cos, -seen_B.x_m);
+    across.head<3>() = estimation::Vector3(h.sin, -h.cos, -detected_B.x_m);
     learn(std::move(across), squared(sensors_.mark_across_sigma_m));
   }
 

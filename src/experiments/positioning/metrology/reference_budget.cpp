@@ -153,8 +153,8 @@ std::string text_of(const ReferenceBudget& budget) {
          (untold.empty() ? "" : "; not told: " + untold);
 }
 
-double without_reference_m(double rmse_seen_m, double reference_m) {
-  return std::sqrt(std::fmax(0.0, rmse_seen_m * rmse_seen_m - reference_m * reference_m));
+double without_reference_m(double rmse_detected_m, double reference_m) {
+  return std::sqrt(std::fmax(0.0, rmse_detected_m * rmse_detected_m - reference_m * reference_m));
 }
 
 }  // namespace cosiva::experiments

@@ -46,7 +46,7 @@ void write_fields(JsonWriter& json, const ReferenceBudget& budget);
 [[nodiscard]] std::string text_of(const ReferenceBudget& budget);
 
 /// RMSE of the algorithm alone, with the reference's share taken out; 0 where that is all there was.
-[[nodiscard]] double without_reference_m(double rmse_seen_m, double reference_m);
+[[nodiscard]] double without_reference_m(double rmse_detected_m, double reference_m);
 
 inline constexpr std::string_view reference_budget_format = "cosiva.reference_budget.v1";
 

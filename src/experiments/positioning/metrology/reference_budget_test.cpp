@@ -41,8 +41,8 @@ TEST(ReferenceBudget, is_the_root_of_the_sum_of_its_parts_squares) {
 
 TEST(ReferenceBudget, of_a_wrong_height_is_what_is_left_of_the_correction) {
   // Seen at ρ·H/(H − h), put back with a wrong h: the difference to ρ, to first order in δh.
-  const double seen_m = 2.5 * 3.3 / (3.3 - 0.10);
-  const double put_m = seen_m * (3.3 - 0.101) / 3.3;
+  const double detected_m = 2.5 * 3.3 / (3.3 - 0.10);
+  const double put_m = detected_m * (3.3 - 0.101) / 3.3;
   EXPECT_NEAR(height_uncertainty_m(2.5, 0.001, 0.10, 3.3), 2.5 - put_m, 1e-12);
 }
 

@@ -166,8 +166,8 @@ TEST(Result, tells_the_reference_s_error_part_by_part_with_its_sources) {
   EXPECT_NEAR(*parts[1].number("share_percent"), 64.0, 1e-9);
   EXPECT_TRUE(parts[2].find("uncertainty_m")->is_null());
   const auto& algorithm = json->find("algorithms")->array()->front();
-  const double seen = *algorithm.number("rmse_m");
-  EXPECT_NEAR(*algorithm.number("rmse_without_reference_m"), std::sqrt(seen * seen - 25e-6), 1e-12);
+  const double detected = *algorithm.number("rmse_m");
+  EXPECT_NEAR(*algorithm.number("rmse_without_reference_m"), std::sqrt(detected * detected - 25e-6), 1e-12);
   const std::string html = to_html(all, {});
   for (const char* phrase :
        {"The reference's own error", "left-out blocks", "a ruler", "not told", "u is more than this"})

@@ -139,7 +139,7 @@ class Drive {
   void read() {
     const std::uint32_t number = beacons_.number();
     Point2 told_M = beacons_.surveyed();
-    const Point2 seen_B = inverse(truth_) * told_M;
+    const Point2 detected_B = inverse(truth_) * told_M;
     beacons_.pass();
     if (simulation_.survey_sigma_m > 0.0) {
       Random survey{survey_seed_, "metrology/survey/" + std::to_string(number)};
@@ -149,7 +149,7 @@ class Drive {
     const double along = reader_.gaussian(0.0, simulation_.sensors.mark_along_sigma_m);
     const double across = reader_.gaussian(0.0, simulation_.sensors.mark_across_sigma_m);
     if (simulation_.read_share < 1.0 && !reader_.chance(simulation_.read_share)) return;
-    run_.events.emplace_back(Reading{number, told_M, {seen_B.x_m + along, seen_B.y_m + across}});
+    run_.events.emplace_back(Reading{number, told_M, {detected_B.x_m + along, detected_B.y_m + across}});
     mark_m_ = along_m_;
   }
 

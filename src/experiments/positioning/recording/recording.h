@@ -27,10 +27,10 @@ struct Recording {
     std::uint32_t station;
     double range_m;
   };
-  struct Seen {
+  struct Sighted {
     double t_s;
     std::uint32_t mark;
-    Point2 seen_B;
+    Point2 detected_B;
   };
   struct True {
     double t_s;
@@ -43,7 +43,7 @@ struct Recording {
   bool odometry_told_speeds{false};  ///< which have become distances
   bool turns_from_wheels{false};     ///< from how differently they roll; else a gyroscope may have told them
   std::vector<Heard> ranges;         ///< in the order of their stamps, as are readings
-  std::vector<Seen> readings;
+  std::vector<Sighted> readings;
   std::vector<True> truth;  ///< stamps rise
   bool truth_has_heading{false};
   std::map<std::uint32_t, Point2> beacons;  ///< stations and marks, by number

@@ -44,12 +44,12 @@ class Mixer {
     double from_s = step.t_s - step.duration_s;
     for (;;) {
       const double range_s = heard_ < recording_.ranges.size() ? recording_.ranges[heard_].t_s : 1e300;
-      const double reading_s = seen_ < recording_.readings.size() ? recording_.readings[seen_].t_s : 1e300;
+      const double reading_s = detected_ < recording_.readings.size() ? recording_.readings[detected_].t_s : 1e300;
       const double next_s = std::fmin(range_s, reading_s);
       if (next_s > step.t_s) break;
       roll(step, from_s, next_s);
       from_s = std::fmax(from_s, next_s);
-      auto told = range_s <= reading_s ? tell(recording_.ranges[heard_++]) : tell(recording_.readings[seen_++]);
+      auto told = range_s <= reading_s ? tell(recording_.ranges[heard_++]) : tell(recording_.readings[detected_++]);
       if (!told) return told;
     }
     roll(step, from_s, step.t_s);
@@ -60,7 +60,7 @@ class Mixer {
   /// What came before odometry began says nothing of a drive that has not begun.
   void skip_until(double t_s) {
     while (heard_ < recording_.ranges.size() && recording_.ranges[heard_].t_s < t_s) ++heard_;
-    while (seen_ < recording_.readings.size() && recording_.readings[seen_].t_s < t_s) ++seen_;
+    while (detected_ < recording_.readings.size() && recording_.readings[detected_].t_s < t_s) ++detected_;
   }
 
  private:
@@ -86,10 +86,10 @@ class Mixer {
     since_m_ = 0.0;
     return {};
   }
-  Result<void> tell(const Recording::Seen& seen) {
-    const auto place = surveyed(seen.mark);
+  Result<void> tell(const Recording::Sighted& detected) {
+    const auto place = surveyed(detected.mark);
     if (!place) return tl::unexpected(place.error());
-    trial_.events.emplace_back(estimation::Reading{seen.mark, *place, seen.seen_B});
+    trial_.events.emplace_back(estimation::Reading{detected.mark, *place, detected.detected_B});
     since_m_ = 0.0;
     return {};
   }
@@ -97,7 +97,7 @@ class Mixer {
   const Recording& recording_;
   Trial& trial_;
   std::size_t heard_{0};
-  std::size_t seen_{0};
+  std::size_t detected_{0};
   double since_m_{0.0};
   double travelled_m_{0.0};
 };

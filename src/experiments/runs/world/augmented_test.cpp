@@ -209,7 +209,7 @@ TEST(Augmented, a_physical_obstacle_appears_where_it_stands_and_vanishes_when_pa
     const JsonValue& twin = shown.find("obstacles")->array()->at(0);
     EXPECT_LT(distance({twin.number("x").value(), twin.number("y").value()}, box), 0.08);
     EXPECT_NEAR(twin.number("radius").value(), 0.05, 0.04);
-    EXPECT_EQ(*twin.find("seenBy")->array()->at(0).text(), "CoSiVA/AIV1");
+    EXPECT_EQ(*twin.find("detectedBy")->array()->at(0).text(), "CoSiVA/AIV1");
   }
   world->command_plant(R"({"removeObstacle":"box"})");
   world->run_for(15s);
@@ -251,15 +251,15 @@ TEST(Augmented, a_tag_moved_on_the_page_moves_everywhere_and_rectifies_at_its_ne
   world->run_for(10s);
   world->command_server(
       R"({"command":"edit","edit":{"removeTags":[3],"addTags":[{"number":77,"section":"loop_ne","s":0.5}]}})");
-  std::vector<double> seen;
+  std::vector<double> detected;
   for (int i = 0; i < 900; ++i) {
     world->run_for(100ms);
     const JsonValue shown = snapshot(*world);
     const auto tag = aiv_of(shown, "CoSiVA/AIV1")->number("lastTag");
-    if (tag && (seen.empty() || seen.back() != *tag)) seen.push_back(*tag);
+    if (tag && (detected.empty() || detected.back() != *tag)) detected.push_back(*tag);
   }
-  EXPECT_THAT(seen, ::testing::Contains(77.0));
-  EXPECT_THAT(seen, ::testing::Not(::testing::Contains(3.0)));
+  EXPECT_THAT(detected, ::testing::Contains(77.0));
+  EXPECT_THAT(detected, ::testing::Not(::testing::Contains(3.0)));
   const auto truth = vehicle(*world, 1);
   const auto belief = world->aiv(1).believed_pose();
   ASSERT_TRUE(belief.has_value());

@@ -76,7 +76,7 @@ class Unrest {
     const auto& before = vehicles[random_.below(vehicles.size())];
     if (!before.place) return;
     const zone::Place place = zone_->circuit.advance(*before.place, random_.uniform(0.6, 1.2));
-    if (!is_seen_from_far(place)) return;
+    if (!is_detected_from_far(place)) return;
     const Pose2 X_MP = zone_->circuit.pose_at(place);
     const Point2 at = X_MP * Point2{0.0, random_.uniform(-0.08, 0.08)};
     constexpr double clear_m = 0.55;  // braking from the fast profile, half a vehicle, a board's and a cycle's delay
@@ -95,7 +95,7 @@ class Unrest {
   }
 
   /// In a tight bend the beams look past whoever stands in it; nobody steps in there.
-  [[nodiscard]] bool is_seen_from_far(zone::Place place) const {
+  [[nodiscard]] bool is_detected_from_far(zone::Place place) const {
     constexpr double straight_m = 0.45;
     constexpr double straight_per_m = 0.5;
     for (double back_m = 0.0; back_m <= straight_m; back_m += 0.05) {

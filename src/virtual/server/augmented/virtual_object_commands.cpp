@@ -39,7 +39,7 @@ std::string_view letter_of(std::string_view kind) {
 }
 
 /// "S1", "S2" … are the twins of physical obstacles.
-bool is_seen_id(std::string_view id) {
+bool is_detected_id(std::string_view id) {
   return id.size() > 1 && id.front() == 'S' &&
          std::ranges::all_of(id.substr(1), [](char c) { return c >= '0' && c <= '9'; });
 }
@@ -105,7 +105,7 @@ Result<void> VirtualObjectCommands::check_id(std::string_view id) const {
     return fail("thing.id", "'" + cut(id) + "' is no name for it; use 1 to 32 of A-Z a-z 0-9 _ . : - or leave it out",
                 "id");
   }
-  if (is_seen_id(id))
+  if (is_detected_id(id))
     return fail("thing.id", "S1, S2 … are the names of obstacles that vehicles see; choose another name", "id");
   if (simulator_.augmented().find(id) != nullptr || find_aiv(id) != nullptr) {
     return fail("thing.taken", "there is a '" + cut(id) + "' already; choose another name, move that one, or remove it",
@@ -353,8 +353,8 @@ std::optional<zone::Place> VirtualObjectCommands::roomiest() const {
       }
       for (const Thing& thing : simulator_.augmented().things())
         room_m = std::min(room_m, distance(at, thing.walk.path().front()) - thing.radius_m);
-      for (const SeenObstacle& seen : simulator_.seen().obstacles())
-        room_m = std::min(room_m, distance(at, seen.at) - seen.radius_m);
+      for (const DetectedObstacle& detected : simulator_.detected().obstacles())
+        room_m = std::min(room_m, distance(at, detected.at) - detected.radius_m);
       if (!fits || (best && room_m <= best_m) || !zone.may_stand(place)) continue;
       best = place;
       best_m = room_m;

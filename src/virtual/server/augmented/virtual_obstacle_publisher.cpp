@@ -81,10 +81,10 @@ void VirtualObstaclePublisher::gather_vehicles() {
     world_.push_back(
         {body_of(proxy.name, image.X_MB, image.speed_mps, shape), static_cast<std::uint16_t>(v), {}, v, true});
   }
-  for (const SeenObstacle& seen : simulator_.seen().obstacles()) {
-    world_.push_back({{seen.id, "obstacle", seen.at.x_m, seen.at.y_m, 0.0, 0.0, seen.radius_m, 0.0, 0.0},
-                      seen.handle,
-                      seen.first,
+  for (const DetectedObstacle& detected : simulator_.detected().obstacles()) {
+    world_.push_back({{detected.id, "obstacle", detected.at.x_m, detected.at.y_m, 0.0, 0.0, detected.radius_m, 0.0, 0.0},
+                      detected.handle,
+                      detected.first,
                       no_vehicle,
                       true});
   }

@@ -244,7 +244,7 @@ void Commands::supersede(const Command& by) {
   }
 }
 
-bool Commands::effect_seen(const Command& command) const {
+bool Commands::effect_observed(const Command& command) const {
   const AivProxy& proxy = registry_[command.vehicle];
   if (!proxy.state) return false;
   const wire::State& state = *proxy.state;
@@ -278,7 +278,7 @@ void Commands::judge(Command& command) {
   const InstantActionSender::PendingAction* pending_action = action_sender_.find(command.handle);
   if (pending_action == nullptr || !pending_action->acknowledged()) return;
   if (!command.accepted_at) accept(command);
-  if (effect_seen(command)) {
+  if (effect_observed(command)) {
     materialise(command);
     return;
   }

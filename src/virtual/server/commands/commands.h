@@ -84,7 +84,7 @@ class Commands {
   void begin(Command command);
   void supersede(const Command& by);
   [[nodiscard]] std::optional<std::string> impossible(VehicleIndex vehicle, OperatorCommandKind verb) const;
-  [[nodiscard]] bool effect_seen(const Command& command) const;
+  [[nodiscard]] bool effect_observed(const Command& command) const;
   void judge(Command& command);
   void accept(Command& command);
   void materialise(Command& command);

@@ -99,7 +99,7 @@ std::vector<std::string> BrokerSession::subscriptions() const {
                                    prefix + "+/+/+/factsheet",
                                    wire::topics_below(wire::zone_topic_prefix, 1),
                                    wire::topics_below(wire::virtual_obstacles_ack_topic_prefix, 2),
-                                   wire::topics_below(wire::seen_topic_prefix, 2),
+                                   wire::topics_below(wire::detected_obstacle_topic_prefix, 2),
                                    wire::topics_below(wire::boards_topic_prefix, 2),
                                    wire::topics_below(wire::v2x_topic_prefix, wire::v2x_topic_levels),
                                    hosted + "order",

@@ -75,12 +75,12 @@ bool OwnReports::is_vehicle(VehicleIndex observer, Point2 p, double radius_m, Si
 }
 
 void OwnReports::on_detected(VehicleIndex vehicle, const wire::Input& input) {
-  const auto message = wire::heard_seen(input);
-  if (!message) return checks_.refuse(vehicle, VehicleTopic::seen, input, message.error());
+  const auto message = wire::heard_detected(input);
+  if (!message) return checks_.refuse(vehicle, VehicleTopic::detected, input, message.error());
   AivProxy& proxy = context_.registry[vehicle];
-  if (!take_stamp(proxy, proxy.seen_stamp, message->timestamp)) return;
+  if (!take_stamp(proxy, proxy.detected_stamp, message->timestamp)) return;
   const auto& thing = message->thing;
-  context_.traces.add(context_.now, proxy.name, "AIV_Server", "seen",
+  context_.traces.add(context_.now, proxy.name, "AIV_Server", "detected_obstacle",
                       thing ? "something at " + place_text(thing->x_m, thing->y_m) : std::string("nothing in its way"),
                       input.source, input.payload);
   if (!context_.simulator.zone() || message->map_id != context_.simulator.zone()->name) {
@@ -94,9 +94,9 @@ void OwnReports::on_detected(VehicleIndex vehicle, const wire::Input& input) {
   const Point2 at{thing->x_m, thing->y_m};
   const SimTime detected_at = checks_.server_time(proxy, message->timestamp);
   if (is_vehicle(vehicle, at, thing->radius_m, detected_at)) return;
-  if (!context_.simulator.seen().see(proxy.name, context_.now, at, thing->radius_m)) return;
-  COSIVA_EXPECT(!context_.simulator.seen().empty());
-  const std::string& id = context_.simulator.seen().obstacles().back().id;
+  if (!context_.simulator.detected().see(proxy.name, context_.now, at, thing->radius_m)) return;
+  COSIVA_EXPECT(!context_.simulator.detected().empty());
+  const std::string& id = context_.simulator.detected().obstacles().back().id;
   context_.traces.add(context_.now, "AIV_Server", "Simulator", "appear",
                       id + ": an obstacle at " + place_text(at.x_m, at.y_m));
   if (proxy.augmented) return;
@@ -105,7 +105,7 @@ void OwnReports::on_detected(VehicleIndex vehicle, const wire::Input& input) {
 
 void OwnReports::forget_where_clear(VehicleIndex vehicle, double clear_m) {
   const AivProxy& proxy = context_.registry[vehicle];
-  if (context_.simulator.seen().empty() || !proxy.here()) return;
+  if (context_.simulator.detected().empty() || !proxy.here()) return;
   const zone::VehicleShape& shape = context_.simulator.zone()->vehicle;
   const Twin::Image image = context_.simulator.image(*proxy.twin, context_.now);
   const double reach_m = 0.5 * shape.length_m + std::min(clear_m, clear_m_max);
@@ -116,15 +116,15 @@ void OwnReports::forget_where_clear(VehicleIndex vehicle, double clear_m) {
                               : image.X_MB * Point2{d, 0.0});
   }
   std::vector<std::string> gone;
-  for (const SeenObstacle& obstacle : context_.simulator.seen().obstacles()) {
-    if (!SeenObstacles::seen_by(obstacle, proxy.name)) continue;
+  for (const DetectedObstacle& obstacle : context_.simulator.detected().obstacles()) {
+    if (!DetectedObstacles::detected_by(obstacle, proxy.name)) continue;
     // In its way by half of itself at least; one beside the way would not be reported.
     const bool in_way = std::ranges::any_of(
         way, [&](Point2 p) { return distance(p, obstacle.at) <= 0.5 * (shape.width_m + obstacle.radius_m); });
     if (in_way) gone.push_back(obstacle.id);
   }
   for (const std::string& id : gone) {
-    context_.simulator.seen().remove(id);
+    context_.simulator.detected().remove(id);
     context_.traces.add(context_.now, "AIV_Server", "Simulator", "disappear",
                         id + ": " + proxy.name + " sees its place free");
   }
@@ -132,10 +132,10 @@ void OwnReports::forget_where_clear(VehicleIndex vehicle, double clear_m) {
 
 void OwnReports::clear_through(VehicleIndex vehicle, const wire::Ranges& ranges) {
   const AivProxy& proxy = context_.registry[vehicle];
-  if (context_.simulator.seen().empty() || !context_.simulator.zone() || !proxy.here() || !proxy.position_known) return;
+  if (context_.simulator.detected().empty() || !context_.simulator.zone() || !proxy.here() || !proxy.position_known) return;
   const Pose2 X_MB = context_.simulator.image(*proxy.twin, context_.now).X_MB;
   const Pose2 X_MS = X_MB * Pose2{0.5 * context_.simulator.zone()->vehicle.length_m, 0.0, 0.0};
-  for (const std::string& id : context_.simulator.seen().look_through(X_MS, ranges))
+  for (const std::string& id : context_.simulator.detected().look_through(X_MS, ranges))
     context_.traces.add(context_.now, "AIV_Server", "Simulator", "disappear",
                         id + ": " + proxy.name + " looks through its place");
 }

@@ -12,18 +12,18 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-class SeenBench : public testing::Test {
+class DetectionFixture : public testing::Test {
  protected:
-  SeenBench() {
+  DetectionFixture() {
     aiv.blocked = true;
     bench.run_for(1s);
   }
-  void see(const BenchVehicle& vehicle, std::optional<wire::Seen::Thing> thing, double clear_m = 0.8) {
-    wire::Seen seen{0, bench.now - 20ms, "oval", thing, clear_m};
-    say(vehicle, wire::to_json(seen));
+  void see(const BenchVehicle& vehicle, std::optional<wire::DetectedObstacleReport::Obstacle> thing, double clear_m = 0.8) {
+    wire::DetectedObstacleReport detected{0, bench.now - 20ms, "oval", thing, clear_m};
+    say(vehicle, wire::to_json(detected));
   }
   void say(const BenchVehicle& vehicle, std::string payload, bool retained = false) {
-    bench.feed(wire::InputKind::message, "cosiva/v1/seen/" + wire::to_string(vehicle.id), std::move(payload), retained);
+    bench.feed(wire::InputKind::message, "cosiva/v1/detected_obstacle/" + wire::to_string(vehicle.id), std::move(payload), retained);
   }
   [[nodiscard]] JsonValue::Array obstacles() const { return *bench.snapshot().find("obstacles")->array(); }
   [[nodiscard]] JsonValue shown() const { return *bench.bijection().find("effects")->find("shown_ms"); }
@@ -32,34 +32,34 @@ class SeenBench : public testing::Test {
   BenchVehicle& aiv{bench.add("AIV1", {0, 0.5})};
 };
 
-TEST_F(SeenBench, an_obstacle_appears_with_its_witness_and_the_time_it_took) {
-  see(aiv, wire::Seen::Thing{1.2, 0.0, 0.05, 0.6});
+TEST_F(DetectionFixture, an_obstacle_appears_with_its_witness_and_the_time_it_took) {
+  see(aiv, wire::DetectedObstacleReport::Obstacle{1.2, 0.0, 0.05, 0.6});
   ASSERT_THAT(obstacles(), SizeIs(1));
   const JsonValue one = obstacles()[0];
   EXPECT_EQ(one.text("id"), "S1");
   EXPECT_EQ(*one.number("x"), 1.2);
   EXPECT_EQ(*one.number("radius"), 0.05);
   EXPECT_EQ(*one.number("handle"), 49152.0);
-  EXPECT_EQ(*one.find("seenBy")->array()->front().text(), "CoSiVA/AIV1");
+  EXPECT_EQ(*one.find("detectedBy")->array()->front().text(), "CoSiVA/AIV1");
   EXPECT_EQ(*shown().number("count"), 1.0);
   EXPECT_NEAR(*shown().number("max"), 20.0, 1.0);
-  see(aiv, wire::Seen::Thing{1.21, 0.0, 0.05, 0.6});
+  see(aiv, wire::DetectedObstacleReport::Obstacle{1.21, 0.0, 0.05, 0.6});
   EXPECT_THAT(obstacles(), SizeIs(1));
   EXPECT_EQ(*shown().number("count"), 1.0) << "seen again is not shown anew";
 }
 
-TEST_F(SeenBench, another_vehicle_is_no_obstacle) {
+TEST_F(DetectionFixture, another_vehicle_is_no_obstacle) {
   bench.add("AIV2", {0, 1.2}).blocked = true;
   bench.run_for(1s);
-  see(aiv, wire::Seen::Thing{1.1, 0.02, 0.05, 0.5});  // its tail
+  see(aiv, wire::DetectedObstacleReport::Obstacle{1.1, 0.02, 0.05, 0.5});  // its tail
   EXPECT_THAT(obstacles(), IsEmpty());
-  see(aiv, wire::Seen::Thing{0.96, 0.0, 0.05, 0.36});  // 0.14 m before its tail: of a radius of 5 cm, known to 10 cm
+  see(aiv, wire::DetectedObstacleReport::Obstacle{0.96, 0.0, 0.05, 0.36});  // 0.14 m before its tail: of a radius of 5 cm, known to 10 cm
   EXPECT_THAT(obstacles(), IsEmpty());
-  see(aiv, wire::Seen::Thing{0.93, 0.0, 0.05, 0.33});  // 0.17 m before its tail
+  see(aiv, wire::DetectedObstacleReport::Obstacle{0.93, 0.0, 0.05, 0.33});  // 0.17 m before its tail
   EXPECT_THAT(obstacles(), SizeIs(1));
 }
 
-TEST_F(SeenBench, another_vehicle_is_no_obstacle_where_it_was_when_it_was_seen) {
+TEST_F(DetectionFixture, another_vehicle_is_no_obstacle_where_it_was_when_it_was_seen) {
   BenchVehicle& other = bench.add("AIV2", {0, 0.9});
   other.cruise_mps = 0.5;
   bench.run_for(1s);
@@ -68,15 +68,15 @@ TEST_F(SeenBench, another_vehicle_is_no_obstacle_where_it_was_when_it_was_seen) 
   // Word of it comes half a second late, over a bad radio: by then it has driven on by more than two places err.
   bench.run_for(500ms);
   ASSERT_GT(other.pose().x_m - 0.10 - tail_then_m, 0.22);
-  const wire::Seen::Thing thing{tail_then_m, 0.0, 0.05, 0.3};
-  say(aiv, wire::to_json(wire::Seen{0, at_then, "oval", thing, 0.3}));
+  const wire::DetectedObstacleReport::Obstacle thing{tail_then_m, 0.0, 0.05, 0.3};
+  say(aiv, wire::to_json(wire::DetectedObstacleReport{0, at_then, "oval", thing, 0.3}));
   EXPECT_THAT(obstacles(), IsEmpty());
-  say(aiv, wire::to_json(wire::Seen{1, bench.now, "oval", thing, 0.3}));
+  say(aiv, wire::to_json(wire::DetectedObstacleReport{1, bench.now, "oval", thing, 0.3}));
   EXPECT_THAT(obstacles(), SizeIs(1)) << "what is seen now where it was then is something else";
 }
 
-TEST_F(SeenBench, it_vanishes_when_who_saw_it_sees_its_place_free) {
-  see(aiv, wire::Seen::Thing{1.0, 0.0, 0.05, 0.4});
+TEST_F(DetectionFixture, it_vanishes_when_who_saw_it_sees_its_place_free) {
+  see(aiv, wire::DetectedObstacleReport::Obstacle{1.0, 0.0, 0.05, 0.4});
   see(aiv, std::nullopt, 0.2);
   EXPECT_THAT(obstacles(), SizeIs(1)) << "it lies beyond what is clear";
   BenchVehicle& other = bench.add("AIV2", {0, 0.1});
@@ -88,8 +88,8 @@ TEST_F(SeenBench, it_vanishes_when_who_saw_it_sees_its_place_free) {
   EXPECT_THAT(obstacles(), IsEmpty());
 }
 
-TEST_F(SeenBench, it_vanishes_when_somebody_drives_over_its_place) {
-  see(aiv, wire::Seen::Thing{1.0, 0.0, 0.05, 0.4});
+TEST_F(DetectionFixture, it_vanishes_when_somebody_drives_over_its_place) {
+  see(aiv, wire::DetectedObstacleReport::Obstacle{1.0, 0.0, 0.05, 0.4});
   aiv.blocked = false;
   bench.run_for(1s);
   EXPECT_THAT(obstacles(), SizeIs(1));
@@ -97,20 +97,20 @@ TEST_F(SeenBench, it_vanishes_when_somebody_drives_over_its_place) {
   EXPECT_THAT(obstacles(), IsEmpty());
 }
 
-TEST_F(SeenBench, virtual_aivs_feel_what_a_physical_one_saw_and_do_not_make_it_vanish) {
-  see(aiv, wire::Seen::Thing{1.5, 1.0, 0.05, 0.6});  // on the other side; as if it saw that far
-  bench.ask(R"({"command":"add","thing":{"kind":"aiv","section":"east","s":1.2}})");
+TEST_F(DetectionFixture, virtual_aivs_feel_what_a_physical_one_saw_and_do_not_make_it_vanish) {
+  see(aiv, wire::DetectedObstacleReport::Obstacle{1.5, 1.0, 0.05, 0.6});  // on the other side; as if it saw that far
+  bench.ask(R"({"command":"add","obstacle":{"kind":"aiv","section":"east","s":1.2}})");
   bench.run_for(6s);
   EXPECT_THAT(obstacles(), SizeIs(1));
   EXPECT_EQ(*bench.aiv("CoSiVA.virtual/V1").number("speed"), 0.0);
   EXPECT_GT(*bench.aiv("CoSiVA.virtual/V1").number("x"), 1.6);
 }
 
-TEST_F(SeenBench, of_another_map_late_or_broken_ones_count_for_nothing) {
-  wire::Seen elsewhere{0, bench.now, "moon", wire::Seen::Thing{1.0, 0.0, 0.05, 0.4}, 0.4};
+TEST_F(DetectionFixture, of_another_map_late_or_broken_ones_count_for_nothing) {
+  wire::DetectedObstacleReport elsewhere{0, bench.now, "moon", wire::DetectedObstacleReport::Obstacle{1.0, 0.0, 0.05, 0.4}, 0.4};
   say(aiv, wire::to_json(elsewhere));
   EXPECT_THAT(obstacles(), IsEmpty());
-  wire::Seen late{0, bench.now - 1s, "oval", wire::Seen::Thing{1.0, 0.0, 0.05, 0.4}, 0.4};
+  wire::DetectedObstacleReport late{0, bench.now - 1s, "oval", wire::DetectedObstacleReport::Obstacle{1.0, 0.0, 0.05, 0.4}, 0.4};
   say(aiv, wire::to_json(late));
   EXPECT_THAT(obstacles(), IsEmpty());
   bench.logs.clear();
@@ -118,7 +118,7 @@ TEST_F(SeenBench, of_another_map_late_or_broken_ones_count_for_nothing) {
   say(aiv, "rubbish");
   say(aiv, std::string(20'000, ' '));
   EXPECT_THAT(bench.logs, SizeIs(1)) << "said once; the rest is counted";
-  wire::Seen retained{0, bench.now, "oval", wire::Seen::Thing{1.0, 0.0, 0.05, 0.4}, 0.4};
+  wire::DetectedObstacleReport retained{0, bench.now, "oval", wire::DetectedObstacleReport::Obstacle{1.0, 0.0, 0.05, 0.4}, 0.4};
   say(aiv, wire::to_json(retained), true);
   EXPECT_THAT(obstacles(), IsEmpty());
   const JsonValue summary = *JsonValue::parse(bench.server->summary_json());
@@ -126,15 +126,15 @@ TEST_F(SeenBench, of_another_map_late_or_broken_ones_count_for_nothing) {
   EXPECT_EQ(*summary.find("aivs")->array()->front().number("outdated"), 2.0);
 }
 
-TEST_F(SeenBench, from_a_vehicle_that_nobody_knows_is_ignored) {
-  bench.feed(wire::InputKind::message, "cosiva/v1/seen/Nobody/X1",
-             wire::to_json(wire::Seen{0, bench.now, "oval", wire::Seen::Thing{1.0, 0.0, 0.05, 0.4}, 0.4}));
+TEST_F(DetectionFixture, from_a_vehicle_that_nobody_knows_is_ignored) {
+  bench.feed(wire::InputKind::message, "cosiva/v1/detected_obstacle/Nobody/X1",
+             wire::to_json(wire::DetectedObstacleReport{0, bench.now, "oval", wire::DetectedObstacleReport::Obstacle{1.0, 0.0, 0.05, 0.4}, 0.4}));
   EXPECT_THAT(obstacles(), IsEmpty());
   EXPECT_THAT(*bench.snapshot().find("aivs")->array(), SizeIs(1));
 }
 
-TEST_F(SeenBench, obstacles_do_not_outlive_their_zone) {
-  see(aiv, wire::Seen::Thing{1.2, 0.0, 0.05, 0.6});
+TEST_F(DetectionFixture, obstacles_do_not_outlive_their_zone) {
+  see(aiv, wire::DetectedObstacleReport::Obstacle{1.2, 0.0, 0.05, 0.6});
   std::string other = oval().text;
   other.replace(other.find("length_m = 2.0"), 14, "length_m = 2.0 ");
   bench.feed(wire::InputKind::message, "cosiva/v1/zone/toml", other);
@@ -144,7 +144,7 @@ TEST_F(SeenBench, obstacles_do_not_outlive_their_zone) {
   bench.run_for(100ms);
 }
 
-TEST_F(SeenBench, boards_power_and_ranges_stand_in_the_snapshot_and_are_traced_when_health_changes) {
+TEST_F(DetectionFixture, boards_power_and_ranges_stand_in_the_snapshot_and_are_traced_when_health_changes) {
   EXPECT_EQ(bench.aiv("CoSiVA/AIV1").find("boards"), nullptr) << "left out where the vehicle does not tell";
   wire::BoardsReport report{1, bench.now, {{wire::Board::PILS, "ok", 0x1a2b3cU, 1200, 61'000, 1, 2, 0}}, {}, {}};
   report.power = wire::Power{12'100, 400, 240, 870};
@@ -179,8 +179,8 @@ TEST_F(SeenBench, boards_power_and_ranges_stand_in_the_snapshot_and_are_traced_w
   EXPECT_THAT(said, testing::ElementsAre("PILS ok", "PILS lost"));
 }
 
-TEST_F(SeenBench, it_vanishes_when_anybody_looks_through_its_place) {
-  see(aiv, wire::Seen::Thing{1.2, 0.0, 0.05, 0.6});
+TEST_F(DetectionFixture, it_vanishes_when_anybody_looks_through_its_place) {
+  see(aiv, wire::DetectedObstacleReport::Obstacle{1.2, 0.0, 0.05, 0.6});
   const auto look = [&](std::uint16_t mm) {
     wire::BoardsReport report{1, bench.now, {}, {}, wire::Ranges{0, -84, 14, std::vector<std::uint16_t>(13, mm)}};
     bench.feed(wire::InputKind::message, "cosiva/v1/boards/CoSiVA/AIV1", wire::to_json(report));
@@ -192,7 +192,7 @@ TEST_F(SeenBench, it_vanishes_when_anybody_looks_through_its_place) {
   EXPECT_THAT(obstacles(), IsEmpty());
 }
 
-TEST_F(SeenBench, the_reserved_way_reaches_from_the_twin_to_the_end_of_the_base) {
+TEST_F(DetectionFixture, the_reserved_way_reaches_from_the_twin_to_the_end_of_the_base) {
   aiv.blocked = false;
   bench.run_for(3s);
   const JsonValue shown = bench.aiv("CoSiVA/AIV1");

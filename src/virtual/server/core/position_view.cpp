@@ -39,7 +39,7 @@ void PositionView::positions(SimTime now, std::vector<PositionRecord>& out) cons
   for (VehicleIndex v = 0; v < context_.registry.size(); ++v)
     if (context_.registry[v].shown(context_.now)) out.push_back(record_of_vehicle(v, at));
   for (const Thing& object : simulated.augmented().things()) out.push_back(record_of(object, at));
-  for (const SeenObstacle& obstacle : simulated.seen().obstacles()) {
+  for (const DetectedObstacle& obstacle : simulated.detected().obstacles()) {
     const Pose2 X_MO{obstacle.at.x_m, obstacle.at.y_m, 0.0};
     out.push_back(record_of(obstacle.handle, PositionRecord::Kind::obstacle, X_MO, 0.0));
   }

@@ -53,15 +53,15 @@ void ServerView::write_objects(JsonWriter& json) const {
 
 void ServerView::write_obstacles(JsonWriter& json) const {
   json.key("obstacles").begin_array();
-  for (const SeenObstacle& obstacle : context_.simulator.seen().obstacles()) {
+  for (const DetectedObstacle& obstacle : context_.simulator.detected().obstacles()) {
     json.begin_object()
         .field("id", obstacle.id)
         .field("handle", obstacle.handle)
         .field("x", obstacle.at.x_m)
         .field("y", obstacle.at.y_m)
         .field("radius", obstacle.radius_m);
-    json.key("seenBy").begin_array();
-    for (const SeenObstacle::Witness& witness : obstacle.seen_by) json.value(witness.vehicle);
+    json.key("detectedBy").begin_array();
+    for (const DetectedObstacle::Witness& witness : obstacle.detected_by) json.value(witness.vehicle);
     json.end_array()
         .field("first_ms", to_milliseconds(obstacle.first.time_since_epoch()))
         .field("last_ms", to_milliseconds(obstacle.last.time_since_epoch()))
@@ -188,7 +188,7 @@ ServerCore::PageRevision ServerView::page_revision() const {
     add(waited_for, command.state, command.handle, command.vehicle);
   for (const Thing& thing : context_.simulator.augmented().things())
     add(waited_for, thing.handle, thing.started.time_since_epoch().count());
-  for (const SeenObstacle& seen : context_.simulator.seen().obstacles()) add(waited_for, seen.handle);
+  for (const DetectedObstacle& detected : context_.simulator.detected().obstacles()) add(waited_for, detected.handle);
   for (VehicleIndex v = 0; v < context_.registry.size(); ++v) add_vehicle(v, waited_for, events);
   return {waited_for.value(), events.value()};
 }

@@ -88,7 +88,7 @@ void VehicleReports::receive(Registry::Address address, const wire::Input& input
     case VehicleTopic::state: on_state(address.vehicle, input); break;
     case VehicleTopic::visualization: on_visualization(address.vehicle, input); break;
     case VehicleTopic::perceived: own_.on_acknowledged(address.vehicle, input); break;
-    case VehicleTopic::seen: own_.on_detected(address.vehicle, input); break;
+    case VehicleTopic::detected: own_.on_detected(address.vehicle, input); break;
     case VehicleTopic::boards: own_.on_boards(address.vehicle, input); break;
   }
 }
@@ -140,7 +140,7 @@ void VehicleReports::begin_session(VehicleIndex vehicle) {
   proxy.factsheet_asked = false;
   proxy.boards.reset();
   proxy.boards_stamp.reset();
-  proxy.seen_stamp.reset();
+  proxy.detected_stamp.reset();
   augmented_.virtual_obstacles.new_session(vehicle);
 }
 

@@ -139,7 +139,7 @@ void VirtualWorld::update() {
 }
 
 void VirtualWorld::remove_passed_obstacles() {
-  SeenObstacles& detected = context_.simulator.seen();
+  DetectedObstacles& detected = context_.simulator.detected();
   if (detected.empty() || !context_.simulator.zone()) return;
   const zone::VehicleShape& shape = context_.simulator.zone()->vehicle;
   for (const AivProxy& proxy : context_.registry) {

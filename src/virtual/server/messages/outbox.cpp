@@ -80,7 +80,7 @@ std::string unique_id(std::string_view prefix, SimTime now) {
   return id;
 }
 
-bool InstantActionSender::PendingAction::acknowledged() const { return std::ranges::all_of(actions, &Progress::seen); }
+bool InstantActionSender::PendingAction::acknowledged() const { return std::ranges::all_of(actions, &Progress::detected); }
 
 InstantActionSender::ActionHandle InstantActionSender::send(AivProxy& proxy, VehicleIndex vehicle,
                                                       std::vector<wire::Action> actions, SimDuration timeout,
@@ -118,7 +118,7 @@ void InstantActionSender::on_state(VehicleIndex vehicle, const wire::State& stat
     for (Progress& progress : pending_action.actions) {
       const auto it = std::ranges::find(state.action_states, progress.action_id, &wire::ActionState::action_id);
       if (it == state.action_states.end()) continue;
-      progress.seen = true;
+      progress.detected = true;
       progress.status = it->status;
       progress.result = it->result_description;
     }

@@ -71,7 +71,7 @@ class InstantActionSender {
 
   struct Progress {
     std::string action_id;
-    bool seen{false};
+    bool detected{false};
     wire::ActionStatus status{wire::ActionStatus::waiting};
     std::string result;
   };

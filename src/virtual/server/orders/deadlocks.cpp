@@ -49,7 +49,7 @@ void Deadlocks::tick() {
     if (deadlock.state != Deadlock::State::forming) list_.push_back(std::move(deadlock));
   const SimTime now = outbox_.now();
   std::erase_if(forming_, [&](const Deadlock& deadlock) {
-    return deadlock.state != Deadlock::State::forming || now - deadlock.seen_at > rules_.flicker;
+    return deadlock.state != Deadlock::State::forming || now - deadlock.detected_at > rules_.flicker;
   });
   for (Deadlock& deadlock : list_)
     if (deadlock.state != Deadlock::State::resolved) follow(deadlock);
@@ -75,10 +75,10 @@ void Deadlocks::record(const Knot& knot) {
     known->members = knot.members;
     known->reason = describe(knot);
     traces_.add(now, "AIV_Server", "AIV_Server", "ring", known->reason);
-  } else if (now - known->seen_at > rules_.flicker) {
+  } else if (now - known->detected_at > rules_.flicker) {
     known->closed_since = now;
   }
-  known->seen_at = now;
+  known->detected_at = now;
   if (known->members == knot.members) return;
   // It has grown, or another has come out of it; whoever gives way in it stays one of its own.
   std::vector<VehicleIndex> members = knot.members;
@@ -102,7 +102,7 @@ bool Deadlocks::somebody_beside(const Deadlock& deadlock) const {
 
 void Deadlocks::follow(Deadlock& deadlock) {
   const SimTime now = outbox_.now();
-  const bool closed = now - deadlock.seen_at <= rules_.flicker;
+  const bool closed = now - deadlock.detected_at <= rules_.flicker;
   const SimDuration for_long = now - deadlock.closed_since;
   switch (deadlock.state) {
     case Deadlock::State::forming:
@@ -118,7 +118,7 @@ void Deadlocks::follow(Deadlock& deadlock) {
     case Deadlock::State::resolved: return;
   }
   const bool gives_way = std::ranges::any_of(deadlock.gave_way, [&](VehicleIndex v) { return roller_.gives_way(v); });
-  if (!gives_way && now - deadlock.seen_at > rules_.calm) end(deadlock);
+  if (!gives_way && now - deadlock.detected_at > rules_.calm) end(deadlock);
 }
 
 void Deadlocks::begin(Deadlock& deadlock) {
@@ -188,10 +188,10 @@ void Deadlocks::give_up(Deadlock& deadlock) {
 }
 
 void Deadlocks::end(Deadlock& deadlock) {
-  const SimDuration lasted = deadlock.seen_at - deadlock.since;
+  const SimDuration lasted = deadlock.detected_at - deadlock.since;
   if (deadlock.state != Deadlock::State::giving_way) deadlock.how = "it came undone by itself";
   deadlock.state = Deadlock::State::resolved;
-  deadlock.ended_at = deadlock.seen_at;
+  deadlock.ended_at = deadlock.detected_at;
   ++counters_.resolved;
   counters_.longest = std::max(counters_.longest, lasted);
   for (const VehicleIndex v : deadlock.gave_way) roller_.need_not_avoid(v);

@@ -117,18 +117,18 @@ TEST(Missions, go_round_the_zone_s_first_loop_by_default_and_a_named_one_when_to
       "[[loop]]\nname = \"short\"\nsections = [\"entry\", \"south\", \"east\", \"north\", \"west\"]\n";
   ServerBench bench{fork(loops)};
   BenchVehicle& aiv = bench.add("AIV1", {0, 0.1});
-  std::set<std::string> seen;
-  bench.each_step = [&] { seen.insert(section_of(bench, aiv)); };
+  std::set<std::string> detected;
+  bench.each_step = [&] { detected.insert(section_of(bench, aiv)); };
   bench.run_for(70s);
-  EXPECT_TRUE(seen.contains("bypass3"));
-  EXPECT_FALSE(seen.contains("south"));
+  EXPECT_TRUE(detected.contains("bypass3"));
+  EXPECT_FALSE(detected.contains("south"));
   EXPECT_EQ(bench.aiv("CoSiVA/AIV1").find("mission")->text("loop"), "long");
   bench.ask(R"({"command":"circulate","vehicle":"CoSiVA/AIV1","loop":"short"})");
   bench.run_for(45s);
-  seen.clear();
+  detected.clear();
   bench.run_for(70s);
-  EXPECT_TRUE(seen.contains("south"));
-  EXPECT_FALSE(seen.contains("bypass3"));
+  EXPECT_TRUE(detected.contains("south"));
+  EXPECT_FALSE(detected.contains("bypass3"));
   EXPECT_THAT(aiv.refusals, IsEmpty());
 }
 
@@ -146,10 +146,10 @@ TEST(ClosedSections, are_avoided_by_everyone_at_once_and_taken_again_when_open) 
   bench.ask(on_section("open", "bypass1"));
   bench.run_for(5s);
   EXPECT_THAT(section_of(bench, aiv), HasSubstr("bypass"));
-  std::set<std::string> seen;
-  bench.each_step = [&] { seen.insert(section_of(bench, aiv)); };
+  std::set<std::string> detected;
+  bench.each_step = [&] { detected.insert(section_of(bench, aiv)); };
   bench.run_for(70s);
-  EXPECT_FALSE(seen.contains("south"));
+  EXPECT_FALSE(detected.contains("south"));
   EXPECT_THAT(aiv.refusals, IsEmpty());
 }
 
@@ -163,14 +163,14 @@ TEST(ClosedSections, are_left_by_who_stands_on_one_and_not_entered_by_a_base_alr
   for (int i = 0; i < 100 && before.book->targets().empty(); ++i) bench.run_for(20ms);
   bench.run_for(1s);
   bench.ask(on_section("close", "south"));
-  std::set<std::string> seen;
+  std::set<std::string> detected;
   const bool was_before = section_of(bench, before) == "entry";
-  bench.each_step = [&] { seen.insert(section_of(bench, before)); };
+  bench.each_step = [&] { detected.insert(section_of(bench, before)); };
   bench.run_for(60s);
   EXPECT_NE(section_of(bench, inside), "south");
   EXPECT_TRUE(was_before);
-  EXPECT_FALSE(seen.contains("south"));
-  EXPECT_TRUE(seen.contains("bypass3"));
+  EXPECT_FALSE(detected.contains("south"));
+  EXPECT_TRUE(detected.contains("bypass3"));
   EXPECT_EQ(state_of(bench, "CoSiVA/AIV2"), "arrived");
 }
 

@@ -32,7 +32,7 @@ constexpr double way_before_m = 0.70 + aiv::stand_off_m;
 constexpr double way_every_m = 0.03;
 constexpr double way_clear_m = 0.04;
 /// Its eyes may make it stand so much earlier than it should before the one ahead.
-constexpr double seen_too_early_m = 0.03;
+constexpr double detected_too_early_m = 0.03;
 constexpr SimDuration back_up_timeout{std::chrono::seconds{10}};
 
 /// From a point to a body's edge; 0 inside.
@@ -146,7 +146,7 @@ bool OrderRoller::makes_room_by_moving_up(VehicleIndex vehicle, std::span<const 
   if (off_line(vehicle) || plan.waits_for_crossing || plan.waits_why != WaitReason::ahead ||
       plan.waits_for_vehicle != ahead.vehicle || !has_eyes_for(vehicle, ahead.vehicle))
     return false;
-  const double up_m = ahead.distance_m - map_->zone().vehicle.length_m - aiv::stand_off_m - seen_too_early_m;
+  const double up_m = ahead.distance_m - map_->zone().vehicle.length_m - aiv::stand_off_m - detected_too_early_m;
   return up_m > 0.0 && std::ranges::any_of(waits, [&](const Wait& wait) {
            const auto& place = traffic_.place(wait.who);
            const Traffic::Leader& before = traffic_.ahead(wait.who);
@@ -249,10 +249,10 @@ bool OrderRoller::near_anything(VehicleIndex vehicle, const Pose2& X_MB, double 
   }
   const auto near_disc = [&](Point2 at, double radius_m) { return to_body_m(shape, X_MB, at) < radius_m + clear_m; };
   const auto& things = simulator_.augmented().things();
-  const auto& seen = simulator_.seen().obstacles();
+  const auto& detected = simulator_.detected().obstacles();
   return std::ranges::any_of(
              things, [&](const Thing& thing) { return near_disc(thing.at(outbox_.now()).at, thing.radius_m); }) ||
-         std::ranges::any_of(seen, [&](const SeenObstacle& one) { return near_disc(one.at, one.radius_m); });
+         std::ranges::any_of(detected, [&](const DetectedObstacle& one) { return near_disc(one.at, one.radius_m); });
 }
 
 // --- until the others have gone -------------------------------------------------------------------------------------

@@ -233,7 +233,7 @@ class OrderRoller {
   /// True once when one of ours has stood for so long with base before it and no reason that it needs a new order.
   bool stands_silently(VehicleIndex vehicle);
   /// Before whom its own eyes make it stand; no_vehicle: before nobody known.
-  [[nodiscard]] VehicleIndex seen_in_way(VehicleIndex vehicle) const;
+  [[nodiscard]] VehicleIndex detected_in_path(VehicleIndex vehicle) const;
   [[nodiscard]] Pose2 body(VehicleIndex vehicle) const;
 
   // order_give_way.cpp

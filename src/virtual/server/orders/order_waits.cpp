@@ -15,11 +15,11 @@ constexpr double standing_mps = 0.01;
 /// it stops, what more room it wants to go on, and what reports are wrong by; beside its way, what eyes take for a part
 /// of it: their margin of 0.02 m, and as far as an echo is placed wrong that came from a beam's edge (0.12 rad of a
 /// range of 0.3 m), noise included.
-constexpr double seen_ahead_m = aiv::stand_off_m + 0.08;
-constexpr double seen_beside_m = 0.07;
+constexpr double detected_ahead_m = aiv::stand_off_m + 0.08;
+constexpr double detected_beside_m = 0.07;
 constexpr double look_every_m = 0.03;
 /// Before it turns on the spot it wants so much air all around.
-constexpr double seen_around_m = 0.06;
+constexpr double detected_around_m = 0.06;
 
 }  // namespace
 
@@ -90,7 +90,7 @@ void OrderRoller::add_waits(WaitGraph& graph) const {
     const bool has_way = plan.stage == Plan::Stage::running || plan.join_handle != 0;
     if (has_way && (registry_[v].state->field_violation || registry_[v].paused_for_body)) {
       // What it waits for at the end of its base matters once it is there.
-      graph.add({v, seen_in_way(v), WaitReason::eyes, no_crossing});
+      graph.add({v, detected_in_path(v), WaitReason::eyes, no_crossing});
       continue;
     }
     if (!plan.waits_since || plan.waits_for_vehicle == no_vehicle) continue;
@@ -98,7 +98,7 @@ void OrderRoller::add_waits(WaitGraph& graph) const {
   }
 }
 
-VehicleIndex OrderRoller::seen_in_way(VehicleIndex vehicle) const {
+VehicleIndex OrderRoller::detected_in_path(VehicleIndex vehicle) const {
   const Plan& plan = plans_[vehicle];
   const zone::VehicleShape& shape = map_->zone().vehicle;
   const zone::Circuit& circuit = map_->circuit();
@@ -116,19 +116,19 @@ VehicleIndex OrderRoller::seen_in_way(VehicleIndex vehicle) const {
     if (other == vehicle || !registry_[other].here()) continue;
     const Pose2 X_MO = body(other);
     if (plan.anchor) {
-      if (sweep.near_body(X_MO, seen_beside_m)) consider(other, distance(X_MB, X_MO));
+      if (sweep.near_body(X_MO, detected_beside_m)) consider(other, distance(X_MB, X_MO));
       continue;
     }
     if (!plan.standing.place) continue;
-    for (double ahead_m = 0.0; ahead_m < seen_ahead_m + look_every_m; ahead_m += look_every_m) {
+    for (double ahead_m = 0.0; ahead_m < detected_ahead_m + look_every_m; ahead_m += look_every_m) {
       const Pose2 X_MV = circuit.pose_at(circuit.advance(*plan.standing.place, ahead_m, traffic_.coming(vehicle)));
-      if (!aiv::near_bodies(shape, X_MV, X_MO, seen_beside_m)) continue;
+      if (!aiv::near_bodies(shape, X_MV, X_MO, detected_beside_m)) continue;
       // Beside its flank already, it is not what it looks at.
       if (ahead_m > 0.0 || aiv::lies_ahead(shape, X_MB, X_MO)) consider(other, ahead_m);
       break;
     }
     // Half a metre: any body on the way is nearer than one that only keeps it from turning.
-    if (aiv::near_bodies(shape, X_MB, X_MO, seen_around_m)) consider(other, 0.5 + distance(X_MB, X_MO));
+    if (aiv::near_bodies(shape, X_MB, X_MO, detected_around_m)) consider(other, 0.5 + distance(X_MB, X_MO));
   }
   return found;
 }

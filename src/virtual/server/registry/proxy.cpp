@@ -22,7 +22,7 @@ std::string_view to_string(VehicleTopic topic) {
     case VehicleTopic::visualization: return "visualization";
     case VehicleTopic::factsheet: return "factsheet";
     case VehicleTopic::perceived: return "virtual_obstacles_ack";
-    case VehicleTopic::seen: return "seen";
+    case VehicleTopic::detected: return "detected_obstacle";
     case VehicleTopic::boards: return "boards";
   }
   return "?";
@@ -77,7 +77,7 @@ std::optional<VehicleIndex> Registry::add(const wire::VehicleId& id, SimTime now
        {VehicleTopic::connection, VehicleTopic::state, VehicleTopic::visualization, VehicleTopic::factsheet})
     topics_.emplace(wire::vda_topic(id, to_string(topic), interface_name_), Address{index, topic});
   topics_.emplace(wire::own_topic(wire::virtual_obstacles_ack_topic_prefix, id), Address{index, VehicleTopic::perceived});
-  topics_.emplace(wire::own_topic(wire::seen_topic_prefix, id), Address{index, VehicleTopic::seen});
+  topics_.emplace(wire::own_topic(wire::detected_obstacle_topic_prefix, id), Address{index, VehicleTopic::detected});
   topics_.emplace(wire::own_topic(wire::boards_topic_prefix, id), Address{index, VehicleTopic::boards});
   proxy.augmented = id.manufacturer == wire::virtual_manufacturer;
   names_.emplace(proxy.name, index);

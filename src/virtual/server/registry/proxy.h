@@ -21,7 +21,7 @@
 namespace cosiva::virtual_side {
 
 /// Topics on which a vehicle speaks.
-enum class VehicleTopic : std::uint8_t { connection, state, visualization, factsheet, perceived, seen, boards };
+enum class VehicleTopic : std::uint8_t { connection, state, visualization, factsheet, perceived, detected, boards };
 inline constexpr std::size_t vehicle_topics = 7;
 /// Of the standard's topics; our own have no place under the interface.
 [[nodiscard]] std::optional<VehicleTopic> parse_vehicle_topic(std::string_view name);
@@ -63,7 +63,7 @@ struct AivProxy {
 
   std::optional<wire::BoardsReport> boards;
   std::optional<SimTime> boards_stamp;  ///< on its own clock
-  std::optional<SimTime> seen_stamp;
+  std::optional<SimTime> detected_stamp;
   bool paused_for_body{false};  ///< by the server, since it cannot feel what stands before it
 
   std::optional<std::size_t> twin;

@@ -83,21 +83,21 @@ void GroundTruthComparator::take(SimTime now, wire::GvsSights sights) {
   sights_ = std::move(sights);
   sights_at_ = now;
   for (const wire::GvsSights::Sight& sight : sights_->sights) {
-    auto found = seen_.find(sight.vehicle);
-    if (found == seen_.end()) {
-      if (seen_.size() >= seen_max) continue;
-      found = seen_.emplace(sight.vehicle, Seen{}).first;
+    auto found = detected_.find(sight.vehicle);
+    if (found == detected_.end()) {
+      if (detected_.size() >= detected_max) continue;
+      found = detected_.emplace(sight.vehicle, Sighted{}).first;
       found->second.since = now;
     } else if (found->second.arrived < before - timeout) {
       found->second.since = now;
     }
-    Seen& seen = found->second;
-    seen.tag = sight.tag;
-    seen.at = sight.at;
-    seen.arrived = now;
-    seen.X_MB = sight.pose;
-    seen.uncertainty_m = sight.uncertainty_m;
-    compare(sight, seen);
+    Sighted& detected = found->second;
+    detected.tag = sight.tag;
+    detected.at = sight.at;
+    detected.arrived = now;
+    detected.X_MB = sight.pose;
+    detected.uncertainty_m = sight.uncertainty_m;
+    compare(sight, detected);
   }
 }
 
@@ -107,16 +107,16 @@ std::optional<VehicleIndex> GroundTruthComparator::twin_of(const std::string& na
   return vehicle;
 }
 
-void GroundTruthComparator::compare(const wire::GvsSights::Sight& sight, Seen& seen) {
-  seen.gap_m.reset();
-  seen.gap_rad.reset();
+void GroundTruthComparator::compare(const wire::GvsSights::Sight& sight, Sighted& detected) {
+  detected.gap_m.reset();
+  detected.gap_rad.reset();
   const auto vehicle = twin_of(sight.vehicle);
   if (!vehicle) return;
   const auto X_MT = twin_at(*vehicle, sight.at);
   if (!X_MT) return;
-  seen.gap_m = distance(*X_MT, sight.pose);
-  seen.gap_rad = std::fabs(wrap_angle(X_MT->heading_rad - sight.pose.heading_rad));
-  simulator_.monitor().actual(registry_[*vehicle].entity, *seen.gap_m, *seen.gap_rad);
+  detected.gap_m = distance(*X_MT, sight.pose);
+  detected.gap_rad = std::fabs(wrap_angle(X_MT->heading_rad - sight.pose.heading_rad));
+  simulator_.monitor().actual(registry_[*vehicle].entity, *detected.gap_m, *detected.gap_rad);
 }
 
 std::optional<Pose2> GroundTruthComparator::twin_at(VehicleIndex vehicle, SimTime at) const {
@@ -171,13 +171,13 @@ void GroundTruthComparator::find_unseen(std::vector<Finding>& findings) {
     const Trail& trail = trails_[v];
     if (!trail.in_field_since || trail.points.empty()) continue;
     const std::string& name = registry_[v].name;
-    const auto seen = seen_.find(name);
+    const auto detected = detected_.find(name);
     SimTime last = std::max(*trail.in_field_since, watching_since_);
-    if (seen != seen_.end()) last = std::max(last, seen->second.arrived);
+    if (detected != detected_.end()) last = std::max(last, detected->second.arrived);
     if (now_ - last <= timeout) continue;
-    findings.push_back({Finding::Kind::not_seen, name,
+    findings.push_back({Finding::Kind::not_detected, name,
                         "its twin is at " + place_text(trail.points.back().X_MB) + ", where the camera sees no AIV",
-                        since(Finding::Kind::not_seen, name)});
+                        since(Finding::Kind::not_detected, name)});
   }
 }
 
@@ -195,10 +195,10 @@ std::vector<Finding> GroundTruthComparator::find(bool strangers) {
     findings.push_back({Finding::Kind::no_sight, "GVS", std::move(text), since(Finding::Kind::no_sight, "GVS")});
     return findings;
   }
-  for (const auto& [name, seen] : seen_) {
-    if (!strangers || twin_of(name) || now_ - seen.since <= timeout || now_ - seen.arrived > timeout) continue;
+  for (const auto& [name, detected] : detected_) {
+    if (!strangers || twin_of(name) || now_ - detected.since <= timeout || now_ - detected.arrived > timeout) continue;
     findings.push_back({Finding::Kind::no_twin, name,
-                        "the camera sees it (tag " + std::to_string(seen.tag) + ") at " + place_text(seen.X_MB) +
+                        "the camera sees it (tag " + std::to_string(detected.tag) + ") at " + place_text(detected.X_MB) +
                             ", and it has no twin",
                         since(Finding::Kind::no_twin, name)});
   }
@@ -210,7 +210,7 @@ void GroundTruthComparator::tick(SimTime now, bool strangers) {
   if (!heard()) return;
   now_ = now;
   record_twins();
-  std::erase_if(seen_, [&](const auto& one) { return now_ - one.second.arrived > timeout + timeout; });
+  std::erase_if(detected_, [&](const auto& one) { return now_ - one.second.arrived > timeout + timeout; });
   simulator_.monitor().set_findings(find(strangers));
 }
 
@@ -227,14 +227,14 @@ void GroundTruthComparator::write(JsonWriter& json) const {
     json.value(ms_of(sights_at_)).key("period_s").value(sights_->period_s);
   else
     json.null().key("period_s").null();
-  json.key("seen").begin_array();
-  for (const auto& [name, seen] : seen_) {
-    json.begin_object().field("id", name).field("tag", seen.tag).field("twin", twin_of(name).has_value());
-    json.field("x", rounded(seen.X_MB.x_m)).field("y", rounded(seen.X_MB.y_m));
-    json.field("heading", rounded(seen.X_MB.heading_rad)).field("uncertainty_m", rounded(seen.uncertainty_m));
-    json.field("at_ms", ms_of(seen.at));
-    number_or_null(json, "gap_m", seen.gap_m);
-    number_or_null(json, "gap_rad", seen.gap_rad);
+  json.key("detections").begin_array();
+  for (const auto& [name, detected] : detected_) {
+    json.begin_object().field("id", name).field("tag", detected.tag).field("twin", twin_of(name).has_value());
+    json.field("x", rounded(detected.X_MB.x_m)).field("y", rounded(detected.X_MB.y_m));
+    json.field("heading", rounded(detected.X_MB.heading_rad)).field("uncertainty_m", rounded(detected.uncertainty_m));
+    json.field("at_ms", ms_of(detected.at));
+    number_or_null(json, "gap_m", detected.gap_m);
+    number_or_null(json, "gap_rad", detected.gap_rad);
     json.end_object();
   }
   json.end_array().end_object();
@@ -245,11 +245,11 @@ void GroundTruthComparator::fold(Digest& digest) const {
   if (!heard()) return;
   digest.add(state());
   digest.add(sights_at_);
-  for (const auto& [name, seen] : seen_) {
+  for (const auto& [name, detected] : detected_) {
     digest.add(std::string_view{name});
-    digest.add(seen.X_MB.x_m);
-    digest.add(seen.X_MB.y_m);
-    digest.add(seen.gap_m.value_or(-1.0));
+    digest.add(detected.X_MB.x_m);
+    digest.add(detected.X_MB.y_m);
+    digest.add(detected.gap_m.value_or(-1.0));
   }
 }
 

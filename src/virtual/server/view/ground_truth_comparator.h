@@ -28,7 +28,7 @@ class GroundTruthComparator {
   static constexpr SimDuration silent_after{std::chrono::seconds{2}};
   /// Twins are remembered for so long: a picture is looked at after it was taken.
   static constexpr SimDuration history{std::chrono::seconds{2}};
-  static constexpr std::size_t seen_max = 256;  ///< a flood of made-up names must not take the memory
+  static constexpr std::size_t detected_max = 256;  ///< a flood of made-up names must not take the memory
 
   GroundTruthComparator(const Registry& registry, Simulator& simulator) : registry_{registry}, simulator_{simulator} {}
 
@@ -42,7 +42,7 @@ class GroundTruthComparator {
   void tick(SimTime now, bool strangers);
 
   /// Of the physical side as it was seen last; nothing where it is not seen now.
-  struct Seen {
+  struct Sighted {
     std::uint32_t tag{};
     SimTime at{};       ///< when it was there
     SimTime arrived{};  ///< when we heard of it
@@ -72,7 +72,7 @@ class GroundTruthComparator {
   [[nodiscard]] bool heard() const { return connection_ || sights_; }
   [[nodiscard]] std::string_view state() const;
   void take(SimTime now, wire::GvsSights sights);
-  void compare(const wire::GvsSights::Sight& sight, Seen& seen);
+  void compare(const wire::GvsSights::Sight& sight, Sighted& detected);
   [[nodiscard]] std::optional<Pose2> twin_at(VehicleIndex vehicle, SimTime at) const;
   [[nodiscard]] std::optional<VehicleIndex> twin_of(const std::string& name) const;
   void record_twins();
@@ -88,7 +88,7 @@ class GroundTruthComparator {
   std::optional<wire::GvsSights> sights_;  ///< the last
   SimTime sights_at_{};
   SimTime watching_since_{};
-  std::map<std::string, Seen> seen_;
+  std::map<std::string, Sighted> detected_;
   std::vector<Trail> trails_;  ///< by vehicle
 };
 

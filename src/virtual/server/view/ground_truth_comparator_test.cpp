@@ -43,7 +43,7 @@ class GvsBench : public testing::Test {
     }
   }
   [[nodiscard]] JsonValue gvs() const { return *bench.snapshot().find("gvs"); }
-  [[nodiscard]] JsonValue::Array seen() const { return *gvs().find("seen")->array(); }
+  [[nodiscard]] JsonValue::Array detected() const { return *gvs().find("detections")->array(); }
   [[nodiscard]] JsonValue::Array findings() const { return *bench.bijection().find("findings")->array(); }
 
   ServerBench bench;
@@ -62,10 +62,10 @@ TEST_F(GvsBench, measures_how_far_a_twin_is_from_where_its_vehicle_is_seen) {
   bench.run_for(500ms);
   const Pose2 twin = aiv.pose();
   look({{"CoSiVA/AIV1", twin * Pose2{0.03, 0.04, 0.2}}});
-  ASSERT_THAT(seen(), SizeIs(1));
-  EXPECT_NEAR(seen()[0].number("gap_m").value_or(-1.0), 0.05, 1e-4);
-  EXPECT_NEAR(seen()[0].number("gap_rad").value_or(-1.0), 0.2, 1e-4);
-  EXPECT_EQ(seen()[0].flag("twin"), true);
+  ASSERT_THAT(detected(), SizeIs(1));
+  EXPECT_NEAR(detected()[0].number("gap_m").value_or(-1.0), 0.05, 1e-4);
+  EXPECT_NEAR(detected()[0].number("gap_rad").value_or(-1.0), 0.2, 1e-4);
+  EXPECT_EQ(detected()[0].flag("twin"), true);
   EXPECT_EQ(gvs().text("state"), "watching");
   const JsonValue actual = *bench.bijection().find("actual_m");
   EXPECT_EQ(*actual.number("count"), 1.0);
@@ -83,8 +83,8 @@ TEST_F(GvsBench, holds_a_picture_against_where_the_twin_was_when_it_was_taken) {
   ASSERT_GT(distance(then, bench.vehicles[0]->pose()), 0.1);
   wire::GvsSights sights{++pictures, at, 0.25, {{"CoSiVA/AIV1", 1, at, then, 0.001}}, {}};
   say(wire::to_json(sights));
-  ASSERT_THAT(seen(), SizeIs(1));
-  EXPECT_LT(seen()[0].number("gap_m").value_or(9.0), 0.02);
+  ASSERT_THAT(detected(), SizeIs(1));
+  EXPECT_LT(detected()[0].number("gap_m").value_or(9.0), 0.02);
 }
 
 TEST_F(GvsBench, compares_nothing_that_is_older_than_its_history_or_yet_to_come) {
@@ -93,8 +93,8 @@ TEST_F(GvsBench, compares_nothing_that_is_older_than_its_history_or_yet_to_come)
   for (const SimDuration off : {SimDuration{-10s}, SimDuration{10s}}) {
     say(wire::to_json(wire::GvsSights{
         ++pictures, bench.now + off, 0.25, {{"CoSiVA/AIV1", 1, bench.now + off, aiv.pose(), 0.001}}, {}}));
-    ASSERT_THAT(seen(), SizeIs(1));
-    EXPECT_TRUE(seen()[0].find("gap_m")->is_null());
+    ASSERT_THAT(detected(), SizeIs(1));
+    EXPECT_TRUE(detected()[0].find("gap_m")->is_null());
     bench.run_for(100ms);
   }
 }
@@ -121,7 +121,7 @@ TEST_F(GvsBench, names_a_twin_where_the_camera_sees_nobody) {
   EXPECT_THAT(findings(), IsEmpty());
   watch(2s, {});
   ASSERT_THAT(findings(), SizeIs(1));
-  EXPECT_EQ(findings()[0].text("kind"), "not seen");
+  EXPECT_EQ(findings()[0].text("kind"), "not detected");
   EXPECT_EQ(findings()[0].text("id"), "CoSiVA/AIV1");
   EXPECT_THAT(findings()[0].text("text").value(), HasSubstr("sees no AIV"));
   watch(1s, {{"CoSiVA/AIV1", aiv.pose()}});
@@ -206,7 +206,7 @@ TEST_F(GvsBench, a_flood_of_names_takes_no_more_than_its_share) {
     say(wire::to_json(sights));
     bench.run_for(20ms);
   }
-  EXPECT_THAT(seen(), SizeIs(GroundTruthComparator::seen_max));
+  EXPECT_THAT(detected(), SizeIs(GroundTruthComparator::detected_max));
 }
 
 }  // namespace

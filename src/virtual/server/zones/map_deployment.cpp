@@ -40,7 +40,7 @@ bool MapDeployment::under_way(Step& step) const {
   const InstantActionSender::PendingAction* pending_action = action_sender_.find(step.handle);
   const bool done =
       pending_action == nullptr || std::ranges::all_of(pending_action->actions, [](const InstantActionSender::Progress& action) {
-        return action.seen &&
+        return action.detected &&
                (action.status == wire::ActionStatus::finished || action.status == wire::ActionStatus::failed);
       });
   if (!done && outbox_.now() - step.sent_at < timeout) return true;

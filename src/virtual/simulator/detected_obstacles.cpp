@@ -1,4 +1,4 @@
-#include "cosiva/virtual/simulator/seen_obstacles.h"
+#include "cosiva/virtual/simulator/detected_obstacles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,10 +20,10 @@ constexpr double through_margin_m = 0.10;
 enum class Look : std::uint8_t { through, hidden, there };
 
 /// What the beams that an obstacle would fill say of it.
-Look look_at(const SeenObstacle& obstacle, const Pose2& X_SM, const wire::Ranges& ranges) {
+Look look_at(const DetectedObstacle& obstacle, const Pose2& X_SM, const wire::Ranges& ranges) {
   const Point2 p_S = X_SM * obstacle.at;
   const double away_m = norm(p_S.x_m, p_S.y_m);
-  if (away_m > SeenObstacles::looks_m_max || away_m <= obstacle.radius_m || ranges.beam_width_crad == 0)
+  if (away_m > DetectedObstacles::looks_m_max || away_m <= obstacle.radius_m || ranges.beam_width_crad == 0)
     return Look::hidden;
   const double width_rad = 0.01 * ranges.beam_width_crad;
   const double first_edge_rad = 0.01 * ranges.first_bearing_crad - 0.5 * width_rad;
@@ -47,13 +47,13 @@ Look look_at(const SeenObstacle& obstacle, const Pose2& X_SM, const wire::Ranges
 
 }  // namespace
 
-bool SeenObstacles::seen_by(const SeenObstacle& obstacle, std::string_view vehicle) {
-  return std::ranges::find(obstacle.seen_by, vehicle, &SeenObstacle::Witness::vehicle) != obstacle.seen_by.end();
+bool DetectedObstacles::detected_by(const DetectedObstacle& obstacle, std::string_view vehicle) {
+  return std::ranges::find(obstacle.detected_by, vehicle, &DetectedObstacle::Witness::vehicle) != obstacle.detected_by.end();
 }
 
-bool SeenObstacles::see(std::string_view vehicle, SimTime now, Point2 at, double radius_m) {
-  SeenObstacle* nearest = nullptr;
-  for (SeenObstacle& obstacle : obstacles_) {
+bool DetectedObstacles::see(std::string_view vehicle, SimTime now, Point2 at, double radius_m) {
+  DetectedObstacle* nearest = nullptr;
+  for (DetectedObstacle& obstacle : obstacles_) {
     const double apart_m = distance(obstacle.at, at);
     if (apart_m <= merge_within_m && (nearest == nullptr || apart_m < distance(nearest->at, at))) nearest = &obstacle;
   }
@@ -68,20 +68,20 @@ bool SeenObstacles::see(std::string_view vehicle, SimTime now, Point2 at, double
   nearest->last = now;
   nearest->doubts = 0;
   ++nearest->sightings;
-  const auto witness = std::ranges::find(nearest->seen_by, vehicle, &SeenObstacle::Witness::vehicle);
-  if (witness == nearest->seen_by.end())
-    nearest->seen_by.push_back({std::string(vehicle), now});
+  const auto witness = std::ranges::find(nearest->detected_by, vehicle, &DetectedObstacle::Witness::vehicle);
+  if (witness == nearest->detected_by.end())
+    nearest->detected_by.push_back({std::string(vehicle), now});
   else
     witness->last = now;
   return false;
 }
 
-void SeenObstacles::appear(std::string_view vehicle, SimTime now, Point2 at, double radius_m) {
+void DetectedObstacles::appear(std::string_view vehicle, SimTime now, Point2 at, double radius_m) {
   if (obstacles_.size() >= obstacles_max)
-    obstacles_.erase(std::ranges::min_element(obstacles_, {}, &SeenObstacle::last));
-  SeenObstacle obstacle;
+    obstacles_.erase(std::ranges::min_element(obstacles_, {}, &DetectedObstacle::last));
+  DetectedObstacle obstacle;
   const auto used = [&](std::uint16_t handle) {
-    return std::ranges::find(obstacles_, handle, &SeenObstacle::handle) != obstacles_.end();
+    return std::ranges::find(obstacles_, handle, &DetectedObstacle::handle) != obstacles_.end();
   };
   do {
     obstacle.handle = static_cast<std::uint16_t>(first_handle + running_ % handles);
@@ -90,31 +90,31 @@ void SeenObstacles::appear(std::string_view vehicle, SimTime now, Point2 at, dou
   obstacle.id = "S" + std::to_string(running_);
   obstacle.at = at;
   obstacle.radius_m = radius_m;
-  obstacle.seen_by.push_back({std::string(vehicle), now});
+  obstacle.detected_by.push_back({std::string(vehicle), now});
   obstacle.first = now;
   obstacle.last = now;
   obstacle.sightings = 1;
   obstacles_.push_back(std::move(obstacle));
 }
 
-std::size_t SeenObstacles::pass(std::string_view vehicle, SimTime now, const Pose2& X_MB, double length_m,
+std::size_t DetectedObstacles::pass(std::string_view vehicle, SimTime now, const Pose2& X_MB, double length_m,
                                 double width_m) {
   if (obstacles_.empty()) return 0;
   const Pose2 X_BM = inverse(X_MB);
-  return std::erase_if(obstacles_, [&](const SeenObstacle& obstacle) {
+  return std::erase_if(obstacles_, [&](const DetectedObstacle& obstacle) {
     const Point2 p_B = X_BM * obstacle.at;
     // Abreast of it, and it reached into what the vehicle sweeps: it would have held the vehicle if it were there.
     const double beside_m = 0.5 * width_m + swept_margin_m + swept_share * obstacle.radius_m;
     if (std::fabs(p_B.x_m) > 0.5 * (length_m + obstacle.radius_m) || std::fabs(p_B.y_m) > beside_m) return false;
-    const auto witness = std::ranges::find(obstacle.seen_by, vehicle, &SeenObstacle::Witness::vehicle);
-    return witness == obstacle.seen_by.end() || now - witness->last > just_seen;
+    const auto witness = std::ranges::find(obstacle.detected_by, vehicle, &DetectedObstacle::Witness::vehicle);
+    return witness == obstacle.detected_by.end() || now - witness->last > just_detected;
   });
 }
 
-std::vector<std::string> SeenObstacles::look_through(const Pose2& X_MS, const wire::Ranges& ranges) {
+std::vector<std::string> DetectedObstacles::look_through(const Pose2& X_MS, const wire::Ranges& ranges) {
   std::vector<std::string> gone;
   const Pose2 X_SM = inverse(X_MS);
-  for (SeenObstacle& obstacle : obstacles_) {
+  for (DetectedObstacle& obstacle : obstacles_) {
     const Look look = look_at(obstacle, X_SM, ranges);
     if (look == Look::there) obstacle.doubts = 0;
     if (look == Look::through && ++obstacle.doubts >= doubts_max) gone.push_back(obstacle.id);
@@ -123,19 +123,19 @@ std::vector<std::string> SeenObstacles::look_through(const Pose2& X_MS, const wi
   return gone;
 }
 
-void SeenObstacles::remove(std::string_view id) {
-  std::erase_if(obstacles_, [id](const SeenObstacle& obstacle) { return obstacle.id == id; });
+void DetectedObstacles::remove(std::string_view id) {
+  std::erase_if(obstacles_, [id](const DetectedObstacle& obstacle) { return obstacle.id == id; });
 }
 
-void SeenObstacles::fold(Digest& digest) const {
+void DetectedObstacles::fold(Digest& digest) const {
   digest.add(running_);
-  for (const SeenObstacle& obstacle : obstacles_) {
+  for (const DetectedObstacle& obstacle : obstacles_) {
     digest.add(std::string_view{obstacle.id});
     digest.add(obstacle.at.x_m);
     digest.add(obstacle.at.y_m);
     digest.add(obstacle.radius_m);
     digest.add(obstacle.last);
-    digest.add(static_cast<std::uint64_t>(obstacle.seen_by.size()));
+    digest.add(static_cast<std::uint64_t>(obstacle.detected_by.size()));
     digest.add(std::int64_t{obstacle.doubts});
   }
 }

@@ -13,16 +13,16 @@
 namespace cosiva::virtual_side {
 
 /// The twin of a physical obstacle, as vehicles saw it.
-struct SeenObstacle {
+struct DetectedObstacle {
   struct Witness {
     std::string vehicle;
     SimTime last{};
   };
   std::string id;          ///< "S1"
-  std::uint16_t handle{};  ///< on binary frames, from SeenObstacles::first_handle on
+  std::uint16_t handle{};  ///< on binary frames, from DetectedObstacles::first_handle on
   Point2 at;
   double radius_m{};
-  std::vector<Witness> seen_by;  ///< in the order of their first sightings
+  std::vector<Witness> detected_by;  ///< in the order of their first sightings
   SimTime first{};
   SimTime last{};
   std::uint32_t sightings{0};
@@ -31,14 +31,14 @@ struct SeenObstacle {
 
 /// Obstacles that vehicles report become twins, and vanish when their place is found free. Sightings of one thing from
 /// several sides, and by several vehicles, are merged.
-class SeenObstacles {
+class DetectedObstacles {
  public:
   static constexpr double merge_within_m = 0.15;
   static constexpr std::size_t obstacles_max = 64;  ///< beyond, the one not seen for longest gives way
   static constexpr std::uint16_t first_handle = 0xC000;
   static constexpr std::uint16_t handles = 0x3FFF;
   /// A vehicle that saw it so recently is before it, not in it: its twin may be shown a little too far.
-  static constexpr SimDuration just_seen{std::chrono::milliseconds{500}};
+  static constexpr SimDuration just_detected{std::chrono::milliseconds{500}};
   static constexpr double looks_m_max = 1.5;  ///< further away a beam is too wide to say that nothing is there
   static constexpr int doubts_max = 3;        ///< one echo that does not come back ends nothing
 
@@ -55,15 +55,15 @@ class SeenObstacles {
   void remove(std::string_view id);
   void clear() { obstacles_.clear(); }
 
-  [[nodiscard]] static bool seen_by(const SeenObstacle& obstacle, std::string_view vehicle);
-  [[nodiscard]] const std::vector<SeenObstacle>& obstacles() const { return obstacles_; }
+  [[nodiscard]] static bool detected_by(const DetectedObstacle& obstacle, std::string_view vehicle);
+  [[nodiscard]] const std::vector<DetectedObstacle>& obstacles() const { return obstacles_; }
   [[nodiscard]] bool empty() const { return obstacles_.empty(); }
   void fold(Digest& digest) const;
 
  private:
   void appear(std::string_view vehicle, SimTime now, Point2 at, double radius_m);
 
-  std::vector<SeenObstacle> obstacles_;
+  std::vector<DetectedObstacle> obstacles_;
   std::uint64_t running_{0};
 };
 
