@@ -81,7 +81,7 @@ test('cosiva up --gvs', { timeout: 240_000 }, async (t) => {
     await platform.without_supervisor(async () => {
       before = await platform.kill_child(/^gvs$/);
       killed_ms = Date.now();
-      await eventually('it is missed', async () => (await findings(platform)).some(({ kind, id }) => kind === 'no sight' && id === 'GVS'), { within_ms: 10_000 });
+      await eventually('it is missed', async () => (await findings(platform)).some(({ kind, id }) => kind === 'no detection' && id === 'GVS'), { within_ms: 10_000 });
     });
     const after = await eventually('it is started again', () => platform.children().find(({ name, pid }) => name === 'gvs' && pid !== before.pid));
     assert.ok(after);
@@ -156,7 +156,7 @@ test('recorded pictures of a calibrated camera are watched to their end, and the
 
   await t.test('the platform goes on when they end', async () => {
     const platform = await Platform.up(t, { aivs: 1, folder, args: source });
-    const finding = await eventually('their end is named', async () => (await findings(platform)).find(({ kind }) => kind === 'no sight'), { within_ms: 40_000, every_ms: 100 });
+    const finding = await eventually('their end is named', async () => (await findings(platform)).find(({ kind }) => kind === 'no detection'), { within_ms: 40_000, every_ms: 100 });
     assert.match(finding.text, /there are no more pictures/);
     const { gvs, aivs } = await platform.snapshot();
     assert.equal(gvs.state, 'silent');

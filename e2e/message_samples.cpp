@@ -233,8 +233,8 @@ bool camera(app::TraceWriter& trace, const zone::ZoneConfiguration& zone) {
     const auto image = emulated->take(*now, before);
     const auto poses = tracker.see(image, now->at, 0.25);
     if (!poses) return false;
-    found = found || poses->sights.size() == 2;
-    run.publish("gvs", {std::string(wire::gvs_sights_topic), to_json(*poses), 0, false});
+    found = found || poses->detections.size() == 2;
+    run.publish("gvs", {std::string(wire::gvs_detections_topic), to_json(*poses), 0, false});
     run.publish("gvs",
                 {std::string(wire::gvs_picture_topic), tracker.shown(image, *poses, rtm->zone().vehicle), 0, false});
   }

@@ -42,44 +42,44 @@ Estimate DeadReckoning::estimate() const {
   return on_track(*told.track, told.sensors, s_m, p_m2);
 }
 
-std::optional<DeadReckoning::Sight> DeadReckoning::see(const Reading& reading) {
+std::optional<DeadReckoning::Detection> DeadReckoning::see(const Reading& reading) {
   if (!told.track) return std::nullopt;
   const double gate_m = gate_sigmas * std::sqrt(p_m2 + mark_variance(told));
   // The foot of a mark on another branch of the line may lie near; the belief says which is meant.
   const double reach_m = std::fmax(1.0, 2.0 * gate_m);
   const auto foot_m = told.track->foot(reading.mark_M, s_m + reading.detected_B.x_m, reach_m);
   if (!foot_m) return std::nullopt;
-  const Sight sight{*foot_m - reading.detected_B.x_m, *foot_m - reading.detected_B.x_m - s_m};
-  if (std::fabs(sight.innovation_m) <= gate_m) {
+  const Detection detection{*foot_m - reading.detected_B.x_m, *foot_m - reading.detected_B.x_m - s_m};
+  if (std::fabs(detection.innovation_m) <= gate_m) {
     doubting_ = false;
-    return sight;
+    return detection;
   }
-  const bool agree = doubting_ && std::fabs(sight.innovation_m - doubt_m_) < agree_m;
-  doubt_m_ = sight.innovation_m;
+  const bool agree = doubting_ && std::fabs(detection.innovation_m - doubt_m_) < agree_m;
+  doubt_m_ = detection.innovation_m;
   doubting_ = !agree;
   if (!agree) return std::nullopt;
   // Twice the same news: the belief was wrong, and its variance with it.
-  p_m2 = std::fmax(p_m2, sight.innovation_m * sight.innovation_m);
-  return sight;
+  p_m2 = std::fmax(p_m2, detection.innovation_m * detection.innovation_m);
+  return detection;
 }
 
 Rectified ResetRule::rectify(const Reading& reading) {
-  const auto sight = see(reading);
-  if (!sight) return {};
+  const auto detection = see(reading);
+  if (!detection) return {};
   const double expected = p_m2 + mark_variance(told);
-  s_m = sight->along_m;
+  s_m = detection->along_m;
   p_m2 = mark_variance(told);
-  return {true, sight->innovation_m * sight->innovation_m / expected, 1};
+  return {true, detection->innovation_m * detection->innovation_m / expected, 1};
 }
 
 Rectified ArcKalman::rectify(const Reading& reading) {
-  const auto sight = see(reading);
-  if (!sight) return {};
+  const auto detection = see(reading);
+  if (!detection) return {};
   const double expected = p_m2 + mark_variance(told);
   const double gain = p_m2 / expected;
-  s_m += gain * sight->innovation_m;
+  s_m += gain * detection->innovation_m;
   p_m2 *= 1.0 - gain;
-  return {true, sight->innovation_m * sight->innovation_m / expected, 1};
+  return {true, detection->innovation_m * detection->innovation_m / expected, 1};
 }
 
 ArcKalmanScale::ArcKalmanScale(Setting setting)
@@ -96,17 +96,17 @@ void ArcKalmanScale::predict(const Odometry& odometry) {
 }
 
 Rectified ArcKalmanScale::rectify(const Reading& reading) {
-  const auto sight = see(reading);
-  if (!sight) return {};
+  const auto detection = see(reading);
+  if (!detection) return {};
   const double expected = p_m2 + mark_variance(told);
   const double gain = p_m2 / expected;
   const double scale_gain_per_m = cross_m_ / expected;
-  s_m += gain * sight->innovation_m;
-  scale_error_ += scale_gain_per_m * sight->innovation_m;
+  s_m += gain * detection->innovation_m;
+  scale_error_ += scale_gain_per_m * detection->innovation_m;
   scale_variance_ -= scale_gain_per_m * cross_m_;
   cross_m_ *= 1.0 - gain;
   p_m2 *= 1.0 - gain;
-  return {true, sight->innovation_m * sight->innovation_m / expected, 1};
+  return {true, detection->innovation_m * detection->innovation_m / expected, 1};
 }
 
 ArcSmoother::ArcSmoother(Setting setting) : ArcKalman{std::move(setting)} {
@@ -150,13 +150,13 @@ void UnbiasedFir::predict(const Odometry& odometry) {
 }
 
 Rectified UnbiasedFir::rectify(const Reading& reading) {
-  const auto sight = see(reading);
-  if (!sight) return {};
+  const auto detection = see(reading);
+  if (!detection) return {};
   const double expected = p_m2 + mark_variance(told);
-  anchors_.push_back({sight->along_m});
+  anchors_.push_back({detection->along_m});
   while (anchors_.size() > told.horizon) anchors_.pop_front();
   average();
-  return {true, sight->innovation_m * sight->innovation_m / expected, 1};
+  return {true, detection->innovation_m * detection->innovation_m / expected, 1};
 }
 
 void UnbiasedFir::average() {

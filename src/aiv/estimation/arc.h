@@ -21,11 +21,11 @@ class DeadReckoning : public Algorithm {
  protected:
   /// Where on the track the mark that was read puts the vehicle, and how far that is from the belief; nothing: nowhere
   /// near. Two strange readings that agree move the search to them.
-  struct Sight {
+  struct Detection {
     double along_m;
     double innovation_m;
   };
-  [[nodiscard]] std::optional<Sight> see(const Reading& reading);
+  [[nodiscard]] std::optional<Detection> see(const Reading& reading);
 
   Setting told;
   double s_m;   ///< s

@@ -108,9 +108,9 @@ std::string GvsEye::name_of(int tag) const {
   return taken ? "tag " + std::to_string(tag) : usual;
 }
 
-Result<wire::GvsSights> GvsEye::see(const vision::Image& image, SimTime began, double period_s) {
-  wire::GvsSights sights{header_id_, began, period_s, {}, field_};
-  if (first_ && began <= last_) return sights;
+Result<wire::GvsDetections> GvsEye::see(const vision::Image& image, SimTime began, double period_s) {
+  wire::GvsDetections detections{header_id_, began, period_s, {}, field_};
+  if (first_ && began <= last_) return detections;
   if (!first_) first_ = began;
   // Counted from its first picture: of a time since 1970 a double keeps a quarter of a microsecond only.
   const auto fixes = tracker_.see(image, to_seconds(began - *first_));
@@ -118,11 +118,11 @@ Result<wire::GvsSights> GvsEye::see(const vision::Image& image, SimTime began, d
   last_ = began;
   ++header_id_;
   for (const vision::Fix& fix : *fixes) {
-    if (sights.sights.size() >= wire::GvsSights::sights_max) break;
-    sights.sights.push_back({name_of(fix.tag), static_cast<std::uint32_t>(fix.tag), *first_ + from_seconds(fix.t_s),
+    if (detections.detections.size() >= wire::GvsDetections::detections_max) break;
+    detections.detections.push_back({name_of(fix.tag), static_cast<std::uint32_t>(fix.tag), *first_ + from_seconds(fix.t_s),
                              fix.X_MB, fix.uncertainty_m});
   }
-  return sights;
+  return detections;
 }
 
 std::optional<vision::PixelPoint> GvsEye::pixel_of(Point2 place, int tag) const {
@@ -130,21 +130,21 @@ std::optional<vision::PixelPoint> GvsEye::pixel_of(Point2 place, int tag) const 
   return calibration_.map.pixel_at(vision::detected_from(place, height_m, calibration_.camera));
 }
 
-std::string GvsEye::shown(const vision::Image& image, const wire::GvsSights& sights,
+std::string GvsEye::shown(const vision::Image& image, const wire::GvsDetections& detections,
                           const zone::VehicleShape& body) const {
   const std::size_t longest = std::max(image.size.width, image.size.height);
   const std::size_t by = std::max<std::size_t>(1, (longest + shown_px_max - 1) / shown_px_max);
   const auto share = 1.0 / static_cast<double>(by);
   JsonWriter json;
-  json.begin_object().field("timestamp", to_iso8601(sights.timestamp)).key("sights").begin_array();
+  json.begin_object().field("timestamp", to_iso8601(detections.timestamp)).key("detections").begin_array();
   const double x = 0.5 * body.length_m;
   const double y = 0.5 * body.width_m;
-  for (const wire::GvsSights::Sight& sight :
-       std::span{sights.sights}.first(std::min(shown_max, sights.sights.size()))) {
-    json.begin_object().field("vehicle", sight.vehicle).field("tag", sight.tag);
-    json.field("x", sight.pose.x_m).field("y", sight.pose.y_m).field("heading", sight.pose.heading_rad);
+  for (const wire::GvsDetections::Detection& detection :
+       std::span{detections.detections}.first(std::min(shown_max, detections.detections.size()))) {
+    json.begin_object().field("vehicle", detection.vehicle).field("tag", detection.tag);
+    json.field("x", detection.pose.x_m).field("y", detection.pose.y_m).field("heading", detection.pose.heading_rad);
     const auto drawn = [&](Point2 p_B) {
-      const auto pixel = pixel_of(sight.pose * p_B, static_cast<int>(sight.tag));
+      const auto pixel = pixel_of(detection.pose * p_B, static_cast<int>(detection.tag));
       if (pixel) write_pixel(json, {share * pixel->u, share * pixel->v});
     };
     json.key("outline").begin_array();

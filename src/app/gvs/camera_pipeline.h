@@ -25,11 +25,11 @@ class GvsEye {
 
   /// Fails ("gvs.picture") on a picture of another size than the calibration's.
   /// @param began  when the exposure of its first row began; it rises (others are passed over: nothing is seen)
-  [[nodiscard]] Result<wire::GvsSights> see(const vision::Image& image, SimTime began, double period_s);
+  [[nodiscard]] Result<wire::GvsDetections> see(const vision::Image& image, SimTime began, double period_s);
   /// The last picture that was seen, smaller, as Netpbm's P5. Its comment says where its vehicles are on it:
   /// {"timestamp","sights":[{"vehicle","tag","x","y","heading","outline":[[u,v]…],"nose":[u,v]}]}.
   /// @param body  whose outline is drawn
-  [[nodiscard]] std::string shown(const vision::Image& image, const wire::GvsSights& sights,
+  [[nodiscard]] std::string shown(const vision::Image& image, const wire::GvsDetections& detections,
                                   const zone::VehicleShape& body) const;
   /// What of the floor it sees so that a whole tag fits in.
   [[nodiscard]] const std::vector<Point2>& field() const { return field_; }

@@ -147,14 +147,14 @@ class Watch {
 
   void take(const vision::Image& image, SimTime began) {
     if (!eye_) return;
-    const auto sights = eye_->see(image, began, 1.0 / source_.rate_hz);
-    if (!sights) return set_trouble(to_string(sights.error()));
+    const auto detections = eye_->see(image, began, 1.0 / source_.rate_hz);
+    if (!detections) return set_trouble(to_string(detections.error()));
     set_trouble({});
     ++pictures_;
-    detected_ += sights->sights.size();
-    client_->publish({std::string(wire::gvs_sights_topic), to_json(*sights), 0, false});
+    detected_ += detections->detections.size();
+    client_->publish({std::string(wire::gvs_detections_topic), to_json(*detections), 0, false});
     if (clock_.now() <= looked_until_)
-      client_->publish({std::string(wire::gvs_picture_topic), eye_->shown(image, *sights, body_), 0, false});
+      client_->publish({std::string(wire::gvs_picture_topic), eye_->shown(image, *detections, body_), 0, false});
   }
 
   void set_trouble(const std::string& why) {

@@ -57,7 +57,7 @@ struct Watched {
     source.exposure_ms = 1e3 * camera.exposure_s();
     eye.emplace(camera.calibration(), tracker_options(source), std::map<int, std::string>{{3, "ACME/cart"}});
   }
-  wire::GvsSights look(SimTime at) {
+  wire::GvsDetections look(SimTime at) {
     const PlantTruth truth = truth_at(at);
     image = camera.take(truth, truth_at(at - 100ms));
     return eye->see(image, at, 0.25).value();
@@ -71,14 +71,14 @@ TEST(GvsEye, sees_every_vehicle_of_an_emulated_world_within_3_mm_of_where_it_is_
   Watched watched;
   for (int k = 0; k < 4; ++k) {
     const SimTime at = virtual_epoch + 250ms * k;
-    const wire::GvsSights sights = watched.look(at);
-    ASSERT_THAT(sights.sights, SizeIs(4));
-    for (const auto& sight : sights.sights) {
-      EXPECT_EQ(sight.at - at, 2ms) << "of four of exposure";
-      const auto truth = truth_at(sight.at).vehicles[sight.tag - 1];
-      EXPECT_LT(distance(sight.pose, truth.X_MB), 0.003) << "AIV" << sight.tag;
-      EXPECT_LT(std::fabs(wrap_angle(sight.pose.heading_rad - truth.X_MB.heading_rad)), 0.5 * degree_rad);
-      EXPECT_GT(sight.uncertainty_m, 0.0);
+    const wire::GvsDetections detections = watched.look(at);
+    ASSERT_THAT(detections.detections, SizeIs(4));
+    for (const auto& detection : detections.detections) {
+      EXPECT_EQ(detection.at - at, 2ms) << "of four of exposure";
+      const auto truth = truth_at(detection.at).vehicles[detection.tag - 1];
+      EXPECT_LT(distance(detection.pose, truth.X_MB), 0.003) << "AIV" << detection.tag;
+      EXPECT_LT(std::fabs(wrap_angle(detection.pose.heading_rad - truth.X_MB.heading_rad)), 0.5 * degree_rad);
+      EXPECT_GT(detection.uncertainty_m, 0.0);
     }
   }
 }
@@ -86,7 +86,7 @@ TEST(GvsEye, sees_every_vehicle_of_an_emulated_world_within_3_mm_of_where_it_is_
 TEST(GvsEye, names_vehicles_by_their_tags_and_others_as_it_was_told) {
   Watched watched;
   std::vector<std::string> names;
-  for (const auto& sight : watched.look(virtual_epoch).sights) names.push_back(sight.vehicle);
+  for (const auto& detection : watched.look(virtual_epoch).detections) names.push_back(detection.vehicle);
   EXPECT_THAT(names, ElementsAre("CoSiVA/AIV1", "CoSiVA/AIV2", "ACME/cart", "CoSiVA/AIV4"));
 }
 
@@ -95,9 +95,9 @@ TEST(GvsEye, a_tag_whose_usual_aiv_carries_another_one_is_nobody_s) {
   GvsSource source;
   source.tag_side_m = camera.tag_side_m();
   GvsEye eye{camera.calibration(), tracker_options(source), {{2, "CoSiVA/AIV1"}}};
-  const auto sights = eye.see(camera.take(truth_at(virtual_epoch), std::nullopt), virtual_epoch, 0.25).value();
+  const auto detections = eye.see(camera.take(truth_at(virtual_epoch), std::nullopt), virtual_epoch, 0.25).value();
   std::vector<std::string> names;
-  for (const auto& sight : sights.sights) names.push_back(sight.vehicle);
+  for (const auto& detection : detections.detections) names.push_back(detection.vehicle);
   EXPECT_THAT(names, ElementsAre("tag 1", "CoSiVA/AIV1", "CoSiVA/AIV3", "CoSiVA/AIV4"));
 }
 
@@ -127,9 +127,9 @@ TEST(GvsEye, tells_how_much_of_the_floor_it_sees) {
 
 TEST(GvsEye, passes_over_a_picture_that_is_not_newer_and_refuses_one_of_another_size) {
   Watched watched;
-  ASSERT_THAT(watched.look(virtual_epoch + 1s).sights, SizeIs(4));
-  EXPECT_THAT(watched.look(virtual_epoch).sights, SizeIs(0));
-  EXPECT_THAT(watched.look(virtual_epoch + 2s).sights, SizeIs(4));
+  ASSERT_THAT(watched.look(virtual_epoch + 1s).detections, SizeIs(4));
+  EXPECT_THAT(watched.look(virtual_epoch).detections, SizeIs(0));
+  EXPECT_THAT(watched.look(virtual_epoch + 2s).detections, SizeIs(4));
   const auto refused = watched.eye->see(vision::Image::filled({64, 64}, 0), virtual_epoch + 3s, 0.25);
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message, HasSubstr("64 x 64"));
@@ -137,8 +137,8 @@ TEST(GvsEye, passes_over_a_picture_that_is_not_newer_and_refuses_one_of_another_
 
 TEST(GvsEye, shows_a_small_picture_whose_comment_says_who_is_where_on_it) {
   Watched watched;
-  const wire::GvsSights sights = watched.look(virtual_epoch);
-  const std::string shown = watched.eye->shown(watched.image, sights, {0.2, 0.12});
+  const wire::GvsDetections detections = watched.look(virtual_epoch);
+  const std::string shown = watched.eye->shown(watched.image, detections, {0.2, 0.12});
   const auto image = vision::read_netpbm(shown, "shown");
   ASSERT_TRUE(image);
   EXPECT_EQ(image->size, (vision::PictureSize{480, 480}));
@@ -146,11 +146,11 @@ TEST(GvsEye, shows_a_small_picture_whose_comment_says_who_is_where_on_it) {
   const auto told = JsonValue::parse(shown.substr(5, shown.find('\n', 5) - 5));
   ASSERT_TRUE(told);
   EXPECT_EQ(told->text("timestamp"), to_iso8601(virtual_epoch));
-  const auto& all = *told->find("sights")->array();
+  const auto& all = *told->find("detections")->array();
   ASSERT_THAT(all, SizeIs(4));
-  for (const JsonValue& sight : all) {
-    const auto& outline = *sight.find("outline")->array();
-    ASSERT_THAT(outline, SizeIs(4)) << sight.text("vehicle").value();
+  for (const JsonValue& detection : all) {
+    const auto& outline = *detection.find("outline")->array();
+    ASSERT_THAT(outline, SizeIs(4)) << detection.text("vehicle").value();
     double u = 0.0;
     double v = 0.0;
     for (const JsonValue& corner : outline) {

@@ -178,7 +178,7 @@ void LineVehicle::begin_turn(const aiv::Onward& onward) {
   off_line_ = true;
   lies_on_line_ = true;
   // It turns until it sees the line ahead of it, and it sees no better than the line is painted.
-  goal_heading_rad_ = sight_error_rad();
+  goal_heading_rad_ = detection_error_rad();
   manoeuvre_.emplace(Pose2{0.0, 0.0, wrap_angle(onward.turn_rad - heading_rad_ + goal_heading_rad_)});
   // The joint stays where it was under the body: e to the left of the old line, seen along the new one.
   const auto [sin, cos] = sincos(onward.turn_rad);
@@ -196,14 +196,14 @@ bool LineVehicle::begin_seek(const DriveCommand& command) {
   const bool stays = (command.goal ? aiv::to_stay(*command.goal) : lies_on_line_) && lies_over(X_PB);
   if (stays) goal_.s_m = here.s_m;
   goal_lateral_m_ = stays ? X_PB.y_m : line_offset_sd_m_ > 0.0 ? line_random_.gaussian(0.0, line_offset_sd_m_) : 0.0;
-  goal_heading_rad_ = sight_error_rad();
+  goal_heading_rad_ = detection_error_rad();
   const Pose2 X_MG = circuit_->pose_at(goal_) * Pose2{0.0, goal_lateral_m_, goal_heading_rad_};
   manoeuvre_.emplace(inverse(body_.X_MB) * X_MG);
   X_MS_ = body_.X_MB;
   return true;
 }
 
-double LineVehicle::sight_error_rad() {
+double LineVehicle::detection_error_rad() {
   constexpr double sensors_ahead_m = 0.1;
   return line_offset_sd_m_ > 0.0 ? line_random_.gaussian(0.0, line_offset_sd_m_ / sensors_ahead_m) : 0.0;
 }

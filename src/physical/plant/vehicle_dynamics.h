@@ -81,7 +81,7 @@ class LineVehicle {
   /// Whether its sensors see the line for a body that stands so, seen from the nearest place on the line.
   [[nodiscard]] bool lies_over(const Pose2& X_PB) const;
   void end_manoeuvre();
-  [[nodiscard]] double sight_error_rad();
+  [[nodiscard]] double detection_error_rad();
   void record_section();
   void brake_for_end(double dt_s);
   void change_speed(const DriveCommand* command, double dt_s);

@@ -48,7 +48,7 @@ std::string_view to_string(Finding::Kind kind) {
   switch (kind) {
     case Finding::Kind::no_twin: return "no twin";
     case Finding::Kind::not_detected: return "not detected";
-    case Finding::Kind::no_sight: return "no sight";
+    case Finding::Kind::no_detection: return "no detection";
   }
   return "?";
 }
@@ -110,7 +110,7 @@ void BijectionMonitor::elapse(SimTime now) {
     const SimDuration step = now - *elapsed_until_;
     const bool matched =
         std::ranges::none_of(pairs_, &Pair::orphan) &&
-        std::ranges::all_of(findings_, [](const Finding& f) { return f.kind == Finding::Kind::no_sight; });
+        std::ranges::all_of(findings_, [](const Finding& f) { return f.kind == Finding::Kind::no_detection; });
     const bool contracts = command_recent_.held() && event_recent_.held() && effect_recent_.held() &&
                            std::ranges::all_of(pairs_, [](const Pair& p) {
                              return p.divergence.held() && p.age.held() && p.actual.held();

@@ -31,7 +31,7 @@ struct Finding {
   enum class Kind : std::uint8_t {
     no_twin,   ///< the camera sees an AIV, and it has no twin
     not_detected,  ///< a twin stands where the camera sees no AIV
-    no_sight,  ///< the camera itself says nothing: neither is known
+    no_detection,  ///< the camera itself says nothing: neither is known
   };
   Kind kind{};
   std::string id;  ///< "CoSiVA/AIV1", "GVS"

@@ -183,7 +183,7 @@ TEST_F(Bijection, is_not_doubted_by_a_camera_that_sees_nothing_itself) {
   const auto a = monitor.entity("make/a");
   monitor.set_physical(a, true);
   monitor.set_virtual(a, true);
-  monitor.set_findings({{Finding::Kind::no_sight, "GVS", "no picture comes", now}});
+  monitor.set_findings({{Finding::Kind::no_detection, "GVS", "no picture comes", now}});
   wait(0s);
   wait(2s);
   EXPECT_DOUBLE_EQ(monitor.matched_share(), 1.0);

@@ -14,7 +14,7 @@ namespace {
 using namespace own;
 
 /// 256 sights of some 200 bytes.
-constexpr std::size_t sights_bytes_max = 96U << 10U;
+constexpr std::size_t detections_bytes_max = 96U << 10U;
 constexpr double period_s_max = 3600.0;
 
 constexpr std::array<std::pair<ConnectionState, std::string_view>, 3> terms{
@@ -42,15 +42,15 @@ std::string_view cut(std::string_view text) {
   return text.substr(0, end);
 }
 
-void read_sight(Fields& in, GvsSights::Sight& sight) {
-  in.text("vehicle", sight.vehicle);
-  in.whole("tag", sight.tag);
-  in.time("at", sight.at);
-  in.number("x", -place_m_max, place_m_max, sight.pose.x_m);
-  in.number("y", -place_m_max, place_m_max, sight.pose.y_m);
-  in.number("heading", -heading_rad_max, heading_rad_max, sight.pose.heading_rad);
-  in.number("uncertainty", 0.0, place_m_max, sight.uncertainty_m);
-  sight.pose.heading_rad = wrap_angle(sight.pose.heading_rad);
+void read_detection(Fields& in, GvsDetections::Detection& detection) {
+  in.text("vehicle", detection.vehicle);
+  in.whole("tag", detection.tag);
+  in.time("at", detection.at);
+  in.number("x", -place_m_max, place_m_max, detection.pose.x_m);
+  in.number("y", -place_m_max, place_m_max, detection.pose.y_m);
+  in.number("heading", -heading_rad_max, heading_rad_max, detection.pose.heading_rad);
+  in.number("uncertainty", 0.0, place_m_max, detection.uncertainty_m);
+  detection.pose.heading_rad = wrap_angle(detection.pose.heading_rad);
 }
 
 void read_corner(Fields& in, const JsonValue& item, const std::string& name, Point2& corner) {
@@ -65,47 +65,47 @@ void read_corner(Fields& in, const JsonValue& item, const std::string& name, Poi
 
 }  // namespace
 
-std::string to_json(const GvsSights& sights) {
+std::string to_json(const GvsDetections& detections) {
   JsonWriter json;
   json.begin_object()
-      .field("headerId", sights.header_id)
-      .field("timestamp", to_iso8601(sights.timestamp))
-      .field("period", sights.period_s)
-      .key("sights")
+      .field("headerId", detections.header_id)
+      .field("timestamp", to_iso8601(detections.timestamp))
+      .field("period", detections.period_s)
+      .key("detections")
       .begin_array();
-  for (const GvsSights::Sight& sight : sights.sights) {
+  for (const GvsDetections::Detection& detection : detections.detections) {
     json.begin_object()
-        .field("vehicle", sight.vehicle)
-        .field("tag", sight.tag)
-        .field("at", to_iso8601(sight.at))
-        .field("x", sight.pose.x_m)
-        .field("y", sight.pose.y_m)
-        .field("heading", sight.pose.heading_rad)
-        .field("uncertainty", sight.uncertainty_m)
+        .field("vehicle", detection.vehicle)
+        .field("tag", detection.tag)
+        .field("at", to_iso8601(detection.at))
+        .field("x", detection.pose.x_m)
+        .field("y", detection.pose.y_m)
+        .field("heading", detection.pose.heading_rad)
+        .field("uncertainty", detection.uncertainty_m)
         .end_object();
   }
   json.end_array().key("field").begin_array();
-  for (const Point2& corner : sights.field) json.begin_array().value(corner.x_m).value(corner.y_m).end_array();
+  for (const Point2& corner : detections.field) json.begin_array().value(corner.x_m).value(corner.y_m).end_array();
   return json.end_array().end_object().take();
 }
 
-Result<GvsSights> gvs_sights_from_json(std::string_view text) {
-  return read_message<GvsSights>(
+Result<GvsDetections> gvs_detections_from_json(std::string_view text) {
+  return read_message<GvsDetections>(
       text,
-      [](Fields& in, GvsSights& sights) {
-        in.whole("headerId", sights.header_id);
-        in.time("timestamp", sights.timestamp);
-        in.number("period", 0.0, period_s_max, sights.period_s);
-        in.list("sights", GvsSights::sights_max, [&](const JsonValue& item, const std::string& name) {
+      [](Fields& in, GvsDetections& detections) {
+        in.whole("headerId", detections.header_id);
+        in.time("timestamp", detections.timestamp);
+        in.number("period", 0.0, period_s_max, detections.period_s);
+        in.list("detections", GvsDetections::detections_max, [&](const JsonValue& item, const std::string& name) {
           Fields fields{item, name + "."};
-          read_sight(fields, sights.sights.emplace_back());
+          read_detection(fields, detections.detections.emplace_back());
           in.take_over(fields.error());
         });
-        in.list("field", GvsSights::corners_max, [&](const JsonValue& item, const std::string& name) {
-          read_corner(in, item, name, sights.field.emplace_back());
+        in.list("field", GvsDetections::corners_max, [&](const JsonValue& item, const std::string& name) {
+          read_corner(in, item, name, detections.field.emplace_back());
         });
       },
-      sights_bytes_max);
+      detections_bytes_max);
 }
 
 std::string to_json(const GvsConnection& connection) {

@@ -13,8 +13,8 @@
 /// What GVS, the camera over the zone (A34), tells of the physical side. docs/protocols/own-messages.md.
 namespace cosiva::wire {
 
-/// GVS → server, with each picture: whom the camera over the zone saw where (wire::GvsSights, A34).
-inline constexpr std::string_view gvs_sights_topic = "cosiva/v1/gvs/sights";
+/// GVS → server, with each picture: whom the camera over the zone saw where (wire::GvsDetections, A34).
+inline constexpr std::string_view gvs_detections_topic = "cosiva/v1/gvs/detections";
 /// Retained with a last will: whether that camera watches (wire::GvsConnection).
 inline constexpr std::string_view gvs_connection_topic = "cosiva/v1/gvs/connection";
 /// Server → GVS: somebody looks at its pictures, so they are sent for the next two seconds.
@@ -24,25 +24,25 @@ inline constexpr std::string_view gvs_look_topic = "cosiva/v1/gvs/look";
 inline constexpr std::string_view gvs_picture_topic = "cosiva/v1/gvs/picture";
 
 /// GVS → server, QoS 0, for each of its pictures: whom it saw where.
-struct GvsSights {
+struct GvsDetections {
   std::uint32_t header_id{};
   SimTime timestamp{};  ///< when the picture's exposure began
   double period_s{};    ///< to the next picture
-  struct Sight {
+  struct Detection {
     std::string vehicle;  ///< "CoSiVA/AIV1": whose tag it is
     std::uint32_t tag{};
     SimTime at{};            ///< the middle of the exposure of its own rows
     Pose2 pose;              ///< X_MB of the vehicle, its tag's height and mount accounted for
     double uncertainty_m{};  ///< standard, of its place
-    friend bool operator==(const Sight&, const Sight&) = default;
+    friend bool operator==(const Detection&, const Detection&) = default;
   };
-  std::vector<Sight> sights;  ///< at most sights_max
+  std::vector<Detection> detections;  ///< at most detections_max
   /// What of the floor it sees so that a whole tag fits in: corners of a polygon, at most corners_max. Who is outside
   /// is not missed.
   std::vector<Point2> field;
-  static constexpr std::size_t sights_max = 256;
+  static constexpr std::size_t detections_max = 256;
   static constexpr std::size_t corners_max = 64;
-  friend bool operator==(const GvsSights&, const GvsSights&) = default;
+  friend bool operator==(const GvsDetections&, const GvsDetections&) = default;
 };
 
 /// GVS → server, retained, QoS 1, and as its last will: whether it watches.
@@ -54,10 +54,10 @@ struct GvsConnection {
   friend bool operator==(const GvsConnection&, const GvsConnection&) = default;
 };
 
-[[nodiscard]] std::string to_json(const GvsSights& sights);
+[[nodiscard]] std::string to_json(const GvsDetections& detections);
 [[nodiscard]] std::string to_json(const GvsConnection& connection);
 /// Both fail ("own.field", naming the field; "json.syntax") as readers of our own messages do.
-[[nodiscard]] Result<GvsSights> gvs_sights_from_json(std::string_view json);
+[[nodiscard]] Result<GvsDetections> gvs_detections_from_json(std::string_view json);
 [[nodiscard]] Result<GvsConnection> gvs_connection_from_json(std::string_view json);
 
 }  // namespace cosiva::wire

@@ -14,14 +14,14 @@ using ::testing::HasSubstr;
 
 SimTime time_of(const char* text) { return parse_iso8601(text).value(); }
 
-const GvsSights shown{7,
+const GvsDetections shown{7,
                       time_of("2026-01-01T00:00:00.100Z"),
                       0.25,
                       {{"CoSiVA/AIV1", 1, time_of("2026-01-01T00:00:00.102Z"), {0.125, -0.15, 0.5}, 0.001}},
                       {{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}}};
 constexpr std::string_view shown_json =
     R"({"headerId":7,"timestamp":"2026-01-01T00:00:00.100Z","period":0.25,)"
-    R"("sights":[{"vehicle":"CoSiVA/AIV1","tag":1,"at":"2026-01-01T00:00:00.102Z","x":0.125,"y":-0.15,"heading":0.5,)"
+    R"("detections":[{"vehicle":"CoSiVA/AIV1","tag":1,"at":"2026-01-01T00:00:00.102Z","x":0.125,"y":-0.15,"heading":0.5,)"
     R"("uncertainty":0.001}],"field":[[-1,-1],[1,-1],[1,1]]})";
 constexpr std::string_view connected_json =
     R"({"connectionState":"ONLINE","timestamp":"2026-01-01T00:00:00.000Z","source":"the emulated world's camera",)"
@@ -36,7 +36,7 @@ std::string replaced(std::string_view text, std::string_view from, std::string_v
 
 TEST(GvsMessages, are_written_as_the_protocol_shows_and_read_back) {
   EXPECT_EQ(to_json(shown), shown_json);
-  EXPECT_EQ(gvs_sights_from_json(shown_json).value(), shown);
+  EXPECT_EQ(gvs_detections_from_json(shown_json).value(), shown);
   const GvsConnection connected{ConnectionState::online, time_of("2026-01-01T00:00:00.000Z"),
                                 "the emulated world's camera", ""};
   EXPECT_EQ(to_json(connected), connected_json);
@@ -44,35 +44,35 @@ TEST(GvsMessages, are_written_as_the_protocol_shows_and_read_back) {
 }
 
 TEST(GvsMessages, of_nobody_and_with_unknown_fields_are_read) {
-  const auto read = gvs_sights_from_json(
-      R"({"headerId":0,"timestamp":"2026-01-01T00:00:00Z","period":1,"sights":[],"field":[],"colour":"grey"})");
+  const auto read = gvs_detections_from_json(
+      R"({"headerId":0,"timestamp":"2026-01-01T00:00:00Z","period":1,"detections":[],"field":[],"colour":"grey"})");
   ASSERT_TRUE(read);
-  EXPECT_TRUE(read->sights.empty());
+  EXPECT_TRUE(read->detections.empty());
 }
 
 TEST(GvsMessages, a_heading_comes_out_within_a_turn) {
-  const auto read = gvs_sights_from_json(replaced(shown_json, R"("heading":0.5)", R"("heading":7)"));
-  EXPECT_NEAR(read->sights[0].pose.heading_rad, 7.0 - 2.0 * pi, 1e-12);
+  const auto read = gvs_detections_from_json(replaced(shown_json, R"("heading":0.5)", R"("heading":7)"));
+  EXPECT_NEAR(read->detections[0].pose.heading_rad, 7.0 - 2.0 * pi, 1e-12);
 }
 
 TEST(GvsMessages, that_are_wrong_are_refused_by_the_field) {
   const auto refused = [](const char* from, const char* to, const char* place) {
-    const auto read = gvs_sights_from_json(replaced(shown_json, from, to));
+    const auto read = gvs_detections_from_json(replaced(shown_json, from, to));
     ASSERT_FALSE(read) << to;
     EXPECT_EQ(read.error().code, "own.field");
     EXPECT_EQ(read.error().place, place);
   };
-  refused(R"("x":0.125)", R"("x":"here")", "sights.0.x");
-  refused(R"("x":0.125)", R"("x":1e9)", "sights.0.x");
-  refused(R"("tag":1)", R"("tag":-1)", "sights.0.tag");
-  refused(R"("at":"2026-01-01T00:00:00.102Z")", R"("at":"now")", "sights.0.at");
+  refused(R"("x":0.125)", R"("x":"here")", "detections.0.x");
+  refused(R"("x":0.125)", R"("x":1e9)", "detections.0.x");
+  refused(R"("tag":1)", R"("tag":-1)", "detections.0.tag");
+  refused(R"("at":"2026-01-01T00:00:00.102Z")", R"("at":"now")", "detections.0.at");
   refused(R"("period":0.25)", R"("period":-1)", "period");
   refused("[-1,-1]", "[-1]", "field.0");
   refused("[1,1]", R"([1,"1"])", "field.2");
   refused("[1,1]", "[1,1e7]", "field.2");
-  EXPECT_FALSE(gvs_sights_from_json(replaced(shown_json, R"("tag":1,)", "")));
-  EXPECT_FALSE(gvs_sights_from_json("[]"));
-  EXPECT_FALSE(gvs_sights_from_json(""));
+  EXPECT_FALSE(gvs_detections_from_json(replaced(shown_json, R"("tag":1,)", "")));
+  EXPECT_FALSE(gvs_detections_from_json("[]"));
+  EXPECT_FALSE(gvs_detections_from_json(""));
   const auto word = gvs_connection_from_json(replaced(connected_json, "ONLINE", "HERE"));
   ASSERT_FALSE(word);
   EXPECT_EQ(word.error().place, "connectionState");
@@ -89,14 +89,14 @@ TEST(GvsMessages, a_long_trouble_is_cut_between_two_characters) {
 }
 
 TEST(GvsMessages, of_more_than_anybody_has_vehicles_are_refused) {
-  GvsSights many = shown;
-  many.sights.resize(GvsSights::sights_max, shown.sights[0]);
-  EXPECT_TRUE(gvs_sights_from_json(to_json(many)));
-  many.sights.push_back(shown.sights[0]);
-  EXPECT_FALSE(gvs_sights_from_json(to_json(many)));
-  GvsSights cornered = shown;
-  cornered.field.resize(GvsSights::corners_max + 1);
-  EXPECT_FALSE(gvs_sights_from_json(to_json(cornered)));
+  GvsDetections many = shown;
+  many.detections.resize(GvsDetections::detections_max, shown.detections[0]);
+  EXPECT_TRUE(gvs_detections_from_json(to_json(many)));
+  many.detections.push_back(shown.detections[0]);
+  EXPECT_FALSE(gvs_detections_from_json(to_json(many)));
+  GvsDetections cornered = shown;
+  cornered.field.resize(GvsDetections::corners_max + 1);
+  EXPECT_FALSE(gvs_detections_from_json(to_json(cornered)));
 }
 
 }  // namespace

@@ -1,8 +1,8 @@
 import { describe, expect, it } from 'vitest';
 import { degrees_of, millimetres_of, name_place, path_of, picture_of, curve_text, rgba_of, type Sight } from './gvs';
 
-const sight: Sight = { vehicle: 'CoSiVA/AIV1', tag: 1, x: 0.125, y: -0.5, heading: 0, outline: [[10, 20], [14, 20], [14, 30], [10, 30]], nose: [[12, 25], [16, 25]] };
-const comment = { timestamp: '2026-01-01T00:00:00.000Z', sights: [sight] };
+const detection: Sight = { vehicle: 'CoSiVA/AIV1', tag: 1, x: 0.125, y: -0.5, heading: 0, outline: [[10, 20], [14, 20], [14, 30], [10, 30]], nose: [[12, 25], [16, 25]] };
+const comment = { timestamp: '2026-01-01T00:00:00.000Z', detections: [detection] };
 
 function file(header: string, pixels: number[]): ArrayBuffer {
   const text = new TextEncoder().encode(header);
@@ -30,7 +30,7 @@ describe('the camera’s picture', () => {
       [good.replace('3 2', '99999 1'), 6],
       ['P5\n3 2\n255\n', 6],
       ['P5\n# {\n3 2\n255\n', 6],
-      ['P5\n# {"timestamp":1,"sights":[]}\n3 2\n255\n', 6],
+      ['P5\n# {"timestamp":1,"detections":[]}\n3 2\n255\n', 6],
       [good, 5],
       ['', 0],
     ] as const) {
@@ -40,16 +40,16 @@ describe('the camera’s picture', () => {
 
   it('is told in words to who does not see it', () => {
     expect(curve_text({ width: 1, height: 1, grey: new Uint8Array(1), ...comment })).toBe('The camera’s picture: AIV1 at 0.13, -0.50 m');
-    expect(curve_text({ width: 1, height: 1, grey: new Uint8Array(1), timestamp: '', sights: [] })).toBe('The camera’s picture: no AIV on it');
+    expect(curve_text({ width: 1, height: 1, grey: new Uint8Array(1), timestamp: '', detections: [] })).toBe('The camera’s picture: no AIV on it');
     expect(curve_text(null)).toBe('No picture of the camera');
   });
 
   it('has its outlines as paths, and names above them or, at its upper border, below', () => {
-    expect(path_of(sight.outline, true)).toBe('M10 20L14 20L14 30L10 30Z');
+    expect(path_of(detection.outline, true)).toBe('M10 20L14 20L14 30L10 30Z');
     expect(path_of([[1, 2]], false)).toBe('');
-    expect(name_place({ ...sight, outline: [[10, 40], [20, 60]] }, 100)).toEqual([15, 34]);
-    expect(name_place(sight, 100)).toEqual([12, 48]);
-    expect(name_place({ ...sight, outline: [] }, 100)).toBeNull();
+    expect(name_place({ ...detection, outline: [[10, 40], [20, 60]] }, 100)).toEqual([15, 34]);
+    expect(name_place(detection, 100)).toEqual([12, 48]);
+    expect(name_place({ ...detection, outline: [] }, 100)).toBeNull();
   });
 });
 

@@ -18,7 +18,7 @@ export interface Picture {
   /** rows from top to bottom */
   grey: Uint8Array;
   timestamp: string;
-  sights: readonly Sight[];
+  detections: readonly Sight[];
 }
 
 const side_max = 4_096;
@@ -44,11 +44,11 @@ export function picture_of(bytes: ArrayBuffer): Picture | null {
   return { width, height, grey: all.subarray(at, at + width * height), ...told };
 }
 
-function told_of(comment: string): Pick<Picture, 'timestamp' | 'sights'> | null {
+function told_of(comment: string): Pick<Picture, 'timestamp' | 'detections'> | null {
   if (!comment.startsWith('# ')) return null;
   try {
     const told = JSON.parse(comment.slice(2)) as Partial<Picture>;
-    return typeof told.timestamp === 'string' && Array.isArray(told.sights) ? { timestamp: told.timestamp, sights: told.sights } : null;
+    return typeof told.timestamp === 'string' && Array.isArray(told.detections) ? { timestamp: told.timestamp, detections: told.detections } : null;
   } catch {
     return null;
   }
@@ -82,7 +82,7 @@ export const millimetres_of = (m: number | null): string => (m === null ? '–' 
 /** The text alternative of the image, for screen readers. */
 export function curve_text(picture: Picture | null): string {
   if (!picture) return 'No picture of the camera';
-  if (picture.sights.length === 0) return 'The camera’s picture: no AIV on it';
-  const each = picture.sights.map((sight) => `${sight.vehicle.slice(sight.vehicle.indexOf('/') + 1)} at ${sight.x.toFixed(2)}, ${sight.y.toFixed(2)} m`);
+  if (picture.detections.length === 0) return 'The camera’s picture: no AIV on it';
+  const each = picture.detections.map((detection) => `${detection.vehicle.slice(detection.vehicle.indexOf('/') + 1)} at ${detection.x.toFixed(2)}, ${detection.y.toFixed(2)} m`);
   return `The camera’s picture: ${each.join('; ')}`;
 }

@@ -86,7 +86,7 @@ export class AlarmBook {
     for (const orphan of snapshot.bijection.orphans) {
       see(orphan.id, format.serial(orphan.id), { code: `orphan ${orphan.side}`, text: orphan.side === 'physical' ? 'It has no twin' : 'A twin without a vehicle' });
     }
-    for (const { kind, id, text } of snapshot.bijection.findings ?? []) see(kind === 'no sight' ? null : id, format.serial(id), { code: kind, text });
+    for (const { kind, id, text } of snapshot.bijection.findings ?? []) see(kind === 'no detection' ? null : id, format.serial(id), { code: kind, text });
     for (const deadlock of snapshot.deadlocks?.list ?? []) {
       const cause = { code: `deadlock ${deadlock.number}`, text: deadlock_words(deadlock) };
       if (deadlock.state === 'standing' || deadlock.state === 'giving way' || deadlock.state === 'unresolved') see(null, 'Traffic', cause);

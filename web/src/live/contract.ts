@@ -202,7 +202,7 @@ export interface Bijection {
   matched_share: number;
   orphans: readonly { side: 'physical' | 'virtual'; id: string }[];
   /** discrepancies found by the camera above the zone; absent if the server has no camera */
-  findings?: readonly { kind: 'no twin' | 'not detected' | 'no sight'; id: string; text: string; since_ms: number }[];
+  findings?: readonly { kind: 'no twin' | 'not detected' | 'no detection'; id: string; text: string; since_ms: number }[];
   divergence_m: Statistics;
   divergence_rad: Statistics;
   /** distance of the twins from the positions measured by the camera */

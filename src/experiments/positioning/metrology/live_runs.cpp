@@ -79,7 +79,7 @@ void LiveRuns::on_truth(SimTime now, std::string_view payload) {
   const auto json = JsonValue::parse(payload);
   if (!json) return;  // anybody may publish there
   const JsonValue* lines = json->find("vehicles");
-  if (lines == nullptr) lines = json->find("sights");
+  if (lines == nullptr) lines = json->find("detections");
   if (lines == nullptr || lines->array() == nullptr) return;
   const std::string together = json->text("timestamp").value_or("");
   for (const JsonValue& line : *lines->array()) {

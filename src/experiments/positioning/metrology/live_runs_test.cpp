@@ -190,17 +190,17 @@ TEST(LiveRuns, need_somebody_who_says_where_the_vehicles_are) {
 
 TEST(LiveRuns, take_what_a_camera_over_the_zone_saw_for_the_truth) {
   LiveRunsOptions options = options_of({aiv(1)}, 1, 3.0, {"arc_kalman"});
-  options.truth_topic = "area/sights";
+  options.truth_topic = "area/detections";
   Bench bench{std::move(options)};
   // As GVS tells it: by name, and each vehicle with the time of its own rows.
   bench.world().tap([&](SimTime at, const std::string&, const wire::Publish& message) {
     if (message.topic != wire::plant_truth_topic) return bench.runs().on_message(at, message.topic, message.payload);
     const Pose2 truth = bench.world().plant().vehicles()[0].X_MB;
     JsonWriter json;
-    json.begin_object().field("timestamp", "2000-01-01T00:00:00Z").key("sights").begin_array().begin_object();
+    json.begin_object().field("timestamp", "2000-01-01T00:00:00Z").key("detections").begin_array().begin_object();
     json.field("vehicle", "CoSiVA/AIV1").field("at", to_iso8601(at)).field("x", truth.x_m).field("y", truth.y_m);
     json.field("heading", truth.heading_rad).end_object().end_array().end_object();
-    bench.runs().on_message(at, "area/sights", json.take());
+    bench.runs().on_message(at, "area/detections", json.take());
   });
   bench.run(seconds{30});
   const auto runs = bench.runs().take_runs();

@@ -50,7 +50,7 @@ std::string place_text(const Pose2& pose) {
 }  // namespace
 
 std::vector<std::string> GroundTruthComparator::subscriptions() {
-  return {std::string(wire::gvs_sights_topic), std::string(wire::gvs_connection_topic)};
+  return {std::string(wire::gvs_detections_topic), std::string(wire::gvs_connection_topic)};
 }
 
 Result<std::string> GroundTruthComparator::on_message(SimTime now, const wire::Input& input) {
@@ -67,37 +67,37 @@ Result<std::string> GroundTruthComparator::on_message(SimTime now, const wire::I
     return std::string(state()) + (connection_->trouble.empty() ? "" : ": " + connection_->trouble);
   }
   // Retained it would be of long ago; and the picture itself is for the page alone.
-  if (input.source != wire::gvs_sights_topic || input.flag || input.payload.empty()) return std::string{};
-  auto sights = wire::gvs_sights_from_json(input.payload);
-  if (!sights) return tl::unexpected(sights.error());
-  if (sights_ && sights->timestamp <= sights_->timestamp && sights_->timestamp - sights->timestamp < reorder_max)
+  if (input.source != wire::gvs_detections_topic || input.flag || input.payload.empty()) return std::string{};
+  auto detections = wire::gvs_detections_from_json(input.payload);
+  if (!detections) return tl::unexpected(detections.error());
+  if (detections_ && detections->timestamp <= detections_->timestamp && detections_->timestamp - detections->timestamp < reorder_max)
     return std::string{};
-  const bool news = !sights_ || sights_->sights.size() != sights->sights.size();
-  take(now, std::move(*sights));
-  return news ? std::to_string(sights_->sights.size()) + " in its picture" : std::string{};
+  const bool news = !detections_ || detections_->detections.size() != detections->detections.size();
+  take(now, std::move(*detections));
+  return news ? std::to_string(detections_->detections.size()) + " in its picture" : std::string{};
 }
 
-void GroundTruthComparator::take(SimTime now, wire::GvsSights sights) {
-  if (!sights_ || state() != "watching") watching_since_ = now;
-  const SimTime before = sights_at_;
-  sights_ = std::move(sights);
-  sights_at_ = now;
-  for (const wire::GvsSights::Sight& sight : sights_->sights) {
-    auto found = detected_.find(sight.vehicle);
+void GroundTruthComparator::take(SimTime now, wire::GvsDetections detections) {
+  if (!detections_ || state() != "watching") watching_since_ = now;
+  const SimTime before = detections_at_;
+  detections_ = std::move(detections);
+  detections_at_ = now;
+  for (const wire::GvsDetections::Detection& detection : detections_->detections) {
+    auto found = detected_.find(detection.vehicle);
     if (found == detected_.end()) {
       if (detected_.size() >= detected_max) continue;
-      found = detected_.emplace(sight.vehicle, Sighted{}).first;
+      found = detected_.emplace(detection.vehicle, Sighted{}).first;
       found->second.since = now;
     } else if (found->second.arrived < before - timeout) {
       found->second.since = now;
     }
     Sighted& detected = found->second;
-    detected.tag = sight.tag;
-    detected.at = sight.at;
+    detected.tag = detection.tag;
+    detected.at = detection.at;
     detected.arrived = now;
-    detected.X_MB = sight.pose;
-    detected.uncertainty_m = sight.uncertainty_m;
-    compare(sight, detected);
+    detected.X_MB = detection.pose;
+    detected.uncertainty_m = detection.uncertainty_m;
+    compare(detection, detected);
   }
 }
 
@@ -107,15 +107,15 @@ std::optional<VehicleIndex> GroundTruthComparator::twin_of(const std::string& na
   return vehicle;
 }
 
-void GroundTruthComparator::compare(const wire::GvsSights::Sight& sight, Sighted& detected) {
+void GroundTruthComparator::compare(const wire::GvsDetections::Detection& detection, Sighted& detected) {
   detected.gap_m.reset();
   detected.gap_rad.reset();
-  const auto vehicle = twin_of(sight.vehicle);
+  const auto vehicle = twin_of(detection.vehicle);
   if (!vehicle) return;
-  const auto X_MT = twin_at(*vehicle, sight.at);
+  const auto X_MT = twin_at(*vehicle, detection.at);
   if (!X_MT) return;
-  detected.gap_m = distance(*X_MT, sight.pose);
-  detected.gap_rad = std::fabs(wrap_angle(X_MT->heading_rad - sight.pose.heading_rad));
+  detected.gap_m = distance(*X_MT, detection.pose);
+  detected.gap_rad = std::fabs(wrap_angle(X_MT->heading_rad - detection.pose.heading_rad));
   simulator_.monitor().actual(registry_[*vehicle].entity, *detected.gap_m, *detected.gap_rad);
 }
 
@@ -146,7 +146,7 @@ void GroundTruthComparator::record_twins() {
     const Pose2 X_MB = simulator_.image(*proxy.twin, now_).X_MB;
     trail.points.push_back({now_, X_MB});
     while (trail.points.front().at < now_ - history) trail.points.pop_front();
-    if (!sights_ || !inside(sights_->field, position(X_MB)))
+    if (!detections_ || !inside(detections_->field, position(X_MB)))
       trail.in_field_since.reset();
     else if (!trail.in_field_since)
       trail.in_field_since = now_;
@@ -156,8 +156,8 @@ void GroundTruthComparator::record_twins() {
 std::string_view GroundTruthComparator::state() const {
   if (connection_ && connection_->state != wire::ConnectionState::online)
     return connection_->state == wire::ConnectionState::offline ? "ended" : "broken";
-  const SimDuration limit = std::max(silent_after, sights_ ? from_seconds(3.0 * sights_->period_s) : silent_after);
-  return sights_ && now_ - sights_at_ <= limit ? "watching" : "silent";
+  const SimDuration limit = std::max(silent_after, detections_ ? from_seconds(3.0 * detections_->period_s) : silent_after);
+  return detections_ && now_ - detections_at_ <= limit ? "watching" : "silent";
 }
 
 SimTime GroundTruthComparator::since(Finding::Kind kind, const std::string& id) const {
@@ -187,12 +187,12 @@ std::vector<Finding> GroundTruthComparator::find(bool strangers) {
   if (now_it == "ended") return findings;
   if (now_it != "watching") {
     // It may just be coming up.
-    if (now_it == "silent" && connection_ && now_ - std::max(connection_at_, sights_at_) <= timeout &&
+    if (now_it == "silent" && connection_ && now_ - std::max(connection_at_, detections_at_) <= timeout &&
         connection_->trouble.empty())
       return findings;
     std::string text = now_it == "broken" ? "the camera's program is gone" : "no picture comes";
     if (connection_ && !connection_->trouble.empty()) text += ": " + connection_->trouble;
-    findings.push_back({Finding::Kind::no_sight, "GVS", std::move(text), since(Finding::Kind::no_sight, "GVS")});
+    findings.push_back({Finding::Kind::no_detection, "GVS", std::move(text), since(Finding::Kind::no_detection, "GVS")});
     return findings;
   }
   for (const auto& [name, detected] : detected_) {
@@ -223,8 +223,8 @@ void GroundTruthComparator::write(JsonWriter& json) const {
   json.field("source", connection_ ? connection_->source : std::string{});
   json.field("trouble", connection_ ? connection_->trouble : std::string{});
   json.key("last_ms");
-  if (sights_)
-    json.value(ms_of(sights_at_)).key("period_s").value(sights_->period_s);
+  if (detections_)
+    json.value(ms_of(detections_at_)).key("period_s").value(detections_->period_s);
   else
     json.null().key("period_s").null();
   json.key("detections").begin_array();
@@ -244,7 +244,7 @@ void GroundTruthComparator::fold(Digest& digest) const {
   // A run without a camera has the digest that it had before there were any.
   if (!heard()) return;
   digest.add(state());
-  digest.add(sights_at_);
+  digest.add(detections_at_);
   for (const auto& [name, detected] : detected_) {
     digest.add(std::string_view{name});
     digest.add(detected.X_MB.x_m);

@@ -69,10 +69,10 @@ class GroundTruthComparator {
     std::optional<SimTime> in_field_since;
   };
 
-  [[nodiscard]] bool heard() const { return connection_ || sights_; }
+  [[nodiscard]] bool heard() const { return connection_ || detections_; }
   [[nodiscard]] std::string_view state() const;
-  void take(SimTime now, wire::GvsSights sights);
-  void compare(const wire::GvsSights::Sight& sight, Sighted& detected);
+  void take(SimTime now, wire::GvsDetections detections);
+  void compare(const wire::GvsDetections::Detection& detection, Sighted& detected);
   [[nodiscard]] std::optional<Pose2> twin_at(VehicleIndex vehicle, SimTime at) const;
   [[nodiscard]] std::optional<VehicleIndex> twin_of(const std::string& name) const;
   void record_twins();
@@ -85,8 +85,8 @@ class GroundTruthComparator {
   SimTime now_{};
   std::optional<wire::GvsConnection> connection_;
   SimTime connection_at_{};
-  std::optional<wire::GvsSights> sights_;  ///< the last
-  SimTime sights_at_{};
+  std::optional<wire::GvsDetections> detections_;  ///< the last
+  SimTime detections_at_{};
   SimTime watching_since_{};
   std::map<std::string, Sighted> detected_;
   std::vector<Trail> trails_;  ///< by vehicle

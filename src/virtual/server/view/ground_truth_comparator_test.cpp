@@ -26,14 +26,14 @@ class GvsBench : public testing::Test {
   }
   /// A picture that was taken a tenth of a second ago, by a camera that sees all of the oval.
   void look(const std::vector<std::pair<std::string, Pose2>>& vehicles) {
-    wire::GvsSights sights{++pictures, bench.now - 100ms, 0.25, {}, {{-9, -9}, {9, -9}, {9, 9}, {-9, 9}}};
+    wire::GvsDetections detections{++pictures, bench.now - 100ms, 0.25, {}, {{-9, -9}, {9, -9}, {9, 9}, {-9, 9}}};
     for (const auto& [name, pose] : vehicles)
-      sights.sights.push_back(
-          {name, static_cast<std::uint32_t>(sights.sights.size() + 1), bench.now - 98ms, pose, 0.001});
-    say(wire::to_json(sights));
+      detections.detections.push_back(
+          {name, static_cast<std::uint32_t>(detections.detections.size() + 1), bench.now - 98ms, pose, 0.001});
+    say(wire::to_json(detections));
   }
   void say(std::string payload, bool retained = false) {
-    bench.feed(wire::InputKind::message, "cosiva/v1/gvs/sights", std::move(payload), retained);
+    bench.feed(wire::InputKind::message, "cosiva/v1/gvs/detections", std::move(payload), retained);
   }
   /// Four pictures a second of them, standing.
   void watch(SimDuration duration, const std::vector<std::pair<std::string, Pose2>>& vehicles) {
@@ -81,8 +81,8 @@ TEST_F(GvsBench, holds_a_picture_against_where_the_twin_was_when_it_was_taken) {
   const SimTime at = bench.now;
   bench.run_for(500ms);
   ASSERT_GT(distance(then, bench.vehicles[0]->pose()), 0.1);
-  wire::GvsSights sights{++pictures, at, 0.25, {{"CoSiVA/AIV1", 1, at, then, 0.001}}, {}};
-  say(wire::to_json(sights));
+  wire::GvsDetections detections{++pictures, at, 0.25, {{"CoSiVA/AIV1", 1, at, then, 0.001}}, {}};
+  say(wire::to_json(detections));
   ASSERT_THAT(detected(), SizeIs(1));
   EXPECT_LT(detected()[0].number("gap_m").value_or(9.0), 0.02);
 }
@@ -91,7 +91,7 @@ TEST_F(GvsBench, compares_nothing_that_is_older_than_its_history_or_yet_to_come)
   connect(wire::ConnectionState::online);
   bench.run_for(3s);
   for (const SimDuration off : {SimDuration{-10s}, SimDuration{10s}}) {
-    say(wire::to_json(wire::GvsSights{
+    say(wire::to_json(wire::GvsDetections{
         ++pictures, bench.now + off, 0.25, {{"CoSiVA/AIV1", 1, bench.now + off, aiv.pose(), 0.001}}, {}}));
     ASSERT_THAT(detected(), SizeIs(1));
     EXPECT_TRUE(detected()[0].find("gap_m")->is_null());
@@ -131,7 +131,7 @@ TEST_F(GvsBench, names_a_twin_where_the_camera_sees_nobody) {
 TEST_F(GvsBench, misses_nobody_outside_of_what_it_sees) {
   for (int i = 0; i < 30; ++i) {
     bench.run_for(240ms);
-    say(wire::to_json(wire::GvsSights{++pictures, bench.now, 0.25, {}, {{50, 50}, {51, 50}, {51, 51}}}));
+    say(wire::to_json(wire::GvsDetections{++pictures, bench.now, 0.25, {}, {{50, 50}, {51, 50}, {51, 51}}}));
   }
   EXPECT_EQ(gvs().text("state"), "watching");
   EXPECT_THAT(findings(), IsEmpty());
@@ -154,7 +154,7 @@ TEST_F(GvsBench, says_that_no_picture_comes_and_why) {
   connect(wire::ConnectionState::online, "/dev/video0: no camera answers there");
   bench.run_for(100ms);
   ASSERT_THAT(findings(), SizeIs(1)) << "neither of vehicles nor of twins is anything known now";
-  EXPECT_EQ(findings()[0].text("kind"), "no sight");
+  EXPECT_EQ(findings()[0].text("kind"), "no detection");
   EXPECT_EQ(findings()[0].text("id"), "GVS");
   EXPECT_THAT(findings()[0].text("text").value(), HasSubstr("/dev/video0"));
   const double matched = *bench.bijection().number("matched_share");
@@ -192,18 +192,18 @@ TEST_F(GvsBench, what_cannot_be_understood_or_is_old_changes_nothing) {
   const std::string before = bench.server->snapshot_json();
   say("{");
   say(R"({"headerId":1})");
-  say(wire::to_json(wire::GvsSights{9, bench.now, 0.25, {{"CoSiVA/AIV9", 9, bench.now, {}, 0.0}}, {}}), true);
-  say(wire::to_json(wire::GvsSights{0, bench.now - 1s, 0.25, {{"CoSiVA/AIV8", 8, bench.now, {}, 0.0}}, {}}));
+  say(wire::to_json(wire::GvsDetections{9, bench.now, 0.25, {{"CoSiVA/AIV9", 9, bench.now, {}, 0.0}}, {}}), true);
+  say(wire::to_json(wire::GvsDetections{0, bench.now - 1s, 0.25, {{"CoSiVA/AIV8", 8, bench.now, {}, 0.0}}, {}}));
   EXPECT_EQ(bench.server->snapshot_json(), before);
-  EXPECT_TRUE(bench.logged("cosiva/v1/gvs/sights"));
+  EXPECT_TRUE(bench.logged("cosiva/v1/gvs/detections"));
 }
 
 TEST_F(GvsBench, a_flood_of_names_takes_no_more_than_its_share) {
   for (int i = 0; i < 3; ++i) {
-    wire::GvsSights sights{++pictures, bench.now, 0.25, {}, {}};
+    wire::GvsDetections detections{++pictures, bench.now, 0.25, {}, {}};
     for (std::uint32_t n = 0; n < 200; ++n)
-      sights.sights.push_back({"made/up" + std::to_string(200U * static_cast<unsigned>(i) + n), n, bench.now, {}, 0.0});
-    say(wire::to_json(sights));
+      detections.detections.push_back({"made/up" + std::to_string(200U * static_cast<unsigned>(i) + n), n, bench.now, {}, 0.0});
+    say(wire::to_json(detections));
     bench.run_for(20ms);
   }
   EXPECT_THAT(detected(), SizeIs(GroundTruthComparator::detected_max));
