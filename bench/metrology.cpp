@@ -41,7 +41,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   const experiments::Candidate candidate{
-      algorithm, "", (*registered)->looks_back,
+      algorithm, "", (*registered)->backtracks,
       [&](const estimation::Setting& setting) { return registry.make(algorithm, setting); }};
   const double start_s = processor_s();
   const auto result =

@@ -214,7 +214,7 @@ bool camera(app::TraceWriter& trace, const zone::ZoneConfiguration& zone) {
   app::GvsSource source;
   source.tag_side_m = emulated->tag_side_m();
   source.exposure_ms = 1e3 * emulated->exposure_s();
-  app::GvsEye tracker{emulated->calibration(), app::tracker_options(source), {}};
+  app::GvsCamera tracker{emulated->calibration(), app::tracker_options(source), {}};
   Run run{trace, world_of(zone, 2), {"cosiva/v1/gvs/"}};
   if (!run.made()) return false;
   std::optional<app::PlantTruth> now;
@@ -225,7 +225,7 @@ bool camera(app::TraceWriter& trace, const zone::ZoneConfiguration& zone) {
   };
   const wire::GvsConnection online{wire::ConnectionState::online, run.world().now(), "the emulated world's camera", {}};
   run.publish("gvs", {std::string(wire::gvs_connection_topic), to_json(online), 1, true});
-  run.publish("page", {std::string(wire::gvs_look_topic), "{}", 0, false});
+  run.publish("page", {std::string(wire::gvs_preview_request_topic), "{}", 0, false});
   bool found = false;
   for (int i = 0; i < 3; ++i) {
     run.world().run_for(250ms);

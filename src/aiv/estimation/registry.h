@@ -16,7 +16,7 @@ struct Registered {
   std::string name;  ///< "arc_kalman"
   std::string what;  ///< one line for people
   bool needs_track;  ///< it follows a line, and is nothing without
-  bool looks_back;   ///< its figures come from the whole run: not for use on board
+  bool backtracks;   ///< its figures come from the whole run: not for use on board
   std::function<std::unique_ptr<Algorithm>(const Setting&)> make;
 };
 

@@ -127,7 +127,7 @@ std::optional<Estimating::Running> Estimating::start(const std::string& name, co
   const auto known = registry_.find(name);
   if (!known) return std::nullopt;
   Running running{name, nullptr, {}, {}};
-  if ((*known)->looks_back) {
+  if ((*known)->backtracks) {
     running.fault = "it looks back over a whole run: nothing for use on board";
     return running;
   }

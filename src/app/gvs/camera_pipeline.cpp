@@ -93,13 +93,13 @@ vision::TrackerOptions tracker_options(const GvsSource& source) {
   return options;
 }
 
-GvsEye::GvsEye(vision::Calibration calibration, const vision::TrackerOptions& options, std::map<int, std::string> names)
+GvsCamera::GvsCamera(vision::Calibration calibration, const vision::TrackerOptions& options, std::map<int, std::string> names)
     : calibration_{std::move(calibration)},
       tracker_{calibration_, options},
       names_{std::move(names)},
       field_{field_of(calibration_)} {}
 
-std::string GvsEye::name_of(int tag) const {
+std::string GvsCamera::name_of(int tag) const {
   const auto named = names_.find(tag);
   if (named != names_.end()) return named->second;
   std::string usual = std::string(wire::our_manufacturer) + "/AIV" + std::to_string(tag);
@@ -108,7 +108,7 @@ std::string GvsEye::name_of(int tag) const {
   return taken ? "tag " + std::to_string(tag) : usual;
 }
 
-Result<wire::GvsDetections> GvsEye::see(const vision::Image& image, SimTime began, double period_s) {
+Result<wire::GvsDetections> GvsCamera::see(const vision::Image& image, SimTime began, double period_s) {
   wire::GvsDetections detections{header_id_, began, period_s, {}, field_};
   if (first_ && began <= last_) return detections;
   if (!first_) first_ = began;
@@ -125,12 +125,12 @@ Result<wire::GvsDetections> GvsEye::see(const vision::Image& image, SimTime bega
   return detections;
 }
 
-std::optional<vision::PixelPoint> GvsEye::pixel_of(Point2 place, int tag) const {
+std::optional<vision::PixelPoint> GvsCamera::pixel_of(Point2 place, int tag) const {
   const double height_m = vision::profile_of(tag, calibration_.markers).height_m;
   return calibration_.map.pixel_at(vision::detected_from(place, height_m, calibration_.camera));
 }
 
-std::string GvsEye::shown(const vision::Image& image, const wire::GvsDetections& detections,
+std::string GvsCamera::shown(const vision::Image& image, const wire::GvsDetections& detections,
                           const zone::VehicleShape& body) const {
   const std::size_t longest = std::max(image.size.width, image.size.height);
   const std::size_t by = std::max<std::size_t>(1, (longest + shown_px_max - 1) / shown_px_max);

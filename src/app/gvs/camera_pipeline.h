@@ -16,12 +16,12 @@ namespace cosiva::app {
 
 /// From pictures to what is said of them on the bus: vehicles found, named and stamped by our clock, and the small
 /// picture for people. It knows no camera, no broker and no clock.
-class GvsEye {
+class GvsCamera {
  public:
   /// The page's picture is at most so wide and high: grey, 230 kB.
   static constexpr std::size_t shown_px_max = 480;
 
-  GvsEye(vision::Calibration calibration, const vision::TrackerOptions& options, std::map<int, std::string> names);
+  GvsCamera(vision::Calibration calibration, const vision::TrackerOptions& options, std::map<int, std::string> names);
 
   /// Fails ("gvs.picture") on a picture of another size than the calibration's.
   /// @param began  when the exposure of its first row began; it rises (others are passed over: nothing is seen)

@@ -50,7 +50,7 @@ class Watch {
         duration_{loop_} {}
 
   int run(std::optional<vision::Calibration> calibration) {
-    if (calibration) eye_.emplace(std::move(*calibration), tracker_options(source_), names_);
+    if (calibration) camera_.emplace(std::move(*calibration), tracker_options(source_), names_);
     if (auto connected = connect(); !connected) return complain(connected.error());
     loop_.on_signals({SIGINT, SIGTERM, SIGHUP}, [this](int) {
       if (std::exchange(interrupted_, true)) return loop_.stop();  // asked twice: at once, without a goodbye
@@ -78,7 +78,7 @@ class Watch {
       if (up) say_connection(wire::ConnectionState::online);
     };
     handlers.on_message = [this](std::string_view topic, std::string_view payload, bool) { hear(topic, payload); };
-    std::vector<std::string> topics{std::string(wire::gvs_look_topic), wire::topics_below(wire::zone_topic_prefix, 1)};
+    std::vector<std::string> topics{std::string(wire::gvs_preview_request_topic), wire::topics_below(wire::zone_topic_prefix, 1)};
     if (source_.emulated()) topics.emplace_back(wire::plant_truth_topic);
     const wire::Will will{
         {std::string(wire::gvs_connection_topic),
@@ -101,7 +101,7 @@ class Watch {
   }
 
   void hear(std::string_view topic, std::string_view payload) {
-    if (topic == wire::gvs_look_topic) {
+    if (topic == wire::gvs_preview_request_topic) {
       looked_until_ = clock_.now() + looked_for;
     } else if (topic == wire::plant_truth_topic) {
       if (auto truth = read_plant_truth(std::string(payload))) see_world(std::move(*truth));
@@ -126,7 +126,7 @@ class Watch {
     GvsSource known = source_;
     known.exposure_ms = 1e3 * emulated_->exposure_s();
     known.tag_side_m = emulated_->tag_side_m();
-    eye_.emplace(emulated_->calibration(), tracker_options(known), names_);
+    camera_.emplace(emulated_->calibration(), tracker_options(known), names_);
     say_connection(wire::ConnectionState::online);
   }
 
@@ -146,15 +146,15 @@ class Watch {
   }
 
   void take(const vision::Image& image, SimTime began) {
-    if (!eye_) return;
-    const auto detections = eye_->see(image, began, 1.0 / source_.rate_hz);
+    if (!camera_) return;
+    const auto detections = camera_->see(image, began, 1.0 / source_.rate_hz);
     if (!detections) return set_trouble(to_string(detections.error()));
     set_trouble({});
     ++pictures_;
     detected_ += detections->detections.size();
     client_->publish({std::string(wire::gvs_detections_topic), to_json(*detections), 0, false});
     if (clock_.now() <= looked_until_)
-      client_->publish({std::string(wire::gvs_picture_topic), eye_->shown(image, *detections, body_), 0, false});
+      client_->publish({std::string(wire::gvs_picture_topic), camera_->shown(image, *detections, body_), 0, false});
   }
 
   void set_trouble(const std::string& why) {
@@ -191,7 +191,7 @@ class Watch {
   std::unique_ptr<adapters::MqttClient> client_;
   adapters::Timer beat_;
   adapters::Timer duration_;
-  std::optional<GvsEye> eye_;
+  std::optional<GvsCamera> camera_;
   std::optional<zone::ZoneConfiguration> zone_;
   zone::VehicleShape body_;
   std::optional<EmulatedCamera> emulated_;

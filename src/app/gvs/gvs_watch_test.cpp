@@ -63,11 +63,11 @@ struct Watched {
     return eye->see(image, at, 0.25).value();
   }
   EmulatedCamera camera;
-  std::optional<GvsEye> eye;
+  std::optional<GvsCamera> eye;
   vision::Image image;
 };
 
-TEST(GvsEye, sees_every_vehicle_of_an_emulated_world_within_3_mm_of_where_it_is_in_mid_exposure) {
+TEST(GvsCamera, sees_every_vehicle_of_an_emulated_world_within_3_mm_of_where_it_is_in_mid_exposure) {
   Watched watched;
   for (int k = 0; k < 4; ++k) {
     const SimTime at = virtual_epoch + 250ms * k;
@@ -83,25 +83,25 @@ TEST(GvsEye, sees_every_vehicle_of_an_emulated_world_within_3_mm_of_where_it_is_
   }
 }
 
-TEST(GvsEye, names_vehicles_by_their_tags_and_others_as_it_was_told) {
+TEST(GvsCamera, names_vehicles_by_their_tags_and_others_as_it_was_told) {
   Watched watched;
   std::vector<std::string> names;
   for (const auto& detection : watched.look(virtual_epoch).detections) names.push_back(detection.vehicle);
   EXPECT_THAT(names, ElementsAre("CoSiVA/AIV1", "CoSiVA/AIV2", "ACME/cart", "CoSiVA/AIV4"));
 }
 
-TEST(GvsEye, a_tag_whose_usual_aiv_carries_another_one_is_nobody_s) {
+TEST(GvsCamera, a_tag_whose_usual_aiv_carries_another_one_is_nobody_s) {
   EmulatedCamera camera = EmulatedCamera::over(lacet4().zone()).value();
   GvsSource source;
   source.tag_side_m = camera.tag_side_m();
-  GvsEye eye{camera.calibration(), tracker_options(source), {{2, "CoSiVA/AIV1"}}};
+  GvsCamera eye{camera.calibration(), tracker_options(source), {{2, "CoSiVA/AIV1"}}};
   const auto detections = eye.see(camera.take(truth_at(virtual_epoch), std::nullopt), virtual_epoch, 0.25).value();
   std::vector<std::string> names;
   for (const auto& detection : detections.detections) names.push_back(detection.vehicle);
   EXPECT_THAT(names, ElementsAre("tag 1", "CoSiVA/AIV1", "CoSiVA/AIV3", "CoSiVA/AIV4"));
 }
 
-TEST(GvsEye, tells_how_much_of_the_floor_it_sees) {
+TEST(GvsCamera, tells_how_much_of_the_floor_it_sees) {
   const Watched watched;
   double low = 0.0;
   double high = 0.0;
@@ -125,7 +125,7 @@ TEST(GvsEye, tells_how_much_of_the_floor_it_sees) {
   }
 }
 
-TEST(GvsEye, passes_over_a_picture_that_is_not_newer_and_refuses_one_of_another_size) {
+TEST(GvsCamera, passes_over_a_picture_that_is_not_newer_and_refuses_one_of_another_size) {
   Watched watched;
   ASSERT_THAT(watched.look(virtual_epoch + 1s).detections, SizeIs(4));
   EXPECT_THAT(watched.look(virtual_epoch).detections, SizeIs(0));
@@ -135,7 +135,7 @@ TEST(GvsEye, passes_over_a_picture_that_is_not_newer_and_refuses_one_of_another_
   EXPECT_THAT(refused.error().message, HasSubstr("64 x 64"));
 }
 
-TEST(GvsEye, shows_a_small_picture_whose_comment_says_who_is_where_on_it) {
+TEST(GvsCamera, shows_a_small_picture_whose_comment_says_who_is_where_on_it) {
   Watched watched;
   const wire::GvsDetections detections = watched.look(virtual_epoch);
   const std::string shown = watched.eye->shown(watched.image, detections, {0.2, 0.12});
@@ -174,7 +174,7 @@ TEST(GvsEye, shows_a_small_picture_whose_comment_says_who_is_where_on_it) {
   }
 }
 
-TEST(GvsEye, a_zone_too_large_for_the_image_is_seen_in_its_centre_with_tags_that_can_be_read) {
+TEST(GvsCamera, a_zone_too_large_for_the_image_is_seen_in_its_centre_with_tags_that_can_be_read) {
   const auto rtm = open_zone(bench::zones + "plant1000.toml");
   ASSERT_TRUE(rtm);
   const auto camera = EmulatedCamera::over(rtm->zone());

@@ -29,7 +29,7 @@ std::shared_ptr<const std::string> GvsView::look() {
 void GvsView::ask() {
   if (client_) {
     asked_ = Clock::now();
-    client_->publish({std::string(wire::gvs_look_topic), "{}", 0, false});
+    client_->publish({std::string(wire::gvs_preview_request_topic), "{}", 0, false});
     return;
   }
   adapters::MqttHandlers handlers;

@@ -153,7 +153,7 @@ int run_server(const ServerArguments& arguments) {
 
   EventLoop loop;
   virtual_side::ServerCore core{options};
-  auto eye = mqtt_options(arguments.part.broker, "cosiva-eye" + (arguments.area.empty() ? "" : "-" + arguments.area));
+  auto eye = mqtt_options(arguments.part.broker, "cosiva-gvs" + (arguments.area.empty() ? "" : "-" + arguments.area));
   if (!eye) return complain(eye.error());
   LiveShell shell{loop, core, std::move(*live)};
   GvsView gvs{loop, std::move(*eye)};

@@ -19,7 +19,7 @@ Candidate candidate_of(const estimation::Registry& registry, const estimation::R
     setting.horizon = horizon;
     return registry.make(name, setting);
   };
-  return {registered.name, registered.what, registered.looks_back, make};
+  return {registered.name, registered.what, registered.backtracks, make};
 }
 
 Result<Candidate> external_of(const std::string& text, std::chrono::milliseconds timeout) {

@@ -27,7 +27,7 @@ int list_algorithms(const estimation::Registry& registry, bool as_json) {
   json.begin_object().key("algorithms").begin_array();
   for (const estimation::Registered& one : registry.all()) {
     json.begin_object().field("name", one.name).field("what", one.what).field("needs_track", one.needs_track);
-    json.field("looks_back", one.looks_back).end_object();
+    json.field("backtracks", one.backtracks).end_object();
     text += (text.empty() ? "" : "\n") + one.name + std::string(18 - std::min<std::size_t>(17, one.name.size()), ' ') +
             one.what + (one.needs_track ? "; needs a line" : "");
   }

@@ -231,7 +231,7 @@ Result<Runs> lived(const QualifyArguments& arguments, const LiveQualifyArguments
   auto options = options_of(arguments, live);
   if (!options) return tl::unexpected(options.error());
   const auto runs_on_board = [&](const experiments::Candidate& one) {
-    return !one.looks_back && registry.find(one.name).has_value();
+    return !one.backtracks && registry.find(one.name).has_value();
   };
   for (const auto& one : candidates)
     if (runs_on_board(one)) options->algorithms.push_back(one.name);

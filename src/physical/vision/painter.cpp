@@ -73,7 +73,7 @@ struct Frame {
 
 Painter::Painter(const SceneCamera& camera, const std::vector<SceneLine>& lines, std::uint64_t seed)
     : camera_{camera}, seed_{seed} {
-  look_around();
+  survey_neighbours();
   draw_floor(lines, seed);
   Random random{seed, "gvs/noise"};
   constexpr std::size_t draws = std::size_t{1} << 16U;
@@ -81,7 +81,7 @@ Painter::Painter(const SceneCamera& camera, const std::vector<SceneLine>& lines,
   for (float& value : noise_) value = static_cast<float>(camera.noise_grey * random.gaussian());
 }
 
-void Painter::look_around() {
+void Painter::survey_neighbours() {
   const auto [width, height] = camera_.picture;
   corner_.resize((width + 1) * (height + 1));
   for (std::size_t row = 0; row <= height; ++row) {

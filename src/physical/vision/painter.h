@@ -23,7 +23,7 @@ class Painter {
     float x;
     float y;
   };
-  void look_around();
+  void survey_neighbours();
   void draw_floor(const std::vector<SceneLine>& lines, std::uint64_t seed);
   void draw_body(const SceneBody& body, std::vector<float>& light) const;
   [[nodiscard]] Point2 detected_at(double u, double v) const;

@@ -111,7 +111,7 @@ std::size_t DetectedObstacles::pass(std::string_view vehicle, SimTime now, const
   });
 }
 
-std::vector<std::string> DetectedObstacles::look_through(const Pose2& X_MS, const wire::Ranges& ranges) {
+std::vector<std::string> DetectedObstacles::clear_through(const Pose2& X_MS, const wire::Ranges& ranges) {
   std::vector<std::string> gone;
   const Pose2 X_SM = inverse(X_MS);
   for (DetectedObstacle& obstacle : obstacles_) {

@@ -51,7 +51,7 @@ class DetectedObstacles {
   /// gone (A2: passed again and not seen). Without this a sighting that was wrong, beside the way of every physical
   /// vehicle, would hold a virtual one for ever. Gives the ids of those.
   /// @param X_MS  of the sensor, in the middle of the vehicle's front
-  std::vector<std::string> look_through(const Pose2& X_MS, const wire::Ranges& ranges);
+  std::vector<std::string> clear_through(const Pose2& X_MS, const wire::Ranges& ranges);
   void remove(std::string_view id);
   void clear() { obstacles_.clear(); }
 

@@ -65,9 +65,9 @@ wire::Ranges beams(std::uint16_t mm) { return {0, -84, 14, std::vector<std::uint
 
 TEST_F(Sightings, vanish_when_any_vehicle_s_beams_go_through_their_place_three_times) {
   detected.see("a", now, {1.0, 0.0}, 0.05);
-  EXPECT_THAT(detected.look_through({0.2, 0.0, 0.0}, beams(wire::no_echo)), IsEmpty());
-  EXPECT_THAT(detected.look_through({0.2, 0.1, 0.0}, beams(1'100)), IsEmpty());
-  EXPECT_THAT(detected.look_through({0.3, 0.0, 0.0}, beams(wire::no_echo)), testing::ElementsAre("S1"));
+  EXPECT_THAT(detected.clear_through({0.2, 0.0, 0.0}, beams(wire::no_echo)), IsEmpty());
+  EXPECT_THAT(detected.clear_through({0.2, 0.1, 0.0}, beams(1'100)), IsEmpty());
+  EXPECT_THAT(detected.clear_through({0.3, 0.0, 0.0}, beams(wire::no_echo)), testing::ElementsAre("S1"));
   EXPECT_THAT(detected.obstacles(), IsEmpty());
 }
 
@@ -76,9 +76,9 @@ TEST_F(Sightings, that_the_beams_hear_again_stay) {
   wire::Ranges heard = beams(wire::no_echo);
   heard.range_mm[6] = 750;  // 0.8 m away less its radius
   for (int i = 0; i < 10; ++i) {
-    detected.look_through({0.2, 0.0, 0.0}, beams(wire::no_echo));
-    detected.look_through({0.2, 0.0, 0.0}, beams(wire::no_echo));
-    detected.look_through({0.2, 0.0, 0.0}, heard);
+    detected.clear_through({0.2, 0.0, 0.0}, beams(wire::no_echo));
+    detected.clear_through({0.2, 0.0, 0.0}, beams(wire::no_echo));
+    detected.clear_through({0.2, 0.0, 0.0}, heard);
   }
   EXPECT_THAT(detected.obstacles(), SizeIs(1)) << "one echo in three that comes back is enough";
 }
@@ -88,14 +88,14 @@ TEST_F(Sightings, that_no_beam_could_hear_stay) {
   wire::Ranges hidden = beams(wire::no_echo);
   hidden.range_mm[6] = 400;  // somebody stands between
   for (int i = 0; i < 10; ++i) {
-    detected.look_through({0.2, 0.0, 0.0}, hidden);
-    detected.look_through({-0.6, 0.0, 0.0}, beams(wire::no_echo));        // 1.6 m away
-    detected.look_through({0.2, 0.0, 1.2}, beams(wire::no_echo));         // beside the fan
-    detected.look_through({0.2, 0.0, 3.1}, beams(wire::no_echo));         // behind it
-    detected.look_through({1.02, 0.0, 0.0}, beams(wire::no_echo));        // on it
-    detected.look_through({0.2, 0.0, 0.0}, {0, 0, 0, {wire::no_echo}});   // beams without a width
-    detected.look_through({0.2, 0.0, 0.0}, {0, -7, 14, {}});              // no beams
-    detected.look_through({0.5, 0.0, 0.0}, {0, 0, 14, {wire::no_echo}});  // it fills more than this one
+    detected.clear_through({0.2, 0.0, 0.0}, hidden);
+    detected.clear_through({-0.6, 0.0, 0.0}, beams(wire::no_echo));        // 1.6 m away
+    detected.clear_through({0.2, 0.0, 1.2}, beams(wire::no_echo));         // beside the fan
+    detected.clear_through({0.2, 0.0, 3.1}, beams(wire::no_echo));         // behind it
+    detected.clear_through({1.02, 0.0, 0.0}, beams(wire::no_echo));        // on it
+    detected.clear_through({0.2, 0.0, 0.0}, {0, 0, 0, {wire::no_echo}});   // beams without a width
+    detected.clear_through({0.2, 0.0, 0.0}, {0, -7, 14, {}});              // no beams
+    detected.clear_through({0.5, 0.0, 0.0}, {0, 0, 14, {wire::no_echo}});  // it fills more than this one
   }
   EXPECT_THAT(detected.obstacles(), SizeIs(1));
 }
@@ -103,8 +103,8 @@ TEST_F(Sightings, that_no_beam_could_hear_stay) {
 TEST_F(Sightings, that_are_seen_anew_are_doubted_anew) {
   detected.see("a", now, {1.0, 0.0}, 0.05);
   for (int i = 0; i < 5; ++i) {
-    detected.look_through({0.2, 0.0, 0.0}, beams(wire::no_echo));
-    detected.look_through({0.2, 0.0, 0.0}, beams(wire::no_echo));
+    detected.clear_through({0.2, 0.0, 0.0}, beams(wire::no_echo));
+    detected.clear_through({0.2, 0.0, 0.0}, beams(wire::no_echo));
     detected.see("a", now + 1s, {1.0, 0.0}, 0.05);
   }
   EXPECT_THAT(detected.obstacles(), SizeIs(1));

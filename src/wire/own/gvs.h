@@ -18,7 +18,7 @@ inline constexpr std::string_view gvs_detections_topic = "cosiva/v1/gvs/detectio
 /// Retained with a last will: whether that camera watches (wire::GvsConnection).
 inline constexpr std::string_view gvs_connection_topic = "cosiva/v1/gvs/connection";
 /// Server → GVS: somebody looks at its pictures, so they are sent for the next two seconds.
-inline constexpr std::string_view gvs_look_topic = "cosiva/v1/gvs/look";
+inline constexpr std::string_view gvs_preview_request_topic = "cosiva/v1/gvs/preview_request";
 /// GVS → server, while somebody looks: the picture, small and grey, as Netpbm's P5; its comment says who is where on
 /// it.
 inline constexpr std::string_view gvs_picture_topic = "cosiva/v1/gvs/picture";

@@ -103,7 +103,7 @@ double Circuit::total_length_m() const {
 /// Calls look(id) for all sections that head into `headings` and may come within `limit_m`, which `look` may lower; for
 /// some several times.
 template <typename Look>
-void Circuit::look_around(Point2 p, Headings headings, const double& limit_m, const Look& look) const {
+void Circuit::survey_neighbours(Point2 p, Headings headings, const double& limit_m, const Look& look) const {
   if (!grid_.visit(p, headings, limit_m, look)) tree_.visit(p, headings, limit_m, look);
 }
 
@@ -121,18 +121,18 @@ Circuit::Located Circuit::locate(Point2 p, std::optional<double> heading_rad) co
     best = {{id, near.s_m}, near.left_m, near.distance_m};
   };
   if (heading_rad) {
-    look_around(p, headings_near(*heading_rad, aligned_rad), best.distance_m, look);
+    survey_neighbours(p, headings_near(*heading_rad, aligned_rad), best.distance_m, look);
     if (best.place.section != no_section) return best;
     heading_rad.reset();
     last = no_section;
   }
-  look_around(p, every_heading, best.distance_m, look);
+  survey_neighbours(p, every_heading, best.distance_m, look);
   return best;
 }
 
 void Circuit::near(Point2 p, double within_m, std::vector<Located>& out) const {
   out.clear();
-  look_around(p, every_heading, within_m, [&](SectionId id) { out.push_back({{id, 0.0}, 0.0, 0.0}); });
+  survey_neighbours(p, every_heading, within_m, [&](SectionId id) { out.push_back({{id, 0.0}, 0.0, 0.0}); });
   std::sort(out.begin(), out.end(),
             [](const Located& a, const Located& b) { return a.place.section < b.place.section; });
   const auto same = [](const Located& a, const Located& b) { return a.place.section == b.place.section; };

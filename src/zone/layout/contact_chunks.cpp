@@ -60,7 +60,7 @@ Chunks::Cell Chunks::cell_of(Point2 p) const {
           static_cast<std::int64_t>(std::floor(p.y_m / cell_m_))};
 }
 
-void Chunks::look_around(Cell home) {
+void Chunks::survey_neighbours(Cell home) {
   for (std::size_t i = 0; i < around_.size(); ++i) {
     const std::int64_t column = home.first - 1 + static_cast<std::int64_t>(i);
     const Entry low{{column, home.second - 1}, 0};

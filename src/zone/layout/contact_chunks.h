@@ -51,7 +51,7 @@ class Chunks {
   void cut(const Circuit& circuit, const ContactRules& rules);
   void sort_into_cells(const ContactRules& rules);
   [[nodiscard]] Cell cell_of(Point2 p) const;
-  void look_around(Cell home);
+  void survey_neighbours(Cell home);
 
   std::vector<Chunk> all_;
   std::vector<std::uint32_t> first_;
@@ -66,7 +66,7 @@ class Chunks {
 template <typename Visit>
 void Chunks::visit_around(Point2 p, const Visit& visit) {
   const Cell home = cell_of(p);
-  if (!looked_ || home != home_) look_around(home);
+  if (!looked_ || home != home_) survey_neighbours(home);
   for (const auto& [first, last] : around_) {
     for (std::size_t i = first; i < last; ++i) {
       if (!visit(cells_[i].second)) return;

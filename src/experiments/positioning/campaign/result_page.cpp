@@ -81,9 +81,9 @@ class Page {
       const Curve curve = curve_of(work_, records_, factor, i, selection);
       chart.series.push_back(line_of(curve, plan_.algorithms[i]));
       heights.insert(heights.end(), chart.series.back().y.begin(), chart.series.back().y.end());
-      Series& limit = limits[work_.looks_back(i) ? 1 : 0];
+      Series& limit = limits[work_.backtracks(i) ? 1 : 0];
       if (limit.x.empty() && plan_.judged == Judged::rmse)
-        limit = limit_line(curve, work_.looks_back(i) ? "limit, looking back" : "limit");
+        limit = limit_line(curve, work_.backtracks(i) ? "limit, looking back" : "limit");
     }
     for (Series& limit : limits)
       if (!limit.x.empty()) chart.series.push_back(std::move(limit));

@@ -190,7 +190,7 @@ Result<UnitRecord> CampaignWork::done(std::size_t number) const {
       const auto algorithm = one.make(setting);
       if (auto fine = apply(*algorithm, trial, trace); !fine) return tl::unexpected(fine.error());
       record.votes.push_back(
-          vote_of(trial, trace, plan_.threshold_m, one.looks_back ? limit.smoother_m2 : limit.filter_m2));
+          vote_of(trial, trace, plan_.threshold_m, one.backtracks ? limit.smoother_m2 : limit.filter_m2));
     }
   }
   return record;

@@ -44,7 +44,7 @@ class CampaignWork {
   /// All that decides what the runs give, as 16 hexadecimal digits: who has another has other runs. The plan's name and
   /// its tolerance are not in it.
   [[nodiscard]] std::string identity() const;
-  [[nodiscard]] bool looks_back(std::size_t algorithm) const { return algorithms_[algorithm].looks_back; }
+  [[nodiscard]] bool backtracks(std::size_t algorithm) const { return algorithms_[algorithm].backtracks; }
 
   /// Several threads may ask at once. Fails where an algorithm does.
   [[nodiscard]] Result<UnitRecord> done(std::size_t number) const;

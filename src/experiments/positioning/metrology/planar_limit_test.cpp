@@ -264,7 +264,7 @@ Qualification laps(std::size_t runs) {
   static const estimation::Registry registry;
   std::vector<Candidate> candidates;
   for (const std::string name : {"ekf", "iekf", "smoother"})
-    candidates.push_back({name, "", (*registry.find(name))->looks_back,
+    candidates.push_back({name, "", (*registry.find(name))->backtracks,
                           [name](const estimation::Setting& setting) { return registry.make(name, setting); }});
   candidates.push_back(
       {"cheat", "", false, [](const estimation::Setting& setting) -> Result<std::unique_ptr<estimation::Algorithm>> {

@@ -43,7 +43,7 @@ class Qualifying {
       Qualified one;
       one.name = candidate.name;
       one.what = candidate.what;
-      one.looks_back = candidate.looks_back;
+      one.backtracks = candidate.backtracks;
       result_.algorithms.push_back(std::move(one));
     }
   }
@@ -82,7 +82,7 @@ class Qualifying {
     if (limit) {
       all.filter_limit_m2 += limit->filter_m2;
       all.smoother_limit_m2 += limit->smoother_m2;
-      const double bound = one.looks_back ? limit->smoother_m2 : limit->filter_m2;
+      const double bound = one.backtracks ? limit->smoother_m2 : limit->filter_m2;
       all.below_limit_m2.push_back(one.runs.back().mse_m2 - bound);
     }
     if (index < worth_runs_most) {
@@ -178,7 +178,7 @@ class Qualifying {
   static void set_limit(Qualified& one, const Gathered& all) {
     if (all.below_limit_m2.empty()) return;
     const auto n = static_cast<double>(all.below_limit_m2.size());
-    one.limit_m = root((one.looks_back ? all.smoother_limit_m2 : all.filter_limit_m2) / n);
+    one.limit_m = root((one.backtracks ? all.smoother_limit_m2 : all.filter_limit_m2) / n);
     one.gap_percent = 100.0 * (one.rmse_m.value / *one.limit_m - 1.0);
     if (one.limit_assumed) return;
     if (n < 2.0) {

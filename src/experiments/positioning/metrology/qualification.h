@@ -22,7 +22,7 @@ namespace cosiva::experiments {
 struct Candidate {
   std::string name;
   std::string what;
-  bool looks_back{false};
+  bool backtracks{false};
   std::function<Result<std::unique_ptr<estimation::Algorithm>>(const estimation::Setting&)> make;
 };
 
@@ -56,7 +56,7 @@ struct Passes {
 struct Qualified {
   std::string name;
   std::string what;
-  bool looks_back{false};
+  bool backtracks{false};
   std::optional<Error> failed;  ///< why it has no figures
   std::vector<RunFigures> runs;
   std::size_t iterations{};

@@ -19,7 +19,7 @@ namespace {
 Candidate candidate(const std::string& name) {
   static const estimation::Registry registry;
   const auto& registered = **registry.find(name);
-  return {name, registered.what, registered.looks_back,
+  return {name, registered.what, registered.backtracks,
           [name](const estimation::Setting& setting) { return registry.make(name, setting); }};
 }
 

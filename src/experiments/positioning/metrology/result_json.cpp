@@ -88,7 +88,7 @@ void write_consistency(JsonWriter& json, const Qualified& one) {
 
 void write_algorithm(JsonWriter& json, const Qualification& all, std::size_t index) {
   const Qualified& one = all.algorithms[index];
-  json.begin_object().field("name", one.name).field("what", one.what).field("looks_back", one.looks_back);
+  json.begin_object().field("name", one.name).field("what", one.what).field("backtracks", one.backtracks);
   if (one.failed) {
     json.key("failed").begin_object().field("code", one.failed->code).field("message", to_string(*one.failed));
     json.end_object().end_object();

@@ -96,7 +96,7 @@ void VirtualObstaclePublisher::update() {
   busy_ = false;
   gather();
   for (VehicleIndex v = 0; v < viewers_.size(); ++v) {
-    if (can_hear(v)) look_around(v);
+    if (can_hear(v)) survey_neighbours(v);
     // One that is away is told when it is back.
     const Viewer& viewer = viewers_[v];
     busy_ =
@@ -127,7 +127,7 @@ void VirtualObstaclePublisher::pick(VehicleIndex vehicle, const Pose2& X_MB) {
   std::ranges::sort(marks_);
 }
 
-void VirtualObstaclePublisher::look_around(VehicleIndex vehicle) {
+void VirtualObstaclePublisher::survey_neighbours(VehicleIndex vehicle) {
   const auto X_MB = pose_of(vehicle);
   if (!X_MB) return;
   Viewer& viewer = viewers_[vehicle];

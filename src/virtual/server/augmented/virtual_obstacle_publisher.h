@@ -86,7 +86,7 @@ class VirtualObstaclePublisher {
   void gather_vehicles();
   [[nodiscard]] std::optional<Pose2> pose_of(VehicleIndex vehicle) const;
   [[nodiscard]] bool can_hear(VehicleIndex vehicle) const;
-  void look_around(VehicleIndex vehicle);
+  void survey_neighbours(VehicleIndex vehicle);
   void pick(VehicleIndex vehicle, const Pose2& X_MB);
   void record_change(Viewer& viewer);
   void tell(VehicleIndex vehicle, Viewer& viewer);

@@ -135,7 +135,7 @@ void OwnReports::clear_through(VehicleIndex vehicle, const wire::Ranges& ranges)
   if (context_.simulator.detected().empty() || !context_.simulator.zone() || !proxy.here() || !proxy.position_known) return;
   const Pose2 X_MB = context_.simulator.image(*proxy.twin, context_.now).X_MB;
   const Pose2 X_MS = X_MB * Pose2{0.5 * context_.simulator.zone()->vehicle.length_m, 0.0, 0.0};
-  for (const std::string& id : context_.simulator.detected().look_through(X_MS, ranges))
+  for (const std::string& id : context_.simulator.detected().clear_through(X_MS, ranges))
     context_.traces.add(context_.now, "AIV_Server", "Simulator", "disappear",
                         id + ": " + proxy.name + " looks through its place");
 }

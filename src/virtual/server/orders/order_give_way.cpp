@@ -144,7 +144,7 @@ bool OrderRoller::makes_room_by_moving_up(VehicleIndex vehicle, std::span<const 
   const Plan& plan = plans_[vehicle];
   const Traffic::Leader& ahead = traffic_.ahead(vehicle);
   if (off_line(vehicle) || plan.waits_for_crossing || plan.waits_why != WaitReason::ahead ||
-      plan.waits_for_vehicle != ahead.vehicle || !has_eyes_for(vehicle, ahead.vehicle))
+      plan.waits_for_vehicle != ahead.vehicle || !detects_leader(vehicle, ahead.vehicle))
     return false;
   const double up_m = ahead.distance_m - map_->zone().vehicle.length_m - aiv::stand_off_m - detected_too_early_m;
   return up_m > 0.0 && std::ranges::any_of(waits, [&](const Wait& wait) {

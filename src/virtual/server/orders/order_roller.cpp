@@ -369,7 +369,7 @@ bool OrderRoller::enter(VehicleIndex vehicle, double stop_m, double exit_m) {
   return false;
 }
 
-bool OrderRoller::has_eyes_for(VehicleIndex vehicle, VehicleIndex ahead) const {
+bool OrderRoller::detects_leader(VehicleIndex vehicle, VehicleIndex ahead) const {
   // A physical vehicle has none for a virtual one but the server's word, and what others' vehicles have is not known.
   return ahead != no_vehicle && registry_[vehicle].is_cosiva() && registry_[ahead].is_cosiva() &&
          (registry_[vehicle].augmented || !registry_[ahead].augmented);
@@ -379,7 +379,7 @@ bool OrderRoller::joins_convoy(VehicleIndex vehicle, const ChainAhead& chain) {
   // Its base will not keep it off the one ahead: its eyes must.
   if (chain.next_m <= traffic_.reach_m(vehicle, chain.next_m)) return false;
   const VehicleIndex ahead = traffic_.ahead(vehicle).vehicle;
-  if (!has_eyes_for(vehicle, ahead)) return false;
+  if (!detects_leader(vehicle, ahead)) return false;
   // Whoever stands there by order will not make room soon.
   if (!may_roll(ahead) || gives_way(ahead)) return false;
   return traffic_.may_join(vehicle, chain.exit_m, chain.stop_m);

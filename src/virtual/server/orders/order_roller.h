@@ -184,7 +184,7 @@ class OrderRoller {
     double exit_m;
   };
   /// Its base may reach up to that one: its eyes will keep it off.
-  [[nodiscard]] bool has_eyes_for(VehicleIndex vehicle, VehicleIndex ahead) const;
+  [[nodiscard]] bool detects_leader(VehicleIndex vehicle, VehicleIndex ahead) const;
   [[nodiscard]] bool joins_convoy(VehicleIndex vehicle, const ChainAhead& chain);
   void join_convoy(VehicleIndex vehicle);
   void send(VehicleIndex vehicle, const Extension& from);
