@@ -56,21 +56,21 @@ double middle(std::vector<double> values) {
 int main(int argc, char** argv) {
   CLI::App app{"Times the global vision system, by processor time of its one thread"};
   int vehicles = 20;
-  int pictures = 40;
+  int images = 40;
   std::size_t size = 2048;
   app.add_option("--vehicles", vehicles)->check(CLI::Range(1, 100));
-  app.add_option("--pictures", pictures)->check(CLI::Range(2, 100000));
+  app.add_option("--image-count", images)->check(CLI::Range(2, 100000));
   app.add_option("--size", size)->check(CLI::Range(256, 8192));
   CLI11_PARSE(app, argc, argv);
 
   SceneCamera camera;
   const double share = static_cast<double>(size) / 2048.0;
-  camera.picture = {size, size};
+  camera.frame = {size, size};
   camera.focal_px *= share;
   camera.principal = {camera.principal.u * share, camera.principal.v * share};
   CalibrationOptions options;
   options.models = {{FloorModel::lens_polynomial, 5}};
-  auto made = calibrate(corners_of(camera), camera.picture, options);
+  auto made = calibrate(corners_of(camera), camera.frame, options);
   if (!made) return 1;
   made->calibration.camera = {camera.foot, camera.height_m};
   MarkerProfile marker;
@@ -92,7 +92,7 @@ int main(int argc, char** argv) {
   double squares = 0.0;
   double worst_m = 0.0;
   std::size_t fixes = 0;
-  for (int k = 0; k < pictures; ++k) {
+  for (int k = 0; k < images; ++k) {
     const double t_s = 0.05 * k;
     std::vector<SceneBody> now = bodies;
     for (std::size_t i = 0; i < now.size(); ++i) now[i].X_MB = bodies[i].after(std::fmod(t_s, 1.0));
@@ -117,12 +117,12 @@ int main(int argc, char** argv) {
       ++fixes;
     }
   }
-  std::printf("%zu x %zu, %d vehicles, %d pictures, one core (processor time):\n", size, size, vehicles, pictures);
+  std::printf("%zu x %zu, %d vehicles, %d pictures, one core (processor time):\n", size, size, vehicles, images);
   std::printf("  all known            median %6.2f ms\n", middle(knowing_ms));
   std::printf("  and one band sought  median %6.2f ms, worst %6.2f\n", middle(searching_ms),
               std::ranges::max(searching_ms));
   std::printf("  first picture, sought whole %6.2f ms\n", first_ms);
-  std::printf("  %zu of %d fixes, %.3f mm rms, %.3f at most\n", fixes, vehicles * pictures,
+  std::printf("  %zu of %d fixes, %.3f mm rms, %.3f at most\n", fixes, vehicles * images,
               1e3 * std::sqrt(squares / static_cast<double>(std::max<std::size_t>(1, fixes))), 1e3 * worst_m);
-  return fixes == static_cast<std::size_t>(vehicles) * static_cast<std::size_t>(pictures) ? 0 : 1;
+  return fixes == static_cast<std::size_t>(vehicles) * static_cast<std::size_t>(images) ? 0 : 1;
 }

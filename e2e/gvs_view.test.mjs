@@ -108,8 +108,8 @@ test('cosiva up --gvs', { timeout: 240_000 }, async (t) => {
     await page.goto('about:blank');
     // Two seconds after the last look none is sent any more, and three later the last one is too old to be shown.
     await sleep(6_000);
-    assert.equal((await fetch(`${platform.url}/api/v1/gvs/picture`)).status, 404);
-    await eventually('asked again, it comes again', async () => (await fetch(`${platform.url}/api/v1/gvs/picture`)).status === 200, { within_ms: 8_000, every_ms: 250 });
+    assert.equal((await fetch(`${platform.url}/api/v1/gvs/preview`)).status, 404);
+    await eventually('asked again, it comes again', async () => (await fetch(`${platform.url}/api/v1/gvs/preview`)).status === 200, { within_ms: 8_000, every_ms: 250 });
   });
   assert.deepEqual(page.script_errors, []);
 });

@@ -236,7 +236,7 @@ bool camera(app::TraceWriter& trace, const zone::ZoneConfiguration& zone) {
     found = found || poses->detections.size() == 2;
     run.publish("gvs", {std::string(wire::gvs_detections_topic), to_json(*poses), 0, false});
     run.publish("gvs",
-                {std::string(wire::gvs_picture_topic), tracker.shown(image, *poses, rtm->zone().vehicle), 0, false});
+                {std::string(wire::gvs_preview_topic), tracker.shown(image, *poses, rtm->zone().vehicle), 0, false});
   }
   return found;
 }

@@ -32,7 +32,7 @@ std::span<const PageCalls::Route> PageCalls::routes() {
       {"GET", "/api/v1/traces/{n}", none, &get_trace},
       {"POST", "/api/v1/commands", object, &post_command},
       {"GET", "/api/v1/battery/curves/{id}", none, &get_battery_curve},
-      {"GET", "/api/v1/gvs/picture", none, &get_gvs_picture},
+      {"GET", "/api/v1/gvs/preview", none, &get_gvs_preview},
       {"POST", "/api/v1/battery/ready", object, &post_battery_ready},
       {"POST", "/api/v1/things", object, &add_thing},
       {"DELETE", "/api/v1/things", none, &remove_things},

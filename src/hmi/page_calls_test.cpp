@@ -407,21 +407,21 @@ TEST(PageCalls, draw_a_battery_s_curve_of_who_tells_of_its_battery) {
   EXPECT_THAT(curve.body, HasSubstr("87,12.1,24]"));
 }
 
-TEST(PageCalls, show_the_camera_s_picture_as_it_came_and_say_where_there_is_none) {
+TEST(PageCalls, show_the_camera_s_image_as_it_came_and_say_where_there_is_none) {
   PageBench page;
-  const HttpResponse none = page.ask("GET", "/api/v1/gvs/picture");
+  const HttpResponse none = page.ask("GET", "/api/v1/gvs/preview");
   EXPECT_EQ(none.status, 404U);
   EXPECT_THAT(PageBench::sentence(none), HasSubstr("cosiva up --gvs"));
-  const auto picture = std::make_shared<const std::string>("P5\n# {}\n1 1\n255\n\x80");
+  const auto image = std::make_shared<const std::string>("P5\n# {}\n1 1\n255\n\x80");
   int looks = 0;
   PageHost host = page.host();
-  host.gvs_picture = [&] { return ++looks > 1 ? picture : nullptr; };
+  host.gvs_preview = [&] { return ++looks > 1 ? image : nullptr; };
   page.calls.emplace(std::move(host));
-  EXPECT_EQ(page.ask("GET", "/api/v1/gvs/picture").status, 404U) << "the first look asks for it";
-  const HttpResponse shown = page.ask("GET", "/api/v1/gvs/picture");
+  EXPECT_EQ(page.ask("GET", "/api/v1/gvs/preview").status, 404U) << "the first look asks for it";
+  const HttpResponse shown = page.ask("GET", "/api/v1/gvs/preview");
   EXPECT_EQ(shown.status, 200U);
   EXPECT_EQ(shown.content_type, "image/x-portable-graymap");
-  EXPECT_EQ(shown.body, *picture);
+  EXPECT_EQ(shown.body, *image);
 }
 
 /// A page on which everything that an example needs is there.

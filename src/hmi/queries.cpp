@@ -76,10 +76,10 @@ HttpResponse get_trace(CallContext& context, const Call& call) {
   return json_answer(std::move(*found));
 }
 
-HttpResponse get_gvs_picture(CallContext& context, const Call&) {
-  const auto picture = context.host().gvs_picture ? context.host().gvs_picture() : nullptr;
-  if (picture) return {200, "image/x-portable-graymap", *picture, {}};
-  return http_error(404, "gvs.no_picture",
+HttpResponse get_gvs_preview(CallContext& context, const Call&) {
+  const auto image = context.host().gvs_preview ? context.host().gvs_preview() : nullptr;
+  if (image) return {200, "image/x-portable-graymap", *image, {}};
+  return http_error(404, "gvs.no_image",
                     "no camera has sent a picture in the last seconds; where one watches (cosiva up --gvs), it does so "
                     "from half a second after the first question on");
 }

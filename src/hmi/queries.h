@@ -26,7 +26,7 @@ namespace cosiva::app {
 /// GET /api/v1/battery/curves/{id}: the curve of one vehicle's battery; 404 ("battery.not_found").
 [[nodiscard]] adapters::HttpResponse get_battery_curve(CallContext& context, const Call& call);
 /// The latest image of the GVS as Netpbm; 404 where none came lately.
-[[nodiscard]] adapters::HttpResponse get_gvs_picture(CallContext& context, const Call& call);
+[[nodiscard]] adapters::HttpResponse get_gvs_preview(CallContext& context, const Call& call);
 
 /// The body of `GET /api/v1/run`.
 [[nodiscard]] std::string run_json(const CallContext& context);

@@ -25,7 +25,7 @@ struct PageHost {
   std::string zone_file;
   /// The last picture of the camera over the zone, as Netpbm's P5, and word to it that somebody looks; null: none came
   /// lately. Empty where there is none to ask.
-  std::function<std::shared_ptr<const std::string>()> gvs_picture;
+  std::function<std::shared_ptr<const std::string>()> gvs_preview;
 
   struct Clock {
     bool is_virtual{false};

@@ -44,9 +44,9 @@ std::string colour(double share) {
   return text;
 }
 
-class Picture {
+class Image {
  public:
-  explicit Picture(const Surface& surface) : surface_{surface} {}
+  explicit Image(const Surface& surface) : surface_{surface} {}
 
   std::string draw() {
     out_ =
@@ -214,6 +214,6 @@ class Picture {
 
 }  // namespace
 
-std::string to_svg(const Surface& surface) { return Picture{surface}.draw(); }
+std::string to_svg(const Surface& surface) { return Image{surface}.draw(); }
 
 }  // namespace cosiva::app

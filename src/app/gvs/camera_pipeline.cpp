@@ -24,8 +24,8 @@ constexpr std::size_t shown_max = 100;
 /// The border of what is seen, a few places on each side: a lens bends it.
 std::vector<Point2> field_of(const vision::Calibration& calibration) {
   constexpr int per_side = 6;
-  const double width = static_cast<double>(calibration.map.picture.width) - 2.0 * border_px;
-  const double height = static_cast<double>(calibration.map.picture.height) - 2.0 * border_px;
+  const double width = static_cast<double>(calibration.map.frame.width) - 2.0 * border_px;
+  const double height = static_cast<double>(calibration.map.frame.height) - 2.0 * border_px;
   const double height_m = vision::profile_of(-1, calibration.markers).height_m;
   std::vector<Point2> field;
   for (int side = 0; side < 4; ++side) {
@@ -49,7 +49,7 @@ void write_pixel(JsonWriter& json, const vision::PixelPoint& pixel) {
 
 /// Each pixel the mean of a square of `by` × `by`.
 vision::Image smaller(const vision::Image& image, std::size_t by) {
-  const vision::PictureSize size{image.size.width / by, image.size.height / by};
+  const vision::ImageSize size{image.size.width / by, image.size.height / by};
   vision::Image small = vision::Image::filled(size, 0);
   const auto count = static_cast<unsigned>(by * by);
   for (std::size_t row = 0; row < size.height; ++row) {

@@ -23,7 +23,7 @@ class GvsCamera {
 
   GvsCamera(vision::Calibration calibration, const vision::TrackerOptions& options, std::map<int, std::string> names);
 
-  /// Fails ("gvs.picture") on a picture of another size than the calibration's.
+  /// Fails ("gvs.image") on a picture of another size than the calibration's.
   /// @param began  when the exposure of its first row began; it rises (others are passed over: nothing is seen)
   [[nodiscard]] Result<wire::GvsDetections> see(const vision::Image& image, SimTime began, double period_s);
   /// The last picture that was seen, smaller, as Netpbm's P5. Its comment says where its vehicles are on it:

@@ -177,7 +177,7 @@ void describe_track(CLI::App& command, GvsTrackArguments& a) {
       ->type_name("HZ")
       ->check(CLI::Range(1e-3, 1e5))
       ->capture_default_str();
-  command.add_option("--pictures", a.pictures_max, "no more than so many; 0: all")
+  command.add_option("--image-count", a.images_max, "no more than so many; 0: all")
       ->type_name("N")
       ->capture_default_str();
   command.add_option("--exposure", a.exposure_ms, "of a row: fixes are stamped in its middle")

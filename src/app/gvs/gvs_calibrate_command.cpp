@@ -6,7 +6,7 @@
 
 #include "cosiva/adapters/files.h"
 #include "cosiva/app/cli/console.h"
-#include "cosiva/app/gvs/pictures.h"
+#include "cosiva/app/gvs/images.h"
 #include "cosiva/app/resources/reference_budget.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/text.h"
@@ -24,10 +24,10 @@ constexpr double degree_rad = pi / 180.0;
 
 struct Material {
   std::vector<vision::FloorPoint> points;
-  vision::PictureSize picture;
+  vision::ImageSize frame;
 };
 
-Result<vision::PictureSize> size_of(const std::string& text) {
+Result<vision::ImageSize> size_of(const std::string& text) {
   const std::size_t cross = text.find('x');
   const auto width = number_of<std::size_t>(std::string_view{text}.substr(0, cross));
   const auto height =
@@ -35,7 +35,7 @@ Result<vision::PictureSize> size_of(const std::string& text) {
   constexpr std::size_t most = 65536;
   if (!width || !height || *width == 0 || *height == 0 || *width > most || *height > most)
     return fail("gvs.size", "expected a size such as 2048x2048, found '" + text + "'", "--size");
-  return vision::PictureSize{*width, *height};
+  return vision::ImageSize{*width, *height};
 }
 
 Result<Material> points_of(const GvsCalibrateArguments& a) {
@@ -43,18 +43,18 @@ Result<Material> points_of(const GvsCalibrateArguments& a) {
   if (!text) return tl::unexpected(text.error());
   auto points = vision::read_points(*text, a.points_file);
   if (!points) return tl::unexpected(points.error());
-  const auto picture = size_of(a.size);
-  if (!picture) return tl::unexpected(picture.error());
+  const auto frame = size_of(a.size);
+  if (!frame) return tl::unexpected(frame.error());
   for (const vision::FloorPoint& point : *points) {
-    if (point.pixel.u >= 0.0 && point.pixel.v >= 0.0 && point.pixel.u <= static_cast<double>(picture->width) &&
-        point.pixel.v <= static_cast<double>(picture->height))
+    if (point.pixel.u >= 0.0 && point.pixel.v >= 0.0 && point.pixel.u <= static_cast<double>(frame->width) &&
+        point.pixel.v <= static_cast<double>(frame->height))
       continue;
     return fail("gvs.points",
                 "the pixel (" + decimals(point.pixel.u, 1) + ", " + decimals(point.pixel.v, 1) +
                     ") lies outside a picture of " + a.size + "; --size says how large it is",
                 a.points_file);
   }
-  return Material{std::move(*points), *picture};
+  return Material{std::move(*points), *frame};
 }
 
 Result<Material> board_of(const GvsCalibrateArguments& a) {
@@ -63,20 +63,20 @@ Result<Material> board_of(const GvsCalibrateArguments& a) {
   if (!text) return tl::unexpected(text.error());
   const auto board = vision::read_board(*text, a.board_file);
   if (!board) return tl::unexpected(board.error());
-  auto pictures = folder_pictures(a.images_folder, 1.0);
-  if (!pictures) return tl::unexpected(pictures.error());
+  auto images = folder_images(a.images_folder, 1.0);
+  if (!images) return tl::unexpected(images.error());
   vision::BoardReader reader{*board};
   for (;;) {
-    auto picture = (*pictures)->next();
-    if (!picture) return tl::unexpected(picture.error());
-    if (!*picture) break;
-    if (auto added = reader.add((*picture)->image); !added) {
+    auto frame = (*images)->next();
+    if (!frame) return tl::unexpected(frame.error());
+    if (!*frame) break;
+    if (auto added = reader.add((*frame)->image); !added) {
       Error error = added.error();
-      error.place = (*picture)->name;
+      error.place = (*frame)->name;
       return tl::unexpected(error);
     }
   }
-  return Material{reader.points(), reader.picture()};
+  return Material{reader.points(), reader.frame()};
 }
 
 Result<std::vector<vision::SurveyedPose>> poses_of(const GvsCalibrateArguments& a) {
@@ -212,7 +212,7 @@ int run_gvs_calibrate(const GvsCalibrateArguments& a) {
     if (a.model == name_of(model)) options.models = {{model, a.degree}};
   if (options.models.empty() && a.degree != vision::FitOptions{}.degree)
     return complain({"gvs.degree", "needs --model polynomial or lens_polynomial", "--degree"});
-  auto made = vision::calibrate(material->points, material->picture, options);
+  auto made = vision::calibrate(material->points, material->frame, options);
   if (!made) {
     Error error = made.error();
     if (error.place.empty()) error.place = a.points_file.empty() ? a.images_folder : a.points_file;

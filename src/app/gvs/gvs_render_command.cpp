@@ -27,7 +27,7 @@ SceneChoice choice_of(const GvsRenderArguments& a) {
 std::vector<vision::BoardTag> board_of(const vision::SceneCamera& camera, const GvsRenderArguments& a) {
   constexpr int half = 5;
   constexpr int first_id = 200;
-  const double reach_m = 0.92 * camera.height_m * 0.5 * static_cast<double>(camera.picture.width) / camera.focal_px;
+  const double reach_m = 0.92 * camera.height_m * 0.5 * static_cast<double>(camera.frame.width) / camera.focal_px;
   const double side_m = std::max(a.tag_side_m, 40.0 * camera.height_m / camera.focal_px);
   std::vector<vision::BoardTag> board;
   for (int j = -half; j <= half; ++j)
@@ -51,11 +51,11 @@ class Render {
   Result<void> run() {
     const double step_s = 1.0 / a_.rate_hz;
     for (double warm_s = 0.0; warm_s < a_.warm_up_s; warm_s += step_s) fleet_.step();
-    const auto pictures = static_cast<std::uint64_t>(std::max(1.0, std::nearbyint(a_.seconds * a_.rate_hz)));
+    const auto images = static_cast<std::uint64_t>(std::max(1.0, std::nearbyint(a_.seconds * a_.rate_hz)));
     truth_.resize(fleet_.size());
     std::string stamps = "file,stamp_s\n";
     Progress progress{"render"};
-    for (std::uint64_t k = 0; k < pictures; ++k) {
+    for (std::uint64_t k = 0; k < images; ++k) {
       const double t_s = static_cast<double>(k) * step_s;
       const auto bodies = bodies_until_next(step_s);
       persist(bodies, t_s, step_s);
@@ -67,13 +67,13 @@ class Render {
       stamps += name + "," + number(t_s + 1e-3 * a_.late_ms) + "\n";
       progress.at(t_s, a_.seconds);
     }
-    pictures_ = pictures;
+    images_ = images;
     return write_rest(stamps);
   }
 
   [[nodiscard]] std::string json() const {
     JsonWriter json{2};
-    json.begin_object().field("pictures", pictures_).field("aivs", fleet_.size()).field("width_px", a_.size_px);
+    json.begin_object().field("pictures", images_).field("aivs", fleet_.size()).field("width_px", a_.size_px);
     json.field("camera_height_m", camera_.height_m).field("camera_foot_x_m", camera_.foot.x_m);
     json.field("camera_foot_y_m", camera_.foot.y_m)
         .field("tag_height_m", a_.tag_height_m)
@@ -83,7 +83,7 @@ class Render {
     return json.take();
   }
   [[nodiscard]] std::string phrase() const {
-    std::string text = std::to_string(pictures_) + " pictures of " + std::to_string(fleet_.size()) + " AIVs, tags " +
+    std::string text = std::to_string(images_) + " pictures of " + std::to_string(fleet_.size()) + " AIVs, tags " +
                        decimals(tag_px(), 0) + " px wide; a camera " + decimals(camera_.height_m, 2) + " m above (" +
                        decimals(camera_.foot.x_m, 3) + ", " + decimals(camera_.foot.y_m, 3) + ")";
     if (tag_px() < 24.0) text += "\ntags under 24 px are missed: a larger --size or --tag-side, or a smaller zone";
@@ -161,7 +161,7 @@ class Render {
   vision::SceneCamera camera_;
   vision::Painter painter_;
   std::vector<experiments::Trajectory> truth_;
-  std::uint64_t pictures_{0};
+  std::uint64_t images_{0};
 };
 
 }  // namespace

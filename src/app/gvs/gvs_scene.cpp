@@ -28,7 +28,7 @@ zone::Bounds middle_of(const zone::Bounds& bounds, double half_m) {
 
 vision::SceneCamera camera_over(const zone::Bounds& bounds, const SceneChoice& choice) {
   vision::SceneCamera camera;
-  camera.picture = {choice.size_px, choice.size_px};
+  camera.frame = {choice.size_px, choice.size_px};
   camera.foot = {0.5 * (bounds.low.x_m + bounds.high.x_m), 0.5 * (bounds.low.y_m + bounds.high.y_m)};
   camera.height_m = choice.height_m;
   const double half_m = half_side_m(bounds);
@@ -58,14 +58,14 @@ std::vector<vision::FloorPoint> corners_of(const vision::SceneCamera& camera, st
   Random random{seed, "gvs/corners"};
   constexpr double noise_px = 0.05;
   constexpr int half = 20;
-  const double reach_m = camera.height_m * 0.5 * static_cast<double>(camera.picture.width) / camera.focal_px * 1.3;
+  const double reach_m = camera.height_m * 0.5 * static_cast<double>(camera.frame.width) / camera.focal_px * 1.3;
   const double pitch_m = std::max(0.1, std::ceil(reach_m / half * 10.0) / 10.0);
   std::vector<vision::FloorPoint> points;
   for (int j = -half; j <= half; ++j) {
     for (int i = -half; i <= half; ++i) {
       const Point2 floor{camera.foot.x_m + i * pitch_m, camera.foot.y_m + j * pitch_m};
       const auto pixel = camera.pixel_of(floor, 0.0);
-      const double most = static_cast<double>(camera.picture.width) - 3.0;
+      const double most = static_cast<double>(camera.frame.width) - 3.0;
       if (!pixel || pixel->u < 3.0 || pixel->v < 3.0 || pixel->u > most || pixel->v > most) continue;
       points.push_back({floor, {random.gaussian(pixel->u, noise_px), random.gaussian(pixel->v, noise_px)}});
     }
@@ -117,7 +117,7 @@ Result<EmulatedCamera> EmulatedCamera::over(const zone::TrafficZone& zone) {
   options.models = {{vision::FloorModel::lens, 5}};
   options.block_m = half_m / 2.0;
   options.camera_height_m = choice.height_m;
-  auto made = vision::calibrate(corners_of(camera, 1), camera.picture, options);
+  auto made = vision::calibrate(corners_of(camera, 1), camera.frame, options);
   if (!made) return tl::unexpected(made.error());
   made->calibration.camera = {camera.foot, camera.height_m};  // by a plumb line and a tape measure
   vision::MarkerProfile marker;
@@ -147,7 +147,7 @@ vision::Image EmulatedCamera::take(const PlantTruth& truth, const std::optional<
     body.width_m = shape_.width_m;
     bodies.push_back(body);
   }
-  return painter_.paint(bodies, pictures_++);
+  return painter_.paint(bodies, images_++);
 }
 
 }  // namespace cosiva::app

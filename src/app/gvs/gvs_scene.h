@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "cosiva/app/gvs/pictures.h"
+#include "cosiva/app/gvs/images.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/time.h"
 #include "cosiva/physical/vision/calibration.h"
@@ -73,7 +73,7 @@ class EmulatedCamera {
   zone::VehicleShape shape_;
   double tag_side_m_;
   double width_m_;
-  std::uint64_t pictures_{0};
+  std::uint64_t images_{0};
 };
 
 }  // namespace cosiva::app

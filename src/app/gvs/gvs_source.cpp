@@ -16,13 +16,13 @@ Result<void> check_gvs_source(const GvsSource& source, const std::string& prefix
   }
   if (source.emulated()) {
     if (source.exposure_ms > 0.0 || source.line_us > 0.0 || source.tag_side_m > 0.0 || !source.vehicles.empty()) {
-      return fail("gvs.pictures",
+      return fail("gvs.images",
                   "exposure, line, tag-side and vehicle are of a real camera; the emulated world's is known. Say " +
                       prefix + "images DIR, " + prefix + "video FILE or " + prefix + "camera N",
                   prefix + "camera");
     }
     if (source.calibration_file.empty()) return {};
-    return fail("gvs.pictures",
+    return fail("gvs.images",
                 "whose pictures? Say " + prefix + "images DIR, " + prefix + "video FILE or " + prefix +
                     "camera N; the emulated world's camera needs no calibration",
                 prefix + "calibration");
@@ -35,7 +35,7 @@ Result<void> check_gvs_source(const GvsSource& source, const std::string& prefix
     return tl::unexpected(calibration.error());
   if (source.camera) {
     const std::string device = "/dev/video" + std::to_string(*source.camera);
-    if (!std::filesystem::exists(device)) return fail("gvs.pictures", "there is no such camera", device);
+    if (!std::filesystem::exists(device)) return fail("gvs.images", "there is no such camera", device);
     return {};
   }
   if (auto opened = open_images(source); !opened) return tl::unexpected(opened.error());

@@ -25,7 +25,7 @@ struct GvsSource {
   [[nodiscard]] bool emulated() const { return images_folder.empty() && video_file.empty() && !camera; }
 };
 
-/// Whether the source's files and its camera are there and can be read, without using any yet. Fails ("gvs.pictures",
+/// Whether the source's files and its camera are there and can be read, without using any yet. Fails ("gvs.images",
 /// "gvs.calibration") with the option that is wrong.
 /// @param prefix  of its options, for messages: "--", or "--gvs-" for `up`
 [[nodiscard]] Result<void> check_gvs_source(const GvsSource& source, const std::string& prefix);

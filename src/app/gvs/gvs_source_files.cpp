@@ -5,10 +5,10 @@
 
 namespace cosiva::app {
 
-Result<std::unique_ptr<Pictures>> open_images(const GvsSource& source) {
-  if (!source.images_folder.empty()) return folder_pictures(source.images_folder, source.rate_hz);
-  if (!source.video_file.empty()) return video_pictures(source.video_file);
-  return camera_pictures(source.camera.value_or(0));
+Result<std::unique_ptr<ImageSource>> open_images(const GvsSource& source) {
+  if (!source.images_folder.empty()) return folder_images(source.images_folder, source.rate_hz);
+  if (!source.video_file.empty()) return video_images(source.video_file);
+  return camera_images(source.camera.value_or(0));
 }
 
 Result<vision::Calibration> read_calibration_file(const std::string& file) {

@@ -9,7 +9,7 @@
 #include "cosiva/adapters/files.h"
 #include "cosiva/adapters/test_bench.h"
 #include "cosiva/app/command_line_bench.h"
-#include "cosiva/app/gvs/pictures.h"
+#include "cosiva/app/gvs/images.h"
 #include "cosiva/app/resources/reference_budget.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/test_places.h"
@@ -145,7 +145,7 @@ TEST(Gvs, calibration_gives_the_budget_of_its_own_error_and_says_what_nobody_has
 }
 
 TEST(Gvs, rendering_gives_the_same_bytes_for_the_same_seed) {
-  const auto picture = [](const std::string& seed) {
+  const auto frame = [](const std::string& seed) {
     const Scratch out;
     EXPECT_EQ(cosiva({"gvs", "render", "--aivs", "2", "--seconds", "0.05", "--size", "256", "--seed", seed, "--out",
                       out.path()})
@@ -153,9 +153,9 @@ TEST(Gvs, rendering_gives_the_same_bytes_for_the_same_seed) {
               0);
     return adapters::read_file(out.path() + "/pictures/000000.pgm").value();
   };
-  const std::string first = picture("3");
-  EXPECT_EQ(first, picture("3"));
-  EXPECT_NE(first, picture("4"));
+  const std::string first = frame("3");
+  EXPECT_EQ(first, frame("3"));
+  EXPECT_NE(first, frame("4"));
 }
 
 // ---- Photographs, by OpenCV
@@ -186,9 +186,9 @@ TEST(Photographs, show_the_tags_that_are_listed_but_one) {
   };
   std::size_t missed = 0;
   for (const std::string name : {"33369213973_9d9bb4cc96_c", "34085369442_304b6bafd9_c", "34139872896_defdb2f8d9_c"}) {
-    const auto image = read_picture(data + "apriltag/" + name + ".jpg");
+    const auto image = read_image(data + "apriltag/" + name + ".jpg");
     ASSERT_TRUE(image) << to_string(image.error());
-    EXPECT_EQ(image->size, (vision::PictureSize{799, 533}));
+    EXPECT_EQ(image->size, (vision::ImageSize{799, 533}));
     const auto found = vision::TagFinder{}.find_all(*image);
     const auto expected = listed(adapters::read_file(data + "apriltag/" + name + ".txt").value());
     ASSERT_GE(expected.size(), 10U);
@@ -209,11 +209,11 @@ TEST(Photographs, that_are_truncated_or_none_are_refused_with_their_name) {
   const Scratch folder;
   const std::string file = folder.path() + "/broken.jpg";
   ASSERT_TRUE(adapters::write_file(file, "no picture"));
-  const auto image = read_picture(file);
+  const auto image = read_image(file);
   ASSERT_FALSE(image);
   EXPECT_THAT(to_string(image.error()), HasSubstr("broken.jpg: is no picture"));
   ASSERT_TRUE(adapters::write_file(file, ""));
-  EXPECT_FALSE(read_picture(file));
+  EXPECT_FALSE(read_image(file));
 }
 
 // ---- Bad input
@@ -254,28 +254,28 @@ TEST(Gvs, refuses_what_it_cannot_use_with_status_2_and_says_what_and_where) {
   }
 }
 
-TEST(Gvs, tracking_refuses_bad_folders_and_pictures) {
+TEST(Gvs, tracking_refuses_bad_folders_and_images) {
   const Scratch out;
   ASSERT_EQ(cosiva(bay().calibrate(out.path())).status, 0);
-  const std::string pictures = out.path() + "/pictures";
-  std::filesystem::create_directories(pictures);
+  const std::string images = out.path() + "/pictures";
+  std::filesystem::create_directories(images);
   const auto track = [&] {
-    return cosiva({"gvs", "track", "--calibration", out.path() + "/calibration.json", "--images", pictures});
+    return cosiva({"gvs", "track", "--calibration", out.path() + "/calibration.json", "--images", images});
   };
   EXPECT_THAT(track().standard_error, HasSubstr("holds no pictures"));
-  ASSERT_TRUE(adapters::write_file(pictures + "/a.pgm", "P5\n1200 1200\n255\ntoo short"));
+  ASSERT_TRUE(adapters::write_file(images + "/a.pgm", "P5\n1200 1200\n255\ntoo short"));
   Said said = track();
   EXPECT_EQ(said.status, 2);
   EXPECT_THAT(said.standard_error, HasSubstr("a.pgm: ends too early"));
-  ASSERT_TRUE(adapters::write_file(pictures + "/a.pgm", write_pgm(vision::Image::filled({64, 64}, 7))));
+  ASSERT_TRUE(adapters::write_file(images + "/a.pgm", write_pgm(vision::Image::filled({64, 64}, 7))));
   EXPECT_THAT(track().standard_error, HasSubstr("a.pgm: is 64 x 64 pixels large"));
-  ASSERT_TRUE(adapters::write_file(pictures + "/a.pgm", write_pgm(vision::Image::filled({1200, 1200}, 7))));
+  ASSERT_TRUE(adapters::write_file(images + "/a.pgm", write_pgm(vision::Image::filled({1200, 1200}, 7))));
   said = track();
   EXPECT_EQ(said.status, 1);
   EXPECT_THAT(said.standard_error, HasSubstr("no vehicle was seen"));
-  ASSERT_TRUE(adapters::write_file(pictures + "/stamps.csv", "file,stamp_s\nb.pgm,0\n"));
+  ASSERT_TRUE(adapters::write_file(images + "/stamps.csv", "file,stamp_s\nb.pgm,0\n"));
   EXPECT_THAT(track().standard_error, HasSubstr("has no stamp for"));
-  ASSERT_TRUE(adapters::write_file(pictures + "/stamps.csv", "file,stamp_s\na.pgm,soon\n"));
+  ASSERT_TRUE(adapters::write_file(images + "/stamps.csv", "file,stamp_s\na.pgm,soon\n"));
   EXPECT_THAT(track().standard_error, HasSubstr("stamps.csv:2: expected 'file,stamp_s'"));
 }
 

@@ -11,7 +11,7 @@
 #include "cosiva/adapters/files.h"
 #include "cosiva/app/cli/console.h"
 #include "cosiva/app/cli/progress.h"
-#include "cosiva/app/gvs/pictures.h"
+#include "cosiva/app/gvs/images.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/text.h"
 #include "cosiva/experiments/positioning/recording/trajectory.h"
@@ -23,7 +23,7 @@ namespace cosiva::app {
 namespace {
 
 struct Timing {
-  std::string picture;
+  std::string frame;
   double stamp_s;
   std::size_t fixes;
   double took_ms;  ///< of a processor
@@ -38,14 +38,14 @@ struct Tracked {
 
 double processor_ms() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-Result<std::unique_ptr<Pictures>> source_of(const GvsTrackArguments& a) {
-  if (!a.images_folder.empty()) return folder_pictures(a.images_folder, a.rate_hz);
-  if (!a.video_file.empty()) return video_pictures(a.video_file);
-  if (a.camera) return camera_pictures(*a.camera);
-  return fail("gvs.pictures", "say where pictures come from: --images DIR, --video FILE or --camera N", "gvs track");
+Result<std::unique_ptr<ImageSource>> source_of(const GvsTrackArguments& a) {
+  if (!a.images_folder.empty()) return folder_images(a.images_folder, a.rate_hz);
+  if (!a.video_file.empty()) return video_images(a.video_file);
+  if (a.camera) return camera_images(*a.camera);
+  return fail("gvs.images", "say where pictures come from: --images DIR, --video FILE or --camera N", "gvs track");
 }
 
-Result<Tracked> track(const GvsTrackArguments& a, const vision::Calibration& calibration, Pictures& pictures) {
+Result<Tracked> track(const GvsTrackArguments& a, const vision::Calibration& calibration, ImageSource& images) {
   vision::TrackerOptions options;
   options.exposure_s = 1e-3 * a.exposure_ms;
   options.line_s = 1e-6 * a.line_us;
@@ -54,18 +54,18 @@ Result<Tracked> track(const GvsTrackArguments& a, const vision::Calibration& cal
   vision::Tracker tracker{calibration, options};
   Tracked tracked;
   SecondsTicker ticker;
-  while (a.pictures_max == 0 || tracked.timing.size() < a.pictures_max) {
-    auto picture = pictures.next();
-    if (!picture) return tl::unexpected(picture.error());
-    if (!*picture) break;
+  while (a.images_max == 0 || tracked.timing.size() < a.images_max) {
+    auto frame = images.next();
+    if (!frame) return tl::unexpected(frame.error());
+    if (!*frame) break;
     const double began_ms = processor_ms();
-    const auto fixes = tracker.see((*picture)->image, (*picture)->stamp_s);
+    const auto fixes = tracker.see((*frame)->image, (*frame)->stamp_s);
     if (!fixes) {
       Error error = fixes.error();
-      error.place = (*picture)->name;
+      error.place = (*frame)->name;
       return tl::unexpected(error);
     }
-    tracked.timing.push_back({(*picture)->name, (*picture)->stamp_s, fixes->size(), processor_ms() - began_ms});
+    tracked.timing.push_back({(*frame)->name, (*frame)->stamp_s, fixes->size(), processor_ms() - began_ms});
     for (const vision::Fix& fix : *fixes) {
       tracked.fixes[fix.tag].push_back(fix);
       tracked.uncertainty_mean_m += fix.uncertainty_m;
@@ -156,7 +156,7 @@ double median_ms(const std::vector<Timing>& timing) {
 
 std::string json_of(const Tracked& tracked, const std::vector<Offset>& offsets) {
   JsonWriter json{2};
-  json.begin_object().field("pictures", tracked.figures.pictures).field("fixes", tracked.figures.fixes);
+  json.begin_object().field("pictures", tracked.figures.images).field("fixes", tracked.figures.fixes);
   json.field("lost", tracked.figures.lost).field("strange", tracked.figures.strange);
   json.field("median_ms", median_ms(tracked.timing)).field("uncertainty_mean_mm", 1e3 * tracked.uncertainty_mean_m);
   json.key("vehicles").begin_array();
@@ -188,7 +188,7 @@ std::string json_of(const Tracked& tracked, const std::vector<Offset>& offsets) 
 
 std::string text_of(const Tracked& tracked, const std::vector<Offset>& offsets) {
   std::string text = std::to_string(tracked.fixes.size()) + " vehicles, " + std::to_string(tracked.figures.fixes) +
-                     " fixes in " + std::to_string(tracked.figures.pictures) + " pictures; " +
+                     " fixes in " + std::to_string(tracked.figures.images) + " pictures; " +
                      decimals(median_ms(tracked.timing), 1) + " ms of a processor per picture (median)\n";
   text += "uncertainty " + decimals(1e3 * tracked.uncertainty_mean_m, 2) + " mm on average (calibration and tags); " +
           std::to_string(tracked.figures.lost) + " times one was not found again, " +
@@ -233,7 +233,7 @@ Result<void> write_all(const std::string& folder, const Tracked& tracked, const 
   std::string timing = "picture,stamp_s,fixes,processor_ms\n";
   for (const Timing& one : tracked.timing)
     timing +=
-        one.picture + "," + number(one.stamp_s) + "," + std::to_string(one.fixes) + "," + number(one.took_ms) + "\n";
+        one.frame + "," + number(one.stamp_s) + "," + std::to_string(one.fixes) + "," + number(one.took_ms) + "\n";
   files.emplace_back("poses.csv", poses);
   files.emplace_back("timing.csv", timing);
   files.emplace_back("result.json", result + "\n");
@@ -247,9 +247,9 @@ int run_gvs_track(const GvsTrackArguments& a) {
   if (!text) return complain(text.error());
   const auto calibration = vision::read_calibration(*text, a.calibration_file);
   if (!calibration) return complain(calibration.error());
-  auto pictures = source_of(a);
-  if (!pictures) return complain(pictures.error());
-  const auto tracked = track(a, *calibration, **pictures);
+  auto images = source_of(a);
+  if (!images) return complain(images.error());
+  const auto tracked = track(a, *calibration, **images);
   if (!tracked) return complain(tracked.error());
   const auto offsets = offsets_of(a, *tracked);
   if (!offsets) return complain(offsets.error());

@@ -14,7 +14,7 @@ struct GvsTrackArguments {
   std::string video_file;
   std::optional<std::uint32_t> camera;
   double rate_hz{20.0};
-  std::uint32_t pictures_max{0};  ///< 0: all
+  std::uint32_t images_max{0};  ///< 0: all
   double exposure_ms{0.0};
   double line_us{0.0};
   double tag_side_m{0.0};

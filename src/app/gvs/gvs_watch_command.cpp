@@ -16,7 +16,7 @@
 #include "cosiva/app/gvs/camera_pipeline.h"
 #include "cosiva/app/gvs/gvs_scene.h"
 #include "cosiva/app/gvs/gvs_source_files.h"
-#include "cosiva/app/gvs/picture_feed.h"
+#include "cosiva/app/gvs/preview_feed.h"
 #include "cosiva/app/resources/resource_paths.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/physical/vision/calibration_json.h"
@@ -90,13 +90,13 @@ class Watch {
   }
 
   void open_feed() {
-    PictureFeed::Options options;
+    PreviewFeed::Options options;
     options.open = [source = source_] { return open_images(source); };
     options.recorded = !source_.camera.has_value();
     options.rate_hz = source_.rate_hz;
-    feed_ = std::make_unique<PictureFeed>(
+    feed_ = std::make_unique<PreviewFeed>(
         loop_, std::move(options),
-        PictureFeed::Handlers{[this](const Picture& picture, SimTime began) { take(picture.image, began); },
+        PreviewFeed::Handlers{[this](const Frame& frame, SimTime began) { take(frame.image, began); },
                               [this](const std::string& why) { set_trouble(why); }});
   }
 
@@ -150,11 +150,11 @@ class Watch {
     const auto detections = camera_->see(image, began, 1.0 / source_.rate_hz);
     if (!detections) return set_trouble(to_string(detections.error()));
     set_trouble({});
-    ++pictures_;
+    ++images_;
     detected_ += detections->detections.size();
     client_->publish({std::string(wire::gvs_detections_topic), to_json(*detections), 0, false});
     if (clock_.now() <= looked_until_)
-      client_->publish({std::string(wire::gvs_picture_topic), camera_->shown(image, *detections, body_), 0, false});
+      client_->publish({std::string(wire::gvs_preview_topic), camera_->shown(image, *detections, body_), 0, false});
   }
 
   void set_trouble(const std::string& why) {
@@ -176,7 +176,7 @@ class Watch {
 
   [[nodiscard]] std::string json() const {
     JsonWriter json;
-    json.begin_object().field("source", text_).field("pictures", pictures_).field("fixes", detected_);
+    json.begin_object().field("source", text_).field("pictures", images_).field("fixes", detected_);
     json.field("trouble", trouble_).end_object();
     return json.take();
   }
@@ -199,10 +199,10 @@ class Watch {
   SimTime truth_heard_{};
   SimTime due_{};
   SimTime looked_until_{};
-  std::uint64_t pictures_{0};
+  std::uint64_t images_{0};
   std::uint64_t detected_{0};
   bool interrupted_{false};
-  std::unique_ptr<PictureFeed> feed_;
+  std::unique_ptr<PreviewFeed> feed_;
 };
 
 }  // namespace

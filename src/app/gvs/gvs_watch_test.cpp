@@ -12,7 +12,7 @@
 #include "cosiva/app/command_line_bench.h"
 #include "cosiva/app/gvs/camera_pipeline.h"
 #include "cosiva/app/gvs/gvs_scene.h"
-#include "cosiva/app/gvs/picture_feed.h"
+#include "cosiva/app/gvs/preview_feed.h"
 #include "cosiva/app/resources/zone_files.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/text.h"
@@ -125,7 +125,7 @@ TEST(GvsCamera, tells_how_much_of_the_floor_it_sees) {
   }
 }
 
-TEST(GvsCamera, passes_over_a_picture_that_is_not_newer_and_refuses_one_of_another_size) {
+TEST(GvsCamera, passes_over_an_image_that_is_not_newer_and_refuses_one_of_another_size) {
   Watched watched;
   ASSERT_THAT(watched.look(virtual_epoch + 1s).detections, SizeIs(4));
   EXPECT_THAT(watched.look(virtual_epoch).detections, SizeIs(0));
@@ -135,13 +135,13 @@ TEST(GvsCamera, passes_over_a_picture_that_is_not_newer_and_refuses_one_of_anoth
   EXPECT_THAT(refused.error().message, HasSubstr("64 x 64"));
 }
 
-TEST(GvsCamera, shows_a_small_picture_whose_comment_says_who_is_where_on_it) {
+TEST(GvsCamera, shows_a_small_image_whose_comment_says_who_is_where_on_it) {
   Watched watched;
   const wire::GvsDetections detections = watched.look(virtual_epoch);
   const std::string shown = watched.eye->shown(watched.image, detections, {0.2, 0.12});
   const auto image = vision::read_netpbm(shown, "shown");
   ASSERT_TRUE(image);
-  EXPECT_EQ(image->size, (vision::PictureSize{480, 480}));
+  EXPECT_EQ(image->size, (vision::ImageSize{480, 480}));
   ASSERT_TRUE(shown.starts_with("P5\n# {"));
   const auto told = JsonValue::parse(shown.substr(5, shown.find('\n', 5) - 5));
   ASSERT_TRUE(told);
@@ -204,9 +204,9 @@ TEST(PlantTruth, is_read_from_what_a_plant_says_and_from_nothing_else) {
 struct Fed {
   explicit Fed(std::string folder, double rate_hz = 100.0)
       : feed{loop,
-             {[folder = std::move(folder)] { return folder_pictures(folder, 20.0); }, true, rate_hz},
-             {[this](const Picture& picture, SimTime began) {
-                names.push_back(picture.name);
+             {[folder = std::move(folder)] { return folder_images(folder, 20.0); }, true, rate_hz},
+             {[this](const Frame& frame, SimTime began) {
+                names.push_back(frame.name);
                 stamps.push_back(began);
               },
               [this](const std::string& why) { troubles.push_back(why); }}} {}
@@ -215,10 +215,10 @@ struct Fed {
   std::vector<std::string> names;
   std::vector<SimTime> stamps;
   std::vector<std::string> troubles;
-  PictureFeed feed;
+  PreviewFeed feed;
 };
 
-std::string pictures_in(const Scratch& scratch, int count) {
+std::string images_in(const Scratch& scratch, int count) {
   const std::string folder = scratch / "pictures";
   std::vector<std::pair<std::string, std::string>> files;
   for (int i = 0; i < count; ++i)
@@ -227,9 +227,9 @@ std::string pictures_in(const Scratch& scratch, int count) {
   return folder;
 }
 
-TEST(PictureFeed, gives_recorded_pictures_at_their_own_pace_and_says_when_there_are_no_more) {
+TEST(PreviewFeed, gives_recorded_images_at_their_own_pace_and_says_when_there_are_no_more) {
   const Scratch scratch;
-  Fed fed{pictures_in(scratch, 5)};
+  Fed fed{images_in(scratch, 5)};
   const auto began = std::chrono::steady_clock::now();
   ASSERT_TRUE(fed.until([&] { return !fed.troubles.empty(); }));
   EXPECT_GE(std::chrono::steady_clock::now() - began, 190ms) << "five, a twentieth of a second apart";
@@ -238,26 +238,26 @@ TEST(PictureFeed, gives_recorded_pictures_at_their_own_pace_and_says_when_there_
   EXPECT_THAT(fed.troubles, ElementsAre("there are no more pictures"));
 }
 
-TEST(PictureFeed, leaves_out_what_comes_faster_than_it_is_looked_at) {
+TEST(PreviewFeed, leaves_out_what_comes_faster_than_it_is_looked_at) {
   const Scratch scratch;
-  Fed fed{pictures_in(scratch, 12), 5.0};
+  Fed fed{images_in(scratch, 12), 5.0};
   ASSERT_TRUE(fed.until([&] { return !fed.troubles.empty(); }));
   EXPECT_LE(fed.names.size(), 5U);
   EXPECT_GE(fed.names.size(), 3U);
 }
 
-TEST(PictureFeed, says_why_there_are_none_and_takes_them_when_they_come) {
+TEST(PreviewFeed, says_why_there_are_none_and_takes_them_when_they_come) {
   const Scratch scratch;
   Fed fed{scratch / "pictures"};
   ASSERT_TRUE(fed.until([&] { return !fed.troubles.empty(); }));
   EXPECT_THAT(fed.troubles[0], HasSubstr(scratch / "pictures"));
-  pictures_in(scratch, 1);
+  images_in(scratch, 1);
   EXPECT_TRUE(fed.until([&] { return !fed.names.empty(); }));
 }
 
-TEST(PictureFeed, says_which_picture_cannot_be_read) {
+TEST(PreviewFeed, says_which_image_cannot_be_read) {
   const Scratch scratch;
-  const std::string folder = pictures_in(scratch, 1);
+  const std::string folder = images_in(scratch, 1);
   ASSERT_TRUE(adapters::write_file(folder + "/1.pgm", "P5\n8 8\n255\nshort"));
   Fed fed{folder};
   ASSERT_TRUE(fed.until([&] { return !fed.troubles.empty(); }));
@@ -269,7 +269,7 @@ TEST(PictureFeed, says_which_picture_cannot_be_read) {
 TEST(GvsWatch, refuses_what_it_cannot_use_with_2_and_the_option) {
   const Scratch scratch;
   const std::string bad = scratch.write("bad.json", R"({"name":"x"})");
-  const std::string folder = pictures_in(scratch, 1);
+  const std::string folder = images_in(scratch, 1);
   const auto refused = [](std::vector<std::string> arguments, const std::string& standard_error) {
     const auto said = cosiva(arguments);
     EXPECT_EQ(said.status, 2) << said.standard_error;
@@ -290,7 +290,7 @@ TEST(GvsWatch, refuses_what_it_cannot_use_with_2_and_the_option) {
   refused({"up", "--gvs", "--virtual-time"}, "live runs only");
 }
 
-TEST(GvsWatch, refuses_a_camera_that_is_not_there_and_a_folder_without_pictures) {
+TEST(GvsWatch, refuses_a_camera_that_is_not_there_and_a_folder_without_images) {
   const Scratch scratch;
   const std::string calibration = scratch / "calibration.json";
   ASSERT_TRUE(adapters::write_file(calibration, vision::to_json(Watched{}.camera.calibration())));

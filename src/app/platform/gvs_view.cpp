@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::chrono::milliseconds ask_every{500};
 /// An older one would be taken for what is.
-constexpr std::chrono::seconds picture_lives{3};
+constexpr std::chrono::seconds image_lives{3};
 
 }  // namespace
 
@@ -22,8 +22,8 @@ GvsView::~GvsView() = default;
 std::shared_ptr<const std::string> GvsView::look() {
   const Clock::time_point now = Clock::now();
   if (now - asked_ >= ask_every) ask();
-  if (picture_ && now - came_ > picture_lives) picture_.reset();
-  return picture_;
+  if (image_ && now - came_ > image_lives) image_.reset();
+  return image_;
 }
 
 void GvsView::ask() {
@@ -39,9 +39,9 @@ void GvsView::ask() {
   handlers.on_message = [this](std::string_view, std::string_view payload, bool retained) {
     if (retained) return;  // somebody's mistake: it is of long ago
     came_ = Clock::now();
-    picture_ = std::make_shared<const std::string>(payload);
+    image_ = std::make_shared<const std::string>(payload);
   };
-  auto made = adapters::MqttClient::make(loop_, options_, {std::string(wire::gvs_picture_topic)}, std::nullopt,
+  auto made = adapters::MqttClient::make(loop_, options_, {std::string(wire::gvs_preview_topic)}, std::nullopt,
                                          std::move(handlers));
   if (!made) {
     say("cosiva: " + to_string(made.error()));

@@ -17,7 +17,7 @@ class GvsView {
   GvsView(adapters::EventLoop& loop, adapters::MqttOptions options);
   ~GvsView();
 
-  /// The last picture (wire::gvs_picture_topic), and word to the camera that somebody looks; null where none came
+  /// The last picture (wire::gvs_preview_topic), and word to the camera that somebody looks; null where none came
   /// lately.
   [[nodiscard]] std::shared_ptr<const std::string> look();
 
@@ -30,7 +30,7 @@ class GvsView {
   std::unique_ptr<adapters::MqttClient> client_;  ///< from the first look on
   Clock::time_point asked_{};
   Clock::time_point came_{};
-  std::shared_ptr<const std::string> picture_;
+  std::shared_ptr<const std::string> image_;
 };
 
 }  // namespace cosiva::app

@@ -158,7 +158,7 @@ int run_server(const ServerArguments& arguments) {
   LiveShell shell{loop, core, std::move(*live)};
   GvsView gvs{loop, std::move(*eye)};
   PageHost host = page_host(arguments, core, shell, scenario.name);
-  host.gvs_picture = [&gvs] { return gvs.look(); };
+  host.gvs_preview = [&gvs] { return gvs.look(); };
   auto page = ServerPage::open(loop, std::move(host), arguments.port, find_web_root(arguments.web_directory),
                                arguments.headless);
   if (!page) return complain(page.error());

@@ -167,9 +167,9 @@ TEST(ZoneShow, into_what_cannot_be_written_says_so) {
   }
 }
 
-TEST(Picture, of_what_is_none_or_far_too_high_is_refused) {
+TEST(Image, of_what_is_none_or_far_too_high_is_refused) {
   EXPECT_EQ(png_of("no picture", 100).error().code, "picture.svg");
-  EXPECT_EQ(png_of("<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 1 1000'/>", 100).error().code, "picture.size");
+  EXPECT_EQ(png_of("<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 1 1000'/>", 100).error().code, "image.size");
 }
 
 // --- convert and generate

@@ -58,7 +58,7 @@ Result<std::string> png_of(std::string_view svg, std::uint32_t width_px) {
   const double width = width_px;
   const double height = std::ceil(width * aspect_of(handle.get()));
   if (!(height >= 1.0 && height <= height_px_max)) {
-    return fail("picture.size", "at this width it would be " + std::to_string(std::llround(height)) +
+    return fail("image.size", "at this width it would be " + std::to_string(std::llround(height)) +
                                     " pixels high; from 1 to 16384 can be drawn");
   }
   const Owned<cairo_surface_t> surface{

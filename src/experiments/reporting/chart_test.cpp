@@ -131,7 +131,7 @@ TEST(Chart, leaves_out_what_is_no_number_and_breaks_its_line_there) {
   EXPECT_EQ(count(path.substr(0, path.find("/>")), "M"), 2U);
 }
 
-TEST(Chart, of_nothing_or_of_one_value_is_a_picture_all_the_same) {
+TEST(Chart, of_nothing_or_of_one_value_is_an_image_all_the_same) {
   for (const auto& values : {std::vector<double>{}, {5.0}, {5.0, 5.0}}) {
     const std::string svg = to_svg(Chart{{"x", {}, {}}, {"y", {}, {}}, {{"", values, values}}});
     EXPECT_THAT(svg, HasSubstr("</svg>"));

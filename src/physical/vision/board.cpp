@@ -40,8 +40,8 @@ std::string write_board(const std::vector<BoardTag>& board) {
 BoardReader::BoardReader(const std::vector<BoardTag>& board) : board_{board} {}
 
 Result<void> BoardReader::add(const Image& image) {
-  if (picture_ == PictureSize{}) picture_ = image.size;
-  if (image.size != picture_) return fail("gvs.board", "is of another size than the first picture");
+  if (image_ == ImageSize{}) image_ = image.size;
+  if (image.size != image_) return fail("gvs.board", "is of another size than the first picture");
   bool any = false;
   std::set<int> detected;
   for (const DetectedTag& tag : finder_.find(image, {})) {

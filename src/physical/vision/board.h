@@ -28,7 +28,7 @@ class BoardReader {
   explicit BoardReader(const std::vector<BoardTag>& board);
   /// Fails ("gvs.board") on a picture of another size than the first, and on one that shows none of the board's tags.
   [[nodiscard]] Result<void> add(const Image& image);
-  [[nodiscard]] PictureSize picture() const { return picture_; }
+  [[nodiscard]] ImageSize frame() const { return image_; }
   /// Corners, each the mean over the pictures that showed its tag.
   [[nodiscard]] std::vector<FloorPoint> points() const;
 
@@ -38,7 +38,7 @@ class BoardReader {
     double count{0.0};
   };
   std::vector<BoardTag> board_;
-  PictureSize picture_;
+  ImageSize image_;
   std::map<int, Sum> sums_;
   TagFinder finder_;
 };

@@ -63,13 +63,13 @@ std::size_t cell(double at_m, double from_m, double side_m, std::size_t count) {
   return index <= 0.0 ? 0 : std::min(count - 1, static_cast<std::size_t>(index));
 }
 
-Result<Tried> try_model(const std::vector<FloorPoint>& points, PictureSize picture, const FitOptions& options,
+Result<Tried> try_model(const std::vector<FloorPoint>& points, ImageSize frame, const FitOptions& options,
                         double block_m) {
-  const auto map = fit_floor(points, picture, options);
+  const auto map = fit_floor(points, frame, options);
   if (!map) return tl::unexpected(map.error());
-  auto colour = cross_validate(points, picture, options, colours(points));
+  auto colour = cross_validate(points, frame, options, colours(points));
   if (!colour) return tl::unexpected(colour.error());
-  auto block = cross_validate(points, picture, options, blocks(points, block_m));
+  auto block = cross_validate(points, frame, options, blocks(points, block_m));
   if (!block) return tl::unexpected(block.error());
   std::vector<Point2> left;
   for (const FloorPoint& point : points)
@@ -115,10 +115,10 @@ Groups blocks(const std::vector<FloorPoint>& points, double side_m) {
   return groups;
 }
 
-Result<LeftOut> cross_validate(const std::vector<FloorPoint>& points, PictureSize picture, const FitOptions& options,
+Result<LeftOut> cross_validate(const std::vector<FloorPoint>& points, ImageSize frame, const FitOptions& options,
                                const Groups& groups) {
   COSIVA_EXPECT(groups.size() == points.size());
-  const auto all = fit_floor(points, picture, options);
+  const auto all = fit_floor(points, frame, options);
   if (!all) return tl::unexpected(all.error());
   Groups names = groups;
   std::ranges::sort(names);
@@ -129,7 +129,7 @@ Result<LeftOut> cross_validate(const std::vector<FloorPoint>& points, PictureSiz
     std::vector<FloorPoint> others;
     for (std::size_t i = 0; i < points.size(); ++i)
       if (groups[i] != name) others.push_back(points[i]);
-    const auto map = fit_floor(others, picture, options, &*all);
+    const auto map = fit_floor(others, frame, options, &*all);
     if (!map) return tl::unexpected(map.error());
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (groups[i] != name) continue;
@@ -191,7 +191,7 @@ ResidualMap residual_map(const std::vector<FloorPoint>& points, const std::vecto
   return map;
 }
 
-Result<Calibrated> calibrate(const std::vector<FloorPoint>& points, PictureSize picture,
+Result<Calibrated> calibrate(const std::vector<FloorPoint>& points, ImageSize frame,
                              const CalibrationOptions& options) {
   std::vector<FitOptions> models = options.models;
   const bool all = models.empty();
@@ -202,7 +202,7 @@ Result<Calibrated> calibrate(const std::vector<FloorPoint>& points, PictureSize 
   for (const FitOptions& model : models) {
     // Enough for a fit, and for fits that leave half of them out.
     if (all && model.model != FloorModel::homography && points.size() < 2 * points_needed(model)) continue;
-    auto tried = try_model(points, picture, model, options.block_m);
+    auto tried = try_model(points, frame, model, options.block_m);
     if (tried)
       result.tried.push_back(std::move(*tried));
     else if (!refused)
@@ -214,14 +214,14 @@ Result<Calibrated> calibrate(const std::vector<FloorPoint>& points, PictureSize 
   const Tried& best = result.tried[result.chosen];
   Calibration& made = result.calibration;
   made.model = best.options.model;
-  made.map = *fit_floor(points, picture, best.options);
+  made.map = *fit_floor(points, frame, best.options);
   made.fitted = best.fitted;
   made.colour = best.colour.figures;
   made.block = best.block.figures;
   made.uncertainty = residual_map(points, {&best.colour, &best.block}, options.cell_m);
   if (options.camera_height_m > 0.0) {
     // Where the camera hangs is asked of the homography, which a lens must not have bent.
-    const auto lens = fit_floor(points, picture, {FloorModel::lens, FitOptions{}.degree});
+    const auto lens = fit_floor(points, frame, {FloorModel::lens, FitOptions{}.degree});
     const auto camera = camera_over(lens ? *lens : made.map, options.camera_height_m);
     if (!camera) return fail("gvs.height", "no camera so high above this floor has such a picture");
     made.camera = *camera;

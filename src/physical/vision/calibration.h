@@ -33,7 +33,7 @@ using Groups = std::vector<std::size_t>;
 /// missing. A floor smaller than four squares a side has smaller ones.
 [[nodiscard]] Groups blocks(const std::vector<FloorPoint>& points, double side_m);
 /// Fails as fit_floor does, where a fit without a group does.
-[[nodiscard]] Result<LeftOut> cross_validate(const std::vector<FloorPoint>& points, PictureSize picture,
+[[nodiscard]] Result<LeftOut> cross_validate(const std::vector<FloorPoint>& points, ImageSize frame,
                                              const FitOptions& options, const Groups& groups);
 
 /// The reference's own uncertainty over the floor: for each square the rms of left-out residuals in it (the worse of
@@ -87,7 +87,7 @@ struct Calibrated {
   std::vector<Tried> tried;
   std::size_t chosen{};  ///< of those
 };
-[[nodiscard]] Result<Calibrated> calibrate(const std::vector<FloorPoint>& points, PictureSize picture,
+[[nodiscard]] Result<Calibrated> calibrate(const std::vector<FloorPoint>& points, ImageSize frame,
                                            const CalibrationOptions& options);
 
 }  // namespace cosiva::vision

@@ -108,11 +108,11 @@ Residuals read_residuals(Reader& reader, const JsonValue& from, std::string_view
 
 FloorMap read_map(Reader& reader, const JsonValue& json) {
   FloorMap map;
-  const auto size = reader.list(json, "picture_px", 2);
+  const auto size = reader.list(json, "image_px", 2);
   for (const double side : size)
     if (!(side >= 1.0 && side <= 65536.0 && side == std::floor(side)))
-      reader.record("picture_px", "expected width and height in pixels, 1 to 65536");
-  if (!reader.error()) map.picture = {static_cast<std::size_t>(size[0]), static_cast<std::size_t>(size[1])};
+      reader.record("image_px", "expected width and height in pixels, 1 to 65536");
+  if (!reader.error()) map.frame = {static_cast<std::size_t>(size[0]), static_cast<std::size_t>(size[1])};
   const auto centre = reader.list(json, "centre_px", 2);
   map.centre = {centre[0], centre[1]};
   map.scale_px = reader.number(json, "scale_px", 1.0, 1e6);
@@ -171,7 +171,7 @@ MarkerProfile read_marker(Reader& reader, const JsonValue& from) {
 std::string to_json(const Calibration& c) {
   JsonWriter json{1};
   json.begin_object().field("format", format).field("name", c.name).field("model", name_of(c.model));
-  write_list(json, "picture_px", std::array{c.map.picture.width, c.map.picture.height});
+  write_list(json, "image_px", std::array{c.map.frame.width, c.map.frame.height});
   write_list(json, "centre_px", std::array{c.map.centre.u, c.map.centre.v});
   json.field("scale_px", c.map.scale_px);
   write_list(json, "lens", c.map.lens);

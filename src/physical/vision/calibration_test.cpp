@@ -14,7 +14,7 @@ namespace {
 using testing::HasSubstr;
 
 const Calibrated& cpm() {
-  static const Calibrated calibrated = calibrate(cpm_points(), cpm_picture, {}).value();
+  static const Calibrated calibrated = calibrate(cpm_points(), cpm_image, {}).value();
   return calibrated;
 }
 
@@ -131,7 +131,7 @@ TEST(FloorMap, leads_back_from_the_floor_to_the_pixel) {
 
 TEST(Calibration, finds_a_bent_lens_that_it_has_no_model_of) {
   const SceneCamera camera;
-  const auto made = calibrate(detected_corners(camera, 0.0), camera.picture, {});
+  const auto made = calibrate(detected_corners(camera, 0.0), camera.frame, {});
   ASSERT_TRUE(made);
   EXPECT_LE(made->calibration.block.max_m, 0.2e-3);
   const auto somewhere = camera.pixel_of({0.333, -0.777}, 0.0);
@@ -154,7 +154,7 @@ TEST(Height, knows_the_cameras_foot_from_its_height_within_30_mm) {
   const SceneCamera camera;
   CalibrationOptions options;
   options.camera_height_m = camera.height_m;
-  const auto made = calibrate(detected_corners(camera), camera.picture, options);
+  const auto made = calibrate(detected_corners(camera), camera.frame, options);
   ASSERT_TRUE(made);
   EXPECT_LE(distance(made->calibration.camera.foot, camera.foot), 0.030);
 }
@@ -199,7 +199,7 @@ TEST(Points, are_read_back_as_they_were_written) {
 
 TEST(Calibration, of_too_few_points_says_how_many_it_takes) {
   const std::vector<FloorPoint> few{cpm_points().begin(), cpm_points().begin() + 5};
-  const auto made = calibrate(few, cpm_picture, {});
+  const auto made = calibrate(few, cpm_image, {});
   ASSERT_FALSE(made);
   EXPECT_EQ(made.error().code, "gvs.points");
   EXPECT_THAT(made.error().message, HasSubstr("holds 5 points"));
@@ -209,7 +209,7 @@ TEST(Calibration, of_too_few_points_says_how_many_it_takes) {
 TEST(Calibration, of_points_on_one_line_is_refused) {
   std::vector<FloorPoint> line;
   for (int i = 0; i < 50; ++i) line.push_back({{0.1 * i, 0.2 * i}, {20.0 * i + 3.0, 40.0 * i}});
-  const auto made = calibrate(line, cpm_picture, {});
+  const auto made = calibrate(line, cpm_image, {});
   ASSERT_FALSE(made);
   EXPECT_THAT(made.error().message, HasSubstr("one line"));
 }
@@ -219,7 +219,7 @@ TEST(Calibration, of_points_that_no_camera_sees_so_is_refused_or_says_how_bad_it
   Random random{3, "mixed"};
   for (FloorPoint& point : mixed) point.pixel = {random.uniform(0.0, 2048.0), random.uniform(0.0, 2048.0)};
   mixed.resize(200);
-  const auto made = calibrate(mixed, cpm_picture, {});
+  const auto made = calibrate(mixed, cpm_image, {});
   if (made) {
     EXPECT_GT(made->calibration.block.rms_m, 0.3);
   } else {
@@ -240,7 +240,7 @@ TEST(Calibration, file_that_is_damaged_is_refused_with_the_field) {
   EXPECT_THAT(error_after("\"scale_px\": 1024", "\"scale_px\": 0"), HasSubstr("'scale_px'"));
   EXPECT_THAT(error_after("\"degree\": 5", "\"degree\": 4"), HasSubstr("'polynomial_m': expected a list of 30"));
   EXPECT_THAT(error_after("\"degree\": 5", "\"degree\": 1e9"), HasSubstr("'degree'"));
-  EXPECT_THAT(error_after("2048", "0"), HasSubstr("'picture_px'"));
+  EXPECT_THAT(error_after("2048", "0"), HasSubstr("'image_px'"));
   EXPECT_THAT(to_string(read_calibration(good.substr(0, 300), "cam.json").error()), HasSubstr("cam.json"));
 }
 

@@ -100,8 +100,8 @@ class Bundle {
     Vector at = start(Eigen::Matrix3d(there * h));
     if (unknowns_ == 8) return at;
     for (int i = 0; i < 5; ++i) at[8 + i] = near.lens[static_cast<std::size_t>(i)];
-    at[13] = near.centre.u / near.scale_px - 0.5 * static_cast<double>(near.picture.width) / near.scale_px;
-    at[14] = near.centre.v / near.scale_px - 0.5 * static_cast<double>(near.picture.height) / near.scale_px;
+    at[13] = near.centre.u / near.scale_px - 0.5 * static_cast<double>(near.frame.width) / near.scale_px;
+    at[14] = near.centre.v / near.scale_px - 0.5 * static_cast<double>(near.frame.height) / near.scale_px;
     return at;
   }
   /// Puts the unknowns into the map, whose homography then gives metres.
@@ -114,8 +114,8 @@ class Bundle {
     for (int i = 0; i < 9; ++i) map_.homography[static_cast<std::size_t>(i)] = h(i / 3, i % 3);
     if (unknowns_ == 8) return;
     for (int i = 0; i < 5; ++i) map_.lens[static_cast<std::size_t>(i)] = at[8 + i];
-    const double width = static_cast<double>(map_.picture.width);
-    const double height = static_cast<double>(map_.picture.height);
+    const double width = static_cast<double>(map_.frame.width);
+    const double height = static_cast<double>(map_.frame.height);
     map_.centre = {0.5 * width + at[13] * map_.scale_px, 0.5 * height + at[14] * map_.scale_px};
   }
   /// What remains of each point, in scales of the floor.
@@ -185,8 +185,8 @@ void fit_polynomial(const std::vector<FloorPoint>& points, std::size_t degree, F
   Matrix left(rows, 2);
   std::array<double, terms_of(degree_max)> row{};
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const double u = points[i].pixel.u - 0.5 * static_cast<double>(map.picture.width);
-    const double v = points[i].pixel.v - 0.5 * static_cast<double>(map.picture.height);
+    const double u = points[i].pixel.u - 0.5 * static_cast<double>(map.frame.width);
+    const double v = points[i].pixel.v - 0.5 * static_cast<double>(map.frame.height);
     terms_at(u / map.scale_px, v / map.scale_px, degree, row.data());
     const auto k = static_cast<Eigen::Index>(i);
     for (std::size_t j = 0; j < count; ++j) terms(k, static_cast<Eigen::Index>(j)) = row[j];
@@ -225,15 +225,15 @@ std::size_t points_needed(const FitOptions& options) {
   return 0;
 }
 
-Result<FloorMap> fit_floor(const std::vector<FloorPoint>& points, PictureSize picture, const FitOptions& options,
+Result<FloorMap> fit_floor(const std::vector<FloorPoint>& points, ImageSize frame, const FitOptions& options,
                            const FloorMap* near) {
   COSIVA_EXPECT(options.degree >= 2 && options.degree <= degree_max);
   if (auto fine = check(points, options); !fine) return tl::unexpected(fine.error());
   const bool with_lens = options.model == FloorModel::lens || options.model == FloorModel::lens_polynomial;
   FloorMap map;
-  map.picture = picture;
-  map.centre = {0.5 * static_cast<double>(picture.width), 0.5 * static_cast<double>(picture.height)};
-  map.scale_px = 0.5 * static_cast<double>(std::max(picture.width, picture.height));
+  map.frame = frame;
+  map.centre = {0.5 * static_cast<double>(frame.width), 0.5 * static_cast<double>(frame.height)};
+  map.scale_px = 0.5 * static_cast<double>(std::max(frame.width, frame.height));
   const Scaled scaled = scale_of(points);
   Vector at;
   if (near != nullptr) {

@@ -33,7 +33,7 @@ struct FitOptions {
 /// one line, on the floor or in the picture, that nothing is known across it; ("gvs.fit") where nothing fits: no
 /// picture of a floor.
 /// @param near  a fit to nearly the same points, from which it is found sooner
-[[nodiscard]] Result<FloorMap> fit_floor(const std::vector<FloorPoint>& points, PictureSize picture,
+[[nodiscard]] Result<FloorMap> fit_floor(const std::vector<FloorPoint>& points, ImageSize frame,
                                          const FitOptions& options, const FloorMap* near = nullptr);
 
 }  // namespace cosiva::vision

@@ -19,10 +19,10 @@ struct PixelPoint {
   friend bool operator==(const PixelPoint&, const PixelPoint&) = default;
 };
 
-struct PictureSize {
+struct ImageSize {
   std::size_t width{};
   std::size_t height{};
-  friend bool operator==(const PictureSize&, const PictureSize&) = default;
+  friend bool operator==(const ImageSize&, const ImageSize&) = default;
 };
 
 /// From a picture to the floor, in three steps, each of which may be left out from behind:
@@ -34,7 +34,7 @@ struct PictureSize {
 ///
 /// All of it goes from the picture to the floor, the way it is used, so that nothing has to be inverted at run time.
 struct FloorMap {
-  PictureSize picture;
+  ImageSize frame;
   PixelPoint centre;                                            ///< of the lens, free [px]
   double scale_px{1.0};                                         ///< half the picture's longer side
   std::array<double, 5> lens{};                                 ///< k1, k2, k3, p1, p2 of normalised places

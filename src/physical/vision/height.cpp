@@ -10,8 +10,8 @@ namespace {
 
 /// The camera's place in the floor's frame if its focal length is f (in the map's scale), by the homography's columns.
 /// Source: Zhang, A flexible new technique for camera calibration, 2000, section 3.1.
-Eigen::Vector3d place_with(const Eigen::Matrix3d& floor_to_picture, double f) {
-  Eigen::Matrix3d m = floor_to_picture;
+Eigen::Vector3d place_with(const Eigen::Matrix3d& floor_to_image, double f) {
+  Eigen::Matrix3d m = floor_to_image;
   m.topRows<2>() /= f;
   m /= std::sqrt(m.col(0).norm() * m.col(1).norm());
   Eigen::Matrix3d rotation;

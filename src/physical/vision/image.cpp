@@ -46,7 +46,7 @@ unsigned byte_at(std::string_view body, std::size_t at) { return static_cast<uns
 Result<Image> read_netpbm(std::string_view bytes, const std::string& file) {
   const bool grey = bytes.starts_with("P5");
   if (!grey && !bytes.starts_with("P6"))
-    return fail("gvs.picture", "is no Netpbm picture: expected P5 or P6 at its beginning", file);
+    return fail("gvs.image", "is no Netpbm picture: expected P5 or P6 at its beginning", file);
   Header header{bytes};
   const auto width = header.number();
   const auto height = header.number();
@@ -54,13 +54,13 @@ Result<Image> read_netpbm(std::string_view bytes, const std::string& file) {
   constexpr std::size_t side_max = 32768;
   if (!width || !height || !white || *width == 0 || *height == 0 || *width > side_max || *height > side_max ||
       *white == 0 || *white > 65535)
-    return fail("gvs.picture", "has no size: expected width and height up to 32768 and a white of 1 to 65535", file);
+    return fail("gvs.image", "has no size: expected width and height up to 32768 and a white of 1 to 65535", file);
   const auto body = header.body();
   const std::size_t deep = *white > 255 ? 2 : 1;
   const std::size_t colours = grey ? 1 : 3;
   const std::size_t needed = *width * *height * deep * colours;
   if (!body || body->size() < needed) {
-    return fail("gvs.picture",
+    return fail("gvs.image",
                 "ends too early: " + std::to_string(*width) + " x " + std::to_string(*height) + " pixels need " +
                     std::to_string(needed) + " bytes, there are " + std::to_string(body ? body->size() : 0),
                 file);

@@ -14,10 +14,10 @@ namespace cosiva::vision {
 
 /// A grey picture, a byte per pixel, row by row from above.
 struct Image {
-  PictureSize size;
+  ImageSize size;
   std::vector<std::uint8_t> pixels;  ///< size.width · size.height
 
-  static Image filled(PictureSize size, std::uint8_t grey) {
+  static Image filled(ImageSize size, std::uint8_t grey) {
     return {size, std::vector<std::uint8_t>(size.width * size.height, grey)};
   }
   [[nodiscard]] std::uint8_t at(std::size_t column, std::size_t row) const { return pixels[row * size.width + column]; }
@@ -25,7 +25,7 @@ struct Image {
 };
 
 /// Netpbm's P5 (grey) and P6 (colour, made grey as 0.299 R + 0.587 G + 0.114 B), with 8 or 16 bits. Fails
-/// ("gvs.picture") on any other format, on sizes that are none, and where the file ends too early.
+/// ("gvs.image") on any other format, on sizes that are none, and where the file ends too early.
 [[nodiscard]] Result<Image> read_netpbm(std::string_view bytes, const std::string& file);
 /// As P5.
 [[nodiscard]] std::string write_pgm(const Image& image);

@@ -82,7 +82,7 @@ Painter::Painter(const SceneCamera& camera, const std::vector<SceneLine>& lines,
 }
 
 void Painter::survey_neighbours() {
-  const auto [width, height] = camera_.picture;
+  const auto [width, height] = camera_.frame;
   corner_.resize((width + 1) * (height + 1));
   for (std::size_t row = 0; row <= height; ++row) {
     for (std::size_t column = 0; column <= width; ++column) {
@@ -99,7 +99,7 @@ Point2 Painter::detected_at(double u, double v) const {
   const auto row = static_cast<std::size_t>(v);
   const double s = u - static_cast<double>(column);
   const double t = v - static_cast<double>(row);
-  const std::size_t wide = camera_.picture.width + 1;
+  const std::size_t wide = camera_.frame.width + 1;
   const Sighted& a = corner_[row * wide + column];
   const Sighted& b = corner_[row * wide + column + 1];
   const Sighted& c = corner_[(row + 1) * wide + column];
@@ -111,7 +111,7 @@ Point2 Painter::detected_at(double u, double v) const {
 }
 
 void Painter::draw_floor(const std::vector<SceneLine>& lines, std::uint64_t seed) {
-  const auto [width, height] = camera_.picture;
+  const auto [width, height] = camera_.frame;
   const Patches patches{seed};
   floor_.assign(width * height, floor_light);
   for (std::size_t i = 0; i < floor_.size(); ++i) {
@@ -147,7 +147,7 @@ void Painter::draw_floor(const std::vector<SceneLine>& lines, std::uint64_t seed
 }
 
 void Painter::draw_body(const SceneBody& body, std::vector<float>& light) const {
-  const auto [width, height] = camera_.picture;
+  const auto [width, height] = camera_.frame;
   const auto cells = tag_cells(body.tag);
   const double cell_m = body.side_m / 8.0;
   const double most_m = std::max({norm(0.5 * body.length_m, 0.5 * body.width_m),
@@ -201,8 +201,8 @@ void Painter::draw_body(const SceneBody& body, std::vector<float>& light) const 
 Image Painter::paint(const std::vector<SceneBody>& bodies, std::uint64_t number) const {
   std::vector<float> light = floor_;
   for (const SceneBody& body : bodies) draw_body(body, light);
-  const auto [width, height] = camera_.picture;
-  Image image = Image::filled(camera_.picture, 0);
+  const auto [width, height] = camera_.frame;
+  Image image = Image::filled(camera_.frame, 0);
   Random random{seed_ + number, "gvs/picture"};
   const double far2 = camera_.principal.u * camera_.principal.u + camera_.principal.v * camera_.principal.v;
   const auto mask = noise_.size() - 1;

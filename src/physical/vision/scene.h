@@ -13,7 +13,7 @@ namespace cosiva::vision {
 /// A camera that looks down. Its lens bends as Brown's model has it *towards* the picture, which is another form than
 /// the calibration fits: who is judged by these pictures cannot have read the answer out of them.
 struct SceneCamera {
-  PictureSize picture{2048, 2048};
+  ImageSize frame{2048, 2048};
   Point2 foot{};            ///< straight below it [m]
   double height_m{3.3};     ///< above the floor
   double yaw_rad{0.0};      ///< the picture's right shows so far left of the floor's +x

@@ -22,7 +22,7 @@ struct DetectedTag {
 struct Window {
   std::size_t column{};
   std::size_t row{};
-  PictureSize size;
+  ImageSize size;
 };
 
 inline constexpr int tags_in_family = 587;

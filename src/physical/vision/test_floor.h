@@ -16,7 +16,7 @@
 namespace cosiva::vision {
 
 inline constexpr double degree_rad = pi / 180.0;
-inline constexpr PictureSize cpm_picture{2048, 2048};
+inline constexpr ImageSize cpm_image{2048, 2048};
 
 inline std::string test_file(const std::string& name) {
   std::ifstream file{source_dir() + "/src/physical/vision/testdata/" + name, std::ios::binary};
@@ -45,8 +45,8 @@ inline std::vector<FloorPoint> detected_corners(const SceneCamera& camera, doubl
     for (int j = -15; j <= 15; ++j) {
       const Point2 floor{0.1 * i, 0.1 * j};
       const auto pixel = camera.pixel_of(floor, 0.0);
-      if (!pixel || pixel->u < 5.0 || pixel->v < 5.0 || pixel->u > static_cast<double>(camera.picture.width) - 5.0 ||
-          pixel->v > static_cast<double>(camera.picture.height) - 5.0)
+      if (!pixel || pixel->u < 5.0 || pixel->v < 5.0 || pixel->u > static_cast<double>(camera.frame.width) - 5.0 ||
+          pixel->v > static_cast<double>(camera.frame.height) - 5.0)
         continue;
       points.push_back({floor, {random.gaussian(pixel->u, noise_px), random.gaussian(pixel->v, noise_px)}});
     }

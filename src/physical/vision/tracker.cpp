@@ -25,8 +25,8 @@ TagFinder::How from_afar(double decimate) {
 /// Tags need some 16 px in the smaller picture; the library knows these steps. Of unknown tags it is taken that they
 /// are 36 px or more.
 double decimate_for(const FloorMap& map, double side_m) {
-  const double u = 0.5 * static_cast<double>(map.picture.width);
-  const double v = 0.5 * static_cast<double>(map.picture.height);
+  const double u = 0.5 * static_cast<double>(map.frame.width);
+  const double v = 0.5 * static_cast<double>(map.frame.height);
   const auto here = map.floor_at({u, v});
   const auto beside = map.floor_at({u + 1.0, v});
   if (side_m <= 0.0 || !here || !beside) return 2.0;
@@ -94,7 +94,7 @@ Window Tracker::around(const Followed& followed, double stamp_s, double margin) 
   const auto high = [&](double at, std::size_t most) {
     return static_cast<std::size_t>(std::clamp(at + half, 0.0, static_cast<double>(most)));
   };
-  const PictureSize all = calibration_.map.picture;
+  const ImageSize all = calibration_.map.frame;
   Window window{low(u, all.width), low(v, all.height), {}};
   window.size = {high(u, all.width) - window.column, high(v, all.height) - window.row};
   return window;
@@ -130,7 +130,7 @@ void Tracker::search(const Image& image, double stamp_s, std::map<int, DetectedT
       !options_.expected.empty() && std::ranges::all_of(options_.expected, [&](int id) { return detected.contains(id); });
   if (everybody) return;
   Window window{0, 0, image.size};
-  if (figures_.pictures > 0) {
+  if (figures_.images > 0) {
     // Bands overlap by as much as a tag is wide, and nobody lies between two.
     const std::size_t step = (image.size.height + options_.bands - 1) / options_.bands;
     constexpr std::size_t overlap = 80;
@@ -171,14 +171,14 @@ std::optional<Fix> Tracker::fix_of(const DetectedTag& tag, double stamp_s) const
 }
 
 Result<std::vector<Fix>> Tracker::see(const Image& image, double stamp_s) {
-  if (image.size != calibration_.map.picture) {
-    const auto phrase = [](PictureSize size) {
+  if (image.size != calibration_.map.frame) {
+    const auto phrase = [](ImageSize size) {
       return std::to_string(size.width) + " x " + std::to_string(size.height);
     };
-    return fail("gvs.picture", "is " + phrase(image.size) + " pixels large, and the calibration is for " +
-                                   phrase(calibration_.map.picture));
+    return fail("gvs.image", "is " + phrase(image.size) + " pixels large, and the calibration is for " +
+                                   phrase(calibration_.map.frame));
   }
-  COSIVA_EXPECT(figures_.pictures == 0 || stamp_s > stamp_s_);
+  COSIVA_EXPECT(figures_.images == 0 || stamp_s > stamp_s_);
   std::map<int, DetectedTag> detected;
   for (auto& [id, followed] : followed_) {
     if (const auto tag = find_again(image, id, followed, stamp_s)) {
@@ -190,7 +190,7 @@ Result<std::vector<Fix>> Tracker::see(const Image& image, double stamp_s) {
   }
   std::erase_if(followed_, [](const auto& one) { return one.second.missed > missed_max; });
   search(image, stamp_s, detected);
-  ++figures_.pictures;
+  ++figures_.images;
   stamp_s_ = stamp_s;
 
   std::vector<Fix> fixes;

@@ -39,11 +39,11 @@ class Tracker {
   Tracker(const Calibration& calibration, const TrackerOptions& options);
 
   /// @param stamp_s  when the exposure of the first row began, by the camera's clock; it rises (checked)
-  /// Fails ("gvs.picture") on a picture of another size than the calibration's.
+  /// Fails ("gvs.image") on a picture of another size than the calibration's.
   [[nodiscard]] Result<std::vector<Fix>> see(const Image& image, double stamp_s);
 
   struct Figures {
-    std::size_t pictures{};
+    std::size_t images{};
     std::size_t fixes{};
     std::size_t lost{};     ///< times that somebody followed was not found
     std::size_t strange{};  ///< tags that were none of the expected, of another size, or twice in a picture

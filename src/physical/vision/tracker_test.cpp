@@ -18,7 +18,7 @@ using testing::HasSubstr;
 /// 1024 px under the roof: what holds for it holds for the larger one, and it is drawn four times as fast.
 SceneCamera small_camera() {
   SceneCamera camera;
-  camera.picture = {1024, 1024};
+  camera.frame = {1024, 1024};
   camera.focal_px = 950.0;
   camera.principal = {516.0, 508.0};
   camera.line_s = 10e-6;
@@ -29,7 +29,7 @@ Calibration calibration_of(const SceneCamera& camera) {
   const auto points = detected_corners(camera);
   CalibrationOptions options;
   options.models = {{FloorModel::lens, 5}};
-  Calibration made = calibrate(points, camera.picture, options).value().calibration;
+  Calibration made = calibrate(points, camera.frame, options).value().calibration;
   made.camera = {camera.foot, camera.height_m};  // by a plumb line and a tape measure
   MarkerProfile marker;
   marker.height_m = SceneBody{}.height_m;
@@ -67,12 +67,12 @@ struct Judged {
 };
 
 /// Drives `bodies` before the camera and compares each fix with where its vehicle truly was at the fix's own time.
-Judged judge(const SceneCamera& camera, Calibration calibration, const std::vector<SceneBody>& bodies, int pictures) {
+Judged judge(const SceneCamera& camera, Calibration calibration, const std::vector<SceneBody>& bodies, int images) {
   calibration.markers[0].X_BT = bodies[0].X_BT;
   const Painter painter{camera, {SceneLine{{{-1.2, -0.3}, {1.2, 0.4}}, 0.02}}, 5};
   Tracker tracker{calibration, options_for(camera, bodies[0].side_m)};
   Judged judged;
-  for (int k = 0; k < pictures; ++k) {
+  for (int k = 0; k < images; ++k) {
     const double t_s = 0.05 * k;
     std::vector<SceneBody> now = bodies;
     for (SceneBody& body : now) body.X_MB = body.after(t_s);
@@ -162,14 +162,14 @@ TEST(Tracker, takes_no_tag_that_is_not_expected_or_of_another_size) {
   EXPECT_EQ(tracker.figures().strange, 2U);
 }
 
-TEST(Tracker, refuses_a_picture_of_another_size) {
+TEST(Tracker, refuses_an_image_of_another_size) {
   Tracker tracker{calibration_of(small_camera()), {}};
   const auto fixes = tracker.see(Image::filled({640, 480}, 0), 0.0);
   ASSERT_FALSE(fixes);
   EXPECT_THAT(fixes.error().message, HasSubstr("is 640 x 480 pixels large, and the calibration is for 1024 x 1024"));
 }
 
-TEST(Tracker, sees_nothing_in_an_empty_picture) {
+TEST(Tracker, sees_nothing_in_an_empty_image) {
   Tracker tracker{calibration_of(small_camera()), {}};
   EXPECT_TRUE(tracker.see(Image::filled({1024, 1024}, 128), 0.0)->empty());
 }
@@ -178,7 +178,7 @@ TEST(Tracker, sees_nothing_in_an_empty_picture) {
 
 TEST(Painter, gives_the_same_bytes_for_the_same_seed_and_others_for_another) {
   SceneCamera camera = small_camera();
-  camera.picture = {256, 256};
+  camera.frame = {256, 256};
   camera.principal = {128.0, 128.0};
   camera.focal_px = 240.0;
   const std::vector<SceneBody> bodies = fleet(2, 0.3);
@@ -197,7 +197,7 @@ TEST(Painter, shows_a_place_at_the_pixel_that_looks_at_it) {
   }
 }
 
-TEST(Picture, is_read_as_it_was_written) {
+TEST(Frame, is_read_as_it_was_written) {
   Image image = Image::filled({3, 2}, 0);
   for (std::size_t i = 0; i < 6; ++i) image.pixels[i] = static_cast<std::uint8_t>(40 * i);
   EXPECT_EQ(read_netpbm(write_pgm(image), "a.pgm").value(), image);
@@ -205,7 +205,7 @@ TEST(Picture, is_read_as_it_was_written) {
   EXPECT_EQ(read_netpbm("P5\n# a remark\n1 1\n65535\n" + std::string("\x80\x00", 2), "d.pgm")->pixels[0], 128);
 }
 
-TEST(Picture, that_is_truncated_or_none_is_refused_with_what_is_missing) {
+TEST(Frame, that_is_truncated_or_none_is_refused_with_what_is_missing) {
   const auto error = [](std::string_view bytes) { return to_string(read_netpbm(bytes, "a.pgm").error()); };
   const std::string good = write_pgm(Image::filled({4, 4}, 9));
   EXPECT_THAT(error(good.substr(0, good.size() - 1)),

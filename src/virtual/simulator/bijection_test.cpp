@@ -190,7 +190,7 @@ TEST_F(Bijection, is_not_doubted_by_a_camera_that_sees_nothing_itself) {
   EXPECT_DOUBLE_EQ(monitor.held_share(), 1.0);
 }
 
-TEST_F(Bijection, does_not_hold_with_a_twin_that_the_camera_sees_elsewhere_after_its_first_pictures) {
+TEST_F(Bijection, does_not_hold_with_a_twin_that_the_camera_sees_elsewhere_after_its_first_images) {
   const auto a = monitor.entity("make/a");
   monitor.set_physical(a, true);
   monitor.set_virtual(a, true);

@@ -21,7 +21,7 @@ inline constexpr std::string_view gvs_connection_topic = "cosiva/v1/gvs/connecti
 inline constexpr std::string_view gvs_preview_request_topic = "cosiva/v1/gvs/preview_request";
 /// GVS → server, while somebody looks: the picture, small and grey, as Netpbm's P5; its comment says who is where on
 /// it.
-inline constexpr std::string_view gvs_picture_topic = "cosiva/v1/gvs/picture";
+inline constexpr std::string_view gvs_preview_topic = "cosiva/v1/gvs/preview";
 
 /// GVS → server, QoS 0, for each of its pictures: whom it saw where.
 struct GvsDetections {

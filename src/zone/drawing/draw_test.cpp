@@ -294,7 +294,7 @@ TEST(Svg, shows_the_ways_of_a_ground_of_a_kilometre) {
   EXPECT_THAT(svg, Not(HasSubstr(">long</text>")));
 }
 
-TEST(Svg, is_a_picture_with_every_layer_a_legend_and_a_scale) {
+TEST(Svg, is_an_image_with_every_layer_a_legend_and_a_scale) {
   const TrafficZone zone = testing::lacet4();
   const std::string svg = to_svg(zone, draw(zone));
   EXPECT_THAT(svg, StartsWith("<svg xmlns=\"http://www.w3.org/2000/svg\""));

@@ -9,7 +9,7 @@
 namespace cosiva::zone {
 namespace {
 
-constexpr double picture_px = 960.0;  // the longer side of the map
+constexpr double image_px = 960.0;  // the longer side of the map
 constexpr double margin_px = 36.0;
 constexpr double head_px = 56.0;
 constexpr double foot_px = 64.0;
@@ -96,7 +96,7 @@ class Svg {
       : zone_{zone}, primitives_{primitives}, box_{bounds(primitives)} {
     const double width_m = box_.high.x_m - box_.low.x_m;
     const double height_m = box_.high.y_m - box_.low.y_m;
-    px_per_m_ = picture_px / std::max({width_m, height_m, 1e-9});
+    px_per_m_ = image_px / std::max({width_m, height_m, 1e-9});
     by_style_.resize(styles.size());
     for (const Primitive& primitive : primitives_) {
       if (const Style* style = style_of(primitive); style != nullptr && !primitive.points.empty())

@@ -26,7 +26,7 @@ class GvsBench : public testing::Test {
   }
   /// A picture that was taken a tenth of a second ago, by a camera that sees all of the oval.
   void look(const std::vector<std::pair<std::string, Pose2>>& vehicles) {
-    wire::GvsDetections detections{++pictures, bench.now - 100ms, 0.25, {}, {{-9, -9}, {9, -9}, {9, 9}, {-9, 9}}};
+    wire::GvsDetections detections{++images, bench.now - 100ms, 0.25, {}, {{-9, -9}, {9, -9}, {9, 9}, {-9, 9}}};
     for (const auto& [name, pose] : vehicles)
       detections.detections.push_back(
           {name, static_cast<std::uint32_t>(detections.detections.size() + 1), bench.now - 98ms, pose, 0.001});
@@ -48,7 +48,7 @@ class GvsBench : public testing::Test {
 
   ServerBench bench;
   BenchVehicle& aiv{bench.add("AIV1", {0, 0.5})};
-  std::uint32_t pictures{0};
+  std::uint32_t images{0};
 };
 
 TEST_F(GvsBench, without_a_camera_there_is_nothing_of_it) {
@@ -72,7 +72,7 @@ TEST_F(GvsBench, measures_how_far_a_twin_is_from_where_its_vehicle_is_seen) {
   EXPECT_NEAR(*actual.number("max"), 0.05, 1e-4);
 }
 
-TEST_F(GvsBench, holds_a_picture_against_where_the_twin_was_when_it_was_taken) {
+TEST_F(GvsBench, holds_an_image_against_where_the_twin_was_when_it_was_taken) {
   connect(wire::ConnectionState::online);
   aiv.blocked = false;
   bench.run_for(2s);
@@ -81,7 +81,7 @@ TEST_F(GvsBench, holds_a_picture_against_where_the_twin_was_when_it_was_taken) {
   const SimTime at = bench.now;
   bench.run_for(500ms);
   ASSERT_GT(distance(then, bench.vehicles[0]->pose()), 0.1);
-  wire::GvsDetections detections{++pictures, at, 0.25, {{"CoSiVA/AIV1", 1, at, then, 0.001}}, {}};
+  wire::GvsDetections detections{++images, at, 0.25, {{"CoSiVA/AIV1", 1, at, then, 0.001}}, {}};
   say(wire::to_json(detections));
   ASSERT_THAT(detected(), SizeIs(1));
   EXPECT_LT(detected()[0].number("gap_m").value_or(9.0), 0.02);
@@ -92,7 +92,7 @@ TEST_F(GvsBench, compares_nothing_that_is_older_than_its_history_or_yet_to_come)
   bench.run_for(3s);
   for (const SimDuration off : {SimDuration{-10s}, SimDuration{10s}}) {
     say(wire::to_json(wire::GvsDetections{
-        ++pictures, bench.now + off, 0.25, {{"CoSiVA/AIV1", 1, bench.now + off, aiv.pose(), 0.001}}, {}}));
+        ++images, bench.now + off, 0.25, {{"CoSiVA/AIV1", 1, bench.now + off, aiv.pose(), 0.001}}, {}}));
     ASSERT_THAT(detected(), SizeIs(1));
     EXPECT_TRUE(detected()[0].find("gap_m")->is_null());
     bench.run_for(100ms);
@@ -131,7 +131,7 @@ TEST_F(GvsBench, names_a_twin_where_the_camera_sees_nobody) {
 TEST_F(GvsBench, misses_nobody_outside_of_what_it_sees) {
   for (int i = 0; i < 30; ++i) {
     bench.run_for(240ms);
-    say(wire::to_json(wire::GvsDetections{++pictures, bench.now, 0.25, {}, {{50, 50}, {51, 50}, {51, 51}}}));
+    say(wire::to_json(wire::GvsDetections{++images, bench.now, 0.25, {}, {{50, 50}, {51, 50}, {51, 51}}}));
   }
   EXPECT_EQ(gvs().text("state"), "watching");
   EXPECT_THAT(findings(), IsEmpty());
@@ -145,7 +145,7 @@ TEST_F(GvsBench, a_virtual_aiv_is_seen_by_no_camera_and_missed_by_none) {
   EXPECT_THAT(findings(), IsEmpty());
 }
 
-TEST_F(GvsBench, says_that_no_picture_comes_and_why) {
+TEST_F(GvsBench, says_that_no_image_comes_and_why) {
   connect(wire::ConnectionState::online);
   watch(1s, {{"CoSiVA/AIV1", aiv.pose()}});
   EXPECT_THAT(findings(), IsEmpty());
@@ -200,7 +200,7 @@ TEST_F(GvsBench, what_cannot_be_understood_or_is_old_changes_nothing) {
 
 TEST_F(GvsBench, a_flood_of_names_takes_no_more_than_its_share) {
   for (int i = 0; i < 3; ++i) {
-    wire::GvsDetections detections{++pictures, bench.now, 0.25, {}, {}};
+    wire::GvsDetections detections{++images, bench.now, 0.25, {}, {}};
     for (std::uint32_t n = 0; n < 200; ++n)
       detections.detections.push_back({"made/up" + std::to_string(200U * static_cast<unsigned>(i) + n), n, bench.now, {}, 0.0});
     say(wire::to_json(detections));

@@ -1,4 +1,4 @@
-#include "cosiva/app/gvs/pictures.h"
+#include "cosiva/app/gvs/images.h"
 
 #include <dlfcn.h>
 
@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "cosiva/adapters/files.h"
-#include "cosiva/app/gvs/opencv_pictures.h"
+#include "cosiva/app/gvs/opencv_images.h"
 #include "cosiva/base/text.h"
 
 namespace cosiva::app {
@@ -53,7 +53,7 @@ std::string ending_of(const fs::path& file) {
 }
 
 bool is_netpbm(const std::string& ending) { return ending == ".pgm" || ending == ".ppm"; }
-bool is_picture(const std::string& ending) {
+bool is_image(const std::string& ending) {
   constexpr std::array others{".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp"};
   return is_netpbm(ending) || std::ranges::find(others, ending) != others.end();
 }
@@ -69,26 +69,26 @@ Result<std::map<std::string, double>> read_stamps(const std::string& file) {
     const std::string place = file + ":" + std::to_string(lines.number());
     const auto fields = cut_at_commas(line);
     const auto stamp = fields.size() == 2 ? number_of<double>(fields[1]) : std::nullopt;
-    if (!stamp) return fail("gvs.pictures", "expected 'file,stamp_s', found '" + std::string(line) + "'", place);
+    if (!stamp) return fail("gvs.images", "expected 'file,stamp_s', found '" + std::string(line) + "'", place);
     if (!stamps.emplace(std::string(fields[0]), *stamp).second)
-      return fail("gvs.pictures", "has '" + std::string(fields[0]) + "' twice", place);
+      return fail("gvs.images", "has '" + std::string(fields[0]) + "' twice", place);
   }
   return stamps;
 }
 
-class FolderPictures final : public Pictures {
+class FolderImages final : public ImageSource {
  public:
   struct One {
     std::string file;
     double stamp_s;
   };
-  explicit FolderPictures(std::vector<One> all) : all_{std::move(all)} {}
-  Result<std::optional<Picture>> next() override {
-    if (at_ == all_.size()) return std::optional<Picture>{};
+  explicit FolderImages(std::vector<One> all) : all_{std::move(all)} {}
+  Result<std::optional<Frame>> next() override {
+    if (at_ == all_.size()) return std::optional<Frame>{};
     const One& one = all_[at_++];
-    auto image = read_picture(one.file);
+    auto image = read_image(one.file);
     if (!image) return tl::unexpected(image.error());
-    return std::optional<Picture>{Picture{std::move(*image), one.stamp_s, fs::path(one.file).filename().string()}};
+    return std::optional<Frame>{Frame{std::move(*image), one.stamp_s, fs::path(one.file).filename().string()}};
   }
 
  private:
@@ -96,17 +96,17 @@ class FolderPictures final : public Pictures {
   std::size_t at_{0};
 };
 
-class StreamPictures final : public Pictures {
+class StreamImages final : public ImageSource {
  public:
-  explicit StreamPictures(std::unique_ptr<OpencvStream> stream) : stream_{std::move(stream)} {}
-  Result<std::optional<Picture>> next() override {
-    Picture picture;
-    if (!stream_->next(picture.image, picture.stamp_s)) return std::optional<Picture>{};
-    picture.name = std::to_string(number_++);
+  explicit StreamImages(std::unique_ptr<OpencvStream> stream) : stream_{std::move(stream)} {}
+  Result<std::optional<Frame>> next() override {
+    Frame frame;
+    if (!stream_->next(frame.image, frame.stamp_s)) return std::optional<Frame>{};
+    frame.name = std::to_string(number_++);
     // A stamp that does not rise (a driver without one) would be no time at all.
-    if (number_ > 1 && !(picture.stamp_s > before_s_)) picture.stamp_s = before_s_ + 1e-3;
-    before_s_ = picture.stamp_s;
-    return std::optional<Picture>{std::move(picture)};
+    if (number_ > 1 && !(frame.stamp_s > before_s_)) frame.stamp_s = before_s_ + 1e-3;
+    before_s_ = frame.stamp_s;
+    return std::optional<Frame>{std::move(frame)};
   }
 
  private:
@@ -117,7 +117,7 @@ class StreamPictures final : public Pictures {
 
 }  // namespace
 
-Result<vision::Image> read_picture(const std::string& file) {
+Result<vision::Image> read_image(const std::string& file) {
   auto bytes = adapters::read_file(file);
   if (!bytes) return tl::unexpected(bytes.error());
   if (is_netpbm(ending_of(file))) return vision::read_netpbm(*bytes, file);
@@ -125,53 +125,53 @@ Result<vision::Image> read_picture(const std::string& file) {
   if (!library) return tl::unexpected(library.error());
   vision::Image image;
   if (bytes->empty() || !(*library)->decode(*bytes, image))
-    return fail("gvs.picture", "is no picture that OpenCV can read, or is truncated", file);
+    return fail("gvs.image", "is no picture that OpenCV can read, or is truncated", file);
   return image;
 }
 
-Result<std::unique_ptr<Pictures>> folder_pictures(const std::string& folder, double rate_hz) {
+Result<std::unique_ptr<ImageSource>> folder_images(const std::string& folder, double rate_hz) {
   std::error_code error;
   std::vector<std::string> files;
   for (const auto& entry : fs::directory_iterator(folder, error))
-    if (is_picture(ending_of(entry.path()))) files.push_back(entry.path().string());
-  if (error) return fail("gvs.pictures", "cannot be read: " + error.message(), folder);
-  if (files.empty()) return fail("gvs.pictures", "holds no pictures (pgm, ppm, png, jpg, bmp, tif, webp)", folder);
+    if (is_image(ending_of(entry.path()))) files.push_back(entry.path().string());
+  if (error) return fail("gvs.images", "cannot be read: " + error.message(), folder);
+  if (files.empty()) return fail("gvs.images", "holds no pictures (pgm, ppm, png, jpg, bmp, tif, webp)", folder);
   std::ranges::sort(files);
   const std::string stamps_file = (fs::path(folder) / "stamps.csv").string();
-  std::vector<FolderPictures::One> all;
+  std::vector<FolderImages::One> all;
   if (fs::exists(stamps_file, error)) {
     const auto stamps = read_stamps(stamps_file);
     if (!stamps) return tl::unexpected(stamps.error());
     for (const std::string& file : files) {
       const auto found = stamps->find(fs::path(file).filename().string());
-      if (found == stamps->end()) return fail("gvs.pictures", "has no stamp for '" + file + "'", stamps_file);
+      if (found == stamps->end()) return fail("gvs.images", "has no stamp for '" + file + "'", stamps_file);
       if (!all.empty() && !(found->second > all.back().stamp_s))
-        return fail("gvs.pictures", "the stamp of '" + file + "' is not later than that of the picture before",
+        return fail("gvs.images", "the stamp of '" + file + "' is not later than that of the picture before",
                     stamps_file);
       all.push_back({file, found->second});
     }
   } else {
     for (const std::string& file : files) all.push_back({file, static_cast<double>(all.size()) / rate_hz});
   }
-  return std::make_unique<FolderPictures>(std::move(all));
+  return std::make_unique<FolderImages>(std::move(all));
 }
 
-Result<std::unique_ptr<Pictures>> video_pictures(const std::string& file) {
+Result<std::unique_ptr<ImageSource>> video_images(const std::string& file) {
   std::error_code error;
-  if (!fs::exists(file, error)) return fail("gvs.pictures", "there is no such file", file);
+  if (!fs::exists(file, error)) return fail("gvs.images", "there is no such file", file);
   const auto library = opencv("a video");
   if (!library) return tl::unexpected(library.error());
   auto stream = (*library)->open_video(file);
-  if (!stream) return fail("gvs.pictures", "is no video that OpenCV can read", file);
-  return std::make_unique<StreamPictures>(std::move(stream));
+  if (!stream) return fail("gvs.images", "is no video that OpenCV can read", file);
+  return std::make_unique<StreamImages>(std::move(stream));
 }
 
-Result<std::unique_ptr<Pictures>> camera_pictures(std::uint32_t number) {
+Result<std::unique_ptr<ImageSource>> camera_images(std::uint32_t number) {
   const auto library = opencv("a camera");
   if (!library) return tl::unexpected(library.error());
   auto stream = (*library)->open_camera(static_cast<int>(number));
-  if (!stream) return fail("gvs.pictures", "no camera answers there", "/dev/video" + std::to_string(number));
-  return std::make_unique<StreamPictures>(std::move(stream));
+  if (!stream) return fail("gvs.images", "no camera answers there", "/dev/video" + std::to_string(number));
+  return std::make_unique<StreamImages>(std::move(stream));
 }
 
 }  // namespace cosiva::app

@@ -10,38 +10,38 @@
 
 #include "cosiva/adapters/clock.h"
 #include "cosiva/adapters/event_loop.h"
-#include "cosiva/app/gvs/pictures.h"
+#include "cosiva/app/gvs/images.h"
 #include "cosiva/base/time.h"
 
 namespace cosiva::app {
 
 /// Pictures for a loop, from a source that may block: read in a thread of their own, so many a second, the newest only.
 /// A source that fails is opened again every two seconds.
-class PictureFeed {
+class PreviewFeed {
  public:
   struct Options {
-    std::function<Result<std::unique_ptr<Pictures>>()> open;
+    std::function<Result<std::unique_ptr<ImageSource>>()> open;
     /// It would give all pictures at once, as files do: each is waited for as long as its stamp says.
     bool recorded{false};
     double rate_hz{4.0};
   };
   struct Handlers {
     /// @param began  when the exposure of its first row began, by our clock
-    std::function<void(const Picture& picture, SimTime began)> on_picture;
+    std::function<void(const Frame& frame, SimTime began)> on_image;
     /// Why there are none now, each time that changes.
     std::function<void(const std::string& why)> on_trouble;
   };
   /// Handlers are called from the loop.
-  PictureFeed(adapters::EventLoop& loop, Options options, Handlers handlers);
-  ~PictureFeed();
-  PictureFeed(const PictureFeed&) = delete;
-  PictureFeed& operator=(const PictureFeed&) = delete;
+  PreviewFeed(adapters::EventLoop& loop, Options options, Handlers handlers);
+  ~PreviewFeed();
+  PreviewFeed(const PreviewFeed&) = delete;
+  PreviewFeed& operator=(const PreviewFeed&) = delete;
 
  private:
   void run();
-  void read(Pictures& pictures);
+  void read(ImageSource& images);
   void trouble(const std::string& why);
-  void hand_over(Picture picture, SimTime began);
+  void hand_over(Frame frame, SimTime began);
   [[nodiscard]] SimTime by_our_clock(double stamp_s);
   /// False: it is to end.
   bool wait_until(SimTime time);

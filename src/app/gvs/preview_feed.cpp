@@ -1,4 +1,4 @@
-#include "cosiva/app/gvs/picture_feed.h"
+#include "cosiva/app/gvs/preview_feed.h"
 
 #include <algorithm>
 #include <chrono>
@@ -11,10 +11,10 @@ constexpr std::chrono::seconds open_again{2};
 
 }  // namespace
 
-PictureFeed::PictureFeed(adapters::EventLoop& loop, Options options, Handlers handlers)
+PreviewFeed::PreviewFeed(adapters::EventLoop& loop, Options options, Handlers handlers)
     : loop_{loop}, options_{std::move(options)}, handlers_{std::move(handlers)}, thread_{[this] { run(); }} {}
 
-PictureFeed::~PictureFeed() {
+PreviewFeed::~PreviewFeed() {
   {
     const std::scoped_lock lock{mutex_};
     ending_ = true;
@@ -24,41 +24,41 @@ PictureFeed::~PictureFeed() {
   thread_.join();
 }
 
-bool PictureFeed::wait_until(SimTime time) {
+bool PreviewFeed::wait_until(SimTime time) {
   std::unique_lock lock{mutex_};
   return !ended_.wait_for(lock, std::max(SimDuration::zero(), time - clock_.now()), [this] { return ending_; });
 }
 
-void PictureFeed::run() {
+void PreviewFeed::run() {
   for (;;) {
-    auto pictures = options_.open();
-    if (pictures) {
+    auto images = options_.open();
+    if (images) {
       first_stamp_s_.reset();
-      read(**pictures);
+      read(**images);
     } else {
-      trouble(to_string(pictures.error()));
+      trouble(to_string(images.error()));
     }
     // A recording that has been shown is over; only what is live comes back.
-    if (pictures && options_.recorded) return;
+    if (images && options_.recorded) return;
     if (!wait_until(clock_.now() + open_again)) return;
   }
 }
 
-void PictureFeed::read(Pictures& pictures) {
+void PreviewFeed::read(ImageSource& images) {
   for (;;) {
-    auto picture = pictures.next();
-    if (!picture) return trouble(to_string(picture.error()));
-    if (!*picture) return trouble(options_.recorded ? "there are no more pictures" : "the camera gives no picture");
-    const SimTime began = by_our_clock((*picture)->stamp_s);
+    auto frame = images.next();
+    if (!frame) return trouble(to_string(frame.error()));
+    if (!*frame) return trouble(options_.recorded ? "there are no more pictures" : "the camera gives no picture");
+    const SimTime began = by_our_clock((*frame)->stamp_s);
     if (!wait_until(options_.recorded ? began : SimTime{})) return;
     if (began < due_ || on_their_way_ > 0) continue;
     const SimDuration period = from_seconds(1.0 / options_.rate_hz);
     due_ = std::max(due_ + period, began + period / 2);  // so many a second, whatever the source's own rate
-    hand_over(std::move(**picture), began);
+    hand_over(std::move(**frame), began);
   }
 }
 
-SimTime PictureFeed::by_our_clock(double stamp_s) {
+SimTime PreviewFeed::by_our_clock(double stamp_s) {
   const SimTime now = clock_.now();
   if (options_.recorded) {
     if (!first_stamp_s_) {
@@ -73,18 +73,18 @@ SimTime PictureFeed::by_our_clock(double stamp_s) {
   return SimTime{from_seconds(stamp_s + *offset_s_)};
 }
 
-void PictureFeed::trouble(const std::string& why) {
+void PreviewFeed::trouble(const std::string& why) {
   if (why == trouble_) return;
   trouble_ = why;
   loop_.post([this, why] { handlers_.on_trouble(why); });
 }
 
-void PictureFeed::hand_over(Picture picture, SimTime began) {
+void PreviewFeed::hand_over(Frame frame, SimTime began) {
   trouble_.clear();
   ++on_their_way_;
-  loop_.post([this, picture = std::make_shared<const Picture>(std::move(picture)), began] {
+  loop_.post([this, frame = std::make_shared<const Frame>(std::move(frame)), began] {
     --on_their_way_;
-    handlers_.on_picture(*picture, began);
+    handlers_.on_image(*frame, began);
   });
 }
 

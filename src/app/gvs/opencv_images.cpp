@@ -1,6 +1,6 @@
 // Pictures by OpenCV (Apache-2.0), as a library of its own: opened only where one is asked for that we cannot read
 // ourselves, because a command linked with OpenCV would take a tenth of a second longer to start, each time.
-#include "cosiva/app/gvs/opencv_pictures.h"
+#include "cosiva/app/gvs/opencv_images.h"
 
 #include <chrono>
 #include <opencv2/core.hpp>
@@ -36,8 +36,8 @@ class FrameStream final : public OpencvStream {
  public:
   explicit FrameStream(const cv::VideoCapture& capture) : capture_{capture} {}
   bool next(Image& image, double& stamp_s) override {
-    cv::Mat picture;
-    if (!capture_.read(picture) || !to_grey(picture, image)) return false;
+    cv::Mat frame;
+    if (!capture_.read(frame) || !to_grey(frame, image)) return false;
     // V4L2: the driver's stamp; a file: its own time. Where neither says anything, when it came.
     const double told_s = 1e-3 * capture_.get(cv::CAP_PROP_POS_MSEC);
     const auto now = std::chrono::steady_clock::now().time_since_epoch();
