@@ -41,8 +41,8 @@ struct Count {
   }
 };
 
-bool holds(const statistics::Interval& interval, double truth) {
-  return interval.low <= truth && truth <= interval.high;
+bool holds(const statistics::Interval& interval, double ground_truth) {
+  return interval.low <= ground_truth && ground_truth <= interval.high;
 }
 
 /// Batteries one after another until the mean is known to this share of it, as `--half-width` stops.

@@ -41,26 +41,26 @@ class Laboratory {
   experiments::Trace trace_;
 };
 
-struct Truth {
+struct GroundTruth {
   double rmse_m, mean_m, precision;
 };
 
-Truth truth_of(Laboratory& laboratory, std::size_t runs) {
+GroundTruth ground_truth_of(Laboratory& laboratory, std::size_t runs) {
   double squares = 0.0;
-  Truth truth{};
+  GroundTruth ground_truth{};
   for (std::size_t i = 0; i < runs; ++i) {
     const RunFigures f = laboratory.run("arc_kalman", 1'000'000'000 + i);
     squares += f.mse_m2;
-    truth.mean_m += f.mean_m / static_cast<double>(runs);
-    truth.precision += f.precision / static_cast<double>(runs);
+    ground_truth.mean_m += f.mean_m / static_cast<double>(runs);
+    ground_truth.precision += f.precision / static_cast<double>(runs);
   }
-  truth.rmse_m = std::sqrt(squares / static_cast<double>(runs));
-  return truth;
+  ground_truth.rmse_m = std::sqrt(squares / static_cast<double>(runs));
+  return ground_truth;
 }
 
-bool holds(const std::vector<double>& runs, double truth, std::uint64_t seed) {
+bool holds(const std::vector<double>& runs, double ground_truth, std::uint64_t seed) {
   const auto interval = statistics::bca(runs, {0.95, 2000, seed});
-  return interval && interval->low <= truth && truth <= interval->high;
+  return interval && interval->low <= ground_truth && ground_truth <= interval->high;
 }
 
 }  // namespace
@@ -69,14 +69,14 @@ int main(int argc, char** argv) {
   CLI::App app{"Counts how often intervals hold and tests cry wolf"};
   std::size_t campaigns = 1000;
   std::size_t runs = 20;
-  std::size_t truth_runs = 20'000;
+  std::size_t ground_truth_runs = 20'000;
   app.add_option("--campaigns", campaigns);
   app.add_option("--runs", runs, "in each");
-  app.add_option("--truth-runs", truth_runs, "that the truth is taken from");
+  app.add_option("--ground-truth-runs", ground_truth_runs, "that the truth is taken from");
   CLI11_PARSE(app, argc, argv);
 
   Laboratory laboratory;
-  const Truth truth = truth_of(laboratory, truth_runs);
+  const GroundTruth ground_truth = ground_truth_of(laboratory, ground_truth_runs);
   std::size_t rmse = 0;
   std::size_t mean = 0;
   std::size_t precision = 0;
@@ -108,9 +108,9 @@ int main(int argc, char** argv) {
     for (std::size_t i = 0; i < needed; ++i, ++other)
       real.push_back(std::sqrt(laboratory.run("ufir", other).mse_m2) -
                      std::sqrt(laboratory.run("arc_kalman", other).mse_m2));
-    rmse += holds(mses, truth.rmse_m * truth.rmse_m, campaign) ? 1U : 0U;
-    mean += holds(means, truth.mean_m, campaign) ? 1U : 0U;
-    precision += holds(precisions, truth.precision, campaign) ? 1U : 0U;
+    rmse += holds(mses, ground_truth.rmse_m * ground_truth.rmse_m, campaign) ? 1U : 0U;
+    mean += holds(means, ground_truth.mean_m, campaign) ? 1U : 0U;
+    precision += holds(precisions, ground_truth.precision, campaign) ? 1U : 0U;
     outside += holds(differences, 0.0, campaign) ? 0U : 1U;
     alarms += statistics::wilcoxon(differences) < 0.05 ? 1U : 0U;
     decided += statistics::wilcoxon(real) < 0.05 ? 1U : 0U;

@@ -110,8 +110,8 @@ int main(int argc, char** argv) {
       knowing_ms.push_back(end_ms - between_ms);
     }
     for (const Fix& fix : *detected) {
-      const Pose2 truth = bodies[static_cast<std::size_t>(fix.tag)].after(std::fmod(t_s, 1.0) + fix.t_s - t_s);
-      const double off = distance(truth, fix.X_MB);
+      const Pose2 ground_truth = bodies[static_cast<std::size_t>(fix.tag)].after(std::fmod(t_s, 1.0) + fix.t_s - t_s);
+      const double off = distance(ground_truth, fix.X_MB);
       squares += off * off;
       worst_m = std::max(worst_m, off);
       ++fixes;

@@ -33,7 +33,7 @@ int measure(const Options& options) {
   world_options.aivs = options.aivs;
   world_options.seed = options.seed;
   world_options.as_values = options.as_values;
-  world_options.truth = !options.as_values;
+  world_options.ground_truth = !options.as_values;
   if (options.hz > 0.0) world_options.cycle = from_seconds(1.0 / options.hz);
   auto world = experiments::World::make(std::move(world_options));
   if (!world) {

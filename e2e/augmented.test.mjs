@@ -1,5 +1,5 @@
 // What is added virtually is felt physically, and what stands physically is shown virtually (A2, A3). Judged by the plant's
-// truth, in which no virtual body exists.
+// ground_truth, in which no virtual body exists.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { open_browser } from './lib/browser.mjs';
@@ -13,7 +13,7 @@ const front_m = 0.1; // half a vehicle's length
 test('the virtual and the physical world feel each other', { timeout: 240_000 }, async (t) => {
   const platform = await Platform.up(t, { aivs: 2 });
   const broker_port = await platform.broker_port();
-  const truth = await Truth.follow(t, broker_port);
+  const ground_truth = await Truth.follow(t, broker_port);
   const heard = { connection: [], state: [], visualization: [], order: [] };
   const stranger = await Bus.open(t, broker_port, ['uagv/v2/CoSiVA.virtual/#']);
   stranger.on_message((topic, payload) => heard[topic.split('/').at(-1)]?.push({ topic, message: JSON.parse(payload.toString()) }));
@@ -24,29 +24,29 @@ test('the virtual and the physical world feel each other', { timeout: 240_000 },
     'a vehicle drives in a loop',
     async () => {
       const { aivs } = await platform.snapshot();
-      return aivs.find((aiv) => !aiv.augmented && aiv.section?.startsWith('loop') && aiv.s > 0.15 && aiv.s < 1.2 && aiv.speed > 0.25 && Math.abs(truth.vehicle(aiv.number).speed) > 0.25);
+      return aivs.find((aiv) => !aiv.augmented && aiv.section?.startsWith('loop') && aiv.s > 0.15 && aiv.s < 1.2 && aiv.speed > 0.25 && Math.abs(ground_truth.vehicle(aiv.number).speed) > 0.25);
     },
     { within_ms: 40_000, every_ms: 25 },
   );
   const snapshot_of = async (id) => (await platform.snapshot()).aivs.find((aiv) => aiv.id === id);
   const brakingFor = (id, thing) => eventually(`${id} brakingFor ${thing}`, async () => (await snapshot_of(id)).brakingFor === thing, { within_ms: 3_000 });
   /** Metres from the front of a vehicle to a place, as the plant has it. */
-  const gap = (number, at) => Math.hypot(truth.vehicle(number).x - at.x, truth.vehicle(number).y - at.y) - front_m;
+  const gap = (number, at) => Math.hypot(ground_truth.vehicle(number).x - at.x, ground_truth.vehicle(number).y - at.y) - front_m;
 
   await t.test('a person before a vehicle stops it; taken away, it goes on', async () => {
     const aiv = await driving_in_a_loop();
     // So near that the first thing it does is to brake.
     const at = place(aiv.section, aiv.s + 0.5);
     const { id } = await platform.ask('POST', 'things', { kind: 'person', x: at.x, y: at.y });
-    await truth.stands(aiv.number, 4_000);
+    await ground_truth.stands(aiv.number, 4_000);
     assert.ok(gap(aiv.number, at) > 0.06 && gap(aiv.number, at) < 0.4, `it stands ${gap(aiv.number, at)} m before the person`);
     await brakingFor(aiv.id, id);
     await page.waitForFunction((thing) => /felt by AIV/.test(document.querySelector(`[data-thing="${thing}"]`)?.textContent ?? ''), id, { timeout: 4_000 });
-    const { x, y } = truth.vehicle(aiv.number);
-    await truth.driven(1_200);
-    assert.ok(Math.hypot(truth.vehicle(aiv.number).x - x, truth.vehicle(aiv.number).y - y) < 0.005, 'it keeps standing');
+    const { x, y } = ground_truth.vehicle(aiv.number);
+    await ground_truth.driven(1_200);
+    assert.ok(Math.hypot(ground_truth.vehicle(aiv.number).x - x, ground_truth.vehicle(aiv.number).y - y) < 0.005, 'it keeps standing');
     await page.getByRole('button', { name: `Remove ${id}`, exact: true }).click();
-    await truth.moves(aiv.number, 4_000);
+    await ground_truth.moves(aiv.number, 4_000);
   });
 
   await t.test('a person who walks out of the way lets it go by itself', async () => {
@@ -54,8 +54,8 @@ test('the virtual and the physical world feel each other', { timeout: 240_000 },
     const at = place(aiv.section, aiv.s + 0.55);
     const aside = { x: at.x + 0.5 * Math.cos(at.heading - Math.PI / 2), y: at.y + 0.5 * Math.sin(at.heading - Math.PI / 2) };
     const { id } = await platform.ask('POST', 'things', { kind: 'person', path: [[at.x, at.y], [aside.x, aside.y]], speed: 0.05, repeat: 'once' });
-    await eventually('it brakes', () => Math.abs(truth.vehicle(aiv.number).speed) < 0.12, { within_ms: 4_000, every_ms: 20 });
-    await truth.moves(aiv.number, 10_000);
+    await eventually('it brakes', () => Math.abs(ground_truth.vehicle(aiv.number).speed) < 0.12, { within_ms: 4_000, every_ms: 20 });
+    await ground_truth.moves(aiv.number, 10_000);
     await platform.ask('DELETE', `things/${id}`);
   });
 
@@ -66,14 +66,14 @@ test('the virtual and the physical world feel each other', { timeout: 240_000 },
     const virtual = `CoSiVA.virtual/${id}`;
     await eventually('it is listed', async () => snapshot_of(virtual), { within_ms: 3_000, every_ms: 20 });
     await platform.command('stop', virtual);
-    await truth.stands(aiv.number, 8_000);
+    await ground_truth.stands(aiv.number, 8_000);
     const there = await snapshot_of(virtual);
     assert.equal(there.augmented, true);
     assert.ok(gap(aiv.number, there) - front_m > 0.02, `its front is ${gap(aiv.number, there) - front_m} m behind the virtual one`);
     assert.equal(await row(page, virtual).getByText('virtual', { exact: true }).count(), 1);
-    assert.ok(!truth.latest.vehicles.some((vehicle) => vehicle.number === there.number), 'the plant knows nothing of it');
+    assert.ok(!ground_truth.latest.vehicles.some((vehicle) => vehicle.number === there.number), 'the plant knows nothing of it');
     await page.getByRole('button', { name: `Remove ${id}`, exact: true }).click();
-    await truth.moves(aiv.number, 6_000);
+    await ground_truth.moves(aiv.number, 6_000);
   });
 
   await t.test('a stranger on the bus saw the virtual AIV as a vehicle of its own', async () => {
@@ -96,11 +96,11 @@ test('the virtual and the physical world feel each other', { timeout: 240_000 },
     const { id } = await platform.ask('POST', 'plant/obstacles', { x: at.x, y: at.y, radius: 0.05 });
     const seen = await eventually('its twin is there', async () => (await platform.snapshot()).obstacles.find((one) => Math.hypot(one.x - at.x, one.y - at.y) < 0.12), { within_ms: 5_000 });
     assert.ok(seen.detectedBy.includes(aiv.id), `seen by ${seen.detectedBy}`);
-    await truth.stands(aiv.number, 5_000);
+    await ground_truth.stands(aiv.number, 5_000);
     await page.waitForSelector(`[data-seen="${seen.id}"]`, { timeout: 4_000 });
     assert.match(await page.locator(`[data-seen="${seen.id}"]`).innerText(), new RegExp(`by AIV${aiv.number}`));
     await platform.ask('DELETE', `plant/obstacles/${id}`);
-    await truth.moves(aiv.number, 6_000);
+    await ground_truth.moves(aiv.number, 6_000);
     await eventually('the twin is gone', async () => (await platform.snapshot()).obstacles.length === 0, { within_ms: 15_000 });
     await page.waitForSelector(`[data-seen="${seen.id}"]`, { state: 'detached', timeout: 4_000 });
   });
@@ -114,5 +114,5 @@ test('the virtual and the physical world feel each other', { timeout: 240_000 },
   });
 
   assert.deepEqual(page.script_errors, []);
-  assert.equal(truth.collisions, 0);
+  assert.equal(ground_truth.collisions, 0);
 });

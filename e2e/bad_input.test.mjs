@@ -130,7 +130,7 @@ test('a broker that refuses is said, and tried again', { timeout: 60_000 }, asyn
 test('nonsense on the bus and on HTTP stops nothing', { timeout: 90_000 }, async (t) => {
   const platform = await Platform.up(t);
   const bus = await Bus.open(t, await platform.broker_port(), []);
-  const truth = await Truth.follow(t, await platform.broker_port());
+  const ground_truth = await Truth.follow(t, await platform.broker_port());
 
   const payloads = ['', 'nonsense', '{', '[]', 'null', '{"headerId":-1}', '{"headerId":1e999}', '"\\ud800"', '['.repeat(100_000), '\u0000\u0001'];
   const topics = ['uagv/v2/CoSiVA/AIV1/state', 'uagv/v2/CoSiVA/AIV1/order', 'uagv/v2/CoSiVA/AIV2/instantActions', 'uagv/v2/CoSiVA/AIV3/visualization', 'uagv/v2/CoSiVA/AIV9/connection', 'uagv/v2/Evil/x/state', 'cosiva/v1/server/heartbeat', 'cosiva/v1/zone/toml', 'cosiva/v1/zone/xml', 'cosiva/v1/plant/command'];
@@ -163,8 +163,8 @@ test('nonsense on the bus and on HTTP stops nothing', { timeout: 90_000 }, async
 
   await sleep(1_000);
   assert.equal(platform.children().every(({ pid }) => pid > 0), true);
-  const before = new Map(truth.latest.vehicles.map((vehicle) => [vehicle.number, vehicle.distance]));
-  await eventually('all four drive on', () => truth.latest.vehicles.every((vehicle) => vehicle.distance - before.get(vehicle.number) > 0.5), { within_ms: 45_000 });
+  const before = new Map(ground_truth.latest.vehicles.map((vehicle) => [vehicle.number, vehicle.distance]));
+  await eventually('all four drive on', () => ground_truth.latest.vehicles.every((vehicle) => vehicle.distance - before.get(vehicle.number) > 0.5), { within_ms: 45_000 });
   const ours = (await platform.snapshot()).aivs.filter((aiv) => aiv.id.startsWith('CoSiVA/AIV') && aiv.number >= 1 && aiv.number <= 4);
   assert.equal(ours.length, 4);
 });

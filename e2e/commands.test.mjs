@@ -1,5 +1,5 @@
 // Every command of the page, once by mouse and once by keyboard alone: to one AIV, to several, to all; priorities; what is
-// added and removed. That a command was done is asked of the plant's truth and of the server, not of the page.
+// added and removed. That a command was done is asked of the plant's ground_truth and of the server, not of the page.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { open_browser } from './lib/browser.mjs';
@@ -14,7 +14,7 @@ const title = (word) => word[0].toUpperCase() + word.slice(1);
 
 test('every command by mouse and by keyboard', { timeout: 240_000 }, async (t) => {
   const platform = await Platform.up(t);
-  const truth = await Truth.follow(t, await platform.broker_port());
+  const ground_truth = await Truth.follow(t, await platform.broker_port());
   const browser = await open_browser(t);
   const page = await open_operator(t, browser, platform);
   const status = async (number) => (await platform.aiv(number)).status;
@@ -29,11 +29,11 @@ test('every command by mouse and by keyboard', { timeout: 240_000 }, async (t) =
   /** Gives each verb to AIV2 and asks the world whether it was done. */
   async function each_verb(give) {
     for (const verb of verbs) {
-      if (verb !== 'restart') await truth.moves(2, 30_000);
+      if (verb !== 'restart') await ground_truth.moves(2, 30_000);
       await give(verb);
       await materialised(platform, id(2), verb, 25_000);
-      if (verb === 'stop') await truth.stands(2, 3_000);
-      else await truth.moves(2, 30_000);
+      if (verb === 'stop') await ground_truth.stands(2, 3_000);
+      else await ground_truth.moves(2, 30_000);
       if (verb !== 'restart') await has_status(2, verb);
     }
   }
@@ -47,19 +47,19 @@ test('every command by mouse and by keyboard', { timeout: 240_000 }, async (t) =
       await page.getByRole('button', { name: `${title(verb)} 2 chosen` }).click();
       for (const number of [1, 3]) await materialised(platform, id(number), verb, 25_000);
     }
-    for (const number of [1, 3]) await truth.stands(number, 3_000);
+    for (const number of [1, 3]) await ground_truth.stands(number, 3_000);
     await page.getByRole('button', { name: 'Restart 2 chosen' }).click();
-    for (const number of [1, 3]) await truth.moves(number, 30_000);
+    for (const number of [1, 3]) await ground_truth.moves(number, 30_000);
     assert.deepEqual(await last_command(platform, id(4)), before);
     for (const number of [1, 3]) await row(page, id(number)).getByRole('checkbox').uncheck();
   });
 
   await t.test('mouse: all AIVs', async () => {
     await page.getByTestId('stop-all').click();
-    for (const number of [1, 2, 3, 4]) await truth.stands(number, 4_000);
+    for (const number of [1, 2, 3, 4]) await ground_truth.stands(number, 4_000);
     await page.getByTestId('restart-all').click();
     await page.getByTestId('restart-all').click();
-    for (const number of [1, 2, 3, 4]) await truth.moves(number, 30_000);
+    for (const number of [1, 2, 3, 4]) await ground_truth.moves(number, 30_000);
   });
 
   await t.test('mouse: priorities by number and by dragging', async () => {
@@ -99,12 +99,12 @@ test('every command by mouse and by keyboard', { timeout: 240_000 }, async (t) =
     await eventually('the walker walks', async () => Math.abs((await thing((one) => one.id === walker.id)).x - walker.x) > 0.03, { within_ms: 4_000 });
     await page.getByTestId('tool-add-plant-obstacle').click();
     await press_map(page, platform, 0.75, -0.75);
-    await eventually('the plant has it', () => truth.latest.obstacles?.find((one) => Math.hypot(one.x - 0.75, one.y + 0.75) < 0.02), { within_ms: 4_000 });
+    await eventually('the plant has it', () => ground_truth.latest.obstacles?.find((one) => Math.hypot(one.x - 0.75, one.y + 0.75) < 0.02), { within_ms: 4_000 });
     const removals = page.locator('[data-thing] button[aria-label^=Remove]');
     await eventually('all four are listed', async () => (await removals.count()) === 4, { within_ms: 4_000 });
     for (const label of await removals.evaluateAll((all) => all.map((one) => one.getAttribute('aria-label')))) await page.getByRole('button', { name: label, exact: true }).click();
     await nothing_left();
-    await eventually('the plant is empty', () => truth.latest.obstacles.length === 0, { within_ms: 4_000 });
+    await eventually('the plant is empty', () => ground_truth.latest.obstacles.length === 0, { within_ms: 4_000 });
   });
 
   await t.test('mouse: a virtual AIV is added where there is room, obeys, and is taken out again', async () => {
@@ -135,13 +135,13 @@ test('every command by mouse and by keyboard', { timeout: 240_000 }, async (t) =
     await press('j');
     const selected = await keys.locator('[data-aiv] .mark[aria-pressed=true]').innerText();
     const number = Number(/\d+/.exec(selected)[0]);
-    await truth.moves(number, 30_000);
+    await ground_truth.moves(number, 30_000);
     await press('s');
-    await truth.stands(number, 4_000);
+    await ground_truth.stands(number, 4_000);
     await press('Control+k');
     await type(`restart AIV${number}`);
     await press('Enter');
-    await truth.moves(number, 30_000);
+    await ground_truth.moves(number, 30_000);
     await press('Escape');
   });
 
@@ -153,10 +153,10 @@ test('every command by mouse and by keyboard', { timeout: 240_000 }, async (t) =
     }
     await tab_to(keys, /^Stop 2 chosen/, { back: true });
     await press('Enter');
-    for (const number of [2, 4]) await truth.stands(number, 4_000);
+    for (const number of [2, 4]) await ground_truth.stands(number, 4_000);
     await tab_to(keys, /^Restart 2 chosen/, { back: true });
     await press('Enter');
-    for (const number of [2, 4]) await truth.moves(number, 30_000);
+    for (const number of [2, 4]) await ground_truth.moves(number, 30_000);
   });
 
   await t.test('keyboard: all AIVs, also while typing', async () => {
@@ -164,12 +164,12 @@ test('every command by mouse and by keyboard', { timeout: 240_000 }, async (t) =
     await press('/');
     await type('AIV');
     await press('Shift+Escape');
-    for (const number of [1, 2, 3, 4]) await truth.stands(number, 4_000);
+    for (const number of [1, 2, 3, 4]) await ground_truth.stands(number, 4_000);
     await keys.getByTestId('search').evaluate((field) => { field.value = ''; field.dispatchEvent(new Event('input', { bubbles: true })); });
     await top();
     await tab_to(keys, /#restart-all$/);
     await press('Enter', 'Enter');
-    for (const number of [1, 2, 3, 4]) await truth.moves(number, 30_000);
+    for (const number of [1, 2, 3, 4]) await ground_truth.moves(number, 30_000);
   });
 
   await t.test('keyboard: priorities by number and by rank', async () => {
@@ -222,5 +222,5 @@ test('every command by mouse and by keyboard', { timeout: 240_000 }, async (t) =
   });
 
   assert.deepEqual([...page.script_errors, ...keys.script_errors], []);
-  assert.equal(truth.collisions, 0);
+  assert.equal(ground_truth.collisions, 0);
 });

@@ -38,7 +38,7 @@ test('a foreign master drives our AIV', { timeout: 150_000 }, async (t) => {
   const journals = { plant: path.join(folder, 'plant.journal'), aiv: path.join(folder, 'aiv.journal') };
   const plant = part('plant', '--zone', zone, '--vehicles', '1', '--record', journals.plant);
   const vehicle = part('aiv', '--record', journals.aiv, '--number', '1', '--zone', zone, '--start', `${start.section}:${start.s}`, '--state_file', path.join(folder, 'aiv1.state_file'));
-  const truth = await Truth.follow(t, broker.port);
+  const ground_truth = await Truth.follow(t, broker.port);
   const bus = await Bus.open(t, broker.port, ['uagv/v2/CoSiVA/AIV1/state']);
   let state = null;
   bus.on_message((_topic, payload) => (state = JSON.parse(payload.toString())));
@@ -90,27 +90,27 @@ test('a foreign master drives our AIV', { timeout: 150_000 }, async (t) => {
     assert.equal(by_cancelation, false);
     const reached = order.nodes.slice(1).map((node) => node.nodeId);
     assert.deepEqual(run.traversed.filter((id) => id !== order.nodes[0].nodeId), reached);
-    await truth.stands(1, 2_000);
+    await ground_truth.stands(1, 2_000);
     const goal = circuit.at(first, 4);
-    const { x, y } = truth.vehicle(1);
+    const { x, y } = ground_truth.vehicle(1);
     assert.ok(Math.hypot(x - goal.x, y - goal.y) < 0.06, `it stands ${Math.hypot(x - goal.x, y - goal.y).toFixed(3)} m from the last node`);
   });
 
   let long;
   await t.test('pauses it', async () => {
     long = await assign(order_over(circuit, first + 4, 9));
-    await truth.moves(1, 5_000);
+    await ground_truth.moves(1, 5_000);
     await instant('startPause');
-    await truth.stands(1, 2_000);
+    await ground_truth.stands(1, 2_000);
     await eventually('its state says so', () => state.paused === true && state.driving === false, { within_ms: 2_000 });
-    const before = truth.vehicle(1).distance;
+    const before = ground_truth.vehicle(1).distance;
     await sleep(1_000);
-    assert.ok(truth.vehicle(1).distance - before < 0.005);
+    assert.ok(ground_truth.vehicle(1).distance - before < 0.005);
   });
 
   await t.test('resumes it', async () => {
     await instant('stopPause');
-    await truth.moves(1, 2_000);
+    await ground_truth.moves(1, 2_000);
     assert.equal(state.paused, false);
   });
 
@@ -118,7 +118,7 @@ test('a foreign master drives our AIV', { timeout: 150_000 }, async (t) => {
     await instant('cancelOrder');
     const { by_cancelation } = await within(8_000, long.done, 'the order is processed');
     assert.equal(by_cancelation, true);
-    await truth.stands(1, 2_000);
+    await ground_truth.stands(1, 2_000);
     assert.deepEqual([state.nodeStates, state.edgeStates], [[], []]);
   });
 
@@ -128,14 +128,14 @@ test('a foreign master drives our AIV', { timeout: 150_000 }, async (t) => {
   });
 
   await t.test('is refused an order that starts far away, and the vehicle stays', async () => {
-    const before = truth.vehicle(1).distance;
+    const before = ground_truth.vehicle(1).distance;
     await assign(order_over(circuit, first + 30, 3));
     await eventually('an error names it', () => state.errors.some((error) => /noRouteError|orderError|validationError/.test(error.errorType)), { within_ms: 3_000 });
     await sleep(500);
-    assert.ok(truth.vehicle(1).distance - before < 0.005);
+    assert.ok(ground_truth.vehicle(1).distance - before < 0.005);
   });
 
-  assert.equal(truth.collisions, 0);
+  assert.equal(ground_truth.collisions, 0);
 
   await t.test('and both parts replay to the digests that they ended with', async () => {
     await vehicle.stop();

@@ -4,13 +4,13 @@ import { test } from 'node:test';
 import { Truth } from './lib/bus.mjs';
 import { eventually, Platform, sleep } from './lib/platform.mjs';
 
-const stop_ms_max = 1_700; // 500 ms until the loss is noticed, 830 ms of braking from 0.5 m/s at 0.6 m/s², truth's 100 ms, slack
+const stop_ms_max = 1_700; // 500 ms until the loss is noticed, 830 ms of braking from 0.5 m/s at 0.6 m/s², ground_truth's 100 ms, slack
 const everyone = [1, 2, 3, 4];
 
-async function all_go_on(platform, truth, what, within_ms = 45_000) {
+async function all_go_on(platform, ground_truth, what, within_ms = 45_000) {
   // Distance, not speed: at any moment someone may wait before a crossing.
-  const before = new Map(truth.latest.vehicles.map((vehicle) => [vehicle.number, vehicle.distance]));
-  const late = () => truth.latest.vehicles.filter((vehicle) => vehicle.distance - before.get(vehicle.number) <= 1);
+  const before = new Map(ground_truth.latest.vehicles.map((vehicle) => [vehicle.number, vehicle.distance]));
+  const late = () => ground_truth.latest.vehicles.filter((vehicle) => vehicle.distance - before.get(vehicle.number) <= 1);
   try {
     await eventually(`every AIV drives on after ${what}`, () => late().length === 0, { within_ms });
   } catch (error) {
@@ -25,8 +25,8 @@ async function all_go_on(platform, truth, what, within_ms = 45_000) {
 test('kill -9', { timeout: 300_000 }, async (t) => {
   // Long enough to see the loss before it is repaired.
   const platform = await Platform.up(t, { args: ['--respawn', '4'] });
-  const truth = await Truth.follow(t, await platform.broker_port());
-  await all_go_on(platform, truth, 'the start');
+  const ground_truth = await Truth.follow(t, await platform.broker_port());
+  await all_go_on(platform, ground_truth, 'the start');
   const lost_at = new Map();
 
   await t.test('of an AIV: its twin shows the broken connection, the others go on, it rejoins', async () => {
@@ -37,54 +37,54 @@ test('kill -9', { timeout: 300_000 }, async (t) => {
       return aiv.connection === 'CONNECTIONBROKEN' || aiv.lost;
     }, { within_ms: 2_000 });
     assert.ok(Date.now() - killed_ms < 2_500);
-    await truth.stands(2, 2_000);
-    const driven = await truth.driven(1_500);
+    await ground_truth.stands(2, 2_000);
+    const driven = await ground_truth.driven(1_500);
     assert.ok([1, 3, 4].some((number) => driven.get(number) > 0.1), 'the others go on');
     const matched = (await platform.get('bijection')).matched;
     assert.equal(matched, 4, 'a twin is never lost');
 
     await eventually('it is online again', async () => (await platform.aiv(2)).connection === 'ONLINE', { within_ms: 20_000 });
-    await all_go_on(platform, truth, 'the AIV came back');
-    assert.equal(truth.collisions, 0);
+    await all_go_on(platform, ground_truth, 'the AIV came back');
+    assert.equal(ground_truth.collisions, 0);
   });
 
   await t.test('of the server: vehicles stop safely, then all go on', async () => {
     await platform.without_supervisor(async () => {
       await platform.kill_child(/server/i);
       const end = Date.now() + stop_ms_max;
-      for (const number of everyone) await truth.stands(number, Math.max(100, end - Date.now()));
-      const driven = await truth.driven(1_000);
+      for (const number of everyone) await ground_truth.stands(number, Math.max(100, end - Date.now()));
+      const driven = await ground_truth.driven(1_000);
       for (const [number, metres] of driven) assert.ok(metres < 0.005, `AIV${number} drove ${metres} m without a server`);
     });
     await eventually('the server answers again', async () => (await platform.snapshot()).aivs.length === 4, { within_ms: 20_000 });
-    await all_go_on(platform, truth, 'the server came back');
+    await all_go_on(platform, ground_truth, 'the server came back');
     const snapshot = await platform.snapshot();
     assert.equal(new Set(snapshot.aivs.map((aiv) => aiv.id)).size, 4, 'none is lost or doubled');
-    assert.equal(truth.collisions, 0);
+    assert.equal(ground_truth.collisions, 0);
   });
 
   await t.test('of the server, back at once: all go on', async () => {
     await platform.kill_child(/server/i);
     await eventually('the server answers again', async () => (await platform.snapshot()).aivs.length === 4, { within_ms: 20_000 });
-    await all_go_on(platform, truth, 'the server came back');
-    assert.equal(truth.collisions, 0);
+    await all_go_on(platform, ground_truth, 'the server came back');
+    assert.equal(ground_truth.collisions, 0);
   });
 
   await t.test('of the broker: vehicles stop safely, then all go on', async () => {
     await platform.without_supervisor(async () => {
-      const before = new Map(truth.latest.vehicles.map((vehicle) => [vehicle.number, vehicle.distance]));
+      const before = new Map(ground_truth.latest.vehicles.map((vehicle) => [vehicle.number, vehicle.distance]));
       await platform.kill_child(/broker/i);
       await sleep(2_500);
       for (const [number, distance] of before) lost_at.set(number, distance);
     });
-    // Without a bus the truth cannot be heard. The first word after it tells how far each one came meanwhile: at most what
+    // Without a bus the ground_truth cannot be heard. The first word after it tells how far each one came meanwhile: at most what
     // half a second and braking allow.
-    await truth.next();
-    for (const vehicle of truth.latest.vehicles) {
+    await ground_truth.next();
+    for (const vehicle of ground_truth.latest.vehicles) {
       const driven = vehicle.distance - lost_at.get(vehicle.number);
       assert.ok(driven < 0.8, `AIV${vehicle.number} drove ${driven.toFixed(2)} m without a broker`);
     }
-    await all_go_on(platform, truth, 'the broker came back');
-    assert.equal(truth.collisions, 0);
+    await all_go_on(platform, ground_truth, 'the broker came back');
+    assert.equal(ground_truth.collisions, 0);
   });
 });

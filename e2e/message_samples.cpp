@@ -217,11 +217,11 @@ bool camera(app::TraceWriter& trace, const zone::ZoneConfiguration& zone) {
   app::GvsCamera tracker{emulated->calibration(), app::tracker_options(source), {}};
   Run run{trace, world_of(zone, 2), {"cosiva/v1/gvs/"}};
   if (!run.made()) return false;
-  std::optional<app::PlantTruth> now;
-  std::optional<app::PlantTruth> before;
+  std::optional<app::GroundTruth> now;
+  std::optional<app::GroundTruth> before;
   run.listener = [&](SimTime, const wire::Publish& message) {
-    if (message.topic != wire::plant_truth_topic) return;
-    before = std::exchange(now, app::read_plant_truth(message.payload));
+    if (message.topic != wire::ground_truth_topic) return;
+    before = std::exchange(now, app::read_plant_ground_truth(message.payload));
   };
   const wire::GvsConnection online{wire::ConnectionState::online, run.world().now(), "the emulated world's camera", {}};
   run.publish("gvs", {std::string(wire::gvs_connection_topic), to_json(online), 1, true});

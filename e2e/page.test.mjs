@@ -1,4 +1,4 @@
-// The operator's page on the real platform: four AIVs move, one is stopped by a click and stands in the plant's truth too,
+// The operator's page on the real platform: four AIVs move, one is stopped by a click and stands in the plant's ground_truth too,
 // goes on when told to; the page says when its server is gone, and recovers by itself.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
@@ -11,7 +11,7 @@ const section = (page, number) => row(page, number).getByTestId('section').inner
 
 test('an operator watches, stops and restarts AIVs on the page', { timeout: 180_000 }, async (t) => {
   const platform = await Platform.up(t);
-  const truth = await Truth.follow(t, await platform.broker_port());
+  const ground_truth = await Truth.follow(t, await platform.broker_port());
   const page = await open_page(t, await open_browser(t), platform.url);
 
   await t.test('four AIVs are listed, live and matched', async () => {
@@ -52,13 +52,13 @@ test('an operator watches, stops and restarts AIVs on the page', { timeout: 180_
   });
 
   await t.test('the Stop button stops the vehicle on the physical side', async () => {
-    await truth.moves(2, 25_000);
+    await ground_truth.moves(2, 25_000);
     await page.getByRole('button', { name: 'Stop AIV2', exact: true }).click();
-    await truth.stands(2, 3_000);
+    await ground_truth.stands(2, 3_000);
     await page.waitForFunction(() => /Stopped/.test(document.querySelector('[data-aiv="CoSiVA/AIV2"] [data-testid=state]').textContent), null, { timeout: 3_000 });
-    const where = truth.vehicle(2).distance;
+    const where = ground_truth.vehicle(2).distance;
     await sleep(1_500);
-    assert.ok(truth.vehicle(2).distance - where < 0.005, 'it stays where it was stopped');
+    assert.ok(ground_truth.vehicle(2).distance - where < 0.005, 'it stays where it was stopped');
   });
 
   await t.test('the command is followed until its effect is seen', async () => {
@@ -67,17 +67,17 @@ test('an operator watches, stops and restarts AIVs on the page', { timeout: 180_
 
   await t.test('the Restart button sets it in motion again', async () => {
     await page.getByRole('button', { name: 'Restart AIV2', exact: true }).click();
-    await truth.moves(2, 25_000);
+    await ground_truth.moves(2, 25_000);
   });
 
   await t.test('Shift+Esc stops all, and Restart all asks once', async () => {
     await page.keyboard.press('Shift+Escape');
-    for (const number of [1, 2, 3, 4]) await truth.stands(number, 4_000);
+    for (const number of [1, 2, 3, 4]) await ground_truth.stands(number, 4_000);
     await page.getByTestId('restart-all').click();
     await sleep(500);
-    for (const number of [1, 2, 3, 4]) assert.ok(truth.vehicle(number).speed < 0.01, 'one press alone moves nobody');
+    for (const number of [1, 2, 3, 4]) assert.ok(ground_truth.vehicle(number).speed < 0.01, 'one press alone moves nobody');
     await page.getByTestId('restart-all').click();
-    for (const number of [1, 2, 3, 4]) await truth.moves(number, 30_000);
+    for (const number of [1, 2, 3, 4]) await ground_truth.moves(number, 30_000);
   });
 
   await t.test('a vehicle whose process dies is shown as lost', async () => {
@@ -93,9 +93,9 @@ test('an operator watches, stops and restarts AIVs on the page', { timeout: 180_
     assert.match(await banner.jsonValue(), /No connection|silent/);
     await page.waitForSelector('[data-testid=link][data-phase=live]', { timeout: 30_000 });
     await page.waitForSelector('[data-testid=banner]', { state: 'detached', timeout: 5_000 });
-    for (const number of [1, 2, 3, 4]) await truth.moves(number, 40_000);
+    for (const number of [1, 2, 3, 4]) await ground_truth.moves(number, 40_000);
   });
 
   assert.deepEqual(page.script_errors, []);
-  assert.equal(truth.collisions, 0);
+  assert.equal(ground_truth.collisions, 0);
 });

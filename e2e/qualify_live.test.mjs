@@ -38,12 +38,12 @@ test('cosiva compare --live', { timeout: 180_000 }, async (t) => {
     assert.ok(one.rmse_m > 0 && one.rmse_m < 0.03, `${one.name}: ${one.rmse_m}`);
   }
   assert.equal(result.comparisons.length, 6, 'all pairs, on the same inputs');
-  for (const file of ['report.html', 'result.json', 'runs.csv', 'truth.tum', 'arc_kalman.tum', 'arc_smoother.zip'])
+  for (const file of ['report.html', 'result.json', 'runs.csv', 'ground_ground_truth.tum', 'arc_kalman.tum', 'arc_smoother.zip'])
     assert.ok(existsSync(path.join(out, file)), file);
   assert.deepEqual(JSON.parse(readFileSync(path.join(out, 'result.json'), 'utf8')), result);
-  // The truth in the file is of the circuit: lacet4 lies within 2 m of its middle.
-  const truth = readFileSync(path.join(out, 'truth.tum'), 'utf8').trim().split('\n').map((line) => line.split(' ').map(Number));
-  assert.ok(truth.length > 50 && truth.every(([, x, y]) => Math.hypot(x, y) < 2), 'where it was');
+  // The ground_truth in the file is of the circuit: lacet4 lies within 2 m of its middle.
+  const ground_truth = readFileSync(path.join(out, 'ground_ground_truth.tum'), 'utf8').trim().split('\n').map((line) => line.split(' ').map(Number));
+  assert.ok(ground_truth.length > 50 && ground_truth.every(([, x, y]) => Math.hypot(x, y) < 2), 'where it was');
 
   const snapshot = await platform.snapshot();
   assert.equal(snapshot.aivs.length, 2, 'no twin was lost or doubled');
@@ -51,7 +51,7 @@ test('cosiva compare --live', { timeout: 180_000 }, async (t) => {
   const stranger = await cosiva(['qualify', ...live, '--vehicle', 'AIV9', '--way', '1', '--runs', '1', '--timeout', '2']);
   assert.equal(stranger.code, 2);
   assert.match(stranger.stderr, /CoSiVA\/AIV9: it has not answered for 2 s; is it online/);
-  const elsewhere = await cosiva(['qualify', ...live, '--truth', 'area/camera', '--way', '1', '--runs', '1', '--timeout', '2']);
+  const elsewhere = await cosiva(['qualify', ...live, '--ground_truth', 'area/camera', '--way', '1', '--runs', '1', '--timeout', '2']);
   assert.equal(elsewhere.code, 2);
   assert.match(elsewhere.stderr, /nobody has said on area\/camera for 2 s where it truly is/);
 });

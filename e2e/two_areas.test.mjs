@@ -84,18 +84,18 @@ test('a vehicle goes from area to area and back, and never loses its twin', { ti
   const owners = [];
   const orders = [];
   const said_by_local = [];
-  let truth;
+  let ground_truth;
   bus.on_message((topic, payload) => {
     const [, , name, maker, serial] = topic.split('/');
     if (name === 'owner') owners.push({ id: `${maker}/${serial}`, ...JSON.parse(payload.toString()) });
-    else if (serial === 'visualization') said_by_local.push({ place: JSON.parse(payload.toString()).agvPosition, body: truth?.vehicle(2) });
+    else if (serial === 'visualization') said_by_local.push({ place: JSON.parse(payload.toString()).agvPosition, body: ground_truth?.vehicle(2) });
     else orders.push({ after: owners.length, ...JSON.parse(payload.toString()) });
   });
   const sockets = path.join(folder, 'boards');
   new Program(t, cosiva_binary(), ['plant', '--zone', zone('floor'), '--vehicles', '2', '--sockets', sockets, '--broker', address], { cwd: folder });
   const a = new Control area(t, folder, 'a', address, await free_port());
   const b = new Control area(t, folder, 'b', address, await free_port());
-  truth = await Truth.follow(t, port);
+  ground_truth = await Truth.follow(t, port);
   const starts = ['a_far:2.3', 'b_far:2.3'];
   const ones = [];
   const start_aiv = (number) => {
@@ -124,7 +124,7 @@ test('a vehicle goes from area to area and back, and never loses its twin', { ti
 
   const apart = async (from, number) => {
     const { aivs } = await from.snapshot();
-    const [twin, body] = [aivs.find(({ id }) => id === `CoSiVA/AIV${number}`), truth.vehicle(number)];
+    const [twin, body] = [aivs.find(({ id }) => id === `CoSiVA/AIV${number}`), ground_truth.vehicle(number)];
     return Math.hypot(twin.x - body.x, twin.y - body.y);
   };
   const watch = new Watch([a, b], [traveller, local]);
@@ -167,7 +167,7 @@ test('a vehicle goes from area to area and back, and never loses its twin', { ti
     area = owners.slice(0, after).filter(({ id }) => id === traveller).at(-1)?.area;
     assert.equal(nodes[0].nodePosition.mapId, `hall_${area}`);
   }
-  assert.equal(truth.collisions, 0);
+  assert.equal(ground_truth.collisions, 0);
 
   process.kill(b.program.pid, 'SIGKILL');
   await in_time('server b is gone', () => b.program.gone);
@@ -179,10 +179,10 @@ test('a vehicle goes from area to area and back, and never loses its twin', { ti
   assert.equal(await a.has(local), false, 'nobody took it meanwhile');
 
   // The zone that the emulated world serves is not the one that its state_file is of.
-  await in_time('AIV2 is far from where it started', () => truth.vehicle(2).y > -0.35, { within_ms: 25_000 });
+  await in_time('AIV2 is far from where it started', () => ground_truth.vehicle(2).y > -0.35, { within_ms: 25_000 });
   process.kill(ones[1].pid, 'SIGKILL');
   await in_time('AIV2 is gone', () => ones[1].gone);
-  await truth.stands(2, 3_000);
+  await ground_truth.stands(2, 3_000);
   const said = said_by_local.length;
   start_aiv(2);
   await in_time('it says again where it is', () => said_by_local.length > said + 10);
@@ -190,7 +190,7 @@ test('a vehicle goes from area to area and back, and never loses its twin', { ti
     const off_m = Math.hypot(place.x - body.x, place.y - body.y);
     assert.ok(off_m < 0.2, `it says that it is ${off_m} m from where it is: ${JSON.stringify(place)}`);
   }
-  const driven = truth.vehicle(2).distance;
-  await in_time('it drives on', () => truth.vehicle(2).distance > driven + 0.5, { within_ms: 15_000 });
-  assert.equal(truth.collisions, 0);
+  const driven = ground_truth.vehicle(2).distance;
+  await in_time('it drives on', () => ground_truth.vehicle(2).distance > driven + 0.5, { within_ms: 15_000 });
+  assert.equal(ground_truth.collisions, 0);
 });

@@ -9,7 +9,7 @@ import { eventually, Platform } from './lib/platform.mjs';
 
 test('two pages stay in step, and outlive their server', { timeout: 180_000 }, async (t) => {
   const platform = await Platform.up(t, { aivs: 3 });
-  const truth = await Truth.follow(t, await platform.broker_port());
+  const ground_truth = await Truth.follow(t, await platform.broker_port());
   const browser = await open_browser(t);
   const one = await open_operator(t, browser, platform);
   const other = await open_operator(t, browser, platform, { colorScheme: 'dark' });
@@ -17,13 +17,13 @@ test('two pages stay in step, and outlive their server', { timeout: 180_000 }, a
   const things = () => platform.snapshot().then((snapshot) => snapshot.things.map(({ id }) => id).sort());
 
   await t.test('what one commands, both show', async () => {
-    await truth.moves(2, 30_000);
+    await ground_truth.moves(2, 30_000);
     await one.getByRole('button', { name: 'Stop AIV2', exact: true }).click();
-    await truth.stands(2, 3_000);
+    await ground_truth.stands(2, 3_000);
     await in_both('AIV2 stopped', async (page) => /Stopped/.test(await aiv_row(page, 2).getByTestId('state').innerText()));
     await in_both('the command is materialised', (page) => aiv_row(page, 2).locator('[data-command-state=materialised]').count());
     await other.getByRole('button', { name: 'Restart AIV2', exact: true }).click();
-    await truth.moves(2, 30_000);
+    await ground_truth.moves(2, 30_000);
     await in_both('AIV2 drives', async (page) => !/Stopped/.test(await aiv_row(page, 2).getByTestId('state').innerText()), 20_000);
   });
 
@@ -75,7 +75,7 @@ test('two pages stay in step, and outlive their server', { timeout: 180_000 }, a
     assert.deepEqual(await things(), before);
     await in_both('priority 42', async (page) => (await aiv_row(page, 3).getByTestId('priority').inputValue()) === '42', 10_000);
     await in_both('tag 55, still not saved', async (page) => (await page.getByTestId('tag-choice').locator('option[value="55"]').count()) && (await page.getByTestId('unsaved').count()), 10_000);
-    for (const number of [1, 2, 3]) await truth.moves(number, 40_000);
+    for (const number of [1, 2, 3]) await ground_truth.moves(number, 40_000);
   });
 
   await t.test('the traces say that the server started anew', async () => {
@@ -86,5 +86,5 @@ test('two pages stay in step, and outlive their server', { timeout: 180_000 }, a
   });
 
   assert.deepEqual([...one.script_errors, ...other.script_errors], []);
-  assert.equal(truth.collisions, 0);
+  assert.equal(ground_truth.collisions, 0);
 });

@@ -15,7 +15,7 @@ test('tags and beacons are edited on the page', { timeout: 240_000 }, async (t) 
   copyFileSync(zone_file('lacet4'), file);
   const original = readFileSync(file, 'utf8');
   const platform = await Platform.up(t, { zone: file, folder });
-  const truth = await Truth.follow(t, await platform.broker_port());
+  const ground_truth = await Truth.follow(t, await platform.broker_port());
   const page = await open_operator(t, await open_browser(t), platform);
   const tags = async () => (await platform.get('zone')).tags;
   const tag = async (number) => (await tags()).find((one) => one.number === number);
@@ -55,7 +55,7 @@ test('tags and beacons are edited on the page', { timeout: 240_000 }, async (t) 
     const aiv = await eventually('somebody has just passed it', async () => (await platform.snapshot()).aivs.find((one) => one.lastTag === 6 && one.sinceTag_m < 0.2 && one.speed > 0.1), { within_ms: 60_000, every_ms: 30 });
     // It says how far behind the tag is: with the tag's new place that is where it really is.
     const believed = place(moved.section, moved.s + aiv.sinceTag_m);
-    const really = truth.vehicle(aiv.number);
+    const really = ground_truth.vehicle(aiv.number);
     assert.ok(Math.hypot(believed.x - really.x, believed.y - really.y) < 0.12, `believed ${believed.x}, ${believed.y}; really ${really.x}, ${really.y}`);
   });
 
@@ -117,8 +117,8 @@ test('tags and beacons are edited on the page', { timeout: 240_000 }, async (t) 
   });
 
   await t.test('all vehicles drove on through every edit', async () => {
-    for (const number of [1, 2, 3, 4]) await truth.moves(number, 30_000);
-    assert.equal(truth.collisions, 0);
+    for (const number of [1, 2, 3, 4]) await ground_truth.moves(number, 30_000);
+    assert.equal(ground_truth.collisions, 0);
   });
   assert.deepEqual(page.script_errors, []);
 });

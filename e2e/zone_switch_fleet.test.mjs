@@ -45,7 +45,7 @@ function off_by_m({ x, y }, ways) {
 
 test('twelve AIVs circulate, and their zone is switched ten times', { timeout: 540_000 }, async (t) => {
   const platform = await Platform.up(t, { aivs, args: ['--headless'] });
-  const truth = await Truth.follow(t, await platform.broker_port());
+  const ground_truth = await Truth.follow(t, await platform.broker_port());
   const server = await platform.child(/^server$/);
   const ways = { lacet4: await ways_in_force(platform) };
   const children = () => platform.children().map(({ name, pid }) => `${name} ${pid}`).sort();
@@ -82,13 +82,13 @@ test('twelve AIVs circulate, and their zone is switched ten times', { timeout: 5
     }, { within_ms: 10_000 });
     commands += command ? 1 : 0;
     await platform.command('restart', '*');
-    const driven = await truth.driven(rest_ms);
+    const driven = await ground_truth.driven(rest_ms);
     driving.push([...driven.values()].filter((metres) => metres > 0.2).length);
     const { aivs: shown } = await platform.snapshot();
     parked_after.push(shown.filter((aiv) => aiv.parked).length);
     waiting.push(shown.filter((aiv) => !aiv.parked && aiv.speed === 0).map(({ id, section, waitsFor }) => `${id} ${section} ${waitsFor ?? '-'}`));
     memory_mb.push(resident_mb(server.pid));
-    assert.equal(truth.collisions, 0, `after switch ${i + 1}`);
+    assert.equal(ground_truth.collisions, 0, `after switch ${i + 1}`);
   }
 
   // Whoever stands beside the new line turns and rolls over to it first, one after the other where ways meet.
@@ -107,9 +107,9 @@ test('twelve AIVs circulate, and their zone is switched ten times', { timeout: 5
   assert.deepEqual(children(), family, 'nobody was restarted');
   const { aivs: last } = await platform.snapshot();
   const parked = last.filter((aiv) => aiv.parked).map(({ id, parked: why }) => `${id} ${why}`);
-  await truth.next();
+  await ground_truth.next();
   const places = last.map(({ id, number, parked: why }) => {
-    const place = truth.vehicle(number);
+    const place = ground_truth.vehicle(number);
     return { id, why, off_new_m: off_by_m(place, ways.lacet4), off_old_m: off_by_m(place, ways.indus8) };
   });
   const words = (all) => all.map(({ id, off_new_m, off_old_m }) => `${id} ${off_new_m.toFixed(2)} m from lacet4, ${off_old_m.toFixed(2)} m from indus8`).join('; ');

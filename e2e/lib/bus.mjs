@@ -1,4 +1,4 @@
-// Looks at the bus from outside: the plant's truth, and every message that passes.
+// Looks at the bus from outside: the plant's ground_truth, and every message that passes.
 import { finally_do } from './cleanup.mjs';
 import { connect } from 'mqtt';
 import { eventually, sleep } from './platform.mjs';
@@ -28,17 +28,17 @@ export class Bus {
   }
 }
 
-/** The plant's truth, followed: where each vehicle really is, and every collision. */
+/** The plant's ground_truth, followed: where each vehicle really is, and every collision. */
 export class Truth {
   static async follow(t, port) {
-    const truth = new Truth();
-    truth.latest = null;
-    truth.received_ms = 0;
-    truth.collisions = 0;
-    const bus = await Bus.open(t, port, ['cosiva/v1/plant/truth']);
-    bus.on_message((_topic, payload) => truth.accept(JSON.parse(payload.toString())));
-    await eventually('the plant says the truth', () => truth.latest !== null, { within_ms: 10_000 });
-    return truth;
+    const ground_truth = new Truth();
+    ground_truth.latest = null;
+    ground_truth.received_ms = 0;
+    ground_truth.collisions = 0;
+    const bus = await Bus.open(t, port, ['cosiva/v1/plant/ground_truth']);
+    bus.on_message((_topic, payload) => ground_truth.accept(JSON.parse(payload.toString())));
+    await eventually('the plant says the ground_truth', () => ground_truth.latest !== null, { within_ms: 10_000 });
+    return ground_truth;
   }
 
   /** Adds to each vehicle the distance it drove since this was first heard: chords of a tenth of a second. */
@@ -56,10 +56,10 @@ export class Truth {
     return this.latest.vehicles.find((vehicle) => vehicle.number === number);
   }
 
-  /** The first truth that arrives after now. */
+  /** The first ground_truth that arrives after now. */
   async next() {
     const seen = this.received_ms;
-    await eventually('a newer truth', () => this.received_ms > seen, { within_ms: 15_000, every_ms: 10 });
+    await eventually('a newer ground_truth', () => this.received_ms > seen, { within_ms: 15_000, every_ms: 10 });
     return this.latest;
   }
 
@@ -74,11 +74,11 @@ export class Truth {
   /** Waits until `number` stands; answers how long that took [ms]. */
   async stands(number, within_ms) {
     const start = Date.now();
-    await eventually(`AIV${number} stands in truth`, () => Math.abs(this.vehicle(number).speed) < 0.01, { within_ms, every_ms: 20 });
+    await eventually(`AIV${number} stands in ground_truth`, () => Math.abs(this.vehicle(number).speed) < 0.01, { within_ms, every_ms: 20 });
     return Date.now() - start;
   }
 
   async moves(number, within_ms) {
-    await eventually(`AIV${number} moves in truth`, () => Math.abs(this.vehicle(number).speed) > 0.05, { within_ms, every_ms: 20 });
+    await eventually(`AIV${number} moves in ground_truth`, () => Math.abs(this.vehicle(number).speed) > 0.05, { within_ms, every_ms: 20 });
   }
 }

@@ -118,19 +118,19 @@ void PageStream::send_positions() {
   send(frame.key ? key_frame : delta_frame, std::move(frame.bytes), frame.key);
 }
 
-void PageStream::truth(const JsonValue& truth) {
+void PageStream::ground_truth(const JsonValue& ground_truth) {
   if (nobody_listens()) return;
   JsonWriter json;
-  json.begin_object().field("type", "truth");
+  json.begin_object().field("type", "ground_truth");
   for (const char* part : {"vehicles", "obstacles"}) {
-    const JsonValue* list = truth.find(part);
+    const JsonValue* list = ground_truth.find(part);
     if (list != nullptr && list->array() != nullptr)
       write_json(json.key(part), *list);
     else
       json.key(part).begin_array().end_array();
   }
   json.end_object();
-  send(truth_frame, json.take(), false);
+  send(ground_truth_frame, json.take(), false);
 }
 
 }  // namespace cosiva::app

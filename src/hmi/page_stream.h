@@ -37,10 +37,10 @@ class PageStream {
   /// The core has handled an input.
   void changed();
   /// Sends the emulated world's truth on; only vehicles and obstacles of it.
-  void truth(const JsonValue& truth);
+  void ground_truth(const JsonValue& ground_truth);
 
   /// Kinds of live frames, in the order in which one client gets what waits for it.
-  enum Kind : std::size_t { zone_frame, run_frame, snapshot_frame, truth_frame, key_frame, delta_frame };
+  enum Kind : std::size_t { zone_frame, run_frame, snapshot_frame, ground_truth_frame, key_frame, delta_frame };
 
  private:
   using Clock = std::chrono::steady_clock;

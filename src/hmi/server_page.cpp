@@ -65,16 +65,16 @@ Result<std::unique_ptr<ServerPage>> ServerPage::open(adapters::EventLoop& loop, 
 
 std::uint16_t ServerPage::port() const { return impl_->http->port(); }
 
-void ServerPage::truth(const std::string& json) {
-  const auto truth = JsonValue::parse(json);
-  if (!truth || truth->object() == nullptr) return;  // anybody may publish there
+void ServerPage::ground_truth(const std::string& json) {
+  const auto ground_truth = JsonValue::parse(json);
+  if (!ground_truth || ground_truth->object() == nullptr) return;  // anybody may publish there
   std::set<std::string> obstacles;
-  if (const JsonValue* list = truth->find("obstacles"); list != nullptr && list->array() != nullptr) {
+  if (const JsonValue* list = ground_truth->find("obstacles"); list != nullptr && list->array() != nullptr) {
     for (const JsonValue& obstacle : *list->array())
       if (auto id = obstacle.text("id")) obstacles.insert(std::move(*id));
   }
   impl_->calls.know_plant(std::move(obstacles));
-  impl_->stream->truth(*truth);
+  impl_->stream->ground_truth(*ground_truth);
 }
 
 void ServerPage::changed() { impl_->stream->changed(); }

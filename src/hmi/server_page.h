@@ -47,9 +47,9 @@ class ServerPage {
                                                                 bool headless);
   ~ServerPage();
   [[nodiscard]] std::uint16_t port() const;
-  /// What the plant says is true, for the eye only: shown beside twin and belief, never used (plant_truth_topic's
+  /// What the plant says is true, for the eye only: shown beside twin and belief, never used (ground_truth_topic's
   /// JSON).
-  void truth(const std::string& json);
+  void ground_truth(const std::string& json);
   /// An input has been handled; what an operator waits for (a command's state) is sent at once, not at the next beat.
   void changed();
 

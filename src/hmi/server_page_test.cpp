@@ -217,14 +217,14 @@ TEST_F(Page, sends_the_clock_when_it_changed) {
   EXPECT_EQ(run->find("run")->find("clock")->number("speed"), 4.0);
 }
 
-TEST_F(Page, sends_the_truth_on_as_vehicles_and_obstacles_and_nothing_else_of_it) {
+TEST_F(Page, sends_the_ground_truth_on_as_vehicles_and_obstacles_and_nothing_else_of_it) {
   LiveClient client{page->port()};
   ASSERT_TRUE(loop.run_until([&] { return client.count("key") == 1; }, timeout));
-  for (const char* bad : {"", "nonsense", "[]", "5"}) page->truth(bad);
-  page->truth(R"({"type":"zone","zone":null,"vehicles":[{"number":1,"x":0.5,"y":0.25,"heading":0}],)"
+  for (const char* bad : {"", "nonsense", "[]", "5"}) page->ground_truth(bad);
+  page->ground_truth(R"({"type":"zone","zone":null,"vehicles":[{"number":1,"x":0.5,"y":0.25,"heading":0}],)"
               R"("obstacles":[{"id":"box1","x":1,"y":2,"radius":0.05}]})");
-  ASSERT_TRUE(loop.run_until([&] { return client.count("truth") == 1; }, timeout));
-  EXPECT_EQ(client.last("truth")->bytes, R"({"type":"truth","vehicles":[{"number":1,"x":0.5,"y":0.25,"heading":0}],)"
+  ASSERT_TRUE(loop.run_until([&] { return client.count("ground_truth") == 1; }, timeout));
+  EXPECT_EQ(client.last("ground_truth")->bytes, R"({"type":"ground_truth","vehicles":[{"number":1,"x":0.5,"y":0.25,"heading":0}],)"
                                          R"("obstacles":[{"id":"box1","x":1,"y":2,"radius":0.05}]})");
   EXPECT_EQ(client.count("zone"), 1U);
   EXPECT_THAT(ask("DELETE /api/v1/plant/obstacles/box1"), StartsWith("HTTP/1.1 200"));

@@ -170,7 +170,7 @@ setInterval(() => {
       last = now;
       positions();
     }
-    if (ticks % 3 === 1) broadcast(JSON.stringify(world.truth()));
+    if (ticks % 3 === 1) broadcast(JSON.stringify(world.ground_truth()));
     // The made-up platform is slower than the real one: above 2 000 its table comes once a second.
     if (ticks % (world.aivs.length > 2000 ? 30 : 8) === 2) broadcast(snapshot_text());
     if (ticks % 30 === 0) broadcast(run_text());

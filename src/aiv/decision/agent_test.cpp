@@ -24,7 +24,7 @@ using ::testing::ElementsAre;
 /// An agent on wheels that obey its commands as the line-following board does, with exact odometry at 50 Hz.
 struct AgentBench {
   Agent agent{lacet4()};
-  AivMotion truth;
+  AivMotion ground_truth;
   double speed_mps{0.0};
   double travelled_m{0.0};
   double hardest_braking_mps2{0.0};
@@ -33,8 +33,8 @@ struct AgentBench {
   std::vector<std::string> traversed;
   int tick{0};
 
-  AgentBench(std::string_view section, double s_m) : truth{lacet4().circuit, at(lacet4(), section, s_m)} {
-    agent.estimator().place_at(truth.place(lacet4().circuit));
+  AgentBench(std::string_view section, double s_m) : ground_truth{lacet4().circuit, at(lacet4(), section, s_m)} {
+    agent.estimator().place_at(ground_truth.place(lacet4().circuit));
     step();
   }
 
@@ -53,12 +53,12 @@ struct AgentBench {
                                    : std::max(wanted, speed_mps - 1e-3 * drive.braking_mmps2 * dt);
     hardest_braking_mps2 = std::max(hardest_braking_mps2, (before - speed_mps) / dt);
     highest_speed_mps = std::max(highest_speed_mps, speed_mps);
-    travelled_m += truth.move(lacet4().circuit, 0.5 * (before + speed_mps) * dt);
+    travelled_m += ground_truth.move(lacet4().circuit, 0.5 * (before + speed_mps) * dt);
     wire::Odometry odometry;
     odometry.distance_um = std::llround(travelled_m * 1e6);
     odometry.speed_mmps = static_cast<std::int16_t>(std::lround(speed_mps * 1e3));
     agent.on_odometry(odometry);
-    if (++tick % 3 == 0) agent.on_ranges(ranges_to(obstacles, truth.pose(lacet4().circuit)));
+    if (++tick % 3 == 0) agent.on_ranges(ranges_to(obstacles, ground_truth.pose(lacet4().circuit)));
     for (const auto& node : agent.progress().take_traversed()) traversed.push_back(node.node_id);
   }
 
@@ -69,7 +69,7 @@ struct AgentBench {
     for (int i = 0; i < static_cast<int>(seconds * 50.0) && !done(); ++i) step();
     return done();
   }
-  double s_m() const { return truth.place(lacet4().circuit).s_m; }
+  double s_m() const { return ground_truth.place(lacet4().circuit).s_m; }
 };
 
 constexpr double edge_m = 0.282743338823;

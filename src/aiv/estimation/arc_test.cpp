@@ -84,8 +84,8 @@ TEST(ArcKalmanScale, finds_the_scale_of_a_worn_wheel) {
   ArcKalmanScale algorithm{setting_on(testing::oval(), 0.001)};
   for (int i = 1; i <= 200; ++i) {
     algorithm.predict({0.5 * 1.03, 0.0, 1.0});
-    const Pose2 truth = testing::oval()->pose_at(0.5 * i);
-    algorithm.rectify(Reading{1, position(truth), {}});
+    const Pose2 ground_truth = testing::oval()->pose_at(0.5 * i);
+    algorithm.rectify(Reading{1, position(ground_truth), {}});
   }
   EXPECT_NEAR(algorithm.scale_error(), 0.03, 1e-3);
 }

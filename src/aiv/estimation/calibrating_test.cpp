@@ -17,7 +17,7 @@ struct Rounds {
   Setting setting;
   double drift_radps{0.0};
   std::size_t stations{4};
-  Pose2 truth;
+  Pose2 ground_truth;
   int count{0};
 
   Rounds() {
@@ -25,22 +25,22 @@ struct Rounds {
     SensorModel& sensors = setting.sensors;
     sensors.range_scale_sigma = sensors.range_common_sigma_m = sensors.range_station_sigma_m = 1e-3;
     sensors.distance_scale_sigma = sensors.turn_scale_sigma = 1e-4;
-    truth = setting.start;
+    ground_truth = setting.start;
   }
   void step(CalibratingFilter& filter, Random& random) {
     const Odometry truly{0.5, 0.025, 0.5};
-    truth = moved(truth, truly);
+    ground_truth = moved(ground_truth, truly);
     const Vector2 v = step_variances(setting.sensors, truly);
     filter.predict({truly.distance_m + random.gaussian(0.0, std::sqrt(v(0))),
                     truly.turn_rad + 0.5 * drift_radps + random.gaussian(0.0, std::sqrt(v(1))), 0.5});
     const auto station = static_cast<std::uint32_t>(static_cast<std::size_t>(count++) % stations);
     const Point2 place{station % 2 == 0 ? -30.0 : 30.0, station < 2 ? -30.0 : 30.0};
     filter.rectify(
-        Range{station, place, distance(position(truth), place) + random.gaussian(0.0, setting.sensors.range_sigma_m)});
+        Range{station, place, distance(position(ground_truth), place) + random.gaussian(0.0, setting.sensors.range_sigma_m)});
   }
   [[nodiscard]] double nees(const CalibratingFilter& filter) const {
     const Estimate estimate = filter.estimate();
-    const Vector2 e(estimate.pose.x_m - truth.x_m, estimate.pose.y_m - truth.y_m);
+    const Vector2 e(estimate.pose.x_m - ground_truth.x_m, estimate.pose.y_m - ground_truth.y_m);
     return e.dot(Matrix2(estimate.covariance.topLeftCorner<2, 2>()).llt().solve(e));
   }
 };
@@ -88,20 +88,20 @@ TEST(Calibrating, looks_all_round_again_when_its_heading_was_lost_on_the_way_and
   Random random{5, "lost"};
   for (int i = 0; i < 100; ++i) rounds.step(smoother, random);
   // Nothing was counted while it turned about on the spot.
-  rounds.truth.heading_rad = wrap_angle(rounds.truth.heading_rad + pi);
+  rounds.ground_truth.heading_rad = wrap_angle(rounds.ground_truth.heading_rad + pi);
   smoother.predict({0.0, 0.0, 5.0, 1e-4, 4.0});
   EXPECT_GT(smoother.estimate().covariance(2, 2), 1.0);
-  std::vector<Pose2> truths;
+  std::vector<Pose2> ground_truths;
   for (int i = 0; i < 100; ++i) {
     rounds.step(smoother, random);
-    truths.push_back(rounds.truth);
+    ground_truths.push_back(rounds.ground_truth);
   }
-  EXPECT_NEAR(wrap_angle(smoother.estimate().pose.heading_rad - rounds.truth.heading_rad), 0.0, 0.1);
-  EXPECT_LT(distance(smoother.estimate().pose, rounds.truth), 0.5);
+  EXPECT_NEAR(wrap_angle(smoother.estimate().pose.heading_rad - rounds.ground_truth.heading_rad), 0.0, 0.1);
+  EXPECT_LT(distance(smoother.estimate().pose, rounds.ground_truth), 0.5);
   const std::vector<Estimate> revised = smoother.revised();
   ASSERT_EQ(revised.size(), 201U);
-  for (std::size_t i = 0; i < truths.size(); i += 9)
-    EXPECT_LT(distance(revised[101 + i].pose, truths[i]), 0.3) << "after " << i;
+  for (std::size_t i = 0; i < ground_truths.size(); i += 9)
+    EXPECT_LT(distance(revised[101 + i].pose, ground_truths[i]), 0.3) << "after " << i;
 }
 
 TEST(Planar, step_of_who_goes_sideways_is_the_arc_of_that) {
@@ -150,7 +150,7 @@ TEST(Calibrating, does_not_grow_sure_of_the_way_round_the_only_station_that_it_h
     rounds.setting.start_heading_sigma_rad = 0.1;
     CalibratingFilter filter{rounds.setting};
     Random random{seed, "round one"};
-    rounds.truth.heading_rad += random.gaussian(0.0, 0.1);
+    rounds.ground_truth.heading_rad += random.gaussian(0.0, 0.1);
     for (int i = 0; i < 1000; ++i) {
       rounds.step(filter, random);
       sum += rounds.nees(filter);

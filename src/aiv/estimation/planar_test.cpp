@@ -20,17 +20,17 @@ struct Round {
   Setting setting;
   double bias_m{0.0};
   double scale{1.0};
-  Pose2 truth;
+  Pose2 ground_truth;
 
   template <typename Algo>
   double rmse(Algo& algorithm, std::uint64_t seed, int steps = 600, bool ranges = true,
               std::vector<double>* nees = {}) {
     Random random{seed, "round"};
-    truth = {2.0, 0.0, 0.5 * pi};
+    ground_truth = {2.0, 0.0, 0.5 * pi};
     double squares = 0.0;
     for (int i = 0; i < steps; ++i) {
       const Odometry truly{0.05, 0.025, 0.1};
-      truth = moved(truth, truly);
+      ground_truth = moved(ground_truth, truly);
       const Vector2 v = step_variances(setting.sensors, truly);
       algorithm.predict({truly.distance_m + random.gaussian(0.0, std::sqrt(v(0))),
                          truly.turn_rad + random.gaussian(0.0, std::sqrt(v(1))), 0.1});
@@ -39,14 +39,14 @@ struct Round {
         const Point2 place{station % 2 == 0 ? -4.0 : 4.0, station < 2 ? -4.0 : 4.0};
         algorithm.rectify(Range{
             station, place,
-            scale * distance(position(truth), place) + bias_m + random.gaussian(0.0, setting.sensors.range_sigma_m)});
+            scale * distance(position(ground_truth), place) + bias_m + random.gaussian(0.0, setting.sensors.range_sigma_m)});
       } else if (i % 10 == 9) {
-        const Point2 mark = truth * Point2{0.0, 0.01};
+        const Point2 mark = ground_truth * Point2{0.0, 0.01};
         algorithm.rectify(Reading{1, mark, {random.gaussian(0.0, 0.01), 0.01 + random.gaussian(0.0, 0.01)}});
       }
       const Estimate estimate = algorithm.estimate();
-      squares += std::pow(distance(estimate.pose, truth), 2);
-      const Vector2 e(estimate.pose.x_m - truth.x_m, estimate.pose.y_m - truth.y_m);
+      squares += std::pow(distance(estimate.pose, ground_truth), 2);
+      const Vector2 e(estimate.pose.x_m - ground_truth.x_m, estimate.pose.y_m - ground_truth.y_m);
       const Matrix2 c = estimate.covariance.template topLeftCorner<2, 2>();
       if (nees != nullptr) nees->push_back(e.dot(c.llt().solve(e)));
     }
@@ -160,11 +160,11 @@ TEST(Calibrating, smoother_is_better_than_the_filter_and_honest) {
     filter += round.rmse(smoother, seed, 300);
     const auto revised = smoother.revised();
     ASSERT_EQ(revised.size(), 300U);
-    Pose2 truth{2.0, 0.0, 0.5 * pi};
+    Pose2 ground_truth{2.0, 0.0, 0.5 * pi};
     double squares = 0.0;
     for (const Estimate& estimate : revised) {
-      truth = moved(truth, {0.05, 0.025, 0.1});
-      const Vector2 e(estimate.pose.x_m - truth.x_m, estimate.pose.y_m - truth.y_m);
+      ground_truth = moved(ground_truth, {0.05, 0.025, 0.1});
+      const Vector2 e(estimate.pose.x_m - ground_truth.x_m, estimate.pose.y_m - ground_truth.y_m);
       squares += e.squaredNorm();
       nees.push_back(e.dot(Matrix2(estimate.covariance.topLeftCorner<2, 2>()).llt().solve(e)));
     }
@@ -181,8 +181,8 @@ TEST(Calibrating, finds_a_heading_that_nobody_told) {
   CalibratingSmoother algorithm{round.setting};
   EXPECT_GT(algorithm.estimate().covariance(2, 2), 1.0);
   round.rmse(algorithm, 2, 200);
-  EXPECT_NEAR(wrap_angle(algorithm.estimate().pose.heading_rad - round.truth.heading_rad), 0.0, 0.1);
-  EXPECT_LT(distance(algorithm.estimate().pose, round.truth), 0.1);
+  EXPECT_NEAR(wrap_angle(algorithm.estimate().pose.heading_rad - round.ground_truth.heading_rad), 0.0, 0.1);
+  EXPECT_LT(distance(algorithm.estimate().pose, round.ground_truth), 0.1);
   // And who looks back knows it from the beginning.
   EXPECT_NEAR(wrap_angle(algorithm.revised()[1].pose.heading_rad - 0.5 * pi - 0.05), 0.0, 0.1);
 }
@@ -209,8 +209,8 @@ TEST(Particles, find_where_they_are_on_a_circuit_that_they_know) {
     along_m += 0.02;
     particles.predict({0.02 + random.gaussian(0.0, std::sqrt(1e-4 * 0.02)), 0.0, 0.04});
     if (i % 25 == 24) {
-      const Pose2 truth = setting.track->pose_at(along_m);
-      particles.rectify(Reading{1, position(truth), {random.gaussian(0.0, 0.01), 0.0}});
+      const Pose2 ground_truth = setting.track->pose_at(along_m);
+      particles.rectify(Reading{1, position(ground_truth), {random.gaussian(0.0, 0.01), 0.0}});
     }
   }
   EXPECT_LT(distance(particles.estimate().pose, setting.track->pose_at(along_m)), 0.04);

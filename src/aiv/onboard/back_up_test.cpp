@@ -16,7 +16,7 @@ using test::order;
 struct BackUpBench : OnboardBench {
   BackUpBench() : BackUpBench{0.30} {}
   explicit BackUpBench(double s_m)
-      : OnboardBench{{.start = OnboardOptions::Start{"loop_se", s_m}, .truth = at(lacet4(), "loop_se", s_m)}} {
+      : OnboardBench{{.start = OnboardOptions::Start{"loop_se", s_m}, .ground_truth = at(lacet4(), "loop_se", s_m)}} {
     run(0.5);
   }
   wire::ActionStatus back_up(const char* id, double distance_m, double for_s = 0.3) {

@@ -30,7 +30,7 @@ class OnboardBench {
     std::optional<OnboardOptions::Start> start{OnboardOptions::Start{"loop_se", 0.0}};
     std::string persisted{};
     std::uint32_t session{77};
-    zone::Place truth{at(lacet4(), "loop_se", 0.0)};
+    zone::Place ground_truth{at(lacet4(), "loop_se", 0.0)};
     double odometer_m{0.0};
     std::optional<zone::ZoneConfiguration> zone{};  ///< told at first; lacet4 without
     const zone::Circuit* floor{&lacet4().circuit};
@@ -40,7 +40,7 @@ class OnboardBench {
   };
 
   OnboardBench() : OnboardBench(Setup{}) {}
-  explicit OnboardBench(const Setup& setup) : session_{setup.session}, world{*setup.floor, setup.truth} {
+  explicit OnboardBench(const Setup& setup) : session_{setup.session}, world{*setup.floor, setup.ground_truth} {
     world.odometer_m = setup.odometer_m;
     OnboardOptions options;
     if (setup.zone_told) options.zone = setup.zone ? *setup.zone : lacet4_configuration();
@@ -127,7 +127,7 @@ class OnboardBench {
   [[nodiscard]] Setup reborn() const {
     Setup setup;
     setup.persisted = persisted;
-    setup.truth = truth.place(lacet4().circuit);
+    setup.ground_truth = ground_truth.place(lacet4().circuit);
     setup.odometer_m = world.odometer_m;
     return setup;
   }
@@ -151,7 +151,7 @@ class OnboardBench {
   SimTime now{virtual_epoch};
   std::unique_ptr<OnboardCore> core;
   LineWorld world;
-  AivMotion& truth{world.truth};
+  AivMotion& ground_truth{world.ground_truth};
   double& speed_mps{world.speed_mps};
   bool server_beats{false};
   std::uint16_t charge{900};

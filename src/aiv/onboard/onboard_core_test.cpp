@@ -195,9 +195,9 @@ TEST(Onboard, drives_its_order_and_reports_each_node) {
   bench.run(5.0);
   EXPECT_FALSE(bench.state().driving);
   EXPECT_THAT(bench.state().node_states, IsEmpty());
-  EXPECT_NEAR(bench.truth.place(lacet4().circuit).s_m, 4.0 * edge_m, 0.01);
+  EXPECT_NEAR(bench.ground_truth.place(lacet4().circuit).s_m, 4.0 * edge_m, 0.01);
   ASSERT_TRUE(bench.state().position);
-  EXPECT_LT(distance(bench.state().position->pose, bench.truth.pose(lacet4().circuit)), 0.01);
+  EXPECT_LT(distance(bench.state().position->pose, bench.ground_truth.pose(lacet4().circuit)), 0.01);
   EXPECT_EQ(bench.state().position->map_id, "lacet4");
 }
 
@@ -368,11 +368,11 @@ TEST(Onboard, restores_its_position_after_a_crash) {
   ASSERT_FALSE(before.persisted.empty());
   auto setup = before.reborn();
   setup.odometer_m += 0.07;  // it rolled on while nobody listened
-  setup.truth = lacet4().circuit.advance(setup.truth, 0.07);
+  setup.ground_truth = lacet4().circuit.advance(setup.ground_truth, 0.07);
   OnboardBench after{setup};
   after.run(0.2);
   ASSERT_TRUE(after.core->believed_pose());
-  EXPECT_LT(distance(*after.core->believed_pose(), after.truth.pose(lacet4().circuit)), 0.01);
+  EXPECT_LT(distance(*after.core->believed_pose(), after.ground_truth.pose(lacet4().circuit)), 0.01);
 }
 
 TEST(Onboard, does_not_trust_a_persisted_position_of_another_odometer_or_zone) {

@@ -38,7 +38,7 @@ struct Driving : OnboardBench {
     const Point2 p = on_loop(s_m);
     return {std::move(id), "person", p.x_m, p.y_m, 0.0, 0.0, radius_m, 0.0, 0.0};
   }
-  [[nodiscard]] double s_m() const { return truth.place(lacet4().circuit).s_m; }
+  [[nodiscard]] double s_m() const { return ground_truth.place(lacet4().circuit).s_m; }
 
   void receive_virtual_obstacles(std::vector<wire::Body> bodies) {
     hear(wire::own_topic(wire::virtual_obstacles_topic_prefix, me),
@@ -406,7 +406,7 @@ TEST(ZoneEdit, another_beacon_pitch_is_in_force_at_once) {
   const auto corrected = [](bool edit) {
     OnboardBench::Setup setup;
     setup.start = OnboardOptions::Start{"north", 0.50};
-    setup.truth = at(lacet4(), "north", 0.50);
+    setup.ground_truth = at(lacet4(), "north", 0.50);
     OnboardBench bench{setup};
     bench.run(0.3);
     if (edit) bench.hear("cosiva/v1/zone/toml", edited("pitch_m = 0.30", "pitch_m = 0.25"), true);

@@ -189,7 +189,7 @@ TEST(Obstacle, in_the_way_stops_the_vehicle_and_shows_in_its_state_until_it_is_g
   bench.obstacles = {position(lacet4().circuit.pose_at(at(lacet4(), "loop_se", 1.0)))};
   bench.run(5.0);
   EXPECT_EQ(bench.speed_mps, 0.0);
-  EXPECT_LT(bench.truth.place(lacet4().circuit).s_m, 0.8);
+  EXPECT_LT(bench.ground_truth.place(lacet4().circuit).s_m, 0.8);
   EXPECT_TRUE(bench.state().field_violation);
   bench.obstacles.clear();
   bench.run(1.5);

@@ -17,7 +17,7 @@ namespace cosiva::aiv::test {
 /// spot where the line bends, seeks, and counts its wheels' turns.
 class LineWorld {
  public:
-  LineWorld(const zone::Circuit& floor, zone::Place place) : truth{floor, place}, floor_{&floor} {}
+  LineWorld(const zone::Circuit& floor, zone::Place place) : ground_truth{floor, place}, floor_{&floor} {}
 
   /// @param drive  null: nobody commands, it brakes
   void step(const wire::Drive* drive, double dt_s) {
@@ -34,14 +34,14 @@ class LineWorld {
   void stand_on(const zone::Circuit& floor) {
     off_ = Off{pose(), {}, {}};
     floor_ = &floor;
-    truth = AivMotion{floor, {0, 0.0}};
+    ground_truth = AivMotion{floor, {0, 0.0}};
   }
 
   [[nodiscard]] Pose2 pose() const {
-    if (!off_) return truth.pose(*floor_);
+    if (!off_) return ground_truth.pose(*floor_);
     return off_->manoeuvre ? off_->X_MS * off_->manoeuvre->X_SB() : off_->X_MS;
   }
-  [[nodiscard]] zone::Place place() const { return truth.place(*floor_); }
+  [[nodiscard]] zone::Place place() const { return ground_truth.place(*floor_); }
   [[nodiscard]] bool on_line() const { return !off_; }
   [[nodiscard]] bool manoeuvring() const { return off_ && off_->manoeuvre; }
   [[nodiscard]] wire::Odometry odometry() const {
@@ -53,7 +53,7 @@ class LineWorld {
     return odometry;
   }
 
-  AivMotion truth;  ///< on the line
+  AivMotion ground_truth;  ///< on the line
   double speed_mps{0.0};
   double odometer_m{0.0};
 
@@ -66,22 +66,22 @@ class LineWorld {
 
   void roll(double distance_m, std::uint8_t branch) {
     branch_ = branch;
-    if (distance_m < 0.0) odometer_m += truth.shift(*floor_, distance_m);
+    if (distance_m < 0.0) odometer_m += ground_truth.shift(*floor_, distance_m);
     for (double left_m = distance_m; left_m > 0.0;) {
       const zone::Place here = place();
       const double to_end_m = floor_->section(here.section).length_m() - here.s_m;
       const double step_m = std::min(left_m, to_end_m);
-      odometer_m += truth.move(*floor_, step_m);
+      odometer_m += ground_truth.move(*floor_, step_m);
       left_m -= step_m;
       if (left_m <= 0.0) return;
       const Onward onward = aiv::onward(*floor_, here.section, branch);
       if (onward.section != zone::no_section && onward.turn_rad == 0.0) {
-        truth = AivMotion{*floor_, {onward.section, 0.0}};
+        ground_truth = AivMotion{*floor_, {onward.section, 0.0}};
         continue;
       }
       speed_mps = 0.0;
       if (onward.section == zone::no_section) return;
-      off_ = Off{truth.pose(*floor_), Manoeuvre{{0.0, 0.0, onward.turn_rad}}, {onward.section, 0.0}};
+      off_ = Off{ground_truth.pose(*floor_), Manoeuvre{{0.0, 0.0, onward.turn_rad}}, {onward.section, 0.0}};
       return;
     }
   }
@@ -99,7 +99,7 @@ class LineWorld {
     if (!off_->manoeuvre) {
       const auto line = line_under();
       if (wanted_mps != 0.0 && !drive->seek && line) {
-        truth = AivMotion{*floor_, *line};
+        ground_truth = AivMotion{*floor_, *line};
         off_.reset();
       }
       if (drive == nullptr || !drive->seek || wanted_mps <= 0.0) return;
@@ -110,7 +110,7 @@ class LineWorld {
     }
     off_->manoeuvre->step(wanted_mps, dt_s);
     if (!off_->manoeuvre->done()) return;
-    truth = AivMotion{*floor_, off_->goal};
+    ground_truth = AivMotion{*floor_, off_->goal};
     off_.reset();
   }
 

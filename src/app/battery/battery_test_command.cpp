@@ -105,7 +105,7 @@ Result<experiments::WorldOptions> world_options(const BatteryTestArguments& argu
 /// What a finished test leaves behind, whichever way it was run.
 struct Outcome {
   std::vector<experiments::BatteryRun> records;
-  std::vector<experiments::TrueEnd> truth;
+  std::vector<experiments::TrueEnd> ground_truth;
   std::string load;
 };
 
@@ -145,7 +145,7 @@ Result<void> write_report(const BatteryTestArguments& arguments, const std::stri
       arguments.out_directory,
       {{"result.json", json},
        {"curves.csv", experiments::to_csv(outcome.records)},
-       {"report.html", experiments::report_html(figures, outcome.records, outcome.truth, facts)}});
+       {"report.html", experiments::report_html(figures, outcome.records, outcome.ground_truth, facts)}});
 }
 
 /// The whole platform to the end.
@@ -165,7 +165,7 @@ Result<Outcome> run_whole(const BatteryTestArguments& arguments, experiments::Wo
     teller.look(*rig);
   }
   return Outcome{
-      rig->procedure().records(), rig->truth(),
+      rig->procedure().records(), rig->ground_truth(),
       "AIVs driving on " + arguments.zone + ", the whole platform in the loop at " + decimals(hz, 0) + " Hz"};
 }
 
@@ -193,7 +193,7 @@ Result<Outcome> run_measured(const BatteryTestArguments& arguments, experiments:
     if (file.empty() || !(second || rig.done())) continue;
     if (auto kept = adapters::write_file(file, rig.state_json()); !kept) return tl::unexpected(kept.error());
   }
-  return Outcome{rig.procedure().records(), rig.truth(),
+  return Outcome{rig.procedure().records(), rig.ground_truth(),
                  "what AIVs on " + arguments.zone + " took in " + decimals(arguments.measure_s, 0) +
                      " s of the whole platform, " + decimals(mean_w, 2) + " W on average, again and again"};
 }
@@ -262,7 +262,7 @@ int run_test(const BatteryTestArguments& arguments, const std::string& command, 
   if (!outcome) return complain(outcome.error());
 
   const auto figures = experiments::analyse(outcome->records, vehicles, half_width, arguments.seed);
-  const std::string json = experiments::to_json(figures, outcome->records, outcome->truth);
+  const std::string json = experiments::to_json(figures, outcome->records, outcome->ground_truth);
   if (!arguments.out_directory.empty()) {
     if (auto written = write_report(arguments, command, *outcome, *options, figures, json); !written)
       return complain(written.error());

@@ -52,7 +52,7 @@ class Render {
     const double step_s = 1.0 / a_.rate_hz;
     for (double warm_s = 0.0; warm_s < a_.warm_up_s; warm_s += step_s) fleet_.step();
     const auto images = static_cast<std::uint64_t>(std::max(1.0, std::nearbyint(a_.seconds * a_.rate_hz)));
-    truth_.resize(fleet_.size());
+    ground_truth_.resize(fleet_.size());
     std::string stamps = "file,stamp_s\n";
     Progress progress{"render"};
     for (std::uint64_t k = 0; k < images; ++k) {
@@ -130,16 +130,16 @@ class Render {
     constexpr int finer = 5;
     for (std::size_t i = 0; i < bodies.size(); ++i)
       for (int k = 0; k < finer; ++k)
-        truth_[i].poses.push_back(experiments::stamped(t_s + step_s * k / finer, bodies[i].after(step_s * k / finer)));
+        ground_truth_[i].poses.push_back(experiments::stamped(t_s + step_s * k / finer, bodies[i].after(step_s * k / finer)));
   }
 
   Result<void> write_rest(const std::string& stamps) {
     if (auto written = adapters::write_files(a_.out_folder + "/pictures", {{"stamps.csv", stamps}}); !written)
       return written;
-    std::vector<std::pair<std::string, std::string>> truth;
-    for (std::size_t i = 0; i < truth_.size(); ++i)
-      truth.emplace_back("tag_" + std::to_string(i + 1) + ".tum", experiments::write_tum(truth_[i]));
-    if (auto written = adapters::write_files(a_.out_folder + "/truth", truth); !written) return written;
+    std::vector<std::pair<std::string, std::string>> ground_truth;
+    for (std::size_t i = 0; i < ground_truth_.size(); ++i)
+      ground_truth.emplace_back("tag_" + std::to_string(i + 1) + ".tum", experiments::write_tum(ground_truth_[i]));
+    if (auto written = adapters::write_files(a_.out_folder + "/truth", ground_truth); !written) return written;
     const auto board = board_of(camera_, a_);
     std::vector<vision::SceneBody> lying;
     lying.reserve(board.size());
@@ -160,7 +160,7 @@ class Render {
   std::shared_ptr<const zone::TrafficZone> zone_;
   vision::SceneCamera camera_;
   vision::Painter painter_;
-  std::vector<experiments::Trajectory> truth_;
+  std::vector<experiments::Trajectory> ground_truth_;
   std::uint64_t images_{0};
 };
 

@@ -73,14 +73,14 @@ std::vector<vision::FloorPoint> corners_of(const vision::SceneCamera& camera, st
   return points;
 }
 
-std::optional<PlantTruth> read_plant_truth(const std::string& text) {
+std::optional<GroundTruth> read_plant_ground_truth(const std::string& text) {
   const auto json = JsonValue::parse(text);
   if (!json) return std::nullopt;
   const auto stamp = parse_iso8601(json->text("timestamp").value_or(""));
   const JsonValue* vehicles = json->find("vehicles");
   if (!stamp || vehicles == nullptr || vehicles->array() == nullptr) return std::nullopt;
-  PlantTruth truth{*stamp, {}};
-  truth.vehicles.reserve(vehicles->array()->size());
+  GroundTruth ground_truth{*stamp, {}};
+  ground_truth.vehicles.reserve(vehicles->array()->size());
   for (const JsonValue& one : *vehicles->array()) {
     const auto number = one.number("number");
     const auto x = one.number("x");
@@ -89,9 +89,9 @@ std::optional<PlantTruth> read_plant_truth(const std::string& text) {
     const auto speed = one.number("speed");
     if (!number || !(*number >= 0.0 && *number < vision::tags_in_family) || !x || !y || !heading || !speed)
       return std::nullopt;
-    truth.vehicles.push_back({static_cast<std::uint32_t>(*number), {*x, *y, *heading}, *speed});
+    ground_truth.vehicles.push_back({static_cast<std::uint32_t>(*number), {*x, *y, *heading}, *speed});
   }
-  return truth;
+  return ground_truth;
 }
 
 EmulatedCamera::EmulatedCamera(vision::Calibration calibration, vision::Painter painter, zone::VehicleShape shape,
@@ -127,11 +127,11 @@ Result<EmulatedCamera> EmulatedCamera::over(const zone::TrafficZone& zone) {
                         side_m, 2.0 * half_m};
 }
 
-vision::Image EmulatedCamera::take(const PlantTruth& truth, const std::optional<PlantTruth>& before) {
+vision::Image EmulatedCamera::take(const GroundTruth& ground_truth, const std::optional<GroundTruth>& before) {
   std::vector<vision::SceneBody> bodies;
-  bodies.reserve(truth.vehicles.size());
-  const double since_s = before ? to_seconds(truth.at - before->at) : 0.0;
-  for (const TruthfulVehicle& vehicle : truth.vehicles) {
+  bodies.reserve(ground_truth.vehicles.size());
+  const double since_s = before ? to_seconds(ground_truth.at - before->at) : 0.0;
+  for (const TruthfulVehicle& vehicle : ground_truth.vehicles) {
     vision::SceneBody body;
     body.tag = static_cast<int>(vehicle.number);
     body.X_MB = vehicle.X_MB;

@@ -35,18 +35,18 @@ struct SceneChoice {
 /// Corners that one would read off a printed grid: 0.1 m apart on floors that a room has.
 [[nodiscard]] std::vector<vision::FloorPoint> corners_of(const vision::SceneCamera& camera, std::uint64_t seed);
 
-/// A vehicle as the plant says it truly is (wire::plant_truth_topic).
+/// A vehicle as the plant says it truly is (wire::ground_truth_topic).
 struct TruthfulVehicle {
   std::uint32_t number{};
   Pose2 X_MB{};
   double speed_mps{};
 };
-struct PlantTruth {
+struct GroundTruth {
   SimTime at{};
   std::vector<TruthfulVehicle> vehicles;
 };
 /// Nothing where this is no truth: anybody may publish there.
-[[nodiscard]] std::optional<PlantTruth> read_plant_truth(const std::string& json);
+[[nodiscard]] std::optional<GroundTruth> read_plant_ground_truth(const std::string& json);
 
 /// The emulated world's camera over a running plant's zone. What it knows is what a real one's owner would know: it is
 /// calibrated from floor corners, and gives pictures. AIV n carries tag n.
@@ -63,7 +63,7 @@ class EmulatedCamera {
   /// How much of the floor is in its picture, from side to side.
   [[nodiscard]] double width_m() const { return width_m_; }
   /// Of all at that moment. Vehicles turn as they did since the truth before.
-  [[nodiscard]] vision::Image take(const PlantTruth& truth, const std::optional<PlantTruth>& before);
+  [[nodiscard]] vision::Image take(const GroundTruth& ground_truth, const std::optional<GroundTruth>& before);
 
  private:
   EmulatedCamera(vision::Calibration calibration, vision::Painter painter, zone::VehicleShape shape, double tag_side_m,

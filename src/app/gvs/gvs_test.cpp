@@ -63,7 +63,7 @@ TEST(Gvs, rendered_calibrated_and_tracked_says_how_late_the_stamps_are_and_shift
   ASSERT_EQ(cosiva(bay().calibrate(out.path() + "/cal")).status, 0);
   const Said said = cosiva({"gvs", "track", "--calibration", out.path() + "/cal/calibration.json", "--images",
                             bay().file("pictures"), "--exposure", "4", "--tag-side", "0.1", "--against",
-                            bay().file("truth"), "--out", out.path() + "/seen", "--json"});
+                            bay().file("ground_truth"), "--out", out.path() + "/seen", "--json"});
   ASSERT_EQ(said.status, 0) << said.standard_error;
   const JsonValue json = json_of(said);
   EXPECT_EQ(json.number("fixes"), 160.0);  // four in each of forty

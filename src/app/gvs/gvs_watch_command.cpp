@@ -31,7 +31,7 @@ using std::chrono::milliseconds;
 /// Somebody who looks says so twice a second.
 constexpr SimDuration looked_for{std::chrono::seconds{2}};
 /// An emulated world that says nothing for so long is gone.
-constexpr SimDuration truth_missed_after{std::chrono::seconds{2}};
+constexpr SimDuration ground_truth_missed_after{std::chrono::seconds{2}};
 
 std::string text_of(const GvsSource& source) {
   if (!source.images_folder.empty()) return "the pictures of " + source.images_folder;
@@ -58,8 +58,8 @@ class Watch {
     });
     if (arguments_.part.duration_s) duration_.after(from_seconds(*arguments_.part.duration_s), [this] { end(); });
     // A zone with none of the emulated world's truth is no world.
-    truth_heard_ = clock_.now();
-    beat_.every(milliseconds{500}, [this] { look_for_truth(); });
+    ground_truth_received_ = clock_.now();
+    beat_.every(milliseconds{500}, [this] { check_for_ground_truth(); });
     if (!source_.emulated()) open_feed();
     client_->start();
     loop_.run();
@@ -79,7 +79,7 @@ class Watch {
     };
     handlers.on_message = [this](std::string_view topic, std::string_view payload, bool) { hear(topic, payload); };
     std::vector<std::string> topics{std::string(wire::gvs_preview_request_topic), wire::topics_below(wire::zone_topic_prefix, 1)};
-    if (source_.emulated()) topics.emplace_back(wire::plant_truth_topic);
+    if (source_.emulated()) topics.emplace_back(wire::ground_truth_topic);
     const wire::Will will{
         {std::string(wire::gvs_connection_topic),
          to_json(wire::GvsConnection{wire::ConnectionState::connection_broken, clock_.now(), text_, {}}), 1, true}};
@@ -103,8 +103,8 @@ class Watch {
   void hear(std::string_view topic, std::string_view payload) {
     if (topic == wire::gvs_preview_request_topic) {
       looked_until_ = clock_.now() + looked_for;
-    } else if (topic == wire::plant_truth_topic) {
-      if (auto truth = read_plant_truth(std::string(payload))) see_world(std::move(*truth));
+    } else if (topic == wire::ground_truth_topic) {
+      if (auto ground_truth = read_plant_ground_truth(std::string(payload))) see_world(std::move(*ground_truth));
     } else if (topic.starts_with(wire::zone_topic_prefix) && !payload.empty()) {
       take_zone(std::string(topic), payload);
     }
@@ -130,18 +130,18 @@ class Watch {
     say_connection(wire::ConnectionState::online);
   }
 
-  void see_world(PlantTruth truth) {
-    truth_heard_ = clock_.now();
-    if (emulated_ && truth.at >= due_) {
+  void see_world(GroundTruth ground_truth) {
+    ground_truth_received_ = clock_.now();
+    if (emulated_ && ground_truth.at >= due_) {
       const SimDuration period = from_seconds(1.0 / source_.rate_hz);
-      due_ = std::max(due_ + period, truth.at + period / 2);
-      take(emulated_->take(truth, truth_), truth.at);
+      due_ = std::max(due_ + period, ground_truth.at + period / 2);
+      take(emulated_->take(ground_truth, ground_truth_), ground_truth.at);
     }
-    truth_ = std::move(truth);
+    ground_truth_ = std::move(ground_truth);
   }
 
-  void look_for_truth() {
-    if (source_.emulated() && clock_.now() - truth_heard_ > truth_missed_after)
+  void check_for_ground_truth() {
+    if (source_.emulated() && clock_.now() - ground_truth_received_ > ground_truth_missed_after)
       set_trouble("the emulated world (cosiva plant) says nothing");
   }
 
@@ -195,8 +195,8 @@ class Watch {
   std::optional<zone::ZoneConfiguration> zone_;
   zone::VehicleShape body_;
   std::optional<EmulatedCamera> emulated_;
-  std::optional<PlantTruth> truth_;
-  SimTime truth_heard_{};
+  std::optional<GroundTruth> ground_truth_;
+  SimTime ground_truth_received_{};
   SimTime due_{};
   SimTime looked_until_{};
   std::uint64_t images_{0};

@@ -33,8 +33,8 @@ constexpr double degree_rad = pi / 180.0;
 zone::Rtm lacet4() { return std::move(open_zone(bench::zones + "lacet4.toml").value()); }
 
 /// Four vehicles that drive and turn over lacet4, as a plant says it.
-PlantTruth truth_at(SimTime at) {
-  PlantTruth truth{at, {}};
+GroundTruth ground_truth_at(SimTime at) {
+  GroundTruth ground_truth{at, {}};
   const double t_s = to_seconds(at - virtual_epoch);
   const double side[] = {-0.6, 0.6};
   std::uint32_t number = 0;
@@ -44,10 +44,10 @@ PlantTruth truth_at(SimTime at) {
       body.X_MB = {x, y, 0.7 * number};
       body.speed_mps = 0.3;
       body.turn_radps = 0.5;
-      truth.vehicles.push_back({++number, body.after(t_s), body.speed_mps});
+      ground_truth.vehicles.push_back({++number, body.after(t_s), body.speed_mps});
     }
   }
-  return truth;
+  return ground_truth;
 }
 
 struct Watched {
@@ -58,8 +58,8 @@ struct Watched {
     eye.emplace(camera.calibration(), tracker_options(source), std::map<int, std::string>{{3, "ACME/cart"}});
   }
   wire::GvsDetections look(SimTime at) {
-    const PlantTruth truth = truth_at(at);
-    image = camera.take(truth, truth_at(at - 100ms));
+    const GroundTruth ground_truth = ground_truth_at(at);
+    image = camera.take(ground_truth, ground_truth_at(at - 100ms));
     return eye->see(image, at, 0.25).value();
   }
   EmulatedCamera camera;
@@ -75,9 +75,9 @@ TEST(GvsCamera, sees_every_vehicle_of_an_emulated_world_within_3_mm_of_where_it_
     ASSERT_THAT(detections.detections, SizeIs(4));
     for (const auto& detection : detections.detections) {
       EXPECT_EQ(detection.at - at, 2ms) << "of four of exposure";
-      const auto truth = truth_at(detection.at).vehicles[detection.tag - 1];
-      EXPECT_LT(distance(detection.pose, truth.X_MB), 0.003) << "AIV" << detection.tag;
-      EXPECT_LT(std::fabs(wrap_angle(detection.pose.heading_rad - truth.X_MB.heading_rad)), 0.5 * degree_rad);
+      const auto ground_truth = ground_truth_at(detection.at).vehicles[detection.tag - 1];
+      EXPECT_LT(distance(detection.pose, ground_truth.X_MB), 0.003) << "AIV" << detection.tag;
+      EXPECT_LT(std::fabs(wrap_angle(detection.pose.heading_rad - ground_truth.X_MB.heading_rad)), 0.5 * degree_rad);
       EXPECT_GT(detection.uncertainty_m, 0.0);
     }
   }
@@ -95,7 +95,7 @@ TEST(GvsCamera, a_tag_whose_usual_aiv_carries_another_one_is_nobody_s) {
   GvsSource source;
   source.tag_side_m = camera.tag_side_m();
   GvsCamera eye{camera.calibration(), tracker_options(source), {{2, "CoSiVA/AIV1"}}};
-  const auto detections = eye.see(camera.take(truth_at(virtual_epoch), std::nullopt), virtual_epoch, 0.25).value();
+  const auto detections = eye.see(camera.take(ground_truth_at(virtual_epoch), std::nullopt), virtual_epoch, 0.25).value();
   std::vector<std::string> names;
   for (const auto& detection : detections.detections) names.push_back(detection.vehicle);
   EXPECT_THAT(names, ElementsAre("tag 1", "CoSiVA/AIV1", "CoSiVA/AIV3", "CoSiVA/AIV4"));
@@ -183,20 +183,20 @@ TEST(GvsCamera, a_zone_too_large_for_the_image_is_seen_in_its_centre_with_tags_t
   EXPECT_GE(px_per_m * camera->tag_side_m(), EmulatedCamera::tag_px_min - 1e-9);
 }
 
-TEST(PlantTruth, is_read_from_what_a_plant_says_and_from_nothing_else) {
-  const auto truth = read_plant_truth(
+TEST(GroundTruth, is_read_from_what_a_plant_says_and_from_nothing_else) {
+  const auto ground_truth = read_plant_ground_truth(
       R"({"timestamp":"2026-01-01T00:00:00.100Z","vehicles":[{"number":2,"x":1,"y":2,"heading":0.5,"speed":0.3}],"obstacles":[]})");
-  ASSERT_TRUE(truth);
-  EXPECT_EQ(truth->at, parse_iso8601("2026-01-01T00:00:00.100Z").value());
-  ASSERT_THAT(truth->vehicles, SizeIs(1));
-  EXPECT_EQ(truth->vehicles[0].number, 2U);
-  EXPECT_EQ(truth->vehicles[0].X_MB, (Pose2{1.0, 2.0, 0.5}));
+  ASSERT_TRUE(ground_truth);
+  EXPECT_EQ(ground_truth->at, parse_iso8601("2026-01-01T00:00:00.100Z").value());
+  ASSERT_THAT(ground_truth->vehicles, SizeIs(1));
+  EXPECT_EQ(ground_truth->vehicles[0].number, 2U);
+  EXPECT_EQ(ground_truth->vehicles[0].X_MB, (Pose2{1.0, 2.0, 0.5}));
   for (const char* other :
        {"", "{}", "[]", R"({"timestamp":"now","vehicles":[]})",
         R"({"timestamp":"2026-01-01T00:00:00Z","vehicles":[{"number":1}]})",
         R"({"timestamp":"2026-01-01T00:00:00Z","vehicles":[{"number":587,"x":1,"y":2,"heading":0,"speed":0}]})",
         R"({"timestamp":"2026-01-01T00:00:00Z","vehicles":[{"number":-1,"x":1,"y":2,"heading":0,"speed":0}]})"})
-    EXPECT_FALSE(read_plant_truth(other)) << other;
+    EXPECT_FALSE(read_plant_ground_truth(other)) << other;
 }
 
 // ---- Pictures for a loop

@@ -55,14 +55,14 @@ void tell(const PartArguments& part, const std::string& text) {
 
 /// Listens to what an emulated world says is true, for the eye only: a connection of its own, so that nothing of it can
 /// reach the core.
-Result<std::unique_ptr<adapters::MqttClient>> truth_for(EventLoop& loop, const PartArguments& part, ServerPage& page,
+Result<std::unique_ptr<adapters::MqttClient>> ground_truth_for(EventLoop& loop, const PartArguments& part, ServerPage& page,
                                                         const std::string& area) {
   auto mqtt = mqtt_options(part.broker, "cosiva-instrument" + (area.empty() ? "" : "-" + area));
   if (!mqtt) return tl::unexpected(mqtt.error());
   adapters::MqttHandlers handlers;
   handlers.on_link = [](bool) {};
-  handlers.on_message = [&page](std::string_view, std::string_view payload, bool) { page.truth(std::string(payload)); };
-  return adapters::MqttClient::make(loop, std::move(*mqtt), {std::string(wire::plant_truth_topic)}, std::nullopt,
+  handlers.on_message = [&page](std::string_view, std::string_view payload, bool) { page.ground_truth(std::string(payload)); };
+  return adapters::MqttClient::make(loop, std::move(*mqtt), {std::string(wire::ground_truth_topic)}, std::nullopt,
                                     std::move(handlers));
 }
 
@@ -165,7 +165,7 @@ int run_server(const ServerArguments& arguments) {
   shell.after_input([&] { (*page)->changed(); });
   std::unique_ptr<adapters::MqttClient> instrument;
   if (arguments.emulated) {
-    auto made = truth_for(loop, arguments.part, **page, arguments.area);
+    auto made = ground_truth_for(loop, arguments.part, **page, arguments.area);
     if (!made) return complain(made.error());
     instrument = std::move(*made);
     instrument->start();

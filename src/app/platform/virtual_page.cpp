@@ -46,7 +46,7 @@ Result<std::unique_ptr<VirtualPage>> VirtualPage::open(adapters::EventLoop& loop
   if (!page) return tl::unexpected(page.error());
   made->page_ = std::move(*page);
   run.also_tap([self = made.get()](SimTime, const std::string&, const wire::Publish& message) {
-    if (message.topic == wire::plant_truth_topic) self->page_->truth(message.payload);
+    if (message.topic == wire::ground_truth_topic) self->page_->ground_truth(message.payload);
   });
   if (arguments.watch) {
     made->watch_ = std::make_unique<ZoneWatch>(

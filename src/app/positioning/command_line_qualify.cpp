@@ -26,9 +26,9 @@ constexpr const char* compare_examples =
     "  cosiva compare --zone indus8 --marks beacons --json        the usual ones, beacons as the zone has them\n"
     "  cosiva compare --live --vehicle AIV1 --vehicle AIV2 --way 20 --runs 8    figure 17 on two vehicles that drive\n"
     "  cosiva compare ekf calibrating smoother --recording A --recording B\n"
-    "  cosiva compare --reference truth.tum --estimate a.tum --estimate b.tum\n"
+    "  cosiva compare --reference ground_truth.tum --estimate a.tum --estimate b.tum\n"
     "  cosiva compare ekf smoother --recording A --reference-budget cal/reference_budget.json\n"
-    "  cosiva compare --reference truth.tum --estimate slam.tum --align se2     in a frame of its own";
+    "  cosiva compare --reference ground_truth.tum --estimate slam.tum --align se2     in a frame of its own";
 
 void add_length(CLI::App& command, const std::string& name, double& metres, const std::string& what) {
   command.add_option(name, metres, what)->type_name("M")->check(CLI::Range(0.0, 1e9))->capture_default_str();
@@ -128,7 +128,7 @@ void add_live(CLI::App& command, LiveQualifyArguments& live) {
       ->type_name("AIV|MANUFACTURER/SERIAL")
       ->allow_extra_args(false);
   command
-      .add_option("--truth", live.truth_topic, "where it is said where they truly are; without: cosiva/v1/plant/truth")
+      .add_option("--ground-truth", live.ground_truth_topic, "where it is said where they truly are; without: cosiva/v1/plant/ground_truth")
       ->type_name("TOPIC");
 }
 

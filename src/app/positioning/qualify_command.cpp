@@ -65,11 +65,11 @@ Result<void> write_all(const std::string& folder, const Qualification& all, cons
   std::vector<std::pair<std::string, std::string>> files{{"report.html", to_html(all, conditions)},
                                                          {"result.json", to_json(all, conditions) + "\n"},
                                                          {"runs.csv", to_csv(all)},
-                                                         {"truth.tum", tum("truth", all.truth)}};
+                                                         {"ground_truth.tum", tum("ground_truth", all.ground_truth)}};
   for (const experiments::Qualified& one : all.algorithms) {
     if (one.failed) continue;
     std::vector<double> errors;
-    for (std::size_t i = 0; i < one.path.size(); ++i) errors.push_back(distance(one.path[i], all.truth[i]));
+    for (std::size_t i = 0; i < one.path.size(); ++i) errors.push_back(distance(one.path[i], all.ground_truth[i]));
     files.emplace_back(one.name + ".tum", tum(one.name, one.path));
     files.emplace_back(one.name + ".zip", experiments::evo_zip(one.name, all.times_s, errors, all.options.alignment));
   }
@@ -88,7 +88,7 @@ std::string lateness_of(const Qualification& all) {
     pairs.reserve(one.path.size());
     for (std::size_t i = 0; i < one.path.size(); ++i)
       pairs.push_back(
-          {experiments::stamped(all.times_s[i], all.truth[i]), experiments::stamped(all.times_s[i], one.path[i])});
+          {experiments::stamped(all.times_s[i], all.ground_truth[i]), experiments::stamped(all.times_s[i], one.path[i])});
     text += (text.empty() ? "" : ", ") + one.name + " " + decimals(1e3 * experiments::time_offset_s(pairs), 1) + " ms";
   }
   return text;

@@ -187,7 +187,7 @@ Result<experiments::LiveRunsOptions> options_of(const QualifyArguments& argument
   options.particles = arguments.particles;
   options.horizon = arguments.horizon;
   if (live.speed_given) options.speed_mps = arguments.speed_mps;
-  if (!live.truth_topic.empty()) options.truth_topic = live.truth_topic;
+  if (!live.ground_truth_topic.empty()) options.ground_truth_topic = live.ground_truth_topic;
   options.gap_max = from_seconds(arguments.gap_s);
   options.timeout = from_seconds(arguments.timeout_s);
   options.name = "qualify-" + std::to_string(getpid()) + "-" +
@@ -207,7 +207,7 @@ experiments::Conditions conditions_of(const QualifyArguments& arguments, const e
                          {"way of each run", decimals(options.way_m, 1) + " m"},
                          {"asked", decimals(options.rate_hz, 1) + " times a second"},
                          {"on board", on_board.empty() ? "none" : on_board},
-                         {"truth", options.truth_topic},
+                         {"ground_truth", options.ground_truth_topic},
                          {"seeds", "from " + std::to_string(options.seed)}};
   if (options.speed_mps) conditions.settings.emplace_back("speed", decimals(*options.speed_mps, 2) + " m/s");
   auto& diagnostics = conditions.diagnostics;
@@ -219,8 +219,8 @@ experiments::Conditions conditions_of(const QualifyArguments& arguments, const e
   for (const std::string& loss : runs.losses()) diagnostics.push_back("Lost " + loss + ".");
   if (runs.repeated() > 0)
     diagnostics.push_back(std::to_string(runs.repeated()) + " requests were sent again: they or their answers were lost.");
-  if (runs.without_truth() > 0)
-    diagnostics.push_back(std::to_string(runs.without_truth()) +
+  if (runs.without_ground_truth() > 0)
+    diagnostics.push_back(std::to_string(runs.without_ground_truth()) +
                     " answers are left out: nobody said where the vehicle was then.");
   return conditions;
 }

@@ -95,11 +95,11 @@ TEST(Compare, on_a_recording_reads_it_and_writes_its_report) {
   EXPECT_FALSE(algorithm(json, 1).find("rmse_interval_m")->is_null());
   EXPECT_THAT(json.find("conditions")->text("seems late against the truth, first run (not corrected)").value_or(""),
               HasSubstr("calibrating "));
-  for (const char* file : {"report.html", "result.json", "runs.csv", "truth.tum", "calibrating.tum", "calibrating.zip"})
+  for (const char* file : {"report.html", "result.json", "runs.csv", "ground_truth.tum", "calibrating.tum", "calibrating.zip"})
     EXPECT_TRUE(std::filesystem::exists(out + "/" + file)) << file;
   // What was written can be judged again, and comes to the same figure.
   const JsonValue again =
-      json_of(cosiva({"compare", "--reference", out + "/truth.tum", "--estimate", out + "/calibrating.tum", "--json"}));
+      json_of(cosiva({"compare", "--reference", out + "/ground_truth.tum", "--estimate", out + "/calibrating.tum", "--json"}));
   EXPECT_NEAR(*algorithm(again, 0).number("rmse_m"), *algorithm(json, 1).number("rmse_m"), 1e-12);
 }
 
@@ -107,14 +107,14 @@ TEST(Qualify, says_on_the_terminal_and_in_the_report_what_it_made_of_a_recording
   const Scratch scratch;
   // Straight on along x, and the truth's heading looks back.
   std::string odometry = "time_s,delta_distance_m,delta_heading_rad\n";
-  std::string truth = "time_s,x_m,y_m,heading_rad\n0,0,0,3.1416\n";
+  std::string ground_truth = "time_s,x_m,y_m,heading_rad\n0,0,0,3.1416\n";
   for (int i = 1; i <= 200; ++i) {
     odometry += std::to_string(0.1 * i) + ",0.1,0\n";
-    truth += std::to_string(0.1 * i) + "," + std::to_string(0.1 * i) + ",0,3.1416\n";
+    ground_truth += std::to_string(0.1 * i) + "," + std::to_string(0.1 * i) + ",0,3.1416\n";
   }
   std::filesystem::create_directories(scratch / "drive");
   ASSERT_TRUE(adapters::write_file(scratch / "drive/odometry.csv", odometry));
-  ASSERT_TRUE(adapters::write_file(scratch / "drive/groundtruth.csv", truth));
+  ASSERT_TRUE(adapters::write_file(scratch / "drive/groundtruth.csv", ground_truth));
   const Said said = cosiva({"qualify", "--recording", scratch / "drive", "--out", scratch / "out", "--json"});
   EXPECT_EQ(said.status, 0) << said.standard_error;
   EXPECT_THAT(said.standard_error, HasSubstr("drive: the truth's heading is 180 degrees off the way it goes"));
@@ -141,10 +141,10 @@ TEST(Compare, of_trajectories_writes_a_report_and_what_evo_opens_and_keeps_one_t
   std::filesystem::create_directories(scratch / "a");
   std::filesystem::create_directories(scratch / "b");
   for (const auto& [file, text] : std::vector<std::pair<std::string, std::string>>{
-           {"truth.tum", tum(0.0)}, {"a/mine.tum", tum(0.02)}, {"b/mine.tum", tum(0.03)}, {"bad.tum", "1 2 3\n"}})
+           {"ground_truth.tum", tum(0.0)}, {"a/mine.tum", tum(0.02)}, {"b/mine.tum", tum(0.03)}, {"bad.tum", "1 2 3\n"}})
     ASSERT_TRUE(adapters::write_file(scratch / file, text));
   const std::string out = scratch / "out";
-  const Said said = cosiva({"compare", "--reference", scratch / "truth.tum", "--estimate", scratch / "a/mine.tum",
+  const Said said = cosiva({"compare", "--reference", scratch / "ground_truth.tum", "--estimate", scratch / "a/mine.tum",
                             "--estimate", scratch / "b/mine.tum", "--estimate", scratch / "bad.tum", "--out", out,
                             "--reference-error", "0.05", "--json"});
   EXPECT_EQ(said.status, 1) << said.standard_error;  // one is bad, the others have their figures
@@ -200,18 +200,18 @@ TEST(Compare, names_the_folder_of_a_recording_that_is_bad) {
 
 TEST(Compare, aligns_when_it_is_asked_to_and_says_so) {
   const Scratch scratch;
-  std::string truth;
+  std::string ground_truth;
   std::string off;
   for (int i = 0; i < 40; ++i) {
     const double x = 0.1 * i;
     const double y = 0.002 * i * i;
-    truth += std::to_string(i) + " " + std::to_string(x) + " " + std::to_string(y) + " 0 0 0 0 1\n";
+    ground_truth += std::to_string(i) + " " + std::to_string(x) + " " + std::to_string(y) + " 0 0 0 0 1\n";
     // A quarter turn to the left, then (5, -3).
     off += std::to_string(i) + " " + std::to_string(5.0 - y) + " " + std::to_string(x - 3.0) + " 0 0 0 0 1\n";
   }
-  const std::string reference = scratch / "truth.tum";
+  const std::string reference = scratch / "ground_truth.tum";
   const std::string estimate = scratch / "off.tum";
-  EXPECT_TRUE(adapters::write_file(reference, truth) && adapters::write_file(estimate, off));
+  EXPECT_TRUE(adapters::write_file(reference, ground_truth) && adapters::write_file(estimate, off));
   const auto judged = [&](const std::string& how) {
     return json_of(cosiva({"compare", "--reference", reference, "--estimate", estimate, "--align", how, "--json"}));
   };
@@ -282,11 +282,11 @@ TEST(Compare, tells_the_reference_s_budget_and_calls_what_is_below_it_unresolved
     EXPECT_TRUE(adapters::write_file(scratch / name, text));
     return scratch / name;
   };
-  const std::string truth = line("truth.tum", "0");
+  const std::string ground_truth = line("ground_truth.tum", "0");
   const std::string a = line("a.tum", "0.013");
   const std::string b = line("b.tum", "0.014");
   write_budget("0.005");
-  const std::vector<std::string> arguments{"compare", "--reference",        truth, "--estimate", a, "--estimate", b,
+  const std::vector<std::string> arguments{"compare", "--reference",        ground_truth, "--estimate", a, "--estimate", b,
                                            "--json",  "--reference-budget", budget};
   const JsonValue judged = json_of(cosiva(arguments));
   EXPECT_EQ(judged.find("comparisons")->array()->front().text("verdict"), "unresolved");
@@ -358,7 +358,7 @@ TEST(Compare, refuses_bad_input_with_its_place) {
   EXPECT_THAT(arguments({"compare", "--reference-budget", bad}), HasSubstr("bad.tum"));
   EXPECT_THAT(arguments({"compare", "--reference-budget", bad, "--reference-error", "0.01"}),
               HasSubstr("give one of them"));
-  EXPECT_THAT(arguments({"compare", "--reference", scratch / "mine.tum", "--estimate", scratch / "groundtruth.tum"}),
+  EXPECT_THAT(arguments({"compare", "--reference", scratch / "mine.tum", "--estimate", scratch / "groundground_truth.tum"}),
               HasSubstr("seem to be swapped"));
 }
 

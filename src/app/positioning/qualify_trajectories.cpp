@@ -42,9 +42,9 @@ std::vector<std::string> text_of(const std::string& file) {
 }
 
 /// Whether a file's name says that a truth is in it.
-bool called_truth(const std::string& file) {
+bool called_ground_truth(const std::string& file) {
   return std::ranges::any_of(text_of(file), [](const std::string& word) {
-    return word == "gt" || word == "ref" || word.find("truth") != std::string::npos ||
+    return word == "gt" || word == "ref" || word.find("ground_truth") != std::string::npos ||
            word.find("reference") != std::string::npos;
   });
 }
@@ -226,12 +226,12 @@ int run_trajectories(const QualifyArguments& arguments) {
   if (arguments.reference.empty() || arguments.estimates.empty())
     return complain({"compare.trajectories", "it takes a --reference and an --estimate", "--reference, --estimate"});
   for (const std::string& file : arguments.estimates) {
-    if (called_truth(file) && !called_truth(arguments.reference))
+    if (called_ground_truth(file) && !called_ground_truth(arguments.reference))
       return complain(
           {"compare.swapped",
            "by its name this is the reference, and " + arguments.reference + " an estimate: they seem to be swapped",
            file});
-    if (called_estimate(arguments.reference) && !called_truth(arguments.reference) && !called_estimate(file))
+    if (called_estimate(arguments.reference) && !called_ground_truth(arguments.reference) && !called_estimate(file))
       return complain(
           {"compare.swapped",
            "by its name this is an estimate, and it is given as the reference of " + file + ": they seem to be swapped",

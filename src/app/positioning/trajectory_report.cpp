@@ -73,12 +73,12 @@ void add_figures(Report& report, const std::vector<JudgedTrajectory>& all, const
   Chart distribution{{"error [mm]", 0.0, {}}, {"share of pairs", 0.0, 1.0}, {}};
   Chart map{{"x [m]", {}, {}}, {"y [m]", {}, {}}, {}};
   map.equal_scale = true;
-  Series truth{"reference", {}, {}, Series::Form::line};
+  Series ground_truth{"reference", {}, {}, Series::Form::line};
   for (const Stamped& pose : reference.poses) {
-    truth.x.push_back(pose.p_m[0]);
-    truth.y.push_back(pose.p_m[1]);
+    ground_truth.x.push_back(pose.p_m[0]);
+    ground_truth.y.push_back(pose.p_m[1]);
   }
-  map.series.push_back(std::move(truth));
+  map.series.push_back(std::move(ground_truth));
   for (const JudgedTrajectory* one : best_of(all)) {
     std::vector<double> errors_mm = errors_of(*one);
     for (double& e : errors_mm) e *= 1e3;

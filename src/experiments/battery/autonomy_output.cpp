@@ -86,7 +86,7 @@ void write_effects(JsonWriter& json, const AutonomyFigures& figures) {
 }
 
 /// What a run's own record and its battery's record both have.
-void write_facts(JsonWriter& json, const BatteryRun& record, std::span<const TrueEnd> truth) {
+void write_facts(JsonWriter& json, const BatteryRun& record, std::span<const TrueEnd> ground_truth) {
   json.field("vehicle", vehicle_name(record));
   json.field("started", to_iso8601(record.started)).field("stop", to_string(record.stop));
   json.field("paused_s", record.paused_s).field("charge_ah", record.charge_ah);
@@ -95,20 +95,20 @@ void write_facts(JsonWriter& json, const BatteryRun& record, std::span<const Tru
   json.field("temperature_end_c", record.temperature_end_c).field("charge_start", record.tag.charge);
   json.field("charge_end", record.charge_end).field("charge_end_sd", record.charge_end_sd);
   json.field("voltage_end_v", record.voltage_end_v);
-  for (const TrueEnd& end : truth)
+  for (const TrueEnd& end : ground_truth)
     if (end.run == record.run && end.vehicle == record.vehicle) json.field("true_charge_end", end.charge);
 }
 
-void write_run(JsonWriter& json, const BatteryRun& record, std::span<const TrueEnd> truth) {
+void write_run(JsonWriter& json, const BatteryRun& record, std::span<const TrueEnd> ground_truth) {
   json.begin_object().field("battery", record.battery + 1).field("id", record.tag.id).field("type", record.tag.type);
   json.field("run", record.run + 1).field("ended", record.ended()).field("autonomy_s", record.autonomy_s);
-  write_facts(json, record, truth);
+  write_facts(json, record, ground_truth);
   json.end_object();
 }
 
 /// One record for each battery: what all its runs say of it, and the facts of its first.
 void write_battery(JsonWriter& json, const BatteryFigures& figures, std::span<const BatteryRun> records,
-                   std::span<const TrueEnd> truth) {
+                   std::span<const TrueEnd> ground_truth) {
   const auto first = std::ranges::find(records, figures.battery, &BatteryRun::battery);
   if (first == records.end()) return;  // its vehicle never came so far
   const bool ended = figures.runs > figures.failed;
@@ -118,7 +118,7 @@ void write_battery(JsonWriter& json, const BatteryFigures& figures, std::span<co
   json.field("lasted_at_least_s", figures.lasted_at_least_s).field("is_outlier", figures.is_outlier);
   json.field("robust_score", figures.robust_score);
   write(json, "slope_per_run", figures.trend);
-  write_facts(json, *first, truth);
+  write_facts(json, *first, ground_truth);
   json.end_object();
 }
 
@@ -171,7 +171,7 @@ std::string vehicles_text(const AutonomyFigures& figures) {
 std::string chance_text(double p) { return p < 1e-4 ? "< 0.0001" : short_text(p, 4); }
 
 std::string to_json(const AutonomyFigures& figures, std::span<const BatteryRun> records,
-                    std::span<const TrueEnd> truth) {
+                    std::span<const TrueEnd> ground_truth) {
   JsonWriter json;
   json.begin_object().key("autonomy_s").begin_object();
   const bool of_runs = figures.runs_t.has_value();
@@ -202,9 +202,9 @@ std::string to_json(const AutonomyFigures& figures, std::span<const BatteryRun> 
   else
     json.null();
   json.key("batteries").begin_array();
-  for (const BatteryFigures& one : figures.each) write_battery(json, one, records, truth);
+  for (const BatteryFigures& one : figures.each) write_battery(json, one, records, ground_truth);
   json.end_array().key("records").begin_array();
-  for (const BatteryRun& record : records) write_run(json, record, truth);
+  for (const BatteryRun& record : records) write_run(json, record, ground_truth);
   return json.end_array().end_object().take();
 }
 

@@ -10,7 +10,7 @@ namespace cosiva::experiments {
 
 /// {"autonomy_s":{"mean","sd","ci95":[low,high],…},"batteries":[one for each record],…}
 [[nodiscard]] std::string to_json(const AutonomyFigures& figures, std::span<const BatteryRun> records,
-                                  std::span<const TrueEnd> truth);
+                                  std::span<const TrueEnd> ground_truth);
 /// For people, in a terminal.
 [[nodiscard]] std::string to_text(const AutonomyFigures& figures, std::span<const BatteryRun> records);
 /// All records' curves with the Battery Data Format's columns, + charges.

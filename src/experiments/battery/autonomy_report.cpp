@@ -97,9 +97,9 @@ std::string survival_svg(const statistics::Survival& survival) {
 }
 
 /// Gauge less truth, at the record's samples; the truth is interpolated to their times.
-std::string gauge_svg(std::span<const BatteryRun> records, std::span<const TrueEnd> truth) {
+std::string gauge_svg(std::span<const BatteryRun> records, std::span<const TrueEnd> ground_truth) {
   Chart chart{{"time [h]", {}, {}}, {"gauge − truth [percent]", {}, {}}, {}};
-  for (const TrueEnd& end : truth) {
+  for (const TrueEnd& end : ground_truth) {
     if (end.run != 0 || chart.series.size() == curves_max) continue;
     for (const BatteryRun& record : records) {
       if (record.run != end.run || record.vehicle != end.vehicle) continue;
@@ -156,13 +156,13 @@ void add_statement(Report& report, const AutonomyFigures& figures, const ReportF
 }
 
 void add_records(Report& report, const AutonomyFigures& figures, std::span<const BatteryRun> records,
-                 std::span<const TrueEnd> truth) {
+                 std::span<const TrueEnd> ground_truth) {
   report.heading("Runs");
   std::vector<std::vector<std::string>> rows;
   for (const BatteryRun& record : records) {
     const BatteryFigures& own = figures.each[record.battery];
     std::string true_end = "–";
-    for (const TrueEnd& end : truth)
+    for (const TrueEnd& end : ground_truth)
       if (end.run == record.run && end.vehicle == record.vehicle) true_end = readable(100.0 * end.charge, 2);
     rows.push_back({record.tag.id + (own.is_outlier ? " (outlier, kept)" : ""), std::to_string(record.run + 1),
                     vehicle_name(record), readable(record.autonomy_s, 1), std::string(to_string(record.stop)),
@@ -197,20 +197,20 @@ void add_variance(Report& report, const AutonomyFigures& figures) {
 }  // namespace
 
 std::string report_html(const AutonomyFigures& figures, std::span<const BatteryRun> records,
-                        std::span<const TrueEnd> truth, const ReportFacts& facts) {
+                        std::span<const TrueEnd> ground_truth, const ReportFacts& facts) {
   Report report{"Autonomy of " + facts.type,
                 std::to_string(figures.batteries) + " batteries, " + std::to_string(records.size()) + " runs"};
   add_statement(report, figures, facts);
   report.page_break();
   add_curves(report, records);
-  if (!truth.empty())
-    report.figure(gauge_svg(records, truth),
+  if (!ground_truth.empty())
+    report.figure(gauge_svg(records, ground_truth),
                   "Gauge against truth: only an emulated battery has one. The test itself never saw it.");
   if (!figures.survival.steps.empty())
     report.figure(survival_svg(figures.survival),
                   "Share of batteries still running (Kaplan and Meier), with its pointwise 95 % band.");
   add_variance(report, figures);
-  add_records(report, figures, records, truth);
+  add_records(report, figures, records, ground_truth);
   report.heading("Again");
   report.verbatim(facts.command);
   return report.html();

@@ -22,7 +22,7 @@ Result<std::vector<LoadProfile>> measure_loads(WorldOptions options, SimDuration
   const std::uint32_t aivs = options.aivs;
   // Nobody reads what is said in it.
   options.as_values = true;
-  options.truth = false;
+  options.ground_truth = false;
   auto world = World::make(std::move(options));
   if (!world) return tl::unexpected(world.error());
   const SimTime latest = (*world)->now() + std::chrono::minutes{2};

@@ -30,7 +30,7 @@ struct PlatformRig::Impl {
     SimTime heard{};
     bool fresh{false};
     double cycles{0.0};
-    TrueEnd truth{};
+    TrueEnd ground_truth{};
   };
 
   VirtualRigOptions options;
@@ -96,7 +96,7 @@ struct PlatformRig::Impl {
           break;
         case Kind::tell_operator: operator_messages.push_back(command.text); break;
         case Kind::run:
-          slots[command.vehicle].truth = {
+          slots[command.vehicle].ground_truth = {
               procedure.run(), command.vehicle, to_seconds(world->now() - began), 1.0, 0.0, {}, {}};
           world->command_server(server_command_json("restart", vehicle));
           break;
@@ -111,10 +111,10 @@ struct PlatformRig::Impl {
   void end(std::size_t v) {
     Slot& slot = slots[v];
     const auto vehicles = world->plant().vehicles();
-    slot.truth.charge = vehicles[v].charge;
-    ends.push_back(slot.truth);
+    slot.ground_truth.charge = vehicles[v].charge;
+    ends.push_back(slot.ground_truth);
     // A full cycle less what is left; the plant's own battery is put away with its state.
-    cycles[procedure.battery_of(slot.truth.run, v)] += 1.0 - vehicles[v].charge;
+    cycles[procedure.battery_of(slot.ground_truth.run, v)] += 1.0 - vehicles[v].charge;
     put_in(v, std::nullopt);
     world->command_server(server_command_json("restart", "CoSiVA/" + name_of(v)));
   }
@@ -148,7 +148,7 @@ struct PlatformRig::Impl {
     for (std::size_t v = 0; v < slots.size(); ++v) {
       Slot& slot = slots[v];
       if (!procedure.running(v)) continue;
-      note_truth(slot, vehicles[v].charge, to_seconds(now - began) - slot.truth.started_s);
+      record_ground_truth(slot, vehicles[v].charge, to_seconds(now - began) - slot.ground_truth.started_s);
       if (std::exchange(slot.fresh, false)) {
         const wire::Power& power = *slot.report->power;
         obey(procedure.on_sample(v, {slot.heard, power.charge(), power.gauge ? 1e-4 * power.gauge->charge_sd_01 : 0.0,
@@ -160,11 +160,11 @@ struct PlatformRig::Impl {
     obey(procedure.tick(now));
   }
 
-  void note_truth(Slot& slot, double charge, double at_s) const {
+  void record_ground_truth(Slot& slot, double charge, double at_s) const {
     const double every_s = to_seconds(options.procedure.curve_every);
-    if (!slot.truth.curve_s.empty() && at_s - slot.truth.curve_s.back() < every_s - 1e-6) return;
-    slot.truth.curve_s.push_back(at_s);
-    slot.truth.curve_charge.push_back(charge);
+    if (!slot.ground_truth.curve_s.empty() && at_s - slot.ground_truth.curve_s.back() < every_s - 1e-6) return;
+    slot.ground_truth.curve_s.push_back(at_s);
+    slot.ground_truth.curve_charge.push_back(charge);
   }
 };
 
@@ -178,7 +178,7 @@ Result<PlatformRig> PlatformRig::make(WorldOptions world_options, VirtualRigOpti
   // No page reads the traces of a test: one slot, written again and again, stays in the cache.
   world_options.server.traces_max = 1;
   world_options.as_values = true;
-  world_options.truth = false;
+  world_options.ground_truth = false;
   auto world = World::make(std::move(world_options));
   if (!world) return tl::unexpected(world.error());
   const SimTime latest = (*world)->now() + std::chrono::minutes{2};
@@ -201,7 +201,7 @@ void PlatformRig::step() {
 bool PlatformRig::done() const { return impl_->procedure.done(); }
 SimTime PlatformRig::now() const { return impl_->world->now(); }
 const Procedure& PlatformRig::procedure() const { return impl_->procedure; }
-const std::vector<TrueEnd>& PlatformRig::truth() const { return impl_->ends; }
+const std::vector<TrueEnd>& PlatformRig::ground_truth() const { return impl_->ends; }
 std::vector<std::string> PlatformRig::take_messages() { return std::exchange(impl_->operator_messages, {}); }
 World& PlatformRig::world() { return *impl_->world; }
 

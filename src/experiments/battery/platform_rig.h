@@ -26,7 +26,7 @@ class PlatformRig {
   [[nodiscard]] bool done() const;
   [[nodiscard]] SimTime now() const;
   [[nodiscard]] const Procedure& procedure() const;
-  [[nodiscard]] const std::vector<TrueEnd>& truth() const;
+  [[nodiscard]] const std::vector<TrueEnd>& ground_truth() const;
   [[nodiscard]] std::vector<std::string> take_messages();
   /// For those who do something to it: kill a vehicle, let messages be lost.
   [[nodiscard]] World& world();

@@ -67,8 +67,8 @@ TEST(PlatformRig, runs_a_fleet_on_the_circuit_until_each_has_reached_its_floor) 
   }
   // They drove together to the end, and nobody touched anybody.
   EXPECT_TRUE(rig.world().plant().collisions().empty());
-  ASSERT_EQ(rig.truth().size(), 4U);
-  for (const TrueEnd& end : rig.truth()) EXPECT_NEAR(end.charge, 0.5, 0.05);
+  ASSERT_EQ(rig.ground_truth().size(), 4U);
+  for (const TrueEnd& end : rig.ground_truth()) EXPECT_NEAR(end.charge, 0.5, 0.05);
 }
 
 TEST(PlatformRig, agrees_with_the_loads_that_it_measures_itself) {

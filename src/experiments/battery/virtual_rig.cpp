@@ -35,7 +35,7 @@ struct VirtualRig::Impl {
     double distance_m{0.0};
     double fails_after_s{std::numeric_limits<double>::infinity()};
     bool paused{false};
-    TrueEnd truth{};
+    TrueEnd ground_truth{};
   };
 
   VirtualRigOptions options;
@@ -100,7 +100,7 @@ struct VirtualRig::Impl {
   void begin(std::size_t v) {
     Cart& cart = carts[v];
     cart.paused = false;
-    cart.truth = {procedure.run(), v, to_seconds(now - virtual_epoch), 1.0, pack_of(v).capacity_ah(), {}, {}};
+    cart.ground_truth = {procedure.run(), v, to_seconds(now - virtual_epoch), 1.0, pack_of(v).capacity_ah(), {}, {}};
     // Each run has its own fate, whatever the others' were.
     Random random = stream("fate", v * 1000 + procedure.run());
     const double hours = -det_log(1.0 - random.uniform());
@@ -142,7 +142,7 @@ struct VirtualRig::Impl {
       const battery::Measured detected = cart.monitor.measure(step.voltage_v, step.current_a, pack.temperature_c());
       cart.gauge.see(detected, load_step_s);
       const battery::GaugeReading reading = cart.gauge.reading();
-      note_truth(cart, pack, to_seconds(at - virtual_epoch) - cart.truth.started_s);
+      record_ground_truth(cart, pack, to_seconds(at - virtual_epoch) - cart.ground_truth.started_s);
       const auto commands = procedure.on_sample(v, {at, reading.charge, reading.charge_sd, detected.voltage_v,
                                                     detected.current_a, detected.temperature_c, cart.distance_m});
       obey(commands);
@@ -152,15 +152,15 @@ struct VirtualRig::Impl {
       if (cart.fails_after_s <= 0.0) obey(procedure.on_stop(at, v, StopCause::fault));
     }
     if (procedure.run() == run && procedure.running(v)) return;
-    cart.truth.charge = packs[procedure.battery_of(run, v)].charge();
-    ends.push_back(cart.truth);
+    cart.ground_truth.charge = packs[procedure.battery_of(run, v)].charge();
+    ends.push_back(cart.ground_truth);
   }
 
-  void note_truth(Cart& cart, const battery::Pack& pack, double at_s) const {
+  void record_ground_truth(Cart& cart, const battery::Pack& pack, double at_s) const {
     const double every_s = to_seconds(options.procedure.curve_every);
-    if (!cart.truth.curve_s.empty() && at_s - cart.truth.curve_s.back() < every_s - 1e-6) return;
-    cart.truth.curve_s.push_back(at_s);
-    cart.truth.curve_charge.push_back(pack.charge());
+    if (!cart.ground_truth.curve_s.empty() && at_s - cart.ground_truth.curve_s.back() < every_s - 1e-6) return;
+    cart.ground_truth.curve_s.push_back(at_s);
+    cart.ground_truth.curve_charge.push_back(pack.charge());
   }
 
   void step() {
@@ -185,29 +185,29 @@ void VirtualRig::step() {
 bool VirtualRig::done() const { return impl_->procedure.done(); }
 SimTime VirtualRig::now() const { return impl_->now; }
 const Procedure& VirtualRig::procedure() const { return impl_->procedure; }
-const std::vector<TrueEnd>& VirtualRig::truth() const { return impl_->ends; }
+const std::vector<TrueEnd>& VirtualRig::ground_truth() const { return impl_->ends; }
 std::vector<std::string> VirtualRig::take_messages() { return std::exchange(impl_->operator_messages, {}); }
 
 namespace {
 
-void write_truth(JsonWriter& json, const TrueEnd& truth) {
-  json.begin_object().field("run", truth.run).field("vehicle", truth.vehicle).field("charge", truth.charge);
-  json.field("started_s", truth.started_s).field("capacity_ah", truth.capacity_ah).key("curve_s").begin_array();
-  for (const double value : truth.curve_s) json.value(value);
+void write_ground_truth(JsonWriter& json, const TrueEnd& ground_truth) {
+  json.begin_object().field("run", ground_truth.run).field("vehicle", ground_truth.vehicle).field("charge", ground_truth.charge);
+  json.field("started_s", ground_truth.started_s).field("capacity_ah", ground_truth.capacity_ah).key("curve_s").begin_array();
+  for (const double value : ground_truth.curve_s) json.value(value);
   json.end_array().key("curve_charge").begin_array();
-  for (const double value : truth.curve_charge) json.value(value);
+  for (const double value : ground_truth.curve_charge) json.value(value);
   json.end_array().end_object();
 }
 
-Result<TrueEnd> read_truth(const JsonValue& json) {
-  TrueEnd truth{};
-  truth.run = static_cast<std::size_t>(std::max(0.0, json.number("run").value_or(0.0)));
-  truth.vehicle = static_cast<std::size_t>(std::max(0.0, json.number("vehicle").value_or(0.0)));
-  truth.charge = json.number("charge").value_or(0.0);
-  truth.started_s = json.number("started_s").value_or(0.0);
-  truth.capacity_ah = json.number("capacity_ah").value_or(0.0);
+Result<TrueEnd> read_ground_truth(const JsonValue& json) {
+  TrueEnd ground_truth{};
+  ground_truth.run = static_cast<std::size_t>(std::max(0.0, json.number("run").value_or(0.0)));
+  ground_truth.vehicle = static_cast<std::size_t>(std::max(0.0, json.number("vehicle").value_or(0.0)));
+  ground_truth.charge = json.number("charge").value_or(0.0);
+  ground_truth.started_s = json.number("started_s").value_or(0.0);
+  ground_truth.capacity_ah = json.number("capacity_ah").value_or(0.0);
   for (const auto& [key, target] :
-       {std::pair{"curve_s", &truth.curve_s}, std::pair{"curve_charge", &truth.curve_charge}}) {
+       {std::pair{"curve_s", &ground_truth.curve_s}, std::pair{"curve_charge", &ground_truth.curve_charge}}) {
     const JsonValue* list = json.find(key);
     if (list == nullptr || list->array() == nullptr) return bad("a true curve is missing");
     for (const JsonValue& item : *list->array()) {
@@ -215,7 +215,7 @@ Result<TrueEnd> read_truth(const JsonValue& json) {
       target->push_back(*item.number());
     }
   }
-  return truth;
+  return ground_truth;
 }
 
 }  // namespace
@@ -232,12 +232,12 @@ std::string VirtualRig::state_json() const {
   for (const Impl::Cart& cart : in.carts) {
     json.begin_object().key("gauge").raw(cart.gauge.state_json()).field("at", cart.at);
     json.field("distance_m", cart.distance_m).field("paused", cart.paused).key("fails_after_s");
-    json.value(cart.fails_after_s).key("truth");  // infinity becomes null
-    write_truth(json, cart.truth);
+    json.value(cart.fails_after_s).key("ground_truth");  // infinity becomes null
+    write_ground_truth(json, cart.ground_truth);
     json.end_object();
   }
   json.end_array().key("ends").begin_array();
-  for (const TrueEnd& end : in.ends) write_truth(json, end);
+  for (const TrueEnd& end : in.ends) write_ground_truth(json, end);
   return json.end_array().end_object().take();
 }
 
@@ -264,15 +264,15 @@ Result<void> VirtualRig::restore(std::string_view state_json) {
     const JsonValue& saved = (*carts->array())[v];
     Impl::Cart& cart = in.carts[v];
     const JsonValue* gauge = saved.find("gauge");
-    const JsonValue* truth = saved.find("truth");
+    const JsonValue* ground_truth = saved.find("ground_truth");
     const auto at = saved.number("at");
-    if (gauge == nullptr || truth == nullptr || !at ||
+    if (gauge == nullptr || ground_truth == nullptr || !at ||
         !(*at >= 0.0 && *at < static_cast<double>(in.loads[v].power_w.size())))
       return bad("a vehicle is not whole");
     if (auto done = cart.gauge.restore(to_text(*gauge)); !done) return done;
-    auto read = read_truth(*truth);
+    auto read = read_ground_truth(*ground_truth);
     if (!read) return tl::unexpected(read.error());
-    cart.truth = std::move(*read);
+    cart.ground_truth = std::move(*read);
     cart.at = static_cast<std::size_t>(*at);
     cart.distance_m = saved.number("distance_m").value_or(0.0);
     cart.paused = saved.flag("paused").value_or(false);
@@ -280,7 +280,7 @@ Result<void> VirtualRig::restore(std::string_view state_json) {
   }
   in.ends.clear();
   for (const JsonValue& item : *ends->array()) {
-    auto end = read_truth(item);
+    auto end = read_ground_truth(item);
     if (!end) return tl::unexpected(end.error());
     in.ends.push_back(std::move(*end));
   }

@@ -57,7 +57,7 @@ class VirtualRig {
   [[nodiscard]] bool done() const;
   [[nodiscard]] SimTime now() const;
   [[nodiscard]] const Procedure& procedure() const;
-  [[nodiscard]] const std::vector<TrueEnd>& truth() const;
+  [[nodiscard]] const std::vector<TrueEnd>& ground_truth() const;
   /// What the operator is told; taken away by this call.
   [[nodiscard]] std::vector<std::string> take_messages();
 

@@ -65,15 +65,15 @@ TEST(VirtualRig, drains_each_battery_to_its_floor_by_the_load_that_was_measured)
   }
 }
 
-TEST(VirtualRig, s_gauge_errs_by_what_it_says_and_the_truth_stands_beside_it) {
+TEST(VirtualRig, s_gauge_errs_by_what_it_says_and_the_ground_truth_stands_beside_it) {
   double z_sq = 0.0;
   int count = 0;
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     VirtualRigOptions options = small(6);
     options.seed = seed;
     const VirtualRig rig = finished(options);
-    ASSERT_EQ(rig.truth().size(), 6U);
-    for (const TrueEnd& end : rig.truth()) {
+    ASSERT_EQ(rig.ground_truth().size(), 6U);
+    for (const TrueEnd& end : rig.ground_truth()) {
       for (const BatteryRun& run : rig.procedure().records()) {
         if (run.vehicle != end.vehicle) continue;
         const double z = (run.charge_end - end.charge) / run.charge_end_sd;
@@ -107,7 +107,7 @@ TEST(VirtualRig, repeated_fades_a_little_each_time) {
   const AutonomyFigures figures = analyse(rig.procedure().records(), 1);
   // What a gauge counts of a nominal capacity does not see it fade; the cut-off and the truth do.
   EXPECT_GT(rig.procedure().records().back().tag.cycles, 4.0);
-  EXPECT_LT(rig.truth().back().charge, rig.truth().front().charge - 0.005);
+  EXPECT_LT(rig.ground_truth().back().charge, rig.ground_truth().front().charge - 0.005);
 }
 
 TEST(VirtualRig, names_failures_and_cut_offs) {

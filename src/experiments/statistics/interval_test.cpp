@@ -19,7 +19,7 @@ std::vector<double> drawn(std::uint64_t seed, std::size_t n) {
 
 double root(double v) { return std::sqrt(v); }
 
-TEST(Bca, holds_the_truth_about_as_often_as_it_says) {
+TEST(Bca, holds_the_ground_truth_about_as_often_as_it_says) {
   int held = 0;
   for (std::uint64_t seed = 1; seed <= 400; ++seed) {
     const auto interval = bca(drawn(seed, 20), {0.95, 1000, seed});

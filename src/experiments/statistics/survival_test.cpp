@@ -142,7 +142,7 @@ TEST(CensoredNormal, does_not_take_a_failure_for_an_end) {
   EXPECT_EQ(kaplan_meier(durations).when_ended(0.5), 3602.42);
 }
 
-TEST(CensoredNormal, finds_the_truth_behind_a_limit) {
+TEST(CensoredNormal, finds_the_ground_truth_behind_a_limit) {
   Random random{3, "censored"};
   std::vector<Duration> durations;
   for (int i = 0; i < 20'000; ++i) {

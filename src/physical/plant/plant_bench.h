@@ -71,7 +71,7 @@ class PlantBench {
     return found;
   }
   void forget() { heard_.clear(); }
-  [[nodiscard]] TrueVehicle truth(std::uint32_t vehicle) const { return core_->vehicles()[vehicle - 1]; }
+  [[nodiscard]] TrueVehicle ground_truth(std::uint32_t vehicle) const { return core_->vehicles()[vehicle - 1]; }
   [[nodiscard]] PlantCore& core() { return *core_; }
   [[nodiscard]] SimTime now() const { return now_; }
   [[nodiscard]] std::string digest() const { return runner_->digest().hex(); }

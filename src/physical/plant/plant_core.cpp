@@ -85,7 +85,7 @@ struct PlantCore::Impl {
   std::optional<SimTime> powered_at;
   SimTime now{};
   bool broker_up{false};
-  Every truth{std::chrono::milliseconds{100}};
+  Every ground_truth{std::chrono::milliseconds{100}};
 
   void power_up(SimTime at);
   void record_bodies();
@@ -93,7 +93,7 @@ struct PlantCore::Impl {
   void watch_contacts();
   void scan(std::size_t index);
   [[nodiscard]] std::string name_of(CollisionWatch::BodyKey key) const;
-  [[nodiscard]] std::string truth_json() const;
+  [[nodiscard]] std::string ground_truth_json() const;
 
   void on_link(const wire::Input& input);
   void on_message(const wire::Input& input, wire::Effects& effects);
@@ -179,12 +179,12 @@ std::vector<std::string> PlantCore::ports() const {
 }
 
 std::vector<TrueVehicle> PlantCore::vehicles() const {
-  std::vector<TrueVehicle> truth;
-  truth.reserve(impl_->vehicles.size());
+  std::vector<TrueVehicle> ground_truth;
+  ground_truth.reserve(impl_->vehicles.size());
   for (const Vehicle& vehicle : impl_->vehicles) {
     const LineVehicle& motion = vehicle.motion();
     const PowerTrain& power = vehicle.power();
-    truth.push_back({vehicle.number(),
+    ground_truth.push_back({vehicle.number(),
                      motion.body().X_MB,
                      motion.speed_mps(),
                      vehicle.distance_m(),
@@ -196,7 +196,7 @@ std::vector<TrueVehicle> PlantCore::vehicles() const {
                      {power.pack().voltage_v(), power.pack().current_a(), power.pack().temperature_c(), power.load_w(),
                       power.cut_off()}});
   }
-  return truth;
+  return ground_truth;
 }
 
 const std::vector<Collision>& PlantCore::collisions() const { return impl_->collisions; }
@@ -227,7 +227,7 @@ std::string PlantCore::summary_json() const {
 void PlantCore::Impl::power_up(SimTime at) {
   powered_at = at;
   now = at;
-  truth.start(at);
+  ground_truth.start(at);
   for (Vehicle& vehicle : vehicles) vehicle.power_up(at, options.seed);
 }
 
@@ -253,8 +253,8 @@ void PlantCore::Impl::tick(SimTime at, wire::Effects& effects) {
     vehicles[i].speak(at, fan.ranges(), effects);
   }
   exchange.tick(at, effects);
-  if (truth.take(at) && broker_up && options.publish_truth)
-    effects.emplace_back(wire::Publish{std::string(wire::plant_truth_topic), truth_json(), 0, false});
+  if (ground_truth.take(at) && broker_up && options.publish_ground_truth)
+    effects.emplace_back(wire::Publish{std::string(wire::ground_truth_topic), ground_truth_json(), 0, false});
 }
 
 void PlantCore::Impl::watch_contacts() {
@@ -276,7 +276,7 @@ std::string PlantCore::Impl::name_of(CollisionWatch::BodyKey key) const {
   return obstacles.name_of(key);
 }
 
-std::string PlantCore::Impl::truth_json() const {
+std::string PlantCore::Impl::ground_truth_json() const {
   JsonWriter json;
   json.begin_object().field("timestamp", to_iso8601(now)).key("vehicles").begin_array();
   for (const Vehicle& vehicle : vehicles) {

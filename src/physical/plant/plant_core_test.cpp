@@ -34,13 +34,13 @@ TEST(Plant, moves_a_vehicle_by_the_drive_frames_it_hears) {
   bench.run_for(10s);
   // v·t less half the ramp (v²/2a) and the motor's lag (v·τ).
   const double expected_m = 0.5 * 10.0 - 0.5 * 0.5 / (2.0 * 0.8) - 0.5 * 0.05;
-  EXPECT_NEAR(bench.truth(1).distance_m, expected_m, 0.01);
-  EXPECT_NEAR(bench.truth(1).X_MB.x_m, 0.5 + expected_m, 0.01);
-  EXPECT_TRUE(bench.truth(1).powered);
+  EXPECT_NEAR(bench.ground_truth(1).distance_m, expected_m, 0.01);
+  EXPECT_NEAR(bench.ground_truth(1).X_MB.x_m, 0.5 + expected_m, 0.01);
+  EXPECT_TRUE(bench.ground_truth(1).powered);
   // Without noise the odometer tells it, as of its last report.
   const auto odometry = bench.heard<wire::Odometry>(1);
   EXPECT_THAT(odometry, SizeIs(AllOf(Ge(499U), Le(501U))));
-  EXPECT_NEAR(static_cast<double>(odometry.back().distance_um) * 1e-6, bench.truth(1).distance_m, 0.5 * 0.021);
+  EXPECT_NEAR(static_cast<double>(odometry.back().distance_um) * 1e-6, bench.ground_truth(1).distance_m, 0.5 * 0.021);
   EXPECT_EQ(odometry.back().speed_mmps, 500);
 }
 
@@ -48,22 +48,22 @@ TEST(Plant, lets_nobody_drive_blind_while_it_is_held_up) {
   PlantBench bench{straight(20.0)};
   bench.drive(1, fast);
   bench.run_for(3s);
-  const double before_m = bench.truth(1).distance_m;
+  const double before_m = bench.ground_truth(1).distance_m;
   bench.hold_up_for(250ms);
-  EXPECT_NEAR(bench.truth(1).distance_m, before_m + 0.5 * 0.05, 1e-6);
+  EXPECT_NEAR(bench.ground_truth(1).distance_m, before_m + 0.5 * 0.05, 1e-6);
   EXPECT_TRUE(bench.logged.empty());
   // What was told meanwhile is heard before it drives on.
   bench.drive(1, wire::Drive{0, 800, 1000, 0});
   bench.run_for(2s);
-  EXPECT_LT(bench.truth(1).distance_m, before_m + 0.5 * 0.05 + 0.5 * 0.5 / (2.0 * 0.8) + 0.5 * 0.1);
-  EXPECT_EQ(bench.truth(1).speed_mps, 0.0);
+  EXPECT_LT(bench.ground_truth(1).distance_m, before_m + 0.5 * 0.05 + 0.5 * 0.5 / (2.0 * 0.8) + 0.5 * 0.1);
+  EXPECT_EQ(bench.ground_truth(1).speed_mps, 0.0);
 }
 
 TEST(Plant, stays_where_it_is_without_a_command) {
   PlantBench bench{straight(20.0)};
   bench.run_for(5s);
-  EXPECT_EQ(bench.truth(1).distance_m, 0.0);
-  EXPECT_FALSE(bench.truth(1).powered);
+  EXPECT_EQ(bench.ground_truth(1).distance_m, 0.0);
+  EXPECT_FALSE(bench.ground_truth(1).powered);
 }
 
 TEST(Plant, stops_by_itself_300_ms_after_the_last_command) {
@@ -71,14 +71,14 @@ TEST(Plant, stops_by_itself_300_ms_after_the_last_command) {
   bench.drive(1, fast);
   bench.run_for(3s);
   bench.fall_silent(1);
-  const double before_m = bench.truth(1).distance_m;
+  const double before_m = bench.ground_truth(1).distance_m;
   bench.run_for(200ms);
-  EXPECT_NEAR(bench.truth(1).speed_mps, 0.5, 1e-3);  // not yet: the last command is 250 ms old
+  EXPECT_NEAR(bench.ground_truth(1).speed_mps, 0.5, 1e-3);  // not yet: the last command is 250 ms old
   bench.run_for(3s);
-  EXPECT_EQ(bench.truth(1).speed_mps, 0.0);
-  EXPECT_FALSE(bench.truth(1).powered);
+  EXPECT_EQ(bench.ground_truth(1).speed_mps, 0.0);
+  EXPECT_FALSE(bench.ground_truth(1).powered);
   // The last command is 40 ms old at first; then braking at 1 m/s², behind the motor's lag.
-  const double way_m = bench.truth(1).distance_m - before_m;
+  const double way_m = bench.ground_truth(1).distance_m - before_m;
   EXPECT_NEAR(way_m, 0.5 * 0.26 + 0.5 * 0.5 / 2.0 + 0.5 * 0.05, 0.5 * 0.021);
 }
 
@@ -90,7 +90,7 @@ TEST(Plant, takes_no_command_from_damaged_frames) {
     bench.feed(wire::InputKind::bytes, "1/PILS", bytes);
     bench.run_for(10ms);
   }
-  EXPECT_EQ(bench.truth(1).distance_m, 0.0);
+  EXPECT_EQ(bench.ground_truth(1).distance_m, 0.0);
   EXPECT_EQ(bench.heard<wire::Heartbeat>(1).back().frames_bad, 0);  // RALI's own heartbeat: it heard nothing bad
   EXPECT_THAT(bench.heard<wire::Heartbeat>(1), Contains(testing::Field(&wire::Heartbeat::frames_bad, Ge(150))));
 }
@@ -103,14 +103,14 @@ TEST(Plant, keeps_every_vehicle_on_its_line_over_a_lap) {
   for (int i = 0; i < 370; ++i) {
     bench.run_for(100ms);
     for (std::uint32_t v = 1; v <= 4; ++v) {
-      const Pose2 pose = bench.truth(v).X_MB;
+      const Pose2 pose = bench.ground_truth(v).X_MB;
       ASSERT_LT(rtm->zone().circuit.locate(position(pose), pose.heading_rad).distance_m, 0.003);
     }
   }
   for (const auto& odometry : bench.heard<wire::Odometry>(1)) ASSERT_FALSE(odometry.line_lost);
-  EXPECT_EQ(bench.truth(1).laps, 1U);
+  EXPECT_EQ(bench.ground_truth(1).laps, 1U);
   const auto odometry = bench.heard<wire::Odometry>(2).back();
-  const double off = static_cast<double>(odometry.distance_um) * 1e-6 / bench.truth(2).distance_m - 1.0;
+  const double off = static_cast<double>(odometry.distance_um) * 1e-6 / bench.ground_truth(2).distance_m - 1.0;
   EXPECT_NE(off, 0.0);
   EXPECT_LT(std::fabs(off), 4.0 * (0.005 + 0.003 / std::sqrt(18.0)) + 0.01);
 }
@@ -133,7 +133,7 @@ TEST(Plant, reads_a_tag_where_its_field_begins_and_as_late_as_its_reader_is) {
   bench.drive(1, fast);
   for (int i = 0; i < 2000 && bench.heard<wire::TagRead>(1).empty(); ++i) bench.run_for(10ms);
   ASSERT_THAT(bench.heard<wire::TagRead>(1), SizeIs(1));
-  const double sent_at_m = bench.truth(1).X_MB.x_m;
+  const double sent_at_m = bench.ground_truth(1).X_MB.x_m;
   const double read_at_m = sent_at_m - 0.5 * 1e-3 * bench.heard<wire::TagRead>(1)[0].age_ms;
   EXPECT_GE(read_at_m, 4.0 - 0.02 + 0.5 * 0.008 - 0.001);
   EXPECT_LE(read_at_m, 4.0 - 0.02 + 0.5 * 0.030 + 0.001);  // latency, and up to one tick before the field is noticed
@@ -242,11 +242,11 @@ TEST(Plant, gives_each_vehicle_what_its_own_ports_say) {
   PlantBench bench{straight(20.0, "0.5 5.0"), 2};
   bench.drive(2, fast);
   bench.run_for(2s);
-  EXPECT_EQ(bench.truth(1).distance_m, 0.0);
-  EXPECT_GT(bench.truth(2).distance_m, 0.5);
+  EXPECT_EQ(bench.ground_truth(1).distance_m, 0.0);
+  EXPECT_GT(bench.ground_truth(2).distance_m, 0.5);
   bench.feed(wire::InputKind::bytes, "2/PRAV", wire::module_link::encode(wire::Display{"hello"}, 0));
-  EXPECT_EQ(bench.truth(1).display, "");
-  EXPECT_EQ(bench.truth(2).display, "hello");
+  EXPECT_EQ(bench.ground_truth(1).display, "");
+  EXPECT_EQ(bench.ground_truth(2).display, "hello");
 }
 
 TEST(Plant, warns_of_ports_that_no_vehicle_has) {
@@ -294,13 +294,13 @@ TEST(Plant, drains_its_battery_by_its_work) {
   PlantBench bench{lacet4(), 2};
   bench.drive(1, fast);
   bench.run_for(60s);
-  const double idle = 1.0 - bench.truth(2).charge;
-  const double driving = 1.0 - bench.truth(1).charge;
+  const double idle = 1.0 - bench.ground_truth(2).charge;
+  const double driving = 1.0 - bench.ground_truth(1).charge;
   // 2.2 Ah at about 8.2 V hold 65 kJ at the top of the charge: 3 W for 60 s take 0.277 % of it.
   EXPECT_NEAR(idle, 180.0 / (2.2 * 3600.0 * 8.15), 2e-4);
-  const double work_j = (0.6 * bench.truth(1).distance_m + 0.5 * 1.2 * 0.25) / 0.6;
+  const double work_j = (0.6 * bench.ground_truth(1).distance_m + 0.5 * 1.2 * 0.25) / 0.6;
   EXPECT_NEAR((driving - idle) / idle, work_j / 180.0, 0.02);
-  EXPECT_NEAR(bench.heard<wire::Power>(1).back().charge_permille, 1000.0 * bench.truth(1).charge, 2.0);
+  EXPECT_NEAR(bench.heard<wire::Power>(1).back().charge_permille, 1000.0 * bench.ground_truth(1).charge, 2.0);
   EXPECT_NEAR(bench.heard<wire::Power>(1).back().voltage_mv, 8150.0, 100.0);
 }
 
@@ -320,7 +320,7 @@ TEST(Plant, takes_every_shipped_battery_type_over_the_broker) {
   }
 }
 
-TEST(Plant, publishes_the_truth_ten_times_a_second) {
+TEST(Plant, publishes_the_ground_truth_ten_times_a_second) {
   PlantBench bench{straight(8.0, "0.5 5.0"), 2};
   bench.feed(wire::InputKind::link, "", "up");
   bench.feed(wire::InputKind::command, "test", R"({"addObstacle":{"id":"box","x":7.5,"y":0.25,"radius":0.1}})");
@@ -329,7 +329,7 @@ TEST(Plant, publishes_the_truth_ten_times_a_second) {
   bench.drive(1, fast);
   bench.run_for(2s);
   ASSERT_THAT(bench.published, SizeIs(AllOf(Ge(19U), Le(21U))));
-  EXPECT_EQ(bench.published.back().topic, "cosiva/v1/plant/truth");
+  EXPECT_EQ(bench.published.back().topic, "cosiva/v1/plant/ground_truth");
   EXPECT_FALSE(bench.published.back().retained);
   const auto json = JsonValue::parse(bench.published.back().payload);
   ASSERT_TRUE(json);
@@ -337,7 +337,7 @@ TEST(Plant, publishes_the_truth_ten_times_a_second) {
   ASSERT_THAT(*json->find("vehicles")->array(), SizeIs(2));
   const auto& first = (*json->find("vehicles")->array())[0];
   EXPECT_EQ(first.number("number"), 1.0);
-  EXPECT_NEAR(first.number("x").value(), bench.truth(1).X_MB.x_m, 0.05);
+  EXPECT_NEAR(first.number("x").value(), bench.ground_truth(1).X_MB.x_m, 0.05);
   EXPECT_NEAR(first.number("speed").value(), 0.5, 1e-3);
   EXPECT_EQ(first.number("heading"), 0.0);
   EXPECT_EQ((*json->find("obstacles")->array())[0].text("id"), "box");
@@ -357,7 +357,7 @@ TEST(Plant, sums_up_what_happened) {
   const auto json = JsonValue::parse(bench.core().summary_json());
   ASSERT_TRUE(json);
   ASSERT_THAT(*json->find("vehicles")->array(), SizeIs(2));
-  EXPECT_NEAR((*json->find("vehicles")->array())[0].number("distance").value(), bench.truth(1).distance_m, 1e-12);
+  EXPECT_NEAR((*json->find("vehicles")->array())[0].number("distance").value(), bench.ground_truth(1).distance_m, 1e-12);
   ASSERT_THAT(*json->find("collisions")->array(), SizeIs(1));
   EXPECT_EQ((*json->find("collisions")->array())[0].text("b"), "AIV2");
   EXPECT_EQ(json->number("laps"), 0.0);  // no ring
@@ -370,10 +370,10 @@ TEST(Plant, stands_still_over_a_gap_in_its_ticks) {
   PlantBench bench{straight(20.0)};
   bench.drive(1, fast);
   bench.run_for(2s);
-  const double before_m = bench.truth(1).distance_m;
+  const double before_m = bench.ground_truth(1).distance_m;
   wire::Effects effects;
   bench.core().handle({bench.now() + 1h, wire::InputKind::tick, "", ""}, effects);
-  EXPECT_EQ(bench.truth(1).distance_m, before_m);
+  EXPECT_EQ(bench.ground_truth(1).distance_m, before_m);
   ASSERT_FALSE(effects.empty());
   EXPECT_TRUE(std::holds_alternative<wire::Log>(effects.front()));
 }

@@ -127,7 +127,7 @@ std::string to_json(const PlantOptions& options) {
       .field("cycle_ms", to_ms(options.cycle))
       .key("noise");
   write_noise(json, options.noise);
-  json.field("publish_zone", options.publish_zone).field("publish_truth", options.publish_truth).end_object();
+  json.field("publish_zone", options.publish_zone).field("publish_ground_truth", options.publish_ground_truth).end_object();
   return json.take();
 }
 
@@ -146,7 +146,7 @@ Result<PlantOptions> plant_options_from_json(std::string_view text) {
   reader.milliseconds("cycle_ms", options.cycle);
   if (options.cycle < std::chrono::milliseconds{1}) reader.record("cycle_ms", "at least 1");
   reader.flag("publish_zone", options.publish_zone);
-  reader.flag("publish_truth", options.publish_truth);
+  reader.flag("publish_ground_truth", options.publish_ground_truth);
   if (reader.error()) return tl::unexpected(*reader.error());
   if (const JsonValue* noise = json->find("noise")) {
     if (noise->object() == nullptr) return bad("'noise'", "an object");

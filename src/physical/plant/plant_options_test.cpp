@@ -17,7 +17,7 @@ TEST(PlantOptions, travel_as_json) {
   options.seed = 0xFEDCBA9876543210ULL;
   options.noise.tag_miss = 0.125;
   options.noise.tag_latency_max = 21ms + 500us;
-  options.publish_truth = false;
+  options.publish_ground_truth = false;
   options.cycle = 100ms;
   const auto read = plant_options_from_json(to_json(options));
   ASSERT_TRUE(read) << to_string(read.error());

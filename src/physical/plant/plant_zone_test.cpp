@@ -109,13 +109,13 @@ TEST(Plant, lets_its_readers_find_tags_where_they_are_moved_to_while_driving) {
     bench.forget();
     bench.run_for(10ms);
     for (const auto& tag : bench.heard<wire::TagRead>(1))
-      read_at[tag.number] = bench.truth(1).X_MB.x_m - 0.5 * 1e-3 * tag.age_ms;
+      read_at[tag.number] = bench.ground_truth(1).X_MB.x_m - 0.5 * 1e-3 * tag.age_ms;
   }
   ASSERT_THAT(read_at, SizeIs(2));
   // Where the antenna's field of 2 cm begins, and up to 30 ms of reader and tick later.
   EXPECT_THAT(read_at[1], AllOf(Ge(2.98), Le(2.998)));
   EXPECT_THAT(read_at[3], AllOf(Ge(3.98), Le(3.998)));
-  EXPECT_NEAR(bench.truth(1).speed_mps, 0.5, 1e-6);  // it never stopped for it
+  EXPECT_NEAR(bench.ground_truth(1).speed_mps, 0.5, 1e-6);  // it never stopped for it
 }
 
 TEST(Plant, keeps_its_zone_when_another_or_none_is_sent) {
@@ -169,18 +169,18 @@ TEST(PlantSwitch, lets_a_vehicle_go_on_along_its_old_line_until_it_stands) {
   send_zone(bench, straight_from(-5.0, 0.1, 20.0).text);
   EXPECT_THAT(bench.logged, ElementsAre(AllOf(HasSubstr("'test'"), HasSubstr("'next'"))));
   bench.run_for(2s);
-  EXPECT_EQ(bench.truth(1).X_MB.y_m, 0.0);
-  EXPECT_NEAR(bench.truth(1).speed_mps, 0.5, 1e-6);
+  EXPECT_EQ(bench.ground_truth(1).X_MB.y_m, 0.0);
+  EXPECT_NEAR(bench.ground_truth(1).speed_mps, 0.5, 1e-6);
   EXPECT_FALSE(bench.heard<wire::Odometry>(1).back().line_lost);
 
   bench.drive(1, still);
   bench.run_for(2s);
-  const Pose2 stands = bench.truth(1).X_MB;
+  const Pose2 stands = bench.ground_truth(1).X_MB;
   EXPECT_EQ(stands.y_m, 0.0) << "its pose is what it was";
   EXPECT_TRUE(bench.heard<wire::Odometry>(1).back().line_lost);
   bench.drive(1, fast);
   bench.run_for(1s);
-  EXPECT_EQ(bench.truth(1).X_MB, stands) << "it has no line to follow and was not told to seek one";
+  EXPECT_EQ(bench.ground_truth(1).X_MB, stands) << "it has no line to follow and was not told to seek one";
 }
 
 TEST(PlantSwitch, brings_a_vehicle_that_seeks_onto_the_new_line_and_lets_it_read_what_lies_there) {
@@ -204,8 +204,8 @@ TEST(PlantSwitch, brings_a_vehicle_that_seeks_onto_the_new_line_and_lets_it_read
   EXPECT_NEAR(last.turned_mrad, 0, 15) << "told 20 ms before it ended, perhaps";
   EXPECT_FALSE(bench.heard<wire::Odometry>(1).back().line_lost);
   bench.run_for(4s);
-  EXPECT_NEAR(bench.truth(1).X_MB.y_m, 0.1, 1e-3);
-  ASSERT_GT(bench.truth(1).X_MB.x_m, 6.1);
+  EXPECT_NEAR(bench.ground_truth(1).X_MB.y_m, 0.1, 1e-3);
+  ASSERT_GT(bench.ground_truth(1).X_MB.x_m, 6.1);
   const auto tags = bench.heard<wire::TagRead>(1);
   ASSERT_THAT(tags, SizeIs(1));
   EXPECT_EQ(tags[0].number, 2U);
@@ -220,7 +220,7 @@ TEST(PlantSwitch, is_refused_with_the_reason_when_the_zone_cannot_be_read) {
   send_zone(bench, "");
   EXPECT_THAT(bench.logged, SizeIs(2));
   bench.run_for(2s);
-  EXPECT_NEAR(bench.truth(1).speed_mps, 0.5, 1e-6);
+  EXPECT_NEAR(bench.ground_truth(1).speed_mps, 0.5, 1e-6);
   EXPECT_EQ(bench.core().options().zone.text, straight(20.0).text);
 }
 
@@ -279,7 +279,7 @@ TEST(PlantSwitch, by_hand_to_another_format_clears_what_the_broker_kept_in_the_o
                                         wire::Publish{"cosiva/v1/zone/toml", "", 1, true}));
   bench.drive(1, seek);
   bench.run_for(8s);
-  EXPECT_NEAR(bench.truth(1).X_MB.y_m, 0.1, 1e-3);
+  EXPECT_NEAR(bench.ground_truth(1).X_MB.y_m, 0.1, 1e-3);
   EXPECT_EQ(bench.core().options().zone, layout());
 }
 
@@ -312,8 +312,8 @@ TEST(PlantSwitch, there_and_back_leaves_the_vehicle_on_its_line) {
   EXPECT_FALSE(bench.heard<wire::Odometry>(1).back().line_lost);
   bench.drive(1, fast);
   bench.run_for(2s);
-  EXPECT_GT(bench.truth(1).X_MB.x_m, 5.4);
-  EXPECT_EQ(bench.truth(1).X_MB.y_m, 0.0);
+  EXPECT_GT(bench.ground_truth(1).X_MB.x_m, 5.4);
+  EXPECT_EQ(bench.ground_truth(1).X_MB.y_m, 0.0);
 }
 
 TEST(PlantSwitch, passes_over_a_zone_that_came_and_went_while_the_vehicle_moved) {
@@ -328,27 +328,27 @@ TEST(PlantSwitch, passes_over_a_zone_that_came_and_went_while_the_vehicle_moved)
   bench.run_for(2s);
   bench.drive(1, seek);
   bench.run_for(5s);
-  EXPECT_NEAR(bench.truth(1).X_MB.y_m, -0.1, 1e-3);
+  EXPECT_NEAR(bench.ground_truth(1).X_MB.y_m, -0.1, 1e-3);
 }
 
 TEST(PlantSwitch, refuses_no_zone_for_having_too_many_vehicles_and_keeps_obstacles_and_batteries) {
   PlantBench bench = running(straight(20.0, "0.5 2.0 4.0"), 3);
   bench.feed(wire::InputKind::command, "test", R"({"addObstacle":{"id":"box","x":15,"y":0.5,"radius":0.1}})");
   bench.run_for(10s);
-  const double charge = bench.truth(3).charge;
+  const double charge = bench.ground_truth(3).charge;
   send_zone(bench, straight_from(0.0, 0.1, 1.0).text);
   bench.run_for(500ms);
-  EXPECT_NEAR(bench.truth(3).X_MB.x_m, 4.0, 1e-12);
-  EXPECT_LE(bench.truth(3).charge, charge);
-  EXPECT_GT(bench.truth(3).charge, charge - 1e-3);
+  EXPECT_NEAR(bench.ground_truth(3).X_MB.x_m, 4.0, 1e-12);
+  EXPECT_LE(bench.ground_truth(3).charge, charge);
+  EXPECT_GT(bench.ground_truth(3).charge, charge - 1e-3);
   bench.logged.clear();
   bench.feed(wire::InputKind::command, "test", R"({"removeObstacle":"box"})");
   EXPECT_THAT(bench.logged, IsEmpty()) << "it stood there still";
   bench.drive(1, seek);
   bench.drive(3, seek);
   bench.run_for(4s);
-  EXPECT_NEAR(bench.truth(1).X_MB.y_m, 0.1, 1e-3);
-  EXPECT_EQ(bench.truth(3).X_MB.y_m, 0.0) << "no way is near it";
+  EXPECT_NEAR(bench.ground_truth(1).X_MB.y_m, 0.1, 1e-3);
+  EXPECT_EQ(bench.ground_truth(3).X_MB.y_m, 0.0) << "no way is near it";
 }
 
 TEST(PlantSwitch, watches_for_collisions_while_a_vehicle_goes_to_its_line) {
@@ -362,7 +362,7 @@ TEST(PlantSwitch, watches_for_collisions_while_a_vehicle_goes_to_its_line) {
   bench.drive(1, still);
   bench.run_for(2s);
   // Now the second's way to the line leads through where a box stands.
-  const double x_m = bench.truth(2).X_MB.x_m;
+  const double x_m = bench.ground_truth(2).X_MB.x_m;
   bench.feed(wire::InputKind::command, "test",
              R"({"addObstacle":{"id":"box","x":)" + std::to_string(x_m) + R"(,"y":0.25,"radius":0.05}})");
   bench.drive(2, seek);
@@ -376,17 +376,17 @@ TEST(PlantSwitch, keeps_the_laps_of_the_zone_before) {
   PlantBench bench = running(lacet4());
   bench.drive(1, fast);
   bench.run_for(75s);  // two laps of 17.3 m, and a little
-  ASSERT_EQ(bench.truth(1).laps, 2U);
+  ASSERT_EQ(bench.ground_truth(1).laps, 2U);
   send_zone(bench, straight_from(-5.0, 0.1, 20.0).text);
   bench.drive(1, still);
   bench.run_for(2s);
-  EXPECT_EQ(bench.truth(1).laps, 2U);
+  EXPECT_EQ(bench.ground_truth(1).laps, 2U);
   send_zone(bench, lacet4().text);
   bench.run_for(100ms);
-  EXPECT_EQ(bench.truth(1).laps, 2U) << "a lap begins anew on a floor";
+  EXPECT_EQ(bench.ground_truth(1).laps, 2U) << "a lap begins anew on a floor";
   bench.drive(1, fast);
   bench.run_for(36s);
-  EXPECT_EQ(bench.truth(1).laps, 3U);
+  EXPECT_EQ(bench.ground_truth(1).laps, 3U);
 }
 
 TEST(PlantSwitch, does_not_take_over_what_the_broker_kept_and_says_so) {

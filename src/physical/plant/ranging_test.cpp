@@ -85,13 +85,13 @@ TEST(RangeFan, agrees_with_sampling_for_any_pose) {
     const BodyPose other = BodyPose::at(body.X_MB * Pose2{draw(250, 1800), draw(-1500, 1500), draw(-3141, 3141)});
     const Scan scan = scan_of(body, {other});
     for (std::size_t beam = 0; beam < scan.size(); ++beam) {
-      const double truth = sampled(body, other, beam);
+      const double ground_truth = sampled(body, other, beam);
       if (scan[beam] >= 0.0) {
         // Sampling is a tenth of a millimetre coarse, and may miss a corner that only just reaches in.
-        RC_ASSERT(scan[beam] <= truth + 1e-9);
-        if (truth < 1e8) RC_ASSERT(scan[beam] >= truth - 2e-3);
+        RC_ASSERT(scan[beam] <= ground_truth + 1e-9);
+        if (ground_truth < 1e8) RC_ASSERT(scan[beam] >= ground_truth - 2e-3);
       } else {
-        RC_ASSERT(truth > 2.0 - 1e-9);
+        RC_ASSERT(ground_truth > 2.0 - 1e-9);
       }
     }
   }));

@@ -78,9 +78,9 @@ Judged judge(const SceneCamera& camera, Calibration calibration, const std::vect
     for (SceneBody& body : now) body.X_MB = body.after(t_s);
     const auto fixes = tracker.see(painter.paint(now, static_cast<std::uint64_t>(k)), t_s);
     for (const Fix& fix : fixes.value()) {
-      const Pose2 truth = bodies[static_cast<std::size_t>(fix.tag)].after(fix.t_s);
-      const double off = distance(fix.X_MB, truth);
-      const double turn = std::fabs(wrap_angle(fix.X_MB.heading_rad - truth.heading_rad));
+      const Pose2 ground_truth = bodies[static_cast<std::size_t>(fix.tag)].after(fix.t_s);
+      const double off = distance(fix.X_MB, ground_truth);
+      const double turn = std::fabs(wrap_angle(fix.X_MB.heading_rad - ground_truth.heading_rad));
       ++judged.fixes;
       judged.rms_m += off * off;
       judged.heading_rms_rad += turn * turn;

@@ -41,7 +41,7 @@ TEST(Statistics, pass_over_what_is_no_number) {
   EXPECT_EQ(s.max(), 0.0);
 }
 
-TEST(Statistics, stay_within_a_hundredth_of_the_truth_when_there_are_too_many_to_keep) {
+TEST(Statistics, stay_within_a_hundredth_of_the_ground_truth_when_there_are_too_many_to_keep) {
   rc::check("percentiles of many samples", [] {
     Random random{*rc::gen::arbitrary<std::uint64_t>(), "samples"};
     Statistics s;
@@ -53,8 +53,8 @@ TEST(Statistics, stay_within_a_hundredth_of_the_truth_when_there_are_too_many_to
     }
     std::ranges::sort(all);
     for (const double share : {0.5, 0.9, 0.99}) {
-      const double truth = all[static_cast<std::size_t>(std::ceil(share * 6000.0)) - 1];
-      RC_ASSERT(std::fabs(s.percentile(share) - truth) <= 0.01 * truth);
+      const double ground_truth = all[static_cast<std::size_t>(std::ceil(share * 6000.0)) - 1];
+      RC_ASSERT(std::fabs(s.percentile(share) - ground_truth) <= 0.01 * ground_truth);
     }
     RC_ASSERT(s.max() == all.back());
     RC_ASSERT(s.count() == 6000U);

@@ -18,7 +18,7 @@ inline constexpr std::string_view server_connection_topic = "cosiva/v1/server/co
 /// Every 100 ms, QoS 0: {"headerId":…,"timestamp":…}. A vehicle that has heard it once stops 500 ms after the last.
 inline constexpr std::string_view server_heartbeat_topic = "cosiva/v1/server/heartbeat";
 /// The plant's truth, 10 Hz, for instruments and tests only; nothing on board and no twin subscribes to it.
-inline constexpr std::string_view plant_truth_topic = "cosiva/v1/plant/truth";
+inline constexpr std::string_view ground_truth_topic = "cosiva/v1/plant/ground_truth";
 /// Commands to the emulated world: {"addObstacle":{"id","x","y","radius"}} or {"removeObstacle":"id"}.
 inline constexpr std::string_view plant_command_topic = "cosiva/v1/plant/command";
 /// The emulated ether: {"vehicle":"CoSiVA/AIV2"|"*","loss":0.3}: an *emulated* vehicle's program then loses this share

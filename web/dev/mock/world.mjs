@@ -62,10 +62,10 @@ export class World extends Motion {
     for (const one of this.seen) records.push({ handle: one.handle, kind: 2, status: 0, augmented: false, blocked: false, x: one.x, y: one.y, heading: 0, speed: 0, dx: 0, dy: 0 });
     return records.sort((a, b) => a.handle - b.handle);
   }
-  truth() {
+  ground_truth() {
     const wobble = (n, phase) => 0.004 * Math.sin(this.now / 900 + n + phase);
     return {
-      type: 'truth',
+      type: 'ground_truth',
       vehicles: this.aivs.filter((aiv) => !aiv.augmented).slice(0, 200).map(({ number, pose }) => ({ number, x: pose.x + wobble(number, 0), y: pose.y + wobble(number, 1.3), heading: pose.heading + wobble(number, 2) * 3 })),
       obstacles: this.boxes,
     };

@@ -344,8 +344,8 @@ export interface Run {
   clock: { kind: 'wall' | 'virtual'; running: boolean; speed: number; time_ms: number };
 }
 
-/** Ground truth of the emulated world; shown beside the twins and used for no decision. */
-export interface Truth {
+/** Ground ground_truth of the emulated world; shown beside the twins and used for no decision. */
+export interface GroundTruth {
   vehicles: readonly ({ number: number } & Pose)[];
   obstacles: readonly { id: string; x: number; y: number; radius: number }[];
 }
@@ -382,7 +382,7 @@ export type LiveMessage =
   | { type: 'zone'; zone: Zone | null }
   | { type: 'run'; run: Run }
   | { type: 'snapshot'; snapshot: Snapshot }
-  | { type: 'truth'; vehicles: Truth['vehicles']; obstacles: Truth['obstacles'] };
+  | { type: 'ground_truth'; vehicles: GroundTruth['vehicles']; obstacles: GroundTruth['obstacles'] };
 
 /** Parses one text frame of the live stream; null for a type that only a newer server knows. */
 export function parse_live(text: string): LiveMessage | null {
@@ -393,6 +393,6 @@ export function parse_live(text: string): LiveMessage | null {
     return null;
   }
   if (typeof value !== 'object' || value === null || !('type' in value)) return null;
-  const known = value.type === 'zone' || value.type === 'run' || value.type === 'snapshot' || value.type === 'truth';
+  const known = value.type === 'zone' || value.type === 'run' || value.type === 'snapshot' || value.type === 'ground_truth';
   return known ? (value as LiveMessage) : null;
 }

@@ -2,7 +2,7 @@
 // and figures are updated from a snapshot, at most once per painted frame.
 import { AlarmBook, type Alarm } from './alarms';
 import { api, type Answer } from './api';
-import type { Bijection, Command, CommandName, Crossing, LiveMessage, Run, DetectedObstacle, Snapshot, Thing, Truth, Zone } from './contract';
+import type { Bijection, Command, CommandName, Crossing, LiveMessage, Run, DetectedObstacle, Snapshot, Thing, GroundTruth, Zone } from './contract';
 import { Live, live_url } from './connection';
 import { Positions } from './positions';
 import { rows_of, type Row } from './rows';
@@ -29,8 +29,8 @@ export class Platform {
   readonly positions = new Positions();
   /** the newest snapshot, for code that paints each frame; deliberately not reactive */
   latest: Snapshot | null = null;
-  /** the newest ground truth of the emulated world; null without one; deliberately not reactive */
-  truth: Truth | null = null;
+  /** the newest ground ground_truth of the emulated world; null without one; deliberately not reactive */
+  ground_truth: GroundTruth | null = null;
 
   zone = $state.raw<Zone | null>(null);
   /** false until the server has sent a zone, or that there is none */
@@ -41,7 +41,7 @@ export class Platform {
   things = $state.raw<readonly Thing[]>([]);
   obstacles = $state.raw<readonly DetectedObstacle[]>([]);
   /** physical obstacles of the emulated world that can be removed */
-  plant_obstacles = $state.raw<Truth['obstacles']>([]);
+  plant_obstacles = $state.raw<GroundTruth['obstacles']>([]);
   /** newest first; includes commands that have left the snapshot */
   commands = $state.raw<readonly Command[]>([]);
   bijection = $state.raw<Bijection | null>(null);
@@ -215,9 +215,9 @@ export class Platform {
       case 'run':
         this.run = message.run;
         return;
-      case 'truth': {
-        const known = this.truth?.obstacles.map((one) => one.id).join() ?? '';
-        this.truth = message;
+      case 'ground_truth': {
+        const known = this.ground_truth?.obstacles.map((one) => one.id).join() ?? '';
+        this.ground_truth = message;
         if (message.obstacles.map((one) => one.id).join() !== known) this.plant_obstacles = message.obstacles;
         return;
       }

@@ -31,7 +31,7 @@ const open_ms_max = 4_000;
 const silence_ms_max = 6_000;
 export const part_size = 250;
 
-const types = ['zone', 'run', 'snapshot', 'truth'] as const;
+const types = ['zone', 'run', 'snapshot', 'ground_truth'] as const;
 type Type = (typeof types)[number];
 
 export class Stream {

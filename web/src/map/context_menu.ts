@@ -97,7 +97,7 @@ function of_place(map: MapState, at: Point): MenuGroup {
     title: 'Here',
     items: [
       place('Add virtual AIV', 'add aiv'), place('Add person', 'add person'), { word: 'Add walking person…', act: begin('draw walk'), virtual: true }, place('Add obstacle', 'add obstacle'),
-      ...(map.platform.truth ? [place('Add physical obstacle', 'add plant obstacle')] : []),
+      ...(map.platform.ground_truth ? [place('Add physical obstacle', 'add plant obstacle')] : []),
       { word: 'Measure from here', act: begin('measure') }, { word: 'Centre the map here', act: () => map.look({ ...map.view, x: at[0], y: at[1] }) },
     ],
   };

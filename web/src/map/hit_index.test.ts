@@ -36,7 +36,7 @@ function field(): Field {
   positions.sample(1);
   const index = new MapIndex();
   index.accept(snapshot);
-  return { positions, index, zone, hidden: new Set(), truth: { vehicles: [], obstacles: [{ id: 'box1', x: 6, y: 0, radius: 0.05 }] } };
+  return { positions, index, zone, hidden: new Set(), ground_truth: { vehicles: [], obstacles: [{ id: 'box1', x: 6, y: 0, radius: 0.05 }] } };
 }
 const at = (given: Field, x: number, y: number, prefer_tags = false) => {
   const hit = hit_at(given, x, y, 0.02, prefer_tags);

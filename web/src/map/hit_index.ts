@@ -1,5 +1,5 @@
 // Resolves the handles of the binary frames to objects, and a point of the map to the object there.
-import type { Aiv, Point, DetectedObstacle, Snapshot, Thing, Truth, Zone } from '../live/contract';
+import type { Aiv, Point, DetectedObstacle, Snapshot, Thing, GroundTruth, Zone } from '../live/contract';
 import * as format from '../live/format';
 import { inside } from './geometry';
 import type { Positions } from '../live/positions';
@@ -102,7 +102,7 @@ export interface Hit {
 export interface Field {
   positions: Positions;
   index: MapIndex;
-  truth: Truth | null;
+  ground_truth: GroundTruth | null;
   zone: Zone | null;
   hidden: ReadonlySet<string>;
 }
@@ -131,9 +131,9 @@ function body_at({ positions, index, zone, hidden }: Field, x: number, y: number
   return best;
 }
 
-function plant_at({ truth, hidden }: Field, x: number, y: number, slack: number): Hit | null {
+function plant_at({ ground_truth, hidden }: Field, x: number, y: number, slack: number): Hit | null {
   if (hidden.has('obstacles')) return null;
-  const found = truth?.obstacles.find((one) => Math.hypot(one.x - x, one.y - y) <= one.radius + slack);
+  const found = ground_truth?.obstacles.find((one) => Math.hypot(one.x - x, one.y - y) <= one.radius + slack);
   return found ? { kind: 'plant', id: found.id, x: found.x, y: found.y, movable: false } : null;
 }
 

@@ -21,7 +21,7 @@ export const own_layers = [
   { name: 'trails', word: 'Trails' },
   { name: 'persons', word: 'Persons and their ways' },
   { name: 'obstacles', word: 'Obstacles' },
-  { name: 'opinions', word: 'Belief, twin and truth' },
+  { name: 'opinions', word: 'Belief, twin and ground_truth' },
   { name: 'ranges', word: 'Sensor range' },
 ] as const;
 export const zone_words: Readonly<Record<string, string>> = {

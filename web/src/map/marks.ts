@@ -1,6 +1,6 @@
 // The 2D overlay above the map: numbers, names, holders of crossings, and the sketch of the active tool. The number of labels
 // is limited to what can be read.
-import type { Point, Primitive, Truth, Zone } from '../live/contract';
+import type { Point, Primitive, GroundTruth, Zone } from '../live/contract';
 import { kind_aiv, look_augmented, look_kind_mask, look_status_shift } from '../live/frames';
 import { distance, nearest_on_ways } from './geometry';
 import type { MapIndex } from './hit_index';
@@ -35,7 +35,7 @@ export interface Marked {
   body: BodySize;
   positions: Positions;
   index: MapIndex;
-  truth: Truth | null;
+  ground_truth: GroundTruth | null;
   zone: Zone | null;
   hidden: ReadonlySet<string>;
   crossings: readonly HeldCrossing[];
@@ -88,7 +88,7 @@ export class Marks {
     context.textBaseline = 'middle';
     if (!marked.hidden.has('crossings')) for (const crossing of marked.crossings) this.crossing(crossing, marked.view, colours);
     this.bodies(marked, colours);
-    if (marked.truth && !marked.hidden.has('obstacles')) this.plant_obstacles(marked, colours);
+    if (marked.ground_truth && !marked.hidden.has('obstacles')) this.plant_obstacles(marked, colours);
     context.globalAlpha = 1;
     this.drawing(marked, colours);
   }
@@ -148,19 +148,19 @@ export class Marks {
   }
 
   /** Physical obstacles of the emulated world, dotted, whether an AIV has detected them or not. */
-  private plant_obstacles({ truth, view }: Marked, colours: Colours): void {
+  private plant_obstacles({ ground_truth, view }: Marked, colours: Colours): void {
     const { context } = this;
-    for (const { id, x, y, radius } of truth?.obstacles ?? []) {
+    for (const { id, x, y, radius } of ground_truth?.obstacles ?? []) {
       const { px, py } = to_screen(view, this.size, x, y);
       const reach = Math.max(radius * view.scale, 5) + 3;
       context.beginPath();
       context.arc(px, py, reach, 0, 2 * Math.PI);
       context.setLineDash([2, 2.5]);
       context.lineWidth = 1.75;
-      context.strokeStyle = colours.truth;
+      context.strokeStyle = colours.ground_truth;
       context.stroke();
       context.setLineDash([]);
-      this.word(id, px, py + reach + 8, colours.truth, colours);
+      this.word(id, px, py + reach + 8, colours.ground_truth, colours);
     }
   }
 
@@ -226,7 +226,7 @@ export class Marks {
     if ((tool === 'draw walk' || tool === 'measure') && sketch.points.length > 0) this.path(tool, sketch.points, at, screen, colours);
     if (at && !drag && (tool === 'add aiv' || tool === 'edit tags') && zone) this.snap(tool, at, zone, screen, colours);
     if (at && (tool === 'add person' || tool === 'add obstacle' || tool === 'add plant obstacle' || tool === 'move thing')) {
-      this.ring(screen(at), (tool === 'add person' ? 0.06 : 0.08) * view.scale, tool === 'add plant obstacle' ? colours.truth : tool === 'add person' ? colours.person : colours.virtual, [4, 3]);
+      this.ring(screen(at), (tool === 'add person' ? 0.06 : 0.08) * view.scale, tool === 'add plant obstacle' ? colours.ground_truth : tool === 'add person' ? colours.person : colours.virtual, [4, 3]);
     }
     if (drawing.cross) this.cross(screen(drawing.cross), colours);
   }

@@ -67,14 +67,14 @@ export interface Colours {
   person: string;
   obstacle: string;
   belief: string;
-  truth: string;
+  ground_truth: string;
   states: readonly string[];
 }
 
 const names: Readonly<Record<keyof Omit<Colours, 'states'>, string>> = {
   ground: '--ground', road: '--road', road_edge: '--road-edge', line: '--road-line', arc: '--road-arc', clothoid: '--road-clothoid', charger: '--charger', crossing: '--crossing', held: '--held',
   tag: '--tag', beacon: '--beacon', label: '--map-label', ink: '--ink', panel: '--panel', on_state: '--on-state', select: '--accent', alarm: '--alarm',
-  virtual: '--augmented', on_virtual: '--on-augmented', person: '--person', obstacle: '--obstacle', belief: '--belief', truth: '--truth',
+  virtual: '--augmented', on_virtual: '--on-augmented', person: '--person', obstacle: '--obstacle', belief: '--belief', ground_truth: '--ground-truth',
 };
 
 /** The states in the order of the status field of the binary frames. */

@@ -164,9 +164,9 @@ export class MapScene {
     }
   }
 
-  /** Draws outlines of chosen, hovered and abnormal vehicles, and the three positions of a vehicle (twin, report, ground truth). */
+  /** Draws outlines of chosen, hovered and abnormal vehicles, and the three positions of a vehicle (twin, report, ground ground_truth). */
   private above(picture: Picture, colours: Colours, selected: number, hovered: number): void {
-    const { positions, hidden, index, alarms, truth } = picture;
+    const { positions, hidden, index, alarms, ground_truth } = picture;
     const opinions = !hidden.has('opinions');
     const many = positions.count > details_max;
     this.ring(positions, hovered, 4, 1.5, colours.ink);
@@ -179,8 +179,8 @@ export class MapScene {
       this.renderer.outline(positions.x[i]!, positions.y[i]!, positions.heading[i]!, 0, 1.5, 'solid', colours.ink);
       this.renderer.outline(positions.x[i]! + positions.reported_dx[i]!, positions.y[i]! + positions.reported_dy[i]!, heading, 1, 1.75, 'dashed', colours.belief);
     }
-    if (truth && !(many && truth.vehicles.length > details_max)) {
-      for (const { x, y, heading } of truth.vehicles) this.renderer.outline(x, y, heading, 2, 1.75, 'dotted', colours.truth);
+    if (ground_truth && !(many && ground_truth.vehicles.length > details_max)) {
+      for (const { x, y, heading } of ground_truth.vehicles) this.renderer.outline(x, y, heading, 2, 1.75, 'dotted', colours.ground_truth);
     }
   }
 

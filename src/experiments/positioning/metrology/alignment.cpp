@@ -36,27 +36,27 @@ std::string_view text_of(Alignment alignment) {
   return "";
 }
 
-Result<Pose2> rigid_alignment(const std::vector<Point2>& truth, const std::vector<Point2>& estimate) {
+Result<Pose2> rigid_alignment(const std::vector<Point2>& ground_truth, const std::vector<Point2>& estimate) {
   const auto cannot = [] { return fail("align.turn", "the places are too alike to tell how they are turned"); };
-  if (truth.size() < 2) return cannot();
-  const Point2 of_truth = middle_of(truth);
+  if (ground_truth.size() < 2) return cannot();
+  const Point2 of_ground_truth = middle_of(ground_truth);
   const Point2 of_estimate = middle_of(estimate);
   double dot = 0.0;
   double cross = 0.0;
-  double truth_spread = 0.0;
+  double ground_truth_spread = 0.0;
   double estimate_spread = 0.0;
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    const Point2 t{truth[i].x_m - of_truth.x_m, truth[i].y_m - of_truth.y_m};
+  for (std::size_t i = 0; i < ground_truth.size(); ++i) {
+    const Point2 t{ground_truth[i].x_m - of_ground_truth.x_m, ground_truth[i].y_m - of_ground_truth.y_m};
     const Point2 e{estimate[i].x_m - of_estimate.x_m, estimate[i].y_m - of_estimate.y_m};
     dot += e.x_m * t.x_m + e.y_m * t.y_m;
     cross += e.x_m * t.y_m - e.y_m * t.x_m;
-    truth_spread += t.x_m * t.x_m + t.y_m * t.y_m;
+    ground_truth_spread += t.x_m * t.x_m + t.y_m * t.y_m;
     estimate_spread += e.x_m * e.x_m + e.y_m * e.y_m;
   }
-  if (!(norm(dot, cross) > 1e-9 * std::sqrt(truth_spread * estimate_spread))) return cannot();
+  if (!(norm(dot, cross) > 1e-9 * std::sqrt(ground_truth_spread * estimate_spread))) return cannot();
   const Pose2 turned{0.0, 0.0, det_atan2(cross, dot)};
   const Point2 put = turned * of_estimate;
-  return Pose2{of_truth.x_m - put.x_m, of_truth.y_m - put.y_m, turned.heading_rad};
+  return Pose2{of_ground_truth.x_m - put.x_m, of_ground_truth.y_m - put.y_m, turned.heading_rad};
 }
 
 }  // namespace cosiva::experiments

@@ -116,7 +116,7 @@ std::string evo_zip(std::string_view title, const std::vector<double>& times_s, 
   info.begin_object()
       .field("title", "APE w.r.t. translation part (m)\n(" + std::string(text_of(alignment)) + ")")
       .field("label", "APE (m)");
-  info.field("ref_name", "truth").field("est_name", title).end_object();
+  info.field("ref_name", "ground_truth").field("est_name", title).end_object();
   JsonWriter stats;
   stats.begin_object().field("rmse", statistics::root_mean_square(errors_m));
   stats.field("mean", statistics::mean(errors_m)).field("std", root_of_variance(errors_m));

@@ -113,7 +113,7 @@ class Judging {
     if (index > 0) return;
     for (const Moment& moment : trial.moments) {
       run.times_s.push_back(moment.t_s);
-      run.truth.push_back(moment.truth);
+      run.ground_truth.push_back(moment.ground_truth);
     }
   }
 

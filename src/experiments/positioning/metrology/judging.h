@@ -25,7 +25,7 @@ struct JudgedRun {
   bool sensors_assumed{false};
   std::vector<Judged> algorithms;  ///< one per candidate; of those that failed in an earlier run it means nothing
   std::vector<double> times_s;     ///< of the first run alone
-  std::vector<Pose2> truth;
+  std::vector<Pose2> ground_truth;
 };
 
 /// Runs whose effective size is looked at: it takes longer than all other figures together.

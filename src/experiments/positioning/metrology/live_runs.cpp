@@ -16,7 +16,7 @@ using std::chrono::milliseconds;
 /// A question or its answer was lost: a vehicle answers with its next odometry, a fiftieth of a second later.
 constexpr SimDuration repeat_after = milliseconds{250};
 /// The truth comes ten times a second; that of after a run's last answer is waited for.
-constexpr SimDuration last_truth_max = std::chrono::seconds{1};
+constexpr SimDuration last_ground_truth_max = std::chrono::seconds{1};
 /// Fixes of before a run that are kept: it begins between two.
 constexpr std::size_t fixes_before = 20;
 /// A vehicle that keeps beginning anew is no vehicle to qualify anything on.
@@ -59,7 +59,7 @@ LiveRuns::LiveRuns(LiveRunsOptions options) : options_{std::move(options)} {
 }
 
 std::vector<std::string> LiveRuns::subscriptions() const {
-  return {wire::topics_below(wire::estimate_answer_topic_prefix, 2), options_.truth_topic};
+  return {wire::topics_below(wire::estimate_answer_topic_prefix, 2), options_.ground_truth_topic};
 }
 
 void LiveRuns::on_zone(std::shared_ptr<const zone::TrafficZone> zone) {
@@ -68,14 +68,14 @@ void LiveRuns::on_zone(std::shared_ptr<const zone::TrafficZone> zone) {
 }
 
 void LiveRuns::on_message(SimTime now, std::string_view topic, std::string_view payload) {
-  if (topic == options_.truth_topic) return on_truth(now, payload);
+  if (topic == options_.ground_truth_topic) return on_ground_truth(now, payload);
   const auto vehicle = wire::parse_own_topic(wire::estimate_answer_topic_prefix, topic);
   if (!vehicle) return;
   const auto slot = std::ranges::find(slots_, *vehicle, &Slot::vehicle);
   if (slot != slots_.end()) on_answer(now, *slot, payload);
 }
 
-void LiveRuns::on_truth(SimTime now, std::string_view payload) {
+void LiveRuns::on_ground_truth(SimTime now, std::string_view payload) {
   const auto json = JsonValue::parse(payload);
   if (!json) return;  // anybody may publish there
   const JsonValue* lines = json->find("vehicles");
@@ -91,10 +91,10 @@ void LiveRuns::on_truth(SimTime now, std::string_view payload) {
     const auto heading = line.number("heading");
     if (!x || !y || !heading || !std::isfinite(*x) || !std::isfinite(*y) || !std::isfinite(*heading)) continue;
     for (Slot& slot : slots_) {
-      if (!is_of(line, slot.vehicle) || (!slot.truth.empty() && *at <= slot.truth.back().at)) continue;
-      if (!slot.run && slot.truth.size() >= fixes_before) slot.truth.erase(slot.truth.begin());
-      slot.truth.push_back({*at, {*x, *y, wrap_angle(*heading)}});
-      slot.truth_heard = now;
+      if (!is_of(line, slot.vehicle) || (!slot.ground_truth.empty() && *at <= slot.ground_truth.back().at)) continue;
+      if (!slot.run && slot.ground_truth.size() >= fixes_before) slot.ground_truth.erase(slot.ground_truth.begin());
+      slot.ground_truth.push_back({*at, {*x, *y, wrap_angle(*heading)}});
+      slot.ground_truth_received = now;
     }
   }
 }
@@ -171,9 +171,9 @@ std::optional<std::string> LiveRuns::missing(SimTime now, const Slot& slot) cons
   const std::string seconds = std::to_string(options_.timeout / std::chrono::seconds{1}) + " s";
   if (now - slot.heard > options_.timeout)
     return "it has not answered for " + seconds + "; is it online, and of this version?";
-  const SimTime truth = std::max(slot.truth_heard.value_or(*began_), *began_);
-  if (now - truth > options_.timeout)
-    return "nobody has said on " + options_.truth_topic + " for " + seconds + " where it truly is";
+  const SimTime ground_truth = std::max(slot.ground_truth_received.value_or(*began_), *began_);
+  if (now - ground_truth > options_.timeout)
+    return "nobody has said on " + options_.ground_truth_topic + " for " + seconds + " where it truly is";
   if (!map_id_.empty() && zones_.find(map_id_) == zones_.end() && now - *began_ > options_.timeout)
     return "it drives in zone '" + map_id_ + "', which nobody hands out";
   if (now - slot.moved > options_.standing_max)
@@ -192,8 +192,8 @@ void LiveRuns::look_after(SimTime now, Slot& slot, Answers& answers) {
   }
   if (slot.run->travelled_m() >= options_.way_m) {
     const auto last = slot.run->last_moment();
-    const bool known = last && !slot.truth.empty() && slot.truth.back().at >= *last;
-    if (known || now - slot.heard > last_truth_max) complete(slot);
+    const bool known = last && !slot.ground_truth.empty() && slot.ground_truth.back().at >= *last;
+    if (known || now - slot.heard > last_ground_truth_max) complete(slot);
     return;
   }
   if (const auto why = missing(now, slot)) return lose(slot, *why);
@@ -204,12 +204,12 @@ void LiveRuns::look_after(SimTime now, Slot& slot, Answers& answers) {
 void LiveRuns::complete(Slot& slot) {
   const auto zone = zones_.find(map_id_);
   if (zone == zones_.end()) return lose(slot, "it drives in zone '" + map_id_ + "', which nobody hands out");
-  auto lived = std::move(*slot.run).finish(zone->second, slot.truth, options_.gap_max, without_truth_);
+  auto lived = std::move(*slot.run).finish(zone->second, slot.ground_truth, options_.gap_max, without_ground_truth_);
   if (!lived) return lose(slot, to_string(lived.error()));
   complete_[slot.index] = std::make_shared<const LivedRun>(std::move(*lived));
   slot.run.reset();
-  if (slot.truth.size() > fixes_before)
-    slot.truth.erase(slot.truth.begin(), slot.truth.end() - static_cast<std::ptrdiff_t>(fixes_before));
+  if (slot.ground_truth.size() > fixes_before)
+    slot.ground_truth.erase(slot.ground_truth.begin(), slot.ground_truth.end() - static_cast<std::ptrdiff_t>(fixes_before));
 }
 
 LiveRuns::Answers LiveRuns::tick(SimTime now) {

@@ -30,7 +30,7 @@ struct LiveRunsOptions {
   std::optional<double> speed_mps;  ///< the vehicles are told; none: as they drive
   /// Who says where the vehicles truly are: {"timestamp","vehicles":[{"number","x","y","heading"}…]} as the plant does,
   /// or {"sights":[{"vehicle":"CoSiVA/AIV1","at","x","y","heading"}…]} as a global vision system.
-  std::string truth_topic{std::string(wire::plant_truth_topic)};
+  std::string ground_truth_topic{std::string(wire::ground_truth_topic)};
   SimDuration gap_max{std::chrono::milliseconds{500}};  ///< the truth is interpolated between stamps no further apart
   SimDuration timeout{std::chrono::seconds{10}};        ///< who says nothing for so long is lost
   SimDuration standing_max{std::chrono::minutes{1}};    ///< and who does not move
@@ -66,7 +66,7 @@ class LiveRuns {
   /// Why there are fewer than were asked for: a line per vehicle that was lost.
   [[nodiscard]] const std::vector<std::string>& losses() const { return losses_; }
   /// Answers beside which nobody said where the vehicle was.
-  [[nodiscard]] std::size_t without_truth() const { return without_truth_; }
+  [[nodiscard]] std::size_t without_ground_truth() const { return without_ground_truth_; }
   [[nodiscard]] std::size_t repeated() const { return repeated_; }  ///< requests
   [[nodiscard]] const std::string& map_id() const { return map_id_; }
 
@@ -81,8 +81,8 @@ class LiveRuns {
   struct Slot {
     wire::VehicleId vehicle;
     bool lost{false};
-    std::vector<TrueFix> truth;  ///< since its run began
-    std::optional<SimTime> truth_heard;
+    std::vector<TrueFix> ground_truth;  ///< since its run began
+    std::optional<SimTime> ground_truth_received;
     std::optional<RunLog> run;  ///< none: it waits for one
     std::size_t index{};        ///< of the run
     std::string session;
@@ -93,7 +93,7 @@ class LiveRuns {
     SimTime moved{};
     unsigned begun{};  ///< times that this run was
   };
-  void on_truth(SimTime now, std::string_view payload);
+  void on_ground_truth(SimTime now, std::string_view payload);
   void on_answer(SimTime now, Slot& slot, std::string_view payload);
   void begin(SimTime now, Slot& slot, Answers& answers);
   void ask(SimTime now, Slot& slot, Answers& answers);
@@ -113,7 +113,7 @@ class LiveRuns {
   std::vector<std::string> operator_messages_;
   std::optional<SimTime> began_;
   std::size_t sessions_{0};
-  std::size_t without_truth_{0};
+  std::size_t without_ground_truth_{0};
   std::size_t repeated_{0};
   bool given_up_{false};
 };

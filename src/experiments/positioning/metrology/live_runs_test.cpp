@@ -110,7 +110,7 @@ TEST(LiveRuns, give_what_the_vehicles_say_of_themselves_beside_where_they_were) 
   bench.run(seconds{200});
   EXPECT_THAT(bench.runs().losses(), IsEmpty()) << bench.operator_messages;
   EXPECT_EQ(bench.runs().map_id(), "lacet4");
-  EXPECT_EQ(bench.runs().without_truth(), 0U);
+  EXPECT_EQ(bench.runs().without_ground_truth(), 0U);
   const auto runs = bench.runs().take_runs();
   ASSERT_THAT(runs, SizeIs(3));
   for (const auto& run : runs) {
@@ -182,24 +182,24 @@ TEST(LiveRuns, end_with_the_vehicle_s_own_words_where_nobody_can_drive_them) {
 
 TEST(LiveRuns, need_somebody_who_says_where_the_vehicles_are) {
   Bench bench{options_of({aiv(1)}, 1, 5.0, {"arc_kalman"})};
-  bench.deaf = [](std::string_view topic) { return topic == wire::plant_truth_topic; };
+  bench.deaf = [](std::string_view topic) { return topic == wire::ground_truth_topic; };
   bench.run(seconds{30});
   ASSERT_THAT(bench.runs().losses(), SizeIs(1));
-  EXPECT_THAT(bench.runs().losses()[0], HasSubstr("nobody has said on cosiva/v1/plant/truth"));
+  EXPECT_THAT(bench.runs().losses()[0], HasSubstr("nobody has said on cosiva/v1/plant/ground_truth"));
 }
 
-TEST(LiveRuns, take_what_a_camera_over_the_zone_saw_for_the_truth) {
+TEST(LiveRuns, take_what_a_camera_over_the_zone_saw_for_the_ground_truth) {
   LiveRunsOptions options = options_of({aiv(1)}, 1, 3.0, {"arc_kalman"});
-  options.truth_topic = "area/detections";
+  options.ground_truth_topic = "area/detections";
   Bench bench{std::move(options)};
   // As GVS tells it: by name, and each vehicle with the time of its own rows.
   bench.world().tap([&](SimTime at, const std::string&, const wire::Publish& message) {
-    if (message.topic != wire::plant_truth_topic) return bench.runs().on_message(at, message.topic, message.payload);
-    const Pose2 truth = bench.world().plant().vehicles()[0].X_MB;
+    if (message.topic != wire::ground_truth_topic) return bench.runs().on_message(at, message.topic, message.payload);
+    const Pose2 ground_truth = bench.world().plant().vehicles()[0].X_MB;
     JsonWriter json;
     json.begin_object().field("timestamp", "2000-01-01T00:00:00Z").key("detections").begin_array().begin_object();
-    json.field("vehicle", "CoSiVA/AIV1").field("at", to_iso8601(at)).field("x", truth.x_m).field("y", truth.y_m);
-    json.field("heading", truth.heading_rad).end_object().end_array().end_object();
+    json.field("vehicle", "CoSiVA/AIV1").field("at", to_iso8601(at)).field("x", ground_truth.x_m).field("y", ground_truth.y_m);
+    json.field("heading", ground_truth.heading_rad).end_object().end_array().end_object();
     bench.runs().on_message(at, "area/detections", json.take());
   });
   bench.run(seconds{30});
@@ -249,7 +249,7 @@ TEST(TruePose, between_two_fixes_goes_round_the_bend_and_is_none_outside_of_them
 TEST(LivedRun, of_an_algorithm_that_diverged_says_so_and_the_others_keep_their_results) {
   const auto zone = zone::Rtm::initialise(zone::testing::configuration_file("lacet4.toml"))->share_zone();
   RunLog log{"run 1", aiv(1), 1, 500, 4};
-  std::vector<TrueFix> truth;
+  std::vector<TrueFix> ground_truth;
   wire::EstimateAnswer answer;
   answer.map_id = "lacet4";
   answer.start.emplace(wire::EstimateAnswer::Start{});
@@ -263,10 +263,10 @@ TEST(LivedRun, of_an_algorithm_that_diverged_says_so_and_the_others_keep_their_r
                         {"bad", i < 20 ? "" : "it has diverged", {0.0, 0.0, 0.0}, std::nullopt, std::nullopt, {}}};
     log.add(answer);
     answer.start.reset();
-    truth.push_back({answer.timestamp, {0.02 * i, 0.003, 0.0}});
+    ground_truth.push_back({answer.timestamp, {0.02 * i, 0.003, 0.0}});
   }
-  std::size_t without_truth = 0;
-  auto run = std::move(log).finish(zone, truth, milliseconds{500}, without_truth);
+  std::size_t without_ground_truth = 0;
+  auto run = std::move(log).finish(zone, ground_truth, milliseconds{500}, without_ground_truth);
   ASSERT_TRUE(run) << to_string(run.error());
   const std::vector<std::shared_ptr<const LivedRun>> runs{std::make_shared<const LivedRun>(std::move(*run))};
   const auto all = judged({"good", "bad"}, runs);

@@ -141,8 +141,8 @@ void RunLog::add(const EstimateAnswer& answer) {
   run_.trial.moments.push_back({run_.trial.events.size(), 0.0, {}, travelled_m_, since_mark_m_, std::nullopt});
 }
 
-Result<LivedRun> RunLog::finish(const std::shared_ptr<const zone::TrafficZone>& zone, const std::vector<TrueFix>& truth,
-                                SimDuration gap_max, std::size_t& without_truth) && {
+Result<LivedRun> RunLog::finish(const std::shared_ptr<const zone::TrafficZone>& zone, const std::vector<TrueFix>& ground_truth,
+                                SimDuration gap_max, std::size_t& without_ground_truth) && {
   estimation::Setting& setting = run_.trial.setting;
   if (!start_) return fail("live.answer", "it never said where it began", to_string(run_.vehicle));
   setting.sensors = sensors_of(start_->sensors);
@@ -161,20 +161,20 @@ Result<LivedRun> RunLog::finish(const std::shared_ptr<const zone::TrafficZone>& 
   std::vector<std::vector<estimation::Estimate>> estimates;
   for (SaidOnBoard& said : run_.said) estimates.push_back(std::exchange(said.estimates, {}));
   for (std::size_t i = 0; i < moments.size(); ++i) {
-    const auto X_MB = true_pose(truth, stamps_[i], gap_max);
+    const auto X_MB = true_pose(ground_truth, stamps_[i], gap_max);
     if (!X_MB) {
-      ++without_truth;
+      ++without_ground_truth;
       continue;
     }
     Moment& moment = run_.trial.moments.emplace_back(moments[i]);
     moment.t_s = to_seconds(stamps_[i] - stamps_.front());
-    moment.truth = *X_MB;
+    moment.ground_truth = *X_MB;
     moment.section =
         zone->circuit.section(zone->circuit.locate(position(*X_MB), X_MB->heading_rad).place.section).kind();
     for (std::size_t k = 0; k < estimates.size(); ++k) run_.said[k].estimates.push_back(estimates[k][i]);
   }
   if (run_.trial.moments.empty())
-    return fail("live.truth", "nobody said where it truly was while it drove", to_string(run_.vehicle));
+    return fail("live.ground_truth", "nobody said where it truly was while it drove", to_string(run_.vehicle));
   return std::move(run_);
 }
 

@@ -29,7 +29,7 @@ constexpr double course_m = 0.1;
 std::vector<Pose2> drive_of(const Trial& run) {
   std::vector<Pose2> drive;
   drive.reserve(run.moments.size());
-  for (const Moment& moment : run.moments) drive.push_back(moment.truth);
+  for (const Moment& moment : run.moments) drive.push_back(moment.ground_truth);
   if (run.heading_known) return drive;
   std::size_t before = 0;
   std::size_t after = 0;
@@ -175,9 +175,9 @@ class PlanarInformation {
     steps_.push_back({Step::Kind::move, f, {}, {}, 0.0, {}});
   }
 
-  void measure(const Range& range, const Pose2& truth) {
-    const double dx = truth.x_m - range.station_M.x_m;
-    const double dy = truth.y_m - range.station_M.y_m;
+  void measure(const Range& range, const Pose2& ground_truth) {
+    const double dx = ground_truth.x_m - range.station_M.x_m;
+    const double dy = ground_truth.y_m - range.station_M.y_m;
     const double distance_m = norm(dx, dy);
     if (distance_m < 1e-6) return;
     Vector slope = Vector::Zero(p_.rows());
@@ -189,9 +189,9 @@ class PlanarInformation {
     learn(std::move(slope), squared(sensors_.range_sigma_m));
   }
 
-  void measure(const Reading& reading, const Pose2& truth) {
-    const Point2 detected_B = inverse(truth) * reading.mark_M;
-    const SinCos h = sincos(truth.heading_rad);
+  void measure(const Reading& reading, const Pose2& ground_truth) {
+    const Point2 detected_B = inverse(ground_truth) * reading.mark_M;
+    const SinCos h = sincos(ground_truth.heading_rad);
     Vector along = Vector::Zero(p_.rows());
     along.head<3>() = estimation::Vector3(-h.cos, -h.sin, detected_B.y_m);
     learn(std::move(along), squared(sensors_.mark_along_sigma_m));

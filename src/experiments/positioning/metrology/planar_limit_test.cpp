@@ -25,8 +25,8 @@ estimation::SensorModel plain_sensors() {
   return sensors;
 }
 
-void record_moment(Trial& run, const Pose2& truth) {
-  run.moments.push_back({run.events.size(), static_cast<double>(run.moments.size()), truth, 0.0, 0.0, std::nullopt});
+void record_moment(Trial& run, const Pose2& ground_truth) {
+  run.moments.push_back({run.events.size(), static_cast<double>(run.moments.size()), ground_truth, 0.0, 0.0, std::nullopt});
 }
 
 constexpr std::array<Point2, 3> stations{{{10.0, 0.0}, {0.0, 20.0}, {-7.0, -7.0}}};
@@ -154,7 +154,7 @@ TEST(PlanarLimit, of_who_goes_sideways_is_that_of_who_goes_as_far_straight_on) {
   ahead.go(100);
   aside.go(100);
   for (Event& event : aside.run.events) event = Odometry{0.0, 0.0, 0.05, 0.0, 0.0, -aside.step_m};
-  for (Moment& moment : aside.run.moments) moment.truth.heading_rad += 0.5 * pi;
+  for (Moment& moment : aside.run.moments) moment.ground_truth.heading_rad += 0.5 * pi;
   const RunLimit one = planar_limit_of(ahead.run);
   const RunLimit other = planar_limit_of(aside.run);
   EXPECT_NEAR(one.filter_m2, other.filter_m2, 1e-9 * one.filter_m2);
@@ -205,9 +205,9 @@ TEST(PlanarLimit, where_all_is_linear_is_the_kalman_filter_s_and_the_smoother_s_
   }
 }
 
-TEST(PlanarLimit, takes_the_course_where_the_truth_has_no_heading) {
+TEST(PlanarLimit, takes_the_course_where_the_ground_truth_has_no_heading) {
   Trial headless = beacons_on_a_straight(1.0, false);
-  for (Moment& moment : headless.moments) moment.truth.heading_rad = 0.0;
+  for (Moment& moment : headless.moments) moment.ground_truth.heading_rad = 0.0;
   const RunLimit limit = planar_limit_of(headless);
   const RunLimit known = planar_limit_of(beacons_on_a_straight(1.0, true));
   EXPECT_NEAR(limit.filter_m2 / known.filter_m2, 1.0, 1e-6);
@@ -222,21 +222,21 @@ void lap(std::uint64_t seed, Trial& run) {
   sensors.range_sigma_m = 0.05;
   run.setting.start_sigma_m = 0.02;
   Random random{seed, "test/lap"};
-  Pose2 truth{6.0, 0.0, 0.5 * pi};
-  run.setting.start = {truth.x_m + random.gaussian(0.0, 0.02), truth.y_m + random.gaussian(0.0, 0.02),
-                       truth.heading_rad + random.gaussian(0.0, run.setting.start_heading_sigma_rad)};
+  Pose2 ground_truth{6.0, 0.0, 0.5 * pi};
+  run.setting.start = {ground_truth.x_m + random.gaussian(0.0, 0.02), ground_truth.y_m + random.gaussian(0.0, 0.02),
+                       ground_truth.heading_rad + random.gaussian(0.0, run.setting.start_heading_sigma_rad)};
   constexpr std::array<Point2, 4> corners{{{10.0, 10.0}, {-10.0, 10.0}, {-10.0, -10.0}, {10.0, -10.0}}};
   for (std::uint32_t i = 0; i < 600; ++i) {
     const Odometry counted{0.05, 0.05 / 6.0, 0.1};
     const auto variances = estimation::step_variances(sensors, counted);
-    truth = estimation::moved(truth, {counted.distance_m + random.gaussian(0.0, std::sqrt(variances(0))),
+    ground_truth = estimation::moved(ground_truth, {counted.distance_m + random.gaussian(0.0, std::sqrt(variances(0))),
                                       counted.turn_rad + random.gaussian(0.0, std::sqrt(variances(1))), 0.1});
     run.events.emplace_back(counted);
     if (i % 5 == 4) {
       const Point2 corner = corners[i / 5 % 4];
-      run.events.emplace_back(Range{i / 5 % 4, corner, distance(position(truth), corner) + random.gaussian(0.0, 0.05)});
+      run.events.emplace_back(Range{i / 5 % 4, corner, distance(position(ground_truth), corner) + random.gaussian(0.0, 0.05)});
     }
-    run.moments.push_back({run.events.size(), 0.1 * (i + 1), truth, 0.05 * (i + 1), 0.0, std::nullopt});
+    run.moments.push_back({run.events.size(), 0.1 * (i + 1), ground_truth, 0.05 * (i + 1), 0.0, std::nullopt});
   }
 }
 
@@ -250,7 +250,7 @@ class Cheat final : public estimation::Algorithm {
   estimation::Estimate estimate() const override {
     for (const Moment& moment : run_.moments) {
       if (moment.events == events_)
-        return {moment.truth * Pose2{0.003, 0.0, 0.0}, estimation::Matrix3::Identity(), std::nullopt};
+        return {moment.ground_truth * Pose2{0.003, 0.0, 0.0}, estimation::Matrix3::Identity(), std::nullopt};
     }
     return {};
   }
@@ -307,7 +307,7 @@ TEST(PlanarLimit, of_sensors_that_nobody_has_described_calls_none_a_leak) {
   EXPECT_FALSE(q->algorithms[0].leak);
 }
 
-TEST(PlanarLimit, flags_who_knows_the_truth_in_many_runs_and_in_one) {
+TEST(PlanarLimit, flags_who_knows_the_ground_truth_in_many_runs_and_in_one) {
   for (const std::size_t runs : {1U, 8U}) {
     const Qualification q = laps(runs);
     EXPECT_TRUE(q.algorithms[3].leak) << runs;

@@ -52,7 +52,7 @@ class Qualifying {
   void take(std::size_t index, JudgedRun run) {
     if (index == 0) {
       result_.times_s = std::move(run.times_s);
-      result_.truth = std::move(run.truth);
+      result_.ground_truth = std::move(run.ground_truth);
     }
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
       result_.algorithms[i].limit_assumed = result_.algorithms[i].limit_assumed || run.sensors_assumed;

@@ -109,7 +109,7 @@ struct Qualification {
   std::vector<std::size_t> ranked;  ///< which algorithms the ranks are of
   Digest digest;
   std::vector<double> times_s;  ///< of the first run's moments, for writing trajectories
-  std::vector<Pose2> truth;
+  std::vector<Pose2> ground_truth;
 };
 
 /// Gives run number `index`, made in `room` (what was in it goes, its memory is used again) or kept elsewhere until all

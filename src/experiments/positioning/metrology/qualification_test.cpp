@@ -53,7 +53,7 @@ class Cheat final : public estimation::Algorithm {
   estimation::Rectified rectify(const estimation::Range&) override { return {++events_ > 0, std::nullopt, 0}; }
   estimation::Estimate estimate() const override {
     for (const Moment& moment : trial_.moments) {
-      if (moment.events == events_) return {moment.truth, estimation::Matrix3::Identity(), std::nullopt};
+      if (moment.events == events_) return {moment.ground_truth, estimation::Matrix3::Identity(), std::nullopt};
     }
     return {};
   }
@@ -239,7 +239,7 @@ TEST(Qualification, is_the_same_whoever_does_which_part_first) {
     const auto other = apart.by(backwards, candidates);
     ASSERT_TRUE(forwards && other);
     EXPECT_EQ(to_json(*forwards, {}), to_json(*other, {})) << runs;
-    EXPECT_EQ(forwards->truth, other->truth) << runs;
+    EXPECT_EQ(forwards->ground_truth, other->ground_truth) << runs;
     EXPECT_EQ(forwards->algorithms[2].path, other->algorithms[2].path) << runs;
     EXPECT_EQ(forwards->algorithms[1].runs.size(), runs);
   }
@@ -293,7 +293,7 @@ TEST(Qualification, aligned_takes_away_what_is_common_to_a_run_and_gives_no_limi
   EXPECT_LT(aligned.rmse_m.value, plain.rmse_m.value);
   double squares = 0.0;
   for (std::size_t k = 0; k < aligned.path.size(); ++k) {
-    const double error_m = distance(aligned.path[k], q.truth[k]);
+    const double error_m = distance(aligned.path[k], q.ground_truth[k]);
     squares += error_m * error_m / static_cast<double>(aligned.path.size());
     const Pose2 back = inverse(aligned.alignments[0]) * aligned.path[k];
     EXPECT_LT(distance(back, plain.path[k]), 1e-12);
@@ -308,7 +308,7 @@ TEST(Qualification, aligned_at_the_origin_begins_without_an_error_and_needs_a_he
   bench.runs = 1;
   bench.options.alignment = Alignment::origin;
   const Qualification q = bench.of({candidate("dead_reckoning")});
-  EXPECT_LT(distance(q.algorithms[0].path[0], q.truth[0]), 1e-12);
+  EXPECT_LT(distance(q.algorithms[0].path[0], q.ground_truth[0]), 1e-12);
   const auto source = [&](std::size_t index, Trial& room) -> Result<const Trial*> {
     simulate(bench.simulation, index + 1, room);
     room.heading_known = false;

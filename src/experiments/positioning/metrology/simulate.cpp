@@ -59,7 +59,7 @@ class Drive {
         line_{seed, "metrology/line"},
         scale_{1.0 + Random(seed, "metrology/scale").gaussian(0.0, simulation.scale_sigma)},
         left_m_{line_.next(0.0, simulation.sensors.line_sigma_m)},
-        truth_{pose()} {
+        ground_truth_{pose()} {
     begin(seed);
   }
 
@@ -75,7 +75,7 @@ class Drive {
         read();
       }
       roll(until_m);
-      run_.moments.push_back({run_.events.size(), static_cast<double>(i) / simulation_.odometry_hz, truth_, along_m_,
+      run_.moments.push_back({run_.events.size(), static_cast<double>(i) / simulation_.odometry_hz, ground_truth_, along_m_,
                               along_m_ - mark_m_, kind_});
     }
   }
@@ -88,11 +88,11 @@ class Drive {
     estimation::Setting& setting = run_.setting;
     setting.track = simulation_.track;
     setting.start_along_m = start.gaussian(0.0, simulation_.start_sigma_m);
-    setting.start = truth_;
+    setting.start = ground_truth_;
     setting.start.x_m += start.gaussian(0.0, simulation_.start_sigma_m);
     setting.start.y_m += start.gaussian(0.0, simulation_.start_sigma_m);
     setting.start.heading_rad =
-        wrap_angle(truth_.heading_rad + start.gaussian(0.0, simulation_.start_heading_sigma_rad));
+        wrap_angle(ground_truth_.heading_rad + start.gaussian(0.0, simulation_.start_heading_sigma_rad));
     setting.start_sigma_m = simulation_.start_sigma_m;
     setting.start_heading_sigma_rad = simulation_.start_heading_sigma_rad;
     setting.sensors = simulation_.sensors;
@@ -122,12 +122,12 @@ class Drive {
       const double keeps = whole ? step_keeps_ : det_exp(-d / line_length_m);
       left_m_ = keeps * left_m_ + simulation_.sensors.line_sigma_m * std::sqrt(1.0 - keeps * keeps) * line_.next();
     }
-    const double heading_before = truth_.heading_rad;
-    truth_ = pose();
+    const double heading_before = ground_truth_.heading_rad;
+    ground_truth_ = pose();
     const double q = simulation_.sensors.distance_variance_per_m;
     Odometry odometry{scale_ * (d + std::sqrt(q * d) * odometer_.next()), 0.0, d / simulation_.speed_mps};
     if (simulation_.turns) {
-      const double turn = wrap_angle(truth_.heading_rad - heading_before);
+      const double turn = wrap_angle(ground_truth_.heading_rad - heading_before);
       const double variance =
           simulation_.sensors.turn_variance_per_m * d + simulation_.sensors.turn_variance_per_rad * std::fabs(turn);
       odometry.turn_rad = turn + std::sqrt(variance) * odometer_.next();
@@ -139,7 +139,7 @@ class Drive {
   void read() {
     const std::uint32_t number = beacons_.number();
     Point2 told_M = beacons_.surveyed();
-    const Point2 detected_B = inverse(truth_) * told_M;
+    const Point2 detected_B = inverse(ground_truth_) * told_M;
     beacons_.pass();
     if (simulation_.survey_sigma_m > 0.0) {
       Random survey{survey_seed_, "metrology/survey/" + std::to_string(number)};
@@ -167,7 +167,7 @@ class Drive {
   zone::SectionKind kind_{};
   double step_m_{simulation_.speed_mps / simulation_.odometry_hz};
   double step_keeps_{det_exp(-step_m_ / line_length_m)};
-  Pose2 truth_;
+  Pose2 ground_truth_;
 };
 
 }  // namespace

@@ -98,7 +98,7 @@ TEST(Simulated, same_seed_same_run_and_another_seed_another) {
   simulate(simulation, 7, one);
   simulate(simulation, 7, two);
   ASSERT_EQ(one.events.size(), two.events.size());
-  const auto last = [](const Trial& run) { return run.moments.back().truth.x_m + run.setting.start_along_m; };
+  const auto last = [](const Trial& run) { return run.moments.back().ground_truth.x_m + run.setting.start_along_m; };
   EXPECT_EQ(last(one), last(two));
   simulate(simulation, 8, two);
   EXPECT_NE(last(one), last(two));

@@ -32,24 +32,24 @@ void turn(const double* __restrict heading_rad, double* __restrict sin, double* 
 
 void judge(const Moment& moment, std::size_t i, Trace& trace) {
   const Estimate& estimate = trace.estimates[i];
-  const SinCos h{trace.truth_sin[i], trace.truth_cos[i]};
-  const double x = estimate.pose.x_m - moment.truth.x_m;
-  const double y = estimate.pose.y_m - moment.truth.y_m;
+  const SinCos h{trace.ground_truth_sin[i], trace.ground_truth_cos[i]};
+  const double x = estimate.pose.x_m - moment.ground_truth.x_m;
+  const double y = estimate.pose.y_m - moment.ground_truth.y_m;
   trace.error_m.push_back(std::sqrt(x * x + y * y));
   trace.along_m.push_back(h.cos * x + h.sin * y);
   trace.across_m.push_back(-h.sin * x + h.cos * y);
-  trace.heading_rad.push_back(wrap_angle(estimate.pose.heading_rad - moment.truth.heading_rad));
+  trace.heading_rad.push_back(wrap_angle(estimate.pose.heading_rad - moment.ground_truth.heading_rad));
   trace.nees.push_back(nees_of(x, y, estimate.covariance));
 }
 
 void turn_all(const Trial& run, Trace& trace) {
   const std::size_t n = run.moments.size();
-  std::vector<double>& headings = trace.truth_heading_rad;
+  std::vector<double>& headings = trace.ground_truth_heading_rad;
   headings.clear();
-  for (const Moment& moment : run.moments) headings.push_back(moment.truth.heading_rad);
-  trace.truth_sin.resize(n);
-  trace.truth_cos.resize(n);
-  turn(headings.data(), trace.truth_sin.data(), trace.truth_cos.data(), n);
+  for (const Moment& moment : run.moments) headings.push_back(moment.ground_truth.heading_rad);
+  trace.ground_truth_sin.resize(n);
+  trace.ground_truth_cos.resize(n);
+  turn(headings.data(), trace.ground_truth_sin.data(), trace.ground_truth_cos.data(), n);
 }
 
 void forget_judgement(Trace& trace) {
@@ -84,17 +84,17 @@ Result<Pose2> alignment_of(Alignment how, const Trial& run, const Trace& trace) 
   if (how == Alignment::origin) {
     if (!run.heading_known)
       return fail("align.heading", "the truth has no heading to put the first pose on; se2 needs none", run.name);
-    return run.moments.front().truth * inverse(trace.estimates.front().pose);
+    return run.moments.front().ground_truth * inverse(trace.estimates.front().pose);
   }
-  std::vector<Point2> truth;
+  std::vector<Point2> ground_truth;
   std::vector<Point2> estimate;
-  truth.reserve(run.moments.size());
+  ground_truth.reserve(run.moments.size());
   estimate.reserve(run.moments.size());
   for (std::size_t i = 0; i < run.moments.size(); ++i) {
-    truth.push_back(position(run.moments[i].truth));
+    ground_truth.push_back(position(run.moments[i].ground_truth));
     estimate.push_back(position(trace.estimates[i].pose));
   }
-  auto found = rigid_alignment(truth, estimate);
+  auto found = rigid_alignment(ground_truth, estimate);
   if (!found) found.error().place = run.name;
   return found;
 }

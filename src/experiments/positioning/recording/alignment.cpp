@@ -83,18 +83,18 @@ Eigen4 eigen_of(Matrix4 m) {
 /// Least squares over all turns in space. Source: B. K. P. Horn, Closed-form solution of absolute orientation using
 /// unit quaternions, JOSA A 4 (1987): the same optimum as Umeyama's without scale, and never a mirror image.
 Result<RigidMotion> in_space(const std::vector<Pair>& pairs) {
-  const Place of_truth = middle_of(pairs, &Pair::reference);
+  const Place of_ground_truth = middle_of(pairs, &Pair::reference);
   const Place of_estimate = middle_of(pairs, &Pair::estimate);
   std::array<std::array<double, 3>, 3> s{};
-  double truth_spread = 0.0;
+  double ground_truth_spread = 0.0;
   double estimate_spread = 0.0;
   for (const Pair& pair : pairs) {
     Place e{};
     Place t{};
     for (std::size_t i = 0; i < 3; ++i) {
       e[i] = pair.estimate.p_m[i] - of_estimate[i];
-      t[i] = pair.reference.p_m[i] - of_truth[i];
-      truth_spread += t[i] * t[i];
+      t[i] = pair.reference.p_m[i] - of_ground_truth[i];
+      ground_truth_spread += t[i] * t[i];
       estimate_spread += e[i] * e[i];
     }
     for (std::size_t i = 0; i < 3; ++i) {
@@ -116,23 +116,23 @@ Result<RigidMotion> in_space(const std::vector<Pair>& pairs) {
   double second = -1e300;
   for (std::size_t i = 0; i < 4; ++i) second = i == best ? second : std::fmax(second, eigen.values[i]);
   // Two turns as good as each other: all places on one line, or at one place.
-  if (!(eigen.values[best] - second > 1e-9 * std::sqrt(truth_spread * estimate_spread)))
+  if (!(eigen.values[best] - second > 1e-9 * std::sqrt(ground_truth_spread * estimate_spread)))
     return fail("align.turn",
                 "the places lie too near one line to tell a turn in space; se2 needs no more than a line");
   const auto& v = eigen.vectors;
-  return motion({v[1][best], v[2][best], v[3][best], v[0][best]}, of_estimate, of_truth);
+  return motion({v[1][best], v[2][best], v[3][best], v[0][best]}, of_estimate, of_ground_truth);
 }
 
 Result<RigidMotion> on_the_floor(const std::vector<Pair>& pairs) {
-  std::vector<Point2> truth;
+  std::vector<Point2> ground_truth;
   std::vector<Point2> estimate;
-  truth.reserve(pairs.size());
+  ground_truth.reserve(pairs.size());
   estimate.reserve(pairs.size());
   for (const Pair& pair : pairs) {
-    truth.push_back({pair.reference.p_m[0], pair.reference.p_m[1]});
+    ground_truth.push_back({pair.reference.p_m[0], pair.reference.p_m[1]});
     estimate.push_back({pair.estimate.p_m[0], pair.estimate.p_m[1]});
   }
-  const auto found = rigid_alignment(truth, estimate);
+  const auto found = rigid_alignment(ground_truth, estimate);
   if (!found) return tl::unexpected(found.error());
   return motion(stamped(0.0, *found).q, middle_of(pairs, &Pair::estimate), middle_of(pairs, &Pair::reference));
 }
@@ -153,10 +153,10 @@ Result<RigidMotion> alignment_of(Alignment how, const std::vector<Pair>& pairs) 
     case Alignment::se2: return on_the_floor(pairs);
     case Alignment::se3: return in_space(pairs);
     case Alignment::origin: {
-      const Stamped& truth = pairs.front().reference;
+      const Stamped& ground_truth = pairs.front().reference;
       const Stamped& estimate = pairs.front().estimate;
       const Quaternion back{-estimate.q[0], -estimate.q[1], -estimate.q[2], estimate.q[3]};
-      return motion(product(truth.q, back), estimate.p_m, truth.p_m);
+      return motion(product(ground_truth.q, back), estimate.p_m, ground_truth.p_m);
     }
   }
   return RigidMotion{};

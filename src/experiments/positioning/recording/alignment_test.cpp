@@ -7,7 +7,7 @@
 namespace cosiva::experiments {
 namespace {
 
-constexpr std::array<std::array<double, 3>, 9> truth{{{1.229017, 2.41787, 2.951936},
+constexpr std::array<std::array<double, 3>, 9> ground_truth{{{1.229017, 2.41787, 2.951936},
                                                       {-0.343773, 4.433567, 1.489746},
                                                       {-0.30931, -2.534272, 0.437609},
                                                       {4.163454, 2.657255, -3.403958},
@@ -28,8 +28,8 @@ constexpr std::array<std::array<double, 3>, 9> estimate{{{1.536021, 2.301753, 2.
 
 std::vector<Pair> nine() {
   std::vector<Pair> pairs;
-  for (std::size_t i = 0; i < truth.size(); ++i)
-    pairs.push_back({{static_cast<double>(i), truth[i], {0.0, 0.0, 0.0, 1.0}},
+  for (std::size_t i = 0; i < ground_truth.size(); ++i)
+    pairs.push_back({{static_cast<double>(i), ground_truth[i], {0.0, 0.0, 0.0, 1.0}},
                      {static_cast<double>(i), estimate[i], {0.0, 0.0, 0.0, 1.0}}});
   return pairs;
 }

@@ -28,15 +28,15 @@ struct Drive {
 
   [[nodiscard]] RecordingFiles files() const {
     std::ostringstream odometry;
-    std::ostringstream truth;
+    std::ostringstream ground_truth;
     odometry << (tells_speeds ? "time_s,speed_mps,turn_radps\n" : "time_s,delta_distance_m,delta_heading_rad\n");
-    truth << "time_s,x_m,y_m,heading_rad\n";
+    ground_truth << "time_s,x_m,y_m,heading_rad\n";
     double since = 0.0;
     for (int i = 0; i <= 600; ++i) {
       const double t_s = 0.1 * i;
       const double angle_rad = 0.2 * speed_mps * t_s;
       const SinCos at = sincos(angle_rad);
-      truth << t_s << "," << 5.0 * at.cos << "," << 5.0 * at.sin << "," << heading(angle_rad + 0.5 * pi) << "\n";
+      ground_truth << t_s << "," << 5.0 * at.cos << "," << 5.0 * at.sin << "," << heading(angle_rad + 0.5 * pi) << "\n";
       if (i == 0) continue;
       since += 0.1;
       if (!counts(t_s)) continue;
@@ -44,7 +44,7 @@ struct Drive {
       odometry << t_s << "," << counted_s * speed_mps << "," << counted_s * 0.2 * speed_mps << "\n";
       since = 0.0;
     }
-    return {{"odometry.csv", odometry.str()}, {"groundtruth.csv", truth.str()}};
+    return {{"odometry.csv", odometry.str()}, {"groundtruth.csv", ground_truth.str()}};
   }
   [[nodiscard]] Recording recording() const {
     auto read = read_recording("drive", files());
@@ -53,32 +53,32 @@ struct Drive {
   }
 };
 
-TEST(TruthHeading, that_is_off_the_way_it_goes_by_always_the_same_is_turned_by_that_and_said_so) {
+TEST(GroundTruthHeading, that_is_off_the_way_it_goes_by_always_the_same_is_turned_by_that_and_said_so) {
   Drive drive;
   drive.heading = [](double course_rad) { return course_rad + pi; };
   const Recording recording = drive.recording();
-  EXPECT_TRUE(recording.truth_has_heading);
-  EXPECT_NEAR(wrap_angle(recording.truth[0].heading_rad - 0.5 * pi), 0.0, 0.01);
+  EXPECT_TRUE(recording.ground_truth_has_heading);
+  EXPECT_NEAR(wrap_angle(recording.ground_truth[0].heading_rad - 0.5 * pi), 0.0, 0.01);
   ASSERT_EQ(recording.diagnostics.size(), 1U);
   EXPECT_EQ(recording.diagnostics[0].substr(0, 45), "the truth's heading is 180 degrees off the wa");
 }
 
-TEST(TruthHeading, is_not_touched_where_it_is_right_as_far_as_a_start_is_known_nor_of_who_drives_backwards) {
+TEST(GroundTruthHeading, is_not_touched_where_it_is_right_as_far_as_a_start_is_known_nor_of_who_drives_backwards) {
   for (const double off_rad : {0.0, 0.1, -0.1}) {
     Drive drive;
     drive.heading = [off_rad](double course_rad) { return course_rad + off_rad; };
     const Recording recording = drive.recording();
     EXPECT_TRUE(recording.diagnostics.empty()) << off_rad;
-    EXPECT_NEAR(recording.truth[0].heading_rad, 0.5 * pi + off_rad, 1e-5);
+    EXPECT_NEAR(recording.ground_truth[0].heading_rad, 0.5 * pi + off_rad, 1e-5);
   }
   // Its body looks along the circle the one way, and goes the other.
   Drive backwards;
   backwards.speed_mps = -1.0;
   EXPECT_TRUE(backwards.recording().diagnostics.empty());
-  EXPECT_TRUE(backwards.recording().truth_has_heading);
+  EXPECT_TRUE(backwards.recording().ground_truth_has_heading);
 }
 
-TEST(TruthHeading, that_does_not_follow_the_way_is_left_out_and_said_so) {
+TEST(GroundTruthHeading, that_does_not_follow_the_way_is_left_out_and_said_so) {
   const std::vector<std::function<double(double)>> hands{
       [](double course_rad) { return course_rad * 180.0 / pi; },  // degrees
       [](double course_rad) { return 0.5 * pi - course_rad; },    // a compass
@@ -88,7 +88,7 @@ TEST(TruthHeading, that_does_not_follow_the_way_is_left_out_and_said_so) {
     Drive drive;
     drive.heading = hands[hand];
     const Recording recording = drive.recording();
-    EXPECT_FALSE(recording.truth_has_heading) << hand;
+    EXPECT_FALSE(recording.ground_truth_has_heading) << hand;
     ASSERT_EQ(recording.diagnostics.size(), 1U) << hand;
     EXPECT_EQ(recording.diagnostics[0].substr(0, 44), "the truth's heading does not follow the way ");
     EXPECT_GT(replayed(recording)->setting.start_heading_sigma_rad, 1.0);

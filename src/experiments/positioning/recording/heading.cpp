@@ -50,22 +50,22 @@ struct Offset {
 Offset offset_of(const Recording& recording) {
   const Odometer way{recording.odometry, &Recording::Step::distance_m};
   const Odometer turns{recording.odometry, &Recording::Step::turn_rad};
-  const auto& truth = recording.truth;
+  const auto& ground_truth = recording.ground_truth;
   double along = 0.0;
   double aside = 0.0;
   int chords = 0;
   std::size_t from = 0;
-  for (std::size_t to = 1; to < truth.size(); ++to) {
-    const double dx = truth[to].place_M.x_m - truth[from].place_M.x_m;
-    const double dy = truth[to].place_M.y_m - truth[from].place_M.y_m;
+  for (std::size_t to = 1; to < ground_truth.size(); ++to) {
+    const double dx = ground_truth[to].place_M.x_m - ground_truth[from].place_M.x_m;
+    const double dy = ground_truth[to].place_M.y_m - ground_truth[from].place_M.y_m;
     if (norm(dx, dy) < chord_m) continue;
-    const double counted_m = way.at(truth[to].t_s) - way.at(truth[from].t_s);
-    const double bent_rad = std::fabs(turns.at(truth[to].t_s) - turns.at(truth[from].t_s));
+    const double counted_m = way.at(ground_truth[to].t_s) - way.at(ground_truth[from].t_s);
+    const double bent_rad = std::fabs(turns.at(ground_truth[to].t_s) - turns.at(ground_truth[from].t_s));
     // What odometry did not count tells neither forwards nor backwards.
     if (std::fabs(counted_m) > 0.5 * norm(dx, dy) && bent_rad < bend_rad) {
       const double course_rad = det_atan2(dy, dx) + (counted_m < 0.0 ? pi : 0.0);
-      const double turn_rad = wrap_angle(truth[to].heading_rad - truth[from].heading_rad);
-      const SinCos off = sincos(course_rad - truth[from].heading_rad - 0.5 * turn_rad);
+      const double turn_rad = wrap_angle(ground_truth[to].heading_rad - ground_truth[from].heading_rad);
+      const SinCos off = sincos(course_rad - ground_truth[from].heading_rad - 0.5 * turn_rad);
       along += off.cos;
       aside += off.sin;
       ++chords;
@@ -78,17 +78,17 @@ Offset offset_of(const Recording& recording) {
 }  // namespace
 
 void check_heading(Recording& recording) {
-  if (!recording.truth_has_heading) return;
+  if (!recording.ground_truth_has_heading) return;
   const Offset offset = offset_of(recording);
   if (offset.chords < enough) return;
   if (offset.together < follows) {
-    recording.truth_has_heading = false;
-    for (Recording::True& truth : recording.truth) truth.heading_rad = 0.0;
+    recording.ground_truth_has_heading = false;
+    for (Recording::True& ground_truth : recording.ground_truth) ground_truth.heading_rad = 0.0;
     recording.diagnostics.emplace_back(
         "the truth's heading does not follow the way it goes (is it in radians, counter-clockwise from x?); it is left "
         "out, and whoever can has to find one");
   } else if (std::fabs(offset.mean_rad) > offset_rad) {
-    for (Recording::True& truth : recording.truth) truth.heading_rad += offset.mean_rad;
+    for (Recording::True& ground_truth : recording.ground_truth) ground_truth.heading_rad += offset.mean_rad;
     recording.diagnostics.push_back("the truth's heading is " +
                               std::to_string(std::lround(std::fabs(offset.mean_rad) * 180.0 / pi)) +
                               " degrees off the way it goes, forwards by odometry; it is turned by that");

@@ -76,16 +76,16 @@ Result<void> read_odometry(const Table& table, Recording& recording) {
   return {};
 }
 
-Result<void> read_truth(const Table& table, Recording& recording) {
+Result<void> read_ground_truth(const Table& table, Recording& recording) {
   const auto columns = columns_of(table, {"time_s", "x_m", "y_m"});
   if (!columns) return tl::unexpected(columns.error());
   const auto& c = *columns;
   if (auto fine = rising(table, c[0]); !fine) return fine;
   const auto heading = table.want("heading_rad");
   if (!heading) return tl::unexpected(heading.error());
-  recording.truth_has_heading = heading->has_value();
+  recording.ground_truth_has_heading = heading->has_value();
   for (const Row& row : table.rows)
-    recording.truth.push_back({row[c[0]], {row[c[1]], row[c[2]]}, *heading ? row[**heading] : 0.0});
+    recording.ground_truth.push_back({row[c[0]], {row[c[1]], row[c[2]]}, *heading ? row[**heading] : 0.0});
   return {};
 }
 
@@ -160,7 +160,7 @@ Result<Recording> read_tables(std::string_view name, const RecordingFiles& files
     bool needed;
     Result<void> (*read)(const Table&, Recording&);
   };
-  for (const Part& part : {Part{"odometry.csv", true, read_odometry}, Part{"groundtruth.csv", true, read_truth},
+  for (const Part& part : {Part{"odometry.csv", true, read_odometry}, Part{"groundtruth.csv", true, read_ground_truth},
                            Part{"beacons.csv", false, read_beacons}, Part{"ranges.csv", false, read_ranges},
                            Part{"readings.csv", false, read_readings}}) {
     const auto found = files.find(part.file);
@@ -243,7 +243,7 @@ Result<void> take_input(const TextLine& line, Recording& recording) {
 }
 
 /// point2 t x y … · angle t heading …
-Result<void> take_truth(const TextLine& line, Recording& recording, std::map<double, double>& headings) {
+Result<void> take_ground_truth(const TextLine& line, Recording& recording, std::map<double, double>& headings) {
   const auto& v = line.values;
   if (line.kind == "angle") {
     if (v.size() < 2) return too_short(line, 2);
@@ -251,9 +251,9 @@ Result<void> take_truth(const TextLine& line, Recording& recording, std::map<dou
     return {};
   }
   if (v.size() < 3) return too_short(line, 3);
-  if (!recording.truth.empty() && !(v[0] > recording.truth.back().t_s))
+  if (!recording.ground_truth.empty() && !(v[0] > recording.ground_truth.back().t_s))
     return fail("recording.stamp", "the stamp is not later than the one before it", line.place);
-  recording.truth.push_back({v[0], {v[1], v[2]}, 0.0});
+  recording.ground_truth.push_back({v[0], {v[1], v[2]}, 0.0});
   return {};
 }
 
@@ -272,7 +272,7 @@ void bend(Recording::Step& step) {
   step.left_m = (ahead * y_m - aside * x_m) / squared;
 }
 
-Result<Recording> read_librsf(std::string_view name, std::string_view input, std::string_view truth,
+Result<Recording> read_librsf(std::string_view name, std::string_view input, std::string_view ground_truth,
                               const RecordingFiles& files) {
   Recording recording;
   recording.name = name;
@@ -283,17 +283,17 @@ Result<Recording> read_librsf(std::string_view name, std::string_view input, std
     return take_input(line, recording);
   };
   std::map<double, double> headings;
-  const auto true_place = [&](const TextLine& line) { return take_truth(line, recording, headings); };
+  const auto true_place = [&](const TextLine& line) { return take_ground_truth(line, recording, headings); };
   if (auto fine = each_line(input, text_of(input), {"range2", "odom2diff", "odom2"}, told); !fine)
     return tl::unexpected(fine.error());
-  if (auto fine = each_line(truth, text_of(truth), {"point2", "angle"}, true_place); !fine)
+  if (auto fine = each_line(ground_truth, text_of(ground_truth), {"point2", "angle"}, true_place); !fine)
     return tl::unexpected(fine.error());
   if (recording.odometry.size() < 2) return fail("recording.empty", "there is no odometry in it", std::string(input));
-  if (recording.truth.empty()) return fail("recording.empty", "there is no truth in it", std::string(truth));
+  if (recording.ground_truth.empty()) return fail("recording.empty", "there is no truth in it", std::string(ground_truth));
   const auto has_heading = [&](const Recording::True& one) { return headings.contains(one.t_s); };
-  recording.truth_has_heading = std::ranges::all_of(recording.truth, has_heading);
-  if (recording.truth_has_heading) {
-    for (Recording::True& one : recording.truth) one.heading_rad = headings[one.t_s];
+  recording.ground_truth_has_heading = std::ranges::all_of(recording.ground_truth, has_heading);
+  if (recording.ground_truth_has_heading) {
+    for (Recording::True& one : recording.ground_truth) one.heading_rad = headings[one.t_s];
   }
   recording.odometry_told_speeds = true;
   // A speed is measured over the time that ends with its stamp.
@@ -333,12 +333,12 @@ Result<Recording> read_either(std::string_view name, const RecordingFiles& files
   if (auto fine = check_texts(files); !fine) return tl::unexpected(fine.error());
   if (files.contains("odometry.csv")) return read_tables(name, files);
   std::string input;
-  std::string truth;
+  std::string ground_truth;
   for (const auto& [file, text] : files) {
     if (file.ends_with("Input.txt")) input = file;
-    if (file.ends_with("GT.txt")) truth = file;
+    if (file.ends_with("GT.txt")) ground_truth = file;
   }
-  if (!input.empty() && !truth.empty()) return read_librsf(name, input, truth, files);
+  if (!input.empty() && !ground_truth.empty()) return read_librsf(name, input, ground_truth, files);
   return fail("recording.missing",
               "there is neither an odometry.csv with a groundtruth.csv, nor libRSF's …Input.txt with a …GT.txt",
               std::string(name));

@@ -44,8 +44,8 @@ struct Recording {
   bool turns_from_wheels{false};     ///< from how differently they roll; else a gyroscope may have told them
   std::vector<Heard> ranges;         ///< in the order of their stamps, as are readings
   std::vector<Sighted> readings;
-  std::vector<True> truth;  ///< stamps rise
-  bool truth_has_heading{false};
+  std::vector<True> ground_truth;  ///< stamps rise
+  bool ground_truth_has_heading{false};
   std::map<std::uint32_t, Point2> beacons;  ///< stations and marks, by number
   std::map<std::string, double> sensors;    ///< figures of sensors that came with it, by their names in SensorModel
   std::vector<std::string> diagnostics{};         ///< what was made of it, in sentences

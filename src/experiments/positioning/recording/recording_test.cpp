@@ -81,7 +81,7 @@ TEST(Recording, reads_speeds_and_libRSF_text) {
   EXPECT_DOUBLE_EQ(rsf->odometry[1].distance_m, 0.1);
   EXPECT_DOUBLE_EQ(rsf->odometry[1].turn_rad, 0.2);
   EXPECT_EQ(rsf->beacons.at(105), (Point2{-0.02, -0.01}));
-  EXPECT_FALSE(rsf->truth_has_heading);
+  EXPECT_FALSE(rsf->ground_truth_has_heading);
   EXPECT_GT(replayed(*rsf)->setting.start_heading_sigma_rad, 1.0);
 }
 
@@ -92,8 +92,8 @@ TEST(Recording, of_libRSF_that_goes_then_turns_ends_each_step_where_that_ends) {
              "odom2 4 0.5 0 -3 1 1 1\n"},
             {"A_GT.txt", "point2 0 0 0 0 0 0 0\nangle 0 3.14 0\npoint2 1 1 0 0 0 0 0\nangle 1 3.14 0\n"}});
   ASSERT_TRUE(rsf) << to_string(rsf.error());
-  EXPECT_TRUE(rsf->truth_has_heading);
-  EXPECT_EQ(rsf->truth[1].heading_rad, 3.14);
+  EXPECT_TRUE(rsf->ground_truth_has_heading);
+  EXPECT_EQ(rsf->ground_truth[1].heading_rad, 3.14);
   const std::vector<Pose2> ends{{-1.0, 0.1, 0.0}, {1.0, 0.2, 0.5 * pi}};
   for (std::size_t i = 0; i < ends.size(); ++i) {
     const Recording::Step& step = rsf->odometry[i];
@@ -193,7 +193,7 @@ TEST(Recording, is_the_same_however_its_tables_are_written) {
     ASSERT_EQ(trial->events.size(), plain->events.size()) << hand;
     for (std::size_t i = 0; i < plain->moments.size(); ++i) {
       EXPECT_EQ(trial->moments[i].t_s, plain->moments[i].t_s) << hand;
-      EXPECT_EQ(trial->moments[i].truth, plain->moments[i].truth) << hand;
+      EXPECT_EQ(trial->moments[i].ground_truth, plain->moments[i].ground_truth) << hand;
     }
   }
 }

@@ -11,14 +11,14 @@ namespace cosiva::experiments {
 namespace {
 
 /// The truth at a time, and the way it has gone by then.
-class Truth {
+class GroundTruth {
  public:
-  Truth(const Recording& recording, double gap_s) : truth_{recording.truth}, gap_s_{gap_s} {}
+  GroundTruth(const Recording& recording, double gap_s) : ground_truth_{recording.ground_truth}, gap_s_{gap_s} {}
 
   [[nodiscard]] std::optional<Pose2> at(double t_s) const {
-    const auto after = std::ranges::lower_bound(truth_, t_s, {}, &Recording::True::t_s);
-    if (after != truth_.end() && after->t_s == t_s) return pose(*after);
-    if (after == truth_.begin() || after == truth_.end()) return std::nullopt;
+    const auto after = std::ranges::lower_bound(ground_truth_, t_s, {}, &Recording::True::t_s);
+    if (after != ground_truth_.end() && after->t_s == t_s) return pose(*after);
+    if (after == ground_truth_.begin() || after == ground_truth_.end()) return std::nullopt;
     const Recording::True& a = *(after - 1);
     const Recording::True& b = *after;
     if (b.t_s - a.t_s > gap_s_) return std::nullopt;
@@ -30,7 +30,7 @@ class Truth {
 
  private:
   static Pose2 pose(const Recording::True& t) { return {t.place_M.x_m, t.place_M.y_m, wrap_angle(t.heading_rad)}; }
-  const std::vector<Recording::True>& truth_;
+  const std::vector<Recording::True>& ground_truth_;
   double gap_s_;
 };
 
@@ -197,18 +197,18 @@ std::optional<double> range_noise_m(const Recording& recording) {
 Result<Trial> replayed(const Recording& recording, const ReplayOptions& options) {
   Trial trial;
   trial.name = recording.name;
-  trial.heading_known = recording.truth_has_heading;
+  trial.heading_known = recording.ground_truth_has_heading;
   trial.sensors_assumed = recording.sensors.empty();
   if (auto fine = take_sensors(recording, trial.setting.sensors); !fine) return tl::unexpected(fine.error());
-  const Truth truth{recording, options.gap_s};
+  const GroundTruth ground_truth{recording, options.gap_s};
   Mixer mixer{recording, trial};
   bool begun = false;
   for (const Recording::Step& step : recording.odometry) {
     const double from_s = step.t_s - step.duration_s;
     if (!begun) {
       // It begins where the truth does: at the step's beginning, or at its end.
-      const auto start = truth.at(from_s);
-      const auto later = start ? start : truth.at(step.t_s);
+      const auto start = ground_truth.at(from_s);
+      const auto later = start ? start : ground_truth.at(step.t_s);
       if (!later) continue;
       trial.setting.start = *later;
       begun = true;
@@ -216,7 +216,7 @@ Result<Trial> replayed(const Recording& recording, const ReplayOptions& options)
       if (!start) continue;
     }
     if (auto told = mixer.step(step); !told) return tl::unexpected(told.error());
-    const auto here = truth.at(step.t_s);
+    const auto here = ground_truth.at(step.t_s);
     if (!here) continue;
     trial.moments.push_back({trial.events.size(), step.t_s, *here, mixer.travelled_m(), mixer.since_m(), std::nullopt});
   }
@@ -226,7 +226,7 @@ Result<Trial> replayed(const Recording& recording, const ReplayOptions& options)
         "odometry and truth share no time, or the truth's gaps are longer than " + std::to_string(options.gap_s) + " s",
         recording.name);
   trial.setting.start_sigma_m = options.start_sigma_m;
-  trial.setting.start_heading_sigma_rad = recording.truth_has_heading ? options.start_heading_sigma_rad : pi;
+  trial.setting.start_heading_sigma_rad = recording.ground_truth_has_heading ? options.start_heading_sigma_rad : pi;
   const bool told =
       std::ranges::any_of(recording.sensors, [](const auto& one) { return one.first.starts_with("range_"); });
   if (!recording.ranges.empty() && !told && !range_noise_m(recording))

@@ -78,7 +78,7 @@ TEST(Association, by_the_nearest_stamp_takes_each_of_the_shorter_one_once) {
 
 TEST(Association, of_times_that_do_not_meet_is_an_error_that_names_both) {
   const auto pairs =
-      associate(read("0 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n", "truth"), read("5 0 0 0 0 0 0 1\n", "mine"), {});
+      associate(read("0 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n", "ground_truth"), read("5 0 0 0 0 0 0 1\n", "mine"), {});
   ASSERT_FALSE(pairs);
   EXPECT_EQ(pairs.error().code, "recording.overlap");
   EXPECT_NE(pairs.error().message.find("truth from 0 to 1 s, mine from 5 to 5 s"), std::string::npos);

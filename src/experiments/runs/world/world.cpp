@@ -289,7 +289,7 @@ Result<std::unique_ptr<World>> World::make(WorldOptions options) {
   plant_options.vehicles = options.aivs;
   plant_options.seed = options.seed;
   plant_options.noise = options.noise;
-  plant_options.publish_truth = options.truth;
+  plant_options.publish_ground_truth = options.ground_truth;
   plant_options.cycle = options.cycle.value_or(plant_options.cycle);
   auto plant = physical::PlantCore::make(std::move(plant_options));
   if (!plant) return tl::unexpected(plant.error());

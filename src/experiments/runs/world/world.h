@@ -36,7 +36,7 @@ struct WorldOptions {
   /// within a hundredth of a second. Nothing: each at its own pace, as the live platform does (10 and 20 ms), and out
   /// of step. From 20 to 100 ms (checked): boards and drives wait no longer for each other.
   std::optional<SimDuration> cycle{};
-  bool truth{true};  ///< the plant tells instruments the true poses, ten times a second
+  bool ground_truth{true};  ///< the plant tells instruments the true poses, ten times a second
 };
 
 class World {

@@ -299,8 +299,8 @@ TEST(ServerCore, anticipates_by_arrival_when_a_vehicle_s_clock_is_wrong) {
   EXPECT_TRUE(bench.logged("clock"));
   const JsonValue shown = bench.aiv("CoSiVA/AIV1");
   EXPECT_LT(*shown.number("age_ms"), 150.0);
-  const Pose2 truth = aiv.pose();
-  EXPECT_LT(distance({*shown.number("x"), *shown.number("y")}, position(truth)), 0.03);
+  const Pose2 ground_truth = aiv.pose();
+  EXPECT_LT(distance({*shown.number("x"), *shown.number("y")}, position(ground_truth)), 0.03);
   EXPECT_THAT(
       (*shown.find("errors")->array()).back().text() != nullptr ? *(*shown.find("errors")->array()).back().text() : "",
       HasSubstr("clock"));
