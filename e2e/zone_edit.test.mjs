@@ -54,9 +54,9 @@ test('tags and beacons are edited on the page', { timeout: 240_000 }, async (t) 
     assert.ok(Math.hypot(moved.x - wanted.x, moved.y - wanted.y) < 0.03, `tag 6 at ${moved.x}, ${moved.y} instead of ${wanted.x}, ${wanted.y}`);
     const aiv = await eventually('somebody has just passed it', async () => (await platform.snapshot()).aivs.find((one) => one.lastTag === 6 && one.sinceTag_m < 0.2 && one.speed > 0.1), { within_ms: 60_000, every_ms: 30 });
     // It says how far behind the tag is: with the tag's new place that is where it really is.
-    const believed = place(moved.section, moved.s + aiv.sinceTag_m);
+    const estimated = place(moved.section, moved.s + aiv.sinceTag_m);
     const really = ground_truth.vehicle(aiv.number);
-    assert.ok(Math.hypot(believed.x - really.x, believed.y - really.y) < 0.12, `believed ${believed.x}, ${believed.y}; really ${really.x}, ${really.y}`);
+    assert.ok(Math.hypot(estimated.x - really.x, estimated.y - really.y) < 0.12, `estimated ${estimated.x}, ${estimated.y}; really ${really.x}, ${really.y}`);
   });
 
   await t.test('a tag is added and another taken away, by keyboard alone', async () => {

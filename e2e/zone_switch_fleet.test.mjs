@@ -17,7 +17,7 @@ function resident_mb(pid) {
   return Number(line.match(/\d+/)[0]) / 1024;
 }
 
-// Further than this from every way of a zone a vehicle is parked there; believed and true place differ by less than the other.
+// Further than this from every way of a zone a vehicle is parked there; estimated and true place differ by less than the other.
 const anchor_within_m = 0.3;
 const belief_m = 0.05;
 

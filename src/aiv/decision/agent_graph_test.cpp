@@ -34,9 +34,9 @@ struct GraphBench {
   int turns{0};
   int tick{0};
 
-  GraphBench(const zone::TrafficZone& z, std::string_view section, double s_m, double believed_ahead_m = 0.0)
+  GraphBench(const zone::TrafficZone& z, std::string_view section, double s_m, double estimated_ahead_m = 0.0)
       : zone{z}, world{z.circuit, at(z, section, s_m)} {
-    agent.estimator().place_at(at(z, section, s_m + believed_ahead_m));
+    agent.estimator().place_at(at(z, section, s_m + estimated_ahead_m));
     step();
   }
   GraphBench& take(const wire::Order& text) {
@@ -136,9 +136,9 @@ TEST(AgentAtAFork, believes_a_little_more_than_it_has_driven_and_still_takes_an_
 }
 
 TEST(AgentOnTwoSections, of_the_same_line_takes_an_order_along_either) {
-  for (const auto& [believed, node, edge] : {std::tuple{"there", "tt", "there_too"}, {"there_too", "t", "there"}}) {
+  for (const auto& [estimated, node, edge] : {std::tuple{"there", "tt", "there_too"}, {"there_too", "t", "there"}}) {
     Agent agent{test::there_and_back()};
-    agent.estimator().place_at(at(test::there_and_back(), believed, 0.2));
+    agent.estimator().place_at(at(test::there_and_back(), estimated, 0.2));
     auto text = order("O-1").through({"W", node});
     const auto verdict = agent.take_order(text);
     ASSERT_TRUE(verdict) << verdict.error().message;
@@ -216,14 +216,14 @@ TEST(AgentAtABend, goes_straight_on_where_its_order_does) {
 }
 
 TEST(AgentAtABend, is_put_right_by_it) {
-  for (const double believed_ahead_m : {-0.08, 0.08}) {
-    GraphBench bench{square(), "south", 0.5, believed_ahead_m};
+  for (const double estimated_ahead_m : {-0.08, 0.08}) {
+    GraphBench bench{square(), "south", 0.5, estimated_ahead_m};
     auto text = order("O-1").through({"A", "B", "C"});
     text.edge(0).edge_id = "south";
     bench.take(text);
     ASSERT_TRUE(bench.run_until([&] { return bench.turns == 1 && bench.section() == "east"; }, 20.0));
     bench.run(1.0);
-    EXPECT_LT(distance(bench.agent.position().pose(), bench.world.pose()), 0.01) << believed_ahead_m;
+    EXPECT_LT(distance(bench.agent.position().pose(), bench.world.pose()), 0.01) << estimated_ahead_m;
     bench.run(20.0);
     EXPECT_THAT(bench.traversed, ElementsAre("B", "C"));
   }

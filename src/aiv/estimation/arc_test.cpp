@@ -53,7 +53,7 @@ TEST(ResetRule, is_where_the_mark_is) {
   EXPECT_NEAR(variance(algorithm), 1e-4, 1e-15);
 }
 
-TEST(ArcKalman, weighs_belief_and_mark_by_their_variances) {
+TEST(ArcKalman, weighs_estimate_and_mark_by_their_variances) {
   ArcKalman algorithm{setting_on(testing::straight())};
   algorithm.predict({2.0, 0.0, 1.0});
   // P = 4e-4 + 2e-4, R = 1e-4: gain 6/7.

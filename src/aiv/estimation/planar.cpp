@@ -133,16 +133,16 @@ Estimate on_track(const Track& track, const SensorModel& sensors, double along_m
 // ---- EKF
 // -------------------------------------------------------------------------------------------------------------
 
-Ekf::Ekf(Setting setting) : told{std::move(setting)}, belief{told.start}, doubt{start_covariance(told)} {}
+Ekf::Ekf(Setting setting) : told{std::move(setting)}, current_estimate{told.start}, doubt{start_covariance(told)} {}
 
 void Ekf::predict(const Odometry& odometry) {
-  doubt = spread(told.sensors, belief, odometry, doubt);
-  belief = moved(belief, odometry);
+  doubt = spread(told.sensors, current_estimate, odometry, doubt);
+  current_estimate = moved(current_estimate, odometry);
 }
 
 Rectified Ekf::rectify(const Reading& reading) {
-  const Vector2 expected = detected_from(belief.x_m, belief.y_m, belief.heading_rad, reading.mark_M);
-  const Matrix2 r = rotation(belief.heading_rad);
+  const Vector2 expected = detected_from(current_estimate.x_m, current_estimate.y_m, current_estimate.heading_rad, reading.mark_M);
+  const Matrix2 r = rotation(current_estimate.heading_rad);
   Eigen::Matrix<double, 2, 3> h;
   h.leftCols<2>() = -r.transpose();
   h.col(2) = Vector2(expected(1), -expected(0));
@@ -151,7 +151,7 @@ Rectified Ekf::rectify(const Reading& reading) {
   const double nis = squared_over(innovation, s);
   if (!(nis <= gate_2)) return {false, nis, 2};
   const Eigen::Matrix<double, 3, 2> gain = doubt * h.transpose() * inverse_of(s);
-  add_to(belief, gain * innovation);
+  add_to(current_estimate, gain * innovation);
   // Joseph's form: stays positive whatever rounding does.
   const Matrix3 rest = Matrix3::Identity() - gain * h;
   doubt = rest * doubt * rest.transpose() + gain * mark_covariance(told.sensors) * gain.transpose();
@@ -160,8 +160,8 @@ Rectified Ekf::rectify(const Reading& reading) {
 }
 
 Rectified Ekf::rectify(const Range& range) {
-  const double dx = belief.x_m - range.station_M.x_m;
-  const double dy = belief.y_m - range.station_M.y_m;
+  const double dx = current_estimate.x_m - range.station_M.x_m;
+  const double dy = current_estimate.y_m - range.station_M.y_m;
   const double expected = norm(dx, dy);
   if (expected < 1e-6) return {};
   const Vector3 h(dx / expected, dy / expected, 0.0);
@@ -172,7 +172,7 @@ Rectified Ekf::rectify(const Range& range) {
   const double nis = innovation * innovation / s;
   if (!(nis <= gate_1)) return {false, nis, 1};
   const Vector3 gain = ph / s;
-  add_to(belief, gain * innovation);
+  add_to(current_estimate, gain * innovation);
   doubt -= gain * ph.transpose();
   make_symmetric(doubt);
   return {true, nis, 1};
@@ -205,22 +205,22 @@ double weight(int i) { return i == 0 ? 0.0 : 1.0 / 6.0; }
 
 void Ukf::predict(const Odometry& odometry) {
   const Sigma about = deviations(doubt);
-  const Pose2 centre = moved(belief, odometry);
+  const Pose2 centre = moved(current_estimate, odometry);
   Sigma after;
   Vector3 mean = Vector3::Zero();
   for (int i = 0; i < points; ++i) {
-    const Pose2 from{belief.x_m + about(0, i), belief.y_m + about(1, i), belief.heading_rad + about(2, i)};
+    const Pose2 from{current_estimate.x_m + about(0, i), current_estimate.y_m + about(1, i), current_estimate.heading_rad + about(2, i)};
     const Pose2 to = moved(from, odometry);
     // Deviations from the middle one, so that headings need no wrapping.
     after.col(i) = Vector3(to.x_m - centre.x_m, to.y_m - centre.y_m, about(2, i));
     mean += weight(i) * after.col(i);
   }
-  Matrix3 covariance = spread(told.sensors, belief, odometry, Matrix3::Zero());
+  Matrix3 covariance = spread(told.sensors, current_estimate, odometry, Matrix3::Zero());
   for (int i = 0; i < points; ++i) covariance += weight(i) * (after.col(i) - mean) * (after.col(i) - mean).transpose();
   make_symmetric(covariance);
   doubt = covariance;
-  belief = centre;
-  add_to(belief, mean);
+  current_estimate = centre;
+  add_to(current_estimate, mean);
 }
 
 Rectified Ukf::rectify(const Reading& reading) {
@@ -229,7 +229,7 @@ Rectified Ukf::rectify(const Reading& reading) {
   Vector2 mean = Vector2::Zero();
   for (int i = 0; i < points; ++i) {
     z.col(i) =
-        detected_from(belief.x_m + about(0, i), belief.y_m + about(1, i), belief.heading_rad + about(2, i), reading.mark_M);
+        detected_from(current_estimate.x_m + about(0, i), current_estimate.y_m + about(1, i), current_estimate.heading_rad + about(2, i), reading.mark_M);
     mean += weight(i) * z.col(i);
   }
   Matrix2 s = mark_covariance(told.sensors);
@@ -242,7 +242,7 @@ Rectified Ukf::rectify(const Reading& reading) {
   const double nis = squared_over(innovation, s);
   if (!(nis <= gate_2)) return {false, nis, 2};
   const Eigen::Matrix<double, 3, 2> gain = cross * inverse_of(s);
-  add_to(belief, gain * innovation);
+  add_to(current_estimate, gain * innovation);
   doubt -= gain * s * gain.transpose();
   make_symmetric(doubt);
   return {true, nis, 2};
@@ -253,7 +253,7 @@ Rectified Ukf::rectify(const Range& range) {
   Eigen::Matrix<double, 1, points> z;
   double mean = 0.0;
   for (int i = 0; i < points; ++i) {
-    z(i) = norm(belief.x_m + about(0, i) - range.station_M.x_m, belief.y_m + about(1, i) - range.station_M.y_m);
+    z(i) = norm(current_estimate.x_m + about(0, i) - range.station_M.x_m, current_estimate.y_m + about(1, i) - range.station_M.y_m);
     mean += weight(i) * z(i);
   }
   double s = range_variance(told.sensors, mean);
@@ -266,7 +266,7 @@ Rectified Ukf::rectify(const Range& range) {
   const double nis = innovation * innovation / s;
   if (!(nis <= gate_1)) return {false, nis, 1};
   const Vector3 gain = cross / s;
-  add_to(belief, gain * innovation);
+  add_to(current_estimate, gain * innovation);
   doubt -= gain * s * gain.transpose();
   make_symmetric(doubt);
   return {true, nis, 1};
@@ -319,10 +319,10 @@ void InvariantEkf::correct(const Vector3& xi) {
 }
 
 Rectified InvariantEkf::rectify(const Reading& reading) {
-  const Point2 believed_M = pose_ * reading.detected_B;
+  const Point2 estimated_M = pose_ * reading.detected_B;
   Eigen::Matrix<double, 2, 3> h;
   h << 1.0, 0.0, -reading.mark_M.y_m, 0.0, 1.0, reading.mark_M.x_m;
-  const Vector2 innovation = vector(reading.mark_M) - vector(believed_M);
+  const Vector2 innovation = vector(reading.mark_M) - vector(estimated_M);
   const Matrix2 r = rotation(pose_.heading_rad);
   const Matrix2 noise = r * mark_covariance(setting_.sensors) * r.transpose();
   const Matrix2 s = h * covariance_ * h.transpose() + noise;

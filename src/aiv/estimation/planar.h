@@ -44,11 +44,11 @@ class Ekf : public Algorithm {
   void predict(const Odometry& odometry) override;
   Rectified rectify(const Reading& reading) override;
   Rectified rectify(const Range& range) override;
-  [[nodiscard]] Estimate estimate() const override { return {belief, doubt, std::nullopt}; }
+  [[nodiscard]] Estimate estimate() const override { return {current_estimate, doubt, std::nullopt}; }
 
  protected:
   Setting told;
-  Pose2 belief;
+  Pose2 current_estimate;
   Matrix3 doubt;
 };
 

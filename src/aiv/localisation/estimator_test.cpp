@@ -84,7 +84,7 @@ TEST(Tag, sets_the_place_of_a_vehicle_that_knows_nothing) {
   EXPECT_EQ(estimator.last_tag(), 5U);
 }
 
-TEST(Tag, rectifies_the_belief_and_tells_by_how_much) {
+TEST(Tag, rectifies_the_estimate_and_tells_by_how_much) {
   Estimator estimator;
   estimator.standing_at("east", 1.40);
   const auto fix = estimator.on_tag(1, 0.0, 0.0);
@@ -102,7 +102,7 @@ TEST(Tag, counts_the_way_driven_since_it_was_read) {
   EXPECT_NEAR(estimator.place().s_m, 1.471 - 0.02 + 0.5 * 0.05, 1e-9);
 }
 
-TEST(Tag, far_from_the_belief_relocates_at_once) {
+TEST(Tag, far_from_the_estimate_relocates_at_once) {
   Estimator estimator;
   estimator.standing_at("east", 0.5);
   EXPECT_EQ(estimator.on_tag(7, 0.0, 0.0).kind, FixKind::relocated);
@@ -142,7 +142,7 @@ TEST(Beacon, says_nothing_to_a_vehicle_that_knows_nothing) {
   EXPECT_FALSE(estimator.known());
 }
 
-TEST(Beacon, that_contradicts_the_belief_is_an_outlier_and_two_that_agree_relocate) {
+TEST(Beacon, that_contradicts_the_estimate_is_an_outlier_and_two_that_agree_relocate) {
   // Truly on the loop in the south-east, believed in the north-west.
   const Point2 first{1.0, -0.25};
   const Point2 second{1.25, -0.5};

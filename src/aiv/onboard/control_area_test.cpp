@@ -43,7 +43,7 @@ TEST(ControlArea, listens_to_the_server_whose_it_is_and_takes_its_zone_where_it_
   ControlAreaFixture bench;
   bench.run(0.5);
   EXPECT_EQ(bench.map_id(), "lacet4");
-  const Pose2 before = *bench.core->believed_pose();
+  const Pose2 before = *bench.core->estimated_pose();
   bench.owner("north");
   EXPECT_THAT(bench.listens,
               AllOf(Contains("cosiva/v1/area/north/zone/+"), Contains("cosiva/v1/area/north/server/heartbeat"),
@@ -51,7 +51,7 @@ TEST(ControlArea, listens_to_the_server_whose_it_is_and_takes_its_zone_where_it_
   bench.zone_of("north");
   bench.run(0.5);
   EXPECT_EQ(bench.map_id(), "north");
-  EXPECT_LT(distance(before, *bench.core->believed_pose()), 0.001) << "all control areas share a frame";
+  EXPECT_LT(distance(before, *bench.core->estimated_pose()), 0.001) << "all control areas share a frame";
   EXPECT_THAT(bench.error_types(), IsEmpty());
   bench.order(test::order("N-1").through({"loop_se@0", "loop_se@283", "loop_se@565"}));
   bench.run(1.5);
@@ -156,11 +156,11 @@ TEST(ControlArea, knows_its_place_again_after_a_crash_before_it_reports_one_of_a
   again.owner("north");
   again.hear("cosiva/v1/zone/toml", zone::to_payload(lacet4_configuration()), true);
   again.run(0.3);
-  EXPECT_FALSE(again.core->believed_pose()) << "the floor is not what its memory is of";
+  EXPECT_FALSE(again.core->estimated_pose()) << "the floor is not what its memory is of";
   again.zone_of("north");
   again.run(0.3);
-  ASSERT_TRUE(again.core->believed_pose());
-  EXPECT_LT(distance(*again.core->believed_pose(), stood), 0.02);
+  ASSERT_TRUE(again.core->estimated_pose());
+  EXPECT_LT(distance(*again.core->estimated_pose(), stood), 0.02);
 }
 
 TEST(ControlArea, keeps_hearing_its_neighbours_while_it_changes_servers) {

@@ -115,7 +115,7 @@ void Estimating::on_odometry(SimTime now, const Step& step) {
   const wire::EstimateRequest request = *std::exchange(asked_, std::nullopt);
   if (!session_ || session_->id != request.session) {
     if (request.sequence != 1) return refuse(request, step.at, "the session ended before it was answered");
-    if (!step.belief) return refuse(request, step.at, "it does not know where it stands");
+    if (!step.current_estimate) return refuse(request, step.at, "it does not know where it stands");
     begin(request, step);
     if (!session_) return;
   }
@@ -140,27 +140,27 @@ std::optional<Estimating::Running> Estimating::start(const std::string& name, co
 }
 
 void Estimating::begin(const wire::EstimateRequest& request, const Step& step) {
-  const Belief& belief = *step.belief;
+  const CurrentEstimate& current_estimate = *step.current_estimate;
   session_.reset();
   Run run;
   run.id = request.session;
-  run.map_id = belief.zone->name;
+  run.map_id = current_estimate.zone->name;
   run.stepped_at = step.at;
   estimation::Setting setting;
   setting.sensors = data_sheet();
-  setting.start = {belief.X_MB.x_m + 0.0, belief.X_MB.y_m + 0.0, belief.X_MB.heading_rad + 0.0};
-  setting.start_sigma_m = std::fmax(belief.sigma_m, setting.sensors.mark_along_sigma_m);
+  setting.start = {current_estimate.X_MB.x_m + 0.0, current_estimate.X_MB.y_m + 0.0, current_estimate.X_MB.heading_rad + 0.0};
+  setting.start_sigma_m = std::fmax(current_estimate.sigma_m, setting.sensors.mark_along_sigma_m);
   setting.start_heading_sigma_rad = start_heading_sigma_rad;
   setting.seed = request.seed;
   setting.particles = request.particles;
   setting.horizon = request.horizon;
-  if (belief.place) {
-    auto track = estimation::Track::round(belief.zone, belief.place->section);
-    if (const auto along_m = track ? track->along_of(*belief.place) : std::nullopt) {
+  if (current_estimate.place) {
+    auto track = estimation::Track::round(current_estimate.zone, current_estimate.place->section);
+    if (const auto along_m = track ? track->along_of(*current_estimate.place) : std::nullopt) {
       run.track = std::make_shared<const estimation::Track>(std::move(*track));
       setting.track = run.track;
       setting.start_along_m = *along_m;
-      run.start.section = belief.zone->circuit.part(belief.place->section).name;
+      run.start.section = current_estimate.zone->circuit.part(current_estimate.place->section).name;
       run.start.along_m = *along_m;
     }
   }
@@ -181,8 +181,8 @@ void Estimating::roll(const Step& step) {
   run.speed_mps = step.speed_mps;
   const double duration_s = to_seconds(step.at - run.stepped_at);
   run.stepped_at = step.at;
-  if (!step.belief) return;
-  const std::optional<zone::Place>& place = step.belief->place;
+  if (!step.current_estimate) return;
+  const std::optional<zone::Place>& place = step.current_estimate->place;
   const bool on_ring = !run.track || !place || run.track->along_of(*place);
   run.off_ring_m = on_ring ? 0.0 : run.off_ring_m + std::fabs(step.distance_m);
   if (run.off_ring_m > off_ring_m_max && run.fault.empty()) run.fault = "it left the ring on which the session began";

@@ -32,7 +32,7 @@ class BoardClock {
 class Estimating {
  public:
   /// What the vehicle knows when a session begins.
-  struct Belief {
+  struct CurrentEstimate {
     std::shared_ptr<const zone::TrafficZone> zone;
     Pose2 X_MB;
     std::optional<zone::Place> place;  ///< none: it is on no line
@@ -44,7 +44,7 @@ class Estimating {
     double distance_m{};
     double turn_rad{};
     double speed_mps{};
-    std::optional<Belief> belief;  ///< where it is now; none: nobody knows
+    std::optional<CurrentEstimate> current_estimate;  ///< where it is now; none: nobody knows
   };
 
   /// A step is of interest: somebody asks.

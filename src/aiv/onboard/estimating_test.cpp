@@ -29,9 +29,9 @@ class Asked {
   void step() {
     now += milliseconds{20};
     s_m += step_m;
-    estimating.on_odometry(now, {now, step_m, 0.0, 0.5, known ? std::optional{belief()} : std::nullopt});
+    estimating.on_odometry(now, {now, step_m, 0.0, 0.5, known ? std::optional{current_estimate()} : std::nullopt});
   }
-  void read(zone::TagNumber number) { estimating.on_tag(number, now, *zone_, belief().X_MB); }
+  void read(zone::TagNumber number) { estimating.on_tag(number, now, *zone_, current_estimate().X_MB); }
   /// The answer that is due now.
   std::optional<EstimateAnswer> heard() {
     const auto json = estimating.take_answer();
@@ -46,7 +46,7 @@ class Asked {
     EXPECT_TRUE(answer);
     return answer.value_or(EstimateAnswer{});
   }
-  [[nodiscard]] Estimating::Belief belief() const {
+  [[nodiscard]] Estimating::CurrentEstimate current_estimate() const {
     const zone::Place place{section, s_m};
     return {zone_, zone_->circuit.pose_at(place), place, 0.002};
   }
@@ -84,7 +84,7 @@ TEST(Estimating, answers_with_the_next_odometry_where_it_began_and_then_what_eac
   ASSERT_THAT(second.estimates, SizeIs(2));
   EXPECT_EQ(second.estimates[0].algorithm, "dead_reckoning");
   for (const auto& estimate : second.estimates) {
-    EXPECT_LT(distance(estimate.X_MB, vehicle.belief().X_MB), 1e-9);
+    EXPECT_LT(distance(estimate.X_MB, vehicle.current_estimate().X_MB), 1e-9);
     EXPECT_TRUE(estimate.covariance);
   }
 }

@@ -8,10 +8,10 @@
 namespace cosiva::aiv {
 namespace {
 
-std::optional<Estimating::Belief> estimate_of(const DrivingContext& context) {
+std::optional<Estimating::CurrentEstimate> estimate_of(const DrivingContext& context) {
   const PositionEstimator& position = context.agent().position();
   if (!position.pose_known()) return std::nullopt;
-  Estimating::Belief estimate{context.shared_zone(), position.pose(), std::nullopt, position.sigma_m()};
+  Estimating::CurrentEstimate estimate{context.shared_zone(), position.pose(), std::nullopt, position.sigma_m()};
   if (position.known() && !position.off_line()) estimate.place = position.place();
   return estimate;
 }
@@ -39,10 +39,10 @@ void EstimationService::on_odometry(SimTime now, const wire::Odometry& odometry,
   agent.on_odometry(odometry);
   Estimating::Step step{at, position.travelled_m() - travelled_m, 0.0, 1e-3 * odometry.speed_mmps,
                         estimate_of(context)};
-  if (before && step.belief) {
+  if (before && step.current_estimate) {
     // There is no gyroscope: on its line the vehicle turns as the line does, elsewhere as its wheels report.
-    step.turn_rad = wrap_angle(step.belief->X_MB.heading_rad - before->X_MB.heading_rad);
-    if (position.manoeuvring()) step.distance_m = (inverse(before->X_MB) * step.belief->X_MB).x_m;
+    step.turn_rad = wrap_angle(step.current_estimate->X_MB.heading_rad - before->X_MB.heading_rad);
+    if (position.manoeuvring()) step.distance_m = (inverse(before->X_MB) * step.current_estimate->X_MB).x_m;
   }
   estimating_.on_odometry(now, step);
 }

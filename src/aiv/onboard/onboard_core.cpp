@@ -408,13 +408,13 @@ const OnboardOptions& OnboardCore::options() const { return parts_->options; }
 
 std::vector<std::string> OnboardCore::ports() const { return parts_->boards.ports(); }
 
-std::optional<Pose2> OnboardCore::believed_pose() const {
+std::optional<Pose2> OnboardCore::estimated_pose() const {
   const auto& context = parts_->context;
   if (!context || !context->agent().position().pose_known()) return std::nullopt;
   return context->agent().position().pose();
 }
 
-double OnboardCore::believed_speed_mps() const {
+double OnboardCore::estimated_speed_mps() const {
   return parts_->context ? parts_->context->agent().motion().speed_mps() : 0.0;
 }
 

@@ -32,8 +32,8 @@ class OnboardCore final : public wire::Core {
   [[nodiscard]] std::string persisted_bytes() const;
   [[nodiscard]] std::vector<std::string> ports() const;
   /// What the vehicle believes; nothing until its position is known. For experiments and tests.
-  [[nodiscard]] std::optional<Pose2> believed_pose() const;
-  [[nodiscard]] double believed_speed_mps() const;
+  [[nodiscard]] std::optional<Pose2> estimated_pose() const;
+  [[nodiscard]] double estimated_speed_mps() const;
 
  private:
   struct Parts;

@@ -329,13 +329,13 @@ TEST(Onboard, does_not_know_where_it_is_until_a_tag_tells) {
   OnboardBench bench{{.start = std::nullopt}};
   bench.run(0.5);
   EXPECT_FALSE(bench.state().position);
-  EXPECT_FALSE(bench.core->believed_pose());
+  EXPECT_FALSE(bench.core->estimated_pose());
   EXPECT_THAT(bench.error_types(), ElementsAre("positionUnknown"));
   EXPECT_THAT(bench.visualizations, IsEmpty());
   bench.say(wire::Board::PRAV, wire::TagRead{0, 2, 0});
   bench.run(0.1);
   EXPECT_TRUE(bench.state().position);
-  EXPECT_TRUE(bench.core->believed_pose());
+  EXPECT_TRUE(bench.core->estimated_pose());
 }
 
 TEST(Onboard, takes_initPosition) {
@@ -371,8 +371,8 @@ TEST(Onboard, restores_its_position_after_a_crash) {
   setup.ground_truth = lacet4().circuit.advance(setup.ground_truth, 0.07);
   OnboardBench after{setup};
   after.run(0.2);
-  ASSERT_TRUE(after.core->believed_pose());
-  EXPECT_LT(distance(*after.core->believed_pose(), after.ground_truth.pose(lacet4().circuit)), 0.01);
+  ASSERT_TRUE(after.core->estimated_pose());
+  EXPECT_LT(distance(*after.core->estimated_pose(), after.ground_truth.pose(lacet4().circuit)), 0.01);
 }
 
 TEST(Onboard, does_not_trust_a_persisted_position_of_another_odometer_or_zone) {
@@ -385,7 +385,7 @@ TEST(Onboard, does_not_trust_a_persisted_position_of_another_odometer_or_zone) {
   other_session.start = std::nullopt;
   OnboardBench after{other_session};
   after.run(0.5);
-  EXPECT_FALSE(after.core->believed_pose());
+  EXPECT_FALSE(after.core->estimated_pose());
 
   auto other_zone = before.reborn();
   auto persisted = persisted_position_from_json(other_zone.persisted).value();
@@ -393,14 +393,14 @@ TEST(Onboard, does_not_trust_a_persisted_position_of_another_odometer_or_zone) {
   other_zone.persisted = to_json(persisted);
   OnboardBench elsewhere{other_zone};
   elsewhere.run(0.5);
-  ASSERT_TRUE(elsewhere.core->believed_pose()) << "then the start it was told counts";
-  EXPECT_LT(distance(*elsewhere.core->believed_pose(), lacet4().circuit.pose_at(at(lacet4(), "loop_se", 0.0))), 1e-9);
+  ASSERT_TRUE(elsewhere.core->estimated_pose()) << "then the start it was told counts";
+  EXPECT_LT(distance(*elsewhere.core->estimated_pose(), lacet4().circuit.pose_at(at(lacet4(), "loop_se", 0.0))), 1e-9);
 }
 
 TEST(Onboard, survives_a_damaged_state_file) {
   OnboardBench bench{{.persisted = "{\"zone\":7}"}};
   bench.run(0.5);
-  EXPECT_TRUE(bench.core->believed_pose());
+  EXPECT_TRUE(bench.core->estimated_pose());
 }
 
 TEST(Onboard, stays_paused_and_slow_over_a_crash) {

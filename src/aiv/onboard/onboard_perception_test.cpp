@@ -391,11 +391,11 @@ TEST(ZoneEdit, a_tag_that_was_moved_rectifies_at_its_new_place_while_it_drives) 
   EXPECT_GT(bench.speed_mps, 0.39) << "nothing stops for that";
   bench.run_until([&] { return bench.s_m() >= 1.3637; }, 5.0);
   bench.say(wire::Board::PRAV, wire::TagRead{0, 2, 0});
-  const auto believed = bench.core->believed_pose();
-  ASSERT_TRUE(believed);
+  const auto estimated = bench.core->estimated_pose();
+  ASSERT_TRUE(estimated);
   // Read at the field's rim, 20 mm before the tag, and 20 ms ago.
   const double expected_m = 1.3637 - 0.020 + 0.4 * 0.020;
-  EXPECT_LT(distance(position(*believed), Driving::on_loop(expected_m)), 0.006);
+  EXPECT_LT(distance(position(*estimated), Driving::on_loop(expected_m)), 0.006);
   bench.run(0.2);
   EXPECT_EQ(bench.state().order_id, "O-1");
   EXPECT_GT(bench.speed_mps, 0.39);
@@ -417,7 +417,7 @@ TEST(ZoneEdit, another_beacon_pitch_is_in_force_at_once) {
     bench.say(wire::Board::PRAV, wire::TagRead{0, beacon->number, 0});
     // The rim of the field, 20 mm before the beacon.
     const double rim_m = rtm->zone().circuit.locate(beacon->position, pi / 2).place.s_m - 0.020;
-    return distance(position(*bench.core->believed_pose()),
+    return distance(position(*bench.core->estimated_pose()),
                     position(lacet4().circuit.pose_at(at(lacet4(), "north", rim_m))));
   };
   EXPECT_LT(corrected(false), 0.005);

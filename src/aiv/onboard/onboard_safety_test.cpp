@@ -309,10 +309,10 @@ TEST(Boards, that_restart_let_the_vehicle_keep_its_place) {
   Driving bench;
   bench.act("startPause", "p");
   bench.run(1.0);
-  const auto before = *bench.core->believed_pose();
+  const auto before = *bench.core->estimated_pose();
   bench.say(wire::Board::PILS, wire::Hello{wire::Board::PILS, 1, 0, 1234});
   bench.say(wire::Board::PILS, wire::Odometry{});
-  EXPECT_EQ(*bench.core->believed_pose(), before);
+  EXPECT_EQ(*bench.core->estimated_pose(), before);
 }
 
 // --- supervision alone --------------------------------------------------------------------------------------------

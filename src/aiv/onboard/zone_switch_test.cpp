@@ -62,7 +62,7 @@ struct SwitchBench : OnboardBench {
     EXPECT_GT(speed_mps, 0.2);
   }
   const zone::TrafficZone& floor() const { return *floors.back(); }
-  double pose_error_m() const { return distance(*core->believed_pose(), world.pose()); }
+  double pose_error_m() const { return distance(*core->estimated_pose(), world.pose()); }
 };
 
 /// 0.12 m to the left of where the vehicle will stand, and turned away from it.

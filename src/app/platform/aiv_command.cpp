@@ -64,8 +64,8 @@ int run_aiv(const AivArguments& arguments) {
                   }};
   const auto summary = [&] {
     JsonWriter json;
-    json.begin_object().field("number", arguments.number).field("speed", core.believed_speed_mps()).key("believed");
-    if (const auto pose = core.believed_pose()) {
+    json.begin_object().field("number", arguments.number).field("speed", core.estimated_speed_mps()).key("estimated");
+    if (const auto pose = core.estimated_pose()) {
       json.begin_object().field("x", pose->x_m).field("y", pose->y_m).field("heading", pose->heading_rad).end_object();
     } else {
       json.null();

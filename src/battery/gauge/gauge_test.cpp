@@ -25,10 +25,10 @@ struct Bench {
   Monitor monitor;
   Gauge gauge;
 
-  Bench(std::uint64_t seed, GaugeMethod method, double believed = 1.0, double believed_sd = 0.005)
+  Bench(std::uint64_t seed, GaugeMethod method, double estimated = 1.0, double estimated_sd = 0.005)
       : pack{table, {2, 1, 2.2 / 0.85}, {"B", seed, true, 0.0}},
         monitor{MonitorErrors{}, Random{seed, "monitor"}},
-        gauge{table, {method, {2, 1, 2.2 / 0.85}, {}, 0.01}, believed, believed_sd} {}
+        gauge{table, {method, {2, 1, 2.2 / 0.85}, {}, 0.01}, estimated, estimated_sd} {}
 
   void run(double power_w, double seconds, double dt_s = 1.0) {
     for (double t_s = 0.0; t_s < seconds; t_s += dt_s) {
@@ -140,10 +140,10 @@ std::vector<Sample> log_of(const std::string& name) {
 
 /// A real discharge as a monitor with 1 % too much and 0.1 A of offset would have told it, and the worst error in the
 /// second half of it.
-double worst_error(const std::string& log, GaugeMethod method, double believed, double believed_sd) {
+double worst_error(const std::string& log, GaugeMethod method, double estimated, double estimated_sd) {
   MonitorErrors errors;
   errors.current_offset_sd_a = 0.1;
-  Gauge gauge{table_of("leaf33"), {method, {}, errors, 0.01}, believed, believed_sd};
+  Gauge gauge{table_of("leaf33"), {method, {}, errors, 0.01}, estimated, estimated_sd};
   const std::vector<Sample> samples = log_of(log);
   double used_ah = 0.0;
   double worst = 0.0;

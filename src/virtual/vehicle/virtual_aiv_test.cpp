@@ -72,7 +72,7 @@ TEST(VirtualAiv, reads_the_tags_it_passes_and_knows_where_it_is) {
   ASSERT_FALSE(bench.state().information.empty());
   EXPECT_EQ(bench.state().information[0].type, "lastTag");
   EXPECT_EQ(bench.state().information[0].references[0].value, "1");
-  EXPECT_LT(bench.belief_error_m(), 0.002);
+  EXPECT_LT(bench.estimate_error_m(), 0.002);
 }
 
 TEST(VirtualAiv, believes_what_is_true_all_round_the_circuit) {
@@ -83,7 +83,7 @@ TEST(VirtualAiv, believes_what_is_true_all_round_the_circuit) {
   for (int i = 0; i < 400; ++i) {
     bench.step();
     // A position is up to a period of visualization old.
-    if (bench.aiv.speed_mps() == 0.0) worst_m = std::max(worst_m, bench.belief_error_m());
+    if (bench.aiv.speed_mps() == 0.0) worst_m = std::max(worst_m, bench.estimate_error_m());
   }
   EXPECT_LT(worst_m, 0.003);
 }
@@ -194,7 +194,7 @@ TEST(VirtualAiv, reads_a_tag_that_was_moved_at_its_new_place_and_drives_on) {
   bench.run(3.0);
   EXPECT_EQ(bench.state().information[0].type, "lastTag");
   EXPECT_EQ(bench.state().information[0].references[0].value, "2");
-  EXPECT_LT(bench.belief_error_m(), 0.003);
+  EXPECT_LT(bench.estimate_error_m(), 0.003);
 }
 
 /// The same ways, `up_m` further north, under another name.
@@ -227,7 +227,7 @@ TEST(VirtualAiv, comes_to_rest_when_its_ways_become_others_and_stands_beside_the
   const Pose2 stands = bench.aiv.X_MB();
   EXPECT_LT(distance(before, stands), 0.3);
   EXPECT_LT(lacet4().circuit.locate(position(stands)).distance_m, 1e-9) << "where it came to rest on its old line";
-  EXPECT_LT(bench.belief_error_m(), 0.005);
+  EXPECT_LT(bench.estimate_error_m(), 0.005);
   EXPECT_EQ(bench.state().position->map_id, "moved");
   EXPECT_THAT(bench.state().node_states, IsEmpty()) << "that order was of the old map";
   bench.run(2.0);
@@ -246,7 +246,7 @@ TEST(VirtualAiv, seeks_the_new_line_and_follows_it_when_it_is_sent_off_again) {
   const Point2 p = position(bench.aiv.X_MB());
   EXPECT_LT(lacet4().circuit.locate({p.x_m, p.y_m - 0.05}).distance_m, 1e-6);
   bench.run(0.5);
-  EXPECT_LT(bench.belief_error_m(), 0.05) << "a position is up to a period of visualization old";
+  EXPECT_LT(bench.estimate_error_m(), 0.05) << "a position is up to a period of visualization old";
   EXPECT_THAT(bench.strange, IsEmpty());
 }
 
@@ -295,7 +295,7 @@ TEST(VirtualAiv, drives_a_layout_that_it_was_switched_to_and_turns_on_the_spot_a
   EXPECT_NEAR(bench.aiv.X_MB().x_m, 1.5, 1e-6);
   EXPECT_NEAR(bench.aiv.X_MB().y_m, 0.8, 0.02);
   EXPECT_NEAR(bench.aiv.X_MB().heading_rad, 0.5 * pi, 1e-6);
-  EXPECT_LT(bench.belief_error_m(), 0.01);
+  EXPECT_LT(bench.estimate_error_m(), 0.01);
   EXPECT_THAT(bench.state().errors, IsEmpty());
   EXPECT_THAT(bench.strange, IsEmpty());
 }

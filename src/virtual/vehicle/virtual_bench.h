@@ -67,7 +67,7 @@ class VirtualBench {
 
   [[nodiscard]] const wire::State& state() const { return states.back(); }
   /// From where it believes it is to where it is.
-  [[nodiscard]] double belief_error_m() const {
+  [[nodiscard]] double estimate_error_m() const {
     if (visualizations.empty() || !visualizations.back().position) return 1e3;
     return distance(visualizations.back().position->pose, aiv.X_MB());
   }

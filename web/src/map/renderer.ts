@@ -66,7 +66,7 @@ export interface Colours {
   on_virtual: string;
   person: string;
   obstacle: string;
-  belief: string;
+  estimate: string;
   ground_truth: string;
   states: readonly string[];
 }
@@ -74,7 +74,7 @@ export interface Colours {
 const names: Readonly<Record<keyof Omit<Colours, 'states'>, string>> = {
   ground: '--ground', road: '--road', road_edge: '--road-edge', line: '--road-line', arc: '--road-arc', clothoid: '--road-clothoid', charger: '--charger', crossing: '--crossing', held: '--held',
   tag: '--tag', beacon: '--beacon', label: '--map-label', ink: '--ink', panel: '--panel', on_state: '--on-state', select: '--accent', alarm: '--alarm',
-  virtual: '--augmented', on_virtual: '--on-augmented', person: '--person', obstacle: '--obstacle', belief: '--belief', ground_truth: '--ground-truth',
+  virtual: '--augmented', on_virtual: '--on-augmented', person: '--person', obstacle: '--obstacle', estimate: '--estimate', ground_truth: '--ground-truth',
 };
 
 /** The states in the order of the status field of the binary frames. */

@@ -177,7 +177,7 @@ export class MapScene {
       const entry = index.by_handle.get(positions.handle[i]!);
       const heading = entry?.kind === 'aiv' && entry.aiv.reported ? entry.aiv.reported.heading : positions.heading[i]!;
       this.renderer.outline(positions.x[i]!, positions.y[i]!, positions.heading[i]!, 0, 1.5, 'solid', colours.ink);
-      this.renderer.outline(positions.x[i]! + positions.reported_dx[i]!, positions.y[i]! + positions.reported_dy[i]!, heading, 1, 1.75, 'dashed', colours.belief);
+      this.renderer.outline(positions.x[i]! + positions.reported_dx[i]!, positions.y[i]! + positions.reported_dy[i]!, heading, 1, 1.75, 'dashed', colours.estimate);
     }
     if (ground_truth && !(many && ground_truth.vehicles.length > details_max)) {
       for (const { x, y, heading } of ground_truth.vehicles) this.renderer.outline(x, y, heading, 2, 1.75, 'dotted', colours.ground_truth);

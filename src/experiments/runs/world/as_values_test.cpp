@@ -43,7 +43,7 @@ TEST(AsValues, everybody_believes_the_same_to_the_last_bit) {
     const auto values = world(true, loss);
     live(*texts);
     live(*values);
-    EXPECT_EQ(values->beliefs().hex(), texts->beliefs().hex()) << "with a loss of " << loss;
+    EXPECT_EQ(values->estimates().hex(), texts->estimates().hex()) << "with a loss of " << loss;
     EXPECT_EQ(values->network().counters().delivered, texts->network().counters().delivered);
     EXPECT_EQ(values->log(), texts->log());
   }
@@ -73,7 +73,7 @@ TEST(AsValues, another_seed_is_another_run) {
     auto made = World::make(std::move(options));
     EXPECT_TRUE(made.has_value());
     (*made)->run_for(10s);
-    return std::pair{(*made)->digest().hex(), (*made)->beliefs().hex()};
+    return std::pair{(*made)->digest().hex(), (*made)->estimates().hex()};
   };
   EXPECT_EQ(run(7), run(7));
   EXPECT_NE(run(7).first, run(8).first);

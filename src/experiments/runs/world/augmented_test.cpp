@@ -261,9 +261,9 @@ TEST(Augmented, a_tag_moved_on_the_page_moves_everywhere_and_rectifies_at_its_ne
   EXPECT_THAT(detected, ::testing::Contains(77.0));
   EXPECT_THAT(detected, ::testing::Not(::testing::Contains(3.0)));
   const auto ground_truth = vehicle(*world, 1);
-  const auto belief = world->aiv(1).believed_pose();
-  ASSERT_TRUE(belief.has_value());
-  EXPECT_LT(distance(position(*belief), position(ground_truth.X_MB)), 0.03);
+  const auto current_estimate = world->aiv(1).estimated_pose();
+  ASSERT_TRUE(current_estimate.has_value());
+  EXPECT_LT(distance(position(*current_estimate), position(ground_truth.X_MB)), 0.03);
 }
 
 TEST(Augmented, gives_the_same_digest_twice) {

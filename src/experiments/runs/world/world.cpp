@@ -381,7 +381,7 @@ Digest World::digest() const {
   return digest;
 }
 
-Digest World::beliefs() const {
+Digest World::estimates() const {
   Digest digest;
   for (const Actor& actor : impl_->actors) {
     if (actor.alive) actor.core->fold(digest);

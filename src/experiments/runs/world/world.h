@@ -81,7 +81,7 @@ class World {
   /// Folds every core's digest.
   [[nodiscard]] Digest digest() const;
   /// Folds what those alive believe now, without what they said on the way there.
-  [[nodiscard]] Digest beliefs() const;
+  [[nodiscard]] Digest estimates() const;
 
  private:
   World();
