@@ -11,7 +11,7 @@ const person = (more) => ({ kind: 'person', x: 0.75, y: 0.75, ...more });
 const refusals = [
   ['a body that is no JSON', 'POST', 'commands', '{"command":', 400, /JSON/],
   ['a body that is a list', 'POST', 'commands', '[]', 400, /object/],
-  ['no body at all', 'POST', 'things', undefined, 400, /JSON|body/],
+  ['no body at all', 'POST', 'virtualObjects', undefined, 400, /JSON|body/],
   ['an unknown command', 'POST', 'commands', { command: 'fly', vehicle: '*' }, 400, /stop|slow/],
   ['no command', 'POST', 'commands', { vehicle: '*' }, 400, /which command/],
   ['no vehicle', 'POST', 'commands', { command: 'stop' }, 400, /which vehicle/],
@@ -19,18 +19,18 @@ const refusals = [
   ['one unknown vehicle among known ones', 'POST', 'commands', { command: 'stop', vehicles: ['CoSiVA/AIV1', 'CoSiVA/AIV99'] }, 400, /AIV99/],
   ['no vehicles', 'POST', 'commands', { command: 'stop', vehicles: [] }, 400, /at least one/],
   ['vehicles that are no names', 'POST', 'commands', { command: 'stop', vehicles: [1, 2] }, 400, /vehicle/],
-  ['an unknown kind of thing', 'POST', 'things', { kind: 'dragon', x: 0, y: 0 }, 400, /person/],
-  ['a person off the zone', 'POST', 'things', person({ x: 50 }), 400, /zone|between|from/],
-  ['a person without a place', 'POST', 'things', { kind: 'person' }, 400, /place|path/],
-  ['a place that is no number', 'POST', 'things', person({ x: 'left' }), 400, /number/],
-  ['a person too wide', 'POST', 'things', person({ radius: 9 }), 400, /from .* to/],
-  ['a walk of no points', 'POST', 'things', { kind: 'person', path: [] }, 400, /points/],
-  ['a walk that leaves the zone', 'POST', 'things', { kind: 'person', path: [[0.75, 0.75], [99, 0]] }, 400, /zone|between|from/],
-  ['an obstacle that walks', 'POST', 'things', { kind: 'obstacle', path: [[0.75, 0.75], [0.7, 0.7]] }, 400, /stands still/],
-  ['a virtual AIV beside the circuit', 'POST', 'things', { kind: 'aiv', x: 0.75, y: 0.75 }, 400, /way|circuit/],
-  ['a virtual AIV on an unknown section', 'POST', 'things', { kind: 'aiv', section: 'moon', s: 0 }, 400, /east/],
-  ['moving what is not there', 'PATCH', 'things/P99', { x: 0.7, y: 0.7 }, 404, /P99/],
-  ['removing what is not there', 'DELETE', 'things/P99', undefined, 404, /P99/],
+  ['an unknown kind of virtualObject', 'POST', 'virtualObjects', { kind: 'dragon', x: 0, y: 0 }, 400, /person/],
+  ['a person off the zone', 'POST', 'virtualObjects', person({ x: 50 }), 400, /zone|between|from/],
+  ['a person without a place', 'POST', 'virtualObjects', { kind: 'person' }, 400, /place|path/],
+  ['a place that is no number', 'POST', 'virtualObjects', person({ x: 'left' }), 400, /number/],
+  ['a person too wide', 'POST', 'virtualObjects', person({ radius: 9 }), 400, /from .* to/],
+  ['a walk of no points', 'POST', 'virtualObjects', { kind: 'person', path: [] }, 400, /points/],
+  ['a walk that leaves the zone', 'POST', 'virtualObjects', { kind: 'person', path: [[0.75, 0.75], [99, 0]] }, 400, /zone|between|from/],
+  ['an obstacle that walks', 'POST', 'virtualObjects', { kind: 'obstacle', path: [[0.75, 0.75], [0.7, 0.7]] }, 400, /stands still/],
+  ['a virtual AIV beside the circuit', 'POST', 'virtualObjects', { kind: 'aiv', x: 0.75, y: 0.75 }, 400, /way|circuit/],
+  ['a virtual AIV on an unknown section', 'POST', 'virtualObjects', { kind: 'aiv', section: 'moon', s: 0 }, 400, /east/],
+  ['moving what is not there', 'PATCH', 'virtualObjects/P99', { x: 0.7, y: 0.7 }, 404, /P99/],
+  ['removing what is not there', 'DELETE', 'virtualObjects/P99', undefined, 404, /P99/],
   ['a priority too high', 'PUT', 'priorities', { 'CoSiVA/AIV1': 1000 }, 400, /999/],
   ['a priority that is no whole number', 'PUT', 'priorities', { 'CoSiVA/AIV1': 1.5 }, 400, /999|whole/],
   ['a priority for what is no vehicle', 'PUT', 'priorities', { nobody: 1 }, 400, /manufacturer|vehicle|serial/],
@@ -59,8 +59,8 @@ test('what is asked wrongly is refused with a sentence', { timeout: 120_000 }, a
   const browser = await open_browser(t);
   const page = await open_operator(t, browser, platform);
   const what_counts = async () => {
-    const { things, zoneRevision, aivs, zoneEdits } = await platform.snapshot();
-    return { things, zoneRevision, zoneEdits, priorities: aivs.map((aiv) => aiv.priority), tags: (await platform.get('zone')).tags };
+    const { virtualObjects, zoneRevision, aivs, zoneEdits } = await platform.snapshot();
+    return { virtualObjects, zoneRevision, zoneEdits, priorities: aivs.map((aiv) => aiv.priority), tags: (await platform.get('zone')).tags };
   };
   const before = await what_counts();
 

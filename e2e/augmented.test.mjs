@@ -29,19 +29,19 @@ test('the virtual and the physical world feel each other', { timeout: 240_000 },
     { within_ms: 40_000, every_ms: 25 },
   );
   const snapshot_of = async (id) => (await platform.snapshot()).aivs.find((aiv) => aiv.id === id);
-  const brakingFor = (id, thing) => eventually(`${id} brakingFor ${thing}`, async () => (await snapshot_of(id)).brakingFor === thing, { within_ms: 3_000 });
+  const brakingFor = (id, virtualObject) => eventually(`${id} brakingFor ${virtualObject}`, async () => (await snapshot_of(id)).brakingFor === virtualObject, { within_ms: 3_000 });
   /** Metres from the front of a vehicle to a place, as the plant has it. */
   const gap = (number, at) => Math.hypot(ground_truth.vehicle(number).x - at.x, ground_truth.vehicle(number).y - at.y) - front_m;
 
   await t.test('a person before a vehicle stops it; taken away, it goes on', async () => {
     const aiv = await driving_in_a_loop();
-    // So near that the first thing it does is to brake.
+    // So near that the first virtualObject it does is to brake.
     const at = place(aiv.section, aiv.s + 0.5);
-    const { id } = await platform.ask('POST', 'things', { kind: 'person', x: at.x, y: at.y });
+    const { id } = await platform.ask('POST', 'virtualObjects', { kind: 'person', x: at.x, y: at.y });
     await ground_truth.stands(aiv.number, 4_000);
     assert.ok(gap(aiv.number, at) > 0.06 && gap(aiv.number, at) < 0.4, `it stands ${gap(aiv.number, at)} m before the person`);
     await brakingFor(aiv.id, id);
-    await page.waitForFunction((thing) => /felt by AIV/.test(document.querySelector(`[data-thing="${thing}"]`)?.textContent ?? ''), id, { timeout: 4_000 });
+    await page.waitForFunction((virtualObject) => /felt by AIV/.test(document.querySelector(`[data-virtualObject="${virtualObject}"]`)?.textContent ?? ''), id, { timeout: 4_000 });
     const { x, y } = ground_truth.vehicle(aiv.number);
     await ground_truth.driven(1_200);
     assert.ok(Math.hypot(ground_truth.vehicle(aiv.number).x - x, ground_truth.vehicle(aiv.number).y - y) < 0.005, 'it keeps standing');
@@ -53,16 +53,16 @@ test('the virtual and the physical world feel each other', { timeout: 240_000 },
     const aiv = await driving_in_a_loop();
     const at = place(aiv.section, aiv.s + 0.55);
     const aside = { x: at.x + 0.5 * Math.cos(at.heading - Math.PI / 2), y: at.y + 0.5 * Math.sin(at.heading - Math.PI / 2) };
-    const { id } = await platform.ask('POST', 'things', { kind: 'person', path: [[at.x, at.y], [aside.x, aside.y]], speed: 0.05, repeat: 'once' });
+    const { id } = await platform.ask('POST', 'virtualObjects', { kind: 'person', path: [[at.x, at.y], [aside.x, aside.y]], speed: 0.05, repeat: 'once' });
     await eventually('it brakes', () => Math.abs(ground_truth.vehicle(aiv.number).speed) < 0.12, { within_ms: 4_000, every_ms: 20 });
     await ground_truth.moves(aiv.number, 10_000);
-    await platform.ask('DELETE', `things/${id}`);
+    await platform.ask('DELETE', `virtualObjects/${id}`);
   });
 
   await t.test('a virtual AIV before a physical one makes it brake; taken out, it goes on', async () => {
     const aiv = await driving_in_a_loop();
     const at = place(aiv.section, aiv.s + 0.8);
-    const { id } = await platform.ask('POST', 'things', { kind: 'aiv', section: at.section, s: at.s });
+    const { id } = await platform.ask('POST', 'virtualObjects', { kind: 'aiv', section: at.section, s: at.s });
     const virtual = `CoSiVA.virtual/${id}`;
     await eventually('it is listed', async () => snapshot_of(virtual), { within_ms: 3_000, every_ms: 20 });
     await platform.command('stop', virtual);

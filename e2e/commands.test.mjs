@@ -20,10 +20,10 @@ test('every command by mouse and by keyboard', { timeout: 240_000 }, async (t) =
   const status = async (number) => (await platform.aiv(number)).status;
   const has_status = (number, verb) => eventually(`AIV${number} is ${words[verb]}`, async () => (await status(number)) === words[verb], { within_ms: 20_000 });
   const priority = async (number) => (await platform.aiv(number)).priority;
-  const thing = async (wanted) => (await platform.snapshot()).things.find(wanted);
+  const virtualObject = async (wanted) => (await platform.snapshot()).virtualObjects.find(wanted);
   const nothing_left = () => eventually('nothing virtual is left', async () => {
-    const { aivs, things } = await platform.snapshot();
-    return things.length === 0 && aivs.every((aiv) => !aiv.augmented || aiv.connection === 'OFFLINE');
+    const { aivs, virtualObjects } = await platform.snapshot();
+    return virtualObjects.length === 0 && aivs.every((aiv) => !aiv.augmented || aiv.connection === 'OFFLINE');
   }, { within_ms: 8_000 });
 
   /** Gives each verb to AIV2 and asks the world whether it was done. */
@@ -88,19 +88,19 @@ test('every command by mouse and by keyboard', { timeout: 240_000 }, async (t) =
     for (const [name, x, y, kind] of spots) {
       await page.getByTestId(`tool-${name}`).click();
       await press_map(page, platform, x, y);
-      const made = await eventually(`a ${kind}`, () => thing((one) => one.kind === kind), { within_ms: 4_000 });
+      const made = await eventually(`a ${kind}`, () => virtualObject((one) => one.kind === kind), { within_ms: 4_000 });
       assert.ok(Math.hypot(made.x - x, made.y - y) < 0.02, `${kind} at ${made.x}, ${made.y} instead of ${x}, ${y}`);
     }
     await page.getByTestId('tool-draw-walk').click();
     await press_map(page, platform, -0.85, -0.75);
     await press_map(page, platform, -0.65, -0.75);
     await page.getByRole('button', { name: 'Start walking' }).click();
-    const walker = await eventually('a walker', () => thing((one) => one.path?.length === 2), { within_ms: 4_000 });
-    await eventually('the walker walks', async () => Math.abs((await thing((one) => one.id === walker.id)).x - walker.x) > 0.03, { within_ms: 4_000 });
+    const walker = await eventually('a walker', () => virtualObject((one) => one.path?.length === 2), { within_ms: 4_000 });
+    await eventually('the walker walks', async () => Math.abs((await virtualObject((one) => one.id === walker.id)).x - walker.x) > 0.03, { within_ms: 4_000 });
     await page.getByTestId('tool-add-plant-obstacle').click();
     await press_map(page, platform, 0.75, -0.75);
     await eventually('the plant has it', () => ground_truth.latest.obstacles?.find((one) => Math.hypot(one.x - 0.75, one.y + 0.75) < 0.02), { within_ms: 4_000 });
-    const removals = page.locator('[data-thing] button[aria-label^=Remove]');
+    const removals = page.locator('[data-virtualObject] button[aria-label^=Remove]');
     await eventually('all four are listed', async () => (await removals.count()) === 4, { within_ms: 4_000 });
     for (const label of await removals.evaluateAll((all) => all.map((one) => one.getAttribute('aria-label')))) await page.getByRole('button', { name: label, exact: true }).click();
     await nothing_left();
@@ -201,7 +201,7 @@ test('every command by mouse and by keyboard', { timeout: 240_000 }, async (t) =
       });
       const steps = Math.round((0.75 * scale) / 20);
       await press(...Array(steps).fill('ArrowRight'), ...Array(steps).fill(down), 'Enter');
-      const made = await eventually(`a ${kind}`, () => thing((one) => one.kind === kind), { within_ms: 4_000 });
+      const made = await eventually(`a ${kind}`, () => virtualObject((one) => one.kind === kind), { within_ms: 4_000 });
       const expected = (20 * steps) / scale;
       assert.ok(Math.abs(made.x - expected) < 0.03 && Math.abs(Math.abs(made.y) - expected) < 0.03, `${kind} at ${made.x}, ${made.y}; ${expected} was meant`);
     }

@@ -52,14 +52,14 @@ constexpr double longest_wait_allowed_s = 60.0;
 
 /// Across two loops, where nobody has to stand in a crossing for them.
 constexpr const char* people[] = {
-    R"({"command":"add","thing":{"kind":"person","id":"P1","path":[[0.9,-0.9],[1.6,-1.6]],"speed":0.2,"repeat":"back and forth"}})",
-    R"({"command":"add","thing":{"kind":"person","id":"P2","path":[[-0.9,0.9],[-1.6,1.6]],"speed":0.15,"repeat":"back and forth"}})"};
+    R"({"command":"add","virtualObject":{"kind":"person","id":"P1","path":[[0.9,-0.9],[1.6,-1.6]],"speed":0.2,"repeat":"back and forth"}})",
+    R"({"command":"add","virtualObject":{"kind":"person","id":"P2","path":[[-0.9,0.9],[-1.6,1.6]],"speed":0.15,"repeat":"back and forth"}})"};
 
 void add_what_is_only_virtual(experiments::World& world) {
   world.run_for(std::chrono::seconds{10});
   for (const char* person : people) world.command_server(person);
   for (const char* id : {"V1", "V2", "V3"}) {
-    world.command_server(std::string(R"({"command":"add","thing":{"kind":"aiv","id":")") + id + "\"}}");
+    world.command_server(std::string(R"({"command":"add","virtualObject":{"kind":"aiv","id":")") + id + "\"}}");
     world.run_for(std::chrono::seconds{5});
   }
 }

@@ -14,7 +14,7 @@ test('two pages stay in step, and outlive their server', { timeout: 180_000 }, a
   const one = await open_operator(t, browser, platform);
   const other = await open_operator(t, browser, platform, { colorScheme: 'dark' });
   const in_both = (what, question, within_ms = 4_000) => Promise.all([one, other].map((page) => eventually(what, () => question(page), { within_ms })));
-  const things = () => platform.snapshot().then((snapshot) => snapshot.things.map(({ id }) => id).sort());
+  const virtualObjects = () => platform.snapshot().then((snapshot) => snapshot.virtualObjects.map(({ id }) => id).sort());
 
   await t.test('what one commands, both show', async () => {
     await ground_truth.moves(2, 30_000);
@@ -30,10 +30,10 @@ test('two pages stay in step, and outlive their server', { timeout: 180_000 }, a
   await t.test('what one adds, edits and ranks, both show', async () => {
     await other.getByTestId('tool-add-person').click();
     await press_map(other, platform, 0.75, 0.75);
-    await in_both('the person', (page) => page.locator('[data-thing^=P]').count());
+    await in_both('the person', (page) => page.locator('[data-virtualObject^=P]').count());
     await one.getByTestId('tool-add-obstacle').click();
     await press_map(one, platform, -0.75, 0.75);
-    await in_both('the obstacle', (page) => page.locator('[data-thing^=O]').count());
+    await in_both('the obstacle', (page) => page.locator('[data-virtualObject^=O]').count());
     await one.getByTestId('tool-add-aiv').click();
     await one.getByTestId('add-anywhere').click();
     await in_both('the virtual AIV', (page) => row(page, 'CoSiVA.virtual/V1').count(), 10_000);
@@ -49,7 +49,7 @@ test('two pages stay in step, and outlive their server', { timeout: 180_000 }, a
     await in_both('it is not saved', (page) => page.getByTestId('unsaved').count());
   });
 
-  const before = await things();
+  const before = await virtualObjects();
   await t.test('both say that the server is gone', async () => {
     assert.equal(before.length, 2);
     // Frozen, its supervisor cannot start it again before the pages have looked.
@@ -70,9 +70,9 @@ test('two pages stay in step, and outlive their server', { timeout: 180_000 }, a
       await page.waitForSelector('[data-testid=link][data-phase=live]', { timeout: 30_000 });
       await page.waitForSelector('[data-testid=banner]', { state: 'detached', timeout: 5_000 });
     }
-    await in_both('the person and the obstacle', async (page) => (await page.locator('[data-thing]').count()) === 2, 10_000);
+    await in_both('the person and the obstacle', async (page) => (await page.locator('[data-virtualObject]').count()) === 2, 10_000);
     await in_both('the virtual AIV', (page) => row(page, 'CoSiVA.virtual/V1').count(), 15_000);
-    assert.deepEqual(await things(), before);
+    assert.deepEqual(await virtualObjects(), before);
     await in_both('priority 42', async (page) => (await aiv_row(page, 3).getByTestId('priority').inputValue()) === '42', 10_000);
     await in_both('tag 55, still not saved', async (page) => (await page.getByTestId('tag-choice').locator('option[value="55"]').count()) && (await page.getByTestId('unsaved').count()), 10_000);
     for (const number of [1, 2, 3]) await ground_truth.moves(number, 40_000);

@@ -147,7 +147,7 @@ std::string snapshot_json(const Fleet& fleet, SimTime now) {
   json.field("unsaved", false).end_object().key("aivs").begin_array();
   for (std::size_t i = 0; i < fleet.size(); ++i) write_vehicle(json, fleet, i);
   json.end_array();
-  for (const char* none : {"things", "obstacles", "crossings"}) json.key(none).begin_array().end_array();
+  for (const char* none : {"virtualObjects", "obstacles", "crossings"}) json.key(none).begin_array().end_array();
   virtual_side::BijectionMonitor{{}}.write(json.key("bijection"));
   json.key("commands").begin_array().end_array().end_object();
   return json.take();

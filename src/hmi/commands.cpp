@@ -27,9 +27,9 @@ HttpResponse removed_answer(std::size_t count) {
 }
 
 /// {"command":verb,"thing":{"id":…, and what the body says but its own id}}
-std::string thing_command(std::string_view verb, const std::string& id, const JsonValue& body) {
+std::string virtual_object_command(std::string_view verb, const std::string& id, const JsonValue& body) {
   JsonWriter json;
-  json.begin_object().field("command", verb).key("thing").begin_object().field("id", id);
+  json.begin_object().field("command", verb).key("virtualObject").begin_object().field("id", id);
   for (const auto& [name, value] : *body.object())
     if (name != "id") write_json(json.key(name), value);
   json.end_object().end_object();
@@ -43,7 +43,7 @@ std::string remove_command(std::string_view id) {
 }
 
 /// A virtual AIV is known by two names: as a thing, and as the vehicle "CoSiVA.virtual/V1".
-std::string thing_id(const std::string& given) {
+std::string virtual_object_id(const std::string& given) {
   const std::string prefix = std::string(wire::virtual_manufacturer) + "/";
   return given.starts_with(prefix) ? given.substr(prefix.size()) : given;
 }
@@ -53,8 +53,8 @@ std::size_t count_virtual(const virtual_side::ServerCore& core) {
   const auto snapshot = JsonValue::parse(core.snapshot_json(), snapshot_bytes_max);
   if (!snapshot) return 0;
   std::size_t count = 0;
-  if (const JsonValue* things = snapshot->find("things"); things != nullptr && things->array() != nullptr)
-    count += things->array()->size();
+  if (const JsonValue* virtual_objects = snapshot->find("virtualObjects"); virtual_objects != nullptr && virtual_objects->array() != nullptr)
+    count += virtual_objects->array()->size();
   if (const JsonValue* aivs = snapshot->find("aivs"); aivs != nullptr && aivs->array() != nullptr)
     count += static_cast<std::size_t>(
         std::ranges::count_if(*aivs->array(), [](const JsonValue& aiv) { return aiv.flag("augmented") == true; }));
@@ -84,31 +84,31 @@ HttpResponse post_battery_ready(CallContext& context, const Call& call) {
   return json_answer("{}", 202);
 }
 
-HttpResponse add_thing(CallContext& context, const Call& call) {
+HttpResponse add_virtual_object(CallContext& context, const Call& call) {
   const std::string kind = call.body.text("kind").value_or("");
   if (kind != "aiv" && kind != "person" && kind != "obstacle")
-    return http_error(400, "thing.kind", R"(say what to add: "kind":"aiv", "person" or "obstacle")");
-  const std::string id = context.host().core->next_thing_id(kind);
-  if (auto given = context.give(thing_command("add", id, call.body)); !given) return refusal(given.error());
+    return http_error(400, "virtual_object.kind", R"(say what to add: "kind":"aiv", "person" or "obstacle")");
+  const std::string id = context.host().core->next_virtual_object_id(kind);
+  if (auto given = context.give(virtual_object_command("add", id, call.body)); !given) return refusal(given.error());
   return id_answer(id, 201);
 }
 
-HttpResponse move_thing(CallContext& context, const Call& call) {
-  const std::string id = thing_id(call.arguments[0]);
+HttpResponse move_virtual_object(CallContext& context, const Call& call) {
+  const std::string id = virtual_object_id(call.arguments[0]);
   // Whether it could be removed tells whether it is there.
   if (auto there = context.host().core->check_command(remove_command(id)); !there) return refusal(there.error());
-  if (auto given = context.give(thing_command("move", id, call.body)); !given) return refusal(given.error());
+  if (auto given = context.give(virtual_object_command("move", id, call.body)); !given) return refusal(given.error());
   return id_answer(id, 200);
 }
 
-HttpResponse remove_thing(CallContext& context, const Call& call) {
-  const std::string id = thing_id(call.arguments[0]);
-  if (id == "*") return http_error(404, "thing.not_found", "DELETE /api/v1/things takes all of them away");
+HttpResponse remove_virtual_object(CallContext& context, const Call& call) {
+  const std::string id = virtual_object_id(call.arguments[0]);
+  if (id == "*") return http_error(404, "virtual_object.not_found", "DELETE /api/v1/virtual-objects takes all of them away");
   if (auto given = context.give(remove_command(id)); !given) return refusal(given.error());
   return removed_answer(1);
 }
 
-HttpResponse remove_things(CallContext& context, const Call&) {
+HttpResponse remove_virtual_objects(CallContext& context, const Call&) {
   const std::size_t count = count_virtual(*context.host().core);
   if (count > 0) {
     if (auto given = context.give(remove_command("*")); !given) return refusal(given.error());

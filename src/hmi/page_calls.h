@@ -30,7 +30,7 @@ class PageCalls {
 
   struct Route {
     std::string_view method;
-    std::string_view pattern;  ///< "/api/v1/things/{id}"
+    std::string_view pattern;  ///< "/api/v1/virtual-objects/{id}"
     enum class Body : std::uint8_t { none, object } body;
     adapters::HttpResponse (*handler)(CallContext&, const Call&);
   };

@@ -35,8 +35,8 @@ TEST(PageCalls, that_do_not_exist_or_are_asked_wrongly_say_what_there_is) {
   PageBench page;
   EXPECT_EQ(page.ask("GET", "/api/v1/nothing").status, 404U);
   EXPECT_EQ(page.ask("GET", "/api%2Fv1/zone").status, 404U);
-  EXPECT_EQ(page.ask("GET", "/api/v1/things/a/b").status, 404U);
-  const HttpResponse wrong = page.ask("PATCH", "/api/v1/things");
+  EXPECT_EQ(page.ask("GET", "/api/v1/virtual-objects/a/b").status, 404U);
+  const HttpResponse wrong = page.ask("PATCH", "/api/v1/virtual-objects");
   EXPECT_EQ(wrong.status, 405U);
   EXPECT_EQ(allow_of(wrong), "POST, DELETE");
   EXPECT_THAT(PageBench::sentence(wrong), HasSubstr("POST, DELETE"));
@@ -127,26 +127,26 @@ TEST(PageCalls, refuse_bodies_that_are_no_object) {
 
 TEST(PageCalls, add_move_and_remove_a_person) {
   PageBench page;
-  const HttpResponse added = page.ask("POST", "/api/v1/things", R"({"kind":"person","id":"mine","x":0.4,"y":0.5})");
+  const HttpResponse added = page.ask("POST", "/api/v1/virtual-objects", R"({"kind":"person","id":"mine","x":0.4,"y":0.5})");
   EXPECT_EQ(added.status, 201U) << added.body;
   EXPECT_EQ(PageBench::said(added, "id"), "P1");
-  EXPECT_EQ(PageBench::said(page.ask("POST", "/api/v1/things", R"({"kind":"person","x":0.4,"y":0.6})"), "id"), "P2");
-  EXPECT_EQ(page.ask("PATCH", "/api/v1/things/P1", R"({"x":0.5,"y":0.5})").status, 200U);
-  EXPECT_EQ(page.ask("PATCH", "/api/v1/things/P1", R"({"x":"left"})").status, 400U);
-  EXPECT_EQ(page.ask("PATCH", "/api/v1/things/P9", R"({"x":0.5,"y":0.5})").status, 404U);
-  EXPECT_EQ(page.ask("DELETE", "/api/v1/things/P1").body, R"({"removed":1})");
-  EXPECT_EQ(page.ask("DELETE", "/api/v1/things/P1").status, 404U);
-  EXPECT_EQ(page.ask("DELETE", "/api/v1/things").body, R"({"removed":1})");
-  EXPECT_EQ(page.ask("DELETE", "/api/v1/things").body, R"({"removed":0})");
+  EXPECT_EQ(PageBench::said(page.ask("POST", "/api/v1/virtual-objects", R"({"kind":"person","x":0.4,"y":0.6})"), "id"), "P2");
+  EXPECT_EQ(page.ask("PATCH", "/api/v1/virtual-objects/P1", R"({"x":0.5,"y":0.5})").status, 200U);
+  EXPECT_EQ(page.ask("PATCH", "/api/v1/virtual-objects/P1", R"({"x":"left"})").status, 400U);
+  EXPECT_EQ(page.ask("PATCH", "/api/v1/virtual-objects/P9", R"({"x":0.5,"y":0.5})").status, 404U);
+  EXPECT_EQ(page.ask("DELETE", "/api/v1/virtual-objects/P1").body, R"({"removed":1})");
+  EXPECT_EQ(page.ask("DELETE", "/api/v1/virtual-objects/P1").status, 404U);
+  EXPECT_EQ(page.ask("DELETE", "/api/v1/virtual-objects").body, R"({"removed":1})");
+  EXPECT_EQ(page.ask("DELETE", "/api/v1/virtual-objects").body, R"({"removed":0})");
 }
 
 TEST(PageCalls, know_a_virtual_aiv_by_both_its_names) {
   PageBench page;
-  const HttpResponse added = page.ask("POST", "/api/v1/things", R"({"kind":"aiv"})");
+  const HttpResponse added = page.ask("POST", "/api/v1/virtual-objects", R"({"kind":"aiv"})");
   ASSERT_EQ(added.status, 201U) << added.body;
   EXPECT_EQ(PageBench::said(added, "id"), "V1");
-  EXPECT_EQ(page.ask("DELETE", "/api/v1/things/CoSiVA.virtual%2FV1").body, R"({"removed":1})");
-  EXPECT_EQ(page.ask("DELETE", "/api/v1/things/V1").status, 404U);
+  EXPECT_EQ(page.ask("DELETE", "/api/v1/virtual-objects/CoSiVA.virtual%2FV1").body, R"({"removed":1})");
+  EXPECT_EQ(page.ask("DELETE", "/api/v1/virtual-objects/V1").status, 404U);
 }
 
 TEST(PageCalls, put_obstacles_into_an_emulated_world_only) {
@@ -427,7 +427,7 @@ TEST(PageCalls, show_the_camera_s_image_as_it_came_and_say_where_there_is_none) 
 /// A page on which everything that an example needs is there.
 struct PreparedPage : PageBench {
   PreparedPage() {
-    ask("POST", "/api/v1/things", R"({"kind":"person","x":0.4,"y":0.5})");
+    ask("POST", "/api/v1/virtual-objects", R"({"kind":"person","x":0.4,"y":0.5})");
     calls->know_plant({});
     server.feed(wire::InputKind::message, "cosiva/v1/battery/change/CoSiVA/AIV1",
                 R"({"battery":"red","run":1,"reason":""})", true);

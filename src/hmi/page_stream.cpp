@@ -15,7 +15,7 @@ using std::chrono::milliseconds;
 constexpr int beats_per_second = 30;
 constexpr std::chrono::nanoseconds beat_period{std::chrono::nanoseconds{std::chrono::seconds{1}} / beats_per_second};
 /// Above so many things every third beat only: 10 a second.
-constexpr std::size_t things_many = 1000;
+constexpr std::size_t many_objects = 1000;
 constexpr std::uint64_t beats_skipped_when_many = 3;
 constexpr milliseconds snapshot_period{250};
 constexpr milliseconds snapshot_period_when_many{1000};
@@ -58,7 +58,7 @@ void PageStream::position_beat() {
   }
   if (idle_) return join();
   if (beats_ % beats_per_second == 0) frames_.ask_key();
-  if (records_.size() <= things_many || beats_ % beats_skipped_when_many == 0) send_positions();
+  if (records_.size() <= many_objects || beats_ % beats_skipped_when_many == 0) send_positions();
   send_zone();
   send_run();
   if (Clock::now() >= next_snapshot_) send_snapshot();
@@ -104,7 +104,7 @@ void PageStream::send_snapshot() {
   send(snapshot_frame, R"({"type":"snapshot","snapshot":)" + source_.snapshot_json() + "}", true);
   const std::chrono::duration<double> work{static_cast<double>(std::clock() - busy) / CLOCKS_PER_SEC};
   const auto rest = std::chrono::duration_cast<Clock::duration>(snapshot_share * work);
-  const milliseconds period = records_.size() > things_many ? snapshot_period_when_many : snapshot_period;
+  const milliseconds period = records_.size() > many_objects ? snapshot_period_when_many : snapshot_period;
   next_snapshot_ = start + std::max<Clock::duration>(period, rest);
   no_snapshot_before_ = start + rest;
   no_event_before_ = start + std::max<Clock::duration>(events_gathering, rest);

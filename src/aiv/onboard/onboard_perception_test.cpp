@@ -284,11 +284,11 @@ TEST(Seeing, tells_where_the_obstacle_in_its_way_stands) {
   EXPECT_EQ(bench.speed_mps, 0.0);
   ASSERT_FALSE(bench.sightings.empty());
   const wire::DetectedObstacleReport& detected = bench.sightings.back();
-  ASSERT_TRUE(detected.thing);
+  ASSERT_TRUE(detected.virtual_object);
   EXPECT_EQ(detected.map_id, "lacet4");
-  EXPECT_LT(distance({detected.thing->x_m, detected.thing->y_m}, p), 0.04);
-  EXPECT_NEAR(detected.thing->distance_m, stand_off_m, 0.04);
-  EXPECT_EQ(detected.clear_m, detected.thing->distance_m);
+  EXPECT_LT(distance({detected.virtual_object->x_m, detected.virtual_object->y_m}, p), 0.04);
+  EXPECT_NEAR(detected.virtual_object->distance_m, stand_off_m, 0.04);
+  EXPECT_EQ(detected.clear_m, detected.virtual_object->distance_m);
   const std::size_t before = bench.sightings.size();
   bench.run(2.0);
   EXPECT_GE(bench.sightings.size() - before, 15U) << "it stands and goes on telling";
@@ -303,7 +303,7 @@ TEST(Seeing, tells_three_times_that_it_went_and_nothing_while_there_is_nothing) 
   bench.run(2.0);
   ASSERT_GE(bench.sightings.size(), 3U);
   int without = 0;
-  for (const wire::DetectedObstacleReport& detected : bench.sightings) without += detected.thing ? 0 : 1;
+  for (const wire::DetectedObstacleReport& detected : bench.sightings) without += detected.virtual_object ? 0 : 1;
   EXPECT_EQ(without, 3);
   EXPECT_NEAR(bench.sightings.back().clear_m, 1.2, 1e-9);
 }

@@ -19,10 +19,10 @@ using test::lacet4;
 constexpr double nothing = std::numeric_limits<double>::infinity();
 
 /// Thirteen beams of 0.14 rad from the front of the body; each sees the nearest of the given points in its sector.
-wire::Ranges look(const Pose2& X_MB, const std::vector<Point2>& things) {
+wire::Ranges look(const Pose2& X_MB, const std::vector<Point2>& virtual_objects) {
   wire::Ranges ranges{0, -84, 14, std::vector<std::uint16_t>(13, wire::no_echo)};
   const Pose2 X_BM = inverse(X_MB);
-  for (const Point2& p_M : things) {
+  for (const Point2& p_M : virtual_objects) {
     const Point2 p_B = X_BM * p_M;
     const double x_m = p_B.x_m - 0.1;
     const double range_m = std::hypot(x_m, p_B.y_m);
@@ -44,9 +44,9 @@ std::vector<Point2> body(const Pose2& X_MB) {
   return points;
 }
 
-double ahead(zone::Place here, const std::vector<Point2>& things) {
+double ahead(zone::Place here, const std::vector<Point2>& virtual_objects) {
   Corridor corridor{lacet4()};
-  return corridor.obstacle_ahead_m(here, look(lacet4().circuit.pose_at(here), things));
+  return corridor.obstacle_ahead_m(here, look(lacet4().circuit.pose_at(here), virtual_objects));
 }
 double ahead_of_vehicle(zone::Place here, zone::Place other) {
   return ahead(here, body(lacet4().circuit.pose_at(other)));

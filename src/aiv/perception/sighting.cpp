@@ -9,23 +9,23 @@ namespace {
 
 /// Neighbouring beams hear the same thing when their ranges differ from the nearest one's by no more. Two things side
 /// by side that are taken for one would have a middle where nothing is.
-constexpr int same_thing_mm = 50;
+constexpr int same_body_mm = 50;
 constexpr double radius_m_min = 0.02;
 constexpr double radius_m_max = 0.15;
 
-bool same_thing(std::uint16_t a_mm, std::uint16_t b_mm) {
-  return a_mm != wire::no_echo && b_mm != wire::no_echo && std::abs(int{a_mm} - int{b_mm}) <= same_thing_mm;
+bool same_body(std::uint16_t a_mm, std::uint16_t b_mm) {
+  return a_mm != wire::no_echo && b_mm != wire::no_echo && std::abs(int{a_mm} - int{b_mm}) <= same_body_mm;
 }
 
 }  // namespace
 
-wire::DetectedObstacleReport::Thing thing_in_beams(const Corridor::Look& look, const wire::Ranges& ranges, const Pose2& X_MS) {
+wire::DetectedObstacleReport::VirtualObject body_in_beams(const Corridor::Look& look, const wire::Ranges& ranges, const Pose2& X_MS) {
   const auto& range_mm = ranges.range_mm;
   std::size_t first = look.beam;
   std::size_t last = look.beam;
   const std::uint16_t nearest_mm = range_mm[look.beam];
-  while (first > 0 && same_thing(range_mm[first - 1], nearest_mm)) --first;
-  while (last + 1 < range_mm.size() && same_thing(range_mm[last + 1], nearest_mm)) ++last;
+  while (first > 0 && same_body(range_mm[first - 1], nearest_mm)) --first;
+  while (last + 1 < range_mm.size() && same_body(range_mm[last + 1], nearest_mm)) ++last;
   double range_m = 0.001 * nearest_mm;
   for (std::size_t i = first; i <= last; ++i) range_m = std::min(range_m, 0.001 * range_mm[i]);
 
@@ -52,7 +52,7 @@ std::optional<wire::DetectedObstacleReport> Sighting::on_frame(SimTime now, cons
     misses_ = 0;
     farewells_left_ = farewells;
     if (!fresh && !due(now)) return std::nullopt;
-    detected.thing = thing_in_beams(look, ranges, X_MS);
+    detected.virtual_object = body_in_beams(look, ranges, X_MS);
   } else {
     if (there_ && ++misses_ < misses_max) return std::nullopt;
     const bool fresh = there_;

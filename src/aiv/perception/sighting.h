@@ -14,7 +14,7 @@ namespace cosiva::aiv {
 /// Where the thing stands that the beam `look.beam` hears, as far as can be told from one side: its middle lies behind
 /// its nearest point, in the middle of the beams that it fills.
 /// @param X_MS  of the sensor, in the middle of the vehicle's front
-[[nodiscard]] wire::DetectedObstacleReport::Thing thing_in_beams(const Corridor::Look& look, const wire::Ranges& ranges,
+[[nodiscard]] wire::DetectedObstacleReport::VirtualObject body_in_beams(const Corridor::Look& look, const wire::Ranges& ranges,
                                                const Pose2& X_MS);
 
 /// Makes of DOBS' frames what the vehicle tells of things in its way (wire::DetectedObstacleReport): a new thing at once, then ten times

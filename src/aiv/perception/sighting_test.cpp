@@ -35,50 +35,50 @@ std::size_t nearest_beam(const wire::Ranges& ranges) {
   return static_cast<std::size_t>(nearest - ranges.range_mm.begin());
 }
 
-TEST(ThingInBeams, lies_behind_its_nearest_point_as_far_as_it_is_big) {
+TEST(BodyInBeams, lies_behind_its_nearest_point_as_far_as_it_is_big) {
   for (const double away_m : {0.25, 0.4, 0.6, 0.9}) {
     for (const double bearing : {-0.3, -0.1, 0.0, 0.15, 0.4}) {
       for (const double radius_m : {0.03, 0.06, 0.10}) {
         const Point2 p{away_m * std::cos(bearing), away_m * std::sin(bearing)};
         const wire::Ranges ranges = fan_on(p, radius_m);
-        const auto thing = thing_in_beams({0.3, nearest_beam(ranges)}, ranges, {});
+        const auto virtual_object = body_in_beams({0.3, nearest_beam(ranges)}, ranges, {});
         // Half a beam is what such a fan can tell sideways.
-        EXPECT_LT(distance({thing.x_m, thing.y_m}, p), 0.075 * away_m + 0.04)
+        EXPECT_LT(distance({virtual_object.x_m, virtual_object.y_m}, p), 0.075 * away_m + 0.04)
             << away_m << " " << bearing << " " << radius_m;
-        EXPECT_NEAR(thing.radius_m, radius_m, 0.07 * away_m + 0.03) << away_m << " " << bearing << " " << radius_m;
+        EXPECT_NEAR(virtual_object.radius_m, radius_m, 0.07 * away_m + 0.03) << away_m << " " << bearing << " " << radius_m;
       }
     }
   }
 }
 
-TEST(ThingInBeams, is_told_in_the_maps_frame) {
+TEST(BodyInBeams, is_told_in_the_maps_frame) {
   wire::Ranges ranges = no_ranges();
   ranges.range_mm[middle] = 400;
-  const auto thing = thing_in_beams({0.4, middle}, ranges, {1.0, 2.0, pi / 2});
-  EXPECT_NEAR(thing.x_m, 1.0, 1e-9);
-  EXPECT_NEAR(thing.y_m, 2.0 + 0.4 + thing.radius_m, 1e-9);
-  EXPECT_EQ(thing.distance_m, 0.4);
+  const auto virtual_object = body_in_beams({0.4, middle}, ranges, {1.0, 2.0, pi / 2});
+  EXPECT_NEAR(virtual_object.x_m, 1.0, 1e-9);
+  EXPECT_NEAR(virtual_object.y_m, 2.0 + 0.4 + virtual_object.radius_m, 1e-9);
+  EXPECT_EQ(virtual_object.distance_m, 0.4);
 }
 
-TEST(ThingInBeams, does_not_grow_by_what_stands_behind_it) {
+TEST(BodyInBeams, does_not_grow_by_what_stands_behind_it) {
   wire::Ranges ranges = no_ranges();
   ranges.range_mm[middle] = 400;
-  const double alone_m = thing_in_beams({0.4, middle}, ranges, {}).radius_m;
+  const double alone_m = body_in_beams({0.4, middle}, ranges, {}).radius_m;
   ranges.range_mm[middle + 1] = 700;
   ranges.range_mm[middle - 1] = 650;
-  EXPECT_EQ(thing_in_beams({0.4, middle}, ranges, {}).radius_m, alone_m);
+  EXPECT_EQ(body_in_beams({0.4, middle}, ranges, {}).radius_m, alone_m);
   ranges.range_mm[middle + 1] = 430;
   ranges.range_mm[middle - 1] = 430;
-  EXPECT_GT(thing_in_beams({0.4, middle}, ranges, {}).radius_m, alone_m + 0.04);
+  EXPECT_GT(body_in_beams({0.4, middle}, ranges, {}).radius_m, alone_m + 0.04);
 }
 
-TEST(ThingInBeams, stays_finite_with_a_wall_in_every_beam_and_with_none_at_all_between) {
+TEST(BodyInBeams, stays_finite_with_a_wall_in_every_beam_and_with_none_at_all_between) {
   wire::Ranges wall = no_ranges();
   wall.range_mm.assign(13, 300);
-  const auto thing = thing_in_beams({0.3, middle}, wall, {});
-  EXPECT_LE(thing.radius_m, 0.15);
+  const auto virtual_object = body_in_beams({0.3, middle}, wall, {});
+  EXPECT_LE(virtual_object.radius_m, 0.15);
   const wire::Ranges touching{0, 0, 14, {0}};
-  EXPECT_NEAR(thing_in_beams({0.0, 0}, touching, {}).x_m, 0.02, 1e-9);
+  EXPECT_NEAR(body_in_beams({0.0, 0}, touching, {}).x_m, 0.02, 1e-9);
 }
 
 /// Frames 60 ms apart.
@@ -99,10 +99,10 @@ struct Eyes {
   }
 };
 
-TEST(Sighting, tells_a_new_thing_at_once_and_then_ten_times_a_second) {
+TEST(Sighting, tells_a_new_virtual_object_at_once_and_then_ten_times_a_second) {
   Eyes eyes;
   EXPECT_TRUE(eyes.frame(0.5));
-  ASSERT_TRUE(eyes.last->thing);
+  ASSERT_TRUE(eyes.last->virtual_object);
   EXPECT_EQ(eyes.last->clear_m, 0.5);
   eyes.told = 0;
   for (int i = 0; i < 50; ++i) static_cast<void>(eyes.frame(0.5));  // three seconds
@@ -110,23 +110,23 @@ TEST(Sighting, tells_a_new_thing_at_once_and_then_ten_times_a_second) {
   EXPECT_LE(eyes.told, 30);
 }
 
-TEST(Sighting, tells_three_times_that_a_thing_went_and_then_nothing_more) {
+TEST(Sighting, tells_three_times_that_a_virtual_object_went_and_then_nothing_more) {
   Eyes eyes;
   static_cast<void>(eyes.frame(0.5));
   int frames = 0;
   while (!eyes.frame(nothing)) ASSERT_LT(++frames, 5);
-  EXPECT_FALSE(eyes.last->thing);
+  EXPECT_FALSE(eyes.last->virtual_object);
   EXPECT_EQ(eyes.last->clear_m, 1.2) << "as far as it can tell";
   eyes.told = 1;
   for (int i = 0; i < 50; ++i) static_cast<void>(eyes.frame(nothing));
   EXPECT_EQ(eyes.told, 3);
 }
 
-TEST(Sighting, holds_on_to_a_thing_over_two_echoes_that_do_not_come_back) {
+TEST(Sighting, holds_on_to_an_object_over_two_echoes_that_do_not_come_back) {
   Eyes eyes;
   for (int i = 0; i < 60; ++i) {
     static_cast<void>(eyes.frame(i % 3 == 0 ? 0.5 : nothing));
-    ASSERT_TRUE(eyes.last->thing) << i;
+    ASSERT_TRUE(eyes.last->virtual_object) << i;
   }
 }
 
@@ -135,7 +135,7 @@ TEST(Sighting, tells_nothing_of_what_is_more_than_a_metre_ahead) {
   for (int i = 0; i < 10; ++i) EXPECT_FALSE(eyes.frame(1.01));
   static_cast<void>(eyes.frame(0.99));
   for (int i = 0; i < 5; ++i) static_cast<void>(eyes.frame(1.05));
-  EXPECT_FALSE(eyes.last->thing);
+  EXPECT_FALSE(eyes.last->virtual_object);
   EXPECT_EQ(eyes.last->clear_m, 1.05);
 }
 

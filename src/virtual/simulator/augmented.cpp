@@ -9,11 +9,11 @@
 
 namespace cosiva::virtual_side {
 
-std::string_view to_string(ThingKind kind) { return kind == ThingKind::person ? "person" : "obstacle"; }
+std::string_view to_string(VirtualObjectKind kind) { return kind == VirtualObjectKind::person ? "person" : "obstacle"; }
 
-std::optional<ThingKind> parse_thing_kind(std::string_view word) {
-  if (word == "person") return ThingKind::person;
-  if (word == "obstacle") return ThingKind::obstacle;
+std::optional<VirtualObjectKind> parse_virtual_object_kind(std::string_view word) {
+  if (word == "person") return VirtualObjectKind::person;
+  if (word == "obstacle") return VirtualObjectKind::obstacle;
   return std::nullopt;
 }
 
@@ -80,47 +80,47 @@ Walk::Motion Walk::at(SimDuration since_start) const {
           speed * uy};
 }
 
-const Thing& Augmented::add(Thing thing) {
-  COSIVA_EXPECT(find(thing.id) == nullptr && things_.size() < things_max);
+const VirtualObject& Augmented::add(VirtualObject virtual_object) {
+  COSIVA_EXPECT(find(virtual_object.id) == nullptr && virtual_objects_.size() < virtual_objects_max);
   // Handles go round, so that a page does not take a new thing for the one that has just gone.
   const auto used = [&](std::uint16_t handle) {
-    return std::ranges::find(things_, handle, &Thing::handle) != things_.end();
+    return std::ranges::find(virtual_objects_, handle, &VirtualObject::handle) != virtual_objects_.end();
   };
   do {
-    thing.handle = static_cast<std::uint16_t>(first_handle + next_);
+    virtual_object.handle = static_cast<std::uint16_t>(first_handle + next_);
     next_ = static_cast<std::uint16_t>((next_ + 1) % handles);
-  } while (used(thing.handle));
-  things_.push_back(std::move(thing));
-  return things_.back();
+  } while (used(virtual_object.handle));
+  virtual_objects_.push_back(std::move(virtual_object));
+  return virtual_objects_.back();
 }
 
 bool Augmented::move(std::string_view id, Walk walk, SimTime now) {
-  const auto it = std::ranges::find(things_, id, &Thing::id);
-  if (it == things_.end()) return false;
+  const auto it = std::ranges::find(virtual_objects_, id, &VirtualObject::id);
+  if (it == virtual_objects_.end()) return false;
   it->walk = std::move(walk);
   it->started = now;
   return true;
 }
 
 bool Augmented::remove(std::string_view id) {
-  return std::erase_if(things_, [id](const Thing& thing) { return thing.id == id; }) > 0;
+  return std::erase_if(virtual_objects_, [id](const VirtualObject& virtual_object) { return virtual_object.id == id; }) > 0;
 }
 
-const Thing* Augmented::find(std::string_view id) const {
-  const auto it = std::ranges::find(things_, id, &Thing::id);
-  return it == things_.end() ? nullptr : &*it;
+const VirtualObject* Augmented::find(std::string_view id) const {
+  const auto it = std::ranges::find(virtual_objects_, id, &VirtualObject::id);
+  return it == virtual_objects_.end() ? nullptr : &*it;
 }
 
 void Augmented::fold(Digest& digest) const {
-  for (const Thing& thing : things_) {
-    digest.add(std::string_view{thing.id});
-    digest.add(static_cast<std::uint64_t>(thing.kind));
-    digest.add(std::uint64_t{thing.handle});
-    digest.add(thing.radius_m);
-    digest.add(thing.started);
-    digest.add(thing.walk.speed_mps());
-    digest.add(static_cast<std::uint64_t>(thing.walk.repeat()));
-    for (const Point2 point : thing.walk.path()) {
+  for (const VirtualObject& virtual_object : virtual_objects_) {
+    digest.add(std::string_view{virtual_object.id});
+    digest.add(static_cast<std::uint64_t>(virtual_object.kind));
+    digest.add(std::uint64_t{virtual_object.handle});
+    digest.add(virtual_object.radius_m);
+    digest.add(virtual_object.started);
+    digest.add(virtual_object.walk.speed_mps());
+    digest.add(static_cast<std::uint64_t>(virtual_object.walk.repeat()));
+    for (const Point2 point : virtual_object.walk.path()) {
       digest.add(point.x_m);
       digest.add(point.y_m);
     }

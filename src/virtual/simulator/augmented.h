@@ -13,9 +13,9 @@
 namespace cosiva::virtual_side {
 
 /// What stands or walks in the virtual world only (A3), save AIVs.
-enum class ThingKind : std::uint8_t { person, obstacle };
-[[nodiscard]] std::string_view to_string(ThingKind kind);
-[[nodiscard]] std::optional<ThingKind> parse_thing_kind(std::string_view word);
+enum class VirtualObjectKind : std::uint8_t { person, obstacle };
+[[nodiscard]] std::string_view to_string(VirtualObjectKind kind);
+[[nodiscard]] std::optional<VirtualObjectKind> parse_virtual_object_kind(std::string_view word);
 
 /// What a walker does at the end of its path.
 enum class Repeat : std::uint8_t { once, back_and_forth, loop };
@@ -52,9 +52,9 @@ class Walk {
   double length_m_{};
 };
 
-struct Thing {
+struct VirtualObject {
   std::string id;
-  ThingKind kind{ThingKind::person};
+  VirtualObjectKind kind{VirtualObjectKind::person};
   std::uint16_t handle{};  ///< on binary frames, from Augmented::first_handle on
   double radius_m{};
   Walk walk;
@@ -67,24 +67,24 @@ struct Thing {
 /// nothing; it knows no zone and checks no places.
 class Augmented {
  public:
-  static constexpr std::size_t things_max = 64;
+  static constexpr std::size_t virtual_objects_max = 64;
   static constexpr std::uint16_t first_handle = 0x8000;
   static constexpr std::uint16_t handles = 0x4000;
 
   /// Its id is free and there is room (checked by the caller). The handle is given here.
-  const Thing& add(Thing thing);
+  const VirtualObject& add(VirtualObject virtual_object);
   /// Walks from `now` on. False: there is no such thing.
   bool move(std::string_view id, Walk walk, SimTime now);
   bool remove(std::string_view id);
-  void clear() { things_.clear(); }
+  void clear() { virtual_objects_.clear(); }
 
-  [[nodiscard]] const Thing* find(std::string_view id) const;
-  [[nodiscard]] const std::vector<Thing>& things() const { return things_; }
-  [[nodiscard]] bool empty() const { return things_.empty(); }
+  [[nodiscard]] const VirtualObject* find(std::string_view id) const;
+  [[nodiscard]] const std::vector<VirtualObject>& virtual_objects() const { return virtual_objects_; }
+  [[nodiscard]] bool empty() const { return virtual_objects_.empty(); }
   void fold(Digest& digest) const;
 
  private:
-  std::vector<Thing> things_;
+  std::vector<VirtualObject> virtual_objects_;
   std::uint16_t next_{0};
 };
 

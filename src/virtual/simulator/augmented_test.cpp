@@ -76,14 +76,14 @@ RC_GTEST_PROP(Walk, never_jumps_and_never_leaves_its_corners, (std::vector<std::
   }
 }
 
-TEST(Augmented, keeps_things_by_name_and_gives_no_handle_twice) {
+TEST(Augmented, keeps_objects_by_name_and_gives_no_handle_twice) {
   Augmented world;
   const SimTime now = virtual_epoch;
-  world.add({"P1", ThingKind::person, 0, 0.06, Walk({{0.0, 0.0}}, 0.0, Repeat::once), now, now});
+  world.add({"P1", VirtualObjectKind::person, 0, 0.06, Walk({{0.0, 0.0}}, 0.0, Repeat::once), now, now});
   EXPECT_EQ(world.find("P1")->handle, 0x8000);
   EXPECT_TRUE(world.remove("P1"));
   EXPECT_FALSE(world.remove("P1"));
-  world.add({"O1", ThingKind::obstacle, 0, 0.06, Walk({{0.0, 0.0}}, 0.0, Repeat::once), now, now});
+  world.add({"O1", VirtualObjectKind::obstacle, 0, 0.06, Walk({{0.0, 0.0}}, 0.0, Repeat::once), now, now});
   EXPECT_EQ(world.find("O1")->handle, 0x8001) << "not the one that has just been given back";
   EXPECT_FALSE(world.move("P1", Walk{}, now));
   EXPECT_TRUE(world.move("O1", Walk({{3.0, 0.0}}, 0.0, Repeat::once), now + 5s));
@@ -93,9 +93,9 @@ TEST(Augmented, keeps_things_by_name_and_gives_no_handle_twice) {
 
 TEST(Augmented, goes_round_its_handles_without_taking_one_in_use) {
   Augmented world;
-  world.add({"P1", ThingKind::person, 0, 0.06, Walk{}, virtual_epoch, virtual_epoch});
+  world.add({"P1", VirtualObjectKind::person, 0, 0.06, Walk{}, virtual_epoch, virtual_epoch});
   for (int i = 0; i < Augmented::handles + 3; ++i) {
-    world.add({"O1", ThingKind::obstacle, 0, 0.06, Walk{}, virtual_epoch, virtual_epoch});
+    world.add({"O1", VirtualObjectKind::obstacle, 0, 0.06, Walk{}, virtual_epoch, virtual_epoch});
     ASSERT_NE(world.find("O1")->handle, 0x8000);
     ASSERT_LT(world.find("O1")->handle, 0xC000);
     world.remove("O1");
@@ -105,10 +105,10 @@ TEST(Augmented, goes_round_its_handles_without_taking_one_in_use) {
 TEST(Augmented, terms_read_back) {
   for (const Repeat repeat : {Repeat::once, Repeat::back_and_forth, Repeat::loop})
     EXPECT_EQ(parse_repeat(to_string(repeat)), repeat);
-  for (const ThingKind kind : {ThingKind::person, ThingKind::obstacle})
-    EXPECT_EQ(parse_thing_kind(to_string(kind)), kind);
+  for (const VirtualObjectKind kind : {VirtualObjectKind::person, VirtualObjectKind::obstacle})
+    EXPECT_EQ(parse_virtual_object_kind(to_string(kind)), kind);
   EXPECT_FALSE(parse_repeat("twice").has_value());
-  EXPECT_FALSE(parse_thing_kind("aiv").has_value());
+  EXPECT_FALSE(parse_virtual_object_kind("aiv").has_value());
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ class Sightings : public testing::Test {
   DetectedObstacles detected;
 };
 
-TEST_F(Sightings, of_one_thing_from_two_vehicles_are_one_twin) {
+TEST_F(Sightings, of_one_object_from_two_vehicles_are_one_twin) {
   EXPECT_TRUE(detected.see("a", now, {1.0, 0.0}, 0.05));
   EXPECT_FALSE(detected.see("b", now + 1s, {1.1, 0.0}, 0.07));
   ASSERT_THAT(detected.obstacles(), SizeIs(1));

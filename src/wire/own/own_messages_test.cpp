@@ -52,7 +52,7 @@ VirtualObstaclesAck draw_ack(Random& random) {
 DetectedObstacleReport draw_detected(Random& random) {
   DetectedObstacleReport detected{whole<std::uint32_t>(random), time(random), name(random), std::nullopt, random.uniform(0, 2)};
   if (coin(random))
-    detected.thing = DetectedObstacleReport::Obstacle{place(random), place(random), random.uniform(0, 10), random.uniform(0, 100)};
+    detected.virtual_object = DetectedObstacleReport::Obstacle{place(random), place(random), random.uniform(0, 10), random.uniform(0, 100)};
   return detected;
 }
 BoardsReport draw_report(Random& random) {

@@ -215,7 +215,7 @@ TEST(ZoneEdit, of_a_bad_file_or_a_bad_edit_fails_with_a_reason) {
   EXPECT_EQ(other.error().code, "zone.format");
 }
 
-TEST(ZoneEdit, is_refused_by_a_format_that_has_no_such_thing) {
+TEST(ZoneEdit, is_refused_by_a_format_that_cannot_express_it) {
   class Rigid final : public CircuitFactory {
    public:
     std::string_view format() const override { return "rigid"; }

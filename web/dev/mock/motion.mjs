@@ -14,7 +14,7 @@ export class Motion {
     this.count = aivs;
     this.commands = [];
     this.command_number = 0;
-    this.handles = { aiv: 0, thing: 32768, seen: 49152 };
+    this.handles = { aiv: 0, virtualObject: 32768, seen: 49152 };
     this.load(zone, aivs);
   }
 
@@ -29,7 +29,7 @@ export class Motion {
     this.saved = true;
     this.aivs = [];
     for (let i = 0; i < aivs; i++) this.make_aiv(i + 1, false, this.spread((i + 0.3) / aivs, tracks, total));
-    this.things = [];
+    this.virtualObjects = [];
     this.boxes = [];
     this.seen = [];
     this.zone_cache = null;
@@ -75,7 +75,7 @@ export class Motion {
   step(dt) {
     this.walk(dt);
     const few = this.aivs.length <= 200;
-    const bodies = few ? [...this.things, ...this.boxes.map((box) => ({ ...box, physical: true }))] : [];
+    const bodies = few ? [...this.virtualObjects, ...this.boxes.map((box) => ({ ...box, physical: true }))] : [];
     const by_track = new Map();
     for (const aiv of this.aivs) {
       const list = by_track.get(aiv.track);
@@ -130,30 +130,30 @@ export class Motion {
     }
   }
   walk(dt) {
-    for (const thing of this.things) {
-      if (!thing.path || thing.path.length < 2) continue;
-      const legs = thing.path.slice(1).map((p, i) => Math.hypot(p[0] - thing.path[i][0], p[1] - thing.path[i][1]));
-      if (thing.repeat === 'loop') legs.push(Math.hypot(thing.path[0][0] - thing.path.at(-1)[0], thing.path[0][1] - thing.path.at(-1)[1]));
+    for (const virtualObject of this.virtualObjects) {
+      if (!virtualObject.path || virtualObject.path.length < 2) continue;
+      const legs = virtualObject.path.slice(1).map((p, i) => Math.hypot(p[0] - virtualObject.path[i][0], p[1] - virtualObject.path[i][1]));
+      if (virtualObject.repeat === 'loop') legs.push(Math.hypot(virtualObject.path[0][0] - virtualObject.path.at(-1)[0], virtualObject.path[0][1] - virtualObject.path.at(-1)[1]));
       const length = legs.reduce((a, b) => a + b, 0);
       if (length <= 0) continue;
-      thing.walked += thing.speed * dt;
-      let at = thing.walked;
+      virtualObject.walked += virtualObject.speed * dt;
+      let at = virtualObject.walked;
       let back = false;
-      if (thing.repeat === 'loop') at %= length;
-      else if (thing.repeat === 'back and forth') {
+      if (virtualObject.repeat === 'loop') at %= length;
+      else if (virtualObject.repeat === 'back and forth') {
         at %= 2 * length;
         back = at > length;
         if (back) at = 2 * length - at;
       } else at = Math.min(at, length);
       let leg = 0;
       while (leg < legs.length - 1 && at > legs[leg]) at -= legs[leg++];
-      const from = thing.path[leg];
-      const to = thing.path[(leg + 1) % thing.path.length];
+      const from = virtualObject.path[leg];
+      const to = virtualObject.path[(leg + 1) % virtualObject.path.length];
       const share = legs[leg] > 0 ? at / legs[leg] : 0;
-      thing.x = from[0] + (to[0] - from[0]) * share;
-      thing.y = from[1] + (to[1] - from[1]) * share;
-      thing.heading = Math.atan2(to[1] - from[1], to[0] - from[0]) + (back ? Math.PI : 0);
-      thing.moving = thing.repeat !== 'once' || thing.walked < length;
+      virtualObject.x = from[0] + (to[0] - from[0]) * share;
+      virtualObject.y = from[1] + (to[1] - from[1]) * share;
+      virtualObject.heading = Math.atan2(to[1] - from[1], to[0] - from[0]) + (back ? Math.PI : 0);
+      virtualObject.moving = virtualObject.repeat !== 'once' || virtualObject.walked < length;
     }
   }
   see() {
@@ -166,7 +166,7 @@ export class Motion {
         if (!seen) {
           seen = { id: `S${this.next_number(this.seen)}`, handle: this.handles.seen++, box: box.id, x: box.x + 0.006, y: box.y - 0.004, radius: box.radius * 0.95, detectedBy: [], first_ms: this.now, last_ms: this.now };
           this.seen.push(seen);
-          this.traces.add(this.now, aiv.serial, 'AIV_Server', 'seen', `cosiva/v1/detected_obstacle/${aiv.id}`, `a thing at ${seen.x.toFixed(2)}, ${seen.y.toFixed(2)}`, { headerId: 1, timestamp: new Date(this.now).toISOString(), mapId: this.circuit.name, thing: { x: seen.x, y: seen.y, radius: seen.radius, distance: aiv.ahead }, clear: aiv.ahead });
+          this.traces.add(this.now, aiv.serial, 'AIV_Server', 'seen', `cosiva/v1/detected_obstacle/${aiv.id}`, `a virtualObject at ${seen.x.toFixed(2)}, ${seen.y.toFixed(2)}`, { headerId: 1, timestamp: new Date(this.now).toISOString(), mapId: this.circuit.name, virtualObject: { x: seen.x, y: seen.y, radius: seen.radius, distance: aiv.ahead }, clear: aiv.ahead });
         }
         seen.last_ms = this.now;
         if (!seen.detectedBy.includes(aiv.id)) seen.detectedBy.push(aiv.id);
@@ -225,7 +225,7 @@ export class Motion {
       if (aiv.brakingFor !== aiv.felt) {
         const braking = aiv.brakingFor !== null;
         aiv.felt = aiv.brakingFor;
-        this.traces.add(this.now, 'AIV_Server', aiv.serial, 'ahead', `cosiva/v1/virtual_obstacles/${aiv.id}`, braking ? `${aiv.brakingFor} ahead` : 'nothing ahead', { headerId: update, timestamp: new Date(this.now).toISOString(), mapId: map, bodies: this.things.filter((thing) => thing.id === aiv.brakingFor).map(({ id, kind, x, y, heading, radius }) => ({ id, kind, x, y, heading, length: 0, radius, vx: 0, vy: 0 })) });
+        this.traces.add(this.now, 'AIV_Server', aiv.serial, 'ahead', `cosiva/v1/virtual_obstacles/${aiv.id}`, braking ? `${aiv.brakingFor} ahead` : 'nothing ahead', { headerId: update, timestamp: new Date(this.now).toISOString(), mapId: map, bodies: this.virtualObjects.filter((virtualObject) => virtualObject.id === aiv.brakingFor).map(({ id, kind, x, y, heading, radius }) => ({ id, kind, x, y, heading, length: 0, radius, vx: 0, vy: 0 })) });
         this.traces.add(this.now + 9, aiv.serial, 'AIV_Server', 'felt', `cosiva/v1/virtual_obstacles_ack/${aiv.id}`, braking ? `brakes for ${aiv.brakingFor}` : 'goes on', { virtualObstaclesHeaderId: update, decided: new Date(this.now + 4).toISOString(), braking, body: aiv.felt ?? '', distance: 0.28 });
       }
     }

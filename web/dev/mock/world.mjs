@@ -58,7 +58,7 @@ export class World extends Motion {
       handle: aiv.handle, kind: 0, status: this.lost(aiv) ? 5 : this.status_of(aiv), augmented: aiv.augmented, blocked: aiv.field || aiv.brakingFor !== null,
       x: aiv.pose.x, y: aiv.pose.y, heading: aiv.pose.heading, speed: aiv.speed, dx: -aiv.drift - aiv.speed * 0.03 * Math.cos(aiv.pose.heading), dy: aiv.drift - aiv.speed * 0.03 * Math.sin(aiv.pose.heading),
     }));
-    for (const thing of this.things) records.push({ handle: thing.handle, kind: thing.kind === 'person' ? 1 : 2, status: 0, augmented: true, blocked: false, x: thing.x, y: thing.y, heading: thing.heading, speed: thing.moving ? thing.speed : 0, dx: 0, dy: 0 });
+    for (const virtualObject of this.virtualObjects) records.push({ handle: virtualObject.handle, kind: virtualObject.kind === 'person' ? 1 : 2, status: 0, augmented: true, blocked: false, x: virtualObject.x, y: virtualObject.y, heading: virtualObject.heading, speed: virtualObject.moving ? virtualObject.speed : 0, dx: 0, dy: 0 });
     for (const one of this.seen) records.push({ handle: one.handle, kind: 2, status: 0, augmented: false, blocked: false, x: one.x, y: one.y, heading: 0, speed: 0, dx: 0, dy: 0 });
     return records.sort((a, b) => a.handle - b.handle);
   }
@@ -100,7 +100,7 @@ export class World extends Motion {
     const drift = real.reduce((most, aiv) => Math.max(most, aiv.drift), 0);
     const done = this.commands.filter((command) => command.state === 'materialised');
     return {
-      physical: real.length, virtual: real.length, matched: real.length, matched_share: 1, orphans: [], augmented: this.aivs.length - real.length + this.things.length,
+      physical: real.length, virtual: real.length, matched: real.length, matched_share: 1, orphans: [], augmented: this.aivs.length - real.length + this.virtualObjects.length,
       divergence_m: statistics(drift * 0.7, Math.max(0.0112, drift), 48_000), divergence_rad: statistics(0.004, 0.02, 48_000), age_ms: statistics(54, lost ? 1800 : 108, 48_000),
       commands: { issued: this.commands.length, accepted: this.commands.filter((c) => c.accepted_ms !== null).length, materialised: done.length, failed: this.commands.filter((c) => c.state === 'failed').length, latency_ms: statistics(done.length ? 480 : 0, done.length ? 910 : 0, done.length) },
       events: { count: 412, latency_ms: statistics(48, 131, 412), by_kind: { arrival: 4, tag: 380, obstacle: 9, stop: 19, battery: 0 } },
@@ -109,13 +109,13 @@ export class World extends Motion {
     };
   }
   snapshot() {
-    const felt = (thing) => this.aivs.filter((aiv) => aiv.brakingFor === thing.id).map((aiv) => aiv.id);
+    const felt = (virtualObject) => this.aivs.filter((aiv) => aiv.brakingFor === virtualObject.id).map((aiv) => aiv.id);
     return {
       time: new Date(this.now).toISOString(), time_ms: this.now, zoneRevision: this.zone_revision,
       zoneEdits: { undo: this.undo_stack.length, redo: this.redo_stack.length, unsaved: !this.saved },
       zone: { name: this.circuit.name, revision: this.zone_revision, closed: [...this.closed].sort(), refused: this.refused ?? null, switched: this.switched ?? null },
       aivs: this.aivs.map((aiv) => ({ ...this.row(aiv), mission: aiv.mission ?? { kind: 'circulate', loop: null, state: 'driving' }, map: this.circuit.name, parked: aiv.parked ?? null })),
-      things: this.things.map((thing) => ({ id: thing.id, handle: thing.handle, kind: thing.kind, x: thing.x, y: thing.y, heading: thing.heading, radius: thing.radius, speed: thing.speed, ...(thing.path ? { path: thing.path, repeat: thing.repeat } : {}), perceivedBy: felt(thing), since_ms: thing.since_ms })),
+      virtualObjects: this.virtualObjects.map((virtualObject) => ({ id: virtualObject.id, handle: virtualObject.handle, kind: virtualObject.kind, x: virtualObject.x, y: virtualObject.y, heading: virtualObject.heading, radius: virtualObject.radius, speed: virtualObject.speed, ...(virtualObject.path ? { path: virtualObject.path, repeat: virtualObject.repeat } : {}), perceivedBy: felt(virtualObject), since_ms: virtualObject.since_ms })),
       obstacles: this.seen.map(({ id, handle, x, y, radius, detectedBy, first_ms, last_ms }) => ({ id, handle, x, y, radius, detectedBy, first_ms, last_ms })),
       crossings: this.aivs.length <= 200 ? this.crossings() : [], bijection: this.bijection(), commands: this.commands.slice(-50),
     };
@@ -154,16 +154,16 @@ export class World extends Motion {
     return { id: `c${this.command_number}` };
   }
   number_field(value, name) {
-    if (typeof value !== 'number' || !Number.isFinite(value)) throw new Refusal(400, 'things.field', `“${name}” must be a number, in metres.`);
+    if (typeof value !== 'number' || !Number.isFinite(value)) throw new Refusal(400, 'virtualObjects.field', `“${name}” must be a number, in metres.`);
     return value;
   }
   inside(x, y) {
     const [x0, y0, x1, y1] = this.circuit.bounds;
-    if (x < x0 - 0.5 || x > x1 + 0.5 || y < y0 - 0.5 || y > y1 + 0.5) throw new Refusal(400, 'things.place', `${x.toFixed(2)}, ${y.toFixed(2)} is off the zone. Choose a place on the map.`);
+    if (x < x0 - 0.5 || x > x1 + 0.5 || y < y0 - 0.5 || y > y1 + 0.5) throw new Refusal(400, 'virtualObjects.place', `${x.toFixed(2)}, ${y.toFixed(2)} is off the zone. Choose a place on the map.`);
   }
   place_from(body) {
     if (body.path !== undefined) {
-      if (!Array.isArray(body.path) || body.path.length < 2) throw new Refusal(400, 'things.path', 'A walk needs at least two points.');
+      if (!Array.isArray(body.path) || body.path.length < 2) throw new Refusal(400, 'virtualObjects.path', 'A walk needs at least two points.');
       body.path.forEach(([x, y]) => this.inside(this.number_field(x, 'path'), this.number_field(y, 'path')));
       return { x: body.path[0][0], y: body.path[0][1], path: body.path, speed: body.speed ?? 0.2, repeat: body.repeat ?? 'once', walked: 0, moving: true };
     }
@@ -173,22 +173,22 @@ export class World extends Motion {
     return { x, y, speed: 0, moving: false };
   }
   add_thing(body) {
-    this.traces.add(this.now, 'operator', 'AIV_Server', 'command', '', `add ${body.kind}`, { command: 'add', thing: body });
+    this.traces.add(this.now, 'operator', 'AIV_Server', 'command', '', `add ${body.kind}`, { command: 'add', virtualObject: body });
     if (body.kind === 'aiv') {
       const virtual = this.aivs.filter((aiv) => aiv.augmented);
       const number = this.next_number(virtual);
       const place = body.section !== undefined ? place_of(this.circuit, body.section, body.s ?? 0) : body.x !== undefined ? nearest_place(this.circuit, body.x, body.y) : this.room();
-      if (!place) throw new Refusal(400, 'things.section', `There is no section ${body.section} of that length.`);
+      if (!place) throw new Refusal(400, 'virtualObjects.section', `There is no section ${body.section} of that length.`);
       const near = this.aivs.some((aiv) => aiv.track === place.track && Math.abs(aiv.track.pose_at(aiv.distance).x - place.track.pose_at(place.distance).x) < 0.15 && Math.abs(aiv.track.pose_at(aiv.distance).y - place.track.pose_at(place.distance).y) < 0.15);
-      if (near) throw new Refusal(409, 'things.place', 'An AIV stands there. Choose a free place on the circuit.');
+      if (near) throw new Refusal(409, 'virtualObjects.place', 'An AIV stands there. Choose a free place on the circuit.');
       const aiv = this.make_aiv(number, true, place);
       aiv.speed = 0;
       return { id: aiv.serial };
     }
-    if (body.kind !== 'person' && body.kind !== 'obstacle') throw new Refusal(400, 'things.kind', 'A thing is of kind aiv, person or obstacle.');
-    const list = this.things.filter((thing) => thing.kind === body.kind);
+    if (body.kind !== 'person' && body.kind !== 'obstacle') throw new Refusal(400, 'virtualObjects.kind', 'A virtualObject is of kind aiv, person or obstacle.');
+    const list = this.virtualObjects.filter((virtualObject) => virtualObject.kind === body.kind);
     const id = `${body.kind === 'person' ? 'P' : 'O'}${this.next_number(list)}`;
-    this.things.push({ id, handle: this.handles.thing++, kind: body.kind, heading: 0, radius: body.radius ?? (body.kind === 'person' ? 0.06 : 0.08), since_ms: this.now, ...this.place_from(body) });
+    this.virtualObjects.push({ id, handle: this.handles.virtualObject++, kind: body.kind, heading: 0, radius: body.radius ?? (body.kind === 'person' ? 0.06 : 0.08), since_ms: this.now, ...this.place_from(body) });
     return { id };
   }
   room() {
@@ -202,9 +202,9 @@ export class World extends Motion {
     return best;
   }
   find_thing(id) {
-    const thing = this.things.find((candidate) => candidate.id === id);
-    if (!thing) throw new Refusal(404, 'things.none', `There is nothing called ${id} (any more).`);
-    return thing;
+    const virtualObject = this.virtualObjects.find((candidate) => candidate.id === id);
+    if (!virtualObject) throw new Refusal(404, 'virtualObjects.none', `There is nothing called ${id} (any more).`);
+    return virtualObject;
   }
   move_thing(id, body) {
     const aiv = this.aivs.find((candidate) => candidate.augmented && (candidate.id === id || candidate.serial === id));
@@ -213,24 +213,24 @@ export class World extends Motion {
       aiv.pose = aiv.track.pose_at(aiv.distance);
       return { id };
     }
-    const thing = this.find_thing(id);
+    const virtualObject = this.find_thing(id);
     const place = this.place_from(body);
     if (!place.path) {
-      delete thing.path;
-      delete thing.repeat;
+      delete virtualObject.path;
+      delete virtualObject.repeat;
     }
-    Object.assign(thing, place);
+    Object.assign(virtualObject, place);
     return { id };
   }
   remove_thing(id) {
     const aiv = this.aivs.findIndex((candidate) => candidate.augmented && (candidate.id === id || candidate.serial === id));
     if (aiv >= 0) this.aivs.splice(aiv, 1);
-    else this.things.splice(this.things.indexOf(this.find_thing(id)), 1);
+    else this.virtualObjects.splice(this.virtualObjects.indexOf(this.find_thing(id)), 1);
     return { removed: 1 };
   }
   remove_all() {
-    const removed = this.things.length + this.aivs.filter((aiv) => aiv.augmented).length;
-    this.things = [];
+    const removed = this.virtualObjects.length + this.aivs.filter((aiv) => aiv.augmented).length;
+    this.virtualObjects = [];
     this.aivs = this.aivs.filter((aiv) => !aiv.augmented);
     return { removed };
   }

@@ -102,7 +102,7 @@ function missions_of(vehicles: readonly { id: string; name: string }[], { statio
   return list;
 }
 
-export function entries_of(vehicles: readonly { id: string; name: string; augmented: boolean }[], things: readonly { id: string }[], places: Places = no_places): Entry[] {
+export function entries_of(vehicles: readonly { id: string; name: string; augmented: boolean }[], virtualObjects: readonly { id: string }[], places: Places = no_places): Entry[] {
   const list: Entry[] = actions.map(([action, text]) => entry(text, key_of(action) ?? '', { kind: 'act', action }));
   for (const { command, word } of operator_commands) if (command !== 'stop') list.push(entry(`${word} all AIVs`, '', { kind: 'command', command, vehicles: '*' }));
   for (const [name, text] of page_entries) list.push(entry(text, '', { kind: 'page', name }));
@@ -114,7 +114,7 @@ export function entries_of(vehicles: readonly { id: string; name: string; augmen
     if (augmented) list.push({ ...entry(`Remove ${name}`, '', { kind: 'remove', id }), key: `remove ${id}` });
   }
   list.push(...missions_of(vehicles, places));
-  for (const { id } of things) list.push(entry(`Remove ${id}`, '', { kind: 'remove', id }));
+  for (const { id } of virtualObjects) list.push(entry(`Remove ${id}`, '', { kind: 'remove', id }));
   return list;
 }
 

@@ -128,7 +128,7 @@ export interface BoardHealth {
 export type Repeat = 'once' | 'back and forth' | 'loop';
 
 /** A virtual object other than a vehicle: a person or an obstacle. */
-export interface Thing {
+export interface VirtualObject {
   id: string;
   handle: number;
   kind: 'person' | 'obstacle';
@@ -324,7 +324,7 @@ export interface Snapshot {
   zoneEdits: { undo: number; redo: number; unsaved: boolean };
   zone?: ZoneState | null;
   aivs: readonly Aiv[];
-  things: readonly Thing[];
+  virtualObjects: readonly VirtualObject[];
   obstacles: readonly DetectedObstacle[];
   crossings: readonly Crossing[];
   /** absent if the server does not detect deadlocks */

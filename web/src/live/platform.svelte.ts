@@ -2,7 +2,7 @@
 // and figures are updated from a snapshot, at most once per painted frame.
 import { AlarmBook, type Alarm } from './alarms';
 import { api, type Answer } from './api';
-import type { Bijection, Command, CommandName, Crossing, LiveMessage, Run, DetectedObstacle, Snapshot, Thing, GroundTruth, Zone } from './contract';
+import type { Bijection, Command, CommandName, Crossing, LiveMessage, Run, DetectedObstacle, Snapshot, VirtualObject, GroundTruth, Zone } from './contract';
 import { Live, live_url } from './connection';
 import { Positions } from './positions';
 import { rows_of, type Row } from './rows';
@@ -38,7 +38,7 @@ export class Platform {
   run = $state.raw<Run | null>(null);
   snapshot = $state.raw<Snapshot | null>(null);
   rows = $state.raw<readonly Row[]>([]);
-  things = $state.raw<readonly Thing[]>([]);
+  virtualObjects = $state.raw<readonly VirtualObject[]>([]);
   obstacles = $state.raw<readonly DetectedObstacle[]>([]);
   /** physical obstacles of the emulated world that can be removed */
   plant_obstacles = $state.raw<GroundTruth['obstacles']>([]);
@@ -264,7 +264,7 @@ export class Platform {
     this.fleet.accept(snapshot);
     this.snapshot = snapshot;
     this.rows = rows;
-    this.things = snapshot.things ?? [];
+    this.virtualObjects = snapshot.virtualObjects ?? [];
     this.obstacles = snapshot.obstacles ?? [];
     this.bijection = snapshot.bijection;
     this.crossings = snapshot.crossings;
@@ -291,7 +291,7 @@ export class Platform {
   private forget_the_gone(snapshot: Snapshot): void {
     const present = new Set(snapshot.aivs.map((aiv) => aiv.id));
     if ([...this.chosen].some((id) => !present.has(id))) this.chosen = new Set([...this.chosen].filter((id) => present.has(id)));
-    for (const thing of [...(snapshot.things ?? []), ...(snapshot.obstacles ?? [])]) present.add(thing.id);
+    for (const virtualObject of [...(snapshot.virtualObjects ?? []), ...(snapshot.obstacles ?? [])]) present.add(virtualObject.id);
     if (this.selected !== null && !present.has(this.selected) && this.settled(snapshot)) this.select(null);
   }
 

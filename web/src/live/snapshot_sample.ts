@@ -21,7 +21,7 @@ export function snapshot(aivs: readonly Aiv[], change: Partial<Snapshot> = {}): 
     effects: { perceived_ms: none, brakes_ms: none, shown_ms: none }, held_share: 1,
   };
   return {
-    time: '', time_ms: 10_000, zoneRevision: 1, zoneEdits: { undo: 0, redo: 0, unsaved: false }, aivs, things: [], obstacles: [], crossings: [],
+    time: '', time_ms: 10_000, zoneRevision: 1, zoneEdits: { undo: 0, redo: 0, unsaved: false }, aivs, virtualObjects: [], obstacles: [], crossings: [],
     bijection, commands: [], ...change,
   };
 }

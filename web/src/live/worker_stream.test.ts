@@ -33,7 +33,7 @@ function bench() {
   });
   return { sockets, events, stream, kinds: () => events.map((event) => (event.kind === 'message' ? event.message.type : event.kind)) };
 }
-const snapshot = (time_ms: number, aivs = 1) => ({ type: 'snapshot', snapshot: { time_ms, aivs: Array.from({ length: aivs }, (_, i) => ({ id: `A${i}` })), things: [] } });
+const snapshot = (time_ms: number, aivs = 1) => ({ type: 'snapshot', snapshot: { time_ms, aivs: Array.from({ length: aivs }, (_, i) => ({ id: `A${i}` })), virtualObjects: [] } });
 const key = (sequence: number, x: number) => sample_frame(true, sequence, sequence, sequence, [{ handle: 1, x, y: 0 }]);
 
 describe('the stream', () => {

@@ -8,7 +8,7 @@ import { Positions } from '../live/positions';
 const aiv = (id: string, handle: number, augmented = false) => ({ id, handle, number: handle + 1, augmented, reserved: [[0, 0], [1, 0]] });
 const snapshot = {
   aivs: [aiv('CoSiVA/AIV1', 0), aiv('CoSiVA.virtual/V1', 1, true)],
-  things: [{ id: 'P1', handle: 32768, kind: 'person', radius: 0.06, path: [[0, 0], [1, 0], [1, 1]], repeat: 'loop' }],
+  virtualObjects: [{ id: 'P1', handle: 32768, kind: 'person', radius: 0.06, path: [[0, 0], [1, 0], [1, 1]], repeat: 'loop' }],
   obstacles: [{ id: 'S1', handle: 49152, radius: 0.05 }],
 } as unknown as Snapshot;
 const zone = {

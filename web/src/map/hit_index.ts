@@ -1,5 +1,5 @@
 // Resolves the handles of the binary frames to objects, and a point of the map to the object there.
-import type { Aiv, Point, DetectedObstacle, Snapshot, Thing, GroundTruth, Zone } from '../live/contract';
+import type { Aiv, Point, DetectedObstacle, Snapshot, VirtualObject, GroundTruth, Zone } from '../live/contract';
 import * as format from '../live/format';
 import { inside } from './geometry';
 import type { Positions } from '../live/positions';
@@ -16,7 +16,7 @@ export interface AivEntry {
 export interface ThingEntry {
   kind: 'person' | 'obstacle';
   id: string;
-  thing: Thing;
+  virtualObject: VirtualObject;
   path: Float32Array | null;
 }
 export interface SeenEntry {
@@ -53,9 +53,9 @@ export class MapIndex {
         keep(aiv.handle, old);
       } else keep(aiv.handle, { kind: 'aiv', id: aiv.id, mark: mark_of(aiv), name: format.serial(aiv.id), aiv, reserved: flat_into(aiv.reserved, none) });
     }
-    for (const thing of snapshot.things ?? []) {
-      const path = thing.path && thing.path.length > 1 ? flat_into(thing.repeat === 'loop' ? [...thing.path, thing.path[0]!] : thing.path, none) : null;
-      keep(thing.handle, { kind: thing.kind, id: thing.id, thing, path });
+    for (const virtualObject of snapshot.virtualObjects ?? []) {
+      const path = virtualObject.path && virtualObject.path.length > 1 ? flat_into(virtualObject.repeat === 'loop' ? [...virtualObject.path, virtualObject.path[0]!] : virtualObject.path, none) : null;
+      keep(virtualObject.handle, { kind: virtualObject.kind, id: virtualObject.id, virtualObject, path });
     }
     for (const seen of snapshot.obstacles ?? []) keep(seen.handle, { kind: 'seen', id: seen.id, seen });
     for (const id of gone) this.by_id.delete(id);
@@ -64,13 +64,13 @@ export class MapIndex {
   radius(handle: number): number {
     const entry = this.by_handle.get(handle);
     if (!entry || entry.kind === 'aiv') return 0.06;
-    return entry.kind === 'seen' ? entry.seen.radius : entry.thing.radius;
+    return entry.kind === 'seen' ? entry.seen.radius : entry.virtualObject.radius;
   }
 
   handle(id: string | null): number {
     const entry = id === null ? undefined : this.by_id.get(id);
     if (!entry) return -1;
-    return entry.kind === 'aiv' ? entry.aiv.handle : entry.kind === 'seen' ? entry.seen.handle : entry.thing.handle;
+    return entry.kind === 'aiv' ? entry.aiv.handle : entry.kind === 'seen' ? entry.seen.handle : entry.virtualObject.handle;
   }
 }
 

@@ -199,7 +199,7 @@ export class MapState {
         const added = await platform.ask('Walker', api.add_walk(doing.path, tool.walk_speed, tool.walk_repeat));
         return added ? platform.select(added.id) : undefined;
       }
-      case 'move thing':
+      case 'move virtualObject':
         if (target !== null) await platform.ask(`Move ${short(target)}`, api.move_thing(short(target), { x: doing.at[0], y: doing.at[1] }));
         return;
       default: {

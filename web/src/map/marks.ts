@@ -21,7 +21,7 @@ export interface Drawing {
   pointer: Point | null;
   cross: Point | null;
   /** the dragged object and its new position */
-  drag: { kind: 'thing' | 'tag'; id: string; from: Point; to: Point } | null;
+  drag: { kind: 'virtualObject' | 'tag'; id: string; from: Point; to: Point } | null;
 }
 
 export interface HeldCrossing {
@@ -225,7 +225,7 @@ export class Marks {
     if (tool === 'edit tags' && zone) this.tags(zone, sketch.tag, view, colours);
     if ((tool === 'draw walk' || tool === 'measure') && sketch.points.length > 0) this.path(tool, sketch.points, at, screen, colours);
     if (at && !drag && (tool === 'add aiv' || tool === 'edit tags') && zone) this.snap(tool, at, zone, screen, colours);
-    if (at && (tool === 'add person' || tool === 'add obstacle' || tool === 'add plant obstacle' || tool === 'move thing')) {
+    if (at && (tool === 'add person' || tool === 'add obstacle' || tool === 'add plant obstacle' || tool === 'move virtualObject')) {
       this.ring(screen(at), (tool === 'add person' ? 0.06 : 0.08) * view.scale, tool === 'add plant obstacle' ? colours.ground_truth : tool === 'add person' ? colours.person : colours.virtual, [4, 3]);
     }
     if (drawing.cross) this.cross(screen(drawing.cross), colours);
@@ -235,7 +235,7 @@ export class Marks {
     const { context } = this;
     this.clean = false;
     const place = drag.kind === 'tag' && zone ? nearest_on_ways(zone, drag.to[0], drag.to[1]) : null;
-    const lands = drag.kind === 'thing' || (place !== null && place.distance <= tag_reach_m);
+    const lands = drag.kind === 'virtualObject' || (place !== null && place.distance <= tag_reach_m);
     const to = screen(place && lands ? [place.x, place.y] : drag.to);
     const from = screen(drag.from);
     context.beginPath();

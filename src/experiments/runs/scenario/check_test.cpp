@@ -79,7 +79,7 @@ TEST(ScenarioCheck, places_off_the_zone_or_off_its_ways_are_refused) {
   expect_bad(at(0, "virtual_aiv = { id = \"V1\", at = [0.15, -0.15] }"), "2: virtual_aiv", "no vehicle may stand");
 }
 
-TEST(ScenarioCheck, ids_stand_for_one_thing_at_a_time) {
+TEST(ScenarioCheck, ids_name_one_object_at_a_time) {
   const std::string person = at(1, "person = { id = \"P1\", at = [0, 1] }");
   expect_bad(person + at(2, "person = { id = \"P1\", at = [0, 1] }"), "5: id", "a person \"P1\" already, since line 2");
   expect_bad(person + at(2, "physical_obstacle = { id = \"P1\", at = [0, 1] }"), "5: id", "already, since line 2");

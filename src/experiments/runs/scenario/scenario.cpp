@@ -25,7 +25,7 @@ constexpr Range walk_mps{"a speed over 0 m/s, at most 3 m/s", 0.0, 3.0, false};
 constexpr Range section_s_m{"metres along the section, from 0", 0.0, 1e5};
 constexpr Range share{"a share from 0 to 1, such as 0.3", 0.0, 1.0};
 
-constexpr double thing_radius_m = 0.05;
+constexpr double virtual_object_radius_m = 0.05;
 
 const std::vector<std::string_view> actions{
     "command", "go",    "circulate", "person", "virtual_aiv", "virtual_obstacle", "physical_obstacle", "move",
@@ -79,7 +79,7 @@ class Reader {
     Scenario::Step step;
     bool ends{false};
   };
-  struct Thing {
+  struct VirtualObject {
     bool physical;
     double radius_m;
     std::uint32_t line;
@@ -299,11 +299,11 @@ class Reader {
     fields.expect_only({"id", "at", "path", "speed_mps", "repeat", "radius_m"});
     const std::string id = read_id(fields);
     JsonWriter json;
-    json.begin_object().field("command", "add").key("thing").begin_object().field("id", id).field("kind", "person");
+    json.begin_object().field("command", "add").key("virtualObject").begin_object().field("id", id).field("kind", "person");
     const std::string way = write_way(fields, json);
     if (fields.has("radius_m")) json.field("radius", fields.number("radius_m", radius_range_m));
     json.end_object().end_object();
-    things_.insert_or_assign(id, Thing{false, 0.0, line_});
+    virtual_objects_.insert_or_assign(id, VirtualObject{false, 0.0, line_});
     plan(json, "person " + id + (fields.has("at") ? " stands at " : "") + way);
   }
 
@@ -315,7 +315,7 @@ class Reader {
     if (fields.has("section") != fields.has("s_m"))
       fields.fault("", "scenario.field", R"(section and s_m go together, as in section = "east", s_m = 0.5)");
     JsonWriter json;
-    json.begin_object().field("command", "add").key("thing").begin_object().field("id", id).field("kind", "aiv");
+    json.begin_object().field("command", "add").key("virtualObject").begin_object().field("id", id).field("kind", "aiv");
     std::string where = " where there is room";
     if (fields.has("section")) {
       const std::string section = fields.text("section", 64);
@@ -328,7 +328,7 @@ class Reader {
       where = " near " + at_text(at);
     }
     json.end_object().end_object();
-    things_.insert_or_assign(id, Thing{false, 0.0, line_});
+    virtual_objects_.insert_or_assign(id, VirtualObject{false, 0.0, line_});
     plan(json, "virtual AIV " + id + " joins" + where);
   }
 
@@ -336,11 +336,11 @@ class Reader {
     fields.expect_only({"id", "at", "radius_m"});
     const std::string id = read_id(fields);
     const Point2 at = fields.point("at");
-    const double radius_m = fields.number("radius_m", radius_range_m, thing_radius_m);
+    const double radius_m = fields.number("radius_m", radius_range_m, virtual_object_radius_m);
     JsonWriter json;
-    json.begin_object().field("command", "add").key("thing").begin_object().field("id", id).field("kind", "obstacle");
+    json.begin_object().field("command", "add").key("virtualObject").begin_object().field("id", id).field("kind", "obstacle");
     json.field("x", at.x_m).field("y", at.y_m).field("radius", radius_m).end_object().end_object();
-    things_.insert_or_assign(id, Thing{false, radius_m, line_});
+    virtual_objects_.insert_or_assign(id, VirtualObject{false, radius_m, line_});
     plan(json, "virtual obstacle " + id + " at " + at_text(at));
   }
 
@@ -356,21 +356,21 @@ class Reader {
     fields.expect_only({"id", "at", "radius_m"});
     const std::string id = read_id(fields);
     const Point2 at = fields.point("at");
-    const double radius_m = fields.number("radius_m", radius_range_m, thing_radius_m);
-    if (const auto known = things_.find(id); known != things_.end() && known->second.physical) {
+    const double radius_m = fields.number("radius_m", radius_range_m, virtual_object_radius_m);
+    if (const auto known = virtual_objects_.find(id); known != virtual_objects_.end() && known->second.physical) {
       return fields.fault("id", "scenario.id",
                           "there is a physical obstacle " + quoted(id) + " already, since line " +
                               std::to_string(known->second.line) + "; use move to put it elsewhere");
     }
-    things_.insert_or_assign(id, Thing{true, radius_m, line_});
+    virtual_objects_.insert_or_assign(id, VirtualObject{true, radius_m, line_});
     write_physical(id, at, radius_m, "physical obstacle " + id + " at " + at_text(at));
   }
 
   void read_move(const Entry& fields) {
     fields.expect_only({"id", "at", "path", "speed_mps", "repeat"});
     const std::string id = read_id(fields);
-    const auto known = things_.find(id);
-    if (known != things_.end() && known->second.physical) {
+    const auto known = virtual_objects_.find(id);
+    if (known != virtual_objects_.end() && known->second.physical) {
       for (const char* only_walking : {"path", "speed_mps", "repeat"}) {
         if (fields.has(only_walking))
           return fields.fault(only_walking, "scenario.field", "a physical obstacle does not walk; move it with at");
@@ -380,7 +380,7 @@ class Reader {
       return write_physical(id, at, known->second.radius_m, id + " moves to " + at_text(at));
     }
     JsonWriter json;
-    json.begin_object().field("command", "move").key("thing").begin_object().field("id", id);
+    json.begin_object().field("command", "move").key("virtualObject").begin_object().field("id", id);
     const std::string way = write_way(fields, json);
     json.end_object().end_object();
     plan(json, id + (fields.has("at") ? " moves to " : "") + way);
@@ -395,8 +395,8 @@ class Reader {
 
   void read_remove(const Entry& entry) {
     const std::string id = entry.text("remove", 64);
-    const auto known = things_.find(id);
-    if (known != things_.end() && known->second.physical) {
+    const auto known = virtual_objects_.find(id);
+    if (known != virtual_objects_.end() && known->second.physical) {
       remove_physical(id);
     } else {
       JsonWriter json;
@@ -404,20 +404,20 @@ class Reader {
       plan(json, id == "*" ? "everything virtual is taken away" : id + " is taken away");
     }
     if (id != "*") {
-      things_.erase(id);
+      virtual_objects_.erase(id);
       return;
     }
-    for (const auto& [name, thing] : things_) {
-      if (thing.physical) remove_physical(name);
+    for (const auto& [name, virtual_object] : virtual_objects_) {
+      if (virtual_object.physical) remove_physical(name);
     }
-    things_.clear();
+    virtual_objects_.clear();
   }
 
   Entry root_;
   Scenario scenario_;
   std::vector<Planned> steps_;
   std::vector<std::string> virtual_aivs_;
-  std::map<std::string, Thing> things_;  ///< there at this point of the reading
+  std::map<std::string, VirtualObject> virtual_objects_;  ///< there at this point of the reading
   SimDuration now_{};
   std::uint32_t line_{};
 };

@@ -23,7 +23,7 @@ constexpr double margin_m = 0.5;
 /// A zone's file of 16 MiB, each byte of it escaped.
 constexpr std::size_t command_bytes_max = std::size_t{128} << 20U;
 
-struct Thing {
+struct VirtualObject {
   std::string kind;  ///< "aiv", "person", "obstacle", "physical obstacle"
   std::uint32_t line;
 };
@@ -67,9 +67,9 @@ class Checker {
   /// When each virtual AIV comes, to tell "not yet" from "never".
   void record_arrival(const Scenario::Step& step) {
     const auto command = JsonValue::parse(step.command);
-    const JsonValue* thing = command ? command->find("thing") : nullptr;
-    if (thing != nullptr && command->text("command") == "add" && thing->text("kind") == "aiv")
-      arrivals_.emplace(thing->text("id").value_or(""), step.at);
+    const JsonValue* virtual_object = command ? command->find("virtualObject") : nullptr;
+    if (virtual_object != nullptr && command->text("command") == "add" && virtual_object->text("kind") == "aiv")
+      arrivals_.emplace(virtual_object->text("id").value_or(""), step.at);
   }
 
   /// This is the zone in force from here on.
@@ -86,8 +86,8 @@ class Checker {
     if (what == "close" || what == "open") return judge_closing(command.text("section").value_or(""), what);
     if (what == "go") judge_goal(command.text("to").value_or(""));
     if (what == "circulate") judge_loop(command.text("loop"));
-    if (what == "add") return judge_add(*command.find("thing"));
-    if (what == "move") return judge_move(*command.find("thing"));
+    if (what == "add") return judge_add(*command.find("virtualObject"));
+    if (what == "move") return judge_move(*command.find("virtualObject"));
     if (what == "remove") return judge_remove(command.text("id").value_or(""), false);
     if (what == "plant") return judge_plant(*command.find("plant"));
     if (what == "radio") return judge_radio(command);
@@ -168,8 +168,8 @@ class Checker {
   }
 
   void judge_virtual_vehicle(const std::string& serial, std::string_view field) {
-    const auto thing = things_.find(serial);
-    if (thing != things_.end() && thing->second.kind == "aiv") return;
+    const auto virtual_object = virtual_objects_.find(serial);
+    if (virtual_object != virtual_objects_.end() && virtual_object->second.kind == "aiv") return;
     const auto arrival = arrivals_.find(serial);
     std::string why = "no virtual_aiv of this name is ever added";
     if (arrival != arrivals_.end())
@@ -190,8 +190,8 @@ class Checker {
   [[nodiscard]] std::vector<std::string> vehicles_now() const {
     std::vector<std::string> names;
     for (std::uint32_t number = 1; number <= scenario_.aivs; ++number) names.push_back("AIV" + std::to_string(number));
-    for (const auto& [id, thing] : things_) {
-      if (thing.kind == "aiv") names.push_back(id);
+    for (const auto& [id, virtual_object] : virtual_objects_) {
+      if (virtual_object.kind == "aiv") names.push_back(id);
     }
     return names;
   }
@@ -221,7 +221,7 @@ class Checker {
   // --- things -------------------------------------------------------------------------------------------------------
 
   void judge_new(const std::string& id, std::string kind) {
-    const auto [known, is_new] = things_.emplace(id, Thing{std::move(kind), step_->line});
+    const auto [known, is_new] = virtual_objects_.emplace(id, VirtualObject{std::move(kind), step_->line});
     if (!is_new) {
       fault("id", "scenario.id",
             "there is a " + known->second.kind + " " + quoted(id) + " already, since line " +
@@ -239,37 +239,37 @@ class Checker {
               ", " + shortest(bounds_.high.y_m) + ") m");
   }
 
-  void judge_way(const JsonValue& thing) {
-    if (const JsonValue* path = thing.find("path"); path != nullptr && path->array() != nullptr) {
+  void judge_way(const JsonValue& virtual_object) {
+    if (const JsonValue* path = virtual_object.find("path"); path != nullptr && path->array() != nullptr) {
       for (const JsonValue& p : *path->array())
         judge_point(*p.array()->at(0).number(), *p.array()->at(1).number(), "path");
-    } else if (thing.number("x") && thing.number("y")) {
-      judge_point(*thing.number("x"), *thing.number("y"), "at");
+    } else if (virtual_object.number("x") && virtual_object.number("y")) {
+      judge_point(*virtual_object.number("x"), *virtual_object.number("y"), "at");
     }
   }
 
-  void judge_add(const JsonValue& thing) {
-    const std::string kind = thing.text("kind").value_or("");
-    judge_new(thing.text("id").value_or(""), kind);
+  void judge_add(const JsonValue& virtual_object) {
+    const std::string kind = virtual_object.text("kind").value_or("");
+    judge_new(virtual_object.text("id").value_or(""), kind);
     if (kind == "aiv")
-      judge_aiv_place(thing);
+      judge_aiv_place(virtual_object);
     else
-      judge_way(thing);
+      judge_way(virtual_object);
   }
 
-  void judge_aiv_place(const JsonValue& thing) {
+  void judge_aiv_place(const JsonValue& virtual_object) {
     std::optional<zone::Place> place;
-    if (const auto name = thing.text("section")) {
+    if (const auto name = virtual_object.text("section")) {
       const auto section = zone_->circuit.find(*name);
       if (!section) return fault_name("virtual_aiv.section", "scenario.section", "section", *name, section_names());
       const double length_m = zone_->circuit.section(*section).length_m();
-      place = zone::Place{*section, thing.number("s").value_or(0.0)};
+      place = zone::Place{*section, virtual_object.number("s").value_or(0.0)};
       if (place->s_m > length_m) {
         return fault("virtual_aiv.s_m", "scenario.place",
                      *name + " is " + shortest(length_m) + " m long, so s_m must be from 0 to that");
       }
-    } else if (thing.number("x") && thing.number("y")) {
-      const Point2 at{*thing.number("x"), *thing.number("y")};
+    } else if (virtual_object.number("x") && virtual_object.number("y")) {
+      const Point2 at{*virtual_object.number("x"), *virtual_object.number("y")};
       const auto located = zone_->circuit.locate(at);
       if (located.distance_m > off_way_max_m) {
         return fault("virtual_aiv.at", "scenario.place",
@@ -287,42 +287,42 @@ class Checker {
               "; choose a place before or behind it");
   }
 
-  void judge_move(const JsonValue& thing) {
-    const std::string id = thing.text("id").value_or("");
-    const auto known = things_.find(id);
-    if (known == things_.end()) return fault_unknown(id, "move.id");
+  void judge_move(const JsonValue& virtual_object) {
+    const std::string id = virtual_object.text("id").value_or("");
+    const auto known = virtual_objects_.find(id);
+    if (known == virtual_objects_.end()) return fault_unknown(id, "move.id");
     if (known->second.kind == "aiv")
       return fault("move.id", "scenario.id", quoted(id) + " is a virtual AIV: it drives by itself, and is not moved");
-    if (known->second.kind != "person" && thing.find("path") != nullptr)
+    if (known->second.kind != "person" && virtual_object.find("path") != nullptr)
       return fault("move.path", "scenario.field", quoted(id) + " is an obstacle and does not walk; move it with at");
-    judge_way(thing);
+    judge_way(virtual_object);
   }
 
   void judge_remove(const std::string& id, bool physical) {
     if (id == "*") {
-      std::erase_if(things_, [](const auto& entry) { return entry.second.kind != "physical obstacle"; });
+      std::erase_if(virtual_objects_, [](const auto& entry) { return entry.second.kind != "physical obstacle"; });
       return;
     }
-    const auto known = things_.find(id);
-    if (known == things_.end() || (known->second.kind == "physical obstacle") != physical)
+    const auto known = virtual_objects_.find(id);
+    if (known == virtual_objects_.end() || (known->second.kind == "physical obstacle") != physical)
       return fault_unknown(id, "remove");
-    things_.erase(known);
+    virtual_objects_.erase(known);
   }
 
   void judge_plant(const JsonValue& plant) {
     const JsonValue* added = plant.find("addObstacle");
     if (added == nullptr) return judge_remove(plant.text("removeObstacle").value_or(""), true);
     const std::string id = added->text("id").value_or("");
-    const auto known = things_.find(id);
+    const auto known = virtual_objects_.find(id);
     // The reader has seen to it that a second one of this id is the first one moved.
-    const bool moved = known != things_.end() && known->second.kind == "physical obstacle";
+    const bool moved = known != virtual_objects_.end() && known->second.kind == "physical obstacle";
     if (!moved) judge_new(id, "physical obstacle");
     judge_way(*added);
   }
 
   void fault_unknown(const std::string& id, std::string_view field) {
     std::vector<std::string_view> there;
-    for (const auto& [name, thing] : things_) there.push_back(name);
+    for (const auto& [name, virtual_object] : virtual_objects_) there.push_back(name);
     const std::string_view near = nearest(id, there);
     fault(field, "scenario.id",
           "there is nothing called " + quoted(id) + " " + at_seconds(step_->at) +
@@ -337,7 +337,7 @@ class Checker {
   Faults faults_;
   const Scenario::Step* step_{};
   std::map<std::string, SimDuration> arrivals_;  ///< of virtual AIVs: when each first comes
-  std::map<std::string, Thing> things_;          ///< there at this step
+  std::map<std::string, VirtualObject> virtual_objects_;          ///< there at this step
   std::map<std::string, std::uint32_t> lossy_;   ///< vehicles that lose messages, since which line
 };
 

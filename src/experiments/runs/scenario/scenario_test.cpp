@@ -90,15 +90,15 @@ TEST(Scenario, commands_go_to_one_to_several_and_to_all) {
 
 TEST(Scenario, a_virtual_AIV_is_called_by_its_id_wherever_the_file_brings_it) {
   EXPECT_THAT(commands(at(9, "command = \"fast\"\nvehicle = \"V1\"") + at(1, "virtual_aiv = { id = \"V1\" }")),
-              ElementsAre(R"({"command":"add","thing":{"id":"V1","kind":"aiv"}})",
+              ElementsAre(R"({"command":"add","virtualObject":{"id":"V1","kind":"aiv"}})",
                           R"({"command":"fast","vehicle":"CoSiVA.virtual/V1"})"));
 }
 
 TEST(Scenario, virtual_AIVs_join_anywhere_on_a_section_or_near_a_point) {
   EXPECT_THAT(commands(at(0, R"(virtual_aiv = { id = "V1", section = "east", s_m = 0.5 })") +
                        at(1, R"(virtual_aiv = { id = "V2", at = [0.1, -0.15] })")),
-              ElementsAre(R"({"command":"add","thing":{"id":"V1","kind":"aiv","section":"east","s":0.5}})",
-                          R"({"command":"add","thing":{"id":"V2","kind":"aiv","x":0.1,"y":-0.15}})"));
+              ElementsAre(R"({"command":"add","virtualObject":{"id":"V1","kind":"aiv","section":"east","s":0.5}})",
+                          R"({"command":"add","virtualObject":{"id":"V2","kind":"aiv","x":0.1,"y":-0.15}})"));
   EXPECT_THAT(phrase(at(0, R"(virtual_aiv = { id = "V1", section = "east", s_m = 0.5 })") +
                      at(1, R"(virtual_aiv = { id = "V2" })")),
               ElementsAre("virtual AIV V1 joins on east at 0.5 m", "virtual AIV V2 joins where there is room"));
@@ -109,8 +109,8 @@ TEST(Scenario, persons_stand_or_walk) {
       commands(
           at(0, R"(person = { id = "P1", at = [0.4, 0.1], radius_m = 0.06 })") +
           at(1, R"(person = { id = "P2", path = [[0, 1], [0, 2.5]], speed_mps = 0.3, repeat = "back and forth" })")),
-      ElementsAre(R"({"command":"add","thing":{"id":"P1","kind":"person","x":0.4,"y":0.1,"radius":0.06}})",
-                  R"({"command":"add","thing":{"id":"P2","kind":"person","path":[[0,1],[0,2.5]],"speed":0.3,)"
+      ElementsAre(R"({"command":"add","virtualObject":{"id":"P1","kind":"person","x":0.4,"y":0.1,"radius":0.06}})",
+                  R"({"command":"add","virtualObject":{"id":"P2","kind":"person","path":[[0,1],[0,2.5]],"speed":0.3,)"
                   R"("repeat":"back and forth"}})"));
   EXPECT_THAT(
       phrase(at(0, R"(person = { id = "P1", at = [0.4, 0.1] })") +
@@ -123,7 +123,7 @@ TEST(Scenario, obstacles_are_virtual_or_physical_and_remove_knows_which) {
       commands(at(0, R"(virtual_obstacle = { id = "O1", at = [1, 2] })") +
                at(1, R"(physical_obstacle = { id = "box", at = [3, 4], radius_m = 0.1 })") + at(2, R"(remove = "O1")") +
                at(3, R"(remove = "box")")),
-      ElementsAre(R"({"command":"add","thing":{"id":"O1","kind":"obstacle","x":1,"y":2,"radius":0.05}})",
+      ElementsAre(R"({"command":"add","virtualObject":{"id":"O1","kind":"obstacle","x":1,"y":2,"radius":0.05}})",
                   R"({"command":"plant","plant":{"addObstacle":{"id":"box","x":3,"y":4,"radius":0.1}}})",
                   R"({"command":"remove","id":"O1"})", R"({"command":"plant","plant":{"removeObstacle":"box"}})"));
 }
@@ -135,8 +135,8 @@ TEST(Scenario, what_moves_keeps_its_size_and_its_kind) {
                        at(4, R"(move = { id = "P1", path = [[1, 1], [2, 1]] })")),
               ElementsAre(::testing::_, ::testing::_,
                           R"({"command":"plant","plant":{"addObstacle":{"id":"box","x":5,"y":6,"radius":0.1}}})",
-                          R"({"command":"move","thing":{"id":"P1","x":1,"y":1}})",
-                          R"({"command":"move","thing":{"id":"P1","path":[[1,1],[2,1]],"repeat":"once"}})"));
+                          R"({"command":"move","virtualObject":{"id":"P1","x":1,"y":1}})",
+                          R"({"command":"move","virtualObject":{"id":"P1","path":[[1,1],[2,1]],"repeat":"once"}})"));
 }
 
 TEST(Scenario, a_star_removes_all_that_is_virtual_and_each_that_is_physical) {
@@ -314,7 +314,7 @@ TEST(BadScenario, that_tells_vehicles_what_makes_no_sense_is_refused_with_file_l
        Bad{at(0, "priority = { \"A B\" = 1 }"), "4: at[1].priority", "expected a vehicle"}});
 }
 
-TEST(BadScenario, with_things_that_cannot_be_is_refused_with_file_line_and_field) {
+TEST(BadScenario, with_impossible_objects_is_refused_with_file_line_and_field) {
   expect_refused(
       {Bad{at(0, "person = { id = \"P1\" }"), "4: at[1].person", "either at"},
        Bad{at(0, "person = { id = \"P1\", at = [0, 0], path = [[0, 0], [1, 1]] }"), "4: at[1].person.path",

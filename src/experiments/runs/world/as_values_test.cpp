@@ -25,7 +25,7 @@ std::unique_ptr<World> world(bool as_values, double loss = 0.0) {
 /// A run with something of everything: a person, a virtual AIV, a stop, a vehicle that dies and comes back.
 void live(World& world) {
   world.run_for(15s);
-  world.command_server(R"({"command":"add","thing":{"id":"V1","kind":"aiv","x":0.0,"y":0.0}})");
+  world.command_server(R"({"command":"add","virtualObject":{"id":"V1","kind":"aiv","x":0.0,"y":0.0}})");
   world.command_server(R"({"id":"c1","command":"stop","vehicle":"CoSiVA/AIV2"})");
   world.command_plant(R"({"addObstacle":{"id":"box","x":0.5,"y":0.9,"radius":0.05}})");
   world.run_for(10s);

@@ -25,7 +25,7 @@ Point2 ahead_of(const World& world, std::uint32_t number, double distance_m) {
 
 std::string person(const std::string& id, Point2 at) {
   JsonWriter json;
-  json.begin_object().field("command", "add").key("thing").begin_object();
+  json.begin_object().field("command", "add").key("virtualObject").begin_object();
   json.field("id", id).field("kind", "person").field("x", at.x_m).field("y", at.y_m).end_object().end_object();
   return json.take();
 }
@@ -103,7 +103,7 @@ TEST(Augmented, a_person_who_walks_across_holds_the_vehicle_only_while_in_its_wa
   const Point2 from = here * Point2{0.5, 0.16};
   const Point2 to = here * Point2{0.5, -0.4};
   JsonWriter json;
-  json.begin_object().field("command", "add").key("thing").begin_object();
+  json.begin_object().field("command", "add").key("virtualObject").begin_object();
   json.field("id", "P1").field("kind", "person").field("speed", 0.1).field("repeat", "once").key("path").begin_array();
   for (const Point2 p : {from, to}) json.begin_array().value(p.x_m).value(p.y_m).end_array();
   json.end_array().end_object().end_object();
@@ -114,7 +114,7 @@ TEST(Augmented, a_person_who_walks_across_holds_the_vehicle_only_while_in_its_wa
     world->run_for(100ms);
     slowest_mps = std::min(slowest_mps, vehicle(*world, 1).speed_mps);
     const JsonValue shown = snapshot(*world);
-    const JsonValue& walker = shown.find("things")->array()->at(0);
+    const JsonValue& walker = shown.find("virtualObjects")->array()->at(0);
     const double gap_m =
         distance(position(vehicle(*world, 1).X_MB), {walker.number("x").value(), walker.number("y").value()});
     EXPECT_GT(gap_m, 0.10) << "after " << i << " tenths of a second";
@@ -140,7 +140,7 @@ TEST(Augmented, a_virtual_AIV_put_before_a_physical_one_brakes_it_and_its_remova
   }
   ASSERT_FALSE(section.empty()) << "it never drives on";
   JsonWriter json;
-  json.begin_object().field("command", "add").key("thing").begin_object();
+  json.begin_object().field("command", "add").key("virtualObject").begin_object();
   json.field("id", "V1").field("kind", "aiv").field("section", section).field("s", s_m + 0.35);
   json.end_object().end_object();
   world->command_server(json.take());
@@ -170,7 +170,7 @@ TEST(Augmented, virtual_and_physical_AIVs_circulate_together_and_never_touch) {
   const auto world = world_of(4);
   world->run_for(10s);
   for (const char* id : {"V1", "V2", "V3"}) {
-    world->command_server(std::string(R"({"command":"add","thing":{"kind":"aiv","id":")") + id + "\"}}");
+    world->command_server(std::string(R"({"command":"add","virtualObject":{"kind":"aiv","id":")") + id + "\"}}");
     world->run_for(3s);
   }
   double nearest_m = 1e9;
@@ -229,8 +229,8 @@ TEST(Augmented, vehicles_that_see_each_other_make_no_obstacle_of_it) {
 TEST(Augmented, all_of_it_is_there_again_after_the_server_was_killed) {
   const auto world = world_of(2);
   world->run_for(10s);
-  world->command_server(R"({"command":"add","thing":{"kind":"person","id":"P1","x":0.0,"y":0.9}})");
-  world->command_server(R"({"command":"add","thing":{"kind":"aiv","id":"V1"}})");
+  world->command_server(R"({"command":"add","virtualObject":{"kind":"person","id":"P1","x":0.0,"y":0.9}})");
+  world->command_server(R"({"command":"add","virtualObject":{"kind":"aiv","id":"V1"}})");
   world->command_server(R"({"command":"edit","edit":{"moveTags":[{"number":1,"section":"east","s":1.2}]}})");
   world->run_for(5s);
   world->kill_server();
@@ -238,7 +238,7 @@ TEST(Augmented, all_of_it_is_there_again_after_the_server_was_killed) {
   world->start_server();
   world->run_for(5s);
   const JsonValue shown = snapshot(*world);
-  EXPECT_EQ(shown.find("things")->array()->size(), 1U);
+  EXPECT_EQ(shown.find("virtualObjects")->array()->size(), 1U);
   EXPECT_NE(aiv_of(shown, "CoSiVA.virtual/V1"), nullptr);
   EXPECT_THAT(world->server().zone_configuration()->text, ::testing::HasSubstr("s_m = 1.2"));
   world->run_for(60s);
@@ -270,9 +270,9 @@ TEST(Augmented, gives_the_same_digest_twice) {
   const auto run = [] {
     const auto world = world_of(3, 5, 0.02);
     world->run_for(8s);
-    world->command_server(R"({"command":"add","thing":{"kind":"aiv","id":"V1"}})");
+    world->command_server(R"({"command":"add","virtualObject":{"kind":"aiv","id":"V1"}})");
     world->command_server(
-        R"({"command":"add","thing":{"kind":"person","id":"P1","path":[[0.5,0.5],[-0.5,0.5]],"speed":0.2,"repeat":"loop"}})");
+        R"({"command":"add","virtualObject":{"kind":"person","id":"P1","path":[[0.5,0.5],[-0.5,0.5]],"speed":0.2,"repeat":"loop"}})");
     world->run_for(20s);
     return world->digest().hex();
   };

@@ -140,7 +140,7 @@ TEST(Convoys, of_physical_and_virtual_AIVs_mixed_touch_nobody) {
   const auto world = fleet_of(8, 3, true);
   world->run_for(5s);
   for (int i = 1; i <= 4; ++i) {
-    world->command_server(R"({"command":"add","thing":{"kind":"aiv","id":"V)" + std::to_string(i) + "\"}}");
+    world->command_server(R"({"command":"add","virtualObject":{"kind":"aiv","id":"V)" + std::to_string(i) + "\"}}");
     world->run_for(5s);
   }
   world->run_for(90s);

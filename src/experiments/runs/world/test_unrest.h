@@ -83,7 +83,7 @@ class Unrest {
     if (std::ranges::any_of(vehicles, [&](const auto& v) { return distance(position(v.X_MB), at) < clear_m; })) return;
     const std::string id = "P" + std::to_string(++persons_);
     JsonWriter json;
-    json.begin_object().field("command", only_virtual ? "add" : "plant").key(only_virtual ? "thing" : "plant");
+    json.begin_object().field("command", only_virtual ? "add" : "plant").key(only_virtual ? "virtualObject" : "plant");
     if (!only_virtual) json.begin_object().key("addObstacle");
     json.begin_object().field("id", id);
     if (only_virtual) json.field("kind", "person");

@@ -148,7 +148,7 @@ TEST(V2x, reaches_virtual_AIVs_too) {
     if (topic && topic->vehicle.serial_number == "V1") ++said;
   });
   world->run_for(10s);
-  world->command_server(R"({"command":"add","thing":{"kind":"aiv","id":"V1"}})");
+  world->command_server(R"({"command":"add","virtualObject":{"kind":"aiv","id":"V1"}})");
   world->run_for(10s);
   EXPECT_GT(said, 15U) << "it hears the others, so it speaks more than once a second";
 }
@@ -160,7 +160,7 @@ TEST(V2x, switched_off_is_silent_and_everybody_drives_on) {
   options.v2x = options.server.v2x = false;
   const auto world = *World::make(std::move(options));
   Talk talk{*world};
-  world->command_server(R"({"command":"add","thing":{"kind":"aiv","id":"V1"}})");
+  world->command_server(R"({"command":"add","virtualObject":{"kind":"aiv","id":"V1"}})");
   world->run_for(40s);
   EXPECT_EQ(talk.said, 0U);
   expect_nobody_touches(*world, "in silence");

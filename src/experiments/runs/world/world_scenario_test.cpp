@@ -129,7 +129,7 @@ TEST(WorldScenario, laboratory_shows_the_obstacle_while_it_is_there_and_its_radi
 TEST(WorldScenario, rush_hour_flows_again_after_everything_was_stopped) {
   const auto stage = play_shipped("rush_hour", 183s);
   EXPECT_EQ(stage->places().size(), 11U);
-  EXPECT_THAT(*stage->snapshot().find("things")->array(), IsEmpty()) << "everybody went home";
+  EXPECT_THAT(*stage->snapshot().find("virtualObjects")->array(), IsEmpty()) << "everybody went home";
 }
 
 // --- when steps come

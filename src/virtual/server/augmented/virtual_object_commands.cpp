@@ -26,7 +26,7 @@ Result<void> read_number(const JsonValue& json, std::string_view field, double l
   if (found == nullptr || found->is_null()) return {};
   const double* number = found->number();
   if (number == nullptr || !(*number >= low && *number <= high)) {
-    return fail("thing.number", "give a number from " + metres(low) + " to " + metres(high) + std::string(unit),
+    return fail("virtual_object.number", "give a number from " + metres(low) + " to " + metres(high) + std::string(unit),
                 std::string(field));
   }
   out = *number;
@@ -65,111 +65,111 @@ std::string VirtualObjectCommands::next_id(std::string_view kind) const {
   }
 }
 
-std::string VirtualObjectCommands::known_things() const {
+std::string VirtualObjectCommands::known_virtual_objects() const {
   std::string names;
   const auto add = [&names](std::string_view id) {
     if (names.size() < 200) names += (names.empty() ? "" : ", ") + std::string(id);
   };
-  for (const Thing& thing : simulator_.augmented().things()) add(thing.id);
+  for (const VirtualObject& virtual_object : simulator_.augmented().virtual_objects()) add(virtual_object.id);
   for (const VirtualFleet::Host& host : fleet_.hosts()) add(registry_[host.vehicle].id.serial_number);
   return names.empty() ? "there is none yet; add one first" : "there are " + names;
 }
 
-Result<ThingCommand> VirtualObjectCommands::read(const JsonValue& command) const {
+Result<VirtualObjectCommand> VirtualObjectCommands::read(const JsonValue& command) const {
   const std::string act = command.text("command").value_or("");
   if (act == "remove") return read_remove(command);
-  const JsonValue* thing = command.find("thing");
-  if (thing == nullptr || thing->object() == nullptr)
-    return fail("thing.missing", R"(say what, as {"thing":{"kind":"person","x":0.5,"y":0.2}})", "thing");
+  const JsonValue* virtual_object = command.find("virtualObject");
+  if (virtual_object == nullptr || virtual_object->object() == nullptr)
+    return fail("virtual_object.missing", R"(say what, as {"virtualObject":{"kind":"person","x":0.5,"y":0.2}})", "virtualObject");
   if (simulator_.zone() == nullptr)
-    return fail("thing.zone", "there is no zone yet; wait until the physical side has sent it, then try again");
-  return act == "add" ? read_add(*thing) : read_move(*thing);
+    return fail("virtual_object.zone", "there is no zone yet; wait until the physical side has sent it, then try again");
+  return act == "add" ? read_add(*virtual_object) : read_move(*virtual_object);
 }
 
-Result<ThingCommand> VirtualObjectCommands::read_remove(const JsonValue& command) const {
-  ThingCommand asked;
-  asked.act = ThingCommand::Act::remove;
+Result<VirtualObjectCommand> VirtualObjectCommands::read_remove(const JsonValue& command) const {
+  VirtualObjectCommand asked;
+  asked.act = VirtualObjectCommand::Act::remove;
   const auto id = command.text("id");
-  if (!id) return fail("thing.id", "say which thing to remove, or * for all", "id");
+  if (!id) return fail("virtual_object.id", "say which thing to remove, or * for all", "id");
   asked.id = *id;
   if (asked.id == "*" || simulator_.augmented().find(asked.id) != nullptr) return asked;
   if (find_aiv(asked.id) != nullptr) {
     asked.is_aiv = true;
     return asked;
   }
-  return fail("thing.unknown", "no virtual thing is called '" + cut(asked.id) + "'; " + known_things(), "id");
+  return fail("virtual_object.unknown", "no virtual thing is called '" + cut(asked.id) + "'; " + known_virtual_objects(), "id");
 }
 
 Result<void> VirtualObjectCommands::check_id(std::string_view id) const {
   if (id.empty() || id.size() > id_bytes_max || !wire::valid_serial_number(id)) {
-    return fail("thing.id", "'" + cut(id) + "' is no name for it; use 1 to 32 of A-Z a-z 0-9 _ . : - or leave it out",
+    return fail("virtual_object.id", "'" + cut(id) + "' is no name for it; use 1 to 32 of A-Z a-z 0-9 _ . : - or leave it out",
                 "id");
   }
   if (is_detected_id(id))
-    return fail("thing.id", "S1, S2 … are the names of obstacles that vehicles see; choose another name", "id");
+    return fail("virtual_object.id", "S1, S2 … are the names of obstacles that vehicles see; choose another name", "id");
   if (simulator_.augmented().find(id) != nullptr || find_aiv(id) != nullptr) {
-    return fail("thing.taken", "there is a '" + cut(id) + "' already; choose another name, move that one, or remove it",
+    return fail("virtual_object.taken", "there is a '" + cut(id) + "' already; choose another name, move that one, or remove it",
                 "id");
   }
   return {};
 }
 
-Result<ThingCommand> VirtualObjectCommands::read_add(const JsonValue& thing) const {
-  ThingCommand asked;
-  asked.act = ThingCommand::Act::add;
-  const std::string kind = thing.text("kind").value_or("");
+Result<VirtualObjectCommand> VirtualObjectCommands::read_add(const JsonValue& virtual_object) const {
+  VirtualObjectCommand asked;
+  asked.act = VirtualObjectCommand::Act::add;
+  const std::string kind = virtual_object.text("kind").value_or("");
   asked.is_aiv = kind == "aiv";
-  const auto known = parse_thing_kind(kind);
+  const auto known = parse_virtual_object_kind(kind);
   if (!asked.is_aiv && !known) {
-    return fail("thing.kind", "there is no kind '" + cut(kind) + "'; add an aiv, a person or an obstacle", "kind");
+    return fail("virtual_object.kind", "there is no kind '" + cut(kind) + "'; add an aiv, a person or an obstacle", "kind");
   }
-  if (const JsonValue* id = thing.find("id"); id != nullptr && !id->is_null()) {
-    asked.id = thing.text("id").value_or("");
+  if (const JsonValue* id = virtual_object.find("id"); id != nullptr && !id->is_null()) {
+    asked.id = virtual_object.text("id").value_or("");
     if (auto checked = check_id(asked.id); !checked) return tl::unexpected(checked.error());
   } else {
     asked.id = next_id(kind);
   }
-  if (simulator_.augmented().things().size() + fleet_.hosts().size() >= Augmented::things_max) {
-    return fail("thing.many", "there are " + std::to_string(Augmented::things_max) +
+  if (simulator_.augmented().virtual_objects().size() + fleet_.hosts().size() >= Augmented::virtual_objects_max) {
+    return fail("virtual_object.many", "there are " + std::to_string(Augmented::virtual_objects_max) +
                                   " virtual things already; remove one that is no longer needed, then try again");
   }
   if (asked.is_aiv) {
     const wire::VehicleId vehicle{std::string(wire::virtual_manufacturer), asked.id};
     if (!registry_.find(wire::to_string(vehicle)) && registry_.size() >= Registry::vehicles_max)
-      return fail("thing.many", "this server knows " + std::to_string(Registry::vehicles_max) +
+      return fail("virtual_object.many", "this server knows " + std::to_string(Registry::vehicles_max) +
                                     " vehicles already, and takes no more; add it under a name that was used before");
-    auto place = read_aiv_place(thing);
+    auto place = read_aiv_place(virtual_object);
     if (!place) return tl::unexpected(place.error());
     asked.place = *place;
     return asked;
   }
   asked.kind = *known;
   asked.radius_m = std::clamp(0.5 * simulator_.zone()->vehicle.width_m, radius_m_min, radius_m_max);
-  if (auto read = read_number(thing, "radius", radius_m_min, radius_m_max, "", asked.radius_m); !read)
+  if (auto read = read_number(virtual_object, "radius", radius_m_min, radius_m_max, "", asked.radius_m); !read)
     return tl::unexpected(read.error());
   const Walk usual({Point2{}}, simulator_.zone()->profiles.slow.speed_mps, Repeat::once);
-  auto walk = read_walk(thing, asked.kind == ThingKind::person, usual);
+  auto walk = read_walk(virtual_object, asked.kind == VirtualObjectKind::person, usual);
   if (!walk) return tl::unexpected(walk.error());
   asked.walk = std::move(*walk);
   return asked;
 }
 
-Result<ThingCommand> VirtualObjectCommands::read_move(const JsonValue& thing) const {
-  ThingCommand asked;
-  asked.act = ThingCommand::Act::move;
-  const auto id = thing.text("id");
-  if (!id) return fail("thing.id", "say which thing to move, by its id", "id");
+Result<VirtualObjectCommand> VirtualObjectCommands::read_move(const JsonValue& virtual_object) const {
+  VirtualObjectCommand asked;
+  asked.act = VirtualObjectCommand::Act::move;
+  const auto id = virtual_object.text("id");
+  if (!id) return fail("virtual_object.id", "say which thing to move, by its id", "id");
   asked.id = *id;
   if (find_aiv(asked.id) != nullptr) {
-    return fail("thing.aiv", "a virtual AIV drives by itself; remove it and add it where it shall start", "id");
+    return fail("virtual_object.aiv", "a virtual AIV drives by itself; remove it and add it where it shall start", "id");
   }
-  const Thing* known = simulator_.augmented().find(asked.id);
+  const VirtualObject* known = simulator_.augmented().find(asked.id);
   if (known == nullptr)
-    return fail("thing.unknown", "no virtual thing is called '" + cut(asked.id) + "'; " + known_things(), "id");
+    return fail("virtual_object.unknown", "no virtual thing is called '" + cut(asked.id) + "'; " + known_virtual_objects(), "id");
   asked.kind = known->kind;
   const double usual_mps =
       known->walk.speed_mps() > 0.0 ? known->walk.speed_mps() : simulator_.zone()->profiles.slow.speed_mps;
-  auto walk = read_walk(thing, asked.kind == ThingKind::person, Walk({Point2{}}, usual_mps, known->walk.repeat()));
+  auto walk = read_walk(virtual_object, asked.kind == VirtualObjectKind::person, Walk({Point2{}}, usual_mps, known->walk.repeat()));
   if (!walk) return tl::unexpected(walk.error());
   asked.walk = std::move(*walk);
   return asked;
@@ -177,13 +177,13 @@ Result<ThingCommand> VirtualObjectCommands::read_move(const JsonValue& thing) co
 
 Result<Point2> VirtualObjectCommands::read_point(const JsonValue& x, const JsonValue& y, std::string_view field) const {
   if (x.number() == nullptr || y.number() == nullptr || !std::isfinite(*x.number()) || !std::isfinite(*y.number()))
-    return fail("thing.place", "give a place as two numbers, in metres on the map", std::string(field));
+    return fail("virtual_object.place", "give a place as two numbers, in metres on the map", std::string(field));
   const Point2 p{*x.number(), *y.number()};
   const zone::Bounds on = simulator_.bounds();
   const bool inside = p.x_m >= on.low.x_m - beside_zone_m && p.x_m <= on.high.x_m + beside_zone_m &&
                       p.y_m >= on.low.y_m - beside_zone_m && p.y_m <= on.high.y_m + beside_zone_m;
   if (!inside) {
-    return fail("thing.place",
+    return fail("virtual_object.place",
                 at_text(p) + " is off the zone, which reaches from " + at_text(on.low) + " to " + at_text(on.high) +
                     "; choose a place on it or at most 0.5 m beside it",
                 std::string(field));
@@ -194,13 +194,13 @@ Result<Point2> VirtualObjectCommands::read_point(const JsonValue& x, const JsonV
 Result<std::vector<Point2>> VirtualObjectCommands::read_path(const JsonValue& path) const {
   const JsonValue::Array* points = path.array();
   if (points == nullptr || points->empty() || points->size() > Walk::points_max) {
-    return fail("thing.path", "give a path as 1 to 64 points, [[x,y],[x,y],…]", "path");
+    return fail("virtual_object.path", "give a path as 1 to 64 points, [[x,y],[x,y],…]", "path");
   }
   std::vector<Point2> read;
   for (std::size_t i = 0; i < points->size(); ++i) {
     const std::string where = "path[" + std::to_string(i) + "]";
     const JsonValue::Array* pair = (*points)[i].array();
-    if (pair == nullptr || pair->size() != 2) return fail("thing.path", "give each point as [x,y]", where);
+    if (pair == nullptr || pair->size() != 2) return fail("virtual_object.path", "give each point as [x,y]", where);
     const auto point = read_point((*pair)[0], (*pair)[1], where);
     if (!point) return tl::unexpected(point.error());
     read.push_back(*point);
@@ -208,41 +208,41 @@ Result<std::vector<Point2>> VirtualObjectCommands::read_path(const JsonValue& pa
   return read;
 }
 
-Result<Walk> VirtualObjectCommands::read_walk(const JsonValue& thing, bool may_walk, const Walk& usual) const {
-  const JsonValue* path = thing.find("path");
-  const JsonValue* x = thing.find("x");
-  const JsonValue* y = thing.find("y");
+Result<Walk> VirtualObjectCommands::read_walk(const JsonValue& virtual_object, bool may_walk, const Walk& usual) const {
+  const JsonValue* path = virtual_object.find("path");
+  const JsonValue* x = virtual_object.find("x");
+  const JsonValue* y = virtual_object.find("y");
   if (path == nullptr || path->is_null()) {
-    auto on_way = read_section(thing);
+    auto on_way = read_section(virtual_object);
     if (!on_way) return tl::unexpected(on_way.error());
     if (*on_way) return Walk({position(simulator_.circuit()->pose_at(**on_way))}, 0.0, Repeat::once);
     if (x == nullptr || y == nullptr) {
-      return fail("thing.place",
+      return fail("virtual_object.place",
                   may_walk ? "say where it stands (x, y) or which path it walks (path)" : "say where it stands (x, y)");
     }
     const auto point = read_point(*x, *y, "x, y");
     if (!point) return tl::unexpected(point.error());
     return Walk({*point}, 0.0, Repeat::once);
   }
-  if (!may_walk) return fail("thing.path", "an obstacle stands still; give it a place (x, y), or add a person", "path");
+  if (!may_walk) return fail("virtual_object.path", "an obstacle stands still; give it a place (x, y), or add a person", "path");
   if (x != nullptr || y != nullptr)
-    return fail("thing.place", "give either a place (x, y) or a path, not both", "path");
+    return fail("virtual_object.place", "give either a place (x, y) or a path, not both", "path");
   auto points = read_path(*path);
   if (!points) return tl::unexpected(points.error());
   double speed_mps = usual.speed_mps();
-  if (auto read = read_number(thing, "speed", 0.0, speed_mps_max, "/s", speed_mps); !read)
+  if (auto read = read_number(virtual_object, "speed", 0.0, speed_mps_max, "/s", speed_mps); !read)
     return tl::unexpected(read.error());
   Repeat repeat = usual.repeat();
-  if (const JsonValue* given = thing.find("repeat"); given != nullptr && !given->is_null()) {
-    const auto known = parse_repeat(thing.text("repeat").value_or(""));
-    if (!known) return fail("thing.repeat", "use once, back and forth, or loop", "repeat");
+  if (const JsonValue* given = virtual_object.find("repeat"); given != nullptr && !given->is_null()) {
+    const auto known = parse_repeat(virtual_object.text("repeat").value_or(""));
+    if (!known) return fail("virtual_object.repeat", "use once, back and forth, or loop", "repeat");
     repeat = *known;
   }
   return Walk(std::move(*points), speed_mps, repeat);
 }
 
-Result<std::optional<zone::Place>> VirtualObjectCommands::read_section(const JsonValue& thing) const {
-  const JsonValue* named = thing.find("section");
+Result<std::optional<zone::Place>> VirtualObjectCommands::read_section(const JsonValue& virtual_object) const {
+  const JsonValue* named = virtual_object.find("section");
   if (named == nullptr || named->is_null()) return std::optional<zone::Place>{};
   const zone::Circuit& circuit = *simulator_.circuit();
   const auto section = named->text() == nullptr ? std::nullopt : circuit.find(*named->text());
@@ -250,26 +250,26 @@ Result<std::optional<zone::Place>> VirtualObjectCommands::read_section(const Jso
     std::string names;
     for (zone::SectionId id = 0; id < circuit.size() && names.size() < 200; ++id)
       names += (names.empty() ? "" : ", ") + circuit.part(id).name;
-    return fail("thing.section", "this zone has no such section; it has " + names, "section");
+    return fail("virtual_object.section", "this zone has no such section; it has " + names, "section");
   }
   zone::Place place{*section, 0.0};
-  if (auto read = read_number(thing, "s", 0.0, circuit.section(*section).length_m(), " along the section", place.s_m);
+  if (auto read = read_number(virtual_object, "s", 0.0, circuit.section(*section).length_m(), " along the section", place.s_m);
       !read)
     return tl::unexpected(read.error());
   return std::optional{place};
 }
 
-Result<zone::Place> VirtualObjectCommands::read_aiv_place(const JsonValue& thing) const {
-  const JsonValue* x = thing.find("x");
-  const JsonValue* y = thing.find("y");
-  auto named = read_section(thing);
+Result<zone::Place> VirtualObjectCommands::read_aiv_place(const JsonValue& virtual_object) const {
+  const JsonValue* x = virtual_object.find("x");
+  const JsonValue* y = virtual_object.find("y");
+  auto named = read_section(virtual_object);
   if (!named) return tl::unexpected(named.error());
   zone::Place place;
   if (*named) {
     place = **named;
   } else if (x == nullptr && y == nullptr) {
     const auto free = roomiest();
-    if (!free) return fail("thing.room", "no way has room for another vehicle; remove one, then try again");
+    if (!free) return fail("virtual_object.room", "no way has room for another vehicle; remove one, then try again");
     return *free;
   } else {
     const JsonValue none;
@@ -277,7 +277,7 @@ Result<zone::Place> VirtualObjectCommands::read_aiv_place(const JsonValue& thing
     if (!point) return tl::unexpected(point.error());
     const auto located = simulator_.circuit()->locate(*point);
     if (located.distance_m > off_circuit_m) {
-      return fail("thing.off", at_text(*point) + " is " + metres(located.distance_m) +
+      return fail("virtual_object.off", at_text(*point) + " is " + metres(located.distance_m) +
                                    " from the nearest way; a virtual AIV must be put within " + metres(off_circuit_m) +
                                    " of one");
     }
@@ -322,14 +322,14 @@ Result<void> VirtualObjectCommands::check_place(zone::Place place) const {
   const Point2 at = position(zone.circuit.pose_at(place));
   if (!zone.may_stand(place)) {
     const zone::Crossing* crossing = zone.crossing_at(place);
-    return fail("thing.crossing", "no vehicle may stand " +
+    return fail("virtual_object.crossing", "no vehicle may stand " +
                                       (crossing == nullptr ? std::string("between crossings this close together")
                                                            : "in crossing " + crossing->name) +
                                       "; choose a place before or behind it");
   }
   for (const Standing& other : standing()) {
     if (has_room(place, at, other)) continue;
-    return fail("thing.room", other.name + " stands " + metres(distance(at, other.at)) + " from there; leave " +
+    return fail("virtual_object.room", other.name + " stands " + metres(distance(at, other.at)) + " from there; leave " +
                                   metres(zone::standing_room_m(zone.vehicle)) + " between two vehicles");
   }
   return {};
@@ -351,8 +351,8 @@ std::optional<zone::Place> VirtualObjectCommands::roomiest() const {
         room_m = std::min(room_m, distance(at, other.at));
         fits = fits && has_room(place, at, other);
       }
-      for (const Thing& thing : simulator_.augmented().things())
-        room_m = std::min(room_m, distance(at, thing.walk.path().front()) - thing.radius_m);
+      for (const VirtualObject& virtual_object : simulator_.augmented().virtual_objects())
+        room_m = std::min(room_m, distance(at, virtual_object.walk.path().front()) - virtual_object.radius_m);
       for (const DetectedObstacle& detected : simulator_.detected().obstacles())
         room_m = std::min(room_m, distance(at, detected.at) - detected.radius_m);
       if (!fits || (best && room_m <= best_m) || !zone.may_stand(place)) continue;

@@ -14,12 +14,12 @@
 namespace cosiva::virtual_side {
 
 /// What somebody asks for of the virtual world (A3), read and judged.
-struct ThingCommand {
+struct VirtualObjectCommand {
   enum class Act { add, move, remove };
   Act act{Act::add};
   std::string id;  ///< in `remove`, "*" means all
   bool is_aiv{false};
-  ThingKind kind{ThingKind::person};
+  VirtualObjectKind kind{VirtualObjectKind::person};
   double radius_m{};
   Walk walk;          ///< of a person or an obstacle
   zone::Place place;  ///< of an AIV
@@ -40,7 +40,7 @@ class VirtualObjectCommands {
       : registry_{registry}, simulator_{simulator}, fleet_{fleet}, outbox_{outbox} {}
 
   [[nodiscard]] static bool handles(std::string_view command);  ///< "add", "move" or "remove"
-  [[nodiscard]] Result<ThingCommand> read(const JsonValue& command) const;
+  [[nodiscard]] Result<VirtualObjectCommand> read(const JsonValue& command) const;
   /// The next free "V1", "P1", "O1".
   [[nodiscard]] std::string next_id(std::string_view kind) const;
   /// The virtual AIV of this serial number, or of "CoSiVA.virtual/<serial>".
@@ -63,14 +63,14 @@ class VirtualObjectCommands {
   [[nodiscard]] std::vector<Standing> standing() const;
   [[nodiscard]] bool has_room(zone::Place place, Point2 at, const Standing& other) const;
   [[nodiscard]] Result<void> check_id(std::string_view id) const;
-  [[nodiscard]] Result<ThingCommand> read_add(const JsonValue& thing) const;
-  [[nodiscard]] Result<ThingCommand> read_move(const JsonValue& thing) const;
-  [[nodiscard]] Result<ThingCommand> read_remove(const JsonValue& command) const;
-  [[nodiscard]] Result<zone::Place> read_aiv_place(const JsonValue& thing) const;
-  [[nodiscard]] Result<std::optional<zone::Place>> read_section(const JsonValue& thing) const;
-  [[nodiscard]] Result<Walk> read_walk(const JsonValue& thing, bool may_walk, const Walk& usual) const;
+  [[nodiscard]] Result<VirtualObjectCommand> read_add(const JsonValue& virtual_object) const;
+  [[nodiscard]] Result<VirtualObjectCommand> read_move(const JsonValue& virtual_object) const;
+  [[nodiscard]] Result<VirtualObjectCommand> read_remove(const JsonValue& command) const;
+  [[nodiscard]] Result<zone::Place> read_aiv_place(const JsonValue& virtual_object) const;
+  [[nodiscard]] Result<std::optional<zone::Place>> read_section(const JsonValue& virtual_object) const;
+  [[nodiscard]] Result<Walk> read_walk(const JsonValue& virtual_object, bool may_walk, const Walk& usual) const;
   [[nodiscard]] Result<std::vector<Point2>> read_path(const JsonValue& path) const;
-  [[nodiscard]] std::string known_things() const;
+  [[nodiscard]] std::string known_virtual_objects() const;
 
   const Registry& registry_;
   const Simulator& simulator_;

@@ -14,59 +14,59 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-std::string person(const std::string& rest) { return R"({"command":"add","thing":{"kind":"person",)" + rest + "}}"; }
-std::string virtual_aiv(const std::string& rest) { return R"({"command":"add","thing":{"kind":"aiv")" + rest + "}}"; }
+std::string person(const std::string& rest) { return R"({"command":"add","virtualObject":{"kind":"person",)" + rest + "}}"; }
+std::string virtual_aiv(const std::string& rest) { return R"({"command":"add","virtualObject":{"kind":"aiv")" + rest + "}}"; }
 
 std::vector<std::string> ids(const JsonValue& list) {
   std::vector<std::string> found;
   for (const JsonValue& one : *list.array()) found.push_back(*one.text("id"));
   return found;
 }
-JsonValue thing(const ServerBench& bench, const std::string& id) {
+JsonValue virtual_object(const ServerBench& bench, const std::string& id) {
   const JsonValue all = bench.snapshot();
-  for (const JsonValue& one : *all.find("things")->array())
+  for (const JsonValue& one : *all.find("virtualObjects")->array())
     if (one.text("id") == id) return one;
   return {};
 }
-std::vector<std::string> things(const ServerBench& bench) { return ids(*bench.snapshot().find("things")); }
+std::vector<std::string> virtual_objects(const ServerBench& bench) { return ids(*bench.snapshot().find("virtualObjects")); }
 std::vector<std::string> aivs(const ServerBench& bench) { return ids(*bench.snapshot().find("aivs")); }
 
-TEST(Things, stand_where_they_were_put_with_names_of_their_kind) {
+TEST(VirtualObjects, stand_where_they_were_put_with_names_of_their_kind) {
   ServerBench bench;
-  EXPECT_EQ(bench.server->next_thing_id("person"), "P1");
+  EXPECT_EQ(bench.server->next_virtual_object_id("person"), "P1");
   bench.ask(person(R"("x":0.5,"y":0.1)"));
-  bench.ask(R"({"command":"add","thing":{"kind":"obstacle","id":"box","x":1.5,"y":0.2,"radius":0.3}})");
-  EXPECT_THAT(things(bench), ElementsAre("P1", "box"));
-  EXPECT_EQ(bench.server->next_thing_id("person"), "P2");
-  EXPECT_EQ(bench.server->next_thing_id("obstacle"), "O1");
-  EXPECT_EQ(bench.server->next_thing_id("aiv"), "V1");
-  const JsonValue p = thing(bench, "P1");
+  bench.ask(R"({"command":"add","virtualObject":{"kind":"obstacle","id":"box","x":1.5,"y":0.2,"radius":0.3}})");
+  EXPECT_THAT(virtual_objects(bench), ElementsAre("P1", "box"));
+  EXPECT_EQ(bench.server->next_virtual_object_id("person"), "P2");
+  EXPECT_EQ(bench.server->next_virtual_object_id("obstacle"), "O1");
+  EXPECT_EQ(bench.server->next_virtual_object_id("aiv"), "V1");
+  const JsonValue p = virtual_object(bench, "P1");
   EXPECT_EQ(*p.number("x"), 0.5);
   EXPECT_EQ(*p.number("radius"), 0.06) << "half of the zone's vehicle width";
   EXPECT_EQ(*p.number("handle"), 32768.0);
   EXPECT_EQ(p.find("path"), nullptr);
-  EXPECT_EQ(*thing(bench, "box").number("radius"), 0.3);
-  EXPECT_EQ(thing(bench, "box").text("kind"), "obstacle");
+  EXPECT_EQ(*virtual_object(bench, "box").number("radius"), 0.3);
+  EXPECT_EQ(virtual_object(bench, "box").text("kind"), "obstacle");
 }
 
-TEST(Things, walk_their_path_move_and_go) {
+TEST(VirtualObjects, walk_their_path_move_and_go) {
   ServerBench bench;
   bench.ask(person(R"("path":[[0,0.1],[1,0.1]],"speed":0.5,"repeat":"back and forth")"));
   bench.run_for(3s);
-  EXPECT_NEAR(*thing(bench, "P1").number("x"), 0.5, 1e-9);
-  EXPECT_EQ(thing(bench, "P1").text("repeat"), "back and forth");
-  EXPECT_THAT(*thing(bench, "P1").find("path")->array(), SizeIs(2));
-  bench.ask(R"({"command":"move","thing":{"id":"P1","x":1.5,"y":0.1}})");
-  EXPECT_EQ(*thing(bench, "P1").number("x"), 1.5);
-  EXPECT_EQ(*thing(bench, "P1").number("speed"), 0.0);
-  bench.ask(R"({"command":"move","thing":{"id":"P1","path":[[1.5,0.1],[0,0.1]]}})");
+  EXPECT_NEAR(*virtual_object(bench, "P1").number("x"), 0.5, 1e-9);
+  EXPECT_EQ(virtual_object(bench, "P1").text("repeat"), "back and forth");
+  EXPECT_THAT(*virtual_object(bench, "P1").find("path")->array(), SizeIs(2));
+  bench.ask(R"({"command":"move","virtualObject":{"id":"P1","x":1.5,"y":0.1}})");
+  EXPECT_EQ(*virtual_object(bench, "P1").number("x"), 1.5);
+  EXPECT_EQ(*virtual_object(bench, "P1").number("speed"), 0.0);
+  bench.ask(R"({"command":"move","virtualObject":{"id":"P1","path":[[1.5,0.1],[0,0.1]]}})");
   bench.run_for(1s);
-  EXPECT_LT(*thing(bench, "P1").number("x"), 1.5) << "at the zone's slow speed, since none was said";
+  EXPECT_LT(*virtual_object(bench, "P1").number("x"), 1.5) << "at the zone's slow speed, since none was said";
   bench.ask(R"({"command":"remove","id":"P1"})");
-  EXPECT_THAT(things(bench), IsEmpty());
+  EXPECT_THAT(virtual_objects(bench), IsEmpty());
 }
 
-TEST(Things, that_cannot_be_are_refused_with_a_sentence_and_change_nothing) {
+TEST(VirtualObjects, that_cannot_be_are_refused_with_a_sentence_and_change_nothing) {
   ServerBench bench;
   bench.ask(person(R"("id":"P1","x":0.5,"y":0.1)"));
   const std::vector<std::pair<std::string, std::string>> wrong{
@@ -86,12 +86,12 @@ TEST(Things, that_cannot_be_are_refused_with_a_sentence_and_change_nothing) {
       {person(R"("id":"S1","x":0,"y":0)"), "choose another name"},
       {person(R"("id":"a b","x":0,"y":0)"), "no name"},
       {person(R"("id":7,"x":0,"y":0)"), "no name"},
-      {R"({"command":"add","thing":{"kind":"obstacle","path":[[0,0],[1,0]]}})", "stands still"},
-      {R"({"command":"add","thing":{"kind":"dragon","x":0,"y":0}})", "no kind 'dragon'"},
+      {R"({"command":"add","virtualObject":{"kind":"obstacle","path":[[0,0],[1,0]]}})", "stands still"},
+      {R"({"command":"add","virtualObject":{"kind":"dragon","x":0,"y":0}})", "no kind 'dragon'"},
       {R"({"command":"add"})", "say what"},
-      {R"({"command":"move","thing":{"id":"P9","x":0,"y":0}})", "there are P1"},
-      {R"({"command":"move","thing":{"x":0,"y":0}})", "by its id"},
-      {R"({"command":"move","thing":{"id":"P1"}})", "where it stands"},
+      {R"({"command":"move","virtualObject":{"id":"P9","x":0,"y":0}})", "there are P1"},
+      {R"({"command":"move","virtualObject":{"x":0,"y":0}})", "by its id"},
+      {R"({"command":"move","virtualObject":{"id":"P1"}})", "where it stands"},
       {R"({"command":"remove","id":"P9"})", "there are P1"},
       {R"({"command":"remove"})", "which thing"}};
   for (const auto& [json, phrase] : wrong) {
@@ -100,24 +100,24 @@ TEST(Things, that_cannot_be_are_refused_with_a_sentence_and_change_nothing) {
     bench.ask(json);
     EXPECT_TRUE(bench.logged("refused")) << json;
   }
-  EXPECT_THAT(things(bench), ElementsAre("P1"));
+  EXPECT_THAT(virtual_objects(bench), ElementsAre("P1"));
   EXPECT_EQ(*bench.bijection().find("commands")->number("issued"), 0.0) << "they are no commands to vehicles";
 }
 
-TEST(Things, need_a_zone) {
+TEST(VirtualObjects, need_a_zone) {
   ServerCore server{ServerOptions{}};
   const auto checked = server.check_command(person(R"("x":0,"y":0)"));
   ASSERT_FALSE(checked.has_value());
   EXPECT_THAT(checked.error().message, HasSubstr("no zone yet"));
 }
 
-TEST(Things, are_at_most_64_and_all_go_at_once) {
+TEST(VirtualObjects, are_at_most_64_and_all_go_at_once) {
   ServerBench bench;
   for (int i = 0; i < 64; ++i) bench.ask(person(R"("x":0.5,"y":0.1)"));
   EXPECT_THAT(bench.refusal(person(R"("x":0.5,"y":0.1)")), HasSubstr("remove one"));
   EXPECT_THAT(bench.refusal(virtual_aiv("")), HasSubstr("remove one"));
   bench.ask(R"({"command":"remove","id":"*"})");
-  EXPECT_THAT(things(bench), IsEmpty());
+  EXPECT_THAT(virtual_objects(bench), IsEmpty());
 }
 
 TEST(VirtualAivs, drive_round_as_every_other_and_are_counted_apart) {
@@ -214,7 +214,7 @@ TEST(VirtualAivs, are_refused_where_no_vehicle_may_be) {
   bench.ask(virtual_aiv(R"(,"x":1.5,"y":0.2)"));
   EXPECT_THAT(bench.refusal(virtual_aiv(R"(,"id":"V1")")), HasSubstr("already"));
   EXPECT_THAT(bench.refusal(virtual_aiv(R"(,"x":1.6,"y":0.0)")), HasSubstr("CoSiVA.virtual/V1"));
-  EXPECT_THAT(bench.refusal(R"({"command":"move","thing":{"id":"V1","x":1,"y":0}})"), HasSubstr("drives by itself"));
+  EXPECT_THAT(bench.refusal(R"({"command":"move","virtualObject":{"id":"V1","x":1,"y":0}})"), HasSubstr("drives by itself"));
   ServerBench clover{zone_file("lacet4.toml")};
   const zone::Crossing& crossing = clover.zone->crossings.front();
   EXPECT_THAT(clover.refusal(virtual_aiv(",\"x\":" + std::to_string(crossing.centre.x_m) +

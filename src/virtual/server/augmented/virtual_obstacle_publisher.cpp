@@ -54,12 +54,12 @@ bool VirtualObstaclePublisher::can_hear(VehicleIndex vehicle) const {
 void VirtualObstaclePublisher::gather() {
   world_.clear();
   const SimTime now = outbox_.now();
-  for (const Thing& thing : simulator_.augmented().things()) {
-    const Walk::Motion at = thing.at(now);
-    world_.push_back({{thing.id, std::string(to_string(thing.kind)), at.at.x_m, at.at.y_m, at.heading_rad, 0.0,
-                       thing.radius_m, at.vx_mps, at.vy_mps},
-                      thing.handle,
-                      thing.started,
+  for (const VirtualObject& virtual_object : simulator_.augmented().virtual_objects()) {
+    const Walk::Motion at = virtual_object.at(now);
+    world_.push_back({{virtual_object.id, std::string(to_string(virtual_object.kind)), at.at.x_m, at.at.y_m, at.heading_rad, 0.0,
+                       virtual_object.radius_m, at.vx_mps, at.vy_mps},
+                      virtual_object.handle,
+                      virtual_object.started,
                       no_vehicle,
                       false});
   }

@@ -25,7 +25,7 @@ class VirtualObstaclesFixture : public testing::Test {
     bench.published.clear();
   }
   void add_person(double x, double y, const std::string& id = "P1") {
-    bench.ask(R"({"command":"add","thing":{"kind":"person","id":")" + id + R"(","x":)" + std::to_string(x) +
+    bench.ask(R"({"command":"add","virtualObject":{"kind":"person","id":")" + id + R"(","x":)" + std::to_string(x) +
               ",\"y\":" + std::to_string(y) + "}}");
   }
   void remove(const std::string& id) { bench.ask(R"({"command":"remove","id":")" + id + "\"}"); }
@@ -86,7 +86,7 @@ TEST_F(VirtualObstaclesFixture, tells_at_once_when_a_body_leaps_and_carries_its_
   add_person(1.2, 0.0);
   bench.run_for(50ms);
   bench.published.clear();
-  bench.ask(R"({"command":"move","thing":{"id":"P1","path":[[1.4,0.0],[1.4,1.0]],"speed":0.5}})");
+  bench.ask(R"({"command":"move","virtualObject":{"id":"P1","path":[[1.4,0.0],[1.4,1.0]],"speed":0.5}})");
   const auto told = aheads();
   ASSERT_THAT(told, SizeIs(1));
   EXPECT_NEAR(told[0].bodies[0].vy_mps, 0.5, 1e-9);
@@ -113,7 +113,7 @@ TEST_F(VirtualObstaclesFixture, does_not_tell_of_what_is_far_or_wholly_behind) {
 }
 
 TEST_F(VirtualObstaclesFixture, tells_when_a_walker_comes_into_reach) {
-  bench.ask(R"({"command":"add","thing":{"kind":"person","path":[[-0.4,0.8],[-0.4,0.0],[2.4,0.0]],"speed":1.0}})");
+  bench.ask(R"({"command":"add","virtualObject":{"kind":"person","path":[[-0.4,0.8],[-0.4,0.0],[2.4,0.0]],"speed":1.0}})");
   EXPECT_THAT(aheads(), IsEmpty()) << "behind it";
   bench.run_for(3s);
   ASSERT_FALSE(aheads().empty());
@@ -146,7 +146,7 @@ TEST_F(VirtualObstaclesFixture, measures_from_the_command_to_the_decision) {
   EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
   EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("brakingFor"), "P1");
   const JsonValue snapshot = bench.snapshot();
-  const JsonValue& person = snapshot.find("things")->array()->front();
+  const JsonValue& person = snapshot.find("virtualObjects")->array()->front();
   EXPECT_EQ(person.find("perceivedBy")->array()->front().text()[0], "CoSiVA/AIV1");
 }
 
@@ -201,7 +201,7 @@ TEST_F(VirtualObstaclesFixture, ignores_answers_to_what_it_never_said) {
 }
 
 TEST_F(VirtualObstaclesFixture, tells_a_virtual_aiv_of_physical_vehicles_and_the_others_of_it) {
-  bench.ask(R"({"command":"add","thing":{"kind":"aiv","section":"south","s":1.4}})");
+  bench.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":"south","s":1.4}})");
   bench.run_for(200ms);
   const auto told = aheads();
   ASSERT_FALSE(told.empty());
@@ -218,13 +218,13 @@ TEST_F(VirtualObstaclesFixture, tells_a_virtual_aiv_of_physical_vehicles_and_the
 }
 
 TEST_F(VirtualObstaclesFixture, stops_a_virtual_aiv_before_a_person_and_a_physical_vehicle) {
-  bench.ask(R"({"command":"add","thing":{"kind":"aiv","section":"west","s":1.0}})");
+  bench.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":"west","s":1.0}})");
   bench.run_for(20s);
   const JsonValue v1 = bench.aiv("CoSiVA.virtual/V1");
   EXPECT_EQ(*v1.number("speed"), 0.0) << "AIV1 stands on its way";
   EXPECT_LT(*v1.number("x"), 0.3);
   add_person(1.5, 1.0, "P1");  // on the north side, before a second one
-  bench.ask(R"({"command":"add","thing":{"kind":"aiv","id":"V2","section":"east","s":1.0}})");
+  bench.ask(R"({"command":"add","virtualObject":{"kind":"aiv","id":"V2","section":"east","s":1.0}})");
   bench.run_for(10s);
   EXPECT_EQ(*bench.aiv("CoSiVA.virtual/V2").number("speed"), 0.0);
   EXPECT_GT(*bench.aiv("CoSiVA.virtual/V2").number("x"), 1.5);

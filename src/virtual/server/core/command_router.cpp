@@ -11,10 +11,10 @@ namespace {
 /// A zone's whole configuration may be in a command.
 constexpr std::size_t command_bytes_max = 64U << 20U;
 
-constexpr std::string_view no_virtual_aivs = "thing.area";
+constexpr std::string_view no_virtual_aivs = "virtual_object.area";
 
 bool adds_virtual_aiv(const JsonValue& command) {
-  const JsonValue* object = command.find("thing");
+  const JsonValue* object = command.find("virtualObject");
   return object != nullptr && object->text("kind") == "aiv";
 }
 
@@ -121,7 +121,7 @@ void CommandRouter::refuse(const Request& request, const Error& error) {
   if (is_switch || request.kind == Kind::edit || error.code == no_virtual_aivs) world_.update();
 }
 
-void CommandRouter::execute(const ThingCommand& command) { world_.follow(command); }
+void CommandRouter::execute(const VirtualObjectCommand& command) { world_.follow(command); }
 
 void CommandRouter::execute(const EditCommand& command) { zones_.apply_edit(command.name, command.after); }
 

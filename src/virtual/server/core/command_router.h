@@ -42,7 +42,7 @@ struct MissionCommand {
 
 /// A command of an operator, parsed and validated: what is left is to execute it. Commands to vehicles are none of
 /// these; Commands lists even those that it refuses.
-using OperatorCommand = std::variant<ThingCommand, EditCommand, SwitchCommand, MessageCommand, MissionCommand>;
+using OperatorCommand = std::variant<VirtualObjectCommand, EditCommand, SwitchCommand, MessageCommand, MissionCommand>;
 
 /// The commands of operators: each is parsed and validated once, then executed by the part that it is for.
 /// Invariant: no part executes a command that was not validated, and a refused command changes nothing but the lists
@@ -78,7 +78,7 @@ class CommandRouter {
   [[nodiscard]] Result<OperatorCommand> read_message(const Request& request) const;
   void refuse(const Request& request, const Error& error);
 
-  void execute(const ThingCommand& command);
+  void execute(const VirtualObjectCommand& command);
   void execute(const EditCommand& command);
   void execute(const SwitchCommand& command);
   void execute(MessageCommand& command);

@@ -79,22 +79,22 @@ void OwnReports::on_detected(VehicleIndex vehicle, const wire::Input& input) {
   if (!message) return checks_.refuse(vehicle, VehicleTopic::detected, input, message.error());
   AivProxy& proxy = context_.registry[vehicle];
   if (!take_stamp(proxy, proxy.detected_stamp, message->timestamp)) return;
-  const auto& thing = message->thing;
+  const auto& virtual_object = message->virtual_object;
   context_.traces.add(context_.now, proxy.name, "AIV_Server", "detected_obstacle",
-                      thing ? "something at " + place_text(thing->x_m, thing->y_m) : std::string("nothing in its way"),
+                      virtual_object ? "something at " + place_text(virtual_object->x_m, virtual_object->y_m) : std::string("nothing in its way"),
                       input.source, input.payload);
   if (!context_.simulator.zone() || message->map_id != context_.simulator.zone()->name) {
     ++proxy.outdated;  // of a zone that is no more, or not yet
     return;
   }
-  if (!thing) {
+  if (!virtual_object) {
     forget_where_clear(vehicle, message->clear_m);
     return;
   }
-  const Point2 at{thing->x_m, thing->y_m};
+  const Point2 at{virtual_object->x_m, virtual_object->y_m};
   const SimTime detected_at = checks_.server_time(proxy, message->timestamp);
-  if (is_vehicle(vehicle, at, thing->radius_m, detected_at)) return;
-  if (!context_.simulator.detected().see(proxy.name, context_.now, at, thing->radius_m)) return;
+  if (is_vehicle(vehicle, at, virtual_object->radius_m, detected_at)) return;
+  if (!context_.simulator.detected().see(proxy.name, context_.now, at, virtual_object->radius_m)) return;
   COSIVA_EXPECT(!context_.simulator.detected().empty());
   const std::string& id = context_.simulator.detected().obstacles().back().id;
   context_.traces.add(context_.now, "AIV_Server", "Simulator", "appear",

@@ -18,8 +18,8 @@ class DetectionFixture : public testing::Test {
     aiv.blocked = true;
     bench.run_for(1s);
   }
-  void see(const BenchVehicle& vehicle, std::optional<wire::DetectedObstacleReport::Obstacle> thing, double clear_m = 0.8) {
-    wire::DetectedObstacleReport detected{0, bench.now - 20ms, "oval", thing, clear_m};
+  void see(const BenchVehicle& vehicle, std::optional<wire::DetectedObstacleReport::Obstacle> virtual_object, double clear_m = 0.8) {
+    wire::DetectedObstacleReport detected{0, bench.now - 20ms, "oval", virtual_object, clear_m};
     say(vehicle, wire::to_json(detected));
   }
   void say(const BenchVehicle& vehicle, std::string payload, bool retained = false) {
@@ -68,10 +68,10 @@ TEST_F(DetectionFixture, another_vehicle_is_no_obstacle_where_it_was_when_it_was
   // Word of it comes half a second late, over a bad radio: by then it has driven on by more than two places err.
   bench.run_for(500ms);
   ASSERT_GT(other.pose().x_m - 0.10 - tail_then_m, 0.22);
-  const wire::DetectedObstacleReport::Obstacle thing{tail_then_m, 0.0, 0.05, 0.3};
-  say(aiv, wire::to_json(wire::DetectedObstacleReport{0, at_then, "oval", thing, 0.3}));
+  const wire::DetectedObstacleReport::Obstacle virtual_object{tail_then_m, 0.0, 0.05, 0.3};
+  say(aiv, wire::to_json(wire::DetectedObstacleReport{0, at_then, "oval", virtual_object, 0.3}));
   EXPECT_THAT(obstacles(), IsEmpty());
-  say(aiv, wire::to_json(wire::DetectedObstacleReport{1, bench.now, "oval", thing, 0.3}));
+  say(aiv, wire::to_json(wire::DetectedObstacleReport{1, bench.now, "oval", virtual_object, 0.3}));
   EXPECT_THAT(obstacles(), SizeIs(1)) << "what is seen now where it was then is something else";
 }
 

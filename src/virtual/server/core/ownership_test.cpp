@@ -440,9 +440,9 @@ TEST(ControlAreas, refuse_to_send_a_vehicle_where_no_way_leads_and_say_why) {
   EXPECT_THAT(bench.refusal_to_go("a", "a/rack_b"), HasSubstr("in this control area"));
   EXPECT_THAT(bench.refusal_to_go("b", "b/rack_b"), HasSubstr("no vehicle 'CoSiVA/AIV1'"))
       << "it is not this control area's";
-  EXPECT_THAT(bench.refusal("a", R"({"command":"add","thing":{"kind":"aiv","section":"a_far","s":1.0}})"),
+  EXPECT_THAT(bench.refusal("a", R"({"command":"add","virtualObject":{"kind":"aiv","section":"a_far","s":1.0}})"),
               HasSubstr("virtual AIV"));
-  EXPECT_EQ(bench.refusal("a", R"({"command":"add","thing":{"kind":"person","x":1.0,"y":1.0}})"), "");
+  EXPECT_EQ(bench.refusal("a", R"({"command":"add","virtualObject":{"kind":"person","x":1.0,"y":1.0}})"), "");
   bench.kill("b");
   EXPECT_THAT(bench.refusal_to_go("a", "b/rack_b"), HasSubstr("silent"));
 }

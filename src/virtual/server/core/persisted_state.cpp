@@ -29,17 +29,17 @@ bool in(const std::optional<double>& value, double low, double high) {
   return value && *value >= low && *value <= high;
 }
 
-void write_thing(JsonWriter& json, const Thing& thing) {
+void write_virtual_object(JsonWriter& json, const VirtualObject& virtual_object) {
   json.begin_object()
-      .field("id", thing.id)
-      .field("kind", to_string(thing.kind))
-      .field("radius", thing.radius_m)
-      .field("speed", thing.walk.speed_mps())
-      .field("repeat", to_string(thing.walk.repeat()))
-      .field("since", ns_text(thing.since))
-      .field("started", ns_text(thing.started));
+      .field("id", virtual_object.id)
+      .field("kind", to_string(virtual_object.kind))
+      .field("radius", virtual_object.radius_m)
+      .field("speed", virtual_object.walk.speed_mps())
+      .field("repeat", to_string(virtual_object.walk.repeat()))
+      .field("since", ns_text(virtual_object.since))
+      .field("started", ns_text(virtual_object.started));
   json.key("path").begin_array();
-  for (const Point2 p : thing.walk.path()) json.begin_array().value(p.x_m).value(p.y_m).end_array();
+  for (const Point2 p : virtual_object.walk.path()) json.begin_array().value(p.x_m).value(p.y_m).end_array();
   json.end_array().end_object();
 }
 
@@ -59,9 +59,9 @@ std::optional<std::vector<Point2>> read_path(const JsonValue* json) {
   return path;
 }
 
-std::optional<Thing> read_thing(const JsonValue& json) {
+std::optional<VirtualObject> read_virtual_object(const JsonValue& json) {
   const auto id = json.text("id");
-  const auto kind = parse_thing_kind(json.text("kind").value_or(""));
+  const auto kind = parse_virtual_object_kind(json.text("kind").value_or(""));
   const auto repeat = parse_repeat(json.text("repeat").value_or(""));
   const auto since = read_ns(json, "since");
   const auto started = read_ns(json, "started");
@@ -70,7 +70,7 @@ std::optional<Thing> read_thing(const JsonValue& json) {
   if (!in(json.number("radius"), VirtualObjectCommands::radius_m_min, VirtualObjectCommands::radius_m_max) ||
       !in(json.number("speed"), 0.0, VirtualObjectCommands::speed_mps_max))
     return std::nullopt;
-  return Thing{*id,    *kind,   0, *json.number("radius"), Walk(std::move(*path), *json.number("speed"), *repeat),
+  return VirtualObject{*id,    *kind,   0, *json.number("radius"), Walk(std::move(*path), *json.number("speed"), *repeat),
                *since, *started};
 }
 
@@ -78,8 +78,8 @@ std::optional<Thing> read_thing(const JsonValue& json) {
 
 std::string PersistedState::to_json() const {
   JsonWriter json;
-  json.begin_object().field("version", 1).key("things").begin_array();
-  for (const Thing& thing : context_.simulator.augmented().things()) write_thing(json, thing);
+  json.begin_object().field("version", 1).key("virtualObjects").begin_array();
+  for (const VirtualObject& virtual_object : context_.simulator.augmented().virtual_objects()) write_virtual_object(json, virtual_object);
   json.end_array();
   world_.write_state(json);
   json.key("paused").begin_array();
@@ -122,7 +122,7 @@ void PersistedState::restore(std::string_view bytes) {
   }
   const JsonValue* zone = state->find("zone");
   zones_.restore(zone == nullptr ? std::nullopt : std::optional{*zone}, std::move(given_zone));
-  context_.publisher.log('i', "remembered " + std::to_string(context_.simulator.augmented().things().size()) +
+  context_.publisher.log('i', "remembered " + std::to_string(context_.simulator.augmented().virtual_objects().size()) +
                                   " virtual things and " + std::to_string(world_.restored_count()) + " virtual AIVs");
 }
 
@@ -132,14 +132,14 @@ void PersistedState::restore_world(const JsonValue& state) {
     if (found == nullptr || found->array() == nullptr) return;
     for (std::size_t i = 0; i < found->array()->size() && i < max; ++i) take((*found->array())[i]);
   };
-  each("things", Augmented::things_max, [&](const JsonValue& json) {
-    auto thing = read_thing(json);
-    if (thing && context_.simulator.augmented().find(thing->id) == nullptr)
-      context_.simulator.augmented().add(std::move(*thing));
+  each("virtualObjects", Augmented::virtual_objects_max, [&](const JsonValue& json) {
+    auto virtual_object = read_virtual_object(json);
+    if (virtual_object && context_.simulator.augmented().find(virtual_object->id) == nullptr)
+      context_.simulator.augmented().add(std::move(*virtual_object));
     else
       context_.publisher.log('w', "a remembered virtual thing cannot be read; it is left out");
   });
-  each("aivs", Augmented::things_max, [&](const JsonValue& json) {
+  each("aivs", Augmented::virtual_objects_max, [&](const JsonValue& json) {
     const auto id = json.text("id");
     const auto section = json.text("section");
     if (id && section && wire::valid_serial_number(*id) && in(json.number("s"), 0.0, place_m_max))

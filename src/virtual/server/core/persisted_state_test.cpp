@@ -14,22 +14,22 @@ using testing::SizeIs;
 
 const std::string edit = R"({"command":"edit","edit":{"addTags":[{"number":5,"section":"south","s":1.0}]}})";
 
-TEST(PersistedState, brings_back_things_virtual_aivs_and_edits) {
+TEST(PersistedState, brings_back_virtual_objects_virtual_aivs_and_edits) {
   ServerBench bench;
   bench.ask(
-      R"({"command":"add","thing":{"kind":"person","path":[[0,1.2],[2,1.2]],"speed":0.2,"repeat":"loop","radius":0.1}})");
-  bench.ask(R"({"command":"add","thing":{"kind":"obstacle","id":"box","x":1.0,"y":0.5}})");
-  bench.ask(R"({"command":"add","thing":{"kind":"aiv","section":"north","s":0.3}})");
+      R"({"command":"add","virtualObject":{"kind":"person","path":[[0,1.2],[2,1.2]],"speed":0.2,"repeat":"loop","radius":0.1}})");
+  bench.ask(R"({"command":"add","virtualObject":{"kind":"obstacle","id":"box","x":1.0,"y":0.5}})");
+  bench.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":"north","s":0.3}})");
   bench.ask(edit);
   bench.run_for(5s);
   const JsonValue before = bench.snapshot();
   const JsonValue aiv = bench.aiv("CoSiVA.virtual/V1");
   bench.restart_server(true);
   const JsonValue after = bench.snapshot();
-  ASSERT_THAT(*after.find("things")->array(), SizeIs(2));
+  ASSERT_THAT(*after.find("virtualObjects")->array(), SizeIs(2));
   for (std::size_t i = 0; i < 2; ++i) {
-    const JsonValue& was = (*before.find("things")->array())[i];
-    const JsonValue& is = (*after.find("things")->array())[i];
+    const JsonValue& was = (*before.find("virtualObjects")->array())[i];
+    const JsonValue& is = (*after.find("virtualObjects")->array())[i];
     for (const char* field : {"id", "kind", "repeat"}) EXPECT_EQ(is.text(field), was.text(field));
     for (const char* field : {"x", "y", "heading", "radius", "speed", "since_ms"})
       EXPECT_EQ(is.number(field), was.number(field)) << "walks on as if nothing had been: " << field;
@@ -50,7 +50,7 @@ TEST(PersistedState, is_written_when_something_changes_and_not_otherwise) {
   ServerBench bench;
   bench.run_for(5s);
   EXPECT_EQ(bench.memory, "") << "nothing to remember";
-  bench.ask(R"({"command":"add","thing":{"kind":"obstacle","x":1.0,"y":0.5}})");
+  bench.ask(R"({"command":"add","virtualObject":{"kind":"obstacle","x":1.0,"y":0.5}})");
   const std::string with = bench.memory;
   EXPECT_THAT(with, HasSubstr("O1"));
   bench.ask(R"({"command":"remove","id":"O1"})");
@@ -59,7 +59,7 @@ TEST(PersistedState, is_written_when_something_changes_and_not_otherwise) {
 
 TEST(PersistedState, of_a_virtual_aiv_is_renewed_each_second) {
   ServerBench bench;
-  bench.ask(R"({"command":"add","thing":{"kind":"aiv","section":"south","s":0.3}})");
+  bench.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":"south","s":0.3}})");
   bench.run_for(5s);
   const std::string then = bench.memory;
   bench.run_for(900ms);
@@ -71,11 +71,11 @@ TEST(PersistedState, of_a_virtual_aiv_is_renewed_each_second) {
 
 TEST(PersistedState, survives_being_killed_twice_before_the_zone_and_the_vehicles_are_there) {
   ServerBench bench;
-  bench.ask(R"({"command":"add","thing":{"kind":"aiv","section":"north","s":0.3}})");
+  bench.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":"north","s":0.3}})");
   bench.run_for(1s);
   bench.restart_server(true);
   bench.run_for(100ms);  // not settled yet
-  bench.ask(R"({"command":"add","thing":{"kind":"obstacle","x":1.0,"y":0.5}})");
+  bench.ask(R"({"command":"add","virtualObject":{"kind":"obstacle","x":1.0,"y":0.5}})");
   EXPECT_THAT(bench.memory, HasSubstr("V1"));
   bench.restart_server(true);
   bench.run_for(3s);
@@ -85,8 +85,8 @@ TEST(PersistedState, survives_being_killed_twice_before_the_zone_and_the_vehicle
 TEST(PersistedState, that_is_broken_is_said_and_left_out) {
   for (const std::string& broken :
        {std::string("rubbish"), std::string("[]"), std::string("{}"), std::string(R"({"version":2})"),
-        std::string(R"({"version":1,"things":7,"aivs":{},"paused":"x","zone":[]})"),
-        std::string(R"({"version":1,"things":[7,{"id":"P1"},{"id":"P1","kind":"person","radius":1e9,"speed":0,)"
+        std::string(R"({"version":1,"virtualObjects":7,"aivs":{},"paused":"x","zone":[]})"),
+        std::string(R"({"version":1,"virtualObjects":[7,{"id":"P1"},{"id":"P1","kind":"person","radius":1e9,"speed":0,)"
                     R"("repeat":"once","since":"1","started":"1","path":[[0,0]]}],"aivs":[{"id":"a b","section":"x",)"
                     R"("s":0},{"id":"V1","section":"nowhere"}],"paused":[7],"zone":{"base":"0"}})"),
         std::string(R"({"version":1,"zone":{"base":{"format":"toml","text":"name = "},"made":"x"}})")}) {
@@ -94,12 +94,12 @@ TEST(PersistedState, that_is_broken_is_said_and_left_out) {
     bench.memory = broken;
     bench.restart_server(true);
     bench.run_for(3s);
-    EXPECT_THAT(*bench.snapshot().find("things")->array(), IsEmpty()) << broken;
+    EXPECT_THAT(*bench.snapshot().find("virtualObjects")->array(), IsEmpty()) << broken;
     EXPECT_THAT(*bench.snapshot().find("aivs")->array(), IsEmpty()) << broken;
     EXPECT_EQ(bench.server->zone_revision(), 1U) << broken;
     EXPECT_FALSE(bench.logs.empty());
-    bench.ask(R"({"command":"add","thing":{"kind":"obstacle","x":1.0,"y":0.5}})");
-    EXPECT_THAT(*bench.snapshot().find("things")->array(), SizeIs(1)) << "it works on: " << broken;
+    bench.ask(R"({"command":"add","virtualObject":{"kind":"obstacle","x":1.0,"y":0.5}})");
+    EXPECT_THAT(*bench.snapshot().find("virtualObjects")->array(), SizeIs(1)) << "it works on: " << broken;
   }
 }
 
@@ -154,7 +154,7 @@ TEST(PersistedState, of_edits_is_left_out_on_another_zone) {
 
 TEST(PersistedState, puts_a_virtual_aiv_beside_its_place_when_somebody_stands_there_by_now) {
   ServerBench bench;
-  bench.ask(R"({"command":"add","thing":{"kind":"aiv","section":"south","s":1.0}})");
+  bench.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":"south","s":1.0}})");
   bench.run_for(100ms);
   bench.add("AIV1", {0, 1.05}).blocked = true;
   bench.restart_server(true);

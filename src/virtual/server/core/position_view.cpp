@@ -21,10 +21,10 @@ PositionRecord record_of(std::uint16_t handle, PositionRecord::Kind kind, const 
   return record;
 }
 
-PositionRecord record_of(const Thing& thing, SimTime at) {
-  const Walk::Motion motion = thing.at(at);
-  const auto kind = thing.kind == ThingKind::person ? PositionRecord::Kind::person : PositionRecord::Kind::obstacle;
-  PositionRecord record = record_of(thing.handle, kind, {motion.at.x_m, motion.at.y_m, motion.heading_rad},
+PositionRecord record_of(const VirtualObject& virtual_object, SimTime at) {
+  const Walk::Motion motion = virtual_object.at(at);
+  const auto kind = virtual_object.kind == VirtualObjectKind::person ? PositionRecord::Kind::person : PositionRecord::Kind::obstacle;
+  PositionRecord record = record_of(virtual_object.handle, kind, {motion.at.x_m, motion.at.y_m, motion.heading_rad},
                                     norm(motion.vx_mps, motion.vy_mps));
   record.augmented = true;
   return record;
@@ -38,7 +38,7 @@ void PositionView::positions(SimTime now, std::vector<PositionRecord>& out) cons
   out.clear();
   for (VehicleIndex v = 0; v < context_.registry.size(); ++v)
     if (context_.registry[v].shown(context_.now)) out.push_back(record_of_vehicle(v, at));
-  for (const Thing& object : simulated.augmented().things()) out.push_back(record_of(object, at));
+  for (const VirtualObject& object : simulated.augmented().virtual_objects()) out.push_back(record_of(object, at));
   for (const DetectedObstacle& obstacle : simulated.detected().obstacles()) {
     const Pose2 X_MO{obstacle.at.x_m, obstacle.at.y_m, 0.0};
     out.push_back(record_of(obstacle.handle, PositionRecord::Kind::obstacle, X_MO, 0.0));

@@ -166,7 +166,7 @@ std::string ServerCore::next_command_id() const { return impl_->parts.master.com
 
 std::uint64_t ServerCore::zone_revision() const { return impl_->parts.context.simulator.zone_revision(); }
 std::string ServerCore::zone_json() const { return impl_->parts.context.simulator.zone_json(); }
-std::string ServerCore::next_thing_id(std::string_view kind) const {
+std::string ServerCore::next_virtual_object_id(std::string_view kind) const {
   return impl_->parts.augmented.objects.next_id(kind);
 }
 std::optional<std::string> ServerCore::battery_curve_json(const std::string& vehicle) const {

@@ -33,7 +33,7 @@ namespace cosiva::virtual_side {
 ///   {"command":"add","thing":{"id":"P1","kind":"person"|"obstacle","x","y","radius"?,
 ///   "path":[[x,y]…]?,"speed"?,"repeat":"once"|"back and forth"|"loop"?}},
 ///   {"command":"move","thing":{"id","x","y"|"path"…}},
-///   {"command":"remove","id":"P1"|"*"}. Without an id in `add` the server takes next_thing_id(kind).
+///   {"command":"remove","id":"P1"|"*"}. Without an id in `add` the server takes next_virtual_object_id(kind).
 /// - {"command":"edit","edit":{…}} (zone::ZoneEdit), {"command":"undo"}, {"command":"redo"}: of the zone (A5);
 ///   {"command":"saved"}: zone_configuration() has been written to its file
 /// - to the emulated world: {"command":"plant","plant":{"addObstacle":{…}}|{"removeObstacle":"id"}},
@@ -83,7 +83,7 @@ class ServerCore final : public wire::Core {
   /// How a vehicle's battery fared, for a picture; nothing where the vehicle never reported its battery.
   [[nodiscard]] std::optional<std::string> battery_curve_json(const std::string& vehicle) const;
   /// "V1", "P2", "O1": the next free one of "aiv", "person", "obstacle".
-  [[nodiscard]] std::string next_thing_id(std::string_view kind) const;
+  [[nodiscard]] std::string next_virtual_object_id(std::string_view kind) const;
   /// "c12": the id that the next command to vehicles gets that brings none; whoever asks may give it that one.
   [[nodiscard]] std::string next_command_id() const;
   /// The zone's configuration with all edits, as it would be saved; nothing while there is no zone.

@@ -25,28 +25,28 @@ void add(Digest& digest, Numbers... numbers) {
 }  // namespace
 
 void ServerView::write_objects(JsonWriter& json) const {
-  json.key("things").begin_array();
-  for (const Thing& thing : context_.simulator.augmented().things()) {
-    const Walk::Motion at = thing.at(context_.now);
+  json.key("virtualObjects").begin_array();
+  for (const VirtualObject& virtual_object : context_.simulator.augmented().virtual_objects()) {
+    const Walk::Motion at = virtual_object.at(context_.now);
     json.begin_object()
-        .field("id", thing.id)
-        .field("handle", thing.handle)
-        .field("kind", to_string(thing.kind))
+        .field("id", virtual_object.id)
+        .field("handle", virtual_object.handle)
+        .field("kind", to_string(virtual_object.kind))
         .field("x", at.at.x_m)
         .field("y", at.at.y_m)
         .field("heading", at.heading_rad)
-        .field("radius", thing.radius_m)
-        .field("speed", thing.walk.speed_mps());
-    if (thing.walk.path().size() > 1) {
+        .field("radius", virtual_object.radius_m)
+        .field("speed", virtual_object.walk.speed_mps());
+    if (virtual_object.walk.path().size() > 1) {
       json.key("path").begin_array();
-      for (const Point2 p : thing.walk.path()) json.begin_array().value(p.x_m).value(p.y_m).end_array();
-      json.end_array().field("repeat", to_string(thing.walk.repeat()));
+      for (const Point2 p : virtual_object.walk.path()) json.begin_array().value(p.x_m).value(p.y_m).end_array();
+      json.end_array().field("repeat", to_string(virtual_object.walk.repeat()));
     }
     json.key("perceivedBy").begin_array();
     for (VehicleIndex v = 0; v < context_.registry.size(); ++v)
-      if (context_.registry[v].here() && augmented_.virtual_obstacles.perceives(v) == thing.id)
+      if (context_.registry[v].here() && augmented_.virtual_obstacles.perceives(v) == virtual_object.id)
         json.value(context_.registry[v].name);
-    json.end_array().field("since_ms", to_milliseconds(thing.since.time_since_epoch())).end_object();
+    json.end_array().field("since_ms", to_milliseconds(virtual_object.since.time_since_epoch())).end_object();
   }
   json.end_array();
 }
@@ -186,8 +186,8 @@ ServerCore::PageRevision ServerView::page_revision() const {
   }
   for (const Command& command : master_.commands.list())
     add(waited_for, command.state, command.handle, command.vehicle);
-  for (const Thing& thing : context_.simulator.augmented().things())
-    add(waited_for, thing.handle, thing.started.time_since_epoch().count());
+  for (const VirtualObject& virtual_object : context_.simulator.augmented().virtual_objects())
+    add(waited_for, virtual_object.handle, virtual_object.started.time_since_epoch().count());
   for (const DetectedObstacle& detected : context_.simulator.detected().obstacles()) add(waited_for, detected.handle);
   for (VehicleIndex v = 0; v < context_.registry.size(); ++v) add_vehicle(v, waited_for, events);
   return {waited_for.value(), events.value()};

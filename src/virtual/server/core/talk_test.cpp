@@ -80,7 +80,7 @@ TEST_F(TalkBench, of_strangers_liars_and_the_broker_s_memory_is_not_shown) {
 }
 
 TEST_F(TalkBench, virtual_AIVs_speak_to_the_broker_and_hear_who_is_near) {
-  bench.ask(R"({"command":"add","thing":{"kind":"aiv","id":"V1"}})");
+  bench.ask(R"({"command":"add","virtualObject":{"kind":"aiv","id":"V1"}})");
   const auto said_by_v1 = [&] {
     return std::ranges::count_if(bench.published, [](const wire::Publish& publish) {
       const auto topic = wire::parse_v2x_topic(publish.topic);

@@ -16,7 +16,7 @@ constexpr double restored_step_m = 0.05;
 
 }  // namespace
 
-void VirtualWorld::follow(const ThingCommand& command) {
+void VirtualWorld::follow(const VirtualObjectCommand& command) {
   context_.state_stale = true;
   Augmented& world = context_.simulator.augmented();
   const auto trace = [&](std::string_view what) {
@@ -24,18 +24,18 @@ void VirtualWorld::follow(const ThingCommand& command) {
                         command.id == "*" ? std::string("everything") : command.id);
   };
   switch (command.act) {
-    case ThingCommand::Act::add:
+    case VirtualObjectCommand::Act::add:
       trace("add");
       if (command.is_aiv)
         add_aiv(command.id, command.place);
       else
         world.add({command.id, command.kind, 0, command.radius_m, command.walk, context_.now, context_.now});
       break;
-    case ThingCommand::Act::move:
+    case VirtualObjectCommand::Act::move:
       trace("move");
       world.move(command.id, command.walk, context_.now);
       break;
-    case ThingCommand::Act::remove:
+    case VirtualObjectCommand::Act::remove:
       trace("remove");
       remove(command.id, command.is_aiv);
       break;

@@ -27,7 +27,7 @@ class VirtualWorld {
     double s_m;
   };
 
-  void follow(const ThingCommand& command);
+  void follow(const VirtualObjectCommand& command);
   /// After everything that may have changed the virtual world: sends each vehicle what is near its path.
   void update();
   /// In each cycle: obstacles that a vehicle has driven through are gone.

@@ -283,7 +283,7 @@ TEST(RetainedZones, of_which_none_is_in_force_are_taken_the_last_one_wins) {
 
 TEST(Switch, takes_a_virtual_vehicle_along) {
   ServerBench bench;
-  bench.ask(R"({"command":"add","thing":{"id":"V1","kind":"aiv","section":"south","s":0.5}})");
+  bench.ask(R"({"command":"add","virtualObject":{"id":"V1","kind":"aiv","section":"south","s":0.5}})");
   bench.run_for(4s);
   ASSERT_GT(*bench.aiv("CoSiVA.virtual/V1").number("speed"), 0.0);
   bench.ask(switch_to(moved_oval("yard", "0.1")));

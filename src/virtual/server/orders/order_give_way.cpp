@@ -248,10 +248,10 @@ bool OrderRoller::near_anything(VehicleIndex vehicle, const Pose2& X_MB, double 
     }
   }
   const auto near_disc = [&](Point2 at, double radius_m) { return to_body_m(shape, X_MB, at) < radius_m + clear_m; };
-  const auto& things = simulator_.augmented().things();
+  const auto& virtual_objects = simulator_.augmented().virtual_objects();
   const auto& detected = simulator_.detected().obstacles();
   return std::ranges::any_of(
-             things, [&](const Thing& thing) { return near_disc(thing.at(outbox_.now()).at, thing.radius_m); }) ||
+             virtual_objects, [&](const VirtualObject& virtual_object) { return near_disc(virtual_object.at(outbox_.now()).at, virtual_object.radius_m); }) ||
          std::ranges::any_of(detected, [&](const DetectedObstacle& one) { return near_disc(one.at, one.radius_m); });
 }
 

@@ -94,7 +94,7 @@ TEST(ZoneEdits, disturb_nothing_that_drives) {
   ServerBench bench{zone_file("lacet4.toml")};
   BenchVehicle& one = bench.add("AIV1", {0, 0.1});
   BenchVehicle& two = bench.add("AIV2", {3, 0.5});
-  bench.ask(R"({"command":"add","thing":{"kind":"aiv","section":")" + bench.zone->circuit.part(6).name +
+  bench.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":")" + bench.zone->circuit.part(6).name +
             R"(","s":0.2}})");
   bench.run_for(10s);
   // The bench's vehicles do not feel; the pauses that the server gives them are not what is tested here.
@@ -129,7 +129,7 @@ TEST(ZoneEdits, disturb_nothing_that_drives) {
 
 TEST(ZoneEdits, let_virtual_aivs_drive_on) {
   ServerBench bench;
-  bench.ask(R"({"command":"add","thing":{"kind":"aiv","section":"south","s":0.5}})");
+  bench.ask(R"({"command":"add","virtualObject":{"kind":"aiv","section":"south","s":0.5}})");
   bench.run_for(5s);
   const auto order = bench.aiv("CoSiVA.virtual/V1").text("orderId");
   ASSERT_GT(*bench.aiv("CoSiVA.virtual/V1").number("speed"), 0.1);
