@@ -46,18 +46,18 @@ bool holds(const statistics::Interval& interval, double ground_truth) {
 }
 
 /// Batteries one after another until the mean is known to this share of it, as `--half-width` stops.
-void stop_early(Random& random, const Options& options, double share, Count& within, Count& interval) {
+void stop_early(Random& random, const Options& options, double ratio, Count& within, Count& interval) {
   constexpr std::size_t longest = 2000;
   std::vector<double> ends;
   std::optional<std::size_t> stopped;
   while (!stopped && ends.size() < longest) {
     ends.push_back(random.gaussian(options.mean_s, options.sd_s));
     // Only the last look is new: the earlier ones did not stop it.
-    stopped = statistics::stops_at(ends, share, std::max<std::size_t>(5, ends.size()));
+    stopped = statistics::stops_at(ends, ratio, std::max<std::size_t>(5, ends.size()));
   }
   if (!stopped) return;
   const double found_s = statistics::mean(ends);
-  within.ask(std::fabs(found_s - options.mean_s) <= share * found_s);
+  within.ask(std::fabs(found_s - options.mean_s) <= ratio * found_s);
   interval.ask(holds(*statistics::mean_interval(ends), options.mean_s));
 }
 
@@ -107,10 +107,10 @@ int measure(const Options& options) {
     counts[7].ask(holds(curve.band_at(options.mean_s), 0.5));
     counts[8].ask(holds(*statistics::mean_interval(naive), options.mean_s));
     const statistics::Survival usual = statistics::kaplan_meier(durations, 0.95, statistics::SurvivalBand::log_log);
-    for (const double share : {0.9, 0.75, 0.5, 0.25, 0.1}) {
-      const double then_s = options.mean_s + options.sd_s * statistics::normal_quantile(1.0 - share);
-      counts[9].ask(holds(curve.band_at(then_s), share));
-      counts[10].ask(holds(usual.band_at(then_s), share));
+    for (const double ratio : {0.9, 0.75, 0.5, 0.25, 0.1}) {
+      const double then_s = options.mean_s + options.sd_s * statistics::normal_quantile(1.0 - ratio);
+      counts[9].ask(holds(curve.band_at(then_s), ratio));
+      counts[10].ask(holds(usual.band_at(then_s), ratio));
     }
   }
   // Another stream, so that the rows above are what they were before these came.
@@ -121,12 +121,12 @@ int measure(const Options& options) {
   }
   if (options.json) std::printf("{\"fleets\":%zu,\"size\":%zu,\"coverage\":{", options.fleets, options.size);
   for (const Count& count : counts) {
-    const double share = count.asked == 0 ? 0.0 : static_cast<double>(count.held) / static_cast<double>(count.asked);
+    const double ratio = count.asked == 0 ? 0.0 : static_cast<double>(count.held) / static_cast<double>(count.asked);
     const bool last = &count == counts + std::size(counts) - 1;
     if (options.json)
-      std::printf("\"%s\":%.4f%s", count.name, share, last ? "}}\n" : ",");
+      std::printf("\"%s\":%.4f%s", count.name, ratio, last ? "}}\n" : ",");
     else
-      std::printf("%-36s %6.2f %%  of %zu\n", count.name, 100.0 * share, count.asked);
+      std::printf("%-36s %6.2f %%  of %zu\n", count.name, 100.0 * ratio, count.asked);
   }
   return 0;
 }

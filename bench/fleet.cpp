@@ -52,7 +52,7 @@ struct Figures {
   double ns_per_update;
   double bytes_per_vehicle;
   double mean_mps;
-  double waiting_share;
+  double waiting_ratio;
   double gained_m2ps2;  ///< of squared speed, by all together; with a duration only
   double loop_m;        ///< all sections of the zone; round, where it is a ring
   double smallest_gap_m;
@@ -70,7 +70,7 @@ Result<std::shared_ptr<const zone::TrafficZone>> read_zone(const std::string& pa
   auto rtm = zone::Rtm::initialise(
       {zone::format_of_file(path).value_or("toml"), path, bytes(path), sidecar ? bytes(*sidecar) : std::string{}});
   if (!rtm) return tl::unexpected(rtm.error());
-  return rtm->share_zone();
+  return rtm->shared_zone();
 }
 
 Result<std::shared_ptr<const aiv::AgentRules>> read_rules(const std::string& word) {
@@ -180,7 +180,7 @@ void print(const Options& options, const Figures& figures) {
         .field("ns_per_update", figures.ns_per_update)
         .field("bytes_per_vehicle", figures.bytes_per_vehicle)
         .field("mean_mps", figures.mean_mps)
-        .field("waiting_share", figures.waiting_share)
+        .field("waiting_ratio", figures.waiting_ratio)
         .field("gained_m2ps2", figures.gained_m2ps2)
         .field("loop_m", figures.loop_m)
         .field("smallest_gap_m", figures.smallest_gap_m)
@@ -199,7 +199,7 @@ void print(const Options& options, const Figures& figures) {
     line("time", figures.ns_per_update, "cpu-ns/update");
     line("bytes", figures.bytes_per_vehicle, "bytes/vehicle");
     line("speed", figures.mean_mps, "m/s");
-    line("waiting", figures.waiting_share, "of_time");
+    line("waiting", figures.waiting_ratio, "of_time");
     line("gap", figures.smallest_gap_m, "m");
     line("collisions", static_cast<double>(figures.collisions), "vehicle-steps");
     line("stuck", static_cast<double>(figures.stuck), "vehicles");

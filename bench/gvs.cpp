@@ -64,10 +64,10 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
 
   SceneCamera camera;
-  const double share = static_cast<double>(size) / 2048.0;
+  const double ratio = static_cast<double>(size) / 2048.0;
   camera.frame = {size, size};
-  camera.focal_px *= share;
-  camera.principal = {camera.principal.u * share, camera.principal.v * share};
+  camera.focal_px *= ratio;
+  camera.principal = {camera.principal.u * ratio, camera.principal.v * ratio};
   CalibrationOptions options;
   options.models = {{FloorModel::lens_polynomial, 5}};
   auto made = calibrate(corners_of(camera), camera.frame, options);

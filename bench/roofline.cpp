@@ -2,7 +2,7 @@
 // moved on and have their poses written (virtual/fleet's own passes, decisions left out), and the bytes that takes,
 // beside how fast the same core streams bytes without doing anything worth mentioning, in turn in one run. Arrays are
 // far larger than the caches. Bytes are counted as each program means them: a place read once, a place written once.
-// Prints NAME VALUE UNIT, medians; `share` is motion's bytes a second over the limit's, round by round.
+// Prints NAME VALUE UNIT, medians; `ratio` is motion's bytes a second over the limit's, round by round.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -124,20 +124,20 @@ int run(const Options& options) {
     std::fprintf(stderr, "roofline: %s\n", to_string(rtm.error()).c_str());
     return 2;
   }
-  Moving moving{*rtm->share_zone(), options.vehicles};
+  Moving moving{*rtm->shared_zone(), options.vehicles};
   // As many bytes as the fleet's.
   Streams streams{static_cast<std::size_t>(Moving::bytes / 24.0 * static_cast<double>(options.vehicles))};
   std::vector<double> limit;
   std::vector<double> scaled;
   std::vector<double> moved;
-  std::vector<double> share;
+  std::vector<double> ratio;
   static_cast<void>(moving.step());
   static_cast<void>(streams.triad_gbps());
   for (int round = 0; round < options.rounds; ++round) {
     scaled.push_back(streams.scale_gbps());
     limit.push_back(std::max(streams.triad_gbps(), scaled.back()));
     moved.push_back(Moving::bytes * 1e-9 * static_cast<double>(options.vehicles) / moving.step());
-    share.push_back(moved.back() / limit.back());
+    ratio.push_back(moved.back() / limit.back());
   }
   const double ups = median(moved) * 1e9 / Moving::bytes;
   if (options.json) {
@@ -148,7 +148,7 @@ int run(const Options& options) {
         .field("motion_gbps", median(moved))
         .field("motion_ups", ups)
         .field("bytes_per_update", Moving::bytes)
-        .field("share", median(share))
+        .field("ratio", median(ratio))
         .end_object();
     std::printf("%s\n", json.text().c_str());
   } else {
@@ -156,7 +156,7 @@ int run(const Options& options) {
     std::printf("roofline.scale %.2f GB/s\n", median(scaled));
     std::printf("roofline.motion %.2f GB/s\n", median(moved));
     std::printf("roofline.motion_ups %.4g updates/s\n", ups);
-    std::printf("roofline.share %.3f of_the_limit\n", median(share));
+    std::printf("roofline.share %.3f of_the_limit\n", median(ratio));
   }
   // Looked at, so that nothing of it may be left out.
   return moving.sum() + streams.sum() == 0.5 ? 1 : 0;

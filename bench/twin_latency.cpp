@@ -94,9 +94,9 @@ class Latencies {
   std::atomic<std::size_t> count_{0};
 };
 
-double quantile(const std::vector<double>& sorted, double share) {
+double quantile(const std::vector<double>& sorted, double ratio) {
   if (sorted.empty()) return 0.0;
-  return sorted[std::min(sorted.size() - 1, static_cast<std::size_t>(share * static_cast<double>(sorted.size())))];
+  return sorted[std::min(sorted.size() - 1, static_cast<std::size_t>(ratio * static_cast<double>(sorted.size())))];
 }
 
 /// A libmosquitto client with its own thread of the library's plainest loop.

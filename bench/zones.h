@@ -21,7 +21,7 @@ inline std::shared_ptr<const estimation::Track> lacet4_track() {
     std::fprintf(stderr, "%s\n", to_string(rtm.error()).c_str());
     std::exit(2);
   }
-  const auto shared = rtm->share_zone();
+  const auto shared = rtm->shared_zone();
   const std::shared_ptr<const zone::Circuit> circuit(shared, &shared->circuit);
   return std::make_shared<const estimation::Track>(*estimation::Track::of_ring(circuit));
 }

@@ -42,7 +42,7 @@ struct Outcome {
   double longest_wait_s{};
   double distance_m{};
   double slowest_m{};
-  double matched_share{};
+  double matched_ratio{};
   experiments::testing::DeadlockFigures deadlocks;
   std::string digest;
   std::string failure;
@@ -88,7 +88,7 @@ Outcome run(const Plan& plan, std::uint64_t seed) {
   JsonWriter json;
   (*world)->server().write_bijection(json);
   const auto bijection = JsonValue::parse(json.text());
-  outcome.matched_share = bijection ? bijection->number("matched_share").value_or(0.0) : 0.0;
+  outcome.matched_ratio = bijection ? bijection->number("matched_ratio").value_or(0.0) : 0.0;
   outcome.slowest_m = 1e9;
   for (const auto& vehicle : (*world)->plant().vehicles()) {
     outcome.distance_m += vehicle.distance_m;
@@ -116,7 +116,7 @@ std::vector<Outcome> run_all(const Plan& plan) {
         "%.4f, "
         "digest %s%s%s\n",
         static_cast<unsigned long long>(o.seed), o.distance_m, o.slowest_m, o.longest_wait_s, o.deadlocks.detected,
-        o.deadlocks.resolved, o.matched_share, o.digest.c_str(),
+        o.deadlocks.resolved, o.matched_ratio, o.digest.c_str(),
         o.failure.empty() ? "" : "  FAILED: ", o.failure.c_str());
     std::fflush(stdout);
   });

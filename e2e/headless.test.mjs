@@ -20,7 +20,7 @@ test('cosiva up --headless for a minute keeps the bijection', { timeout: 150_000
   await t.test('every vehicle has its twin, all the time', () => {
     assert.deepEqual([bijection.physical, bijection.virtual, bijection.matched], [4, 4, 4]);
     assert.deepEqual(bijection.orphans, []);
-    assert.equal(bijection.matched_share, 1);
+    assert.equal(bijection.matched_ratio, 1);
   });
   await t.test('nobody touched anybody', () => assert.equal(Array.isArray(summary.collisions) ? summary.collisions.length : summary.collisions, 0));
   await t.test('the twin stands within 3 cm of the report', () => {

@@ -120,7 +120,7 @@ bool qualification(app::TraceWriter& trace, const zone::ZoneConfiguration& zone)
   Run run{trace, world_of(zone, 1), {wire::estimate_request_topic_prefix, wire::estimate_answer_topic_prefix}};
   const auto rtm = zone::Rtm::initialise(zone);
   if (!run.made() || !rtm) return false;
-  runs.on_zone(rtm->share_zone());
+  runs.on_zone(rtm->shared_zone());
   const auto filters = runs.subscriptions();
   run.listener = [&](SimTime at, const wire::Publish& message) {
     if (any_matches(filters, message.topic)) runs.on_message(at, message.topic, message.payload);

@@ -22,7 +22,7 @@ using virtual_side::FleetStart;
 std::shared_ptr<const zone::TrafficZone> read(const std::string& text) {
   auto rtm = zone::Rtm::initialise({"toml", "test.toml", text});
   EXPECT_TRUE(rtm) << to_string(rtm.error());
-  return rtm->share_zone();
+  return rtm->shared_zone();
 }
 
 std::uint64_t digest_after(const std::shared_ptr<const zone::TrafficZone>& zone, const std::vector<FleetStart>& starts,

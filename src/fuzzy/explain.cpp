@@ -50,10 +50,10 @@ std::string line_of(const Explanation::Rule& rule) {
   std::string text = "  " + padded(fixed(100.0 * rule.degree, 0) + " %", 6) + "line " +
                      padded(std::to_string(rule.line), 5) + rule.text + "\n";
   text += indent + "because " + why(rule) + "\n";
-  for (const Explanation::Share& share : rule.shares) {
+  for (const Explanation::Ratio& ratio : rule.ratios) {
     if (!rule.fired) break;
-    text += indent + "so " + share.output + " is " + share.term + " (" + fixed(share.says, 2) + ") for " +
-            fixed(100.0 * share.share, 0) + " % of its answer\n";
+    text += indent + "so " + ratio.output + " is " + ratio.term + " (" + fixed(ratio.says, 2) + ") for " +
+            fixed(100.0 * ratio.ratio, 0) + " % of its answer\n";
   }
   return text;
 }
@@ -95,7 +95,7 @@ Explanation RuleBase::explain(std::span<const double> inputs) const {
       const double says = term.shape == Shape::constant
                               ? term.parameters[0]
                               : values[looked_at->answers[conclusion.output][conclusion.term]];
-      shown.shares.push_back({output.name, term.name, says, 0.0});
+      shown.ratios.push_back({output.name, term.name, says, 0.0});
       if (shown.fired) totals[conclusion.output] += degree;
     }
     explanation.rules.push_back(std::move(shown));
@@ -103,7 +103,7 @@ Explanation RuleBase::explain(std::span<const double> inputs) const {
   for (std::size_t r = 0; r < engine_.rules.size(); ++r) {
     for (std::size_t c = 0; c < engine_.rules[r].conclusions.size(); ++c) {
       Explanation::Rule& rule = explanation.rules[r];
-      if (rule.fired) rule.shares[c].share = rule.degree / totals[engine_.rules[r].conclusions[c].output];
+      if (rule.fired) rule.ratios[c].ratio = rule.degree / totals[engine_.rules[r].conclusions[c].output];
     }
   }
   for (std::size_t o = 0; o < engine_.outputs.size(); ++o)
@@ -154,9 +154,9 @@ void write_json(JsonWriter& json, const Explanation& explanation) {
     json.field("fired", rule.fired);
     degrees("conditions", rule.conditions);
     json.key("shares").begin_array();
-    for (const Explanation::Share& share : rule.shares) {
-      json.begin_object().field("output", share.output).field("term", share.term).field("says", share.says);
-      json.field("share", share.share).end_object();
+    for (const Explanation::Ratio& ratio : rule.ratios) {
+      json.begin_object().field("output", ratio.output).field("term", ratio.term).field("says", ratio.says);
+      json.field("ratio", ratio.ratio).end_object();
     }
     json.end_array().end_object();
   }

@@ -20,11 +20,11 @@ struct Explanation {
     double counted;             ///< as the rules see it, within its range where that is locked
     std::vector<Degree> terms;  ///< how far it belongs to each
   };
-  struct Share {
+  struct Ratio {
     std::string output;
     std::string term;
     double says;   ///< the term's number here
-    double share;  ///< of this output's answer, 0…1: its weight over those of all rules that fired
+    double ratio;  ///< of this output's answer, 0…1: its weight over those of all rules that fired
   };
   struct Rule {
     std::size_t line;
@@ -32,7 +32,7 @@ struct Explanation {
     std::vector<Degree> conditions;  ///< the single ones, without 'and' and 'or'
     double degree;                   ///< of all of them together, times the rule's weight
     bool fired;
-    std::vector<Share> shares;
+    std::vector<Ratio> ratios;
   };
   struct Output {
     std::string name;

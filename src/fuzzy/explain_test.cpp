@@ -31,7 +31,7 @@ TEST(Explanation, says_of_each_rule_how_far_its_conditions_hold_and_what_it_adds
   EXPECT_DOUBLE_EQ(rule.conditions[0].degree, 0.25);
   EXPECT_DOUBLE_EQ(rule.degree, 0.125);
   EXPECT_TRUE(rule.fired);
-  EXPECT_DOUBLE_EQ(rule.shares[0].share, 0.125 / 0.625);
+  EXPECT_DOUBLE_EQ(rule.ratios[0].ratio, 0.125 / 0.625);
   EXPECT_DOUBLE_EQ(explanation.outputs[0].value, 0.125 / 0.625);
 }
 
@@ -39,13 +39,13 @@ TEST(Explanation, adds_up_to_the_answer) {
   for (const double x : {0.0, 1.0, 4.0, 9.5}) {
     const Explanation explanation = explained(x, 2.0);
     double sum = 0.0;
-    double shares = 0.0;
+    double ratios = 0.0;
     for (const auto& rule : explanation.rules) {
-      sum += rule.shares[0].share * rule.shares[0].says;
-      shares += rule.shares[0].share;
+      sum += rule.ratios[0].ratio * rule.ratios[0].says;
+      ratios += rule.ratios[0].ratio;
     }
     EXPECT_NEAR(sum, explanation.outputs[0].value, 1e-15);
-    EXPECT_NEAR(shares, 1.0, 1e-15);
+    EXPECT_NEAR(ratios, 1.0, 1e-15);
   }
 }
 

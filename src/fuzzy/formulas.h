@@ -81,8 +81,8 @@ COSIVA_PART inline void with_answers(Op op, const Use& use) {
     case Op::quotient:
       return use([](double a, double b, Numbers s) COSIVA_PART {
         // The division is taken in any case, so that the choice is one of values and not of ways.
-        const double share = (a + 0.0) / (b > 0.0 ? b : 1.0);
-        return b > 0.0 ? share : s.p;
+        const double ratio = (a + 0.0) / (b > 0.0 ? b : 1.0);
+        return b > 0.0 ? ratio : s.p;
       });
     case Op::if_any: return use([](double a, double b, Numbers s) COSIVA_PART { return b > 0.0 ? a + 0.0 : s.p; });
     default:

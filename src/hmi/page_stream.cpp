@@ -24,7 +24,7 @@ constexpr milliseconds events_gathering{50};
 /// A change waits this long for others that come with it; an operator waits 20 ms at most.
 constexpr milliseconds change_gathering{8};
 /// Of the time, one part in so many goes into snapshots: those of a thousand vehicles come less often.
-constexpr int snapshot_share = 10;
+constexpr int snapshot_ratio = 10;
 
 }  // namespace
 
@@ -103,7 +103,7 @@ void PageStream::send_snapshot() {
   revision_ = source_.page_revision();
   send(snapshot_frame, R"({"type":"snapshot","snapshot":)" + source_.snapshot_json() + "}", true);
   const std::chrono::duration<double> work{static_cast<double>(std::clock() - busy) / CLOCKS_PER_SEC};
-  const auto rest = std::chrono::duration_cast<Clock::duration>(snapshot_share * work);
+  const auto rest = std::chrono::duration_cast<Clock::duration>(snapshot_ratio * work);
   const milliseconds period = records_.size() > many_objects ? snapshot_period_when_many : snapshot_period;
   next_snapshot_ = start + std::max<Clock::duration>(period, rest);
   no_snapshot_before_ = start + rest;

@@ -10,7 +10,7 @@ namespace cosiva::estimation {
 namespace {
 
 /// One reading in so many is of a mark that is not there, or of the wrong one.
-constexpr double wrong_share = 0.01;
+constexpr double wrong_ratio = 0.01;
 
 }  // namespace
 
@@ -78,7 +78,7 @@ void ParticleFilter::weigh(const Likelihood& likelihood) {
   double total = 0.0;
   for (Particle& particle : particles_) {
     const double squared = likelihood(setting_.track->circuit().pose_at(particle.place));
-    particle.weight *= wrong_share + (1.0 - wrong_share) * (squared < 700.0 ? det_exp(-0.5 * squared) : 0.0);
+    particle.weight *= wrong_ratio + (1.0 - wrong_ratio) * (squared < 700.0 ? det_exp(-0.5 * squared) : 0.0);
     total += particle.weight;
   }
   double squares = 0.0;

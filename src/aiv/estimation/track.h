@@ -27,7 +27,7 @@ class Track {
                                            std::optional<zone::SectionId> through = std::nullopt);
 
   [[nodiscard]] const zone::Circuit& circuit() const { return *circuit_; }
-  [[nodiscard]] const std::shared_ptr<const zone::Circuit>& share_circuit() const { return circuit_; }
+  [[nodiscard]] const std::shared_ptr<const zone::Circuit>& shared_circuit() const { return circuit_; }
   [[nodiscard]] double length_m() const { return starts_.back(); }  ///< once round
   [[nodiscard]] bool closed() const { return closed_; }
 

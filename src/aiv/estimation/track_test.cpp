@@ -74,7 +74,7 @@ TEST(Track, of_a_ring_leaves_out_what_only_leads_into_it) {
   ASSERT_TRUE(ring);
   EXPECT_TRUE(ring->closed());
   EXPECT_NEAR(ring->length_m(), 2.0 * pi, 1e-12);
-  EXPECT_FALSE(Track::of_ring(testing::straight()->share_circuit())->closed());
+  EXPECT_FALSE(Track::of_ring(testing::straight()->shared_circuit())->closed());
 }
 
 }  // namespace

@@ -51,7 +51,7 @@ struct SwitchBench : OnboardBench {
   void change_floor(const zone::ZoneConfiguration& zone) {
     auto rtm = zone::Rtm::initialise(zone);
     ASSERT_TRUE(rtm) << to_string(rtm.error());
-    floors.push_back(rtm->share_zone());
+    floors.push_back(rtm->shared_zone());
     world.stand_on(floors.back()->circuit);
   }
   /// Drives on lacet4.

@@ -39,7 +39,7 @@ Corridor::Look Corridor::look(const Outlook& outlook, const wire::Ranges& ranges
     if (!sampled) way_.sample(outlook);
     sampled = true;
     const double bearing_rad = 0.01 * ranges.first_bearing_crad + width_rad * static_cast<double>(beam);
-    const double ahead_m = echo_ahead_m(range_m, bearing_rad, model_.beam_share * width_rad);
+    const double ahead_m = echo_ahead_m(range_m, bearing_rad, model_.beam_ratio * width_rad);
     if (ahead_m < nearest.ahead_m) nearest = {ahead_m, beam};
   }
   return nearest;

@@ -22,7 +22,7 @@ class Corridor {
     double margin_m{0.02};         ///< on each side of the body
     double sample_m{0.03};         ///< between two points of the way ahead
     double reach_m{1.30};          ///< of the vehicle's middle, ahead
-    double beam_share{1.0 / 3.0};  ///< an echo may come from this share of a beam's width to either side of its middle
+    double beam_ratio{1.0 / 3.0};  ///< an echo may come from this share of a beam's width to either side of its middle
   };
   explicit Corridor(const zone::TrafficZone& zone) : Corridor{zone, Model{}} {}
   Corridor(const zone::TrafficZone& zone, Model model);

@@ -34,8 +34,8 @@ wire::DetectedObstacleReport::VirtualObject body_in_beams(const Corridor::Look& 
   // A disc of radius r, its middle R = range + r away, spans 2·asin(r/R); of the beams that it touches the two outer
   // ones are half filled on average.
   const double half_rad = std::min(0.5 * width_rad * static_cast<double>(last - first), 0.25 * pi);
-  const double share = det_sin(half_rad);
-  const double radius_m = std::clamp(range_m * share / (1.0 - share), radius_m_min, radius_m_max);
+  const double ratio = det_sin(half_rad);
+  const double radius_m = std::clamp(range_m * ratio / (1.0 - ratio), radius_m_min, radius_m_max);
   const auto [sin, cos] = sincos(bearing_rad);
   const double away_m = range_m + radius_m;
   const Point2 middle_M = X_MS * Point2{away_m * cos, away_m * sin};

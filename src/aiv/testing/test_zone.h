@@ -27,7 +27,7 @@ inline const zone::TrafficZone& lacet4() {
   static const std::shared_ptr<const zone::TrafficZone> zone = [] {
     auto rtm = zone::Rtm::initialise(lacet4_configuration());
     if (!rtm) std::abort();
-    return rtm->share_zone();
+    return rtm->shared_zone();
   }();
   return *zone;
 }

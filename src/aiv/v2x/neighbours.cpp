@@ -44,7 +44,7 @@ Neighbours::Neighbours(const zone::TrafficZone& zone, wire::VehicleId self, Mode
     : zone_{zone},
       self_{std::move(self)},
       model_{model},
-      speed_mps_max_{model.speed_share_max * std::max({zone.profiles.slow.speed_mps, zone.profiles.medium.speed_mps,
+      speed_mps_max_{model.speed_ratio_max * std::max({zone.profiles.slow.speed_mps, zone.profiles.medium.speed_mps,
                                                        zone.profiles.fast.speed_mps})},
       gap_{zone, model.look},
       crossing_finder_{zone} {}

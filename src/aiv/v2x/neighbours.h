@@ -31,7 +31,7 @@ class Neighbours {
     std::size_t count_max{32};
     /// Nobody further off along an axis can be heard: two cells, both sides' slack, and what they drive meanwhile.
     double near_m{2.0 * wire::v2x_cell_m + 4.0 * wire::v2x_cell_slack_m};
-    double speed_share_max{3.0};  ///< of the zone's fastest profile; who claims more is not believed
+    double speed_ratio_max{3.0};  ///< of the zone's fastest profile; who claims more is not believed
     double leap_m{0.5};           ///< more than that beyond what that speed allows is a leap
     BodyGap::Model look{};
   };

@@ -32,8 +32,8 @@ Result<Surface::Axis> make_axis(const aiv::AgentRules& rules, const std::string&
   Surface::Axis axis{rules.inputs()[*at], {}};
   axis.values.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
-    const double share = static_cast<double>(i) / static_cast<double>(count - 1);
-    axis.values.push_back(input.minimum + share * (input.maximum - input.minimum));
+    const double ratio = static_cast<double>(i) / static_cast<double>(count - 1);
+    axis.values.push_back(input.minimum + ratio * (input.maximum - input.minimum));
   }
   return axis;
 }
@@ -58,8 +58,8 @@ std::vector<std::vector<double>> evaluate(const aiv::AgentRules& rules, const Su
 
 char letter_of(const Surface& surface, double level) {
   if (surface.is_speed()) return "xsmf"[static_cast<std::size_t>(aiv::nearest_profile(level, std::nullopt))];
-  const double share = (level - surface.low) / (surface.high - surface.low);
-  return static_cast<char>('0' + std::clamp(static_cast<int>(share * 10.0), 0, 9));
+  const double ratio = (level - surface.low) / (surface.high - surface.low);
+  return static_cast<char>('0' + std::clamp(static_cast<int>(ratio * 10.0), 0, 9));
 }
 
 std::string titled(AgentInput input) {

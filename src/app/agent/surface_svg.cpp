@@ -32,8 +32,8 @@ std::string number(double value) {
   return text == "-0" ? "0" : text;
 }
 
-std::string colour(double share) {
-  const double at = std::clamp(share, 0.0, 1.0) * 3.0;
+std::string colour(double ratio) {
+  const double at = std::clamp(ratio, 0.0, 1.0) * 3.0;
   const auto from = std::min<std::size_t>(2, static_cast<std::size_t>(at));
   const double part = at - static_cast<double>(from);
   char text[8];
@@ -142,9 +142,9 @@ class Image {
           const double a = surface_.at(c0, r0) - level;
           const double b = surface_.at(c1, r1) - level;
           if ((a < 0.0) == (b < 0.0)) return;
-          const double share = a / (a - b);
+          const double ratio = a / (a - b);
           const auto between = [&](std::size_t from, std::size_t to) {
-            return static_cast<double>(from) + share * (static_cast<double>(to) - static_cast<double>(from));
+            return static_cast<double>(from) + ratio * (static_cast<double>(to) - static_cast<double>(from));
           };
           points[count++] = number(x_px(between(c0, c1))) + " " + number(y_px(between(r0, r1)));
         };
@@ -166,17 +166,17 @@ class Image {
             "\" height=\"" + number(plot_height) + "\" fill=\"none\" stroke=\"" + ink + "\"/>\n";
     constexpr int ticks = 4;
     const double bottom = plot_top + plot_height;
-    const auto value = [](const Surface::Axis& axis, double share) {
-      return axis.values.front() + share * (axis.values.back() - axis.values.front());
+    const auto value = [](const Surface::Axis& axis, double ratio) {
+      return axis.values.front() + ratio * (axis.values.back() - axis.values.front());
     };
     for (int i = 0; i <= ticks; ++i) {
-      const double share = static_cast<double>(i) / ticks;
-      const double x = plot_left + share * plot_width;
-      const double y = bottom - share * plot_height;
+      const double ratio = static_cast<double>(i) / ticks;
+      const double x = plot_left + ratio * plot_width;
+      const double y = bottom - ratio * plot_height;
       out_ += "<path d=\"M" + number(x) + " " + number(bottom) + "v6M" + number(plot_left) + " " + number(y) +
               "h-6\" stroke=\"" + ink + "\"/>\n";
-      text(x, bottom + 24.0, 14.0, fill(pale_ink) + " text-anchor=\"middle\"", number(value(surface_.x, share)));
-      text(plot_left - 12.0, y + 5.0, 14.0, fill(pale_ink) + " text-anchor=\"end\"", number(value(surface_.y, share)));
+      text(x, bottom + 24.0, 14.0, fill(pale_ink) + " text-anchor=\"middle\"", number(value(surface_.x, ratio)));
+      text(plot_left - 12.0, y + 5.0, 14.0, fill(pale_ink) + " text-anchor=\"end\"", number(value(surface_.y, ratio)));
     }
     text(plot_left + 0.5 * plot_width, bottom + 54.0, 15.0, fill(ink) + " text-anchor=\"middle\"",
          titled(surface_.x.input));
@@ -194,8 +194,8 @@ class Image {
               "\" width=\"24\" height=\"" + number(step + 0.5) + "\" fill=\"" +
               colour(static_cast<double>(i) / shades) + "\"/>\n";
     }
-    const auto mark = [&](double share, const std::string& phrase) {
-      text(left + 34.0, plot_top + (1.0 - share) * plot_height + 5.0, 14.0, fill(pale_ink), phrase);
+    const auto mark = [&](double ratio, const std::string& phrase) {
+      text(left + 34.0, plot_top + (1.0 - ratio) * plot_height + 5.0, 14.0, fill(pale_ink), phrase);
     };
     if (surface_.is_speed()) {
       constexpr std::array<const char*, 4> names{"0 stop", "1 slow", "2 medium", "3 fast"};
@@ -203,8 +203,8 @@ class Image {
       text(left, plot_top - 16.0, 13.0, fill(pale_ink), "lines: another profile");
       return;
     }
-    for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0})
-      mark(share, number(surface_.low + share * (surface_.high - surface_.low)));
+    for (const double ratio : {0.0, 0.25, 0.5, 0.75, 1.0})
+      mark(ratio, number(surface_.low + ratio * (surface_.high - surface_.low)));
     if (surface_.of == "go") text(left, plot_top - 16.0, 13.0, fill(pale_ink), "line: goes from here");
   }
 

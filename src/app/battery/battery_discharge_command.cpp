@@ -51,12 +51,12 @@ Discharged discharge(const battery::BatteryType& type, const BatteryDischargeArg
                                                    : pack.draw_current(load.current_a, arguments.ambient_c, dt_s);
     const double before_v = found.voltage_end_v;
     const bool below = step.voltage_v <= floor_v;
-    const double share = below && before_v > step.voltage_v
+    const double ratio = below && before_v > step.voltage_v
                              ? std::clamp((before_v - floor_v) / (before_v - step.voltage_v), 0.0, 1.0)
                              : 1.0;
-    found.lasted_s += share * dt_s;
-    found.charge_ah += share * step.current_a * dt_s / 3600.0;
-    found.energy_wh += share * step.current_a * step.voltage_v * dt_s / 3600.0;
+    found.lasted_s += ratio * dt_s;
+    found.charge_ah += ratio * step.current_a * dt_s / 3600.0;
+    found.energy_wh += ratio * step.current_a * step.voltage_v * dt_s / 3600.0;
     found.voltage_end_v = step.voltage_v;
     found.temperature_end_c = pack.temperature_c();
     const bool out = step.event == battery::PackEvent::brown_out || step.event == battery::PackEvent::empty;

@@ -40,7 +40,7 @@ int run_battery_plan(const BatteryPlanArguments& arguments) {
   std::string text = std::to_string(size) + " batteries for the mean to ± " +
                      decimals(arguments.half_width_percent, 2) + " %, at a standard deviation of " +
                      decimals(arguments.cv_percent, 2) + " %; of so few, " +
-                     decimals(100.0 * statistics::share_above_smallest(size), 0) +
+                     decimals(100.0 * statistics::ratio_above_smallest(size), 0) +
                      " % of all last longer than the shortest, with 95 % confidence";
   if (each > 0)
     text += "\n" + std::to_string(each) + " of each type to see a difference of " +

@@ -49,7 +49,7 @@ Result<VirtualRigOptions> rig_options(const BatteryTestArguments& arguments, std
   VirtualRigOptions options;
   auto type = load_battery_type(arguments.type);
   if (!type) return tl::unexpected(type.error());
-  const auto floor = share_of_percent(arguments.floor_percent, "--floor");
+  const auto floor = ratio_of_percent(arguments.floor_percent, "--floor");
   if (!floor) return tl::unexpected(floor.error());
   if (*floor >= 0.97) return fail("battery.floor", "leave something to discharge", "--floor");
   const auto gauge = battery::parse_method(arguments.gauge);

@@ -10,7 +10,7 @@ namespace cosiva::app {
 std::string progress_text(const experiments::Procedure& procedure, SimTime now) {
   const auto progress = procedure.progress(now);
   std::string text = "run " + std::to_string(std::min(procedure.present_run() + 1, procedure.options().runs)) + " of " +
-                     std::to_string(procedure.options().runs) + ": " + decimals(100.0 * progress.share, 0) + " %";
+                     std::to_string(procedure.options().runs) + ": " + decimals(100.0 * progress.ratio, 0) + " %";
   if (progress.expected_end)
     text += ", its end in " + experiments::duration_text(to_seconds(*progress.expected_end - now));
   return text;

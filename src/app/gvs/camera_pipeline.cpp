@@ -134,7 +134,7 @@ std::string GvsCamera::shown(const vision::Image& image, const wire::GvsDetectio
                           const zone::VehicleShape& body) const {
   const std::size_t longest = std::max(image.size.width, image.size.height);
   const std::size_t by = std::max<std::size_t>(1, (longest + shown_px_max - 1) / shown_px_max);
-  const auto share = 1.0 / static_cast<double>(by);
+  const auto ratio = 1.0 / static_cast<double>(by);
   JsonWriter json;
   json.begin_object().field("timestamp", to_iso8601(detections.timestamp)).key("detections").begin_array();
   const double x = 0.5 * body.length_m;
@@ -145,7 +145,7 @@ std::string GvsCamera::shown(const vision::Image& image, const wire::GvsDetectio
     json.field("x", detection.pose.x_m).field("y", detection.pose.y_m).field("heading", detection.pose.heading_rad);
     const auto drawn = [&](Point2 p_B) {
       const auto pixel = pixel_of(detection.pose * p_B, static_cast<int>(detection.tag));
-      if (pixel) write_pixel(json, {share * pixel->u, share * pixel->v});
+      if (pixel) write_pixel(json, {ratio * pixel->u, ratio * pixel->v});
     };
     json.key("outline").begin_array();
     for (const Point2 corner : {Point2{x, y}, Point2{-x, y}, Point2{-x, -y}, Point2{x, -y}}) drawn(corner);

@@ -77,7 +77,7 @@ void describe_render(CLI::App& command, GvsRenderArguments& a) {
       ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str();
   command.add_option("--brightness", a.brightness, "of the light; 1: white paper is 215 of 255")
-      ->type_name("SHARE")
+      ->type_name("RATIO")
       ->check(CLI::Range(0.01, 10.0))
       ->capture_default_str();
   command.add_option("--late", a.late_ms, "the stamps are so late, for trying `track --against`")

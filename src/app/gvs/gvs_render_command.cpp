@@ -170,7 +170,7 @@ int run_gvs_render(const GvsRenderArguments& a) {
   const auto rtm = open_zone(a.zone);
   if (!rtm) return complain(rtm.error());
   if (!(a.tag_height_m < a.height_m)) return complain({"gvs.height", "lies not below the camera", "--tag-height"});
-  const auto zone = rtm->share_zone();
+  const auto zone = rtm->shared_zone();
   const auto starts = virtual_side::Fleet::spread(*zone, a.aivs);
   if (starts.size() < a.aivs) {
     return complain({"gvs.room",

@@ -195,8 +195,8 @@ int run_campaign(const CampaignArguments& arguments) {
   }
   if (!speaks) return exit_done;
   const double took_s = time_left.passed_s();
-  const double share = (run->cost_all() - cost_before) / run->cost_all();
-  const double runs = share * static_cast<double>(work.plan().votes());
+  const double ratio = (run->cost_all() - cost_before) / run->cost_all();
+  const double runs = ratio * static_cast<double>(work.plan().votes());
   if (runs > 0.0)
     say("campaign took " + decimals(took_s, 2) + " s on " + std::to_string((*ranks)->size()) + " × " +
         std::to_string(workers.threads()) + " threads, " + decimals(1e3 * took_s / runs, 3) + " ms a run");

@@ -100,7 +100,7 @@ class LiveTest {
     if (payload.empty()) return;
     const auto format = topic.substr(name + std::string_view{"/zone/"}.size());
     auto rtm = zone::Rtm::initialise(zone::from_payload(std::string(format), std::string(topic), payload));
-    if (rtm) runs_.on_zone(rtm->share_zone());  // one that nobody can read is in force nowhere
+    if (rtm) runs_.on_zone(rtm->shared_zone());  // one that nobody can read is in force nowhere
   }
 
   void beat() {
@@ -113,7 +113,7 @@ class LiveTest {
     if (!ticker_.ticks()) return;
     const LiveRuns::Progress progress = runs_.progress(clock_.now());
     std::string text = "cosiva: " + std::to_string(progress.complete) + " of " + std::to_string(runs_asked_) +
-                       " runs, " + decimals(100.0 * progress.share, 0) + " % of the way";
+                       " runs, " + decimals(100.0 * progress.ratio, 0) + " % of the way";
     if (progress.left_s) text += ", " + experiments::duration_text(*progress.left_s) + " left";
     say(text);
   }

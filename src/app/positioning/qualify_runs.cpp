@@ -125,7 +125,7 @@ Result<Runs> virtual_runs(const QualifyArguments& arguments) {
   simulation.speed_mps = arguments.speed_mps;
   simulation.odometry_hz = arguments.rate_hz;
   simulation.pitch_m = arguments.pitch_m;
-  simulation.read_share = 1.0 - arguments.missed;
+  simulation.read_ratio = 1.0 - arguments.missed;
   simulation.survey_sigma_m = arguments.survey_m;
   simulation.scale_sigma = arguments.scale;
   simulation.sensors.distance_variance_per_m = arguments.odometry_m * arguments.odometry_m;

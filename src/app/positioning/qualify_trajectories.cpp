@@ -98,7 +98,7 @@ Judged judge(const Trajectory& reference, const std::string& file, const Qualify
     errors.push_back(std::sqrt(squares.back()));
   }
   judged.variance_m2 = statistics::variance(errors);
-  judged.precision = statistics::share_below(errors, arguments.threshold_m);
+  judged.precision = statistics::ratio_below(errors, arguments.threshold_m);
   judged.p90_m = statistics::percentile(errors, 0.90);
   judged.p95_m = statistics::percentile(errors, 0.95);
   judged.p99_m = statistics::percentile(errors, 0.99);

@@ -85,7 +85,7 @@ void add_figures(Report& report, const std::vector<JudgedTrajectory>& all, const
     std::vector<double> since_s = times_of(*one);
     for (double& t : since_s) t -= reference.poses.front().t_s;
     const auto cdf = statistics::cdf(errors_mm);
-    distribution.series.push_back({one->name, cdf.value, cdf.share, Series::Form::steps});
+    distribution.series.push_back({one->name, cdf.value, cdf.ratio, Series::Form::steps});
     error.series.push_back({one->name, std::move(since_s), std::move(errors_mm), Series::Form::line});
     Series way{one->name, {}, {}, Series::Form::line};
     for (const Pair& pair : one->pairs) {

@@ -21,7 +21,7 @@ Result<battery::BatteryType> load_battery_type(const std::string& name_or_file) 
   return battery::read_type(*text, name_or_file);
 }
 
-Result<double> share_of_percent(double percent, const std::string& option) {
+Result<double> ratio_of_percent(double percent, const std::string& option) {
   if (percent > 0.0 && percent < 1.0)
     return fail("battery.percent",
                 decimals(percent, 3) + " looks like a fraction; give percent, such as " + decimals(100.0 * percent, 1),

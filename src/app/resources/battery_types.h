@@ -12,6 +12,6 @@ namespace cosiva::app {
 
 /// A percentage as the command line gave it, as a share. Fails ("battery.percent") beyond 0 to 100, and between 0 and
 /// 1, where somebody meant a fraction.
-[[nodiscard]] Result<double> share_of_percent(double percent, const std::string& option);
+[[nodiscard]] Result<double> ratio_of_percent(double percent, const std::string& option);
 
 }  // namespace cosiva::app

@@ -76,8 +76,8 @@ Result<StepFigures> measure_steps(const std::shared_ptr<const zone::TrafficZone>
     times_ms.push_back(ms_since(step_start));
   }
   std::ranges::sort(times_ms);
-  const auto at = [&](double share) {
-    return times_ms[static_cast<std::size_t>(share * static_cast<double>(times_ms.size() - 1))];
+  const auto at = [&](double ratio) {
+    return times_ms[static_cast<std::size_t>(ratio * static_cast<double>(times_ms.size() - 1))];
   };
   return StepFigures{fleet->size(), times_ms.size(), at(0.5), at(0.99),
                      static_cast<double>(fleet->bytes()) / static_cast<double>(fleet->size())};
@@ -102,7 +102,7 @@ Result<LiveFigures> live_figures(std::uint32_t vehicles, std::string_view summar
   if (age == nullptr || divergence == nullptr)
     return fail("capacity.live", "the platform with " + std::to_string(vehicles) + " vehicles gave no summary");
   return LiveFigures{vehicles,
-                     bijection->number("matched_share").value_or(0.0),
+                     bijection->number("matched_ratio").value_or(0.0),
                      age->number("p50").value_or(0.0),
                      age->number("p99").value_or(0.0),
                      divergence->number("p99").value_or(0.0),
@@ -131,7 +131,7 @@ void write_json(JsonWriter& json, const CapacityFigures& figures) {
   }
   json.end_object().key("live").begin_array();
   for (const LiveFigures& one : figures.live) {
-    json.begin_object().field("vehicles", one.vehicles).field("matched_share", one.matched_share);
+    json.begin_object().field("vehicles", one.vehicles).field("matched_ratio", one.matched_ratio);
     json.field("age_p50_ms", one.age_p50_ms).field("age_p99_ms", one.age_p99_ms);
     json.field("divergence_p99_m", one.divergence_p99_m).field("collisions", one.collisions).end_object();
   }
@@ -157,7 +157,7 @@ std::string to_text(const CapacityFigures& figures) {
       "The whole platform over MQTT, a process for each vehicle:\n"
       "    vehicles   matched   age p50 [ms]   age p99 [ms]   divergence p99 [m]   collisions\n";
   for (const LiveFigures& one : figures.live) {
-    text += column(std::to_string(one.vehicles), 12) + column(decimals(100.0 * one.matched_share, 1) + " %", 10) +
+    text += column(std::to_string(one.vehicles), 12) + column(decimals(100.0 * one.matched_ratio, 1) + " %", 10) +
             column(decimals(one.age_p50_ms, 1), 15) + column(decimals(one.age_p99_ms, 1), 15) +
             column(decimals(one.divergence_p99_m, 4), 21) + column(std::to_string(one.collisions), 13) + "\n";
   }

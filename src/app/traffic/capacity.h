@@ -40,7 +40,7 @@ struct Carried {
 /// The whole platform on this machine with so many vehicles over MQTT.
 struct LiveFigures {
   std::uint32_t vehicles{};
-  double matched_share{};
+  double matched_ratio{};
   double age_p50_ms{};
   double age_p99_ms{};
   double divergence_p99_m{};

@@ -51,7 +51,7 @@ Result<CapacityFigures> measure(const CapacityArguments& arguments) {
   CapacityFigures figures{rtm->zone().name, arguments.rules, {}, {}};
   for (std::uint64_t vehicles = 100; vehicles <= arguments.vehicles_max; vehicles *= 10) {
     say("measuring a fleet of " + std::to_string(vehicles));
-    auto one = measure_steps(rtm->share_zone(), *rules, vehicles, arguments.seconds);
+    auto one = measure_steps(rtm->shared_zone(), *rules, vehicles, arguments.seconds);
     if (!one) return tl::unexpected(one.error());
     figures.steps.push_back(*one);
     if (one->p50_ms > step_ms_max) break;

@@ -24,7 +24,7 @@ TEST(Capacity, promises_what_was_measured_and_says_what_to_expect_beyond) {
 }
 
 TEST(Capacity, takes_the_live_figures_from_the_platform_s_own_summary) {
-  const auto live = live_figures(12, R"({"bijection":{"matched_share":1,"age_ms":{"p50":50,"p99":99},
+  const auto live = live_figures(12, R"({"bijection":{"matched_ratio":1,"age_ms":{"p50":50,"p99":99},
     "divergence_m":{"p99":0.01}},"collisions":0})");
   ASSERT_TRUE(live);
   EXPECT_EQ(live->age_p99_ms, 99.0);

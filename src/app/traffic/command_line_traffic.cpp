@@ -72,8 +72,8 @@ CLI::App* describe_traffic(CLI::App& root, FleetTrafficArguments& traffic) {
                    "many zones with passages between them: a TOML file, or names such as 4*lacet4,indus8")
       ->type_name("FILE|LIST")
       ->excludes(zone);
-  command->add_option("--away", traffic.away_share, "with --zones: share of jobs that lead into a neighbouring zone")
-      ->type_name("SHARE")
+  command->add_option("--away", traffic.away_ratio, "with --zones: share of jobs that lead into a neighbouring zone")
+      ->type_name("RATIO")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   command

@@ -50,12 +50,12 @@ Result<SiteOptions> options_from(const FleetTrafficArguments& arguments) {
     if (!known) {
       const auto rtm = open_zone(zone.file);
       if (!rtm) return tl::unexpected(rtm.error());
-      known = rtm->share_zone();
+      known = rtm->shared_zone();
     }
     options.zones.push_back(known);
   }
   options.jobs_per_hour = arguments.jobs_per_hour.value_or(0.0);
-  options.away_share = arguments.away_share;
+  options.away_ratio = arguments.away_ratio;
   return options;
 }
 
@@ -82,7 +82,7 @@ std::string command_of(const FleetTrafficArguments& arguments) {
                         decimals(arguments.warm_up_s, 0) + " --seed " + std::to_string(arguments.seed);
   if (arguments.jobs_per_hour)
     command += " --jobs-per-hour " + decimals(*arguments.jobs_per_hour, 3) + " --away " +
-               decimals(arguments.away_share, 3) + " --handling " + decimals(arguments.handling_s, 1);
+               decimals(arguments.away_ratio, 3) + " --handling " + decimals(arguments.handling_s, 1);
   return command + " --transfer-time " + decimals(arguments.transfer_s, 1) + " --rules " + arguments.rules +
          " --step " + decimals(arguments.step_s, 3);
 }

@@ -10,7 +10,7 @@ namespace cosiva::app {
 struct FleetTrafficArguments {
   std::string zone{"lacet4"};
   std::string zones;  ///< several: a TOML file or a list; empty: one
-  double away_share{0.2};
+  double away_ratio{0.2};
   double transfer_s{10.0};
   std::string sidecar;
   std::uint64_t aivs{12};

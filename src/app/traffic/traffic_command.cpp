@@ -38,7 +38,7 @@ Result<TrafficOptions> options_from(const FleetTrafficArguments& arguments) {
   if (!terms) return tl::unexpected(terms.error());
   TrafficOptions options;
   static_cast<experiments::TrafficTerms&>(options) = std::move(*terms);
-  options.zone = rtm->share_zone();
+  options.zone = rtm->shared_zone();
   options.aivs = arguments.aivs;
   auto jobs = jobs_for(arguments, *options.zone);
   if (!jobs) return tl::unexpected(jobs.error());

@@ -98,7 +98,7 @@ void describe_generate(CLI::App& command, GenerateArguments& generate) {
   number("--rows", plant.rows, "rows of aisles")->excludes(sections);
   number("--aisles", plant.aisles, "aisles in each row")->excludes(sections);
   number("--bays", plant.bays, "bays along each aisle")->excludes(sections);
-  command.add_option("--bay-share", plant.bay_share, "how many of the bays there are")
+  command.add_option("--bay-ratio", plant.bay_ratio, "how many of the bays there are")
       ->type_name("P")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();

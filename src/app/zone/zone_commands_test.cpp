@@ -71,7 +71,7 @@ TEST(ZoneCommands, that_lack_something_or_have_too_much_end_with_2) {
       {"zone", "show", zones + "lacet4.toml", "--png", "x.png", "--width", "3"},
       {"zone", "generate", "--sections", "0", "-o", "x.toml"},
       {"zone", "generate", "--sections", "100", "--rows", "2", "-o", "x.toml"},
-      {"zone", "generate", "--bay-share", "2", "-o", "x.toml"},
+      {"zone", "generate", "--bay-ratio", "2", "-o", "x.toml"},
       {"zone", "switch", zones + "lacet4.toml", "--url", "localhost"},
       {"zone", "switch", zones + "lacet4.toml", "--broker", "nowhere:"}};
   for (const auto& arguments : all) {

@@ -212,8 +212,8 @@ double seconds_to_voltage(const Discharge& discharge, double voltage_v) {
   for (std::size_t i = discharge.first; i < discharge.last; ++i) {
     if (log.voltage_v[i] > voltage_v) continue;
     if (i == discharge.first) return 0.0;
-    const double share = (log.voltage_v[i - 1] - voltage_v) / (log.voltage_v[i - 1] - log.voltage_v[i]);
-    return log.time_s[i - 1] + share * (log.time_s[i] - log.time_s[i - 1]) - start_s;
+    const double ratio = (log.voltage_v[i - 1] - voltage_v) / (log.voltage_v[i - 1] - log.voltage_v[i]);
+    return log.time_s[i - 1] + ratio * (log.time_s[i] - log.time_s[i - 1]) - start_s;
   }
   return std::numeric_limits<double>::quiet_NaN();
 }

@@ -73,10 +73,10 @@ Eigen::MatrixXd design_matrix(const Problem& problem, double fast_s, double slow
     const double slow_keeps = det_exp(-std::min(600.0, point.dt_s / slow_s));
     fast *= fast_keeps;
     slow *= slow_keeps;
-    for (const auto& [knot, share] : {std::pair{i, 1.0 - hat.t}, std::pair{i + 1, hat.t}}) {
-      fast(knot) += (1.0 - fast_keeps) * share * point.current_a;
-      slow(knot) += (1.0 - slow_keeps) * share * point.current_a;
-      matrix(row, n + knot) = -share * point.current_a;
+    for (const auto& [knot, ratio] : {std::pair{i, 1.0 - hat.t}, std::pair{i + 1, hat.t}}) {
+      fast(knot) += (1.0 - fast_keeps) * ratio * point.current_a;
+      slow(knot) += (1.0 - slow_keeps) * ratio * point.current_a;
+      matrix(row, n + knot) = -ratio * point.current_a;
     }
     matrix(row, 0) = 1.0;
     for (Eigen::Index j = 1; j <= i; ++j) matrix(row, j) = 1.0;
@@ -278,8 +278,8 @@ void record_capacities(const std::vector<Discharge>& discharges, double floor_v,
     least_ah = std::min(least_ah, own_ah);
     most_ah = std::max(most_ah, own_ah);
   }
-  constexpr double usual_share = 0.95;
-  if (least_ah < usual_share * most_ah)
+  constexpr double usual_ratio = 0.95;
+  if (least_ah < usual_ratio * most_ah)
     diagnostics.push_back("down to the same voltage the discharges take out from " + few_digits(least_ah) + " to " +
                     few_digits(most_ah) +
                     " Ah: if that is not one battery at rates far apart, fit what belongs together alone (--only)");

@@ -76,10 +76,10 @@ class Foretelling {
       now_s_ += dt_s;
       const bool is_out = step.event == PackEvent::empty || step.event == PackEvent::brown_out;
       if (step.voltage_v <= floor_v_ && current_a > 0.0) {
-        const double share = before_v_ > step.voltage_v
+        const double ratio = before_v_ > step.voltage_v
                                  ? std::clamp((before_v_ - floor_v_) / (before_v_ - step.voltage_v), 0.0, 1.0)
                                  : 1.0;
-        residual_.predicted_s = now_s_ - start_s_ - (1.0 - share) * dt_s;
+        residual_.predicted_s = now_s_ - start_s_ - (1.0 - ratio) * dt_s;
       } else if (is_out && current_a > 0.0) {
         residual_.predicted_s = now_s_ - start_s_;
       }

@@ -105,9 +105,9 @@ double Gauge::count(double current_a, double dt_s) {
   const double kept = current_a < 0.0 ? type.coulombic_efficiency : 1.0;
   const double step = kept * current_a * dt_s / capacity_as;
   charge_ -= step;
-  const double share = squared(options_.errors.current_gain_sd) + squared(options_.capacity_sd);
+  const double ratio = squared(options_.errors.current_gain_sd) + squared(options_.capacity_sd);
   const double used = used_ + std::fabs(step);
-  double added = share * (squared(used) - squared(used_));
+  double added = ratio * (squared(used) - squared(used_));
   used_ = used;
   const double drift_per_s = options_.errors.current_offset_sd_a / capacity_as;
   added += squared(drift_per_s) * (squared(counted_s_ + dt_s) - squared(counted_s_));

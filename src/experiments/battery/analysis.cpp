@@ -131,7 +131,7 @@ AutonomyFigures analyse(std::span<const BatteryRun> records, std::size_t batteri
   figures.next = statistics::prediction_interval(ended);
   if (ended.size() >= 2)
     figures.tolerance_low_s = figures.mean_s - statistics::tolerance_factor(ended.size()) * figures.sd_s;
-  if (!ended.empty()) figures.smallest_covers = statistics::share_above_smallest(ended.size());
+  if (!ended.empty()) figures.smallest_covers = statistics::ratio_above_smallest(ended.size());
   figures.grubbs = statistics::grubbs(ended);
   figures.normality_p = statistics::normality_p(ended);
   figures.survival = statistics::kaplan_meier(durations);

@@ -35,7 +35,7 @@ void write_survival(JsonWriter& json, const statistics::Survival& survival) {
   write(json, "band95_before", survival.band_before);
   json.key("steps").begin_array();
   for (const statistics::SurvivalStep& step : survival.steps) {
-    json.begin_object().field("at_s", step.at).field("share", step.share);
+    json.begin_object().field("at_s", step.at).field("ratio", step.ratio);
     write(json, "band95", step.band);
     json.end_object();
   }
@@ -43,7 +43,7 @@ void write_survival(JsonWriter& json, const statistics::Survival& survival) {
 }
 
 void write_factor(JsonWriter& json, std::string_view name, const statistics::Factor& factor) {
-  json.key(name).begin_object().field("share", factor.share).field("sd_s", factor.sd).field("f", factor.f);
+  json.key(name).begin_object().field("ratio", factor.ratio).field("sd_s", factor.sd).field("f", factor.f);
   json.field("p", factor.p).end_object();
 }
 
@@ -67,7 +67,7 @@ void write_effects(JsonWriter& json, const AutonomyFigures& figures) {
     write_factor(json, "battery", crossed->unit);
     write_factor(json, "vehicle", crossed->carrier);
     write_factor(json, "run", crossed->run);
-    json.key("noise").begin_object().field("share", crossed->noise_share).field("sd_s", crossed->noise_sd).end_object();
+    json.key("noise").begin_object().field("ratio", crossed->noise_ratio).field("sd_s", crossed->noise_sd).end_object();
     json.end_object();
   } else {
     json.null();
@@ -241,9 +241,9 @@ std::string to_text(const AutonomyFigures& figures, std::span<const BatteryRun> 
     if (crossed->confounded)
       text += "\neach battery stayed on its vehicle: which of the two makes the difference nobody can tell (--swap)";
     else
-      text += "\nvariance: battery " + short_text(100.0 * crossed->unit.share, 0) + " %, vehicle " +
-              short_text(100.0 * crossed->carrier.share, 0) + " %, run " + short_text(100.0 * crossed->run.share, 0) +
-              " %, rest " + short_text(100.0 * crossed->noise_share, 0) + " %";
+      text += "\nvariance: battery " + short_text(100.0 * crossed->unit.ratio, 0) + " %, vehicle " +
+              short_text(100.0 * crossed->carrier.ratio, 0) + " %, run " + short_text(100.0 * crossed->run.ratio, 0) +
+              " %, rest " + short_text(100.0 * crossed->noise_ratio, 0) + " %";
   }
   return text;
 }

@@ -83,16 +83,16 @@ void add_curves(Report& report, std::span<const BatteryRun> records) {
 
 std::string survival_svg(const statistics::Survival& survival) {
   Chart chart{{"autonomy [h]", {}, {}}, {"still running [%]", 0.0, 100.0}, {}};
-  Series share{"share", {0.0}, {100.0}, Series::Form::steps};
+  Series ratio{"ratio", {0.0}, {100.0}, Series::Form::steps};
   Series low{"95 % band, low", {0.0}, {100.0 * survival.band_before.low}, Series::Form::steps};
   Series high{"95 % band, high", {0.0}, {100.0 * survival.band_before.high}, Series::Form::steps};
   for (const statistics::SurvivalStep& step : survival.steps) {
-    for (Series* series : {&share, &low, &high}) series->x.push_back(step.at / 3600.0);
-    share.y.push_back(100.0 * step.share);
+    for (Series* series : {&ratio, &low, &high}) series->x.push_back(step.at / 3600.0);
+    ratio.y.push_back(100.0 * step.ratio);
     low.y.push_back(100.0 * step.band.low);
     high.y.push_back(100.0 * step.band.high);
   }
-  chart.series = {share, low, high};
+  chart.series = {ratio, low, high};
   return to_svg(chart);
 }
 
@@ -185,10 +185,10 @@ void add_variance(Report& report, const AutonomyFigures& figures) {
     return;
   }
   report.figure(to_svg(Bars{"share of variance [%]",
-                            {{"battery", 100.0 * crossed.unit.share},
-                             {"vehicle", 100.0 * crossed.carrier.share},
-                             {"run", 100.0 * crossed.run.share},
-                             {"rest", 100.0 * crossed.noise_share}}}),
+                            {{"battery", 100.0 * crossed.unit.ratio},
+                             {"vehicle", 100.0 * crossed.carrier.ratio},
+                             {"run", 100.0 * crossed.run.ratio},
+                             {"rest", 100.0 * crossed.noise_ratio}}}),
                 "Shares of variance: battery F " + readable(crossed.unit.f, 1) + " (p " + chance_text(crossed.unit.p) +
                     "), vehicle F " + readable(crossed.carrier.f, 1) + " (p " + chance_text(crossed.carrier.p) +
                     "), slope " + readable(crossed.slope, 2) + " s per run.");

@@ -163,7 +163,7 @@ wire::BatteryTest LiveRig::test(SimTime now) const {
   test.run = static_cast<std::uint32_t>(std::min(procedure_.present_run() + 1, asked.runs));
   test.runs = static_cast<std::uint32_t>(asked.runs);
   test.floor_percent = 100.0 * asked.floor;
-  test.share = std::clamp(progress.share, 0.0, 1.0);
+  test.ratio = std::clamp(progress.ratio, 0.0, 1.0);
   test.done = done();
   if (!test.done) test.expected_end = progress.expected_end;
   for (std::size_t v = 0; v < std::min(slots_.size(), wire::BatteryTest::vehicles_max); ++v) {

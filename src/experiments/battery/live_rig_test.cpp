@@ -225,7 +225,7 @@ TEST(LiveRig, says_how_it_stands) {
   std::ignore = say_ready(rig, start_of_test + seconds{10}, 2, "blue");
   for (const int number : {1, 2}) std::ignore = say_report(rig, start_of_test + seconds{60}, number, 0.75);
   test = rig.test(start_of_test + seconds{60});
-  EXPECT_NEAR(test.share, 0.5, 1e-9);
+  EXPECT_NEAR(test.ratio, 0.5, 1e-9);
   EXPECT_EQ(test.expected_end, start_of_test + seconds{110}) << "as it goes";
   EXPECT_EQ(test.vehicles[0].phase, wire::BatteryPhase::running);
   EXPECT_DOUBLE_EQ(test.vehicles[0].autonomy_s, 50.0);

@@ -85,7 +85,7 @@ TEST(PlatformRig, agrees_with_the_loads_that_it_measures_itself) {
 
 TEST(PlatformRig, takes_a_vehicle_that_dies_for_lost_and_not_for_empty) {
   PlatformRig rig = started(lacet4(3), small(3));
-  while (rig.procedure().progress(rig.now()).share < 0.3) rig.step();
+  while (rig.procedure().progress(rig.now()).ratio < 0.3) rig.step();
   rig.world().kill_aiv(2);
   run_to_the_end(rig);
   const AutonomyFigures figures = analyse(rig.procedure().records(), 3);
@@ -97,7 +97,7 @@ TEST(PlatformRig, takes_a_vehicle_that_dies_for_lost_and_not_for_empty) {
 
 TEST(PlatformRig, outlives_its_server_and_a_vehicle_that_comes_back) {
   PlatformRig rig = started(lacet4(3), small(3));
-  while (rig.procedure().progress(rig.now()).share < 0.3) rig.step();
+  while (rig.procedure().progress(rig.now()).ratio < 0.3) rig.step();
   rig.world().kill_server();
   for (int i = 0; i < 20; ++i) rig.step();
   rig.world().start_server();

@@ -16,7 +16,7 @@ namespace {
 using Kind = ProcedureCommand::Kind;
 
 std::string vehicle_name(std::size_t vehicle) { return "AIV" + std::to_string(vehicle + 1); }
-std::string percent(double share) { return std::to_string(static_cast<int>(std::lround(100.0 * share))) + " %"; }
+std::string percent(double ratio) { return std::to_string(static_cast<int>(std::lround(100.0 * ratio))) + " %"; }
 
 /// Who carries what: the square says which vehicle each battery is on, here it is asked the other way round.
 std::vector<std::vector<std::size_t>> plan(const ProcedureOptions& options) {
@@ -32,9 +32,9 @@ std::vector<std::vector<std::size_t>> plan(const ProcedureOptions& options) {
 }
 
 /// Between two samples, by time.
-BatterySample between(const BatterySample& a, const BatterySample& b, double share) {
-  const auto mix = [share](double from, double to) { return from + share * (to - from); };
-  return {a.at + from_seconds(share * to_seconds(b.at - a.at)),
+BatterySample between(const BatterySample& a, const BatterySample& b, double ratio) {
+  const auto mix = [ratio](double from, double to) { return from + ratio * (to - from); };
+  return {a.at + from_seconds(ratio * to_seconds(b.at - a.at)),
           mix(a.charge, b.charge),
           mix(a.charge_sd, b.charge_sd),
           mix(a.voltage_v, b.voltage_v),
@@ -174,14 +174,14 @@ ProcedureCommands Procedure::on_sample(std::size_t vehicle, const BatterySample&
   } else if (!slot.crossing) {
     // When it crossed, between two samples by their time stamps, and what had been taken by then.
     const BatterySample last = slot.last.value_or(sample);
-    const double share = last.charge > sample.charge && last.charge >= options_.floor
+    const double ratio = last.charge > sample.charge && last.charge >= options_.floor
                              ? (last.charge - options_.floor) / (last.charge - sample.charge)
                              : 1.0;
-    const BatterySample at = between(last, sample, share);
+    const BatterySample at = between(last, sample, ratio);
     slot.crossing = FloorCrossing{at.at, slot.record};
     BatteryRun& record = slot.crossing->record;
-    record.charge_ah = before_ah + share * (record.charge_ah - before_ah);
-    record.energy_wh = before_wh + share * (record.energy_wh - before_wh);
+    record.charge_ah = before_ah + ratio * (record.charge_ah - before_ah);
+    record.energy_wh = before_wh + ratio * (record.energy_wh - before_wh);
     record_end(slot, at, record);
     end_curve(record, at);
   }
@@ -281,22 +281,22 @@ Procedure::SlotNow Procedure::slot(SimTime now, std::size_t vehicle) const {
 }
 
 Procedure::Progress Procedure::progress(SimTime now) const {
-  double share = 0.0;
+  double ratio = 0.0;
   SimTime last = now;
   bool known = true;
   for (const ProcedureSlot& slot : slots_) {
-    if (slot.phase == Phase::ended) share += 1.0;
+    if (slot.phase == Phase::ended) ratio += 1.0;
     if (slot.phase == Phase::changing || slot.phase == Phase::ready) known = false;
     if (slot.phase != Phase::running) continue;
     const double from = slot.record.tag.charge;
     const double at = slot.last ? slot.last->charge : from;
     const double gone = std::clamp((from - at) / std::max(1e-9, from - options_.floor), 0.0, 1.0);
-    share += gone;
+    ratio += gone;
     known = known && gone > 0.01;
     if (gone > 0.01)
       last = std::max(last, slot.record.started + from_seconds(to_seconds(now - slot.record.started) / gone));
   }
-  return {share / static_cast<double>(slots_.size()), known ? std::optional{last} : std::nullopt};
+  return {ratio / static_cast<double>(slots_.size()), known ? std::optional{last} : std::nullopt};
 }
 
 std::string Procedure::state_json() const {

@@ -153,7 +153,7 @@ class Procedure {
   /// Mean share of the way from full to the floor, over this run's vehicles, and when the last will be there as it
   /// goes.
   struct Progress {
-    double share;
+    double ratio;
     std::optional<SimTime> expected_end;
   };
   [[nodiscard]] Progress progress(SimTime now) const;

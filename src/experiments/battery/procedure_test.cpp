@@ -234,7 +234,7 @@ TEST(Procedure, tells_how_far_it_is_and_when_it_ends) {
   bench.sample(0, 0.8);
   bench.sample(1, 0.6);
   const auto progress = bench.procedure.progress(bench.now);
-  EXPECT_NEAR(progress.share, (0.25 + 0.5) / 2.0, 1e-9);
+  EXPECT_NEAR(progress.ratio, (0.25 + 0.5) / 2.0, 1e-9);
   ASSERT_TRUE(progress.expected_end);
   EXPECT_NEAR(to_seconds(*progress.expected_end - t0), 400.0, 1e-6);
 }

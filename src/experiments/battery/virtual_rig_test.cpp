@@ -95,7 +95,7 @@ TEST(VirtualRig, tells_battery_from_vehicle_where_they_swap) {
   const AutonomyFigures figures = analyse(rig.procedure().records(), 4);
   ASSERT_TRUE(figures.crossed);
   EXPECT_FALSE(figures.crossed->confounded);
-  EXPECT_GT(figures.crossed->carrier.share, 0.8);
+  EXPECT_GT(figures.crossed->carrier.ratio, 0.8);
   EXPECT_LT(figures.crossed->carrier.p, 1e-4);
 }
 

@@ -337,8 +337,8 @@ std::string to_svg(const Bars& bars) {
   std::string svg = begin(height, bars.label);
   double y = 4.0;
   for (const Bars::Bar& bar : bars.bars) {
-    const double share = longest > 0.0 && std::isfinite(bar.value) ? std::max(0.0, bar.value) / longest : 0.0;
-    const double length = share * (width_px - name_px - value_px);
+    const double ratio = longest > 0.0 && std::isfinite(bar.value) ? std::max(0.0, bar.value) / longest : 0.0;
+    const double length = ratio * (width_px - name_px - value_px);
     svg += "<text x=\"" + px(name_px - 8.0) + "\" y=\"" + px(y + 14.0) + "\" text-anchor=\"end\">" + escaped(bar.name) +
            "</text><rect class=\"bar c0\" x=\"" + px(name_px) + "\" y=\"" + px(y + 3.0) + "\" width=\"" +
            px(std::max(1.0, length)) + "\" height=\"" + px(row_px - 6.0) + "\"/><text x=\"" +

@@ -154,10 +154,10 @@ std::optional<Crossed> crossed(std::span<const Trial> trials) {
   const double total =
       found.unit.sd * found.unit.sd + carrier_variance + found.run.sd * found.run.sd + std::max(0.0, noise);
   if (total > 0.0) {
-    found.unit.share = found.unit.sd * found.unit.sd / total;
-    found.carrier.share = carrier_variance / total;
-    found.run.share = found.run.sd * found.run.sd / total;
-    found.noise_share = std::max(0.0, noise) / total;
+    found.unit.ratio = found.unit.sd * found.unit.sd / total;
+    found.carrier.ratio = carrier_variance / total;
+    found.run.ratio = found.run.sd * found.run.sd / total;
+    found.noise_ratio = std::max(0.0, noise) / total;
   }
   if (!found.confounded) {
     found.unit_effects = effects(design, design.units, no_unit, y, [](const Trial& t) { return t.unit; });

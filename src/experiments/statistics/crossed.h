@@ -19,7 +19,7 @@ struct Factor {
   double f;
   double p;
   double sd;     ///< of its true effects, by the method of moments
-  double share;  ///< of the variance that the factors and the noise make up together
+  double ratio;  ///< of the variance that the factors and the noise make up together
 };
 /// value = mean + unit + carrier + slope · run + noise, by least squares. A factor is judged by what it explains beyond
 /// all others; where it explains nothing of its own that the others could not (each unit stayed on its carrier),
@@ -30,7 +30,7 @@ struct Crossed {
   Factor run;
   double slope;  ///< per run
   double noise_sd;
-  double noise_share;
+  double noise_ratio;
   double noise_degrees;
   bool confounded;
   std::vector<double> unit_effects;  ///< about their mean; empty where confounded

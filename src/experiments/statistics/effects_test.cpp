@@ -105,7 +105,7 @@ TEST(Crossed, tells_battery_from_vehicle_from_drift) {
     unit += found->unit.sd * found->unit.sd / 60.0;
     carrier += found->carrier.sd * found->carrier.sd / 60.0;
     noise += found->noise_sd * found->noise_sd / 60.0;
-    EXPECT_NEAR(found->unit.share + found->carrier.share + found->run.share + found->noise_share, 1.0, 1e-9);
+    EXPECT_NEAR(found->unit.ratio + found->carrier.ratio + found->run.ratio + found->noise_ratio, 1.0, 1e-9);
   }
   EXPECT_NEAR(std::sqrt(unit), 10.0, 1.5);
   EXPECT_NEAR(std::sqrt(carrier), 30.0, 4.0);

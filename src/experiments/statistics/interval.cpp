@@ -23,15 +23,15 @@ double acceleration(std::span<const double> runs) {
 }
 
 /// The value at a share of sorted ones, between ranks.
-double at_share(const std::vector<double>& sorted, double share) {
+double at_ratio(const std::vector<double>& sorted, double ratio) {
   const double place =
-      std::clamp(share * (static_cast<double>(sorted.size()) + 1.0) - 1.0, 0.0, static_cast<double>(sorted.size() - 1));
+      std::clamp(ratio * (static_cast<double>(sorted.size()) + 1.0) - 1.0, 0.0, static_cast<double>(sorted.size() - 1));
   const auto low = static_cast<std::size_t>(place);
   const std::size_t high = std::min(low + 1, sorted.size() - 1);
   return sorted[low] + (place - std::floor(place)) * (sorted[high] - sorted[low]);
 }
 
-double share_of(const std::vector<double>& sorted, double value) {
+double ratio_of(const std::vector<double>& sorted, double value) {
   const auto below = std::ranges::lower_bound(sorted, value) - sorted.begin();
   const auto equal = std::ranges::upper_bound(sorted, value) - sorted.begin() - below;
   const auto n = static_cast<double>(sorted.size());
@@ -60,11 +60,11 @@ std::optional<Interval> bca(std::span<const double> runs, const BootstrapOptions
   const auto count = static_cast<double>(n);
   // A sample's own spread is too small by √((n−1)/n), and its tails are Student's.
   const double wide = std::sqrt(count / (count - 1.0)) * student_quantile(0.5 + 0.5 * options.level, count - 1.0);
-  const double bias = normal_quantile(share_of(means, mean(runs)));
+  const double bias = normal_quantile(ratio_of(means, mean(runs)));
   const double a = acceleration(runs);
   const auto end = [&](double z) {
     const double shifted = bias + z;
-    return at_share(means, normal_cdf(bias + shifted / (1.0 - a * shifted)));
+    return at_ratio(means, normal_cdf(bias + shifted / (1.0 - a * shifted)));
   };
   return mapped(end(-wide), end(wide), of);
 }
@@ -92,8 +92,8 @@ std::optional<BlockInterval> block_bootstrap(std::span<const double> series, con
   }
   std::ranges::sort(means);
   const double degrees = std::fmax(static_cast<double>(blocks) - 1.0, 1.0);
-  const double share = normal_cdf(-student_quantile(0.5 + 0.5 * options.level, degrees));
-  return BlockInterval{mapped(at_share(means, share), at_share(means, 1.0 - share), of), worth, block};
+  const double ratio = normal_cdf(-student_quantile(0.5 + 0.5 * options.level, degrees));
+  return BlockInterval{mapped(at_ratio(means, ratio), at_ratio(means, 1.0 - ratio), of), worth, block};
 }
 
 }  // namespace cosiva::statistics

@@ -63,7 +63,7 @@ double root_mean_square(std::span<const double> values) {
   return std::sqrt(squares_about(values, 0.0) / static_cast<double>(values.size()));
 }
 
-double share_below(std::span<const double> values, double threshold) {
+double ratio_below(std::span<const double> values, double threshold) {
   if (values.empty()) return nan;
   const auto below = std::ranges::count_if(values, [&](double v) { return v < threshold; });
   return static_cast<double>(below) / static_cast<double>(values.size());
@@ -87,7 +87,7 @@ Cdf cdf(std::vector<double> values, std::size_t points) {
   for (std::size_t i = 1; i <= count; ++i) {
     const std::size_t rank = i * n / count;
     result.value.push_back(values[rank - 1]);
-    result.share.push_back(static_cast<double>(rank) / static_cast<double>(n));
+    result.ratio.push_back(static_cast<double>(rank) / static_cast<double>(n));
   }
   return result;
 }

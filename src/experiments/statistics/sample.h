@@ -14,7 +14,7 @@ namespace cosiva::statistics {
 [[nodiscard]] double sample_variance(std::span<const double> values);
 [[nodiscard]] double root_mean_square(std::span<const double> values);
 /// The article's precision: the share of values under a threshold.
-[[nodiscard]] double share_below(std::span<const double> values, double threshold);
+[[nodiscard]] double ratio_below(std::span<const double> values, double threshold);
 
 /// The smallest value that at least a share p of all do not exceed: an order statistic, no interpolation and no normal
 /// distribution. The values are put in another order.
@@ -27,7 +27,7 @@ namespace cosiva::statistics {
 /// Points of the empirical distribution, at most `points`, evenly spaced in share: for drawing.
 struct Cdf {
   std::vector<double> value;
-  std::vector<double> share;
+  std::vector<double> ratio;
 };
 [[nodiscard]] Cdf cdf(std::vector<double> values, std::size_t points = 200);
 

@@ -17,13 +17,13 @@ TEST(Sample, has_the_mean_variance_and_root_mean_square_that_one_counts_by_hand)
   EXPECT_DOUBLE_EQ(variance(values), 3.5);
   EXPECT_DOUBLE_EQ(sample_variance(values), 14.0 / 3.0);
   EXPECT_DOUBLE_EQ(root_mean_square(values), std::sqrt(12.5));
-  EXPECT_DOUBLE_EQ(share_below(values, 3.0), 0.5);  // under, not at
+  EXPECT_DOUBLE_EQ(ratio_below(values, 3.0), 0.5);  // under, not at
 }
 
 TEST(Sample, of_nothing_has_no_figures) {
   EXPECT_TRUE(std::isnan(mean({})));
   EXPECT_TRUE(std::isnan(variance({})));
-  EXPECT_TRUE(std::isnan(share_below({}, 1.0)));
+  EXPECT_TRUE(std::isnan(ratio_below({}, 1.0)));
   EXPECT_TRUE(std::isnan(percentile({}, 0.5)));
   EXPECT_TRUE(std::isnan(sample_variance(std::vector<double>{1.0})));
 }
@@ -66,7 +66,7 @@ TEST(Percentile, of_a_heavy_tail_is_not_mean_plus_so_many_deviations) {
 TEST(Cdf, ends_at_the_largest_value_and_one) {
   const Cdf drawn = cdf({3.0, 1.0, 2.0}, 10);
   EXPECT_EQ(drawn.value, (std::vector{1.0, 2.0, 3.0}));
-  EXPECT_DOUBLE_EQ(drawn.share.back(), 1.0);
+  EXPECT_DOUBLE_EQ(drawn.ratio.back(), 1.0);
   std::vector<double> many(1000);
   for (std::size_t i = 0; i < many.size(); ++i) many[i] = static_cast<double>(i);
   EXPECT_EQ(cdf(many, 50).value.size(), 50U);

@@ -23,21 +23,21 @@ std::vector<Duration> sorted(std::span<const Duration> durations) {
 }
 
 /// S^exp(±z·se(ln(−ln S))): a band that stays within 0 and 1.
-Interval log_log_band(double share, double greenwood, double z) {
-  if (share <= 0.0) return {0.0, 0.0};
-  if (share >= 1.0) return {1.0, 1.0};
-  const double log_share = det_log(share);
-  const double half = z * std::sqrt(greenwood) / std::fabs(log_share);
+Interval log_log_band(double ratio, double greenwood, double z) {
+  if (ratio <= 0.0) return {0.0, 0.0};
+  if (ratio >= 1.0) return {1.0, 1.0};
+  const double log_ratio = det_log(ratio);
+  const double half = z * std::sqrt(greenwood) / std::fabs(log_ratio);
   const double most = det_exp(std::min(half, 600.0));
-  return {det_exp(std::max(log_share * most, -600.0)), det_exp(log_share / most)};
+  return {det_exp(std::max(log_ratio * most, -600.0)), det_exp(log_ratio / most)};
 }
 
 /// Wilson's interval of a share of so many.
-Interval wilson_band(double share, double size, double z) {
+Interval wilson_band(double ratio, double size, double z) {
   const double all = size + z * z;
-  const double centre = (size * share + 0.5 * z * z) / all;
-  const double half = z * std::sqrt(size * share * (1.0 - share) + 0.25 * z * z) / all;
-  return {share <= 0.0 ? 0.0 : centre - half, share >= 1.0 ? 1.0 : centre + half};
+  const double centre = (size * ratio + 0.5 * z * z) / all;
+  const double half = z * std::sqrt(size * ratio * (1.0 - ratio) + 0.25 * z * z) / all;
+  return {ratio <= 0.0 ? 0.0 : centre - half, ratio >= 1.0 ? 1.0 : centre + half};
 }
 
 /// A band's way along the curve.
@@ -48,11 +48,11 @@ class Band {
   [[nodiscard]] Interval before(double at_risk) const {
     return kind_ == SurvivalBand::log_log ? Interval{1.0, 1.0} : wilson_band(1.0, at_risk, z_);
   }
-  Interval after(double share, double greenwood) {
-    if (kind_ == SurvivalBand::log_log) return log_log_band(share, greenwood, z_);
+  Interval after(double ratio, double greenwood) {
+    if (kind_ == SurvivalBand::log_log) return log_log_band(ratio, greenwood, z_);
     // How many uncensored durations would have this variance; where nobody is left, as many as before.
-    if (share > 0.0) size_ = (1.0 - share) / (share * greenwood);
-    return wilson_band(share, size_, z_);
+    if (ratio > 0.0) size_ = (1.0 - ratio) / (ratio * greenwood);
+    return wilson_band(ratio, size_, z_);
   }
 
  private:
@@ -127,7 +127,7 @@ Survival kaplan_meier(std::span<const Duration> durations, double level, Surviva
   const std::vector<Duration> all = sorted(durations);
   if (all.empty()) return survival;
   Band band{kind, level};
-  double share = 1.0;
+  double ratio = 1.0;
   double greenwood = 0.0;
   double before = 0.0;
   struct Piece {
@@ -144,16 +144,16 @@ Survival kaplan_meier(std::span<const Duration> durations, double level, Surviva
       const auto out = static_cast<double>(ended);
       if (pieces.empty()) survival.band_before = band.before(at_risk);
       const double term = at_risk > out ? out / (at_risk * (at_risk - out)) : 0.0;
-      pieces.push_back({share * (all[i].value - before), term});
+      pieces.push_back({ratio * (all[i].value - before), term});
       before = all[i].value;
-      share *= 1.0 - out / at_risk;
+      ratio *= 1.0 - out / at_risk;
       greenwood += term;
-      survival.steps.push_back({before, share, band.after(share, greenwood), ended, all.size() - i});
+      survival.steps.push_back({before, ratio, band.after(ratio, greenwood), ended, all.size() - i});
     }
     i = j;
   }
   survival.restricted_to = all.back().value;
-  const double last = share * (survival.restricted_to - before);
+  const double last = ratio * (survival.restricted_to - before);
   for (const Piece& piece : pieces) survival.restricted_mean += piece.area;
   survival.restricted_mean += last;
   double variance = 0.0;
@@ -171,9 +171,9 @@ Interval Survival::band_at(double time) const {
   return after == steps.begin() ? band_before : std::prev(after)->band;
 }
 
-std::optional<double> Survival::when_ended(double share) const {
+std::optional<double> Survival::when_ended(double ratio) const {
   for (const SurvivalStep& step : steps)
-    if (step.share <= 1.0 - share + 1e-12) return step.at;
+    if (step.ratio <= 1.0 - ratio + 1e-12) return step.at;
   return std::nullopt;
 }
 

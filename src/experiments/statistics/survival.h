@@ -30,7 +30,7 @@ enum class SurvivalBand : std::uint8_t {
 /// Kaplan and Meier's curve: how many of all still last, after each end that was seen.
 struct SurvivalStep {
   double at;
-  double share;   ///< still lasting after it
+  double ratio;   ///< still lasting after it
   Interval band;  ///< of the share, pointwise
   std::size_t ended;
   std::size_t at_risk;  ///< right before
@@ -45,7 +45,7 @@ struct Survival {
   /// Of the share that still lasts at this time.
   [[nodiscard]] Interval band_at(double time) const;
   /// The time at which this share has ended; nothing where the curve does not come down so far.
-  [[nodiscard]] std::optional<double> when_ended(double share) const;
+  [[nodiscard]] std::optional<double> when_ended(double ratio) const;
 };
 [[nodiscard]] Survival kaplan_meier(std::span<const Duration> durations, double level = 0.95,
                                     SurvivalBand band = SurvivalBand::wilson);

@@ -24,12 +24,12 @@ TEST(KaplanMeier, gives_the_textbook_s_curve) {
   const Survival curve = kaplan_meier(remissions, 0.95, SurvivalBand::log_log);
   ASSERT_EQ(curve.steps.size(), 7U);
   const std::vector<double> at{6, 7, 10, 13, 16, 22, 23};
-  const std::vector<double> share{0.8571, 0.8067, 0.7529, 0.6902, 0.6275, 0.5378, 0.4482};
+  const std::vector<double> ratio{0.8571, 0.8067, 0.7529, 0.6902, 0.6275, 0.5378, 0.4482};
   for (std::size_t i = 0; i < at.size(); ++i) {
     EXPECT_EQ(curve.steps[i].at, at[i]);
-    EXPECT_NEAR(curve.steps[i].share, share[i], 5e-5);
-    EXPECT_LT(curve.steps[i].band.low, share[i]);
-    EXPECT_GT(curve.steps[i].band.high, share[i]);
+    EXPECT_NEAR(curve.steps[i].ratio, ratio[i], 5e-5);
+    EXPECT_LT(curve.steps[i].band.low, ratio[i]);
+    EXPECT_GT(curve.steps[i].band.high, ratio[i]);
   }
   // log-log 95 % band at 6 weeks, as R's survival gives it (conf.type = "log-log").
   EXPECT_NEAR(curve.steps[0].band.low, 0.620, 0.001);
@@ -53,8 +53,8 @@ TEST(KaplanMeier, has_wilson_s_interval_of_a_share_for_a_band) {
   EXPECT_NEAR(curve.band_at(5.9).low, 0.8454, 1e-4);
   EXPECT_DOUBLE_EQ(curve.band_at(5.9).high, 1.0);
   for (const SurvivalStep& step : curve.steps) {
-    EXPECT_LT(step.band.low, step.share);
-    EXPECT_GT(step.band.high, step.share);
+    EXPECT_LT(step.band.low, step.ratio);
+    EXPECT_GT(step.band.high, step.ratio);
   }
   // The same share of two who are left is known worse than of all four.
   const Interval detected = kaplan_meier(std::vector<Duration>{{1, true}, {2, true}, {3, true}, {4, true}}).steps[1].band;
@@ -65,7 +65,7 @@ TEST(KaplanMeier, has_wilson_s_interval_of_a_share_for_a_band) {
 
 TEST(KaplanMeier, knows_little_of_a_share_that_nobody_of_a_few_reached) {
   const Survival curve = kaplan_meier(std::vector<Duration>{{1, true}, {2, true}, {4, true}});
-  EXPECT_EQ(curve.steps[2].share, 0.0);
+  EXPECT_EQ(curve.steps[2].ratio, 0.0);
   EXPECT_EQ(curve.steps[2].band.low, 0.0);
   EXPECT_GT(curve.steps[2].band.high, 0.5);
   EXPECT_LT(curve.steps[2].band.high, 0.7);
@@ -87,10 +87,10 @@ TEST(KaplanMeier, band_holds_all_along_the_curve_about_as_often_as_it_says) {
     }
     const Survival best = kaplan_meier(durations);
     const Survival usual = kaplan_meier(durations, 0.95, SurvivalBand::log_log);
-    for (const double share : {0.9, 0.75, 0.5, 0.25, 0.1}) {
+    for (const double ratio : {0.9, 0.75, 0.5, 0.25, 0.1}) {
       const auto holds = [&](const Survival& curve) {
-        const Interval band = curve.band_at(2.0 - share);
-        return band.low <= share && share <= band.high ? 1.0 / (5.0 * fleets) : 0.0;
+        const Interval band = curve.band_at(2.0 - ratio);
+        return band.low <= ratio && ratio <= band.high ? 1.0 / (5.0 * fleets) : 0.0;
       };
       wilson += holds(best);
       log_log += holds(usual);
@@ -103,8 +103,8 @@ TEST(KaplanMeier, band_holds_all_along_the_curve_about_as_often_as_it_says) {
 TEST(KaplanMeier, without_censoring_is_the_plain_share_and_the_plain_mean) {
   const Survival curve = kaplan_meier(std::vector<Duration>{{1, true}, {2, true}, {4, true}, {5, true}});
   ASSERT_EQ(curve.steps.size(), 4U);
-  EXPECT_DOUBLE_EQ(curve.steps[1].share, 0.5);
-  EXPECT_DOUBLE_EQ(curve.steps[3].share, 0.0);
+  EXPECT_DOUBLE_EQ(curve.steps[1].ratio, 0.5);
+  EXPECT_DOUBLE_EQ(curve.steps[3].ratio, 0.0);
   EXPECT_DOUBLE_EQ(curve.restricted_mean, 3.0);
   EXPECT_EQ(kaplan_meier(std::vector<Duration>{{1, true}, {2, true}, {4, true}, {5, true}}, 0.95, SurvivalBand::log_log)
                 .steps[3]

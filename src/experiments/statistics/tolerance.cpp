@@ -46,7 +46,7 @@ double tolerance_factor(std::size_t n, double covered, double confidence) {
   return shifted_student_quantile(confidence, static_cast<double>(n - 1), normal_quantile(covered) * root) / root;
 }
 
-double share_above_smallest(std::size_t n, double confidence) {
+double ratio_above_smallest(std::size_t n, double confidence) {
   COSIVA_EXPECT(n > 0);
   return det_exp(det_log(1.0 - confidence) / static_cast<double>(n));
 }

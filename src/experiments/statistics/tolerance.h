@@ -21,7 +21,7 @@ namespace cosiva::statistics {
 /// Exact, by the shifted t distribution: ISO 16269-6, table C. @param n  at least 2
 [[nodiscard]] double tolerance_factor(std::size_t n, double covered = 0.95, double confidence = 0.95);
 /// The share that lies, with this confidence, above the smallest of n values, whatever their distribution.
-[[nodiscard]] double share_above_smallest(std::size_t n, double confidence = 0.95);
+[[nodiscard]] double ratio_above_smallest(std::size_t n, double confidence = 0.95);
 
 /// How many values it takes for the mean's interval to be no wider than ± a share of the mean.
 /// @param relative_sd  what is expected; at least 2 comes out, and at most 1 000 000

@@ -48,9 +48,9 @@ TEST(ToleranceFactor, stands_in_the_standard_s_table) {
     EXPECT_NEAR(tolerance_factor(row.n, 0.95), row.covers_95, 6e-4) << row.n;
     EXPECT_NEAR(tolerance_factor(row.n, 0.90), row.covers_90, 6e-4) << row.n;
   }
-  EXPECT_NEAR(share_above_smallest(9), 0.72, 0.005);
-  EXPECT_NEAR(share_above_smallest(12), 0.78, 0.005);
-  EXPECT_NEAR(share_above_smallest(30), 0.90, 0.006);
+  EXPECT_NEAR(ratio_above_smallest(9), 0.72, 0.005);
+  EXPECT_NEAR(ratio_above_smallest(12), 0.78, 0.005);
+  EXPECT_NEAR(ratio_above_smallest(30), 0.90, 0.006);
 }
 
 TEST(MeanInterval, of_nine_cells_is_the_published_one) {

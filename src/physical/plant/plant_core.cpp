@@ -59,11 +59,11 @@ std::optional<PortAddress> parse_port(std::string_view name) {
 struct PlantCore::Impl {
   Impl(PlantOptions given, const zone::Rtm& read, const std::vector<zone::Place>& places)
       : options{std::move(given)},
-        floor{std::make_shared<Floor>(read.share_zone(), options.noise.tag_range_m)},
+        floor{std::make_shared<Floor>(read.shared_zone(), options.noise.tag_range_m)},
         fan{read.zone().vehicle},
         watch{read.zone().vehicle},
         obstacles{read.zone()},
-        exchange{options.zone, read.share_zone(), options.publish_zone} {
+        exchange{options.zone, read.shared_zone(), options.publish_zone} {
     vehicles.reserve(places.size());
     const auto cells = PowerTrain::usual_table();
     for (std::uint32_t i = 0; i < places.size(); ++i)

@@ -81,8 +81,8 @@ void RangeFan::see_edge(Point2 from, Point2 to) {
       if (right_to < 0.0) high = std::min(high, right_from / (right_from - right_to));
       if (left_from > 0.0) low = std::max(low, left_from / (left_from - left_to));
       if (left_to > 0.0) high = std::min(high, left_from / (left_from - left_to));
-      const double share = std::max(low, std::min(high, foot));
-      if (low <= high) take(beam, norm(from.x_m + share * way.x_m, from.y_m + share * way.y_m));
+      const double ratio = std::max(low, std::min(high, foot));
+      if (low <= high) take(beam, norm(from.x_m + ratio * way.x_m, from.y_m + ratio * way.y_m));
     }
     right_from = left_from;
     right_to = left_to;

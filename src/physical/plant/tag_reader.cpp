@@ -14,8 +14,8 @@ double distance_to_way(Point2 p, Point2 from, Point2 to) {
   const double way_y = to.y_m - from.y_m;
   const double length_sq = way_x * way_x + way_y * way_y;
   const double along = (p.x_m - from.x_m) * way_x + (p.y_m - from.y_m) * way_y;
-  const double share = length_sq > 0.0 ? std::clamp(along / length_sq, 0.0, 1.0) : 0.0;
-  return distance(p, {from.x_m + share * way_x, from.y_m + share * way_y});
+  const double ratio = length_sq > 0.0 ? std::clamp(along / length_sq, 0.0, 1.0) : 0.0;
+  return distance(p, {from.x_m + ratio * way_x, from.y_m + ratio * way_y});
 }
 
 }  // namespace

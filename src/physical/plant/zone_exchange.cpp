@@ -80,7 +80,7 @@ Result<ZoneExchange::News> ZoneExchange::switch_to(zone::ZoneConfiguration given
 }
 
 ZoneExchange::News ZoneExchange::take(zone::ZoneConfiguration given, const zone::Rtm& rtm, wire::Effects& effects) {
-  News news{rtm.share_zone(), zone::same_ways(*zone_, rtm.zone())};
+  News news{rtm.shared_zone(), zone::same_ways(*zone_, rtm.zone())};
   const std::uint64_t beacons =
       news.zone->beacons ? std::uint64_t{news.zone->beacons->columns} * news.zone->beacons->rows : 0;
   if (news.same_ways) {

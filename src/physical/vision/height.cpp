@@ -135,14 +135,14 @@ std::optional<PoseFit> fit_once(const std::vector<SurveyedPose>& poses, bool ful
 
 Point2 at_height(Point2 detected, double height_m, const CameraPlace& camera) {
   if (camera.height_m <= 0.0) return detected;
-  const double share = height_m / camera.height_m;
-  return {detected.x_m + share * (camera.foot.x_m - detected.x_m), detected.y_m + share * (camera.foot.y_m - detected.y_m)};
+  const double ratio = height_m / camera.height_m;
+  return {detected.x_m + ratio * (camera.foot.x_m - detected.x_m), detected.y_m + ratio * (camera.foot.y_m - detected.y_m)};
 }
 
 Point2 detected_from(Point2 there, double height_m, const CameraPlace& camera) {
   if (camera.height_m <= 0.0) return there;
-  const double share = height_m / camera.height_m;
-  return {(there.x_m - share * camera.foot.x_m) / (1.0 - share), (there.y_m - share * camera.foot.y_m) / (1.0 - share)};
+  const double ratio = height_m / camera.height_m;
+  return {(there.x_m - ratio * camera.foot.x_m) / (1.0 - ratio), (there.y_m - ratio * camera.foot.y_m) / (1.0 - ratio)};
 }
 
 std::optional<CameraPlace> camera_over(const FloorMap& map, double height_m) {

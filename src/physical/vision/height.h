@@ -44,7 +44,7 @@ struct PoseFit {
   Point2 lean;          ///< −lean_per_m·foot
   [[nodiscard]] Pose2 apply(const Pose2& detected) const;
   /// h/H, as A has it, and the foot.
-  [[nodiscard]] double height_share() const { return 1.0 - 0.5 * (linear[0] + linear[3]); }
+  [[nodiscard]] double height_ratio() const { return 1.0 - 0.5 * (linear[0] + linear[3]); }
   friend bool operator==(const PoseFit&, const PoseFit&) = default;
 };
 /// A marker on one vehicle, or on all of a make: how high, and where on it.

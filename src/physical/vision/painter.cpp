@@ -166,8 +166,8 @@ void Painter::draw_body(const SceneBody& body, std::vector<float>& light) const 
   std::array<Frame, looks> X_TM{};
   const Frame X_BT{body.X_BT};
   // at_height, with what is the same for all of them.
-  const double share = body.height_m / camera_.height_m;
-  const Point2 nearer{share * camera_.foot.x_m, share * camera_.foot.y_m};
+  const double ratio = body.height_m / camera_.height_m;
+  const Point2 nearer{ratio * camera_.foot.x_m, ratio * camera_.foot.y_m};
   for (std::size_t row = clip(middle->v - reach, height); row < clip(middle->v + reach, height); ++row) {
     for (std::size_t look = 0; look < looks; ++look) {
       const double when = (static_cast<double>(moment[look]) + 0.5) / static_cast<double>(looks);
@@ -181,7 +181,7 @@ void Painter::draw_body(const SceneBody& body, std::vector<float>& light) const 
         const std::size_t look_row = look / 3;
         const double v = static_cast<double>(row) + (static_cast<double>(look_row) + 0.5) / 3.0;
         const Point2 detected = detected_at(u, v);
-        const Point2 there{(1.0 - share) * detected.x_m + nearer.x_m, (1.0 - share) * detected.y_m + nearer.y_m};
+        const Point2 there{(1.0 - ratio) * detected.x_m + nearer.x_m, (1.0 - ratio) * detected.y_m + nearer.y_m};
         const Point2 on_tag = X_TM[look] * there;
         const double x = on_tag.x_m / cell_m + 5.0;
         const double y = 5.0 - on_tag.y_m / cell_m;

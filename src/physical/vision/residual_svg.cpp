@@ -14,8 +14,8 @@ std::string text_of(double number) {
 }
 
 /// From light to dark red.
-std::string colour_of(double share) {
-  const double t = std::clamp(share, 0.0, 1.0);
+std::string colour_of(double ratio) {
+  const double t = std::clamp(ratio, 0.0, 1.0);
   const auto mix = [&](double from, double to) { return std::to_string(static_cast<int>(from + t * (to - from))); };
   return "rgb(" + mix(245, 150) + "," + mix(247, 20) + "," + mix(250, 40) + ")";
 }

@@ -22,11 +22,11 @@ std::optional<State> at(const std::vector<Timed>& reference, double t_s) {
   const Timed& a = *(after - 1);
   const double span_s = after->t_s - a.t_s;
   if (!(span_s > 0.0) || span_s > gap_s) return std::nullopt;
-  const double share = (t_s - a.t_s) / span_s;
+  const double ratio = (t_s - a.t_s) / span_s;
   const double dx = after->pose.x_m - a.pose.x_m;
   const double dy = after->pose.y_m - a.pose.y_m;
   const double turn = wrap_angle(after->pose.heading_rad - a.pose.heading_rad);
-  return State{{a.pose.x_m + share * dx, a.pose.y_m + share * dy, a.pose.heading_rad + share * turn},
+  return State{{a.pose.x_m + ratio * dx, a.pose.y_m + ratio * dy, a.pose.heading_rad + ratio * turn},
                {dx / span_s, dy / span_s}};
 }
 

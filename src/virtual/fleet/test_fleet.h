@@ -29,7 +29,7 @@ using Zone = std::shared_ptr<const zone::TrafficZone>;
 inline Zone zone_text(std::string text) {
   auto rtm = zone::Rtm::initialise({"toml", "test.toml", std::move(text)});
   EXPECT_TRUE(rtm) << to_string(rtm.error());
-  return rtm->share_zone();
+  return rtm->shared_zone();
 }
 
 inline Zone zone_file(const std::string& name) {
@@ -44,7 +44,7 @@ inline Zone zone_file(const std::string& name) {
   auto rtm = zone::Rtm::initialise(
       {zone::format_of_file(path).value_or("?"), path, bytes(path), sidecar ? bytes(*sidecar) : std::string{}});
   EXPECT_TRUE(rtm) << to_string(rtm.error());
-  return rtm->share_zone();
+  return rtm->shared_zone();
 }
 
 inline Zone plant(const zone::PlantOptions& options) {

@@ -69,12 +69,12 @@ Walk::Motion Walk::at(SimDuration since_start) const {
   const Point2 from = path_[leg - 1];
   const Point2 to = path_[leg % path_.size()];
   const double leg_m = reached_m_[leg] - reached_m_[leg - 1];
-  const double share = std::clamp((s_m - reached_m_[leg - 1]) / leg_m, 0.0, 1.0);
+  const double ratio = std::clamp((s_m - reached_m_[leg - 1]) / leg_m, 0.0, 1.0);
   const double sign = back ? -1.0 : 1.0;
   const double ux = sign * (to.x_m - from.x_m) / leg_m;
   const double uy = sign * (to.y_m - from.y_m) / leg_m;
   const double speed = stands ? 0.0 : speed_mps_;
-  return {{from.x_m + share * (to.x_m - from.x_m), from.y_m + share * (to.y_m - from.y_m)},
+  return {{from.x_m + ratio * (to.x_m - from.x_m), from.y_m + ratio * (to.y_m - from.y_m)},
           det_atan2(uy, ux),
           speed * ux,
           speed * uy};

@@ -18,7 +18,7 @@ constexpr std::uint32_t settling_divergences = 20;
 constexpr std::uint32_t settling_ages = 100;
 constexpr std::uint32_t settling_actuals = 8;
 
-double share_of(SimDuration part, SimDuration whole) {
+double ratio_of(SimDuration part, SimDuration whole) {
   return whole <= SimDuration::zero() ? 1.0 : to_seconds(part) / to_seconds(whole);
 }
 
@@ -153,15 +153,15 @@ std::size_t BijectionMonitor::virtual_count() const {
 std::size_t BijectionMonitor::matched_count() const {
   return static_cast<std::size_t>(std::ranges::count_if(pairs_, [](const Pair& p) { return p.physical && p.image; }));
 }
-double BijectionMonitor::matched_share() const { return share_of(matched_, watched_); }
-double BijectionMonitor::held_share() const { return share_of(held_, watched_); }
+double BijectionMonitor::matched_ratio() const { return ratio_of(matched_, watched_); }
+double BijectionMonitor::held_ratio() const { return ratio_of(held_, watched_); }
 
 void BijectionMonitor::write(JsonWriter& json) const {
   json.begin_object()
       .field("physical", physical_count())
       .field("virtual", virtual_count())
       .field("matched", matched_count())
-      .field("matched_share", matched_share());
+      .field("matched_ratio", matched_ratio());
   json.key("orphans").begin_array();
   for (const Pair& pair : pairs_) {
     if (!pair.orphan()) continue;
@@ -203,7 +203,7 @@ void BijectionMonitor::write(JsonWriter& json) const {
   for (std::size_t i = 0; i < effects_ms_.size(); ++i)
     write_json(json.key(std::string(to_string(static_cast<WorldEffect>(i))) + "_ms"), effects_ms_[i]);
   json.end_object();
-  json.field("held_share", held_share());
+  json.field("held_ratio", held_ratio());
   json.key("contract")
       .begin_object()
       .field("divergence_p99_m", contract_.divergence_p99_m)

@@ -99,9 +99,9 @@ class BijectionMonitor {
   [[nodiscard]] std::size_t virtual_count() const;
   [[nodiscard]] std::size_t matched_count() const;
   /// Share of the time since the first arrival in which physical and virtual sides were the same set; 1 before.
-  [[nodiscard]] double matched_share() const;
+  [[nodiscard]] double matched_ratio() const;
   /// Share of that time in which every contract held as well.
-  [[nodiscard]] double held_share() const;
+  [[nodiscard]] double held_ratio() const;
   [[nodiscard]] const Statistics& divergence_m() const { return divergence_m_; }
   [[nodiscard]] const Statistics& divergence_rad() const { return divergence_rad_; }
   [[nodiscard]] const Statistics& actual_m() const { return actual_m_; }

@@ -28,8 +28,8 @@ class Bijection : public testing::Test {
 
 TEST_F(Bijection, of_nothing_holds) {
   wait(10s);
-  EXPECT_EQ(monitor.matched_share(), 1.0);
-  EXPECT_EQ(monitor.held_share(), 1.0);
+  EXPECT_EQ(monitor.matched_ratio(), 1.0);
+  EXPECT_EQ(monitor.held_ratio(), 1.0);
 }
 
 TEST_F(Bijection, is_counted_from_the_first_arrival_on) {
@@ -40,7 +40,7 @@ TEST_F(Bijection, is_counted_from_the_first_arrival_on) {
   wait(1s);  // without a twin
   monitor.set_virtual(a, true);
   wait(3s);  // with one
-  EXPECT_DOUBLE_EQ(monitor.matched_share(), 0.75);
+  EXPECT_DOUBLE_EQ(monitor.matched_ratio(), 0.75);
 }
 
 TEST_F(Bijection, names_orphans_on_both_sides) {
@@ -100,8 +100,8 @@ TEST_F(Bijection, counts_the_time_in_which_a_contract_was_broken_as_not_held) {
   monitor.age(a, 151.0);  // the only sample judged is above 150 ms, so its p99 is
   EXPECT_FALSE(monitor.held(a).age);
   wait(2s);
-  EXPECT_DOUBLE_EQ(monitor.held_share(), 0.75);
-  EXPECT_DOUBLE_EQ(monitor.matched_share(), 1.0);
+  EXPECT_DOUBLE_EQ(monitor.held_ratio(), 0.75);
+  EXPECT_DOUBLE_EQ(monitor.matched_ratio(), 1.0);
 }
 
 TEST_F(Bijection, counts_a_slow_start_in_its_figures_but_judges_from_two_seconds_after_the_arrival) {
@@ -127,7 +127,7 @@ TEST_F(Bijection, is_not_held_when_commands_or_events_take_too_long) {
   wait(0s);
   monitor.command_materialised(2001.0);
   wait(1s);
-  EXPECT_EQ(monitor.held_share(), 0.0);
+  EXPECT_EQ(monitor.held_ratio(), 0.0);
   EXPECT_TRUE(monitor.held(a).divergence);
 }
 
@@ -140,10 +140,10 @@ TEST_F(Bijection, measures_effects_between_the_worlds_and_holds_them_to_200_ms) 
   monitor.effect(WorldEffect::brakes, 30.0);
   monitor.effect(WorldEffect::shown, 60.0);
   wait(1s);
-  EXPECT_EQ(monitor.held_share(), 1.0);
+  EXPECT_EQ(monitor.held_ratio(), 1.0);
   monitor.effect(WorldEffect::perceived, 201.0);
   wait(1s);
-  EXPECT_EQ(monitor.held_share(), 0.5);
+  EXPECT_EQ(monitor.held_ratio(), 0.5);
   const JsonValue json = written();
   EXPECT_EQ(*json.find("effects")->find("perceived_ms")->number("max"), 201.0);
   EXPECT_EQ(*json.find("effects")->find("brakes_ms")->number("count"), 1.0);
@@ -168,10 +168,10 @@ TEST_F(Bijection, is_not_matched_while_somebody_who_looks_at_both_sides_finds_ot
   monitor.set_virtual(a, true);
   wait(0s);
   wait(2s);
-  EXPECT_DOUBLE_EQ(monitor.matched_share(), 1.0);
+  EXPECT_DOUBLE_EQ(monitor.matched_ratio(), 1.0);
   monitor.set_findings({{Finding::Kind::no_twin, "make/b", "the camera sees it, and it has no twin", now}});
   wait(2s);
-  EXPECT_DOUBLE_EQ(monitor.matched_share(), 0.5);
+  EXPECT_DOUBLE_EQ(monitor.matched_ratio(), 0.5);
   const JsonValue json = written();
   const auto& findings = *json.find("findings")->array();
   ASSERT_THAT(findings, SizeIs(1));
@@ -186,8 +186,8 @@ TEST_F(Bijection, is_not_doubted_by_a_camera_that_sees_nothing_itself) {
   monitor.set_findings({{Finding::Kind::no_detection, "GVS", "no picture comes", now}});
   wait(0s);
   wait(2s);
-  EXPECT_DOUBLE_EQ(monitor.matched_share(), 1.0);
-  EXPECT_DOUBLE_EQ(monitor.held_share(), 1.0);
+  EXPECT_DOUBLE_EQ(monitor.matched_ratio(), 1.0);
+  EXPECT_DOUBLE_EQ(monitor.held_ratio(), 1.0);
 }
 
 TEST_F(Bijection, does_not_hold_with_a_twin_that_the_camera_sees_elsewhere_after_its_first_images) {

@@ -9,11 +9,11 @@ namespace cosiva::virtual_side {
 namespace {
 
 /// A new sighting's weight: late ones come from nearer by, and see better than the first.
-constexpr double newest_share = 0.3;
+constexpr double newest_ratio = 0.3;
 /// A vehicle stops for what reaches within this of its sides; most of the obstacle's own radius counts, since it is
 /// only an estimate.
 constexpr double swept_margin_m = 0.02;
-constexpr double swept_share = 0.8;
+constexpr double swept_ratio = 0.8;
 /// So much further than an obstacle's far side must a beam reach that is said to go through its place.
 constexpr double through_margin_m = 0.10;
 
@@ -61,10 +61,10 @@ bool DetectedObstacles::see(std::string_view vehicle, SimTime now, Point2 at, do
     appear(vehicle, now, at, radius_m);
     return true;
   }
-  const double share = std::max(newest_share, 1.0 / (1.0 + nearest->sightings));
-  nearest->at.x_m += share * (at.x_m - nearest->at.x_m);
-  nearest->at.y_m += share * (at.y_m - nearest->at.y_m);
-  nearest->radius_m += share * (radius_m - nearest->radius_m);
+  const double ratio = std::max(newest_ratio, 1.0 / (1.0 + nearest->sightings));
+  nearest->at.x_m += ratio * (at.x_m - nearest->at.x_m);
+  nearest->at.y_m += ratio * (at.y_m - nearest->at.y_m);
+  nearest->radius_m += ratio * (radius_m - nearest->radius_m);
   nearest->last = now;
   nearest->doubts = 0;
   ++nearest->sightings;
@@ -104,7 +104,7 @@ std::size_t DetectedObstacles::pass(std::string_view vehicle, SimTime now, const
   return std::erase_if(obstacles_, [&](const DetectedObstacle& obstacle) {
     const Point2 p_B = X_BM * obstacle.at;
     // Abreast of it, and it reached into what the vehicle sweeps: it would have held the vehicle if it were there.
-    const double beside_m = 0.5 * width_m + swept_margin_m + swept_share * obstacle.radius_m;
+    const double beside_m = 0.5 * width_m + swept_margin_m + swept_ratio * obstacle.radius_m;
     if (std::fabs(p_B.x_m) > 0.5 * (length_m + obstacle.radius_m) || std::fabs(p_B.y_m) > beside_m) return false;
     const auto witness = std::ranges::find(obstacle.detected_by, vehicle, &DetectedObstacle::Witness::vehicle);
     return witness == obstacle.detected_by.end() || now - witness->last > just_detected;

@@ -43,7 +43,7 @@ Result<Simulator::Reception> Simulator::receive(SimTime now, const zone::ZoneCon
   }
   zone_json_ = json.take();
   bounds_ = zone::bounds(primitives);
-  zone_ = rtm->share_zone();
+  zone_ = rtm->shared_zone();
   rtm_ = std::move(*rtm);
   ++zone_revision_;
   return drive_on ? Reception::same_ways : Reception::new_zone;

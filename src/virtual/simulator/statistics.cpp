@@ -44,9 +44,9 @@ void Statistics::add(double value) {
   ++buckets_[bucket_of(value)];
 }
 
-double Statistics::percentile(double share) const {
+double Statistics::percentile(double ratio) const {
   if (count_ == 0) return 0.0;
-  const double rank_real = std::ceil(share * static_cast<double>(count_) - 1e-9);
+  const double rank_real = std::ceil(ratio * static_cast<double>(count_) - 1e-9);
   const auto rank = static_cast<std::uint64_t>(std::clamp(rank_real, 1.0, static_cast<double>(count_)));
   if (buckets_.empty()) {
     std::vector<double> sorted = exact_;

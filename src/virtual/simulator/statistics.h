@@ -19,9 +19,9 @@ class Statistics {
   [[nodiscard]] std::uint64_t count() const { return count_; }
   [[nodiscard]] double mean() const { return count_ == 0 ? 0.0 : sum_ / static_cast<double>(count_); }
   [[nodiscard]] double max() const { return max_; }
-  /// By nearest rank: the smallest sample such that at least `share` ∈ (0, 1] of all samples are not above it. 0 if
+  /// By nearest rank: the smallest sample such that at least `ratio` ∈ (0, 1] of all samples are not above it. 0 if
   /// none.
-  [[nodiscard]] double percentile(double share) const;
+  [[nodiscard]] double percentile(double ratio) const;
 
   void fold(Digest& digest) const;
 

@@ -33,7 +33,7 @@ double Twin::extrapolated_s(SimTime time) const {
   return to_seconds(since);
 }
 
-double Twin::correction_share(SimTime time) const {
+double Twin::correction_ratio(SimTime time) const {
   const SimDuration since = time - corrected_at_;
   if (since >= correction_time) return 0.0;
   if (since <= SimDuration::zero()) return 1.0;
@@ -43,12 +43,12 @@ double Twin::correction_share(SimTime time) const {
 
 Twin::Image Twin::image_at(const zone::Circuit* circuit, SimTime time) const {
   const double travel_s = extrapolated_s(time);
-  const double share = correction_share(time);
+  const double ratio = correction_ratio(time);
   const bool lost = time - report_.at > extrapolate_max_;
   const double shown_speed = lost ? 0.0 : speed_mps_;
 
   if (circuit != nullptr && on_circuit_) {
-    const double correction = correction_.a * share;
+    const double correction = correction_.a * ratio;
     double along = along_mps_ * travel_s + correction;
     // Correcting may show it beyond the end of its base for a moment; anticipating never does.
     if (along > ahead_m_max_) along = std::max(correction, ahead_m_max_);
@@ -57,10 +57,10 @@ Twin::Image Twin::image_at(const zone::Circuit* circuit, SimTime time) const {
                  on_course_ ? course_.gone() : std::span<const zone::SectionId>{});
     const zone::Place place = motion.place(*circuit);
     const Pose2 on_line = circuit->pose_at(place);
-    const double left = left_m_ + correction_.b * share;
+    const double left = left_m_ + correction_.b * ratio;
     const SinCos turn = sincos(on_line.heading_rad);
     const Pose2 shown{on_line.x_m - left * turn.sin, on_line.y_m + left * turn.cos,
-                      wrap_angle(on_line.heading_rad + heading_off_rad_ + correction_.heading_rad * share)};
+                      wrap_angle(on_line.heading_rad + heading_off_rad_ + correction_.heading_rad * ratio)};
     return {shown, place, shown_speed};
   }
 
@@ -75,9 +75,9 @@ Twin::Image Twin::image_at(const zone::Circuit* circuit, SimTime time) const {
   }
   const double turned = report_.omega_radps * travel_s;
   const SinCos turn = sincos(report_.X_MB.heading_rad + 0.5 * turned);
-  const Pose2 shown{report_.X_MB.x_m + forward * turn.cos - sideways * turn.sin + correction_.a * share,
-                    report_.X_MB.y_m + forward * turn.sin + sideways * turn.cos + correction_.b * share,
-                    wrap_angle(report_.X_MB.heading_rad + turned + correction_.heading_rad * share)};
+  const Pose2 shown{report_.X_MB.x_m + forward * turn.cos - sideways * turn.sin + correction_.a * ratio,
+                    report_.X_MB.y_m + forward * turn.sin + sideways * turn.cos + correction_.b * ratio,
+                    wrap_angle(report_.X_MB.heading_rad + turned + correction_.heading_rad * ratio)};
   return {shown, std::nullopt, shown_speed};
 }
 

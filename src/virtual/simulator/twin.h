@@ -87,7 +87,7 @@ class Twin {
     double heading_rad{};
   };
   [[nodiscard]] double extrapolated_s(SimTime time) const;
-  [[nodiscard]] double correction_share(SimTime time) const;
+  [[nodiscard]] double correction_ratio(SimTime time) const;
   [[nodiscard]] zone::Circuit::Located locate(const zone::Circuit& circuit, const Pose2& X_MB) const;
   void take_speed(const MotionReport& report);
   void correct_from(const zone::Circuit* circuit, const Image& shown);

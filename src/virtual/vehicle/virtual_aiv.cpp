@@ -21,7 +21,7 @@ constexpr SimDuration step_max = std::chrono::milliseconds{100};
 std::shared_ptr<const zone::TrafficZone> zone_of(const zone::ZoneConfiguration& configuration) {
   auto rtm = zone::Rtm::initialise(configuration);
   COSIVA_EXPECT(rtm);  // the server drives in this zone already
-  return rtm->share_zone();
+  return rtm->shared_zone();
 }
 
 std::uint32_t session_of(const std::string& serial, std::uint32_t number) {
@@ -158,7 +158,7 @@ void VirtualAiv::message(SimTime now, const std::string& topic, const std::strin
 void VirtualAiv::zone(SimTime now, const zone::ZoneConfiguration& zone, wire::Effects& effects) {
   impl_->wake(now, effects);
   // One that cannot be read leaves the floor as it is; the on-board program says why.
-  if (const auto rtm = zone::Rtm::initialise(zone)) impl_->body.change_floor(rtm->share_zone());
+  if (const auto rtm = zone::Rtm::initialise(zone)) impl_->body.change_floor(rtm->shared_zone());
   message(now, std::string(wire::zone_topic_prefix) + zone.format, zone::to_payload(zone), effects);
 }
 

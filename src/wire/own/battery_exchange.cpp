@@ -41,7 +41,7 @@ std::string_view to_string(BatteryPhase phase) { return phase_terms[static_cast<
 std::string to_json(const BatteryTest& test) {
   JsonWriter json;
   json.begin_object().field("timestamp", to_iso8601(test.timestamp)).field("began", to_iso8601(test.began));
-  json.field("run", test.run).field("runs", test.runs).field("floor", test.floor_percent).field("share", test.share);
+  json.field("run", test.run).field("runs", test.runs).field("floor", test.floor_percent).field("progress", test.ratio);
   json.key("expectedEnd");
   if (test.expected_end)
     json.value(to_iso8601(*test.expected_end));
@@ -64,7 +64,7 @@ Result<BatteryTest> battery_test_from_json(std::string_view text) {
     in.whole("run", test.run);
     in.whole("runs", test.runs);
     in.number("floor", 0.0, 100.0, test.floor_percent);
-    in.number("share", 0.0, 1.0, test.share);
+    in.number("progress", 0.0, 1.0, test.ratio);
     if (in.optional("expectedEnd") != nullptr) in.time("expectedEnd", test.expected_end.emplace());
     in.flag("done", test.done);
     in.list("vehicles", BatteryTest::vehicles_max, [&](const JsonValue& item, const std::string& name) {

@@ -52,7 +52,7 @@ struct BatteryTest {
   std::uint32_t run{1};  ///< from 1 on, of `runs`
   std::uint32_t runs{1};
   double floor_percent{};               ///< where a run ends
-  double share{};                       ///< of the way from full to the floor, 0…1, over this run's vehicles
+  double ratio{};                       ///< of the way from full to the floor, 0…1, over this run's vehicles
   std::optional<SimTime> expected_end;  ///< of this run, as it goes; nothing: too early to say
   bool done{false};
   struct Slot {

@@ -55,7 +55,7 @@ TEST(BatteryExchange, of_a_test_that_is_bad_is_refused_with_its_field) {
     EXPECT_FALSE(read) << json;
     return read ? std::string{} : to_string(read.error());
   };
-  EXPECT_THAT(refusal(R"("share":0.5)", R"("share":1.5)"), HasSubstr("share"));
+  EXPECT_THAT(refusal(R"("progress":0.5)", R"("progress":1.5)"), HasSubstr("progress"));
   EXPECT_THAT(refusal(R"("done":false)", R"("done":0)"), HasSubstr("done"));
   EXPECT_THAT(refusal(R"("expectedEnd":null)", R"("expectedEnd":"soon")"), HasSubstr("expectedEnd"));
   EXPECT_THAT(refusal("changing", "flying"), HasSubstr("vehicles.0.phase"));

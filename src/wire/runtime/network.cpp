@@ -94,9 +94,9 @@ void Network::publish(SimTime now, ClientId from, const Publish& message) {
   send_later(at, from, message);
 }
 
-void Network::set_loss(ClientId client, double share) {
-  COSIVA_EXPECT(client < clients_.size() && share >= 0.0 && share <= 1.0);
-  clients_[client].loss = share;
+void Network::set_loss(ClientId client, double ratio) {
+  COSIVA_EXPECT(client < clients_.size() && ratio >= 0.0 && ratio <= 1.0);
+  clients_[client].loss = ratio;
 }
 
 SimDuration Network::draw_radio_retries(Random& dice, double loss) {

@@ -56,7 +56,7 @@ class Network {
   /// The radio between this client and the broker loses that share of its messages (0…1), both ways: QoS 0 is gone,
   /// QoS 1 comes later by a retry each time, still in order. Drawn from a stream of its own, so that a run without such
   /// a loss is the same run as before.
-  void set_loss(ClientId client, double share);
+  void set_loss(ClientId client, double ratio);
 
   [[nodiscard]] std::optional<SimTime> next_due() const;
   /// Moves out, in order, everything due at or before `now`.

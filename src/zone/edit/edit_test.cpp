@@ -306,8 +306,8 @@ std::vector<std::string> comments(const std::string& text) {
 ZoneEdit arbitrary_edit(const TrafficZone& zone, const std::map<TagNumber, Place>& tags) {
   const auto place = [&] {
     const auto section = *rc::gen::inRange<SectionId>(0, static_cast<SectionId>(zone.circuit.size()));
-    const double share = *rc::gen::inRange(0, 1001) * 1e-3;
-    return Place{section, share * zone.circuit.section(section).length_m()};
+    const double ratio = *rc::gen::inRange(0, 1001) * 1e-3;
+    return Place{section, ratio * zone.circuit.section(section).length_m()};
   };
   ZoneEdit edit;
   std::set<TagNumber> used;

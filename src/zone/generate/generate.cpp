@@ -112,7 +112,7 @@ class Plant {
   void join(std::size_t from, std::size_t to) { ways_[from].next.push_back(to); }
   [[nodiscard]] Pose2 along(const Pose2& start, double distance_m) const { return start * Pose2{distance_m, 0.0, 0.0}; }
 
-  Strip strip(const std::string& name, const Pose2& start, double length_m, std::uint32_t bays, double share,
+  Strip strip(const std::string& name, const Pose2& start, double length_m, std::uint32_t bays, double ratio,
               bool chargers);
   Strip bay(const std::string& name, const Pose2& start, double straight_m, bool left, bool charger);
   void aisle(Row& row, std::uint32_t number, double x_m, double bottom_m, bool north);
@@ -189,7 +189,7 @@ Plant::Strip Plant::bay(const std::string& name, const Pose2& start, double stra
 
 /// A straight way of `length_m` with bays beside it: "a1b2" passes bay 2 of strip a1, "a1c2" leads up to it.
 Plant::Strip Plant::strip(const std::string& name, const Pose2& start, double length_m, std::uint32_t bays,
-                          double share, bool chargers) {
+                          double ratio, bool chargers) {
   Strip all{ways_.size(), ways_.size()};
   double done_m = 0.0;
   std::vector<std::size_t> joining;
@@ -201,7 +201,7 @@ Plant::Strip Plant::strip(const std::string& name, const Pose2& start, double le
   };
   for (std::uint32_t i = 0; i < bays; ++i) {
     const double at_m = rounded(2.0 * scale_.unit_m + i * scale_.bay_pitch_m());
-    const bool there = random_.uniform() < share;
+    const bool there = random_.uniform() < ratio;
     const bool left = random_.chance(0.5);
     const double straight_m = rounded(scale_.bay_m() + random_.uniform(0.0, 0.5) * scale_.unit_m);
     if (!there) continue;
@@ -226,7 +226,7 @@ void Plant::aisle(Row& row, std::uint32_t number, double x_m, double bottom_m, b
   const Pose2 begins = north ? Pose2{x_m, bottom_m + turn_m_, 0.5 * pi} : Pose2{x_m, top_m - turn_m_, -0.5 * pi};
   const Strip in = quarter_right(name + "x", leaves);
   const double length_m = aisle_m_ - 2.0 * turn_m_;
-  const Strip inside = strip(name, begins, length_m, options_.bays, options_.bay_share, false);
+  const Strip inside = strip(name, begins, length_m, options_.bays, options_.bay_ratio, false);
   const Strip out = quarter_right(name + "y", along(begins, length_m));
   join(in.last, inside.first);
   join(inside.last, out.first);
@@ -464,7 +464,7 @@ Result<std::string> generate_plant(const PlantOptions& options) {
   if (options.rows < 1 || options.rows > 1000) return out_of_range("expected 1 to 1000 rows of aisles");
   if (options.aisles < 1 || options.aisles > 10'000) return out_of_range("expected 1 to 10000 aisles per row");
   if (options.bays > 10'000) return out_of_range("expected at most 10000 bays per aisle");
-  if (!(options.bay_share >= 0.0 && options.bay_share <= 1.0))
+  if (!(options.bay_ratio >= 0.0 && options.bay_ratio <= 1.0))
     return out_of_range("expected a share of bays from 0 to 1");
   if (plant_sections_max(options) > sections_max) {
     return out_of_range("these rows, aisles and bays may make " + std::to_string(plant_sections_max(options)) +

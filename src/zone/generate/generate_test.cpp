@@ -92,8 +92,8 @@ TEST(GeneratedPlant, has_ways_of_all_kinds_branches_and_merges) {
 TEST(GeneratedPlant, is_good_whatever_its_size_and_its_vehicle) {
   expect_good(zone_of({.rows = 1, .aisles = 1, .bays = 0}));
   expect_good(zone_of({.rows = 1, .aisles = 1, .bays = 1, .seed = 7}));
-  expect_good(zone_of({.rows = 3, .aisles = 3, .bays = 2, .bay_share = 0.5, .seed = 3, .vehicle = {0.20, 0.12}}));
-  expect_good(zone_of({.rows = 2, .aisles = 4, .bays = 3, .bay_share = 1.0, .seed = 4, .vehicle = {2.0, 1.5}}));
+  expect_good(zone_of({.rows = 3, .aisles = 3, .bays = 2, .bay_ratio = 0.5, .seed = 3, .vehicle = {0.20, 0.12}}));
+  expect_good(zone_of({.rows = 2, .aisles = 4, .bays = 3, .bay_ratio = 1.0, .seed = 4, .vehicle = {2.0, 1.5}}));
 }
 
 TEST(GeneratedPlant, is_the_same_for_the_same_options_and_another_for_another_seed) {
@@ -131,7 +131,7 @@ TEST(GeneratedPlant, of_impossible_options_is_refused_with_the_reason) {
   EXPECT_THAT(message({.rows = 0}), HasSubstr("1 to 1000 rows"));
   EXPECT_THAT(message({.aisles = 0}), HasSubstr("aisles"));
   EXPECT_THAT(message({.rows = 1000, .aisles = 1000, .bays = 10}), HasSubstr("at most 200000"));
-  EXPECT_THAT(message({.bay_share = 1.5}), HasSubstr("from 0 to 1"));
+  EXPECT_THAT(message({.bay_ratio = 1.5}), HasSubstr("from 0 to 1"));
   EXPECT_THAT(message({.vehicle = {0.0, 0.1}}), HasSubstr("vehicle"));
   EXPECT_THAT(message({.name = "a\"b"}), HasSubstr("quotes"));
 }

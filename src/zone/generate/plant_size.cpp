@@ -15,7 +15,7 @@ PlantOptions plant_of_size(std::size_t sections) {
   // A little more than asked for, because which bays there are is drawn.
   const std::size_t wanted = sections + sections / 50;
   const auto held = [](const PlantOptions& options) {
-    return static_cast<std::size_t>(static_cast<double>(plant_sections_max(options)) * options.bay_share);
+    return static_cast<std::size_t>(static_cast<double>(plant_sections_max(options)) * options.bay_ratio);
   };
   PlantOptions options{};
   options.rows = 1;

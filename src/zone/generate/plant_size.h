@@ -16,7 +16,7 @@ struct PlantOptions {
   std::uint32_t rows{4};
   std::uint32_t aisles{8};         ///< per row
   std::uint32_t bays{6};           ///< per aisle, of which some are left out
-  double bay_share{0.9};           ///< how many of them there are, 0 to 1
+  double bay_ratio{0.9};           ///< how many of them there are, 0 to 1
   std::uint64_t seed{1};           ///< decides which bays there are, on which side, and how long they are
   VehicleShape vehicle{1.2, 0.8};  ///< everything is laid out to its scale
   std::uint32_t starts{12};        ///< of an emulated fleet, in bays all over the plant; at most so many

@@ -18,7 +18,7 @@ constexpr double sample_turn_max_rad = 0.5;
 constexpr int samples = 32;
 constexpr double fillet_radius_m = 0.3;  // of a rounded kink, where the tolerance leaves room for it
 // A straight line or an arc is taken where it misses by this share of the tolerance: a file's own rounding.
-constexpr double simple_share = 0.01;
+constexpr double simple_ratio = 0.01;
 // Joints this close need no correction: the next piece begins where the curve does, not where the last one ended.
 constexpr double joint_exact = 5e-10;
 
@@ -276,7 +276,7 @@ bool Fitter::take(const Stretch& stretch) {
   }
   const double turn_rad = stretch.turn_rad - wrap_angle(start.heading_rad - stretch.poses.front().heading_rad);
 
-  const FitTolerance close{simple_share * tolerance_.position_m, simple_share * tolerance_.heading_rad};
+  const FitTolerance close{simple_ratio * tolerance_.position_m, simple_ratio * tolerance_.heading_rad};
   const double chord_m = distance(start, target);
   if (!stretch.rounds) {
     if (std::fabs(turn_rad) <= 2.0 * close.heading_rad && tries(stretch, start, {chord_m, 0.0, 0.0}, close))

@@ -10,7 +10,7 @@ namespace {
 constexpr double extent_max_m = 1e7;
 constexpr double coordinate_max_m = 1e8;
 // Of the zone's extent: ten times what single precision loses of a place in it.
-constexpr double loss_share = 1.2e-6;
+constexpr double loss_ratio = 1.2e-6;
 // What rounding may lose of a distance in double precision, and more.
 constexpr double hair_m = 1e-6;
 constexpr double pieces_per_cell = 1.0;
@@ -53,7 +53,7 @@ void SectionGrid::fill(std::span<const SectionPiece> pieces) {
   for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
   std::sort(order.begin(), order.end());
   records_.reserve(pieces.size());
-  for (const auto& [cell, i] : order) records_.push_back(record_of(pieces[i], loss_share * extent_m));
+  for (const auto& [cell, i] : order) records_.push_back(record_of(pieces[i], loss_ratio * extent_m));
 }
 
 SectionGrid::Record SectionGrid::record_of(const SectionPiece& piece, double loss_m) const {

@@ -27,10 +27,10 @@ Point2 by_definition(const Nurbs& curve, double u) {
   double y = 0.0;
   double w = 0.0;
   for (std::size_t i = 0; i < curve.points.size(); ++i) {
-    const double share = curve.weights[i] * basis(curve.knots, i, curve.degree, u);
-    x += share * curve.points[i].x_m;
-    y += share * curve.points[i].y_m;
-    w += share;
+    const double ratio = curve.weights[i] * basis(curve.knots, i, curve.degree, u);
+    x += ratio * curve.points[i].x_m;
+    y += ratio * curve.points[i].y_m;
+    w += ratio;
   }
   return {x / w, y / w};
 }

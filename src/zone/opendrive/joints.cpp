@@ -107,10 +107,10 @@ void Joiner::join_group(const std::vector<EndId>& ends) {
   if (worst_m <= free_m && worst_rad <= free_rad) return;
   Pose2 mean = first;
   for (const EndId end : ends) {
-    const double share = weights > 1e-6 ? weight(end) / weights : 1.0 / static_cast<double>(ends.size());
-    mean.x_m += share * (poses_[end].x_m - first.x_m);
-    mean.y_m += share * (poses_[end].y_m - first.y_m);
-    mean.heading_rad += share * wrap_angle(poses_[end].heading_rad - first.heading_rad);
+    const double ratio = weights > 1e-6 ? weight(end) / weights : 1.0 / static_cast<double>(ends.size());
+    mean.x_m += ratio * (poses_[end].x_m - first.x_m);
+    mean.y_m += ratio * (poses_[end].y_m - first.y_m);
+    mean.heading_rad += ratio * wrap_angle(poses_[end].heading_rad - first.heading_rad);
   }
   mean.heading_rad = wrap_angle(mean.heading_rad);
   for (const EndId end : ends) {

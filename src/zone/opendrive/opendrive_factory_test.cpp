@@ -110,7 +110,7 @@ double expected_length(const pugi::xml_document& tree) {
     for (auto section = lanes.child("laneSection"); section; section = section.next_sibling("laneSection")) {
       const auto after = section.next_sibling("laneSection");
       const double until = after ? after.attribute("s").as_double() : length;
-      const double share = (until - s_before) / length;
+      const double ratio = (until - s_before) / length;
       for (const int sign : {1, -1}) {
         std::map<int, pugi::xml_node> by_id;
         for (const auto lane : section.child(sign > 0 ? "left" : "right").children("lane"))
@@ -120,7 +120,7 @@ double expected_length(const pugi::xml_document& tree) {
           const double width = lane.child("width").attribute("a").as_double();
           const double centre = t + 0.5 * sign * width;
           t += sign * width;
-          if (std::string(lane.attribute("type").value()) == "driving") total += share * (length - centre * turn);
+          if (std::string(lane.attribute("type").value()) == "driving") total += ratio * (length - centre * turn);
         }
       }
       s_before = until;

@@ -65,8 +65,8 @@ Point2 walked(const std::function<Point2(double)>& at, double p_end, double arc)
     const Point2 next = at(p_end * i / steps);
     const double step = distance(here, next);
     if (walked_m + step >= arc) {
-      const double share = (arc - walked_m) / step;
-      return {here.x_m + share * (next.x_m - here.x_m), here.y_m + share * (next.y_m - here.y_m)};
+      const double ratio = (arc - walked_m) / step;
+      return {here.x_m + ratio * (next.x_m - here.x_m), here.y_m + ratio * (next.y_m - here.y_m)};
     }
     walked_m += step;
     here = next;
@@ -88,8 +88,8 @@ TEST(ReferenceLine, of_cubics_runs_by_arc_length) {
   Report report;
   const ReferenceLine line =
       line_of(road_of({{0.0, {}, length, Cubics{u, v, Cubics::Range::normalized}, ""}}, length), report);
-  for (const double share : {0.1, 0.35, 0.5, 0.77, 0.999})
-    EXPECT_LT(distance(line.at(share * length).p, walked(at, 1.0, share * length)), 1e-4) << share;
+  for (const double ratio : {0.1, 0.35, 0.5, 0.77, 0.999})
+    EXPECT_LT(distance(line.at(ratio * length).p, walked(at, 1.0, ratio * length)), 1e-4) << ratio;
   // It leaves along (bU, bV), whatever hdg says.
   EXPECT_NEAR(heading_of(line.at(0.0)), std::atan2(2.0, 40.0), 1e-12);
   EXPECT_TRUE(report.diagnostics().empty());

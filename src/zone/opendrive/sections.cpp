@@ -73,8 +73,8 @@ void Layer::add_parts(const Way& way, std::vector<Section> sections, double leng
     if (i > 0) part.name += '.' + std::to_string(i + 1);
     if (i + 1 < sections.size()) part.next.push_back(static_cast<SectionId>(parts_.size() + 1));
     // Limits begin where sections do, so any place well inside tells.
-    const double share = (before_m + 0.5 * part.section.length_m()) / length_m;
-    const double s = way.curve.from() + way.curve.span() * (way.curve.forward() ? share : 1.0 - share);
+    const double ratio = (before_m + 0.5 * part.section.length_m()) / length_m;
+    const double s = way.curve.from() + way.curve.span() * (way.curve.forward() ? ratio : 1.0 - ratio);
     if (const auto limit = limit_at(way, s)) part.speed_mps_max = scale_ * *limit;
     before_m += part.section.length_m();
     parts_.push_back(std::move(part));

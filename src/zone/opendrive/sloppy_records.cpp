@@ -6,10 +6,10 @@
 namespace cosiva::zone::opendrive {
 namespace {
 
-constexpr double gap_share = 0.02;        // of a record's length
+constexpr double gap_ratio = 0.02;        // of a record's length
 constexpr double kink_least_rad = 0.02;   // a polygon's corner
 constexpr double kink_times_m = 1.0;      // beyond, a curve through the corners would bulge by more than 8 cm
-constexpr double length_share_max = 0.2;  // by which a record's length may change
+constexpr double length_ratio_max = 0.2;  // by which a record's length may change
 
 struct Joint {
   Pose2 left;
@@ -25,7 +25,7 @@ Pose2 pose_of(const Jet& jet) { return {jet.p.x_m, jet.p.y_m, jet.heading_rad()}
 
 bool sloppy(const Joint& joint, double arc_m) {
   const double kink = std::fabs(joint.kink_rad());
-  return joint.gap_m() > gap_share * arc_m || (kink > kink_least_rad && kink * arc_m < kink_times_m);
+  return joint.gap_m() > gap_ratio * arc_m || (kink > kink_least_rad && kink * arc_m < kink_times_m);
 }
 
 /// Of the circle through three places, in the middle one. A file's own headings there are as sloppy as its places: some
@@ -34,8 +34,8 @@ double heading_through(const Pose2& before, const Pose2& at, const Pose2& after)
   const double first = det_atan2(at.y_m - before.y_m, at.x_m - before.x_m);
   const double turn = wrap_angle(det_atan2(after.y_m - at.y_m, after.x_m - at.x_m) - first);
   const double length_before = distance(before, at);
-  const double share = length_before / std::max(length_before + distance(at, after), 1e-9);
-  return first + share * turn;
+  const double ratio = length_before / std::max(length_before + distance(at, after), 1e-9);
+  return first + ratio * turn;
 }
 
 /// A cubic from pose to pose, all but an arc where an arc leads there.
@@ -83,7 +83,7 @@ void redraw_sloppy_records(const std::vector<const Geometry*>& plan, std::vector
   for (std::size_t i = 0; i < records.size(); ++i) {
     if (!redrawn[i]) continue;
     auto curve = curve_between(places[i], places[i + 1]);
-    if (!curve || std::fabs(curve->length() - records[i].arc) > length_share_max * records[i].arc) continue;
+    if (!curve || std::fabs(curve->length() - records[i].arc) > length_ratio_max * records[i].arc) continue;
     records[i].slack += std::fabs(curve->length() - records[i].arc);
     records[i].arc = curve->length();
     records[i].path = std::move(*curve);

@@ -42,7 +42,7 @@ class Rtm {
   [[nodiscard]] const CircuitFactory& circuit_factory() const { return *factory_; }
   [[nodiscard]] const ZoneConfiguration& configuration() const { return configuration_; }
   [[nodiscard]] const TrafficZone& zone() const { return *zone_; }
-  [[nodiscard]] std::shared_ptr<const TrafficZone> share_zone() const { return zone_; }
+  [[nodiscard]] std::shared_ptr<const TrafficZone> shared_zone() const { return zone_; }
 
  private:
   Rtm() = default;

@@ -362,7 +362,7 @@ TEST(Rtm, keeps_the_configuration_and_names_its_factory) {
   EXPECT_EQ(rtm->circuit_factory().format(), "toml");
   EXPECT_EQ(rtm->configuration().text, straight);
   EXPECT_EQ(rtm->zone().circuit.size(), 1U);
-  EXPECT_EQ(rtm->share_zone().get(), &rtm->zone());
+  EXPECT_EQ(rtm->shared_zone().get(), &rtm->zone());
 }
 
 TEST(Rtm, of_an_unknown_format_names_the_known_ones) {

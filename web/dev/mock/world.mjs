@@ -100,12 +100,12 @@ export class World extends Motion {
     const drift = real.reduce((most, aiv) => Math.max(most, aiv.drift), 0);
     const done = this.commands.filter((command) => command.state === 'materialised');
     return {
-      physical: real.length, virtual: real.length, matched: real.length, matched_share: 1, orphans: [], augmented: this.aivs.length - real.length + this.virtualObjects.length,
+      physical: real.length, virtual: real.length, matched: real.length, matched_ratio: 1, orphans: [], augmented: this.aivs.length - real.length + this.virtualObjects.length,
       divergence_m: statistics(drift * 0.7, Math.max(0.0112, drift), 48_000), divergence_rad: statistics(0.004, 0.02, 48_000), age_ms: statistics(54, lost ? 1800 : 108, 48_000),
       commands: { issued: this.commands.length, accepted: this.commands.filter((c) => c.accepted_ms !== null).length, materialised: done.length, failed: this.commands.filter((c) => c.state === 'failed').length, latency_ms: statistics(done.length ? 480 : 0, done.length ? 910 : 0, done.length) },
       events: { count: 412, latency_ms: statistics(48, 131, 412), by_kind: { arrival: 4, tag: 380, obstacle: 9, stop: 19, battery: 0 } },
       effects: { perceived_ms: statistics(18, 41, 37), brakes_ms: statistics(21, 44, 12), shown_ms: statistics(62, 97, 5) },
-      held_share: lost ? 0.981 : 0.9994, contract: { divergence_p99_m: 0.03, age_p99_ms: 150, command_p99_ms: 2000, event_p99_ms: 500, effect_p99_ms: 200 },
+      held_ratio: lost ? 0.981 : 0.9994, contract: { divergence_p99_m: 0.03, age_p99_ms: 150, command_p99_ms: 2000, event_p99_ms: 500, effect_p99_ms: 200 },
     };
   }
   snapshot() {

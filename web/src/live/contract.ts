@@ -199,7 +199,7 @@ export interface Bijection {
   physical: number;
   virtual: number;
   matched: number;
-  matched_share: number;
+  matched_ratio: number;
   orphans: readonly { side: 'physical' | 'virtual'; id: string }[];
   /** discrepancies found by the camera above the zone; absent if the server has no camera */
   findings?: readonly { kind: 'no twin' | 'not detected' | 'no detection'; id: string; text: string; since_ms: number }[];
@@ -214,7 +214,7 @@ export interface Bijection {
   effects: { perceived_ms: Statistics; brakes_ms: Statistics; shown_ms: Statistics };
   events: { count: number; latency_ms: Statistics; by_kind: Readonly<Record<string, number>> };
   /** ratio of the time in which the whole contract was kept, 0…1 */
-  held_share: number;
+  held_ratio: number;
   /** the limits in force; absent: the page assumes the defaults */
   contract?: Partial<ContractLimits>;
 }
@@ -275,7 +275,7 @@ export interface BatteryTest {
   /** charge at which a run ends [%] */
   floor: number;
   /** progress from full charge to the floor, over the vehicles of this run, 0…1 */
-  share: number;
+  progress: number;
   expectedEnd_ms: number | null;
   done: boolean;
   vehicles: readonly BatterySlot[];

@@ -6,10 +6,10 @@ const statistics = (p99: number, count = 100) => ({ count, mean: p99 / 3, p50: p
 
 function bijection(change: Partial<Bijection> = {}): Bijection {
   return {
-    physical: 4, virtual: 4, matched: 4, matched_share: 1, orphans: [],
+    physical: 4, virtual: 4, matched: 4, matched_ratio: 1, orphans: [],
     divergence_m: statistics(0.012), divergence_rad: statistics(0.02), age_ms: statistics(110),
     commands: { issued: 2, accepted: 2, materialised: 2, failed: 0, latency_ms: statistics(640, 2) },
-    events: { count: 10, latency_ms: statistics(90, 10), by_kind: {} }, held_share: 1, augmented: 0,
+    events: { count: 10, latency_ms: statistics(90, 10), by_kind: {} }, held_ratio: 1, augmented: 0,
     effects: { perceived_ms: statistics(8, 10), brakes_ms: statistics(9, 10), shown_ms: statistics(80, 10) }, ...change,
   };
 }

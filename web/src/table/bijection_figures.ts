@@ -31,7 +31,7 @@ export function figures_of(bijection: Bijection): Figure[] {
       key: 'matched',
       label: 'Matched',
       value: `${bijection.matched} / ${expected}`,
-      detail: `${format.share(bijection.matched_share)} of the time`,
+      detail: `${format.share(bijection.matched_ratio)} of the time`,
       limit: 'each has one twin',
       verdict: judge(expected, bijection.matched === expected && bijection.orphans.length === 0),
     },

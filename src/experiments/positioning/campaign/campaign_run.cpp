@@ -8,7 +8,7 @@ namespace cosiva::experiments {
 namespace {
 
 /// Units of one rank in one round, at most: a letter stays small, and all ranks agree often.
-constexpr std::size_t share_max = 4096;
+constexpr std::size_t ratio_max = 4096;
 constexpr char error_mark = '!';
 constexpr char part_mark = '\x1f';
 
@@ -87,16 +87,16 @@ void CampaignRun::record_done(const std::vector<bool>& finished) {
   });
 }
 
-std::vector<std::size_t> CampaignRun::share() const {
+std::vector<std::size_t> CampaignRun::ratio() const {
   std::vector<std::size_t> mine;
-  for (std::size_t i = ranks_->rank(); i < left_.size() && mine.size() < share_max; i += ranks_->size())
+  for (std::size_t i = ranks_->rank(); i < left_.size() && mine.size() < ratio_max; i += ranks_->size())
     mine.push_back(left_[i]);
   return mine;
 }
 
 Result<bool> CampaignRun::advance(Workers& workers, const TimeIsUp& time_is_up, const Keep& keep) {
   if (left_.empty()) return false;
-  const std::vector<std::size_t> mine = share();
+  const std::vector<std::size_t> mine = ratio();
   std::vector<std::optional<UnitRecord>> records(mine.size());
   std::vector<std::optional<Error>> faults(mine.size());
   workers.for_each(mine.size(), [&](std::size_t i) {

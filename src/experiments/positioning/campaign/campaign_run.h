@@ -42,7 +42,7 @@ class CampaignRun {
 
  private:
   CampaignRun(const CampaignWork& work, Ranks& ranks) : work_{&work}, ranks_{&ranks} {}
-  [[nodiscard]] std::vector<std::size_t> share() const;
+  [[nodiscard]] std::vector<std::size_t> ratio() const;
   void record_done(const std::vector<bool>& finished);
   [[nodiscard]] Result<void> tell(const std::vector<std::optional<UnitRecord>>& mine, const std::optional<Error>& fault,
                                   const Keep& keep);

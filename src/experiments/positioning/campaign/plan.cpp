@@ -17,7 +17,7 @@ constexpr std::array<SweptInfo, swept_count> infos{{
     {"speed_mps", "speed [m/s]", "metres per second over 0, at most 100", 0.0, 100.0, false, 0.5},
     {"odometry_noise_m", "odometry noise after 1 m [m]", "metres from 0 to 10", 0.0, 10.0, true, 0.01},
     {"reading_noise_m", "reading noise [m]", "metres over 0, at most 10", 0.0, 10.0, false, 0.01},
-    {"missed_share", "missed reads [share]", "a share from 0 to 0.99", 0.0, 0.99, true, 0.0},
+    {"missed_ratio", "missed reads [share]", "a share from 0 to 0.99", 0.0, 0.99, true, 0.0},
     {"scale_error", "odometer's scale error [share]", "a share from 0 to 0.5", 0.0, 0.5, true, 0.0},
     {"survey_error_m", "survey error [m]", "metres from 0 to 10", 0.0, 10.0, true, 0.0},
     {"rotation_deg", "grid's rotation [°]", "degrees from -360 to 360", -360.0, 360.0, true, 0.0},

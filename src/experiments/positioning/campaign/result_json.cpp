@@ -50,8 +50,8 @@ void write_cell(JsonWriter& json, const CampaignPlan& plan, const CellFigures& c
   write(json, "rmse_m", cell.rmse_m);
   write(json, "p95_m", cell.p95_m);
   json.field("limit_m", cell.limit_m).field("gap_percent", cell.gap_percent).field("leak", cell.leak);
-  json.field("mean_m", cell.mean_m).field("max_m", cell.max_m).field("precision_share", cell.precision);
-  json.field("covered95_share", cell.covered).field("nees", cell.nees).field("refused_readings", cell.refused);
+  json.field("mean_m", cell.mean_m).field("max_m", cell.max_m).field("precision_ratio", cell.precision);
+  json.field("covered95_ratio", cell.covered).field("nees", cell.nees).field("refused_readings", cell.refused);
   json.field("spacing_m", cell.marks.spacing_m).field("longest_unread_m", cell.marks.longest_unread_m).end_object();
 }
 

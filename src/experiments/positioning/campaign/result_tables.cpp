@@ -62,8 +62,8 @@ Table runs_table(const CampaignResult& result) {
   number("mean_m", [](const Vote& vote) { return vote.mean_m; });
   number("p95_m", [](const Vote& vote) { return vote.p95_m; });
   number("max_m", [](const Vote& vote) { return vote.max_m; });
-  number("precision_share", [](const Vote& vote) { return vote.precision; });
-  number("covered95_share", [](const Vote& vote) { return vote.covered; });
+  number("precision_ratio", [](const Vote& vote) { return vote.precision; });
+  number("covered95_ratio", [](const Vote& vote) { return vote.covered; });
   number("nees", [](const Vote& vote) { return vote.nees; });
   number("refused_readings", [](const Vote& vote) { return vote.refused; });
   return table;
@@ -92,8 +92,8 @@ Table cells_table(const CampaignResult& result) {
   number("p95_low_m", [](const CellFigures& c) { return c.p95_m.interval ? c.p95_m.interval->low : nan; });
   number("p95_high_m", [](const CellFigures& c) { return c.p95_m.interval ? c.p95_m.interval->high : nan; });
   number("max_m", [](const CellFigures& c) { return c.max_m; });
-  number("precision_share", [](const CellFigures& c) { return c.precision; });
-  number("covered95_share", [](const CellFigures& c) { return c.covered; });
+  number("precision_ratio", [](const CellFigures& c) { return c.precision; });
+  number("covered95_ratio", [](const CellFigures& c) { return c.covered; });
   number("nees", [](const CellFigures& c) { return c.nees; });
   number("refused_readings", [](const CellFigures& c) { return c.refused; });
   number("spacing_m", [](const CellFigures& c) { return c.marks.spacing_m; });

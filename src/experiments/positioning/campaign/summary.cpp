@@ -178,8 +178,8 @@ Crossing crossing_of(const std::vector<double>& x, const std::vector<double>& y,
     if (meets(y[i])) continue;
     const bool powers = x[i - 1] > 0.0 && y[i - 1] > 0.0 && std::isfinite(y[i]);
     if (!powers) return {Crossing::Where::at, x[i - 1]};
-    const double share = det_log(tolerance / y[i - 1]) / det_log(y[i] / y[i - 1]);
-    return {Crossing::Where::at, x[i - 1] * det_exp(share * det_log(x[i] / x[i - 1]))};
+    const double ratio = det_log(tolerance / y[i - 1]) / det_log(y[i] / y[i - 1]);
+    return {Crossing::Where::at, x[i - 1] * det_exp(ratio * det_log(x[i] / x[i - 1]))};
   }
   return {Crossing::Where::over, x.back()};
 }

@@ -73,7 +73,7 @@ TEST(Tables, of_a_campaign_have_units_in_their_names_and_a_row_for_each_vote) {
   const CampaignSummary summary = sum_up(work, records, alone);
   const CampaignResult result{work, records, summary};
   const std::string runs = to_csv(runs_table(result));
-  EXPECT_TRUE(runs.starts_with("cell,run,seed,speed_mps,odometry_noise_m,reading_noise_m,missed_share,")) << runs;
+  EXPECT_TRUE(runs.starts_with("cell,run,seed,speed_mps,odometry_noise_m,reading_noise_m,missed_ratio,")) << runs;
   EXPECT_EQ(std::ranges::count(runs, '\n'), 61);
   EXPECT_EQ(std::ranges::count(to_csv(cells_table(result)), '\n'), 13);
   const auto bytes =

@@ -24,7 +24,7 @@ inline CampaignGround lacet4() {
     text << file.rdbuf();
     auto rtm = zone::Rtm::initialise({"toml", path, text.str(), {}});
     EXPECT_TRUE(rtm) << to_string(rtm.error());
-    return rtm->share_zone();
+    return rtm->shared_zone();
   }();
   auto track = estimation::Track::of_ring(std::shared_ptr<const zone::Circuit>(zone, &zone->circuit));
   EXPECT_TRUE(track) << to_string(track.error());

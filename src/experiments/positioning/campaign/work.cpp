@@ -143,7 +143,7 @@ Simulation CampaignWork::bare(const SweptValues& values) const {
   simulation.odometry_hz = plan_.rate_hz;
   simulation.speed_mps = value_of(values, Swept::speed);
   simulation.pitch_m = value_of(values, Swept::pitch);
-  simulation.read_share = 1.0 - value_of(values, Swept::missed);
+  simulation.read_ratio = 1.0 - value_of(values, Swept::missed);
   simulation.survey_sigma_m = value_of(values, Swept::survey_error);
   simulation.scale_sigma = value_of(values, Swept::scale_error);
   const double odometry_m = value_of(values, Swept::odometry_noise);

@@ -58,7 +58,7 @@ TEST(CampaignWork, of_another_plan_has_another_identity_and_a_tolerance_does_not
   EXPECT_NE(identity("seed = 2\n" + small_plan), plain);
   EXPECT_NE(identity(small_plan + "reading_noise_m = 0.02\n"), plain);
   CampaignGround other = lacet4();
-  auto track = estimation::Track::make(other.track->share_circuit(), {0}, false);
+  auto track = estimation::Track::make(other.track->shared_circuit(), {0}, false);
   ASSERT_TRUE(track);
   other.track = std::make_shared<const estimation::Track>(std::move(*track));
   const auto work = CampaignWork::make(plan_of("way_m = 0.5\n[vary]\n"), other);

@@ -17,7 +17,7 @@ double mean_square(const std::vector<double>& values) {
 }
 
 /// Of two dimensions: 1 − e^(−x/2) = p.
-double region_limit(double share) { return -2.0 * det_log(1.0 - share); }
+double region_limit(double ratio) { return -2.0 * det_log(1.0 - ratio); }
 
 /// How many of the edges it is beyond: no search, whose branches nobody can foretell.
 std::size_t bin_of(double since_m) {
@@ -40,7 +40,7 @@ RunFigures figures_of(const Trial& trial, const Trace& trace, double threshold_m
   figures.mean_m = statistics::mean(trace.error_m);
   figures.mse_m2 = mean_square(trace.error_m);
   figures.variance_m2 = std::fmax(0.0, figures.mse_m2 - figures.mean_m * figures.mean_m);
-  figures.precision = statistics::share_below(trace.error_m, threshold_m);
+  figures.precision = statistics::ratio_below(trace.error_m, threshold_m);
   figures.max_m = *std::ranges::max_element(trace.error_m);
   figures.along_mse_m2 = mean_square(trace.along_m);
   figures.along_bias_m = statistics::mean(trace.along_m);
@@ -49,9 +49,9 @@ RunFigures figures_of(const Trial& trial, const Trace& trace, double threshold_m
   figures.heading_mse_rad2 =
       trial.heading_known ? mean_square(trace.heading_rad) : std::numeric_limits<double>::quiet_NaN();
   figures.nees = statistics::mean(trace.nees);
-  for (std::size_t i = 0; i < region_shares.size(); ++i)
+  for (std::size_t i = 0; i < region_ratios.size(); ++i)
     figures.covered[i] = std::isfinite(figures.nees)
-                             ? statistics::share_below(trace.nees, region_limit(region_shares[i]))
+                             ? statistics::ratio_below(trace.nees, region_limit(region_ratios[i]))
                              : std::numeric_limits<double>::quiet_NaN();
   figures.nis = statistics::mean(trace.nis);
   figures.nis_dimensions = trace.nis_dimensions;

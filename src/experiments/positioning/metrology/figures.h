@@ -24,7 +24,7 @@ struct Part {
 };
 
 /// Stated regions: within which of these shares the truth should lie.
-inline constexpr std::array region_shares{0.50, 0.90, 0.95};
+inline constexpr std::array region_ratios{0.50, 0.90, 0.95};
 /// Splits by the distance since the last mark: up to each of these, and beyond the last [m].
 inline constexpr std::array since_mark_m{0.1, 0.25, 0.5, 1.0, 2.0, 4.0};
 
@@ -40,7 +40,7 @@ struct RunFigures {
   double across_mse_m2{}, across_bias_m{};
   double heading_mse_rad2{};
   double nees{};  ///< mean; 2 where the stated covariance is honest
-  std::array<double, region_shares.size()> covered{};
+  std::array<double, region_ratios.size()> covered{};
   double nis{};                  ///< mean per dimension; 1 where innovations are as large as expected. NaN of none
   std::size_t nis_dimensions{};  ///< that this is the mean of
   std::size_t refused{};

@@ -243,9 +243,9 @@ LiveRuns::Progress LiveRuns::progress(SimTime now) const {
   double driven = static_cast<double>(complete_.size());
   for (const Slot& slot : slots_)
     if (slot.run) driven += std::fmin(slot.run->travelled_m() / options_.way_m, 1.0);
-  progress.share = driven / static_cast<double>(options_.runs);
-  if (began_ && progress.share > 0.0)
-    progress.left_s = to_seconds(now - *began_) * (1.0 - progress.share) / progress.share;
+  progress.ratio = driven / static_cast<double>(options_.runs);
+  if (began_ && progress.ratio > 0.0)
+    progress.left_s = to_seconds(now - *began_) * (1.0 - progress.ratio) / progress.ratio;
   return progress;
 }
 

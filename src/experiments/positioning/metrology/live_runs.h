@@ -72,7 +72,7 @@ class LiveRuns {
 
   struct Progress {
     std::size_t complete{};
-    double share{};  ///< of the way of all runs
+    double ratio{};  ///< of the way of all runs
     std::optional<double> left_s;
   };
   [[nodiscard]] Progress progress(SimTime now) const;

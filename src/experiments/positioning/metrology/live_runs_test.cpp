@@ -38,7 +38,7 @@ class Bench {
     auto made = World::make(world);
     EXPECT_TRUE(made);
     world_ = std::move(*made);
-    runs_.on_zone(zone::Rtm::initialise(world.zone)->share_zone());
+    runs_.on_zone(zone::Rtm::initialise(world.zone)->shared_zone());
     world_->tap([this](SimTime at, const std::string&, const wire::Publish& message) {
       for (const std::string& filter : runs_.subscriptions()) {
         if (wire::topic_matches(filter, message.topic) && !(deaf && deaf(message.topic)) && !random_.chance(loss_))
@@ -222,7 +222,7 @@ TEST(LiveRuns, that_are_given_up_keep_what_is_complete) {
   EXPECT_GT(progress.complete, 0U);
   EXPECT_LT(progress.complete, 5U);
   ASSERT_TRUE(progress.left_s);
-  EXPECT_NEAR(*progress.left_s, 12.0 * (1.0 - progress.share) / progress.share, 1.0);
+  EXPECT_NEAR(*progress.left_s, 12.0 * (1.0 - progress.ratio) / progress.ratio, 1.0);
   bench.runs().give_up();
   EXPECT_TRUE(bench.runs().done());
   EXPECT_THAT(bench.runs().take_runs(), SizeIs(progress.complete));
@@ -247,7 +247,7 @@ TEST(TruePose, between_two_fixes_goes_round_the_bend_and_is_none_outside_of_them
 }
 
 TEST(LivedRun, of_an_algorithm_that_diverged_says_so_and_the_others_keep_their_results) {
-  const auto zone = zone::Rtm::initialise(zone::testing::configuration_file("lacet4.toml"))->share_zone();
+  const auto zone = zone::Rtm::initialise(zone::testing::configuration_file("lacet4.toml"))->shared_zone();
   RunLog log{"run 1", aiv(1), 1, 500, 4};
   std::vector<TrueFix> ground_truth;
   wire::EstimateAnswer answer;

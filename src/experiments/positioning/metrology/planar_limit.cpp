@@ -44,9 +44,9 @@ std::vector<Pose2> drive_of(const Trial& run) {
   return drive;
 }
 
-Pose2 between(const Pose2& a, const Pose2& b, double share) {
-  return {a.x_m + share * (b.x_m - a.x_m), a.y_m + share * (b.y_m - a.y_m),
-          wrap_angle(a.heading_rad + share * wrap_angle(b.heading_rad - a.heading_rad))};
+Pose2 between(const Pose2& a, const Pose2& b, double ratio) {
+  return {a.x_m + ratio * (b.x_m - a.x_m), a.y_m + ratio * (b.y_m - a.y_m),
+          wrap_angle(a.heading_rad + ratio * wrap_angle(b.heading_rad - a.heading_rad))};
 }
 
 /// A step's F: one beside some entries of the pose's rows, and stations' biases that forget themselves.

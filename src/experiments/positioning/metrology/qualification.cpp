@@ -140,7 +140,7 @@ class Qualifying {
       one.across_bias_m += run.across_bias_m / n;
       one.nees += run.nees / n;
       one.refused += run.refused;
-      for (std::size_t k = 0; k < region_shares.size(); ++k) one.covered[k] += run.covered[k] / n;
+      for (std::size_t k = 0; k < region_ratios.size(); ++k) one.covered[k] += run.covered[k] / n;
       if (std::isfinite(run.nis)) {
         one.nis += run.nis;
         one.nis_dimensions += run.nis_dimensions;

@@ -66,7 +66,7 @@ struct Qualified {
   double along_rmse_m{}, along_bias_m{}, across_rmse_m{}, across_bias_m{}, heading_rmse_rad{};
   double nees{};
   statistics::Interval nees_band;  ///< in which 95 % of honest ones' means lie
-  std::array<double, region_shares.size()> covered{};
+  std::array<double, region_ratios.size()> covered{};
   double nis{};
   std::size_t nis_dimensions{};
   /// In which 95 % of honest ones' means lie; their innovations are independent. None where nobody states any.

@@ -78,10 +78,10 @@ double ReferenceBudget::total_m() const {
   return std::sqrt(squares);
 }
 
-double ReferenceBudget::share_percent(const ReferencePart& part) const {
+double ReferenceBudget::ratio_percent(const ReferencePart& part) const {
   const double all = total_m();
-  const double share = all > 0.0 ? part.uncertainty_m.value_or(0.0) / all : 0.0;
-  return 100.0 * share * share;
+  const double ratio = all > 0.0 ? part.uncertainty_m.value_or(0.0) / all : 0.0;
+  return 100.0 * ratio * ratio;
 }
 
 std::size_t ReferenceBudget::untold() const {
@@ -136,7 +136,7 @@ void write_fields(JsonWriter& json, const ReferenceBudget& budget) {
       json.value(*part.uncertainty_m);
     else
       json.null();
-    json.field("share_percent", budget.share_percent(part)).field("source", part.source).end_object();
+    json.field("share_percent", budget.ratio_percent(part)).field("source", part.source).end_object();
   }
   json.end_array();
 }

@@ -23,7 +23,7 @@ struct ReferenceBudget {
   /// u: the root of the sum of squares of those that are told.
   [[nodiscard]] double total_m() const;
   /// Of u², in percent; 0 of what is not told.
-  [[nodiscard]] double share_percent(const ReferencePart& part) const;
+  [[nodiscard]] double ratio_percent(const ReferencePart& part) const;
   /// Parts that nobody has told: u is more than the total then.
   [[nodiscard]] std::size_t untold() const;
 };
@@ -40,7 +40,7 @@ struct ReferenceBudget {
 /// part and the field.
 [[nodiscard]] Result<ReferenceBudget> read_reference_budget(std::string_view text, const std::string& file);
 [[nodiscard]] std::string to_json(const ReferenceBudget& budget);
-/// As fields of an object that is open: uncertainty_m, untold, parts[] with name, uncertainty_m, share_percent, source.
+/// As fields of an object that is open: uncertainty_m, untold, parts[] with name, uncertainty_m, ratio_percent, source.
 void write_fields(JsonWriter& json, const ReferenceBudget& budget);
 /// "u 1.30 mm: floor fit 0.95, time stamp 0.25; not told: mounting".
 [[nodiscard]] std::string text_of(const ReferenceBudget& budget);

@@ -32,8 +32,8 @@ TEST(ReferenceBudget, is_the_root_of_the_sum_of_its_parts_squares) {
   EXPECT_NEAR(*budget->parts[1].uncertainty_m, 4e-3, 1e-15);
   EXPECT_NEAR(*budget->parts[2].uncertainty_m, 12e-3, 1e-15);
   EXPECT_NEAR(budget->total_m(), 13e-3, 1e-15);
-  EXPECT_NEAR(budget->share_percent(budget->parts[0]), 100.0 * 9.0 / 169.0, 1e-12);
-  EXPECT_EQ(budget->share_percent(budget->parts[3]), 0.0);
+  EXPECT_NEAR(budget->ratio_percent(budget->parts[0]), 100.0 * 9.0 / 169.0, 1e-12);
+  EXPECT_EQ(budget->ratio_percent(budget->parts[3]), 0.0);
   EXPECT_EQ(budget->untold(), 1U);
   EXPECT_EQ(text_of(*budget), "u 13 mm: floor fit 3, time stamp 4, tag height 12; not told: mounting");
   EXPECT_EQ(ReferenceBudget{}.total_m(), 0.0);

@@ -50,9 +50,9 @@ class Scale {
   }
   [[nodiscard]] double x(double metres) const {
     const double mm = std::clamp(1e3 * metres, ticks_.front(), ticks_.back());
-    const double share =
+    const double ratio =
         logarithmic_ ? det_log(mm / ticks_.front()) / det_log(ticks_.back() / ticks_.front()) : mm / ticks_.back();
-    return name_px + share * (width_px - name_px - gap_px);
+    return name_px + ratio * (width_px - name_px - gap_px);
   }
   [[nodiscard]] const std::vector<double>& ticks() const { return ticks_; }
   [[nodiscard]] bool logarithmic() const { return logarithmic_; }
@@ -80,10 +80,10 @@ std::string row_of(const Qualified& one, const Scale& scale, double y) {
            at(one.rmse_m.interval->low) + " " + px(y + row_px - 6.0) + "H" + at(one.rmse_m.interval->high) +
            "m0 -2v4\"/>";
   if (std::vector<double> rmse = rmse_of_runs(one); rmse.size() > 1) {
-    const auto share = [&](double p) { return at(statistics::percentile(rmse, p)); };
-    svg += "<path class=\"line c0\" d=\"M" + share(1e-9) + " " + middle + "H" + share(0.25) + "M" + share(0.75) + " " +
-           middle + "H" + share(1.0) + "M" + share(0.25) + " " + px(y + 4.0) + "H" + share(0.75) + "V" +
-           px(y + row_px - 12.0) + "H" + share(0.25) + "ZM" + share(0.5) + " " + px(y + 4.0) + "V" +
+    const auto ratio = [&](double p) { return at(statistics::percentile(rmse, p)); };
+    svg += "<path class=\"line c0\" d=\"M" + ratio(1e-9) + " " + middle + "H" + ratio(0.25) + "M" + ratio(0.75) + " " +
+           middle + "H" + ratio(1.0) + "M" + ratio(0.25) + " " + px(y + 4.0) + "H" + ratio(0.75) + "V" +
+           px(y + row_px - 12.0) + "H" + ratio(0.25) + "ZM" + ratio(0.5) + " " + px(y + 4.0) + "V" +
            px(y + row_px - 12.0) + "\"/>";
   }
   if (one.limit_m)

@@ -30,7 +30,7 @@ void write_optional(JsonWriter& json, std::string_view name, const std::optional
     json.null();
 }
 
-/// Points of the distribution of all errors, fifty at most: `share[i]` of them are at most `error_m[i]`.
+/// Points of the distribution of all errors, fifty at most: `ratio[i]` of them are at most `error_m[i]`.
 void write_cdf(JsonWriter& json, const statistics::Cdf& cdf) {
   const std::size_t points = std::min<std::size_t>(50, cdf.value.size());
   const auto write = [&](std::string_view key, const std::vector<double>& values) {
@@ -40,7 +40,7 @@ void write_cdf(JsonWriter& json, const statistics::Cdf& cdf) {
   };
   json.key("cdf").begin_object();
   write("error_m", cdf.value);
-  write("share", cdf.share);
+  write("ratio", cdf.ratio);
   json.end_object();
 }
 
@@ -75,8 +75,8 @@ void write_consistency(JsonWriter& json, const Qualified& one) {
   write_interval(json, "band_95", one.nees_band);
   json.field("inside_band", one.nees >= one.nees_band.low && one.nees <= one.nees_band.high).end_object();
   json.key("coverage").begin_array();
-  for (std::size_t k = 0; k < region_shares.size(); ++k)
-    json.begin_object().field("stated", region_shares[k]).field("covered", one.covered[k]).end_object();
+  for (std::size_t k = 0; k < region_ratios.size(); ++k)
+    json.begin_object().field("stated", region_ratios[k]).field("covered", one.covered[k]).end_object();
   json.end_array().key("nis").begin_object().field("mean_per_dimension", one.nis).field("expected", 1.0);
   json.field("dimensions", one.nis_dimensions);
   write_interval(json, "band_95", one.nis_band);

@@ -131,7 +131,7 @@ std::string error_over_way(const Qualification& all) {
 std::string distribution(const Qualification& all) {
   Chart chart{{"error [mm]", 0.0, {}}, {"share of iterations", 0.0, 1.0}, {}};
   for (const Qualified* one : drawn(all)) {
-    Series series{one->name, {}, one->cdf.share, Series::Form::steps};
+    Series series{one->name, {}, one->cdf.ratio, Series::Form::steps};
     for (const double v : one->cdf.value) series.x.push_back(1e3 * v);
     chart.series.push_back(std::move(series));
   }
@@ -208,7 +208,7 @@ void add_reference(Report& report, const Qualification& all) {
   std::vector<std::vector<std::string>> rows;
   for (const ReferencePart& part : budget.parts)
     rows.push_back({part.name, part.uncertainty_m ? mm(*part.uncertainty_m) : "not told",
-                    part.uncertainty_m ? readable(budget.share_percent(part), 1) : "–", part.source});
+                    part.uncertainty_m ? readable(budget.ratio_percent(part), 1) : "–", part.source});
   rows.push_back({"u, all together", mm(budget.total_m()), "100", "root of the sum of squares"});
   report.table({"part", "standard uncertainty [mm]", "share of u² [%]", "source"}, rows);
   report.paragraph("A difference below u is called unresolved, however often it is seen." +

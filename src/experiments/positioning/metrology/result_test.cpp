@@ -63,8 +63,8 @@ TEST(Result, as_json_has_what_programs_look_for) {
   EXPECT_NEAR(nis.find("band_95")->array()->back().number()[0], 1.0 + 1.96 * std::sqrt(2.0 / dimensions), 0.01);
   EXPECT_TRUE(nis.find("inside_band"));
   const auto& cdf = *algorithms[0].find("cdf");
-  ASSERT_EQ(cdf.find("share")->array()->size(), 50U);
-  EXPECT_EQ(cdf.find("share")->array()->back().number()[0], 1.0);
+  ASSERT_EQ(cdf.find("ratio")->array()->size(), 50U);
+  EXPECT_EQ(cdf.find("ratio")->array()->back().number()[0], 1.0);
   EXPECT_NEAR(cdf.find("error_m")->array()->back().number()[0], *algorithms[0].number("max_m"), 1e-7);
   const auto& interval = *algorithms[0].find("rmse_interval_m")->array();
   EXPECT_LT(*interval[0].number(), *algorithms[0].number("rmse_m"));

@@ -148,7 +148,7 @@ class Drive {
     }
     const double along = reader_.gaussian(0.0, simulation_.sensors.mark_along_sigma_m);
     const double across = reader_.gaussian(0.0, simulation_.sensors.mark_across_sigma_m);
-    if (simulation_.read_share < 1.0 && !reader_.chance(simulation_.read_share)) return;
+    if (simulation_.read_ratio < 1.0 && !reader_.chance(simulation_.read_ratio)) return;
     run_.events.emplace_back(Reading{number, told_M, {detected_B.x_m + along, detected_B.y_m + across}});
     mark_m_ = along_m_;
   }
@@ -181,7 +181,7 @@ Result<void> check(const Simulation& simulation) {
   if (!positive(simulation.speed_mps)) return fail("simulation.speed", "it has to move");
   if (!positive(simulation.odometry_hz)) return fail("simulation.odometry", "odometry is told at some rate");
   if (!positive(simulation.pitch_m)) return fail("simulation.pitch", "beacons lie at some distance");
-  if (!(simulation.read_share > 0.0 && simulation.read_share <= 1.0))
+  if (!(simulation.read_ratio > 0.0 && simulation.read_ratio <= 1.0))
     return fail("simulation.reads", "the share of beacons that are read lies in (0, 1]");
   if (!(simulation.sensors.mark_along_sigma_m > 0.0)) return fail("simulation.reader", "no reader is without error");
   if (simulation.way_m / simulation.speed_mps * simulation.odometry_hz < 1.0)

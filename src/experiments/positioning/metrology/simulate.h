@@ -27,7 +27,7 @@ struct Simulation {
   };
   std::vector<Mark> marks{};          ///< sorted by along_m; empty: by pitch
   bool marks_only{false};             ///< `marks` are all there are, even where there are none
-  double read_share{1.0};             ///< of beacons passed, those that are read
+  double read_ratio{1.0};             ///< of beacons passed, those that are read
   double survey_sigma_m{0.0};         ///< how far off a beacon lies from where it is said to lie: the same every time
   double scale_sigma{0.0};            ///< of the odometer's scale, one draw per run
   bool turns{true};                   ///< odometry tells turns too; who follows a line needs none

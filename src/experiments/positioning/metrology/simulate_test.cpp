@@ -109,7 +109,7 @@ TEST(Simulated, missed_reads_cost_what_the_bound_says_at_least) {
   simulation.way_m = 2000.0;
   simulation.odometry_hz = 20.0;
   simulation.turns = false;
-  simulation.read_share = 0.7;
+  simulation.read_ratio = 0.7;
   simulation.sensors.line_sigma_m = 0.0;
   Trial run;
   simulate(simulation, 1, run);
@@ -152,7 +152,7 @@ TEST(Simulation, refuses_what_cannot_be) {
   EXPECT_EQ(code([](Simulation& s) { s.way_m = -1.0; }), "simulation.way");
   EXPECT_EQ(code([](Simulation& s) { s.way_m = 0.001; }), "simulation.way");
   EXPECT_EQ(code([](Simulation& s) { s.speed_mps = std::nan(""); }), "simulation.speed");
-  EXPECT_EQ(code([](Simulation& s) { s.read_share = 1.5; }), "simulation.reads");
+  EXPECT_EQ(code([](Simulation& s) { s.read_ratio = 1.5; }), "simulation.reads");
   EXPECT_EQ(code([](Simulation& s) { s.way_m = 1e8; }), "simulation.length");
   EXPECT_EQ(code([](Simulation& s) { s.track = nullptr; }), "simulation.track");
 }

@@ -160,7 +160,7 @@ TEST(RecordedStatistics, mower_whose_odometry_is_silent_for_20_s_nine_times_is_f
     ASSERT_TRUE(apply(**registry.make(name, trial->setting), *trial, trace));
     // Believing that it stood still meanwhile they were 20 m off, and their regions covered 26 and 5 %.
     EXPECT_LT(statistics::root_mean_square(trace.error_m), rmse_m) << name;
-    EXPECT_GE(statistics::share_below(trace.nees, 5.991), 0.88) << name;
+    EXPECT_GE(statistics::ratio_below(trace.nees, 5.991), 0.88) << name;
   }
 }
 

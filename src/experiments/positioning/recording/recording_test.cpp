@@ -252,7 +252,7 @@ Outcome outcome_of(const Trial& trial, const std::string& name) {
   Trace trace;
   apply(**registry.make(name, trial.setting), trial, trace);
   // Two degrees of freedom: 95 % lie under 5.991.
-  return {statistics::root_mean_square(trace.error_m), statistics::share_below(trace.nees, 5.991)};
+  return {statistics::root_mean_square(trace.error_m), statistics::ratio_below(trace.nees, 5.991)};
 }
 
 Trial trial_of(const std::string& path) {

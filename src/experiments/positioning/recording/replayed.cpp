@@ -66,13 +66,13 @@ class Mixer {
  private:
   void roll(const Recording::Step& step, double from_s, double to_s) {
     if (!(to_s > from_s)) return;
-    const double share = (to_s - from_s) / step.duration_s;
-    trial_.events.emplace_back(estimation::Odometry{share * step.distance_m, share * step.turn_rad, to_s - from_s,
-                                                    share * step.distance_variance_m2, share * step.turn_variance_rad2,
-                                                    share * step.left_m});
+    const double ratio = (to_s - from_s) / step.duration_s;
+    trial_.events.emplace_back(estimation::Odometry{ratio * step.distance_m, ratio * step.turn_rad, to_s - from_s,
+                                                    ratio * step.distance_variance_m2, ratio * step.turn_variance_rad2,
+                                                    ratio * step.left_m});
     const double way_m = step.left_m != 0.0 ? norm(step.distance_m, step.left_m) : std::fabs(step.distance_m);
-    since_m_ += share * way_m;
-    travelled_m_ += share * way_m;
+    since_m_ += ratio * way_m;
+    travelled_m_ += ratio * way_m;
   }
   [[nodiscard]] Result<Point2> surveyed(std::uint32_t beacon) const {
     const auto found = recording_.beacons.find(beacon);

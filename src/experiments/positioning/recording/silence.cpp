@@ -28,9 +28,9 @@ class Habit {
     both_ += expected * counted;
     counted_2_ += squared(counted);
   }
-  [[nodiscard]] double share() const { return expected_2_ > 0.0 ? std::clamp(both_ / expected_2_, 0.0, 1.0) : 0.0; }
+  [[nodiscard]] double ratio() const { return expected_2_ > 0.0 ? std::clamp(both_ / expected_2_, 0.0, 1.0) : 0.0; }
   [[nodiscard]] double variance() const {
-    const double left = counted_2_ - 2.0 * share() * both_ + squared(share()) * expected_2_;
+    const double left = counted_2_ - 2.0 * ratio() * both_ + squared(ratio()) * expected_2_;
     return count_ > 0 ? std::fmax(left, 0.0) / static_cast<double>(count_) : 0.0;
   }
   [[nodiscard]] std::size_t count() const { return count_; }
@@ -63,8 +63,8 @@ class Habits {
     const double way_m = 0.5 * (before.speed_mps + after.speed_mps) * lasts_s;
     const double turn_rad = 0.5 * (before.turn_radps + after.turn_radps) * lasts_s;
     if (way.count() >= enough) {
-      step.distance_m = way.share() * way_m;
-      step.turn_rad = turn.share() * turn_rad;
+      step.distance_m = way.ratio() * way_m;
+      step.turn_rad = turn.ratio() * turn_rad;
       step.distance_variance_m2 = way.variance();
       step.turn_variance_rad2 = turn.variance();
     } else {

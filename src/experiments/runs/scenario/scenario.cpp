@@ -23,7 +23,7 @@ constexpr Range duration_range_s{"seconds over 0, at most 1000000", 0.0, 1e6, fa
 constexpr Range radius_range_m{"a radius from 0.02 to 1 m", 0.02, 1.0};
 constexpr Range walk_mps{"a speed over 0 m/s, at most 3 m/s", 0.0, 3.0, false};
 constexpr Range section_s_m{"metres along the section, from 0", 0.0, 1e5};
-constexpr Range share{"a share from 0 to 1, such as 0.3", 0.0, 1.0};
+constexpr Range ratio{"a share from 0 to 1, such as 0.3", 0.0, 1.0};
 
 constexpr double virtual_object_radius_m = 0.05;
 
@@ -215,7 +215,7 @@ class Reader {
     fields.expect_only({"vehicle", "loss", "for_s"});
     const std::string name = fields.text("vehicle", 130);
     const std::string vehicle = vehicle_id(fields, "vehicle", name);
-    const double loss = fields.number("loss", share);
+    const double loss = fields.number("loss", ratio);
     const auto command = [&](double part) {
       JsonWriter json;
       json.begin_object().field("command", "radio").field("vehicle", vehicle).field("loss", part).end_object();

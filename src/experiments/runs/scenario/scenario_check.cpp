@@ -109,7 +109,7 @@ class Checker {
     auto rtm = configuration ? zone::Rtm::initialise(std::move(*configuration))
                              : Result<zone::Rtm>{tl::unexpected(configuration.error())};
     if (!rtm) return fault("switch", rtm.error().code, to_string(rtm.error()));
-    switched_to_ = rtm->share_zone();
+    switched_to_ = rtm->shared_zone();
     enter(*switched_to_);
   }
 

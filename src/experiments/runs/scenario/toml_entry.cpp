@@ -315,8 +315,8 @@ std::vector<double> Entry::spread(const Entry& fields, const Range& range, std::
   }
   std::vector<double> values;
   for (std::size_t i = 0; i < steps; ++i) {
-    const double share = static_cast<double>(i) / static_cast<double>(steps - 1);
-    values.push_back(log ? from * det_exp(share * det_log(to / from)) : from + share * (to - from));
+    const double ratio = static_cast<double>(i) / static_cast<double>(steps - 1);
+    values.push_back(log ? from * det_exp(ratio * det_log(to / from)) : from + ratio * (to - from));
   }
   values.back() = to;
   return values;

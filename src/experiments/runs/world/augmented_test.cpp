@@ -163,7 +163,7 @@ TEST(Augmented, a_virtual_AIV_put_before_a_physical_one_brakes_it_and_its_remova
   const JsonValue figures = bijection(*world);
   EXPECT_EQ(figures.number("physical"), 1.0);
   EXPECT_EQ(figures.number("virtual"), 1.0);
-  EXPECT_EQ(figures.number("matched_share"), 1.0) << "what is only virtual has no vehicle and owes none";
+  EXPECT_EQ(figures.number("matched_ratio"), 1.0) << "what is only virtual has no vehicle and owes none";
 }
 
 TEST(Augmented, virtual_and_physical_AIVs_circulate_together_and_never_touch) {

@@ -34,7 +34,7 @@ double driven_m(const World& world) {
 }
 
 /// How far a fleet drives in such a cycle, beside how far at the live pace.
-double share_driven(std::uint32_t aivs, SimDuration cycle) {
+double ratio_driven(std::uint32_t aivs, SimDuration cycle) {
   const auto live = world_with(fleet(aivs, std::nullopt));
   const auto slow = world_with(fleet(aivs, cycle));
   live->run_for(200s);
@@ -45,13 +45,13 @@ double share_driven(std::uint32_t aivs, SimDuration cycle) {
 }
 
 TEST(Cycle, at_ten_hertz_a_fleet_with_room_drives_as_far_as_at_the_live_pace) {
-  EXPECT_NEAR(share_driven(4, 100ms), 1.0, 0.005);
+  EXPECT_NEAR(ratio_driven(4, 100ms), 1.0, 0.005);
 }
 
 /// Where crossings are never free for long, every tenth of a second until somebody is heard to have left one counts.
 TEST(CycleStatistics, at_ten_hertz_a_crowded_fleet_loses_some_of_its_way_and_at_twenty_next_to_none) {
-  EXPECT_NEAR(share_driven(12, 100ms), 0.94, 0.04);
-  EXPECT_NEAR(share_driven(12, 50ms), 1.0, 0.04);
+  EXPECT_NEAR(ratio_driven(12, 100ms), 0.94, 0.04);
+  EXPECT_NEAR(ratio_driven(12, 50ms), 1.0, 0.04);
 }
 
 TEST(Cycle, at_ten_hertz_nobody_is_touched_among_persons_stops_and_lost_messages) {

@@ -30,7 +30,7 @@ class Unrest {
 
   Unrest(World& world, const zone::ZoneConfiguration& zone, std::uint64_t seed) : Unrest{world, zone, seed, Rates{}} {}
   Unrest(World& world, const zone::ZoneConfiguration& zone, std::uint64_t seed, Rates rates)
-      : world_{world}, zone_{zone::Rtm::initialise(zone)->share_zone()}, random_{seed, "unrest"}, rates_{rates} {}
+      : world_{world}, zone_{zone::Rtm::initialise(zone)->shared_zone()}, random_{seed, "unrest"}, rates_{rates} {}
 
   /// One second of the world, and what begins and ends in it.
   void second() {

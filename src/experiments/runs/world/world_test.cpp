@@ -43,7 +43,7 @@ TEST(World, four_AIVs_circulate_each_with_its_twin_and_none_collides) {
   EXPECT_EQ(figures.number("physical"), 4.0);
   EXPECT_EQ(figures.number("virtual"), 4.0);
   EXPECT_EQ(figures.number("matched"), 4.0);
-  EXPECT_GE(figures.number("matched_share").value_or(0.0), 0.999);
+  EXPECT_GE(figures.number("matched_ratio").value_or(0.0), 0.999);
   EXPECT_LE(number_at(figures, "divergence_m", "p99"), 0.03);
   EXPECT_LE(number_at(figures, "age_ms", "p99"), 150.0);
 }

@@ -102,7 +102,7 @@ SiteRun::SiteZone& SiteRun::site_zone_of(std::size_t zone) {
 Result<void> SiteRun::lay_ways() {
   if (options_.zones.empty() || options_.zones.size() != options_.plan.zones.size())
     return fail("site.options", "a site has zones, and each is given");
-  if (!(options_.away_share >= 0.0 && options_.away_share <= 1.0))
+  if (!(options_.away_ratio >= 0.0 && options_.away_ratio <= 1.0))
     return fail("site.options", "the share of jobs that lead away is from 0 to 1");
   std::map<std::string_view, std::size_t> index_of;
   for (const SitePlan::Zone& zone : options_.plan.zones) index_of.emplace(zone.name, index_of.size());
@@ -149,7 +149,7 @@ Result<TrafficOptions> SiteRun::options_of(std::size_t zone, std::uint32_t first
       poisson_jobs(*traffic.zone, options_.jobs_per_hour, options_.warm_up_s + options_.duration_s, random.next());
   if (!jobs) return tl::unexpected(jobs.error());
   for (Job& job : *jobs) {
-    if (exits.empty() || !random.chance(options_.away_share)) continue;
+    if (exits.empty() || !random.chance(options_.away_ratio)) continue;
     const auto exit = static_cast<std::uint32_t>(random.below(exits.size()));
     const auto stops = stops_of(*options_.zones[ways_[exits[exit]].to_zone]);
     if (stops.empty()) continue;
@@ -267,7 +267,7 @@ SiteFigures SiteRun::figures() const {
     mine.put(std::uint64_t{site_zone.index});
     for (const std::size_t count : {f.aivs, f.jobs_due, f.jobs_done, f.jobs_came, f.jobs_left, f.stuck})
       mine.put(std::uint64_t{count});
-    for (const double value : {f.distance_m, f.waiting_share, f.energy_wh, f.vehicle_s}) mine.put(value);
+    for (const double value : {f.distance_m, f.waiting_ratio, f.energy_wh, f.vehicle_s}) mine.put(value);
     mine.put(f.near_misses);
     mine.put(f.collisions);
     Digest digest;
@@ -294,7 +294,7 @@ SiteFigures SiteRun::figures() const {
       for (std::size_t* count : {&zone.aivs, &zone.jobs_due, &zone.jobs_done, &zone.came, &zone.left, &zone.stuck})
         *count = static_cast<std::size_t>(reader.take<std::uint64_t>());
       zone.distance_m = reader.take<double>();
-      zone.waiting_share = reader.take<double>();
+      zone.waiting_ratio = reader.take<double>();
       zone.energy_wh = reader.take<double>();
       vehicle_s += reader.take<double>();
       zone.near_misses = reader.take<std::uint64_t>();

@@ -20,7 +20,7 @@ struct SiteOptions : TrafficTerms {
   /// One for each of the plan's zones; zones of one file share theirs.
   std::vector<std::shared_ptr<const zone::TrafficZone>> zones;
   double jobs_per_hour{0.0};  ///< in each zone; 0: everybody circulates
-  double away_share{0.2};     ///< of jobs, that lead into a neighbouring zone, where there is one
+  double away_ratio{0.2};     ///< of jobs, that lead into a neighbouring zone, where there is one
 };
 
 /// Zones with passages, each zone stepped by one rank. Between two meetings of the ranks every zone is on its own: a

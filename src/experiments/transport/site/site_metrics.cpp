@@ -43,7 +43,7 @@ void write_json(JsonWriter& json, const SiteFigures& figures) {
     json.begin_object().field("name", zone.name).field("aivs", zone.aivs);
     json.field("jobs_due", zone.jobs_due).field("jobs_done", zone.jobs_done);
     json.field("came", zone.came).field("left", zone.left).field("distance_m", zone.distance_m);
-    json.field("waiting_share", zone.waiting_share).field("energy_wh", zone.energy_wh);
+    json.field("waiting_ratio", zone.waiting_ratio).field("energy_wh", zone.energy_wh);
     json.field("near_misses", zone.near_misses)
         .field("collisions", zone.collisions)
         .field("stuck", zone.stuck)
@@ -60,7 +60,7 @@ std::string to_text(const SiteFigures& figures) {
     text += "  " + zone.name + ": " + std::to_string(zone.aivs) + " AIVs at the end, " +
             std::to_string(zone.jobs_done) + " jobs done (" + std::to_string(zone.jobs_due) + " due here), " +
             std::to_string(zone.came) + " came, " + std::to_string(zone.left) + " left, waiting " +
-            readable(100.0 * zone.waiting_share, 1) + " %\n";
+            readable(100.0 * zone.waiting_ratio, 1) + " %\n";
   }
   return std::to_string(figures.zones.size()) + (figures.zones.size() == 1 ? " zone, " : " zones, ") +
          std::to_string(figures.aivs) + " AIVs (" + std::to_string(figures.in_transfer) +

@@ -19,7 +19,7 @@ struct SiteFigures {
     std::size_t came{};  ///< vehicles, from other zones
     std::size_t left{};
     double distance_m{};
-    double waiting_share{};
+    double waiting_ratio{};
     double energy_wh{};
     std::uint64_t near_misses{};
     std::uint64_t collisions{};

@@ -13,10 +13,10 @@ constexpr std::size_t drawn_most = 40;
 
 void add_waiting(Report& report, const std::vector<SiteFigures::Zone>& zones) {
   auto sorted = zones;
-  std::ranges::stable_sort(sorted, std::ranges::greater{}, &SiteFigures::Zone::waiting_share);
+  std::ranges::stable_sort(sorted, std::ranges::greater{}, &SiteFigures::Zone::waiting_ratio);
   Bars bars{"waiting [% of the time]", {}};
   for (std::size_t i = 0; i < std::min(drawn_most, sorted.size()); ++i)
-    bars.bars.push_back({sorted[i].name, 100.0 * sorted[i].waiting_share});
+    bars.bars.push_back({sorted[i].name, 100.0 * sorted[i].waiting_ratio});
   report.heading("Where they wait");
   report.figure(to_svg(bars), sorted.size() > drawn_most ? "The forty zones that wait most." : "By zone.");
 }
@@ -37,7 +37,7 @@ std::string to_html(const SiteFigures& figures, const std::string& command) {
     came += zone.came;
     rows.push_back({zone.name, std::to_string(zone.aivs), std::to_string(zone.jobs_due), std::to_string(zone.jobs_done),
                     std::to_string(zone.came), std::to_string(zone.left), readable(zone.distance_m / 1000.0, 2),
-                    readable(100.0 * zone.waiting_share, 1), readable(zone.energy_wh, 1),
+                    readable(100.0 * zone.waiting_ratio, 1), readable(zone.energy_wh, 1),
                     std::to_string(zone.near_misses), std::to_string(zone.collisions), std::to_string(zone.stuck)});
   }
   std::uint64_t near_misses = 0;

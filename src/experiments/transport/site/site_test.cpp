@@ -21,7 +21,7 @@ std::shared_ptr<const zone::TrafficZone> ready(const std::string& name) {
   text << file.rdbuf();
   auto rtm = zone::Rtm::initialise({"toml", path, text.str(), {}});
   EXPECT_TRUE(rtm) << to_string(rtm.error());
-  return rtm ? rtm->share_zone() : nullptr;
+  return rtm ? rtm->shared_zone() : nullptr;
 }
 
 SiteOptions site_of(const std::string& list, std::size_t aivs) {
@@ -33,7 +33,7 @@ SiteOptions site_of(const std::string& list, std::size_t aivs) {
   static const auto indus8 = ready("indus8");
   for (const auto& zone : options.plan.zones) options.zones.push_back(zone.file == "lacet4" ? lacet4 : indus8);
   options.jobs_per_hour = 120.0;
-  options.away_share = 0.5;
+  options.away_ratio = 0.5;
   options.duration_s = 900.0;
   options.rules = aiv::AgentRules::built_in();
   return options;

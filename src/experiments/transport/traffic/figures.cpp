@@ -27,8 +27,8 @@ Distribution distribution_of(std::vector<double> values) {
   double sum = 0.0;
   for (const double value : values) sum += value;
   const auto n = static_cast<double>(values.size());
-  const auto at = [&](double share) {
-    return values[static_cast<std::size_t>(std::max(0.0, std::ceil(share * n) - 1.0))];
+  const auto at = [&](double ratio) {
+    return values[static_cast<std::size_t>(std::max(0.0, std::ceil(ratio * n) - 1.0))];
   };
   return {values.size(), sum / n, at(0.5), at(0.9), at(0.99), values.back()};
 }
@@ -45,7 +45,7 @@ void write_json(JsonWriter& json, const TrafficFigures& f) {
   write(json, "time_s", f.lap_s);
   json.end_object();
   json.field("distance_m", f.distance_m).field("mean_speed_mps", f.mean_speed_mps).field("energy_wh", f.energy_wh);
-  json.field("waiting_share", f.waiting_share).field("busy_share", f.busy_share);
+  json.field("waiting_ratio", f.waiting_ratio).field("busy_ratio", f.busy_ratio);
   json.key("crossings").begin_array();
   for (const auto& crossing : f.crossings) {
     json.begin_object().field("name", crossing.name).field("grants", crossing.grants);
@@ -64,12 +64,12 @@ std::string to_text(const TrafficFigures& f) {
     text += "  jobs    " + std::to_string(f.jobs_done) + " of " + std::to_string(f.jobs_due) + " done, " +
             readable(f.jobs_per_hour, 1) + " an hour; due to done: " + spread_text(f.job_s) + "\n";
     text += "          fetched after " + spread_text(f.wait_s) + "; AIVs have one " +
-            readable(100.0 * f.busy_share, 1) + " % of their time\n";
+            readable(100.0 * f.busy_ratio, 1) + " % of their time\n";
   }
   if (!f.lap_s.empty())
     text += "  laps    " + readable(f.laps_per_hour, 1) + " an hour; " + spread_text(f.lap_s) + "\n";
   text += "  driven  " + readable(f.distance_m / 1000.0, 2) + " km at " + readable(f.mean_speed_mps, 3) +
-          " m/s on average; waiting " + readable(100.0 * f.waiting_share, 1) + " % of the time\n";
+          " m/s on average; waiting " + readable(100.0 * f.waiting_ratio, 1) + " % of the time\n";
   text += "  energy  " + readable(f.energy_wh, 1) + " Wh, " +
           readable(f.distance_m > 0.0 ? f.energy_wh / f.distance_m * 1000.0 : 0.0, 2) + " Wh a km\n";
   text += "  safety  " + std::to_string(f.collisions) + " collisions, " + std::to_string(f.near_misses) +

@@ -49,8 +49,8 @@ struct TrafficFigures {
   double distance_m{};
   double mean_speed_mps{};
   double energy_wh{};      ///< of all, by DriveEnergy
-  double waiting_share{};  ///< of all vehicle time
-  double busy_share{};     ///< with a job
+  double waiting_ratio{};  ///< of all vehicle time
+  double busy_ratio{};     ///< with a job
 
   struct Crossing {
     std::string name;

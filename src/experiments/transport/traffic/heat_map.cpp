@@ -21,8 +21,8 @@ struct Colour {
 // From hardly ever to always: evenly darker, so that it reads without colours, too.
 constexpr std::array<Colour, 5> scale{{{222, 230, 238}, {250, 214, 120}, {240, 140, 50}, {200, 50, 40}, {110, 10, 60}}};
 
-std::string colour_of(double share) {
-  const double at = std::clamp(share, 0.0, 1.0) * (scale.size() - 1.0);
+std::string colour_of(double ratio) {
+  const double at = std::clamp(ratio, 0.0, 1.0) * (scale.size() - 1.0);
   const auto low = std::min(static_cast<std::size_t>(at), scale.size() - 2);
   const double rest = at - static_cast<double>(low);
   const auto mix = [rest](double a, double b) { return std::to_string(std::lround(a + rest * (b - a))); };
@@ -31,7 +31,7 @@ std::string colour_of(double share) {
 }
 
 struct Cell {
-  double share;
+  double ratio;
   std::string path;
 };
 
@@ -121,14 +121,14 @@ std::string heat_map(const zone::TrafficZone& zone, const TrafficFigures& figure
     const auto& of_section = figures.cells[id];
     const auto& seconds = standing ? of_section.standing_s : of_section.occupied_s;
     for (std::size_t i = 0; i < seconds.size(); ++i) {
-      const double share = figures.duration_s > 0.0 ? seconds[i] / figures.duration_s : 0.0;
-      most = std::max(most, share);
+      const double ratio = figures.duration_s > 0.0 ? seconds[i] / figures.duration_s : 0.0;
+      most = std::max(most, ratio);
       const auto from = static_cast<double>(i);
-      cells.push_back({share, map.path(id, from * of_section.length_m, (from + 1.0) * of_section.length_m)});
+      cells.push_back({ratio, map.path(id, from * of_section.length_m, (from + 1.0) * of_section.length_m)});
     }
   }
   // What is driven over by several ways shows the worst of them.
-  std::ranges::stable_sort(cells, {}, &Cell::share);
+  std::ranges::stable_sort(cells, {}, &Cell::ratio);
   const double width = std::max(map.width_px(), 320.0);
   const double line_px = std::max(2.5, 0.9 * zone.vehicle.width_m * map.px_per_m());
   std::string svg = "<svg class=\"chart\" xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"heat map of " +
@@ -137,8 +137,8 @@ std::string heat_map(const zone::TrafficZone& zone, const TrafficFigures& figure
                     "\" font-family=\"system-ui, sans-serif\" font-size=\"13\" fill=\"none\" stroke-width=\"" +
                     readable(line_px, 1) + "\">";
   for (const Cell& cell : cells) {
-    svg += "<path d=\"" + cell.path + "\" stroke=\"" + colour_of(most > 0.0 ? cell.share / most : 0.0) + "\"><title>" +
-           readable(100.0 * cell.share, 2) + " %</title></path>";
+    svg += "<path d=\"" + cell.path + "\" stroke=\"" + colour_of(most > 0.0 ? cell.ratio / most : 0.0) + "\"><title>" +
+           readable(100.0 * cell.ratio, 2) + " %</title></path>";
   }
   svg += names(map, zone, figures);
   return svg + "<g stroke=\"none\">" + legend(map.height_px(), width, most, standing) + "</g></svg>";

@@ -19,7 +19,7 @@ closed = true
     text += std::string("[[section]]\nname = \"") + side + "_bend\"\nkind = \"arc\"\nradius_m = 1\nangle_deg = 180\n";
   }
   auto rtm = zone::Rtm::initialise({"toml", "yard.toml", text + more, {}});
-  return rtm ? rtm->share_zone() : nullptr;
+  return rtm ? rtm->shared_zone() : nullptr;
 }
 inline std::shared_ptr<const zone::TrafficZone> ring() {
   static const auto zone = zone_of("");

@@ -218,8 +218,8 @@ TrafficFigures TrafficRun::figures() const {
   const double work_j =
       e.rolling * e.mass_kg * gravity_mps2 * f.distance_m + 0.5 * e.mass_kg * (now.gained_m2ps2 - before_.gained_m2ps2);
   f.energy_wh = (e.standing_w * vehicle_s + work_j / e.efficiency) / 3600.0;
-  f.waiting_share = (now.waiting_s - before_.waiting_s) / vehicle_s;
-  f.busy_share = (now.busy_s - before_.busy_s) / vehicle_s;
+  f.waiting_ratio = (now.waiting_s - before_.waiting_s) / vehicle_s;
+  f.busy_ratio = (now.busy_s - before_.busy_s) / vehicle_s;
   for (std::size_t x = 0; x < now.crossings.size(); ++x) {
     const bool has_before = x < before_.crossings.size();
     f.crossings.push_back(

@@ -10,19 +10,19 @@
 namespace cosiva::experiments {
 namespace {
 
-std::string percent(double share) { return readable(100.0 * share, 1) + " %"; }
+std::string percent(double ratio) { return readable(100.0 * ratio, 1) + " %"; }
 
 std::vector<Report::Fact> facts_of(const TrafficFigures& f) {
   std::vector<Report::Fact> facts;
   if (f.jobs_due > 0) {
     facts.push_back({readable(f.jobs_per_hour, 1), "jobs an hour"});
     facts.push_back({readable(distribution_of(f.job_s).p50, 1) + " s", "job, median"});
-    facts.push_back({percent(f.busy_share), "of their time AIVs have a job"});
+    facts.push_back({percent(f.busy_ratio), "of their time AIVs have a job"});
   } else {
     facts.push_back({readable(f.laps_per_hour, 1), "laps an hour"});
     facts.push_back({readable(distribution_of(f.lap_s).p50, 1) + " s", "lap, median"});
   }
-  facts.push_back({percent(f.waiting_share), "of their time AIVs wait"});
+  facts.push_back({percent(f.waiting_ratio), "of their time AIVs wait"});
   facts.push_back({readable(f.mean_speed_mps, 3) + " m/s", "on average"});
   facts.push_back({readable(f.energy_wh, 1) + " Wh", "taken by all, roughly"});
   facts.push_back({std::to_string(f.collisions), "collisions", f.collisions > 0});

@@ -55,7 +55,7 @@ TEST(Traffic, of_one_that_circulates_is_laps_of_the_circuit_s_length_at_its_spee
   EXPECT_NEAR(lap_s, lap_m / f.mean_speed_mps, 1.01) << "samples come once a second";
   EXPECT_NEAR(f.laps_per_hour, 3600.0 / lap_s, 2.0);
   EXPECT_NEAR(f.distance_m, 3600.0 * f.mean_speed_mps, 1e-6);
-  EXPECT_LT(f.waiting_share, 0.01);
+  EXPECT_LT(f.waiting_ratio, 0.01);
   EXPECT_EQ(f.jobs_due, 0U);
   EXPECT_TRUE(f.good());
 }
@@ -76,7 +76,7 @@ TEST(Traffic, carries_jobs_one_after_the_other) {
   const TrafficFigures f = run.figures();
   EXPECT_EQ(f.jobs_done, 3U);
   EXPECT_EQ(f.jobs_open, 0U);
-  EXPECT_GT(f.busy_share, 0.2);
+  EXPECT_GT(f.busy_ratio, 0.2);
 }
 
 TEST(Traffic, gives_a_job_to_the_one_that_is_there_first) {
@@ -109,7 +109,7 @@ TEST(Traffic, on_a_real_zone_is_busy_safe_and_the_same_every_time) {
   const auto rtm = zone::Rtm::initialise(configuration);
   ASSERT_TRUE(rtm);
   const auto once = [&] {
-    TrafficOptions wanted = options(rtm->share_zone(), 6, 1800.0);
+    TrafficOptions wanted = options(rtm->shared_zone(), 6, 1800.0);
     wanted.jobs = *poisson_jobs(*wanted.zone, 60.0, 1920.0, 3);
     return run_of(wanted).figures();
   };

@@ -82,7 +82,7 @@ Result<void> ControlAreas::on_area(wire::AreaTopic topic, const wire::Input& inp
   const auto rtm = zone::Rtm::initialise(
       zone::from_payload(std::string(topic.rest.substr(zone.size())), input.source, input.payload));
   if (!rtm) return tl::unexpected(rtm.error());
-  area->second.zone = rtm->share_zone();
+  area->second.zone = rtm->shared_zone();
   return {};
 }
 

@@ -200,13 +200,13 @@ class ControlAreasFixture {
         const wire::Owner owner = *wire::owner_from_json(message.payload);
         if (wire::to_string(vehicle->id) == aiv1) owners.push_back(owner);
         // As our program does: the zone of its owner, as soon as it stands; here it stands.
-        const auto zone = zone::Rtm::initialise(zone_of.at(owner.area))->share_zone();
+        const auto zone = zone::Rtm::initialise(zone_of.at(owner.area))->shared_zone();
         if (vehicle->id.manufacturer == wire::our_manufacturer && vehicle->map_id != zone->name) vehicle->take(zone);
       }
     }
   }
 
-  std::shared_ptr<const zone::TrafficZone> floor_{zone::Rtm::initialise(area_file("floor"))->share_zone()};
+  std::shared_ptr<const zone::TrafficZone> floor_{zone::Rtm::initialise(area_file("floor"))->shared_zone()};
   std::deque<wire::Publish> queue_;
   std::uint64_t steps_{0};
 };
@@ -468,7 +468,7 @@ TEST(ControlAreas, drive_a_third_party_vehicle_over_as_well) {
   BenchVehicle& aiv = bench.add("AIV1", {0.3, 0.29289322, 0.0}, "CoSiVA");
   BenchVehicle& other = bench.add("R7", {2.0, -1.49289322, pi}, "Robots");
   for (const std::string name : {"area_a", "area_b"})
-    other.downloads.push_back(zone::Rtm::initialise(area_file(name))->share_zone());
+    other.downloads.push_back(zone::Rtm::initialise(area_file(name))->shared_zone());
   // Said once, while it is nobody's: whoever owns it later must know it all the same.
   wire::Factsheet factsheet;
   factsheet.header = other.header(bench.now, 0);

@@ -59,8 +59,8 @@ class ServerCore final : public wire::Core {
   [[nodiscard]] std::string zone_json() const;
   /// The moving picture's table, docs/protocols/hmi-api.md.
   [[nodiscard]] std::string snapshot_json() const;
-  /// The run's bijection figures (DESIGN §5): physical, virtual, matched, matched_share, orphans, divergence_m, age_ms,
-  /// commands, events, held_share.
+  /// The run's bijection figures (DESIGN §5): physical, virtual, matched, matched_ratio, orphans, divergence_m, age_ms,
+  /// commands, events, held_ratio.
   void write_bijection(JsonWriter& json) const;
   /// {"bijection":{…},"aivs":[…]…} at the end of a run.
   [[nodiscard]] std::string summary_json() const;

@@ -144,7 +144,7 @@ TEST(ServerCore, names_a_vehicle_that_does_not_know_its_place_as_an_orphan) {
   ASSERT_THAT(*figures.find("orphans")->array(), SizeIs(1));
   EXPECT_EQ((*figures.find("orphans")->array())[0].text("id"), "CoSiVA/AIV1");
   EXPECT_EQ((*figures.find("orphans")->array())[0].text("side"), "physical");
-  EXPECT_EQ(*figures.number("matched_share"), 0.0);
+  EXPECT_EQ(*figures.number("matched_ratio"), 0.0);
 }
 
 TEST(ServerCore, tells_how_late_its_machine_woke_it) {
@@ -201,7 +201,7 @@ class SlowReporter {
     }
   }
   void be_silent_for(SimDuration duration) { bench_.run_for(duration); }
-  [[nodiscard]] double lost_share() const {
+  [[nodiscard]] double lost_ratio() const {
     return static_cast<double>(steps_lost_) / static_cast<double>(steps_lost_ + steps_live_);
   }
   [[nodiscard]] bool lost() const { return *bench_.aiv("Acme/agv-7").flag("lost"); }
@@ -218,7 +218,7 @@ TEST(ServerCore, never_shows_a_vehicle_as_lost_that_keeps_to_a_slow_rate) {
     for (const double jitter_s : {0.0, 0.3 * period_s}) {
       SlowReporter vehicle;
       vehicle.report_for(60s, period_s, jitter_s);
-      EXPECT_EQ(vehicle.lost_share(), 0.0) << "a state every " << period_s << " s, give or take " << jitter_s;
+      EXPECT_EQ(vehicle.lost_ratio(), 0.0) << "a state every " << period_s << " s, give or take " << jitter_s;
     }
   }
 }
@@ -383,8 +383,8 @@ TEST(ServerCore, holds_the_bijection_of_a_driving_vehicle) {
   bench.add("AIV1", {0, 0.5});
   bench.run_for(60s);
   const JsonValue figures = bench.bijection();
-  EXPECT_EQ(*figures.number("matched_share"), 1.0);
-  EXPECT_GT(*figures.number("held_share"), 0.99);
+  EXPECT_EQ(*figures.number("matched_ratio"), 1.0);
+  EXPECT_GT(*figures.number("held_ratio"), 0.99);
   // At constant speed on the line the prediction is exact; only starts differ.
   EXPECT_LT(*figures.find("divergence_m")->number("p50"), 1e-3);
   EXPECT_LT(*figures.find("divergence_m")->number("p99"), 0.01);

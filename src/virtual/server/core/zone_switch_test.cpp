@@ -60,7 +60,7 @@ TEST(Switch, puts_vehicles_on_the_new_ways_where_they_stand_and_loses_no_twin) {
   EXPECT_THAT(*switched->find("parked")->array(), IsEmpty());
   EXPECT_LT(*switched->number("first_moving_ms"), 1000.0);
   EXPECT_TRUE(zone.find("refused")->is_null());
-  EXPECT_EQ(*bench.bijection().number("matched_share"), 1.0);
+  EXPECT_EQ(*bench.bijection().number("matched_ratio"), 1.0);
   const auto published = bench.published_on("cosiva/v1/zone/toml");
   ASSERT_FALSE(published.empty());
   EXPECT_TRUE(published.back().retained);
@@ -208,7 +208,7 @@ TEST(Switch, leads_a_vehicle_of_another_make_to_the_map_as_the_standard_says) {
     factsheet.actions.push_back({action, "", true, false, false, {}});
   bench.tell(agv, "factsheet", vda::encode(factsheet));
   bench.run_for(2s);
-  agv.downloads.push_back(zone::Rtm::initialise(moved_oval("yard", "0.02"))->share_zone());
+  agv.downloads.push_back(zone::Rtm::initialise(moved_oval("yard", "0.02"))->shared_zone());
   bench.ask(switch_to(moved_oval("yard", "0.02")));
   bench.run_for(15s);
   std::vector<std::string> asked;

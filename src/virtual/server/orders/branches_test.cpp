@@ -31,7 +31,7 @@ class Fork : public testing::Test {
   /// The last waypoint before the fork.
   [[nodiscard]] WaypointIndex before_fork() const { return map.behind({id("entry"), 1.0})->waypoint; }
 
-  WayMap map{zone::Rtm::initialise(fork())->share_zone()};
+  WayMap map{zone::Rtm::initialise(fork())->shared_zone()};
   Traffic traffic;
 };
 

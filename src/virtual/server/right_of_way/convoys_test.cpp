@@ -73,7 +73,7 @@ class ConvoyBench : public testing::Test {
   static constexpr double half_way_m = 0.35;
   static constexpr double at_exit_m = 0.728;  // all but out
 
-  WayMap map{zone::Rtm::initialise(zone_file("lacet4.toml"))->share_zone()};
+  WayMap map{zone::Rtm::initialise(zone_file("lacet4.toml"))->shared_zone()};
   Traffic traffic;
   SimTime now{virtual_epoch};
 };

@@ -20,7 +20,7 @@ constexpr double past_m = 0.25;
 /// Nearer to its stop line than this it stands, or nearly so, and has to speed up.
 constexpr double standing_before_m = 0.10;
 
-bool shares(const std::vector<CrossingIndex>& a, const std::vector<CrossingIndex>& b) {
+bool ratios(const std::vector<CrossingIndex>& a, const std::vector<CrossingIndex>& b) {
   return std::ranges::any_of(a, [&](CrossingIndex x) { return std::ranges::find(b, x) != b.end(); });
 }
 
@@ -278,7 +278,7 @@ bool Traffic::only_follows(VehicleIndex other, VehicleIndex self, const std::vec
   // On a ring everybody follows everybody; it counts only where none of the crossings comes first.
   between_.clear();
   map_->crossings_on(*from, *distance_m, between_, coming(other));
-  return !shares(between_, crossings);
+  return !ratios(between_, crossings);
 }
 
 Traffic::Answer Traffic::request(VehicleIndex vehicle, double exit_m, double stop_m) {
@@ -305,7 +305,7 @@ Traffic::Answer Traffic::request(VehicleIndex vehicle, double exit_m, double sto
   }
   // Somebody may stand in a crossing that a third one holds; it holds nothing, but it is there.
   for (VehicleIndex j = 0; j < vehicles_.size(); ++j) {
-    if (j == vehicle || !shares(vehicles_[j].needs, mine->crossings)) continue;
+    if (j == vehicle || !ratios(vehicles_[j].needs, mine->crossings)) continue;
     const bool stands_by =
         stands_in_anothers(j) && std::ranges::all_of(vehicles_[j].needs, [&](CrossingIndex x) {
           return holders_[x] == vehicle || std::ranges::find(mine->crossings, x) == mine->crossings.end();
@@ -319,12 +319,12 @@ Traffic::Answer Traffic::request(VehicleIndex vehicle, double exit_m, double sto
     const bool waits_for_this =
         std::ranges::any_of(other.crossings, [&](CrossingIndex x) { return holders_[x] == vehicle; });
     if (other.vehicle != vehicle && other.has_room && !waits_for_this && goes_before(other, *mine) &&
-        shares(other.crossings, mine->crossings) && !only_follows(other.vehicle, vehicle, mine->crossings) &&
+        ratios(other.crossings, mine->crossings) && !only_follows(other.vehicle, vehicle, mine->crossings) &&
         !lets_by(other, *mine))
       return {false, first, other.vehicle, WaitReason::turn};
   }
   for (Request& other : queue_)
-    if (rules_.convoys && &other != &*mine && goes_before(other, *mine) && shares(other.crossings, mine->crossings))
+    if (rules_.convoys && &other != &*mine && goes_before(other, *mine) && ratios(other.crossings, mine->crossings))
       other.lost_s += loses_s(other, *mine).value_or(0.0);
   for (const CrossingIndex x : mine->crossings) holders_[x] = vehicle;
   convoys_.record_pass(mine->vehicle, mine->crossings);

@@ -231,11 +231,11 @@ std::vector<zone::Place> WayMap::starts(zone::Place place) const {
   for (const WaypointIndex sibling : find(waypoint(here).id)) {
     const zone::Place start = waypoint(sibling).place;
     if (start.section == place.section || start.s_m > 0.0) continue;
-    const auto shares = [&](zone::SectionId before) {
+    const auto ratios = [&](zone::SectionId before) {
       return std::ranges::find(reached_by, before) != reached_by.end();
     };
     const auto before = zone_->circuit.previous(start.section);
-    if (std::ranges::any_of(before, shares) || (before.empty() && reached_by.empty())) found.push_back(start);
+    if (std::ranges::any_of(before, ratios) || (before.empty() && reached_by.empty())) found.push_back(start);
   }
   return found;
 }

@@ -19,7 +19,7 @@ namespace cosiva::virtual_side::bench {
 class ServerBench {
  public:
   explicit ServerBench(zone::ZoneConfiguration configuration = oval(), ServerOptions options = {})
-      : zone{zone::Rtm::initialise(configuration)->share_zone()}, options_{std::move(options)} {
+      : zone{zone::Rtm::initialise(configuration)->shared_zone()}, options_{std::move(options)} {
     options_.zone = std::move(configuration);
     restart_server();
   }

@@ -181,7 +181,7 @@ class BenchVehicle {
       const auto rtm = zone::Rtm::initialise(
           zone::from_payload(std::string(on.substr(wire::zone_topic_prefix.size())), message.topic, message.payload));
       if (rtm && (next_zone_ != nullptr || rtm->zone().name != zone_->name)) {
-        next_zone_ = rtm->share_zone();
+        next_zone_ = rtm->shared_zone();
         brakes_for_ = 300ms;
       }
       return;

@@ -128,9 +128,9 @@ std::optional<Pose2> GroundTruthComparator::twin_at(VehicleIndex vehicle, SimTim
   if (after == points.begin()) return std::nullopt;
   const Trail::Point& a = *std::prev(after);
   const Trail::Point& b = *after;
-  const double share = to_seconds(at - a.at) / to_seconds(b.at - a.at);
-  return Pose2{a.X_MB.x_m + share * (b.X_MB.x_m - a.X_MB.x_m), a.X_MB.y_m + share * (b.X_MB.y_m - a.X_MB.y_m),
-               wrap_angle(a.X_MB.heading_rad + share * wrap_angle(b.X_MB.heading_rad - a.X_MB.heading_rad))};
+  const double ratio = to_seconds(at - a.at) / to_seconds(b.at - a.at);
+  return Pose2{a.X_MB.x_m + ratio * (b.X_MB.x_m - a.X_MB.x_m), a.X_MB.y_m + ratio * (b.X_MB.y_m - a.X_MB.y_m),
+               wrap_angle(a.X_MB.heading_rad + ratio * wrap_angle(b.X_MB.heading_rad - a.X_MB.heading_rad))};
 }
 
 void GroundTruthComparator::record_twins() {

@@ -104,13 +104,13 @@ TEST_F(GvsBench, names_an_aiv_that_has_no_twin_after_a_while_and_no_longer_when_
   const Pose2 there = bench.zone->circuit.pose_at(place);
   watch(2s, {{"CoSiVA/AIV1", aiv.pose()}, {"CoSiVA/AIV7", there}});
   EXPECT_THAT(findings(), IsEmpty()) << "it may be on its way";
-  const double matched = *bench.bijection().number("matched_share");
+  const double matched = *bench.bijection().number("matched_ratio");
   watch(2s, {{"CoSiVA/AIV1", aiv.pose()}, {"CoSiVA/AIV7", there}});
   ASSERT_THAT(findings(), SizeIs(1));
   EXPECT_EQ(findings()[0].text("kind"), "no twin");
   EXPECT_EQ(findings()[0].text("id"), "CoSiVA/AIV7");
   EXPECT_THAT(findings()[0].text("text").value(), HasSubstr("(tag 2)"));
-  EXPECT_LT(*bench.bijection().number("matched_share"), matched);
+  EXPECT_LT(*bench.bijection().number("matched_ratio"), matched);
   bench.add("AIV7", place).blocked = true;
   watch(1s, {{"CoSiVA/AIV1", aiv.pose()}, {"CoSiVA/AIV7", there}});
   EXPECT_THAT(findings(), IsEmpty());
@@ -157,9 +157,9 @@ TEST_F(GvsBench, says_that_no_image_comes_and_why) {
   EXPECT_EQ(findings()[0].text("kind"), "no detection");
   EXPECT_EQ(findings()[0].text("id"), "GVS");
   EXPECT_THAT(findings()[0].text("text").value(), HasSubstr("/dev/video0"));
-  const double matched = *bench.bijection().number("matched_share");
+  const double matched = *bench.bijection().number("matched_ratio");
   bench.run_for(5s);
-  EXPECT_GE(*bench.bijection().number("matched_share"), matched) << "a blind camera proves nothing";
+  EXPECT_GE(*bench.bijection().number("matched_ratio"), matched) << "a blind camera proves nothing";
   connect(wire::ConnectionState::online);
   watch(500ms, {{"CoSiVA/AIV1", aiv.pose()}});
   EXPECT_THAT(findings(), IsEmpty());
@@ -184,7 +184,7 @@ TEST_F(GvsBench, breaks_the_contract_of_a_twin_that_is_elsewhere_than_its_vehicl
   EXPECT_EQ(bench.aiv("CoSiVA/AIV1").find("contract")->flag("actual"), true);
   watch(5s, {{"CoSiVA/AIV1", aiv.pose() * Pose2{0.0, 0.2, 0.0}}});
   EXPECT_EQ(bench.aiv("CoSiVA/AIV1").find("contract")->flag("actual"), false);
-  EXPECT_LT(*bench.bijection().number("held_share"), 1.0);
+  EXPECT_LT(*bench.bijection().number("held_ratio"), 1.0);
 }
 
 TEST_F(GvsBench, what_cannot_be_understood_or_is_old_changes_nothing) {
