@@ -68,7 +68,7 @@ void settle(experiments::World& world, Outcome& outcome) {
     if (after_m[v] - before_m[v] < 1.0) fail_with(outcome, "AIV" + std::to_string(v + 1) + " does not drive on");
 }
 
-void judge(const experiments::World& world, Outcome& outcome) {
+void evaluate(const experiments::World& world, Outcome& outcome) {
   outcome.digest = world.digest().hex();
   for (const auto& collision : world.plant().collisions())
     outcome.told.push_back("collision of " + collision.a + " and " + collision.b + " at " + to_iso8601(collision.at));
@@ -101,7 +101,7 @@ Outcome run(const Plan& plan, std::uint64_t seed) {
   for (double s = 0.0; s < plan.minutes * 60.0; s += 1.0) unrest.second();
   unrest.end();
   settle(**world, outcome);
-  judge(**world, outcome);
+  evaluate(**world, outcome);
   return outcome;
 }
 

@@ -75,10 +75,10 @@ Result<RunPlan> plan_run(const UpArguments& arguments) {
   }
   if (scenario) {
     // It is judged as it will run. A run cut short on the command line is no fault of the file's.
-    experiments::Scenario judged = *scenario;
-    judged.aivs = merged.aivs;
-    if (merged.given.duration) judged.duration_s.reset();
-    if (auto good = experiments::check(judged, rtm->zone(), scenario_file); !good) return tl::unexpected(good.error());
+    experiments::Scenario evaluated = *scenario;
+    evaluated.aivs = merged.aivs;
+    if (merged.given.duration) evaluated.duration_s.reset();
+    if (auto good = experiments::check(evaluated, rtm->zone(), scenario_file); !good) return tl::unexpected(good.error());
   }
 
   if (const std::string own = own_folder("zones");

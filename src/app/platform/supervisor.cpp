@@ -18,7 +18,7 @@ using Steady = std::chrono::steady_clock;
 
 /// Whose last lives were no longer than this together cannot live. Not judged one by one: on a machine that stands
 /// still for a second, a death is seen so much later.
-constexpr std::size_t lives_judged = 5;
+constexpr std::size_t lives_evaluated = 5;
 constexpr std::chrono::seconds lives_min{10};
 /// Who dies this soon did not get to work at all, and waits longer each time.
 constexpr std::chrono::seconds early{1};
@@ -71,10 +71,10 @@ void Supervisor::died(Running& running, const ChildExit& exit) {
     return;
   }
   running.lives.push_back(life);
-  if (running.lives.size() > lives_judged) running.lives.pop_front();
-  if (running.lives.size() == lives_judged &&
+  if (running.lives.size() > lives_evaluated) running.lives.pop_front();
+  if (running.lives.size() == lives_evaluated &&
       std::accumulate(running.lives.begin(), running.lives.end(), Steady::duration{}) < lives_min) {
-    say(name + " has ended: " + to_string(exit) + ", for the " + std::to_string(lives_judged) + "th time within " +
+    say(name + " has ended: " + to_string(exit) + ", for the " + std::to_string(lives_evaluated) + "th time within " +
         std::to_string(lives_min.count()) + " s of running");
     if (on_hopeless_) on_hopeless_(name);
     return;

@@ -66,7 +66,7 @@ void add_virtual_time(CLI::App& command, QualifyArguments& q) {
       ->check(CLI::Range(1, 1000));
 }
 
-void add_judging(CLI::App& command, QualifyArguments& q) {
+void add_evaluation(CLI::App& command, QualifyArguments& q) {
   add_length(command, "--threshold", q.threshold_m, "of the precision: the share of iterations with an error under it");
   add_length(command, "--tolerance", q.tolerance_m, "a run passes when no error exceeds it");
   command.add_option("--reliability", q.reliability, "that passes in a row should show")
@@ -166,7 +166,7 @@ QualifyCommands describe_qualify(CLI::App& root, QualifyArguments& q) {
         ->type_name("N")
         ->check(CLI::Range(1, 1024));
     add_virtual_time(*command, q);
-    add_judging(*command, q);
+    add_evaluation(*command, q);
     add_others(*command, q);
     add_live(*command, *commands.live);
   }

@@ -113,7 +113,7 @@ int run_either(const QualifyArguments& arguments, std::size_t at_least) {
   if (!candidates) return complain(candidates.error());
   if (candidates->size() < at_least)
     return complain({"compare.few", "there are at least two to compare", "algorithms"});
-  return judge(arguments, *candidates, *runs, std::move(*reference));
+  return evaluate(arguments, *candidates, *runs, std::move(*reference));
 }
 
 /// Its own checks: everybody answered, and nobody is better than can be.
@@ -129,7 +129,7 @@ bool check(const Qualification& all) {
 
 }  // namespace
 
-int judge(const QualifyArguments& arguments, const std::vector<experiments::Candidate>& candidates, const Runs& runs,
+int evaluate(const QualifyArguments& arguments, const std::vector<experiments::Candidate>& candidates, const Runs& runs,
           experiments::ReferenceBudget reference) {
   experiments::QualificationOptions options;
   options.threshold_m = arguments.threshold_m;

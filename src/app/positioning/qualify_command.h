@@ -14,7 +14,7 @@ int run_qualify(const QualifyArguments& arguments);
 int run_compare(const QualifyArguments& arguments);
 
 /// Qualifies the candidates on the runs, prints and writes what is found. Gives the exit status.
-int judge(const QualifyArguments& arguments, const std::vector<experiments::Candidate>& candidates, const Runs& runs,
+int evaluate(const QualifyArguments& arguments, const std::vector<experiments::Candidate>& candidates, const Runs& runs,
           experiments::ReferenceBudget reference);
 
 }  // namespace cosiva::app

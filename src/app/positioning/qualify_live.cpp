@@ -271,7 +271,7 @@ int run_qualify_live(const QualifyArguments& arguments, const LiveQualifyArgumen
   if (!reference) return complain(reference.error());
   const auto runs = lived(arguments, live, *candidates, registry);
   if (!runs) return complain(runs.error());
-  return judge(arguments, *candidates, *runs, std::move(*reference));
+  return evaluate(arguments, *candidates, *runs, std::move(*reference));
 }
 
 }  // namespace cosiva::app

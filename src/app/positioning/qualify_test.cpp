@@ -174,16 +174,16 @@ TEST(Compare, of_a_reference_and_an_estimate_whose_names_say_that_they_are_swapp
   const std::string line = "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n";
   for (const char* file : {"est.tum", "gt.tum", "latest_test.tum", "my_estimate.tum", "a.tum"})
     ASSERT_TRUE(adapters::write_file(scratch / file, line));
-  const auto judged = [&](const char* reference, const char* estimate) {
+  const auto evaluated = [&](const char* reference, const char* estimate) {
     return cosiva({"compare", "--reference", scratch / reference, "--estimate", scratch / estimate}).status;
   };
-  EXPECT_EQ(judged("a.tum", "gt.tum"), 2);
-  EXPECT_EQ(judged("est.tum", "a.tum"), 2);
-  EXPECT_EQ(judged("my_estimate.tum", "a.tum"), 2);
-  EXPECT_EQ(judged("gt.tum", "est.tum"), 0);
-  EXPECT_EQ(judged("a.tum", "est.tum"), 0);
-  EXPECT_EQ(judged("latest_test.tum", "a.tum"), 0);    // "est" is no word in it
-  EXPECT_EQ(judged("est.tum", "my_estimate.tum"), 0);  // one estimate against another
+  EXPECT_EQ(evaluated("a.tum", "gt.tum"), 2);
+  EXPECT_EQ(evaluated("est.tum", "a.tum"), 2);
+  EXPECT_EQ(evaluated("my_estimate.tum", "a.tum"), 2);
+  EXPECT_EQ(evaluated("gt.tum", "est.tum"), 0);
+  EXPECT_EQ(evaluated("a.tum", "est.tum"), 0);
+  EXPECT_EQ(evaluated("latest_test.tum", "a.tum"), 0);    // "est" is no word in it
+  EXPECT_EQ(evaluated("est.tum", "my_estimate.tum"), 0);  // one estimate against another
 }
 
 TEST(Compare, names_the_folder_of_a_recording_that_is_bad) {
@@ -212,18 +212,18 @@ TEST(Compare, aligns_when_it_is_asked_to_and_says_so) {
   const std::string reference = scratch / "ground_truth.tum";
   const std::string estimate = scratch / "off.tum";
   EXPECT_TRUE(adapters::write_file(reference, ground_truth) && adapters::write_file(estimate, off));
-  const auto judged = [&](const std::string& how) {
+  const auto evaluated = [&](const std::string& how) {
     return json_of(cosiva({"compare", "--reference", reference, "--estimate", estimate, "--align", how, "--json"}));
   };
-  const JsonValue plain = judged("none");
+  const JsonValue plain = evaluated("none");
   EXPECT_EQ(plain.text("align"), "none");
   EXPECT_GT(*algorithm(plain, 0).number("rmse_m"), 1.0);
   EXPECT_TRUE(algorithm(plain, 0).find("alignment")->is_null());
-  const JsonValue se2 = judged("se2");
+  const JsonValue se2 = evaluated("se2");
   EXPECT_EQ(se2.text("align"), "se2");
   EXPECT_LT(*algorithm(se2, 0).number("rmse_m"), 1e-6);
   EXPECT_NEAR(*algorithm(se2, 0).find("alignment")->number("turn_rad"), -0.5 * pi, 1e-6);
-  EXPECT_LT(*algorithm(judged("se3"), 0).number("rmse_m"), 1e-6);
+  EXPECT_LT(*algorithm(evaluated("se3"), 0).number("rmse_m"), 1e-6);
   EXPECT_THAT(cosiva({"compare", "--reference", reference, "--estimate", estimate, "--align", "se2"}).data,
               HasSubstr("Aligned (se2): estimates were turned about the vertical"));
   // Of a recording, whose truth here has no heading.
@@ -288,10 +288,10 @@ TEST(Compare, tells_the_reference_s_budget_and_calls_what_is_below_it_unresolved
   write_budget("0.005");
   const std::vector<std::string> arguments{"compare", "--reference",        ground_truth, "--estimate", a, "--estimate", b,
                                            "--json",  "--reference-budget", budget};
-  const JsonValue judged = json_of(cosiva(arguments));
-  EXPECT_EQ(judged.find("comparisons")->array()->front().text("verdict"), "unresolved");
-  EXPECT_EQ(judged.find("reference_error")->find("parts")->array()->size(), 2U);
-  EXPECT_NEAR(*algorithm(judged, 0).number("rmse_without_reference_m"), std::sqrt(0.013 * 0.013 - 25.25e-6), 1e-9);
+  const JsonValue evaluated = json_of(cosiva(arguments));
+  EXPECT_EQ(evaluated.find("comparisons")->array()->front().text("verdict"), "unresolved");
+  EXPECT_EQ(evaluated.find("reference_error")->find("parts")->array()->size(), 2U);
+  EXPECT_NEAR(*algorithm(evaluated, 0).number("rmse_without_reference_m"), std::sqrt(0.013 * 0.013 - 25.25e-6), 1e-9);
 }
 
 TEST(Compare, on_the_plane_draws_the_limit_beside_each_bar) {

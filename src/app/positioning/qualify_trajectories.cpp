@@ -57,15 +57,15 @@ bool called_estimate(const std::string& file) {
 
 double root(double v) { return std::sqrt(v); }
 
-using Judged = JudgedTrajectory;
+using Evaluated = EvaluatedTrajectory;
 
-Judged judge(const Trajectory& reference, const std::string& file, const QualifyArguments& arguments) {
-  Judged judged;
-  judged.name = std::filesystem::path(file).stem().string();
+Evaluated evaluate(const Trajectory& reference, const std::string& file, const QualifyArguments& arguments) {
+  Evaluated evaluated;
+  evaluated.name = std::filesystem::path(file).stem().string();
   const auto estimate = load(file);
   if (!estimate) {
-    judged.failed = estimate.error();
-    return judged;
+    evaluated.failed = estimate.error();
+    return evaluated;
   }
   const bool nearest = arguments.associate == "nearest";
   auto pairs =
@@ -73,21 +73,21 @@ Judged judge(const Trajectory& reference, const std::string& file, const Qualify
                              {nearest ? experiments::Association::nearest : experiments::Association::interpolate,
                               nearest ? 0.01 : arguments.gap_s});
   if (!pairs) {
-    judged.failed = pairs.error();
-    return judged;
+    evaluated.failed = pairs.error();
+    return evaluated;
   }
   if (const auto how = alignment_of(arguments); how != experiments::Alignment::none) {
     const auto motion = experiments::alignment_of(how, *pairs);
     if (!motion) {
-      judged.failed = Error{motion.error().code, motion.error().message, file};
-      return judged;
+      evaluated.failed = Error{motion.error().code, motion.error().message, file};
+      return evaluated;
     }
     for (experiments::Pair& pair : *pairs) pair.estimate = *motion * pair.estimate;
-    judged.alignment = *motion;
+    evaluated.alignment = *motion;
   }
-  judged.ape = experiments::ape(*pairs);
-  judged.unpaired = estimate->poses.size() - std::min(estimate->poses.size(), pairs->size());
-  judged.offset_s = experiments::time_offset_s(*pairs);
+  evaluated.ape = experiments::ape(*pairs);
+  evaluated.unpaired = estimate->poses.size() - std::min(estimate->poses.size(), pairs->size());
+  evaluated.offset_s = experiments::time_offset_s(*pairs);
   std::vector<double> errors;
   std::vector<double> squares;
   for (const experiments::Pair& pair : *pairs) {
@@ -97,14 +97,14 @@ Judged judge(const Trajectory& reference, const std::string& file, const Qualify
     squares.push_back(x * x + y * y + z * z);
     errors.push_back(std::sqrt(squares.back()));
   }
-  judged.variance_m2 = statistics::variance(errors);
-  judged.precision = statistics::ratio_below(errors, arguments.threshold_m);
-  judged.p90_m = statistics::percentile(errors, 0.90);
-  judged.p95_m = statistics::percentile(errors, 0.95);
-  judged.p99_m = statistics::percentile(errors, 0.99);
-  judged.interval = statistics::block_bootstrap(squares, {}, root);
-  judged.pairs = std::move(*pairs);
-  return judged;
+  evaluated.variance_m2 = statistics::variance(errors);
+  evaluated.precision = statistics::ratio_below(errors, arguments.threshold_m);
+  evaluated.p90_m = statistics::percentile(errors, 0.90);
+  evaluated.p95_m = statistics::percentile(errors, 0.95);
+  evaluated.p99_m = statistics::percentile(errors, 0.99);
+  evaluated.interval = statistics::block_bootstrap(squares, {}, root);
+  evaluated.pairs = std::move(*pairs);
+  return evaluated;
 }
 
 /// How estimates were moved: p becomes R(q)·p + shift.
@@ -117,9 +117,9 @@ void write(JsonWriter& json, const experiments::RigidMotion& motion) {
 }
 
 /// Files of two programs may have the same name in different folders, and one may be called like the reference's copy.
-void name_apart(std::vector<Judged>& all) {
+void name_apart(std::vector<Evaluated>& all) {
   std::vector<std::string> taken{"reference"};
-  for (Judged& one : all) {
+  for (Evaluated& one : all) {
     const std::string name = one.name;
     for (int k = 2; std::ranges::find(taken, one.name) != taken.end(); ++k) one.name = name + "_" + std::to_string(k);
     taken.push_back(one.name);
@@ -127,7 +127,7 @@ void name_apart(std::vector<Judged>& all) {
 }
 
 template <typename Take>
-void each_pair(const std::vector<Judged>& all, const Take& take) {
+void each_pair(const std::vector<Evaluated>& all, const Take& take) {
   for (std::size_t i = 0; i < all.size(); ++i) {
     for (std::size_t k = i + 1; k < all.size(); ++k) {
       if (!all[i].failed && !all[k].failed) take(all[i], all[k]);
@@ -135,9 +135,9 @@ void each_pair(const std::vector<Judged>& all, const Take& take) {
   }
 }
 
-void write_reference(JsonWriter& json, const std::vector<Judged>& all, const ReferenceBudget& reference) {
+void write_reference(JsonWriter& json, const std::vector<Evaluated>& all, const ReferenceBudget& reference) {
   json.key("comparisons").begin_array();
-  each_pair(all, [&](const Judged& a, const Judged& b) {
+  each_pair(all, [&](const Evaluated& a, const Evaluated& b) {
     json.begin_object().field("a", a.name).field("b", b.name).field("rmse_difference_m", b.ape.rmse - a.ape.rmse);
     json.field("verdict", to_string(unresolved(a, b, reference) ? experiments::Verdict::unresolved
                                                                 : experiments::Verdict::not_shown_different));
@@ -148,13 +148,13 @@ void write_reference(JsonWriter& json, const std::vector<Judged>& all, const Ref
   json.end_object();
 }
 
-std::string to_json(const std::vector<Judged>& all, const QualifyArguments& arguments,
+std::string to_json(const std::vector<Evaluated>& all, const QualifyArguments& arguments,
                     const ReferenceBudget& reference) {
   JsonWriter json{2};
   json.begin_object().field("what", "trajectories").field("reference", arguments.reference);
   json.field("associate", arguments.associate).field("align", arguments.align);
   json.field("aligned", arguments.align != "none").key("algorithms").begin_array();
-  for (const Judged& one : all) {
+  for (const Evaluated& one : all) {
     json.begin_object().field("name", one.name);
     if (one.failed) {
       json.key("failed").begin_object().field("code", one.failed->code).field("message", to_string(*one.failed));
@@ -186,13 +186,13 @@ std::string to_json(const std::vector<Judged>& all, const QualifyArguments& argu
   return json.take();
 }
 
-std::string to_text(const std::vector<Judged>& all, experiments::Alignment alignment,
+std::string to_text(const std::vector<Evaluated>& all, experiments::Alignment alignment,
                     const ReferenceBudget& reference) {
   std::string text;
   if (alignment != experiments::Alignment::none)
     text =
         "Aligned (" + std::string(to_string(alignment)) + "): estimates were " + std::string(text_of(alignment)) + ".";
-  for (const Judged& one : all) {
+  for (const Evaluated& one : all) {
     text += text.empty() ? "" : "\n";
     if (one.failed) {
       text += one.name + ": failed: " + to_string(*one.failed);
@@ -213,7 +213,7 @@ std::string to_text(const std::vector<Judged>& all, experiments::Alignment align
   }
   if (reference.parts.empty()) return text;
   text += "\nThe reference's own error: " + text_of(reference) + " [mm]";
-  each_pair(all, [&](const Judged& a, const Judged& b) {
+  each_pair(all, [&](const Evaluated& a, const Evaluated& b) {
     if (unresolved(a, b, reference))
       text += "\n" + b.name + " − " + a.name + ": " + decimals(1e3 * (b.ape.rmse - a.ape.rmse), 2) + " mm, unresolved";
   });
@@ -241,9 +241,9 @@ int run_trajectories(const QualifyArguments& arguments) {
   if (!budget) return complain(budget.error());
   const auto reference = load(arguments.reference);
   if (!reference) return complain(reference.error());
-  std::vector<Judged> all(arguments.estimates.size());
+  std::vector<Evaluated> all(arguments.estimates.size());
   adapters::ThreadPool workers{threads_for(arguments)};
-  workers.for_each(all.size(), [&](std::size_t i) { all[i] = judge(*reference, arguments.estimates[i], arguments); });
+  workers.for_each(all.size(), [&](std::size_t i) { all[i] = evaluate(*reference, arguments.estimates[i], arguments); });
   name_apart(all);
   const std::string json = to_json(all, arguments, *budget);
   if (!arguments.out_folder.empty()) {
@@ -252,7 +252,7 @@ int run_trajectories(const QualifyArguments& arguments) {
   }
   print(arguments.json ? json : to_text(all, alignment_of(arguments), *budget));
   bool fine = true;
-  for (const Judged& one : all) {
+  for (const Evaluated& one : all) {
     if (one.failed) say("cosiva: " + one.name + " failed: " + to_string(*one.failed));
     fine = fine && !one.failed;
   }

@@ -43,14 +43,14 @@ double error_of(const Pair& pair) {
   return std::sqrt(squares);
 }
 
-std::vector<double> errors_of(const JudgedTrajectory& one) {
+std::vector<double> errors_of(const EvaluatedTrajectory& one) {
   std::vector<double> errors;
   errors.reserve(one.pairs.size());
   for (const Pair& pair : one.pairs) errors.push_back(error_of(pair));
   return errors;
 }
 
-std::vector<double> times_of(const JudgedTrajectory& one) {
+std::vector<double> times_of(const EvaluatedTrajectory& one) {
   std::vector<double> times;
   times.reserve(one.pairs.size());
   for (const Pair& pair : one.pairs) times.push_back(pair.estimate.t_s);
@@ -58,17 +58,17 @@ std::vector<double> times_of(const JudgedTrajectory& one) {
 }
 
 /// Those with figures, the best first.
-std::vector<const JudgedTrajectory*> best_of(const std::vector<JudgedTrajectory>& all) {
-  std::vector<const JudgedTrajectory*> ones;
-  for (const JudgedTrajectory& one : all) {
+std::vector<const EvaluatedTrajectory*> best_of(const std::vector<EvaluatedTrajectory>& all) {
+  std::vector<const EvaluatedTrajectory*> ones;
+  for (const EvaluatedTrajectory& one : all) {
     if (!one.failed) ones.push_back(&one);
   }
-  std::ranges::stable_sort(ones, {}, [](const JudgedTrajectory* one) { return one->ape.rmse; });
+  std::ranges::stable_sort(ones, {}, [](const EvaluatedTrajectory* one) { return one->ape.rmse; });
   if (ones.size() > drawn_most) ones.resize(drawn_most);
   return ones;
 }
 
-void add_figures(Report& report, const std::vector<JudgedTrajectory>& all, const experiments::Trajectory& reference) {
+void add_figures(Report& report, const std::vector<EvaluatedTrajectory>& all, const experiments::Trajectory& reference) {
   Chart error{{"time [s]", {}, {}}, {"error [mm]", 0.0, {}}, {}};
   Chart distribution{{"error [mm]", 0.0, {}}, {"share of pairs", 0.0, 1.0}, {}};
   Chart map{{"x [m]", {}, {}}, {"y [m]", {}, {}}, {}};
@@ -79,7 +79,7 @@ void add_figures(Report& report, const std::vector<JudgedTrajectory>& all, const
     ground_truth.y.push_back(pose.p_m[1]);
   }
   map.series.push_back(std::move(ground_truth));
-  for (const JudgedTrajectory* one : best_of(all)) {
+  for (const EvaluatedTrajectory* one : best_of(all)) {
     std::vector<double> errors_mm = errors_of(*one);
     for (double& e : errors_mm) e *= 1e3;
     std::vector<double> since_s = times_of(*one);
@@ -99,9 +99,9 @@ void add_figures(Report& report, const std::vector<JudgedTrajectory>& all, const
   report.figure(to_svg(distribution), "Distribution of all errors");
 }
 
-void add_table(Report& report, const std::vector<JudgedTrajectory>& all) {
+void add_table(Report& report, const std::vector<EvaluatedTrajectory>& all) {
   std::vector<std::vector<std::string>> rows;
-  for (const JudgedTrajectory& one : all) {
+  for (const EvaluatedTrajectory& one : all) {
     if (one.failed) {
       rows.push_back({one.name, "failed: " + to_string(*one.failed), "", "", "", "", "", "", ""});
       continue;
@@ -118,7 +118,7 @@ void add_table(Report& report, const std::vector<JudgedTrajectory>& all) {
                rows);
 }
 
-void add_comparisons(Report& report, const std::vector<JudgedTrajectory>& all,
+void add_comparisons(Report& report, const std::vector<EvaluatedTrajectory>& all,
                      const experiments::ReferenceBudget& budget) {
   std::vector<std::vector<std::string>> rows;
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -136,7 +136,7 @@ void add_comparisons(Report& report, const std::vector<JudgedTrajectory>& all,
       "reference's own uncertainty.");
 }
 
-std::string page_of(const std::vector<JudgedTrajectory>& all, const experiments::Trajectory& reference,
+std::string page_of(const std::vector<EvaluatedTrajectory>& all, const experiments::Trajectory& reference,
                     const QualifyArguments& arguments, const experiments::ReferenceBudget& budget) {
   Report report{"Trajectories, judged", "against " + arguments.reference};
   if (const auto best = best_of(all); !best.empty())
@@ -165,7 +165,7 @@ std::string page_of(const std::vector<JudgedTrajectory>& all, const experiments:
   return report.html();
 }
 
-std::string lines_of(const JudgedTrajectory& one) {
+std::string lines_of(const EvaluatedTrajectory& one) {
   std::string text;
   for (const Pair& pair : one.pairs) {
     text += one.name + "," + shortest(pair.estimate.t_s) + "," + shortest(error_of(pair));
@@ -177,11 +177,11 @@ std::string lines_of(const JudgedTrajectory& one) {
 
 }  // namespace
 
-bool unresolved(const JudgedTrajectory& a, const JudgedTrajectory& b, const experiments::ReferenceBudget& reference) {
+bool unresolved(const EvaluatedTrajectory& a, const EvaluatedTrajectory& b, const experiments::ReferenceBudget& reference) {
   return std::fabs(b.ape.rmse - a.ape.rmse) < reference.total_m();
 }
 
-Result<void> write_trajectories(const std::vector<JudgedTrajectory>& all, const experiments::Trajectory& reference,
+Result<void> write_trajectories(const std::vector<EvaluatedTrajectory>& all, const experiments::Trajectory& reference,
                                 const QualifyArguments& arguments, const experiments::ReferenceBudget& budget,
                                 const std::string& json) {
   std::vector<std::pair<std::string, std::string>> files{
@@ -190,12 +190,12 @@ Result<void> write_trajectories(const std::vector<JudgedTrajectory>& all, const 
       {"reference.tum", experiments::write_tum(reference)},
   };
   std::string errors = "estimate,time_s,error_m,x_error_m,y_error_m,z_error_m\n";
-  for (const JudgedTrajectory& one : all) {
+  for (const EvaluatedTrajectory& one : all) {
     if (one.failed) continue;
     errors += lines_of(one);
-    experiments::Trajectory judged{one.name, {}};
-    for (const Pair& pair : one.pairs) judged.poses.push_back(pair.estimate);
-    files.emplace_back(one.name + ".tum", experiments::write_tum(judged));
+    experiments::Trajectory evaluated{one.name, {}};
+    for (const Pair& pair : one.pairs) evaluated.poses.push_back(pair.estimate);
+    files.emplace_back(one.name + ".tum", experiments::write_tum(evaluated));
     files.emplace_back(one.name + ".zip",
                        experiments::evo_zip(one.name, times_of(one), errors_of(one), alignment_of(arguments)));
   }

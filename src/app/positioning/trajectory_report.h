@@ -13,7 +13,7 @@
 namespace cosiva::app {
 
 /// One `--estimate`, held against the `--reference`.
-struct JudgedTrajectory {
+struct EvaluatedTrajectory {
   std::string name;  ///< its file's, without folder and ending; no two have the same
   std::optional<Error> failed;
   experiments::ApeFigures ape;
@@ -28,13 +28,13 @@ struct JudgedTrajectory {
 };
 
 /// Two on the same stamps: one run, that can show nothing different; but it can show that nothing could be seen.
-[[nodiscard]] bool unresolved(const JudgedTrajectory& a, const JudgedTrajectory& b,
+[[nodiscard]] bool unresolved(const EvaluatedTrajectory& a, const EvaluatedTrajectory& b,
                               const experiments::ReferenceBudget& reference);
 
 /// What `--out` gets: report.html, result.json, errors.csv with a line per pair, the reference and each estimate as TUM
 /// (as they were judged, aligned where that was asked for), and a zip for evo of each.
 /// @param json  the result as JSON
-[[nodiscard]] Result<void> write_trajectories(const std::vector<JudgedTrajectory>& all,
+[[nodiscard]] Result<void> write_trajectories(const std::vector<EvaluatedTrajectory>& all,
                                               const experiments::Trajectory& reference,
                                               const QualifyArguments& arguments,
                                               const experiments::ReferenceBudget& budget, const std::string& json);

@@ -121,7 +121,7 @@ std::optional<Crossed> crossed(std::span<const Trial> trials) {
   Crossed found{};
   found.noise_degrees = n - whole.rank();
   const double noise = squares_left(whole, y) / found.noise_degrees;
-  const auto judge = [&](const Span& without, double levels) {
+  const auto evaluate = [&](const Span& without, double levels) {
     Factor factor{};
     factor.degrees = whole.rank() - without.rank();
     if (factor.degrees < 0.5) return factor;
@@ -135,13 +135,13 @@ std::optional<Crossed> crossed(std::span<const Trial> trials) {
   const Span no_carrier = design.of(true, false, true);
   const auto unit_levels = static_cast<double>(units.size());
   const auto carrier_levels = static_cast<double>(carriers.size());
-  found.unit = judge(no_unit, unit_levels);
-  found.carrier = judge(no_carrier, carrier_levels);
-  found.run = judge(design.of(true, true, false), 1.0);
+  found.unit = evaluate(no_unit, unit_levels);
+  found.carrier = evaluate(no_carrier, carrier_levels);
+  found.run = evaluate(design.of(true, true, false), 1.0);
   // Levels of which some are told by others alone have fewer degrees of freedom than they have levels less one.
   found.confounded = (units.size() > 1 && found.unit.degrees < unit_levels - 1.5) ||
                      (carriers.size() > 1 && found.carrier.degrees < carrier_levels - 1.5);
-  if (found.confounded) found.unit = found.carrier = judge(design.of(false, false, true), unit_levels);
+  if (found.confounded) found.unit = found.carrier = evaluate(design.of(false, false, true), unit_levels);
 
   const Span no_run = design.of(true, true, false);
   const Column run = no_run.residual(design.column([](const Trial& t) { return t.run; }));

@@ -61,17 +61,17 @@ TrackerOptions options_for(const SceneCamera& camera, double side_m) {
   return options;
 }
 
-struct Judged {
+struct Evaluated {
   std::size_t fixes{};
   double rms_m{}, max_m{}, heading_rms_rad{}, heading_max_rad{};
 };
 
 /// Drives `bodies` before the camera and compares each fix with where its vehicle truly was at the fix's own time.
-Judged judge(const SceneCamera& camera, Calibration calibration, const std::vector<SceneBody>& bodies, int images) {
+Evaluated evaluate(const SceneCamera& camera, Calibration calibration, const std::vector<SceneBody>& bodies, int images) {
   calibration.markers[0].X_BT = bodies[0].X_BT;
   const Painter painter{camera, {SceneLine{{{-1.2, -0.3}, {1.2, 0.4}}, 0.02}}, 5};
   Tracker tracker{calibration, options_for(camera, bodies[0].side_m)};
-  Judged judged;
+  Evaluated evaluated;
   for (int k = 0; k < images; ++k) {
     const double t_s = 0.05 * k;
     std::vector<SceneBody> now = bodies;
@@ -81,42 +81,42 @@ Judged judge(const SceneCamera& camera, Calibration calibration, const std::vect
       const Pose2 ground_truth = bodies[static_cast<std::size_t>(fix.tag)].after(fix.t_s);
       const double off = distance(fix.X_MB, ground_truth);
       const double turn = std::fabs(wrap_angle(fix.X_MB.heading_rad - ground_truth.heading_rad));
-      ++judged.fixes;
-      judged.rms_m += off * off;
-      judged.heading_rms_rad += turn * turn;
-      judged.max_m = std::max(judged.max_m, off);
-      judged.heading_max_rad = std::max(judged.heading_max_rad, turn);
+      ++evaluated.fixes;
+      evaluated.rms_m += off * off;
+      evaluated.heading_rms_rad += turn * turn;
+      evaluated.max_m = std::max(evaluated.max_m, off);
+      evaluated.heading_max_rad = std::max(evaluated.heading_max_rad, turn);
     }
   }
-  judged.rms_m = std::sqrt(judged.rms_m / static_cast<double>(judged.fixes));
-  judged.heading_rms_rad = std::sqrt(judged.heading_rms_rad / static_cast<double>(judged.fixes));
-  return judged;
+  evaluated.rms_m = std::sqrt(evaluated.rms_m / static_cast<double>(evaluated.fixes));
+  evaluated.heading_rms_rad = std::sqrt(evaluated.heading_rms_rad / static_cast<double>(evaluated.fixes));
+  return evaluated;
 }
 
 TEST(Gvs, follows_twenty_vehicles_within_2_mm_and_a_third_of_a_degree) {
   const SceneCamera camera;  // 2048²
-  const Judged judged = judge(camera, calibration_of(camera), fleet(20, 0.08), 6);
-  EXPECT_EQ(judged.fixes, 120U);
-  EXPECT_LE(judged.rms_m, 1e-3);
-  EXPECT_LE(judged.max_m, 2e-3);
-  EXPECT_LE(judged.heading_rms_rad, 0.15 * degree_rad);
-  EXPECT_LE(judged.heading_max_rad, 0.30 * degree_rad);
+  const Evaluated evaluated = evaluate(camera, calibration_of(camera), fleet(20, 0.08), 6);
+  EXPECT_EQ(evaluated.fixes, 120U);
+  EXPECT_LE(evaluated.rms_m, 1e-3);
+  EXPECT_LE(evaluated.max_m, 2e-3);
+  EXPECT_LE(evaluated.heading_rms_rad, 0.15 * degree_rad);
+  EXPECT_LE(evaluated.heading_max_rad, 0.30 * degree_rad);
 }
 
 TEST(Gvs, follows_them_with_a_rolling_shutter_and_motion_blur_too) {
   SceneCamera camera = small_camera();
   camera.exposure_s = 0.008;
   camera.line_s = 20e-6;  // 20 ms from top to bottom: 10 mm at 0.5 m/s, were it not accounted for
-  const Judged judged = judge(camera, calibration_of(camera), fleet(8, 0.10), 6);
-  EXPECT_EQ(judged.fixes, 48U);
-  EXPECT_LE(judged.max_m, 2e-3);
+  const Evaluated evaluated = evaluate(camera, calibration_of(camera), fleet(8, 0.10), 6);
+  EXPECT_EQ(evaluated.fixes, 48U);
+  EXPECT_LE(evaluated.max_m, 2e-3);
 }
 
 TEST(Gvs, without_height_correction_would_be_tens_of_millimetres_off) {
   const SceneCamera camera = small_camera();
   Calibration flat = calibration_of(camera);
   flat.camera = {};
-  EXPECT_GT(judge(camera, flat, fleet(8, 0.10), 2).max_m, 0.02);
+  EXPECT_GT(evaluate(camera, flat, fleet(8, 0.10), 2).max_m, 0.02);
 }
 
 TEST(Gvs, sees_in_dim_and_glaring_light) {
@@ -124,7 +124,7 @@ TEST(Gvs, sees_in_dim_and_glaring_light) {
     SceneCamera camera = small_camera();
     camera.brightness = brightness;
     camera.noise_grey = 3.0;
-    EXPECT_EQ(judge(camera, calibration_of(camera), fleet(8, 0.10), 2).fixes, 16U) << brightness;
+    EXPECT_EQ(evaluate(camera, calibration_of(camera), fleet(8, 0.10), 2).fixes, 16U) << brightness;
   }
 }
 

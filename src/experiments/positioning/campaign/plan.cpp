@@ -51,7 +51,7 @@ void read_settings(const Entry& root, CampaignPlan& plan) {
   plan.horizon = static_cast<std::uint32_t>(root.whole("horizon", 1, 1000, 4));
   plan.threshold_m = root.number("threshold_m", error, 0.01);
   plan.tolerance_m = root.number("tolerance_m", error, 0.01);
-  plan.judged = root.one_of("tolerance_of", {"rmse", "p95"}, "rmse") == "p95" ? Judged::p95 : Judged::rmse;
+  plan.evaluated = root.one_of("tolerance_of", {"rmse", "p95"}, "rmse") == "p95" ? Evaluated::p95 : Evaluated::rmse;
 }
 
 /// Grids have what lines have not, and are read by readers that see one beacon at a time.

@@ -44,7 +44,7 @@ struct SweptInfo {
 /// Where beacons lie: one every pitch along the way, or in a square grid over the zone that the way crosses.
 enum class Marks { line, grid };
 /// Which figure has to stay within the tolerance.
-enum class Judged { rmse, p95 };
+enum class Evaluated { rmse, p95 };
 
 /// Runs in one campaign, over all algorithms: as many as fit a machine's memory and a table.
 inline constexpr std::size_t campaign_votes_max = 2'000'000;
@@ -63,7 +63,7 @@ struct CampaignPlan {
   std::uint32_t horizon{4};
   double threshold_m{0.01};
   double tolerance_m{0.01};
-  Judged judged{Judged::rmse};
+  Evaluated evaluated{Evaluated::rmse};
   std::vector<std::string> algorithms;
   std::array<std::vector<double>, swept_count> values;  ///< at least one of each, rising
 

@@ -18,7 +18,7 @@ constexpr std::size_t rows_max = 500;
 
 std::string mm(double metres) { return readable(1e3 * metres, 2); }
 
-std::string judged_name(const CampaignPlan& plan) { return plan.judged == Judged::p95 ? "p95" : "rmse"; }
+std::string evaluated_name(const CampaignPlan& plan) { return plan.evaluated == Evaluated::p95 ? "p95" : "rmse"; }
 
 std::vector<std::string> with_labels(const char* first, const std::vector<Swept>& factors) {
   std::vector<std::string> columns{first};
@@ -72,7 +72,7 @@ class Page {
  private:
   [[nodiscard]] std::string chart(Swept factor, const Selection& selection, std::size_t first) const {
     Chart chart{{std::string(info_of(factor).label), {}, {}, wide(plan_.of(factor))},
-                {judged_name(plan_) + " [mm]", {}, {}},
+                {evaluated_name(plan_) + " [mm]", {}, {}},
                 {}};
     std::vector<Series> limits(2);
     std::vector<double> heights;
@@ -82,7 +82,7 @@ class Page {
       chart.series.push_back(line_of(curve, plan_.algorithms[i]));
       heights.insert(heights.end(), chart.series.back().y.begin(), chart.series.back().y.end());
       Series& limit = limits[work_.backtracks(i) ? 1 : 0];
-      if (limit.x.empty() && plan_.judged == Judged::rmse)
+      if (limit.x.empty() && plan_.evaluated == Evaluated::rmse)
         limit = limit_line(curve, work_.backtracks(i) ? "limit, looking back" : "limit");
     }
     for (Series& limit : limits)
@@ -146,7 +146,7 @@ void add_pitches(const CampaignResult& result, Report& report) {
   for (const char* name : {"pitch [m]", "95 % [m]", "the limit's pitch [m]"}) columns.emplace_back(name);
   if (plan.marks == Marks::grid) columns.emplace_back("worst placement [m]");
   report.table(columns, rows);
-  report.paragraph("The widest pitch at which the " + judged_name(plan) +
+  report.paragraph("The widest pitch at which the " + evaluated_name(plan) +
                    " stays within the tolerance, and at all narrower ones that were swept, interpolated between them "
                    "in logarithms. Its interval is where the error's 95 % interval passes the tolerance.");
   if (plan.marks == Marks::grid)

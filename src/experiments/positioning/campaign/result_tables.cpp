@@ -141,7 +141,7 @@ Table campaign_table(const CampaignResult& result) {
       {"reach_m", shortest(plan.reach_m)},
       {"threshold_m", shortest(plan.threshold_m)},
       {"tolerance_m", shortest(plan.tolerance_m)},
-      {"tolerance_of", plan.judged == Judged::p95 ? "p95" : "rmse"},
+      {"tolerance_of", plan.evaluated == Evaluated::p95 ? "p95" : "rmse"},
       {"digest", result.summary.digest},
   };
   Table table{"campaign", {}, rows.size()};

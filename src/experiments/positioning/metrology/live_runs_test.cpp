@@ -95,7 +95,7 @@ Trace off_board(const std::string& name, const Trial& trial) {
   return trace;
 }
 
-Result<Qualification> judged(const std::vector<std::string>& names,
+Result<Qualification> evaluated(const std::vector<std::string>& names,
                              const std::vector<std::shared_ptr<const LivedRun>>& runs) {
   std::vector<Candidate> candidates;
   candidates.reserve(names.size());
@@ -118,7 +118,7 @@ TEST(LiveRuns, give_what_the_vehicles_say_of_themselves_beside_where_they_were) 
     // 12 m at up to 0.5 m/s, asked 20 times a second.
     EXPECT_GT(run->trial.moments.size(), 400U);
   }
-  const auto all = judged(names, runs);
+  const auto all = evaluated(names, runs);
   ASSERT_TRUE(all) << to_string(all.error());
   for (const Qualified& one : all->algorithms) EXPECT_FALSE(one.failed) << one.name;
   const Qualified& reckoning = all->algorithms[0];
@@ -205,7 +205,7 @@ TEST(LiveRuns, take_what_a_camera_over_the_zone_saw_for_the_ground_truth) {
   bench.run(seconds{30});
   const auto runs = bench.runs().take_runs();
   ASSERT_THAT(runs, SizeIs(1)) << bench.operator_messages;
-  EXPECT_LT(judged({"arc_kalman"}, runs)->algorithms[0].rmse_m.value, 0.006);
+  EXPECT_LT(evaluated({"arc_kalman"}, runs)->algorithms[0].rmse_m.value, 0.006);
 }
 
 TEST(LiveRuns, of_a_fleet_of_one_unknown_vehicle_end) {
@@ -269,7 +269,7 @@ TEST(LivedRun, of_an_algorithm_that_diverged_says_so_and_the_others_keep_their_r
   auto run = std::move(log).finish(zone, ground_truth, milliseconds{500}, without_ground_truth);
   ASSERT_TRUE(run) << to_string(run.error());
   const std::vector<std::shared_ptr<const LivedRun>> runs{std::make_shared<const LivedRun>(std::move(*run))};
-  const auto all = judged({"good", "bad"}, runs);
+  const auto all = evaluated({"good", "bad"}, runs);
   ASSERT_TRUE(all);
   EXPECT_NEAR(all->algorithms[0].rmse_m.value, 0.003, 1e-9);
   ASSERT_TRUE(all->algorithms[1].failed);

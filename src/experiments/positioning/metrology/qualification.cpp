@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "cosiva/experiments/positioning/metrology/comparing.h"
-#include "cosiva/experiments/positioning/metrology/judging.h"
+#include "cosiva/experiments/positioning/metrology/evaluation.h"
 #include "cosiva/experiments/statistics/distributions.h"
 
 namespace cosiva::experiments {
@@ -49,7 +49,7 @@ class Qualifying {
   }
 
   /// In the order of runs, and of candidates in each: so the digest tells both.
-  void take(std::size_t index, JudgedRun run) {
+  void take(std::size_t index, EvaluatedRun run) {
     if (index == 0) {
       result_.times_s = std::move(run.times_s);
       result_.ground_truth = std::move(run.ground_truth);
@@ -69,16 +69,16 @@ class Qualifying {
   }
 
  private:
-  void take(std::size_t i, std::size_t index, Judged& judged, const std::optional<RunLimit>& limit) {
+  void take(std::size_t i, std::size_t index, Evaluated& evaluated, const std::optional<RunLimit>& limit) {
     Qualified& one = result_.algorithms[i];
-    if (judged.failed) {
-      one.failed = std::move(judged.failed);
+    if (evaluated.failed) {
+      one.failed = std::move(evaluated.failed);
       return;
     }
-    one.runs.push_back(judged.figures);
-    if (judged.alignment) one.alignments.push_back(*judged.alignment);
+    one.runs.push_back(evaluated.figures);
+    if (evaluated.alignment) one.alignments.push_back(*evaluated.alignment);
     Gathered& all = gathered_[i];
-    all.errors_m.insert(all.errors_m.end(), judged.errors_m.begin(), judged.errors_m.end());
+    all.errors_m.insert(all.errors_m.end(), evaluated.errors_m.begin(), evaluated.errors_m.end());
     if (limit) {
       all.filter_limit_m2 += limit->filter_m2;
       all.smoother_limit_m2 += limit->smoother_m2;
@@ -86,14 +86,14 @@ class Qualifying {
       all.below_limit_m2.push_back(one.runs.back().mse_m2 - bound);
     }
     if (index < worth_runs_most) {
-      all.worth_sum += judged.worth;
-      all.nees_worth_sum += judged.nees_worth;
+      all.worth_sum += evaluated.worth;
+      all.nees_worth_sum += evaluated.nees_worth;
       ++all.worth_runs;
     }
     if (index == 0) {
-      one.path = std::move(judged.path);
-      one.over_way = std::move(judged.over_way);
-      all.first_squares_m2 = std::move(judged.squares_m2);
+      one.path = std::move(evaluated.path);
+      one.over_way = std::move(evaluated.over_way);
+      all.first_squares_m2 = std::move(evaluated.squares_m2);
     }
     result_.digest.add(one.name);
     for (const double v : {one.runs.back().mse_m2, one.runs.back().mean_m, one.runs.back().nees}) result_.digest.add(v);
@@ -215,10 +215,10 @@ class Qualifying {
 Result<Qualification> qualify(const std::vector<Candidate>& candidates, std::size_t runs, const TrialSource& source,
                               const QualificationOptions& options, Workers& workers, const TimeIsUp& time_is_up,
                               const Progress& progress) {
-  auto judged = judge_all(candidates, runs, source, options, workers, time_is_up, progress);
-  if (!judged) return tl::unexpected(judged.error());
+  auto evaluated = evaluate_all(candidates, runs, source, options, workers, time_is_up, progress);
+  if (!evaluated) return tl::unexpected(evaluated.error());
   Qualifying qualifying{candidates, runs, options};
-  for (std::size_t index = 0; index < runs; ++index) qualifying.take(index, std::move((*judged)[index]));
+  for (std::size_t index = 0; index < runs; ++index) qualifying.take(index, std::move((*evaluated)[index]));
   return qualifying.done();
 }
 

@@ -30,7 +30,7 @@ void turn(const double* __restrict heading_rad, double* __restrict sin, double* 
   }
 }
 
-void judge(const Moment& moment, std::size_t i, Trace& trace) {
+void evaluate(const Moment& moment, std::size_t i, Trace& trace) {
   const Estimate& estimate = trace.estimates[i];
   const SinCos h{trace.ground_truth_sin[i], trace.ground_truth_cos[i]};
   const double x = estimate.pose.x_m - moment.ground_truth.x_m;
@@ -113,7 +113,7 @@ Result<Pose2> align(Alignment how, const Trial& run, Trace& trace) {
     Estimate& estimate = trace.estimates[i];
     estimate.pose = *move * estimate.pose;
     estimate.covariance = r * estimate.covariance * r.transpose();
-    judge(run.moments[i], i, trace);
+    evaluate(run.moments[i], i, trace);
   }
   return move;
 }
@@ -130,7 +130,7 @@ Result<void> apply(estimation::Algorithm& algorithm, const Trial& run, Trace& tr
     while (told < moment.events) tell(algorithm, run.events[told++], trace, predictions);
     trace.estimates.push_back(algorithm.estimate());
     if (const Error* fault = algorithm.fault()) return tl::unexpected(*fault);
-    judge(moment, trace.estimates.size() - 1, trace);
+    evaluate(moment, trace.estimates.size() - 1, trace);
     predictions_at.push_back(predictions);
   }
   const std::vector<Estimate> revised = algorithm.revised();
@@ -140,7 +140,7 @@ Result<void> apply(estimation::Algorithm& algorithm, const Trial& run, Trace& tr
   for (std::size_t i = 0; i < run.moments.size(); ++i) {
     // Nothing to revise before the first step.
     if (predictions_at[i] > 0) trace.estimates[i] = revised[predictions_at[i] - 1];
-    judge(run.moments[i], i, trace);
+    evaluate(run.moments[i], i, trace);
   }
   return {};
 }

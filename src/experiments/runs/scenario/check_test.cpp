@@ -190,10 +190,10 @@ TEST(ScenarioCheck, a_zone_that_cannot_be_used_is_refused_at_the_step_that_switc
     return zone::ZoneConfiguration{"toml", "bad.toml", "name = \"bad\"\n", {}};
   };
   ASSERT_TRUE(resolve_zones(*scenario, load, "test.toml"));
-  const auto judged = check(*scenario, zone, "test.toml");
-  ASSERT_FALSE(judged);
-  EXPECT_THAT(judged.error().place, StartsWith("test.toml:2: switch"));
-  EXPECT_THAT(judged.error().message, HasSubstr("bad.toml"));
+  const auto evaluated = check(*scenario, zone, "test.toml");
+  ASSERT_FALSE(evaluated);
+  EXPECT_THAT(evaluated.error().place, StartsWith("test.toml:2: switch"));
+  EXPECT_THAT(evaluated.error().message, HasSubstr("bad.toml"));
 }
 
 }  // namespace

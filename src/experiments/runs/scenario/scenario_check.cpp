@@ -53,7 +53,7 @@ class Checker {
                   " s (duration_s)");
       }
       const auto command = JsonValue::parse(step.command, command_bytes_max);
-      if (command) judge(*command);
+      if (command) evaluate(*command);
     }
     if (faults_.first()) return tl::unexpected(*faults_.first());
     return {};
@@ -80,28 +80,28 @@ class Checker {
     for (const zone::SectionId section : zone.closed) closed_.insert(zone.circuit.part(section).name);
   }
 
-  void judge(const JsonValue& command) {
+  void evaluate(const JsonValue& command) {
     const std::string what = command.text("command").value_or("");
-    if (what == "switch") return judge_switch(command);
-    if (what == "close" || what == "open") return judge_closing(command.text("section").value_or(""), what);
-    if (what == "go") judge_goal(command.text("to").value_or(""));
-    if (what == "circulate") judge_loop(command.text("loop"));
-    if (what == "add") return judge_add(*command.find("virtualObject"));
-    if (what == "move") return judge_move(*command.find("virtualObject"));
-    if (what == "remove") return judge_remove(command.text("id").value_or(""), false);
-    if (what == "plant") return judge_plant(*command.find("plant"));
-    if (what == "radio") return judge_radio(command);
+    if (what == "switch") return evaluate_switch(command);
+    if (what == "close" || what == "open") return evaluate_closing(command.text("section").value_or(""), what);
+    if (what == "go") evaluate_goal(command.text("to").value_or(""));
+    if (what == "circulate") evaluate_loop(command.text("loop"));
+    if (what == "add") return evaluate_add(*command.find("virtualObject"));
+    if (what == "move") return evaluate_move(*command.find("virtualObject"));
+    if (what == "remove") return evaluate_remove(command.text("id").value_or(""), false);
+    if (what == "plant") return evaluate_plant(*command.find("plant"));
+    if (what == "radio") return evaluate_radio(command);
     if (what == "edit") {
       for (const auto& [id, priority] : *command.find("edit")->find("priorities")->object())
-        judge_vehicle(id, "priority");
+        evaluate_vehicle(id, "priority");
       return;
     }
-    judge_vehicle(command.text("vehicle").value_or(""), "vehicle");
+    evaluate_vehicle(command.text("vehicle").value_or(""), "vehicle");
   }
 
   // --- the zone -----------------------------------------------------------------------------------------------------
 
-  void judge_switch(const JsonValue& command) {
+  void evaluate_switch(const JsonValue& command) {
     const JsonValue* given = command.find("zone");
     auto configuration = given == nullptr
                              ? Result<zone::ZoneConfiguration>{fail("scenario.zone", "this zone was not looked for")}
@@ -127,7 +127,7 @@ class Checker {
     return names;
   }
 
-  void judge_closing(const std::string& section, const std::string& what) {
+  void evaluate_closing(const std::string& section, const std::string& what) {
     if (!zone_->circuit.find(section)) return fault_name(what, "scenario.section", "section", section, section_names());
     const bool changes = what == "close" ? closed_.insert(section).second : closed_.erase(section) > 0;
     if (!changes)
@@ -135,7 +135,7 @@ class Checker {
             section + (what == "close" ? " is closed already " : " is not closed ") + at_seconds(step_->at));
   }
 
-  void judge_goal(const std::string& to) {
+  void evaluate_goal(const std::string& to) {
     if (zone_->find_station(to) != nullptr || zone_->find_waypoint(to) != nullptr) return;
     std::vector<std::string_view> known;
     for (const zone::Station& station : zone_->stations) known.push_back(station.name);
@@ -143,7 +143,7 @@ class Checker {
     fault_name("go.to", "scenario.goal", "station or waypoint", to, known);
   }
 
-  void judge_loop(const std::optional<std::string>& loop) {
+  void evaluate_loop(const std::optional<std::string>& loop) {
     if (!loop || zone_->find_loop(*loop) != nullptr) return;
     std::vector<std::string_view> known;
     for (const zone::Loop& one : zone_->loops) known.push_back(one.name);
@@ -152,12 +152,12 @@ class Checker {
 
   // --- vehicles -----------------------------------------------------------------------------------------------------
 
-  void judge_vehicle(const std::string& id, std::string_view field) {
+  void evaluate_vehicle(const std::string& id, std::string_view field) {
     if (id == "*") return;
     const std::size_t slash = id.find('/');
     const std::string manufacturer = id.substr(0, slash);
     const std::string serial = slash == std::string::npos ? "" : id.substr(slash + 1);
-    if (manufacturer == wire::virtual_manufacturer) return judge_virtual_vehicle(serial, field);
+    if (manufacturer == wire::virtual_manufacturer) return evaluate_virtual_vehicle(serial, field);
     if (manufacturer == wire::our_manufacturer && number_of(serial)) return;
     const std::vector<std::string> there = vehicles_now();
     const std::string_view near = nearest(serial, {there.begin(), there.end()});
@@ -167,7 +167,7 @@ class Checker {
               (near.empty() ? "" : ", did you mean " + quoted(near) + "?"));
   }
 
-  void judge_virtual_vehicle(const std::string& serial, std::string_view field) {
+  void evaluate_virtual_vehicle(const std::string& serial, std::string_view field) {
     const auto virtual_object = virtual_objects_.find(serial);
     if (virtual_object != virtual_objects_.end() && virtual_object->second.kind == "aiv") return;
     const auto arrival = arrivals_.find(serial);
@@ -196,11 +196,11 @@ class Checker {
     return names;
   }
 
-  void judge_radio(const JsonValue& command) {
+  void evaluate_radio(const JsonValue& command) {
     const std::string id = command.text("vehicle").value_or("");
     if (id.starts_with(std::string(wire::virtual_manufacturer) + "/"))
       return fault("radio.vehicle", "scenario.radio", "a virtual AIV lives in the server and has no radio to lose");
-    judge_vehicle(id, "radio.vehicle");
+    evaluate_vehicle(id, "radio.vehicle");
     const bool begins = command.number("loss").value_or(0.0) > 0.0;
     for (const auto& [other, line] : lossy_) {
       // Whichever ends first would end the other one's loss as well.
@@ -220,7 +220,7 @@ class Checker {
 
   // --- things -------------------------------------------------------------------------------------------------------
 
-  void judge_new(const std::string& id, std::string kind) {
+  void evaluate_new(const std::string& id, std::string kind) {
     const auto [known, is_new] = virtual_objects_.emplace(id, VirtualObject{std::move(kind), step_->line});
     if (!is_new) {
       fault("id", "scenario.id",
@@ -229,7 +229,7 @@ class Checker {
     }
   }
 
-  void judge_point(double x_m, double y_m, std::string_view field) {
+  void evaluate_point(double x_m, double y_m, std::string_view field) {
     if (x_m >= bounds_.low.x_m - margin_m && x_m <= bounds_.high.x_m + margin_m && y_m >= bounds_.low.y_m - margin_m &&
         y_m <= bounds_.high.y_m + margin_m)
       return;
@@ -239,25 +239,25 @@ class Checker {
               ", " + shortest(bounds_.high.y_m) + ") m");
   }
 
-  void judge_way(const JsonValue& virtual_object) {
+  void evaluate_route(const JsonValue& virtual_object) {
     if (const JsonValue* path = virtual_object.find("path"); path != nullptr && path->array() != nullptr) {
       for (const JsonValue& p : *path->array())
-        judge_point(*p.array()->at(0).number(), *p.array()->at(1).number(), "path");
+        evaluate_point(*p.array()->at(0).number(), *p.array()->at(1).number(), "path");
     } else if (virtual_object.number("x") && virtual_object.number("y")) {
-      judge_point(*virtual_object.number("x"), *virtual_object.number("y"), "at");
+      evaluate_point(*virtual_object.number("x"), *virtual_object.number("y"), "at");
     }
   }
 
-  void judge_add(const JsonValue& virtual_object) {
+  void evaluate_add(const JsonValue& virtual_object) {
     const std::string kind = virtual_object.text("kind").value_or("");
-    judge_new(virtual_object.text("id").value_or(""), kind);
+    evaluate_new(virtual_object.text("id").value_or(""), kind);
     if (kind == "aiv")
-      judge_aiv_place(virtual_object);
+      evaluate_aiv_position(virtual_object);
     else
-      judge_way(virtual_object);
+      evaluate_route(virtual_object);
   }
 
-  void judge_aiv_place(const JsonValue& virtual_object) {
+  void evaluate_aiv_position(const JsonValue& virtual_object) {
     std::optional<zone::Place> place;
     if (const auto name = virtual_object.text("section")) {
       const auto section = zone_->circuit.find(*name);
@@ -287,7 +287,7 @@ class Checker {
               "; choose a place before or behind it");
   }
 
-  void judge_move(const JsonValue& virtual_object) {
+  void evaluate_move(const JsonValue& virtual_object) {
     const std::string id = virtual_object.text("id").value_or("");
     const auto known = virtual_objects_.find(id);
     if (known == virtual_objects_.end()) return fault_unknown(id, "move.id");
@@ -295,10 +295,10 @@ class Checker {
       return fault("move.id", "scenario.id", quoted(id) + " is a virtual AIV: it drives by itself, and is not moved");
     if (known->second.kind != "person" && virtual_object.find("path") != nullptr)
       return fault("move.path", "scenario.field", quoted(id) + " is an obstacle and does not walk; move it with at");
-    judge_way(virtual_object);
+    evaluate_route(virtual_object);
   }
 
-  void judge_remove(const std::string& id, bool physical) {
+  void evaluate_remove(const std::string& id, bool physical) {
     if (id == "*") {
       std::erase_if(virtual_objects_, [](const auto& entry) { return entry.second.kind != "physical obstacle"; });
       return;
@@ -309,15 +309,15 @@ class Checker {
     virtual_objects_.erase(known);
   }
 
-  void judge_plant(const JsonValue& plant) {
+  void evaluate_plant(const JsonValue& plant) {
     const JsonValue* added = plant.find("addObstacle");
-    if (added == nullptr) return judge_remove(plant.text("removeObstacle").value_or(""), true);
+    if (added == nullptr) return evaluate_remove(plant.text("removeObstacle").value_or(""), true);
     const std::string id = added->text("id").value_or("");
     const auto known = virtual_objects_.find(id);
     // The reader has seen to it that a second one of this id is the first one moved.
     const bool moved = known != virtual_objects_.end() && known->second.kind == "physical obstacle";
-    if (!moved) judge_new(id, "physical obstacle");
-    judge_way(*added);
+    if (!moved) evaluate_new(id, "physical obstacle");
+    evaluate_route(*added);
   }
 
   void fault_unknown(const std::string& id, std::string_view field) {

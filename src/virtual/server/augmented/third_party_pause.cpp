@@ -31,7 +31,7 @@ bool ThirdPartyPause::in_way(VehicleIndex vehicle, const Pose2& X_MB, const Body
   return false;
 }
 
-void ThirdPartyPause::judge(VehicleIndex vehicle, const Pose2& X_MB, std::span<const Body> bodies) {
+void ThirdPartyPause::evaluate(VehicleIndex vehicle, const Pose2& X_MB, std::span<const Body> bodies) {
   AivProxy& proxy = registry_[vehicle];
   if (!proxy.state) return;
   const double within_m = proxy.paused_for_body ? let_go_beyond_m : pause_within_m;

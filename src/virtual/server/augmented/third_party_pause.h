@@ -37,7 +37,7 @@ class ThirdPartyPause {
     bool is_aiv;  ///< traffic keeps vehicles apart: it counts only inside the base
   };
   /// The vehicle does not feel by itself; these are near it, nearest first.
-  void judge(VehicleIndex vehicle, const Pose2& X_MB, std::span<const Body> bodies);
+  void evaluate(VehicleIndex vehicle, const Pose2& X_MB, std::span<const Body> bodies);
   /// Nothing is near it any more, or it feels by itself.
   void let_go(VehicleIndex vehicle);
   /// The body it is paused for; empty: none.

@@ -154,7 +154,7 @@ void VirtualObstaclePublisher::survey_neighbours(VehicleIndex vehicle) {
   }
   std::array<ThirdPartyPause::Body, wire::VirtualObstacles::bodies_max> bodies{};
   for (std::size_t i = 0; i < near_.size(); ++i) bodies[i] = {&near_[i]->body, near_[i]->vehicle != no_vehicle};
-  pauses_.judge(vehicle, *X_MB, {bodies.data(), near_.size()});
+  pauses_.evaluate(vehicle, *X_MB, {bodies.data(), near_.size()});
   viewer.perceives = pauses_.paused_for(vehicle);
 }
 

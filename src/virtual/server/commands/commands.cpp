@@ -108,10 +108,10 @@ std::optional<std::string> Commands::impossible(VehicleIndex vehicle, OperatorCo
 Result<void> Commands::check(const Result<JsonValue>& command) const {
   const auto asked = read(command);
   if (!asked) return tl::unexpected(asked.error());
-  return judge_asked(*asked);
+  return validate_request(*asked);
 }
 
-Result<void> Commands::judge_asked(const Asked& asked) const {
+Result<void> Commands::validate_request(const Asked& asked) const {
   if (!asked.verb) {
     return fail(
         "command.unknown",
@@ -167,10 +167,10 @@ void Commands::issue(const Result<JsonValue>& json) {
     for (const std::string& name : asked->vehicle_names)
       command.vehicle_name += (command.vehicle_name.empty() ? "" : ", ") + name;
   }
-  const Result<void> judged = asked ? judge_asked(*asked) : tl::unexpected(asked.error());
-  if (!judged) {
+  const Result<void> evaluated = asked ? validate_request(*asked) : tl::unexpected(asked.error());
+  if (!evaluated) {
     simulator_.monitor().command_issued();
-    fail_command(command, to_string(judged.error()));
+    fail_command(command, to_string(evaluated.error()));
     keep(std::move(command));
     return;
   }
@@ -274,7 +274,7 @@ bool Commands::effect_observed(const Command& command) const {
   return !zone || speed_mps <= aiv::kinematics(zone->profiles, profile).speed_mps + speed_slack_mps;
 }
 
-void Commands::judge(Command& command) {
+void Commands::evaluate(Command& command) {
   const InstantActionSender::PendingAction* pending_action = action_sender_.find(command.handle);
   if (pending_action == nullptr || !pending_action->acknowledged()) return;
   if (!command.accepted_at) accept(command);
@@ -299,7 +299,7 @@ void Commands::judge(Command& command) {
 
 void Commands::on_state(VehicleIndex vehicle) {
   for (Command& command : list_)
-    if (command.vehicle == vehicle && command.open()) judge(command);
+    if (command.vehicle == vehicle && command.open()) evaluate(command);
 }
 
 void Commands::tick() {

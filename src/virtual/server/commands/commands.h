@@ -76,7 +76,7 @@ class Commands {
     [[nodiscard]] bool all() const { return several && vehicle_names.front() == "*"; }
   };
   [[nodiscard]] Result<Asked> read(const Result<JsonValue>& value) const;
-  [[nodiscard]] Result<void> judge_asked(const Asked& asked) const;
+  [[nodiscard]] Result<void> validate_request(const Asked& asked) const;
   [[nodiscard]] std::vector<VehicleIndex> addressed(const Asked& asked) const;
   /// The monitor, where the command is for a vehicle that it counts.
   [[nodiscard]] BijectionMonitor* monitor_of(const Command& command);
@@ -85,7 +85,7 @@ class Commands {
   void supersede(const Command& by);
   [[nodiscard]] std::optional<std::string> impossible(VehicleIndex vehicle, OperatorCommandKind verb) const;
   [[nodiscard]] bool effect_observed(const Command& command) const;
-  void judge(Command& command);
+  void evaluate(Command& command);
   void accept(Command& command);
   void materialise(Command& command);
   void fail_command(Command& command, std::string reason);

@@ -1,4 +1,4 @@
-#include "cosiva/experiments/positioning/metrology/judging.h"
+#include "cosiva/experiments/positioning/metrology/evaluation.h"
 
 #include <algorithm>
 #include <memory>
@@ -39,12 +39,12 @@ struct Part {
   std::size_t first, last;  ///< candidates from the first to before the last
 };
 
-class Judging {
+class Evaluation {
  public:
-  Judging(const std::vector<Candidate>& candidates, std::size_t runs, const TrialSource& source,
+  Evaluation(const std::vector<Candidate>& candidates, std::size_t runs, const TrialSource& source,
           const QualificationOptions& options)
       : candidates_{candidates}, source_{source}, options_{options}, runs_(runs), failed_in_(candidates.size(), runs) {
-    for (JudgedRun& run : runs_) run.algorithms.resize(candidates.size());
+    for (EvaluatedRun& run : runs_) run.algorithms.resize(candidates.size());
     const bool alone = runs < few_runs;
     const std::size_t size = alone ? 1 : std::clamp<std::size_t>(runs / parts_wanted, 1, part_runs_most);
     for (std::size_t run = 0; run < runs; run += size) {
@@ -55,7 +55,7 @@ class Judging {
   }
 
   /// In rounds: what nobody has begun when time is up is left for the next, and in between it is told how far all is.
-  Result<std::vector<JudgedRun>> on(Workers& workers, const TimeIsUp& time_is_up, const Progress& progress) {
+  Result<std::vector<EvaluatedRun>> on(Workers& workers, const TimeIsUp& time_is_up, const Progress& progress) {
     std::vector<std::size_t> left(parts_.size());
     std::iota(left.begin(), left.end(), std::size_t{0});
     while (!left.empty()) {
@@ -90,7 +90,7 @@ class Judging {
         continue;
       }
       if (part.own) look_at(index, **trial);
-      for (std::size_t i = part.first; i < part.last; ++i) judge(i, index, **trial, trace);
+      for (std::size_t i = part.first; i < part.last; ++i) evaluate(i, index, **trial, trace);
     }
   }
 
@@ -107,7 +107,7 @@ class Judging {
 
   /// What is to say of the run itself.
   void look_at(std::size_t index, const Trial& trial) {
-    JudgedRun& run = runs_[index];
+    EvaluatedRun& run = runs_[index];
     if (options_.alignment == Alignment::none) run.limit = limit_of_run(trial);
     run.sensors_assumed = trial.sensors_assumed;
     if (index > 0) return;
@@ -117,9 +117,9 @@ class Judging {
     }
   }
 
-  void judge(std::size_t i, std::size_t index, const Trial& trial, Trace& trace) {
+  void evaluate(std::size_t i, std::size_t index, const Trial& trial, Trace& trace) {
     if (failed_in_[i] < index) return;
-    Judged& one = runs_[index].algorithms[i];
+    Evaluated& one = runs_[index].algorithms[i];
     auto algorithm = candidates_[i].make(trial.setting);
     if (!algorithm) {
       one.failed = algorithm.error();
@@ -144,7 +144,7 @@ class Judging {
     if (index == 0) keep_first(one, trial, trace);
   }
 
-  static void keep_first(Judged& one, const Trial& trial, const Trace& trace) {
+  static void keep_first(Evaluated& one, const Trial& trial, const Trace& trace) {
     const std::size_t stride = std::max<std::size_t>(1, trial.moments.size() / 1500);
     for (std::size_t k = 0; k < trial.moments.size(); ++k) {
       one.path.push_back(trace.estimates[k].pose);
@@ -156,7 +156,7 @@ class Judging {
   const std::vector<Candidate>& candidates_;
   const TrialSource& source_;
   const QualificationOptions& options_;
-  std::vector<JudgedRun> runs_;
+  std::vector<EvaluatedRun> runs_;
   std::vector<std::size_t> failed_in_;  ///< of each candidate the first run known to be; as many as there are: none
   std::size_t no_run_{runs_.size()};    ///< likewise of runs
   std::vector<Part> parts_;
@@ -164,10 +164,10 @@ class Judging {
 
 }  // namespace
 
-Result<std::vector<JudgedRun>> judge_all(const std::vector<Candidate>& candidates, std::size_t runs,
+Result<std::vector<EvaluatedRun>> evaluate_all(const std::vector<Candidate>& candidates, std::size_t runs,
                                          const TrialSource& source, const QualificationOptions& options,
                                          Workers& workers, const TimeIsUp& time_is_up, const Progress& progress) {
-  return Judging{candidates, runs, source, options}.on(workers, time_is_up, progress);
+  return Evaluation{candidates, runs, source, options}.on(workers, time_is_up, progress);
 }
 
 }  // namespace cosiva::experiments

@@ -6,7 +6,7 @@
 namespace cosiva::experiments {
 
 /// One algorithm on one run.
-struct Judged {
+struct Evaluated {
   std::optional<Error> failed;
   RunFigures figures;
   std::optional<Pose2> alignment;  ///< what all its estimates were moved by
@@ -19,11 +19,11 @@ struct Judged {
 };
 
 /// One run, and all algorithms on it.
-struct JudgedRun {
+struct EvaluatedRun {
   std::optional<Error> failed;  ///< why there is no such run
   std::optional<RunLimit> limit;
   bool sensors_assumed{false};
-  std::vector<Judged> algorithms;  ///< one per candidate; of those that failed in an earlier run it means nothing
+  std::vector<Evaluated> algorithms;  ///< one per candidate; of those that failed in an earlier run it means nothing
   std::vector<double> times_s;     ///< of the first run alone
   std::vector<Pose2> ground_truth;
 };
@@ -33,7 +33,7 @@ inline constexpr std::size_t worth_runs_most = 10;
 
 /// All candidates on all runs, in parts that may be done at the same time: what comes out does not depend on who does
 /// which. Fails with the first run's error that has one.
-[[nodiscard]] Result<std::vector<JudgedRun>> judge_all(const std::vector<Candidate>& candidates, std::size_t runs,
+[[nodiscard]] Result<std::vector<EvaluatedRun>> evaluate_all(const std::vector<Candidate>& candidates, std::size_t runs,
                                                        const TrialSource& source, const QualificationOptions& options,
                                                        Workers& workers, const TimeIsUp& time_is_up,
                                                        const Progress& progress);
