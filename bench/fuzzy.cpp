@@ -79,22 +79,22 @@ struct Subject {
       columns.emplace_back(questions);
       for (double& x : columns.back()) x = random.uniform(input.minimum, input.maximum);
     }
-    answers.assign(rule_base.engine().outputs.size(), std::vector<double>(questions));
+    responses.assign(rule_base.engine().outputs.size(), std::vector<double>(questions));
   }
 
   template <typename Evaluate>
   void ask(std::size_t k, Evaluate evaluate) {
     std::array<double, 16> question{};
-    std::array<double, 16> answer{};
+    std::array<double, 16> response{};
     for (std::size_t i = 0; i < columns.size(); ++i) question[i] = columns[i][k];
-    evaluate(std::span(question).first(columns.size()), std::span(answer).first(answers.size()));
-    benchmark::DoNotOptimize(answer);
+    evaluate(std::span(question).first(columns.size()), std::span(response).first(responses.size()));
+    benchmark::DoNotOptimize(response);
   }
 
   std::string text;
   fuzzy::RuleBase rule_base;
   std::vector<std::vector<double>> columns;
-  std::vector<std::vector<double>> answers;
+  std::vector<std::vector<double>> responses;
 };
 
 std::string agent_rules() {
@@ -142,7 +142,7 @@ void report(benchmark::State& state, Clock::time_point start, std::size_t decisi
 void BM_many_at_once(benchmark::State& state) {
   Subject& asked = subject(state.range(0));
   const std::vector<std::span<const double>> inputs(asked.columns.begin(), asked.columns.end());
-  const std::vector<std::span<double>> outputs(asked.answers.begin(), asked.answers.end());
+  const std::vector<std::span<double>> outputs(asked.responses.begin(), asked.responses.end());
   const auto start = Clock::now();
   for (auto _ : state) {
     asked.rule_base.evaluate(inputs, outputs);

@@ -117,7 +117,7 @@ bool qualification(app::TraceWriter& trace, const zone::ZoneConfiguration& zone)
   options.algorithms = {"arc_kalman", "dead_reckoning"};
   options.name = "golden";
   experiments::LiveRuns runs{options};
-  Run run{trace, world_of(zone, 1), {wire::estimate_request_topic_prefix, wire::estimate_answer_topic_prefix}};
+  Run run{trace, world_of(zone, 1), {wire::estimate_request_topic_prefix, wire::estimate_response_topic_prefix}};
   const auto rtm = zone::Rtm::initialise(zone);
   if (!run.made() || !rtm) return false;
   runs.on_zone(rtm->shared_zone());

@@ -39,6 +39,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   read(wire::battery_ready_from_json, text);
   read(wire::battery_test_from_json, text);
   read(wire::estimate_request_from_json, text);
-  read(wire::estimate_answer_from_json, text);
+  read(wire::estimate_response_from_json, text);
   return 0;
 }

@@ -120,13 +120,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
   const std::string query{target.substr(std::min(path.size() + 1, target.size()))};
   const std::string body{text.substr(std::min(line.size() + 1, text.size()))};
-  const auto answer = server.calls.answer({std::string(line.substr(0, space)), *clean, query, body, *segments});
+  const auto response = server.calls.response({std::string(line.substr(0, space)), *clean, query, body, *segments});
   constexpr std::array known{200U, 201U, 202U, 400U, 404U, 405U, 409U, 429U, 500U};
-  COSIVA_EXPECT(std::ranges::find(known, answer.status) != known.end());
-  if (answer.content_type == "application/json") {
-    const auto json = JsonValue::parse(answer.body);
+  COSIVA_EXPECT(std::ranges::find(known, response.status) != known.end());
+  if (response.content_type == "application/json") {
+    const auto json = JsonValue::parse(response.body);
     COSIVA_EXPECT(json.has_value());
-    if (answer.status >= 400)
+    if (response.status >= 400)
       COSIVA_EXPECT(json->find("error") != nullptr && !json->find("error")->text("message").value_or("").empty());
   }
   server.now += std::chrono::milliseconds{20};

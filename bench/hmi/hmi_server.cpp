@@ -171,7 +171,7 @@ class Bench {
     http_options.port = options.port;
     http_options.web_root = options.web_root;
     auto http = adapters::HttpServer::listen(loop_, std::move(http_options),
-                                             [this](const adapters::HttpRequest& request) { return answer(request); });
+                                             [this](const adapters::HttpRequest& request) { return response(request); });
     if (!http) {
       std::fprintf(stderr, "hmi_server: %s\n", to_string(http.error()).c_str());
       return 2;
@@ -212,12 +212,12 @@ class Bench {
     return json.take();
   }
 
-  adapters::HttpResponse answer(const adapters::HttpRequest& request) {
-    if (request.path == "/api/v1/zone") return app::json_answer(zone_json_);
-    if (request.path == "/api/v1/snapshot") return app::json_answer(snapshot_json(fleet_, clock_.now()));
-    if (request.path == "/api/v1/run") return app::json_answer(run_json());
-    if (request.path == "/api/v1/zones") return app::json_answer(R"({"zones":[]})");
-    if (request.path == "/api/v1/traces") return app::json_answer(R"({"next":1,"oldest":1,"traces":[]})");
+  adapters::HttpResponse response(const adapters::HttpRequest& request) {
+    if (request.path == "/api/v1/zone") return app::json_response(zone_json_);
+    if (request.path == "/api/v1/snapshot") return app::json_response(snapshot_json(fleet_, clock_.now()));
+    if (request.path == "/api/v1/run") return app::json_response(run_json());
+    if (request.path == "/api/v1/zones") return app::json_response(R"({"zones":[]})");
+    if (request.path == "/api/v1/traces") return app::json_response(R"({"next":1,"oldest":1,"traces":[]})");
     return adapters::http_error(409, "bench.not_now", "this is a benchmark's server: there is nothing but a picture");
   }
 

@@ -17,7 +17,7 @@ namespace http = beast::http;
 using tcp = asio::ip::tcp;
 using ErrorCode = beast::error_code;
 
-constexpr std::size_t answer_bytes_max = std::size_t{256} << 20U;
+constexpr std::size_t response_bytes_max = std::size_t{256} << 20U;
 constexpr std::chrono::seconds connect_max{5};
 
 /// One question and its answer on a connection of its own: resolve, connect, write, read, each followed by the next.
@@ -25,7 +25,7 @@ class Exchange {
  public:
   Exchange(http::request<http::string_body> request, std::chrono::milliseconds timeout)
       : resolver_{io_}, stream_{io_}, request_{std::move(request)}, timeout_{timeout} {
-    parser_.body_limit(answer_bytes_max);
+    parser_.body_limit(response_bytes_max);
   }
 
   void run(const std::string& host, const std::string& port) {
@@ -43,7 +43,7 @@ class Exchange {
 
   [[nodiscard]] ErrorCode error() const { return error_; }
   [[nodiscard]] bool connected() const { return connected_; }
-  [[nodiscard]] HttpAnswer take() { return {parser_.get().result_int(), std::move(parser_.get().body())}; }
+  [[nodiscard]] HttpReply take() { return {parser_.get().result_int(), std::move(parser_.get().body())}; }
 
  private:
   bool failed(ErrorCode error) {
@@ -102,7 +102,7 @@ Result<HttpClient> HttpClient::make(std::string_view url) {
   return client;
 }
 
-Result<HttpAnswer> HttpClient::ask(std::string_view method, std::string_view path, std::string body,
+Result<HttpReply> HttpClient::ask(std::string_view method, std::string_view path, std::string body,
                                    std::chrono::milliseconds timeout) const {
   http::request<http::string_body> request;
   request.version(11);
@@ -119,7 +119,7 @@ Result<HttpAnswer> HttpClient::ask(std::string_view method, std::string_view pat
   const std::string why = exchange.error().message();
   if (!exchange.connected())
     return fail("http.connect", "nobody answers there (" + why + "); is the platform running (cosiva up)?", url());
-  return fail("http.answer", "the answer did not come: " + why, url());
+  return fail("http.response", "the answer did not come: " + why, url());
 }
 
 }  // namespace cosiva::adapters

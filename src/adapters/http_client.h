@@ -9,7 +9,7 @@
 
 namespace cosiva::adapters {
 
-struct HttpAnswer {
+struct HttpReply {
   unsigned status{};
   std::string body;
 };
@@ -21,9 +21,9 @@ class HttpClient {
   /// "http://127.0.0.1:8080", "http://localhost:8080/", "http://[::1]:8080". Fails ("http.url") on anything else.
   [[nodiscard]] static Result<HttpClient> make(std::string_view url);
 
-  /// A body is sent as JSON; an empty one is not sent. Fails ("http.connect", "http.answer") where nobody listens, or
+  /// A body is sent as JSON; an empty one is not sent. Fails ("http.connect", "http.response") where nobody listens, or
   /// the answer does not come, whole, within `timeout`. An answer that refuses is an answer.
-  [[nodiscard]] Result<HttpAnswer> ask(std::string_view method, std::string_view path, std::string body = {},
+  [[nodiscard]] Result<HttpReply> ask(std::string_view method, std::string_view path, std::string body = {},
                                        std::chrono::milliseconds timeout = std::chrono::seconds{30}) const;
 
   [[nodiscard]] std::string url() const { return "http://" + authority_; }

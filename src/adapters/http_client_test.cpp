@@ -54,7 +54,7 @@ class Serving {
   std::thread thread_;
 };
 
-TEST(HttpClient, asks_and_hears_the_answer) {
+TEST(HttpClient, sends_a_request_and_receives_the_response) {
   const Serving serving;
   const auto client = HttpClient::make("http://127.0.0.1:" + std::to_string(serving.port));
   ASSERT_TRUE(client);
@@ -76,16 +76,16 @@ TEST(HttpClient, hears_why_a_body_is_too_long) {
   EXPECT_EQ(refused->status, 413U);
 }
 
-TEST(HttpClient, says_when_nobody_answers) {
+TEST(HttpClient, reports_when_no_service_responds) {
   std::uint16_t port = 0;
   {
     const Serving gone;
     port = gone.port;
   }
-  const auto answer = HttpClient::make("http://127.0.0.1:" + std::to_string(port))->ask("GET", "/");
-  ASSERT_FALSE(answer);
-  EXPECT_EQ(answer.error().code, "http.connect");
-  EXPECT_THAT(answer.error().message, HasSubstr("cosiva up"));
+  const auto response = HttpClient::make("http://127.0.0.1:" + std::to_string(port))->ask("GET", "/");
+  ASSERT_FALSE(response);
+  EXPECT_EQ(response.error().code, "http.connect");
+  EXPECT_THAT(response.error().message, HasSubstr("cosiva up"));
 }
 
 }  // namespace

@@ -78,9 +78,9 @@ struct HttpServer::Impl : std::enable_shared_from_this<HttpServer::Impl> {
 
   Result<void> listen();
   void accept();
-  Response answer(const Request& request) const;
+  Response response(const Request& request) const;
   Response too_many(const Request& request) const;
-  HttpResponse answer_api(const Request& request, std::string_view target) const;
+  HttpResponse respond_to_api(const Request& request, std::string_view target) const;
   void close();
 
   tcp::acceptor acceptor;
@@ -247,7 +247,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
       std::make_shared<LiveSession>(server_, stream_.release_socket())->start(request);
       return;
     }
-    write(rate_.take(std::chrono::steady_clock::now()) ? server_->answer(request) : server_->too_many(request));
+    write(rate_.take(std::chrono::steady_clock::now()) ? server_->response(request) : server_->too_many(request));
   }
 
   void end_large() {
@@ -374,13 +374,13 @@ Response finish(const Request& request, HttpResponse plain) {
 
 }  // namespace
 
-Response HttpServer::Impl::answer(const Request& request) const {
+Response HttpServer::Impl::response(const Request& request) const {
   if (!http_rules::is_loopback_authority(view(request[http::field::host])))
     return finish(request, http_error(403, "http.host", "this server answers to this machine's own names only"));
   const std::string_view target = view(request.target());
   const auto path = http_rules::clean_path(target.substr(0, target.find('?')));
   if (!path) return finish(request, http_error(400, "http.path", "this is not a path of this server"));
-  if (*path == "/api" || path->starts_with(api_prefix)) return finish(request, answer_api(request, target));
+  if (*path == "/api" || path->starts_with(api_prefix)) return finish(request, respond_to_api(request, target));
 
   if (request.method() != http::verb::get && request.method() != http::verb::head) {
     HttpResponse refusal = http_error(405, "http.method", "pages can only be read");
@@ -411,7 +411,7 @@ Response HttpServer::Impl::too_many(const Request& request) const {
   return finish(request, std::move(refusal));
 }
 
-HttpResponse HttpServer::Impl::answer_api(const Request& request, std::string_view target) const {
+HttpResponse HttpServer::Impl::respond_to_api(const Request& request, std::string_view target) const {
   const auto origin = request.find(http::field::origin);
   if (origin != request.end() &&
       !http_rules::is_own_origin(view(origin->value()), view(request[http::field::host]), port))

@@ -55,11 +55,11 @@ class Http : public ::testing::Test {
     tcp::socket socket{loop.context()};
     socket.connect({asio::ip::address_v4::loopback(), server->port()});
     bool closed = false;
-    std::string answer;
+    std::string response;
     std::array<char, 4096> buffer;
     std::function<void()> read = [&] {
       socket.async_read_some(asio::buffer(buffer), [&](beast::error_code error, std::size_t n) {
-        answer.append(buffer.data(), n);
+        response.append(buffer.data(), n);
         if (error)
           closed = true;
         else
@@ -72,7 +72,7 @@ class Http : public ::testing::Test {
     beast::error_code ignored;
     socket.close(ignored);
     loop.run_until([&] { return closed; }, timeout);
-    return answer;
+    return response;
   }
 
   std::string get(const std::string& target, const std::string& more = {}) {
@@ -138,27 +138,27 @@ TEST_F(Http, serves_the_page_with_type_tag_and_guards) {
 
 TEST_F(Http, head_has_the_length_but_no_body) {
   serve();
-  const std::string answer = raw("HEAD / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
-  EXPECT_THAT(answer, HasSubstr("Content-Length: 21"));
-  EXPECT_EQ(answer.find("<title>"), std::string::npos);
+  const std::string response = raw("HEAD / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
+  EXPECT_THAT(response, HasSubstr("Content-Length: 21"));
+  EXPECT_EQ(response.find("<title>"), std::string::npos);
 }
 
 TEST_F(Http, keeps_a_connection_for_the_next_request) {
   serve();
   const std::string one = "GET /assets/app.js HTTP/1.1\r\nHost: localhost\r\n\r\n";
   const std::string last = "GET / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
-  const std::string answers = raw(one + one + last);  // also pipelined
-  EXPECT_THAT(answers, HasSubstr("let x = 1;"));
-  EXPECT_THAT(answers, HasSubstr("<title>CoSiVA</title>"));
+  const std::string responses = raw(one + one + last);  // also pipelined
+  EXPECT_THAT(responses, HasSubstr("let x = 1;"));
+  EXPECT_THAT(responses, HasSubstr("<title>CoSiVA</title>"));
 }
 
 TEST_F(Http, hands_the_api_method_path_query_and_body) {
   serve();
-  const std::string answer =
+  const std::string response =
       raw("POST /api/v1/echo?after=3&limit=10 HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n"
           "Content-Type: application/json\r\nContent-Length: 2\r\n\r\n{}");
-  EXPECT_THAT(answer, StartsWith("HTTP/1.1 202"));
-  EXPECT_THAT(answer, HasSubstr("X-Echo: 1"));
+  EXPECT_THAT(response, StartsWith("HTTP/1.1 202"));
+  EXPECT_THAT(response, HasSubstr("X-Echo: 1"));
   EXPECT_THAT(asked, ::testing::ElementsAre("POST /api/v1/echo?after=3&limit=10 {}"));
   const HttpRequest request{"GET", "/", "after=3&limit=10&x", {}, {}};
   EXPECT_EQ(request.parameter("after"), "3");
@@ -197,10 +197,10 @@ TEST_F(Http, takes_bodies_as_json_only) {
 TEST_F(Http, changes_nothing_for_a_page_from_elsewhere) {
   serve();
   for (const std::string method : {"POST", "PUT", "PATCH", "DELETE"}) {
-    const std::string answer = raw(method +
+    const std::string response = raw(method +
                                    " /api/v1/echo HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n"
                                    "Origin: http://evil.example\r\nContent-Length: 0\r\n\r\n");
-    EXPECT_THAT(answer, StartsWith("HTTP/1.1 403")) << method;
+    EXPECT_THAT(response, StartsWith("HTTP/1.1 403")) << method;
   }
   EXPECT_TRUE(asked.empty());
 }
@@ -212,11 +212,11 @@ TEST_F(Http, slows_a_connection_that_asks_too_often_and_no_other) {
   serve(options);
   const std::string one = "GET /api/v1/echo HTTP/1.1\r\nHost: localhost\r\n\r\n";
   const std::string last = "GET /api/v1/echo HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
-  const std::string answers = raw(one + one + one + last);
+  const std::string responses = raw(one + one + one + last);
   EXPECT_EQ(asked.size(), 3U);
-  EXPECT_THAT(answers, HasSubstr("HTTP/1.1 429"));
-  EXPECT_THAT(answers, HasSubstr("Retry-After: 1"));
-  EXPECT_THAT(answers, HasSubstr("ask less often"));
+  EXPECT_THAT(responses, HasSubstr("HTTP/1.1 429"));
+  EXPECT_THAT(responses, HasSubstr("Retry-After: 1"));
+  EXPECT_THAT(responses, HasSubstr("ask less often"));
   EXPECT_THAT(get("/api/v1/echo"), StartsWith("HTTP/1.1 202"));
 }
 
@@ -252,9 +252,9 @@ TEST_F(Http, refuses_names_and_origins_that_are_not_this_machine) {
 TEST_F(Http, refuses_paths_that_climb_out) {
   serve();
   for (const char* path : {"/../secret.txt", "/%2e%2e/secret.txt", "/assets/../../secret.txt", "/..%2fsecret.txt"}) {
-    const std::string answer = get(path);
-    EXPECT_THAT(answer, StartsWith("HTTP/1.1 400")) << path;
-    EXPECT_EQ(answer.find("secret\n"), std::string::npos);
+    const std::string response = get(path);
+    EXPECT_THAT(response, StartsWith("HTTP/1.1 400")) << path;
+    EXPECT_EQ(response.find("secret\n"), std::string::npos);
   }
 }
 

@@ -119,9 +119,9 @@ Result<std::string> LineProcess::ask(std::string_view line, std::chrono::millise
   to_send_ += '\n';
   if (auto done = exchange(true, timeout); !done) return tl::unexpected(done.error());
   const std::size_t end = received_.find('\n');
-  std::string answer = received_.substr(0, end);
+  std::string response = received_.substr(0, end);
   received_.erase(0, end + 1);
-  return answer;
+  return response;
 }
 
 }  // namespace cosiva::adapters

@@ -13,11 +13,11 @@ using std::chrono::seconds;
 std::string refusal(const std::string& command, milliseconds within = seconds{5}) {
   auto process = LineProcess::start(command);
   EXPECT_TRUE(process);
-  const auto answer = (*process)->ask("hello", within);
-  return answer ? "said " + *answer : answer.error().code + ": " + answer.error().message;
+  const auto response = (*process)->ask("hello", within);
+  return response ? "said " + *response : response.error().code + ": " + response.error().message;
 }
 
-TEST(LineProcess, answers_line_by_line) {
+TEST(LineProcess, responds_line_by_line) {
   auto process = LineProcess::start("while read -r line; do echo \"<$line>\"; done");
   ASSERT_TRUE(process);
   EXPECT_EQ((*process)->ask("one", seconds{5}).value(), "<one>");

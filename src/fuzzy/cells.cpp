@@ -77,7 +77,7 @@ COSIVA_PART inline Said say(const Cells::Firing* firing, std::size_t count, cons
   return said;
 }
 
-COSIVA_PART inline double answer(const Cells::Output& output, Said said) {
+COSIVA_PART inline double response(const Cells::Output& output, Said said) {
   const double sum = said.sum + 0.0;
   const double average = sum / (said.all > 0.0 ? said.all : 1.0);
   const double chosen = said.all > 0.0 ? (output.is_average ? average : sum) : output.otherwise;
@@ -112,7 +112,7 @@ COSIVA_VECTOR_CLONES void run_cells(const Cells& cells, const double* inputs, do
     const Cells::Firing* firing =
         cells.firings.data() + group.firings_begin + cell * group.outputs * group.firings_each;
     for (const Cells::Output* const end = output + group.outputs; output != end; ++output) {
-      outputs[output->at] = answer(*output, group.is_simple ? say_simply(firing, group.firings_each, values.data())
+      outputs[output->at] = response(*output, group.is_simple ? say_simply(firing, group.firings_each, values.data())
                                                             : say(firing, group.firings_each, values.data()));
       firing += group.firings_each;
     }

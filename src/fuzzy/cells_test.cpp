@@ -42,15 +42,15 @@ std::vector<double> by_the_whole_program(const Both& both, const std::vector<dou
   std::vector<double> values(both.compiled.program.values);
   std::ranges::copy(question, values.begin());
   run_one(both.compiled.program, values.data());
-  std::vector<double> answers;
-  for (const std::uint16_t place : both.compiled.program.outputs) answers.push_back(values[place]);
-  return answers;
+  std::vector<double> responses;
+  for (const std::uint16_t place : both.compiled.program.outputs) responses.push_back(values[place]);
+  return responses;
 }
 
 std::vector<double> by_cells(const Both& both, const std::vector<double>& question) {
-  std::vector<double> answers(both.engine.outputs.size());
-  run_cells(both.compiled.cells, question.data(), answers.data());
-  return answers;
+  std::vector<double> responses(both.engine.outputs.size());
+  run_cells(both.compiled.cells, question.data(), responses.data());
+  return responses;
 }
 
 void expect_same_bits(const Both& both, const std::vector<double>& question) {

@@ -91,9 +91,9 @@ class Compiler {
     for (const Rule& rule : engine_.rules) conditions.push_back(conditions_of(rule));
     std::vector<Value> outputs;
     for (const std::size_t o : asked) {
-      std::vector<Value> answers;
-      for (const Term& term : engine_.outputs[o].terms) answers.push_back(answer(term));
-      outputs.push_back(output(o, answers, conditions));
+      std::vector<Value> responses;
+      for (const Term& term : engine_.outputs[o].terms) responses.push_back(response(term));
+      outputs.push_back(output(o, responses, conditions));
     }
     if (auto fits = fit(); !fits) return tl::unexpected(fits.error());
     Narrowed narrowed;
@@ -114,19 +114,19 @@ class Compiler {
     const std::vector<std::vector<Value>>& memberships = memberships_;
     std::vector<std::vector<Value>> conditions;
     for (const Rule& rule : engine_.rules) conditions.push_back(conditions_of(rule));
-    std::vector<std::vector<Value>> answers;
+    std::vector<std::vector<Value>> responses;
     std::vector<Value> outputs;
     for (std::size_t o = 0; o < engine_.outputs.size(); ++o) {
-      answers.emplace_back();
-      for (const Term& term : engine_.outputs[o].terms) answers.back().push_back(answer(term));
-      outputs.push_back(output(o, answers.back(), conditions));
+      responses.emplace_back();
+      for (const Term& term : engine_.outputs[o].terms) responses.back().push_back(response(term));
+      outputs.push_back(output(o, responses.back(), conditions));
     }
     if (auto fits = fit(); !fits) return tl::unexpected(fits.error());
     Compiled compiled;
     const std::vector<std::size_t> order = schedule(outputs, compiled.program);
     const std::vector<std::uint16_t> places = place(order, outputs, compiled.program);
     for (const Value value : outputs) compiled.program.outputs.push_back(places[value]);
-    if (keep_ == Keep::answers) {
+    if (keep_ == Keep::responses) {
       compiled.cells = make_cells(steps_, weighings_);
       return compiled;
     }
@@ -138,7 +138,7 @@ class Compiler {
     };
     compiled.memberships = placed(memberships);
     compiled.conditions = placed(conditions);
-    compiled.answers = placed(answers);
+    compiled.responses = placed(responses);
     return compiled;
   }
 
@@ -191,7 +191,7 @@ class Compiler {
   }
 
   /// Constants need no step of their own; their place means nothing.
-  Value answer(const Term& term) {
+  Value response(const Term& term) {
     if (term.shape == Shape::constant) return 0;
     Value sum = steps_.value(0.0);
     for (std::size_t i = 0; i < inputs_.size(); ++i) {
@@ -201,7 +201,7 @@ class Compiler {
   }
 
   /// What output() makes steps of.
-  [[nodiscard]] Weighing weighing(std::size_t o, const std::vector<Value>& answers,
+  [[nodiscard]] Weighing weighing(std::size_t o, const std::vector<Value>& responses,
                                   const std::vector<std::vector<Value>>& conditions) const {
     const Variable& output = engine_.outputs[o];
     Weighing weighing{{}, output.is_average, output.otherwise, -infinite, infinite};
@@ -215,7 +215,7 @@ class Compiler {
     }
     for (std::size_t t = 0; t < output.terms.size(); ++t) {
       if (output.terms[t].shape == Shape::linear)
-        weighing.terms[t].says_value = answers[t];
+        weighing.terms[t].says_value = responses[t];
       else
         weighing.terms[t].says = output.terms[t].parameters[0];
     }
@@ -223,9 +223,9 @@ class Compiler {
   }
 
   /// Rules with the same conclusion are added up first: then each of an output's terms is multiplied once.
-  Value output(std::size_t o, const std::vector<Value>& answers, const std::vector<std::vector<Value>>& conditions) {
+  Value output(std::size_t o, const std::vector<Value>& responses, const std::vector<std::vector<Value>>& conditions) {
     const Variable& output = engine_.outputs[o];
-    weighings_.push_back(weighing(o, answers, conditions));
+    weighings_.push_back(weighing(o, responses, conditions));
     std::vector<std::optional<Value>> totals(output.terms.size());
     for (std::size_t r = 0; r < engine_.rules.size(); ++r) {
       for (const Conclusion& conclusion : engine_.rules[r].conclusions) {
@@ -243,7 +243,7 @@ class Compiler {
       all = all ? steps_.make(Op::add, *all, *totals[t]) : *totals[t];
       const std::vector<double>& numbers = output.terms[t].parameters;
       if (output.terms[t].shape == Shape::linear) {
-        const Value part = steps_.make(Op::product, *totals[t], answers[t]);
+        const Value part = steps_.make(Op::product, *totals[t], responses[t]);
         sum = sum ? steps_.make(Op::add, *sum, part) : part;
       } else {
         sum = sum ? steps_.make(Op::add_scaled, *sum, *totals[t], numbers[0])
@@ -251,8 +251,8 @@ class Compiler {
       }
     }
     if (!all) sum = all = steps_.value(0.0);  // no rule speaks of it
-    const Value answer = steps_.make(output.is_average ? Op::quotient : Op::if_any, *sum, *all, output.otherwise);
-    return output.lock_range ? steps_.make(Op::bound, answer, output.minimum, output.maximum) : answer;
+    const Value response = steps_.make(output.is_average ? Op::quotient : Op::if_any, *sum, *all, output.otherwise);
+    return output.lock_range ? steps_.make(Op::bound, response, output.minimum, output.maximum) : response;
   }
 
   /// Which steps count at all.
@@ -306,7 +306,7 @@ class Compiler {
     const std::size_t inputs = steps_.inputs();
     constexpr std::size_t for_ever = values_max + 1;
     std::vector<std::size_t> last_read(inputs + steps_.steps().size(), keep_ == Keep::everything ? for_ever : 0);
-    if (keep_ == Keep::answers) {
+    if (keep_ == Keep::responses) {
       for (std::size_t at = 0; at < order.size(); ++at) {
         last_read[steps_.steps()[order[at]].a] = at;
         last_read[steps_.steps()[order[at]].b] = at;
@@ -358,7 +358,7 @@ Result<Compiled> compile(const Engine& engine, Keep keep) {
 }
 
 Result<Narrowed> compile_narrowed(const Engine& engine, const Narrowing& narrowing) {
-  return Compiler{engine, Keep::answers, narrowing.inputs}.narrowed(narrowing.outputs);
+  return Compiler{engine, Keep::responses, narrowing.inputs}.narrowed(narrowing.outputs);
 }
 
 }  // namespace cosiva::fuzzy

@@ -94,7 +94,7 @@ Explanation RuleBase::explain(std::span<const double> inputs) const {
       const Term& term = output.terms[conclusion.term];
       const double says = term.shape == Shape::constant
                               ? term.parameters[0]
-                              : values[looked_at->answers[conclusion.output][conclusion.term]];
+                              : values[looked_at->responses[conclusion.output][conclusion.term]];
       shown.ratios.push_back({output.name, term.name, says, 0.0});
       if (shown.fired) totals[conclusion.output] += degree;
     }

@@ -35,7 +35,7 @@ TEST(Explanation, says_of_each_rule_how_far_its_conditions_hold_and_what_it_adds
   EXPECT_DOUBLE_EQ(explanation.outputs[0].value, 0.125 / 0.625);
 }
 
-TEST(Explanation, adds_up_to_the_answer) {
+TEST(Explanation, adds_up_to_the_response) {
   for (const double x : {0.0, 1.0, 4.0, 9.5}) {
     const Explanation explanation = explained(x, 2.0);
     double sum = 0.0;

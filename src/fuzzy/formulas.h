@@ -71,7 +71,7 @@ COSIVA_PART inline void with_text(Op op, const Use& use) {
 }
 
 template <typename Use>
-COSIVA_PART inline void with_answers(Op op, const Use& use) {
+COSIVA_PART inline void with_responses(Op op, const Use& use) {
   switch (op) {
     case Op::fire: return use([](double a, double, Numbers s) COSIVA_PART { return fired(a * s.p); });
     case Op::add_fire: return use([](double a, double b, Numbers s) COSIVA_PART { return a + fired(b * s.p); });
@@ -101,7 +101,7 @@ COSIVA_PART inline void with_formula(Op op, const Use& use) {
   else if (op <= Op::bounded_sum)
     with_text(op, use);
   else
-    with_answers(op, use);
+    with_responses(op, use);
 }
 
 }  // namespace cosiva::fuzzy

@@ -48,10 +48,10 @@ void expect_same(const RuleBase& rules, const std::vector<std::size_t>& fixed, c
   }
   narrow->run(rows.get());
   for (std::size_t k = 0; k < lanes; ++k) {
-    std::vector<double> answers(rules.engine().outputs.size());
-    rules.evaluate(questions[k], answers);
+    std::vector<double> responses(rules.engine().outputs.size());
+    rules.evaluate(questions[k], responses);
     for (std::size_t o = 0; o < asked.size(); ++o)
-      EXPECT_EQ(narrow->known(o) ? *narrow->known(o) : rows[narrow->row(o)][k], answers[asked[o]]) << k << " " << o;
+      EXPECT_EQ(narrow->known(o) ? *narrow->known(o) : rows[narrow->row(o)][k], responses[asked[o]]) << k << " " << o;
   }
 }
 

@@ -48,13 +48,13 @@ void RuleBase::evaluate(std::span<const std::span<const double>> inputs,
   COSIVA_EXPECT(std::ranges::all_of(inputs, [&](const auto& column) { return column.size() == count; }));
   COSIVA_EXPECT(std::ranges::all_of(outputs, [&](const auto& column) { return column.size() == count; }));
   alignas(64) double values[values_max][lanes];  // NOLINT(cppcoreguidelines-pro-type-member-init): as above
-  const std::vector<std::uint16_t>& answers = program_.outputs;
+  const std::vector<std::uint16_t>& responses = program_.outputs;
   std::size_t begin = 0;
   // Whole chunks have a length that the compiler knows: their copies are a few instructions.
   for (; begin + lanes <= count; begin += lanes) {
     for (std::size_t i = 0; i < inputs.size(); ++i) std::copy_n(inputs[i].data() + begin, lanes, values[i]);
     run_lanes(program_, values);
-    for (std::size_t o = 0; o < outputs.size(); ++o) std::copy_n(values[answers[o]], lanes, outputs[o].data() + begin);
+    for (std::size_t o = 0; o < outputs.size(); ++o) std::copy_n(values[responses[o]], lanes, outputs[o].data() + begin);
   }
   if (begin == count) return;
   const std::size_t rest = count - begin;
@@ -63,7 +63,7 @@ void RuleBase::evaluate(std::span<const std::span<const double>> inputs,
     std::fill(values[i] + rest, values[i] + lanes, 0.0);  // worked out as well, and not looked at
   }
   run_lanes(program_, values);
-  for (std::size_t o = 0; o < outputs.size(); ++o) std::copy_n(values[answers[o]], rest, outputs[o].data() + begin);
+  for (std::size_t o = 0; o < outputs.size(); ++o) std::copy_n(values[responses[o]], rest, outputs[o].data() + begin);
 }
 
 std::optional<std::size_t> RuleBase::find_input(std::string_view name) const {

@@ -30,7 +30,7 @@ RuleBase base_of(const std::string& text) {
   return std::move(*base);
 }
 
-double answer(const RuleBase& base, double x, double y = 0.0) {
+double response(const RuleBase& base, double x, double y = 0.0) {
   double out = 0.0;
   base.evaluate(std::array{x, y}, std::span(&out, 1));
   return out;
@@ -40,7 +40,7 @@ double answer(const RuleBase& base, double x, double y = 0.0) {
 double degree(const std::string& condition, double x, double y = 0.0, RuleText rules = {}) {
   rules.output = "  defuzzifier: WeightedSum TakagiSugeno\n  default: 0.0\n";
   rules.rules = "  rule: if " + condition + " then out is full\n";
-  return answer(base_of(rules.text()), x, y);
+  return response(base_of(rules.text()), x, y);
 }
 double membership(const std::string& term, double x) {
   return degree("x is it", x, 0.0, {.input_terms = "  lock-range: false\n  term: it " + term + "\n"});
@@ -104,16 +104,16 @@ TEST(Norm, joins_two_degrees_as_its_formula_says) {
 
 TEST(RuleBase, averages_its_conclusions_by_how_far_their_rules_hold) {
   const RuleBase base = base_of(RuleText{}.text());
-  EXPECT_DOUBLE_EQ(answer(base, 0.0), 0.0);
-  EXPECT_DOUBLE_EQ(answer(base, 3.0), 0.3);
-  EXPECT_DOUBLE_EQ(answer(base, 10.0), 1.0);
+  EXPECT_DOUBLE_EQ(response(base, 0.0), 0.0);
+  EXPECT_DOUBLE_EQ(response(base, 3.0), 0.3);
+  EXPECT_DOUBLE_EQ(response(base, 10.0), 1.0);
 }
 
 TEST(RuleBase, weighs_a_rule_with_its_weight) {
   const RuleBase base = base_of(RuleText{.rules = "  rule: if x is low then out is none with 0.5\n"
                                                   "  rule: if x is high then out is full\n"}
                                     .text());
-  EXPECT_DOUBLE_EQ(answer(base, 5.0), 0.5 / 0.75);
+  EXPECT_DOUBLE_EQ(response(base, 5.0), 0.5 / 0.75);
 }
 
 TEST(RuleBase, takes_an_output_that_is_linear_in_its_inputs) {
@@ -121,28 +121,28 @@ TEST(RuleBase, takes_an_output_that_is_linear_in_its_inputs) {
       base_of(RuleText{.output_terms = "  term: none Constant 0.0\n  term: full Linear 0.5 0.25 1.0\n",
                        .rules = "  rule: if x is any then out is full\n"}
                   .text());
-  EXPECT_DOUBLE_EQ(answer(base, 4.0, 2.0), 3.5);
+  EXPECT_DOUBLE_EQ(response(base, 4.0, 2.0), 3.5);
 }
 
 TEST(RuleBase, answers_its_default_where_no_rule_fires) {
-  EXPECT_EQ(answer(base_of(RuleText{.rules = "  rule: if x is high then out is full\n"}.text()), 0.0), -1.0);
-  EXPECT_EQ(answer(base_of(RuleText{.rules = "  rule: if x is high then out is full\n"}.text()), 1e-6), -1.0);
+  EXPECT_EQ(response(base_of(RuleText{.rules = "  rule: if x is high then out is full\n"}.text()), 0.0), -1.0);
+  EXPECT_EQ(response(base_of(RuleText{.rules = "  rule: if x is high then out is full\n"}.text()), 1e-6), -1.0);
 }
 
 TEST(RuleBase, keeps_an_answer_in_its_range_where_that_is_locked) {
   const RuleBase base = base_of(RuleText{.output = "  lock-range: true\n  defuzzifier: WeightedSum\n  default: 0.0\n",
                                          .output_terms = "  term: none Constant -7.0\n  term: full Constant 9.0\n"}
                                     .text());
-  EXPECT_EQ(answer(base, 0.0), 0.0);
-  EXPECT_EQ(answer(base, 10.0), 1.0);
+  EXPECT_EQ(response(base, 0.0), 0.0);
+  EXPECT_EQ(response(base, 10.0), 1.0);
 }
 
 TEST(RuleBase, counts_what_is_beyond_a_locked_range_as_its_end_and_no_number_as_the_lowest) {
   const RuleBase base = base_of(RuleText{}.text());
-  EXPECT_EQ(answer(base, 11.0), 1.0);
-  EXPECT_EQ(answer(base, infinite), 1.0);
-  EXPECT_EQ(answer(base, -infinite), 0.0);
-  EXPECT_EQ(answer(base, no_number), 0.0);
+  EXPECT_EQ(response(base, 11.0), 1.0);
+  EXPECT_EQ(response(base, infinite), 1.0);
+  EXPECT_EQ(response(base, -infinite), 0.0);
+  EXPECT_EQ(response(base, no_number), 0.0);
 }
 
 TEST(RuleBase, never_answers_a_number_that_is_none_to_any_input_while_its_default_is_one) {
@@ -158,7 +158,7 @@ TEST(RuleBase, never_answers_a_number_that_is_none_to_any_input_while_its_defaul
   for (const double x :
        {-infinite, -huge, -1e300, -1.0, -0.0, 0.0, 1e-310, 5.0, 1e9, 1e300, huge, infinite, no_number}) {
     for (const double y : {-infinite, 0.0, 7.0, infinite, no_number})
-      EXPECT_TRUE(std::isfinite(answer(base, x, y))) << x;
+      EXPECT_TRUE(std::isfinite(response(base, x, y))) << x;
   }
 }
 
@@ -199,7 +199,7 @@ std::vector<std::vector<double>> questions(const RuleBase& base, std::size_t cou
   return columns;
 }
 
-std::vector<std::vector<double>> answers(const RuleBase& base, const std::vector<std::vector<double>>& columns) {
+std::vector<std::vector<double>> responses(const RuleBase& base, const std::vector<std::vector<double>>& columns) {
   std::vector<std::vector<double>> all(base.engine().outputs.size(), std::vector<double>(columns.front().size()));
   const std::vector<std::span<const double>> inputs(columns.begin(), columns.end());
   base.evaluate(inputs, std::vector<std::span<double>>(all.begin(), all.end()));
@@ -223,7 +223,7 @@ TEST(Decisions, taken_together_have_the_bits_of_those_taken_one_by_one) {
     const RuleBase base = base_of(rules);
     for (const std::size_t count : {std::size_t{0}, std::size_t{1}, lanes - 1, lanes, lanes + 1, std::size_t{1000}}) {
       const auto columns = questions(base, count);
-      const auto together = answers(base, columns);
+      const auto together = responses(base, columns);
       std::vector<double> question(columns.size());
       std::vector<double> alone(together.size());
       for (std::size_t k = 0; k < count; ++k) {
@@ -241,7 +241,7 @@ TEST(Decisions, have_the_same_bits_with_every_compiler_processor_and_optimisatio
   Digest digest;
   for (const std::string& rules : {agent_rules(), curved_rules()}) {
     const RuleBase base = base_of(rules);
-    for (const auto& column : answers(base, questions(base, 10'000)))
+    for (const auto& column : responses(base, questions(base, 10'000)))
       for (const double value : column) digest.add(value);
   }
   EXPECT_EQ(digest.hex(), "c6a93ad674ce47ef");

@@ -33,7 +33,7 @@ HttpResponse set_clock(CallContext& context, const Call& call) {
   if (!now.is_virtual || !context.host().set_clock) return walls_clock();
   context.host().set_clock(running != nullptr ? *running->flag() : now.running,
                            speed != nullptr ? *speed->number() : now.speed);
-  return json_answer("{}");
+  return json_response("{}");
 }
 
 HttpResponse step_clock(CallContext& context, const Call& call) {
@@ -44,7 +44,7 @@ HttpResponse step_clock(CallContext& context, const Call& call) {
   if (!now.is_virtual || !context.host().step) return walls_clock();
   if (now.running) return http_error(409, "clock.not_now", "the clock runs; stop it first to go step by step");
   context.host().step(from_seconds(*ms * 1e-3));
-  return json_answer("{}");
+  return json_response("{}");
 }
 
 }  // namespace cosiva::app

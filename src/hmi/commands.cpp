@@ -14,16 +14,16 @@ using adapters::HttpResponse;
 
 constexpr std::size_t snapshot_bytes_max = std::size_t{1} << 28U;
 
-HttpResponse id_answer(std::string_view id, unsigned status) {
+HttpResponse id_response(std::string_view id, unsigned status) {
   JsonWriter json;
   json.begin_object().field("id", id).end_object();
-  return json_answer(json.take(), status);
+  return json_response(json.take(), status);
 }
 
-HttpResponse removed_answer(std::size_t count) {
+HttpResponse removed_response(std::size_t count) {
   JsonWriter json;
   json.begin_object().field("removed", count).end_object();
-  return json_answer(json.take());
+  return json_response(json.take());
 }
 
 /// {"command":verb,"thing":{"id":…, and what the body says but its own id}}
@@ -71,7 +71,7 @@ HttpResponse post_command(CallContext& context, const Call& call) {
     if (const JsonValue* value = call.body.find(key)) write_json(json.key(key), *value);
   json.end_object();
   if (auto given = context.give(json.take()); !given) return refusal(given.error());
-  return id_answer(id, 202);
+  return id_response(id, 202);
 }
 
 HttpResponse post_battery_ready(CallContext& context, const Call& call) {
@@ -81,7 +81,7 @@ HttpResponse post_battery_ready(CallContext& context, const Call& call) {
     if (const JsonValue* value = call.body.find(key)) write_json(json.key(key), *value);
   json.end_object();
   if (auto given = context.give(json.take()); !given) return refusal(given.error());
-  return json_answer("{}", 202);
+  return json_response("{}", 202);
 }
 
 HttpResponse add_virtual_object(CallContext& context, const Call& call) {
@@ -90,7 +90,7 @@ HttpResponse add_virtual_object(CallContext& context, const Call& call) {
     return http_error(400, "virtual_object.kind", R"(say what to add: "kind":"aiv", "person" or "obstacle")");
   const std::string id = context.host().core->next_virtual_object_id(kind);
   if (auto given = context.give(virtual_object_command("add", id, call.body)); !given) return refusal(given.error());
-  return id_answer(id, 201);
+  return id_response(id, 201);
 }
 
 HttpResponse move_virtual_object(CallContext& context, const Call& call) {
@@ -98,14 +98,14 @@ HttpResponse move_virtual_object(CallContext& context, const Call& call) {
   // Whether it could be removed tells whether it is there.
   if (auto there = context.host().core->check_command(remove_command(id)); !there) return refusal(there.error());
   if (auto given = context.give(virtual_object_command("move", id, call.body)); !given) return refusal(given.error());
-  return id_answer(id, 200);
+  return id_response(id, 200);
 }
 
 HttpResponse remove_virtual_object(CallContext& context, const Call& call) {
   const std::string id = virtual_object_id(call.arguments[0]);
   if (id == "*") return http_error(404, "virtual_object.not_found", "DELETE /api/v1/virtual-objects takes all of them away");
   if (auto given = context.give(remove_command(id)); !given) return refusal(given.error());
-  return removed_answer(1);
+  return removed_response(1);
 }
 
 HttpResponse remove_virtual_objects(CallContext& context, const Call&) {
@@ -113,7 +113,7 @@ HttpResponse remove_virtual_objects(CallContext& context, const Call&) {
   if (count > 0) {
     if (auto given = context.give(remove_command("*")); !given) return refusal(given.error());
   }
-  return removed_answer(count);
+  return removed_response(count);
 }
 
 HttpResponse add_plant_obstacle(CallContext& context, const Call& call) {
@@ -136,7 +136,7 @@ HttpResponse add_plant_obstacle(CallContext& context, const Call& call) {
   json.end_object().end_object().end_object();
   if (auto given = context.give(json.take()); !given) return refusal(given.error());
   context.added_to_plant(id);
-  return id_answer(id, 201);
+  return id_response(id, 201);
 }
 
 HttpResponse remove_plant_obstacle(CallContext& context, const Call& call) {
@@ -150,7 +150,7 @@ HttpResponse remove_plant_obstacle(CallContext& context, const Call& call) {
   json.end_object().end_object();
   if (auto given = context.give(json.take()); !given) return refusal(given.error());
   context.removed_from_plant(id);
-  return removed_answer(1);
+  return removed_response(1);
 }
 
 }  // namespace cosiva::app

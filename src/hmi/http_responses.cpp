@@ -9,7 +9,7 @@ namespace cosiva::app {
 using adapters::http_error;
 using adapters::HttpResponse;
 
-HttpResponse json_answer(std::string json, unsigned status) {
+HttpResponse json_response(std::string json, unsigned status) {
   return {status, "application/json", std::move(json), {}};
 }
 

@@ -52,16 +52,16 @@ struct PageBench {
     adapters::HttpRequest request{method, *adapters::http_rules::clean_path(path),
                                   target.substr(std::min(question + 1, target.size())), body,
                                   *adapters::http_rules::path_segments(path)};
-    return calls->answer(request);
+    return calls->response(request);
   }
   /// What the answer's `name` says; empty when it says nothing.
-  static std::string said(const adapters::HttpResponse& answer, const char* name) {
-    const auto json = JsonValue::parse(answer.body);
+  static std::string said(const adapters::HttpResponse& response, const char* name) {
+    const auto json = JsonValue::parse(response.body);
     return json ? json->text(name).value_or("") : "";
   }
   /// The sentence of a refusal.
-  static std::string sentence(const adapters::HttpResponse& answer) {
-    const auto json = JsonValue::parse(answer.body);
+  static std::string sentence(const adapters::HttpResponse& response) {
+    const auto json = JsonValue::parse(response.body);
     const JsonValue* error = json ? json->find("error") : nullptr;
     return error == nullptr ? "" : error->text("message").value_or("");
   }

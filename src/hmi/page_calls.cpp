@@ -84,7 +84,7 @@ Result<JsonValue> object_of(const std::string& body) {
 
 }  // namespace
 
-HttpResponse PageCalls::answer(const HttpRequest& request) {
+HttpResponse PageCalls::response(const HttpRequest& request) {
   std::string allowed;
   for (const Route& route : routes()) {
     auto arguments = match(route.pattern, request.segments);

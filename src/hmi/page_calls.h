@@ -23,7 +23,7 @@ class PageCalls {
  public:
   explicit PageCalls(PageHost host) : context_{std::move(host)} {}
 
-  [[nodiscard]] adapters::HttpResponse answer(const adapters::HttpRequest& request);
+  [[nodiscard]] adapters::HttpResponse response(const adapters::HttpRequest& request);
 
   /// The obstacles that the emulated world says it has: the only ones that can be taken away.
   void know_plant(std::set<std::string> obstacles) { context_.know_plant(std::move(obstacles)); }

@@ -25,8 +25,8 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-std::string allow_of(const HttpResponse& answer) {
-  for (const auto& [name, value] : answer.headers)
+std::string allow_of(const HttpResponse& response) {
+  for (const auto& [name, value] : response.headers)
     if (name == "Allow") return value;
   return {};
 }
@@ -42,12 +42,12 @@ TEST(PageCalls, that_do_not_exist_or_are_asked_wrongly_say_what_there_is) {
   EXPECT_THAT(PageBench::sentence(wrong), HasSubstr("POST, DELETE"));
 }
 
-TEST(PageCalls, answer_what_is) {
+TEST(PageCalls, respond_with_what_is) {
   PageBench page;
   for (const char* what : {"zone", "snapshot", "bijection", "run", "zones", "traces", "traces?after=3&limit=5"}) {
-    const HttpResponse answer = page.ask("GET", std::string("/api/v1/") + what);
-    EXPECT_EQ(answer.status, 200U) << what;
-    EXPECT_TRUE(JsonValue::parse(answer.body)) << what;
+    const HttpResponse response = page.ask("GET", std::string("/api/v1/") + what);
+    EXPECT_EQ(response.status, 200U) << what;
+    EXPECT_TRUE(JsonValue::parse(response.body)) << what;
   }
   const auto run = JsonValue::parse(page.ask("GET", "/api/v1/run").body);
   EXPECT_EQ(run->text("name"), "bench");
@@ -71,9 +71,9 @@ TEST(PageCalls, give_one_of_the_traces_whole) {
   PageBench page;
   const auto list = JsonValue::parse(page.ask("GET", "/api/v1/traces?after=0&limit=1").body);
   const auto n = static_cast<int>(*list->find("traces")->array()->front().number("n"));
-  const HttpResponse answer = page.ask("GET", "/api/v1/traces/" + std::to_string(n));
-  EXPECT_EQ(answer.status, 200U);
-  const auto whole = JsonValue::parse(answer.body);
+  const HttpResponse response = page.ask("GET", "/api/v1/traces/" + std::to_string(n));
+  EXPECT_EQ(response.status, 200U);
+  const auto whole = JsonValue::parse(response.body);
   EXPECT_EQ(whole->number("n"), n);
   EXPECT_NE(whole->find("raw"), nullptr);
 }
@@ -108,18 +108,18 @@ TEST(PageCalls, refuse_a_command_to_one_that_is_away_as_not_now) {
   PageBench page;
   page.server.kill(*page.server.vehicles[0]);
   page.server.run_for(std::chrono::seconds{2});
-  const HttpResponse answer = page.ask("POST", "/api/v1/commands", R"({"command":"stop","vehicle":"CoSiVA/AIV1"})");
-  EXPECT_EQ(answer.status, 409U);
-  EXPECT_THAT(PageBench::sentence(answer), Not(IsEmpty()));
+  const HttpResponse response = page.ask("POST", "/api/v1/commands", R"({"command":"stop","vehicle":"CoSiVA/AIV1"})");
+  EXPECT_EQ(response.status, 409U);
+  EXPECT_THAT(PageBench::sentence(response), Not(IsEmpty()));
 }
 
 TEST(PageCalls, refuse_bodies_that_are_no_object) {
   PageBench page;
   for (const char* bad : {"", "nonsense", "[]", "5", "{", "null", "{}{}"}) {
     for (const auto& [method, path] : std::map<std::string, std::string>{{"POST", "commands"}, {"PUT", "clock"}}) {
-      const HttpResponse answer = page.ask(method, "/api/v1/" + path, bad);
-      EXPECT_EQ(answer.status, 400U) << bad;
-      EXPECT_THAT(PageBench::sentence(answer), HasSubstr("JSON object")) << bad;
+      const HttpResponse response = page.ask(method, "/api/v1/" + path, bad);
+      EXPECT_EQ(response.status, 400U) << bad;
+      EXPECT_THAT(PageBench::sentence(response), HasSubstr("JSON object")) << bad;
     }
   }
   EXPECT_THAT(page.commands, IsEmpty());
@@ -275,17 +275,17 @@ TEST(PageCalls, pass_missions_and_closed_sections_on) {
   for (const char* bad : {R"({"command":"go","vehicle":"CoSiVA/AIV1","to":"nowhere"})",
                           R"({"command":"go","vehicle":"CoSiVA/AIV1"})", R"({"command":"open","section":"nowhere"})",
                           R"({"command":"circulate","vehicle":"CoSiVA/AIV1","loop":"nowhere"})"}) {
-    const HttpResponse answer = page.ask("POST", "/api/v1/commands", bad);
-    EXPECT_GE(answer.status, 400U) << bad;
-    EXPECT_THAT(PageBench::sentence(answer), Not(IsEmpty())) << bad;
+    const HttpResponse response = page.ask("POST", "/api/v1/commands", bad);
+    EXPECT_GE(response.status, 400U) << bad;
+    EXPECT_THAT(PageBench::sentence(response), Not(IsEmpty())) << bad;
   }
 }
 
 TEST(PageCalls, switch_to_a_ready_zone_by_its_name) {
   PageBench page;
-  const HttpResponse answer = page.ask("POST", "/api/v1/zone/switch", R"({"name":"indus8"})");
-  ASSERT_EQ(answer.status, 200U) << answer.body;
-  EXPECT_EQ(PageBench::said(answer, "name"), "indus8");
+  const HttpResponse response = page.ask("POST", "/api/v1/zone/switch", R"({"name":"indus8"})");
+  ASSERT_EQ(response.status, 200U) << response.body;
+  EXPECT_EQ(PageBench::said(response, "name"), "indus8");
   EXPECT_EQ(page.server.server->zone()->name, "indus8");
   const auto zones = JsonValue::parse(page.ask("GET", "/api/v1/zones").body);
   for (const JsonValue& one : *zones->find("zones")->array())
@@ -310,8 +310,8 @@ std::string switch_body(const std::string& file, const std::string& text) {
 TEST(PageCalls, switch_to_a_zone_that_is_sent_whole) {
   PageBench page;
   const std::string text = adapters::read_file(source_dir() + "/zones/indus8.toml").value();
-  const HttpResponse answer = page.ask("POST", "/api/v1/zone/switch", switch_body("mine.toml", text));
-  EXPECT_EQ(answer.status, 200U) << answer.body;
+  const HttpResponse response = page.ask("POST", "/api/v1/zone/switch", switch_body("mine.toml", text));
+  EXPECT_EQ(response.status, 200U) << response.body;
   EXPECT_EQ(page.ask("GET", "/api/v1/zone/file").body, text);
   EXPECT_EQ(page.ask("GET", "/api/v1/zone/sidecar").status, 404U);
   EXPECT_EQ(page.ask("POST", "/api/v1/zone/switch", switch_body("mine.txt", text)).status, 400U);
@@ -320,9 +320,9 @@ TEST(PageCalls, switch_to_a_zone_that_is_sent_whole) {
 TEST(PageCalls, keep_the_zone_when_another_cannot_be_used_and_say_why) {
   PageBench page;
   const auto revision = page.server.server->zone_revision();
-  const HttpResponse answer = page.ask("POST", "/api/v1/zone/switch", switch_body("mine.toml", "name = 3\n"));
-  EXPECT_EQ(answer.status, 422U);
-  EXPECT_THAT(PageBench::sentence(answer), HasSubstr("mine.toml:1"));
+  const HttpResponse response = page.ask("POST", "/api/v1/zone/switch", switch_body("mine.toml", "name = 3\n"));
+  EXPECT_EQ(response.status, 422U);
+  EXPECT_THAT(PageBench::sentence(response), HasSubstr("mine.toml:1"));
   EXPECT_EQ(page.server.server->zone()->name, "lacet4");
   EXPECT_EQ(page.server.server->zone_revision(), revision);
   const auto snapshot = JsonValue::parse(page.server.server->snapshot_json());
@@ -348,9 +348,9 @@ TEST(PageCalls, save_into_the_run_s_file_only_while_it_is_that_zone) {
 
 TEST(PageCalls, suggest_where_the_beacons_could_lie) {
   PageBench page;
-  const HttpResponse answer = page.ask("GET", "/api/v1/zone/beacons/suggestion");
-  ASSERT_EQ(answer.status, 200U) << answer.body;
-  const auto suggestion = JsonValue::parse(answer.body);
+  const HttpResponse response = page.ask("GET", "/api/v1/zone/beacons/suggestion");
+  ASSERT_EQ(response.status, 200U) << response.body;
+  const auto suggestion = JsonValue::parse(response.body);
   EXPECT_EQ(suggestion->find("origin")->array()->size(), 2U);
   const auto now = suggestion->number("now_m");
   const auto then = suggestion->number("longest_free_m");
@@ -455,16 +455,16 @@ TEST(OpenApi, examples_are_accepted_and_those_to_be_refused_are_refused) {
           JsonWriter json;
           write_json(json, *example.find("value"));
           const bool good = list == std::string("examples");
-          const HttpResponse answer =
+          const HttpResponse response =
               good ? PreparedPage{}.ask(upper, target, json.text()) : unchanged.ask(upper, target, json.text());
           ++tried;
-          EXPECT_NE(operation.find("responses")->find(std::to_string(answer.status)), nullptr)
-              << path << " answers " << answer.status << ", which it does not say";
+          EXPECT_NE(operation.find("responses")->find(std::to_string(response.status)), nullptr)
+              << path << " answers " << response.status << ", which it does not say";
           if (good) {
-            EXPECT_LT(answer.status, 300U) << upper << " " << target << " " << json.text() << ": " << answer.body;
+            EXPECT_LT(response.status, 300U) << upper << " " << target << " " << json.text() << ": " << response.body;
           } else {
-            EXPECT_EQ(answer.status, 400U) << upper << " " << target << " " << json.text() << ": " << answer.body;
-            EXPECT_THAT(PageBench::sentence(answer), Not(IsEmpty()));
+            EXPECT_EQ(response.status, 400U) << upper << " " << target << " " << json.text() << ": " << response.body;
+            EXPECT_THAT(PageBench::sentence(response), Not(IsEmpty()));
           }
         }
       }

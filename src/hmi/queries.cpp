@@ -28,21 +28,21 @@ std::optional<std::uint64_t> number(const std::string& text, std::optional<std::
 
 }  // namespace
 
-HttpResponse get_openapi(CallContext&, const Call&) { return json_answer(std::string(openapi_json())); }
+HttpResponse get_openapi(CallContext&, const Call&) { return json_response(std::string(openapi_json())); }
 
-HttpResponse get_zone(CallContext& context, const Call&) { return json_answer(context.host().core->zone_json()); }
+HttpResponse get_zone(CallContext& context, const Call&) { return json_response(context.host().core->zone_json()); }
 
 HttpResponse get_snapshot(CallContext& context, const Call&) {
-  return json_answer(context.host().core->snapshot_json());
+  return json_response(context.host().core->snapshot_json());
 }
 
 HttpResponse get_bijection(CallContext& context, const Call&) {
   JsonWriter json;
   context.host().core->write_bijection(json);
-  return json_answer(json.take());
+  return json_response(json.take());
 }
 
-HttpResponse get_run(CallContext& context, const Call&) { return json_answer(run_json(context)); }
+HttpResponse get_run(CallContext& context, const Call&) { return json_response(run_json(context)); }
 
 std::string run_json(const CallContext& context) {
   const PageHost::Clock now = context.clock();
@@ -63,7 +63,7 @@ HttpResponse get_traces(CallContext& context, const Call& call) {
   const auto after = number(call.request.parameter("after"), 0);
   const auto limit = number(call.request.parameter("limit"), traces_limit_default);
   if (!after || !limit) return http_error(400, "http.query", "'after' and 'limit' are whole numbers from 0 on");
-  return json_answer(context.host().core->traces_json(*after, std::min(*limit, traces_limit_max)));
+  return json_response(context.host().core->traces_json(*after, std::min(*limit, traces_limit_max)));
 }
 
 HttpResponse get_trace(CallContext& context, const Call& call) {
@@ -73,7 +73,7 @@ HttpResponse get_trace(CallContext& context, const Call& call) {
   if (!found)
     return http_error(404, "trace.not_found",
                       "there is no trace " + std::to_string(*n) + " any more, or not yet; only the last are kept");
-  return json_answer(std::move(*found));
+  return json_response(std::move(*found));
 }
 
 HttpResponse get_gvs_preview(CallContext& context, const Call&) {
@@ -89,7 +89,7 @@ HttpResponse get_battery_curve(CallContext& context, const Call& call) {
   if (!found)
     return http_error(404, "battery.not_found",
                       "'" + call.arguments[0].substr(0, 80) + "' has not told how its battery fares");
-  return json_answer(std::move(*found));
+  return json_response(std::move(*found));
 }
 
 }  // namespace cosiva::app

@@ -132,12 +132,12 @@ class Page : public ::testing::Test {
     if (!body.empty()) request += "Content-Type: application/json\r\n";
     request += "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
     EXPECT_EQ(::write(fd, request.data(), request.size()), static_cast<ssize_t>(request.size()));
-    std::string answer;
-    EXPECT_TRUE(loop.run_until([&] { return !receive(fd, answer); }, timeout));
+    std::string response;
+    EXPECT_TRUE(loop.run_until([&] { return !receive(fd, response); }, timeout));
     ::close(fd);
-    return answer;
+    return response;
   }
-  static std::string body_of(const std::string& answer) { return answer.substr(answer.find("\r\n\r\n") + 4); }
+  static std::string body_of(const std::string& response) { return response.substr(response.find("\r\n\r\n") + 4); }
 
   adapters::EventLoop loop;
   bench::PageBench bench;
@@ -151,10 +151,10 @@ TEST_F(Page, answers_over_http_and_refuses_with_the_reason) {
               StartsWith("HTTP/1.1 202"));
   for (const char* bad : {"nonsense", "[]", R"({"command":"fly","vehicle":"*"})",
                           R"({"command":"stop","vehicle":"CoSiVA/AIV99"})", R"({"command":"stop"})"}) {
-    const std::string answer = ask("POST /api/v1/commands", bad);
-    EXPECT_THAT(answer, StartsWith("HTTP/1.1 400")) << bad;
-    const auto body = JsonValue::parse(body_of(answer));
-    ASSERT_TRUE(body && body->find("error") != nullptr) << answer;
+    const std::string response = ask("POST /api/v1/commands", bad);
+    EXPECT_THAT(response, StartsWith("HTTP/1.1 400")) << bad;
+    const auto body = JsonValue::parse(body_of(response));
+    ASSERT_TRUE(body && body->find("error") != nullptr) << response;
     EXPECT_NE(body->find("error")->text("message"), "");
   }
   const std::string wrong = ask("POST /api/v1/snapshot");

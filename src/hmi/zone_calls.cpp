@@ -49,9 +49,9 @@ std::string file_name(std::string name, const std::string& ending) {
 }
 
 HttpResponse download(std::string text, const std::string& name) {
-  HttpResponse answer{200, "text/plain; charset=utf-8", std::move(text), {}};
-  answer.headers.emplace_back("Content-Disposition", "attachment; filename=\"" + name + "\"");
-  return answer;
+  HttpResponse response{200, "text/plain; charset=utf-8", std::move(text), {}};
+  response.headers.emplace_back("Content-Disposition", "attachment; filename=\"" + name + "\"");
+  return response;
 }
 
 /// A zone that somebody sends whole: with its format, or with its file's name, which tells that.
@@ -88,7 +88,7 @@ HttpResponse step_zone(CallContext& context, std::string_view way) {
   JsonWriter json;
   json.begin_object().field("command", way).end_object();
   if (auto given = context.give(json.take()); !given) return refusal(given.error());
-  return json_answer(revision_json(context.host().core->zone_revision()));
+  return json_response(revision_json(context.host().core->zone_revision()));
 }
 
 /// The file that edits of this zone may be saved into: that which the run was begun with, while it is that zone.
@@ -117,7 +117,7 @@ HttpResponse list_zones(CallContext& context, const Call&) {
     json.field("current", zone.name == current).end_object();
   }
   json.end_array().end_object();
-  return json_answer(json.take());
+  return json_response(json.take());
 }
 
 HttpResponse get_zone_file(CallContext& context, const Call&) {
@@ -154,7 +154,7 @@ HttpResponse suggest_beacons(CallContext& context, const Call&) {
       json.null();
   }
   json.end_object();
-  return json_answer(json.take());
+  return json_response(json.take());
 }
 
 HttpResponse switch_zone(CallContext& context, const Call& call) {
@@ -182,12 +182,12 @@ HttpResponse switch_zone(CallContext& context, const Call& call) {
     const Error why = evaluated ? Error{"zone.refused", "the zone that was there stays in force", {}} : evaluated.error();
     return http_error(422, why.code, to_string(why));
   }
-  JsonWriter answer;
-  answer.begin_object()
+  JsonWriter response;
+  response.begin_object()
       .field("revision", context.host().core->zone_revision())
       .field("name", zone_name(*context.host().core))
       .end_object();
-  return json_answer(answer.take());
+  return json_response(response.take());
 }
 
 HttpResponse edit_zone(CallContext& context, const Call& call) {
@@ -195,7 +195,7 @@ HttpResponse edit_zone(CallContext& context, const Call& call) {
     return http_error(400, "edit.empty",
                       R"(say what to change: "addTags", "moveTags", "removeTags", "beaconPitch" or "priorities")");
   if (const auto given = give_edit(context, call.body); !given) return refusal(given.error());
-  return json_answer(revision_json(context.host().core->zone_revision()));
+  return json_response(revision_json(context.host().core->zone_revision()));
 }
 
 HttpResponse put_priorities(CallContext& context, const Call& call) {
@@ -205,7 +205,7 @@ HttpResponse put_priorities(CallContext& context, const Call& call) {
   if (const auto given = give_edit(context, JsonValue{std::move(changes)});
       !given && given.error().code != "edit.nothing")
     return refusal(given.error());
-  return json_answer("{}");
+  return json_response("{}");
 }
 
 HttpResponse undo_zone(CallContext& context, const Call&) { return step_zone(context, "undo"); }
@@ -229,7 +229,7 @@ HttpResponse save_zone(CallContext& context, const Call&) {
   (void)context.give(R"({"command":"saved"})");
   JsonWriter json;
   json.begin_object().field("file", file).end_object();
-  return json_answer(json.take());
+  return json_response(json.take());
 }
 
 }  // namespace cosiva::app

@@ -112,16 +112,16 @@ AgentDecision AgentRules::decide(const AgentInputs& inputs, std::optional<Profil
   // An agent knows eight inputs, each of them once; FLL has at most 64 variables.
   std::array<double, agent_input_count> question{};
   for (std::size_t i = 0; i < inputs_.size(); ++i) question[i] = inputs[static_cast<std::size_t>(inputs_[i])];
-  std::array<double, 64> answers{};
+  std::array<double, 64> responses{};
   const std::size_t outputs = base_.engine().outputs.size();
-  base_.evaluate(std::span(question).first(inputs_.size()), std::span(answers).first(outputs));
+  base_.evaluate(std::span(question).first(inputs_.size()), std::span(responses).first(outputs));
 
   AgentDecision decision{Profile::stop, std::numeric_limits<double>::infinity(), std::nullopt, 1.0};
   for (std::size_t o = 0; o < outputs; ++o) {
     if (o == go_) {
-      decision.go = answers[o];
-    } else if (answers[o] < decision.speed) {
-      decision.speed = answers[o];
+      decision.go = responses[o];
+    } else if (responses[o] < decision.speed) {
+      decision.speed = responses[o];
       decision.decided_by = o;
     }
   }

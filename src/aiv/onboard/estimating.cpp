@@ -7,7 +7,7 @@
 namespace cosiva::aiv {
 namespace {
 
-using wire::EstimateAnswer;
+using wire::EstimateResponse;
 
 /// Who asks no more is gone.
 constexpr SimDuration session_max = std::chrono::minutes{1};
@@ -23,7 +23,7 @@ constexpr double start_heading_sigma_rad = 0.02;
 constexpr double along_rad_max = pi / 3.0;
 
 std::string shortened(std::string text) {
-  if (text.size() > EstimateAnswer::fault_bytes_max) text.resize(EstimateAnswer::fault_bytes_max);
+  if (text.size() > EstimateResponse::fault_bytes_max) text.resize(EstimateResponse::fault_bytes_max);
   return text;
 }
 
@@ -46,11 +46,11 @@ Point2 at_rim(const zone::Circuit& circuit, Point2 mark_M, const Pose2& X_MB, do
 }
 
 /// Nothing where nobody could be told of it: it has left every place there is.
-std::optional<EstimateAnswer::Estimate> told_of(const estimation::Estimate& estimate) {
+std::optional<EstimateResponse::Estimate> told_of(const estimation::Estimate& estimate) {
   const Pose2& X_MB = estimate.pose;
-  const auto placed = [](double v) { return std::fabs(v) <= EstimateAnswer::place_m_max; };
+  const auto placed = [](double v) { return std::fabs(v) <= EstimateResponse::place_m_max; };
   if (!placed(X_MB.x_m) || !placed(X_MB.y_m) || !std::isfinite(X_MB.heading_rad)) return std::nullopt;
-  EstimateAnswer::Estimate told;
+  EstimateResponse::Estimate told;
   told.X_MB = {X_MB.x_m + 0.0, X_MB.y_m + 0.0, wrap_angle(X_MB.heading_rad) + 0.0};
   if (estimate.along_m && std::isfinite(*estimate.along_m)) told.along_m = *estimate.along_m;
   const auto& c = estimate.covariance;
@@ -58,14 +58,14 @@ std::optional<EstimateAnswer::Estimate> told_of(const estimation::Estimate& esti
   auto& matrix = told.covariance.emplace();
   for (std::size_t i = 0; i < matrix.size(); ++i) {
     matrix[i] = c(static_cast<int>(i) / 3, static_cast<int>(i) % 3) + 0.0;
-    if (!(std::fabs(matrix[i]) <= EstimateAnswer::variance_max)) return std::nullopt;
+    if (!(std::fabs(matrix[i]) <= EstimateResponse::variance_max)) return std::nullopt;
   }
   return told;
 }
 
-EstimateAnswer::Rectified told_of(const estimation::Rectified& rectified) {
-  EstimateAnswer::Rectified told{rectified.accepted, std::nullopt, static_cast<std::uint8_t>(rectified.dimensions)};
-  if (rectified.nis && *rectified.nis >= 0.0) told.nis = std::fmin(*rectified.nis, EstimateAnswer::variance_max) + 0.0;
+EstimateResponse::Rectified told_of(const estimation::Rectified& rectified) {
+  EstimateResponse::Rectified told{rectified.accepted, std::nullopt, static_cast<std::uint8_t>(rectified.dimensions)};
+  if (rectified.nis && *rectified.nis >= 0.0) told.nis = std::fmin(*rectified.nis, EstimateResponse::variance_max) + 0.0;
   return told;
 }
 
@@ -97,7 +97,7 @@ void Estimating::ask(SimTime now, wire::EstimateRequest request) {
     due_ = true;  // it did not come
   } else if (of_own) {
     // Any other was under way for long, and means nothing any more.
-    if (request.sequence == session_->answered + 1) asked_ = std::move(request);
+    if (request.sequence == session_->acknowledged + 1) asked_ = std::move(request);
   } else if (request.sequence == 1) {
     asked_ = std::move(request);
   } else {
@@ -109,7 +109,7 @@ void Estimating::ask(SimTime now, wire::EstimateRequest request) {
 
 void Estimating::on_odometry(SimTime now, const Step& step) {
   if (session_) roll(step);
-  if (session_ && (now - asked_at_ > session_max || session_->told.size() > EstimateAnswer::told_max - 2))
+  if (session_ && (now - asked_at_ > session_max || session_->told.size() > EstimateResponse::told_max - 2))
     session_.reset();
   if (!asked_) return;
   const wire::EstimateRequest request = *std::exchange(asked_, std::nullopt);
@@ -119,8 +119,8 @@ void Estimating::on_odometry(SimTime now, const Step& step) {
     begin(request, step);
     if (!session_) return;
   }
-  session_->answered = request.sequence;
-  answer(step.at);
+  session_->acknowledged = request.sequence;
+  response(step.at);
 }
 
 std::optional<Estimating::Running> Estimating::start(const std::string& name, const estimation::Setting& setting) {
@@ -189,7 +189,7 @@ void Estimating::roll(const Step& step) {
   if (step.distance_m == 0.0 && step.turn_rad == 0.0) return;
   run.travelled_m += std::fabs(step.distance_m);
   // The same bits as those who are told by the answer.
-  const EstimateAnswer::Odometry odometry{step.distance_m + 0.0, step.turn_rad + 0.0, std::fmax(duration_s, 0.0)};
+  const EstimateResponse::Odometry odometry{step.distance_m + 0.0, step.turn_rad + 0.0, std::fmax(duration_s, 0.0)};
   run.told.emplace_back(odometry);
   for (Running& one : run.algorithms)
     if (one.algorithm) one.algorithm->predict({odometry.distance_m, odometry.turn_rad, odometry.duration_s});
@@ -197,7 +197,7 @@ void Estimating::roll(const Step& step) {
 
 void Estimating::on_tag(std::uint32_t number, SimTime read_at, const zone::TrafficZone& zone, const Pose2& X_MB) {
   // Driving backwards the field comes from the other side; so short a way needs no reading.
-  if (!session_ || session_->speed_mps < 0.0 || session_->told.size() >= EstimateAnswer::told_max) return;
+  if (!session_ || session_->speed_mps < 0.0 || session_->told.size() >= EstimateResponse::told_max) return;
   std::optional<Point2> mark_M;
   if (const zone::Tag* tag = zone.find_tag(number)) mark_M = position(zone.circuit.pose_at(tag->place));
   if (!mark_M && zone.beacons) mark_M = zone.beacons->find(number);
@@ -209,7 +209,7 @@ void Estimating::on_tag(std::uint32_t number, SimTime read_at, const zone::Traff
   tell({number, {mark_M->x_m + 0.0, mark_M->y_m + 0.0}, {detected_B.x_m + 0.0, detected_B.y_m + 0.0}});
 }
 
-void Estimating::tell(const EstimateAnswer::Reading& reading) {
+void Estimating::tell(const EstimateResponse::Reading& reading) {
   session_->told.emplace_back(reading);
   for (Running& one : session_->algorithms) {
     if (!one.algorithm) continue;
@@ -218,45 +218,45 @@ void Estimating::tell(const EstimateAnswer::Reading& reading) {
   }
 }
 
-void Estimating::answer(SimTime at) {
+void Estimating::response(SimTime at) {
   Run& run = *session_;
-  EstimateAnswer answer;
-  answer.session = run.id;
-  answer.sequence = run.answered;
-  answer.timestamp = at;
-  answer.map_id = run.map_id;
-  answer.fault = run.fault;
-  answer.travelled_m = run.travelled_m;
-  if (run.answered == 1) answer.start = run.start;
-  answer.told = std::exchange(run.told, {});
+  EstimateResponse response;
+  response.session = run.id;
+  response.sequence = run.acknowledged;
+  response.timestamp = at;
+  response.map_id = run.map_id;
+  response.fault = run.fault;
+  response.travelled_m = run.travelled_m;
+  if (run.acknowledged == 1) response.start = run.start;
+  response.told = std::exchange(run.told, {});
   for (Running& one : run.algorithms) {
     auto told = one.algorithm ? told_of(one.algorithm->estimate()) : std::nullopt;
     if (one.algorithm && !told) {
       one.fault = "it has diverged: what it says is no place any more";
       one.algorithm.reset();
     }
-    EstimateAnswer::Estimate estimate = told ? std::move(*told) : EstimateAnswer::Estimate{};
+    EstimateResponse::Estimate estimate = told ? std::move(*told) : EstimateResponse::Estimate{};
     estimate.algorithm = one.name;
     estimate.fault = one.fault;
     if (told) estimate.rectified = std::exchange(one.rectified, {});
-    answer.estimates.push_back(std::move(estimate));
+    response.estimates.push_back(std::move(estimate));
   }
   const bool over = !run.fault.empty();
-  say(answer);
+  say(response);
   if (over) session_.reset();
 }
 
 void Estimating::refuse(const wire::EstimateRequest& request, SimTime at, std::string why) {
-  EstimateAnswer answer;
-  answer.session = request.session;
-  answer.sequence = request.sequence;
-  answer.timestamp = at;
-  answer.fault = shortened(std::move(why));
-  say(answer);
+  EstimateResponse response;
+  response.session = request.session;
+  response.sequence = request.sequence;
+  response.timestamp = at;
+  response.fault = shortened(std::move(why));
+  say(response);
 }
 
-void Estimating::say(const EstimateAnswer& answer) {
-  said_ = Said{answer.session, answer.sequence, to_json(answer)};
+void Estimating::say(const EstimateResponse& response) {
+  said_ = Said{response.session, response.sequence, to_json(response)};
   due_ = true;
 }
 
@@ -264,7 +264,7 @@ void Estimating::on_zone_switched() {
   if (session_) session_->fault = "its zone was switched";
 }
 
-std::optional<std::string> Estimating::take_answer() {
+std::optional<std::string> Estimating::take_response() {
   if (!std::exchange(due_, false) || !said_) return std::nullopt;
   return said_->json;
 }

@@ -56,23 +56,23 @@ class Estimating {
   /// Other ways hold: its algorithms know nothing of those.
   void on_zone_switched();
   /// What is to be said now, if anything.
-  [[nodiscard]] std::optional<std::string> take_answer();
+  [[nodiscard]] std::optional<std::string> take_response();
 
  private:
   struct Running {
     std::string name;
     std::unique_ptr<estimation::Algorithm> algorithm;  ///< none: it failed
     std::string fault;
-    std::vector<wire::EstimateAnswer::Rectified> rectified;
+    std::vector<wire::EstimateResponse::Rectified> rectified;
   };
   struct Run {
     std::string id;
-    std::uint32_t answered{0};  ///< sequence of the last answer
+    std::uint32_t acknowledged{0};  ///< sequence of the last answer
     std::string map_id;
     std::shared_ptr<const estimation::Track> track;
-    wire::EstimateAnswer::Start start;
+    wire::EstimateResponse::Start start;
     std::vector<Running> algorithms;
-    std::vector<wire::EstimateAnswer::Input> told;
+    std::vector<wire::EstimateResponse::Input> told;
     double travelled_m{0.0};
     double off_ring_m{0.0};
     SimTime stepped_at{};
@@ -82,10 +82,10 @@ class Estimating {
   void begin(const wire::EstimateRequest& request, const Step& step);
   [[nodiscard]] std::optional<Running> start(const std::string& name, const estimation::Setting& setting);
   void roll(const Step& step);
-  void tell(const wire::EstimateAnswer::Reading& reading);
-  void answer(SimTime at);
+  void tell(const wire::EstimateResponse::Reading& reading);
+  void response(SimTime at);
   void refuse(const wire::EstimateRequest& request, SimTime at, std::string why);
-  void say(const wire::EstimateAnswer& answer);
+  void say(const wire::EstimateResponse& response);
 
   estimation::Registry registry_;
   EstimatorModel model_;

@@ -16,7 +16,7 @@ using test::lacet4;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
-using wire::EstimateAnswer;
+using wire::EstimateResponse;
 
 /// A vehicle that drives along lacet4's first section at 0.5 m/s, and is asked.
 class Asked {
@@ -33,18 +33,18 @@ class Asked {
   }
   void read(zone::TagNumber number) { estimating.on_tag(number, now, *zone_, current_estimate().X_MB); }
   /// The answer that is due now.
-  std::optional<EstimateAnswer> heard() {
-    const auto json = estimating.take_answer();
+  std::optional<EstimateResponse> heard() {
+    const auto json = estimating.take_response();
     if (!json) return std::nullopt;
-    const auto answer = wire::estimate_answer_from_json(*json);
-    EXPECT_TRUE(answer) << *json;
-    return answer ? std::optional{*answer} : std::nullopt;
+    const auto response = wire::estimate_response_from_json(*json);
+    EXPECT_TRUE(response) << *json;
+    return response ? std::optional{*response} : std::nullopt;
   }
-  EstimateAnswer answer() {
+  EstimateResponse response() {
     step();
-    const auto answer = heard();
-    EXPECT_TRUE(answer);
-    return answer.value_or(EstimateAnswer{});
+    const auto response = heard();
+    EXPECT_TRUE(response);
+    return response.value_or(EstimateResponse{});
   }
   [[nodiscard]] Estimating::CurrentEstimate current_estimate() const {
     const zone::Place place{section, s_m};
@@ -66,7 +66,7 @@ TEST(Estimating, answers_with_the_next_odometry_where_it_began_and_then_what_eac
   Asked vehicle;
   vehicle.ask(1, {"dead_reckoning", "ekf"});
   EXPECT_FALSE(vehicle.heard());  // it is the next position that was asked for
-  const EstimateAnswer first = vehicle.answer();
+  const EstimateResponse first = vehicle.response();
   ASSERT_TRUE(first.start);
   EXPECT_EQ(first.start->section, "east");
   EXPECT_NEAR(first.start->along_m, 0.11, 1e-12);
@@ -76,7 +76,7 @@ TEST(Estimating, answers_with_the_next_odometry_where_it_began_and_then_what_eac
   vehicle.step();
   EXPECT_FALSE(vehicle.heard());  // nobody asked
   vehicle.ask(2);
-  const EstimateAnswer second = vehicle.answer();
+  const EstimateResponse second = vehicle.response();
   EXPECT_FALSE(second.start);
   EXPECT_EQ(second.timestamp, vehicle.now);
   EXPECT_NEAR(second.travelled_m, 0.03, 1e-12);
@@ -92,9 +92,9 @@ TEST(Estimating, answers_with_the_next_odometry_where_it_began_and_then_what_eac
 TEST(Estimating, says_the_same_again_to_who_did_not_hear_it_and_nothing_to_who_asks_late) {
   Asked vehicle;
   vehicle.ask(1, {"ekf"});
-  vehicle.answer();
+  vehicle.response();
   vehicle.ask(2);
-  const EstimateAnswer said = vehicle.answer();
+  const EstimateResponse said = vehicle.response();
   vehicle.step();
   vehicle.ask(2);
   EXPECT_EQ(vehicle.heard(), said);  // at once: it is known
@@ -102,7 +102,7 @@ TEST(Estimating, says_the_same_again_to_who_did_not_hear_it_and_nothing_to_who_a
   vehicle.step();
   EXPECT_FALSE(vehicle.heard());
   vehicle.ask(3);
-  const EstimateAnswer next = vehicle.answer();
+  const EstimateResponse next = vehicle.response();
   EXPECT_THAT(next.told, SizeIs(3)) << "nothing is told twice, and nothing is left out";
   EXPECT_NEAR(next.travelled_m - said.travelled_m, 0.03, 1e-12);
 }
@@ -113,60 +113,60 @@ TEST(Estimating, tells_readings_as_the_antenna_has_them_and_what_each_algorithm_
   vehicle.section = tag.place.section;
   vehicle.s_m = tag.place.s_m - 0.05;
   vehicle.ask(1, {"dead_reckoning", "arc_kalman"});
-  vehicle.answer();
+  vehicle.response();
   vehicle.step();
   vehicle.read(tag.number);
   vehicle.read(999'999);  // of no tag that there is
   vehicle.ask(2);
-  const EstimateAnswer answer = vehicle.answer();
-  ASSERT_THAT(answer.told, SizeIs(3));
-  const auto& reading = std::get<EstimateAnswer::Reading>(answer.told[1]);
+  const EstimateResponse response = vehicle.response();
+  ASSERT_THAT(response.told, SizeIs(3));
+  const auto& reading = std::get<EstimateResponse::Reading>(response.told[1]);
   EXPECT_EQ(reading.mark, tag.number);
   // At the rim, 2 cm ahead, 20 ms before its number was there: 1 cm at 0.5 m/s.
   EXPECT_NEAR(reading.detected_B.x_m, 0.01, 1e-9);
   EXPECT_NEAR(reading.detected_B.y_m, 0.0, 1e-9);
-  EXPECT_THAT(answer.estimates[0].rectified, SizeIs(1));
-  EXPECT_FALSE(answer.estimates[0].rectified[0].accepted);
-  EXPECT_TRUE(answer.estimates[1].rectified[0].accepted);
+  EXPECT_THAT(response.estimates[0].rectified, SizeIs(1));
+  EXPECT_FALSE(response.estimates[0].rectified[0].accepted);
+  EXPECT_TRUE(response.estimates[1].rectified[0].accepted);
 }
 
 TEST(Estimating, refuses_what_it_cannot_do_and_names_what_there_is) {
   Asked vehicle;
   vehicle.ask(1, {"ekf", "magic"});
-  EXPECT_THAT(vehicle.answer().fault, AllOf(HasSubstr("magic"), HasSubstr("arc_kalman")));
+  EXPECT_THAT(vehicle.response().fault, AllOf(HasSubstr("magic"), HasSubstr("arc_kalman")));
   vehicle.ask(1, {"arc_smoother", "ekf"}, "q/2");
-  const EstimateAnswer answer = vehicle.answer();
-  EXPECT_THAT(answer.fault, IsEmpty());
-  EXPECT_THAT(answer.estimates[0].fault, HasSubstr("looks back"));
-  EXPECT_THAT(answer.estimates[1].fault, IsEmpty());
+  const EstimateResponse response = vehicle.response();
+  EXPECT_THAT(response.fault, IsEmpty());
+  EXPECT_THAT(response.estimates[0].fault, HasSubstr("looks back"));
+  EXPECT_THAT(response.estimates[1].fault, IsEmpty());
   vehicle.known = false;
   vehicle.ask(1, {"ekf"}, "q/3");
-  EXPECT_THAT(vehicle.answer().fault, HasSubstr("where it stands"));
+  EXPECT_THAT(vehicle.response().fault, HasSubstr("where it stands"));
 }
 
 TEST(Estimating, knows_no_session_of_before_it_was_started) {
   Asked vehicle;
   vehicle.ask(7);
-  const auto answer = vehicle.heard();
-  ASSERT_TRUE(answer);
-  EXPECT_THAT(answer->fault, HasSubstr("started anew"));
-  EXPECT_EQ(answer->sequence, 7U);
+  const auto response = vehicle.heard();
+  ASSERT_TRUE(response);
+  EXPECT_THAT(response->fault, HasSubstr("started anew"));
+  EXPECT_EQ(response->sequence, 7U);
 }
 
 TEST(Estimating, ends_a_session_when_nobody_asks_or_the_zone_is_another) {
   Asked forgotten;
   forgotten.step_m = 0.0;
   forgotten.ask(1, {"ekf"});
-  forgotten.answer();
+  forgotten.response();
   for (int i = 0; i < 50 * 62; ++i) forgotten.step();
   EXPECT_FALSE(forgotten.estimating.busy());
 
   Asked switched;
   switched.ask(1, {"ekf"});
-  switched.answer();
+  switched.response();
   switched.estimating.on_zone_switched();
   switched.ask(2);
-  EXPECT_THAT(switched.answer().fault, HasSubstr("switched"));
+  EXPECT_THAT(switched.response().fault, HasSubstr("switched"));
   EXPECT_FALSE(switched.estimating.busy());
 }
 
@@ -175,11 +175,11 @@ TEST(Estimating, has_a_particle_filter_that_draws_what_its_seed_says) {
   Asked other;
   for (Asked* vehicle : {&one, &other}) {
     vehicle->ask(1, {"particles"});
-    vehicle->answer();
+    vehicle->response();
     for (int i = 0; i < 20; ++i) vehicle->step();
     vehicle->ask(2);
   }
-  EXPECT_EQ(one.answer(), other.answer());
+  EXPECT_EQ(one.response(), other.response());
 }
 
 TEST(BoardClock, knows_when_a_reading_was_taken_however_late_its_frame_comes) {

@@ -54,7 +54,7 @@ void EstimationService::on_tag(SimTime now, const wire::TagRead& tag, const Driv
 }
 
 void EstimationService::publish(Session& session, wire::Effects& effects) {
-  if (auto json = estimating_.take_answer()) session.publish_estimate(std::move(*json), effects);
+  if (auto json = estimating_.take_response()) session.publish_estimate(std::move(*json), effects);
 }
 
 }  // namespace cosiva::aiv

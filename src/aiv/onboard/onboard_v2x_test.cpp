@@ -85,7 +85,7 @@ TEST(OnboardV2x, speaks_once_a_second_alone_and_more_often_in_company) {
   EXPECT_THAT(bench.undecodable, IsEmpty());
 }
 
-TEST(OnboardV2x, answers_a_newcomer_at_once) {
+TEST(OnboardV2x, responds_to_a_newcomer_at_once) {
   Talking bench;
   bench.run(0.2);
   const std::size_t before = bench.intents.size();

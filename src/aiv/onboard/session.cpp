@@ -34,7 +34,7 @@ Session::Session(wire::VehicleId id, std::string_view interface_name, bool as_va
       owner_topic_{wire::own_topic(wire::owner_topic_prefix, id_)},
       virtual_obstacles_ack_topic_{wire::own_topic(wire::virtual_obstacles_ack_topic_prefix, id_)},
       estimate_request_topic_{wire::own_topic(wire::estimate_request_topic_prefix, id_)},
-      estimate_answer_topic_{wire::own_topic(wire::estimate_answer_topic_prefix, id_)},
+      estimate_response_topic_{wire::own_topic(wire::estimate_response_topic_prefix, id_)},
       detected_obstacle_topic_{wire::own_topic(wire::detected_obstacle_topic_prefix, id_)},
       boards_topic_{wire::own_topic(wire::boards_topic_prefix, id_)} {}
 
@@ -94,7 +94,7 @@ void Session::publish(SimTime now, wire::BoardsReport&& report, wire::Effects& e
 }
 
 void Session::publish_estimate(std::string&& json, wire::Effects& effects) const {
-  if (online_) effects.emplace_back(wire::Publish{estimate_answer_topic_, std::move(json), 0, false});
+  if (online_) effects.emplace_back(wire::Publish{estimate_response_topic_, std::move(json), 0, false});
 }
 
 void Session::publish(SimTime now, wire::Cell cell, wire::Intent&& intent, wire::Effects& effects) {

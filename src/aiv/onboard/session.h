@@ -43,7 +43,7 @@ class Session {
   void publish(const wire::VirtualObstaclesAck& perceived, wire::Effects& effects);
   void publish(SimTime now, wire::DetectedObstacleReport&& detected, wire::Effects& effects);
   void publish(SimTime now, wire::BoardsReport&& report, wire::Effects& effects);
-  /// wire::EstimateAnswer, written when it was due: it is said again to who did not hear it.
+  /// wire::EstimateResponse, written when it was due: it is said again to who did not hear it.
   void publish_estimate(std::string&& json, wire::Effects& effects) const;
   /// To those near this cell of the intent's map.
   void publish(SimTime now, wire::Cell cell, wire::Intent&& intent, wire::Effects& effects);
@@ -66,7 +66,7 @@ class Session {
   std::string owner_topic_;
   std::string virtual_obstacles_ack_topic_;
   std::string estimate_request_topic_;
-  std::string estimate_answer_topic_;
+  std::string estimate_response_topic_;
   std::string detected_obstacle_topic_;
   std::string boards_topic_;
   bool online_{false};

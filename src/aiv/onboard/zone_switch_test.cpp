@@ -347,7 +347,7 @@ TEST(ZoneSwitch, is_followed_by_a_joinLine_that_takes_it_onto_the_line_without_a
   EXPECT_EQ(join("again", bench.floor().circuit.pose_at({0, 0.7})), wire::ActionStatus::failed) << "it is on the line";
 }
 
-TEST(ZoneSwitch, answers_enableMap_and_downloadMap) {
+TEST(ZoneSwitch, responds_to_enableMap_and_downloadMap) {
   SwitchBench bench;
   bench.run(0.5);
   const auto ask = [&](std::string type, const std::string& id, const std::string& map) {

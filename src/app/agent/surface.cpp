@@ -50,10 +50,10 @@ std::vector<std::vector<double>> evaluate(const aiv::AgentRules& rules, const Su
       if (input == surface.y.input) questions.back()[k] = surface.y.values[k / columns];
     }
   }
-  std::vector<std::vector<double>> answers(rules.base().engine().outputs.size(), std::vector<double>(count));
+  std::vector<std::vector<double>> responses(rules.base().engine().outputs.size(), std::vector<double>(count));
   rules.base().evaluate(std::vector<std::span<const double>>(questions.begin(), questions.end()),
-                        std::vector<std::span<double>>(answers.begin(), answers.end()));
-  return answers;
+                        std::vector<std::span<double>>(responses.begin(), responses.end()));
+  return responses;
 }
 
 char letter_of(const Surface& surface, double level) {
@@ -79,14 +79,14 @@ Result<Surface> make_surface(const aiv::AgentRules& rules, const std::string& x,
   if (across->input == up->input) return fail("agent.surface", "two inputs make a surface; '" + x + "' is one", "--y");
   Surface surface{std::move(*across), std::move(*up), of, 0.0, 3.0, {}, others, {}};
   surface.asked.assign(rules.inputs().begin(), rules.inputs().end());
-  const auto answers = evaluate(rules, surface);
+  const auto responses = evaluate(rules, surface);
   if (surface.is_speed()) {
     const auto go = rules.base().find_output("go");
-    surface.levels.assign(answers.front().size(), HUGE_VAL);
-    for (std::size_t o = 0; o < answers.size(); ++o) {
+    surface.levels.assign(responses.front().size(), HUGE_VAL);
+    for (std::size_t o = 0; o < responses.size(); ++o) {
       if (o == go) continue;
       for (std::size_t k = 0; k < surface.levels.size(); ++k)
-        surface.levels[k] = std::min(surface.levels[k], answers[o][k]);
+        surface.levels[k] = std::min(surface.levels[k], responses[o][k]);
     }
     return surface;
   }
@@ -95,7 +95,7 @@ Result<Surface> make_surface(const aiv::AgentRules& rules, const std::string& x,
   if (!output)
     return fail("agent.surface", "the rules have no output '" + of + "'; there are speed, " + names_of(outputs),
                 "--of");
-  surface.levels = answers[*output];
+  surface.levels = responses[*output];
   const auto [least, most] = std::ranges::minmax(surface.levels);
   surface.low = std::isfinite(outputs[*output].minimum) ? outputs[*output].minimum : least;
   surface.high = std::isfinite(outputs[*output].maximum) ? outputs[*output].maximum : most;

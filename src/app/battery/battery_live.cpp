@@ -67,7 +67,7 @@ class LiveTest {
     adapters::MqttHandlers handlers;
     handlers.on_link = [](bool) {};
     handlers.on_message = [this](std::string_view topic, std::string_view payload, bool) {
-      if (!ended_) answer(rig_.on_message(clock_.now(), topic, payload));
+      if (!ended_) response(rig_.on_message(clock_.now(), topic, payload));
     };
     auto client =
         adapters::MqttClient::make(loop_, std::move(*options), LiveRig::subscriptions(), std::nullopt, handlers);
@@ -83,24 +83,24 @@ class LiveTest {
   Result<void> begin() {
     const std::string& file = arguments_.state_file;
     if (file.empty() || !std::filesystem::exists(file)) {
-      answer(rig_.start(clock_.now()));
+      response(rig_.start(clock_.now()));
       return {};
     }
     const auto saved = adapters::read_file(file);
     if (!saved) return tl::unexpected(saved.error());
-    auto answers = rig_.restore(clock_.now(), *saved);
-    if (!answers) return fail(answers.error().code, answers.error().message, file);
+    auto responses = rig_.restore(clock_.now(), *saved);
+    if (!responses) return fail(responses.error().code, responses.error().message, file);
     say("goes on from " + file);
-    answer(std::move(*answers));
+    response(std::move(*responses));
     return {};
   }
 
   void beat() {
     if (std::exchange(interrupted_, false)) {
       say("interrupted: what runs is known to last longer");
-      answer(rig_.give_up(clock_.now()));
+      response(rig_.give_up(clock_.now()));
     } else {
-      answer(rig_.tick(clock_.now()));
+      response(rig_.tick(clock_.now()));
     }
     tell_server();
     if (!saved_) save();
@@ -109,11 +109,11 @@ class LiveTest {
     if ((rig_.done() || failure_) && commands_.empty()) loop_.stop();
   }
 
-  void answer(LiveRig::Answers answers) {
-    for (const wire::Publish& message : answers.messages) bus_->publish(message);
-    const bool news = !answers.messages.empty() || !answers.commands.empty();
-    for (std::string& command : answers.commands) commands_.push_back(std::move(command));
-    for (const std::string& operator_messages : answers.operator_messages) {
+  void response(LiveRig::Responses responses) {
+    for (const wire::Publish& message : responses.messages) bus_->publish(message);
+    const bool news = !responses.messages.empty() || !responses.commands.empty();
+    for (std::string& command : responses.commands) commands_.push_back(std::move(command));
+    for (const std::string& operator_messages : responses.operator_messages) {
       say(operator_messages);
       notify(operator_messages);
     }

@@ -62,9 +62,9 @@ TEST_F(Virtual, a_step_goes_exactly_so_far_and_no_further) {
 TEST_F(Virtual, more_speed_than_the_machine_has_keeps_the_page_alive_and_is_told) {
   const auto page = open(std::nullopt, 100.0);
   EXPECT_EQ(page->clock().speed, 100.0);
-  bool answered = false;
-  loop.post([&] { answered = true; });
-  ASSERT_TRUE(loop.run_until([&] { return answered && run->elapsed() > 5s; }, timeout));
+  bool acknowledged = false;
+  loop.post([&] { acknowledged = true; });
+  ASSERT_TRUE(loop.run_until([&] { return acknowledged && run->elapsed() > 5s; }, timeout));
   EXPECT_GT(page->clock().speed, 0.0);
   EXPECT_LE(page->clock().speed, 100.0);
   page->set_clock(true, 2.0);

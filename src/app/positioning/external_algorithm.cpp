@@ -135,12 +135,12 @@ estimation::Rectified ExternalAlgorithm::rectify(const estimation::Range& range)
 
 Estimate ExternalAlgorithm::estimate() const {
   if (fault_) return {};
-  const auto answer = process_->ask(R"({"estimate":{}})", timeout_);
-  if (!answer) {
-    blame(answer.error());
+  const auto response = process_->ask(R"({"estimate":{}})", timeout_);
+  if (!response) {
+    blame(response.error());
     return {};
   }
-  const auto estimate = read_estimate(*answer);
+  const auto estimate = read_estimate(*response);
   if (!estimate) {
     blame(estimate.error());
     return {};

@@ -84,8 +84,8 @@ class LiveTest {
     if (!connected)
       return fail("mqtt.connect", "no broker answers there: is the platform running (cosiva up), is --broker its own?",
                   address);
-    const auto answer = server_.ask("GET", "/api/v1/snapshot", {}, command_timeout);
-    if (!answer)
+    const auto response = server_.ask("GET", "/api/v1/snapshot", {}, command_timeout);
+    if (!response)
       return fail("http.connect", "no server answers there: is the platform running (cosiva up), is --url its own?",
                   server_.url());
     return {};
@@ -104,10 +104,10 @@ class LiveTest {
   }
 
   void beat() {
-    LiveRuns::Answers answers = runs_.tick(clock_.now());
-    for (const wire::Publish& message : answers.messages) bus_->publish(message);
-    for (std::string& command : answers.commands) commands_.push_back(std::move(command));
-    for (const std::string& operator_messages : answers.operator_messages) say("cosiva: " + operator_messages);
+    LiveRuns::Responses responses = runs_.tick(clock_.now());
+    for (const wire::Publish& message : responses.messages) bus_->publish(message);
+    for (std::string& command : responses.commands) commands_.push_back(std::move(command));
+    for (const std::string& operator_messages : responses.operator_messages) say("cosiva: " + operator_messages);
     tell_server();
     if (runs_.done()) return loop_.stop();
     if (!ticker_.ticks()) return;

@@ -10,7 +10,7 @@
 namespace cosiva::app {
 namespace {
 
-constexpr std::chrono::seconds answer_max{10};
+constexpr std::chrono::seconds response_max{10};
 
 }  // namespace
 
@@ -27,12 +27,12 @@ Result<void> say_over_broker(const BrokerArguments& broker, const std::string& c
   if (!client) return tl::unexpected(client.error());
   (*client)->start();
   bool connected = false;
-  loop.run_until([&] { return connected = (*client)->connected(); }, answer_max);
+  loop.run_until([&] { return connected = (*client)->connected(); }, response_max);
   if (!connected) return fail("mqtt.connect", "no broker answers there", address);
   for (const wire::Publish& message : messages) (*client)->publish(message);
   bool out = false;
   (*client)->stop([&] { out = true; });
-  loop.run_until([&] { return out; }, answer_max);
+  loop.run_until([&] { return out; }, response_max);
   if (!out) return fail("mqtt.publish", "the broker did not acknowledge it", address);
   return {};
 }

@@ -26,8 +26,8 @@ std::optional<SwitchedZone> watch(const adapters::HttpClient& client, double wai
   const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(wait_s);
   std::optional<SwitchedZone> switched;
   for (;;) {
-    if (const auto answer = client.ask("GET", "/api/v1/snapshot"); answer && answer->status == 200)
-      switched = switched_in(answer->body);
+    if (const auto response = client.ask("GET", "/api/v1/snapshot"); response && response->status == 200)
+      switched = switched_in(response->body);
     // Who is parked will not move, and who is not there neither.
     const bool nobody = switched && switched->parked.size() >= switched->vehicles;
     if (nobody || (switched && switched->first_moving_ms) || std::chrono::steady_clock::now() >= until) return switched;
@@ -60,14 +60,14 @@ int switch_over_http(const ZoneArguments& arguments, const zone::ZoneConfigurati
   if (!client) return complain(client.error());
   JsonWriter json;
   zone::write_json(json, configuration);
-  const auto answer = client->ask("POST", "/api/v1/zone/switch", json.take(), std::chrono::seconds{120});
-  if (!answer) return complain(answer.error());
-  if (answer->status != 200) {
-    Error refused = refusal_in(answer->body, answer->status);
+  const auto response = client->ask("POST", "/api/v1/zone/switch", json.take(), std::chrono::seconds{120});
+  if (!response) return complain(response.error());
+  if (response->status != 200) {
+    Error refused = refusal_in(response->body, response->status);
     refused.message += "\n  the zone that was there stays in force";
     return complain(refused);
   }
-  const auto accepted = JsonValue::parse(answer->body);
+  const auto accepted = JsonValue::parse(response->body);
   const std::string name = accepted ? accepted->text("name").value_or(configuration.origin) : configuration.origin;
   tell(arguments, name, accepted ? accepted->number("revision").value_or(0.0) : 0.0, watch(*client, arguments.wait_s));
   return exit_done;

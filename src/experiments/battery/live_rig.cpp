@@ -59,11 +59,11 @@ std::vector<std::string> LiveRig::subscriptions() {
   return topics;
 }
 
-LiveRig::Answers LiveRig::start(SimTime now) {
-  Answers answers;
+LiveRig::Responses LiveRig::start(SimTime now) {
+  Responses responses;
   began_ = now;
-  obey(procedure_.start(now), answers);
-  return answers;
+  obey(procedure_.start(now), responses);
+  return responses;
 }
 
 bool LiveRig::complete() const { return missing().empty(); }
@@ -81,19 +81,19 @@ std::optional<std::size_t> LiveRig::slot_of(const wire::VehicleId& id) const {
   return static_cast<std::size_t>(found - options_.vehicles.begin());
 }
 
-LiveRig::Answers LiveRig::on_message(SimTime now, std::string_view topic, std::string_view payload) {
-  Answers answers;
+LiveRig::Responses LiveRig::on_message(SimTime now, std::string_view topic, std::string_view payload) {
+  Responses responses;
   if (const auto id = wire::parse_own_topic(wire::boards_topic_prefix, topic)) {
-    if (const auto v = slot_of(*id)) on_report(now, *v, payload, answers);
+    if (const auto v = slot_of(*id)) on_report(now, *v, payload, responses);
   } else if (const auto ready = wire::parse_own_topic(wire::battery_ready_topic_prefix, topic)) {
-    if (const auto v = slot_of(*ready)) on_ready(now, *v, payload, answers);
+    if (const auto v = slot_of(*ready)) on_ready(now, *v, payload, responses);
   } else if (const auto vda = wire::parse_vda_topic(topic); vda && vda->name == "visualization") {
     if (const auto v = slot_of(vda->vehicle)) on_position(*v, payload);
   }
-  return answers;
+  return responses;
 }
 
-void LiveRig::on_report(SimTime now, std::size_t vehicle, std::string_view payload, Answers& answers) {
+void LiveRig::on_report(SimTime now, std::size_t vehicle, std::string_view payload, Responses& responses) {
   const auto report = wire::boards_report_from_json(payload);
   if (!report) return;
   Slot& slot = slots_[vehicle];
@@ -103,23 +103,23 @@ void LiveRig::on_report(SimTime now, std::size_t vehicle, std::string_view paylo
   obey(procedure_.on_sample(
            vehicle, {now, power.charge(), power.gauge ? 1e-4 * power.gauge->charge_sd_01 : 0.0,
                      0.001 * power.voltage_mv, 0.001 * power.current_ma, 0.1 * power.temperature_01C, slot.odometer_m}),
-       answers);
+       responses);
 }
 
-void LiveRig::on_ready(SimTime now, std::size_t vehicle, std::string_view payload, Answers& answers) {
+void LiveRig::on_ready(SimTime now, std::size_t vehicle, std::string_view payload, Responses& responses) {
   const auto ready = wire::battery_ready_from_json(payload);
   if (!ready) {
-    answers.operator_messages.push_back(to_string(options_.vehicles[vehicle]) +
+    responses.operator_messages.push_back(to_string(options_.vehicles[vehicle]) +
                                         " said batteryReady, but: " + to_string(ready.error()));
     return;
   }
   Slot& slot = slots_[vehicle];
   if (!slot.wanted) return;  // a service battery, or one that nobody asked for
-  clear_request(vehicle, answers);
+  clear_request(vehicle, responses);
   obey(procedure_.on_ready(now, vehicle,
                            {ready->battery, ready->type, ready->cycles, ready->rest_s, ready->temperature_c,
                             0.01 * ready->charge_percent}),
-       answers);
+       responses);
 }
 
 void LiveRig::on_position(std::size_t vehicle, std::string_view payload) {
@@ -137,21 +137,21 @@ void LiveRig::on_position(std::size_t vehicle, std::string_view payload) {
   slot.at = Point2{*x, *y};
 }
 
-LiveRig::Answers LiveRig::tick(SimTime now) {
-  Answers answers;
-  obey(procedure_.tick(now), answers);
-  return answers;
+LiveRig::Responses LiveRig::tick(SimTime now) {
+  Responses responses;
+  obey(procedure_.tick(now), responses);
+  return responses;
 }
 
-LiveRig::Answers LiveRig::give_up(SimTime now) {
-  Answers answers;
+LiveRig::Responses LiveRig::give_up(SimTime now) {
+  Responses responses;
   given_up_ = true;
   for (std::size_t v = 0; v < slots_.size(); ++v) {
-    if (slots_[v].wanted) clear_request(v, answers);
+    if (slots_[v].wanted) clear_request(v, responses);
     // Of this run alone: with its last end the next would begin.
-    if (procedure_.running(v)) obey(procedure_.on_stop(now, v, StopCause::operator_stop), answers);
+    if (procedure_.running(v)) obey(procedure_.on_stop(now, v, StopCause::operator_stop), responses);
   }
-  return answers;
+  return responses;
 }
 
 wire::BatteryTest LiveRig::test(SimTime now) const {
@@ -177,45 +177,45 @@ wire::BatteryTest LiveRig::test(SimTime now) const {
   return test;
 }
 
-void LiveRig::drive(std::size_t vehicle, const char* command, Answers& answers) const {
-  answers.commands.push_back(server_command_json(command, to_string(options_.vehicles[vehicle])));
+void LiveRig::drive(std::size_t vehicle, const char* command, Responses& responses) const {
+  responses.commands.push_back(server_command_json(command, to_string(options_.vehicles[vehicle])));
 }
 
-void LiveRig::obey(const ProcedureCommands& commands, Answers& answers) {
+void LiveRig::obey(const ProcedureCommands& commands, Responses& responses) {
   for (const ProcedureCommand& command : commands) {
     using Kind = ProcedureCommand::Kind;
     switch (command.kind) {
       case Kind::change_battery:
-        if (!given_up_) ask_for(command.vehicle, command.battery, command.text, answers);
+        if (!given_up_) ask_for(command.vehicle, command.battery, command.text, responses);
         break;
       case Kind::tell_operator:
-        if (!given_up_) answers.operator_messages.push_back(command.text);
+        if (!given_up_) responses.operator_messages.push_back(command.text);
         break;
       case Kind::run:
-      case Kind::resume: drive(command.vehicle, "restart", answers); break;
-      case Kind::pause: drive(command.vehicle, "stop", answers); break;
-      case Kind::stop: end(command.vehicle, answers); break;
+      case Kind::resume: drive(command.vehicle, "restart", responses); break;
+      case Kind::pause: drive(command.vehicle, "stop", responses); break;
+      case Kind::stop: end(command.vehicle, responses); break;
     }
   }
 }
 
-void LiveRig::ask_for(std::size_t vehicle, std::size_t battery, const std::string& reason, Answers& answers) {
-  drive(vehicle, "stop", answers);
+void LiveRig::ask_for(std::size_t vehicle, std::size_t battery, const std::string& reason, Responses& responses) {
+  drive(vehicle, "stop", responses);
   slots_[vehicle].wanted = options_.batteries[battery];
-  answers.messages.push_back({wire::own_topic(wire::battery_change_topic_prefix, options_.vehicles[vehicle]),
+  responses.messages.push_back({wire::own_topic(wire::battery_change_topic_prefix, options_.vehicles[vehicle]),
                               to_json(wire::BatteryChange{options_.batteries[battery],
                                                           static_cast<std::uint32_t>(procedure_.run() + 1), reason}),
                               1, true});
-  put_in(vehicle, battery, answers);
+  put_in(vehicle, battery, responses);
 }
 
-void LiveRig::clear_request(std::size_t vehicle, Answers& answers) {
+void LiveRig::clear_request(std::size_t vehicle, Responses& responses) {
   slots_[vehicle].wanted.reset();
-  answers.messages.push_back(
+  responses.messages.push_back(
       {wire::own_topic(wire::battery_change_topic_prefix, options_.vehicles[vehicle]), {}, 1, true});
 }
 
-void LiveRig::put_in(std::size_t vehicle, std::optional<std::size_t> battery, Answers& answers) const {
+void LiveRig::put_in(std::size_t vehicle, std::optional<std::size_t> battery, Responses& responses) const {
   if (!options_.emulated) return;
   // Each full run so far was a cycle, less what was left in it.
   double cycles = 0.0;
@@ -224,22 +224,22 @@ void LiveRig::put_in(std::size_t vehicle, std::optional<std::size_t> battery, An
   const std::string json = battery ? plant_battery_json(vehicle + 1, options_.batteries[*battery], &*options_.emulated,
                                                         options_.seed * 1000 + *battery, cycles)
                                    : plant_battery_json(vehicle + 1, "service", nullptr, 0, 0.0);
-  answers.messages.push_back({std::string(wire::plant_command_topic), json, 1, false});
+  responses.messages.push_back({std::string(wire::plant_command_topic), json, 1, false});
 }
 
-void LiveRig::end(std::size_t vehicle, Answers& answers) {
+void LiveRig::end(std::size_t vehicle, Responses& responses) {
   const std::string name = to_string(options_.vehicles[vehicle]);
   const BatteryRun& record = procedure_.records().back();
-  answers.operator_messages.push_back(name + " has ended: " + std::string(to_string(record.stop)) + " after " +
+  responses.operator_messages.push_back(name + " has ended: " + std::string(to_string(record.stop)) + " after " +
                                       std::to_string(std::lround(record.autonomy_s)) + " s");
   if (options_.emulated) {
-    put_in(vehicle, std::nullopt, answers);
-    return drive(vehicle, "restart", answers);
+    put_in(vehicle, std::nullopt, responses);
+    return drive(vehicle, "restart", responses);
   }
-  if (options_.park.empty()) return drive(vehicle, "stop", answers);
+  if (options_.park.empty()) return drive(vehicle, "stop", responses);
   JsonWriter json;
   json.begin_object().field("command", "go").field("vehicle", name).field("to", options_.park).end_object();
-  answers.commands.push_back(json.take());
+  responses.commands.push_back(json.take());
 }
 
 std::string LiveRig::state_json() const {
@@ -254,7 +254,7 @@ std::string LiveRig::state_json() const {
   return json.end_array().end_object().take();
 }
 
-Result<LiveRig::Answers> LiveRig::restore(SimTime now, std::string_view state_json) {
+Result<LiveRig::Responses> LiveRig::restore(SimTime now, std::string_view state_json) {
   constexpr std::size_t bytes_max = 512U << 20U;
   const auto json = JsonValue::parse(state_json, bytes_max);
   if (!json) return fail("battery.state", json.error().message, "saved state");
@@ -265,14 +265,14 @@ Result<LiveRig::Answers> LiveRig::restore(SimTime now, std::string_view state_js
   if (auto restored = procedure_.restore(*procedure); !restored) return tl::unexpected(restored.error());
   procedure_.forgive(now);
   began_ = parse_iso8601(json->text("began").value_or("")).value_or(now);
-  Answers answers;
+  Responses responses;
   for (std::size_t v = 0; v < slots_.size(); ++v) {
     const JsonValue& saved = (*slots->array())[v];
     slots_[v].odometer_m = saved.number("odometer_m").value_or(0.0);
     // Asked for before we were away: the answer may have come meanwhile, so it is asked for again.
-    if (saved.text("wanted")) ask_for(v, procedure_.battery_of(procedure_.run(), v), {}, answers);
+    if (saved.text("wanted")) ask_for(v, procedure_.battery_of(procedure_.run(), v), {}, responses);
   }
-  return answers;
+  return responses;
 }
 
 }  // namespace cosiva::experiments

@@ -31,7 +31,7 @@ struct LiveRigOptions {
 /// link, clock or file, and its whole state can be saved after each call.
 class LiveRig {
  public:
-  struct Answers {
+  struct Responses {
     std::vector<wire::Publish> messages;
     std::vector<std::string> commands;           ///< to the server, as /api/v1/commands takes them, in this order
     std::vector<std::string> operator_messages;  ///< to the operator
@@ -39,12 +39,12 @@ class LiveRig {
   explicit LiveRig(LiveRigOptions options);
 
   [[nodiscard]] static std::vector<std::string> subscriptions();
-  [[nodiscard]] Answers start(SimTime now);
+  [[nodiscard]] Responses start(SimTime now);
   /// Messages of others, and what cannot be read, are left alone.
-  [[nodiscard]] Answers on_message(SimTime now, std::string_view topic, std::string_view payload);
-  [[nodiscard]] Answers tick(SimTime now);
+  [[nodiscard]] Responses on_message(SimTime now, std::string_view topic, std::string_view payload);
+  [[nodiscard]] Responses tick(SimTime now);
   /// Ended by its operator: who runs is stopped, and known to last longer.
-  [[nodiscard]] Answers give_up(SimTime now);
+  [[nodiscard]] Responses give_up(SimTime now);
 
   [[nodiscard]] bool done() const { return given_up_ || procedure_.done(); }
   /// How it stands, for whoever looks on (wire::battery_test_topic).
@@ -57,7 +57,7 @@ class LiveRig {
 
   [[nodiscard]] std::string state_json() const;
   /// Goes on from a saved state; nobody is lost for the time that we were away. Fails ("battery.state").
-  [[nodiscard]] Result<Answers> restore(SimTime now, std::string_view state_json);
+  [[nodiscard]] Result<Responses> restore(SimTime now, std::string_view state_json);
 
  private:
   struct Slot {
@@ -67,14 +67,14 @@ class LiveRig {
     std::optional<std::string> wanted;  ///< battery asked for and not yet ready
   };
   [[nodiscard]] std::optional<std::size_t> slot_of(const wire::VehicleId& id) const;
-  void obey(const ProcedureCommands& commands, Answers& answers);
-  void ask_for(std::size_t vehicle, std::size_t battery, const std::string& reason, Answers& answers);
-  void end(std::size_t vehicle, Answers& answers);
-  void put_in(std::size_t vehicle, std::optional<std::size_t> battery, Answers& answers) const;
-  void clear_request(std::size_t vehicle, Answers& answers);
-  void drive(std::size_t vehicle, const char* command, Answers& answers) const;
-  void on_report(SimTime now, std::size_t vehicle, std::string_view payload, Answers& answers);
-  void on_ready(SimTime now, std::size_t vehicle, std::string_view payload, Answers& answers);
+  void obey(const ProcedureCommands& commands, Responses& responses);
+  void ask_for(std::size_t vehicle, std::size_t battery, const std::string& reason, Responses& responses);
+  void end(std::size_t vehicle, Responses& responses);
+  void put_in(std::size_t vehicle, std::optional<std::size_t> battery, Responses& responses) const;
+  void clear_request(std::size_t vehicle, Responses& responses);
+  void drive(std::size_t vehicle, const char* command, Responses& responses) const;
+  void on_report(SimTime now, std::size_t vehicle, std::string_view payload, Responses& responses);
+  void on_ready(SimTime now, std::size_t vehicle, std::string_view payload, Responses& responses);
   void on_position(std::size_t vehicle, std::string_view payload);
 
   LiveRigOptions options_;

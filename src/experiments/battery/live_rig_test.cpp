@@ -46,14 +46,14 @@ std::string report(double charge) {
   return to_json(boards);
 }
 
-LiveRig::Answers say_report(LiveRig& rig, SimTime now, int number, double charge) {
+LiveRig::Responses say_report(LiveRig& rig, SimTime now, int number, double charge) {
   return rig.on_message(now, wire::own_topic(wire::boards_topic_prefix, aiv(number)), report(charge));
 }
-LiveRig::Answers say_ready(LiveRig& rig, SimTime now, int number, const std::string& battery, double percent = 100.0) {
+LiveRig::Responses say_ready(LiveRig& rig, SimTime now, int number, const std::string& battery, double percent = 100.0) {
   return rig.on_message(now, wire::own_topic(wire::battery_ready_topic_prefix, aiv(number)),
                         to_json(wire::BatteryReady{battery, "leaf33", 3.0, 3600.0, 22.0, percent}));
 }
-LiveRig::Answers say_place(LiveRig& rig, SimTime now, int number, double x_m) {
+LiveRig::Responses say_place(LiveRig& rig, SimTime now, int number, double x_m) {
   return rig.on_message(now, wire::vda_topic(aiv(number), "visualization"),
                         R"({"agvPosition":{"x":)" + std::to_string(x_m) + R"(,"y":0,"theta":0}})");
 }
@@ -113,8 +113,8 @@ TEST(LiveRig, ends_each_at_its_floor_and_books_way_and_autonomy) {
   for (int half = 1; half <= 240; ++half) {
     const SimTime now = start_of_test + half * milliseconds{500};
     std::ignore = say_place(rig, now, 1, 0.25 * half);
-    const auto answers = say_report(rig, now, 1, 1.0 - 0.6 * half / 240.0);
-    for (const std::string& command : answers.commands) stopped.push_back(command);
+    const auto responses = say_report(rig, now, 1, 1.0 - 0.6 * half / 240.0);
+    for (const std::string& command : responses.commands) stopped.push_back(command);
     std::ignore = say_report(rig, now, 2, 1.0);
   }
   EXPECT_THAT(stopped, ElementsAre(HasSubstr(R"("stop","vehicle":"CoSiVA/AIV1")")));
@@ -133,8 +133,8 @@ TEST(LiveRig, sends_who_has_ended_to_a_station_where_one_is_named) {
   options.procedure.hold = {};
   LiveRig rig = running(options);
   std::ignore = say_report(rig, start_of_test + seconds{1}, 1, 0.51);
-  const auto answers = say_report(rig, start_of_test + seconds{2}, 1, 0.49);
-  EXPECT_THAT(answers.commands, ElementsAre(AllOf(HasSubstr("\"go\""), HasSubstr("dock"), HasSubstr("AIV1"))));
+  const auto responses = say_report(rig, start_of_test + seconds{2}, 1, 0.49);
+  EXPECT_THAT(responses.commands, ElementsAre(AllOf(HasSubstr("\"go\""), HasSubstr("dock"), HasSubstr("AIV1"))));
 }
 
 TEST(LiveRig, gives_emulated_vehicles_their_batteries_and_at_the_end_one_that_lasts) {

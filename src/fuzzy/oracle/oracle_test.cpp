@@ -49,20 +49,20 @@ std::vector<std::vector<double>> ask(const Engine& engine, std::size_t count, Ra
 double worst_deviation(const RuleBase& own, Fuzzylite& theirs, std::size_t count, Random& random) {
   const Engine& engine = own.engine();
   const auto columns = ask(engine, count, random);
-  std::vector<std::vector<double>> answers(engine.outputs.size(), std::vector<double>(count));
+  std::vector<std::vector<double>> responses(engine.outputs.size(), std::vector<double>(count));
   const std::vector<std::span<const double>> inputs(columns.begin(), columns.end());
-  const std::vector<std::span<double>> outputs(answers.begin(), answers.end());
+  const std::vector<std::span<double>> outputs(responses.begin(), responses.end());
   own.evaluate(inputs, outputs);
 
   double worst = 0.0;
   std::vector<double> question(inputs.size());
-  std::vector<double> answer(outputs.size());
+  std::vector<double> response(outputs.size());
   for (std::size_t k = 0; k < count; ++k) {
     for (std::size_t i = 0; i < question.size(); ++i) question[i] = columns[i][k];
-    theirs.evaluate(question, answer);
-    for (std::size_t o = 0; o < answer.size(); ++o) {
+    theirs.evaluate(question, response);
+    for (std::size_t o = 0; o < response.size(); ++o) {
       const double range = engine.outputs[o].maximum - engine.outputs[o].minimum;
-      const double deviation = std::fabs(answers[o][k] - answer[o]) / range;
+      const double deviation = std::fabs(responses[o][k] - response[o]) / range;
       // What is no number on either side is a deviation without end.
       worst = deviation <= worst ? worst : (deviation > worst ? deviation : HUGE_VAL);
     }

@@ -234,9 +234,9 @@ COSIVA_VECTOR_CLONES void lowest(const double* const* __restrict rows, std::size
 }
 
 /// The rules' answers for `lanes` vehicles at a time, and the rows to work them out in.
-class Answers {
+class Responses {
  public:
-  Answers(const FleetRules& rules, bool more) : rules_{more ? rules.all : rules.usual} {
+  Responses(const FleetRules& rules, bool more) : rules_{more ? rules.all : rules.usual} {
     using enum aiv::AgentInput;
     const auto row = [&](aiv::AgentInput input) {
       const auto at = std::ranges::find(rules.inputs, input);
@@ -247,19 +247,19 @@ class Answers {
       if (rules_.known(k))
         known_ = lower(known_, *rules_.known(k));
       else
-        answers_[open_++] = work_[rules_.row(k)];
+        responses_[open_++] = work_[rules_.row(k)];
     }
   }
-  void answer(Column& speed) {
+  void response(Column& speed) {
     rules_.run(work_);
-    lowest(answers_.data(), open_, known_, speed);
+    lowest(responses_.data(), open_, known_, speed);
   }
 
   Rows rows{};
 
  private:
   const fuzzy::NarrowRules& rules_;
-  std::array<const double*, 64> answers_;
+  std::array<const double*, 64> responses_;
   std::size_t open_{0};
   double known_{far_m};
   alignas(64) Column unasked_;
@@ -369,12 +369,12 @@ double decide(State& state, const Numbers& numbers, const FleetRules* rules, boo
     });
   }
   const Ways ways{state.s_m.data(), state.goal_at.data(), state.line_at.data(), state.imposed.data()};
-  Answers answers{*rules, more};
+  Responses responses{*rules, more};
   alignas(64) Column speed;
   return decide_by(state, numbers, first, last, next, [&](const DetectedObstacleReport& detected, auto at, auto count, Column& chosen) {
-    ask(ways, numbers, detected, at, count, answers.rows);
-    if (more) ask_more(ways, numbers, at, count, answers.rows);
-    answers.answer(speed);
+    ask(ways, numbers, detected, at, count, responses.rows);
+    if (more) ask_more(ways, numbers, at, count, responses.rows);
+    responses.response(speed);
     choose_fuzzy(choice.profile + at, speed, count, chosen);
     if (more) choose_told(choice, at, count, chosen);
   });

@@ -13,9 +13,9 @@ using own::read_message;
 namespace {
 
 /// So long is one with told_max inputs.
-constexpr std::size_t answer_bytes_max = 2U << 20U;
+constexpr std::size_t response_bytes_max = 2U << 20U;
 constexpr double way_m_max = 1e9;
-constexpr double variance_max = EstimateAnswer::variance_max;
+constexpr double variance_max = EstimateResponse::variance_max;
 constexpr double seconds_max = 1e6;
 
 /// The fields of one object inside the message.
@@ -45,7 +45,7 @@ void read_sensors(Fields& in, EstimateSensors& sensors) {
   take("line_heading_sigma_rad", sensors.line_heading_sigma_rad);
 }
 
-void read_start(Fields& in, EstimateAnswer::Start& start) {
+void read_start(Fields& in, EstimateResponse::Start& start) {
   read_pose(in, start.X_MB);
   in.number("sigma_m", 0.0, variance_max, start.sigma_m);
   in.number("thetaSigma", 0.0, variance_max, start.heading_sigma_rad);
@@ -56,13 +56,13 @@ void read_start(Fields& in, EstimateAnswer::Start& start) {
   inside(in, *sensors, "start.sensors", [&](Fields& fields) { read_sensors(fields, start.sensors); });
 }
 
-void read_odometry(Fields& in, EstimateAnswer::Odometry& odometry) {
+void read_odometry(Fields& in, EstimateResponse::Odometry& odometry) {
   in.number("distance_m", -way_m_max, way_m_max, odometry.distance_m);
   in.number("turn_rad", -own::heading_rad_max, own::heading_rad_max, odometry.turn_rad);
   in.number("duration_s", 0.0, seconds_max, odometry.duration_s);
 }
 
-void read_reading(Fields& in, EstimateAnswer::Reading& reading) {
+void read_reading(Fields& in, EstimateResponse::Reading& reading) {
   in.whole("mark", reading.mark);
   in.number("x_m", -own::place_m_max, own::place_m_max, reading.mark_M.x_m);
   in.number("y_m", -own::place_m_max, own::place_m_max, reading.mark_M.y_m);
@@ -70,13 +70,13 @@ void read_reading(Fields& in, EstimateAnswer::Reading& reading) {
   in.number("left_m", -own::place_m_max, own::place_m_max, reading.detected_B.y_m);
 }
 
-void read_input(Fields& in, const std::string& name, std::vector<EstimateAnswer::Input>& told) {
+void read_input(Fields& in, const std::string& name, std::vector<EstimateResponse::Input>& told) {
   if (const JsonValue* odometry = in.optional("odometry")) {
-    EstimateAnswer::Odometry read;
+    EstimateResponse::Odometry read;
     inside(in, *odometry, name + ".odometry", [&](Fields& fields) { read_odometry(fields, read); });
     told.emplace_back(read);
   } else if (const JsonValue* reading = in.optional("reading")) {
-    EstimateAnswer::Reading read;
+    EstimateResponse::Reading read;
     inside(in, *reading, name + ".reading", [&](Fields& fields) { read_reading(fields, read); });
     told.emplace_back(read);
   } else {
@@ -84,13 +84,13 @@ void read_input(Fields& in, const std::string& name, std::vector<EstimateAnswer:
   }
 }
 
-void read_rectified(Fields& in, EstimateAnswer::Rectified& rectified) {
+void read_rectified(Fields& in, EstimateResponse::Rectified& rectified) {
   in.flag("accepted", rectified.accepted);
   in.number("nis", 0.0, variance_max, rectified.nis);
   in.whole("dimensions", rectified.dimensions);
 }
 
-void read_covariance(Fields& in, EstimateAnswer::Estimate& estimate) {
+void read_covariance(Fields& in, EstimateResponse::Estimate& estimate) {
   if (in.optional("covariance") == nullptr) return;
   std::array<double, 9>& matrix = estimate.covariance.emplace();
   std::size_t count = 0;
@@ -102,14 +102,14 @@ void read_covariance(Fields& in, EstimateAnswer::Estimate& estimate) {
   if (count != matrix.size()) in.complain("covariance", "nine numbers");
 }
 
-void read_estimate(Fields& in, const std::string& name, EstimateAnswer::Estimate& estimate) {
+void read_estimate(Fields& in, const std::string& name, EstimateResponse::Estimate& estimate) {
   in.text("algorithm", estimate.algorithm);
-  in.text("fault", estimate.fault, EstimateAnswer::fault_bytes_max);
+  in.text("fault", estimate.fault, EstimateResponse::fault_bytes_max);
   if (!estimate.fault.empty()) return;
   read_pose(in, estimate.X_MB);
   read_covariance(in, estimate);
   in.number("along_m", -way_m_max, way_m_max, estimate.along_m);
-  in.list("rectified", EstimateAnswer::told_max, [&](const JsonValue& item, const std::string& which) {
+  in.list("rectified", EstimateResponse::told_max, [&](const JsonValue& item, const std::string& which) {
     inside(in, item, name + "." + which,
            [&](Fields& fields) { read_rectified(fields, estimate.rectified.emplace_back()); });
   });
@@ -132,7 +132,7 @@ void write(JsonWriter& json, const EstimateSensors& sensors) {
   json.field("line_heading_sigma_rad", sensors.line_heading_sigma_rad).end_object();
 }
 
-void write(JsonWriter& json, const EstimateAnswer::Start& start) {
+void write(JsonWriter& json, const EstimateResponse::Start& start) {
   json.key("start").begin_object();
   write(json, start.X_MB);
   json.field("sigma_m", start.sigma_m).field("thetaSigma", start.heading_sigma_rad);
@@ -142,13 +142,13 @@ void write(JsonWriter& json, const EstimateAnswer::Start& start) {
   json.end_object();
 }
 
-void write(JsonWriter& json, const EstimateAnswer::Input& input) {
+void write(JsonWriter& json, const EstimateResponse::Input& input) {
   json.begin_object();
-  if (const auto* odometry = std::get_if<EstimateAnswer::Odometry>(&input)) {
+  if (const auto* odometry = std::get_if<EstimateResponse::Odometry>(&input)) {
     json.key("odometry").begin_object().field("distance_m", odometry->distance_m);
     json.field("turn_rad", odometry->turn_rad).field("duration_s", odometry->duration_s).end_object();
   } else {
-    const auto& reading = std::get<EstimateAnswer::Reading>(input);
+    const auto& reading = std::get<EstimateResponse::Reading>(input);
     json.key("reading").begin_object().field("mark", reading.mark);
     json.field("x_m", reading.mark_M.x_m).field("y_m", reading.mark_M.y_m);
     json.field("ahead_m", reading.detected_B.x_m).field("left_m", reading.detected_B.y_m).end_object();
@@ -156,7 +156,7 @@ void write(JsonWriter& json, const EstimateAnswer::Input& input) {
   json.end_object();
 }
 
-void write(JsonWriter& json, const EstimateAnswer::Estimate& estimate) {
+void write(JsonWriter& json, const EstimateResponse::Estimate& estimate) {
   json.begin_object().field("algorithm", estimate.algorithm).field("fault", estimate.fault);
   if (estimate.fault.empty()) {
     write(json, estimate.X_MB);
@@ -167,7 +167,7 @@ void write(JsonWriter& json, const EstimateAnswer::Estimate& estimate) {
     }
     if (estimate.along_m) json.field("along_m", *estimate.along_m);
     json.key("rectified").begin_array();
-    for (const EstimateAnswer::Rectified& one : estimate.rectified) {
+    for (const EstimateResponse::Rectified& one : estimate.rectified) {
       json.begin_object().field("accepted", one.accepted);
       if (one.nis) json.field("nis", *one.nis);
       json.field("dimensions", one.dimensions).end_object();
@@ -208,36 +208,36 @@ Result<EstimateRequest> estimate_request_from_json(std::string_view text) {
   });
 }
 
-std::string to_json(const EstimateAnswer& answer) {
+std::string to_json(const EstimateResponse& response) {
   JsonWriter json;
-  json.begin_object().field("session", answer.session).field("sequence", answer.sequence);
-  json.field("timestamp", to_iso8601(answer.timestamp)).field("mapId", answer.map_id);
-  json.field("fault", answer.fault).field("travelled_m", answer.travelled_m);
-  if (answer.start) write(json, *answer.start);
+  json.begin_object().field("session", response.session).field("sequence", response.sequence);
+  json.field("timestamp", to_iso8601(response.timestamp)).field("mapId", response.map_id);
+  json.field("fault", response.fault).field("travelled_m", response.travelled_m);
+  if (response.start) write(json, *response.start);
   json.key("told").begin_array();
-  for (const EstimateAnswer::Input& input : answer.told) write(json, input);
+  for (const EstimateResponse::Input& input : response.told) write(json, input);
   json.end_array().key("estimates").begin_array();
-  for (const EstimateAnswer::Estimate& estimate : answer.estimates) write(json, estimate);
+  for (const EstimateResponse::Estimate& estimate : response.estimates) write(json, estimate);
   return json.end_array().end_object().take();
 }
 
-Result<EstimateAnswer> estimate_answer_from_json(std::string_view text) {
-  const auto read = [](Fields& in, EstimateAnswer& answer) {
-    in.text("session", answer.session);
-    in.whole("sequence", answer.sequence);
-    in.time("timestamp", answer.timestamp);
-    in.text("mapId", answer.map_id);
-    in.text("fault", answer.fault, EstimateAnswer::fault_bytes_max);
-    in.number("travelled_m", -way_m_max, way_m_max, answer.travelled_m);
-    own::read_part(in, "start", answer.start, [](Fields& fields, auto& start) { read_start(fields, start); });
-    in.list("told", EstimateAnswer::told_max, [&](const JsonValue& item, const std::string& name) {
-      inside(in, item, name, [&](Fields& fields) { read_input(fields, name, answer.told); });
+Result<EstimateResponse> estimate_response_from_json(std::string_view text) {
+  const auto read = [](Fields& in, EstimateResponse& response) {
+    in.text("session", response.session);
+    in.whole("sequence", response.sequence);
+    in.time("timestamp", response.timestamp);
+    in.text("mapId", response.map_id);
+    in.text("fault", response.fault, EstimateResponse::fault_bytes_max);
+    in.number("travelled_m", -way_m_max, way_m_max, response.travelled_m);
+    own::read_part(in, "start", response.start, [](Fields& fields, auto& start) { read_start(fields, start); });
+    in.list("told", EstimateResponse::told_max, [&](const JsonValue& item, const std::string& name) {
+      inside(in, item, name, [&](Fields& fields) { read_input(fields, name, response.told); });
     });
     in.list("estimates", EstimateRequest::algorithms_max, [&](const JsonValue& item, const std::string& name) {
-      inside(in, item, name, [&](Fields& fields) { read_estimate(fields, name, answer.estimates.emplace_back()); });
+      inside(in, item, name, [&](Fields& fields) { read_estimate(fields, name, response.estimates.emplace_back()); });
     });
   };
-  return read_message<EstimateAnswer>(text, read, answer_bytes_max);
+  return read_message<EstimateResponse>(text, read, response_bytes_max);
 }
 
 }  // namespace cosiva::wire

@@ -20,8 +20,8 @@ namespace cosiva::wire {
 
 /// Instrument → vehicle: EstimateRequest.
 inline constexpr std::string_view estimate_request_topic_prefix = "cosiva/v1/estimate/request/";
-/// Vehicle → instrument: EstimateAnswer.
-inline constexpr std::string_view estimate_answer_topic_prefix = "cosiva/v1/estimate/answer/";
+/// Vehicle → instrument: EstimateResponse.
+inline constexpr std::string_view estimate_response_topic_prefix = "cosiva/v1/estimate/response/";
 
 /// nextEstimatedPosition. A session is one run: the first request, 1, starts its algorithms where the vehicle then
 /// believes to be. Each request that follows says that the answer before it has come; the same again says that it has
@@ -53,7 +53,7 @@ struct EstimateSensors {
   friend bool operator==(const EstimateSensors&, const EstimateSensors&) = default;
 };
 
-struct EstimateAnswer {
+struct EstimateResponse {
   std::string session;
   std::uint32_t sequence{1};
   SimTime timestamp{};  ///< at which its odometry was as told: the estimates are of then
@@ -111,13 +111,13 @@ struct EstimateAnswer {
   /// Beyond these an estimate is none that could be told: its algorithm has diverged.
   static constexpr double place_m_max = 1e5;
   static constexpr double variance_max = 1e12;
-  friend bool operator==(const EstimateAnswer&, const EstimateAnswer&) = default;
+  friend bool operator==(const EstimateResponse&, const EstimateResponse&) = default;
 };
 
 [[nodiscard]] std::string to_json(const EstimateRequest& request);
-[[nodiscard]] std::string to_json(const EstimateAnswer& answer);
+[[nodiscard]] std::string to_json(const EstimateResponse& response);
 /// Fail ("own.field", "json.…") as the readers of own_messages.h do.
 [[nodiscard]] Result<EstimateRequest> estimate_request_from_json(std::string_view json);
-[[nodiscard]] Result<EstimateAnswer> estimate_answer_from_json(std::string_view json);
+[[nodiscard]] Result<EstimateResponse> estimate_response_from_json(std::string_view json);
 
 }  // namespace cosiva::wire

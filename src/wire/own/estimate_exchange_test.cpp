@@ -13,8 +13,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-EstimateAnswer::Estimate some_estimate(Random& random, std::size_t readings) {
-  EstimateAnswer::Estimate estimate;
+EstimateResponse::Estimate some_estimate(Random& random, std::size_t readings) {
+  EstimateResponse::Estimate estimate;
   estimate.algorithm = "arc_kalman";
   if (random.chance(0.2)) {
     estimate.fault = "it has \"diverged\"\n" + std::string(random.below(900), 'x');
@@ -32,16 +32,16 @@ EstimateAnswer::Estimate some_estimate(Random& random, std::size_t readings) {
   return estimate;
 }
 
-EstimateAnswer some_answer(Random& random) {
-  EstimateAnswer answer;
-  answer.session = "qualify-1/" + std::to_string(random.below(100));
-  answer.sequence = static_cast<std::uint32_t>(random.next());
-  answer.timestamp = SimTime{std::chrono::milliseconds{1'700'000'000'000 + random.below(1'000'000'000)}};
-  answer.map_id = "lacet4";
-  if (random.chance(0.2)) answer.fault = "its zone was switched";
-  answer.travelled_m = random.uniform(0, 1e5);
+EstimateResponse some_response(Random& random) {
+  EstimateResponse response;
+  response.session = "qualify-1/" + std::to_string(random.below(100));
+  response.sequence = static_cast<std::uint32_t>(random.next());
+  response.timestamp = SimTime{std::chrono::milliseconds{1'700'000'000'000 + random.below(1'000'000'000)}};
+  response.map_id = "lacet4";
+  if (random.chance(0.2)) response.fault = "its zone was switched";
+  response.travelled_m = random.uniform(0, 1e5);
   if (random.chance(0.5)) {
-    auto& start = answer.start.emplace(EstimateAnswer::Start{});
+    auto& start = response.start.emplace(EstimateResponse::Start{});
     start.X_MB = {random.gaussian(0, 10), random.gaussian(0, 10), random.uniform(-3, 3)};
     start.sigma_m = random.uniform(0, 1);
     start.heading_sigma_rad = random.uniform(0, 1);
@@ -53,16 +53,16 @@ EstimateAnswer some_answer(Random& random) {
   const std::size_t count = random.below(30);
   for (std::size_t i = 0; i < count; ++i) {
     if (random.chance(0.8)) {
-      answer.told.emplace_back(EstimateAnswer::Odometry{random.gaussian(0, 0.01), random.gaussian(0, 0.01), 0.02});
+      response.told.emplace_back(EstimateResponse::Odometry{random.gaussian(0, 0.01), random.gaussian(0, 0.01), 0.02});
     } else {
       ++readings;
-      answer.told.emplace_back(EstimateAnswer::Reading{static_cast<std::uint32_t>(random.next()),
+      response.told.emplace_back(EstimateResponse::Reading{static_cast<std::uint32_t>(random.next()),
                                                        {random.gaussian(0, 10), random.gaussian(0, 10)},
                                                        {random.gaussian(0, 0.02), random.gaussian(0, 0.02)}});
     }
   }
-  for (std::size_t i = 0; i < random.below(4); ++i) answer.estimates.push_back(some_estimate(random, readings));
-  return answer;
+  for (std::size_t i = 0; i < random.below(4); ++i) response.estimates.push_back(some_estimate(random, readings));
+  return response;
 }
 
 TEST(EstimateExchange, reads_back_what_it_writes_to_the_last_bit) {
@@ -75,8 +75,8 @@ TEST(EstimateExchange, reads_back_what_it_writes_to_the_last_bit) {
     for (std::size_t i = 0; i < random.below(EstimateRequest::algorithms_max + 1); ++i)
       request.algorithms.push_back("algorithm_" + std::to_string(i));
     RC_ASSERT(estimate_request_from_json(to_json(request)) == request);
-    const EstimateAnswer answer = some_answer(random);
-    RC_ASSERT(estimate_answer_from_json(to_json(answer)) == answer);
+    const EstimateResponse response = some_response(random);
+    RC_ASSERT(estimate_response_from_json(to_json(response)) == response);
   });
 }
 
@@ -103,25 +103,25 @@ TEST(EstimateExchange, of_a_request_that_is_bad_is_refused_with_its_field) {
 }
 
 TEST(EstimateExchange, of_an_answer_that_is_bad_is_refused_with_its_field) {
-  EstimateAnswer answer;
-  answer.session = "q/1";
-  answer.start.emplace(EstimateAnswer::Start{});
-  answer.told.emplace_back(EstimateAnswer::Odometry{0.01, 0.0, 0.02});
-  answer.told.emplace_back(EstimateAnswer::Reading{7, {1.5, 0.0}, {0.02, 0.0}});
-  auto& estimate = answer.estimates.emplace_back();
+  EstimateResponse response;
+  response.session = "q/1";
+  response.start.emplace(EstimateResponse::Start{});
+  response.told.emplace_back(EstimateResponse::Odometry{0.01, 0.0, 0.02});
+  response.told.emplace_back(EstimateResponse::Reading{7, {1.5, 0.0}, {0.02, 0.0}});
+  auto& estimate = response.estimates.emplace_back();
   estimate.algorithm = "ekf";
   estimate.covariance = std::array<double, 9>{0.25, 0, 0, 0, 1, 0, 0, 0, 1};
   estimate.rectified.push_back({true, 0.5, 1});
-  const std::string good = to_json(answer);
+  const std::string good = to_json(response);
   const auto refusal = [&](const std::string& from, const std::string& to) {
     std::string json = good;
     const std::size_t at = json.find(from);
     EXPECT_NE(at, std::string::npos) << from << " in " << json;
-    const auto read = estimate_answer_from_json(json.replace(at, from.size(), to));
+    const auto read = estimate_response_from_json(json.replace(at, from.size(), to));
     EXPECT_FALSE(read) << json;
     return read ? std::string{} : to_string(read.error());
   };
-  ASSERT_TRUE(estimate_answer_from_json(good)) << good;
+  ASSERT_TRUE(estimate_response_from_json(good)) << good;
   EXPECT_THAT(refusal(R"("distance_m":0.01)", R"("distance_m":"far")"), HasSubstr("told.0.odometry.distance_m"));
   EXPECT_THAT(refusal(R"("mark":7)", R"("mark":0.5)"), HasSubstr("told.1.reading.mark"));
   EXPECT_THAT(refusal(R"({"odometry")", R"({"gyroscope")"), HasSubstr("told.0"));
@@ -132,7 +132,7 @@ TEST(EstimateExchange, of_an_answer_that_is_bad_is_refused_with_its_field) {
   EXPECT_THAT(refusal(R"("mark_along_sigma_m":0)", R"("mark_along_sigma_m":-1)"),
               HasSubstr("start.sensors.mark_along_sigma_m"));
   EXPECT_THAT(refusal(R"("timestamp":)", R"("at":)"), HasSubstr("timestamp"));
-  EXPECT_FALSE(estimate_answer_from_json("[]"));
+  EXPECT_FALSE(estimate_response_from_json("[]"));
 }
 
 }  // namespace

@@ -64,7 +64,7 @@ bool same(const Circuit::Located& a, const Circuit::Located& b) {
   return a.place == b.place && a.left_m == b.left_m && a.distance_m == b.distance_m;
 }
 
-bool answers_exactly(const Circuit& circuit, Point2 p, double heading_rad, double within_m) {
+bool locates_exactly(const Circuit& circuit, Point2 p, double heading_rad, double within_m) {
   std::vector<Circuit::Located> near;
   circuit.near(p, within_m, near);
   const auto all = brute_force_near(circuit, p, within_m);
@@ -80,7 +80,7 @@ TEST(Locate, answers_exactly_as_looking_at_every_section_would) {
     const Circuit circuit = scattered(random, 1 + random.below(40), extent_m);
     for (int i = 0; i < 20; ++i) {
       const Point2 p{random.uniform(-2.0, 2.0) * extent_m, random.uniform(-2.0, 2.0) * extent_m};
-      RC_ASSERT(answers_exactly(circuit, p, random.uniform(-10.0, 10.0), random.uniform(0.0, 3.0)));
+      RC_ASSERT(locates_exactly(circuit, p, random.uniform(-10.0, 10.0), random.uniform(0.0, 3.0)));
     }
   }));
 }
@@ -95,9 +95,9 @@ TEST(Locate, answers_exactly_on_the_ways_at_their_ends_and_far_outside) {
       const Pose2 on = way.pose_at(random.uniform(0.0, way.length_m()));
       const double beside_m = random.chance(0.5) ? 0.0 : random.uniform(-0.2, 0.2);
       for (const Pose2& pose : {on * Pose2{0.0, beside_m, 0.1}, way.start(), way.end()})
-        RC_ASSERT(answers_exactly(circuit, position(pose), pose.heading_rad, random.uniform(-0.1, 20.0)));
+        RC_ASSERT(locates_exactly(circuit, position(pose), pose.heading_rad, random.uniform(-0.1, 20.0)));
       const Point2 outside{random.uniform(-1e5, 1e5), random.uniform(-1e5, 1e5)};
-      RC_ASSERT(answers_exactly(circuit, outside, random.uniform(-4.0, 4.0), 1e5));
+      RC_ASSERT(locates_exactly(circuit, outside, random.uniform(-4.0, 4.0), 1e5));
     }
   }));
 }
@@ -117,8 +117,8 @@ TEST(Locate, answers_exactly_where_a_crowd_lies_in_one_corner_of_a_huge_zone) {
     for (int i = 0; i < 10; ++i) {
       const Point2 p{random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0)};
       const Point2 between{random.uniform(0.0, far_m), random.uniform(-far_m, 0.0)};
-      RC_ASSERT(answers_exactly(circuit, p, random.uniform(-4.0, 4.0), 0.2));
-      RC_ASSERT(answers_exactly(circuit, between, random.uniform(-4.0, 4.0), 0.2));
+      RC_ASSERT(locates_exactly(circuit, p, random.uniform(-4.0, 4.0), 0.2));
+      RC_ASSERT(locates_exactly(circuit, between, random.uniform(-4.0, 4.0), 0.2));
     }
   }));
 }

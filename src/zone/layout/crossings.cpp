@@ -45,7 +45,7 @@ class Grouping {
   void join_places();
   [[nodiscard]] bool runs_along(const Contact& contact) const;
   [[nodiscard]] Crossing crossing_of(const std::vector<std::size_t>& together) const;
-  void answer(std::vector<CrossingSpan>& spans, const std::vector<std::size_t>& together) const;
+  void response(std::vector<CrossingSpan>& spans, const std::vector<std::size_t>& together) const;
 
   const Circuit& circuit_;
   const ContactRules& rules_;
@@ -156,7 +156,7 @@ void unite(std::vector<CrossingSpan>& spans) {
 
 /// A way that ends beside another is touched there without its own vehicles ever touching back with their middle's
 /// reach: then what is touched, and half a vehicle around it, is the span.
-void Grouping::answer(std::vector<CrossingSpan>& spans, const std::vector<std::size_t>& together) const {
+void Grouping::response(std::vector<CrossingSpan>& spans, const std::vector<std::size_t>& together) const {
   const std::size_t own = spans.size();
   for (const std::size_t i : together) {
     const Contact& contact = contacts_[i];
@@ -182,7 +182,7 @@ Crossing Grouping::crossing_of(const std::vector<std::size_t>& together) const {
     crossing.centre.y_m += contact.place.y_m / static_cast<double>(together.size());
   }
   unite(crossing.spans);
-  answer(crossing.spans, together);
+  response(crossing.spans, together);
   return crossing;
 }
 

@@ -2,13 +2,13 @@
 // no call throws.
 import type { CommandName, Point, Repeat, Run, Traces, WholeTrace, ZoneEdit } from './contract';
 
-export type Answer<T> = { ok: true; value: T } | { ok: false; status: number; sentence: string };
+export type ApiResponse<T> = { ok: true; value: T } | { ok: false; status: number; sentence: string };
 
 const timeout_ms = 3_000;
 /** The server reads and checks a large zone before it responds. */
 const timeout_with_zones_ms = 120_000;
 
-export async function call<T>(method: string, path: string, body?: unknown, wait_ms = timeout_ms): Promise<Answer<T>> {
+export async function call<T>(method: string, path: string, body?: unknown, wait_ms = timeout_ms): Promise<ApiResponse<T>> {
   try {
     const response = await fetch(`api/v1/${path}`, {
       method,

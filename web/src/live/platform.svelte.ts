@@ -1,7 +1,7 @@
 // The reactive store that the components read. Positions change 30 times a second and are kept outside Svelte's state. Lists
 // and figures are updated from a snapshot, at most once per painted frame.
 import { AlarmBook, type Alarm } from './alarms';
-import { api, type Answer } from './api';
+import { api, type ApiResponse } from './api';
 import type { Bijection, Command, CommandName, Crossing, LiveMessage, Run, DetectedObstacle, Snapshot, VirtualObject, GroundTruth, Zone } from './contract';
 import { Live, live_url } from './connection';
 import { Positions } from './positions';
@@ -184,7 +184,7 @@ export class Platform {
   }
 
   /** Awaits a response of the server; a refusal raises a notice that names `what`, and returns null. */
-  async ask<T>(what: string, answer: Promise<Answer<T>>): Promise<T | null> {
+  async ask<T>(what: string, answer: Promise<ApiResponse<T>>): Promise<T | null> {
     const got = await answer;
     if (got.ok) return got.value;
     this.say(`${what}: ${got.sentence}`);

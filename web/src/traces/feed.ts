@@ -1,6 +1,6 @@
 // Fetches the server's communications by their running numbers. Each request repeats the last known number: if the response
 // does not begin with the same message, the server has restarted and numbers from 1 again.
-import type { Answer } from '../live/api';
+import type { ApiResponse } from '../live/api';
 import type { Traces } from '../live/contract';
 import type { TraceStore } from './store';
 
@@ -8,7 +8,7 @@ const limit = 1000;
 /** Greatest number of consecutive requests before the page may paint. */
 const rounds_max = 25;
 
-export type Ask = (after: number, limit: number) => Promise<Answer<Traces>>;
+export type Ask = (after: number, limit: number) => Promise<ApiResponse<Traces>>;
 
 export class TraceFeed {
   /** number of the next message */

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import type { Answer } from '../live/api';
+import type { ApiResponse } from '../live/api';
 import type { Trace, Traces } from '../live/contract';
 import { TraceFeed } from './feed';
 import { chunk_rows, Names, note_kind, TraceStore } from './store';
@@ -84,7 +84,7 @@ class Server {
     for (let i = 0; i < count; i++) this.kept.push(trace(this.next, { time_ms: this.began_ms + 10 * this.next++ }));
     this.kept.splice(0, this.kept.length - this.capacity);
   }
-  readonly ask = (after: number, limit: number): Promise<Answer<Traces>> => {
+  readonly ask = (after: number, limit: number): Promise<ApiResponse<Traces>> => {
     this.asked.push(after);
     const oldest = this.next - this.kept.length;
     const begin = Math.max(oldest, Math.min(after, this.next));

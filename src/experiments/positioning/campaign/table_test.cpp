@@ -42,17 +42,17 @@ std::vector<std::string> asked(std::string bytes, const std::string& query) {
                                 static_cast<sqlite3_int64>(bytes.size()), static_cast<sqlite3_int64>(bytes.size()),
                                 SQLITE_DESERIALIZE_READONLY),
             SQLITE_OK);
-  std::vector<std::string> answers;
+  std::vector<std::string> responses;
   const auto take = [](void* context, int, char** values, char**) {
     static_cast<std::vector<std::string>*>(context)->emplace_back(values[0] != nullptr ? values[0] : "NULL");
     return 0;
   };
   char* error = nullptr;
-  EXPECT_EQ(sqlite3_exec(database, query.c_str(), take, &answers, &error), SQLITE_OK)
+  EXPECT_EQ(sqlite3_exec(database, query.c_str(), take, &responses, &error), SQLITE_OK)
       << (error != nullptr ? error : "");
   sqlite3_free(error);
   sqlite3_close(database);
-  return answers;
+  return responses;
 }
 
 TEST(Table, as_SQLite_can_be_asked_and_is_the_same_bytes_each_time) {

@@ -59,7 +59,7 @@ LiveRuns::LiveRuns(LiveRunsOptions options) : options_{std::move(options)} {
 }
 
 std::vector<std::string> LiveRuns::subscriptions() const {
-  return {wire::topics_below(wire::estimate_answer_topic_prefix, 2), options_.ground_truth_topic};
+  return {wire::topics_below(wire::estimate_response_topic_prefix, 2), options_.ground_truth_topic};
 }
 
 void LiveRuns::on_zone(std::shared_ptr<const zone::TrafficZone> zone) {
@@ -69,10 +69,10 @@ void LiveRuns::on_zone(std::shared_ptr<const zone::TrafficZone> zone) {
 
 void LiveRuns::on_message(SimTime now, std::string_view topic, std::string_view payload) {
   if (topic == options_.ground_truth_topic) return on_ground_truth(now, payload);
-  const auto vehicle = wire::parse_own_topic(wire::estimate_answer_topic_prefix, topic);
+  const auto vehicle = wire::parse_own_topic(wire::estimate_response_topic_prefix, topic);
   if (!vehicle) return;
   const auto slot = std::ranges::find(slots_, *vehicle, &Slot::vehicle);
-  if (slot != slots_.end()) on_answer(now, *slot, payload);
+  if (slot != slots_.end()) on_response(now, *slot, payload);
 }
 
 void LiveRuns::on_ground_truth(SimTime now, std::string_view payload) {
@@ -99,22 +99,22 @@ void LiveRuns::on_ground_truth(SimTime now, std::string_view payload) {
   }
 }
 
-void LiveRuns::on_answer(SimTime now, Slot& slot, std::string_view payload) {
+void LiveRuns::on_response(SimTime now, Slot& slot, std::string_view payload) {
   if (!slot.run || !slot.waiting) return;
-  const auto answer = wire::estimate_answer_from_json(payload);
-  if (!answer || answer->session != slot.session || answer->sequence != slot.sequence) return;
+  const auto response = wire::estimate_response_from_json(payload);
+  if (!response || response->session != slot.session || response->sequence != slot.sequence) return;
   slot.waiting = false;
   slot.heard = now;
-  if (!answer->fault.empty()) return begin_anew(slot, answer->fault);
-  if (map_id_.empty()) map_id_ = answer->map_id;
-  if (answer->map_id != map_id_)
-    return lose(slot, "it drives in zone '" + answer->map_id + "', the runs before it were in '" + map_id_ + "'");
+  if (!response->fault.empty()) return begin_anew(slot, response->fault);
+  if (map_id_.empty()) map_id_ = response->map_id;
+  if (response->map_id != map_id_)
+    return lose(slot, "it drives in zone '" + response->map_id + "', the runs before it were in '" + map_id_ + "'");
   const double before_m = slot.run->travelled_m();
-  slot.run->add(*answer);
+  slot.run->add(*response);
   if (slot.run->travelled_m() - before_m > 0.0 || slot.sequence == 1) slot.moved = now;
 }
 
-void LiveRuns::begin(SimTime now, Slot& slot, Answers& answers) {
+void LiveRuns::begin(SimTime now, Slot& slot, Responses& responses) {
   if (!slot.run) {
     slot.index = to_drive_.front();
     to_drive_.pop_front();
@@ -130,12 +130,12 @@ void LiveRuns::begin(SimTime now, Slot& slot, Answers& answers) {
   slot.waiting = false;
   slot.heard = slot.moved = now;
   // AIV.move: whoever stands goes on, and as fast as is wanted.
-  answers.commands.push_back(command_json("restart", slot.vehicle, std::nullopt));
-  if (options_.speed_mps) answers.commands.push_back(command_json("limit", slot.vehicle, options_.speed_mps));
-  ask(now, slot, answers);
+  responses.commands.push_back(command_json("restart", slot.vehicle, std::nullopt));
+  if (options_.speed_mps) responses.commands.push_back(command_json("limit", slot.vehicle, options_.speed_mps));
+  ask(now, slot, responses);
 }
 
-void LiveRuns::ask(SimTime now, Slot& slot, Answers& answers) {
+void LiveRuns::ask(SimTime now, Slot& slot, Responses& responses) {
   if (slot.waiting)
     ++repeated_;
   else
@@ -148,7 +148,7 @@ void LiveRuns::ask(SimTime now, Slot& slot, Answers& answers) {
                                       options_.seed + slot.index,
                                       options_.particles,
                                       options_.horizon};
-  answers.messages.push_back(
+  responses.messages.push_back(
       {wire::own_topic(wire::estimate_request_topic_prefix, slot.vehicle), to_json(request), 0, false});
 }
 
@@ -181,13 +181,13 @@ std::optional<std::string> LiveRuns::missing(SimTime now, const Slot& slot) cons
   return std::nullopt;
 }
 
-void LiveRuns::look_after(SimTime now, Slot& slot, Answers& answers) {
+void LiveRuns::look_after(SimTime now, Slot& slot, Responses& responses) {
   if (!slot.run) {
-    if (!to_drive_.empty()) begin(now, slot, answers);
+    if (!to_drive_.empty()) begin(now, slot, responses);
     return;
   }
   if (slot.session.empty()) {
-    if (now - slot.heard >= rest_before_anew) begin(now, slot, answers);
+    if (now - slot.heard >= rest_before_anew) begin(now, slot, responses);
     return;
   }
   if (slot.run->travelled_m() >= options_.way_m) {
@@ -198,7 +198,7 @@ void LiveRuns::look_after(SimTime now, Slot& slot, Answers& answers) {
   }
   if (const auto why = missing(now, slot)) return lose(slot, *why);
   const auto period = from_seconds(1.0 / options_.rate_hz);
-  if (now - slot.asked >= (slot.waiting ? std::max(repeat_after, period) : period)) ask(now, slot, answers);
+  if (now - slot.asked >= (slot.waiting ? std::max(repeat_after, period) : period)) ask(now, slot, responses);
 }
 
 void LiveRuns::complete(Slot& slot) {
@@ -212,14 +212,14 @@ void LiveRuns::complete(Slot& slot) {
     slot.ground_truth.erase(slot.ground_truth.begin(), slot.ground_truth.end() - static_cast<std::ptrdiff_t>(fixes_before));
 }
 
-LiveRuns::Answers LiveRuns::tick(SimTime now) {
+LiveRuns::Responses LiveRuns::tick(SimTime now) {
   if (!began_) began_ = now;
-  Answers answers;
+  Responses responses;
   for (Slot& slot : slots_) {
-    if (!slot.lost && !given_up_) look_after(now, slot, answers);
+    if (!slot.lost && !given_up_) look_after(now, slot, responses);
   }
-  answers.operator_messages = std::exchange(operator_messages_, {});
-  return answers;
+  responses.operator_messages = std::exchange(operator_messages_, {});
+  return responses;
 }
 
 void LiveRuns::give_up() { given_up_ = true; }

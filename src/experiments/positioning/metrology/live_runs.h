@@ -44,7 +44,7 @@ struct LiveRunsOptions {
 /// begins anew drives the run anew; one that is lost leaves its run to the others.
 class LiveRuns {
  public:
-  struct Answers {
+  struct Responses {
     std::vector<wire::Publish> messages;
     std::vector<std::string> commands;           ///< to the server, as /api/v1/commands takes them, in this order
     std::vector<std::string> operator_messages;  ///< to the operator
@@ -56,7 +56,7 @@ class LiveRuns {
   void on_zone(std::shared_ptr<const zone::TrafficZone> zone);
   void on_message(SimTime now, std::string_view topic, std::string_view payload);
   /// Due some hundred times a second.
-  [[nodiscard]] Answers tick(SimTime now);
+  [[nodiscard]] Responses tick(SimTime now);
   /// Ended by its operator: the runs that are complete count.
   void give_up();
 
@@ -94,11 +94,11 @@ class LiveRuns {
     unsigned begun{};  ///< times that this run was
   };
   void on_ground_truth(SimTime now, std::string_view payload);
-  void on_answer(SimTime now, Slot& slot, std::string_view payload);
-  void begin(SimTime now, Slot& slot, Answers& answers);
-  void ask(SimTime now, Slot& slot, Answers& answers);
+  void on_response(SimTime now, Slot& slot, std::string_view payload);
+  void begin(SimTime now, Slot& slot, Responses& responses);
+  void ask(SimTime now, Slot& slot, Responses& responses);
   void begin_anew(Slot& slot, const std::string& why);
-  void look_after(SimTime now, Slot& slot, Answers& answers);
+  void look_after(SimTime now, Slot& slot, Responses& responses);
   void complete(Slot& slot);
   void lose(Slot& slot, const std::string& why);
   [[nodiscard]] std::optional<std::string> missing(SimTime now, const Slot& slot) const;

@@ -51,11 +51,11 @@ class Bench {
   void run(SimDuration longest) {
     const SimTime end = world_->now() + longest;
     while (!runs_.done() && world_->now() < end) {
-      LiveRuns::Answers answers = runs_.tick(world_->now());
-      for (const wire::Publish& message : answers.messages)
+      LiveRuns::Responses responses = runs_.tick(world_->now());
+      for (const wire::Publish& message : responses.messages)
         if (!random_.chance(loss_)) world_->publish(message);
-      for (std::string& command : answers.commands) world_->command_server(std::move(command));
-      for (std::string& one : answers.operator_messages) operator_messages += one + "\n";
+      for (std::string& command : responses.commands) world_->command_server(std::move(command));
+      for (std::string& one : responses.operator_messages) operator_messages += one + "\n";
       world_->run_for(milliseconds{5});
     }
   }
@@ -250,20 +250,20 @@ TEST(LivedRun, of_an_algorithm_that_diverged_says_so_and_the_others_keep_their_r
   const auto zone = zone::Rtm::initialise(zone::testing::configuration_file("lacet4.toml"))->shared_zone();
   RunLog log{"run 1", aiv(1), 1, 500, 4};
   std::vector<TrueFix> ground_truth;
-  wire::EstimateAnswer answer;
-  answer.map_id = "lacet4";
-  answer.start.emplace(wire::EstimateAnswer::Start{});
-  answer.start->sensors.distance_variance_per_m = 1e-4;
+  wire::EstimateResponse response;
+  response.map_id = "lacet4";
+  response.start.emplace(wire::EstimateResponse::Start{});
+  response.start->sensors.distance_variance_per_m = 1e-4;
   for (int i = 0; i < 40; ++i) {
-    answer.timestamp = SimTime{milliseconds{50 * i}};
-    answer.travelled_m = 0.02 * i;
-    answer.told.clear();
-    if (i > 0) answer.told.emplace_back(wire::EstimateAnswer::Odometry{0.02, 0.0, 0.05});
-    answer.estimates = {{"good", "", {0.02 * i, 0.0, 0.0}, std::nullopt, std::nullopt, {}},
+    response.timestamp = SimTime{milliseconds{50 * i}};
+    response.travelled_m = 0.02 * i;
+    response.told.clear();
+    if (i > 0) response.told.emplace_back(wire::EstimateResponse::Odometry{0.02, 0.0, 0.05});
+    response.estimates = {{"good", "", {0.02 * i, 0.0, 0.0}, std::nullopt, std::nullopt, {}},
                         {"bad", i < 20 ? "" : "it has diverged", {0.0, 0.0, 0.0}, std::nullopt, std::nullopt, {}}};
-    log.add(answer);
-    answer.start.reset();
-    ground_truth.push_back({answer.timestamp, {0.02 * i, 0.003, 0.0}});
+    log.add(response);
+    response.start.reset();
+    ground_truth.push_back({response.timestamp, {0.02 * i, 0.003, 0.0}});
   }
   std::size_t without_ground_truth = 0;
   auto run = std::move(log).finish(zone, ground_truth, milliseconds{500}, without_ground_truth);

@@ -8,7 +8,7 @@
 namespace cosiva::experiments {
 namespace {
 
-using wire::EstimateAnswer;
+using wire::EstimateResponse;
 
 /// An iteration of the article's loop is a move; one that stands is asked in vain.
 constexpr double move_m_min = 0.001;
@@ -27,7 +27,7 @@ estimation::SensorModel sensors_of(const wire::EstimateSensors& told) {
   return sensors;
 }
 
-estimation::Estimate estimate_of(const EstimateAnswer::Estimate& told) {
+estimation::Estimate estimate_of(const EstimateResponse::Estimate& told) {
   estimation::Estimate estimate;
   estimate.pose = told.X_MB;
   estimate.along_m = told.along_m;
@@ -106,45 +106,45 @@ std::optional<SimTime> RunLog::last_moment() const {
   return stamps_.empty() ? std::nullopt : std::optional{stamps_.back()};
 }
 
-void RunLog::tell(const EstimateAnswer::Input& input) {
+void RunLog::tell(const EstimateResponse::Input& input) {
   std::vector<Event>& events = run_.trial.events;
-  if (const auto* odometry = std::get_if<EstimateAnswer::Odometry>(&input)) {
+  if (const auto* odometry = std::get_if<EstimateResponse::Odometry>(&input)) {
     events.emplace_back(estimation::Odometry{odometry->distance_m, odometry->turn_rad, odometry->duration_s});
     since_mark_m_ += std::fabs(odometry->distance_m);
   } else {
-    const auto& reading = std::get<EstimateAnswer::Reading>(input);
+    const auto& reading = std::get<EstimateResponse::Reading>(input);
     events.emplace_back(estimation::Reading{reading.mark, reading.mark_M, reading.detected_B});
     since_mark_m_ = 0.0;
   }
 }
 
-void RunLog::hear(const EstimateAnswer::Estimate& estimate, bool moment) {
+void RunLog::hear(const EstimateResponse::Estimate& estimate, bool moment) {
   const auto found = std::ranges::find(run_.said, estimate.algorithm, &SaidOnBoard::algorithm);
   SaidOnBoard& said =
       found != run_.said.end() ? *found : run_.said.emplace_back(SaidOnBoard{estimate.algorithm, {}, {}, {}});
   if (!estimate.fault.empty() && said.fault.empty()) said.fault = estimate.fault;
-  for (const EstimateAnswer::Rectified& one : estimate.rectified)
+  for (const EstimateResponse::Rectified& one : estimate.rectified)
     said.rectified.push_back({one.accepted, one.nis, one.dimensions});
   if (moment) said.estimates.push_back(estimate_of(estimate));
 }
 
-void RunLog::add(const EstimateAnswer& answer) {
-  if (answer.start) start_ = answer.start;
-  map_id_ = answer.map_id;
-  for (const EstimateAnswer::Input& input : answer.told) tell(input);
-  travelled_m_ = answer.travelled_m;
+void RunLog::add(const EstimateResponse& response) {
+  if (response.start) start_ = response.start;
+  map_id_ = response.map_id;
+  for (const EstimateResponse::Input& input : response.told) tell(input);
+  travelled_m_ = response.travelled_m;
   const bool moment = travelled_m_ - moment_m_ >= move_m_min;
-  for (const EstimateAnswer::Estimate& estimate : answer.estimates) hear(estimate, moment);
+  for (const EstimateResponse::Estimate& estimate : response.estimates) hear(estimate, moment);
   if (!moment) return;
   moment_m_ = travelled_m_;
-  stamps_.push_back(answer.timestamp);
+  stamps_.push_back(response.timestamp);
   run_.trial.moments.push_back({run_.trial.events.size(), 0.0, {}, travelled_m_, since_mark_m_, std::nullopt});
 }
 
 Result<LivedRun> RunLog::finish(const std::shared_ptr<const zone::TrafficZone>& zone, const std::vector<TrueFix>& ground_truth,
                                 SimDuration gap_max, std::size_t& without_ground_truth) && {
   estimation::Setting& setting = run_.trial.setting;
-  if (!start_) return fail("live.answer", "it never said where it began", to_string(run_.vehicle));
+  if (!start_) return fail("live.response", "it never said where it began", to_string(run_.vehicle));
   setting.sensors = sensors_of(start_->sensors);
   setting.start = start_->X_MB;
   setting.start_sigma_m = start_->sigma_m;

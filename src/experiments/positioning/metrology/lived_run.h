@@ -43,7 +43,7 @@ class RunLog {
  public:
   RunLog(std::string name, wire::VehicleId vehicle, std::uint64_t seed, std::uint32_t particles, std::uint32_t horizon);
   /// Of the session, in their order.
-  void add(const wire::EstimateAnswer& answer);
+  void add(const wire::EstimateResponse& response);
   [[nodiscard]] double travelled_m() const { return travelled_m_; }
   [[nodiscard]] const std::string& map_id() const { return map_id_; }
   [[nodiscard]] std::optional<SimTime> last_moment() const;
@@ -55,12 +55,12 @@ class RunLog {
                                         std::size_t& without_ground_truth) &&;
 
  private:
-  void tell(const wire::EstimateAnswer::Input& input);
-  void hear(const wire::EstimateAnswer::Estimate& estimate, bool moment);
+  void tell(const wire::EstimateResponse::Input& input);
+  void hear(const wire::EstimateResponse::Estimate& estimate, bool moment);
 
   LivedRun run_;
   std::string map_id_;
-  std::optional<wire::EstimateAnswer::Start> start_;
+  std::optional<wire::EstimateResponse::Start> start_;
   std::vector<SimTime> stamps_;  ///< of the moments
   double travelled_m_{0.0};
   double moment_m_{0.0};  ///< travelled by the last one

@@ -236,8 +236,8 @@ void SiteRun::meet() {
   std::vector<std::string> texts;
   texts.reserve(messages.size());
   for (Message& message : messages) texts.push_back(message.take());
-  const auto answers = ranks_->exchange(std::move(texts));
-  for (const std::string& text : answers) {
+  const auto responses = ranks_->exchange(std::move(texts));
+  for (const std::string& text : responses) {
     for (MessageReader reader{text}; !reader.is_empty();) {
       const auto transfer_point = static_cast<std::size_t>(reader.take<std::uint64_t>());
       Traveller traveller;

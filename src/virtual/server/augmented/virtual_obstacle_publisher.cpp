@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t changes_max = 16;
 /// Our own vehicles answer the first one they hear at once; who has not answered three in this time never will.
-constexpr SimDuration answer_patience{std::chrono::milliseconds{300}};
+constexpr SimDuration response_timeout{std::chrono::milliseconds{300}};
 constexpr std::uint32_t unanswered_max = 3;
 constexpr SimDuration perceived_max{std::chrono::seconds{1}};
 
@@ -143,10 +143,10 @@ void VirtualObstaclePublisher::survey_neighbours(VehicleIndex vehicle) {
   if (near_.empty() && viewer.empties == 0 && now - viewer.due > perceived_max) viewer.perceives.clear();
 
   // One that was paused before a restart of the server stays so until it answers.
-  const bool given_up = viewer.unanswered >= unanswered_max && now - viewer.first_told >= answer_patience;
+  const bool given_up = viewer.unanswered >= unanswered_max && now - viewer.first_told >= response_timeout;
   // Its answer may be lost; but who tells of its boards runs our program, which feels.
   const AivProxy& proxy = registry_[vehicle];
-  const bool is_cosiva = viewer.answered || proxy.augmented || proxy.boards;
+  const bool is_cosiva = viewer.acknowledged || proxy.augmented || proxy.boards;
   const bool deaf = !is_cosiva && (given_up || proxy.paused_for_body);
   if (!deaf || near_.empty()) {
     pauses_.let_go(vehicle);
@@ -198,7 +198,7 @@ bool VirtualObstaclePublisher::on_virtual_obstacles_ack(VehicleIndex vehicle, co
   Viewer& viewer = viewers_[vehicle];
   const std::uint32_t behind = viewer.next_id - perceived.virtual_obstacles_header_id;  // counts modulo 2³²
   if (behind == 0 || behind > known_max) return false;
-  viewer.answered = true;
+  viewer.acknowledged = true;
   const bool begins_to_brake = perceived.braking && viewer.perceives != perceived.body;
   viewer.perceives = perceived.braking ? perceived.body : std::string{};
   // Inside the server everything is felt at once; that would only flatter the figures.
@@ -211,7 +211,7 @@ void VirtualObstaclePublisher::measure(Viewer& viewer, const wire::VirtualObstac
   const auto since_ms = [decided](SimTime then) { return std::max(0.0, to_seconds(decided - then) * 1e3); };
   bool was_change = false;
   for (Change& change : viewer.changes) {
-    if (perceived.virtual_obstacles_header_id - change.header_id > answer_within) continue;
+    if (perceived.virtual_obstacles_header_id - change.header_id > response_within) continue;
     if (!std::exchange(change.perceived, true)) monitor.effect(WorldEffect::perceived, since_ms(change.since));
     if (!perceived.braking || std::erase(change.came, perceived.body) == 0) continue;
     monitor.effect(WorldEffect::brakes, since_ms(change.since));

@@ -25,7 +25,7 @@ class VirtualObstaclePublisher {
   static constexpr SimDuration period{std::chrono::milliseconds{100}};
   static constexpr int empty_last = 5;  ///< so often an empty one follows, since any may be lost
   /// An answer to one of the next two is an answer to a change, too: the first may have been lost on the way.
-  static constexpr std::uint32_t answer_within = 2;
+  static constexpr std::uint32_t response_within = 2;
   static constexpr std::uint32_t known_max = 256;  ///< older ones are not known any more
   static constexpr std::size_t sent_kept = 16;     ///< of so many is known when they were sent
 
@@ -76,7 +76,7 @@ class VirtualObstaclePublisher {
     SimTime due{};
     int empties{0};
     std::vector<Change> changes;  ///< the last few
-    bool answered{false};
+    bool acknowledged{false};
     std::uint32_t unanswered{0};
     SimTime first_told{};
     std::string perceives;

@@ -35,7 +35,7 @@ class VirtualObstaclesFixture : public testing::Test {
       all.push_back(*wire::virtual_obstacles_from_json(message.payload));
     return all;
   }
-  void answer(std::uint32_t header_id, const std::string& brakes_for = "") {
+  void response(std::uint32_t header_id, const std::string& brakes_for = "") {
     wire::VirtualObstaclesAck perceived{header_id, bench.now, !brakes_for.empty(), brakes_for, std::nullopt};
     if (perceived.braking) perceived.distance_m = 0.3;
     bench.feed(wire::InputKind::message, "cosiva/v1/virtual_obstacles_ack/CoSiVA/AIV1", wire::to_json(perceived));
@@ -140,7 +140,7 @@ TEST_F(VirtualObstaclesFixture, measures_from_the_command_to_the_decision) {
   add_person(1.0, 0.0);
   const std::uint32_t id = aheads().back().header_id;
   bench.now += 12ms;
-  answer(id, "P1");
+  response(id, "P1");
   EXPECT_EQ(*effect("perceived_ms").number("count"), 1.0);
   EXPECT_NEAR(*effect("perceived_ms").number("max"), 12.0, 1.0) << "times on the wire are whole milliseconds";
   EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
@@ -153,13 +153,13 @@ TEST_F(VirtualObstaclesFixture, measures_from_the_command_to_the_decision) {
 TEST_F(VirtualObstaclesFixture, counts_each_change_once_and_braking_once_per_body) {
   add_person(1.0, 0.0);
   const std::uint32_t id = aheads().back().header_id;
-  answer(id);
-  answer(id, "P1");
-  answer(id, "P1");
+  response(id);
+  response(id, "P1");
+  response(id, "P1");
   EXPECT_EQ(*effect("perceived_ms").number("count"), 1.0);
   EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
   remove("P1");
-  answer(aheads().back().header_id);
+  response(aheads().back().header_id);
   EXPECT_EQ(*effect("perceived_ms").number("count"), 2.0) << "its going is a change, too";
   EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
   EXPECT_TRUE(bench.aiv("CoSiVA/AIV1").find("brakingFor")->is_null());
@@ -169,33 +169,33 @@ TEST_F(VirtualObstaclesFixture, takes_the_answer_to_the_next_message_when_the_fi
   add_person(1.0, 0.0);
   const std::uint32_t id = aheads().back().header_id;
   bench.run_for(100ms);
-  answer(id + 1, "P1");
+  response(id + 1, "P1");
   EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
   EXPECT_NEAR(*effect("brakes_ms").number("max"), 100.0, 1.0);
 }
 
 TEST_F(VirtualObstaclesFixture, measures_how_old_the_news_was_where_a_vehicle_brakes_only_as_it_comes_nearer) {
   add_person(1.9, 0.0);
-  answer(aheads().back().header_id);
+  response(aheads().back().header_id);
   bench.run_for(2s);
   bench.now += 30ms;
   const wire::VirtualObstacles news = aheads().back();
-  for (int i = 0; i < 3; ++i) answer(news.header_id, "P1");  // it goes on braking
+  for (int i = 0; i < 3; ++i) response(news.header_id, "P1");  // it goes on braking
   EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
   EXPECT_NEAR(*effect("brakes_ms").number("max"), to_seconds(bench.now - news.timestamp) * 1e3, 1.0);
   EXPECT_GE(*effect("brakes_ms").number("max"), 29.0);
   EXPECT_EQ(bench.aiv("CoSiVA/AIV1").text("brakingFor"), "P1");
   // What was sent so long ago that nobody remembers when is not judged.
-  answer(news.header_id);
+  response(news.header_id);
   bench.run_for(3s);
-  answer(news.header_id, "P1");
+  response(news.header_id, "P1");
   EXPECT_EQ(*effect("brakes_ms").number("count"), 1.0);
 }
 
 TEST_F(VirtualObstaclesFixture, ignores_answers_to_what_it_never_said) {
   add_person(1.0, 0.0);
-  answer(aheads().back().header_id + 1, "P1");
-  answer(4'000'000'000U, "P1");
+  response(aheads().back().header_id + 1, "P1");
+  response(4'000'000'000U, "P1");
   EXPECT_EQ(*effect("perceived_ms").number("count"), 0.0);
   EXPECT_TRUE(bench.aiv("CoSiVA/AIV1").find("brakingFor")->is_null());
 }
@@ -293,7 +293,7 @@ TEST_F(DeafVehicle, that_answers_after_all_is_let_go_and_trusted) {
   add_person(aiv.pose().x_m + 0.6, 0.0);
   bench.run_for(1s);
   ASSERT_TRUE(aiv.paused);
-  answer(aheads().back().header_id, "P1");
+  response(aheads().back().header_id, "P1");
   bench.run_for(1s);
   EXPECT_FALSE(aiv.paused);
 }

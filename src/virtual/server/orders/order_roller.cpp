@@ -362,10 +362,10 @@ void OrderRoller::extend(VehicleIndex vehicle, const Extension& from) {
 bool OrderRoller::enter(VehicleIndex vehicle, double stop_m, double exit_m) {
   Plan& plan = plans_[vehicle];
   if (stop_m > traffic_.rules().request_within_m) return false;
-  const auto answer = traffic_.request(vehicle, exit_m, stop_m);
-  if (answer.granted) return true;
-  plan.waits_for_crossing = answer.waits_for;
-  wait_for(plan, answer.blocked_by, answer.why);
+  const auto response = traffic_.request(vehicle, exit_m, stop_m);
+  if (response.granted) return true;
+  plan.waits_for_crossing = response.waits_for;
+  wait_for(plan, response.blocked_by, response.why);
   return false;
 }
 

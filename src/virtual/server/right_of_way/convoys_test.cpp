@@ -49,7 +49,7 @@ class ConvoyBench : public testing::Test {
     traffic.set_base_end(vehicle, end);
     traffic.update();
   }
-  Traffic::Answer ask(VehicleIndex vehicle, zone::SectionId section, double before_m) {
+  Traffic::Response ask(VehicleIndex vehicle, zone::SectionId section, double before_m) {
     return traffic.request(vehicle, before_m + map.chain(stop_on(section)).length_m, before_m);
   }
   bool may_join(VehicleIndex vehicle, double before_m = 0.0) {
@@ -60,7 +60,7 @@ class ConvoyBench : public testing::Test {
     give_leave(vehicle, 0);
     return convoy;
   }
-  Traffic::Answer come_up(VehicleIndex vehicle, zone::SectionId section, double before_m) {
+  Traffic::Response come_up(VehicleIndex vehicle, zone::SectionId section, double before_m) {
     stand(vehicle, section, before_m);
     return ask(vehicle, section, before_m);
   }
@@ -94,9 +94,9 @@ TEST_F(ConvoyBench, passes_the_crossing_together_without_giving_it_back_between)
   EXPECT_EQ(traffic.convoys(), 1U);
 
   stand(0, east, -1.0);
-  const auto answer = ask(2, north, 0.0);
-  EXPECT_FALSE(answer.granted) << "although 2 asked first";
-  EXPECT_EQ(answer.blocked_by, 1U);
+  const auto response = ask(2, north, 0.0);
+  EXPECT_FALSE(response.granted) << "although 2 asked first";
+  EXPECT_EQ(response.blocked_by, 1U);
   stand(1, east, -1.0);
   EXPECT_TRUE(ask(2, north, 0.0).granted) << "both are gone";
 }

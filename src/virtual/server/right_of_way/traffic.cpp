@@ -281,7 +281,7 @@ bool Traffic::only_follows(VehicleIndex other, VehicleIndex self, const std::vec
   return !ratios(between_, crossings);
 }
 
-Traffic::Answer Traffic::request(VehicleIndex vehicle, double exit_m, double stop_m) {
+Traffic::Response Traffic::request(VehicleIndex vehicle, double exit_m, double stop_m) {
   const Vehicle& self = vehicles_[vehicle];
   if (!self.place) return {};
   auto mine = std::ranges::find(queue_, vehicle, &Request::vehicle);

@@ -122,7 +122,7 @@ class Traffic {
   [[nodiscard]] double reach_m(VehicleIndex vehicle, double wanted_m = 0.0) const;
   [[nodiscard]] bool holds_all(VehicleIndex vehicle, double distance_m);
 
-  struct Answer {
+  struct Response {
     bool granted{false};
     CrossingIndex waits_for{0};           ///< the first that is not free, when a crossing is what it waits for
     VehicleIndex blocked_by{no_vehicle};  ///< who holds it, stands in the way beyond, or asked earlier
@@ -131,7 +131,7 @@ class Traffic {
   /// Asks for all crossings up to the exit of a chain, `exit_m` ahead of the vehicle's place; its stop line is `stop_m`
   /// ahead. The first asking fixes its turn. Of those that stand in one crossing together its holder may leave it:
   /// whether body passes body is for who asks to see.
-  Answer request(VehicleIndex vehicle, double exit_m, double stop_m = 0.0);
+  Response request(VehicleIndex vehicle, double exit_m, double stop_m = 0.0);
   /// Whether it may pass that chain in convoy with the one ahead, whatever the turns. Its base then reaches beyond that
   /// one's place: its own eyes keep it apart.
   [[nodiscard]] bool may_join(VehicleIndex vehicle, double exit_m, double stop_m);

@@ -31,7 +31,7 @@ class CloverTraffic : public testing::Test {
     traffic.set_place(vehicle, zone::Place{section, stop_s(section) - before_m});
     traffic.update();
   }
-  Traffic::Answer ask(VehicleIndex vehicle, zone::SectionId section, double before_m = 0.0) {
+  Traffic::Response ask(VehicleIndex vehicle, zone::SectionId section, double before_m = 0.0) {
     return traffic.request(vehicle, before_m + map.chain(stop_on(section)).length_m);
   }
   void drive_to_exit(VehicleIndex vehicle, zone::SectionId section) {
@@ -75,9 +75,9 @@ TEST_F(CloverTraffic, gives_nothing_when_one_crossing_of_the_chain_is_taken) {
   ASSERT_TRUE(ask(0, 0).granted);
   drive_to_exit(0, 0);
   stand_before(1, 2);  // crosses the first straight and the third
-  const auto answer = ask(1, 2);
-  EXPECT_FALSE(answer.granted);
-  EXPECT_EQ(answer.blocked_by, 0U);
+  const auto response = ask(1, 2);
+  EXPECT_FALSE(response.granted);
+  EXPECT_EQ(response.blocked_by, 0U);
   EXPECT_EQ(held_by(1), 0U) << "all or nothing";
 }
 
@@ -145,9 +145,9 @@ class CloverTurns : public CloverTraffic {
   }
   void refuse(VehicleIndex vehicle, zone::SectionId section, VehicleIndex because_of) {
     stand_before(vehicle, section);
-    const auto answer = ask(vehicle, section);
-    EXPECT_FALSE(answer.granted);
-    EXPECT_EQ(answer.blocked_by, because_of);
+    const auto response = ask(vehicle, section);
+    EXPECT_FALSE(response.granted);
+    EXPECT_EQ(response.blocked_by, because_of);
   }
   static constexpr zone::SectionId east = 0;
   static constexpr zone::SectionId north = 2;
