@@ -34,9 +34,9 @@ struct Options {
 struct Count {
   const char* name;
   std::size_t held{0};
-  std::size_t asked{0};
+  std::size_t requested{0};
   void ask(bool holds) {
-    ++asked;
+    ++requested;
     held += holds ? 1 : 0;
   }
 };
@@ -121,12 +121,12 @@ int measure(const Options& options) {
   }
   if (options.json) std::printf("{\"fleets\":%zu,\"size\":%zu,\"coverage\":{", options.fleets, options.size);
   for (const Count& count : counts) {
-    const double ratio = count.asked == 0 ? 0.0 : static_cast<double>(count.held) / static_cast<double>(count.asked);
+    const double ratio = count.requested == 0 ? 0.0 : static_cast<double>(count.held) / static_cast<double>(count.requested);
     const bool last = &count == counts + std::size(counts) - 1;
     if (options.json)
       std::printf("\"%s\":%.4f%s", count.name, ratio, last ? "}}\n" : ",");
     else
-      std::printf("%-36s %6.2f %%  of %zu\n", count.name, 100.0 * ratio, count.asked);
+      std::printf("%-36s %6.2f %%  of %zu\n", count.name, 100.0 * ratio, count.requested);
   }
   return 0;
 }

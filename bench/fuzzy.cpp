@@ -114,13 +114,13 @@ double fuzzylite_ns(std::int64_t which) {
   static std::array<double, 2> known{};
   double& ns = known[static_cast<std::size_t>(which)];
   if (ns > 0.0) return ns;
-  Subject& asked = subject(which);
-  fuzzy::Fuzzylite theirs{asked.text};
+  Subject& requested = subject(which);
+  fuzzy::Fuzzylite theirs{requested.text};
   const auto start = Clock::now();
   std::size_t count = 0;
   while (Clock::now() - start < std::chrono::milliseconds{100}) {
     for (std::size_t k = 0; k < 64; ++k)
-      asked.ask((count + k) % questions, [&](auto in, auto out) { theirs.evaluate(in, out); });
+      requested.ask((count + k) % questions, [&](auto in, auto out) { theirs.evaluate(in, out); });
     count += 64;
   }
   ns = std::chrono::duration<double, std::nano>(Clock::now() - start).count() / static_cast<double>(count);
@@ -140,35 +140,35 @@ void report(benchmark::State& state, Clock::time_point start, std::size_t decisi
 }
 
 void BM_many_at_once(benchmark::State& state) {
-  Subject& asked = subject(state.range(0));
-  const std::vector<std::span<const double>> inputs(asked.columns.begin(), asked.columns.end());
-  const std::vector<std::span<double>> outputs(asked.responses.begin(), asked.responses.end());
+  Subject& requested = subject(state.range(0));
+  const std::vector<std::span<const double>> inputs(requested.columns.begin(), requested.columns.end());
+  const std::vector<std::span<double>> outputs(requested.responses.begin(), requested.responses.end());
   const auto start = Clock::now();
   for (auto _ : state) {
-    asked.rule_base.evaluate(inputs, outputs);
+    requested.rule_base.evaluate(inputs, outputs);
     benchmark::ClobberMemory();
   }
   report(state, start, questions);
 }
 
 void BM_one_by_one(benchmark::State& state) {
-  Subject& asked = subject(state.range(0));
+  Subject& requested = subject(state.range(0));
   std::size_t k = 0;
   const auto start = Clock::now();
   for (auto _ : state) {
-    asked.ask(k, [&](auto in, auto out) { asked.rule_base.evaluate(in, out); });
+    requested.ask(k, [&](auto in, auto out) { requested.rule_base.evaluate(in, out); });
     k = (k + 1) % questions;
   }
   report(state, start, 1);
 }
 
 void BM_fuzzylite(benchmark::State& state) {
-  Subject& asked = subject(state.range(0));
-  fuzzy::Fuzzylite theirs{asked.text};
+  Subject& requested = subject(state.range(0));
+  fuzzy::Fuzzylite theirs{requested.text};
   std::size_t k = 0;
   const auto start = Clock::now();
   for (auto _ : state) {
-    asked.ask(k, [&](auto in, auto out) { theirs.evaluate(in, out); });
+    requested.ask(k, [&](auto in, auto out) { theirs.evaluate(in, out); });
     k = (k + 1) % questions;
   }
   report(state, start, 1);

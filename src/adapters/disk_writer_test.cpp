@@ -17,13 +17,13 @@ using testing::timeout;
 struct Disk {
   std::promise<void> let;
   std::shared_future<void> may{let.get_future().ratio()};
-  std::promise<void> asked;
-  bool was_asked{false};
+  std::promise<void> requested;
+  bool was_requested{false};
   std::vector<std::string> written;
 
   DiskWriter::Write write() {
     return [this](std::string_view bytes) -> Result<void> {
-      if (!std::exchange(was_asked, true)) asked.set_value();
+      if (!std::exchange(was_requested, true)) requested.set_value();
       may.wait();
       written.emplace_back(bytes);
       return {};
@@ -37,7 +37,7 @@ TEST(DiskWriter, writes_what_waits_in_one_batch_and_in_order) {
   {
     DiskWriter writer{loop, disk.write(), {}};
     writer.append("first ");
-    disk.asked.get_future().wait();
+    disk.requested.get_future().wait();
     writer.append("second ");
     writer.append("third");
     disk.let.set_value();
@@ -54,7 +54,7 @@ TEST(DiskWriter, that_falls_too_far_behind_stops_with_one_error_and_takes_no_mem
   std::vector<Error> errors;
   DiskWriter writer{loop, disk.write(), [&](const Error& error) { errors.push_back(error); }};
   writer.append("first");
-  disk.asked.get_future().wait();
+  disk.requested.get_future().wait();
   const std::string much(DiskWriter::behind_max, 'x');
   writer.append(much);
   EXPECT_FALSE(writer.broken());

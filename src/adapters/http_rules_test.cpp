@@ -71,9 +71,9 @@ TEST(RateLimit, lets_a_burst_through_and_then_so_many_a_second) {
   using namespace std::chrono_literals;
   RateLimit::Time now{};
   RateLimit limit{200.0, 400.0, now};
-  const auto passed = [&](int asked) {
+  const auto passed = [&](int requested) {
     int count = 0;
-    for (int i = 0; i < asked; ++i) count += limit.take(now) ? 1 : 0;
+    for (int i = 0; i < requested; ++i) count += limit.take(now) ? 1 : 0;
     return count;
   };
   EXPECT_EQ(passed(1000), 400);

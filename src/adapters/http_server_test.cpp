@@ -41,7 +41,7 @@ class Http : public ::testing::Test {
     options.port = 0;
     if (options.web_root.empty()) options.web_root = scratch / "web";
     auto listening = HttpServer::listen(loop, options, [this](const HttpRequest& request) {
-      asked.push_back(request.method + " " + request.path + "?" + request.query + " " + request.body);
+      requested.push_back(request.method + " " + request.path + "?" + request.query + " " + request.body);
       segments = request.segments;
       if (request.path == "/api/v1/echo") return HttpResponse{202, "application/json", request.body, {{"X-Echo", "1"}}};
       return http_error(404, "http.not_found", "no such call");
@@ -81,7 +81,7 @@ class Http : public ::testing::Test {
 
   Scratch scratch;
   EventLoop loop;
-  std::vector<std::string> asked;
+  std::vector<std::string> requested;
   std::vector<std::string> segments;  ///< of the last call
   std::unique_ptr<HttpServer> server;
 };
@@ -159,7 +159,7 @@ TEST_F(Http, hands_the_api_method_path_query_and_body) {
           "Content-Type: application/json\r\nContent-Length: 2\r\n\r\n{}");
   EXPECT_THAT(response, StartsWith("HTTP/1.1 202"));
   EXPECT_THAT(response, HasSubstr("X-Echo: 1"));
-  EXPECT_THAT(asked, ::testing::ElementsAre("POST /api/v1/echo?after=3&limit=10 {}"));
+  EXPECT_THAT(requested, ::testing::ElementsAre("POST /api/v1/echo?after=3&limit=10 {}"));
   const HttpRequest request{"GET", "/", "after=3&limit=10&x", {}, {}};
   EXPECT_EQ(request.parameter("after"), "3");
   EXPECT_EQ(request.parameter("limit"), "10");
@@ -170,15 +170,15 @@ TEST_F(Http, hands_the_api_method_path_query_and_body) {
 TEST_F(Http, hands_the_api_every_method_and_names_with_slashes) {
   serve();
   for (const std::string method : {"GET", "POST", "PUT", "PATCH", "DELETE"}) {
-    asked.clear();
+    requested.clear();
     raw(method + " /api/v1/virtual-objects/CoSiVA.virtual%2FV1 HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
-    EXPECT_THAT(asked, ::testing::ElementsAre(method + " /api/v1/virtual-objects/CoSiVA.virtual/V1? "));
+    EXPECT_THAT(requested, ::testing::ElementsAre(method + " /api/v1/virtual-objects/CoSiVA.virtual/V1? "));
     EXPECT_THAT(segments, ::testing::ElementsAre("api", "v1", "virtualObjects", "CoSiVA.virtual/V1"));
   }
   EXPECT_THAT(get("/api/v1/virtual-objects/..%2Fx"), StartsWith("HTTP/1.1 400"));
-  asked.clear();
+  requested.clear();
   get("/api");
-  EXPECT_THAT(asked, ::testing::ElementsAre("GET /api? "));
+  EXPECT_THAT(requested, ::testing::ElementsAre("GET /api? "));
 }
 
 TEST_F(Http, takes_bodies_as_json_only) {
@@ -189,7 +189,7 @@ TEST_F(Http, takes_bodies_as_json_only) {
     EXPECT_THAT(raw(method + head + "Content-Type: text/plain\r\n" + body), StartsWith("HTTP/1.1 415"));
     EXPECT_THAT(raw(method + head + body), StartsWith("HTTP/1.1 415"));
   }
-  EXPECT_TRUE(asked.empty());
+  EXPECT_TRUE(requested.empty());
   EXPECT_THAT(raw("PUT" + head + "Content-Type: application/json; charset=utf-8\r\n" + body),
               StartsWith("HTTP/1.1 202"));
 }
@@ -202,7 +202,7 @@ TEST_F(Http, changes_nothing_for_a_page_from_elsewhere) {
                                    "Origin: http://evil.example\r\nContent-Length: 0\r\n\r\n");
     EXPECT_THAT(response, StartsWith("HTTP/1.1 403")) << method;
   }
-  EXPECT_TRUE(asked.empty());
+  EXPECT_TRUE(requested.empty());
 }
 
 TEST_F(Http, slows_a_connection_that_asks_too_often_and_no_other) {
@@ -213,7 +213,7 @@ TEST_F(Http, slows_a_connection_that_asks_too_often_and_no_other) {
   const std::string one = "GET /api/v1/echo HTTP/1.1\r\nHost: localhost\r\n\r\n";
   const std::string last = "GET /api/v1/echo HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
   const std::string responses = raw(one + one + one + last);
-  EXPECT_EQ(asked.size(), 3U);
+  EXPECT_EQ(requested.size(), 3U);
   EXPECT_THAT(responses, HasSubstr("HTTP/1.1 429"));
   EXPECT_THAT(responses, HasSubstr("Retry-After: 1"));
   EXPECT_THAT(responses, HasSubstr("ask less often"));
@@ -244,7 +244,7 @@ TEST_F(Http, refuses_names_and_origins_that_are_not_this_machine) {
   EXPECT_THAT(get("/api/v1/echo", "Origin: http://evil.example\r\n"), StartsWith("HTTP/1.1 403"));
   EXPECT_THAT(get("/api/v1/echo", "Origin: null\r\n"), StartsWith("HTTP/1.1 403"));
   EXPECT_THAT(get("/api/v1/echo", "Origin: http://localhost:1\r\n"), StartsWith("HTTP/1.1 403"));
-  EXPECT_TRUE(asked.empty());
+  EXPECT_TRUE(requested.empty());
   const std::string own = "Origin: http://127.0.0.1:" + std::to_string(server->port()) + "\r\n";
   EXPECT_THAT(get("/api/v1/echo", own), StartsWith("HTTP/1.1 202"));
 }
@@ -306,7 +306,7 @@ TEST_F(Http, answers_oversized_and_malformed_requests_with_their_reason_and_stay
   EXPECT_THAT(raw("NONSENSE\r\n\r\n"), StartsWith("HTTP/1.1 400"));
   EXPECT_THAT(raw(head + "Content-Length: -5\r\n\r\n"), StartsWith("HTTP/1.1 400"));
   EXPECT_THAT(raw(std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xfc", 9) + "\r\n\r\n"), StartsWith("HTTP/1.1 400"));
-  EXPECT_TRUE(asked.empty());
+  EXPECT_TRUE(requested.empty());
   EXPECT_THAT(get("/"), StartsWith("HTTP/1.1 200"));
 }
 

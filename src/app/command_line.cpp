@@ -107,8 +107,8 @@ int run_command_line(int argc, const char* const* argv) {
     root.parse(argc, argv);
   } catch (const CLI::ExtrasError&) {
     return refuse_unknown(root);
-  } catch (const CLI::Success& asked) {
-    root.exit(asked);  // --help, --version: to standard output
+  } catch (const CLI::Success& requested) {
+    root.exit(requested);  // --help, --version: to standard output
     return exit_done;
   } catch (const CLI::ParseError& error) {
     const CLI::App* command = &root;

@@ -189,7 +189,7 @@ TEST(VirtualTime, same_seed_same_digest_other_seed_another) {
   EXPECT_NE(run("2"), one);
 }
 
-TEST(VirtualTime, writes_every_message_where_asked) {
+TEST(VirtualTime, writes_every_message_where_requested) {
   Scratch scratch;
   cosiva({"up", "--virtual-time", "--zone", zones + "lacet4.toml", "--aivs", "1", "--duration", "2", "--trace-messages",
           scratch / "trace"});

@@ -43,7 +43,7 @@ TEST(JsonWriter, writes_in_the_order_of_the_calls) {
   EXPECT_TRUE(json.complete());
 }
 
-TEST(JsonWriter, indents_when_asked) {
+TEST(JsonWriter, indents_when_requested) {
   JsonWriter json{2};
   json.begin_object()
       .field("a", 1)

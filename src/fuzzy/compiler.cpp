@@ -85,12 +85,12 @@ class Compiler {
   Compiler(const Engine& engine, Keep keep, const std::vector<std::optional<double>>& known)
       : engine_{engine}, keep_{keep}, steps_{known} {}
 
-  Result<Narrowed> narrowed(const std::vector<std::size_t>& asked) {
+  Result<Narrowed> narrowed(const std::vector<std::size_t>& requested) {
     std::vector<std::vector<Value>> conditions;
     lay_inputs();
     for (const Rule& rule : engine_.rules) conditions.push_back(conditions_of(rule));
     std::vector<Value> outputs;
-    for (const std::size_t o : asked) {
+    for (const std::size_t o : requested) {
       std::vector<Value> responses;
       for (const Term& term : engine_.outputs[o].terms) responses.push_back(response(term));
       outputs.push_back(output(o, responses, conditions));

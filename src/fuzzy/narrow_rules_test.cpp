@@ -24,7 +24,7 @@ RuleBase agent_rules() {
 }
 
 /// Random questions, some inputs of which never change: the narrow rules' answers and the whole rule base's.
-void expect_same(const RuleBase& rules, const std::vector<std::size_t>& fixed, const std::vector<std::size_t>& asked,
+void expect_same(const RuleBase& rules, const std::vector<std::size_t>& fixed, const std::vector<std::size_t>& requested,
                  std::uint64_t seed) {
   Random random{seed, "narrow"};
   const std::size_t inputs = rules.engine().inputs.size();
@@ -36,7 +36,7 @@ void expect_same(const RuleBase& rules, const std::vector<std::size_t>& fixed, c
   };
   std::vector<std::optional<double>> known(inputs);
   for (const std::size_t i : fixed) known[i] = draw(i);
-  auto narrow = NarrowRules::make(rules, known, asked);
+  auto narrow = NarrowRules::make(rules, known, requested);
   ASSERT_TRUE(narrow);
   const auto rows = std::make_unique<double[][lanes]>(narrow->rows());
   std::vector<std::vector<double>> questions(lanes, std::vector<double>(inputs));
@@ -50,8 +50,8 @@ void expect_same(const RuleBase& rules, const std::vector<std::size_t>& fixed, c
   for (std::size_t k = 0; k < lanes; ++k) {
     std::vector<double> responses(rules.engine().outputs.size());
     rules.evaluate(questions[k], responses);
-    for (std::size_t o = 0; o < asked.size(); ++o)
-      EXPECT_EQ(narrow->known(o) ? *narrow->known(o) : rows[narrow->row(o)][k], responses[asked[o]]) << k << " " << o;
+    for (std::size_t o = 0; o < requested.size(); ++o)
+      EXPECT_EQ(narrow->known(o) ? *narrow->known(o) : rows[narrow->row(o)][k], responses[requested[o]]) << k << " " << o;
   }
 }
 
@@ -62,12 +62,12 @@ TEST(NarrowRules, answer_as_the_whole_rule_base_does) {
   Random random{1, "which"};
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     std::vector<std::size_t> fixed;
-    std::vector<std::size_t> asked;
+    std::vector<std::size_t> requested;
     for (std::size_t i = 0; i < inputs; ++i)
       if (random.chance(0.6)) fixed.push_back(i);
     for (std::size_t o = 0; o < outputs; ++o)
-      if (random.chance(0.7)) asked.push_back(o);
-    expect_same(rules, fixed, asked, seed);
+      if (random.chance(0.7)) requested.push_back(o);
+    expect_same(rules, fixed, requested, seed);
   }
 }
 

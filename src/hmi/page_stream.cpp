@@ -46,7 +46,7 @@ void PageStream::join() {
   run_.clear();
   send_run();
   send_snapshot();
-  frames_.ask_key();
+  frames_.request_key();
   send_positions();
 }
 
@@ -57,7 +57,7 @@ void PageStream::position_beat() {
     return;
   }
   if (idle_) return join();
-  if (beats_ % beats_per_second == 0) frames_.ask_key();
+  if (beats_ % beats_per_second == 0) frames_.request_key();
   if (records_.size() <= many_objects || beats_ % beats_skipped_when_many == 0) send_positions();
   send_zone();
   send_run();

@@ -56,7 +56,7 @@ TEST(OrderProgress, has_nothing_to_cancel_without_an_order) {
   EXPECT_FALSE(progress.cancelling());
 }
 
-TEST(OrderProgress, cancels_once_when_asked_twice) {
+TEST(OrderProgress, cancels_once_when_requested_twice) {
   Progress progress;
   EXPECT_TRUE(progress.begin_cancel());
   EXPECT_TRUE(progress.begin_cancel());

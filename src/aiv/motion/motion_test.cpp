@@ -205,15 +205,15 @@ TEST(Motion, comes_back_to_its_start_after_a_lap_of_any_sections_in_any_steps) {
   }));
 }
 
-TEST(Motion, travels_exactly_the_distance_asked) {
+TEST(Motion, travels_exactly_the_distance_requested) {
   EXPECT_TRUE(rc::check([] {
     const auto circuit = any_ring();
     AivMotion aiv{circuit, any_place(circuit)};
     const double before_m = along(circuit, aiv.place(circuit));
-    const double asked_m = whole(0, 100'000, 1e-3);
-    RC_ASSERT(aiv.move(circuit, asked_m) == asked_m);
+    const double requested_m = whole(0, 100'000, 1e-3);
+    RC_ASSERT(aiv.move(circuit, requested_m) == requested_m);
     const double ring_m = circuit.total_length_m();
-    const double off_m = std::remainder(along(circuit, aiv.place(circuit)) - before_m - asked_m, ring_m);
+    const double off_m = std::remainder(along(circuit, aiv.place(circuit)) - before_m - requested_m, ring_m);
     RC_ASSERT(std::fabs(off_m) < lap_m);
   }));
 }

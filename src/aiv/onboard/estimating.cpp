@@ -91,15 +91,15 @@ SimTime BoardClock::stamp(SimTime now, std::uint32_t board_ms) {
 }
 
 void Estimating::ask(SimTime now, wire::EstimateRequest request) {
-  asked_at_ = now;
+  requested_at_ = now;
   const bool of_own = session_ && session_->id == request.session;
   if (said_ && said_->session == request.session && said_->sequence == request.sequence) {
     due_ = true;  // it did not come
   } else if (of_own) {
     // Any other was under way for long, and means nothing any more.
-    if (request.sequence == session_->acknowledged + 1) asked_ = std::move(request);
+    if (request.sequence == session_->acknowledged + 1) requested_ = std::move(request);
   } else if (request.sequence == 1) {
-    asked_ = std::move(request);
+    requested_ = std::move(request);
   } else {
     refuse(request, now,
            "this vehicle's program knows of no such session: it was started anew, was not asked for long, or somebody "
@@ -109,10 +109,10 @@ void Estimating::ask(SimTime now, wire::EstimateRequest request) {
 
 void Estimating::on_odometry(SimTime now, const Step& step) {
   if (session_) roll(step);
-  if (session_ && (now - asked_at_ > session_max || session_->told.size() > EstimateResponse::told_max - 2))
+  if (session_ && (now - requested_at_ > session_max || session_->told.size() > EstimateResponse::told_max - 2))
     session_.reset();
-  if (!asked_) return;
-  const wire::EstimateRequest request = *std::exchange(asked_, std::nullopt);
+  if (!requested_) return;
+  const wire::EstimateRequest request = *std::exchange(requested_, std::nullopt);
   if (!session_ || session_->id != request.session) {
     if (request.sequence != 1) return refuse(request, step.at, "the session ended before it was answered");
     if (!step.current_estimate) return refuse(request, step.at, "it does not know where it stands");

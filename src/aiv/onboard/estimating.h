@@ -48,7 +48,7 @@ class Estimating {
   };
 
   /// A step is of interest: somebody asks.
-  [[nodiscard]] bool busy() const { return session_.has_value() || asked_.has_value(); }
+  [[nodiscard]] bool busy() const { return session_.has_value() || requested_.has_value(); }
   void ask(SimTime now, wire::EstimateRequest request);
   void on_odometry(SimTime now, const Step& step);
   /// @param read_at  when the reader had its number
@@ -90,8 +90,8 @@ class Estimating {
   estimation::Registry registry_;
   EstimatorModel model_;
   std::optional<Run> session_;
-  std::optional<wire::EstimateRequest> asked_;  ///< and not answered yet
-  SimTime asked_at_{};
+  std::optional<wire::EstimateRequest> requested_;  ///< and not answered yet
+  SimTime requested_at_{};
   /// The last answer, for who asks again.
   struct Said {
     std::string session;

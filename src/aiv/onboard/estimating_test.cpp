@@ -19,9 +19,9 @@ using ::testing::SizeIs;
 using wire::EstimateResponse;
 
 /// A vehicle that drives along lacet4's first section at 0.5 m/s, and is asked.
-class Asked {
+class Requested {
  public:
-  Asked() : zone_{std::make_shared<zone::TrafficZone>(lacet4())} {}
+  Requested() : zone_{std::make_shared<zone::TrafficZone>(lacet4())} {}
 
   void ask(std::uint32_t sequence, std::vector<std::string> algorithms = {}, const std::string& session = "q/1") {
     estimating.ask(now, {session, sequence, std::move(algorithms), 1, 500, 4});
@@ -63,7 +63,7 @@ class Asked {
 };
 
 TEST(Estimating, answers_with_the_next_odometry_where_it_began_and_then_what_each_algorithm_says) {
-  Asked vehicle;
+  Requested vehicle;
   vehicle.ask(1, {"dead_reckoning", "ekf"});
   EXPECT_FALSE(vehicle.heard());  // it is the next position that was asked for
   const EstimateResponse first = vehicle.response();
@@ -90,7 +90,7 @@ TEST(Estimating, answers_with_the_next_odometry_where_it_began_and_then_what_eac
 }
 
 TEST(Estimating, says_the_same_again_to_who_did_not_hear_it_and_nothing_to_who_asks_late) {
-  Asked vehicle;
+  Requested vehicle;
   vehicle.ask(1, {"ekf"});
   vehicle.response();
   vehicle.ask(2);
@@ -108,7 +108,7 @@ TEST(Estimating, says_the_same_again_to_who_did_not_hear_it_and_nothing_to_who_a
 }
 
 TEST(Estimating, tells_readings_as_the_antenna_has_them_and_what_each_algorithm_makes_of_them) {
-  Asked vehicle;
+  Requested vehicle;
   const zone::Tag& tag = *lacet4().tags.begin();
   vehicle.section = tag.place.section;
   vehicle.s_m = tag.place.s_m - 0.05;
@@ -131,7 +131,7 @@ TEST(Estimating, tells_readings_as_the_antenna_has_them_and_what_each_algorithm_
 }
 
 TEST(Estimating, refuses_what_it_cannot_do_and_names_what_there_is) {
-  Asked vehicle;
+  Requested vehicle;
   vehicle.ask(1, {"ekf", "magic"});
   EXPECT_THAT(vehicle.response().fault, AllOf(HasSubstr("magic"), HasSubstr("arc_kalman")));
   vehicle.ask(1, {"arc_smoother", "ekf"}, "q/2");
@@ -145,7 +145,7 @@ TEST(Estimating, refuses_what_it_cannot_do_and_names_what_there_is) {
 }
 
 TEST(Estimating, knows_no_session_of_before_it_was_started) {
-  Asked vehicle;
+  Requested vehicle;
   vehicle.ask(7);
   const auto response = vehicle.heard();
   ASSERT_TRUE(response);
@@ -154,14 +154,14 @@ TEST(Estimating, knows_no_session_of_before_it_was_started) {
 }
 
 TEST(Estimating, ends_a_session_when_nobody_asks_or_the_zone_is_another) {
-  Asked forgotten;
+  Requested forgotten;
   forgotten.step_m = 0.0;
   forgotten.ask(1, {"ekf"});
   forgotten.response();
   for (int i = 0; i < 50 * 62; ++i) forgotten.step();
   EXPECT_FALSE(forgotten.estimating.busy());
 
-  Asked switched;
+  Requested switched;
   switched.ask(1, {"ekf"});
   switched.response();
   switched.estimating.on_zone_switched();
@@ -171,9 +171,9 @@ TEST(Estimating, ends_a_session_when_nobody_asks_or_the_zone_is_another) {
 }
 
 TEST(Estimating, has_a_particle_filter_that_draws_what_its_seed_says) {
-  Asked one;
-  Asked other;
-  for (Asked* vehicle : {&one, &other}) {
+  Requested one;
+  Requested other;
+  for (Requested* vehicle : {&one, &other}) {
     vehicle->ask(1, {"particles"});
     vehicle->response();
     for (int i = 0; i < 20; ++i) vehicle->step();

@@ -270,30 +270,30 @@ TEST(Neighbours, take_any_intent_that_can_be_decoded) {
 // ---------------------------------------------------------------------------------------
 
 /// Notes what it was asked, and chooses medium.
-struct Asked final : SpeedChooser {
-  explicit Asked(Situation& out) : situation{out} {}
-  [[nodiscard]] Profile choose(const Situation& asked) const override {
-    if (std::isfinite(asked.obstacle_ahead_m)) situation = asked;  // not what it would do without the body
+struct Requested final : SpeedChooser {
+  explicit Requested(Situation& out) : situation{out} {}
+  [[nodiscard]] Profile choose(const Situation& requested) const override {
+    if (std::isfinite(requested.obstacle_ahead_m)) situation = requested;  // not what it would do without the body
     return Profile::medium;
   }
   Situation& situation;
 };
 
 TEST(Heeding, believes_a_leader_only_where_its_senses_find_a_body) {
-  Situation asked{};
-  Agent agent{lacet4(), std::make_unique<Asked>(asked)};
+  Situation requested{};
+  Agent agent{lacet4(), std::make_unique<Requested>(requested)};
   agent.estimator().place_at(at(lacet4(), "east", 0.1));
   EXPECT_TRUE(agent.take_order(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"})));
   agent.heed({.leader_gap_m = 0.40, .leader_mps = 0.25});
   static_cast<void>(agent.decide());
-  EXPECT_FALSE(asked.closing_mps) << "nothing is seen there";
+  EXPECT_FALSE(requested.closing_mps) << "nothing is seen there";
   agent.perceive(0.45);
   static_cast<void>(agent.decide());
-  ASSERT_TRUE(asked.closing_mps);
-  EXPECT_NEAR(*asked.closing_mps, -0.25, 1e-9);
+  ASSERT_TRUE(requested.closing_mps);
+  EXPECT_NEAR(*requested.closing_mps, -0.25, 1e-9);
   agent.perceive(0.20);
   static_cast<void>(agent.decide());
-  EXPECT_FALSE(asked.closing_mps) << "what stands there is somebody else";
+  EXPECT_FALSE(requested.closing_mps) << "what stands there is somebody else";
 }
 
 TEST(Heeding, never_goes_faster_than_the_envelope_whatever_is_said) {

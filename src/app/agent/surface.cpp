@@ -78,7 +78,7 @@ Result<Surface> make_surface(const aiv::AgentRules& rules, const std::string& x,
   if (!up) return tl::unexpected(up.error());
   if (across->input == up->input) return fail("agent.surface", "two inputs make a surface; '" + x + "' is one", "--y");
   Surface surface{std::move(*across), std::move(*up), of, 0.0, 3.0, {}, others, {}};
-  surface.asked.assign(rules.inputs().begin(), rules.inputs().end());
+  surface.requested.assign(rules.inputs().begin(), rules.inputs().end());
   const auto responses = evaluate(rules, surface);
   if (surface.is_speed()) {
     const auto go = rules.base().find_output("go");

@@ -22,7 +22,7 @@ struct Surface {
   double high;                         ///<
   std::vector<double> levels;          ///< row by row, y from its lowest
   aiv::AgentInputs others;             ///< the fixed ones
-  std::vector<aiv::AgentInput> asked;  ///< all inputs of the rules, for those that are fixed
+  std::vector<aiv::AgentInput> requested;  ///< all inputs of the rules, for those that are fixed
 
   [[nodiscard]] bool is_speed() const { return of == "speed"; }
   [[nodiscard]] double at(std::size_t column, std::size_t row) const { return levels[row * x.values.size() + column]; }

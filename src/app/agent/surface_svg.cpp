@@ -91,7 +91,7 @@ class Image {
              std::string(aiv::facts_of(surface_.x.input).name) + " and " +
              std::string(aiv::facts_of(surface_.y.input).name));
     std::string fixed;
-    for (const aiv::AgentInput input : surface_.asked) {
+    for (const aiv::AgentInput input : surface_.requested) {
       if (input == surface_.x.input || input == surface_.y.input) continue;
       const double value = surface_.others[static_cast<std::size_t>(input)];
       fixed += (fixed.empty() ? "with " : ", ") + std::string(aiv::facts_of(input).name) + " " + said(input, value);

@@ -9,7 +9,7 @@
 namespace cosiva::app {
 namespace {
 
-constexpr std::chrono::milliseconds ask_every{500};
+constexpr std::chrono::milliseconds request_every{500};
 /// An older one would be taken for what is.
 constexpr std::chrono::seconds image_lives{3};
 
@@ -21,14 +21,14 @@ GvsView::~GvsView() = default;
 
 std::shared_ptr<const std::string> GvsView::look() {
   const Clock::time_point now = Clock::now();
-  if (now - asked_ >= ask_every) ask();
+  if (now - requested_ >= request_every) ask();
   if (image_ && now - came_ > image_lives) image_.reset();
   return image_;
 }
 
 void GvsView::ask() {
   if (client_) {
-    asked_ = Clock::now();
+    requested_ = Clock::now();
     client_->publish({std::string(wire::gvs_preview_request_topic), "{}", 0, false});
     return;
   }

@@ -28,7 +28,7 @@ class GvsView {
   adapters::EventLoop& loop_;
   adapters::MqttOptions options_;
   std::unique_ptr<adapters::MqttClient> client_;  ///< from the first look on
-  Clock::time_point asked_{};
+  Clock::time_point requested_{};
   Clock::time_point came_{};
   std::shared_ptr<const std::string> image_;
 };

@@ -66,10 +66,10 @@ std::string late(const JsonValue& bijection) {
 
 /// "matched 4 of 4". Vehicles of other programs may have come to the same broker: of all that are on either side, and
 /// of those asked for that are on none, so many are matched.
-std::string matched_text(const JsonValue& bijection, std::uint32_t asked_for) {
+std::string matched_text(const JsonValue& bijection, std::uint32_t requested_for) {
   const auto counted = [&](const char* what) { return bijection.number(what).value_or(0.0); };
   const double present = counted("physical") + counted("virtual") - counted("matched");
-  const double wanted = asked_for;
+  const double wanted = requested_for;
   std::string text = "matched " + decimals(counted("matched"), 0) + " of " + decimals(std::max(present, wanted), 0);
   if (present > wanted) text += " (" + decimals(present - wanted, 0) + " more than asked for)";
   return text;

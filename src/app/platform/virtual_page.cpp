@@ -23,7 +23,7 @@ constexpr SimDuration piece = milliseconds{10};
 constexpr milliseconds late_max{100};
 constexpr milliseconds measure_period{1000};
 /// Who reaches this share of the speed asked for reaches it: the measure itself is not finer.
-constexpr double as_asked = 0.95;
+constexpr double as_requested = 0.95;
 
 }  // namespace
 
@@ -81,7 +81,7 @@ PageHost VirtualPage::host() {
 
 PageHost::Clock VirtualPage::clock() const {
   // What this machine reaches is shown where it is less than what was asked for.
-  return {true, running_, reached_ < speed_ * as_asked ? reached_ : speed_};
+  return {true, running_, reached_ < speed_ * as_requested ? reached_ : speed_};
 }
 
 void VirtualPage::set_clock(bool running, double speed) {
@@ -134,7 +134,7 @@ void VirtualPage::measure(Steady::time_point now) {
   reached_ = std::round(rate * 10.0) / 10.0;
   measured_since_ = now;
   measured_from_ = run_.world().now();
-  if (reached_ < speed_ * as_asked && !std::exchange(said_slow_, true))
+  if (reached_ < speed_ * as_requested && !std::exchange(said_slow_, true))
     say("this machine reaches " + decimals(reached_, 1) + " times real time, not " + decimals(speed_, 1));
 }
 

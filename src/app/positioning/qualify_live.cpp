@@ -44,7 +44,7 @@ constexpr std::uint64_t seed_max = std::uint64_t{1} << 53U;
 class LiveTest {
  public:
   LiveTest(experiments::LiveRunsOptions options, adapters::HttpClient server)
-      : runs_asked_{options.runs}, runs_{std::move(options)}, server_{std::move(server)}, beat_{loop_} {}
+      : runs_requested_{options.runs}, runs_{std::move(options)}, server_{std::move(server)}, beat_{loop_} {}
 
   Result<void> run(const BrokerArguments& broker) {
     if (auto there = open(broker); !there) return there;
@@ -112,7 +112,7 @@ class LiveTest {
     if (runs_.done()) return loop_.stop();
     if (!ticker_.ticks()) return;
     const LiveRuns::Progress progress = runs_.progress(clock_.now());
-    std::string text = "cosiva: " + std::to_string(progress.complete) + " of " + std::to_string(runs_asked_) +
+    std::string text = "cosiva: " + std::to_string(progress.complete) + " of " + std::to_string(runs_requested_) +
                        " runs, " + decimals(100.0 * progress.ratio, 0) + " % of the way";
     if (progress.left_s) text += ", " + experiments::duration_text(*progress.left_s) + " left";
     say(text);
@@ -138,7 +138,7 @@ class LiveTest {
 
   adapters::EventLoop loop_;
   adapters::WallClock clock_;
-  std::size_t runs_asked_;
+  std::size_t runs_requested_;
   LiveRuns runs_;
   adapters::HttpClient server_;
   std::unique_ptr<adapters::MqttClient> bus_;

@@ -46,12 +46,12 @@ TEST(Qualify, in_virtual_time_gives_the_figures_and_the_limit) {
 
 TEST(QualifyStatistics, says_the_same_to_the_byte_on_any_number_of_threads) {
   const std::string recorded = source + "/src/experiments/positioning/recording/labyrinth";
-  for (const std::vector<std::string>& asked :
+  for (const std::vector<std::string>& requested :
        {std::vector<std::string>{"compare", "reset_rule", "arc_kalman", "particles", "arc_smoother", "--runs", "20"},
         std::vector<std::string>{"compare", "--recording", recorded}}) {
     std::vector<std::string> said;
     for (const char* threads : {"1", "2", "4"}) {
-      std::vector<std::string> arguments = asked;
+      std::vector<std::string> arguments = requested;
       if (arguments.size() > 3) arguments.insert(arguments.end(), {"--way", "10"});
       arguments.insert(arguments.end(), {"--json", "--threads", threads});
       const Said one = cosiva(arguments);

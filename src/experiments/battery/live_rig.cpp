@@ -155,14 +155,14 @@ LiveRig::Responses LiveRig::give_up(SimTime now) {
 }
 
 wire::BatteryTest LiveRig::test(SimTime now) const {
-  const ProcedureOptions& asked = options_.procedure;
+  const ProcedureOptions& requested = options_.procedure;
   const Procedure::Progress progress = procedure_.progress(now);
   wire::BatteryTest test;
   test.timestamp = now;
   test.began = began_;
-  test.run = static_cast<std::uint32_t>(std::min(procedure_.present_run() + 1, asked.runs));
-  test.runs = static_cast<std::uint32_t>(asked.runs);
-  test.floor_percent = 100.0 * asked.floor;
+  test.run = static_cast<std::uint32_t>(std::min(procedure_.present_run() + 1, requested.runs));
+  test.runs = static_cast<std::uint32_t>(requested.runs);
+  test.floor_percent = 100.0 * requested.floor;
   test.ratio = std::clamp(progress.ratio, 0.0, 1.0);
   test.done = done();
   if (!test.done) test.expected_end = progress.expected_end;
@@ -186,7 +186,7 @@ void LiveRig::obey(const ProcedureCommands& commands, Responses& responses) {
     using Kind = ProcedureCommand::Kind;
     switch (command.kind) {
       case Kind::change_battery:
-        if (!given_up_) ask_for(command.vehicle, command.battery, command.text, responses);
+        if (!given_up_) request(command.vehicle, command.battery, command.text, responses);
         break;
       case Kind::tell_operator:
         if (!given_up_) responses.operator_messages.push_back(command.text);
@@ -199,7 +199,7 @@ void LiveRig::obey(const ProcedureCommands& commands, Responses& responses) {
   }
 }
 
-void LiveRig::ask_for(std::size_t vehicle, std::size_t battery, const std::string& reason, Responses& responses) {
+void LiveRig::request(std::size_t vehicle, std::size_t battery, const std::string& reason, Responses& responses) {
   drive(vehicle, "stop", responses);
   slots_[vehicle].wanted = options_.batteries[battery];
   responses.messages.push_back({wire::own_topic(wire::battery_change_topic_prefix, options_.vehicles[vehicle]),
@@ -270,7 +270,7 @@ Result<LiveRig::Responses> LiveRig::restore(SimTime now, std::string_view state_
     const JsonValue& saved = (*slots->array())[v];
     slots_[v].odometer_m = saved.number("odometer_m").value_or(0.0);
     // Asked for before we were away: the answer may have come meanwhile, so it is asked for again.
-    if (saved.text("wanted")) ask_for(v, procedure_.battery_of(procedure_.run(), v), {}, responses);
+    if (saved.text("wanted")) request(v, procedure_.battery_of(procedure_.run(), v), {}, responses);
   }
   return responses;
 }

@@ -68,7 +68,7 @@ class LiveRig {
   };
   [[nodiscard]] std::optional<std::size_t> slot_of(const wire::VehicleId& id) const;
   void obey(const ProcedureCommands& commands, Responses& responses);
-  void ask_for(std::size_t vehicle, std::size_t battery, const std::string& reason, Responses& responses);
+  void request(std::size_t vehicle, std::size_t battery, const std::string& reason, Responses& responses);
   void end(std::size_t vehicle, Responses& responses);
   void put_in(std::size_t vehicle, std::optional<std::size_t> battery, Responses& responses) const;
   void clear_request(std::size_t vehicle, Responses& responses);

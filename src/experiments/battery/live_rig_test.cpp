@@ -79,14 +79,14 @@ TEST(LiveRig, knows_who_has_not_been_heard_of) {
 
 TEST(LiveRig, asks_for_batteries_over_the_wire_with_vehicles_stopped_and_runs_all_when_the_last_is_ready) {
   LiveRig rig{two_by_hand()};
-  const auto asked = rig.start(start_of_test);
-  ASSERT_THAT(asked.messages, SizeIs(2));
-  EXPECT_EQ(asked.messages[0].topic, "cosiva/v1/battery/change/CoSiVA/AIV1");
-  EXPECT_TRUE(asked.messages[0].retained);
-  EXPECT_EQ(wire::battery_change_from_json(asked.messages[1].payload)->battery, "blue");
-  EXPECT_THAT(asked.commands, ElementsAre(HasSubstr(R"("stop","vehicle":"CoSiVA/AIV1")"),
+  const auto requested = rig.start(start_of_test);
+  ASSERT_THAT(requested.messages, SizeIs(2));
+  EXPECT_EQ(requested.messages[0].topic, "cosiva/v1/battery/change/CoSiVA/AIV1");
+  EXPECT_TRUE(requested.messages[0].retained);
+  EXPECT_EQ(wire::battery_change_from_json(requested.messages[1].payload)->battery, "blue");
+  EXPECT_THAT(requested.commands, ElementsAre(HasSubstr(R"("stop","vehicle":"CoSiVA/AIV1")"),
                                           HasSubstr(R"("stop","vehicle":"CoSiVA/AIV2")")));
-  EXPECT_THAT(asked.operator_messages, Contains(HasSubstr("put battery 1, full, into AIV1")));
+  EXPECT_THAT(requested.operator_messages, Contains(HasSubstr("put battery 1, full, into AIV1")));
 
   const auto first = say_ready(rig, start_of_test, 1, "red");
   EXPECT_THAT(first.commands, IsEmpty());
@@ -143,8 +143,8 @@ TEST(LiveRig, gives_emulated_vehicles_their_batteries_and_at_the_end_one_that_la
   options.emulated =
       BatteryUnderTest{*battery::shipped_type("lipo850"), {2, 1, 0.1}, battery::GaugeMethod::rest, true, 22.0};
   LiveRig rig{options};
-  const auto asked = rig.start(start_of_test);
-  EXPECT_THAT(asked.messages, Contains(::testing::Field(&wire::Publish::topic, "cosiva/v1/plant/command")));
+  const auto requested = rig.start(start_of_test);
+  EXPECT_THAT(requested.messages, Contains(::testing::Field(&wire::Publish::topic, "cosiva/v1/plant/command")));
   for (const auto& [number, name] : {std::pair{1, "red"}, {2, "blue"}})
     std::ignore = say_ready(rig, start_of_test, number, name);
   std::ignore = say_report(rig, start_of_test + seconds{1}, 1, 0.51);
@@ -240,7 +240,7 @@ TEST(LiveRig, says_how_it_stands) {
   EXPECT_LT(test.vehicles[1].autonomy_s, 100.0) << "it stands where it ended";
 }
 
-TEST(LiveRig, says_why_it_asks_again) {
+TEST(LiveRig, reports_why_it_requests_again) {
   LiveRig rig{two_by_hand()};
   std::ignore = rig.start(start_of_test);
   const auto refused = say_ready(rig, start_of_test, 1, "red", 80.0);

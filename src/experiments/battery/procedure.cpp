@@ -70,9 +70,9 @@ Procedure::Procedure(ProcedureOptions options)
 
 std::size_t Procedure::battery_of(std::size_t run, std::size_t vehicle) const { return batteries_[run][vehicle]; }
 
-ProcedureCommands Procedure::start(SimTime /*now*/) { return ask_for_batteries(); }
+ProcedureCommands Procedure::start(SimTime /*now*/) { return request_for_batteries(); }
 
-ProcedureCommands Procedure::ask_for_batteries() {
+ProcedureCommands Procedure::request_for_batteries() {
   ProcedureCommands commands;
   for (std::size_t v = 0; v < slots_.size(); ++v) {
     slots_[v] = {};
@@ -224,7 +224,7 @@ ProcedureCommands Procedure::finish(std::size_t vehicle, BatteryRun record, Stop
     run_ = options_.runs;
   }
   if (done()) return commands;
-  for (ProcedureCommand& command : ask_for_batteries()) commands.push_back(std::move(command));
+  for (ProcedureCommand& command : request_for_batteries()) commands.push_back(std::move(command));
   return commands;
 }
 

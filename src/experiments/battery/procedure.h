@@ -166,7 +166,7 @@ class Procedure {
   void forgive(SimTime now);
 
  private:
-  [[nodiscard]] ProcedureCommands ask_for_batteries();
+  [[nodiscard]] ProcedureCommands request_for_batteries();
   [[nodiscard]] ProcedureCommands finish(std::size_t vehicle, BatteryRun record, StopCause cause);
   void book(ProcedureSlot& slot, const BatterySample& sample) const;
   void record_end(const ProcedureSlot& slot, const BatterySample& sample, BatteryRun& record) const;

@@ -281,10 +281,10 @@ TEST(Procedure, refuses_a_state_that_is_another_test_s_or_broken) {
 }
 
 TEST(Fleet, makes_no_further_run_when_its_records_say_enough_but_ends_none_amid) {
-  std::size_t asked = 0;
+  std::size_t requested = 0;
   ProcedureOptions options{.vehicles = 2, .runs = 5};
   options.enough = [&](const std::vector<BatteryRun>& records) {
-    ++asked;
+    ++requested;
     return records.size() >= 4;
   };
   Bench bench{options};
@@ -299,7 +299,7 @@ TEST(Fleet, makes_no_further_run_when_its_records_say_enough_but_ends_none_amid)
     }
   };
   run_once();
-  EXPECT_EQ(asked, 1U);  // when both had ended, not when the first had
+  EXPECT_EQ(requested, 1U);  // when both had ended, not when the first had
   EXPECT_FALSE(bench.procedure.done());
   run_once();
   ASSERT_TRUE(bench.procedure.done());

@@ -36,18 +36,18 @@ void CrossingGrants::request(const Block& block, std::uint32_t i) {
   Copy& copy = copies_[own.copy];
   state_.queue[copy.first + copy.waiting++] = {i, block.now, own.line_chain, own.priority};
   recheck(copy);
-  state_.mode[i] |= Mode::asks;
+  state_.mode[i] |= Mode::requests;
 }
 
 void CrossingGrants::withdraw(std::uint32_t i) {
-  if ((state_.mode[i] & Mode::asks) == 0) return;
+  if ((state_.mode[i] & Mode::requests) == 0) return;
   Copy& copy = copies_[state_.own[i].copy];
   const auto all = waiting(state_.own[i].copy);
   const auto mine = std::ranges::find(all, i, &Waiting::vehicle);
   std::copy(mine + 1, all.end(), mine);
   --copy.waiting;
   recheck(copy);
-  state_.mode[i] &= static_cast<std::uint8_t>(~Mode::asks);
+  state_.mode[i] &= static_cast<std::uint8_t>(~Mode::requests);
 }
 
 void CrossingGrants::release(std::uint32_t i) {
@@ -94,7 +94,7 @@ void CrossingGrants::grant_due(Block& block, std::uint32_t index) {
       return crossing.holder == Fleet::none && crossing.claimed_pass != block.pass;
     });
     if (is_open) {
-      grant(block, one.vehicle, block.now - one.asked_step);  // and the next one stands at k now
+      grant(block, one.vehicle, block.now - one.requested_step);  // and the next one stands at k now
       continue;
     }
     for (const Ground::Leave& leave : leaves) here[leave.crossing].claimed_pass = block.pass;
@@ -197,16 +197,16 @@ void CrossingGrants::sort_waiting(Copy& copy, std::span<Waiting> all, std::uint3
   }
   copy.sort_step = std::numeric_limits<std::uint32_t>::max();
   for (const Waiting& one : all) {
-    const std::uint32_t overtaken_no_more = one.asked_step + overtaken_after_steps_;
+    const std::uint32_t overtaken_no_more = one.requested_step + overtaken_after_steps_;
     if (overtaken_no_more > now) copy.sort_step = std::min(copy.sort_step, overtaken_no_more);
   }
 }
 
 bool CrossingGrants::goes_before(const Waiting& a, const Waiting& b, std::uint32_t now) const {
   const auto claim = [&](const Waiting& one) {
-    return aiv::Claim{one.priority, options_.step * (now - one.asked_step)};
+    return aiv::Claim{one.priority, options_.step * (now - one.requested_step)};
   };
-  const bool a_came_first = a.asked_step != b.asked_step ? a.asked_step < b.asked_step : a.vehicle < b.vehicle;
+  const bool a_came_first = a.requested_step != b.requested_step ? a.requested_step < b.requested_step : a.vehicle < b.vehicle;
   if (a_came_first) return aiv::keeps_its_turn(claim(a), claim(b), options_.overtaken_at_most);
   return !aiv::keeps_its_turn(claim(b), claim(a), options_.overtaken_at_most);
 }
@@ -249,7 +249,7 @@ std::uint32_t CrossingGrants::blocker_of(std::uint32_t i) const {
   const double gap_m = leaders_.gap_m(i);
   constexpr double near_m = 0.05;
   if (leader != i && gap_m < aiv::stand_off_m + near_m) return leader;
-  if ((state_.mode[i] & Mode::asks) == 0) return i;
+  if ((state_.mode[i] & Mode::requests) == 0) return i;
   const Ground::Chain& chain = ground_.chain(state_.own[i].line_chain);
   const auto leaves = ground_.leaves_of(chain);
   const CrossingState* const here =

@@ -67,7 +67,7 @@ std::uint64_t fleet_digest(const FleetTables& tables) {
   for (const Copy& copy : tables.copies) {
     for (const Waiting& waiting : std::span(tables.state.queue).subspan(copy.first, copy.waiting)) {
       digest.add(std::uint64_t{waiting.vehicle});
-      digest.add(std::uint64_t{waiting.asked_step});
+      digest.add(std::uint64_t{waiting.requested_step});
     }
   }
   for (const CrossingState& crossing : tables.crossings) digest.add(std::uint64_t{crossing.holder});

@@ -21,7 +21,7 @@ constexpr std::size_t fetched_ahead = 192;
 /// Slower than this is no speed: what only comes nearer and nearer stands at some time.
 constexpr double creep_mps = 1e-4;
 /// A line is asked for so much before one would have to brake for it.
-constexpr double ask_early_m = 0.05;
+constexpr double request_early_m = 0.05;
 
 /// What a vehicle sees, side by side for `lanes` of them. Aligned as a whole: a member with an alignment of its own has
 /// elements of which GCC 12 makes no vectors.
@@ -95,7 +95,7 @@ COSIVA_VECTOR_CLONES void ask(const Ways& ways, const Numbers& numbers, const De
   }
 }
 
-COSIVA_VECTOR_CLONES void ask_more(const Ways& ways, const Numbers& numbers, std::size_t first, std::size_t count,
+COSIVA_VECTOR_CLONES void request_more(const Ways& ways, const Numbers& numbers, std::size_t first, std::size_t count,
                                    const Rows& rows) {
   const double braking_m = numbers.braking_distance_m;
   const double* __restrict s = ways.s_m + first;
@@ -151,8 +151,8 @@ COSIVA_VECTOR_CLONES void choose_crisp(const Choice& choice, const Column& gap_m
   std::int8_t* __restrict profile = choice.profile + first;
   COSIVA_ROUNDS_APART
   for (std::size_t k = 0; k < count; ++k) {
-    const double asked = static_cast<double>(imposed[k]);
-    const double meant = asked < 3.5 ? asked : aiv::plain::crisp_profile(1.0, gap_m[k]);
+    const double requested = static_cast<double>(imposed[k]);
+    const double meant = requested < 3.5 ? requested : aiv::plain::crisp_profile(1.0, gap_m[k]);
     chosen[k] = goal[k] - s[k] <= 0.0 ? 0.0 : meant;
   }
   COSIVA_ROUNDS_APART
@@ -373,7 +373,7 @@ double decide(State& state, const Numbers& numbers, const FleetRules* rules, boo
   alignas(64) Column speed;
   return decide_by(state, numbers, first, last, next, [&](const DetectedObstacleReport& detected, auto at, auto count, Column& chosen) {
     ask(ways, numbers, detected, at, count, responses.rows);
-    if (more) ask_more(ways, numbers, at, count, responses.rows);
+    if (more) request_more(ways, numbers, at, count, responses.rows);
     responses.response(speed);
     choose_fuzzy(choice.profile + at, speed, count, chosen);
     if (more) choose_told(choice, at, count, chosen);
@@ -416,9 +416,9 @@ COSIVA_VECTOR_CLONES void move_on(const Motion& motion, const Numbers& numbers, 
     const double now = stops ? halt[k] : went;
     const double speed = stops ? 0.0 : next[k];
     const double moving = v[k] + next[k];
-    const double ask_m = speed * speed * per_braking + speed * late_s + ask_early_m;
+    const double request_m = speed * speed * per_braking + speed * late_s + request_early_m;
     const std::uint64_t is_passed = now > event_at[k] ? std::uint64_t{Event::passed} : 0U;
-    const std::uint64_t is_near = line[k] - now <= ask_m ? std::uint64_t{Event::nears} : 0U;
+    const std::uint64_t is_near = line[k] - now <= request_m ? std::uint64_t{Event::nears} : 0U;
     const std::uint64_t is_halted = (stops & (moving > 0.0)) ? std::uint64_t{Event::halted} : 0U;
     const std::uint64_t stands = speed < aiv::standing_mps ? std::uint64_t{0x80} : 0U;
     happened[k] = is_passed | is_near | is_halted | stands;
@@ -431,7 +431,7 @@ COSIVA_VECTOR_CLONES void move_on(const Motion& motion, const Numbers& numbers, 
   for (std::size_t k = 0; k < count; ++k) {
     const std::uint8_t is_on = (mode[k] & (Mode::turning | Mode::told)) != 0 ? Event::goes_on : 0;
     // Whoever has asked for its next line need not be reminded.
-    const std::uint8_t old = (mode[k] & Mode::asks) != 0 ? Event::nears : 0;
+    const std::uint8_t old = (mode[k] & Mode::requests) != 0 ? Event::nears : 0;
     const std::uint8_t waits = (mode[k] & (Mode::turning | Mode::at_goal)) == 0 ? event[k] >> 7U : 0;
     standing[k] = waits;
     event[k] = static_cast<std::uint8_t>((event[k] & 0x7F & ~old) | is_on);

@@ -26,7 +26,7 @@ enum Mode : std::uint8_t {
   sent = 1U << 1U,     ///< it has a goal
   at_goal = 1U << 2U,  ///< and stands there
   told = 1U << 3U,     ///< to go where it stands already: it arrives in the next step
-  asks = 1U << 4U,     ///< stands in its copy's queue
+  requests = 1U << 4U,     ///< stands in its copy's queue
   absent = 1U << 5U,   ///< not in the zone
 };
 
@@ -61,7 +61,7 @@ struct Own {
 /// One that asks for a chain of crossings, with all that decides whose turn it is.
 struct Waiting {
   std::uint32_t vehicle;
-  std::uint32_t asked_step;
+  std::uint32_t requested_step;
   std::uint32_t chain;
   std::int32_t priority;
 };

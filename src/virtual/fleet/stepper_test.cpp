@@ -62,7 +62,7 @@ std::size_t allocations_of(Fleet& fleet, int steps) {
   return allocations.load() - counted_before;
 }
 
-TEST(FleetStep, asks_for_no_memory) {
+TEST(FleetStep, allocates_no_memory) {
   for (const char* name : {"zones/lacet4.toml", "zones/indus8.toml", "zones/crossing8.xodr"}) {
     Fleet many = fleet(zone_file(name), 8);
     EXPECT_EQ(allocations_of(many, 2000), 0U) << name;

@@ -91,7 +91,7 @@ TEST(RunDigest, sees_order_time_effects_and_the_state_at_the_end) {
   EXPECT_NE(digest_of({}), digest_of({{SimTime{}, InputKind::command, "", "", false}}));
 }
 
-TEST(RunDigest, can_be_asked_in_the_middle_without_changing_the_end) {
+TEST(RunDigest, can_be_queried_in_between_without_changing_the_end) {
   EchoCore core;
   CoreRunner runner{core};
   runner.feed(message(1ms, "x"));

@@ -162,9 +162,9 @@ class Checker {
              "station '" + station.name + "' cannot be reached from any of the starts");
     }
     // From every other station, as long as that does not take minutes.
-    const std::size_t asked = std::min(all.size(), reaching_work_max / (circuit_.size() + all.size()) + 1);
+    const std::size_t requested = std::min(all.size(), reaching_work_max / (circuit_.size() + all.size()) + 1);
     std::vector<std::pair<std::size_t, std::size_t>> cut_off(all.size());  // from how many, and the first of them
-    for (std::size_t from = 0; from < asked; ++from) {
+    for (std::size_t from = 0; from < requested; ++from) {
       const Reachable onward{zone_, std::span{&all[from].place, 1}};
       for (std::size_t to = 0; to < all.size(); ++to)
         if (to != from && !onward.reaches(all[to].place) && cut_off[to].first++ == 0) cut_off[to].second = from;

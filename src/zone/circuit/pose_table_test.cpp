@@ -40,7 +40,7 @@ TEST(PoseTable, gives_the_poses_that_sections_give) {
   expect_same(testing::zone_file("indus8.toml").circuit);
 }
 
-TEST(PoseTable, asks_clothoids_one_by_one) { expect_same(testing::zone_file("crossing8.xodr").circuit); }
+TEST(PoseTable, evaluates_clothoids_one_by_one) { expect_same(testing::zone_file("crossing8.xodr").circuit); }
 
 }  // namespace
 }  // namespace cosiva::zone

@@ -175,7 +175,7 @@ class Layer {
 
  private:
   void lay_free(SectionId id);
-  void lay_asked(SectionId id);
+  void lay_requested(SectionId id);
   void name(double s_m, const std::string* id);
   [[nodiscard]] std::string id_at(SectionId id, double s_m) const;
 
@@ -225,7 +225,7 @@ void Layer::name(double s_m, const std::string* id) {
 }
 
 /// Both lists are sorted: one pass, however many are asked for.
-void Layer::lay_asked(SectionId id) {
+void Layer::lay_requested(SectionId id) {
   const double length_m = circuit_.section(id).length_m();
   std::vector<Laid> all;
   auto old = laid_.begin();
@@ -255,7 +255,7 @@ std::vector<Waypoint> Layer::lay_all() {
     lay_free(id);
     name(0.0, own_id(rules_.start_ids, id));
     if (circuit_.next(id).empty()) name(circuit_.section(id).length_m(), own_id(rules_.end_ids, id));
-    lay_asked(id);
+    lay_requested(id);
     for (const Laid& laid : laid_)
       waypoints.push_back({laid.id != nullptr ? *laid.id : id_at(id, laid.s_m), {id, laid.s_m}});
   }

@@ -40,8 +40,8 @@ Result<JsonValue> parse(std::string_view text) {
   return fail("zone.syntax", json.error().message);
 }
 
-std::string zone_name(const std::optional<std::string>& asked, std::string project) {
-  if (asked) return *asked;
+std::string zone_name(const std::optional<std::string>& requested, std::string project) {
+  if (requested) return *requested;
   constexpr std::size_t bytes_max = 64;
   if (project.size() > bytes_max) {
     std::size_t end = bytes_max;

@@ -27,7 +27,7 @@ export class MockBatteries {
   ready({ vehicle, battery, charge }) {
     const slot = this.slots.find((one) => one.phase === 'changing' && this.vehicle(one)?.id === vehicle);
     if (!battery) return [400, 'battery.battery', "give the battery's own id, of 1 to 64 bytes"];
-    if (!slot) return [409, 'battery.not_asked', `no test wants a battery changed in '${vehicle}' now`];
+    if (!slot) return [409, 'battery.not_requested', `no test wants a battery changed in '${vehicle}' now`];
     if ((charge ?? 100) < 97) slot.reason = `it is not full: ${charge} %`;
     else Object.assign(slot, { phase: 'ready', battery, reason: '' });
     if (this.slots.every((one) => one.phase === 'ready')) for (const one of this.slots) Object.assign(one, { phase: 'running', started: this.world.now });

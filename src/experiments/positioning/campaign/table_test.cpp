@@ -35,7 +35,7 @@ TEST(Table, as_CSV_quotes_what_would_break_a_line_and_leaves_empty_what_is_no_nu
 }
 
 /// The first column of what a query gives.
-std::vector<std::string> asked(std::string bytes, const std::string& query) {
+std::vector<std::string> requested(std::string bytes, const std::string& query) {
   sqlite3* database = nullptr;
   EXPECT_EQ(sqlite3_open(":state:", &database), SQLITE_OK);
   EXPECT_EQ(sqlite3_deserialize(database, "main", reinterpret_cast<unsigned char*>(bytes.data()),
@@ -60,9 +60,9 @@ TEST(Table, as_SQLite_can_be_asked_and_is_the_same_bytes_each_time) {
   ASSERT_TRUE(bytes) << to_string(bytes.error());
   EXPECT_TRUE(bytes->starts_with("SQLite format 3"));
   EXPECT_EQ(*to_sqlite({sample()}), *bytes);
-  EXPECT_THAT(asked(*bytes, "SELECT name FROM sample ORDER BY n DESC"), ElementsAre("a \"b\", c", "x", "x"));
-  EXPECT_THAT(asked(*bytes, "SELECT error_m FROM sample"), ElementsAre("0.0", "NULL", "0.2"));
-  EXPECT_THAT(asked(*bytes, "SELECT typeof(n) FROM sample LIMIT 1"), ElementsAre("integer"));
+  EXPECT_THAT(requested(*bytes, "SELECT name FROM sample ORDER BY n DESC"), ElementsAre("a \"b\", c", "x", "x"));
+  EXPECT_THAT(requested(*bytes, "SELECT error_m FROM sample"), ElementsAre("0.0", "NULL", "0.2"));
+  EXPECT_THAT(requested(*bytes, "SELECT typeof(n) FROM sample LIMIT 1"), ElementsAre("integer"));
 }
 
 TEST(Tables, of_a_campaign_have_units_in_their_names_and_a_row_for_each_vote) {
@@ -79,14 +79,14 @@ TEST(Tables, of_a_campaign_have_units_in_their_names_and_a_row_for_each_vote) {
   const auto bytes =
       to_sqlite({campaign_table(result), runs_table(result), cells_table(result), pitches_table(result)});
   ASSERT_TRUE(bytes);
-  EXPECT_THAT(asked(*bytes, "SELECT count(*) FROM runs JOIN cells USING (cell, algorithm)"), ElementsAre("60"));
+  EXPECT_THAT(requested(*bytes, "SELECT count(*) FROM runs JOIN cells USING (cell, algorithm)"), ElementsAre("60"));
   // The table of cells is what one would make of the table of runs.
-  EXPECT_THAT(asked(*bytes,
+  EXPECT_THAT(requested(*bytes,
                     "SELECT max(abs(rmse_m * rmse_m - together)) < 1e-15 FROM cells JOIN (SELECT "
                     "cell, avg(rmse_m * rmse_m) AS together FROM runs GROUP BY cell) USING (cell)"),
               ElementsAre("1"));
-  EXPECT_THAT(asked(*bytes, "SELECT value FROM campaign WHERE key = 'digest'"), ElementsAre(summary.digest));
-  EXPECT_THAT(asked(*bytes, "SELECT count(*) FROM pitches"), ElementsAre("4"));
+  EXPECT_THAT(requested(*bytes, "SELECT value FROM campaign WHERE key = 'digest'"), ElementsAre(summary.digest));
+  EXPECT_THAT(requested(*bytes, "SELECT count(*) FROM pitches"), ElementsAre("4"));
 }
 
 }  // namespace

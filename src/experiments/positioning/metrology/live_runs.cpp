@@ -141,7 +141,7 @@ void LiveRuns::ask(SimTime now, Slot& slot, Responses& responses) {
   else
     ++slot.sequence;
   slot.waiting = true;
-  slot.asked = now;
+  slot.requested = now;
   const wire::EstimateRequest request{slot.session,
                                       slot.sequence,
                                       slot.sequence == 1 ? options_.algorithms : std::vector<std::string>{},
@@ -198,7 +198,7 @@ void LiveRuns::look_after(SimTime now, Slot& slot, Responses& responses) {
   }
   if (const auto why = missing(now, slot)) return lose(slot, *why);
   const auto period = from_seconds(1.0 / options_.rate_hz);
-  if (now - slot.asked >= (slot.waiting ? std::max(repeat_after, period) : period)) ask(now, slot, responses);
+  if (now - slot.requested >= (slot.waiting ? std::max(repeat_after, period) : period)) ask(now, slot, responses);
 }
 
 void LiveRuns::complete(Slot& slot) {

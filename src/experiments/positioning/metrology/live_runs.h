@@ -88,7 +88,7 @@ class LiveRuns {
     std::string session;
     std::uint32_t sequence{};
     bool waiting{false};  ///< for the answer to it
-    SimTime asked{};
+    SimTime requested{};
     SimTime heard{};  ///< an answer, last
     SimTime moved{};
     unsigned begun{};  ///< times that this run was

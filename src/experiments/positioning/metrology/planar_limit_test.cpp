@@ -100,11 +100,11 @@ struct Straight {
   double heading_rad{0.7};
   double gone_m{0.0};
 
-  void go(std::size_t steps, bool asked = true) {
+  void go(std::size_t steps, bool requested = true) {
     for (std::size_t i = 0; i < steps; ++i) {
       run.events.emplace_back(Odometry{step_m, 0.0, 0.05});
       gone_m += step_m;
-      if (asked) record_moment(run, here());
+      if (requested) record_moment(run, here());
     }
   }
   [[nodiscard]] Pose2 here() const { return Pose2{1.0, -2.0, heading_rad} * Pose2{gone_m, 0.0, 0.0}; }

@@ -220,7 +220,7 @@ struct Apart {
     };
     // Time is up after every third part that somebody would begin.
     return qualify(
-        candidates, runs, source, {}, workers, [asked = std::make_shared<int>(0)] { return ++*asked % 3 == 0; },
+        candidates, runs, source, {}, workers, [requested = std::make_shared<int>(0)] { return ++*requested % 3 == 0; },
         [this](std::size_t done) { progress.push_back(done); });
   }
 };

@@ -185,13 +185,13 @@ TEST(Scenario, a_switch_names_a_zone_which_is_put_into_its_command_whole) {
   EXPECT_EQ(scenario->steps[0].zone, "");
   EXPECT_EQ(scenario->steps[1].zone, "other");
   EXPECT_EQ(scenario->steps[1].what, "the zone is switched to other");
-  std::vector<std::string> asked;
+  std::vector<std::string> requested;
   const auto load = [&](const std::string& name) -> Result<zone::ZoneConfiguration> {
-    asked.push_back(name);
+    requested.push_back(name);
     return zone::ZoneConfiguration{"f", "other.f", "the \"text\"", "more"};
   };
   ASSERT_TRUE(resolve_zones(*scenario, load, "test.toml"));
-  EXPECT_THAT(asked, ElementsAre("other"));
+  EXPECT_THAT(requested, ElementsAre("other"));
   EXPECT_EQ(scenario->steps[1].command,
             R"({"command":"switch","zone":{"format":"f","origin":"other.f","text":"the \"text\"","sidecar":"more"}})");
   EXPECT_EQ(scenario->steps[0].command, R"({"command":"stop","vehicle":"*"})");

@@ -9,7 +9,7 @@ namespace cosiva::experiments {
 namespace {
 
 /// So many of the nearest are asked for their way, which is dear.
-constexpr std::size_t asked_max = 6;
+constexpr std::size_t requested_max = 6;
 /// A goal on its own section is driven to when it lies further ahead than it needs to stop, and this.
 constexpr double beyond_stop_m = 0.3;
 /// So long who stands at a stop waits for the crossings on its way.
@@ -110,10 +110,10 @@ std::optional<Dispatcher::Fleet::Vehicle> Dispatcher::best_for(zone::Place goal)
   for (Fleet::Vehicle v = 0; v < carriers_.size(); ++v)
     if (carriers_[v].phase == Phase::idle)
       near.emplace_back(distance(there, Point2{fleet_.x_m()[v], fleet_.y_m()[v]}), v);
-  const std::size_t asked = std::min(asked_max, near.size());
-  std::ranges::partial_sort(near, near.begin() + static_cast<std::ptrdiff_t>(asked));
+  const std::size_t requested = std::min(requested_max, near.size());
+  std::ranges::partial_sort(near, near.begin() + static_cast<std::ptrdiff_t>(requested));
   std::optional<std::pair<double, Fleet::Vehicle>> best;
-  for (std::size_t i = 0; i < asked; ++i) {
+  for (std::size_t i = 0; i < requested; ++i) {
     const auto time_s = way_to(near[i].second, goal);
     if (time_s && (!best || *time_s < best->first)) best = {*time_s, near[i].second};
   }

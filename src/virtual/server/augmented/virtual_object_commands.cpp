@@ -87,17 +87,17 @@ Result<VirtualObjectCommand> VirtualObjectCommands::read(const JsonValue& comman
 }
 
 Result<VirtualObjectCommand> VirtualObjectCommands::read_remove(const JsonValue& command) const {
-  VirtualObjectCommand asked;
-  asked.act = VirtualObjectCommand::Act::remove;
+  VirtualObjectCommand requested;
+  requested.act = VirtualObjectCommand::Act::remove;
   const auto id = command.text("id");
   if (!id) return fail("virtual_object.id", "say which thing to remove, or * for all", "id");
-  asked.id = *id;
-  if (asked.id == "*" || simulator_.augmented().find(asked.id) != nullptr) return asked;
-  if (find_aiv(asked.id) != nullptr) {
-    asked.is_aiv = true;
-    return asked;
+  requested.id = *id;
+  if (requested.id == "*" || simulator_.augmented().find(requested.id) != nullptr) return requested;
+  if (find_aiv(requested.id) != nullptr) {
+    requested.is_aiv = true;
+    return requested;
   }
-  return fail("virtual_object.unknown", "no virtual thing is called '" + cut(asked.id) + "'; " + known_virtual_objects(), "id");
+  return fail("virtual_object.unknown", "no virtual thing is called '" + cut(requested.id) + "'; " + known_virtual_objects(), "id");
 }
 
 Result<void> VirtualObjectCommands::check_id(std::string_view id) const {
@@ -115,64 +115,64 @@ Result<void> VirtualObjectCommands::check_id(std::string_view id) const {
 }
 
 Result<VirtualObjectCommand> VirtualObjectCommands::read_add(const JsonValue& virtual_object) const {
-  VirtualObjectCommand asked;
-  asked.act = VirtualObjectCommand::Act::add;
+  VirtualObjectCommand requested;
+  requested.act = VirtualObjectCommand::Act::add;
   const std::string kind = virtual_object.text("kind").value_or("");
-  asked.is_aiv = kind == "aiv";
+  requested.is_aiv = kind == "aiv";
   const auto known = parse_virtual_object_kind(kind);
-  if (!asked.is_aiv && !known) {
+  if (!requested.is_aiv && !known) {
     return fail("virtual_object.kind", "there is no kind '" + cut(kind) + "'; add an aiv, a person or an obstacle", "kind");
   }
   if (const JsonValue* id = virtual_object.find("id"); id != nullptr && !id->is_null()) {
-    asked.id = virtual_object.text("id").value_or("");
-    if (auto checked = check_id(asked.id); !checked) return tl::unexpected(checked.error());
+    requested.id = virtual_object.text("id").value_or("");
+    if (auto checked = check_id(requested.id); !checked) return tl::unexpected(checked.error());
   } else {
-    asked.id = next_id(kind);
+    requested.id = next_id(kind);
   }
   if (simulator_.augmented().virtual_objects().size() + fleet_.hosts().size() >= Augmented::virtual_objects_max) {
     return fail("virtual_object.many", "there are " + std::to_string(Augmented::virtual_objects_max) +
                                   " virtual things already; remove one that is no longer needed, then try again");
   }
-  if (asked.is_aiv) {
-    const wire::VehicleId vehicle{std::string(wire::virtual_manufacturer), asked.id};
+  if (requested.is_aiv) {
+    const wire::VehicleId vehicle{std::string(wire::virtual_manufacturer), requested.id};
     if (!registry_.find(wire::to_string(vehicle)) && registry_.size() >= Registry::vehicles_max)
       return fail("virtual_object.many", "this server knows " + std::to_string(Registry::vehicles_max) +
                                     " vehicles already, and takes no more; add it under a name that was used before");
     auto place = read_aiv_place(virtual_object);
     if (!place) return tl::unexpected(place.error());
-    asked.place = *place;
-    return asked;
+    requested.place = *place;
+    return requested;
   }
-  asked.kind = *known;
-  asked.radius_m = std::clamp(0.5 * simulator_.zone()->vehicle.width_m, radius_m_min, radius_m_max);
-  if (auto read = read_number(virtual_object, "radius", radius_m_min, radius_m_max, "", asked.radius_m); !read)
+  requested.kind = *known;
+  requested.radius_m = std::clamp(0.5 * simulator_.zone()->vehicle.width_m, radius_m_min, radius_m_max);
+  if (auto read = read_number(virtual_object, "radius", radius_m_min, radius_m_max, "", requested.radius_m); !read)
     return tl::unexpected(read.error());
   const Walk usual({Point2{}}, simulator_.zone()->profiles.slow.speed_mps, Repeat::once);
-  auto walk = read_walk(virtual_object, asked.kind == VirtualObjectKind::person, usual);
+  auto walk = read_walk(virtual_object, requested.kind == VirtualObjectKind::person, usual);
   if (!walk) return tl::unexpected(walk.error());
-  asked.walk = std::move(*walk);
-  return asked;
+  requested.walk = std::move(*walk);
+  return requested;
 }
 
 Result<VirtualObjectCommand> VirtualObjectCommands::read_move(const JsonValue& virtual_object) const {
-  VirtualObjectCommand asked;
-  asked.act = VirtualObjectCommand::Act::move;
+  VirtualObjectCommand requested;
+  requested.act = VirtualObjectCommand::Act::move;
   const auto id = virtual_object.text("id");
   if (!id) return fail("virtual_object.id", "say which thing to move, by its id", "id");
-  asked.id = *id;
-  if (find_aiv(asked.id) != nullptr) {
+  requested.id = *id;
+  if (find_aiv(requested.id) != nullptr) {
     return fail("virtual_object.aiv", "a virtual AIV drives by itself; remove it and add it where it shall start", "id");
   }
-  const VirtualObject* known = simulator_.augmented().find(asked.id);
+  const VirtualObject* known = simulator_.augmented().find(requested.id);
   if (known == nullptr)
-    return fail("virtual_object.unknown", "no virtual thing is called '" + cut(asked.id) + "'; " + known_virtual_objects(), "id");
-  asked.kind = known->kind;
+    return fail("virtual_object.unknown", "no virtual thing is called '" + cut(requested.id) + "'; " + known_virtual_objects(), "id");
+  requested.kind = known->kind;
   const double usual_mps =
       known->walk.speed_mps() > 0.0 ? known->walk.speed_mps() : simulator_.zone()->profiles.slow.speed_mps;
-  auto walk = read_walk(virtual_object, asked.kind == VirtualObjectKind::person, Walk({Point2{}}, usual_mps, known->walk.repeat()));
+  auto walk = read_walk(virtual_object, requested.kind == VirtualObjectKind::person, Walk({Point2{}}, usual_mps, known->walk.repeat()));
   if (!walk) return tl::unexpected(walk.error());
-  asked.walk = std::move(*walk);
-  return asked;
+  requested.walk = std::move(*walk);
+  return requested;
 }
 
 Result<Point2> VirtualObjectCommands::read_point(const JsonValue& x, const JsonValue& y, std::string_view field) const {

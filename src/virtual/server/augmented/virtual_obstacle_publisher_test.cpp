@@ -43,7 +43,7 @@ class VirtualObstaclesFixture : public testing::Test {
   [[nodiscard]] JsonValue effect(const std::string& name) const {
     return *bench.bijection().find("effects")->find(name);
   }
-  [[nodiscard]] std::vector<std::string> asked_of(const BenchVehicle& vehicle) const {
+  [[nodiscard]] std::vector<std::string> requested_of(const BenchVehicle& vehicle) const {
     std::vector<std::string> types;
     for (const wire::InstantActions& message : vehicle.actions)
       for (const wire::Action& action : message.actions)
@@ -261,7 +261,7 @@ TEST_F(DeafVehicle, is_not_paused_for_a_body_beside_its_way) {
   bench.run_for(1s);
   add_person(aiv.pose().x_m + 0.5, 0.2);
   bench.run_for(3s);
-  EXPECT_THAT(asked_of(aiv), Not(Contains("startPause")));
+  EXPECT_THAT(requested_of(aiv), Not(Contains("startPause")));
 }
 
 TEST_F(DeafVehicle, that_an_operator_stopped_is_not_let_go_by_us) {
@@ -273,7 +273,7 @@ TEST_F(DeafVehicle, that_an_operator_stopped_is_not_let_go_by_us) {
   remove("P1");
   bench.run_for(3s);
   EXPECT_TRUE(aiv.paused);
-  EXPECT_THAT(asked_of(aiv), Not(Contains("stopPause")));
+  EXPECT_THAT(requested_of(aiv), Not(Contains("stopPause")));
 }
 
 TEST_F(DeafVehicle, that_an_operator_stops_while_we_hold_it_stays_stopped) {

@@ -61,39 +61,39 @@ std::string_view to_string(CommandState state) {
   return "?";
 }
 
-Result<Commands::Asked> Commands::read(const Result<JsonValue>& value) const {
+Result<Commands::Requested> Commands::read(const Result<JsonValue>& value) const {
   if (!value || value->object() == nullptr) {
     return fail("command.syntax", "a command is a JSON object like {\"command\":\"stop\",\"vehicle\":\"*\"}" +
                                       (value ? std::string{} : "; this is none: " + value.error().message));
   }
-  Asked asked;
-  asked.id = cut(value->text("id").value_or(""));
+  Requested requested;
+  requested.id = cut(value->text("id").value_or(""));
   const auto verb = value->text("command");
   if (!verb)
     return fail("command.missing", "say which command: stop, slow, medium, fast, limit, restart or cancel", "command");
-  asked.command_text = cut(*verb);
+  requested.command_text = cut(*verb);
   if (const JsonValue* list = value->find("vehicles"); list != nullptr && !list->is_null()) {
     if (list->array() == nullptr || list->array()->empty() || list->array()->size() > vehicles_named_max)
       return fail("command.vehicle", "give at least one and at most 256 vehicles, as [\"CoSiVA/AIV1\",…]", "vehicles");
     for (const JsonValue& name : *list->array())
-      asked.vehicle_names.push_back(name.text() == nullptr ? std::string{} : cut(*name.text()));
-    asked.several = true;
+      requested.vehicle_names.push_back(name.text() == nullptr ? std::string{} : cut(*name.text()));
+    requested.several = true;
   } else {
     const auto vehicle = value->text("vehicle");
     if (!vehicle)
       return fail("command.vehicle", "say which vehicle, as manufacturer/serial number, or * for all", "vehicle");
-    asked.vehicle_names.push_back(cut(*vehicle));
-    asked.several = *vehicle == "*";
+    requested.vehicle_names.push_back(cut(*vehicle));
+    requested.several = *vehicle == "*";
   }
   const auto known = std::ranges::find(verbs, *verb, [](OperatorCommandKind v) { return to_string(v); });
-  if (known != verbs.end()) asked.verb = *known;
-  if (asked.verb == OperatorCommandKind::limit) {
-    asked.speed_mps = value->number("speed").value_or(0.0);
-    if (!(asked.speed_mps > 0.0 && asked.speed_mps <= limit_mps_max))
+  if (known != verbs.end()) requested.verb = *known;
+  if (requested.verb == OperatorCommandKind::limit) {
+    requested.speed_mps = value->number("speed").value_or(0.0);
+    if (!(requested.speed_mps > 0.0 && requested.speed_mps <= limit_mps_max))
       return fail("command.speed", "say how fast it may drive at most, above 0 and up to 5 m/s, as \"speed\":0.25",
                   "speed");
   }
-  return asked;
+  return requested;
 }
 
 std::optional<std::string> Commands::impossible(VehicleIndex vehicle, OperatorCommandKind verb) const {
@@ -106,23 +106,23 @@ std::optional<std::string> Commands::impossible(VehicleIndex vehicle, OperatorCo
 }
 
 Result<void> Commands::check(const Result<JsonValue>& command) const {
-  const auto asked = read(command);
-  if (!asked) return tl::unexpected(asked.error());
-  return validate_request(*asked);
+  const auto requested = read(command);
+  if (!requested) return tl::unexpected(requested.error());
+  return validate_request(*requested);
 }
 
-Result<void> Commands::validate_request(const Asked& asked) const {
-  if (!asked.verb) {
+Result<void> Commands::validate_request(const Requested& requested) const {
+  if (!requested.verb) {
     return fail(
         "command.unknown",
-        "there is no command '" + asked.command_text + "'; use stop, slow, medium, fast, limit, restart or cancel",
+        "there is no command '" + requested.command_text + "'; use stop, slow, medium, fast, limit, restart or cancel",
         "command");
   }
-  if (asked.all()) {
-    if (addressed(asked).empty()) return fail("command.vehicle", "no vehicle has been heard of yet", "vehicle");
+  if (requested.all()) {
+    if (addressed(requested).empty()) return fail("command.vehicle", "no vehicle has been heard of yet", "vehicle");
     return {};
   }
-  for (const std::string& name : asked.vehicle_names) {
+  for (const std::string& name : requested.vehicle_names) {
     const auto vehicle = registry_.find(name);
     if (!vehicle || registry_[*vehicle].retired) {
       return fail("command.vehicle",
@@ -130,19 +130,19 @@ Result<void> Commands::validate_request(const Asked& asked) const {
     }
   }
   // Of several, those that can follow do; the others' entries say why they cannot.
-  if (asked.several) return {};
-  if (auto reason = impossible(*registry_.find(asked.vehicle_names.front()), *asked.verb))
+  if (requested.several) return {};
+  if (auto reason = impossible(*registry_.find(requested.vehicle_names.front()), *requested.verb))
     return fail("command.impossible", std::move(*reason), "vehicle");
   return {};
 }
 
-std::vector<VehicleIndex> Commands::addressed(const Asked& asked) const {
+std::vector<VehicleIndex> Commands::addressed(const Requested& requested) const {
   std::vector<VehicleIndex> vehicles;
   const auto add_once = [&vehicles](VehicleIndex v) {
     if (std::ranges::find(vehicles, v) == vehicles.end()) vehicles.push_back(v);
   };
-  if (!asked.all()) {
-    for (const std::string& name : asked.vehicle_names) add_once(*registry_.find(name));
+  if (!requested.all()) {
+    for (const std::string& name : requested.vehicle_names) add_once(*registry_.find(name));
     return vehicles;
   }
   for (VehicleIndex v = 0; v < registry_.size(); ++v)
@@ -156,27 +156,27 @@ std::string Commands::next_id(const std::string& wanted) {
 }
 
 void Commands::issue(const Result<JsonValue>& json) {
-  const auto asked = read(json);
+  const auto requested = read(json);
   Command command;
   command.at = outbox_.now();
-  command.id = next_id(asked ? asked->id : "");
-  if (asked) {
-    command.verb = asked->verb;
-    command.command_text = asked->command_text;
-    command.speed_mps = asked->speed_mps;
-    for (const std::string& name : asked->vehicle_names)
+  command.id = next_id(requested ? requested->id : "");
+  if (requested) {
+    command.verb = requested->verb;
+    command.command_text = requested->command_text;
+    command.speed_mps = requested->speed_mps;
+    for (const std::string& name : requested->vehicle_names)
       command.vehicle_name += (command.vehicle_name.empty() ? "" : ", ") + name;
   }
-  const Result<void> evaluated = asked ? validate_request(*asked) : tl::unexpected(asked.error());
+  const Result<void> evaluated = requested ? validate_request(*requested) : tl::unexpected(requested.error());
   if (!evaluated) {
     simulator_.monitor().command_issued();
     fail_command(command, to_string(evaluated.error()));
     keep(std::move(command));
     return;
   }
-  for (const VehicleIndex v : addressed(*asked)) {
+  for (const VehicleIndex v : addressed(*requested)) {
     Command one = command;
-    if (asked->several) one.id += "." + registry_[v].id.serial_number;
+    if (requested->several) one.id += "." + registry_[v].id.serial_number;
     one.vehicle = v;
     one.vehicle_name = registry_[v].name;
     begin(std::move(one));

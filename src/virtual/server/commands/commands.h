@@ -66,7 +66,7 @@ class Commands {
   void fold(Digest& digest) const;
 
  private:
-  struct Asked {
+  struct Requested {
     std::string id;
     std::string command_text;
     std::vector<std::string> vehicle_names;  ///< or "*" alone
@@ -75,9 +75,9 @@ class Commands {
     bool several{false};  ///< given as a list, or all: an entry each
     [[nodiscard]] bool all() const { return several && vehicle_names.front() == "*"; }
   };
-  [[nodiscard]] Result<Asked> read(const Result<JsonValue>& value) const;
-  [[nodiscard]] Result<void> validate_request(const Asked& asked) const;
-  [[nodiscard]] std::vector<VehicleIndex> addressed(const Asked& asked) const;
+  [[nodiscard]] Result<Requested> read(const Result<JsonValue>& value) const;
+  [[nodiscard]] Result<void> validate_request(const Requested& requested) const;
+  [[nodiscard]] std::vector<VehicleIndex> addressed(const Requested& requested) const;
   /// The monitor, where the command is for a vehicle that it counts.
   [[nodiscard]] BijectionMonitor* monitor_of(const Command& command);
   [[nodiscard]] std::string next_id(const std::string& wanted);

@@ -444,11 +444,11 @@ TEST(ServerCore, traces_what_the_sections_answer_where_a_twin_comes_to_a_new_one
   ServerBench bench;
   bench.add("AIV1", {0, 1.5});
   bench.run_for(5s);  // at 0.3 m/s to beyond the end of the first, 2 m long, and on the half circle of 1.57 m
-  const auto asked = traced(bench, "nextAIVposition", "Simulator");
+  const auto requested = traced(bench, "nextAIVposition", "Simulator");
   const auto acknowledged = traced(bench, "position", "Circuit");
-  ASSERT_THAT(asked, SizeIs(1));
+  ASSERT_THAT(requested, SizeIs(1));
   ASSERT_THAT(acknowledged, SizeIs(1));
-  EXPECT_THAT(*asked[0].text("content"), testing::StartsWith("CoSiVA/AIV1 leaves south 1.9"));
+  EXPECT_THAT(*requested[0].text("content"), testing::StartsWith("CoSiVA/AIV1 leaves south 1.9"));
   EXPECT_THAT(*acknowledged[0].text("content"), testing::StartsWith("CoSiVA/AIV1 on east 0.0"));
 }
 

@@ -137,7 +137,7 @@ void VehicleReports::begin_session(VehicleIndex vehicle) {
   proxy.state_in_session = false;
   proxy.position_known = false;
   proxy.position_lost_since.reset();
-  proxy.factsheet_asked = false;
+  proxy.factsheet_requested = false;
   proxy.boards.reset();
   proxy.boards_stamp.reset();
   proxy.detected_stamp.reset();

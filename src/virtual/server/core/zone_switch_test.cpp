@@ -211,9 +211,9 @@ TEST(Switch, leads_a_vehicle_of_another_make_to_the_map_as_the_standard_says) {
   agv.downloads.push_back(zone::Rtm::initialise(moved_oval("yard", "0.02"))->shared_zone());
   bench.ask(switch_to(moved_oval("yard", "0.02")));
   bench.run_for(15s);
-  std::vector<std::string> asked;
-  for (const wire::InstantActions& message : agv.actions) asked.push_back(message.actions.front().action_type);
-  EXPECT_THAT(asked, testing::IsSupersetOf({"cancelOrder", "downloadMap", "enableMap", "initPosition"}));
+  std::vector<std::string> requested;
+  for (const wire::InstantActions& message : agv.actions) requested.push_back(message.actions.front().action_type);
+  EXPECT_THAT(requested, testing::IsSupersetOf({"cancelOrder", "downloadMap", "enableMap", "initPosition"}));
   EXPECT_EQ(agv.map_id, "yard");
 }
 

@@ -63,7 +63,7 @@ bool OrderRoller::keeps_off(const Wait& wait, zone::Place place) const {
     case WaitReason::crossing: {
       std::vector<CrossingIndex> stands_in;
       map_->crossings_on(place, 0.0, stands_in, traffic_.coming(wait.whom));
-      return std::ranges::any_of(stands_in, [&](CrossingIndex x) { return traffic_.asks_for(wait.who, x); });
+      return std::ranges::any_of(stands_in, [&](CrossingIndex x) { return traffic_.requests(wait.who, x); });
     }
     case WaitReason::beside:
     case WaitReason::eyes: break;

@@ -44,7 +44,7 @@ struct AivProxy {
   SimTime connection_at{};
   std::optional<SimTime> talk_traced;  ///< when what it says to other vehicles was shown last
   std::optional<wire::Factsheet> factsheet;
-  bool factsheet_asked{false};
+  bool factsheet_requested{false};
   SimTime first_heard{};
 
   std::optional<wire::State> state;

@@ -356,7 +356,7 @@ void Traffic::withdraw(VehicleIndex vehicle) {
   std::erase_if(queue_, [vehicle](const Request& r) { return r.vehicle == vehicle; });
 }
 
-bool Traffic::asks_for(VehicleIndex vehicle, CrossingIndex crossing) const {
+bool Traffic::requests(VehicleIndex vehicle, CrossingIndex crossing) const {
   const auto mine = std::ranges::find(queue_, vehicle, &Request::vehicle);
   return mine != queue_.end() && std::ranges::find(mine->crossings, crossing) != mine->crossings.end();
 }

@@ -142,7 +142,7 @@ class Traffic {
   /// It joins it (it may: checked). A base has to follow.
   Convoy join(VehicleIndex vehicle);
   void withdraw(VehicleIndex vehicle);
-  [[nodiscard]] bool asks_for(VehicleIndex vehicle, CrossingIndex crossing) const;
+  [[nodiscard]] bool requests(VehicleIndex vehicle, CrossingIndex crossing) const;
   /// It stands, without a base, in a crossing that somebody else holds, as may be after a switch of zones.
   [[nodiscard]] bool stands_in_anothers(VehicleIndex vehicle) const;
 

@@ -235,7 +235,7 @@ TEST_F(CloverTraffic, does_not_count_a_vehicle_that_stopped_a_centimetre_late_as
   EXPECT_EQ(held_by(0), 0U);
 }
 
-TEST_F(CloverTraffic, serves_first_who_asked_first) {
+TEST_F(CloverTraffic, serves_the_first_request_first) {
   stand_before(0, 0);
   stand_before(1, 2);
   stand_before(2, 4);

@@ -115,10 +115,10 @@ Result<wire::Publish> BatteryTestRelay::ready(const JsonValue& command) const {
         take(command, "temperature", -100.0, 200.0, ready.temperature_c),
         take(command, "charge", 0.0, 100.0, ready.charge_percent)})
     if (!taken) return tl::unexpected(taken.error());
-  const auto asked = changes_.find(vehicle);
-  if (asked == changes_.end())
-    return fail("battery.not_asked", "no test wants a battery changed in '" + vehicle.substr(0, 80) + "' now");
-  return wire::Publish{wire::own_topic(wire::battery_ready_topic_prefix, asked->second.vehicle), to_json(ready), 1,
+  const auto requested = changes_.find(vehicle);
+  if (requested == changes_.end())
+    return fail("battery.not_requested", "no test wants a battery changed in '" + vehicle.substr(0, 80) + "' now");
+  return wire::Publish{wire::own_topic(wire::battery_ready_topic_prefix, requested->second.vehicle), to_json(ready), 1,
                        false};
 }
 

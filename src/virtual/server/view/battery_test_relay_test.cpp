@@ -19,7 +19,7 @@ class BatteryBench : public testing::Test {
   void change(const std::string& vehicle, const std::string& payload) {
     bench.feed(wire::InputKind::message, "cosiva/v1/battery/change/" + vehicle, payload, true);
   }
-  void ask_for(const std::string& vehicle, const std::string& battery) {
+  void request(const std::string& vehicle, const std::string& battery) {
     change(vehicle, to_json(wire::BatteryChange{battery, 1, {}}));
   }
   void test(const wire::BatteryTest& test) {
@@ -48,8 +48,8 @@ class BatteryBench : public testing::Test {
 TEST_F(BatteryBench, nothing_is_shown_until_something_was_heard) { EXPECT_TRUE(battery().is_null()); }
 
 TEST_F(BatteryBench, a_wanted_change_is_shown_until_it_is_taken_back) {
-  ask_for("CoSiVA/AIV1", "red");
-  ask_for("ACME/A7", "blue");
+  request("CoSiVA/AIV1", "red");
+  request("ACME/A7", "blue");
   const JsonValue::Array changes = *battery().find("changes")->array();
   ASSERT_THAT(changes, SizeIs(2));
   EXPECT_EQ(changes[1].text("vehicle"), "CoSiVA/AIV1");
@@ -80,7 +80,7 @@ TEST_F(BatteryBench, a_test_is_shown_as_it_says_it_stands) {
 }
 
 TEST_F(BatteryBench, what_cannot_be_read_is_left_alone_with_a_word) {
-  ask_for("CoSiVA/AIV1", "red");
+  request("CoSiVA/AIV1", "red");
   change("CoSiVA/AIV1", "{");
   bench.feed(wire::InputKind::message, std::string(wire::battery_test_topic), R"({"run":1})");
   EXPECT_THAT(*battery().find("changes")->array(), SizeIs(1));
@@ -89,16 +89,16 @@ TEST_F(BatteryBench, what_cannot_be_read_is_left_alone_with_a_word) {
 }
 
 TEST_F(BatteryBench, made_up_names_do_not_take_the_memory) {
-  for (int i = 0; i < 400; ++i) ask_for("ACME/A" + std::to_string(i), "x");
+  for (int i = 0; i < 400; ++i) request("ACME/A" + std::to_string(i), "x");
   EXPECT_THAT(*battery().find("changes")->array(), SizeIs(BatteryTestRelay::changes_max));
-  ask_for("ACME/A7", "another");  // one that is known
+  request("ACME/A7", "another");  // one that is known
   EXPECT_THAT(bench.server->snapshot_json(), HasSubstr("another"));
 }
 
 TEST_F(BatteryBench, batteryReady_goes_to_the_test_that_asked_with_what_is_usual_where_nothing_is_said) {
   const std::string in = R"({"command":"batteryReady","vehicle":"CoSiVA/AIV1","battery":"red"})";
   EXPECT_THAT(bench.refusal(in), HasSubstr("no test wants"));
-  ask_for("CoSiVA/AIV1", "red");
+  request("CoSiVA/AIV1", "red");
   EXPECT_EQ(bench.refusal(in), "");
   bench.published.clear();
   bench.ask(in);
@@ -111,7 +111,7 @@ TEST_F(BatteryBench, batteryReady_goes_to_the_test_that_asked_with_what_is_usual
 }
 
 TEST_F(BatteryBench, batteryReady_with_a_wrong_field_is_refused_naming_it) {
-  ask_for("CoSiVA/AIV1", "red");
+  request("CoSiVA/AIV1", "red");
   const auto refusal = [&](const std::string& rest) {
     return bench.refusal(R"({"command":"batteryReady","vehicle":"CoSiVA/AIV1",)" + rest + "}");
   };
@@ -127,7 +127,7 @@ TEST_F(BatteryBench, batteryReady_with_a_wrong_field_is_refused_naming_it) {
 }
 
 TEST_F(BatteryBench, what_the_broker_kept_is_known_again_after_a_new_connection) {
-  ask_for("CoSiVA/AIV1", "red");
+  request("CoSiVA/AIV1", "red");
   bench.feed(wire::InputKind::link, "", "down");
   bench.feed(wire::InputKind::link, "", "up");
   EXPECT_TRUE(battery().is_null()) << "it may have been taken back meanwhile; what still holds comes anew";

@@ -64,11 +64,11 @@ PositionFrames::Frame PositionFrames::encode(double time_ms, std::span<const Pos
   }
 
   ++sequence_;
-  const bool key = ask_key_ || sequence_ - key_sequence_ >= key_every_ || !same_handles_as_key();
+  const bool key = request_key_ || sequence_ - key_sequence_ >= key_every_ || !same_handles_as_key();
   if (key) {
     key_sequence_ = sequence_;
     key_ = now_;
-    ask_key_ = false;
+    request_key_ = false;
   }
 
   Frame frame{std::string(header_bytes, '\0'), key};

@@ -44,7 +44,7 @@ class PositionFrames {
   /// @param records   sorted by handle, each once (checked)
   [[nodiscard]] Frame encode(double time_ms, std::span<const PositionRecord> records);
   /// The next frame is a key frame.
-  void ask_key() { ask_key_ = true; }
+  void request_key() { request_key_ = true; }
 
  private:
   using Record = std::array<char, record_bytes>;
@@ -53,7 +53,7 @@ class PositionFrames {
   std::uint32_t key_every_;
   std::uint32_t sequence_{0};
   std::uint32_t key_sequence_{0};
-  bool ask_key_{true};
+  bool request_key_{true};
   // As they go over the wire: what differs is judged by what a reader would see.
   std::vector<Record> key_;
   std::vector<Record> now_;

@@ -112,7 +112,7 @@ TEST(PositionFrames, are_key_frames_at_least_as_often_as_asked) {
   std::string pattern;
   for (int i = 0; i < 10; ++i) pattern += frames.encode(0.0, {}).key ? 'K' : 'd';
   EXPECT_EQ(pattern, "KdddKdddKd");
-  frames.ask_key();
+  frames.request_key();
   EXPECT_TRUE(frames.encode(0.0, {}).key);
   EXPECT_FALSE(frames.encode(0.0, {}).key);
 }

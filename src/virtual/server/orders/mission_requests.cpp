@@ -15,14 +15,14 @@ constexpr std::size_t shown_max = 3;
 std::string cut(std::string_view text) { return std::string(text.substr(0, 80)); }
 
 /// "; the nearest are dock, deck and duck", or what else there is to say.
-std::string nearest_names(std::string_view asked, const std::vector<std::string_view>& names,
+std::string nearest_names(std::string_view requested, const std::vector<std::string_view>& names,
                           std::string_view of_what) {
   if (names.empty()) return "; this zone has no " + std::string(of_what);
   if (names.size() > likened_max) return "";
   std::vector<std::pair<std::size_t, std::string_view>> ranked;
   ranked.reserve(names.size());
   for (const std::string_view name : names)
-    ranked.emplace_back(edit_distance(asked.substr(0, 64), name.substr(0, 64)), name);
+    ranked.emplace_back(edit_distance(requested.substr(0, 64), name.substr(0, 64)), name);
   std::ranges::stable_sort(ranked, {}, &std::pair<std::size_t, std::string_view>::first);
   std::string text = names.size() > shown_max ? "; the nearest " : "; there ";
   if (ranked.size() > shown_max) ranked.resize(shown_max);
