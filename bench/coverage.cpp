@@ -8,7 +8,7 @@
 
 #include "bench/zones.h"
 #include "cosiva/aiv/estimation/registry.h"
-#include "cosiva/experiments/positioning/metrology/figures.h"
+#include "cosiva/experiments/positioning/metrology/metrics.h"
 #include "cosiva/experiments/positioning/metrology/simulate.h"
 #include "cosiva/experiments/statistics/interval.h"
 #include "cosiva/experiments/statistics/paired.h"
@@ -17,7 +17,7 @@
 namespace {
 
 using namespace cosiva;
-using experiments::RunFigures;
+using experiments::RunMetrics;
 
 /// Figures of one algorithm on one run; the run number is all that differs.
 class Laboratory {
@@ -27,11 +27,11 @@ class Laboratory {
     simulation_.odometry_hz = 11.0;
     simulation_.turns = false;
   }
-  RunFigures run(const char* algorithm, std::uint64_t number) {
+  RunMetrics run(const char* algorithm, std::uint64_t number) {
     experiments::simulate(simulation_, number, trial_);
     auto made = registry_.make(algorithm, trial_.setting);
     (void)experiments::apply(**made, trial_, trace_);
-    return experiments::figures_of(trial_, trace_, 0.01);
+    return experiments::metrics_of(trial_, trace_, 0.01);
   }
 
  private:
@@ -49,7 +49,7 @@ GroundTruth ground_truth_of(Laboratory& laboratory, std::size_t runs) {
   double squares = 0.0;
   GroundTruth ground_truth{};
   for (std::size_t i = 0; i < runs; ++i) {
-    const RunFigures f = laboratory.run("arc_kalman", 1'000'000'000 + i);
+    const RunMetrics f = laboratory.run("arc_kalman", 1'000'000'000 + i);
     squares += f.mse_m2;
     ground_truth.mean_m += f.mean_m / static_cast<double>(runs);
     ground_truth.precision += f.precision / static_cast<double>(runs);
@@ -98,7 +98,7 @@ int main(int argc, char** argv) {
     std::vector<double> differences;
     std::vector<double> real;
     for (std::size_t i = 0; i < runs; ++i) {
-      const RunFigures f = laboratory.run("arc_kalman", number++);
+      const RunMetrics f = laboratory.run("arc_kalman", number++);
       mses.push_back(f.mse_m2);
       means.push_back(f.mean_m);
       precisions.push_back(f.precision);

@@ -45,7 +45,7 @@ struct Options {
   std::string as{"fleet"};
 };
 
-struct Figures {
+struct Metrics {
   std::size_t vehicles;
   double ups;
   double ups_cpu;  ///< by processor time: what else the machine does counts less
@@ -117,7 +117,7 @@ class Gains {
   double sum_m2ps2_{0.0};
 };
 
-Figures measure(const Options& options, Fleet& fleet, Workers& workers) {
+Metrics measure(const Options& options, Fleet& fleet, Workers& workers) {
   const auto warm_up = static_cast<std::size_t>(options.warm_up_s / step_s);
   for (std::size_t i = 0; i < warm_up; ++i) fleet.step(workers);
   using Clock = std::chrono::steady_clock;
@@ -170,40 +170,40 @@ Figures measure(const Options& options, Fleet& fleet, Workers& workers) {
           digest.hex()};
 }
 
-void print(const Options& options, const Figures& figures) {
+void print(const Options& options, const Metrics& metrics) {
   if (options.json) {
     JsonWriter json;
     json.begin_object()
-        .field("vehicles", static_cast<double>(figures.vehicles))
-        .field("ups", figures.ups)
-        .field("ups_cpu", figures.ups_cpu)
-        .field("ns_per_update", figures.ns_per_update)
-        .field("bytes_per_vehicle", figures.bytes_per_vehicle)
-        .field("mean_mps", figures.mean_mps)
-        .field("waiting_ratio", figures.waiting_ratio)
-        .field("gained_m2ps2", figures.gained_m2ps2)
-        .field("loop_m", figures.loop_m)
-        .field("smallest_gap_m", figures.smallest_gap_m)
-        .field("collisions", static_cast<double>(figures.collisions))
-        .field("stuck", static_cast<double>(figures.stuck))
-        .field("digest", figures.digest)
+        .field("vehicles", static_cast<double>(metrics.vehicles))
+        .field("ups", metrics.ups)
+        .field("ups_cpu", metrics.ups_cpu)
+        .field("ns_per_update", metrics.ns_per_update)
+        .field("bytes_per_vehicle", metrics.bytes_per_vehicle)
+        .field("mean_mps", metrics.mean_mps)
+        .field("waiting_ratio", metrics.waiting_ratio)
+        .field("gained_m2ps2", metrics.gained_m2ps2)
+        .field("loop_m", metrics.loop_m)
+        .field("smallest_gap_m", metrics.smallest_gap_m)
+        .field("collisions", static_cast<double>(metrics.collisions))
+        .field("stuck", static_cast<double>(metrics.stuck))
+        .field("digest", metrics.digest)
         .end_object();
     std::printf("%s\n", json.text().c_str());
   } else {
-    const std::string name = options.as + ".n" + std::to_string(figures.vehicles);
+    const std::string name = options.as + ".n" + std::to_string(metrics.vehicles);
     const auto line = [&](const char* what, double value, const char* unit) {
       std::printf("%s.%s %.6g %s\n", name.c_str(), what, value, unit);
     };
-    std::printf("%s.ups %.0f updates/s\n", name.c_str(), figures.ups);
-    std::printf("%s.ups_cpu %.0f updates/cpu-s\n", name.c_str(), figures.ups_cpu);
-    line("time", figures.ns_per_update, "cpu-ns/update");
-    line("bytes", figures.bytes_per_vehicle, "bytes/vehicle");
-    line("speed", figures.mean_mps, "m/s");
-    line("waiting", figures.waiting_ratio, "of_time");
-    line("gap", figures.smallest_gap_m, "m");
-    line("collisions", static_cast<double>(figures.collisions), "vehicle-steps");
-    line("stuck", static_cast<double>(figures.stuck), "vehicles");
-    std::printf("%s.digest %s of_this_run\n", name.c_str(), figures.digest.c_str());
+    std::printf("%s.ups %.0f updates/s\n", name.c_str(), metrics.ups);
+    std::printf("%s.ups_cpu %.0f updates/cpu-s\n", name.c_str(), metrics.ups_cpu);
+    line("time", metrics.ns_per_update, "cpu-ns/update");
+    line("bytes", metrics.bytes_per_vehicle, "bytes/vehicle");
+    line("speed", metrics.mean_mps, "m/s");
+    line("waiting", metrics.waiting_ratio, "of_time");
+    line("gap", metrics.smallest_gap_m, "m");
+    line("collisions", static_cast<double>(metrics.collisions), "vehicle-steps");
+    line("stuck", static_cast<double>(metrics.stuck), "vehicles");
+    std::printf("%s.digest %s of_this_run\n", name.c_str(), metrics.digest.c_str());
   }
   std::fflush(stdout);
 }
@@ -224,9 +224,9 @@ int run(const Options& options) {
       std::fprintf(stderr, "fleet: %s\n", to_string(fleet.error()).c_str());
       return 2;
     }
-    const Figures figures = measure(options, *fleet, workers);
-    safe = safe && figures.collisions == 0;
-    print(options, figures);
+    const Metrics metrics = measure(options, *fleet, workers);
+    safe = safe && metrics.collisions == 0;
+    print(options, metrics);
   }
   return safe ? 0 : 1;
 }

@@ -262,17 +262,17 @@ bool twin_tells(const virtual_side::ServerCore& core, const std::string& payload
   return false;
 }
 
-struct Figures {
+struct Metrics {
   std::size_t received{};
   double p50_us{};
   double p99_us{};
 };
-Figures figures(const Latencies& latencies) {
+Metrics metrics(const Latencies& latencies) {
   const std::vector<double> us = latencies.sorted_us();
   return {latencies.count(), quantile(us, 0.50), quantile(us, 0.99)};
 }
 
-int report(const Options& options, std::size_t count, double bytes, const Figures& bare, const Figures& twin,
+int report(const Options& options, std::size_t count, double bytes, const Metrics& bare, const Metrics& twin,
            std::size_t checked, std::size_t wrong) {
   const double added_p50_us = twin.p50_us - bare.p50_us;
   const double added_p99_us = twin.p99_us - bare.p99_us;
@@ -370,7 +370,7 @@ int measure(const Options& options) {
   loop.run_until([&] { return twin.count() >= count && bare.count() >= count; }, limit);
   vehicles.join();
   const double bytes = static_cast<double>(publisher.bytes()) / static_cast<double>(count);
-  return report(options, count, bytes, figures(bare), figures(twin), checked, wrong);
+  return report(options, count, bytes, metrics(bare), metrics(twin), checked, wrong);
 }
 
 }  // namespace

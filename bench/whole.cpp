@@ -63,7 +63,7 @@ int measure(const Options& options) {
   const double cpu_s = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
   const double simulated_s = to_seconds(rig->now() - start);
 
-  const auto figures = experiments::analyse(rig->procedure().records(), options.aivs);
+  const auto metrics = experiments::analyse(rig->procedure().records(), options.aivs);
   double driven_m = 0.0;
   for (const auto& record : rig->procedure().records()) driven_m += record.distance_m;
   const std::size_t collisions = rig->world().plant().collisions().size();
@@ -76,8 +76,8 @@ int measure(const Options& options) {
           : "%u AIVs at %g Hz: %.0f s simulated in %.2f s of one core, %.1f us for a vehicle's second, %.1f s for ten "
             "hours; autonomy %.2f s, %zu failed, %.1f m driven, %zu collisions\n";
   std::printf(format, options.aivs, options.hz, simulated_s, cpu_s, each_us, cpu_s * ten_hours_s / simulated_s,
-              figures.at_s, figures.failed, driven_m, collisions);
-  return collisions == 0 && figures.failed == 0 ? 0 : 1;
+              metrics.at_s, metrics.failed, driven_m, collisions);
+  return collisions == 0 && metrics.failed == 0 ? 0 : 1;
 }
 
 }  // namespace

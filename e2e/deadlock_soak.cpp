@@ -24,7 +24,7 @@
 namespace {
 
 using namespace cosiva;
-using experiments::testing::DeadlockFigures;
+using experiments::testing::DeadlockMetrics;
 
 struct Plan {
   zone::ZoneConfiguration zone;
@@ -42,7 +42,7 @@ struct Outcome {
   std::size_t collisions{};
   double distance_m{};
   double slowest_m{};
-  DeadlockFigures deadlocks;
+  DeadlockMetrics deadlocks;
   std::string digest;
   std::string failure;
   std::vector<std::string> told;  ///< by the server, of deadlocks
@@ -74,7 +74,7 @@ void evaluate(const experiments::World& world, Outcome& outcome) {
     outcome.told.push_back("collision of " + collision.a + " and " + collision.b + " at " + to_iso8601(collision.at));
   outcome.collisions = world.plant().collisions().size();
   if (outcome.collisions > 0) fail_with(outcome, std::to_string(outcome.collisions) + " collisions");
-  outcome.deadlocks = experiments::testing::deadlock_figures(world);
+  outcome.deadlocks = experiments::testing::deadlock_metrics(world);
   if (outcome.deadlocks.open > 0.0) fail_with(outcome, "a deadlock is not resolved");
   const auto all_m = driven_m(world);
   outcome.slowest_m = *std::ranges::min_element(all_m);
@@ -131,7 +131,7 @@ std::vector<Outcome> run_all(const Plan& plan) {
 int summarise(const Plan& plan, const std::vector<Outcome>& outcomes, double took_s) {
   std::size_t failed = 0;
   std::size_t collisions = 0;
-  DeadlockFigures all;
+  DeadlockMetrics all;
   for (const Outcome& outcome : outcomes) {
     failed += outcome.failure.empty() ? 0U : 1U;
     collisions += outcome.collisions;

@@ -43,7 +43,7 @@ struct Outcome {
   double distance_m{};
   double slowest_m{};
   double matched_ratio{};
-  experiments::testing::DeadlockFigures deadlocks;
+  experiments::testing::DeadlockMetrics deadlocks;
   std::string digest;
   std::string failure;
 };
@@ -94,7 +94,7 @@ Outcome run(const Plan& plan, std::uint64_t seed) {
     outcome.distance_m += vehicle.distance_m;
     outcome.slowest_m = std::min(outcome.slowest_m, vehicle.distance_m);
   }
-  outcome.deadlocks = experiments::testing::deadlock_figures(**world);
+  outcome.deadlocks = experiments::testing::deadlock_metrics(**world);
   if (outcome.deadlocks.open > 0.0) outcome.failure = "a deadlock is not resolved; ";
   if (outcome.collisions != 0) outcome.failure += std::to_string(outcome.collisions) + " collisions";
   if (outcome.longest_wait_s > longest_wait_allowed_s) {

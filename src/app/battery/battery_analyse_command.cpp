@@ -18,7 +18,7 @@
 namespace cosiva::app {
 namespace {
 
-using experiments::AutonomyFigures;
+using experiments::AutonomyMetrics;
 using experiments::RecordedSeries;
 
 Result<std::vector<RecordedSeries>> load(const BatteryAnalyseArguments& arguments) {
@@ -79,12 +79,12 @@ std::string again(const BatteryAnalyseArguments& arguments) {
 }
 
 Result<void> write_report(const BatteryAnalyseArguments& arguments, const std::string& directory,
-                          const RecordedSeries& series, const AutonomyFigures& figures, const std::string& json) {
+                          const RecordedSeries& series, const AutonomyMetrics& metrics, const std::string& json) {
   const experiments::ReportFacts facts{series.name,      again(arguments),     "as the measurements'",
                                        again(arguments), "as it was measured", std::nullopt};
   return adapters::write_files(
       directory,
-      {{"result.json", json}, {"report.html", experiments::report_html(figures, series.records, {}, facts)}});
+      {{"result.json", json}, {"report.html", experiments::report_html(metrics, series.records, {}, facts)}});
 }
 
 }  // namespace
@@ -97,21 +97,21 @@ int run_battery_analyse(const BatteryAnalyseArguments& arguments) {
   if (all->size() > 1) json.begin_object().key("series").begin_array();
   std::string text;
   for (const RecordedSeries& series : *all) {
-    const AutonomyFigures figures =
+    const AutonomyMetrics metrics =
         experiments::analyse(series.records, series.batteries, 0.01 * arguments.half_width_percent, arguments.seed);
-    const std::string own = experiments::to_json(figures, series.records, {});
+    const std::string own = experiments::to_json(metrics, series.records, {});
     if (all->size() > 1)
       json.begin_object().field("name", series.name).key("result").raw(own).end_object();
     else
       json.raw(own);
-    text += (text.empty() ? "" : "\n\n") + series.name + ": " + experiments::to_text(figures, series.records);
+    text += (text.empty() ? "" : "\n\n") + series.name + ": " + experiments::to_text(metrics, series.records);
     if (arguments.half_width_percent > 0.0)
-      text += "\n" + stop_text(figures.stopped_after, arguments.half_width_percent);
+      text += "\n" + stop_text(metrics.stopped_after, arguments.half_width_percent);
     if (arguments.out_directory.empty()) continue;
     const std::string directory = all->size() > 1
                                       ? (std::filesystem::path{arguments.out_directory} / series.name).string()
                                       : arguments.out_directory;
-    if (auto written = write_report(arguments, directory, series, figures, own); !written)
+    if (auto written = write_report(arguments, directory, series, metrics, own); !written)
       return complain(written.error());
     say("written to " + directory + ": report.html, result.json");
   }

@@ -130,7 +130,7 @@ std::string again(const BatteryTestArguments& arguments, const std::string& comm
 }
 
 Result<void> write_report(const BatteryTestArguments& arguments, const std::string& command, const Outcome& outcome,
-                          const VirtualRigOptions& options, const experiments::AutonomyFigures& figures,
+                          const VirtualRigOptions& options, const experiments::AutonomyMetrics& metrics,
                           const std::string& json) {
   const battery::PackDesign& design = options.battery.design;
   const experiments::ReportFacts facts{options.battery.type.name + ", " + std::to_string(design.series) + " × " +
@@ -145,7 +145,7 @@ Result<void> write_report(const BatteryTestArguments& arguments, const std::stri
       arguments.out_directory,
       {{"result.json", json},
        {"curves.csv", experiments::to_csv(outcome.records)},
-       {"report.html", experiments::report_html(figures, outcome.records, outcome.ground_truth, facts)}});
+       {"report.html", experiments::report_html(metrics, outcome.records, outcome.ground_truth, facts)}});
 }
 
 /// The whole platform to the end.
@@ -261,17 +261,17 @@ int run_test(const BatteryTestArguments& arguments, const std::string& command, 
   const auto outcome = run_somehow(arguments, *options, vehicles);
   if (!outcome) return complain(outcome.error());
 
-  const auto figures = experiments::analyse(outcome->records, vehicles, half_width, arguments.seed);
-  const std::string json = experiments::to_json(figures, outcome->records, outcome->ground_truth);
+  const auto metrics = experiments::analyse(outcome->records, vehicles, half_width, arguments.seed);
+  const std::string json = experiments::to_json(metrics, outcome->records, outcome->ground_truth);
   if (!arguments.out_directory.empty()) {
-    if (auto written = write_report(arguments, command, *outcome, *options, figures, json); !written)
+    if (auto written = write_report(arguments, command, *outcome, *options, metrics, json); !written)
       return complain(written.error());
     say("written to " + arguments.out_directory + ": report.html, result.json, curves.csv");
   }
-  std::string text = experiments::to_text(figures, outcome->records);
-  if (half_width > 0.0) text += "\n" + stop_text(figures.stopped_after, arguments.half_width_percent);
-  if (half_width > 0.0 && figures.stopped_after && figures.runs < arguments.repeat)
-    text += ", nor more runs than the " + std::to_string(figures.runs) + " of " + std::to_string(arguments.repeat) +
+  std::string text = experiments::to_text(metrics, outcome->records);
+  if (half_width > 0.0) text += "\n" + stop_text(metrics.stopped_after, arguments.half_width_percent);
+  if (half_width > 0.0 && metrics.stopped_after && metrics.runs < arguments.repeat)
+    text += ", nor more runs than the " + std::to_string(metrics.runs) + " of " + std::to_string(arguments.repeat) +
             " that were made";
   // Under a floor by count alone every battery of a type comes out alike: worth a word.
   if (options->battery.gauge != battery::GaugeMethod::kalman && options->procedure.floor > 0.0)

@@ -108,14 +108,14 @@ void write(JsonWriter& json, std::string_view key, const vision::Residuals& r) {
   json.end_object();
 }
 
-std::string figures_json(const vision::Calibrated& made, const std::optional<vision::PoseResiduals>& poses) {
+std::string metrics_json(const vision::Calibrated& made, const std::optional<vision::PoseResiduals>& poses) {
   JsonWriter json{2};
   json.begin_object().field("model", name_of(made.calibration.model)).key("tried").begin_array();
   for (const vision::Tried& tried : made.tried) {
     json.begin_object().field("model", name_of(tried.options.model));
     write(json, "fitted", tried.fitted);
-    write(json, "colours", tried.colour.figures);
-    write(json, "blocks", tried.block.figures);
+    write(json, "colours", tried.colour.metrics);
+    write(json, "blocks", tried.block.metrics);
     json.end_object();
   }
   json.end_array();
@@ -144,9 +144,9 @@ std::string text_of(const vision::Calibrated& made, const std::optional<vision::
   for (std::size_t i = 0; i < made.tried.size(); ++i) {
     const vision::Tried& tried = made.tried[i];
     std::string line = (i == made.chosen ? "* " : "  ") + std::string(name_of(tried.options.model));
-    for (const vision::Residuals* r : {&tried.fitted, &tried.colour.figures, &tried.block.figures}) {
+    for (const vision::Residuals* r : {&tried.fitted, &tried.colour.metrics, &tried.block.metrics}) {
       line.resize(std::max<std::size_t>(line.size() + 1, r == &tried.fitted           ? 19
-                                                         : r == &tried.colour.figures ? 36
+                                                         : r == &tried.colour.metrics ? 36
                                                                                       : 53),
                   ' ');
       line += both(*r);
@@ -172,16 +172,16 @@ std::string page_of(const vision::Calibrated& made, const std::optional<vision::
                     const std::string& map, const std::string& name) {
   experiments::Report report{"Calibration of a camera over the floor", name};
   const vision::Tried& best = made.tried[made.chosen];
-  report.facts({{decimals(1e3 * best.colour.figures.rms_m, 2) + " mm", "rms on the other colour"},
-                {decimals(1e3 * best.block.figures.rms_m, 2) + " mm", "rms on left-out blocks"},
-                {decimals(1e3 * best.block.figures.max_m, 1) + " mm", "at most, there"},
+  report.facts({{decimals(1e3 * best.colour.metrics.rms_m, 2) + " mm", "rms on the other colour"},
+                {decimals(1e3 * best.block.metrics.rms_m, 2) + " mm", "rms on left-out blocks"},
+                {decimals(1e3 * best.block.metrics.max_m, 1) + " mm", "at most, there"},
                 {std::string(name_of(best.options.model)), "model chosen"}});
   report.heading("Where it may be trusted, and how far")
       .figure(map, "Every point was judged by a fit that had not seen it.");
   std::vector<std::vector<std::string>> rows;
   for (const vision::Tried& tried : made.tried)
-    rows.push_back({std::string(name_of(tried.options.model)), both(tried.fitted), both(tried.colour.figures),
-                    both(tried.block.figures)});
+    rows.push_back({std::string(name_of(tried.options.model)), both(tried.fitted), both(tried.colour.metrics),
+                    both(tried.block.metrics)});
   report.heading("Models tried").table({"model", "fitted, rms (max) mm", "other colour", "left-out block"}, rows);
   report.paragraph("The print's or the survey's own error is not seen here: it is the same in all points.");
   if (poses)
@@ -240,13 +240,13 @@ int run_gvs_calibrate(const GvsCalibrateArguments& a) {
                                                             {"reference_budget.json", budget},
                                                             {"residual_map.svg", map},
                                                             {"points.csv", vision::write_points(material->points)},
-                                                            {"result.json", figures_json(*made, poses) + "\n"},
+                                                            {"result.json", metrics_json(*made, poses) + "\n"},
                                                             {"report.html", page_of(*made, poses, map, a.name)}});
         !written)
       return complain(written.error());
     say("written into " + a.out_folder);
   }
-  print(a.json ? figures_json(*made, poses) : text_of(*made, poses));
+  print(a.json ? metrics_json(*made, poses) : text_of(*made, poses));
   return exit_done;
 }
 

@@ -32,7 +32,7 @@ struct Timing {
 struct Tracked {
   std::map<int, std::vector<vision::Fix>> fixes;
   std::vector<Timing> timing;
-  vision::Tracker::Figures figures;
+  vision::Tracker::Metrics metrics;
   double uncertainty_mean_m{0.0};
 };
 
@@ -72,8 +72,8 @@ Result<Tracked> track(const GvsTrackArguments& a, const vision::Calibration& cal
     }
     if (ticker.ticks()) say("cosiva: " + std::to_string(tracked.timing.size()) + " pictures");
   }
-  tracked.figures = tracker.figures();
-  if (tracked.figures.fixes > 0) tracked.uncertainty_mean_m /= static_cast<double>(tracked.figures.fixes);
+  tracked.metrics = tracker.metrics();
+  if (tracked.metrics.fixes > 0) tracked.uncertainty_mean_m /= static_cast<double>(tracked.metrics.fixes);
   return tracked;
 }
 
@@ -156,8 +156,8 @@ double median_ms(const std::vector<Timing>& timing) {
 
 std::string json_of(const Tracked& tracked, const std::vector<Offset>& offsets) {
   JsonWriter json{2};
-  json.begin_object().field("pictures", tracked.figures.images).field("fixes", tracked.figures.fixes);
-  json.field("lost", tracked.figures.lost).field("strange", tracked.figures.strange);
+  json.begin_object().field("pictures", tracked.metrics.images).field("fixes", tracked.metrics.fixes);
+  json.field("lost", tracked.metrics.lost).field("strange", tracked.metrics.strange);
   json.field("median_ms", median_ms(tracked.timing)).field("uncertainty_mean_mm", 1e3 * tracked.uncertainty_mean_m);
   json.key("vehicles").begin_array();
   for (const auto& [tag, fixes] : tracked.fixes)
@@ -187,12 +187,12 @@ std::string json_of(const Tracked& tracked, const std::vector<Offset>& offsets) 
 }
 
 std::string text_of(const Tracked& tracked, const std::vector<Offset>& offsets) {
-  std::string text = std::to_string(tracked.fixes.size()) + " vehicles, " + std::to_string(tracked.figures.fixes) +
-                     " fixes in " + std::to_string(tracked.figures.images) + " pictures; " +
+  std::string text = std::to_string(tracked.fixes.size()) + " vehicles, " + std::to_string(tracked.metrics.fixes) +
+                     " fixes in " + std::to_string(tracked.metrics.images) + " pictures; " +
                      decimals(median_ms(tracked.timing), 1) + " ms of a processor per picture (median)\n";
   text += "uncertainty " + decimals(1e3 * tracked.uncertainty_mean_m, 2) + " mm on average (calibration and tags); " +
-          std::to_string(tracked.figures.lost) + " times one was not found again, " +
-          std::to_string(tracked.figures.strange) + " tags that were none";
+          std::to_string(tracked.metrics.lost) + " times one was not found again, " +
+          std::to_string(tracked.metrics.strange) + " tags that were none";
   if (const auto mean = mean_offset(offsets)) {
     text += "\nstamps are late by " + decimals(1e3 * mean->first, 2) + " ± " + decimals(1e3 * mean->second, 2) +
             " ms against the references; not applied: poses are as the camera stamped them";
@@ -260,7 +260,7 @@ int run_gvs_track(const GvsTrackArguments& a) {
   }
   print(a.json ? result : text_of(*tracked, *offsets));
   // Its own check: pictures that show nobody prove nothing.
-  if (tracked->figures.fixes == 0) {
+  if (tracked->metrics.fixes == 0) {
     say("cosiva: no vehicle was seen in any picture");
     return exit_check_failed;
   }

@@ -29,8 +29,8 @@ void write(JsonWriter& json, const JsonValue& value) {
   }
 }
 
-std::string millis(const JsonValue& figures, std::string_view of, double scale, const char* unit) {
-  const JsonValue* spread = figures.find(of);
+std::string millis(const JsonValue& metrics, std::string_view of, double scale, const char* unit) {
+  const JsonValue* spread = metrics.find(of);
   const auto p99 = spread == nullptr ? std::nullopt : spread->number("p99");
   return p99 ? decimals(*p99 * scale, 1) + unit : std::string("unknown");
 }

@@ -68,7 +68,7 @@ std::vector<const EvaluatedTrajectory*> best_of(const std::vector<EvaluatedTraje
   return ones;
 }
 
-void add_figures(Report& report, const std::vector<EvaluatedTrajectory>& all, const experiments::Trajectory& reference) {
+void add_metrics(Report& report, const std::vector<EvaluatedTrajectory>& all, const experiments::Trajectory& reference) {
   Chart error{{"time [s]", {}, {}}, {"error [mm]", 0.0, {}}, {}};
   Chart distribution{{"error [mm]", 0.0, {}}, {"share of pairs", 0.0, 1.0}, {}};
   Chart map{{"x [m]", {}, {}}, {"y [m]", {}, {}}, {}};
@@ -152,7 +152,7 @@ std::string page_of(const std::vector<EvaluatedTrajectory>& all, const experimen
   if (alignment != experiments::Alignment::none)
     report.paragraph("Aligned (" + arguments.align + "), as was asked for: estimates were " +
                      std::string(text_of(alignment)) + ". The figures tell the shape of ways, not where they lie.");
-  add_figures(report, all, reference);
+  add_metrics(report, all, reference);
   add_comparisons(report, all, budget);
   report.heading("Conditions");
   const bool nearest = arguments.associate == "nearest";

@@ -16,7 +16,7 @@ namespace cosiva::app {
 struct EvaluatedTrajectory {
   std::string name;  ///< its file's, without folder and ending; no two have the same
   std::optional<Error> failed;
-  experiments::ApeFigures ape;
+  experiments::ApeMetrics ape;
   double variance_m2{};
   double precision{};
   double p90_m{}, p95_m{}, p99_m{};

@@ -15,7 +15,7 @@
 namespace cosiva::app {
 
 /// The virtual fleet of one size, stepped for a while.
-struct StepFigures {
+struct StepMetrics {
   std::uint64_t vehicles{};
   std::uint64_t steps{};
   double p50_ms{};  ///< of a step of 0.1 s
@@ -25,7 +25,7 @@ struct StepFigures {
   [[nodiscard]] double speed() const { return 100.0 / p50_ms; }
 };
 /// @param zone  as many copies of it as the vehicles need
-[[nodiscard]] Result<StepFigures> measure_steps(const std::shared_ptr<const zone::TrafficZone>& zone,
+[[nodiscard]] Result<StepMetrics> measure_steps(const std::shared_ptr<const zone::TrafficZone>& zone,
                                                 const std::shared_ptr<const aiv::AgentRules>& rules,
                                                 std::uint64_t vehicles, double seconds);
 
@@ -35,10 +35,10 @@ struct Carried {
   std::optional<std::uint64_t> sure;
   std::optional<std::uint64_t> expected;
 };
-[[nodiscard]] Carried carried_at(const std::vector<StepFigures>& measured, double speed);
+[[nodiscard]] Carried carried_at(const std::vector<StepMetrics>& measured, double speed);
 
 /// The whole platform on this machine with so many vehicles over MQTT.
-struct LiveFigures {
+struct LiveMetrics {
   std::uint32_t vehicles{};
   double matched_ratio{};
   double age_p50_ms{};
@@ -47,15 +47,15 @@ struct LiveFigures {
   std::uint64_t collisions{};
 };
 /// From what `cosiva up --json` printed. Fails ("capacity.live") where that is no such summary.
-[[nodiscard]] Result<LiveFigures> live_figures(std::uint32_t vehicles, std::string_view summary);
+[[nodiscard]] Result<LiveMetrics> live_metrics(std::uint32_t vehicles, std::string_view summary);
 
-struct CapacityFigures {
+struct CapacityMetrics {
   std::string zone;
   std::string rules;
-  std::vector<StepFigures> steps;
-  std::vector<LiveFigures> live;
+  std::vector<StepMetrics> steps;
+  std::vector<LiveMetrics> live;
 };
-void write_json(JsonWriter& json, const CapacityFigures& figures);
-[[nodiscard]] std::string to_text(const CapacityFigures& figures);
+void write_json(JsonWriter& json, const CapacityMetrics& metrics);
+[[nodiscard]] std::string to_text(const CapacityMetrics& metrics);
 
 }  // namespace cosiva::app

@@ -19,7 +19,7 @@ namespace {
 constexpr double step_ms_max = 150.0;
 
 /// The whole platform as a process of its own, as a user starts it.
-Result<LiveFigures> measure_live(const CapacityArguments& arguments, std::uint32_t vehicles) {
+Result<LiveMetrics> measure_live(const CapacityArguments& arguments, std::uint32_t vehicles) {
   adapters::EventLoop loop;
   std::string summary;
   bool ended = false;
@@ -40,20 +40,20 @@ Result<LiveFigures> measure_live(const CapacityArguments& arguments, std::uint32
   const auto timeout = std::chrono::milliseconds{static_cast<std::int64_t>(1000.0 * arguments.live_s) + 60'000};
   if (!loop.run_until([&] { return ended; }, timeout))
     return fail("capacity.live", "the platform with " + std::to_string(vehicles) + " vehicles did not end in time");
-  return live_figures(vehicles, summary);
+  return live_metrics(vehicles, summary);
 }
 
-Result<CapacityFigures> measure(const CapacityArguments& arguments) {
+Result<CapacityMetrics> measure(const CapacityArguments& arguments) {
   const auto rtm = open_zone(arguments.zone);
   if (!rtm) return tl::unexpected(rtm.error());
   const auto rules = load_fleet_rules(arguments.rules);
   if (!rules) return tl::unexpected(rules.error());
-  CapacityFigures figures{rtm->zone().name, arguments.rules, {}, {}};
+  CapacityMetrics metrics{rtm->zone().name, arguments.rules, {}, {}};
   for (std::uint64_t vehicles = 100; vehicles <= arguments.vehicles_max; vehicles *= 10) {
     say("measuring a fleet of " + std::to_string(vehicles));
     auto one = measure_steps(rtm->shared_zone(), *rules, vehicles, arguments.seconds);
     if (!one) return tl::unexpected(one.error());
-    figures.steps.push_back(*one);
+    metrics.steps.push_back(*one);
     if (one->p50_ms > step_ms_max) break;
   }
   for (const std::uint32_t vehicles : arguments.live) {
@@ -61,18 +61,18 @@ Result<CapacityFigures> measure(const CapacityArguments& arguments) {
     say("measuring the platform with " + std::to_string(vehicles) + " vehicles over MQTT");
     auto one = measure_live(arguments, vehicles);
     if (!one) return tl::unexpected(one.error());
-    figures.live.push_back(*one);
+    metrics.live.push_back(*one);
   }
-  return figures;
+  return metrics;
 }
 
 }  // namespace
 
 int run_capacity(const CapacityArguments& arguments) {
-  const auto figures = measure(arguments);
-  if (!figures) return complain(figures.error());
+  const auto metrics = measure(arguments);
+  if (!metrics) return complain(metrics.error());
   JsonWriter json;
-  write_json(json, *figures);
+  write_json(json, *metrics);
   if (!arguments.out_file.empty())
     if (auto written = adapters::write_file(arguments.out_file, json.text() + "\n"); !written)
       return complain(written.error());
@@ -80,7 +80,7 @@ int run_capacity(const CapacityArguments& arguments) {
     print(json.take());
     return exit_done;
   }
-  std::string text = to_text(*figures);
+  std::string text = to_text(*metrics);
   text.pop_back();
   print(text);
   return exit_done;

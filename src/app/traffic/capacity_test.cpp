@@ -12,10 +12,10 @@ namespace {
 using bench::cosiva;
 using ::testing::HasSubstr;
 
-StepFigures of(std::uint64_t vehicles, double p99_ms) { return {vehicles, 100, 0.5 * p99_ms, p99_ms, 200.0}; }
+StepMetrics of(std::uint64_t vehicles, double p99_ms) { return {vehicles, 100, 0.5 * p99_ms, p99_ms, 200.0}; }
 
 TEST(Capacity, promises_what_was_measured_and_says_what_to_expect_beyond) {
-  const std::vector<StepFigures> measured{of(1'000, 0.1), of(100'000, 8.0)};
+  const std::vector<StepMetrics> measured{of(1'000, 0.1), of(100'000, 8.0)};
   EXPECT_EQ(carried_at(measured, 1.0).sure, 100'000U);
   EXPECT_EQ(carried_at(measured, 1.0).expected, 1'200'000U) << "100 ms for 8 ms each, to two digits";
   EXPECT_EQ(carried_at(measured, 100.0).sure, 1'000U) << "8 ms is more than 1 ms";
@@ -24,13 +24,13 @@ TEST(Capacity, promises_what_was_measured_and_says_what_to_expect_beyond) {
 }
 
 TEST(Capacity, takes_the_live_figures_from_the_platform_s_own_summary) {
-  const auto live = live_figures(12, R"({"bijection":{"matched_ratio":1,"age_ms":{"p50":50,"p99":99},
+  const auto live = live_metrics(12, R"({"bijection":{"matched_ratio":1,"age_ms":{"p50":50,"p99":99},
     "divergence_m":{"p99":0.01}},"collisions":0})");
   ASSERT_TRUE(live);
   EXPECT_EQ(live->age_p99_ms, 99.0);
   EXPECT_EQ(live->divergence_p99_m, 0.01);
   for (const char* bad : {"", "{}", "[1]", R"({"bijection":{}})"})
-    EXPECT_EQ(live_figures(12, bad).error().code, "capacity.live") << bad;
+    EXPECT_EQ(live_metrics(12, bad).error().code, "capacity.live") << bad;
 }
 
 TEST(Capacity, measures_this_machine) {

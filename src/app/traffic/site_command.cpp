@@ -17,7 +17,7 @@
 namespace cosiva::app {
 namespace {
 
-using experiments::SiteFigures;
+using experiments::SiteMetrics;
 using experiments::SiteOptions;
 using experiments::SitePlan;
 using experiments::SiteRun;
@@ -66,11 +66,11 @@ struct Speed {
   double vehicle_steps_per_s;
 };
 
-std::string json_of(const SiteFigures& figures, const Speed& speed) {
+std::string json_of(const SiteMetrics& metrics, const Speed& speed) {
   JsonWriter json;
   json.begin_object().field("ranks", speed.ranks).field("threads", speed.threads).field("took_s", speed.real_s);
-  json.field("vehicle_steps_per_s", speed.vehicle_steps_per_s).field("digest", figures.digest).key("site");
-  experiments::write_json(json, figures);
+  json.field("vehicle_steps_per_s", speed.vehicle_steps_per_s).field("digest", metrics.digest).key("site");
+  experiments::write_json(json, metrics);
   json.end_object();
   return json.take();
 }
@@ -105,15 +105,15 @@ int run_site(const FleetTrafficArguments& arguments) {
   while (run->advance(workers))
     if (speaks) progress.at(run->time_s(), run->end_s());
   const double real_s = progress.real_s();
-  const SiteFigures figures = run->figures();
-  const int code = figures.good() ? exit_done : exit_check_failed;
+  const SiteMetrics metrics = run->metrics();
+  const int code = metrics.good() ? exit_done : exit_check_failed;
   if (!speaks) return code;
-  const Speed speed{(*ranks)->size(), arguments.threads, real_s, static_cast<double>(figures.vehicle_steps) / real_s};
-  const std::string json = json_of(figures, speed);
+  const Speed speed{(*ranks)->size(), arguments.threads, real_s, static_cast<double>(metrics.vehicle_steps) / real_s};
+  const std::string json = json_of(metrics, speed);
   if (!arguments.out_directory.empty()) {
     const auto written = adapters::write_files(
         arguments.out_directory,
-        {{"report.html", experiments::to_html(figures, command_of(arguments))}, {"result.json", json + "\n"}});
+        {{"report.html", experiments::to_html(metrics, command_of(arguments))}, {"result.json", json + "\n"}});
     if (!written) return complain(written.error());
     say("report: " + arguments.out_directory + "/report.html");
   }
@@ -121,9 +121,9 @@ int run_site(const FleetTrafficArguments& arguments) {
     print(json);
     return code;
   }
-  print(experiments::to_text(figures) + "  took " + decimals(real_s, 2) + " s on " + std::to_string(speed.ranks) +
+  print(experiments::to_text(metrics) + "  took " + decimals(real_s, 2) + " s on " + std::to_string(speed.ranks) +
         (speed.ranks == 1 ? " process, " : " processes, ") + decimals(speed.vehicle_steps_per_s / 1e6, 2) +
-        " million vehicle-steps a second; digest " + figures.digest);
+        " million vehicle-steps a second; digest " + metrics.digest);
   return code;
 }
 

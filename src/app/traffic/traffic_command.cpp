@@ -16,7 +16,7 @@
 namespace cosiva::app {
 namespace {
 
-using experiments::TrafficFigures;
+using experiments::TrafficMetrics;
 using experiments::TrafficOptions;
 using experiments::TrafficRun;
 
@@ -58,12 +58,12 @@ std::string command_of(const FleetTrafficArguments& arguments) {
   return command + " --rules " + arguments.rules + " --step " + decimals(arguments.step_s, 3);
 }
 
-Result<void> write_all(const FleetTrafficArguments& arguments, const TrafficRun& run, const TrafficFigures& figures) {
+Result<void> write_all(const FleetTrafficArguments& arguments, const TrafficRun& run, const TrafficMetrics& metrics) {
   const zone::TrafficZone& zone = run.fleet().zone();
   JsonWriter json{2};
-  experiments::write_json(json, figures);
+  experiments::write_json(json, metrics);
   return adapters::write_files(arguments.out_directory,
-                               {{"report.html", experiments::to_html(zone, figures, command_of(arguments))},
+                               {{"report.html", experiments::to_html(zone, metrics, command_of(arguments))},
                                 {"result.json", json.take() + "\n"},
                                 {"jobs.csv", experiments::jobs_csv(zone, run.dispatcher(), run.time_s())}});
 }
@@ -79,22 +79,22 @@ int run_traffic(const FleetTrafficArguments& arguments) {
   Progress progress{"traffic"};
   adapters::ThreadPool workers{arguments.threads};
   while (run->advance(10.0, workers)) progress.at(run->time_s(), run->end_s());
-  const TrafficFigures figures = run->figures();
+  const TrafficMetrics metrics = run->metrics();
   if (!arguments.out_directory.empty()) {
-    if (auto written = write_all(arguments, *run, figures); !written) return complain(written.error());
+    if (auto written = write_all(arguments, *run, metrics); !written) return complain(written.error());
     say("report: " + arguments.out_directory + "/report.html");
   }
   if (arguments.json) {
     JsonWriter json;
-    experiments::write_json(json, figures);
+    experiments::write_json(json, metrics);
     print(json.take());
   } else {
-    std::string text = experiments::to_text(figures);
+    std::string text = experiments::to_text(metrics);
     text += "  took    " + decimals(progress.real_s(), 2) + " s, " + decimals(run->time_s() / progress.real_s(), 0) +
-            " times real time; digest " + figures.digest;
+            " times real time; digest " + metrics.digest;
     print(text);
   }
-  return figures.good() ? exit_done : exit_check_failed;
+  return metrics.good() ? exit_done : exit_check_failed;
 }
 
 }  // namespace cosiva::app

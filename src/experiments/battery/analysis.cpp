@@ -16,21 +16,21 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-BatteryFigures figures_of(std::span<const BatteryRun> records, std::size_t battery) {
-  BatteryFigures figures{battery, {}, 0, 0, nan, 0.0, 0.0, false, {}};
+BatteryMetrics metrics_of(std::span<const BatteryRun> records, std::size_t battery) {
+  BatteryMetrics metrics{battery, {}, 0, 0, nan, 0.0, 0.0, false, {}};
   double sum = 0.0;
   for (const BatteryRun& record : records) {
     if (record.battery != battery) continue;
-    figures.id = record.tag.id;
-    ++figures.runs;
-    figures.lasted_at_least_s = std::max(figures.lasted_at_least_s, record.autonomy_s);
+    metrics.id = record.tag.id;
+    ++metrics.runs;
+    metrics.lasted_at_least_s = std::max(metrics.lasted_at_least_s, record.autonomy_s);
     if (record.ended())
       sum += record.autonomy_s;
     else
-      ++figures.failed;
+      ++metrics.failed;
   }
-  const auto ended = static_cast<double>(figures.runs - figures.failed);
-  if (ended > 0.0) figures.autonomy_s = sum / ended;
+  const auto ended = static_cast<double>(metrics.runs - metrics.failed);
+  if (ended > 0.0) metrics.autonomy_s = sum / ended;
   std::vector<double> runs;
   std::vector<double> values;
   for (const BatteryRun& record : records) {
@@ -38,12 +38,12 @@ BatteryFigures figures_of(std::span<const BatteryRun> records, std::size_t batte
     runs.push_back(static_cast<double>(record.run) + 1.0);
     values.push_back(record.autonomy_s);
   }
-  figures.trend = statistics::trend(runs, values);
-  return figures;
+  metrics.trend = statistics::trend(runs, values);
+  return metrics;
 }
 
 std::optional<VehicleEffect> vehicle_effect(std::span<const BatteryRun> records,
-                                            const std::vector<BatteryFigures>& each) {
+                                            const std::vector<BatteryMetrics>& each) {
   // By vehicle: its name, and which batteries it carried.
   std::map<std::size_t, std::pair<std::string, std::set<std::size_t>>> carried;
   std::map<std::size_t, std::size_t> vehicle_of;
@@ -72,18 +72,18 @@ std::optional<VehicleEffect> vehicle_effect(std::span<const BatteryRun> records,
 
 /// The straight line over runs, each battery's own level taken out; degrees of freedom as of the levels' fit.
 std::optional<statistics::Trend> trend_of(std::span<const BatteryRun> records,
-                                          const std::vector<BatteryFigures>& each) {
+                                          const std::vector<BatteryMetrics>& each) {
   std::vector<double> runs;
   std::vector<double> values;
   double level = 0.0;
   double count = 0.0;
-  for (const BatteryFigures& one : each) {
+  for (const BatteryMetrics& one : each) {
     if (std::isnan(one.autonomy_s)) continue;
     level += one.autonomy_s;
     count += 1.0;
   }
   for (const BatteryRun& record : records) {
-    const BatteryFigures& own = each[record.battery];
+    const BatteryMetrics& own = each[record.battery];
     if (!record.ended() || own.runs - own.failed < 2) continue;
     runs.push_back(static_cast<double>(record.run) + 1.0);
     values.push_back(record.autonomy_s - own.autonomy_s + level / count);
@@ -93,17 +93,17 @@ std::optional<statistics::Trend> trend_of(std::span<const BatteryRun> records,
 
 }  // namespace
 
-AutonomyFigures analyse(std::span<const BatteryRun> records, std::size_t batteries, double wanted_half_width,
+AutonomyMetrics analyse(std::span<const BatteryRun> records, std::size_t batteries, double wanted_half_width,
                         std::uint64_t seed) {
-  AutonomyFigures figures;
-  figures.batteries = batteries;
+  AutonomyMetrics metrics;
+  metrics.batteries = batteries;
   std::vector<double> ended;
   std::vector<std::size_t> whose;
   std::vector<statistics::Duration> durations;
   for (std::size_t b = 0; b < batteries; ++b) {
-    figures.each.push_back(figures_of(records, b));
-    const BatteryFigures& one = figures.each.back();
-    figures.failed += one.failed;
+    metrics.each.push_back(metrics_of(records, b));
+    const BatteryMetrics& one = metrics.each.back();
+    metrics.failed += one.failed;
     if (std::isnan(one.autonomy_s)) {
       // Never seen to the end: it lasts longer than its longest run.
       if (one.lasted_at_least_s > 0.0) durations.push_back({one.lasted_at_least_s, false});
@@ -114,64 +114,64 @@ AutonomyFigures analyse(std::span<const BatteryRun> records, std::size_t batteri
     durations.push_back({one.autonomy_s, true});
   }
   for (const BatteryRun& record : records) {
-    figures.runs = std::max(figures.runs, record.run + 1);
-    figures.cut_off += record.stop == StopCause::cut_off ? 1U : 0U;
+    metrics.runs = std::max(metrics.runs, record.run + 1);
+    metrics.cut_off += record.stop == StopCause::cut_off ? 1U : 0U;
   }
   std::vector<double> counted;
   counted.reserve(durations.size());
   for (const statistics::Duration& one : durations) counted.push_back(one.value);
-  figures.mean_if_counted_s = statistics::mean(counted);
-  figures.at_s = statistics::mean(ended);
-  figures.mean_s = figures.at_s;
-  figures.sd_s = std::sqrt(statistics::sample_variance(ended));
-  figures.method = "equation (4)";
-  figures.mean_t = statistics::mean_interval(ended);
-  if (ended.size() >= 10) figures.mean_bca = statistics::bca(ended, {0.95, 4000, seed});
-  figures.sd_interval = statistics::deviation_interval(ended);
-  figures.next = statistics::prediction_interval(ended);
+  metrics.mean_if_counted_s = statistics::mean(counted);
+  metrics.at_s = statistics::mean(ended);
+  metrics.mean_s = metrics.at_s;
+  metrics.sd_s = std::sqrt(statistics::sample_variance(ended));
+  metrics.method = "equation (4)";
+  metrics.mean_t = statistics::mean_interval(ended);
+  if (ended.size() >= 10) metrics.mean_bca = statistics::bca(ended, {0.95, 4000, seed});
+  metrics.sd_interval = statistics::deviation_interval(ended);
+  metrics.next = statistics::prediction_interval(ended);
   if (ended.size() >= 2)
-    figures.tolerance_low_s = figures.mean_s - statistics::tolerance_factor(ended.size()) * figures.sd_s;
-  if (!ended.empty()) figures.smallest_covers = statistics::ratio_above_smallest(ended.size());
-  figures.grubbs = statistics::grubbs(ended);
-  figures.normality_p = statistics::normality_p(ended);
-  figures.survival = statistics::kaplan_meier(durations);
-  figures.censored = statistics::censored_normal(durations);
-  if (durations.size() > ended.size() && figures.censored) {
-    figures.method = "normal, censored where a vehicle failed";
-    figures.mean_s = figures.censored->mean;
-    figures.sd_s = figures.censored->sd;
-    figures.mean_t = figures.censored->mean_interval;
-    figures.mean_bca.reset();
-    figures.tolerance_low_s = figures.censored->tolerance_low;
-    const double degrees = static_cast<double>(figures.censored->ended) - 1.0;
-    const double half = statistics::student_quantile(0.975, degrees) * figures.sd_s *
-                        std::sqrt(1.0 + 1.0 / figures.censored->effective_size);
-    figures.next = statistics::Interval{figures.mean_s - half, figures.mean_s + half};
+    metrics.tolerance_low_s = metrics.mean_s - statistics::tolerance_factor(ended.size()) * metrics.sd_s;
+  if (!ended.empty()) metrics.smallest_covers = statistics::ratio_above_smallest(ended.size());
+  metrics.grubbs = statistics::grubbs(ended);
+  metrics.normality_p = statistics::normality_p(ended);
+  metrics.survival = statistics::kaplan_meier(durations);
+  metrics.censored = statistics::censored_normal(durations);
+  if (durations.size() > ended.size() && metrics.censored) {
+    metrics.method = "normal, censored where a vehicle failed";
+    metrics.mean_s = metrics.censored->mean;
+    metrics.sd_s = metrics.censored->sd;
+    metrics.mean_t = metrics.censored->mean_interval;
+    metrics.mean_bca.reset();
+    metrics.tolerance_low_s = metrics.censored->tolerance_low;
+    const double degrees = static_cast<double>(metrics.censored->ended) - 1.0;
+    const double half = statistics::student_quantile(0.975, degrees) * metrics.sd_s *
+                        std::sqrt(1.0 + 1.0 / metrics.censored->effective_size);
+    metrics.next = statistics::Interval{metrics.mean_s - half, metrics.mean_s + half};
   }
   const std::vector<double> scores = statistics::robust_scores(ended);
-  for (std::size_t i = 0; i < whose.size(); ++i) figures.each[whose[i]].robust_score = scores[i];
-  if (figures.grubbs && figures.grubbs->is_outlier) figures.each[whose[figures.grubbs->index]].is_outlier = true;
-  figures.trend = trend_of(records, figures.each);
+  for (std::size_t i = 0; i < whose.size(); ++i) metrics.each[whose[i]].robust_score = scores[i];
+  if (metrics.grubbs && metrics.grubbs->is_outlier) metrics.each[whose[metrics.grubbs->index]].is_outlier = true;
+  metrics.trend = trend_of(records, metrics.each);
   std::vector<statistics::Trial> trials;
   for (const BatteryRun& record : records)
     if (record.ended())
       trials.push_back({record.battery, record.vehicle, static_cast<double>(record.run) + 1.0, record.autonomy_s});
-  if (figures.runs > 1 && batteries > 1) figures.crossed = statistics::crossed(trials);
+  if (metrics.runs > 1 && batteries > 1) metrics.crossed = statistics::crossed(trials);
   // Where batteries changed vehicles, what a vehicle makes of it must not hide the drift.
-  if (figures.crossed && !figures.crossed->confounded && figures.trend) {
-    figures.trend->slope = figures.crossed->slope;
-    figures.trend->p = figures.crossed->run.p;
+  if (metrics.crossed && !metrics.crossed->confounded && metrics.trend) {
+    metrics.trend->slope = metrics.crossed->slope;
+    metrics.trend->p = metrics.crossed->run.p;
   }
-  if (batteries == 1 && figures.runs > 1) {
+  if (batteries == 1 && metrics.runs > 1) {
     std::vector<double> runs;
     for (const BatteryRun& record : records)
       if (record.ended()) runs.push_back(record.autonomy_s);
-    figures.runs_t = statistics::mean_interval(runs);
-    figures.runs_sd_s = std::sqrt(statistics::sample_variance(runs));
+    metrics.runs_t = statistics::mean_interval(runs);
+    metrics.runs_sd_s = std::sqrt(statistics::sample_variance(runs));
   }
-  figures.vehicles = vehicle_effect(records, figures.each);
-  if (wanted_half_width > 0.0) figures.stopped_after = statistics::stops_at(ended, wanted_half_width);
-  return figures;
+  metrics.vehicles = vehicle_effect(records, metrics.each);
+  if (wanted_half_width > 0.0) metrics.stopped_after = statistics::stops_at(ended, wanted_half_width);
+  return metrics;
 }
 
 std::string duration_text(double seconds) {

@@ -16,7 +16,7 @@
 namespace cosiva::experiments {
 
 /// One battery over all its runs.
-struct BatteryFigures {
+struct BatteryMetrics {
   std::size_t battery;
   std::string id;
   std::size_t runs;
@@ -42,7 +42,7 @@ struct VehicleEffect {
 };
 
 /// What a test's records allow to say (section 5 of the notes behind the article's equation 4).
-struct AutonomyFigures {
+struct AutonomyMetrics {
   std::size_t batteries{};
   std::size_t runs{};
   std::size_t failed{};
@@ -70,10 +70,10 @@ struct AutonomyFigures {
   std::optional<VehicleEffect> vehicles;
   double mean_if_counted_s{};                ///< the wrong figure: failures taken for ends
   std::optional<std::size_t> stopped_after;  ///< batteries after which the wanted half width was reached
-  std::vector<BatteryFigures> each;
+  std::vector<BatteryMetrics> each;
 };
 /// @param wanted_half_width  as a share of the mean, for the sequential stop; 0: none
-[[nodiscard]] AutonomyFigures analyse(std::span<const BatteryRun> records, std::size_t batteries,
+[[nodiscard]] AutonomyMetrics analyse(std::span<const BatteryRun> records, std::size_t batteries,
                                       double wanted_half_width = 0.0, std::uint64_t seed = 1);
 
 /// "1 h 02 min 03 s".

@@ -67,21 +67,21 @@ std::vector<BatteryRun> fleet() {
 
 // Nine LG HG2 cells from full to 2.5 V at 3 A (Battery Testing Consortium, 2021).
 TEST(Autonomy, of_the_nine_cells_is_what_was_published_of_them) {
-  const AutonomyFigures figures = analyse(fleet(), 9);
-  EXPECT_NEAR(figures.at_s, 3605.46, 0.01);
-  EXPECT_EQ(figures.mean_s, figures.at_s);
-  EXPECT_NEAR(figures.sd_s, 49.69, 0.01);
-  EXPECT_NEAR(figures.mean_t->low, 3567.3, 0.05);
-  EXPECT_NEAR(figures.mean_t->high, 3643.7, 0.05);
-  EXPECT_NEAR(figures.sd_interval->high, 1.92 * 49.69, 0.3);
-  EXPECT_NEAR(*figures.tolerance_low_s, 3454.8, 0.1);
-  ASSERT_TRUE(figures.grubbs->is_outlier);
-  EXPECT_NEAR(figures.grubbs->statistic, 2.309, 0.001);
-  EXPECT_TRUE(figures.each[0].is_outlier);
-  EXPECT_FALSE(figures.each[1].is_outlier);
-  EXPECT_NEAR(figures.smallest_covers, 0.72, 0.005);
-  EXPECT_EQ(figures.survival.when_ended(0.5), 3602.42);
-  EXPECT_FALSE(figures.mean_bca);  // nine are too few
+  const AutonomyMetrics metrics = analyse(fleet(), 9);
+  EXPECT_NEAR(metrics.at_s, 3605.46, 0.01);
+  EXPECT_EQ(metrics.mean_s, metrics.at_s);
+  EXPECT_NEAR(metrics.sd_s, 49.69, 0.01);
+  EXPECT_NEAR(metrics.mean_t->low, 3567.3, 0.05);
+  EXPECT_NEAR(metrics.mean_t->high, 3643.7, 0.05);
+  EXPECT_NEAR(metrics.sd_interval->high, 1.92 * 49.69, 0.3);
+  EXPECT_NEAR(*metrics.tolerance_low_s, 3454.8, 0.1);
+  ASSERT_TRUE(metrics.grubbs->is_outlier);
+  EXPECT_NEAR(metrics.grubbs->statistic, 2.309, 0.001);
+  EXPECT_TRUE(metrics.each[0].is_outlier);
+  EXPECT_FALSE(metrics.each[1].is_outlier);
+  EXPECT_NEAR(metrics.smallest_covers, 0.72, 0.005);
+  EXPECT_EQ(metrics.survival.when_ended(0.5), 3602.42);
+  EXPECT_FALSE(metrics.mean_bca);  // nine are too few
 }
 
 TEST(Autonomy, goes_with_the_tester_s_channel_more_than_with_the_cell) {
@@ -103,14 +103,14 @@ TEST(Autonomy, goes_with_the_tester_s_channel_more_than_with_the_cell) {
     records[i].vehicle = static_cast<std::size_t>(cell.channel);
     records[i++].carrier = "channel " + std::to_string(cell.channel);
   }
-  const AutonomyFigures figures = analyse(records, 9);
-  ASSERT_TRUE(figures.vehicles);
-  ASSERT_EQ(figures.vehicles->groups.size(), 2U);
-  EXPECT_EQ(figures.vehicles->groups[0].vehicle, "channel 7");
-  EXPECT_NEAR(figures.vehicles->groups[0].sd_s, 3.5, 0.05);
-  EXPECT_NEAR(figures.vehicles->groups[1].sd_s, 3.2, 0.1);
-  EXPECT_NEAR(figures.vehicles->variance.f, channels->f, 1e-9);
-  EXPECT_THAT(to_text(figures, records), HasSubstr("channel 8: 3650.2 s, SD 3.2 s of 3; F 40"));
+  const AutonomyMetrics metrics = analyse(records, 9);
+  ASSERT_TRUE(metrics.vehicles);
+  ASSERT_EQ(metrics.vehicles->groups.size(), 2U);
+  EXPECT_EQ(metrics.vehicles->groups[0].vehicle, "channel 7");
+  EXPECT_NEAR(metrics.vehicles->groups[0].sd_s, 3.5, 0.05);
+  EXPECT_NEAR(metrics.vehicles->groups[1].sd_s, 3.2, 0.1);
+  EXPECT_NEAR(metrics.vehicles->variance.f, channels->f, 1e-9);
+  EXPECT_THAT(to_text(metrics, records), HasSubstr("channel 8: 3650.2 s, SD 3.2 s of 3; F 40"));
   EXPECT_FALSE(analyse(fleet(), 9).vehicles);  // nine vehicles, one battery each
 }
 
@@ -120,17 +120,17 @@ TEST(Autonomy, does_not_count_a_vehicle_s_failure_as_a_battery_s_end) {
   records[5].autonomy_s = 2000.0;
   records[7].stop = StopCause::lost;  // cell 9: there is no cell 8
   records[7].autonomy_s = 3000.0;
-  const AutonomyFigures figures = analyse(records, 9);
-  EXPECT_EQ(figures.failed, 2U);
-  EXPECT_THAT(figures.method, HasSubstr("censored"));
+  const AutonomyMetrics metrics = analyse(records, 9);
+  EXPECT_EQ(metrics.failed, 2U);
+  EXPECT_THAT(metrics.method, HasSubstr("censored"));
   double counted = 0.0;
   for (const BatteryRun& record : records) counted += record.autonomy_s / 9.0;
   EXPECT_NEAR(counted, 3357.0, 0.5);
-  EXPECT_NEAR(figures.mean_if_counted_s, counted, 1e-9);
-  EXPECT_THAT(to_text(figures, records), HasSubstr("failures would make the mean 3356.8 s (-6.8 %)"));
-  EXPECT_NEAR(figures.mean_s, 3602.0, 1.0);
-  EXPECT_TRUE(std::isnan(figures.each[5].autonomy_s));
-  EXPECT_EQ(figures.each[5].lasted_at_least_s, 2000.0);
+  EXPECT_NEAR(metrics.mean_if_counted_s, counted, 1e-9);
+  EXPECT_THAT(to_text(metrics, records), HasSubstr("failures would make the mean 3356.8 s (-6.8 %)"));
+  EXPECT_NEAR(metrics.mean_s, 3602.0, 1.0);
+  EXPECT_TRUE(std::isnan(metrics.each[5].autonomy_s));
+  EXPECT_EQ(metrics.each[5].lasted_at_least_s, 2000.0);
 }
 
 TEST(Autonomy, of_repeated_runs_says_what_they_lose_each_time) {
@@ -140,13 +140,13 @@ TEST(Autonomy, of_repeated_runs_says_what_they_lose_each_time) {
     records.push_back(
         record_of(static_cast<std::size_t>(cell.number) - 1, static_cast<std::size_t>(cell.run) - 1, cell.seconds));
   }
-  const AutonomyFigures figures = analyse(records, 5);
-  ASSERT_TRUE(figures.trend);
-  EXPECT_NEAR(figures.trend->slope, -10.2, 0.4);
-  EXPECT_LT(figures.trend->p, 1e-6);
-  ASSERT_TRUE(figures.crossed);
-  EXPECT_TRUE(figures.crossed->confounded);  // each stayed on its tester channel
-  const AutonomyFigures one = analyse(std::span{records}.first(4), 1);
+  const AutonomyMetrics metrics = analyse(records, 5);
+  ASSERT_TRUE(metrics.trend);
+  EXPECT_NEAR(metrics.trend->slope, -10.2, 0.4);
+  EXPECT_LT(metrics.trend->p, 1e-6);
+  ASSERT_TRUE(metrics.crossed);
+  EXPECT_TRUE(metrics.crossed->confounded);  // each stayed on its tester channel
+  const AutonomyMetrics one = analyse(std::span{records}.first(4), 1);
   EXPECT_NEAR(one.trend->slope, -9.84, 0.02);
   EXPECT_NEAR(one.trend->at_first, 3602.5, 0.5);
   EXPECT_FALSE(one.mean_t);  // one battery tells nothing of others
@@ -157,12 +157,12 @@ TEST(Autonomy, of_repeated_runs_says_what_they_lose_each_time) {
   const auto alone = JsonValue::parse(to_json(one, std::span{records}.first(4), {}));
   EXPECT_EQ(alone->find("autonomy_s")->text("of"), "runs of one battery");
   EXPECT_EQ(alone->find("autonomy_s")->number("sd"), one.runs_sd_s);
-  for (const BatteryFigures& own : figures.each) {
+  for (const BatteryMetrics& own : metrics.each) {
     EXPECT_NEAR(own.trend->slope, -10.3, 0.75);
     EXPECT_GT(own.trend->r_squared, 0.996);
   }
   // One record for each battery, whatever the number of its runs.
-  const auto json = JsonValue::parse(to_json(figures, records, {}));
+  const auto json = JsonValue::parse(to_json(metrics, records, {}));
   ASSERT_TRUE(json);
   ASSERT_EQ(json->find("batteries")->array()->size(), 5U);
   EXPECT_EQ(json->find("records")->array()->size(), 20U);
@@ -174,12 +174,12 @@ TEST(Autonomy, of_repeated_runs_says_what_they_lose_each_time) {
 }
 
 TEST(Autonomy, of_nothing_or_of_failures_alone_claims_nothing) {
-  const AutonomyFigures none = analyse({}, 3);
+  const AutonomyMetrics none = analyse({}, 3);
   EXPECT_TRUE(std::isnan(none.mean_s));
   EXPECT_FALSE(none.mean_t || none.tolerance_low_s || none.next || none.censored || none.crossed);
   const std::vector<BatteryRun> failed{record_of(0, 0, 100.0, StopCause::fault),
                                        record_of(1, 0, 50.0, StopCause::lost)};
-  const AutonomyFigures lost = analyse(failed, 2);
+  const AutonomyMetrics lost = analyse(failed, 2);
   EXPECT_EQ(lost.failed, 2U);
   EXPECT_FALSE(lost.mean_t || lost.censored);
   EXPECT_TRUE(lost.survival.steps.empty());
@@ -188,8 +188,8 @@ TEST(Autonomy, of_nothing_or_of_failures_alone_claims_nothing) {
 
 TEST(Autonomy, is_written_with_the_promised_keys) {
   const std::vector<BatteryRun> records = fleet();
-  const AutonomyFigures figures = analyse(records, 9);
-  const auto json = JsonValue::parse(to_json(figures, records, {}));
+  const AutonomyMetrics metrics = analyse(records, 9);
+  const auto json = JsonValue::parse(to_json(metrics, records, {}));
   ASSERT_TRUE(json);
   const JsonValue* autonomy = json->find("autonomy_s");
   ASSERT_NE(autonomy, nullptr);
@@ -199,7 +199,7 @@ TEST(Autonomy, is_written_with_the_promised_keys) {
   ASSERT_EQ(json->find("batteries")->array()->size(), 9U);
   EXPECT_EQ(json->find("batteries")->array()->front().text("id"), "HG2-1");
   EXPECT_EQ(json->find("batteries")->array()->front().text("stop"), "floor");
-  EXPECT_THAT(to_text(figures, records), HasSubstr("HG2-1 is an outlier (Grubbs), kept"));
+  EXPECT_THAT(to_text(metrics, records), HasSubstr("HG2-1 is an outlier (Grubbs), kept"));
 }
 
 TEST(Autonomy, s_report_is_one_page_that_needs_nothing_else_and_escapes_what_it_is_given) {

@@ -59,10 +59,10 @@ void write(JsonWriter& json, std::string_view name, const std::optional<statisti
   json.end_object();
 }
 
-void write_effects(JsonWriter& json, const AutonomyFigures& figures) {
-  write(json, "slope_per_run", figures.trend);
+void write_effects(JsonWriter& json, const AutonomyMetrics& metrics) {
+  write(json, "slope_per_run", metrics.trend);
   json.key("variance");
-  if (const auto& crossed = figures.crossed) {
+  if (const auto& crossed = metrics.crossed) {
     json.begin_object().field("confounded", crossed->confounded);
     write_factor(json, "battery", crossed->unit);
     write_factor(json, "vehicle", crossed->carrier);
@@ -73,7 +73,7 @@ void write_effects(JsonWriter& json, const AutonomyFigures& figures) {
     json.null();
   }
   json.key("vehicle_effect");
-  if (const auto& effect = figures.vehicles) {
+  if (const auto& effect = metrics.vehicles) {
     json.begin_object().field("f", effect->variance.f).field("p", effect->variance.p).key("vehicles").begin_array();
     for (const VehicleEffect::Group& one : effect->groups) {
       json.begin_object().field("vehicle", one.vehicle).field("batteries", one.batteries);
@@ -107,17 +107,17 @@ void write_run(JsonWriter& json, const BatteryRun& record, std::span<const TrueE
 }
 
 /// One record for each battery: what all its runs say of it, and the facts of its first.
-void write_battery(JsonWriter& json, const BatteryFigures& figures, std::span<const BatteryRun> records,
+void write_battery(JsonWriter& json, const BatteryMetrics& metrics, std::span<const BatteryRun> records,
                    std::span<const TrueEnd> ground_truth) {
-  const auto first = std::ranges::find(records, figures.battery, &BatteryRun::battery);
+  const auto first = std::ranges::find(records, metrics.battery, &BatteryRun::battery);
   if (first == records.end()) return;  // its vehicle never came so far
-  const bool ended = figures.runs > figures.failed;
-  json.begin_object().field("battery", figures.battery + 1).field("id", figures.id).field("type", first->tag.type);
-  json.field("runs", figures.runs).field("failed", figures.failed).field("ended", ended);
-  json.field("autonomy_s", ended ? figures.autonomy_s : figures.lasted_at_least_s);
-  json.field("lasted_at_least_s", figures.lasted_at_least_s).field("is_outlier", figures.is_outlier);
-  json.field("robust_score", figures.robust_score);
-  write(json, "slope_per_run", figures.trend);
+  const bool ended = metrics.runs > metrics.failed;
+  json.begin_object().field("battery", metrics.battery + 1).field("id", metrics.id).field("type", first->tag.type);
+  json.field("runs", metrics.runs).field("failed", metrics.failed).field("ended", ended);
+  json.field("autonomy_s", ended ? metrics.autonomy_s : metrics.lasted_at_least_s);
+  json.field("lasted_at_least_s", metrics.lasted_at_least_s).field("is_outlier", metrics.is_outlier);
+  json.field("robust_score", metrics.robust_score);
+  write(json, "slope_per_run", metrics.trend);
   write_facts(json, *first, ground_truth);
   json.end_object();
 }
@@ -133,31 +133,31 @@ std::string span_text(const statistics::Interval& interval) {
   return short_text(interval.low, 1) + " to " + short_text(interval.high, 1) + " s";
 }
 
-std::string survival_text(const AutonomyFigures& figures) {
+std::string survival_text(const AutonomyMetrics& metrics) {
   std::string text;
-  const auto median = figures.survival.when_ended(0.5);
-  const auto b10 = figures.survival.when_ended(0.1);
-  if (median && b10 && figures.batteries > 1)
+  const auto median = metrics.survival.when_ended(0.5);
+  const auto b10 = metrics.survival.when_ended(0.1);
+  if (median && b10 && metrics.batteries > 1)
     text += "\nhalf have ended after " + short_text(*median, 1) + " s, one in ten (B10) after " + short_text(*b10, 1) +
             " s (Kaplan and Meier)";
-  if (figures.failed > 0 && std::isfinite(figures.mean_if_counted_s) && std::isfinite(figures.mean_s))
-    text += "\ncounted as ends, failures would make the mean " + short_text(figures.mean_if_counted_s, 1) + " s (" +
-            short_text(100.0 * (figures.mean_if_counted_s / figures.mean_s - 1.0), 1) + " %)";
+  if (metrics.failed > 0 && std::isfinite(metrics.mean_if_counted_s) && std::isfinite(metrics.mean_s))
+    text += "\ncounted as ends, failures would make the mean " + short_text(metrics.mean_if_counted_s, 1) + " s (" +
+            short_text(100.0 * (metrics.mean_if_counted_s / metrics.mean_s - 1.0), 1) + " %)";
   return text;
 }
 
-std::string outlier_text(const AutonomyFigures& figures) {
+std::string outlier_text(const AutonomyMetrics& metrics) {
   std::string text;
-  if (figures.normality_p) text += "\nnormality (Anderson and Darling): p " + chance_text(*figures.normality_p);
-  for (const BatteryFigures& one : figures.each)
-    if (one.is_outlier && figures.grubbs)
-      text += "\n" + one.id + " is an outlier (Grubbs), kept: " + short_text(figures.grubbs->statistic, 3) + " > " +
-              short_text(figures.grubbs->critical, 3) + ", robust score " + short_text(one.robust_score, 1);
+  if (metrics.normality_p) text += "\nnormality (Anderson and Darling): p " + chance_text(*metrics.normality_p);
+  for (const BatteryMetrics& one : metrics.each)
+    if (one.is_outlier && metrics.grubbs)
+      text += "\n" + one.id + " is an outlier (Grubbs), kept: " + short_text(metrics.grubbs->statistic, 3) + " > " +
+              short_text(metrics.grubbs->critical, 3) + ", robust score " + short_text(one.robust_score, 1);
   return text;
 }
 
-std::string vehicles_text(const AutonomyFigures& figures) {
-  const auto& effect = figures.vehicles;
+std::string vehicles_text(const AutonomyMetrics& metrics) {
+  const auto& effect = metrics.vehicles;
   if (!effect) return {};
   std::string text = "\nvehicles (or channels) of two batteries or more:";
   for (const VehicleEffect::Group& one : effect->groups)
@@ -170,48 +170,48 @@ std::string vehicles_text(const AutonomyFigures& figures) {
 
 std::string chance_text(double p) { return p < 1e-4 ? "< 0.0001" : short_text(p, 4); }
 
-std::string to_json(const AutonomyFigures& figures, std::span<const BatteryRun> records,
+std::string to_json(const AutonomyMetrics& metrics, std::span<const BatteryRun> records,
                     std::span<const TrueEnd> ground_truth) {
   JsonWriter json;
   json.begin_object().key("autonomy_s").begin_object();
-  const bool of_runs = figures.runs_t.has_value();
-  json.field("mean", figures.mean_s).field("sd", of_runs ? figures.runs_sd_s : figures.sd_s);
-  write(json, "ci95", of_runs ? figures.runs_t : figures.mean_t);
+  const bool of_runs = metrics.runs_t.has_value();
+  json.field("mean", metrics.mean_s).field("sd", of_runs ? metrics.runs_sd_s : metrics.sd_s);
+  write(json, "ci95", of_runs ? metrics.runs_t : metrics.mean_t);
   json.field("of", of_runs ? "runs of one battery" : "batteries");
-  write(json, "ci95_bca", figures.mean_bca);
-  json.field("method", figures.method).field("at", figures.at_s);
-  json.field("mean_if_failures_counted", figures.mean_if_counted_s);
-  write(json, "sd_ci95", figures.sd_interval);
-  write(json, "tolerance_95_95_low", figures.tolerance_low_s);
-  json.field("smallest_covers", figures.smallest_covers);
-  write(json, "next_95", figures.next);
-  write(json, "normality_p", figures.normality_p);
-  json.end_object().field("n", figures.batteries).field("runs", figures.runs).field("failed", figures.failed);
-  json.field("cut_off", figures.cut_off).key("outlier");
-  if (figures.grubbs) {
-    json.begin_object().field("g", figures.grubbs->statistic).field("critical", figures.grubbs->critical);
-    json.field("is_outlier", figures.grubbs->is_outlier).end_object();
+  write(json, "ci95_bca", metrics.mean_bca);
+  json.field("method", metrics.method).field("at", metrics.at_s);
+  json.field("mean_if_failures_counted", metrics.mean_if_counted_s);
+  write(json, "sd_ci95", metrics.sd_interval);
+  write(json, "tolerance_95_95_low", metrics.tolerance_low_s);
+  json.field("smallest_covers", metrics.smallest_covers);
+  write(json, "next_95", metrics.next);
+  write(json, "normality_p", metrics.normality_p);
+  json.end_object().field("n", metrics.batteries).field("runs", metrics.runs).field("failed", metrics.failed);
+  json.field("cut_off", metrics.cut_off).key("outlier");
+  if (metrics.grubbs) {
+    json.begin_object().field("g", metrics.grubbs->statistic).field("critical", metrics.grubbs->critical);
+    json.field("is_outlier", metrics.grubbs->is_outlier).end_object();
   } else {
     json.null();
   }
-  write_survival(json, figures.survival);
-  write_effects(json, figures);
+  write_survival(json, metrics.survival);
+  write_effects(json, metrics);
   json.key("stopped_after");
-  if (figures.stopped_after)
-    json.value(*figures.stopped_after);
+  if (metrics.stopped_after)
+    json.value(*metrics.stopped_after);
   else
     json.null();
   json.key("batteries").begin_array();
-  for (const BatteryFigures& one : figures.each) write_battery(json, one, records, ground_truth);
+  for (const BatteryMetrics& one : metrics.each) write_battery(json, one, records, ground_truth);
   json.end_array().key("records").begin_array();
   for (const BatteryRun& record : records) write_run(json, record, ground_truth);
   return json.end_array().end_object().take();
 }
 
-std::string to_text(const AutonomyFigures& figures, std::span<const BatteryRun> records) {
-  std::string text = std::to_string(figures.batteries) + (figures.batteries == 1 ? " battery, " : " batteries, ") +
+std::string to_text(const AutonomyMetrics& metrics, std::span<const BatteryRun> records) {
+  std::string text = std::to_string(metrics.batteries) + (metrics.batteries == 1 ? " battery, " : " batteries, ") +
                      std::to_string(records.size()) + (records.size() == 1 ? " run, " : " runs, ") +
-                     std::to_string(figures.failed) + " failed\n";
+                     std::to_string(metrics.failed) + " failed\n";
   for (const BatteryRun& record : records) {
     text += "  run " + std::to_string(record.run + 1) + ", " + record.tag.id + " on " + vehicle_name(record) + ": " +
             duration_text(record.autonomy_s) + " (" + std::string(to_string(record.stop)) + ")";
@@ -220,24 +220,24 @@ std::string to_text(const AutonomyFigures& figures, std::span<const BatteryRun> 
               short_text(record.distance_m, 0) + " m";
     text += "\n";
   }
-  text += "AT " + duration_text(figures.mean_s) + " (" + short_text(figures.mean_s, 1) + " s, " + figures.method + ")";
-  if (figures.mean_t) text += ", 95 % interval " + span_text(*figures.mean_t);
-  if (figures.mean_bca) text += ", BCa " + span_text(*figures.mean_bca);
-  if (figures.runs_t)
-    text += "\nover this battery's runs: SD " + short_text(figures.runs_sd_s, 1) + " s, 95 % interval of their mean " +
-            span_text(*figures.runs_t) + "; of other batteries they say nothing";
-  if (figures.sd_interval)
-    text += "\nSD " + short_text(figures.sd_s, 1) + " s, at most " + short_text(figures.sd_interval->high, 1) + " s";
-  if (figures.tolerance_low_s)
+  text += "AT " + duration_text(metrics.mean_s) + " (" + short_text(metrics.mean_s, 1) + " s, " + metrics.method + ")";
+  if (metrics.mean_t) text += ", 95 % interval " + span_text(*metrics.mean_t);
+  if (metrics.mean_bca) text += ", BCa " + span_text(*metrics.mean_bca);
+  if (metrics.runs_t)
+    text += "\nover this battery's runs: SD " + short_text(metrics.runs_sd_s, 1) + " s, 95 % interval of their mean " +
+            span_text(*metrics.runs_t) + "; of other batteries they say nothing";
+  if (metrics.sd_interval)
+    text += "\nSD " + short_text(metrics.sd_s, 1) + " s, at most " + short_text(metrics.sd_interval->high, 1) + " s";
+  if (metrics.tolerance_low_s)
     text +=
-        "\n95 % of such batteries last " + duration_text(*figures.tolerance_low_s) + " or longer, with 95 % confidence";
-  if (figures.next) text += "\nthe next one: " + span_text(*figures.next);
-  text += survival_text(figures) + outlier_text(figures);
-  if (const auto& trend = figures.trend)
+        "\n95 % of such batteries last " + duration_text(*metrics.tolerance_low_s) + " or longer, with 95 % confidence";
+  if (metrics.next) text += "\nthe next one: " + span_text(*metrics.next);
+  text += survival_text(metrics) + outlier_text(metrics);
+  if (const auto& trend = metrics.trend)
     text += "\nslope " + short_text(trend->slope, 2) + " s per run (p " + chance_text(trend->p) + "), at run 1 " +
             short_text(trend->at_first, 1) + " s";
-  text += vehicles_text(figures);
-  if (const auto& crossed = figures.crossed) {
+  text += vehicles_text(metrics);
+  if (const auto& crossed = metrics.crossed) {
     if (crossed->confounded)
       text += "\neach battery stayed on its vehicle: which of the two makes the difference nobody can tell (--swap)";
     else

@@ -9,10 +9,10 @@
 namespace cosiva::experiments {
 
 /// {"autonomy_s":{"mean","sd","ci95":[low,high],…},"batteries":[one for each record],…}
-[[nodiscard]] std::string to_json(const AutonomyFigures& figures, std::span<const BatteryRun> records,
+[[nodiscard]] std::string to_json(const AutonomyMetrics& metrics, std::span<const BatteryRun> records,
                                   std::span<const TrueEnd> ground_truth);
 /// For people, in a terminal.
-[[nodiscard]] std::string to_text(const AutonomyFigures& figures, std::span<const BatteryRun> records);
+[[nodiscard]] std::string to_text(const AutonomyMetrics& metrics, std::span<const BatteryRun> records);
 /// All records' curves with the Battery Data Format's columns, + charges.
 [[nodiscard]] std::string to_csv(std::span<const BatteryRun> records);
 

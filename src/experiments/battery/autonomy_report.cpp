@@ -120,13 +120,13 @@ std::string gauge_svg(std::span<const BatteryRun> records, std::span<const TrueE
   return to_svg(chart);
 }
 
-void add_statement(Report& report, const AutonomyFigures& figures, const ReportFacts& facts) {
+void add_statement(Report& report, const AutonomyMetrics& metrics, const ReportFacts& facts) {
   report.heading("Statement");
-  report.facts({{duration_text(figures.mean_s), "mean autonomy, AT"},
-                {figures.tolerance_low_s ? duration_text(*figures.tolerance_low_s) : "–",
+  report.facts({{duration_text(metrics.mean_s), "mean autonomy, AT"},
+                {metrics.tolerance_low_s ? duration_text(*metrics.tolerance_low_s) : "–",
                  "95 % last longer, with 95 % confidence"},
-                {std::to_string(figures.batteries), figures.batteries == 1 ? "battery" : "batteries"},
-                {std::to_string(figures.failed), "runs failed", figures.failed > 0}});
+                {std::to_string(metrics.batteries), metrics.batteries == 1 ? "battery" : "batteries"},
+                {std::to_string(metrics.failed), "runs failed", metrics.failed > 0}});
   std::vector<std::vector<std::string>> rows{
       {"Battery type", facts.type},
       {"Data of the type", facts.source},
@@ -134,33 +134,33 @@ void add_statement(Report& report, const AutonomyFigures& figures, const ReportF
       {"Load", facts.load},
       {"Floor", facts.floor ? readable(100.0 * *facts.floor, 1) + " % by the gauge, for 3 s"
                             : std::string("as it was measured")},
-      {"Mean autonomy", seconds_text(figures.mean_s) + ", " + figures.method},
-      {"95 % interval of the mean, Student", range_text(figures.mean_t)}};
-  if (figures.runs_t)
+      {"Mean autonomy", seconds_text(metrics.mean_s) + ", " + metrics.method},
+      {"95 % interval of the mean, Student", range_text(metrics.mean_t)}};
+  if (metrics.runs_t)
     rows.push_back({"Of this battery's runs alone: standard deviation; 95 % interval of their mean",
-                    seconds_text(figures.runs_sd_s) + "; " + range_text(figures.runs_t)});
-  if (figures.mean_bca) rows.push_back({"95 % interval of the mean, BCa bootstrap", range_text(figures.mean_bca)});
-  if (figures.sd_interval)
+                    seconds_text(metrics.runs_sd_s) + "; " + range_text(metrics.runs_t)});
+  if (metrics.mean_bca) rows.push_back({"95 % interval of the mean, BCa bootstrap", range_text(metrics.mean_bca)});
+  if (metrics.sd_interval)
     rows.push_back({"Standard deviation, and its upper bound",
-                    seconds_text(figures.sd_s) + "; " + seconds_text(figures.sd_interval->high)});
-  rows.push_back({"The next single battery, 95 %", range_text(figures.next)});
+                    seconds_text(metrics.sd_s) + "; " + seconds_text(metrics.sd_interval->high)});
+  rows.push_back({"The next single battery, 95 %", range_text(metrics.next)});
   rows.push_back({"Above the smallest, whatever the distribution",
-                  readable(100.0 * figures.smallest_covers, 0) + " % with 95 % confidence"});
-  if (const auto b10 = figures.survival.when_ended(0.1))
+                  readable(100.0 * metrics.smallest_covers, 0) + " % with 95 % confidence"});
+  if (const auto b10 = metrics.survival.when_ended(0.1))
     rows.push_back({"B10: one in ten has ended", seconds_text(*b10)});
-  if (figures.trend)
-    rows.push_back({"Drift per run", readable(figures.trend->slope, 2) + " s, p " + chance_text(figures.trend->p) +
-                                         "; at run 1 " + seconds_text(figures.trend->at_first)});
-  if (figures.normality_p) rows.push_back({"Normality (Anderson–Darling), p", readable(*figures.normality_p, 3)});
+  if (metrics.trend)
+    rows.push_back({"Drift per run", readable(metrics.trend->slope, 2) + " s, p " + chance_text(metrics.trend->p) +
+                                         "; at run 1 " + seconds_text(metrics.trend->at_first)});
+  if (metrics.normality_p) rows.push_back({"Normality (Anderson–Darling), p", readable(*metrics.normality_p, 3)});
   report.table({"what", "figure"}, rows);
 }
 
-void add_records(Report& report, const AutonomyFigures& figures, std::span<const BatteryRun> records,
+void add_records(Report& report, const AutonomyMetrics& metrics, std::span<const BatteryRun> records,
                  std::span<const TrueEnd> ground_truth) {
   report.heading("Runs");
   std::vector<std::vector<std::string>> rows;
   for (const BatteryRun& record : records) {
-    const BatteryFigures& own = figures.each[record.battery];
+    const BatteryMetrics& own = metrics.each[record.battery];
     std::string true_end = "–";
     for (const TrueEnd& end : ground_truth)
       if (end.run == record.run && end.vehicle == record.vehicle) true_end = readable(100.0 * end.charge, 2);
@@ -175,10 +175,10 @@ void add_records(Report& report, const AutonomyFigures& figures, std::span<const
                rows);
 }
 
-void add_variance(Report& report, const AutonomyFigures& figures) {
-  if (!figures.crossed) return;
+void add_variance(Report& report, const AutonomyMetrics& metrics) {
+  if (!metrics.crossed) return;
   report.heading("Where the differences come from");
-  const statistics::Crossed& crossed = *figures.crossed;
+  const statistics::Crossed& crossed = *metrics.crossed;
   if (crossed.confounded) {
     report.paragraph(
         "Each battery stayed on its vehicle: which of the two makes the difference cannot be told. Run with --swap.");
@@ -196,21 +196,21 @@ void add_variance(Report& report, const AutonomyFigures& figures) {
 
 }  // namespace
 
-std::string report_html(const AutonomyFigures& figures, std::span<const BatteryRun> records,
+std::string report_html(const AutonomyMetrics& metrics, std::span<const BatteryRun> records,
                         std::span<const TrueEnd> ground_truth, const ReportFacts& facts) {
   Report report{"Autonomy of " + facts.type,
-                std::to_string(figures.batteries) + " batteries, " + std::to_string(records.size()) + " runs"};
-  add_statement(report, figures, facts);
+                std::to_string(metrics.batteries) + " batteries, " + std::to_string(records.size()) + " runs"};
+  add_statement(report, metrics, facts);
   report.page_break();
   add_curves(report, records);
   if (!ground_truth.empty())
     report.figure(gauge_svg(records, ground_truth),
                   "Gauge against truth: only an emulated battery has one. The test itself never saw it.");
-  if (!figures.survival.steps.empty())
-    report.figure(survival_svg(figures.survival),
+  if (!metrics.survival.steps.empty())
+    report.figure(survival_svg(metrics.survival),
                   "Share of batteries still running (Kaplan and Meier), with its pointwise 95 % band.");
-  add_variance(report, figures);
-  add_records(report, figures, records, ground_truth);
+  add_variance(report, metrics);
+  add_records(report, metrics, records, ground_truth);
   report.heading("Again");
   report.verbatim(facts.command);
   return report.html();

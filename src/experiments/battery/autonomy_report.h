@@ -20,7 +20,7 @@ struct ReportFacts {
 };
 /// One HTML page that needs nothing else.
 /// The true ends are those of a test in virtual time; empty for other tests.
-[[nodiscard]] std::string report_html(const AutonomyFigures& figures, std::span<const BatteryRun> records,
+[[nodiscard]] std::string report_html(const AutonomyMetrics& metrics, std::span<const BatteryRun> records,
                                       std::span<const TrueEnd> ground_truth, const ReportFacts& facts);
 
 }  // namespace cosiva::experiments

@@ -88,9 +88,9 @@ TEST(PlatformRig, takes_a_vehicle_that_dies_for_lost_and_not_for_empty) {
   while (rig.procedure().progress(rig.now()).ratio < 0.3) rig.step();
   rig.world().kill_aiv(2);
   run_to_the_end(rig);
-  const AutonomyFigures figures = analyse(rig.procedure().records(), 3);
-  EXPECT_EQ(figures.failed, 1U);
-  EXPECT_THAT(figures.method, ::testing::HasSubstr("censored"));
+  const AutonomyMetrics metrics = analyse(rig.procedure().records(), 3);
+  EXPECT_EQ(metrics.failed, 1U);
+  EXPECT_THAT(metrics.method, ::testing::HasSubstr("censored"));
   for (const BatteryRun& run : rig.procedure().records())
     EXPECT_EQ(run.stop, run.vehicle == 1 ? StopCause::lost : StopCause::floor);
 }

@@ -33,11 +33,11 @@ TEST(Recorded, durations_of_others_give_the_figures_published_of_them) {
   RecordedSeries& fleet = (*all)[0];
   EXPECT_EQ(fleet.name, "fleet_first_run");
   EXPECT_EQ(fleet.batteries, 9U);
-  const AutonomyFigures figures = analyse(fleet.records, fleet.batteries);
-  EXPECT_NEAR(figures.mean_s, 3605.46, 0.01);
-  EXPECT_NEAR(*figures.tolerance_low_s, 3454.8, 0.1);
-  EXPECT_NEAR(figures.vehicles->variance.f, 404.0, 2.0);
-  EXPECT_EQ(figures.vehicles->groups.front().vehicle, "tester_channel 8");
+  const AutonomyMetrics metrics = analyse(fleet.records, fleet.batteries);
+  EXPECT_NEAR(metrics.mean_s, 3605.46, 0.01);
+  EXPECT_NEAR(*metrics.tolerance_low_s, 3454.8, 0.1);
+  EXPECT_NEAR(metrics.vehicles->variance.f, 404.0, 2.0);
+  EXPECT_EQ(metrics.vehicles->groups.front().vehicle, "tester_channel 8");
   EXPECT_EQ((*all)[1].batteries, 5U);
   EXPECT_EQ((*all)[1].records.size(), 20U);
 

@@ -92,11 +92,11 @@ TEST(VirtualRig, tells_battery_from_vehicle_where_they_swap) {
   options.load_sd = 0.05;
   options.battery.type.capacity_spread = 0.002;
   const VirtualRig rig = finished(options);
-  const AutonomyFigures figures = analyse(rig.procedure().records(), 4);
-  ASSERT_TRUE(figures.crossed);
-  EXPECT_FALSE(figures.crossed->confounded);
-  EXPECT_GT(figures.crossed->carrier.ratio, 0.8);
-  EXPECT_LT(figures.crossed->carrier.p, 1e-4);
+  const AutonomyMetrics metrics = analyse(rig.procedure().records(), 4);
+  ASSERT_TRUE(metrics.crossed);
+  EXPECT_FALSE(metrics.crossed->confounded);
+  EXPECT_GT(metrics.crossed->carrier.ratio, 0.8);
+  EXPECT_LT(metrics.crossed->carrier.p, 1e-4);
 }
 
 TEST(VirtualRig, repeated_fades_a_little_each_time) {
@@ -104,7 +104,7 @@ TEST(VirtualRig, repeated_fades_a_little_each_time) {
   options.battery.type.capacity_fade_per_cycle = 0.003;
   options.procedure.floor = 0.1;
   const VirtualRig rig = finished(options);
-  const AutonomyFigures figures = analyse(rig.procedure().records(), 1);
+  const AutonomyMetrics metrics = analyse(rig.procedure().records(), 1);
   // What a gauge counts of a nominal capacity does not see it fade; the cut-off and the truth do.
   EXPECT_GT(rig.procedure().records().back().tag.cycles, 4.0);
   EXPECT_LT(rig.ground_truth().back().charge, rig.ground_truth().front().charge - 0.005);
@@ -114,9 +114,9 @@ TEST(VirtualRig, names_failures_and_cut_offs) {
   VirtualRigOptions options = small(6);
   options.failures_per_hour = 0.8;
   const VirtualRig failing = finished(options);
-  const AutonomyFigures figures = analyse(failing.procedure().records(), 6);
-  EXPECT_GT(figures.failed, 0U);
-  EXPECT_LT(figures.failed, 6U);
+  const AutonomyMetrics metrics = analyse(failing.procedure().records(), 6);
+  EXPECT_GT(metrics.failed, 0U);
+  EXPECT_LT(metrics.failed, 6U);
   options.failures_per_hour = 0.0;
   options.procedure.floor = 0.0;
   const VirtualRig empty = finished(options);

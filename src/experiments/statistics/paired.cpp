@@ -123,13 +123,13 @@ std::vector<double> holm(std::span<const double> p_values) {
   return raised;
 }
 
-std::optional<Friedman> friedman(const std::vector<std::vector<double>>& figures) {
-  if (figures.size() < 2 || figures.front().size() < 2) return std::nullopt;
-  const std::size_t k = figures.front().size();
-  const auto n = static_cast<double>(figures.size());
+std::optional<Friedman> friedman(const std::vector<std::vector<double>>& metrics) {
+  if (metrics.size() < 2 || metrics.front().size() < 2) return std::nullopt;
+  const std::size_t k = metrics.front().size();
+  const auto n = static_cast<double>(metrics.size());
   Friedman result{std::vector<double>(k, 0.0), 0.0, 1.0};
   double squares = 0.0;
-  for (const std::vector<double>& run : figures) {
+  for (const std::vector<double>& run : metrics) {
     COSIVA_EXPECT(run.size() == k);
     const auto ranks = doubled_ranks(run);
     for (std::size_t j = 0; j < k; ++j) {

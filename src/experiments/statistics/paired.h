@@ -25,7 +25,7 @@ struct Friedman {
 };
 /// @param figures  figures[run][algorithm], smaller is better
 /// Nothing for fewer than two runs or two algorithms.
-[[nodiscard]] std::optional<Friedman> friedman(const std::vector<std::vector<double>>& figures);
+[[nodiscard]] std::optional<Friedman> friedman(const std::vector<std::vector<double>>& metrics);
 
 /// How many runs it takes to show a difference like this one at a level (two-sided, Wilcoxon) with a chance of 80 %; at
 /// 5 % at least 6, below which that test can show nothing. Nothing where the mean difference is 0, or there are fewer

@@ -64,7 +64,7 @@ TEST(Friedman, of_runs_that_all_agree_is_as_large_as_can_be) {
   EXPECT_NEAR(result->p, std::exp(-4.0), 1e-12);
 }
 
-TEST(Friedman, of_equal_figures_shows_nothing) {
+TEST(Friedman, of_equal_metrics_shows_nothing) {
   const auto result = friedman({{1, 1}, {2, 2}});
   EXPECT_EQ(result->p, 1.0);
   EXPECT_EQ(result->mean_ranks, (std::vector{1.5, 1.5}));

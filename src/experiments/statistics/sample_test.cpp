@@ -20,7 +20,7 @@ TEST(Sample, has_the_mean_variance_and_root_mean_square_that_one_counts_by_hand)
   EXPECT_DOUBLE_EQ(ratio_below(values, 3.0), 0.5);  // under, not at
 }
 
-TEST(Sample, of_nothing_has_no_figures) {
+TEST(Sample, of_nothing_has_no_metrics) {
   EXPECT_TRUE(std::isnan(mean({})));
   EXPECT_TRUE(std::isnan(variance({})));
   EXPECT_TRUE(std::isnan(ratio_below({}, 1.0)));

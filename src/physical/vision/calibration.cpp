@@ -10,16 +10,16 @@
 namespace cosiva::vision {
 namespace {
 
-Residuals figures_of(const std::vector<Point2>& residuals) {
-  Residuals figures{residuals.size(), 0.0, 0.0};
+Residuals metrics_of(const std::vector<Point2>& residuals) {
+  Residuals metrics{residuals.size(), 0.0, 0.0};
   double squares = 0.0;
   for (const Point2& residual : residuals) {
     const double off = norm(residual.x_m, residual.y_m);
     squares += off * off;
-    figures.max_m = std::max(figures.max_m, off);
+    metrics.max_m = std::max(metrics.max_m, off);
   }
-  if (!residuals.empty()) figures.rms_m = std::sqrt(squares / static_cast<double>(residuals.size()));
-  return figures;
+  if (!residuals.empty()) metrics.rms_m = std::sqrt(squares / static_cast<double>(residuals.size()));
+  return metrics;
 }
 
 std::optional<Point2> residual_of(const FloorMap& map, const FloorPoint& point) {
@@ -74,7 +74,7 @@ Result<Tried> try_model(const std::vector<FloorPoint>& points, ImageSize frame, 
   std::vector<Point2> left;
   for (const FloorPoint& point : points)
     if (const auto residual = residual_of(*map, point)) left.push_back(*residual);
-  return Tried{options, figures_of(left), std::move(*colour), std::move(*block)};
+  return Tried{options, metrics_of(left), std::move(*colour), std::move(*block)};
 }
 
 }  // namespace
@@ -138,7 +138,7 @@ Result<LeftOut> cross_validate(const std::vector<FloorPoint>& points, ImageSize 
       left_out.residuals[i] = *residual;
     }
   }
-  left_out.figures = figures_of(left_out.residuals);
+  left_out.metrics = metrics_of(left_out.residuals);
   return left_out;
 }
 
@@ -210,14 +210,14 @@ Result<Calibrated> calibrate(const std::vector<FloorPoint>& points, ImageSize fr
   }
   if (result.tried.empty()) return tl::unexpected(*refused);
   for (std::size_t i = 1; i < result.tried.size(); ++i)
-    if (result.tried[i].block.figures.rms_m < result.tried[result.chosen].block.figures.rms_m) result.chosen = i;
+    if (result.tried[i].block.metrics.rms_m < result.tried[result.chosen].block.metrics.rms_m) result.chosen = i;
   const Tried& best = result.tried[result.chosen];
   Calibration& made = result.calibration;
   made.model = best.options.model;
   made.map = *fit_floor(points, frame, best.options);
   made.fitted = best.fitted;
-  made.colour = best.colour.figures;
-  made.block = best.block.figures;
+  made.colour = best.colour.metrics;
+  made.block = best.block.metrics;
   made.uncertainty = residual_map(points, {&best.colour, &best.block}, options.cell_m);
   if (options.camera_height_m > 0.0) {
     // Where the camera hangs is asked of the homography, which a lens must not have bent.

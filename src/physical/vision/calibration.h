@@ -20,7 +20,7 @@ struct Residuals {
 
 /// Of points that the fit has not seen: where each was put, less where it is.
 struct LeftOut {
-  Residuals figures;
+  Residuals metrics;
   std::vector<Point2> residuals;  ///< of all points, in their order [m]
 };
 

@@ -38,18 +38,18 @@ TEST(Calibration, gives_the_known_figures_of_simpler_models_on_a_real_floor) {
   // shared figures of the data: homography 26.8 (79) | 31.7 (108), with lens 1.45 (6.2) | 1.84 (11.1), in mm
   ASSERT_EQ(cpm().tried.size(), 4U);
   const Tried& plane = cpm().tried[0];
-  EXPECT_NEAR(1e3 * plane.colour.figures.rms_m, 26.8, 0.05);
-  EXPECT_NEAR(1e3 * plane.block.figures.rms_m, 31.7, 0.05);
+  EXPECT_NEAR(1e3 * plane.colour.metrics.rms_m, 26.8, 0.05);
+  EXPECT_NEAR(1e3 * plane.block.metrics.rms_m, 31.7, 0.05);
   const Tried& lens = cpm().tried[1];
-  EXPECT_NEAR(1e3 * lens.colour.figures.rms_m, 1.45, 0.01);
-  EXPECT_NEAR(1e3 * lens.colour.figures.max_m, 6.2, 0.05);
-  EXPECT_NEAR(1e3 * lens.block.figures.rms_m, 1.84, 0.01);
-  EXPECT_NEAR(1e3 * lens.block.figures.max_m, 11.1, 0.05);
+  EXPECT_NEAR(1e3 * lens.colour.metrics.rms_m, 1.45, 0.01);
+  EXPECT_NEAR(1e3 * lens.colour.metrics.max_m, 6.2, 0.05);
+  EXPECT_NEAR(1e3 * lens.block.metrics.rms_m, 1.84, 0.01);
+  EXPECT_NEAR(1e3 * lens.block.metrics.max_m, 11.1, 0.05);
 }
 
 TEST(Calibration, chooses_the_model_whose_left_out_blocks_fit_best) {
   const Tried& chosen = cpm().tried[cpm().chosen];
-  for (const Tried& tried : cpm().tried) EXPECT_LE(chosen.block.figures.rms_m, tried.block.figures.rms_m);
+  for (const Tried& tried : cpm().tried) EXPECT_LE(chosen.block.metrics.rms_m, tried.block.metrics.rms_m);
   EXPECT_EQ(chosen.options.model, cpm().calibration.model);
 }
 

@@ -36,7 +36,7 @@ std::string residual_svg(const std::vector<FloorPoint>& points, const Calibrated
   double worst_m = 1e-9;
   for (const double rms : map.rms_m) worst_m = std::max(worst_m, rms);
   // An arrow of the rms is a fifth of a square long.
-  const double enlarged = 0.2 * map.side_m / std::max(1e-9, tried.block.figures.rms_m);
+  const double enlarged = 0.2 * map.side_m / std::max(1e-9, tried.block.metrics.rms_m);
   const double width = px * wide_m + 2.0 * margin_px;
   const double height = px * high_m + 2.0 * margin_px + text_px;
   std::string svg =
@@ -63,10 +63,10 @@ std::string residual_svg(const std::vector<FloorPoint>& points, const Calibrated
            text_of(-px * enlarged * off.y_m) + "\"/>\n";
   }
   svg += "</g>\n<text x=\"" + text_of(margin_px) + "\" y=\"" + text_of(height - 42.0) +
-         "\" fill=\"currentColor\">Left-out blocks: " + text_of(1e3 * tried.block.figures.rms_m) + " mm rms, " +
-         text_of(1e3 * tried.block.figures.max_m) +
-         " mm at most. Other colour: " + text_of(1e3 * tried.colour.figures.rms_m) + " mm rms, " +
-         text_of(1e3 * tried.colour.figures.max_m) + " mm at most.</text>\n<text x=\"" + text_of(margin_px) +
+         "\" fill=\"currentColor\">Left-out blocks: " + text_of(1e3 * tried.block.metrics.rms_m) + " mm rms, " +
+         text_of(1e3 * tried.block.metrics.max_m) +
+         " mm at most. Other colour: " + text_of(1e3 * tried.colour.metrics.rms_m) + " mm rms, " +
+         text_of(1e3 * tried.colour.metrics.max_m) + " mm at most.</text>\n<text x=\"" + text_of(margin_px) +
          "\" y=\"" + text_of(height - 20.0) + "\" fill=\"currentColor\">Squares of " + text_of(map.side_m) +
          " m, darkest " + text_of(1e3 * worst_m) + " mm rms; arrows: each point's error when its block was left out, " +
          text_of(enlarged) + " times as long.</text>\n</svg>\n";

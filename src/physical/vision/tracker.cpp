@@ -130,7 +130,7 @@ void Tracker::search(const Image& image, double stamp_s, std::map<int, DetectedT
       !options_.expected.empty() && std::ranges::all_of(options_.expected, [&](int id) { return detected.contains(id); });
   if (everybody) return;
   Window window{0, 0, image.size};
-  if (figures_.images > 0) {
+  if (metrics_.images > 0) {
     // Bands overlap by as much as a tag is wide, and nobody lies between two.
     const std::size_t step = (image.size.height + options_.bands - 1) / options_.bands;
     constexpr std::size_t overlap = 80;
@@ -142,7 +142,7 @@ void Tracker::search(const Image& image, double stamp_s, std::map<int, DetectedT
   for (const DetectedTag& far : finder_.find(image, window, from_afar(options_.search_decimate))) {
     if (detected.contains(far.id) && !found.contains(far.id)) continue;  // it is followed
     if (!is_welcome(far) || found.contains(far.id)) {
-      ++figures_.strange;
+      ++metrics_.strange;
       continue;
     }
     // Corners of the smaller picture are coarser: look again, closely.
@@ -178,19 +178,19 @@ Result<std::vector<Fix>> Tracker::see(const Image& image, double stamp_s) {
     return fail("gvs.image", "is " + phrase(image.size) + " pixels large, and the calibration is for " +
                                    phrase(calibration_.map.frame));
   }
-  COSIVA_EXPECT(figures_.images == 0 || stamp_s > stamp_s_);
+  COSIVA_EXPECT(metrics_.images == 0 || stamp_s > stamp_s_);
   std::map<int, DetectedTag> detected;
   for (auto& [id, followed] : followed_) {
     if (const auto tag = find_again(image, id, followed, stamp_s)) {
       detected.emplace(id, *tag);
     } else {
       ++followed.missed;
-      ++figures_.lost;
+      ++metrics_.lost;
     }
   }
   std::erase_if(followed_, [](const auto& one) { return one.second.missed > missed_max; });
   search(image, stamp_s, detected);
-  ++figures_.images;
+  ++metrics_.images;
   stamp_s_ = stamp_s;
 
   std::vector<Fix> fixes;
@@ -205,7 +205,7 @@ Result<std::vector<Fix>> Tracker::see(const Image& image, double stamp_s) {
     followed_[id] = now;
     if (const auto fix = fix_of(tag, stamp_s)) fixes.push_back(*fix);
   }
-  figures_.fixes += fixes.size();
+  metrics_.fixes += fixes.size();
   return fixes;
 }
 

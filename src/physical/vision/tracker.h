@@ -42,13 +42,13 @@ class Tracker {
   /// Fails ("gvs.image") on a picture of another size than the calibration's.
   [[nodiscard]] Result<std::vector<Fix>> see(const Image& image, double stamp_s);
 
-  struct Figures {
+  struct Metrics {
     std::size_t images{};
     std::size_t fixes{};
     std::size_t lost{};     ///< times that somebody followed was not found
     std::size_t strange{};  ///< tags that were none of the expected, of another size, or twice in a picture
   };
-  [[nodiscard]] const Figures& figures() const { return figures_; }
+  [[nodiscard]] const Metrics& metrics() const { return metrics_; }
   /// Those that are followed now.
   [[nodiscard]] std::vector<int> followed() const;
 
@@ -73,7 +73,7 @@ class Tracker {
   std::map<int, Followed> followed_;
   std::size_t band_{0};
   double stamp_s_{0.0};
-  Figures figures_;
+  Metrics metrics_;
 };
 
 /// The pose of a square tag, taken to lie on the floor, and the side that it then has. Nothing where a corner looks

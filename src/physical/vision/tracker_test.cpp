@@ -144,7 +144,7 @@ TEST(Tracker, finds_who_comes_later_and_forgets_who_goes) {
   for (int k = 0; k < 10; ++k) detected = tracker.see(painter.paint({all[1]}, 2), t_s += 0.01)->size();
   EXPECT_EQ(detected, 1U);
   EXPECT_THAT(tracker.followed(), ElementsAre(1));
-  EXPECT_GT(tracker.figures().lost, 0U);
+  EXPECT_GT(tracker.metrics().lost, 0U);
 }
 
 TEST(Tracker, takes_no_tag_that_is_not_expected_or_of_another_size) {
@@ -159,7 +159,7 @@ TEST(Tracker, takes_no_tag_that_is_not_expected_or_of_another_size) {
   const auto fixes = tracker.see(painter.paint(bodies, 0), 0.0);
   ASSERT_EQ(fixes->size(), 1U);
   EXPECT_EQ(fixes->front().tag, 0);
-  EXPECT_EQ(tracker.figures().strange, 2U);
+  EXPECT_EQ(tracker.metrics().strange, 2U);
 }
 
 TEST(Tracker, refuses_an_image_of_another_size) {

@@ -6,7 +6,7 @@
 
 #include "cosiva/base/expect.h"
 #include "cosiva/virtual/fleet/crossing_grants.h"
-#include "cosiva/virtual/fleet/fleet_figures.h"
+#include "cosiva/virtual/fleet/fleet_metrics.h"
 #include "cosiva/virtual/fleet/fleet_orders.h"
 #include "cosiva/virtual/fleet/fleet_tables.h"
 #include "cosiva/virtual/fleet/leaders.h"
@@ -148,7 +148,7 @@ SimDuration Fleet::waiting(Vehicle vehicle) const {
 }
 std::uint32_t Fleet::laps(Vehicle vehicle) const { return in_->tables.state.own[vehicle].laps; }
 
-Fleet::CrossingFigures Fleet::crossing(std::size_t crossing) const { return crossing_figures(in_->tables, crossing); }
+Fleet::CrossingMetrics Fleet::crossing(std::size_t crossing) const { return crossing_metrics(in_->tables, crossing); }
 SimDuration Fleet::occupancy(zone::SectionId section) const { return virtual_side::occupancy(in_->tables, section); }
 double Fleet::smallest_gap_m() const { return virtual_side::smallest_gap_m(in_->tables); }
 std::uint64_t Fleet::collisions() const { return virtual_side::collisions(in_->tables); }

@@ -137,11 +137,11 @@ class Fleet {
   [[nodiscard]] SimDuration waiting(Vehicle vehicle) const;
   /// How often it has come back to the section it began on.
   [[nodiscard]] std::uint32_t laps(Vehicle vehicle) const;
-  struct CrossingFigures {
+  struct CrossingMetrics {
     std::uint64_t grants{};
     SimDuration waiting{};  ///< from asking to grant, of all who were granted it
   };
-  [[nodiscard]] CrossingFigures crossing(std::size_t crossing) const;  ///< of all copies together
+  [[nodiscard]] CrossingMetrics crossing(std::size_t crossing) const;  ///< of all copies together
   /// Time that vehicles spent on a section, of all copies together, up to now.
   [[nodiscard]] SimDuration occupancy(zone::SectionId section) const;
   [[nodiscard]] double smallest_gap_m() const;     ///< ever, from front to rear; infinite: nobody saw anybody

@@ -43,7 +43,7 @@ void write_plan(JsonWriter& json, const CampaignResult& result) {
   json.end_object().end_object();
 }
 
-void write_cell(JsonWriter& json, const CampaignPlan& plan, const CellFigures& cell) {
+void write_cell(JsonWriter& json, const CampaignPlan& plan, const CellMetrics& cell) {
   json.begin_object().field("algorithm", plan.algorithms[cell.algorithm]);
   const SweptValues values = plan.environment(cell.environment);
   for (std::size_t i = 0; i < swept_count; ++i) json.field(info_of(static_cast<Swept>(i)).key, values[i]);
@@ -75,7 +75,7 @@ std::string to_json(const CampaignResult& result) {
     json.end_object();
   }
   json.end_array().key("cells").begin_array();
-  for (const CellFigures& cell : result.summary.cells) write_cell(json, plan, cell);
+  for (const CellMetrics& cell : result.summary.cells) write_cell(json, plan, cell);
   json.end_array().end_object();
   return json.take();
 }

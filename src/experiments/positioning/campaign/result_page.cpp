@@ -156,11 +156,11 @@ void add_pitches(const CampaignResult& result, Report& report) {
 
 void add_cells(const CampaignResult& result, Report& report) {
   const CampaignPlan& plan = result.work.plan();
-  const std::vector<CellFigures>& cells = result.summary.cells;
+  const std::vector<CellMetrics>& cells = result.summary.cells;
   report.heading("Cells");
   std::vector<std::vector<std::string>> rows;
   for (std::size_t i = 0; i < std::min(cells.size(), rows_max); ++i) {
-    const CellFigures& cell = cells[i];
+    const CellMetrics& cell = cells[i];
     std::string interval = "–";
     if (cell.rmse_m.interval) interval = mm(cell.rmse_m.interval->low) + "–" + mm(cell.rmse_m.interval->high);
     rows.push_back({plan.algorithms[cell.algorithm]});

@@ -71,34 +71,34 @@ Table runs_table(const CampaignResult& result) {
 
 Table cells_table(const CampaignResult& result) {
   const CampaignPlan& plan = result.work.plan();
-  const std::vector<CellFigures>& cells = result.summary.cells;
+  const std::vector<CellMetrics>& cells = result.summary.cells;
   Table table{"cells", {}, cells.size()};
   table.columns.push_back(
       {"cell", Kind::whole, [](std::size_t row) { return TableValue{static_cast<std::int64_t>(row + 1)}; }});
   add_factors(table, plan, [&cells](std::size_t row) { return cells[row].environment; });
   table.columns.push_back(
       {"algorithm", Kind::text, [&](std::size_t row) { return TableValue{plan.algorithms[cells[row].algorithm]}; }});
-  const auto number = [&](const char* name, double (*get)(const CellFigures&)) {
+  const auto number = [&](const char* name, double (*get)(const CellMetrics&)) {
     table.columns.push_back(
         {name, Kind::number, [&cells, get](std::size_t row) { return TableValue{get(cells[row])}; }});
   };
-  number("rmse_m", [](const CellFigures& c) { return c.rmse_m.value; });
-  number("rmse_low_m", [](const CellFigures& c) { return c.rmse_m.interval ? c.rmse_m.interval->low : nan; });
-  number("rmse_high_m", [](const CellFigures& c) { return c.rmse_m.interval ? c.rmse_m.interval->high : nan; });
-  number("limit_m", [](const CellFigures& c) { return c.limit_m; });
-  number("gap_percent", [](const CellFigures& c) { return c.gap_percent; });
-  number("mean_m", [](const CellFigures& c) { return c.mean_m; });
-  number("p95_m", [](const CellFigures& c) { return c.p95_m.value; });
-  number("p95_low_m", [](const CellFigures& c) { return c.p95_m.interval ? c.p95_m.interval->low : nan; });
-  number("p95_high_m", [](const CellFigures& c) { return c.p95_m.interval ? c.p95_m.interval->high : nan; });
-  number("max_m", [](const CellFigures& c) { return c.max_m; });
-  number("precision_ratio", [](const CellFigures& c) { return c.precision; });
-  number("covered95_ratio", [](const CellFigures& c) { return c.covered; });
-  number("nees", [](const CellFigures& c) { return c.nees; });
-  number("refused_readings", [](const CellFigures& c) { return c.refused; });
-  number("spacing_m", [](const CellFigures& c) { return c.marks.spacing_m; });
-  number("longest_unread_m", [](const CellFigures& c) { return c.marks.longest_unread_m; });
-  number("leak", [](const CellFigures& c) { return c.leak ? 1.0 : 0.0; });
+  number("rmse_m", [](const CellMetrics& c) { return c.rmse_m.value; });
+  number("rmse_low_m", [](const CellMetrics& c) { return c.rmse_m.interval ? c.rmse_m.interval->low : nan; });
+  number("rmse_high_m", [](const CellMetrics& c) { return c.rmse_m.interval ? c.rmse_m.interval->high : nan; });
+  number("limit_m", [](const CellMetrics& c) { return c.limit_m; });
+  number("gap_percent", [](const CellMetrics& c) { return c.gap_percent; });
+  number("mean_m", [](const CellMetrics& c) { return c.mean_m; });
+  number("p95_m", [](const CellMetrics& c) { return c.p95_m.value; });
+  number("p95_low_m", [](const CellMetrics& c) { return c.p95_m.interval ? c.p95_m.interval->low : nan; });
+  number("p95_high_m", [](const CellMetrics& c) { return c.p95_m.interval ? c.p95_m.interval->high : nan; });
+  number("max_m", [](const CellMetrics& c) { return c.max_m; });
+  number("precision_ratio", [](const CellMetrics& c) { return c.precision; });
+  number("covered95_ratio", [](const CellMetrics& c) { return c.covered; });
+  number("nees", [](const CellMetrics& c) { return c.nees; });
+  number("refused_readings", [](const CellMetrics& c) { return c.refused; });
+  number("spacing_m", [](const CellMetrics& c) { return c.marks.spacing_m; });
+  number("longest_unread_m", [](const CellMetrics& c) { return c.marks.longest_unread_m; });
+  number("leak", [](const CellMetrics& c) { return c.leak ? 1.0 : 0.0; });
   return table;
 }
 

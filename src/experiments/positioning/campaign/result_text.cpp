@@ -36,10 +36,10 @@ std::string pitches_text(const CampaignPlan& plan, const std::vector<PitchMet>& 
   return text;
 }
 
-std::string cells_text(const CampaignPlan& plan, const std::vector<CellFigures>& cells) {
+std::string cells_text(const CampaignPlan& plan, const std::vector<CellMetrics>& cells) {
   std::string text = "  rmse [mm] (95 %), limit:\n";
   for (std::size_t i = 0; i < std::min(cells.size(), lines_max); ++i) {
-    const CellFigures& cell = cells[i];
+    const CellMetrics& cell = cells[i];
     std::string rmse = mm(cell.rmse_m.value);
     if (cell.rmse_m.interval) rmse += " (" + mm(cell.rmse_m.interval->low) + "–" + mm(cell.rmse_m.interval->high) + ")";
     text += "    " + padded(plan.algorithms[cell.algorithm], 18) + padded(rmse, 24) + padded(mm(cell.limit_m), 9) +

@@ -61,9 +61,9 @@ bool leaks(const Pool& pool, std::size_t cells) {
   return statistics::mean(below) > t * error;
 }
 
-CellFigures cell_of(const CampaignWork& work, const Votes& votes, std::size_t environment, std::size_t algorithm) {
+CellMetrics cell_of(const CampaignWork& work, const Votes& votes, std::size_t environment, std::size_t algorithm) {
   const CampaignPlan& plan = work.plan();
-  CellFigures cell;
+  CellMetrics cell;
   cell.environment = environment;
   cell.algorithm = algorithm;
   cell.marks = votes.marks(environment);
@@ -224,7 +224,7 @@ CampaignSummary sum_up(const CampaignWork& work, const std::vector<UnitRecord>& 
   summary.cells.resize(plan.cells());
   workers.for_each(plan.cells(),
                    [&](std::size_t i) { summary.cells[i] = cell_of(work, votes, i / algorithms, i % algorithms); });
-  for (const CellFigures& cell : summary.cells) summary.leaks += cell.leak ? 1 : 0;
+  for (const CellMetrics& cell : summary.cells) summary.leaks += cell.leak ? 1 : 0;
   if (plan.of(Swept::pitch).size() < 2) return summary;
   const std::vector<Selection> around = surroundings(plan);
   summary.pitches_met.resize(around.size() * algorithms);

@@ -14,7 +14,7 @@
 namespace cosiva::experiments {
 
 /// One algorithm in one environment.
-struct CellFigures {
+struct CellMetrics {
   std::size_t environment{};
   std::size_t algorithm{};
   Figure rmse_m;  ///< with its interval over runs, as the other figures
@@ -62,7 +62,7 @@ struct PitchMet {
 };
 
 struct CampaignSummary {
-  std::vector<CellFigures> cells;     ///< environment by environment, algorithm fastest
+  std::vector<CellMetrics> cells;     ///< environment by environment, algorithm fastest
   std::vector<PitchMet> pitches_met;  ///< none where only one pitch was asked for
   std::size_t leaks{};
   std::string digest;  ///< of every vote, in the order of the list

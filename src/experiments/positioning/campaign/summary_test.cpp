@@ -81,7 +81,7 @@ TEST(CampaignSummary, finds_the_pitch_that_the_limit_s_closed_form_has_and_is_su
 TEST(CampaignSummary, has_for_each_cell_its_figures_with_the_limit_beside_them) {
   const Done done = done_of(testing::small_plan);
   ASSERT_EQ(done.summary.cells.size(), 12U);
-  for (const CellFigures& cell : done.summary.cells) {
+  for (const CellMetrics& cell : done.summary.cells) {
     ASSERT_TRUE(cell.rmse_m.interval);
     EXPECT_LT(cell.rmse_m.interval->low, cell.rmse_m.value);
     EXPECT_GT(cell.rmse_m.interval->high, cell.rmse_m.value);

@@ -8,7 +8,7 @@
 
 #include "cosiva/base/digest.h"
 #include "cosiva/base/math.h"
-#include "cosiva/experiments/positioning/metrology/figures.h"
+#include "cosiva/experiments/positioning/metrology/metrics.h"
 #include "cosiva/experiments/positioning/metrology/limit.h"
 #include "cosiva/experiments/statistics/sample.h"
 #include "cosiva/zone/layout/beacons.h"
@@ -34,11 +34,11 @@ double longest_gap(const std::vector<Simulation::Mark>& marks, const estimation:
 }
 
 Vote vote_of(const Trial& trial, const Trace& trace, double threshold_m, double limit_m2) {
-  const RunFigures figures = figures_of(trial, trace, threshold_m);
+  const RunMetrics metrics = metrics_of(trial, trace, threshold_m);
   std::vector<double> errors = trace.error_m;
-  return {figures.mse_m2, figures.mean_m,    statistics::percentile(errors, 0.95),
-          figures.max_m,  figures.precision, figures.covered[2],
-          figures.nees,   limit_m2,          static_cast<double>(figures.refused)};
+  return {metrics.mse_m2, metrics.mean_m,    statistics::percentile(errors, 0.95),
+          metrics.max_m,  metrics.precision, metrics.covered[2],
+          metrics.nees,   limit_m2,          static_cast<double>(metrics.refused)};
 }
 
 }  // namespace

@@ -15,8 +15,8 @@ Comparison compared(const Qualification& all, std::size_t a, std::size_t b) {
   std::vector<double> rmse;
   std::vector<double> precision;
   for (std::size_t i = 0; i < all.runs; ++i) {
-    const RunFigures& of_a = all.algorithms[a].runs[i];
-    const RunFigures& of_b = all.algorithms[b].runs[i];
+    const RunMetrics& of_a = all.algorithms[a].runs[i];
+    const RunMetrics& of_b = all.algorithms[b].runs[i];
     rmse.push_back(std::sqrt(of_b.mse_m2) - std::sqrt(of_a.mse_m2));
     precision.push_back(of_b.precision - of_a.precision);
   }
@@ -59,11 +59,11 @@ void compare_all(Qualification& all) {
     if (std::fabs(comparison.rmse_difference_m.value) < all.options.reference.total_m())
       comparison.verdict = Verdict::unresolved;
   }
-  std::vector<std::vector<double>> figures(all.runs);
+  std::vector<std::vector<double>> metrics(all.runs);
   for (std::size_t run = 0; run < all.runs; ++run) {
-    for (const std::size_t i : all.ranked) figures[run].push_back(all.algorithms[i].runs[run].mse_m2);
+    for (const std::size_t i : all.ranked) metrics[run].push_back(all.algorithms[i].runs[run].mse_m2);
   }
-  all.ranks = statistics::friedman(figures);
+  all.ranks = statistics::friedman(metrics);
 }
 
 }  // namespace cosiva::experiments

@@ -134,7 +134,7 @@ class Evaluation {
         one.failed = aligned.error();
     }
     if (one.failed) return;
-    one.figures = figures_of(trial, trace, options_.threshold_m);
+    one.metrics = metrics_of(trial, trace, options_.threshold_m);
     one.errors_m.reserve(trace.error_m.size());
     for (const double e : trace.error_m) one.errors_m.push_back(static_cast<float>(e));
     if (index < worth_runs_most) {

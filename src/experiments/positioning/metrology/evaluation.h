@@ -8,7 +8,7 @@ namespace cosiva::experiments {
 /// One algorithm on one run.
 struct Evaluated {
   std::optional<Error> failed;
-  RunFigures figures;
+  RunMetrics metrics;
   std::optional<Pose2> alignment;  ///< what all its estimates were moved by
   std::vector<float> errors_m;     ///< a millionth of a metre is enough for a percentile
   double worth{};                  ///< of the first few runs alone, as is the next

@@ -26,10 +26,10 @@ struct Gathered {
 };
 
 template <typename Get>
-std::vector<double> column(const std::vector<RunFigures>& runs, const Get& get) {
+std::vector<double> column(const std::vector<RunMetrics>& runs, const Get& get) {
   std::vector<double> values;
   values.reserve(runs.size());
-  for (const RunFigures& run : runs) values.push_back(get(run));
+  for (const RunMetrics& run : runs) values.push_back(get(run));
   return values;
 }
 
@@ -75,7 +75,7 @@ class Qualifying {
       one.failed = std::move(evaluated.failed);
       return;
     }
-    one.runs.push_back(evaluated.figures);
+    one.runs.push_back(evaluated.metrics);
     if (evaluated.alignment) one.alignments.push_back(*evaluated.alignment);
     Gathered& all = gathered_[i];
     all.errors_m.insert(all.errors_m.end(), evaluated.errors_m.begin(), evaluated.errors_m.end());
@@ -100,9 +100,9 @@ class Qualifying {
   }
 
   void sum_up(Qualified& one, Gathered& all) const {
-    const auto mse = column(one.runs, [](const RunFigures& r) { return r.mse_m2; });
-    const auto means = column(one.runs, [](const RunFigures& r) { return r.mean_m; });
-    const auto precisions = column(one.runs, [](const RunFigures& r) { return r.precision; });
+    const auto mse = column(one.runs, [](const RunMetrics& r) { return r.mse_m2; });
+    const auto means = column(one.runs, [](const RunMetrics& r) { return r.mean_m; });
+    const auto precisions = column(one.runs, [](const RunMetrics& r) { return r.precision; });
     const auto& bootstrap = result_.options.bootstrap;
     one.rmse_m = {root(statistics::mean(mse)), statistics::bca(mse, bootstrap, root)};
     one.mean_m = {statistics::mean(means), statistics::bca(means, bootstrap)};
@@ -130,7 +130,7 @@ class Qualifying {
     double across = 0.0;
     double heading = 0.0;
     double nis_runs = 0.0;
-    for (const RunFigures& run : one.runs) {
+    for (const RunMetrics& run : one.runs) {
       one.iterations += run.iterations;
       one.max_m = std::fmax(one.max_m, run.max_m);
       along += run.along_mse_m2 / n;
@@ -195,7 +195,7 @@ class Qualifying {
     one.passes.runs = one.runs.size();
     one.passes.needed = statistics::passes_needed(options.reliability, options.confidence);
     std::size_t row = 0;
-    for (const RunFigures& run : one.runs) {
+    for (const RunMetrics& run : one.runs) {
       const bool passed = run.max_m <= options.tolerance_m;
       row = passed ? row + 1 : 0;
       one.passes.passed += passed ? 1 : 0;

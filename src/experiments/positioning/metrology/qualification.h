@@ -9,7 +9,7 @@
 
 #include "cosiva/base/digest.h"
 #include "cosiva/base/workers.h"
-#include "cosiva/experiments/positioning/metrology/figures.h"
+#include "cosiva/experiments/positioning/metrology/metrics.h"
 #include "cosiva/experiments/positioning/metrology/limit.h"
 #include "cosiva/experiments/positioning/metrology/reference_budget.h"
 #include "cosiva/experiments/statistics/interval.h"
@@ -58,7 +58,7 @@ struct Qualified {
   std::string what;
   bool backtracks{false};
   std::optional<Error> failed;  ///< why it has no figures
-  std::vector<RunFigures> runs;
+  std::vector<RunMetrics> runs;
   std::size_t iterations{};
   Figure rmse_m, mean_m, precision;
   double variance_m2{};

@@ -23,7 +23,7 @@ std::string px(double value) { return readable(value, 1); }
 std::vector<double> rmse_of_runs(const Qualified& one) {
   std::vector<double> rmse;
   rmse.reserve(one.runs.size());
-  for (const RunFigures& run : one.runs) rmse.push_back(std::sqrt(run.mse_m2));
+  for (const RunMetrics& run : one.runs) rmse.push_back(std::sqrt(run.mse_m2));
   return rmse;
 }
 

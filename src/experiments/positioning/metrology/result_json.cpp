@@ -127,7 +127,7 @@ void write_algorithm(JsonWriter& json, const Qualification& all, std::size_t ind
     json.end_array();
   }
   json.key("rmse_by_run_m").begin_array();
-  for (const RunFigures& run : one.runs) json.value(std::sqrt(run.mse_m2));
+  for (const RunMetrics& run : one.runs) json.value(std::sqrt(run.mse_m2));
   json.end_array().end_object();
 }
 

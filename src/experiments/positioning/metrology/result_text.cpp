@@ -71,7 +71,7 @@ std::string to_csv(const Qualification& all) {
       "algorithm,run,iterations,rmse_m,mean_m,variance_m2,precision,max_m,along_rmse_m,across_rmse_m,nees\n";
   for (const Qualified& one : all.algorithms) {
     for (std::size_t i = 0; i < one.runs.size(); ++i) {
-      const RunFigures& run = one.runs[i];
+      const RunMetrics& run = one.runs[i];
       text += one.name + "," + std::to_string(i + 1) + "," + std::to_string(run.iterations);
       for (const double v : {std::sqrt(run.mse_m2), run.mean_m, run.variance_m2, run.precision, run.max_m,
                              std::sqrt(run.along_mse_m2), std::sqrt(run.across_mse_m2), run.nees})

@@ -39,7 +39,7 @@ std::vector<Pair> moved(std::vector<Pair> pairs, const RigidMotion& motion) {
   return pairs;
 }
 
-ApeFigures aligned(Alignment how) {
+ApeMetrics aligned(Alignment how) {
   const auto motion = alignment_of(how, nine());
   EXPECT_TRUE(motion);
   return ape(moved(nine(), *motion));
@@ -47,13 +47,13 @@ ApeFigures aligned(Alignment how) {
 
 // Umeyama's way, by the singular values of the covariance in forty digits, in another program.
 TEST(Alignment, in_space_is_what_umeyama_s_singular_values_say) {
-  const ApeFigures figures = aligned(Alignment::se3);
-  EXPECT_NEAR(figures.rmse, 0.2769598532318277551, 1e-12);
-  EXPECT_NEAR(figures.mean, 0.2470975991139667081, 1e-12);
-  EXPECT_NEAR(figures.median, 0.2087577922105911459, 1e-12);
-  EXPECT_NEAR(figures.std, 0.1250981087559239246, 1e-12);
-  EXPECT_NEAR(figures.max, 0.5082292050445125785, 1e-12);
-  EXPECT_NEAR(figures.sse, 0.690360842719760139, 1e-12);
+  const ApeMetrics metrics = aligned(Alignment::se3);
+  EXPECT_NEAR(metrics.rmse, 0.2769598532318277551, 1e-12);
+  EXPECT_NEAR(metrics.mean, 0.2470975991139667081, 1e-12);
+  EXPECT_NEAR(metrics.median, 0.2087577922105911459, 1e-12);
+  EXPECT_NEAR(metrics.std, 0.1250981087559239246, 1e-12);
+  EXPECT_NEAR(metrics.max, 0.5082292050445125785, 1e-12);
+  EXPECT_NEAR(metrics.sse, 0.690360842719760139, 1e-12);
   const auto motion = alignment_of(Alignment::se3, nine());
   EXPECT_NEAR(motion->shift_m[0], -0.170999366372016137, 1e-12);
   EXPECT_NEAR(motion->shift_m[1], 0.02506518004474748591, 1e-12);
@@ -62,12 +62,12 @@ TEST(Alignment, in_space_is_what_umeyama_s_singular_values_say) {
 }
 
 TEST(Alignment, about_the_vertical_is_what_singular_values_of_the_plane_say) {
-  const ApeFigures figures = aligned(Alignment::se2);
-  EXPECT_NEAR(figures.rmse, 0.2889212953435930093, 1e-12);
-  EXPECT_NEAR(figures.mean, 0.2593430692018203619, 1e-12);
-  EXPECT_NEAR(figures.median, 0.2219556709421561836, 1e-12);
-  EXPECT_NEAR(figures.std, 0.1273447578818991449, 1e-12);
-  EXPECT_NEAR(figures.max, 0.4774164026782592602, 1e-12);
+  const ApeMetrics metrics = aligned(Alignment::se2);
+  EXPECT_NEAR(metrics.rmse, 0.2889212953435930093, 1e-12);
+  EXPECT_NEAR(metrics.mean, 0.2593430692018203619, 1e-12);
+  EXPECT_NEAR(metrics.median, 0.2219556709421561836, 1e-12);
+  EXPECT_NEAR(metrics.std, 0.1273447578818991449, 1e-12);
+  EXPECT_NEAR(metrics.max, 0.4774164026782592602, 1e-12);
   const auto motion = alignment_of(Alignment::se2, nine());
   EXPECT_NEAR(motion->turn_rad(), 0.0135616561724871549, 1e-12);
   EXPECT_NEAR(motion->shift_m[0], -0.1638219718134447377, 1e-12);
@@ -75,10 +75,10 @@ TEST(Alignment, about_the_vertical_is_what_singular_values_of_the_plane_say) {
 }
 
 TEST(Alignment, at_the_origin_leaves_the_first_pose_without_an_error) {
-  const ApeFigures figures = aligned(Alignment::origin);
-  EXPECT_EQ(figures.min, 0.0);
-  EXPECT_NEAR(figures.rmse, 0.3404784475504041847, 1e-12);
-  EXPECT_NEAR(figures.max, 0.6738674346160378153, 1e-12);
+  const ApeMetrics metrics = aligned(Alignment::origin);
+  EXPECT_EQ(metrics.min, 0.0);
+  EXPECT_NEAR(metrics.rmse, 0.3404784475504041847, 1e-12);
+  EXPECT_NEAR(metrics.max, 0.6738674346160378153, 1e-12);
   // With headings: a way that was begun a quarter turn off is put right by the first pose.
   std::vector<Pair> turned;
   for (int i = 0; i < 5; ++i)

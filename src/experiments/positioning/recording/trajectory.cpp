@@ -234,10 +234,10 @@ Result<std::vector<Pair>> associate(const Trajectory& reference, const Trajector
   return pairs;
 }
 
-ApeFigures ape(const std::vector<Pair>& pairs) {
-  ApeFigures figures;
-  figures.pairs = pairs.size();
-  if (pairs.empty()) return figures;
+ApeMetrics ape(const std::vector<Pair>& pairs) {
+  ApeMetrics metrics;
+  metrics.pairs = pairs.size();
+  if (pairs.empty()) return metrics;
   std::vector<double> errors;
   for (const Pair& pair : pairs) {
     double squared = 0.0;
@@ -246,19 +246,19 @@ ApeFigures ape(const std::vector<Pair>& pairs) {
       squared += d * d;
     }
     errors.push_back(std::sqrt(squared));
-    figures.sse += squared;
+    metrics.sse += squared;
   }
   const auto n = static_cast<double>(errors.size());
-  for (const double e : errors) figures.mean += e / n;
-  for (const double e : errors) figures.std += (e - figures.mean) * (e - figures.mean) / n;
-  figures.std = std::sqrt(figures.std);
-  figures.rmse = std::sqrt(figures.sse / n);
+  for (const double e : errors) metrics.mean += e / n;
+  for (const double e : errors) metrics.std += (e - metrics.mean) * (e - metrics.mean) / n;
+  metrics.std = std::sqrt(metrics.std);
+  metrics.rmse = std::sqrt(metrics.sse / n);
   std::ranges::sort(errors);
   const std::size_t half = errors.size() / 2;
-  figures.median = errors.size() % 2 == 1 ? errors[half] : 0.5 * (errors[half - 1] + errors[half]);
-  figures.min = errors.front();
-  figures.max = errors.back();
-  return figures;
+  metrics.median = errors.size() % 2 == 1 ? errors[half] : 0.5 * (errors[half - 1] + errors[half]);
+  metrics.min = errors.front();
+  metrics.max = errors.back();
+  return metrics;
 }
 
 double time_offset_s(const std::vector<Pair>& pairs, double limit_s) {

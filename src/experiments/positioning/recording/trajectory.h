@@ -58,11 +58,11 @@ struct Pair {
                                                   const AssociationOptions& options);
 
 /// Absolute position error over pairs, as evo's APE counts it: over all three coordinates, nothing aligned.
-struct ApeFigures {
+struct ApeMetrics {
   std::size_t pairs{};
   double rmse{}, mean{}, median{}, std{}, min{}, max{}, sse{};
 };
-[[nodiscard]] ApeFigures ape(const std::vector<Pair>& pairs);
+[[nodiscard]] ApeMetrics ape(const std::vector<Pair>& pairs);
 
 /// By which offset τ of the estimate's stamps its errors along the way are least: estimate(t + τ) against reference(t),
 /// in [−limit, limit]. For showing; nothing is ever shifted by it.

@@ -45,15 +45,15 @@ std::string refusal(const std::string& text) {
 TEST(Ape, is_what_another_program_counts_with_forty_digits) {
   const auto pairs = associate(read(reference_text), read(estimate_text), {});
   ASSERT_TRUE(pairs);
-  const ApeFigures figures = ape(*pairs);
-  EXPECT_EQ(figures.pairs, 9U);
-  EXPECT_NEAR(figures.rmse, 0.3411105239254084, 1e-12);
-  EXPECT_NEAR(figures.mean, 0.2942153665772972, 1e-12);
-  EXPECT_NEAR(figures.median, 0.3263661187700096, 1e-12);
-  EXPECT_NEAR(figures.std, 0.1726085386139784, 1e-12);
-  EXPECT_NEAR(figures.min, 0.0467482144578806, 1e-12);
-  EXPECT_NEAR(figures.max, 0.6316076161454990, 1e-12);
-  EXPECT_NEAR(figures.sse, 1.0472075057940000, 1e-12);
+  const ApeMetrics metrics = ape(*pairs);
+  EXPECT_EQ(metrics.pairs, 9U);
+  EXPECT_NEAR(metrics.rmse, 0.3411105239254084, 1e-12);
+  EXPECT_NEAR(metrics.mean, 0.2942153665772972, 1e-12);
+  EXPECT_NEAR(metrics.median, 0.3263661187700096, 1e-12);
+  EXPECT_NEAR(metrics.std, 0.1726085386139784, 1e-12);
+  EXPECT_NEAR(metrics.min, 0.0467482144578806, 1e-12);
+  EXPECT_NEAR(metrics.max, 0.6316076161454990, 1e-12);
+  EXPECT_NEAR(metrics.sse, 1.0472075057940000, 1e-12);
 }
 
 TEST(Association, interpolates_the_reference_inside_the_gap_and_never_across_it) {

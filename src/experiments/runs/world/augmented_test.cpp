@@ -90,8 +90,8 @@ TEST(Augmented, the_brakes_answer_within_50_ms_of_the_command) {
     world->command_server(R"({"command":"remove","id":"*"})");
     world->run_for(3s);
   }
-  const JsonValue figures = bijection(*world);
-  const JsonValue* brakes = figures.find("effects")->find("brakes_ms");
+  const JsonValue metrics = bijection(*world);
+  const JsonValue* brakes = metrics.find("effects")->find("brakes_ms");
   EXPECT_EQ(brakes->number("count"), 20.0);
   EXPECT_LE(brakes->number("p99").value_or(1e9), 50.0);
 }
@@ -160,10 +160,10 @@ TEST(Augmented, a_virtual_AIV_put_before_a_physical_one_brakes_it_and_its_remova
   world->run_for(8s);
   EXPECT_GT(vehicle(*world, 1).distance_m, stands.distance_m + 0.5);
   EXPECT_EQ(aiv_of(snapshot(*world), "CoSiVA.virtual/V1"), nullptr);
-  const JsonValue figures = bijection(*world);
-  EXPECT_EQ(figures.number("physical"), 1.0);
-  EXPECT_EQ(figures.number("virtual"), 1.0);
-  EXPECT_EQ(figures.number("matched_ratio"), 1.0) << "what is only virtual has no vehicle and owes none";
+  const JsonValue metrics = bijection(*world);
+  EXPECT_EQ(metrics.number("physical"), 1.0);
+  EXPECT_EQ(metrics.number("virtual"), 1.0);
+  EXPECT_EQ(metrics.number("matched_ratio"), 1.0) << "what is only virtual has no vehicle and owes none";
 }
 
 TEST(Augmented, virtual_and_physical_AIVs_circulate_together_and_never_touch) {
@@ -214,8 +214,8 @@ TEST(Augmented, a_physical_obstacle_appears_where_it_stands_and_vanishes_when_pa
   world->command_plant(R"({"removeObstacle":"box"})");
   world->run_for(15s);
   EXPECT_THAT(*snapshot(*world).find("obstacles")->array(), ::testing::IsEmpty());
-  const JsonValue figures = bijection(*world);
-  EXPECT_GE(figures.find("effects")->find("shown_ms")->number("count"), 1.0);
+  const JsonValue metrics = bijection(*world);
+  EXPECT_GE(metrics.find("effects")->find("shown_ms")->number("count"), 1.0);
 }
 
 TEST(Augmented, vehicles_that_see_each_other_make_no_obstacle_of_it) {

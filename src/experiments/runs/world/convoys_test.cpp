@@ -43,17 +43,17 @@ std::vector<Told> convoys_told(const World& world) {
   return told;
 }
 
-struct Figures {
+struct Metrics {
   double laps_per_h{0.0};
   double slowest_m{1e9};
   double longest_wait_s{0.0};
 };
 /// The first ten seconds, while the fleet starts, do not count.
-Figures measure(std::uint32_t aivs, bool convoys) {
+Metrics measure(std::uint32_t aivs, bool convoys) {
   constexpr int seeds = 3;
   constexpr double lap_m = 17.31;
   constexpr double took_h = seeds * 120.0 / 3600.0;
-  Figures figures;
+  Metrics metrics;
   for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
     const auto world = fleet_of(aivs, seed, convoys);
     world->run_for(10s);
@@ -64,18 +64,18 @@ Figures measure(std::uint32_t aivs, bool convoys) {
     EXPECT_EQ(convoys_told(*world).empty(), !convoys || aivs < 8) << seed;
     for (const auto& v : world->plant().vehicles()) {
       const double driven_m = v.distance_m - before_m[v.number - 1];
-      figures.laps_per_h += driven_m / lap_m / took_h;
-      figures.slowest_m = std::min(figures.slowest_m, driven_m);
+      metrics.laps_per_h += driven_m / lap_m / took_h;
+      metrics.slowest_m = std::min(metrics.slowest_m, driven_m);
     }
-    figures.longest_wait_s = std::max(figures.longest_wait_s, testing::deadlock_figures(*world).longest_wait_s);
+    metrics.longest_wait_s = std::max(metrics.longest_wait_s, testing::deadlock_metrics(*world).longest_wait_s);
   }
-  return figures;
+  return metrics;
 }
 
 /// What it is with 4 to 20 AIVs stands in docs/guide/agents.md.
 TEST(ConvoysStatistics, bring_more_round_a_crowded_clover_and_starve_nobody) {
-  const Figures with = measure(12, true);
-  const Figures without = measure(12, false);
+  const Metrics with = measure(12, true);
+  const Metrics without = measure(12, false);
   std::printf("12 AIVs: %.0f laps an hour with, %.0f without; longest wait %.1f s and %.1f s\n", with.laps_per_h,
               without.laps_per_h, with.longest_wait_s, without.longest_wait_s);
   EXPECT_GT(with.laps_per_h, 1.08 * without.laps_per_h);
@@ -85,8 +85,8 @@ TEST(ConvoysStatistics, bring_more_round_a_crowded_clover_and_starve_nobody) {
 
 /// Not the same to the last bit: with convoys whoever must wait for a third one anyway lets others by (CloverTurns).
 TEST(Convoys, cost_nothing_where_nobody_comes_close_behind) {
-  const Figures with = measure(4, true);
-  const Figures without = measure(4, false);
+  const Metrics with = measure(4, true);
+  const Metrics without = measure(4, false);
   EXPECT_GE(with.laps_per_h, without.laps_per_h);
   EXPECT_LE(with.laps_per_h, 1.02 * without.laps_per_h);
 }
@@ -132,7 +132,7 @@ TEST(Convoys, touch_nobody_among_persons_stops_and_lost_messages) {
     world->run_for(30s);
     EXPECT_FALSE(convoys_told(*world).empty());
     EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty()) << seed;
-    EXPECT_EQ(testing::deadlock_figures(*world).open, 0.0) << seed;
+    EXPECT_EQ(testing::deadlock_metrics(*world).open, 0.0) << seed;
   }
 }
 

@@ -66,7 +66,7 @@ TEST(Cycle, at_ten_hertz_nobody_is_touched_among_persons_stops_and_lost_messages
     for (const auto& v : world->plant().vehicles()) before_m.push_back(v.distance_m);
     world->run_for(60s);
     EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty()) << seed;
-    EXPECT_EQ(testing::deadlock_figures(*world).open, 0.0) << seed;
+    EXPECT_EQ(testing::deadlock_metrics(*world).open, 0.0) << seed;
     for (const auto& v : world->plant().vehicles()) EXPECT_GT(v.distance_m, before_m[v.number - 1] + 3.0) << v.number;
   }
 }

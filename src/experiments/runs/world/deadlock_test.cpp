@@ -9,8 +9,8 @@ namespace cosiva::experiments {
 namespace {
 
 using namespace std::chrono_literals;
-using testing::deadlock_figures;
-using testing::DeadlockFigures;
+using testing::deadlock_metrics;
+using testing::DeadlockMetrics;
 using testing::Unrest;
 using testing::zone_named;
 
@@ -34,9 +34,9 @@ TEST_P(Unquiet, area_has_no_collision_and_no_deadlock_that_stays) {
   for (const auto& vehicle : (*world)->plant().vehicles()) before_m.push_back(vehicle.distance_m);
   (*world)->run_for(30s);
   EXPECT_THAT((*world)->plant().collisions(), ::testing::IsEmpty());
-  const DeadlockFigures figures = deadlock_figures(**world);
-  EXPECT_EQ(figures.open, 0.0);
-  EXPECT_EQ(figures.detected, figures.resolved);
+  const DeadlockMetrics metrics = deadlock_metrics(**world);
+  EXPECT_EQ(metrics.open, 0.0);
+  EXPECT_EQ(metrics.detected, metrics.resolved);
   for (const auto& vehicle : (*world)->plant().vehicles())
     EXPECT_GT(vehicle.distance_m - before_m[vehicle.number - 1], 1.0) << "AIV" << vehicle.number << " drives on";
 }

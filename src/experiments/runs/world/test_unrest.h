@@ -114,7 +114,7 @@ class Unrest {
 };
 
 /// The server's figures of its deadlocks.
-struct DeadlockFigures {
+struct DeadlockMetrics {
   double rings{};
   double detected{};
   double resolved{};
@@ -122,7 +122,7 @@ struct DeadlockFigures {
   double longest_s{};
   double longest_wait_s{};
 };
-inline DeadlockFigures deadlock_figures(const World& world) {
+inline DeadlockMetrics deadlock_metrics(const World& world) {
   const auto summary = JsonValue::parse(world.server().summary_json(), std::size_t{1} << 24U);
   const JsonValue* d = summary ? summary->find("deadlocks") : nullptr;
   if (d == nullptr) return {.open = 1e9};

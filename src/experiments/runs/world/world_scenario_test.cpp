@@ -97,7 +97,7 @@ std::unique_ptr<Stage> play_shipped(const std::string& name, SimDuration length)
   return stage;
 }
 
-JsonValue figures_of(const World& world) {
+JsonValue metrics_of(const World& world) {
   JsonWriter json;
   world.server().write_bijection(json);
   return *JsonValue::parse(json.text());
@@ -123,7 +123,7 @@ TEST(WorldScenario, laboratory_shows_the_obstacle_while_it_is_there_and_its_radi
   const auto stage = play_shipped("laboratory", from_seconds(*scenario.duration_s + 3.0));
   EXPECT_THAT(*stage->snapshot().find("obstacles")->array(), IsEmpty());
   EXPECT_GT(stage->world->network().counters().lost, 0U);
-  EXPECT_EQ(figures_of(*stage->world).number("matched"), 4.0);
+  EXPECT_EQ(metrics_of(*stage->world).number("matched"), 4.0);
 }
 
 TEST(WorldScenario, rush_hour_flows_again_after_everything_was_stopped) {

@@ -39,13 +39,13 @@ TEST(World, four_AIVs_circulate_each_with_its_twin_and_none_collides) {
   for (const auto& v : world->plant().vehicles()) {
     EXPECT_GE(v.laps, 1U) << "AIV" << v.number << " drove " << v.distance_m << " m";
   }
-  const JsonValue figures = bijection(*world);
-  EXPECT_EQ(figures.number("physical"), 4.0);
-  EXPECT_EQ(figures.number("virtual"), 4.0);
-  EXPECT_EQ(figures.number("matched"), 4.0);
-  EXPECT_GE(figures.number("matched_ratio").value_or(0.0), 0.999);
-  EXPECT_LE(number_at(figures, "divergence_m", "p99"), 0.03);
-  EXPECT_LE(number_at(figures, "age_ms", "p99"), 150.0);
+  const JsonValue metrics = bijection(*world);
+  EXPECT_EQ(metrics.number("physical"), 4.0);
+  EXPECT_EQ(metrics.number("virtual"), 4.0);
+  EXPECT_EQ(metrics.number("matched"), 4.0);
+  EXPECT_GE(metrics.number("matched_ratio").value_or(0.0), 0.999);
+  EXPECT_LE(number_at(metrics, "divergence_m", "p99"), 0.03);
+  EXPECT_LE(number_at(metrics, "age_ms", "p99"), 150.0);
 }
 
 TEST(World, gives_the_same_digest_for_the_same_seed_and_another_for_another) {
@@ -75,9 +75,9 @@ TEST(World, a_stop_given_virtually_stops_the_physical_vehicle_and_restart_lets_i
   world->command_server(R"({"id":"c2","command":"restart","vehicle":"CoSiVA/AIV2"})");
   world->run_for(10s);
   EXPECT_GT(vehicle(*world, 2).distance_m, stood_at + 0.5);
-  const JsonValue figures = bijection(*world);
-  EXPECT_EQ(number_at(figures, "commands", "issued"), 2.0);
-  EXPECT_EQ(number_at(figures, "commands", "materialised"), 2.0);
+  const JsonValue metrics = bijection(*world);
+  EXPECT_EQ(number_at(metrics, "commands", "issued"), 2.0);
+  EXPECT_EQ(number_at(metrics, "commands", "materialised"), 2.0);
   EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
 }
 

@@ -260,10 +260,10 @@ void SiteRun::meet() {
 
 double SiteRun::time_s() const { return to_seconds(options_.step) * static_cast<double>(steps_); }
 
-SiteFigures SiteRun::figures() const {
+SiteMetrics SiteRun::metrics() const {
   Message mine;
   for (const SiteZone& site_zone : site_zones_) {
-    const TrafficFigures f = site_zone.run->figures();
+    const TrafficMetrics f = site_zone.run->metrics();
     mine.put(std::uint64_t{site_zone.index});
     for (const std::size_t count : {f.aivs, f.jobs_due, f.jobs_done, f.jobs_came, f.jobs_left, f.stuck})
       mine.put(std::uint64_t{count});
@@ -281,15 +281,15 @@ SiteFigures SiteRun::figures() const {
   const std::string text = mine.take();
   const auto all = ranks_->exchange(std::vector<std::string>(ranks_->size(), text));
 
-  SiteFigures figures;
-  figures.zones.resize(options_.zones.size());
+  SiteMetrics metrics;
+  metrics.zones.resize(options_.zones.size());
   double vehicle_s = 0.0;
   std::size_t present = 0;
   for (const std::string& one : all) {
     for (MessageReader reader{one}; !reader.is_empty();) {
       const auto index = static_cast<std::size_t>(reader.take<std::uint64_t>());
-      COSIVA_EXPECT(index < figures.zones.size());
-      SiteFigures::Zone& zone = figures.zones[index];
+      COSIVA_EXPECT(index < metrics.zones.size());
+      SiteMetrics::Zone& zone = metrics.zones[index];
       zone.name = options_.plan.zones[index].name;
       for (std::size_t* count : {&zone.aivs, &zone.jobs_due, &zone.jobs_done, &zone.came, &zone.left, &zone.stuck})
         *count = static_cast<std::size_t>(reader.take<std::uint64_t>());
@@ -303,13 +303,13 @@ SiteFigures SiteRun::figures() const {
       present += zone.aivs;
     }
   }
-  for (const SitePlan::Zone& zone : options_.plan.zones) figures.aivs += zone.aivs;
-  figures.in_transfer = figures.aivs - present;
-  figures.vehicle_steps = static_cast<std::uint64_t>(std::llround(vehicle_s / to_seconds(options_.step)));
+  for (const SitePlan::Zone& zone : options_.plan.zones) metrics.aivs += zone.aivs;
+  metrics.in_transfer = metrics.aivs - present;
+  metrics.vehicle_steps = static_cast<std::uint64_t>(std::llround(vehicle_s / to_seconds(options_.step)));
   Digest digest;
-  for (const SiteFigures::Zone& zone : figures.zones) digest.add(zone.digest);
-  figures.digest = digest.hex();
-  return figures;
+  for (const SiteMetrics::Zone& zone : metrics.zones) digest.add(zone.digest);
+  metrics.digest = digest.hex();
+  return metrics;
 }
 
 }  // namespace cosiva::experiments

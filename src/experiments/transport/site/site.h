@@ -36,7 +36,7 @@ class SiteRun {
   [[nodiscard]] double time_s() const;
   [[nodiscard]] double end_s() const { return options_.warm_up_s + options_.duration_s; }
   /// All ranks call it.
-  [[nodiscard]] SiteFigures figures() const;
+  [[nodiscard]] SiteMetrics metrics() const;
 
  private:
   struct Way {  ///< a passage, worked out

@@ -10,9 +10,9 @@ namespace {
 /// More zones than this are not listed for people, only counted.
 constexpr std::size_t listed_most = 24;
 
-SiteFigures::Zone total_of(const std::vector<SiteFigures::Zone>& zones) {
-  SiteFigures::Zone all;
-  for (const SiteFigures::Zone& zone : zones) {
+SiteMetrics::Zone total_of(const std::vector<SiteMetrics::Zone>& zones) {
+  SiteMetrics::Zone all;
+  for (const SiteMetrics::Zone& zone : zones) {
     all.jobs_due += zone.jobs_due;
     all.jobs_done += zone.jobs_done;
     all.came += zone.came;
@@ -27,19 +27,19 @@ SiteFigures::Zone total_of(const std::vector<SiteFigures::Zone>& zones) {
 
 }  // namespace
 
-bool SiteFigures::good() const {
+bool SiteMetrics::good() const {
   return std::ranges::all_of(zones, [](const Zone& zone) { return zone.collisions == 0 && zone.stuck == 0; });
 }
 
-void write_json(JsonWriter& json, const SiteFigures& figures) {
-  json.begin_object().field("aivs", figures.aivs).field("in_transfer", figures.in_transfer);
-  json.field("vehicle_steps", figures.vehicle_steps).field("digest", figures.digest);
-  const SiteFigures::Zone all = total_of(figures.zones);
+void write_json(JsonWriter& json, const SiteMetrics& metrics) {
+  json.begin_object().field("aivs", metrics.aivs).field("in_transfer", metrics.in_transfer);
+  json.field("vehicle_steps", metrics.vehicle_steps).field("digest", metrics.digest);
+  const SiteMetrics::Zone all = total_of(metrics.zones);
   json.field("jobs_due", all.jobs_due).field("jobs_done", all.jobs_done).field("transferPoints", all.came);
   json.field("distance_m", all.distance_m).field("energy_wh", all.energy_wh);
   json.field("near_misses", all.near_misses).field("collisions", all.collisions).field("stuck", all.stuck);
   json.key("zones").begin_array();
-  for (const SiteFigures::Zone& zone : figures.zones) {
+  for (const SiteMetrics::Zone& zone : metrics.zones) {
     json.begin_object().field("name", zone.name).field("aivs", zone.aivs);
     json.field("jobs_due", zone.jobs_due).field("jobs_done", zone.jobs_done);
     json.field("came", zone.came).field("left", zone.left).field("distance_m", zone.distance_m);
@@ -52,18 +52,18 @@ void write_json(JsonWriter& json, const SiteFigures& figures) {
   json.end_array().end_object();
 }
 
-std::string to_text(const SiteFigures& figures) {
+std::string to_text(const SiteMetrics& metrics) {
   std::string text;
-  const SiteFigures::Zone all = total_of(figures.zones);
-  for (const SiteFigures::Zone& zone : figures.zones) {
-    if (figures.zones.size() > listed_most) break;
+  const SiteMetrics::Zone all = total_of(metrics.zones);
+  for (const SiteMetrics::Zone& zone : metrics.zones) {
+    if (metrics.zones.size() > listed_most) break;
     text += "  " + zone.name + ": " + std::to_string(zone.aivs) + " AIVs at the end, " +
             std::to_string(zone.jobs_done) + " jobs done (" + std::to_string(zone.jobs_due) + " due here), " +
             std::to_string(zone.came) + " came, " + std::to_string(zone.left) + " left, waiting " +
             readable(100.0 * zone.waiting_ratio, 1) + " %\n";
   }
-  return std::to_string(figures.zones.size()) + (figures.zones.size() == 1 ? " zone, " : " zones, ") +
-         std::to_string(figures.aivs) + " AIVs (" + std::to_string(figures.in_transfer) +
+  return std::to_string(metrics.zones.size()) + (metrics.zones.size() == 1 ? " zone, " : " zones, ") +
+         std::to_string(metrics.aivs) + " AIVs (" + std::to_string(metrics.in_transfer) +
          " in passages now): " + std::to_string(all.jobs_done) + " of " + std::to_string(all.jobs_due) +
          " jobs done, " + std::to_string(all.came) + " passages, " + readable(all.distance_m / 1000.0, 1) + " km, " +
          readable(all.energy_wh, 0) + " Wh, " + std::to_string(all.collisions) + " collisions, " +

@@ -10,7 +10,7 @@
 namespace cosiva::experiments {
 
 /// The metrics of a site's run, the same on every rank.
-struct SiteFigures {
+struct SiteMetrics {
   struct Zone {
     std::string name;
     std::size_t aivs{};  ///< in it at the end
@@ -36,8 +36,8 @@ struct SiteFigures {
 };
 
 /// One JSON object: the totals, and "zones" with one object for each.
-void write_json(JsonWriter& json, const SiteFigures& figures);
+void write_json(JsonWriter& json, const SiteMetrics& metrics);
 /// A few lines for a terminal.
-[[nodiscard]] std::string to_text(const SiteFigures& figures);
+[[nodiscard]] std::string to_text(const SiteMetrics& metrics);
 
 }  // namespace cosiva::experiments

@@ -11,9 +11,9 @@ namespace {
 /// Of more zones than this only those that wait longest are drawn; the table has all.
 constexpr std::size_t drawn_most = 40;
 
-void add_waiting(Report& report, const std::vector<SiteFigures::Zone>& zones) {
+void add_waiting(Report& report, const std::vector<SiteMetrics::Zone>& zones) {
   auto sorted = zones;
-  std::ranges::stable_sort(sorted, std::ranges::greater{}, &SiteFigures::Zone::waiting_ratio);
+  std::ranges::stable_sort(sorted, std::ranges::greater{}, &SiteMetrics::Zone::waiting_ratio);
   Bars bars{"waiting [% of the time]", {}};
   for (std::size_t i = 0; i < std::min(drawn_most, sorted.size()); ++i)
     bars.bars.push_back({sorted[i].name, 100.0 * sorted[i].waiting_ratio});
@@ -23,15 +23,15 @@ void add_waiting(Report& report, const std::vector<SiteFigures::Zone>& zones) {
 
 }  // namespace
 
-std::string to_html(const SiteFigures& figures, const std::string& command) {
-  Report report{"Traffic on a site of " + std::to_string(figures.zones.size()) + " zones",
-                std::to_string(figures.aivs) + " AIVs, " + std::to_string(figures.in_transfer) +
+std::string to_html(const SiteMetrics& metrics, const std::string& command) {
+  Report report{"Traffic on a site of " + std::to_string(metrics.zones.size()) + " zones",
+                std::to_string(metrics.aivs) + " AIVs, " + std::to_string(metrics.in_transfer) +
                     " of them between two zones at the end"};
   std::vector<std::vector<std::string>> rows;
   std::size_t done = 0;
   std::size_t due = 0;
   std::size_t came = 0;
-  for (const SiteFigures::Zone& zone : figures.zones) {
+  for (const SiteMetrics::Zone& zone : metrics.zones) {
     done += zone.jobs_done;
     due += zone.jobs_due;
     came += zone.came;
@@ -43,7 +43,7 @@ std::string to_html(const SiteFigures& figures, const std::string& command) {
   std::uint64_t near_misses = 0;
   std::uint64_t collisions = 0;
   std::size_t stuck = 0;
-  for (const SiteFigures::Zone& zone : figures.zones) {
+  for (const SiteMetrics::Zone& zone : metrics.zones) {
     near_misses += zone.near_misses;
     collisions += zone.collisions;
     stuck += zone.stuck;
@@ -53,13 +53,13 @@ std::string to_html(const SiteFigures& figures, const std::string& command) {
                 {std::to_string(collisions), "collisions", collisions > 0},
                 {std::to_string(near_misses), "near misses", near_misses > 0},
                 {std::to_string(stuck), "AIVs stuck at the end", stuck > 0}});
-  add_waiting(report, figures.zones);
+  add_waiting(report, metrics.zones);
   report.heading("Zones");
   report.table({"zone", "AIVs at the end", "jobs due", "done", "came", "left", "driven [km]", "waiting [%]",
                 "energy [Wh]", "near misses", "collisions", "stuck"},
                rows);
   report.heading("The same again");
-  report.verbatim(command + "\ndigest " + figures.digest);
+  report.verbatim(command + "\ndigest " + metrics.digest);
   return report.html();
 }
 

@@ -7,6 +7,6 @@
 namespace cosiva::experiments {
 
 /// One page, with nothing to be fetched. @param command  that gives the same again
-[[nodiscard]] std::string to_html(const SiteFigures& figures, const std::string& command);
+[[nodiscard]] std::string to_html(const SiteMetrics& metrics, const std::string& command);
 
 }  // namespace cosiva::experiments

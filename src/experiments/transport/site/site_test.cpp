@@ -39,18 +39,18 @@ SiteOptions site_of(const std::string& list, std::size_t aivs) {
   return options;
 }
 
-Result<SiteFigures> run(const SiteOptions& options, Ranks& ranks) {
+Result<SiteMetrics> run(const SiteOptions& options, Ranks& ranks) {
   auto site = SiteRun::make(options, ranks);
   if (!site) return tl::unexpected(site.error());
   AloneWorker alone;
   while (site->advance(alone)) {
   }
-  return site->figures();
+  return site->metrics();
 }
 
-std::vector<Result<SiteFigures>> run_on(const SiteOptions& options, std::size_t ranks) {
+std::vector<Result<SiteMetrics>> run_on(const SiteOptions& options, std::size_t ranks) {
   cosiva::testing::ThreadRanks::Room room{ranks};
-  std::vector<Result<SiteFigures>> results(ranks, SiteFigures{});
+  std::vector<Result<SiteMetrics>> results(ranks, SiteMetrics{});
   std::vector<std::thread> threads;
   for (std::size_t r = 0; r < ranks; ++r)
     threads.emplace_back([&, r] {
@@ -64,24 +64,24 @@ std::vector<Result<SiteFigures>> run_on(const SiteOptions& options, std::size_t 
 TEST(Site, vehicles_carry_loads_from_zone_to_zone_and_none_is_lost_or_doubled) {
   const SiteOptions options = site_of("lacet4,indus8", 8);
   OneRank alone;
-  const auto figures = run(options, alone);
-  ASSERT_TRUE(figures) << to_string(figures.error());
-  ASSERT_EQ(figures->zones.size(), 2U);
-  EXPECT_GT(figures->zones[0].came, 3U);
-  EXPECT_GT(figures->zones[1].came, 3U);
-  EXPECT_EQ(figures->zones[0].aivs + figures->zones[1].aivs + figures->in_transfer, 16U);
+  const auto metrics = run(options, alone);
+  ASSERT_TRUE(metrics) << to_string(metrics.error());
+  ASSERT_EQ(metrics->zones.size(), 2U);
+  EXPECT_GT(metrics->zones[0].came, 3U);
+  EXPECT_GT(metrics->zones[1].came, 3U);
+  EXPECT_EQ(metrics->zones[0].aivs + metrics->zones[1].aivs + metrics->in_transfer, 16U);
   // Who has left one and not come into the other is on its way.
-  EXPECT_EQ(figures->zones[0].left + figures->zones[1].left,
-            figures->zones[0].came + figures->zones[1].came + figures->in_transfer);
-  EXPECT_TRUE(figures->good());
-  EXPECT_GT(figures->zones[0].jobs_done, 0U);
+  EXPECT_EQ(metrics->zones[0].left + metrics->zones[1].left,
+            metrics->zones[0].came + metrics->zones[1].came + metrics->in_transfer);
+  EXPECT_TRUE(metrics->good());
+  EXPECT_GT(metrics->zones[0].jobs_done, 0U);
   // What a reader wants first is the whole.
   JsonWriter json;
-  write_json(json, *figures);
+  write_json(json, *metrics);
   const auto read = JsonValue::parse(json.take(), 1U << 20U);
   ASSERT_TRUE(read);
-  EXPECT_EQ(read->number("jobs_done"), figures->zones[0].jobs_done + figures->zones[1].jobs_done);
-  EXPECT_EQ(read->number("transferPoints"), figures->zones[0].came + figures->zones[1].came);
+  EXPECT_EQ(read->number("jobs_done"), metrics->zones[0].jobs_done + metrics->zones[1].jobs_done);
+  EXPECT_EQ(read->number("transferPoints"), metrics->zones[0].came + metrics->zones[1].came);
   for (const char* none : {"collisions", "near_misses", "stuck"}) EXPECT_EQ(read->number(none), 0.0) << none;
 }
 

@@ -89,16 +89,16 @@ std::string legend(double top_px, double width_px, double most, bool standing) {
 }
 
 /// Crossings and stations, so that the table's rows can be found on the map.
-std::string names(const Map& map, const zone::TrafficZone& zone, const TrafficFigures& figures) {
+std::string names(const Map& map, const zone::TrafficZone& zone, const TrafficMetrics& metrics) {
   std::string svg =
       "<g fill=\"#14202b\" stroke=\"#fff\" stroke-width=\"3\" paint-order=\"stroke\" font-size=\"12\" "
       "text-anchor=\"middle\">";
   std::vector<std::size_t> crossings;
-  for (std::size_t x = 0; x < std::min(zone.crossings.size(), figures.crossings.size()); ++x)
+  for (std::size_t x = 0; x < std::min(zone.crossings.size(), metrics.crossings.size()); ++x)
     if (!zone.crossings[x].spans.empty()) crossings.push_back(x);
   if (crossings.size() > names_max) {
     std::ranges::stable_sort(crossings, std::ranges::greater{},
-                             [&](std::size_t x) { return figures.crossings[x].waiting_s; });
+                             [&](std::size_t x) { return metrics.crossings[x].waiting_s; });
     crossings.resize(names_max);
   }
   for (const std::size_t x : crossings) {
@@ -113,15 +113,15 @@ std::string names(const Map& map, const zone::TrafficZone& zone, const TrafficFi
 
 }  // namespace
 
-std::string heat_map(const zone::TrafficZone& zone, const TrafficFigures& figures, bool standing) {
+std::string heat_map(const zone::TrafficZone& zone, const TrafficMetrics& metrics, bool standing) {
   const Map map{zone};
   std::vector<Cell> cells;
   double most = 0.0;
-  for (zone::SectionId id = 0; id < figures.cells.size(); ++id) {
-    const auto& of_section = figures.cells[id];
+  for (zone::SectionId id = 0; id < metrics.cells.size(); ++id) {
+    const auto& of_section = metrics.cells[id];
     const auto& seconds = standing ? of_section.standing_s : of_section.occupied_s;
     for (std::size_t i = 0; i < seconds.size(); ++i) {
-      const double ratio = figures.duration_s > 0.0 ? seconds[i] / figures.duration_s : 0.0;
+      const double ratio = metrics.duration_s > 0.0 ? seconds[i] / metrics.duration_s : 0.0;
       most = std::max(most, ratio);
       const auto from = static_cast<double>(i);
       cells.push_back({ratio, map.path(id, from * of_section.length_m, (from + 1.0) * of_section.length_m)});
@@ -140,7 +140,7 @@ std::string heat_map(const zone::TrafficZone& zone, const TrafficFigures& figure
     svg += "<path d=\"" + cell.path + "\" stroke=\"" + colour_of(most > 0.0 ? cell.ratio / most : 0.0) + "\"><title>" +
            readable(100.0 * cell.ratio, 2) + " %</title></path>";
   }
-  svg += names(map, zone, figures);
+  svg += names(map, zone, metrics);
   return svg + "<g stroke=\"none\">" + legend(map.height_px(), width, most, standing) + "</g></svg>";
 }
 

@@ -17,8 +17,8 @@ constexpr double standing_mps = 0.01;
 /// A run's curves have about so many points, each a mean.
 constexpr double curve_points = 240.0;
 
-std::vector<TrafficFigures::Cells> cells_of(const zone::TrafficZone& zone) {
-  std::vector<TrafficFigures::Cells> cells;
+std::vector<TrafficMetrics::Cells> cells_of(const zone::TrafficZone& zone) {
+  std::vector<TrafficMetrics::Cells> cells;
   cells.reserve(zone.circuit.size());
   for (zone::SectionId id = 0; id < zone.circuit.size(); ++id) {
     const double length_m = zone.circuit.section(id).length_m();
@@ -143,7 +143,7 @@ void TrafficRun::take_sample() {
   for (Fleet::Vehicle v = 0; v < fleet_->size(); ++v) {
     if (fleet_->is_away(v)) continue;
     const zone::Place place = fleet_->place(v);
-    TrafficFigures::Cells& cells = sampled_.cells[place.section];
+    TrafficMetrics::Cells& cells = sampled_.cells[place.section];
     const std::size_t cell =
         std::min(static_cast<std::size_t>(place.s_m / cells.length_m), cells.occupied_s.size() - 1);
     cells.occupied_s[cell] += sample_s;
@@ -181,8 +181,8 @@ TrafficRun::Totals TrafficRun::totals() const {
   return totals;
 }
 
-TrafficFigures TrafficRun::figures() const {
-  TrafficFigures f = sampled_;
+TrafficMetrics TrafficRun::metrics() const {
+  TrafficMetrics f = sampled_;
   f.zone = options_.zone->name;
   f.aivs = fleet_->size() - away_.size();
   f.warm_up_s = options_.warm_up_s;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "cosiva/experiments/transport/traffic/dispatcher.h"
-#include "cosiva/experiments/transport/traffic/figures.h"
+#include "cosiva/experiments/transport/traffic/metrics.h"
 #include "cosiva/virtual/fleet/fleet.h"
 
 namespace cosiva::experiments {
@@ -71,7 +71,7 @@ class TrafficRun {
   [[nodiscard]] double time_s() const;  ///< the warm-up included
   [[nodiscard]] double end_s() const { return options_.warm_up_s + options_.duration_s; }
   [[nodiscard]] const virtual_side::Fleet& fleet() const { return *fleet_; }
-  [[nodiscard]] TrafficFigures figures() const;
+  [[nodiscard]] TrafficMetrics metrics() const;
   [[nodiscard]] const Dispatcher& dispatcher() const { return *dispatcher_; }
 
  private:
@@ -87,7 +87,7 @@ class TrafficRun {
     double busy_s{};
     double present_s{};
     double gained_m2ps2{};
-    std::vector<virtual_side::Fleet::CrossingFigures> crossings;
+    std::vector<virtual_side::Fleet::CrossingMetrics> crossings;
   };
   [[nodiscard]] Totals totals() const;
 
@@ -99,7 +99,7 @@ class TrafficRun {
   std::uint64_t warm_up_steps_;
   std::uint64_t end_steps_;
   Totals before_;
-  TrafficFigures sampled_;  ///< what samples fill
+  TrafficMetrics sampled_;  ///< what samples fill
   struct {
     double count{};
     double standing{};

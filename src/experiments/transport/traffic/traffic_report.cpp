@@ -12,7 +12,7 @@ namespace {
 
 std::string percent(double ratio) { return readable(100.0 * ratio, 1) + " %"; }
 
-std::vector<Report::Fact> facts_of(const TrafficFigures& f) {
+std::vector<Report::Fact> facts_of(const TrafficMetrics& f) {
   std::vector<Report::Fact> facts;
   if (f.jobs_due > 0) {
     facts.push_back({readable(f.jobs_per_hour, 1), "jobs an hour"});
@@ -42,7 +42,7 @@ std::vector<std::string> spread_row(const std::string& name, const std::vector<d
           readable(d.max, 1)};
 }
 
-void add_times(Report& report, const TrafficFigures& f) {
+void add_times(Report& report, const TrafficMetrics& f) {
   report.heading("Times");
   std::vector<std::vector<std::string>> rows;
   if (!f.job_s.empty()) rows.push_back(spread_row("job, from due to done [s]", f.job_s));
@@ -60,11 +60,11 @@ void add_times(Report& report, const TrafficFigures& f) {
   report.figure(to_svg(chart), "What waited when.");
 }
 
-void add_crossings(Report& report, const TrafficFigures& f) {
+void add_crossings(Report& report, const TrafficMetrics& f) {
   if (f.crossings.empty()) return;
   report.heading("Crossings");
   auto crossings = f.crossings;
-  std::ranges::stable_sort(crossings, std::ranges::greater{}, &TrafficFigures::Crossing::waiting_s);
+  std::ranges::stable_sort(crossings, std::ranges::greater{}, &TrafficMetrics::Crossing::waiting_s);
   constexpr std::size_t shown_max = 20;
   Bars bars{"waiting for it, all together [s]", {}};
   std::vector<std::vector<std::string>> rows;
@@ -82,7 +82,7 @@ std::string cell(const std::optional<double>& seconds) { return seconds ? readab
 
 }  // namespace
 
-std::string to_html(const zone::TrafficZone& zone, const TrafficFigures& f, const std::string& command) {
+std::string to_html(const zone::TrafficZone& zone, const TrafficMetrics& f, const std::string& command) {
   Report report{"Traffic on " + f.zone, std::to_string(f.aivs) + " AIVs, " + readable(f.duration_s / 60.0, 1) +
                                             " minutes after " + readable(f.warm_up_s, 0) + " s of warm-up, seed " +
                                             std::to_string(f.seed) + ", rules " + f.rules};

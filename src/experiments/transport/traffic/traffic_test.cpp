@@ -47,7 +47,7 @@ TEST(Distribution, gives_percentiles_that_are_values) {
 
 TEST(Traffic, of_one_that_circulates_is_laps_of_the_circuit_s_length_at_its_speed) {
   const TrafficRun run = run_of(options(ring(), 1, 3600.0));
-  const TrafficFigures f = run.figures();
+  const TrafficMetrics f = run.metrics();
   // 12 m and two half circles of 1 m: 18.28 m at the medium profile's 0.4 m/s, or the fast one's 0.5 m/s.
   const double lap_m = 12.0 + 2.0 * 3.14159265358979;
   ASSERT_GT(f.lap_s.size(), 50U);
@@ -73,7 +73,7 @@ TEST(Traffic, carries_jobs_one_after_the_other) {
   }
   EXPECT_EQ(*courses[0].done_s, *courses[2].given_s) << "it was on its way already; then the higher priority";
   EXPECT_EQ(*courses[2].done_s, *courses[1].given_s);
-  const TrafficFigures f = run.figures();
+  const TrafficMetrics f = run.metrics();
   EXPECT_EQ(f.jobs_done, 3U);
   EXPECT_EQ(f.jobs_open, 0U);
   EXPECT_GT(f.busy_ratio, 0.2);
@@ -111,9 +111,9 @@ TEST(Traffic, on_a_real_zone_is_busy_safe_and_the_same_every_time) {
   const auto once = [&] {
     TrafficOptions wanted = options(rtm->shared_zone(), 6, 1800.0);
     wanted.jobs = *poisson_jobs(*wanted.zone, 60.0, 1920.0, 3);
-    return run_of(wanted).figures();
+    return run_of(wanted).metrics();
   };
-  const TrafficFigures f = once();
+  const TrafficMetrics f = once();
   EXPECT_GT(f.jobs_done, 15U);
   EXPECT_EQ(f.collisions, 0U);
   EXPECT_EQ(f.stuck, 0U);
@@ -124,7 +124,7 @@ TEST(Traffic, on_a_real_zone_is_busy_safe_and_the_same_every_time) {
 
 TEST(Traffic, counts_every_vehicle_second_in_some_cell) {
   const TrafficRun run = run_of(options(ring(), 3, 100.0));
-  const TrafficFigures f = run.figures();
+  const TrafficMetrics f = run.metrics();
   double seconds = 0.0;
   for (const auto& cells : f.cells)
     for (const double s : cells.occupied_s) seconds += s;
@@ -141,7 +141,7 @@ TEST(TrafficReport, shows_what_there_is_and_needs_no_other_file) {
   TrafficOptions wanted = options(yard(), 2, 600.0);
   wanted.jobs = *poisson_jobs(*yard(), 60.0, 660.0, 1);
   const TrafficRun run = run_of(wanted);
-  const TrafficFigures f = run.figures();
+  const TrafficMetrics f = run.metrics();
   const std::string html = to_html(*yard(), f, "cosiva traffic --zone yard");
   for (const char* part :
        {"jobs an hour", "Where they wait", "heat map of yard", ">dock</text>", "cosiva traffic --zone yard"})

@@ -136,12 +136,12 @@ TEST(VirtualAivs, drive_round_as_every_other_and_are_counted_apart) {
   EXPECT_NE(*then.number("x"), *first.number("x"));
   EXPECT_GT(*then.number("speed"), 0.1);
   EXPECT_GT(real.driven_m, 2.0);
-  const JsonValue figures = bench.bijection();
-  EXPECT_EQ(*figures.number("physical"), 1.0);
-  EXPECT_EQ(*figures.number("virtual"), 1.0);
-  EXPECT_EQ(*figures.number("matched"), 1.0);
-  EXPECT_EQ(*figures.number("augmented"), 1.0);
-  EXPECT_EQ(*figures.find("events")->find("by_kind")->number("arrival"), 1.0);
+  const JsonValue metrics = bench.bijection();
+  EXPECT_EQ(*metrics.number("physical"), 1.0);
+  EXPECT_EQ(*metrics.number("virtual"), 1.0);
+  EXPECT_EQ(*metrics.number("matched"), 1.0);
+  EXPECT_EQ(*metrics.number("augmented"), 1.0);
+  EXPECT_EQ(*metrics.find("events")->find("by_kind")->number("arrival"), 1.0);
   EXPECT_FALSE(bench.published_on("uagv/v2/CoSiVA.virtual/V1/order").empty()) << "any fleet tool sees it";
 }
 

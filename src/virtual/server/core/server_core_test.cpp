@@ -138,13 +138,13 @@ TEST(ServerCore, names_a_vehicle_that_does_not_know_its_place_as_an_orphan) {
   BenchVehicle& aiv = bench.add("AIV1", {0, 0.5});
   aiv.position_known = false;
   bench.run_for(2s);
-  const JsonValue figures = bench.bijection();
-  EXPECT_EQ(*figures.number("physical"), 1.0);
-  EXPECT_EQ(*figures.number("virtual"), 0.0);
-  ASSERT_THAT(*figures.find("orphans")->array(), SizeIs(1));
-  EXPECT_EQ((*figures.find("orphans")->array())[0].text("id"), "CoSiVA/AIV1");
-  EXPECT_EQ((*figures.find("orphans")->array())[0].text("side"), "physical");
-  EXPECT_EQ(*figures.number("matched_ratio"), 0.0);
+  const JsonValue metrics = bench.bijection();
+  EXPECT_EQ(*metrics.number("physical"), 1.0);
+  EXPECT_EQ(*metrics.number("virtual"), 0.0);
+  ASSERT_THAT(*metrics.find("orphans")->array(), SizeIs(1));
+  EXPECT_EQ((*metrics.find("orphans")->array())[0].text("id"), "CoSiVA/AIV1");
+  EXPECT_EQ((*metrics.find("orphans")->array())[0].text("side"), "physical");
+  EXPECT_EQ(*metrics.number("matched_ratio"), 0.0);
 }
 
 TEST(ServerCore, tells_how_late_its_machine_woke_it) {
@@ -367,13 +367,13 @@ TEST(ServerCore, shows_events_of_the_physical_side_with_their_latency) {
   aiv.blocked = true;
   aiv.state_due = true;
   bench.run_for(1s);
-  const JsonValue figures = bench.bijection();
-  const JsonValue& kinds = *figures.find("events")->find("by_kind");
+  const JsonValue metrics = bench.bijection();
+  const JsonValue& kinds = *metrics.find("events")->find("by_kind");
   EXPECT_EQ(*kinds.number("tag"), 1.0);
   EXPECT_EQ(*kinds.number("obstacle"), 1.0);
   EXPECT_EQ(*kinds.number("stop"), 1.0);
   EXPECT_EQ(*kinds.number("battery"), 1.0);
-  EXPECT_NEAR(*figures.find("events")->find("latency_ms")->number("p50"), 4.0, 0.5);
+  EXPECT_NEAR(*metrics.find("events")->find("latency_ms")->number("p50"), 4.0, 0.5);
   EXPECT_EQ(*bench.aiv("CoSiVA/AIV1").number("lastTag"), 12.0);
   EXPECT_EQ(*bench.aiv("CoSiVA/AIV1").number("sinceTag_m"), 0.25);
 }
@@ -382,13 +382,13 @@ TEST(ServerCore, holds_the_bijection_of_a_driving_vehicle) {
   ServerBench bench;
   bench.add("AIV1", {0, 0.5});
   bench.run_for(60s);
-  const JsonValue figures = bench.bijection();
-  EXPECT_EQ(*figures.number("matched_ratio"), 1.0);
-  EXPECT_GT(*figures.number("held_ratio"), 0.99);
+  const JsonValue metrics = bench.bijection();
+  EXPECT_EQ(*metrics.number("matched_ratio"), 1.0);
+  EXPECT_GT(*metrics.number("held_ratio"), 0.99);
   // At constant speed on the line the prediction is exact; only starts differ.
-  EXPECT_LT(*figures.find("divergence_m")->number("p50"), 1e-3);
-  EXPECT_LT(*figures.find("divergence_m")->number("p99"), 0.01);
-  EXPECT_LE(*figures.find("age_ms")->number("p99"), 150.0);
+  EXPECT_LT(*metrics.find("divergence_m")->number("p50"), 1e-3);
+  EXPECT_LT(*metrics.find("divergence_m")->number("p99"), 0.01);
+  EXPECT_LE(*metrics.find("age_ms")->number("p99"), 150.0);
 }
 
 TEST(ServerCore, asks_once_for_a_factsheet_it_was_not_given) {

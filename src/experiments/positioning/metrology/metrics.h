@@ -29,7 +29,7 @@ inline constexpr std::array region_ratios{0.50, 0.90, 0.95};
 inline constexpr std::array since_mark_m{0.1, 0.25, 0.5, 1.0, 2.0, 4.0};
 
 /// What one algorithm is worth in one run: the run's vote.
-struct RunFigures {
+struct RunMetrics {
   std::size_t iterations{};
   double mean_m{};       ///< of the distance to the truth
   double variance_m2{};  ///< about that mean, over all iterations: the article's
@@ -47,7 +47,7 @@ struct RunFigures {
   std::array<Part, 3> by_section{};  ///< straight, arc, clothoid
   std::array<Part, since_mark_m.size() + 1> by_distance{};
 };
-[[nodiscard]] RunFigures figures_of(const Trial& trial, const Trace& trace, double threshold_m);
+[[nodiscard]] RunMetrics metrics_of(const Trial& trial, const Trace& trace, double threshold_m);
 
 /// How many independent values a run's errors are worth; long series are thinned for it.
 [[nodiscard]] double worth_of(const std::vector<double>& series);

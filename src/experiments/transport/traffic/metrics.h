@@ -24,7 +24,7 @@ struct Distribution {
 inline constexpr double near_miss_m = 0.06;
 
 /// What came of a run, after its warm-up; what concerns safety counts from the start.
-struct TrafficFigures {
+struct TrafficMetrics {
   std::string zone;
   std::size_t aivs{};
   double duration_s{};
@@ -79,8 +79,8 @@ struct TrafficFigures {
   [[nodiscard]] bool good() const { return collisions == 0 && stuck == 0; }
 };
 
-void write_json(JsonWriter& json, const TrafficFigures& figures);
+void write_json(JsonWriter& json, const TrafficMetrics& metrics);
 /// A few lines for people.
-[[nodiscard]] std::string to_text(const TrafficFigures& figures);
+[[nodiscard]] std::string to_text(const TrafficMetrics& metrics);
 
 }  // namespace cosiva::experiments

@@ -9,7 +9,7 @@ namespace cosiva::virtual_side {
 
 // Figures of a fleet, since its start; Fleet's functions of the same names say what they mean.
 
-[[nodiscard]] Fleet::CrossingFigures crossing_figures(const FleetTables& tables, std::size_t crossing);
+[[nodiscard]] Fleet::CrossingMetrics crossing_metrics(const FleetTables& tables, std::size_t crossing);
 [[nodiscard]] SimDuration occupancy(const FleetTables& tables, zone::SectionId section);
 [[nodiscard]] double smallest_gap_m(const FleetTables& tables);
 [[nodiscard]] std::uint64_t collisions(const FleetTables& tables);

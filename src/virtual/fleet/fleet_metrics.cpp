@@ -1,4 +1,4 @@
-#include "cosiva/virtual/fleet/fleet_figures.h"
+#include "cosiva/virtual/fleet/fleet_metrics.h"
 
 #include <algorithm>
 #include <limits>
@@ -16,15 +16,15 @@ double least_gap_m(const FleetTables& tables) {
 
 }  // namespace
 
-Fleet::CrossingFigures crossing_figures(const FleetTables& tables, std::size_t crossing) {
-  Fleet::CrossingFigures figures;
+Fleet::CrossingMetrics crossing_metrics(const FleetTables& tables, std::size_t crossing) {
+  Fleet::CrossingMetrics metrics;
   std::uint64_t waited = 0;
   for (const Block& block : tables.blocks) {
-    figures.grants += block.grants[crossing];
+    metrics.grants += block.grants[crossing];
     waited += block.waited_steps[crossing];
   }
-  figures.waiting = tables.options.step * static_cast<std::int64_t>(waited);
-  return figures;
+  metrics.waiting = tables.options.step * static_cast<std::int64_t>(waited);
+  return metrics;
 }
 
 SimDuration occupancy(const FleetTables& tables, zone::SectionId section) {

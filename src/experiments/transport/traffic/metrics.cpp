@@ -1,4 +1,4 @@
-#include "cosiva/experiments/transport/traffic/figures.h"
+#include "cosiva/experiments/transport/traffic/metrics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -33,7 +33,7 @@ Distribution distribution_of(std::vector<double> values) {
   return {values.size(), sum / n, at(0.5), at(0.9), at(0.99), values.back()};
 }
 
-void write_json(JsonWriter& json, const TrafficFigures& f) {
+void write_json(JsonWriter& json, const TrafficMetrics& f) {
   json.begin_object().field("zone", f.zone).field("aivs", f.aivs).field("duration_s", f.duration_s);
   json.field("warm_up_s", f.warm_up_s).field("seed", f.seed).field("step_s", f.step_s).field("rules", f.rules);
   json.key("jobs").begin_object().field("due", f.jobs_due).field("done", f.jobs_done).field("open", f.jobs_open);
@@ -57,7 +57,7 @@ void write_json(JsonWriter& json, const TrafficFigures& f) {
   json.field("digest", f.digest).end_object();
 }
 
-std::string to_text(const TrafficFigures& f) {
+std::string to_text(const TrafficMetrics& f) {
   std::string text = f.zone + ": " + std::to_string(f.aivs) + " AIVs, " + readable(f.duration_s / 60.0, 1) +
                      " min, seed " + std::to_string(f.seed) + ", rules " + f.rules + "\n";
   if (f.jobs_due > 0) {

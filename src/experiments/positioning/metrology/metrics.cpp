@@ -1,4 +1,4 @@
-#include "cosiva/experiments/positioning/metrology/figures.h"
+#include "cosiva/experiments/positioning/metrology/metrics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -33,35 +33,35 @@ double Part::rmse_m() const {
   return std::sqrt(squares_m2 / static_cast<double>(iterations));
 }
 
-RunFigures figures_of(const Trial& trial, const Trace& trace, double threshold_m) {
-  RunFigures figures;
-  figures.iterations = trace.error_m.size();
-  if (trace.error_m.empty()) return figures;
-  figures.mean_m = statistics::mean(trace.error_m);
-  figures.mse_m2 = mean_square(trace.error_m);
-  figures.variance_m2 = std::fmax(0.0, figures.mse_m2 - figures.mean_m * figures.mean_m);
-  figures.precision = statistics::ratio_below(trace.error_m, threshold_m);
-  figures.max_m = *std::ranges::max_element(trace.error_m);
-  figures.along_mse_m2 = mean_square(trace.along_m);
-  figures.along_bias_m = statistics::mean(trace.along_m);
-  figures.across_mse_m2 = mean_square(trace.across_m);
-  figures.across_bias_m = statistics::mean(trace.across_m);
-  figures.heading_mse_rad2 =
+RunMetrics metrics_of(const Trial& trial, const Trace& trace, double threshold_m) {
+  RunMetrics metrics;
+  metrics.iterations = trace.error_m.size();
+  if (trace.error_m.empty()) return metrics;
+  metrics.mean_m = statistics::mean(trace.error_m);
+  metrics.mse_m2 = mean_square(trace.error_m);
+  metrics.variance_m2 = std::fmax(0.0, metrics.mse_m2 - metrics.mean_m * metrics.mean_m);
+  metrics.precision = statistics::ratio_below(trace.error_m, threshold_m);
+  metrics.max_m = *std::ranges::max_element(trace.error_m);
+  metrics.along_mse_m2 = mean_square(trace.along_m);
+  metrics.along_bias_m = statistics::mean(trace.along_m);
+  metrics.across_mse_m2 = mean_square(trace.across_m);
+  metrics.across_bias_m = statistics::mean(trace.across_m);
+  metrics.heading_mse_rad2 =
       trial.heading_known ? mean_square(trace.heading_rad) : std::numeric_limits<double>::quiet_NaN();
-  figures.nees = statistics::mean(trace.nees);
+  metrics.nees = statistics::mean(trace.nees);
   for (std::size_t i = 0; i < region_ratios.size(); ++i)
-    figures.covered[i] = std::isfinite(figures.nees)
+    metrics.covered[i] = std::isfinite(metrics.nees)
                              ? statistics::ratio_below(trace.nees, region_limit(region_ratios[i]))
                              : std::numeric_limits<double>::quiet_NaN();
-  figures.nis = statistics::mean(trace.nis);
-  figures.nis_dimensions = trace.nis_dimensions;
-  figures.refused = trace.refused;
+  metrics.nis = statistics::mean(trace.nis);
+  metrics.nis_dimensions = trace.nis_dimensions;
+  metrics.refused = trace.refused;
   for (std::size_t i = 0; i < trial.moments.size(); ++i) {
     const Moment& moment = trial.moments[i];
-    figures.by_distance[bin_of(moment.since_mark_m)].add(trace.error_m[i]);
-    if (moment.section) figures.by_section[static_cast<std::size_t>(*moment.section)].add(trace.error_m[i]);
+    metrics.by_distance[bin_of(moment.since_mark_m)].add(trace.error_m[i]);
+    if (moment.section) metrics.by_section[static_cast<std::size_t>(*moment.section)].add(trace.error_m[i]);
   }
-  return figures;
+  return metrics;
 }
 
 double worth_of(const std::vector<double>& series) {

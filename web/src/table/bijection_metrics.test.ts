@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { Bijection } from '../live/contract';
-import { figures_of } from './bijection_figures';
+import { figures_of } from './bijection_metrics';
 
 const statistics = (p99: number, count = 100) => ({ count, mean: p99 / 3, p50: p99 / 3, p99, max: p99 * 1.1 });
 
