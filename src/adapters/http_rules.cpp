@@ -174,12 +174,12 @@ Result<StaticFile> load_static(const std::string& root, std::string_view path) {
   const std::string prefix = base.string() == "/" ? "/" : base.string() + "/";
   if (error || !file.string().starts_with(prefix) || !fs::is_regular_file(file, error)) return not_found();
 
-  struct stat facts {};
-  if (::stat(file.c_str(), &facts) != 0) return not_found();
+  struct stat metadata {};
+  if (::stat(file.c_str(), &metadata) != 0) return not_found();
   auto bytes = read_file(file.string());
   if (!bytes) return not_found();
-  const std::string etag = "\"" + std::to_string(facts.st_size) + "-" + std::to_string(facts.st_mtim.tv_sec) + "." +
-                           std::to_string(facts.st_mtim.tv_nsec) + "\"";
+  const std::string etag = "\"" + std::to_string(metadata.st_size) + "-" + std::to_string(metadata.st_mtim.tv_sec) + "." +
+                           std::to_string(metadata.st_mtim.tv_nsec) + "\"";
   return StaticFile{std::move(*bytes), mime_type(file.string()), etag};
 }
 

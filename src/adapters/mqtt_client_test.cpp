@@ -72,13 +72,13 @@ class Mqtt : public ::testing::Test {
 };
 
 TEST_F(Mqtt, private_broker_listens_on_loopback_and_its_configuration_is_private) {
-  struct stat facts {};
-  ASSERT_EQ(::stat((scratch / "mosquitto.conf").c_str(), &facts), 0);
-  EXPECT_EQ(facts.st_mode & 0777U, 0600U);
+  struct stat metadata {};
+  ASSERT_EQ(::stat((scratch / "mosquitto.conf").c_str(), &metadata), 0);
+  EXPECT_EQ(metadata.st_mode & 0777U, 0600U);
   EXPECT_GT(broker->port(), 0);
   EXPECT_TRUE(broker->child()->running());
   broker.reset();
-  EXPECT_NE(::stat((scratch / "mosquitto.conf").c_str(), &facts), 0);
+  EXPECT_NE(::stat((scratch / "mosquitto.conf").c_str(), &metadata), 0);
 }
 
 TEST_F(Mqtt, listens_to_other_topics_while_connected_and_over_a_lost_connection) {

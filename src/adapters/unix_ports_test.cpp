@@ -68,11 +68,11 @@ TEST_F(UnixPorts, carry_bytes_both_ways_each_on_its_own_wire) {
 TEST_F(UnixPorts, sockets_are_named_after_their_port_and_removed_at_the_end) {
   EXPECT_EQ(socket_path("/run/x", "1/PILS"), "/run/x/1-PILS.sock");
   listen({"1/PILS"});
-  struct stat facts {};
-  ASSERT_EQ(::stat((scratch / "1-PILS.sock").c_str(), &facts), 0);
-  EXPECT_TRUE(S_ISSOCK(facts.st_mode));
+  struct stat metadata {};
+  ASSERT_EQ(::stat((scratch / "1-PILS.sock").c_str(), &metadata), 0);
+  EXPECT_TRUE(S_ISSOCK(metadata.st_mode));
   boards.ports.reset();
-  EXPECT_NE(::stat((scratch / "1-PILS.sock").c_str(), &facts), 0);
+  EXPECT_NE(::stat((scratch / "1-PILS.sock").c_str(), &metadata), 0);
 }
 
 TEST_F(UnixPorts, vehicle_finds_boards_that_come_later_and_come_back) {

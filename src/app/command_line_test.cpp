@@ -90,15 +90,15 @@ TEST(CommandLine, values_out_of_range_or_missing_end_with_2) {
 TEST(ZoneCheck, tells_what_the_ready_zone_holds) {
   const Said said = cosiva({"zone", "check", zones + "lacet4.toml", "--json"});
   ASSERT_EQ(said.status, 0) << said.standard_error;
-  const auto facts = JsonValue::parse(said.data);
-  ASSERT_TRUE(facts);
+  const auto metadata = JsonValue::parse(said.data);
+  ASSERT_TRUE(metadata);
   // A11: four straights of 1.5 m, four arcs of 270° with a radius of 0.6 m, 12 tags.
-  EXPECT_EQ(facts->number("sections"), 8.0);
-  EXPECT_EQ(facts->number("tags"), 12.0);
-  EXPECT_NEAR(*facts->number("length_m"), 4 * 1.5 + 4 * 1.5 * 3.14159265358979 * 0.6, 1e-9);
+  EXPECT_EQ(metadata->number("sections"), 8.0);
+  EXPECT_EQ(metadata->number("tags"), 12.0);
+  EXPECT_NEAR(*metadata->number("length_m"), 4 * 1.5 + 4 * 1.5 * 3.14159265358979 * 0.6, 1e-9);
   // 12 tags on a ring: the longest way without one is at least their mean distance.
-  EXPECT_GE(*facts->number("longest_tag_free_m"), *facts->number("length_m") / 12.0);
-  EXPECT_LT(*facts->number("longest_tag_free_m"), 3.0);
+  EXPECT_GE(*metadata->number("longest_tag_free_m"), *metadata->number("length_m") / 12.0);
+  EXPECT_LT(*metadata->number("longest_tag_free_m"), 3.0);
 }
 
 TEST(ZoneCheck, of_a_bad_file_names_file_and_line) {

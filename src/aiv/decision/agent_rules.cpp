@@ -12,7 +12,7 @@
 namespace cosiva::aiv {
 namespace {
 
-constexpr std::array<AgentInputFacts, agent_input_count> all_facts{{
+constexpr std::array<AgentInputInfo, agent_input_count> all_metadata{{
     {"instruction", "", "what the operator asks for: 0 stop, 1 slow, 2 medium, 3 fast, 4 nothing", no_instruction},
     {"gap", "braking distances", "free way to where it would stand before the next body", 10.0},
     {"closing", "% of the medium speed", "how fast that way shrinks; below 0 it grows", 0.0},
@@ -26,7 +26,7 @@ constexpr std::string_view go_name = "go";
 
 std::optional<AgentInput> parse_input(std::string_view name) {
   for (std::size_t i = 0; i < agent_input_count; ++i) {
-    if (all_facts[i].name == name) return static_cast<AgentInput>(i);
+    if (all_metadata[i].name == name) return static_cast<AgentInput>(i);
   }
   return std::nullopt;
 }
@@ -41,7 +41,7 @@ Result<std::vector<AgentInput>> known_inputs(const fuzzy::Engine& engine, std::s
     const auto input = parse_input(variable.name);
     if (!input) {
       std::string names;
-      for (const AgentInputFacts& facts : all_facts) names += (names.empty() ? "" : ", ") + std::string(facts.name);
+      for (const AgentInputInfo& metadata : all_metadata) names += (names.empty() ? "" : ", ") + std::string(metadata.name);
       return refuse(origin, variable, "an agent knows no '" + variable.name + "'; it knows " + names);
     }
     inputs.push_back(*input);
@@ -51,11 +51,11 @@ Result<std::vector<AgentInput>> known_inputs(const fuzzy::Engine& engine, std::s
 
 }  // namespace
 
-const AgentInputFacts& facts_of(AgentInput input) { return all_facts[static_cast<std::size_t>(input)]; }
+const AgentInputInfo& metadata_of(AgentInput input) { return all_metadata[static_cast<std::size_t>(input)]; }
 
 AgentInputs free_way_inputs() {
   AgentInputs inputs{};
-  for (std::size_t i = 0; i < agent_input_count; ++i) inputs[i] = all_facts[i].free;
+  for (std::size_t i = 0; i < agent_input_count; ++i) inputs[i] = all_metadata[i].free;
   return inputs;
 }
 

@@ -19,13 +19,13 @@ namespace cosiva::aiv {
 /// What an agent's rules may ask for. Their numbers' meaning stands in rules/agent.fll and docs/guide/agents.md.
 enum class AgentInput { instruction, gap, closing, base, crossing, margin, priority, charge };
 inline constexpr std::size_t agent_input_count = 8;
-struct AgentInputFacts {
+struct AgentInputInfo {
   std::string_view name;     ///< in the rules
   std::string_view unit;     ///< of the rules' number; empty: it has none
   std::string_view meaning;  ///< for people
   double free;               ///< its value on a free way, when nothing is known or in the way
 };
-[[nodiscard]] const AgentInputFacts& facts_of(AgentInput input);
+[[nodiscard]] const AgentInputInfo& metadata_of(AgentInput input);
 
 /// One number per AgentInput, as the rules count it.
 using AgentInputs = std::array<double, agent_input_count>;

@@ -9,7 +9,7 @@ Result<aiv::AgentInputs> inputs_from(const AgentArguments& arguments) {
   aiv::AgentInputs inputs = arguments.inputs;
   const double gap = inputs[static_cast<std::size_t>(aiv::AgentInput::gap)];
   // Nothing is closed in on where nothing is.
-  if (arguments.speed_mps && gap < aiv::facts_of(aiv::AgentInput::gap).free) {
+  if (arguments.speed_mps && gap < aiv::metadata_of(aiv::AgentInput::gap).free) {
     const auto rtm = open_zone(arguments.zone);
     if (!rtm) return tl::unexpected(rtm.error());
     inputs[static_cast<std::size_t>(aiv::AgentInput::closing)] =

@@ -39,10 +39,10 @@ void add_inputs(CLI::App& command, AgentArguments& agent) {
   for (std::size_t i = 0; i < aiv::agent_input_count; ++i) {
     const auto input = static_cast<aiv::AgentInput>(i);
     if (input == aiv::AgentInput::instruction) continue;
-    const aiv::AgentInputFacts& facts = aiv::facts_of(input);
-    std::string what(facts.meaning);
-    if (!facts.unit.empty()) what += " [" + std::string(facts.unit) + "]";
-    CLI::Option* option = command.add_option("--" + std::string(facts.name), agent.inputs[i], what);
+    const aiv::AgentInputInfo& metadata = aiv::metadata_of(input);
+    std::string what(metadata.meaning);
+    if (!metadata.unit.empty()) what += " [" + std::string(metadata.unit) + "]";
+    CLI::Option* option = command.add_option("--" + std::string(metadata.name), agent.inputs[i], what);
     option->type_name("N")->capture_default_str();
     if (input == aiv::AgentInput::closing) closing = option;
   }

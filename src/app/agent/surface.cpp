@@ -63,8 +63,8 @@ char letter_of(const Surface& surface, double level) {
 }
 
 std::string titled(AgentInput input) {
-  const aiv::AgentInputFacts& facts = aiv::facts_of(input);
-  return std::string(facts.name) + (facts.unit.empty() ? "" : " [" + std::string(facts.unit) + "]");
+  const aiv::AgentInputInfo& metadata = aiv::metadata_of(input);
+  return std::string(metadata.name) + (metadata.unit.empty() ? "" : " [" + std::string(metadata.unit) + "]");
 }
 
 }  // namespace
@@ -127,8 +127,8 @@ std::string to_json(const Surface& surface) {
   JsonWriter json;
   json.begin_object().field("of", surface.of);
   for (const auto& [key, axis] : {std::pair{"x", &surface.x}, {"y", &surface.y}}) {
-    json.key(key).begin_object().field("input", aiv::facts_of(axis->input).name);
-    json.field("unit", aiv::facts_of(axis->input).unit).key("values").begin_array();
+    json.key(key).begin_object().field("input", aiv::metadata_of(axis->input).name);
+    json.field("unit", aiv::metadata_of(axis->input).unit).key("values").begin_array();
     for (const double value : axis->values) json.value(value);
     json.end_array().end_object();
   }

@@ -74,8 +74,8 @@ class Image {
   static std::string fill(const char* with) { return std::string("fill=\"") + with + "\""; }
 
   static std::string titled(aiv::AgentInput input) {
-    const aiv::AgentInputFacts& facts = aiv::facts_of(input);
-    return std::string(facts.name) + (facts.unit.empty() ? "" : " [" + std::string(facts.unit) + "]");
+    const aiv::AgentInputInfo& metadata = aiv::metadata_of(input);
+    return std::string(metadata.name) + (metadata.unit.empty() ? "" : " [" + std::string(metadata.unit) + "]");
   }
 
   /// An instruction is a word to people.
@@ -88,13 +88,13 @@ class Image {
   void head() {
     text(plot_left, 40.0, 22.0, fill(ink) + " font-weight=\"600\"",
          (surface_.is_speed() ? std::string("Speed") : surface_.of) + " over " +
-             std::string(aiv::facts_of(surface_.x.input).name) + " and " +
-             std::string(aiv::facts_of(surface_.y.input).name));
+             std::string(aiv::metadata_of(surface_.x.input).name) + " and " +
+             std::string(aiv::metadata_of(surface_.y.input).name));
     std::string fixed;
     for (const aiv::AgentInput input : surface_.requested) {
       if (input == surface_.x.input || input == surface_.y.input) continue;
       const double value = surface_.others[static_cast<std::size_t>(input)];
-      fixed += (fixed.empty() ? "with " : ", ") + std::string(aiv::facts_of(input).name) + " " + said(input, value);
+      fixed += (fixed.empty() ? "with " : ", ") + std::string(aiv::metadata_of(input).name) + " " + said(input, value);
     }
     text(plot_left, 66.0, 13.0, fill(pale_ink), fixed);
   }

@@ -133,7 +133,7 @@ Result<void> write_report(const BatteryTestArguments& arguments, const std::stri
                           const VirtualRigOptions& options, const experiments::AutonomyMetrics& metrics,
                           const std::string& json) {
   const battery::PackDesign& design = options.battery.design;
-  const experiments::ReportFacts facts{options.battery.type.name + ", " + std::to_string(design.series) + " × " +
+  const experiments::ReportMetadata metadata{options.battery.type.name + ", " + std::to_string(design.series) + " × " +
                                            std::to_string(design.parallel) + " cells of " +
                                            decimals(options.battery.type.capacity_ah * design.scale, 2) + " Ah",
                                        options.battery.type.source,
@@ -145,7 +145,7 @@ Result<void> write_report(const BatteryTestArguments& arguments, const std::stri
       arguments.out_directory,
       {{"result.json", json},
        {"curves.csv", experiments::to_csv(outcome.records)},
-       {"report.html", experiments::report_html(metrics, outcome.records, outcome.ground_truth, facts)}});
+       {"report.html", experiments::report_html(metrics, outcome.records, outcome.ground_truth, metadata)}});
 }
 
 /// The whole platform to the end.

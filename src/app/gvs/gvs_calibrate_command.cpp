@@ -172,7 +172,7 @@ std::string page_of(const vision::Calibrated& made, const std::optional<vision::
                     const std::string& map, const std::string& name) {
   experiments::Report report{"Calibration of a camera over the floor", name};
   const vision::Tried& best = made.tried[made.chosen];
-  report.facts({{decimals(1e3 * best.colour.metrics.rms_m, 2) + " mm", "rms on the other colour"},
+  report.metadata({{decimals(1e3 * best.colour.metrics.rms_m, 2) + " mm", "rms on the other colour"},
                 {decimals(1e3 * best.block.metrics.rms_m, 2) + " mm", "rms on left-out blocks"},
                 {decimals(1e3 * best.block.metrics.max_m, 1) + " mm", "at most, there"},
                 {std::string(name_of(best.options.model)), "model chosen"}});

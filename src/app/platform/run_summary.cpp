@@ -85,7 +85,7 @@ std::string deadlocks_text(const JsonValue* deadlocks) {
 
 }  // namespace
 
-Result<RunSummary> summarise(const RunFacts& facts, std::string_view server_summary, std::string_view plant_summary) {
+Result<RunSummary> summarise(const RunMetadata& metadata, std::string_view server_summary, std::string_view plant_summary) {
   const auto server = JsonValue::parse(server_summary);
   const auto plant = JsonValue::parse(plant_summary);
   const JsonValue* bijection = server ? server->find("bijection") : nullptr;
@@ -99,26 +99,26 @@ Result<RunSummary> summarise(const RunFacts& facts, std::string_view server_summ
   const double longest_wait_s = plant->number("longest_wait_s").value_or(0.0);
   JsonWriter json;
   write(json.begin_object().key("bijection"), *bijection);
-  json.field("aivs", facts.aivs).field("collisions", touched).field("laps", laps);
+  json.field("aivs", metadata.aivs).field("collisions", touched).field("laps", laps);
   json.field("longest_wait_s", longest_wait_s);
   const JsonValue* deadlocks = server->find("deadlocks");
   if (deadlocks != nullptr) write(json.key("deadlocks"), *deadlocks);
-  json.field("digest", facts.digest).field("duration_s", facts.duration_s);
-  json.field("zone", facts.zone).field("seed", facts.seed);
-  if (!facts.scenario.empty()) json.field("scenario", facts.scenario);
+  json.field("digest", metadata.digest).field("duration_s", metadata.duration_s);
+  json.field("zone", metadata.zone).field("seed", metadata.seed);
+  if (!metadata.scenario.empty()) json.field("scenario", metadata.scenario);
   json.end_object();
   run.json = json.take();
 
   const auto counted = [&](const char* what) { return bijection->number(what).value_or(-1.0); };
-  const double wanted = facts.aivs;
+  const double wanted = metadata.aivs;
   run.collided = touched > 0;
   run.all_matched = counted("matched") == wanted && counted("physical") == wanted && counted("virtual") == wanted;
 
-  run.text = decimals(facts.duration_s, 1) + " s on " + facts.zone + ": " + matched_text(*bijection, facts.aivs) +
+  run.text = decimals(metadata.duration_s, 1) + " s on " + metadata.zone + ": " + matched_text(*bijection, metadata.aivs) +
              ", divergence p99 " + millis(*bijection, "divergence_m", 1e3, " mm") + ", age p99 " +
              millis(*bijection, "age_ms", 1.0, " ms") + "\n" + std::to_string(touched) + " collisions, " +
              decimals(laps, 0) + " laps, longest wait " + decimals(longest_wait_s, 1) + " s" +
-             deadlocks_text(deadlocks) + ", digest " + facts.digest + augmented(*bijection) + late(*bijection);
+             deadlocks_text(deadlocks) + ", digest " + metadata.digest + augmented(*bijection) + late(*bijection);
   return run;
 }
 

@@ -17,7 +17,7 @@ struct RunSummary {
   bool all_matched{};  ///< every vehicle asked for had exactly one twin at the end, and nothing else was there
 };
 
-struct RunFacts {
+struct RunMetadata {
   std::string zone;
   std::uint32_t aivs{};
   std::uint64_t seed{};
@@ -27,7 +27,7 @@ struct RunFacts {
 };
 
 /// Fails ("run.summary") when a summary is not what its core writes.
-[[nodiscard]] Result<RunSummary> summarise(const RunFacts& facts, std::string_view server_summary,
+[[nodiscard]] Result<RunSummary> summarise(const RunMetadata& metadata, std::string_view server_summary,
                                            std::string_view plant_summary);
 
 }  // namespace cosiva::app

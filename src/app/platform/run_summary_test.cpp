@@ -17,10 +17,10 @@ std::string server(int physical, int twins, int matched) {
          R"(,"orphans":[],"divergence_m":{"p99":0.0042},"age_ms":{"p99":101.5}},"aivs":[{"id":"CoSiVA/AIV1"}]})";
 }
 const std::string calm_plant = R"({"vehicles":[],"collisions":[],"laps":7,"longest_wait_s":3.5})";
-const RunFacts facts{"lacet4", 2, 9, 60.0, "0123456789abcdef", ""};
+const RunMetadata metadata{"lacet4", 2, 9, 60.0, "0123456789abcdef", ""};
 
 TEST(RunSummary, puts_the_parts_figures_under_the_names_that_programs_read) {
-  const auto run = summarise(facts, server(2, 2, 2), calm_plant);
+  const auto run = summarise(metadata, server(2, 2, 2), calm_plant);
   ASSERT_TRUE(run);
   EXPECT_EQ(run->json,
             R"({"bijection":{"physical":2,"virtual":2,"matched":2,"orphans":[],"divergence_m":{"p99":0.0042},)"
@@ -32,14 +32,14 @@ TEST(RunSummary, puts_the_parts_figures_under_the_names_that_programs_read) {
 }
 
 TEST(RunSummary, tells_a_missing_vehicle_from_one_too_many) {
-  EXPECT_FALSE(summarise(facts, server(1, 1, 1), calm_plant)->all_matched);
-  EXPECT_FALSE(summarise(facts, server(2, 3, 2), calm_plant)->all_matched);
-  EXPECT_FALSE(summarise(facts, server(3, 3, 3), calm_plant)->all_matched);
+  EXPECT_FALSE(summarise(metadata, server(1, 1, 1), calm_plant)->all_matched);
+  EXPECT_FALSE(summarise(metadata, server(2, 3, 2), calm_plant)->all_matched);
+  EXPECT_FALSE(summarise(metadata, server(3, 3, 3), calm_plant)->all_matched);
 }
 
 TEST(RunSummary, never_matches_more_vehicles_than_it_counts) {
   const auto text = [](int physical, int twins, int matched) {
-    return summarise(facts, server(physical, twins, matched), calm_plant)->text;
+    return summarise(metadata, server(physical, twins, matched), calm_plant)->text;
   };
   EXPECT_THAT(text(4, 4, 4), HasSubstr(": matched 4 of 4 (2 more than asked for), divergence"));
   EXPECT_THAT(text(2, 3, 2), HasSubstr(": matched 2 of 3 (1 more than asked for), divergence"));
@@ -48,7 +48,7 @@ TEST(RunSummary, never_matches_more_vehicles_than_it_counts) {
 }
 
 TEST(RunSummary, counts_collisions) {
-  const auto run = summarise(facts, server(2, 2, 2), R"({"collisions":[{"a":"AIV1","b":"AIV2"}],"laps":0})");
+  const auto run = summarise(metadata, server(2, 2, 2), R"({"collisions":[{"a":"AIV1","b":"AIV2"}],"laps":0})");
   ASSERT_TRUE(run);
   EXPECT_TRUE(run->collided);
   EXPECT_EQ(JsonValue::parse(run->json)->number("collisions"), 1.0);
@@ -58,7 +58,7 @@ TEST(RunSummary, tells_of_deadlocks_and_of_those_that_nobody_resolved) {
   const auto with = [](const std::string& deadlocks) {
     std::string text = server(2, 2, 2);
     text.insert(text.size() - 1, R"(,"deadlocks":)" + deadlocks);
-    return *summarise(facts, text, calm_plant);
+    return *summarise(metadata, text, calm_plant);
   };
   const RunSummary one = with(R"({"rings":4,"detected":1,"resolved":1,"open":0,"longest_s":4.9})");
   EXPECT_THAT(one.text, HasSubstr("longest wait 3.5 s, 1 deadlock, digest"));
@@ -68,16 +68,16 @@ TEST(RunSummary, tells_of_deadlocks_and_of_those_that_nobody_resolved) {
 
 TEST(RunSummary, of_a_part_that_left_none_is_an_error) {
   for (const char* bad : {"", "{}", "nonsense", R"({"collisions":3})"}) {
-    const auto run = summarise(facts, server(2, 2, 2), bad);
+    const auto run = summarise(metadata, server(2, 2, 2), bad);
     ASSERT_FALSE(run) << bad;
     EXPECT_EQ(run.error().code, "run.summary");
   }
-  EXPECT_FALSE(summarise(facts, "{}", calm_plant));
+  EXPECT_FALSE(summarise(metadata, "{}", calm_plant));
 }
 
 TEST(RunSummary, tells_what_was_only_virtual_in_a_line_of_its_own) {
-  EXPECT_EQ(std::ranges::count(summarise(facts, server(2, 2, 2), calm_plant)->text, '\n'), 1);
-  const auto run = summarise(facts,
+  EXPECT_EQ(std::ranges::count(summarise(metadata, server(2, 2, 2), calm_plant)->text, '\n'), 1);
+  const auto run = summarise(metadata,
                              R"({"bijection":{"physical":2,"virtual":2,"matched":2,"augmented":3,"effects":{)"
                              R"("perceived_ms":{"count":7,"p99":12.5},"brakes_ms":{"count":2,"p99":20.0},)"
                              R"("shown_ms":{"count":0}}}})",
@@ -89,7 +89,7 @@ TEST(RunSummary, tells_what_was_only_virtual_in_a_line_of_its_own) {
 
 TEST(RunSummary, says_that_the_machine_was_late_where_it_was) {
   const auto text = [](const char* late_ms) {
-    return summarise(facts,
+    return summarise(metadata,
                      R"({"bijection":{"physical":2,"virtual":2,"matched":2,"late_ms":)" + std::string(late_ms) + "}}",
                      calm_plant)
         ->text;
@@ -100,7 +100,7 @@ TEST(RunSummary, says_that_the_machine_was_late_where_it_was) {
 }
 
 TEST(RunSummary, names_the_scenario_where_there_was_one) {
-  RunFacts with = facts;
+  RunMetadata with = metadata;
   with.scenario = "showroom";
   EXPECT_EQ(JsonValue::parse(summarise(with, server(2, 2, 2), calm_plant)->json)->text("scenario"), "showroom");
 }

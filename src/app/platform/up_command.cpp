@@ -304,11 +304,11 @@ class Up {
   int finish() {
     const auto summary_of = [&](const std::string& file) { return adapters::read_file(run_ / file).value_or("{}"); };
     const auto server = JsonValue::parse(summary_of("server.json"));
-    RunFacts facts{plan_.rtm.zone().name, arguments_.aivs, arguments_.seed, 0.0, {}, {}};
-    if (plan_.scenario) facts.scenario = plan_.scenario->name;
-    if (server) facts.digest = server->text("digest").value_or("");
-    if (fleet_up_at_) facts.duration_s = to_seconds(ended_at_ - *fleet_up_at_);
-    const auto run = summarise(facts, part_summary("server.json"), part_summary("plant.json"));
+    RunMetadata metadata{plan_.rtm.zone().name, arguments_.aivs, arguments_.seed, 0.0, {}, {}};
+    if (plan_.scenario) metadata.scenario = plan_.scenario->name;
+    if (server) metadata.digest = server->text("digest").value_or("");
+    if (fleet_up_at_) metadata.duration_s = to_seconds(ended_at_ - *fleet_up_at_);
+    const auto run = summarise(metadata, part_summary("server.json"), part_summary("plant.json"));
     if (!run) {
       say("cosiva: " + to_string(run.error()));
     } else {

@@ -32,10 +32,10 @@ std::string ZoneWatch::stamp() const {
   std::string text;
   for (const std::string& file :
        {file_, sidecar_file_.empty() ? zone::sidecar_of_file(file_).value_or("") : sidecar_file_}) {
-    struct stat facts {};
-    if (file.empty() || ::stat(file.c_str(), &facts) != 0) continue;
+    struct stat metadata {};
+    if (file.empty() || ::stat(file.c_str(), &metadata) != 0) continue;
     for (const auto number :
-         {facts.st_size, facts.st_mtim.tv_sec, facts.st_mtim.tv_nsec, static_cast<std::int64_t>(facts.st_ino)})
+         {metadata.st_size, metadata.st_mtim.tv_sec, metadata.st_mtim.tv_nsec, static_cast<std::int64_t>(metadata.st_ino)})
       text += std::to_string(number) + " ";
     text += "| ";
   }

@@ -140,7 +140,7 @@ std::string page_of(const std::vector<EvaluatedTrajectory>& all, const experimen
                     const QualifyArguments& arguments, const experiments::ReferenceBudget& budget) {
   Report report{"Trajectories, judged", "against " + arguments.reference};
   if (const auto best = best_of(all); !best.empty())
-    report.facts({{mm(best[0]->ape.rmse) + " mm", "least rmse: " + best[0]->name, false},
+    report.metadata({{mm(best[0]->ape.rmse) + " mm", "least rmse: " + best[0]->name, false},
                   {std::to_string(best[0]->ape.pairs), "pairs of it", false}});
   add_table(report, all);
   report.paragraph(

@@ -85,9 +85,9 @@ TEST(RunDirectory, is_private_and_leaves_nothing) {
   {
     const auto run = RunDirectory::create(path);
     ASSERT_TRUE(run);
-    struct stat facts {};
-    ASSERT_EQ(::stat(path.c_str(), &facts), 0);
-    EXPECT_EQ(facts.st_mode & 0777U, 0700U);
+    struct stat metadata {};
+    ASSERT_EQ(::stat(path.c_str(), &metadata), 0);
+    EXPECT_EQ(metadata.st_mode & 0777U, 0700U);
     ASSERT_TRUE(adapters::write_file(*run / "aiv1.state_file", "x"));
   }
   EXPECT_FALSE(std::filesystem::exists(path));

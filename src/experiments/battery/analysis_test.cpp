@@ -209,7 +209,7 @@ TEST(Autonomy, s_report_is_one_page_that_needs_nothing_else_and_escapes_what_it_
     records[0].curve.push_back(
         {virtual_epoch + from_seconds(300.0 * i), 1.0 - 0.1 * i, 0.01, 4.0, 3.0, 25.0, 10.0 * i});
   const std::string html =
-      report_html(analyse(records, 9), records, {}, {"HG2", "facts", "cite", "cosiva battery", "3 A", 0.2});
+      report_html(analyse(records, 9), records, {}, {"HG2", "metadata", "cite", "cosiva battery", "3 A", 0.2});
   EXPECT_THAT(html, HasSubstr("1 h 00 min 05 s"));
   EXPECT_THAT(html, HasSubstr("Kaplan and Meier"));
   for (const char* phrase :

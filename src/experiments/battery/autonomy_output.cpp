@@ -86,7 +86,7 @@ void write_effects(JsonWriter& json, const AutonomyMetrics& metrics) {
 }
 
 /// What a run's own record and its battery's record both have.
-void write_facts(JsonWriter& json, const BatteryRun& record, std::span<const TrueEnd> ground_truth) {
+void write_metadata(JsonWriter& json, const BatteryRun& record, std::span<const TrueEnd> ground_truth) {
   json.field("vehicle", vehicle_name(record));
   json.field("started", to_iso8601(record.started)).field("stop", to_string(record.stop));
   json.field("paused_s", record.paused_s).field("charge_ah", record.charge_ah);
@@ -102,7 +102,7 @@ void write_facts(JsonWriter& json, const BatteryRun& record, std::span<const Tru
 void write_run(JsonWriter& json, const BatteryRun& record, std::span<const TrueEnd> ground_truth) {
   json.begin_object().field("battery", record.battery + 1).field("id", record.tag.id).field("type", record.tag.type);
   json.field("run", record.run + 1).field("ended", record.ended()).field("autonomy_s", record.autonomy_s);
-  write_facts(json, record, ground_truth);
+  write_metadata(json, record, ground_truth);
   json.end_object();
 }
 
@@ -118,7 +118,7 @@ void write_battery(JsonWriter& json, const BatteryMetrics& metrics, std::span<co
   json.field("lasted_at_least_s", metrics.lasted_at_least_s).field("is_outlier", metrics.is_outlier);
   json.field("robust_score", metrics.robust_score);
   write(json, "slope_per_run", metrics.trend);
-  write_facts(json, *first, ground_truth);
+  write_metadata(json, *first, ground_truth);
   json.end_object();
 }
 

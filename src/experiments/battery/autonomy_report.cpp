@@ -120,19 +120,19 @@ std::string gauge_svg(std::span<const BatteryRun> records, std::span<const TrueE
   return to_svg(chart);
 }
 
-void add_statement(Report& report, const AutonomyMetrics& metrics, const ReportFacts& facts) {
+void add_statement(Report& report, const AutonomyMetrics& metrics, const ReportMetadata& metadata) {
   report.heading("Statement");
-  report.facts({{duration_text(metrics.mean_s), "mean autonomy, AT"},
+  report.metadata({{duration_text(metrics.mean_s), "mean autonomy, AT"},
                 {metrics.tolerance_low_s ? duration_text(*metrics.tolerance_low_s) : "–",
                  "95 % last longer, with 95 % confidence"},
                 {std::to_string(metrics.batteries), metrics.batteries == 1 ? "battery" : "batteries"},
                 {std::to_string(metrics.failed), "runs failed", metrics.failed > 0}});
   std::vector<std::vector<std::string>> rows{
-      {"Battery type", facts.type},
-      {"Data of the type", facts.source},
-      {"Licence of the data", facts.licence},
-      {"Load", facts.load},
-      {"Floor", facts.floor ? readable(100.0 * *facts.floor, 1) + " % by the gauge, for 3 s"
+      {"Battery type", metadata.type},
+      {"Data of the type", metadata.source},
+      {"Licence of the data", metadata.licence},
+      {"Load", metadata.load},
+      {"Floor", metadata.floor ? readable(100.0 * *metadata.floor, 1) + " % by the gauge, for 3 s"
                             : std::string("as it was measured")},
       {"Mean autonomy", seconds_text(metrics.mean_s) + ", " + metrics.method},
       {"95 % interval of the mean, Student", range_text(metrics.mean_t)}};
@@ -197,10 +197,10 @@ void add_variance(Report& report, const AutonomyMetrics& metrics) {
 }  // namespace
 
 std::string report_html(const AutonomyMetrics& metrics, std::span<const BatteryRun> records,
-                        std::span<const TrueEnd> ground_truth, const ReportFacts& facts) {
-  Report report{"Autonomy of " + facts.type,
+                        std::span<const TrueEnd> ground_truth, const ReportMetadata& metadata) {
+  Report report{"Autonomy of " + metadata.type,
                 std::to_string(metrics.batteries) + " batteries, " + std::to_string(records.size()) + " runs"};
-  add_statement(report, metrics, facts);
+  add_statement(report, metrics, metadata);
   report.page_break();
   add_curves(report, records);
   if (!ground_truth.empty())
@@ -212,7 +212,7 @@ std::string report_html(const AutonomyMetrics& metrics, std::span<const BatteryR
   add_variance(report, metrics);
   add_records(report, metrics, records, ground_truth);
   report.heading("Again");
-  report.verbatim(facts.command);
+  report.verbatim(metadata.command);
   return report.html();
 }
 

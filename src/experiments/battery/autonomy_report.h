@@ -10,7 +10,7 @@
 namespace cosiva::experiments {
 
 /// What the report states besides the figures.
-struct ReportFacts {
+struct ReportMetadata {
   std::string type;
   std::string source;
   std::string licence;
@@ -21,6 +21,6 @@ struct ReportFacts {
 /// One HTML page that needs nothing else.
 /// The true ends are those of a test in virtual time; empty for other tests.
 [[nodiscard]] std::string report_html(const AutonomyMetrics& metrics, std::span<const BatteryRun> records,
-                                      std::span<const TrueEnd> ground_truth, const ReportFacts& facts);
+                                      std::span<const TrueEnd> ground_truth, const ReportMetadata& metadata);
 
 }  // namespace cosiva::experiments

@@ -57,11 +57,11 @@ Report& Report::paragraph(std::string_view text) {
   return *this;
 }
 
-Report& Report::facts(const std::vector<Fact>& facts) {
-  body_ += "<div class=\"facts\">";
-  for (const Fact& fact : facts) {
-    body_ += fact.alarming ? "<div class=\"alarming\"><b>" : "<div><b>";
-    body_ += escaped(fact.figure) + "</b><span>" + escaped(fact.name) + "</span></div>";
+Report& Report::metadata(const std::vector<MetadataField>& metadata) {
+  body_ += "<div class=\"metadata\">";
+  for (const MetadataField& metadata_field : metadata) {
+    body_ += metadata_field.alarming ? "<div class=\"alarming\"><b>" : "<div><b>";
+    body_ += escaped(metadata_field.figure) + "</b><span>" + escaped(metadata_field.name) + "</span></div>";
   }
   body_ += "</div>\n";
   return *this;

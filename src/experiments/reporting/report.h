@@ -15,12 +15,12 @@ class Report {
   Report& heading(std::string_view text);
   Report& paragraph(std::string_view text);
   /// Large figures in a row: the few that matter.
-  struct Fact {
+  struct MetadataField {
     std::string figure;  ///< with its unit
     std::string name;
     bool alarming{false};
   };
-  Report& facts(const std::vector<Fact>& facts);
+  Report& metadata(const std::vector<MetadataField>& metadata);
   /// Rows as wide as there are columns (checked). The first column is text, the others stand right.
   Report& table(const std::vector<std::string>& columns, const std::vector<std::vector<std::string>>& rows);
   Report& figure(std::string_view svg, std::string_view caption);

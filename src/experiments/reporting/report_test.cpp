@@ -13,7 +13,7 @@ TEST(Report, is_one_page_that_asks_for_no_other_file) {
   Report report{"Traffic on <lacet4>", "12 AIVs"};
   report.heading("Jobs & waits")
       .paragraph("All of it.")
-      .facts({{"0", "collisions"}, {"3", "deadlocks", true}})
+      .metadata({{"0", "collisions"}, {"3", "deadlocks", true}})
       .table({"crossing", "wait [s]"}, {{"X1", "1.5"}})
       .figure("<svg></svg>", "heat")
       .verbatim("cosiva traffic --seed 1");

@@ -208,7 +208,7 @@ std::string_view shape_name(Primitive::Shape shape) {
 }
 
 /// What the page edits and names, beside the drawing it need not understand.
-void write_facts(JsonWriter& json, const TrafficZone& zone) {
+void write_metadata(JsonWriter& json, const TrafficZone& zone) {
   json.key("sections").begin_array();
   for (SectionId id = 0; id < zone.circuit.size(); ++id) {
     const Circuit::Part& part = zone.circuit.part(id);
@@ -297,7 +297,7 @@ void write_json(JsonWriter& json, const TrafficZone& zone, const std::vector<Pri
     json.field("heading", primitive.heading_rad).end_object();
   }
   json.end_array();
-  write_facts(json, zone);
+  write_metadata(json, zone);
   write_goals(json, zone);
   json.end_object();
 }

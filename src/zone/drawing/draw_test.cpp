@@ -122,7 +122,7 @@ TEST(Draw, points_one_arrow_along_each_section) {
               ::testing::ElementsAre("east", "loop_se", "north", "loop_ne", "west", "loop_nw", "south", "loop_sw"));
 }
 
-TEST(Draw, writes_the_facts_that_the_page_edits) {
+TEST(Draw, writes_the_metadata_that_the_page_edits) {
   TrafficZone zone = testing::lacet4();
   JsonWriter json;
   write_json(json, zone, {});

@@ -187,7 +187,7 @@ void add_cells(const CampaignResult& result, Report& report) {
 std::string to_html(const CampaignResult& result, const std::string& plan_text) {
   const CampaignPlan& plan = result.work.plan();
   Report report{plan.name, "Position estimation swept on " + result.work.ground().zone->name + ", in virtual time"};
-  report.facts(
+  report.metadata(
       {{std::to_string(plan.cells()), "cells"},
        {std::to_string(plan.votes()), "runs, over all algorithms"},
        {readable(1e-3 * plan.way_m * plan.runs * static_cast<double>(plan.environments()), 1) + " km", "driven"},

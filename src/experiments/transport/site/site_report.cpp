@@ -48,7 +48,7 @@ std::string to_html(const SiteMetrics& metrics, const std::string& command) {
     collisions += zone.collisions;
     stuck += zone.stuck;
   }
-  report.facts({{std::to_string(done) + " of " + std::to_string(due), "jobs done"},
+  report.metadata({{std::to_string(done) + " of " + std::to_string(due), "jobs done"},
                 {std::to_string(came), "passages from zone to zone"},
                 {std::to_string(collisions), "collisions", collisions > 0},
                 {std::to_string(near_misses), "near misses", near_misses > 0},

@@ -12,23 +12,23 @@ namespace {
 
 std::string percent(double ratio) { return readable(100.0 * ratio, 1) + " %"; }
 
-std::vector<Report::Fact> facts_of(const TrafficMetrics& f) {
-  std::vector<Report::Fact> facts;
+std::vector<Report::MetadataField> metadata_of(const TrafficMetrics& f) {
+  std::vector<Report::MetadataField> metadata;
   if (f.jobs_due > 0) {
-    facts.push_back({readable(f.jobs_per_hour, 1), "jobs an hour"});
-    facts.push_back({readable(distribution_of(f.job_s).p50, 1) + " s", "job, median"});
-    facts.push_back({percent(f.busy_ratio), "of their time AIVs have a job"});
+    metadata.push_back({readable(f.jobs_per_hour, 1), "jobs an hour"});
+    metadata.push_back({readable(distribution_of(f.job_s).p50, 1) + " s", "job, median"});
+    metadata.push_back({percent(f.busy_ratio), "of their time AIVs have a job"});
   } else {
-    facts.push_back({readable(f.laps_per_hour, 1), "laps an hour"});
-    facts.push_back({readable(distribution_of(f.lap_s).p50, 1) + " s", "lap, median"});
+    metadata.push_back({readable(f.laps_per_hour, 1), "laps an hour"});
+    metadata.push_back({readable(distribution_of(f.lap_s).p50, 1) + " s", "lap, median"});
   }
-  facts.push_back({percent(f.waiting_ratio), "of their time AIVs wait"});
-  facts.push_back({readable(f.mean_speed_mps, 3) + " m/s", "on average"});
-  facts.push_back({readable(f.energy_wh, 1) + " Wh", "taken by all, roughly"});
-  facts.push_back({std::to_string(f.collisions), "collisions", f.collisions > 0});
-  facts.push_back({std::to_string(f.near_misses), "near misses", f.near_misses > 0});
-  facts.push_back({std::to_string(f.stuck), "AIVs stuck at the end", f.stuck > 0});
-  return facts;
+  metadata.push_back({percent(f.waiting_ratio), "of their time AIVs wait"});
+  metadata.push_back({readable(f.mean_speed_mps, 3) + " m/s", "on average"});
+  metadata.push_back({readable(f.energy_wh, 1) + " Wh", "taken by all, roughly"});
+  metadata.push_back({std::to_string(f.collisions), "collisions", f.collisions > 0});
+  metadata.push_back({std::to_string(f.near_misses), "near misses", f.near_misses > 0});
+  metadata.push_back({std::to_string(f.stuck), "AIVs stuck at the end", f.stuck > 0});
+  return metadata;
 }
 
 std::vector<std::string> spread_row(const std::string& name, const std::vector<double>& values) {
@@ -86,7 +86,7 @@ std::string to_html(const zone::TrafficZone& zone, const TrafficMetrics& f, cons
   Report report{"Traffic on " + f.zone, std::to_string(f.aivs) + " AIVs, " + readable(f.duration_s / 60.0, 1) +
                                             " minutes after " + readable(f.warm_up_s, 0) + " s of warm-up, seed " +
                                             std::to_string(f.seed) + ", rules " + f.rules};
-  report.facts(facts_of(f));
+  report.metadata(metadata_of(f));
   report.heading("Where they wait");
   report.figure(heat_map(zone, f, true), "Standing without having arrived, by place.");
   report.heading("Where they are");
